@@ -1,0 +1,84 @@
+# iftty: segment 3-D scenes by seeds, in a terminal.  `make help` lists what there is.
+
+CC       ?= cc
+CXX      ?= c++
+VARIANT  ?= release
+OPTIMISE ?= -O2
+SANITISE ?=
+BUILD    := $(if $(filter release,$(VARIANT)),build,build/$(VARIANT))
+
+PACKAGES := g++ pkg-config libopenimageio-dev libopenexr-dev libmd-dev zlib1g-dev
+SCENES   := mricron-data
+
+WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wvla -Werror
+STRICT_C := -Wstrict-prototypes -Wmissing-prototypes
+INCLUDES := -Isrc -I.
+COMMON    = $(OPTIMISE) $(SANITISE) -g -ffp-contract=off $(WARNINGS) $(INCLUDES) -MMD -MP
+ALL_CFLAGS   = -std=c17 -D_GNU_SOURCE $(COMMON) $(STRICT_C) $(EXR_CFLAGS) $(CFLAGS)
+ALL_CXXFLAGS = -std=c++17 $(COMMON) -isystem $(OIIO_INCLUDE) $(CXXFLAGS)
+ALL_LDFLAGS  = $(SANITISE) $(LDFLAGS)
+
+EXR_CFLAGS   = $(shell pkg-config --cflags OpenEXR 2>/dev/null)
+OIIO_INCLUDE = $(shell pkg-config --variable=includedir OpenImageIO 2>/dev/null || echo /usr/include)
+OIIO_LIBS    = $(shell pkg-config --libs OpenImageIO 2>/dev/null)
+LIBS         = -lOpenEXRCore -lz -lmd
+
+PARTS   := src/base src/engine src/session src/command src/image journal render tui
+SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
+OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
+LIBRARY := $(BUILD)/libiftty.a
+TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c))
+
+.DEFAULT_GOAL := all
+.PHONY: all tests test demo help clean packages
+.DELETE_ON_ERROR:
+
+## all: build build/iftty and its image helper (the default)
+all: $(BUILD)/iftty $(BUILD)/iftty-image
+
+## test: install what is missing, build, run every test; ends with "N passed, N failed"
+test: all tests
+	@tests/run.sh $(BUILD)
+
+## tests: build the test programs
+tests: $(TESTS)
+
+## demo: segment a brain by seeds, render it, replay and verify the journal
+demo: all
+	@examples/demo.sh $(BUILD)
+
+## clean: remove the build folder
+clean:
+	rm -rf build
+
+## help: this list
+help:
+	@sed -n 's/^## //p' $(MAKEFILE_LIST)
+
+# What is missing is installed once, by whoever may; otherwise the command to type is printed.
+PACKAGES_STAMP := build/.packages
+packages: $(PACKAGES_STAMP)
+$(PACKAGES_STAMP): Makefile
+	@mkdir -p build
+	@.ci/packages $(PACKAGES) -- $(SCENES)
+	@touch $@
+
+$(BUILD)/iftty: $(BUILD)/src/main.o $(LIBRARY)
+	$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
+
+$(BUILD)/iftty-image: src/image/iftty-image.cc | $(PACKAGES_STAMP)
+	@mkdir -p $(@D)
+	$(CXX) $(ALL_CXXFLAGS) -MF $@.d -o $@ $< $(ALL_LDFLAGS) $(OIIO_LIBS)
+
+$(LIBRARY): $(OBJECTS)
+	@rm -f $@
+	$(AR) rcs $@ $^
+
+$(BUILD)/tests/%: $(BUILD)/tests/%.o $(LIBRARY)
+	$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
+
+$(BUILD)/%.o: %.c | $(PACKAGES_STAMP)
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -c -o $@ $<
+
+-include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(BUILD)/iftty-image.d

@@ -1,0 +1,84 @@
+#include "base/buf.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "base/safe.h"
+
+void *buf_reserve(struct buf *b, size_t length)
+{
+    if (b->failed || length > SIZE_MAX - b->length - 1 ||
+        !mem_grow(&b->data, &b->capacity, b->length + length + 1, 1)) {
+        b->failed = true;
+        return NULL;
+    }
+    return b->data + b->length;
+}
+
+void buf_add(struct buf *b, const void *bytes, size_t length)
+{
+    void *place = buf_reserve(b, length);
+    if (!place)
+        return;
+    if (length)
+        memcpy(place, bytes, length);
+    b->length += length;
+    b->data[b->length] = '\0';
+}
+
+void buf_add_text(struct buf *b, const char *text)
+{
+    buf_add(b, text, strlen(text));
+}
+
+void buf_add_char(struct buf *b, char c)
+{
+    buf_add(b, &c, 1);
+}
+
+void buf_printf(struct buf *b, const char *format, ...)
+{
+    va_list words, again;
+    va_start(words, format);
+    va_copy(again, words);
+    int length = vsnprintf(NULL, 0, format, words);
+    va_end(words);
+    char *place = length < 0 ? NULL : buf_reserve(b, (size_t)length);
+    if (place) {
+        vsnprintf(place, (size_t)length + 1, format, again);
+        b->length += (size_t)length;
+    }
+    va_end(again);
+}
+
+void buf_add_safe(struct buf *b, const char *text, size_t length)
+{
+    if (length > (SIZE_MAX - 4) / 4) {
+        b->failed = true;
+        return;
+    }
+    char *place = buf_reserve(b, 4 * length + 4); /* \xNN at worst, and never a cut */
+    if (place)
+        b->length += safe_copy(place, 4 * length + 4, text, length);
+}
+
+void buf_clear(struct buf *b)
+{
+    b->length = 0;
+    b->failed = false;
+    if (b->data)
+        b->data[0] = '\0';
+}
+
+void buf_release(struct buf *b)
+{
+    free(b->data);
+    *b = (struct buf){0};
+}
+
+const char *buf_text(const struct buf *b)
+{
+    return b->data ? b->data : "";
+}

@@ -1,0 +1,42 @@
+/*
+ * A growable buffer of bytes, always ended by a NUL that is not counted.
+ *
+ * Failure is sticky: after an allocation has failed, adding does nothing and `failed` stays set, so
+ * a writer may add as it likes and ask once at the end. `struct buf b = {0}` is a valid empty
+ * buffer; buf_release gives the memory back and makes it empty again.
+ */
+#ifndef BASE_BUF_H
+#define BASE_BUF_H
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct buf {
+    char *data; /* NULL until something was added; use buf_text for a string */
+    size_t length;
+    size_t capacity;
+    bool failed;
+};
+
+void buf_add(struct buf *b, const void *bytes, size_t length);
+void buf_add_text(struct buf *b, const char *text);
+void buf_add_char(struct buf *b, char c);
+void buf_printf(struct buf *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Adds `length` bytes of `text` with everything a terminal would obey escaped (base/safe.h). */
+void buf_add_safe(struct buf *b, const char *text, size_t length);
+
+/* Makes room for `length` more bytes and returns where they go; the caller adds to b->length.
+ * NULL on failure. */
+void *buf_reserve(struct buf *b, size_t length);
+
+/* Forgets the content, keeps the memory. */
+void buf_clear(struct buf *b);
+void buf_release(struct buf *b);
+
+/* The content as a string; never NULL. */
+const char *buf_text(const struct buf *b);
+
+#endif

@@ -1,0 +1,69 @@
+#include "base/err.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/safe.h"
+
+enum err fault_set(struct fault *fault, enum err code, const char *format, ...)
+{
+    if (!fault)
+        return code;
+    char raw[sizeof fault->text];
+    va_list words;
+    va_start(words, format);
+    vsnprintf(raw, sizeof raw, format, words);
+    va_end(words);
+    fault->code = code;
+    safe_copy(fault->text, sizeof fault->text, raw, strlen(raw));
+    return code;
+}
+
+enum err fault_prefix(struct fault *fault, enum err code, const char *format, ...)
+{
+    if (!fault)
+        return code;
+    char raw[sizeof fault->text];
+    char former[sizeof fault->text];
+    va_list words;
+    va_start(words, format);
+    vsnprintf(raw, sizeof raw, format, words);
+    va_end(words);
+    memcpy(former, fault->text, sizeof former);
+    safe_copy(fault->text, sizeof fault->text, raw, strlen(raw));
+    size_t used = strlen(fault->text);
+    snprintf(fault->text + used, sizeof fault->text - used, ": %s", former);
+    return fault->code;
+}
+
+enum err fault_errno(struct fault *fault, const char *what, const char *path)
+{
+    return fault_set(fault, ERR_IO, "cannot %s %s: %s", what, path, strerror(errno));
+}
+
+enum err fault_memory(struct fault *fault, const char *purpose)
+{
+    return fault_set(fault, ERR_MEMORY, "out of memory for %s; nothing has changed", purpose);
+}
+
+int err_exit_status(enum err code)
+{
+    static const int status[] = {
+#define ERR_STATUS(name, number, words) number,
+        ERR_LIST(ERR_STATUS)
+#undef ERR_STATUS
+    };
+    return status[code];
+}
+
+const char *err_name(enum err code)
+{
+    static const char *const name[] = {
+#define ERR_NAME(symbol, number, words) words,
+        ERR_LIST(ERR_NAME)
+#undef ERR_NAME
+    };
+    return name[code];
+}

@@ -1,0 +1,307 @@
+#include "base/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct file_log {
+    int fd;
+    uint64_t length;
+    char *path;
+};
+
+int (*file_step_hook)(enum file_step step, const char *path);
+
+static bool step_fails(enum file_step step, const char *path)
+{
+    int number = file_step_hook ? file_step_hook(step, path) : 0;
+    if (number)
+        errno = number;
+    return number != 0;
+}
+
+static int open_again(const char *path, int flags)
+{
+    if (step_fails(FILE_STEP_OPEN, path))
+        return -1;
+    int fd;
+    do
+        fd = open(path, flags | O_CLOEXEC | O_NOCTTY, 0666);
+    while (fd < 0 && errno == EINTR);
+    return fd;
+}
+
+static bool write_all(int fd, const char *path, const char *bytes, size_t length)
+{
+    while (length > 0) {
+        if (step_fails(FILE_STEP_WRITE, path))
+            return false;
+        ssize_t n = write(fd, bytes, length);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0)
+            return false;
+        bytes += n;
+        length -= (size_t)n;
+    }
+    return true;
+}
+
+static bool sync_data(int fd, const char *path)
+{
+    return !step_fails(FILE_STEP_SYNC, path) && fdatasync(fd) == 0;
+}
+
+/* Syncs the folder that holds `path`, so that a new name in it survives. File systems that cannot
+ * sync a folder answer EINVAL; there is nothing more to do on those. */
+static bool sync_folder(const char *path)
+{
+    struct buf folder = {0};
+    file_folder(&folder, path);
+    int fd = folder.failed ? -1 : open_again(buf_text(&folder), O_RDONLY | O_DIRECTORY);
+    bool fine = fd >= 0 && !step_fails(FILE_STEP_SYNC, path) && (fsync(fd) == 0 || errno == EINVAL);
+    if (fd >= 0)
+        close(fd);
+    buf_release(&folder);
+    return fine;
+}
+
+enum err file_read(struct buf *out, const char *path, size_t limit, struct fault *fault)
+{
+    struct stat status;
+    enum err err = OK;
+    buf_clear(out);
+    int fd = open_again(path, O_RDONLY | O_NONBLOCK);
+    if (fd < 0 || fstat(fd, &status) != 0) {
+        err = fault_errno(fault, "open", path);
+        goto done;
+    }
+    if (!S_ISREG(status.st_mode)) {
+        err = fault_set(fault, ERR_INPUT, "%s is not a regular file", path);
+        goto done;
+    }
+    for (;;) {
+        size_t piece = 65536;
+        char *place = buf_reserve(out, piece);
+        if (!place) {
+            err = fault_memory(fault, path);
+            goto done;
+        }
+        ssize_t n = read(fd, place, piece);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0) {
+            err = fault_errno(fault, "read", path);
+            goto done;
+        }
+        if (n == 0)
+            break;
+        out->length += (size_t)n;
+        if (out->length > limit) {
+            err = fault_set(fault, ERR_LIMIT, "%s holds more than %zu bytes", path, limit);
+            goto done;
+        }
+    }
+    buf_add(out, "", 0);
+done:
+    if (fd >= 0)
+        close(fd);
+    return err;
+}
+
+enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, struct fault *fault)
+{
+    static unsigned counter;
+    struct buf folder = {0};
+    enum err err = OK;
+    buf_clear(draft);
+    file_folder(&folder, path);
+    const char *name = file_name(path);
+    if (folder.failed)
+        err = fault_memory(fault, "a file name");
+    else if (*name == '\0' || file_is_folder(path))
+        err = fault_set(fault, ERR_IO, "%s is a folder, not a file", path);
+    else if (!file_is_folder(buf_text(&folder)))
+        err = fault_set(fault, ERR_IO, "cannot write %s: there is no folder %s", path,
+                        buf_text(&folder));
+    else if (mode == FILE_KEEP && file_exists(path))
+        err = fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
+    else {
+        buf_printf(draft, "%s/.tmp-%ld-%u-%s", buf_text(&folder), (long)getpid(), counter++, name);
+        if (draft->failed)
+            err = fault_memory(fault, "a file name");
+    }
+    buf_release(&folder);
+    return err;
+}
+
+enum err file_publish(const char *draft, const char *path, enum file_mode mode,
+                      struct fault *fault)
+{
+    int fd = open_again(draft, O_RDONLY);
+    bool synced = fd >= 0 && sync_data(fd, draft);
+    if (fd >= 0)
+        close(fd);
+    unsigned flags = mode == FILE_KEEP ? RENAME_NOREPLACE : 0;
+    if (!synced || step_fails(FILE_STEP_RENAME, path) ||
+        renameat2(AT_FDCWD, draft, AT_FDCWD, path, flags) != 0) {
+        enum err err = fault_errno(fault, "write", path);
+        file_discard(draft);
+        return err;
+    }
+    if (!sync_folder(path))
+        return fault_errno(fault, "sync the folder of", path);
+    return OK;
+}
+
+void file_discard(const char *draft)
+{
+    int kept = errno;
+    unlink(draft);
+    errno = kept;
+}
+
+enum err file_write(const char *path, const void *bytes, size_t length, enum file_mode mode,
+                    struct fault *fault)
+{
+    struct buf draft = {0};
+    enum err err = file_draft(&draft, path, mode, fault);
+    if (err)
+        goto done;
+    int fd = open_again(buf_text(&draft), O_WRONLY | O_CREAT | O_EXCL);
+    if (fd < 0) {
+        err = fault_errno(fault, "write", path);
+        goto done;
+    }
+    bool written = write_all(fd, path, bytes, length);
+    if (!written) {
+        err = fault_errno(fault, "write", path);
+        close(fd);
+    } else if (close(fd) != 0) {
+        err = fault_errno(fault, "write", path);
+    }
+    if (err)
+        file_discard(buf_text(&draft));
+    else
+        err = file_publish(buf_text(&draft), path, mode, fault);
+done:
+    buf_release(&draft);
+    return err;
+}
+
+enum err file_log_open(struct file_log **out, const char *path, bool create, struct fault *fault)
+{
+    struct stat status;
+    struct file_log *log = calloc(1, sizeof *log);
+    char *name = strdup(path);
+    enum err err = OK;
+    *out = NULL;
+    if (!log || !name) {
+        free(log);
+        free(name);
+        return fault_memory(fault, path);
+    }
+    *log = (struct file_log){.fd = -1, .path = name};
+    log->fd = open_again(path, create ? O_RDWR | O_CREAT | O_EXCL : O_RDWR | O_NONBLOCK);
+    if (log->fd < 0 && create && errno == EEXIST)
+        err = fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
+    else if (log->fd < 0 || fstat(log->fd, &status) != 0)
+        err = fault_errno(fault, create ? "create" : "open", path);
+    else if (!S_ISREG(status.st_mode))
+        err = fault_set(fault, ERR_IO, "%s is not a regular file", path);
+    else if (flock(log->fd, LOCK_EX | LOCK_NB) != 0)
+        err = fault_set(fault, ERR_IO, "%s is being written by another session", path);
+    else if (create && !sync_folder(path)) {
+        err = fault_errno(fault, "sync the folder of", path);
+        unlink(path);
+    }
+    if (err) {
+        file_log_close(log);
+        return err;
+    }
+    log->length = (uint64_t)status.st_size;
+    *out = log;
+    return OK;
+}
+
+enum err file_log_cut(struct file_log *log, uint64_t length, struct fault *fault)
+{
+    if (ftruncate(log->fd, (off_t)length) != 0 || !sync_data(log->fd, log->path))
+        return fault_errno(fault, "cut", log->path);
+    log->length = length;
+    return OK;
+}
+
+enum err file_log_append(struct file_log *log, const void *bytes, size_t length,
+                         struct fault *fault)
+{
+    bool placed = lseek(log->fd, (off_t)log->length, SEEK_SET) >= 0;
+    if (placed && write_all(log->fd, log->path, bytes, length) && sync_data(log->fd, log->path)) {
+        log->length += length;
+        return OK;
+    }
+    enum err err = fault_errno(fault, "append to", log->path);
+    if (ftruncate(log->fd, (off_t)log->length) != 0)
+        fault_prefix(fault, err, "a torn record is left at the end");
+    return err;
+}
+
+uint64_t file_log_length(const struct file_log *log)
+{
+    return log->length;
+}
+
+const char *file_log_path(const struct file_log *log)
+{
+    return log->path;
+}
+
+void file_log_close(struct file_log *log)
+{
+    if (!log)
+        return;
+    if (log->fd >= 0)
+        close(log->fd);
+    free(log->path);
+    free(log);
+}
+
+bool file_exists(const char *path)
+{
+    struct stat status;
+    return lstat(path, &status) == 0;
+}
+
+bool file_is_folder(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+enum err file_make_folder(const char *path, struct fault *fault)
+{
+    if (mkdir(path, 0777) == 0 || (errno == EEXIST && file_is_folder(path)))
+        return OK;
+    return fault_errno(fault, "make the folder", path);
+}
+
+const char *file_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+void file_folder(struct buf *out, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    buf_clear(out);
+    if (!slash)
+        buf_add_text(out, ".");
+    else
+        buf_add(out, path, slash == path ? 1 : (size_t)(slash - path));
+}

@@ -1,0 +1,73 @@
+/*
+ * The file layer: the one place that writes and syncs.
+ *
+ * Two ways to write. A whole file appears complete or not at all (temporary name in the same
+ * folder, sync, rename, sync of the folder). A log only grows: what file_append acknowledged has
+ * reached the disk, and a failed append is cut off again, so that the file never holds half of it.
+ *
+ * Invariants
+ *   F1 nothing that exists is overwritten unless the caller asked for it (FILE_REPLACE);
+ *   F2 after a failure the target is what it was before;
+ *   F3 when file_append returns OK, its bytes are on the disk.
+ */
+#ifndef BASE_FILE_H
+#define BASE_FILE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/buf.h"
+#include "base/err.h"
+
+enum file_mode { FILE_KEEP, FILE_REPLACE };
+
+/* Reads the whole of `path` into `out` (cleared first). More than `limit` bytes, a folder or a
+ * device is refused. */
+enum err file_read(struct buf *out, const char *path, size_t limit, struct fault *fault);
+
+/* Writes `length` bytes as `path`, whole or not at all. FILE_KEEP refuses an existing path. */
+enum err file_write(const char *path, const void *bytes, size_t length, enum file_mode mode,
+                    struct fault *fault);
+
+/* The two halves of file_write, for content that somebody else writes (the image helper, OpenEXR):
+ * file_draft fills `draft` with a free temporary name beside `path` that keeps its extension, after
+ * checking that `path` may be written; file_publish syncs the draft and gives it its final name;
+ * file_discard removes a draft that failed. */
+enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, struct fault *fault);
+enum err file_publish(const char *draft, const char *path, enum file_mode mode,
+                      struct fault *fault);
+void file_discard(const char *draft);
+
+/* A file that grows. */
+struct file_log;
+
+/* Opens `path` for appending, creating it (and syncing its folder) where `create` is set and
+ * refusing an existing one then. Takes a lock: a second writer gets ERR_IO with words that say so.
+ * On success *log is to be closed by the caller. */
+enum err file_log_open(struct file_log **log, const char *path, bool create, struct fault *fault);
+
+/* Appends and syncs. On failure the file is cut back to its former length. */
+enum err file_log_append(struct file_log *log, const void *bytes, size_t length,
+                         struct fault *fault);
+
+/* Cuts the file to `length` bytes and syncs. */
+enum err file_log_cut(struct file_log *log, uint64_t length, struct fault *fault);
+uint64_t file_log_length(const struct file_log *log);
+const char *file_log_path(const struct file_log *log);
+void file_log_close(struct file_log *log);
+
+bool file_exists(const char *path);
+bool file_is_folder(const char *path);
+enum err file_make_folder(const char *path, struct fault *fault); /* fine when it exists */
+
+/* The part of `path` after its last slash, and the folder before it ("." where there is none). */
+const char *file_name(const char *path);
+void file_folder(struct buf *out, const char *path);
+
+/* For tests: called before every step that can fail; a non-zero answer is the errno the step then
+ * fails with. NULL (the default) asks nobody. */
+enum file_step { FILE_STEP_OPEN, FILE_STEP_WRITE, FILE_STEP_SYNC, FILE_STEP_RENAME };
+extern int (*file_step_hook)(enum file_step step, const char *path);
+
+#endif

@@ -1,0 +1,82 @@
+#include "base/mem.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+
+bool size_multiply(size_t a, size_t b, size_t *out)
+{
+    size_t product;
+    if (__builtin_mul_overflow(a, b, &product))
+        return false;
+    *out = product;
+    return true;
+}
+
+void *mem_array(size_t count, size_t size)
+{
+    size_t bytes;
+    if (!size_multiply(count, size, &bytes))
+        return NULL;
+    return malloc(bytes ? bytes : 1);
+}
+
+bool mem_grow(void *array, size_t *capacity, size_t needed, size_t size)
+{
+    if (needed <= *capacity)
+        return true;
+    size_t wanted = *capacity < 16 ? 16 : *capacity;
+    while (wanted < needed)
+        if (!size_multiply(wanted, 2, &wanted))
+            return false;
+    size_t bytes;
+    void *former;
+    memcpy(&former, array, sizeof former);
+    if (!size_multiply(wanted, size, &bytes))
+        return false;
+    void *larger = realloc(former, bytes);
+    if (!larger)
+        return false;
+    memcpy(array, &larger, sizeof larger);
+    *capacity = wanted;
+    return true;
+}
+
+void *mem_pages(size_t bytes)
+{
+    void *pages = mmap(NULL, bytes ? bytes : 1, PROT_READ | PROT_WRITE,
+                       MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (pages == MAP_FAILED)
+        return NULL;
+    madvise(pages, bytes, MADV_HUGEPAGE); /* a hint: small pages work as well, only slower */
+    return pages;
+}
+
+void mem_pages_free(void *pages, size_t bytes)
+{
+    if (pages)
+        munmap(pages, bytes ? bytes : 1);
+}
+
+size_t mem_available(void)
+{
+    FILE *file = fopen("/proc/meminfo", "re");
+    char line[128];
+    unsigned long long kib;
+    size_t bytes = SIZE_MAX;
+    while (file && fgets(line, sizeof line, file))
+        if (sscanf(line, "MemAvailable: %llu kB", &kib) == 1 && kib < SIZE_MAX / 1024)
+            bytes = (size_t)kib * 1024;
+    if (file)
+        fclose(file);
+    return bytes;
+}
+
+size_t mem_peak(void)
+{
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return (size_t)usage.ru_maxrss * 1024;
+}

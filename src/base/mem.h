@@ -1,0 +1,35 @@
+/*
+ * Memory: sizes multiplied by one checked helper, and large arrays on huge pages.
+ *
+ * Every allocation can fail and returns NULL; the caller reports with fault_memory.
+ */
+#ifndef BASE_MEM_H
+#define BASE_MEM_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* out = a * b; false (and out untouched) where the product does not fit. */
+bool size_multiply(size_t a, size_t b, size_t *out);
+
+/* An uninitialised array of `count` items of `size` bytes, or NULL. Freed by free(). */
+void *mem_array(size_t count, size_t size);
+
+/* Grows `array` (NULL at first) to hold at least `needed` items, at least doubling. On failure
+ * returns false and leaves array and capacity as they were. `array` points at the pointer. */
+bool mem_grow(void *array, size_t *capacity, size_t needed, size_t size);
+
+/* `bytes` of zeroed memory on huge pages where the kernel has them, or NULL. Freed by
+ * mem_pages_free with the same size. Untouched pages cost nothing. */
+void *mem_pages(size_t bytes);
+void mem_pages_free(void *pages, size_t bytes);
+
+/* Bytes of physical memory of this machine that can be had without swapping, as the kernel
+ * estimates it; SIZE_MAX where it does not say. */
+size_t mem_available(void);
+
+/* The largest resident size that this process has had so far, in bytes. */
+size_t mem_peak(void);
+
+#endif

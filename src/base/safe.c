@@ -1,0 +1,85 @@
+#include "base/safe.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+/* Code points that print nothing of their own but change how other text looks. */
+static bool is_formatting(uint32_t point)
+{
+    static const struct {
+        uint32_t first, last;
+    } range[] = {
+        {0x0000, 0x001F}, {0x007F, 0x009F}, {0x00AD, 0x00AD},   {0x061C, 0x061C},
+        {0x180E, 0x180E}, {0x200B, 0x200F}, {0x2028, 0x202E},   {0x2060, 0x206F},
+        {0xFEFF, 0xFEFF}, {0xFFF9, 0xFFFB}, {0xE0000, 0xE007F},
+    };
+    for (size_t i = 0; i < sizeof range / sizeof range[0]; i++)
+        if (point >= range[i].first && point <= range[i].last)
+            return true;
+    return false;
+}
+
+/* Length of the sequence that a lead byte announces; 0 for what cannot lead. */
+static size_t sequence_length(unsigned char lead)
+{
+    if (lead < 0x80)
+        return 1;
+    if (lead >= 0xC2 && lead <= 0xDF)
+        return 2;
+    if (lead >= 0xE0 && lead <= 0xEF)
+        return 3;
+    if (lead >= 0xF0 && lead <= 0xF4)
+        return 4;
+    return 0;
+}
+
+size_t safe_character(const char *text, size_t length)
+{
+    const unsigned char *byte = (const unsigned char *)text;
+    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+    size_t n = sequence_length(byte[0]);
+    if (n == 0 || n > length)
+        return 0;
+    uint32_t point = n == 1 ? byte[0] : byte[0] & (0xFFu >> (n + 1));
+    for (size_t i = 1; i < n; i++) {
+        if ((byte[i] & 0xC0) != 0x80)
+            return 0;
+        point = point << 6 | (byte[i] & 0x3F);
+    }
+    if (point < least[n] || point > 0x10FFFF || (point >= 0xD800 && point <= 0xDFFF))
+        return 0;
+    return is_formatting(point) ? 0 : n;
+}
+
+size_t safe_copy(char *out, size_t capacity, const char *text, size_t length)
+{
+    static const char hex[] = "0123456789abcdef";
+    size_t used = 0;
+    size_t fits = 0; /* how much of `out` may stay when "..." has to follow */
+    for (size_t i = 0; i < length;) {
+        char piece[4];
+        size_t taken = safe_character(text + i, length - i);
+        size_t n = taken ? taken : 4;
+        if (taken) {
+            memcpy(piece, text + i, taken);
+        } else {
+            unsigned char byte = (unsigned char)text[i];
+            memcpy(piece, (char[]){'\\', 'x', hex[byte >> 4], hex[byte & 15]}, 4);
+        }
+        if (used + n + 1 > capacity) {
+            if (capacity > 3) {
+                memcpy(out + fits, "...", 3);
+                used = fits + 3;
+            }
+            break;
+        }
+        memcpy(out + used, piece, n);
+        used += n;
+        if (used + 4 <= capacity)
+            fits = used;
+        i += taken ? taken : 1;
+    }
+    out[used] = '\0';
+    return used;
+}

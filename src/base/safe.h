@@ -1,0 +1,24 @@
+/*
+ * Safe printing: the one way by which bytes from outside (file names, headers, journals, labels)
+ * reach a terminal.
+ *
+ * Printable ASCII and well-formed UTF-8 pass. Control characters, escape sequences, bidirectional
+ * and invisible formatting marks, and bytes that are not UTF-8 come out as \xNN, byte by byte, so
+ * that nothing a file holds can move the cursor, change a colour or hide text. A backslash is left
+ * alone: this is for eyes, not for reading back.
+ */
+#ifndef BASE_SAFE_H
+#define BASE_SAFE_H
+
+#include <stddef.h>
+
+/* Writes `length` bytes of `text` escaped into `out`, which holds `capacity` > 0 bytes, always
+ * ended by NUL; what does not fit is cut at a whole character and marked "...". Returns the
+ * length written. */
+size_t safe_copy(char *out, size_t capacity, const char *text, size_t length);
+
+/* The number of bytes (1..4) of the well-formed, printable UTF-8 character at `text`, or 0 where
+ * the next byte must be escaped. `length` > 0. */
+size_t safe_character(const char *text, size_t length);
+
+#endif

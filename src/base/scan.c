@@ -1,0 +1,78 @@
+#include "base/scan.h"
+
+#include <string.h>
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+bool scan_decimal(const char **cursor, unsigned places, int64_t least, int64_t most, int64_t *out)
+{
+    const char *at = *cursor;
+    bool negative = *at == '-';
+    int64_t value = 0;
+    at += negative;
+    if (!is_digit(*at))
+        return false;
+    for (; is_digit(*at); at++)
+        if (__builtin_mul_overflow(value, 10, &value) ||
+            __builtin_add_overflow(value, *at - '0', &value))
+            return false;
+    const bool has_point = places > 0 && *at == '.' && is_digit(at[1]);
+    at += has_point;
+    for (unsigned i = 0; i < places; i++) {
+        int digit = has_point && is_digit(*at) ? *at++ - '0' : 0;
+        if (__builtin_mul_overflow(value, 10, &value) ||
+            __builtin_add_overflow(value, digit, &value))
+            return false;
+    }
+    if (has_point)
+        while (*at == '0')
+            at++;
+    if (is_digit(*at))
+        return false;
+    if (negative)
+        value = -value;
+    if (value < least || value > most)
+        return false;
+    *out = value;
+    *cursor = at;
+    return true;
+}
+
+bool scan_integer(const char **cursor, int64_t least, int64_t most, int64_t *out)
+{
+    return scan_decimal(cursor, 0, least, most, out);
+}
+
+bool scan_hex(const char **cursor, unsigned digits, uint64_t *out)
+{
+    static const char hex[] = "0123456789abcdef";
+    uint64_t value = 0;
+    for (unsigned i = 0; i < digits; i++) {
+        char c = (*cursor)[i];
+        const char *place = c ? strchr(hex, c) : NULL;
+        if (!place)
+            return false;
+        value = value << 4 | (uint64_t)(place - hex);
+    }
+    *cursor += digits;
+    *out = value;
+    return true;
+}
+
+bool scan_text(const char **cursor, const char *text)
+{
+    size_t length = strlen(text);
+    if (strncmp(*cursor, text, length) != 0)
+        return false;
+    *cursor += length;
+    return true;
+}
+
+void scan_blanks(const char **cursor)
+{
+    while (**cursor == ' ' || **cursor == '\t')
+        ++*cursor;
+}

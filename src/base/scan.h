@@ -1,0 +1,30 @@
+/*
+ * Scanning: numbers and words out of text, strictly and without locale.
+ *
+ * Each function reads at *cursor, advances it past what it took and returns true; on false the
+ * cursor has not moved and nothing was stored. No function skips blanks on its own.
+ */
+#ifndef BASE_SCAN_H
+#define BASE_SCAN_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* A decimal integer, sign allowed, no leading '+', within least..most. */
+bool scan_integer(const char **cursor, int64_t least, int64_t most, int64_t *out);
+
+/* A decimal fraction times 10^places as an integer: "12.5" with 3 places is 12500. More digits
+ * than places are refused unless they are zeros. */
+bool scan_decimal(const char **cursor, unsigned places, int64_t least, int64_t most, int64_t *out);
+
+/* Exactly `digits` lower-case hexadecimal digits. */
+bool scan_hex(const char **cursor, unsigned digits, uint64_t *out);
+
+/* This very text. */
+bool scan_text(const char **cursor, const char *text);
+
+/* Blanks and tabs; always succeeds. */
+void scan_blanks(const char **cursor);
+
+#endif

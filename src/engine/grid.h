@@ -1,0 +1,79 @@
+/*
+ * The grid: a box of voxels inside a rim of sentinel cells, one cell wide on every side.
+ *
+ * A voxel is named either by its position (x, y, z), each from 0, x fastest, or by its *cell*: its
+ * index in the array that includes the rim. Cells grow in the same order as voxel indices, so the
+ * smaller of two cells is also the smaller voxel index. No inner loop needs a bounds check: the
+ * neighbours of a voxel are always cells, and cells of the rim decline every offer.
+ *
+ * Invariants
+ *   G1 cells <= 2^32 - 1, so that a cell fits 32 bits and 0xFFFFFFFF is none;
+ *   G2 cell 0 lies in the rim, so no voxel is cell 0.
+ */
+#ifndef ENGINE_GRID_H
+#define ENGINE_GRID_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+
+#define CELL_NONE UINT32_C(0xFFFFFFFF)
+
+struct grid {
+    uint32_t size[3];   /* voxels along x, y, z; each 1..65534 */
+    ptrdiff_t step[3];  /* cells from a voxel to the next along x, y, z; step[0] is 1 */
+    size_t cells;       /* (size[0] + 2) * (size[1] + 2) * (size[2] + 2) */
+    size_t voxels;      /* size[0] * size[1] * size[2] */
+};
+
+struct place {
+    uint32_t x, y, z;
+};
+
+/* ERR_INPUT for a side of 0, ERR_LIMIT for more than 65534 voxels on a side or more cells
+ * than G1 allows. */
+enum err grid_init(struct grid *grid, const uint32_t size[3], struct fault *fault);
+
+static inline uint32_t grid_cell(const struct grid *grid, uint32_t x, uint32_t y, uint32_t z)
+{
+    return (uint32_t)((size_t)x + 1 + ((size_t)y + 1) * (size_t)grid->step[1] +
+                      ((size_t)z + 1) * (size_t)grid->step[2]);
+}
+
+static inline bool grid_contains(const struct grid *grid, int64_t x, int64_t y, int64_t z)
+{
+    return x >= 0 && y >= 0 && z >= 0 && x < grid->size[0] && y < grid->size[1] &&
+           z < grid->size[2];
+}
+
+/* The position of a voxel's cell. */
+struct place grid_place(const struct grid *grid, uint32_t cell);
+
+/* The voxel index x + size_x * (y + size_y * z) of a cell, as files name it. */
+uint32_t grid_voxel(const struct grid *grid, uint32_t cell);
+
+/*
+ * An adjacency: the directions from a voxel to its neighbours, ordered so that direction
+ * count - 1 - i is the opposite of direction i. The faces of 6 come as -z -y -x +x +y +z.
+ */
+struct adjacency {
+    unsigned count; /* 6 or 26 */
+    int8_t step[26][3];
+    ptrdiff_t offset[26]; /* in cells */
+};
+
+void adjacency_init(struct adjacency *adjacency, unsigned count, const struct grid *grid);
+
+/* The first and the one-past-last cell of the row of voxels (., y, z). */
+struct span {
+    uint32_t first, end;
+};
+static inline struct span grid_row(const struct grid *grid, uint32_t y, uint32_t z)
+{
+    uint32_t first = grid_cell(grid, 0, y, z);
+    return (struct span){first, first + grid->size[0]};
+}
+
+#endif

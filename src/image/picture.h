@@ -1,0 +1,44 @@
+/*
+ * A picture: plain pixels and the words that go with them, as files hold it.
+ *
+ * Rows run from the top, pixels from the left. A rendition fills all planes; what comes out of a
+ * PNG has `rgba` alone.
+ */
+#ifndef IMAGE_PICTURE_H
+#define IMAGE_PICTURE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+
+/* One piece of metadata: text under a name (PNG text chunk, EXR string attribute). */
+struct attribute {
+    char *name;
+    char *value;
+};
+
+struct picture {
+    uint32_t width, height;
+    uint8_t *rgba;      /* [height][width][4], sRGB, alpha 0 where no object is seen */
+    float *depth_mm;    /* [height][width] along the view direction, +infinity where nothing is seen; or NULL */
+    uint32_t *label;    /* [height][width], 0 where nothing is seen; or NULL */
+    uint32_t *voxel;    /* [height][width] voxel index, 0xFFFFFFFF where nothing is seen; or NULL */
+    struct attribute *attribute;
+    size_t attributes;
+};
+
+/* All planes (or rgba alone) for width x height pixels, zeroed. ERR_LIMIT over 16384 a side. */
+enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, bool all_planes,
+                      struct fault *fault);
+void picture_release(struct picture *picture);
+
+/* Adds a copy of name and value. */
+enum err picture_note(struct picture *picture, const char *name, const char *value,
+                      struct fault *fault);
+
+/* The value under `name`, or NULL. */
+const char *picture_find(const struct picture *picture, const char *name);
+
+#endif

@@ -1,0 +1,89 @@
+/*
+ * A small test driver: each test program is a list of named stories, run in order.
+ *
+ *     STORY(planting_a_seed_claims_the_scene) { CHECK(a == b); CHECK_INT(n, 3); }
+ *     int main(void) { return RUN_STORIES(planting_a_seed_claims_the_scene, ...); }
+ *
+ * A story goes on after a failed check; it counts once, as passed or failed. Output is TAP:
+ * "ok 1 - name" or "not ok 1 - name" with the failed checks before it as comments.
+ */
+#ifndef TESTS_CHECK_H
+#define TESTS_CHECK_H
+
+#include <inttypes.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+static unsigned check_failures; /* of the current story */
+
+static inline bool check_report(bool fine, const char *file, int line, const char *text)
+{
+    if (!fine && check_failures++ < 10)
+        printf("# %s:%d: %s\n", file, line, text);
+    return fine;
+}
+
+#define CHECK(condition) check_report((condition), __FILE__, __LINE__, #condition)
+#define CHECK_INT(actual, expected)                                                                \
+    do {                                                                                           \
+        int64_t check_a = (int64_t)(actual), check_e = (int64_t)(expected);                        \
+        if (!check_report(check_a == check_e, __FILE__, __LINE__, #actual " == " #expected))       \
+            printf("#   is %" PRId64 ", expected %" PRId64 "\n", check_a, check_e);                \
+    } while (0)
+#define CHECK_TEXT(actual, expected)                                                               \
+    do {                                                                                           \
+        const char *check_a = (actual), *check_e = (expected);                                     \
+        if (!check_report(strcmp(check_a, check_e) == 0, __FILE__, __LINE__,                       \
+                          #actual " == " #expected))                                               \
+            printf("#   is \"%s\"\n#   expected \"%s\"\n", check_a, check_e);                      \
+    } while (0)
+#define CHECK_HAS(text, part)                                                                      \
+    do {                                                                                           \
+        const char *check_a = (text), *check_e = (part);                                           \
+        if (!check_report(strstr(check_a, check_e) != NULL, __FILE__, __LINE__,                    \
+                          #text " has " #part))                                                    \
+            printf("#   is \"%s\"\n#   expected a part \"%s\"\n", check_a, check_e);               \
+    } while (0)
+
+struct story {
+    const char *name;
+    void (*run)(void);
+};
+
+#define STORY(name) static void story_##name(void)
+#define TELL(name) {#name, story_##name}
+
+static inline int check_run(const struct story *story, unsigned count)
+{
+    unsigned failed = 0;
+    for (unsigned i = 0; i < count; i++) {
+        check_failures = 0;
+        story[i].run();
+        failed += check_failures > 0;
+        printf("%s %u - %s\n", check_failures ? "not ok" : "ok", i + 1, story[i].name);
+        fflush(stdout);
+    }
+    printf("1..%u\n", count);
+    return failed ? 1 : 0;
+}
+
+#define RUN_STORIES(...)                                                                           \
+    check_run((const struct story[]){__VA_ARGS__},                                                 \
+              sizeof((const struct story[]){__VA_ARGS__}) / sizeof(struct story))
+
+/* A small deterministic generator for property tests (splitmix64). */
+static inline uint64_t check_random(uint64_t *state)
+{
+    uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
+    z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
+    return z ^ z >> 31;
+}
+static inline uint32_t check_below(uint64_t *state, uint32_t bound)
+{
+    return (uint32_t)((check_random(state) >> 32) * (uint64_t)bound >> 32);
+}
+
+#endif
