@@ -140,8 +140,7 @@ enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, st
     return err;
 }
 
-enum err file_publish(const char *draft, const char *path, enum file_mode mode,
-                      struct fault *fault)
+enum err file_publish(const char *draft, const char *path, enum file_mode mode, struct fault *fault)
 {
     int fd = open_again(draft, O_RDONLY);
     bool synced = fd >= 0 && sync_data(fd, draft);

@@ -6,6 +6,8 @@
 #include <sys/mman.h>
 #include <sys/resource.h>
 
+enum { HUGE_FROM = 8 << 20 }; /* below, clearing a huge page costs more than it saves */
+
 bool size_multiply(size_t a, size_t b, size_t *out)
 {
     size_t product;
@@ -46,11 +48,12 @@ bool mem_grow(void *array, size_t *capacity, size_t needed, size_t size)
 
 void *mem_pages(size_t bytes)
 {
-    void *pages = mmap(NULL, bytes ? bytes : 1, PROT_READ | PROT_WRITE,
-                       MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    void *pages =
+        mmap(NULL, bytes ? bytes : 1, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (pages == MAP_FAILED)
         return NULL;
-    madvise(pages, bytes, MADV_HUGEPAGE); /* a hint: small pages work as well, only slower */
+    if (bytes >= HUGE_FROM)
+        madvise(pages, bytes, MADV_HUGEPAGE); /* a hint: small pages work as well, only slower */
     return pages;
 }
 

@@ -53,8 +53,7 @@ void adjacency_init(struct adjacency *adjacency, unsigned count, const struct gr
                 adjacency->step[n][0] = (int8_t)x;
                 adjacency->step[n][1] = (int8_t)y;
                 adjacency->step[n][2] = (int8_t)z;
-                adjacency->offset[n] =
-                    x * grid->step[0] + y * grid->step[1] + z * grid->step[2];
+                adjacency->offset[n] = x * grid->step[0] + y * grid->step[1] + z * grid->step[2];
                 n++;
             }
     adjacency->count = n;

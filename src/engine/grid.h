@@ -22,10 +22,10 @@
 #define CELL_NONE UINT32_C(0xFFFFFFFF)
 
 struct grid {
-    uint32_t size[3];   /* voxels along x, y, z; each 1..65534 */
-    ptrdiff_t step[3];  /* cells from a voxel to the next along x, y, z; step[0] is 1 */
-    size_t cells;       /* (size[0] + 2) * (size[1] + 2) * (size[2] + 2) */
-    size_t voxels;      /* size[0] * size[1] * size[2] */
+    uint32_t size[3];  /* voxels along x, y, z; each 1..65534 */
+    ptrdiff_t step[3]; /* cells from a voxel to the next along x, y, z; step[0] is 1 */
+    size_t cells;      /* (size[0] + 2) * (size[1] + 2) * (size[2] + 2) */
+    size_t voxels;     /* size[0] * size[1] * size[2] */
 };
 
 struct place {

@@ -1,0 +1,144 @@
+#include "engine/border.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+
+enum err border_init(struct border *border, const struct scene *scene, struct fault *fault)
+{
+    size_t words = scene->grid.cells / 64 + 2;
+    *border = (struct border){.scene = scene, .words = words};
+    border->shown = mem_pages(words * sizeof *border->shown);
+    border->border = mem_pages(words * sizeof *border->border);
+    for (int label = 1; label < 256; label++)
+        border->visible[label] = true;
+    if (border->shown && border->border)
+        return OK;
+    border_release(border);
+    return fault_memory(fault, "the border");
+}
+
+void border_release(struct border *border)
+{
+    mem_pages_free(border->shown, border->words * sizeof *border->shown);
+    mem_pages_free(border->border, border->words * sizeof *border->border);
+    *border = (struct border){0};
+}
+
+static inline void put_bit(uint64_t *words, uint32_t at, bool value)
+{
+    uint64_t bit = UINT64_C(1) << (at & 63);
+    words[at >> 6] = value ? words[at >> 6] | bit : words[at >> 6] & ~bit;
+}
+
+/* The 64 bits from bit `at` on; `at` may be negative for the word before the first. */
+static inline uint64_t bits_from(const uint64_t *words, size_t count, ptrdiff_t at)
+{
+    if (at < 0)
+        return words[0] << -at;
+    size_t word = (size_t)at >> 6;
+    unsigned shift = (unsigned)at & 63;
+    if (word >= count)
+        return 0;
+    uint64_t low = words[word] >> shift;
+    return shift == 0 || word + 1 >= count ? low : low | words[word + 1] << (64 - shift);
+}
+
+/* Which of the 64 cells of word `w` are border voxels: shown, and not all six neighbours shown. */
+static uint64_t border_word(const struct border *border, size_t w)
+{
+    uint64_t inside = border->shown[w];
+    uint64_t shown = inside;
+    for (int a = 0; shown && a < 3; a++) {
+        ptrdiff_t at = (ptrdiff_t)w * 64, step = border->scene->grid.step[a];
+        if (at - step + 64 > 0)
+            inside &= bits_from(border->shown, border->words, at - step);
+        inside &= bits_from(border->shown, border->words, at + step);
+    }
+    return shown & ~inside;
+}
+
+void border_recount(struct border *border)
+{
+    const struct grid *grid = &border->scene->grid;
+    const struct cell *cell = border->scene->cell;
+    for (size_t w = 0; w + 1 < border->words; w++) {
+        uint64_t word = 0;
+        size_t end = w * 64 + 64 < grid->cells ? w * 64 + 64 : grid->cells;
+        for (size_t c = w * 64; c < end; c++)
+            word |= (uint64_t)border->visible[cell[c].label] << (c & 63);
+        border->shown[w] = word;
+    }
+    for (size_t w = 0; w + 1 < border->words; w++)
+        border->border[w] = border_word(border, w);
+}
+
+static void test_voxel(struct border *border, uint32_t at)
+{
+    const ptrdiff_t *step = border->scene->grid.step;
+    bool holds = border_shows(border, at);
+    if (holds) {
+        bool inside = true;
+        for (int a = 0; a < 3; a++)
+            inside = inside && border_shows(border, (uint32_t)(at - step[a])) &&
+                     border_shows(border, (uint32_t)(at + step[a]));
+        holds = !inside;
+    }
+    put_bit(border->border, at, holds);
+}
+
+void border_update(struct border *border, const struct changes *changes)
+{
+    if (changes->everything) {
+        border_recount(border);
+        return;
+    }
+    const struct cell *cell = border->scene->cell;
+    const ptrdiff_t *step = border->scene->grid.step;
+    for (size_t i = 0; i < changes->count; i++) {
+        uint32_t at = changes->item[i].cell;
+        put_bit(border->shown, at, border->visible[cell[at].label]);
+    }
+    for (size_t i = 0; i < changes->count; i++) {
+        uint32_t at = changes->item[i].cell;
+        if (border->visible[cell[at].label] == border->visible[changes->item[i].former_label])
+            continue;
+        test_voxel(border, at);
+        for (int a = 0; a < 3; a++) {
+            test_voxel(border, (uint32_t)(at - step[a]));
+            test_voxel(border, (uint32_t)(at + step[a]));
+        }
+    }
+}
+
+size_t border_count(const struct border *border)
+{
+    size_t count = 0;
+    for (size_t w = 0; w < border->words; w++)
+        count += (size_t)__builtin_popcountll(border->border[w]);
+    return count;
+}
+
+bool border_check(const struct border *border, struct fault *fault)
+{
+    const struct grid *grid = &border->scene->grid;
+    const struct cell *cell = border->scene->cell;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++)
+            for (uint32_t x = 0; x < grid->size[0]; x++) {
+                uint32_t at = grid_cell(grid, x, y, z);
+                bool shown = border->visible[cell[at].label];
+                bool inside = shown;
+                for (int a = 0; a < 3; a++)
+                    inside = inside && border->visible[cell[at - grid->step[a]].label] &&
+                             border->visible[cell[at + grid->step[a]].label];
+                if (border_shows(border, at) != shown ||
+                    border_holds(border, at) != (shown && !inside)) {
+                    fault_set(fault, ERR_CHECK, "voxel %u,%u,%u: B1: the border is not a recount",
+                              x, y, z);
+                    return false;
+                }
+            }
+    return true;
+}

@@ -1,0 +1,52 @@
+/*
+ * The border: which voxels can be seen at all.
+ *
+ * A voxel is *shown* where its label is one that the view shows (never 0). A border voxel is a
+ * shown voxel with a face neighbour that is not: background, hidden, or outside the scene, whatever
+ * the adjacency of the forest. Both sets are held as one bit per cell and kept up to date from the
+ * changes of the forest (BDIFT), in time proportional to them; reading the border is one sequential
+ * scan. It answers the scattered border lists of the paper with ordered access.
+ *
+ * Invariant B1: between calls both sets equal a recount from the labels; border_check asserts it.
+ */
+#ifndef ENGINE_BORDER_H
+#define ENGINE_BORDER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "engine/forest.h"
+
+struct border {
+    const struct scene *scene;
+    uint64_t *shown;   /* bit c % 64 of word c / 64: cell c is shown */
+    uint64_t *border;  /* likewise: cell c is a border voxel */
+    size_t words;      /* of each, with one spare word at the end that stays 0 */
+    bool visible[256]; /* which labels the view shows; [0] is false */
+};
+
+/* Nothing shown yet; every label but 0 visible. The scene outlives the border. */
+enum err border_init(struct border *border, const struct scene *scene, struct fault *fault);
+void border_release(struct border *border);
+
+/* After an edit of the forest. Also right after one whose changes are "everything". */
+void border_update(struct border *border, const struct changes *changes);
+
+/* After `visible` has changed, or to start with: a scan of the scene. */
+void border_recount(struct border *border);
+
+static inline bool border_shows(const struct border *border, uint32_t cell)
+{
+    return border->shown[cell >> 6] >> (cell & 63) & 1;
+}
+static inline bool border_holds(const struct border *border, uint32_t cell)
+{
+    return border->border[cell >> 6] >> (cell & 63) & 1;
+}
+
+size_t border_count(const struct border *border); /* border voxels */
+
+/* Asserts B1. */
+bool border_check(const struct border *border, struct fault *fault);
+
+#endif

@@ -1,0 +1,628 @@
+#include "engine/forest.h"
+
+#include <assert.h>
+#include <stdlib.h>
+
+#include "base/hash.h"
+#include "base/mem.h"
+#include "engine/queue.h"
+
+enum {
+    CHANGES_SHARE = 16,  /* beyond this part of the scene the list becomes "everything" */
+    WATCH_EVERY = 65536, /* voxels served between two looks at the watch */
+    BATCH = 1024,        /* queue entries taken at once */
+    AHEAD = 16,          /* queue entries whose cells are fetched before they are needed */
+    HOPS_LIMIT = 65535,  /* T3 */
+};
+
+/* A list of cells that grows. */
+struct cells {
+    uint32_t *item;
+    size_t count, capacity;
+};
+
+struct forest {
+    struct scene *scene;
+    struct cell *cell; /* scene->cell */
+    struct adjacency adjacency;
+    struct queue *queue;
+    size_t seeds;
+
+    struct change *change; /* [change_limit], each touched voxel once */
+    size_t changes, change_limit;
+    bool everything;
+
+    struct edit *batch;   /* the edit at hand, in the order of cells, each voxel once */
+    struct edit *inverse; /* what takes it back, likewise */
+    size_t edits, batch_capacity, inverse_capacity;
+
+    struct cells cleared; /* voxels that have lost their tree and wait for an offer */
+    bool starved;         /* memory ran out in this pass */
+    struct forest_stats stats;
+    uint64_t key_digest, label_digest;
+};
+
+/* ---- digests ---- */
+
+static inline uint64_t key_share(uint32_t cell, uint64_t key)
+{
+    return key == KEY_NONE ? 0 : hash_mix_at(cell, key);
+}
+
+static inline uint64_t label_share(uint32_t cell, uint8_t label)
+{
+    return label == 0 ? 0 : hash_mix_at(cell, label);
+}
+
+static void recount(const struct forest *forest, uint64_t *keys, uint64_t *labels)
+{
+    const struct grid *grid = &forest->scene->grid;
+    *keys = *labels = 0;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++) {
+                *keys += key_share(c, forest->cell[c].key);
+                *labels += label_share(c, forest->cell[c].label);
+            }
+        }
+}
+
+/* ---- changes ---- */
+
+/* Notes the first time that an edit is about to change a voxel. The share of its former key leaves
+ * the digest here; finish_changes adds the new one. */
+static inline void touch(struct forest *forest, uint32_t at)
+{
+    struct cell *cell = forest->cell + at;
+    if (cell->flags & CELL_TOUCHED || forest->everything)
+        return;
+    if (forest->changes == forest->change_limit) {
+        forest->everything = true;
+        return;
+    }
+    cell->flags |= CELL_TOUCHED;
+    forest->change[forest->changes++] = (struct change){at, cell->label};
+    forest->key_digest -= key_share(at, cell->key);
+}
+
+static void finish_changes(struct forest *forest)
+{
+    forest->stats.touched = forest->everything ? forest->scene->grid.voxels : forest->changes;
+    for (size_t i = 0; i < forest->changes; i++) {
+        const struct change *change = forest->change + i;
+        struct cell *cell = forest->cell + change->cell;
+        cell->flags &= (uint8_t)~CELL_TOUCHED;
+        forest->key_digest += key_share(change->cell, cell->key);
+        if (cell->label != change->former_label) {
+            forest->label_digest -= label_share(change->cell, change->former_label);
+            forest->label_digest += label_share(change->cell, cell->label);
+        }
+    }
+    if (forest->everything) {
+        recount(forest, &forest->key_digest, &forest->label_digest);
+        forest->changes = 0;
+    }
+}
+
+/* ---- offers ---- */
+
+/* What a voxel with `key` offers a neighbour that costs no more than itself. One with no hops left
+ * makes no such offer (and has made the pass fail by then, T3). */
+static inline uint64_t extend_level(uint64_t key)
+{
+    return key_hops(key) == HOPS_LIMIT ? KEY_NONE : key + (UINT64_C(1) << 32);
+}
+
+/* What a voxel with `key` offers a neighbour of weight `w`. Strictly above `key`. */
+static inline uint64_t extend(uint64_t key, uint32_t w)
+{
+    return w > key_cost(key) ? key_make(w, 0, key_root(key)) : extend_level(key);
+}
+
+/* Gives a voxel a key and puts it in the queue, unless it waits at that level already. */
+static inline void accept(struct forest *forest, uint32_t at, uint64_t key, uint8_t label,
+                          unsigned direction)
+{
+    struct cell *cell = forest->cell + at;
+    touch(forest, at);
+    bool waits = cell->flags & CELL_QUEUED && key_level(cell->key) == key_level(key);
+    cell->key = key;
+    cell->label = label;
+    cell->direction = (uint8_t)direction;
+    if (!waits) {
+        cell->flags |= CELL_QUEUED;
+        queue_push(forest->queue, key_level(key), at);
+    }
+}
+
+/* ---- clearing ---- */
+
+static void clear_voxel(struct forest *forest, uint32_t at)
+{
+    struct cells *cleared = &forest->cleared;
+    if (!mem_grow(&cleared->item, &cleared->capacity, cleared->count + 1, sizeof *cleared->item)) {
+        forest->starved = true;
+        return;
+    }
+    touch(forest, at);
+    struct cell *cell = forest->cell + at;
+    cell->key = KEY_NONE;
+    cell->label = 0;
+    cell->direction = DIRECTION_NONE;
+    cell->flags = (uint8_t)((cell->flags & ~CELL_QUEUED) | CELL_CLEARED);
+    cleared->item[cleared->count++] = at;
+}
+
+/* Clears a voxel and all its descendants, appending them to `cleared`. */
+static void clear_subtree(struct forest *forest, uint32_t top)
+{
+    const struct adjacency *adjacency = &forest->adjacency;
+    size_t next = forest->cleared.count;
+    clear_voxel(forest, top);
+    for (; next < forest->cleared.count; next++) {
+        uint32_t at = forest->cleared.item[next];
+        for (unsigned i = 0; i < adjacency->count; i++) {
+            uint32_t child = (uint32_t)(at + adjacency->offset[i]);
+            if (forest->cell[child].direction == i)
+                clear_voxel(forest, child);
+        }
+    }
+}
+
+/* The best offer of the neighbours that kept their tree: the frontier seen from within. */
+static void reoffer(struct forest *forest, uint32_t at)
+{
+    const struct adjacency *adjacency = &forest->adjacency;
+    const uint16_t weight = forest->cell[at].weight;
+    uint64_t best = KEY_NONE;
+    unsigned direction = 0;
+    for (unsigned i = 0; i < adjacency->count; i++) {
+        const struct cell *neighbour = forest->cell + at + adjacency->offset[i];
+        if (neighbour->flags & (CELL_CLEARED | CELL_RIM) || neighbour->key == KEY_NONE)
+            continue;
+        uint64_t offer = extend(neighbour->key, weight);
+        if (offer < best) {
+            best = offer;
+            direction = adjacency->count - 1 - i; /* from the neighbour to here */
+        }
+    }
+    if (best != KEY_NONE)
+        accept(forest, at, best, forest->cell[at - adjacency->offset[direction]].label, direction);
+}
+
+/* Every cleared voxel takes the best offer of its neighbours that kept theirs, and waits. */
+static void reoffer_cleared(struct forest *forest)
+{
+    struct cells *cleared = &forest->cleared;
+    for (size_t i = 0; i < cleared->count; i++)
+        reoffer(forest, cleared->item[i]);
+    for (size_t i = 0; i < cleared->count; i++)
+        forest->cell[cleared->item[i]].flags &= (uint8_t)~CELL_CLEARED;
+    forest->stats.cleared += cleared->count;
+    cleared->count = 0;
+}
+
+/* ---- the pass ---- */
+
+/*
+ * Passes the final key of s on. A neighbour takes an offer below its own key. A child of s whose
+ * key is below the offer has lost its support, since extend does not keep the order of keys: its
+ * subtree is cleared. All keys it may get lie above the level being served, so one monotone
+ * pass is enough.
+ */
+static void serve(struct forest *forest, uint32_t s)
+{
+    struct cell *cell = forest->cell;
+    const struct adjacency *adjacency = &forest->adjacency;
+    const uint64_t key = cell[s].key;
+    const uint64_t plateau = extend_level(key);
+    const uint32_t cost = key_cost(key), root = key_root(key);
+    const uint8_t label = cell[s].label;
+    cell[s].flags &= (uint8_t)~CELL_QUEUED;
+    forest->stats.served++;
+    for (unsigned i = 0; i < adjacency->count; i++) {
+        uint32_t t = (uint32_t)(s + adjacency->offset[i]);
+        uint32_t w = cell[t].weight;
+        uint64_t offer = w > cost ? key_make(w, 0, root) : plateau;
+        if (offer < cell[t].key)
+            accept(forest, t, offer, label, i);
+        else if (__builtin_expect(cell[t].direction == i, 0) && offer != cell[t].key)
+            clear_subtree(forest, t);
+    }
+    if (forest->cleared.count)
+        reoffer_cleared(forest);
+}
+
+static inline void fetch_ahead(const struct forest *forest, uint32_t at)
+{
+    const ptrdiff_t *step = forest->scene->grid.step;
+    const struct cell *cell = forest->cell + at;
+    __builtin_prefetch(cell - 1, 1); /* the cell itself lies in one of these two lines */
+    __builtin_prefetch(cell + 1, 1);
+    __builtin_prefetch(cell - step[1], 1);
+    __builtin_prefetch(cell + step[1], 1);
+    __builtin_prefetch(cell - step[2], 1);
+    __builtin_prefetch(cell + step[2], 1);
+}
+
+static void serve_level(struct forest *forest, uint32_t level)
+{
+    uint32_t at[BATCH];
+    for (size_t count; (count = queue_take(forest->queue, at, BATCH)) > 0;) {
+        for (size_t i = 0; i < AHEAD && i < count; i++)
+            fetch_ahead(forest, at[i]);
+        for (size_t i = 0; i < count; i++) {
+            if (i + AHEAD < count)
+                fetch_ahead(forest, at[i + AHEAD]);
+            const struct cell *cell = forest->cell + at[i];
+            if (cell->flags & CELL_QUEUED && key_level(cell->key) == level)
+                serve(forest, at[i]);
+        }
+    }
+}
+
+/* Serves every level from the lowest up, until the queue is empty or something is wrong. */
+static enum err pass(struct forest *forest, const struct forest_watch *watch)
+{
+    uint32_t level;
+    uint64_t look_at = WATCH_EVERY;
+    while (queue_next_level(forest->queue, &level)) {
+        const uint64_t before = forest->stats.served;
+        serve_level(forest, level);
+        if (forest->starved || queue_failed(forest->queue))
+            return ERR_MEMORY;
+        if ((level & 0xFFFF) == HOPS_LIMIT && forest->stats.served > before)
+            return ERR_LIMIT;
+        if (watch && forest->stats.served >= look_at) {
+            look_at = forest->stats.served + WATCH_EVERY;
+            if (watch->cancelled(watch->context, forest->stats.served))
+                return ERR_CANCELLED;
+        }
+    }
+    return OK;
+}
+
+static enum err pass_fault(struct fault *fault, enum err err)
+{
+    if (err == ERR_MEMORY)
+        return fault_memory(fault, "the forest");
+    if (err == ERR_LIMIT)
+        return fault_set(fault, err,
+                         "a path over a plateau has more than %d steps; plant a seed "
+                         "nearer by (nothing has changed)",
+                         HOPS_LIMIT - 1);
+    return fault_set(fault, err, "cancelled; nothing has changed");
+}
+
+/* ---- edits ---- */
+
+static void uproot(struct forest *forest, uint32_t at)
+{
+    forest->cell[at].flags &= (uint8_t)~CELL_SEED;
+    forest->seeds--;
+    if (forest->cell[at].key != KEY_NONE)
+        clear_subtree(forest, at);
+}
+
+static void plant(struct forest *forest, uint32_t at, uint8_t label)
+{
+    forest->cell[at].flags |= CELL_SEED;
+    forest->seeds++;
+    accept(forest, at, key_make(0, 0, at), label, DIRECTION_NONE);
+}
+
+/*
+ * Changes the seeds and queues what follows from it; the pass does the rest. First every tree that
+ * goes is cleared, then what was cleared takes its offers, then seeds are planted. A seed that
+ * gets another label is removed and planted.
+ */
+static void change_seeds(struct forest *forest, const struct edit *edit, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const struct cell *cell = forest->cell + edit[i].cell;
+        if (cell->flags & CELL_SEED && cell->label != edit[i].label)
+            uproot(forest, edit[i].cell);
+    }
+    reoffer_cleared(forest);
+    for (size_t i = 0; i < count; i++)
+        if (edit[i].label != EDIT_ERASE && !(forest->cell[edit[i].cell].flags & CELL_SEED))
+            plant(forest, edit[i].cell, (uint8_t)edit[i].label);
+}
+
+/* Orders pointers to edits by cell, and those of one cell by their place in the batch. */
+static int compare_edits(const void *a, const void *b)
+{
+    const struct edit *const *x = a, *const *y = b;
+    if ((*x)->cell != (*y)->cell)
+        return (*x)->cell < (*y)->cell ? -1 : 1;
+    return *x < *y ? -1 : *x > *y;
+}
+
+/* Fills batch with the last edit of each voxel, and inverse with what is there now. */
+static enum err prepare(struct forest *forest, const struct edit *edit, size_t count,
+                        struct fault *fault)
+{
+    const struct edit **order = mem_array(count, sizeof *order);
+    if (!order ||
+        !mem_grow(&forest->batch, &forest->batch_capacity, count, sizeof *forest->batch) ||
+        !mem_grow(&forest->inverse, &forest->inverse_capacity, count, sizeof *forest->inverse)) {
+        free(order);
+        return fault_memory(fault, "an edit");
+    }
+    for (size_t i = 0; i < count; i++)
+        order[i] = edit + i;
+    qsort(order, count, sizeof *order, compare_edits);
+    forest->edits = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (i + 1 < count && order[i + 1]->cell == order[i]->cell)
+            continue;
+        const struct cell *cell = forest->cell + order[i]->cell;
+        assert(!(cell->flags & CELL_RIM));
+        int16_t former = cell->flags & CELL_SEED ? cell->label : EDIT_ERASE;
+        forest->batch[forest->edits] = *order[i];
+        forest->inverse[forest->edits++] = (struct edit){order[i]->cell, former};
+    }
+    free(order);
+    return OK;
+}
+
+static void begin(struct forest *forest)
+{
+    forest->changes = 0;
+    forest->everything = false;
+    forest->starved = false;
+    forest->stats = (struct forest_stats){0};
+}
+
+/* Back to before the edit at hand, in the middle of its pass (T5). Where memory has run out and
+ * entries were lost, the former seeds are put back and everything is computed again. */
+static void take_back(struct forest *forest, enum err reason, struct fault *fault)
+{
+    if (reason != ERR_MEMORY) {
+        queue_rewind(forest->queue);
+        change_seeds(forest, forest->inverse, forest->edits);
+        if (pass(forest, NULL) == OK) {
+            finish_changes(forest);
+            begin(forest);
+            return;
+        }
+    }
+    for (size_t i = 0; i < forest->edits; i++) {
+        struct cell *cell = forest->cell + forest->inverse[i].cell;
+        cell->flags &= (uint8_t)~CELL_SEED;
+        if (forest->inverse[i].label != EDIT_ERASE) {
+            cell->flags |= CELL_SEED;
+            cell->label = (uint8_t)forest->inverse[i].label;
+        }
+    }
+    struct fault again;
+    if (forest_rebuild(forest, NULL, &again) != OK)
+        fault_set(fault, ERR_MEMORY, "out of memory; the seeds are as before, run again");
+}
+
+enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,
+                     const struct forest_watch *watch, struct fault *fault)
+{
+    enum err err = prepare(forest, edit, count, fault);
+    if (err)
+        return err;
+    begin(forest);
+    change_seeds(forest, forest->batch, forest->edits);
+    err = pass(forest, watch);
+    if (err) {
+        pass_fault(fault, err);
+        take_back(forest, err, fault);
+        return err;
+    }
+    finish_changes(forest);
+    return OK;
+}
+
+enum err forest_revert(struct forest *forest, struct fault *fault)
+{
+    struct edit *inverse = mem_array(forest->edits, sizeof *inverse);
+    if (!inverse)
+        return fault_memory(fault, "taking an edit back");
+    for (size_t i = 0; i < forest->edits; i++)
+        inverse[i] = forest->inverse[i];
+    enum err err = forest_edit(forest, inverse, forest->edits, NULL, fault);
+    free(inverse);
+    return err;
+}
+
+/* Leaves the seeds with their labels, every other voxel unreached, and an empty queue. */
+static void clear_all(struct forest *forest)
+{
+    const struct grid *grid = &forest->scene->grid;
+    queue_clear(forest->queue);
+    begin(forest);
+    forest->cleared.count = 0;
+    forest->everything = true;
+    forest->seeds = 0;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++) {
+                struct cell *cell = forest->cell + c;
+                cell->flags &= CELL_SEED;
+                cell->key = KEY_NONE;
+                cell->direction = DIRECTION_NONE;
+                if (cell->flags & CELL_SEED)
+                    forest->seeds++;
+                else
+                    cell->label = 0;
+            }
+        }
+}
+
+static void plant_again(struct forest *forest)
+{
+    const struct grid *grid = &forest->scene->grid;
+    size_t found = 0, seeds = forest->seeds;
+    for (uint32_t z = 0; z < grid->size[2] && found < seeds; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                if (forest->cell[c].flags & CELL_SEED) {
+                    accept(forest, c, key_make(0, 0, c), forest->cell[c].label, DIRECTION_NONE);
+                    found++;
+                }
+        }
+}
+
+enum err forest_rebuild(struct forest *forest, const struct forest_watch *watch,
+                        struct fault *fault)
+{
+    clear_all(forest);
+    plant_again(forest);
+    enum err err = pass(forest, watch);
+    if (err) {
+        pass_fault(fault, err);
+        fault_prefix(fault, err, "the forest has its seeds, but is not computed");
+        clear_all(forest);
+    }
+    finish_changes(forest);
+    return err;
+}
+
+/* ---- life ---- */
+
+enum err forest_new(struct forest **out, struct scene *scene, unsigned adjacency,
+                    struct fault *fault)
+{
+    *out = NULL;
+    struct forest *forest = calloc(1, sizeof *forest);
+    if (!forest)
+        return fault_memory(fault, "a forest");
+    forest->scene = scene;
+    forest->cell = scene->cell;
+    forest->change_limit = scene->grid.voxels / CHANGES_SHARE + 1;
+    forest->change = mem_pages(forest->change_limit * sizeof *forest->change);
+    forest->queue = queue_new();
+    if (!forest->change || !forest->queue) {
+        forest_free(forest);
+        return fault_memory(fault, "a forest");
+    }
+    forest_set_adjacency(forest, adjacency);
+    *out = forest;
+    return OK;
+}
+
+void forest_set_adjacency(struct forest *forest, unsigned count)
+{
+    adjacency_init(&forest->adjacency, count, &forest->scene->grid);
+}
+
+void forest_free(struct forest *forest)
+{
+    if (!forest)
+        return;
+    mem_pages_free(forest->change, forest->change_limit * sizeof *forest->change);
+    queue_free(forest->queue);
+    free(forest->batch);
+    free(forest->inverse);
+    free(forest->cleared.item);
+    free(forest);
+}
+
+struct changes forest_changes(const struct forest *forest)
+{
+    return (struct changes){forest->everything, forest->changes, forest->change};
+}
+
+struct forest_stats forest_stats(const struct forest *forest)
+{
+    return forest->stats;
+}
+
+const struct adjacency *forest_adjacency(const struct forest *forest)
+{
+    return &forest->adjacency;
+}
+
+size_t forest_seeds(const struct forest *forest)
+{
+    return forest->seeds;
+}
+
+size_t forest_memory(const struct forest *forest)
+{
+    return sizeof *forest + forest->change_limit * sizeof *forest->change +
+           queue_memory(forest->queue) + forest->cleared.capacity * sizeof(uint32_t) +
+           (forest->batch_capacity + forest->inverse_capacity) * sizeof(struct edit);
+}
+
+uint64_t forest_digest(const struct forest *forest)
+{
+    return forest->key_digest;
+}
+
+uint64_t forest_label_digest(const struct forest *forest)
+{
+    return forest->label_digest;
+}
+
+/* ---- check ---- */
+
+/* What the equation of the forest gives for one voxel, from its neighbours' keys. */
+static uint64_t solve_at(const struct forest *forest, uint32_t at)
+{
+    const struct cell *cell = forest->cell + at;
+    uint64_t best = cell->flags & CELL_SEED ? key_make(0, 0, at) : KEY_NONE;
+    for (unsigned i = 0; i < forest->adjacency.count; i++) {
+        const struct cell *neighbour = cell + forest->adjacency.offset[i];
+        if (neighbour->flags & CELL_RIM || neighbour->key == KEY_NONE)
+            continue;
+        uint64_t offer = extend(neighbour->key, cell->weight);
+        best = offer < best ? offer : best;
+    }
+    return best;
+}
+
+static const char *voxel_wrong(const struct forest *forest, uint32_t at)
+{
+    const struct cell *cell = forest->cell + at;
+    if (cell->key != solve_at(forest, at))
+        return "T1: its key does not solve the equation of the forest";
+    if (cell->flags & ~CELL_SEED)
+        return "it is marked as if in the middle of a pass";
+    if (cell->key == KEY_NONE)
+        return cell->label || cell->direction != DIRECTION_NONE ? "T2: unreached but labelled"
+                                                                : NULL;
+    if (key_hops(cell->key) == HOPS_LIMIT)
+        return "T3: too many hops";
+    if (cell->flags & CELL_SEED)
+        return cell->direction == DIRECTION_NONE ? NULL : "T2: a seed has a predecessor";
+    if (cell->direction >= forest->adjacency.count)
+        return "T2: no predecessor";
+    const struct cell *from = cell - forest->adjacency.offset[cell->direction];
+    if (from->flags & CELL_RIM || extend(from->key, cell->weight) != cell->key)
+        return "T2: its predecessor does not support it";
+    return from->label == cell->label ? NULL : "T2: its label is not that of its predecessor";
+}
+
+bool forest_check(const struct forest *forest, struct fault *fault)
+{
+    const struct grid *grid = &forest->scene->grid;
+    size_t seeds = 0;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++)
+            for (uint32_t x = 0; x < grid->size[0]; x++) {
+                uint32_t at = grid_cell(grid, x, y, z);
+                const char *wrong = voxel_wrong(forest, at);
+                if (wrong) {
+                    fault_set(fault, ERR_CHECK, "voxel %u,%u,%u: %s", x, y, z, wrong);
+                    return false;
+                }
+                seeds += forest->cell[at].flags & CELL_SEED;
+            }
+    uint64_t keys, labels;
+    recount(forest, &keys, &labels);
+    if (keys != forest->key_digest || labels != forest->label_digest || seeds != forest->seeds) {
+        fault_set(fault, ERR_CHECK,
+                  "T4: a digest or the number of seeds is not what a recount gives");
+        return false;
+    }
+    return true;
+}

@@ -1,0 +1,113 @@
+/*
+ * The forest: every voxel belongs to the tree of the seed that reaches it best.
+ *
+ * The key of a voxel is (cost, hops, root), compared as one integer. A seed has key (0, 0, itself).
+ * A voxel s offers its neighbour t
+ *
+ *     extend(key(s), w) = (w, 0, root)            where w > cost,     w = weight of t
+ *                         (cost, hops + 1, root)  otherwise
+ *
+ * and the forest is the solution of key(t) = min(own seed's key, min over neighbours of what they
+ * offer). extend is strictly increasing, so there is one solution: the forest is a function of
+ * the set of seeds, whatever the order in which they were planted, removed, or processed. Cost is
+ * the textbook f_max cost; hops and root decide every tie. (Method: Audigier, Lotufo, Falcao 2006;
+ * differential transform: Falcao and Bergo 2004; the canonical key is this program's own.)
+ *
+ * An edit changes the set of seeds and repairs the solution in time proportional to what changes.
+ *
+ * Invariants between calls
+ *   T1 every key solves the equation above; forest_check asserts it;
+ *   T2 label and root of a voxel are those of its predecessor; a seed is its own root;
+ *   T3 no voxel has hops 65535: an edit that would need more steps is refused, and undone;
+ *   T4 both digests equal a recount; forest_check asserts it.
+ * Invariant in the middle of a pass
+ *   T5 every key is supported by its predecessor, or that predecessor is queued. So an edit is
+ *      taken back, at any moment, by the inverse edit: no copy of the former state is needed.
+ */
+#ifndef ENGINE_FOREST_H
+#define ENGINE_FOREST_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+#include "engine/scene.h"
+
+struct forest;
+
+/* What an edit does to one voxel: plant a seed of a label (in place of one that may be there), or
+ * take the seed away. */
+enum { EDIT_ERASE = -1 };
+struct edit {
+    uint32_t cell;
+    int16_t label; /* 0..255, or EDIT_ERASE */
+};
+
+/* A voxel that the last edit touched, and its label before. */
+struct change {
+    uint32_t cell;
+    uint8_t former_label;
+};
+
+/* What the last edit touched: each voxel once, in no order. When that is more than a sixteenth of
+ * the scene, `everything` is set and the list is empty: readers scan the scene once instead. */
+struct changes {
+    bool everything;
+    size_t count;
+    const struct change *item;
+};
+
+struct forest_stats {
+    uint64_t served;  /* voxels whose final key was passed on to the neighbours */
+    uint64_t cleared; /* voxels that lost their tree on the way */
+    uint64_t touched; /* voxels in `changes`; all when that is everything */
+};
+
+/* Called now and then during a pass; a true answer cancels the edit. `served` voxels so far. */
+struct forest_watch {
+    bool (*cancelled)(void *context, uint64_t served);
+    void *context;
+};
+
+/* A forest without seeds over a scene with weights; the scene outlives it. Adjacency 6 or 26. */
+enum err forest_new(struct forest **forest, struct scene *scene, unsigned adjacency,
+                    struct fault *fault);
+void forest_free(struct forest *forest);
+
+/*
+ * Applies `count` edits as one. A later edit of the same voxel wins. Planting what is planted or
+ * erasing what is not is allowed and does nothing. On any error the forest is as before and
+ * `changes` is empty: ERR_CANCELLED (watch said so), ERR_LIMIT (T3), ERR_MEMORY. `watch` may be
+ * NULL.
+ */
+enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,
+                     const struct forest_watch *watch, struct fault *fault);
+
+/* Takes the last successful edit back, as an edit of its own. */
+enum err forest_revert(struct forest *forest, struct fault *fault);
+
+/* Computes the whole forest again from its seeds: after the weights or the adjacency have changed,
+ * or as the yardstick for an update. On error the forest is as before, or, where even that could
+ * not be computed again, it has its seeds and no keys; the words say which. */
+enum err forest_rebuild(struct forest *forest, const struct forest_watch *watch,
+                        struct fault *fault);
+
+/* 6 or 26 neighbours from now on; forest_rebuild must follow. */
+void forest_set_adjacency(struct forest *forest, unsigned count);
+
+struct changes forest_changes(const struct forest *forest);
+struct forest_stats forest_stats(const struct forest *forest);
+const struct adjacency *forest_adjacency(const struct forest *forest);
+size_t forest_seeds(const struct forest *forest);  /* their number */
+size_t forest_memory(const struct forest *forest); /* bytes, without the scene */
+
+/* Sums mod 2^64 over the voxels that a seed reaches, of a mix of (cell, key), and over those with a
+ * label above 0, of a mix of (cell, label). */
+uint64_t forest_digest(const struct forest *forest);
+uint64_t forest_label_digest(const struct forest *forest);
+
+/* Asserts T1, T2, T3 and T4 by looking at every voxel. False, with words, where one fails. */
+bool forest_check(const struct forest *forest, struct fault *fault);
+
+#endif

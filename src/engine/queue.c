@@ -1,0 +1,264 @@
+#include "engine/queue.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+
+enum {
+    COSTS = 65536,
+    HOPS = 65536,
+    CHUNK_ENTRIES = 62, /* even; with the two words before them 256 bytes, four cache lines */
+    SLAB_CHUNKS = 4096, /* 1 MiB at a time */
+};
+
+struct chunk {
+    uint32_t next; /* index + 1 of the next chunk of the list, 0 at the end */
+    uint32_t count;
+    uint32_t cell[CHUNK_ENTRIES];
+};
+
+/* A two-floor set of numbers 0..65535: finding the lowest looks at 16 + 1 words at most. */
+struct marks {
+    uint64_t upper[16];
+    uint64_t lower[1024];
+};
+
+struct queue {
+    struct chunk **slab;
+    size_t slabs, slab_capacity;
+    uint32_t free;  /* list of free chunks, index + 1 */
+    uint32_t level; /* being served, where `open` */
+    bool open;
+    bool failed;
+    /* Heads of lists, each the index + 1 of its first chunk. What waits at (cost, 0), nearly all
+     * in practice, moves to the hops wholesale when the cost comes up; the rest waits as pairs
+     * (hops, cell) and is dealt out one by one. */
+    uint32_t at_rise[COSTS];
+    uint32_t later[COSTS];
+    uint32_t by_hops[HOPS]; /* of the cost being served */
+    struct marks costs, hops;
+};
+
+static void marks_set(struct marks *m, uint32_t n)
+{
+    m->lower[n >> 6] |= UINT64_C(1) << (n & 63);
+    m->upper[n >> 12] |= UINT64_C(1) << (n >> 6 & 63);
+}
+
+static void marks_unset(struct marks *m, uint32_t n)
+{
+    m->lower[n >> 6] &= ~(UINT64_C(1) << (n & 63));
+    if (m->lower[n >> 6] == 0)
+        m->upper[n >> 12] &= ~(UINT64_C(1) << (n >> 6 & 63));
+}
+
+static bool marks_lowest(const struct marks *m, uint32_t *n)
+{
+    for (uint32_t i = 0; i < 16; i++)
+        if (m->upper[i]) {
+            uint32_t word = i << 6 | (uint32_t)__builtin_ctzll(m->upper[i]);
+            *n = word << 6 | (uint32_t)__builtin_ctzll(m->lower[word]);
+            return true;
+        }
+    return false;
+}
+
+struct queue *queue_new(void)
+{
+    return calloc(1, sizeof(struct queue));
+}
+
+void queue_free(struct queue *queue)
+{
+    if (!queue)
+        return;
+    for (size_t i = 0; i < queue->slabs; i++)
+        free(queue->slab[i]);
+    free(queue->slab);
+    free(queue);
+}
+
+static inline struct chunk *chunk_at(const struct queue *queue, uint32_t handle)
+{
+    uint32_t index = handle - 1;
+    return queue->slab[index / SLAB_CHUNKS] + index % SLAB_CHUNKS;
+}
+
+static bool add_slab(struct queue *queue)
+{
+    if (queue->slabs >= UINT32_MAX / SLAB_CHUNKS ||
+        !mem_grow(&queue->slab, &queue->slab_capacity, queue->slabs + 1, sizeof *queue->slab))
+        return false;
+    struct chunk *slab = mem_array(SLAB_CHUNKS, sizeof *slab);
+    if (!slab)
+        return false;
+    uint32_t first = (uint32_t)(queue->slabs * SLAB_CHUNKS) + 1;
+    for (uint32_t i = 0; i < SLAB_CHUNKS; i++)
+        slab[i].next = i + 1 < SLAB_CHUNKS ? first + i + 1 : queue->free;
+    queue->slab[queue->slabs++] = slab;
+    queue->free = first;
+    return true;
+}
+
+/* Puts an empty chunk before *head. */
+static bool open_chunk(struct queue *queue, uint32_t *head)
+{
+    if (!queue->free && !add_slab(queue)) {
+        queue->failed = true;
+        return false;
+    }
+    uint32_t handle = queue->free;
+    struct chunk *chunk = chunk_at(queue, handle);
+    queue->free = chunk->next;
+    chunk->next = *head;
+    chunk->count = 0;
+    *head = handle;
+    return true;
+}
+
+static void release_chunk(struct queue *queue, uint32_t handle)
+{
+    chunk_at(queue, handle)->next = queue->free;
+    queue->free = handle;
+}
+
+static inline void add_to(struct queue *queue, uint32_t *head, uint32_t word)
+{
+    if (!*head || chunk_at(queue, *head)->count == CHUNK_ENTRIES)
+        if (!open_chunk(queue, head))
+            return;
+    struct chunk *chunk = chunk_at(queue, *head);
+    chunk->cell[chunk->count++] = word;
+}
+
+static inline void add_at_hops(struct queue *queue, uint32_t hops, uint32_t cell)
+{
+    if (!queue->by_hops[hops])
+        marks_set(&queue->hops, hops);
+    add_to(queue, &queue->by_hops[hops], cell);
+}
+
+static void add_at_cost(struct queue *queue, uint32_t cost, uint32_t hops, uint32_t cell)
+{
+    marks_set(&queue->costs, cost);
+    if (hops == 0) {
+        add_to(queue, &queue->at_rise[cost], cell);
+    } else { /* CHUNK_ENTRIES is even: a pair never straddles two chunks */
+        add_to(queue, &queue->later[cost], hops);
+        add_to(queue, &queue->later[cost], cell);
+    }
+}
+
+void queue_push(struct queue *queue, uint32_t level, uint32_t cell)
+{
+    if (queue->open && level >> 16 == queue->level >> 16)
+        add_at_hops(queue, level & 0xFFFF, cell);
+    else
+        add_at_cost(queue, level >> 16, level & 0xFFFF, cell);
+}
+
+/* Takes the first chunk off a list; 0 where the list is empty. The caller releases it. */
+static uint32_t take_chunk(struct queue *queue, uint32_t *head)
+{
+    uint32_t handle = *head;
+    if (handle)
+        *head = chunk_at(queue, handle)->next;
+    return handle;
+}
+
+/* Deals what waits at `cost` out over the hops. */
+static void open_cost(struct queue *queue, uint32_t cost)
+{
+    marks_unset(&queue->costs, cost);
+    queue->level = cost << 16;
+    queue->open = true;
+    queue->by_hops[0] = queue->at_rise[cost];
+    queue->at_rise[cost] = 0;
+    if (queue->by_hops[0])
+        marks_set(&queue->hops, 0);
+    for (uint32_t handle; (handle = take_chunk(queue, &queue->later[cost]));) {
+        const struct chunk *chunk = chunk_at(queue, handle);
+        for (uint32_t i = 0; i + 1 < chunk->count; i += 2)
+            add_at_hops(queue, chunk->cell[i], chunk->cell[i + 1]);
+        release_chunk(queue, handle);
+    }
+}
+
+bool queue_next_level(struct queue *queue, uint32_t *level)
+{
+    uint32_t lowest;
+    while (!marks_lowest(&queue->hops, &lowest)) {
+        if (!marks_lowest(&queue->costs, &lowest)) {
+            queue->open = false;
+            return false;
+        }
+        open_cost(queue, lowest);
+    }
+    queue->level = (queue->level & 0xFFFF0000) | lowest;
+    *level = queue->level;
+    return true;
+}
+
+size_t queue_take(struct queue *queue, uint32_t *cells, size_t capacity)
+{
+    const uint32_t hops = queue->level & 0xFFFF;
+    size_t count = 0;
+    while (count + CHUNK_ENTRIES <= capacity) {
+        uint32_t handle = take_chunk(queue, &queue->by_hops[hops]);
+        if (!handle) {
+            marks_unset(&queue->hops, hops);
+            break;
+        }
+        const struct chunk *chunk = chunk_at(queue, handle);
+        memcpy(cells + count, chunk->cell, chunk->count * sizeof *cells);
+        count += chunk->count;
+        release_chunk(queue, handle);
+    }
+    return count;
+}
+
+void queue_rewind(struct queue *queue)
+{
+    uint32_t cost = queue->level >> 16, hops;
+    if (!queue->open)
+        return;
+    queue->open = false;
+    while (marks_lowest(&queue->hops, &hops)) {
+        for (uint32_t handle; (handle = take_chunk(queue, &queue->by_hops[hops]));) {
+            const struct chunk *chunk = chunk_at(queue, handle);
+            for (uint32_t i = 0; i < chunk->count; i++)
+                add_at_cost(queue, cost, hops, chunk->cell[i]);
+            release_chunk(queue, handle);
+        }
+        marks_unset(&queue->hops, hops);
+    }
+}
+
+/* Every chunk of every slab is free again. */
+void queue_clear(struct queue *queue)
+{
+    queue->free = 0;
+    for (size_t s = 0; s < queue->slabs; s++)
+        for (uint32_t i = 0; i < SLAB_CHUNKS; i++) {
+            queue->slab[s][i].next = queue->free;
+            queue->free = (uint32_t)(s * SLAB_CHUNKS) + i + 1;
+        }
+    queue->open = false;
+    queue->failed = false;
+    queue->costs = queue->hops = (struct marks){{0}, {0}};
+    memset(queue->at_rise, 0, sizeof queue->at_rise);
+    memset(queue->later, 0, sizeof queue->later);
+    memset(queue->by_hops, 0, sizeof queue->by_hops);
+}
+
+bool queue_failed(const struct queue *queue)
+{
+    return queue->failed;
+}
+
+size_t queue_memory(const struct queue *queue)
+{
+    return sizeof *queue + queue->slabs * SLAB_CHUNKS * sizeof(struct chunk) +
+           queue->slab_capacity * sizeof(struct chunk *);
+}

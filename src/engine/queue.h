@@ -1,0 +1,46 @@
+/*
+ * The queue: cells waiting at levels (cost, hops), served in the order of levels.
+ *
+ * Within a level there is no order, and none is needed: keys of one level never offer within it.
+ * A bucket per cost holds what waits there; when a cost comes up, its bucket is dealt out over
+ * the hops. Entries are never taken out early: one whose cell has moved to another level is
+ * stale, and whoever serves the level skips it (the cell's own key and CELL_QUEUED decide).
+ *
+ * Buckets are lists of small chunks from a pool that grows and is kept. Where memory runs out,
+ * entries are dropped and `failed` is set: the result of the pass is then worthless.
+ */
+#ifndef ENGINE_QUEUE_H
+#define ENGINE_QUEUE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct queue;
+
+/* NULL when out of memory. */
+struct queue *queue_new(void);
+void queue_free(struct queue *queue);
+
+/* Adds a cell at a level (cost << 16 | hops), which lies above the one being served. */
+void queue_push(struct queue *queue, uint32_t level, uint32_t cell);
+
+/* Moves on to the lowest level that holds entries; false when the queue is empty. */
+bool queue_next_level(struct queue *queue, uint32_t *level);
+
+/* Takes up to `capacity` (62 at least) entries of the level being served; 0 when there are no more.
+ */
+size_t queue_take(struct queue *queue, uint32_t *cells, size_t capacity);
+
+/* Stops serving in the middle of a pass: what waits stays, and levels below may be pushed again.
+ * The next pass starts at the lowest. */
+void queue_rewind(struct queue *queue);
+
+/* Forgets every entry, and that memory ran out. */
+void queue_clear(struct queue *queue);
+bool queue_failed(const struct queue *queue);
+
+/* Bytes held. */
+size_t queue_memory(const struct queue *queue);
+
+#endif

@@ -1,0 +1,433 @@
+/* The forest: small scenes worked by hand, then random edits against runs from scratch. */
+#include "check.h"
+
+#include <stdlib.h>
+
+#include "engine/border.h"
+#include "engine/forest.h"
+#include "engine/weight.h"
+
+struct world {
+    struct scene *scene;
+    struct forest *forest;
+};
+
+static struct world world_new(uint32_t x, uint32_t y, uint32_t z, unsigned adjacency)
+{
+    struct world w = {0};
+    CHECK(scene_new(&w.scene, (uint32_t[]){x, y, z}, NULL) == OK);
+    CHECK(forest_new(&w.forest, w.scene, adjacency, NULL) == OK);
+    return w;
+}
+
+static void world_free(struct world *w)
+{
+    forest_free(w->forest);
+    scene_free(w->scene);
+}
+
+static struct cell *voxel(struct world *w, uint32_t x, uint32_t y, uint32_t z)
+{
+    return w->scene->cell + grid_cell(&w->scene->grid, x, y, z);
+}
+
+static void plant_at(struct world *w, uint32_t x, uint32_t y, uint32_t z, int label)
+{
+    struct edit edit = {grid_cell(&w->scene->grid, x, y, z), (int16_t)label};
+    CHECK(forest_edit(w->forest, &edit, 1, NULL, NULL) == OK);
+}
+
+static void set_row_weights(struct world *w, const char *digits)
+{
+    for (uint32_t x = 0; digits[x]; x++)
+        voxel(w, x, 0, 0)->weight = (uint16_t)(digits[x] - '0');
+}
+
+static const char *row_labels(struct world *w)
+{
+    static char text[128];
+    uint32_t n = w->scene->grid.size[0];
+    for (uint32_t x = 0; x < n; x++)
+        text[x] = (char)('0' + voxel(w, x, 0, 0)->label);
+    text[n] = '\0';
+    return text;
+}
+
+STORY(a_lone_seed_claims_the_scene)
+{
+    struct world w = world_new(5, 4, 3, 6);
+    plant_at(&w, 2, 1, 1, 7);
+    for (uint32_t x = 0; x < 5; x++)
+        CHECK_INT(voxel(&w, x, 3, 2)->label, 7);
+    CHECK_INT(key_hops(voxel(&w, 4, 3, 2)->key), 2 + 2 + 1);
+    CHECK(forest_check(w.forest, NULL));
+    world_free(&w);
+}
+
+STORY(two_seeds_meet_at_the_ridge)
+{
+    struct world w = world_new(9, 1, 1, 6);
+    set_row_weights(&w, "110130111");
+    plant_at(&w, 0, 0, 0, 1);
+    plant_at(&w, 8, 0, 0, 2);
+    /* The ridge of weight 3 at x = 4 costs 3 from either side, and is entered in no hops from
+     * either: the smaller root decides. Beyond it the right seed is cheaper. */
+    CHECK_TEXT(row_labels(&w), "111112222");
+    CHECK_INT(key_cost(voxel(&w, 4, 0, 0)->key), 3);
+    world_free(&w);
+}
+
+STORY(on_a_plateau_hops_decide_and_then_the_smaller_root)
+{
+    struct world w = world_new(7, 1, 1, 6);
+    plant_at(&w, 6, 0, 0, 2);
+    plant_at(&w, 0, 0, 0, 1);
+    CHECK_TEXT(row_labels(&w), "1111222");
+    world_free(&w);
+}
+
+STORY(the_order_of_planting_does_not_matter)
+{
+    struct world a = world_new(7, 1, 1, 6), b = world_new(7, 1, 1, 6);
+    plant_at(&a, 0, 0, 0, 1);
+    plant_at(&a, 6, 0, 0, 2);
+    plant_at(&a, 3, 0, 0, 3);
+    plant_at(&b, 3, 0, 0, 3);
+    plant_at(&b, 6, 0, 0, 2);
+    plant_at(&b, 0, 0, 0, 1);
+    CHECK(forest_digest(a.forest) == forest_digest(b.forest));
+    CHECK(forest_label_digest(a.forest) == forest_label_digest(b.forest));
+    world_free(&a);
+    world_free(&b);
+}
+
+STORY(erasing_a_seed_gives_its_tree_to_the_neighbours)
+{
+    struct world w = world_new(7, 1, 1, 6);
+    plant_at(&w, 0, 0, 0, 1);
+    uint64_t before = forest_digest(w.forest);
+    plant_at(&w, 6, 0, 0, 2);
+    plant_at(&w, 6, 0, 0, EDIT_ERASE);
+    CHECK_TEXT(row_labels(&w), "1111111");
+    CHECK(forest_digest(w.forest) == before);
+    plant_at(&w, 0, 0, 0, EDIT_ERASE);
+    CHECK_TEXT(row_labels(&w), "0000000");
+    CHECK(forest_digest(w.forest) == 0 && forest_seeds(w.forest) == 0);
+    world_free(&w);
+}
+
+STORY(the_last_edit_of_a_voxel_in_a_batch_wins)
+{
+    struct world w = world_new(3, 1, 1, 6);
+    uint32_t at = grid_cell(&w.scene->grid, 1, 0, 0);
+    struct edit batch[] = {{at, 4}, {at, EDIT_ERASE}, {at, 5}};
+    CHECK(forest_edit(w.forest, batch, 3, NULL, NULL) == OK);
+    CHECK_TEXT(row_labels(&w), "555");
+    CHECK(forest_revert(w.forest, NULL) == OK);
+    CHECK_TEXT(row_labels(&w), "000");
+    world_free(&w);
+}
+
+STORY(changes_name_each_voxel_once_with_its_former_label)
+{
+    struct world w = world_new(64, 1, 1, 6);
+    plant_at(&w, 0, 0, 0, 1);
+    CHECK(forest_changes(w.forest).everything);
+    plant_at(&w, 63, 0, 0, 2);
+    CHECK(forest_changes(w.forest).everything); /* 32 of 64 */
+    plant_at(&w, 62, 0, 0, 3);
+    CHECK(!forest_changes(w.forest).everything || forest_stats(w.forest).touched == 64);
+    plant_at(&w, 63, 0, 0, 4); /* only a tree of one voxel is left of it */
+    struct changes changes = forest_changes(w.forest);
+    CHECK_INT(changes.count, 1);
+    CHECK_INT(changes.item[0].former_label, 2);
+    CHECK(forest_check(w.forest, NULL));
+    world_free(&w);
+}
+
+STORY(a_plateau_longer_than_hops_can_count_is_refused_and_undone)
+{
+    struct fault fault = {0};
+    struct world w = world_new(65534, 1, 1, 6);
+    plant_at(&w, 0, 0, 0, 1); /* 65533 steps: it just fits */
+    CHECK_INT(key_hops(voxel(&w, 65533, 0, 0)->key), 65533);
+    CHECK(forest_check(w.forest, NULL));
+    world_free(&w);
+
+    /* A winding corridor of weight 1 between walls of weight 9: 3 x 40000 steps. */
+    w = world_new(40000, 5, 1, 6);
+    for (uint32_t x = 0; x < 40000; x++) {
+        voxel(&w, x, 1, 0)->weight = x < 39999 ? 9 : 1;
+        voxel(&w, x, 3, 0)->weight = x > 0 ? 9 : 1;
+        for (uint32_t y = 0; y < 5; y += 2)
+            voxel(&w, x, y, 0)->weight = 1;
+    }
+    plant_at(&w, 20000, 2, 0, 1); /* from the middle no way is longer than 60002 steps */
+    uint64_t before = forest_digest(w.forest);
+    CHECK(forest_check(w.forest, NULL));
+    struct edit far[] = {{grid_cell(&w.scene->grid, 20000, 2, 0), EDIT_ERASE},
+                         {grid_cell(&w.scene->grid, 0, 0, 0), 2}};
+    CHECK_INT(forest_edit(w.forest, far, 2, NULL, &fault), ERR_LIMIT);
+    CHECK_HAS(fault.text, "plateau");
+    CHECK(forest_digest(w.forest) == before);
+    CHECK(forest_check(w.forest, NULL));
+    CHECK_INT(voxel(&w, 0, 0, 0)->label, 1);
+    world_free(&w);
+}
+
+/* ---- random edits ---- */
+
+enum texture { FLAT, FLAT_HIGH, NOISY, STEEP, GRADIENT, TEXTURES };
+
+static void paint(struct world *w, enum texture texture, uint64_t *random)
+{
+    const struct grid *g = &w->scene->grid;
+    for (uint32_t z = 0; z < g->size[2]; z++)
+        for (uint32_t y = 0; y < g->size[1]; y++)
+            for (uint32_t x = 0; x < g->size[0]; x++) {
+                struct cell *c = voxel(w, x, y, z);
+                uint32_t r = (uint32_t)check_random(random);
+                c->intensity = (uint16_t)(texture == GRADIENT ? r % 5 : r);
+                c->weight = (uint16_t)(texture == FLAT        ? 0
+                                       : texture == FLAT_HIGH ? 65535
+                                       : texture == NOISY     ? r % 4
+                                                              : r);
+            }
+    if (texture == GRADIENT)
+        weight_morph(w->scene, forest_adjacency(w->forest));
+}
+
+static void copy_weights(struct world *to, const struct world *from)
+{
+    for (size_t i = 0; i < from->scene->grid.cells; i++)
+        to->scene->cell[i].weight = from->scene->cell[i].weight;
+}
+
+static bool same_forest(const struct world *a, const struct world *b)
+{
+    for (size_t i = 0; i < a->scene->grid.cells; i++)
+        if (a->scene->cell[i].key != b->scene->cell[i].key ||
+            a->scene->cell[i].label != b->scene->cell[i].label)
+            return false;
+    return forest_digest(a->forest) == forest_digest(b->forest) &&
+           forest_label_digest(a->forest) == forest_label_digest(b->forest) &&
+           forest_seeds(a->forest) == forest_seeds(b->forest);
+}
+
+/* The same seeds planted at once into an empty forest. */
+static bool equals_scratch(struct world *w)
+{
+    const struct grid *g = &w->scene->grid;
+    struct world fresh =
+        world_new(g->size[0], g->size[1], g->size[2], forest_adjacency(w->forest)->count);
+    struct edit *seed = malloc((g->voxels + 1) * sizeof *seed);
+    size_t seeds = 0;
+    copy_weights(&fresh, w);
+    for (size_t i = 0; i < g->cells; i++)
+        if (w->scene->cell[i].flags & CELL_SEED)
+            seed[seeds++] = (struct edit){(uint32_t)i, w->scene->cell[i].label};
+    CHECK(forest_edit(fresh.forest, seed, seeds, NULL, NULL) == OK);
+    bool same = same_forest(w, &fresh);
+    free(seed);
+    world_free(&fresh);
+    return same;
+}
+
+/* The textbook: relax the cheapest unfinished voxel, searched for in plain sight. */
+static bool costs_equal_textbook(struct world *w)
+{
+    const struct grid *g = &w->scene->grid;
+    const struct adjacency *adjacency = forest_adjacency(w->forest);
+    struct {
+        uint32_t cost;
+        bool done;
+    } *node = malloc(g->cells * sizeof *node);
+    bool same = true;
+    for (size_t i = 0; i < g->cells; i++) {
+        node[i].cost = w->scene->cell[i].flags & CELL_SEED ? 0 : UINT32_MAX;
+        node[i].done = w->scene->cell[i].flags & CELL_RIM;
+    }
+    for (;;) {
+        size_t best = g->cells;
+        for (size_t i = 0; i < g->cells; i++)
+            if (!node[i].done && node[i].cost != UINT32_MAX &&
+                (best == g->cells || node[i].cost < node[best].cost))
+                best = i;
+        if (best == g->cells)
+            break;
+        node[best].done = true;
+        for (unsigned k = 0; k < adjacency->count; k++) {
+            size_t t = best + (size_t)adjacency->offset[k];
+            uint32_t weight = w->scene->cell[t].weight;
+            uint32_t offer = weight > node[best].cost ? weight : node[best].cost;
+            if (!node[t].done && offer < node[t].cost)
+                node[t].cost = offer;
+        }
+    }
+    for (size_t i = 0; i < g->cells; i++) {
+        uint64_t key = w->scene->cell[i].key;
+        if (!(w->scene->cell[i].flags & CELL_RIM))
+            same &= key == KEY_NONE ? node[i].cost == UINT32_MAX : key_cost(key) == node[i].cost;
+    }
+    free(node);
+    return same;
+}
+
+static uint32_t random_voxel(const struct grid *g, uint64_t *random)
+{
+    return grid_cell(g, check_below(random, g->size[0]), check_below(random, g->size[1]),
+                     check_below(random, g->size[2]));
+}
+
+/* One to four edits: plantings of three labels, erasures of seeds and of nothing, and now and then
+ * every seed at once. */
+static size_t random_batch(struct world *w, struct edit *batch, uint64_t *random)
+{
+    const struct grid *g = &w->scene->grid;
+    size_t count = 0;
+    uint32_t kind = check_below(random, 40);
+    if (kind == 0) {
+        for (size_t i = 0; i < g->cells; i++)
+            if (w->scene->cell[i].flags & CELL_SEED)
+                batch[count++] = (struct edit){(uint32_t)i, EDIT_ERASE};
+        return count;
+    }
+    for (uint32_t n = 1 + check_below(random, 4); n > 0; n--) {
+        uint32_t at = random_voxel(g, random);
+        int16_t label = (int16_t)check_below(random, 3);
+        if (check_below(random, 5) < 2) { /* the seed whose tree holds the voxel: an eliminator */
+            uint64_t key = w->scene->cell[at].key;
+            at = key == KEY_NONE ? at : key_root(key);
+            label = check_below(random, 4) ? EDIT_ERASE : label;
+        }
+        batch[count++] = (struct edit){at, label};
+    }
+    return count;
+}
+
+static void random_session(uint64_t seed, unsigned steps)
+{
+    static const uint32_t shape[][3] = {{1, 1, 1}, {9, 1, 1}, {1, 7, 6}, {6, 1, 8},
+                                        {4, 4, 4}, {5, 6, 3}, {8, 7, 6}, {2, 2, 9}};
+    uint64_t random = seed;
+    const uint32_t *size = shape[check_below(&random, 8)];
+    struct world w = world_new(size[0], size[1], size[2], check_below(&random, 2) ? 26 : 6);
+    struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
+    struct fault fault = {0};
+    struct border border;
+    CHECK(border_init(&border, w.scene, NULL) == OK);
+    paint(&w, check_below(&random, TEXTURES), &random);
+    for (unsigned step = 0; step < steps; step++) {
+        size_t count = random_batch(&w, batch, &random);
+        bool fine = CHECK(forest_edit(w.forest, batch, count, NULL, NULL) == OK) &&
+                    CHECK(equals_scratch(&w)) && CHECK(forest_check(w.forest, &fault));
+        struct changes changes = forest_changes(w.forest);
+        border_update(&border, &changes);
+        fine = fine && CHECK(border_check(&border, &fault));
+        if (step == 10) {
+            border.visible[1] = false;
+            border_recount(&border);
+        }
+        if (fine && step % 8 == 0)
+            fine = CHECK(costs_equal_textbook(&w));
+        if (!fine) {
+            printf("# seed %" PRIu64 " step %u %s\n", seed, step, fault.text);
+            break;
+        }
+    }
+    free(batch);
+    border_release(&border);
+    world_free(&w);
+}
+
+static unsigned scaled(unsigned count)
+{
+    const char *factor = getenv("IFTTY_TEST_SCALE");
+    return factor ? count * (unsigned)atoi(factor) : count;
+}
+
+STORY(forty_thousand_random_edits_each_equal_a_run_from_scratch)
+{
+    for (unsigned i = 0; i < scaled(2000) && check_failures == 0; i++)
+        random_session(i, 20);
+}
+
+/* Cancels at the first look; a watch is asked only after many voxels, so the scene is larger. */
+static bool at_once(void *context, uint64_t served)
+{
+    (void)served;
+    return --*(int *)context < 0;
+}
+
+STORY(a_cancelled_edit_leaves_the_forest_as_it_was)
+{
+    uint64_t random = 5;
+    struct world w = world_new(70, 60, 50, 6);
+    struct fault fault = {0};
+    paint(&w, NOISY, &random);
+    for (int i = 0; i < 40; i++)
+        plant_at(&w, check_below(&random, 70), check_below(&random, 60), check_below(&random, 50),
+                 i % 3);
+    uint64_t keys = forest_digest(w.forest), labels = forest_label_digest(w.forest);
+    for (int looks = 0; looks < 3; looks++) {
+        struct edit batch[400];
+        int left = looks;
+        struct forest_watch watch = {at_once, &left};
+        for (int i = 0; i < 400; i++)
+            batch[i] = (struct edit){random_voxel(&w.scene->grid, &random), (int16_t)(i % 4 - 1)};
+        enum err err = forest_edit(w.forest, batch, 400, &watch, &fault);
+        if (err == OK) {
+            CHECK(looks > 0);
+            CHECK(forest_revert(w.forest, NULL) == OK);
+        } else {
+            CHECK_INT(err, ERR_CANCELLED);
+            CHECK_HAS(fault.text, "nothing has changed");
+        }
+        CHECK(forest_digest(w.forest) == keys && forest_label_digest(w.forest) == labels);
+        CHECK(forest_check(w.forest, &fault));
+    }
+    world_free(&w);
+}
+
+STORY(both_adjacencies_hold_each_direction_and_its_opposite)
+{
+    for (unsigned count = 6; count <= 26; count += 20) {
+        struct world w = world_new(4, 4, 4, count);
+        const struct adjacency *a = forest_adjacency(w.forest);
+        CHECK_INT(a->count, count);
+        for (unsigned i = 0; i < count; i++)
+            CHECK_INT(a->offset[i], -a->offset[count - 1 - i]);
+        world_free(&w);
+    }
+}
+
+STORY(the_synthetic_scene_is_the_same_everywhere)
+{
+    struct scene *scene;
+    CHECK(scene_new_geom(&scene, 0, NULL) == OK);
+    CHECK_INT(scene->grid.voxels, 4000000);
+    struct adjacency six;
+    adjacency_init(&six, 6, &scene->grid);
+    weight_morph(scene, &six);
+    printf("# geom %016" PRIx64 " morph %016" PRIx64 "\n", scene_digest(scene),
+           weight_digest(scene));
+    scene_free(scene);
+    CHECK(scene_new_geom(&scene, 7, NULL) == OK);
+    CHECK_INT(scene->grid.voxels, 31680999);
+    scene_free(scene);
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(a_lone_seed_claims_the_scene), TELL(two_seeds_meet_at_the_ridge),
+                       TELL(on_a_plateau_hops_decide_and_then_the_smaller_root),
+                       TELL(the_order_of_planting_does_not_matter),
+                       TELL(erasing_a_seed_gives_its_tree_to_the_neighbours),
+                       TELL(the_last_edit_of_a_voxel_in_a_batch_wins),
+                       TELL(changes_name_each_voxel_once_with_its_former_label),
+                       TELL(a_plateau_longer_than_hops_can_count_is_refused_and_undone),
+                       TELL(both_adjacencies_hold_each_direction_and_its_opposite),
+                       TELL(forty_thousand_random_edits_each_equal_a_run_from_scratch),
+                       TELL(a_cancelled_edit_leaves_the_forest_as_it_was),
+                       TELL(the_synthetic_scene_is_the_same_everywhere));
+}
