@@ -1,0 +1,32 @@
+/* Fixed-point helpers of the renderer: integers only, the same on every machine. */
+#ifndef RENDER_FIXED_H
+#define RENDER_FIXED_H
+
+#include <stdint.h>
+
+/* The largest integer whose square is at most v. */
+static inline uint32_t fixed_root(uint64_t v)
+{
+    uint64_t root = 0;
+    uint64_t bit = v ? UINT64_C(1) << ((63 - (unsigned)__builtin_clzll(v)) & ~1u) : 0;
+    for (; bit; bit >>= 2) {
+        uint64_t with = root + bit;
+        root >>= 1;
+        if (v >= with) {
+            v -= with;
+            root += bit;
+        }
+    }
+    return (uint32_t)root;
+}
+
+/* a * b / 2^30, rounded to nearest. */
+static inline int64_t fixed_mul30(int64_t a, int64_t b)
+{
+    return (a * b + (INT64_C(1) << 29)) >> 30;
+}
+
+/* Halves and other shifts of negative numbers round down, as gcc and clang define it. */
+_Static_assert((INT64_C(-3) >> 1) == -2, "right shifts must be arithmetic");
+
+#endif

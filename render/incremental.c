@@ -1,0 +1,83 @@
+#include "render/rendition.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "render/shade.h"
+
+/* Pixels whose voxel has disappeared, with the depth from which to look on. */
+struct holes {
+    struct hole {
+        uint32_t column, row;
+        int64_t depth;
+    } * item;
+    size_t count, capacity;
+};
+
+static void mark_stale(struct rendition *r, const struct camera *camera, uint32_t cell, int around)
+{
+    struct footprint f = splat_footprint(camera, cell, around);
+    for (int32_t y = f.top / TILE; f.top <= f.bottom && y <= f.bottom / TILE; y++)
+        memset(r->stale + (size_t)y * r->tiles_x + (size_t)(f.left / TILE), 1,
+               (size_t)(f.right / TILE - f.left / TILE + 1));
+}
+
+/* Empties the pixels that show a voxel which has disappeared. False when memory runs out. */
+static bool open_holes(struct holes *holes, struct rendition *r, const struct camera *camera,
+                       uint32_t cell)
+{
+    struct footprint f = splat_footprint(camera, cell, 0);
+    for (int32_t y = f.top; y <= f.bottom; y++)
+        for (int32_t x = f.left; x <= f.right; x++) {
+            size_t pixel = (size_t)y * r->width + (size_t)x;
+            if (r->cell[pixel] != cell)
+                continue;
+            if (!mem_grow(&holes->item, &holes->capacity, holes->count + 1, sizeof *holes->item))
+                return false;
+            holes->item[holes->count++] = (struct hole){(uint32_t)x, (uint32_t)y, r->depth[pixel]};
+            r->depth[pixel] = DEPTH_NONE;
+            r->cell[pixel] = CELL_NONE;
+        }
+    return true;
+}
+
+/* Looks on behind what has disappeared; what has appeared before it stays. */
+static void fill_hole(struct rendition *r, const struct camera *camera, const struct border *border,
+                      const struct hole *hole)
+{
+    size_t pixel = (size_t)hole->row * r->width + hole->column;
+    int64_t depth;
+    uint32_t cell;
+    if (raycast_pixel(camera, border, hole->column, hole->row, hole->depth, &depth, &cell) &&
+        depth < r->depth[pixel]) {
+        r->depth[pixel] = depth;
+        r->cell[pixel] = cell;
+    }
+}
+
+void incremental_image(struct rendition *r, const struct camera *camera,
+                       const struct border *border, const struct changes *changes)
+{
+    struct holes holes = {0};
+    const struct cell *cell = camera->scene->cell;
+    bool fits = !changes->everything;
+    for (size_t i = 0; fits && i < changes->count; i++) {
+        const struct change *c = changes->item + i;
+        if (cell[c->cell].label == c->former_label)
+            continue;
+        bool before = border->visible[c->former_label];
+        bool now = border->visible[cell[c->cell].label];
+        if (before || now)
+            mark_stale(r, camera, c->cell, before == now ? 0 : SHADE_RADIUS);
+        if (before && !now)
+            fits = open_holes(&holes, r, camera, c->cell);
+        else if (now && !before && border_holds(border, c->cell))
+            splat_voxel(r, camera, c->cell);
+    }
+    for (size_t i = 0; fits && i < holes.count; i++)
+        fill_hole(r, camera, border, &holes.item[i]);
+    if (!fits)
+        splat_border(r, camera, border);
+    free(holes.item);
+}

@@ -1,0 +1,62 @@
+#include "render/rendition.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/hash.h"
+#include "base/mem.h"
+
+enum err rendition_init(struct rendition *r, uint32_t width, uint32_t height, struct fault *fault)
+{
+    size_t pixels = (size_t)width * height;
+    *r = (struct rendition){.width = width, .height = height};
+    r->tiles_x = (width + TILE - 1) / TILE;
+    r->tiles_y = (height + TILE - 1) / TILE;
+    r->depth = mem_array(pixels, sizeof *r->depth);
+    r->cell = mem_array(pixels, sizeof *r->cell);
+    r->label = mem_array(pixels, sizeof *r->label);
+    r->rgba = mem_array(pixels, 4);
+    r->stale = mem_array((size_t)r->tiles_x * r->tiles_y, 1);
+    if (!r->depth || !r->cell || !r->label || !r->rgba || !r->stale) {
+        rendition_release(r);
+        return fault_memory(fault, "a rendition");
+    }
+    rendition_clear(r);
+    return OK;
+}
+
+void rendition_release(struct rendition *r)
+{
+    free(r->depth);
+    free(r->cell);
+    free(r->label);
+    free(r->rgba);
+    free(r->stale);
+    *r = (struct rendition){0};
+}
+
+void rendition_clear(struct rendition *r)
+{
+    size_t pixels = (size_t)r->width * r->height;
+    for (size_t i = 0; i < pixels; i++) {
+        r->depth[i] = DEPTH_NONE;
+        r->cell[i] = CELL_NONE;
+    }
+    memset(r->label, 0, pixels);
+    memset(r->rgba, 0, pixels * 4);
+    memset(r->stale, 1, (size_t)r->tiles_x * r->tiles_y);
+}
+
+uint64_t rendition_digest(const struct rendition *r)
+{
+    uint64_t sum = hash_mix_at(r->width, r->height);
+    for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
+        if (r->cell[i] == CELL_NONE)
+            continue;
+        const uint8_t *c = r->rgba + 4 * i;
+        uint64_t colour = (uint64_t)c[0] << 24 | (uint64_t)c[1] << 16 | (uint64_t)c[2] << 8 | c[3];
+        uint64_t seen = hash_mix_at(r->cell[i], (uint64_t)r->depth[i]);
+        sum += hash_mix_at(i, seen ^ hash_mix(colour << 8 | r->label[i]));
+    }
+    return sum;
+}

@@ -1,0 +1,78 @@
+/*
+ * The rendition: which voxel each pixel shows, at what depth, and in what colour.
+ *
+ * A pixel's key is its depth, and the least wins. Depths of two cubes never tie (render/view.h), so
+ * the map is a function of what is shown and of the view, and four ways of making it agree in
+ * every pixel: scene projection (splat every shown voxel), border projection (splat only
+ * border voxels), the ray walk, and the incremental image (repair the former one).
+ *
+ * Invariant R1: `depth` and `cell` are what any of the four gives; a pixel that shows nothing has
+ * DEPTH_NONE, CELL_NONE, label 0 and colour 0.
+ */
+#ifndef RENDER_RENDITION_H
+#define RENDER_RENDITION_H
+
+#include <stdint.h>
+
+#include "base/err.h"
+#include "engine/border.h"
+#include "render/view.h"
+
+#define DEPTH_NONE INT64_MAX
+
+enum { TILE = 8 }; /* side, in pixels, of the squares that are marked stale and shaded at once */
+
+struct rendition {
+    uint32_t width, height;
+    int64_t *depth; /* [height][width], a crossing (4 * t + axis) */
+    uint32_t *cell; /* of the visible voxel */
+    uint8_t *label; /* of that voxel */
+    uint8_t *rgba;  /* [height][width][4], sRGB; alpha 255 where something is seen */
+    uint8_t *stale; /* [tiles_y][tiles_x], 1 where a tile waits to be shaded */
+    uint32_t tiles_x, tiles_y;
+};
+
+enum err rendition_init(struct rendition *rendition, uint32_t width, uint32_t height,
+                        struct fault *fault);
+void rendition_release(struct rendition *rendition);
+
+/* Nothing is seen, and every tile is stale. */
+void rendition_clear(struct rendition *rendition);
+
+/* Scene projection and border projection; the rendition has the camera's size. */
+void splat_scene(struct rendition *rendition, const struct camera *camera,
+                 const struct border *border);
+void splat_border(struct rendition *rendition, const struct camera *camera,
+                  const struct border *border);
+
+/* Splats one voxel; the building block of both. */
+void splat_voxel(struct rendition *rendition, const struct camera *camera, uint32_t cell);
+
+/* The pixels that the cube of a voxel may cover, within the picture, widened to what the cubes
+ * of voxels up to `around` steps away may cover. Empty where left > right or top > bottom. */
+struct footprint {
+    int32_t left, top, right, bottom;
+};
+struct footprint splat_footprint(const struct camera *camera, uint32_t cell, int around);
+
+/* The ray walk over the whole picture. */
+void raycast(struct rendition *rendition, const struct camera *camera, const struct border *border);
+
+/* The first shown voxel on the ray of a pixel whose depth is at least `from`: its depth and cell,
+ * or false. INT64_MIN starts before the scene. */
+bool raycast_pixel(const struct camera *camera, const struct border *border, uint32_t column,
+                   uint32_t row, int64_t from, int64_t *depth, uint32_t *cell);
+
+/*
+ * The incremental image: `rendition` is that of the labels before the edit, by the same camera, and
+ * `border` is up to date. Repairs it in time proportional to the changes, and marks the tiles whose
+ * colours may change. Changes that are "everything" are splatted from nothing. On ERR_MEMORY the
+ * rendition is splatted from nothing too, so it is always right.
+ */
+void incremental_image(struct rendition *rendition, const struct camera *camera,
+                       const struct border *border, const struct changes *changes);
+
+/* A sum mod 2^64 over pixels of a mix of everything the rendition holds. */
+uint64_t rendition_digest(const struct rendition *rendition);
+
+#endif

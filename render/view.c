@@ -1,0 +1,247 @@
+#include "render/view.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/fixed.h"
+
+enum {
+    CORDIC_STEPS = 32,
+    RELATIVE_BITS = 20,     /* of a voxel's side in pixels */
+    CROSSING_BITS = 24,     /* of t */
+    COSINE_LEAST = 1 << 18, /* 2^-12: the tiny direction cosine */
+};
+#define ONE30       (INT64_C(1) << 30)
+#define SIDE_LIMIT  (INT64_C(1) << 28) /* a voxel of 256 pixels */
+#define RANGE_LIMIT (INT64_C(1) << 61) /* of a crossing times 4 */
+#define MARGIN      (ONE30 >> 6)       /* over all rounding of T, A, B, C, and of cosines */
+
+/* ---- sines ---- */
+
+/* atan(2^-i) in thousandths of a degree times 2^20. */
+static const int64_t cordic_angle[CORDIC_STEPS] = {
+    47185920000, 27855475103, 14718068031, 7471121143, 3750058394, 1876857306, 938657668, 469357477,
+    234682319,   117341607,   58670860,    29335437,   14667719,   7333860,    3666930,   1833465,
+    916732,      458366,      229183,      114592,     57296,      28648,      14324,     7162,
+    3581,        1790,        895,         448,        224,        112,        56,        28};
+
+/* The product of cos(atan(2^-i)), times 2^30. */
+static const int64_t cordic_gain = 652032874;
+
+/* Sine of an angle within the first quarter turn, by rotating (gain, 0) step by step (Volder 1959).
+ * 16 guard bits keep the shifts from showing in 30. */
+static int32_t sine_first_quarter(int32_t angle)
+{
+    int64_t x = cordic_gain << 16, y = 0, left = (int64_t)angle << 20;
+    for (int i = 0; i < CORDIC_STEPS; i++) {
+        int64_t dx = x >> i, dy = y >> i;
+        if (left >= 0) {
+            x -= dy;
+            y += dx;
+            left -= cordic_angle[i];
+        } else {
+            x += dy;
+            y -= dx;
+            left += cordic_angle[i];
+        }
+    }
+    int64_t sine = (y + (1 << 15)) >> 16;
+    return (int32_t)(sine > ONE30 ? ONE30 : sine);
+}
+
+int32_t view_sine(int32_t angle)
+{
+    angle %= VIEW_TURN;
+    if (angle < 0)
+        angle += VIEW_TURN;
+    if (angle >= VIEW_TURN / 2)
+        return -view_sine(angle - VIEW_TURN / 2);
+    if (angle > VIEW_TURN / 4)
+        angle = VIEW_TURN / 2 - angle;
+    if (angle == 0)
+        return 0;
+    return angle == VIEW_TURN / 4 ? (int32_t)ONE30 : sine_first_quarter(angle);
+}
+
+static int32_t cosine(int32_t angle)
+{
+    return view_sine(angle + VIEW_TURN / 4);
+}
+
+/* ---- names ---- */
+
+/* Feet-to-head up except from above and below, where the front is up (radiological habit for
+ * slices has it so, too). */
+static const struct {
+    const char *name;
+    int32_t angle[3];
+} named_view[] = {
+    {"front", {0, 0, 0}},      {"left", {90000, 0, 0}},     {"back", {180000, 0, 0}},
+    {"right", {270000, 0, 0}}, {"top", {180000, 90000, 0}}, {"bottom", {0, 270000, 0}},
+};
+enum { NAMED_VIEWS = sizeof named_view / sizeof named_view[0] };
+
+bool view_by_name(const char *name, int32_t angle[3])
+{
+    for (int i = 0; i < NAMED_VIEWS; i++)
+        if (strcmp(name, named_view[i].name) == 0) {
+            memcpy(angle, named_view[i].angle, sizeof named_view[i].angle);
+            return true;
+        }
+    return false;
+}
+
+const char *view_name(const int32_t angle[3])
+{
+    for (int i = 0; i < NAMED_VIEWS; i++)
+        if (memcmp(angle, named_view[i].angle, sizeof named_view[i].angle) == 0)
+            return named_view[i].name;
+    return NULL;
+}
+
+/* ---- scale ---- */
+
+static uint32_t least_spacing(const struct scene *scene)
+{
+    uint32_t least = scene->spacing_nm[0];
+    for (int a = 1; a < 3; a++)
+        least = scene->spacing_nm[a] < least ? scene->spacing_nm[a] : least;
+    return least;
+}
+
+/* The side of a voxel along axis a in pixels, times 2^20. */
+static int64_t side_in_pixels(const struct scene *scene, int a, uint32_t zoom)
+{
+    uint64_t ratio = ((uint64_t)scene->spacing_nm[a] << RELATIVE_BITS) / least_spacing(scene);
+    return ratio > (uint64_t)SIDE_LIMIT ? SIDE_LIMIT : (int64_t)(ratio * zoom / VIEW_ZOOM_ONE);
+}
+
+uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height)
+{
+    uint64_t squares = 0;
+    for (int a = 0; a < 3; a++) {
+        uint64_t side = (uint64_t)scene->grid.size[a] *
+                            (uint64_t)(side_in_pixels(scene, a, VIEW_ZOOM_ONE) >> 10) >>
+                        10;
+        side = side > UINT32_MAX / 2 ? UINT32_MAX / 2 : side;
+        squares += side * side;
+    }
+    uint64_t diagonal = fixed_root(squares) + UINT64_C(1);
+    uint64_t zoom = UINT64_C(1000) * (width < height ? width : height) / diagonal;
+    zoom = zoom > VIEW_ZOOM_ONE ? VIEW_ZOOM_ONE : zoom;
+    return (uint32_t)(zoom < VIEW_ZOOM_LEAST ? VIEW_ZOOM_LEAST : zoom);
+}
+
+struct view view_default(const struct scene *scene)
+{
+    return (struct view){{0, 0, 0}, view_fitting_zoom(scene, 512, 512), 512, 512};
+}
+
+/* ---- camera ---- */
+
+/* Unit vectors of the picture in the world (Right, Anterior, Superior), times 2^30. */
+static void look(const struct view *view, int32_t right[3], int32_t up[3], int32_t ahead[3])
+{
+    int64_t sy = view_sine(view->angle[0]), cy = cosine(view->angle[0]);
+    int64_t sp = view_sine(view->angle[1]), cp = cosine(view->angle[1]);
+    int64_t sr = view_sine(view->angle[2]), cr = cosine(view->angle[2]);
+    int64_t r[3] = {-cy, -sy, 0};
+    int64_t u[3] = {fixed_mul30(sy, sp), -fixed_mul30(cy, sp), cp};
+    int64_t d[3] = {fixed_mul30(sy, cp), -fixed_mul30(cy, cp), -sp};
+    for (int i = 0; i < 3; i++) {
+        right[i] = (int32_t)(fixed_mul30(r[i], cr) - fixed_mul30(u[i], sr));
+        up[i] = (int32_t)(fixed_mul30(r[i], sr) + fixed_mul30(u[i], cr));
+        ahead[i] = (int32_t)d[i];
+    }
+}
+
+static void cross(int64_t out[3], const int64_t a[3], const int64_t b[3])
+{
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        out[i] = fixed_mul30(a[j], b[k]) - fixed_mul30(a[k], b[j]);
+    }
+}
+
+/* The picture's vectors along flipped axes, and the direction with its zeros made tiny. */
+struct basis {
+    int64_t right[3], down[3], ahead[3];
+    int64_t side[3]; /* of a voxel, in pixels times 2^20 */
+};
+
+/* Where the centre of a cube falls: the dual of (right, down, ahead), so that it agrees with the
+ * rays even where `ahead` was made a little oblique. */
+static void set_projection(struct camera *camera, const struct basis *b)
+{
+    int64_t dual[2][3];
+    cross(dual[0], b->down, b->ahead);
+    cross(dual[1], b->ahead, b->right);
+    int64_t volume = 0;
+    for (int a = 0; a < 3; a++)
+        volume += fixed_mul30(dual[0][a], b->right[a]);
+    const uint32_t extent[2] = {camera->view.width, camera->view.height};
+    for (int k = 0; k < 2; k++) {
+        camera->centre[k] = ((int64_t)extent[k] - 1) * (ONE30 / 2);
+        camera->reach[k] = MARGIN;
+        for (int a = 0; a < 3; a++) {
+            int64_t along = volume < 0 ? -dual[k][a] : dual[k][a];
+            int64_t column = (along * (b->side[a] >> 4)) >> (RELATIVE_BITS - 4);
+            camera->column[k][a] = column;
+            camera->centre[k] -= (int64_t)(camera->scene->grid.size[a] - 1) * column / 2;
+            camera->reach[k] += (llabs(column) + 1) / 2;
+        }
+    }
+}
+
+static enum err set_crossings(struct camera *camera, const struct basis *b, struct fault *fault)
+{
+    const struct view *view = &camera->view;
+    for (int a = 0; a < 3; a++) {
+        int64_t d = b->ahead[a];
+        int64_t T = (b->side[a] << (CROSSING_BITS - RELATIVE_BITS + 30)) / d;
+        int64_t A = -(b->right[a] * (INT64_C(1) << CROSSING_BITS)) / d;
+        int64_t B = -(b->down[a] * (INT64_C(1) << CROSSING_BITS)) / d;
+        int64_t n = camera->scene->grid.size[a];
+        int64_t x = (int64_t)view->width - 1, y = (int64_t)view->height - 1;
+        if (T < 1 || T > RANGE_LIMIT / 16 / (n + 1))
+            return fault_set(fault, ERR_LIMIT,
+                             "zoom %u.%03u is out of reach for a scene of this size and spacing; "
+                             "the view is unchanged",
+                             view->zoom / 1000, view->zoom % 1000);
+        camera->T[a] = 4 * T;
+        camera->A[a] = 4 * A;
+        camera->B[a] = 4 * B;
+        camera->C[a] = 4 * (-(n * T + x * A + y * B) >> 1) + a;
+    }
+    return OK;
+}
+
+enum err camera_init(struct camera *camera, const struct scene *scene, const struct view *view,
+                     struct fault *fault)
+{
+    struct basis b;
+    int32_t right[3], up[3], ahead[3];
+    *camera = (struct camera){.scene = scene, .view = *view, .unit_nm = least_spacing(scene)};
+    look(view, right, up, ahead);
+    for (int a = 0; a < 3; a++) {
+        int world = scene->world_axis[a], sign = scene->world_sign[a];
+        camera->right[a] = sign * right[world];
+        camera->up[a] = sign * up[world];
+        camera->ahead[a] = sign * ahead[world];
+        camera->flip[a] = camera->ahead[a] < 0;
+        int flip = camera->flip[a] ? -1 : 1;
+        b.right[a] = flip * camera->right[a];
+        b.down[a] = -flip * camera->up[a];
+        b.ahead[a] = flip * camera->ahead[a];
+        if (b.ahead[a] < COSINE_LEAST)
+            b.ahead[a] = COSINE_LEAST;
+        b.side[a] = side_in_pixels(scene, a, view->zoom);
+        camera->toward[a] = camera->flip[a] ? scene->grid.step[a] : -scene->grid.step[a];
+        if (b.side[a] >= SIDE_LIMIT || b.side[a] < 1)
+            return fault_set(fault, ERR_LIMIT,
+                             "a voxel would be %s in the picture; the view is unchanged",
+                             b.side[a] < 1 ? "too small" : "larger than 256 pixels");
+    }
+    set_projection(camera, &b);
+    return set_crossings(camera, &b, fault);
+}

@@ -1,0 +1,84 @@
+/*
+ * The view: from where a scene is looked at, and the exact arithmetic of its rays.
+ *
+ * Angles. (0, 0, 0) is the front: the patient faces us, with his left on our right. Yaw takes us
+ * around him towards his left side, pitch lifts us above him, roll turns the picture clockwise.
+ *
+ * Rays. Projection is orthogonal. The ray of pixel (px, py) crosses the plane n of axis a at
+ *
+ *     t_a(n) = n * T_a + px * A_a + py * B_a + C_a
+ *
+ * integers, fixed per view, in units of 2^-24 pixels along the view direction; t = 0 lies in the
+ * middle of the scene. Axes are flipped so that T_a > 0, and a direction cosine near zero is
+ * replaced by a tiny one. Two crossings are compared as (t, axis), which decides every tie as one
+ * and the same infinitely small shift of the ray would: hence the value kept is 4 * t + axis, and
+ * no two crossings of different axes are ever equal. A voxel is its cube; a ray is in it where the
+ * last of its three near crossings comes before the first of its three far crossings. The depth of
+ * a pixel is that last near crossing, axis bits and all.
+ *
+ * No floating point: sines come from integer CORDIC, so a view is the same on every machine.
+ */
+#ifndef RENDER_VIEW_H
+#define RENDER_VIEW_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/err.h"
+#include "engine/scene.h"
+
+enum {
+    VIEW_SIDE_MOST = 8192,
+    VIEW_TURN = 360000,   /* a full turn in thousandths of a degree */
+    VIEW_ZOOM_ONE = 1000, /* zoom is in thousandths: pixels per smallest voxel spacing */
+    VIEW_ZOOM_LEAST = 10,
+    VIEW_ZOOM_MOST = 64000,
+};
+
+struct view {
+    int32_t angle[3];       /* yaw, pitch, roll, thousandths of a degree, 0..359999 */
+    uint32_t zoom;          /* VIEW_ZOOM_LEAST..VIEW_ZOOM_MOST */
+    uint32_t width, height; /* pixels, 1..VIEW_SIDE_MOST */
+};
+
+/* 512x512 from the front, at zoom 1 or what makes the scene fit whatever way it is turned. */
+struct view view_default(const struct scene *scene);
+uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height);
+
+/* The six named views: "front" and the like. False for any other name. */
+bool view_by_name(const char *name, int32_t angle[3]);
+/* The name that these angles have, or NULL. */
+const char *view_name(const int32_t angle[3]);
+
+/* The sine of `angle` thousandths of a degree, times 2^30; exact at quarter turns. */
+int32_t view_sine(int32_t angle);
+
+/*
+ * A view compiled for one scene. "Flipped" coordinates count the voxels of an axis from the other
+ * side where flip[a] is set, so that every ray runs towards larger numbers.
+ */
+struct camera {
+    const struct scene *scene;
+    struct view view;
+    bool flip[3];
+    int64_t T[3], A[3], B[3], C[3]; /* as above, each times 4; C holds the axis bits */
+    /* The centre of the cube at flipped (n0, n1, n2) falls on pixel column
+     * (centre[0] + sum of n_a * column[0][a]) / 2^30, and on the row likewise; it covers no pixel
+     * further off than reach[0], reach[1], likewise. */
+    int64_t centre[2], column[2][3], reach[2];
+    int32_t right[3], up[3], ahead[3]; /* unit vectors in voxel axes (not flipped), times 2^30 */
+    ptrdiff_t toward[3];               /* cell step along each axis towards the viewer */
+    int64_t unit_nm;                   /* length of one pixel at zoom 1 */
+};
+
+/* ERR_LIMIT where scene, zoom and picture together are too large for 64-bit crossings. */
+enum err camera_init(struct camera *camera, const struct scene *scene, const struct view *view,
+                     struct fault *fault);
+
+static inline int64_t camera_crossing(const struct camera *camera, int a, int64_t n, int64_t px,
+                                      int64_t py)
+{
+    return n * camera->T[a] + px * camera->A[a] + py * camera->B[a] + camera->C[a];
+}
+
+#endif

@@ -1,0 +1,253 @@
+/* The rendition: four ways of making it, pixel for pixel the same. */
+#include "check.h"
+
+#include <stdlib.h>
+
+#include "engine/border.h"
+#include "engine/forest.h"
+#include "render/rendition.h"
+#include "render/shade.h"
+
+struct stage {
+    struct scene *scene;
+    struct forest *forest;
+    struct border border;
+    struct view view;
+    struct camera camera;
+    struct palette palette;
+};
+
+static void stage_init(struct stage *s, const uint32_t size[3], unsigned adjacency)
+{
+    *s = (struct stage){0};
+    CHECK(scene_new(&s->scene, size, NULL) == OK);
+    CHECK(forest_new(&s->forest, s->scene, adjacency, NULL) == OK);
+    CHECK(border_init(&s->border, s->scene, NULL) == OK);
+    s->view = view_default(s->scene);
+    palette_default(&s->palette);
+}
+
+static void stage_release(struct stage *s)
+{
+    border_release(&s->border);
+    forest_free(s->forest);
+    scene_free(s->scene);
+}
+
+static bool same_maps(const struct rendition *a, const struct rendition *b, const char *what)
+{
+    for (uint32_t y = 0; y < a->height; y++)
+        for (uint32_t x = 0; x < a->width; x++) {
+            size_t p = (size_t)y * a->width + x;
+            if (a->depth[p] == b->depth[p] && a->cell[p] == b->cell[p] &&
+                a->label[p] == b->label[p] && memcmp(a->rgba + 4 * p, b->rgba + 4 * p, 4) == 0)
+                continue;
+            printf("# %s: pixel %u,%u: depth %" PRId64 " %" PRId64 " cell %u %u label %u %u\n",
+                   what, x, y, a->depth[p], b->depth[p], a->cell[p], b->cell[p], a->label[p],
+                   b->label[p]);
+            return false;
+        }
+    return true;
+}
+
+typedef void projection(struct rendition *, const struct camera *, const struct border *);
+
+static void render(struct stage *s, struct rendition *r, projection *project)
+{
+    project(r, &s->camera, &s->border);
+    shade(r, &s->camera, &s->border, &s->palette);
+}
+
+/* `kept` has gone through every edit as an incremental image. */
+static bool modes_agree(struct stage *s, struct rendition *kept)
+{
+    struct rendition bp, other;
+    CHECK(rendition_init(&bp, s->view.width, s->view.height, NULL) == OK);
+    CHECK(rendition_init(&other, s->view.width, s->view.height, NULL) == OK);
+    render(s, &bp, splat_border);
+    render(s, &other, splat_scene);
+    bool same = CHECK(same_maps(&bp, &other, "scene projection"));
+    render(s, &other, raycast);
+    same = CHECK(same_maps(&bp, &other, "ray walk")) && same;
+    same = CHECK(same_maps(&bp, kept, "incremental image")) && same;
+    rendition_release(&bp);
+    rendition_release(&other);
+    return same;
+}
+
+static int32_t random_angle(uint64_t *random)
+{
+    uint32_t kind = check_below(random, 4);
+    if (kind == 0)
+        return (int32_t)check_below(random, 8) * 45000;
+    if (kind == 1)
+        return (int32_t)((check_below(random, 8) * 45000 + check_below(random, 3) + 359999) %
+                         360000);
+    return (int32_t)check_below(random, 360000);
+}
+
+static void random_view(struct stage *s, uint64_t *random)
+{
+    for (int i = 0; i < 3; i++)
+        s->view.angle[i] = random_angle(random);
+    s->view.width = 1 + check_below(random, 80);
+    s->view.height = 1 + check_below(random, 80);
+    s->view.zoom = check_below(random, 3) ? 500 + check_below(random, 5000) : 1000;
+    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
+}
+
+static void random_edit(struct stage *s, uint64_t *random)
+{
+    struct edit batch[3];
+    const struct grid *g = &s->scene->grid;
+    for (int i = 0; i < 3; i++)
+        batch[i] = (struct edit){grid_cell(g, check_below(random, g->size[0]),
+                                           check_below(random, g->size[1]),
+                                           check_below(random, g->size[2])),
+                                 (int16_t)((int)check_below(random, 5) - 1)};
+    for (int i = 0; i < 3; i++)
+        if (batch[i].label == EDIT_ERASE && s->scene->cell[batch[i].cell].key != KEY_NONE)
+            batch[i].cell = key_root(s->scene->cell[batch[i].cell].key);
+    CHECK(forest_edit(s->forest, batch, 3, NULL, NULL) == OK);
+    struct changes changes = forest_changes(s->forest);
+    border_update(&s->border, &changes);
+}
+
+static void random_sitting(uint64_t seed)
+{
+    uint64_t random = seed;
+    struct stage s;
+    struct rendition kept;
+    uint32_t size[3];
+    for (int a = 0; a < 3; a++)
+        size[a] = 1 + check_below(&random, check_below(&random, 3) ? 30 : 4);
+    stage_init(&s, size, check_below(&random, 2) ? 26 : 6);
+    for (size_t i = 0; i < s.scene->grid.cells; i++)
+        if (!(s.scene->cell[i].flags & CELL_RIM))
+            s.scene->cell[i].weight = (uint16_t)check_below(&random, 6);
+    for (int a = 0; a < 3; a++) {
+        static const int8_t order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                           {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+        s.scene->spacing_nm[a] =
+            check_below(&random, 2) ? 1000000 : 300000 + check_below(&random, 2000000);
+        s.scene->world_sign[a] = check_below(&random, 2) ? 1 : -1;
+        s.scene->world_axis[a] = order[seed % 6][a];
+    }
+    for (int i = 0; i < 4; i++)
+        random_edit(&s, &random);
+    for (int look = 0; look < 3 && check_failures == 0; look++) {
+        random_view(&s, &random);
+        CHECK(rendition_init(&kept, s.view.width, s.view.height, NULL) == OK);
+        render(&s, &kept, splat_border);
+        for (int step = 0; step < 4 && check_failures == 0; step++) {
+            random_edit(&s, &random);
+            struct changes changes = forest_changes(s.forest);
+            incremental_image(&kept, &s.camera, &s.border, &changes);
+            shade(&kept, &s.camera, &s.border, &s.palette);
+            if (!modes_agree(&s, &kept))
+                printf("# seed %" PRIu64 " look %d step %d size %ux%ux%u angles %d %d %d zoom %u\n",
+                       seed, look, step, size[0], size[1], size[2], s.view.angle[0],
+                       s.view.angle[1], s.view.angle[2], s.view.zoom);
+        }
+        rendition_release(&kept);
+    }
+    stage_release(&s);
+}
+
+STORY(the_four_modes_agree_in_every_pixel)
+{
+    const char *factor = getenv("IFTTY_TEST_SCALE");
+    unsigned sittings = 400 * (unsigned)(factor ? atoi(factor) : 1);
+    for (unsigned i = 0; i < sittings && check_failures == 0; i++)
+        random_sitting(i);
+}
+
+STORY(sines_are_right_and_symmetric)
+{
+    CHECK_INT(view_sine(0), 0);
+    CHECK_INT(view_sine(90000), 1 << 30);
+    CHECK_INT(view_sine(180000), 0);
+    CHECK_INT(view_sine(270000), -(1 << 30));
+    CHECK(labs((long)view_sine(30000) - (1 << 29)) <= 4);
+    CHECK(labs((long)view_sine(45000) - 759250125) <= 4);
+    for (int32_t a = 1; a < 90000; a += 7) {
+        int64_t s = view_sine(a), c = view_sine(90000 - a);
+        CHECK(llabs(s * s + c * c - (INT64_C(1) << 60)) < INT64_C(1) << 34);
+        CHECK(view_sine(180000 - a) == s && view_sine(-a) == -s);
+    }
+}
+
+/* One object voxel at each end of each axis, in a scene whose axes are the world's. */
+static uint8_t label_at(const struct rendition *r, uint32_t x, uint32_t y)
+{
+    return r->label[(size_t)y * r->width + x];
+}
+
+STORY(named_views_show_the_patient_from_the_side_they_name)
+{
+    struct stage s;
+    struct rendition r;
+    stage_init(&s, (uint32_t[]){21, 21, 21}, 6);
+    for (size_t i = 0; i < s.scene->grid.cells; i++)
+        if (!(s.scene->cell[i].flags & CELL_RIM))
+            s.scene->cell[i].weight = 9;
+    /* Background everywhere but single voxels: 1 right, 2 left, 3 front, 4 back, 5 top, 6 bottom.
+     */
+    static const int end[6][3] = {{20, 10, 10}, {0, 10, 10},  {10, 20, 10},
+                                  {10, 0, 10},  {10, 10, 20}, {10, 10, 0}};
+    for (size_t i = 0; i < s.scene->grid.cells; i++)
+        s.scene->cell[i].label = 0;
+    for (int i = 0; i < 6; i++)
+        s.scene
+            ->cell[grid_cell(&s.scene->grid, (uint32_t)end[i][0], (uint32_t)end[i][1],
+                             (uint32_t)end[i][2])]
+            .label = (uint8_t)(i + 1);
+    border_recount(&s.border);
+    static const struct {
+        const char *name;
+        uint8_t centre, left, right, above, below;
+    } expected[] = {
+        {"front", 3, 1, 2, 5, 6}, {"back", 4, 2, 1, 5, 6}, {"left", 2, 3, 4, 5, 6},
+        {"right", 1, 4, 3, 5, 6}, {"top", 5, 2, 1, 3, 4},  {"bottom", 6, 1, 2, 3, 4},
+    };
+    s.view.width = s.view.height = 41;
+    s.view.zoom = 1000;
+    CHECK(rendition_init(&r, 41, 41, NULL) == OK);
+    for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++) {
+        CHECK(view_by_name(expected[i].name, s.view.angle));
+        CHECK_TEXT(view_name(s.view.angle), expected[i].name);
+        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+        render(&s, &r, splat_border);
+        CHECK_INT(label_at(&r, 20, 20), expected[i].centre);
+        CHECK_INT(label_at(&r, 10, 20), expected[i].left);
+        CHECK_INT(label_at(&r, 30, 20), expected[i].right);
+        CHECK_INT(label_at(&r, 20, 10), expected[i].above);
+        CHECK_INT(label_at(&r, 20, 30), expected[i].below);
+    }
+    rendition_release(&r);
+    stage_release(&s);
+}
+
+STORY(absurd_views_are_refused_in_words)
+{
+    struct stage s;
+    struct fault fault;
+    stage_init(&s, (uint32_t[]){2, 2, 60000}, 6);
+    s.scene->spacing_nm[0] = 1;
+    s.scene->spacing_nm[2] = 4000000000u;
+    CHECK_INT(camera_init(&s.camera, s.scene, &s.view, &fault), ERR_LIMIT);
+    CHECK_HAS(fault.text, "unchanged");
+    s.scene->spacing_nm[2] = 1;
+    s.scene->spacing_nm[1] = 1;
+    s.view.zoom = VIEW_ZOOM_MOST;
+    CHECK_INT(camera_init(&s.camera, s.scene, &s.view, &fault), ERR_LIMIT);
+    stage_release(&s);
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(sines_are_right_and_symmetric),
+                       TELL(named_views_show_the_patient_from_the_side_they_name),
+                       TELL(the_four_modes_agree_in_every_pixel),
+                       TELL(absurd_views_are_refused_in_words));
+}
