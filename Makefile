@@ -15,13 +15,13 @@ STRICT_C := -Wstrict-prototypes -Wmissing-prototypes
 INCLUDES := -Isrc -I.
 COMMON    = $(OPTIMISE) $(SANITISE) -g -ffp-contract=off $(WARNINGS) $(INCLUDES) -MMD -MP
 ALL_CFLAGS   = -std=c17 -D_GNU_SOURCE $(COMMON) $(STRICT_C) $(EXR_CFLAGS) $(CFLAGS)
-ALL_CXXFLAGS = -std=c++17 $(COMMON) -isystem $(OIIO_INCLUDE) $(CXXFLAGS)
+ALL_CXXFLAGS = -std=c++17 $(COMMON) -idirafter $(OIIO_INCLUDE) $(CXXFLAGS)
 ALL_LDFLAGS  = $(SANITISE) $(LDFLAGS)
 
 EXR_CFLAGS   = $(shell pkg-config --cflags OpenEXR 2>/dev/null)
 OIIO_INCLUDE = $(shell pkg-config --variable=includedir OpenImageIO 2>/dev/null || echo /usr/include)
 OIIO_LIBS    = $(shell pkg-config --libs OpenImageIO 2>/dev/null)
-LIBS         = -lOpenEXRCore -lz -lmd
+LIBS         = -lOpenEXRCore -lz -lmd -lm
 
 PARTS   := src/base src/engine src/session src/command src/image journal render tui
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))

@@ -53,7 +53,10 @@ struct story {
 };
 
 #define STORY(name) static void story_##name(void)
-#define TELL(name) {#name, story_##name}
+#define TELL(name)                                                                                 \
+    {                                                                                              \
+#name, story_##name                                                                        \
+    }
 
 static inline int check_run(const struct story *story, unsigned count)
 {

@@ -5,20 +5,30 @@
  * seed to a pixel. What the engine needs of it (spacing, the nearest anatomical axes) is in
  * integers beside it.
  *
- * The world is that of NIfTI: millimetres, +x to the patient's right... see `to_mm`.
+ * The world is that of NIfTI: millimetres, +x towards the patient's right, +y towards the front
+ * (anterior), +z towards the head (superior).
  */
 #ifndef IMAGE_GEOMETRY_H
 #define IMAGE_GEOMETRY_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 struct geometry {
-    double to_mm[3][4];      /* world = to_mm * (i, j, k, 1): +x Right, +y Anterior, +z Superior */
+    double to_mm[3][4];      /* world = to_mm * (i, j, k, 1), voxel centres at whole i, j, k */
     double slope, intercept; /* real value = slope * intensity + intercept, intensity 0..65535 */
     uint32_t spacing_nm[3];  /* distance of voxel centres along i, j, k, nanometres, 1.. */
-    int8_t world_axis[3];    /* which world axis (0, 1, 2) each voxel axis runs along; a permutation */
-    int8_t world_sign[3];    /* +1 or -1: with or against it */
-    int16_t sform_code, qform_code; /* as read; both 0 when the file gave neither */
+    int8_t world_axis[3]; /* the world axis (0, 1, 2) nearest to each voxel axis; a permutation */
+    int8_t world_sign[3]; /* +1 or -1: with or against it */
+    int16_t sform_code, qform_code; /* as read; 0 where the file gave none that can be used */
 };
+
+/* Takes `to_mm` as the way to the world and works out world_axis and world_sign: the permutation of
+ * the axes that lies nearest to the matrix (the first one in order, where several are). Returns
+ * false, and leaves the geometry alone, where the matrix is not finite or cannot be inverted. */
+bool geometry_place(struct geometry *geometry, const double to_mm[3][4]);
+
+/* The plain way: voxel axes are world axes, `spacing_mm` apart, voxel 0,0,0 at the origin. */
+void geometry_place_plain(struct geometry *geometry, const double spacing_mm[3]);
 
 #endif

@@ -21,11 +21,11 @@ struct attribute {
 
 struct picture {
     uint32_t width, height;
-    uint8_t *rgba;      /* [height][width][4], sRGB, alpha 0 where no object is seen */
-    float *depth_mm;    /* [height][width] along the view direction, +infinity where nothing is seen; or NULL */
-    uint32_t *label;    /* [height][width], 0 where nothing is seen; or NULL */
-    uint32_t *voxel;    /* [height][width] voxel index, 0xFFFFFFFF where nothing is seen; or NULL */
-    struct attribute *attribute;
+    uint8_t *rgba;   /* [height][width][4], sRGB, alpha 0 where no object is seen */
+    float *depth_mm; /* [height][width] along the view, +infinity where nothing is seen; or NULL */
+    uint32_t *label; /* [height][width], 0 where nothing is seen; or NULL */
+    uint32_t *voxel; /* [height][width] voxel index, 0xFFFFFFFF where nothing is seen; or NULL */
+    struct attribute *attribute; /* names differ from one another */
     size_t attributes;
 };
 
@@ -34,7 +34,8 @@ enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, 
                       struct fault *fault);
 void picture_release(struct picture *picture);
 
-/* Adds a copy of name and value. */
+/* Adds a copy of name and value; a value already under that name is replaced, so names are unique.
+ * On failure the picture is as it was. */
 enum err picture_note(struct picture *picture, const char *name, const char *value,
                       struct fault *fault);
 

@@ -1,0 +1,188 @@
+#include "journal/golden.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+
+enum { NAME_MAX_BYTES = 64 };
+
+static const char journal_ending[] = ".iftty";
+
+const char *golden_plane_name(enum golden_plane plane)
+{
+    static const char *const name[] = {"colour", "depth", "label", "voxel"};
+    return plane < GOLDEN_PLANES ? name[plane] : "none";
+}
+
+/* ---- comparing ------------------------------------------------------------------------------- */
+
+/* A plane as bytes; every sample of every plane has four. */
+static const uint8_t *plane_bytes(const struct golden_planes *planes, enum golden_plane plane)
+{
+    switch (plane) {
+    case GOLDEN_RGBA:
+        return planes->rgba;
+    case GOLDEN_DEPTH:
+        return (const uint8_t *)planes->depth;
+    case GOLDEN_LABEL:
+        return (const uint8_t *)planes->label;
+    case GOLDEN_VOXEL:
+        return (const uint8_t *)planes->voxel;
+    case GOLDEN_PLANES:
+        break;
+    }
+    return NULL;
+}
+
+static bool shapes_differ(const struct golden_planes *a, const struct golden_planes *b)
+{
+    if (a->width != b->width || a->height != b->height)
+        return true;
+    for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++)
+        if (!plane_bytes(a, plane) != !plane_bytes(b, plane))
+            return true;
+    return false;
+}
+
+static void print_sample(char out[64], const struct golden_planes *planes, enum golden_plane plane,
+                         size_t pixel)
+{
+    const uint8_t *byte = plane_bytes(planes, plane) + 4 * pixel;
+    uint32_t bits;
+    float depth;
+    memcpy(&bits, byte, 4);
+    memcpy(&depth, byte, 4);
+    if (plane == GOLDEN_RGBA)
+        snprintf(out, 64, "%u,%u,%u,%u", byte[0], byte[1], byte[2], byte[3]);
+    else if (plane == GOLDEN_DEPTH)
+        snprintf(out, 64, "%.9g (0x%08" PRIx32 ")", (double)depth, bits);
+    else
+        snprintf(out, 64, "%" PRIu32, bits);
+}
+
+static void note_first(struct golden_difference *out, const struct golden_planes *expected,
+                       const struct golden_planes *actual, enum golden_plane plane, size_t pixel)
+{
+    out->column = (uint32_t)(pixel % expected->width);
+    out->row = (uint32_t)(pixel / expected->width);
+    out->plane = plane;
+    print_sample(out->expected, expected, plane, pixel);
+    print_sample(out->actual, actual, plane, pixel);
+    out->expected_voxel = expected->voxel ? expected->voxel[pixel] : 0;
+    out->actual_voxel = actual->voxel ? actual->voxel[pixel] : 0;
+}
+
+/* Whether a pixel differs in any plane; counts and notes it. */
+static bool compare_pixel(struct golden_difference *out, const struct golden_planes *expected,
+                          const struct golden_planes *actual, size_t pixel)
+{
+    bool differs = false;
+    for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++) {
+        const uint8_t *a = plane_bytes(expected, plane), *b = plane_bytes(actual, plane);
+        if (!a || memcmp(a + 4 * pixel, b + 4 * pixel, 4) == 0)
+            continue;
+        if (out->pixels == 0 && !differs)
+            note_first(out, expected, actual, plane, pixel);
+        out->pixels_of[plane]++;
+        differs = true;
+    }
+    out->pixels += differs;
+    return differs;
+}
+
+/* Grey of a third of the brightness, so that red stands out. */
+static void paint(uint8_t out[4], const uint8_t *rgba, bool differs)
+{
+    const unsigned grey = rgba ? (77u * rgba[0] + 150u * rgba[1] + 29u * rgba[2]) / 256 / 3 : 0;
+    memset(out, (int)grey, 3);
+    if (differs)
+        memcpy(out, (uint8_t[]){255, 32, 32}, 3);
+    out[3] = 255;
+}
+
+enum err golden_compare(const struct golden_planes *expected, const struct golden_planes *actual,
+                        struct golden_difference *out, struct fault *fault)
+{
+    size_t pixels, bytes;
+    *out = (struct golden_difference){.width = expected->width, .height = expected->height};
+    out->shape_differs = shapes_differ(expected, actual);
+    if (out->shape_differs)
+        return OK;
+    if (!size_multiply(expected->width, expected->height, &pixels) ||
+        !size_multiply(pixels, 4, &bytes) || !(out->image = mem_array(bytes, 1)))
+        return fault_memory(fault, "a difference image");
+    for (size_t i = 0; i < pixels; i++)
+        paint(out->image + 4 * i, expected->rgba ? expected->rgba + 4 * i : NULL,
+              compare_pixel(out, expected, actual, i));
+    out->is_same = out->pixels == 0;
+    if (out->is_same)
+        golden_difference_release(out);
+    return OK;
+}
+
+void golden_difference_release(struct golden_difference *difference)
+{
+    free(difference->image);
+    difference->image = NULL;
+}
+
+void golden_tell(struct buf *out, const struct golden_difference *difference)
+{
+    if (difference->is_same) {
+        buf_add_text(out, "no pixel differs");
+    } else if (difference->shape_differs) {
+        buf_add_text(out, "the sizes or channels of the pictures differ");
+    } else {
+        buf_printf(out,
+                   "%" PRIu64 " of %" PRIu64 " pixels differ, first column %" PRIu32
+                   ", row %" PRIu32 ": %s is %s, %s was expected",
+                   difference->pixels, (uint64_t)difference->width * difference->height,
+                   difference->column, difference->row, golden_plane_name(difference->plane),
+                   difference->actual, difference->expected);
+        if (difference->expected_voxel != difference->actual_voxel)
+            buf_printf(out, "; voxel %" PRIu32 " shows instead of %" PRIu32,
+                       difference->actual_voxel, difference->expected_voxel);
+    }
+}
+
+/* ---- names ----------------------------------------------------------------------------------- */
+
+bool golden_name_is_valid(const char *name)
+{
+    static const char allowed[] = "abcdefghijklmnopqrstuvwxyz0123456789_-";
+    const size_t length = strlen(name);
+    return length >= 1 && length <= NAME_MAX_BYTES && name[0] != '_' && name[0] != '-' &&
+           strspn(name, allowed) == length;
+}
+
+enum err golden_folder(struct buf *out, const char *journal_path, struct fault *fault)
+{
+    const size_t ending = sizeof journal_ending - 1;
+    size_t length = strlen(journal_path);
+    /* a journal that is called ".iftty" and nothing else keeps its name */
+    if (length > ending && strcmp(journal_path + length - ending, journal_ending) == 0 &&
+        journal_path[length - ending - 1] != '/')
+        length -= ending;
+    buf_clear(out);
+    buf_add(out, journal_path, length);
+    buf_add_text(out, ".golden");
+    return out->failed ? fault_memory(fault, "a file name") : OK;
+}
+
+enum err golden_path(struct buf *out, const char *journal_path, const char *name,
+                     struct fault *fault)
+{
+    if (!golden_name_is_valid(name))
+        return fault_set(fault, ERR_INPUT,
+                         "a golden image's name is 1 to %d of a-z 0-9 _ - and begins with a letter "
+                         "or digit, not: %.100s",
+                         NAME_MAX_BYTES, name);
+    enum err err = golden_folder(out, journal_path, fault);
+    if (err)
+        return err;
+    buf_printf(out, "/%s.exr", name);
+    return out->failed ? fault_memory(fault, "a file name") : OK;
+}

@@ -1,0 +1,72 @@
+/*
+ * The journal: a file of records that one session appends to, and that others resume and replay.
+ *
+ * Promises, the same numbers as in DESIGN.md:
+ *   J1 a command is acknowledged only after its record is synced: when journal_append returns OK,
+ *      the record is on the disk;
+ *   J2 the file is always header + valid records + at most one torn record;
+ *   J3 bytes before the end of the valid part never change;
+ *   J4 replay reproduces every recorded word, or stops at the first that differs and says which
+ *      (journal/replay.h);
+ *   J5 if an append fails, the file is cut back to what it was and the answer is an error; the
+ *      caller undoes the edit. Nothing is appended until the cut is on the disk as well, so that a
+ *      record which was refused cannot come back;
+ *   J6 one writer at a time: the file is locked from journal_create or journal_open to
+ *      journal_close. Readers (replay, journal_check) take no lock.
+ *
+ * The bytes are told in journal/FORMAT.md, and encoded and walked by record.h and walk.h. A
+ * journal holds at most JOURNAL_BYTES_MAX bytes, so that whoever reads it knows what it takes.
+ */
+#ifndef JOURNAL_JOURNAL_H
+#define JOURNAL_JOURNAL_H
+
+#include "journal/record.h"
+
+#define JOURNAL_BYTES_MAX ((size_t)256 << 20)
+
+/* Opaque, because of J1 to J3. Owned by whoever created or opened it. */
+struct journal;
+
+/* Creates `path`, which must not exist, with its header synced. `semantics` is the version of what
+ * commands mean, 1..999999999. On failure there is no file and *journal is NULL. */
+enum err journal_create(struct journal **journal, const char *path, unsigned semantics,
+                        struct fault *fault);
+
+struct journal_resume {
+    unsigned semantics; /* a journal of another one is refused: it could not be continued */
+    /* Called for every record in order, once it is known that the journal can be opened. An error
+     * ends the opening with that error, the file as it was. NULL calls nobody. */
+    enum err (*on_record)(void *context, const struct record *record, struct fault *fault);
+    void *context;
+    bool cuts_damage; /* repair on request: what follows the last sound record is cut off */
+};
+
+/* Opens `path` to continue it. A torn tail (and damage, where asked for) is saved as PATH.torn-N,
+ * N being the first that is free, and then cut off; `notice` (which may be NULL) then gets a line
+ * for the user, safe to print, and is empty otherwise. An empty file gets a header. Damage is
+ * refused with its record, line and offset: ERR_INPUT. On failure *journal is NULL and the records
+ * in the file are what they were. */
+enum err journal_open(struct journal **journal, const char *path,
+                      const struct journal_resume *resume, struct buf *notice, struct fault *fault);
+
+/* Appends the record of a command that has been carried out: one write, one sync. Words are
+ * "key=value key=value" or "". On failure the journal is what it was (J5). */
+enum err journal_append(struct journal *journal, const char *command, const char *words,
+                        struct fault *fault);
+
+/* Keeps one comment line ("# why" or "") for the next record, which it becomes part of. It is lost
+ * if there is none. */
+enum err journal_comment(struct journal *journal, const char *comment, struct fault *fault);
+
+const char *journal_path(const struct journal *journal);
+size_t journal_count(const struct journal *journal);      /* records */
+const char *journal_chain(const struct journal *journal); /* 32 digits; zeros without a record */
+
+/* Reads the file again and says whether J2 and J3 hold: every byte that was acknowledged is there,
+ * and nothing else. OK, ERR_CHECK, or why the file cannot be read. */
+enum err journal_audit(const struct journal *journal, struct fault *fault);
+
+/* Gives up the lock; fine with NULL. */
+void journal_close(struct journal *journal);
+
+#endif

@@ -1,0 +1,127 @@
+/*
+ * A record: one command, what it gave, and a digest that chains it to all before it.
+ *
+ *     # zero or more comments and blank lines, part of the record they precede
+ *     seed 20,30,40 2
+ *     = 3 forest=0123456789abcdef seeds=3 chain=<32 hexadecimal digits>
+ *
+ * journal/FORMAT.md tells the bytes. This file encodes a record and takes one apart; it neither
+ * reads nor writes files, and knows nothing of what a command means.
+ *
+ * Why a chain in a text: the journal stays a script that anyone may read and edit, and whoever
+ * edits it cannot help leaving a trace. It is a seal against accidents and quiet edits, not a
+ * signature: it holds no secret.
+ */
+#ifndef JOURNAL_RECORD_H
+#define JOURNAL_RECORD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/buf.h"
+#include "base/err.h"
+
+enum {
+    RECORD_FORMAT = 1,       /* the version of the format that this code writes and reads */
+    RECORD_LINE_MAX = 65535, /* bytes of a line without its line feed */
+    RECORD_WORDS_MAX = 64,   /* result words of one record */
+    RECORD_CHAIN_DIGITS = 32,
+};
+
+/* A chain digest as text: 32 lower-case hexadecimal digits and a NUL. */
+struct record_chain {
+    char hex[RECORD_CHAIN_DIGITS + 1];
+};
+
+/* The chain before the first record: 32 zeros. */
+extern const struct record_chain record_chain_zero;
+
+struct record {
+    size_t number;       /* of the command in its file, from 1 */
+    size_t line;         /* where the command stands, from 1 */
+    uint64_t offset;     /* of the record's first byte, comments included */
+    uint64_t end;        /* of the first byte after it */
+    const char *command; /* without its line feed, ended by NUL */
+
+    bool has_result;           /* a script has none; the rest is then empty and nothing fits */
+    const char *result;        /* the result words, "" where there are none, ended by NUL */
+    uint64_t noted;            /* the number that the result line holds */
+    bool number_fits;          /* it is one more than the number before */
+    struct record_chain chain; /* as the result line holds it */
+    bool chain_fits;           /* it is what the bytes of the record give */
+};
+
+/* Says whether a record of a journal is as it was written: OK, or ERR_INPUT and words with its
+ * number, line and byte offset. */
+enum err record_judge(const struct record *record, struct fault *fault);
+
+/* Line 1 of a journal, line feed included. `semantics` is 1..999999999. */
+void record_header(struct buf *out, unsigned semantics);
+
+/* Takes line 1 (without its line feed) apart; false where it is not a header. */
+bool record_header_parse(const char *line, size_t length, unsigned *format, unsigned *semantics);
+
+/* `text` begins as headers do, and so may be one that cannot be read. */
+bool record_header_is_meant(const char *text, size_t length);
+
+/* `text` is one byte or more of the beginning of a header, its line feed not among them. */
+bool record_header_is_begun(const char *text, size_t length);
+
+/* ERR_INPUT or ERR_LIMIT and words where `command` cannot stand in a record: empty, too long, a
+ * blank, '#' or '=' at its beginning, a control character, or the look of a sealed result line at
+ * its end. */
+enum err record_command_check(const char *command, struct fault *fault);
+
+/* The same for result words: "key=value" pairs with single spaces between, or "". Keys are
+ * [a-z][a-z0-9_-]*, each once, and not "chain"; values are one byte or more without blanks. */
+enum err record_words_check(const char *words, struct fault *fault);
+
+/* The same for one comment, a line that begins with '#' or is empty. */
+enum err record_comment_check(const char *comment, struct fault *fault);
+
+/* `line` ends like a sealed result line: " chain=" and 32 hexadecimal digits. */
+bool record_line_is_sealed(const char *line, size_t length);
+
+/* Adds a whole record to `out` and gives its chain. `before` is the chain of the record before;
+ * `header` is line 1 with its line feed for record 1 and "" for the others; `comments` are whole
+ * lines, or "". On failure `out` and `*after` are as they were. */
+enum err record_encode(struct buf *out, struct record_chain *after,
+                       const struct record_chain *before, const char *header, size_t number,
+                       const char *comments, const char *command, const char *words,
+                       struct fault *fault);
+
+/* The chain that `length` bytes (a record up to but without " chain=") give after `before`. */
+void record_chain_compute(struct record_chain *out, const struct record_chain *before,
+                          const char *header, size_t header_length, const char *bytes,
+                          size_t length);
+
+/* A result line taken apart: places in the line that was given, no copies. */
+struct record_result {
+    uint64_t number;
+    const char *words;
+    size_t words_length;
+    struct record_chain chain;
+    size_t covered; /* bytes of the line that the chain covers */
+};
+
+/* False where `line` (without its line feed) is not a well-formed result line. */
+bool record_result_parse(const char *line, size_t length, struct record_result *result);
+
+/* One result word: places in the text it came from. */
+struct record_word {
+    const char *key;
+    size_t key_length;
+    const char *value;
+    size_t value_length;
+};
+
+/* Takes the next word of `length` bytes of words at *cursor; false at their end, or where no
+ * well-formed word stands (*cursor is then not at the end). */
+bool record_word_next(const char **cursor, const char *end, struct record_word *word);
+
+/* Finds the word with this key in `words`, ended by NUL. */
+bool record_word_find(const char *words, const char *key, size_t key_length,
+                      struct record_word *word);
+
+#endif

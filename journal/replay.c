@@ -1,0 +1,167 @@
+#include "journal/replay.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+#include "journal/walk.h"
+
+enum { SHOWN_MAX = 80 }; /* bytes of a text from a journal that a message repeats */
+
+void replay_report_release(struct replay_report *report)
+{
+    buf_release(&report->command);
+    buf_release(&report->word);
+    buf_release(&report->expected);
+    buf_release(&report->actual);
+}
+
+/* Notes where the replay stops, and at what. */
+static void stop_at(struct replay_report *report, enum replay_outcome outcome,
+                    const struct record *record)
+{
+    report->outcome = outcome;
+    report->number = record->number;
+    report->line = record->line;
+    buf_add_text(&report->command, record->command);
+}
+
+static enum err tell_divergence(const struct record *record, const struct record_word *expected,
+                                const struct record_word *actual, struct replay_report *report,
+                                struct fault *fault)
+{
+    stop_at(report, REPLAY_DIVERGED, record);
+    buf_add(&report->word, expected->key, expected->key_length);
+    buf_add(&report->expected, expected->value, expected->value_length);
+    if (actual)
+        buf_add(&report->actual, actual->value, actual->value_length);
+    if (report->command.failed || report->word.failed || report->expected.failed ||
+        report->actual.failed)
+        return fault_memory(fault, "the report of a replay");
+    return fault_set(fault, ERR_CHECK,
+                     "record %zu (line %zu) diverges: %.*s is %s%.*s, %.*s was recorded; "
+                     "command: %.*s",
+                     record->number, record->line, SHOWN_MAX, buf_text(&report->word),
+                     actual ? "" : "missing", SHOWN_MAX, buf_text(&report->actual), SHOWN_MAX,
+                     buf_text(&report->expected), SHOWN_MAX, record->command);
+}
+
+static enum err tell_failure(const struct record *record, enum err err,
+                             struct replay_report *report, struct fault *fault)
+{
+    stop_at(report, REPLAY_FAILED, record);
+    if (fault)
+        buf_add_text(&report->actual, fault->text);
+    if (err == ERR_USAGE)
+        err = ERR_CHECK; /* the journal says that this very command was understood */
+    if (fault)
+        fault->code = err;
+    return fault_prefix(fault, err, "record %zu (line %zu) fails: %.*s", record->number,
+                        record->line, SHOWN_MAX, record->command);
+}
+
+static enum err compare(const struct record *record, const char *words,
+                        struct replay_report *report, struct fault *fault)
+{
+    const char *at = record->result, *end = at + strlen(at);
+    struct record_word expected, actual;
+    while (record_word_next(&at, end, &expected)) {
+        const bool is_there = record_word_find(words, expected.key, expected.key_length, &actual);
+        if (!is_there || actual.value_length != expected.value_length ||
+            memcmp(actual.value, expected.value, expected.value_length) != 0)
+            return tell_divergence(record, &expected, is_there ? &actual : NULL, report, fault);
+    }
+    return OK;
+}
+
+enum err replay_record(const struct record *record, const struct replay_host *host,
+                       struct replay_report *report, struct fault *fault)
+{
+    struct buf words = {0};
+    struct fault why = {.text = ""};
+    enum err err = host->execute(host->context, record->command, &words, &why);
+    if (!err && words.failed)
+        err = fault_memory(&why, "result words");
+    if (err) {
+        err = tell_failure(record, err, report, &why);
+        if (fault)
+            *fault = why;
+    } else if (record->has_result) {
+        err = compare(record, buf_text(&words), report, fault);
+        report->compared += err == OK;
+    }
+    report->executed += err == OK;
+    buf_release(&words);
+    return err;
+}
+
+/* Notes the first record that is not as it was written. */
+static void note_edit(struct replay_report *report, const struct walk *walk,
+                      const struct record *record)
+{
+    const bool is_sound = walk->is_journal ? !record_judge(record, NULL) : !record->has_result;
+    if (is_sound || !report->is_intact)
+        return;
+    report->is_intact = false;
+    report->edited_number = record->number;
+    report->edited_line = record->line;
+    report->edited_offset = record->offset;
+}
+
+/* Notes how the bytes end. */
+static enum err note_end(struct replay_report *report, const struct walk *walk, struct fault *fault)
+{
+    report->is_torn = walk->over == WALK_TORN;
+    report->torn_offset = report->is_torn ? walk->offset : 0;
+    if (walk->over != WALK_DAMAGED)
+        return OK;
+    stop_at(report, REPLAY_UNREADABLE, &walk->place);
+    return fault_set(fault, ERR_INPUT, "%s", walk->fault.text);
+}
+
+/* Adds to the words of a failure what may explain it. */
+static enum err explain(enum err err, const struct replay_report *report,
+                        const struct replay_options *options, struct fault *fault)
+{
+    const bool is_other =
+        options->semantics && report->semantics && report->semantics != options->semantics;
+    if (err && is_other)
+        fault_prefix(fault, err, "written with semantics %u, replayed with %u", report->semantics,
+                     options->semantics);
+    if (report->is_intact)
+        return err;
+    if (err)
+        return fault_prefix(fault, err,
+                            "the journal was edited or damaged at record %zu (line %zu)",
+                            report->edited_number, report->edited_line);
+    return fault_set(fault, ERR_CHECK,
+                     "the journal was edited or damaged at record %zu (line %zu, from byte %" PRIu64
+                     "), though every command gives what is recorded",
+                     report->edited_number, report->edited_line, report->edited_offset);
+}
+
+enum err replay_run(const char *bytes, size_t length, const struct replay_host *host,
+                    const struct replay_options *options, struct replay_report *report,
+                    struct fault *fault)
+{
+    struct walk walk;
+    struct record record;
+    report->is_intact = true;
+    enum err err = walk_begin(&walk, bytes, length, WALK_AS_FOUND, fault);
+    if (err) {
+        report->outcome = REPLAY_UNREADABLE;
+        return err;
+    }
+    report->is_journal = walk.is_journal;
+    report->semantics = walk.semantics;
+    while (!err && walk_next(&walk, &record) == WALK_RECORD) {
+        note_edit(report, &walk, &record);
+        err = replay_record(&record, host, report, fault);
+        if (record.number == options->last)
+            break;
+    }
+    if (!err)
+        err = note_end(report, &walk, fault);
+    err = explain(err, report, options, fault);
+    walk_release(&walk);
+    return err;
+}

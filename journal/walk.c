@@ -1,0 +1,294 @@
+#include "journal/walk.h"
+
+#include <assert.h>
+#include <string.h>
+
+/* One line of the bytes, without its line feed. */
+struct line {
+    const char *text;
+    size_t length;
+    size_t offset;
+    size_t number;
+    bool is_complete; /* its line feed is there */
+};
+
+struct position {
+    size_t offset;
+    size_t line;
+};
+
+static bool take_line(const struct walk *walk, struct position *at, struct line *line)
+{
+    if (at->offset == walk->length)
+        return false;
+    const char *text = walk->bytes + at->offset;
+    const size_t rest = walk->length - at->offset;
+    const char *feed = memchr(text, '\n', rest);
+    const size_t length = feed ? (size_t)(feed - text) : rest;
+    *line = (struct line){text, length, at->offset, at->line, feed != NULL};
+    at->offset += length + (feed != NULL);
+    at->line++;
+    return true;
+}
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+/* Scripts may be indented; a journal says things in one way. */
+static void skip_indent(const struct walk *walk, struct line *line)
+{
+    for (; !walk->is_journal && line->length > 0 && is_blank(*line->text); line->text++)
+        line->length--;
+}
+
+static bool line_is_result(const struct line *line)
+{
+    return line->length > 0 && *line->text == '=';
+}
+
+static bool line_is_comment(const struct walk *walk, const struct line *line)
+{
+    return line->length == 0 || *line->text == '#' ||
+           (walk->as == WALK_AS_SCRIPT && line_is_result(line));
+}
+
+/* ---- the beginning --------------------------------------------------------------------------- */
+
+static size_t length_without_zeros(const char *bytes, size_t length)
+{
+    while (length > 0 && bytes[length - 1] == '\0')
+        length--;
+    return length;
+}
+
+/* Finds out what the bytes are, and steps over the header of a journal. */
+static enum err read_header(struct walk *walk, struct fault *fault)
+{
+    const size_t length = length_without_zeros(walk->bytes, walk->length);
+    const char *feed = length ? memchr(walk->bytes, '\n', length) : NULL;
+    const size_t first = feed ? (size_t)(feed - walk->bytes) : length;
+    unsigned format;
+    const bool is_begun =
+        !feed && (length ? record_header_is_begun(walk->bytes, length) : walk->length > 0);
+    if (!is_begun && !record_header_is_meant(walk->bytes, first))
+        return OK;
+    walk->is_journal = true;
+    walk->ends_in_zeros = length < walk->length;
+    walk->length = length;
+    if (is_begun)
+        return OK; /* walk_next finds it torn */
+    if (!record_header_parse(walk->bytes, first, &format, &walk->semantics))
+        return fault_set(fault, ERR_INPUT,
+                         "the header in line 1 is malformed; \"# iftty journal %d semantics N\" "
+                         "was expected, not: %.*s",
+                         RECORD_FORMAT, first < 100 ? (int)first : 100, walk->bytes);
+    if (format != RECORD_FORMAT)
+        return fault_set(fault, ERR_INPUT,
+                         "this is a journal of format %u; this program reads format %d", format,
+                         RECORD_FORMAT);
+    assert(feed); /* a header without it is only begun */
+    walk->offset = walk->header_length = first + 1;
+    walk->line = 2;
+    return OK;
+}
+
+enum err walk_begin(struct walk *walk, const char *bytes, size_t length, enum walk_as as,
+                    struct fault *fault)
+{
+    *walk = (struct walk){.bytes = bytes ? bytes : "", .length = length, .as = as, .line = 1};
+    walk->chain = record_chain_zero;
+    if (as == WALK_AS_FOUND) {
+        enum err err = read_header(walk, fault);
+        if (err)
+            return err;
+    }
+    /* All memory that the walk will need: walk_next cannot fail for the lack of it. */
+    if (!buf_reserve(&walk->command, RECORD_LINE_MAX) ||
+        !buf_reserve(&walk->result, RECORD_LINE_MAX)) {
+        walk_release(walk);
+        return fault_memory(fault, "reading a journal");
+    }
+    return OK;
+}
+
+void walk_release(struct walk *walk)
+{
+    buf_release(&walk->command);
+    buf_release(&walk->result);
+}
+
+/* ---- the ends -------------------------------------------------------------------------------- */
+
+static enum walk_step end_walk(struct walk *walk, enum walk_step step, size_t offset, size_t line)
+{
+    walk->over = step;
+    walk->place = (struct record){.number = walk->records + 1,
+                                  .line = line,
+                                  .offset = offset,
+                                  .end = walk->length,
+                                  .command = "",
+                                  .result = ""};
+    return step;
+}
+
+static enum walk_step end_damaged(struct walk *walk, const struct line *line, const char *what)
+{
+    fault_set(&walk->fault, ERR_INPUT, "record %zu is damaged at line %zu, byte %zu: %s",
+              walk->records + 1, line->number, line->offset, what);
+    return end_walk(walk, WALK_DAMAGED, line->offset, line->number);
+}
+
+static enum walk_step end_torn(struct walk *walk)
+{
+    fault_set(&walk->fault, ERR_INPUT,
+              "record %zu is torn: its write did not finish (line %zu, from byte %zu)",
+              walk->records + 1, walk->line, walk->offset);
+    return end_walk(walk, WALK_TORN, walk->offset, walk->line);
+}
+
+/* Nothing is left but comments, or nothing at all. */
+static enum walk_step end_of_bytes(struct walk *walk)
+{
+    const bool is_torn = walk->is_journal && (walk->offset < walk->length || walk->ends_in_zeros ||
+                                              walk->header_length == 0);
+    return is_torn ? end_torn(walk) : end_walk(walk, WALK_END, walk->offset, walk->line);
+}
+
+/* ---- a record -------------------------------------------------------------------------------- */
+
+/* Why no line of ours looks like this; NULL where it may. */
+static const char *line_fault(const struct line *line)
+{
+    if (line->length > RECORD_LINE_MAX)
+        return "the line is longer than 65535 bytes";
+    if (memchr(line->text, '\0', line->length))
+        return "the line holds a zero byte";
+    return NULL;
+}
+
+static const char *command_fault(const struct walk *walk, const struct line *line)
+{
+    if (line_is_result(line))
+        return "a result line stands without its command";
+    if (walk->is_journal && is_blank(*line->text))
+        return "a command line begins with a blank";
+    if (walk->is_journal && record_line_is_sealed(line->text, line->length))
+        return "a result line is malformed or runs into the line before";
+    return NULL;
+}
+
+static void set_text(struct buf *text, const char *bytes, size_t length)
+{
+    buf_clear(text);
+    buf_add(text, bytes, length);
+    assert(!text->failed);
+}
+
+/* The result line of the record that begins at walk->offset; judges number and chain. */
+static void judge_result(struct walk *walk, const struct line *line,
+                         const struct record_result *result, struct record *record)
+{
+    struct record_chain chain;
+    const bool is_first = walk->records == 0;
+    const char *begin = walk->bytes + walk->offset;
+    const size_t covered = line->offset - walk->offset + result->covered;
+    record_chain_compute(&chain, &walk->chain, walk->bytes, is_first ? walk->header_length : 0,
+                         begin, covered);
+    set_text(&walk->result, result->words, result->words_length);
+    record->has_result = true;
+    record->result = buf_text(&walk->result);
+    record->noted = result->number;
+    record->number_fits = result->number == walk->noted + 1;
+    record->chain = result->chain;
+    record->chain_fits =
+        walk->is_journal && memcmp(chain.hex, result->chain.hex, RECORD_CHAIN_DIGITS) == 0;
+    walk->noted = result->number;
+    walk->chain = result->chain;
+}
+
+/* Finds the next command line; WALK_RECORD when it is in `line`. */
+static enum walk_step find_command(struct walk *walk, struct position *at, struct line *line)
+{
+    const char *wrong;
+    do {
+        if (!take_line(walk, at, line))
+            return end_of_bytes(walk);
+        if ((wrong = line_fault(line)))
+            return end_damaged(walk, line, wrong);
+        if (walk->is_journal && !line->is_complete)
+            return end_torn(walk);
+        skip_indent(walk, line);
+    } while (line_is_comment(walk, line));
+    if ((wrong = command_fault(walk, line)))
+        return end_damaged(walk, line, wrong);
+    return WALK_RECORD;
+}
+
+/* Takes the result line that stands at `at`, if one does: *has_result says so. */
+static enum walk_step find_result(struct walk *walk, struct position *at, bool *has_result,
+                                  struct line *line, struct record_result *result)
+{
+    struct position after = *at;
+    const char *wrong;
+    *has_result = false;
+    if (!take_line(walk, &after, line))
+        return walk->is_journal ? end_torn(walk) : WALK_RECORD;
+    if (walk->as == WALK_AS_SCRIPT || !line_is_result(line))
+        return WALK_RECORD;
+    if ((wrong = line_fault(line)))
+        return end_damaged(walk, line, wrong);
+    if (walk->is_journal && !line->is_complete)
+        return end_torn(walk);
+    if (!record_result_parse(line->text, line->length, result))
+        return end_damaged(walk, line, "the result line is malformed");
+    *has_result = true;
+    *at = after;
+    return WALK_RECORD;
+}
+
+enum walk_step walk_next(struct walk *walk, struct record *record)
+{
+    struct position at = {walk->offset, walk->line};
+    struct line line, result_line;
+    struct record_result result;
+    bool has_result = false;
+    if (walk->over == WALK_RECORD && find_command(walk, &at, &line) == WALK_RECORD)
+        find_result(walk, &at, &has_result, &result_line, &result);
+    if (walk->over != WALK_RECORD) {
+        *record = walk->place;
+        return walk->over;
+    }
+    set_text(&walk->command, line.text, line.length);
+    *record = (struct record){.number = walk->records + 1,
+                              .line = line.number,
+                              .offset = walk->offset,
+                              .end = at.offset,
+                              .command = buf_text(&walk->command),
+                              .result = ""};
+    if (has_result)
+        judge_result(walk, &result_line, &result, record);
+    walk->offset = at.offset;
+    walk->line = at.line;
+    walk->records++;
+    return WALK_RECORD;
+}
+
+enum walk_step walk_next_sound(struct walk *walk, struct record *record)
+{
+    const size_t offset = walk->offset, line = walk->line;
+    const uint64_t noted = walk->noted;
+    const struct record_chain chain = walk->chain;
+    enum walk_step step = walk_next(walk, record);
+    if (step != WALK_RECORD || !walk->is_journal || !record_judge(record, &walk->fault))
+        return step;
+    walk->offset = offset; /* take the record back */
+    walk->line = line;
+    walk->noted = noted;
+    walk->chain = chain;
+    walk->records--;
+    end_walk(walk, WALK_DAMAGED, offset, record->line);
+    *record = walk->place;
+    return WALK_DAMAGED;
+}

@@ -1,0 +1,178 @@
+/* Commands that only answer: nothing changes, nothing is recorded. */
+#include "command/act.h"
+
+#include <string.h>
+
+#include "journal/journal.h"
+
+void act_write_label(struct buf *out, const struct session *session, unsigned label)
+{
+    const char *name = session->settings.label_name[label];
+    buf_printf(out, "%u%s%s", label, *name ? " " : "", name);
+}
+
+static double real_value(const struct session *session, uint16_t intensity)
+{
+    return session->geometry.slope * intensity + session->geometry.intercept;
+}
+
+static void tell_voxel(struct buf *out, const struct session *session, uint32_t at)
+{
+    const struct grid *grid = &session->scene->grid;
+    const struct cell *cell = session->scene->cell + at;
+    struct place p = grid_place(grid, at);
+    const double index[4] = {p.x, p.y, p.z, 1};
+    double mm[3] = {0, 0, 0};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++)
+            mm[i] += session->geometry.to_mm[i][j] * index[j];
+    buf_printf(out, "voxel %u,%u,%u at %.1f,%.1f,%.1f mm: intensity %g, weight %u, ", p.x, p.y,
+               p.z, mm[0], mm[1], mm[2], real_value(session, cell->intensity), cell->weight);
+    if (cell->key == KEY_NONE) {
+        buf_add_text(out, "reached by no seed\n");
+        return;
+    }
+    struct place root = grid_place(grid, key_root(cell->key));
+    buf_add_text(out, "label ");
+    act_write_label(out, session, cell->label);
+    buf_printf(out, ", of the seed at %u,%u,%u\n", root.x, root.y, root.z);
+}
+
+ACT(pick)
+{
+    struct session *session = &desk->session;
+    const struct rendition *r = &session->rendition;
+    uint32_t column = (uint32_t)value[0].number, row = (uint32_t)value[1].number;
+    if (!session->rendered)
+        return fault_set(fault, ERR_USAGE, "the rendition is not up to date; `render` first");
+    if (column >= r->width || row >= r->height)
+        return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column,
+                         row, r->width, r->height);
+    uint32_t cell = r->cell[(size_t)row * r->width + column];
+    if (cell == CELL_NONE)
+        buf_printf(&reply->text, "pixel %u,%u shows no object\n", column, row);
+    else
+        tell_voxel(&reply->text, session, cell);
+    return OK;
+}
+
+/* How a voxel came to its label: the path back to the seed, where the cost rose. */
+ACT(why)
+{
+    const struct session *session = &desk->session;
+    const struct adjacency *adjacency = forest_adjacency(session->forest);
+    const struct grid *grid = &session->scene->grid;
+    const uint32_t *p = value[0].place;
+    uint32_t at = grid_cell(grid, p[0], p[1], p[2]);
+    const struct cell *cell = session->scene->cell + at;
+    size_t steps = 0, told = 0;
+    (void)fault;
+    tell_voxel(&reply->text, session, at);
+    if (cell->key == KEY_NONE)
+        return OK;
+    buf_printf(&reply->text, "cost %u, %u steps since it last rose\n", key_cost(cell->key),
+               key_hops(cell->key));
+    for (; cell->direction != DIRECTION_NONE; steps++) {
+        if (key_hops(cell->key) == 0 && told++ < 8) {
+            struct place rise = grid_place(grid, at);
+            buf_printf(&reply->text, "    the path climbs to %u at %u,%u,%u\n",
+                       key_cost(cell->key), rise.x, rise.y, rise.z);
+        }
+        at = (uint32_t)(at - adjacency->offset[cell->direction]);
+        cell = session->scene->cell + at;
+    }
+    buf_printf(&reply->text, "%zu steps from the seed in all\n", steps);
+    return OK;
+}
+
+ACT(info)
+{
+    const struct session *session = &desk->session;
+    struct buf *out = &reply->text;
+    (void)value, (void)fault;
+    if (desk->journal) {
+        buf_add_text(out, "journal   ");
+        buf_add_safe(out, journal_path(desk->journal), strlen(journal_path(desk->journal)));
+        buf_printf(out, ", %zu records\n", journal_count(desk->journal));
+    }
+    if (!session->has_scene) {
+        buf_add_text(out, "no scene is open\n");
+        return OK;
+    }
+    static const char letter[3][2] = {{'R', 'L'}, {'A', 'P'}, {'S', 'I'}};
+    const struct scene *scene = session->scene;
+    const struct view *view = &session->settings.view;
+    char towards[4] = {0};
+    for (int a = 0; a < 3; a++)
+        towards[a] = letter[scene->world_axis[a]][scene->world_sign[a] < 0];
+    buf_printf(out, "scene     %ux%ux%u voxels of %gx%gx%g mm, axes towards %s, digest %016llx\n",
+               scene->grid.size[0], scene->grid.size[1], scene->grid.size[2],
+               scene->spacing_nm[0] / 1e6, scene->spacing_nm[1] / 1e6, scene->spacing_nm[2] / 1e6,
+               towards, (unsigned long long)session->scene_digest);
+    buf_printf(out, "values    %g * intensity %+g\n", session->geometry.slope,
+               session->geometry.intercept);
+    buf_printf(out, "forest    %zu seeds, %zu edits waiting, adjacency %u, weight morph\n",
+               forest_seeds(session->forest), session->pendings, session->settings.adjacency);
+    const char *name = view_name(view->angle);
+    buf_printf(out, "view      %g %g %g degrees%s%s, zoom %g, %ux%u pixels\n",
+               view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,
+               name ? ", " : "", name ? name : "", view->zoom / 1000.0, view->width, view->height);
+    buf_printf(out, "memory    %.1f MB, %.1f bytes a voxel\n",
+               (double)session_memory(session) / 1e6,
+               (double)session_memory(session) / (double)scene->grid.voxels);
+    return OK;
+}
+
+ACT(stats)
+{
+    const struct session *session = &desk->session;
+    const struct grid *grid = &session->scene->grid;
+    size_t voxels[256] = {0}, seeds[256] = {0};
+    (void)value, (void)fault;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++) {
+                const struct cell *cell = session->scene->cell + c;
+                voxels[cell->label] += cell->key != KEY_NONE;
+                seeds[cell->label] += cell->flags & CELL_SEED;
+            }
+        }
+    const uint32_t *nm = session->scene->spacing_nm;
+    double ml = nm[0] / 1e6 * (nm[1] / 1e6) * (nm[2] / 1e6) / 1000.0;
+    for (unsigned label = 0; label < 256; label++) {
+        if (!voxels[label])
+            continue;
+        buf_add_text(&reply->text, "label ");
+        act_write_label(&reply->text, session, label);
+        buf_printf(&reply->text, ": %zu seeds, %zu voxels, %.1f ml%s\n", seeds[label],
+                   voxels[label], (double)voxels[label] * ml,
+                   label && !session->settings.visible[label] ? ", hidden" : "");
+    }
+    buf_printf(&reply->text, "%zu border voxels; forest %016llx, labels %016llx\n",
+               border_count(&session->border),
+               (unsigned long long)forest_digest(session->forest),
+               (unsigned long long)forest_label_digest(session->forest));
+    return OK;
+}
+
+ACT(help)
+{
+    const struct command *command = NULL;
+    (void)desk;
+    if (value[0].given) {
+        command = command_find(value[0].text);
+        if (!command)
+            return fault_set(fault, ERR_USAGE, "there is no command %s; `help` lists them",
+                             value[0].text);
+    }
+    command_help(&reply->text, command);
+    return OK;
+}
+
+ACT(quit)
+{
+    (void)value, (void)reply, (void)fault;
+    desk->finished = true;
+    return OK;
+}

@@ -1,0 +1,138 @@
+/* Commands that open a scene and change its forest. */
+#include "command/act.h"
+
+#include <string.h>
+
+#include "base/safe.h"
+
+ACT(open)
+{
+    struct buf path = {0};
+    struct session *session = &desk->session;
+    enum err err = desk_find_scene(desk, value[0].text, &path, fault);
+    if (!err)
+        err = session_open(session, buf_text(&path), fault);
+    buf_release(&path);
+    if (err)
+        return err;
+    const struct scene *scene = session->scene;
+    const uint32_t *size = scene->grid.size, *nm = scene->spacing_nm;
+    buf_printf(&reply->words,
+               "scene=%016llx size=%u,%u,%u spacing-nm=%u,%u,%u weights=%016llx",
+               (unsigned long long)session->scene_digest, size[0], size[1], size[2], nm[0], nm[1],
+               nm[2], (unsigned long long)session->weight_digest);
+    buf_printf(&reply->text, "%ux%ux%u voxels of %gx%gx%g mm, %.1f MB\n", size[0], size[1],
+               size[2], nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6,
+               (double)session_memory(session) / 1e6);
+    return OK;
+}
+
+static void add_weights(struct desk *desk, struct reply *reply)
+{
+    buf_printf(&reply->words, "weights=%016llx",
+               (unsigned long long)desk->session.weight_digest);
+}
+
+ACT(weight)
+{
+    (void)value, (void)fault; /* one choice, and it is what every scene begins with */
+    add_weights(desk, reply);
+    return OK;
+}
+
+ACT(adjacency)
+{
+    enum err err =
+        session_set_adjacency(&desk->session, value[0].number == 0 ? 6 : 26, fault);
+    if (!err)
+        add_weights(desk, reply);
+    return err;
+}
+
+/* A name is a word that no number, colour or option can be mistaken for. */
+static bool name_is_fit(const char *name)
+{
+    if (strlen(name) >= LABEL_NAME_BYTES || strchr("0123456789-#\"", *name))
+        return false;
+    for (size_t left = strlen(name); left > 0;) {
+        size_t n = safe_character(name, left);
+        if (n == 0 || *name == ' ' || *name == '=' || *name == '"' || *name == '\\')
+            return false;
+        name += n;
+        left -= n;
+    }
+    return true;
+}
+
+ACT(label)
+{
+    struct settings *settings = &desk->session.settings;
+    size_t label = (size_t)value[0].number;
+    (void)reply;
+    if (!name_is_fit(value[1].text))
+        return fault_set(fault, ERR_USAGE,
+                         "NAME: expected a word of at most %d bytes that begins with a letter, "
+                         "not %s",
+                         LABEL_NAME_BYTES - 1, value[1].text);
+    for (size_t other = 0; other < 256; other++)
+        if (other != label && strcmp(settings->label_name[other], value[1].text) == 0)
+            return fault_set(fault, ERR_USAGE, "label %zu is already called %s", other,
+                             value[1].text);
+    memcpy(settings->label_name[label], value[1].text, strlen(value[1].text) + 1);
+    if (value[2].given) {
+        for (int k = 0; k < 3; k++)
+            settings->palette.rgb[label][k] = (uint8_t)(value[2].number >> (16 - 8 * k));
+        desk->session.rendered = false;
+    }
+    return OK;
+}
+
+/* All voxels of the scene within `radius` of a place, centre first. */
+static enum err plant_ball(struct session *session, const uint32_t place[3], int64_t radius,
+                           uint8_t label, struct fault *fault)
+{
+    const struct grid *grid = &session->scene->grid;
+    enum err err = OK;
+    for (int64_t z = -radius; z <= radius; z++)
+        for (int64_t y = -radius; y <= radius; y++)
+            for (int64_t x = -radius; x <= radius; x++) {
+                int64_t at[3] = {place[0] + x, place[1] + y, place[2] + z};
+                if (x * x + y * y + z * z > radius * radius ||
+                    !grid_contains(grid, at[0], at[1], at[2]))
+                    continue;
+                uint32_t cell =
+                    grid_cell(grid, (uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]);
+                err = session_plant(session, cell, label, fault);
+                if (err)
+                    return err;
+            }
+    return OK;
+}
+
+ACT(seed)
+{
+    (void)reply;
+    return plant_ball(&desk->session, value[0].place, value[2].given ? value[2].number : 0,
+                      (uint8_t)value[1].number, fault);
+}
+
+ACT(remove)
+{
+    const uint32_t *p = value[0].place;
+    (void)reply;
+    return session_eliminate(&desk->session,
+                             grid_cell(&desk->session.scene->grid, p[0], p[1], p[2]), fault);
+}
+
+ACT(run)
+{
+    (void)value, (void)reply;
+    return session_run(&desk->session, fault);
+}
+
+ACT(auto)
+{
+    (void)reply, (void)fault;
+    desk->session.settings.runs_by_itself = value[0].number == 0;
+    return OK;
+}

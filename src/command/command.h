@@ -1,0 +1,113 @@
+/*
+ * Commands: one table, from which parser, canonical form, help, completion, journal policy, the
+ * README's section and the tests of every example are read.
+ *
+ * A command is a line of words separated by blanks; a word with blanks in it is written between
+ * double quotes, in which \" and \\ stand for " and \. Parameters come in the order of the table;
+ * those marked `keyed` are written name=value, anywhere after the command's name. A line parsed
+ * and written again in canonical form is the same command, and canonical already.
+ */
+#ifndef COMMAND_COMMAND_H
+#define COMMAND_COMMAND_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/buf.h"
+#include "base/err.h"
+
+struct desk;
+struct session;
+
+enum parameter_type {
+    PARAMETER_END,      /* no parameter: the end of the list */
+    PARAMETER_POSITION, /* X,Y,Z as indices, or X,Y,Zmm in the world */
+    PARAMETER_LABEL,    /* a label's number or name */
+    PARAMETER_NUMBER,   /* an integer, least..most */
+    PARAMETER_DECIMAL,  /* thousandths, least..most: 12.5 is 12500 */
+    PARAMETER_CHOICE,   /* one of `choices`, "a|b|c" */
+    PARAMETER_VIEW,     /* the name of a view, or a yaw in degrees */
+    PARAMETER_ZOOM,     /* "fit" or thousandths */
+    PARAMETER_COLOUR,   /* #rrggbb */
+    PARAMETER_FILE,     /* a path */
+    PARAMETER_WORD,     /* any word */
+};
+
+struct parameter {
+    const char *name;
+    enum parameter_type type;
+    bool optional, keyed;
+    int64_t least, most;
+    const char *choices;
+};
+
+/* What a parameter was given as. */
+struct value {
+    bool given;
+    int64_t number;    /* LABEL, NUMBER, DECIMAL, ZOOM; CHOICE: which; COLOUR: 0xrrggbb; VIEW: yaw */
+    const char *text;  /* FILE, WORD, CHOICE; VIEW and ZOOM: the name, or NULL for a number */
+    uint32_t place[3]; /* POSITION, in the scene */
+};
+
+enum { PARAMETERS_MOST = 4 };
+
+enum command_flag {
+    COMMAND_RECORDED = 1,     /* goes into the journal */
+    COMMAND_NEEDS_SCENE = 2,
+    COMMAND_EDITS = 4,        /* changes what `run` computes: its digests are recorded */
+    COMMAND_WRITES = 8,       /* writes a file: not while replaying, unless asked for */
+};
+
+/* What a command answers: text for the user, "key=value" words for the journal. */
+struct reply {
+    struct buf text;  /* lines, each ended by a line feed, safe to print */
+    struct buf words; /* separated by single spaces */
+    struct buf canonical;
+};
+
+struct call; /* a command with its values */
+
+struct command {
+    const char *name;
+    unsigned flags; /* enum command_flag */
+    struct parameter parameter[PARAMETERS_MOST];
+    const char *summary; /* one line */
+    const char *detail;  /* further lines of help, or NULL */
+    const char *example; /* a line that parses */
+    enum err (*act)(struct desk *desk, const struct value *value, struct reply *reply,
+                    struct fault *fault);
+};
+
+struct call {
+    const struct command *command; /* NULL for an empty line or a comment */
+    struct value value[PARAMETERS_MOST];
+    struct buf store; /* the words that values point into */
+};
+
+/* The table, in the order of help. */
+extern const struct command command_table[];
+extern const unsigned command_count;
+
+const struct command *command_find(const char *name);
+
+/* Parses a line against the table. Positions and labels are looked up in `session` (which may have
+ * no scene: then positions are refused, and label names too). The words of an error say what was
+ * expected. The caller releases `call`. */
+enum err command_parse(struct call *call, const char *line, const struct session *session,
+                       struct fault *fault);
+void call_release(struct call *call);
+
+/* The canonical form of a call. */
+void command_write(struct buf *out, const struct call *call);
+
+/* "seed X,Y,Z LABEL [radius=0..32]": how a command is used. */
+void command_usage(struct buf *out, const struct command *command);
+
+/* The text of `help` (command NULL) or `help NAME`. */
+void command_help(struct buf *out, const struct command *command);
+
+/* Words that may stand at the end of line[0..cursor): newline-separated, with where they begin. */
+void command_complete(struct buf *out, size_t *word_start, const char *line, size_t cursor,
+                      const struct session *session);
+
+#endif

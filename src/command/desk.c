@@ -1,0 +1,248 @@
+#include "command/desk.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/file.h"
+#include "journal/replay.h"
+#include "session/export.h"
+
+static const char default_scenes[] = "/usr/share/mricron/templates";
+
+enum err desk_init(struct desk *desk, struct fault *fault)
+{
+    struct buf program = {0};
+    *desk = (struct desk){0};
+    session_init(&desk->session);
+    enum err err = image_helper_default_program(&program, fault);
+    if (!err)
+        err = image_helper_new(&desk->helper, buf_text(&program), fault);
+    buf_release(&program);
+    return err;
+}
+
+void desk_release(struct desk *desk)
+{
+    journal_close(desk->journal);
+    image_helper_free(desk->helper);
+    session_release(&desk->session);
+    buf_release(&desk->home);
+    *desk = (struct desk){0};
+}
+
+void reply_release(struct reply *reply)
+{
+    buf_release(&reply->text);
+    buf_release(&reply->words);
+    buf_release(&reply->canonical);
+}
+
+/* ---- the door ---- */
+
+/* The digests of the forest, after a command that edits it. */
+static void add_digests(struct reply *reply, const struct session *session)
+{
+    buf_printf(&reply->words, "%sforest=%016llx labels=%016llx seeds=%zu",
+               reply->words.length ? " " : "",
+               (unsigned long long)forest_digest(session->forest),
+               (unsigned long long)forest_label_digest(session->forest),
+               forest_seeds(session->forest));
+    if (session->pendings)
+        buf_printf(&reply->words, " pending=%zu", session->pendings);
+}
+
+static enum err act(struct desk *desk, const struct call *call, struct reply *reply,
+                    struct fault *fault)
+{
+    const struct command *command = call->command;
+    struct session *session = &desk->session;
+    uint64_t begin = clock_ns();
+    if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
+        return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
+    enum err err = command->act(desk, call->value, reply, fault);
+    if (!err && command->flags & COMMAND_EDITS && session->settings.runs_by_itself)
+        err = session_run(session, fault);
+    if (!err && command->flags & COMMAND_EDITS)
+        add_digests(reply, session);
+    desk->took_ns = clock_ns() - begin;
+    if (!err && session->edited_forest)
+        buf_printf(&reply->text, "%llu voxels changed, %.1f ms\n",
+                   (unsigned long long)forest_stats(session->forest).touched,
+                   (double)desk->took_ns / 1e6);
+    if (!err && (reply->text.failed || reply->words.failed || reply->canonical.failed))
+        err = fault_memory(fault, "an answer");
+    return err;
+}
+
+enum err desk_execute(struct desk *desk, const char *line, struct reply *reply,
+                      struct fault *fault)
+{
+    struct call call;
+    buf_clear(&reply->text);
+    buf_clear(&reply->words);
+    buf_clear(&reply->canonical);
+    desk->shows_picture = false;
+    enum err err = command_parse(&call, line, &desk->session, fault);
+    if (err || !call.command)
+        return err;
+    command_write(&reply->canonical, &call);
+    session_mark(&desk->session);
+    err = act(desk, &call, reply, fault);
+    const bool recorded = call.command->flags & COMMAND_RECORDED;
+    if (!err && recorded && desk->new_journal && !desk->replays) {
+        err = desk_create_journal(desk, desk->new_journal, fault);
+        desk->new_journal = err ? desk->new_journal : NULL;
+    }
+    if (!err && recorded && desk->journal && !desk->replays) {
+        err = journal_append(desk->journal, buf_text(&reply->canonical), buf_text(&reply->words),
+                             fault);
+        if (err)
+            fault_prefix(fault, err, "the command is undone, because it could not be recorded");
+    }
+    if (err) {
+        session_rollback(&desk->session);
+        desk->shows_picture = desk->finished = false;
+    } else {
+        desk->acknowledged++;
+    }
+    call_release(&call);
+    return err;
+}
+
+/* ---- journals ---- */
+
+bool desk_is_journal(const char *path)
+{
+    struct buf start = {0};
+    static const char header[] = "# iftty journal ";
+    bool is = file_read(&start, path, JOURNAL_BYTES_MAX, NULL) == OK &&
+              strncmp(buf_text(&start), header, sizeof header - 1) == 0;
+    buf_release(&start);
+    return is;
+}
+
+static enum err set_home(struct desk *desk, const char *path, struct fault *fault)
+{
+    buf_clear(&desk->home);
+    buf_add_text(&desk->home, path);
+    return desk->home.failed ? fault_memory(fault, "a path") : OK;
+}
+
+enum err desk_create_journal(struct desk *desk, const char *path, struct fault *fault)
+{
+    enum err err = set_home(desk, path, fault);
+    if (!err)
+        err = journal_create(&desk->journal, path, SEMANTICS, fault);
+    return err;
+}
+
+struct resume {
+    struct desk *desk;
+    struct replay_report report;
+};
+
+static enum err execute_again(void *context, const char *command, struct buf *words,
+                              struct fault *fault)
+{
+    struct reply reply = {0};
+    enum err err = desk_execute(context, command, &reply, fault);
+    buf_add_text(words, buf_text(&reply.words));
+    reply_release(&reply);
+    return err;
+}
+
+static enum err resume_record(void *context, const struct record *record, struct fault *fault)
+{
+    struct resume *resume = context;
+    const struct replay_host host = {resume->desk, execute_again};
+    return replay_record(record, &host, &resume->report, fault);
+}
+
+enum err desk_resume_journal(struct desk *desk, const char *path, struct buf *told,
+                             struct fault *fault)
+{
+    struct resume resume = {.desk = desk};
+    struct journal_resume how = {
+        .semantics = SEMANTICS, .on_record = resume_record, .context = &resume};
+    enum err err = set_home(desk, path, fault);
+    desk->replays = true;
+    if (!err)
+        err = journal_open(&desk->journal, path, &how, told, fault);
+    desk->replays = false;
+    desk->finished = desk->shows_picture = false;
+    desk->acknowledged = err ? 0 : journal_count(desk->journal);
+    replay_report_release(&resume.report);
+    if (err)
+        return fault_prefix(fault, err, "cannot resume %s", path);
+    return OK;
+}
+
+/* ---- paths ---- */
+
+static bool is_inside(const char *name)
+{
+    if (*name == '/' || *name == '\0')
+        return false;
+    for (const char *at = name; *at; at += strcspn(at, "/"), at += *at == '/')
+        if (strncmp(at, "..", 2) == 0 && (at[2] == '/' || at[2] == '\0'))
+            return false;
+    return true;
+}
+
+static bool try_folder(struct buf *path, const char *folder, size_t length, const char *name)
+{
+    buf_clear(path);
+    buf_add(path, folder, length);
+    buf_printf(path, "/%s", name);
+    return file_exists(buf_text(path));
+}
+
+enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *path,
+                         struct fault *fault)
+{
+    struct buf folder = {0};
+    bool found = false;
+    buf_clear(path);
+    if (strncmp(name, "synth:", 6) == 0 || desk->scene_path) {
+        buf_add_text(path, strncmp(name, "synth:", 6) == 0 ? name : desk->scene_path);
+        return OK;
+    }
+    if (desk->home.length && is_inside(name)) {
+        file_folder(&folder, buf_text(&desk->home));
+        found = try_folder(path, buf_text(&folder), folder.length, name);
+    }
+    if (!found && file_exists(name)) {
+        buf_clear(path);
+        buf_add_text(path, name);
+        found = true;
+    }
+    const char *list = getenv("IFTTY_SCENES");
+    for (list = list ? list : default_scenes; !found && is_inside(name) && *list;) {
+        size_t length = strcspn(list, ":");
+        found = length && try_folder(path, list, length, name);
+        list += length + (list[length] == ':');
+    }
+    buf_release(&folder);
+    if (path->failed)
+        return fault_memory(fault, "a path");
+    if (!found)
+        return fault_set(fault, ERR_IO, "there is no scene %s here%s; nothing was opened", name,
+                         desk->home.length ? " nor beside the journal" : "");
+    return OK;
+}
+
+enum err desk_output_path(const struct desk *desk, const char *name, struct buf *path,
+                          struct fault *fault)
+{
+    buf_clear(path);
+    if (desk->out_folder)
+        buf_printf(path, "%s/%s", desk->out_folder, file_name(name));
+    else if (!desk->replays)
+        buf_add_text(path, name);
+    if (path->failed)
+        return fault_memory(fault, "a path");
+    if (desk->replays && !is_inside(name))
+        return fault_set(fault, ERR_INPUT, "a journal may not write to %s", name);
+    return OK;
+}

@@ -1,0 +1,61 @@
+/*
+ * The desk: a session with its journal, and the one door through which commands come.
+ *
+ * Keyboard, script and replay all call desk_execute. A command is carried out, recorded (if it
+ * changes something), and only then acknowledged; when the record cannot be written, the session
+ * is taken back to before it. Replaying only turns writing off and comparing on.
+ */
+#ifndef COMMAND_DESK_H
+#define COMMAND_DESK_H
+
+#include "command/command.h"
+#include "image/helper.h"
+#include "journal/journal.h"
+#include "session/session.h"
+
+struct desk {
+    struct session session;
+    struct journal *journal;     /* where commands are recorded; NULL records nothing */
+    const char *new_journal;     /* created with the first command that is recorded, or NULL */
+    struct image_helper *helper; /* started on first use */
+
+    struct buf home;           /* path of the journal at hand: goldens and scenes lie beside it */
+    const char *scene_path;    /* a scene to open whatever name `open` gives, or NULL */
+    const char *out_folder;    /* files go there, under their last name; NULL: where they say */
+    bool replays;              /* files are written only with an out_folder */
+    bool compares_goldens;     /* `golden` compares with the file instead of writing it */
+
+    size_t acknowledged;
+    bool finished;     /* `quit` */
+    bool shows_picture; /* the last command made a rendition to be shown inline */
+    uint64_t took_ns;  /* the last command, without its record */
+};
+
+enum err desk_init(struct desk *desk, struct fault *fault);
+void desk_release(struct desk *desk);
+
+/* Carries one line out. `reply` is cleared first. An empty line or a comment does nothing, and leaves
+ * reply->canonical empty. On error nothing has changed. */
+enum err desk_execute(struct desk *desk, const char *line, struct reply *reply,
+                      struct fault *fault);
+void reply_release(struct reply *reply);
+
+/* Starts a journal at `path`, or resumes it: replays its records, compares every result, and goes on
+ * recording there. `told` gets lines for the user. */
+enum err desk_create_journal(struct desk *desk, const char *path, struct fault *fault);
+enum err desk_resume_journal(struct desk *desk, const char *path, struct buf *told,
+                             struct fault *fault);
+
+/* True where the file at `path` begins as a journal does. */
+bool desk_is_journal(const char *path);
+
+/* The path under which the scene `name` is found: desk->scene_path; beside the journal; as it
+ * stands; in a folder of $IFTTY_SCENES (separated by colons; Debian's mricron-data by default). */
+enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *path,
+                         struct fault *fault);
+
+/* Where a file that a command names is to be written; an empty path where it is not. */
+enum err desk_output_path(const struct desk *desk, const char *name, struct buf *path,
+                          struct fault *fault);
+
+#endif

@@ -1,0 +1,234 @@
+#include "command/drive.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "journal/replay.h"
+#include "session/export.h"
+
+enum { LINE_BYTES_MOST = 65536 };
+
+static void say(const struct teller *teller, struct buf *text)
+{
+    teller->say(teller->context, buf_text(text));
+    buf_clear(text);
+}
+
+/* ---- scripts ---- */
+
+/* One line without its line feed; false at the end. A line too long comes in pieces that no
+ * command matches. */
+static bool read_line(FILE *input, struct buf *line)
+{
+    int c;
+    buf_clear(line);
+    while ((c = getc(input)) != EOF && c != '\n' && line->length < LINE_BYTES_MOST)
+        buf_add_char(line, (char)(c ? c : 1)); /* a zero byte would hide the rest of the line */
+    if (line->length && line->data[line->length - 1] == '\r')
+        line->data[--line->length] = '\0';
+    return c != EOF || line->length > 0;
+}
+
+static void acknowledge(const struct desk *desk, const struct reply *reply,
+                        const struct teller *teller)
+{
+    struct buf text = {0};
+    buf_printf(&text, "ok %zu ", desk->acknowledged);
+    buf_add_safe(&text, buf_text(&reply->canonical), reply->canonical.length);
+    buf_add_char(&text, '\n');
+    for (const char *at = buf_text(&reply->text); *at;) {
+        size_t n = strcspn(at, "\n");
+        buf_add_text(&text, "    ");
+        buf_add(&text, at, n);
+        buf_add_char(&text, '\n');
+        at += n + (at[n] == '\n');
+    }
+    say(teller, &text);
+    buf_release(&text);
+}
+
+static void complain(const struct teller *teller, const char *name, size_t line,
+                     const struct fault *fault)
+{
+    struct buf text = {0};
+    buf_add_safe(&text, name, strlen(name));
+    buf_printf(&text, ":%zu: %s\n", line, fault->text);
+    teller->complain(teller->context, buf_text(&text));
+    buf_release(&text);
+}
+
+enum err drive_script(struct desk *desk, FILE *input, const char *name, bool keep_going,
+                      const struct teller *teller, struct fault *fault)
+{
+    struct buf line = {0};
+    struct reply reply = {0};
+    enum err first = OK;
+    for (size_t number = 1; !desk->finished && read_line(input, &line); number++) {
+        if (*buf_text(&line) == '=')
+            continue;
+        enum err err = desk_execute(desk, buf_text(&line), &reply, fault);
+        if (err) {
+            complain(teller, name, number, fault);
+            first = first ? first : err;
+            if (!keep_going)
+                break;
+        } else if (reply.canonical.length) {
+            acknowledge(desk, &reply, teller);
+            if (desk->shows_picture && teller->picture)
+                teller->picture(teller->context, desk);
+        }
+    }
+    reply_release(&reply);
+    buf_release(&line);
+    if (!first && ferror(input))
+        return fault_set(fault, ERR_IO, "cannot read %s", name);
+    return first;
+}
+
+/* ---- replay ---- */
+
+struct replaying {
+    struct desk *desk;
+    const struct teller *teller; /* NULL: quietly */
+};
+
+static enum err execute(void *context, const char *command, struct buf *words,
+                        struct fault *fault)
+{
+    struct replaying *replaying = context;
+    struct reply reply = {0};
+    enum err err = desk_execute(replaying->desk, command, &reply, fault);
+    if (!err && replaying->teller && reply.canonical.length)
+        acknowledge(replaying->desk, &reply, replaying->teller);
+    buf_add_text(words, buf_text(&reply.words));
+    reply_release(&reply);
+    return err;
+}
+
+static enum err replay_file(struct desk *desk, const char *path, const struct teller *teller,
+                            struct replay_report *report, struct fault *fault)
+{
+    struct buf bytes = {0};
+    struct replaying replaying = {desk, teller};
+    const struct replay_host host = {&replaying, execute};
+    const struct replay_options options = {.semantics = SEMANTICS};
+    enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
+    desk->replays = true;
+    buf_clear(&desk->home);
+    buf_add_text(&desk->home, path);
+    if (!err)
+        err = replay_run(buf_text(&bytes), bytes.length, &host, &options, report, fault);
+    buf_release(&bytes);
+    return err;
+}
+
+static void add_detail(struct buf *text, const char *what, const struct buf *value)
+{
+    buf_printf(text, "#   %-9s", what);
+    buf_add_safe(text, buf_text(value), value->length);
+    buf_add_char(text, '\n');
+}
+
+/* What a replay found, as comment lines. */
+static void tell_report(struct buf *text, const struct replay_report *report,
+                        const struct fault *fault)
+{
+    if (!report->is_intact && report->edited_number)
+        buf_printf(text,
+                   "# record %zu, line %zu: its chain digest does not fit: the journal was "
+                   "edited from here on\n",
+                   report->edited_number, report->edited_line);
+    if (report->is_torn)
+        buf_printf(text, "# an unfinished record at byte %llu was left alone\n",
+                   (unsigned long long)report->torn_offset);
+    if (report->outcome == REPLAY_SAME)
+        return;
+    buf_printf(text, "# record %zu, line %zu: ", report->number, report->line);
+    if (report->outcome == REPLAY_DIVERGED)
+        buf_add_text(text, "the first command that gives another result\n");
+    else
+        buf_printf(text, "%s\n", fault->text);
+    if (report->command.length)
+        add_detail(text, "command", &report->command);
+    if (report->outcome != REPLAY_DIVERGED)
+        return;
+    add_detail(text, "differs", &report->word);
+    add_detail(text, "expected", &report->expected);
+    add_detail(text, "actual", &report->actual);
+}
+
+enum err drive_replay(struct desk *desk, const char *path, const struct teller *teller,
+                      struct fault *fault)
+{
+    struct replay_report report = {0};
+    struct buf text = {0};
+    enum err err = replay_file(desk, path, teller, &report, fault);
+    tell_report(&text, &report, fault);
+    if (text.length)
+        teller->complain(teller->context, buf_text(&text));
+    if (!err)
+        buf_printf(&text, "# %zu commands replayed, %zu results the same\n", report.executed,
+                   report.compared);
+    if (!err)
+        teller->say(teller->context, buf_text(&text));
+    replay_report_release(&report);
+    buf_release(&text);
+    return err;
+}
+
+/* ---- verify ---- */
+
+static enum err verify_one(const char *path, int number, const char *scene_path,
+                           const char *out_folder, const struct teller *teller,
+                           struct fault *fault)
+{
+    struct desk desk;
+    struct replay_report report = {0};
+    struct buf text = {0};
+    enum err err = desk_init(&desk, fault);
+    desk.scene_path = scene_path;
+    desk.out_folder = out_folder;
+    desk.compares_goldens = true;
+    if (!err)
+        err = replay_file(&desk, path, NULL, &report, fault);
+    if (!err && !report.is_journal)
+        err = fault_set(fault, ERR_CHECK, "this is a script, not a journal: nothing to compare");
+    buf_printf(&text, "%s %d - ", err ? "not ok" : "ok", number);
+    buf_add_safe(&text, path, strlen(path));
+    if (err)
+        buf_add_char(&text, '\n');
+    else
+        buf_printf(&text, " (%zu commands, %zu results)\n", report.executed, report.compared);
+    struct buf detail = {0};
+    tell_report(&detail, &report, fault);
+    if (err && !detail.length)
+        buf_printf(&detail, "# %s\n", fault->text);
+    buf_add_text(&text, buf_text(&detail));
+    teller->say(teller->context, buf_text(&text));
+    buf_release(&detail);
+    buf_release(&text);
+    replay_report_release(&report);
+    desk_release(&desk);
+    return err;
+}
+
+enum err drive_verify(char *const *paths, int count, const char *scene_path,
+                      const char *out_folder, const struct teller *teller, struct fault *fault)
+{
+    struct buf text = {0};
+    int passed = 0;
+    enum err worst = OK;
+    for (int i = 0; i < count; i++) {
+        enum err err = verify_one(paths[i], i + 1, scene_path, out_folder, teller, fault);
+        passed += err == OK;
+        if (err && (!worst || worst == ERR_CHECK))
+            worst = err;
+    }
+    buf_printf(&text, "1..%d\n# %d verified, %d failed\n", count, passed, count - passed);
+    say(teller, &text);
+    buf_release(&text);
+    if (worst)
+        fault_set(fault, worst, "%d of %d journals failed", count - passed, count);
+    return worst;
+}

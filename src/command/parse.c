@@ -1,0 +1,356 @@
+#include "command/command.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/scan.h"
+#include "render/view.h"
+#include "session/session.h"
+
+enum { LINE_BYTES_MOST = 4096 };
+
+const struct command *command_find(const char *name)
+{
+    for (unsigned i = 0; i < command_count; i++)
+        if (strcmp(command_table[i].name, name) == 0)
+            return &command_table[i];
+    return NULL;
+}
+
+/* ---- words ---- */
+
+/* Takes one word at *cursor into `out`, ended by NUL. False for a quote that does not end. */
+static bool take_word(const char **cursor, struct buf *out)
+{
+    const char *at = *cursor;
+    bool quoted = *at == '"';
+    at += quoted;
+    while (*at && (quoted ? *at != '"' : *at != ' ' && *at != '\t')) {
+        if (quoted && *at == '\\' && (at[1] == '"' || at[1] == '\\'))
+            at++;
+        buf_add_char(out, *at++);
+    }
+    buf_add_char(out, '\0');
+    if (quoted && *at != '"')
+        return false;
+    *cursor = at + quoted;
+    return **cursor == '\0' || **cursor == ' ' || **cursor == '\t';
+}
+
+/* The words of a line, each ended by NUL, one after the other in `out`. */
+static enum err split(struct buf *out, unsigned *count, const char *line, struct fault *fault)
+{
+    *count = 0;
+    if (strlen(line) > LINE_BYTES_MOST)
+        return fault_set(fault, ERR_USAGE, "a command of more than %d bytes", LINE_BYTES_MOST);
+    for (scan_blanks(&line); *line; scan_blanks(&line)) {
+        if (!take_word(&line, out))
+            return fault_set(fault, ERR_USAGE, "a word in quotes does not end: %s", line);
+        ++*count;
+    }
+    return out->failed ? fault_memory(fault, "a command") : OK;
+}
+
+/* ---- values ---- */
+
+static enum err expect(struct fault *fault, const struct parameter *p, const char *word,
+                       const char *expected)
+{
+    return fault_set(fault, ERR_USAGE, "%s: expected %s, not %s", p->name, expected,
+                     *word ? word : "nothing");
+}
+
+/* The voxel nearest to a point of the world: solves to_mm * (i, j, k, 1) = point. */
+static bool voxel_at(const struct geometry *geometry, const double point[3], int64_t place[3])
+{
+    const double(*m)[4] = geometry->to_mm;
+    double b[3], cofactor[3][3], determinant = 0;
+    for (int i = 0; i < 3; i++) {
+        b[i] = point[i] - m[i][3];
+        for (int j = 0; j < 3; j++) {
+            int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+            cofactor[i][j] = m[i1][j1] * m[i2][j2] - m[i1][j2] * m[i2][j1];
+        }
+    }
+    for (int j = 0; j < 3; j++)
+        determinant += m[0][j] * cofactor[0][j];
+    for (int j = 0; j < 3; j++) {
+        double along = b[0] * cofactor[0][j] + b[1] * cofactor[1][j] + b[2] * cofactor[2][j];
+        along = floor(along / determinant + 0.5);
+        if (!(fabs(along) < 1e9))
+            return false;
+        place[j] = (int64_t)along;
+    }
+    return true;
+}
+
+static enum err read_position(struct value *value, const struct parameter *p, const char *word,
+                              const struct session *session, struct fault *fault)
+{
+    const char *at = word;
+    int64_t part[3], place[3];
+    if (!session->has_scene)
+        return fault_set(fault, ERR_USAGE, "no scene is open; open one first");
+    for (int a = 0; a < 3; a++)
+        if ((a > 0 && !scan_text(&at, ",")) ||
+            !scan_decimal(&at, 6, INT64_C(-1000000000000), INT64_C(1000000000000), &part[a]))
+            return expect(fault, p, word, "X,Y,Z (voxel indices) or X,Y,Zmm (world)");
+    bool world = scan_text(&at, "mm");
+    if (*at)
+        return expect(fault, p, word, "X,Y,Z (voxel indices) or X,Y,Zmm (world)");
+    for (int a = 0; a < 3; a++) {
+        if (!world && part[a] % 1000000)
+            return expect(fault, p, word, "whole voxel indices, or mm at the end");
+        place[a] = part[a] / 1000000;
+    }
+    const double point[3] = {(double)part[0] / 1e6, (double)part[1] / 1e6, (double)part[2] / 1e6};
+    const uint32_t *size = session->scene->grid.size;
+    if ((world && !voxel_at(&session->geometry, point, place)) ||
+        !grid_contains(&session->scene->grid, place[0], place[1], place[2]))
+        return fault_set(fault, ERR_INPUT,
+                         "%s lies outside the scene, whose voxels are 0,0,0 to %u,%u,%u; "
+                         "nothing has changed",
+                         word, size[0] - 1, size[1] - 1, size[2] - 1);
+    for (int a = 0; a < 3; a++)
+        value->place[a] = (uint32_t)place[a];
+    return OK;
+}
+
+static enum err read_label(struct value *value, const struct parameter *p, const char *word,
+                           const struct session *session, struct fault *fault)
+{
+    const char *at = word;
+    if (scan_integer(&at, p->least, 255, &value->number) && *at == '\0')
+        return OK;
+    for (int label = 0; label < 256; label++)
+        if (*word && strcmp(session->settings.label_name[label], word) == 0 && label >= p->least) {
+            value->number = label;
+            return OK;
+        }
+    return fault_set(fault, ERR_USAGE,
+                     "%s: expected a label %d..255 or the name of one, not %s; name one with "
+                     "`label N NAME`",
+                     p->name, (int)p->least, word);
+}
+
+static enum err read_number(struct value *value, const struct parameter *p, const char *word,
+                            unsigned places, struct fault *fault)
+{
+    const char *at = word;
+    if (scan_decimal(&at, places, p->least, p->most, &value->number) && *at == '\0')
+        return OK;
+    int64_t unit = places ? 1000 : 1;
+    return fault_set(fault, ERR_USAGE, "%s: expected a number %lld..%lld%s, not %s", p->name,
+                     (long long)(p->least / unit), (long long)(p->most / unit),
+                     places ? " with at most three decimals" : "", word);
+}
+
+/* Which of "a|b|c" a word is; -1 for none. */
+static int choice_of(const char *choices, const char *word)
+{
+    size_t length = strlen(word);
+    for (int i = 0; *choices; i++) {
+        size_t n = strcspn(choices, "|");
+        if (n == length && memcmp(choices, word, n) == 0)
+            return i;
+        choices += n + (choices[n] == '|');
+    }
+    return -1;
+}
+
+static enum err read_value(struct value *value, const struct parameter *p, const char *word,
+                           const struct session *session, struct fault *fault)
+{
+    int32_t angle[3];
+    uint64_t colour;
+    const char *at = word + 1;
+    value->given = true;
+    switch (p->type) {
+    case PARAMETER_POSITION:
+        return read_position(value, p, word, session, fault);
+    case PARAMETER_LABEL:
+        return read_label(value, p, word, session, fault);
+    case PARAMETER_NUMBER:
+        return read_number(value, p, word, 0, fault);
+    case PARAMETER_DECIMAL:
+        return read_number(value, p, word, 3, fault);
+    case PARAMETER_CHOICE:
+        value->text = word;
+        value->number = choice_of(p->choices, word);
+        return value->number < 0 ? expect(fault, p, word, p->choices) : OK;
+    case PARAMETER_VIEW:
+        value->text = view_by_name(word, angle) ? word : NULL;
+        return value->text ? OK : read_number(value, p, word, 3, fault);
+    case PARAMETER_ZOOM:
+        value->text = strcmp(word, "fit") == 0 ? word : NULL;
+        return value->text ? OK : read_number(value, p, word, 3, fault);
+    case PARAMETER_COLOUR:
+        if (*word != '#' || !scan_hex(&at, 6, &colour) || *at)
+            return expect(fault, p, word, "#rrggbb, six lower-case hexadecimal digits");
+        value->number = (int64_t)colour;
+        return OK;
+    case PARAMETER_FILE:
+    case PARAMETER_WORD:
+    case PARAMETER_END:
+        value->text = word;
+        return *word ? OK : expect(fault, p, word, "a word");
+    }
+    return OK;
+}
+
+/* ---- calls ---- */
+
+/* The parameter that a word fills: a keyed one by its name, else the next in order. */
+static int parameter_for(const struct call *call, const char **word)
+{
+    const struct parameter *p = call->command->parameter;
+    for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++) {
+        size_t n = strlen(p[i].name);
+        if (p[i].keyed && strncmp(*word, p[i].name, n) == 0 && (*word)[n] == '=') {
+            *word += n + 1;
+            return i;
+        }
+    }
+    for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++)
+        if (!p[i].keyed && !call->value[i].given)
+            return i;
+    return -1;
+}
+
+static enum err usage_fault(struct fault *fault, const struct command *command, const char *what,
+                            const char *word)
+{
+    struct buf usage = {0};
+    command_usage(&usage, command);
+    enum err err = fault_set(fault, ERR_USAGE, "%s%s; usage: %s", what, word, buf_text(&usage));
+    buf_release(&usage);
+    return err;
+}
+
+static enum err fill(struct call *call, const char *word, const struct session *session,
+                     struct fault *fault)
+{
+    const char *whole = word;
+    int i = parameter_for(call, &word);
+    if (i < 0)
+        return usage_fault(fault, call->command, "one word too many: ", whole);
+    if (call->value[i].given)
+        return usage_fault(fault, call->command, "given twice: ", whole);
+    return read_value(&call->value[i], &call->command->parameter[i], word, session, fault);
+}
+
+enum err command_parse(struct call *call, const char *line, const struct session *session,
+                       struct fault *fault)
+{
+    unsigned count;
+    *call = (struct call){0};
+    scan_blanks(&line);
+    if (*line == '#')
+        return OK;
+    enum err err = split(&call->store, &count, line, fault);
+    if (err || count == 0)
+        goto done;
+    const char *word = call->store.data;
+    call->command = command_find(word);
+    if (!call->command) {
+        err = fault_set(fault, ERR_USAGE, "unknown command %s; `help` lists them", word);
+        goto done;
+    }
+    for (unsigned i = 1; !err && i < count; i++) {
+        word += strlen(word) + 1;
+        err = fill(call, word, session, fault);
+    }
+    const struct parameter *p = call->command->parameter;
+    for (int i = 0; !err && i < PARAMETERS_MOST && p[i].type; i++)
+        if (!p[i].optional && !call->value[i].given)
+            err = usage_fault(fault, call->command, "missing: ", p[i].name);
+done:
+    if (err)
+        call_release(call);
+    return err;
+}
+
+void call_release(struct call *call)
+{
+    buf_release(&call->store);
+    *call = (struct call){0};
+}
+
+/* ---- canonical form ---- */
+
+static void write_word(struct buf *out, const char *word)
+{
+    if (*word && !strpbrk(word, " \t\"\\") && *word != '#') {
+        buf_add_text(out, word);
+        return;
+    }
+    buf_add_char(out, '"');
+    for (; *word; word++) {
+        if (*word == '"' || *word == '\\')
+            buf_add_char(out, '\\');
+        buf_add_char(out, *word);
+    }
+    buf_add_char(out, '"');
+}
+
+/* Thousandths without needless digits: 12500 is 12.5, -500 is -0.5. */
+static void write_decimal(struct buf *out, int64_t thousandths)
+{
+    int64_t whole = llabs(thousandths) / 1000, rest = llabs(thousandths) % 1000;
+    buf_printf(out, "%s%lld", thousandths < 0 ? "-" : "", (long long)whole);
+    if (rest == 0)
+        return;
+    char digits[8];
+    size_t n = 0;
+    for (int64_t unit = 100; rest; unit /= 10, n++) {
+        digits[n] = (char)('0' + rest / unit);
+        rest %= unit;
+    }
+    buf_add_char(out, '.');
+    buf_add(out, digits, n);
+}
+
+static void write_value(struct buf *out, const struct parameter *p, const struct value *value)
+{
+    switch (p->type) {
+    case PARAMETER_POSITION:
+        buf_printf(out, "%u,%u,%u", value->place[0], value->place[1], value->place[2]);
+        break;
+    case PARAMETER_LABEL:
+    case PARAMETER_NUMBER:
+        buf_printf(out, "%lld", (long long)value->number);
+        break;
+    case PARAMETER_COLOUR:
+        buf_printf(out, "#%06llx", (unsigned long long)value->number);
+        break;
+    case PARAMETER_DECIMAL:
+    case PARAMETER_VIEW:
+    case PARAMETER_ZOOM:
+        if (!value->text) {
+            write_decimal(out, value->number);
+            break;
+        }
+        /* fall through */
+    case PARAMETER_CHOICE:
+    case PARAMETER_FILE:
+    case PARAMETER_WORD:
+    case PARAMETER_END:
+        write_word(out, value->text);
+        break;
+    }
+}
+
+void command_write(struct buf *out, const struct call *call)
+{
+    const struct parameter *p = call->command->parameter;
+    buf_add_text(out, call->command->name);
+    for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++) {
+        if (!call->value[i].given)
+            continue;
+        buf_add_char(out, ' ');
+        if (p[i].keyed)
+            buf_printf(out, "%s=", p[i].name);
+        write_value(out, &p[i], &call->value[i]);
+    }
+}

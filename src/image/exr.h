@@ -1,0 +1,34 @@
+/*
+ * OpenEXR: golden images and renditions, by OpenEXR's C library.
+ *
+ * A file has one part of scan lines under ZIP, data and display window from 0,0:
+ *
+ *     R G B A   half    linear light; A is 0..1; colours are not multiplied by A
+ *     Z         float   depth_mm, +infinity where nothing is seen
+ *     label     uint
+ *     voxel     uint    0xFFFFFFFF where nothing is seen
+ *
+ * of which the last three are there when the picture has the plane. Each attribute of the picture
+ * is a string attribute of its own name. exr_read gives back exactly what exr_write was given:
+ * 8-bit sRGB goes through a table of 256 halves that all differ, and a half that is not in the
+ * table (another program wrote it) comes back as the nearest entry. The same picture gives the same
+ * bytes: no time, host or program is noted.
+ */
+#ifndef IMAGE_EXR_H
+#define IMAGE_EXR_H
+
+#include "base/err.h"
+#include "base/file.h"
+#include "image/picture.h"
+
+/* Writes `picture` as `path`, whole or not at all. ERR_INPUT for an attribute whose name OpenEXR
+ * keeps for itself (such as "channels") or that is empty or longer than 255 bytes. */
+enum err exr_write(const char *path, enum file_mode mode, const struct picture *picture,
+                   struct fault *fault);
+
+/* Reads a picture of the form above; channels it does not know are left out. A file of more than
+ * 16384 pixels a side, of another form or damaged is refused in one line, and *out is empty then.
+ */
+enum err exr_read(struct picture *out, const char *path, struct fault *fault);
+
+#endif

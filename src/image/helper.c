@@ -1,0 +1,440 @@
+#include "image/helper.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/mem.h"
+#include "base/scan.h"
+#include "image/exr.h"
+
+enum {
+    SIDE_MOST = 16384,
+    PATH_MOST = 4096,
+    NAME_MOST = 4096,
+    VALUE_MOST = 1 << 20,
+    NOTES_MOST = 1024,
+    LINE_MOST = 64,
+    SEND_PIECE = 1 << 20,
+};
+
+int image_helper_patience_ms = 60000;
+
+struct image_helper {
+    char *program;
+    pid_t process;                                    /* 0: none runs */
+    int fd;                                           /* our end of the socket pair, -1: none */
+    enum trouble { FINE, SILENT, GONE, ODD } trouble; /* why the current request failed */
+};
+
+enum err image_helper_new(struct image_helper **out, const char *program, struct fault *fault)
+{
+    struct image_helper *helper = calloc(1, sizeof *helper);
+    *out = NULL;
+    if (helper)
+        helper->program = strdup(program);
+    if (!helper || !helper->program) {
+        free(helper);
+        return fault_memory(fault, "the image helper");
+    }
+    helper->fd = -1;
+    *out = helper;
+    return OK;
+}
+
+/* Ends the helper and tells how it ended, as waitpid does; -1 where nobody knows. Closing our end
+ * is a helper's signal to leave; one in the middle of something is not waited for. */
+static int stop(struct image_helper *helper, bool kindly)
+{
+    int status = -1;
+    pid_t ended;
+    if (helper->fd >= 0)
+        close(helper->fd);
+    helper->fd = -1;
+    if (helper->process <= 0)
+        return status;
+    if (!kindly)
+        kill(helper->process, SIGKILL);
+    do
+        ended = waitpid(helper->process, &status, 0);
+    while (ended < 0 && errno == EINTR);
+    helper->process = 0;
+    return ended < 0 ? -1 : status;
+}
+
+void image_helper_free(struct image_helper *helper)
+{
+    if (!helper)
+        return;
+    stop(helper, false); /* between requests it holds nothing that could be lost */
+    free(helper->program);
+    free(helper);
+}
+
+/* Standard input and output are the socket, errors go nowhere. A process group of its own, so that
+ * an interrupt from the keyboard is not meant for it. */
+static int spawn(pid_t *process, const char *program, int fd)
+{
+    char *const arguments[] = {(char *)(uintptr_t)program, NULL};
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    int number = posix_spawn_file_actions_init(&actions);
+    if (number)
+        return number;
+    number = posix_spawnattr_init(&attributes);
+    if (number) {
+        posix_spawn_file_actions_destroy(&actions);
+        return number;
+    }
+    posix_spawn_file_actions_adddup2(&actions, fd, STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, fd, STDOUT_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &all);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK |
+                                              POSIX_SPAWN_SETSIGDEF);
+    number = posix_spawn(process, program, &actions, &attributes, arguments, environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    return number;
+}
+
+/* Makes sure that a helper runs. One that has ended while nothing was asked of it costs nothing and
+ * is replaced. */
+static enum err start(struct image_helper *helper, struct fault *fault)
+{
+    int pair[2];
+    if (helper->process > 0 && waitpid(helper->process, NULL, WNOHANG) != 0) {
+        helper->process = 0;
+        stop(helper, true);
+    }
+    helper->trouble = FINE;
+    if (helper->process > 0)
+        return OK;
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
+        return fault_errno(fault, "reach the image helper", helper->program);
+    const struct timeval patience = {image_helper_patience_ms / 1000,
+                                     image_helper_patience_ms % 1000 * 1000};
+    setsockopt(pair[0], SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    setsockopt(pair[0], SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    int number = spawn(&helper->process, helper->program, pair[1]);
+    close(pair[1]);
+    if (number) {
+        helper->process = 0;
+        close(pair[0]);
+        return fault_set(fault, ERR_IO,
+                         "cannot start the image helper %s: %s (.exr works without it)",
+                         helper->program, strerror(number));
+    }
+    helper->fd = pair[0];
+    return OK;
+}
+
+/* After trouble on the wire: ends the helper and tells what it did and over what. */
+static enum err trouble_fault(struct image_helper *helper, const char *doing, const char *path,
+                              struct fault *fault)
+{
+    const enum trouble trouble = helper->trouble;
+    const int status = stop(helper, trouble == GONE);
+    char end[128] = "ended early";
+    if (trouble == SILENT)
+        snprintf(end, sizeof end, "did not answer for %d s and was ended",
+                 (image_helper_patience_ms + 999) / 1000);
+    else if (trouble == ODD)
+        snprintf(end, sizeof end, "gave an answer that makes no sense and was ended");
+    else if (status != -1 && WIFSIGNALED(status))
+        snprintf(end, sizeof end, "died (%s)", strsignal(WTERMSIG(status)));
+    else if (status != -1 && WIFEXITED(status))
+        snprintf(end, sizeof end, "ended with status %d", WEXITSTATUS(status));
+    return fault_set(fault, ERR_IO, "cannot %s %s: the image helper %s %s", doing, path,
+                     helper->program, end);
+}
+
+/* ---- bytes to and from the helper; false sets helper->trouble ---- */
+
+static bool tell(struct image_helper *helper, const void *bytes, size_t length)
+{
+    const char *at = bytes;
+    while (length > 0) {
+        ssize_t n = send(helper->fd, at, length, MSG_NOSIGNAL);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0) {
+            helper->trouble = errno == EAGAIN ? SILENT : GONE;
+            return false;
+        }
+        at += n;
+        length -= (size_t)n;
+    }
+    return true;
+}
+
+static bool hear(struct image_helper *helper, void *bytes, size_t length)
+{
+    char *at = bytes;
+    while (length > 0) {
+        ssize_t n = recv(helper->fd, at, length, 0);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0) {
+            helper->trouble = n < 0 && errno == EAGAIN ? SILENT : GONE;
+            return false;
+        }
+        at += n;
+        length -= (size_t)n;
+    }
+    return true;
+}
+
+static bool odd(struct image_helper *helper)
+{
+    helper->trouble = ODD;
+    return false;
+}
+
+/* A line without its line feed. Byte by byte: lines are few and short, and nothing that follows
+ * may be taken along. */
+static bool hear_line(struct image_helper *helper, char line[LINE_MOST])
+{
+    for (size_t i = 0; i < LINE_MOST; i++) {
+        if (!hear(helper, &line[i], 1))
+            return false;
+        if (line[i] == '\n') {
+            line[i] = '\0';
+            return true;
+        }
+    }
+    return odd(helper);
+}
+
+/* `count` numbers, each after a blank but the first, up to the end of the line. */
+static bool scan_numbers(const char *line, unsigned count, const int64_t most[], int64_t out[])
+{
+    for (unsigned i = 0; i < count; i++)
+        if ((i > 0 && !scan_text(&line, " ")) || !scan_integer(&line, 0, most[i], &out[i]))
+            return false;
+    return *line == '\0';
+}
+
+/* ---- requests ---- */
+
+static bool tell_notes(struct image_helper *helper, const struct picture *picture)
+{
+    char line[LINE_MOST];
+    for (size_t i = 0; i < picture->attributes; i++) {
+        const struct attribute *note = &picture->attribute[i];
+        size_t name = strlen(note->name), value = strlen(note->value);
+        int length = snprintf(line, sizeof line, "%zu %zu\n", name, value);
+        if (!tell(helper, line, (size_t)length) || !tell(helper, note->name, name) ||
+            !tell(helper, note->value, value))
+            return false;
+    }
+    return true;
+}
+
+/* RGB over black: what is transparent fades. */
+static bool tell_pixels(struct image_helper *helper, const struct picture *picture, uint8_t *piece)
+{
+    const size_t pixels = (size_t)picture->width * picture->height;
+    for (size_t done = 0; done < pixels;) {
+        size_t n = pixels - done < SEND_PIECE / 3 ? pixels - done : SEND_PIECE / 3;
+        const uint8_t *rgba = picture->rgba + 4 * done;
+        for (size_t i = 0; i < n; i++)
+            for (size_t c = 0; c < 3; c++)
+                piece[3 * i + c] = (uint8_t)((rgba[4 * i + c] * rgba[4 * i + 3] + 127) / 255);
+        if (!tell(helper, piece, 3 * n))
+            return false;
+        done += n;
+    }
+    return true;
+}
+
+/* Takes an answer of words, or leaves the line of another answer in `line`. */
+static enum err hear_answer(struct image_helper *helper, char line[LINE_MOST], const char *doing,
+                            const char *path, struct fault *fault)
+{
+    char words[400];
+    int64_t length;
+    if (!hear_line(helper, line))
+        return trouble_fault(helper, doing, path, fault);
+    const char *at = line;
+    if (!scan_text(&at, "error "))
+        return OK;
+    const int64_t most = sizeof words - 1;
+    if (!scan_numbers(at, 1, &most, &length))
+        odd(helper);
+    else if (hear(helper, words, (size_t)length)) {
+        words[length] = '\0';
+        return fault_set(fault, ERR_INPUT, "cannot %s %s: %s", doing, path, words);
+    }
+    return trouble_fault(helper, doing, path, fault);
+}
+
+/* Counts that the protocol cannot carry are refused before anything is sent. */
+static enum err check_request(const char *doing, const char *path, const struct picture *picture,
+                              struct fault *fault)
+{
+    size_t length = strlen(path);
+    if (length == 0 || length > PATH_MOST)
+        return fault_set(fault, ERR_INPUT, "a path of %zu bytes; expected 1 to %d", length,
+                         PATH_MOST);
+    if (picture && picture->attributes > NOTES_MOST)
+        return fault_set(fault, ERR_LIMIT, "cannot %s %s: more than %d notes", doing, path,
+                         NOTES_MOST);
+    for (size_t i = 0; picture && i < picture->attributes; i++)
+        if (strlen(picture->attribute[i].name) > NAME_MOST ||
+            strlen(picture->attribute[i].value) > VALUE_MOST)
+            return fault_set(fault, ERR_LIMIT, "cannot %s %s: the note \"%.40s\" is too long",
+                             doing, path, picture->attribute[i].name);
+    return OK;
+}
+
+/* Writes to `path`, and speaks of it as `shown`. */
+static enum err write_picture(struct image_helper *helper, const char *path, const char *shown,
+                              const struct picture *picture, struct fault *fault)
+{
+    char line[LINE_MOST];
+    enum err err = check_request("write", path, picture, fault);
+    if (!err)
+        err = start(helper, fault);
+    if (err)
+        return err;
+    uint8_t *piece = mem_array(SEND_PIECE, 1);
+    if (!piece)
+        return fault_memory(fault, shown);
+    int length = snprintf(line, sizeof line, "write %zu %u %u %zu\n", strlen(path), picture->width,
+                          picture->height, picture->attributes);
+    bool told = tell(helper, line, (size_t)length) && tell(helper, path, strlen(path)) &&
+                tell_notes(helper, picture) && tell_pixels(helper, picture, piece);
+    free(piece);
+    if (!told)
+        return trouble_fault(helper, "write", shown, fault);
+    err = hear_answer(helper, line, "write", shown, fault);
+    if (!err && strcmp(line, "ok") != 0) {
+        odd(helper);
+        err = trouble_fault(helper, "write", shown, fault);
+    }
+    return err;
+}
+
+enum err image_helper_write(struct image_helper *helper, const char *path,
+                            const struct picture *picture, struct fault *fault)
+{
+    return write_picture(helper, path, path, picture, fault);
+}
+
+static enum err hear_note(struct image_helper *helper, struct picture *out, struct fault *fault)
+{
+    static const int64_t most[2] = {NAME_MOST, VALUE_MOST};
+    char line[LINE_MOST];
+    int64_t length[2];
+    if (!hear_line(helper, line))
+        return ERR_IO;
+    if (!scan_numbers(line, 2, most, length)) {
+        odd(helper);
+        return ERR_IO;
+    }
+    const size_t name = (size_t)length[0], value = (size_t)length[1];
+    char *text = calloc(name + value + 2, 1); /* two strings, each with its NUL */
+    if (!text)
+        return fault_memory(fault, "a note on a picture");
+    enum err err = ERR_IO;
+    if (hear(helper, text, name) && hear(helper, text + name + 1, value))
+        err = picture_note(out, text, text + name + 1, fault);
+    free(text);
+    return err;
+}
+
+/* The rest of a "picture" answer. ERR_IO with helper->trouble set, or what `fault` says. */
+static enum err hear_picture(struct image_helper *helper, const char *line, struct picture *out,
+                             struct fault *fault)
+{
+    static const int64_t most[3] = {SIDE_MOST, SIDE_MOST, NOTES_MOST};
+    int64_t number[3];
+    if (!scan_text(&line, "picture ") || !scan_numbers(line, 3, most, number) || number[0] < 1 ||
+        number[1] < 1) {
+        odd(helper);
+        return ERR_IO;
+    }
+    enum err err = picture_init(out, (uint32_t)number[0], (uint32_t)number[1], false, fault);
+    for (int64_t i = 0; i < number[2] && !err; i++)
+        err = hear_note(helper, out, fault);
+    if (!err && !hear(helper, out->rgba, 4 * (size_t)out->width * out->height))
+        err = ERR_IO;
+    return err;
+}
+
+enum err image_helper_read(struct image_helper *helper, const char *path, struct picture *out,
+                           struct fault *fault)
+{
+    char line[LINE_MOST];
+    *out = (struct picture){0};
+    enum err err = check_request("read", path, NULL, fault);
+    if (!err)
+        err = start(helper, fault);
+    if (err)
+        return err;
+    int length = snprintf(line, sizeof line, "read %zu\n", strlen(path));
+    if (!tell(helper, line, (size_t)length) || !tell(helper, path, strlen(path)))
+        return trouble_fault(helper, "read", path, fault);
+    err = hear_answer(helper, line, "read", path, fault);
+    if (err)
+        return err;
+    err = hear_picture(helper, line, out, fault);
+    if (err) {
+        picture_release(out);
+        if (helper->trouble != FINE)
+            return trouble_fault(helper, "read", path, fault);
+        stop(helper, false); /* the rest of its answer is of no use */
+    }
+    return err;
+}
+
+enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
+                     const struct picture *picture, struct fault *fault)
+{
+    const char *dot = strrchr(file_name(path), '.');
+    struct buf draft = {0};
+    if (dot && strcasecmp(dot, ".exr") == 0)
+        return exr_write(path, mode, picture, fault);
+    if (!dot || dot == file_name(path) || dot[1] == '\0')
+        return fault_set(fault, ERR_USAGE,
+                         "cannot write %s: its name says no format; expected for instance .png, "
+                         ".exr, .tif or .jpg",
+                         path);
+    enum err err = file_draft(&draft, path, mode, fault);
+    if (!err) {
+        err = write_picture(helper, buf_text(&draft), path, picture, fault);
+        if (err)
+            file_discard(buf_text(&draft));
+        else
+            err = file_publish(buf_text(&draft), path, mode, fault);
+    }
+    buf_release(&draft);
+    return err;
+}
+
+enum err image_helper_default_program(struct buf *out, struct fault *fault)
+{
+    char self[PATH_MAX];
+    ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+    if (length < 0)
+        return fault_errno(fault, "find the folder of this program by", "/proc/self/exe");
+    self[length] = '\0';
+    file_folder(out, self);
+    buf_add_text(out, "/iftty-image");
+    return out->failed ? fault_memory(fault, "a file name") : OK;
+}

@@ -1,0 +1,68 @@
+/*
+ * The image helper: every image format but OpenEXR, by OpenImageIO in a process of its own.
+ *
+ * OpenImageIO has no C interface and loads some 260 shared libraries, so it lives in the program
+ * iftty-image, started on first use and kept. A decoder that dies on a hostile file costs one error
+ * message; the next request starts a new helper.
+ *
+ * The protocol, on the helper's standard input and output (a socket pair), one request and one
+ * answer at a time. Numbers are decimal without sign or leading zeros; \n is one line feed;
+ * everything else is counted bytes without an end mark.
+ *
+ *     request   write PATH_LENGTH WIDTH HEIGHT NOTES\n  path  notes  WIDTH * HEIGHT * 3 bytes RGB
+ *               read PATH_LENGTH\n                      path
+ *     note      NAME_LENGTH VALUE_LENGTH\n              name  value
+ *     answer    ok\n
+ *               picture WIDTH HEIGHT NOTES\n            notes  WIDTH * HEIGHT * 4 bytes RGBA
+ *               error LENGTH\n                          words
+ *
+ * Rows run from the top. Sides are 1..16384, a path or name is at most 4096 bytes, a value at most
+ * 1048576, notes at most 1024. What breaks these rules ends the helper. A worked example, a
+ * red pixel with one note:
+ *
+ *     write 5 1 1 1\na.png4 3\nviewtop\xff\x00\x00        ->  ok\n
+ *     read 5\na.png      ->  picture 1 1 1\n4 3\nviewtop\xff\x00\x00\xff
+ *
+ * Nothing here ever raises SIGPIPE or waits for ever: a helper that neither reads nor writes a byte
+ * for image_helper_patience_ms is ended.
+ */
+#ifndef IMAGE_HELPER_H
+#define IMAGE_HELPER_H
+
+#include "base/buf.h"
+#include "base/err.h"
+#include "base/file.h"
+#include "image/picture.h"
+
+struct image_helper;
+
+/* A client of the helper at the path `program`, which is not started yet. */
+enum err image_helper_new(struct image_helper **helper, const char *program, struct fault *fault);
+
+/* Ends the helper, if it runs, and waits for it. */
+void image_helper_free(struct image_helper *helper);
+
+/* Writes the colours of `picture`, over black where they are transparent, and its notes to `path`,
+ * in the format of its extension. Not whole or not at all: see image_write for that. PNG keeps each
+ * note as a text chunk; formats without such have them as lines "name: value" of their image
+ * description. The same picture gives the same bytes. */
+enum err image_helper_write(struct image_helper *helper, const char *path,
+                            const struct picture *picture, struct fault *fault);
+
+/* Reads the first image of `path`, in any format, into 8 bits per channel. On failure *out is
+ * empty. */
+enum err image_helper_read(struct image_helper *helper, const char *path, struct picture *out,
+                           struct fault *fault);
+
+/* Writes `picture` as `path`, whole or not at all: .exr by exr_write with all planes, any other
+ * extension by the helper. */
+enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
+                     const struct picture *picture, struct fault *fault);
+
+/* The path of iftty-image beside the running program. */
+enum err image_helper_default_program(struct buf *out, struct fault *fault);
+
+/* How long a helper may stay silent; tests are less patient. */
+extern int image_helper_patience_ms;
+
+#endif

@@ -1,0 +1,26 @@
+/*
+ * Linear light: the 256 levels of a channel as half floats, and back.
+ *
+ * OpenEXR holds linear light, pictures hold 8-bit sRGB. Both ways go through tables of 256 halves
+ * that all differ, so that coming back is exact, and on every machine the same.
+ */
+#ifndef IMAGE_LINEAR_H
+#define IMAGE_LINEAR_H
+
+#include <stdint.h>
+
+enum { HALF_ONE = 0x3c00 };
+
+/* Linear light of the levels of sRGB (IEC 61966-2-1), rounded to half precision. */
+extern const uint16_t linear_half[256];
+
+/* The levels of alpha, which is linear already: the half nearest to level / 255. */
+void linear_alpha(uint16_t half[256]);
+
+/* The way back from such a table: for each half from 0 to 1 the level whose half is nearest. */
+void linear_invert(uint8_t level[HALF_ONE + 1], const uint16_t half[256]);
+
+/* The level of any half: 0 for what is negative or not a number, 255 beyond 1. */
+uint8_t linear_level(const uint8_t level[HALF_ONE + 1], uint16_t half);
+
+#endif

@@ -1,0 +1,52 @@
+/*
+ * The header of a NIfTI file: its fields as plain numbers, and the geometry they tell.
+ *
+ * NIfTI-1 (348 bytes) and NIfTI-2 (540 bytes) hold the same fields at other places and in other
+ * widths; one table of places serves reading and writing both. Decoding believes nothing and
+ * refuses nothing but an unknown kind of file: what the numbers are worth is nifti.c's to say.
+ */
+#ifndef IMAGE_NIFTI_HEADER_H
+#define IMAGE_NIFTI_HEADER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+#include "image/geometry.h"
+
+enum { NIFTI_LEAST_BYTES = 348, NIFTI_MOST_BYTES = 540, NIFTI_DESCRIPTION = 80 };
+
+struct nifti_header {
+    bool big_endian;
+    size_t bytes; /* 348 or 540 */
+    int64_t dim[8];
+    int64_t datatype, bitpix;
+    double pixdim[8];
+    double vox_offset;
+    double scl_slope, scl_inter;
+    int64_t xyzt_units;
+    int64_t qform_code, sform_code;
+    double quatern[3], qoffset[3];
+    double srow[3][4];
+    char descrip[NIFTI_DESCRIPTION]; /* written only: what a file says here is never shown */
+};
+
+/* How long the header is that begins with these NIFTI_LEAST_BYTES, and in which byte order: fills
+ * header->bytes and ->big_endian. ERR_INPUT where sizeof_hdr or the magic is not of a single-file
+ * NIfTI. */
+enum err nifti_header_recognise(struct nifti_header *header, const uint8_t *bytes,
+                                struct fault *fault);
+
+/* The other fields, out of header->bytes bytes. */
+void nifti_header_decode(struct nifti_header *header, const uint8_t *bytes);
+
+/* header->bytes bytes, little-endian, for a single file. */
+void nifti_header_encode(const struct nifti_header *header, uint8_t *bytes);
+
+/* What the header says of the place of voxels (not slope and intercept), and the reverse. */
+enum err nifti_header_geometry(struct geometry *geometry, const struct nifti_header *header,
+                               struct fault *fault);
+void nifti_header_place(struct nifti_header *header, const struct geometry *geometry);
+
+#endif

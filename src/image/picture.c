@@ -1,0 +1,85 @@
+#include "image/picture.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+
+enum { SIDE_MOST = 16384 };
+
+enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, bool all_planes,
+                      struct fault *fault)
+{
+    *picture = (struct picture){0};
+    if (width == 0 || height == 0)
+        return fault_set(fault, ERR_INPUT, "a picture needs at least one pixel on every side");
+    if (width > SIDE_MOST || height > SIDE_MOST)
+        return fault_set(fault, ERR_LIMIT, "a picture of %ux%u pixels; at most %d a side are held",
+                         width, height, SIDE_MOST);
+    size_t pixels = (size_t)width * height; /* at most 2^28 */
+    picture->width = width;
+    picture->height = height;
+    picture->rgba = calloc(pixels, 4);
+    if (all_planes) {
+        picture->depth_mm = calloc(pixels, sizeof *picture->depth_mm);
+        picture->label = calloc(pixels, sizeof *picture->label);
+        picture->voxel = calloc(pixels, sizeof *picture->voxel);
+    }
+    if (!picture->rgba ||
+        (all_planes && (!picture->depth_mm || !picture->label || !picture->voxel))) {
+        picture_release(picture);
+        return fault_memory(fault, "a picture");
+    }
+    return OK;
+}
+
+void picture_release(struct picture *picture)
+{
+    for (size_t i = 0; i < picture->attributes; i++) {
+        free(picture->attribute[i].name);
+        free(picture->attribute[i].value);
+    }
+    free(picture->attribute);
+    free(picture->rgba);
+    free(picture->depth_mm);
+    free(picture->label);
+    free(picture->voxel);
+    *picture = (struct picture){0};
+}
+
+static struct attribute *find(const struct picture *picture, const char *name)
+{
+    for (size_t i = 0; i < picture->attributes; i++)
+        if (strcmp(picture->attribute[i].name, name) == 0)
+            return &picture->attribute[i];
+    return NULL;
+}
+
+enum err picture_note(struct picture *picture, const char *name, const char *value,
+                      struct fault *fault)
+{
+    struct attribute *former = find(picture, name);
+    struct attribute fresh = {former ? NULL : strdup(name), strdup(value)};
+    struct attribute *grown = NULL;
+    if (former && fresh.value) {
+        free(former->value);
+        former->value = fresh.value;
+        return OK;
+    }
+    if (fresh.name && fresh.value)
+        grown = realloc(picture->attribute, (picture->attributes + 1) * sizeof *grown);
+    if (!grown) {
+        free(fresh.name);
+        free(fresh.value);
+        return fault_memory(fault, "a note on a picture");
+    }
+    picture->attribute = grown;
+    picture->attribute[picture->attributes++] = fresh;
+    return OK;
+}
+
+const char *picture_find(const struct picture *picture, const char *name)
+{
+    const struct attribute *attribute = find(picture, name);
+    return attribute ? attribute->value : NULL;
+}

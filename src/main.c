@@ -1,0 +1,472 @@
+/*
+ * iftty: segment 3-D scenes by seeds, in a terminal.
+ *
+ * Options, and the one place that prints and decides an exit status: 0 fine, 1 a check failed, 2
+ * bad usage, 3 bad input or I/O.
+ */
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "command/bench.h"
+#include "command/drive.h"
+#include "journal/log.h"
+#include "session/export.h"
+#include "tui/repl.h"
+
+static const char usage[] =
+    "iftty: segment 3-D scenes by seeds, in a terminal\n"
+    "\n"
+    "    iftty [SCENE|JOURNAL]          the prompt, on a new scene or a journal to go on with\n"
+    "    iftty run FILE|-               carry out the commands of a script or journal\n"
+    "    iftty -c 'COMMAND; COMMAND'    carry out these commands\n"
+    "    iftty replay JOURNAL           carry a journal out again, compare every result\n"
+    "    iftty verify JOURNAL...        the same quietly, and compare golden images; TAP\n"
+    "    iftty log JOURNAL              print a journal; --script its commands, --check its chain\n"
+    "    iftty bench [brain]            measure; --json for programs\n"
+    "    iftty help [COMMAND]           the commands of prompt, script and journal\n"
+    "\n"
+    "    --journal FILE    record there (run, -c, prompt); an existing journal is resumed\n"
+    "    --scene FILE      open this scene, whatever name `open` gives\n"
+    "    --out DIR         write files into this folder (replay and verify write none without)\n"
+    "    --keep-going      do not stop at the first error (run, -c)\n"
+    "    --graphics auto|kitty|sixel|blocks|none\n"
+    "    --version\n"
+    "\n"
+    "    Exit status: 0 fine, 1 a check failed, 2 bad usage, 3 bad input or I/O.\n";
+
+struct options {
+    const char *journal, *scene, *out, *commands;
+    bool keep_going, script, check, json;
+    enum graphics graphics;
+    char **word; /* what is left: program and files */
+    int words;
+};
+
+/* ---- printing ---- */
+
+static void say(void *context, const char *text)
+{
+    (void)context;
+    fputs(text, stdout);
+    fflush(stdout);
+}
+
+static void complain(void *context, const char *text)
+{
+    (void)context;
+    fputs(text, stderr);
+}
+
+static struct image_view view_of(const struct desk *desk)
+{
+    const struct rendition *r = &desk->session.rendition;
+    return (struct image_view){r->width, r->height, r->rgba};
+}
+
+static void show_picture(void *context, struct desk *desk)
+{
+    const struct options *options = context;
+    struct image_view view = view_of(desk);
+    fflush(stdout);
+    if (isatty(STDOUT_FILENO))
+        show_picture_once(options->graphics, &view);
+}
+
+static int finish(enum err err, const struct fault *fault)
+{
+    if (err && fault->text[0])
+        fprintf(stderr, "iftty: %s\n", fault->text);
+    if (fflush(stdout) != 0 && !err) {
+        fputs("iftty: cannot write to standard output\n", stderr);
+        return err_exit_status(ERR_IO);
+    }
+    return err_exit_status(err);
+}
+
+/* ---- options ---- */
+
+static bool read_graphics(const char *word, enum graphics *graphics)
+{
+    static const struct {
+        const char *name;
+        enum graphics graphics;
+    } choice[] = {{"auto", GRAPHICS_AUTO},
+                  {"kitty", GRAPHICS_KITTY},
+                  {"sixel", GRAPHICS_SIXEL},
+                  {"blocks", GRAPHICS_BLOCKS},
+                  {"none", GRAPHICS_NONE}};
+    for (size_t i = 0; i < sizeof choice / sizeof choice[0]; i++)
+        if (strcmp(word, choice[i].name) == 0) {
+            *graphics = choice[i].graphics;
+            return true;
+        }
+    return false;
+}
+
+/* Options may stand anywhere; "--" ends them. */
+static enum err read_options(struct options *o, int count, char **word, struct fault *fault)
+{
+    const char *graphics = "auto";
+    const struct {
+        const char *name;
+        const char **value;
+    } valued[] = {{"--journal", &o->journal}, {"--scene", &o->scene},  {"--out", &o->out},
+                  {"-c", &o->commands},       {"--graphics", &graphics}};
+    const struct {
+        const char *name;
+        bool *flag;
+    } plain[] = {{"--keep-going", &o->keep_going},
+                 {"--script", &o->script},
+                 {"--check", &o->check},
+                 {"--json", &o->json}};
+    enum { VALUED = sizeof valued / sizeof valued[0], PLAIN = sizeof plain / sizeof plain[0] };
+    bool over = false;
+    *o = (struct options){.word = word};
+    for (int i = 1; i < count; i++) {
+        int v = 0, p = 0;
+        if (over || word[i][0] != '-' || word[i][1] == '\0') {
+            word[o->words++] = word[i];
+            continue;
+        }
+        over = strcmp(word[i], "--") == 0;
+        while (v < VALUED && strcmp(word[i], valued[v].name) != 0)
+            v++;
+        while (p < PLAIN && strcmp(word[i], plain[p].name) != 0)
+            p++;
+        if (v < VALUED && i + 1 == count)
+            return fault_set(fault, ERR_USAGE, "%s needs a value; see iftty --help", word[i]);
+        if (v < VALUED)
+            *valued[v].value = word[++i];
+        else if (p < PLAIN)
+            *plain[p].flag = true;
+        else if (!over)
+            return fault_set(fault, ERR_USAGE, "unknown option %s; see iftty --help", word[i]);
+    }
+    if (!read_graphics(graphics, &o->graphics))
+        return fault_set(fault, ERR_USAGE,
+                         "--graphics: expected auto, kitty, sixel, blocks or none, not %s",
+                         graphics);
+    return OK;
+}
+
+static enum err need_files(const struct options *o, int least, int most, struct fault *fault)
+{
+    int files = o->words - 1;
+    if (files >= least && files <= most)
+        return OK;
+    return fault_set(fault, ERR_USAGE, "%s: expected %s, not %d; see iftty --help", o->word[0],
+                     most > least ? "files" : "one file", files);
+}
+
+/* ---- programs ---- */
+
+static enum err begin_desk(struct desk *desk, const struct options *o, struct fault *fault)
+{
+    struct buf told = {0};
+    enum err err = desk_init(desk, fault);
+    desk->scene_path = o->scene;
+    desk->out_folder = o->out;
+    if (!err && o->out)
+        err = file_make_folder(o->out, fault);
+    if (!err && o->journal && file_exists(o->journal))
+        err = desk_resume_journal(desk, o->journal, &told, fault);
+    else if (!err && o->journal)
+        err = desk_create_journal(desk, o->journal, fault);
+    if (told.length)
+        fprintf(stderr, "iftty: %s", buf_text(&told));
+    buf_release(&told);
+    return err;
+}
+
+static enum err run_lines(const struct options *o, FILE *input, const char *name,
+                          struct fault *fault)
+{
+    struct desk desk;
+    const struct teller teller = {(void *)(uintptr_t)o, say, complain, show_picture};
+    enum err err = begin_desk(&desk, o, fault);
+    if (!err) {
+        err = drive_script(&desk, input, name, o->keep_going, &teller, fault);
+        fault->text[0] = '\0'; /* told with its line */
+    }
+    desk_release(&desk);
+    return err;
+}
+
+static enum err program_run(const struct options *o, struct fault *fault)
+{
+    enum err err = need_files(o, 1, 1, fault);
+    if (err)
+        return err;
+    if (strcmp(o->word[1], "-") == 0)
+        return run_lines(o, stdin, "standard input", fault);
+    FILE *input = fopen(o->word[1], "re");
+    if (!input)
+        return fault_errno(fault, "open", o->word[1]);
+    err = run_lines(o, input, o->word[1], fault);
+    fclose(input);
+    return err;
+}
+
+static enum err program_commands(const struct options *o, struct fault *fault)
+{
+    struct buf lines = {0};
+    bool quoted = false;
+    for (const char *at = o->commands; *at; at++) {
+        quoted ^= *at == '"';
+        buf_add_char(&lines, *at == ';' && !quoted ? '\n' : *at);
+    }
+    buf_add_char(&lines, '\n');
+    FILE *input = lines.failed ? NULL : fmemopen(lines.data, lines.length, "r");
+    enum err err = input ? run_lines(o, input, "-c", fault) : fault_memory(fault, "commands");
+    if (input)
+        fclose(input);
+    buf_release(&lines);
+    return err;
+}
+
+static enum err program_replay(const struct options *o, struct fault *fault)
+{
+    struct desk desk;
+    const struct teller teller = {(void *)(uintptr_t)o, say, complain, NULL};
+    enum err err = need_files(o, 1, 1, fault);
+    if (err)
+        return err;
+    struct options without = *o;
+    without.journal = NULL;
+    err = begin_desk(&desk, &without, fault);
+    if (!err)
+        err = drive_replay(&desk, o->word[1], &teller, fault);
+    desk_release(&desk);
+    return err;
+}
+
+static enum err program_verify(const struct options *o, struct fault *fault)
+{
+    const struct teller teller = {NULL, say, complain, NULL};
+    enum err err = need_files(o, 1, 1 << 20, fault);
+    if (!err && o->out)
+        err = file_make_folder(o->out, fault);
+    if (!err)
+        err = drive_verify(o->word + 1, o->words - 1, o->scene, o->out, &teller, fault);
+    return err;
+}
+
+static enum err program_log(const struct options *o, struct fault *fault)
+{
+    struct buf bytes = {0}, text = {0};
+    struct journal_condition condition;
+    enum err err = need_files(o, 1, 1, fault);
+    if (!err)
+        err = file_read(&bytes, o->word[1], JOURNAL_BYTES_MAX, fault);
+    if (!err && o->check) {
+        err = journal_check(&condition, buf_text(&bytes), bytes.length, fault);
+        if (!err)
+            puts(condition.text);
+    } else if (!err && o->script) {
+        err = journal_script(&text, buf_text(&bytes), bytes.length, fault);
+    } else if (!err) {
+        buf_add(&text, buf_text(&bytes), bytes.length);
+    }
+    for (const char *at = buf_text(&text), *end = at + text.length; at < end;) {
+        struct buf line = {0};
+        const char *feed = memchr(at, '\n', (size_t)(end - at));
+        size_t n = feed ? (size_t)(feed - at) : (size_t)(end - at);
+        buf_add_safe(&line, at, n);
+        puts(buf_text(&line));
+        buf_release(&line);
+        at += n + 1;
+    }
+    buf_release(&text);
+    buf_release(&bytes);
+    return err;
+}
+
+static enum err program_bench(const struct options *o, struct fault *fault)
+{
+    if (o->words > 1 && strcmp(o->word[1], "brain") != 0)
+        return fault_set(fault, ERR_USAGE, "bench: expected brain, not %s", o->word[1]);
+    return bench_brain(o->scene, o->json, stdout, fault);
+}
+
+static enum err program_help(const struct options *o, struct fault *fault)
+{
+    struct buf text = {0};
+    const struct command *command = o->words > 1 ? command_find(o->word[1]) : NULL;
+    if (o->words > 1 && !command)
+        return fault_set(fault, ERR_USAGE, "there is no command %s; `iftty help` lists them",
+                         o->word[1]);
+    command_help(&text, command);
+    fputs(buf_text(&text), stdout);
+    buf_release(&text);
+    return OK;
+}
+
+/* ---- the prompt ---- */
+
+struct prompt {
+    struct desk desk;
+    struct reply reply;
+    char name[24]; /* before the "> " */
+    const char *first; /* opened once the prompt is there, so that the prompt is there at once */
+    bool resumes;
+};
+
+static void prompt_text(void *context, struct buf *out)
+{
+    const struct prompt *prompt = context;
+    buf_add_safe(out, prompt->name, strlen(prompt->name));
+    buf_add_text(out, "> ");
+}
+
+static enum err prompt_execute(void *context, const char *line, struct buf *output,
+                               struct fault *fault)
+{
+    struct prompt *prompt = context;
+    enum err err = desk_execute(&prompt->desk, line, &prompt->reply, fault);
+    if (!err)
+        buf_add_text(output, buf_text(&prompt->reply.text));
+    return err;
+}
+
+/* The scene or journal named on the command line, and what a new session begins with. */
+static enum err prompt_begin(void *context, struct buf *output, struct fault *fault)
+{
+    struct prompt *prompt = context;
+    struct buf line = {0};
+    enum err err = OK;
+    if (prompt->resumes) {
+        err = desk_resume_journal(&prompt->desk, prompt->first, output, fault);
+        if (!err)
+            buf_printf(output, "%zu records replayed, every result the same\n",
+                       journal_count(prompt->desk.journal));
+        return err;
+    }
+    if (prompt->first) {
+        buf_add_text(&line, "open \"");
+        for (const char *at = prompt->first; *at; at++) {
+            if (*at == '"' || *at == '\\')
+                buf_add_char(&line, '\\');
+            buf_add_char(&line, *at);
+        }
+        buf_add_char(&line, '"');
+        err = prompt_execute(prompt, buf_text(&line), output, fault);
+    }
+    if (!err)
+        err = prompt_execute(prompt, "auto on", output, fault);
+    buf_release(&line);
+    return err;
+}
+
+static void prompt_complete(void *context, const char *line, size_t cursor,
+                            struct buf *candidates, size_t *word_start)
+{
+    const struct prompt *prompt = context;
+    command_complete(candidates, word_start, line, cursor, &prompt->desk.session);
+}
+
+static bool prompt_picture(void *context, struct image_view *out)
+{
+    struct prompt *prompt = context;
+    struct desk *desk = &prompt->desk;
+    bool shows = desk->shows_picture;
+    desk->shows_picture = false;
+    *out = view_of(desk);
+    return shows;
+}
+
+static bool prompt_finished(void *context)
+{
+    const struct prompt *prompt = context;
+    return prompt->desk.finished;
+}
+
+/* "ch2" for /data/ch2.nii.gz; NAME-N.iftty for the first N that is free here. */
+static void name_session(struct prompt *prompt, struct buf *journal)
+{
+    const char *name = prompt->first ? file_name(prompt->first) : "session";
+    size_t n = strcspn(name, ".:");
+    n = n ? n : strlen(name);
+    snprintf(prompt->name, sizeof prompt->name, "%.*s", (int)(n < 20 ? n : 20), name);
+    for (unsigned i = 1; i < 100000; i++) {
+        buf_clear(journal);
+        buf_add(journal, name, n);
+        buf_printf(journal, "-%u.iftty", i);
+        if (!file_exists(buf_text(journal)))
+            break;
+    }
+}
+
+static enum err program_prompt(const struct options *o, struct fault *fault)
+{
+    static struct prompt prompt; /* large */
+    struct buf journal = {0};
+    struct options other = *o;
+    if (o->words > 1)
+        return fault_set(fault, ERR_USAGE, "one scene or journal at a time; see iftty --help");
+    prompt.first = o->words ? o->word[0] : NULL;
+    prompt.resumes = prompt.first && desk_is_journal(prompt.first);
+    if (prompt.resumes && o->journal)
+        return fault_set(fault, ERR_USAGE, "%s is a journal itself and goes on in its own file",
+                         prompt.first);
+    name_session(&prompt, &journal);
+    enum err err = begin_desk(&prompt.desk, &other, fault);
+    if (!o->journal && !prompt.resumes)
+        prompt.desk.new_journal = buf_text(&journal);
+    const struct repl_host host = {.context = &prompt,
+                                   .begin = prompt_begin,
+                                   .prompt = prompt_text,
+                                   .execute = prompt_execute,
+                                   .complete = prompt_complete,
+                                   .picture = prompt_picture,
+                                   .finished = prompt_finished};
+    const struct repl_options how = {o->graphics, NULL};
+    if (!err)
+        err = repl_run(&host, &how, fault);
+    if (prompt.desk.journal && isatty(STDOUT_FILENO)) {
+        struct buf text = {0};
+        const char *path = journal_path(prompt.desk.journal);
+        buf_add_safe(&text, path, strlen(path));
+        printf("journal: %s (%zu records)\n", buf_text(&text), journal_count(prompt.desk.journal));
+        buf_release(&text);
+    }
+    reply_release(&prompt.reply);
+    desk_release(&prompt.desk);
+    buf_release(&journal);
+    return err;
+}
+
+int main(int count, char **word)
+{
+    static const struct {
+        const char *name;
+        enum err (*run)(const struct options *o, struct fault *fault);
+    } program[] = {{"run", program_run},       {"replay", program_replay},
+                   {"verify", program_verify}, {"log", program_log},
+                   {"bench", program_bench},   {"help", program_help}};
+    struct options options;
+    struct fault fault = {0};
+    signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error that a write returns */
+    for (int i = 1; i < count; i++) {
+        if (strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0) {
+            fputs(usage, stdout);
+            return 0;
+        }
+        if (strcmp(word[i], "--version") == 0) {
+            puts("iftty " PROGRAM_VERSION);
+            return 0;
+        }
+    }
+    enum err err = read_options(&options, count, word, &fault);
+    if (err)
+        return finish(err, &fault);
+    if (options.commands)
+        return finish(program_commands(&options, &fault), &fault);
+    for (size_t i = 0; options.words && i < sizeof program / sizeof program[0]; i++)
+        if (strcmp(options.word[0], program[i].name) == 0)
+            return finish(program[i].run(&options, &fault), &fault);
+    return finish(program_prompt(&options, &fault), &fault);
+}

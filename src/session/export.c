@@ -1,0 +1,99 @@
+#include "session/export.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "image/nifti.h"
+
+/* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
+static double depth_unit_mm(const struct camera *camera)
+{
+    double pixel_mm = (double)camera->unit_nm / 1e6 * 1000.0 / camera->view.zoom;
+    return pixel_mm / (double)(INT64_C(4) << 24);
+}
+
+static enum err add_notes(struct picture *picture, const struct session *session,
+                          struct fault *fault)
+{
+    const struct view *view = &session->settings.view;
+    char scene[32], seen[96];
+    snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session->scene_digest);
+    snprintf(seen, sizeof seen, "%d %d %d zoom %u size %ux%u", view->angle[0], view->angle[1],
+             view->angle[2], view->zoom, view->width, view->height);
+    enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
+    if (!err)
+        err = picture_note(picture, "iftty:scene", scene, fault);
+    if (!err)
+        err = picture_note(picture, "iftty:view", seen, fault);
+    return err;
+}
+
+enum err export_picture(struct picture *picture, const struct session *session,
+                        struct fault *fault)
+{
+    const struct rendition *r = &session->rendition;
+    enum err err = picture_init(picture, r->width, r->height, true, fault);
+    if (err)
+        return err;
+    const double unit_mm = depth_unit_mm(&session->camera);
+    for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
+        bool seen = r->cell[i] != CELL_NONE;
+        for (int k = 0; k < 4; k++)
+            picture->rgba[4 * i + (size_t)k] = r->rgba[4 * i + (size_t)k];
+        picture->depth_mm[i] = seen ? (float)((double)r->depth[i] * unit_mm) : (float)INFINITY;
+        picture->label[i] = r->label[i];
+        picture->voxel[i] = seen ? grid_voxel(&session->scene->grid, r->cell[i]) : CELL_NONE;
+    }
+    err = add_notes(picture, session, fault);
+    if (err)
+        picture_release(picture);
+    return err;
+}
+
+struct map_source {
+    const struct session *session;
+    enum map map;
+};
+
+static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    const struct map_source *source = context;
+    const struct session *session = source->session;
+    struct span row = grid_row(&session->scene->grid, y, z);
+    uint8_t *byte = values;
+    uint16_t *cost = values;
+    uint32_t *root = values;
+    for (uint32_t c = row.first; c < row.end; c++) {
+        const struct cell *cell = session->scene->cell + c;
+        bool reached = cell->key != KEY_NONE;
+        switch (source->map) {
+        case MAP_LABELS:
+            *byte++ = cell->label;
+            break;
+        case MAP_BORDER:
+            *byte++ = border_holds(&session->border, c);
+            break;
+        case MAP_COST:
+            *cost++ = reached ? (uint16_t)key_cost(cell->key) : UINT16_MAX;
+            break;
+        case MAP_ROOT:
+            *root++ = reached ? grid_voxel(&session->scene->grid, key_root(cell->key)) : CELL_NONE;
+            break;
+        }
+    }
+}
+
+enum err export_map(const struct session *session, enum map map, const char *path,
+                    enum file_mode mode, struct fault *fault)
+{
+    static const struct {
+        enum nifti_type type;
+        const char *description;
+    } form[] = {[MAP_LABELS] = {NIFTI_UINT8, "iftty labels"},
+                [MAP_COST] = {NIFTI_UINT16, "iftty path cost"},
+                [MAP_ROOT] = {NIFTI_UINT32, "iftty root: voxel index of the seed"},
+                [MAP_BORDER] = {NIFTI_UINT8, "iftty border"}};
+    struct map_source source = {session, map};
+    return nifti_write(path, mode, session->scene->grid.size, &session->geometry, form[map].type,
+                       form[map].description, fill_row, &source, fault);
+}

@@ -1,0 +1,30 @@
+/*
+ * What leaves a session: pictures of its rendition, and maps in the scene's geometry.
+ *
+ * Here integers become floating point, and nothing of it finds its way back.
+ */
+#ifndef SESSION_EXPORT_H
+#define SESSION_EXPORT_H
+
+#include "base/file.h"
+#include "image/picture.h"
+#include "session/session.h"
+
+/* The version of what commands mean. A journal written under another is not silently replayed. */
+enum { SEMANTICS = 1 };
+#define PROGRAM_VERSION "0.1"
+
+/* All planes of the rendition, which must be rendered, and notes: view, scene digest, version.
+ * Depth is in millimetres along the view direction, 0 in the middle of the scene. The caller
+ * releases the picture. */
+enum err export_picture(struct picture *picture, const struct session *session,
+                        struct fault *fault);
+
+enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER };
+
+/* A NIfTI map in the scene's geometry: labels and border uint8; cost uint16, 65535 where no seed
+ * reaches; root uint32, the voxel index of the seed, 0xFFFFFFFF where none reaches. */
+enum err export_map(const struct session *session, enum map map, const char *path,
+                    enum file_mode mode, struct fault *fault);
+
+#endif

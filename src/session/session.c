@@ -1,0 +1,335 @@
+#include "session/session.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "base/scan.h"
+#include "engine/weight.h"
+#include "image/nifti.h"
+
+void session_init(struct session *session)
+{
+    *session = (struct session){0};
+    palette_default(&session->settings.palette);
+    for (int label = 1; label < 256; label++)
+        session->settings.visible[label] = true;
+    session->settings.adjacency = 6;
+    session_mark(session);
+}
+
+static void close_scene(struct session *session)
+{
+    if (session->has_rendition)
+        rendition_release(&session->rendition);
+    border_release(&session->border);
+    forest_free(session->forest);
+    scene_free(session->scene);
+    session->forest = NULL;
+    session->scene = NULL;
+    session->has_scene = session->has_rendition = session->rendered = false;
+}
+
+void session_release(struct session *session)
+{
+    close_scene(session);
+    free(session->pending);
+    *session = (struct session){0};
+}
+
+/* ---- opening ---- */
+
+uint64_t session_bytes_for(const uint32_t size[3])
+{
+    uint64_t cells = 1;
+    for (int a = 0; a < 3; a++)
+        cells *= (uint64_t)size[a] + 2;
+    /* Cells; two bits; a sixteenth of the scene as changes; the queue's crest, at most two voxels
+     * of three bytes in practice; two bytes while a file is read. */
+    return cells * sizeof(struct cell) + cells / 4 + cells / 2 + cells * 2;
+}
+
+static enum err check_memory(const uint32_t size[3], struct fault *fault)
+{
+    uint64_t needed = session_bytes_for(size), free_bytes = mem_available();
+    if (needed <= free_bytes)
+        return OK;
+    return fault_set(fault, ERR_LIMIT,
+                     "a scene of %ux%ux%u voxels needs %.1f GB of memory and %.1f GB are free; "
+                     "nothing was opened",
+                     size[0], size[1], size[2], (double)needed / 1e9, (double)free_bytes / 1e9);
+}
+
+/* "synth:geom" or "synth:geom:XYZ"; bit a of *doubled for a 2 in place a. */
+static bool scan_geom(const char *path, unsigned *doubled)
+{
+    *doubled = 0;
+    if (!scan_text(&path, "synth:geom"))
+        return false;
+    if (*path == '\0')
+        return true;
+    if (*path++ != ':' || strlen(path) != 3 || strspn(path, "12") != 3)
+        return false;
+    for (unsigned a = 0; a < 3; a++)
+        *doubled |= (unsigned)(path[a] == '2') << a;
+    return true;
+}
+
+static enum err open_synthetic(struct session *session, const char *path, struct fault *fault)
+{
+    unsigned doubled;
+    if (!scan_geom(path, &doubled))
+        return fault_set(fault, ERR_INPUT,
+                         "expected synth:geom or synth:geom:XYZ with each of X, Y, Z 1 or 2, "
+                         "not %s; nothing was opened",
+                         path);
+    enum err err = scene_new_geom(&session->scene, doubled, fault);
+    if (err)
+        return err;
+    double spacing_mm[3];
+    session->geometry = (struct geometry){.slope = 1};
+    for (int a = 0; a < 3; a++) {
+        session->geometry.spacing_nm[a] = session->scene->spacing_nm[a];
+        spacing_mm[a] = session->scene->spacing_nm[a] / 1e6;
+    }
+    geometry_place_plain(&session->geometry, spacing_mm);
+    return OK;
+}
+
+static enum err open_file(struct session *session, const char *path, struct fault *fault)
+{
+    struct volume volume = {0};
+    enum err err = nifti_read(&volume, path, fault);
+    if (!err)
+        err = check_memory(volume.size, fault);
+    if (!err)
+        err = scene_new(&session->scene, volume.size, fault);
+    if (!err) {
+        struct scene *scene = session->scene;
+        session->geometry = volume.geometry;
+        scene_fill(scene, volume.intensity);
+        memcpy(scene->spacing_nm, volume.geometry.spacing_nm, sizeof scene->spacing_nm);
+        memcpy(scene->world_axis, volume.geometry.world_axis, sizeof scene->world_axis);
+        memcpy(scene->world_sign, volume.geometry.world_sign, sizeof scene->world_sign);
+    }
+    volume_release(&volume);
+    return err;
+}
+
+enum err session_open(struct session *session, const char *path, struct fault *fault)
+{
+    enum err err;
+    if (session->has_scene)
+        return fault_set(fault, ERR_USAGE, "a scene is open already; a session has one scene");
+    if (strncmp(path, "synth:", 6) == 0)
+        err = open_synthetic(session, path, fault);
+    else
+        err = open_file(session, path, fault);
+    if (!err)
+        err = forest_new(&session->forest, session->scene, session->settings.adjacency, fault);
+    if (!err)
+        err = border_init(&session->border, session->scene, fault);
+    if (err) {
+        close_scene(session);
+        return err;
+    }
+    memcpy(session->border.visible, session->settings.visible, sizeof session->border.visible);
+    session->has_scene = true;
+    session->scene_digest = scene_digest(session->scene);
+    weight_morph(session->scene, forest_adjacency(session->forest));
+    session->weight_digest = weight_digest(session->scene);
+    struct view view = view_default(session->scene);
+    err = session_set_view(session, &view, fault);
+    if (err)
+        close_scene(session);
+    return err;
+}
+
+size_t session_memory(const struct session *session)
+{
+    size_t bytes = sizeof *session + session->pending_capacity * sizeof *session->pending;
+    if (!session->has_scene)
+        return bytes;
+    bytes += session->scene->grid.cells * sizeof(struct cell);
+    bytes += forest_memory(session->forest);
+    bytes += 2 * session->border.words * sizeof(uint64_t);
+    if (session->has_rendition)
+        bytes += (size_t)session->rendition.width * session->rendition.height * 17;
+    return bytes;
+}
+
+/* ---- edits ---- */
+
+static enum err wait_for_run(struct session *session, uint32_t cell, int16_t label,
+                             struct fault *fault)
+{
+    if (!mem_grow(&session->pending, &session->pending_capacity, session->pendings + 1,
+                  sizeof *session->pending))
+        return fault_memory(fault, "a seed");
+    session->pending[session->pendings++] = (struct edit){cell, label};
+    return OK;
+}
+
+enum err session_plant(struct session *session, uint32_t cell, uint8_t label, struct fault *fault)
+{
+    return wait_for_run(session, cell, label, fault);
+}
+
+enum err session_eliminate(struct session *session, uint32_t cell, struct fault *fault)
+{
+    for (size_t i = session->pendings; i-- > 0;)
+        if (session->pending[i].cell == cell && session->pending[i].label != EDIT_ERASE)
+            return wait_for_run(session, cell, EDIT_ERASE, fault);
+    uint64_t key = session->scene->cell[cell].key;
+    if (key == KEY_NONE)
+        return fault_set(fault, ERR_INPUT,
+                         "no tree holds this voxel: no seed reaches it; nothing has changed");
+    return wait_for_run(session, key_root(key), EDIT_ERASE, fault);
+}
+
+/* Border and rendition after a change of the forest (S2). */
+static void follow_forest(struct session *session)
+{
+    struct changes changes = forest_changes(session->forest);
+    border_update(&session->border, &changes);
+    if (session->rendered) {
+        incremental_image(&session->rendition, &session->camera, &session->border, &changes);
+        shade(&session->rendition, &session->camera, &session->border,
+              &session->settings.palette);
+    }
+}
+
+enum err session_run(struct session *session, struct fault *fault)
+{
+    if (session->pendings == 0)
+        return OK;
+    enum err err = forest_edit(session->forest, session->pending, session->pendings,
+                               session->watch, fault);
+    if (err)
+        return err;
+    session->pendings = 0; /* the edits stay in memory behind the end, for session_rollback */
+    session->edited_forest = true;
+    follow_forest(session);
+    return OK;
+}
+
+static enum err use_adjacency(struct session *session, unsigned count, struct fault *fault)
+{
+    session->settings.adjacency = count;
+    forest_set_adjacency(session->forest, count);
+    weight_morph(session->scene, forest_adjacency(session->forest));
+    session->weight_digest = weight_digest(session->scene);
+    enum err err = forest_rebuild(session->forest, session->watch, fault);
+    follow_forest(session);
+    return err;
+}
+
+enum err session_set_adjacency(struct session *session, unsigned count, struct fault *fault)
+{
+    if (count == session->settings.adjacency)
+        return OK;
+    session->rebuilt_forest = true;
+    return use_adjacency(session, count, fault);
+}
+
+/* ---- what is seen ---- */
+
+enum err session_set_view(struct session *session, const struct view *view, struct fault *fault)
+{
+    struct camera camera;
+    enum err err = camera_init(&camera, session->scene, view, fault);
+    if (err)
+        return err;
+    if (session->has_rendition &&
+        (view->width != session->rendition.width || view->height != session->rendition.height)) {
+        rendition_release(&session->rendition);
+        session->has_rendition = false;
+    }
+    session->settings.view = *view;
+    session->camera = camera;
+    session->rendered = false;
+    return OK;
+}
+
+enum err session_set_visible(struct session *session, uint8_t label, bool visible)
+{
+    session->settings.visible[label] = visible;
+    session->border.visible[label] = visible;
+    border_recount(&session->border);
+    session->rendered = false;
+    return OK;
+}
+
+enum err session_render(struct session *session, enum render_mode mode, struct fault *fault)
+{
+    const struct view *view = &session->settings.view;
+    enum err err = session_run(session, fault);
+    if (err)
+        return err;
+    if (!session->has_rendition) {
+        err = rendition_init(&session->rendition, view->width, view->height, fault);
+        if (err)
+            return err;
+        session->has_rendition = true;
+        session->rendered = false;
+    }
+    if (session->rendered && (mode == RENDER_AS_KEPT || mode == RENDER_INCREMENTAL))
+        return OK;
+    if (mode == RENDER_SCENE)
+        splat_scene(&session->rendition, &session->camera, &session->border);
+    else if (mode == RENDER_RAY)
+        raycast(&session->rendition, &session->camera, &session->border);
+    else
+        splat_border(&session->rendition, &session->camera, &session->border);
+    shade(&session->rendition, &session->camera, &session->border, &session->settings.palette);
+    session->rendered = true;
+    return OK;
+}
+
+/* ---- all or nothing ---- */
+
+void session_mark(struct session *session)
+{
+    session->mark = session->settings;
+    session->mark_pendings = session->pendings;
+    session->mark_has_scene = session->has_scene;
+    session->edited_forest = session->rebuilt_forest = false;
+}
+
+/*
+ * A command either edits the forest or changes the adjacency, never both in a way that the order
+ * matters: seeds are a set, so the inverse edit is right before or after the rebuild. What waited
+ * for a run is still in `pending`, since session_run only sets the count to 0 and a command that runs
+ * appends nothing afterwards.
+ */
+void session_rollback(struct session *session)
+{
+    if (session->has_scene && !session->mark_has_scene) {
+        close_scene(session);
+        session->settings = session->mark;
+        session->pendings = session->mark_pendings;
+        return;
+    }
+    bool redraws = memcmp(&session->settings.view, &session->mark.view, sizeof(struct view)) != 0;
+    bool shows_other =
+        memcmp(session->settings.visible, session->mark.visible, sizeof session->mark.visible) != 0;
+    bool recolours =
+        memcmp(&session->settings.palette, &session->mark.palette, sizeof(struct palette)) != 0;
+    unsigned adjacency = session->settings.adjacency;
+    session->settings = session->mark;
+    session->pendings = session->mark_pendings;
+    if (!session->has_scene)
+        return;
+    if (session->edited_forest && forest_revert(session->forest, NULL) == OK)
+        follow_forest(session);
+    if (session->rebuilt_forest && adjacency != session->mark.adjacency)
+        use_adjacency(session, session->mark.adjacency, NULL);
+    if (shows_other) {
+        memcpy(session->border.visible, session->mark.visible, sizeof session->border.visible);
+        border_recount(&session->border);
+    }
+    if (redraws)
+        session_set_view(session, &session->mark.view, NULL);
+    if (shows_other || recolours)
+        session->rendered = false;
+}

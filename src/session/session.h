@@ -1,0 +1,114 @@
+/*
+ * The session: one person's work on one scene. Scene, forest, border, labels, view and rendition,
+ * kept consistent with each other.
+ *
+ * Edits of seeds wait in a list until session_run applies them as one; because the forest is a
+ * function of the set of seeds, it does not matter how they are split over runs.
+ *
+ * Invariants
+ *   S1 a command is all or nothing: session_mark before it, and session_rollback takes back
+ *      whatever it did, exactly;
+ *   S2 the border fits the forest and the visible labels; the rendition, where `rendered`, is that
+ *      of forest, border and view, pixel for pixel, whichever mode made it;
+ *   S3 without a scene only session_open does anything; all else asks has_scene first.
+ */
+#ifndef SESSION_SESSION_H
+#define SESSION_SESSION_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+#include "engine/border.h"
+#include "engine/forest.h"
+#include "engine/scene.h"
+#include "image/geometry.h"
+#include "render/rendition.h"
+#include "render/shade.h"
+#include "render/view.h"
+
+enum { LABEL_NAME_BYTES = 32 };
+
+/* Everything but seeds that a command can change: small enough to copy whole. */
+struct settings {
+    struct view view;
+    struct palette palette;
+    char label_name[256][LABEL_NAME_BYTES]; /* "" for none */
+    bool visible[256];
+    bool runs_by_itself; /* "auto": each edit is run at once */
+    unsigned adjacency;  /* 6 or 26 */
+};
+
+struct session {
+    bool has_scene;
+    struct scene *scene;
+    struct geometry geometry;
+    uint64_t scene_digest, weight_digest;
+    struct forest *forest;
+    struct border border;
+    struct settings settings;
+
+    struct edit *pending; /* seeds and eliminators that wait for a run, in order */
+    size_t pendings, pending_capacity;
+
+    struct camera camera;
+    struct rendition rendition;
+    bool has_rendition; /* the rendition has memory, of camera.view's size */
+    bool rendered;      /* S2: it shows the present state */
+
+    const struct forest_watch *watch; /* asked during long passes, or NULL */
+
+    /* For session_rollback: what the command at hand began with, and what it has done since. */
+    struct settings mark;
+    size_t mark_pendings;
+    bool mark_has_scene;
+    bool edited_forest;  /* forest_revert takes it back */
+    bool rebuilt_forest; /* by another adjacency: it is rebuilt under the former one */
+};
+
+void session_init(struct session *session);
+void session_release(struct session *session);
+
+/* Opens "synth:geom[:XYZ]" (each of X, Y, Z 1 or 2) or a NIfTI file. The name is only looked at
+ * here; where a file is found is the caller's business. Weights are `morph` over 6 neighbours. */
+enum err session_open(struct session *session, const char *path, struct fault *fault);
+
+/* Bytes that a scene of this size takes, all told. */
+uint64_t session_bytes_for(const uint32_t size[3]);
+/* Bytes held now. */
+size_t session_memory(const struct session *session);
+
+/* ---- edits ---- */
+
+/* Adds an edit to those that wait. */
+enum err session_plant(struct session *session, uint32_t cell, uint8_t label, struct fault *fault);
+
+/* An eliminator: takes away the seed whose tree holds the voxel (as of the last run), or the seed
+ * that waits to be planted there. ERR_INPUT where neither is. */
+enum err session_eliminate(struct session *session, uint32_t cell, struct fault *fault);
+
+/* Applies the edits that wait; brings border and rendition up to date (the rendition as an
+ * incremental image). Fine when none wait. */
+enum err session_run(struct session *session, struct fault *fault);
+
+enum err session_set_adjacency(struct session *session, unsigned count, struct fault *fault);
+
+/* ---- what is seen ---- */
+
+/* Takes settings.view as the view from now on. */
+enum err session_set_view(struct session *session, const struct view *view, struct fault *fault);
+enum err session_set_visible(struct session *session, uint8_t label, bool visible);
+
+enum render_mode { RENDER_AS_KEPT, RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL, RENDER_RAY };
+
+/* Makes the rendition show the present state. RENDER_AS_KEPT and RENDER_INCREMENTAL do what is
+ * left to do; the others start from nothing. All give the same pixels. */
+enum err session_render(struct session *session, enum render_mode mode, struct fault *fault);
+
+/* ---- all or nothing ---- */
+
+void session_mark(struct session *session);
+void session_rollback(struct session *session);
+
+#endif

@@ -1,0 +1,276 @@
+/* OpenEXR: what is written comes back exactly, and what others wrote is taken or told off. */
+#include "check.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/buf.h"
+#include "base/file.h"
+#include "image/exr.h"
+
+static char folder[] = "/tmp/iftty-exr-XXXXXX";
+static char path[64];
+static uint64_t chance = 1;
+
+/* A picture in which every level of every channel and the odd values of each plane occur. */
+static struct picture sample(uint32_t width, uint32_t height, bool all_planes)
+{
+    struct picture p;
+    CHECK_INT(picture_init(&p, width, height, all_planes, NULL), OK);
+    for (size_t i = 0; i < (size_t)width * height; i++) {
+        for (size_t c = 0; c < 4; c++)
+            p.rgba[4 * i + c] = (uint8_t)(i * (2 * c + 1) + c);
+        if (!all_planes)
+            continue;
+        p.depth_mm[i] = i % 3 ? (float)i / 7.0f : INFINITY;
+        p.label[i] = (uint32_t)(i * 77);
+        p.voxel[i] = check_random(&chance) % 5 ? (uint32_t)check_random(&chance) : UINT32_MAX;
+    }
+    CHECK_INT(picture_note(&p, "scene", "sha256:00ff", NULL), OK);
+    CHECK_INT(picture_note(&p, "view", "yaw 30\npitch 20 \xc3\xa4", NULL), OK);
+    CHECK_INT(picture_note(&p, "a note with a name of more than 31 bytes", "", NULL), OK);
+    return p;
+}
+
+static bool same_plane(const void *a, const void *b, size_t bytes)
+{
+    return (a == NULL) == (b == NULL) && (!a || memcmp(a, b, bytes) == 0);
+}
+
+static bool same(const struct picture *a, const struct picture *b)
+{
+    size_t bytes = 4 * (size_t)a->width * a->height;
+    bool notes = a->attributes == b->attributes;
+    for (size_t i = 0; i < a->attributes && notes; i++)
+        notes = strcmp(a->attribute[i].name, b->attribute[i].name) == 0 &&
+                strcmp(a->attribute[i].value, b->attribute[i].value) == 0;
+    return notes && a->width == b->width && a->height == b->height &&
+           same_plane(a->rgba, b->rgba, bytes) && same_plane(a->depth_mm, b->depth_mm, bytes) &&
+           same_plane(a->label, b->label, bytes) && same_plane(a->voxel, b->voxel, bytes);
+}
+
+static bool comes_back(uint32_t width, uint32_t height, bool all_planes)
+{
+    struct picture p = sample(width, height, all_planes), q;
+    struct fault fault = {0};
+    bool fine = CHECK(exr_write(path, FILE_REPLACE, &p, &fault) == OK) &&
+                CHECK(exr_read(&q, path, &fault) == OK) && CHECK(same(&p, &q));
+    if (!fine)
+        printf("#   %ux%u: %s\n", width, height, fault.text);
+    picture_release(&p);
+    picture_release(&q);
+    return fine;
+}
+
+STORY(every_level_and_every_plane_comes_back)
+{
+    comes_back(256, 31, true);
+    comes_back(640, 480, true);
+}
+
+STORY(a_picture_of_colours_alone_comes_back)
+{
+    comes_back(17, 40, false);
+}
+
+STORY(one_pixel_and_odd_sizes_come_back)
+{
+    for (uint32_t width = 1; width < 6; width++)
+        for (uint32_t height = 1; height < 36; height += 5)
+            comes_back(width, height, width % 2);
+}
+
+/* Deflate leaves about one block in a thousand of these exactly as long as it was, which readers
+ * take to be stored plain. */
+STORY(a_block_that_deflate_cannot_shorten_comes_back)
+{
+    for (int round = 0; round < 3000; round++)
+        if (!comes_back(2, 1 + check_below(&chance, 16), true))
+            break;
+}
+
+STORY(the_same_picture_gives_the_same_bytes)
+{
+    struct picture p = sample(50, 50, true);
+    struct buf first = {0}, second = {0};
+    CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(file_read(&first, path, 1 << 20, NULL), OK);
+    sleep(1);
+    CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(file_read(&second, path, 1 << 20, NULL), OK);
+    CHECK_INT(first.length, second.length);
+    CHECK(memcmp(first.data, second.data, first.length) == 0);
+    buf_release(&first);
+    buf_release(&second);
+    picture_release(&p);
+}
+
+STORY(an_existing_file_is_kept_unless_told)
+{
+    struct picture p = sample(4, 4, false);
+    struct fault fault = {0};
+    CHECK_INT(exr_write(path, FILE_REPLACE, &p, &fault), OK);
+    CHECK_INT(exr_write(path, FILE_KEEP, &p, &fault), ERR_IO);
+    CHECK_HAS(fault.text, "exists already");
+    picture_release(&p);
+}
+
+STORY(a_note_under_a_name_of_the_format_is_refused)
+{
+    struct picture p = sample(4, 4, false);
+    struct fault fault = {0};
+    picture_note(&p, "dataWindow", "mine", NULL);
+    CHECK_INT(exr_write(path, FILE_REPLACE, &p, &fault), ERR_INPUT);
+    CHECK_HAS(fault.text, "\"dataWindow\" cannot name a note");
+    picture_release(&p);
+}
+
+static int full_after;
+static int disk_is_full(enum file_step step, const char *name)
+{
+    (void)name;
+    return step == FILE_STEP_WRITE && full_after-- <= 0 ? 28 /* ENOSPC */ : 0;
+}
+
+STORY(a_full_disk_leaves_the_former_file)
+{
+    struct picture p = sample(64, 64, true), q;
+    struct fault fault = {0};
+    CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
+    p.rgba[0] ^= 1;
+    file_step_hook = disk_is_full;
+    for (int after = 0; after < 6; after++) {
+        full_after = after;
+        CHECK_INT(exr_write(path, FILE_REPLACE, &p, &fault), ERR_IO);
+        CHECK_HAS(fault.text, "No space left on device");
+    }
+    file_step_hook = NULL;
+    CHECK_INT(exr_read(&q, path, NULL), OK);
+    p.rgba[0] ^= 1;
+    CHECK(same(&p, &q));
+    picture_release(&p);
+    picture_release(&q);
+}
+
+/* Replaces the one place where `from` stands in the file by as many bytes of `to`. */
+static void patch(const void *from, const void *to, size_t length)
+{
+    struct buf file = {0};
+    CHECK_INT(file_read(&file, path, 1 << 24, NULL), OK);
+    char *at = memmem(file.data, file.length, from, length);
+    if (CHECK(at != NULL)) {
+        memcpy(at, to, length);
+        CHECK_INT(file_write(path, file.data, file.length, FILE_REPLACE, NULL), OK);
+    }
+    buf_release(&file);
+}
+
+/* Writes a small picture, patches it, and reads it for the words of the refusal. */
+static const char *refusal(const void *from, const void *to, size_t length)
+{
+    static struct fault fault;
+    struct picture p = sample(8, 8, true), q;
+    fault = (struct fault){0};
+    CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
+    patch(from, to, length);
+    CHECK(exr_read(&q, path, &fault) != OK);
+    CHECK(q.rgba == NULL && q.attributes == 0);
+    CHECK(strchr(fault.text, '\n') == NULL);
+    picture_release(&p);
+    picture_release(&q);
+    return fault.text;
+}
+
+STORY(a_missing_channel_is_named)
+{
+    CHECK_HAS(refusal("channels\0chlist\0\x87\0\0\0A", "channels\0chlist\0\x87\0\0\0C", 21),
+              "no channel A; expected R, G, B and A");
+}
+
+STORY(a_channel_of_another_type_is_named)
+{
+    CHECK_HAS(refusal("label\0\0\0\0\0", "label\0\2\0\0\0", 10),
+              "channel label is float; expected uint");
+}
+
+STORY(a_huge_window_is_refused)
+{
+    CHECK_HAS(refusal("dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\7\0\0\0\7\0\0\0",
+                      "dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\377\377\0\0\7\0\0\0", 37),
+              "OpenEXR");
+    CHECK_HAS(refusal("dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\7\0\0\0\7\0\0\0",
+                      "dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\377\77\0\0\377\77\0\0", 37),
+              "cannot hold 16384x16384 pixels");
+}
+
+STORY(a_compression_that_is_not_ours_is_refused)
+{
+    CHECK_HAS(
+        refusal("compression\0compression\0\1\0\0\0\3", "compression\0compression\0\1\0\0\0\4", 29),
+        "not the ZIP that iftty writes");
+}
+
+STORY(what_is_no_exr_is_told_in_a_line)
+{
+    struct picture q;
+    struct fault fault = {0};
+    CHECK_INT(file_write(path, "P6 1 1 255 abc", 14, FILE_REPLACE, NULL), OK);
+    CHECK_INT(exr_read(&q, path, &fault), ERR_INPUT);
+    CHECK_HAS(fault.text, "cannot read");
+    CHECK_INT(exr_read(&q, folder, &fault), ERR_INPUT);
+    CHECK_HAS(fault.text, "not a regular file");
+    CHECK_INT(exr_read(&q, "/nonexistent.exr", &fault), ERR_IO);
+    CHECK_HAS(fault.text, "No such file");
+}
+
+STORY(damaged_files_never_do_harm)
+{
+    struct picture p = sample(20, 33, true), q;
+    struct buf good = {0}, bad = {0};
+    CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(file_read(&good, path, 1 << 20, NULL), OK);
+    for (int round = 0; round < 4000; round++) {
+        struct fault fault = {0};
+        buf_clear(&bad);
+        buf_add(&bad, good.data, good.length);
+        if (round % 4 == 0)
+            bad.length = check_below(&chance, (uint32_t)bad.length);
+        else /* mostly in the header, where the meaning is */
+            for (int flips = 1 + round % 3; flips > 0; flips--)
+                bad.data[check_below(&chance, round % 2 ? 700 : (uint32_t)bad.length)] ^=
+                    (char)(1 << check_below(&chance, 8));
+        FILE *file = fopen(path, "wb");
+        fwrite(bad.data, 1, bad.length, file);
+        fclose(file);
+        if (exr_read(&q, path, &fault) != OK)
+            CHECK(fault.text[0] != '\0' && q.rgba == NULL);
+        picture_release(&q);
+    }
+    buf_release(&good);
+    buf_release(&bad);
+    picture_release(&p);
+}
+
+int main(void)
+{
+    if (!mkdtemp(folder))
+        return 1;
+    snprintf(path, sizeof path, "%s/a.exr", folder);
+    int status = RUN_STORIES(
+        TELL(every_level_and_every_plane_comes_back), TELL(a_picture_of_colours_alone_comes_back),
+        TELL(one_pixel_and_odd_sizes_come_back),
+        TELL(a_block_that_deflate_cannot_shorten_comes_back),
+        TELL(the_same_picture_gives_the_same_bytes), TELL(an_existing_file_is_kept_unless_told),
+        TELL(a_note_under_a_name_of_the_format_is_refused),
+        TELL(a_full_disk_leaves_the_former_file), TELL(a_missing_channel_is_named),
+        TELL(a_channel_of_another_type_is_named), TELL(a_huge_window_is_refused),
+        TELL(a_compression_that_is_not_ours_is_refused), TELL(what_is_no_exr_is_told_in_a_line),
+        TELL(damaged_files_never_do_harm));
+    unlink(path);
+    if (rmdir(folder) != 0) {
+        printf("not ok 15 - no_draft_is_left_behind\n");
+        status = 1;
+    }
+    return status;
+}

@@ -1,0 +1,343 @@
+/* The image helper: pictures through other formats, and a helper that misbehaves. */
+#include "check.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/buf.h"
+#include "base/clock.h"
+#include "base/file.h"
+#include "image/exr.h"
+#include "image/helper.h"
+
+static char folder[] = "/tmp/iftty-helper-XXXXXX";
+static struct image_helper *helper;
+
+/* The path of a file in the folder; good until the fourth call after. */
+static const char *in_folder(const char *name)
+{
+    static char path[4][96];
+    static unsigned turn;
+    turn = (turn + 1) % 4;
+    snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
+    return path[turn];
+}
+
+static struct picture sample(uint32_t width, uint32_t height)
+{
+    struct picture p;
+    CHECK_INT(picture_init(&p, width, height, true, NULL), OK);
+    for (size_t i = 0; i < (size_t)width * height; i++) {
+        for (size_t c = 0; c < 3; c++)
+            p.rgba[4 * i + c] = (uint8_t)(i * (2 * c + 3) + 40 * c);
+        p.rgba[4 * i + 3] = 255;
+    }
+    picture_note(&p, "scene", "sha256:0123abcd", NULL);
+    picture_note(&p, "view", "yaw 30 pitch 20", NULL);
+    return p;
+}
+
+/* Writes and reads `name`; the words of a failure, or "". */
+static const char *there_and_back(const struct picture *p, const char *name, struct picture *q)
+{
+    static struct fault fault;
+    fault = (struct fault){0};
+    *q = (struct picture){0};
+    if (image_write(helper, in_folder(name), FILE_REPLACE, p, &fault) == OK)
+        image_helper_read(helper, in_folder(name), q, &fault);
+    return fault.text;
+}
+
+STORY(lossless_formats_bring_every_pixel_back)
+{
+    static const char *const name[] = {"a.png", "a.tif", "a.bmp", "a.tga", "a.ppm", "a.PNG"};
+    for (size_t i = 0; i < sizeof name / sizeof name[0]; i++) {
+        struct picture p = sample(61, 47), q;
+        CHECK_TEXT(there_and_back(&p, name[i], &q), "");
+        CHECK_INT(q.width, 61);
+        CHECK_INT(q.height, 47);
+        CHECK(q.rgba && memcmp(p.rgba, q.rgba, (size_t)61 * 47 * 4) == 0);
+        picture_release(&p);
+        picture_release(&q);
+    }
+}
+
+STORY(a_jpeg_comes_back_about_the_same)
+{
+    struct picture p = sample(64, 64), q;
+    memset(p.rgba, 200, (size_t)64 * 64 * 4);
+    CHECK_TEXT(there_and_back(&p, "a.jpg", &q), "");
+    CHECK(q.rgba && q.rgba[0] > 60 && q.rgba[0] < 250 && q.rgba[3] == 255);
+    picture_release(&p);
+    picture_release(&q);
+}
+
+STORY(what_is_transparent_comes_out_black)
+{
+    struct picture p = sample(2, 1), q;
+    memcpy(p.rgba, (const uint8_t[]){200, 100, 50, 0, 200, 100, 50, 128}, 8);
+    CHECK_TEXT(there_and_back(&p, "a.png", &q), "");
+    CHECK(memcmp(q.rgba, (const uint8_t[]){0, 0, 0, 255, 100, 50, 25, 255}, 8) == 0);
+    picture_release(&p);
+    picture_release(&q);
+}
+
+STORY(a_png_keeps_each_note)
+{
+    struct picture p = sample(8, 8), q;
+    CHECK_TEXT(there_and_back(&p, "a.png", &q), "");
+    const char *scene = picture_find(&q, "scene"), *view = picture_find(&q, "view");
+    CHECK_TEXT(scene ? scene : "missing", "sha256:0123abcd");
+    CHECK_TEXT(view ? view : "missing", "yaw 30 pitch 20");
+    picture_release(&p);
+    picture_release(&q);
+}
+
+STORY(other_formats_keep_the_notes_as_a_description)
+{
+    static const char *const name[] = {"a.tif", "a.jpg"};
+    for (size_t i = 0; i < 2; i++) {
+        struct picture p = sample(8, 8), q;
+        CHECK_TEXT(there_and_back(&p, name[i], &q), "");
+        const char *all = picture_find(&q, "ImageDescription");
+        CHECK_HAS(all ? all : "missing", "scene: sha256:0123abcd\nview: yaw 30 pitch 20");
+        picture_release(&p);
+        picture_release(&q);
+    }
+}
+
+STORY(the_same_picture_gives_the_same_bytes)
+{
+    static const char *const name[] = {"a.png", "a.tif", "a.jpg", "a.bmp"};
+    struct picture p = sample(20, 20);
+    struct buf first[4] = {0}, second = {0};
+    for (int round = 0; round < 2; round++) {
+        for (size_t i = 0; i < 4; i++) {
+            struct buf *to = round ? &second : &first[i];
+            CHECK_INT(image_write(helper, in_folder(name[i]), FILE_REPLACE, &p, NULL), OK);
+            CHECK_INT(file_read(to, in_folder(name[i]), 1 << 20, NULL), OK);
+            if (round)
+                CHECK(second.length == first[i].length &&
+                      memcmp(second.data, first[i].data, second.length) == 0);
+        }
+        if (round == 0)
+            sleep(1); /* the clock moves on; the files do not tell */
+    }
+    for (size_t i = 0; i < 4; i++)
+        buf_release(&first[i]);
+    buf_release(&second);
+    picture_release(&p);
+}
+
+STORY(exr_goes_without_the_helper)
+{
+    struct image_helper *none;
+    struct picture p = sample(9, 9), q;
+    CHECK_INT(image_helper_new(&none, "/nonexistent/iftty-image", NULL), OK);
+    CHECK_INT(image_write(none, in_folder("a.exr"), FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(exr_read(&q, in_folder("a.exr"), NULL), OK);
+    CHECK(q.voxel != NULL && memcmp(p.rgba, q.rgba, 9 * 9 * 4) == 0);
+    image_helper_free(none);
+    picture_release(&p);
+    picture_release(&q);
+}
+
+STORY(a_name_without_a_known_format_is_told_off)
+{
+    static const char *const name[] = {"a.xyz", "plain", ".png", "a.", "a.term", "a.null"};
+    struct picture p = sample(4, 4);
+    for (size_t i = 0; i < sizeof name / sizeof name[0]; i++) {
+        struct fault fault = {0};
+        CHECK(image_write(helper, in_folder(name[i]), FILE_KEEP, &p, &fault) != OK);
+        CHECK_HAS(fault.text, "expected for instance .png, .exr, .tif or .jpg");
+        CHECK_HAS(fault.text, in_folder(name[i]));
+        CHECK(!file_exists(in_folder(name[i])));
+    }
+    picture_release(&p);
+}
+
+STORY(an_existing_file_is_kept_unless_told)
+{
+    struct picture p = sample(4, 4);
+    struct fault fault = {0};
+    CHECK_INT(image_write(helper, in_folder("a.png"), FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(image_write(helper, in_folder("a.png"), FILE_KEEP, &p, &fault), ERR_IO);
+    CHECK_HAS(fault.text, "exists already");
+    picture_release(&p);
+}
+
+STORY(what_is_no_image_is_told_in_a_line)
+{
+    struct picture q;
+    struct fault fault = {0};
+    CHECK_INT(file_write(in_folder("bad.png"), "\x1b[2Jnot a png", 13, FILE_REPLACE, NULL), OK);
+    CHECK_INT(image_helper_read(helper, in_folder("bad.png"), &q, &fault), ERR_INPUT);
+    CHECK_HAS(fault.text, "cannot read");
+    CHECK(strpbrk(fault.text, "\n\033") == NULL && q.rgba == NULL);
+    CHECK(image_helper_read(helper, in_folder("none.png"), &q, &fault) != OK);
+    CHECK_HAS(fault.text, "none.png");
+}
+
+STORY(damaged_images_never_end_the_session)
+{
+    struct picture p = sample(30, 30), q;
+    struct buf file = {0};
+    uint64_t chance = 7;
+    CHECK_INT(image_write(helper, in_folder("a.png"), FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(file_read(&file, in_folder("a.png"), 1 << 20, NULL), OK);
+    for (int round = 0; round < 200; round++) {
+        struct fault fault = {0};
+        size_t at = check_below(&chance, (uint32_t)file.length);
+        char kept = file.data[at];
+        file.data[at] = (char)check_random(&chance);
+        size_t length = round % 3 ? file.length : at;
+        FILE *out = fopen(in_folder("bad.png"), "wb");
+        fwrite(file.data, 1, length, out);
+        fclose(out);
+        if (image_helper_read(helper, in_folder("bad.png"), &q, &fault) != OK)
+            CHECK(fault.text[0] != '\0' && q.rgba == NULL);
+        picture_release(&q);
+        file.data[at] = kept;
+    }
+    buf_release(&file);
+    picture_release(&p);
+}
+
+/* A helper that is a small shell script. */
+static struct image_helper *scripted(const char *script)
+{
+    struct image_helper *odd = NULL;
+    const char *path = in_folder("helper.sh");
+    FILE *out = fopen(path, "wb");
+    fprintf(out, "#!/bin/sh\n%s\n", script);
+    fclose(out);
+    CHECK_INT(chmod(path, 0700), 0);
+    CHECK_INT(image_helper_new(&odd, path, NULL), OK);
+    return odd;
+}
+
+/* What a scripted helper's failure is called, reading (or writing a large picture). */
+static const char *failure(const char *script, bool writing)
+{
+    static struct fault fault;
+    struct image_helper *odd = scripted(script);
+    struct picture p = sample(writing ? 1500 : 4, 1000), q = {0};
+    fault = (struct fault){0};
+    enum err err = writing ? image_helper_write(odd, in_folder("x.png"), &p, &fault)
+                           : image_helper_read(odd, in_folder("x.png"), &q, &fault);
+    CHECK(err != OK && q.rgba == NULL);
+    image_helper_free(odd);
+    picture_release(&p);
+    return fault.text;
+}
+
+STORY(a_missing_helper_is_named)
+{
+    struct image_helper *none;
+    struct picture q;
+    struct fault fault = {0};
+    CHECK_INT(image_helper_new(&none, "/nonexistent/iftty-image", NULL), OK);
+    CHECK_INT(image_helper_read(none, "a.png", &q, &fault), ERR_IO);
+    CHECK_HAS(fault.text, "cannot start the image helper /nonexistent/iftty-image: No such file");
+    image_helper_free(none);
+}
+
+STORY(a_helper_that_ends_or_dies_is_told)
+{
+    for (int writing = 0; writing < 2; writing++) {
+        CHECK_HAS(failure("exit 3", writing), "helper.sh ended with status 3");
+        CHECK_HAS(failure("read line; kill -SEGV $$", writing), "helper.sh died (Segmentation");
+        CHECK_HAS(failure("kill -KILL $$", writing), "helper.sh died (Killed)");
+    }
+}
+
+STORY(answers_that_make_no_sense_are_told)
+{
+    static const char *const answer[] = {
+        "hello\\n",
+        "picture 0 4 0\\n",
+        "picture 4 4\\n",
+        "picture 4 4 0 0\\n",
+        "error 9999\\nxxx",
+        "error -1\\n",
+        "picture 4 4 1\\nx\\n",
+        "picture 99999 4 0\\n",
+        "picture 1 1 1\\n99999 1\\n",
+    };
+    for (size_t i = 0; i < sizeof answer / sizeof answer[0]; i++) {
+        char script[128];
+        snprintf(script, sizeof script, "printf '%s'; sleep 9", answer[i]);
+        CHECK_HAS(failure(script, false), "gave an answer that makes no sense");
+    }
+    CHECK_HAS(failure("printf %0100d 0; sleep 9", false), "gave an answer that makes no sense");
+    const char *script = "exec 3<&0; cat <&3 >/dev/null & printf 'picture 1 1 0\\n'; sleep 9";
+    CHECK_HAS(failure(script, true), "gave an answer that makes no sense");
+}
+
+STORY(an_answer_cut_short_is_told)
+{
+    CHECK_HAS(failure("printf 'picture 4 4 0\\nabc'", false), "ended with status 0");
+    CHECK_HAS(failure("printf 'error 40\\nabc'", false), "ended with status 0");
+    CHECK_HAS(failure("printf 'error 3\\nabc'", false), "x.png: abc");
+}
+
+STORY(a_helper_that_stays_silent_is_ended)
+{
+    uint64_t begin = clock_ns();
+    image_helper_patience_ms = 200;
+    CHECK_HAS(failure("sleep 30", false), "did not answer for 1 s and was ended");
+    CHECK_HAS(failure("sleep 30", true), "did not answer for 1 s and was ended");
+    image_helper_patience_ms = 60000;
+    CHECK(clock_ns() - begin < UINT64_C(10000000000));
+}
+
+STORY(after_a_death_the_next_request_starts_anew)
+{
+    struct image_helper *twice = scripted("if [ -e ${0%/*}/died ]; then\n"
+                                          "  printf 'error 5\\nalive'; sleep 1\n"
+                                          "else\n"
+                                          "  : >${0%/*}/died; kill -ABRT $$\n"
+                                          "fi");
+    struct picture q;
+    struct fault fault = {0};
+    CHECK_INT(image_helper_read(twice, "a.png", &q, &fault), ERR_IO);
+    CHECK_HAS(fault.text, "died (Aborted)");
+    CHECK_INT(image_helper_read(twice, "a.png", &q, &fault), ERR_INPUT);
+    CHECK_HAS(fault.text, "cannot read a.png: alive");
+    image_helper_free(twice);
+    unlink(in_folder("died"));
+}
+
+int main(void)
+{
+    static const char *const leftover[] = {"a.png", "a.PNG", "a.tif", "a.bmp",   "a.tga",
+                                           "a.ppm", "a.jpg", "a.exr", "bad.png", "helper.sh"};
+    const char *build = getenv("IFTTY_BUILD");
+    struct buf program = {0};
+    buf_printf(&program, "%s/iftty-image", build ? build : "build");
+    if (!mkdtemp(folder) || image_helper_new(&helper, buf_text(&program), NULL) != OK)
+        return 1;
+    int status = RUN_STORIES(
+        TELL(lossless_formats_bring_every_pixel_back), TELL(a_jpeg_comes_back_about_the_same),
+        TELL(what_is_transparent_comes_out_black), TELL(a_png_keeps_each_note),
+        TELL(other_formats_keep_the_notes_as_a_description),
+        TELL(the_same_picture_gives_the_same_bytes), TELL(exr_goes_without_the_helper),
+        TELL(a_name_without_a_known_format_is_told_off), TELL(an_existing_file_is_kept_unless_told),
+        TELL(what_is_no_image_is_told_in_a_line), TELL(damaged_images_never_end_the_session),
+        TELL(a_missing_helper_is_named), TELL(a_helper_that_ends_or_dies_is_told),
+        TELL(answers_that_make_no_sense_are_told), TELL(an_answer_cut_short_is_told),
+        TELL(a_helper_that_stays_silent_is_ended),
+        TELL(after_a_death_the_next_request_starts_anew));
+    image_helper_free(helper);
+    buf_release(&program);
+    for (size_t i = 0; i < sizeof leftover / sizeof leftover[0]; i++)
+        unlink(in_folder(leftover[i]));
+    if (rmdir(folder) != 0) {
+        printf("not ok 18 - no_draft_is_left_behind\n");
+        status = 1;
+    }
+    return status;
+}

@@ -1,0 +1,908 @@
+/* NIfTI: every kind of file that is read, every kind that is refused, and what is written. */
+#include "check.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "base/buf.h"
+#include "base/file.h"
+#include "image/nifti.h"
+
+static char folder[] = "/tmp/iftty-nifti-XXXXXX";
+static char plain[64], packed[64];
+
+/* ---- files made by hand; the places of fields are those of nifti1.h ---- */
+
+enum { NX = 4, NY = 3, NZ = 2, VOXELS = NX * NY * NZ };
+
+struct made {
+    uint8_t bytes[4096];
+    size_t length;
+    bool big; /* byte order */
+};
+
+static void put(struct made *m, size_t at, uint64_t bits, unsigned width)
+{
+    for (unsigned i = 0; i < width; i++)
+        m->bytes[at + (m->big ? width - 1 - i : i)] = (uint8_t)(bits >> 8 * i);
+}
+
+static void put_float(struct made *m, size_t at, float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put(m, at, bits, 4);
+}
+
+static void put_double(struct made *m, size_t at, double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put(m, at, bits, 8);
+}
+
+enum { DIM = 40, DATATYPE = 70, PIXDIM = 76, OFFSET = 108, SLOPE = 112, INTER = 116, UNITS = 123 };
+enum { DESCRIP = 148, QFORM = 252, SFORM = 254, QUATERN = 256, SROW = 280, MAGIC = 344 };
+enum { DATA = 352 };
+
+static unsigned width_of(int datatype)
+{
+    return datatype == 2 ? 1 : datatype == 16 || datatype == 8 ? 4 : datatype == 64 ? 8 : 2;
+}
+
+/* A 4x3x2 scene of zeros, voxels of 1 x 2 x 3 mm. */
+static struct made make(int datatype, bool big)
+{
+    struct made m = {.big = big, .length = DATA + VOXELS * width_of(datatype)};
+    static const uint64_t dim[8] = {3, NX, NY, NZ, 1, 1, 1, 1};
+    put(&m, 0, 348, 4);
+    for (unsigned i = 0; i < 8; i++)
+        put(&m, DIM + 2 * i, dim[i], 2);
+    put(&m, DATATYPE, (uint64_t)datatype, 2);
+    for (unsigned i = 0; i < 4; i++)
+        put_float(&m, PIXDIM + 4 * i, (float)i);
+    put_float(&m, OFFSET, DATA);
+    m.bytes[UNITS] = 2;
+    memcpy(m.bytes + MAGIC, "n+1", 4);
+    return m;
+}
+
+static void put_sform(struct made *m, const float row[12])
+{
+    put(m, SFORM, 1, 2);
+    for (unsigned i = 0; i < 12; i++)
+        put_float(m, SROW + 4 * i, row[i]);
+}
+
+static void save(const char *path, const void *bytes, size_t length)
+{
+    FILE *file = fopen(path, "wb");
+    fwrite(bytes, 1, length, file);
+    fclose(file);
+}
+
+static void save_packed(const char *path, const void *bytes, size_t length)
+{
+    gzFile file = gzopen(path, "wb");
+    gzwrite(file, bytes, (unsigned)length);
+    gzclose(file);
+}
+
+/* Reads what was made, plain; fails the story where that is refused. */
+static struct volume read_made(const struct made *m)
+{
+    struct volume v;
+    struct fault fault = {0};
+    save(plain, m->bytes, m->length);
+    CHECK_INT(nifti_read(&v, plain, &fault), OK);
+    CHECK_TEXT(fault.text, "");
+    return v;
+}
+
+static const char *refusal_of(const char *path)
+{
+    static struct fault fault;
+    struct volume v;
+    fault = (struct fault){0};
+    CHECK(nifti_read(&v, path, &fault) != OK);
+    CHECK(v.intensity == NULL && v.size[0] == 0);
+    CHECK(strpbrk(fault.text, "\n\033") == NULL);
+    volume_release(&v);
+    return fault.text;
+}
+
+/* The words with which what was made is refused. */
+static const char *refusal(const struct made *m)
+{
+    save(plain, m->bytes, m->length);
+    return refusal_of(plain);
+}
+
+/* ---- what is read ---- */
+
+STORY(bytes_are_read_as_they_are)
+{
+    struct made m = make(2, false);
+    for (unsigned i = 0; i < VOXELS; i++)
+        m.bytes[DATA + i] = (uint8_t)(250 + i);
+    struct volume v = read_made(&m);
+    CHECK(v.size[0] == NX && v.size[1] == NY && v.size[2] == NZ);
+    for (unsigned i = 0; i < VOXELS; i++)
+        CHECK_INT(v.intensity[i], (uint8_t)(250 + i));
+    CHECK(v.geometry.slope == 1 && v.geometry.intercept == 0);
+    volume_release(&v);
+}
+
+STORY(words_of_16_bits_are_read_in_both_byte_orders)
+{
+    for (int big = 0; big < 2; big++) {
+        struct made m = make(512, big);
+        for (unsigned i = 0; i < VOXELS; i++)
+            put(&m, DATA + 2 * i, 65535 - 1000 * i, 2);
+        struct volume v = read_made(&m);
+        for (unsigned i = 0; i < VOXELS; i++)
+            CHECK_INT(v.intensity[i], 65535 - 1000 * i);
+        CHECK_INT(v.geometry.spacing_nm[2], 3000000);
+        volume_release(&v);
+    }
+}
+
+STORY(signed_words_are_shifted_only_when_some_are_negative)
+{
+    for (int big = 0; big < 2; big++)
+        for (int least = -32768; least <= 7; least += 32775) {
+            struct made m = make(4, big);
+            for (unsigned i = 0; i < VOXELS; i++)
+                put(&m, DATA + 2 * i, (uint64_t)(int64_t)(i == 5 ? least : (int)i + 7), 2);
+            struct volume v = read_made(&m);
+            int shift = least < 0 ? least : 0;
+            CHECK_INT(v.intensity[5], least - shift);
+            CHECK_INT(v.intensity[6], 13 - shift);
+            CHECK(v.geometry.intercept == shift && v.geometry.slope == 1);
+            volume_release(&v);
+        }
+}
+
+STORY(floats_are_spread_over_16_bits)
+{
+    for (int big = 0; big < 2; big++) {
+        struct made m = make(16, big);
+        for (unsigned i = 0; i < VOXELS; i++)
+            put_float(&m, DATA + 4 * i, -2.0f + (float)i / 23.0f * 4.0f);
+        put_float(&m, DATA + 4 * 23, 2.0f);
+        struct volume v = read_made(&m);
+        CHECK_INT(v.intensity[0], 0);
+        CHECK_INT(v.intensity[23], 65535);
+        for (unsigned i = 0; i < VOXELS; i++) {
+            CHECK_INT(v.intensity[i], floor(i / 23.0 * 65535 + 0.5));
+            double back = v.geometry.slope * v.intensity[i] + v.geometry.intercept;
+            CHECK(fabs(back - (-2 + i / 23.0 * 4)) < 4.0 / 65535);
+        }
+        volume_release(&v);
+    }
+}
+
+STORY(halves_round_up)
+{
+    struct made m = make(16, false); /* 0 .. 131070: a step of intensity is 2 */
+    put_float(&m, DATA, 131070.0f);
+    put_float(&m, DATA + 4, 1.0f);
+    put_float(&m, DATA + 8, 131069.0f);
+    struct volume v = read_made(&m);
+    CHECK_INT(v.intensity[1], 1);
+    CHECK_INT(v.intensity[2], 65535);
+    volume_release(&v);
+}
+
+STORY(a_constant_float_image_is_zero_and_keeps_its_value)
+{
+    struct made m = make(16, false);
+    for (unsigned i = 0; i < VOXELS; i++)
+        put_float(&m, DATA + 4 * i, 7.5f);
+    struct volume v = read_made(&m);
+    CHECK_INT(v.intensity[9], 0);
+    CHECK(v.geometry.slope * 0 + v.geometry.intercept == 7.5);
+    volume_release(&v);
+}
+
+STORY(the_widest_range_of_floats_does_not_overflow)
+{
+    struct made m = make(16, false);
+    put_float(&m, DATA, -3.4e38f);
+    put_float(&m, DATA + 4, 3.4e38f);
+    struct volume v = read_made(&m);
+    CHECK_INT(v.intensity[0], 0);
+    CHECK_INT(v.intensity[1], 65535);
+    CHECK_INT(v.intensity[2], 32768);
+    volume_release(&v);
+}
+
+STORY(the_scale_of_the_file_is_kept)
+{
+    struct made m = make(4, false);
+    put(&m, DATA, (uint64_t)-10, 2);
+    put_float(&m, SLOPE, 0.5f);
+    put_float(&m, INTER, 100.0f);
+    struct volume v = read_made(&m);
+    CHECK(v.geometry.slope == 0.5 && v.geometry.intercept == 95.0);
+    volume_release(&v);
+    put_float(&m, SLOPE, 0.0f); /* no scaling at all then */
+    v = read_made(&m);
+    CHECK(v.geometry.slope == 1 && v.geometry.intercept == -10);
+    volume_release(&v);
+}
+
+STORY(gzip_is_told_by_content_not_by_name)
+{
+    struct made m = make(512, true);
+    put(&m, DATA + 2 * 7, 4711, 2);
+    for (int i = 0; i < 2; i++) {
+        struct volume v;
+        save_packed(i ? plain : packed, m.bytes, m.length);
+        CHECK_INT(nifti_read(&v, i ? plain : packed, NULL), OK);
+        CHECK(v.intensity && v.intensity[7] == 4711);
+        volume_release(&v);
+    }
+}
+
+STORY(extensions_are_skipped_and_two_dimensions_are_a_slice)
+{
+    struct made m = make(2, false);
+    put(&m, DIM, 2, 2);
+    put(&m, DIM + 6, 0, 2);
+    put_float(&m, OFFSET, 416);
+    m.bytes[416] = 99;
+    m.length = 416 + NX * NY;
+    struct volume v = read_made(&m);
+    CHECK_INT(v.size[2], 1);
+    CHECK_INT(v.intensity[0], 99);
+    volume_release(&v);
+}
+
+STORY(further_dimensions_of_one_are_let_pass)
+{
+    struct made m = make(2, false);
+    put(&m, DIM, 5, 2);
+    struct volume v = read_made(&m);
+    CHECK_INT(v.size[2], NZ);
+    volume_release(&v);
+}
+
+STORY(nifti_2_is_read_in_both_byte_orders)
+{
+    for (int big = 0; big < 2; big++) {
+        struct made m = {.big = big, .length = 544 + VOXELS * 2};
+        static const uint64_t dim[8] = {3, NX, NY, NZ, 1, 1, 1, 1};
+        put(&m, 0, 540, 4);
+        memcpy(m.bytes + 4, "n+2\0\r\n\032\n", 8);
+        put(&m, 12, 512, 2);
+        for (unsigned i = 0; i < 8; i++) {
+            put(&m, 16 + 8 * i, dim[i], 8);
+            put_double(&m, 104 + 8 * i, 0.25);
+        }
+        put(&m, 168, 544, 8);
+        put_double(&m, 176, 2.0);
+        put(&m, 500, 2, 4);
+        put(&m, 544 + 2 * 23, 815, 2);
+        struct volume v = read_made(&m);
+        CHECK(v.intensity && v.intensity[23] == 815);
+        CHECK(v.geometry.slope == 2 && v.geometry.spacing_nm[1] == 250000);
+        volume_release(&v);
+    }
+}
+
+/* ---- where it lies ---- */
+
+STORY(without_codes_the_axes_are_those_of_the_world)
+{
+    struct made m = make(2, false);
+    struct volume v = read_made(&m);
+    const struct geometry *g = &v.geometry;
+    for (int a = 0; a < 3; a++) {
+        CHECK(g->to_mm[a][a] == a + 1 && g->to_mm[a][3] == 0);
+        CHECK_INT(g->spacing_nm[a], 1000000 * (a + 1));
+        CHECK(g->world_axis[a] == a && g->world_sign[a] == 1);
+    }
+    CHECK(g->sform_code == 0 && g->qform_code == 0);
+    volume_release(&v);
+}
+
+STORY(the_sform_goes_before_the_qform)
+{
+    struct made m = make(2, false);
+    put(&m, QFORM, 1, 2);
+    put_sform(&m, (const float[12]){0, 2, 0, 5, 0, 0, -3, 6, -1, 0, 0, 7});
+    struct volume v = read_made(&m);
+    const struct geometry *g = &v.geometry;
+    CHECK(g->to_mm[0][1] == 2 && g->to_mm[1][2] == -3 && g->to_mm[2][3] == 7);
+    CHECK(g->world_axis[0] == 2 && g->world_axis[1] == 0 && g->world_axis[2] == 1);
+    CHECK(g->world_sign[0] == -1 && g->world_sign[1] == 1 && g->world_sign[2] == -1);
+    CHECK(g->sform_code == 1 && g->qform_code == 1);
+    volume_release(&v);
+}
+
+STORY(the_qform_is_a_rotation_with_a_flip)
+{
+    struct made m = make(2, false);
+    put(&m, QFORM, 2, 2);
+    put_float(&m, PIXDIM, -1.0f);
+    put_float(&m, QUATERN + 8, 0.70710678f); /* a quarter turn about z: i runs along +y */
+    put_float(&m, QUATERN + 12, -11.0f);
+    struct volume v = read_made(&m);
+    const struct geometry *g = &v.geometry;
+    CHECK(fabs(g->to_mm[1][0] - 1) < 1e-6 && fabs(g->to_mm[0][1] + 2) < 1e-6);
+    CHECK(fabs(g->to_mm[2][2] + 3) < 1e-6 && g->to_mm[0][3] == -11);
+    CHECK(g->world_axis[0] == 1 && g->world_axis[1] == 0 && g->world_axis[2] == 2);
+    CHECK(g->world_sign[0] == 1 && g->world_sign[1] == -1 && g->world_sign[2] == -1);
+    volume_release(&v);
+}
+
+STORY(a_matrix_that_cannot_be_inverted_falls_back)
+{
+    static const float bad[][12] = {
+        {1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0},   /* two axes alike */
+        {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0},   /* nothing */
+        {NAN, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, /* not a number */
+        {1, 0, 0, INFINITY, 0, 1, 0, 0, 0, 0, 1, 0},
+        {1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0}, /* in one plane */
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        for (int turned = 0; turned < 2; turned++) {
+            struct made m = make(2, false);
+            put_sform(&m, bad[i]);
+            put(&m, QFORM, 1, 2);
+            put_float(&m, QUATERN + 8, turned ? 1.0f : NAN); /* half a turn, or nonsense */
+            struct volume v = read_made(&m);
+            CHECK(fabs(v.geometry.to_mm[0][0] - (turned ? -1 : 1)) < 1e-6);
+            CHECK_INT(v.geometry.sform_code, 0);
+            CHECK_INT(v.geometry.qform_code, turned);
+            volume_release(&v);
+        }
+}
+
+STORY(the_axes_are_a_permutation_whatever_the_matrix)
+{
+    uint64_t chance = 3;
+    for (int round = 0; round < 2000; round++) {
+        struct made m = make(2, false);
+        float row[12];
+        for (int i = 0; i < 12; i++)
+            row[i] = (float)((int)check_below(&chance, 7) - 3);
+        put_sform(&m, row);
+        struct volume v = read_made(&m);
+        int seen = 0;
+        for (int a = 0; a < 3; a++) {
+            seen |= 1 << v.geometry.world_axis[a];
+            CHECK(v.geometry.world_sign[a] == 1 || v.geometry.world_sign[a] == -1);
+        }
+        CHECK_INT(seen, 7);
+        volume_release(&v);
+    }
+}
+
+STORY(units_of_length_are_honoured)
+{
+    static const struct {
+        uint8_t units;
+        uint32_t spacing_nm;
+    } unit[] = {{0, 1000000}, {1, 1000000000}, {2, 1000000}, {3, 1000}, {3 | 8, 1000}};
+    for (size_t i = 0; i < sizeof unit / sizeof unit[0]; i++) {
+        struct made m = make(2, false);
+        m.bytes[UNITS] = unit[i].units;
+        struct volume v = read_made(&m);
+        CHECK_INT(v.geometry.spacing_nm[0], unit[i].spacing_nm);
+        CHECK(fabs(v.geometry.to_mm[0][0] * 1e6 - unit[i].spacing_nm) < 1e-3);
+        volume_release(&v);
+    }
+}
+
+STORY(odd_distances_of_voxels)
+{
+    struct made m = make(2, false);
+    put_float(&m, PIXDIM + 4, -1.5f);
+    put_float(&m, PIXDIM + 8, 0.0f);
+    struct volume v = read_made(&m);
+    CHECK_INT(v.geometry.spacing_nm[0], 1500000);
+    CHECK_INT(v.geometry.spacing_nm[1], 1000000);
+    volume_release(&v);
+    static const float bad[] = {NAN, INFINITY, 1e30f, 4001.0f, 1e-7f};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        put_float(&m, PIXDIM + 12, bad[i]);
+        CHECK_HAS(refusal(&m), "pixdim[3] is ");
+        CHECK_HAS(refusal(&m), "expected a distance of voxels from 1 nm to 4 m");
+    }
+}
+
+/* ---- what is refused ---- */
+
+STORY(what_is_not_nifti_is_told_apart)
+{
+    struct made m = make(2, false);
+    put(&m, 0, 349, 4);
+    CHECK_HAS(refusal(&m), "sizeof_hdr is 349; expected 348 or 540");
+    m = make(2, false);
+    memset(m.bytes + MAGIC, 0, 4);
+    CHECK_HAS(refusal(&m), "its magic is neither \"n+1\" nor \"n+2\"");
+    memcpy(m.bytes + MAGIC, "ni1", 4);
+    CHECK_HAS(refusal(&m), ".hdr/.img pair; expected a single .nii or .nii.gz");
+    save(plain, "short", 5);
+    CHECK_HAS(refusal_of(plain), "5 bytes; expected at least 348");
+    save(plain, "", 0);
+    CHECK_HAS(refusal_of(plain), "0 bytes; expected at least 348");
+    CHECK_HAS(refusal_of(folder), "is not a regular file");
+    CHECK_HAS(refusal_of("/nonexistent/a.nii"), "No such file");
+    m = make(2, false);
+    put(&m, 0, 540, 4);
+    m.length = 400;
+    memcpy(m.bytes + 4, "n+2\0\r\n\032\n", 8);
+    CHECK_HAS(refusal(&m), "ends within the header");
+}
+
+STORY(dimensions_are_checked)
+{
+    static const struct {
+        unsigned index;
+        int value;
+        const char *words;
+    } bad[] = {
+        {0, 0, "dim[0] is 0; expected 3 dimensions"},
+        {0, 1, "dim[0] is 1; expected 3 dimensions"},
+        {0, 8, "dim[0] is 8; expected 3 dimensions"},
+        {0, -3, "dim[0] is -3; expected 3 dimensions"},
+        {1, 0, "dim[1] is 0; expected at least one voxel"},
+        {2, -5, "dim[2] is -5; expected at least one voxel"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        struct made m = make(2, false);
+        put(&m, DIM + 2 * bad[i].index, (uint64_t)(int64_t)bad[i].value, 2);
+        CHECK_HAS(refusal(&m), bad[i].words);
+    }
+    struct made m = make(2, false);
+    put(&m, DIM, 4, 2);
+    put(&m, DIM + 8, 200, 2);
+    CHECK_HAS(refusal(&m), "dim[4] is 200: a series; expected one 3-D volume");
+}
+
+STORY(more_voxels_than_the_file_can_hold_are_refused_before_allocating)
+{
+    struct made m = make(512, false);
+    put(&m, DIM + 2, 1000, 2);
+    put(&m, DIM + 4, 1000, 2);
+    CHECK_HAS(refusal(&m), "claims 4000000 bytes of voxels from byte 352, but 400 bytes");
+    m.length--;
+    put(&m, DIM + 2, NX, 2);
+    put(&m, DIM + 4, NY, 2);
+    CHECK_HAS(refusal(&m), "cut short");
+    for (unsigned a = 1; a < 4; a++)
+        put(&m, DIM + 2 * a, 32767, 2);
+    CHECK_HAS(refusal(&m), "at most 2^32 cells");
+    m = make(2, false);
+    put(&m, DIM + 2, 30000, 2);
+    put(&m, DIM + 4, 10000, 2);
+    save_packed(packed, m.bytes, m.length);
+    CHECK_HAS(refusal_of(packed), "bytes of gzip hold at most");
+}
+
+STORY(nifti_2_dimensions_beyond_64_bits_are_refused)
+{
+    static const uint64_t side[] = {UINT64_C(1) << 62, 65535, UINT64_C(0xffffffffffffffff)};
+    for (size_t i = 0; i < 3; i++) {
+        struct made m = {.length = 1000};
+        put(&m, 0, 540, 4);
+        memcpy(m.bytes + 4, "n+2\0\r\n\032\n", 8);
+        put(&m, 12, 512, 2);
+        put(&m, 16, 3, 8);
+        for (unsigned a = 1; a < 4; a++)
+            put(&m, 16 + 8 * a, side[i], 8);
+        put(&m, 168, 544, 8);
+        CHECK_HAS(refusal(&m), i == 2 ? "dim[1] is -1" : "65534");
+    }
+}
+
+STORY(types_that_are_not_read_are_named)
+{
+    static const struct {
+        int datatype;
+        const char *name;
+    } other[] = {{64, "float64 (datatype 64)"},
+                 {8, "int32"},
+                 {768, "uint32"},
+                 {256, "int8"},
+                 {128, "rgb24"},
+                 {32, "complex64"},
+                 {77, "unknown (datatype 77)"}};
+    for (size_t i = 0; i < sizeof other / sizeof other[0]; i++) {
+        struct made m = make(2, false);
+        put(&m, DATATYPE, (uint64_t)other[i].datatype, 2);
+        CHECK_HAS(refusal(&m), other[i].name);
+        CHECK_HAS(refusal(&m), "expected uint8, int16, uint16 or float32");
+    }
+}
+
+STORY(offsets_are_checked)
+{
+    static const float bad[] = {1, 348, 351, 352.5f, -352, 1e30f, INFINITY, NAN, 3e8f};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        struct made m = make(2, false);
+        put_float(&m, OFFSET, bad[i]);
+        CHECK_HAS(refusal(&m), "vox_offset is ");
+        CHECK_HAS(refusal(&m), "expected a whole number of bytes from 352");
+    }
+    struct made m = make(2, false);
+    put_float(&m, OFFSET, 100000);
+    CHECK_HAS(refusal(&m), "cut short");
+    put_float(&m, OFFSET, 0); /* some writers leave it out */
+    struct volume v = read_made(&m);
+    volume_release(&v);
+}
+
+STORY(scales_that_are_no_numbers_are_refused)
+{
+    struct made m = make(2, false);
+    put_float(&m, SLOPE, NAN);
+    CHECK_HAS(refusal(&m), "scl_slope is nan");
+    put_float(&m, SLOPE, INFINITY);
+    CHECK_HAS(refusal(&m), "scl_slope is inf");
+    put_float(&m, SLOPE, 1);
+    put_float(&m, INTER, -INFINITY);
+    CHECK_HAS(refusal(&m), "scl_inter -inf; expected finite numbers");
+}
+
+STORY(the_first_voxel_that_is_no_number_is_named)
+{
+    struct made m = make(16, true);
+    put_float(&m, DATA + 4 * (2 + NX * (1 + NY * 1)), NAN);
+    CHECK_HAS(refusal(&m), "voxel 2,1,1 is not a number (NaN); expected finite numbers");
+    put_float(&m, DATA + 4 * 3, -INFINITY);
+    CHECK_HAS(refusal(&m), "voxel 3,0,0 is infinite");
+}
+
+STORY(a_gzip_cut_short_or_damaged_is_told)
+{
+    struct made m = make(512, false);
+    struct buf file = {0};
+    for (unsigned i = 0; i < 2 * VOXELS; i++)
+        m.bytes[DATA + i] = (uint8_t)(i * 37);
+    save_packed(packed, m.bytes, m.length);
+    CHECK_INT(file_read(&file, packed, 4096, NULL), OK);
+    for (size_t length = 2; length < file.length; length++) {
+        save(packed, file.data, length);
+        CHECK(strlen(refusal_of(packed)) > 0);
+    }
+    save(packed, file.data, file.length - 3);
+    CHECK_HAS(refusal_of(packed), "cut short: it ends within its checksum");
+    file.data[file.length - 6] ^= 1;
+    save(packed, file.data, file.length);
+    CHECK_HAS(refusal_of(packed), "damaged: its gzip data or checksum is wrong");
+    buf_release(&file);
+}
+
+STORY(a_gzip_bomb_is_inflated_no_further_than_its_voxels)
+{
+    struct made m = make(2, false);
+    static uint8_t zeros[1 << 20];
+    gzFile file = gzopen(packed, "wb9");
+    gzwrite(file, m.bytes, (unsigned)m.length);
+    for (int i = 0; i < 100; i++)
+        gzwrite(file, zeros, sizeof zeros);
+    gzclose(file);
+    struct volume v;
+    CHECK_INT(nifti_read(&v, packed, NULL),
+              OK); /* the first voxels are fine; nothing more is read */
+    volume_release(&v);
+}
+
+STORY(words_of_the_file_never_reach_the_terminal)
+{
+    struct made m = make(64, false);
+    memcpy(m.bytes + DESCRIP, "\033]0;owned\a\n", 11);
+    CHECK(strstr(refusal(&m), "owned") == NULL);
+    char odd[128];
+    snprintf(odd, sizeof odd, "%s/\033[31m\n.nii", folder);
+    save(odd, m.bytes, m.length);
+    CHECK_HAS(refusal_of(odd), "\\x1b[31m\\x0a.nii");
+    unlink(odd);
+}
+
+STORY(damaged_files_never_do_harm)
+{
+    uint64_t chance = 11;
+    static const int datatype[] = {2, 4, 512, 16};
+    for (int round = 0; round < 6000; round++) {
+        struct made m = make(datatype[round % 4], round / 4 % 2);
+        struct fault fault = {0};
+        struct volume v;
+        for (unsigned flips = 1 + check_below(&chance, 4); flips > 0; flips--)
+            m.bytes[check_below(&chance, DATA + 8)] ^= (uint8_t)(1u << check_below(&chance, 8));
+        if (round % 3 == 0)
+            m.length = check_below(&chance, (uint32_t)m.length + 1);
+        const char *path = round % 2 ? plain : packed;
+        (round % 2 ? save : save_packed)(path, m.bytes, m.length);
+        if (nifti_read(&v, path, &fault) != OK)
+            CHECK(fault.text[0] != '\0' && v.intensity == NULL);
+        volume_release(&v);
+    }
+}
+
+STORY(damaged_gzip_never_does_harm)
+{
+    struct made m = make(512, false);
+    struct buf file = {0};
+    uint64_t chance = 12;
+    for (unsigned i = 0; i < 2 * VOXELS; i++)
+        m.bytes[DATA + i] = (uint8_t)check_random(&chance);
+    save_packed(packed, m.bytes, m.length);
+    CHECK_INT(file_read(&file, packed, 4096, NULL), OK);
+    for (int round = 0; round < 3000; round++) {
+        struct volume v;
+        struct fault fault = {0};
+        uint32_t at = check_below(&chance, (uint32_t)file.length);
+        char kept = file.data[at];
+        file.data[at] ^= (char)(1 + check_below(&chance, 255));
+        save(packed, file.data, file.length);
+        /* What a damaged byte does not change (a time, padding) may pass; no voxel ever differs. */
+        if (nifti_read(&v, packed, &fault) == OK)
+            for (unsigned i = 0; i < VOXELS; i++)
+                CHECK_INT(v.intensity[i], m.bytes[DATA + 2 * i] | m.bytes[DATA + 2 * i + 1] << 8);
+        volume_release(&v);
+        file.data[at] = kept;
+    }
+    buf_release(&file);
+}
+
+/* ---- what is written ---- */
+
+struct asked {
+    const uint32_t *size;
+    enum nifti_type type;
+    uint64_t rows;
+    bool in_order;
+};
+
+static uint32_t value_at(uint32_t x, uint32_t y, uint32_t z)
+{
+    return x * 7 + y * 131 + z * 1009 + 70000;
+}
+
+static void give_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    struct asked *a = context;
+    a->in_order = a->in_order && a->rows == y + (uint64_t)a->size[1] * z;
+    a->rows++;
+    for (uint32_t x = 0; x < a->size[0]; x++) {
+        uint32_t v = value_at(x, y, z);
+        if (a->type == NIFTI_UINT8)
+            ((uint8_t *)values)[x] = (uint8_t)v;
+        else if (a->type == NIFTI_UINT16)
+            ((uint16_t *)values)[x] = (uint16_t)v;
+        else
+            ((uint32_t *)values)[x] = v;
+    }
+}
+
+static enum err write_sample(const char *path, const uint32_t size[3], const struct geometry *g,
+                             enum nifti_type type, enum file_mode mode, struct fault *fault)
+{
+    struct asked asked = {size, type, 0, true};
+    enum err err =
+        nifti_write(path, mode, size, g, type, "iftty \xc3\xa4", give_row, &asked, fault);
+    CHECK(asked.in_order);
+    CHECK(err || asked.rows == (uint64_t)size[1] * size[2]);
+    return err;
+}
+
+static const struct geometry plain_geometry = {
+    .to_mm = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}},
+    .slope = 1,
+    .spacing_nm = {1000000, 1000000, 1000000},
+    .world_axis = {0, 1, 2},
+    .world_sign = {1, 1, 1},
+};
+
+STORY(maps_come_back_as_they_were_written)
+{
+    static const uint32_t size[3] = {37, 11, 5};
+    for (int wide = 0; wide < 2; wide++)
+        for (int zip = 0; zip < 2; zip++) {
+            const enum nifti_type type = wide ? NIFTI_UINT16 : NIFTI_UINT8;
+            const char *path = zip ? packed : plain;
+            struct volume v;
+            CHECK_INT(write_sample(path, size, &plain_geometry, type, FILE_REPLACE, NULL), OK);
+            CHECK_INT(nifti_read(&v, path, NULL), OK);
+            for (uint32_t i = 0; i < 37 * 11 * 5; i++) {
+                uint32_t e = value_at(i % 37, i / 37 % 11, i / 37 / 11);
+                CHECK_INT(v.intensity[i], wide ? (uint16_t)e : (uint8_t)e);
+            }
+            CHECK_INT(v.geometry.sform_code, 1);
+            volume_release(&v);
+        }
+}
+
+STORY(a_map_of_32_bits_is_little_endian_after_its_header)
+{
+    static const uint32_t size[3] = {3, 2, 2};
+    struct buf file = {0};
+    CHECK_INT(write_sample(plain, size, &plain_geometry, NIFTI_UINT32, FILE_REPLACE, NULL), OK);
+    CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
+    CHECK_INT(file.length, 352 + 12 * 4);
+    CHECK(memcmp(file.data + DATATYPE, "\0\3\x20\0", 4) == 0); /* 768, 32 bits */
+    for (uint32_t i = 0; i < 12 && file.length == 400; i++) {
+        const uint8_t *at = (const uint8_t *)file.data + 352 + 4 * i;
+        CHECK_INT(at[0] + 256 * (at[1] + 256 * (at[2] + 256 * at[3])),
+                  value_at(i % 3, i / 3 % 2, i / 6));
+    }
+    CHECK_TEXT(file.data + DESCRIP, "iftty \xc3\xa4");
+    CHECK_TEXT(refusal_of(plain) + strlen(plain),
+               ": its voxels are uint32 (datatype 768); expected uint8, int16, uint16 or float32");
+    buf_release(&file);
+}
+
+STORY(the_place_in_the_world_is_kept)
+{
+    uint64_t chance = 5;
+    static const uint32_t size[3] = {2, 2, 2};
+    for (int round = 0; round < 300; round++) {
+        struct made m = make(2, false);
+        put(&m, QFORM, 3, 2); /* any rotation, with and without a flip */
+        put_float(&m, PIXDIM, round % 2 ? -1 : 1);
+        for (unsigned i = 0; i < 3; i++) {
+            float part = ((float)check_below(&chance, 1001) - 500) / 500 * 0.57f;
+            put_float(&m, QUATERN + 4 * i, round < 8 ? (float)(round >> i & 1) * 0.57f : part);
+            put_float(&m, QUATERN + 12 + 4 * i, part * 100);
+        }
+        struct volume v = read_made(&m), w, only_q;
+        CHECK_INT(write_sample(plain, size, &v.geometry, NIFTI_UINT8, FILE_REPLACE, NULL), OK);
+        CHECK_INT(nifti_read(&w, plain, NULL), OK);
+        CHECK_INT(w.geometry.qform_code, 3);
+        struct buf file = {0};
+        CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
+        memset(file.data + SFORM, 0, 2); /* now the qform alone has to say it */
+        save(plain, file.data, file.length);
+        buf_release(&file);
+        CHECK_INT(nifti_read(&only_q, plain, NULL), OK);
+        for (int i = 0; i < 12; i++) {
+            double e = v.geometry.to_mm[i / 4][i % 4];
+            CHECK(fabs(w.geometry.to_mm[i / 4][i % 4] - e) < 1e-4);
+            CHECK(fabs(only_q.geometry.to_mm[i / 4][i % 4] - e) < 1e-3);
+        }
+        CHECK(memcmp(v.geometry.spacing_nm, w.geometry.spacing_nm, 12) == 0);
+        CHECK(memcmp(v.geometry.world_axis, w.geometry.world_axis, 3) == 0);
+        volume_release(&v);
+        volume_release(&w);
+        volume_release(&only_q);
+    }
+}
+
+STORY(a_sheared_matrix_is_kept_by_the_sform_alone)
+{
+    static const uint32_t size[3] = {2, 2, 2};
+    struct made m = make(2, false);
+    put(&m, QFORM, 2, 2);
+    put_sform(&m, (const float[12]){1, 1, 0, 5, 0, 2, 0, 6, 0, 0, 3, 7});
+    put(&m, SFORM, 4, 2);
+    struct volume v = read_made(&m), w;
+    CHECK_INT(write_sample(plain, size, &v.geometry, NIFTI_UINT8, FILE_REPLACE, NULL), OK);
+    CHECK_INT(nifti_read(&w, plain, NULL), OK);
+    CHECK(memcmp(v.geometry.to_mm, w.geometry.to_mm, sizeof v.geometry.to_mm) == 0);
+    CHECK(w.geometry.sform_code == 4 && w.geometry.qform_code == 0);
+    volume_release(&v);
+    volume_release(&w);
+}
+
+STORY(a_side_too_long_for_nifti_1_makes_nifti_2)
+{
+    static const uint32_t size[3] = {40000, 2, 1};
+    struct volume v;
+    CHECK_INT(write_sample(packed, size, &plain_geometry, NIFTI_UINT16, FILE_REPLACE, NULL), OK);
+    CHECK_INT(nifti_read(&v, packed, NULL), OK);
+    CHECK_INT(v.size[0], 40000);
+    CHECK(v.intensity && v.intensity[79999] == (uint16_t)value_at(39999, 1, 0));
+    volume_release(&v);
+}
+
+STORY(the_same_map_gives_the_same_gzip)
+{
+    static const uint32_t size[3] = {30, 30, 30};
+    struct buf first = {0}, second = {0};
+    CHECK_INT(write_sample(packed, size, &plain_geometry, NIFTI_UINT16, FILE_REPLACE, NULL), OK);
+    CHECK_INT(file_read(&first, packed, 1 << 20, NULL), OK);
+    CHECK(memcmp(first.data + 4, "\0\0\0\0", 4) == 0); /* no time */
+    sleep(1);
+    CHECK_INT(write_sample(packed, size, &plain_geometry, NIFTI_UINT16, FILE_REPLACE, NULL), OK);
+    CHECK_INT(file_read(&second, packed, 1 << 20, NULL), OK);
+    CHECK(first.length == second.length && memcmp(first.data, second.data, first.length) == 0);
+    buf_release(&first);
+    buf_release(&second);
+}
+
+STORY(names_and_existing_files_are_checked)
+{
+    static const uint32_t size[3] = {2, 2, 2};
+    struct fault fault = {0};
+    char other[128];
+    snprintf(other, sizeof other, "%s/a.img", folder);
+    CHECK_INT(write_sample(other, size, &plain_geometry, NIFTI_UINT8, FILE_KEEP, &fault),
+              ERR_USAGE);
+    CHECK_HAS(fault.text, "expected a name in .nii or .nii.gz");
+    snprintf(other, sizeof other, "%s/.nii", folder);
+    CHECK_INT(write_sample(other, size, &plain_geometry, NIFTI_UINT8, FILE_KEEP, &fault),
+              ERR_USAGE);
+    save(plain, "mine", 4);
+    CHECK_INT(write_sample(plain, size, &plain_geometry, NIFTI_UINT8, FILE_KEEP, &fault), ERR_IO);
+    CHECK_HAS(fault.text, "exists already");
+    snprintf(other, sizeof other, "%s/none/a.nii", folder);
+    CHECK_INT(write_sample(other, size, &plain_geometry, NIFTI_UINT8, FILE_KEEP, &fault), ERR_IO);
+    CHECK_HAS(fault.text, "there is no folder");
+}
+
+/* A limit on the size of files stands in for a full disk: the write itself fails, early or only
+ * when the last block is flushed at the close. */
+STORY(a_disk_that_fills_leaves_the_former_file)
+{
+    static const uint32_t size[3] = {300, 300, 20};
+    static const rlim_t room[] = {0, 100, 65536, 1000000};
+    struct rlimit kept;
+    getrlimit(RLIMIT_FSIZE, &kept);
+    signal(SIGXFSZ, SIG_IGN);
+    save(plain, "mine", 4);
+    for (int i = 0; i < 4; i++) {
+        struct fault fault = {0};
+        struct rlimit tight = {room[i], kept.rlim_max};
+        setrlimit(RLIMIT_FSIZE, &tight);
+        enum err err =
+            write_sample(plain, size, &plain_geometry, NIFTI_UINT8, FILE_REPLACE, &fault);
+        setrlimit(RLIMIT_FSIZE, &kept);
+        CHECK_INT(err, ERR_IO);
+        CHECK_HAS(fault.text, "a.nii: File too large");
+    }
+    struct buf file = {0};
+    CHECK_INT(file_read(&file, plain, 100, NULL), OK);
+    CHECK_TEXT(buf_text(&file), "mine");
+    buf_release(&file);
+}
+
+int main(void)
+{
+    if (!mkdtemp(folder))
+        return 1;
+    snprintf(plain, sizeof plain, "%s/a.nii", folder);
+    snprintf(packed, sizeof packed, "%s/a.nii.gz", folder);
+    int status = RUN_STORIES(
+        TELL(bytes_are_read_as_they_are), TELL(words_of_16_bits_are_read_in_both_byte_orders),
+        TELL(signed_words_are_shifted_only_when_some_are_negative),
+        TELL(floats_are_spread_over_16_bits), TELL(halves_round_up),
+        TELL(a_constant_float_image_is_zero_and_keeps_its_value),
+        TELL(the_widest_range_of_floats_does_not_overflow), TELL(the_scale_of_the_file_is_kept),
+        TELL(gzip_is_told_by_content_not_by_name),
+        TELL(extensions_are_skipped_and_two_dimensions_are_a_slice),
+        TELL(further_dimensions_of_one_are_let_pass), TELL(nifti_2_is_read_in_both_byte_orders),
+        TELL(without_codes_the_axes_are_those_of_the_world), TELL(the_sform_goes_before_the_qform),
+        TELL(the_qform_is_a_rotation_with_a_flip),
+        TELL(a_matrix_that_cannot_be_inverted_falls_back),
+        TELL(the_axes_are_a_permutation_whatever_the_matrix), TELL(units_of_length_are_honoured),
+        TELL(odd_distances_of_voxels), TELL(what_is_not_nifti_is_told_apart),
+        TELL(dimensions_are_checked),
+        TELL(more_voxels_than_the_file_can_hold_are_refused_before_allocating),
+        TELL(nifti_2_dimensions_beyond_64_bits_are_refused),
+        TELL(types_that_are_not_read_are_named), TELL(offsets_are_checked),
+        TELL(scales_that_are_no_numbers_are_refused),
+        TELL(the_first_voxel_that_is_no_number_is_named), TELL(a_gzip_cut_short_or_damaged_is_told),
+        TELL(a_gzip_bomb_is_inflated_no_further_than_its_voxels),
+        TELL(words_of_the_file_never_reach_the_terminal), TELL(damaged_files_never_do_harm),
+        TELL(damaged_gzip_never_does_harm), TELL(maps_come_back_as_they_were_written),
+        TELL(a_map_of_32_bits_is_little_endian_after_its_header),
+        TELL(the_place_in_the_world_is_kept), TELL(a_sheared_matrix_is_kept_by_the_sform_alone),
+        TELL(a_side_too_long_for_nifti_1_makes_nifti_2), TELL(the_same_map_gives_the_same_gzip),
+        TELL(names_and_existing_files_are_checked), TELL(a_disk_that_fills_leaves_the_former_file));
+    unlink(plain);
+    unlink(packed);
+    if (rmdir(folder) != 0) {
+        printf("not ok 41 - no_draft_is_left_behind\n");
+        status = 1;
+    }
+    return status;
+}

@@ -1,0 +1,658 @@
+/*
+ * The journal as a file: failing writes and syncs, short writes, power loss, kill -9, the lock.
+ */
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/buf.h"
+#include "base/file.h"
+#include "journal/journal.h"
+#include "journal/walk.h"
+#include "tests/check.h"
+
+static char folder[64];
+
+/* A path in the test's own folder; it stays. */
+static const char *place(const char *name)
+{
+    static char path[64][128];
+    static unsigned count;
+    char wanted[128];
+    snprintf(wanted, sizeof wanted, "%s/%s", folder, name);
+    for (unsigned i = 0; i < count; i++)
+        if (strcmp(path[i], wanted) == 0)
+            return path[i];
+    if (count == 64)
+        abort();
+    return strcpy(path[count++], wanted);
+}
+
+static void content(struct buf *out, const char *path)
+{
+    CHECK(file_read(out, path, JOURNAL_BYTES_MAX, NULL) == OK);
+}
+
+static void put(const char *path, const void *bytes, size_t length)
+{
+    CHECK(file_write(path, bytes, length, FILE_REPLACE, NULL) == OK);
+}
+
+static bool is_file_of(const char *path, const void *bytes, size_t length)
+{
+    struct buf found = {0};
+    content(&found, path);
+    const bool same =
+        found.length == length && (length == 0 || memcmp(found.data, bytes, length) == 0);
+    buf_release(&found);
+    return same;
+}
+
+/* The command and words of record n of every journal here. */
+static enum err append(struct journal *journal, size_t n, struct fault *fault)
+{
+    char command[64], words[64];
+    snprintf(command, sizeof command, "seed %zu,2,3 1", n);
+    snprintf(words, sizeof words, "forest=%016zx seeds=%zu", n * 77, n);
+    if (n % 3 == 0)
+        CHECK(journal_comment(journal, "# every third", NULL) == OK);
+    return journal_append(journal, command, words, fault);
+}
+
+static enum err count_record(void *context, const struct record *record, struct fault *fault)
+{
+    char command[64];
+    size_t *count = context;
+    *count += 1;
+    snprintf(command, sizeof command, "seed %zu,2,3 1", *count);
+    CHECK_INT(record->number, *count);
+    CHECK_TEXT(record->command, command);
+    (void)fault;
+    return OK;
+}
+
+/* Opens, counts what is resumed, and expects `records`. */
+static struct journal *reopen(const char *path, size_t records, struct buf *notice)
+{
+    struct journal *journal;
+    struct fault fault = {.text = ""};
+    size_t count = 0;
+    const struct journal_resume resume = {1, count_record, &count, false};
+    if (!CHECK(journal_open(&journal, path, &resume, notice, &fault) == OK)) {
+        printf("#   %s\n", fault.text);
+        return NULL;
+    }
+    CHECK_INT(count, records);
+    CHECK_INT(journal_count(journal), records);
+    CHECK(journal_audit(journal, NULL) == OK);
+    return journal;
+}
+
+/* A journal of `records` at `path`, closed again. */
+static void make(const char *path, size_t records)
+{
+    struct journal *journal;
+    unlink(path);
+    if (!CHECK(journal_create(&journal, path, 1, NULL) == OK))
+        return;
+    for (size_t n = 1; n <= records; n++)
+        CHECK(append(journal, n, NULL) == OK);
+    journal_close(journal);
+}
+
+STORY(a_journal_is_created_continued_and_kept)
+{
+    struct journal *journal;
+    struct fault fault;
+    struct buf first = {0}, second = {0}, notice = {0};
+    const char *path = place("a.iftty");
+    make(path, 3);
+    content(&first, path);
+    CHECK(journal_create(&journal, path, 1, &fault) == ERR_IO); /* nothing is overwritten */
+    CHECK(journal == NULL);
+    CHECK_HAS(fault.text, "exists already");
+    CHECK(is_file_of(path, first.data, first.length));
+    journal = reopen(path, 3, &notice);
+    CHECK_INT(notice.length, 0);
+    CHECK_TEXT(journal_path(journal), path);
+    CHECK(append(journal, 4, NULL) == OK);
+    CHECK(strncmp(first.data + first.length - 33, journal_chain(journal), 32) != 0);
+    content(&second, path);
+    CHECK(strncmp(second.data + second.length - 33, journal_chain(journal), 32) == 0);
+    CHECK(second.length > first.length &&
+          memcmp(first.data, second.data, first.length) == 0); /* J3 */
+    journal_close(journal);
+    journal_close(reopen(path, 4, NULL));
+    journal_close(NULL);
+    buf_release(&first);
+    buf_release(&second);
+    buf_release(&notice);
+}
+
+STORY(comments_become_part_of_the_next_record)
+{
+    struct journal *journal;
+    struct buf bytes = {0};
+    const char *path = place("comments.iftty");
+    CHECK(journal_create(&journal, path, 1, NULL) == OK);
+    CHECK(journal_comment(journal, "# first", NULL) == OK);
+    CHECK(journal_comment(journal, "", NULL) == OK);
+    CHECK(journal_append(journal, "not\trecorded", "", NULL) == ERR_INPUT);
+    CHECK(journal_append(journal, "run", "", NULL) == OK);
+    CHECK(journal_append(journal, "undo", "", NULL) == OK);
+    CHECK(journal_comment(journal, "# lost: nothing follows", NULL) == OK);
+    CHECK(journal_audit(journal, NULL) == OK);
+    journal_close(journal);
+    content(&bytes, path);
+    static const char first[] = "# iftty journal 1 semantics 1\n# first\n\nrun\n= 1 chain=";
+    static const char second[] = "\nundo\n= 2 chain=";
+    const size_t behind = sizeof first - 1 + 32;
+    CHECK(strncmp(bytes.data, first, sizeof first - 1) == 0);
+    CHECK(strstr(bytes.data, second) == bytes.data + behind);
+    CHECK_INT(bytes.length, behind + sizeof second - 1 + 33);
+    buf_release(&bytes);
+}
+
+STORY(a_refused_command_changes_nothing)
+{
+    struct journal *journal;
+    struct fault fault;
+    const char *path = place("refused.iftty");
+    make(path, 2);
+    journal = reopen(path, 2, NULL);
+    CHECK(journal_append(journal, "seed\x1b[2J", "", &fault) == ERR_INPUT);
+    CHECK_HAS(fault.text, "not recorded: ");
+    CHECK(strchr(fault.text, '\x1b') == NULL);
+    CHECK(journal_append(journal, "run", "not words", NULL) == ERR_INPUT);
+    CHECK(journal_comment(journal, "no comment", NULL) == ERR_INPUT);
+    CHECK(journal_audit(journal, NULL) == OK);
+    CHECK(append(journal, 3, NULL) == OK);
+    journal_close(journal);
+    journal_close(reopen(path, 3, NULL));
+}
+
+STORY(the_audit_sees_a_file_that_somebody_else_changed)
+{
+    struct buf bytes = {0};
+    struct fault fault;
+    const char *path = place("audit.iftty");
+    make(path, 2);
+    struct journal *journal = reopen(path, 2, NULL);
+    content(&bytes, path);
+    CHECK(truncate(path, (off_t)bytes.length - 1) == 0);
+    CHECK(journal_audit(journal, &fault) == ERR_CHECK);
+    CHECK_HAS(fault.text, "holds 1 records");
+    journal_close(journal);
+    buf_release(&bytes);
+}
+
+/* ---- torn and damaged files --------------------------------------------------------------------
+ */
+
+STORY(a_torn_tail_is_kept_aside_and_cut_for_every_cut)
+{
+    struct buf bytes = {0}, notice = {0};
+    const char *path = place("torn.iftty"), *kept = place("torn.iftty.torn-1");
+    make(path, 3);
+    content(&bytes, path);
+    size_t records = 0, begin = 0;
+    for (size_t cut = 0; cut <= bytes.length; cut++) {
+        if (cut > 0 && bytes.data[cut - 1] == '\n' && begin < cut) {
+            const char *line = memrchr(bytes.data, '\n', cut - 1);
+            line = line ? line + 1 : bytes.data;
+            if (line == bytes.data || *line == '=') {
+                records += line != bytes.data;
+                begin = cut;
+            }
+        }
+        put(path, bytes.data, cut);
+        unlink(kept);
+        struct journal *journal = reopen(path, records, &notice);
+        if (!journal)
+            break;
+        if (cut == begin) {
+            CHECK_INT(notice.length, 0);
+            CHECK(!file_exists(kept));
+        } else {
+            CHECK(is_file_of(kept, bytes.data + begin, cut - begin));
+            CHECK_HAS(buf_text(&notice), "is torn");
+            CHECK_HAS(buf_text(&notice), ".torn-1");
+            CHECK(strchr(buf_text(&notice), '\n') == NULL);
+        }
+        for (size_t n = records + 1; n <= 3; n++) /* it goes on as if nothing had been */
+            CHECK(append(journal, n, NULL) == OK);
+        journal_close(journal);
+        CHECK(is_file_of(path, bytes.data, bytes.length));
+    }
+    CHECK_INT(records, 3);
+    buf_release(&bytes);
+    buf_release(&notice);
+}
+
+STORY(torn_bytes_never_replace_earlier_ones)
+{
+    struct buf notice = {0};
+    const char *path = place("twice.iftty");
+    for (int n = 1; n <= 3; n++) {
+        char name[64];
+        make(path, 1);
+        struct buf bytes = {0};
+        content(&bytes, path);
+        buf_printf(&bytes, "seed %d", n);
+        put(path, bytes.data, bytes.length);
+        journal_close(reopen(path, 1, &notice));
+        snprintf(name, sizeof name, "twice.iftty.torn-%d", n);
+        CHECK(is_file_of(place(name), bytes.data + bytes.length - 6, 6));
+        CHECK_HAS(buf_text(&notice), name);
+        buf_release(&bytes);
+    }
+    buf_release(&notice);
+}
+
+STORY(damage_is_refused_and_cut_only_on_request)
+{
+    struct buf bytes = {0}, notice = {0};
+    struct journal *journal;
+    struct fault fault;
+    const char *path = place("damaged.iftty");
+    make(path, 4);
+    content(&bytes, path);
+    char *third = strstr(bytes.data, "# every third\nseed 3,");
+    *strstr(third, "3,2,3") = '4';
+    put(path, bytes.data, bytes.length);
+    size_t count = 0;
+    struct journal_resume resume = {1, count_record, &count, false};
+    CHECK(journal_open(&journal, path, &resume, &notice, &fault) == ERR_INPUT);
+    CHECK(journal == NULL);
+    CHECK_INT(count, 0); /* nothing was carried out for a journal that cannot be continued */
+    char where[64];
+    snprintf(where, sizeof where, "record 3 (line 7, from byte %td)", third - bytes.data);
+    CHECK_HAS(fault.text, where);
+    CHECK_HAS(fault.text, "nothing was changed");
+    CHECK(is_file_of(path, bytes.data, bytes.length));
+    resume.cuts_damage = true;
+    CHECK(journal_open(&journal, path, &resume, &notice, &fault) == OK);
+    CHECK_INT(count, 2);
+    CHECK_HAS(buf_text(&notice), "2 records remain");
+    CHECK(is_file_of(place("damaged.iftty.torn-1"), third,
+                     bytes.length - (size_t)(third - bytes.data)));
+    CHECK(append(journal, 3, NULL) == OK);
+    journal_close(journal);
+    journal_close(reopen(path, 3, NULL));
+    buf_release(&bytes);
+    buf_release(&notice);
+}
+
+static enum err refuse_second(void *context, const struct record *record, struct fault *fault)
+{
+    (void)context;
+    return record->number == 2 ? fault_set(fault, ERR_CHECK, "it diverges") : OK;
+}
+
+STORY(what_is_no_journal_of_ours_is_refused_untouched)
+{
+    struct journal *journal;
+    struct fault fault;
+    const char *path = place("other.iftty");
+    const struct journal_resume resume = {.semantics = 1};
+    static const struct {
+        const char *text, *words;
+    } c[] = {
+        {"seed 1,2,3 1\n", "this is a script"},
+        {"# iftty journal 9 semantics 1\n", "format 9"},
+        {"# iftty journal 1 semantics 2\n", "version 2"},
+        {"# iftty journal one\n", "malformed"},
+    };
+    for (size_t i = 0; i < sizeof c / sizeof c[0]; i++) {
+        put(path, c[i].text, strlen(c[i].text));
+        CHECK(journal_open(&journal, path, &resume, NULL, &fault) == ERR_INPUT);
+        CHECK_HAS(fault.text, c[i].words);
+        CHECK(is_file_of(path, c[i].text, strlen(c[i].text)));
+    }
+    CHECK(journal_open(&journal, place("missing.iftty"), &resume, NULL, &fault) == ERR_IO);
+    CHECK(journal_open(&journal, folder, &resume, NULL, &fault) == ERR_IO);
+    /* a callback that refuses leaves even a torn tail where it is */
+    make(path, 3);
+    struct buf bytes = {0};
+    content(&bytes, path);
+    put(path, bytes.data, bytes.length - 3);
+    const struct journal_resume refusing = {1, refuse_second, NULL, false};
+    CHECK(journal_open(&journal, path, &refusing, NULL, &fault) == ERR_CHECK);
+    CHECK_HAS(fault.text, "it diverges");
+    CHECK(is_file_of(path, bytes.data, bytes.length - 3));
+    buf_release(&bytes);
+}
+
+/* ---- failing steps -----------------------------------------------------------------------------
+ */
+
+static unsigned steps_left;    /* until one fails */
+static bool steps_stay_failed; /* and all after it */
+static int step_errno;
+
+static int fail_step(enum file_step step, const char *path)
+{
+    (void)step;
+    (void)path;
+    if (steps_left > 0) {
+        steps_left--;
+        return 0;
+    }
+    if (!steps_stay_failed)
+        file_step_hook = NULL;
+    return step_errno;
+}
+
+static void fail_after(unsigned steps, bool stay_failed, int number)
+{
+    steps_left = steps;
+    steps_stay_failed = stay_failed;
+    step_errno = number;
+    file_step_hook = fail_step;
+}
+
+/* A session of creating, appending and reopening, in which the step after `steps` others fails.
+ * Returns whether a step failed. */
+static bool run_failing_session(unsigned steps, bool stay_failed, int number)
+{
+    const char *path = place("failing.iftty");
+    struct journal *journal;
+    struct fault fault = {.text = ""};
+    size_t acknowledged = 0;
+    bool failed = false;
+    unlink(path);
+    fail_after(steps, stay_failed, number);
+    if (journal_create(&journal, path, 1, &fault) != OK) {
+        CHECK(journal == NULL);
+        CHECK_HAS(fault.text, strerror(number));
+        CHECK(!file_exists(path));
+        file_step_hook = NULL;
+        return true;
+    }
+    for (size_t n = 1; n <= 3; n++) {
+        char chain[33];
+        snprintf(chain, sizeof chain, "%s", journal_chain(journal));
+        if (append(journal, acknowledged + 1, &fault) == OK) {
+            acknowledged++;
+        } else {
+            failed = true;
+            CHECK_HAS(fault.text, "not recorded");
+            CHECK_TEXT(journal_chain(journal), chain);
+        }
+        CHECK_INT(journal_count(journal), acknowledged);
+        CHECK(journal_audit(journal, NULL) != ERR_CHECK); /* J2, J3 at every moment */
+    }
+    journal_close(journal);
+    file_step_hook = NULL;
+    journal = reopen(path, acknowledged, NULL);
+    CHECK(journal && append(journal, acknowledged + 1, &fault) == OK);
+    journal_close(journal);
+    journal_close(reopen(path, acknowledged + 1, NULL));
+    return failed;
+}
+
+STORY(every_step_of_writing_may_fail)
+{
+    for (int stay_failed = 0; stay_failed < 2; stay_failed++) {
+        unsigned failures = 0;
+        for (unsigned steps = 0; steps < 24; steps++)
+            failures += run_failing_session(steps, stay_failed != 0, steps % 2 ? ENOSPC : EIO);
+        CHECK(failures >= 8); /* there are that many steps; beyond them nothing fails */
+        CHECK(failures < 24);
+    }
+}
+
+STORY(every_step_of_reopening_may_fail)
+{
+    struct buf bytes = {0};
+    const char *path = place("mending.iftty"), *kept = place("mending.iftty.torn-1");
+    make(path, 3);
+    content(&bytes, path);
+    const size_t cut = bytes.length - 20;
+    unsigned failures = 0;
+    for (unsigned steps = 0; steps < 16; steps++) {
+        struct journal *journal;
+        struct fault fault = {.text = ""};
+        const struct journal_resume resume = {.semantics = 1};
+        put(path, bytes.data, cut);
+        unlink(kept);
+        fail_after(steps, true, ENOSPC);
+        enum err err = journal_open(&journal, path, &resume, NULL, &fault);
+        file_step_hook = NULL;
+        failures += err != OK;
+        if (err)
+            CHECK_HAS(fault.text, strerror(ENOSPC));
+        /* the torn bytes are in one of the two files */
+        CHECK(is_file_of(path, bytes.data, cut) || file_exists(kept));
+        journal_close(journal);
+        journal_close(reopen(path, 2, NULL));
+        unlink(place("mending.iftty.torn-2"));
+    }
+    CHECK(failures >= 5 && failures < 16);
+    buf_release(&bytes);
+}
+
+/* A failed append is cut off, and where even that fails nothing is appended until it succeeds:
+ * otherwise a short record could stand before the rest of a long one. */
+STORY(nothing_follows_an_append_that_could_not_be_taken_back)
+{
+    const char *path = place("ragged.iftty");
+    struct fault fault;
+    make(path, 1);
+    struct journal *journal = reopen(path, 1, NULL);
+    fail_after(1, true, EIO); /* the write succeeds, its sync and that of the cut fail */
+    CHECK(append(journal, 2, &fault) == ERR_IO);
+    CHECK(append(journal, 2, &fault) == ERR_IO);
+    CHECK_HAS(fault.text, "not mended yet");
+    CHECK_INT(journal_count(journal), 1);
+    file_step_hook = NULL;
+    CHECK(append(journal, 2, &fault) == OK);
+    CHECK(journal_audit(journal, NULL) == OK);
+    journal_close(journal);
+    journal_close(reopen(path, 2, NULL));
+}
+
+/* The kernel itself writes only a part: the file may not grow beyond a limit. */
+STORY(a_short_write_is_taken_back)
+{
+    const char *path = place("short.iftty");
+    struct rlimit former;
+    struct fault fault;
+    make(path, 2);
+    struct journal *journal = reopen(path, 2, NULL);
+    struct buf before = {0}, grown = {0};
+    content(&before, path);
+    getrlimit(RLIMIT_FSIZE, &former);
+    void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
+    for (size_t room = 0; room < 90; room += 7) {
+        struct rlimit limit = {before.length + room, former.rlim_max};
+        CHECK(setrlimit(RLIMIT_FSIZE, &limit) == 0);
+        CHECK(journal_append(journal, "seed 3,2,3 1", "forest=0123456789abcdef seeds=3", &fault) ==
+              ERR_IO);
+        CHECK_HAS(fault.text, strerror(EFBIG));
+        setrlimit(RLIMIT_FSIZE, &former);
+        CHECK(is_file_of(path, before.data, before.length));
+        CHECK(journal_audit(journal, NULL) == OK);
+    }
+    signal(SIGXFSZ, handler);
+    CHECK(append(journal, 3, NULL) == OK);
+    journal_close(journal);
+    journal_close(reopen(path, 3, NULL));
+    buf_release(&before);
+    buf_release(&grown);
+}
+
+/* ---- processes ---------------------------------------------------------------------------------
+ */
+
+static int wait_for(pid_t child)
+{
+    int status = -1;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR)
+        ;
+    return status;
+}
+
+static int die_at_step(enum file_step step, const char *path)
+{
+    (void)step;
+    (void)path;
+    if (steps_left-- == 0)
+        _exit(7);
+    return 0;
+}
+
+/* Like a loss of power between any two steps, with and without half a record written. */
+STORY(a_process_that_dies_at_any_step_leaves_at_most_a_torn_record)
+{
+    const char *path = place("dying.iftty");
+    unsigned deaths = 0, torn = 0;
+    struct buf notice = {0}, bytes = {0};
+    make(path, 2);
+    content(&bytes, path);
+    for (unsigned steps = 0; steps < 8; steps++)
+        for (size_t room = 0; room < 120; room += 30) {
+            put(path, bytes.data, bytes.length);
+            fflush(stdout);
+            pid_t child = fork();
+            if (child == 0) {
+                struct journal *journal;
+                const struct journal_resume resume = {.semantics = 1};
+                const struct rlimit limit = {bytes.length + room, bytes.length + room};
+                signal(SIGXFSZ, SIG_IGN);
+                if (journal_open(&journal, path, &resume, NULL, NULL) != OK ||
+                    (room > 0 && setrlimit(RLIMIT_FSIZE, &limit) != 0))
+                    _exit(1);
+                steps_left = steps;
+                file_step_hook = die_at_step;
+                for (size_t n = 3; n < 6; n++)
+                    append(journal, n, NULL);
+                _exit(0);
+            }
+            const int status = wait_for(child);
+            CHECK(WIFEXITED(status) && (WEXITSTATUS(status) == 7 || WEXITSTATUS(status) == 0));
+            deaths += WIFEXITED(status) && WEXITSTATUS(status) == 7;
+            struct walk walk;
+            struct record record;
+            struct buf left = {0};
+            content(&left, path);
+            CHECK(walk_begin(&walk, left.data, left.length, WALK_AS_FOUND, NULL) == OK);
+            while (walk_next_sound(&walk, &record) == WALK_RECORD)
+                ;
+            CHECK(walk.over == WALK_END || walk.over == WALK_TORN);
+            CHECK(walk.records >= 2);
+            torn += walk.over == WALK_TORN;
+            const size_t records = walk.records;
+            walk_release(&walk);
+            buf_release(&left);
+            journal_close(reopen(path, records, &notice));
+            CHECK(notice.length == 0 || strstr(notice.data, "torn"));
+        }
+    CHECK(deaths > 8 && torn > 0);
+    buf_release(&notice);
+    buf_release(&bytes);
+}
+
+STORY(a_second_writer_is_told_so)
+{
+    const char *path = place("locked.iftty");
+    make(path, 1);
+    struct journal *journal = reopen(path, 1, NULL);
+    fflush(stdout);
+    pid_t child = fork();
+    if (child == 0) {
+        struct journal *second;
+        struct fault fault = {.text = ""};
+        const struct journal_resume resume = {.semantics = 1};
+        enum err err = journal_open(&second, path, &resume, NULL, &fault);
+        _exit(err == ERR_IO && strstr(fault.text, "another session") ? 0 : 1);
+    }
+    CHECK_INT(wait_for(child), 0);
+    CHECK(append(journal, 2, NULL) == OK);
+    journal_close(journal);
+    journal_close(reopen(path, 2, NULL)); /* and it can be had again */
+}
+
+/* Appends for ever and tells the parent after each acknowledgement. */
+static void append_until_killed(const char *path, int pipe_end)
+{
+    struct journal *journal;
+    const struct journal_resume resume = {.semantics = 1};
+    if (journal_open(&journal, path, &resume, NULL, NULL) != OK)
+        _exit(1);
+    for (size_t n = journal_count(journal) + 1; append(journal, n, NULL) == OK; n++)
+        if (write(pipe_end, &n, sizeof n) != sizeof n)
+            break;
+    _exit(1);
+}
+
+STORY(kill_9_loses_nothing_that_was_acknowledged)
+{
+    const char *path = place("killed.iftty");
+    size_t acknowledged = 0;
+    make(path, 0);
+    for (int round = 0; round < 8; round++) {
+        int ends[2];
+        if (!CHECK(pipe(ends) == 0))
+            return;
+        fflush(stdout);
+        pid_t child = fork();
+        if (child == 0)
+            append_until_killed(path, ends[1]);
+        close(ends[1]);
+        size_t n;
+        for (int i = 0; i < 5 + round && read(ends[0], &n, sizeof n) == sizeof n; i++)
+            acknowledged = n;
+        usleep((useconds_t)(round * 700)); /* anywhere in the next record */
+        kill(child, SIGKILL);
+        CHECK(WIFSIGNALED(wait_for(child)));
+        while (read(ends[0], &n, sizeof n) == sizeof n)
+            acknowledged = n;
+        close(ends[0]);
+        struct journal *journal;
+        size_t count = 0;
+        const struct journal_resume resume = {1, count_record, &count, false};
+        if (!CHECK(journal_open(&journal, path, &resume, NULL, NULL) == OK))
+            return;
+        /* one more may have been synced and not been told any more */
+        CHECK(count == acknowledged || count == acknowledged + 1);
+        CHECK(journal_audit(journal, NULL) == OK);
+        journal_close(journal);
+    }
+    CHECK(acknowledged >= 40);
+}
+
+static void remove_folder(void)
+{
+    char command[96];
+    snprintf(command, sizeof command, "rm -rf '%s'", folder);
+    if (system(command) != 0)
+        printf("# %s is left behind\n", folder);
+}
+
+int main(void)
+{
+    /* in memory where there is such a place: thousands of syncs follow */
+    snprintf(folder, sizeof folder, "%s/iftty-journal-XXXXXX",
+             access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp");
+    if (!mkdtemp(folder))
+        return 1;
+    int status = RUN_STORIES(
+        TELL(a_journal_is_created_continued_and_kept),
+        TELL(comments_become_part_of_the_next_record), TELL(a_refused_command_changes_nothing),
+        TELL(the_audit_sees_a_file_that_somebody_else_changed),
+        TELL(torn_bytes_never_replace_earlier_ones),
+        TELL(damage_is_refused_and_cut_only_on_request),
+        TELL(what_is_no_journal_of_ours_is_refused_untouched), TELL(a_second_writer_is_told_so),
+        TELL(a_short_write_is_taken_back),
+        TELL(nothing_follows_an_append_that_could_not_be_taken_back),
+        TELL(every_step_of_writing_may_fail), TELL(every_step_of_reopening_may_fail),
+        TELL(a_process_that_dies_at_any_step_leaves_at_most_a_torn_record),
+        TELL(kill_9_loses_nothing_that_was_acknowledged),
+        TELL(a_torn_tail_is_kept_aside_and_cut_for_every_cut));
+    remove_folder();
+    return status;
+}

@@ -1,0 +1,1338 @@
+/* The terminal side without a terminal: encoders against decoders of our own, keys, lines, replies,
+ * drawing against a small model of a screen. */
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "base/clock.h"
+#include "base/file.h"
+#include "tests/check.h"
+#include "tui/blocks.h"
+#include "tui/char_width.h"
+#include "tui/colour_table.h"
+#include "tui/keys.h"
+#include "tui/kitty.h"
+#include "tui/line.h"
+#include "tui/line_draw.h"
+#include "tui/line_edit.h"
+#include "tui/probe.h"
+#include "tui/show.h"
+#include "tui/sixel.h"
+
+/* ---- pictures ---- */
+
+enum { SIDE_MOST = 1100 };
+static uint8_t pixels[4 * SIDE_MOST * SIDE_MOST];
+static uint32_t decoded[SIDE_MOST * SIDE_MOST];
+
+static struct image_view blank_picture(uint32_t width, uint32_t height)
+{
+    memset(pixels, 0, sizeof pixels);
+    return (struct image_view){width, height, pixels};
+}
+
+static void set_pixel(const struct image_view *view, uint32_t x, uint32_t y, uint32_t colour)
+{
+    uint8_t *p = pixels + 4 * ((size_t)y * view->width + x);
+    p[0] = (uint8_t)(colour >> 16);
+    p[1] = (uint8_t)(colour >> 8);
+    p[2] = (uint8_t)colour;
+    p[3] = 255;
+}
+
+/* A ball of one hue per quarter, shaded from dark to bright, on nothing. */
+static struct image_view ball(uint32_t side, uint32_t levels)
+{
+    static const uint32_t hue[4][3] = {
+        {255, 80, 60}, {60, 220, 90}, {80, 120, 255}, {240, 220, 60}};
+    struct image_view view = blank_picture(side, side);
+    int32_t radius = (int32_t)side * 2 / 5, middle = (int32_t)side / 2;
+    for (int32_t y = 0; y < (int32_t)side; y++) {
+        for (int32_t x = 0; x < (int32_t)side; x++) {
+            int32_t dx = x - middle, dy = y - middle, d = dx * dx + dy * dy;
+            if (d > radius * radius)
+                continue;
+            uint32_t light = levels - (uint32_t)((int64_t)d * (levels - 1) / (radius * radius));
+            const uint32_t *h = hue[(dx > 0) + 2 * (dy > 0)];
+            set_pixel(&view, (uint32_t)x, (uint32_t)y,
+                      h[0] * light / levels << 16 | h[1] * light / levels << 8 |
+                          h[2] * light / levels);
+        }
+    }
+    return view;
+}
+
+static struct image_view noise(uint32_t width, uint32_t height, uint64_t seed)
+{
+    struct image_view view = blank_picture(width, height);
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width; x++)
+            set_pixel(&view, x, y, (uint32_t)check_random(&seed) & 0xFFFFFF);
+    return view;
+}
+
+static uint32_t channel_distance(uint32_t a, uint32_t b)
+{
+    uint32_t most = 0;
+    for (unsigned shift = 0; shift < 24; shift += 8) {
+        int32_t d = (int32_t)(a >> shift & 255) - (int32_t)(b >> shift & 255);
+        uint32_t size = (uint32_t)(d < 0 ? -d : d);
+        most = size > most ? size : most;
+    }
+    return most;
+}
+
+/* The largest difference of a channel between `decoded` and the view. */
+static uint32_t worst_pixel(const struct image_view *view)
+{
+    uint32_t worst = 0;
+    for (size_t i = 0; i < (size_t)view->width * view->height; i++) {
+        uint32_t d = channel_distance(decoded[i], image_view_colour(view, i));
+        worst = d > worst ? d : worst;
+    }
+    return worst;
+}
+
+static double mean_error(const struct image_view *view)
+{
+    double sum = 0;
+    size_t count = (size_t)view->width * view->height;
+    for (size_t i = 0; i < count; i++)
+        sum += channel_distance(decoded[i], image_view_colour(view, i));
+    return sum / (double)count;
+}
+
+/* ---- a decoder of kitty graphics and PNG ---- */
+
+static uint32_t number_at(const uint8_t *p)
+{
+    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
+}
+
+static int base64_value(char c)
+{
+    static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const char *place = c ? strchr(digit, c) : NULL;
+    return place ? (int)(place - digit) : -1;
+}
+
+/* The PNG inside a transmission; false where the protocol is broken. */
+static bool kitty_unwrap(const char *text, struct buf *png, unsigned *chunks)
+{
+    bool more = true;
+    for (*chunks = 0; more; ++*chunks) {
+        const char *keys = *chunks == 0 ? "\033_Ga=T,C=1,f=100,q=2,m=" : "\033_Gq=2,m=";
+        if (strncmp(text, keys, strlen(keys)) != 0)
+            return false;
+        text += strlen(keys);
+        more = *text == '1';
+        if (text[1] != ';')
+            return false;
+        text += 2;
+        const char *end = strchr(text, '\033');
+        if (!end || end[1] != '\\' || end - text > 4096 || (end - text) % 4 || end == text)
+            return false;
+        for (; text < end; text += 4) {
+            uint32_t n = 0;
+            unsigned bytes = text[3] != '=' ? 3 : text[2] != '=' ? 2 : 1;
+            for (unsigned i = 0; i <= bytes; i++) {
+                if (base64_value(text[i]) < 0)
+                    return false;
+                n |= (uint32_t)base64_value(text[i]) << (18 - 6 * i);
+            }
+            buf_add(png, (uint8_t[3]){(uint8_t)(n >> 16), (uint8_t)(n >> 8), (uint8_t)n}, bytes);
+        }
+        text = end + 2;
+    }
+    return *text == '\0';
+}
+
+struct png {
+    uint32_t width, height;
+    bool indexed;
+    uint8_t palette[768];
+    struct buf packed;
+};
+
+static bool png_chunks(const struct buf *file, struct png *png)
+{
+    const uint8_t *p = (const uint8_t *)file->data, *end = p + file->length;
+    if (file->length < 8 || memcmp(p, "\x89PNG\r\n\x1a\n", 8) != 0)
+        return false;
+    for (p += 8; end - p >= 12;) {
+        uint32_t length = number_at(p);
+        if (length > end - p - 12 || crc32(0, p + 4, length + 4) != number_at(p + 8 + length))
+            return false;
+        if (memcmp(p + 4, "IHDR", 4) == 0) {
+            png->width = number_at(p + 8);
+            png->height = number_at(p + 12);
+            png->indexed = p[17] == 3;
+        } else if (memcmp(p + 4, "PLTE", 4) == 0 && length <= sizeof png->palette) {
+            memcpy(png->palette, p + 8, length);
+        } else if (memcmp(p + 4, "IDAT", 4) == 0) {
+            buf_add(&png->packed, p + 8, length);
+        } else if (memcmp(p + 4, "IEND", 4) == 0) {
+            return p + 12 == end;
+        }
+        p += 12 + length;
+    }
+    return false;
+}
+
+static bool png_pixels(const struct png *png)
+{
+    size_t bytes = png->indexed ? 1 : 3, row = 1 + bytes * png->width;
+    uLongf length = (uLongf)(row * png->height);
+    uint8_t *raw = calloc(png->height + 1, row), *line = raw;
+    bool fine = uncompress(raw, &length, (const Bytef *)png->packed.data,
+                           (uLong)png->packed.length) == Z_OK &&
+                length == row * png->height;
+    for (uint32_t y = 0; fine && y < png->height; y++, line += row) {
+        if (line[0] > 2 || line[0] == 1)
+            fine = false;
+        for (size_t i = 1; i < row && line[0] == 2; i++)
+            line[i] = (uint8_t)(line[i] + (y > 0 ? line[i - row] : 0));
+        for (uint32_t x = 0; x < png->width; x++) {
+            const uint8_t *c = png->indexed ? png->palette + 3 * line[1 + x] : line + 1 + 3 * x;
+            decoded[(size_t)y * png->width + x] = (uint32_t)c[0] << 16 | (uint32_t)c[1] << 8 | c[2];
+        }
+    }
+    free(raw);
+    return fine;
+}
+
+/* Decodes into `decoded`. */
+static bool kitty_decode(const char *text, struct png *png, unsigned *chunks)
+{
+    struct buf file = {0};
+    *png = (struct png){0};
+    bool fine = kitty_unwrap(text, &file, chunks) && png_chunks(&file, png) && png_pixels(png);
+    buf_release(&file);
+    buf_release(&png->packed);
+    return fine;
+}
+
+STORY(a_picture_of_few_colours_travels_to_kitty_as_a_palette_png)
+{
+    struct image_view view = ball(301, 40);
+    struct buf out = {0};
+    struct png png;
+    unsigned chunks;
+    kitty_encode(&view, &out);
+    CHECK(kitty_decode(buf_text(&out), &png, &chunks));
+    CHECK(png.indexed);
+    CHECK_INT(png.width, 301);
+    CHECK_INT(png.height, 301);
+    CHECK(chunks > 1);
+    CHECK_INT(worst_pixel(&view), 0);
+    buf_release(&out);
+}
+
+STORY(a_picture_of_many_colours_travels_to_kitty_exactly)
+{
+    struct image_view view = noise(97, 61, 1);
+    struct buf out = {0};
+    struct png png;
+    unsigned chunks;
+    kitty_encode(&view, &out);
+    CHECK(kitty_decode(buf_text(&out), &png, &chunks));
+    CHECK(!png.indexed);
+    CHECK_INT(worst_pixel(&view), 0);
+    buf_release(&out);
+}
+
+STORY(the_smallest_pictures_travel_too)
+{
+    for (uint32_t height = 1; height <= 13; height += 3) {
+        struct image_view view = noise(1, height, height);
+        struct buf out = {0};
+        struct png png;
+        unsigned chunks;
+        kitty_encode(&view, &out);
+        CHECK(kitty_decode(buf_text(&out), &png, &chunks));
+        CHECK_INT(chunks, 1);
+        CHECK_INT(png.height, height);
+        CHECK_INT(worst_pixel(&view), 0);
+        buf_release(&out);
+    }
+}
+
+STORY(a_transparent_pixel_is_black)
+{
+    struct image_view view = blank_picture(2, 1);
+    memcpy(pixels, (uint8_t[]){200, 100, 50, 0, 200, 100, 50, 128}, 8);
+    CHECK_INT(image_view_colour(&view, 0), 0);
+    CHECK_INT(image_view_colour(&view, 1), 0x643219);
+}
+
+/* ---- a decoder of sixels ---- */
+
+struct sixels {
+    uint32_t width, height;
+    unsigned colours;
+    bool all_painted;
+};
+
+static uint32_t take_number(const char **text)
+{
+    uint32_t n = 0;
+    for (; **text >= '0' && **text <= '9'; ++*text)
+        n = n * 10 + (uint32_t)(**text - '0');
+    return n;
+}
+
+static uint32_t take_next(const char **text) /* a semicolon and a number */
+{
+    ++*text;
+    return take_number(text);
+}
+
+static uint32_t of_percent(uint32_t percent)
+{
+    return (percent * 255 + 50) / 100;
+}
+
+/* Decodes into `decoded`; false where the stream is broken or paints outside the picture. */
+static bool sixel_decode(const char *text, struct sixels *s)
+{
+    static uint32_t palette[1024];
+    uint32_t x = 0, y = 0, colour = 0;
+    *s = (struct sixels){0};
+    if (strncmp(text, "\033P0;1q\"1;1;", 11) != 0)
+        return false;
+    text += 11;
+    s->width = take_number(&text);
+    s->height = take_next(&text);
+    memset(decoded, 255, sizeof decoded);
+    while (*text && *text != '\033') {
+        uint32_t run = 1;
+        if (*text == '#') {
+            colour = take_next(&text);
+            if (*text != ';')
+                continue;
+            if (take_next(&text) != 2)
+                return false;
+            uint32_t r = take_next(&text), g = take_next(&text), b = take_next(&text);
+            palette[colour] = of_percent(r) << 16 | of_percent(g) << 8 | of_percent(b);
+            s->colours++;
+            continue;
+        }
+        if (*text == '$' || *text == '-') {
+            x = 0;
+            y += *text++ == '-' ? 6 : 0;
+            continue;
+        }
+        if (*text == '!')
+            run = take_next(&text);
+        if (*text < '?' || *text > '~')
+            return false;
+        for (unsigned bits = (unsigned)(*text++ - '?'); run > 0; run--, x++)
+            for (unsigned i = 0; i < 6; i++) {
+                if (!(bits >> i & 1))
+                    continue;
+                if (x >= s->width || y + i >= s->height)
+                    return false;
+                decoded[(size_t)(y + i) * s->width + x] = palette[colour];
+            }
+    }
+    s->all_painted = true;
+    for (size_t i = 0; i < (size_t)s->width * s->height; i++)
+        s->all_painted &= decoded[i] != UINT32_MAX;
+    return strcmp(text, "\033\\") == 0;
+}
+
+STORY(a_picture_of_few_colours_survives_sixel_within_a_percent)
+{
+    struct image_view view = ball(302, 50);
+    struct buf out = {0};
+    struct sixels s;
+    sixel_encode(&view, &out);
+    CHECK(sixel_decode(buf_text(&out), &s));
+    CHECK_INT(s.width, 302);
+    CHECK_INT(s.height, 302);
+    CHECK(s.colours <= SIXEL_COLOURS);
+    CHECK(s.all_painted);
+    CHECK(worst_pixel(&view) <= 2);
+    buf_release(&out);
+}
+
+STORY(smooth_shading_is_reduced_to_colours_nobody_can_tell_apart)
+{
+    struct image_view view = ball(256, 256);
+    struct buf out = {0}, again = {0};
+    struct sixels s;
+    sixel_encode(&view, &out);
+    sixel_encode(&view, &again);
+    CHECK(sixel_decode(buf_text(&out), &s));
+    CHECK(s.colours > 200 && s.colours <= SIXEL_COLOURS);
+    CHECK(s.all_painted);
+    CHECK(worst_pixel(&view) <= 12);
+    CHECK(mean_error(&view) < 2.0);
+    CHECK_TEXT(buf_text(&again), buf_text(&out)); /* and always to the same */
+    buf_release(&out);
+    buf_release(&again);
+}
+
+STORY(noise_and_odd_sizes_survive_sixel_in_shape)
+{
+    for (uint32_t height = 1; height < 14; height++) {
+        struct image_view view = noise(300 - 23 * height, height, height);
+        struct buf out = {0};
+        struct sixels s;
+        sixel_encode(&view, &out);
+        CHECK(sixel_decode(buf_text(&out), &s));
+        CHECK_INT(s.width, view.width);
+        CHECK_INT(s.height, height);
+        CHECK(s.all_painted);
+        CHECK(worst_pixel(&view) < 128);
+        buf_release(&out);
+    }
+}
+
+STORY(two_nearly_equal_colours_among_many_do_not_stall_the_reduction)
+{
+    struct image_view view = noise(64, 64, 9);
+    struct colour_table table;
+    static uint8_t index[64 * 64];
+    set_pixel(&view, 0, 0, 0x000000);
+    set_pixel(&view, 1, 0, 0x000100);
+    CHECK(!colour_table_exact(&table, &view, 250, index));
+    CHECK(colour_table_reduce(&table, &view, 250, index));
+    CHECK_INT(table.count, 250);
+    CHECK(colour_table_reduce(&table, &view, 2, index));
+    CHECK_INT(table.count, 2);
+}
+
+/* ---- scaling, blocks ---- */
+
+STORY(shrinking_takes_the_mean_of_whole_and_part_pixels)
+{
+    struct image_view view = blank_picture(3, 1);
+    set_pixel(&view, 0, 0, 0x300000);
+    set_pixel(&view, 1, 0, 0x600000);
+    set_pixel(&view, 2, 0, 0x000030);
+    uint8_t *half = image_view_shrink(&view, 2, 1);
+    CHECK(half != NULL);
+    CHECK_INT(half[0], 0x40); /* (1 * 0x30 + 1/2 * 0x60) / 1.5 */
+    CHECK_INT(half[4], 0x20);
+    CHECK_INT(half[6], 0x20);
+    CHECK_INT(half[7], 255);
+    free(half);
+}
+
+STORY(fitting_keeps_the_shape_and_never_enlarges)
+{
+    uint32_t w, h;
+    struct image_view view = {400, 200, NULL};
+    image_view_fit(&view, 1000, 1000, &w, &h);
+    CHECK_INT(w, 400);
+    CHECK_INT(h, 200);
+    image_view_fit(&view, 100, 100, &w, &h);
+    CHECK_INT(w, 100);
+    CHECK_INT(h, 50);
+    image_view_fit(&view, 400, 10, &w, &h);
+    CHECK_INT(w, 20);
+    CHECK_INT(h, 10);
+    view.height = 1;
+    image_view_fit(&view, 10, 10, &w, &h);
+    CHECK_INT(h, 1);
+}
+
+STORY(blocks_hold_two_pixels_a_cell_and_change_colour_only_where_it_changes)
+{
+    struct image_view view = blank_picture(3, 2);
+    struct buf out = {0};
+    set_pixel(&view, 0, 0, 0xFF0000);
+    set_pixel(&view, 0, 1, 0x0000FF);
+    set_pixel(&view, 1, 0, 0x0000FF);
+    set_pixel(&view, 1, 1, 0xFF0000);
+    blocks_encode(&view, COLOURS_24BIT, 80, 24, &out);
+    CHECK_TEXT(buf_text(&out), "\033[38;2;255;0;0m\033[48;2;0;0;255m\u2580\u2584"
+                               "\033[48;2;0;0;0m \033[m\r\n");
+    buf_clear(&out);
+    blocks_encode(&view, COLOURS_256, 80, 24, &out);
+    CHECK_TEXT(buf_text(&out), "\033[38;5;196m\033[48;5;21m\u2580\u2584\033[48;5;16m \033[m\r\n");
+    buf_release(&out);
+}
+
+STORY(without_colours_blocks_are_a_ramp_of_plain_characters)
+{
+    struct image_view view = blank_picture(4, 3);
+    struct buf out = {0};
+    set_pixel(&view, 0, 0, 0xFFFFFF);
+    set_pixel(&view, 0, 1, 0xFFFFFF);
+    set_pixel(&view, 2, 0, 0xFFFFFF);
+    blocks_encode(&view, COLOURS_NONE, 80, 24, &out);
+    CHECK_TEXT(buf_text(&out), "@ +\r\n\r\n");
+    buf_release(&out);
+}
+
+STORY(blocks_never_take_more_cells_than_there_are)
+{
+    struct image_view view = ball(200, 30);
+    struct buf out = {0};
+    unsigned lines = 0;
+    blocks_encode(&view, COLOURS_NONE, 33, 10, &out);
+    for (const char *end, *at = buf_text(&out); *at; at = end + 1, lines++) {
+        end = strchr(at, '\n');
+        CHECK(end - at - 1 <= 20);
+    }
+    CHECK_INT(lines, 10);
+    buf_release(&out);
+}
+
+STORY(the_nearest_of_256_colours_is_the_nearest)
+{
+    static const uint32_t level[] = {0, 95, 135, 175, 215, 255};
+    uint64_t seed = 5;
+    for (int i = 0; i < 3000; i++) {
+        uint32_t colour = (uint32_t)check_random(&seed) & 0xFFFFFF, best = UINT32_MAX;
+        if (i % 3 == 0)
+            colour = (colour & 255) * 0x010101;
+        uint8_t chosen = blocks_nearest_256(colour);
+        uint32_t of_chosen = 0;
+        for (uint32_t k = 16; k < 256; k++) {
+            uint32_t grey = 8 + 10 * (k - 232), n = k - 16, sum = 0;
+            uint32_t c[3] = {k < 232 ? level[n / 36] : grey, k < 232 ? level[n / 6 % 6] : grey,
+                             k < 232 ? level[n % 6] : grey};
+            for (unsigned j = 0; j < 3; j++) {
+                int32_t d = (int32_t)c[j] - (int32_t)(colour >> (16 - 8 * j) & 255);
+                sum += (uint32_t)(d * d);
+            }
+            best = sum < best ? sum : best;
+            of_chosen = k == chosen ? sum : of_chosen;
+        }
+        CHECK_INT(of_chosen, best);
+    }
+}
+
+STORY(a_picture_at_the_prompt_is_framed_and_fits)
+{
+    struct terminal_facts facts = {
+        .graphics = GRAPHICS_SIXEL, .cell_width = 10, .cell_height = 20, .image_side_most = 1000};
+    struct image_view view = ball(90, 30);
+    struct buf out = {0};
+    struct sixels s;
+    show_inline(&facts, &view, 80, 24, &out);
+    CHECK(strncmp(buf_text(&out), "\r\n\n\n\n\n\033[5A\0337\033P", 14) == 0);
+    CHECK(out.length > 10 && strcmp(out.data + out.length - 7, "\0338\033[5B\r") == 0);
+    out.data[out.length - 7] = '\0';
+    CHECK(sixel_decode(out.data + 12, &s));
+    CHECK_INT(s.width, 90);
+    buf_clear(&out);
+    show_inline(&facts, &view, 80, 4, &out); /* three rows of 20 px are left */
+    out.data[out.length - 7] = '\0';
+    CHECK(sixel_decode(out.data + 10, &s));
+    CHECK_INT(s.width, 60);
+    CHECK_INT(s.height, 60);
+    buf_clear(&out);
+    view = ball(1050, 30);
+    show_inline(&facts, &view, 300, 100, &out);
+    CHECK(sixel_decode(strstr(buf_text(&out), "\033P"), &s) || s.width == 1000);
+    CHECK_INT(s.width, 1000);
+    buf_clear(&out);
+    facts.graphics = GRAPHICS_NONE;
+    show_inline(&facts, &view, 80, 24, &out);
+    CHECK_INT(out.length, 0);
+    buf_release(&out);
+}
+
+STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
+{
+    static const uint32_t levels[] = {32, 256};
+    for (unsigned i = 0; i < 2; i++) {
+        struct image_view view = ball(512, levels[i]);
+        struct buf out = {0};
+        uint64_t best[3] = {UINT64_MAX, UINT64_MAX, UINT64_MAX};
+        size_t bytes[3] = {0};
+        for (unsigned n = 0; n < 15; n++) {
+            for (unsigned k = 0; k < 3; k++) {
+                buf_clear(&out);
+                uint64_t begin = clock_ns();
+                if (k == 0)
+                    kitty_encode(&view, &out);
+                else if (k == 1)
+                    sixel_encode(&view, &out);
+                else
+                    blocks_encode(&view, COLOURS_24BIT, 120, 49, &out);
+                uint64_t took = clock_ns() - begin;
+                best[k] = took < best[k] ? took : best[k];
+                bytes[k] = out.length;
+            }
+        }
+        printf("# %u levels: kitty %.2f ms %zu bytes, sixel %.2f ms %zu bytes, blocks %.2f ms %zu "
+               "bytes\n",
+               levels[i], (double)best[0] / 1e6, bytes[0], (double)best[1] / 1e6, bytes[1],
+               (double)best[2] / 1e6, bytes[2]);
+        CHECK(best[0] < 200000000 && best[1] < 200000000 && best[2] < 200000000);
+        buf_release(&out);
+    }
+}
+
+/* ---- keys ---- */
+
+/* Feeds bytes and writes the events down, in words. */
+static void write_event(struct buf *out, const struct keys *k, const struct key_event *event)
+{
+    static const char *const name[] = {"none",   "character", "enter",  "tab",    "backspace",
+                                       "escape", "up",        "down",   "right",  "left",
+                                       "home",   "end",       "insert", "delete", "pgup",
+                                       "pgdown", "paste",     "pasted", "reply",  "other"};
+    if (out->length > 0)
+        buf_add_char(out, ' ');
+    if (event->modifiers & KEY_CONTROL)
+        buf_add_text(out, "C-");
+    if (event->modifiers & KEY_ALT)
+        buf_add_text(out, "A-");
+    if (event->modifiers & KEY_SHIFT)
+        buf_add_text(out, "S-");
+    if (event->key == KEY_CHARACTER)
+        buf_add(out, event->text, event->length);
+    else if (event->key == KEY_REPLY)
+        buf_printf(out, "<%s>", k->body);
+    else
+        buf_add_text(out, name[event->key]);
+}
+
+static void feed_keys(struct buf *out, const char *bytes, size_t length)
+{
+    struct keys k = {0};
+    struct key_event event;
+    buf_clear(out);
+    for (size_t i = 0; i < length; i++)
+        if (keys_feed(&k, (uint8_t)bytes[i], &event))
+            write_event(out, &k, &event);
+    if (keys_waiting(&k) && keys_time_out(&k, &event))
+        write_event(out, &k, &event);
+}
+
+struct key_case {
+    const char *bytes, *events;
+};
+
+static void check_keys(const struct key_case *cases, size_t count)
+{
+    struct buf out = {0};
+    for (size_t i = 0; i < count; i++) {
+        feed_keys(&out, cases[i].bytes, strlen(cases[i].bytes));
+        CHECK_TEXT(buf_text(&out), cases[i].events);
+    }
+    buf_release(&out);
+}
+
+#define CHECK_KEYS(...)                                                                            \
+    check_keys((const struct key_case[]){__VA_ARGS__},                                             \
+               sizeof((const struct key_case[]){__VA_ARGS__}) / sizeof(struct key_case))
+
+STORY(characters_come_out_whole_and_broken_ones_do_not)
+{
+    CHECK_KEYS({"a\u00e4\u20ac\U0001F9E0", "a \u00e4 \u20ac \U0001F9E0"},
+               {"\xC3(", "("}, /* cut short: what follows still counts */
+               {"\xE2\x82\xE2\x82\xAC", "\u20ac"}, {"\x80\xBFx\xFF\xC0\xAFy", "x y"},
+               {"\xED\xA0\x80z", "z"}, /* a surrogate */
+               {"\xC2\x9Bz", "z"});    /* a C1 control in disguise */
+}
+
+STORY(control_and_alt_keys_are_told_from_text)
+{
+    CHECK_KEYS({"\x01\x1A\t\r\n\x7F\x08", "C-a C-z tab enter enter backspace backspace"},
+               {"\033b\033\x7F\033\r", "A-b A-backspace A-enter"}, {"\033\u00e4", "A-\u00e4"},
+               {"\x1F\x1C", "C-_ C-\\"});
+}
+
+STORY(cursor_keys_come_in_two_dialects)
+{
+    CHECK_KEYS({"\033[A\033[B\033[C\033[D\033[H\033[F", "up down right left home end"},
+               {"\033OA\033OB\033OC\033OD\033OH\033OF", "up down right left home end"},
+               {"\033[1~\033[4~\033[7~\033[8~\033[2~\033[3~\033[5~\033[6~",
+                "home end home end insert delete pgup pgdown"},
+               {"\033[1;5C\033[1;3D\033[3;2~\033[Z", "C-right A-left S-delete S-tab"},
+               {"\033Oc\033OM\033\033[A", "C-right enter A-up"},
+               {"\033OP\033[15~\033[[Ax\033[1;2P", "other other other x S-other"});
+}
+
+STORY(a_paste_is_marked_off)
+{
+    CHECK_KEYS({"\033[200~ab\n\033[201~", "paste a b enter pasted"});
+}
+
+STORY(replies_are_swallowed_whole_whenever_they_come)
+{
+    CHECK_KEYS({"a\033[?62;4cb", "a <[?62;4c> b"},
+               {"\033P>|kitty(0.26.5)\033\\x", "<P>|kitty(0.26.5)> x"},
+               {"\033_Gi=31;OK\033\\x", "<_Gi=31;OK> x"},
+               {"\033]11;rgb:0000/0000/0000\007x", "<]11;rgb:0000/0000/0000> x"},
+               {"\033[>41;379;0c\033[6;18;9t\033[?2;0;1000;1000S\033[12;40R",
+                "<[>41;379;0c> <[6;18;9t> <[?2;0;1000;1000S> <[12;40R>"},
+               {"\033]0;never ended\rx", "enter x"}, /* a cut reply does not swallow Enter */
+               {"\033[?6\003", "C-c"}, {"\033P>|x\033[Ay", "up y"}, {"\033\\x", "A-other x"});
+    struct buf out = {0}, reply = {0};
+    buf_add_text(&reply, "\033P");
+    for (int i = 0; i < 5000; i++)
+        buf_add_char(&reply, 'x');
+    buf_add_text(&reply, "\033\\z");
+    feed_keys(&out, reply.data, reply.length);
+    CHECK(out.length > 2 && strcmp(out.data + out.length - 3, "> z") == 0);
+    buf_release(&out);
+    buf_release(&reply);
+}
+
+STORY(escape_is_a_key_when_nothing_follows)
+{
+    CHECK_KEYS({"\033", "escape"}, {"\033[", "A-["}, {"\033O", "A-O"}, {"\033P", "A-P"},
+               {"\033]", "A-]"}, {"\033\033", "A-escape"});
+    struct keys k = {0};
+    struct key_event event;
+    CHECK(!keys_waiting(&k));
+    CHECK(!keys_feed(&k, 033, &event));
+    CHECK(keys_waiting(&k));
+    keys_feed(&k, '[', &event);
+    keys_feed(&k, '1', &event);
+    CHECK(!keys_waiting(&k)); /* too far to be a key: the rest may take its time */
+}
+
+STORY(any_bytes_at_all_lead_back_to_the_ground)
+{
+    uint64_t seed = 11;
+    for (int round = 0; round < 2000; round++) {
+        struct keys k = {0};
+        struct key_event event;
+        static const char spice[] = "\033\033[]OP_;?0123456789~ABc\\\a\r\xC3\xA4\x80";
+        for (int i = 0; i < 40; i++) {
+            uint8_t byte = check_below(&seed, 3)
+                               ? (uint8_t)spice[check_below(&seed, sizeof spice - 1)]
+                               : (uint8_t)check_below(&seed, 256);
+            if (keys_feed(&k, byte, &event))
+                CHECK(k.state == KEYS_GROUND && event.key != KEY_PENDING);
+        }
+        keys_feed(&k, '\r', &event);
+        CHECK(keys_feed(&k, 'x', &event) && event.key == KEY_CHARACTER && event.point == 'x');
+    }
+}
+
+/* ---- replies and decisions ---- */
+
+static void take_all(struct probe_replies *r, struct buf *typed, const char *bytes, size_t piece)
+{
+    struct keys keys = {0};
+    size_t length = strlen(bytes);
+    *r = (struct probe_replies){0};
+    buf_clear(typed);
+    for (size_t i = 0; i < length; i += piece)
+        probe_take(r, &keys, bytes + i, length - i < piece ? length - i : piece, typed);
+}
+
+STORY(replies_are_understood_however_they_are_split)
+{
+    static const char bytes[] =
+        "\033[>41;379;0c\033P>|XTerm(379)\033\\op\033[6;18;9t\033[4;450;720t"
+        "en\033[?2;0;1000;900S\033[?63;1;2;4;6;9;15;22c ch2";
+    struct probe_replies r;
+    struct buf typed = {0};
+    for (size_t piece = 1; piece < sizeof bytes; piece++) {
+        take_all(&r, &typed, bytes, piece);
+        CHECK(r.da1 && r.sixel && !r.kitty);
+        CHECK_TEXT(r.name, "XTerm(379)");
+        CHECK_INT(r.cell_width, 9);
+        CHECK_INT(r.cell_height, 18);
+        CHECK_INT(r.text_width, 720);
+        CHECK_INT(r.image_height, 900);
+        CHECK_TEXT(buf_text(&typed), "open ch2");
+    }
+    buf_release(&typed);
+}
+
+STORY(parameter_4_is_a_whole_number)
+{
+    static const struct {
+        const char *bytes;
+        bool sixel;
+    } cases[] = {{"\033[?62;4;22c", true},   {"\033[?63;1;2;3;4c", true}, {"\033[?62;42c", false},
+                 {"\033[?64;14;24c", false}, {"\033[?1;2c", false},       {"\033[?6c", false},
+                 {"\033[?65;1;9c", false},   {"\033[>4;4;4c", false},     {"\033[4;4;4c", false}};
+    struct probe_replies r;
+    struct buf typed = {0};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        take_all(&r, &typed, cases[i].bytes, 1);
+        CHECK_INT(r.sixel, cases[i].sixel);
+    }
+    buf_release(&typed);
+}
+
+STORY(garbage_is_no_reply)
+{
+    struct probe_replies r;
+    struct buf typed = {0};
+    static const char *const cases[] = {"\033[?c",
+                                        "\033[?;;;c",
+                                        "\033[?99999999999999;4444444444c",
+                                        "\033P>|\033\\",
+                                        "\033[6;t",
+                                        "\033[6;18t",
+                                        "\033[4;1;2;3t",
+                                        "\033_Gi=31;ENOENT\033\\",
+                                        "\033[?2;3;0S",
+                                        "\033[?1;0;256S"};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        take_all(&r, &typed, cases[i], 1);
+        CHECK(!r.sixel && !r.kitty && r.cell_width == 0 && r.image_width == 0 && r.text_width == 0);
+        CHECK_TEXT(buf_text(&typed), "");
+    }
+    buf_release(&typed);
+}
+
+static struct terminal_facts decide(const char *term, const char *replies_text, enum graphics wish,
+                                    bool no_color)
+{
+    struct probe_environment e = {.term = term, .colorterm = "", .no_color = no_color};
+    struct term_size size = {.columns = 80, .rows = 24};
+    struct probe_replies r;
+    struct buf typed = {0};
+    struct terminal_facts facts;
+    take_all(&r, &typed, replies_text, 7);
+    if (strstr(replies_text, "_Gi=31"))
+        CHECK(probe_may_ask_kitty(&r, &e));
+    probe_decide(&r, &e, &size, wish, &facts);
+    buf_release(&typed);
+    return facts;
+}
+
+STORY(each_terminal_gets_the_graphics_it_has)
+{
+    static const struct {
+        const char *term, *replies;
+        enum graphics graphics;
+        enum colours colours;
+    } cases[] = {
+        {"xterm-256color", "\033[>41;379;0c\033P>|XTerm(379)\033\\\033[?63;1;2;4;6c",
+         GRAPHICS_SIXEL, COLOURS_24BIT},
+        {"xterm-256color", "\033P>|XTerm(379)\033\\\033[?64;1;2;6c", GRAPHICS_BLOCKS,
+         COLOURS_24BIT},
+        {"xterm-kitty", "\033P>|kitty(0.26.5)\033\\\033[?62c\033_Gi=31;OK\033\\\033[?62c",
+         GRAPHICS_KITTY, COLOURS_24BIT},
+        {"foot", "\033P>|foot(1.13.1)\033\\\033[?62;4;22c", GRAPHICS_SIXEL, COLOURS_24BIT},
+        {"mlterm", "\033[?63;1;2;3;4;7;29c", GRAPHICS_SIXEL, COLOURS_256},
+        {"screen-256color", "\033P>|tmux 3.3a\033\\\033[?1;2c", GRAPHICS_BLOCKS, COLOURS_24BIT},
+        {"tmux-256color", "\033P>|tmux 3.4\033\\\033[?1;2;4c", GRAPHICS_SIXEL, COLOURS_24BIT},
+        {"screen", "\033[?1;2;4c", GRAPHICS_BLOCKS, COLOURS_256},
+        {"linux", "", GRAPHICS_BLOCKS, COLOURS_256},
+        {"dumb", "", GRAPHICS_NONE, COLOURS_NONE},
+        {"", "", GRAPHICS_NONE, COLOURS_NONE},
+        {"rxvt-unicode-256color", "\033[?1;2c", GRAPHICS_BLOCKS, COLOURS_256},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct terminal_facts f = decide(cases[i].term, cases[i].replies, GRAPHICS_AUTO, false);
+        CHECK_INT(f.graphics, cases[i].graphics);
+        CHECK_INT(f.colours, cases[i].colours);
+    }
+}
+
+STORY(a_wish_overrides_and_no_color_means_shades)
+{
+    static const char vt340[] = "\033[?63;1;2;4c";
+    CHECK_INT(decide("xterm", vt340, GRAPHICS_KITTY, false).graphics, GRAPHICS_KITTY);
+    CHECK_INT(decide("xterm", vt340, GRAPHICS_NONE, false).graphics, GRAPHICS_NONE);
+    CHECK_INT(decide("xterm", vt340, GRAPHICS_AUTO, true).graphics, GRAPHICS_BLOCKS);
+    CHECK_INT(decide("xterm", vt340, GRAPHICS_AUTO, true).colours, COLOURS_NONE);
+    struct probe_environment e = {.term = "xterm", .colorterm = ""};
+    CHECK(!probe_is_silent(&e, GRAPHICS_AUTO));
+    CHECK(probe_is_silent(&e, GRAPHICS_BLOCKS));
+    e.no_color = true;
+    CHECK(probe_is_silent(&e, GRAPHICS_AUTO));
+    e = (struct probe_environment){.term = "linux", .colorterm = ""};
+    CHECK(probe_is_silent(&e, GRAPHICS_KITTY));
+}
+
+STORY(only_the_kitty_family_is_asked_for_kitty_graphics)
+{
+    static const struct {
+        const char *term, *name;
+        bool ask;
+    } cases[] = {{"xterm-kitty", "", true},
+                 {"xterm-kitty", "kitty(0.31.0)", true},
+                 {"xterm-ghostty", "", true},
+                 {"xterm-256color", "WezTerm 2024", true},
+                 {"xterm-256color", "Konsole 23.08", true},
+                 {"xterm-256color", "XTerm(379)", false},
+                 {"xterm-256color", "", false},
+                 {"xterm-kitty", "tmux 3.3a", false},
+                 {"screen.xterm-kitty", "", false},
+                 {"tmux-256color", "kitty(0.31.0)", false},
+                 {"xterm-kitty", "XTerm(379)", false}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct probe_replies r = {0};
+        struct probe_environment e = {.term = cases[i].term, .colorterm = ""};
+        snprintf(r.name, sizeof r.name, "%s", cases[i].name);
+        CHECK_INT(probe_may_ask_kitty(&r, &e), cases[i].ask);
+    }
+}
+
+STORY(the_cell_size_comes_from_whoever_tells_a_sensible_one)
+{
+    static const struct {
+        struct term_size size;
+        const char *replies;
+        uint32_t width, height;
+    } cases[] = {{{80, 24, 724, 436}, "\033[6;20;10t", 9, 18},
+                 {{80, 24, 0, 0}, "\033[6;20;10t\033[4;1;1t", 10, 20},
+                 {{80, 24, 0, 0}, "\033[4;360;560t", 7, 15},
+                 {{80, 24, 80, 24}, "", 8, 16},
+                 {{80, 24, 60000, 60000}, "\033[6;900;3t", 8, 16}};
+    struct probe_environment e = {.term = "xterm", .colorterm = ""};
+    struct buf typed = {0};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct probe_replies r;
+        struct terminal_facts f;
+        take_all(&r, &typed, cases[i].replies, 3);
+        probe_decide(&r, &e, &cases[i].size, GRAPHICS_AUTO, &f);
+        CHECK_INT(f.cell_width, cases[i].width);
+        CHECK_INT(f.cell_height, cases[i].height);
+        CHECK_INT(f.image_side_most, 1000);
+    }
+    CHECK_INT(
+        decide("foot", "\033[?2;0;10000;8000S\033[?62;4c", GRAPHICS_AUTO, false).image_side_most,
+        8000);
+    buf_release(&typed);
+}
+
+/* ---- the line ---- */
+
+static struct line_history old_lines;
+static struct line line;
+
+static void begin_line(const char *const *entries, size_t count)
+{
+    line_history_release(&old_lines);
+    line_release(&line);
+    for (size_t i = 0; i < count; i++)
+        line_history_add(&old_lines, entries[i], strlen(entries[i]));
+    line_init(&line, &old_lines);
+}
+
+static void type(const char *text)
+{
+    line_insert(&line, text, strlen(text));
+}
+
+static void act(enum line_action action, unsigned times)
+{
+    while (times-- > 0)
+        line_act(&line, action);
+}
+
+/* The text with the cursor as a bar. */
+static const char *shown(void)
+{
+    static char text[4096];
+    snprintf(text, sizeof text, "%.*s|%s", (int)line.cursor, buf_text(&line.text),
+             buf_text(&line.text) + line.cursor);
+    return text;
+}
+
+STORY(typing_moving_and_deleting)
+{
+    begin_line(NULL, 0);
+    act(LINE_LEFT, 2); /* nothing there yet */
+    act(LINE_ERASE, 1);
+    act(LINE_DELETE, 1);
+    act(LINE_TRANSPOSE, 1);
+    act(LINE_KILL_TO_END, 1);
+    CHECK_TEXT(shown(), "|");
+    type("seed 1,2,3 brain");
+    act(LINE_WORD_LEFT, 2);
+    CHECK_TEXT(shown(), "seed 1,2,|3 brain");
+    act(LINE_ERASE, 1);
+    act(LINE_DELETE, 1);
+    type("4");
+    CHECK_TEXT(shown(), "seed 1,24| brain");
+    act(LINE_WORD_RIGHT, 1);
+    CHECK_TEXT(shown(), "seed 1,24 brain|");
+    act(LINE_RIGHT, 3);
+    act(LINE_DELETE, 1);
+    act(LINE_HOME, 1);
+    act(LINE_RIGHT, 1);
+    CHECK_TEXT(shown(), "s|eed 1,24 brain");
+}
+
+STORY(one_character_is_what_the_eye_sees_as_one)
+{
+    begin_line(NULL, 0);
+    type("ae\u0301\u0323\U0001F9E0\u00e4");
+    act(LINE_LEFT, 3);
+    CHECK_TEXT(shown(), "a|e\u0301\u0323\U0001F9E0\u00e4");
+    act(LINE_DELETE, 1);
+    CHECK_TEXT(shown(), "a|\U0001F9E0\u00e4");
+    act(LINE_END, 1);
+    act(LINE_TRANSPOSE, 1);
+    CHECK_TEXT(shown(), "a\u00e4\U0001F9E0|");
+    act(LINE_ERASE, 1);
+    CHECK_TEXT(shown(), "a\u00e4|");
+}
+
+STORY(kills_gather_and_come_back)
+{
+    begin_line(NULL, 0);
+    type("view 30 15 0");
+    act(LINE_KILL_BLANK_LEFT, 2);
+    CHECK_TEXT(shown(), "view 30 |");
+    act(LINE_YANK, 2);
+    CHECK_TEXT(shown(), "view 30 15 015 0|");
+    act(LINE_HOME, 1);
+    act(LINE_KILL_WORD_RIGHT, 1);
+    act(LINE_KILL_TO_END, 1);
+    CHECK_TEXT(shown(), "|");
+    type("x");
+    act(LINE_YANK, 1);
+    CHECK_TEXT(shown(), "xview 30 15 015 0|");
+    act(LINE_KILL_WORD_LEFT, 1);
+    act(LINE_LEFT, 1); /* something else between: a new kill begins */
+    act(LINE_KILL_TO_START, 1);
+    act(LINE_YANK, 1);
+    CHECK_TEXT(shown(), "xview 30 15 015| ");
+}
+
+STORY(transposing_at_the_ends_and_within)
+{
+    begin_line(NULL, 0);
+    type("ab");
+    act(LINE_TRANSPOSE, 1);
+    CHECK_TEXT(shown(), "ba|");
+    act(LINE_HOME, 1);
+    act(LINE_TRANSPOSE, 1);
+    CHECK_TEXT(shown(), "|ba");
+    act(LINE_RIGHT, 1);
+    act(LINE_TRANSPOSE, 1);
+    CHECK_TEXT(shown(), "ab|");
+}
+
+STORY(browsing_older_lines_keeps_the_one_begun)
+{
+    static const char *const entries[] = {"open ch2", "run", "run", " secret", "render"};
+    begin_line(entries, 5);
+    CHECK_INT(old_lines.count, 3); /* no repetition, nothing after a blank */
+    type("see");
+    act(LINE_OLDER, 1);
+    CHECK_TEXT(shown(), "render|");
+    act(LINE_OLDER, 7);
+    CHECK_TEXT(shown(), "open ch2|");
+    act(LINE_NEWER, 1);
+    CHECK_TEXT(shown(), "run|");
+    act(LINE_NEWEST, 1);
+    CHECK_TEXT(shown(), "see|");
+    act(LINE_NEWER, 1);
+    CHECK_TEXT(shown(), "see|");
+    act(LINE_OLDEST, 1);
+    CHECK_TEXT(shown(), "open ch2|");
+}
+
+STORY(searching_goes_back_and_can_be_given_up)
+{
+    static const char *const entries[] = {"seed 1,1,1 a", "view left", "seed 2,2,2 b", "run"};
+    begin_line(entries, 4);
+    type("dra");
+    line_search_begin(&line);
+    line_search_add(&line, "s", 1);
+    line_search_add(&line, "eed", 3);
+    CHECK_TEXT(shown(), "|seed 2,2,2 b");
+    line_search_again(&line);
+    CHECK_TEXT(shown(), "|seed 1,1,1 a");
+    line_search_again(&line);
+    CHECK(line.search_failed);
+    CHECK_TEXT(shown(), "|seed 1,1,1 a");
+    line_search_erase(&line);
+    CHECK(!line.search_failed);
+    CHECK_TEXT(shown(), "|seed 2,2,2 b");
+    line_search_end(&line, false);
+    CHECK_TEXT(shown(), "dra|");
+    line_search_begin(&line);
+    line_search_add(&line, "lef", 3);
+    line_search_end(&line, true);
+    CHECK_TEXT(shown(), "view |left");
+    type("<");
+    CHECK_TEXT(shown(), "view <|left");
+}
+
+STORY(the_history_file_is_private_and_limited)
+{
+    char folder[] = "/tmp/iftty-history-XXXXXX", path[64], text[32];
+    struct line_history h = {0}, other = {0};
+    struct fault fault;
+    struct stat status;
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(path, sizeof path, "%s/history", folder);
+    CHECK_INT(line_history_load(&h, path, &fault), OK);
+    CHECK_INT(h.count, 0);
+    for (int i = 0; i < 1200; i++) {
+        snprintf(text, sizeof text, "line %d", i);
+        line_history_add(&h, text, strlen(text));
+    }
+    line_history_add(&other, "from elsewhere", 14);
+    CHECK_INT(line_history_save(&h, path, &fault), OK);
+    CHECK_INT(line_history_save(&other, path, &fault), OK); /* the other session adds its own */
+    CHECK(stat(path, &status) == 0 && (status.st_mode & 0777) == 0600);
+    line_history_release(&h);
+    CHECK_INT(line_history_load(&h, path, &fault), OK);
+    CHECK_INT(h.count, LINE_HISTORY_MOST);
+    CHECK_TEXT(h.line[0], "line 201");
+    CHECK_TEXT(h.line[999], "from elsewhere");
+    CHECK_INT(h.added, 0);
+    CHECK_INT(line_history_load(&other, "/dev/null", &fault), ERR_INPUT);
+    CHECK_INT(line_history_save(&other, "/dev/null", &fault), ERR_INPUT);
+    CHECK(stat("/dev/null", &status) == 0 && S_ISCHR(status.st_mode));
+    line_history_release(&h);
+    line_history_release(&other);
+    unlink(path);
+    rmdir(folder);
+}
+
+/* ---- drawing, on a small model of a screen ---- */
+
+enum { SCREEN_COLUMNS = 10, SCREEN_ROWS = 6 };
+
+struct screen {
+    char cell[SCREEN_ROWS][SCREEN_COLUMNS][16];
+    unsigned row, column;
+    bool wrap; /* waiting at the right margin */
+    unsigned scrolled;
+};
+
+static void screen_feed_line(struct screen *s)
+{
+    if (s->row + 1 < SCREEN_ROWS) {
+        s->row++;
+        return;
+    }
+    memmove(s->cell[0], s->cell[1], sizeof s->cell - sizeof s->cell[0]);
+    memset(s->cell[SCREEN_ROWS - 1], 0, sizeof s->cell[0]);
+    s->scrolled++;
+}
+
+static void screen_put(struct screen *s, const char *text, size_t length, unsigned width)
+{
+    if (width == 0) { /* a mark goes to the cell before, or to the one waiting at the margin */
+        char *before = s->cell[s->row][s->wrap ? s->column : s->column - 1];
+        strncat(before, text, length);
+        return;
+    }
+    if (s->wrap || s->column + width > SCREEN_COLUMNS) {
+        s->column = 0;
+        screen_feed_line(s);
+        s->wrap = false;
+    }
+    snprintf(s->cell[s->row][s->column], sizeof s->cell[0][0], "%.*s", (int)length, text);
+    if (width == 2)
+        s->cell[s->row][s->column + 1][0] = '\0';
+    s->wrap = s->column + width == SCREEN_COLUMNS;
+    s->column = s->wrap ? SCREEN_COLUMNS - 1 : s->column + width;
+}
+
+static void screen_play(struct screen *s, const char *bytes)
+{
+    while (*bytes) {
+        if (*bytes == '\r') {
+            s->column = 0;
+            s->wrap = false;
+            bytes++;
+        } else if (*bytes == '\n') {
+            screen_feed_line(s);
+            bytes++;
+        } else if (strncmp(bytes, "\033[J", 3) == 0) {
+            for (unsigned c = s->column; c < SCREEN_COLUMNS; c++)
+                s->cell[s->row][c][0] = '\0';
+            for (unsigned r = s->row + 1; r < SCREEN_ROWS; r++)
+                memset(s->cell[r], 0, sizeof s->cell[r]);
+            bytes += 3;
+        } else if (strncmp(bytes, "\033[", 2) == 0) {
+            unsigned n = (unsigned)strtoul(bytes + 2, (char **)&bytes, 10);
+            CHECK(n > 0);
+            if (*bytes == 'A')
+                s->row = s->row > n ? s->row - n : 0;
+            else if (*bytes == 'C')
+                s->column = s->column + n < SCREEN_COLUMNS ? s->column + n : SCREEN_COLUMNS - 1;
+            else
+                CHECK(!"a sequence the screen does not know");
+            s->wrap = false;
+            bytes++;
+        } else {
+            uint32_t point;
+            size_t n = char_read(bytes, strlen(bytes), &point);
+            screen_put(s, bytes, n, char_width(point));
+            bytes += n;
+        }
+    }
+}
+
+/* The rows of the screen, parted by '/', with the cursor as a bar. */
+static const char *screen_text(const struct screen *s)
+{
+    static char text[2048];
+    size_t used = 0, kept = 0;
+    for (unsigned r = 0; r < SCREEN_ROWS; r++) {
+        for (unsigned c = 0; c < SCREEN_COLUMNS; c++) {
+            if (r == s->row && c == s->column) {
+                text[used++] = '|';
+                kept = used;
+            }
+            size_t n = strlen(s->cell[r][c]);
+            memcpy(text + used, s->cell[r][c], n);
+            used += n;
+            if (n > 0)
+                kept = used;
+        }
+        text[used++] = '/';
+    }
+    text[kept] = '\0';
+    return text;
+}
+
+static void draw(struct screen *s, struct line_drawing *d, const char *text, size_t cursor)
+{
+    struct buf out = {0};
+    struct line_content content = {
+        .prompt = "> ", .text = text, .length = strlen(text), .cursor = cursor};
+    line_draw(d, &content, SCREEN_COLUMNS, SCREEN_ROWS, &out);
+    screen_play(s, buf_text(&out));
+    buf_release(&out);
+}
+
+STORY(a_line_is_drawn_with_its_cursor)
+{
+    struct screen s = {0};
+    struct line_drawing d = {0};
+    draw(&s, &d, "", 0);
+    CHECK_TEXT(screen_text(&s), "> |");
+    draw(&s, &d, "abc", 3);
+    CHECK_TEXT(screen_text(&s), "> abc|");
+    draw(&s, &d, "abc", 1);
+    CHECK_TEXT(screen_text(&s), "> a|bc");
+    draw(&s, &d, "x", 0);
+    CHECK_TEXT(screen_text(&s), "> |x");
+}
+
+STORY(a_line_wraps_at_the_right_margin_and_back)
+{
+    struct screen s = {0};
+    struct line_drawing d = {0};
+    draw(&s, &d, "abcdefg", 7);
+    CHECK_TEXT(screen_text(&s), "> abcdefg|");
+    draw(&s, &d, "abcdefgh", 8); /* just full: the cursor is on the next row */
+    CHECK_TEXT(screen_text(&s), "> abcdefgh/|");
+    draw(&s, &d, "abcdefghi", 9);
+    CHECK_TEXT(screen_text(&s), "> abcdefgh/i|");
+    draw(&s, &d, "abcdefghi", 0);
+    CHECK_TEXT(screen_text(&s), "> |abcdefgh/i");
+    draw(&s, &d, "abcdefghijklmnopqrstuvw", 23);
+    CHECK_TEXT(screen_text(&s), "> abcdefgh/ijklmnopqr/stuvw|");
+    draw(&s, &d, "abc", 3);
+    CHECK_TEXT(screen_text(&s), "> abc|");
+}
+
+STORY(wide_characters_and_marks_take_the_cells_they_take)
+{
+    struct screen s = {0};
+    struct line_drawing d = {0};
+    draw(&s, &d, "abcdefg\u8166x", 10); /* the wide one does not fit in the last column */
+    CHECK_TEXT(screen_text(&s), "> abcdefg/\u8166|x");
+    draw(&s, &d, "abcdefge\u0301x", 10);
+    CHECK_TEXT(screen_text(&s), "> abcdefge\u0301/|x");
+    draw(&s, &d, "a\x1b[2J\u202e", 5);
+    CHECK_TEXT(screen_text(&s), "> a\\x1b[2J/|\\xe2\\x80\\x/ae");
+    CHECK_INT(line_width("a\u8166e\u0301", 7), 4);
+}
+
+STORY(a_line_taller_than_the_screen_shows_what_is_around_the_cursor)
+{
+    struct screen s = {0};
+    struct line_drawing d = {0};
+    char text[100];
+    for (unsigned i = 0; i < 99; i++)
+        text[i] = (char)('a' + i % 26);
+    text[99] = '\0';
+    draw(&s, &d, text, 99); /* 101 cells: eleven rows of ten */
+    CHECK_TEXT(screen_text(&s), "wxyzabcdef/ghijklmnop/qrstuvwxyz/abcdefghij/klmnopqrst/u|");
+    draw(&s, &d, text, 0);
+    CHECK_TEXT(screen_text(&s),
+               "> |abcdefgh/ijklmnopqr/stuvwxyzab/cdefghijkl/mnopqrstuv/wxyzabcdef");
+    draw(&s, &d, text, 30);
+    draw(&s, &d, "abc", 3);
+    CHECK_TEXT(screen_text(&s), "> abc|");
+    CHECK_INT(s.scrolled, 0);
+}
+
+STORY(random_edits_always_draw_what_a_fresh_screen_would_show)
+{
+    static const char *const piece[] = {"a",       "bc",   "\u00e4", "\u8166",
+                                        "e\u0301", "\x01", " ",      "x y"};
+    uint64_t seed = 21;
+    struct screen s = {0};
+    struct line_drawing d = {0};
+    begin_line(NULL, 0);
+    for (int i = 0; i < 4000; i++) {
+        uint32_t what = check_below(&seed, 24);
+        if (line.text.length > 40)
+            line_clear(&line);
+        if (what <= LINE_NEWEST)
+            line_act(&line, (enum line_action)what);
+        type(piece[check_below(&seed, 8)]);
+        struct screen fresh = {0};
+        struct line_drawing nothing = {0};
+        draw(&s, &d, buf_text(&line.text), line.cursor);
+        draw(&fresh, &nothing, buf_text(&line.text), line.cursor);
+        char now[2048];
+        snprintf(now, sizeof now, "%s", screen_text(&s));
+        CHECK_TEXT(now, screen_text(&fresh));
+    }
+}
+
+STORY(widths_of_characters)
+{
+    static const struct {
+        uint32_t point;
+        unsigned width;
+    } cases[] = {{'a', 1},    {0xE4, 1},    {0x301, 0},  {0x200D, 1}, {0x4E2D, 2}, {0xFF21, 2},
+                 {0xFE0F, 0}, {0x1F9E0, 2}, {0x2580, 1}, {0xAC00, 2}, {0x1160, 0}, {0x10FFFF, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+        CHECK_INT(char_width(cases[i].point), cases[i].width);
+}
+
+int main(void)
+{
+    int status = RUN_STORIES(
+        TELL(a_picture_of_few_colours_travels_to_kitty_as_a_palette_png),
+        TELL(a_picture_of_many_colours_travels_to_kitty_exactly),
+        TELL(the_smallest_pictures_travel_too), TELL(a_transparent_pixel_is_black),
+        TELL(a_picture_of_few_colours_survives_sixel_within_a_percent),
+        TELL(smooth_shading_is_reduced_to_colours_nobody_can_tell_apart),
+        TELL(noise_and_odd_sizes_survive_sixel_in_shape),
+        TELL(two_nearly_equal_colours_among_many_do_not_stall_the_reduction),
+        TELL(shrinking_takes_the_mean_of_whole_and_part_pixels),
+        TELL(fitting_keeps_the_shape_and_never_enlarges),
+        TELL(blocks_hold_two_pixels_a_cell_and_change_colour_only_where_it_changes),
+        TELL(without_colours_blocks_are_a_ramp_of_plain_characters),
+        TELL(blocks_never_take_more_cells_than_there_are),
+        TELL(the_nearest_of_256_colours_is_the_nearest),
+        TELL(a_picture_at_the_prompt_is_framed_and_fits),
+        TELL(a_picture_of_512x512_is_encoded_within_a_few_milliseconds),
+        TELL(characters_come_out_whole_and_broken_ones_do_not),
+        TELL(control_and_alt_keys_are_told_from_text), TELL(cursor_keys_come_in_two_dialects),
+        TELL(a_paste_is_marked_off), TELL(replies_are_swallowed_whole_whenever_they_come),
+        TELL(escape_is_a_key_when_nothing_follows), TELL(any_bytes_at_all_lead_back_to_the_ground),
+        TELL(replies_are_understood_however_they_are_split), TELL(parameter_4_is_a_whole_number),
+        TELL(garbage_is_no_reply), TELL(each_terminal_gets_the_graphics_it_has),
+        TELL(a_wish_overrides_and_no_color_means_shades),
+        TELL(only_the_kitty_family_is_asked_for_kitty_graphics),
+        TELL(the_cell_size_comes_from_whoever_tells_a_sensible_one),
+        TELL(typing_moving_and_deleting), TELL(one_character_is_what_the_eye_sees_as_one),
+        TELL(kills_gather_and_come_back), TELL(transposing_at_the_ends_and_within),
+        TELL(browsing_older_lines_keeps_the_one_begun),
+        TELL(searching_goes_back_and_can_be_given_up),
+        TELL(the_history_file_is_private_and_limited), TELL(a_line_is_drawn_with_its_cursor),
+        TELL(a_line_wraps_at_the_right_margin_and_back),
+        TELL(wide_characters_and_marks_take_the_cells_they_take),
+        TELL(a_line_taller_than_the_screen_shows_what_is_around_the_cursor),
+        TELL(random_edits_always_draw_what_a_fresh_screen_would_show), TELL(widths_of_characters));
+    line_release(&line);
+    line_history_release(&old_lines);
+    return status;
+}

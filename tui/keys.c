@@ -1,0 +1,291 @@
+#include "tui/keys.h"
+
+#include <string.h>
+
+#include "tui/char_width.h"
+
+enum { ESC = 0x1B, BEL = 0x07, BACKSPACE = 0x08, DELETE = 0x7F };
+
+static bool begin(struct keys *k, unsigned state)
+{
+    k->state = state;
+    k->length = 0;
+    k->body[0] = '\0';
+    return false;
+}
+
+static void keep(struct keys *k, uint8_t byte)
+{
+    if (k->length + 1 < sizeof k->body) {
+        k->body[k->length++] = (char)byte;
+        k->body[k->length] = '\0';
+    }
+}
+
+/* Every event leaves by one of these two, back to the ground state. */
+static bool emit(struct keys *k, enum key key, unsigned modifiers, struct key_event *event)
+{
+    *event = (struct key_event){.key = key, .modifiers = modifiers | (k->alt ? KEY_ALT : 0)};
+    k->state = KEYS_GROUND;
+    k->alt = false;
+    return true;
+}
+
+static bool emit_point(struct keys *k, uint32_t point, unsigned modifiers, struct key_event *event)
+{
+    emit(k, KEY_CHARACTER, modifiers, event);
+    event->point = point;
+    event->text[0] = (char)point;
+    event->length = 1;
+    return true;
+}
+
+/* ---- single bytes and characters ---- */
+
+static bool feed_control(struct keys *k, uint8_t byte, struct key_event *event)
+{
+    switch (byte) {
+    case '\r':
+    case '\n':
+        return emit(k, KEY_ENTER, 0, event);
+    case '\t':
+        return emit(k, KEY_TAB, 0, event);
+    case BACKSPACE:
+    case DELETE:
+        return emit(k, KEY_BACKSPACE, 0, event);
+    case 0:
+        return emit_point(k, ' ', KEY_CONTROL, event);
+    default:
+        return emit_point(k, byte < 27 ? byte + 96u : byte + 64u, KEY_CONTROL, event);
+    }
+}
+
+static bool feed_ground(struct keys *k, uint8_t byte, struct key_event *event)
+{
+    if (byte == ESC) {
+        k->taken = 1;
+        return begin(k, KEYS_ESC);
+    }
+    if (byte < 0x20 || byte == DELETE)
+        return feed_control(k, byte, event);
+    if (byte < 0x80)
+        return emit_point(k, byte, 0, event);
+    k->alt = k->alt && byte >= 0xC2;
+    k->state = KEYS_GROUND;
+    if (byte < 0xC2 || byte > 0xF4)
+        return false; /* no character begins like this */
+    begin(k, KEYS_UTF8);
+    keep(k, byte);
+    k->needed = byte < 0xE0 ? 1 : byte < 0xF0 ? 2 : 3;
+    return false;
+}
+
+static bool feed_utf8(struct keys *k, uint8_t byte, struct key_event *event)
+{
+    uint32_t point;
+    if ((byte & 0xC0) != 0x80) {
+        k->alt = false;
+        return feed_ground(k, byte, event); /* what came before is dropped */
+    }
+    keep(k, byte);
+    if (--k->needed > 0)
+        return false;
+    char_read(k->body, k->length, &point);
+    if (point == CHAR_BROKEN || point < 0xA0) { /* C1 controls are no text either */
+        k->state = KEYS_GROUND;
+        k->alt = false;
+        return false;
+    }
+    emit(k, KEY_CHARACTER, 0, event);
+    event->point = point;
+    event->length = (unsigned)k->length;
+    memcpy(event->text, k->body, k->length);
+    return true;
+}
+
+/* ---- escape sequences ---- */
+
+static bool feed_escape(struct keys *k, uint8_t byte, struct key_event *event)
+{
+    k->taken++;
+    switch (byte) {
+    case ESC:
+        k->alt = true;
+        k->taken = 1;
+        return false;
+    case '[':
+        begin(k, KEYS_CSI);
+        break;
+    case 'O':
+        begin(k, KEYS_SS3);
+        break;
+    case 'P':
+    case ']':
+    case '_':
+    case '^':
+    case 'X':
+        begin(k, KEYS_STRING);
+        break;
+    case '\\': /* the end of a string whose beginning was cut off, or Alt-\, of no use here */
+        return emit(k, KEY_OTHER, KEY_ALT, event);
+    default:
+        k->alt = true;
+        return feed_ground(k, byte, event);
+    }
+    keep(k, byte);
+    return false;
+}
+
+static enum key letter_key(uint8_t final)
+{
+    static const char letters[] = "ABCDHF";
+    static const enum key key[] = {KEY_UP, KEY_DOWN, KEY_RIGHT, KEY_LEFT, KEY_HOME, KEY_END};
+    const char *place = memchr(letters, final, sizeof letters - 1);
+    return place ? key[place - letters] : KEY_OTHER;
+}
+
+static enum key tilde_key(unsigned number)
+{
+    switch (number) {
+    case 1:
+    case 7:
+        return KEY_HOME;
+    case 2:
+        return KEY_INSERT;
+    case 3:
+        return KEY_DELETE;
+    case 4:
+    case 8:
+        return KEY_END;
+    case 5:
+        return KEY_PAGE_UP;
+    case 6:
+        return KEY_PAGE_DOWN;
+    case 200:
+        return KEY_PASTE_BEGIN;
+    case 201:
+        return KEY_PASTE_END;
+    default:
+        return KEY_OTHER;
+    }
+}
+
+/* The number at *text, which moves past it and a semicolon. */
+static unsigned parameter(const char **text)
+{
+    unsigned n = 0;
+    for (; **text >= '0' && **text <= '9'; ++*text)
+        n = n < 10000 ? n * 10 + (unsigned)(**text - '0') : n;
+    if (**text == ';')
+        ++*text;
+    return n;
+}
+
+static bool end_csi(struct keys *k, uint8_t final, struct key_event *event)
+{
+    const char *text = k->body + 1;
+    if (strchr("?><=", *text) && *text)
+        return emit(k, KEY_REPLY, 0, event);
+    if (strchr("tcnRSy", final) && k->length > 2)
+        return emit(k, KEY_REPLY, 0, event);
+    if (final == '[' && k->length == 2) {
+        k->state = KEYS_CSI_LINUX;
+        return false;
+    }
+    if (final == 'Z')
+        return emit(k, KEY_TAB, KEY_SHIFT, event);
+    unsigned number = parameter(&text), modifier = parameter(&text);
+    unsigned modifiers = modifier > 0 ? (modifier - 1) & 7 : 0;
+    return emit(k, final == '~' ? tilde_key(number) : letter_key(final), modifiers, event);
+}
+
+static bool feed_csi(struct keys *k, uint8_t byte, struct key_event *event)
+{
+    keep(k, byte);
+    k->taken++;
+    if (byte < 0x40)
+        return false;
+    return end_csi(k, byte, event);
+}
+
+static bool feed_ss3(struct keys *k, uint8_t byte, struct key_event *event)
+{
+    k->taken++;
+    if (byte >= '0' && byte <= '9')
+        return false;
+    if (byte == 'M')
+        return emit(k, KEY_ENTER, 0, event);
+    if (byte >= 'a' && byte <= 'd') /* rxvt's way to say Ctrl */
+        return emit(k, letter_key((uint8_t)(byte - 32)), KEY_CONTROL, event);
+    return emit(k, letter_key(byte), 0, event);
+}
+
+static bool feed_string(struct keys *k, uint8_t byte, struct key_event *event)
+{
+    k->taken++;
+    if (byte == BEL)
+        return emit(k, KEY_REPLY, 0, event);
+    if (k->state == KEYS_STRING_ESC) {
+        if (byte == '\\')
+            return emit(k, KEY_REPLY, 0, event);
+        k->state = KEYS_ESC; /* another sequence begins where this one should have ended */
+        k->taken = 1;
+        return feed_escape(k, byte, event);
+    }
+    if (byte == ESC)
+        k->state = KEYS_STRING_ESC;
+    else
+        keep(k, byte);
+    return false;
+}
+
+bool keys_feed(struct keys *k, uint8_t byte, struct key_event *event)
+{
+    bool control = byte < 0x20 || byte == DELETE;
+    bool in_string = k->state == KEYS_STRING || k->state == KEYS_STRING_ESC;
+    bool in_sequence =
+        in_string || k->state == KEYS_CSI || k->state == KEYS_SS3 || k->state == KEYS_CSI_LINUX;
+    if (in_sequence && control && !(in_string && (byte == ESC || byte == BEL))) {
+        k->alt = false;
+        return feed_ground(k, byte, event);
+    }
+    switch (k->state) {
+    case KEYS_UTF8:
+        return feed_utf8(k, byte, event);
+    case KEYS_ESC:
+        return feed_escape(k, byte, event);
+    case KEYS_CSI:
+        return feed_csi(k, byte, event);
+    case KEYS_CSI_LINUX:
+        k->taken++;
+        return emit(k, KEY_OTHER, 0, event);
+    case KEYS_SS3:
+        return feed_ss3(k, byte, event);
+    case KEYS_STRING:
+    case KEYS_STRING_ESC:
+        return feed_string(k, byte, event);
+    case KEYS_GROUND:
+        break;
+    }
+    k->taken = 1;
+    return feed_ground(k, byte, event);
+}
+
+/* ---- time ---- */
+
+bool keys_waiting(const struct keys *k)
+{
+    if (k->state == KEYS_ESC)
+        return true;
+    return (k->state == KEYS_CSI || k->state == KEYS_SS3 || k->state == KEYS_STRING) &&
+           k->length == 1;
+}
+
+bool keys_time_out(struct keys *k, struct key_event *event)
+{
+    if (!keys_waiting(k))
+        return false;
+    if (k->state == KEYS_ESC)
+        return emit(k, KEY_ESCAPE, 0, event);
+    return emit_point(k, (uint8_t)k->body[0], KEY_ALT, event);
+}

@@ -1,0 +1,89 @@
+/*
+ * From bytes to keys, one byte at a time, so that it does not matter where reads fall apart.
+ *
+ *     61                      KEY_CHARACTER 'a'            C3 A4          KEY_CHARACTER U+00E4
+ *     01                      KEY_CHARACTER 'a' + KEY_CONTROL
+ *     ESC 62                  KEY_CHARACTER 'b' + KEY_ALT
+ *     ESC [ A,  ESC O A       KEY_UP                       ESC [ 1;5 C    KEY_RIGHT + KEY_CONTROL
+ *     ESC [ 3 ~               KEY_DELETE                   ESC [ 200 ~    KEY_PASTE_BEGIN
+ *     ESC [ ? 62;4 c          KEY_REPLY "[?62;4c"          ESC P .. ESC \ KEY_REPLY "P.."
+ *
+ * A terminal's replies may come late, so they are recognised all session long and never reach the
+ * line as text: CSI with a private mark or a final byte that only replies have; DCS, APC, OSC, PM
+ * and SOS to their end, whatever their length. A control byte inside a sequence ends it, so a cut
+ * reply cannot swallow Enter or Ctrl-C.
+ *
+ * ESC alone is a key too, and so are Alt-[, Alt-O, Alt-P and the like, whose bytes begin sequences.
+ * Only time tells: while keys_waiting says yes, and nothing came for KEYS_TIMEOUT_MS, the caller
+ * calls keys_time_out.
+ */
+#ifndef TUI_KEYS_H
+#define TUI_KEYS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum key {
+    KEY_PENDING,
+    KEY_CHARACTER,
+    KEY_ENTER,
+    KEY_TAB,
+    KEY_BACKSPACE,
+    KEY_ESCAPE,
+    KEY_UP,
+    KEY_DOWN,
+    KEY_RIGHT,
+    KEY_LEFT,
+    KEY_HOME,
+    KEY_END,
+    KEY_INSERT,
+    KEY_DELETE,
+    KEY_PAGE_UP,
+    KEY_PAGE_DOWN,
+    KEY_PASTE_BEGIN,
+    KEY_PASTE_END,
+    KEY_REPLY, /* keys.body holds it */
+    KEY_OTHER  /* a key of no use here: F1, keypad .. */
+};
+
+enum { KEY_SHIFT = 1, KEY_ALT = 2, KEY_CONTROL = 4 }; /* xterm's modifier parameter less 1 */
+
+enum { KEYS_TIMEOUT_MS = 50 };
+
+struct key_event {
+    enum key key;
+    unsigned modifiers;
+    uint32_t point; /* of a KEY_CHARACTER; with KEY_CONTROL the letter in lower case */
+    char text[5];   /* the same in UTF-8 */
+    unsigned length;
+};
+
+struct keys {
+    enum {
+        KEYS_GROUND,
+        KEYS_UTF8,
+        KEYS_ESC,
+        KEYS_CSI,
+        KEYS_CSI_LINUX, /* ESC [ [ A: a function key of the Linux console */
+        KEYS_SS3,
+        KEYS_STRING,
+        KEYS_STRING_ESC
+    } state;
+    bool alt;        /* ESC ESC: the next key has Alt */
+    unsigned needed; /* bytes of a character still to come */
+    size_t taken;    /* bytes of the sequence so far; of a KEY_REPLY, of all of it */
+    size_t length;   /* bytes in body; a longer sequence keeps its beginning */
+    char body[256];  /* without the first ESC, ended by NUL */
+};
+
+/* `struct keys k = {0}` is ready. Takes a byte; true when it completed *event. */
+bool keys_feed(struct keys *k, uint8_t byte, struct key_event *event);
+
+/* Whether what came so far is a key of its own unless more follows at once. */
+bool keys_waiting(const struct keys *k);
+
+/* Nothing followed. True with the event that the bytes make on their own. */
+bool keys_time_out(struct keys *k, struct key_event *event);
+
+#endif

@@ -1,0 +1,457 @@
+#include "tui/line_edit.h"
+
+#include <string.h>
+
+#include "tui/char_width.h"
+#include "tui/term.h"
+
+enum { PASTE_PATIENCE_MS = 200 };
+
+void line_editor_init(struct line_editor *e, line_complete_function *complete, void *context)
+{
+    *e = (struct line_editor){.complete = complete, .context = context};
+    line_init(&e->line, &e->history);
+}
+
+void line_editor_release(struct line_editor *e)
+{
+    line_release(&e->line);
+    line_history_release(&e->history);
+    buf_release(&e->input);
+}
+
+/* What a key led to. */
+enum outcome { GO_ON, SUBMIT, ABANDON, END, GONE, SUSPEND, CLEAR, COMPLETE };
+
+/* ---- drawing ---- */
+
+static void draw_line(struct line_editor *e, const char *prompt, struct buf *out)
+{
+    const struct line *l = &e->line;
+    const struct term_size size = term_size();
+    struct buf search = {0};
+    if (l->searching) {
+        buf_printf(&search, "(%s '%s') ", l->search_failed ? "not found:" : "search",
+                   buf_text(&l->wanted));
+        prompt = buf_text(&search);
+    }
+    const struct line_content content = {.prompt = prompt,
+                                         .text = buf_text(&l->text),
+                                         .length = l->text.length,
+                                         .cursor = l->cursor};
+    line_draw(&e->drawing, &content, size.columns, size.rows, out);
+    buf_release(&search);
+}
+
+static enum err write_out(struct buf *out, struct fault *fault)
+{
+    enum err err = out->failed ? fault_memory(fault, "drawing the line")
+                               : term_write(buf_text(out), out->length, fault);
+    buf_release(out);
+    return err;
+}
+
+static enum err redraw(struct line_editor *e, const char *prompt, struct fault *fault)
+{
+    struct buf out = {0};
+    draw_line(e, prompt, &out);
+    return write_out(&out, fault);
+}
+
+/* Draws the line once more with the cursor at its end, then `more`; what follows begins a line. */
+static enum err leave_line(struct line_editor *e, const char *prompt, const char *more,
+                           struct fault *fault)
+{
+    struct buf out = {0};
+    e->line.cursor = e->line.text.length;
+    e->line.searching = false;
+    draw_line(e, prompt, &out);
+    buf_add_text(&out, more);
+    e->drawing = (struct line_drawing){0};
+    return write_out(&out, fault);
+}
+
+/* ---- completion ---- */
+
+struct candidates {
+    size_t count, widest;
+    const char *first;
+    size_t common; /* bytes that all begin with */
+};
+
+static const char *end_of_word(const char *word)
+{
+    return word + strcspn(word, "\n");
+}
+
+static struct candidates look_at(const char *words)
+{
+    struct candidates c = {.first = words};
+    for (const char *end, *word = words; *word; word = *end ? end + 1 : end) {
+        end = end_of_word(word);
+        size_t length = (size_t)(end - word), same = 0;
+        if (length == 0)
+            continue;
+        if (c.count++ == 0) {
+            c.first = word;
+            c.common = length;
+        }
+        while (same < c.common && same < length && word[same] == c.first[same])
+            same++;
+        c.common = same;
+        size_t width = line_width(word, length);
+        c.widest = width > c.widest ? width : c.widest;
+    }
+    while (c.count > 1 && c.common > 0 && (c.first[c.common] & 0xC0) == 0x80)
+        c.common--; /* not within a character */
+    return c;
+}
+
+/* The candidates in columns, as many as fit, escaped for the terminal. */
+static void list_candidates(const char *words, const struct candidates *c, unsigned columns,
+                            struct buf *out)
+{
+    size_t stride = c->widest + 2, a_row = columns / stride > 0 ? columns / stride : 1, n = 0;
+    for (const char *end, *word = words; *word; word = *end ? end + 1 : end) {
+        end = end_of_word(word);
+        if (end == word)
+            continue;
+        buf_add_safe(out, word, (size_t)(end - word));
+        if (++n % a_row == 0 || n == c->count)
+            buf_add_text(out, "\r\n");
+        else
+            for (size_t w = line_width(word, (size_t)(end - word)); w < stride; w++)
+                buf_add_char(out, ' ');
+    }
+}
+
+static void accept_word(struct line *l, size_t start, const struct candidates *c)
+{
+    char last = c->first[c->common - 1];
+    line_replace(l, start, l->cursor, c->first, c->common);
+    if (c->count > 1 || last == '/' || last == '=' || last == ' ')
+        return;
+    if (l->cursor == l->text.length || l->text.data[l->cursor] != ' ')
+        line_insert(l, " ", 1);
+}
+
+static enum err complete_word(struct line_editor *e, const char *prompt, struct fault *fault)
+{
+    struct buf words = {0}, out = {0};
+    struct line *l = &e->line;
+    size_t start = l->cursor;
+    if (e->complete)
+        e->complete(e->context, buf_text(&l->text), l->cursor, &words, &start);
+    const struct candidates c = look_at(buf_text(&words));
+    enum err err = OK;
+    if (c.count == 0 || words.failed || start > l->cursor) {
+        buf_add_char(&out, '\a');
+    } else if (c.count == 1 || c.common > l->cursor - start) {
+        accept_word(l, start, &c);
+    } else {
+        size_t cursor = l->cursor;
+        err = leave_line(e, prompt, "\r\n", fault);
+        l->cursor = cursor;
+        list_candidates(buf_text(&words), &c, term_size().columns, &out);
+    }
+    buf_release(&words);
+    if (err) {
+        buf_release(&out);
+        return err;
+    }
+    draw_line(e, prompt, &out);
+    return write_out(&out, fault);
+}
+
+/* ---- keys ---- */
+
+static enum outcome act(struct line_editor *e, enum line_action action)
+{
+    line_act(&e->line, action);
+    return GO_ON;
+}
+
+static enum outcome control_key(struct line_editor *e, uint32_t letter)
+{
+    switch (letter) {
+    case 'a':
+        return act(e, LINE_HOME);
+    case 'b':
+        return act(e, LINE_LEFT);
+    case 'c':
+        return ABANDON;
+    case 'd':
+        return e->line.text.length == 0 ? END : act(e, LINE_DELETE);
+    case 'e':
+        return act(e, LINE_END);
+    case 'f':
+        return act(e, LINE_RIGHT);
+    case 'k':
+        return act(e, LINE_KILL_TO_END);
+    case 'l':
+        return CLEAR;
+    case 'n':
+        return act(e, LINE_NEWER);
+    case 'p':
+        return act(e, LINE_OLDER);
+    case 'r':
+        line_search_begin(&e->line);
+        return GO_ON;
+    case 't':
+        return act(e, LINE_TRANSPOSE);
+    case 'u':
+        return act(e, LINE_KILL_TO_START);
+    case 'w':
+        return act(e, LINE_KILL_BLANK_LEFT);
+    case 'y':
+        return act(e, LINE_YANK);
+    case 'z':
+        return SUSPEND;
+    default:
+        return GO_ON;
+    }
+}
+
+static enum outcome alt_key(struct line_editor *e, uint32_t point)
+{
+    switch (point) {
+    case 'b':
+    case 'B':
+        return act(e, LINE_WORD_LEFT);
+    case 'f':
+    case 'F':
+        return act(e, LINE_WORD_RIGHT);
+    case 'd':
+    case 'D':
+        return act(e, LINE_KILL_WORD_RIGHT);
+    case '<':
+        return act(e, LINE_OLDEST);
+    case '>':
+        return act(e, LINE_NEWEST);
+    default:
+        return GO_ON;
+    }
+}
+
+static enum outcome plain_key(struct line_editor *e, const struct key_event *event)
+{
+    bool by_word = event->modifiers & (KEY_CONTROL | KEY_ALT);
+    switch (event->key) {
+    case KEY_CHARACTER:
+        if (event->modifiers & KEY_CONTROL)
+            return control_key(e, event->point);
+        if (event->modifiers & KEY_ALT)
+            return alt_key(e, event->point);
+        line_insert(&e->line, event->text, event->length);
+        return GO_ON;
+    case KEY_ENTER:
+        return SUBMIT;
+    case KEY_TAB:
+        return event->modifiers == 0 ? COMPLETE : GO_ON;
+    case KEY_BACKSPACE:
+        return act(e, by_word ? LINE_KILL_WORD_LEFT : LINE_ERASE);
+    case KEY_DELETE:
+        return act(e, by_word ? LINE_KILL_WORD_RIGHT : LINE_DELETE);
+    case KEY_LEFT:
+        return act(e, by_word ? LINE_WORD_LEFT : LINE_LEFT);
+    case KEY_RIGHT:
+        return act(e, by_word ? LINE_WORD_RIGHT : LINE_RIGHT);
+    case KEY_HOME:
+        return act(e, LINE_HOME);
+    case KEY_END:
+        return act(e, LINE_END);
+    case KEY_UP:
+        return act(e, LINE_OLDER);
+    case KEY_DOWN:
+        return act(e, LINE_NEWER);
+    case KEY_PAGE_UP:
+        return act(e, LINE_OLDEST);
+    case KEY_PAGE_DOWN:
+        return act(e, LINE_NEWEST);
+    default:
+        return GO_ON;
+    }
+}
+
+static enum outcome search_key(struct line_editor *e, const struct key_event *event)
+{
+    struct line *l = &e->line;
+    bool control = event->modifiers & KEY_CONTROL;
+    if (event->key == KEY_CHARACTER && event->modifiers == 0) {
+        line_search_add(l, event->text, event->length);
+    } else if (event->key == KEY_BACKSPACE) {
+        line_search_erase(l);
+    } else if (event->key == KEY_CHARACTER && control && event->point == 'r') {
+        line_search_again(l);
+    } else if (event->key == KEY_CHARACTER && control && event->point == 'g') {
+        line_search_end(l, false);
+    } else {
+        line_search_end(l, true);
+        return event->key == KEY_ESCAPE || event->key == KEY_TAB ? GO_ON : plain_key(e, event);
+    }
+    return GO_ON;
+}
+
+/* Pasted text is text: only the end of a line, and Ctrl-C against a paste that never ends, do
+ * anything. */
+static enum outcome paste_key(struct line_editor *e, const struct key_event *event)
+{
+    bool control = event->modifiers & KEY_CONTROL;
+    if (event->key == KEY_CHARACTER && control && event->point == 'c') {
+        e->pasting = false;
+        return ABANDON;
+    }
+    if (event->key == KEY_ENTER)
+        return SUBMIT;
+    if (event->key == KEY_TAB)
+        line_insert(&e->line, " ", 1);
+    else if (event->key == KEY_CHARACTER && !control)
+        line_insert(&e->line, event->text, event->length);
+    return GO_ON;
+}
+
+static bool is_answer(const char *body)
+{
+    size_t length = strlen(body);
+    return strncmp(body, "[?", 2) == 0 && body[length - 1] == 'c';
+}
+
+static enum outcome take_key(struct line_editor *e, const struct key_event *event)
+{
+    if (event->key == KEY_REPLY) {
+        if (e->answers_due > 0 && is_answer(e->keys.body))
+            e->answers_due--;
+        return GO_ON;
+    }
+    if (event->key == KEY_PASTE_BEGIN || event->key == KEY_PASTE_END) {
+        e->pasting = event->key == KEY_PASTE_BEGIN;
+        return GO_ON;
+    }
+    if (e->pasting)
+        return paste_key(e, event);
+    return e->line.searching ? search_key(e, event) : plain_key(e, event);
+}
+
+/* Takes the next byte in. */
+static enum outcome take_byte(struct line_editor *e, uint8_t byte)
+{
+    struct key_event event;
+    bool second = byte == '\n' && e->after_return;
+    e->after_return = e->pasting && byte == '\r';
+    if (second || !keys_feed(&e->keys, byte, &event))
+        return GO_ON;
+    return take_key(e, &event);
+}
+
+/* ---- the loop ---- */
+
+/* All bytes that have been read, up to one that leads to more than a redraw. */
+static enum outcome take_input(struct line_editor *e)
+{
+    enum outcome outcome = GO_ON;
+    while (outcome == GO_ON && e->taken < e->input.length)
+        outcome = take_byte(e, (uint8_t)e->input.data[e->taken++]);
+    if (e->taken == e->input.length) {
+        buf_clear(&e->input);
+        e->taken = 0;
+    }
+    return outcome;
+}
+
+/* What stands on the screen against what should. */
+enum screen { DRAWN, STALE, STALE_IN_PASTE };
+
+/* Waits for bytes, and tells in *screen whether the line has to be drawn again. */
+static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
+{
+    struct key_event event;
+    bool waiting = keys_waiting(&e->keys);
+    bool stalled = *screen == STALE_IN_PASTE;
+    enum outcome outcome;
+    switch (term_read(&e->input, waiting ? KEYS_TIMEOUT_MS : stalled ? PASTE_PATIENCE_MS : -1)) {
+    case TERM_BYTES:
+        outcome = take_input(e);
+        *screen = e->pasting || keys_waiting(&e->keys) ? STALE_IN_PASTE : STALE;
+        return outcome;
+    case TERM_TIMEOUT:
+        *screen = STALE;
+        return waiting && keys_time_out(&e->keys, &event) ? take_key(e, &event) : GO_ON;
+    case TERM_SIGNAL:
+        if (term_was_continued())
+            e->drawing = (struct line_drawing){0};
+        term_was_resized(); /* every drawing asks for the size anew */
+        *screen = STALE;
+        return GO_ON;
+    case TERM_CLOSED:
+        break;
+    }
+    return GONE;
+}
+
+/* Does what a key led to, short of the end of the line. */
+static enum err follow(struct line_editor *e, const char *prompt, enum outcome outcome,
+                       struct fault *fault)
+{
+    enum err err;
+    switch (outcome) {
+    case ABANDON:
+        err = leave_line(e, prompt, "^C\r\n", fault);
+        line_clear(&e->line);
+        return err ? err : redraw(e, prompt, fault);
+    case SUSPEND:
+        err = leave_line(e, prompt, "\r\n", fault);
+        if (err)
+            return err;
+        term_suspend();
+        return redraw(e, prompt, fault);
+    case CLEAR:
+        e->drawing = (struct line_drawing){0};
+        err = term_write("\033[H\033[2J", 7, fault);
+        return err ? err : redraw(e, prompt, fault);
+    case COMPLETE:
+        return complete_word(e, prompt, fault);
+    default:
+        return OK;
+    }
+}
+
+/* Edits until the line is submitted or the end has come. */
+static enum err edit(struct line_editor *e, const char *prompt, enum outcome *outcome,
+                     struct fault *fault)
+{
+    enum screen screen = STALE;
+    enum err err = OK;
+    *outcome = take_input(e);
+    while (!err && *outcome != SUBMIT && *outcome != END && *outcome != GONE) {
+        if (*outcome != GO_ON) {
+            err = follow(e, prompt, *outcome, fault);
+            screen = e->taken < e->input.length ? STALE : DRAWN;
+            *outcome = take_input(e);
+            continue;
+        }
+        if (screen == STALE) {
+            err = redraw(e, prompt, fault);
+            screen = DRAWN;
+        }
+        if (!err)
+            *outcome = wait_for_input(e, &screen);
+    }
+    if (!err && (e->line.text.failed || e->input.failed))
+        err = fault_memory(fault, "the line typed");
+    return err;
+}
+
+enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struct fault *fault)
+{
+    enum outcome outcome;
+    line_clear(&e->line);
+    e->line.text.failed = false;
+    e->drawing = (struct line_drawing){0};
+    enum err err = edit(e, prompt, &outcome, fault);
+    if (!err && outcome != GONE)
+        err = leave_line(e, prompt, "\r\n", fault);
+    if (!err && outcome == SUBMIT)
+        line_history_add(&e->history, buf_text(&e->line.text), e->line.text.length);
+    *ended = outcome == END || outcome == GONE;
+    return err;
+}

@@ -1,0 +1,56 @@
+/*
+ * Reading a line at the terminal: keys in, line drawn, until Enter.
+ *
+ *     Ctrl-A Ctrl-E Home End    start, end           Ctrl-K Ctrl-U   kill to end, to start
+ *     Ctrl-B Ctrl-F arrows      one character        Ctrl-W          kill back to a blank
+ *     Alt-B Alt-F Ctrl-arrows   one word             Alt-D Alt-Backspace  kill a word
+ *     Ctrl-P Ctrl-N arrows      older, newer         Ctrl-Y          yank
+ *     Alt-< Alt->               oldest, newest       Ctrl-T          transpose characters
+ *     Ctrl-R                    search; Ctrl-G gives up, Enter submits, other keys edit
+ *     Tab                       complete             Ctrl-L          clear the screen
+ *     Ctrl-C                    empty the line       Ctrl-Z          stop, as job control does
+ *     Ctrl-D                    delete; on an empty line, the end
+ *
+ * All that has arrived is taken in before the line is drawn, and a bracketed paste to its end, so
+ * that a large paste costs one redraw. A line feed in it submits, the rest stays for the next line.
+ */
+#ifndef TUI_LINE_EDIT_H
+#define TUI_LINE_EDIT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/buf.h"
+#include "base/err.h"
+#include "tui/keys.h"
+#include "tui/line.h"
+#include "tui/line_draw.h"
+
+/* Fills `candidates` with whole words, one a line, for the word that begins at *word_start and ends
+ * at the cursor. */
+typedef void line_complete_function(void *context, const char *line, size_t cursor,
+                                    struct buf *candidates, size_t *word_start);
+
+struct line_editor {
+    struct line_history history;
+    struct line line;
+    struct keys keys;
+    struct buf input; /* bytes read; those before `taken` are done with */
+    size_t taken;
+    bool pasting;
+    bool after_return;    /* of CR LF in a paste, the LF says nothing new */
+    unsigned answers_due; /* DA1 questions sent, not answered yet */
+    struct line_drawing drawing;
+    line_complete_function *complete; /* may be NULL */
+    void *context;
+};
+
+void line_editor_init(struct line_editor *e, line_complete_function *complete, void *context);
+void line_editor_release(struct line_editor *e);
+
+/* Reads a line at the terminal, which is open and raw, and adds it to the history. The line is then
+ * e->line.text, until the next call. *ended is set at Ctrl-D on an empty line or when the terminal
+ * has gone. */
+enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struct fault *fault);
+
+#endif

@@ -1,0 +1,306 @@
+#include "tui/repl.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "tui/line_edit.h"
+#include "tui/show.h"
+#include "tui/term.h"
+
+enum { BARRIER_MS = 2000 };
+
+static bool is_blank(const char *line)
+{
+    return line[strspn(line, " \t\r")] == '\0';
+}
+
+/* "error: words", one line. */
+static void add_error(struct buf *out, enum err err, const struct fault *fault, bool coloured)
+{
+    buf_add_text(out, coloured ? "\033[31merror:\033[m " : "error: ");
+    buf_add_text(out, fault->text[0] ? fault->text : err_name(err));
+    buf_add_char(out, '\n');
+}
+
+static void end_line(struct buf *out)
+{
+    if (out->length > 0 && out->data[out->length - 1] != '\n')
+        buf_add_char(out, '\n');
+}
+
+/* The same text for a raw terminal: lines end with CR LF. */
+static void add_raw(struct buf *out, const struct buf *text)
+{
+    const char *at = buf_text(text), *end = at + text->length;
+    while (at < end) {
+        const char *feed = memchr(at, '\n', (size_t)(end - at));
+        const char *stop = feed ? feed : end;
+        buf_add(out, at, (size_t)(stop - at));
+        if (feed)
+            buf_add_text(out, "\r\n");
+        at = stop + (feed ? 1 : 0);
+    }
+    out->failed |= text->failed;
+}
+
+/* ---- plain input ---- */
+
+static enum err run_line(const struct repl_host *host, const char *line, struct fault *fault)
+{
+    struct buf output = {0}, words = {0};
+    struct fault of_command = {0};
+    enum err err = host->execute(host->context, line, &output, &of_command);
+    end_line(&output);
+    if (output.failed && !err)
+        err = fault_memory(&of_command, "the output");
+    enum err written = term_write_to(STDOUT_FILENO, buf_text(&output), output.length, fault);
+    if (err) {
+        add_error(&words, err, &of_command, false);
+        term_write_to(STDERR_FILENO, buf_text(&words), words.length, NULL);
+    }
+    buf_release(&output);
+    buf_release(&words);
+    if (!written && err && fault)
+        *fault = (struct fault){.code = err};
+    return written ? written : err;
+}
+
+static enum err print_prompt(const struct repl_host *host, struct fault *fault)
+{
+    struct buf prompt = {0};
+    host->prompt(host->context, &prompt);
+    enum err err = term_write_to(STDOUT_FILENO, buf_text(&prompt), prompt.length, fault);
+    buf_release(&prompt);
+    return err;
+}
+
+static enum err begin_plain(const struct repl_host *host, struct fault *fault)
+{
+    struct buf output = {0};
+    enum err err = host->begin ? host->begin(host->context, &output, fault) : OK;
+    end_line(&output);
+    if (!err)
+        err = term_write_to(STDOUT_FILENO, buf_text(&output), output.length, fault);
+    buf_release(&output);
+    return err;
+}
+
+static enum err run_plain(const struct repl_host *host, bool prompts, struct fault *fault)
+{
+    char *line = NULL;
+    size_t capacity = 0;
+    enum err first = begin_plain(host, fault);
+    if (first)
+        return first;
+    while (!host->finished(host->context)) {
+        struct fault ignored;
+        if (prompts && print_prompt(host, &ignored))
+            break;
+        ssize_t length = getline(&line, &capacity, stdin);
+        if (length < 0)
+            break;
+        line[strcspn(line, "\r\n")] = '\0';
+        if (is_blank(line))
+            continue;
+        enum err err = run_line(host, line, first ? &ignored : fault);
+        first = first ? first : err;
+    }
+    free(line);
+    return prompts ? OK : first;
+}
+
+/* ---- at a terminal ---- */
+
+struct prompt {
+    const struct repl_host *host;
+    struct terminal_facts facts;
+    struct line_editor editor;
+};
+
+/* Adds the rendition, if there is one, and a question whose answer says that it has been drawn.
+ * The one before must have been: else pictures queue up in a slow connection. */
+static void add_picture(struct prompt *p, struct buf *out)
+{
+    struct image_view view;
+    struct line_editor *e = &p->editor;
+    if (!p->host->picture || !p->host->picture(p->host->context, &view))
+        return;
+    if (e->answers_due > 0)
+        probe_await(e->answers_due, BARRIER_MS, &e->input);
+    e->answers_due = 0;
+    const struct term_size size = term_size();
+    size_t before = out->length;
+    probe_resize(&p->facts, &size);
+    show_inline(&p->facts, &view, size.columns, size.rows, out);
+    if (p->facts.answers && p->facts.graphics > GRAPHICS_BLOCKS && out->length > before &&
+        !out->failed) {
+        buf_add_text(out, "\033[c");
+        e->answers_due = 1;
+    }
+}
+
+/* Runs a command and prints all it has to say in one write. */
+static enum err execute(struct prompt *p, const char *line, struct fault *fault)
+{
+    struct buf text = {0}, out = {0};
+    struct fault of_command = {0};
+    bool coloured = p->facts.colours != COLOURS_NONE;
+    enum err err = term_set_mode(TERM_QUIET, fault);
+    if (err)
+        return err;
+    enum err failed = p->host->execute(p->host->context, line, &text, &of_command);
+    err = term_set_mode(TERM_RAW, fault);
+    end_line(&text);
+    if (failed)
+        add_error(&text, failed, &of_command, coloured);
+    add_raw(&out, &text);
+    if (!err)
+        add_picture(p, &out);
+    if (out.failed) {
+        buf_release(&text);
+        buf_release(&out);
+        add_error(&text, fault_memory(&of_command, "the output"), &of_command, coloured);
+        add_raw(&out, &text);
+    }
+    if (!err)
+        err = term_write(buf_text(&out), out.length, fault);
+    buf_release(&text);
+    buf_release(&out);
+    return err;
+}
+
+/* The prompt is there before the session has begun; what there is to say takes its place. */
+static enum err begin(struct prompt *p, struct fault *fault)
+{
+    struct buf text = {0}, out = {0};
+    if (!p->host->begin)
+        return OK;
+    p->host->prompt(p->host->context, &out);
+    enum err err = term_write(buf_text(&out), out.length, fault);
+    if (!err)
+        err = term_set_mode(TERM_QUIET, fault);
+    if (!err)
+        err = p->host->begin(p->host->context, &text, fault);
+    if (!err)
+        err = term_set_mode(TERM_RAW, fault);
+    buf_clear(&out);
+    buf_add_text(&out, "\r\033[K");
+    end_line(&text);
+    add_raw(&out, &text);
+    if (out.failed && !err)
+        err = fault_memory(fault, "the output");
+    term_write(buf_text(&out), out.length, NULL);
+    buf_release(&text);
+    buf_release(&out);
+    return err;
+}
+
+static enum err run_prompt(struct prompt *p, struct fault *fault)
+{
+    struct buf prompt = {0};
+    bool ended = false;
+    enum err err = begin(p, fault);
+    while (!err && !p->host->finished(p->host->context)) {
+        buf_clear(&prompt);
+        p->host->prompt(p->host->context, &prompt);
+        err = line_edit(&p->editor, buf_text(&prompt), &ended, fault);
+        if (err || ended)
+            break;
+        if (!is_blank(buf_text(&p->editor.line.text)))
+            err = execute(p, buf_text(&p->editor.line.text), fault);
+    }
+    if (!err && p->editor.answers_due > 0) /* or the shell gets the answer as input */
+        probe_await(p->editor.answers_due, BARRIER_MS, &p->editor.input);
+    buf_release(&prompt);
+    return err;
+}
+
+static void print_warning(const struct fault *fault)
+{
+    struct buf words = {0};
+    buf_printf(&words, "history: %s\r\n", fault->text);
+    term_write(buf_text(&words), words.length, NULL);
+    buf_release(&words);
+}
+
+static enum err open_terminal(int in, enum graphics wish, struct terminal_facts *facts,
+                              struct buf *typed, const char *begin, const char *end,
+                              struct fault *fault)
+{
+    enum err err = term_open(in, STDOUT_FILENO, fault);
+    if (err)
+        return err;
+    term_set_greetings(begin, end);
+    err = term_set_mode(TERM_RAW, fault);
+    if (!err)
+        err = probe_terminal(wish, facts, typed, fault);
+    if (!err && facts->graphics == GRAPHICS_KITTY)
+        term_set_recovery("\033_Gm=0,q=2;\033\\"); /* ends a transmission cut between chunks */
+    return err;
+}
+
+static enum err run_interactive(const struct repl_host *host, const struct repl_options *options,
+                                struct fault *fault)
+{
+    struct prompt p = {.host = host};
+    struct fault of_history = {0};
+    enum err loaded = OK;
+    line_editor_init(&p.editor, host->complete, host->context);
+    if (options->history_path)
+        loaded = line_history_load(&p.editor.history, options->history_path, &of_history);
+    enum err err = open_terminal(STDIN_FILENO, options->graphics, &p.facts, &p.editor.input,
+                                 "\033[?2004h", "\033[?2004l", fault);
+    if (!err && loaded)
+        print_warning(&of_history);
+    if (!err)
+        err = run_prompt(&p, fault);
+    if (options->history_path && !loaded &&
+        line_history_save(&p.editor.history, options->history_path, &of_history))
+        print_warning(&of_history);
+    term_close();
+    line_editor_release(&p.editor);
+    return err;
+}
+
+enum err repl_run(const struct repl_host *host, const struct repl_options *options,
+                  struct fault *fault)
+{
+    bool terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
+    const char *name = probe_environment_now().term;
+    if (terminal && *name && strcmp(name, "dumb") != 0)
+        return run_interactive(host, options, fault);
+    return run_plain(host, terminal, fault);
+}
+
+/* ---- one picture ---- */
+
+bool show_picture_once(enum graphics wish, const struct image_view *view)
+{
+    struct terminal_facts facts;
+    struct buf out = {0}, typed = {0};
+    bool own = !isatty(STDIN_FILENO), shown = false;
+    if (!isatty(STDOUT_FILENO))
+        return false;
+    int in = own ? open("/dev/tty", O_RDWR | O_CLOEXEC | O_NOCTTY) : STDIN_FILENO;
+    if (in < 0)
+        return false;
+    if (tcgetpgrp(in) == getpgrp() && open_terminal(in, wish, &facts, &typed, "", "", NULL) == OK) {
+        const struct term_size size = term_size();
+        show_inline(&facts, view, size.columns, size.rows, &out);
+        bool barrier = facts.answers && facts.graphics > GRAPHICS_BLOCKS;
+        if (out.length > 0 && barrier)
+            buf_add_text(&out, "\033[c");
+        shown = out.length > 0 && !out.failed && term_write(out.data, out.length, NULL) == OK;
+        if (shown && barrier)
+            probe_await(1, BARRIER_MS, &typed);
+    }
+    term_close();
+    if (own)
+        close(in);
+    buf_release(&out);
+    buf_release(&typed);
+    return shown;
+}

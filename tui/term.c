@@ -1,0 +1,350 @@
+#include "tui/term.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+/* A short text that a signal handler may write: filled before its length is set. */
+struct text {
+    char bytes[64];
+    volatile sig_atomic_t length;
+};
+
+static struct {
+    int in, out;
+    volatile sig_atomic_t open;
+    volatile sig_atomic_t mode; /* enum term_mode */
+    struct termios found;
+    struct text begin, end, recover;
+    volatile sig_atomic_t resized, continued;
+} term;
+
+enum { SIGNALS = 12 };
+static const int taken_signal[SIGNALS] = {SIGTERM, SIGHUP, SIGINT, SIGQUIT, SIGSEGV, SIGABRT,
+                                          SIGBUS,  SIGILL, SIGFPE, SIGTSTP, SIGCONT, SIGWINCH};
+enum { FIRST_CRASH = 4, FIRST_STOP = 9 };
+static struct sigaction former[SIGNALS];
+static bool is_taken[SIGNALS];
+
+/* ---- modes ---- */
+
+static struct termios modes_of(enum term_mode mode)
+{
+    struct termios t = term.found;
+    if (mode == TERM_AS_FOUND)
+        return t;
+    t.c_iflag &= ~(tcflag_t)(BRKINT | ICRNL | INLCR | IGNCR | INPCK | ISTRIP | IXON);
+    t.c_cflag |= CS8;
+    t.c_lflag &= ~(tcflag_t)(ECHO | ICANON | IEXTEN | ISIG);
+    if (mode == TERM_QUIET) {
+        t.c_lflag |= ISIG;
+        t.c_oflag |= OPOST | ONLCR; /* what a command prints itself ends lines with LF alone */
+    } else {
+        t.c_oflag &= ~(tcflag_t)OPOST;
+    }
+    t.c_cc[VMIN] = 1;
+    t.c_cc[VTIME] = 0;
+    return t;
+}
+
+static void set_text(struct text *text, const char *words)
+{
+    size_t length = strlen(words);
+    if (length >= sizeof text->bytes)
+        length = 0;
+    text->length = 0;
+    memcpy(text->bytes, words, length);
+    text->length = (sig_atomic_t)length;
+}
+
+static size_t put(char *place, const struct text *text)
+{
+    memcpy(place, text->bytes, (size_t)text->length);
+    return (size_t)text->length;
+}
+
+/* For signal handlers: gives the terminal back, with one write. `for_good` also shows the cursor
+ * and begins a line, since who comes next knows nothing of our prompt. */
+static void give_back(bool for_good)
+{
+    char words[256] = "\033\\";
+    size_t length = 2;
+    if (!term.open || term.mode == TERM_AS_FOUND)
+        return;
+    length += put(words + length, &term.recover);
+    length += put(words + length, &term.end);
+    if (for_good) {
+        memcpy(words + length, "\033[m\033[?25h\r\n", 11);
+        length += 11;
+    }
+    ssize_t ignored = write(term.out, words, length);
+    (void)ignored; /* nobody is left to tell */
+    tcsetattr(term.in, TCSANOW, &term.found);
+}
+
+void term_set_greetings(const char *begin, const char *end)
+{
+    set_text(&term.begin, begin);
+    set_text(&term.end, end);
+}
+
+void term_set_recovery(const char *recover)
+{
+    set_text(&term.recover, recover);
+}
+
+enum err term_set_mode(enum term_mode mode, struct fault *fault)
+{
+    enum term_mode before = (enum term_mode)term.mode;
+    const struct text *words = mode == TERM_AS_FOUND ? &term.end : &term.begin;
+    struct termios modes = modes_of(mode);
+    if (mode == before)
+        return OK;
+    term.mode = (sig_atomic_t)mode; /* first, so that a signal from here on restores */
+    while (tcsetattr(term.in, TCSADRAIN, &modes) != 0) {
+        if (errno == EINTR)
+            continue;
+        term.mode = (sig_atomic_t)before;
+        return fault_errno(fault, "set the modes of", "the terminal");
+    }
+    if (mode == TERM_AS_FOUND || before == TERM_AS_FOUND)
+        return term_write(words->bytes, (size_t)words->length, fault);
+    return OK;
+}
+
+/* ---- signals ---- */
+
+static size_t signal_place(int number)
+{
+    size_t i = 0;
+    while (taken_signal[i] != number)
+        i++;
+    return i;
+}
+
+/* Gives the terminal back and lets the signal take its usual course: it is blocked while this
+ * runs, so the raise takes effect on return. */
+static void on_end(int number)
+{
+    int kept = errno;
+    give_back(true);
+    term.mode = TERM_AS_FOUND;
+    sigaction(number, &former[signal_place(number)], NULL);
+    raise(number);
+    errno = kept;
+}
+
+static void on_stop(int number)
+{
+    int kept = errno;
+    struct sigaction usual = {.sa_handler = SIG_DFL}, ours;
+    sigset_t this_one;
+    give_back(false);
+    sigaction(number, &usual, &ours);
+    sigemptyset(&this_one);
+    sigaddset(&this_one, number);
+    raise(number);
+    sigprocmask(SIG_UNBLOCK, &this_one, NULL); /* stops here, until SIGCONT */
+    sigaction(number, &ours, NULL);
+    errno = kept;
+}
+
+/* From the background, tcsetattr stops the process again until it comes to the foreground. */
+static void on_continue(int number)
+{
+    int kept = errno;
+    (void)number;
+    if (term.open && term.mode != TERM_AS_FOUND) {
+        struct termios modes = modes_of((enum term_mode)term.mode);
+        while (tcsetattr(term.in, TCSADRAIN, &modes) != 0 && errno == EINTR)
+            ;
+        ssize_t ignored = write(term.out, term.begin.bytes, (size_t)term.begin.length);
+        (void)ignored;
+    }
+    term.continued = 1;
+    term.resized = 1;
+    errno = kept;
+}
+
+static void on_resize(int number)
+{
+    (void)number;
+    term.resized = 1;
+}
+
+static void take_signals(void)
+{
+    for (size_t i = 0; i < SIGNALS; i++) {
+        struct sigaction action = {.sa_flags = SA_ONSTACK | SA_RESTART};
+        int number = taken_signal[i];
+        bool crash = i >= FIRST_CRASH && i < FIRST_STOP;
+        sigaction(number, NULL, &former[i]);
+        is_taken[i] =
+            crash || (!(former[i].sa_flags & SA_SIGINFO) && former[i].sa_handler == SIG_DFL);
+        if (!is_taken[i])
+            continue;
+        sigemptyset(&action.sa_mask);
+        if (i < FIRST_STOP)
+            sigaddset(&action.sa_mask, SIGTTOU); /* so that restoring never stops us */
+        action.sa_handler = i < FIRST_STOP      ? on_end
+                            : number == SIGTSTP ? on_stop
+                            : number == SIGCONT ? on_continue
+                                                : on_resize;
+        sigaction(number, &action, NULL);
+    }
+}
+
+static void give_signals_back(void)
+{
+    for (size_t i = 0; i < SIGNALS; i++)
+        if (is_taken[i])
+            sigaction(taken_signal[i], &former[i], NULL);
+}
+
+/* Handlers need a stack of their own where ours has overflowed. */
+static void take_stack(void)
+{
+    static char stack[65536];
+    stack_t now, own = {.ss_sp = stack, .ss_size = sizeof stack};
+    if (sigaltstack(NULL, &now) == 0 && (now.ss_flags & SS_DISABLE))
+        sigaltstack(&own, NULL);
+}
+
+/* ---- open, close ---- */
+
+static void at_exit(void)
+{
+    if (term.open)
+        give_back(true);
+    term.open = 0;
+}
+
+enum err term_open(int in, int out, struct fault *fault)
+{
+    static bool registered;
+    if (!isatty(in) || !isatty(out) || tcgetattr(in, &term.found) != 0)
+        return fault_set(fault, ERR_IO, "this needs a terminal for both input and output");
+    if (!registered && atexit(at_exit) != 0)
+        return fault_memory(fault, "restoring the terminal");
+    registered = true;
+    term.in = in;
+    term.out = out;
+    term.mode = TERM_AS_FOUND;
+    term.resized = term.continued = 0;
+    set_text(&term.begin, "");
+    set_text(&term.end, "");
+    set_text(&term.recover, "");
+    take_stack();
+    take_signals();
+    term.open = 1;
+    return OK;
+}
+
+void term_close(void)
+{
+    if (!term.open)
+        return;
+    term_set_mode(TERM_AS_FOUND, NULL);
+    term.open = 0;
+    give_signals_back();
+}
+
+/* ---- size, input, output ---- */
+
+struct term_size term_size(void)
+{
+    struct winsize w = {0};
+    struct term_size size = {.columns = 80, .rows = 24};
+    if (ioctl(term.out, TIOCGWINSZ, &w) != 0 || w.ws_col == 0 || w.ws_row == 0)
+        return size;
+    return (struct term_size){w.ws_col, w.ws_row, w.ws_xpixel, w.ws_ypixel};
+}
+
+enum err term_write_to(int fd, const void *bytes, size_t length, struct fault *fault)
+{
+    const char *at = bytes;
+    while (length > 0) {
+        ssize_t n = write(fd, at, length);
+        if (n < 0 && errno == EAGAIN) {
+            struct pollfd ready = {.fd = fd, .events = POLLOUT};
+            poll(&ready, 1, -1);
+        } else if (n < 0 && errno != EINTR) {
+            return fault_errno(fault, "write to", "the terminal");
+        } else if (n > 0) {
+            at += n;
+            length -= (size_t)n;
+        }
+    }
+    return OK;
+}
+
+enum err term_write(const void *bytes, size_t length, struct fault *fault)
+{
+    return term_write_to(term.out, bytes, length, fault);
+}
+
+/* Waits with the signals that set a flag let in only while waiting: none comes between the look at
+ * the flags and the wait. */
+static int wait_for_input(int timeout_ms)
+{
+    struct pollfd ready = {.fd = term.in, .events = POLLIN};
+    struct timespec limit = {timeout_ms / 1000, timeout_ms % 1000 * 1000000L};
+    sigset_t flags, before;
+    sigemptyset(&flags);
+    sigaddset(&flags, SIGWINCH);
+    sigaddset(&flags, SIGCONT);
+    sigprocmask(SIG_BLOCK, &flags, &before);
+    int n = -1;
+    errno = EINTR;
+    if (!term.resized && !term.continued)
+        n = ppoll(&ready, 1, timeout_ms < 0 ? NULL : &limit, &before);
+    int kept = errno;
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    errno = kept;
+    return n;
+}
+
+enum term_input term_read(struct buf *out, int timeout_ms)
+{
+    int ready = wait_for_input(timeout_ms);
+    if (ready == 0)
+        return TERM_TIMEOUT;
+    if (ready < 0)
+        return errno == EINTR ? TERM_SIGNAL : TERM_CLOSED;
+    char *place = buf_reserve(out, 65536);
+    if (!place)
+        return TERM_CLOSED;
+    ssize_t n = read(term.in, place, 65536);
+    if (n > 0) {
+        out->length += (size_t)n;
+        place[n] = '\0';
+        return TERM_BYTES;
+    }
+    if (n < 0 && (errno == EINTR || errno == EAGAIN))
+        return TERM_SIGNAL;
+    return TERM_CLOSED;
+}
+
+bool term_was_resized(void)
+{
+    bool was = term.resized;
+    term.resized = 0;
+    return was;
+}
+
+bool term_was_continued(void)
+{
+    bool was = term.continued;
+    term.continued = 0;
+    return was;
+}
+
+void term_suspend(void)
+{
+    kill(0, SIGTSTP);
+}

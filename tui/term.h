@@ -1,0 +1,66 @@
+/*
+ * The terminal of this process: its modes, its size, reading and writing.
+ *
+ * There is one, because signals and exits belong to the process, so there is no object to pass.
+ * Whatever way the process ends, short of SIGKILL, the terminal is as it was found:
+ *
+ *   T1 modes are saved before they are first changed;
+ *   T2 they come back at term_close, exit(), SIGTERM, SIGHUP, SIGINT, SIGQUIT and a crash (SIGSEGV,
+ *      SIGABRT, SIGBUS, SIGILL, SIGFPE), after which the signal takes its usual course;
+ *   T3 they come back while the process is stopped (SIGTSTP), and ours when it goes on (SIGCONT);
+ *   T4 a signal that the program handles or ignores itself is left alone, crashes apart;
+ *   T5 what a handler writes is one write that begins with ESC \, which ends a picture cut in two.
+ */
+#ifndef TUI_TERM_H
+#define TUI_TERM_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/buf.h"
+#include "base/err.h"
+
+enum term_mode {
+    TERM_AS_FOUND,
+    TERM_QUIET, /* a command runs: no echo, what is typed waits, Ctrl-C and Ctrl-Z are signals */
+    TERM_RAW    /* every key is a byte for us, every byte of ours as it is */
+};
+
+struct term_size {
+    unsigned columns, rows;       /* at least 1 each; 80x24 where the terminal does not say */
+    unsigned width_px, height_px; /* 0 where it does not say */
+};
+
+/* Takes the terminal that `in` reads and `out` writes (not closed by us). Refused with ERR_IO when
+ * one of them is none. */
+enum err term_open(int in, int out, struct fault *fault);
+void term_close(void);
+
+/* What is written when our modes begin and when they end (bracketed paste on and off, say). At most
+ * 63 bytes each; needed before the first term_set_mode. `recover` goes after the ESC \ of T5. */
+void term_set_greetings(const char *begin, const char *end);
+void term_set_recovery(const char *recover);
+
+enum err term_set_mode(enum term_mode mode, struct fault *fault);
+
+/* The size as of now. */
+struct term_size term_size(void);
+
+/* Writes everything, through interruptions and short writes; a frame is one call. */
+enum err term_write(const void *bytes, size_t length, struct fault *fault);
+
+/* The same to any descriptor. */
+enum err term_write_to(int fd, const void *bytes, size_t length, struct fault *fault);
+
+/* Waits for input, at most `timeout_ms` (-1: for ever), and adds what is there to `out`. */
+enum term_input { TERM_BYTES, TERM_TIMEOUT, TERM_SIGNAL, TERM_CLOSED };
+enum term_input term_read(struct buf *out, int timeout_ms);
+
+/* True once after the window changed size; true once after the process was stopped and went on. */
+bool term_was_resized(void);
+bool term_was_continued(void);
+
+/* Stops the process group as Ctrl-Z does; returns when it goes on. */
+void term_suspend(void);
+
+#endif
