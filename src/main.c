@@ -26,6 +26,7 @@ static const char usage[] =
     "    iftty replay JOURNAL           carry a journal out again, compare every result\n"
     "    iftty verify JOURNAL...        the same quietly, and compare golden images; TAP\n"
     "    iftty log JOURNAL              print a journal; --script its commands, --check its chain\n"
+    "    iftty show PICTURE             show a picture file inline, if the terminal can\n"
     "    iftty bench [brain]            measure; --json for programs\n"
     "    iftty help [COMMAND]           the commands of prompt, script and journal\n"
     "\n"
@@ -89,24 +90,6 @@ static int finish(enum err err, const struct fault *fault)
 
 /* ---- options ---- */
 
-static bool read_graphics(const char *word, enum graphics *graphics)
-{
-    static const struct {
-        const char *name;
-        enum graphics graphics;
-    } choice[] = {{"auto", GRAPHICS_AUTO},
-                  {"kitty", GRAPHICS_KITTY},
-                  {"sixel", GRAPHICS_SIXEL},
-                  {"blocks", GRAPHICS_BLOCKS},
-                  {"none", GRAPHICS_NONE}};
-    for (size_t i = 0; i < sizeof choice / sizeof choice[0]; i++)
-        if (strcmp(word, choice[i].name) == 0) {
-            *graphics = choice[i].graphics;
-            return true;
-        }
-    return false;
-}
-
 /* Options may stand anywhere; "--" ends them. */
 static enum err read_options(struct options *o, int count, char **word, struct fault *fault)
 {
@@ -146,7 +129,7 @@ static enum err read_options(struct options *o, int count, char **word, struct f
         else if (!over)
             return fault_set(fault, ERR_USAGE, "unknown option %s; see iftty --help", word[i]);
     }
-    if (!read_graphics(graphics, &o->graphics))
+    if (!graphics_from_name(graphics, &o->graphics))
         return fault_set(fault, ERR_USAGE,
                          "--graphics: expected auto, kitty, sixel, blocks or none, not %s",
                          graphics);
@@ -285,6 +268,29 @@ static enum err program_log(const struct options *o, struct fault *fault)
     return err;
 }
 
+/* Fine, and silent, where standard output is no terminal. */
+static enum err program_show(const struct options *o, struct fault *fault)
+{
+    struct buf program = {0};
+    struct image_helper *helper = NULL;
+    struct picture picture = {0};
+    enum err err = need_files(o, 1, 1, fault);
+    if (!err)
+        err = image_helper_default_program(&program, fault);
+    if (!err)
+        err = image_helper_new(&helper, buf_text(&program), fault);
+    if (!err)
+        err = image_helper_read(helper, o->word[1], &picture, fault);
+    if (!err) {
+        struct image_view view = {picture.width, picture.height, picture.rgba};
+        show_picture_once(o->graphics, &view);
+    }
+    picture_release(&picture);
+    image_helper_free(helper);
+    buf_release(&program);
+    return err;
+}
+
 static enum err program_bench(const struct options *o, struct fault *fault)
 {
     if (o->words > 1 && strcmp(o->word[1], "brain") != 0)
@@ -307,6 +313,23 @@ static enum err program_help(const struct options *o, struct fault *fault)
 
 /* ---- the prompt ---- */
 
+/* Ctrl-C while a command runs: the command is taken back, and the session goes on. */
+static volatile sig_atomic_t interrupted;
+
+static void interrupt(int number)
+{
+    (void)number;
+    interrupted = 1;
+}
+
+static bool was_interrupted(void *context, uint64_t served)
+{
+    (void)context, (void)served;
+    return interrupted;
+}
+
+static const struct forest_watch watch = {was_interrupted, NULL};
+
 struct prompt {
     struct desk desk;
     struct reply reply;
@@ -326,6 +349,7 @@ static enum err prompt_execute(void *context, const char *line, struct buf *outp
                                struct fault *fault)
 {
     struct prompt *prompt = context;
+    interrupted = 0;
     enum err err = desk_execute(&prompt->desk, line, &prompt->reply, fault);
     if (!err)
         buf_add_text(output, buf_text(&prompt->reply.text));
@@ -424,6 +448,8 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
                                    .picture = prompt_picture,
                                    .finished = prompt_finished};
     const struct repl_options how = {o->graphics, NULL};
+    signal(SIGINT, interrupt);
+    prompt.desk.session.watch = &watch;
     if (!err)
         err = repl_run(&host, &how, fault);
     if (prompt.desk.journal && isatty(STDOUT_FILENO)) {
@@ -446,7 +472,8 @@ int main(int count, char **word)
         enum err (*run)(const struct options *o, struct fault *fault);
     } program[] = {{"run", program_run},       {"replay", program_replay},
                    {"verify", program_verify}, {"log", program_log},
-                   {"bench", program_bench},   {"help", program_help}};
+                   {"show", program_show},     {"bench", program_bench},
+                   {"help", program_help}};
     struct options options;
     struct fault fault = {0};
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error that a write returns */

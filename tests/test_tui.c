@@ -189,10 +189,7 @@ static bool png_pixels(const struct png *png)
                            (uLong)png->packed.length) == Z_OK &&
                 length == row * png->height;
     for (uint32_t y = 0; fine && y < png->height; y++, line += row) {
-        if (line[0] > 2 || line[0] == 1)
-            fine = false;
-        for (size_t i = 1; i < row && line[0] == 2; i++)
-            line[i] = (uint8_t)(line[i] + (y > 0 ? line[i - row] : 0));
+        fine = line[0] == 0;
         for (uint32_t x = 0; x < png->width; x++) {
             const uint8_t *c = png->indexed ? png->palette + 3 * line[1 + x] : line + 1 + 3 * x;
             decoded[(size_t)y * png->width + x] = (uint32_t)c[0] << 16 | (uint32_t)c[1] << 8 | c[2];
@@ -1151,7 +1148,7 @@ static void screen_play(struct screen *s, const char *bytes)
             else if (*bytes == 'C')
                 s->column = s->column + n < SCREEN_COLUMNS ? s->column + n : SCREEN_COLUMNS - 1;
             else
-                CHECK(!"a sequence the screen does not know");
+                CHECK_INT(*bytes, 0); /* a sequence that this screen does not know */
             s->wrap = false;
             bytes++;
         } else {

@@ -82,7 +82,7 @@ static bool host_finished(void *context)
     return host->finished;
 }
 
-static int run_host(const struct repl_options *options)
+static int run_host(const struct repl_options *options, bool once)
 {
     struct host state = {0};
     struct repl_host host = {.context = &state,
@@ -94,7 +94,9 @@ static int run_host(const struct repl_options *options)
     struct fault fault;
     for (size_t i = 0; i < sizeof rendition; i++)
         rendition[i] = (uint8_t)(i % 4 == 3 ? 255 : 40 * (i / 600));
-    return repl_run(&host, options, &fault);
+    if (once)
+        return show_picture_once(options->graphics, &(struct image_view){64, 40, rendition});
+    return (int)repl_run(&host, options, &fault);
 }
 
 /* ---- the terminal ---- */
@@ -112,7 +114,7 @@ struct terminal {
 
 struct setting {
     const char *term, *da1, *name, *no_color;
-    bool kitty;
+    bool kitty, once;
     struct repl_options options;
 };
 
@@ -140,7 +142,7 @@ static void run_shell(int slave, int report, int order, const struct setting *se
         unsetenv("NO_COLOR");
         if (setting->no_color)
             setenv("NO_COLOR", setting->no_color, 1);
-        exit(run_host(&setting->options));
+        exit(run_host(&setting->options, setting->once));
     }
     setpgid(job, job);
     bool alive = write(report, &job, sizeof job) == sizeof job;
@@ -343,9 +345,11 @@ STORY(a_sixel_terminal_gets_sixels_and_each_is_waited_for)
     SEE(&t, "\r\n\n\033[2A\0337\033P0;1q\"1;1;64;40");
     SEE(&t, "\033\\\0338\033[2B\r\033[c");
     SEE(&t, "ch2> ");
+    uint64_t begin = clock_ns();
     type(&t, "picture\rquit\r");
     SEE(&t, "\033P0;1q");
     CHECK_INT(report_of(&t), 0);
+    CHECK(clock_ns() - begin < UINT64_C(1500000000)); /* no answer is waited for twice */
     CHECK(modes_are_as_found(&t));
     end(&t);
 }
@@ -613,6 +617,26 @@ STORY(exit_inside_a_command_restores_the_terminal)
     check_end("exit\r", 0, false);
 }
 
+STORY(one_picture_is_shown_without_a_prompt)
+{
+    struct terminal t;
+    struct setting setting = vt340;
+    setting.once = true;
+    start(&t, &setting);
+    SEE(&t, "\r\n\n\033[2A\0337\033P0;1q\"1;1;64;40");
+    SEE(&t, "\0338\033[2B\r\033[c");
+    int status = report_of(&t);
+    CHECK(WIFEXITED(status) && WEXITSTATUS(status) == true);
+    CHECK(modes_are_as_found(&t));
+    CHECK(strstr(t.seen.data, "2004") == NULL);
+    end(&t);
+    setting.term = "dumb";
+    start(&t, &setting);
+    CHECK_INT(report_of(&t), 0);
+    CHECK_INT(t.seen.length, 0);
+    end(&t);
+}
+
 STORY(a_dumb_terminal_gets_a_prompt_and_no_escapes)
 {
     struct terminal t;
@@ -642,7 +666,7 @@ STORY(plain_input_is_read_line_by_line_without_escapes)
         dup2(out[1], 2);
         close(in[1]);
         close(out[0]);
-        exit(run_host(&options));
+        exit(run_host(&options, false));
     }
     close(in[0]);
     close(out[1]);
@@ -677,6 +701,7 @@ int main(void)
         TELL(sigterm_and_sighup_at_the_prompt_restore_the_terminal),
         TELL(signals_while_a_command_runs_restore_the_terminal), TELL(crashes_restore_the_terminal),
         TELL(exit_inside_a_command_restores_the_terminal),
+        TELL(one_picture_is_shown_without_a_prompt),
         TELL(a_dumb_terminal_gets_a_prompt_and_no_escapes),
         TELL(plain_input_is_read_line_by_line_without_escapes));
 }

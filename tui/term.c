@@ -274,7 +274,7 @@ enum err term_write_to(int fd, const void *bytes, size_t length, struct fault *f
             struct pollfd ready = {.fd = fd, .events = POLLOUT};
             poll(&ready, 1, -1);
         } else if (n < 0 && errno != EINTR) {
-            return fault_errno(fault, "write to", "the terminal");
+            return fault_errno(fault, "write", "the output");
         } else if (n > 0) {
             at += n;
             length -= (size_t)n;

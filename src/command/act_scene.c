@@ -1,8 +1,10 @@
 /* Commands that open a scene and change its forest. */
 #include "command/act.h"
 
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "base/safe.h"
 
 ACT(open)
@@ -87,41 +89,54 @@ ACT(label)
     return OK;
 }
 
-/* All voxels of the scene within `radius` of a place, centre first. */
-static enum err plant_ball(struct session *session, const uint32_t place[3], int64_t radius,
-                           uint8_t label, struct fault *fault)
+/* The voxels of the scene within `radius` of a place, plane by plane. NULL when out of memory. */
+static uint32_t *ball(const struct grid *grid, const uint32_t place[3], int64_t radius,
+                      size_t *count)
 {
-    const struct grid *grid = &session->scene->grid;
-    enum err err = OK;
-    for (int64_t z = -radius; z <= radius; z++)
+    size_t side = (size_t)(2 * radius + 1);
+    uint32_t *cell = mem_array(side * side * side, sizeof *cell);
+    *count = 0;
+    for (int64_t z = -radius; cell && z <= radius; z++)
         for (int64_t y = -radius; y <= radius; y++)
             for (int64_t x = -radius; x <= radius; x++) {
                 int64_t at[3] = {place[0] + x, place[1] + y, place[2] + z};
-                if (x * x + y * y + z * z > radius * radius ||
-                    !grid_contains(grid, at[0], at[1], at[2]))
-                    continue;
-                uint32_t cell =
-                    grid_cell(grid, (uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]);
-                err = session_plant(session, cell, label, fault);
-                if (err)
-                    return err;
+                if (x * x + y * y + z * z <= radius * radius &&
+                    grid_contains(grid, at[0], at[1], at[2]))
+                    cell[(*count)++] =
+                        grid_cell(grid, (uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]);
             }
-    return OK;
+    return cell;
 }
 
 ACT(seed)
 {
+    struct session *session = &desk->session;
+    size_t count;
+    uint32_t *cell = ball(&session->scene->grid, value[0].place, value[2].number, &count);
+    enum err err = cell ? OK : fault_memory(fault, "a ball of seeds");
     (void)reply;
-    return plant_ball(&desk->session, value[0].place, value[2].given ? value[2].number : 0,
-                      (uint8_t)value[1].number, fault);
+    for (size_t i = 0; !err && i < count; i++)
+        err = session_plant(session, cell[i], (uint8_t)value[1].number, fault);
+    free(cell);
+    return err;
 }
 
+/* Of a ball, voxels that no tree holds are passed over, unless that is all of them. */
 ACT(remove)
 {
-    const uint32_t *p = value[0].place;
+    struct session *session = &desk->session;
+    size_t count, found = 0;
+    uint32_t *cell = ball(&session->scene->grid, value[0].place, value[1].number, &count);
+    enum err err = cell ? OK : fault_memory(fault, "a ball of eliminators");
     (void)reply;
-    return session_eliminate(&desk->session,
-                             grid_cell(&desk->session.scene->grid, p[0], p[1], p[2]), fault);
+    for (size_t i = 0; !err && i < count; i++) {
+        err = session_eliminate(session, cell[i], fault);
+        found += err == OK;
+        if (err == ERR_INPUT && (found || i + 1 < count))
+            err = OK;
+    }
+    free(cell);
+    return err;
 }
 
 ACT(run)

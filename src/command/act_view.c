@@ -98,6 +98,16 @@ static enum file_mode mode_of(const struct value *replace)
     return replace->given && replace->number == 0 ? FILE_REPLACE : FILE_KEEP;
 }
 
+/* What `render` and `save` did, once the file is there. */
+static void tell_written(struct desk *desk, const char *path, bool was_there, struct reply *reply)
+{
+    if (!was_there)
+        desk_note_created(desk, path);
+    buf_add_text(&reply->text, "wrote ");
+    buf_add_safe(&reply->text, path, strlen(path));
+    buf_add_char(&reply->text, '\n');
+}
+
 ACT(render)
 {
     static const enum render_mode mode[] = {RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL,
@@ -115,14 +125,12 @@ ACT(render)
     }
     err = desk_output_path(desk, value[0].text, &path, fault);
     if (!err && path.length) {
+        const bool was_there = file_exists(buf_text(&path));
         err = take_picture(desk, &picture, fault);
         if (!err)
             err = image_write(desk->helper, buf_text(&path), mode_of(&value[2]), &picture, fault);
-        if (!err) {
-            buf_add_text(&reply->text, "wrote ");
-            buf_add_safe(&reply->text, buf_text(&path), path.length);
-            buf_add_char(&reply->text, '\n');
-        }
+        if (!err)
+            tell_written(desk, buf_text(&path), was_there, reply);
     }
     picture_release(&picture);
     buf_release(&path);
@@ -187,6 +195,7 @@ static enum err write_golden(struct desk *desk, const char *name, const char *pa
                              const struct picture *picture, struct fault *fault)
 {
     struct buf other = {0};
+    bool was_there;
     enum err err = golden_folder(&other, buf_text(&desk->home), fault);
     if (!err)
         err = file_make_folder(buf_text(&other), fault);
@@ -196,9 +205,14 @@ static enum err write_golden(struct desk *desk, const char *name, const char *pa
             fault_prefix(fault, err, "it exists already and was left alone");
     } else if (!err) {
         buf_printf(&other, "/%s.png", name);
+        was_there = file_exists(buf_text(&other));
         err = image_write(desk->helper, buf_text(&other), FILE_REPLACE, picture, fault);
+        if (!err && !was_there)
+            desk_note_created(desk, buf_text(&other));
         if (!err)
             err = exr_write(path, FILE_KEEP, picture, fault);
+        if (!err)
+            desk_note_created(desk, path);
     }
     buf_release(&other);
     return err;
@@ -224,7 +238,7 @@ ACT(golden)
         return OK;
     err = golden_path(&path, buf_text(&desk->home), name, fault);
     if (!err)
-        err = export_picture(&picture, &desk->session, fault);
+        err = take_picture(desk, &picture, fault);
     if (!err && desk->replays)
         err = compare_golden(desk, name, buf_text(&path), &picture, fault);
     else if (!err)
@@ -244,13 +258,11 @@ ACT(save)
     if (!err)
         err = desk_output_path(desk, value[1].text, &path, fault);
     if (!err && path.length) {
+        const bool was_there = file_exists(buf_text(&path));
         err = export_map(&desk->session, map[value[0].number], buf_text(&path),
                          mode_of(&value[2]), fault);
-        if (!err) {
-            buf_add_text(&reply->text, "wrote ");
-            buf_add_safe(&reply->text, buf_text(&path), path.length);
-            buf_add_char(&reply->text, '\n');
-        }
+        if (!err)
+            tell_written(desk, buf_text(&path), was_there, reply);
     }
     buf_release(&path);
     return err;

@@ -30,6 +30,7 @@ enum parameter_type {
     PARAMETER_ZOOM,     /* "fit" or thousandths */
     PARAMETER_COLOUR,   /* #rrggbb */
     PARAMETER_FILE,     /* a path */
+    PARAMETER_COMMAND,  /* the name of a command */
     PARAMETER_WORD,     /* any word */
 };
 

@@ -28,6 +28,7 @@ void desk_release(struct desk *desk)
     image_helper_free(desk->helper);
     session_release(&desk->session);
     buf_release(&desk->home);
+    buf_release(&desk->created);
     *desk = (struct desk){0};
 }
 
@@ -75,6 +76,19 @@ static enum err act(struct desk *desk, const struct call *call, struct reply *re
     return err;
 }
 
+/* The files that a command made go when it is taken back. */
+static void discard_created(const struct desk *desk)
+{
+    const char *at = buf_text(&desk->created), *end = at + desk->created.length;
+    for (; at < end; at += strlen(at) + 1)
+        file_discard(at);
+}
+
+void desk_note_created(struct desk *desk, const char *path)
+{
+    buf_add(&desk->created, path, strlen(path) + 1);
+}
+
 enum err desk_execute(struct desk *desk, const char *line, struct reply *reply,
                       struct fault *fault)
 {
@@ -82,6 +96,7 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply,
     buf_clear(&reply->text);
     buf_clear(&reply->words);
     buf_clear(&reply->canonical);
+    buf_clear(&desk->created);
     desk->shows_picture = false;
     enum err err = command_parse(&call, line, &desk->session, fault);
     if (err || !call.command)
@@ -102,6 +117,7 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply,
     }
     if (err) {
         session_rollback(&desk->session);
+        discard_created(desk);
         desk->shows_picture = desk->finished = false;
     } else {
         desk->acknowledged++;
@@ -166,10 +182,10 @@ enum err desk_resume_journal(struct desk *desk, const char *path, struct buf *to
     struct journal_resume how = {
         .semantics = SEMANTICS, .on_record = resume_record, .context = &resume};
     enum err err = set_home(desk, path, fault);
-    desk->replays = true;
+    desk->replays = desk->resumes = true;
     if (!err)
         err = journal_open(&desk->journal, path, &how, told, fault);
-    desk->replays = false;
+    desk->replays = desk->resumes = false;
     desk->finished = desk->shows_picture = false;
     desk->acknowledged = err ? 0 : journal_count(desk->journal);
     replay_report_release(&resume.report);
@@ -236,6 +252,8 @@ enum err desk_output_path(const struct desk *desk, const char *name, struct buf 
                           struct fault *fault)
 {
     buf_clear(path);
+    if (desk->resumes)
+        return OK; /* it was written when the command was new */
     if (desk->out_folder)
         buf_printf(path, "%s/%s", desk->out_folder, file_name(name));
     else if (!desk->replays)

@@ -24,7 +24,9 @@ struct desk {
     const char *out_folder;    /* files go there, under their last name; NULL: where they say */
     bool replays;              /* files are written only with an out_folder */
     bool compares_goldens;     /* `golden` compares with the file instead of writing it */
+    bool resumes;              /* replays the user's own journal: nothing is written */
 
+    struct buf created; /* paths that the command at hand made, each ended by NUL */
     size_t acknowledged;
     bool finished;     /* `quit` */
     bool shows_picture; /* the last command made a rendition to be shown inline */
@@ -57,5 +59,9 @@ enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *
 /* Where a file that a command names is to be written; an empty path where it is not. */
 enum err desk_output_path(const struct desk *desk, const char *name, struct buf *path,
                           struct fault *fault);
+
+/* Notes that the command at hand made a file that was not there: if the command cannot be recorded,
+ * the file goes with it. */
+void desk_note_created(struct desk *desk, const char *path);
 
 #endif

@@ -17,14 +17,15 @@ static void say(const struct teller *teller, struct buf *text)
 
 /* ---- scripts ---- */
 
-/* One line without its line feed; false at the end. A line too long comes in pieces that no
- * command matches. */
+/* One line without its line feed; false at the end. A line too long is cut, and still too long for
+ * any command. */
 static bool read_line(FILE *input, struct buf *line)
 {
     int c;
     buf_clear(line);
-    while ((c = getc(input)) != EOF && c != '\n' && line->length < LINE_BYTES_MOST)
-        buf_add_char(line, (char)(c ? c : 1)); /* a zero byte would hide the rest of the line */
+    while ((c = getc(input)) != EOF && c != '\n')
+        if (line->length < LINE_BYTES_MOST)
+            buf_add_char(line, (char)(c ? c : 1)); /* a zero byte would hide what follows it */
     if (line->length && line->data[line->length - 1] == '\r')
         line->data[--line->length] = '\0';
     return c != EOF || line->length > 0;
@@ -58,6 +59,15 @@ static void complain(const struct teller *teller, const char *name, size_t line,
     buf_release(&text);
 }
 
+/* A script's comments and blank lines go into the journal with the command that follows. */
+static void keep_comment(struct desk *desk, const char *line)
+{
+    static const char header[] = "# iftty journal ";
+    bool is_comment = *line == '#' || *line == '\0';
+    if (desk->journal && is_comment && strncmp(line, header, sizeof header - 1) != 0)
+        journal_comment(desk->journal, line, NULL);
+}
+
 enum err drive_script(struct desk *desk, FILE *input, const char *name, bool keep_going,
                       const struct teller *teller, struct fault *fault)
 {
@@ -67,6 +77,7 @@ enum err drive_script(struct desk *desk, FILE *input, const char *name, bool kee
     for (size_t number = 1; !desk->finished && read_line(input, &line); number++) {
         if (*buf_text(&line) == '=')
             continue;
+        keep_comment(desk, buf_text(&line));
         enum err err = desk_execute(desk, buf_text(&line), &reply, fault);
         if (err) {
             complain(teller, name, number, fault);

@@ -100,6 +100,9 @@ static void offer_values(struct buf *out, const struct parameter *p, const char 
         offer_choices(out, "front|back|left|right|top|bottom", typed, length);
     else if (p->type == PARAMETER_ZOOM)
         offer_choices(out, "fit", typed, length);
+    else if (p->type == PARAMETER_COMMAND)
+        for (unsigned i = 0; i < command_count; i++)
+            offer(out, command_table[i].name, strlen(command_table[i].name), typed, length);
     else if (p->type == PARAMETER_LABEL)
         for (int label = 0; label < 256; label++) {
             const char *name = session->settings.label_name[label];
@@ -132,9 +135,6 @@ void command_complete(struct buf *out, size_t *word_start, const char *line, siz
     }
     if (!command)
         return;
-    if (strcmp(command->name, "help") == 0)
-        for (unsigned i = 0; words == 1 && i < command_count; i++)
-            offer(out, command_table[i].name, strlen(command_table[i].name), typed, length);
     size_t place = 1;
     for (int i = 0; i < PARAMETERS_MOST && command->parameter[i].type; i++) {
         const struct parameter *p = &command->parameter[i];

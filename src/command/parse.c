@@ -190,6 +190,11 @@ static enum err read_value(struct value *value, const struct parameter *p, const
             return expect(fault, p, word, "#rrggbb, six lower-case hexadecimal digits");
         value->number = (int64_t)colour;
         return OK;
+    case PARAMETER_COMMAND:
+        value->text = word;
+        return command_find(word) ? OK
+                                  : fault_set(fault, ERR_USAGE,
+                                              "there is no command %s; `help` lists them", word);
     case PARAMETER_FILE:
     case PARAMETER_WORD:
     case PARAMETER_END:
@@ -334,6 +339,7 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
         /* fall through */
     case PARAMETER_CHOICE:
     case PARAMETER_FILE:
+    case PARAMETER_COMMAND:
     case PARAMETER_WORD:
     case PARAMETER_END:
         write_word(out, value->text);

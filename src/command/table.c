@@ -38,9 +38,10 @@ const struct command command_table[] = {
       KEYED("radius", NUMBER, 0, 32)},
      "plant a seed, or a ball of seeds", "    A voxel that has a seed gets the new label.\n",
      "seed 100,100,50 1 radius=2", act_seed},
-    {"remove", R | S | E, {NEED("PLACE", POSITION, 0, 0)},
+    {"remove", R | S | E, {NEED("PLACE", POSITION, 0, 0), KEYED("radius", NUMBER, 0, 32)},
      "eliminator: take away the seed whose tree holds this voxel",
-     "    The tree falls to the seeds around it. Which tree that is, is that of the last run.\n",
+     "    The tree falls to the seeds around it. Which tree that is, is that of the last run.\n"
+     "    With a radius: the seeds of all trees that reach into the ball.\n",
      "remove 100,100,50", act_remove},
     {"run", R | S | E, {{0}}, "apply the edits that wait, as one", NULL, "run", act_run},
     {"auto", R, {ONE_OF("STATE", "on|off")}, "whether each edit is run by itself",
@@ -90,7 +91,7 @@ const struct command command_table[] = {
      "why 100,100,50", act_why},
     {"info", 0, {{0}}, "the scene, the view, the journal, the memory", NULL, "info", act_info},
     {"stats", S, {{0}}, "seeds, voxels and volume of each label", NULL, "stats", act_stats},
-    {"help", 0, {MAY("COMMAND", WORD, 0, 0)}, "this list, or one command in full", NULL,
+    {"help", 0, {MAY("COMMAND", COMMAND, 0, 0)}, "this list, or one command in full", NULL,
      "help seed", act_help},
     {"quit", 0, {{0}}, "leave; the journal has everything", NULL, "quit", act_quit},
 };
