@@ -19,23 +19,33 @@ enum {
 static const int smooth[WIDTH] = {1, 6, 15, 20, 15, 6, 1};
 static const int slope[WIDTH] = {-3, -12, -15, 0, 15, 12, 3};
 
-/* Both sums for each pattern of seven voxels in a row, bit 0 the first. */
+/* Both sums for each pattern of seven voxels in a row, bit 0 the first: the smoothed one in the
+ * low half, never negative, the derivative in the high half, so that one product weighs both. */
 struct row_sums {
-    int16_t smooth[ROWS], slope[ROWS];
+    int64_t of[ROWS];
 };
 
 static void fill_row_sums(struct row_sums *sums)
 {
     for (unsigned bits = 0; bits < ROWS; bits++) {
-        int s = 0, d = 0;
+        int64_t s = 0, d = 0;
         for (int i = 0; i < WIDTH; i++)
             if (bits >> i & 1) {
                 s += smooth[i];
                 d += slope[i];
             }
-        sums->smooth[bits] = (int16_t)s;
-        sums->slope[bits] = (int16_t)d;
+        sums->of[bits] = d * (INT64_C(1) << 32) + s;
     }
+}
+
+static inline int64_t low_half(int64_t both)
+{
+    return both & 0xFFFFFFFF;
+}
+
+static inline int64_t high_half(int64_t both)
+{
+    return both >> 32;
 }
 
 /* Light and the half-way vector of Blinn's variant, along voxel axes, times 2^14. */
@@ -74,18 +84,21 @@ static void lamp_init(struct lamp *lamp, const struct camera *camera)
 /* Seven shown bits along x around `at`, those beyond the row masked. */
 static inline unsigned row_bits(const struct border *border, uint32_t at, unsigned mask)
 {
-    uint32_t first = at - SHADE_RADIUS;
-    unsigned shift = first & 63;
-    uint64_t low = border->shown[first >> 6] >> shift;
-    uint64_t bits = shift ? low | border->shown[(first >> 6) + 1] << (64 - shift) : low;
+    const uint32_t first = at - SHADE_RADIUS;
+    const unsigned shift = first & 63;
+    const uint64_t *word = border->shown + (first >> 6);
+    uint64_t bits = word[0] >> shift;
+    if (shift > 64 - WIDTH)
+        bits |= word[1] << (64 - shift);
     return (unsigned)bits & mask;
 }
 
-static unsigned row_mask(int64_t x, int64_t size)
+/* Which of the seven places around `at` lie within 0..size - 1. */
+static unsigned places_inside(int64_t at, int64_t size)
 {
     unsigned mask = 0;
     for (int i = 0; i < WIDTH; i++)
-        mask |= (unsigned)(x + i - SHADE_RADIUS >= 0 && x + i - SHADE_RADIUS < size) << i;
+        mask |= (unsigned)(at + i - SHADE_RADIUS >= 0 && at + i - SHADE_RADIUS < size) << i;
     return mask;
 }
 
@@ -95,25 +108,29 @@ static void normal_at(const struct border *border, const struct row_sums *sums,
 {
     const struct grid *grid = &border->scene->grid;
     const struct place p = grid_place(grid, at);
-    const unsigned mask = row_mask(p.x, grid->size[0]);
-    int32_t g[3] = {0, 0, 0};
-    for (int dz = -SHADE_RADIUS; dz <= SHADE_RADIUS; dz++) {
-        if ((int64_t)p.z + dz < 0 || (int64_t)p.z + dz >= grid->size[2])
+    const unsigned in_x = places_inside(p.x, grid->size[0]);
+    const unsigned in_y = places_inside(p.y, grid->size[1]);
+    const unsigned in_z = places_inside(p.z, grid->size[2]);
+    int64_t g[3] = {0, 0, 0};
+    for (int z = 0; z < WIDTH; z++) {
+        if (!(in_z >> z & 1))
             continue;
-        int sz = smooth[dz + SHADE_RADIUS], lz = slope[dz + SHADE_RADIUS];
-        for (int dy = -SHADE_RADIUS; dy <= SHADE_RADIUS; dy++) {
-            if ((int64_t)p.y + dy < 0 || (int64_t)p.y + dy >= grid->size[1])
+        ptrdiff_t row =
+            (ptrdiff_t)at + (z - SHADE_RADIUS) * grid->step[2] - SHADE_RADIUS * grid->step[1];
+        int64_t smoothed = 0, along_y = 0; /* over y, both halves; and its derivative */
+        for (int y = 0; y < WIDTH; y++, row += grid->step[1]) {
+            if (!(in_y >> y & 1))
                 continue;
-            int sy = smooth[dy + SHADE_RADIUS], ly = slope[dy + SHADE_RADIUS];
-            uint32_t row = (uint32_t)(at + dy * grid->step[1] + dz * grid->step[2]);
-            unsigned bits = row_bits(border, row, mask);
-            g[0] += sy * sz * sums->slope[bits];
-            g[1] += ly * sz * sums->smooth[bits];
-            g[2] += sy * lz * sums->smooth[bits];
+            int64_t both = sums->of[row_bits(border, (uint32_t)row, in_x)];
+            smoothed += smooth[y] * both;
+            along_y += slope[y] * low_half(both);
         }
+        g[0] += smooth[z] * high_half(smoothed);
+        g[1] += smooth[z] * along_y;
+        g[2] += slope[z] * low_half(smoothed);
     }
     for (int a = 0; a < 3; a++)
-        normal[a] = -(int64_t)g[a] * lamp->scale[a];
+        normal[a] = -g[a] * lamp->scale[a];
 }
 
 /* The cosine between a normal of any length and a unit vector times 2^14; UNIT is 1. */

@@ -81,7 +81,7 @@ static int finish(enum err err, const struct fault *fault)
 {
     if (err && fault->text[0])
         fprintf(stderr, "iftty: %s\n", fault->text);
-    if (fflush(stdout) != 0 && !err) {
+    if ((fflush(stdout) != 0 || ferror(stdout)) && !err) {
         fputs("iftty: cannot write to standard output\n", stderr);
         return err_exit_status(ERR_IO);
     }
@@ -97,8 +97,11 @@ static enum err read_options(struct options *o, int count, char **word, struct f
     const struct {
         const char *name;
         const char **value;
-    } valued[] = {{"--journal", &o->journal}, {"--scene", &o->scene},  {"--out", &o->out},
-                  {"-c", &o->commands},       {"--graphics", &graphics}};
+    } valued[] = {{"--journal", &o->journal},
+                  {"--scene", &o->scene},
+                  {"--out", &o->out},
+                  {"-c", &o->commands},
+                  {"--graphics", &graphics}};
     const struct {
         const char *name;
         bool *flag;
@@ -333,7 +336,7 @@ static const struct forest_watch watch = {was_interrupted, NULL};
 struct prompt {
     struct desk desk;
     struct reply reply;
-    char name[24]; /* before the "> " */
+    char name[24];     /* before the "> " */
     const char *first; /* opened once the prompt is there, so that the prompt is there at once */
     bool resumes;
 };
@@ -385,8 +388,8 @@ static enum err prompt_begin(void *context, struct buf *output, struct fault *fa
     return err;
 }
 
-static void prompt_complete(void *context, const char *line, size_t cursor,
-                            struct buf *candidates, size_t *word_start)
+static void prompt_complete(void *context, const char *line, size_t cursor, struct buf *candidates,
+                            size_t *word_start)
 {
     const struct prompt *prompt = context;
     command_complete(candidates, word_start, line, cursor, &prompt->desk.session);
@@ -470,9 +473,8 @@ int main(int count, char **word)
     static const struct {
         const char *name;
         enum err (*run)(const struct options *o, struct fault *fault);
-    } program[] = {{"run", program_run},       {"replay", program_replay},
-                   {"verify", program_verify}, {"log", program_log},
-                   {"show", program_show},     {"bench", program_bench},
+    } program[] = {{"run", program_run},  {"replay", program_replay}, {"verify", program_verify},
+                   {"log", program_log},  {"show", program_show},     {"bench", program_bench},
                    {"help", program_help}};
     struct options options;
     struct fault fault = {0};

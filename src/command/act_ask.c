@@ -26,8 +26,8 @@ static void tell_voxel(struct buf *out, const struct session *session, uint32_t 
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 4; j++)
             mm[i] += session->geometry.to_mm[i][j] * index[j];
-    buf_printf(out, "voxel %u,%u,%u at %.1f,%.1f,%.1f mm: intensity %g, weight %u, ", p.x, p.y,
-               p.z, mm[0], mm[1], mm[2], real_value(session, cell->intensity), cell->weight);
+    buf_printf(out, "voxel %u,%u,%u at %.1f,%.1f,%.1f mm: intensity %g, weight %u, ", p.x, p.y, p.z,
+               mm[0], mm[1], mm[2], real_value(session, cell->intensity), cell->weight);
     if (cell->key == KEY_NONE) {
         buf_add_text(out, "reached by no seed\n");
         return;
@@ -75,8 +75,8 @@ ACT(why)
     for (; cell->direction != DIRECTION_NONE; steps++) {
         if (key_hops(cell->key) == 0 && told++ < 8) {
             struct place rise = grid_place(grid, at);
-            buf_printf(&reply->text, "    the path climbs to %u at %u,%u,%u\n",
-                       key_cost(cell->key), rise.x, rise.y, rise.z);
+            buf_printf(&reply->text, "    the path climbs to %u at %u,%u,%u\n", key_cost(cell->key),
+                       rise.x, rise.y, rise.z);
         }
         at = (uint32_t)(at - adjacency->offset[cell->direction]);
         cell = session->scene->cell + at;
@@ -150,8 +150,7 @@ ACT(stats)
                    label && !session->settings.visible[label] ? ", hidden" : "");
     }
     buf_printf(&reply->text, "%zu border voxels; forest %016llx, labels %016llx\n",
-               border_count(&session->border),
-               (unsigned long long)forest_digest(session->forest),
+               border_count(&session->border), (unsigned long long)forest_digest(session->forest),
                (unsigned long long)forest_label_digest(session->forest));
     return OK;
 }

@@ -19,20 +19,17 @@ ACT(open)
         return err;
     const struct scene *scene = session->scene;
     const uint32_t *size = scene->grid.size, *nm = scene->spacing_nm;
-    buf_printf(&reply->words,
-               "scene=%016llx size=%u,%u,%u spacing-nm=%u,%u,%u weights=%016llx",
+    buf_printf(&reply->words, "scene=%016llx size=%u,%u,%u spacing-nm=%u,%u,%u weights=%016llx",
                (unsigned long long)session->scene_digest, size[0], size[1], size[2], nm[0], nm[1],
                nm[2], (unsigned long long)session->weight_digest);
-    buf_printf(&reply->text, "%ux%ux%u voxels of %gx%gx%g mm, %.1f MB\n", size[0], size[1],
-               size[2], nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6,
-               (double)session_memory(session) / 1e6);
+    buf_printf(&reply->text, "%ux%ux%u voxels of %gx%gx%g mm, %.1f MB\n", size[0], size[1], size[2],
+               nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6, (double)session_memory(session) / 1e6);
     return OK;
 }
 
 static void add_weights(struct desk *desk, struct reply *reply)
 {
-    buf_printf(&reply->words, "weights=%016llx",
-               (unsigned long long)desk->session.weight_digest);
+    buf_printf(&reply->words, "weights=%016llx", (unsigned long long)desk->session.weight_digest);
 }
 
 ACT(weight)
@@ -44,8 +41,7 @@ ACT(weight)
 
 ACT(adjacency)
 {
-    enum err err =
-        session_set_adjacency(&desk->session, value[0].number == 0 ? 6 : 26, fault);
+    enum err err = session_set_adjacency(&desk->session, value[0].number == 0 ? 6 : 26, fault);
     if (!err)
         add_weights(desk, reply);
     return err;

@@ -149,8 +149,8 @@ static void leave_evidence(struct desk *desk, const char *name, const struct pic
                            const struct golden_difference *difference)
 {
     struct buf path = {0};
-    struct picture image = {difference->width, difference->height, difference->image, NULL, NULL,
-                            NULL,              NULL,               0};
+    struct picture image = {
+        difference->width, difference->height, difference->image, NULL, NULL, NULL, NULL, 0};
     if (!desk->out_folder)
         return;
     buf_printf(&path, "%s/%s.actual.exr", desk->out_folder, name);
@@ -228,8 +228,9 @@ ACT(golden)
                          "NAME: expected small letters, digits, - and _ (at most 64), not %s",
                          name);
     if (!desk->home.length && !desk->replays)
-        return fault_set(fault, ERR_USAGE, "a golden image belongs to a journal; begin one with "
-                                           "--journal FILE");
+        return fault_set(fault, ERR_USAGE,
+                         "a golden image belongs to a journal; begin one with "
+                         "--journal FILE");
     enum err err = session_render(&desk->session, RENDER_AS_KEPT, fault);
     if (err)
         return err;
@@ -259,8 +260,8 @@ ACT(save)
         err = desk_output_path(desk, value[1].text, &path, fault);
     if (!err && path.length) {
         const bool was_there = file_exists(buf_text(&path));
-        err = export_map(&desk->session, map[value[0].number], buf_text(&path),
-                         mode_of(&value[2]), fault);
+        err = export_map(&desk->session, map[value[0].number], buf_text(&path), mode_of(&value[2]),
+                         fault);
         if (!err)
             tell_written(desk, buf_text(&path), was_there, reply);
     }

@@ -42,8 +42,8 @@ static uint64_t draw(uint64_t *state)
     return hash_mix(++*state * UINT64_C(0x9e3779b97f4a7c15));
 }
 
-/* What a seed at this voxel would be labelled, or -1: by the atlas (1 brain, 2 cerebellum, which has
- * its regions from 91 on), else by the intensity alone. */
+/* What a seed at this voxel would be labelled, or -1: by the atlas (1 brain, 2 cerebellum, which
+ * has its regions from 91 on), else by the intensity alone. */
 static int label_at(const struct session *session, const struct volume *atlas, size_t voxel,
                     uint32_t cell)
 {
@@ -96,8 +96,7 @@ struct figures {
     size_t voxels, border_voxels;
 };
 
-static enum err time_scratch(struct session *session, struct figures *figures,
-                             struct fault *fault)
+static enum err time_scratch(struct session *session, struct figures *figures, struct fault *fault)
 {
     enum err err = OK;
     for (int i = 0; !err && i < SCRATCH_RUNS; i++) {
@@ -108,7 +107,8 @@ static enum err time_scratch(struct session *session, struct figures *figures,
     return err;
 }
 
-/* Each edit as the user feels it: forest, border, digests, picture. Planted and taken away again. */
+/* Each edit as the user feels it: forest, border, digests, picture. Planted and taken away again.
+ */
 static enum err time_edits(struct session *session, struct figures *figures, struct fault *fault)
 {
     uint64_t state = 1000;
@@ -176,9 +176,12 @@ static void print_json(FILE *out, const char *scene, struct figures *f)
     const struct {
         const char *name;
         struct times *times;
-    } row[] = {{"scratch_ms", &f->scratch},           {"seed_ms", &f->plant},
-               {"eliminator_ms", &f->eliminate},      {"border_projection_ms", &f->border},
-               {"scene_projection_ms", &f->scene},    {"start_to_prompt_ms", &f->start},
+    } row[] = {{"scratch_ms", &f->scratch},
+               {"seed_ms", &f->plant},
+               {"eliminator_ms", &f->eliminate},
+               {"border_projection_ms", &f->border},
+               {"scene_projection_ms", &f->scene},
+               {"start_to_prompt_ms", &f->start},
                {"bare_start_to_prompt_ms", &f->bare_start}};
     fprintf(out, "{\"scene\": \"%s\", \"voxels\": %zu, \"seeds\": %d", scene, f->voxels, SEEDS);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)

@@ -1,7 +1,8 @@
 /*
- * Measurements of the whole way on the T1 scene ch2 of Debian's mricron-data, or on synth:geom where
- * that is not there: run from scratch, single edits with their picture, full pictures, memory, and
- * the time from the start of the program to its prompt. Medians; nothing is compared with a limit.
+ * Measurements of the whole way on the T1 scene ch2 of Debian's mricron-data, or on synth:geom
+ * where that is not there: run from scratch, single edits with their picture, full pictures,
+ * memory, and the time from the start of the program to its prompt. Medians; nothing is compared
+ * with a limit.
  */
 #ifndef COMMAND_BENCH_H
 #define COMMAND_BENCH_H

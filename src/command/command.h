@@ -45,18 +45,18 @@ struct parameter {
 /* What a parameter was given as. */
 struct value {
     bool given;
-    int64_t number;    /* LABEL, NUMBER, DECIMAL, ZOOM; CHOICE: which; COLOUR: 0xrrggbb; VIEW: yaw */
-    const char *text;  /* FILE, WORD, CHOICE; VIEW and ZOOM: the name, or NULL for a number */
+    int64_t number;   /* LABEL, NUMBER, DECIMAL, ZOOM; CHOICE: which; COLOUR: 0xrrggbb; VIEW: yaw */
+    const char *text; /* FILE, WORD, CHOICE; VIEW and ZOOM: the name, or NULL for a number */
     uint32_t place[3]; /* POSITION, in the scene */
 };
 
 enum { PARAMETERS_MOST = 4 };
 
 enum command_flag {
-    COMMAND_RECORDED = 1,     /* goes into the journal */
+    COMMAND_RECORDED = 1, /* goes into the journal */
     COMMAND_NEEDS_SCENE = 2,
-    COMMAND_EDITS = 4,        /* changes what `run` computes: its digests are recorded */
-    COMMAND_WRITES = 8,       /* writes a file: not while replaying, unless asked for */
+    COMMAND_EDITS = 4,  /* changes what `run` computes: its digests are recorded */
+    COMMAND_WRITES = 8, /* writes a file: not while replaying, unless asked for */
 };
 
 /* What a command answers: text for the user, "key=value" words for the journal. */

@@ -45,8 +45,7 @@ void reply_release(struct reply *reply)
 static void add_digests(struct reply *reply, const struct session *session)
 {
     buf_printf(&reply->words, "%sforest=%016llx labels=%016llx seeds=%zu",
-               reply->words.length ? " " : "",
-               (unsigned long long)forest_digest(session->forest),
+               reply->words.length ? " " : "", (unsigned long long)forest_digest(session->forest),
                (unsigned long long)forest_label_digest(session->forest),
                forest_seeds(session->forest));
     if (session->pendings)
@@ -89,8 +88,7 @@ void desk_note_created(struct desk *desk, const char *path)
     buf_add(&desk->created, path, strlen(path) + 1);
 }
 
-enum err desk_execute(struct desk *desk, const char *line, struct reply *reply,
-                      struct fault *fault)
+enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, struct fault *fault)
 {
     struct call call;
     buf_clear(&reply->text);
@@ -185,6 +183,8 @@ enum err desk_resume_journal(struct desk *desk, const char *path, struct buf *to
     desk->replays = desk->resumes = true;
     if (!err)
         err = journal_open(&desk->journal, path, &how, told, fault);
+    if (told && told->length)
+        buf_add_char(told, '\n');
     desk->replays = desk->resumes = false;
     desk->finished = desk->shows_picture = false;
     desk->acknowledged = err ? 0 : journal_count(desk->journal);

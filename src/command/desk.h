@@ -19,31 +19,31 @@ struct desk {
     const char *new_journal;     /* created with the first command that is recorded, or NULL */
     struct image_helper *helper; /* started on first use */
 
-    struct buf home;           /* path of the journal at hand: goldens and scenes lie beside it */
-    const char *scene_path;    /* a scene to open whatever name `open` gives, or NULL */
-    const char *out_folder;    /* files go there, under their last name; NULL: where they say */
-    bool replays;              /* files are written only with an out_folder */
-    bool compares_goldens;     /* `golden` compares with the file instead of writing it */
-    bool resumes;              /* replays the user's own journal: nothing is written */
+    struct buf home;        /* path of the journal at hand: goldens and scenes lie beside it */
+    const char *scene_path; /* a scene to open whatever name `open` gives, or NULL */
+    const char *out_folder; /* files go there, under their last name; NULL: where they say */
+    bool replays;           /* files are written only with an out_folder */
+    bool compares_goldens;  /* `golden` compares with the file instead of writing it */
+    bool resumes;           /* replays the user's own journal: nothing is written */
 
     struct buf created; /* paths that the command at hand made, each ended by NUL */
     size_t acknowledged;
-    bool finished;     /* `quit` */
+    bool finished;      /* `quit` */
     bool shows_picture; /* the last command made a rendition to be shown inline */
-    uint64_t took_ns;  /* the last command, without its record */
+    uint64_t took_ns;   /* the last command, without its record */
 };
 
 enum err desk_init(struct desk *desk, struct fault *fault);
 void desk_release(struct desk *desk);
 
-/* Carries one line out. `reply` is cleared first. An empty line or a comment does nothing, and leaves
- * reply->canonical empty. On error nothing has changed. */
+/* Carries one line out. `reply` is cleared first. An empty line or a comment does nothing, and
+ * leaves reply->canonical empty. On error nothing has changed. */
 enum err desk_execute(struct desk *desk, const char *line, struct reply *reply,
                       struct fault *fault);
 void reply_release(struct reply *reply);
 
-/* Starts a journal at `path`, or resumes it: replays its records, compares every result, and goes on
- * recording there. `told` gets lines for the user. */
+/* Starts a journal at `path`, or resumes it: replays its records, compares every result, and goes
+ * on recording there. `told` gets lines for the user. */
 enum err desk_create_journal(struct desk *desk, const char *path, struct fault *fault);
 enum err desk_resume_journal(struct desk *desk, const char *path, struct buf *told,
                              struct fault *fault);

@@ -104,8 +104,7 @@ struct replaying {
     const struct teller *teller; /* NULL: quietly */
 };
 
-static enum err execute(void *context, const char *command, struct buf *words,
-                        struct fault *fault)
+static enum err execute(void *context, const char *command, struct buf *words, struct fault *fault)
 {
     struct replaying *replaying = context;
     struct reply reply = {0};
@@ -191,8 +190,7 @@ enum err drive_replay(struct desk *desk, const char *path, const struct teller *
 /* ---- verify ---- */
 
 static enum err verify_one(const char *path, int number, const char *scene_path,
-                           const char *out_folder, const struct teller *teller,
-                           struct fault *fault)
+                           const char *out_folder, const struct teller *teller, struct fault *fault)
 {
     struct desk desk;
     struct replay_report report = {0};
@@ -224,8 +222,8 @@ static enum err verify_one(const char *path, int number, const char *scene_path,
     return err;
 }
 
-enum err drive_verify(char *const *paths, int count, const char *scene_path,
-                      const char *out_folder, const struct teller *teller, struct fault *fault)
+enum err drive_verify(char *const *paths, int count, const char *scene_path, const char *out_folder,
+                      const struct teller *teller, struct fault *fault)
 {
     struct buf text = {0};
     int passed = 0;

@@ -30,7 +30,7 @@ enum err drive_replay(struct desk *desk, const char *path, const struct teller *
 
 /* Replays journals, each at a desk of its own, and compares every result and golden image. Tells
  * TAP. ERR_CHECK when any differs. */
-enum err drive_verify(char *const *paths, int count, const char *scene_path,
-                      const char *out_folder, const struct teller *teller, struct fault *fault);
+enum err drive_verify(char *const *paths, int count, const char *scene_path, const char *out_folder,
+                      const struct teller *teller, struct fault *fault);
 
 #endif

@@ -5,6 +5,8 @@
 #include "render/view.h"
 #include "session/session.h"
 
+enum { SUMMARY_COLUMN = 30 }; /* in 80, with summaries of at most 50 */
+
 /* ---- usage and help ---- */
 
 static void parameter_form(struct buf *out, const struct parameter *p)
@@ -65,8 +67,11 @@ void command_help(struct buf *out, const struct command *command)
     for (unsigned i = 0; i < command_count; i++) {
         buf_clear(&usage);
         command_usage(&usage, &command_table[i]);
-        buf_printf(out, usage.length > 34 ? "%s\n%36s%s\n" : "%-35s%s%s\n", buf_text(&usage),
-                   usage.length > 34 ? "" : "", command_table[i].summary);
+        if (usage.length >= SUMMARY_COLUMN)
+            buf_printf(out, "%s\n%*s", buf_text(&usage), SUMMARY_COLUMN, "");
+        else
+            buf_printf(out, "%-*s", SUMMARY_COLUMN, buf_text(&usage));
+        buf_printf(out, "%s\n", command_table[i].summary);
     }
     buf_release(&usage);
 }

@@ -134,16 +134,38 @@ static enum err read_label(struct value *value, const struct parameter *p, const
                      p->name, (int)p->least, word);
 }
 
+/* Thousandths without needless digits: 12500 is 12.5, -500 is -0.5. */
+static void write_decimal(struct buf *out, int64_t thousandths)
+{
+    int64_t whole = llabs(thousandths) / 1000, rest = llabs(thousandths) % 1000;
+    buf_printf(out, "%s%lld", thousandths < 0 ? "-" : "", (long long)whole);
+    if (rest == 0)
+        return;
+    char digits[8];
+    size_t n = 0;
+    for (int64_t unit = 100; rest; unit /= 10, n++) {
+        digits[n] = (char)('0' + rest / unit);
+        rest %= unit;
+    }
+    buf_add_char(out, '.');
+    buf_add(out, digits, n);
+}
+
 static enum err read_number(struct value *value, const struct parameter *p, const char *word,
                             unsigned places, struct fault *fault)
 {
     const char *at = word;
     if (scan_decimal(&at, places, p->least, p->most, &value->number) && *at == '\0')
         return OK;
-    int64_t unit = places ? 1000 : 1;
-    return fault_set(fault, ERR_USAGE, "%s: expected a number %lld..%lld%s, not %s", p->name,
-                     (long long)(p->least / unit), (long long)(p->most / unit),
-                     places ? " with at most three decimals" : "", word);
+    struct buf range = {0};
+    const int64_t unit = places ? 1 : 1000;
+    write_decimal(&range, p->least * unit);
+    buf_add_text(&range, "..");
+    write_decimal(&range, p->most * unit);
+    enum err err = fault_set(fault, ERR_USAGE, "%s: expected a number %s%s, not %s", p->name,
+                             buf_text(&range), places ? " with at most three decimals" : "", word);
+    buf_release(&range);
+    return err;
 }
 
 /* Which of "a|b|c" a word is; -1 for none. */
@@ -192,9 +214,9 @@ static enum err read_value(struct value *value, const struct parameter *p, const
         return OK;
     case PARAMETER_COMMAND:
         value->text = word;
-        return command_find(word) ? OK
-                                  : fault_set(fault, ERR_USAGE,
-                                              "there is no command %s; `help` lists them", word);
+        return command_find(word)
+                   ? OK
+                   : fault_set(fault, ERR_USAGE, "there is no command %s; `help` lists them", word);
     case PARAMETER_FILE:
     case PARAMETER_WORD:
     case PARAMETER_END:
@@ -297,23 +319,6 @@ static void write_word(struct buf *out, const char *word)
         buf_add_char(out, *word);
     }
     buf_add_char(out, '"');
-}
-
-/* Thousandths without needless digits: 12500 is 12.5, -500 is -0.5. */
-static void write_decimal(struct buf *out, int64_t thousandths)
-{
-    int64_t whole = llabs(thousandths) / 1000, rest = llabs(thousandths) % 1000;
-    buf_printf(out, "%s%lld", thousandths < 0 ? "-" : "", (long long)whole);
-    if (rest == 0)
-        return;
-    char digits[8];
-    size_t n = 0;
-    for (int64_t unit = 100; rest; unit /= 10, n++) {
-        digits[n] = (char)('0' + rest / unit);
-        rest %= unit;
-    }
-    buf_add_char(out, '.');
-    buf_add(out, digits, n);
 }
 
 static void write_value(struct buf *out, const struct parameter *p, const struct value *value)

@@ -4,11 +4,26 @@
 #include "render/view.h"
 
 /* Parameters. N is what help calls them. */
-#define NEED(N, TYPE, LEAST, MOST)  {N, PARAMETER_##TYPE, false, false, LEAST, MOST, 0}
-#define MAY(N, TYPE, LEAST, MOST)   {N, PARAMETER_##TYPE, true, false, LEAST, MOST, 0}
-#define KEYED(N, TYPE, LEAST, MOST) {N, PARAMETER_##TYPE, true, true, LEAST, MOST, 0}
-#define ONE_OF(N, CHOICES)          {N, PARAMETER_CHOICE, false, false, 0, 0, CHOICES}
-#define KEYED_ONE_OF(N, CHOICES)    {N, PARAMETER_CHOICE, true, true, 0, 0, CHOICES}
+#define NEED(N, TYPE, LEAST, MOST)                                                                 \
+    {                                                                                              \
+        N, PARAMETER_##TYPE, false, false, LEAST, MOST, 0                                          \
+    }
+#define MAY(N, TYPE, LEAST, MOST)                                                                  \
+    {                                                                                              \
+        N, PARAMETER_##TYPE, true, false, LEAST, MOST, 0                                           \
+    }
+#define KEYED(N, TYPE, LEAST, MOST)                                                                \
+    {                                                                                              \
+        N, PARAMETER_##TYPE, true, true, LEAST, MOST, 0                                            \
+    }
+#define ONE_OF(N, CHOICES)                                                                         \
+    {                                                                                              \
+        N, PARAMETER_CHOICE, false, false, 0, 0, CHOICES                                           \
+    }
+#define KEYED_ONE_OF(N, CHOICES)                                                                   \
+    {                                                                                              \
+        N, PARAMETER_CHOICE, true, true, 0, 0, CHOICES                                             \
+    }
 
 enum {
     R = COMMAND_RECORDED,
@@ -19,80 +34,154 @@ enum {
 };
 
 const struct command command_table[] = {
-    {"open", R, {NEED("FILE", FILE, 0, 0)},
-     "load a scene: NIfTI, or the synthetic synth:geom[:XYZ]",
+    {"open",
+     R,
+     {NEED("FILE", FILE, 0, 0)},
+     "load a NIfTI scene, or synth:geom[:XYZ]",
      "    NIfTI is .nii or .nii.gz of uint8, int16, uint16 or float32. synth:geom has 200x200x100\n"
      "    voxels; X, Y, Z of 2 interpolate that axis to 2n-1, as in synth:geom:221.\n",
-     "open synth:geom", act_open},
-    {"weight", R | S, {ONE_OF("KIND", "morph")},
-     "the arc weights: morph is dilation minus erosion over the adjacency", NULL, "weight morph",
+     "open synth:geom",
+     act_open},
+    {"weight",
+     R | S,
+     {ONE_OF("KIND", "morph")},
+     "arc weights: dilation minus erosion",
+     "    Of the intensities over a voxel and its neighbours; what lies outside is ignored.\n",
+     "weight morph",
      act_weight},
-    {"adjacency", R | S | E, {ONE_OF("COUNT", "6|26")},
-     "neighbours of a voxel: by faces, or by corners too", NULL, "adjacency 26", act_adjacency},
-    {"label", R,
+    {"adjacency",
+     R | S | E,
+     {ONE_OF("COUNT", "6|26")},
+     "neighbours of a voxel: by faces, or by corners too",
+     NULL,
+     "adjacency 26",
+     act_adjacency},
+    {"label",
+     R,
      {NEED("LABEL", LABEL, 0, 255), NEED("NAME", WORD, 0, 0), MAY("COLOUR", COLOUR, 0, 0)},
-     "name a label, and give it a colour", "    Label 0 is the background.\n",
-     "label 2 cerebellum #40c060", act_label},
-    {"seed", R | S | E,
-     {NEED("PLACE", POSITION, 0, 0), NEED("LABEL", LABEL, 0, 255),
-      KEYED("radius", NUMBER, 0, 32)},
-     "plant a seed, or a ball of seeds", "    A voxel that has a seed gets the new label.\n",
-     "seed 100,100,50 1 radius=2", act_seed},
-    {"remove", R | S | E, {NEED("PLACE", POSITION, 0, 0), KEYED("radius", NUMBER, 0, 32)},
-     "eliminator: take away the seed whose tree holds this voxel",
-     "    The tree falls to the seeds around it. Which tree that is, is that of the last run.\n"
+     "name a label, and give it a colour",
+     "    Label 0 is the background.\n",
+     "label 2 cerebellum #40c060",
+     act_label},
+    {"seed",
+     R | S | E,
+     {NEED("PLACE", POSITION, 0, 0), NEED("LABEL", LABEL, 0, 255), KEYED("radius", NUMBER, 0, 32)},
+     "plant a seed, or a ball of seeds",
+     "    A voxel that has a seed gets the new label.\n",
+     "seed 100,100,50 1 radius=2",
+     act_seed},
+    {"remove",
+     R | S | E,
+     {NEED("PLACE", POSITION, 0, 0), KEYED("radius", NUMBER, 0, 32)},
+     "eliminator: the tree that holds this voxel goes",
+     "    The seed of that tree is taken away, and the tree falls to the seeds around it. Which "
+     "tree\n"
+     "    that is, is that of the last run.\n"
      "    With a radius: the seeds of all trees that reach into the ball.\n",
-     "remove 100,100,50", act_remove},
+     "remove 100,100,50",
+     act_remove},
     {"run", R | S | E, {{0}}, "apply the edits that wait, as one", NULL, "run", act_run},
-    {"auto", R, {ONE_OF("STATE", "on|off")}, "whether each edit is run by itself",
-     "    off in scripts, on at the prompt.\n", "auto on", act_auto},
-    {"view", R | S,
+    {"auto",
+     R,
+     {ONE_OF("STATE", "on|off")},
+     "whether each edit is run by itself",
+     "    off in scripts, on at the prompt.\n",
+     "auto on",
+     act_auto},
+    {"view",
+     R | S,
      {NEED("YAW", VIEW, -TURNS, TURNS), MAY("PITCH", DECIMAL, -TURNS, TURNS),
       MAY("ROLL", DECIMAL, -TURNS, TURNS)},
      "look from a side, or from angles in degrees",
      "    0 0 0 is the front: the patient faces you, his left on your right. Yaw takes you around\n"
      "    him towards his left side, pitch above him; roll turns the picture clockwise.\n",
-     "view 30 15 0", act_view},
-    {"turn", R | S,
+     "view 30 15 0",
+     act_view},
+    {"turn",
+     R | S,
      {NEED("YAW", DECIMAL, -TURNS, TURNS), MAY("PITCH", DECIMAL, -TURNS, TURNS),
       MAY("ROLL", DECIMAL, -TURNS, TURNS)},
-     "turn the view by degrees", NULL, "turn 15 -5", act_turn},
-    {"zoom", R | S, {NEED("FACTOR", ZOOM, VIEW_ZOOM_LEAST, VIEW_ZOOM_MOST)},
-     "pixels per voxel (of the smallest spacing), or what fits", NULL, "zoom 1.5", act_zoom},
-    {"size", R | S,
+     "turn the view by degrees",
+     NULL,
+     "turn 15 -5",
+     act_turn},
+    {"zoom",
+     R | S,
+     {NEED("FACTOR", ZOOM, VIEW_ZOOM_LEAST, VIEW_ZOOM_MOST)},
+     "pixels per voxel, or what fits",
+     "    Per voxel of the smallest spacing; others are larger in proportion.\n",
+     "zoom 1.5",
+     act_zoom},
+    {"size",
+     R | S,
      {NEED("WIDTH", NUMBER, 1, VIEW_SIDE_MOST), NEED("HEIGHT", NUMBER, 1, VIEW_SIDE_MOST)},
-     "the picture, in pixels", NULL, "size 512 512", act_size},
-    {"hide", R | S, {NEED("LABEL", LABEL, 1, 255)}, "do not show an object", NULL, "hide 2",
+     "the picture, in pixels",
+     NULL,
+     "size 512 512",
+     act_size},
+    {"hide",
+     R | S,
+     {NEED("LABEL", LABEL, 1, 255)},
+     "do not show an object",
+     NULL,
+     "hide 2",
      act_hide},
-    {"show", R | S, {NEED("LABEL", LABEL, 1, 255)}, "show an object again", NULL, "show 2",
+    {"show",
+     R | S,
+     {NEED("LABEL", LABEL, 1, 255)},
+     "show an object again",
+     NULL,
+     "show 2",
      act_show},
-    {"render", R | S | E | W,
+    {"render",
+     R | S | E | W,
      {MAY("FILE", FILE, 0, 0), KEYED_ONE_OF("mode", "sp|bp|ii|ray"),
       KEYED_ONE_OF("replace", "yes|no")},
-     "make the rendition: to a file, or inline without one",
+     "make the rendition: to a file, or inline",
      "    .exr holds colour, depth, label and voxel of each pixel; .png and whatever else\n"
      "    OpenImageIO writes hold the colours. All modes give the same pixels: sp splats every\n"
      "    object voxel, bp border voxels, ray walks the rays, ii repairs what is there.\n",
-     "render brain.png", act_render},
-    {"golden", R | S | E | W, {NEED("NAME", WORD, 0, 0)},
-     "keep this rendition as a golden image of the journal",
+     "render brain.png",
+     act_render},
+    {"golden",
+     R | S | E | W,
+     {NEED("NAME", WORD, 0, 0)},
+     "keep this rendition as a golden image",
      "    `iftty verify` compares it pixel for pixel. It lies in a folder beside the journal.\n",
-     "golden front-1", act_golden},
-    {"save", R | S | E | W,
+     "golden front-1",
+     act_golden},
+    {"save",
+     R | S | E | W,
      {ONE_OF("MAP", "labels|cost|root|border"), NEED("FILE", FILE, 0, 0),
       KEYED_ONE_OF("replace", "yes|no")},
-     "write a map as .nii or .nii.gz in the scene's geometry",
-     "    labels and border uint8, cost uint16, root uint32 (voxel index of the seed).\n",
-     "save labels brain-labels.nii.gz", act_save},
-    {"pick", S,
+     "write a map as .nii or .nii.gz",
+     "    In the geometry of the scene: labels and border uint8, cost uint16, root uint32 (voxel "
+     "index of the seed).\n",
+     "save labels brain-labels.nii.gz",
+     act_save},
+    {"pick",
+     S,
      {NEED("COLUMN", NUMBER, 0, VIEW_SIDE_MOST), NEED("ROW", NUMBER, 0, VIEW_SIDE_MOST)},
-     "the voxel under a pixel of the rendition", NULL, "pick 256 256", act_pick},
-    {"why", S, {NEED("PLACE", POSITION, 0, 0)}, "how a voxel came to its label", NULL,
-     "why 100,100,50", act_why},
+     "the voxel under a pixel of the rendition",
+     NULL,
+     "pick 256 256",
+     act_pick},
+    {"why",
+     S,
+     {NEED("PLACE", POSITION, 0, 0)},
+     "how a voxel came to its label",
+     NULL,
+     "why 100,100,50",
+     act_why},
     {"info", 0, {{0}}, "the scene, the view, the journal, the memory", NULL, "info", act_info},
     {"stats", S, {{0}}, "seeds, voxels and volume of each label", NULL, "stats", act_stats},
-    {"help", 0, {MAY("COMMAND", COMMAND, 0, 0)}, "this list, or one command in full", NULL,
-     "help seed", act_help},
+    {"help",
+     0,
+     {MAY("COMMAND", COMMAND, 0, 0)},
+     "this list, or one command in full",
+     NULL,
+     "help seed",
+     act_help},
     {"quit", 0, {{0}}, "leave; the journal has everything", NULL, "quit", act_quit},
 };
 

@@ -9,7 +9,7 @@ enum {
     COSTS = 65536,
     HOPS = 65536,
     CHUNK_ENTRIES = 62, /* even; with the two words before them 256 bytes, four cache lines */
-    SLAB_CHUNKS = 4096, /* 1 MiB at a time */
+    CELL_ENTRIES = 8,   /* entries of room for each cell; 1.3 are needed in practice */
 };
 
 struct chunk {
@@ -25,13 +25,13 @@ struct marks {
 };
 
 struct queue {
-    struct chunk **slab;
-    size_t slabs, slab_capacity;
-    uint32_t free;  /* list of free chunks, index + 1 */
+    struct chunk *pool; /* [chunks]; chunk 0 is never used, so that 0 ends a list */
+    uint32_t chunks, used;
+    uint32_t free;  /* list of chunks that were used and are free again */
     uint32_t level; /* being served, where `open` */
     bool open;
     bool failed;
-    /* Heads of lists, each the index + 1 of its first chunk. What waits at (cost, 0), nearly all
+    /* Heads of lists, each the index of its first chunk. What waits at (cost, 0), nearly all
      * in practice, moves to the hops wholesale when the cost comes up; the rest waits as pairs
      * (hops, cell) and is dealt out one by one. */
     uint32_t at_rise[COSTS];
@@ -64,55 +64,51 @@ static bool marks_lowest(const struct marks *m, uint32_t *n)
     return false;
 }
 
-struct queue *queue_new(void)
+struct queue *queue_new(size_t cells)
 {
-    return calloc(1, sizeof(struct queue));
+    struct queue *queue = calloc(1, sizeof *queue);
+    if (!queue)
+        return NULL;
+    /* Full chunks, and besides one for each list that may be hardly filled. */
+    size_t lists = cells < COSTS ? cells : COSTS;
+    size_t chunks = cells / CHUNK_ENTRIES * CELL_ENTRIES + 4 * lists + 64;
+    queue->chunks = (uint32_t)(chunks < UINT32_MAX ? chunks : UINT32_MAX);
+    queue->used = 1;
+    queue->pool = mem_pages(queue->chunks * sizeof *queue->pool);
+    if (!queue->pool) {
+        free(queue);
+        return NULL;
+    }
+    return queue;
 }
 
 void queue_free(struct queue *queue)
 {
     if (!queue)
         return;
-    for (size_t i = 0; i < queue->slabs; i++)
-        free(queue->slab[i]);
-    free(queue->slab);
+    mem_pages_free(queue->pool, queue->chunks * sizeof *queue->pool);
     free(queue);
 }
 
 static inline struct chunk *chunk_at(const struct queue *queue, uint32_t handle)
 {
-    uint32_t index = handle - 1;
-    return queue->slab[index / SLAB_CHUNKS] + index % SLAB_CHUNKS;
-}
-
-static bool add_slab(struct queue *queue)
-{
-    if (queue->slabs >= UINT32_MAX / SLAB_CHUNKS ||
-        !mem_grow(&queue->slab, &queue->slab_capacity, queue->slabs + 1, sizeof *queue->slab))
-        return false;
-    struct chunk *slab = mem_array(SLAB_CHUNKS, sizeof *slab);
-    if (!slab)
-        return false;
-    uint32_t first = (uint32_t)(queue->slabs * SLAB_CHUNKS) + 1;
-    for (uint32_t i = 0; i < SLAB_CHUNKS; i++)
-        slab[i].next = i + 1 < SLAB_CHUNKS ? first + i + 1 : queue->free;
-    queue->slab[queue->slabs++] = slab;
-    queue->free = first;
-    return true;
+    return queue->pool + handle;
 }
 
 /* Puts an empty chunk before *head. */
 static bool open_chunk(struct queue *queue, uint32_t *head)
 {
-    if (!queue->free && !add_slab(queue)) {
+    uint32_t handle = queue->free;
+    if (handle) {
+        queue->free = chunk_at(queue, handle)->next;
+    } else if (queue->used < queue->chunks) {
+        handle = queue->used++;
+    } else {
         queue->failed = true;
         return false;
     }
-    uint32_t handle = queue->free;
-    struct chunk *chunk = chunk_at(queue, handle);
-    queue->free = chunk->next;
-    chunk->next = *head;
-    chunk->count = 0;
+    chunk_at(queue, handle)->next = *head;
+    chunk_at(queue, handle)->count = 0;
     *head = handle;
     return true;
 }
@@ -235,15 +231,29 @@ void queue_rewind(struct queue *queue)
     }
 }
 
-/* Every chunk of every slab is free again. */
+void queue_each(const struct queue *queue, void (*visit)(void *context, uint32_t cell),
+                void *context)
+{
+    for (uint32_t cost = 0; cost < COSTS; cost++) {
+        for (uint32_t handle = queue->at_rise[cost]; handle;) {
+            const struct chunk *chunk = chunk_at(queue, handle);
+            for (uint32_t i = 0; i < chunk->count; i++)
+                visit(context, chunk->cell[i]);
+            handle = chunk->next;
+        }
+        for (uint32_t handle = queue->later[cost]; handle;) {
+            const struct chunk *chunk = chunk_at(queue, handle);
+            for (uint32_t i = 1; i < chunk->count; i += 2)
+                visit(context, chunk->cell[i]);
+            handle = chunk->next;
+        }
+    }
+}
+
 void queue_clear(struct queue *queue)
 {
+    queue->used = 1;
     queue->free = 0;
-    for (size_t s = 0; s < queue->slabs; s++)
-        for (uint32_t i = 0; i < SLAB_CHUNKS; i++) {
-            queue->slab[s][i].next = queue->free;
-            queue->free = (uint32_t)(s * SLAB_CHUNKS) + i + 1;
-        }
     queue->open = false;
     queue->failed = false;
     queue->costs = queue->hops = (struct marks){{0}, {0}};
@@ -259,6 +269,5 @@ bool queue_failed(const struct queue *queue)
 
 size_t queue_memory(const struct queue *queue)
 {
-    return sizeof *queue + queue->slabs * SLAB_CHUNKS * sizeof(struct chunk) +
-           queue->slab_capacity * sizeof(struct chunk *);
+    return sizeof *queue + queue->used * sizeof(struct chunk);
 }

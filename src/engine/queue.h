@@ -6,8 +6,8 @@
  * the hops. Entries are never taken out early: one whose cell has moved to another level is
  * stale, and whoever serves the level skips it (the cell's own key and CELL_QUEUED decide).
  *
- * Buckets are lists of small chunks from a pool that grows and is kept. Where memory runs out,
- * entries are dropped and `failed` is set: the result of the pass is then worthless.
+ * Buckets are lists of small chunks from a pool. Where that runs out, entries are dropped and
+ * `failed` is set: the result of the pass is then worthless.
  */
 #ifndef ENGINE_QUEUE_H
 #define ENGINE_QUEUE_H
@@ -18,8 +18,9 @@
 
 struct queue;
 
-/* NULL when out of memory. */
-struct queue *queue_new(void);
+/* For a scene of `cells`: room for eight entries a cell, as addresses only; memory is taken as it
+ * is needed, and kept. NULL when out of memory. */
+struct queue *queue_new(size_t cells);
 void queue_free(struct queue *queue);
 
 /* Adds a cell at a level (cost << 16 | hops), which lies above the one being served. */
@@ -35,6 +36,10 @@ size_t queue_take(struct queue *queue, uint32_t *cells, size_t capacity);
 /* Stops serving in the middle of a pass: what waits stays, and levels below may be pushed again.
  * The next pass starts at the lowest. */
 void queue_rewind(struct queue *queue);
+
+/* Visits every entry, stale ones too; not while a level is being served. */
+void queue_each(const struct queue *queue, void (*visit)(void *context, uint32_t cell),
+                void *context);
 
 /* Forgets every entry, and that memory ran out. */
 void queue_clear(struct queue *queue);

@@ -64,7 +64,7 @@ struct cell {
     uint8_t label;     /* of the root; 0 is the background, and what no seed reaches */
     uint8_t direction; /* of the adjacency, from the predecessor to here; DIRECTION_NONE */
     uint8_t flags;     /* enum cell_flag */
-    uint8_t spare;
+    uint8_t heard; /* of a queued voxel: bit i where its neighbour in direction i has been served */
 };
 
 struct scene {

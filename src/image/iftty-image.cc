@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <new>
 #include <string>
@@ -20,6 +21,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 namespace
@@ -218,11 +220,24 @@ void write_image(const std::string &line)
     if (format == "tiff")
         spec.attribute("DateTime", "1970:01:01 00:00:00");
     add_notes(spec, format, notes);
+    /* The library does not look at what closing a file says, and so would not see that the disk was
+     * full; where it lets us hold the file, we look. (Its TIFF writer reports the failure by itself, and
+     * loses its directory when held.) */
+    std::unique_ptr<OIIO::Filesystem::IOFile> file;
+    if (format != "tiff" && out->supports("ioproxy")) {
+        file = std::make_unique<OIIO::Filesystem::IOFile>(path,
+                                                          OIIO::Filesystem::IOProxy::Write);
+        out->set_ioproxy(file.get());
+    }
     bool fine = out->open(path, spec) && out->write_image(OIIO::TypeUInt8, pixels.data());
     std::string words = fine ? std::string() : out->geterror();
     if (!out->close() && fine) {
         fine = false;
         words = out->geterror();
+    }
+    if (fine && file && (std::fflush(file->handle()) != 0 || std::ferror(file->handle()))) {
+        fine = false;
+        words = std::strerror(errno);
     }
     if (fine)
         tell("ok\n");

@@ -28,8 +28,7 @@ static enum err add_notes(struct picture *picture, const struct session *session
     return err;
 }
 
-enum err export_picture(struct picture *picture, const struct session *session,
-                        struct fault *fault)
+enum err export_picture(struct picture *picture, const struct session *session, struct fault *fault)
 {
     const struct rendition *r = &session->rendition;
     enum err err = picture_init(picture, r->width, r->height, true, fault);

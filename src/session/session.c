@@ -194,8 +194,7 @@ static void follow_forest(struct session *session)
     border_update(&session->border, &changes);
     if (session->rendered) {
         incremental_image(&session->rendition, &session->camera, &session->border, &changes);
-        shade(&session->rendition, &session->camera, &session->border,
-              &session->settings.palette);
+        shade(&session->rendition, &session->camera, &session->border, &session->settings.palette);
     }
 }
 
@@ -203,8 +202,8 @@ enum err session_run(struct session *session, struct fault *fault)
 {
     if (session->pendings == 0)
         return OK;
-    enum err err = forest_edit(session->forest, session->pending, session->pendings,
-                               session->watch, fault);
+    enum err err =
+        forest_edit(session->forest, session->pending, session->pendings, session->watch, fault);
     if (err)
         return err;
     session->pendings = 0; /* the edits stay in memory behind the end, for session_rollback */
@@ -213,13 +212,14 @@ enum err session_run(struct session *session, struct fault *fault)
     return OK;
 }
 
-static enum err use_adjacency(struct session *session, unsigned count, struct fault *fault)
+static enum err use_adjacency(struct session *session, unsigned count,
+                              const struct forest_watch *watch, struct fault *fault)
 {
     session->settings.adjacency = count;
     forest_set_adjacency(session->forest, count);
     weight_morph(session->scene, forest_adjacency(session->forest));
     session->weight_digest = weight_digest(session->scene);
-    enum err err = forest_rebuild(session->forest, session->watch, fault);
+    enum err err = forest_rebuild(session->forest, watch, fault);
     follow_forest(session);
     return err;
 }
@@ -229,7 +229,7 @@ enum err session_set_adjacency(struct session *session, unsigned count, struct f
     if (count == session->settings.adjacency)
         return OK;
     session->rebuilt_forest = true;
-    return use_adjacency(session, count, fault);
+    return use_adjacency(session, count, session->watch, fault);
 }
 
 /* ---- what is seen ---- */
@@ -260,14 +260,12 @@ enum err session_set_visible(struct session *session, uint8_t label, bool visibl
     return OK;
 }
 
-enum err session_render(struct session *session, enum render_mode mode, struct fault *fault)
+/* The rendition of the forest as it stands, whatever edits wait. */
+static enum err draw(struct session *session, enum render_mode mode, struct fault *fault)
 {
     const struct view *view = &session->settings.view;
-    enum err err = session_run(session, fault);
-    if (err)
-        return err;
     if (!session->has_rendition) {
-        err = rendition_init(&session->rendition, view->width, view->height, fault);
+        enum err err = rendition_init(&session->rendition, view->width, view->height, fault);
         if (err)
             return err;
         session->has_rendition = true;
@@ -286,6 +284,12 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
     return OK;
 }
 
+enum err session_render(struct session *session, enum render_mode mode, struct fault *fault)
+{
+    enum err err = session_run(session, fault);
+    return err ? err : draw(session, mode, fault);
+}
+
 /* ---- all or nothing ---- */
 
 void session_mark(struct session *session)
@@ -293,14 +297,15 @@ void session_mark(struct session *session)
     session->mark = session->settings;
     session->mark_pendings = session->pendings;
     session->mark_has_scene = session->has_scene;
+    session->mark_rendered = session->rendered;
     session->edited_forest = session->rebuilt_forest = false;
 }
 
 /*
  * A command either edits the forest or changes the adjacency, never both in a way that the order
  * matters: seeds are a set, so the inverse edit is right before or after the rebuild. What waited
- * for a run is still in `pending`, since session_run only sets the count to 0 and a command that runs
- * appends nothing afterwards.
+ * for a run is still in `pending`, since session_run only sets the count to 0 and a command that
+ * runs appends nothing afterwards.
  */
 void session_rollback(struct session *session)
 {
@@ -323,13 +328,15 @@ void session_rollback(struct session *session)
     if (session->edited_forest && forest_revert(session->forest, NULL) == OK)
         follow_forest(session);
     if (session->rebuilt_forest && adjacency != session->mark.adjacency)
-        use_adjacency(session, session->mark.adjacency, NULL);
+        use_adjacency(session, session->mark.adjacency, NULL, NULL); /* not to be cancelled again */
     if (shows_other) {
         memcpy(session->border.visible, session->mark.visible, sizeof session->border.visible);
         border_recount(&session->border);
     }
     if (redraws)
         session_set_view(session, &session->mark.view, NULL);
-    if (shows_other || recolours)
+    if (shows_other || recolours || !session->mark_rendered)
         session->rendered = false;
+    if (session->mark_rendered)
+        draw(session, RENDER_AS_KEPT, NULL);
 }

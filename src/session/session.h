@@ -62,7 +62,7 @@ struct session {
     /* For session_rollback: what the command at hand began with, and what it has done since. */
     struct settings mark;
     size_t mark_pendings;
-    bool mark_has_scene;
+    bool mark_has_scene, mark_rendered;
     bool edited_forest;  /* forest_revert takes it back */
     bool rebuilt_forest; /* by another adjacency: it is rebuilt under the former one */
 };

@@ -1,0 +1,131 @@
+# Helpers for the tests in shell: TAP, a folder that goes away, the program. Source it, with the
+# working folder at the top of the source: . tests/lib.sh
+#
+#     begin "name of the story"       starts a story
+#     fail "what is wrong"            notes a failure of it
+#     close_story                     prints "ok N - name" or "not ok N - name"
+#     finish                          prints the plan and exits
+
+LC_ALL=C
+export LC_ALL
+cd "$(dirname "$0")/.." || exit 1
+top=$(pwd)
+build=${IFTTY_BUILD:-build}
+case $build in /*) ;; *) build=$top/$build ;; esac
+iftty=$build/iftty
+work=$(mktemp -d "${TMPDIR:-/tmp}/iftty-test-XXXXXX") || exit 1
+trap 'chmod -R u+rwx "$work" 2>/dev/null; rm -rf "$work"' EXIT
+trap 'exit 1' HUP INT TERM
+
+story='' stories=0 bad_stories=0 failures=0
+
+begin() {
+    story=$1 failures=0
+}
+fail() {
+    failures=$((failures + 1))
+    printf '%s\n' "$*" | sed 's/^/# /'
+}
+close_story() {
+    stories=$((stories + 1))
+    if [ "$failures" = 0 ]; then
+        printf 'ok %d - %s\n' "$stories" "$story"
+    else
+        bad_stories=$((bad_stories + 1))
+        printf 'not ok %d - %s\n' "$stories" "$story"
+    fi
+}
+skip_story() { # name, why
+    stories=$((stories + 1))
+    printf 'ok %d - %s # SKIP %s\n' "$stories" "$1" "$2"
+}
+finish() {
+    printf '1..%d\n' "$stories"
+    [ "$bad_stories" = 0 ]
+    exit
+}
+
+# expect STATUS COMMAND...: runs it with standard output in $work/out, standard error in $work/err.
+# Standard input is that of the caller.
+expect() {
+    wanted=$1
+    shift
+    "$@" >"$work/out" 2>"$work/err"
+    got=$?
+    [ "$got" = "$wanted" ] && return 0
+    fail "status $got, expected $wanted: $*" "$(sed 3q "$work/err")"
+    return 1
+}
+expect_in() { # FOLDER STATUS COMMAND...
+    here=$(pwd)
+    cd "$1" || return
+    shift
+    expect "$@"
+    cd "$here" || exit 1
+}
+out_has() { # a fixed string on standard output of the last command
+    grep -qF -e "$1" "$work/out" || fail "no '$1' in the output:" "$(tail -n 4 "$work/out")"
+}
+err_has() {
+    grep -qF -e "$1" "$work/err" || fail "no '$1' in the errors:" "$(cat "$work/err")"
+}
+same() { # two texts
+    [ "$1" = "$2" ] || fail "'$1' is not '$2'"
+}
+same_files() {
+    cmp -s "$1" "$2" || fail "$1 differs from $2"
+}
+# The value of the last "KEY=" in a journal: last_word forest FILE
+last_word() {
+    tr ' ' '\n' <"$2" | sed -n "s/^$1=//p" | tail -n 1
+}
+
+# ---- files made by hand ----
+
+le16() { # little-endian, as printf escapes
+    printf '\\%03o\\%03o' $(($1 & 255)) $(($1 >> 8 & 255))
+}
+# nifti_header NX NY NZ [TYPE BITS]: the 352 bytes before the voxels; uint8 where no type is given
+nifti_header() {
+    {
+        printf '\134\001\000\000'
+        head -c 36 /dev/zero
+        # shellcheck disable=SC2059
+        printf "$(le16 3)$(le16 "$1")$(le16 "$2")$(le16 "$3")$(le16 1)$(le16 1)$(le16 1)$(le16 1)"
+        head -c 14 /dev/zero
+        # shellcheck disable=SC2059
+        printf "$(le16 "${4:-2}")$(le16 "${5:-8}")"
+        head -c 2 /dev/zero
+        printf '\000\000\200\077\000\000\200\077\000\000\200\077\000\000\200\077'
+        head -c 16 /dev/zero
+        printf '\000\000\260\103'
+        head -c 232 /dev/zero
+        printf 'n+1\000\000\000\000\000'
+    }
+}
+# make_scene FILE NX NY NZ: two blocks and a ball on a slope
+make_scene() {
+    {
+        nifti_header "$2" "$3" "$4"
+        awk -v nx="$2" -v ny="$3" -v nz="$4" 'BEGIN {
+            for (z = 0; z < nz; z++) for (y = 0; y < ny; y++) for (x = 0; x < nx; x++) {
+                v = 10 + x + 2 * y + (x > nx / 2 ? 60 : 0)
+                if ((x - nx / 4) ^ 2 + (y - ny / 2) ^ 2 + (z - nz / 2) ^ 2 < 16) v += 80
+                printf "%c", v } }'
+    } >"$1"
+}
+byte_at() { # FILE OFFSET
+    od -An -tu1 -j "$2" -N 1 "$1" | tr -d ' '
+}
+flip_byte() { # FILE OFFSET: the lowest bit of that byte
+    # shellcheck disable=SC2059
+    printf "\\$(printf %03o $(($(byte_at "$1" "$2") ^ 1)))" |
+        dd of="$1" bs=1 seek="$2" conv=notrunc 2>/dev/null
+}
+file_bytes() {
+    wc -c <"$1" | tr -d ' '
+}
+# All there is below a folder, with its content: equal listings, equal folders.
+listing() {
+    (cd "$1" && find . -type f -exec cksum {} + | sort -k 3; find . ! -type f | sort)
+}

@@ -1,0 +1,390 @@
+#!/bin/sh
+# Input that is wrong, hostile or too much: each ends with status 2 or 3, one line that says why,
+# nothing that a terminal would obey, and nothing new on the disk.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+mkdir field
+cd field || exit 1
+full=$work/full
+trap 'umount "$full" 2>/dev/null; rm -rf "$work"' EXIT
+
+esc=$(printf '\033')
+make_scene good.nii 24 20 16
+
+# No byte that a terminal obeys, line feeds apart.
+is_plain() {
+    [ "$(tr -cd '\000-\011\013-\037\177\233' <"$1" | wc -c)" -eq 0 ] || fail "control characters in $1: $(od -c "$1" | sed 4q)"
+}
+
+# refused STATUS WORDS COMMAND...: exactly one line of complaint, which holds WORDS
+refused() {
+    listing . >"$work/before"
+    refused_status=$1 words=$2
+    shift 2
+    expect "$refused_status" "$@"
+    # the report of a replay stands in lines that begin with #
+    [ "$(grep -vc '^#' "$work/err")" = 1 ] || fail "not one line from $*:" "$(sed 5q "$work/err")"
+    cat "$work/err" "$work/out" >"$work/both"
+    grep -qF -e "$words" "$work/both" || fail "no '$words' from $*:" "$(cat "$work/both")"
+    is_plain "$work/both"
+    [ "$(awk 'BEGIN { n = 0 } { if (length > n) n = length } END { print n }' "$work/err")" -lt 800 ] || fail "a very long line from $*"
+    listing . | cmp -s - "$work/before" || fail "left by $*:" "$(listing . | diff "$work/before" -)"
+}
+scene_refused() { # WORDS FILE: by each way to open one
+    refused 3 "$1" "$iftty" -c "open \"$2\""
+    refused 3 "$1" "$iftty" "$2" </dev/null
+    refused 3 "$1" "$iftty" -c 'open other.nii' --scene "$2"
+}
+
+# put FILE OFFSET BYTES-AS-PRINTF-ESCAPES
+put() {
+    # shellcheck disable=SC2059
+    printf "$3" | dd of="$1" bs=1 seek="$2" conv=notrunc 2>/dev/null
+}
+# variant NAME OFFSET BYTES: the good scene with other bytes in its header
+variant() {
+    cp good.nii "$1"
+    put "$1" "$2" "$3"
+}
+
+# ---- scenes ----
+
+begin "a good scene is fine"
+expect 0 "$iftty" -c 'open good.nii; info'
+gzip -nc good.nii >good.nii.gz
+expect 0 "$iftty" -c 'open good.nii.gz; info'
+close_story
+
+begin "scenes cut short"
+half=$(($(file_bytes good.nii.gz) / 2))
+head -c $half good.nii.gz >cut.nii.gz
+scene_refused "cut.nii.gz" cut.nii.gz
+head -c $(($(file_bytes good.nii.gz) - 4)) good.nii.gz >cut.nii.gz
+scene_refused "cut.nii.gz" cut.nii.gz
+for n in 0 1 2 10 347 351 352 1000 8031; do
+    head -c $n good.nii >cut.nii
+    scene_refused "cut.nii" cut.nii
+done
+head -c 12 good.nii.gz >cut.nii.gz
+scene_refused "cut.nii.gz" cut.nii.gz
+close_story
+
+begin "a flipped bit within a gzip"
+cp good.nii.gz flipped.nii.gz
+flip_byte flipped.nii.gz $half
+scene_refused "flipped.nii.gz" flipped.nii.gz
+cp good.nii.gz flipped.nii.gz
+flip_byte flipped.nii.gz $(($(file_bytes good.nii.gz) - 6))
+scene_refused "flipped.nii.gz" flipped.nii.gz
+close_story
+
+begin "headers that make no sense"
+variant h.nii 344 'xyz'
+scene_refused "h.nii" h.nii
+variant h.nii 0 '\001'
+scene_refused "h.nii" h.nii
+variant h.nii 40 '\011\000' # dim[0] of 9
+scene_refused "dim" h.nii
+variant h.nii 40 '\000\000'
+scene_refused "dim" h.nii
+variant h.nii 40 '\004\000\030\000\024\000\020\000\002\000' # a series
+scene_refused "h.nii" h.nii
+variant h.nii 42 '\000\000'
+scene_refused "dim" h.nii
+variant h.nii 42 '\377\377'
+scene_refused "dim" h.nii
+variant h.nii 42 '\377\177\377\177\377\177' # 32767 each way
+scene_refused "h.nii" h.nii
+variant h.nii 70 '\000\007' # complex numbers
+scene_refused "type" h.nii
+variant h.nii 108 '\000\000\300\177' # begins at NaN
+scene_refused "h.nii" h.nii
+variant h.nii 108 '\377\377\177\177' # begins far away
+scene_refused "h.nii" h.nii
+variant h.nii 80 '\000\000\300\177' # a spacing of NaN
+scene_refused "h.nii" h.nii
+close_story
+
+begin "a voxel that is no number"
+nifti_header 24 20 16 16 32 >nan.nii
+head -c $((24 * 20 * 16 * 4)) /dev/zero >>nan.nii
+expect 0 "$iftty" -c 'open nan.nii'
+put nan.nii 1000 '\000\000\300\177'
+scene_refused "nan.nii" nan.nii
+put nan.nii 1000 '\000\000\200\177' # infinite
+scene_refused "nan.nii" nan.nii
+close_story
+
+# In 400 MB of memory and a few seconds, where the sanitizers do not need more themselves.
+bounded() {
+    case $build in
+    *asan*) "$@" ;;
+    *) (
+        ulimit -v 400000
+        "$@"
+    ) ;;
+    esac
+}
+
+begin "a gzip that swells is not swallowed"
+{ nifti_header 24 20 16; head -c 300000000 /dev/zero; } | gzip -1 -n >bomb.nii.gz
+bounded "$iftty" -c 'open bomb.nii.gz' >"$work/out" 2>"$work/err"
+case $? in
+0) out_has '24x20x16 voxels' ;;
+3) err_has bomb.nii.gz ;;
+*) fail "it died: $(cat "$work/err")" ;;
+esac
+{ nifti_header 32767 32767 32767; head -c 30000000 /dev/zero; } | gzip -1 -n >bomb.nii.gz
+refused 3 "bomb.nii.gz" bounded "$iftty" -c 'open bomb.nii.gz'
+{ nifti_header 700 700 700; head -c 3000000 /dev/zero; } | gzip -1 -n >bomb.nii.gz # some 343 MB claimed
+refused 3 "bomb.nii.gz" bounded "$iftty" -c 'open bomb.nii.gz'
+le64() { # below 2^24
+    printf '\\%03o\\%03o\\%03o\\000\\000\\000\\000\\000' $(($1 & 255)) $(($1 >> 8 & 255)) $(($1 >> 16 & 255))
+}
+{
+    printf '\034\002\000\000n+2\000\r\n\032\n\002\000\010\000'
+    # shellcheck disable=SC2059
+    printf "$(le64 3)$(le64 60000)$(le64 60000)$(le64 60000)$(le64 1)$(le64 1)$(le64 1)$(le64 1)"
+    head -c 24 /dev/zero # intent parameters
+    for _ in 1 2 3 4 5 6 7 8; do printf '\000\000\000\000\000\000\360\077'; done
+    # shellcheck disable=SC2059
+    printf "$(le64 544)"
+    head -c 368 /dev/zero
+} >claims.nii
+same "$(file_bytes claims.nii)" 544
+refused 3 "claims.nii" bounded "$iftty" -c 'open claims.nii'
+{ cat claims.nii; head -c 3000000 /dev/zero; } | gzip -1 -n >bomb.nii.gz
+refused 3 "bomb.nii.gz" bounded "$iftty" -c 'open bomb.nii.gz'
+rm bomb.nii.gz
+close_story
+
+begin "what is no scene file at all"
+mkdir folder.nii folder.png
+mkfifo pipe.nii
+scene_refused "missing.nii" missing.nii
+refused 3 "folder.nii" "$iftty" -c 'open folder.nii'
+refused 3 "pipe.nii" timeout 5 "$iftty" -c 'open pipe.nii'
+refused 3 "/dev/zero" timeout 5 "$iftty" -c 'open /dev/zero'
+printf 'hello\n' >text.nii
+scene_refused "text.nii" text.nii
+head -c 50000 "$iftty" >program.nii
+scene_refused "program.nii" program.nii
+ln -s loop.nii loop.nii
+refused 3 "loop.nii" "$iftty" -c 'open loop.nii'
+refused 3 "a/b" "$iftty" -c "open good.nii/a/b"
+refused 3 "synth:geom" "$iftty" -c "open synth:geom:999"
+refused 3 "synth:" "$iftty" -c "open synth:"
+close_story
+
+# ---- commands ----
+
+begin "commands that are wrong, through the program"
+start='open good.nii; seed 1,1,1 1; run'
+refused 3 "0,0,0 to 23,19,15" "$iftty" -c "$start; seed 24,0,0 1"
+refused 3 "0,0,0 to 23,19,15" "$iftty" -c "$start; why -1,0,0"
+refused 2 "unknown command" "$iftty" -c "$start; exterminate"
+refused 2 "expected a label" "$iftty" -c "$start; seed 1,1,1 nobody"
+refused 2 "expected 6|26" "$iftty" -c "$start; adjacency 7"
+refused 2 "a word in quotes does not end" "$iftty" -c "$start; label 2 \"x"
+refused 3 "outside the picture" "$iftty" -c "$start; size 20 20; render; pick 20 3"
+close_story
+
+begin "lines that are too long, zero bytes, bytes of no language"
+{ printf 'open good.nii\n'; head -c 100000 /dev/zero | tr '\0' a; printf '\nseed 1,1,1 1\n'; } >script
+refused 2 "script:2: a command of more than 4096 bytes" "$iftty" run script
+{ printf 'open good.nii\nseed 1,1,1 1\000 2\n'; } >script
+refused 2 "script:2: " "$iftty" run script
+printf 'open good.nii\n\000\000\000\n' >script
+refused 2 "script:2: unknown command" "$iftty" run script
+printf 'open good.nii\n\377\376\n' >script
+refused 2 "unknown command \\xff\\xfe" "$iftty" run script
+head -c 100000 "$iftty" >script
+refused 2 "script:1: " "$iftty" run script
+for program in "replay script" "verify script" "run - --journal script"; do
+    # shellcheck disable=SC2086
+    listing . >"$work/before"
+    # shellcheck disable=SC2086
+    "$iftty" $program </dev/null >"$work/out" 2>"$work/err"
+    case $? in 1 | 2 | 3) ;; *) fail "$program: $(cat "$work/err")" ;; esac
+    is_plain "$work/out"
+    is_plain "$work/err"
+    [ "$(grep -vc '^#' "$work/err")" = 1 ] || fail "$program:" "$(cat "$work/err")"
+    listing . | cmp -s - "$work/before" || fail "left by $program"
+done
+rm script
+close_story
+
+# ---- journals ----
+
+begin "journals that are none"
+expect 0 "$iftty" -c "$start" --journal j.iftty
+printf '# iftty journal 2 semantics 1\n' >f.iftty
+refused 3 "f.iftty" "$iftty" run - --journal f.iftty </dev/null
+refused 3 "format" "$iftty" replay f.iftty
+printf '# iftty journal 1 semantics 2\n' >f.iftty
+refused 3 "version 2" "$iftty" run - --journal f.iftty </dev/null
+printf '# iftty journal one\n' >f.iftty
+refused 3 "f.iftty" "$iftty" run - --journal f.iftty </dev/null
+printf 'open good.nii\n' >f.iftty
+refused 3 "this is a script" "$iftty" run - --journal f.iftty </dev/null
+sed 2d j.iftty >f.iftty # a result without its command
+refused 3 "f.iftty" "$iftty" run - --journal f.iftty </dev/null
+refused 3 "record 1" "$iftty" replay f.iftty
+refused 3 "record 1" "$iftty" verify f.iftty
+refused 1 "record 1" "$iftty" log --check f.iftty # a check that failed
+{ cat j.iftty; printf 'seed 1,1,1 1\000\nrun\n'; cat j.iftty; } >f.iftty
+refused 3 "f.iftty" "$iftty" run - --journal f.iftty </dev/null
+{ cat j.iftty; head -c 70000 /dev/zero | tr '\0' a; printf '\n'; cat j.iftty; } >f.iftty
+refused 3 "f.iftty" "$iftty" run - --journal f.iftty </dev/null
+sed 's/seed 1,1,1 1/seed 2,1,1 1/' j.iftty >f.iftty
+refused 3 "record 2" "$iftty" run - --journal f.iftty </dev/null
+refused 3 "folder.nii" "$iftty" run - --journal folder.nii </dev/null
+refused 3 "/dev/zero" timeout 5 "$iftty" run - --journal /dev/zero </dev/null
+refused 3 "/dev/zero" timeout 5 "$iftty" replay /dev/zero
+refused 3 "folder.nii" "$iftty" log folder.nii
+close_story
+
+# ---- where nothing can be written ----
+
+begin "folders where nothing can be written"
+echo text >x.txt
+for place in x.txt/y none/y /proc/nonexistent/y /proc/y; do
+    refused 3 "$place.exr" "$iftty" -c "$start; render $place.exr"
+    refused 3 "$place.png" "$iftty" -c "$start; render $place.png"
+    refused 3 "$place.nii.gz" "$iftty" -c "$start; save labels $place.nii.gz"
+    refused 3 "$place.iftty" "$iftty" -c "$start" --journal "$place.iftty"
+done
+refused 3 "x.txt" "$iftty" -c "$start; render y.exr" --out x.txt
+refused 3 "none/out" "$iftty" -c "$start; render y.exr" --out none/out
+refused 3 "folder.nii" "$iftty" -c "$start; save labels folder.nii replace=yes"
+refused 3 "pipe.nii" "$iftty" -c "$start; save labels pipe.nii"
+refused 3 "loop.nii" "$iftty" -c "$start; save labels loop.nii"
+refused 2 ".txt" "$iftty" -c "$start; save labels labels.txt"
+refused 3 "picture.odd" "$iftty" -c "$start; render picture.odd"
+refused 3 "folder.png" "$iftty" -c "$start; render folder.png replace=yes"
+close_story
+
+# With files of at most N blocks of 512 bytes: the disk is as good as full.
+within() {
+    (
+        trap '' XFSZ
+        ulimit -f "$1"
+        shift
+        exec "$@"
+    )
+}
+seeds() { # many of them
+    echo 'open good.nii'
+    awk 'BEGIN { for (i = 0; i < 200; i++) print "seed " i % 24 "," i % 20 "," i % 16 " " i % 7; print "run" }'
+}
+# What was acknowledged before the disk was full is in the journal, and more can follow.
+holds_what_was_said() { # JOURNAL
+    sed -n 's/^ok [0-9]* //p' "$work/out" >"$work/said"
+    "$iftty" log --script "$1" >"$work/kept" || fail "log --script"
+    cmp -s "$work/said" "$work/kept" || fail "said and recorded differ:" "$(diff "$work/said" "$work/kept" | sed 4q)"
+    [ "$(wc -l <"$work/said")" -gt 5 ] || fail "only $(wc -l <"$work/said") commands were possible"
+    expect 0 "$iftty" verify "$1"
+    expect 0 "$iftty" -c 'seed 5,5,5 5; run' --journal "$1"
+    expect 0 "$iftty" verify "$1"
+}
+
+begin "files that may not grow: nothing is left of them"
+refused 3 "l.nii" within 4 "$iftty" -c "$start; save root l.nii"
+refused 3 "p.exr" within 4 "$iftty" -c "$start; size 300 300; view 30 20; render p.exr"
+refused 3 "p.png" within 4 "$iftty" -c "$start; size 500 500; view 30 20; seed 20,10,10 2; zoom 9; render p.png"
+cp good.nii l.nii
+refused 3 "l.nii" within 4 "$iftty" -c "$start; save root l.nii replace=yes"
+same_files l.nii good.nii
+close_story
+
+begin "a journal that may not grow: the command is undone, the rest is kept"
+seeds >"$work/seeds"
+expect 3 within 8 "$iftty" run "$work/seeds" --journal grown.iftty
+err_has "the command is undone, because it could not be recorded"
+same "$(wc -l <"$work/err" | tr -d ' ')" 1
+holds_what_was_said grown.iftty
+rm grown.iftty
+close_story
+
+mkdir "$full"
+if mount -t tmpfs -o size=64k tmpfs "$full" 2>/dev/null; then
+    begin "a full disk"
+    cp good.nii "$full"
+    cat /dev/zero >"$full/ballast" 2>/dev/null
+    cd "$full" || exit 1
+    refused 3 "l.nii" "$iftty" -c "$start; save root l.nii"
+    refused 3 "p.exr" "$iftty" -c "$start; size 300 300; seed 20,10,10 2; zoom 9; render p.exr"
+    refused 3 "p.png" "$iftty" -c "$start; size 300 300; seed 20,10,10 2; zoom 9; render p.png"
+    refused 3 "j.iftty" "$iftty" -c "$start" --journal j.iftty
+    head -c 45056 /dev/zero >ballast # 64k less two pages for the scene and three to write on
+    "$iftty" run "$work/seeds" --journal "$full/j.iftty" >"$work/out" 2>"$work/err"
+    same "$?" 3
+    err_has "No space left on device"
+    rm "$full/ballast"
+    holds_what_was_said j.iftty
+    cd "$work/field" || exit 1
+    umount "$full"
+    close_story
+else
+    skip_story "a full disk" "no file system can be mounted here"
+fi
+
+# ---- what a terminal would obey ----
+
+begin "escape sequences come out as text"
+bad="a${esc}[31mb${esc}]0;x$(printf '\007\233')"
+cp good.nii "$bad.nii"
+printf '%s' "$bad" | dd of="$bad.nii" bs=1 seek=148 conv=notrunc 2>/dev/null # descrip
+printf '%s' "$bad" | dd of="$bad.nii" bs=1 seek=328 conv=notrunc 2>/dev/null # intent_name
+plain() { # STATUS COMMAND...
+    expect "$@"
+    is_plain "$work/out"
+    is_plain "$work/err"
+}
+plain 0 "$iftty" -c "open \"$bad.nii\"; info; stats; seed 1,1,1 1; run; why 1,1,1; save labels \"$bad.out.nii\"; render \"$bad.exr\"; render \"$bad.png\""
+plain 3 "$iftty" -c "open \"$bad\""
+plain 2 "$iftty" -c "$bad"
+plain 2 "$iftty" -c "open good.nii; label 2 $bad"
+plain 2 "$iftty" -c "open good.nii; label 2 x $bad"
+plain 2 "$iftty" -c "open good.nii; seed $bad 1"
+plain 2 "$iftty" -c "open good.nii; seed 1,1,1 $bad"
+plain 2 "$iftty" -c "open good.nii; seed 1,1,1 1 $bad"
+plain 2 "$iftty" -c "open good.nii; view $bad"
+plain 2 "$iftty" -c "open good.nii; zoom $bad"
+plain 2 "$iftty" -c "open good.nii; adjacency $bad"
+plain 2 "$iftty" -c "help $bad"
+plain 2 "$iftty" -c "golden $bad"
+plain 3 "$iftty" -c "open good.nii; render \"$bad/x.png\""
+plain 2 "$iftty" help "$bad"
+plain 2 "$iftty" "--$bad"
+plain 2 "$iftty" --graphics "$bad" run x
+plain 2 "$iftty" bench "$bad"
+for program in run replay verify log "log --check"; do
+    # shellcheck disable=SC2086
+    plain 3 "$iftty" $program "$bad.missing"
+done
+plain 3 "$iftty" "$bad.missing" </dev/null
+plain 0 "$iftty" -c "open good.nii; seed 1,1,1 1; info" --journal "$bad.iftty"
+plain 0 "$iftty" replay "$bad.iftty"
+plain 0 "$iftty" verify "$bad.iftty"
+printf '# %s\nopen good.nii\n%s\n' "$bad" "$bad" >"$bad.script"
+plain 2 "$iftty" run "$bad.script"
+plain 2 "$iftty" run "$bad.script" --journal c.iftty
+plain 0 "$iftty" log --script "$bad.script"
+plain 0 "$iftty" log "$bad.script"
+for line in "seed 1,1,1 $bad" "$bad" "label 2 $bad" "open $bad"; do
+    { sed -n 1,3p j.iftty; printf '# %s\n%s\n= 2 a=%s chain=%s\n' "$bad" "$line" "$bad" 0123456789abcdef0123456789abcdef; } >e.iftty
+    for program in replay verify log "log --check" "log --script" "run - --journal"; do
+        # shellcheck disable=SC2086
+        "$iftty" $program e.iftty </dev/null >"$work/out" 2>"$work/err"
+        case $? in 0 | 1 | 2 | 3) ;; *) fail "$program: $(cat "$work/err")" ;; esac
+        is_plain "$work/out"
+        is_plain "$work/err"
+    done
+    { sed -n 1,3p j.iftty; printf '%s' "$bad"; } >e.iftty # torn
+    "$iftty" run - --journal e.iftty </dev/null >"$work/out" 2>"$work/err" || fail "torn: $(cat "$work/err")"
+    is_plain "$work/err"
+done
+close_story
+
+finish

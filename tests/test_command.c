@@ -1,0 +1,1061 @@
+/*
+ * The language: every command of the table by its example, by random lines, by lines that are
+ * wrong; and the one door, which takes back what it cannot record.
+ */
+#include <errno.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/safe.h"
+#include "command/drive.h"
+#include "image/nifti.h"
+#include "tests/check.h"
+
+/* ---- a small scene, a desk ---- */
+
+static char folder[] = "/tmp/iftty-command-XXXXXX";
+static const uint32_t size[3] = {12, 11, 10};
+static const double to_mm[3][4] = {{-1, 0, 0, 5.5}, {0, 1.5, 0, -20}, {0, 0.25, 2, 7}};
+
+static const char *place(const char *name)
+{
+    static char path[4][PATH_MAX];
+    static unsigned next;
+    char *at = path[next++ % 4];
+    snprintf(at, PATH_MAX, "%s/%s", folder, name);
+    return at;
+}
+
+/* Three blocks on a slope, so that trees have something to climb. */
+static void scene_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    uint8_t *at = values;
+    (void)context;
+    for (uint32_t x = 0; x < size[0]; x++)
+        *at++ = (uint8_t)(3 * x + 2 * y + z + (x > 5 ? 60 : 0) + (y > 6 && z > 4 ? 90 : 0));
+}
+
+static void make_scene(void)
+{
+    const double spacing[3] = {1, 1.5, 2};
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
+    geometry_place_plain(&geometry, spacing);
+    CHECK(geometry_place(&geometry, to_mm));
+    CHECK(nifti_write(place("scene.nii"), FILE_REPLACE, size, &geometry, NIFTI_UINT8, "test",
+                      scene_row, NULL, NULL) == OK);
+}
+
+static struct reply reply;
+static struct fault fault;
+
+static enum err execute(struct desk *desk, const char *line)
+{
+    fault = (struct fault){.text = ""};
+    return desk_execute(desk, line, &reply, &fault);
+}
+
+static void must(struct desk *desk, const char *line)
+{
+    if (!CHECK(execute(desk, line) == OK))
+        printf("#   %s: %s\n", line, fault.text);
+}
+
+/* The helper lies above the folder of the test programs. */
+static void begin_desk(struct desk *desk)
+{
+    char program[PATH_MAX];
+    ssize_t n = readlink("/proc/self/exe", program, sizeof program - 32);
+    CHECK(desk_init(desk, NULL) == OK && n > 0);
+    program[n > 0 ? n : 0] = '\0';
+    for (int up = 0; up < 2 && strrchr(program, '/'); up++)
+        *strrchr(program, '/') = '\0';
+    strcat(program, "/iftty-image");
+    image_helper_free(desk->helper);
+    CHECK(image_helper_new(&desk->helper, program, NULL) == OK);
+}
+
+static void begin_with_scene(struct desk *desk)
+{
+    char line[PATH_MAX + 8];
+    begin_desk(desk);
+    snprintf(line, sizeof line, "open %s", place("scene.nii"));
+    must(desk, line);
+    must(desk, "label 2 cerebellum #40c060");
+    must(desk, "label 0 background");
+}
+
+/* One line, nothing that a terminal obeys. */
+static bool is_plain(const char *text)
+{
+    size_t left = strlen(text);
+    while (left) {
+        size_t n = safe_character(text, left);
+        if (n == 0)
+            return false;
+        text += n;
+        left -= n;
+    }
+    return true;
+}
+
+/* ---- the table ---- */
+
+STORY(the_table_is_in_order)
+{
+    for (unsigned i = 0; i < command_count; i++) {
+        const struct command *c = &command_table[i];
+        CHECK(command_find(c->name) == c); /* so names differ */
+        CHECK(*c->summary && *c->example && c->act);
+        CHECK(strncmp(c->example, c->name, strlen(c->name)) == 0);
+        if (c->flags & (COMMAND_EDITS | COMMAND_WRITES))
+            CHECK(c->flags & COMMAND_RECORDED);
+        bool may = false;
+        for (int p = 0; p < PARAMETERS_MOST && c->parameter[p].type; p++) {
+            const struct parameter *q = &c->parameter[p];
+            if (!q->keyed) {
+                CHECK(!may || q->optional); /* what may be left out stands last */
+                may |= q->optional;
+            }
+            CHECK(q->optional || !q->keyed);
+            CHECK(q->least <= q->most);
+            CHECK((q->type == PARAMETER_CHOICE) == (q->choices != NULL));
+        }
+    }
+}
+
+static void canonical(struct buf *out, const char *line, const struct session *session)
+{
+    struct call call;
+    buf_clear(out);
+    if (!CHECK(command_parse(&call, line, session, &fault) == OK)) {
+        printf("#   %s: %s\n", line, fault.text);
+        return;
+    }
+    command_write(out, &call);
+    call_release(&call);
+}
+
+STORY(every_example_parses_and_its_canonical_form_is_its_own)
+{
+    struct desk desk;
+    struct buf once = {0}, twice = {0};
+    begin_desk(&desk);
+    must(&desk, "open synth:geom");
+    for (unsigned i = 0; i < command_count; i++) {
+        canonical(&once, command_table[i].example, &desk.session);
+        canonical(&twice, buf_text(&once), &desk.session);
+        CHECK_TEXT(buf_text(&twice), buf_text(&once));
+        CHECK_TEXT(buf_text(&once), command_table[i].example);
+    }
+    buf_release(&once);
+    buf_release(&twice);
+    desk_release(&desk);
+}
+
+/* What stands for a parameter in help. */
+static const char *form_of(const struct parameter *p)
+{
+    switch (p->type) {
+    case PARAMETER_POSITION:
+        return "X,Y,Z";
+    case PARAMETER_CHOICE:
+        return p->choices;
+    case PARAMETER_COLOUR:
+        return "#rrggbb";
+    case PARAMETER_VIEW:
+        return "left|right|top|bottom|YAW";
+    case PARAMETER_ZOOM:
+        return "fit|FACTOR";
+    default:
+        return p->name;
+    }
+}
+
+STORY(help_names_every_command_and_parameter)
+{
+    struct buf all = {0}, one = {0};
+    command_help(&all, NULL);
+    for (unsigned i = 0; i < command_count; i++) {
+        const struct command *c = &command_table[i];
+        char start[64];
+        snprintf(start, sizeof start, "\n%s", c->name);
+        CHECK(strncmp(buf_text(&all), c->name, strlen(c->name)) == 0 ||
+              strstr(buf_text(&all), start));
+        CHECK_HAS(buf_text(&all), c->summary);
+        buf_clear(&one);
+        command_help(&one, c);
+        CHECK_HAS(buf_text(&one), c->example);
+        for (int p = 0; p < PARAMETERS_MOST && c->parameter[p].type; p++) {
+            CHECK_HAS(buf_text(&one), form_of(&c->parameter[p]));
+            CHECK_HAS(buf_text(&all), form_of(&c->parameter[p]));
+            if (c->parameter[p].keyed)
+                CHECK_HAS(buf_text(&one), c->parameter[p].name);
+        }
+    }
+    buf_release(&all);
+    buf_release(&one);
+}
+
+/* ---- random lines that are right ---- */
+
+static uint64_t seed;
+static uint32_t below(uint32_t bound)
+{
+    return check_below(&seed, bound);
+}
+
+static void add_decimal(struct buf *out, const struct parameter *p)
+{
+    int64_t n = p->least + (int64_t)(check_random(&seed) % (uint64_t)(p->most - p->least + 1));
+    if (below(3) == 0)
+        n = n / 1000 * 1000 >= p->least ? n / 1000 * 1000 : n;
+    int64_t whole = llabs(n) / 1000, rest = llabs(n) % 1000;
+    buf_printf(out, "%s%lld", n < 0 ? "-" : "", (long long)whole);
+    if (rest || below(2))
+        buf_printf(out, ".%03lld%s", (long long)rest, below(2) ? "00" : "");
+}
+
+/* A word of odd characters, in quotes where it must be and at times where it need not. */
+static void add_word(struct buf *out)
+{
+    static const char *const piece[] = {"a",  "Z",  "7",  ".",        "/", "-", "_", " ",
+                                        "\"", "\\", "\t", "\xc3\xa9", "#", "=", ";", "'"};
+    char word[64] = "w";
+    bool must_quote = below(4) == 0;
+    for (uint32_t i = below(12); i > 0; i--)
+        strcat(word, piece[below(sizeof piece / sizeof piece[0])]);
+    must_quote |= strpbrk(word, " \t") != NULL;
+    if (!must_quote) {
+        buf_add_text(out, word);
+        return;
+    }
+    buf_add_char(out, '"');
+    for (const char *at = word; *at; at++) {
+        if (*at == '"' || *at == '\\')
+            buf_add_char(out, '\\');
+        buf_add_char(out, *at);
+    }
+    buf_add_char(out, '"');
+}
+
+static void add_choice(struct buf *out, const char *choices)
+{
+    uint32_t n = 1;
+    for (const char *at = choices; *at; at++)
+        n += *at == '|';
+    for (n = below(n); n > 0; n--)
+        choices = strchr(choices, '|') + 1;
+    buf_add(out, choices, strcspn(choices, "|"));
+}
+
+static void add_position(struct buf *out)
+{
+    uint32_t v[3] = {below(size[0]), below(size[1]), below(size[2])};
+    double mm[3];
+    for (int i = 0; i < 3; i++)
+        mm[i] = to_mm[i][0] * v[0] + to_mm[i][1] * v[1] + to_mm[i][2] * v[2] + to_mm[i][3];
+    if (below(2))
+        buf_printf(out, "%u,%u,%u", v[0], v[1], v[2]);
+    else
+        buf_printf(out, "%.3f,%.2f,%.4fmm", mm[0], mm[1], mm[2]);
+}
+
+static void add_value(struct buf *out, const struct parameter *p)
+{
+    switch (p->type) {
+    case PARAMETER_POSITION:
+        add_position(out);
+        break;
+    case PARAMETER_LABEL:
+        if (below(4) == 0)
+            buf_add_text(out, "cerebellum");
+        else
+            buf_printf(out, "%u", (uint32_t)p->least + below(256 - (uint32_t)p->least));
+        break;
+    case PARAMETER_NUMBER:
+        buf_printf(out, "%lld",
+                   (long long)p->least + (long long)below((uint32_t)(p->most - p->least + 1)));
+        break;
+    case PARAMETER_DECIMAL:
+        add_decimal(out, p);
+        break;
+    case PARAMETER_CHOICE:
+        add_choice(out, p->choices);
+        break;
+    case PARAMETER_VIEW:
+        if (below(2))
+            add_choice(out, "front|back|left|right|top|bottom");
+        else
+            add_decimal(out, p);
+        break;
+    case PARAMETER_ZOOM:
+        if (below(4) == 0)
+            buf_add_text(out, "fit");
+        else
+            add_decimal(out, p);
+        break;
+    case PARAMETER_COLOUR:
+        buf_printf(out, "#%06x", below(1u << 24));
+        break;
+    case PARAMETER_COMMAND:
+        buf_add_text(out, command_table[below(command_count)].name);
+        break;
+    default:
+        add_word(out);
+    }
+}
+
+static void random_line(struct buf *out, const struct command *command)
+{
+    struct buf keyed[PARAMETERS_MOST] = {{0}};
+    buf_clear(out);
+    for (uint32_t n = below(3); n > 0; n--)
+        buf_add_text(out, below(2) ? " " : "\t");
+    buf_add_text(out, command->name);
+    bool ended = false; /* what is left out ends those in order */
+    for (int i = 0; i < PARAMETERS_MOST && command->parameter[i].type; i++) {
+        const struct parameter *p = &command->parameter[i];
+        bool given = !p->optional || below(2);
+        if (p->keyed && given) {
+            buf_printf(&keyed[i], "%s=", p->name);
+            add_value(&keyed[i], p);
+        }
+    }
+    for (int i = 0; i < PARAMETERS_MOST && command->parameter[i].type; i++) {
+        const struct parameter *p = &command->parameter[i];
+        for (int k = 0; k < PARAMETERS_MOST; k++)
+            if (keyed[k].length && below(3) == 0) {
+                buf_printf(out, " %s", buf_text(&keyed[k]));
+                buf_clear(&keyed[k]);
+            }
+        ended |= p->optional && !p->keyed && below(2);
+        if (p->keyed || ended)
+            continue;
+        buf_add_text(out, below(5) ? " " : " \t ");
+        add_value(out, p);
+    }
+    for (int k = 0; k < PARAMETERS_MOST; k++) {
+        if (keyed[k].length)
+            buf_printf(out, " %s", buf_text(&keyed[k]));
+        buf_release(&keyed[k]);
+    }
+    for (uint32_t n = below(3); n > 0; n--)
+        buf_add_char(out, ' ');
+}
+
+static bool same_values(const struct call *a, const struct call *b)
+{
+    bool same = a->command == b->command;
+    for (int i = 0; i < PARAMETERS_MOST; i++) {
+        const struct value *x = &a->value[i], *y = &b->value[i];
+        same &= x->given == y->given && x->number == y->number && !x->text == !y->text &&
+                memcmp(x->place, y->place, sizeof x->place) == 0;
+        if (x->text && y->text)
+            same &= strcmp(x->text, y->text) == 0;
+    }
+    return same;
+}
+
+STORY(a_random_line_and_its_canonical_form_mean_the_same)
+{
+    struct desk desk;
+    struct buf line = {0}, once = {0}, twice = {0};
+    begin_with_scene(&desk);
+    seed = 1;
+    for (unsigned i = 0; i < 40000 && check_failures < 5; i++) {
+        struct call first, second;
+        random_line(&line, &command_table[i % command_count]);
+        if (!CHECK(command_parse(&first, buf_text(&line), &desk.session, &fault) == OK)) {
+            printf("#   %s: %s\n", buf_text(&line), fault.text);
+            continue;
+        }
+        buf_clear(&once);
+        command_write(&once, &first);
+        if (CHECK(command_parse(&second, buf_text(&once), &desk.session, &fault) == OK)) {
+            buf_clear(&twice);
+            command_write(&twice, &second);
+            CHECK_TEXT(buf_text(&twice), buf_text(&once));
+            CHECK(same_values(&first, &second));
+            call_release(&second);
+        } else {
+            printf("#   %s: %s\n", buf_text(&once), fault.text);
+        }
+        call_release(&first);
+    }
+    buf_release(&line);
+    buf_release(&once);
+    buf_release(&twice);
+    desk_release(&desk);
+}
+
+/* ---- positions ---- */
+
+STORY(millimetres_lead_to_the_nearest_voxel)
+{
+    static const struct {
+        const char *line, *canonical;
+    } row[] = {
+        {"seed 0,0,0 1", "seed 0,0,0 1"},
+        {"seed 5.5,-20,7mm 1", "seed 0,0,0 1"},
+        {"seed 2.5,-14,18mm 1", "seed 3,4,5 1"}, /* z = 0.25*4 + 2*5 + 7 */
+        {"seed 2.9,-13.5,17.6mm 1", "seed 3,4,5 1"},
+        {"seed -5.5,-5,27.5mm 2", "seed 11,10,9 2"},
+        {"remove -5.5,-5,27.5mm", "remove 11,10,9"},
+        {"why 3.000,4.0,5", "why 3,4,5"},
+    };
+    static const char *const outside[] = {
+        "seed 12,0,0 1",      "seed 0,11,0 1",       "seed 0,0,10 1", "seed -1,0,0 1",
+        "seed 6.1,-20,7mm 1", "seed 999999,0,0mm 1", "why 900000,0,0"};
+    struct desk desk;
+    struct buf out = {0};
+    struct call call;
+    begin_with_scene(&desk);
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        canonical(&out, row[i].line, &desk.session);
+        CHECK_TEXT(buf_text(&out), row[i].canonical);
+    }
+    for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++) {
+        CHECK(command_parse(&call, outside[i], &desk.session, &fault) == ERR_INPUT);
+        CHECK_HAS(fault.text, "lies outside the scene, whose voxels are 0,0,0 to 11,10,9");
+        CHECK_HAS(fault.text, "nothing has changed");
+    }
+    buf_release(&out);
+    desk_release(&desk);
+}
+
+/* ---- lines that are wrong ---- */
+
+/* All of a session that commands can change. */
+struct snapshot {
+    uint64_t forest, labels, scene, weights, picture;
+    size_t seeds, pendings, border, acknowledged, records;
+    struct edit pending[64];
+    struct settings settings;
+    bool has_scene, rendered;
+};
+
+static void take_snapshot(struct snapshot *s, const struct desk *desk)
+{
+    const struct session *session = &desk->session;
+    memset(s, 0, sizeof *s);
+    s->has_scene = session->has_scene;
+    s->rendered = session->rendered;
+    memcpy(&s->settings, &session->settings, sizeof s->settings);
+    s->pendings = session->pendings;
+    s->acknowledged = desk->acknowledged;
+    s->records = desk->journal ? journal_count(desk->journal) : 0;
+    for (size_t i = 0; i < session->pendings && i < 64; i++) {
+        s->pending[i].cell = session->pending[i].cell;
+        s->pending[i].label = session->pending[i].label;
+    }
+    if (!session->has_scene)
+        return;
+    s->scene = session->scene_digest;
+    s->weights = session->weight_digest;
+    s->forest = forest_digest(session->forest);
+    s->labels = forest_label_digest(session->forest);
+    s->seeds = forest_seeds(session->forest);
+    s->border = border_count(&session->border);
+    s->picture = session->rendered ? rendition_digest(&session->rendition) : 0;
+    CHECK(forest_check(session->forest, NULL));
+    CHECK(border_check(&session->border, NULL));
+}
+
+static void is_as_before(const struct snapshot *before, const struct desk *desk, const char *line)
+{
+    struct snapshot now;
+    unsigned failures = check_failures;
+    take_snapshot(&now, desk);
+    CHECK(now.has_scene == before->has_scene);
+    CHECK(now.scene == before->scene);
+    CHECK(now.weights == before->weights);
+    CHECK(now.forest == before->forest);
+    CHECK(now.labels == before->labels);
+    CHECK(now.seeds == before->seeds);
+    CHECK(now.border == before->border);
+    CHECK(now.rendered == before->rendered);
+    CHECK(now.picture == before->picture);
+    CHECK(now.acknowledged == before->acknowledged);
+    CHECK(now.records == before->records);
+    CHECK(memcmp(&now.settings, &before->settings, sizeof now.settings) == 0);
+    CHECK(now.pendings == before->pendings);
+    CHECK(memcmp(now.pending, before->pending, sizeof now.pending) == 0);
+    if (check_failures > failures)
+        printf("#   after %s\n", line);
+}
+
+static void is_refused(struct desk *desk, const char *line, const char *words)
+{
+    struct snapshot before;
+    take_snapshot(&before, desk);
+    enum err err = execute(desk, line);
+    if (!CHECK(err != OK))
+        printf("#   %s\n", line);
+    CHECK_HAS(fault.text, words);
+    CHECK(fault.code == err);
+    CHECK(err_exit_status(err) == 2 || err_exit_status(err) == 3);
+    CHECK(is_plain(fault.text));
+    is_as_before(&before, desk, line);
+}
+
+STORY(a_wrong_line_is_told_what_was_expected)
+{
+    static const struct {
+        const char *line, *words;
+    } row[] = {
+        {"sed 1,1,1 1", "unknown command sed; `help` lists them"},
+        {"Seed 1,1,1 1", "unknown command Seed"},
+        {"\"\"", "unknown command"},
+        {"= 1", "unknown command ="},
+        {"seed 1,1,1 liver", "LABEL: expected a label 0..255 or the name of one, not liver"},
+        {"seed 1,1,1 256", "expected a label 0..255"},
+        {"seed 1,1,1 -1", "expected a label 0..255"},
+        {"seed 1,1,1 1x", "not 1x"},
+        {"hide 0", "expected a label 1..255"},
+        {"hide background", "expected a label 1..255"},
+        {"adjacency 18", "COUNT: expected 6|26, not 18"},
+        {"auto yes", "STATE: expected on|off, not yes"},
+        {"auto o", "STATE: expected on|off, not o"},
+        {"weight paint", "KIND: expected "},
+        {"render mode=fast", "mode: expected sp|bp|ii|ray, not fast"},
+        {"render mode=", "not nothing"},
+        {"render mode=sp|bp", "expected sp|bp|ii|ray"},
+        {"save maps x.nii", "labels|cost|root|border"},
+        {"seed 1,1,1", "missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..32]"},
+        {"seed", "missing: PLACE"},
+        {"save labels", "missing: FILE"},
+        {"run now", "one word too many: now; usage: run"},
+        {"seed 1,1,1 1 2", "one word too many: 2"},
+        {"seed 1,1,1 1 size=2", "one word too many: size=2"},
+        {"view 1 2 3 4", "one word too many: 4"},
+        {"label 2 \"a b", "a word in quotes does not end"},
+        {"label 2 \"a\"b", "a word in quotes does not end"},
+        {"label 2 \"a\\\"", "a word in quotes does not end"},
+        {"\"", "a word in quotes does not end"},
+        {"label 2 \"\"", "NAME: expected a word, not nothing"},
+        {"seed 1,1,1 1 radius=33", "radius: expected a number 0..32, not 33"},
+        {"seed 1,1,1 1 radius=-1", "radius: expected a number 0..32, not -1"},
+        {"seed 1,1,1 1 radius=99999999999999999999", "expected a number 0..32"},
+        {"seed 1,1,1 1 radius=1 radius=2", "given twice: radius=2"},
+        {"zoom 64.001", "FACTOR: expected a number 0.01..64 with at most three decimals"},
+        {"zoom 0.009", "FACTOR: expected a number 0.01..64"},
+        {"zoom nan", "FACTOR: expected a number"},
+        {"zoom 1e3", "FACTOR: expected a number"},
+        {"size 0 5", "WIDTH: expected a number 1..8192, not 0"},
+        {"size 5 8193", "HEIGHT: expected a number 1..8192"},
+        {"turn 3600.001", "YAW: expected a number -3600..3600"},
+        {"turn 1.2345", "at most three decimals"},
+        {"view sideways", "YAW: expected a number"},
+        {"seed 1.5,1,1 1", "expected whole voxel indices, or mm at the end"},
+        {"seed 1,1 1", "X,Y,Z (voxel indices) or X,Y,Zmm (world)"},
+        {"seed 1,1,1,1 1", "X,Y,Z (voxel indices)"},
+        {"seed 1, 1, 1 1", "X,Y,Z (voxel indices)"},
+        {"seed 1,1,1cm 1", "X,Y,Z (voxel indices)"},
+        {"label 2 x #12345", "#rrggbb"},
+        {"label 2 x #12345G", "#rrggbb"},
+        {"label 2 x #1234567", "#rrggbb"},
+        {"label 3 9lives", "begins with a letter"},
+        {"label 3 a=b", "begins with a letter"},
+        {"label 3 \"a b\"", "begins with a letter"},
+        {"label 3 a\x1b[31m", "a\\x1b[31m"},
+        {"label 3 abcdefghijklmnopqrstuvwxyzabcdef", "at most 31 bytes"},
+        {"label 3 cerebellum", "label 2 is already called cerebellum"},
+        {"help nothing", "there is no command nothing"},
+        {"view left 3", "a named view takes no angles"},
+        {"golden front", "a golden image belongs to a journal"},
+        {"golden ../front", "small letters"},
+        {"pick 0 0", "`render` first"},
+        {"remove 1,1,1", "no seed reaches it"},
+        {"open elsewhere.nii", "there is no scene elsewhere.nii here"},
+        {"open synth:geom", "a scene is open already"},
+        {"render missing-folder/x.exr", "there is no folder"},
+        {"\x1b]0;title\x07", "\\x1b]0;title\\x07"},
+    };
+    struct desk desk;
+    begin_with_scene(&desk);
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
+        is_refused(&desk, row[i].line, row[i].words);
+    char *lengthy = malloc(100001);
+    if (CHECK(lengthy != NULL)) {
+        memset(lengthy, 'a', 100000);
+        lengthy[100000] = '\0';
+        is_refused(&desk, lengthy, "more than 4096 bytes");
+        lengthy[4000] = '\0';
+        is_refused(&desk, lengthy, "unknown command aaaa");
+    }
+    free(lengthy);
+    desk_release(&desk);
+}
+
+STORY(without_a_scene_only_what_needs_none_works)
+{
+    struct desk desk;
+    begin_desk(&desk);
+    for (unsigned i = 0; i < command_count; i++) {
+        const struct command *c = &command_table[i];
+        if (c->flags & COMMAND_NEEDS_SCENE)
+            is_refused(&desk, c->example, "scene");
+    }
+    is_refused(&desk, "seed 1,1,1 1", "no scene is open; open one first");
+    is_refused(&desk, "run", "run needs a scene; open one first");
+    is_refused(&desk, "open synth:geom:333", "each of X, Y, Z 1 or 2");
+    is_refused(&desk, "open synth:cube", "nothing was opened");
+    must(&desk, "label 1 liver");
+    must(&desk, "auto on");
+    must(&desk, "info");
+    CHECK_HAS(buf_text(&reply.text), "no scene is open");
+    must(&desk, "help seed");
+    CHECK_HAS(buf_text(&reply.text), "radius=0..32");
+    must(&desk, "quit");
+    CHECK(desk.finished);
+    desk_release(&desk);
+}
+
+STORY(comments_and_empty_lines_do_nothing)
+{
+    static const char *const line[] = {"", "   ", "\t", "# seed 1,1,1 1", "  # x", "#"};
+    struct desk desk;
+    begin_with_scene(&desk);
+    for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
+        struct snapshot before;
+        take_snapshot(&before, &desk);
+        CHECK(execute(&desk, line[i]) == OK);
+        CHECK_INT(reply.canonical.length, 0);
+        is_as_before(&before, &desk, line[i]);
+    }
+    desk_release(&desk);
+}
+
+/* Words of the language and bytes of no language, mixed. */
+static void garbage(char *out, size_t capacity)
+{
+    size_t n = 0;
+    for (uint32_t pieces = below(12); pieces > 0; pieces--) {
+        const struct command *c = &command_table[below(command_count)];
+        uint32_t kind = below(6);
+        char piece[80];
+        if (kind == 0)
+            snprintf(piece, sizeof piece, "%s", c->name);
+        else if (kind == 1)
+            snprintf(piece, sizeof piece, "%.70s", c->example);
+        else if (kind == 2 && c->parameter[2].type)
+            snprintf(piece, sizeof piece, "%s=%d", c->parameter[2].name, (int)below(99) - 9);
+        else if (kind == 3)
+            snprintf(piece, sizeof piece, "%d,%d,%dmm", (int)below(99) - 9, (int)below(9),
+                     (int)below(1u << 30));
+        else
+            for (size_t k = below(20), i = (piece[k] = '\0', 0); i < k; i++)
+                piece[i] = (char)(1 + below(255));
+        n += (size_t)snprintf(out + n, capacity - n, "%s%s", piece, below(2) ? " " : "");
+    }
+    if (n && below(3) == 0)
+        out[below((uint32_t)n)] = (char)(1 + below(255));
+    out[n] = '\0';
+}
+
+STORY(garbage_is_parsed_or_refused_in_one_plain_line)
+{
+    struct desk desk;
+    struct buf once = {0}, twice = {0};
+    char line[2048];
+    unsigned parsed = 0;
+    begin_with_scene(&desk);
+    seed = 2;
+    for (unsigned i = 0; i < 30000 && check_failures < 5; i++) {
+        struct call call;
+        line[0] = '\0';
+        garbage(line, sizeof line);
+        fault = (struct fault){.text = ""};
+        if (command_parse(&call, line, &desk.session, &fault) != OK) {
+            CHECK(fault.text[0] != '\0' && is_plain(fault.text) && fault.code != OK);
+        } else if (call.command) {
+            parsed++;
+            buf_clear(&once);
+            command_write(&once, &call);
+            canonical(&twice, buf_text(&once), &desk.session);
+            CHECK_TEXT(buf_text(&twice), buf_text(&once));
+            call_release(&call);
+        } else {
+            call_release(&call);
+        }
+        buf_clear(&once);
+        size_t start = 0, cursor = below((uint32_t)strlen(line) + 1);
+        command_complete(&once, &start, line, cursor, &desk.session);
+        CHECK(start <= cursor);
+    }
+    CHECK(parsed > 300); /* or the mixture tests nothing */
+    buf_release(&once);
+    buf_release(&twice);
+    desk_release(&desk);
+}
+
+/* ---- completion ---- */
+
+static void completes(const struct desk *desk, const char *line, const char *expected,
+                      size_t expected_start)
+{
+    struct buf out = {0};
+    size_t start = 99;
+    command_complete(&out, &start, line, strlen(line), &desk->session);
+    CHECK_TEXT(buf_text(&out), expected);
+    CHECK_INT(start, expected_start);
+    buf_release(&out);
+}
+
+STORY(completion_offers_what_may_stand_there)
+{
+    struct desk desk;
+    struct buf out = {0}, names = {0};
+    size_t start;
+    begin_with_scene(&desk);
+    must(&desk, "label 7 cortex");
+    command_complete(&out, &start, "", 0, &desk.session);
+    for (unsigned i = 0; i < command_count; i++)
+        buf_printf(&names, "%s\n", command_table[i].name);
+    CHECK_TEXT(buf_text(&out), buf_text(&names));
+    buf_clear(&out);
+    command_complete(&out, &start, "help ", 5, &desk.session);
+    CHECK_TEXT(buf_text(&out), buf_text(&names));
+    completes(&desk, "see", "seed\n", 0);
+    completes(&desk, "  see", "seed\n", 2);
+    completes(&desk, "xyz", "", 0);
+    completes(&desk, "xyz ", "", 4);
+    completes(&desk, "help see", "seed\n", 5);
+    completes(&desk, "help seed ", "", 10);
+    completes(&desk, "save ", "labels\ncost\nroot\nborder\nreplace=\n", 5);
+    completes(&desk, "save c", "cost\n", 5);
+    completes(&desk, "save cost x.nii replace=y", "yes\n", 24);
+    completes(&desk, "render mode=", "sp\nbp\nii\nray\n", 12);
+    completes(&desk, "render mode=b", "bp\n", 12);
+    completes(&desk, "seed 1,1,1 ce", "cerebellum\n", 11);
+    completes(&desk, "seed 1,1,1 c", "cerebellum\ncortex\n", 11);
+    completes(&desk, "seed 1,1,1 7 r", "radius=\n", 13);
+    completes(&desk, "hide cor", "cortex\n", 5);
+    completes(&desk, "view b", "back\nbottom\n", 5);
+    completes(&desk, "zoom f", "fit\n", 5);
+    completes(&desk, "adjacency ", "6\n26\n", 10);
+    buf_release(&out);
+    buf_release(&names);
+    desk_release(&desk);
+}
+
+/* ---- the door ---- */
+
+static const char *failing_path;
+static enum file_step failing_step;
+static unsigned failed_steps;
+
+static int fail_on_journal(enum file_step step, const char *path)
+{
+    if (step != failing_step || strcmp(path, failing_path) != 0)
+        return 0;
+    failed_steps++;
+    return step == FILE_STEP_WRITE ? ENOSPC : EIO;
+}
+
+/* A recorded command fails to be recorded, nothing has happened; then it is recorded. */
+static void fails_then_works(struct desk *desk, const char *line, const char *file)
+{
+    static const enum file_step step[] = {FILE_STEP_WRITE, FILE_STEP_SYNC};
+    for (size_t i = 0; i < 2; i++) {
+        struct snapshot before;
+        take_snapshot(&before, desk);
+        failing_step = step[i];
+        failed_steps = 0;
+        file_step_hook = fail_on_journal;
+        enum err err = execute(desk, line);
+        file_step_hook = NULL;
+        CHECK(failed_steps > 0);
+        CHECK(err == ERR_IO);
+        CHECK_HAS(fault.text, "the command is undone, because it could not be recorded");
+        CHECK_HAS(fault.text, i == 0 ? "No space left on device" : "Input/output error");
+        CHECK(is_plain(fault.text));
+        is_as_before(&before, desk, line);
+        if (file && !CHECK(!file_exists(place(file))))
+            printf("#   %s is left by %s\n", file, line);
+    }
+    must(desk, line);
+    if (file)
+        CHECK(file_exists(place(file)));
+    CHECK(desk->session.has_scene ? forest_check(desk->session.forest, NULL) : true);
+    CHECK(journal_audit(desk->journal, NULL) == OK);
+}
+
+struct deed {
+    const char *line, *file;
+};
+
+/* The lines, written into the test's folder where they name "@". */
+static void all_fail_then_work(struct desk *desk, const struct deed *deed, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        char line[PATH_MAX + 64];
+        const char *at = strchr(deed[i].line, '@');
+        int head = at ? (int)(at - deed[i].line) : (int)strlen(deed[i].line);
+        snprintf(line, sizeof line, "%.*s%s%s", head, deed[i].line, at ? folder : "",
+                 at ? at + 1 : "");
+        fails_then_works(desk, line, deed[i].file);
+    }
+}
+
+static void say_nothing(void *context, const char *text)
+{
+    struct buf *kept = context;
+    buf_add_text(kept, text);
+}
+
+/* Carried out again from the file, by another desk, everything is the same. */
+static void journal_verifies(const char *path)
+{
+    struct buf told = {0};
+    struct desk desk;
+    const struct teller teller = {&told, say_nothing, say_nothing, NULL};
+    begin_desk(&desk);
+    enum err err = drive_replay(&desk, path, &teller, &fault);
+    if (!CHECK(err == OK))
+        printf("#   %s\n", fault.text);
+    desk_release(&desk);
+    buf_release(&told);
+}
+
+STORY(a_command_that_cannot_be_recorded_is_undone)
+{
+    static const struct deed before[] = {
+        {"auto on", NULL},
+        {"auto off", NULL},
+        {"label 4 liver #102030", NULL},
+        {"open @/scene.nii", NULL},
+    };
+    static const struct deed deeds[] = {
+        {"label 2 cerebellum", NULL},
+        {"label 0 nothing #010203", NULL},
+        {"weight morph", NULL},
+        {"adjacency 26", NULL},
+        {"adjacency 6", NULL},
+        {"seed 1,1,1 1", NULL},
+        {"seed 10,9,8 2 radius=1", NULL},
+        {"run", NULL},
+        {"seed 5,5,5 3", NULL},
+        {"remove 5,5,5", NULL},
+        {"seed 6,2,7 0", NULL},
+        {"save border @/b.nii", "b.nii"},
+        {"adjacency 26", NULL},
+        {"remove 6,2,7", NULL},
+        {"run", NULL},
+        {"size 40 30", NULL},
+        {"render", NULL},
+        {"render mode=ii", NULL},
+        {"size 33 32", NULL},
+        {"render mode=bp", NULL},
+        {"view left", NULL},
+        {"render mode=ray", NULL},
+        {"turn 10 -5", NULL},
+        {"zoom 2", NULL},
+        {"render mode=sp", NULL},
+        {"zoom fit", NULL},
+        {"hide 2", NULL},
+        {"render", NULL},
+        {"show 2", NULL},
+        {"render", NULL},
+        {"label 1 heart #ff0000", NULL},
+        {"render @/p.exr", "p.exr"},
+        {"render @/p.png", "p.png"},
+        {"save labels @/l.nii.gz", "l.nii.gz"},
+        {"golden first", "door.golden/first.exr"},
+        {"golden second", "door.golden/second.png"},
+        {"seed 3,3,3 4", NULL},
+        {"render mode=bp", NULL},
+        {"auto on", NULL},
+        {"seed 7,3,3 5", NULL},
+        {"seed 7,3,3 6", NULL},
+        {"seed 8,8,8 liver radius=2", NULL},
+        {"remove 1,1,1", NULL},
+        {"adjacency 6", NULL},
+        {"render", NULL},
+        {"seed 2,8,1 3", NULL},
+        {"view 30 20 10", NULL},
+        {"run", NULL},
+    };
+    struct desk desk;
+    struct snapshot end, again;
+    char path[PATH_MAX];
+    struct buf told = {0};
+    snprintf(path, sizeof path, "%s", place("door.iftty"));
+    failing_path = path;
+    begin_desk(&desk);
+    CHECK(desk_create_journal(&desk, path, &fault) == OK);
+    all_fail_then_work(&desk, before, sizeof before / sizeof before[0]);
+    all_fail_then_work(&desk, deeds, sizeof deeds / sizeof deeds[0]);
+    take_snapshot(&end, &desk);
+    desk_release(&desk);
+    for (unsigned i = 0; i < command_count; i++) { /* every kind is among them */
+        const char *name = command_table[i].name;
+        bool is_there = !(command_table[i].flags & COMMAND_RECORDED) || strcmp(name, "open") == 0;
+        for (size_t k = 0; k < sizeof deeds / sizeof deeds[0]; k++)
+            is_there |= strncmp(deeds[k].line, name, strlen(name)) == 0;
+        if (!CHECK(is_there))
+            printf("#   %s\n", name);
+    }
+    begin_desk(&desk); /* and resumed, it is the same session */
+    if (!CHECK(desk_resume_journal(&desk, path, &told, &fault) == OK))
+        printf("#   %s\n", fault.text);
+    take_snapshot(&again, &desk);
+    again.rendered = end.rendered, again.picture = end.picture;
+    CHECK(memcmp(&again, &end, sizeof end) == 0);
+    desk_release(&desk);
+    buf_release(&told);
+}
+
+STORY(what_the_door_recorded_is_the_same_when_replayed)
+{
+    struct desk desk;
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s", place("replay.iftty"));
+    failing_path = path;
+    begin_desk(&desk);
+    CHECK(desk_create_journal(&desk, path, &fault) == OK);
+    static const struct deed deeds[] = {
+        {"open scene.nii", NULL},
+        {"seed 1,1,1 1", NULL},
+        {"seed 10,9,8 2", NULL},
+        {"run", NULL},
+        {"size 32 32", NULL},
+        {"adjacency 26", NULL},
+        {"remove 1,1,1", NULL},
+        {"auto on", NULL},
+        {"seed 2,2,2 7 radius=2", NULL},
+        {"golden third", "replay.golden/third.exr"},
+    };
+    all_fail_then_work(&desk, deeds, sizeof deeds / sizeof deeds[0]);
+    desk_release(&desk);
+    journal_verifies(path);
+}
+
+/* Random edits, each of which fails at random: the journal alone tells what the session is. */
+STORY(random_edits_fail_at_random)
+{
+    struct desk desk;
+    char path[PATH_MAX], line[128];
+    unsigned undone = 0;
+    snprintf(path, sizeof path, "%s", place("random.iftty"));
+    failing_path = path;
+    seed = 3;
+    begin_desk(&desk);
+    CHECK(desk_create_journal(&desk, path, &fault) == OK);
+    must(&desk, "open scene.nii");
+    must(&desk, "size 24 24");
+    for (unsigned i = 0; i < 400 && check_failures < 5; i++) {
+        struct snapshot before;
+        uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]);
+        switch (below(10)) {
+        case 0:
+            snprintf(line, sizeof line, "remove %u,%u,%u", x, y, z);
+            break;
+        case 1:
+            snprintf(line, sizeof line, "run");
+            break;
+        case 2:
+            snprintf(line, sizeof line, "auto %s", below(2) ? "on" : "off");
+            break;
+        case 3:
+            snprintf(line, sizeof line, "render mode=%s", below(2) ? "ii" : "bp");
+            break;
+        case 4:
+            snprintf(line, sizeof line, "%s %u", below(2) ? "hide" : "show", 1 + below(4));
+            break;
+        case 5:
+            snprintf(line, sizeof line, "adjacency %s", below(2) ? "6" : "26");
+            break;
+        default:
+            snprintf(line, sizeof line, "seed %u,%u,%u %u radius=%u", x, y, z, below(5),
+                     below(8) ? 0 : 1);
+        }
+        if (desk.session.pendings > 48)
+            snprintf(line, sizeof line, "run");
+        take_snapshot(&before, &desk);
+        failing_step = below(2) ? FILE_STEP_WRITE : FILE_STEP_SYNC;
+        file_step_hook = below(2) ? fail_on_journal : NULL;
+        enum err err = execute(&desk, line);
+        file_step_hook = NULL;
+        undone += err == ERR_IO;
+        if (err)
+            is_as_before(&before, &desk, line);
+    }
+    CHECK(undone > 90);
+    CHECK(journal_audit(desk.journal, NULL) == OK);
+    desk_release(&desk);
+    journal_verifies(path);
+}
+
+static bool always(void *context, uint64_t served)
+{
+    ++*(unsigned *)context;
+    return served > 0;
+}
+
+STORY(a_command_that_is_cancelled_is_undone)
+{
+    static const char *const line[] = {"adjacency 26", "run", "render", "render mode=sp"};
+    struct desk desk;
+    struct snapshot before;
+    unsigned asked = 0;
+    const struct forest_watch watch = {always, &asked};
+    begin_desk(&desk);
+    must(&desk, "open synth:geom");
+    must(&desk, "size 64 64");
+    must(&desk, "seed 100,100,50 1");
+    must(&desk, "seed 1,1,1 2");
+    must(&desk, "render");
+    must(&desk, "remove 1,1,1");
+    take_snapshot(&before, &desk);
+    for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
+        desk.session.watch = &watch;
+        CHECK(execute(&desk, line[i]) == ERR_CANCELLED);
+        desk.session.watch = NULL;
+        is_as_before(&before, &desk, line[i]);
+    }
+    CHECK(asked >= 4);
+    must(&desk, "run");
+    CHECK(forest_check(desk.session.forest, NULL));
+    desk_release(&desk);
+}
+
+STORY(a_journal_that_cannot_begin_undoes_the_command)
+{
+    struct desk desk;
+    char missing[PATH_MAX];
+    snprintf(missing, sizeof missing, "%s", place("no-folder/x.iftty"));
+    begin_with_scene(&desk);
+    desk.new_journal = missing;
+    is_refused(&desk, "seed 1,1,1 1", "No such file or directory");
+    is_refused(&desk, "seed 1,1,1 1", "No such file or directory");
+    must(&desk, "info"); /* what is not recorded needs no journal */
+    desk.new_journal = NULL;
+    must(&desk, "seed 1,1,1 1");
+    desk_release(&desk);
+}
+
+int main(void)
+{
+    if (!mkdtemp(folder) || chdir(folder) != 0)
+        return 1;
+    make_scene();
+    int status = RUN_STORIES(
+        TELL(the_table_is_in_order), TELL(every_example_parses_and_its_canonical_form_is_its_own),
+        TELL(help_names_every_command_and_parameter),
+        TELL(a_random_line_and_its_canonical_form_mean_the_same),
+        TELL(millimetres_lead_to_the_nearest_voxel), TELL(a_wrong_line_is_told_what_was_expected),
+        TELL(without_a_scene_only_what_needs_none_works), TELL(comments_and_empty_lines_do_nothing),
+        TELL(garbage_is_parsed_or_refused_in_one_plain_line),
+        TELL(completion_offers_what_may_stand_there),
+        TELL(a_command_that_cannot_be_recorded_is_undone),
+        TELL(what_the_door_recorded_is_the_same_when_replayed), TELL(random_edits_fail_at_random),
+        TELL(a_command_that_is_cancelled_is_undone),
+        TELL(a_journal_that_cannot_begin_undoes_the_command));
+    reply_release(&reply);
+    char command[PATH_MAX];
+    snprintf(command, sizeof command, "rm -rf '%s'", folder);
+    return status | (system(command) != 0);
+}

@@ -1,0 +1,161 @@
+#!/bin/sh
+# The program is killed while it works: what it acknowledged is in the journal, the journal resumes
+# and verifies, and so does one cut at any byte.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+make_scene s.nii 24 20 16
+
+commands() { # 200 of them
+    echo 'open s.nii'
+    echo '# a comment that belongs to the next command'
+    echo 'size 16 16'
+    awk 'BEGIN {
+        for (i = 0; i < 198; i++) {
+            if (i % 20 == 3) print "run"
+            else if (i % 20 == 7) print "render mode=" (i % 40 == 7 ? "ii" : "bp")
+            else if (i % 50 == 11) print "adjacency " (i % 100 == 11 ? 26 : 6)
+            else if (i % 50 == 13) print "auto " (i % 100 == 13 ? "on" : "off")
+            else if (i % 20 == 17) print "remove " (i - 1) * 7 % 24 "," (i - 1) * 3 % 20 "," (i - 1) * 5 % 16
+            else print "seed " i * 7 % 24 "," i * 3 % 20 "," i * 5 % 16 " " i % 9
+        } }'
+}
+commands >script
+sed '/^#/d' script >canonical
+
+begin "the whole script, undisturbed"
+expect 0 "$iftty" run script --journal whole.iftty
+same "$(grep -c '^ok ' out)" 200
+expect 0 "$iftty" verify whole.iftty
+sed -n 's/^ok [0-9]* //p' out >said
+"$iftty" log --script whole.iftty | grep -v '^#' | cmp -s - canonical || fail "the journal holds other commands"
+close_story
+
+# resumes JOURNAL: it goes on, verifies, and holds the beginning of the script
+resumes() {
+    expect 0 "$iftty" run - --journal "$1" </dev/null
+    expect 0 "$iftty" log --check "$1"
+    expect 0 "$iftty" log --script "$1"
+    grep '^[a-z]' out >kept
+    kept=$(wc -l <kept | tr -d ' ')
+    head -n "$kept" canonical | cmp -s - kept || fail "$1 holds what was not written"
+}
+# goes_on JOURNAL: the rest of the script leads to the same digests
+goes_on() {
+    tail -n +$((kept + 1)) canonical >rest
+    expect 0 "$iftty" run rest --journal "$1"
+    same "$(last_word forest "$1") $(last_word labels "$1")" \
+        "$(last_word forest whole.iftty) $(last_word labels whole.iftty)"
+    expect 0 "$iftty" verify "$1"
+}
+
+begin "killed at any moment, what was acknowledged is there"
+mkfifo pipe
+trial=0 early=0
+# After how many acknowledged commands to kill; the last trials kill by the clock.
+for after in 1 2 5 11 23 47 80 120 150 190 0.02 0.05 0.08 0.13; do
+    trial=$((trial + 1)) journal=k$trial.iftty
+    rm -f acks errors
+    : >acks
+    : >errors
+    "$iftty" run - --journal "$journal" <pipe >acks 2>errors &
+    victim=$!
+    { # a line at a time, as somebody types
+        while read -r line; do echo "$line" || exit; done <script
+        sleep 5
+    } >pipe 2>/dev/null &
+    feeder=$!
+    case $after in
+    *.*) sleep "$after" ;;
+    *)
+        tries=0
+        until [ "$(grep -c '^ok' acks)" -ge "$after" ] || [ $((tries += 1)) -gt 2000 ]; do :; done
+        ;;
+    esac
+    kill -9 "$victim" 2>/dev/null
+    wait "$victim" 2>/dev/null
+    [ $? = 137 ] || fail "trial $trial: it was over before it could be killed"
+    kill "$feeder" 2>/dev/null
+    wait "$feeder" 2>/dev/null
+    [ ! -s errors ] || fail "trial $trial: $(cat errors)"
+    # The last line may have been cut with the process; only whole lines are acknowledgements.
+    { cat acks; echo; } | sed '$d' | sed -n 's/^ok [0-9]* //p' >said
+    if [ ! -e "$journal" ]; then
+        [ ! -s said ] || fail "trial $trial: acknowledged without a journal"
+        continue
+    fi
+    said=$(wc -l <said | tr -d ' ')
+    "$iftty" log --script "$journal" 2>/dev/null | grep '^[a-z]' >found
+    head -n "$said" found | cmp -s - said || fail "trial $trial: of $said acknowledged, $(wc -l <found) are there"
+    resumes "$journal"
+    [ "$kept" -ge "$said" ] || fail "trial $trial: $said acknowledged, $kept kept"
+    # A command is recorded before the next is read: no more than one is not acknowledged yet.
+    [ "$kept" -le $((said + 1)) ] || fail "trial $trial: $said acknowledged, $kept recorded"
+    [ "$kept" -lt 200 ] && early=$((early + 1))
+    expect 0 "$iftty" verify "$journal"
+    goes_on "$journal"
+done
+[ "$early" -gt 6 ] || fail "only $early of $trial were killed in the middle"
+close_story
+
+begin "cut at any byte, at most the last record is lost"
+bytes=$(file_bytes whole.iftty)
+seed=12345 cuts="1 10 28 29 30 31 60 $((bytes - 1)) $((bytes - 2)) $((bytes - 33)) $((bytes - 34)) $((bytes - 40)) $((bytes - 60))"
+for _ in 1 2 3 4 5 6 7 8 9 10 11 12; do
+    seed=$(((seed * 1103 + 12345) % 1000003))
+    cuts="$cuts $((30 + seed % (bytes - 30)))"
+done
+for cut in $cuts; do
+    head -c "$cut" whole.iftty >c.iftty
+    rm -f c.iftty.torn-*
+    whole=$(grep -c '^= [0-9]* .*chain=[0-9a-f]\{32\}$' c.iftty)
+    # The last result line is whole only with its line feed.
+    [ "$(tail -c 1 c.iftty | wc -l)" -eq 1 ] || ! tail -n 1 c.iftty | grep -q '^= .*chain=[0-9a-f]\{32\}$' || whole=$((whole - 1))
+    resumes c.iftty
+    same "$kept" "$whole"
+    sound=$(file_bytes c.iftty)
+    if [ "$cut" -gt 28 ] && [ "$sound" -lt "$cut" ]; then
+        [ -f c.iftty.torn-1 ] || fail "cut at $cut: the torn bytes are not kept"
+        cat c.iftty c.iftty.torn-1 >joined
+        head -c "$cut" whole.iftty | cmp -s - joined || fail "cut at $cut: bytes are lost"
+    fi
+    head -c "$sound" whole.iftty | cmp -s - c.iftty || [ "$cut" -lt 30 ] || fail "cut at $cut: what was sound has changed"
+done
+goes_on c.iftty
+close_story
+
+begin "a torn tail is told, kept aside, and left alone by readers"
+head -c $((bytes - 7)) whole.iftty >t.iftty
+cp t.iftty t.kept
+expect 0 "$iftty" verify t.iftty
+out_has "an unfinished record at byte"
+expect 0 "$iftty" replay t.iftty
+expect 0 "$iftty" log t.iftty
+same_files t.iftty t.kept
+echo occupied >t.iftty.torn-1
+expect 0 "$iftty" run - --journal t.iftty </dev/null
+err_has "t.iftty.torn-2"
+same "$(wc -l <err | tr -d ' ')" 1
+same "$(cat t.iftty.torn-1)" occupied
+cat t.iftty t.iftty.torn-2 | cmp -s - t.kept || fail "bytes are lost"
+close_story
+
+begin "zeros at the end, as a loss of power leaves them"
+{ head -c $((bytes - 7)) whole.iftty; head -c 4096 /dev/zero; } >z.iftty
+resumes z.iftty
+same "$kept" 199
+goes_on z.iftty
+close_story
+
+begin "an empty journal begins anew"
+: >e.iftty
+expect 0 "$iftty" run script --journal e.iftty
+same_files e.iftty whole.iftty
+close_story
+
+begin "the reader of the acknowledgements goes away"
+{ commands; } | "$iftty" run - --journal p.iftty 2>errors | head -n 3 >/dev/null
+resumes p.iftty
+expect 0 "$iftty" verify p.iftty
+close_story
+
+finish

@@ -1,0 +1,135 @@
+#!/bin/sh
+# The layout of the source: who may include whom, headers that stand alone, integers only between a
+# seed and a pixel, one C++ file, no large libraries, one place for the names of commands.
+. "$(dirname "$0")/lib.sh"
+
+law=$top/tests/layout.txt
+
+# Code without comments; string and character literals stay.
+without_comments() {
+    awk '
+    { line = $0; code = ""
+      while (length(line)) {
+          if (inside) {
+              at = index(line, "*/")
+              if (!at) { line = ""; break }
+              line = substr(line, at + 2); inside = 0
+          } else if (substr(line, 1, 2) == "/*") { inside = 1; line = substr(line, 3)
+          } else if (substr(line, 1, 2) == "//") { line = ""
+          } else if (match(line, /^"([^"\\]|\\.)*"/) || match(line, /^\047([^\047\\]|\\.)*\047/)) {
+              code = code substr(line, 1, RLENGTH); line = substr(line, RLENGTH + 1)
+          } else { code = code substr(line, 1, 1); line = substr(line, 2) }
+      }
+      print code }' "$1"
+}
+
+sources() { # every C and C++ file of the folders given
+    find "$@" -type f \( -name '*.[ch]' -o -name '*.cc' -o -name '*.hh' -o -name '*.cpp' -o \
+        -name '*.hpp' -o -name '*.cxx' -o -name '*.C' \) 2>/dev/null | sort
+}
+
+# One line for every include in the tree at $1 that the law does not allow.
+violations() {
+    (cd "$1" && sources src journal render tui | while read -r file; do
+        without_comments "$file" | sed -n 's/^[[:space:]]*#[[:space:]]*include[[:space:]]*"\([^"]*\)".*/\1/p' |
+            sed "s|^|$file |"
+    done) | awk -v law="$law" '
+    BEGIN { while ((getline line < law) > 0) {
+                n = split(line, w, /[ :]+/)
+                for (i = 2; i <= n; i++) may[w[1], w[i]] = 1 } }
+    { part = $1; sub(/^src\//, "", part)
+      if (part == "main.c") next
+      if (!sub(/\/[^\/]*$/, "", part)) { print $1 " lies in no part"; next }
+      of = $2
+      if (!sub(/\/[^\/]*$/, "", of)) { print $1 " includes " $2 " without its part"; next }
+      if (!((part, of) in may)) print $1 " includes " $2 }'
+}
+
+begin "every include is allowed by tests/layout.txt"
+found=$(violations "$top")
+[ -z "$found" ] || fail "$found"
+close_story
+
+begin "the law is seen to be broken where it is"
+fake=$work/fake
+mkdir -p "$fake/src/engine" "$fake/src/base" "$fake/journal" "$fake/render" "$fake/tui" "$fake/src/odd"
+printf '#include "base/err.h"\n/* #include "tui/term.h" */\n' >"$fake/src/engine/fine.c"
+printf '#include "command/drive.h"\n#include "tui/repl.h"\n' >"$fake/src/main.c"
+found=$(violations "$fake")
+[ -z "$found" ] || fail "a lawful tree is blamed: $found"
+printf '#include "journal/journal.h"\n' >"$fake/src/engine/one.c"
+printf '  #  include "engine/forest.h"\n' >"$fake/journal/two.c"
+printf '#include "tui/term.h"\n' >"$fake/render/three.h"
+printf '#include "engine/grid.h"\n' >"$fake/src/base/four.h"
+printf '#include "command/desk.h"\n' >"$fake/tui/five.c"
+printf '#include "base/err.h"\n' >"$fake/src/odd/six.c"
+printf '#include "err.h"\n' >"$fake/src/base/seven.cc"
+same "$(violations "$fake" | sed 's/ .*//' | sort | tr '\n' ' ')" \
+    "journal/two.c render/three.h src/base/four.h src/base/seven.cc src/engine/one.c src/odd/six.c tui/five.c "
+close_story
+
+begin "every header compiles alone"
+flags=$(pkg-config --cflags OpenEXR 2>/dev/null)
+for header in $(sources src journal render tui tests | grep '\.h$'); do
+    # shellcheck disable=SC2086
+    ${CC:-cc} -std=c17 -D_GNU_SOURCE -Wall -Wno-unused -fsyntax-only -x c -Isrc -I. $flags "$header" \
+        >"$work/err" 2>&1 || fail "$header:" "$(sed 3q "$work/err")"
+done
+close_story
+
+begin "no floating point in engine and render"
+floats() {
+    for file in $(sources "$@"); do
+        without_comments "$file" | sed 's/"[^"]*"//g' |
+            grep -nwE 'float|double|_Float[0-9]+|__float128|<?(t?g?math|complex|float)\.h>?|[0-9]+\.[0-9]*f?' |
+            sed "s|^|$file:|"
+    done
+}
+found=$(floats src/engine render)
+[ -z "$found" ] || fail "$found"
+mkdir "$work/floats"
+printf 'int a; /* a float\n double */ int doubled = 1;\n' >"$work/floats/a.c"
+same "$(floats "$work/floats")" ""
+printf 'int b;\nstatic float c;\n' >"$work/floats/b.c"
+same "$(floats "$work/floats" | wc -l | tr -d ' ')" 1
+close_story
+
+begin "one C++ file, the image helper"
+same "$(sources src journal render tui tests | grep -v '\.[ch]$')" "src/image/iftty-image.cc"
+close_story
+
+begin "the program loads no large library"
+libraries=$(ldd "$iftty" 2>&1) || fail "ldd: $libraries"
+found=$(printf '%s\n' "$libraries" | grep -E 'ncurses|tinfo|readline|libedit|OpenImageIO|stdc\+\+')
+[ -z "$found" ] || [ "${build##*/}" = asan ] || fail "$found"
+close_story
+
+# Programs of the command line (src/main.c) may share a name with a command; they are not commands.
+begin "the name of a command is written in the table alone"
+names=$(sed -n 's/^    {"\([a-z-]*\)",.*/\1/p' src/command/table.c)
+[ "$(printf '%s\n' "$names" | wc -l)" -gt 15 ] || fail "the table was not understood: $names"
+pattern=$(printf '%s\n' "$names" | sed 's/.*/"&"/' | paste -sd '|' -)
+for file in $(sources src/command src/session | grep -v '/table\.c$'); do
+    found=$(without_comments "$file" | grep -nE "$pattern")
+    [ -z "$found" ] || fail "$file:$found"
+done
+for file in $(sources src journal tui | grep -v '/table\.c$'); do
+    found=$(without_comments "$file" | grep -nE "str(n|case)?cmp\([^;]*($pattern)")
+    [ -z "$found" ] || fail "$file:$found"
+done
+close_story
+
+begin "the top level holds what it may hold"
+allowed=" $(sed -n 's/^top: //p' "$law") "
+if [ -e .git ] && git ls-files >/dev/null 2>&1; then
+    entries=$({ git ls-files; git ls-files -o --exclude-standard; } | sed 's|/.*||' | sort -u)
+else
+    entries=$(ls -A | grep -v '^build$')
+fi
+[ -n "$entries" ] || fail "nothing was found"
+for entry in $entries; do
+    case $allowed in *" $entry "*) ;; *) fail "$entry" ;; esac
+done
+close_story
+
+finish

@@ -1,0 +1,421 @@
+#!/bin/sh
+# The program as scripts and people call it: run, -c, replay, verify, log, their exit statuses, and
+# journals that were changed behind its back.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+make_scene s.nii 24 20 16
+scene=$work/s.nii
+
+cat >script <<EOS
+# two seeds in a small scene
+open s.nii
+label 2 ball #40c060
+
+seed 2,3,4 1
+seed 6,10,8 ball radius=1
+  seed   20,10,8	3
+run
+size 40 30
+view 30 20
+render mode=bp
+golden first
+remove 20,10,8
+run
+golden second
+EOS
+sed -n 's/^  seed   20,10,8	3$/seed 20,10,8 3/; s/ ball radius/ 2 radius/; /^[a-z]/p' script >canonical
+
+acks() {
+    sed -n 's/^ok [0-9]* //p' out
+}
+
+begin "run acknowledges each command in canonical form, and records it"
+sed '/golden/d' script >plain
+expect 0 "$iftty" run plain
+sed '/golden/d' canonical >plain.canonical
+acks | cmp -s - plain.canonical || fail "$(acks | diff - plain.canonical)"
+same "$(sed -n 's/^ok \([0-9]*\) .*/\1/p' out | tr '\n' ' ')" "1 2 3 4 5 6 7 8 9 10 11 "
+[ ! -s err ] || fail "$(cat err)"
+expect 0 "$iftty" run script --journal j.iftty
+acks | cmp -s - canonical || fail "$(acks | diff - canonical)"
+same "$(grep -c '^= ' j.iftty)" 13
+expect 0 "$iftty" log --script j.iftty
+grep '^[a-z]' out | cmp -s - canonical || fail "log --script: $(diff out canonical)"
+expect 0 "$iftty" log --check j.iftty
+out_has "13 records"
+expect 0 "$iftty" log j.iftty
+same_files out j.iftty
+[ -f j.golden/first.exr ] && [ -f j.golden/first.png ] && [ -f j.golden/second.exr ] ||
+    fail "golden images are missing: $(ls j.golden)"
+close_story
+
+begin "a script from standard input gives the same"
+expect 0 "$iftty" run - <plain
+acks | cmp -s - plain.canonical || fail "$(acks | diff - plain.canonical)"
+close_story
+
+begin "-c carries out commands between semicolons"
+expect 0 "$iftty" -c 'open s.nii; seed 1,1,1 1;run ;; # nothing'
+same "$(acks | tr '\n' ';')" "open s.nii;seed 1,1,1 1;run;"
+cp s.nii 'a; b.nii'
+expect 0 "$iftty" -c 'open "a; b.nii"; info'
+out_has 'ok 1 open "a; b.nii"'
+expect 2 "$iftty" -c 'open s.nii; sed'
+err_has "-c:2: unknown command sed"
+close_story
+
+begin "the first error ends a script, or not with --keep-going"
+printf 'open s.nii\nseed 99,1,1 1\nseed 1,1,1 1\nsed\nrun\n' >bad
+expect 3 "$iftty" run bad
+same "$(acks | tr '\n' ';')" "open s.nii;"
+same "$(cat err)" "bad:2: 99,1,1 lies outside the scene, whose voxels are 0,0,0 to 23,19,15; nothing has changed"
+expect 3 "$iftty" run bad --keep-going
+same "$(acks | tr '\n' ';')" "open s.nii;seed 1,1,1 1;run;"
+same "$(cut -d: -f1-2 err | tr '\n' ' ')" "bad:2 bad:4 "
+expect 2 "$iftty" -c 'sed; open nothing' --keep-going
+same "$(wc -l <err | tr -d ' ')" 2
+close_story
+
+begin "quit ends a script, and what follows is not carried out"
+expect 0 "$iftty" -c 'open s.nii; quit; seed 1,1,1 1'
+same "$(acks | tr '\n' ';')" "open s.nii;quit;"
+close_story
+
+begin "exit statuses"
+expect 0 "$iftty" --help
+out_has "iftty run FILE|-"
+expect 0 "$iftty" --version
+expect 0 "$iftty" help
+expect 0 "$iftty" help seed
+for wrong in "help nothing" "--nothing" "run" "run a b" "run --journal" "replay" "verify" "log" \
+    "a b" "--graphics loud run script" "-c" "bench liver"; do
+    # shellcheck disable=SC2086
+    expect 2 "$iftty" $wrong </dev/null
+    same "$(wc -l <err | tr -d ' ')" 1
+    [ ! -s out ] || fail "'$wrong' printed something"
+done
+for missing in "run nothing" "replay nothing" "verify nothing" "log nothing" "log --check nothing" \
+    "log --script nothing" "-c open\\ nothing" "nothing"; do
+    # shellcheck disable=SC2086
+    eval "expect 3 \"\$iftty\" $missing </dev/null"
+    same "$(wc -l <err | tr -d ' ')" 1
+done
+close_story
+
+begin "what standard output does not take is an error"
+if [ -w /dev/full ]; then
+    "$iftty" run plain >/dev/full 2>err
+    same "$?" 3
+    err_has "standard output"
+fi
+close_story
+
+begin "a fresh journal replays and verifies"
+expect 0 "$iftty" verify j.iftty
+out_has "ok 1 - j.iftty (13 commands, 13 results)"
+out_has "# 1 verified, 0 failed"
+expect 0 "$iftty" replay j.iftty
+acks | cmp -s - canonical || fail "$(acks | diff - canonical)"
+out_has "13 commands replayed, 13 results the same"
+expect_in / 0 "$iftty" verify "$work/j.iftty" # the scene lies beside it
+close_story
+
+begin "resuming goes on, and the parts are the whole"
+sed '8,$d' script >part1
+sed '1,7d' script >part2
+expect 0 "$iftty" run part1 --journal r.iftty
+expect 0 "$iftty" run part2 --journal r.iftty
+same "$(sed -n 1p out | cut -d' ' -f1-3)" "ok 6 run"
+same_files r.iftty j.iftty # chain and all
+expect 0 "$iftty" verify r.iftty
+expect 0 "$iftty" run - --journal r.iftty </dev/null
+same_files r.iftty j.iftty
+close_story
+
+begin "a journal is a script, and a script becomes a journal"
+mkdir again
+cp s.nii again
+expect_in again 0 "$iftty" run ../j.iftty --journal j.iftty
+same_files again/j.iftty j.iftty
+expect 0 "$iftty" log --script j.iftty
+cp out again/script
+expect_in again 0 "$iftty" run script --journal k.iftty
+same "$(last_word chain again/k.iftty)" "$(last_word chain j.iftty)"
+expect 0 "$iftty" replay plain
+expect 1 "$iftty" verify plain
+out_has "this is a script, not a journal"
+close_story
+
+begin "one writer at a time"
+mkfifo pipe
+"$iftty" run pipe --journal j.iftty >writer.out 2>&1 &
+writer=$!
+exec 3>pipe
+echo info >&3
+tries=0
+until grep -q '^ok' writer.out || [ $((tries += 1)) -gt 100 ]; do sleep 0.05; done
+expect 3 "$iftty" run - --journal j.iftty </dev/null
+err_has "being written by another session"
+exec 3>&-
+wait "$writer" || fail "the first writer: $(cat writer.out)"
+expect 0 "$iftty" run - --journal j.iftty </dev/null
+close_story
+
+# ---- journals changed behind its back ----
+
+# changed "what" "sed script" "what the failure is to name"
+changed() {
+    sed "$2" j.iftty >t.iftty
+    ! cmp -s t.iftty j.iftty || fail "$1: nothing was changed"
+    rm -rf t.golden
+    cp -r j.golden t.golden
+    expect 1 "$iftty" replay t.iftty
+    expect 1 "$iftty" verify t.iftty
+    out_has "not ok 1 - t.iftty"
+    out_has "$3"
+    same "$(wc -l <err | tr -d ' ')" 1
+}
+
+begin "a changed coordinate is found, with its record"
+changed coordinate 's/^seed 2,3,4 1$/seed 3,3,4 1/' "record 3, line 8: its chain digest does not fit"
+out_has "record 6, line 14: the first command that gives another result"
+out_has "command  run"
+out_has "differs  forest"
+changed "another label" 's/^label 2 ball/label 2 bell/' "record 2, line 5: its chain"
+close_story
+
+begin "a changed digit of a digest is found"
+digest=$(sed -n 's/^= 6 forest=\([0-9a-f]*\) .*/\1/p' j.iftty)
+digit=$(printf %s "$digest" | cut -c 1 | tr 0-9a-f 1-9a-f0)
+changed digest "s/^= 6 forest=./= 6 forest=$digit/" "record 6, line 14"
+out_has "expected $digit"
+out_has "actual   $digest"
+close_story
+
+begin "a changed digit of a chain is found"
+digit=$(last_word chain j.iftty | cut -c 32 | tr 0-9a-f 1-9a-f0)
+changed chain "\$s/.\$/$digit/" "record 13, line"
+out_has "chain digest does not fit"
+close_story
+
+begin "a changed comment, a record taken out, a record twice: found"
+changed comment 's/^# two seeds/# ten seeds/' "record 1, line 3"
+changed "record out" '/^view 30 20/{N;d;}' "record 8"
+changed "record twice" '/^view 30 20/{N;p;}' "record 9"
+close_story
+
+begin "a golden image that differs is found, with the first pixel"
+cp -r j.golden kept.golden
+expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; seed 6,10,8 2 radius=1; seed 20,10,8 3; run; size 40 30; view 31 20; golden first' \
+    --journal other.iftty
+cp other.golden/first.exr j.golden/first.exr
+expect 1 "$iftty" verify j.iftty
+out_has "golden image first: "
+grep -qE 'first column [0-9]+, row [0-9]+: (colour|depth|label|voxel) is' out || fail "no pixel: $(cat out)"
+out_has "record 10, line"
+expect 0 "$iftty" replay j.iftty # which does not look at golden images
+close_story
+
+begin "evidence is left in the folder of --out, and nowhere else"
+others() { listing . | grep -vE ' ./(out|err|before|evidence)(/|$)'; }
+others >before
+expect 1 "$iftty" verify j.iftty --out evidence
+same "$(ls evidence | tr '\n' ' ')" "first.actual.exr first.difference.png "
+others | grep -v '^./evidence$' | diff before - >err || fail "$(cat err)"
+close_story
+
+begin "a damaged golden image is found"
+cp kept.golden/first.exr j.golden/first.exr
+expect 0 "$iftty" verify j.iftty
+flip_byte j.golden/first.exr $(($(file_bytes j.golden/first.exr) - 40))
+expect 1 "$iftty" verify j.iftty
+out_has "golden image first"
+head -c 500 kept.golden/first.exr >j.golden/first.exr
+expect 1 "$iftty" verify j.iftty
+out_has "golden image first"
+: >j.golden/first.exr
+expect 1 "$iftty" verify j.iftty
+close_story
+
+begin "a missing golden image is a failure"
+rm j.golden/first.exr
+expect 1 "$iftty" verify j.iftty
+out_has "golden image first is missing"
+[ ! -e j.golden/first.exr ] || fail "verify has made it"
+cp kept.golden/first.exr j.golden/first.exr
+expect 0 "$iftty" verify j.iftty
+close_story
+
+begin "several journals: each is told, and the worst counts"
+expect 1 "$iftty" verify j.iftty t.iftty j.iftty
+out_has "ok 1 - j.iftty"
+out_has "not ok 2 - t.iftty"
+out_has "ok 3 - j.iftty"
+out_has "# 2 verified, 1 failed"
+close_story
+
+# ---- files ----
+
+begin "nothing is overwritten unless told to"
+start='open s.nii; seed 2,3,4 1; seed 6,10,8 2; run'
+expect 0 "$iftty" -c "$start; save labels l.nii.gz; render p.exr; render p.png"
+out_has "wrote l.nii.gz"
+cp l.nii.gz l.kept && cp p.exr p.kept && cp p.png q.kept
+other='open s.nii; seed 2,3,4 3; run'
+for command in "save labels l.nii.gz" "save labels l.nii.gz replace=no" "render p.exr" "render p.png"; do
+    expect 3 "$iftty" -c "$other; $command"
+    err_has "exists already and was left alone"
+done
+same_files l.nii.gz l.kept && same_files p.exr p.kept && same_files p.png q.kept
+expect 0 "$iftty" -c "$other; save labels l.nii.gz replace=yes; render p.exr replace=yes"
+! cmp -s l.nii.gz l.kept || fail "replace=yes has replaced nothing"
+! cmp -s p.exr p.kept || fail "replace=yes has replaced nothing"
+# shellcheck disable=SC2010
+[ -z "$(ls -A | grep tmp)" ] || fail "drafts are left: $(ls -A | grep tmp)"
+close_story
+
+begin "saved maps are scenes of the same size"
+expect 0 "$iftty" -c "$start; save cost c.nii; save root o.nii.gz; save border b.nii"
+same "$(file_bytes c.nii)" $((352 + 24 * 20 * 16 * 2))
+same "$(file_bytes b.nii)" $((352 + 24 * 20 * 16))
+expect 0 "$iftty" -c 'open l.nii.gz; info'
+out_has "24x20x16 voxels of 1x1x1 mm"
+expect 0 "$iftty" -c 'open c.nii'
+close_story
+
+begin "a replay writes nothing without --out, and only there with it"
+mkdir w
+cp s.nii w
+expect_in w 0 "$iftty" -c "$start; render p.exr; save labels l.nii; save cost sub.nii" --journal w.iftty
+cp w/p.exr p.first && cp w/l.nii l.first
+rm w/p.exr w/l.nii w/sub.nii
+listing w >before
+expect 0 "$iftty" replay w/w.iftty
+expect 0 "$iftty" verify w/w.iftty
+expect_in w 0 "$iftty" verify w.iftty
+expect_in w 0 "$iftty" run - --journal w.iftty </dev/null
+listing w | diff before - >d || fail "$(cat d)"
+expect 0 "$iftty" replay w/w.iftty --out made
+same "$(ls made | tr '\n' ' ')" "l.nii p.exr sub.nii "
+same_files made/l.nii l.first
+listing w | diff before - >d || fail "$(cat d)"
+close_story
+
+begin "a journal that names a file elsewhere is refused and writes nothing"
+for name in "$work/evil.png" ../evil.exr a/../../evil.exr /dev/null; do
+    for command in "render $name" "save labels $name"; do
+        printf 'open s.nii\nseed 1,1,1 1\n%s\n' "$command" >evil
+        for call in "replay evil" "verify evil" "replay evil --out made2" "verify evil --out made2"; do
+            # shellcheck disable=SC2086
+            expect 3 "$iftty" $call
+            cat out err >both
+            grep -qF "a journal may not write to $name" both || fail "$call: $(cat both)"
+        done
+    done
+done
+[ ! -e evil.png ] && [ ! -e ../evil.exr ] && [ -z "$(ls made2)" ] || fail "it has written"
+close_story
+
+begin "whoever wrote files elsewhere can go on with the journal"
+expect 0 "$iftty" -c "$start; render $work/mine.exr" --journal mine.iftty
+expect 0 "$iftty" -c "seed 1,1,1 1; run" --journal mine.iftty
+out_has "ok 6 seed 1,1,1 1"
+close_story
+
+begin "run --out writes there, also when resumed"
+expect 0 "$iftty" -c "$start; render p.exr" --journal o.iftty --out there
+out_has "wrote there/p.exr"
+cp there/p.exr o.kept
+expect 0 "$iftty" -c "render q.exr" --journal o.iftty --out there
+same "$(ls there | tr '\n' ' ')" "p.exr q.exr "
+same_files there/p.exr o.kept
+close_story
+
+begin "--scene opens another file under the name that is written"
+mkdir moved
+cp j.iftty moved && cp -r j.golden moved
+mv s.nii elsewhere.nii
+expect_in moved 3 "$iftty" verify j.iftty
+expect_in moved 0 "$iftty" verify j.iftty --scene ../elsewhere.nii
+mkdir moved/sub && cp elsewhere.nii moved/sub/s.nii
+expect_in moved 0 env IFTTY_SCENES="$work/none:$work/moved/sub" "$iftty" verify j.iftty
+expect_in moved 1 "$iftty" verify j.iftty --scene ../c.nii
+mv elsewhere.nii s.nii
+close_story
+
+begin "comments go into the journal, and a line too long hides no command"
+{ printf 'open s.nii\n#'; head -c 65535 /dev/zero | tr '\0' ' '; printf 'seed 1,1,1 1\nrun\n'; } >lengthy
+expect 0 "$iftty" run lengthy --keep-going
+same "$(acks | tr '\n' ';')" "open s.nii;run;"
+grep -q '^# two seeds in a small scene$' j.iftty || fail "the comment is lost"
+close_story
+
+# ---- results ----
+
+begin "four ways to render give the same picture"
+: >pictures
+for view in front "30 20 10" "45 45"; do
+    for mode in sp bp ii ray; do
+        echo "view $view"
+        echo "render mode=$mode"
+    done
+done >views
+{ echo "$start" | tr ';' '\n'; echo 'size 60 50'; cat views; } >modes
+expect 0 "$iftty" run modes --journal m.iftty
+same "$(sed -n 's/.*picture=\([0-9a-f]*\).*/\1/p' m.iftty | uniq -c | awk '{print $1}' | tr '\n' ' ')" "4 4 4 "
+# an incremental image after an edit, and the others on the same
+{ echo "seed 12,4,4 3"; for mode in ii sp bp ray; do echo "render mode=$mode"; done; } >edit
+expect 0 "$iftty" run edit --journal m.iftty
+same "$(sed -n 's/.*picture=\([0-9a-f]*\).*/\1/p' m.iftty | tail -n 4 | uniq -c | awk '{print $1}')" 4
+close_story
+
+digests() { # of the last edit of journal $1
+    echo "$(last_word forest "$1") $(last_word labels "$1") $(last_word seeds "$1")"
+}
+
+begin "the order of seeds changes nothing, nor do batches"
+one='seed 2,3,4 1' two='seed 6,10,8 2 radius=2' three='seed 20,10,8 3' four='seed 20,18,3 4'
+expect 0 "$iftty" -c "open s.nii; $one; $two; $three; $four; run" --journal a1.iftty
+expect 0 "$iftty" -c "open s.nii; $four; $two; $one; $three; run" --journal a2.iftty
+expect 0 "$iftty" -c "open s.nii; $three; run; $one; run; $two; $four; run" --journal a3.iftty
+expect 0 "$iftty" -c "open s.nii; auto on; $two; seed 9,9,9 7; $four; remove 9,9,9; $three; $one" --journal a4.iftty
+same "$(digests a2.iftty)" "$(digests a1.iftty)"
+same "$(digests a3.iftty)" "$(digests a1.iftty)"
+same "$(digests a4.iftty)" "$(digests a1.iftty)"
+expect 0 "$iftty" -c "open s.nii; $one; $two; $three; run" --journal a5.iftty
+[ "$(digests a5.iftty)" != "$(digests a1.iftty)" ] || fail "another set of seeds gives the same"
+close_story
+
+begin "26 neighbours, and back to 6"
+expect 0 "$iftty" -c "open s.nii; $one; $two; $three; $four; run; adjacency 26; render" --journal b.iftty
+[ "$(digests b.iftty)" != "$(digests a1.iftty)" ] || fail "26 neighbours give what 6 give"
+expect 0 "$iftty" verify b.iftty
+expect 0 "$iftty" -c "open s.nii; adjacency 26; $one; $two; $three; $four; run" --journal b2.iftty
+same "$(digests b2.iftty)" "$(digests b.iftty)"
+expect 0 "$iftty" -c "adjacency 6" --journal b.iftty
+same "$(digests b.iftty)" "$(digests a1.iftty)"
+close_story
+
+begin "the synthetic scene: one run, replayed, in another order"
+geom='seed 100,100,50 1 radius=2; seed 10,10,10 2'
+expect 0 "$iftty" -c "open synth:geom; $geom; run; size 200 200; golden g" --journal g1.iftty
+expect 0 "$iftty" verify g1.iftty
+expect 0 "$iftty" -c "open synth:geom; seed 10,10,10 2; auto on; seed 100,100,50 1 radius=2; size 200 200; render mode=ray" \
+    --journal g2.iftty
+same "$(digests g2.iftty)" "$(digests g1.iftty)"
+same "$(last_word picture g2.iftty)" "$(last_word picture g1.iftty)"
+close_story
+
+ch2=/usr/share/mricron/templates/ch2.nii.gz
+if [ -r "$ch2" ]; then
+    begin "a brain: found by its name alone, replayed from elsewhere"
+    expect 0 "$iftty" -c 'open ch2.nii.gz; seed 90,108,90 1; seed 2,2,2 0; run' --journal ch2.iftty
+    mkdir far && cp ch2.iftty far
+    expect 0 "$iftty" verify far/ch2.iftty
+    close_story
+else
+    skip_story "a brain: found by its name alone, replayed from elsewhere" \
+        "mricron-data is not installed"
+fi
+
+finish
