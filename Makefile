@@ -23,6 +23,16 @@ OIIO_INCLUDE = $(shell pkg-config --variable=includedir OpenImageIO 2>/dev/null 
 OIIO_LIBS    = $(shell pkg-config --libs OpenImageIO 2>/dev/null)
 LIBS         = -lOpenEXRCore -lz -lmd -lm
 
+# One line a file, unless V=1; as many files at once as there are cores.
+ifeq ($(V),1)
+say = @:
+Q   =
+else
+say = @echo
+Q   = @
+endif
+MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
+
 PARTS   := src/base src/engine src/session src/command src/image journal render tui
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
@@ -64,21 +74,25 @@ $(PACKAGES_STAMP): Makefile
 	@touch $@
 
 $(BUILD)/iftty: $(BUILD)/src/main.o $(LIBRARY)
-	$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
+	$(say) "link      $@"
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
 
 $(BUILD)/iftty-image: src/image/iftty-image.cc | $(PACKAGES_STAMP)
 	@mkdir -p $(@D)
-	$(CXX) $(ALL_CXXFLAGS) -MF $@.d -o $@ $< $(ALL_LDFLAGS) $(OIIO_LIBS)
+	$(say) "compile   $<"
+	$(Q)$(CXX) $(ALL_CXXFLAGS) -MF $@.d -o $@ $< $(ALL_LDFLAGS) $(OIIO_LIBS)
 
 $(LIBRARY): $(OBJECTS)
 	@rm -f $@
-	$(AR) rcs $@ $^
+	$(Q)$(AR) rcs $@ $^
 
 $(BUILD)/tests/%: $(BUILD)/tests/%.o $(LIBRARY)
-	$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
+	$(say) "link      $@"
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
 
 $(BUILD)/%.o: %.c | $(PACKAGES_STAMP)
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) -c -o $@ $<
+	$(say) "compile   $<"
+	$(Q)$(CC) $(ALL_CFLAGS) -c -o $@ $<
 
 -include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(BUILD)/iftty-image.d
