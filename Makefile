@@ -42,6 +42,7 @@ TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c))
 .DEFAULT_GOAL := all
 .PHONY: all tests test demo help clean packages
 .DELETE_ON_ERROR:
+.SECONDARY:
 
 ## all: build build/iftty and its image helper (the default)
 all: $(BUILD)/iftty $(BUILD)/iftty-image

@@ -356,6 +356,8 @@ static enum err prompt_execute(void *context, const char *line, struct buf *outp
     enum err err = desk_execute(&prompt->desk, line, &prompt->reply, fault);
     if (!err)
         buf_add_text(output, buf_text(&prompt->reply.text));
+    if (err == ERR_CANCELLED) /* whoever pressed Ctrl-C need not know where it was noticed */
+        fault_set(fault, err, "cancelled; nothing has changed");
     return err;
 }
 
@@ -451,7 +453,8 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
                                    .picture = prompt_picture,
                                    .finished = prompt_finished};
     const struct repl_options how = {o->graphics, NULL};
-    signal(SIGINT, interrupt);
+    if (isatty(STDIN_FILENO)) /* else nobody is there to go on */
+        signal(SIGINT, interrupt);
     prompt.desk.session.watch = &watch;
     if (!err)
         err = repl_run(&host, &how, fault);

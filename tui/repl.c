@@ -1,6 +1,8 @@
 #include "tui/repl.h"
 
+#include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -88,6 +90,16 @@ static enum err begin_plain(const struct repl_host *host, struct fault *fault)
     return err;
 }
 
+/* Waits at a terminal that takes in whole lines. Ctrl-C has emptied the line: begin another. */
+static void wait_for_line(const struct repl_host *host)
+{
+    struct pollfd ready = {.fd = STDIN_FILENO, .events = POLLIN};
+    while (poll(&ready, 1, -1) < 0 && errno == EINTR) {
+        if (term_write_to(STDOUT_FILENO, "\n", 1, NULL) || print_prompt(host, NULL))
+            return;
+    }
+}
+
 static enum err run_plain(const struct repl_host *host, bool prompts, struct fault *fault)
 {
     char *line = NULL;
@@ -99,6 +111,8 @@ static enum err run_plain(const struct repl_host *host, bool prompts, struct fau
         struct fault ignored;
         if (prompts && print_prompt(host, &ignored))
             break;
+        if (prompts)
+            wait_for_line(host);
         ssize_t length = getline(&line, &capacity, stdin);
         if (length < 0)
             break;
