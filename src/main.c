@@ -372,6 +372,8 @@ static enum err prompt_begin(void *context, struct buf *output, struct fault *fa
         if (!err)
             buf_printf(output, "%zu records replayed, every result the same\n",
                        journal_count(prompt->desk.journal));
+        if (err == ERR_CANCELLED)
+            fault_set(fault, err, "cannot resume %s: cancelled; it is as it was", prompt->first);
         return err;
     }
     if (prompt->first) {

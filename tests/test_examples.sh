@@ -14,4 +14,16 @@ for journal in examples/*.iftty; do
         echo "not ok $number - $journal verifies"
     fi
 done
+number=$((number + 1))
+help=$(mktemp)
+trap 'rm -f "$help"' EXIT
+"$iftty" help | sed 's/^/    /' >"$help"
+if sed -n '/^<!-- commands/,/^<!-- end of commands/p' README.md | sed '1,2d;$d' | sed '$d' |
+    diff - "$help" >"$help.diff"; then
+    echo "ok $number - the README lists the commands as help does"
+else
+    sed 's/^/# /' "$help.diff"
+    echo "not ok $number - the README lists the commands as help does"
+fi
+rm -f "$help.diff"
 echo "1..$number"

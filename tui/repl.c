@@ -114,8 +114,11 @@ static enum err run_plain(const struct repl_host *host, bool prompts, struct fau
         if (prompts)
             wait_for_line(host);
         ssize_t length = getline(&line, &capacity, stdin);
-        if (length < 0)
+        if (length < 0) {
+            if (prompts) /* whoever comes next begins a line */
+                term_write_to(STDOUT_FILENO, "\n", 1, &ignored);
             break;
+        }
         line[strcspn(line, "\r\n")] = '\0';
         if (is_blank(line))
             continue;

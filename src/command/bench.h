@@ -16,7 +16,8 @@
 enum err bench_brain(const char *scene, bool json, FILE *out, struct fault *fault);
 
 /* Milliseconds from starting this program on `scene` (or without one where NULL) in a terminal of
- * its own until the prompt is there; negative where there is no pseudo-terminal. */
-double bench_prompt_ms(const char *scene);
+ * its own until the prompt is there, and until the scene is loaded and the prompt back. False where
+ * there is no pseudo-terminal. */
+bool bench_prompt(const char *scene, double *prompt_ms, double *loaded_ms);
 
 #endif

@@ -14,66 +14,90 @@
 
 enum { PATIENCE_MS = 5000 };
 
-static void become_program(int terminal, const char *scene)
+static void become_program(int terminal, const char *scene, const char *journal)
 {
-    char folder[] = "/tmp/iftty-bench-XXXXXX";
     setsid();
     ioctl(terminal, TIOCSCTTY, 0);
     for (int fd = 0; fd < 3; fd++)
         dup2(terminal, fd);
-    if (mkdtemp(folder) && chdir(folder) == 0) /* its journal is thrown away */
-        rmdir(folder);
     setenv("TERM", "xterm-256color", 1);
-    execl("/proc/self/exe", "iftty", scene, (char *)NULL);
+    execl("/proc/self/exe", "iftty", "--journal", journal, scene, (char *)NULL);
     _exit(127);
 }
 
-/* Answers the question every terminal answers, and waits for the prompt's end, "> ". */
-static bool await_prompt(int terminal, uint64_t begin)
+/* What the program has written so far, and how far it has been looked at. */
+struct screen {
+    int terminal;
+    uint64_t begin;
+    char seen[8192];
+    size_t length, looked;
+    bool answered;
+};
+
+/* Reads on until `text` comes, answering the question that every terminal answers. False when it
+ * does not come in time. */
+static bool await(struct screen *screen, const char *text)
 {
-    char seen[4096];
-    size_t length = 0;
-    bool answered = false;
-    while ((clock_ns() - begin) / 1000000 < PATIENCE_MS && length < sizeof seen - 1) {
-        struct pollfd ready = {terminal, POLLIN, 0};
+    while ((clock_ns() - screen->begin) / 1000000 < PATIENCE_MS) {
+        char *found = memmem(screen->seen + screen->looked, screen->length - screen->looked, text,
+                             strlen(text));
+        if (found) {
+            screen->looked = (size_t)(found - screen->seen) + strlen(text);
+            return true;
+        }
+        struct pollfd ready = {screen->terminal, POLLIN, 0};
+        size_t room = sizeof screen->seen - screen->length;
         if (poll(&ready, 1, 100) <= 0)
             continue;
-        ssize_t n = read(terminal, seen + length, sizeof seen - 1 - length);
+        ssize_t n = room ? read(screen->terminal, screen->seen + screen->length, room) : 0;
         if (n <= 0)
             return false;
-        length += (size_t)n;
-        seen[length] = '\0';
-        if (!answered && memmem(seen, length, "\033[c", 3)) {
+        screen->length += (size_t)n;
+        if (!screen->answered && memmem(screen->seen, screen->length, "\033[c", 3)) {
             static const char reply[] = "\033[?64;1;2c";
-            answered = write(terminal, reply, sizeof reply - 1) > 0;
+            screen->answered = write(screen->terminal, reply, sizeof reply - 1) > 0;
         }
-        if (memmem(seen, length, "> ", 2))
-            return true;
     }
     return false;
 }
 
-double bench_prompt_ms(const char *scene)
+/* Starts the program in a terminal and watches it; the journal is thrown away. */
+static bool time_start(struct screen *screen, int inner, const char *scene, const char *journal,
+                       double *prompt_ms, double *loaded_ms)
 {
-    int outer = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
-    if (outer < 0 || grantpt(outer) != 0 || unlockpt(outer) != 0) {
-        if (outer >= 0)
-            close(outer);
-        return -1;
-    }
-    int inner = open(ptsname(outer), O_RDWR | O_NOCTTY | O_CLOEXEC);
-    uint64_t begin = clock_ns();
-    pid_t child = inner < 0 ? -1 : fork();
+    screen->begin = clock_ns();
+    pid_t child = fork();
     if (child == 0)
-        become_program(inner, scene);
-    bool there = child > 0 && await_prompt(outer, begin);
-    double ms = there ? (double)(clock_ns() - begin) / 1e6 : -1;
+        become_program(inner, scene, journal);
+    bool there = child > 0 && await(screen, "> ");
+    *prompt_ms = (double)(clock_ns() - screen->begin) / 1e6;
+    if (there && scene)
+        there = await(screen, "voxels of") && await(screen, "> ");
+    *loaded_ms = (double)(clock_ns() - screen->begin) / 1e6;
     if (child > 0) {
         kill(child, SIGKILL);
         waitpid(child, NULL, 0);
     }
+    unlink(journal);
+    return there;
+}
+
+bool bench_prompt(const char *scene, double *prompt_ms, double *loaded_ms)
+{
+    char folder[] = "/tmp/iftty-bench-XXXXXX", journal[sizeof folder + 16];
+    struct screen screen = {.terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)};
+    int inner = -1;
+    bool timed = false;
+    if (screen.terminal >= 0 && grantpt(screen.terminal) == 0 && unlockpt(screen.terminal) == 0)
+        inner = open(ptsname(screen.terminal), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    if (inner >= 0 && mkdtemp(folder)) {
+        snprintf(journal, sizeof journal, "%s/bench.iftty", folder);
+        timed = time_start(&screen, inner, scene, journal, prompt_ms, loaded_ms);
+        rmdir(folder);
+    }
     if (inner >= 0)
         close(inner);
-    close(outer);
-    return ms;
+    if (screen.terminal >= 0)
+        close(screen.terminal);
+    return timed;
 }
