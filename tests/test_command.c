@@ -564,7 +564,6 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"label 3 cerebellum", "label 2 is already called cerebellum"},
         {"help nothing", "there is no command nothing"},
         {"view left 3", "a named view takes no angles"},
-        {"golden front", "a golden image belongs to a journal"},
         {"golden ../front", "small letters"},
         {"pick 0 0", "`render` first"},
         {"remove 1,1,1", "no seed reaches it"},

@@ -227,16 +227,16 @@ ACT(golden)
         return fault_set(fault, ERR_USAGE,
                          "NAME: expected small letters, digits, - and _ (at most 64), not %s",
                          name);
-    if (!desk->home.length && !desk->replays)
-        return fault_set(fault, ERR_USAGE,
-                         "a golden image belongs to a journal; begin one with "
-                         "--journal FILE");
     enum err err = session_render(&desk->session, RENDER_AS_KEPT, fault);
     if (err)
         return err;
     add_picture_digest(desk, reply);
     if (desk->replays && !desk->compares_goldens)
         return OK;
+    if (!desk->home.length) {
+        buf_add_text(&reply->text, "not kept: there is no journal that it could belong to\n");
+        return OK;
+    }
     err = golden_path(&path, buf_text(&desk->home), name, fault);
     if (!err)
         err = take_picture(desk, &picture, fault);
