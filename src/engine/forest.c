@@ -12,7 +12,6 @@ enum {
     WATCH_EVERY = 65536, /* voxels served between two looks at the watch */
     BATCH = 1024,        /* queue entries taken at once */
     AHEAD = 8,           /* queue entries between fetching and serving */
-    HOPS_LIMIT = 65535,  /* T3 */
 };
 
 /* A list of cells that grows. */
@@ -55,7 +54,7 @@ static inline uint64_t label_share(uint32_t cell, uint8_t label)
     return label == 0 ? 0 : hash_mix_at(cell, label);
 }
 
-static void recount(const struct forest *forest, uint64_t *keys, uint64_t *labels)
+void forest_recount(const struct forest *forest, uint64_t *keys, uint64_t *labels)
 {
     const struct grid *grid = &forest->scene->grid;
     *keys = *labels = 0;
@@ -100,37 +99,11 @@ static void finish_changes(struct forest *forest)
     if (forest->everything)
         forest->changes = 0;
     if (forest->must_recount)
-        recount(forest, &forest->key_digest, &forest->label_digest);
+        forest_recount(forest, &forest->key_digest, &forest->label_digest);
     forest->must_recount = false;
 }
 
 /* ---- offers ---- */
-
-/*
- * What a voxel with `key` offers a neighbour of weight `w`, always above `key`: (w, 0, root) where
- * w is above the cost, else one hop more. The former is the greater exactly then, so the offer is
- * the greater of the two, without a branch. A voxel with no hops left offers nothing (and has made
- * the pass fail by then, T3).
- */
-static inline uint64_t one_hop_more(uint64_t key)
-{
-    return key_hops(key) == HOPS_LIMIT ? KEY_NONE : key + (UINT64_C(1) << 32);
-}
-
-static inline uint64_t rise_to(uint32_t w, uint32_t root)
-{
-    return key_make(w, 0, root);
-}
-
-static inline uint64_t greater(uint64_t a, uint64_t b)
-{
-    return a > b ? a : b;
-}
-
-static inline uint64_t extend(uint64_t key, uint32_t w)
-{
-    return greater(rise_to(w, key_root(key)), one_hop_more(key));
-}
 
 /* Gives a voxel a key and puts it in the queue, unless it waits at that level already. */
 static inline void accept(struct forest *forest, uint32_t at, uint64_t key, uint8_t label,
@@ -194,7 +167,7 @@ static void reoffer(struct forest *forest, uint32_t at)
         const struct cell *neighbour = forest->cell + at + adjacency->offset[i];
         if (neighbour->flags & (CELL_CLEARED | CELL_RIM) || neighbour->key == KEY_NONE)
             continue;
-        uint64_t offer = extend(neighbour->key, weight);
+        uint64_t offer = key_extend(neighbour->key, weight);
         if (offer < best) {
             best = offer;
             direction = adjacency->count - 1 - i; /* from the neighbour to here */
@@ -237,7 +210,7 @@ PER_ADJACENCY void serve(struct forest *forest, uint32_t s, const unsigned neigh
     struct cell *cell = forest->cell;
     const struct adjacency *adjacency = &forest->adjacency;
     const uint64_t key = cell[s].key;
-    const uint64_t hop = one_hop_more(key);
+    const uint64_t hop = key_hop(key);
     const uint32_t root = key_root(key);
     const uint8_t label = cell[s].label;
     uint32_t open = ((1u << neighbours) - 1) & ~(uint32_t)cell[s].heard;
@@ -249,7 +222,7 @@ PER_ADJACENCY void serve(struct forest *forest, uint32_t s, const unsigned neigh
     for (; open; open &= open - 1) {
         const unsigned i = (unsigned)__builtin_ctz(open);
         const uint32_t t = (uint32_t)(s + adjacency->offset[i]);
-        const uint64_t offer = greater(rise_to(cell[t].weight, root), hop);
+        const uint64_t offer = key_greater(key_rise(cell[t].weight, root), hop);
         if (offer < cell[t].key)
             accept(forest, t, offer, label, i);
         else if (__builtin_expect(cell[t].direction == i, 0) && offer != cell[t].key)
@@ -311,7 +284,7 @@ static enum err pass(struct forest *forest, const struct forest_watch *watch)
             serve_level(forest, level, 26);
         if (forest->starved || queue_failed(forest->queue))
             return ERR_MEMORY;
-        if ((level & 0xFFFF) == HOPS_LIMIT && forest->stats.served > before)
+        if ((level & 0xFFFF) == KEY_HOPS_LIMIT && forest->stats.served > before)
             return ERR_LIMIT;
         if (watch && forest->stats.served >= look_at) {
             look_at = forest->stats.served + WATCH_EVERY;
@@ -330,7 +303,7 @@ static enum err pass_fault(struct fault *fault, enum err err)
         return fault_set(fault, err,
                          "a path over a plateau has more than %d steps; plant a seed "
                          "nearer by (nothing has changed)",
-                         HOPS_LIMIT - 1);
+                         KEY_HOPS_LIMIT - 1);
     return fault_set(fault, err, "cancelled; nothing has changed");
 }
 
@@ -573,6 +546,11 @@ struct forest_stats forest_stats(const struct forest *forest)
     return forest->stats;
 }
 
+const struct scene *forest_scene(const struct forest *forest)
+{
+    return forest->scene;
+}
+
 const struct adjacency *forest_adjacency(const struct forest *forest)
 {
     return &forest->adjacency;
@@ -598,68 +576,4 @@ uint64_t forest_digest(const struct forest *forest)
 uint64_t forest_label_digest(const struct forest *forest)
 {
     return forest->label_digest;
-}
-
-/* ---- check ---- */
-
-/* What the equation of the forest gives for one voxel, from its neighbours' keys. */
-static uint64_t solve_at(const struct forest *forest, uint32_t at)
-{
-    const struct cell *cell = forest->cell + at;
-    uint64_t best = cell->flags & CELL_SEED ? key_make(0, 0, at) : KEY_NONE;
-    for (unsigned i = 0; i < forest->adjacency.count; i++) {
-        const struct cell *neighbour = cell + forest->adjacency.offset[i];
-        if (neighbour->flags & CELL_RIM || neighbour->key == KEY_NONE)
-            continue;
-        uint64_t offer = extend(neighbour->key, cell->weight);
-        best = offer < best ? offer : best;
-    }
-    return best;
-}
-
-static const char *voxel_wrong(const struct forest *forest, uint32_t at)
-{
-    const struct cell *cell = forest->cell + at;
-    if (cell->key != solve_at(forest, at))
-        return "T1: its key does not solve the equation of the forest";
-    if (cell->flags & ~CELL_SEED || cell->heard)
-        return "it is marked as if in the middle of a pass";
-    if (cell->key == KEY_NONE)
-        return cell->label || cell->direction != DIRECTION_NONE ? "T2: unreached but labelled"
-                                                                : NULL;
-    if (key_hops(cell->key) == HOPS_LIMIT)
-        return "T3: too many hops";
-    if (cell->flags & CELL_SEED)
-        return cell->direction == DIRECTION_NONE ? NULL : "T2: a seed has a predecessor";
-    if (cell->direction >= forest->adjacency.count)
-        return "T2: no predecessor";
-    const struct cell *from = cell - forest->adjacency.offset[cell->direction];
-    if (from->flags & CELL_RIM || extend(from->key, cell->weight) != cell->key)
-        return "T2: its predecessor does not support it";
-    return from->label == cell->label ? NULL : "T2: its label is not that of its predecessor";
-}
-
-bool forest_check(const struct forest *forest, struct fault *fault)
-{
-    const struct grid *grid = &forest->scene->grid;
-    size_t seeds = 0;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++)
-            for (uint32_t x = 0; x < grid->size[0]; x++) {
-                uint32_t at = grid_cell(grid, x, y, z);
-                const char *wrong = voxel_wrong(forest, at);
-                if (wrong) {
-                    fault_set(fault, ERR_CHECK, "voxel %u,%u,%u: %s", x, y, z, wrong);
-                    return false;
-                }
-                seeds += forest->cell[at].flags & CELL_SEED;
-            }
-    uint64_t keys, labels;
-    recount(forest, &keys, &labels);
-    if (keys != forest->key_digest || labels != forest->label_digest || seeds != forest->seeds) {
-        fault_set(fault, ERR_CHECK,
-                  "T4: a digest or the number of seeds is not what a recount gives");
-        return false;
-    }
-    return true;
 }

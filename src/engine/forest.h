@@ -98,6 +98,7 @@ void forest_set_adjacency(struct forest *forest, unsigned count);
 
 struct changes forest_changes(const struct forest *forest);
 struct forest_stats forest_stats(const struct forest *forest);
+const struct scene *forest_scene(const struct forest *forest);
 const struct adjacency *forest_adjacency(const struct forest *forest);
 size_t forest_seeds(const struct forest *forest);  /* their number */
 size_t forest_memory(const struct forest *forest); /* bytes, without the scene */
@@ -106,6 +107,9 @@ size_t forest_memory(const struct forest *forest); /* bytes, without the scene *
  * label above 0, of a mix of (cell, label). */
 uint64_t forest_digest(const struct forest *forest);
 uint64_t forest_label_digest(const struct forest *forest);
+
+/* Both, counted again from every voxel. */
+void forest_recount(const struct forest *forest, uint64_t *keys, uint64_t *labels);
 
 /* Asserts T1, T2, T3 and T4 by looking at every voxel. False, with words, where one fails. */
 bool forest_check(const struct forest *forest, struct fault *fault);

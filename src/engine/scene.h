@@ -17,35 +17,7 @@
 
 #include "base/err.h"
 #include "engine/grid.h"
-
-/*
- * The key of a voxel: (cost, hops, root) from the highest bits down, compared as one integer.
- * cost 0..65535 is the f_max path cost, hops 0..65535 the steps since the cost last rose, root
- * the cell of the seed. KEY_NONE, above all others, means that no seed reaches the voxel.
- */
-#define KEY_NONE UINT64_MAX
-
-static inline uint64_t key_make(uint32_t cost, uint32_t hops, uint32_t root)
-{
-    return (uint64_t)cost << 48 | (uint64_t)hops << 32 | root;
-}
-static inline uint32_t key_cost(uint64_t key)
-{
-    return (uint32_t)(key >> 48);
-}
-static inline uint32_t key_hops(uint64_t key)
-{
-    return (uint32_t)(key >> 32) & 0xFFFF;
-}
-static inline uint32_t key_root(uint64_t key)
-{
-    return (uint32_t)key;
-}
-/* (cost, hops) as one number: keys of one level never offer below their own level. */
-static inline uint32_t key_level(uint64_t key)
-{
-    return (uint32_t)(key >> 32);
-}
+#include "engine/key.h"
 
 enum cell_flag {
     CELL_SEED = 1,    /* a seed is planted here; label is its own */

@@ -1,0 +1,150 @@
+#!/bin/sh
+# The prompt as a person meets it: keys into a real terminal (tmux, 80x24), and what stands on its
+# screen then. Without tmux there is nothing to see.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+
+if ! command -v tmux >/dev/null 2>&1; then
+    skip_story "the prompt at a terminal" "tmux is not installed"
+    finish
+fi
+
+# A server of our own, whatever the user has; -u since LC_ALL=C says nothing of UTF-8.
+unset TMUX NO_COLOR
+tmux_here() {
+    tmux -u -S "$work/tmux" "$@"
+}
+trap 'tmux_here kill-server 2>/dev/null; rm -rf "$work"' EXIT
+
+half_block=$(printf '\342\226\200')
+make_scene s.nii 24 20 16
+screen() {
+    tmux_here capture-pane -p -t prompt | sed 's/ *$//'
+}
+press() { # keys by the names that tmux gives them
+    tmux_here send-keys -t prompt "$@"
+}
+enter() { # a line
+    tmux_here send-keys -t prompt -l "$1"
+    press Enter
+}
+# Waits (10 s) until a line of the screen matches.
+see() {
+    tries=0
+    until screen | grep -qE -e "$1"; do
+        if [ $((tries += 1)) -gt 200 ]; then
+            fail "nothing like '$1' on the screen:" "$(screen | grep .)"
+            return 1
+        fi
+        sleep 0.05
+    done
+}
+# What stands below the last line that is $1.
+below() {
+    screen | grep . | awk -v line="$1" '{ text = text $0 "\n" } $0 == line { text = "" }
+                                        END { printf "%s", text }'
+}
+# A program has left the terminal as a shell wants it.
+sane() {
+    press C-l
+    enter 'clear; stty -a >modes; echo sa""ne'
+    see '^sane$'
+    for mode in echo icanon isig icrnl opost; do
+        tr ' ;' '\n\n' <modes | grep -qx "$mode" || fail "$mode is off afterwards"
+    done
+}
+
+tmux_here -f /dev/null new-session -d -s prompt -x 80 -y 24 "PS1='$ ' ENV= exec sh -i" ||
+    { echo "Bail out! tmux does not start"; exit 1; }
+see '^\$$' || true # what its prompt looks like does not matter
+
+begin "the prompt appears, and what was typed before it is not lost"
+enter "clear; $iftty s.nii; echo status \$?"
+enter "label 2 early"
+see '^s> label 2 early$'
+see '^s>$'
+screen | grep -q '^24x20x16 voxels' || fail "the scene is not told:" "$(screen)"
+same "$(below 's> label 2 early')" "s>"
+close_story
+
+begin "Tab completes a word, and lists what there is"
+press z o Tab
+see '^s> zoom$'
+enter "fit"
+see '^s> zoom fit$'
+press s Tab
+see '^seed +size +show'
+press e Tab
+see '^s> seed$'
+press C-u
+close_story
+
+begin "a wrong command gets one line, and the prompt is back"
+enter "sed 1,1,1 1"
+see '^error: '
+see '^s>$'
+same "$(below 's> sed 1,1,1 1')" "error: unknown command sed; \`help\` lists them
+s>"
+close_story
+
+begin "arrow up has the line again, and Ctrl-C leaves it"
+press Up
+see '^s> sed 1,1,1 1$'
+press Left Left C-c
+see '^s> sed 1,1,1 1\^C$'
+same "$(below 's> sed 1,1,1 1^C')" "s>"
+close_story
+
+begin "seeds and render: a picture of half blocks"
+enter "size 40 30"
+enter "seed 2,3,4 1"
+enter "seed 20,10,8 0"
+enter "render"
+see "$half_block"
+see '^s>$'
+press C-l
+close_story
+
+begin "Ctrl-Z stops it, fg goes on with the line"
+tmux_here send-keys -t prompt -l "half a li"
+press C-z
+see '[Ss](topped|uspended)'
+sane
+enter "fg"
+see '^s> half a li$'
+tmux_here send-keys -t prompt -l "ne"
+see '^s> half a line$'
+press C-c
+close_story
+
+begin "quit leaves a sane terminal and a journal that verifies"
+enter "quit"
+see '^journal: s-1\.iftty \(.* records\)$'
+see '^status 0$'
+sane
+expect 0 "$iftty" verify s-1.iftty
+grep -qx 'label 2 early' s-1.iftty || fail "the label is not in the journal"
+grep -qx 'seed 20,10,8 0' s-1.iftty || fail "a seed is not in the journal"
+! grep -q 'sed 1\|half' s-1.iftty || fail "what was no command is in the journal"
+close_story
+
+begin "resuming tells how many records were replayed"
+records=$(grep -c '^= ' s-1.iftty)
+enter "clear; sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
+see "^$records records replayed, every result the same\$"
+see '^s-1>$'
+enter "seed 6,10,8 2"
+see '^[0-9]+ voxels changed'
+close_story
+
+begin "killed at the prompt: a sane terminal, a whole journal"
+tmux_here send-keys -t prompt -l "half a li"
+see '^s-1> half a li$'
+kill -TERM "$(cat pid)"
+see '[Tt]erminated'
+sane
+expect 0 "$iftty" verify s-1.iftty
+same "$(grep -c '^= ' s-1.iftty)" $((records + 1))
+close_story
+
+finish
