@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -84,13 +85,14 @@ static bool time_start(struct screen *screen, int inner, const char *scene, cons
 
 bool bench_prompt(const char *scene, double *prompt_ms, double *loaded_ms)
 {
-    char folder[] = "/tmp/iftty-bench-XXXXXX", journal[sizeof folder + 16];
+    char folder[64], journal[96];
     struct screen screen = {.terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)};
     int inner = -1;
     bool timed = false;
     if (screen.terminal >= 0 && grantpt(screen.terminal) == 0 && unlockpt(screen.terminal) == 0)
         inner = open(ptsname(screen.terminal), O_RDWR | O_NOCTTY | O_CLOEXEC);
-    if (inner >= 0 && mkdtemp(folder)) {
+    snprintf(folder, sizeof folder, "/tmp/iftty-bench-%ld", (long)getpid());
+    if (inner >= 0 && mkdir(folder, 0700) == 0) {
         snprintf(journal, sizeof journal, "%s/bench.iftty", folder);
         timed = time_start(&screen, inner, scene, journal, prompt_ms, loaded_ms);
         rmdir(folder);
