@@ -276,6 +276,20 @@ bool file_exists(const char *path)
     return lstat(path, &status) == 0;
 }
 
+bool file_begins_with(const char *path, const char *text)
+{
+    struct stat status;
+    char start[64];
+    const size_t length = strlen(text);
+    bool begins = false;
+    int fd = open_again(path, O_RDONLY | O_NONBLOCK);
+    if (fd >= 0 && length <= sizeof start && fstat(fd, &status) == 0 && S_ISREG(status.st_mode))
+        begins = pread(fd, start, length, 0) == (ssize_t)length && memcmp(start, text, length) == 0;
+    if (fd >= 0)
+        close(fd);
+    return begins;
+}
+
 bool file_is_folder(const char *path)
 {
     struct stat status;

@@ -58,6 +58,7 @@ const char *file_log_path(const struct file_log *log);
 void file_log_close(struct file_log *log);
 
 bool file_exists(const char *path);
+bool file_begins_with(const char *path, const char *text); /* a regular file that can be read */
 bool file_is_folder(const char *path);
 enum err file_make_folder(const char *path, struct fault *fault); /* fine when it exists */
 

@@ -128,12 +128,7 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
 
 bool desk_is_journal(const char *path)
 {
-    struct buf start = {0};
-    static const char header[] = "# iftty journal ";
-    bool is = file_read(&start, path, JOURNAL_BYTES_MAX, NULL) == OK &&
-              strncmp(buf_text(&start), header, sizeof header - 1) == 0;
-    buf_release(&start);
-    return is;
+    return file_begins_with(path, "# iftty journal ");
 }
 
 static enum err set_home(struct desk *desk, const char *path, struct fault *fault)
