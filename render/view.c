@@ -128,13 +128,14 @@ uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t h
     }
     uint64_t diagonal = fixed_root(squares) + UINT64_C(1);
     uint64_t zoom = UINT64_C(1000) * (width < height ? width : height) / diagonal;
-    zoom = zoom > VIEW_ZOOM_ONE ? VIEW_ZOOM_ONE : zoom;
+    zoom = zoom > VIEW_ZOOM_MOST ? VIEW_ZOOM_MOST : zoom;
     return (uint32_t)(zoom < VIEW_ZOOM_LEAST ? VIEW_ZOOM_LEAST : zoom);
 }
 
 struct view view_default(const struct scene *scene)
 {
-    return (struct view){{0, 0, 0}, view_fitting_zoom(scene, 512, 512), 512, 512};
+    uint32_t zoom = view_fitting_zoom(scene, 512, 512);
+    return (struct view){{0, 0, 0}, zoom > VIEW_ZOOM_ONE ? VIEW_ZOOM_ONE : zoom, 512, 512};
 }
 
 /* ---- camera ---- */

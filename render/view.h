@@ -41,8 +41,9 @@ struct view {
     uint32_t width, height; /* pixels, 1..VIEW_SIDE_MOST */
 };
 
-/* 512x512 from the front, at zoom 1 or what makes the scene fit whatever way it is turned. */
+/* 512x512 from the front, at zoom 1, or less where the scene would not fit. */
 struct view view_default(const struct scene *scene);
+/* The largest zoom at which the scene fits the picture whatever way it is turned. */
 uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height);
 
 /* The six named views: "front" and the like. False for any other name. */

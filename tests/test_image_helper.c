@@ -281,7 +281,7 @@ STORY(an_answer_cut_short_is_told)
 {
     CHECK_HAS(failure("printf 'picture 4 4 0\\nabc'", false), "ended with status 0");
     CHECK_HAS(failure("printf 'error 40\\nabc'", false), "ended with status 0");
-    CHECK_HAS(failure("printf 'error 3\\nabc'", false), "x.png: abc");
+    CHECK_HAS(failure("sleep 0.2; printf 'error 3\\nabc'", false), "x.png: abc");
 }
 
 STORY(a_helper_that_stays_silent_is_ended)

@@ -98,6 +98,7 @@ close_story
 
 begin "seeds and render: a picture of half blocks"
 enter "size 40 30"
+enter "zoom 1"
 enter "seed 2,3,4 1"
 enter "seed 20,10,8 0"
 enter "render"

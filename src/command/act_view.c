@@ -108,6 +108,15 @@ static void tell_written(struct desk *desk, const char *path, bool was_there, st
     buf_add_char(&reply->text, '\n');
 }
 
+static void tell_seen(const struct rendition *r, struct reply *reply)
+{
+    size_t seen = 0, pixels = (size_t)r->width * r->height;
+    for (size_t i = 0; i < pixels; i++)
+        seen += r->cell[i] != CELL_NONE;
+    buf_printf(&reply->text, "%ux%u pixels, of which %zu show an object\n", r->width, r->height,
+               seen);
+}
+
 ACT(render)
 {
     static const enum render_mode mode[] = {RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL,
@@ -121,6 +130,7 @@ ACT(render)
     add_picture_digest(desk, reply);
     if (!value[0].given) {
         desk->shows_picture = true;
+        tell_seen(&desk->session.rendition, reply);
         return OK;
     }
     err = desk_output_path(desk, value[0].text, &path, fault);

@@ -66,7 +66,7 @@ static enum err act(struct desk *desk, const struct call *call, struct reply *re
     if (!err && command->flags & COMMAND_EDITS)
         add_digests(reply, session);
     desk->took_ns = clock_ns() - begin;
-    if (!err && session->edited_forest)
+    if (!err && (session->edited_forest || session->rebuilt_forest))
         buf_printf(&reply->text, "%llu voxels changed, %.1f ms\n",
                    (unsigned long long)forest_stats(session->forest).touched,
                    (double)desk->took_ns / 1e6);

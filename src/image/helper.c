@@ -185,10 +185,15 @@ static bool tell(struct image_helper *helper, const void *bytes, size_t length)
 static bool hear(struct image_helper *helper, void *bytes, size_t length)
 {
     char *at = bytes;
+    bool reset = false;
     while (length > 0) {
         ssize_t n = recv(helper->fd, at, length, 0);
         if (n < 0 && errno == EINTR)
             continue;
+        if (n < 0 && errno == ECONNRESET && !reset) { /* told once; what it said is behind that */
+            reset = true;
+            continue;
+        }
         if (n <= 0) {
             helper->trouble = n < 0 && errno == EAGAIN ? SILENT : GONE;
             return false;
