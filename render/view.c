@@ -112,14 +112,19 @@ static uint32_t least_spacing(const struct scene *scene)
 /* The side of a voxel along axis a in pixels, times 2^20. */
 static int64_t side_in_pixels(const struct scene *scene, int a, uint32_t zoom)
 {
+    const uint64_t most = (uint64_t)SIDE_LIMIT * VIEW_ZOOM_ONE / VIEW_ZOOM_LEAST;
     uint64_t ratio = ((uint64_t)scene->spacing_nm[a] << RELATIVE_BITS) / least_spacing(scene);
-    return ratio > (uint64_t)SIDE_LIMIT ? SIDE_LIMIT : (int64_t)(ratio * zoom / VIEW_ZOOM_ONE);
+    return (int64_t)((ratio < most ? ratio : most) * zoom / VIEW_ZOOM_ONE);
 }
 
 uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height)
 {
-    uint64_t squares = 0;
+    uint64_t squares = 0, most = VIEW_ZOOM_MOST;
     for (int a = 0; a < 3; a++) {
+        /* A voxel much longer than wide is not to be larger than a picture can hold. */
+        uint64_t fits = (uint64_t)(SIDE_LIMIT - 1) * VIEW_ZOOM_ONE /
+                        (uint64_t)side_in_pixels(scene, a, VIEW_ZOOM_ONE);
+        most = fits < most ? fits : most;
         uint64_t side = (uint64_t)scene->grid.size[a] *
                             (uint64_t)(side_in_pixels(scene, a, VIEW_ZOOM_ONE) >> 10) >>
                         10;
@@ -128,7 +133,7 @@ uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t h
     }
     uint64_t diagonal = fixed_root(squares) + UINT64_C(1);
     uint64_t zoom = UINT64_C(1000) * (width < height ? width : height) / diagonal;
-    zoom = zoom > VIEW_ZOOM_MOST ? VIEW_ZOOM_MOST : zoom;
+    zoom = zoom > most ? most : zoom;
     return (uint32_t)(zoom < VIEW_ZOOM_LEAST ? VIEW_ZOOM_LEAST : zoom);
 }
 
@@ -186,7 +191,7 @@ static void set_projection(struct camera *camera, const struct basis *b)
         camera->reach[k] = MARGIN;
         for (int a = 0; a < 3; a++) {
             int64_t along = volume < 0 ? -dual[k][a] : dual[k][a];
-            int64_t column = (along * (b->side[a] >> 4)) >> (RELATIVE_BITS - 4);
+            int64_t column = (along * b->side[a]) >> RELATIVE_BITS;
             camera->column[k][a] = column;
             camera->centre[k] -= (int64_t)(camera->scene->grid.size[a] - 1) * column / 2;
             camera->reach[k] += (llabs(column) + 1) / 2;

@@ -183,6 +183,21 @@ static uint8_t label_at(const struct rendition *r, uint32_t x, uint32_t y)
     return r->label[(size_t)y * r->width + x];
 }
 
+STORY(a_scene_of_very_thick_slices_has_a_view)
+{
+    struct stage s;
+    stage_init(&s, (uint32_t[]){10, 10, 1}, 6);
+    for (uint32_t thick = 1; thick < 25000; thick = thick * 3 / 2 + 1) {
+        s.scene->spacing_nm[0] = s.scene->spacing_nm[1] = 100000;
+        s.scene->spacing_nm[2] = thick * 100000;
+        s.view = view_default(s.scene);
+        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+        s.view.zoom = view_fitting_zoom(s.scene, 512, 512);
+        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+    }
+    stage_release(&s);
+}
+
 STORY(named_views_show_the_patient_from_the_side_they_name)
 {
     struct stage s;
@@ -228,6 +243,36 @@ STORY(named_views_show_the_patient_from_the_side_they_name)
     stage_release(&s);
 }
 
+/* What a footprint loses in rounding one voxel must not add up over a long row of them. */
+STORY(a_long_row_of_voxels_is_seen_whole)
+{
+    static const uint32_t zoom[] = {10, 97, 999};
+    static const uint32_t length[] = {65534, 40000, 8000};
+    for (int i = 0; i < 3; i++) {
+        struct stage s;
+        struct rendition splatted, walked;
+        stage_init(&s, (uint32_t[]){length[i], 1, 1}, 6);
+        struct edit seed = {grid_cell(&s.scene->grid, length[i] / 2, 0, 0), 1};
+        CHECK(forest_edit(s.forest, &seed, 1, NULL, NULL) == OK);
+        border_recount(&s.border);
+        s.view.zoom = zoom[i];
+        for (int side = 0; side < 2; side++) {
+            s.view.angle[2] = side * 90000;
+            s.view.width = side ? 3 : 8192;
+            s.view.height = side ? 8192 : 3;
+            CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+            CHECK(rendition_init(&splatted, s.view.width, s.view.height, NULL) == OK);
+            CHECK(rendition_init(&walked, s.view.width, s.view.height, NULL) == OK);
+            render(&s, &splatted, splat_border);
+            render(&s, &walked, raycast);
+            CHECK(same_maps(&splatted, &walked, "ray walk"));
+            rendition_release(&splatted);
+            rendition_release(&walked);
+        }
+        stage_release(&s);
+    }
+}
+
 STORY(absurd_views_are_refused_in_words)
 {
     struct stage s;
@@ -246,8 +291,9 @@ STORY(absurd_views_are_refused_in_words)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(sines_are_right_and_symmetric),
-                       TELL(named_views_show_the_patient_from_the_side_they_name),
-                       TELL(the_four_modes_agree_in_every_pixel),
-                       TELL(absurd_views_are_refused_in_words));
+    return RUN_STORIES(
+        TELL(sines_are_right_and_symmetric), TELL(a_scene_of_very_thick_slices_has_a_view),
+        TELL(named_views_show_the_patient_from_the_side_they_name),
+        TELL(the_four_modes_agree_in_every_pixel), TELL(a_long_row_of_voxels_is_seen_whole),
+        TELL(absurd_views_are_refused_in_words));
 }

@@ -121,16 +121,11 @@ ACT(seed)
 ACT(remove)
 {
     struct session *session = &desk->session;
-    size_t count, found = 0;
+    size_t count;
     uint32_t *cell = ball(&session->scene->grid, value[0].place, value[1].number, &count);
-    enum err err = cell ? OK : fault_memory(fault, "a ball of eliminators");
+    enum err err = cell ? session_eliminate(session, cell, count, fault)
+                        : fault_memory(fault, "a ball of eliminators");
     (void)reply;
-    for (size_t i = 0; !err && i < count; i++) {
-        err = session_eliminate(session, cell[i], fault);
-        found += err == OK;
-        if (err == ERR_INPUT && (found || i + 1 < count))
-            err = OK;
-    }
     free(cell);
     return err;
 }

@@ -120,7 +120,7 @@ static enum err time_edits(struct session *session, struct figures *figures, str
         err = err ? err : session_run(session, fault);
         add_since(&figures->plant, begin);
         begin = clock_ns();
-        err = err ? err : session_eliminate(session, cell, fault);
+        err = err ? err : session_eliminate(session, &cell, 1, fault);
         err = err ? err : session_run(session, fault);
         add_since(&figures->eliminate, begin);
     }

@@ -219,7 +219,7 @@ enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *
         buf_add_text(path, strncmp(name, "synth:", 6) == 0 ? name : desk->scene_path);
         return OK;
     }
-    if (desk->home.length && is_inside(name)) {
+    if (desk->home.length && *name != '/') {
         file_folder(&folder, buf_text(&desk->home));
         found = try_folder(path, buf_text(&folder), folder.length, name);
     }

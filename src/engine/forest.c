@@ -292,7 +292,8 @@ static enum err pass(struct forest *forest, const struct forest_watch *watch)
                 return ERR_CANCELLED;
         }
     }
-    return OK;
+    /* Also where memory ran out before the first level, so that the queue was empty. */
+    return forest->starved || queue_failed(forest->queue) ? ERR_MEMORY : OK;
 }
 
 static enum err pass_fault(struct fault *fault, enum err err)

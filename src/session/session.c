@@ -175,16 +175,45 @@ enum err session_plant(struct session *session, uint32_t cell, uint8_t label, st
     return wait_for_run(session, cell, label, fault);
 }
 
-enum err session_eliminate(struct session *session, uint32_t cell, struct fault *fault)
+static int compare_cells(const void *a, const void *b)
 {
-    for (size_t i = session->pendings; i-- > 0;)
-        if (session->pending[i].cell == cell && session->pending[i].label != EDIT_ERASE)
-            return wait_for_run(session, cell, EDIT_ERASE, fault);
-    uint64_t key = session->scene->cell[cell].key;
-    if (key == KEY_NONE)
-        return fault_set(fault, ERR_INPUT,
-                         "no tree holds this voxel: no seed reaches it; nothing has changed");
-    return wait_for_run(session, key_root(key), EDIT_ERASE, fault);
+    const uint32_t *x = a, *y = b;
+    return *x < *y ? -1 : *x > *y;
+}
+
+/* The cells where seeds wait to be planted, in order, so that a ball of eliminators among a ball of
+ * seeds takes no time worth mentioning. NULL when out of memory. */
+static uint32_t *waiting_seeds(const struct session *session, size_t *count)
+{
+    uint32_t *cell = mem_array(session->pendings, sizeof *cell);
+    *count = 0;
+    for (size_t i = 0; cell && i < session->pendings; i++)
+        if (session->pending[i].label != EDIT_ERASE)
+            cell[(*count)++] = session->pending[i].cell;
+    if (cell)
+        qsort(cell, *count, sizeof *cell, compare_cells);
+    return cell;
+}
+
+enum err session_eliminate(struct session *session, const uint32_t *cell, size_t count,
+                           struct fault *fault)
+{
+    const size_t before = session->pendings;
+    size_t seeds;
+    uint32_t *seed = waiting_seeds(session, &seeds);
+    enum err err = seed ? OK : fault_memory(fault, "eliminators");
+    for (size_t i = 0; !err && i < count; i++) {
+        const uint64_t key = session->scene->cell[cell[i]].key;
+        if (bsearch(&cell[i], seed, seeds, sizeof *seed, compare_cells))
+            err = wait_for_run(session, cell[i], EDIT_ERASE, fault);
+        else if (key != KEY_NONE)
+            err = wait_for_run(session, key_root(key), EDIT_ERASE, fault);
+    }
+    free(seed);
+    if (!err && session->pendings == before)
+        err = fault_set(fault, ERR_INPUT,
+                        "no tree holds this voxel: no seed reaches it; nothing has changed");
+    return err;
 }
 
 /* Border and rendition after a change of the forest (S2). */

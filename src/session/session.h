@@ -84,9 +84,10 @@ size_t session_memory(const struct session *session);
 /* Adds an edit to those that wait. */
 enum err session_plant(struct session *session, uint32_t cell, uint8_t label, struct fault *fault);
 
-/* An eliminator: takes away the seed whose tree holds the voxel (as of the last run), or the seed
- * that waits to be planted there. ERR_INPUT where neither is. */
-enum err session_eliminate(struct session *session, uint32_t cell, struct fault *fault);
+/* Eliminators: each takes away the seed whose tree holds the voxel (as of the last run), or the
+ * seed that waits to be planted there. ERR_INPUT where neither is for any of them. */
+enum err session_eliminate(struct session *session, const uint32_t *cell, size_t count,
+                           struct fault *fault);
 
 /* Applies the edits that wait; brings border and rendition up to date (the rendition as an
  * incremental image). Fine when none wait. */
