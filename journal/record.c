@@ -8,7 +8,7 @@
 #include "base/hash.h"
 #include "base/scan.h"
 
-static const char header_begin[] = "# iftty journal ";
+static const char header_begin[] = RECORD_HEADER;
 static const char header_middle[] = " semantics ";
 static const char chain_mark[] = " chain=";
 

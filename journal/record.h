@@ -29,6 +29,9 @@ enum {
     RECORD_CHAIN_DIGITS = 32,
 };
 
+/* What line 1 of a journal begins with; the format version follows. */
+#define RECORD_HEADER "# iftty journal "
+
 /* A chain digest as text: 32 lower-case hexadecimal digits and a NUL. */
 struct record_chain {
     char hex[RECORD_CHAIN_DIGITS + 1];

@@ -66,8 +66,8 @@ bool raycast_pixel(const struct camera *camera, const struct border *border, uin
 /*
  * The incremental image: `rendition` is that of the labels before the edit, by the same camera, and
  * `border` is up to date. Repairs it in time proportional to the changes, and marks the tiles whose
- * colours may change. Changes that are "everything" are splatted from nothing. On ERR_MEMORY the
- * rendition is splatted from nothing too, so it is always right.
+ * colours may change. Changes that are "everything" are splatted from nothing. Where memory runs
+ * out the rendition is splatted from nothing too, so it is always right.
  */
 void incremental_image(struct rendition *rendition, const struct camera *camera,
                        const struct border *border, const struct changes *changes);

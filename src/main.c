@@ -32,7 +32,8 @@ static const char usage[] =
     "\n"
     "    --journal FILE    record there (run, -c, prompt); an existing journal is resumed\n"
     "    --scene FILE      open this scene, whatever name `open` gives\n"
-    "    --out DIR         write files into this folder (replay and verify write none without)\n"
+    "    --out DIR         write files into this folder (replay writes none without); verify\n"
+    "                      leaves there what a golden image differs by\n"
     "    --keep-going      do not stop at the first error (run, -c)\n"
     "    --graphics auto|kitty|sixel|blocks|none\n"
     "    --version\n"
@@ -197,15 +198,29 @@ static enum err program_run(const struct options *o, struct fault *fault)
     return err;
 }
 
+/* A line for each command: semicolons part them, but not in quotes, nor in a comment, which goes on
+ * to the end of its line. */
+static void split_commands(struct buf *lines, const char *at)
+{
+    bool quoted = false, blank = true, comment = false;
+    for (; *at; at++) {
+        comment = *at != '\n' && (comment || (blank && *at == '#'));
+        if (!comment && *at == '"')
+            quoted = !quoted;
+        if (quoted && *at == '\\' && at[1])
+            buf_add_char(lines, *at++);
+        bool parts = *at == '\n' || (*at == ';' && !quoted && !comment);
+        buf_add_char(lines, parts ? '\n' : *at);
+        quoted = quoted && !parts;
+        blank = parts || (blank && *at == ' ');
+    }
+    buf_add_char(lines, '\n');
+}
+
 static enum err program_commands(const struct options *o, struct fault *fault)
 {
     struct buf lines = {0};
-    bool quoted = false;
-    for (const char *at = o->commands; *at; at++) {
-        quoted ^= *at == '"';
-        buf_add_char(&lines, *at == ';' && !quoted ? '\n' : *at);
-    }
-    buf_add_char(&lines, '\n');
+    split_commands(&lines, o->commands);
     FILE *input = lines.failed ? NULL : fmemopen(lines.data, lines.length, "r");
     enum err err = input ? run_lines(o, input, "-c", fault) : fault_memory(fault, "commands");
     if (input)

@@ -109,7 +109,7 @@ STORY(the_table_is_in_order)
         CHECK(command_find(c->name) == c); /* so names differ */
         CHECK(*c->summary && *c->example && c->act);
         CHECK(strncmp(c->example, c->name, strlen(c->name)) == 0);
-        if (c->flags & (COMMAND_EDITS | COMMAND_WRITES))
+        if (c->flags & COMMAND_EDITS)
             CHECK(c->flags & COMMAND_RECORDED);
         bool may = false;
         for (int p = 0; p < PARAMETERS_MOST && c->parameter[p].type; p++) {
@@ -907,6 +907,37 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
     buf_release(&told);
 }
 
+STORY(a_file_that_was_replaced_comes_back)
+{
+    struct desk desk;
+    char path[PATH_MAX], line[PATH_MAX + 64];
+    struct buf former = {0}, now = {0};
+    snprintf(path, sizeof path, "%s", place("replaced.iftty"));
+    failing_path = path;
+    failing_step = FILE_STEP_SYNC;
+    begin_with_scene(&desk);
+    CHECK(desk_create_journal(&desk, path, &fault) == OK);
+    must(&desk, "seed 1,1,1 1");
+    snprintf(line, sizeof line, "save labels %s", place("replaced.nii"));
+    must(&desk, line);
+    CHECK(file_read(&former, place("replaced.nii"), 1 << 20, NULL) == OK);
+    must(&desk, "seed 1,1,1 2");
+    snprintf(line, sizeof line, "save labels %s replace=yes", place("replaced.nii"));
+    for (int tries = 0; tries < 2; tries++) {
+        file_step_hook = tries == 0 ? fail_on_journal : NULL;
+        CHECK_INT(execute(&desk, line), tries == 0 ? ERR_IO : OK);
+        file_step_hook = NULL;
+        CHECK(file_read(&now, place("replaced.nii"), 1 << 20, NULL) == OK);
+        bool same = now.length == former.length && memcmp(now.data, former.data, now.length) == 0;
+        CHECK(same == (tries == 0));
+    }
+    snprintf(line, sizeof line, "ls -A %s | grep -q tmp", folder);
+    CHECK(system(line) != 0); /* no backup is left */
+    buf_release(&former);
+    buf_release(&now);
+    desk_release(&desk);
+}
+
 STORY(what_the_door_recorded_is_the_same_when_replayed)
 {
     struct desk desk;
@@ -1050,6 +1081,7 @@ int main(void)
         TELL(garbage_is_parsed_or_refused_in_one_plain_line),
         TELL(completion_offers_what_may_stand_there),
         TELL(a_command_that_cannot_be_recorded_is_undone),
+        TELL(a_file_that_was_replaced_comes_back),
         TELL(what_the_door_recorded_is_the_same_when_replayed), TELL(random_edits_fail_at_random),
         TELL(a_command_that_is_cancelled_is_undone),
         TELL(a_journal_that_cannot_begin_undoes_the_command));

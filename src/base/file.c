@@ -193,6 +193,22 @@ done:
     return err;
 }
 
+enum err file_backup(struct buf *backup, const char *path, struct fault *fault)
+{
+    enum err err = file_draft(backup, path, FILE_REPLACE, fault);
+    if (!err && link(path, buf_text(backup)) != 0)
+        err = fault_errno(fault, "keep the former", path);
+    return err;
+}
+
+enum err file_restore(const char *backup, const char *path, struct fault *fault)
+{
+    if (rename(backup, path) != 0)
+        return fault_errno(fault, "restore", path);
+    file_discard(backup); /* it stays where path was never replaced: two names of one file */
+    return sync_folder(path) ? OK : fault_errno(fault, "sync the folder of", path);
+}
+
 enum err file_log_open(struct file_log **out, const char *path, bool create, struct fault *fault)
 {
     struct stat status;

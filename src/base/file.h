@@ -39,6 +39,11 @@ enum err file_publish(const char *draft, const char *path, enum file_mode mode,
                       struct fault *fault);
 void file_discard(const char *draft);
 
+/* A second name for what `path` holds now, so that it outlives being replaced; and back again. The
+ * caller discards a backup that is not needed (file_discard). */
+enum err file_backup(struct buf *backup, const char *path, struct fault *fault);
+enum err file_restore(const char *backup, const char *path, struct fault *fault);
+
 /* A file that grows. */
 struct file_log;
 

@@ -1,6 +1,7 @@
 /* Commands that open a scene and change its forest. */
 #include "command/act.h"
 
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -50,7 +51,8 @@ ACT(adjacency)
 /* A name is a word that no number, colour or option can be mistaken for. */
 static bool name_is_fit(const char *name)
 {
-    if (strlen(name) >= LABEL_NAME_BYTES || strchr("0123456789-#\"", *name))
+    const unsigned char first = (unsigned char)*name;
+    if (strlen(name) >= LABEL_NAME_BYTES || (first < 0x80 && !isalpha(first)))
         return false;
     for (size_t left = strlen(name); left > 0;) {
         size_t n = safe_character(name, left);

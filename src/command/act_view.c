@@ -63,13 +63,15 @@ ACT(size)
 ACT(hide)
 {
     (void)reply, (void)fault;
-    return session_set_visible(&desk->session, (uint8_t)value[0].number, false);
+    session_set_visible(&desk->session, (uint8_t)value[0].number, false);
+    return OK;
 }
 
 ACT(show)
 {
     (void)reply, (void)fault;
-    return session_set_visible(&desk->session, (uint8_t)value[0].number, true);
+    session_set_visible(&desk->session, (uint8_t)value[0].number, true);
+    return OK;
 }
 
 /* ---- pictures ---- */
@@ -98,11 +100,8 @@ static enum file_mode mode_of(const struct value *replace)
     return replace->given && replace->number == 0 ? FILE_REPLACE : FILE_KEEP;
 }
 
-/* What `render` and `save` did, once the file is there. */
-static void tell_written(struct desk *desk, const char *path, bool was_there, struct reply *reply)
+static void tell_written(const char *path, struct reply *reply)
 {
-    if (!was_there)
-        desk_note_created(desk, path);
     buf_add_text(&reply->text, "wrote ");
     buf_add_safe(&reply->text, path, strlen(path));
     buf_add_char(&reply->text, '\n');
@@ -135,12 +134,14 @@ ACT(render)
     }
     err = desk_output_path(desk, value[0].text, &path, fault);
     if (!err && path.length) {
-        const bool was_there = file_exists(buf_text(&path));
+        const enum file_mode how = mode_of(&value[2]);
         err = take_picture(desk, &picture, fault);
         if (!err)
-            err = image_write(desk->helper, buf_text(&path), mode_of(&value[2]), &picture, fault);
+            err = desk_will_write(desk, buf_text(&path), how, fault);
         if (!err)
-            tell_written(desk, buf_text(&path), was_there, reply);
+            err = image_write(desk->helper, buf_text(&path), how, &picture, fault);
+        if (!err)
+            tell_written(buf_text(&path), reply);
     }
     picture_release(&picture);
     buf_release(&path);
@@ -161,13 +162,14 @@ static void leave_evidence(struct desk *desk, const char *name, const struct pic
     struct buf path = {0};
     struct picture image = {
         difference->width, difference->height, difference->image, NULL, NULL, NULL, NULL, 0};
-    if (!desk->out_folder)
+    if (!desk->evidence_folder)
         return;
-    buf_printf(&path, "%s/%s.actual.exr", desk->out_folder, name);
+    const char *journal = file_name(buf_text(&desk->home));
+    buf_printf(&path, "%s/%s.%s.actual.exr", desk->evidence_folder, journal, name);
     image_write(desk->helper, buf_text(&path), FILE_REPLACE, actual, NULL);
     if (difference->image) {
         buf_clear(&path);
-        buf_printf(&path, "%s/%s.difference.png", desk->out_folder, name);
+        buf_printf(&path, "%s/%s.%s.difference.png", desk->evidence_folder, journal, name);
         image_write(desk->helper, buf_text(&path), FILE_REPLACE, &image, NULL);
     }
     buf_release(&path);
@@ -200,12 +202,19 @@ static enum err compare_golden(struct desk *desk, const char *name, const char *
     return err;
 }
 
+/* Writes one file of a golden image, which must not be there. */
+static enum err write_new(struct desk *desk, const char *path, const struct picture *picture,
+                          struct fault *fault)
+{
+    enum err err = desk_will_write(desk, path, FILE_KEEP, fault);
+    return err ? err : image_write(desk->helper, path, FILE_KEEP, picture, fault);
+}
+
 /* The EXR is the golden image; the PNG beside it is for people. */
 static enum err write_golden(struct desk *desk, const char *name, const char *path,
                              const struct picture *picture, struct fault *fault)
 {
     struct buf other = {0};
-    bool was_there;
     enum err err = golden_folder(&other, buf_text(&desk->home), fault);
     if (!err)
         err = file_make_folder(buf_text(&other), fault);
@@ -215,14 +224,9 @@ static enum err write_golden(struct desk *desk, const char *name, const char *pa
             fault_prefix(fault, err, "it exists already and was left alone");
     } else if (!err) {
         buf_printf(&other, "/%s.png", name);
-        was_there = file_exists(buf_text(&other));
-        err = image_write(desk->helper, buf_text(&other), FILE_REPLACE, picture, fault);
-        if (!err && !was_there)
-            desk_note_created(desk, buf_text(&other));
+        err = write_new(desk, path, picture, fault);
         if (!err)
-            err = exr_write(path, FILE_KEEP, picture, fault);
-        if (!err)
-            desk_note_created(desk, path);
+            err = write_new(desk, buf_text(&other), picture, fault);
     }
     buf_release(&other);
     return err;
@@ -269,11 +273,12 @@ ACT(save)
     if (!err)
         err = desk_output_path(desk, value[1].text, &path, fault);
     if (!err && path.length) {
-        const bool was_there = file_exists(buf_text(&path));
-        err = export_map(&desk->session, map[value[0].number], buf_text(&path), mode_of(&value[2]),
-                         fault);
+        const enum file_mode how = mode_of(&value[2]);
+        err = desk_will_write(desk, buf_text(&path), how, fault);
         if (!err)
-            tell_written(desk, buf_text(&path), was_there, reply);
+            err = export_map(&desk->session, map[value[0].number], buf_text(&path), how, fault);
+        if (!err)
+            tell_written(buf_text(&path), reply);
     }
     buf_release(&path);
     return err;

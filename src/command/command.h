@@ -55,8 +55,7 @@ enum { PARAMETERS_MOST = 4 };
 enum command_flag {
     COMMAND_RECORDED = 1, /* goes into the journal */
     COMMAND_NEEDS_SCENE = 2,
-    COMMAND_EDITS = 4,  /* changes what `run` computes: its digests are recorded */
-    COMMAND_WRITES = 8, /* writes a file: not while replaying, unless asked for */
+    COMMAND_EDITS = 4, /* changes what `run` computes: its digests are recorded */
 };
 
 /* What a command answers: text for the user, "key=value" words for the journal. */

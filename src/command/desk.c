@@ -28,7 +28,7 @@ void desk_release(struct desk *desk)
     image_helper_free(desk->helper);
     session_release(&desk->session);
     buf_release(&desk->home);
-    buf_release(&desk->created);
+    buf_release(&desk->written);
     *desk = (struct desk){0};
 }
 
@@ -75,17 +75,41 @@ static enum err act(struct desk *desk, const struct call *call, struct reply *re
     return err;
 }
 
-/* The files that a command made go when it is taken back. */
-static void discard_created(const struct desk *desk)
+/* ---- files that go with a command ---- */
+
+enum err desk_will_write(struct desk *desk, const char *path, enum file_mode mode,
+                         struct fault *fault)
 {
-    const char *at = buf_text(&desk->created), *end = at + desk->created.length;
-    for (; at < end; at += strlen(at) + 1)
-        file_discard(at);
+    struct buf backup = {0};
+    enum err err = OK;
+    if (file_exists(path)) {
+        if (mode == FILE_KEEP)
+            return OK; /* the writer refuses */
+        err = file_backup(&backup, path, fault);
+    }
+    if (!err) {
+        buf_add(&desk->written, path, strlen(path) + 1);
+        buf_add(&desk->written, buf_text(&backup), backup.length + 1);
+    }
+    buf_release(&backup);
+    return err;
 }
 
-void desk_note_created(struct desk *desk, const char *path)
+/* Backups go when the command stands; else files are again what they were. */
+static void settle_files(struct desk *desk, bool stands)
 {
-    buf_add(&desk->created, path, strlen(path) + 1);
+    const char *at = buf_text(&desk->written), *end = at + desk->written.length;
+    while (at < end) {
+        const char *path = at, *backup = path + strlen(path) + 1;
+        at = backup + strlen(backup) + 1;
+        if (stands && *backup)
+            file_discard(backup);
+        else if (!stands && *backup)
+            file_restore(backup, path, NULL);
+        else if (!stands)
+            file_discard(path);
+    }
+    buf_clear(&desk->written);
 }
 
 enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, struct fault *fault)
@@ -94,7 +118,6 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
     buf_clear(&reply->text);
     buf_clear(&reply->words);
     buf_clear(&reply->canonical);
-    buf_clear(&desk->created);
     desk->shows_picture = false;
     enum err err = command_parse(&call, line, &desk->session, fault);
     if (err || !call.command)
@@ -113,9 +136,9 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
         if (err)
             fault_prefix(fault, err, "the command is undone, because it could not be recorded");
     }
+    settle_files(desk, err == OK);
     if (err) {
         session_rollback(&desk->session);
-        discard_created(desk);
         desk->shows_picture = desk->finished = false;
     } else {
         desk->acknowledged++;
@@ -128,7 +151,7 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
 
 bool desk_is_journal(const char *path)
 {
-    return file_begins_with(path, "# iftty journal ");
+    return file_begins_with(path, RECORD_HEADER);
 }
 
 static enum err set_home(struct desk *desk, const char *path, struct fault *fault)

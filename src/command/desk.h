@@ -8,6 +8,7 @@
 #ifndef COMMAND_DESK_H
 #define COMMAND_DESK_H
 
+#include "base/file.h"
 #include "command/command.h"
 #include "image/helper.h"
 #include "journal/journal.h"
@@ -19,14 +20,16 @@ struct desk {
     const char *new_journal;     /* created with the first command that is recorded, or NULL */
     struct image_helper *helper; /* started on first use */
 
-    struct buf home;        /* path of the journal at hand: goldens and scenes lie beside it */
-    const char *scene_path; /* a scene to open whatever name `open` gives, or NULL */
-    const char *out_folder; /* files go there, under their last name; NULL: where they say */
-    bool replays;           /* files are written only with an out_folder */
-    bool compares_goldens;  /* `golden` compares with the file instead of writing it */
-    bool resumes;           /* replays the user's own journal: nothing is written */
+    struct buf home;             /* path of the journal at hand: goldens and scenes lie beside it */
+    const char *scene_path;      /* a scene to open whatever name `open` gives, or NULL */
+    const char *out_folder;      /* files go there, under their last name; NULL: where they say */
+    const char *evidence_folder; /* for what a golden image differs by, or NULL */
+    bool replays;                /* files are written only with an out_folder */
+    bool compares_goldens;       /* `golden` compares with the file instead of writing it */
+    bool resumes;                /* replays the user's own journal: nothing is written */
 
-    struct buf created; /* paths that the command at hand made, each ended by NUL */
+    struct buf written; /* by the command at hand: pairs of a path and its backup ("" where it is
+                           new), each ended by NUL */
     size_t acknowledged;
     bool finished;      /* `quit` */
     bool shows_picture; /* the last command made a rendition to be shown inline */
@@ -60,8 +63,9 @@ enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *
 enum err desk_output_path(const struct desk *desk, const char *name, struct buf *path,
                           struct fault *fault);
 
-/* Notes that the command at hand made a file that was not there: if the command cannot be recorded,
- * the file goes with it. */
-void desk_note_created(struct desk *desk, const char *path);
+/* Says that the command at hand is about to write `path`: where the command fails or cannot be
+ * recorded, a file that was not there goes again, and one that is replaced comes back. */
+enum err desk_will_write(struct desk *desk, const char *path, enum file_mode mode,
+                         struct fault *fault);
 
 #endif

@@ -60,12 +60,12 @@ static void complain(const struct teller *teller, const char *name, size_t line,
 }
 
 /* A script's comments and blank lines go into the journal with the command that follows. */
-static void keep_comment(struct desk *desk, const char *line)
+static enum err keep_comment(struct desk *desk, const char *line, struct fault *fault)
 {
-    static const char header[] = "# iftty journal ";
     bool is_comment = *line == '#' || *line == '\0';
-    if (desk->journal && is_comment && strncmp(line, header, sizeof header - 1) != 0)
-        journal_comment(desk->journal, line, NULL);
+    bool is_header = strncmp(line, RECORD_HEADER, sizeof RECORD_HEADER - 1) == 0;
+    return desk->journal && is_comment && !is_header ? journal_comment(desk->journal, line, fault)
+                                                     : OK;
 }
 
 enum err drive_script(struct desk *desk, FILE *input, const char *name, bool keep_going,
@@ -77,8 +77,9 @@ enum err drive_script(struct desk *desk, FILE *input, const char *name, bool kee
     for (size_t number = 1; !desk->finished && read_line(input, &line); number++) {
         if (*buf_text(&line) == '=')
             continue;
-        keep_comment(desk, buf_text(&line));
-        enum err err = desk_execute(desk, buf_text(&line), &reply, fault);
+        enum err err = keep_comment(desk, buf_text(&line), fault);
+        if (!err)
+            err = desk_execute(desk, buf_text(&line), &reply, fault);
         if (err) {
             complain(teller, name, number, fault);
             first = first ? first : err;
@@ -197,7 +198,7 @@ static enum err verify_one(const char *path, int number, const char *scene_path,
     struct buf text = {0};
     enum err err = desk_init(&desk, fault);
     desk.scene_path = scene_path;
-    desk.out_folder = out_folder;
+    desk.evidence_folder = out_folder;
     desk.compares_goldens = true;
     if (!err)
         err = replay_file(&desk, path, NULL, &report, fault);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/safe.h"
 #include "base/scan.h"
 #include "render/view.h"
 #include "session/session.h"
@@ -19,6 +20,19 @@ const struct command *command_find(const char *name)
 }
 
 /* ---- words ---- */
+
+/* A journal is UTF-8 text, so a command is; what a terminal would obey is no part of it either. */
+static bool is_text(const char *line)
+{
+    for (size_t left = strlen(line); left > 0;) {
+        size_t n = *line == '\t' ? 1 : safe_character(line, left);
+        if (n == 0)
+            return false;
+        line += n;
+        left -= n;
+    }
+    return true;
+}
 
 /* Takes one word at *cursor into `out`, ended by NUL. False for a quote that does not end. */
 static bool take_word(const char **cursor, struct buf *out)
@@ -44,6 +58,9 @@ static enum err split(struct buf *out, unsigned *count, const char *line, struct
     *count = 0;
     if (strlen(line) > LINE_BYTES_MOST)
         return fault_set(fault, ERR_USAGE, "a command of more than %d bytes", LINE_BYTES_MOST);
+    if (!is_text(line))
+        return fault_set(fault, ERR_USAGE,
+                         "a command is UTF-8 text without control characters, not %s", line);
     for (scan_blanks(&line); *line; scan_blanks(&line)) {
         if (!take_word(&line, out))
             return fault_set(fault, ERR_USAGE, "a word in quotes does not end: %s", line);

@@ -29,7 +29,6 @@ enum {
     R = COMMAND_RECORDED,
     S = COMMAND_NEEDS_SCENE,
     E = COMMAND_EDITS,
-    W = COMMAND_WRITES,
     TURNS = 10 * VIEW_TURN, /* angles may be given beyond one turn; they are reduced */
 };
 
@@ -134,7 +133,7 @@ const struct command command_table[] = {
      "show 2",
      act_show},
     {"render",
-     R | S | E | W,
+     R | S | E,
      {MAY("FILE", FILE, 0, 0), KEYED_ONE_OF("mode", "sp|bp|ii|ray"),
       KEYED_ONE_OF("replace", "yes|no")},
      "make the rendition: to a file, or inline",
@@ -144,14 +143,14 @@ const struct command command_table[] = {
      "render brain.png",
      act_render},
     {"golden",
-     R | S | E | W,
+     R | S | E,
      {NEED("NAME", WORD, 0, 0)},
      "keep this rendition as a golden image",
      "    `iftty verify` compares it pixel for pixel. It lies in a folder beside the journal.\n",
      "golden front-1",
      act_golden},
     {"save",
-     R | S | E | W,
+     R | S | E,
      {ONE_OF("MAP", "labels|cost|root|border"), NEED("FILE", FILE, 0, 0),
       KEYED_ONE_OF("replace", "yes|no")},
      "write a map as .nii or .nii.gz",

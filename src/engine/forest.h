@@ -77,9 +77,9 @@ void forest_free(struct forest *forest);
 
 /*
  * Applies `count` edits as one. A later edit of the same voxel wins. Planting what is planted or
- * erasing what is not is allowed and does nothing. On any error the forest is as before and
- * `changes` is empty: ERR_CANCELLED (watch said so), ERR_LIMIT (T3), ERR_MEMORY. `watch` may be
- * NULL.
+ * erasing what is not is allowed and does nothing. On any error the forest is as before, and
+ * forest_changes is of no use: ERR_CANCELLED (watch said so), ERR_LIMIT (T3), ERR_MEMORY. `watch`
+ * may be NULL.
  */
 enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,
                      const struct forest_watch *watch, struct fault *fault);

@@ -13,7 +13,7 @@ enum {
 };
 
 struct chunk {
-    uint32_t next; /* index + 1 of the next chunk of the list, 0 at the end */
+    uint32_t next; /* index of the next chunk of the list, 0 at the end */
     uint32_t count;
     uint32_t cell[CHUNK_ENTRIES];
 };

@@ -280,13 +280,12 @@ enum err session_set_view(struct session *session, const struct view *view, stru
     return OK;
 }
 
-enum err session_set_visible(struct session *session, uint8_t label, bool visible)
+void session_set_visible(struct session *session, uint8_t label, bool visible)
 {
     session->settings.visible[label] = visible;
     session->border.visible[label] = visible;
     border_recount(&session->border);
     session->rendered = false;
-    return OK;
 }
 
 /* The rendition of the forest as it stands, whatever edits wait. */

@@ -99,7 +99,7 @@ enum err session_set_adjacency(struct session *session, unsigned count, struct f
 
 /* Takes settings.view as the view from now on. */
 enum err session_set_view(struct session *session, const struct view *view, struct fault *fault);
-enum err session_set_visible(struct session *session, uint8_t label, bool visible);
+void session_set_visible(struct session *session, uint8_t label, bool visible);
 
 enum render_mode { RENDER_AS_KEPT, RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL, RENDER_RAY };
 
