@@ -337,11 +337,11 @@ same_files there/p.exr o.kept
 close_story
 
 begin "a scene in a folder further up is found from anywhere"
-mkdir -p up/scenes up/work
+mkdir -p up/scenes up/here
 cp s.nii up/scenes
-expect_in up/work 0 "$iftty" -c "open ../scenes/s.nii; seed 1,1,1 1; run" --journal u.iftty
-expect 0 "$iftty" verify up/work/u.iftty
-expect_in / 0 "$iftty" verify "$work/up/work/u.iftty"
+expect_in up/here 0 "$iftty" -c "open ../scenes/s.nii; seed 1,1,1 1; run" --journal u.iftty
+expect 0 "$iftty" verify up/here/u.iftty
+expect_in / 0 "$iftty" verify "$work/up/here/u.iftty"
 close_story
 
 begin "--scene opens another file under the name that is written"
