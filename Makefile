@@ -40,7 +40,7 @@ LIBRARY := $(BUILD)/libiftty.a
 TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c))
 
 .DEFAULT_GOAL := all
-.PHONY: all tests test demo help clean packages
+.PHONY: all tests test test-long demo help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -50,6 +50,10 @@ all: $(BUILD)/iftty $(BUILD)/iftty-image
 ## test: install what is missing, build, run every test; ends with "N passed, N failed"
 test: all tests
 	@tests/run.sh $(BUILD)
+
+## test-long: the property tests of forest and rendition, ten times over (a million edits)
+test-long: all tests
+	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render
 
 ## tests: build the test programs
 tests: $(TESTS)

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 
+#include "base/mem.h"
 #include "engine/border.h"
 #include "engine/forest.h"
 #include "engine/weight.h"
@@ -352,41 +353,127 @@ STORY(a_hundred_thousand_random_edits_each_equal_a_run_from_scratch)
         random_session(i, i % 200 ? 5 : 40);
 }
 
-/* Cancels at the first look; a watch is asked only after many voxels, so the scene is larger. */
-static bool at_once(void *context, uint64_t served)
+/* ---- edits that do not go through ---- */
+
+/* What a forest is known by: if these are as before and every invariant holds, it is as before. */
+struct state {
+    uint64_t keys, labels;
+    size_t seeds;
+};
+
+static struct state state_of(const struct world *w)
+{
+    return (struct state){forest_digest(w->forest), forest_label_digest(w->forest),
+                          forest_seeds(w->forest)};
+}
+
+static bool is_as_before(struct world *w, struct state before)
+{
+    struct state now = state_of(w);
+    struct fault fault = {0};
+    bool same =
+        CHECK(now.keys == before.keys && now.labels == before.labels && now.seeds == before.seeds);
+    return CHECK(forest_check(w->forest, &fault)) && same;
+}
+
+static struct world random_world(uint64_t *random, unsigned seeds)
+{
+    struct world w = world_new(1 + check_below(random, 14), 1 + check_below(random, 12),
+                               1 + check_below(random, 10), check_below(random, 2) ? 26 : 6);
+    paint(&w, check_below(random, TEXTURES), random);
+    for (unsigned i = 0; i < seeds; i++) {
+        struct edit edit = {random_voxel(&w.scene->grid, random), (int16_t)(i % 3)};
+        CHECK(forest_edit(w.forest, &edit, 1, NULL, NULL) == OK);
+    }
+    return w;
+}
+
+static bool after_some_looks(void *context, uint64_t served)
 {
     (void)served;
     return --*(int *)context < 0;
 }
 
-STORY(a_cancelled_edit_leaves_the_forest_as_it_was)
+STORY(an_edit_cancelled_at_every_level_leaves_the_forest_as_it_was)
 {
-    uint64_t random = 5;
-    struct world w = world_new(70, 60, 50, 6);
     struct fault fault = {0};
-    paint(&w, NOISY, &random);
-    for (int i = 0; i < 40; i++)
-        plant_at(&w, check_below(&random, 70), check_below(&random, 60), check_below(&random, 50),
-                 i % 3);
-    uint64_t keys = forest_digest(w.forest), labels = forest_label_digest(w.forest);
-    for (int looks = 0; looks < 3; looks++) {
-        struct edit batch[400];
-        int left = looks;
-        struct forest_watch watch = {at_once, &left};
-        for (int i = 0; i < 400; i++)
-            batch[i] = (struct edit){random_voxel(&w.scene->grid, &random), (int16_t)(i % 4 - 1)};
-        enum err err = forest_edit(w.forest, batch, 400, &watch, &fault);
-        if (err == OK) {
-            CHECK(looks > 0);
-            CHECK(forest_revert(w.forest, NULL) == OK);
-        } else {
-            CHECK_INT(err, ERR_CANCELLED);
-            CHECK_HAS(fault.text, "nothing has changed");
+    uint64_t random = 5;
+    for (unsigned round = 0; round < scaled(150) && check_failures == 0; round++) {
+        struct world w = random_world(&random, 6);
+        struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
+        size_t count = random_batch(&w, batch, &random);
+        const struct state before = state_of(&w);
+        enum err err = ERR_CANCELLED;
+        for (int looks = 0; err && check_failures == 0; looks++) {
+            int left = looks;
+            const struct forest_watch watch = {after_some_looks, &left};
+            err = forest_edit(w.forest, batch, count, &watch, &fault);
+            if (err) {
+                CHECK_INT(err, ERR_CANCELLED);
+                CHECK_HAS(fault.text, "nothing has changed");
+                is_as_before(&w, before);
+            }
         }
-        CHECK(forest_digest(w.forest) == keys && forest_label_digest(w.forest) == labels);
-        CHECK(forest_check(w.forest, &fault));
+        CHECK(equals_scratch(&w));
+        CHECK(forest_revert(w.forest, NULL) == OK);
+        is_as_before(&w, before);
+        free(batch);
+        world_free(&w);
     }
+}
+
+static int allowed; /* allocations before one fails; all after it succeed again */
+
+static bool allow_some(size_t bytes)
+{
+    (void)bytes;
+    return allowed-- != 0;
+}
+
+/* Everything that allocates, once; true when it went through. */
+static bool live_once(uint64_t seed)
+{
+    uint64_t random = seed;
+    struct world w = {0};
+    struct border border = {0};
+    struct fault fault = {0};
+    uint32_t size[3] = {1 + check_below(&random, 9), 7, 5};
+    struct edit batch[40];
+    bool done = false;
+    if (scene_new(&w.scene, size, &fault) || forest_new(&w.forest, w.scene, 6, &fault) ||
+        border_init(&border, w.scene, &fault))
+        goto end;
+    for (int step = 0; step < 6; step++) {
+        const struct state before = state_of(&w);
+        for (int i = 0; i < 40; i++)
+            batch[i] = (struct edit){random_voxel(&w.scene->grid, &random), (int16_t)(i % 4 - 1)};
+        if (forest_edit(w.forest, batch, 40, NULL, &fault)) {
+            CHECK_INT(fault.code, ERR_MEMORY);
+            is_as_before(&w, before);
+            goto end;
+        }
+    }
+    done = true;
+end:
+    if (!done)
+        CHECK_HAS(fault.text, "out of memory");
+    border_release(&border);
     world_free(&w);
+    return done;
+}
+
+STORY(an_allocation_that_fails_leaves_the_forest_as_it_was)
+{
+    for (uint64_t seed = 0; seed < scaled(40) && check_failures == 0; seed++) {
+        bool done = false;
+        mem_allows = allow_some;
+        for (int n = 0; !done && n < 1000 && check_failures == 0; n++) {
+            allowed = n;
+            done = live_once(seed);
+        }
+        mem_allows = NULL;
+        CHECK(done);
+    }
 }
 
 STORY(both_adjacencies_hold_each_direction_and_its_opposite)
@@ -428,6 +515,7 @@ int main(void)
                        TELL(a_plateau_longer_than_hops_can_count_is_refused_and_undone),
                        TELL(both_adjacencies_hold_each_direction_and_its_opposite),
                        TELL(a_hundred_thousand_random_edits_each_equal_a_run_from_scratch),
-                       TELL(a_cancelled_edit_leaves_the_forest_as_it_was),
+                       TELL(an_edit_cancelled_at_every_level_leaves_the_forest_as_it_was),
+                       TELL(an_allocation_that_fails_leaves_the_forest_as_it_was),
                        TELL(the_synthetic_scene_is_the_same_everywhere));
 }

@@ -8,6 +8,18 @@
 
 enum { HUGE_FROM = 8 << 20 }; /* below, clearing a huge page costs more than it saves */
 
+bool (*mem_allows)(size_t bytes);
+
+static bool is_allowed(size_t bytes)
+{
+    return !mem_allows || mem_allows(bytes);
+}
+
+void *mem_new(size_t bytes)
+{
+    return is_allowed(bytes) ? calloc(1, bytes) : NULL;
+}
+
 bool size_multiply(size_t a, size_t b, size_t *out)
 {
     size_t product;
@@ -20,7 +32,7 @@ bool size_multiply(size_t a, size_t b, size_t *out)
 void *mem_array(size_t count, size_t size)
 {
     size_t bytes;
-    if (!size_multiply(count, size, &bytes))
+    if (!size_multiply(count, size, &bytes) || !is_allowed(bytes))
         return NULL;
     return malloc(bytes ? bytes : 1);
 }
@@ -36,7 +48,7 @@ bool mem_grow(void *array, size_t *capacity, size_t needed, size_t size)
     size_t bytes;
     void *former;
     memcpy(&former, array, sizeof former);
-    if (!size_multiply(wanted, size, &bytes))
+    if (!size_multiply(wanted, size, &bytes) || !is_allowed(bytes))
         return false;
     void *larger = realloc(former, bytes);
     if (!larger)
@@ -48,6 +60,8 @@ bool mem_grow(void *array, size_t *capacity, size_t needed, size_t size)
 
 void *mem_pages(size_t bytes)
 {
+    if (!is_allowed(bytes))
+        return NULL;
     void *pages =
         mmap(NULL, bytes ? bytes : 1, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (pages == MAP_FAILED)

@@ -13,6 +13,12 @@
 /* out = a * b; false (and out untouched) where the product does not fit. */
 bool size_multiply(size_t a, size_t b, size_t *out);
 
+/* For tests: asked before every allocation of this file; false makes it fail. NULL asks nobody. */
+extern bool (*mem_allows)(size_t bytes);
+
+/* One zeroed object of `bytes`, or NULL. Freed by free(). */
+void *mem_new(size_t bytes);
+
 /* An uninitialised array of `count` items of `size` bytes, or NULL. Freed by free(). */
 void *mem_array(size_t count, size_t size);
 

@@ -8,10 +8,9 @@
 #include "engine/queue.h"
 
 enum {
-    CHANGES_SHARE = 16,  /* beyond this part of the scene the list becomes "everything" */
-    WATCH_EVERY = 65536, /* voxels served between two looks at the watch */
-    BATCH = 1024,        /* queue entries taken at once */
-    AHEAD = 8,           /* queue entries between fetching and serving */
+    CHANGES_SHARE = 16, /* beyond this part of the scene the list becomes "everything" */
+    BATCH = 1024,       /* queue entries taken at once */
+    AHEAD = 8,          /* queue entries between fetching and serving */
 };
 
 /* A list of cells that grows. */
@@ -275,7 +274,6 @@ PER_ADJACENCY void serve_level(struct forest *forest, uint32_t level, const unsi
 static enum err pass(struct forest *forest, const struct forest_watch *watch)
 {
     uint32_t level;
-    uint64_t look_at = WATCH_EVERY;
     while (queue_next_level(forest->queue, &level)) {
         const uint64_t before = forest->stats.served;
         if (forest->adjacency.count == 6)
@@ -286,11 +284,8 @@ static enum err pass(struct forest *forest, const struct forest_watch *watch)
             return ERR_MEMORY;
         if ((level & 0xFFFF) == KEY_HOPS_LIMIT && forest->stats.served > before)
             return ERR_LIMIT;
-        if (watch && forest->stats.served >= look_at) {
-            look_at = forest->stats.served + WATCH_EVERY;
-            if (watch->cancelled(watch->context, forest->stats.served))
-                return ERR_CANCELLED;
-        }
+        if (watch && watch->cancelled(watch->context, forest->stats.served))
+            return ERR_CANCELLED;
     }
     /* Also where memory ran out before the first level, so that the queue was empty. */
     return forest->starved || queue_failed(forest->queue) ? ERR_MEMORY : OK;
@@ -503,7 +498,7 @@ enum err forest_new(struct forest **out, struct scene *scene, unsigned adjacency
                     struct fault *fault)
 {
     *out = NULL;
-    struct forest *forest = calloc(1, sizeof *forest);
+    struct forest *forest = mem_new(sizeof *forest);
     if (!forest)
         return fault_memory(fault, "a forest");
     forest->scene = scene;

@@ -64,7 +64,7 @@ struct forest_stats {
     uint64_t touched; /* voxels in `changes`; all when that is everything */
 };
 
-/* Called now and then during a pass; a true answer cancels the edit. `served` voxels so far. */
+/* Asked after every level of a pass; a true answer cancels the edit. `served` voxels so far. */
 struct forest_watch {
     bool (*cancelled)(void *context, uint64_t served);
     void *context;

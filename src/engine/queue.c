@@ -66,7 +66,7 @@ static bool marks_lowest(const struct marks *m, uint32_t *n)
 
 struct queue *queue_new(size_t cells)
 {
-    struct queue *queue = calloc(1, sizeof *queue);
+    struct queue *queue = mem_new(sizeof *queue);
     if (!queue)
         return NULL;
     /* Full chunks, and besides one for each list that may be hardly filled. */

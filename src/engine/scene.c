@@ -30,7 +30,7 @@ static void scene_clear(struct scene *scene)
 enum err scene_new(struct scene **out, const uint32_t size[3], struct fault *fault)
 {
     *out = NULL;
-    struct scene *scene = calloc(1, sizeof *scene);
+    struct scene *scene = mem_new(sizeof *scene);
     if (!scene)
         return fault_memory(fault, "a scene");
     enum err err = grid_init(&scene->grid, size, fault);
