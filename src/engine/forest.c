@@ -155,6 +155,24 @@ static void clear_subtree(struct forest *forest, uint32_t top)
     }
 }
 
+/* Whether another neighbour offers a voxel the very key it has; if so, that is its predecessor from
+ * now on. It cannot be a descendant: those have greater keys. On plateaus there often is one, and a
+ * subtree need not be cleared. */
+static bool finds_support(struct forest *forest, uint32_t at)
+{
+    const struct adjacency *adjacency = &forest->adjacency;
+    struct cell *cell = forest->cell + at;
+    for (unsigned i = 0; i < adjacency->count; i++) {
+        const struct cell *neighbour = cell + adjacency->offset[i];
+        if (neighbour->flags & (CELL_CLEARED | CELL_RIM) || neighbour->key == KEY_NONE ||
+            key_extend(neighbour->key, cell->weight) != cell->key)
+            continue;
+        cell->direction = (uint8_t)(adjacency->count - 1 - i); /* from the neighbour to here */
+        return true;
+    }
+    return false;
+}
+
 /* The best offer of the neighbours that kept their tree: the frontier seen from within. */
 static void reoffer(struct forest *forest, uint32_t at)
 {
@@ -224,7 +242,8 @@ PER_ADJACENCY void serve(struct forest *forest, uint32_t s, const unsigned neigh
         const uint64_t offer = key_greater(key_rise(cell[t].weight, root), hop);
         if (offer < cell[t].key)
             accept(forest, t, offer, label, i);
-        else if (__builtin_expect(cell[t].direction == i, 0) && offer != cell[t].key)
+        else if (__builtin_expect(cell[t].direction == i, 0) && offer != cell[t].key &&
+                 !finds_support(forest, t))
             clear_subtree(forest, t);
         if (cell[t].flags & CELL_QUEUED)
             cell[t].heard |= (uint8_t)(1u << (neighbours - 1 - i)); /* of 26, the first 8 fit */
