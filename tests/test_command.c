@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/mem.h"
 #include "base/safe.h"
 #include "command/drive.h"
 #include "image/nifti.h"
@@ -162,6 +163,8 @@ static const char *form_of(const struct parameter *p)
         return "X,Y,Z";
     case PARAMETER_CHOICE:
         return p->choices;
+    case PARAMETER_RANGE:
+        return "A-B";
     case PARAMETER_COLOUR:
         return "#rrggbb";
     case PARAMETER_VIEW:
@@ -262,6 +265,14 @@ static void add_position(struct buf *out)
         buf_printf(out, "%.3f,%.2f,%.4fmm", mm[0], mm[1], mm[2]);
 }
 
+static void add_range(struct buf *out, const struct parameter *p)
+{
+    uint32_t first = (uint32_t)p->least + below((uint32_t)(p->most - p->least + 1));
+    buf_printf(out, "%u", first);
+    if (below(2))
+        buf_printf(out, "-%u", first + below((uint32_t)p->most - first + 1));
+}
+
 static void add_value(struct buf *out, const struct parameter *p)
 {
     switch (p->type) {
@@ -277,6 +288,9 @@ static void add_value(struct buf *out, const struct parameter *p)
     case PARAMETER_NUMBER:
         buf_printf(out, "%lld",
                    (long long)p->least + (long long)below((uint32_t)(p->most - p->least + 1)));
+        break;
+    case PARAMETER_RANGE:
+        add_range(out, p);
         break;
     case PARAMETER_DECIMAL:
         add_decimal(out, p);
@@ -518,7 +532,13 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"adjacency 18", "COUNT: expected 6|26, not 18"},
         {"auto yes", "STATE: expected on|off, not yes"},
         {"auto o", "STATE: expected on|off, not o"},
-        {"weight paint", "KIND: expected "},
+        {"weight paint", "KIND: expected morph|sobel|gauss, not paint"},
+        {"weight gauss", "SIGMA: gauss is to have one"},
+        {"weight sobel 1", "SIGMA: gauss is to have one, the others none"},
+        {"weight gauss 0.499", "SIGMA: expected a number 0.5..8 with at most three decimals"},
+        {"weight gauss 8.001", "SIGMA: expected a number 0.5..8"},
+        {"weight morph radius=4", "radius: expected a number 1..3, not 4"},
+        {"weight sobel radius=2", "radius: only morph has one"},
         {"render mode=fast", "mode: expected sp|bp|ii|ray, not fast"},
         {"render mode=", "not nothing"},
         {"render mode=sp|bp", "expected sp|bp|ii|ray"},
@@ -717,11 +737,11 @@ STORY(completion_offers_what_may_stand_there)
     buf_clear(&out);
     command_complete(&out, &start, "help ", 5, &desk.session);
     CHECK_TEXT(buf_text(&out), buf_text(&names));
-    completes(&desk, "see", "seed\n", 0);
-    completes(&desk, "  see", "seed\n", 2);
+    completes(&desk, "see", "seed\nseed-file\n", 0);
+    completes(&desk, "  see", "seed\nseed-file\n", 2);
     completes(&desk, "xyz", "", 0);
     completes(&desk, "xyz ", "", 4);
-    completes(&desk, "help see", "seed\n", 5);
+    completes(&desk, "help see", "seed\nseed-file\n", 5);
     completes(&desk, "help seed ", "", 10);
     completes(&desk, "save ", "labels\ncost\nroot\nborder\nreplace=\n", 5);
     completes(&desk, "save c", "cost\n", 5);
@@ -731,6 +751,7 @@ STORY(completion_offers_what_may_stand_there)
     completes(&desk, "seed 1,1,1 ce", "cerebellum\n", 11);
     completes(&desk, "seed 1,1,1 c", "cerebellum\ncortex\n", 11);
     completes(&desk, "seed 1,1,1 7 r", "radius=\n", 13);
+    completes(&desk, "seed-file x.nii label=c", "cerebellum\ncortex\n", 22);
     completes(&desk, "hide cor", "cortex\n", 5);
     completes(&desk, "view b", "back\nbottom\n", 5);
     completes(&desk, "zoom f", "fit\n", 5);
@@ -819,6 +840,146 @@ static void journal_verifies(const char *path)
     buf_release(&told);
 }
 
+/* ---- seeds out of files ---- */
+
+static void write_text(const char *name, const char *text)
+{
+    CHECK(file_write(place(name), text, strlen(text), FILE_REPLACE, NULL) == OK);
+}
+
+/* Two slabs, one of them of the value 2 + `other`; or of another size. */
+static uint8_t other_region;
+static void region_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    const uint32_t *sides = context;
+    uint8_t *at = values;
+    (void)y, (void)z;
+    for (uint32_t x = 0; x < sides[0]; x++)
+        *at++ = (uint8_t)(x < 4 ? 1 : x < 8 ? 0 : 2 + other_region);
+}
+
+static void make_regions(const char *name, uint32_t x, uint8_t other)
+{
+    uint32_t sides[3] = {x, size[1], size[2]};
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
+    other_region = other;
+    CHECK(geometry_place(&geometry, to_mm));
+    CHECK(nifti_write(place(name), FILE_REPLACE, sides, &geometry, NIFTI_UINT8, "test", region_row,
+                      sides, NULL) == OK);
+}
+
+static void make_seed_files(void)
+{
+    write_text("seeds.csv", "x,y,z,label\n1,1,1,1\n# far\n10,9,8,cerebellum\n");
+    make_regions("regions.nii", size[0], 0);
+}
+
+STORY(seeds_come_out_of_files)
+{
+    struct desk desk;
+    begin_with_scene(&desk);
+    make_seed_files();
+    must(&desk, "seed-file seeds.csv");
+    CHECK_HAS(buf_text(&reply.words), "added=2 forest=");
+    CHECK_HAS(buf_text(&reply.words), " pending=2");
+    must(&desk, "run");
+    CHECK_INT(forest_seeds(desk.session.forest), 2);
+    const uint32_t cell = grid_cell(&desk.session.scene->grid, 10, 9, 8);
+    CHECK_INT(desk.session.scene->cell[cell].label, 2);
+    must(&desk, "seed-file seeds.csv label=7");
+    must(&desk, "run");
+    CHECK_INT(desk.session.scene->cell[cell].label, 7);
+    must(&desk, "seed-file regions.nii"); /* four of twelve columns each */
+    CHECK_HAS(buf_text(&reply.words), "added=880 forest=");
+    must(&desk, "seed-file regions.nii erode=1 regions=2");
+    CHECK_TEXT(buf_text(&reply.canonical), "seed-file regions.nii regions=2 erode=1");
+    CHECK_HAS(buf_text(&reply.words), "added=144 forest="); /* 2 x 9 x 8 */
+    must(&desk, "seed-file regions.nii each=5 label=cerebellum");
+    CHECK_HAS(buf_text(&reply.words), "added=10 forest=");
+    must(&desk, "run");
+    CHECK(forest_check(desk.session.forest, NULL));
+    desk_release(&desk);
+}
+
+STORY(a_seed_file_that_is_wrong_plants_nothing)
+{
+    static const struct {
+        const char *line, *words;
+    } row[] = {
+        {"seed-file elsewhere.csv", "there is no file elsewhere.csv here; nothing was planted"},
+        {"seed-file bad.csv", "bad.csv: line 3: 12,1,1 lies outside the scene"},
+        {"seed-file seeds.csv each=2", "are for label maps, and seeds.csv is a list"},
+        {"seed-file seeds.csv regions=1-2", "are for label maps"},
+        {"seed-file narrow.nii", "the map has 9x11x10 voxels and the scene 12x11x10"},
+        {"seed-file regions.nii regions=3-9", "the map has no voxel of regions 3-9"},
+        {"seed-file regions.nii erode=2", "erode=2 leaves no voxel of regions 1-65533"},
+        {"seed-file bad.csv.nii", "there is no file"},
+        {"seed-file text.nii", "text.nii: "},
+        {"seed-file regions.nii erode=10", "erode: expected a number 0..9"},
+        {"seed-file regions.nii each=0", "each: expected a number 1..100000"},
+        {"seed-file regions.nii regions=2-1",
+         "regions: expected A-B, or A, within 0-65533, not 2-1"},
+        {"seed-file regions.nii regions=1-", "regions: expected A-B"},
+        {"seed-file regions.nii regions=-1", "regions: expected A-B"},
+        {"seed-file regions.nii regions=1-65534", "regions: expected A-B"},
+        {"seed-file regions.nii regions=", "not nothing"},
+        {"seed-file regions.nii label=256", "label: expected a label 0..255"},
+    };
+    struct desk desk;
+    begin_with_scene(&desk);
+    make_seed_files();
+    make_regions("narrow.nii", 9, 0);
+    write_text("bad.csv", "1,1,1,1\n2,2,2,2\n12,1,1,1\n");
+    write_text("text.nii", "1,1,1,1\n");
+    must(&desk, "seed 5,5,5 1");
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
+        is_refused(&desk, row[i].line, row[i].words);
+    desk_release(&desk);
+}
+
+/* Carried out again, a changed file is told from the one that was planted. */
+static void replay_tells(const char *path, const char *words)
+{
+    struct buf told = {0};
+    struct desk desk;
+    const struct teller teller = {&told, say_nothing, say_nothing, NULL};
+    begin_desk(&desk);
+    fault = (struct fault){.text = ""};
+    CHECK(drive_replay(&desk, path, &teller, &fault) != OK);
+    buf_add_text(&told, fault.text);
+    CHECK_HAS(buf_text(&told), words);
+    desk_release(&desk);
+    buf_release(&told);
+}
+
+STORY(a_journal_knows_its_seed_files_again)
+{
+    struct desk desk;
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s", place("files.iftty"));
+    make_seed_files();
+    begin_desk(&desk);
+    CHECK(desk_create_journal(&desk, path, &fault) == OK);
+    must(&desk, "open scene.nii");
+    must(&desk, "label 2 cerebellum");
+    must(&desk, "seed-file seeds.csv");
+    must(&desk, "seed-file regions.nii each=3 erode=1 generator=5");
+    must(&desk, "run");
+    desk_release(&desk);
+    journal_verifies(path);
+    write_text("seeds.csv", "10,9,8,2\n1,1,1,1\n"); /* the same seeds */
+    journal_verifies(path);
+    write_text("seeds.csv", "10,9,8,2\n1,1,2,1\n");
+    replay_tells(path, "file is ");
+    make_seed_files();
+    make_regions("regions.nii", size[0], 1);
+    replay_tells(path, "file is ");
+    CHECK(unlink(place("regions.nii")) == 0);
+    replay_tells(path, "there is no file regions.nii here nor beside the journal");
+    make_seed_files();
+    journal_verifies(path);
+}
+
 STORY(a_command_that_cannot_be_recorded_is_undone)
 {
     static const struct deed before[] = {
@@ -836,11 +997,16 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"seed 1,1,1 1", NULL},
         {"seed 10,9,8 2 radius=1", NULL},
         {"run", NULL},
+        {"seed-file @/seeds.csv", NULL},
+        {"seed-file @/regions.nii label=4 erode=1 each=2", NULL},
         {"seed 5,5,5 3", NULL},
         {"remove 5,5,5", NULL},
         {"seed 6,2,7 0", NULL},
         {"save border @/b.nii", "b.nii"},
+        {"weight gauss 1.5", NULL},
         {"adjacency 26", NULL},
+        {"weight sobel", NULL},
+        {"weight morph radius=2", NULL},
         {"remove 6,2,7", NULL},
         {"run", NULL},
         {"size 40 30", NULL},
@@ -853,6 +1019,7 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"turn 10 -5", NULL},
         {"zoom 2", NULL},
         {"render mode=sp", NULL},
+        {"weight gauss 0.5", NULL},
         {"zoom fit", NULL},
         {"hide 2", NULL},
         {"render", NULL},
@@ -954,7 +1121,9 @@ STORY(what_the_door_recorded_is_the_same_when_replayed)
         {"size 32 32", NULL},
         {"adjacency 26", NULL},
         {"remove 1,1,1", NULL},
+        {"weight sobel", NULL},
         {"auto on", NULL},
+        {"weight gauss 2", NULL},
         {"seed 2,2,2 7 radius=2", NULL},
         {"golden third", "replay.golden/third.exr"},
     };
@@ -968,6 +1137,7 @@ STORY(random_edits_fail_at_random)
 {
     struct desk desk;
     char path[PATH_MAX], line[128];
+    static const char *const weights[] = {"morph", "morph radius=3", "sobel", "gauss 0.75"};
     unsigned undone = 0;
     snprintf(path, sizeof path, "%s", place("random.iftty"));
     failing_path = path;
@@ -998,6 +1168,9 @@ STORY(random_edits_fail_at_random)
         case 5:
             snprintf(line, sizeof line, "adjacency %s", below(2) ? "6" : "26");
             break;
+        case 6:
+            snprintf(line, sizeof line, "weight %s", weights[below(4)]);
+            break;
         default:
             snprintf(line, sizeof line, "seed %u,%u,%u %u radius=%u", x, y, z, below(5),
                      below(8) ? 0 : 1);
@@ -1027,7 +1200,8 @@ static bool always(void *context, uint64_t served)
 
 STORY(a_command_that_is_cancelled_is_undone)
 {
-    static const char *const line[] = {"adjacency 26", "run", "render", "render mode=sp"};
+    static const char *const line[] = {"adjacency 26",   "run",          "render",
+                                       "render mode=sp", "weight sobel", "weight gauss 2"};
     struct desk desk;
     struct snapshot before;
     unsigned asked = 0;
@@ -1046,9 +1220,41 @@ STORY(a_command_that_is_cancelled_is_undone)
         desk.session.watch = NULL;
         is_as_before(&before, &desk, line[i]);
     }
-    CHECK(asked >= 4);
+    CHECK(asked >= 6);
     must(&desk, "run");
     CHECK(forest_check(desk.session.forest, NULL));
+    desk_release(&desk);
+}
+
+static bool allow_nothing(size_t bytes)
+{
+    (void)bytes;
+    return false;
+}
+
+STORY(weights_are_named_and_stay_without_memory)
+{
+    struct desk desk;
+    struct snapshot before;
+    begin_with_scene(&desk);
+    must(&desk, "seed 1,1,1 1");
+    must(&desk, "weight sobel");
+    must(&desk, "run");
+    must(&desk, "info");
+    CHECK_HAS(buf_text(&reply.text), "weight sobel\n");
+    take_snapshot(&before, &desk);
+    mem_allows = allow_nothing;
+    CHECK(execute(&desk, "weight gauss 1.5") == ERR_MEMORY);
+    mem_allows = NULL;
+    is_as_before(&before, &desk, "weight gauss 1.5");
+    must(&desk, "weight gauss 1.5");
+    CHECK_HAS(buf_text(&reply.words), "weights=");
+    CHECK_HAS(buf_text(&reply.words), " forest=");
+    must(&desk, "info");
+    CHECK_HAS(buf_text(&reply.text), "weight gauss 1.5\n");
+    must(&desk, "weight morph radius=3");
+    must(&desk, "info");
+    CHECK_HAS(buf_text(&reply.text), "weight morph radius=3\n");
     desk_release(&desk);
 }
 
@@ -1072,6 +1278,7 @@ int main(void)
     if (!mkdtemp(folder) || chdir(folder) != 0)
         return 1;
     make_scene();
+    make_seed_files();
     int status = RUN_STORIES(
         TELL(the_table_is_in_order), TELL(every_example_parses_and_its_canonical_form_is_its_own),
         TELL(help_names_every_command_and_parameter),
@@ -1079,11 +1286,13 @@ int main(void)
         TELL(millimetres_lead_to_the_nearest_voxel), TELL(a_wrong_line_is_told_what_was_expected),
         TELL(without_a_scene_only_what_needs_none_works), TELL(comments_and_empty_lines_do_nothing),
         TELL(garbage_is_parsed_or_refused_in_one_plain_line),
-        TELL(completion_offers_what_may_stand_there),
+        TELL(completion_offers_what_may_stand_there), TELL(seeds_come_out_of_files),
+        TELL(a_seed_file_that_is_wrong_plants_nothing), TELL(a_journal_knows_its_seed_files_again),
         TELL(a_command_that_cannot_be_recorded_is_undone),
         TELL(a_file_that_was_replaced_comes_back),
         TELL(what_the_door_recorded_is_the_same_when_replayed), TELL(random_edits_fail_at_random),
         TELL(a_command_that_is_cancelled_is_undone),
+        TELL(weights_are_named_and_stay_without_memory),
         TELL(a_journal_that_cannot_begin_undoes_the_command));
     reply_release(&reply);
     char command[PATH_MAX];

@@ -74,7 +74,7 @@ see '^s> zoom$'
 enter "fit"
 see '^s> zoom fit$'
 press s Tab
-see '^seed +size +show'
+see '^seed +seed-file +size +show'
 press e Tab
 see '^s> seed$'
 press C-u

@@ -18,6 +18,9 @@ ACT(remove);
 ACT(run);
 ACT(auto);
 
+/* act_seed_file.c */
+ACT(seed_file);
+
 /* act_view.c */
 ACT(view);
 ACT(turn);

@@ -85,6 +85,19 @@ ACT(why)
     return OK;
 }
 
+/* "gauss 1.5" */
+static void tell_weight(struct buf *out, const struct weight_choice *choice)
+{
+    const char *kind = WEIGHT_KINDS;
+    for (enum weight_kind k = 0; k < choice->kind; k++)
+        kind += strcspn(kind, "|") + 1;
+    buf_add(out, kind, strcspn(kind, "|"));
+    if (choice->radius > 1)
+        buf_printf(out, " radius=%u", choice->radius);
+    if (choice->sigma_thousandths)
+        buf_printf(out, " %g", choice->sigma_thousandths / 1000.0);
+}
+
 ACT(info)
 {
     const struct session *session = &desk->session;
@@ -111,8 +124,10 @@ ACT(info)
                towards, (unsigned long long)session->scene_digest);
     buf_printf(out, "values    %g * intensity %+g\n", session->geometry.slope,
                session->geometry.intercept);
-    buf_printf(out, "forest    %zu seeds, %zu edits waiting, adjacency %u, weight morph\n",
+    buf_printf(out, "forest    %zu seeds, %zu edits waiting, adjacency %u, weight ",
                forest_seeds(session->forest), session->pendings, session->settings.adjacency);
+    tell_weight(out, &session->settings.weight);
+    buf_add_char(out, '\n');
     const char *name = view_name(view->angle);
     buf_printf(out, "view      %g %g %g degrees%s%s, zoom %g, %ux%u pixels\n",
                view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,

@@ -35,9 +35,19 @@ static void add_weights(struct desk *desk, struct reply *reply)
 
 ACT(weight)
 {
-    (void)value, (void)fault; /* one choice, and it is what every scene begins with */
-    add_weights(desk, reply);
-    return OK;
+    const struct value *sigma = &value[1], *radius = &value[2];
+    struct weight_choice choice = {.kind = (enum weight_kind)value[0].number};
+    if (sigma->given != (choice.kind == WEIGHT_GAUSS))
+        return fault_set(fault, ERR_USAGE, "SIGMA: gauss is to have one, the others none");
+    if (radius->given && choice.kind != WEIGHT_MORPH)
+        return fault_set(fault, ERR_USAGE, "radius: only morph has one");
+    if (choice.kind == WEIGHT_MORPH)
+        choice.radius = radius->given ? (uint32_t)radius->number : 1;
+    choice.sigma_thousandths = sigma->given ? (uint32_t)sigma->number : 0;
+    enum err err = session_set_weight(&desk->session, &choice, fault);
+    if (!err)
+        add_weights(desk, reply);
+    return err;
 }
 
 ACT(adjacency)

@@ -24,6 +24,7 @@ enum parameter_type {
     PARAMETER_POSITION, /* X,Y,Z as indices, or X,Y,Zmm in the world */
     PARAMETER_LABEL,    /* a label's number or name */
     PARAMETER_NUMBER,   /* an integer, least..most */
+    PARAMETER_RANGE,    /* "A-B", or "A" for "A-A", least..most */
     PARAMETER_DECIMAL,  /* thousandths, least..most: 12.5 is 12500 */
     PARAMETER_CHOICE,   /* one of `choices`, "a|b|c" */
     PARAMETER_VIEW,     /* the name of a view, or a yaw in degrees */
@@ -47,10 +48,10 @@ struct value {
     bool given;
     int64_t number;   /* LABEL, NUMBER, DECIMAL, ZOOM; CHOICE: which; COLOUR: 0xrrggbb; VIEW: yaw */
     const char *text; /* FILE, WORD, CHOICE; VIEW and ZOOM: the name, or NULL for a number */
-    uint32_t place[3]; /* POSITION, in the scene */
+    uint32_t place[3]; /* POSITION, in the scene; RANGE: first and last */
 };
 
-enum { PARAMETERS_MOST = 4 };
+enum { PARAMETERS_MOST = 6 };
 
 enum command_flag {
     COMMAND_RECORDED = 1, /* goes into the journal */

@@ -232,16 +232,13 @@ static bool try_folder(struct buf *path, const char *folder, size_t length, cons
     return file_exists(buf_text(path));
 }
 
-enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *path,
-                         struct fault *fault)
+/* `kind` and `undone` are for the words: "scene", "opened". */
+static enum err find(const struct desk *desk, const char *name, struct buf *path, const char *kind,
+                     const char *undone, struct fault *fault)
 {
     struct buf folder = {0};
     bool found = false;
     buf_clear(path);
-    if (strncmp(name, "synth:", 6) == 0 || desk->scene_path) {
-        buf_add_text(path, strncmp(name, "synth:", 6) == 0 ? name : desk->scene_path);
-        return OK;
-    }
     if (desk->home.length && *name != '/') {
         file_folder(&folder, buf_text(&desk->home));
         found = try_folder(path, buf_text(&folder), folder.length, name);
@@ -261,9 +258,26 @@ enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *
     if (path->failed)
         return fault_memory(fault, "a path");
     if (!found)
-        return fault_set(fault, ERR_IO, "there is no scene %s here%s; nothing was opened", name,
-                         desk->home.length ? " nor beside the journal" : "");
+        return fault_set(fault, ERR_IO, "there is no %s %s here%s; nothing was %s", kind, name,
+                         desk->home.length ? " nor beside the journal" : "", undone);
     return OK;
+}
+
+enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *path,
+                         struct fault *fault)
+{
+    const bool synthetic = strncmp(name, "synth:", 6) == 0;
+    if (!synthetic && !desk->scene_path)
+        return find(desk, name, path, "scene", "opened", fault);
+    buf_clear(path);
+    buf_add_text(path, synthetic ? name : desk->scene_path);
+    return path->failed ? fault_memory(fault, "a path") : OK;
+}
+
+enum err desk_find_file(const struct desk *desk, const char *name, struct buf *path,
+                        struct fault *fault)
+{
+    return find(desk, name, path, "file", "planted", fault);
 }
 
 enum err desk_output_path(const struct desk *desk, const char *name, struct buf *path,

@@ -59,6 +59,10 @@ bool desk_is_journal(const char *path);
 enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *path,
                          struct fault *fault);
 
+/* The same for another file that a command reads, which no desk->scene_path stands for. */
+enum err desk_find_file(const struct desk *desk, const char *name, struct buf *path,
+                        struct fault *fault);
+
 /* Where a file that a command names is to be written; an empty path where it is not. */
 enum err desk_output_path(const struct desk *desk, const char *name, struct buf *path,
                           struct fault *fault);

@@ -5,7 +5,7 @@
 #include "render/view.h"
 #include "session/session.h"
 
-enum { SUMMARY_COLUMN = 30 }; /* in 80, with summaries of at most 50 */
+enum { SUMMARY_COLUMN = 30, USAGE_MOST = 76 }; /* in 80, with summaries of at most 50 */
 
 /* ---- usage and help ---- */
 
@@ -30,6 +30,12 @@ static void parameter_form(struct buf *out, const struct parameter *p)
     case PARAMETER_ZOOM:
         buf_add_text(out, "fit|FACTOR");
         break;
+    case PARAMETER_RANGE:
+        buf_add_text(out, "A-B");
+        break;
+    case PARAMETER_LABEL:
+        buf_add_text(out, "LABEL");
+        break;
     case PARAMETER_COLOUR:
         buf_add_text(out, "#rrggbb");
         break;
@@ -52,6 +58,24 @@ void command_usage(struct buf *out, const struct command *command)
     }
 }
 
+/* A usage of more than one line goes on, indented, between two parameters. */
+static void add_wrapped(struct buf *out, const char *usage)
+{
+    size_t left = strlen(usage), indent = 0;
+    while (indent + left > USAGE_MOST) {
+        size_t n = USAGE_MOST - indent;
+        while (n > 0 && strncmp(usage + n, " [", 2) != 0)
+            n--;
+        if (n == 0)
+            break;
+        buf_printf(out, "%*s%.*s\n", (int)indent, "", (int)n, usage);
+        usage += n + 1;
+        left -= n + 1;
+        indent = 4;
+    }
+    buf_printf(out, "%*s%s", (int)indent, "", usage);
+}
+
 void command_help(struct buf *out, const struct command *command)
 {
     struct buf usage = {0};
@@ -67,10 +91,12 @@ void command_help(struct buf *out, const struct command *command)
     for (unsigned i = 0; i < command_count; i++) {
         buf_clear(&usage);
         command_usage(&usage, &command_table[i]);
-        if (usage.length >= SUMMARY_COLUMN)
-            buf_printf(out, "%s\n%*s", buf_text(&usage), SUMMARY_COLUMN, "");
-        else
+        if (usage.length >= SUMMARY_COLUMN) {
+            add_wrapped(out, buf_text(&usage));
+            buf_printf(out, "\n%*s", SUMMARY_COLUMN, "");
+        } else {
             buf_printf(out, "%-*s", SUMMARY_COLUMN, buf_text(&usage));
+        }
         buf_printf(out, "%s\n", command_table[i].summary);
     }
     buf_release(&usage);

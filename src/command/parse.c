@@ -185,6 +185,25 @@ static enum err read_number(struct value *value, const struct parameter *p, cons
     return err;
 }
 
+static enum err read_range(struct value *value, const struct parameter *p, const char *word,
+                           struct fault *fault)
+{
+    const char *at = word;
+    int64_t first, last;
+    bool fine = scan_integer(&at, p->least, p->most, &first);
+    if (fine && *at == '\0')
+        last = first;
+    else
+        fine = fine && scan_text(&at, "-") && scan_integer(&at, first, p->most, &last) && !*at;
+    if (!fine)
+        return fault_set(fault, ERR_USAGE, "%s: expected A-B, or A, within %lld-%lld, not %s",
+                         p->name, (long long)p->least, (long long)p->most,
+                         *word ? word : "nothing");
+    value->place[0] = (uint32_t)first;
+    value->place[1] = (uint32_t)last;
+    return OK;
+}
+
 /* Which of "a|b|c" a word is; -1 for none. */
 static int choice_of(const char *choices, const char *word)
 {
@@ -212,6 +231,8 @@ static enum err read_value(struct value *value, const struct parameter *p, const
         return read_label(value, p, word, session, fault);
     case PARAMETER_NUMBER:
         return read_number(value, p, word, 0, fault);
+    case PARAMETER_RANGE:
+        return read_range(value, p, word, fault);
     case PARAMETER_DECIMAL:
         return read_number(value, p, word, 3, fault);
     case PARAMETER_CHOICE:
@@ -347,6 +368,11 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
     case PARAMETER_LABEL:
     case PARAMETER_NUMBER:
         buf_printf(out, "%lld", (long long)value->number);
+        break;
+    case PARAMETER_RANGE:
+        buf_printf(out, "%u", value->place[0]);
+        if (value->place[1] != value->place[0])
+            buf_printf(out, "-%u", value->place[1]);
         break;
     case PARAMETER_COLOUR:
         buf_printf(out, "#%06llx", (unsigned long long)value->number);

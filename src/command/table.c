@@ -1,7 +1,9 @@
 /* THE table of commands. */
 #include "command/act.h"
 
+#include "engine/weight.h"
 #include "render/view.h"
+#include "session/seed_file.h"
 
 /* Parameters. N is what help calls them. */
 #define NEED(N, TYPE, LEAST, MOST)                                                                 \
@@ -42,11 +44,15 @@ const struct command command_table[] = {
      "open synth:geom",
      act_open},
     {"weight",
-     R | S,
-     {ONE_OF("KIND", "morph")},
-     "arc weights: dilation minus erosion",
-     "    Of the intensities over a voxel and its neighbours; what lies outside is ignored.\n",
-     "weight morph",
+     R | S | E,
+     {ONE_OF("KIND", WEIGHT_KINDS), MAY("SIGMA", DECIMAL, SIGMA_LEAST, SIGMA_MOST),
+      KEYED("radius", NUMBER, 1, MORPH_RADIUS_MOST)},
+     "arc weights: the gradient to use",
+     "    morph: dilation minus erosion, over a voxel and its neighbours, or over what `radius`\n"
+     "    steps reach. sobel: the 3-D Sobel operator. gauss: the gradient of the scene smoothed\n"
+     "    by a Gaussian of SIGMA 0.5..8 voxels. A step of height h weighs h under each. Lengths\n"
+     "    are in voxels, whatever the spacing.\n",
+     "weight gauss 1.5",
      act_weight},
     {"adjacency",
      R | S | E,
@@ -69,6 +75,21 @@ const struct command command_table[] = {
      "    A voxel that has a seed gets the new label.\n",
      "seed 100,100,50 1 radius=2",
      act_seed},
+    {"seed-file",
+     R | S | E,
+     {NEED("FILE", FILE, 0, 0), KEYED("label", LABEL, 0, 255),
+      KEYED("regions", RANGE, 0, REGION_MOST), KEYED("erode", NUMBER, 0, 9),
+      KEYED("each", NUMBER, 1, 100000), KEYED("generator", NUMBER, 0, 99999)},
+     "plant the seeds of a .csv list or a label map",
+     "    A list has lines x,y,z,label: voxel indices, a label's number or name. A label map is\n"
+     "    a NIfTI on the scene's grid, whose regions (voxels of one value) become seeds of the\n"
+     "    label of that number, or all of `label`.\n"
+     "    regions: the values, 1 and above unless given.\n"
+     "    erode: rounds in which voxels go that have a face neighbour outside their region.\n"
+     "    each: how many seeds are drawn of what is left of a region; all unless given.\n"
+     "    generator: another number draws others; 1 unless given.\n",
+     "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3",
+     act_seed_file},
     {"remove",
      R | S | E,
      {NEED("PLACE", POSITION, 0, 0), KEYED("radius", NUMBER, 0, 32)},

@@ -1,6 +1,19 @@
 #include "engine/weight.h"
 
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
 #include "base/hash.h"
+#include "base/mem.h"
+
+bool weight_choice_equals(const struct weight_choice *a, const struct weight_choice *b)
+{
+    return a->kind == b->kind && a->radius == b->radius &&
+           a->sigma_thousandths == b->sigma_thousandths;
+}
+
+/* ---- morph ---- */
 
 static uint16_t morph_at(const struct cell *cell, const struct adjacency *adjacency)
 {
@@ -25,6 +38,136 @@ void weight_morph(struct scene *scene, const struct adjacency *adjacency)
             for (uint32_t c = row.first; c < row.end; c++)
                 scene->cell[c].weight = morph_at(scene->cell + c, adjacency);
         }
+}
+
+/*
+ * A wider one, row by row. What R steps reach is, in each row of voxels nearby, an interval about
+ * this voxel: of half-length R - |dy| - |dz| by faces, of R by corners too. Rows of equal
+ * half-length are merged voxel by voxel into lane[half-length]; then lane R is widened by one voxel
+ * and merged with lane R - 1, and so on down to lane 0. (Inside a box, steps need no detour.) The
+ * erosion is the dilation of 65535 - intensity.
+ */
+struct lanes {
+    size_t width;
+    uint16_t *high, *low; /* [radius + 1][width]; nothing merged yet is 0 */
+};
+
+static uint64_t lanes_bytes(const struct grid *grid, uint32_t radius)
+{
+    return 2 * ((uint64_t)radius + 1) * grid->size[0] * sizeof(uint16_t);
+}
+
+static uint16_t larger(uint16_t a, uint16_t b)
+{
+    return a > b ? a : b;
+}
+
+static void merge_row(struct lanes *lanes, uint32_t lane, const struct cell *cell)
+{
+    uint16_t *high = lanes->high + lane * lanes->width, *low = lanes->low + lane * lanes->width;
+    for (size_t x = 0; x < lanes->width; x++) {
+        high[x] = larger(high[x], cell[x].intensity);
+        low[x] = larger(low[x], (uint16_t)(65535 - cell[x].intensity));
+    }
+}
+
+/* inner[x] = max(inner[x], outer[x - 1], outer[x], outer[x + 1]) */
+static void widen_into(uint16_t *inner, const uint16_t *outer, size_t width)
+{
+    for (size_t x = 0; x < width; x++) {
+        const uint16_t left = outer[x > 0 ? x - 1 : x], right = outer[x + 1 < width ? x + 1 : x];
+        inner[x] = larger(larger(inner[x], outer[x]), larger(left, right));
+    }
+}
+
+static void merge_around(struct lanes *lanes, const struct scene *scene, bool by_faces,
+                         int32_t radius, uint32_t y, uint32_t z)
+{
+    for (int32_t dz = -radius; dz <= radius; dz++)
+        for (int32_t dy = -radius; dy <= radius; dy++) {
+            const int64_t at[2] = {(int64_t)y + dy, (int64_t)z + dz};
+            const int32_t reach = by_faces ? radius - abs(dy) - abs(dz) : radius;
+            if (reach < 0 || !grid_contains(&scene->grid, 0, at[0], at[1]))
+                continue;
+            const struct span row = grid_row(&scene->grid, (uint32_t)at[0], (uint32_t)at[1]);
+            merge_row(lanes, (uint32_t)reach, scene->cell + row.first);
+        }
+}
+
+static void morph_wide(struct scene *scene, const struct adjacency *adjacency, uint32_t radius,
+                       void *work)
+{
+    const struct grid *grid = &scene->grid;
+    const size_t width = grid->size[0], lane_values = (radius + 1) * width;
+    struct lanes lanes = {width, work, (uint16_t *)work + lane_values};
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            memset(work, 0, 2 * lane_values * sizeof(uint16_t));
+            merge_around(&lanes, scene, adjacency->count == 6, (int32_t)radius, y, z);
+            for (size_t lane = radius; lane > 0; lane--) {
+                const size_t outer = lane * width, inner = outer - width;
+                widen_into(lanes.high + inner, lanes.high + outer, width);
+                widen_into(lanes.low + inner, lanes.low + outer, width);
+            }
+            struct cell *cell = scene->cell + grid_row(grid, y, z).first;
+            for (size_t x = 0; x < width; x++)
+                cell[x].weight = (uint16_t)(lanes.high[x] + lanes.low[x] - 65535);
+        }
+}
+
+/* ---- any ---- */
+
+void weight_work_release(struct weight_work *work)
+{
+    free(work->bytes);
+    *work = (struct weight_work){0};
+}
+
+static uint64_t bytes_for(const struct grid *grid, const struct weight_choice *choice)
+{
+    switch (choice->kind) {
+    case WEIGHT_MORPH:
+        return choice->radius > 1 ? lanes_bytes(grid, choice->radius) : 0;
+    case WEIGHT_SOBEL:
+        return sobel_bytes(grid);
+    case WEIGHT_GAUSS:
+        return gauss_bytes(grid, choice->sigma_thousandths);
+    }
+    return 0;
+}
+
+enum err weight_work_reserve(struct weight_work *work, const struct grid *grid,
+                             const struct weight_choice *choice, struct fault *fault)
+{
+    const uint64_t needed = bytes_for(grid, choice);
+    if (needed <= work->capacity)
+        return OK;
+    void *bytes = needed <= SIZE_MAX ? mem_array((size_t)needed, 1) : NULL;
+    if (!bytes)
+        return fault_memory(fault, "weights");
+    free(work->bytes);
+    *work = (struct weight_work){bytes, (size_t)needed};
+    return OK;
+}
+
+void weight_compute(struct scene *scene, const struct adjacency *adjacency,
+                    const struct weight_choice *choice, struct weight_work *work)
+{
+    assert(bytes_for(&scene->grid, choice) <= work->capacity);
+    switch (choice->kind) {
+    case WEIGHT_MORPH:
+        if (choice->radius > 1)
+            morph_wide(scene, adjacency, choice->radius, work->bytes);
+        else
+            weight_morph(scene, adjacency);
+        break;
+    case WEIGHT_SOBEL:
+        sobel_weigh(scene, work->bytes);
+        break;
+    case WEIGHT_GAUSS:
+        gauss_weigh(scene, choice->sigma_thousandths, work->bytes);
+        break;
+    }
 }
 
 uint64_t weight_digest(const struct scene *scene)

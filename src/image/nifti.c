@@ -412,6 +412,25 @@ enum err nifti_read(struct volume *out, const char *path, struct fault *fault)
     return err;
 }
 
+enum err nifti_size(uint32_t size[3], const char *path, struct fault *fault)
+{
+    struct source source;
+    struct nifti_header header;
+    struct volume plan = {0};
+    struct grid grid;
+    size_t needed;
+    uint64_t offset;
+    enum err err = source_open(&source, path, fault);
+    if (err)
+        return err;
+    err = read_plan(&plan, &header, &grid, &needed, &offset, &source, fault);
+    source_close(&source);
+    if (err)
+        return fault_prefix(fault, err, "%s", path);
+    memcpy(size, plan.size, sizeof plan.size);
+    return OK;
+}
+
 void volume_release(struct volume *volume)
 {
     free(volume->intensity);

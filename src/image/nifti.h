@@ -41,6 +41,10 @@ struct volume {
 enum err nifti_read(struct volume *out, const char *path, struct fault *fault);
 void volume_release(struct volume *volume);
 
+/* The size of the scene in `path`, from its header alone; refuses what nifti_read would refuse
+ * before it reads a voxel. */
+enum err nifti_size(uint32_t size[3], const char *path, struct fault *fault);
+
 enum nifti_type { NIFTI_UINT8, NIFTI_UINT16, NIFTI_UINT32 };
 
 /* Writes a map of `size` voxels, little-endian, as `path`, which ends in .nii or .nii.gz; whole or

@@ -5,7 +5,6 @@
 
 #include "base/mem.h"
 #include "base/scan.h"
-#include "engine/weight.h"
 #include "image/nifti.h"
 
 void session_init(struct session *session)
@@ -15,6 +14,7 @@ void session_init(struct session *session)
     for (int label = 1; label < 256; label++)
         session->settings.visible[label] = true;
     session->settings.adjacency = 6;
+    session->settings.weight = (struct weight_choice){.kind = WEIGHT_MORPH, .radius = 1};
     session_mark(session);
 }
 
@@ -25,6 +25,7 @@ static void close_scene(struct session *session)
     border_release(&session->border);
     forest_free(session->forest);
     scene_free(session->scene);
+    weight_work_release(&session->weight_work);
     session->forest = NULL;
     session->scene = NULL;
     session->has_scene = session->has_rendition = session->rendered = false;
@@ -35,6 +36,14 @@ void session_release(struct session *session)
     close_scene(session);
     free(session->pending);
     *session = (struct session){0};
+}
+
+/* By the choice and adjacency of the settings. */
+static void weigh(struct session *session)
+{
+    weight_compute(session->scene, forest_adjacency(session->forest), &session->settings.weight,
+                   &session->weight_work);
+    session->weight_digest = weight_digest(session->scene);
 }
 
 /* ---- opening ---- */
@@ -99,9 +108,12 @@ static enum err open_synthetic(struct session *session, const char *path, struct
 static enum err open_file(struct session *session, const char *path, struct fault *fault)
 {
     struct volume volume = {0};
-    enum err err = nifti_read(&volume, path, fault);
+    uint32_t size[3];
+    enum err err = nifti_size(size, path, fault);
     if (!err)
-        err = check_memory(volume.size, fault);
+        err = check_memory(size, fault);
+    if (!err)
+        err = nifti_read(&volume, path, fault);
     if (!err)
         err = scene_new(&session->scene, volume.size, fault);
     if (!err) {
@@ -128,6 +140,9 @@ enum err session_open(struct session *session, const char *path, struct fault *f
     if (!err)
         err = forest_new(&session->forest, session->scene, session->settings.adjacency, fault);
     if (!err)
+        err = weight_work_reserve(&session->weight_work, &session->scene->grid,
+                                  &session->settings.weight, fault);
+    if (!err)
         err = border_init(&session->border, session->scene, fault);
     if (err) {
         close_scene(session);
@@ -136,8 +151,7 @@ enum err session_open(struct session *session, const char *path, struct fault *f
     memcpy(session->border.visible, session->settings.visible, sizeof session->border.visible);
     session->has_scene = true;
     session->scene_digest = scene_digest(session->scene);
-    weight_morph(session->scene, forest_adjacency(session->forest));
-    session->weight_digest = weight_digest(session->scene);
+    weigh(session);
     struct view view = view_default(session->scene);
     err = session_set_view(session, &view, fault);
     if (err)
@@ -151,7 +165,7 @@ size_t session_memory(const struct session *session)
     if (!session->has_scene)
         return bytes;
     bytes += session->scene->grid.cells * sizeof(struct cell);
-    bytes += forest_memory(session->forest);
+    bytes += forest_memory(session->forest) + session->weight_work.capacity;
     bytes += 2 * session->border.words * sizeof(uint64_t);
     if (session->has_rendition)
         bytes += (size_t)session->rendition.width * session->rendition.height * 17;
@@ -241,13 +255,15 @@ enum err session_run(struct session *session, struct fault *fault)
     return OK;
 }
 
-static enum err use_adjacency(struct session *session, unsigned count,
-                              const struct forest_watch *watch, struct fault *fault)
+/* Weights and forest under the adjacency and the choice of weights of the settings. */
+static enum err compute_again(struct session *session, const struct forest_watch *watch,
+                              struct fault *fault)
 {
-    session->settings.adjacency = count;
-    forest_set_adjacency(session->forest, count);
-    weight_morph(session->scene, forest_adjacency(session->forest));
-    session->weight_digest = weight_digest(session->scene);
+    forest_set_adjacency(session->forest, session->settings.adjacency);
+    weigh(session);
+    if (forest_seeds(session->forest) == 0)
+        return OK; /* no voxel is reached, whatever the weights */
+    session->rebuilt_forest = true;
     enum err err = forest_rebuild(session->forest, watch, fault);
     follow_forest(session);
     return err;
@@ -257,8 +273,20 @@ enum err session_set_adjacency(struct session *session, unsigned count, struct f
 {
     if (count == session->settings.adjacency)
         return OK;
-    session->rebuilt_forest = true;
-    return use_adjacency(session, count, session->watch, fault);
+    session->settings.adjacency = count;
+    return compute_again(session, session->watch, fault);
+}
+
+enum err session_set_weight(struct session *session, const struct weight_choice *choice,
+                            struct fault *fault)
+{
+    if (weight_choice_equals(choice, &session->settings.weight))
+        return OK;
+    enum err err = weight_work_reserve(&session->weight_work, &session->scene->grid, choice, fault);
+    if (err)
+        return err;
+    session->settings.weight = *choice;
+    return compute_again(session, session->watch, fault);
 }
 
 /* ---- what is seen ---- */
@@ -330,7 +358,7 @@ void session_mark(struct session *session)
 }
 
 /*
- * A command either edits the forest or changes the adjacency, never both in a way that the order
+ * A command either edits the forest or has it computed again, never both in a way that the order
  * matters: seeds are a set, so the inverse edit is right before or after the rebuild. What waited
  * for a run is still in `pending`, since session_run only sets the count to 0 and a command that
  * runs appends nothing afterwards.
@@ -348,15 +376,16 @@ void session_rollback(struct session *session)
         memcmp(session->settings.visible, session->mark.visible, sizeof session->mark.visible) != 0;
     bool recolours =
         memcmp(&session->settings.palette, &session->mark.palette, sizeof(struct palette)) != 0;
-    unsigned adjacency = session->settings.adjacency;
+    bool weighs_other = session->settings.adjacency != session->mark.adjacency ||
+                        !weight_choice_equals(&session->settings.weight, &session->mark.weight);
     session->settings = session->mark;
     session->pendings = session->mark_pendings;
     if (!session->has_scene)
         return;
     if (session->edited_forest && forest_revert(session->forest, NULL) == OK)
         follow_forest(session);
-    if (session->rebuilt_forest && adjacency != session->mark.adjacency)
-        use_adjacency(session, session->mark.adjacency, NULL, NULL); /* not to be cancelled again */
+    if (weighs_other)
+        compute_again(session, NULL, NULL); /* not to be cancelled again */
     if (shows_other) {
         memcpy(session->border.visible, session->mark.visible, sizeof session->border.visible);
         border_recount(&session->border);

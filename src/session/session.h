@@ -23,6 +23,7 @@
 #include "engine/border.h"
 #include "engine/forest.h"
 #include "engine/scene.h"
+#include "engine/weight.h"
 #include "image/geometry.h"
 #include "render/rendition.h"
 #include "render/shade.h"
@@ -38,6 +39,7 @@ struct settings {
     bool visible[256];
     bool runs_by_itself; /* "auto": each edit is run at once */
     unsigned adjacency;  /* 6 or 26 */
+    struct weight_choice weight;
 };
 
 struct session {
@@ -48,6 +50,9 @@ struct session {
     struct forest *forest;
     struct border border;
     struct settings settings;
+
+    /* Room for the present weights and for those before, so that taking them back cannot fail. */
+    struct weight_work weight_work;
 
     struct edit *pending; /* seeds and eliminators that wait for a run, in order */
     size_t pendings, pending_capacity;
@@ -64,7 +69,7 @@ struct session {
     size_t mark_pendings;
     bool mark_has_scene, mark_rendered;
     bool edited_forest;  /* forest_revert takes it back */
-    bool rebuilt_forest; /* by another adjacency: it is rebuilt under the former one */
+    bool rebuilt_forest; /* under another adjacency or other weights */
 };
 
 void session_init(struct session *session);
@@ -93,7 +98,10 @@ enum err session_eliminate(struct session *session, const uint32_t *cell, size_t
  * incremental image). Fine when none wait. */
 enum err session_run(struct session *session, struct fault *fault);
 
+/* Both compute weights and forest again. On error, session_rollback gives back the former ones. */
 enum err session_set_adjacency(struct session *session, unsigned count, struct fault *fault);
+enum err session_set_weight(struct session *session, const struct weight_choice *choice,
+                            struct fault *fault);
 
 /* ---- what is seen ---- */
 

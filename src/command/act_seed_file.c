@@ -1,0 +1,89 @@
+/* Seeds out of a file. */
+#include "command/act.h"
+
+#include <string.h>
+
+#include "session/seed_file.h"
+
+enum { LIST_BYTES_MOST = 64 << 20 };
+
+/* The places of the parameters in the table. */
+enum { FILE_NAME, LABEL, REGIONS, ERODE, EACH, GENERATOR };
+
+static int label_of(const struct value *value)
+{
+    return value[LABEL].given ? (int)value[LABEL].number : LABEL_OWN;
+}
+
+static enum err read_list(struct seeds *seeds, const struct session *session,
+                          const struct value *value, const char *path, struct fault *fault)
+{
+    struct buf text = {0};
+    for (int i = REGIONS; i <= GENERATOR; i++)
+        if (value[i].given)
+            return fault_set(fault, ERR_USAGE,
+                             "regions, erode, each and generator are for label maps, and %s is a "
+                             "list; nothing was planted",
+                             value[FILE_NAME].text);
+    enum err err = file_read(&text, path, LIST_BYTES_MOST, fault);
+    if (!err)
+        err = seeds_from_list(seeds, buf_text(&text), text.length, &session->scene->grid,
+                              session->settings.label_name, label_of(value), fault);
+    buf_release(&text);
+    return err;
+}
+
+static enum err read_map(struct seeds *seeds, struct reply *reply, const struct session *session,
+                         const struct value *value, const char *path, struct fault *fault)
+{
+    struct volume map = {0};
+    struct region_tally tally;
+    const struct region_choice choice = {
+        .first = value[REGIONS].given ? value[REGIONS].place[0] : 1,
+        .last = value[REGIONS].given ? value[REGIONS].place[1] : REGION_MOST,
+        .label = label_of(value),
+        .erode = (unsigned)value[ERODE].number,
+        .each = (uint32_t)value[EACH].number,
+        .generator = value[GENERATOR].given ? (uint64_t)value[GENERATOR].number : 1,
+    };
+    uint32_t size[3];
+    enum err err = nifti_size(size, path, fault); /* so that memory is bounded by the scene */
+    if (!err)
+        err = seeds_check_size(size, &session->scene->grid, fault);
+    if (!err)
+        err = nifti_read(&map, path, fault);
+    if (!err)
+        err = seeds_from_map(seeds, &tally, &map, &session->scene->grid, &session->geometry,
+                             &choice, fault);
+    volume_release(&map);
+    if (!err)
+        buf_printf(&reply->text, "%u regions\n", tally.regions);
+    if (!err && tally.eroded_away)
+        buf_printf(&reply->text, "%u more have no voxel left after erosion, the first is %u\n",
+                   tally.eroded_away, tally.first_eroded_away);
+    return err;
+}
+
+ACT(seed_file)
+{
+    struct session *session = &desk->session;
+    struct buf path = {0};
+    struct seeds seeds = {0};
+    const char *name = value[FILE_NAME].text;
+    const size_t length = strlen(name);
+    enum err err = desk_find_file(desk, name, &path, fault);
+    if (!err && length > 4 && strcmp(name + length - 4, ".csv") == 0)
+        err = read_list(&seeds, session, value, buf_text(&path), fault);
+    else if (!err)
+        err = read_map(&seeds, reply, session, value, buf_text(&path), fault);
+    if (err)
+        fault_prefix(fault, err, "%s", name);
+    for (size_t i = 0; !err && i < seeds.count; i++)
+        err = session_plant(session, seeds.edit[i].cell, (uint8_t)seeds.edit[i].label, fault);
+    buf_printf(&reply->words, "file=%016llx added=%zu", (unsigned long long)seeds_digest(&seeds),
+               seeds.count);
+    buf_printf(&reply->text, "%zu seeds\n", seeds.count);
+    seeds_release(&seeds);
+    buf_release(&path);
+    return err;
+}

@@ -1,0 +1,318 @@
+#include "engine/gradient.h"
+
+#include <assert.h>
+
+enum { WEIGHT_MOST = 65535 };
+
+/*
+ * Scaled to 63 bits or more, each line doubles the number of bits that are right; the last may be
+ * one too many. (Mark Dickinson's, of CPython's math.isqrt; 200 ms less on a scene of 7 million
+ * voxels than digit by digit.)
+ */
+uint32_t square_root(uint64_t n)
+{
+    if (n == 0)
+        return 0;
+    const unsigned shift = (unsigned)__builtin_clzll(n) / 2;
+    const uint64_t m = n << 2 * shift;
+    uint32_t u = 1 + (uint32_t)(m >> 62);
+    u = (u << 1) + (uint32_t)(m >> 59) / u;
+    u = (u << 3) + (uint32_t)(m >> 53) / u;
+    u = (u << 7) + (uint32_t)(m >> 41) / u;
+    const uint64_t root = (((uint64_t)u << 15) + (m >> 17) / u) >> shift;
+    return (uint32_t)(root * root > n ? root - 1 : root);
+}
+
+static uint32_t before(uint32_t i)
+{
+    return i > 0 ? i - 1 : 0;
+}
+
+static uint32_t behind(uint32_t i, uint32_t size)
+{
+    return i + 1 < size ? i + 1 : i;
+}
+
+/* ---- sobel ---- */
+
+/* For one row, each with one more value at either end: its neighbourhood along y and z smoothed
+ * along both, or smoothed along one and differentiated along the other. */
+struct slopes {
+    int32_t *level, *along_y, *along_z;
+};
+
+uint64_t sobel_bytes(const struct grid *grid)
+{
+    return 3 * ((uint64_t)grid->size[0] + 2) * sizeof(int32_t);
+}
+
+static void slopes_of_row(struct slopes *s, const struct scene *scene, uint32_t y, uint32_t z)
+{
+    const struct grid *grid = &scene->grid;
+    const uint32_t ys[3] = {before(y), y, behind(y, grid->size[1])};
+    const uint32_t zs[3] = {before(z), z, behind(z, grid->size[2])};
+    const uint32_t width = grid->size[0];
+    const struct cell *row[3][3]; /* [z][y] */
+    for (int k = 0; k < 3; k++)
+        for (int j = 0; j < 3; j++)
+            row[k][j] = scene->cell + grid_cell(grid, 0, ys[j], zs[k]);
+    for (uint32_t x = 0; x < width; x++) {
+        int32_t smooth[3], slope[3]; /* along y, of each z */
+        for (int k = 0; k < 3; k++) {
+            const int32_t a = row[k][0][x].intensity, b = row[k][1][x].intensity;
+            const int32_t c = row[k][2][x].intensity;
+            smooth[k] = a + 2 * b + c;
+            slope[k] = c - a;
+        }
+        s->level[x + 1] = smooth[0] + 2 * smooth[1] + smooth[2];
+        s->along_y[x + 1] = slope[0] + 2 * slope[1] + slope[2];
+        s->along_z[x + 1] = smooth[2] - smooth[0];
+    }
+    int32_t *const values[3] = {s->level, s->along_y, s->along_z};
+    for (int k = 0; k < 3; k++) {
+        values[k][0] = values[k][1];
+        values[k][width + 1] = values[k][width];
+    }
+}
+
+/* No part exceeds 16 * 65535 < 2^20, so the squares add up to less than 2^42. */
+static uint16_t sobel_at(const struct slopes *s, uint32_t x)
+{
+    const int32_t *a = s->along_y + x, *b = s->along_z + x;
+    const int64_t gx = s->level[x + 2] - s->level[x];
+    const int64_t gy = a[0] + 2 * a[1] + a[2];
+    const int64_t gz = b[0] + 2 * b[1] + b[2];
+    const uint32_t length = square_root((uint64_t)(gx * gx + gy * gy + gz * gz)) / 16;
+    return (uint16_t)(length < WEIGHT_MOST ? length : WEIGHT_MOST);
+}
+
+void sobel_weigh(struct scene *scene, void *work)
+{
+    const struct grid *grid = &scene->grid;
+    const size_t length = (size_t)grid->size[0] + 2;
+    int32_t *rows = work;
+    struct slopes slopes = {rows, rows + length, rows + 2 * length};
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            slopes_of_row(&slopes, scene, y, z);
+            struct cell *cell = scene->cell + grid_row(grid, y, z).first;
+            for (uint32_t x = 0; x < grid->size[0]; x++)
+                cell[x].weight = sobel_at(&slopes, x);
+        }
+}
+
+/* ---- the Gaussian ---- */
+
+static uint64_t exp_of_minus(uint64_t x)
+{
+    const uint64_t one = UINT64_C(1) << 32, one_over_e = 1580030169;
+    const uint64_t fraction = x & (one - 1);
+    uint64_t p = one;
+    for (uint64_t i = 12; i > 0; i--)
+        p = one - (fraction * p >> 32) / i;
+    for (x >>= 32; x > 0; x--)
+        p = p * one_over_e >> 32;
+    return p;
+}
+
+void gauss_init(struct gauss *gauss, uint32_t sigma_thousandths)
+{
+    const uint64_t sigma = sigma_thousandths;
+    uint64_t e[GAUSS_RADIUS_MOST + 1], sum = 0;
+    assert(sigma >= SIGMA_LEAST && sigma <= SIGMA_MOST);
+    *gauss = (struct gauss){.radius = (uint32_t)((3 * sigma + 999) / 1000)};
+    for (uint64_t k = 0; k <= gauss->radius; k++) { /* k^2 10^6 2^32 < 2^62 */
+        e[k] = exp_of_minus((k * k * 1000000 << 32) / (2 * sigma * sigma));
+        sum += k ? 2 * e[k] : e[k];
+    }
+    gauss->weight[0] = GAUSS_SUM;
+    for (uint32_t k = 1; k <= gauss->radius; k++) {
+        gauss->weight[k] = (uint32_t)((e[k] * GAUSS_SUM + sum / 2) / sum);
+        gauss->weight[0] -= 2 * gauss->weight[k];
+    }
+}
+
+/* ---- the scene smoothed, plane by plane ---- */
+
+/*
+ * Planes of intensities come in once and stay as long as a smoothed plane needs them; of smoothed
+ * planes there are three. Plane z lies at z modulo the number of places.
+ */
+struct smoother {
+    const struct scene *scene;
+    struct gauss gauss;
+    uint32_t width, height, depth;
+    size_t plane;
+    uint32_t deep;       /* places for planes of intensities */
+    uint32_t loaded;     /* planes 0..loaded - 1 have come in */
+    uint64_t *sum;       /* [width] */
+    uint32_t *along_z;   /* [plane] */
+    uint32_t *smoothed;  /* [3][plane] */
+    uint32_t *padded;    /* [radius + width + radius] */
+    uint16_t *intensity; /* [deep][plane] */
+};
+
+static void smoother_init(struct smoother *s, const struct grid *grid, uint32_t sigma_thousandths)
+{
+    *s = (struct smoother){.width = grid->size[0], .height = grid->size[1], .depth = grid->size[2]};
+    gauss_init(&s->gauss, sigma_thousandths);
+    s->plane = (size_t)s->width * s->height;
+    s->deep = 2 * s->gauss.radius + 1 < s->depth ? 2 * s->gauss.radius + 1 : s->depth;
+}
+
+/* A plane has less than 2^31 voxels (G1), so this is less than 2^38. */
+uint64_t gauss_bytes(const struct grid *grid, uint32_t sigma_thousandths)
+{
+    struct smoother s;
+    smoother_init(&s, grid, sigma_thousandths);
+    return (uint64_t)s.width * sizeof *s.sum + (uint64_t)s.plane * 4 * sizeof *s.smoothed +
+           ((uint64_t)s.width + 2 * s.gauss.radius) * sizeof *s.padded +
+           (uint64_t)s.plane * s.deep * sizeof *s.intensity;
+}
+
+static void smoother_place(struct smoother *s, void *work)
+{
+    s->sum = work;
+    s->along_z = (uint32_t *)(s->sum + s->width);
+    s->smoothed = s->along_z + s->plane;
+    s->padded = s->smoothed + 3 * s->plane;
+    s->intensity = (uint16_t *)(s->padded + s->width + 2 * s->gauss.radius);
+}
+
+/* Position i + k or i - k, held inside. */
+static uint32_t held_above(uint32_t i, uint32_t k, uint32_t size)
+{
+    return k < size - i ? i + k : size - 1;
+}
+static uint32_t held_below(uint32_t i, uint32_t k)
+{
+    return i > k ? i - k : 0;
+}
+
+static const uint16_t *intensities(const struct smoother *s, uint32_t y, uint32_t z)
+{
+    return s->intensity + z % s->deep * s->plane + (size_t)y * s->width;
+}
+
+static uint32_t *smoothed(const struct smoother *s, uint32_t y, uint32_t z)
+{
+    return s->smoothed + z % 3 * s->plane + (size_t)y * s->width;
+}
+
+static void load_plane(struct smoother *s)
+{
+    const uint32_t z = s->loaded++;
+    uint16_t *to = s->intensity + z % s->deep * s->plane;
+    for (uint32_t y = 0; y < s->height; y++) {
+        const struct cell *cell = s->scene->cell + grid_row(&s->scene->grid, y, z).first;
+        for (uint32_t x = 0; x < s->width; x++)
+            *to++ = cell[x].intensity;
+    }
+}
+
+/* At most 65535 * GAUSS_SUM: exact in 32 bits. */
+static void smooth_along_z(struct smoother *s, uint32_t y, uint32_t z)
+{
+    uint32_t *to = s->along_z + (size_t)y * s->width;
+    const uint16_t *here = intensities(s, y, z);
+    for (uint32_t x = 0; x < s->width; x++)
+        to[x] = s->gauss.weight[0] * here[x];
+    for (uint32_t k = 1; k <= s->gauss.radius; k++) {
+        const uint32_t weight = s->gauss.weight[k];
+        const uint16_t *a = intensities(s, y, held_below(z, k));
+        const uint16_t *b = intensities(s, y, held_above(z, k, s->depth));
+        for (uint32_t x = 0; x < s->width; x++)
+            to[x] += weight * ((uint32_t)a[x] + b[x]);
+    }
+}
+
+static uint32_t nearest(uint64_t sum)
+{
+    return (uint32_t)((sum + GAUSS_SUM / 2) / GAUSS_SUM);
+}
+
+/* Into `padded`, and its ends beyond the edge. */
+static void smooth_along_y(struct smoother *s, uint32_t y)
+{
+    const uint32_t *plane = s->along_z, radius = s->gauss.radius;
+    const uint32_t *here = plane + (size_t)y * s->width;
+    for (uint32_t x = 0; x < s->width; x++)
+        s->sum[x] = (uint64_t)s->gauss.weight[0] * here[x];
+    for (uint32_t k = 1; k <= radius; k++) {
+        const uint64_t weight = s->gauss.weight[k];
+        const uint32_t *a = plane + (size_t)held_below(y, k) * s->width;
+        const uint32_t *b = plane + (size_t)held_above(y, k, s->height) * s->width;
+        for (uint32_t x = 0; x < s->width; x++)
+            s->sum[x] += weight * ((uint64_t)a[x] + b[x]);
+    }
+    uint32_t *row = s->padded + radius;
+    for (uint32_t x = 0; x < s->width; x++)
+        row[x] = nearest(s->sum[x]);
+    for (uint32_t k = 0; k < radius; k++) {
+        s->padded[k] = row[0];
+        row[s->width + k] = row[s->width - 1];
+    }
+}
+
+static void smooth_along_x(struct smoother *s, uint32_t *to)
+{
+    const uint32_t *row = s->padded + s->gauss.radius, *weight = s->gauss.weight;
+    for (uint32_t x = 0; x < s->width; x++, row++) {
+        uint64_t sum = (uint64_t)weight[0] * *row;
+        for (uint32_t k = 1; k <= s->gauss.radius; k++)
+            sum += weight[k] * ((uint64_t) * (row - k) + row[k]);
+        to[x] = nearest(sum);
+    }
+}
+
+static void smooth_plane(struct smoother *s, uint32_t z)
+{
+    while (s->loaded <= held_above(z, s->gauss.radius, s->depth))
+        load_plane(s);
+    for (uint32_t y = 0; y < s->height; y++)
+        smooth_along_z(s, y, z);
+    for (uint32_t y = 0; y < s->height; y++) {
+        smooth_along_y(s, y);
+        smooth_along_x(s, smoothed(s, y, z));
+    }
+}
+
+/* ---- gauss ---- */
+
+/* Half of a difference, squared: less than 2^62, so that three of them fit 64 bits. */
+static uint64_t half_squared(uint32_t a, uint32_t b)
+{
+    const uint64_t half = (a < b ? b - a : a - b) / 2;
+    return half * half;
+}
+
+static void weigh_row(const struct smoother *s, struct scene *scene, uint32_t y, uint32_t z)
+{
+    const uint32_t *here = smoothed(s, y, z);
+    const uint32_t *y0 = smoothed(s, before(y), z), *y1 = smoothed(s, behind(y, s->height), z);
+    const uint32_t *z0 = smoothed(s, y, before(z)), *z1 = smoothed(s, y, behind(z, s->depth));
+    const uint64_t step = s->gauss.weight[0] + s->gauss.weight[1];
+    struct cell *cell = scene->cell + grid_row(&scene->grid, y, z).first;
+    for (uint32_t x = 0; x < s->width; x++) {
+        const uint64_t sum = half_squared(here[before(x)], here[behind(x, s->width)]) +
+                             half_squared(y0[x], y1[x]) + half_squared(z0[x], z1[x]);
+        const uint64_t length = (2 * (uint64_t)square_root(sum) + step / 2) / step;
+        cell[x].weight = (uint16_t)(length < WEIGHT_MOST ? length : WEIGHT_MOST);
+    }
+}
+
+void gauss_weigh(struct scene *scene, uint32_t sigma_thousandths, void *work)
+{
+    struct smoother s;
+    smoother_init(&s, &scene->grid, sigma_thousandths);
+    smoother_place(&s, work);
+    s.scene = scene;
+    for (uint32_t z = 0; z < s.depth; z++) {
+        if (z == 0)
+            smooth_plane(&s, 0);
+        if (z + 1 < s.depth)
+            smooth_plane(&s, z + 1);
+        for (uint32_t y = 0; y < s.height; y++)
+            weigh_row(&s, scene, y, z);
+    }
+}

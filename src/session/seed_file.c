@@ -1,0 +1,379 @@
+#include "session/seed_file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/hash.h"
+#include "base/mem.h"
+#include "base/scan.h"
+
+void seeds_release(struct seeds *seeds)
+{
+    free(seeds->edit);
+    *seeds = (struct seeds){0};
+}
+
+uint64_t seeds_digest(const struct seeds *seeds)
+{
+    uint64_t sum = 0;
+    for (size_t i = 0; i < seeds->count; i++)
+        sum += hash_mix_at(seeds->edit[i].cell, (uint64_t)seeds->edit[i].label);
+    return sum;
+}
+
+/* ---- a list ---- */
+
+struct row {
+    uint32_t cell, line;
+    int16_t label;
+};
+
+struct list {
+    const struct grid *grid;
+    const char (*label_name)[LABEL_NAME_BYTES];
+    int label;
+    struct row *row;
+    size_t rows, capacity;
+};
+
+static bool scan_comma(const char **at)
+{
+    const char *from = *at;
+    scan_blanks(&from);
+    if (*from != ',')
+        return false;
+    *at = from + 1;
+    scan_blanks(at);
+    return true;
+}
+
+/* The names of columns: four fields, of which none of the first three begins like a number. */
+static bool is_header(const char *at, const char *end)
+{
+    for (int field = 0; field < 4; field++) {
+        scan_blanks(&at);
+        const unsigned char c = (unsigned char)*at;
+        if (at == end || c == ',' || (field < 3 && (c < 'A' || c > 'z') && c != '"'))
+            return false;
+        at = memchr(at, ',', (size_t)(end - at));
+        if ((field < 3) != (at != NULL))
+            return false;
+        at = at ? at + 1 : NULL;
+    }
+    return true;
+}
+
+static bool scan_label(const char **at, const struct list *list, int64_t *label)
+{
+    const char *number = *at;
+    const size_t length = strcspn(*at, " \t\r\n");
+    if (scan_integer(&number, 0, 255, label) && number == *at + length) {
+        *at = number;
+        return true;
+    }
+    for (int i = 0; i < 256; i++)
+        if (length && strlen(list->label_name[i]) == length &&
+            memcmp(list->label_name[i], *at, length) == 0) {
+            *label = i;
+            *at += length;
+            return true;
+        }
+    return false;
+}
+
+static enum err read_row(struct list *list, const char *at, const char *end, uint32_t line,
+                         struct fault *fault)
+{
+    const uint32_t *size = list->grid->size;
+    int64_t place[3], label;
+    const char *begin = at;
+    for (int a = 0; a < 3; a++)
+        if (!scan_integer(&at, INT32_MIN, INT32_MAX, &place[a]) || !scan_comma(&at))
+            goto malformed;
+    if (!scan_label(&at, list, &label))
+        return fault_set(fault, ERR_INPUT,
+                         "line %u: expected a label 0..255 or the name of one, not %.*s; nothing "
+                         "was planted",
+                         line, (int)(end - at < 40 ? end - at : 40), at);
+    scan_blanks(&at);
+    if (at != end && *at != '#')
+        goto malformed;
+    if (!grid_contains(list->grid, place[0], place[1], place[2]))
+        return fault_set(fault, ERR_INPUT,
+                         "line %u: %lld,%lld,%lld lies outside the scene, whose voxels are 0,0,0 "
+                         "to %u,%u,%u; nothing was planted",
+                         line, (long long)place[0], (long long)place[1], (long long)place[2],
+                         size[0] - 1, size[1] - 1, size[2] - 1);
+    if (!mem_grow(&list->row, &list->capacity, list->rows + 1, sizeof *list->row))
+        return fault_memory(fault, "a list of seeds");
+    list->row[list->rows++] = (struct row){
+        grid_cell(list->grid, (uint32_t)place[0], (uint32_t)place[1], (uint32_t)place[2]), line,
+        (int16_t)(list->label == LABEL_OWN ? label : list->label)};
+    return OK;
+malformed:
+    return fault_set(fault, ERR_INPUT,
+                     "line %u: expected x,y,z,label with whole voxel indices, not %.*s; nothing "
+                     "was planted",
+                     line, (int)(end - begin < 60 ? end - begin : 60), begin);
+}
+
+static enum err read_rows(struct list *list, const char *text, const char *end, struct fault *fault)
+{
+    bool may_be_header = true;
+    enum err err = OK;
+    scan_text(&text, "\xef\xbb\xbf"); /* a byte order mark, as spreadsheets write it */
+    for (uint32_t line = 1; !err && text < end; line++) {
+        const char *stop = memchr(text, '\n', (size_t)(end - text));
+        stop = stop ? stop : end;
+        const char *at = text, *last = stop;
+        text = stop + (stop < end);
+        last -= last > at && last[-1] == '\r';
+        scan_blanks(&at);
+        if (at == last || *at == '#')
+            continue;
+        if (!may_be_header || !is_header(at, last))
+            err = read_row(list, at, last, line, fault);
+        may_be_header = false;
+    }
+    return err;
+}
+
+static int compare_rows(const void *a, const void *b)
+{
+    const struct row *x = a, *y = b;
+    if (x->cell != y->cell)
+        return x->cell < y->cell ? -1 : 1;
+    return x->line < y->line ? -1 : x->line > y->line;
+}
+
+/* Sorted, each cell once; two lines that give one voxel two labels are a mistake, whose outcome
+ * would depend on their order. */
+static enum err settle_rows(struct seeds *seeds, struct list *list, struct fault *fault)
+{
+    if (list->rows == 0)
+        return fault_set(fault, ERR_INPUT,
+                         "there is no seed in it; expected lines x,y,z,label; nothing was planted");
+    seeds->edit = mem_array(list->rows, sizeof *seeds->edit);
+    if (!seeds->edit)
+        return fault_memory(fault, "a list of seeds");
+    qsort(list->row, list->rows, sizeof *list->row, compare_rows);
+    for (size_t i = 0; i < list->rows; i++) {
+        const struct row *row = &list->row[i];
+        if (i == 0 || row->cell != row[-1].cell)
+            seeds->edit[seeds->count++] = (struct edit){row->cell, row->label};
+        else if (row->label != row[-1].label)
+            return fault_set(fault, ERR_INPUT,
+                             "line %u: the voxel of line %u again, with label %d instead of %d; "
+                             "nothing was planted",
+                             row->line, row[-1].line, row->label, row[-1].label);
+    }
+    return OK;
+}
+
+enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
+                         const struct grid *grid, const char (*label_name)[LABEL_NAME_BYTES],
+                         int label, struct fault *fault)
+{
+    struct list list = {.grid = grid, .label_name = label_name, .label = label};
+    *seeds = (struct seeds){0};
+    enum err err = read_rows(&list, text, text + length, fault);
+    if (!err)
+        err = settle_rows(seeds, &list, fault);
+    if (err)
+        seeds_release(seeds);
+    free(list.row);
+    return err;
+}
+
+/* ---- a map ---- */
+
+enum { REGION_NONE = 65535, REGION_ODD = 65534, VALUES = 65536 };
+
+enum err seeds_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault)
+{
+    const uint32_t *size = grid->size;
+    if (is[0] == size[0] && is[1] == size[1] && is[2] == size[2])
+        return OK;
+    return fault_set(fault, ERR_INPUT,
+                     "the map has %ux%ux%u voxels and the scene %ux%ux%u; a label map lies on "
+                     "the scene's grid; nothing was planted",
+                     is[0], is[1], is[2], size[0], size[1], size[2]);
+}
+
+static enum err check_axes(const struct volume *map, const struct geometry *place,
+                           struct fault *fault)
+{
+    const struct geometry *own = &map->geometry;
+    if ((own->sform_code > 0 || own->qform_code > 0) &&
+        (place->sform_code > 0 || place->qform_code > 0))
+        for (int a = 0; a < 3; a++)
+            if (own->world_axis[a] != place->world_axis[a] ||
+                own->world_sign[a] != place->world_sign[a])
+                return fault_set(fault, ERR_INPUT,
+                                 "the voxels of the map run along other axes of the world than the "
+                                 "scene's; bring it to the scene's grid; nothing was planted");
+    return OK;
+}
+
+/* The region that an intensity stands for, which is a whole number up to what was lost when float32
+ * became 16 bits: half a step. */
+static uint16_t region_of(uint16_t intensity, const struct geometry *geometry,
+                          const struct region_choice *choice)
+{
+    const double value = geometry->slope * intensity + geometry->intercept;
+    const double step = fabs(geometry->slope), whole = floor(value + 0.5);
+    if (!(fabs(value - whole) <= (step < 0.2 ? step / 2 : 0.1) + 1e-6))
+        return REGION_ODD;
+    return whole >= choice->first && whole <= choice->last ? (uint16_t)whole : REGION_NONE;
+}
+
+/* Replaces intensities by regions, in place. */
+static enum err to_regions(struct volume *map, size_t voxels, const struct region_choice *choice,
+                           struct fault *fault)
+{
+    uint16_t *table = mem_array(VALUES, sizeof *table);
+    size_t i;
+    if (!table)
+        return fault_memory(fault, "a label map");
+    for (i = 0; i < VALUES; i++)
+        table[i] = region_of((uint16_t)i, &map->geometry, choice);
+    for (i = 0; i < voxels && table[map->intensity[i]] != REGION_ODD; i++)
+        map->intensity[i] = table[map->intensity[i]];
+    free(table);
+    if (i == voxels)
+        return OK;
+    const size_t row = map->size[0], plane = row * map->size[1];
+    return fault_set(fault, ERR_INPUT,
+                     "voxel %zu,%zu,%zu of the map holds %g; a label map holds whole numbers; "
+                     "nothing was planted",
+                     i % row, i % plane / row, i / plane,
+                     map->geometry.slope * map->intensity[i] + map->geometry.intercept);
+}
+
+/* One round: what lies outside the scene is outside every region. `goes` has a byte a voxel. */
+static void erode_once(uint16_t *region, uint8_t *goes, const uint32_t size[3])
+{
+    const size_t row = size[0], plane = row * size[1], voxels = plane * size[2];
+    size_t i = 0;
+    for (uint32_t z = 0; z < size[2]; z++)
+        for (uint32_t y = 0; y < size[1]; y++) {
+            const bool rim = z == 0 || z + 1 == size[2] || y == 0 || y + 1 == size[1];
+            for (uint32_t x = 0; x < size[0]; x++, i++) {
+                const uint16_t r = region[i];
+                goes[i] = r != REGION_NONE &&
+                          (rim || x == 0 || x + 1 == size[0] || region[i - 1] != r ||
+                           region[i + 1] != r || region[i - row] != r || region[i + row] != r ||
+                           region[i - plane] != r || region[i + plane] != r);
+            }
+        }
+    for (i = 0; i < voxels; i++)
+        region[i] = goes[i] ? REGION_NONE : region[i];
+}
+
+static enum err erode(struct volume *map, size_t voxels, unsigned rounds, struct fault *fault)
+{
+    if (rounds == 0)
+        return OK;
+    uint8_t *goes = mem_array(voxels, 1);
+    if (!goes)
+        return fault_memory(fault, "the erosion of a label map");
+    for (unsigned i = 0; i < rounds; i++)
+        erode_once(map->intensity, goes, map->size);
+    free(goes);
+    return OK;
+}
+
+/* Of one region. */
+struct stock {
+    uint32_t before; /* voxels before erosion */
+    uint32_t left;   /* voxels after erosion; while drawing, those not yet passed */
+    uint32_t wanted; /* seeds to be drawn yet */
+};
+
+static enum err check_stock(const struct stock *stock, const struct region_choice *choice,
+                            struct region_tally *tally, struct fault *fault)
+{
+    *tally = (struct region_tally){0};
+    for (uint32_t r = choice->first; r <= choice->last; r++) {
+        tally->regions += stock[r].left > 0;
+        if (!stock[r].before)
+            continue;
+        if (r > 255 && choice->label == LABEL_OWN)
+            return fault_set(fault, ERR_INPUT,
+                             "region %u of the map is no label 0..255; choose others with "
+                             "regions=A-B, or give all one label with label=; nothing was planted",
+                             r);
+        if (!stock[r].left && tally->eroded_away++ == 0)
+            tally->first_eroded_away = r;
+    }
+    if (tally->regions)
+        return OK;
+    if (tally->eroded_away)
+        return fault_set(fault, ERR_INPUT,
+                         "erode=%u leaves no voxel of regions %u-%u; nothing was planted",
+                         choice->erode, choice->first, choice->last);
+    return fault_set(fault, ERR_INPUT, "the map has no voxel of regions %u-%u; nothing was planted",
+                     choice->first, choice->last);
+}
+
+/* Whether the next voxel of a region is drawn. */
+static bool draw(struct stock *stock, uint16_t region, uint64_t generator)
+{
+    uint64_t random = hash_mix_at(hash_mix_at(generator, region), stock->left);
+    bool drawn = ((random >> 32) * stock->left >> 32) < stock->wanted;
+    stock->left--;
+    stock->wanted -= drawn;
+    return drawn;
+}
+
+static enum err draw_all(struct seeds *seeds, struct stock *stock, const struct volume *map,
+                         const struct grid *grid, const struct region_choice *choice,
+                         struct fault *fault)
+{
+    size_t total = 0;
+    for (uint32_t r = choice->first; r <= choice->last; r++) {
+        bool all = choice->each == 0 || choice->each > stock[r].left;
+        stock[r].wanted = all ? stock[r].left : choice->each;
+        total += stock[r].wanted;
+    }
+    seeds->edit = mem_array(total, sizeof *seeds->edit);
+    if (!seeds->edit)
+        return fault_memory(fault, "the seeds of a label map");
+    const uint16_t *at = map->intensity;
+    for (uint32_t z = 0; z < map->size[2]; z++)
+        for (uint32_t y = 0; y < map->size[1]; y++)
+            for (uint32_t x = 0; x < map->size[0]; x++, at++)
+                if (*at != REGION_NONE && draw(&stock[*at], *at, choice->generator))
+                    seeds->edit[seeds->count++] =
+                        (struct edit){grid_cell(grid, x, y, z),
+                                      (int16_t)(choice->label == LABEL_OWN ? *at : choice->label)};
+    return OK;
+}
+
+enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct volume *map,
+                        const struct grid *grid, const struct geometry *place,
+                        const struct region_choice *choice, struct fault *fault)
+{
+    *seeds = (struct seeds){0};
+    struct stock *stock = mem_new(VALUES * sizeof *stock);
+    enum err err = stock ? OK : fault_memory(fault, "the regions of a label map");
+    if (!err)
+        err = seeds_check_size(map->size, grid, fault);
+    if (!err)
+        err = check_axes(map, place, fault);
+    if (!err)
+        err = to_regions(map, grid->voxels, choice, fault);
+    for (size_t i = 0; !err && i < grid->voxels; i++)
+        stock[map->intensity[i]].before++;
+    if (!err)
+        err = erode(map, grid->voxels, choice->erode, fault);
+    for (size_t i = 0; !err && i < grid->voxels; i++)
+        stock[map->intensity[i]].left++;
+    if (!err)
+        err = check_stock(stock, choice, tally, fault);
+    if (!err)
+        err = draw_all(seeds, stock, map, grid, choice, fault);
+    free(stock);
+    return err;
+}

@@ -1,0 +1,76 @@
+/*
+ * Seeds out of files: a list of voxels, or a label map on the scene's grid.
+ *
+ * Memory in, seeds out: who finds the file and reads it is the caller, and nothing is planted here.
+ * A list is text, one seed a line; blank lines, comments and one header line are passed over:
+ *
+ *     x,y,z,label            # voxel indices from 0, a label's number or name
+ *     70,110,95,brain
+ *     10,10,10,0
+ *
+ * Of a map, every voxel whose value is a region chosen is a seed. Erosion keeps seeds away from the
+ * borders of regions, where a map drawn on another head is least to be trusted; drawing keeps their
+ * number small. Drawing is by integers only: going through the voxels in order, of a region with n
+ * voxels left and k seeds to be drawn yet, a voxel is drawn with chance k / n (Knuth, TAOCP 2,
+ * 3.4.2, algorithm S). So a region gives exactly what is asked, no voxel twice, and what is drawn
+ * of it does not depend on other regions.
+ *
+ * The same input gives the same seeds on every machine, in order of cells, each cell once.
+ */
+#ifndef SESSION_SEED_FILE_H
+#define SESSION_SEED_FILE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+#include "engine/forest.h"
+#include "engine/grid.h"
+#include "image/nifti.h"
+#include "session/session.h"
+
+struct seeds {
+    struct edit *edit;
+    size_t count;
+};
+void seeds_release(struct seeds *seeds);
+
+/* A sum mod 2^64 over the seeds of a mix of (cell, label). */
+uint64_t seeds_digest(const struct seeds *seeds);
+
+enum { LABEL_OWN = -1, REGION_MOST = 65533 };
+
+/* A list: `length` bytes at `text`, and a NUL after them. `label` is given to all seeds, or is
+ * LABEL_OWN. On the first line that is wrong, or contradicts another, *seeds stays empty and the
+ * words name it: ERR_INPUT. */
+enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
+                         const struct grid *grid,
+                         const char (*label_name)[LABEL_NAME_BYTES], /* [256] */
+                         int label, struct fault *fault);
+
+struct region_choice {
+    uint32_t first, last; /* map values, 0..REGION_MOST */
+    int label;            /* of all seeds, or LABEL_OWN: each region is a label of its number */
+    unsigned erode;       /* rounds; a voxel stays while its six neighbours are of its region */
+    uint32_t each;        /* seeds drawn of each region; 0 for every voxel */
+    uint64_t generator;   /* another number draws other seeds */
+};
+
+struct region_tally {
+    uint32_t regions;     /* that gave seeds */
+    uint32_t eroded_away; /* that had voxels, and none after erosion; the first of them: */
+    uint32_t first_eroded_away;
+};
+
+/* ERR_INPUT where a map of this size does not lie on the scene's grid: to be asked before it is
+ * read. */
+enum err seeds_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault);
+
+/* A label map; its intensities are worked over, and of no use afterwards. `place` is the scene's.
+ * ERR_INPUT, with *seeds empty, where the map is of another size, runs along other axes, holds what
+ * is no label, or nothing is left to plant. */
+enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct volume *map,
+                        const struct grid *grid, const struct geometry *place,
+                        const struct region_choice *choice, struct fault *fault);
+
+#endif
