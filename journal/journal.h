@@ -1,7 +1,7 @@
 /*
  * The journal: a file of records that one session appends to, and that others resume and replay.
  *
- * Promises, the same numbers as in DESIGN.md:
+ * Promises, by numbers that the tests use too:
  *   J1 a command is acknowledged only after its record is synced: when journal_append returns OK,
  *      the record is on the disk;
  *   J2 the file is always header + valid records + at most one torn record;
