@@ -392,13 +392,8 @@ static enum err prompt_begin(void *context, struct buf *output, struct fault *fa
         return err;
     }
     if (prompt->first) {
-        buf_add_text(&line, "open \"");
-        for (const char *at = prompt->first; *at; at++) {
-            if (*at == '"' || *at == '\\')
-                buf_add_char(&line, '\\');
-            buf_add_char(&line, *at);
-        }
-        buf_add_char(&line, '"');
+        buf_add_text(&line, "open ");
+        command_write_word(&line, prompt->first);
         err = prompt_execute(prompt, buf_text(&line), output, fault);
     }
     if (!err)
@@ -450,7 +445,6 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
 {
     static struct prompt prompt; /* large */
     struct buf journal = {0};
-    struct options other = *o;
     if (o->words > 1)
         return fault_set(fault, ERR_USAGE, "one scene or journal at a time; see iftty --help");
     prompt.first = o->words ? o->word[0] : NULL;
@@ -459,7 +453,7 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
         return fault_set(fault, ERR_USAGE, "%s is a journal itself and goes on in its own file",
                          prompt.first);
     name_session(&prompt, &journal);
-    enum err err = begin_desk(&prompt.desk, &other, fault);
+    enum err err = begin_desk(&prompt.desk, o, fault);
     if (!o->journal && !prompt.resumes)
         prompt.desk.new_journal = buf_text(&journal);
     const struct repl_host host = {.context = &prompt,

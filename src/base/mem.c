@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 
 enum { HUGE_FROM = 8 << 20 }; /* below, clearing a huge page costs more than it saves */
 
@@ -89,11 +88,4 @@ size_t mem_available(void)
     if (file)
         fclose(file);
     return bytes;
-}
-
-size_t mem_peak(void)
-{
-    struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    return (size_t)usage.ru_maxrss * 1024;
 }

@@ -35,7 +35,4 @@ void mem_pages_free(void *pages, size_t bytes);
  * estimates it; SIZE_MAX where it does not say. */
 size_t mem_available(void);
 
-/* The largest resident size that this process has had so far, in bytes. */
-size_t mem_peak(void);
-
 #endif

@@ -98,6 +98,9 @@ enum err command_parse(struct call *call, const char *line, const struct session
                        struct fault *fault);
 void call_release(struct call *call);
 
+/* One word as a command holds it: between quotes where it needs them. */
+void command_write_word(struct buf *out, const char *word);
+
 /* The canonical form of a call. */
 void command_write(struct buf *out, const struct call *call);
 

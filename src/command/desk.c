@@ -65,11 +65,11 @@ static enum err act(struct desk *desk, const struct call *call, struct reply *re
         err = session_run(session, fault);
     if (!err && command->flags & COMMAND_EDITS)
         add_digests(reply, session);
-    desk->took_ns = clock_ns() - begin;
+    const uint64_t took_ns = clock_ns() - begin;
     if (!err && (session->edited_forest || session->rebuilt_forest))
         buf_printf(&reply->text, "%llu voxels changed, %.1f ms\n",
                    (unsigned long long)forest_stats(session->forest).touched,
-                   (double)desk->took_ns / 1e6);
+                   (double)took_ns / 1e6);
     if (!err && (reply->text.failed || reply->words.failed || reply->canonical.failed))
         err = fault_memory(fault, "an answer");
     return err;
@@ -154,7 +154,7 @@ bool desk_is_journal(const char *path)
     return file_begins_with(path, RECORD_HEADER);
 }
 
-static enum err set_home(struct desk *desk, const char *path, struct fault *fault)
+enum err desk_set_home(struct desk *desk, const char *path, struct fault *fault)
 {
     buf_clear(&desk->home);
     buf_add_text(&desk->home, path);
@@ -163,7 +163,7 @@ static enum err set_home(struct desk *desk, const char *path, struct fault *faul
 
 enum err desk_create_journal(struct desk *desk, const char *path, struct fault *fault)
 {
-    enum err err = set_home(desk, path, fault);
+    enum err err = desk_set_home(desk, path, fault);
     if (!err)
         err = journal_create(&desk->journal, path, SEMANTICS, fault);
     return err;
@@ -197,7 +197,7 @@ enum err desk_resume_journal(struct desk *desk, const char *path, struct buf *to
     struct resume resume = {.desk = desk};
     struct journal_resume how = {
         .semantics = SEMANTICS, .on_record = resume_record, .context = &resume};
-    enum err err = set_home(desk, path, fault);
+    enum err err = desk_set_home(desk, path, fault);
     desk->replays = desk->resumes = true;
     if (!err)
         err = journal_open(&desk->journal, path, &how, told, fault);

@@ -33,7 +33,6 @@ struct desk {
     size_t acknowledged;
     bool finished;      /* `quit` */
     bool shows_picture; /* the last command made a rendition to be shown inline */
-    uint64_t took_ns;   /* the last command, without its record */
 };
 
 enum err desk_init(struct desk *desk, struct fault *fault);
@@ -50,6 +49,10 @@ void reply_release(struct reply *reply);
 enum err desk_create_journal(struct desk *desk, const char *path, struct fault *fault);
 enum err desk_resume_journal(struct desk *desk, const char *path, struct buf *told,
                              struct fault *fault);
+
+/* Says which journal is at hand, without opening it: goldens and scenes are looked for beside it.
+ */
+enum err desk_set_home(struct desk *desk, const char *path, struct fault *fault);
 
 /* True where the file at `path` begins as a journal does. */
 bool desk_is_journal(const char *path);

@@ -126,8 +126,8 @@ static enum err replay_file(struct desk *desk, const char *path, const struct te
     const struct replay_options options = {.semantics = SEMANTICS};
     enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
     desk->replays = true;
-    buf_clear(&desk->home);
-    buf_add_text(&desk->home, path);
+    if (!err)
+        err = desk_set_home(desk, path, fault);
     if (!err)
         err = replay_run(buf_text(&bytes), bytes.length, &host, &options, report, fault);
     buf_release(&bytes);

@@ -344,7 +344,7 @@ void call_release(struct call *call)
 
 /* ---- canonical form ---- */
 
-static void write_word(struct buf *out, const char *word)
+void command_write_word(struct buf *out, const char *word)
 {
     if (*word && !strpbrk(word, " \t\"\\") && *word != '#') {
         buf_add_text(out, word);
@@ -390,7 +390,7 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
     case PARAMETER_COMMAND:
     case PARAMETER_WORD:
     case PARAMETER_END:
-        write_word(out, value->text);
+        command_write_word(out, value->text);
         break;
     }
 }
