@@ -17,7 +17,7 @@ struct file_log {
 
 int (*file_step_hook)(enum file_step step, const char *path);
 
-static bool step_fails(enum file_step step, const char *path)
+bool file_step_fails(enum file_step step, const char *path)
 {
     int number = file_step_hook ? file_step_hook(step, path) : 0;
     if (number)
@@ -27,7 +27,7 @@ static bool step_fails(enum file_step step, const char *path)
 
 static int open_again(const char *path, int flags)
 {
-    if (step_fails(FILE_STEP_OPEN, path))
+    if (file_step_fails(FILE_STEP_OPEN, path))
         return -1;
     int fd;
     do
@@ -39,7 +39,7 @@ static int open_again(const char *path, int flags)
 static bool write_all(int fd, const char *path, const char *bytes, size_t length)
 {
     while (length > 0) {
-        if (step_fails(FILE_STEP_WRITE, path))
+        if (file_step_fails(FILE_STEP_WRITE, path))
             return false;
         ssize_t n = write(fd, bytes, length);
         if (n < 0 && errno == EINTR)
@@ -54,7 +54,7 @@ static bool write_all(int fd, const char *path, const char *bytes, size_t length
 
 static bool sync_data(int fd, const char *path)
 {
-    return !step_fails(FILE_STEP_SYNC, path) && fdatasync(fd) == 0;
+    return !file_step_fails(FILE_STEP_SYNC, path) && fdatasync(fd) == 0;
 }
 
 /* Syncs the folder that holds `path`, so that a new name in it survives. File systems that cannot
@@ -64,7 +64,8 @@ static bool sync_folder(const char *path)
     struct buf folder = {0};
     file_folder(&folder, path);
     int fd = folder.failed ? -1 : open_again(buf_text(&folder), O_RDONLY | O_DIRECTORY);
-    bool fine = fd >= 0 && !step_fails(FILE_STEP_SYNC, path) && (fsync(fd) == 0 || errno == EINVAL);
+    bool fine =
+        fd >= 0 && !file_step_fails(FILE_STEP_SYNC, path) && (fsync(fd) == 0 || errno == EINVAL);
     if (fd >= 0)
         close(fd);
     buf_release(&folder);
@@ -147,7 +148,7 @@ enum err file_publish(const char *draft, const char *path, enum file_mode mode, 
     if (fd >= 0)
         close(fd);
     unsigned flags = mode == FILE_KEEP ? RENAME_NOREPLACE : 0;
-    if (!synced || step_fails(FILE_STEP_RENAME, path) ||
+    if (!synced || file_step_fails(FILE_STEP_RENAME, path) ||
         renameat2(AT_FDCWD, draft, AT_FDCWD, path, flags) != 0) {
         enum err err = fault_errno(fault, "write", path);
         file_discard(draft);

@@ -76,4 +76,7 @@ void file_folder(struct buf *out, const char *path);
 enum file_step { FILE_STEP_OPEN, FILE_STEP_WRITE, FILE_STEP_SYNC, FILE_STEP_RENAME };
 extern int (*file_step_hook)(enum file_step step, const char *path);
 
+/* Asks the hook, and sets errno where the step is to fail. */
+bool file_step_fails(enum file_step step, const char *path);
+
 #endif

@@ -481,21 +481,13 @@ static unsigned make_header(uint8_t *bytes, const uint32_t size[3], const struct
 }
 
 /* Tests make the step fail here, as they do in the file layer. */
-static bool step_fails(enum file_step step, const char *path)
-{
-    int number = file_step_hook ? file_step_hook(step, path) : 0;
-    if (number)
-        errno = number;
-    return number != 0;
-}
-
 static bool put(gzFile gz, const char *path, const void *bytes, size_t length)
 {
     const uint8_t *at = bytes;
     const size_t piece_most = (size_t)1 << 30;
     while (length > 0) {
         unsigned piece = (unsigned)(length < piece_most ? length : piece_most);
-        if (step_fails(FILE_STEP_WRITE, path) || gzwrite(gz, at, piece) != (int)piece)
+        if (file_step_fails(FILE_STEP_WRITE, path) || gzwrite(gz, at, piece) != (int)piece)
             return false;
         at += piece;
         length -= piece;
@@ -534,7 +526,7 @@ static enum err write_draft(const char *draft, const char *path, bool packed, co
         return fault_memory(fault, path);
     enum err err = OK;
     gzFile gz = NULL;
-    int fd = step_fails(FILE_STEP_OPEN, path)
+    int fd = file_step_fails(FILE_STEP_OPEN, path)
                  ? -1
                  : open(draft, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0) {
