@@ -2,25 +2,32 @@
 #include "engine/forest.h"
 
 /* What the equation of the forest gives for one voxel, from its neighbours' keys. */
-static uint64_t solve_at(const struct scene *scene, const struct adjacency *adjacency, uint32_t at)
+static uint64_t solve_at(const struct forest *forest, uint32_t at)
 {
-    const struct cell *cell = scene->cell + at;
+    const struct adjacency *adjacency = forest_adjacency(forest);
+    const struct cell *cell = forest_scene(forest)->cell + at;
     uint64_t best = cell->flags & CELL_SEED ? key_make(0, 0, at) : KEY_NONE;
     for (unsigned i = 0; i < adjacency->count; i++) {
         const struct cell *neighbour = cell + adjacency->offset[i];
-        if (neighbour->flags & CELL_RIM || neighbour->key == KEY_NONE)
+        if (!cell_is_reached(neighbour))
             continue;
-        uint64_t offer = key_extend(neighbour->key, cell->weight);
+        uint64_t offer =
+            key_extend(neighbour->key, arc_weight_now(forest_arcs(forest), neighbour, cell));
         best = offer < best ? offer : best;
     }
     return best;
 }
 
-static const char *voxel_wrong(const struct scene *scene, const struct adjacency *adjacency,
-                               uint32_t at)
+static const char *voxel_wrong(const struct forest *forest, uint32_t at)
 {
-    const struct cell *cell = scene->cell + at;
-    if (cell->key != solve_at(scene, adjacency, at))
+    const struct adjacency *adjacency = forest_adjacency(forest);
+    const struct cell *cell = forest_scene(forest)->cell + at;
+    if (cell->flags & CELL_FENCED)
+        return cell->key || cell->label || cell->direction != DIRECTION_NONE ||
+                       cell->flags != CELL_FENCED
+                   ? "S2: outside the fence, but not as the rim"
+                   : NULL;
+    if (cell->key != solve_at(forest, at))
         return "T1: its key does not solve the equation of the forest";
     if (cell->flags & ~CELL_SEED || cell->heard)
         return "it is marked as if in the middle of a pass";
@@ -34,7 +41,8 @@ static const char *voxel_wrong(const struct scene *scene, const struct adjacency
     if (cell->direction >= adjacency->count)
         return "T2: no predecessor";
     const struct cell *from = cell - adjacency->offset[cell->direction];
-    if (from->flags & CELL_RIM || key_extend(from->key, cell->weight) != cell->key)
+    if (!cell_is_reached(from) ||
+        key_extend(from->key, arc_weight_now(forest_arcs(forest), from, cell)) != cell->key)
         return "T2: its predecessor does not support it";
     return from->label == cell->label ? NULL : "T2: its label is not that of its predecessor";
 }
@@ -48,7 +56,7 @@ bool forest_check(const struct forest *forest, struct fault *fault)
         for (uint32_t y = 0; y < grid->size[1]; y++)
             for (uint32_t x = 0; x < grid->size[0]; x++) {
                 uint32_t at = grid_cell(grid, x, y, z);
-                const char *wrong = voxel_wrong(scene, forest_adjacency(forest), at);
+                const char *wrong = voxel_wrong(forest, at);
                 if (wrong) {
                     fault_set(fault, ERR_CHECK, "voxel %u,%u,%u: %s", x, y, z, wrong);
                     return false;

@@ -23,6 +23,7 @@ struct forest {
     struct scene *scene;
     struct cell *cell; /* scene->cell */
     struct adjacency adjacency;
+    struct arc_rule arcs;
     struct queue *queue;
     size_t seeds;
 
@@ -62,7 +63,7 @@ void forest_recount(const struct forest *forest, uint64_t *keys, uint64_t *label
             struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++) {
                 const struct cell *cell = forest->cell + c;
-                if (cell->key == KEY_NONE)
+                if (!cell_is_reached(cell))
                     continue;
                 *keys += key_share(c, cell->key);
                 *labels += label_share(c, cell->label);
@@ -164,8 +165,8 @@ static bool finds_support(struct forest *forest, uint32_t at)
     struct cell *cell = forest->cell + at;
     for (unsigned i = 0; i < adjacency->count; i++) {
         const struct cell *neighbour = cell + adjacency->offset[i];
-        if (neighbour->flags & (CELL_CLEARED | CELL_RIM) || neighbour->key == KEY_NONE ||
-            key_extend(neighbour->key, cell->weight) != cell->key)
+        if (neighbour->flags & CELL_CLEARED || !cell_is_reached(neighbour) ||
+            key_extend(neighbour->key, arc_weight_now(&forest->arcs, neighbour, cell)) != cell->key)
             continue;
         cell->direction = (uint8_t)(adjacency->count - 1 - i); /* from the neighbour to here */
         return true;
@@ -177,14 +178,14 @@ static bool finds_support(struct forest *forest, uint32_t at)
 static void reoffer(struct forest *forest, uint32_t at)
 {
     const struct adjacency *adjacency = &forest->adjacency;
-    const uint16_t weight = forest->cell[at].weight;
+    const struct cell *cell = forest->cell + at;
     uint64_t best = KEY_NONE;
     unsigned direction = 0;
     for (unsigned i = 0; i < adjacency->count; i++) {
-        const struct cell *neighbour = forest->cell + at + adjacency->offset[i];
-        if (neighbour->flags & (CELL_CLEARED | CELL_RIM) || neighbour->key == KEY_NONE)
+        const struct cell *neighbour = cell + adjacency->offset[i];
+        if (neighbour->flags & CELL_CLEARED || !cell_is_reached(neighbour))
             continue;
-        uint64_t offer = key_extend(neighbour->key, weight);
+        uint64_t offer = key_extend(neighbour->key, arc_weight_now(&forest->arcs, neighbour, cell));
         if (offer < best) {
             best = offer;
             direction = adjacency->count - 1 - i; /* from the neighbour to here */
@@ -208,8 +209,8 @@ static void reoffer_cleared(struct forest *forest)
 
 /* ---- the pass ---- */
 
-/* Compiled once for 6 neighbours and once for 26, as constants: loops over them unroll, and the
- * whole pass takes half the time. */
+/* Compiled once for 6 neighbours and once for 26 and each kind of arc, as constants: loops over
+ * them unroll, and the whole pass takes half the time. */
 #define PER_ADJACENCY static inline __attribute__((always_inline))
 
 /*
@@ -222,7 +223,8 @@ static void reoffer_cleared(struct forest *forest)
  * above that of s. It remembers so in `heard`, and each pair of neighbours is looked at once
  * instead of twice: 40 % fewer cache misses and mispredicted branches.
  */
-PER_ADJACENCY void serve(struct forest *forest, uint32_t s, const unsigned neighbours)
+PER_ADJACENCY void serve(struct forest *forest, uint32_t s, const unsigned neighbours,
+                         const enum arc_kind arcs)
 {
     struct cell *cell = forest->cell;
     const struct adjacency *adjacency = &forest->adjacency;
@@ -239,7 +241,8 @@ PER_ADJACENCY void serve(struct forest *forest, uint32_t s, const unsigned neigh
     for (; open; open &= open - 1) {
         const unsigned i = (unsigned)__builtin_ctz(open);
         const uint32_t t = (uint32_t)(s + adjacency->offset[i]);
-        const uint64_t offer = key_greater(key_rise(cell[t].weight, root), hop);
+        const uint32_t weight = arc_weight(&forest->arcs, arcs, cell + s, cell + t, label);
+        const uint64_t offer = key_greater(key_rise(weight, root), hop);
         if (offer < cell[t].key)
             accept(forest, t, offer, label, i);
         else if (__builtin_expect(cell[t].direction == i, 0) && offer != cell[t].key &&
@@ -269,7 +272,8 @@ PER_ADJACENCY void fetch_neighbours(const struct forest *forest, uint32_t at,
         __builtin_prefetch(cell + (heard & 1u << i ? 0 : offset[i]), 1);
 }
 
-PER_ADJACENCY void serve_level(struct forest *forest, uint32_t level, const unsigned neighbours)
+PER_ADJACENCY void serve_level(struct forest *forest, uint32_t level, const unsigned neighbours,
+                               const enum arc_kind arcs)
 {
     uint32_t at[BATCH];
     for (size_t count; (count = queue_take(forest->queue, at, BATCH)) > 0;) {
@@ -284,9 +288,17 @@ PER_ADJACENCY void serve_level(struct forest *forest, uint32_t level, const unsi
                 fetch_neighbours(forest, at[i + AHEAD], neighbours);
             const struct cell *cell = forest->cell + at[i];
             if (cell->flags & CELL_QUEUED && key_level(cell->key) == level)
-                serve(forest, at[i], neighbours);
+                serve(forest, at[i], neighbours, arcs);
         }
     }
+}
+
+PER_ADJACENCY void serve_level_of(struct forest *forest, uint32_t level, const enum arc_kind arcs)
+{
+    if (forest->adjacency.count == 6)
+        serve_level(forest, level, 6, arcs);
+    else
+        serve_level(forest, level, 26, arcs);
 }
 
 /* Serves every level from the lowest up, until the queue is empty or something is wrong. */
@@ -295,10 +307,12 @@ static enum err pass(struct forest *forest, const struct forest_watch *watch)
     uint32_t level;
     while (queue_next_level(forest->queue, &level)) {
         const uint64_t before = forest->stats.served;
-        if (forest->adjacency.count == 6)
-            serve_level(forest, level, 6);
+        if (forest->arcs.kind == ARC_TARGET)
+            serve_level_of(forest, level, ARC_TARGET);
+        else if (forest->arcs.kind == ARC_DIFFERENCE)
+            serve_level_of(forest, level, ARC_DIFFERENCE);
         else
-            serve_level(forest, level, 26);
+            serve_level_of(forest, level, ARC_POLARITY);
         if (forest->starved || queue_failed(forest->queue))
             return ERR_MEMORY;
         if ((level & 0xFFFF) == KEY_HOPS_LIMIT && forest->stats.served > before)
@@ -385,7 +399,7 @@ static enum err prepare(struct forest *forest, const struct edit *edit, size_t c
         if (i + 1 < count && order[i + 1]->cell == order[i]->cell)
             continue;
         const struct cell *cell = forest->cell + order[i]->cell;
-        assert(!(cell->flags & CELL_RIM));
+        assert(!(cell->flags & (CELL_RIM | CELL_FENCED)));
         int16_t former = cell->flags & CELL_SEED ? cell->label : EDIT_ERASE;
         forest->batch[forest->edits] = *order[i];
         forest->inverse[forest->edits++] = (struct edit){order[i]->cell, former};
@@ -485,8 +499,8 @@ static void clear_all(struct forest *forest, bool planted)
             for (uint32_t c = row.first; c < row.end; c++) {
                 struct cell *cell = forest->cell + c;
                 const bool seed = cell->flags & CELL_SEED;
-                cell->flags &= CELL_SEED;
-                cell->key = KEY_NONE;
+                cell->flags &= CELL_SEED | CELL_FENCED;
+                cell->key = cell->flags & CELL_FENCED ? 0 : KEY_NONE;
                 cell->label = seed ? cell->label : 0;
                 cell->direction = DIRECTION_NONE;
                 cell->heard = 0;
@@ -539,6 +553,11 @@ void forest_set_adjacency(struct forest *forest, unsigned count)
     adjacency_init(&forest->adjacency, count, &forest->scene->grid);
 }
 
+void forest_set_arcs(struct forest *forest, const struct arc_rule *arcs)
+{
+    forest->arcs = *arcs;
+}
+
 void forest_free(struct forest *forest)
 {
     if (!forest)
@@ -569,6 +588,11 @@ const struct scene *forest_scene(const struct forest *forest)
 const struct adjacency *forest_adjacency(const struct forest *forest)
 {
     return &forest->adjacency;
+}
+
+const struct arc_rule *forest_arcs(const struct forest *forest)
+{
+    return &forest->arcs;
 }
 
 size_t forest_seeds(const struct forest *forest)

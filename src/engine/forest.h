@@ -4,8 +4,8 @@
  * The key of a voxel is (cost, hops, root), compared as one integer. A seed has key (0, 0, itself).
  * A voxel s offers its neighbour t
  *
- *     extend(key(s), w) = (w, 0, root)            where w > cost,     w = weight of t
- *                         (cost, hops + 1, root)  otherwise
+ *     extend(key(s), w) = (w, 0, root)            where w > cost,     w = weight of the arc
+ *                         (cost, hops + 1, root)  otherwise           (engine/arc.h)
  *
  * and the forest is the solution of key(t) = min(own seed's key, min over neighbours of what they
  * offer). extend is strictly increasing, so there is one solution: the forest is a function of
@@ -32,12 +32,13 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "engine/arc.h"
 #include "engine/scene.h"
 
 struct forest;
 
-/* What an edit does to one voxel: plant a seed of a label (in place of one that may be there), or
- * take the seed away. */
+/* What an edit does to one voxel inside the fence: plant a seed of a label (in place of one that
+ * may be there), or take the seed away. */
 enum { EDIT_ERASE = -1 };
 struct edit {
     uint32_t cell;
@@ -87,7 +88,7 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
 /* Takes the last successful edit back, as an edit of its own. */
 enum err forest_revert(struct forest *forest, struct fault *fault);
 
-/* Computes the whole forest again from its seeds: after the weights or the adjacency have changed,
+/* Computes the whole forest again from its seeds: after weights, adjacency or fence have changed,
  * or as the yardstick for an update. On error the forest is as before, or, where even that could
  * not be computed again, it has its seeds and no keys; the words say which. */
 enum err forest_rebuild(struct forest *forest, const struct forest_watch *watch,
@@ -96,10 +97,14 @@ enum err forest_rebuild(struct forest *forest, const struct forest_watch *watch,
 /* 6 or 26 neighbours from now on; forest_rebuild must follow. */
 void forest_set_adjacency(struct forest *forest, unsigned count);
 
+/* Arcs weigh by this rule from now on, instead of by ARC_TARGET; forest_rebuild must follow. */
+void forest_set_arcs(struct forest *forest, const struct arc_rule *arcs);
+
 struct changes forest_changes(const struct forest *forest);
 struct forest_stats forest_stats(const struct forest *forest);
 const struct scene *forest_scene(const struct forest *forest);
 const struct adjacency *forest_adjacency(const struct forest *forest);
+const struct arc_rule *forest_arcs(const struct forest *forest);
 size_t forest_seeds(const struct forest *forest);  /* their number */
 size_t forest_memory(const struct forest *forest); /* bytes, without the scene */
 

@@ -2,7 +2,7 @@
 
 #include <assert.h>
 
-enum { WEIGHT_MOST = 65535 };
+#include "engine/arc.h"
 
 /*
  * Scaled to 63 bits or more, each line doubles the number of bits that are right; the last may be

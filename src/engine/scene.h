@@ -7,11 +7,14 @@
  * Invariants
  *   S1 a cell of the rim has key 0, label 0, weight 0, and the flag CELL_RIM, for ever: it declines
  *      every offer (none is below 0), makes none, and is background to everyone;
- *   S2 intensity belongs to the scene, weight to engine/weight.h, the rest to engine/forest.h.
+ *   S2 a voxel outside the fence (engine/fence.h) has key 0, label 0, no predecessor, and the flag
+ *      CELL_FENCED: to the forest it is as the rim;
+ *   S3 intensity belongs to the scene, weight to engine/weight.h, the rest to engine/forest.h.
  */
 #ifndef ENGINE_SCENE_H
 #define ENGINE_SCENE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -25,19 +28,26 @@ enum cell_flag {
     CELL_CLEARED = 4, /* has just lost its tree */
     CELL_TOUCHED = 8, /* is in the list of changes */
     CELL_RIM = 16,    /* not a voxel */
+    CELL_FENCED = 32, /* a voxel outside the fence */
 };
 
 enum { DIRECTION_NONE = 255 };
 
 struct cell {
     uint64_t key;
-    uint16_t weight; /* w: the arc weight delta(s, t) of every arc into this voxel t */
+    uint16_t weight; /* w of every arc into this voxel, where arcs weigh so (engine/arc.h) */
     uint16_t intensity;
     uint8_t label;     /* of the root; 0 is the background, and what no seed reaches */
     uint8_t direction; /* of the adjacency, from the predecessor to here; DIRECTION_NONE */
     uint8_t flags;     /* enum cell_flag */
     uint8_t heard; /* of a queued voxel: bit i where its neighbour in direction i has been served */
 };
+
+/* Whether a tree holds the cell: its key is neither KEY_NONE nor the 0 of rim and fence. */
+static inline bool cell_is_reached(const struct cell *cell)
+{
+    return cell->key + 1 > 1;
+}
 
 struct scene {
     struct grid grid;
