@@ -5,6 +5,7 @@
 
 #include "base/mem.h"
 #include "engine/border.h"
+#include "engine/fence.h"
 #include "engine/forest.h"
 #include "engine/weight.h"
 
@@ -129,6 +130,132 @@ STORY(the_last_edit_of_a_voxel_in_a_batch_wins)
     world_free(&w);
 }
 
+/* ---- arcs and fences, by hand ---- */
+
+static void set_row_intensities(struct world *w, const uint16_t *intensity)
+{
+    for (uint32_t x = 0; x < w->scene->grid.size[0]; x++)
+        voxel(w, x, 0, 0)->intensity = intensity[x];
+}
+
+static const uint32_t *row_costs(struct world *w)
+{
+    static uint32_t cost[128];
+    for (uint32_t x = 0; x < w->scene->grid.size[0]; x++)
+        cost[x] = key_cost(voxel(w, x, 0, 0)->key);
+    return cost;
+}
+
+static void set_arcs(struct world *w, enum arc_kind kind, int of_1, int of_2)
+{
+    struct arc_rule rule = {.kind = kind};
+    rule.polarity[1] = (int8_t)of_1;
+    rule.polarity[2] = (int8_t)of_2;
+    forest_set_arcs(w->forest, &rule);
+    CHECK(forest_rebuild(w->forest, NULL, NULL) == OK);
+    CHECK(forest_check(w->forest, NULL));
+}
+
+static void row_costs_are(struct world *w, const uint32_t *expected)
+{
+    for (uint32_t x = 0; x < w->scene->grid.size[0]; x++)
+        CHECK_INT(row_costs(w)[x], expected[x]);
+}
+
+STORY(a_difference_is_the_same_both_ways)
+{
+    struct world w = world_new(6, 1, 1, 6);
+    set_row_intensities(&w, (const uint16_t[]){10, 12, 50, 50, 20, 65535});
+    plant_at(&w, 0, 0, 0, 1);
+    set_arcs(&w, ARC_DIFFERENCE, 0, 0);
+    row_costs_are(&w, (const uint32_t[]){0, 2, 38, 38, 38, 65515});
+    plant_at(&w, 5, 0, 0, 2);
+    CHECK_TEXT(row_labels(&w), "111112"); /* 20 costs 65515 from the right */
+    plant_at(&w, 0, 0, 0, EDIT_ERASE);
+    row_costs_are(&w, (const uint32_t[]){65515, 65515, 65515, 65515, 65515, 0});
+    world_free(&w);
+}
+
+STORY(polarity_makes_one_way_over_an_edge_dearer)
+{
+    struct world w = world_new(6, 1, 1, 6);
+    set_row_intensities(&w, (const uint16_t[]){100, 100, 55, 55, 100, 60000});
+    plant_at(&w, 0, 0, 0, 1);
+    set_arcs(&w, ARC_POLARITY, 0, 0);
+    row_costs_are(&w, (const uint32_t[]){0, 0, 45, 45, 45, 59900});
+    set_arcs(&w, ARC_POLARITY, 50, 0); /* down 45 * 1.5 = 67.5, up 45 * 0.5 = 22.5 */
+    row_costs_are(&w, (const uint32_t[]){0, 0, 67, 67, 67, 29950});
+    set_arcs(&w, ARC_POLARITY, -50, 0);
+    row_costs_are(&w, (const uint32_t[]){0, 0, 22, 22, 67, 65535}); /* 89850 does not fit */
+    set_arcs(&w, ARC_POLARITY, 100, 0);
+    row_costs_are(&w, (const uint32_t[]){0, 0, 90, 90, 90, 90});
+    set_arcs(&w, ARC_POLARITY, -100, 0);
+    row_costs_are(&w, (const uint32_t[]){0, 0, 0, 0, 90, 65535});
+    world_free(&w);
+}
+
+STORY(polarity_goes_by_the_label_of_the_root)
+{
+    struct world w = world_new(5, 1, 1, 6);
+    set_row_intensities(&w, (const uint16_t[]){90, 90, 50, 10, 10});
+    plant_at(&w, 0, 0, 0, 1);
+    plant_at(&w, 4, 0, 0, 2);
+    set_arcs(&w, ARC_POLARITY, 0, 0); /* 40 from both sides, in no hops: the smaller root */
+    CHECK_TEXT(row_labels(&w), "11122");
+    set_arcs(&w, ARC_POLARITY, 10, 0); /* 44 from the bright side */
+    CHECK_TEXT(row_labels(&w), "11222");
+    set_arcs(&w, ARC_POLARITY, 10, -11); /* 44 from both, the second time by rounding down */
+    CHECK_TEXT(row_labels(&w), "11122");
+    plant_at(&w, 4, 0, 0, 3); /* whose polarity is 0 */
+    CHECK_TEXT(row_labels(&w), "11333");
+    CHECK(forest_check(w.forest, NULL));
+    world_free(&w);
+}
+
+/* Puts a fence up where the forest has its seeds inside. */
+static void put_up(struct world *w, const struct fence *fence)
+{
+    CHECK_INT(fence_tally(fence, w->scene).seeds_outside, 0);
+    fence_apply(fence, w->scene);
+    CHECK(forest_rebuild(w->forest, NULL, NULL) == OK);
+    CHECK(forest_check(w->forest, NULL));
+}
+
+STORY(no_tree_passes_a_fence)
+{
+    struct world w = world_new(7, 1, 1, 6);
+    struct fence range = {NULL, 5, 9}, none = fence_none(), mask = {NULL, 0, 9};
+    set_row_intensities(&w, (const uint16_t[]){5, 9, 7, 4, 10, 5, 5});
+    CHECK_INT(fence_tally(&range, w.scene).inside, 5);
+    CHECK(fence_tally(&range, w.scene).digest != 0);
+    CHECK(fence_tally(&none, w.scene).digest == 0);
+    put_up(&w, &range); /* before there is a seed */
+    plant_at(&w, 1, 0, 0, 1);
+    CHECK_TEXT(row_labels(&w), "1110000");
+    CHECK(!cell_is_reached(voxel(&w, 4, 0, 0)) && !cell_is_reached(voxel(&w, 5, 0, 0)));
+    const uint64_t before = forest_digest(w.forest);
+    put_up(&w, &none);
+    CHECK_TEXT(row_labels(&w), "1111111");
+    mask.mask = mask_new(&w.scene->grid);
+    for (uint32_t x = 0; mask.mask && x < 5; x++) {
+        const uint32_t c = grid_cell(&w.scene->grid, x, 0, 0);
+        mask.mask[c >> 6] |= UINT64_C(1) << (c & 63);
+    }
+    put_up(&w, &mask); /* the mask ends before 5, the range before 4 */
+    CHECK_TEXT(row_labels(&w), "1111000");
+    put_up(&w, &range);
+    CHECK(forest_digest(w.forest) == before);
+    plant_at(&w, 1, 0, 0, EDIT_ERASE);
+    put_up(&w, &none);
+    CHECK_TEXT(row_labels(&w), "0000000");
+    CHECK(voxel(&w, 3, 0, 0)->key == KEY_NONE && voxel(&w, 3, 0, 0)->flags == 0);
+    CHECK_INT(fence_tally(&mask, w.scene).seeds_outside, 0);
+    plant_at(&w, 4, 0, 0, 1);
+    CHECK_INT(fence_tally(&mask, w.scene).seeds_outside, 1);
+    free(mask.mask);
+    world_free(&w);
+}
+
 STORY(changes_name_each_voxel_once_with_its_former_label)
 {
     struct world w = world_new(64, 1, 1, 6);
@@ -198,10 +325,19 @@ static void paint(struct world *w, enum texture texture, uint64_t *random)
         weight_morph(w->scene, forest_adjacency(w->forest));
 }
 
-static void copy_weights(struct world *to, const struct world *from)
+/* What the forest follows from, seeds apart. */
+static void copy_scene(struct world *to, const struct world *from)
 {
-    for (size_t i = 0; i < from->scene->grid.cells; i++)
-        to->scene->cell[i].weight = from->scene->cell[i].weight;
+    for (size_t i = 0; i < from->scene->grid.cells; i++) {
+        struct cell *cell = to->scene->cell + i;
+        cell->weight = from->scene->cell[i].weight;
+        cell->intensity = from->scene->cell[i].intensity;
+        if (from->scene->cell[i].flags & CELL_FENCED) {
+            cell->flags |= CELL_FENCED;
+            cell->key = 0;
+        }
+    }
+    forest_set_arcs(to->forest, forest_arcs(from->forest));
 }
 
 static bool same_forest(const struct world *a, const struct world *b)
@@ -223,7 +359,7 @@ static bool equals_scratch(struct world *w)
         world_new(g->size[0], g->size[1], g->size[2], forest_adjacency(w->forest)->count);
     struct edit *seed = malloc((g->voxels + 1) * sizeof *seed);
     size_t seeds = 0;
-    copy_weights(&fresh, w);
+    copy_scene(&fresh, w);
     for (size_t i = 0; i < g->cells; i++)
         if (w->scene->cell[i].flags & CELL_SEED)
             seed[seeds++] = (struct edit){(uint32_t)i, w->scene->cell[i].label};
@@ -232,6 +368,20 @@ static bool equals_scratch(struct world *w)
     free(seed);
     world_free(&fresh);
     return same;
+}
+
+/* The weight of an arc, from its definition. */
+static uint32_t slow_weight(const struct world *w, size_t s, size_t t, uint8_t label)
+{
+    const struct arc_rule *rule = forest_arcs(w->forest);
+    const int64_t from = w->scene->cell[s].intensity, to = w->scene->cell[t].intensity;
+    const int64_t a = from > to ? rule->polarity[label] : -rule->polarity[label];
+    int64_t weight = w->scene->cell[t].weight;
+    if (rule->kind == ARC_DIFFERENCE)
+        weight = llabs(from - to);
+    if (rule->kind == ARC_POLARITY)
+        weight = (llabs(from - to) * 100 + llabs(from - to) * a) / 100;
+    return (uint32_t)(weight < 65535 ? weight : 65535);
 }
 
 /* The textbook: relax the cheapest unfinished voxel, searched for in plain sight. */
@@ -246,7 +396,7 @@ static bool costs_equal_textbook(struct world *w)
     bool same = true;
     for (size_t i = 0; i < g->cells; i++) {
         node[i].cost = w->scene->cell[i].flags & CELL_SEED ? 0 : UINT32_MAX;
-        node[i].done = w->scene->cell[i].flags & CELL_RIM;
+        node[i].done = w->scene->cell[i].flags & (CELL_RIM | CELL_FENCED);
     }
     for (;;) {
         size_t best = g->cells;
@@ -259,7 +409,7 @@ static bool costs_equal_textbook(struct world *w)
         node[best].done = true;
         for (unsigned k = 0; k < adjacency->count; k++) {
             size_t t = best + (size_t)adjacency->offset[k];
-            uint32_t weight = w->scene->cell[t].weight;
+            uint32_t weight = slow_weight(w, best, t, 0);
             uint32_t offer = weight > node[best].cost ? weight : node[best].cost;
             if (!node[t].done && offer < node[t].cost)
                 node[t].cost = offer;
@@ -267,10 +417,75 @@ static bool costs_equal_textbook(struct world *w)
     }
     for (size_t i = 0; i < g->cells; i++) {
         uint64_t key = w->scene->cell[i].key;
-        if (!(w->scene->cell[i].flags & CELL_RIM))
+        if (!(w->scene->cell[i].flags & (CELL_RIM | CELL_FENCED)))
             same &= key == KEY_NONE ? node[i].cost == UINT32_MAX : key_cost(key) == node[i].cost;
     }
     free(node);
+    return same;
+}
+
+struct slow_key {
+    uint32_t cost, hops;
+    size_t root;
+    bool reached, done;
+};
+
+static bool is_below(const struct slow_key *a, const struct slow_key *b)
+{
+    if (!a->reached || !b->reached)
+        return a->reached;
+    if (a->cost != b->cost)
+        return a->cost < b->cost;
+    return a->hops != b->hops ? a->hops < b->hops : a->root < b->root;
+}
+
+/* The fixed point: the least key that is not final yet is final, searched for in plain sight. */
+static bool keys_equal_fixed_point(struct world *w)
+{
+    const struct grid *g = &w->scene->grid;
+    const struct adjacency *adjacency = forest_adjacency(w->forest);
+    struct slow_key *node = calloc(g->cells, sizeof *node);
+    uint8_t *label = calloc(g->cells, 1);
+    bool same = true;
+    for (size_t i = 0; i < g->cells; i++) {
+        node[i].done = w->scene->cell[i].flags & (CELL_RIM | CELL_FENCED);
+        if (w->scene->cell[i].flags & CELL_SEED) {
+            node[i] = (struct slow_key){0, 0, i, true, false};
+            label[i] = w->scene->cell[i].label;
+        }
+    }
+    for (;;) {
+        size_t best = 0; /* of the rim: done */
+        for (size_t i = 0; i < g->cells; i++)
+            if (!node[i].done && node[i].reached && (!best || is_below(&node[i], &node[best])))
+                best = i;
+        if (!best)
+            break;
+        node[best].done = true;
+        for (unsigned k = 0; k < adjacency->count; k++) {
+            const size_t t = best + (size_t)adjacency->offset[k];
+            const uint32_t weight = slow_weight(w, best, t, label[node[best].root]);
+            struct slow_key offer = {weight, 0, node[best].root, true, false};
+            if (weight <= node[best].cost) {
+                offer.cost = node[best].cost;
+                offer.hops = node[best].hops + 1;
+            }
+            if (!node[t].done && is_below(&offer, &node[t]))
+                node[t] = offer;
+        }
+    }
+    for (size_t i = 0; i < g->cells; i++) {
+        const struct cell *cell = w->scene->cell + i;
+        if (cell->flags & (CELL_RIM | CELL_FENCED))
+            same &= cell->key == 0 && cell->label == 0;
+        else if (node[i].reached)
+            same &= cell->key == key_make(node[i].cost, node[i].hops, (uint32_t)node[i].root) &&
+                    cell->label == label[node[i].root];
+        else
+            same &= cell->key == KEY_NONE && cell->label == 0;
+    }
+    free(node);
+    free(label);
     return same;
 }
 
@@ -297,13 +512,91 @@ static size_t random_batch(struct world *w, struct edit *batch, uint64_t *random
         uint32_t at = random_voxel(g, random);
         int16_t label = (int16_t)check_below(random, 3);
         if (check_below(random, 5) < 2) { /* the seed whose tree holds the voxel: an eliminator */
-            uint64_t key = w->scene->cell[at].key;
-            at = key == KEY_NONE ? at : key_root(key);
+            const struct cell *cell = w->scene->cell + at;
+            at = cell_is_reached(cell) ? key_root(cell->key) : at;
             label = check_below(random, 4) ? EDIT_ERASE : label;
         }
         batch[count++] = (struct edit){at, label};
     }
     return count;
+}
+
+/* Without those outside the fence. */
+static size_t only_inside(const struct world *w, struct edit *batch, size_t count)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < count; i++)
+        if (!(w->scene->cell[batch[i].cell].flags & CELL_FENCED))
+            batch[kept++] = batch[i];
+    return kept;
+}
+
+static void random_arcs(struct world *w, uint64_t *random)
+{
+    struct arc_rule rule = {.kind = check_below(random, 3)};
+    for (int label = 0; label < 3; label++)
+        rule.polarity[label] =
+            (int8_t)(check_below(random, 5) ? (int)check_below(random, 201) - 100 : 0);
+    forest_set_arcs(w->forest, &rule);
+}
+
+/* Seeds that it would fence off go first; it holds few voxels, most, or all. */
+static void random_fence(struct world *w, struct edit *batch, uint64_t *random)
+{
+    const struct grid *g = &w->scene->grid;
+    const uint32_t part = 1 + check_below(random, 10);
+    struct fence fence = fence_none();
+    size_t count = 0;
+    if (check_below(random, 3))
+        fence.mask = mask_new(g);
+    for (size_t i = 0; fence.mask && i < g->cells; i++)
+        if (check_below(random, 11) < part)
+            fence.mask[i >> 6] |= UINT64_C(1) << (i & 63);
+    if (check_below(random, 3) == 0) {
+        fence.low = w->scene->cell[random_voxel(g, random)].intensity;
+        fence.high = w->scene->cell[random_voxel(g, random)].intensity;
+    }
+    for (size_t i = 0; i < g->cells; i++)
+        if (w->scene->cell[i].flags & CELL_SEED && !fence_holds(&fence, w->scene, (uint32_t)i))
+            batch[count++] = (struct edit){(uint32_t)i, EDIT_ERASE};
+    CHECK_INT(fence_tally(&fence, w->scene).seeds_outside, count);
+    CHECK(forest_edit(w->forest, batch, count, NULL, NULL) == OK);
+    fence_apply(&fence, w->scene);
+    free(fence.mask);
+}
+
+/* Arcs of every kind, behind fences that come and go: after each edit and each rebuild, keys and
+ * labels are those of the fixed point, and of a run from scratch. */
+static void random_fenced_session(uint64_t seed, unsigned steps)
+{
+    uint64_t random = seed;
+    struct world w = world_new(1 + check_below(&random, 6), 1 + check_below(&random, 6),
+                               1 + check_below(&random, 5), check_below(&random, 2) ? 26 : 6);
+    struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
+    struct fault fault = {0};
+    paint(&w, check_below(&random, TEXTURES), &random);
+    if (check_below(&random, 3)) /* few levels: plateaus, and equal offers from all sides */
+        for (size_t i = 0; i < w.scene->grid.cells; i++)
+            w.scene->cell[i].intensity %= 4;
+    random_arcs(&w, &random);
+    for (unsigned step = 0; step < steps; step++) {
+        const bool rebuilds = check_below(&random, 8) == 0;
+        const size_t count = only_inside(&w, batch, random_batch(&w, batch, &random));
+        if (rebuilds && check_below(&random, 2))
+            random_arcs(&w, &random);
+        else if (rebuilds)
+            random_fence(&w, batch, &random);
+        const bool polar = forest_arcs(w.forest)->kind == ARC_POLARITY;
+        if (!CHECK((rebuilds ? forest_rebuild(w.forest, NULL, NULL)
+                             : forest_edit(w.forest, batch, count, NULL, NULL)) == OK) ||
+            !CHECK(keys_equal_fixed_point(&w)) || !CHECK(equals_scratch(&w)) ||
+            !CHECK(forest_check(w.forest, &fault)) || !CHECK(polar || costs_equal_textbook(&w))) {
+            printf("# seed %" PRIu64 " step %u %s\n", seed, step, fault.text);
+            break;
+        }
+    }
+    free(batch);
+    world_free(&w);
 }
 
 static void random_session(uint64_t seed, unsigned steps)
@@ -353,6 +646,12 @@ STORY(a_hundred_thousand_random_edits_each_equal_a_run_from_scratch)
         random_session(i, i % 200 ? 5 : 40);
 }
 
+STORY(under_every_kind_of_arc_and_fence_edits_equal_the_fixed_point)
+{
+    for (unsigned i = 0; i < scaled(4000) && check_failures == 0; i++)
+        random_fenced_session(i, i % 100 ? 12 : 60);
+}
+
 /* ---- edits that do not go through ---- */
 
 /* What a forest is known by: if these are as before and every invariant holds, it is as before. */
@@ -381,6 +680,7 @@ static struct world random_world(uint64_t *random, unsigned seeds)
     struct world w = world_new(1 + check_below(random, 14), 1 + check_below(random, 12),
                                1 + check_below(random, 10), check_below(random, 2) ? 26 : 6);
     paint(&w, check_below(random, TEXTURES), random);
+    random_arcs(&w, random);
     for (unsigned i = 0; i < seeds; i++) {
         struct edit edit = {random_voxel(&w.scene->grid, random), (int16_t)(i % 3)};
         CHECK(forest_edit(w.forest, &edit, 1, NULL, NULL) == OK);
@@ -511,10 +811,14 @@ int main(void)
                        TELL(the_order_of_planting_does_not_matter),
                        TELL(erasing_a_seed_gives_its_tree_to_the_neighbours),
                        TELL(the_last_edit_of_a_voxel_in_a_batch_wins),
+                       TELL(a_difference_is_the_same_both_ways),
+                       TELL(polarity_makes_one_way_over_an_edge_dearer),
+                       TELL(polarity_goes_by_the_label_of_the_root), TELL(no_tree_passes_a_fence),
                        TELL(changes_name_each_voxel_once_with_its_former_label),
                        TELL(a_plateau_longer_than_hops_can_count_is_refused_and_undone),
                        TELL(both_adjacencies_hold_each_direction_and_its_opposite),
                        TELL(a_hundred_thousand_random_edits_each_equal_a_run_from_scratch),
+                       TELL(under_every_kind_of_arc_and_fence_edits_equal_the_fixed_point),
                        TELL(an_edit_cancelled_at_every_level_leaves_the_forest_as_it_was),
                        TELL(an_allocation_that_fails_leaves_the_forest_as_it_was),
                        TELL(the_synthetic_scene_is_the_same_everywhere));
