@@ -61,8 +61,8 @@ void *mem_pages(size_t bytes)
 {
     if (!is_allowed(bytes))
         return NULL;
-    void *pages =
-        mmap(NULL, bytes ? bytes : 1, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    void *pages = mmap(NULL, bytes ? bytes : 1, PROT_READ | PROT_WRITE,
+                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (pages == MAP_FAILED)
         return NULL;
     if (bytes >= HUGE_FROM)
@@ -74,6 +74,11 @@ void mem_pages_free(void *pages, size_t bytes)
 {
     if (pages)
         munmap(pages, bytes ? bytes : 1);
+}
+
+void mem_pages_forget(void *pages, size_t bytes)
+{
+    madvise(pages, bytes, MADV_DONTNEED);
 }
 
 size_t mem_available(void)

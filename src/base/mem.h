@@ -31,6 +31,9 @@ bool mem_grow(void *array, size_t *capacity, size_t needed, size_t size);
 void *mem_pages(size_t bytes);
 void mem_pages_free(void *pages, size_t bytes);
 
+/* Gives the memory of the first `bytes` back; they are zero when touched again. */
+void mem_pages_forget(void *pages, size_t bytes);
+
 /* Bytes of physical memory of this machine that can be had without swapping, as the kernel
  * estimates it; SIZE_MAX where it does not say. */
 size_t mem_available(void);

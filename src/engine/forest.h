@@ -31,6 +31,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/crew.h"
 #include "base/err.h"
 #include "engine/arc.h"
 #include "engine/scene.h"
@@ -62,6 +63,7 @@ struct changes {
 struct forest_stats {
     uint64_t served;  /* voxels whose final key was passed on to the neighbours */
     uint64_t cleared; /* voxels that lost their tree on the way */
+    uint64_t raised;  /* voxels whose root went elsewhere, and that found another at their level */
     uint64_t touched; /* voxels in `changes`; all when that is everything */
 };
 
@@ -99,6 +101,11 @@ void forest_set_adjacency(struct forest *forest, unsigned count);
 
 /* Arcs weigh by this rule from now on, instead of by ARC_TARGET; forest_rebuild must follow. */
 void forest_set_arcs(struct forest *forest, const struct arc_rule *arcs);
+
+/* Who grows a forest from nothing, every thread of the crew at once; NULL, as at first, is the
+ * caller alone. All crews give the same bits. The crew outlives the forest. On ERR_MEMORY the
+ * former one stays. */
+enum err forest_set_crew(struct forest *forest, struct crew *crew, struct fault *fault);
 
 struct changes forest_changes(const struct forest *forest);
 struct forest_stats forest_stats(const struct forest *forest);

@@ -38,6 +38,12 @@ static inline uint32_t key_level(uint64_t key)
     return (uint32_t)(key >> 32);
 }
 
+/* The least key of a level; of a level and those above, counted on without end. */
+static inline uint64_t key_level_begin(uint64_t level)
+{
+    return level > UINT32_MAX ? KEY_NONE : level << 32;
+}
+
 /* The parts of key_extend: one hop more at the same cost (none where there is none left, so that
  * the order stays strict), a rise to weight w, and the greater of two keys. */
 static inline uint64_t key_hop(uint64_t key)

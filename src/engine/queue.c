@@ -9,7 +9,8 @@ enum {
     COSTS = 65536,
     HOPS = 65536,
     CHUNK_ENTRIES = 62, /* even; with the two words before them 256 bytes, four cache lines */
-    CELL_ENTRIES = 8,   /* entries of room for each cell; 1.3 are needed in practice */
+    CELL_ENTRIES = 8,   /* entries of room for each cell; a tenth of that is used in practice */
+    CELL_KEPT = 128,    /* cells for each chunk that stays when the queue is empty */
 };
 
 struct chunk {
@@ -27,6 +28,7 @@ struct marks {
 struct queue {
     struct chunk *pool; /* [chunks]; chunk 0 is never used, so that 0 ends a list */
     uint32_t chunks, used;
+    uint32_t kept;  /* chunks that queue_trim leaves */
     uint32_t free;  /* list of chunks that were used and are free again */
     uint32_t level; /* being served, where `open` */
     bool open;
@@ -73,6 +75,7 @@ struct queue *queue_new(size_t cells)
     size_t lists = cells < COSTS ? cells : COSTS;
     size_t chunks = cells / CHUNK_ENTRIES * CELL_ENTRIES + 4 * lists + 64;
     queue->chunks = (uint32_t)(chunks < UINT32_MAX ? chunks : UINT32_MAX);
+    queue->kept = (uint32_t)(cells / CELL_KEPT / 16 * 16 + 16); /* of whole pages */
     queue->used = 1;
     queue->pool = mem_pages(queue->chunks * sizeof *queue->pool);
     if (!queue->pool) {
@@ -137,7 +140,8 @@ static inline void add_at_hops(struct queue *queue, uint32_t hops, uint32_t cell
 
 static void add_at_cost(struct queue *queue, uint32_t cost, uint32_t hops, uint32_t cell)
 {
-    marks_set(&queue->costs, cost);
+    if (!queue->at_rise[cost] && !queue->later[cost])
+        marks_set(&queue->costs, cost);
     if (hops == 0) {
         add_to(queue, &queue->at_rise[cost], cell);
     } else { /* CHUNK_ENTRIES is even: a pair never straddles two chunks */
@@ -152,6 +156,37 @@ void queue_push(struct queue *queue, uint32_t level, uint32_t cell)
         add_at_hops(queue, level & 0xFFFF, cell);
     else
         add_at_cost(queue, level >> 16, level & 0xFFFF, cell);
+}
+
+void queue_push_many(struct queue *queue, const struct waiting *item, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t cost = item[i].level >> 16, hops = item[i].level & 0xFFFF;
+        if (queue->open && cost == queue->level >> 16)
+            add_at_hops(queue, hops, item[i].cell);
+        else
+            add_at_cost(queue, cost, hops, item[i].cell);
+    }
+}
+
+void queue_push_hops(struct queue *queue, uint32_t level, const uint32_t *cell, size_t count)
+{
+    uint32_t *head = &queue->by_hops[level & 0xFFFF];
+    if (count > 0)
+        marks_set(&queue->hops, level & 0xFFFF);
+    while (count > 0) {
+        if (!*head || chunk_at(queue, *head)->count == CHUNK_ENTRIES)
+            if (!open_chunk(queue, head))
+                return;
+        struct chunk *chunk = chunk_at(queue, *head);
+        const uint32_t room = CHUNK_ENTRIES - chunk->count;
+        const uint32_t part = count < room ? (uint32_t)count : room;
+        for (uint32_t i = 0; i < part; i++)
+            chunk->cell[chunk->count + i] = cell[i];
+        chunk->count += part;
+        cell += part;
+        count -= part;
+    }
 }
 
 /* Takes the first chunk off a list; 0 where the list is empty. The caller releases it. */
@@ -181,19 +216,19 @@ static void open_cost(struct queue *queue, uint32_t cost)
     }
 }
 
-bool queue_next_level(struct queue *queue, uint32_t *level)
+uint64_t queue_lowest(const struct queue *queue)
 {
     uint32_t lowest;
-    while (!marks_lowest(&queue->hops, &lowest)) {
-        if (!marks_lowest(&queue->costs, &lowest)) {
-            queue->open = false;
-            return false;
-        }
-        open_cost(queue, lowest);
-    }
-    queue->level = (queue->level & 0xFFFF0000) | lowest;
-    *level = queue->level;
-    return true;
+    if (queue->open && marks_lowest(&queue->hops, &lowest))
+        return (queue->level & 0xFFFF0000) | lowest;
+    return marks_lowest(&queue->costs, &lowest) ? lowest << 16 : QUEUE_EMPTY;
+}
+
+void queue_serve(struct queue *queue, uint32_t level)
+{
+    if (!queue->open || queue->level >> 16 != level >> 16)
+        open_cost(queue, level >> 16);
+    queue->level = level;
 }
 
 size_t queue_take(struct queue *queue, uint32_t *cells, size_t capacity)
@@ -248,6 +283,16 @@ void queue_each(const struct queue *queue, void (*visit)(void *context, uint32_t
             handle = chunk->next;
         }
     }
+}
+
+void queue_trim(struct queue *queue)
+{
+    if (queue->used > queue->kept)
+        mem_pages_forget(queue->pool + queue->kept,
+                         (queue->used - queue->kept) * sizeof *queue->pool);
+    queue->used = 1; /* an empty queue holds free chunks only */
+    queue->free = 0;
+    queue->open = false;
 }
 
 void queue_clear(struct queue *queue)

@@ -23,14 +23,27 @@ struct queue;
 struct queue *queue_new(size_t cells);
 void queue_free(struct queue *queue);
 
-/* Adds a cell at a level (cost << 16 | hops), which lies above the one being served. */
+/* A cell and the level (cost << 16 | hops) it waits at. */
+struct waiting {
+    uint32_t level, cell;
+};
+
+/* Adds a cell at a level, which lies above the one being served. Many at once take a third of the
+ * time; queue_push_hops is for a level of the same cost as the one being served. */
 void queue_push(struct queue *queue, uint32_t level, uint32_t cell);
+void queue_push_many(struct queue *queue, const struct waiting *item, size_t count);
+void queue_push_hops(struct queue *queue, uint32_t level, const uint32_t *cell, size_t count);
 
-/* Moves on to the lowest level that holds entries; false when the queue is empty. */
-bool queue_next_level(struct queue *queue, uint32_t *level);
+/* No entry lies below the level it returns, and none may be pushed below it later; QUEUE_EMPTY when
+ * there is none at all. The level itself may turn out to hold no entries. */
+#define QUEUE_EMPTY UINT64_MAX
+uint64_t queue_lowest(const struct queue *queue);
 
-/* Takes up to `capacity` (62 at least) entries of the level being served; 0 when there are no more.
- */
+/* Serves a level from now on: one that is not above queue_lowest. */
+void queue_serve(struct queue *queue, uint32_t level);
+
+/* Takes up to `capacity` (62 at least) entries of the level being served; 0 when there are no
+ * more. */
 size_t queue_take(struct queue *queue, uint32_t *cells, size_t capacity);
 
 /* Stops serving in the middle of a pass: what waits stays, and levels below may be pushed again.
@@ -40,6 +53,9 @@ void queue_rewind(struct queue *queue);
 /* Visits every entry, stale ones too; not while a level is being served. */
 void queue_each(const struct queue *queue, void (*visit)(void *context, uint32_t cell),
                 void *context);
+
+/* Gives memory back that an empty queue holds, beyond a little. */
+void queue_trim(struct queue *queue);
 
 /* Forgets every entry, and that memory ran out. */
 void queue_clear(struct queue *queue);

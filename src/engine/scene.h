@@ -29,6 +29,7 @@ enum cell_flag {
     CELL_TOUCHED = 8, /* is in the list of changes */
     CELL_RIM = 16,    /* not a voxel */
     CELL_FENCED = 32, /* a voxel outside the fence */
+    CELL_RAISED = 64, /* lost what it was offered; others may offer better than what it has */
 };
 
 enum { DIRECTION_NONE = 255 };
@@ -37,11 +38,28 @@ struct cell {
     uint64_t key;
     uint16_t weight; /* w of every arc into this voxel, where arcs weigh so (engine/arc.h) */
     uint16_t intensity;
-    uint8_t label;     /* of the root; 0 is the background, and what no seed reaches */
-    uint8_t direction; /* of the adjacency, from the predecessor to here; DIRECTION_NONE */
-    uint8_t flags;     /* enum cell_flag */
-    uint8_t heard; /* of a queued voxel: bit i where its neighbour in direction i has been served */
+    union {
+        struct {
+            uint8_t label;     /* of the root; 0 is the background, and what no seed reaches */
+            uint8_t direction; /* of the adjacency, from predecessor to here; DIRECTION_NONE */
+            uint8_t flags;     /* enum cell_flag */
+            uint8_t spare;     /* 0 */
+        };
+        uint32_t state; /* these four as one word, to be copied whole; it has no value */
+    };
 };
+
+/* A state made of its parts. */
+static inline uint32_t cell_state(uint8_t label, uint8_t direction, uint8_t flags)
+{
+    const struct cell cell = {.label = label, .direction = direction, .flags = flags};
+    return cell.state;
+}
+static inline uint8_t cell_state_direction(uint32_t state)
+{
+    const struct cell cell = {.state = state};
+    return cell.direction;
+}
 
 /* Whether a tree holds the cell: its key is neither KEY_NONE nor the 0 of rim and fence. */
 static inline bool cell_is_reached(const struct cell *cell)

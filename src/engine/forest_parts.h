@@ -1,0 +1,184 @@
+/*
+ * The inside of a forest, shared by forest.c (edits), support.c (what loses its predecessor) and
+ * pass.c (the levels, one after another). Nobody else includes it.
+ */
+#ifndef ENGINE_FOREST_PARTS_H
+#define ENGINE_FOREST_PARTS_H
+
+#include "base/crew.h"
+#include "base/hash.h"
+#include "engine/forest.h"
+#include "engine/queue.h"
+
+/* A list of cells that grows. */
+struct cells {
+    uint32_t *item;
+    size_t count, capacity;
+};
+
+/* An offer to a cell of another worker, and a growing list of them. */
+struct letter {
+    uint64_t key;
+    uint32_t cell, state;
+};
+struct letters {
+    struct letter *item;
+    size_t count, capacity;
+};
+
+/* One thread of a pass. What it tells the others it writes before they meet (engine/pass.c). */
+struct worker {
+    struct forest *forest;
+    unsigned number;
+    struct queue *queue;
+    struct letters to[CREW_MOST];
+    uint64_t key_digest, label_digest; /* what it added in this pass */
+    uint64_t served;
+    bool starved; /* memory ran out */
+
+    struct {
+        uint64_t lowest; /* level that waits, or QUEUE_EMPTY */
+        uint64_t served;
+        enum err err;
+    } told;
+};
+
+struct forest {
+    struct scene *scene;
+    struct cell *cell; /* scene->cell */
+    struct adjacency adjacency;
+    struct arc_rule arcs;
+    ptrdiff_t bytes_to[26]; /* the adjacency's offsets, in bytes */
+    uint32_t state[26];     /* of a voxel with label 0 that waits, reached along each direction */
+    uint32_t kept_state;    /* what of a state stays when an offer is taken */
+    size_t seeds;
+
+    struct change *change; /* [change_limit], each touched voxel once */
+    size_t changes, change_limit;
+    bool everything;
+    bool must_recount; /* the digests are not right any more */
+
+    struct edit *batch;   /* the edit at hand, in the order of cells, each voxel once */
+    struct edit *inverse; /* what takes it back, likewise */
+    size_t edits, batch_capacity, inverse_capacity;
+
+    struct cells cleared; /* voxels that have lost their tree and wait for an offer */
+    bool from_scratch;    /* the pass began with seeds alone: no key will ever rise */
+    struct forest_stats stats;
+    uint64_t key_digest, label_digest;
+
+    struct crew *crew; /* not owned; NULL for one worker */
+    bool shared;       /* the pass is the whole crew's; else worker 0's */
+    unsigned owner_shift;
+    uint8_t owner[256]; /* owner[cell >> owner_shift]: whose cell it is, where shared */
+    unsigned workers;
+    struct worker *worker; /* [workers] */
+};
+
+/* ---- digests ---- */
+
+static inline uint64_t key_share(uint32_t cell, uint64_t key)
+{
+    return key == KEY_NONE ? 0 : hash_mix_at(cell, key);
+}
+
+/* Without a branch: labels are hard to foretell. */
+static inline uint64_t label_share(uint32_t cell, uint8_t label)
+{
+    return hash_mix_at(cell, label) & -(uint64_t)(label != 0);
+}
+
+/* ---- changes ---- */
+
+/* Notes the first time that an edit is about to change a voxel. Its shares leave the digests here,
+ * and the pass adds the new ones: it serves each voxel that was touched and has a key at its end
+ * exactly once. Nothing is noted, or left to subtract, where the forest begins empty. */
+static inline void touch(struct forest *forest, uint32_t at)
+{
+    struct cell *cell = forest->cell + at;
+    if (forest->everything || cell->flags & CELL_TOUCHED)
+        return;
+    if (forest->changes == forest->change_limit) {
+        forest->everything = forest->must_recount = true;
+        return;
+    }
+    cell->flags |= CELL_TOUCHED;
+    forest->change[forest->changes++] = (struct change){at, cell->label};
+    forest->key_digest -= key_share(at, cell->key);
+    forest->label_digest -= label_share(at, cell->label);
+}
+
+/* ---- offers ---- */
+
+static inline unsigned owner_of(const struct forest *forest, uint32_t at)
+{
+    return forest->owner[at >> forest->owner_shift];
+}
+
+/* Gives a voxel a key and puts it in the queue, unless it waits at that level already. */
+static inline void accept(struct forest *forest, uint32_t at, uint64_t key, uint8_t label,
+                          unsigned direction)
+{
+    struct cell *cell = forest->cell + at;
+    touch(forest, at);
+    const bool waits = cell->flags & CELL_QUEUED && key_level(cell->key) == key_level(key);
+    cell->key = key;
+    cell->label = label;
+    cell->direction = (uint8_t)direction;
+    cell->flags |= CELL_QUEUED;
+    if (!waits)
+        queue_push(forest->worker[forest->shared ? owner_of(forest, at) : 0].queue, key_level(key),
+                   at);
+}
+
+struct offer {
+    uint64_t key;
+    unsigned direction; /* from the neighbour to here */
+};
+
+/* The best offer to a voxel from neighbours with keys below `limit`, cleared ones left out; without
+ * a branch. `neighbours` and `arcs` are those of the forest, constants where possible. */
+static inline __attribute__((always_inline)) struct offer best_offer(const struct forest *forest,
+                                                                     uint32_t at, uint64_t limit,
+                                                                     const unsigned neighbours,
+                                                                     const enum arc_kind arcs)
+{
+    const struct cell *here = forest->cell + at;
+    struct offer best = {KEY_NONE, DIRECTION_NONE};
+    for (unsigned i = 0; i < neighbours; i++) {
+        const struct cell *neighbour = here + forest->adjacency.offset[i];
+        const bool offers = (neighbour->key - 1 < limit - 1) & !(neighbour->flags & CELL_CLEARED);
+        const uint32_t weight = arc_weight(&forest->arcs, arcs, neighbour, here, neighbour->label);
+        const uint64_t key = key_extend(neighbour->key, weight) | ((uint64_t)offers - 1);
+        best.direction = key < best.key ? neighbours - 1 - i : best.direction;
+        best.key = key < best.key ? key : best.key;
+    }
+    return best;
+}
+
+/* ---- support.c ---- */
+
+/* Takes a seed away: its tree is cleared, and waits for reoffer_cleared. */
+void uproot(struct forest *forest, uint32_t at);
+
+/* Every cleared voxel takes the best offer of its neighbours that kept their tree, and waits. */
+void reoffer_cleared(struct forest *forest);
+
+/* A voxel whose predecessor, in `direction`, has just been served and no longer offers it the key
+ * it has, but a dearer one. */
+void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned direction);
+
+/* ---- pass.c ---- */
+
+/* Serves every level from the lowest up, until nothing waits or something is wrong: ERR_MEMORY,
+ * ERR_LIMIT (T3), ERR_CANCELLED. Nobody has words yet. */
+enum err forest_pass(struct forest *forest, const struct forest_watch *watch);
+
+/* Workers for the crew, and which cells are whose. ERR_MEMORY: as it was. */
+enum err forest_enlist(struct forest *forest, struct crew *crew, struct fault *fault);
+void forest_dismiss(struct forest *forest);
+
+/* Forgets all that waits. */
+void forest_forget_queues(struct forest *forest);
+
+#endif

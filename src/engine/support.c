@@ -1,0 +1,116 @@
+/*
+ * Support: every key but a seed's is what the predecessor offers. This file is about voxels that
+ * lose that, because a seed was taken away or because their predecessor's own key has changed.
+ */
+#include "engine/forest_parts.h"
+
+#include "base/mem.h"
+
+enum { AHEAD = 6 }; /* voxels between fetching and looking at */
+
+/* ---- the best offer ---- */
+
+static void take(struct forest *forest, uint32_t at, struct offer offer)
+{
+    const struct cell *from = forest->cell + at - forest->adjacency.offset[offer.direction];
+    accept(forest, at, offer.key, from->label, offer.direction);
+}
+
+static void fetch_around(const struct forest *forest, uint32_t at)
+{
+    const struct adjacency *adjacency = &forest->adjacency;
+    for (unsigned i = 0; i < adjacency->count; i++)
+        __builtin_prefetch(forest->cell + at + adjacency->offset[i], 1);
+}
+
+/* ---- clearing ---- */
+
+static void clear_voxel(struct forest *forest, uint32_t at)
+{
+    struct cell *cell = forest->cell + at;
+    touch(forest, at);
+    cell->key = KEY_NONE;
+    cell->label = 0;
+    cell->direction = DIRECTION_NONE;
+    cell->flags = (uint8_t)((cell->flags & ~(CELL_QUEUED | CELL_RAISED)) | CELL_CLEARED);
+}
+
+/* Clears a voxel and all its descendants, appending them to `cleared`. */
+static void clear_subtree(struct forest *forest, uint32_t top)
+{
+    const struct adjacency *adjacency = &forest->adjacency;
+    struct cells *cleared = &forest->cleared;
+    size_t next = cleared->count;
+    if (!mem_grow(&cleared->item, &cleared->capacity, next + 1, sizeof *cleared->item)) {
+        forest->worker[0].starved = true;
+        return;
+    }
+    cleared->item[cleared->count++] = top;
+    for (; next < cleared->count; next++) {
+        if (!mem_grow(&cleared->item, &cleared->capacity, cleared->count + adjacency->count,
+                      sizeof *cleared->item)) {
+            cleared->count = next; /* what is not cleared keeps its keys; the pass is lost */
+            forest->worker[0].starved = true;
+            return;
+        }
+        const uint32_t at = cleared->item[next];
+        if (next + AHEAD < cleared->count)
+            fetch_around(forest, cleared->item[next + AHEAD]);
+        size_t count = cleared->count;
+        for (unsigned i = 0; i < adjacency->count; i++) {
+            const uint32_t child = (uint32_t)(at + adjacency->offset[i]);
+            cleared->item[count] = child; /* for good, if it is one */
+            count += forest->cell[child].direction == i;
+        }
+        cleared->count = count;
+        clear_voxel(forest, at);
+    }
+}
+
+void uproot(struct forest *forest, uint32_t at)
+{
+    forest->cell[at].flags &= (uint8_t)~CELL_SEED;
+    forest->seeds--;
+    if (forest->cell[at].key != KEY_NONE)
+        clear_subtree(forest, at);
+}
+
+void reoffer_cleared(struct forest *forest)
+{
+    const struct adjacency *adjacency = &forest->adjacency;
+    struct cells *cleared = &forest->cleared;
+    for (size_t i = 0; i < cleared->count; i++) {
+        if (i + AHEAD < cleared->count)
+            fetch_around(forest, cleared->item[i + AHEAD]);
+        const struct offer offer =
+            best_offer(forest, cleared->item[i], KEY_NONE, adjacency->count, forest->arcs.kind);
+        if (offer.key != KEY_NONE)
+            take(forest, cleared->item[i], offer);
+    }
+    for (size_t i = 0; i < cleared->count; i++)
+        forest->cell[cleared->item[i]].flags &= (uint8_t)~CELL_CLEARED;
+    forest->stats.cleared += cleared->count;
+    cleared->count = 0;
+}
+
+/*
+ * extend keeps the order of levels, though not that of keys: where its maker's level falls, an
+ * offer's level does not rise. So while weights do not depend on labels, a voxel whose predecessor
+ * got another key is still offered its own level, only by another root. Whoever offers it that
+ * level has a lower one, and is no descendant of the voxel, whose levels are all above. So it waits
+ * at its level like any other, looks around when it is served, and its children follow: nothing is
+ * cleared. Where weights depend on labels its level may rise; then what hangs on the voxel cannot
+ * be told from what might support it, and is cleared.
+ */
+void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned direction)
+{
+    struct cell *cell = forest->cell + at;
+    if (key_level(offer) == key_level(cell->key)) {
+        accept(forest, at, offer, cell[-forest->adjacency.offset[direction]].label, direction);
+        cell->flags |= CELL_RAISED;
+        forest->stats.raised++;
+    } else {
+        clear_subtree(forest, at);
+        reoffer_cleared(forest);
+    }
+}
