@@ -37,7 +37,10 @@ PARTS   := src/base src/engine src/session src/command src/image journal render 
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
 LIBRARY := $(BUILD)/libiftty.a
-TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c))
+TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c)) \
+           $(BUILD)/tests/test_crew_racing
+RACING  := $(patsubst %.c,$(BUILD)/racing/%.o,\
+             $(wildcard src/base/*.c src/engine/*.c) tests/test_crew.c)
 
 .DEFAULT_GOAL := all
 .PHONY: all tests test test-long demo help clean packages
@@ -100,4 +103,15 @@ $(BUILD)/%.o: %.c | $(PACKAGES_STAMP)
 	$(say) "compile   $<"
 	$(Q)$(CC) $(ALL_CFLAGS) -c -o $@ $<
 
+# The threads' stories once more, under ThreadSanitizer.
+$(BUILD)/tests/test_crew_racing: $(RACING)
+	$(say) "link      $@"
+	$(Q)$(CC) -fsanitize=thread $(ALL_LDFLAGS) -o $@ $^ $(LIBS)
+
+$(BUILD)/racing/%.o: %.c | $(PACKAGES_STAMP)
+	@mkdir -p $(@D)
+	$(say) "compile   $< (for races)"
+	$(Q)$(CC) $(ALL_CFLAGS) -fsanitize=thread -c -o $@ $<
+
+-include $(RACING:.o=.d)
 -include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(BUILD)/iftty-image.d

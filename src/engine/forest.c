@@ -199,31 +199,52 @@ enum err forest_revert(struct forest *forest, struct fault *fault)
     return err;
 }
 
-/* Leaves every voxel unreached and the queue empty; seeds stay, with their labels, and are queued
- * again where they are to be `planted`. */
+/* Leaves a cell unreached; a seed stays, with its label, and waits where it is to be `planted`.
+ * Whether it is one. */
+static bool clear_cell(struct forest *forest, uint32_t at, bool planted)
+{
+    struct cell *cell = forest->cell + at;
+    const uint8_t fixed = cell->flags & (CELL_SEED | CELL_FENCED | CELL_RIM);
+    if (fixed & CELL_RIM)
+        return false;
+    cell->key = fixed & CELL_FENCED ? 0 : KEY_NONE;
+    cell->state = cell_state(fixed & CELL_SEED ? cell->label : 0, DIRECTION_NONE, fixed);
+    if (fixed & CELL_SEED && planted)
+        accept(forest, at, key_make(0, 0, at), cell->label, DIRECTION_NONE);
+    return fixed & CELL_SEED;
+}
+
+struct clearing {
+    struct forest *forest;
+    bool planted;
+    size_t seeds[CREW_MOST]; /* each worker's */
+};
+
+static void clear_owned(void *context, unsigned number)
+{
+    struct clearing *clearing = context;
+    struct forest *forest = clearing->forest;
+    const size_t cells = forest->scene->grid.cells, part = (size_t)1 << forest->owner_shift;
+    size_t seeds = 0;
+    for (size_t first = number * part; first < cells; first += forest->workers * part) {
+        const size_t end = first + part < cells ? first + part : cells;
+        for (size_t at = first; at < end; at++)
+            seeds += clear_cell(forest, (uint32_t)at, clearing->planted);
+    }
+    clearing->seeds[number] = seeds;
+}
+
 static void clear_all(struct forest *forest, bool planted)
 {
-    const struct grid *grid = &forest->scene->grid;
+    struct clearing clearing = {.forest = forest, .planted = planted};
     forest_forget_queues(forest);
     begin(forest, true);
     forest->cleared.count = 0;
     forest->seeds = 0;
     forest->key_digest = forest->label_digest = 0;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                struct cell *cell = forest->cell + c;
-                const bool seed = cell->flags & CELL_SEED;
-                cell->flags &= CELL_SEED | CELL_FENCED;
-                cell->key = cell->flags & CELL_FENCED ? 0 : KEY_NONE;
-                cell->label = seed ? cell->label : 0;
-                cell->direction = DIRECTION_NONE;
-                forest->seeds += seed;
-                if (seed && planted)
-                    accept(forest, c, key_make(0, 0, c), cell->label, DIRECTION_NONE);
-            }
-        }
+    crew_run(forest->crew, clear_owned, &clearing);
+    for (unsigned i = 0; i < forest->workers; i++)
+        forest->seeds += clearing.seeds[i];
 }
 
 enum err forest_rebuild(struct forest *forest, const struct forest_watch *watch,

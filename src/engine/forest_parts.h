@@ -35,6 +35,7 @@ struct worker {
     uint64_t key_digest, label_digest; /* what it added in this pass */
     uint64_t served;
     bool starved; /* memory ran out */
+    bool too_far; /* a path is as long as keys can tell (T3) */
 
     struct {
         uint64_t lowest; /* level that waits, or QUEUE_EMPTY */

@@ -13,13 +13,16 @@
  * who alone changes it and in whose queue it waits; offers to another's cell are sent as letters
  * and read when all have served the level. A worker reads keys of others' cells while their owners
  * may lower them: an offer made in vain is turned down by the owner, and no key ever rises. So each
- * level ends in the same keys as if one worker had served it.
+ * level ends in the same keys as if one worker had served it. Where the others keep the first
+ * worker waiting, because the machine has other things to do, it goes on alone, in everyone's
+ * place.
  */
 #include "engine/forest_parts.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "base/mem.h"
 
 enum {
@@ -27,6 +30,7 @@ enum {
     BATCH = 1024, /* queue entries taken at once */
     OFFERS = WINDOW * 26 + 1,
     OWNED_PARTS = 16, /* of the scene, for each worker */
+    PATIENCE_NS = 5000000,
 };
 
 /* Code that is compiled once for each of these, as constants: loops unroll and tests vanish. */
@@ -268,12 +272,16 @@ static void read_letters(struct forest *forest, struct worker *worker, uint32_t 
 struct pass {
     struct forest *forest;
     const struct forest_watch *watch;
+    uint64_t begin_ns, waited_ns; /* of the first worker */
+    bool alone;                   /* the first worker acts for all; told like the rest */
 };
 
 static void tell(struct worker *worker, enum err err)
 {
     if (!err && (worker->starved || queue_failed(worker->queue)))
         err = ERR_MEMORY;
+    if (!err && worker->too_far)
+        err = ERR_LIMIT;
     worker->told.lowest = queue_lowest(worker->queue);
     worker->told.served = worker->served;
     worker->told.err = err;
@@ -297,38 +305,72 @@ static struct tidings hear(const struct forest *forest)
     return all;
 }
 
+/* Has the first worker meet the others, and count how long it waits for them. */
+static void meet(struct pass *pass, struct crew *crew, unsigned number)
+{
+    const uint64_t begin = crew && number == 0 ? clock_ns() : 0;
+    crew_wait(crew);
+    if (begin)
+        pass->waited_ns += clock_ns() - begin;
+}
+
+/* Whether the first worker has waited for most of its time, some of it at least. */
+static bool is_kept_waiting(const struct pass *pass)
+{
+    const uint64_t passed_ns = clock_ns() - pass->begin_ns;
+    return passed_ns > PATIENCE_NS && pass->waited_ns > passed_ns / 2;
+}
+
+static void serve_own(struct forest *forest, struct worker *worker, uint32_t level)
+{
+    queue_serve(worker->queue, level);
+    for (unsigned i = 0; i < forest->workers; i++)
+        worker->to[i].count = 0;
+    const uint64_t before = worker->served;
+    serve(forest, worker, level);
+    if ((level & 0xFFFF) == KEY_HOPS_LIMIT && worker->served > before)
+        worker->too_far = true;
+}
+
+/* What one worker does in a pass. */
 static void work(void *context, unsigned number)
 {
-    const struct pass *pass = context;
+    struct pass *pass = context;
     struct forest *forest = pass->forest;
-    struct worker *worker = forest->worker + number;
     struct crew *crew = forest->shared ? forest->crew : NULL;
-    struct tidings all;
-    tell(worker, OK);
-    crew_wait(crew);
-    while (all = hear(forest), !all.err && all.lowest != QUEUE_EMPTY) {
+    unsigned end = number + 1; /* acts for the workers number..end-1 */
+    tell(forest->worker + number, OK);
+    meet(pass, crew, number);
+    for (;;) {
+        if (pass->alone && number > 0)
+            break;
+        if (pass->alone) {
+            end = forest->workers;
+            crew = NULL;
+        }
+        const struct tidings all = hear(forest);
+        if (all.err || all.lowest == QUEUE_EMPTY)
+            break;
         const uint32_t level = (uint32_t)all.lowest;
-        const uint64_t before = worker->served;
-        enum err err = OK;
-        queue_serve(worker->queue, level);
-        for (unsigned i = 0; i < forest->workers; i++)
-            worker->to[i].count = 0;
-        serve(forest, worker, level);
-        crew_wait(crew);
-        if (crew)
-            read_letters(forest, worker, level);
-        if ((level & 0xFFFF) == KEY_HOPS_LIMIT && worker->served > before)
-            err = ERR_LIMIT;
-        if (number == 0 && pass->watch && pass->watch->cancelled(pass->watch->context, all.served))
-            err = ERR_CANCELLED;
-        tell(worker, err);
-        crew_wait(crew);
+        for (unsigned i = number; i < end; i++)
+            serve_own(forest, forest->worker + i, level);
+        meet(pass, crew, number);
+        if (number == 0 && crew)
+            pass->alone = is_kept_waiting(pass);
+        const bool cancelled =
+            number == 0 && pass->watch && pass->watch->cancelled(pass->watch->context, all.served);
+        for (unsigned i = number; i < end; i++) {
+            if (forest->shared)
+                read_letters(forest, forest->worker + i, level);
+            tell(forest->worker + i, cancelled ? ERR_CANCELLED : OK);
+        }
+        meet(pass, crew, number);
     }
 }
 
 enum err forest_pass(struct forest *forest, const struct forest_watch *watch)
 {
-    struct pass pass = {forest, watch};
+    struct pass pass = {.forest = forest, .watch = watch, .begin_ns = clock_ns()};
     crew_run(forest->shared ? forest->crew : NULL, work, &pass);
     const struct tidings all = hear(forest);
     for (unsigned i = 0; i < forest->workers; i++) {
@@ -337,7 +379,7 @@ enum err forest_pass(struct forest *forest, const struct forest_watch *watch)
         forest->key_digest += worker->key_digest;
         forest->label_digest += worker->label_digest;
         worker->served = worker->key_digest = worker->label_digest = 0;
-        worker->starved = false;
+        worker->starved = worker->too_far = false;
         if (!all.err)
             queue_trim(worker->queue);
     }

@@ -34,6 +34,7 @@ static void close_scene(struct session *session)
 void session_release(struct session *session)
 {
     close_scene(session);
+    crew_free(session->crew);
     free(session->pending);
     *session = (struct session){0};
 }
@@ -139,6 +140,8 @@ enum err session_open(struct session *session, const char *path, struct fault *f
         err = open_file(session, path, fault);
     if (!err)
         err = forest_new(&session->forest, session->scene, session->settings.adjacency, fault);
+    if (!err && (session->crew || crew_new(&session->crew, crew_size_wanted(), NULL) == OK))
+        err = forest_set_crew(session->forest, session->crew, fault);
     if (!err)
         err = weight_work_reserve(&session->weight_work, &session->scene->grid,
                                   &session->settings.weight, fault);

@@ -19,6 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/crew.h"
 #include "base/err.h"
 #include "engine/border.h"
 #include "engine/forest.h"
@@ -47,6 +48,7 @@ struct session {
     struct scene *scene;
     struct geometry geometry;
     uint64_t scene_digest, weight_digest;
+    struct crew *crew; /* the threads that compute; NULL for one */
     struct forest *forest;
     struct border border;
     struct settings settings;
