@@ -60,14 +60,11 @@ void incremental_image(struct rendition *r, const struct camera *camera,
                        const struct border *border, const struct changes *changes)
 {
     struct holes holes = {0};
-    const struct cell *cell = camera->scene->cell;
     bool fits = !changes->everything;
     for (size_t i = 0; fits && i < changes->count; i++) {
         const struct change *c = changes->item + i;
-        if (cell[c->cell].label == c->former_label)
-            continue;
-        bool before = border->visible[c->former_label];
-        bool now = border->visible[cell[c->cell].label];
+        const bool before = border->visible[c->former_label];
+        const bool now = border->visible[c->label];
         if (before || now)
             mark_stale(r, camera, c->cell, before == now ? 0 : SHADE_RADIUS);
         if (before && !now)

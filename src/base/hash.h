@@ -19,11 +19,17 @@ static inline uint64_t hash_mix(uint64_t x)
     return x;
 }
 
-/* The mix of a place and what it holds, for digests that are sums mod 2^64 over places. The
- * place is mixed first, so that near places with near contents do not cancel. */
+/* The mix of a place, for digests that are sums mod 2^64 over places: near places with near
+ * contents do not cancel. */
+static inline uint64_t hash_place(uint64_t place)
+{
+    return hash_mix(place + UINT64_C(0x9e3779b97f4a7c15));
+}
+
+/* The mix of a place and what it holds. */
 static inline uint64_t hash_mix_at(uint64_t place, uint64_t content)
 {
-    return hash_mix(content ^ hash_mix(place + UINT64_C(0x9e3779b97f4a7c15)));
+    return hash_mix(content ^ hash_place(place));
 }
 
 enum { SHA256_BYTES = 32, SHA256_HEX = 65 };

@@ -11,9 +11,11 @@ enum err border_init(struct border *border, const struct scene *scene, struct fa
     *border = (struct border){.scene = scene, .words = words};
     border->shown = mem_pages(words * sizeof *border->shown);
     border->border = mem_pages(words * sizeof *border->border);
+    border->marked = mem_pages((words / 64 + 1) * sizeof *border->marked);
+    border->stale = mem_pages(words * sizeof *border->stale);
     for (int label = 1; label < 256; label++)
         border->visible[label] = true;
-    if (border->shown && border->border)
+    if (border->shown && border->border && border->marked && border->stale)
         return OK;
     border_release(border);
     return fault_memory(fault, "the border");
@@ -23,13 +25,9 @@ void border_release(struct border *border)
 {
     mem_pages_free(border->shown, border->words * sizeof *border->shown);
     mem_pages_free(border->border, border->words * sizeof *border->border);
+    mem_pages_free(border->marked, (border->words / 64 + 1) * sizeof *border->marked);
+    mem_pages_free(border->stale, border->words * sizeof *border->stale);
     *border = (struct border){0};
-}
-
-static inline void put_bit(uint64_t *words, uint32_t at, bool value)
-{
-    uint64_t bit = UINT64_C(1) << (at & 63);
-    words[at >> 6] = value ? words[at >> 6] | bit : words[at >> 6] & ~bit;
 }
 
 /* The 64 bits from bit `at` on; `at` may be negative for the word before the first. */
@@ -74,41 +72,41 @@ void border_recount(struct border *border)
         border->border[w] = border_word(border, w);
 }
 
-static void test_voxel(struct border *border, uint32_t at)
+/* Notes that the word of a cell is out of date. */
+static inline void mark(struct border *border, uint32_t at)
 {
-    const ptrdiff_t *step = border->scene->grid.step;
-    bool holds = border_shows(border, at);
-    if (holds) {
-        bool inside = true;
-        for (int a = 0; a < 3; a++)
-            inside = inside && border_shows(border, (uint32_t)(at - step[a])) &&
-                     border_shows(border, (uint32_t)(at + step[a]));
-        holds = !inside;
-    }
-    put_bit(border->border, at, holds);
+    const uint32_t w = at >> 6;
+    const uint64_t bit = UINT64_C(1) << (w & 63);
+    if (border->marked[w >> 6] & bit)
+        return;
+    border->marked[w >> 6] |= bit;
+    border->stale[border->stales++] = w;
 }
 
+/* Voxels that change sides lie close together, and many of them share a word. */
 void border_update(struct border *border, const struct changes *changes)
 {
     if (changes->everything) {
         border_recount(border);
         return;
     }
-    const struct cell *cell = border->scene->cell;
     const ptrdiff_t *step = border->scene->grid.step;
     for (size_t i = 0; i < changes->count; i++) {
-        uint32_t at = changes->item[i].cell;
-        put_bit(border->shown, at, border->visible[cell[at].label]);
-    }
-    for (size_t i = 0; i < changes->count; i++) {
-        uint32_t at = changes->item[i].cell;
-        if (border->visible[cell[at].label] == border->visible[changes->item[i].former_label])
+        const struct change *change = changes->item + i;
+        const uint32_t at = change->cell;
+        if (border->visible[change->label] == border->visible[change->former_label])
             continue;
-        test_voxel(border, at);
+        border->shown[at >> 6] ^= UINT64_C(1) << (at & 63);
         for (int a = 0; a < 3; a++) {
-            test_voxel(border, (uint32_t)(at - step[a]));
-            test_voxel(border, (uint32_t)(at + step[a]));
+            mark(border, (uint32_t)(at - step[a]));
+            mark(border, (uint32_t)(at + step[a]));
         }
+        mark(border, at);
+    }
+    while (border->stales > 0) {
+        const uint32_t w = border->stale[--border->stales];
+        border->marked[w >> 6] &= ~(UINT64_C(1) << (w & 63));
+        border->border[w] = border_word(border, w);
     }
 }
 

@@ -23,6 +23,11 @@ struct border {
     uint64_t *border;  /* likewise: cell c is a border voxel */
     size_t words;      /* of each, with one spare word at the end that stays 0 */
     bool visible[256]; /* which labels the view shows; [0] is false */
+
+    /* During an update: words of `border` to be made anew, each once, and a bit for each. */
+    uint32_t *stale;
+    size_t stales;
+    uint64_t *marked;
 };
 
 /* Nothing shown yet; every label but 0 visible. The scene outlives the border. */

@@ -29,7 +29,7 @@ static const char *voxel_wrong(const struct forest *forest, uint32_t at)
                    : NULL;
     if (cell->key != solve_at(forest, at))
         return "T1: its key does not solve the equation of the forest";
-    if (cell->flags & ~CELL_SEED || cell->spare)
+    if (cell->flags & ~CELL_SEED || cell->former_label)
         return "it is marked as if in the middle of a pass";
     if (cell->key == KEY_NONE)
         return cell->label || cell->direction != DIRECTION_NONE ? "T2: unreached but labelled"

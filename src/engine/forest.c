@@ -5,7 +5,10 @@
 
 #include "base/mem.h"
 
-enum { CHANGES_SHARE = 16 }; /* beyond this part of the scene the list becomes "everything" */
+enum {
+    CHANGES_SHARE = 16,     /* beyond this part of the scene the list becomes "everything" */
+    CLEARED_KEPT = 1 << 20, /* entries of the list that are not given back after an edit */
+};
 
 /* ---- changes ---- */
 
@@ -26,16 +29,23 @@ void forest_recount(const struct forest *forest, uint64_t *keys, uint64_t *label
         }
 }
 
+/* After a pass only voxels that no seed reaches are left unsettled; they were cleared. */
 static void finish_changes(struct forest *forest)
 {
-    forest->stats.touched = forest->everything ? forest->scene->grid.voxels : forest->changes;
-    for (size_t i = 0; i < forest->changes; i++)
-        forest->cell[forest->change[i].cell].flags &= (uint8_t)~CELL_TOUCHED;
+    struct cells *cleared = &forest->cleared;
+    for (size_t i = 0; forest->unsettled > 0 && i < cleared->count; i++)
+        if (forest->cell[cleared->item[i]].flags & CELL_TOUCHED)
+            settle(forest, cleared->item[i]);
+    assert(forest->unsettled == 0);
     if (forest->everything)
         forest->changes = 0;
-    if (forest->must_recount)
-        forest_recount(forest, &forest->key_digest, &forest->label_digest);
-    forest->must_recount = false;
+    if (forest->from_scratch)
+        forest->stats.touched = forest->scene->grid.voxels;
+    cleared->count = forest->reoffered = 0;
+    if (cleared->capacity > CLEARED_KEPT) {
+        free(cleared->item);
+        *cleared = (struct cells){0};
+    }
 }
 
 /* ---- edits ---- */
@@ -156,7 +166,6 @@ static void take_back(struct forest *forest, enum err reason, struct fault *faul
     if (reason != ERR_MEMORY) {
         queue_rewind(forest->worker[0].queue);
         change_seeds(forest, forest->inverse, forest->edits);
-        forest->must_recount = true; /* some voxels have been served twice */
         if (forest_pass(forest, NULL) == OK) {
             finish_changes(forest);
             begin(forest, false);
@@ -239,7 +248,8 @@ static void clear_all(struct forest *forest, bool planted)
     struct clearing clearing = {.forest = forest, .planted = planted};
     forest_forget_queues(forest);
     begin(forest, true);
-    forest->cleared.count = 0;
+    forest->cleared.count = forest->reoffered = 0;
+    forest->unsettled = 0;
     forest->seeds = 0;
     forest->key_digest = forest->label_digest = 0;
     crew_run(forest->crew, clear_owned, &clearing);
@@ -292,7 +302,9 @@ void forest_set_adjacency(struct forest *forest, unsigned count)
         forest->bytes_to[i] = forest->adjacency.offset[i] * (ptrdiff_t)sizeof(struct cell);
         forest->state[i] = cell_state(0, (uint8_t)i, CELL_QUEUED);
     }
-    forest->kept_state = cell_state(0, 0, CELL_TOUCHED | CELL_RAISED);
+    const struct cell kept = {.flags = CELL_TOUCHED | CELL_RAISED, .former_label = 255};
+    forest->kept_state = kept.state;
+    forest->settled_state = cell_state(255, 255, (uint8_t) ~(CELL_QUEUED | CELL_TOUCHED));
 }
 
 enum err forest_set_crew(struct forest *forest, struct crew *crew, struct fault *fault)

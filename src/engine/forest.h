@@ -46,14 +46,15 @@ struct edit {
     int16_t label; /* 0..255, or EDIT_ERASE */
 };
 
-/* A voxel that the last edit touched, and its label before. */
+/* A voxel to which the last edit gave another label. */
 struct change {
     uint32_t cell;
-    uint8_t former_label;
+    uint8_t former_label, label;
 };
 
-/* What the last edit touched: each voxel once, in no order. When that is more than a sixteenth of
- * the scene, `everything` is set and the list is empty: readers scan the scene once instead. */
+/* What the last edit has given another label: each voxel once, in no order. Where the forest grew
+ * from nothing, or that is more than a sixteenth of the scene, `everything` is set and the list is
+ * empty: readers scan the scene once instead. */
 struct changes {
     bool everything;
     size_t count;
@@ -64,7 +65,7 @@ struct forest_stats {
     uint64_t served;  /* voxels whose final key was passed on to the neighbours */
     uint64_t cleared; /* voxels that lost their tree on the way */
     uint64_t raised;  /* voxels whose root went elsewhere, and that found another at their level */
-    uint64_t touched; /* voxels in `changes`; all when that is everything */
+    uint64_t touched; /* voxels whose key or label was looked at anew; all, from nothing */
 };
 
 /* Asked after every level of a pass; a true answer cancels the edit. `served` voxels so far. */
@@ -115,8 +116,8 @@ const struct arc_rule *forest_arcs(const struct forest *forest);
 size_t forest_seeds(const struct forest *forest);  /* their number */
 size_t forest_memory(const struct forest *forest); /* bytes, without the scene */
 
-/* Sums mod 2^64 over the voxels that a seed reaches, of a mix of (cell, key), and over those with a
- * label above 0, of a mix of (cell, label). */
+/* Sums mod 2^64 over the voxels that a seed reaches: of a mix of (cell, key), and of a mix of cell
+ * times label. */
 uint64_t forest_digest(const struct forest *forest);
 uint64_t forest_label_digest(const struct forest *forest);
 

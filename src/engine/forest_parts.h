@@ -51,19 +51,21 @@ struct forest {
     struct arc_rule arcs;
     ptrdiff_t bytes_to[26]; /* the adjacency's offsets, in bytes */
     uint32_t state[26];     /* of a voxel with label 0 that waits, reached along each direction */
-    uint32_t kept_state;    /* what of a state stays when an offer is taken */
+    uint32_t kept_state;    /* what of a state stays when an offer is taken, as a mask */
+    uint32_t settled_state; /* and when a voxel has been served */
     size_t seeds;
 
-    struct change *change; /* [change_limit], each touched voxel once */
+    struct change *change; /* [change_limit] */
     size_t changes, change_limit;
+    size_t unsettled; /* touched voxels without their final key */
     bool everything;
-    bool must_recount; /* the digests are not right any more */
 
     struct edit *batch;   /* the edit at hand, in the order of cells, each voxel once */
     struct edit *inverse; /* what takes it back, likewise */
     size_t edits, batch_capacity, inverse_capacity;
 
-    struct cells cleared; /* voxels that have lost their tree and wait for an offer */
+    struct cells cleared; /* voxels that have lost their tree in this edit */
+    size_t reoffered;     /* the first of these, that wait for no offer any more */
     bool from_scratch;    /* the pass began with seeds alone: no key will ever rise */
     struct forest_stats stats;
     uint64_t key_digest, label_digest;
@@ -83,30 +85,40 @@ static inline uint64_t key_share(uint32_t cell, uint64_t key)
     return key == KEY_NONE ? 0 : hash_mix_at(cell, key);
 }
 
-/* Without a branch: labels are hard to foretell. */
 static inline uint64_t label_share(uint32_t cell, uint8_t label)
 {
-    return hash_mix_at(cell, label) & -(uint64_t)(label != 0);
+    return hash_place(cell) * label;
 }
 
 /* ---- changes ---- */
 
-/* Notes the first time that an edit is about to change a voxel. Its shares leave the digests here,
- * and the pass adds the new ones: it serves each voxel that was touched and has a key at its end
- * exactly once. Nothing is noted, or left to subtract, where the forest begins empty. */
+/* To be called before an edit changes a voxel: the first time its share leaves the digest of keys,
+ * and its label is noted. When the voxel has its final key, settle takes note of that, once. Where
+ * the forest grows from nothing there is nothing to note. */
 static inline void touch(struct forest *forest, uint32_t at)
 {
     struct cell *cell = forest->cell + at;
-    if (forest->everything || cell->flags & CELL_TOUCHED)
+    if (forest->from_scratch || cell->flags & CELL_TOUCHED)
         return;
-    if (forest->changes == forest->change_limit) {
-        forest->everything = forest->must_recount = true;
-        return;
-    }
     cell->flags |= CELL_TOUCHED;
-    forest->change[forest->changes++] = (struct change){at, cell->label};
+    cell->former_label = cell->label;
     forest->key_digest -= key_share(at, cell->key);
-    forest->label_digest -= label_share(at, cell->label);
+    forest->unsettled++;
+    forest->stats.touched++;
+}
+
+/* A touched voxel has its final key, or none, and will not be touched again in this edit. */
+static inline void settle(struct forest *forest, uint32_t at)
+{
+    struct cell *cell = forest->cell + at;
+    if (forest->changes == forest->change_limit)
+        forest->everything = true;
+    else
+        forest->change[forest->changes] = (struct change){at, cell->former_label, cell->label};
+    forest->changes += (cell->label != cell->former_label) & !forest->everything;
+    forest->label_digest += label_share(at, cell->label) - label_share(at, cell->former_label);
+    forest->unsettled--;
+    cell->state &= forest->settled_state;
 }
 
 /* ---- offers ---- */

@@ -30,7 +30,7 @@ enum {
     BATCH = 1024, /* queue entries taken at once */
     OFFERS = WINDOW * 26 + 1,
     OWNED_PARTS = 16, /* of the scene, for each worker */
-    PATIENCE_NS = 5000000,
+    PATIENCE_NS = 15000000,
 };
 
 /* Code that is compiled once for each of these, as constants: loops unroll and tests vanish. */
@@ -90,10 +90,14 @@ PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t
     const uint64_t key = here->key, hop = key_hop(key);
     const uint32_t root = key_root(key), state = cell_state(here->label, 0, 0);
     size_t count = offers->count;
-    here->flags &= (uint8_t)~CELL_QUEUED;
     worker->served++;
     worker->key_digest += key_share(s, key);
-    worker->label_digest += label_share(s, here->label);
+    if (kind.mends) {
+        settle(forest, s);
+    } else {
+        worker->label_digest += label_share(s, here->label);
+        here->state &= forest->settled_state;
+    }
 #pragma GCC unroll 6
     for (unsigned i = 0; i < kind.neighbours; i++) {
         const struct cell *t = neighbour_of(forest, here, i);
@@ -314,11 +318,10 @@ static void meet(struct pass *pass, struct crew *crew, unsigned number)
         pass->waited_ns += clock_ns() - begin;
 }
 
-/* Whether the first worker has waited for most of its time, some of it at least. */
+/* Whether the first worker has waited for most of its time, and long. */
 static bool is_kept_waiting(const struct pass *pass)
 {
-    const uint64_t passed_ns = clock_ns() - pass->begin_ns;
-    return passed_ns > PATIENCE_NS && pass->waited_ns > passed_ns / 2;
+    return pass->waited_ns > PATIENCE_NS && pass->waited_ns > (clock_ns() - pass->begin_ns) / 2;
 }
 
 static void serve_own(struct forest *forest, struct worker *worker, uint32_t level)

@@ -26,7 +26,7 @@ enum cell_flag {
     CELL_SEED = 1,    /* a seed is planted here; label is its own */
     CELL_QUEUED = 2,  /* waits in the queue at the level of its key */
     CELL_CLEARED = 4, /* has just lost its tree */
-    CELL_TOUCHED = 8, /* is in the list of changes */
+    CELL_TOUCHED = 8, /* has changed in this edit, and waits for its final key */
     CELL_RIM = 16,    /* not a voxel */
     CELL_FENCED = 32, /* a voxel outside the fence */
     CELL_RAISED = 64, /* lost what it was offered; others may offer better than what it has */
@@ -40,10 +40,10 @@ struct cell {
     uint16_t intensity;
     union {
         struct {
-            uint8_t label;     /* of the root; 0 is the background, and what no seed reaches */
-            uint8_t direction; /* of the adjacency, from predecessor to here; DIRECTION_NONE */
-            uint8_t flags;     /* enum cell_flag */
-            uint8_t spare;     /* 0 */
+            uint8_t label;        /* of the root; 0 is the background, and what no seed reaches */
+            uint8_t direction;    /* of the adjacency, from predecessor to here; DIRECTION_NONE */
+            uint8_t flags;        /* enum cell_flag */
+            uint8_t former_label; /* of a touched voxel, before the edit; else 0 */
         };
         uint32_t state; /* these four as one word, to be copied whole; it has no value */
     };

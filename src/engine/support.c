@@ -78,8 +78,8 @@ void uproot(struct forest *forest, uint32_t at)
 void reoffer_cleared(struct forest *forest)
 {
     const struct adjacency *adjacency = &forest->adjacency;
-    struct cells *cleared = &forest->cleared;
-    for (size_t i = 0; i < cleared->count; i++) {
+    const struct cells *cleared = &forest->cleared;
+    for (size_t i = forest->reoffered; i < cleared->count; i++) {
         if (i + AHEAD < cleared->count)
             fetch_around(forest, cleared->item[i + AHEAD]);
         const struct offer offer =
@@ -87,10 +87,10 @@ void reoffer_cleared(struct forest *forest)
         if (offer.key != KEY_NONE)
             take(forest, cleared->item[i], offer);
     }
-    for (size_t i = 0; i < cleared->count; i++)
+    for (size_t i = forest->reoffered; i < cleared->count; i++)
         forest->cell[cleared->item[i]].flags &= (uint8_t)~CELL_CLEARED;
-    forest->stats.cleared += cleared->count;
-    cleared->count = 0;
+    forest->stats.cleared += cleared->count - forest->reoffered;
+    forest->reoffered = cleared->count;
 }
 
 /*
