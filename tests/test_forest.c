@@ -700,6 +700,35 @@ static bool after_some_looks(void *context, uint64_t served)
     return --*(int *)context < 0;
 }
 
+/* More than a third of a scene of more than 200 000 voxels goes: it grows anew. */
+STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
+{
+    struct fault fault = {0};
+    uint64_t random = 3;
+    struct world w = world_new(64, 60, 56, 6);
+    paint(&w, NOISY, &random);
+    plant_at(&w, 30, 30, 30, 1);
+    plant_at(&w, 2, 2, 2, 2);
+    const struct state before = state_of(&w);
+    const struct edit edit[] = {{grid_cell(&w.scene->grid, 30, 30, 30), EDIT_ERASE},
+                                {grid_cell(&w.scene->grid, 50, 8, 9), 3}};
+    enum err err = ERR_CANCELLED;
+    unsigned looks = 0;
+    for (; err && check_failures == 0; looks++) {
+        int left = (int)looks;
+        const struct forest_watch watch = {after_some_looks, &left};
+        err = forest_edit(w.forest, edit, 2, &watch, &fault);
+        if (err)
+            is_as_before(&w, before);
+    }
+    CHECK(looks > 5);
+    CHECK(forest_changes(w.forest).everything);
+    CHECK(forest_check(w.forest, NULL) && equals_scratch(&w));
+    CHECK(forest_revert(w.forest, NULL) == OK);
+    is_as_before(&w, before);
+    world_free(&w);
+}
+
 STORY(an_edit_cancelled_at_every_level_leaves_the_forest_as_it_was)
 {
     struct fault fault = {0};
@@ -825,6 +854,7 @@ int main(void)
                        TELL(both_adjacencies_hold_each_direction_and_its_opposite),
                        TELL(a_hundred_thousand_random_edits_each_equal_a_run_from_scratch),
                        TELL(under_every_kind_of_arc_and_fence_edits_equal_the_fixed_point),
+                       TELL(a_large_tree_that_falls_is_as_if_it_had_never_been),
                        TELL(an_edit_cancelled_at_every_level_leaves_the_forest_as_it_was),
                        TELL(an_allocation_that_fails_leaves_the_forest_as_it_was),
                        TELL(the_synthetic_scene_is_the_same_everywhere));

@@ -8,6 +8,8 @@
 enum {
     CHANGES_SHARE = 16,     /* beyond this part of the scene the list becomes "everything" */
     CLEARED_KEPT = 1 << 20, /* entries of the list that are not given back after an edit */
+    CLEARED_SHARE = 3,      /* a scene that loses more than this part of itself grows anew ... */
+    CLEARED_FEW = 1 << 16,  /* ... if that is more than this */
 };
 
 /* ---- changes ---- */
@@ -72,15 +74,19 @@ static void plant(struct forest *forest, uint32_t at, uint8_t label)
 /*
  * Changes the seeds and queues what follows from it; the pass does the rest. First every tree that
  * goes is cleared, then what was cleared takes its offers, then seeds are planted. A seed that
- * gets another label is removed and planted.
+ * gets another label is removed and planted. Where so much is lost that growing everything anew is
+ * faster, `lost_too_much` says so, and the forest is of no use.
  */
 static void change_seeds(struct forest *forest, const struct edit *edit, size_t count)
 {
-    for (size_t i = 0; i < count; i++) {
+    forest->lost_too_much = false;
+    for (size_t i = 0; i < count && !forest->lost_too_much; i++) {
         const struct cell *cell = forest->cell + edit[i].cell;
         if (cell->flags & CELL_SEED && cell->label != edit[i].label)
             uproot(forest, edit[i].cell);
     }
+    if (forest->lost_too_much)
+        return;
     reoffer_cleared(forest);
     for (size_t i = 0; i < count; i++)
         if (edit[i].label != EDIT_ERASE && !(forest->cell[edit[i].cell].flags & CELL_SEED))
@@ -151,22 +157,23 @@ static void clear_all(struct forest *forest, bool planted);
 
 /*
  * Back to before the edit at hand, in the middle of its pass (T5). What began with nothing goes
- * back to nothing. Where memory has run out and entries were lost, the former seeds are put back
- * and everything is computed again.
+ * back to nothing. Where memory has run out and entries were lost, or everything was growing anew,
+ * the former seeds are put back and everything is computed again.
  */
-static void take_back(struct forest *forest, enum err reason, struct fault *fault)
+static void take_back(struct forest *forest, bool from_nothing, enum err reason,
+                      struct fault *fault)
 {
-    if (forest->from_scratch) {
+    if (from_nothing) {
         set_seeds(forest, forest->inverse, forest->edits);
         clear_all(forest, false);
         finish_changes(forest);
         begin(forest, false);
         return;
     }
-    if (reason != ERR_MEMORY) {
+    if (reason != ERR_MEMORY && !forest->from_scratch) {
         queue_rewind(forest->worker[0].queue);
         change_seeds(forest, forest->inverse, forest->edits);
-        if (forest_pass(forest, NULL) == OK) {
+        if (!forest->lost_too_much && forest_pass(forest, NULL) == OK) {
             finish_changes(forest);
             begin(forest, false);
             return;
@@ -184,12 +191,17 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
     enum err err = prepare(forest, edit, count, fault);
     if (err)
         return err;
-    begin(forest, forest->seeds == 0);
+    const bool from_nothing = forest->seeds == 0;
+    begin(forest, from_nothing);
     change_seeds(forest, forest->batch, forest->edits);
+    if (forest->lost_too_much) {
+        set_seeds(forest, forest->batch, forest->edits);
+        clear_all(forest, true);
+    }
     err = forest_pass(forest, watch);
     if (err) {
         pass_fault(fault, err);
-        take_back(forest, err, fault);
+        take_back(forest, from_nothing, err, fault);
         return err;
     }
     finish_changes(forest);
@@ -283,6 +295,9 @@ enum err forest_new(struct forest **out, struct scene *scene, unsigned adjacency
     forest->scene = scene;
     forest->cell = scene->cell;
     forest->change_limit = scene->grid.voxels / CHANGES_SHARE + 1;
+    forest->clear_limit = scene->grid.voxels / CLEARED_SHARE;
+    if (forest->clear_limit < CLEARED_FEW)
+        forest->clear_limit = scene->grid.voxels;
     forest->change = mem_pages(forest->change_limit * sizeof *forest->change);
     enum err err =
         forest->change ? forest_enlist(forest, NULL, fault) : fault_memory(fault, "a forest");

@@ -66,7 +66,9 @@ struct forest {
 
     struct cells cleared; /* voxels that have lost their tree in this edit */
     size_t reoffered;     /* the first of these, that wait for no offer any more */
-    bool from_scratch;    /* the pass began with seeds alone: no key will ever rise */
+    size_t clear_limit;   /* beyond so many everything grows anew instead: */
+    bool lost_too_much;
+    bool from_scratch; /* the pass began with seeds alone: no key will ever rise */
     struct forest_stats stats;
     uint64_t key_digest, label_digest;
 

@@ -35,8 +35,9 @@ static void clear_voxel(struct forest *forest, uint32_t at)
     cell->flags = (uint8_t)((cell->flags & ~(CELL_QUEUED | CELL_RAISED)) | CELL_CLEARED);
 }
 
-/* Clears a voxel and all its descendants, appending them to `cleared`. */
-static void clear_subtree(struct forest *forest, uint32_t top)
+/* Clears a voxel and all its descendants, appending them to `cleared`; gives up where that is to
+ * grow beyond `limit`. */
+static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
 {
     const struct adjacency *adjacency = &forest->adjacency;
     struct cells *cleared = &forest->cleared;
@@ -47,6 +48,10 @@ static void clear_subtree(struct forest *forest, uint32_t top)
     }
     cleared->item[cleared->count++] = top;
     for (; next < cleared->count; next++) {
+        if (next >= limit) {
+            forest->lost_too_much = true;
+            return;
+        }
         if (!mem_grow(&cleared->item, &cleared->capacity, cleared->count + adjacency->count,
                       sizeof *cleared->item)) {
             cleared->count = next; /* what is not cleared keeps its keys; the pass is lost */
@@ -72,7 +77,7 @@ void uproot(struct forest *forest, uint32_t at)
     forest->cell[at].flags &= (uint8_t)~CELL_SEED;
     forest->seeds--;
     if (forest->cell[at].key != KEY_NONE)
-        clear_subtree(forest, at);
+        clear_subtree(forest, at, forest->clear_limit);
 }
 
 void reoffer_cleared(struct forest *forest)
@@ -110,7 +115,7 @@ void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned d
         cell->flags |= CELL_RAISED;
         forest->stats.raised++;
     } else {
-        clear_subtree(forest, at);
+        clear_subtree(forest, at, SIZE_MAX);
         reoffer_cleared(forest);
     }
 }
