@@ -60,25 +60,25 @@ ACT(pick)
 ACT(why)
 {
     const struct session *session = &desk->session;
-    const struct adjacency *adjacency = forest_adjacency(session->forest);
     const struct grid *grid = &session->scene->grid;
     const uint32_t *p = value[0].place;
     uint32_t at = grid_cell(grid, p[0], p[1], p[2]);
     const struct cell *cell = session->scene->cell + at;
     size_t steps = 0, told = 0;
+    uint32_t before;
     (void)fault;
     tell_voxel(&reply->text, session, at);
     if (cell->key == KEY_NONE)
         return OK;
     buf_printf(&reply->text, "cost %u, %u steps since it last rose\n", key_cost(cell->key),
                key_hops(cell->key));
-    for (; cell->direction != DIRECTION_NONE; steps++) {
+    for (; (before = forest_predecessor(session->forest, at)) != CELL_NONE; steps++) {
         if (key_hops(cell->key) == 0 && told++ < 8) {
             struct place rise = grid_place(grid, at);
             buf_printf(&reply->text, "    the path climbs to %u at %u,%u,%u\n", key_cost(cell->key),
                        rise.x, rise.y, rise.z);
         }
-        at = (uint32_t)(at - adjacency->offset[cell->direction]);
+        at = before;
         cell = session->scene->cell + at;
     }
     buf_printf(&reply->text, "%zu steps from the seed in all\n", steps);

@@ -344,6 +344,18 @@ void forest_free(struct forest *forest)
     free(forest);
 }
 
+uint32_t forest_predecessor(const struct forest *forest, uint32_t cell)
+{
+    const struct cell *here = forest->cell + cell;
+    for (unsigned i = 0; !(here->flags & CELL_SEED) && i < forest->adjacency.count; i++) {
+        const struct cell *neighbour = here + forest->adjacency.offset[i];
+        if (cell_is_reached(neighbour) &&
+            key_extend(neighbour->key, arc_weight_now(&forest->arcs, neighbour, here)) == here->key)
+            return (uint32_t)(neighbour - forest->cell);
+    }
+    return CELL_NONE;
+}
+
 struct changes forest_changes(const struct forest *forest)
 {
     return (struct changes){forest->everything, forest->changes, forest->change};

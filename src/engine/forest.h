@@ -17,7 +17,8 @@
  *
  * Invariants between calls
  *   T1 every key solves the equation above; forest_check asserts it;
- *   T2 label and root of a voxel are those of its predecessor; a seed is its own root;
+ *   T2 label and root of a voxel are those of its predecessor, to which cell.direction leads; a
+ *      seed is its own root;
  *   T3 no voxel has hops 65535: an edit that would need more steps is refused, and undone;
  *   T4 both digests equal a recount; forest_check asserts it.
  * Invariant in the middle of a pass
@@ -110,6 +111,11 @@ enum err forest_set_crew(struct forest *forest, struct crew *crew, struct fault 
 
 struct changes forest_changes(const struct forest *forest);
 struct forest_stats forest_stats(const struct forest *forest);
+/* The predecessor of a voxel that a seed reaches: of the neighbours that offer it its key the first
+ * one, -z before -y before -x and so on, so that it does not depend on the order of work either
+ * (cell.direction does). CELL_NONE for a seed. */
+uint32_t forest_predecessor(const struct forest *forest, uint32_t cell);
+
 const struct scene *forest_scene(const struct forest *forest);
 const struct adjacency *forest_adjacency(const struct forest *forest);
 const struct arc_rule *forest_arcs(const struct forest *forest);
