@@ -176,6 +176,35 @@ refused 3 "synth:geom" "$iftty" -c "open synth:geom:999"
 refused 3 "synth:" "$iftty" -c "open synth:"
 close_story
 
+# ---- masks and weights ----
+
+begin "masks and weights that are no such thing"
+make_scene small.nii 23 20 16
+head -c 1000 good.nii >cut.nii
+{ nifti_header 24 20 16; head -c 300000000 /dev/zero; } | gzip -1 -n >bomb.nii.gz
+{ nifti_header 32767 32767 32767; head -c 30000000 /dev/zero; } | gzip -1 -n >vast.nii.gz
+variant other-way.nii 252 '\001\000' # a qform, whose quaternion is half a turn about x
+put other-way.nii 256 '\000\000\200\077'
+cp good.nii placed.nii
+put placed.nii 252 '\001\000'
+for command in mask weight; do
+    start='open good.nii; auto on; seed 1,1,1 1'
+    refused 3 "missing.nii" "$iftty" -c "$start; $command missing.nii"
+    refused 3 "small.nii: the map has 23x20x16 voxels and the scene 24x20x16" "$iftty" -c "$start; $command small.nii"
+    refused 3 "nan.nii" "$iftty" -c "$start; $command nan.nii"
+    refused 3 "cut.nii" "$iftty" -c "$start; $command cut.nii"
+    refused 3 "text.nii" "$iftty" -c "$start; $command text.nii"
+    refused 3 "folder.nii" "$iftty" -c "$start; $command folder.nii"
+    refused 3 "pipe.nii" timeout 5 "$iftty" -c "$start; $command pipe.nii"
+    refused 3 "vast.nii.gz: 32767x32767x32767 voxels" bounded "$iftty" -c "$start; $command vast.nii.gz"
+    refused 3 "other axes of the world" "$iftty" -c "open placed.nii; $command other-way.nii"
+    expect 0 "$iftty" -c "$start; $command good.nii"
+done
+bounded "$iftty" -c "$start; mask bomb.nii.gz" >"$work/out" 2>"$work/err"
+[ $? = 3 ] || fail "a mask that swells: $(cat "$work/err")"
+rm bomb.nii.gz vast.nii.gz
+close_story
+
 # ---- commands ----
 
 begin "commands that are wrong, through the program"

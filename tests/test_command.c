@@ -121,7 +121,8 @@ STORY(the_table_is_in_order)
             }
             CHECK(q->optional || !q->keyed);
             CHECK(q->least <= q->most);
-            CHECK((q->type == PARAMETER_CHOICE) == (q->choices != NULL));
+            CHECK((q->type == PARAMETER_CHOICE || q->type == PARAMETER_NAMED_DECIMAL ||
+                   q->type == PARAMETER_NAMED_FILE) == (q->choices != NULL));
         }
     }
 }
@@ -158,6 +159,7 @@ STORY(every_example_parses_and_its_canonical_form_is_its_own)
 /* What stands for a parameter in help. */
 static const char *form_of(const struct parameter *p)
 {
+    static char form[80];
     switch (p->type) {
     case PARAMETER_POSITION:
         return "X,Y,Z";
@@ -169,8 +171,10 @@ static const char *form_of(const struct parameter *p)
         return "#rrggbb";
     case PARAMETER_VIEW:
         return "left|right|top|bottom|YAW";
-    case PARAMETER_ZOOM:
-        return "fit|FACTOR";
+    case PARAMETER_NAMED_DECIMAL:
+    case PARAMETER_NAMED_FILE:
+        snprintf(form, sizeof form, "%s|%s", p->choices, p->name);
+        return form;
     default:
         return p->name;
     }
@@ -304,11 +308,17 @@ static void add_value(struct buf *out, const struct parameter *p)
         else
             add_decimal(out, p);
         break;
-    case PARAMETER_ZOOM:
+    case PARAMETER_NAMED_DECIMAL:
         if (below(4) == 0)
-            buf_add_text(out, "fit");
+            add_choice(out, p->choices);
         else
             add_decimal(out, p);
+        break;
+    case PARAMETER_NAMED_FILE:
+        if (below(2))
+            add_choice(out, p->choices);
+        else
+            add_word(out);
         break;
     case PARAMETER_COLOUR:
         buf_printf(out, "#%06x", below(1u << 24));
@@ -443,12 +453,26 @@ STORY(millimetres_lead_to_the_nearest_voxel)
 
 /* All of a session that commands can change. */
 struct snapshot {
-    uint64_t forest, labels, scene, weights, picture;
+    uint64_t forest, labels, scene, weights, fence, picture;
     size_t seeds, pendings, border, acknowledged, records;
     struct edit pending[64];
     struct settings settings;
     bool has_scene, rendered;
 };
+
+/* Voxels are fenced exactly where the fence says so, and its tally is right. */
+static void fence_stands(const struct session *session)
+{
+    const struct fence_tally tally = fence_tally(&session->fence, session->scene);
+    const struct cell *cell = session->scene->cell;
+    bool stands = true;
+    for (uint32_t c = 0; c < session->scene->grid.cells; c++)
+        stands &= cell[c].flags & CELL_RIM ||
+                  !(cell[c].flags & CELL_FENCED) == fence_holds(&session->fence, session->scene, c);
+    CHECK(stands);
+    CHECK(tally.digest == session->fence_tally.digest && tally.seeds_outside == 0);
+    CHECK_INT(tally.inside, session->fence_tally.inside);
+}
 
 static void take_snapshot(struct snapshot *s, const struct desk *desk)
 {
@@ -468,6 +492,9 @@ static void take_snapshot(struct snapshot *s, const struct desk *desk)
         return;
     s->scene = session->scene_digest;
     s->weights = session->weight_digest;
+    s->fence = session->fence_tally.digest;
+    CHECK(s->weights == weight_digest(session->scene, forest_arcs(session->forest)));
+    fence_stands(session);
     s->forest = forest_digest(session->forest);
     s->labels = forest_label_digest(session->forest);
     s->seeds = forest_seeds(session->forest);
@@ -485,6 +512,7 @@ static void is_as_before(const struct snapshot *before, const struct desk *desk,
     CHECK(now.has_scene == before->has_scene);
     CHECK(now.scene == before->scene);
     CHECK(now.weights == before->weights);
+    CHECK(now.fence == before->fence);
     CHECK(now.forest == before->forest);
     CHECK(now.labels == before->labels);
     CHECK(now.seeds == before->seeds);
@@ -532,7 +560,9 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"adjacency 18", "COUNT: expected 6|26, not 18"},
         {"auto yes", "STATE: expected on|off, not yes"},
         {"auto o", "STATE: expected on|off, not o"},
-        {"weight paint", "KIND: expected morph|sobel|gauss, not paint"},
+        {"weight paint",
+         "expected morph|sobel|gauss|difference|polarity or a file: there is no file "
+         "paint here; nothing has changed"},
         {"weight gauss", "SIGMA: gauss is to have one"},
         {"weight sobel 1", "SIGMA: gauss is to have one, the others none"},
         {"weight gauss 0.499", "SIGMA: expected a number 0.5..8 with at most three decimals"},
@@ -868,8 +898,43 @@ static void make_regions(const char *name, uint32_t x, uint8_t other)
                       sides, NULL) == OK);
 }
 
+/* Weights 0..39, and `more`. */
+static uint32_t more_weight;
+static void weight_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    uint8_t *at = values;
+    (void)context;
+    for (uint32_t x = 0; x < size[0]; x++) {
+        const uint32_t value = (7 * x + 5 * y + 3 * z) % 40 + more_weight;
+        *at++ = (uint8_t)(value & 255);
+        *at++ = (uint8_t)(value >> 8);
+    }
+}
+
+static void make_weights(const char *name, uint32_t more)
+{
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
+    more_weight = more;
+    CHECK(geometry_place(&geometry, to_mm));
+    CHECK(nifti_write(place(name), FILE_REPLACE, size, &geometry, NIFTI_UINT16, "test", weight_row,
+                      NULL, NULL) == OK);
+}
+
+/* weights.nii with other values of scl_slope and scl_inter, as bytes of two floats. */
+static void make_scaled(const char *name, const char scale[8])
+{
+    struct buf file = {0};
+    CHECK(file_read(&file, place("weights.nii"), 1 << 20, NULL) == OK && file.length > 352);
+    memcpy(file.data + 112, scale, 8);
+    CHECK(file_write(place(name), file.data, file.length, FILE_REPLACE, NULL) == OK);
+    buf_release(&file);
+}
+
 static void make_seed_files(void)
 {
+    make_weights("weights.nii", 0);
+    make_weights("heavier.nii", 3);
+    write_text("bright.csv", "11,10,9,1\n");
     write_text("seeds.csv", "x,y,z,label\n1,1,1,1\n# far\n10,9,8,cerebellum\n");
     make_regions("regions.nii", size[0], 0);
 }
@@ -906,7 +971,7 @@ STORY(a_seed_file_that_is_wrong_plants_nothing)
     static const struct {
         const char *line, *words;
     } row[] = {
-        {"seed-file elsewhere.csv", "there is no file elsewhere.csv here; nothing was planted"},
+        {"seed-file elsewhere.csv", "there is no file elsewhere.csv here; nothing has changed"},
         {"seed-file bad.csv", "bad.csv: line 3: 12,1,1 lies outside the scene"},
         {"seed-file seeds.csv each=2", "are for label maps, and seeds.csv is a list"},
         {"seed-file seeds.csv regions=1-2", "are for label maps"},
@@ -1007,8 +1072,25 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"adjacency 26", NULL},
         {"weight sobel", NULL},
         {"weight morph radius=2", NULL},
+        {"weight @/weights.nii", NULL},
+        {"weight @/heavier.nii", NULL},
+        {"adjacency 6", NULL},
+        {"weight difference", NULL},
+        {"adjacency 26", NULL},
+        {"polarity 4 50", NULL},
+        {"weight polarity", NULL},
+        {"polarity 4 -50", NULL},
+        {"polarity 2 100", NULL},
+        {"weight @/heavier.nii", NULL},
+        {"weight sobel", NULL},
+        {"mask @/regions.nii regions=0-2", NULL},
         {"remove 6,2,7", NULL},
+        {"range 0 290.5", NULL},
         {"run", NULL},
+        {"mask @/regions.nii", NULL},
+        {"range none", NULL},
+        {"weight polarity", NULL},
+        {"mask none", NULL},
         {"size 40 30", NULL},
         {"render", NULL},
         {"render mode=ii", NULL},
@@ -1125,6 +1207,12 @@ STORY(what_the_door_recorded_is_the_same_when_replayed)
         {"auto on", NULL},
         {"weight gauss 2", NULL},
         {"seed 2,2,2 7 radius=2", NULL},
+        {"weight weights.nii", NULL},
+        {"mask regions.nii regions=0-2", NULL},
+        {"weight polarity", NULL},
+        {"polarity 7 -40", NULL},
+        {"range -5 220.125", NULL},
+        {"adjacency 6", NULL},
         {"golden third", "replay.golden/third.exr"},
     };
     all_fail_then_work(&desk, deeds, sizeof deeds / sizeof deeds[0]);
@@ -1137,7 +1225,16 @@ STORY(random_edits_fail_at_random)
 {
     struct desk desk;
     char path[PATH_MAX], line[128];
-    static const char *const weights[] = {"morph", "morph radius=3", "sobel", "gauss 0.75"};
+    static const char *const weights[] = {"morph",       "morph radius=3", "sobel",
+                                          "gauss 0.75",  "difference",     "polarity",
+                                          "weights.nii", "heavier.nii"};
+    static const char *const fences[] = {"mask none",
+                                         "mask regions.nii",
+                                         "mask regions.nii regions=0-1",
+                                         "mask weights.nii regions=10-39",
+                                         "range none",
+                                         "range 20 90",
+                                         "range 40 300"};
     unsigned undone = 0;
     snprintf(path, sizeof path, "%s", place("random.iftty"));
     failing_path = path;
@@ -1146,10 +1243,10 @@ STORY(random_edits_fail_at_random)
     CHECK(desk_create_journal(&desk, path, &fault) == OK);
     must(&desk, "open scene.nii");
     must(&desk, "size 24 24");
-    for (unsigned i = 0; i < 400 && check_failures < 5; i++) {
+    for (unsigned i = 0; i < 600 && check_failures < 5; i++) {
         struct snapshot before;
         uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]);
-        switch (below(10)) {
+        switch (below(14)) {
         case 0:
             snprintf(line, sizeof line, "remove %u,%u,%u", x, y, z);
             break;
@@ -1169,7 +1266,13 @@ STORY(random_edits_fail_at_random)
             snprintf(line, sizeof line, "adjacency %s", below(2) ? "6" : "26");
             break;
         case 6:
-            snprintf(line, sizeof line, "weight %s", weights[below(4)]);
+            snprintf(line, sizeof line, "weight %s", weights[below(8)]);
+            break;
+        case 7:
+            snprintf(line, sizeof line, "polarity %u %d", below(5), (int)below(201) - 100);
+            break;
+        case 8:
+            snprintf(line, sizeof line, "%s", fences[below(7)]);
             break;
         default:
             snprintf(line, sizeof line, "seed %u,%u,%u %u radius=%u", x, y, z, below(5),
@@ -1192,6 +1295,206 @@ STORY(random_edits_fail_at_random)
     journal_verifies(path);
 }
 
+/* ---- weights and fences ---- */
+
+static const struct cell *cell_at(const struct desk *desk, uint32_t x, uint32_t y, uint32_t z)
+{
+    const struct scene *scene = desk->session.scene;
+    return scene->cell + grid_cell(&scene->grid, x, y, z);
+}
+
+STORY(weights_come_out_of_a_file)
+{
+    struct desk desk;
+    begin_with_scene(&desk);
+    must(&desk, "seed 1,1,1 1");
+    must(&desk, "seed 10,9,8 2");
+    must(&desk, "run");
+    must(&desk, "weight morph radius=2");
+    const uint64_t morph = forest_digest(desk.session.forest);
+    must(&desk, "weight weights.nii");
+    CHECK_HAS(buf_text(&reply.words), "weights=");
+    CHECK_INT(cell_at(&desk, 3, 4, 5)->weight, (21 + 20 + 15) % 40);
+    CHECK(forest_digest(desk.session.forest) != morph);
+    must(&desk, "info");
+    CHECK_HAS(buf_text(&reply.text), "weight of weights.nii\n");
+    must(&desk, "why 3,4,5");
+    CHECK_HAS(buf_text(&reply.text), "weight 16, ");
+    must(&desk, "adjacency 26"); /* they stay */
+    CHECK_INT(cell_at(&desk, 3, 4, 5)->weight, 16);
+    must(&desk, "weight difference");
+    must(&desk, "adjacency 6");
+    must(&desk, "weight morph radius=2");
+    CHECK(forest_digest(desk.session.forest) == morph);
+    make_weights("heaviest.nii", 65535 - 39);
+    must(&desk, "weight heaviest.nii");
+    CHECK_INT(cell_at(&desk, 0, 0, 0)->weight, 65535 - 39);
+    desk_release(&desk);
+}
+
+STORY(weights_of_steps_go_by_both_ends)
+{
+    struct desk desk;
+    begin_with_scene(&desk);
+    must(&desk, "seed 0,0,0 1");
+    must(&desk, "auto on");
+    must(&desk, "weight difference");
+    must(&desk, "info");
+    CHECK_HAS(buf_text(&reply.text), "weight difference\n");
+    CHECK_INT(key_cost(cell_at(&desk, 5, 0, 0)->key), 3); /* 3 a step along x */
+    CHECK_INT(key_cost(cell_at(&desk, 6, 0, 0)->key), 63);
+    must(&desk, "why 5,0,0");
+    CHECK_HAS(buf_text(&reply.text), "intensity 15, a step of weight 3, label 1");
+    must(&desk, "polarity 1 50");
+    CHECK_HAS(buf_text(&reply.text), "heeded under `weight polarity`");
+    CHECK_INT(key_cost(cell_at(&desk, 6, 0, 0)->key), 63);
+    must(&desk, "weight polarity");
+    CHECK_INT(key_cost(cell_at(&desk, 6, 0, 0)->key), 31); /* up to brighter: half */
+    must(&desk, "polarity 1 -50");
+    CHECK(strstr(buf_text(&reply.text), "heeded") == NULL);
+    CHECK_INT(key_cost(cell_at(&desk, 6, 0, 0)->key), 94);
+    must(&desk, "stats");
+    CHECK_HAS(buf_text(&reply.text), "weight polarity 1:-50\n");
+    must(&desk, "seed 0,0,0 cerebellum"); /* another label, whose polarity is 0 */
+    CHECK_INT(key_cost(cell_at(&desk, 6, 0, 0)->key), 63);
+    CHECK(forest_check(desk.session.forest, NULL));
+    desk_release(&desk);
+}
+
+STORY(a_fence_keeps_the_forest_in)
+{
+    struct desk desk;
+    begin_with_scene(&desk);
+    must(&desk, "auto on");
+    must(&desk, "seed 1,1,1 1");
+    must(&desk, "mask regions.nii"); /* columns 0..3 and 8..11 */
+    CHECK_HAS(buf_text(&reply.words), "file=");
+    CHECK_HAS(buf_text(&reply.words), " inside=880 forest=");
+    CHECK_INT(cell_at(&desk, 3, 5, 5)->label, 1);
+    CHECK(!cell_is_reached(cell_at(&desk, 4, 5, 5)) && !cell_is_reached(cell_at(&desk, 8, 5, 5)));
+    must(&desk, "info");
+    CHECK_HAS(buf_text(&reply.text), "fence     mask regions.nii regions 1-65533: 880 of 1320");
+    must(&desk, "why 4,5,5");
+    CHECK_HAS(buf_text(&reply.text), "outside the fence");
+    must(&desk, "range 0 20");
+    CHECK_HAS(buf_text(&reply.words), "fence=");
+    CHECK(!cell_is_reached(cell_at(&desk, 3, 10, 5)));
+    must(&desk, "stats");
+    CHECK_HAS(buf_text(&reply.text), "mask regions.nii regions 1-65533, range 0..20: ");
+    must(&desk, "seed 3,1,1 1 radius=2");
+    CHECK_HAS(buf_text(&reply.text), "left out, being outside the fence: ");
+    is_refused(&desk, "seed 5,5,5 2", "outside the fence, where no tree grows");
+    is_refused(&desk, "seed-file bright.csv", "nothing was planted");
+    must(&desk, "seed-file seeds.csv");
+    CHECK_HAS(buf_text(&reply.words), "added=1 ");
+    CHECK_HAS(buf_text(&reply.text), "left out, being outside the fence: 1\n");
+    is_refused(&desk, "remove 5,5,5", "no seed reaches it");
+    must(&desk, "range none");
+    must(&desk, "mask none");
+    CHECK_HAS(buf_text(&reply.words), "fence=0000000000000000 inside=1320 ");
+    CHECK_INT(cell_at(&desk, 11, 10, 9)->label, 1);
+    must(&desk, "info");
+    CHECK(strstr(buf_text(&reply.text), "fence") == NULL);
+    desk_release(&desk);
+}
+
+STORY(a_fence_is_refused_that_leaves_seeds_outside)
+{
+    struct desk desk;
+    begin_with_scene(&desk);
+    must(&desk, "seed 5,5,5 1");
+    is_refused(&desk, "mask regions.nii", "0 planted and 1 waiting seeds would be outside");
+    must(&desk, "remove 5,5,5");
+    must(&desk, "seed 6,5,5 1");
+    must(&desk, "remove 6,5,5");
+    must(&desk, "mask regions.nii"); /* none of them would be planted */
+    must(&desk, "run");
+    must(&desk, "mask none");
+    must(&desk, "seed 5,5,5 1");
+    must(&desk, "run");
+    must(&desk, "seed 6,5,5 1");
+    must(&desk, "seed 6,5,5 2");
+    is_refused(&desk, "mask regions.nii", "1 planted and 1 waiting seeds would be outside");
+    is_refused(&desk, "range 0 10", "remove them and run first; nothing has changed");
+    is_refused(&desk, "range 900 1000", "no voxel of the scene would be inside");
+    is_refused(&desk, "mask regions.nii regions=7", "no voxel of the scene would be inside");
+    must(&desk, "mask regions.nii regions=0");
+    must(&desk, "run");
+    CHECK_INT(cell_at(&desk, 7, 0, 0)->label, 2);
+    desk_release(&desk);
+}
+
+STORY(a_fence_or_weights_that_are_wrong_change_nothing)
+{
+    static const struct {
+        const char *line, *words;
+    } row[] = {
+        {"mask elsewhere.nii", "there is no file elsewhere.nii here; nothing has changed"},
+        {"mask narrow.nii", "narrow.nii: the map has 9x11x10 voxels and the scene 12x11x10"},
+        {"mask seeds.csv", "seeds.csv: "},
+        {"mask", "missing: FILE; usage: mask none|FILE [regions=A-B]"},
+        {"mask none regions=1", "regions: no mask has none"},
+        {"weight narrow.nii", "narrow.nii: the map has 9x11x10 voxels"},
+        {"weight wide.nii",
+         "wide.nii: voxel 0,0,0 of the map holds 65536; weights are whole numbers"},
+        {"weight half.nii",
+         "half.nii: voxel 1,0,0 of the map holds 3.5; weights are whole numbers"},
+        {"mask half.nii", "half.nii: voxel 1,0,0 of the map holds 3.5; regions are whole numbers"},
+        {"weight seeds.csv", "seeds.csv: "},
+        {"weight weights.nii radius=2", "radius: only morph has one"},
+        {"weight weights.nii 1", "SIGMA: gauss is to have one, the others none"},
+        {"weight difference radius=1", "radius: only morph has one"},
+        {"weight", "missing: FILE"},
+        {"polarity 1", "missing: PERCENT"},
+        {"polarity 1 101", "PERCENT: expected a number -100..100, not 101"},
+        {"polarity liver 5", "LABEL: expected a label 0..255"},
+        {"range 5", "expected LOW and HIGH, or none alone"},
+        {"range none 5", "expected LOW and HIGH, or none alone"},
+        {"range 5 4.999", "HIGH is below LOW"},
+        {"range low 5", "LOW: expected a number -1000000000..1000000000"},
+        {"range 1.2345 5", "at most three decimals"},
+    };
+    struct desk desk;
+    begin_with_scene(&desk);
+    make_regions("narrow.nii", 9, 0);
+    make_scaled("wide.nii", "\0\0\x80\x3f\0\0\x80\x47"); /* 1 and 65536 */
+    make_scaled("half.nii", "\0\0\0\x3f\0\0\0\0");       /* 0.5 and 0 */
+    must(&desk, "seed 1,1,1 1");
+    must(&desk, "run");
+    must(&desk, "weight weights.nii");
+    must(&desk, "mask regions.nii");
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
+        is_refused(&desk, row[i].line, row[i].words);
+    desk_release(&desk);
+}
+
+STORY(a_journal_knows_its_weights_and_masks_again)
+{
+    struct desk desk;
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s", place("maps.iftty"));
+    make_seed_files();
+    begin_desk(&desk);
+    CHECK(desk_create_journal(&desk, path, &fault) == OK);
+    must(&desk, "open scene.nii");
+    must(&desk, "weight weights.nii");
+    must(&desk, "range 0 9"); /* hides from the fence what the mask does further off */
+    must(&desk, "mask regions.nii");
+    desk_release(&desk);
+    journal_verifies(path);
+    make_regions("regions.nii", size[0], 253); /* 255 is 1 and above too */
+    journal_verifies(path);
+    make_regions("regions.nii", size[0], 254); /* 256 is 0 */
+    replay_tells(path, "file is ");
+    CHECK(unlink(place("regions.nii")) == 0);
+    replay_tells(path, "there is no file regions.nii here nor beside the journal");
+    make_seed_files();
+    make_weights("weights.nii", 1);
+    replay_tells(path, "weights is ");
+    make_seed_files();
+    journal_verifies(path);
+}
+
 static bool always(void *context, uint64_t served)
 {
     ++*(unsigned *)context;
@@ -1200,8 +1503,9 @@ static bool always(void *context, uint64_t served)
 
 STORY(a_command_that_is_cancelled_is_undone)
 {
-    static const char *const line[] = {"adjacency 26",   "run",          "render",
-                                       "render mode=sp", "weight sobel", "weight gauss 2"};
+    static const char *const line[] = {"adjacency 26",    "run",          "render",
+                                       "render mode=sp",  "weight sobel", "weight gauss 2",
+                                       "weight polarity", "range 0 300"};
     struct desk desk;
     struct snapshot before;
     unsigned asked = 0;
@@ -1288,7 +1592,11 @@ int main(void)
         TELL(garbage_is_parsed_or_refused_in_one_plain_line),
         TELL(completion_offers_what_may_stand_there), TELL(seeds_come_out_of_files),
         TELL(a_seed_file_that_is_wrong_plants_nothing), TELL(a_journal_knows_its_seed_files_again),
-        TELL(a_command_that_cannot_be_recorded_is_undone),
+        TELL(a_command_that_cannot_be_recorded_is_undone), TELL(weights_come_out_of_a_file),
+        TELL(weights_of_steps_go_by_both_ends), TELL(a_fence_keeps_the_forest_in),
+        TELL(a_fence_is_refused_that_leaves_seeds_outside),
+        TELL(a_fence_or_weights_that_are_wrong_change_nothing),
+        TELL(a_journal_knows_its_weights_and_masks_again),
         TELL(a_file_that_was_replaced_comes_back),
         TELL(what_the_door_recorded_is_the_same_when_replayed), TELL(random_edits_fail_at_random),
         TELL(a_command_that_is_cancelled_is_undone),

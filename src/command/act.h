@@ -11,12 +11,17 @@
 /* act_scene.c */
 ACT(open);
 ACT(weight);
+ACT(polarity);
 ACT(adjacency);
 ACT(label);
 ACT(seed);
 ACT(remove);
 ACT(run);
 ACT(auto);
+
+/* act_fence.c */
+ACT(mask);
+ACT(range);
 
 /* act_seed_file.c */
 ACT(seed_file);
@@ -39,6 +44,19 @@ ACT(info);
 ACT(stats);
 ACT(help);
 ACT(quit);
+
+/* `err`, with the name of a file before its words. */
+enum err act_naming(const char *file, enum err err, struct fault *fault);
+
+/* Whether no seed may be planted here. */
+bool act_is_fenced(const struct session *session, uint32_t cell);
+
+/* Of seeds to be planted, how many were, and how many were left out by the fence: says so, and
+ * refuses where all were. */
+enum err act_tell_outside(struct reply *reply, size_t inside, size_t outside, struct fault *fault);
+
+/* What the fence is: "mask brain.nii regions 1-90, range 40..1200"; false where there is none. */
+bool act_write_fence(struct buf *out, const struct session *session);
 
 /* "2 cerebellum", or "2" where the label has no name. */
 void act_write_label(struct buf *out, const struct session *session, unsigned label);

@@ -16,6 +16,19 @@ static double real_value(const struct session *session, uint16_t intensity)
     return session->geometry.slope * intensity + session->geometry.intercept;
 }
 
+/* Of the voxel, or of the step from its predecessor, where weights are of steps. */
+static void tell_voxel_weight(struct buf *out, const struct session *session,
+                              const struct cell *cell)
+{
+    const struct arc_rule *arcs = forest_arcs(session->forest);
+    const struct adjacency *adjacency = forest_adjacency(session->forest);
+    if (arcs->kind == ARC_TARGET)
+        buf_printf(out, "weight %u, ", cell->weight);
+    else if (cell->direction != DIRECTION_NONE)
+        buf_printf(out, "a step of weight %u, ",
+                   arc_weight_now(arcs, cell - adjacency->offset[cell->direction], cell));
+}
+
 static void tell_voxel(struct buf *out, const struct session *session, uint32_t at)
 {
     const struct grid *grid = &session->scene->grid;
@@ -26,10 +39,12 @@ static void tell_voxel(struct buf *out, const struct session *session, uint32_t 
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 4; j++)
             mm[i] += session->geometry.to_mm[i][j] * index[j];
-    buf_printf(out, "voxel %u,%u,%u at %.1f,%.1f,%.1f mm: intensity %g, weight %u, ", p.x, p.y, p.z,
-               mm[0], mm[1], mm[2], real_value(session, cell->intensity), cell->weight);
-    if (cell->key == KEY_NONE) {
-        buf_add_text(out, "reached by no seed\n");
+    buf_printf(out, "voxel %u,%u,%u at %.1f,%.1f,%.1f mm: intensity %g, ", p.x, p.y, p.z, mm[0],
+               mm[1], mm[2], real_value(session, cell->intensity));
+    tell_voxel_weight(out, session, cell);
+    if (!cell_is_reached(cell)) {
+        buf_add_text(out,
+                     cell->flags & CELL_FENCED ? "outside the fence\n" : "reached by no seed\n");
         return;
     }
     struct place root = grid_place(grid, key_root(cell->key));
@@ -68,7 +83,7 @@ ACT(why)
     uint32_t before;
     (void)fault;
     tell_voxel(&reply->text, session, at);
-    if (cell->key == KEY_NONE)
+    if (!cell_is_reached(cell))
         return OK;
     buf_printf(&reply->text, "cost %u, %u steps since it last rose\n", key_cost(cell->key),
                key_hops(cell->key));
@@ -85,10 +100,16 @@ ACT(why)
     return OK;
 }
 
-/* "gauss 1.5" */
-static void tell_weight(struct buf *out, const struct weight_choice *choice)
+/* "gauss 1.5", "polarity 1:50 2:-20", "of edges.nii" */
+static void tell_weight(struct buf *out, const struct settings *settings)
 {
+    const struct weight_choice *choice = &settings->weight;
     const char *kind = WEIGHT_KINDS;
+    if (choice->kind == WEIGHT_FILE) {
+        buf_add_text(out, "of ");
+        buf_add_safe(out, settings->weight_file, strlen(settings->weight_file));
+        return;
+    }
     for (enum weight_kind k = 0; k < choice->kind; k++)
         kind += strcspn(kind, "|") + 1;
     buf_add(out, kind, strcspn(kind, "|"));
@@ -96,6 +117,18 @@ static void tell_weight(struct buf *out, const struct weight_choice *choice)
         buf_printf(out, " radius=%u", choice->radius);
     if (choice->sigma_thousandths)
         buf_printf(out, " %g", choice->sigma_thousandths / 1000.0);
+    for (unsigned label = 0; choice->kind == WEIGHT_POLARITY && label < 256; label++)
+        if (settings->polarity[label])
+            buf_printf(out, " %u:%d", label, settings->polarity[label]);
+}
+
+static void tell_fence(struct buf *out, const struct session *session)
+{
+    struct buf fence = {0};
+    if (act_write_fence(&fence, session))
+        buf_printf(out, "fence     %s: %zu of %zu voxels inside\n", buf_text(&fence),
+                   session->fence_tally.inside, session->scene->grid.voxels);
+    buf_release(&fence);
 }
 
 ACT(info)
@@ -126,8 +159,9 @@ ACT(info)
                session->geometry.intercept);
     buf_printf(out, "forest    %zu seeds, %zu edits waiting, adjacency %u, weight ",
                forest_seeds(session->forest), session->pendings, session->settings.adjacency);
-    tell_weight(out, &session->settings.weight);
+    tell_weight(out, &session->settings);
     buf_add_char(out, '\n');
+    tell_fence(out, session);
     const char *name = view_name(view->angle);
     buf_printf(out, "view      %g %g %g degrees%s%s, zoom %g, %ux%u pixels\n",
                view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,
@@ -149,7 +183,7 @@ ACT(stats)
             struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++) {
                 const struct cell *cell = session->scene->cell + c;
-                voxels[cell->label] += cell->key != KEY_NONE;
+                voxels[cell->label] += cell_is_reached(cell);
                 seeds[cell->label] += cell->flags & CELL_SEED;
             }
         }
@@ -164,6 +198,10 @@ ACT(stats)
                    voxels[label], (double)voxels[label] * ml,
                    label && !session->settings.visible[label] ? ", hidden" : "");
     }
+    buf_add_text(&reply->text, "weight ");
+    tell_weight(&reply->text, &session->settings);
+    buf_add_char(&reply->text, '\n');
+    tell_fence(&reply->text, session);
     buf_printf(&reply->text, "%zu border voxels; forest %016llx, labels %016llx\n",
                border_count(&session->border), (unsigned long long)forest_digest(session->forest),
                (unsigned long long)forest_label_digest(session->forest));

@@ -7,6 +7,7 @@
 
 #include "base/mem.h"
 #include "base/safe.h"
+#include "session/map.h"
 
 ACT(open)
 {
@@ -33,10 +34,31 @@ static void add_weights(struct desk *desk, struct reply *reply)
     buf_printf(&reply->words, "weights=%016llx", (unsigned long long)desk->session.weight_digest);
 }
 
+static enum err weigh_by_file(struct desk *desk, const char *name, struct fault *fault)
+{
+    struct session *session = &desk->session;
+    struct volume map = {0};
+    struct buf path = {0};
+    enum err err = desk_find_file(desk, name, &path, fault);
+    if (err)
+        fault_prefix(fault, err, "expected " WEIGHT_KINDS " or a file");
+    if (!err)
+        err = map_read(&map, buf_text(&path), &session->scene->grid, &session->geometry, fault);
+    if (!err)
+        err = act_naming(name, map_to_weights(&map, fault), fault);
+    if (!err)
+        err = session_set_weight_map(session, name, map.intensity, fault);
+    volume_release(&map);
+    buf_release(&path);
+    return err;
+}
+
 ACT(weight)
 {
     const struct value *sigma = &value[1], *radius = &value[2];
-    struct weight_choice choice = {.kind = (enum weight_kind)value[0].number};
+    const bool is_file = value[0].number < 0;
+    struct weight_choice choice = {.kind =
+                                       is_file ? WEIGHT_FILE : (enum weight_kind)value[0].number};
     if (sigma->given != (choice.kind == WEIGHT_GAUSS))
         return fault_set(fault, ERR_USAGE, "SIGMA: gauss is to have one, the others none");
     if (radius->given && choice.kind != WEIGHT_MORPH)
@@ -44,7 +66,20 @@ ACT(weight)
     if (choice.kind == WEIGHT_MORPH)
         choice.radius = radius->given ? (uint32_t)radius->number : 1;
     choice.sigma_thousandths = sigma->given ? (uint32_t)sigma->number : 0;
-    enum err err = session_set_weight(&desk->session, &choice, fault);
+    enum err err = is_file ? weigh_by_file(desk, value[0].text, fault)
+                           : session_set_weight(&desk->session, &choice, fault);
+    if (!err)
+        add_weights(desk, reply);
+    return err;
+}
+
+ACT(polarity)
+{
+    struct session *session = &desk->session;
+    enum err err =
+        session_set_polarity(session, (uint8_t)value[0].number, (int8_t)value[1].number, fault);
+    if (!err && session->settings.weight.kind != WEIGHT_POLARITY)
+        buf_add_text(&reply->text, "heeded under `weight polarity`\n");
     if (!err)
         add_weights(desk, reply);
     return err;
@@ -122,11 +157,15 @@ ACT(seed)
     size_t count;
     uint32_t *cell = ball(&session->scene->grid, value[0].place, value[2].number, &count);
     enum err err = cell ? OK : fault_memory(fault, "a ball of seeds");
-    (void)reply;
-    for (size_t i = 0; !err && i < count; i++)
+    size_t inside = 0;
+    for (size_t i = 0; !err && i < count; i++) {
+        if (act_is_fenced(session, cell[i]))
+            continue;
         err = session_plant(session, cell[i], (uint8_t)value[1].number, fault);
+        inside++;
+    }
     free(cell);
-    return err;
+    return err ? err : act_tell_outside(reply, inside, count - inside, fault);
 }
 
 /* Of a ball, voxels that no tree holds are passed over, unless that is all of them. */

@@ -27,8 +27,10 @@ static enum err read_list(struct seeds *seeds, const struct session *session,
                              value[FILE_NAME].text);
     enum err err = file_read(&text, path, LIST_BYTES_MOST, fault);
     if (!err)
-        err = seeds_from_list(seeds, buf_text(&text), text.length, &session->scene->grid,
-                              session->settings.label_name, label_of(value), fault);
+        err = act_naming(value[FILE_NAME].text,
+                         seeds_from_list(seeds, buf_text(&text), text.length, &session->scene->grid,
+                                         session->settings.label_name, label_of(value), fault),
+                         fault);
     buf_release(&text);
     return err;
 }
@@ -46,15 +48,12 @@ static enum err read_map(struct seeds *seeds, struct reply *reply, const struct 
         .each = (uint32_t)value[EACH].number,
         .generator = value[GENERATOR].given ? (uint64_t)value[GENERATOR].number : 1,
     };
-    uint32_t size[3];
-    enum err err = nifti_size(size, path, fault); /* so that memory is bounded by the scene */
+    enum err err = map_read(&map, path, &session->scene->grid, &session->geometry, fault);
     if (!err)
-        err = seeds_check_size(size, &session->scene->grid, fault);
-    if (!err)
-        err = nifti_read(&map, path, fault);
-    if (!err)
-        err = seeds_from_map(seeds, &tally, &map, &session->scene->grid, &session->geometry,
-                             &choice, fault);
+        err = act_naming(value[FILE_NAME].text,
+                         seeds_from_map(seeds, &tally, &map, &session->scene->grid,
+                                        &session->geometry, &choice, fault),
+                         fault);
     volume_release(&map);
     if (!err)
         buf_printf(&reply->text, "%u regions\n", tally.regions);
@@ -76,13 +75,18 @@ ACT(seed_file)
         err = read_list(&seeds, session, value, buf_text(&path), fault);
     else if (!err)
         err = read_map(&seeds, reply, session, value, buf_text(&path), fault);
-    if (err)
-        fault_prefix(fault, err, "%s", name);
-    for (size_t i = 0; !err && i < seeds.count; i++)
+    size_t inside = 0;
+    for (size_t i = 0; !err && i < seeds.count; i++) {
+        if (act_is_fenced(session, seeds.edit[i].cell))
+            continue;
         err = session_plant(session, seeds.edit[i].cell, (uint8_t)seeds.edit[i].label, fault);
+        inside++;
+    }
     buf_printf(&reply->words, "file=%016llx added=%zu", (unsigned long long)seeds_digest(&seeds),
-               seeds.count);
-    buf_printf(&reply->text, "%zu seeds\n", seeds.count);
+               inside);
+    buf_printf(&reply->text, "%zu seeds\n", inside);
+    if (!err)
+        err = act_naming(name, act_tell_outside(reply, inside, seeds.count - inside, fault), fault);
     seeds_release(&seeds);
     buf_release(&path);
     return err;

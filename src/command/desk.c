@@ -232,7 +232,7 @@ static bool try_folder(struct buf *path, const char *folder, size_t length, cons
     return file_exists(buf_text(path));
 }
 
-/* `kind` and `undone` are for the words: "scene", "opened". */
+/* `kind` and `undone` are for the words: "scene", "was opened". */
 static enum err find(const struct desk *desk, const char *name, struct buf *path, const char *kind,
                      const char *undone, struct fault *fault)
 {
@@ -258,7 +258,7 @@ static enum err find(const struct desk *desk, const char *name, struct buf *path
     if (path->failed)
         return fault_memory(fault, "a path");
     if (!found)
-        return fault_set(fault, ERR_IO, "there is no %s %s here%s; nothing was %s", kind, name,
+        return fault_set(fault, ERR_IO, "there is no %s %s here%s; nothing %s", kind, name,
                          desk->home.length ? " nor beside the journal" : "", undone);
     return OK;
 }
@@ -268,7 +268,7 @@ enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *
 {
     const bool synthetic = strncmp(name, "synth:", 6) == 0;
     if (!synthetic && !desk->scene_path)
-        return find(desk, name, path, "scene", "opened", fault);
+        return find(desk, name, path, "scene", "was opened", fault);
     buf_clear(path);
     buf_add_text(path, synthetic ? name : desk->scene_path);
     return path->failed ? fault_memory(fault, "a path") : OK;
@@ -277,7 +277,7 @@ enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *
 enum err desk_find_file(const struct desk *desk, const char *name, struct buf *path,
                         struct fault *fault)
 {
-    return find(desk, name, path, "file", "planted", fault);
+    return find(desk, name, path, "file", "has changed", fault);
 }
 
 enum err desk_output_path(const struct desk *desk, const char *name, struct buf *path,

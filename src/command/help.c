@@ -27,8 +27,9 @@ static void parameter_form(struct buf *out, const struct parameter *p)
     case PARAMETER_VIEW:
         buf_add_text(out, "front|back|left|right|top|bottom|YAW");
         break;
-    case PARAMETER_ZOOM:
-        buf_add_text(out, "fit|FACTOR");
+    case PARAMETER_NAMED_DECIMAL:
+    case PARAMETER_NAMED_FILE:
+        buf_printf(out, "%s|%s", p->choices, p->name);
         break;
     case PARAMETER_RANGE:
         buf_add_text(out, "A-B");
@@ -125,12 +126,10 @@ static void offer_choices(struct buf *out, const char *choices, const char *type
 static void offer_values(struct buf *out, const struct parameter *p, const char *typed,
                          size_t length, const struct session *session)
 {
-    if (p->type == PARAMETER_CHOICE)
+    if (p->choices)
         offer_choices(out, p->choices, typed, length);
     else if (p->type == PARAMETER_VIEW)
         offer_choices(out, "front|back|left|right|top|bottom", typed, length);
-    else if (p->type == PARAMETER_ZOOM)
-        offer_choices(out, "fit", typed, length);
     else if (p->type == PARAMETER_COMMAND)
         for (unsigned i = 0; i < command_count; i++)
             offer(out, command_table[i].name, strlen(command_table[i].name), typed, length);

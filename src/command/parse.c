@@ -242,9 +242,13 @@ static enum err read_value(struct value *value, const struct parameter *p, const
     case PARAMETER_VIEW:
         value->text = view_by_name(word, angle) ? word : NULL;
         return value->text ? OK : read_number(value, p, word, 3, fault);
-    case PARAMETER_ZOOM:
-        value->text = strcmp(word, "fit") == 0 ? word : NULL;
+    case PARAMETER_NAMED_DECIMAL:
+        value->text = choice_of(p->choices, word) < 0 ? NULL : word;
         return value->text ? OK : read_number(value, p, word, 3, fault);
+    case PARAMETER_NAMED_FILE:
+        value->text = word;
+        value->number = choice_of(p->choices, word);
+        return *word ? OK : expect(fault, p, word, "a word");
     case PARAMETER_COLOUR:
         if (*word != '#' || !scan_hex(&at, 6, &colour) || *at)
             return expect(fault, p, word, "#rrggbb, six lower-case hexadecimal digits");
@@ -379,13 +383,14 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
         break;
     case PARAMETER_DECIMAL:
     case PARAMETER_VIEW:
-    case PARAMETER_ZOOM:
+    case PARAMETER_NAMED_DECIMAL:
         if (!value->text) {
             write_decimal(out, value->number);
             break;
         }
         /* fall through */
     case PARAMETER_CHOICE:
+    case PARAMETER_NAMED_FILE:
     case PARAMETER_FILE:
     case PARAMETER_COMMAND:
     case PARAMETER_WORD:

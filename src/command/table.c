@@ -18,6 +18,10 @@
     {                                                                                              \
         N, PARAMETER_##TYPE, true, true, LEAST, MOST, 0                                            \
     }
+#define NAMED(N, TYPE, CHOICES, LEAST, MOST)                                                       \
+    {                                                                                              \
+        N, PARAMETER_NAMED_##TYPE, false, false, LEAST, MOST, CHOICES                              \
+    }
 #define ONE_OF(N, CHOICES)                                                                         \
     {                                                                                              \
         N, PARAMETER_CHOICE, false, false, 0, 0, CHOICES                                           \
@@ -34,6 +38,9 @@ enum {
     TURNS = 10 * VIEW_TURN, /* angles may be given beyond one turn; they are reduced */
 };
 
+/* Real values of intensities, in thousandths. */
+#define REAL_MOST INT64_C(1000000000000)
+
 const struct command command_table[] = {
     {"open",
      R,
@@ -45,15 +52,28 @@ const struct command command_table[] = {
      act_open},
     {"weight",
      R | S | E,
-     {ONE_OF("KIND", WEIGHT_KINDS), MAY("SIGMA", DECIMAL, SIGMA_LEAST, SIGMA_MOST),
+     {NAMED("FILE", FILE, WEIGHT_KINDS, 0, 0), MAY("SIGMA", DECIMAL, SIGMA_LEAST, SIGMA_MOST),
       KEYED("radius", NUMBER, 1, MORPH_RADIUS_MOST)},
-     "arc weights: the gradient to use",
+     "arc weights: how dear a step is",
      "    morph: dilation minus erosion, over a voxel and its neighbours, or over what `radius`\n"
      "    steps reach. sobel: the 3-D Sobel operator. gauss: the gradient of the scene smoothed\n"
      "    by a Gaussian of SIGMA 0.5..8 voxels. A step of height h weighs h under each. Lengths\n"
-     "    are in voxels, whatever the spacing.\n",
+     "    are in voxels, whatever the spacing.\n"
+     "    difference: the difference of intensity between both ends of the step. polarity: the\n"
+     "    same, with steps to brighter and to darker weighed apart (`help polarity`).\n"
+     "    FILE: a NIfTI on the scene's grid with the weight of each voxel, whole numbers\n"
+     "    0..65535.\n",
      "weight gauss 1.5",
      act_weight},
+    {"polarity",
+     R | S | E,
+     {NEED("LABEL", LABEL, 0, 255), NEED("PERCENT", NUMBER, -POLARITY_MOST, POLARITY_MOST)},
+     "how an object is told from what is around it",
+     "    Under `weight polarity`, paths from the seeds of the label pay PERCENT more for a step\n"
+     "    to darker and PERCENT less for one to brighter. So above 0 suits an object brighter\n"
+     "    than what is around it, below 0 a darker one; 0, which all labels begin with, neither.\n",
+     "polarity 1 50",
+     act_polarity},
     {"adjacency",
      R | S | E,
      {ONE_OF("COUNT", "6|26")},
@@ -61,6 +81,24 @@ const struct command command_table[] = {
      NULL,
      "adjacency 26",
      act_adjacency},
+    {"mask",
+     R | S | E,
+     {NAMED("FILE", FILE, "none", 0, 0), KEYED("regions", RANGE, 0, REGION_MOST)},
+     "fence the forest in: the voxels of a map",
+     "    FILE is a NIfTI on the scene's grid. No tree grows where its value is not in `regions`,\n"
+     "    1 and above unless given; with a `range` both hold. Weights do not look at it.\n",
+     "mask brain.nii.gz regions=1-90",
+     act_mask},
+    {"range",
+     R | S | E,
+     {NAMED("LOW", DECIMAL, "none", -REAL_MOST, REAL_MOST),
+      MAY("HIGH", DECIMAL, -REAL_MOST, REAL_MOST)},
+     "fence the forest in: intensities",
+     "    No tree grows where the intensity, as `why` tells it, is below LOW or above HIGH; with "
+     "a\n"
+     "    `mask` both hold.\n",
+     "range 40 1200.5",
+     act_range},
     {"label",
      R,
      {NEED("LABEL", LABEL, 0, 255), NEED("NAME", WORD, 0, 0), MAY("COLOUR", COLOUR, 0, 0)},
@@ -127,7 +165,7 @@ const struct command command_table[] = {
      act_turn},
     {"zoom",
      R | S,
-     {NEED("FACTOR", ZOOM, VIEW_ZOOM_LEAST, VIEW_ZOOM_MOST)},
+     {NAMED("FACTOR", DECIMAL, "fit", VIEW_ZOOM_LEAST, VIEW_ZOOM_MOST)},
      "pixels per voxel, or what fits",
      "    Per voxel of the smallest spacing; others are larger in proportion.\n",
      "zoom 1.5",

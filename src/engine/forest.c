@@ -121,7 +121,8 @@ static enum err prepare(struct forest *forest, const struct edit *edit, size_t c
         if (i + 1 < count && order[i + 1]->cell == order[i]->cell)
             continue;
         const struct cell *cell = forest->cell + order[i]->cell;
-        assert(!(cell->flags & (CELL_RIM | CELL_FENCED)));
+        assert(!(cell->flags & CELL_RIM));
+        assert(!(cell->flags & CELL_FENCED) || order[i]->label == EDIT_ERASE);
         int16_t former = cell->flags & CELL_SEED ? cell->label : EDIT_ERASE;
         forest->batch[forest->edits] = *order[i];
         forest->inverse[forest->edits++] = (struct edit){order[i]->cell, former};

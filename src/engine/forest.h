@@ -39,8 +39,8 @@
 
 struct forest;
 
-/* What an edit does to one voxel inside the fence: plant a seed of a label (in place of one that
- * may be there), or take the seed away. */
+/* What an edit does to one voxel: plant a seed of a label (in place of one that may be there; not
+ * outside the fence), or take the seed away. */
 enum { EDIT_ERASE = -1 };
 struct edit {
     uint32_t cell;

@@ -13,6 +13,18 @@ bool weight_choice_equals(const struct weight_choice *a, const struct weight_cho
            a->sigma_thousandths == b->sigma_thousandths;
 }
 
+enum arc_kind weight_arcs(enum weight_kind kind)
+{
+    return kind == WEIGHT_DIFFERENCE ? ARC_DIFFERENCE
+           : kind == WEIGHT_POLARITY ? ARC_POLARITY
+                                     : ARC_TARGET;
+}
+
+bool weight_is_gradient(enum weight_kind kind)
+{
+    return kind <= WEIGHT_GAUSS;
+}
+
 /* ---- morph ---- */
 
 static uint16_t morph_at(const struct cell *cell, const struct adjacency *adjacency)
@@ -132,6 +144,10 @@ static uint64_t bytes_for(const struct grid *grid, const struct weight_choice *c
         return sobel_bytes(grid);
     case WEIGHT_GAUSS:
         return gauss_bytes(grid, choice->sigma_thousandths);
+    case WEIGHT_DIFFERENCE:
+    case WEIGHT_POLARITY:
+    case WEIGHT_FILE:
+        break;
     }
     return 0;
 }
@@ -167,13 +183,51 @@ void weight_compute(struct scene *scene, const struct adjacency *adjacency,
     case WEIGHT_GAUSS:
         gauss_weigh(scene, choice->sigma_thousandths, work->bytes);
         break;
+    case WEIGHT_DIFFERENCE:
+    case WEIGHT_POLARITY:
+    case WEIGHT_FILE:
+        break;
     }
 }
 
-uint64_t weight_digest(const struct scene *scene)
+void weight_fill(struct scene *scene, const uint16_t *weight)
+{
+    const struct grid *grid = &scene->grid;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                scene->cell[c].weight = *weight++;
+        }
+}
+
+void weight_copy(uint16_t *weight, const struct scene *scene)
+{
+    const struct grid *grid = &scene->grid;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                *weight++ = scene->cell[c].weight;
+        }
+}
+
+/* ---- digest ---- */
+
+static uint64_t rule_digest(const struct arc_rule *arcs)
+{
+    uint64_t sum = hash_mix_at(0, arcs->kind);
+    for (uint32_t label = 0; arcs->kind == ARC_POLARITY && label < 256; label++)
+        sum += hash_mix_at(1 + label, (uint64_t)(POLARITY_MOST + arcs->polarity[label]));
+    return sum;
+}
+
+uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs)
 {
     const struct grid *grid = &scene->grid;
     uint64_t sum = 0, voxel = 0;
+    if (arcs->kind != ARC_TARGET)
+        return rule_digest(arcs);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             struct span row = grid_row(grid, y, z);

@@ -1,18 +1,33 @@
 /*
  * Arc weights: how dear it is to step into a voxel.
  *
- * The weight of an arc (s, t) is the gradient at t, so it is held once per voxel. All weights are
- * integers 0..65535 and a pure function of the intensities, the choice and (morph) the adjacency.
+ * Under most kinds the weight of an arc (s, t) is a gradient at t, or what a file says of t, so it
+ * is held once per voxel (ARC_TARGET of engine/arc.h). `difference` and `polarity` follow from both
+ * ends and are worked out on the way; cell.weight then is of no meaning. All weights are integers
+ * 0..65535 and a pure function of the intensities, the choice and (morph) the adjacency.
  */
 #ifndef ENGINE_WEIGHT_H
 #define ENGINE_WEIGHT_H
 
+#include "engine/arc.h"
 #include "engine/gradient.h"
 #include "engine/scene.h"
 
-/* The names of the kinds, in their order. */
-#define WEIGHT_KINDS "morph|sobel|gauss"
-enum weight_kind { WEIGHT_MORPH, WEIGHT_SOBEL, WEIGHT_GAUSS };
+/* The names of the kinds, in their order; what comes out of a file has no name of its own. */
+#define WEIGHT_KINDS "morph|sobel|gauss|difference|polarity"
+enum weight_kind {
+    WEIGHT_MORPH,
+    WEIGHT_SOBEL,
+    WEIGHT_GAUSS,
+    WEIGHT_DIFFERENCE,
+    WEIGHT_POLARITY,
+    WEIGHT_FILE,
+};
+
+enum arc_kind weight_arcs(enum weight_kind kind);
+
+/* Whether weight_compute writes cell.weight. */
+bool weight_is_gradient(enum weight_kind kind);
 
 enum { MORPH_RADIUS_MOST = 3 };
 
@@ -38,8 +53,8 @@ enum err weight_work_reserve(struct weight_work *work, const struct grid *grid,
                              const struct weight_choice *choice, struct fault *fault);
 
 /*
- * Writes cell.weight of every voxel; room was reserved. Forest keys that were made under other
- * weights no longer hold; the caller clears them.
+ * Writes cell.weight of every voxel, where the choice is a gradient; room was reserved. Forest keys
+ * that were made under other weights no longer hold; the caller clears them.
  */
 void weight_compute(struct scene *scene, const struct adjacency *adjacency,
                     const struct weight_choice *choice, struct weight_work *work);
@@ -51,7 +66,12 @@ void weight_compute(struct scene *scene, const struct adjacency *adjacency,
  */
 void weight_morph(struct scene *scene, const struct adjacency *adjacency);
 
-/* A digest (sum over voxels) of the weights. */
-uint64_t weight_digest(const struct scene *scene);
+/* Weights out of a file and back into one: [z][y][x], x fastest. */
+void weight_fill(struct scene *scene, const uint16_t *weight);
+void weight_copy(uint16_t *weight, const struct scene *scene);
+
+/* A digest of what arcs weigh, given the intensities: for ARC_TARGET a sum over voxels of their
+ * weights, else of the kind, and under ARC_POLARITY of every label's. */
+uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs);
 
 #endif

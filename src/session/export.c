@@ -64,7 +64,7 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
     uint32_t *root = values;
     for (uint32_t c = row.first; c < row.end; c++) {
         const struct cell *cell = session->scene->cell + c;
-        bool reached = cell->key != KEY_NONE;
+        bool reached = cell_is_reached(cell);
         switch (source->map) {
         case MAP_LABELS:
             *byte++ = cell->label;

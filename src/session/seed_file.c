@@ -1,6 +1,5 @@
 #include "session/seed_file.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -188,68 +187,7 @@ enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
 
 /* ---- a map ---- */
 
-enum { REGION_NONE = 65535, REGION_ODD = 65534, VALUES = 65536 };
-
-enum err seeds_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault)
-{
-    const uint32_t *size = grid->size;
-    if (is[0] == size[0] && is[1] == size[1] && is[2] == size[2])
-        return OK;
-    return fault_set(fault, ERR_INPUT,
-                     "the map has %ux%ux%u voxels and the scene %ux%ux%u; a label map lies on "
-                     "the scene's grid; nothing was planted",
-                     is[0], is[1], is[2], size[0], size[1], size[2]);
-}
-
-static enum err check_axes(const struct volume *map, const struct geometry *place,
-                           struct fault *fault)
-{
-    const struct geometry *own = &map->geometry;
-    if ((own->sform_code > 0 || own->qform_code > 0) &&
-        (place->sform_code > 0 || place->qform_code > 0))
-        for (int a = 0; a < 3; a++)
-            if (own->world_axis[a] != place->world_axis[a] ||
-                own->world_sign[a] != place->world_sign[a])
-                return fault_set(fault, ERR_INPUT,
-                                 "the voxels of the map run along other axes of the world than the "
-                                 "scene's; bring it to the scene's grid; nothing was planted");
-    return OK;
-}
-
-/* The region that an intensity stands for, which is a whole number up to what was lost when float32
- * became 16 bits: half a step. */
-static uint16_t region_of(uint16_t intensity, const struct geometry *geometry,
-                          const struct region_choice *choice)
-{
-    const double value = geometry->slope * intensity + geometry->intercept;
-    const double step = fabs(geometry->slope), whole = floor(value + 0.5);
-    if (!(fabs(value - whole) <= (step < 0.2 ? step / 2 : 0.1) + 1e-6))
-        return REGION_ODD;
-    return whole >= choice->first && whole <= choice->last ? (uint16_t)whole : REGION_NONE;
-}
-
-/* Replaces intensities by regions, in place. */
-static enum err to_regions(struct volume *map, size_t voxels, const struct region_choice *choice,
-                           struct fault *fault)
-{
-    uint16_t *table = mem_array(VALUES, sizeof *table);
-    size_t i;
-    if (!table)
-        return fault_memory(fault, "a label map");
-    for (i = 0; i < VALUES; i++)
-        table[i] = region_of((uint16_t)i, &map->geometry, choice);
-    for (i = 0; i < voxels && table[map->intensity[i]] != REGION_ODD; i++)
-        map->intensity[i] = table[map->intensity[i]];
-    free(table);
-    if (i == voxels)
-        return OK;
-    const size_t row = map->size[0], plane = row * map->size[1];
-    return fault_set(fault, ERR_INPUT,
-                     "voxel %zu,%zu,%zu of the map holds %g; a label map holds whole numbers; "
-                     "nothing was planted",
-                     i % row, i % plane / row, i / plane,
-                     map->geometry.slope * map->intensity[i] + map->geometry.intercept);
-}
+enum { VALUES = 65536 };
 
 /* One round: what lies outside the scene is outside every region. `goes` has a byte a voxel. */
 static void erode_once(uint16_t *region, uint8_t *goes, const uint32_t size[3])
@@ -359,11 +297,11 @@ enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct 
     struct stock *stock = mem_new(VALUES * sizeof *stock);
     enum err err = stock ? OK : fault_memory(fault, "the regions of a label map");
     if (!err)
-        err = seeds_check_size(map->size, grid, fault);
+        err = map_check_size(map->size, grid, fault);
     if (!err)
-        err = check_axes(map, place, fault);
+        err = map_check_axes(map, place, fault);
     if (!err)
-        err = to_regions(map, grid->voxels, choice, fault);
+        err = map_to_regions(map, choice->first, choice->last, fault);
     for (size_t i = 0; !err && i < grid->voxels; i++)
         stock[map->intensity[i]].before++;
     if (!err)

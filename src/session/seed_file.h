@@ -26,7 +26,7 @@
 #include "base/err.h"
 #include "engine/forest.h"
 #include "engine/grid.h"
-#include "image/nifti.h"
+#include "session/map.h"
 #include "session/session.h"
 
 struct seeds {
@@ -38,7 +38,7 @@ void seeds_release(struct seeds *seeds);
 /* A sum mod 2^64 over the seeds of a mix of (cell, label). */
 uint64_t seeds_digest(const struct seeds *seeds);
 
-enum { LABEL_OWN = -1, REGION_MOST = 65533 };
+enum { LABEL_OWN = -1 };
 
 /* A list: `length` bytes at `text`, and a NUL after them. `label` is given to all seeds, or is
  * LABEL_OWN. On the first line that is wrong, or contradicts another, *seeds stays empty and the
@@ -61,10 +61,6 @@ struct region_tally {
     uint32_t eroded_away; /* that had voxels, and none after erosion; the first of them: */
     uint32_t first_eroded_away;
 };
-
-/* ERR_INPUT where a map of this size does not lie on the scene's grid: to be asked before it is
- * read. */
-enum err seeds_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault);
 
 /* A label map; its intensities are worked over, and of no use afterwards. `place` is the scene's.
  * ERR_INPUT, with *seeds empty, where the map is of another size, runs along other axes, holds what

@@ -15,7 +15,19 @@ void session_init(struct session *session)
         session->settings.visible[label] = true;
     session->settings.adjacency = 6;
     session->settings.weight = (struct weight_choice){.kind = WEIGHT_MORPH, .radius = 1};
+    session->fence = fence_none();
     session_mark(session);
+}
+
+/* What a command replaced is not needed any more. */
+static void forget_former(struct session *session)
+{
+    if (session->mark_fence.mask != session->fence.mask)
+        free(session->mark_fence.mask);
+    free(session->former_weights);
+    session->mark_fence = session->fence;
+    session->mark_fence_tally = session->fence_tally;
+    session->former_weights = NULL;
 }
 
 static void close_scene(struct session *session)
@@ -26,6 +38,9 @@ static void close_scene(struct session *session)
     forest_free(session->forest);
     scene_free(session->scene);
     weight_work_release(&session->weight_work);
+    forget_former(session);
+    free(session->fence.mask);
+    session->fence = session->mark_fence = fence_none();
     session->forest = NULL;
     session->scene = NULL;
     session->has_scene = session->has_rendition = session->rendered = false;
@@ -39,12 +54,15 @@ void session_release(struct session *session)
     *session = (struct session){0};
 }
 
-/* By the choice and adjacency of the settings. */
+/* By the choice, the polarities and the adjacency of the settings. */
 static void weigh(struct session *session)
 {
+    struct arc_rule arcs = {.kind = weight_arcs(session->settings.weight.kind)};
+    memcpy(arcs.polarity, session->settings.polarity, sizeof arcs.polarity);
+    forest_set_arcs(session->forest, &arcs);
     weight_compute(session->scene, forest_adjacency(session->forest), &session->settings.weight,
                    &session->weight_work);
-    session->weight_digest = weight_digest(session->scene);
+    session->weight_digest = weight_digest(session->scene, &arcs);
 }
 
 /* ---- opening ---- */
@@ -153,6 +171,7 @@ enum err session_open(struct session *session, const char *path, struct fault *f
     }
     memcpy(session->border.visible, session->settings.visible, sizeof session->border.visible);
     session->has_scene = true;
+    session->fence_tally = fence_tally(&session->fence, session->scene);
     session->scene_digest = scene_digest(session->scene);
     weigh(session);
     struct view view = view_default(session->scene);
@@ -170,6 +189,7 @@ size_t session_memory(const struct session *session)
     bytes += session->scene->grid.cells * sizeof(struct cell);
     bytes += forest_memory(session->forest) + session->weight_work.capacity;
     bytes += 2 * session->border.words * sizeof(uint64_t);
+    bytes += session->fence.mask ? mask_bytes(&session->scene->grid) : 0;
     if (session->has_rendition)
         bytes += (size_t)session->rendition.width * session->rendition.height * 17;
     return bytes;
@@ -220,11 +240,11 @@ enum err session_eliminate(struct session *session, const uint32_t *cell, size_t
     uint32_t *seed = waiting_seeds(session, &seeds);
     enum err err = seed ? OK : fault_memory(fault, "eliminators");
     for (size_t i = 0; !err && i < count; i++) {
-        const uint64_t key = session->scene->cell[cell[i]].key;
+        const struct cell *at = session->scene->cell + cell[i];
         if (bsearch(&cell[i], seed, seeds, sizeof *seed, compare_cells))
             err = wait_for_run(session, cell[i], EDIT_ERASE, fault);
-        else if (key != KEY_NONE)
-            err = wait_for_run(session, key_root(key), EDIT_ERASE, fault);
+        else if (cell_is_reached(at))
+            err = wait_for_run(session, key_root(at->key), EDIT_ERASE, fault);
     }
     free(seed);
     if (!err && session->pendings == before)
@@ -258,18 +278,25 @@ enum err session_run(struct session *session, struct fault *fault)
     return OK;
 }
 
-/* Weights and forest under the adjacency and the choice of weights of the settings. */
-static enum err compute_again(struct session *session, const struct forest_watch *watch,
-                              struct fault *fault)
+static enum err rebuild(struct session *session, const struct forest_watch *watch,
+                        struct fault *fault)
 {
-    forest_set_adjacency(session->forest, session->settings.adjacency);
-    weigh(session);
     if (forest_seeds(session->forest) == 0)
         return OK; /* no voxel is reached, whatever the weights */
     session->rebuilt_forest = true;
     enum err err = forest_rebuild(session->forest, watch, fault);
     follow_forest(session);
     return err;
+}
+
+/* Weights and forest under the adjacency and the choice of weights of the settings. */
+static enum err compute_again(struct session *session, const struct forest_watch *watch,
+                              struct fault *fault)
+{
+    session->weighed_again = true;
+    forest_set_adjacency(session->forest, session->settings.adjacency);
+    weigh(session);
+    return rebuild(session, watch, fault);
 }
 
 enum err session_set_adjacency(struct session *session, unsigned count, struct fault *fault)
@@ -280,16 +307,168 @@ enum err session_set_adjacency(struct session *session, unsigned count, struct f
     return compute_again(session, session->watch, fault);
 }
 
+/* Before weights out of a file are written over. */
+static enum err keep_weights(struct session *session, struct fault *fault)
+{
+    if (session->settings.weight.kind != WEIGHT_FILE || session->former_weights)
+        return OK;
+    session->former_weights =
+        mem_array(session->scene->grid.voxels, sizeof *session->former_weights);
+    if (!session->former_weights)
+        return fault_memory(fault, "the former weights");
+    weight_copy(session->former_weights, session->scene);
+    return OK;
+}
+
 enum err session_set_weight(struct session *session, const struct weight_choice *choice,
                             struct fault *fault)
 {
     if (weight_choice_equals(choice, &session->settings.weight))
         return OK;
     enum err err = weight_work_reserve(&session->weight_work, &session->scene->grid, choice, fault);
+    if (!err && weight_is_gradient(choice->kind))
+        err = keep_weights(session, fault);
     if (err)
         return err;
     session->settings.weight = *choice;
     return compute_again(session, session->watch, fault);
+}
+
+static void set_words(char words[FILE_WORDS_BYTES], const char *name)
+{
+    memset(words, 0, FILE_WORDS_BYTES);
+    memcpy(words, name, strnlen(name, FILE_WORDS_BYTES - 1));
+}
+
+enum err session_set_weight_map(struct session *session, const char *name, const uint16_t *weight,
+                                struct fault *fault)
+{
+    enum err err = keep_weights(session, fault);
+    if (err)
+        return err;
+    session->settings.weight = (struct weight_choice){.kind = WEIGHT_FILE};
+    set_words(session->settings.weight_file, name);
+    weight_fill(session->scene, weight);
+    return compute_again(session, session->watch, fault);
+}
+
+enum err session_set_polarity(struct session *session, uint8_t label, int8_t percent,
+                              struct fault *fault)
+{
+    if (session->settings.polarity[label] == percent)
+        return OK;
+    session->settings.polarity[label] = percent;
+    return session->settings.weight.kind == WEIGHT_POLARITY
+               ? compute_again(session, session->watch, fault)
+               : OK;
+}
+
+/* ---- the fence ---- */
+
+/* Orders pointers to edits by cell, and those of one cell by their place in the list. */
+static int compare_edits(const void *a, const void *b)
+{
+    const struct edit *const *x = a, *const *y = b;
+    if ((*x)->cell != (*y)->cell)
+        return (*x)->cell < (*y)->cell ? -1 : 1;
+    return *x < *y ? -1 : *x > *y;
+}
+
+/* Voxels outside where a run would plant a seed. */
+static enum err count_waiting_outside(const struct session *session, const struct fence *fence,
+                                      size_t *waiting, struct fault *fault)
+{
+    const struct edit **edit = mem_array(session->pendings, sizeof *edit);
+    size_t count = 0;
+    if (!edit)
+        return fault_memory(fault, "a fence");
+    for (size_t i = 0; i < session->pendings; i++)
+        if (!fence_holds(fence, session->scene, session->pending[i].cell))
+            edit[count++] = &session->pending[i];
+    qsort(edit, count, sizeof *edit, compare_edits);
+    *waiting = 0;
+    for (size_t i = 0; i < count; i++)
+        *waiting +=
+            edit[i]->label != EDIT_ERASE && (i + 1 == count || edit[i + 1]->cell != edit[i]->cell);
+    free(edit);
+    return OK;
+}
+
+static enum err check_fence(const struct session *session, const struct fence *fence,
+                            struct fence_tally *tally, struct fault *fault)
+{
+    size_t waiting = 0;
+    enum err err = count_waiting_outside(session, fence, &waiting, fault);
+    if (err)
+        return err;
+    *tally = fence_tally(fence, session->scene);
+    if (!tally->inside)
+        return fault_set(fault, ERR_INPUT,
+                         "no voxel of the scene would be inside; nothing has changed");
+    if (tally->seeds_outside || waiting)
+        return fault_set(fault, ERR_INPUT,
+                         "%zu planted and %zu waiting seeds would be outside; remove them and run "
+                         "first; nothing has changed",
+                         tally->seeds_outside, waiting);
+    return OK;
+}
+
+/* Takes the fence, which was checked. */
+static enum err put_up(struct session *session, const struct fence *fence,
+                       const struct fence_tally *tally, struct fault *fault)
+{
+    session->fence = *fence;
+    session->fence_tally = *tally;
+    session->fenced_again = true;
+    fence_apply(fence, session->scene);
+    return rebuild(session, session->watch, fault);
+}
+
+enum err session_set_mask(struct session *session, uint64_t *mask, const char *name,
+                          const uint32_t regions[2], struct fault *fault)
+{
+    const struct fence fence = {mask, session->fence.low, session->fence.high};
+    struct fence_tally tally;
+    enum err err = check_fence(session, &fence, &tally, fault);
+    if (err) {
+        free(mask);
+        return err;
+    }
+    set_words(session->settings.mask_file, mask ? name : "");
+    for (int i = 0; i < 2; i++)
+        session->settings.mask_regions[i] = mask ? regions[i] : 0;
+    return put_up(session, &fence, &tally, fault);
+}
+
+/* The intensities whose real values lie in a range; low above high where there are none. */
+static void find_intensities(struct fence *fence, const struct geometry *geometry,
+                             const int64_t thousandths[2])
+{
+    fence->low = UINT16_MAX;
+    fence->high = 0;
+    for (uint32_t i = 0; i <= UINT16_MAX; i++) {
+        const double value = geometry->slope * i + geometry->intercept;
+        if (value < (double)thousandths[0] / 1000 || value > (double)thousandths[1] / 1000)
+            continue;
+        fence->low = i < fence->low ? (uint16_t)i : fence->low;
+        fence->high = (uint16_t)i;
+    }
+}
+
+enum err session_set_range(struct session *session, const int64_t thousandths[2],
+                           struct fault *fault)
+{
+    struct fence fence = {session->fence.mask, 0, UINT16_MAX};
+    struct fence_tally tally;
+    if (thousandths)
+        find_intensities(&fence, &session->geometry, thousandths);
+    enum err err = check_fence(session, &fence, &tally, fault);
+    if (err)
+        return err;
+    session->settings.has_range = thousandths != NULL;
+    for (int i = 0; i < 2; i++)
+        session->settings.range_thousandths[i] = thousandths ? thousandths[i] : 0;
+    return put_up(session, &fence, &tally, fault);
 }
 
 /* ---- what is seen ---- */
@@ -358,6 +537,26 @@ void session_mark(struct session *session)
     session->mark_has_scene = session->has_scene;
     session->mark_rendered = session->rendered;
     session->edited_forest = session->rebuilt_forest = false;
+    session->weighed_again = session->fenced_again = false;
+    forget_former(session);
+}
+
+/* Weights, fence and forest as the settings and the mark have them; not to be cancelled again. */
+static void take_weights_and_fence_back(struct session *session)
+{
+    if (session->fenced_again) {
+        if (session->fence.mask != session->mark_fence.mask)
+            free(session->fence.mask);
+        session->fence = session->mark_fence;
+        session->fence_tally = session->mark_fence_tally;
+        fence_apply(&session->fence, session->scene);
+    }
+    if (session->former_weights)
+        weight_fill(session->scene, session->former_weights);
+    if (session->weighed_again)
+        compute_again(session, NULL, NULL);
+    else if (session->fenced_again)
+        rebuild(session, NULL, NULL);
 }
 
 /*
@@ -379,16 +578,13 @@ void session_rollback(struct session *session)
         memcmp(session->settings.visible, session->mark.visible, sizeof session->mark.visible) != 0;
     bool recolours =
         memcmp(&session->settings.palette, &session->mark.palette, sizeof(struct palette)) != 0;
-    bool weighs_other = session->settings.adjacency != session->mark.adjacency ||
-                        !weight_choice_equals(&session->settings.weight, &session->mark.weight);
     session->settings = session->mark;
     session->pendings = session->mark_pendings;
     if (!session->has_scene)
         return;
     if (session->edited_forest && forest_revert(session->forest, NULL) == OK)
         follow_forest(session);
-    if (weighs_other)
-        compute_again(session, NULL, NULL); /* not to be cancelled again */
+    take_weights_and_fence_back(session);
     if (shows_other) {
         memcpy(session->border.visible, session->mark.visible, sizeof session->border.visible);
         border_recount(&session->border);

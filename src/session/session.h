@@ -22,6 +22,7 @@
 #include "base/crew.h"
 #include "base/err.h"
 #include "engine/border.h"
+#include "engine/fence.h"
 #include "engine/forest.h"
 #include "engine/scene.h"
 #include "engine/weight.h"
@@ -30,7 +31,7 @@
 #include "render/shade.h"
 #include "render/view.h"
 
-enum { LABEL_NAME_BYTES = 32 };
+enum { LABEL_NAME_BYTES = 32, FILE_WORDS_BYTES = 128 };
 
 /* Everything but seeds that a command can change: small enough to copy whole. */
 struct settings {
@@ -41,6 +42,13 @@ struct settings {
     bool runs_by_itself; /* "auto": each edit is run at once */
     unsigned adjacency;  /* 6 or 26 */
     struct weight_choice weight;
+    int8_t polarity[256]; /* of each label, in percent; heeded while the weight is `polarity` */
+
+    /* What to call the fence and weights that came out of files; a long name is cut. */
+    char weight_file[FILE_WORDS_BYTES], mask_file[FILE_WORDS_BYTES]; /* "" for none */
+    uint32_t mask_regions[2];                                        /* first and last */
+    bool has_range;               /* and if so, in real values: */
+    int64_t range_thousandths[2]; /* lowest and highest inside */
 };
 
 struct session {
@@ -55,6 +63,9 @@ struct session {
 
     /* Room for the present weights and for those before, so that taking them back cannot fail. */
     struct weight_work weight_work;
+
+    struct fence fence; /* as applied */
+    struct fence_tally fence_tally;
 
     struct edit *pending; /* seeds and eliminators that wait for a run, in order */
     size_t pendings, pending_capacity;
@@ -71,7 +82,11 @@ struct session {
     size_t mark_pendings;
     bool mark_has_scene, mark_rendered;
     bool edited_forest;  /* forest_revert takes it back */
-    bool rebuilt_forest; /* under another adjacency or other weights */
+    bool rebuilt_forest; /* under another adjacency or fence, or other weights */
+    bool weighed_again, fenced_again;
+    struct fence mark_fence; /* its mask is freed by the next mark, where it is not in use again */
+    struct fence_tally mark_fence_tally;
+    uint16_t *former_weights; /* out of a file, where the command wrote over them, or NULL */
 };
 
 void session_init(struct session *session);
@@ -104,6 +119,22 @@ enum err session_run(struct session *session, struct fault *fault);
 enum err session_set_adjacency(struct session *session, unsigned count, struct fault *fault);
 enum err session_set_weight(struct session *session, const struct weight_choice *choice,
                             struct fault *fault);
+
+/* The same with weights [z][y][x] out of a file called `name`. */
+enum err session_set_weight_map(struct session *session, const char *name, const uint16_t *weight,
+                                struct fault *fault);
+
+/* -100..100 percent; computes the forest again where the weight is `polarity`. */
+enum err session_set_polarity(struct session *session, uint8_t label, int8_t percent,
+                              struct fault *fault);
+
+/* The two parts of the fence. ERR_INPUT where nothing would be inside, or a seed that is planted or
+ * waits would be outside. The mask is the session's from now on, also on error; NULL for none, as
+ * is a NULL range. Both compute the forest again. */
+enum err session_set_mask(struct session *session, uint64_t *mask, const char *name,
+                          const uint32_t regions[2], struct fault *fault);
+enum err session_set_range(struct session *session, const int64_t thousandths[2],
+                           struct fault *fault);
 
 /* ---- what is seen ---- */
 

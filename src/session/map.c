@@ -1,0 +1,118 @@
+#include "session/map.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/file.h"
+#include "base/mem.h"
+
+enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault)
+{
+    const uint32_t *size = grid->size;
+    if (is[0] == size[0] && is[1] == size[1] && is[2] == size[2])
+        return OK;
+    return fault_set(fault, ERR_INPUT,
+                     "the map has %ux%ux%u voxels and the scene %ux%ux%u; a map lies on the "
+                     "scene's grid; nothing has changed",
+                     is[0], is[1], is[2], size[0], size[1], size[2]);
+}
+
+enum err map_check_axes(const struct volume *map, const struct geometry *place, struct fault *fault)
+{
+    const struct geometry *own = &map->geometry;
+    if ((own->sform_code > 0 || own->qform_code > 0) &&
+        (place->sform_code > 0 || place->qform_code > 0))
+        for (int a = 0; a < 3; a++)
+            if (own->world_axis[a] != place->world_axis[a] ||
+                own->world_sign[a] != place->world_sign[a])
+                return fault_set(fault, ERR_INPUT,
+                                 "the voxels of the map run along other axes of the world than the "
+                                 "scene's; bring it to the scene's grid; nothing has changed");
+    return OK;
+}
+
+enum err map_read(struct volume *map, const char *path, const struct grid *grid,
+                  const struct geometry *place, struct fault *fault)
+{
+    uint32_t size[3];
+    enum err err = nifti_size(size, path, fault);
+    if (err)
+        return err;
+    err = map_check_size(size, grid, fault);
+    if (err)
+        return fault_prefix(fault, err, "%s", file_name(path));
+    err = nifti_read(map, path, fault);
+    if (err)
+        return err;
+    err = map_check_size(map->size, grid, fault); /* it may be another file by now */
+    if (!err)
+        err = map_check_axes(map, place, fault);
+    return err ? fault_prefix(fault, err, "%s", file_name(path)) : OK;
+}
+
+/* ---- numbers ---- */
+
+enum { VALUES = 65536, ODD = VALUES };
+
+/* What an intensity stands for is a whole number up to what was lost when float32 became 16 bits:
+ * half a step. */
+static bool whole_number(const struct geometry *geometry, uint16_t intensity, double *whole)
+{
+    const double value = geometry->slope * intensity + geometry->intercept;
+    const double step = fabs(geometry->slope);
+    *whole = floor(value + 0.5);
+    return fabs(value - *whole) <= (step < 0.2 ? step / 2 : 0.1) + 1e-6;
+}
+
+/* Replaces intensities by what the table says, where that is not ODD; `holds` is for the words. */
+static enum err translate(struct volume *map, const uint32_t *table, const char *holds,
+                          struct fault *fault)
+{
+    const size_t row = map->size[0], plane = row * map->size[1], voxels = plane * map->size[2];
+    for (size_t i = 0; i < voxels; i++) {
+        const uint16_t is = map->intensity[i];
+        if (table[is] == ODD)
+            return fault_set(fault, ERR_INPUT,
+                             "voxel %zu,%zu,%zu of the map holds %g; %s; nothing has changed",
+                             i % row, i % plane / row, i / plane,
+                             map->geometry.slope * is + map->geometry.intercept, holds);
+        map->intensity[i] = (uint16_t)table[is];
+    }
+    return OK;
+}
+
+static enum err new_table(uint32_t **table, struct fault *fault)
+{
+    *table = mem_array(VALUES, sizeof **table);
+    return *table ? OK : fault_memory(fault, "a map");
+}
+
+enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct fault *fault)
+{
+    uint32_t *table;
+    enum err err = new_table(&table, fault);
+    for (uint32_t i = 0; !err && i < VALUES; i++) {
+        double n;
+        const bool whole = whole_number(&map->geometry, (uint16_t)i, &n);
+        table[i] = !whole ? (uint32_t)ODD : n >= first && n <= last ? (uint32_t)n : REGION_NONE;
+    }
+    if (!err)
+        err = translate(map, table, "regions are whole numbers", fault);
+    free(table);
+    return err;
+}
+
+enum err map_to_weights(struct volume *map, struct fault *fault)
+{
+    uint32_t *table;
+    enum err err = new_table(&table, fault);
+    for (uint32_t i = 0; !err && i < VALUES; i++) {
+        double n;
+        const bool whole = whole_number(&map->geometry, (uint16_t)i, &n);
+        table[i] = whole && n >= 0 && n <= UINT16_MAX ? (uint32_t)n : (uint32_t)ODD;
+    }
+    if (!err)
+        err = translate(map, table, "weights are whole numbers 0..65535", fault);
+    free(table);
+    return err;
+}

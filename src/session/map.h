@@ -1,0 +1,35 @@
+/*
+ * Maps: NIfTI files on the scene's grid whose voxels hold whole numbers. Label maps, masks,
+ * weights.
+ */
+#ifndef SESSION_MAP_H
+#define SESSION_MAP_H
+
+#include "base/err.h"
+#include "engine/grid.h"
+#include "image/nifti.h"
+
+/* ERR_INPUT where a map of this size does not lie on the scene's grid. */
+enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault);
+
+/* ERR_INPUT where a map runs along other axes of the world than the scene at `place`; where one of
+ * both does not say, it is taken to lie as the other. */
+enum err map_check_axes(const struct volume *map, const struct geometry *place,
+                        struct fault *fault);
+
+/* nifti_read, and both checks; the size is asked before a voxel is read, so that memory is bounded
+ * by the scene. The words of an error name the file. */
+enum err map_read(struct volume *map, const char *path, const struct grid *grid,
+                  const struct geometry *place, struct fault *fault);
+
+enum { REGION_MOST = 65533, REGION_NONE = 65535 };
+
+/* Replaces intensities by the numbers they stand for, in place: those of first..last, at most
+ * REGION_MOST, and REGION_NONE for others. ERR_INPUT, with the map of no use any more, where one is
+ * not whole. */
+enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct fault *fault);
+
+/* Likewise; ERR_INPUT where one is not a whole number 0..65535. */
+enum err map_to_weights(struct volume *map, struct fault *fault);
+
+#endif
