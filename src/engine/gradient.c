@@ -86,13 +86,13 @@ static uint16_t sobel_at(const struct slopes *s, uint32_t x)
     return (uint16_t)(length < WEIGHT_MOST ? length : WEIGHT_MOST);
 }
 
-void sobel_weigh(struct scene *scene, void *work)
+void sobel_weigh(struct scene *scene, struct slab slab, void *work)
 {
     const struct grid *grid = &scene->grid;
     const size_t length = (size_t)grid->size[0] + 2;
     int32_t *rows = work;
     struct slopes slopes = {rows, rows + length, rows + 2 * length};
-    for (uint32_t z = 0; z < grid->size[2]; z++)
+    for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             slopes_of_row(&slopes, scene, y, z);
             struct cell *cell = scene->cell + grid_row(grid, y, z).first;
@@ -144,7 +144,7 @@ struct smoother {
     uint32_t width, height, depth;
     size_t plane;
     uint32_t deep;       /* places for planes of intensities */
-    uint32_t loaded;     /* planes 0..loaded - 1 have come in */
+    uint32_t loaded;     /* planes up to loaded - 1 have come in, from the first that is needed */
     uint64_t *sum;       /* [width] */
     uint32_t *along_z;   /* [plane] */
     uint32_t *smoothed;  /* [3][plane] */
@@ -301,15 +301,16 @@ static void weigh_row(const struct smoother *s, struct scene *scene, uint32_t y,
     }
 }
 
-void gauss_weigh(struct scene *scene, uint32_t sigma_thousandths, void *work)
+void gauss_weigh(struct scene *scene, uint32_t sigma_thousandths, struct slab slab, void *work)
 {
     struct smoother s;
     smoother_init(&s, &scene->grid, sigma_thousandths);
     smoother_place(&s, work);
     s.scene = scene;
-    for (uint32_t z = 0; z < s.depth; z++) {
-        if (z == 0)
-            smooth_plane(&s, 0);
+    s.loaded = held_below(before(slab.first), s.gauss.radius);
+    for (uint32_t z = before(slab.first); z <= slab.first; z++)
+        smooth_plane(&s, z);
+    for (uint32_t z = slab.first; z < slab.end; z++) {
         if (z + 1 < s.depth)
             smooth_plane(&s, z + 1);
         for (uint32_t y = 0; y < s.height; y++)

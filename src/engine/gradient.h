@@ -5,11 +5,13 @@
  * Both are scaled so that a step of height h between two flat halves gives h at the two voxels
  * beside it, along each axis; more than 65535 is 65535. A ramp that rises by g a voxel thus gives
  * 2 g under `sobel`, and more under `gauss`, where a wide ramp is as dear as a step that the
- * smoothing has made as wide. Neither writes anything but cell.weight, nor can fail; the caller
- * brings work memory of the size asked for, aligned for any type.
+ * smoothing has made as wide. Neither writes anything but cell.weight of a slab of planes, nor can
+ * fail; the caller brings work memory of the size asked for, aligned for any type. Slabs may be
+ * weighed side by side.
  *
  * Promises
- *   D1 the weights are a function of size and intensities alone, the same on every machine;
+ *   D1 the weights are a function of size and intensities alone, the same on every machine and
+ *      however the scene is divided into slabs;
  *   D2 mirroring the scene along an axis mirrors its weights.
  */
 #ifndef ENGINE_GRADIENT_H
@@ -26,7 +28,7 @@ uint32_t square_root(uint64_t n);
  * three rows.
  */
 uint64_t sobel_bytes(const struct grid *grid);
-void sobel_weigh(struct scene *scene, void *work);
+void sobel_weigh(struct scene *scene, struct slab slab, void *work);
 
 enum { SIGMA_LEAST = 500, SIGMA_MOST = 8000, GAUSS_RADIUS_MOST = 24 };
 
@@ -57,6 +59,6 @@ void gauss_init(struct gauss *gauss, uint32_t sigma_thousandths);
  * deep, and some rows.
  */
 uint64_t gauss_bytes(const struct grid *grid, uint32_t sigma_thousandths);
-void gauss_weigh(struct scene *scene, uint32_t sigma_thousandths, void *work);
+void gauss_weigh(struct scene *scene, uint32_t sigma_thousandths, struct slab slab, void *work);
 
 #endif

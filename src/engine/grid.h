@@ -76,4 +76,15 @@ static inline struct span grid_row(const struct grid *grid, uint32_t y, uint32_t
     return (struct span){first, first + grid->size[0]};
 }
 
+/* The planes first..end-1 of part `part` of `parts`, which share all planes out evenly. */
+struct slab {
+    uint32_t first, end;
+};
+static inline struct slab grid_slab(const struct grid *grid, unsigned part, unsigned parts)
+{
+    const uint64_t planes = grid->size[2];
+    return (struct slab){(uint32_t)(planes * part / parts),
+                         (uint32_t)(planes * (part + 1) / parts)};
+}
+
 #endif

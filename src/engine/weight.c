@@ -41,15 +41,20 @@ static uint16_t morph_at(const struct cell *cell, const struct adjacency *adjace
     return (uint16_t)(high - low);
 }
 
-void weight_morph(struct scene *scene, const struct adjacency *adjacency)
+static void morph_narrow(struct scene *scene, const struct adjacency *adjacency, struct slab slab)
 {
     const struct grid *grid = &scene->grid;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
+    for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++)
                 scene->cell[c].weight = morph_at(scene->cell + c, adjacency);
         }
+}
+
+void weight_morph(struct scene *scene, const struct adjacency *adjacency)
+{
+    morph_narrow(scene, adjacency, grid_slab(&scene->grid, 0, 1));
 }
 
 /*
@@ -107,12 +112,12 @@ static void merge_around(struct lanes *lanes, const struct scene *scene, bool by
 }
 
 static void morph_wide(struct scene *scene, const struct adjacency *adjacency, uint32_t radius,
-                       void *work)
+                       struct slab slab, void *work)
 {
     const struct grid *grid = &scene->grid;
     const size_t width = grid->size[0], lane_values = (radius + 1) * width;
     struct lanes lanes = {width, work, (uint16_t *)work + lane_values};
-    for (uint32_t z = 0; z < grid->size[2]; z++)
+    for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             memset(work, 0, 2 * lane_values * sizeof(uint16_t));
             merge_around(&lanes, scene, adjacency->count == 6, (int32_t)radius, y, z);
@@ -128,6 +133,11 @@ static void morph_wide(struct scene *scene, const struct adjacency *adjacency, u
 }
 
 /* ---- any ---- */
+
+static unsigned weight_parts(const struct weight_work *work)
+{
+    return work->parts ? work->parts : 1;
+}
 
 void weight_work_release(struct weight_work *work)
 {
@@ -152,42 +162,69 @@ static uint64_t bytes_for(const struct grid *grid, const struct weight_choice *c
     return 0;
 }
 
+/* Room for each part begins on a line of the cache of its own. */
+static uint64_t bytes_for_part(const struct grid *grid, const struct weight_choice *choice)
+{
+    return (bytes_for(grid, choice) + 63) / 64 * 64;
+}
+
 enum err weight_work_reserve(struct weight_work *work, const struct grid *grid,
                              const struct weight_choice *choice, struct fault *fault)
 {
-    const uint64_t needed = bytes_for(grid, choice);
+    const uint64_t needed = bytes_for_part(grid, choice) * weight_parts(work);
     if (needed <= work->capacity)
         return OK;
     void *bytes = needed <= SIZE_MAX ? mem_array((size_t)needed, 1) : NULL;
     if (!bytes)
         return fault_memory(fault, "weights");
     free(work->bytes);
-    *work = (struct weight_work){bytes, (size_t)needed};
+    work->bytes = bytes;
+    work->capacity = (size_t)needed;
     return OK;
 }
 
-void weight_compute(struct scene *scene, const struct adjacency *adjacency,
-                    const struct weight_choice *choice, struct weight_work *work)
+struct weighing {
+    struct scene *scene;
+    const struct adjacency *adjacency;
+    const struct weight_choice *choice;
+    struct weight_work *work;
+};
+
+static void weigh_part(const struct weighing *w, unsigned part, unsigned parts)
 {
-    assert(bytes_for(&scene->grid, choice) <= work->capacity);
-    switch (choice->kind) {
+    const struct slab slab = grid_slab(&w->scene->grid, part, parts);
+    const size_t room = (size_t)bytes_for_part(&w->scene->grid, w->choice);
+    void *bytes = room ? (char *)w->work->bytes + part * room : NULL;
+    if (slab.first == slab.end)
+        return;
+    switch (w->choice->kind) {
     case WEIGHT_MORPH:
-        if (choice->radius > 1)
-            morph_wide(scene, adjacency, choice->radius, work->bytes);
+        if (w->choice->radius > 1)
+            morph_wide(w->scene, w->adjacency, w->choice->radius, slab, bytes);
         else
-            weight_morph(scene, adjacency);
+            morph_narrow(w->scene, w->adjacency, slab);
         break;
     case WEIGHT_SOBEL:
-        sobel_weigh(scene, work->bytes);
+        sobel_weigh(w->scene, slab, bytes);
         break;
     case WEIGHT_GAUSS:
-        gauss_weigh(scene, choice->sigma_thousandths, work->bytes);
+        gauss_weigh(w->scene, w->choice->sigma_thousandths, slab, bytes);
         break;
     case WEIGHT_DIFFERENCE:
     case WEIGHT_POLARITY:
     case WEIGHT_FILE:
         break;
     }
+}
+
+void weight_compute(struct scene *scene, const struct adjacency *adjacency,
+                    const struct weight_choice *choice, struct weight_work *work)
+{
+    const struct weighing weighing = {scene, adjacency, choice, work};
+    const unsigned parts = weight_parts(work);
+    assert(bytes_for_part(&scene->grid, choice) * parts <= work->capacity);
+    for (unsigned part = 0; part < parts; part++)
+        weigh_part(&weighing, part, parts);
 }
 
 void weight_fill(struct scene *scene, const uint16_t *weight)

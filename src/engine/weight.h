@@ -44,6 +44,7 @@ bool weight_choice_equals(const struct weight_choice *a, const struct weight_cho
 struct weight_work {
     void *bytes;
     size_t capacity;
+    unsigned parts; /* slabs of the scene that are weighed apart, each in room of its own; 0 is 1 */
 };
 void weight_work_release(struct weight_work *work);
 
