@@ -493,7 +493,7 @@ static void take_snapshot(struct snapshot *s, const struct desk *desk)
     s->scene = session->scene_digest;
     s->weights = session->weight_digest;
     s->fence = session->fence_tally.digest;
-    CHECK(s->weights == weight_digest(session->scene, forest_arcs(session->forest)));
+    CHECK(s->weights == weight_digest(session->scene, forest_arcs(session->forest), NULL));
     fence_stands(session);
     s->forest = forest_digest(session->forest);
     s->labels = forest_label_digest(session->forest);

@@ -832,7 +832,7 @@ STORY(the_synthetic_scene_is_the_same_everywhere)
     adjacency_init(&six, 6, &scene->grid);
     weight_morph(scene, &six);
     printf("# geom %016" PRIx64 " morph %016" PRIx64 "\n", scene_digest(scene),
-           weight_digest(scene, &(struct arc_rule){0}));
+           weight_digest(scene, &(struct arc_rule){0}, NULL));
     scene_free(scene);
     CHECK(scene_new_geom(&scene, 7, NULL) == OK);
     CHECK_INT(scene->grid.voxels, 31680999);

@@ -134,11 +134,6 @@ static void morph_wide(struct scene *scene, const struct adjacency *adjacency, u
 
 /* ---- any ---- */
 
-static unsigned weight_parts(const struct weight_work *work)
-{
-    return work->parts ? work->parts : 1;
-}
-
 void weight_work_release(struct weight_work *work)
 {
     free(work->bytes);
@@ -171,7 +166,7 @@ static uint64_t bytes_for_part(const struct grid *grid, const struct weight_choi
 enum err weight_work_reserve(struct weight_work *work, const struct grid *grid,
                              const struct weight_choice *choice, struct fault *fault)
 {
-    const uint64_t needed = bytes_for_part(grid, choice) * weight_parts(work);
+    const uint64_t needed = bytes_for_part(grid, choice) * crew_size(work->crew);
     if (needed <= work->capacity)
         return OK;
     void *bytes = needed <= SIZE_MAX ? mem_array((size_t)needed, 1) : NULL;
@@ -190,11 +185,12 @@ struct weighing {
     struct weight_work *work;
 };
 
-static void weigh_part(const struct weighing *w, unsigned part, unsigned parts)
+static void weigh_part(void *context, unsigned worker)
 {
-    const struct slab slab = grid_slab(&w->scene->grid, part, parts);
+    const struct weighing *w = context;
+    const struct slab slab = grid_slab(&w->scene->grid, worker, crew_size(w->work->crew));
     const size_t room = (size_t)bytes_for_part(&w->scene->grid, w->choice);
-    void *bytes = room ? (char *)w->work->bytes + part * room : NULL;
+    void *bytes = room ? (char *)w->work->bytes + worker * room : NULL;
     if (slab.first == slab.end)
         return;
     switch (w->choice->kind) {
@@ -220,11 +216,10 @@ static void weigh_part(const struct weighing *w, unsigned part, unsigned parts)
 void weight_compute(struct scene *scene, const struct adjacency *adjacency,
                     const struct weight_choice *choice, struct weight_work *work)
 {
-    const struct weighing weighing = {scene, adjacency, choice, work};
-    const unsigned parts = weight_parts(work);
-    assert(bytes_for_part(&scene->grid, choice) * parts <= work->capacity);
-    for (unsigned part = 0; part < parts; part++)
-        weigh_part(&weighing, part, parts);
+    struct weighing weighing = {scene, adjacency, choice, work};
+    assert(bytes_for_part(&scene->grid, choice) * crew_size(work->crew) <= work->capacity);
+    if (weight_is_gradient(choice->kind))
+        crew_run(work->crew, weigh_part, &weighing);
 }
 
 void weight_fill(struct scene *scene, const uint16_t *weight)
@@ -259,17 +254,35 @@ static uint64_t rule_digest(const struct arc_rule *arcs)
     return sum;
 }
 
-uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs)
+struct summing {
+    const struct scene *scene;
+    struct crew *crew;
+    uint64_t sum[CREW_MOST];
+};
+
+static void sum_part(void *context, unsigned worker)
 {
-    const struct grid *grid = &scene->grid;
-    uint64_t sum = 0, voxel = 0;
-    if (arcs->kind != ARC_TARGET)
-        return rule_digest(arcs);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
+    struct summing *s = context;
+    const struct grid *grid = &s->scene->grid;
+    const struct slab slab = grid_slab(grid, worker, crew_size(s->crew));
+    uint64_t sum = 0, voxel = (uint64_t)slab.first * grid->size[1] * grid->size[0];
+    for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++)
-                sum += hash_mix(voxel++ << 16 | scene->cell[c].weight);
+                sum += hash_mix(voxel++ << 16 | s->scene->cell[c].weight);
         }
+    s->sum[worker] = sum;
+}
+
+uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs, struct crew *crew)
+{
+    struct summing summing = {.scene = scene, .crew = crew};
+    uint64_t sum = 0;
+    if (arcs->kind != ARC_TARGET)
+        return rule_digest(arcs);
+    crew_run(crew, sum_part, &summing);
+    for (unsigned worker = 0; worker < crew_size(crew); worker++)
+        sum += summing.sum[worker];
     return sum;
 }

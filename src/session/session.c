@@ -62,7 +62,7 @@ static void weigh(struct session *session)
     forest_set_arcs(session->forest, &arcs);
     weight_compute(session->scene, forest_adjacency(session->forest), &session->settings.weight,
                    &session->weight_work);
-    session->weight_digest = weight_digest(session->scene, &arcs);
+    session->weight_digest = weight_digest(session->scene, &arcs, session->crew);
 }
 
 /* ---- opening ---- */
@@ -160,6 +160,7 @@ enum err session_open(struct session *session, const char *path, struct fault *f
         err = forest_new(&session->forest, session->scene, session->settings.adjacency, fault);
     if (!err && (session->crew || crew_new(&session->crew, crew_size_wanted(), NULL) == OK))
         err = forest_set_crew(session->forest, session->crew, fault);
+    session->weight_work.crew = session->crew;
     if (!err)
         err = weight_work_reserve(&session->weight_work, &session->scene->grid,
                                   &session->settings.weight, fault);
