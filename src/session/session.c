@@ -6,6 +6,7 @@
 #include "base/mem.h"
 #include "base/scan.h"
 #include "image/nifti.h"
+#include "session/fencing.h"
 
 void session_init(struct session *session)
 {
@@ -366,54 +367,6 @@ enum err session_set_polarity(struct session *session, uint8_t label, int8_t per
 
 /* ---- the fence ---- */
 
-/* Orders pointers to edits by cell, and those of one cell by their place in the list. */
-static int compare_edits(const void *a, const void *b)
-{
-    const struct edit *const *x = a, *const *y = b;
-    if ((*x)->cell != (*y)->cell)
-        return (*x)->cell < (*y)->cell ? -1 : 1;
-    return *x < *y ? -1 : *x > *y;
-}
-
-/* Voxels outside where a run would plant a seed. */
-static enum err count_waiting_outside(const struct session *session, const struct fence *fence,
-                                      size_t *waiting, struct fault *fault)
-{
-    const struct edit **edit = mem_array(session->pendings, sizeof *edit);
-    size_t count = 0;
-    if (!edit)
-        return fault_memory(fault, "a fence");
-    for (size_t i = 0; i < session->pendings; i++)
-        if (!fence_holds(fence, session->scene, session->pending[i].cell))
-            edit[count++] = &session->pending[i];
-    qsort(edit, count, sizeof *edit, compare_edits);
-    *waiting = 0;
-    for (size_t i = 0; i < count; i++)
-        *waiting +=
-            edit[i]->label != EDIT_ERASE && (i + 1 == count || edit[i + 1]->cell != edit[i]->cell);
-    free(edit);
-    return OK;
-}
-
-static enum err check_fence(const struct session *session, const struct fence *fence,
-                            struct fence_tally *tally, struct fault *fault)
-{
-    size_t waiting = 0;
-    enum err err = count_waiting_outside(session, fence, &waiting, fault);
-    if (err)
-        return err;
-    *tally = fence_tally(fence, session->scene);
-    if (!tally->inside)
-        return fault_set(fault, ERR_INPUT,
-                         "no voxel of the scene would be inside; nothing has changed");
-    if (tally->seeds_outside || waiting)
-        return fault_set(fault, ERR_INPUT,
-                         "%zu planted and %zu waiting seeds would be outside; remove them and run "
-                         "first; nothing has changed",
-                         tally->seeds_outside, waiting);
-    return OK;
-}
-
 /* Takes the fence, which was checked. */
 static enum err put_up(struct session *session, const struct fence *fence,
                        const struct fence_tally *tally, struct fault *fault)
@@ -430,7 +383,8 @@ enum err session_set_mask(struct session *session, uint64_t *mask, const char *n
 {
     const struct fence fence = {mask, session->fence.low, session->fence.high};
     struct fence_tally tally;
-    enum err err = check_fence(session, &fence, &tally, fault);
+    enum err err =
+        fencing_check(&fence, session->scene, session->pending, session->pendings, &tally, fault);
     if (err) {
         free(mask);
         return err;
@@ -441,29 +395,15 @@ enum err session_set_mask(struct session *session, uint64_t *mask, const char *n
     return put_up(session, &fence, &tally, fault);
 }
 
-/* The intensities whose real values lie in a range; low above high where there are none. */
-static void find_intensities(struct fence *fence, const struct geometry *geometry,
-                             const int64_t thousandths[2])
-{
-    fence->low = UINT16_MAX;
-    fence->high = 0;
-    for (uint32_t i = 0; i <= UINT16_MAX; i++) {
-        const double value = geometry->slope * i + geometry->intercept;
-        if (value < (double)thousandths[0] / 1000 || value > (double)thousandths[1] / 1000)
-            continue;
-        fence->low = i < fence->low ? (uint16_t)i : fence->low;
-        fence->high = (uint16_t)i;
-    }
-}
-
 enum err session_set_range(struct session *session, const int64_t thousandths[2],
                            struct fault *fault)
 {
     struct fence fence = {session->fence.mask, 0, UINT16_MAX};
     struct fence_tally tally;
     if (thousandths)
-        find_intensities(&fence, &session->geometry, thousandths);
-    enum err err = check_fence(session, &fence, &tally, fault);
+        fencing_range(&fence, &session->geometry, thousandths);
+    enum err err =
+        fencing_check(&fence, session->scene, session->pending, session->pendings, &tally, fault);
     if (err)
         return err;
     session->settings.has_range = thousandths != NULL;

@@ -1,0 +1,23 @@
+/*
+ * What a fence must fulfil before a session puts it up, and what a range of real values is in
+ * intensities. Nothing is changed here.
+ */
+#ifndef SESSION_FENCING_H
+#define SESSION_FENCING_H
+
+#include "engine/fence.h"
+#include "engine/forest.h"
+#include "image/geometry.h"
+
+/* ERR_INPUT where nothing would be inside, or where seeds would be outside: those planted in the
+ * scene, and those that a run of the pending edits, in their order, would plant. */
+enum err fencing_check(const struct fence *fence, const struct scene *scene,
+                       const struct edit *pending, size_t pendings, struct fence_tally *tally,
+                       struct fault *fault);
+
+/* Makes fence->low..high the intensities whose real values lie in a range, in thousandths; low is
+ * above high where there are none. */
+void fencing_range(struct fence *fence, const struct geometry *geometry,
+                   const int64_t thousandths[2]);
+
+#endif
