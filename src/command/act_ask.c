@@ -21,12 +21,16 @@ static void tell_voxel_weight(struct buf *out, const struct session *session,
                               const struct cell *cell)
 {
     const struct arc_rule *arcs = forest_arcs(session->forest);
-    const struct adjacency *adjacency = forest_adjacency(session->forest);
-    if (arcs->kind == ARC_TARGET)
+    if (arcs->kind == ARC_TARGET) {
         buf_printf(out, "weight %u, ", cell->weight);
-    else if (cell->direction != DIRECTION_NONE)
-        buf_printf(out, "a step of weight %u, ",
-                   arc_weight_now(arcs, cell - adjacency->offset[cell->direction], cell));
+        return;
+    }
+    const struct cell *cells = session->scene->cell;
+    const uint32_t before = cell_is_reached(cell)
+                                ? forest_predecessor(session->forest, (uint32_t)(cell - cells))
+                                : CELL_NONE;
+    if (before != CELL_NONE)
+        buf_printf(out, "a step of weight %u, ", arc_weight_now(arcs, cells + before, cell));
 }
 
 static void tell_voxel(struct buf *out, const struct session *session, uint32_t at)
