@@ -93,41 +93,62 @@ static void change_seeds(struct forest *forest, const struct edit *edit, size_t 
             plant(forest, edit[i].cell, (uint8_t)edit[i].label);
 }
 
-/* Orders pointers to edits by cell, and those of one cell by their place in the batch. */
-static int compare_edits(const void *a, const void *b)
+static int compare_ranks(const void *a, const void *b)
 {
-    const struct edit *const *x = a, *const *y = b;
-    if ((*x)->cell != (*y)->cell)
-        return (*x)->cell < (*y)->cell ? -1 : 1;
-    return *x < *y ? -1 : *x > *y;
+    const uint64_t *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
 }
 
-/* Fills batch with the last edit of each voxel, and inverse with what is there now. */
+static bool is_in_order(const struct edit *edit, size_t count)
+{
+    for (size_t i = 1; i < count; i++)
+        if (edit[i - 1].cell >= edit[i].cell)
+            return false;
+    return true;
+}
+
+/* Fills batch with the last edit of each voxel, in the order of cells. False when out of memory. */
+static bool put_in_order(struct forest *forest, const struct edit *edit, size_t count)
+{
+    uint64_t *rank =
+        mem_array(count, sizeof *rank); /* cell and place in the batch, as one number */
+    if (!rank)
+        return false;
+    for (size_t i = 0; i < count; i++)
+        rank[i] = (uint64_t)edit[i].cell << 32 | i;
+    qsort(rank, count, sizeof *rank, compare_ranks);
+    forest->edits = 0;
+    for (size_t i = 0; i < count; i++)
+        if (i + 1 == count || rank[i + 1] >> 32 != rank[i] >> 32)
+            forest->batch[forest->edits++] = edit[(uint32_t)rank[i]];
+    free(rank);
+    return true;
+}
+
+/* Fills batch, and inverse with what is there now. */
 static enum err prepare(struct forest *forest, const struct edit *edit, size_t count,
                         struct fault *fault)
 {
-    const struct edit **order = mem_array(count, sizeof *order);
-    if (!order ||
-        !mem_grow(&forest->batch, &forest->batch_capacity, count, sizeof *forest->batch) ||
-        !mem_grow(&forest->inverse, &forest->inverse_capacity, count, sizeof *forest->inverse)) {
-        free(order);
+    if (count > UINT32_MAX)
+        return fault_set(fault, ERR_LIMIT, "%zu seeds at once are too many", count);
+    if (!mem_grow(&forest->batch, &forest->batch_capacity, count, sizeof *forest->batch) ||
+        !mem_grow(&forest->inverse, &forest->inverse_capacity, count, sizeof *forest->inverse))
+        return fault_memory(fault, "an edit");
+    if (is_in_order(edit, count)) {
+        forest->edits = count;
+        for (size_t i = 0; i < count; i++)
+            forest->batch[i] = edit[i];
+    } else if (!put_in_order(forest, edit, count)) {
         return fault_memory(fault, "an edit");
     }
-    for (size_t i = 0; i < count; i++)
-        order[i] = edit + i;
-    qsort(order, count, sizeof *order, compare_edits);
-    forest->edits = 0;
-    for (size_t i = 0; i < count; i++) {
-        if (i + 1 < count && order[i + 1]->cell == order[i]->cell)
-            continue;
-        const struct cell *cell = forest->cell + order[i]->cell;
+    for (size_t i = 0; i < forest->edits; i++) {
+        const struct edit *e = forest->batch + i;
+        const struct cell *cell = forest->cell + e->cell;
         assert(!(cell->flags & CELL_RIM));
-        assert(!(cell->flags & CELL_FENCED) || order[i]->label == EDIT_ERASE);
-        int16_t former = cell->flags & CELL_SEED ? cell->label : EDIT_ERASE;
-        forest->batch[forest->edits] = *order[i];
-        forest->inverse[forest->edits++] = (struct edit){order[i]->cell, former};
+        assert(!(cell->flags & CELL_FENCED) || e->label == EDIT_ERASE);
+        forest->inverse[i] =
+            (struct edit){e->cell, cell->flags & CELL_SEED ? cell->label : EDIT_ERASE};
     }
-    free(order);
     return OK;
 }
 
