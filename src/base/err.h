@@ -17,7 +17,7 @@
     X(ERR_IO, 3, "input or output failed")                                                         \
     X(ERR_MEMORY, 3, "out of memory")                                                              \
     X(ERR_LIMIT, 3, "beyond a limit")                                                              \
-    X(ERR_CANCELLED, 3, "cancelled")
+    X(ERR_CANCELLED, 130, "cancelled")
 
 enum err {
 #define ERR_CODE(code, status, name) code,

@@ -5,13 +5,22 @@
 #include <string.h>
 #include <sys/mman.h>
 
-enum { HUGE_FROM = 8 << 20 }; /* below, clearing a huge page costs more than it saves */
+enum {
+    HUGE_FROM = 8 << 20,    /* below, clearing a huge page costs more than it saves */
+    LARGE_FROM = 256 << 20, /* below, nobody asks whether the machine has the memory */
+};
 
 bool (*mem_allows)(size_t bytes);
 
 static bool is_allowed(size_t bytes)
 {
     return !mem_allows || mem_allows(bytes);
+}
+
+/* The kernel gives out addresses that it has no memory for, and kills whoever uses them. */
+static bool is_there(size_t bytes)
+{
+    return bytes < LARGE_FROM || bytes <= mem_available();
 }
 
 void *mem_new(size_t bytes)
@@ -31,7 +40,7 @@ bool size_multiply(size_t a, size_t b, size_t *out)
 void *mem_array(size_t count, size_t size)
 {
     size_t bytes;
-    if (!size_multiply(count, size, &bytes) || !is_allowed(bytes))
+    if (!size_multiply(count, size, &bytes) || !is_allowed(bytes) || !is_there(bytes))
         return NULL;
     return malloc(bytes ? bytes : 1);
 }
@@ -49,6 +58,11 @@ bool mem_grow(void *array, size_t *capacity, size_t needed, size_t size)
     memcpy(&former, array, sizeof former);
     if (!size_multiply(wanted, size, &bytes) || !is_allowed(bytes))
         return false;
+    if (!is_there(bytes - *capacity * size)) { /* an eighth more than needed may still fit */
+        wanted = needed + needed / 8;
+        if (!size_multiply(wanted, size, &bytes) || !is_there(bytes - *capacity * size))
+            return false;
+    }
     void *larger = realloc(former, bytes);
     if (!larger)
         return false;

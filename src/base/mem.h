@@ -19,15 +19,18 @@ extern bool (*mem_allows)(size_t bytes);
 /* One zeroed object of `bytes`, or NULL. Freed by free(). */
 void *mem_new(size_t bytes);
 
-/* An uninitialised array of `count` items of `size` bytes, or NULL. Freed by free(). */
+/* An uninitialised array of `count` items of `size` bytes, or NULL; a large one also where the
+ * machine has not the memory (mem_available). Freed by free(). */
 void *mem_array(size_t count, size_t size);
 
-/* Grows `array` (NULL at first) to hold at least `needed` items, at least doubling. On failure
- * returns false and leaves array and capacity as they were. `array` points at the pointer. */
+/* Grows `array` (NULL at first) to hold at least `needed` items, at least doubling where the
+ * machine has the memory. On failure returns false and leaves array and capacity as they were.
+ * `array` points at the pointer. */
 bool mem_grow(void *array, size_t *capacity, size_t needed, size_t size);
 
 /* `bytes` of zeroed memory on huge pages where the kernel has them, or NULL. Freed by
- * mem_pages_free with the same size. Untouched pages cost nothing. */
+ * mem_pages_free with the same size. Untouched pages cost nothing, so there may be more of them
+ * than the machine has memory. */
 void *mem_pages(size_t bytes);
 void mem_pages_free(void *pages, size_t bytes);
 
