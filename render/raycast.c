@@ -42,7 +42,10 @@ bool raycast_pixel(const struct camera *camera, const struct border *border, uin
 void raycast(struct rendition *r, const struct camera *camera, const struct border *border)
 {
     rendition_clear(r);
-    for (uint32_t y = 0; y < r->height; y++)
+    const uint32_t *size = border->scene->grid.size;
+    const uint64_t row = r->width * ((uint64_t)size[0] + size[1] + size[2]); /* steps at most */
+    struct task task = task_begin(border->scene->watch, "rendition", row * r->height);
+    for (uint32_t y = 0; y < r->height && task_advance(&task, row); y++)
         for (uint32_t x = 0; x < r->width; x++) {
             size_t pixel = (size_t)y * r->width + x;
             raycast_pixel(camera, border, x, y, INT64_MIN, &r->depth[pixel], &r->cell[pixel]);

@@ -39,7 +39,8 @@ void rendition_release(struct rendition *rendition);
 /* Nothing is seen, and every tile is stale. */
 void rendition_clear(struct rendition *rendition);
 
-/* Scene projection and border projection; the rendition has the camera's size. */
+/* Scene projection and border projection; the rendition has the camera's size. These, the ray walk
+ * and shading are done under the scene's watch: what is cut short is of no use. */
 void splat_scene(struct rendition *rendition, const struct camera *camera,
                  const struct border *border);
 void splat_border(struct rendition *rendition, const struct camera *camera,

@@ -214,7 +214,8 @@ void shade(struct rendition *r, const struct camera *camera, const struct border
     struct lamp lamp;
     fill_row_sums(&sums);
     lamp_init(&lamp, camera);
-    for (uint32_t y = 0; y < r->tiles_y; y++)
+    struct task task = task_begin(border->scene->watch, "shading", (uint64_t)r->width * r->height);
+    for (uint32_t y = 0; y < r->tiles_y && task_advance(&task, TILE * r->width); y++)
         for (uint32_t x = 0; x < r->tiles_x; x++) {
             uint8_t *stale = r->stale + (size_t)y * r->tiles_x + x;
             if (*stale)

@@ -118,7 +118,8 @@ static void splat_bits(struct rendition *r, const struct camera *camera,
     struct sight row = {{0, 0, 0}, {0, 0}}; /* of the first voxel of the row at hand */
     uint32_t row_first = 0, row_end = 0;
     rendition_clear(r);
-    for (size_t w = 0; w < border->words; w++)
+    struct task task = task_begin(border->scene->watch, "rendition", grid->cells);
+    for (size_t w = 0; w < border->words && task_advance(&task, 64); w++)
         for (uint64_t word = bits[w]; word; word &= word - 1) {
             uint32_t cell = (uint32_t)(w * 64) + (uint32_t)__builtin_ctzll(word);
             if (front_only && !faces_viewer(camera, border, cell))

@@ -10,11 +10,13 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "command/bench.h"
 #include "command/drive.h"
 #include "journal/log.h"
 #include "session/export.h"
+#include "tui/progress.h"
 #include "tui/repl.h"
 
 static const char usage[] =
@@ -38,7 +40,8 @@ static const char usage[] =
     "    --graphics auto|kitty|sixel|blocks|none\n"
     "    --version\n"
     "\n"
-    "    Exit status: 0 fine, 1 a check failed, 2 bad usage, 3 bad input or I/O.\n";
+    "    Ctrl-C takes the command at hand back; run, -c and replay end with it.\n"
+    "    Exit status: 0 fine, 1 a check failed, 2 bad usage, 3 bad input or I/O, 130 Ctrl-C.\n";
 
 struct options {
     const char *journal, *scene, *out, *commands;
@@ -48,11 +51,67 @@ struct options {
     int words;
 };
 
+/* ---- Ctrl-C, and how far things are ---- */
+
+/* Ctrl-C while a command runs takes the command back. While nothing is being done it ends the
+ * program as it ends any other: whatever was acknowledged is on the disk. */
+static volatile sig_atomic_t interrupted, idle;
+
+static void interrupt(int number)
+{
+    interrupted = 1;
+    if (idle) {
+        signal(number, SIG_DFL);
+        raise(number); /* once the handler has returned */
+    }
+}
+
+/* Not where whoever started us wants it ignored. */
+static void handle_interrupts(void)
+{
+    if (signal(SIGINT, interrupt) == SIG_IGN)
+        signal(SIGINT, SIG_IGN);
+}
+
+static void wait_idly(void *context, bool waits)
+{
+    (void)context;
+    idle = waits;
+}
+
+static struct progress progress;
+
+static bool look(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    static bool taking_back;
+    const bool stop = interrupted;
+    char words[40];
+    (void)context;
+    if (stop && !taking_back)
+        progress.drawn_ns = 0;
+    taking_back = stop;
+    if (stop)
+        snprintf(words, sizeof words, "taking it back%s%s", what ? ": " : "", what ? what : "");
+    if (stop || what)
+        progress_show(&progress, stop ? words : what, done, total, clock_ns());
+    return stop;
+}
+
+static void tell(void *context, const char *line)
+{
+    (void)context;
+    progress_erase(&progress);
+    fprintf(stderr, "%siftty: %s\n", progress.shows ? "\r" : "", line);
+}
+
+static struct watch watch = {.look = look, .tell = tell};
+
 /* ---- printing ---- */
 
 static void say(void *context, const char *text)
 {
     (void)context;
+    progress_erase(&progress);
     fputs(text, stdout);
     fflush(stdout);
 }
@@ -60,6 +119,7 @@ static void say(void *context, const char *text)
 static void complain(void *context, const char *text)
 {
     (void)context;
+    progress_erase(&progress);
     fputs(text, stderr);
 }
 
@@ -80,6 +140,7 @@ static void show_picture(void *context, struct desk *desk)
 
 static int finish(enum err err, const struct fault *fault)
 {
+    progress_erase(&progress);
     if (err && fault->text[0])
         fprintf(stderr, "iftty: %s\n", fault->text);
     if ((fflush(stdout) != 0 || ferror(stdout)) && !err) {
@@ -155,6 +216,7 @@ static enum err begin_desk(struct desk *desk, const struct options *o, struct fa
 {
     struct buf told = {0};
     enum err err = desk_init(desk, fault);
+    desk->session.watch = &watch;
     desk->scene_path = o->scene;
     desk->out_folder = o->out;
     if (!err && o->out)
@@ -163,6 +225,7 @@ static enum err begin_desk(struct desk *desk, const struct options *o, struct fa
         err = desk_resume_journal(desk, o->journal, &told, fault);
     else if (!err && o->journal)
         err = desk_create_journal(desk, o->journal, fault);
+    progress_erase(&progress);
     if (told.length)
         fprintf(stderr, "iftty: %s", buf_text(&told));
     buf_release(&told);
@@ -173,7 +236,8 @@ static enum err run_lines(const struct options *o, FILE *input, const char *name
                           struct fault *fault)
 {
     struct desk desk;
-    const struct teller teller = {(void *)(uintptr_t)o, say, complain, show_picture};
+    const struct teller teller = {(void *)(uintptr_t)o, say, complain, show_picture, wait_idly};
+    handle_interrupts();
     enum err err = begin_desk(&desk, o, fault);
     if (!err) {
         err = drive_script(&desk, input, name, o->keep_going, &teller, fault);
@@ -232,10 +296,11 @@ static enum err program_commands(const struct options *o, struct fault *fault)
 static enum err program_replay(const struct options *o, struct fault *fault)
 {
     struct desk desk;
-    const struct teller teller = {(void *)(uintptr_t)o, say, complain, NULL};
+    const struct teller teller = {(void *)(uintptr_t)o, say, complain, NULL, NULL};
     enum err err = need_files(o, 1, 1, fault);
     if (err)
         return err;
+    handle_interrupts();
     struct options without = *o;
     without.journal = NULL;
     err = begin_desk(&desk, &without, fault);
@@ -247,7 +312,7 @@ static enum err program_replay(const struct options *o, struct fault *fault)
 
 static enum err program_verify(const struct options *o, struct fault *fault)
 {
-    const struct teller teller = {NULL, say, complain, NULL};
+    const struct teller teller = {NULL, say, complain, NULL, NULL};
     enum err err = need_files(o, 1, 1 << 20, fault);
     if (!err && o->out)
         err = file_make_folder(o->out, fault);
@@ -331,23 +396,6 @@ static enum err program_help(const struct options *o, struct fault *fault)
 
 /* ---- the prompt ---- */
 
-/* Ctrl-C while a command runs: the command is taken back, and the session goes on. */
-static volatile sig_atomic_t interrupted;
-
-static void interrupt(int number)
-{
-    (void)number;
-    interrupted = 1;
-}
-
-static bool was_interrupted(void *context, uint64_t served)
-{
-    (void)context, (void)served;
-    return interrupted;
-}
-
-static const struct forest_watch watch = {was_interrupted, NULL};
-
 struct prompt {
     struct desk desk;
     struct reply reply;
@@ -369,10 +417,9 @@ static enum err prompt_execute(void *context, const char *line, struct buf *outp
     struct prompt *prompt = context;
     interrupted = 0;
     enum err err = desk_execute(&prompt->desk, line, &prompt->reply, fault);
+    progress_erase(&progress);
     if (!err)
         buf_add_text(output, buf_text(&prompt->reply.text));
-    if (err == ERR_CANCELLED) /* whoever pressed Ctrl-C need not know where it was noticed */
-        fault_set(fault, err, "cancelled; nothing has changed");
     return err;
 }
 
@@ -384,6 +431,7 @@ static enum err prompt_begin(void *context, struct buf *output, struct fault *fa
     enum err err = OK;
     if (prompt->resumes) {
         err = desk_resume_journal(&prompt->desk, prompt->first, output, fault);
+        progress_erase(&progress);
         if (!err)
             buf_printf(output, "%zu records replayed, every result the same\n",
                        journal_count(prompt->desk.journal));
@@ -453,6 +501,8 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
         return fault_set(fault, ERR_USAGE, "%s is a journal itself and goes on in its own file",
                          prompt.first);
     name_session(&prompt, &journal);
+    if (isatty(STDIN_FILENO)) /* else nobody is there to go on */
+        handle_interrupts();
     enum err err = begin_desk(&prompt.desk, o, fault);
     if (!o->journal && !prompt.resumes)
         prompt.desk.new_journal = buf_text(&journal);
@@ -464,9 +514,6 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
                                    .picture = prompt_picture,
                                    .finished = prompt_finished};
     const struct repl_options how = {o->graphics, NULL};
-    if (isatty(STDIN_FILENO)) /* else nobody is there to go on */
-        signal(SIGINT, interrupt);
-    prompt.desk.session.watch = &watch;
     if (!err)
         err = repl_run(&host, &how, fault);
     if (prompt.desk.journal && isatty(STDOUT_FILENO)) {
@@ -493,6 +540,7 @@ int main(int count, char **word)
     struct options options;
     struct fault fault = {0};
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error that a write returns */
+    progress_init(&progress, STDERR_FILENO);
     for (int i = 1; i < count; i++) {
         if (strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0) {
             fputs(usage, stdout);

@@ -45,7 +45,7 @@ static void make_scene(void)
     geometry_place_plain(&geometry, spacing);
     CHECK(geometry_place(&geometry, to_mm));
     CHECK(nifti_write(place("scene.nii"), FILE_REPLACE, size, &geometry, NIFTI_UINT8, "test",
-                      scene_row, NULL, NULL) == OK);
+                      scene_row, NULL, NULL, NULL) == OK);
 }
 
 static struct reply reply;
@@ -861,7 +861,7 @@ static void journal_verifies(const char *path)
 {
     struct buf told = {0};
     struct desk desk;
-    const struct teller teller = {&told, say_nothing, say_nothing, NULL};
+    const struct teller teller = {&told, say_nothing, say_nothing, NULL, NULL};
     begin_desk(&desk);
     enum err err = drive_replay(&desk, path, &teller, &fault);
     if (!CHECK(err == OK))
@@ -895,7 +895,7 @@ static void make_regions(const char *name, uint32_t x, uint8_t other)
     other_region = other;
     CHECK(geometry_place(&geometry, to_mm));
     CHECK(nifti_write(place(name), FILE_REPLACE, sides, &geometry, NIFTI_UINT8, "test", region_row,
-                      sides, NULL) == OK);
+                      sides, NULL, NULL) == OK);
 }
 
 /* Weights 0..39, and `more`. */
@@ -917,7 +917,7 @@ static void make_weights(const char *name, uint32_t more)
     more_weight = more;
     CHECK(geometry_place(&geometry, to_mm));
     CHECK(nifti_write(place(name), FILE_REPLACE, size, &geometry, NIFTI_UINT16, "test", weight_row,
-                      NULL, NULL) == OK);
+                      NULL, NULL, NULL) == OK);
 }
 
 /* weights.nii with other values of scl_slope and scl_inter, as bytes of two floats. */
@@ -1007,7 +1007,7 @@ static void replay_tells(const char *path, const char *words)
 {
     struct buf told = {0};
     struct desk desk;
-    const struct teller teller = {&told, say_nothing, say_nothing, NULL};
+    const struct teller teller = {&told, say_nothing, say_nothing, NULL, NULL};
     begin_desk(&desk);
     fault = (struct fault){.text = ""};
     CHECK(drive_replay(&desk, path, &teller, &fault) != OK);
@@ -1495,39 +1495,121 @@ STORY(a_journal_knows_its_weights_and_masks_again)
     journal_verifies(path);
 }
 
-static bool always(void *context, uint64_t served)
+/* Stops at the look whose number this is, and says so from then on, as Ctrl-C does. */
+struct looks {
+    unsigned count, stop_at;
+};
+
+static bool after_some_looks(void *context, const char *what, uint64_t done, uint64_t total)
 {
-    ++*(unsigned *)context;
-    return served > 0;
+    struct looks *looks = context;
+    CHECK(!what || !total || done <= total);
+    return looks->count++ >= looks->stop_at;
 }
 
+static void begin_interesting_work(struct desk *desk)
+{
+    begin_desk(desk);
+    must(desk, "open synth:geom:80x64x64");
+    must(desk, "size 64 64");
+    must(desk, "seed 40,32,32 1 radius=2");
+    must(desk, "seed 1,1,1 2");
+    must(desk, "render");
+    must(desk, "remove 1,1,1");
+}
+
+/* How often the watch is asked while a command runs, which is taken back again by opening anew. */
+static unsigned looks_of(struct desk *desk, const char *line)
+{
+    struct looks looks = {0, UINT32_MAX};
+    struct watch watch = {.context = &looks, .look = after_some_looks};
+    desk->session.watch = &watch;
+    CHECK_INT(execute(desk, line), OK);
+    desk_release(desk);
+    begin_interesting_work(desk);
+    return looks.count;
+}
+
+/* Looks further and further apart, and then each of the last ones. */
+static unsigned next_look(unsigned at, unsigned *step, unsigned total)
+{
+    const unsigned last = total > 8 ? total - 8 : 0;
+    if (at >= last)
+        return at + 1;
+    at += *step;
+    *step *= 4;
+    return at < last ? at : last;
+}
+
+/* Stops a command at looks below `total`; returns how often. */
+static unsigned stop_everywhere(struct desk *desk, const char *line, unsigned total,
+                                const struct snapshot *before)
+{
+    struct looks looks;
+    struct watch watch = {.context = &looks, .look = after_some_looks};
+    unsigned stopped = 0;
+    for (unsigned at = 0, step = 1; at < total; at = next_look(at, &step, total), stopped++) {
+        looks = (struct looks){0, at};
+        desk->session.watch = &watch;
+        CHECK_INT(execute(desk, line), ERR_CANCELLED);
+        desk->session.watch = NULL;
+        CHECK_TEXT(fault.text, "cancelled; nothing has changed");
+        is_as_before(before, desk, line);
+    }
+    return stopped;
+}
+
+/* Wherever a command is stopped, early and late, what it has done is taken back. */
 STORY(a_command_that_is_cancelled_is_undone)
 {
-    static const char *const line[] = {"adjacency 26",    "run",          "render",
-                                       "render mode=sp",  "weight sobel", "weight gauss 2",
-                                       "weight polarity", "range 0 300"};
+    static const char *const line[] = {"adjacency 26",
+                                       "run",
+                                       "render",
+                                       "render mode=sp",
+                                       "weight sobel",
+                                       "weight gauss 2",
+                                       "hide 1",
+                                       "weight polarity",
+                                       "save cost x.nii replace=yes",
+                                       "range 0 300"};
+    static const char *const picture[] = {"render mode=sp", "render mode=bp", "render mode=ray"};
     struct desk desk;
     struct snapshot before;
-    unsigned asked = 0;
-    const struct forest_watch watch = {always, &asked};
-    begin_desk(&desk);
-    must(&desk, "open synth:geom");
-    must(&desk, "size 64 64");
-    must(&desk, "seed 100,100,50 1");
-    must(&desk, "seed 1,1,1 2");
-    must(&desk, "render");
-    must(&desk, "remove 1,1,1");
+    unsigned cancelled = 0;
+    begin_interesting_work(&desk);
     take_snapshot(&before, &desk);
-    for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
-        desk.session.watch = &watch;
-        CHECK(execute(&desk, line[i]) == ERR_CANCELLED);
-        desk.session.watch = NULL;
-        is_as_before(&before, &desk, line[i]);
-    }
-    CHECK(asked >= 6);
+    for (size_t i = 0; i < sizeof line / sizeof line[0]; i++)
+        cancelled += stop_everywhere(&desk, line[i], looks_of(&desk, line[i]), &before);
+    CHECK(cancelled > 60);
     must(&desk, "run");
+    must(&desk, "render");
+    take_snapshot(&before, &desk);
+    for (size_t i = 0; i < sizeof picture / sizeof picture[0]; i++) /* with nothing else to do */
+        CHECK(stop_everywhere(&desk, picture[i], 4, &before) == 4);
     CHECK(forest_check(desk.session.forest, NULL));
+    CHECK(border_check(&desk.session.border, NULL));
     desk_release(&desk);
+}
+
+STORY(opening_that_is_cancelled_opens_nothing)
+{
+    static const char *const line[] = {"open synth:geom:120x100x90", "open synth:geom:211",
+                                       "open scene.nii"};
+    struct desk desk;
+    struct looks looks;
+    struct watch watch = {.context = &looks, .look = after_some_looks};
+    for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
+        enum err err = ERR_CANCELLED;
+        begin_desk(&desk);
+        for (unsigned at = 0; err == ERR_CANCELLED; at += 1 + at / 4) {
+            looks = (struct looks){0, at};
+            desk.session.watch = &watch;
+            err = execute(&desk, line[i]);
+            CHECK(err ? !desk.session.has_scene && !desk.session.scene : desk.session.has_scene);
+        }
+        CHECK_INT(err, OK);
+        desk_release(&desk);
+    }
 }
 
 static bool allow_nothing(size_t bytes)
@@ -1599,7 +1681,7 @@ int main(void)
         TELL(a_journal_knows_its_weights_and_masks_again),
         TELL(a_file_that_was_replaced_comes_back),
         TELL(what_the_door_recorded_is_the_same_when_replayed), TELL(random_edits_fail_at_random),
-        TELL(a_command_that_is_cancelled_is_undone),
+        TELL(a_command_that_is_cancelled_is_undone), TELL(opening_that_is_cancelled_opens_nothing),
         TELL(weights_are_named_and_stay_without_memory),
         TELL(a_journal_that_cannot_begin_undoes_the_command));
     reply_release(&reply);

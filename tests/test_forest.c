@@ -826,7 +826,7 @@ STORY(both_adjacencies_hold_each_direction_and_its_opposite)
 STORY(the_synthetic_scene_is_the_same_everywhere)
 {
     struct scene *scene;
-    CHECK(scene_new_geom(&scene, 0, NULL) == OK);
+    CHECK(scene_new_geom(&scene, 0, NULL, NULL) == OK);
     CHECK_INT(scene->grid.voxels, 4000000);
     struct adjacency six;
     adjacency_init(&six, 6, &scene->grid);
@@ -834,7 +834,7 @@ STORY(the_synthetic_scene_is_the_same_everywhere)
     printf("# geom %016" PRIx64 " morph %016" PRIx64 "\n", scene_digest(scene),
            weight_digest(scene, &(struct arc_rule){0}, NULL));
     scene_free(scene);
-    CHECK(scene_new_geom(&scene, 7, NULL) == OK);
+    CHECK(scene_new_geom(&scene, 7, NULL, NULL) == OK);
     CHECK_INT(scene->grid.voxels, 31680999);
     scene_free(scene);
 }

@@ -98,7 +98,7 @@ static struct volume read_made(const struct made *m)
     struct volume v;
     struct fault fault = {0};
     save(plain, m->bytes, m->length);
-    CHECK_INT(nifti_read(&v, plain, &fault), OK);
+    CHECK_INT(nifti_read(&v, plain, NULL, &fault), OK);
     CHECK_TEXT(fault.text, "");
     return v;
 }
@@ -108,7 +108,7 @@ static const char *refusal_of(const char *path)
     static struct fault fault;
     struct volume v;
     fault = (struct fault){0};
-    CHECK(nifti_read(&v, path, &fault) != OK);
+    CHECK(nifti_read(&v, path, NULL, &fault) != OK);
     CHECK(v.intensity == NULL && v.size[0] == 0);
     CHECK(strpbrk(fault.text, "\n\033") == NULL);
     volume_release(&v);
@@ -243,7 +243,7 @@ STORY(gzip_is_told_by_content_not_by_name)
     for (int i = 0; i < 2; i++) {
         struct volume v;
         save_packed(i ? plain : packed, m.bytes, m.length);
-        CHECK_INT(nifti_read(&v, i ? plain : packed, NULL), OK);
+        CHECK_INT(nifti_read(&v, i ? plain : packed, NULL, NULL), OK);
         CHECK(v.intensity && v.intensity[7] == 4711);
         volume_release(&v);
     }
@@ -591,7 +591,7 @@ STORY(a_gzip_bomb_is_inflated_no_further_than_its_voxels)
         gzwrite(file, zeros, sizeof zeros);
     gzclose(file);
     struct volume v;
-    CHECK_INT(nifti_read(&v, packed, NULL),
+    CHECK_INT(nifti_read(&v, packed, NULL, NULL),
               OK); /* the first voxels are fine; nothing more is read */
     volume_release(&v);
 }
@@ -622,7 +622,7 @@ STORY(damaged_files_never_do_harm)
             m.length = check_below(&chance, (uint32_t)m.length + 1);
         const char *path = round % 2 ? plain : packed;
         (round % 2 ? save : save_packed)(path, m.bytes, m.length);
-        if (nifti_read(&v, path, &fault) != OK)
+        if (nifti_read(&v, path, NULL, &fault) != OK)
             CHECK(fault.text[0] != '\0' && v.intensity == NULL);
         volume_release(&v);
     }
@@ -645,7 +645,7 @@ STORY(damaged_gzip_never_does_harm)
         file.data[at] ^= (char)(1 + check_below(&chance, 255));
         save(packed, file.data, file.length);
         /* What a damaged byte does not change (a time, padding) may pass; no voxel ever differs. */
-        if (nifti_read(&v, packed, &fault) == OK)
+        if (nifti_read(&v, packed, NULL, &fault) == OK)
             for (unsigned i = 0; i < VOXELS; i++)
                 CHECK_INT(v.intensity[i], m.bytes[DATA + 2 * i] | m.bytes[DATA + 2 * i + 1] << 8);
         volume_release(&v);
@@ -689,7 +689,7 @@ static enum err write_sample(const char *path, const uint32_t size[3], const str
 {
     struct asked asked = {size, type, 0, true};
     enum err err =
-        nifti_write(path, mode, size, g, type, "iftty \xc3\xa4", give_row, &asked, fault);
+        nifti_write(path, mode, size, g, type, "iftty \xc3\xa4", give_row, &asked, NULL, fault);
     CHECK(asked.in_order);
     CHECK(err || asked.rows == (uint64_t)size[1] * size[2]);
     return err;
@@ -712,7 +712,7 @@ STORY(maps_come_back_as_they_were_written)
             const char *path = zip ? packed : plain;
             struct volume v;
             CHECK_INT(write_sample(path, size, &plain_geometry, type, FILE_REPLACE, NULL), OK);
-            CHECK_INT(nifti_read(&v, path, NULL), OK);
+            CHECK_INT(nifti_read(&v, path, NULL, NULL), OK);
             for (uint32_t i = 0; i < 37 * 11 * 5; i++) {
                 uint32_t e = value_at(i % 37, i / 37 % 11, i / 37 / 11);
                 CHECK_INT(v.intensity[i], wide ? (uint16_t)e : (uint8_t)e);
@@ -756,14 +756,14 @@ STORY(the_place_in_the_world_is_kept)
         }
         struct volume v = read_made(&m), w, only_q;
         CHECK_INT(write_sample(plain, size, &v.geometry, NIFTI_UINT8, FILE_REPLACE, NULL), OK);
-        CHECK_INT(nifti_read(&w, plain, NULL), OK);
+        CHECK_INT(nifti_read(&w, plain, NULL, NULL), OK);
         CHECK_INT(w.geometry.qform_code, 3);
         struct buf file = {0};
         CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
         memset(file.data + SFORM, 0, 2); /* now the qform alone has to say it */
         save(plain, file.data, file.length);
         buf_release(&file);
-        CHECK_INT(nifti_read(&only_q, plain, NULL), OK);
+        CHECK_INT(nifti_read(&only_q, plain, NULL, NULL), OK);
         for (int i = 0; i < 12; i++) {
             double e = v.geometry.to_mm[i / 4][i % 4];
             CHECK(fabs(w.geometry.to_mm[i / 4][i % 4] - e) < 1e-4);
@@ -786,7 +786,7 @@ STORY(a_sheared_matrix_is_kept_by_the_sform_alone)
     put(&m, SFORM, 4, 2);
     struct volume v = read_made(&m), w;
     CHECK_INT(write_sample(plain, size, &v.geometry, NIFTI_UINT8, FILE_REPLACE, NULL), OK);
-    CHECK_INT(nifti_read(&w, plain, NULL), OK);
+    CHECK_INT(nifti_read(&w, plain, NULL, NULL), OK);
     CHECK(memcmp(v.geometry.to_mm, w.geometry.to_mm, sizeof v.geometry.to_mm) == 0);
     CHECK(w.geometry.sform_code == 4 && w.geometry.qform_code == 0);
     volume_release(&v);
@@ -798,7 +798,7 @@ STORY(a_side_too_long_for_nifti_1_makes_nifti_2)
     static const uint32_t size[3] = {40000, 2, 1};
     struct volume v;
     CHECK_INT(write_sample(packed, size, &plain_geometry, NIFTI_UINT16, FILE_REPLACE, NULL), OK);
-    CHECK_INT(nifti_read(&v, packed, NULL), OK);
+    CHECK_INT(nifti_read(&v, packed, NULL, NULL), OK);
     CHECK_INT(v.size[0], 40000);
     CHECK(v.intensity && v.intensity[79999] == (uint16_t)value_at(39999, 1, 0));
     volume_release(&v);

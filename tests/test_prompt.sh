@@ -150,4 +150,18 @@ expect 0 "$iftty" verify s-1.iftty
 same "$(grep -c '^= ' s-1.iftty)" $((records + 1))
 close_story
 
+begin "Ctrl-C while a scene opens: it is not opened, and the prompt goes on"
+enter "clear; $iftty"
+see '^session>$'
+enter "open synth:geom:420x420x340"
+see 'needs 1\.1 GB of memory|error: '
+press C-c
+see '^error: (cancelled; nothing has changed|a scene of)'
+enter "info"
+see '^no scene is open'
+enter "quit"
+sane
+! grep -q '^open' session-1.iftty || fail "what was cancelled is in the journal"
+close_story
+
 finish

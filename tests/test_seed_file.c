@@ -155,7 +155,7 @@ static enum err map_of(const char *digits, const struct grid *grid, struct geome
             map.intensity[n++] = (uint16_t)(*digits - '0');
     CHECK_INT(n, grid->voxels);
     fault = (struct fault){.text = ""};
-    enum err err = seeds_from_map(&seeds, &tally, &map, grid, &plain, choice, &fault);
+    enum err err = seeds_from_map(&seeds, &tally, &map, grid, &plain, choice, NULL, &fault);
     CHECK(err == OK || (seeds.count == 0 && !seeds.edit && strstr(fault.text, "; nothing ")));
     volume_release(&map);
     return err;
@@ -220,7 +220,7 @@ STORY(values_are_what_the_header_makes_of_them)
         const struct grid one = grid_of(1, 1, 1);
         map.intensity[0] = (uint16_t)(value * 65535.0 / 116 + 0.5);
         choice.label = LABEL_OWN;
-        if (CHECK(seeds_from_map(&seeds, &tally, &map, &one, &plain, &choice, &fault) == OK))
+        if (CHECK(seeds_from_map(&seeds, &tally, &map, &one, &plain, &choice, NULL, &fault) == OK))
             CHECK_INT(seeds.edit[0].label, value);
         seeds_release(&seeds);
     }
@@ -345,16 +345,18 @@ STORY(a_map_of_another_grid_is_refused)
     const struct grid grid = grid_of(3, 2, 2);
     uint16_t value[12] = {1, 2};
     struct volume map = {{3, 2, 1}, value, plain};
-    CHECK(seeds_from_map(&seeds, &tally, &map, &grid, &plain, &everything, &fault) == ERR_INPUT);
+    CHECK(seeds_from_map(&seeds, &tally, &map, &grid, &plain, &everything, NULL, &fault) ==
+          ERR_INPUT);
     CHECK_HAS(fault.text, "the map has 3x2x1 voxels and the scene 3x2x2");
     struct geometry place = plain;
     map.size[2] = 2;
     map.geometry.sform_code = place.qform_code = 1;
     map.geometry.world_sign[0] = -1;
-    CHECK(seeds_from_map(&seeds, &tally, &map, &grid, &place, &everything, &fault) == ERR_INPUT);
+    CHECK(seeds_from_map(&seeds, &tally, &map, &grid, &place, &everything, NULL, &fault) ==
+          ERR_INPUT);
     CHECK_HAS(fault.text, "along other axes of the world");
     map.geometry.sform_code = 0; /* a map that says nothing of the world is taken as it is */
-    CHECK(seeds_from_map(&seeds, &tally, &map, &grid, &place, &everything, &fault) == OK);
+    CHECK(seeds_from_map(&seeds, &tally, &map, &grid, &place, &everything, NULL, &fault) == OK);
     CHECK_TEXT(told(&grid), "0,0,0:1 1,0,0:2");
 }
 
@@ -398,7 +400,7 @@ STORY(out_of_memory_gives_no_seeds)
         struct volume map = {{3, 3, 3}, value, plain};
         allowed = n;
         mem_allows = allow_some;
-        enum err err = seeds_from_map(&seeds, &tally, &map, &grid, &plain, &choice, &fault);
+        enum err err = seeds_from_map(&seeds, &tally, &map, &grid, &plain, &choice, NULL, &fault);
         mem_allows = NULL;
         CHECK_INT(err, n < 4 ? ERR_MEMORY : OK);
         CHECK_INT(seeds.count, n < 4 ? 0 : 1);

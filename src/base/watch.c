@@ -6,7 +6,7 @@
 void watch_begin(struct watch *watch)
 {
     if (watch)
-        watch->stopped = watch->deaf = false;
+        watch->deaf = watch->stopped = false;
 }
 
 void watch_deafen(struct watch *watch)
@@ -30,10 +30,10 @@ void watch_tell(struct watch *watch, const char *format, ...)
 
 bool watch_look(struct watch *watch, const char *what, uint64_t done, uint64_t total)
 {
-    if (!watch || watch->stopped)
-        return watch != NULL;
+    if (!watch)
+        return false;
     const bool stop = watch->look(watch->context, what, done, total);
-    watch->stopped = stop && !watch->deaf;
+    watch->stopped = watch->stopped || (stop && !watch->deaf);
     return watch->stopped;
 }
 
@@ -51,12 +51,18 @@ enum err watch_fault(struct watch *watch, struct fault *fault)
 
 struct task task_begin(struct watch *watch, const char *what, uint64_t total)
 {
-    return (struct task){watch, what, 0, total, watch ? TASK_STEP : UINT64_MAX};
+    return task_begin_part(watch, what, total, 0);
+}
+
+struct task task_begin_part(struct watch *watch, const char *what, uint64_t total, uint64_t part)
+{
+    return (struct task){watch, what, 0, total, watch ? TASK_STEP : UINT64_MAX, part > 0};
 }
 
 bool task_look(struct task *task)
 {
-    const bool stop = watch_look(task->watch, task->what, task->done, task->total);
+    const bool stop = task->aside ? task->watch->stopped
+                                  : watch_look(task->watch, task->what, task->done, task->total);
     task->next = stop ? 0 : task->done + TASK_STEP;
     return !stop;
 }

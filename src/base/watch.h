@@ -15,7 +15,8 @@
  *   W1 stopping is sticky: once the watch has said so, every task under it ends at its next step
  *      until watch_begin. So a loop that is cut short may return nothing, and whoever asked for a
  *      whole sequence of them asks watch_stops once at the end, before the outcome is used;
- *   W2 a watch that is `deaf` is told everything and stops nothing: for taking a command back.
+ *   W2 a watch that is `deaf` is told everything and stops nothing: for taking a command back. One
+ *      that has stopped is told as well, by whoever takes back without looking at its answers.
  */
 #ifndef BASE_WATCH_H
 #define BASE_WATCH_H
@@ -33,7 +34,8 @@ struct watch {
     /* A line, without its line feed, that the user is to read before something large begins. May
      * be NULL. */
     void (*tell)(void *context, const char *line);
-    bool stopped, deaf; /* W1, W2 */
+    _Atomic bool stopped; /* W1 */
+    bool deaf;            /* W2 */
 };
 
 /* Any of these may be given NULL, a watch that never stops and to whom nothing is told. */
@@ -53,9 +55,15 @@ struct task {
     struct watch *watch;
     const char *what;
     uint64_t done, total, next;
+    bool aside;
 };
 
 struct task task_begin(struct watch *watch, const char *what, uint64_t total);
+
+/* The part of one of several threads: the first, part 0, has the watch look, as if its own were all
+ * there is; the others only notice that it has stopped. */
+struct task task_begin_part(struct watch *watch, const char *what, uint64_t total, uint64_t part);
+
 bool task_look(struct task *task); /* for task_advance */
 
 /* `units` more are done. False: leave off. */

@@ -181,9 +181,10 @@ ACT(stats)
     const struct session *session = &desk->session;
     const struct grid *grid = &session->scene->grid;
     size_t voxels[256] = {0}, seeds[256] = {0};
-    (void)value, (void)fault;
+    struct task task = task_begin(session->watch, "counting", grid->voxels);
+    (void)value;
     for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
+        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++) {
                 const struct cell *cell = session->scene->cell + c;
@@ -191,6 +192,8 @@ ACT(stats)
                 seeds[cell->label] += cell->flags & CELL_SEED;
             }
         }
+    if (watch_stops(session->watch))
+        return watch_fault(session->watch, fault);
     const uint32_t *nm = session->scene->spacing_nm;
     double ml = nm[0] / 1e6 * (nm[1] / 1e6) * (nm[2] / 1e6) / 1000.0;
     for (unsigned label = 0; label < 256; label++) {

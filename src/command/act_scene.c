@@ -43,7 +43,8 @@ static enum err weigh_by_file(struct desk *desk, const char *name, struct fault 
     if (err)
         fault_prefix(fault, err, "expected " WEIGHT_KINDS " or a file");
     if (!err)
-        err = map_read(&map, buf_text(&path), &session->scene->grid, &session->geometry, fault);
+        err = map_read(&map, buf_text(&path), &session->scene->grid, &session->geometry,
+                       session->watch, fault);
     if (!err)
         err = act_naming(name, map_to_weights(&map, fault), fault);
     if (!err)

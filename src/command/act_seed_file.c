@@ -48,11 +48,12 @@ static enum err read_map(struct seeds *seeds, struct reply *reply, const struct 
         .each = (uint32_t)value[EACH].number,
         .generator = value[GENERATOR].given ? (uint64_t)value[GENERATOR].number : 1,
     };
-    enum err err = map_read(&map, path, &session->scene->grid, &session->geometry, fault);
+    enum err err =
+        map_read(&map, path, &session->scene->grid, &session->geometry, session->watch, fault);
     if (!err)
         err = act_naming(value[FILE_NAME].text,
                          seeds_from_map(seeds, &tally, &map, &session->scene->grid,
-                                        &session->geometry, &choice, fault),
+                                        &session->geometry, &choice, session->watch, fault),
                          fault);
     volume_release(&map);
     if (!err)

@@ -208,7 +208,7 @@ enum err bench_brain(const char *scene, bool json, FILE *out, struct fault *faul
     if (!err)
         err = session_open(session, buf_text(&path), fault);
     if (!err && desk_find_scene(&desk, "aal.nii.gz", &atlas_path, NULL) == OK &&
-        nifti_read(&atlas, buf_text(&atlas_path), NULL) == OK &&
+        nifti_read(&atlas, buf_text(&atlas_path), NULL, NULL) == OK &&
         memcmp(atlas.size, session->scene->grid.size, sizeof atlas.size) != 0)
         volume_release(&atlas);
     if (!err)

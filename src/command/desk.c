@@ -124,7 +124,13 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
         return err;
     command_write(&reply->canonical, &call);
     session_mark(&desk->session);
-    err = act(desk, &call, reply, fault);
+    err = watch_fault(desk->session.watch, fault);
+    if (!err)
+        err = act(desk, &call, reply, fault);
+    if (!err) /* what was cut short, wherever that was, is not recorded */
+        err = watch_fault(desk->session.watch, fault);
+    if (err == ERR_CANCELLED) /* whoever pressed Ctrl-C need not know where it was noticed */
+        fault_set(fault, err, "cancelled; nothing has changed");
     const bool recorded = call.command->flags & COMMAND_RECORDED;
     if (!err && recorded && desk->new_journal && !desk->replays) {
         err = desk_create_journal(desk, desk->new_journal, fault);

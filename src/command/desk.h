@@ -3,7 +3,8 @@
  *
  * Keyboard, script and replay all call desk_execute. A command is carried out, recorded (if it
  * changes something), and only then acknowledged; when the record cannot be written, the session
- * is taken back to before it. Replaying only turns writing off and comparing on.
+ * is taken back to before it, and so it is where session.watch stops it. Replaying only turns
+ * writing off and comparing on.
  */
 #ifndef COMMAND_DESK_H
 #define COMMAND_DESK_H

@@ -68,13 +68,26 @@ static enum err keep_comment(struct desk *desk, const char *line, struct fault *
                                                      : OK;
 }
 
+/* The next line, unless the watch stops: then it is complained about, if nothing else was. */
+static bool next_line(const struct desk *desk, FILE *input, struct buf *line,
+                      const struct teller *teller)
+{
+    if (teller->waits)
+        teller->waits(teller->context, true);
+    const bool is_there = !watch_stops(desk->session.watch) && read_line(input, line);
+    if (teller->waits)
+        teller->waits(teller->context, false);
+    return is_there;
+}
+
 enum err drive_script(struct desk *desk, FILE *input, const char *name, bool keep_going,
                       const struct teller *teller, struct fault *fault)
 {
     struct buf line = {0};
     struct reply reply = {0};
     enum err first = OK;
-    for (size_t number = 1; !desk->finished && read_line(input, &line); number++) {
+    size_t number;
+    for (number = 1; !desk->finished && next_line(desk, input, &line, teller); number++) {
         if (*buf_text(&line) == '=')
             continue;
         enum err err = keep_comment(desk, buf_text(&line), fault);
@@ -83,7 +96,7 @@ enum err drive_script(struct desk *desk, FILE *input, const char *name, bool kee
         if (err) {
             complain(teller, name, number, fault);
             first = first ? first : err;
-            if (!keep_going)
+            if (!keep_going || err == ERR_CANCELLED)
                 break;
         } else if (reply.canonical.length) {
             acknowledge(desk, &reply, teller);
@@ -93,6 +106,10 @@ enum err drive_script(struct desk *desk, FILE *input, const char *name, bool kee
     }
     reply_release(&reply);
     buf_release(&line);
+    if (!first && !desk->finished && watch_fault(desk->session.watch, fault)) {
+        first = fault_set(fault, ERR_CANCELLED, "cancelled before this line");
+        complain(teller, name, number, fault);
+    }
     if (!first && ferror(input))
         return fault_set(fault, ERR_IO, "cannot read %s", name);
     return first;

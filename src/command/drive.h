@@ -16,11 +16,14 @@ struct teller {
     void (*say)(void *context, const char *text);      /* whole lines, to standard output */
     void (*complain)(void *context, const char *text); /* whole lines, to standard error */
     void (*picture)(void *context, struct desk *desk); /* a rendition to be shown; may be NULL */
+    /* Before a line is read, which may take for ever, and after; may be NULL. */
+    void (*waits)(void *context, bool waits);
 };
 
 /* Carries out the lines of `input`, whose name is `name` in messages. Each command is acknowledged
  * by "ok N COMMAND", once it is recorded; what it answers follows, indented. The first error ends
- * the run, unless `keep_going`. Result lines of a journal are skipped. */
+ * the run, unless `keep_going`; where the watch of the session stops a command, or is found to stop
+ * between two, it ends in any case: ERR_CANCELLED. Result lines of a journal are skipped. */
 enum err drive_script(struct desk *desk, FILE *input, const char *name, bool keep_going,
                       const struct teller *teller, struct fault *fault);
 

@@ -61,14 +61,17 @@ void border_recount(struct border *border)
 {
     const struct grid *grid = &border->scene->grid;
     const struct cell *cell = border->scene->cell;
+    struct task task = task_begin(border->scene->watch, "border", 2 * (uint64_t)grid->cells);
     for (size_t w = 0; w + 1 < border->words; w++) {
         uint64_t word = 0;
         size_t end = w * 64 + 64 < grid->cells ? w * 64 + 64 : grid->cells;
         for (size_t c = w * 64; c < end; c++)
             word |= (uint64_t)border->visible[cell[c].label] << (c & 63);
         border->shown[w] = word;
+        if (!task_advance(&task, 64))
+            return;
     }
-    for (size_t w = 0; w + 1 < border->words; w++)
+    for (size_t w = 0; w + 1 < border->words && task_advance(&task, 64); w++)
         border->border[w] = border_word(border, w);
 }
 

@@ -37,7 +37,7 @@ void border_release(struct border *border);
 /* After an edit of the forest. Also right after one whose changes are "everything". */
 void border_update(struct border *border, const struct changes *changes);
 
-/* After `visible` has changed, or to start with: a scan of the scene. */
+/* After `visible` has changed, or to start with: a scan of the scene, under its watch. */
 void border_recount(struct border *border);
 
 static inline bool border_shows(const struct border *border, uint32_t cell)

@@ -92,12 +92,16 @@ void sobel_weigh(struct scene *scene, struct slab slab, void *work)
     const size_t length = (size_t)grid->size[0] + 2;
     int32_t *rows = work;
     struct slopes slopes = {rows, rows + length, rows + 2 * length};
+    struct task task =
+        task_begin_part(scene->watch, "weights", slab_voxels(grid, slab), slab.first);
     for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             slopes_of_row(&slopes, scene, y, z);
             struct cell *cell = scene->cell + grid_row(grid, y, z).first;
             for (uint32_t x = 0; x < grid->size[0]; x++)
                 cell[x].weight = sobel_at(&slopes, x);
+            if (!task_advance(&task, grid->size[0]))
+                return;
         }
 }
 
@@ -307,13 +311,18 @@ void gauss_weigh(struct scene *scene, uint32_t sigma_thousandths, struct slab sl
     smoother_init(&s, &scene->grid, sigma_thousandths);
     smoother_place(&s, work);
     s.scene = scene;
+    struct task task =
+        task_begin_part(scene->watch, "weights", slab_voxels(&scene->grid, slab), slab.first);
     s.loaded = held_below(before(slab.first), s.gauss.radius);
     for (uint32_t z = before(slab.first); z <= slab.first; z++)
         smooth_plane(&s, z);
     for (uint32_t z = slab.first; z < slab.end; z++) {
         if (z + 1 < s.depth)
             smooth_plane(&s, z + 1);
-        for (uint32_t y = 0; y < s.height; y++)
+        for (uint32_t y = 0; y < s.height; y++) {
             weigh_row(&s, scene, y, z);
+            if (!task_advance(&task, s.width))
+                return;
+        }
     }
 }

@@ -87,4 +87,9 @@ static inline struct slab grid_slab(const struct grid *grid, unsigned part, unsi
                          (uint32_t)(planes * (part + 1) / parts)};
 }
 
+static inline uint64_t slab_voxels(const struct grid *grid, struct slab slab)
+{
+    return (uint64_t)grid->size[0] * grid->size[1] * (slab.end - slab.first);
+}
+
 #endif

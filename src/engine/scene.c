@@ -17,17 +17,28 @@ static void scene_clear(struct scene *scene)
     const struct grid *grid = &scene->grid;
     const struct cell rim = {.flags = CELL_RIM, .direction = DIRECTION_NONE};
     const struct cell voxel = {.key = KEY_NONE, .direction = DIRECTION_NONE};
-    fill_with(scene->cell, (size_t)grid->step[2], rim);
-    for (uint32_t z = 0; z < grid->size[2]; z++) {
-        fill_with(scene->cell + (z + 1) * (size_t)grid->step[2], (size_t)grid->step[2], rim);
-        for (uint32_t y = 0; y < grid->size[1]; y++)
-            fill_with(scene->cell + grid_row(grid, y, z).first, grid->size[0], voxel);
-    }
-    fill_with(scene->cell + (grid->size[2] + 1) * (size_t)grid->step[2], (size_t)grid->step[2],
-              rim);
+    struct task task = task_begin(scene->watch, "room for the scene", grid->cells);
+    const size_t row = (size_t)grid->step[1];
+    struct cell *cell = scene->cell;
+    for (uint32_t z = 0; z < grid->size[2] + 2; z++)
+        for (uint32_t y = 0; y < grid->size[1] + 2; y++, cell += row) {
+            const bool outside =
+                z == 0 || z == grid->size[2] + 1 || y == 0 || y == grid->size[1] + 1;
+            fill_with(cell, row, rim);
+            if (!outside)
+                fill_with(cell + 1, grid->size[0], voxel);
+            if (!task_advance(&task, row))
+                return;
+        }
 }
 
 enum err scene_new(struct scene **out, const uint32_t size[3], struct fault *fault)
+{
+    return scene_new_watched(out, size, NULL, fault);
+}
+
+enum err scene_new_watched(struct scene **out, const uint32_t size[3], struct watch *watch,
+                           struct fault *fault)
 {
     *out = NULL;
     struct scene *scene = mem_new(sizeof *scene);
@@ -48,9 +59,14 @@ enum err scene_new(struct scene **out, const uint32_t size[3], struct fault *fau
         scene->world_axis[a] = (int8_t)a;
         scene->world_sign[a] = 1;
     }
+    scene->watch = watch;
     scene_clear(scene);
-    *out = scene;
-    return OK;
+    err = watch_fault(watch, fault);
+    if (err)
+        scene_free(scene);
+    else
+        *out = scene;
+    return err;
 }
 
 void scene_free(struct scene *scene)
@@ -64,11 +80,14 @@ void scene_free(struct scene *scene)
 void scene_fill(struct scene *scene, const uint16_t *intensity)
 {
     const struct grid *grid = &scene->grid;
+    struct task task = task_begin(scene->watch, "intensities", grid->voxels);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++)
                 scene->cell[c].intensity = *intensity++;
+            if (!task_advance(&task, grid->size[0]))
+                return;
         }
 }
 
@@ -83,18 +102,21 @@ uint64_t scene_digest(const struct scene *scene)
         sum += hash_mix_at(a + 6, axis);
     }
     uint64_t voxel = 16;
+    struct task task = task_begin(scene->watch, "digest of the scene", grid->voxels);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++)
                 sum += hash_mix(voxel++ << 16 | scene->cell[c].intensity);
+            if (!task_advance(&task, grid->size[0]))
+                return 0;
         }
     return sum;
 }
 
 /* ---- the synthetic scene ---- */
 
-/* One object of the scene, in voxels of the 200x200x100 base; later ones lie over earlier ones. */
+/* One object of the scene, in voxels of the base; later ones lie over earlier ones. */
 struct solid {
     enum { BALL, BLOCK, TUBE, TORUS } kind;
     int centre[3];
@@ -109,43 +131,144 @@ static const struct solid geom_solid[] = {
     {TUBE, {66, 84, 50}, {9, 40, 0}, 30},      {BALL, {136, 78, 52}, {12, 12, 12}, 235},
 };
 
-static int square(int v)
+const uint32_t geom_size[3] = {200, 200, 100};
+
+/* Places are counted in eighths of a voxel of the base: below 2^11, so that what follows fits 64
+ * bits. */
+enum { EIGHTHS = 8 };
+
+static int64_t square(int64_t v)
 {
     return v * v;
 }
 
-static bool solid_holds(const struct solid *solid, int x, int y, int z)
+/* Whether a place at (dx, dy, dz) from its centre lies in it. Along a line through the
+ * others, dx = 0 is in it if any is, and what is in it is one piece; but for the torus. */
+static bool solid_holds(const struct solid *solid, int64_t dx, int64_t dy, int64_t dz)
 {
-    const int *e = solid->extent;
-    int dx = x - solid->centre[0], dy = y - solid->centre[1], dz = z - solid->centre[2];
+    const int64_t e[3] = {EIGHTHS * solid->extent[0], EIGHTHS * solid->extent[1],
+                          EIGHTHS * solid->extent[2]};
     switch (solid->kind) {
     case BALL: {
-        int64_t xy = (int64_t)square(e[0]) * square(e[1]);
-        int64_t yz = (int64_t)square(e[1]) * square(e[2]);
-        int64_t xz = (int64_t)square(e[0]) * square(e[2]);
+        int64_t xy = square(e[0]) * square(e[1]);
+        int64_t yz = square(e[1]) * square(e[2]);
+        int64_t xz = square(e[0]) * square(e[2]);
         return square(dx) * yz + square(dy) * xz + square(dz) * xy <= xy * square(e[2]);
     }
     case BLOCK:
-        return abs(dx) <= e[0] && abs(dy) <= e[1] && abs(dz) <= e[2];
+        return llabs(dx) <= e[0] && llabs(dy) <= e[1] && llabs(dz) <= e[2];
     case TUBE:
-        return square(dx) + square(dy) <= square(e[0]) && abs(dz) <= e[1];
+        return square(dx) + square(dy) <= square(e[0]) && llabs(dz) <= e[1];
     case TORUS: {
         int64_t p = square(dx) + square(dy) + square(dz) + square(e[0]) - square(e[1]);
-        return p * p <= (int64_t)4 * square(e[0]) * (square(dx) + square(dy));
+        return p * p <= 4 * square(e[0]) * (square(dx) + square(dy));
     }
     }
     return false;
 }
 
-static uint16_t geom_intensity(int x, int y, int z)
+/* How far along x a solid reaches from its centre; -1 where this line does not meet it. */
+static int64_t solid_reach(const struct solid *solid, int64_t dy, int64_t dz)
 {
-    int value = 12 + x / 25 + z / 20; /* a graded background */
+    int64_t least = -1, most = EIGHTHS * (int64_t)geom_size[0];
+    while (least < most) { /* in it at `least`, not beyond `most` */
+        const int64_t middle = (least + most + 1) / 2;
+        if (solid_holds(solid, middle, dy, dz))
+            least = middle;
+        else
+            most = middle - 1;
+    }
+    return least;
+}
+
+/* Where the centre of voxel i of n lies along an axis of the base, in eighths. */
+static int64_t geom_place(uint64_t i, uint32_t n, unsigned axis)
+{
+    return (int64_t)((2 * i + 1) * geom_size[axis] * EIGHTHS / (2 * (uint64_t)n)) - EIGHTHS / 2;
+}
+
+/* Rows of the synthetic scene, of a grid of any size. */
+struct geom_rows {
+    uint32_t size[3];
+    int16_t *place; /* [size[0]], of voxels along x */
+    uint8_t *value; /* [size[0]], without noise */
+};
+
+static enum err geom_rows_init(struct geom_rows *rows, const uint32_t size[3], struct fault *fault)
+{
+    *rows = (struct geom_rows){{size[0], size[1], size[2]}, NULL, NULL};
+    rows->place = mem_array(size[0], sizeof *rows->place);
+    rows->value = mem_array(size[0], sizeof *rows->value);
+    for (uint32_t x = 0; rows->place && x < size[0]; x++)
+        rows->place[x] = (int16_t)geom_place(x, size[0], 0);
+    return rows->place && rows->value ? OK : fault_memory(fault, "the synthetic scene");
+}
+
+static void geom_rows_release(struct geom_rows *rows)
+{
+    free(rows->place);
+    free(rows->value);
+}
+
+static void lay_solid(struct geom_rows *rows, const struct solid *solid, int64_t dy, int64_t dz)
+{
+    const int centre = EIGHTHS * solid->centre[0];
+    const uint8_t value = (uint8_t)solid->intensity;
+    if (solid->kind == TORUS) {
+        if (llabs(dz) > EIGHTHS * solid->extent[1])
+            return;
+        for (uint32_t x = 0; x < rows->size[0]; x++)
+            if (solid_holds(solid, rows->place[x] - centre, dy, dz))
+                rows->value[x] = value;
+        return;
+    }
+    const int reach = (int)solid_reach(solid, dy, dz);
+    for (uint32_t x = 0; reach >= 0 && x < rows->size[0]; x++)
+        rows->value[x] = abs(rows->place[x] - centre) <= reach ? value : rows->value[x];
+}
+
+/* The intensity of each voxel of the row (., y, z), `stride` bytes apart. */
+static void geom_row(struct geom_rows *rows, uint32_t y, uint32_t z, uint16_t *intensity,
+                     size_t stride)
+{
+    const int64_t place_y = geom_place(y, rows->size[1], 1);
+    const int64_t place_z = geom_place(z, rows->size[2], 2);
+    uint64_t voxel = (uint64_t)rows->size[0] * (y + (uint64_t)rows->size[1] * z);
+    for (uint32_t x = 0; x < rows->size[0]; x++) /* a graded background */
+        rows->value[x] = (uint8_t)(12 + rows->place[x] / (25 * EIGHTHS) + place_z / (20 * EIGHTHS));
     for (size_t i = 0; i < sizeof geom_solid / sizeof geom_solid[0]; i++)
-        if (solid_holds(&geom_solid[i], x, y, z))
-            value = geom_solid[i].intensity;
-    uint64_t place = (uint64_t)((z * 200 + y) * 200 + x);
-    value += (int)(hash_mix_at(place, 0) % 9) - 4;
-    return (uint16_t)(value < 0 ? 0 : value);
+        lay_solid(rows, &geom_solid[i], place_y - EIGHTHS * geom_solid[i].centre[1],
+                  place_z - EIGHTHS * geom_solid[i].centre[2]);
+    for (uint32_t x = 0; x < rows->size[0]; x++) {
+        const int value = rows->value[x] + (int)(hash_mix_at(voxel++, 0) % 9) - 4;
+        *intensity = (uint16_t)(value < 0 ? 0 : value);
+        intensity += stride / sizeof *intensity;
+    }
+}
+
+enum err scene_new_geom_of(struct scene **out, const uint32_t size[3], struct watch *watch,
+                           struct fault *fault)
+{
+    struct geom_rows rows;
+    struct scene *scene;
+    *out = NULL;
+    enum err err = scene_new_watched(&scene, size, watch, fault);
+    if (err)
+        return err;
+    err = geom_rows_init(&rows, size, fault);
+    struct task task = task_begin(watch, "synthetic scene", scene->grid.voxels);
+    for (uint32_t z = 0; !err && z < size[2]; z++)
+        for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++)
+            geom_row(&rows, y, z, &scene->cell[grid_row(&scene->grid, y, z).first].intensity,
+                     sizeof *scene->cell);
+    geom_rows_release(&rows);
+    if (!err)
+        err = watch_fault(watch, fault);
+    if (err)
+        scene_free(scene);
+    else
+        *out = scene;
+    return err;
 }
 
 /* The voxel at half steps is the mean, rounded down, of the 1, 2, 4 or 8 base voxels around. */
@@ -160,39 +283,46 @@ static uint16_t geom_between(const uint16_t *base, const uint32_t at[3], unsigne
     for (uint32_t z = low[2]; z <= high[2]; z++)
         for (uint32_t y = low[1]; y <= high[1]; y++)
             for (uint32_t x = low[0]; x <= high[0]; x++, count++)
-                sum += base[(z * 200 + y) * 200 + x];
+                sum += base[(z * geom_size[1] + y) * geom_size[0] + x];
     return (uint16_t)(sum / count);
 }
 
-enum err scene_new_geom(struct scene **out, unsigned doubled, struct fault *fault)
+static enum err geom_base(uint16_t **out, struct fault *fault)
 {
-    uint32_t size[3] = {200, 200, 100};
+    struct geom_rows rows;
+    uint16_t *base = mem_array((size_t)geom_size[0] * geom_size[1] * geom_size[2], sizeof *base);
+    enum err err =
+        base ? geom_rows_init(&rows, geom_size, fault) : fault_memory(fault, "the synthetic scene");
+    *out = base;
+    for (uint32_t z = 0; !err && z < geom_size[2]; z++)
+        for (uint32_t y = 0; y < geom_size[1]; y++)
+            geom_row(&rows, y, z, base + (z * geom_size[1] + y) * geom_size[0], sizeof *base);
+    if (base)
+        geom_rows_release(&rows);
+    return err;
+}
+
+enum err scene_new_geom(struct scene **out, unsigned doubled, struct watch *watch,
+                        struct fault *fault)
+{
+    uint32_t size[3];
+    uint16_t *base;
+    struct scene *scene = NULL;
     *out = NULL;
-    uint16_t *base = mem_array((size_t)size[0] * size[1] * size[2], sizeof *base);
-    if (!base)
-        return fault_memory(fault, "the synthetic scene");
-    uint16_t *next = base;
-    for (int z = 0; z < 100; z++)
-        for (int y = 0; y < 200; y++)
-            for (int x = 0; x < 200; x++)
-                *next++ = geom_intensity(x, y, z);
+    enum err err = geom_base(&base, fault);
     for (unsigned a = 0; a < 3; a++)
-        if (doubled >> a & 1)
-            size[a] = 2 * size[a] - 1;
-    struct scene *scene;
-    enum err err = scene_new(&scene, size, fault);
-    if (err)
-        goto done;
-    for (uint32_t z = 0; z < size[2]; z++)
+        size[a] = doubled >> a & 1 ? 2 * geom_size[a] - 1 : geom_size[a];
+    if (!err)
+        err = scene_new_watched(&scene, size, watch, fault);
+    for (uint32_t z = 0; !err && z < size[2]; z++)
         for (uint32_t y = 0; y < size[1]; y++)
             for (uint32_t x = 0; x < size[0]; x++)
                 scene->cell[grid_cell(&scene->grid, x, y, z)].intensity =
                     geom_between(base, (uint32_t[]){x, y, z}, doubled);
-    for (unsigned a = 0; a < 3; a++)
+    for (unsigned a = 0; !err && a < 3; a++)
         if (doubled >> a & 1)
             scene->spacing_nm[a] = 500000;
-    *out = scene;
-done:
     free(base);
+    *out = scene;
     return err;
 }

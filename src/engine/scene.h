@@ -19,6 +19,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "base/watch.h"
 #include "engine/grid.h"
 #include "engine/key.h"
 
@@ -73,21 +74,34 @@ struct scene {
     uint32_t spacing_nm[3]; /* between voxel centres along x, y, z */
     int8_t world_axis[3];   /* which world axis each voxel axis runs along, and which way: */
     int8_t world_sign[3];   /* world 0 is to the patient's Right, 1 Anterior, 2 Superior */
+    struct watch *watch;    /* of all that goes through the whole scene, which leaves off where it
+                               says so: who asked for it looks at watch_stops. Or NULL */
 };
 
 /* A scene of unreached voxels with intensity 0, spacing 1 mm, axes as the world's. */
 enum err scene_new(struct scene **scene, const uint32_t size[3], struct fault *fault);
+/* The same under a watch; ERR_CANCELLED. */
+enum err scene_new_watched(struct scene **scene, const uint32_t size[3], struct watch *watch,
+                           struct fault *fault);
 void scene_free(struct scene *scene);
 
 /* Copies intensities [z][y][x] in. */
 void scene_fill(struct scene *scene, const uint16_t *intensity);
 
 /*
- * The paper's synthetic scene "geom", 200x200x100 voxels of 8 bits, or with one or more axes
- * interpolated to 2n - 1 voxels: `doubled` has bit a set for axis a. Blocks, balls, a torus and a
+ * The paper's synthetic scene "geom", 200x200x100 voxels of 8 bits: blocks, balls, a torus and a
  * tube of several intensities in a graded field with fixed noise; the same on every machine.
+ *
+ * scene_new_geom has one or more axes interpolated to 2n - 1 voxels: `doubled` has bit a set for
+ * axis a. scene_new_geom_of fills a grid of any size instead: each voxel's centre, to an eighth of
+ * a voxel of the base, decides which solid it is in, and each voxel has noise of its own. Of
+ * 200x200x100 it is the base itself. It is made row by row and takes no memory but a row.
  */
-enum err scene_new_geom(struct scene **scene, unsigned doubled, struct fault *fault);
+extern const uint32_t geom_size[3];
+enum err scene_new_geom(struct scene **scene, unsigned doubled, struct watch *watch,
+                        struct fault *fault);
+enum err scene_new_geom_of(struct scene **scene, const uint32_t size[3], struct watch *watch,
+                           struct fault *fault);
 
 /* SHA-256 would take longer than the forest: this digest is a 64-bit sum over voxels. It covers
  * sizes, spacing, axes and every intensity. */

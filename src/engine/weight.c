@@ -44,11 +44,15 @@ static uint16_t morph_at(const struct cell *cell, const struct adjacency *adjace
 static void morph_narrow(struct scene *scene, const struct adjacency *adjacency, struct slab slab)
 {
     const struct grid *grid = &scene->grid;
+    struct task task =
+        task_begin_part(scene->watch, "weights", slab_voxels(grid, slab), slab.first);
     for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++)
                 scene->cell[c].weight = morph_at(scene->cell + c, adjacency);
+            if (!task_advance(&task, grid->size[0]))
+                return;
         }
 }
 
@@ -117,6 +121,8 @@ static void morph_wide(struct scene *scene, const struct adjacency *adjacency, u
     const struct grid *grid = &scene->grid;
     const size_t width = grid->size[0], lane_values = (radius + 1) * width;
     struct lanes lanes = {width, work, (uint16_t *)work + lane_values};
+    struct task task =
+        task_begin_part(scene->watch, "weights", slab_voxels(grid, slab), slab.first);
     for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             memset(work, 0, 2 * lane_values * sizeof(uint16_t));
@@ -129,6 +135,8 @@ static void morph_wide(struct scene *scene, const struct adjacency *adjacency, u
             struct cell *cell = scene->cell + grid_row(grid, y, z).first;
             for (size_t x = 0; x < width; x++)
                 cell[x].weight = (uint16_t)(lanes.high[x] + lanes.low[x] - 65535);
+            if (!task_advance(&task, width))
+                return;
         }
 }
 
@@ -266,11 +274,15 @@ static void sum_part(void *context, unsigned worker)
     const struct grid *grid = &s->scene->grid;
     const struct slab slab = grid_slab(grid, worker, crew_size(s->crew));
     uint64_t sum = 0, voxel = (uint64_t)slab.first * grid->size[1] * grid->size[0];
+    struct task task = task_begin_part(s->scene->watch, "digest of the weights",
+                                       slab_voxels(grid, slab), slab.first);
     for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++)
                 sum += hash_mix(voxel++ << 16 | s->scene->cell[c].weight);
+            if (!task_advance(&task, grid->size[0]))
+                return;
         }
     s->sum[worker] = sum;
 }

@@ -56,8 +56,9 @@ enum err weight_work_reserve(struct weight_work *work, const struct grid *grid,
                              const struct weight_choice *choice, struct fault *fault);
 
 /*
- * Writes cell.weight of every voxel, where the choice is a gradient; room was reserved. Forest keys
- * that were made under other weights no longer hold; the caller clears them.
+ * Writes cell.weight of every voxel, where the choice is a gradient, under the scene's watch; room
+ * was reserved. Forest keys that were made under other weights no longer hold; the caller clears
+ * them.
  */
 void weight_compute(struct scene *scene, const struct adjacency *adjacency,
                     const struct weight_choice *choice, struct weight_work *work);

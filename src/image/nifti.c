@@ -91,9 +91,10 @@ static enum err source_fault(struct source *source, const char *part, struct fau
 }
 
 static enum err source_read(struct source *source, void *to, size_t length, const char *part,
-                            struct fault *fault)
+                            struct watch *watch, struct fault *fault)
 {
-    const size_t piece_most = (size_t)1 << 30; /* gzread counts in int */
+    const size_t piece_most = 1 << 20; /* gzread counts in int, and the watch wants to look */
+    struct task task = task_begin(watch, "reading", length);
     uint8_t *at = to;
     while (length > 0) {
         unsigned piece = (unsigned)(length < piece_most ? length : piece_most);
@@ -102,6 +103,8 @@ static enum err source_read(struct source *source, void *to, size_t length, cons
             return source_fault(source, part, fault);
         at += n;
         length -= (size_t)n;
+        if (!task_advance(&task, (uint64_t)n))
+            return watch_fault(watch, fault);
     }
     return OK;
 }
@@ -164,12 +167,12 @@ static enum err read_header(struct nifti_header *header, struct source *source, 
                          "not a NIfTI file: %" PRIu64 " bytes; expected at least 348 of header",
                          source->bytes);
     *header = (struct nifti_header){0};
-    enum err err = source_read(source, bytes, NIFTI_LEAST_BYTES, "the header", fault);
+    enum err err = source_read(source, bytes, NIFTI_LEAST_BYTES, "the header", NULL, fault);
     if (!err)
         err = nifti_header_recognise(header, bytes, fault);
     if (!err)
         err = source_read(source, bytes + NIFTI_LEAST_BYTES, header->bytes - NIFTI_LEAST_BYTES,
-                          "the header", fault);
+                          "the header", NULL, fault);
     if (!err)
         nifti_header_decode(header, bytes);
     return err;
@@ -362,7 +365,7 @@ static enum err read_plan(struct volume *volume, struct nifti_header *header, st
 
 static enum err read_voxels(struct volume *volume, const struct nifti_header *header,
                             const struct grid *grid, size_t needed, uint64_t offset,
-                            struct source *source, struct fault *fault)
+                            struct source *source, struct watch *watch, struct fault *fault)
 {
     const size_t held = grid->voxels * sizeof(uint16_t);
     const size_t room = needed > held ? needed : held;
@@ -377,11 +380,13 @@ static enum err read_voxels(struct volume *volume, const struct nifti_header *he
     if (gzseek(source->gz, (z_off_t)offset, SEEK_SET) < 0)
         err = source_fault(source, "the extensions of its header", fault);
     if (!err)
-        err = source_read(source, voxels + (room - needed), needed, "the voxels", fault);
+        err = source_read(source, voxels + (room - needed), needed, "the voxels", watch, fault);
     if (!err && source->packed)
         err = source_end(source, fault);
     if (!err)
         err = convert(voxels, header, grid, &volume->geometry, fault);
+    if (!err)
+        err = watch_fault(watch, fault);
     if (!err && room > held) {
         void *smaller = realloc(voxels, held);
         if (smaller)
@@ -390,7 +395,7 @@ static enum err read_voxels(struct volume *volume, const struct nifti_header *he
     return err;
 }
 
-enum err nifti_read(struct volume *out, const char *path, struct fault *fault)
+enum err nifti_read(struct volume *out, const char *path, struct watch *watch, struct fault *fault)
 {
     struct source source;
     struct nifti_header header;
@@ -403,7 +408,7 @@ enum err nifti_read(struct volume *out, const char *path, struct fault *fault)
         return err;
     err = read_plan(out, &header, &grid, &needed, &offset, &source, fault);
     if (!err)
-        err = read_voxels(out, &header, &grid, needed, offset, &source, fault);
+        err = read_voxels(out, &header, &grid, needed, offset, &source, watch, fault);
     source_close(&source);
     if (err) {
         volume_release(out);
@@ -500,11 +505,15 @@ struct map {
     enum nifti_type type;
     void (*row)(void *context, uint32_t y, uint32_t z, void *values);
     void *context;
+    struct watch *watch;
 };
 
+/* Also false where the watch stops it. */
 static bool put_rows(gzFile gz, const char *path, const struct map *map, void *values)
 {
     const size_t bytes = (size_t)map->size[0] * (size_t)written_type[map->type].bytes;
+    const uint64_t plane = (uint64_t)map->size[0] * map->size[1];
+    struct task task = task_begin(map->watch, "writing", plane * map->size[2]);
     for (uint32_t z = 0; z < map->size[2]; z++)
         for (uint32_t y = 0; y < map->size[1]; y++) {
             map->row(map->context, y, z, values);
@@ -512,7 +521,7 @@ static bool put_rows(gzFile gz, const char *path, const struct map *map, void *v
                 swap_16(values, map->size[0]);
             if (host_is_big_endian() && map->type == NIFTI_UINT32)
                 swap_32(values, map->size[0]);
-            if (!put(gz, path, values, bytes))
+            if (!put(gz, path, values, bytes) || !task_advance(&task, map->size[0]))
                 return false;
         }
     return true;
@@ -546,7 +555,8 @@ static enum err write_draft(const char *draft, const char *path, bool packed, co
         }
         errno = number;
         if (!fine)
-            err = fault_errno(fault, "write", path);
+            err = map->watch && map->watch->stopped ? watch_fault(map->watch, fault)
+                                                    : fault_errno(fault, "write", path);
         if (err)
             file_discard(draft);
     }
@@ -557,10 +567,10 @@ static enum err write_draft(const char *draft, const char *path, bool packed, co
 enum err nifti_write(const char *path, enum file_mode mode, const uint32_t size[3],
                      const struct geometry *geometry, enum nifti_type type, const char *description,
                      void (*row)(void *context, uint32_t y, uint32_t z, void *values),
-                     void *context, struct fault *fault)
+                     void *context, struct watch *watch, struct fault *fault)
 {
     const bool packed = ends_with(path, ".nii.gz");
-    const struct map map = {size, type, row, context};
+    const struct map map = {size, type, row, context, watch};
     uint8_t header[NIFTI_MOST_BYTES + 4];
     struct grid grid;
     struct buf draft = {0};

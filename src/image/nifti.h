@@ -28,6 +28,7 @@
 
 #include "base/err.h"
 #include "base/file.h"
+#include "base/watch.h"
 #include "image/geometry.h"
 
 struct volume {
@@ -36,9 +37,10 @@ struct volume {
     struct geometry geometry;
 };
 
-/* Reads the scene in `path`. On failure *out is empty and the words say what was wrong and what
- * was expected: ERR_INPUT for content, ERR_LIMIT, ERR_IO, ERR_MEMORY. */
-enum err nifti_read(struct volume *out, const char *path, struct fault *fault);
+/* Reads the scene in `path`, under a watch (or NULL). It takes two bytes a voxel, four while
+ * float32 is read. On failure *out is empty and the words say what was wrong and what was expected:
+ * ERR_INPUT for content, ERR_LIMIT, ERR_IO, ERR_MEMORY, ERR_CANCELLED. */
+enum err nifti_read(struct volume *out, const char *path, struct watch *watch, struct fault *fault);
 void volume_release(struct volume *volume);
 
 /* The size of the scene in `path`, from its header alone; refuses what nifti_read would refuse
@@ -48,9 +50,9 @@ enum err nifti_size(uint32_t size[3], const char *path, struct fault *fault);
 enum nifti_type { NIFTI_UINT8, NIFTI_UINT16, NIFTI_UINT32 };
 
 /* Writes a map of `size` voxels, little-endian, as `path`, which ends in .nii or .nii.gz; whole or
- * not at all. `row` is asked for the rows in file order, y faster than z, and fills size[0] values
- * of the type. `description` is cut to what the header holds (79 bytes). The same values give the
- * same bytes: a gzip file carries no time and no name.
+ * not at all, as where the watch (or NULL) stops it. `row` is asked for the rows in file order, y
+ * faster than z, and fills size[0] values of the type. `description` is cut to what the header
+ * holds (79 bytes). The same values give the same bytes: a gzip file carries no time and no name.
  *
  * The sform is to_mm, under the code it was read with (or the qform's, or 1). The qform is written
  * where it can say the same; a sheared matrix has none. NIfTI-1, or NIfTI-2 where a side is longer
@@ -58,6 +60,6 @@ enum nifti_type { NIFTI_UINT8, NIFTI_UINT16, NIFTI_UINT32 };
 enum err nifti_write(const char *path, enum file_mode mode, const uint32_t size[3],
                      const struct geometry *geometry, enum nifti_type type, const char *description,
                      void (*row)(void *context, uint32_t y, uint32_t z, void *values),
-                     void *context, struct fault *fault);
+                     void *context, struct watch *watch, struct fault *fault);
 
 #endif

@@ -94,5 +94,5 @@ enum err export_map(const struct session *session, enum map map, const char *pat
                 [MAP_BORDER] = {NIFTI_UINT8, "iftty border"}};
     struct map_source source = {session, map};
     return nifti_write(path, mode, session->scene->grid.size, &session->geometry, form[map].type,
-                       form[map].description, fill_row, &source, fault);
+                       form[map].description, fill_row, &source, session->watch, fault);
 }

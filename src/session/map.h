@@ -18,9 +18,9 @@ enum err map_check_axes(const struct volume *map, const struct geometry *place,
                         struct fault *fault);
 
 /* nifti_read, and both checks; the size is asked before a voxel is read, so that memory is bounded
- * by the scene. The words of an error name the file. */
+ * by the scene. Watched, as nifti_read is. The words of an error name the file. */
 enum err map_read(struct volume *map, const char *path, const struct grid *grid,
-                  const struct geometry *place, struct fault *fault);
+                  const struct geometry *place, struct watch *watch, struct fault *fault);
 
 enum { REGION_MOST = 65533, REGION_NONE = 65535 };
 

@@ -189,37 +189,50 @@ enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
 
 enum { VALUES = 65536 };
 
-/* One round: what lies outside the scene is outside every region. `goes` has a byte a voxel. */
-static void erode_once(uint16_t *region, uint8_t *goes, const uint32_t size[3])
+/* Which voxels of plane z lose their region: what lies outside the scene is outside every
+ * region. */
+static void judge_plane(bool *goes, const uint16_t *region, const uint32_t size[3], uint32_t z)
 {
-    const size_t row = size[0], plane = row * size[1], voxels = plane * size[2];
-    size_t i = 0;
-    for (uint32_t z = 0; z < size[2]; z++)
-        for (uint32_t y = 0; y < size[1]; y++) {
-            const bool rim = z == 0 || z + 1 == size[2] || y == 0 || y + 1 == size[1];
-            for (uint32_t x = 0; x < size[0]; x++, i++) {
-                const uint16_t r = region[i];
-                goes[i] = r != REGION_NONE &&
-                          (rim || x == 0 || x + 1 == size[0] || region[i - 1] != r ||
-                           region[i + 1] != r || region[i - row] != r || region[i + row] != r ||
-                           region[i - plane] != r || region[i + plane] != r);
-            }
+    const size_t row = size[0], plane = row * size[1];
+    size_t i = plane * z;
+    for (uint32_t y = 0; y < size[1]; y++) {
+        const bool rim = z == 0 || z + 1 == size[2] || y == 0 || y + 1 == size[1];
+        for (uint32_t x = 0; x < size[0]; x++, i++) {
+            const uint16_t r = region[i];
+            *goes++ = r != REGION_NONE &&
+                      (rim || x == 0 || x + 1 == size[0] || region[i - 1] != r ||
+                       region[i + 1] != r || region[i - row] != r || region[i + row] != r ||
+                       region[i - plane] != r || region[i + plane] != r);
         }
-    for (i = 0; i < voxels; i++)
-        region[i] = goes[i] ? REGION_NONE : region[i];
+    }
 }
 
-static enum err erode(struct volume *map, size_t voxels, unsigned rounds, struct fault *fault)
+/* One round. A plane is changed when the next has been judged. `goes` has room for two planes. */
+static void erode_once(uint16_t *region, bool *goes, const uint32_t size[3], struct watch *watch)
+{
+    const size_t plane = (size_t)size[0] * size[1];
+    struct task task = task_begin(watch, "erosion", plane * size[2]);
+    for (uint32_t z = 0; z <= size[2] && task_advance(&task, z ? plane : 0); z++) {
+        if (z < size[2])
+            judge_plane(goes + z % 2 * plane, region, size, z);
+        const bool *former = goes + (z + 1) % 2 * plane;
+        uint16_t *at = z ? region + plane * (z - 1) : region;
+        for (size_t i = 0; z > 0 && i < plane; i++)
+            at[i] = former[i] ? REGION_NONE : at[i];
+    }
+}
+
+static enum err erode(struct volume *map, unsigned rounds, struct watch *watch, struct fault *fault)
 {
     if (rounds == 0)
         return OK;
-    uint8_t *goes = mem_array(voxels, 1);
+    bool *goes = mem_array(2 * (size_t)map->size[0] * map->size[1], sizeof *goes);
     if (!goes)
         return fault_memory(fault, "the erosion of a label map");
     for (unsigned i = 0; i < rounds; i++)
-        erode_once(map->intensity, goes, map->size);
+        erode_once(map->intensity, goes, map->size, watch);
     free(goes);
-    return OK;
+    return watch_fault(watch, fault);
 }
 
 /* Of one region. */
@@ -267,7 +280,7 @@ static bool draw(struct stock *stock, uint16_t region, uint64_t generator)
 
 static enum err draw_all(struct seeds *seeds, struct stock *stock, const struct volume *map,
                          const struct grid *grid, const struct region_choice *choice,
-                         struct fault *fault)
+                         struct watch *watch, struct fault *fault)
 {
     size_t total = 0;
     for (uint32_t r = choice->first; r <= choice->last; r++) {
@@ -279,19 +292,21 @@ static enum err draw_all(struct seeds *seeds, struct stock *stock, const struct 
     if (!seeds->edit)
         return fault_memory(fault, "the seeds of a label map");
     const uint16_t *at = map->intensity;
+    struct task task = task_begin(watch, "drawing seeds", grid->voxels);
     for (uint32_t z = 0; z < map->size[2]; z++)
-        for (uint32_t y = 0; y < map->size[1]; y++)
+        for (uint32_t y = 0; y < map->size[1] && task_advance(&task, map->size[0]); y++)
             for (uint32_t x = 0; x < map->size[0]; x++, at++)
                 if (*at != REGION_NONE && draw(&stock[*at], *at, choice->generator))
                     seeds->edit[seeds->count++] =
                         (struct edit){grid_cell(grid, x, y, z),
                                       (int16_t)(choice->label == LABEL_OWN ? *at : choice->label)};
-    return OK;
+    return watch_fault(watch, fault);
 }
 
 enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct volume *map,
                         const struct grid *grid, const struct geometry *place,
-                        const struct region_choice *choice, struct fault *fault)
+                        const struct region_choice *choice, struct watch *watch,
+                        struct fault *fault)
 {
     *seeds = (struct seeds){0};
     struct stock *stock = mem_new(VALUES * sizeof *stock);
@@ -305,13 +320,15 @@ enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct 
     for (size_t i = 0; !err && i < grid->voxels; i++)
         stock[map->intensity[i]].before++;
     if (!err)
-        err = erode(map, grid->voxels, choice->erode, fault);
+        err = erode(map, choice->erode, watch, fault);
     for (size_t i = 0; !err && i < grid->voxels; i++)
         stock[map->intensity[i]].left++;
     if (!err)
         err = check_stock(stock, choice, tally, fault);
     if (!err)
-        err = draw_all(seeds, stock, map, grid, choice, fault);
+        err = draw_all(seeds, stock, map, grid, choice, watch, fault);
+    if (err)
+        seeds_release(seeds);
     free(stock);
     return err;
 }

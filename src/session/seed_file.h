@@ -64,9 +64,10 @@ struct region_tally {
 
 /* A label map; its intensities are worked over, and of no use afterwards. `place` is the scene's.
  * ERR_INPUT, with *seeds empty, where the map is of another size, runs along other axes, holds what
- * is no label, or nothing is left to plant. */
+ * is no label, or nothing is left to plant; also where the watch (or NULL) stops it. */
 enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct volume *map,
                         const struct grid *grid, const struct geometry *place,
-                        const struct region_choice *choice, struct fault *fault);
+                        const struct region_choice *choice, struct watch *watch,
+                        struct fault *fault);
 
 #endif

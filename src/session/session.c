@@ -8,6 +8,8 @@
 #include "image/nifti.h"
 #include "session/fencing.h"
 
+static const uint64_t ANNOUNCED_FROM = 1000000000; /* bytes */
+
 void session_init(struct session *session)
 {
     *session = (struct session){0};
@@ -56,7 +58,7 @@ void session_release(struct session *session)
 }
 
 /* By the choice, the polarities and the adjacency of the settings. */
-static void weigh(struct session *session)
+static enum err weigh(struct session *session, struct fault *fault)
 {
     struct arc_rule arcs = {.kind = weight_arcs(session->settings.weight.kind)};
     memcpy(arcs.polarity, session->settings.polarity, sizeof arcs.polarity);
@@ -64,6 +66,7 @@ static void weigh(struct session *session)
     weight_compute(session->scene, forest_adjacency(session->forest), &session->settings.weight,
                    &session->weight_work);
     session->weight_digest = weight_digest(session->scene, &arcs, session->crew);
+    return watch_fault(session->watch, fault);
 }
 
 /* ---- opening ---- */
@@ -72,47 +75,76 @@ uint64_t session_bytes_for(const uint32_t size[3])
 {
     uint64_t cells = 1;
     for (int a = 0; a < 3; a++)
-        cells *= (uint64_t)size[a] + 2;
+        if (__builtin_mul_overflow(cells, (uint64_t)size[a] + 2, &cells) || cells > UINT64_MAX / 32)
+            return UINT64_MAX;
     /* Cells; two bits; a sixteenth of the scene as changes; the queue's crest, at most two voxels
      * of three bytes in practice; two bytes while a file is read. */
     return cells * sizeof(struct cell) + cells / 4 + cells / 2 + cells * 2;
 }
 
-static enum err check_memory(const uint32_t size[3], struct fault *fault)
+/* Says what a large scene will take; refuses one that there is no memory for. */
+static enum err check_memory(const uint32_t size[3], struct watch *watch, struct fault *fault)
 {
-    uint64_t needed = session_bytes_for(size), free_bytes = mem_available();
-    if (needed <= free_bytes)
-        return OK;
-    return fault_set(fault, ERR_LIMIT,
-                     "a scene of %ux%ux%u voxels needs %.1f GB of memory and %.1f GB are free; "
-                     "nothing was opened",
-                     size[0], size[1], size[2], (double)needed / 1e9, (double)free_bytes / 1e9);
+    const uint64_t needed = session_bytes_for(size), available = mem_available();
+    if (needed > available)
+        return fault_set(fault, ERR_LIMIT,
+                         "a scene of %ux%ux%u voxels needs %.1f GB of memory and %.1f GB are free; "
+                         "nothing was opened",
+                         size[0], size[1], size[2], (double)needed / 1e9, (double)available / 1e9);
+    if (needed >= ANNOUNCED_FROM)
+        watch_tell(watch, "%ux%ux%u voxels: needs %.1f GB of memory, %.1f GB are free", size[0],
+                   size[1], size[2], (double)needed / 1e9, (double)available / 1e9);
+    return OK;
 }
 
-/* "synth:geom" or "synth:geom:XYZ"; bit a of *doubled for a 2 in place a. */
-static bool scan_geom(const char *path, unsigned *doubled)
+/* "synth:geom"; "synth:geom:XYZ", bit a of *doubled for a 2 in place a; or "synth:geom:NXxNYxNZ",
+ * where *doubled is GEOM_SIZED. */
+enum { GEOM_SIZED = 8 };
+static bool scan_geom(const char *path, unsigned *doubled, uint32_t size[3])
 {
     *doubled = 0;
+    memcpy(size, geom_size, sizeof geom_size);
     if (!scan_text(&path, "synth:geom"))
         return false;
     if (*path == '\0')
         return true;
-    if (*path++ != ':' || strlen(path) != 3 || strspn(path, "12") != 3)
+    if (*path++ != ':')
         return false;
-    for (unsigned a = 0; a < 3; a++)
-        *doubled |= (unsigned)(path[a] == '2') << a;
-    return true;
+    if (strlen(path) == 3 && strspn(path, "12") == 3) {
+        for (unsigned a = 0; a < 3; a++)
+            if (path[a] == '2') {
+                *doubled |= 1u << a;
+                size[a] = 2 * size[a] - 1;
+            }
+        return true;
+    }
+    *doubled = GEOM_SIZED;
+    for (unsigned a = 0; a < 3; a++) {
+        int64_t n;
+        if ((a > 0 && !scan_text(&path, "x")) || !scan_integer(&path, 1, UINT32_MAX, &n))
+            return false;
+        size[a] = (uint32_t)n;
+    }
+    return *path == '\0';
 }
 
 static enum err open_synthetic(struct session *session, const char *path, struct fault *fault)
 {
     unsigned doubled;
-    if (!scan_geom(path, &doubled))
+    uint32_t size[3];
+    struct grid grid;
+    if (!scan_geom(path, &doubled, size))
         return fault_set(fault, ERR_INPUT,
-                         "expected synth:geom or synth:geom:XYZ with each of X, Y, Z 1 or 2, "
-                         "not %s; nothing was opened",
+                         "expected synth:geom, synth:geom:XYZ with each of X, Y, Z 1 or 2, or "
+                         "synth:geom:NXxNYxNZ in voxels, not %s; nothing was opened",
                          path);
-    enum err err = scene_new_geom(&session->scene, doubled, fault);
+    enum err err = grid_init(&grid, size, fault);
+    if (!err)
+        err = check_memory(size, session->watch, fault);
+    if (!err && doubled == GEOM_SIZED)
+        err = scene_new_geom_of(&session->scene, size, session->watch, fault);
+    else if (!err)
+        err = scene_new_geom(&session->scene, doubled, session->watch, fault);
     if (err)
         return err;
     double spacing_mm[3];
@@ -131,11 +163,11 @@ static enum err open_file(struct session *session, const char *path, struct faul
     uint32_t size[3];
     enum err err = nifti_size(size, path, fault);
     if (!err)
-        err = check_memory(size, fault);
+        err = check_memory(size, session->watch, fault);
     if (!err)
-        err = nifti_read(&volume, path, fault);
+        err = nifti_read(&volume, path, session->watch, fault);
     if (!err)
-        err = scene_new(&session->scene, volume.size, fault);
+        err = scene_new_watched(&session->scene, volume.size, session->watch, fault);
     if (!err) {
         struct scene *scene = session->scene;
         session->geometry = volume.geometry;
@@ -175,9 +207,10 @@ enum err session_open(struct session *session, const char *path, struct fault *f
     session->has_scene = true;
     session->fence_tally = fence_tally(&session->fence, session->scene);
     session->scene_digest = scene_digest(session->scene);
-    weigh(session);
+    err = weigh(session, fault);
     struct view view = view_default(session->scene);
-    err = session_set_view(session, &view, fault);
+    if (!err)
+        err = session_set_view(session, &view, fault);
     if (err)
         close_scene(session);
     return err;
@@ -255,6 +288,18 @@ enum err session_eliminate(struct session *session, const uint32_t *cell, size_t
     return err;
 }
 
+/* How the forest's passes are watched. */
+struct lookout {
+    struct watch *watch;
+    uint64_t voxels; /* to be served; 0 where nobody knows */
+};
+
+static bool look(void *context, uint64_t served)
+{
+    const struct lookout *lookout = context;
+    return watch_look(lookout->watch, "forest", served, lookout->voxels);
+}
+
 /* Border and rendition after a change of the forest (S2). */
 static void follow_forest(struct session *session)
 {
@@ -270,35 +315,37 @@ enum err session_run(struct session *session, struct fault *fault)
 {
     if (session->pendings == 0)
         return OK;
-    enum err err =
-        forest_edit(session->forest, session->pending, session->pendings, session->watch, fault);
+    const bool scratch = forest_seeds(session->forest) == 0;
+    struct lookout lookout = {session->watch, scratch ? session->scene->grid.voxels : 0};
+    const struct forest_watch watch = {look, &lookout};
+    enum err err = forest_edit(session->forest, session->pending, session->pendings, &watch, fault);
     if (err)
         return err;
     session->pendings = 0; /* the edits stay in memory behind the end, for session_rollback */
     session->edited_forest = true;
     follow_forest(session);
-    return OK;
+    return watch_fault(session->watch, fault);
 }
 
-static enum err rebuild(struct session *session, const struct forest_watch *watch,
-                        struct fault *fault)
+static enum err rebuild(struct session *session, struct fault *fault)
 {
+    struct lookout lookout = {session->watch, session->scene->grid.voxels};
+    const struct forest_watch watch = {look, &lookout};
     if (forest_seeds(session->forest) == 0)
         return OK; /* no voxel is reached, whatever the weights */
     session->rebuilt_forest = true;
-    enum err err = forest_rebuild(session->forest, watch, fault);
+    enum err err = forest_rebuild(session->forest, &watch, fault);
     follow_forest(session);
-    return err;
+    return err ? err : watch_fault(session->watch, fault);
 }
 
 /* Weights and forest under the adjacency and the choice of weights of the settings. */
-static enum err compute_again(struct session *session, const struct forest_watch *watch,
-                              struct fault *fault)
+static enum err compute_again(struct session *session, struct fault *fault)
 {
     session->weighed_again = true;
     forest_set_adjacency(session->forest, session->settings.adjacency);
-    weigh(session);
-    return rebuild(session, watch, fault);
+    enum err err = weigh(session, fault);
+    return err ? err : rebuild(session, fault);
 }
 
 enum err session_set_adjacency(struct session *session, unsigned count, struct fault *fault)
@@ -306,7 +353,7 @@ enum err session_set_adjacency(struct session *session, unsigned count, struct f
     if (count == session->settings.adjacency)
         return OK;
     session->settings.adjacency = count;
-    return compute_again(session, session->watch, fault);
+    return compute_again(session, fault);
 }
 
 /* Before weights out of a file are written over. */
@@ -333,7 +380,7 @@ enum err session_set_weight(struct session *session, const struct weight_choice 
     if (err)
         return err;
     session->settings.weight = *choice;
-    return compute_again(session, session->watch, fault);
+    return compute_again(session, fault);
 }
 
 static void set_words(char words[FILE_WORDS_BYTES], const char *name)
@@ -351,7 +398,7 @@ enum err session_set_weight_map(struct session *session, const char *name, const
     session->settings.weight = (struct weight_choice){.kind = WEIGHT_FILE};
     set_words(session->settings.weight_file, name);
     weight_fill(session->scene, weight);
-    return compute_again(session, session->watch, fault);
+    return compute_again(session, fault);
 }
 
 enum err session_set_polarity(struct session *session, uint8_t label, int8_t percent,
@@ -360,9 +407,7 @@ enum err session_set_polarity(struct session *session, uint8_t label, int8_t per
     if (session->settings.polarity[label] == percent)
         return OK;
     session->settings.polarity[label] = percent;
-    return session->settings.weight.kind == WEIGHT_POLARITY
-               ? compute_again(session, session->watch, fault)
-               : OK;
+    return session->settings.weight.kind == WEIGHT_POLARITY ? compute_again(session, fault) : OK;
 }
 
 /* ---- the fence ---- */
@@ -375,7 +420,7 @@ static enum err put_up(struct session *session, const struct fence *fence,
     session->fence_tally = *tally;
     session->fenced_again = true;
     fence_apply(fence, session->scene);
-    return rebuild(session, session->watch, fault);
+    return rebuild(session, fault);
 }
 
 enum err session_set_mask(struct session *session, uint64_t *mask, const char *name,
@@ -460,7 +505,7 @@ static enum err draw(struct session *session, enum render_mode mode, struct faul
         splat_border(&session->rendition, &session->camera, &session->border);
     shade(&session->rendition, &session->camera, &session->border, &session->settings.palette);
     session->rendered = true;
-    return OK;
+    return watch_fault(session->watch, fault);
 }
 
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault)
@@ -473,6 +518,9 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
 
 void session_mark(struct session *session)
 {
+    watch_begin(session->watch);
+    if (session->has_scene)
+        session->scene->watch = session->watch;
     session->mark = session->settings;
     session->mark_pendings = session->pendings;
     session->mark_has_scene = session->has_scene;
@@ -494,10 +542,12 @@ static void take_weights_and_fence_back(struct session *session)
     }
     if (session->former_weights)
         weight_fill(session->scene, session->former_weights);
-    if (session->weighed_again)
-        compute_again(session, NULL, NULL);
-    else if (session->fenced_again)
-        rebuild(session, NULL, NULL);
+    if (session->weighed_again) {
+        forest_set_adjacency(session->forest, session->settings.adjacency);
+        weigh(session, NULL);
+    }
+    if (session->rebuilt_forest || session->fenced_again)
+        rebuild(session, NULL);
 }
 
 /*
@@ -505,15 +555,21 @@ static void take_weights_and_fence_back(struct session *session)
  * matters: seeds are a set, so the inverse edit is right before or after the rebuild. What waited
  * for a run is still in `pending`, since session_run only sets the count to 0 and a command that
  * runs appends nothing afterwards.
+ *
+ * Where the watch stopped the command, border or rendition may be half done: these are made from
+ * nothing. Weights that were cut short before the forest was touched leave its keys as they were.
  */
 void session_rollback(struct session *session)
 {
     if (session->has_scene && !session->mark_has_scene) {
+        watch_begin(session->watch);
         close_scene(session);
         session->settings = session->mark;
         session->pendings = session->mark_pendings;
         return;
     }
+    const bool cut_short = session->watch && session->watch->stopped;
+    watch_deafen(session->watch);
     bool redraws = memcmp(&session->settings.view, &session->mark.view, sizeof(struct view)) != 0;
     bool shows_other =
         memcmp(session->settings.visible, session->mark.visible, sizeof session->mark.visible) != 0;
@@ -521,19 +577,25 @@ void session_rollback(struct session *session)
         memcmp(&session->settings.palette, &session->mark.palette, sizeof(struct palette)) != 0;
     session->settings = session->mark;
     session->pendings = session->mark_pendings;
-    if (!session->has_scene)
+    if (!session->has_scene) {
+        watch_begin(session->watch);
         return;
+    }
+    if (cut_short)
+        session->rendered = false;
     if (session->edited_forest && forest_revert(session->forest, NULL) == OK)
         follow_forest(session);
     take_weights_and_fence_back(session);
-    if (shows_other) {
+    if (shows_other)
         memcpy(session->border.visible, session->mark.visible, sizeof session->border.visible);
+    if (shows_other || (cut_short && session->edited_forest))
         border_recount(&session->border);
-    }
     if (redraws)
         session_set_view(session, &session->mark.view, NULL);
     if (shows_other || recolours || !session->mark_rendered)
         session->rendered = false;
     if (session->mark_rendered)
         draw(session, RENDER_AS_KEPT, NULL);
+    watch_begin(session->watch);
+    session->scene->watch = NULL; /* until the next command */
 }

@@ -75,7 +75,7 @@ struct session {
     bool has_rendition; /* the rendition has memory, of camera.view's size */
     bool rendered;      /* S2: it shows the present state */
 
-    const struct forest_watch *watch; /* asked during long passes, or NULL */
+    struct watch *watch; /* of all that takes long, or NULL */
 
     /* For session_rollback: what the command at hand began with, and what it has done since. */
     struct settings mark;
@@ -92,11 +92,14 @@ struct session {
 void session_init(struct session *session);
 void session_release(struct session *session);
 
-/* Opens "synth:geom[:XYZ]" (each of X, Y, Z 1 or 2) or a NIfTI file. The name is only looked at
+/* Opens "synth:geom", "synth:geom:XYZ" (each of X, Y, Z 1 or 2), "synth:geom:NXxNYxNZ" (a size in
+ * voxels) or a NIfTI file. The name is only looked at
  * here; where a file is found is the caller's business. Weights are `morph` over 6 neighbours. */
 enum err session_open(struct session *session, const char *path, struct fault *fault);
 
-/* Bytes that a scene of this size takes, all told. */
+/* Bytes that a scene of this size takes, all told, or 2^64 - 1 for more than that; session_open
+ * refuses one that the machine has not the memory for (ERR_LIMIT), and tells the watch before it
+ * loads a large one. */
 uint64_t session_bytes_for(const uint32_t size[3]);
 /* Bytes held now. */
 size_t session_memory(const struct session *session);
@@ -150,6 +153,8 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
 
 /* ---- all or nothing ---- */
 
+/* A command that the watch stopped leaves what it was about unfinished, until session_rollback has
+ * taken it back; so does an error. Taking back is watched, and not to be stopped. */
 void session_mark(struct session *session);
 void session_rollback(struct session *session);
 

@@ -1,0 +1,237 @@
+/*
+ * Scenes of any size: what is refused before memory is taken, the synthetic scene at every size,
+ * the watch over what takes long, and the line that shows it. tests/test_large.sh asks the program.
+ */
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/mem.h"
+#include "base/watch.h"
+#include "check.h"
+#include "engine/scene.h"
+#include "session/session.h"
+#include "tui/progress.h"
+
+/* ---- sizes ---- */
+
+STORY(cells_beyond_32_bits_are_refused_and_never_wrap)
+{
+    static const struct {
+        uint32_t size[3];
+        enum err err;
+    } row[] = {
+        {{1623, 1623, 1623}, OK},        /* 1625^3, below 2^32 - 1 */
+        {{1624, 1624, 1623}, ERR_LIMIT}, /* 1626 * 1626 * 1625, above */
+        {{65534, 21843, 1}, OK},         /* 65536 * 21845 * 3 = 2^32 - 65536 */
+        {{65534, 21844, 1}, ERR_LIMIT},
+        {{65534, 65534, 65534}, ERR_LIMIT}, /* 2^48 cells */
+        {{65535, 1, 1}, ERR_LIMIT},
+        {{UINT32_MAX, UINT32_MAX, UINT32_MAX}, ERR_LIMIT},
+        {{1, UINT32_MAX - 1, 1}, ERR_LIMIT}, /* a side that wraps to none */
+        {{0, 1, 1}, ERR_INPUT},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        const uint32_t *n = row[i].size;
+        struct grid grid;
+        const enum err err = grid_init(&grid, n, NULL);
+        CHECK_INT(err, row[i].err);
+        if (err)
+            continue;
+        const uint64_t cells = ((uint64_t)n[0] + 2) * ((uint64_t)n[1] + 2) * ((uint64_t)n[2] + 2);
+        const uint32_t last = grid_cell(&grid, n[0] - 1, n[1] - 1, n[2] - 1);
+        const struct place p = grid_place(&grid, last);
+        CHECK(grid.cells == cells && cells < CELL_NONE);
+        CHECK(p.x == n[0] - 1 && p.y == n[1] - 1 && p.z == n[2] - 1);
+        CHECK(grid_voxel(&grid, last) == (uint64_t)n[0] * n[1] * n[2] - 1);
+    }
+}
+
+STORY(a_scene_takes_less_than_twenty_bytes_a_voxel)
+{
+    static const uint32_t size[3] = {1024, 1024, 1024};
+    CHECK(session_bytes_for(size) < UINT64_C(20) << 30);
+    static const uint32_t most[3] = {UINT32_MAX, UINT32_MAX, UINT32_MAX};
+    CHECK(session_bytes_for(most) == UINT64_MAX);
+}
+
+STORY(arrays_beyond_the_memory_of_the_machine_are_refused)
+{
+    const size_t available = mem_available();
+    if (available == SIZE_MAX)
+        return; /* the kernel does not say */
+    CHECK(!mem_array(available / 4096 * 2, 4096));
+    uint32_t *array = NULL;
+    size_t capacity = 0;
+    CHECK(mem_grow(&array, &capacity, 100, sizeof *array));
+    const size_t before = capacity;
+    uint32_t *const former = array;
+    CHECK(!mem_grow(&array, &capacity, available, sizeof *array));
+    CHECK(!mem_grow(&array, &capacity, SIZE_MAX / 4, sizeof *array));
+    CHECK(!mem_grow(&array, &capacity, SIZE_MAX, sizeof *array));
+    CHECK(array == former && capacity == before);
+    free(array);
+    void *pages = mem_pages(available * 2); /* addresses alone */
+    CHECK(pages != NULL);
+    mem_pages_free(pages, available * 2);
+}
+
+/* ---- the synthetic scene ---- */
+
+STORY(geom_of_its_own_size_is_geom)
+{
+    struct scene *plain, *sized;
+    CHECK(scene_new_geom(&plain, 0, NULL, NULL) == OK);
+    CHECK(scene_new_geom_of(&sized, geom_size, NULL, NULL) == OK);
+    CHECK(scene_digest(plain) == scene_digest(sized));
+    scene_free(plain);
+    scene_free(sized);
+}
+
+/* A voxel of a scene twice as fine, far from any surface, differs from geom's by noise alone. */
+STORY(geom_of_another_size_shows_the_same_solids)
+{
+    static const uint32_t fine[3] = {400, 400, 200}, odd[3] = {77, 130, 3};
+    static const uint32_t inside[][3] = {/* of the base */
+                                         {5, 5, 5},      {30, 100, 50},  {50, 84, 50},
+                                         {66, 84, 50},   {150, 70, 40},  {136, 78, 52},
+                                         {125, 140, 50}, {100, 140, 50}, {199, 199, 99}};
+    struct scene *base, *scene;
+    CHECK(scene_new_geom(&base, 0, NULL, NULL) == OK);
+    CHECK(scene_new_geom_of(&scene, fine, NULL, NULL) == OK);
+    for (size_t i = 0; i < sizeof inside / sizeof inside[0]; i++) {
+        const uint32_t *at = inside[i];
+        const struct cell *a = base->cell + grid_cell(&base->grid, at[0], at[1], at[2]);
+        const struct cell *b =
+            scene->cell + grid_cell(&scene->grid, 2 * at[0] + 1, 2 * at[1], 2 * at[2] + 1);
+        CHECK(abs(a->intensity - b->intensity) <= 8);
+    }
+    scene_free(scene);
+    CHECK(scene_new_geom_of(&scene, odd, NULL, NULL) == OK);
+    CHECK_INT(scene->grid.voxels, 77 * 130 * 3);
+    uint64_t digest = scene_digest(scene);
+    scene_free(scene);
+    CHECK(scene_new_geom_of(&scene, odd, NULL, NULL) == OK);
+    CHECK(scene_digest(scene) == digest);
+    scene_free(scene);
+    scene_free(base);
+}
+
+/* ---- the watch ---- */
+
+struct seen {
+    unsigned looks, stop_at;
+    uint64_t done, total;
+    char told[128];
+};
+
+static bool see(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    struct seen *seen = context;
+    seen->done = what ? done : seen->done;
+    seen->total = what ? total : seen->total;
+    return ++seen->looks >= seen->stop_at;
+}
+
+static void hear(void *context, const char *line)
+{
+    struct seen *seen = context;
+    snprintf(seen->told, sizeof seen->told, "%s", line);
+}
+
+STORY(a_task_is_looked_at_now_and_then_and_stays_stopped)
+{
+    struct seen seen = {.stop_at = 3};
+    struct watch watch = {.context = &seen, .look = see, .tell = hear};
+    struct task task = task_begin(&watch, "work", 10 * TASK_STEP);
+    unsigned steps = 0;
+    while (task_advance(&task, TASK_STEP / 4))
+        steps++;
+    CHECK_INT(steps, 11);
+    CHECK_INT(seen.looks, 3);
+    CHECK_INT(seen.done, 3 * TASK_STEP);
+    CHECK_INT(seen.total, 10 * TASK_STEP);
+    seen.stop_at = 100;
+    CHECK(!task_advance(&task, 1)); /* W1 */
+    struct task next = task_begin(&watch, "more work", 2 * TASK_STEP);
+    CHECK(task_advance(&next, 1));
+    CHECK(!task_advance(&next, TASK_STEP));
+    CHECK(watch_stops(&watch) && watch_fault(&watch, NULL) == ERR_CANCELLED);
+    seen.looks = 0;
+    seen.stop_at = 1;
+    watch_deafen(&watch); /* W2 */
+    CHECK(!watch_stops(&watch) && watch_fault(&watch, NULL) == OK);
+    CHECK_INT(seen.looks, 2);
+    watch_begin(&watch);
+    CHECK(watch_stops(&watch));
+    watch_tell(&watch, "%d voxels", 7);
+    CHECK_TEXT(seen.told, "7 voxels");
+    task = task_begin(NULL, "work", TASK_STEP);
+    CHECK(task_advance(&task, UINT64_C(1) << 40));
+    CHECK(!watch_stops(NULL) && watch_fault(NULL, NULL) == OK);
+    watch_begin(NULL);
+    watch_tell(NULL, "nobody");
+}
+
+/* ---- the line ---- */
+
+/* What has been written to the pipe so far. */
+static const char *written(int fd)
+{
+    static char text[512];
+    const ssize_t n = read(fd, text, sizeof text - 1);
+    text[n > 0 ? n : 0] = '\0';
+    return text;
+}
+
+STORY(the_line_comes_late_is_drawn_over_itself_and_goes)
+{
+    const uint64_t ms = 1000000;
+    uint64_t now = 5000 * ms;
+    int end[2];
+    if (!CHECK(pipe2(end, O_NONBLOCK) == 0))
+        return;
+    struct progress p = {.fd = end[1], .shows = true, .columns = 80};
+    progress_show(&p, "weights", 0, 100, now);
+    progress_show(&p, "weights", 50, 100, now += 299 * ms);
+    CHECK_TEXT(written(end[0]), "");
+    progress_show(&p, "weights", 50, 100, now += 1 * ms);
+    CHECK_TEXT(written(end[0]), "\rweights               [############------------]  50 %, 0 s");
+    progress_show(&p, "weights", 60, 100, now += 99 * ms);
+    CHECK_TEXT(written(end[0]), "");
+    progress_show(&p, "forest", 1234, 0, now += 1000 * ms);
+    CHECK_TEXT(written(end[0]), "\rforest                1234 voxels, 1 s                     \r");
+    progress_erase(&p);
+    CHECK_TEXT(written(end[0]), "\r                                      \r");
+    progress_erase(&p);
+    progress_show(&p, "forest", 1, 2, now += 1000 * ms); /* something new begins */
+    CHECK_TEXT(written(end[0]), "");
+    p.shows = false;
+    progress_show(&p, "forest", 1, 2, now += 1000 * ms);
+    CHECK_TEXT(written(end[0]), "");
+    close(end[0]);
+    close(end[1]);
+}
+
+STORY(the_line_fits_the_terminal)
+{
+    struct buf line = {0};
+    progress_line(&line, "digest of the weights", UINT64_MAX, UINT64_MAX, 3, 79);
+    CHECK_TEXT(buf_text(&line), "digest of the weights [########################] 100 %, 3 s");
+    buf_clear(&line);
+    progress_line(&line, "weights", 0, UINT64_C(1) << 40, 0, 30);
+    CHECK_TEXT(buf_text(&line), "weights               [-------");
+    buf_release(&line);
+}
+
+int main(void)
+{
+    return RUN_STORIES(
+        TELL(cells_beyond_32_bits_are_refused_and_never_wrap),
+        TELL(a_scene_takes_less_than_twenty_bytes_a_voxel),
+        TELL(arrays_beyond_the_memory_of_the_machine_are_refused),
+        TELL(geom_of_its_own_size_is_geom), TELL(geom_of_another_size_shows_the_same_solids),
+        TELL(a_task_is_looked_at_now_and_then_and_stays_stopped),
+        TELL(the_line_comes_late_is_drawn_over_itself_and_goes), TELL(the_line_fits_the_terminal));
+}
