@@ -45,9 +45,12 @@ const struct command command_table[] = {
     {"open",
      R,
      {NEED("FILE", FILE, 0, 0)},
-     "load a NIfTI scene, or synth:geom[:XYZ]",
+     "load a NIfTI scene, or synth:geom[:XYZ|:SIZE]",
      "    NIfTI is .nii or .nii.gz of uint8, int16, uint16 or float32. synth:geom has 200x200x100\n"
-     "    voxels; X, Y, Z of 2 interpolate that axis to 2n-1, as in synth:geom:221.\n",
+     "    voxels; X, Y, Z of 2 interpolate that axis to 2n-1, as in synth:geom:221. A SIZE in\n"
+     "    voxels, as in synth:geom:1024x1024x1024, draws the same solids in a scene of that size.\n"
+     "    A large scene says what memory it needs before it is loaded, and is refused where that\n"
+     "    is not free.\n",
      "open synth:geom",
      act_open},
     {"weight",

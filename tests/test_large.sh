@@ -1,0 +1,154 @@
+#!/bin/sh
+# Large scenes, and long commands: what is announced and refused before anything is loaded, how far
+# things are, and Ctrl-C at any moment.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+
+free_gb=$(awk '/^MemAvailable/ { print int($2 / 1000000) }' /proc/meminfo)
+
+begin "more than 2^32 cells are refused, however they are asked for"
+for size in 1624x1624x1624 65534x65534x65534 65535x1x1 4294967295x1x1; do
+    expect 3 "$iftty" -c "open synth:geom:$size"
+    grep -qE 'at most (2\^32 cells|65534) are held|at most 65534' err || fail "$size: $(cat err)"
+done
+for size in 0x1x1 4294967296x1x1 18446744073709551617x1x1 1x1 1x1x1x1 1x1x 10x-1x10 10X10X10; do
+    expect 3 "$iftty" -c "open synth:geom:$size"
+    err_has "expected synth:geom"
+done
+nifti_header 1700 1700 1700 >huge.nii
+expect 3 "$iftty" -c "open huge.nii"
+err_has "at most 2^32 cells are held"
+close_story
+
+begin "a scene that there is no memory for is refused before it is loaded"
+if [ "${free_gb:-0}" -gt 0 ] && [ "$free_gb" -lt 75 ]; then
+    expect 3 "$iftty" -c "open synth:geom:1600x1600x1600"
+    err_has "a scene of 1600x1600x1600 voxels needs 77.1 GB of memory and"
+    err_has "GB are free; nothing was opened"
+fi
+close_story
+
+begin "a scene of a given size opens, and says what it is; geom's own size is geom"
+expect 0 "$iftty" -c "open synth:geom:200x200x100" --journal sized.iftty
+expect 0 "$iftty" -c "open synth:geom" --journal plain.iftty
+same "$(last_word scene sized.iftty)" "$(last_word scene plain.iftty)"
+expect 0 "$iftty" -c "open synth:geom:7x5x3; seed 3,2,1 1; run; stats"
+out_has "label 1: 1 seeds, 105 voxels"
+close_story
+
+begin "a large scene says what it needs, on standard error, and nothing else stands there"
+if [ "${free_gb:-0}" -gt 2 ]; then
+    expect 0 "$iftty" -c "open synth:geom:400x400x340"
+    same "$(sed 's/, [0-9.]* GB/, N GB/' err)" \
+        "iftty: 400x400x340 voxels: needs 1.0 GB of memory, N GB are free"
+fi
+close_story
+
+begin "how far things are stands on a terminal, and is gone afterwards"
+if command -v script >/dev/null 2>&1; then
+    line="$iftty -c 'open synth:geom:220x220x220; seed 110,110,110 1; seed 1,1,1 0; run'"
+    script -qec "$line" /dev/null </dev/null >seen
+    tr '\r' '\n' <seen >lines
+    grep -qE '\[#*-*\] +[0-9]+ %, [0-9]+ s' lines || fail "no bar: $(head -c 600 seen)"
+    sed -n '/^ok 1/,$p' lines | grep -q '^ok 4 run' || fail "acknowledgements are garbled: $(cat lines)"
+    case $(tail -n 1 lines) in "" | "    "*) ;; *) fail "it stays: $(tail -n 1 lines)" ;; esac
+fi
+close_story
+
+# interrupted NAME DELAY [DELAY]: runs `script` with a journal, and sends SIGINT after each delay.
+interrupted() {
+    env --default-signal=INT "$iftty" run script --journal "$1.iftty" >"$1.out" 2>"$1.err" &
+    pid=$!
+    sleep "$2"
+    kill -INT $pid 2>/dev/null
+    [ -z "$3" ] || { sleep "$3"; kill -INT $pid 2>/dev/null; }
+    wait $pid
+    got=$?
+}
+
+cat >script <<'EOS'
+open synth:geom:128x128x128
+seed 64,64,64 1
+seed 88,52,66 2
+seed 2,2,2 0
+run
+render a.png replace=yes
+weight sobel
+remove 88,52,66
+adjacency 26
+run
+save labels a.nii.gz replace=yes
+hide 1
+render mode=ray
+EOS
+
+begin "Ctrl-C at any moment takes the command at hand back, and the journal holds the others"
+"$iftty" run script --journal whole.iftty >whole.out 2>err || fail "$(cat err)"
+commands=$(wc -l <script)
+stopped=0
+for delay in 0.02 0.1 0.2 0.3 0.45 0.7 1.1; do
+    interrupted at $delay
+    acks=$(grep -c '^ok ' at.out)
+    if [ "$acks" -lt "$commands" ]; then
+        stopped=$((stopped + 1))
+        [ "$got" = 130 ] || fail "status $got after $acks commands"
+        [ ! -s at.err ] || grep -q "^script:$((acks + 1)): cancelled" at.err ||
+            fail "after $acks commands: $(cat at.err)"
+    fi
+    if [ -f at.iftty ]; then
+        "$iftty" log --check at.iftty >out 2>err || fail "$(cat err)"
+        same "$(grep -c '^= ' at.iftty)" "$acks"
+        tail -n "+$((acks + 1))" script >rest
+        "$iftty" run rest --journal at.iftty >out 2>err || fail "going on after $acks: $(cat err)"
+        same_files at.iftty whole.iftty
+    fi
+    ls | grep -E '^\.|~$|draft' && fail "something was left behind"
+    rm -f at.*
+done
+[ "$stopped" -ge 2 ] || fail "only $stopped of the runs were stopped"
+close_story
+
+begin "a second Ctrl-C does no more than the first"
+for delay in 0.15 0.4; do
+    interrupted twice $delay 0.03
+    [ ! -f twice.iftty ] || "$iftty" replay twice.iftty >out 2>err || fail "$(cat err)"
+    rm -f twice.*
+done
+close_story
+
+begin "replay and -c stop as well"
+env --default-signal=INT "$iftty" replay whole.iftty >out 2>err &
+pid=$!
+sleep 0.15
+kill -INT $pid
+wait $pid
+got=$?
+[ "$got" = 130 ] || [ "$(grep -c '^ok' out)" = "$commands" ] || fail "replay: status $got"
+env --default-signal=INT "$iftty" -c 'open synth:geom:300x300x300; info' --keep-going >out 2>err &
+pid=$!
+sleep 0.1
+kill -INT $pid
+wait $pid
+got=$?
+same "$got" 130
+[ ! -s out ] || fail "$(cat out)"
+close_story
+
+begin "Ctrl-C while a script is waited for ends the program at once"
+mkfifo pipe
+env --default-signal=INT "$iftty" run - --journal fifo.iftty <pipe >out 2>err &
+pid=$!
+exec 3>pipe
+echo "open synth:geom:20x20x20" >&3
+tries=0
+until grep -q '^ok 1' out || [ $((tries += 1)) -gt 100 ]; do sleep 0.05; done
+kill -INT $pid
+wait $pid
+got=$?
+exec 3>&-
+same "$got" 130
+expect 0 "$iftty" log --check fifo.iftty
+out_has "1 record"
+close_story
+
+finish
