@@ -177,14 +177,23 @@ static void set_seeds(struct forest *forest, const struct edit *edit, size_t cou
 
 static void clear_all(struct forest *forest, bool planted);
 
+/* Tells a watch, and does not listen. */
+static bool go_on(void *context, uint64_t served)
+{
+    const struct forest_watch *watch = context;
+    watch->cancelled(watch->context, served);
+    return false;
+}
+
 /*
  * Back to before the edit at hand, in the middle of its pass (T5). What began with nothing goes
  * back to nothing. Where memory has run out and entries were lost, or everything was growing anew,
  * the former seeds are put back and everything is computed again.
  */
 static void take_back(struct forest *forest, bool from_nothing, enum err reason,
-                      struct fault *fault)
+                      const struct forest_watch *watch, struct fault *fault)
 {
+    const struct forest_watch shown = {go_on, (void *)(uintptr_t)watch};
     if (from_nothing) {
         set_seeds(forest, forest->inverse, forest->edits);
         clear_all(forest, false);
@@ -195,7 +204,7 @@ static void take_back(struct forest *forest, bool from_nothing, enum err reason,
     if (reason != ERR_MEMORY && !forest->from_scratch) {
         queue_rewind(forest->worker[0].queue);
         change_seeds(forest, forest->inverse, forest->edits);
-        if (!forest->lost_too_much && forest_pass(forest, NULL) == OK) {
+        if (!forest->lost_too_much && forest_pass(forest, watch ? &shown : NULL) == OK) {
             finish_changes(forest);
             begin(forest, false);
             return;
@@ -203,7 +212,7 @@ static void take_back(struct forest *forest, bool from_nothing, enum err reason,
     }
     set_seeds(forest, forest->inverse, forest->edits);
     struct fault again;
-    if (forest_rebuild(forest, NULL, &again) != OK)
+    if (forest_rebuild(forest, watch ? &shown : NULL, &again) != OK)
         fault_set(fault, ERR_MEMORY, "out of memory; the seeds are as before, run again");
 }
 
@@ -223,7 +232,7 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
     err = forest_pass(forest, watch);
     if (err) {
         pass_fault(fault, err);
-        take_back(forest, from_nothing, err, fault);
+        take_back(forest, from_nothing, err, watch, fault);
         return err;
     }
     finish_changes(forest);

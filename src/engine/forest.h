@@ -69,7 +69,8 @@ struct forest_stats {
     uint64_t touched; /* voxels whose key or label was looked at anew; all, from nothing */
 };
 
-/* Asked after every level of a pass; a true answer cancels the edit. `served` voxels so far. */
+/* Asked after every level of a pass; a true answer cancels the edit. `served` voxels so far. While
+ * an edit is taken back it is asked as well, so that it can tell, and its answers are not heard. */
 struct forest_watch {
     bool (*cancelled)(void *context, uint64_t served);
     void *context;
