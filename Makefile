@@ -42,8 +42,17 @@ TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c)) \
 RACING  := $(patsubst %.c,$(BUILD)/racing/%.o,\
              $(wildcard src/base/*.c src/engine/*.c) tests/test_crew.c)
 
+# What iftty is measured against. Debian's Python is the one that sees Debian's modules.
+PEER_PACKAGES := libinsighttoolkit5-dev libvigraimpex-dev python3-scipy python3-skimage
+PEER_PROGRAMS := workload check_labels iftty_worker itk_worker vigra_worker
+PEERS    := $(PEER_PROGRAMS:%=$(BUILD)/tests/peers/%)
+PYTHON   := /usr/bin/python3
+ROUNDS   ?= 5
+ITK       = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
+ITK_LIBS = $(addsuffix $(ITK:ITK%=%),-lITKCommon -litkvnl_algo -litkvnl)
+
 .DEFAULT_GOAL := all
-.PHONY: all tests test test-long demo help clean packages
+.PHONY: all tests test test-long demo bench-peers help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -64,6 +73,10 @@ tests: $(TESTS)
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: all
 	@examples/demo.sh $(BUILD)
+
+## bench-peers: the same work by iftty, ITK, vigra, scipy and scikit-image; ROUNDS=5, JSON=FILE
+bench-peers: $(PEERS)
+	@$(PYTHON) tests/peers/run.py --rounds $(ROUNDS) $(if $(JSON),--json $(JSON)) $(BUILD)
 
 ## clean: remove the build folder
 clean:
@@ -98,6 +111,20 @@ $(BUILD)/tests/%: $(BUILD)/tests/%.o $(LIBRARY)
 	$(say) "link      $@"
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
 
+# Only `make bench-peers` needs these. The C++ ones are templates, and get the options of a release.
+PEERS_STAMP  := build/.packages-peers
+$(PEERS_STAMP): Makefile | $(PACKAGES_STAMP)
+	@.ci/packages $(PEER_PACKAGES) $(SCENES) --
+	@touch $@
+
+$(BUILD)/tests/peers/itk_worker: PEER_FLAGS = -isystem /usr/include/$(ITK)
+$(BUILD)/tests/peers/itk_worker: PEER_LIBS = $(ITK_LIBS)
+$(BUILD)/tests/peers/%: tests/peers/%.cc | $(PEERS_STAMP)
+	@mkdir -p $(@D)
+	$(say) "compile   $<"
+	$(Q)$(CXX) $(ALL_CXXFLAGS) -O3 -DNDEBUG $(PEER_FLAGS) -MF $@.d -o $@ $< $(ALL_LDFLAGS) \
+	    $(PEER_LIBS)
+
 $(BUILD)/%.o: %.c | $(PACKAGES_STAMP)
 	@mkdir -p $(@D)
 	$(say) "compile   $<"
@@ -114,4 +141,4 @@ $(BUILD)/racing/%.o: %.c | $(PACKAGES_STAMP)
 	$(Q)$(CC) $(ALL_CFLAGS) -fsanitize=thread -c -o $@ $<
 
 -include $(RACING:.o=.d)
--include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(BUILD)/iftty-image.d
+-include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(BUILD)/iftty-image.d
