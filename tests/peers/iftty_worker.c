@@ -3,10 +3,9 @@
  * empty forest; each later run is the differential update from the former markers to the present
  * ones.
  *
- * Noted as touched is the length of the list of changes, or, where that is "everything", the voxels
- * that were served. Timed is forest_edit, which keeps the digests up to date too; what
- * border_update takes is noted beside it. As a peer's maps are in memory before its run, so are the
- * scene's cells with their weights, and the list of edits.
+ * Timed is forest_edit, which keeps the digests up to date too; what border_update takes is noted
+ * beside it. As a peer's maps are in memory before its run, so are the scene's cells with their
+ * weights, and the list of edits.
  */
 #include "base/mem.h"
 #include "engine/border.h"
@@ -102,8 +101,7 @@ static bool run(struct worker *worker)
     worker->ms = edited - begin;
     snprintf(worker->note, sizeof worker->note,
              " border=%.6f seeds=%zu touched=%llu digest=%016llx ready=%.3f read=%.3f",
-             bordered - edited, edits,
-             (unsigned long long)(changes.everything ? stats.served : stats.touched),
+             bordered - edited, edits, (unsigned long long)stats.touched,
              (unsigned long long)forest_digest(forest), ready_ms, read - bordered);
     return true;
 failed:
