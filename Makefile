@@ -44,12 +44,12 @@ RACING  := $(patsubst %.c,$(BUILD)/racing/%.o,\
 
 # What iftty is measured against. Debian's Python is the one that sees Debian's modules.
 PEER_PACKAGES := libinsighttoolkit5-dev libvigraimpex-dev python3-scipy python3-skimage
-PEER_PROGRAMS := workload check_labels iftty_worker itk_worker vigra_worker
-PEERS    := $(PEER_PROGRAMS:%=$(BUILD)/tests/peers/%)
-PYTHON   := /usr/bin/python3
-ROUNDS   ?= 5
-ITK       = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
-ITK_LIBS = $(addsuffix $(ITK:ITK%=%),-lITKCommon -litkvnl_algo -litkvnl)
+PEERS_IN_C    := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/peers/*.c))
+PEERS         := $(PEERS_IN_C) $(patsubst %.cc,$(BUILD)/%,$(wildcard tests/peers/*.cc))
+PYTHON        := /usr/bin/python3
+ROUNDS        ?= 5
+ITK            = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
+ITK_LIBS       = $(addsuffix $(ITK:ITK%=%),-lITKCommon -litkvnl_algo -litkvnl)
 
 .DEFAULT_GOAL := all
 .PHONY: all tests test test-long demo bench-peers help clean packages
@@ -67,8 +67,8 @@ test: all tests
 test-long: all tests
 	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render
 
-## tests: build the test programs
-tests: $(TESTS)
+## tests: build the test programs, and those of bench-peers that need no other package
+tests: $(TESTS) $(PEERS_IN_C)
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: all

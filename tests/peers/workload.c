@@ -23,6 +23,7 @@
 #include "base/hash.h"
 #include "base/mem.h"
 #include "engine/weight.h"
+#include "session/map.h"
 #include "session/seed_file.h"
 
 enum { EDITS = 8, ROUNDS = 3, DARK = 20 };
@@ -178,7 +179,7 @@ static enum err make_scene(struct workload *work, const char *image, const char 
     if (!err)
         err = scene_new(&work->scene, work->image.size, fault);
     if (!err)
-        err = seeds_check_size(work->atlas.size, &work->scene->grid, fault);
+        err = map_check_size(work->atlas.size, &work->scene->grid, fault);
     if (err)
         return err;
     const size_t voxels = work->scene->grid.voxels;
