@@ -100,7 +100,8 @@ static enum err mark(struct workload *work, struct volume *map, const char *what
     const struct region_choice choice = {1, 254, label, ROUNDS, 0, 0};
     struct region_tally tally;
     struct seeds seeds;
-    enum err err = seeds_from_map(&seeds, &tally, map, grid, &work->image.geometry, &choice, fault);
+    enum err err =
+        seeds_from_map(&seeds, &tally, map, grid, &work->image.geometry, &choice, NULL, fault);
     if (err)
         return err;
     for (size_t i = 0; i < seeds.count; i++)
@@ -173,9 +174,9 @@ static void mark_correction(struct workload *work, int edit)
 static enum err make_scene(struct workload *work, const char *image, const char *atlas,
                            struct fault *fault)
 {
-    enum err err = nifti_read(&work->image, image, fault);
+    enum err err = nifti_read(&work->image, image, NULL, fault);
     if (!err)
-        err = nifti_read(&work->atlas, atlas, fault);
+        err = nifti_read(&work->atlas, atlas, NULL, fault);
     if (!err)
         err = scene_new(&work->scene, work->image.size, fault);
     if (!err)
