@@ -114,6 +114,62 @@ uint64_t scene_digest(const struct scene *scene)
     return sum;
 }
 
+/* ---- interpolation ---- */
+
+void scene_interpolated_size(uint32_t out[3], const uint32_t size[3], unsigned doubled)
+{
+    for (unsigned a = 0; a < 3; a++)
+        out[a] = doubled >> a & 1 ? 2 * size[a] - 1 : size[a];
+}
+
+/* The base voxels around a place of the interpolated scene: one, or on both sides of a half step
+ * along each axis. */
+static uint16_t mean_around(const struct scene *base, const uint32_t at[3], unsigned doubled)
+{
+    uint32_t low[3], high[3], sum = 0, count = 0;
+    for (unsigned a = 0; a < 3; a++) {
+        unsigned twice = doubled >> a & 1;
+        low[a] = at[a] >> twice;
+        high[a] = low[a] + (at[a] & twice);
+    }
+    for (uint32_t z = low[2]; z <= high[2]; z++)
+        for (uint32_t y = low[1]; y <= high[1]; y++)
+            for (uint32_t x = low[0]; x <= high[0]; x++, count++)
+                sum += base->cell[grid_cell(&base->grid, x, y, z)].intensity;
+    return (uint16_t)(sum / count);
+}
+
+enum err scene_new_interpolated(struct scene **out, const struct scene *base, unsigned doubled,
+                                struct watch *watch, struct fault *fault)
+{
+    uint32_t size[3];
+    struct scene *scene;
+    *out = NULL;
+    scene_interpolated_size(size, base->grid.size, doubled);
+    enum err err = scene_new_watched(&scene, size, watch, fault);
+    if (err)
+        return err;
+    struct task task = task_begin(watch, "interpolation", scene->grid.voxels);
+    for (uint32_t z = 0; z < size[2]; z++)
+        for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++) {
+            struct cell *row = scene->cell + grid_row(&scene->grid, y, z).first;
+            for (uint32_t x = 0; x < size[0]; x++)
+                row[x].intensity = mean_around(base, (const uint32_t[]){x, y, z}, doubled);
+        }
+    for (unsigned a = 0; a < 3; a++) {
+        const uint32_t nm = base->spacing_nm[a];
+        scene->spacing_nm[a] = doubled >> a & 1 ? nm / 2 + nm % 2 : nm;
+        scene->world_axis[a] = base->world_axis[a];
+        scene->world_sign[a] = base->world_sign[a];
+    }
+    err = watch_fault(watch, fault);
+    if (err)
+        scene_free(scene);
+    else
+        *out = scene;
+    return err;
+}
+
 /* ---- the synthetic scene ---- */
 
 /* One object of the scene, in voxels of the base; later ones lie over earlier ones. */
@@ -271,58 +327,19 @@ enum err scene_new_geom_of(struct scene **out, const uint32_t size[3], struct wa
     return err;
 }
 
-/* The voxel at half steps is the mean, rounded down, of the 1, 2, 4 or 8 base voxels around. */
-static uint16_t geom_between(const uint16_t *base, const uint32_t at[3], unsigned doubled)
-{
-    uint32_t low[3], high[3], sum = 0, count = 0;
-    for (unsigned a = 0; a < 3; a++) {
-        unsigned twice = doubled >> a & 1;
-        low[a] = at[a] >> twice;
-        high[a] = low[a] + (at[a] & twice);
-    }
-    for (uint32_t z = low[2]; z <= high[2]; z++)
-        for (uint32_t y = low[1]; y <= high[1]; y++)
-            for (uint32_t x = low[0]; x <= high[0]; x++, count++)
-                sum += base[(z * geom_size[1] + y) * geom_size[0] + x];
-    return (uint16_t)(sum / count);
-}
-
-static enum err geom_base(uint16_t **out, struct fault *fault)
-{
-    struct geom_rows rows;
-    uint16_t *base = mem_array((size_t)geom_size[0] * geom_size[1] * geom_size[2], sizeof *base);
-    enum err err =
-        base ? geom_rows_init(&rows, geom_size, fault) : fault_memory(fault, "the synthetic scene");
-    *out = base;
-    for (uint32_t z = 0; !err && z < geom_size[2]; z++)
-        for (uint32_t y = 0; y < geom_size[1]; y++)
-            geom_row(&rows, y, z, base + (z * geom_size[1] + y) * geom_size[0], sizeof *base);
-    if (base)
-        geom_rows_release(&rows);
-    return err;
-}
-
 enum err scene_new_geom(struct scene **out, unsigned doubled, struct watch *watch,
                         struct fault *fault)
 {
-    uint32_t size[3];
-    uint16_t *base;
-    struct scene *scene = NULL;
+    struct scene *base;
     *out = NULL;
-    enum err err = geom_base(&base, fault);
-    for (unsigned a = 0; a < 3; a++)
-        size[a] = doubled >> a & 1 ? 2 * geom_size[a] - 1 : geom_size[a];
-    if (!err)
-        err = scene_new_watched(&scene, size, watch, fault);
-    for (uint32_t z = 0; !err && z < size[2]; z++)
-        for (uint32_t y = 0; y < size[1]; y++)
-            for (uint32_t x = 0; x < size[0]; x++)
-                scene->cell[grid_cell(&scene->grid, x, y, z)].intensity =
-                    geom_between(base, (uint32_t[]){x, y, z}, doubled);
-    for (unsigned a = 0; !err && a < 3; a++)
-        if (doubled >> a & 1)
-            scene->spacing_nm[a] = 500000;
-    free(base);
-    *out = scene;
+    enum err err = scene_new_geom_of(&base, geom_size, watch, fault);
+    if (err)
+        return err;
+    if (!doubled) {
+        *out = base;
+        return OK;
+    }
+    err = scene_new_interpolated(out, base, doubled, watch, fault);
+    scene_free(base);
     return err;
 }

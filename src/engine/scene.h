@@ -89,13 +89,25 @@ void scene_free(struct scene *scene);
 void scene_fill(struct scene *scene, const uint16_t *intensity);
 
 /*
+ * A scene like `base` of which some axes are interpolated to 2n - 1 voxels: `doubled` has bit a set
+ * for axis a. Voxels at whole steps are those of the base; one at half steps is the mean, rounded
+ * down, of the 2, 4 or 8 base voxels around it. Spacings halve, half a nanometre rounded up; voxel
+ * 0,0,0 stays where it is. No seed, no weight.
+ */
+enum err scene_new_interpolated(struct scene **scene, const struct scene *base, unsigned doubled,
+                                struct watch *watch, struct fault *fault);
+
+/* The size that has. */
+void scene_interpolated_size(uint32_t out[3], const uint32_t size[3], unsigned doubled);
+
+/*
  * The paper's synthetic scene "geom", 200x200x100 voxels of 8 bits: blocks, balls, a torus and a
  * tube of several intensities in a graded field with fixed noise; the same on every machine.
  *
- * scene_new_geom has one or more axes interpolated to 2n - 1 voxels: `doubled` has bit a set for
- * axis a. scene_new_geom_of fills a grid of any size instead: each voxel's centre, to an eighth of
- * a voxel of the base, decides which solid it is in, and each voxel has noise of its own. Of
- * 200x200x100 it is the base itself. It is made row by row and takes no memory but a row.
+ * scene_new_geom has one or more axes interpolated, as above. scene_new_geom_of fills a grid of
+ * any size instead: each voxel's centre, to an eighth of a voxel of the base, decides which solid
+ * it is in, and each voxel has noise of its own. Of 200x200x100 it is the base itself. It is made
+ * row by row and takes no memory but a row.
  */
 extern const uint32_t geom_size[3];
 enum err scene_new_geom(struct scene **scene, unsigned doubled, struct watch *watch,
