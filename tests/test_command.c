@@ -564,6 +564,8 @@ STORY(a_wrong_line_is_told_what_was_expected)
          "expected morph|sobel|gauss|difference|polarity or a file: there is no file "
          "paint here; nothing has changed"},
         {"weight gauss", "SIGMA: gauss is to have one"},
+        {"interpolate 2 2", "missing: Z; usage: interpolate X Y Z"},
+        {"interpolate 3 1 1", "X: expected a number 1..2, not 3"},
         {"weight sobel 1", "SIGMA: gauss is to have one, the others none"},
         {"weight gauss 0.499", "SIGMA: expected a number 0.5..8 with at most three decimals"},
         {"weight gauss 8.001", "SIGMA: expected a number 0.5..8"},
@@ -1140,7 +1142,8 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
     desk_release(&desk);
     for (unsigned i = 0; i < command_count; i++) { /* every kind is among them */
         const char *name = command_table[i].name;
-        bool is_there = !(command_table[i].flags & COMMAND_RECORDED) || strcmp(name, "open") == 0;
+        bool is_there = !(command_table[i].flags & COMMAND_RECORDED) || strcmp(name, "open") == 0 ||
+                        strcmp(name, "interpolate") == 0; /* in a story of its own */
         for (size_t k = 0; k < sizeof deeds / sizeof deeds[0]; k++)
             is_there |= strncmp(deeds[k].line, name, strlen(name)) == 0;
         if (!CHECK(is_there))
@@ -1216,6 +1219,35 @@ STORY(what_the_door_recorded_is_the_same_when_replayed)
         {"golden third", "replay.golden/third.exr"},
     };
     all_fail_then_work(&desk, deeds, sizeof deeds / sizeof deeds[0]);
+    desk_release(&desk);
+    journal_verifies(path);
+}
+
+STORY(an_interpolated_scene_is_the_same_when_replayed)
+{
+    struct desk desk;
+    char path[PATH_MAX];
+    static const struct deed deeds[] = {
+        {"open scene.nii", NULL},
+        {"size 32 32", NULL},
+        {"interpolate 1 1 2", NULL},
+        {"render", NULL},
+        {"weight morph radius=2", NULL},
+        {"range 0 211", NULL},
+        {"interpolate 2 1 1", NULL},
+        {"interpolate 1 1 1", NULL},
+        {"seed 1,1,1 1", NULL},
+        {"seed 21,9,17 2", NULL},
+        {"weight sobel", NULL},
+        {"run", NULL},
+        {"golden finer", "finer.golden/finer.exr"},
+    };
+    snprintf(path, sizeof path, "%s", place("finer.iftty"));
+    failing_path = path;
+    begin_desk(&desk);
+    CHECK(desk_create_journal(&desk, path, &fault) == OK);
+    all_fail_then_work(&desk, deeds, sizeof deeds / sizeof deeds[0]);
+    is_refused(&desk, "interpolate 2 2 2", "a scene is interpolated before the first seed");
     desk_release(&desk);
     journal_verifies(path);
 }
@@ -1591,6 +1623,35 @@ STORY(a_command_that_is_cancelled_is_undone)
     desk_release(&desk);
 }
 
+STORY(interpolation_that_is_cancelled_is_undone)
+{
+    static const char line[] = "interpolate 2 1 1";
+    struct desk desk;
+    struct looks looks;
+    struct watch watch = {.context = &looks, .look = after_some_looks};
+    struct snapshot before;
+    enum err err = ERR_CANCELLED;
+    unsigned cancelled = 0;
+    begin_desk(&desk);
+    must(&desk, "open synth:geom:120x100x90");
+    must(&desk, "range 0 300");
+    must(&desk, "render mode=sp");
+    take_snapshot(&before, &desk);
+    for (unsigned at = 0; err == ERR_CANCELLED; at += 1 + at / 4) {
+        looks = (struct looks){0, at};
+        desk.session.watch = &watch;
+        err = execute(&desk, line);
+        desk.session.watch = NULL;
+        if (err)
+            is_as_before(&before, &desk, line);
+        cancelled += err == ERR_CANCELLED;
+    }
+    CHECK_INT(err, OK);
+    CHECK(cancelled > 5);
+    CHECK_INT(desk.session.scene->grid.size[0], 239);
+    desk_release(&desk);
+}
+
 STORY(opening_that_is_cancelled_opens_nothing)
 {
     static const char *const line[] = {"open synth:geom:120x100x90", "open synth:geom:211",
@@ -1680,8 +1741,11 @@ int main(void)
         TELL(a_fence_or_weights_that_are_wrong_change_nothing),
         TELL(a_journal_knows_its_weights_and_masks_again),
         TELL(a_file_that_was_replaced_comes_back),
-        TELL(what_the_door_recorded_is_the_same_when_replayed), TELL(random_edits_fail_at_random),
-        TELL(a_command_that_is_cancelled_is_undone), TELL(opening_that_is_cancelled_opens_nothing),
+        TELL(what_the_door_recorded_is_the_same_when_replayed),
+        TELL(an_interpolated_scene_is_the_same_when_replayed), TELL(random_edits_fail_at_random),
+        TELL(a_command_that_is_cancelled_is_undone),
+        TELL(interpolation_that_is_cancelled_is_undone),
+        TELL(opening_that_is_cancelled_opens_nothing),
         TELL(weights_are_named_and_stay_without_memory),
         TELL(a_journal_that_cannot_begin_undoes_the_command));
     reply_release(&reply);

@@ -10,6 +10,7 @@
 
 /* act_scene.c */
 ACT(open);
+ACT(interpolate);
 ACT(weight);
 ACT(polarity);
 ACT(adjacency);

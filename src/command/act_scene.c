@@ -9,6 +9,18 @@
 #include "base/safe.h"
 #include "session/map.h"
 
+/* What a command says that has given the session its scene. */
+static void tell_scene(const struct session *session, struct reply *reply)
+{
+    const struct scene *scene = session->scene;
+    const uint32_t *size = scene->grid.size, *nm = scene->spacing_nm;
+    buf_printf(&reply->words, "scene=%016llx size=%u,%u,%u spacing-nm=%u,%u,%u weights=%016llx",
+               (unsigned long long)session->scene_digest, size[0], size[1], size[2], nm[0], nm[1],
+               nm[2], (unsigned long long)session->weight_digest);
+    buf_printf(&reply->text, "%ux%ux%u voxels of %gx%gx%g mm, %.1f MB\n", size[0], size[1], size[2],
+               nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6, (double)session_memory(session) / 1e6);
+}
+
 ACT(open)
 {
     struct buf path = {0};
@@ -17,16 +29,20 @@ ACT(open)
     if (!err)
         err = session_open(session, buf_text(&path), fault);
     buf_release(&path);
-    if (err)
-        return err;
-    const struct scene *scene = session->scene;
-    const uint32_t *size = scene->grid.size, *nm = scene->spacing_nm;
-    buf_printf(&reply->words, "scene=%016llx size=%u,%u,%u spacing-nm=%u,%u,%u weights=%016llx",
-               (unsigned long long)session->scene_digest, size[0], size[1], size[2], nm[0], nm[1],
-               nm[2], (unsigned long long)session->weight_digest);
-    buf_printf(&reply->text, "%ux%ux%u voxels of %gx%gx%g mm, %.1f MB\n", size[0], size[1], size[2],
-               nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6, (double)session_memory(session) / 1e6);
-    return OK;
+    if (!err)
+        tell_scene(session, reply);
+    return err;
+}
+
+ACT(interpolate)
+{
+    unsigned doubled = 0;
+    for (unsigned a = 0; a < 3; a++)
+        doubled |= (unsigned)(value[a].number == 2) << a;
+    enum err err = session_interpolate(&desk->session, doubled, fault);
+    if (!err)
+        tell_scene(&desk->session, reply);
+    return err;
 }
 
 static void add_weights(struct desk *desk, struct reply *reply)

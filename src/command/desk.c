@@ -147,6 +147,7 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
         session_rollback(&desk->session);
         desk->shows_picture = desk->finished = false;
     } else {
+        session_settle(&desk->session);
         desk->acknowledged++;
     }
     call_release(&call);

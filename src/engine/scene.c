@@ -136,7 +136,7 @@ static uint16_t mean_around(const struct scene *base, const uint32_t at[3], unsi
         for (uint32_t y = low[1]; y <= high[1]; y++)
             for (uint32_t x = low[0]; x <= high[0]; x++, count++)
                 sum += base->cell[grid_cell(&base->grid, x, y, z)].intensity;
-    return (uint16_t)(sum / count);
+    return (uint16_t)((sum + count / 2) / count);
 }
 
 enum err scene_new_interpolated(struct scene **out, const struct scene *base, unsigned doubled,

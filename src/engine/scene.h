@@ -90,9 +90,9 @@ void scene_fill(struct scene *scene, const uint16_t *intensity);
 
 /*
  * A scene like `base` of which some axes are interpolated to 2n - 1 voxels: `doubled` has bit a set
- * for axis a. Voxels at whole steps are those of the base; one at half steps is the mean, rounded
- * down, of the 2, 4 or 8 base voxels around it. Spacings halve, half a nanometre rounded up; voxel
- * 0,0,0 stays where it is. No seed, no weight.
+ * for axis a. Voxels at whole steps are those of the base; one at half steps is the mean, halves
+ * rounded up, of the 2, 4 or 8 base voxels around it. Spacings halve, half a nanometre rounded up;
+ * voxel 0,0,0 stays where it is. No seed, no weight.
  */
 enum err scene_new_interpolated(struct scene **scene, const struct scene *base, unsigned doubled,
                                 struct watch *watch, struct fault *fault);

@@ -1,5 +1,6 @@
 #include "session/session.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,26 +23,32 @@ void session_init(struct session *session)
     session_mark(session);
 }
 
-/* What a command replaced is not needed any more. */
-static void forget_former(struct session *session)
+void session_settle(struct session *session)
 {
+    struct former_scene *former = &session->former;
+    if (former->scene) {
+        border_release(&former->border);
+        forest_free(former->forest);
+        scene_free(former->scene);
+    }
     if (session->mark_fence.mask != session->fence.mask)
         free(session->mark_fence.mask);
     free(session->former_weights);
     session->mark_fence = session->fence;
     session->mark_fence_tally = session->fence_tally;
     session->former_weights = NULL;
+    *former = (struct former_scene){0};
 }
 
 static void close_scene(struct session *session)
 {
+    session_settle(session);
     if (session->has_rendition)
         rendition_release(&session->rendition);
     border_release(&session->border);
     forest_free(session->forest);
     scene_free(session->scene);
     weight_work_release(&session->weight_work);
-    forget_former(session);
     free(session->fence.mask);
     session->fence = session->mark_fence = fence_none();
     session->forest = NULL;
@@ -82,15 +89,18 @@ uint64_t session_bytes_for(const uint32_t size[3])
     return cells * sizeof(struct cell) + cells / 4 + cells / 2 + cells * 2;
 }
 
-/* Says what a large scene will take; refuses one that there is no memory for. */
-static enum err check_memory(const uint32_t size[3], struct watch *watch, struct fault *fault)
+/* Says what a large scene will take; refuses one that there is no memory for, ending with `undone`.
+ */
+static enum err check_memory(const uint32_t size[3], const char *undone, struct watch *watch,
+                             struct fault *fault)
 {
     const uint64_t needed = session_bytes_for(size), available = mem_available();
     if (needed > available)
         return fault_set(fault, ERR_LIMIT,
                          "a scene of %ux%ux%u voxels needs %.1f GB of memory and %.1f GB are free; "
-                         "nothing was opened",
-                         size[0], size[1], size[2], (double)needed / 1e9, (double)available / 1e9);
+                         "%s",
+                         size[0], size[1], size[2], (double)needed / 1e9, (double)available / 1e9,
+                         undone);
     if (needed >= ANNOUNCED_FROM)
         watch_tell(watch, "%ux%ux%u voxels: needs %.1f GB of memory, %.1f GB are free", size[0],
                    size[1], size[2], (double)needed / 1e9, (double)available / 1e9);
@@ -140,7 +150,7 @@ static enum err open_synthetic(struct session *session, const char *path, struct
                          path);
     enum err err = grid_init(&grid, size, fault);
     if (!err)
-        err = check_memory(size, session->watch, fault);
+        err = check_memory(size, "nothing was opened", session->watch, fault);
     if (!err && doubled == GEOM_SIZED)
         err = scene_new_geom_of(&session->scene, size, session->watch, fault);
     else if (!err)
@@ -163,7 +173,7 @@ static enum err open_file(struct session *session, const char *path, struct faul
     uint32_t size[3];
     enum err err = nifti_size(size, path, fault);
     if (!err)
-        err = check_memory(size, session->watch, fault);
+        err = check_memory(size, "nothing was opened", session->watch, fault);
     if (!err)
         err = nifti_read(&volume, path, session->watch, fault);
     if (!err)
@@ -180,6 +190,22 @@ static enum err open_file(struct session *session, const char *path, struct faul
     return err;
 }
 
+/* What hangs on a scene, under the settings of the session; the caller releases it where an error
+ * has left half of it. */
+static enum err equip(struct session *session, struct scene *scene, struct forest **forest,
+                      struct border *border, struct fault *fault)
+{
+    enum err err = forest_new(forest, scene, session->settings.adjacency, fault);
+    if (!err && (session->crew || crew_new(&session->crew, crew_size_wanted(), NULL) == OK))
+        err = forest_set_crew(*forest, session->crew, fault);
+    session->weight_work.crew = session->crew;
+    if (!err)
+        err = border_init(border, scene, fault);
+    if (!err)
+        memcpy(border->visible, session->settings.visible, sizeof border->visible);
+    return err;
+}
+
 enum err session_open(struct session *session, const char *path, struct fault *fault)
 {
     enum err err;
@@ -190,20 +216,14 @@ enum err session_open(struct session *session, const char *path, struct fault *f
     else
         err = open_file(session, path, fault);
     if (!err)
-        err = forest_new(&session->forest, session->scene, session->settings.adjacency, fault);
-    if (!err && (session->crew || crew_new(&session->crew, crew_size_wanted(), NULL) == OK))
-        err = forest_set_crew(session->forest, session->crew, fault);
-    session->weight_work.crew = session->crew;
+        err = equip(session, session->scene, &session->forest, &session->border, fault);
     if (!err)
         err = weight_work_reserve(&session->weight_work, &session->scene->grid,
                                   &session->settings.weight, fault);
-    if (!err)
-        err = border_init(&session->border, session->scene, fault);
     if (err) {
         close_scene(session);
         return err;
     }
-    memcpy(session->border.visible, session->settings.visible, sizeof session->border.visible);
     session->has_scene = true;
     session->fence_tally = fence_tally(&session->fence, session->scene);
     session->scene_digest = scene_digest(session->scene);
@@ -214,6 +234,96 @@ enum err session_open(struct session *session, const char *path, struct fault *f
     if (err)
         close_scene(session);
     return err;
+}
+
+/* ---- interpolation ---- */
+
+/* A scene with a forest and a border, in place of those of the session; its digests, geometry and
+ * weights wait. On error nothing has changed. */
+static enum err replace_scene(struct session *session, unsigned doubled, struct fault *fault)
+{
+    struct former_scene next = {0};
+    assert(!session->former.scene); /* once in a command */
+    enum err err =
+        scene_new_interpolated(&next.scene, session->scene, doubled, session->watch, fault);
+    if (!err)
+        err = equip(session, next.scene, &next.forest, &next.border, fault);
+    if (!err)
+        err = weight_work_reserve(&session->weight_work, &next.scene->grid,
+                                  &session->settings.weight, fault);
+    if (err) {
+        border_release(&next.border);
+        forest_free(next.forest);
+        scene_free(next.scene);
+        return err;
+    }
+    session->former =
+        (struct former_scene){session->scene,         session->geometry, session->scene_digest,
+                              session->weight_digest, session->forest,   session->border};
+    session->scene = next.scene;
+    session->forest = next.forest;
+    session->border = next.border;
+    return OK;
+}
+
+static enum err set_default_zoom(struct session *session, struct fault *fault)
+{
+    struct view view = session->settings.view;
+    view.zoom = view_fitting_zoom(session->scene, view.width, view.height);
+    view.zoom = view.zoom < VIEW_ZOOM_ONE ? view.zoom : VIEW_ZOOM_ONE;
+    return session_set_view(session, &view, fault);
+}
+
+enum err session_interpolate(struct session *session, unsigned doubled, struct fault *fault)
+{
+    uint32_t size[3];
+    if (forest_seeds(session->forest) || session->pendings)
+        return fault_set(fault, ERR_USAGE,
+                         "%zu seeds are planted and %zu edits wait; a scene is interpolated before "
+                         "the first seed; nothing has changed",
+                         forest_seeds(session->forest), session->pendings);
+    if (session->fence.mask || session->settings.weight.kind == WEIGHT_FILE)
+        return fault_set(fault, ERR_USAGE,
+                         "a mask or weights out of a file lie on the scene as it is; interpolate "
+                         "first, then take them on the finer grid; nothing has changed");
+    for (unsigned a = 0; a < 3; a++)
+        if (session->scene->grid.size[a] == 1)
+            doubled &= ~(1U << a);
+    if (!doubled)
+        return OK;
+    scene_interpolated_size(size, session->scene->grid.size, doubled);
+    enum err err = check_memory(size, "nothing has changed", session->watch, fault);
+    if (!err)
+        err = replace_scene(session, doubled, fault);
+    if (err)
+        return err;
+    for (unsigned a = 0; a < 3; a++) {
+        session->geometry.spacing_nm[a] = session->scene->spacing_nm[a];
+        for (unsigned w = 0; w < 3 && doubled >> a & 1; w++)
+            session->geometry.to_mm[w][a] /= 2;
+    }
+    fence_apply(&session->fence, session->scene);
+    session->fence_tally = fence_tally(&session->fence, session->scene);
+    session->scene_digest = scene_digest(session->scene);
+    err = weigh(session, fault);
+    return err ? err : set_default_zoom(session, fault);
+}
+
+/* The former scene again, with its forest; the caller sets the view. */
+static void take_back_scene(struct session *session)
+{
+    const struct former_scene former = session->former;
+    border_release(&session->border);
+    forest_free(session->forest);
+    scene_free(session->scene);
+    session->scene = former.scene;
+    session->geometry = former.geometry;
+    session->scene_digest = former.scene_digest;
+    session->weight_digest = former.weight_digest;
+    session->forest = former.forest;
+    session->border = former.border;
+    session->fence_tally = session->mark_fence_tally; /* the fence itself is the same */
+    session->former = (struct former_scene){0};
 }
 
 size_t session_memory(const struct session *session)
@@ -518,6 +628,7 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
 
 void session_mark(struct session *session)
 {
+    session_settle(session);
     watch_begin(session->watch);
     if (session->has_scene)
         session->scene->watch = session->watch;
@@ -527,7 +638,6 @@ void session_mark(struct session *session)
     session->mark_rendered = session->rendered;
     session->edited_forest = session->rebuilt_forest = false;
     session->weighed_again = session->fenced_again = false;
-    forget_former(session);
 }
 
 /* Weights, fence and forest as the settings and the mark have them; not to be cancelled again. */
@@ -570,7 +680,11 @@ void session_rollback(struct session *session)
     }
     const bool cut_short = session->watch && session->watch->stopped;
     watch_deafen(session->watch);
-    bool redraws = memcmp(&session->settings.view, &session->mark.view, sizeof(struct view)) != 0;
+    bool is_other_scene = session->former.scene != NULL;
+    if (is_other_scene)
+        take_back_scene(session);
+    bool redraws = is_other_scene ||
+                   memcmp(&session->settings.view, &session->mark.view, sizeof(struct view)) != 0;
     bool shows_other =
         memcmp(session->settings.visible, session->mark.visible, sizeof session->mark.visible) != 0;
     bool recolours =

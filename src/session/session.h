@@ -10,7 +10,8 @@
  *      whatever it did, exactly;
  *   S2 the border fits the forest and the visible labels; the rendition, where `rendered`, is that
  *      of forest, border and view, pixel for pixel, whichever mode made it;
- *   S3 without a scene only session_open does anything; all else asks has_scene first.
+ *   S3 without a scene only session_open does anything; all else asks has_scene first;
+ *   S4 a scene that was interpolated is kept, with what hangs on it, until the command stands.
  */
 #ifndef SESSION_SESSION_H
 #define SESSION_SESSION_H
@@ -51,6 +52,15 @@ struct settings {
     int64_t range_thousandths[2]; /* lowest and highest inside */
 };
 
+/* What interpolating a scene replaces. */
+struct former_scene {
+    struct scene *scene; /* NULL where there is none */
+    struct geometry geometry;
+    uint64_t scene_digest, weight_digest;
+    struct forest *forest;
+    struct border border;
+};
+
 struct session {
     bool has_scene;
     struct scene *scene;
@@ -87,6 +97,7 @@ struct session {
     struct fence mark_fence; /* its mask is freed by the next mark, where it is not in use again */
     struct fence_tally mark_fence_tally;
     uint16_t *former_weights; /* out of a file, where the command wrote over them, or NULL */
+    struct former_scene former;
 };
 
 void session_init(struct session *session);
@@ -96,6 +107,13 @@ void session_release(struct session *session);
  * voxels) or a NIfTI file. The name is only looked at
  * here; where a file is found is the caller's business. Weights are `morph` over 6 neighbours. */
 enum err session_open(struct session *session, const char *path, struct fault *fault);
+
+/* Interpolates the axes a with bit a set in `doubled` to 2n - 1 voxels (engine/scene.h); an axis of
+ * one voxel has nothing between and stays as it is. Angles and size of the view stay, the zoom is
+ * what opening such a scene gives. ERR_USAGE once a seed is planted or waits to be, and where a
+ * mask or weights came out of a file, since those lie on the grid. On error, session_rollback gives
+ * back the former scene. */
+enum err session_interpolate(struct session *session, unsigned doubled, struct fault *fault);
 
 /* Bytes that a scene of this size takes, all told, or 2^64 - 1 for more than that; session_open
  * refuses one that the machine has not the memory for (ERR_LIMIT), and tells the watch before it
@@ -157,5 +175,8 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
  * taken it back; so does an error. Taking back is watched, and not to be stopped. */
 void session_mark(struct session *session);
 void session_rollback(struct session *session);
+/* The command stands: lets go of what only session_rollback needs and much memory is spent on. The
+ * next session_mark does so too. */
+void session_settle(struct session *session);
 
 #endif
