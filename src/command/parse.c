@@ -1,6 +1,5 @@
 #include "command/command.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -78,30 +77,6 @@ static enum err expect(struct fault *fault, const struct parameter *p, const cha
                      *word ? word : "nothing");
 }
 
-/* The voxel nearest to a point of the world: solves to_mm * (i, j, k, 1) = point. */
-static bool voxel_at(const struct geometry *geometry, const double point[3], int64_t place[3])
-{
-    const double(*m)[4] = geometry->to_mm;
-    double b[3], cofactor[3][3], determinant = 0;
-    for (int i = 0; i < 3; i++) {
-        b[i] = point[i] - m[i][3];
-        for (int j = 0; j < 3; j++) {
-            int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-            cofactor[i][j] = m[i1][j1] * m[i2][j2] - m[i1][j2] * m[i2][j1];
-        }
-    }
-    for (int j = 0; j < 3; j++)
-        determinant += m[0][j] * cofactor[0][j];
-    for (int j = 0; j < 3; j++) {
-        double along = b[0] * cofactor[0][j] + b[1] * cofactor[1][j] + b[2] * cofactor[2][j];
-        along = floor(along / determinant + 0.5);
-        if (!(fabs(along) < 1e9))
-            return false;
-        place[j] = (int64_t)along;
-    }
-    return true;
-}
-
 static enum err read_position(struct value *value, const struct parameter *p, const char *word,
                               const struct session *session, struct fault *fault)
 {
@@ -123,7 +98,7 @@ static enum err read_position(struct value *value, const struct parameter *p, co
     }
     const double point[3] = {(double)part[0] / 1e6, (double)part[1] / 1e6, (double)part[2] / 1e6};
     const uint32_t *size = session->scene->grid.size;
-    if ((world && !voxel_at(&session->geometry, point, place)) ||
+    if ((world && !geometry_voxel(&session->geometry, point, place)) ||
         !grid_contains(&session->scene->grid, place[0], place[1], place[2]))
         return fault_set(fault, ERR_INPUT,
                          "%s lies outside the scene, whose voxels are 0,0,0 to %u,%u,%u; "
