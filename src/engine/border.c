@@ -57,20 +57,36 @@ static uint64_t border_word(const struct border *border, size_t w)
     return shown & ~inside;
 }
 
-void border_recount(struct border *border)
+/* False where the watch has stopped it. */
+static bool count_shown(struct border *border, struct task *task)
 {
     const struct grid *grid = &border->scene->grid;
     const struct cell *cell = border->scene->cell;
-    struct task task = task_begin(border->scene->watch, "border", 2 * (uint64_t)grid->cells);
     for (size_t w = 0; w + 1 < border->words; w++) {
         uint64_t word = 0;
         size_t end = w * 64 + 64 < grid->cells ? w * 64 + 64 : grid->cells;
         for (size_t c = w * 64; c < end; c++)
             word |= (uint64_t)border->visible[cell[c].label] << (c & 63);
         border->shown[w] = word;
-        if (!task_advance(&task, 64))
-            return;
+        if (!task_advance(task, 64))
+            return false;
     }
+    return true;
+}
+
+void border_recount_shown(struct border *border)
+{
+    const uint64_t cells = border->scene->grid.cells;
+    struct task task = task_begin(border->scene->watch, "shown voxels", cells);
+    count_shown(border, &task);
+}
+
+void border_recount(struct border *border)
+{
+    const uint64_t cells = border->scene->grid.cells;
+    struct task task = task_begin(border->scene->watch, "border", 2 * cells);
+    if (!count_shown(border, &task))
+        return;
     for (size_t w = 0; w + 1 < border->words && task_advance(&task, 64); w++)
         border->border[w] = border_word(border, w);
 }
