@@ -12,6 +12,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/scan.h"
 #include "command/bench.h"
 #include "command/drive.h"
 #include "journal/log.h"
@@ -29,7 +30,8 @@ static const char usage[] =
     "    iftty verify JOURNAL...        the same quietly, and compare golden images; TAP\n"
     "    iftty log JOURNAL              print a journal; --script its commands, --check its chain\n"
     "    iftty show PICTURE             show a picture file inline, if the terminal can\n"
-    "    iftty bench [brain]            measure; --json for programs\n"
+    "    iftty bench [brain]            measure the whole way; --json for programs\n"
+    "    iftty bench paper [SCENE...]   the paper's five experiments: text, --json or --csv\n"
     "    iftty help [COMMAND]           the commands of prompt, script and journal\n"
     "\n"
     "    --journal FILE    record there (run, -c, prompt); an existing journal is resumed\n"
@@ -38,6 +40,9 @@ static const char usage[] =
     "                      leaves there what a golden image differs by\n"
     "    --keep-going      do not stop at the first error (run, -c)\n"
     "    --graphics auto|kitty|sixel|blocks|none\n"
+    "    --rounds N        time each experiment N times (bench paper; 3), take the median\n"
+    "    --quick           only the first two steps of eight (bench paper)\n"
+    "    --plots DIR       charts as SVG, into this folder (bench paper)\n"
     "    --version\n"
     "\n"
     "    Ctrl-C takes the command at hand back; run, -c and replay end with it.\n"
@@ -45,7 +50,8 @@ static const char usage[] =
 
 struct options {
     const char *journal, *scene, *out, *commands;
-    bool keep_going, script, check, json;
+    const char *rounds, *plots;
+    bool keep_going, script, check, json, csv, quick;
     enum graphics graphics;
     char **word; /* what is left: program and files */
     int words;
@@ -159,10 +165,8 @@ static enum err read_options(struct options *o, int count, char **word, struct f
     const struct {
         const char *name;
         const char **value;
-    } valued[] = {{"--journal", &o->journal},
-                  {"--scene", &o->scene},
-                  {"--out", &o->out},
-                  {"-c", &o->commands},
+    } valued[] = {{"--journal", &o->journal}, {"--scene", &o->scene},   {"--out", &o->out},
+                  {"-c", &o->commands},       {"--rounds", &o->rounds}, {"--plots", &o->plots},
                   {"--graphics", &graphics}};
     const struct {
         const char *name;
@@ -170,7 +174,9 @@ static enum err read_options(struct options *o, int count, char **word, struct f
     } plain[] = {{"--keep-going", &o->keep_going},
                  {"--script", &o->script},
                  {"--check", &o->check},
-                 {"--json", &o->json}};
+                 {"--json", &o->json},
+                 {"--csv", &o->csv},
+                 {"--quick", &o->quick}};
     enum { VALUED = sizeof valued / sizeof valued[0], PLAIN = sizeof plain / sizeof plain[0] };
     bool over = false;
     *o = (struct options){.word = word};
@@ -374,10 +380,37 @@ static enum err program_show(const struct options *o, struct fault *fault)
     return err;
 }
 
+static enum err bench_paper_by(const struct options *o, struct fault *fault)
+{
+    struct bench_paper_options how = {
+        .scene = o->word + 2,
+        .scenes = o->words - 2,
+        .rounds = 3,
+        .quick = o->quick,
+        .form = o->json  ? BENCH_JSON
+                : o->csv ? BENCH_CSV
+                         : BENCH_TEXT,
+        .plots = o->plots,
+        .watch = &watch,
+        .say = say,
+    };
+    const char *at = o->rounds;
+    int64_t rounds;
+    if (at && (!scan_integer(&at, 1, 99, &rounds) || *at))
+        return fault_set(fault, ERR_USAGE, "--rounds: expected a number 1..99, not %s", o->rounds);
+    how.rounds = o->rounds ? (unsigned)rounds : how.rounds;
+    if (o->json && o->csv)
+        return fault_set(fault, ERR_USAGE, "--json or --csv, not both");
+    handle_interrupts();
+    return bench_paper(&how, fault);
+}
+
 static enum err program_bench(const struct options *o, struct fault *fault)
 {
+    if (o->words > 1 && strcmp(o->word[1], "paper") == 0)
+        return bench_paper_by(o, fault);
     if (o->words > 1 && strcmp(o->word[1], "brain") != 0)
-        return fault_set(fault, ERR_USAGE, "bench: expected brain, not %s", o->word[1]);
+        return fault_set(fault, ERR_USAGE, "bench: expected brain or paper, not %s", o->word[1]);
     return bench_brain(o->scene, o->json, stdout, fault);
 }
 

@@ -94,6 +94,7 @@ struct figures {
     struct times scratch, plant, eliminate, border, scene, turn, start, loaded;
     double bytes_per_voxel;
     size_t voxels, border_voxels;
+    unsigned threads;
 };
 
 static enum err time_scratch(struct session *session, struct figures *figures, struct fault *fault)
@@ -160,8 +161,8 @@ static void print_row(FILE *out, const char *what, struct times *times, double s
 static void print_table(FILE *out, const char *scene, struct figures *f)
 {
     double ns_per_voxel = 1e6 / (double)f->voxels;
-    fprintf(out, "%s: %zu voxels, %d seeds, %zu border voxels; one core\n\n", scene, f->voxels,
-            SEEDS, f->border_voxels);
+    fprintf(out, "%s: %zu voxels, %d seeds, %zu border voxels; %u threads\n\n", scene, f->voxels,
+            SEEDS, f->border_voxels, f->threads);
     fprintf(out, "%-44s %9s %9s %9s\n", "", "median", "9 of 10", "most");
     print_row(out, "forest from scratch", &f->scratch, 1, "ms");
     print_row(out, "forest from scratch, a voxel", &f->scratch, ns_per_voxel, "ns");
@@ -227,6 +228,7 @@ enum err bench_brain(const char *scene, bool json, FILE *out, struct fault *faul
     if (!err) {
         figures->voxels = session->scene->grid.voxels;
         figures->border_voxels = border_count(&session->border);
+        figures->threads = crew_size(session->crew);
         figures->bytes_per_voxel = (double)session_memory(session) / (double)figures->voxels;
         for (int i = 0; i < STARTS; i++) {
             double prompt_ms, loaded_ms;

@@ -1,8 +1,12 @@
 /*
- * Measurements of the whole way on the T1 scene ch2 of Debian's mricron-data, or on synth:geom
- * where that is not there: run from scratch, single edits with their picture, full pictures,
- * memory, and the time from the start of the program to its prompt. Medians; nothing is compared
- * with a limit.
+ * bench_brain: measurements of the whole way on the T1 scene ch2 of Debian's mricron-data, or on
+ * synth:geom where that is not there: run from scratch, single edits with their picture, full
+ * pictures, memory, and the time from the start of the program to its prompt.
+ *
+ * bench_paper: the paper's five experiments on its scenes (command/bench_trial.h), with the same
+ * seeds in the same eight steps, beside the paper's figures.
+ *
+ * Medians; no time is compared with a limit.
  */
 #ifndef COMMAND_BENCH_H
 #define COMMAND_BENCH_H
@@ -11,9 +15,29 @@
 #include <stdio.h>
 
 #include "base/err.h"
+#include "base/watch.h"
 
 /* `scene` names another file, or is NULL. The table goes to `out`, or one JSON object. */
 enum err bench_brain(const char *scene, bool json, FILE *out, struct fault *fault);
+
+enum bench_form { BENCH_TEXT, BENCH_JSON, BENCH_CSV };
+
+struct bench_paper_options {
+    char *const
+        *scene;      /* "brain", "geom" or either with XYZ as in "brain211", "ch2better"; "all" */
+    int scenes;      /* none: brain and geom */
+    unsigned rounds; /* 1..99: each experiment is timed so often */
+    bool quick;      /* two steps instead of eight */
+    enum bench_form form;
+    const char *plots;                            /* a folder for charts, or NULL */
+    struct watch *watch;                          /* told how far it is, or NULL */
+    void (*say)(void *context, const char *text); /* what goes to the user */
+    void *context;
+};
+
+/* ERR_CHECK where two experiments do not give the same; ERR_CANCELLED. Nothing is said of JSON and
+ * CSV then. */
+enum err bench_paper(const struct bench_paper_options *options, struct fault *fault);
 
 /* Milliseconds from starting this program on `scene` (or without one where NULL) in a terminal of
  * its own until the prompt is there, and until the scene is loaded and the prompt back. False where

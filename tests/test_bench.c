@@ -1,0 +1,470 @@
+/*
+ * The benchmark's parts: seeds of the procedure, the comparison of experiments, reports, charts,
+ * the line of progress. No time is looked at.
+ */
+#include <limits.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "command/bench_report.h"
+#include "command/plot.h"
+#include "tests/check.h"
+
+/* ---- the procedure ---- */
+
+static int compare_cells(const void *a, const void *b)
+{
+    const struct edit *x = a, *y = b;
+    return x->cell < y->cell ? -1 : x->cell > y->cell;
+}
+
+/* What geom holds where a seed of this label may lie: its noise is 4 up or down. */
+static const struct {
+    uint16_t least, most;
+} band[7] = {{8, 25}, {66, 74}, {116, 124}, {161, 169}, {201, 209}, {28, 34}, {231, 239}};
+
+STORY(seeds_lie_in_what_they_are_labelled)
+{
+    struct session session;
+    struct procedure procedure;
+    struct seeds seeds;
+    session_init(&session);
+    CHECK(session_open(&session, "synth:geom", NULL) == OK);
+    CHECK(procedure_make(&procedure, &session, NULL, NULL) == OK);
+    CHECK(procedure_seeds(&seeds, &procedure, &session, NULL) == OK);
+    CHECK_INT(seeds.count, PROCEDURE_SEEDS);
+    size_t of_label[PROCEDURE_STEPS][7] = {{0}}, wrong = 0;
+    for (size_t i = 0; i < seeds.count; i++) {
+        const uint16_t intensity = session.scene->cell[seeds.edit[i].cell].intensity;
+        const int16_t label = seeds.edit[i].label;
+        if (!CHECK(label >= 0 && label < 7))
+            return;
+        wrong += intensity < band[label].least || intensity > band[label].most;
+        for (int s = 0; s < PROCEDURE_STEPS; s++)
+            of_label[s][label] += i < procedure_count[s];
+    }
+    CHECK_INT(wrong, 0);
+    for (int s = 0; s < PROCEDURE_STEPS; s++) /* each step has its share of each label */
+        for (int label = 0; label < 7; label++) {
+            size_t all = of_label[PROCEDURE_STEPS - 1][label];
+            double share = (double)all * procedure_count[s] / PROCEDURE_SEEDS;
+            CHECK((double)of_label[s][label] > share - 1.5 &&
+                  (double)of_label[s][label] < share + 1.5);
+        }
+    qsort(seeds.edit, seeds.count, sizeof *seeds.edit, compare_cells);
+    for (size_t i = 1; i < seeds.count; i++)
+        CHECK(seeds.edit[i].cell > seeds.edit[i - 1].cell);
+    seeds_release(&seeds);
+    procedure_release(&procedure);
+    session_release(&session);
+}
+
+STORY(an_interpolated_scene_has_the_same_seeds)
+{
+    struct session session;
+    struct procedure procedure;
+    struct seeds seeds, twice;
+    session_init(&session);
+    CHECK(session_open(&session, "synth:geom", NULL) == OK);
+    CHECK(procedure_make(&procedure, &session, NULL, NULL) == OK);
+    CHECK(procedure_seeds(&seeds, &procedure, &session, NULL) == OK);
+    const struct grid before = session.scene->grid;
+    CHECK(session_interpolate(&session, 5, NULL) == OK);
+    CHECK(procedure_seeds(&twice, &procedure, &session, NULL) == OK);
+    for (size_t i = 0; i < seeds.count; i++) {
+        struct place p = grid_place(&before, seeds.edit[i].cell);
+        CHECK_INT(twice.edit[i].cell, grid_cell(&session.scene->grid, 2 * p.x, p.y, 2 * p.z));
+        CHECK_INT(twice.edit[i].label, seeds.edit[i].label);
+    }
+    seeds_release(&seeds);
+    seeds_release(&twice);
+    procedure_release(&procedure);
+    session_release(&session);
+}
+
+/* Columns 20 by 17 wide through what is bright in geom: regions 1..116 of a made atlas. */
+static uint16_t *made_atlas(const struct scene *scene)
+{
+    const uint32_t *sides = scene->grid.size;
+    uint16_t *region = malloc(scene->grid.voxels * sizeof *region), *at = region;
+    for (uint32_t z = 0; region && z < sides[2]; z++)
+        for (uint32_t y = 0; y < sides[1]; y++)
+            for (uint32_t x = 0; x < sides[0]; x++) {
+                uint32_t column = x / 20 * 12 + y / 17;
+                bool bright = scene->cell[grid_cell(&scene->grid, x, y, z)].intensity >= 60;
+                *at++ = (uint16_t)(bright ? 1 + (column < 116 ? column : 115) : 0);
+            }
+    return region;
+}
+
+STORY(an_atlas_says_which_seeds_are_brain)
+{
+    struct session session;
+    struct procedure procedure;
+    struct seeds seeds;
+    session_init(&session);
+    CHECK(session_open(&session, "synth:geom", NULL) == OK);
+    const struct grid *grid = &session.scene->grid;
+    struct volume atlas = {.size = {200, 200, 100}, .intensity = made_atlas(session.scene)};
+    CHECK(procedure_make(&procedure, &session, &atlas, NULL) == OK);
+    CHECK(procedure_seeds(&seeds, &procedure, &session, NULL) == OK);
+    size_t of_label[3] = {0}, wrong = 0;
+    for (size_t i = 0; i < seeds.count; i++) {
+        const uint32_t cell = seeds.edit[i].cell, voxel = grid_voxel(grid, cell);
+        const uint16_t region = atlas.intensity[voxel];
+        const int16_t label = seeds.edit[i].label;
+        wrong += label != (region == 0 ? 0 : region <= 90 ? 1 : 2);
+        wrong += region == 0 && session.scene->cell[cell].intensity >= 20;
+        wrong += atlas.intensity[voxel - 1] != region || atlas.intensity[voxel + 200] != region;
+        of_label[label]++;
+    }
+    CHECK_INT(wrong, 0);
+    CHECK_INT(of_label[0], 855);
+    CHECK_INT(of_label[1], 1000);
+    CHECK_INT(of_label[2], 250);
+    seeds_release(&seeds);
+    procedure_release(&procedure);
+    free(atlas.intensity);
+    session_release(&session);
+}
+
+STORY(a_map_on_another_grid_or_without_regions_is_refused)
+{
+    static uint16_t nothing[200 * 200 * 100];
+    struct session session;
+    struct procedure procedure;
+    struct fault fault = {0};
+    struct volume atlas = {.size = {200, 200, 99}, .intensity = nothing};
+    session_init(&session);
+    CHECK(session_open(&session, "synth:geom", NULL) == OK);
+    CHECK(procedure_make(&procedure, &session, &atlas, &fault) == ERR_INPUT);
+    CHECK_HAS(fault.text, "the map has 200x200x99 voxels");
+    atlas.size[2] = 100;
+    CHECK(procedure_make(&procedure, &session, &atlas, &fault) == ERR_INPUT);
+    CHECK_HAS(fault.text, "the map has no voxel of regions 1-90");
+    session_release(&session);
+}
+
+/* ---- a trial on a small scene ---- */
+
+static char folder[] = "/tmp/iftty-bench-XXXXXX";
+static const uint32_t side = 32;
+
+static void scene_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    uint8_t *at = values;
+    (void)context;
+    for (uint32_t x = 0; x < side; x++)
+        *at++ = (uint8_t)(x + y + z + (x > 9 ? 40 : 0) + (y > 12 && z < 20 ? 70 : 0));
+}
+
+/* Those of the first step all over one half of the scene, the others in a corner of the other half,
+ * so that they change little. Of four labels. */
+static void begin(struct session *session, struct seeds *seeds)
+{
+    char path[PATH_MAX];
+    const double spacing_mm[3] = {1, 1, 1};
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
+    snprintf(path, sizeof path, "%s/small.nii", folder);
+    geometry_place_plain(&geometry, spacing_mm);
+    CHECK(nifti_write(path, FILE_REPLACE, (uint32_t[]){side, side, side}, &geometry, NIFTI_UINT8,
+                      "test", scene_row, NULL, NULL, NULL) == OK);
+    session_init(session);
+    CHECK(session_open(session, path, NULL) == OK);
+    *seeds = (struct seeds){.edit = malloc(PROCEDURE_SEEDS * sizeof(struct edit))};
+    for (uint32_t i = 0; seeds->edit && i < PROCEDURE_SEEDS; i++) {
+        const uint32_t early = i * 7919 % (16 * 32 * 32), late = i * 5 % (12 * 12 * 12);
+        const uint32_t cell =
+            i < procedure_count[0]
+                ? grid_cell(&session->scene->grid, 16 + early % 16, early / 16 % 32, early / 512)
+                : grid_cell(&session->scene->grid, late % 12, late / 12 % 12, late / 144);
+        seeds->edit[seeds->count++] = (struct edit){cell, (int16_t)(i % 4)};
+    }
+}
+
+STORY(all_experiments_give_the_same_in_every_step)
+{
+    struct session session;
+    struct seeds seeds;
+    struct fault fault = {0};
+    struct trial trial = {.name = "small"};
+    begin(&session, &seeds);
+    if (!CHECK(trial_run(&trial, &session, &seeds, PROCEDURE_STEPS, 2, NULL, &fault) == OK))
+        printf("#   %s\n", fault.text);
+    CHECK_INT(trial.compared, PROCEDURE_STEPS * (2 * EXPERIMENTS - 1));
+    CHECK_INT(trial.steps, PROCEDURE_STEPS);
+    CHECK_INT(forest_seeds(session.forest), PROCEDURE_SEEDS);
+    const struct trial_step *last = &trial.step[PROCEDURE_STEPS - 1];
+    CHECK_INT(last->seeds, PROCEDURE_SEEDS);
+    CHECK(last->keys == forest_digest(session.forest));
+    CHECK(last->labels == forest_label_digest(session.forest));
+    CHECK_INT(last->border_voxels, border_count(&session.border));
+    CHECK(session_render(&session, RENDER_RAY, NULL) == OK);
+    CHECK(rendition_digest(&session.rendition) == last->picture);
+    for (unsigned s = 0; s < trial.steps; s++)
+        CHECK_INT(trial.step[s].cost[IFT_SP].served, trial.voxels);
+    unsigned repaired = 0;
+    for (unsigned s = 1; s < trial.steps; s++)
+        repaired += !trial.step[s].cost[BDIFT_BP].is_whole;
+    CHECK(repaired >= 2); /* in other steps border and picture are made from nothing */
+    seeds_release(&seeds);
+    session_release(&session);
+}
+
+/* Whoever stands at the watch can spoil what is compared. */
+static bool spoil_colours(void *context, unsigned step, unsigned round)
+{
+    struct session *session = context;
+    for (int label = 1; step == 1 && round == 0 && label < 256; label++)
+        session->settings.palette.rgb[label][1] ^= 0x40;
+    return true;
+}
+static bool spoil_weights(void *context, unsigned step, unsigned round)
+{
+    struct session *session = context;
+    struct span row = grid_row(&session->scene->grid, side / 2, side / 2);
+    for (uint32_t c = row.first; step == 1 && round == 0 && c < row.end; c++)
+        session->scene->cell[c].weight ^= 0x155;
+    return true;
+}
+static bool spoil_view(void *context, unsigned step, unsigned round)
+{
+    struct session *session = context;
+    struct view view = session->settings.view;
+    view.angle[0] += 90000;
+    if (step == 1 && round == 0)
+        CHECK(session_set_view(session, &view, NULL) == OK);
+    return true;
+}
+static bool stop(void *context, unsigned step, unsigned round)
+{
+    (void)context;
+    return step == 0 || round == 0;
+}
+
+STORY(a_difference_ends_the_trial_and_is_named)
+{
+    static const struct {
+        bool (*spoil)(void *context, unsigned step, unsigned round);
+        const char *words;
+    } row[] = {{spoil_colours, "has colour"}, {spoil_weights, "digest"}, {spoil_view, "pixel"}};
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        struct session session;
+        struct seeds seeds;
+        struct fault fault = {0};
+        struct trial trial = {.name = "small"};
+        begin(&session, &seeds);
+        const struct trial_watch watch = {row[i].spoil, &session};
+        CHECK(trial_run(&trial, &session, &seeds, 3, 2, &watch, &fault) == ERR_CHECK);
+        CHECK_HAS(fault.text, "small, step 2, (");
+        CHECK_HAS(fault.text, " differs: ");
+        CHECK_HAS(fault.text, row[i].words);
+        seeds_release(&seeds);
+        session_release(&session);
+    }
+}
+
+STORY(whoever_watches_can_end_the_trial)
+{
+    struct session session;
+    struct seeds seeds;
+    struct trial trial = {.name = "small"};
+    const struct trial_watch watch = {stop, NULL};
+    begin(&session, &seeds);
+    CHECK(trial_run(&trial, &session, &seeds, 3, 2, &watch, NULL) == ERR_CANCELLED);
+    CHECK_INT(trial.compared, 2 * (2 * EXPERIMENTS - 1));
+    seeds_release(&seeds);
+    session_release(&session);
+}
+
+STORY(the_first_pixel_that_differs_is_named)
+{
+    const struct grid *grid;
+    struct rendition a, b;
+    struct fault fault = {0};
+    struct scene *scene;
+    CHECK(scene_new(&scene, (uint32_t[]){3, 3, 3}, NULL) == OK);
+    grid = &scene->grid;
+    CHECK(rendition_init(&a, 9, 7, NULL) == OK && rendition_init(&b, 9, 7, NULL) == OK);
+    rendition_clear(&a);
+    rendition_clear(&b);
+    memset(a.label, 0, 63), memset(b.label, 0, 63);
+    memset(a.rgba, 0, 63 * 4), memset(b.rgba, 0, 63 * 4);
+    CHECK(trial_same_picture(&a, &b, grid, &fault));
+    a.rgba[4 * 40 + 2] = 255;
+    CHECK(!trial_same_picture(&a, &b, grid, &fault));
+    CHECK_TEXT(fault.text, "pixel 4,4 has colour 0000ff00, not 00000000");
+    b.depth[39] = 12;
+    CHECK(!trial_same_picture(&a, &b, grid, &fault));
+    CHECK_TEXT(fault.text, "pixel 3,4 has depth 9223372036854775807, not 12");
+    b.cell[38] = grid_cell(grid, 0, 1, 2);
+    b.label[38] = 3;
+    CHECK(!trial_same_picture(&a, &b, grid, &fault));
+    CHECK_TEXT(fault.text, "pixel 2,4 shows nothing of label 0, not voxel 0,1,2 of label 3");
+    rendition_release(&a);
+    rendition_release(&b);
+    scene_free(scene);
+}
+
+/* ---- figures ---- */
+
+/* A trial of round numbers: segmentation 10 e + s, border 2, rendition 4 ms. */
+static struct trial made_trial(const char *name)
+{
+    struct trial trial = {.size = {10, 10, 10}, .voxels = 1000, .steps = 3, .rounds = 1};
+    snprintf(trial.name, sizeof trial.name, "%s", name);
+    for (unsigned s = 0; s < trial.steps; s++)
+        for (unsigned e = 0; e < EXPERIMENTS; e++)
+            trial.step[s].cost[e] =
+                (struct trial_cost){{10 * (e + 1) + s, e < BDIFT_BP ? 0 : 2, 4}, 100, false};
+    return trial;
+}
+
+STORY(means_leave_the_first_step_out)
+{
+    const struct trial trial = made_trial("x");
+    CHECK(trial_mean(&trial, IFT_SP, SEGMENTATION) == 11.5);
+    CHECK(trial_mean(&trial, BDIFT_BP, BORDER) == 2);
+    CHECK(trial_mean_total(&trial, BDIFT_BP) == 37.5);
+    CHECK(trial_total(&trial.step[0], DIFT_II) == 46);
+    CHECK(trial_ns_per_voxel(&trial.step[0], IFT_SP) == 100000);
+    CHECK(report_ratio(&trial, RATIO_IFT) == 11.5 / 21.5);
+    CHECK(report_ratio(&trial, RATIO_BDIFT) == 33.5 / 21.5);
+    CHECK(report_ratio(&trial, RATIO_KEEP) == 33.5 / 53.5);
+    CHECK(report_ratio(&trial, RATIO_II) == 1);
+    CHECK(report_ratio(&trial, RATIO_BORDER_SHARE) == 2 / 33.5);
+}
+
+static void print_to(struct buf *text, void (*print)(FILE *, const struct trial *, size_t),
+                     const struct trial *trial, size_t count)
+{
+    char *data = NULL;
+    size_t length = 0;
+    FILE *out = open_memstream(&data, &length);
+    if (!CHECK(out != NULL))
+        return;
+    print(out, trial, count);
+    fclose(out);
+    buf_clear(text);
+    buf_add(text, data, length);
+    free(data);
+}
+
+STORY(every_row_of_csv_has_every_column)
+{
+    const struct trial trial[2] = {made_trial("brain"), made_trial("geom222")};
+    struct buf text = {0};
+    size_t rows = 0;
+    print_to(&text, report_csv, trial, 2);
+    for (const char *at = buf_text(&text); *at; rows++) {
+        size_t commas = 0, n = strcspn(at, "\n");
+        for (size_t i = 0; i < n; i++)
+            commas += at[i] == ',';
+        CHECK_INT(commas, 16);
+        at += n + (at[n] == '\n');
+    }
+    CHECK_INT(rows, 1 + 2 * 3 * EXPERIMENTS);
+    print_to(&text, report_summary, trial, 2);
+    for (const char *at = buf_text(&text); *at;) { /* readable in 100 columns */
+        size_t n = strcspn(at, "\n");
+        CHECK(n <= 100);
+        at += n + (at[n] == '\n');
+    }
+    CHECK_HAS(buf_text(&text), "geom222");
+    buf_release(&text);
+}
+
+/* ---- charts ---- */
+
+STORY(ticks_are_round)
+{
+    static const struct {
+        double value;
+        unsigned most;
+        double tick;
+    } row[] = {{6, 6, 1},     {6.1, 6, 2},   {13, 6, 5},    {1460, 6, 500}, {0.3, 6, 0.05},
+               {600, 6, 100}, {601, 6, 200}, {1e9, 5, 2e8}, {0, 6, 1}};
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        double tick = plot_tick(row[i].value, row[i].most);
+        if (!CHECK(tick > row[i].tick * 0.999999 && tick < row[i].tick * 1.000001))
+            printf("#   %g by %u: %g\n", row[i].value, row[i].most, tick);
+    }
+}
+
+static size_t count_of(const char *text, const char *part)
+{
+    size_t count = 0;
+    for (; (text = strstr(text, part)) != NULL; text++)
+        count++;
+    return count;
+}
+
+STORY(a_chart_holds_every_value)
+{
+    static const double value[2][3] = {{1, 2.5, 30}, {0, 4, 12}};
+    static const char *const name[3] = {"brain", "a<b & c", "geom"};
+    const struct plot_series series[2] = {{"one", value[0], 0}, {"two", value[1], 4}};
+    const struct plot plot = {"Title", "caption", "ms", name, 3, "scenes", series, 2};
+    struct buf bars = {0}, lines = {0};
+    plot_bars(&bars, &plot);
+    plot_lines(&lines, &plot);
+    CHECK_INT(count_of(buf_text(&bars), "<rect "), 1 + 2 + 6);
+    CHECK_INT(count_of(buf_text(&lines), "<polyline "), 2);
+    CHECK_INT(count_of(buf_text(&lines), "<path "), 2 + 6);
+    const struct buf *both[2] = {&bars, &lines};
+    for (int i = 0; i < 2; i++) {
+        const char *text = buf_text(both[i]);
+        CHECK(strncmp(text, "<svg xmlns=", 11) == 0);
+        CHECK(strcmp(text + both[i]->length - 7, "</svg>\n") == 0);
+        CHECK_HAS(text, "a&lt;b &amp; c");
+        CHECK_HAS(text, ">30</text>"); /* the top of the scale, or of a bar */
+        CHECK_INT(count_of(text, "<text "), count_of(text, "</text>"));
+        CHECK(!strstr(text, "nan") && !strstr(text, "inf"));
+    }
+    buf_release(&bars);
+    buf_release(&lines);
+}
+
+STORY(a_chart_of_zeros_is_a_chart)
+{
+    static const double zero[2] = {0, 0};
+    static const char *const name[2] = {"a", "b"};
+    const struct plot_series series = {"none", zero, 1};
+    const struct plot plot = {"T", "c", "ms", name, 2, NULL, &series, 1};
+    struct buf svg = {0};
+    plot_bars(&svg, &plot);
+    CHECK(!strstr(buf_text(&svg), "nan") && !strstr(buf_text(&svg), "inf"));
+    buf_release(&svg);
+}
+
+STORY(charts_overwrite_nothing)
+{
+    const struct trial trial = made_trial("brain");
+    char plots[PATH_MAX];
+    struct fault fault = {0};
+    snprintf(plots, sizeof plots, "%s/plots", folder);
+    CHECK(report_plots_check(plots, &trial, 1, &fault) == OK);
+    CHECK(report_plots(plots, &trial, 1, &fault) == OK);
+    CHECK(report_plots_check(plots, &trial, 1, &fault) == ERR_IO);
+    CHECK_HAS(fault.text, "plots/steps-brain.svg is there already; nothing is overwritten");
+    CHECK(report_plots(plots, &trial, 1, &fault) == ERR_IO);
+}
+
+int main(void)
+{
+    if (!mkdtemp(folder))
+        return 1;
+    int status = RUN_STORIES(
+        TELL(seeds_lie_in_what_they_are_labelled), TELL(an_interpolated_scene_has_the_same_seeds),
+        TELL(an_atlas_says_which_seeds_are_brain),
+        TELL(a_map_on_another_grid_or_without_regions_is_refused),
+        TELL(all_experiments_give_the_same_in_every_step),
+        TELL(a_difference_ends_the_trial_and_is_named), TELL(whoever_watches_can_end_the_trial),
+        TELL(the_first_pixel_that_differs_is_named), TELL(means_leave_the_first_step_out),
+        TELL(every_row_of_csv_has_every_column), TELL(ticks_are_round),
+        TELL(a_chart_holds_every_value), TELL(a_chart_of_zeros_is_a_chart),
+        TELL(charts_overwrite_nothing));
+    char command[PATH_MAX];
+    snprintf(command, sizeof command, "rm -rf '%s'", folder);
+    return status | (system(command) != 0);
+}

@@ -1,0 +1,58 @@
+#!/bin/sh
+# The benchmark as a program: what it prints in each form, what it refuses. No time is looked at.
+. "$(dirname "$0")/lib.sh"
+
+begin "the paper's experiments agree on geom, and are told as text"
+expect 0 "$iftty" bench paper geom --quick --rounds 1 --plots "$work/plots" </dev/null
+out_has "geom: 200x200x100, 4000000 voxels; median of 1 round, "
+out_has "(5) DIFT + scan + BP"
+out_has "identical labels, keys and pictures in all experiments: 8 comparisons"
+out_has "paper             > 4     1.14"
+same "$(wc -c <"$work/err" | tr -d ' ')" 0 # no progress where there is no terminal
+awk 'length > 100 { bad = 1 } END { exit bad }' "$work/out" || fail "a line of more than 100 columns"
+same "$(cd "$work/plots" && ls | tr '\n' ' ')" "rendition.svg segmentation.svg steps-geom.svg "
+for chart in "$work/plots"/*; do
+    [ "$(tail -n 1 "$chart")" = "</svg>" ] || fail "$chart does not end"
+done
+close_story
+
+begin "JSON is JSON"
+expect 0 "$iftty" bench paper geom --quick --rounds 1 --json </dev/null
+out_has '"scene": "geom"'
+out_has '"identical": true'
+out_has '"ift_to_dift"'
+same "$(grep -c '"experiment":' "$work/out")" 10
+same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
+if command -v python3 >/dev/null 2>&1 && python3 -c 'import json' 2>/dev/null; then
+    python3 -m json.tool "$work/out" >/dev/null 2>"$work/err" || fail "$(cat "$work/err")"
+fi
+close_story
+
+begin "what is wrong is told at once"
+expect 2 "$iftty" bench liver
+err_has "bench: expected brain or paper, not liver"
+for scene in liver brain2 brain213 brain2111 ch2better211 geom-211 ""; do
+    expect 2 "$iftty" bench paper geom "$scene"
+    err_has "expected brain or geom, as they are or interpolated as in brain211, or ch2better, or all"
+done
+for rounds in 0 100 x 3x -1 ""; do
+    expect 2 "$iftty" bench paper geom --rounds "$rounds"
+    err_has "--rounds: expected a number 1..99"
+done
+expect 2 "$iftty" bench paper geom --json --csv
+err_has "not both"
+mkdir -p "$work/full"
+: >"$work/full/rendition.svg"
+expect 3 "$iftty" bench paper geom --plots "$work/full"
+err_has "rendition.svg is there already; nothing is overwritten"
+expect 3 "$iftty" bench paper geom --plots "$work/full/rendition.svg"
+same "$(file_bytes "$work/full/rendition.svg")" 0
+close_story
+
+begin "brain is not there: the words say which file"
+mkdir -p "$work/none"
+IFTTY_SCENES=$work/none expect 3 "$iftty" bench paper brain
+err_has "brain: there is no scene ch2.nii.gz here"
+close_story
+
+finish
