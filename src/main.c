@@ -32,6 +32,7 @@ static const char usage[] =
     "    iftty show PICTURE             show a picture file inline, if the terminal can\n"
     "    iftty bench [brain]            measure the whole way; --json for programs\n"
     "    iftty bench paper [SCENE...]   the paper's five experiments: text, --json or --csv\n"
+    "    iftty bench growth             one edit, in scenes of 4 to 300 million voxels\n"
     "    iftty help [COMMAND]           the commands of prompt, script and journal\n"
     "\n"
     "    --journal FILE    record there (run, -c, prompt); an existing journal is resumed\n"
@@ -41,7 +42,7 @@ static const char usage[] =
     "    --keep-going      do not stop at the first error (run, -c)\n"
     "    --graphics auto|kitty|sixel|blocks|none\n"
     "    --rounds N        time each experiment N times (bench paper; 3), take the median\n"
-    "    --quick           only the first two steps of eight (bench paper)\n"
+    "    --quick           only the first two steps (bench paper) or scenes (bench growth)\n"
     "    --plots DIR       charts as SVG, into this folder (bench paper)\n"
     "    --version\n"
     "\n"
@@ -409,8 +410,13 @@ static enum err program_bench(const struct options *o, struct fault *fault)
 {
     if (o->words > 1 && strcmp(o->word[1], "paper") == 0)
         return bench_paper_by(o, fault);
+    if (o->words > 1 && strcmp(o->word[1], "growth") == 0) {
+        handle_interrupts();
+        return bench_growth(o->json, o->quick, stdout, &watch, fault);
+    }
     if (o->words > 1 && strcmp(o->word[1], "brain") != 0)
-        return fault_set(fault, ERR_USAGE, "bench: expected brain or paper, not %s", o->word[1]);
+        return fault_set(fault, ERR_USAGE, "bench: expected brain, paper or growth, not %s",
+                         o->word[1]);
     return bench_brain(o->scene, o->json, stdout, fault);
 }
 

@@ -46,7 +46,7 @@ close_story
 
 begin "how far things are stands on a terminal, and is gone afterwards"
 if command -v script >/dev/null 2>&1; then
-    line="$iftty -c 'open synth:geom:220x220x220; seed 110,110,110 1; seed 1,1,1 0; run'"
+    line="$iftty -c 'open synth:geom:360x360x360; seed 180,180,180 1; seed 1,1,1 0; run'"
     script -qec "$line" /dev/null </dev/null >seen
     tr '\r' '\n' <seen >lines
     grep -qE '\[#*-*\] +[0-9]+ %, [0-9]+ s' lines || fail "no bar: $(head -c 600 seen)"

@@ -6,6 +6,9 @@
  * bench_paper: the paper's five experiments on its scenes (command/bench_trial.h), with the same
  * seeds in the same eight steps, beside the paper's figures.
  *
+ * bench_growth: one edit in scenes of 4 to 300 million voxels, as many as memory holds together. It
+ * touches the same voxels in each.
+ *
  * Medians; no time is compared with a limit.
  */
 #ifndef COMMAND_BENCH_H
@@ -38,6 +41,9 @@ struct bench_paper_options {
 /* ERR_CHECK where two experiments do not give the same; ERR_CANCELLED. Nothing is said of JSON and
  * CSV then. */
 enum err bench_paper(const struct bench_paper_options *options, struct fault *fault);
+
+/* `quick`: the first two scenes alone. ERR_CANCELLED. */
+enum err bench_growth(bool json, bool quick, FILE *out, struct watch *watch, struct fault *fault);
 
 /* Milliseconds from starting this program on `scene` (or without one where NULL) in a terminal of
  * its own until the prompt is there, and until the scene is loaded and the prompt back. False where
