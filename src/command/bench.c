@@ -91,21 +91,64 @@ static uint32_t middle_cell(const struct grid *grid, uint64_t *state)
 }
 
 struct figures {
-    struct times scratch, plant, eliminate, border, scene, turn, start, loaded;
+    struct times alone, together, corners; /* from nothing: one thread, all, 26 neighbours */
+    struct times plant, eliminate, border, scene, turn, start, loaded;
     double bytes_per_voxel;
     size_t voxels, border_voxels;
     unsigned threads;
 };
 
+/* The seeds that are planted, as edits; NULL when out of memory. */
+static struct edit *list_seeds(const struct session *session)
+{
+    const size_t seeds = forest_seeds(session->forest), cells = session->scene->grid.cells;
+    struct edit *seed = mem_array(seeds, sizeof *seed);
+    size_t count = 0;
+    for (size_t c = 0; seed && c < cells && count < seeds; c++)
+        if (session->scene->cell[c].flags & CELL_SEED)
+            seed[count++] = (struct edit){(uint32_t)c, session->scene->cell[c].label};
+    return seed;
+}
+
+/* Erases every seed and plants them all at once, which is timed: the forest from nothing. */
+static enum err time_growing(struct session *session, struct crew *crew, struct times *times,
+                             struct fault *fault)
+{
+    const size_t seeds = forest_seeds(session->forest);
+    struct edit *seed = list_seeds(session), *none = mem_array(seeds, sizeof *none);
+    enum err err = seed && none ? forest_set_crew(session->forest, crew, fault)
+                                : fault_memory(fault, "a benchmark");
+    for (size_t i = 0; !err && i < seeds; i++)
+        none[i] = (struct edit){seed[i].cell, EDIT_ERASE};
+    for (int i = 0; !err && i < SCRATCH_RUNS; i++) {
+        err = forest_edit(session->forest, none, seeds, NULL, fault);
+        const uint64_t begin = clock_ns();
+        err = err ? err : forest_edit(session->forest, seed, seeds, NULL, fault);
+        add_since(times, begin);
+    }
+    free(seed);
+    free(none);
+    return err;
+}
+
+static enum err time_corners(struct session *session, struct figures *figures, struct fault *fault)
+{
+    forest_set_adjacency(session->forest, 26);
+    enum err err = forest_rebuild(session->forest, NULL, fault);
+    if (!err)
+        err = time_growing(session, NULL, &figures->corners, fault);
+    forest_set_adjacency(session->forest, 6);
+    return err ? err : forest_rebuild(session->forest, NULL, fault);
+}
+
 static enum err time_scratch(struct session *session, struct figures *figures, struct fault *fault)
 {
-    enum err err = OK;
-    for (int i = 0; !err && i < SCRATCH_RUNS; i++) {
-        uint64_t begin = clock_ns();
-        err = forest_rebuild(session->forest, NULL, fault);
-        add_since(&figures->scratch, begin);
-    }
-    return err;
+    enum err err = time_corners(session, figures, fault);
+    if (!err)
+        err = time_growing(session, NULL, &figures->alone, fault);
+    if (!err && figures->threads > 1)
+        err = time_growing(session, session->crew, &figures->together, fault);
+    return err ? err : forest_set_crew(session->forest, session->crew, fault);
 }
 
 /* Each edit as the user feels it: forest, border, digests, picture. Planted and taken away again.
@@ -164,8 +207,10 @@ static void print_table(FILE *out, const char *scene, struct figures *f)
     fprintf(out, "%s: %zu voxels, %d seeds, %zu border voxels; %u threads\n\n", scene, f->voxels,
             SEEDS, f->border_voxels, f->threads);
     fprintf(out, "%-44s %9s %9s %9s\n", "", "median", "9 of 10", "most");
-    print_row(out, "forest from scratch", &f->scratch, 1, "ms");
-    print_row(out, "forest from scratch, a voxel", &f->scratch, ns_per_voxel, "ns");
+    print_row(out, "forest from nothing, one thread", &f->alone, 1, "ms");
+    print_row(out, "    a voxel", &f->alone, ns_per_voxel, "ns");
+    print_row(out, "    all threads, a voxel", &f->together, ns_per_voxel, "ns");
+    print_row(out, "    one thread, 26 neighbours, a voxel", &f->corners, ns_per_voxel, "ns");
     print_row(out, "a seed: update and incremental image", &f->plant, 1, "ms");
     print_row(out, "an eliminator: update and incremental image", &f->eliminate, 1, "ms");
     print_row(out, "border projection, 512x512", &f->border, 1, "ms");
@@ -180,7 +225,8 @@ static void print_json(FILE *out, const char *scene, struct figures *f)
     const struct {
         const char *name;
         struct times *times;
-    } row[] = {{"scratch_ms", &f->scratch},        {"seed_ms", &f->plant},
+    } row[] = {{"scratch_ms", &f->alone},          {"scratch_all_threads_ms", &f->together},
+               {"scratch_26_ms", &f->corners},     {"seed_ms", &f->plant},
                {"eliminator_ms", &f->eliminate},   {"border_projection_ms", &f->border},
                {"scene_projection_ms", &f->scene}, {"start_to_prompt_ms", &f->start},
                {"start_to_loaded_ms", &f->loaded}};
@@ -218,6 +264,8 @@ enum err bench_brain(const char *scene, bool json, FILE *out, struct fault *faul
     if (!err)
         err = session_run(session, fault);
     if (!err)
+        figures->threads = crew_size(session->crew);
+    if (!err)
         err = time_scratch(session, figures, fault);
     if (!err)
         border_recount(&session->border);
@@ -228,7 +276,6 @@ enum err bench_brain(const char *scene, bool json, FILE *out, struct fault *faul
     if (!err) {
         figures->voxels = session->scene->grid.voxels;
         figures->border_voxels = border_count(&session->border);
-        figures->threads = crew_size(session->crew);
         figures->bytes_per_voxel = (double)session_memory(session) / (double)figures->voxels;
         for (int i = 0; i < STARTS; i++) {
             double prompt_ms, loaded_ms;
