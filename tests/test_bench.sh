@@ -28,9 +28,15 @@ if command -v python3 >/dev/null 2>&1 && python3 -c 'import json' 2>/dev/null; t
 fi
 close_story
 
+begin "one edit touches the same voxels in a scene eight times as large"
+expect 0 "$iftty" bench growth --quick --json </dev/null
+same "$(grep -o '"touched": [^]]*' "$work/out" | sort -u | wc -l)" 1
+same "$(grep -o '"voxels"' "$work/out" | wc -l)" 2
+close_story
+
 begin "what is wrong is told at once"
 expect 2 "$iftty" bench liver
-err_has "bench: expected brain or paper, not liver"
+err_has "bench: expected brain, paper or growth, not liver"
 for scene in liver brain2 brain213 brain2111 ch2better211 geom-211 ""; do
     expect 2 "$iftty" bench paper geom "$scene"
     err_has "expected brain or geom, as they are or interpolated as in brain211, or ch2better, or all"

@@ -619,7 +619,9 @@ static void random_session(uint64_t seed, unsigned steps)
     paint(&w, check_below(&random, TEXTURES), &random);
     for (unsigned step = 0; step < steps; step++) {
         size_t count = random_batch(&w, batch, &random);
-        bool fine = CHECK(forest_edit(w.forest, batch, count, NULL, NULL) == OK) &&
+        const bool reverts = step > 0 && check_below(&random, 6) == 0; /* undone, redone, ... */
+        bool fine = CHECK((reverts ? forest_revert(w.forest, NULL)
+                                   : forest_edit(w.forest, batch, count, NULL, NULL)) == OK) &&
                     CHECK(equals_scratch(&w)) && CHECK(forest_check(w.forest, &fault));
         struct changes changes = forest_changes(w.forest);
         border_update(&border, &changes);

@@ -80,7 +80,7 @@ static void plant(struct forest *forest, uint32_t at, uint8_t label)
 static void change_seeds(struct forest *forest, const struct edit *edit, size_t count)
 {
     forest->lost_too_much = false;
-    for (size_t i = 0; i < count && !forest->lost_too_much; i++) {
+    for (size_t i = 0; forest->seeds > 0 && i < count && !forest->lost_too_much; i++) {
         const struct cell *cell = forest->cell + edit[i].cell;
         if (cell->flags & CELL_SEED && cell->label != edit[i].label)
             uproot(forest, edit[i].cell);
