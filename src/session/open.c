@@ -1,0 +1,264 @@
+/* How a scene comes into a session: opened, or interpolated in the place of the one before. */
+#include "session/session_parts.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "base/scan.h"
+#include "image/nifti.h"
+
+static const uint64_t ANNOUNCED_FROM = 1000000000; /* bytes */
+
+/* ---- memory ---- */
+
+uint64_t session_bytes_for(const uint32_t size[3])
+{
+    uint64_t cells = 1;
+    for (int a = 0; a < 3; a++)
+        if (__builtin_mul_overflow(cells, (uint64_t)size[a] + 2, &cells) || cells > UINT64_MAX / 32)
+            return UINT64_MAX;
+    /* Cells; two bits; a sixteenth of the scene as changes; the queue's crest, at most two voxels
+     * of three bytes in practice; two bytes while a file is read. */
+    return cells * sizeof(struct cell) + cells / 4 + cells / 2 + cells * 2;
+}
+
+/* Says what a large scene will take; refuses one that there is no memory for, ending with `undone`.
+ */
+static enum err check_memory(const uint32_t size[3], const char *undone, struct watch *watch,
+                             struct fault *fault)
+{
+    const uint64_t needed = session_bytes_for(size), available = mem_available();
+    if (needed > available)
+        return fault_set(fault, ERR_LIMIT,
+                         "a scene of %ux%ux%u voxels needs %.1f GB of memory and %.1f GB are free; "
+                         "%s",
+                         size[0], size[1], size[2], (double)needed / 1e9, (double)available / 1e9,
+                         undone);
+    if (needed >= ANNOUNCED_FROM)
+        watch_tell(watch, "%ux%ux%u voxels: needs %.1f GB of memory, %.1f GB are free", size[0],
+                   size[1], size[2], (double)needed / 1e9, (double)available / 1e9);
+    return OK;
+}
+
+/* ---- opening ---- */
+
+/* "synth:geom"; "synth:geom:XYZ", bit a of *doubled for a 2 in place a; or "synth:geom:NXxNYxNZ",
+ * where *doubled is GEOM_SIZED. */
+enum { GEOM_SIZED = 8 };
+static bool scan_geom(const char *path, unsigned *doubled, uint32_t size[3])
+{
+    *doubled = 0;
+    memcpy(size, geom_size, sizeof geom_size);
+    if (!scan_text(&path, "synth:geom"))
+        return false;
+    if (*path == '\0')
+        return true;
+    if (*path++ != ':')
+        return false;
+    if (strlen(path) == 3 && strspn(path, "12") == 3) {
+        for (unsigned a = 0; a < 3; a++)
+            if (path[a] == '2') {
+                *doubled |= 1u << a;
+                size[a] = 2 * size[a] - 1;
+            }
+        return true;
+    }
+    *doubled = GEOM_SIZED;
+    for (unsigned a = 0; a < 3; a++) {
+        int64_t n;
+        if ((a > 0 && !scan_text(&path, "x")) || !scan_integer(&path, 1, UINT32_MAX, &n))
+            return false;
+        size[a] = (uint32_t)n;
+    }
+    return *path == '\0';
+}
+
+static enum err open_synthetic(struct session *session, const char *path, struct fault *fault)
+{
+    unsigned doubled;
+    uint32_t size[3];
+    struct grid grid;
+    if (!scan_geom(path, &doubled, size))
+        return fault_set(fault, ERR_INPUT,
+                         "expected synth:geom, synth:geom:XYZ with each of X, Y, Z 1 or 2, or "
+                         "synth:geom:NXxNYxNZ in voxels, not %s; nothing was opened",
+                         path);
+    enum err err = grid_init(&grid, size, fault);
+    if (!err)
+        err = check_memory(size, "nothing was opened", session->watch, fault);
+    if (!err && doubled == GEOM_SIZED)
+        err = scene_new_geom_of(&session->scene, size, session->watch, fault);
+    else if (!err)
+        err = scene_new_geom(&session->scene, doubled, session->watch, fault);
+    if (err)
+        return err;
+    double spacing_mm[3];
+    session->geometry = (struct geometry){.slope = 1};
+    for (int a = 0; a < 3; a++) {
+        session->geometry.spacing_nm[a] = session->scene->spacing_nm[a];
+        spacing_mm[a] = session->scene->spacing_nm[a] / 1e6;
+    }
+    geometry_place_plain(&session->geometry, spacing_mm);
+    return OK;
+}
+
+static enum err open_file(struct session *session, const char *path, struct fault *fault)
+{
+    struct volume volume = {0};
+    uint32_t size[3];
+    enum err err = nifti_size(size, path, fault);
+    if (!err)
+        err = check_memory(size, "nothing was opened", session->watch, fault);
+    if (!err)
+        err = nifti_read(&volume, path, session->watch, fault);
+    if (!err)
+        err = scene_new_watched(&session->scene, volume.size, session->watch, fault);
+    if (!err) {
+        struct scene *scene = session->scene;
+        session->geometry = volume.geometry;
+        scene_fill(scene, volume.intensity);
+        memcpy(scene->spacing_nm, volume.geometry.spacing_nm, sizeof scene->spacing_nm);
+        memcpy(scene->world_axis, volume.geometry.world_axis, sizeof scene->world_axis);
+        memcpy(scene->world_sign, volume.geometry.world_sign, sizeof scene->world_sign);
+    }
+    volume_release(&volume);
+    return err;
+}
+
+/* What hangs on a scene, under the settings of the session; the caller releases it where an error
+ * has left half of it. */
+static enum err equip(struct session *session, struct scene *scene, struct forest **forest,
+                      struct border *border, struct fault *fault)
+{
+    enum err err = forest_new(forest, scene, session->settings.adjacency, fault);
+    if (!err && (session->crew || crew_new(&session->crew, crew_size_wanted(), NULL) == OK))
+        err = forest_set_crew(*forest, session->crew, fault);
+    session->weight_work.crew = session->crew;
+    if (!err)
+        err = border_init(border, scene, fault);
+    if (!err)
+        memcpy(border->visible, session->settings.visible, sizeof border->visible);
+    return err;
+}
+
+enum err session_open(struct session *session, const char *path, struct fault *fault)
+{
+    enum err err;
+    if (session->has_scene)
+        return fault_set(fault, ERR_USAGE, "a scene is open already; a session has one scene");
+    if (strncmp(path, "synth:", 6) == 0)
+        err = open_synthetic(session, path, fault);
+    else
+        err = open_file(session, path, fault);
+    if (!err)
+        err = equip(session, session->scene, &session->forest, &session->border, fault);
+    if (!err)
+        err = weight_work_reserve(&session->weight_work, &session->scene->grid,
+                                  &session->settings.weight, fault);
+    if (err) {
+        session_close_scene(session);
+        return err;
+    }
+    session->has_scene = true;
+    session->fence_tally = fence_tally(&session->fence, session->scene);
+    session->scene_digest = scene_digest(session->scene);
+    err = session_weigh(session, fault);
+    struct view view = view_default(session->scene);
+    if (!err)
+        err = session_set_view(session, &view, fault);
+    if (err)
+        session_close_scene(session);
+    return err;
+}
+
+/* ---- interpolation ---- */
+
+/* A scene with a forest and a border, in place of those of the session; its digests, geometry and
+ * weights wait. On error nothing has changed. */
+static enum err replace_scene(struct session *session, unsigned doubled, struct fault *fault)
+{
+    struct former_scene next = {0};
+    assert(!session->former.scene); /* once in a command */
+    enum err err =
+        scene_new_interpolated(&next.scene, session->scene, doubled, session->watch, fault);
+    if (!err)
+        err = equip(session, next.scene, &next.forest, &next.border, fault);
+    if (!err)
+        err = weight_work_reserve(&session->weight_work, &next.scene->grid,
+                                  &session->settings.weight, fault);
+    if (err) {
+        border_release(&next.border);
+        forest_free(next.forest);
+        scene_free(next.scene);
+        return err;
+    }
+    session->former =
+        (struct former_scene){session->scene,         session->geometry, session->scene_digest,
+                              session->weight_digest, session->forest,   session->border};
+    session->scene = next.scene;
+    session->forest = next.forest;
+    session->border = next.border;
+    return OK;
+}
+
+static enum err set_default_zoom(struct session *session, struct fault *fault)
+{
+    struct view view = session->settings.view;
+    view.zoom = view_fitting_zoom(session->scene, view.width, view.height);
+    view.zoom = view.zoom < VIEW_ZOOM_ONE ? view.zoom : VIEW_ZOOM_ONE;
+    return session_set_view(session, &view, fault);
+}
+
+enum err session_interpolate(struct session *session, unsigned doubled, struct fault *fault)
+{
+    uint32_t size[3];
+    if (forest_seeds(session->forest) || session->pendings)
+        return fault_set(fault, ERR_USAGE,
+                         "%zu seeds are planted and %zu edits wait; a scene is interpolated before "
+                         "the first seed; nothing has changed",
+                         forest_seeds(session->forest), session->pendings);
+    if (session->fence.mask || session->settings.weight.kind == WEIGHT_FILE)
+        return fault_set(fault, ERR_USAGE,
+                         "a mask or weights out of a file lie on the scene as it is; interpolate "
+                         "first, then take them on the finer grid; nothing has changed");
+    for (unsigned a = 0; a < 3; a++)
+        if (session->scene->grid.size[a] == 1)
+            doubled &= ~(1U << a);
+    if (!doubled)
+        return OK;
+    scene_interpolated_size(size, session->scene->grid.size, doubled);
+    enum err err = check_memory(size, "nothing has changed", session->watch, fault);
+    if (!err)
+        err = replace_scene(session, doubled, fault);
+    if (err)
+        return err;
+    for (unsigned a = 0; a < 3; a++) {
+        session->geometry.spacing_nm[a] = session->scene->spacing_nm[a];
+        for (unsigned w = 0; w < 3 && doubled >> a & 1; w++)
+            session->geometry.to_mm[w][a] /= 2;
+    }
+    fence_apply(&session->fence, session->scene);
+    session->fence_tally = fence_tally(&session->fence, session->scene);
+    session->scene_digest = scene_digest(session->scene);
+    err = session_weigh(session, fault);
+    return err ? err : set_default_zoom(session, fault);
+}
+
+/* The former scene again, with its forest; the caller sets the view. */
+void session_take_back_scene(struct session *session)
+{
+    const struct former_scene former = session->former;
+    border_release(&session->border);
+    forest_free(session->forest);
+    scene_free(session->scene);
+    session->scene = former.scene;
+    session->geometry = former.geometry;
+    session->scene_digest = former.scene_digest;
+    session->weight_digest = former.weight_digest;
+    session->forest = former.forest;
+    session->border = former.border;
+    session->fence_tally = session->mark_fence_tally; /* the fence itself is the same */
+    session->former = (struct former_scene){0};
+}
