@@ -22,8 +22,9 @@
  *   T3 no voxel has hops 65535: an edit that would need more steps is refused, and undone;
  *   T4 both digests equal a recount; forest_check asserts it.
  * Invariant in the middle of a pass
- *   T5 every key is supported by its predecessor, or that predecessor is queued. So an edit is
- *      taken back, at any moment, by the inverse edit: no copy of the former state is needed.
+ *   T5 every key is supported by its predecessor, or that predecessor is queued; and a voxel that
+ *      others might offer better than it has is queued, and marked CELL_RAISED. So an edit is taken
+ *      back, at any moment, by the inverse edit: no copy of the former state is needed.
  */
 #ifndef ENGINE_FOREST_H
 #define ENGINE_FOREST_H
