@@ -371,6 +371,14 @@ static void work(void *context, unsigned number)
     }
 }
 
+static void throw_letters_away(struct forest *forest, struct worker *worker)
+{
+    for (unsigned to = 0; to < forest->workers; to++) {
+        free(worker->to[to].item);
+        worker->to[to] = (struct letters){0};
+    }
+}
+
 enum err forest_pass(struct forest *forest, const struct forest_watch *watch)
 {
     struct pass pass = {.forest = forest, .watch = watch, .begin_ns = clock_ns()};
@@ -383,6 +391,7 @@ enum err forest_pass(struct forest *forest, const struct forest_watch *watch)
         forest->label_digest += worker->label_digest;
         worker->served = worker->key_digest = worker->label_digest = 0;
         worker->starved = worker->too_far = false;
+        throw_letters_away(forest, worker);
         if (!all.err)
             queue_trim(worker->queue);
     }
@@ -433,7 +442,7 @@ enum err forest_enlist(struct forest *forest, struct crew *crew, struct fault *f
     for (unsigned i = 0; i < workers; i++) {
         worker[i].forest = forest;
         worker[i].number = i;
-        worker[i].queue = queue_new(forest->scene->grid.cells);
+        worker[i].queue = queue_new(forest->scene->grid.cells, forest->scene->grid.cells / workers);
         if (!worker[i].queue) {
             release_workers(worker, workers);
             return fault_memory(fault, "a forest");

@@ -10,7 +10,7 @@ enum {
     HOPS = 65536,
     CHUNK_ENTRIES = 62, /* even; with the two words before them 256 bytes, four cache lines */
     CELL_ENTRIES = 8,   /* entries of room for each cell; a tenth of that is used in practice */
-    CELL_KEPT = 128,    /* cells for each chunk that stays when the queue is empty */
+    PAGE_CHUNKS = 16,   /* in 4096 bytes */
 };
 
 struct chunk {
@@ -66,7 +66,7 @@ static bool marks_lowest(const struct marks *m, uint32_t *n)
     return false;
 }
 
-struct queue *queue_new(size_t cells)
+struct queue *queue_new(size_t cells, size_t kept_bytes)
 {
     struct queue *queue = mem_new(sizeof *queue);
     if (!queue)
@@ -75,7 +75,7 @@ struct queue *queue_new(size_t cells)
     size_t lists = cells < COSTS ? cells : COSTS;
     size_t chunks = cells / CHUNK_ENTRIES * CELL_ENTRIES + 4 * lists + 64;
     queue->chunks = (uint32_t)(chunks < UINT32_MAX ? chunks : UINT32_MAX);
-    queue->kept = (uint32_t)(cells / CELL_KEPT / 16 * 16 + 16); /* of whole pages */
+    queue->kept = (uint32_t)((kept_bytes / sizeof *queue->pool / PAGE_CHUNKS + 1) * PAGE_CHUNKS);
     queue->used = 1;
     queue->pool = mem_pages(queue->chunks * sizeof *queue->pool);
     if (!queue->pool) {

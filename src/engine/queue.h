@@ -19,8 +19,8 @@
 struct queue;
 
 /* For a scene of `cells`: room for eight entries a cell, as addresses only; memory is taken as it
- * is needed, and kept. NULL when out of memory. */
-struct queue *queue_new(size_t cells);
+ * is needed, and `kept_bytes` of it stay with an empty queue. NULL when out of memory. */
+struct queue *queue_new(size_t cells, size_t kept_bytes);
 void queue_free(struct queue *queue);
 
 /* A cell and the level (cost << 16 | hops) it waits at. */
