@@ -148,6 +148,15 @@ STORY(labels_tint_or_are_outlined)
     CHECK(is_rgb(&s, 3, 8, 0x50, 0x60, 0x70));
     CHECK_INT(grey_at(&s, 4, 8), 10); /* the background has none */
     slice_release(&s);
+
+    /* From the side, label 2 fills columns 0-2, label 1 columns 3-8. */
+    choice.plane = SLICE_SAGITTAL;
+    choice.index = 3;
+    s = take(scene, choice);
+    CHECK(is_rgb(&s, 2, 0, 255, 0, 1));
+    CHECK(is_rgb(&s, 3, 0, 0x50, 0x60, 0x70));
+    CHECK_INT(grey_at(&s, 4, 0), 190);
+    slice_release(&s);
     scene_free(scene);
 }
 
@@ -160,6 +169,9 @@ STORY(a_cross_leaves_its_voxel_free)
     /* Voxel 1, 2 has columns 4 and 5, rows 0 to 2. */
     CHECK_INT(grey_at(&s, 5, 1), 90);
     CHECK_INT(grey_at(&s, 5, 0), 90);
+    CHECK_INT(grey_at(&s, 5, 2), 90);
+    CHECK_INT(grey_at(&s, 4, 1), 90);
+    CHECK(is_rgb(&s, 3, 1, 255, 220, 0) && is_rgb(&s, 6, 1, 255, 220, 0));
     CHECK(is_rgb(&s, 5, 3, 255, 220, 0) && is_rgb(&s, 5, 8, 255, 220, 0));
     CHECK(is_rgb(&s, 0, 1, 255, 220, 0) && is_rgb(&s, 7, 1, 255, 220, 0));
     CHECK_INT(grey_at(&s, 4, 3), 50);
