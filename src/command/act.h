@@ -34,6 +34,8 @@ ACT(zoom);
 ACT(size);
 ACT(hide);
 ACT(show);
+
+/* act_picture.c */
 ACT(render);
 ACT(golden);
 ACT(save);

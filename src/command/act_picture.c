@@ -1,0 +1,219 @@
+/* Commands that bring pictures, golden images and maps out. */
+#include "command/act.h"
+
+#include <string.h>
+
+#include "base/file.h"
+#include "image/exr.h"
+#include "journal/golden.h"
+#include "session/export.h"
+
+/* ---- pictures ---- */
+
+static enum err take_picture(struct desk *desk, struct picture *picture, struct fault *fault)
+{
+    enum err err = export_picture(picture, &desk->session, fault);
+    if (!err && desk->journal) {
+        err = picture_note(picture, "iftty:journal", file_name(journal_path(desk->journal)), fault);
+        if (!err)
+            err = picture_note(picture, "iftty:chain", journal_chain(desk->journal), fault);
+        if (err)
+            picture_release(picture);
+    }
+    return err;
+}
+
+static void add_picture_digest(struct desk *desk, struct reply *reply)
+{
+    buf_printf(&reply->words, "picture=%016llx",
+               (unsigned long long)rendition_digest(&desk->session.rendition));
+}
+
+static enum file_mode mode_of(const struct value *replace)
+{
+    return replace->given && replace->number == 0 ? FILE_REPLACE : FILE_KEEP;
+}
+
+static void tell_written(const char *path, struct reply *reply)
+{
+    buf_add_text(&reply->text, "wrote ");
+    buf_add_safe(&reply->text, path, strlen(path));
+    buf_add_char(&reply->text, '\n');
+}
+
+static void tell_seen(const struct rendition *r, struct reply *reply)
+{
+    size_t seen = 0, pixels = (size_t)r->width * r->height;
+    for (size_t i = 0; i < pixels; i++)
+        seen += r->cell[i] != CELL_NONE;
+    buf_printf(&reply->text, "%ux%u pixels, of which %zu show an object\n", r->width, r->height,
+               seen);
+}
+
+ACT(render)
+{
+    static const enum render_mode mode[] = {RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL,
+                                            RENDER_RAY};
+    struct picture picture = {0};
+    struct buf path = {0};
+    enum err err = session_render(&desk->session,
+                                  value[1].given ? mode[value[1].number] : RENDER_AS_KEPT, fault);
+    if (err)
+        return err;
+    add_picture_digest(desk, reply);
+    if (!value[0].given) {
+        desk->shows_picture = true;
+        tell_seen(&desk->session.rendition, reply);
+        return OK;
+    }
+    err = desk_output_path(desk, value[0].text, &path, fault);
+    if (!err && path.length) {
+        const enum file_mode how = mode_of(&value[2]);
+        err = take_picture(desk, &picture, fault);
+        if (!err)
+            err = desk_will_write(desk, buf_text(&path), how, fault);
+        if (!err)
+            err = image_write(desk->helper, buf_text(&path), how, &picture, fault);
+        if (!err)
+            tell_written(buf_text(&path), reply);
+    }
+    picture_release(&picture);
+    buf_release(&path);
+    return err;
+}
+
+/* ---- golden images ---- */
+
+static struct golden_planes planes_of(const struct picture *p)
+{
+    return (struct golden_planes){p->width, p->height, p->rgba, p->depth_mm, p->label, p->voxel};
+}
+
+/* Expected, actual and difference beside each other, for whoever looks into a failure. */
+static void leave_evidence(struct desk *desk, const char *name, const struct picture *actual,
+                           const struct golden_difference *difference)
+{
+    struct buf path = {0};
+    struct picture image = {
+        difference->width, difference->height, difference->image, NULL, NULL, NULL, NULL, 0};
+    if (!desk->evidence_folder)
+        return;
+    const char *journal = file_name(buf_text(&desk->home));
+    buf_printf(&path, "%s/%s.%s.actual.exr", desk->evidence_folder, journal, name);
+    image_write(desk->helper, buf_text(&path), FILE_REPLACE, actual, NULL);
+    if (difference->image) {
+        buf_clear(&path);
+        buf_printf(&path, "%s/%s.%s.difference.png", desk->evidence_folder, journal, name);
+        image_write(desk->helper, buf_text(&path), FILE_REPLACE, &image, NULL);
+    }
+    buf_release(&path);
+}
+
+static enum err compare_golden(struct desk *desk, const char *name, const char *path,
+                               const struct picture *actual, struct fault *fault)
+{
+    struct picture expected = {0};
+    struct golden_difference difference = {0};
+    struct buf words = {0};
+    if (!file_exists(path))
+        return fault_set(fault, ERR_CHECK, "golden image %s is missing: there is no %s", name,
+                         path);
+    enum err err = exr_read(&expected, path, fault);
+    if (err) {
+        fault_prefix(fault, err, "golden image %s", name);
+        return fault ? fault_set(fault, ERR_CHECK, "%s", fault->text) : ERR_CHECK;
+    }
+    struct golden_planes e = planes_of(&expected), a = planes_of(actual);
+    err = golden_compare(&e, &a, &difference, fault);
+    if (!err && !difference.is_same) {
+        golden_tell(&words, &difference);
+        err = fault_set(fault, ERR_CHECK, "golden image %s: %s", name, buf_text(&words));
+        leave_evidence(desk, name, actual, &difference);
+    }
+    golden_difference_release(&difference);
+    picture_release(&expected);
+    buf_release(&words);
+    return err;
+}
+
+/* Writes one file of a golden image, which must not be there. */
+static enum err write_new(struct desk *desk, const char *path, const struct picture *picture,
+                          struct fault *fault)
+{
+    enum err err = desk_will_write(desk, path, FILE_KEEP, fault);
+    return err ? err : image_write(desk->helper, path, FILE_KEEP, picture, fault);
+}
+
+/* The EXR is the golden image; the PNG beside it is for people. */
+static enum err write_golden(struct desk *desk, const char *name, const char *path,
+                             const struct picture *picture, struct fault *fault)
+{
+    struct buf other = {0};
+    enum err err = golden_folder(&other, buf_text(&desk->home), fault);
+    if (!err)
+        err = file_make_folder(buf_text(&other), fault);
+    if (!err && file_exists(path)) {
+        err = compare_golden(desk, name, path, picture, fault);
+        if (err)
+            fault_prefix(fault, err, "it exists already and was left alone");
+    } else if (!err) {
+        buf_printf(&other, "/%s.png", name);
+        err = write_new(desk, path, picture, fault);
+        if (!err)
+            err = write_new(desk, buf_text(&other), picture, fault);
+    }
+    buf_release(&other);
+    return err;
+}
+
+ACT(golden)
+{
+    struct picture picture = {0};
+    struct buf path = {0};
+    const char *name = value[0].text;
+    if (!golden_name_is_valid(name))
+        return fault_set(fault, ERR_USAGE,
+                         "NAME: expected small letters, digits, - and _ (at most 64), not %s",
+                         name);
+    enum err err = session_render(&desk->session, RENDER_AS_KEPT, fault);
+    if (err)
+        return err;
+    add_picture_digest(desk, reply);
+    if (desk->replays && !desk->compares_goldens)
+        return OK;
+    if (!desk->home.length) {
+        buf_add_text(&reply->text, "not kept: there is no journal that it could belong to\n");
+        return OK;
+    }
+    err = golden_path(&path, buf_text(&desk->home), name, fault);
+    if (!err)
+        err = take_picture(desk, &picture, fault);
+    if (!err && desk->replays)
+        err = compare_golden(desk, name, buf_text(&path), &picture, fault);
+    else if (!err)
+        err = write_golden(desk, name, buf_text(&path), &picture, fault);
+    picture_release(&picture);
+    buf_release(&path);
+    return err;
+}
+
+/* ---- maps ---- */
+
+ACT(save)
+{
+    static const enum map map[] = {MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER};
+    struct buf path = {0};
+    enum err err = session_run(&desk->session, fault);
+    if (!err)
+        err = desk_output_path(desk, value[1].text, &path, fault);
+    if (!err && path.length) {
+        const enum file_mode how = mode_of(&value[2]);
+        err = desk_will_write(desk, buf_text(&path), how, fault);
+        if (!err)
+            err = export_map(&desk->session, map[value[0].number], buf_text(&path), how, fault);
+        if (!err)
+            tell_written(buf_text(&path), reply);
+    }
+    buf_release(&path);
+    return err;
+}
