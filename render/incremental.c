@@ -15,11 +15,21 @@ struct holes {
     size_t count, capacity;
 };
 
-static void mark_stale(struct rendition *r, const struct camera *camera, uint32_t cell, int around)
+static int32_t within(int32_t v, uint32_t size)
+{
+    return v < 0 ? 0 : v >= (int32_t)size ? (int32_t)size - 1 : v;
+}
+
+static void mark_stale(struct rendition *r, const struct camera *camera, uint32_t cell, int around,
+                       int pixels)
 {
     struct footprint f = splat_footprint(camera, cell, around);
-    for (int32_t y = f.top / TILE; f.top <= f.bottom && y <= f.bottom / TILE; y++)
-        memset(r->stale + (size_t)y * r->tiles_x + (size_t)(f.left / TILE), 1,
+    if (f.left > f.right || f.top > f.bottom)
+        return;
+    f.left = within(f.left - pixels, r->width), f.right = within(f.right + pixels, r->width);
+    f.top = within(f.top - pixels, r->height), f.bottom = within(f.bottom + pixels, r->height);
+    for (int32_t y = f.top / TILE; y <= f.bottom / TILE; y++)
+        memset(r->stale + (size_t)y * r->tiles_x + (size_t)(f.left / TILE), TILE_STALE,
                (size_t)(f.right / TILE - f.left / TILE + 1));
 }
 
@@ -57,7 +67,8 @@ static void fill_hole(struct rendition *r, const struct camera *camera, const st
 }
 
 void incremental_image(struct rendition *r, const struct camera *camera,
-                       const struct border *border, const struct changes *changes)
+                       const struct border *border, const struct changes *changes,
+                       struct shade_reach reach)
 {
     struct holes holes = {0};
     bool fits = !changes->everything;
@@ -66,7 +77,7 @@ void incremental_image(struct rendition *r, const struct camera *camera,
         const bool before = border->visible[c->former_label];
         const bool now = border->visible[c->label];
         if (before || now)
-            mark_stale(r, camera, c->cell, before == now ? 0 : SHADE_RADIUS);
+            mark_stale(r, camera, c->cell, before == now ? 0 : reach.voxels, reach.pixels);
         if (before && !now)
             fits = open_holes(&holes, r, camera, c->cell);
         else if (now && !before && border_holds(border, c->cell))

@@ -7,7 +7,7 @@
  * border voxels), the ray walk, and the incremental image (repair the former one).
  *
  * Invariant R1: `depth` and `cell` are what any of the four gives; a pixel that shows nothing has
- * DEPTH_NONE, CELL_NONE, label 0 and colour 0.
+ * DEPTH_NONE, CELL_NONE, and once it is shaded label 0, colour 0 and normal 0.
  */
 #ifndef RENDER_RENDITION_H
 #define RENDER_RENDITION_H
@@ -22,13 +22,17 @@
 
 enum { TILE = 8 }; /* side, in pixels, of the squares that are marked stale and shaded at once */
 
+enum tile_state { TILE_FRESH, TILE_STALE };
+
 struct rendition {
     uint32_t width, height;
-    int64_t *depth; /* [height][width], a crossing (4 * t + axis) */
-    uint32_t *cell; /* of the visible voxel */
-    uint8_t *label; /* of that voxel */
-    uint8_t *rgba;  /* [height][width][4], sRGB; alpha 255 where something is seen */
-    uint8_t *stale; /* [tiles_y][tiles_x], 1 where a tile waits to be shaded */
+    int64_t *depth;  /* [height][width], a crossing (4 * t + axis) */
+    uint32_t *cell;  /* of the visible voxel */
+    uint8_t *label;  /* of that voxel */
+    uint8_t *rgba;   /* [height][width][4], sRGB; alpha 255 where something is seen */
+    int16_t *normal; /* [height][width][4], outward along voxel axes, length 2^14 in the world; the
+                        fourth is 0, as is all where nothing is seen */
+    uint8_t *stale;  /* [tiles_y][tiles_x], enum tile_state: whether a tile waits to be shaded */
     uint32_t tiles_x, tiles_y;
 };
 
@@ -36,7 +40,9 @@ enum err rendition_init(struct rendition *rendition, uint32_t width, uint32_t he
                         struct fault *fault);
 void rendition_release(struct rendition *rendition);
 
-/* Nothing is seen, and every tile is stale. */
+size_t rendition_bytes(const struct rendition *rendition);
+
+/* Nothing is seen, and every tile is stale; labels, colours and normals are for shading to make. */
 void rendition_clear(struct rendition *rendition);
 
 /* Scene projection and border projection; the rendition has the camera's size. These, the ray walk
@@ -56,6 +62,12 @@ struct footprint {
 };
 struct footprint splat_footprint(const struct camera *camera, uint32_t cell, int around);
 
+/* How far around a voxel whose label changes colours may change: by that many voxels where it
+ * appears or disappears (none where it only changes its object), and by so many pixels more. */
+struct shade_reach {
+    int voxels, pixels;
+};
+
 /* The ray walk over the whole picture. */
 void raycast(struct rendition *rendition, const struct camera *camera, const struct border *border);
 
@@ -67,11 +79,18 @@ bool raycast_pixel(const struct camera *camera, const struct border *border, uin
 /*
  * The incremental image: `rendition` is that of the labels before the edit, by the same camera, and
  * `border` is up to date. Repairs it in time proportional to the changes, and marks the tiles whose
- * colours may change. Changes that are "everything" are splatted from nothing. Where memory runs
- * out the rendition is splatted from nothing too, so it is always right.
+ * colours may change: `reach` says how far around a change they do. Changes that are "everything"
+ * are splatted from nothing. Where memory runs out the rendition is splatted from nothing too, so
+ * it is always right.
  */
 void incremental_image(struct rendition *rendition, const struct camera *camera,
-                       const struct border *border, const struct changes *changes);
+                       const struct border *border, const struct changes *changes,
+                       struct shade_reach reach);
+
+/* Makes each pixel of `out` of samples x samples pixels of `fine`, which is so much larger: the
+ * nearest one's depth, voxel, label and normal; the mean colour of those that show something, taken
+ * of squares, which is near to what light does; and in alpha how many those are, 255 for all. */
+void rendition_reduce(struct rendition *out, const struct rendition *fine, uint32_t samples);
 
 /* A sum mod 2^64 over pixels of a mix of everything the rendition holds. */
 uint64_t rendition_digest(const struct rendition *rendition);

@@ -5,223 +5,432 @@
 #include "render/fixed.h"
 
 enum {
-    WIDTH = 2 * SHADE_RADIUS + 1,
-    ROWS = 1 << WIDTH, /* patterns of shown voxels along x */
-    UNIT = 1 << 15,    /* 1 of a brightness */
+    UNIT_BITS = 15,
+    UNIT = 1 << UNIT_BITS, /* 1 of a brightness */
     AMBIENT = UNIT / 5,
     DIFFUSE = UNIT - AMBIENT,
-    SPECULAR = 70,       /* of 255, where the light is mirrored into the eye */
-    SHINE = 5,           /* squarings: the exponent is 2^5 */
-    CUE = UNIT * 3 / 10, /* how much darker the far end of the scene is */
+    SPECULAR = 70, /* of 255, where the light is mirrored into the eye */
+    SHINE = 5,     /* squarings: the exponent is 2^5 */
+    GLOSS_BITS = 10,
+    GLOSSES = 1 << GLOSS_BITS, /* cosines that are told apart */
+    CUE_BITS = 20,
+    FIT_STEPS = 3,
+    CROSSING_PIXEL_BITS = 26, /* of a depth: 4 * 2^24 to a pixel */
+    EDGE = UNIT * 35 / 100,   /* what an edge leaves of a colour */
+
+    NORMAL_BITS = 14, /* 1 of a normal's length */
+    POINT_BITS = 8,   /* of a voxel */
 };
 
-/* Binomial weights, and the same times the offset: smoothing, and its derivative. */
-static const int smooth[WIDTH] = {1, 6, 15, 20, 15, 6, 1};
-static const int slope[WIDTH] = {-3, -12, -15, 0, 15, 12, 3};
+struct look look_default(void)
+{
+    return (struct look){.light = {-25000, 30000}, .cue_percent = 30, .samples = 1};
+}
 
-/* Both sums for each pattern of seven voxels in a row, bit 0 the first: the smoothed one in the
- * low half, never negative, the derivative in the high half, so that one product weighs both. */
-struct row_sums {
-    int64_t of[ROWS];
+void shader_release(struct shader *shader)
+{
+    field_release(&shader->shown);
+    field_release(&shader->scene);
+    *shader = (struct shader){0};
+}
+
+size_t shader_bytes(const struct shader *shader)
+{
+    return field_bytes(&shader->shown) + field_bytes(&shader->scene);
+}
+
+/* ---- where a pixel's point lies ---- */
+
+/* Along one flipped axis: (depth - crossing of plane 0) / T, as a product. T is taken to 20 bits
+ * first, so the point is off by some 2^-20 of its distance: less than its own last bit. */
+struct locator {
+    int64_t C, A, B;
+    unsigned shift;
+    int64_t inverse; /* 2^44 / (T >> shift) */
+    int32_t most;    /* the far side of the scene */
+    bool flip;
 };
 
-static void fill_row_sums(struct row_sums *sums)
+enum { LOCATOR_BITS = 20, INVERSE_BITS = 44 };
+
+static struct locator locator_of(const struct camera *camera, int a)
 {
-    for (unsigned bits = 0; bits < ROWS; bits++) {
-        int64_t s = 0, d = 0;
-        for (int i = 0; i < WIDTH; i++)
-            if (bits >> i & 1) {
-                s += smooth[i];
-                d += slope[i];
-            }
-        sums->of[bits] = d * (INT64_C(1) << 32) + s;
-    }
+    struct locator l = {camera->C[a], camera->A[a], camera->B[a], 0, 0, 0, camera->flip[a]};
+    while (camera->T[a] >> l.shift >> (LOCATOR_BITS + 1))
+        l.shift++;
+    l.inverse = (INT64_C(1) << INVERSE_BITS) / (camera->T[a] >> l.shift);
+    l.most = (int32_t)(camera->scene->grid.size[a] << POINT_BITS);
+    return l;
 }
 
-static inline int64_t low_half(int64_t both)
+/* In 1/256 voxels from the centre of voxel 0, along the scene's axis. */
+static inline int32_t locate(const struct locator *l, int64_t depth, uint32_t x, uint32_t y)
 {
-    return both & 0xFFFFFFFF;
+    const int64_t beyond = depth - (l->C + x * l->A + y * l->B);
+    const int64_t flipped = (beyond >> l->shift) * l->inverse >> (INVERSE_BITS - POINT_BITS);
+    const int32_t at = flipped < 0 ? 0 : flipped > l->most ? l->most : (int32_t)flipped;
+    return (l->flip ? l->most - at : at) - (1 << (POINT_BITS - 1));
 }
 
-static inline int64_t high_half(int64_t both)
-{
-    return both >> 32;
-}
+/* ---- the light ---- */
 
-/* Light and the half-way vector of Blinn's variant, along voxel axes, times 2^14. */
+/* All that colours depend on besides the pixel. Vectors lie along voxel axes, lengths in the
+ * world, 2^NORMAL_BITS is 1. */
 struct lamp {
-    int32_t light[3], half[3];
+    struct locator locator[3];
+    int32_t light[3], half[3], viewer[3];
     int32_t scale[3]; /* unit / spacing times 2^12: gradients per voxel to gradients per length */
     int64_t front, depth_range; /* of the scene, in crossings */
+    int64_t cue;                /* how much the far end loses, over (depth_range >> cue_shift) */
+    unsigned cue_shift;
+    int64_t stride;             /* pixels between the depths that a plane is fitted to: a voxel's */
+    int32_t gloss[GLOSSES + 1]; /* by the cosine to `half`, times UNIT */
+    const struct camera *camera;
+    const struct look *look;
+    const struct palette *palette;
+    struct field_reader shown, scene;
 };
 
-static void lamp_init(struct lamp *lamp, const struct camera *camera)
+static int32_t mirrored(int32_t cosine)
 {
+    int64_t v = (int64_t)cosine * UNIT / GLOSSES;
+    for (int i = 0; i < SHINE; i++)
+        v = v * v / UNIT;
+    return (int32_t)(SPECULAR * v);
+}
+
+static void aim(struct lamp *lamp, const struct camera *camera, const struct look *look)
+{
+    const int64_t pitch = look->light[1], quarter = VIEW_TURN / 4;
+    const int64_t level = view_sine((int32_t)(pitch + quarter));
+    const int64_t right = fixed_mul30(view_sine(look->light[0]), level);
+    const int64_t behind = fixed_mul30(view_sine((int32_t)(look->light[0] + quarter)), level);
+    const int64_t up = view_sine((int32_t)pitch);
     int64_t half[3];
     uint64_t squares = 0;
-    int64_t reach = 0;
     for (int a = 0; a < 3; a++) {
-        /* 0.36 to the left, 0.48 up, 0.80 towards the viewer: a unit vector. */
-        int64_t light = (-36 * (int64_t)camera->right[a] + 48 * (int64_t)camera->up[a] -
-                         80 * (int64_t)camera->ahead[a]) /
-                        100;
-        lamp->light[a] = (int32_t)(light >> 16);
-        half[a] = (light - camera->ahead[a]) >> 16;
+        const int64_t light = fixed_mul30(right, camera->right[a]) +
+                              fixed_mul30(up, camera->up[a]) -
+                              fixed_mul30(behind, camera->ahead[a]);
+        lamp->light[a] = (int32_t)(light >> (30 - NORMAL_BITS));
+        lamp->viewer[a] = -camera->ahead[a] >> (30 - NORMAL_BITS);
+        half[a] = (light - camera->ahead[a]) >> (30 - NORMAL_BITS);
         squares += (uint64_t)(half[a] * half[a]);
+    }
+    /* Light from straight ahead has no half-way vector, and is mirrored by nothing that is seen. */
+    const int64_t length = squares ? fixed_root(squares) : 1;
+    for (int a = 0; a < 3; a++)
+        lamp->half[a] = (int32_t)(half[a] * (1 << NORMAL_BITS) / length);
+    for (int i = 0; i <= GLOSSES; i++)
+        lamp->gloss[i] = mirrored(i);
+}
+
+/* Pixels to a voxel, at least 1. */
+static int64_t stride_of(const struct camera *camera)
+{
+    const int64_t pixels = (camera->view.zoom + VIEW_ZOOM_ONE / 2) / VIEW_ZOOM_ONE;
+    return pixels < 1 ? 1 : pixels;
+}
+
+static void lamp_init(struct lamp *lamp, const struct camera *camera, const struct look *look)
+{
+    int64_t reach = 0;
+    aim(lamp, camera, look);
+    for (int a = 0; a < 3; a++) {
+        lamp->locator[a] = locator_of(camera, a);
         lamp->scale[a] = (int32_t)((camera->unit_nm << 12) / (int64_t)camera->scene->spacing_nm[a]);
         /* Half the scene's length along this axis, seen along the ray. */
         int64_t pixels = (int64_t)camera->scene->grid.size[a] * camera->view.zoom *
                          (int64_t)(camera->scene->spacing_nm[a] / (uint32_t)camera->unit_nm) / 1000;
         reach += pixels * (camera->ahead[a] < 0 ? -camera->ahead[a] : camera->ahead[a]) >> 31;
     }
-    int64_t length = fixed_root(squares);
-    for (int a = 0; a < 3; a++)
-        lamp->half[a] = (int32_t)(half[a] * (1 << 14) / length);
     lamp->front = -(reach << 26);
     lamp->depth_range = (reach + 1) << 27;
+    while (lamp->depth_range >> lamp->cue_shift >> CUE_BITS)
+        lamp->cue_shift++;
+    lamp->cue = ((int64_t)UNIT * look->cue_percent / 100 << CUE_BITS) /
+                ((lamp->depth_range >> lamp->cue_shift) + 1);
+    lamp->stride = stride_of(camera);
 }
 
-/* Seven shown bits along x around `at`, those beyond the row masked. */
-static inline unsigned row_bits(const struct border *border, uint32_t at, unsigned mask)
+/* ---- normals ---- */
+
+/* A gradient to a normal of length 2^NORMAL_BITS; false where it has no direction. */
+static bool normalise(int16_t normal[3], const int64_t gradient[3])
 {
-    const uint32_t first = at - SHADE_RADIUS;
-    const unsigned shift = first & 63;
-    const uint64_t *word = border->shown + (first >> 6);
-    uint64_t bits = word[0] >> shift;
-    if (shift > 64 - WIDTH)
-        bits |= word[1] << (64 - shift);
-    return (unsigned)bits & mask;
+    uint64_t all = 0;
+    for (int a = 0; a < 3; a++)
+        all |= (uint64_t)(gradient[a] < 0 ? -gradient[a] : gradient[a]);
+    if (all == 0)
+        return false;
+    const int bits = 64 - __builtin_clzll(all);
+    int64_t v[3];
+    uint64_t squares = 0;
+    for (int a = 0; a < 3; a++) {
+        v[a] = bits > 15 ? gradient[a] >> (bits - 15) : gradient[a] * (1 << (15 - bits));
+        squares += (uint64_t)(v[a] * v[a]);
+    }
+    const int64_t inverse = fixed_inverse_root(squares);
+    for (int a = 0; a < 3; a++)
+        normal[a] = (int16_t)(v[a] * inverse >> (45 - NORMAL_BITS));
+    return true;
 }
 
-/* Which of the seven places around `at` lie within 0..size - 1. */
-static unsigned places_inside(int64_t at, int64_t size)
+static inline int64_t dot(const int16_t a[3], const int32_t b[3])
 {
-    unsigned mask = 0;
-    for (int i = 0; i < WIDTH; i++)
-        mask |= (unsigned)(at + i - SHADE_RADIUS >= 0 && at + i - SHADE_RADIUS < size) << i;
-    return mask;
+    return (int64_t)a[0] * b[0] + (int64_t)a[1] * b[1] + (int64_t)a[2] * b[2];
 }
 
-/* Minus the gradient of what is shown, per unit of length: outward, of no particular length. */
-static void normal_at(const struct border *border, const struct row_sums *sums,
-                      const struct lamp *lamp, uint32_t at, int64_t normal[3])
+static void face_viewer(int16_t normal[3], const struct lamp *lamp)
 {
-    const struct grid *grid = &border->scene->grid;
-    const struct place p = grid_place(grid, at);
-    const unsigned in_x = places_inside(p.x, grid->size[0]);
-    const unsigned in_y = places_inside(p.y, grid->size[1]);
-    const unsigned in_z = places_inside(p.z, grid->size[2]);
-    int64_t g[3] = {0, 0, 0};
-    for (int z = 0; z < WIDTH; z++) {
-        if (!(in_z >> z & 1))
-            continue;
-        ptrdiff_t row =
-            (ptrdiff_t)at + (z - SHADE_RADIUS) * grid->step[2] - SHADE_RADIUS * grid->step[1];
-        int64_t smoothed = 0, along_y = 0; /* over y, both halves; and its derivative */
-        for (int y = 0; y < WIDTH; y++, row += grid->step[1]) {
-            if (!(in_y >> y & 1))
-                continue;
-            int64_t both = sums->of[row_bits(border, (uint32_t)row, in_x)];
-            smoothed += smooth[y] * both;
-            along_y += slope[y] * low_half(both);
-        }
-        g[0] += smooth[z] * high_half(smoothed);
-        g[1] += smooth[z] * along_y;
-        g[2] += slope[z] * low_half(smoothed);
+    for (int a = 0; a < 3; a++)
+        normal[a] = (int16_t)lamp->viewer[a];
+}
+
+/* The scene's gradient takes the surface's side, and outweighs it but where the scene is flat. */
+static void add_scene(int64_t outward[3], struct lamp *lamp, const int32_t point[3])
+{
+    const struct gradient inward = field_at(&lamp->scene, point);
+    int64_t gradient[3], along = 0;
+    for (int a = 0; a < 3; a++) {
+        gradient[a] = (int64_t)inward.along[a] * lamp->scale[a];
+        along += gradient[a] * outward[a];
     }
     for (int a = 0; a < 3; a++)
-        normal[a] = -g[a] * lamp->scale[a];
+        outward[a] = outward[a] / 16 + (along < 0 ? -gradient[a] : gradient[a]);
 }
 
-/* The cosine between a normal of any length and a unit vector times 2^14; UNIT is 1. */
-static int64_t cosine_to(const int64_t normal[3], int64_t length, const int32_t direction[3])
+/* From a point on the surface. */
+static void field_normal(int16_t normal[3], struct lamp *lamp, const int32_t point[3])
 {
-    int64_t dot = normal[0] * direction[0] + normal[1] * direction[1] + normal[2] * direction[2];
-    return dot <= 0 ? 0 : dot * 2 / length;
+    const struct gradient inward = field_at(&lamp->shown, point);
+    int64_t outward[3];
+    for (int a = 0; a < 3; a++)
+        outward[a] = -(int64_t)inward.along[a] * lamp->scale[a];
+    if (lamp->look->mode == SHADE_SCENE)
+        add_scene(outward, lamp, point);
+    if (!normalise(normal, outward)) /* as thick as thin: it shows no side */
+        face_viewer(normal, lamp);
 }
+
+/* ---- normals from depths ---- */
+
+/* Sums over the pixels around one, for the plane that fits their depths best. Places count in
+ * steps of `stride` pixels, depths in 1/256 pixels from the pixel's own. */
+struct fit {
+    int64_t n, x, y, xx, xy, yy, d, xd, yd;
+};
+
+static void add_to_fit(struct fit *fit, int64_t x, int64_t y, int64_t d)
+{
+    fit->n++;
+    fit->x += x, fit->y += y, fit->d += d;
+    fit->xx += x * x, fit->xy += x * y, fit->yy += y * y;
+    fit->xd += x * d, fit->yd += y * d;
+}
+
+/* Pixels of the same surface: what lies steeper than 4 to 1 is another. */
+static struct fit fit_around(const struct rendition *r, const struct lamp *lamp, uint32_t x,
+                             uint32_t y)
+{
+    const int64_t own = r->depth[(size_t)y * r->width + x], stride = lamp->stride;
+    struct fit fit = {0};
+    for (int64_t j = -FIT_STEPS; j <= FIT_STEPS; j++)
+        for (int64_t i = -FIT_STEPS; i <= FIT_STEPS; i++) {
+            const int64_t column = x + i * stride, row = y + j * stride;
+            if (column < 0 || row < 0 || column >= r->width || row >= r->height)
+                continue;
+            const int64_t depth = r->depth[(size_t)row * r->width + (size_t)column];
+            if (depth == DEPTH_NONE)
+                continue;
+            const int64_t d = (depth - own) >> (CROSSING_PIXEL_BITS - 8);
+            const int64_t steep = 4 * 256 * stride * (2 + (i < 0 ? -i : i) + (j < 0 ? -j : j));
+            if (d < steep && d > -steep)
+                add_to_fit(&fit, i, j, d);
+        }
+    return fit;
+}
+
+static void depth_normal(int16_t normal[3], const struct rendition *r, const struct lamp *lamp,
+                         uint32_t x, uint32_t y)
+{
+    const struct fit f = fit_around(r, lamp, x, y);
+    const int64_t xx = f.n * f.xx - f.x * f.x, yy = f.n * f.yy - f.y * f.y;
+    const int64_t xy = f.n * f.xy - f.x * f.y;
+    const int64_t xd = f.n * f.xd - f.x * f.d, yd = f.n * f.yd - f.y * f.d;
+    const int64_t toward = (xx * yy - xy * xy) * lamp->stride * 256;
+    const int64_t gradient[3] = {xd * yy - yd * xy, -(yd * xx - xd * xy), -toward};
+    int16_t n[3]; /* to the right, up, ahead */
+    if (toward == 0 || !normalise(n, gradient)) {
+        face_viewer(normal, lamp);
+        return;
+    }
+    const struct camera *camera = lamp->camera;
+    for (int a = 0; a < 3; a++)
+        normal[a] = (int16_t)((n[0] * (int64_t)camera->right[a] + n[1] * (int64_t)camera->up[a] +
+                               n[2] * (int64_t)camera->ahead[a]) >>
+                              30);
+}
+
+/* ---- colours ---- */
 
 static void colour_pixel(uint8_t rgba[4], const uint8_t base[3], int64_t brightness, int64_t gloss,
                          int64_t cue)
 {
     for (int k = 0; k < 3; k++) {
-        int64_t v = (base[k] * brightness / UNIT + gloss) * cue / UNIT;
+        const int64_t v = (base[k] * brightness + gloss) * cue >> (2 * UNIT_BITS);
         rgba[k] = (uint8_t)(v > 255 ? 255 : v);
     }
     rgba[3] = 255;
 }
 
-/* Brightness and gloss of one voxel: pixels of one voxel share them. */
-struct reflection {
-    uint32_t cell;
-    int64_t brightness, gloss;
+/* What the depth leaves of a colour. */
+static int64_t cue_at(const struct lamp *lamp, int64_t depth)
+{
+    int64_t behind = depth - lamp->front;
+    behind = behind < 0 ? 0 : behind > lamp->depth_range ? lamp->depth_range : behind;
+    return UNIT - ((behind >> lamp->cue_shift) * lamp->cue >> CUE_BITS);
+}
+
+/* Whether another object lies further back beside a pixel. */
+static bool is_edge(const struct rendition *r, uint32_t x, uint32_t y)
+{
+    const size_t here = (size_t)y * r->width + x;
+    const size_t around[4] = {x > 0 ? here - 1 : here, x + 1 < r->width ? here + 1 : here,
+                              y > 0 ? here - r->width : here,
+                              y + 1 < r->height ? here + r->width : here};
+    for (int i = 0; i < 4; i++)
+        if (r->label[around[i]] != r->label[here] && r->depth[around[i]] > r->depth[here])
+            return true;
+    return false;
+}
+
+static void shade_pixel(struct rendition *r, struct lamp *lamp, uint32_t x, uint32_t y)
+{
+    const size_t pixel = (size_t)y * r->width + x;
+    const int64_t depth = r->depth[pixel];
+    int16_t *normal = r->normal + 4 * pixel;
+    if (lamp->look->mode == SHADE_DEPTH) {
+        depth_normal(normal, r, lamp, x, y);
+    } else {
+        const int32_t point[3] = {locate(&lamp->locator[0], depth, x, y),
+                                  locate(&lamp->locator[1], depth, x, y),
+                                  locate(&lamp->locator[2], depth, x, y)};
+        field_normal(normal, lamp, point);
+    }
+    const int64_t lit = dot(normal, lamp->light), mirror = dot(normal, lamp->half);
+    const int64_t cosine = lit < 0 ? 0 : lit >> (2 * NORMAL_BITS - UNIT_BITS);
+    const int64_t shine = mirror < 0 ? 0 : mirror >> (2 * NORMAL_BITS - GLOSS_BITS);
+    int64_t cue = cue_at(lamp, depth);
+    if (lamp->look->edges && is_edge(r, x, y))
+        cue = cue * EDGE >> UNIT_BITS;
+    colour_pixel(r->rgba + 4 * pixel, lamp->palette->rgb[r->label[pixel]],
+                 AMBIENT + (DIFFUSE * cosine >> UNIT_BITS),
+                 lamp->gloss[shine > GLOSSES ? GLOSSES : shine], cue);
+}
+
+/* ---- tiles ---- */
+
+struct tile {
+    uint32_t left, top, right, bottom; /* right and bottom are beyond it */
 };
 
-static void reflect(struct reflection *out, const struct border *border,
-                    const struct row_sums *sums, const struct lamp *lamp, uint32_t cell)
+static struct tile tile_at(const struct rendition *r, uint32_t x, uint32_t y)
 {
-    int64_t normal[3];
-    normal_at(border, sums, lamp, cell, normal);
-    int64_t length = fixed_root(
-        (uint64_t)(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]));
-    out->cell = cell;
-    out->brightness = UNIT; /* a voxel as thick as thin shows no side: face the light */
-    out->gloss = 0;
-    if (length == 0)
-        return;
-    int64_t mirror = cosine_to(normal, length, lamp->half);
-    for (int i = 0; i < SHINE; i++)
-        mirror = mirror * mirror / UNIT;
-    out->brightness = AMBIENT + DIFFUSE * cosine_to(normal, length, lamp->light) / UNIT;
-    out->gloss = SPECULAR * mirror / UNIT;
+    const uint32_t right = (x + 1) * TILE, bottom = (y + 1) * TILE;
+    return (struct tile){x * TILE, y * TILE, right < r->width ? right : r->width,
+                         bottom < r->height ? bottom : r->height};
 }
 
-static void shade_pixel(struct rendition *r, size_t pixel, const struct lamp *lamp,
-                        const struct reflection *seen, const struct palette *palette)
+/* Labels of a tile. Empty pixels get no colour and no normal; true where all of them are empty. */
+static bool label_tile(struct rendition *r, const struct scene *scene, struct tile tile)
 {
-    int64_t behind = r->depth[pixel] - lamp->front;
-    behind = behind < 0 ? 0 : behind > lamp->depth_range ? lamp->depth_range : behind;
-    int64_t cue = UNIT - CUE * (behind >> 15) / ((lamp->depth_range >> 15) + 1);
-    colour_pixel(r->rgba + 4 * pixel, palette->rgb[r->label[pixel]], seen->brightness, seen->gloss,
-                 cue);
-}
-
-static void shade_tile(struct rendition *r, uint32_t tile_x, uint32_t tile_y,
-                       const struct border *border, const struct row_sums *sums,
-                       const struct lamp *lamp, const struct palette *palette)
-{
-    uint32_t right = (tile_x + 1) * TILE < r->width ? (tile_x + 1) * TILE : r->width;
-    uint32_t bottom = (tile_y + 1) * TILE < r->height ? (tile_y + 1) * TILE : r->height;
-    struct reflection seen = {.cell = CELL_NONE};
-    for (uint32_t y = tile_y * TILE; y < bottom; y++)
-        for (uint32_t x = tile_x * TILE; x < right; x++) {
-            size_t pixel = (size_t)y * r->width + x;
-            if (r->cell[pixel] == CELL_NONE) {
-                r->label[pixel] = 0;
-                memset(r->rgba + 4 * pixel, 0, 4);
+    bool is_empty = true;
+    for (uint32_t y = tile.top; y < tile.bottom; y++) {
+        const size_t row = (size_t)y * r->width;
+        for (size_t pixel = row + tile.left; pixel < row + tile.right; pixel++) {
+            const uint32_t cell = r->cell[pixel];
+            is_empty = is_empty && cell == CELL_NONE;
+            r->label[pixel] = cell == CELL_NONE ? 0 : scene->cell[cell].label;
+            if (cell != CELL_NONE)
                 continue;
-            }
-            if (seen.cell != r->cell[pixel])
-                reflect(&seen, border, sums, lamp, r->cell[pixel]);
-            r->label[pixel] = border->scene->cell[r->cell[pixel]].label;
-            shade_pixel(r, pixel, lamp, &seen, palette);
+            memset(r->rgba + 4 * pixel, 0, 4);
+            memset(r->normal + 4 * pixel, 0, 4 * sizeof *r->normal);
+        }
+    }
+    return is_empty;
+}
+
+static void shade_tile(struct rendition *r, struct lamp *lamp, struct tile tile)
+{
+    for (uint32_t y = tile.top; y < tile.bottom; y++)
+        for (uint32_t x = tile.left; x < tile.right; x++)
+            if (r->cell[(size_t)y * r->width + x] != CELL_NONE)
+                shade_pixel(r, lamp, x, y);
+}
+
+/* Labels of all stale tiles come first: the edges of one look into its neighbours. */
+static void label_tiles(struct rendition *r, const struct scene *scene)
+{
+    for (uint32_t y = 0; y < r->tiles_y; y++)
+        for (uint32_t x = 0; x < r->tiles_x; x++) {
+            uint8_t *state = r->stale + (size_t)y * r->tiles_x + x;
+            if (*state == TILE_STALE && label_tile(r, scene, tile_at(r, x, y)))
+                *state = TILE_FRESH;
         }
 }
 
-void shade(struct rendition *r, const struct camera *camera, const struct border *border,
-           const struct palette *palette)
+static void shade_tiles(struct rendition *r, struct lamp *lamp)
 {
-    struct row_sums sums;
-    struct lamp lamp;
-    fill_row_sums(&sums);
-    lamp_init(&lamp, camera);
-    struct task task = task_begin(border->scene->watch, "shading", (uint64_t)r->width * r->height);
+    struct task task =
+        task_begin(lamp->camera->scene->watch, "shading", (uint64_t)r->width * r->height);
     for (uint32_t y = 0; y < r->tiles_y && task_advance(&task, TILE * r->width); y++)
         for (uint32_t x = 0; x < r->tiles_x; x++) {
-            uint8_t *stale = r->stale + (size_t)y * r->tiles_x + x;
-            if (*stale)
-                shade_tile(r, x, y, border, &sums, &lamp, palette);
-            *stale = 0;
+            uint8_t *state = r->stale + (size_t)y * r->tiles_x + x;
+            if (*state == TILE_STALE)
+                shade_tile(r, lamp, tile_at(r, x, y));
+            *state = TILE_FRESH;
         }
+}
+
+static enum err prepare(struct field *field, bool *has, const struct border *border,
+                        enum field_kind kind, struct fault *fault)
+{
+    if (*has && field->border == border)
+        return OK;
+    if (*has)
+        field_release(field);
+    const enum err err = field_init(field, border, kind, fault);
+    *has = err == OK;
+    return err;
+}
+
+enum err shade(struct rendition *r, const struct camera *camera, const struct border *border,
+               const struct palette *palette, const struct look *look, struct shader *shader,
+               struct fault *fault)
+{
+    struct lamp lamp = {.camera = camera, .look = look, .palette = palette};
+    enum err err = OK;
+    if (look->mode != SHADE_DEPTH)
+        err = prepare(&shader->shown, &shader->has_shown, border, FIELD_SHOWN, fault);
+    if (!err && look->mode == SHADE_SCENE)
+        err = prepare(&shader->scene, &shader->has_scene, border, FIELD_SCENE, fault);
+    if (err)
+        return err;
+    lamp.shown.field = &shader->shown;
+    lamp.scene.field = &shader->scene;
+    lamp_init(&lamp, camera, look);
+    label_tiles(r, camera->scene);
+    shade_tiles(r, &lamp);
+    return OK;
+}
+
+struct shade_reach shade_reach(const struct look *look, const struct camera *camera)
+{
+    struct shade_reach reach = {look->mode == SHADE_DEPTH ? 0 : FIELD_REACH, look->edges};
+    if (look->mode == SHADE_DEPTH)
+        reach.pixels = FIT_STEPS * (int)stride_of(camera);
+    return reach;
 }
 
 void palette_default(struct palette *palette)

@@ -1,18 +1,25 @@
 /*
  * Shading: the colour of each pixel, by Phong's model, in integers.
  *
- * The normal at a visible voxel is the direction in which what is shown thins out: the gradient
- * of the shown voxels smoothed by a binomial kernel over SHADE_RADIUS voxels each way. So shading
- * is a pure function of what is shown within that radius, of the labels' colours, and of the view;
- * the incremental image relies on it. The light stands over the viewer's left shoulder. What lies
- * deeper is a little darker.
+ * The point that a pixel shows lies on a face of a voxel's cube; its normal comes of one of
+ *
+ *   surface   what is shown, smoothed (render/field.h): where that thins out
+ *   scene     the gradient of the scene's intensities, turned outward by the surface's normal,
+ * which also takes over where the scene is flat depth     the plane that fits the depths around the
+ * pixel best
+ *
+ * So a pixel's colour is a pure function of what is shown, labels, intensities and depths near it,
+ * and of palette, look and view: shade_reach tells how near. The incremental image relies on it.
+ * The light moves with the viewer. What lies deeper is a little darker. Where edges are wished
+ * for, a pixel is darkened beside which another object, or nothing, lies further back.
  */
 #ifndef RENDER_SHADE_H
 #define RENDER_SHADE_H
 
-#include "render/rendition.h"
+#include <stdbool.h>
 
-enum { SHADE_RADIUS = 3 };
+#include "render/field.h"
+#include "render/rendition.h"
 
 struct palette {
     uint8_t rgb[256][3]; /* sRGB, per label */
@@ -21,8 +28,38 @@ struct palette {
 /* Distinct colours that people who cannot tell red from green tell apart too, in turn. */
 void palette_default(struct palette *palette);
 
-/* Shades every stale tile and marks it fresh. */
-void shade(struct rendition *rendition, const struct camera *camera, const struct border *border,
-           const struct palette *palette);
+enum shade_mode { SHADE_SURFACE, SHADE_SCENE, SHADE_DEPTH };
+
+enum { SHADE_SAMPLES_MOST = 4, LIGHT_PITCH_MOST = 90000 };
+
+struct look {
+    enum shade_mode mode;
+    int32_t light[2]; /* where it comes from, thousandths of a degree: yaw to the viewer's right,
+                         pitch above him; 0, 0 is from behind him */
+    uint32_t cue_percent; /* how much darker the far end of the scene is, 0..100 */
+    bool edges;
+    uint32_t samples; /* a pixel is the mean of samples x samples: 1, 2 or 4 */
+};
+
+/* Surface; the light over the viewer's left shoulder. */
+struct look look_default(void);
+
+/* What shading keeps from one picture to the next, so that the next is made faster. */
+struct shader {
+    struct field shown, scene;
+    bool has_shown, has_scene;
+};
+
+/* Frees what is kept; the shader may be used again. A new one is zeroed. */
+void shader_release(struct shader *shader);
+size_t shader_bytes(const struct shader *shader);
+
+/* How far colours depend on what is around. */
+struct shade_reach shade_reach(const struct look *look, const struct camera *camera);
+
+/* Shades every stale tile and marks it fresh. ERR_MEMORY, with tiles still stale. */
+enum err shade(struct rendition *rendition, const struct camera *camera,
+               const struct border *border, const struct palette *palette, const struct look *look,
+               struct shader *shader, struct fault *fault);
 
 #endif

@@ -15,6 +15,8 @@ struct stage {
     struct view view;
     struct camera camera;
     struct palette palette;
+    struct look look;
+    struct shader shader;
 };
 
 static void stage_init(struct stage *s, const uint32_t size[3], unsigned adjacency)
@@ -25,10 +27,12 @@ static void stage_init(struct stage *s, const uint32_t size[3], unsigned adjacen
     CHECK(border_init(&s->border, s->scene, NULL) == OK);
     s->view = view_default(s->scene);
     palette_default(&s->palette);
+    s->look = look_default();
 }
 
 static void stage_release(struct stage *s)
 {
+    shader_release(&s->shader);
     border_release(&s->border);
     forest_free(s->forest);
     scene_free(s->scene);
@@ -52,10 +56,15 @@ static bool same_maps(const struct rendition *a, const struct rendition *b, cons
 
 typedef void projection(struct rendition *, const struct camera *, const struct border *);
 
+static void colour(struct stage *s, struct rendition *r)
+{
+    CHECK(shade(r, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
+}
+
 static void render(struct stage *s, struct rendition *r, projection *project)
 {
     project(r, &s->camera, &s->border);
-    shade(r, &s->camera, &s->border, &s->palette);
+    colour(s, r);
 }
 
 /* `kept` has gone through every edit as an incremental image. */
@@ -142,8 +151,9 @@ static void random_sitting(uint64_t seed)
         for (int step = 0; step < 4 && check_failures == 0; step++) {
             random_edit(&s, &random);
             struct changes changes = forest_changes(s.forest);
-            incremental_image(&kept, &s.camera, &s.border, &changes);
-            shade(&kept, &s.camera, &s.border, &s.palette);
+            incremental_image(&kept, &s.camera, &s.border, &changes,
+                              shade_reach(&s.look, &s.camera));
+            colour(&s, &kept);
             if (!modes_agree(&s, &kept))
                 printf("# seed %" PRIu64 " look %d step %d size %ux%ux%u angles %d %d %d zoom %u\n",
                        seed, look, step, size[0], size[1], size[2], s.view.angle[0],

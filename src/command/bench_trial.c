@@ -22,6 +22,7 @@ struct work {
     struct rendition former; /* before the step, */
     struct rendition made;   /* by the experiment at hand, */
     struct rendition first;  /* and by the first experiment of this step */
+    struct shader shader[2]; /* for `sought` and for the session's border */
     struct edit *erase;      /* what takes the step back */
     double ms[EXPERIMENTS][PHASES][TRIAL_ROUNDS_MOST];
 };
@@ -34,6 +35,8 @@ static void work_free(struct work *work)
     rendition_release(&work->former);
     rendition_release(&work->made);
     rendition_release(&work->first);
+    shader_release(&work->shader[0]);
+    shader_release(&work->shader[1]);
     free(work->erase);
     free(work);
 }
@@ -64,6 +67,7 @@ static void copy_rendition(struct rendition *to, const struct rendition *from)
     memcpy(to->cell, from->cell, pixels * sizeof *to->cell);
     memcpy(to->label, from->label, pixels);
     memcpy(to->rgba, from->rgba, pixels * 4);
+    memcpy(to->normal, from->normal, pixels * 4 * sizeof *to->normal);
     memcpy(to->stale, from->stale, (size_t)from->tiles_x * from->tiles_y);
 }
 
@@ -92,7 +96,17 @@ static void keep_border(struct work *work, enum experiment e)
         border_recount(&work->sought);
 }
 
-static void render(struct work *work, enum experiment e)
+/* What is kept from the step before of shading is kept for each experiment alike. */
+static enum err colour(struct work *work, struct rendition *rendition, bool of_kept,
+                       struct fault *fault)
+{
+    const struct session *session = work->session;
+    return shade(rendition, &session->camera, of_kept ? &session->border : &work->sought,
+                 &session->settings.palette, &session->settings.look, &work->shader[of_kept],
+                 fault);
+}
+
+static enum err render(struct work *work, enum experiment e, struct fault *fault)
 {
     const struct session *session = work->session;
     const struct camera *camera = &session->camera;
@@ -102,11 +116,12 @@ static void render(struct work *work, enum experiment e)
         border_recount_shown(&work->sought);
         splat_scene(&work->made, camera, border);
     } else if (e == DIFT_II) {
-        incremental_image(&work->made, camera, border, &changes);
+        incremental_image(&work->made, camera, border, &changes,
+                          shade_reach(&session->settings.look, camera));
     } else {
         splat_border(&work->made, camera, border);
     }
-    shade(&work->made, camera, border, &session->settings.palette);
+    return colour(work, &work->made, keeps_border(e), fault);
 }
 
 /* From the forest before the step, with `former` its picture, to the one after it. */
@@ -120,10 +135,10 @@ static enum err carry_out(struct work *work, enum experiment e, const struct edi
     const uint64_t begin = clock_ns();
     keep_border(work, e);
     const uint64_t between = clock_ns();
-    render(work, e);
+    err = render(work, e, fault);
     ms[BORDER] = e == IFT_SP || e == DIFT_SP ? 0 : (double)(between - begin) / 1e6;
     ms[RENDITION] = (double)(clock_ns() - between) / 1e6;
-    return OK;
+    return err;
 }
 
 /* Back to the forest before the step; a border that was kept goes with it. */
@@ -294,7 +309,7 @@ enum err trial_run(struct trial *trial, struct session *session, const struct se
         err = work_new(&work, session, fault);
     if (!err) {
         rendition_clear(&work->former);
-        shade(&work->former, &session->camera, &session->border, &session->settings.palette);
+        err = colour(work, &work->former, true, fault);
     }
     unsigned planted = 0;
     for (unsigned s = 0; !err && s < steps; s++) {

@@ -13,9 +13,10 @@ enum err border_init(struct border *border, const struct scene *scene, struct fa
     border->border = mem_pages(words * sizeof *border->border);
     border->marked = mem_pages((words / 64 + 1) * sizeof *border->marked);
     border->stale = mem_pages(words * sizeof *border->stale);
+    border->changed = mem_pages(words * sizeof *border->changed);
     for (int label = 1; label < 256; label++)
         border->visible[label] = true;
-    if (border->shown && border->border && border->marked && border->stale)
+    if (border->shown && border->border && border->marked && border->stale && border->changed)
         return OK;
     border_release(border);
     return fault_memory(fault, "the border");
@@ -27,20 +28,26 @@ void border_release(struct border *border)
     mem_pages_free(border->border, border->words * sizeof *border->border);
     mem_pages_free(border->marked, (border->words / 64 + 1) * sizeof *border->marked);
     mem_pages_free(border->stale, border->words * sizeof *border->stale);
+    mem_pages_free(border->changed, border->words * sizeof *border->changed);
     *border = (struct border){0};
 }
 
-/* The 64 bits from bit `at` on; `at` may be negative for the word before the first. */
+/* The 64 bits from bit `at` on; bits before the first and behind the last are 0. */
 static inline uint64_t bits_from(const uint64_t *words, size_t count, ptrdiff_t at)
 {
     if (at < 0)
-        return words[0] << -at;
+        return at > -64 ? words[0] << -at : 0;
     size_t word = (size_t)at >> 6;
     unsigned shift = (unsigned)at & 63;
     if (word >= count)
         return 0;
     uint64_t low = words[word] >> shift;
     return shift == 0 || word + 1 >= count ? low : low | words[word + 1] << (64 - shift);
+}
+
+uint64_t border_shown_from(const struct border *border, ptrdiff_t at)
+{
+    return bits_from(border->shown, border->words, at);
 }
 
 /* Which of the 64 cells of word `w` are border voxels: shown, and not all six neighbours shown. */
@@ -50,8 +57,7 @@ static uint64_t border_word(const struct border *border, size_t w)
     uint64_t shown = inside;
     for (int a = 0; shown && a < 3; a++) {
         ptrdiff_t at = (ptrdiff_t)w * 64, step = border->scene->grid.step[a];
-        if (at - step + 64 > 0)
-            inside &= bits_from(border->shown, border->words, at - step);
+        inside &= bits_from(border->shown, border->words, at - step);
         inside &= bits_from(border->shown, border->words, at + step);
     }
     return shown & ~inside;
@@ -62,11 +68,14 @@ static bool count_shown(struct border *border, struct task *task)
 {
     const struct grid *grid = &border->scene->grid;
     const struct cell *cell = border->scene->cell;
+    border->version++;
     for (size_t w = 0; w + 1 < border->words; w++) {
         uint64_t word = 0;
         size_t end = w * 64 + 64 < grid->cells ? w * 64 + 64 : grid->cells;
         for (size_t c = w * 64; c < end; c++)
             word |= (uint64_t)border->visible[cell[c].label] << (c & 63);
+        if (word != border->shown[w])
+            border->changed[w] = border->version;
         border->shown[w] = word;
         if (!task_advance(task, 64))
             return false;
@@ -110,12 +119,14 @@ void border_update(struct border *border, const struct changes *changes)
         return;
     }
     const ptrdiff_t *step = border->scene->grid.step;
+    border->version++;
     for (size_t i = 0; i < changes->count; i++) {
         const struct change *change = changes->item + i;
         const uint32_t at = change->cell;
         if (border->visible[change->label] == border->visible[change->former_label])
             continue;
         border->shown[at >> 6] ^= UINT64_C(1) << (at & 63);
+        border->changed[at >> 6] = border->version;
         for (int a = 0; a < 3; a++) {
             mark(border, (uint32_t)(at - step[a]));
             mark(border, (uint32_t)(at + step[a]));

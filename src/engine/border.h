@@ -22,6 +22,11 @@ struct border {
     uint64_t *shown;   /* bit c % 64 of word c / 64: cell c is shown */
     uint64_t *border;  /* likewise: cell c is a border voxel */
     size_t words;      /* of each, with one spare word at the end that stays 0 */
+
+    /* For whoever keeps what was made of `shown` (render/field.h): every update and recount has a
+     * number, and each word that of the last one in which it changed. */
+    uint32_t version;
+    uint32_t *changed; /* [words] */
     bool visible[256]; /* which labels the view shows; [0] is false */
 
     /* During an update: words of `border` to be made anew, each once, and a bit for each. */
@@ -52,6 +57,10 @@ static inline bool border_holds(const struct border *border, uint32_t cell)
 {
     return border->border[cell >> 6] >> (cell & 63) & 1;
 }
+
+/* Which of the 64 cells from `at` on are shown, bit 0 the first. `at` may lie up to a row and a
+ * plane before the first cell or behind the last: none of those cells is shown. */
+uint64_t border_shown_from(const struct border *border, ptrdiff_t at);
 
 size_t border_count(const struct border *border); /* border voxels */
 

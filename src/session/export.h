@@ -11,7 +11,7 @@
 #include "session/session.h"
 
 /* The version of what commands mean. A journal written under another is not silently replayed. */
-enum { SEMANTICS = 2 };
+enum { SEMANTICS = 3 };
 #define PROGRAM_VERSION "0.1"
 
 /* All planes of the rendition, which must be rendered, and notes: view, scene digest, version.

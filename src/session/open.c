@@ -194,6 +194,7 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
         scene_free(next.scene);
         return err;
     }
+    shader_release(&session->shader);
     session->former =
         (struct former_scene){session->scene,         session->geometry, session->scene_digest,
                               session->weight_digest, session->forest,   session->border};
@@ -250,6 +251,7 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
 void session_take_back_scene(struct session *session)
 {
     const struct former_scene former = session->former;
+    shader_release(&session->shader);
     border_release(&session->border);
     forest_free(session->forest);
     scene_free(session->scene);

@@ -10,6 +10,7 @@ void session_init(struct session *session)
 {
     *session = (struct session){0};
     palette_default(&session->settings.palette);
+    session->settings.look = look_default();
     for (int label = 1; label < 256; label++)
         session->settings.visible[label] = true;
     session->settings.adjacency = 6;
@@ -35,11 +36,18 @@ void session_settle(struct session *session)
     *former = (struct former_scene){0};
 }
 
+static void release_rendition(struct session *session)
+{
+    rendition_release(&session->rendition);
+    rendition_release(&session->reduced);
+    session->has_rendition = session->rendered = false;
+}
+
 void session_close_scene(struct session *session)
 {
     session_settle(session);
-    if (session->has_rendition)
-        rendition_release(&session->rendition);
+    release_rendition(session);
+    shader_release(&session->shader);
     border_release(&session->border);
     forest_free(session->forest);
     scene_free(session->scene);
@@ -48,7 +56,7 @@ void session_close_scene(struct session *session)
     session->fence = session->mark_fence = fence_none();
     session->forest = NULL;
     session->scene = NULL;
-    session->has_scene = session->has_rendition = session->rendered = false;
+    session->has_scene = false;
 }
 
 void session_release(struct session *session)
@@ -80,9 +88,8 @@ size_t session_memory(const struct session *session)
     bytes += forest_memory(session->forest) + session->weight_work.capacity;
     bytes += 2 * session->border.words * sizeof(uint64_t);
     bytes += session->fence.mask ? mask_bytes(&session->scene->grid) : 0;
-    if (session->has_rendition)
-        bytes += (size_t)session->rendition.width * session->rendition.height * 17;
-    return bytes;
+    bytes += rendition_bytes(&session->rendition) + rendition_bytes(&session->reduced);
+    return bytes + shader_bytes(&session->shader);
 }
 
 /* ---- edits ---- */
@@ -155,14 +162,27 @@ static bool look(void *context, uint64_t served)
     return watch_look(lookout->watch, "forest", served, lookout->voxels);
 }
 
-/* Border and rendition after a change of the forest (S2). */
+/* Colours of what the maps of the rendition show, and the picture at the size of the view. */
+static enum err colour(struct session *session, struct fault *fault)
+{
+    const struct settings *settings = &session->settings;
+    enum err err = shade(&session->rendition, &session->camera, &session->border,
+                         &settings->palette, &settings->look, &session->shader, fault);
+    if (!err && settings->look.samples > 1)
+        rendition_reduce(&session->reduced, &session->rendition, settings->look.samples);
+    return err;
+}
+
+/* Border and rendition after a change of the forest (S2). What cannot be coloured is drawn when it
+ * is asked for. */
 static void follow_forest(struct session *session)
 {
     struct changes changes = forest_changes(session->forest);
     border_update(&session->border, &changes);
     if (session->rendered) {
-        incremental_image(&session->rendition, &session->camera, &session->border, &changes);
-        shade(&session->rendition, &session->camera, &session->border, &session->settings.palette);
+        incremental_image(&session->rendition, &session->camera, &session->border, &changes,
+                          shade_reach(&session->settings.look, &session->camera));
+        session->rendered = colour(session, NULL) == OK;
     }
 }
 
@@ -314,21 +334,58 @@ enum err session_set_range(struct session *session, const int64_t thousandths[2]
 
 /* ---- what is seen ---- */
 
-enum err session_set_view(struct session *session, const struct view *view, struct fault *fault)
+/* The view with `samples` pixels for each of its own, along both sides. */
+static struct view sampled(const struct view *view, uint32_t samples)
+{
+    struct view fine = *view;
+    fine.width *= samples;
+    fine.height *= samples;
+    fine.zoom *= samples;
+    return fine;
+}
+
+static enum err look_from(struct session *session, const struct view *view,
+                          const struct look *look, struct fault *fault)
 {
     struct camera camera;
-    enum err err = camera_init(&camera, session->scene, view, fault);
+    const struct view fine = sampled(view, look->samples);
+    if (fine.width > VIEW_SIDE_MOST || fine.height > VIEW_SIDE_MOST)
+        return fault_set(fault, ERR_LIMIT,
+                         "a picture of %ux%u pixels of %ux%u samples: at most %d samples a side; "
+                         "nothing has changed",
+                         view->width, view->height, look->samples, look->samples, VIEW_SIDE_MOST);
+    enum err err = camera_init(&camera, session->scene, &fine, fault);
     if (err)
         return err;
-    if (session->has_rendition &&
-        (view->width != session->rendition.width || view->height != session->rendition.height)) {
-        rendition_release(&session->rendition);
-        session->has_rendition = false;
-    }
+    const struct rendition *frame = session_frame(session);
+    if (fine.width != session->rendition.width || fine.height != session->rendition.height ||
+        view->width != frame->width || view->height != frame->height)
+        release_rendition(session);
     session->settings.view = *view;
+    session->settings.look = *look;
     session->camera = camera;
     session->rendered = false;
     return OK;
+}
+
+enum err session_set_view(struct session *session, const struct view *view, struct fault *fault)
+{
+    const struct look look = session->settings.look;
+    return look_from(session, view, &look, fault);
+}
+
+enum err session_set_look(struct session *session, const struct look *look, struct fault *fault)
+{
+    const struct view view = session->settings.view;
+    if (session->has_scene)
+        return look_from(session, &view, look, fault);
+    session->settings.look = *look;
+    return OK;
+}
+
+const struct rendition *session_frame(const struct session *session)
+{
+    return session->settings.look.samples > 1 ? &session->reduced : &session->rendition;
 }
 
 void session_set_visible(struct session *session, uint8_t label, bool visible)
@@ -339,28 +396,38 @@ void session_set_visible(struct session *session, uint8_t label, bool visible)
     session->rendered = false;
 }
 
+/* Memory for the rendition, of camera.view's size. */
+static enum err make_room(struct session *session, struct fault *fault)
+{
+    const struct view *view = &session->settings.view, *fine = &session->camera.view;
+    if (session->has_rendition)
+        return OK;
+    session->rendered = false;
+    enum err err = rendition_init(&session->rendition, fine->width, fine->height, fault);
+    if (!err && fine->width != view->width)
+        err = rendition_init(&session->reduced, view->width, view->height, fault);
+    session->has_rendition = err == OK;
+    if (err)
+        release_rendition(session);
+    return err;
+}
+
 /* The rendition of the forest as it stands, whatever edits wait. */
 static enum err draw(struct session *session, enum render_mode mode, struct fault *fault)
 {
-    const struct view *view = &session->settings.view;
-    if (!session->has_rendition) {
-        enum err err = rendition_init(&session->rendition, view->width, view->height, fault);
-        if (err)
-            return err;
-        session->has_rendition = true;
-        session->rendered = false;
-    }
-    if (session->rendered && (mode == RENDER_AS_KEPT || mode == RENDER_INCREMENTAL))
-        return OK;
+    enum err err = make_room(session, fault);
+    if (err || (session->rendered && (mode == RENDER_AS_KEPT || mode == RENDER_INCREMENTAL)))
+        return err;
+    session->rendered = false;
     if (mode == RENDER_SCENE)
         splat_scene(&session->rendition, &session->camera, &session->border);
     else if (mode == RENDER_RAY)
         raycast(&session->rendition, &session->camera, &session->border);
     else
         splat_border(&session->rendition, &session->camera, &session->border);
-    shade(&session->rendition, &session->camera, &session->border, &session->settings.palette);
-    session->rendered = true;
-    return watch_fault(session->watch, fault);
+    err = colour(session, fault);
+    session->rendered = err == OK;
+    return err ? err : watch_fault(session->watch, fault);
 }
 
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault)
@@ -429,7 +496,8 @@ void session_rollback(struct session *session)
     if (is_other_scene)
         session_take_back_scene(session);
     bool redraws = is_other_scene ||
-                   memcmp(&session->settings.view, &session->mark.view, sizeof(struct view)) != 0;
+                   memcmp(&session->settings.view, &session->mark.view, sizeof(struct view)) != 0 ||
+                   memcmp(&session->settings.look, &session->mark.look, sizeof(struct look)) != 0;
     bool shows_other =
         memcmp(session->settings.visible, session->mark.visible, sizeof session->mark.visible) != 0;
     bool recolours =
@@ -450,7 +518,7 @@ void session_rollback(struct session *session)
     if (shows_other || (cut_short && session->edited_forest))
         border_recount(&session->border);
     if (redraws)
-        session_set_view(session, &session->mark.view, NULL);
+        look_from(session, &session->mark.view, &session->mark.look, NULL);
     if (shows_other || recolours || !session->mark_rendered)
         session->rendered = false;
     if (session->mark_rendered)

@@ -38,6 +38,7 @@ enum { LABEL_NAME_BYTES = 32, FILE_WORDS_BYTES = 128 };
 struct settings {
     struct view view;
     struct palette palette;
+    struct look look;
     char label_name[256][LABEL_NAME_BYTES]; /* "" for none */
     bool visible[256];
     bool runs_by_itself; /* "auto": each edit is run at once */
@@ -80,10 +81,12 @@ struct session {
     struct edit *pending; /* seeds and eliminators that wait for a run, in order */
     size_t pendings, pending_capacity;
 
-    struct camera camera;
+    struct camera camera; /* of the view, `look.samples` times as large */
     struct rendition rendition;
     bool has_rendition; /* the rendition has memory, of camera.view's size */
     bool rendered;      /* S2: it shows the present state */
+    struct rendition reduced; /* to the view's size, where look.samples is above 1 */
+    struct shader shader;
 
     struct watch *watch; /* of all that takes long, or NULL */
 
@@ -159,8 +162,10 @@ enum err session_set_range(struct session *session, const int64_t thousandths[2]
 
 /* ---- what is seen ---- */
 
-/* Takes settings.view as the view from now on. */
+/* ERR_LIMIT, and nothing changes, for a view that no camera has (render/view.h), or of more than
+ * VIEW_SIDE_MOST samples a side. */
 enum err session_set_view(struct session *session, const struct view *view, struct fault *fault);
+enum err session_set_look(struct session *session, const struct look *look, struct fault *fault);
 void session_set_visible(struct session *session, uint8_t label, bool visible);
 
 enum render_mode { RENDER_AS_KEPT, RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL, RENDER_RAY };
@@ -168,6 +173,9 @@ enum render_mode { RENDER_AS_KEPT, RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENT
 /* Makes the rendition show the present state. RENDER_AS_KEPT and RENDER_INCREMENTAL do what is
  * left to do; the others start from nothing. All give the same pixels. */
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault);
+
+/* What was rendered, at the size of the view. */
+const struct rendition *session_frame(const struct session *session);
 
 /* ---- all or nothing ---- */
 

@@ -1,0 +1,375 @@
+#include "render/field.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+
+enum {
+    SLOTS_MOST = 2048,                  /* 12 MB of blocks */
+    SAMPLES = FIELD_SIDE + 2,           /* values along an axis: a gradient is their difference */
+    ROW = 16,                           /* SAMPLES, and room for whole vectors */
+    INPUT = SAMPLES + 2 * FIELD_RADIUS, /* rows and planes of voxels that a block is made of */
+    BEFORE = 2 + FIELD_RADIUS,          /* the first of them lies so many before the block */
+    PART_BITS = 6,                      /* voxels of a row that are looked up at once */
+    PARTS = (INPUT + PART_BITS - 1) / PART_BITS,
+    SCENE_BITS = 12,
+};
+
+/* Eight samples, added at once where the machine can. */
+typedef int16_t lanes __attribute__((vector_size(16)));
+
+struct row {
+    lanes half[2]; /* values along x */
+};
+
+/* [z][y]; deep inside all of them are 4096. */
+struct values {
+    struct row row[SAMPLES][SAMPLES];
+};
+
+struct field_slot {
+    uint32_t number[3];      /* of the block */
+    uint32_t version;        /* of the border, for which it is known to be right */
+    bool is_made, is_latest; /* of the two of its pair, the one asked for last */
+};
+
+/* What each pattern of a part of a row adds to the row smoothed along x. */
+struct field_tables {
+    struct row of[PARTS][1 << PART_BITS];
+};
+
+/* The tent along x: 1 2 3 4 3 2 1. */
+static void fill_tables(struct field_tables *tables)
+{
+    for (int part = 0; part < PARTS; part++)
+        for (unsigned bits = 0; bits < 1 << PART_BITS; bits++) {
+            int16_t sum[ROW] = {0};
+            for (int j = 0; j < PART_BITS; j++)
+                for (int x = 0; x < SAMPLES && bits >> j & 1; x++) {
+                    int apart = abs(part * PART_BITS + j - FIELD_RADIUS - x);
+                    sum[x] = (int16_t)(sum[x] + (apart <= FIELD_RADIUS ? 4 - apart : 0));
+                }
+            memcpy(&tables->of[part][bits], sum, sizeof sum);
+        }
+}
+
+static uint32_t blocks_along(const struct grid *grid, int a)
+{
+    return grid->size[a] / FIELD_BLOCK + 1;
+}
+
+/* As many slots as there are blocks, and no more than SLOTS_MOST. */
+static uint32_t slots_for(const struct grid *grid)
+{
+    uint64_t blocks = 1;
+    uint32_t slots = 2;
+    for (int a = 0; a < 3; a++)
+        blocks *= blocks_along(grid, a);
+    while (slots < blocks && slots < SLOTS_MOST)
+        slots *= 2;
+    return slots;
+}
+
+/* By how much intensities are shifted left, so that the largest has SCENE_BITS. */
+static int brighter_by(const struct scene *scene)
+{
+    unsigned all = 1;
+    for (size_t c = 0; c < scene->grid.cells; c++)
+        all |= scene->cell[c].intensity;
+    return SCENE_BITS - (32 - __builtin_clz(all));
+}
+
+enum err field_init(struct field *field, const struct border *border, enum field_kind kind,
+                    struct fault *fault)
+{
+    *field = (struct field){.border = border, .kind = kind};
+    field->slots = slots_for(&border->scene->grid);
+    field->block = mem_array(field->slots, sizeof *field->block);
+    field->slot = mem_new(field->slots * sizeof *field->slot);
+    field->tables = aligned_alloc(sizeof(struct row), sizeof *field->tables);
+    if (!field->block || !field->slot || !field->tables) {
+        field_release(field);
+        return fault_memory(fault, "shading");
+    }
+    fill_tables(field->tables);
+    if (kind == FIELD_SCENE)
+        field->brighter = brighter_by(border->scene);
+    return OK;
+}
+
+void field_release(struct field *field)
+{
+    free(field->block);
+    free(field->slot);
+    free(field->tables);
+    *field = (struct field){0};
+}
+
+size_t field_bytes(const struct field *field)
+{
+    return field->slots * (sizeof *field->block + sizeof *field->slot) +
+           (field->tables ? sizeof *field->tables : 0);
+}
+
+/* ---- what a block is made of ---- */
+
+/* The voxels that a block is made of, and which of them lie in the scene: bit i of inside[a] is
+ * for plane i along axis a. */
+struct input {
+    int64_t first[3];
+    unsigned inside[3];
+};
+
+static struct input input_of(const struct grid *grid, const uint32_t number[3])
+{
+    struct input input = {{0}, {0}};
+    for (int a = 0; a < 3; a++) {
+        input.first[a] = (int64_t)number[a] * FIELD_BLOCK - BEFORE;
+        for (int i = 0; i < INPUT; i++) {
+            const int64_t at = input.first[a] + i;
+            input.inside[a] |= (unsigned)(at >= 0 && at < grid->size[a]) << i;
+        }
+    }
+    return input;
+}
+
+/* The cell of the first voxel of row (y, z) of the input; that voxel may lie outside the row, but
+ * never before the array or behind it, because of the rim. */
+static size_t row_cell(const struct grid *grid, const struct input *input, int y, int z)
+{
+    return (size_t)(1 + input->first[0] + (1 + input->first[1] + y) * grid->step[1] +
+                    (1 + input->first[2] + z) * grid->step[2]);
+}
+
+static bool has_row(const struct input *input, int y, int z)
+{
+    return input->inside[1] >> y & input->inside[2] >> z & 1;
+}
+
+/* Whether no word that the block was made of has changed since `version`. */
+static bool is_still_right(const struct border *border, const struct input *input, uint32_t version)
+{
+    for (int z = 0; z < INPUT; z++)
+        for (int y = 0; y < INPUT; y++) {
+            if (!has_row(input, y, z))
+                continue;
+            const size_t cell = row_cell(&border->scene->grid, input, y, z);
+            if (border->changed[cell >> 6] > version ||
+                border->changed[(cell + INPUT - 1) >> 6] > version)
+                return false;
+        }
+    return true;
+}
+
+/* ---- smoothing ---- */
+
+static inline void add_row(struct row *to, const struct row *from)
+{
+    to->half[0] += from->half[0];
+    to->half[1] += from->half[1];
+}
+
+/* The tent over `count` rows, `step` apart, in place; there are 2 * FIELD_RADIUS fewer after it.
+ * It is four sums of two, 1, 2, 1 and 2 rows apart. */
+static void smooth_rows(struct row *row, int count, int step)
+{
+    static const int apart[4] = {1, 2, 1, 2};
+    for (int pass = 0; pass < 4; pass++) {
+        count -= apart[pass];
+        for (int i = 0; i < count; i++)
+            add_row(row + i * step, row + (i + apart[pass]) * step);
+    }
+}
+
+/* The shown voxels of a row, bit 0 the first. */
+static inline unsigned row_bits(const struct border *border, size_t cell, unsigned inside)
+{
+    const uint64_t *word = border->shown + (cell >> 6);
+    const unsigned shift = cell & 63;
+    uint64_t bits = word[0] >> shift;
+    if (shift > 64 - INPUT)
+        bits |= word[1] << (64 - shift);
+    return (unsigned)bits & inside;
+}
+
+/* One plane of the input, smoothed along x and y. */
+static void fill_plane(struct row out[SAMPLES], const struct field *field,
+                       const struct input *input, int z)
+{
+    const unsigned part = (1 << PART_BITS) - 1;
+    struct row row[INPUT];
+    for (int y = 0; y < INPUT; y++) {
+        unsigned bits = 0;
+        if (has_row(input, y, z))
+            bits = row_bits(field->border, row_cell(&field->border->scene->grid, input, y, z),
+                            input->inside[0]);
+        row[y] = field->tables->of[0][bits & part];
+        add_row(&row[y], &field->tables->of[1][bits >> PART_BITS & part]);
+        add_row(&row[y], &field->tables->of[2][bits >> (2 * PART_BITS)]);
+    }
+    smooth_rows(row, INPUT, 1);
+    memcpy(out, row, SAMPLES * sizeof *out);
+}
+
+static void smooth_shown(struct values *values, const struct field *field,
+                         const struct input *input)
+{
+    struct row plane[INPUT][SAMPLES];
+    for (int z = 0; z < INPUT; z++)
+        fill_plane(plane[z], field, input, z);
+    for (int y = 0; y < SAMPLES; y++)
+        smooth_rows(&plane[0][y], INPUT, SAMPLES);
+    memcpy(values->row, plane, sizeof values->row);
+}
+
+/* 1 2 1 over rows, in place. */
+static void soften_rows(struct row *row, int count, int step)
+{
+    for (int pass = 0; pass < 2; pass++) {
+        count--;
+        for (int i = 0; i < count; i++)
+            add_row(row + i * step, row + (i + 1) * step);
+    }
+    for (int i = 0; i < count; i++) {
+        row[i * step].half[0] >>= 2;
+        row[i * step].half[1] >>= 2;
+    }
+}
+
+/* Intensities smoothed by 1 2 1 along each axis. Outside the scene they are those of its edge, so
+ * that the edge is no surface. */
+static void smooth_scene(struct values *values, const struct field *field,
+                         const struct input *input)
+{
+    enum { SIDE = SAMPLES + 2, SKIP = FIELD_RADIUS - 1 };
+    const struct scene *scene = field->border->scene;
+    const int left = field->brighter > 0 ? field->brighter : 0;
+    const int right = field->brighter < 0 ? -field->brighter : 0;
+    struct row plane[SIDE][SIDE];
+    uint32_t at[3][SIDE];
+    for (int a = 0; a < 3; a++)
+        for (int i = 0; i < SIDE; i++) {
+            const int64_t p = input->first[a] + SKIP + i, last = scene->grid.size[a] - 1;
+            at[a][i] = (uint32_t)(p < 0 ? 0 : p > last ? last : p);
+        }
+    for (int z = 0; z < SIDE; z++)
+        for (int y = 0; y < SIDE; y++) {
+            int16_t value[SIDE], soft[ROW] = {0};
+            for (int x = 0; x < SIDE; x++) {
+                const uint32_t cell = grid_cell(&scene->grid, at[0][x], at[1][y], at[2][z]);
+                value[x] = (int16_t)(scene->cell[cell].intensity << left >> right);
+            }
+            for (int x = 0; x < SAMPLES; x++)
+                soft[x] = (int16_t)((value[x] + 2 * value[x + 1] + value[x + 2]) >> 2);
+            memcpy(&plane[z][y], soft, sizeof soft);
+        }
+    for (int z = 0; z < SIDE; z++)
+        soften_rows(plane[z], SIDE, 1);
+    for (int y = 0; y < SAMPLES; y++)
+        soften_rows(&plane[0][y], SIDE, SIDE);
+    for (int z = 0; z < SAMPLES; z++)
+        memcpy(values->row[z], plane[z], sizeof values->row[z]);
+}
+
+static inline lanes lanes_at(const int16_t *at)
+{
+    lanes v;
+    memcpy(&v, at, sizeof v);
+    return v;
+}
+
+/* Eight gradients out of their parts, side by side. */
+static inline void put_gradients(struct gradient *out, lanes x, lanes y, lanes z)
+{
+    const lanes none = {0};
+    const lanes xy[2] = {__builtin_shufflevector(x, y, 0, 8, 1, 9, 2, 10, 3, 11),
+                         __builtin_shufflevector(x, y, 4, 12, 5, 13, 6, 14, 7, 15)};
+    const lanes zn[2] = {__builtin_shufflevector(z, none, 0, 8, 1, 9, 2, 10, 3, 11),
+                         __builtin_shufflevector(z, none, 4, 12, 5, 13, 6, 14, 7, 15)};
+    for (int i = 0; i < 2; i++) {
+        const lanes first = __builtin_shufflevector(xy[i], zn[i], 0, 1, 8, 9, 2, 3, 10, 11);
+        const lanes last = __builtin_shufflevector(xy[i], zn[i], 4, 5, 12, 13, 6, 7, 14, 15);
+        memcpy(out + 4 * i, &first, sizeof first);
+        memcpy(out + 4 * i + 2, &last, sizeof last);
+    }
+}
+
+/* Differences over two voxels, times 2^shift: such that those of two places differ by less than
+ * 2^14. A tent over a step gives 7/16 of it at most. */
+static void fill_gradients(struct field_block *block, const struct values *values, int shift)
+{
+    enum { Y = ROW, Z = SAMPLES * ROW };
+    int16_t value[SAMPLES * SAMPLES * ROW];
+    memcpy(value, values->row, sizeof value);
+    for (int z = 0; z < FIELD_SIDE; z++)
+        for (int y = 0; y < FIELD_SIDE; y++) {
+            const int16_t *v = value + (z + 1) * Z + (y + 1) * Y + 1;
+            put_gradients(block->at[z][y], (lanes_at(v + 1) - lanes_at(v - 1)) << shift,
+                          (lanes_at(v + Y) - lanes_at(v - Y)) << shift,
+                          (lanes_at(v + Z) - lanes_at(v - Z)) << shift);
+            v += FIELD_BLOCK;
+            int16_t *last = block->at[z][y][FIELD_BLOCK].along;
+            last[0] = (int16_t)((v[1] - v[-1]) * (1 << shift));
+            last[1] = (int16_t)((v[Y] - v[-Y]) * (1 << shift));
+            last[2] = (int16_t)((v[Z] - v[-Z]) * (1 << shift));
+            last[3] = 0;
+        }
+}
+
+static void make_block(struct field_block *block, const struct field *field,
+                       const struct input *input)
+{
+    struct values values;
+    if (field->kind == FIELD_SHOWN)
+        smooth_shown(&values, field, input);
+    else
+        smooth_scene(&values, field, input);
+    fill_gradients(block, &values, field->kind == FIELD_SHOWN ? 2 : 1);
+}
+
+/* ---- blocks ---- */
+
+/* Two slots side by side may hold a block. Blocks close together in space mostly have pairs of
+ * their own. */
+static uint32_t pair_of(const struct field *field, const uint32_t number[3])
+{
+    return 2 * ((number[0] + number[1] * 13 + number[2] * 157) & (field->slots / 2 - 1));
+}
+
+static bool holds(const struct field_slot *slot, const uint32_t number[3])
+{
+    return slot->is_made && memcmp(slot->number, number, sizeof slot->number) == 0;
+}
+
+/* Where a block is, or is to be made: where the other one was asked for last. */
+static uint32_t slot_for(const struct field *field, const uint32_t number[3])
+{
+    const uint32_t pair = pair_of(field, number);
+    struct field_slot *slot = field->slot + pair;
+    const uint32_t which = holds(slot, number)       ? 0
+                           : holds(slot + 1, number) ? 1
+                                                     : slot[0].is_latest;
+    slot[which].is_latest = true;
+    slot[!which].is_latest = false;
+    return pair + which;
+}
+
+const struct field_block *field_block(struct field *field, const uint32_t number[3])
+{
+    const struct border *border = field->border;
+    const uint32_t index = slot_for(field, number);
+    struct field_slot *slot = field->slot + index;
+    struct field_block *block = field->block + index;
+    const bool is_here = holds(slot, number);
+    if (is_here && (slot->version == border->version || field->kind == FIELD_SCENE))
+        return block;
+    const struct input input = input_of(&border->scene->grid, number);
+    if (!is_here || !is_still_right(border, &input, slot->version)) {
+        make_block(block, field, &input);
+        memcpy(slot->number, number, sizeof slot->number);
+        slot->is_made = true;
+    }
+    slot->version = border->version;
+    return block;
+}

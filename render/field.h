@@ -1,0 +1,115 @@
+/*
+ * The field: how full the scene is around a point, as a smooth function of the point.
+ *
+ * Labels are steps; a surface shaded by them would be a staircase. So what is shown (1, else 0) is
+ * smoothed by a tent of FIELD_RADIUS voxels each way along every axis, and what lies between voxel
+ * centres is interpolated. The direction in which the field falls is the normal of the surface.
+ * The field of the scene itself (FIELD_SCENE) is the same of its intensities, with a narrow tent.
+ *
+ * It is made where it is asked for, in blocks of FIELD_BLOCK voxels a side, of which a bounded
+ * number is kept: making one costs some 3 us, a picture needs some hundreds, and the next picture
+ * from another side needs mostly the same. A kept block is made again where a word of the border's
+ * `shown` that it was made of has changed since (border->changed). So the field is a pure function
+ * of what is shown, whatever was asked before.
+ *
+ * Points are in 1/256 voxels along the scene's axes from the centre of voxel 0,0,0, and lie on or
+ * in the cube of a voxel of the scene.
+ */
+#ifndef RENDER_FIELD_H
+#define RENDER_FIELD_H
+
+#include <stdint.h>
+
+#include "base/err.h"
+#include "engine/border.h"
+
+enum {
+    FIELD_RADIUS = 3, /* voxels; of the shown voxels */
+    FIELD_REACH = 5,  /* the gradient at a point in a voxel's cube depends on what is shown at most
+                         so many steps away along each axis, and on no other voxel */
+    FIELD_BLOCK = 8,
+    FIELD_SIDE = FIELD_BLOCK + 1, /* places of a block along an axis: between two of them a point */
+};
+
+enum field_kind { FIELD_SHOWN, FIELD_SCENE };
+
+/* Along x, y, z; the fourth is 0. Whole numbers of what is right for either kind, less than 2^13.
+ */
+struct gradient {
+    int16_t along[4];
+};
+
+/* Gradients at voxel centres; place 0 of block b along an axis is voxel FIELD_BLOCK * b - 1. */
+struct field_block {
+    struct gradient at[FIELD_SIDE][FIELD_SIDE][FIELD_SIDE]; /* [z][y][x] */
+};
+
+struct field {
+    const struct border *border;
+    enum field_kind kind;
+    int brighter;   /* FIELD_SCENE: intensities are shifted left by this, to 12 bits */
+    uint32_t slots; /* a power of 2 */
+    struct field_block *block;
+    struct field_slot *slot;
+    struct field_tables *tables;
+};
+
+/* A field with no block made yet; the border outlives it. */
+enum err field_init(struct field *field, const struct border *border, enum field_kind kind,
+                    struct fault *fault);
+void field_release(struct field *field);
+size_t field_bytes(const struct field *field);
+
+/* The block with these numbers along x, y, z; valid until the next one is asked for. */
+const struct field_block *field_block(struct field *field, const uint32_t number[3]);
+
+/* Where a block was last found, so that points close together need not look it up. */
+struct field_reader {
+    struct field *field;
+    uint32_t number[3];
+    const struct field_block *block; /* NULL at first */
+};
+
+/* Of the way from each of `count` numbers to another, `part` of 256; rounded down to a whole
+ * number. Differences are below 2^14. */
+static inline void field_between(int16_t *restrict out, const int16_t *restrict from,
+                                 const int16_t *restrict to, int32_t part, int count)
+{
+    for (int i = 0; i < count; i++)
+        out[i] =
+            (int16_t)(from[i] + ((int16_t)(2 * (to[i] - from[i])) * (int16_t)(part * 128) >> 16));
+}
+
+/* Between the eight places from `at` on: gradients of two neighbours along x lie side by side. */
+static inline struct gradient field_of(const struct gradient *at, const int32_t part[3])
+{
+    enum { Y = FIELD_SIDE, Z = FIELD_SIDE * FIELD_SIDE };
+    int16_t above[8], below[8], edge[8];
+    struct gradient out;
+    field_between(above, at[0].along, at[Z].along, part[2], 8);
+    field_between(below, at[Y].along, at[Y + Z].along, part[2], 8);
+    field_between(edge, above, below, part[1], 8);
+    field_between(out.along, edge, edge + 4, part[0], 4);
+    return out;
+}
+
+static inline struct gradient field_at(struct field_reader *reader, const int32_t point[3])
+{
+    uint32_t number[3], first[3];
+    int32_t part[3];
+    for (int a = 0; a < 3; a++) {
+        const uint32_t from = (uint32_t)(point[a] + 256); /* from the centre of the rim's cell */
+        number[a] = from / (256 * FIELD_BLOCK);
+        first[a] = from / 256 % FIELD_BLOCK;
+        part[a] = (int32_t)(from % 256);
+    }
+    if (!reader->block || number[0] != reader->number[0] || number[1] != reader->number[1] ||
+        number[2] != reader->number[2]) {
+        reader->block = field_block(reader->field, number);
+        for (int a = 0; a < 3; a++)
+            reader->number[a] = number[a];
+    }
+    return field_of(&reader->block->at[first[2]][first[1]][first[0]], part);
+}
+
+#endif
