@@ -20,7 +20,7 @@ static inline uint32_t fixed_root(uint64_t v)
     return (uint32_t)root;
 }
 
-/* 2^45 over the square root of v, for v of 2^28..2^32 - 1, right to 20 bits: a chord of the curve
+/* 2^45 over the square root of v, for v of 2^28..2^32 - 1, right to 18 bits: a chord of the curve
  * and two steps of Newton's. */
 static inline int64_t fixed_inverse_root(uint64_t v)
 {

@@ -310,6 +310,7 @@ static void shade_pixel(struct rendition *r, struct lamp *lamp, uint32_t x, uint
     const size_t pixel = (size_t)y * r->width + x;
     const int64_t depth = r->depth[pixel];
     int16_t *normal = r->normal + 4 * pixel;
+    normal[3] = 0;
     if (lamp->look->mode == SHADE_DEPTH) {
         depth_normal(normal, r, lamp, x, y);
     } else {
@@ -427,7 +428,7 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
 
 struct shade_reach shade_reach(const struct look *look, const struct camera *camera)
 {
-    struct shade_reach reach = {look->mode == SHADE_DEPTH ? 0 : FIELD_REACH, look->edges};
+    struct shade_reach reach = {look->mode == SHADE_DEPTH ? 0 : FIELD_REACH, look->edges ? 1 : 0};
     if (look->mode == SHADE_DEPTH)
         reach.pixels = FIT_STEPS * (int)stride_of(camera);
     return reach;

@@ -37,8 +37,8 @@ struct look {
     int32_t light[2]; /* where it comes from, thousandths of a degree: yaw to the viewer's right,
                          pitch above him; 0, 0 is from behind him */
     uint32_t cue_percent; /* how much darker the far end of the scene is, 0..100 */
-    bool edges;
-    uint32_t samples; /* a pixel is the mean of samples x samples: 1, 2 or 4 */
+    uint32_t edges;       /* 0 or 1; all of a look is 32 bits wide, so looks are compared whole */
+    uint32_t samples;     /* a pixel is the mean of samples x samples: 1, 2 or 4 */
 };
 
 /* Surface; the light over the viewer's left shoulder. */

@@ -132,7 +132,7 @@ static void complain(void *context, const char *text)
 
 static struct image_view view_of(const struct desk *desk)
 {
-    const struct rendition *r = &desk->session.rendition;
+    const struct rendition *r = session_frame(&desk->session);
     return (struct image_view){r->width, r->height, r->rgba};
 }
 

@@ -44,7 +44,8 @@ static bool same_maps(const struct rendition *a, const struct rendition *b, cons
         for (uint32_t x = 0; x < a->width; x++) {
             size_t p = (size_t)y * a->width + x;
             if (a->depth[p] == b->depth[p] && a->cell[p] == b->cell[p] &&
-                a->label[p] == b->label[p] && memcmp(a->rgba + 4 * p, b->rgba + 4 * p, 4) == 0)
+                a->label[p] == b->label[p] && memcmp(a->rgba + 4 * p, b->rgba + 4 * p, 4) == 0 &&
+                memcmp(a->normal + 4 * p, b->normal + 4 * p, 4 * sizeof *a->normal) == 0)
                 continue;
             printf("# %s: pixel %u,%u: depth %" PRId64 " %" PRId64 " cell %u %u label %u %u\n",
                    what, x, y, a->depth[p], b->depth[p], a->cell[p], b->cell[p], a->label[p],
@@ -67,10 +68,13 @@ static void render(struct stage *s, struct rendition *r, projection *project)
     colour(s, r);
 }
 
-/* `kept` has gone through every edit as an incremental image. */
+/* `kept` has gone through every edit as an incremental image, and so has what its shader keeps; the
+ * others are shaded from nothing. */
 static bool modes_agree(struct stage *s, struct rendition *kept)
 {
     struct rendition bp, other;
+    struct shader keeper = s->shader;
+    s->shader = (struct shader){0};
     CHECK(rendition_init(&bp, s->view.width, s->view.height, NULL) == OK);
     CHECK(rendition_init(&other, s->view.width, s->view.height, NULL) == OK);
     render(s, &bp, splat_border);
@@ -79,6 +83,8 @@ static bool modes_agree(struct stage *s, struct rendition *kept)
     render(s, &other, raycast);
     same = CHECK(same_maps(&bp, &other, "ray walk")) && same;
     same = CHECK(same_maps(&bp, kept, "incremental image")) && same;
+    shader_release(&s->shader);
+    s->shader = keeper;
     rendition_release(&bp);
     rendition_release(&other);
     return same;
@@ -103,6 +109,15 @@ static void random_view(struct stage *s, uint64_t *random)
     s->view.height = 1 + check_below(random, 80);
     s->view.zoom = check_below(random, 3) ? 500 + check_below(random, 5000) : 1000;
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
+}
+
+static void random_look(struct stage *s, uint64_t *random)
+{
+    s->look.mode = (enum shade_mode)check_below(random, 3);
+    s->look.light[0] = (int32_t)check_below(random, 360001) - 180000;
+    s->look.light[1] = (int32_t)check_below(random, 180001) - 90000;
+    s->look.cue_percent = check_below(random, 101);
+    s->look.edges = check_below(random, 2);
 }
 
 static void random_edit(struct stage *s, uint64_t *random)
@@ -131,9 +146,12 @@ static void random_sitting(uint64_t seed)
     for (int a = 0; a < 3; a++)
         size[a] = 1 + check_below(&random, check_below(&random, 3) ? 30 : 4);
     stage_init(&s, size, check_below(&random, 2) ? 26 : 6);
+    const uint32_t brightest = 1 + check_below(&random, UINT16_MAX);
     for (size_t i = 0; i < s.scene->grid.cells; i++)
-        if (!(s.scene->cell[i].flags & CELL_RIM))
+        if (!(s.scene->cell[i].flags & CELL_RIM)) {
             s.scene->cell[i].weight = (uint16_t)check_below(&random, 6);
+            s.scene->cell[i].intensity = (uint16_t)check_below(&random, brightest);
+        }
     for (int a = 0; a < 3; a++) {
         static const int8_t order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
                                            {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
@@ -146,6 +164,7 @@ static void random_sitting(uint64_t seed)
         random_edit(&s, &random);
     for (int look = 0; look < 3 && check_failures == 0; look++) {
         random_view(&s, &random);
+        random_look(&s, &random);
         CHECK(rendition_init(&kept, s.view.width, s.view.height, NULL) == OK);
         render(&s, &kept, splat_border);
         for (int step = 0; step < 4 && check_failures == 0; step++) {

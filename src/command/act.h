@@ -35,6 +35,13 @@ ACT(size);
 ACT(hide);
 ACT(show);
 
+/* act_look.c */
+ACT(shade);
+ACT(light);
+ACT(cue);
+ACT(edges);
+ACT(samples);
+
 /* act_picture.c */
 ACT(render);
 ACT(golden);

@@ -60,7 +60,7 @@ static void tell_voxel(struct buf *out, const struct session *session, uint32_t 
 ACT(pick)
 {
     struct session *session = &desk->session;
-    const struct rendition *r = &session->rendition;
+    const struct rendition *r = session_frame(session);
     uint32_t column = (uint32_t)value[0].number, row = (uint32_t)value[1].number;
     if (!session->rendered)
         return fault_set(fault, ERR_USAGE, "the rendition is not up to date; `render` first");
@@ -135,6 +135,14 @@ static void tell_fence(struct buf *out, const struct session *session)
     buf_release(&fence);
 }
 
+static void tell_look(struct buf *out, const struct look *look)
+{
+    static const char *const normals[] = {"surface", "scene", "depth"};
+    buf_printf(out, "look      shade %s, light %g %g, cue %u, edges %s, samples %u\n",
+               normals[look->mode], look->light[0] / 1000.0, look->light[1] / 1000.0,
+               look->cue_percent, look->edges ? "on" : "off", look->samples);
+}
+
 ACT(info)
 {
     const struct session *session = &desk->session;
@@ -170,6 +178,7 @@ ACT(info)
     buf_printf(out, "view      %g %g %g degrees%s%s, zoom %g, %ux%u pixels\n",
                view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,
                name ? ", " : "", name ? name : "", view->zoom / 1000.0, view->width, view->height);
+    tell_look(out, &session->settings.look);
     buf_printf(out, "memory    %.1f MB, %.1f bytes a voxel\n",
                (double)session_memory(session) / 1e6,
                (double)session_memory(session) / (double)scene->grid.voxels);

@@ -26,7 +26,7 @@ static enum err take_picture(struct desk *desk, struct picture *picture, struct 
 static void add_picture_digest(struct desk *desk, struct reply *reply)
 {
     buf_printf(&reply->words, "picture=%016llx",
-               (unsigned long long)rendition_digest(&desk->session.rendition));
+               (unsigned long long)rendition_digest(session_frame(&desk->session)));
 }
 
 static enum file_mode mode_of(const struct value *replace)
@@ -63,7 +63,7 @@ ACT(render)
     add_picture_digest(desk, reply);
     if (!value[0].given) {
         desk->shows_picture = true;
-        tell_seen(&desk->session.rendition, reply);
+        tell_seen(session_frame(&desk->session), reply);
         return OK;
     }
     err = desk_output_path(desk, value[0].text, &path, fault);

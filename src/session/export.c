@@ -30,7 +30,7 @@ static enum err add_notes(struct picture *picture, const struct session *session
 
 enum err export_picture(struct picture *picture, const struct session *session, struct fault *fault)
 {
-    const struct rendition *r = &session->rendition;
+    const struct rendition *r = session_frame(session);
     enum err err = picture_init(picture, r->width, r->height, true, fault);
     if (err)
         return err;

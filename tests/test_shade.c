@@ -1,0 +1,389 @@
+/* Shading: the smoothed field, what normals say of known shapes, and what a look changes. */
+#include "check.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "render/fixed.h"
+#include "render/shade.h"
+
+struct stage {
+    struct scene *scene;
+    struct forest *forest;
+    struct border border;
+    struct view view;
+    struct camera camera;
+    struct palette palette;
+    struct look look;
+    struct shader shader;
+    struct rendition rendition;
+};
+
+static void stage_init(struct stage *s, uint32_t side)
+{
+    *s = (struct stage){0};
+    CHECK(scene_new(&s->scene, (uint32_t[]){side, side, side}, NULL) == OK);
+    CHECK(forest_new(&s->forest, s->scene, 6, NULL) == OK);
+    CHECK(border_init(&s->border, s->scene, NULL) == OK);
+    s->view = view_default(s->scene);
+    palette_default(&s->palette);
+    s->look = look_default();
+}
+
+static void stage_release(struct stage *s)
+{
+    rendition_release(&s->rendition);
+    shader_release(&s->shader);
+    border_release(&s->border);
+    forest_free(s->forest);
+    scene_free(s->scene);
+}
+
+static void put(struct stage *s, int x, int y, int z, uint8_t label)
+{
+    s->scene->cell[grid_cell(&s->scene->grid, (uint32_t)x, (uint32_t)y, (uint32_t)z)].label = label;
+}
+
+/* A ball in the middle of the scene; inside it the intensity falls outward. */
+static void put_ball(struct stage *s, double radius, uint8_t label)
+{
+    const int n = (int)s->scene->grid.size[0];
+    const double middle = (n - 1) / 2.0;
+    for (int z = 0; z < n; z++)
+        for (int y = 0; y < n; y++)
+            for (int x = 0; x < n; x++) {
+                const double r = sqrt(pow(x - middle, 2) + pow(y - middle, 2) + pow(z - middle, 2));
+                if (r > radius)
+                    continue;
+                put(s, x, y, z, label);
+                s->scene->cell[grid_cell(&s->scene->grid, (uint32_t)x, (uint32_t)y, (uint32_t)z)]
+                    .intensity = (uint16_t)(40 * (radius + 1 - r));
+            }
+    border_recount(&s->border);
+}
+
+static void draw(struct stage *s, uint32_t side, uint32_t zoom, int32_t yaw, int32_t pitch)
+{
+    rendition_release(&s->rendition);
+    s->view.width = s->view.height = side;
+    s->view.zoom = zoom;
+    s->view.angle[0] = yaw, s->view.angle[1] = pitch;
+    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
+    CHECK(rendition_init(&s->rendition, side, side, NULL) == OK);
+    splat_border(&s->rendition, &s->camera, &s->border);
+    CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
+          OK);
+}
+
+/* ---- the field ---- */
+
+static bool is_shown(const struct stage *s, int64_t x, int64_t y, int64_t z)
+{
+    const struct grid *grid = &s->scene->grid;
+    return grid_contains(grid, x, y, z) &&
+           s->scene->cell[grid_cell(grid, (uint32_t)x, (uint32_t)y, (uint32_t)z)].label;
+}
+
+/* The tent over the shown voxels around a place; 4096 where all are shown. */
+static int value_at(const struct stage *s, int64_t x, int64_t y, int64_t z)
+{
+    int sum = 0;
+    for (int k = -3; k <= 3; k++)
+        for (int j = -3; j <= 3; j++)
+            for (int i = -3; i <= 3; i++)
+                if (is_shown(s, x + i, y + j, z + k))
+                    sum += (4 - abs(i)) * (4 - abs(j)) * (4 - abs(k));
+    return sum;
+}
+
+static void compare_gradient(struct stage *s, struct field *field, const uint32_t at[3])
+{
+    struct field_reader reader = {.field = field};
+    const int32_t point[3] = {(int32_t)at[0] * 256, (int32_t)at[1] * 256, (int32_t)at[2] * 256};
+    const struct gradient g = field_at(&reader, point);
+    for (int a = 0; a < 3; a++) {
+        const int64_t d[3] = {a == 0, a == 1, a == 2};
+        const int slow = value_at(s, at[0] + d[0], at[1] + d[1], at[2] + d[2]) -
+                         value_at(s, at[0] - d[0], at[1] - d[1], at[2] - d[2]);
+        CHECK_INT(g.along[a], 4 * slow);
+    }
+}
+
+STORY(the_field_is_the_tent_over_what_is_shown_and_follows_its_changes)
+{
+    uint64_t random = 7;
+    for (uint32_t side = 1; side < 30 && check_failures == 0; side += 4) {
+        struct stage s;
+        struct field field;
+        stage_init(&s, side);
+        CHECK(field_init(&field, &s.border, FIELD_SHOWN, NULL) == OK);
+        for (int round = 0; round < 20; round++) {
+            for (int i = 0; i < 40; i++)
+                put(&s, (int)check_below(&random, side), (int)check_below(&random, side),
+                    (int)check_below(&random, side), (uint8_t)check_below(&random, 3));
+            border_recount(&s.border);
+            for (int i = 0; i < 20; i++) {
+                const uint32_t at[3] = {check_below(&random, side), check_below(&random, side),
+                                        check_below(&random, side)};
+                compare_gradient(&s, &field, at);
+            }
+        }
+        field_release(&field);
+        stage_release(&s);
+    }
+}
+
+/* ---- known shapes ---- */
+
+/* The largest angle, in degrees, between normals and the radius of a ball in the middle. */
+static double worst_angle(const struct stage *s, double *mean)
+{
+    const struct rendition *r = &s->rendition;
+    const double middle = (s->scene->grid.size[0] - 1) / 2.0;
+    double worst = 0, sum = 0;
+    size_t count = 0;
+    for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
+        if (r->cell[i] == CELL_NONE)
+            continue;
+        const struct place p = grid_place(&s->scene->grid, r->cell[i]);
+        const double v[3] = {p.x - middle, p.y - middle, p.z - middle};
+        const int16_t *n = r->normal + 4 * i;
+        const double dot = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
+        const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        const double size = sqrt((double)n[0] * n[0] + (double)n[1] * n[1] + (double)n[2] * n[2]);
+        CHECK(fabs(size - 16384) < 4);
+        const double angle = acos(fmin(1, dot / length / size)) * 180 / 3.14159265358979;
+        worst = fmax(worst, angle);
+        sum += angle;
+        count++;
+    }
+    *mean = sum / (double)count;
+    return worst;
+}
+
+/* A voxel's own centre lies up to half a voxel aside, which on this ball is 1.4 degrees. */
+STORY(a_ball_is_round_from_every_side_in_every_mode)
+{
+    static const double most[3] = {7, 7, 30}, most_mean[3] = {2.1, 2.3, 3.6};
+    struct stage s;
+    double mean;
+    stage_init(&s, 61);
+    put_ball(&s, 25, 1);
+    for (int mode = SHADE_SURFACE; mode <= SHADE_DEPTH; mode++)
+        for (int i = 0; i < 8; i++) {
+            s.look.mode = (enum shade_mode)mode;
+            draw(&s, 128, 1000 + 300 * (uint32_t)i, i * 41000, i * 27000);
+            const double worst = worst_angle(&s, &mean);
+            if (!CHECK(worst < most[mode] && mean < most_mean[mode]))
+                printf("# mode %d view %d: worst %.1f mean %.2f degrees\n", mode, i, worst, mean);
+        }
+    stage_release(&s);
+}
+
+/* At zoom 1 and above: within the outline every pixel shows the ball, and neighbours on the side
+ * that is lit have nearly the same colour. */
+STORY(a_ball_has_no_hole_no_speckle_and_no_staircase)
+{
+    struct stage s;
+    stage_init(&s, 81);
+    put_ball(&s, 36, 1);
+    for (uint32_t zoom = 1000; zoom <= 5000; zoom += 1000) {
+        draw(&s, 100 * zoom / 1000, zoom, 33000, 21000);
+        const struct rendition *r = &s.rendition;
+        const double middle = (r->width - 1) / 2.0, radius = 36.0 * zoom / 1000;
+        int jump = 0;
+        for (uint32_t y = 1; y < r->height; y++)
+            for (uint32_t x = 1; x < r->width; x++) {
+                const double d = sqrt(pow(x - middle, 2) + pow(y - middle, 2));
+                if (d > 0.9 * radius)
+                    continue;
+                const size_t i = (size_t)y * r->width + x;
+                CHECK(r->cell[i] != CELL_NONE);
+                const int left = abs(r->rgba[4 * i] - r->rgba[4 * (i - 1)]);
+                const int above = abs(r->rgba[4 * i] - r->rgba[4 * (i - r->width)]);
+                jump = left > jump ? left : jump;
+                jump = above > jump ? above : jump;
+            }
+        if (!CHECK(jump <= (zoom == 1000 ? 24 : 12)))
+            printf("# zoom %u: neighbours differ by %d\n", zoom, jump);
+    }
+    stage_release(&s);
+}
+
+STORY(an_edit_makes_no_more_than_its_surroundings_stale)
+{
+    struct stage s;
+    stage_init(&s, 81);
+    put_ball(&s, 36, 1);
+    for (int mode = SHADE_SURFACE; mode <= SHADE_DEPTH; mode++) {
+        s.look.mode = (enum shade_mode)mode;
+        s.look.edges = true;
+        draw(&s, 256, 2000, 0, 0);
+        /* A voxel on the side towards us goes. */
+        const struct grid *grid = &s.scene->grid;
+        struct change change = {grid_cell(grid, 40, 76, 40), 1, 0};
+        const struct changes changes = {.item = &change, .count = 1};
+        s.scene->cell[change.cell].label = 0;
+        border_update(&s.border, &changes);
+        const struct shade_reach reach = shade_reach(&s.look, &s.camera);
+        incremental_image(&s.rendition, &s.camera, &s.border, &changes, reach);
+        size_t stale = 0;
+        for (size_t i = 0; i < (size_t)s.rendition.tiles_x * s.rendition.tiles_y; i++)
+            stale += s.rendition.stale[i] == TILE_STALE;
+        const size_t across = (size_t)(2 * (2 * reach.voxels + 1 + reach.pixels) + TILE) / TILE + 1;
+        CHECK(stale > 0 && stale <= across * across);
+        s.scene->cell[change.cell].label = 1;
+        border_recount(&s.border);
+    }
+    stage_release(&s);
+}
+
+/* ---- looks ---- */
+
+static int red_at(const struct stage *s, uint32_t x, uint32_t y)
+{
+    return s->rendition.rgba[4 * ((size_t)y * s->rendition.width + x)];
+}
+
+STORY(the_light_comes_from_where_it_is_said_to)
+{
+    static const struct {
+        int32_t light[2];
+        uint32_t bright[2], dark[2];
+    } lit[] = {{{90000, 0}, {75, 50}, {25, 50}},
+               {{-90000, 0}, {25, 50}, {75, 50}},
+               {{0, 90000}, {50, 25}, {50, 75}},
+               {{0, -90000}, {50, 75}, {50, 25}}};
+    struct stage s;
+    stage_init(&s, 81);
+    put_ball(&s, 36, 1);
+    for (size_t i = 0; i < sizeof lit / sizeof lit[0]; i++)
+        for (int view = 0; view < 4; view++) {
+            s.look.light[0] = lit[i].light[0], s.look.light[1] = lit[i].light[1];
+            draw(&s, 101, 1000, view * 95000, view * 33000);
+            CHECK(red_at(&s, lit[i].bright[0], lit[i].bright[1]) >
+                  3 * red_at(&s, lit[i].dark[0], lit[i].dark[1]));
+        }
+    stage_release(&s);
+}
+
+STORY(what_lies_far_is_darker_as_the_cue_says)
+{
+    struct stage s;
+    stage_init(&s, 81);
+    for (int y = 0; y < 81; y++) /* two plates, one far behind the other */
+        for (int x = 0; x < 81; x++)
+            put(&s, x, x < 40 ? 75 : 5, y, 1);
+    border_recount(&s.border);
+    s.look.light[0] = s.look.light[1] = 0;
+    int near[3], far[3];
+    for (uint32_t i = 0; i < 3; i++) {
+        s.look.cue_percent = i * 50;
+        draw(&s, 81, 1000, 0, 0);
+        near[i] = red_at(&s, 60, 40), far[i] = red_at(&s, 20, 40);
+    }
+    CHECK_INT(near[0], far[0]);
+    CHECK(near[1] > far[1] && far[1] > 0 && far[1] < far[0]);
+    CHECK(far[2] < far[1] && far[2] < 30);
+    stage_release(&s);
+}
+
+STORY(edges_are_drawn_on_the_nearer_object)
+{
+    struct stage s;
+    stage_init(&s, 41);
+    for (int z = 0; z < 41; z++)
+        for (int x = 0; x < 41; x++) {
+            put(&s, x, 10, z, 1);
+            if (x < 20)
+                put(&s, x, 30, z, 2);
+        }
+    border_recount(&s.border);
+    draw(&s, 41, 1000, 0, 0);
+    const int before[2] = {red_at(&s, 20, 20),
+                           red_at(&s, 21, 20)}; /* x 20 and 19, from the front */
+    CHECK_INT(s.rendition.label[20 * 41 + 20], 1);
+    CHECK_INT(s.rendition.label[20 * 41 + 21], 2);
+    s.look.edges = true;
+    draw(&s, 41, 1000, 0, 0);
+    CHECK_INT(red_at(&s, 20, 20), before[0]);
+    CHECK(red_at(&s, 21, 20) < before[1] / 2);
+    stage_release(&s);
+}
+
+STORY(the_scenes_own_gradient_shows_what_labels_do_not)
+{
+    struct stage s;
+    stage_init(&s, 41);
+    /* A flat slab in a scene whose upper half is brighter the further right one goes. */
+    for (int z = 0; z < 41; z++)
+        for (int y = 0; y < 41; y++)
+            for (int x = 0; x < 41; x++) {
+                put(&s, x, y, z, y < 21);
+                s.scene->cell[grid_cell(&s.scene->grid, (uint32_t)x, (uint32_t)y, (uint32_t)z)]
+                    .intensity = (uint16_t)(z > 20 ? 100 * x : 2000);
+            }
+    border_recount(&s.border);
+    s.look.mode = SHADE_SCENE;
+    draw(&s, 41, 1000, 0, 0);
+    const int16_t *even = s.rendition.normal + 4 * (32 * 41 + 20);
+    const int16_t *sloped = s.rendition.normal + 4 * (8 * 41 + 20);
+    CHECK(even[1] > 16000 && abs(even[0]) < 400);
+    CHECK(abs(sloped[0]) > 4000);
+    stage_release(&s);
+}
+
+/* ---- arithmetic ---- */
+
+STORY(the_inverse_root_is_right_to_18_bits)
+{
+    for (uint64_t v = UINT64_C(1) << 28; v < UINT64_C(1) << 32; v += 65537) {
+        const double exact = 35184372088832.0 / sqrt((double)v);
+        if (!CHECK(fabs((double)fixed_inverse_root(v) / exact - 1) < 0x1p-18))
+            break;
+    }
+}
+
+STORY(samples_become_their_mean_and_the_nearest_of_them)
+{
+    struct rendition fine, out;
+    CHECK(rendition_init(&fine, 4, 2, NULL) == OK && rendition_init(&out, 2, 1, NULL) == OK);
+    memset(fine.rgba, 0, 4 * 8), memset(fine.normal, 0, 8 * 8), memset(fine.label, 0, 8);
+    /* The left pixel: three samples, two of them 100 and one 200; the right one: nothing. */
+    const struct {
+        size_t at;
+        uint8_t red;
+        int64_t depth;
+    } sample[] = {{0, 100, 7}, {1, 200, 5}, {4, 100, 9}};
+    for (int i = 0; i < 3; i++) {
+        fine.rgba[4 * sample[i].at] = sample[i].red, fine.rgba[4 * sample[i].at + 3] = 255;
+        fine.depth[sample[i].at] = sample[i].depth;
+        fine.cell[sample[i].at] = 10 + (uint32_t)i;
+        fine.label[sample[i].at] = (uint8_t)(i + 1);
+        fine.normal[4 * sample[i].at] = (int16_t)(i + 1);
+    }
+    rendition_reduce(&out, &fine, 2);
+    CHECK_INT(out.rgba[0], 141); /* the root of 20000 */
+    CHECK_INT(out.rgba[3], 191);
+    CHECK_INT(out.depth[0], 5);
+    CHECK_INT(out.cell[0], 11);
+    CHECK_INT(out.label[0], 2);
+    CHECK_INT(out.normal[0], 2);
+    CHECK(out.cell[1] == CELL_NONE && out.depth[1] == DEPTH_NONE && out.rgba[7] == 0);
+    rendition_release(&fine);
+    rendition_release(&out);
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(the_field_is_the_tent_over_what_is_shown_and_follows_its_changes),
+                       TELL(a_ball_is_round_from_every_side_in_every_mode),
+                       TELL(a_ball_has_no_hole_no_speckle_and_no_staircase),
+                       TELL(an_edit_makes_no_more_than_its_surroundings_stale),
+                       TELL(the_light_comes_from_where_it_is_said_to),
+                       TELL(what_lies_far_is_darker_as_the_cue_says),
+                       TELL(edges_are_drawn_on_the_nearer_object),
+                       TELL(the_scenes_own_gradient_shows_what_labels_do_not),
+                       TELL(the_inverse_root_is_right_to_18_bits),
+                       TELL(samples_become_their_mean_and_the_nearest_of_them));
+}
