@@ -140,13 +140,56 @@ uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t h
 struct view view_default(const struct scene *scene)
 {
     uint32_t zoom = view_fitting_zoom(scene, 512, 512);
-    return (struct view){{0, 0, 0}, zoom > VIEW_ZOOM_ONE ? VIEW_ZOOM_ONE : zoom, 512, 512};
+    return (struct view){
+        {0, 0, 0}, zoom > VIEW_ZOOM_ONE ? VIEW_ZOOM_ONE : zoom, 512, 512, {0, 0, 0}};
+}
+
+/* ---- focus ---- */
+
+enum { FOCUS_ONE = 1 << VIEW_FOCUS_BITS };
+
+void view_focus_on(struct view *view, const struct scene *scene, const uint32_t place[3])
+{
+    for (int a = 0; a < 3; a++)
+        view->focus[a] =
+            (2 * (int64_t)place[a] - (int64_t)(scene->grid.size[a] - 1)) * (FOCUS_ONE / 2);
+}
+
+void view_pan(struct view *view, const struct camera *camera, int64_t right, int64_t down)
+{
+    for (int a = 0; a < 3; a++) {
+        /* At most 2^23 each, times cosines of 16 bits: 2^41. */
+        int64_t along =
+            right * (camera->right[a] >> 14) - down * (camera->up[a] >> 14); /* 2^-16 / 1000 px */
+        int64_t side = side_in_pixels(camera->scene, a, view->zoom);
+        view->focus[a] -= along * (INT64_C(1) << RELATIVE_BITS) / (1000 * side);
+    }
+}
+
+/* A focus along one axis times a length per voxel, without what 64 bits do not hold. */
+static int64_t focus_times(int64_t focus, int64_t length)
+{
+    return (focus >> VIEW_FOCUS_BITS) * length +
+           ((focus & (FOCUS_ONE - 1)) * length >> VIEW_FOCUS_BITS);
+}
+
+/* No place of the scene is further from its middle than half its sides together. */
+static bool focus_is_near(const struct view *view, const struct scene *scene)
+{
+    uint64_t pixels = 0;
+    for (int a = 0; a < 3; a++)
+        pixels += (uint64_t)scene->grid.size[a] * (uint64_t)side_in_pixels(scene, a, view->zoom);
+    for (int a = 0; a < 3; a++) {
+        const uint64_t voxels = pixels / (uint64_t)side_in_pixels(scene, a, view->zoom) + 1;
+        if ((uint64_t)llabs(view->focus[a]) >> VIEW_FOCUS_BITS > voxels)
+            return false;
+    }
+    return true;
 }
 
 /* ---- camera ---- */
 
-/* Unit vectors of the picture in the world (Right, Anterior, Superior), times 2^30. */
-static void look(const struct view *view, int32_t right[3], int32_t up[3], int32_t ahead[3])
+void view_look(const struct view *view, int32_t right[3], int32_t up[3], int32_t ahead[3])
 {
     int64_t sy = view_sine(view->angle[0]), cy = cosine(view->angle[0]);
     int64_t sp = view_sine(view->angle[1]), cp = cosine(view->angle[1]);
@@ -172,7 +215,8 @@ static void cross(int64_t out[3], const int64_t a[3], const int64_t b[3])
 /* The picture's vectors along flipped axes, and the direction with its zeros made tiny. */
 struct basis {
     int64_t right[3], down[3], ahead[3];
-    int64_t side[3]; /* of a voxel, in pixels times 2^20 */
+    int64_t side[3];  /* of a voxel, in pixels times 2^20 */
+    int64_t focus[3]; /* as view.focus */
 };
 
 /* Where the centre of a cube falls: the dual of (right, down, ahead), so that it agrees with the
@@ -193,15 +237,28 @@ static void set_projection(struct camera *camera, const struct basis *b)
             int64_t along = volume < 0 ? -dual[k][a] : dual[k][a];
             int64_t column = (along * b->side[a]) >> RELATIVE_BITS;
             camera->column[k][a] = column;
-            camera->centre[k] -= (int64_t)(camera->scene->grid.size[a] - 1) * column / 2;
+            camera->centre[k] -= (int64_t)(camera->scene->grid.size[a] - 1) * column / 2 +
+                                 focus_times(b->focus[a], column);
             camera->reach[k] += (llabs(column) + 1) / 2;
         }
     }
 }
 
+/* How far the focus lies behind the scene's middle, as crossings count. */
+static int64_t focus_depth(const struct basis *b)
+{
+    int64_t depth = 0;
+    for (int a = 0; a < 3; a++) {
+        int64_t t = focus_times(b->focus[a], b->side[a]) * (1 << (CROSSING_BITS - RELATIVE_BITS));
+        depth += (t >> 30) * b->ahead[a] + fixed_mul30(t & (ONE30 - 1), b->ahead[a]);
+    }
+    return depth;
+}
+
 static enum err set_crossings(struct camera *camera, const struct basis *b, struct fault *fault)
 {
     const struct view *view = &camera->view;
+    const int64_t behind = focus_depth(b);
     for (int a = 0; a < 3; a++) {
         int64_t d = b->ahead[a];
         int64_t T = (b->side[a] << (CROSSING_BITS - RELATIVE_BITS + 30)) / d;
@@ -209,7 +266,8 @@ static enum err set_crossings(struct camera *camera, const struct basis *b, stru
         int64_t B = -(b->down[a] * (INT64_C(1) << CROSSING_BITS)) / d;
         int64_t n = camera->scene->grid.size[a];
         int64_t x = (int64_t)view->width - 1, y = (int64_t)view->height - 1;
-        if (T < 1 || T > RANGE_LIMIT / 16 / (n + 1))
+        if (T < 1 || T > RANGE_LIMIT / 16 / (n + 1) ||
+            llabs(b->focus[a]) >> VIEW_FOCUS_BITS > RANGE_LIMIT / 8 / T)
             return fault_set(fault, ERR_LIMIT,
                              "zoom %u.%03u is out of reach for a scene of this size and spacing; "
                              "the view is unchanged",
@@ -217,7 +275,8 @@ static enum err set_crossings(struct camera *camera, const struct basis *b, stru
         camera->T[a] = 4 * T;
         camera->A[a] = 4 * A;
         camera->B[a] = 4 * B;
-        camera->C[a] = 4 * (-(n * T + x * A + y * B) >> 1) + a;
+        camera->C[a] =
+            4 * ((-(n * T + x * A + y * B) >> 1) + behind - focus_times(b->focus[a], T)) + a;
     }
     return OK;
 }
@@ -228,7 +287,7 @@ enum err camera_init(struct camera *camera, const struct scene *scene, const str
     struct basis b;
     int32_t right[3], up[3], ahead[3];
     *camera = (struct camera){.scene = scene, .view = *view, .unit_nm = least_spacing(scene)};
-    look(view, right, up, ahead);
+    view_look(view, right, up, ahead);
     for (int a = 0; a < 3; a++) {
         int world = scene->world_axis[a], sign = scene->world_sign[a];
         camera->right[a] = sign * right[world];
@@ -242,12 +301,17 @@ enum err camera_init(struct camera *camera, const struct scene *scene, const str
         if (b.ahead[a] < COSINE_LEAST)
             b.ahead[a] = COSINE_LEAST;
         b.side[a] = side_in_pixels(scene, a, view->zoom);
+        b.focus[a] = flip * view->focus[a];
         camera->toward[a] = camera->flip[a] ? scene->grid.step[a] : -scene->grid.step[a];
         if (b.side[a] >= SIDE_LIMIT || b.side[a] < 1)
             return fault_set(fault, ERR_LIMIT,
                              "a voxel would be %s in the picture; the view is unchanged",
                              b.side[a] < 1 ? "too small" : "larger than 256 pixels");
     }
+    if (!focus_is_near(view, scene))
+        return fault_set(fault, ERR_LIMIT,
+                         "the picture would show a place too far from the scene; the view is "
+                         "unchanged");
     set_projection(camera, &b);
     return set_crossings(camera, &b, fault);
 }

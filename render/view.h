@@ -4,17 +4,21 @@
  * Angles. (0, 0, 0) is the front: the patient faces us, with his left on our right. Yaw takes us
  * around him towards his left side, pitch lifts us above him, roll turns the picture clockwise.
  *
+ * The focus is the place of the scene that falls in the middle of the picture, whatever the angles,
+ * the zoom and the size: views turn around it. It is held in the scene, not in the picture, so that
+ * none of the others need know of it. At first it is the scene's middle.
+ *
  * Rays. Projection is orthogonal. The ray of pixel (px, py) crosses the plane n of axis a at
  *
  *     t_a(n) = n * T_a + px * A_a + py * B_a + C_a
  *
  * integers, fixed per view, in units of 2^-24 pixels along the view direction; t = 0 lies in the
- * middle of the scene. Axes are flipped so that T_a > 0, and a direction cosine near zero is
- * replaced by a tiny one. Two crossings are compared as (t, axis), which decides every tie as one
- * and the same infinitely small shift of the ray would: hence the value kept is 4 * t + axis, and
- * no two crossings of different axes are ever equal. A voxel is its cube; a ray is in it where the
- * last of its three near crossings comes before the first of its three far crossings. The depth of
- * a pixel is that last near crossing, axis bits and all.
+ * plane of the scene's middle, wherever the focus is. Axes are flipped so that T_a > 0, and a
+ * direction cosine near zero is replaced by a tiny one. Two crossings are compared as (t, axis),
+ * which decides every tie as one and the same infinitely small shift of the ray would: hence the
+ * value kept is 4 * t + axis, and no two crossings of different axes are ever equal. A voxel is its
+ * cube; a ray is in it where the last of its three near crossings comes before the first of its
+ * three far crossings. The depth of a pixel is that last near crossing, axis bits and all.
  *
  * No floating point: sines come from integer CORDIC, so a view is the same on every machine.
  */
@@ -33,12 +37,14 @@ enum {
     VIEW_ZOOM_ONE = 1000, /* zoom is in thousandths: pixels per smallest voxel spacing */
     VIEW_ZOOM_LEAST = 10,
     VIEW_ZOOM_MOST = 64000,
+    VIEW_FOCUS_BITS = 16, /* of a voxel; a pixel is a 256th of one at least */
 };
 
 struct view {
     int32_t angle[3];       /* yaw, pitch, roll, thousandths of a degree, 0..359999 */
     uint32_t zoom;          /* VIEW_ZOOM_LEAST..VIEW_ZOOM_MOST */
     uint32_t width, height; /* pixels, 1..VIEW_SIDE_MOST */
+    int64_t focus[3];       /* from the scene's middle, along voxel axes, in 2^-16 voxels */
 };
 
 /* 512x512 from the front, at zoom 1, or less where the scene would not fit. */
@@ -50,6 +56,10 @@ uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t h
 bool view_by_name(const char *name, int32_t angle[3]);
 /* The name that these angles have, or NULL. */
 const char *view_name(const int32_t angle[3]);
+
+/* Unit vectors of the picture in the patient (Right, Anterior, Superior), times 2^30: to the right
+ * of the picture, up, and away from us. */
+void view_look(const struct view *view, int32_t right[3], int32_t up[3], int32_t ahead[3]);
 
 /* The sine of `angle` thousandths of a degree, times 2^30; exact at quarter turns. */
 int32_t view_sine(int32_t angle);
@@ -72,9 +82,15 @@ struct camera {
     int64_t unit_nm;                   /* length of one pixel at zoom 1 */
 };
 
-/* ERR_LIMIT where scene, zoom and picture together are too large for 64-bit crossings. */
+/* ERR_LIMIT where scene, zoom and picture together are too large for 64-bit crossings, or the focus
+ * is further from the scene's middle than the scene is long. */
 enum err camera_init(struct camera *camera, const struct scene *scene, const struct view *view,
                      struct fault *fault);
+
+/* The focus of a voxel, and of the present one after what is seen has moved to the right and down
+ * in the picture, by thousandths of pixels up to 1000 times VIEW_SIDE_MOST each way. */
+void view_focus_on(struct view *view, const struct scene *scene, const uint32_t place[3]);
+void view_pan(struct view *view, const struct camera *camera, int64_t right, int64_t down);
 
 static inline int64_t camera_crossing(const struct camera *camera, int a, int64_t n, int64_t px,
                                       int64_t py)

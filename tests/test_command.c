@@ -122,7 +122,8 @@ STORY(the_table_is_in_order)
             CHECK(q->optional || !q->keyed);
             CHECK(q->least <= q->most);
             CHECK((q->type == PARAMETER_CHOICE || q->type == PARAMETER_NAMED_DECIMAL ||
-                   q->type == PARAMETER_NAMED_FILE) == (q->choices != NULL));
+                   q->type == PARAMETER_NAMED_FILE || q->type == PARAMETER_NAMED_POSITION) ==
+                  (q->choices != NULL));
         }
     }
 }
@@ -171,6 +172,9 @@ static const char *form_of(const struct parameter *p)
         return "#rrggbb";
     case PARAMETER_VIEW:
         return "left|right|top|bottom|YAW";
+    case PARAMETER_NAMED_POSITION:
+        snprintf(form, sizeof form, "%s|X,Y,Z", p->choices);
+        return form;
     case PARAMETER_NAMED_DECIMAL:
     case PARAMETER_NAMED_FILE:
         snprintf(form, sizeof form, "%s|%s", p->choices, p->name);
@@ -313,6 +317,12 @@ static void add_value(struct buf *out, const struct parameter *p)
             add_choice(out, p->choices);
         else
             add_decimal(out, p);
+        break;
+    case PARAMETER_NAMED_POSITION:
+        if (below(4) == 0)
+            add_choice(out, p->choices);
+        else
+            add_position(out);
         break;
     case PARAMETER_NAMED_FILE:
         if (below(2))
@@ -616,6 +626,12 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"label 3 cerebellum", "label 2 is already called cerebellum"},
         {"help nothing", "there is no command nothing"},
         {"view left 3", "a named view takes no angles"},
+        {"pan 1", "missing: DOWN; usage: pan RIGHT DOWN"},
+        {"pan 8192.001 0", "RIGHT: expected a number -8192..8192 with at most three decimals"},
+        {"pan up 3", "RIGHT: expected a number"},
+        {"pan 8192 0", "too far from the scene; the view is unchanged"},
+        {"focus here", "PLACE: expected scene, X,Y,Z (voxel indices) or X,Y,Zmm (world), not here"},
+        {"focus 12,0,0", "lies outside the scene, whose voxels are 0,0,0 to 11,10,9"},
         {"golden ../front", "small letters"},
         {"pick 0 0", "`render` first"},
         {"remove 1,1,1", "no seed reaches it"},
@@ -1105,6 +1121,9 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"render mode=sp", NULL},
         {"weight gauss 0.5", NULL},
         {"zoom fit", NULL},
+        {"pan 3.5 -1", NULL},
+        {"render", NULL},
+        {"focus 2,3,4", NULL},
         {"hide 2", NULL},
         {"render", NULL},
         {"show 2", NULL},

@@ -31,6 +31,8 @@ ACT(seed_file);
 ACT(view);
 ACT(turn);
 ACT(zoom);
+ACT(pan);
+ACT(focus);
 ACT(size);
 ACT(hide);
 ACT(show);

@@ -1,6 +1,8 @@
 /* Commands that change the view. */
 #include "command/act.h"
 
+#include <string.h>
+
 static int32_t whole_turn(int64_t angle)
 {
     int64_t turned = angle % VIEW_TURN;
@@ -37,8 +39,31 @@ ACT(zoom)
     struct session *session = &desk->session;
     struct view view = session->settings.view;
     (void)reply;
-    view.zoom = value[0].text ? view_fitting_zoom(session->scene, view.width, view.height)
-                              : (uint32_t)value[0].number;
+    view.zoom = (uint32_t)value[0].number;
+    if (value[0].text) {
+        view.zoom = view_fitting_zoom(session->scene, view.width, view.height);
+        memset(view.focus, 0, sizeof view.focus);
+    }
+    return session_set_view(session, &view, fault);
+}
+
+ACT(pan)
+{
+    struct session *session = &desk->session;
+    struct view view = session->settings.view;
+    (void)reply;
+    view_pan(&view, &session->camera, value[0].number, value[1].number);
+    return session_set_view(session, &view, fault);
+}
+
+ACT(focus)
+{
+    struct session *session = &desk->session;
+    struct view view = session->settings.view;
+    (void)reply;
+    memset(view.focus, 0, sizeof view.focus);
+    if (!value[0].text)
+        view_focus_on(&view, session->scene, value[0].place);
     return session_set_view(session, &view, fault);
 }
 

@@ -20,20 +20,21 @@ struct desk;
 struct session;
 
 enum parameter_type {
-    PARAMETER_END,           /* no parameter: the end of the list */
-    PARAMETER_POSITION,      /* X,Y,Z as indices, or X,Y,Zmm in the world */
-    PARAMETER_LABEL,         /* a label's number or name */
-    PARAMETER_NUMBER,        /* an integer, least..most */
-    PARAMETER_RANGE,         /* "A-B", or "A" for "A-A", least..most */
-    PARAMETER_DECIMAL,       /* thousandths, least..most: 12.5 is 12500 */
-    PARAMETER_CHOICE,        /* one of `choices`, "a|b|c" */
-    PARAMETER_NAMED_DECIMAL, /* one of `choices`, or thousandths */
-    PARAMETER_NAMED_FILE,    /* one of `choices`, or a path */
-    PARAMETER_VIEW,          /* the name of a view, or a yaw in degrees */
-    PARAMETER_COLOUR,        /* #rrggbb */
-    PARAMETER_FILE,          /* a path */
-    PARAMETER_COMMAND,       /* the name of a command */
-    PARAMETER_WORD,          /* any word */
+    PARAMETER_END,            /* no parameter: the end of the list */
+    PARAMETER_POSITION,       /* X,Y,Z as indices, or X,Y,Zmm in the world */
+    PARAMETER_LABEL,          /* a label's number or name */
+    PARAMETER_NUMBER,         /* an integer, least..most */
+    PARAMETER_RANGE,          /* "A-B", or "A" for "A-A", least..most */
+    PARAMETER_DECIMAL,        /* thousandths, least..most: 12.5 is 12500 */
+    PARAMETER_CHOICE,         /* one of `choices`, "a|b|c" */
+    PARAMETER_NAMED_DECIMAL,  /* one of `choices`, or thousandths */
+    PARAMETER_NAMED_FILE,     /* one of `choices`, or a path */
+    PARAMETER_NAMED_POSITION, /* one of `choices`, or a position */
+    PARAMETER_VIEW,           /* the name of a view, or a yaw in degrees */
+    PARAMETER_COLOUR,         /* #rrggbb */
+    PARAMETER_FILE,           /* a path */
+    PARAMETER_COMMAND,        /* the name of a command */
+    PARAMETER_WORD,           /* any word */
 };
 
 struct parameter {
@@ -50,7 +51,7 @@ struct value {
     int64_t number; /* LABEL, NUMBER, DECIMAL; CHOICE: which, -1 for another word of a NAMED_FILE;
                        COLOUR: 0xrrggbb; VIEW: yaw */
     const char
-        *text; /* FILE, WORD, CHOICE; VIEW and NAMED_DECIMAL: the name, or NULL for a number */
+        *text; /* FILE, WORD, CHOICE; VIEW, NAMED_DECIMAL, NAMED_POSITION: the name, or NULL */
     uint32_t place[3]; /* POSITION, in the scene; RANGE: first and last */
 };
 

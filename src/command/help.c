@@ -27,6 +27,9 @@ static void parameter_form(struct buf *out, const struct parameter *p)
     case PARAMETER_VIEW:
         buf_add_text(out, "front|back|left|right|top|bottom|YAW");
         break;
+    case PARAMETER_NAMED_POSITION:
+        buf_printf(out, "%s|X,Y,Z", p->choices);
+        break;
     case PARAMETER_NAMED_DECIMAL:
     case PARAMETER_NAMED_FILE:
         buf_printf(out, "%s|%s", p->choices, p->name);

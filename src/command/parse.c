@@ -77,6 +77,14 @@ static enum err expect(struct fault *fault, const struct parameter *p, const cha
                      *word ? word : "nothing");
 }
 
+static enum err expect_position(struct fault *fault, const struct parameter *p, const char *word)
+{
+    const bool named = p->type == PARAMETER_NAMED_POSITION;
+    return fault_set(fault, ERR_USAGE,
+                     "%s: expected %s%sX,Y,Z (voxel indices) or X,Y,Zmm (world), not %s", p->name,
+                     named ? p->choices : "", named ? ", " : "", *word ? word : "nothing");
+}
+
 static enum err read_position(struct value *value, const struct parameter *p, const char *word,
                               const struct session *session, struct fault *fault)
 {
@@ -87,10 +95,10 @@ static enum err read_position(struct value *value, const struct parameter *p, co
     for (int a = 0; a < 3; a++)
         if ((a > 0 && !scan_text(&at, ",")) ||
             !scan_decimal(&at, 6, INT64_C(-1000000000000), INT64_C(1000000000000), &part[a]))
-            return expect(fault, p, word, "X,Y,Z (voxel indices) or X,Y,Zmm (world)");
+            return expect_position(fault, p, word);
     bool world = scan_text(&at, "mm");
     if (*at)
-        return expect(fault, p, word, "X,Y,Z (voxel indices) or X,Y,Zmm (world)");
+        return expect_position(fault, p, word);
     for (int a = 0; a < 3; a++) {
         if (!world && part[a] % 1000000)
             return expect(fault, p, word, "whole voxel indices, or mm at the end");
@@ -220,6 +228,9 @@ static enum err read_value(struct value *value, const struct parameter *p, const
     case PARAMETER_NAMED_DECIMAL:
         value->text = choice_of(p->choices, word) < 0 ? NULL : word;
         return value->text ? OK : read_number(value, p, word, 3, fault);
+    case PARAMETER_NAMED_POSITION:
+        value->text = choice_of(p->choices, word) < 0 ? NULL : word;
+        return value->text ? OK : read_position(value, p, word, session, fault);
     case PARAMETER_NAMED_FILE:
         value->text = word;
         value->number = choice_of(p->choices, word);
@@ -342,7 +353,11 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
 {
     switch (p->type) {
     case PARAMETER_POSITION:
-        buf_printf(out, "%u,%u,%u", value->place[0], value->place[1], value->place[2]);
+    case PARAMETER_NAMED_POSITION:
+        if (value->text)
+            command_write_word(out, value->text);
+        else
+            buf_printf(out, "%u,%u,%u", value->place[0], value->place[1], value->place[2]);
         break;
     case PARAMETER_LABEL:
     case PARAMETER_NUMBER:

@@ -36,6 +36,7 @@ enum {
     S = COMMAND_NEEDS_SCENE,
     E = COMMAND_EDITS,
     TURNS = 10 * VIEW_TURN, /* angles may be given beyond one turn; they are reduced */
+    PANS = 1000 * VIEW_SIDE_MOST,
 };
 
 /* Real values of intensities, in thousandths. */
@@ -178,9 +179,25 @@ const struct command command_table[] = {
      R | S,
      {NAMED("FACTOR", DECIMAL, "fit", VIEW_ZOOM_LEAST, VIEW_ZOOM_MOST)},
      "pixels per voxel, or what fits",
-     "    Per voxel of the smallest spacing; others are larger in proportion.\n",
+     "    Per voxel of the smallest spacing; others are larger in proportion. `fit` shows the\n"
+     "    whole scene, whatever way it is turned, its middle in the middle.\n",
      "zoom 1.5",
      act_zoom},
+    {"pan",
+     R | S,
+     {NEED("RIGHT", DECIMAL, -PANS, PANS), NEED("DOWN", DECIMAL, -PANS, PANS)},
+     "move what is seen, in pixels",
+     "    Fractions of a pixel count too. What comes to the middle of the picture stays there\n"
+     "    under `view`, `turn`, `zoom FACTOR` and `size`; `focus scene` takes it back.\n",
+     "pan 40 -12.5",
+     act_pan},
+    {"focus",
+     R | S,
+     {NAMED("PLACE", POSITION, "scene", 0, 0)},
+     "the place in the middle of the picture",
+     "    A voxel, or the middle of the scene. Views turn around it.\n",
+     "focus 100,100,50",
+     act_focus},
     {"size",
      R | S,
      {NEED("WIDTH", NUMBER, 1, VIEW_SIDE_MOST), NEED("HEIGHT", NUMBER, 1, VIEW_SIDE_MOST)},

@@ -204,11 +204,14 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
     return OK;
 }
 
-static enum err set_default_zoom(struct session *session, struct fault *fault)
+/* The same place in the middle of the picture, seen as a scene of this size is at first. */
+static enum err set_default_zoom(struct session *session, unsigned doubled, struct fault *fault)
 {
     struct view view = session->settings.view;
     view.zoom = view_fitting_zoom(session->scene, view.width, view.height);
     view.zoom = view.zoom < VIEW_ZOOM_ONE ? view.zoom : VIEW_ZOOM_ONE;
+    for (unsigned a = 0; a < 3; a++)
+        view.focus[a] *= 1 + (doubled >> a & 1); /* 2n - 1 voxels: the middle stays the middle */
     return session_set_view(session, &view, fault);
 }
 
@@ -244,7 +247,7 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
     session->fence_tally = fence_tally(&session->fence, session->scene);
     session->scene_digest = scene_digest(session->scene);
     err = session_weigh(session, fault);
-    return err ? err : set_default_zoom(session, fault);
+    return err ? err : set_default_zoom(session, doubled, fault);
 }
 
 /* The former scene again, with its forest; the caller sets the view. */

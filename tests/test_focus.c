@@ -1,0 +1,286 @@
+/* The focus of a view: what falls in the middle of the picture, and that nothing else changes. */
+#include "check.h"
+
+#include <stdlib.h>
+
+#include "engine/border.h"
+#include "engine/forest.h"
+#include "render/rendition.h"
+
+struct stage {
+    struct scene *scene;
+    struct border border;
+    struct view view;
+    struct camera camera;
+};
+
+static void stage_init(struct stage *s, const uint32_t size[3])
+{
+    *s = (struct stage){0};
+    CHECK(scene_new(&s->scene, size, NULL) == OK);
+    CHECK(border_init(&s->border, s->scene, NULL) == OK);
+    s->view = view_default(s->scene);
+}
+
+static void stage_release(struct stage *s)
+{
+    border_release(&s->border);
+    scene_free(s->scene);
+}
+
+/* Axes, spacings and labels of any kind. */
+static void random_stage(struct stage *s, uint64_t *random)
+{
+    static const int8_t order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                       {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    uint32_t size[3];
+    for (int a = 0; a < 3; a++)
+        size[a] = 1 + check_below(random, check_below(random, 3) ? 30 : 4);
+    stage_init(s, size);
+    const int8_t *axis = order[check_below(random, 6)];
+    for (int a = 0; a < 3; a++) {
+        s->scene->spacing_nm[a] =
+            check_below(random, 2) ? 1000000 : 300000 + check_below(random, 2000000);
+        s->scene->world_sign[a] = check_below(random, 2) ? 1 : -1;
+        s->scene->world_axis[a] = axis[a];
+    }
+    for (size_t i = 0; i < s->scene->grid.cells; i++)
+        if (!(s->scene->cell[i].flags & CELL_RIM))
+            s->scene->cell[i].label = (uint8_t)(check_below(random, 4) == 0);
+    border_recount(&s->border);
+    s->view.zoom = 200 + check_below(random, 5000);
+    s->view.width = 1 + check_below(random, 80);
+    s->view.height = 1 + check_below(random, 80);
+    for (int i = 0; i < 3; i++)
+        s->view.angle[i] = (int32_t)(check_below(random, 2) ? check_below(random, 8) * 45000
+                                                            : check_below(random, 360000));
+}
+
+static void random_place(const struct scene *scene, uint64_t *random, uint32_t place[3])
+{
+    for (int a = 0; a < 3; a++)
+        place[a] = check_below(random, scene->grid.size[a]);
+}
+
+static void draw(struct rendition *r, const struct stage *s,
+                 void (*project)(struct rendition *, const struct camera *, const struct border *))
+{
+    CHECK(rendition_init(r, s->view.width, s->view.height, NULL) == OK);
+    project(r, &s->camera, &s->border);
+}
+
+static bool same_maps(const struct rendition *a, const struct rendition *b)
+{
+    const size_t pixels = (size_t)a->width * a->height;
+    return memcmp(a->depth, b->depth, pixels * sizeof *a->depth) == 0 &&
+           memcmp(a->cell, b->cell, pixels * sizeof *a->cell) == 0;
+}
+
+STORY(the_voxel_in_focus_is_in_the_middle_of_the_picture)
+{
+    uint64_t random = 1;
+    for (int round = 0; round < 300 && check_failures == 0; round++) {
+        struct stage s;
+        struct rendition r;
+        uint32_t place[3];
+        random_stage(&s, &random);
+        s.view.width |= 1, s.view.height |= 1; /* an odd number of pixels has one in the middle */
+        random_place(s.scene, &random, place);
+        memset(s.border.visible, 0, sizeof s.border.visible);
+        s.border.visible[9] = true;
+        const uint32_t cell = grid_cell(&s.scene->grid, place[0], place[1], place[2]);
+        s.scene->cell[cell].label = 9;
+        border_recount(&s.border);
+        view_focus_on(&s.view, s.scene, place);
+        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+        draw(&r, &s, splat_border);
+        CHECK_INT(r.cell[(size_t)(r.height / 2) * r.width + r.width / 2], cell);
+        rendition_release(&r);
+        stage_release(&s);
+    }
+}
+
+STORY(all_ways_agree_wherever_the_focus_is)
+{
+    uint64_t random = 2;
+    for (int round = 0; round < 600 && check_failures == 0; round++) {
+        struct stage s;
+        struct rendition border, scene, walk;
+        uint32_t place[3];
+        random_stage(&s, &random);
+        random_place(s.scene, &random, place);
+        view_focus_on(&s.view, s.scene, place);
+        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+        view_pan(&s.view, &s.camera, check_below(&random, 20001) - (int64_t)10000,
+                 check_below(&random, 20001) - (int64_t)10000);
+        if (camera_init(&s.camera, s.scene, &s.view, NULL) == OK) {
+            draw(&border, &s, splat_border);
+            draw(&scene, &s, splat_scene);
+            draw(&walk, &s, raycast);
+            CHECK(same_maps(&border, &scene));
+            CHECK(same_maps(&border, &walk));
+            rendition_release(&border);
+            rendition_release(&scene);
+            rendition_release(&walk);
+        }
+        stage_release(&s);
+    }
+}
+
+/* Where the centre of a voxel falls, in thousandths of a pixel. */
+static void project(const struct stage *s, const uint32_t place[3], int64_t at[2])
+{
+    for (int k = 0; k < 2; k++) {
+        int64_t sum = s->camera.centre[k];
+        for (int a = 0; a < 3; a++)
+            sum += s->camera.column[k][a] *
+                   (s->camera.flip[a] ? s->scene->grid.size[a] - 1 - place[a] : place[a]);
+        at[k] = (sum >> 10) * 1000 >> 20;
+    }
+}
+
+STORY(a_pan_moves_what_is_seen_by_so_many_pixels_and_back)
+{
+    uint64_t random = 3;
+    for (int round = 0; round < 500 && check_failures == 0; round++) {
+        struct stage s;
+        uint32_t place[3];
+        int64_t before[2], after[2];
+        random_stage(&s, &random);
+        random_place(s.scene, &random, place);
+        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+        const int64_t right = check_below(&random, 4001) - (int64_t)2000,
+                      down = check_below(&random, 4001) - (int64_t)2000;
+        project(&s, place, before);
+        view_pan(&s.view, &s.camera, right, down);
+        if (camera_init(&s.camera, s.scene, &s.view, NULL) == OK) {
+            project(&s, place, after);
+            CHECK(llabs(after[0] - before[0] - right) <= 20);
+            CHECK(llabs(after[1] - before[1] - down) <= 20);
+            view_pan(&s.view, &s.camera, -right, -down);
+            for (int a = 0; a < 3; a++)
+                CHECK(llabs(s.view.focus[a]) <= 2);
+        }
+        stage_release(&s);
+    }
+}
+
+STORY(the_focus_changes_no_depth)
+{
+    struct stage s;
+    struct rendition centred, panned;
+    stage_init(&s, (uint32_t[]){40, 30, 20});
+    for (uint32_t x = 12; x < 28; x++)
+        s.scene->cell[grid_cell(&s.scene->grid, x, 7 + x / 3, 10)].label = 1;
+    border_recount(&s.border);
+    s.view.width = s.view.height = 99;
+    s.view.zoom = 2000;
+    CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+    draw(&centred, &s, splat_border);
+    view_pan(&s.view, &s.camera, 10000, -4000);
+    CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+    draw(&panned, &s, splat_border);
+    unsigned seen = 0;
+    for (uint32_t y = 4; y < 99; y++)
+        for (uint32_t x = 0; x < 89; x++) {
+            const size_t from = y * 99 + x, to = (y - 4) * 99 + x + 10;
+            CHECK_INT(panned.cell[to], centred.cell[from]);
+            /* A 64th of a pixel of 2^24: cosines of 0 are a 4096th (render/view.h). */
+            CHECK(panned.cell[to] == CELL_NONE ||
+                  llabs(panned.depth[to] - centred.depth[from]) < 4 << 18);
+            seen += centred.cell[from] != CELL_NONE;
+        }
+    CHECK(seen > 50);
+    rendition_release(&centred);
+    rendition_release(&panned);
+    stage_release(&s);
+}
+
+STORY(a_focus_beyond_all_proportion_is_refused)
+{
+    struct stage s;
+    struct fault fault;
+    stage_init(&s, (uint32_t[]){100, 50, 1});
+    for (int a = 0; a < 3; a++) {
+        s.view.focus[a] = INT64_C(100) << VIEW_FOCUS_BITS;
+        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+        s.view.focus[a] = -(INT64_C(160) << VIEW_FOCUS_BITS);
+        CHECK_INT(camera_init(&s.camera, s.scene, &s.view, &fault), ERR_LIMIT);
+        CHECK_HAS(fault.text, "too far from the scene; the view is unchanged");
+        s.view.focus[a] = INT64_MAX;
+        CHECK_INT(camera_init(&s.camera, s.scene, &s.view, NULL), ERR_LIMIT);
+        s.view.focus[a] = 0;
+    }
+    stage_release(&s);
+}
+
+/* A ball of millimetres is as wide as high, and as wide from everywhere, whatever the spacing. */
+STORY(a_ball_is_round_from_everywhere)
+{
+    static const uint32_t spacing[5][3] = {{2000000, 1000000, 3000000},
+                                           {1000000, 1000000, 1000000},
+                                           {500000, 3000000, 700000},
+                                           {937500, 937500, 1500000},
+                                           {3000000, 1000000, 1000000}};
+    uint64_t random = 4;
+    for (int round = 0; round < 60; round++) {
+        struct stage s;
+        struct rendition r;
+        uint32_t size[3], first[2] = {300, 300}, last[2] = {0, 0};
+        const uint32_t *nm = spacing[round % 5];
+        uint32_t least = nm[0], most = nm[0];
+        for (int a = 0; a < 3; a++) {
+            size[a] = 64000000 / nm[a] | 1;
+            least = nm[a] < least ? nm[a] : least;
+            most = nm[a] > most ? nm[a] : most;
+        }
+        stage_init(&s, size);
+        memcpy(s.scene->spacing_nm, nm, sizeof size);
+        for (uint32_t z = 0; z < size[2]; z++)
+            for (uint32_t y = 0; y < size[1]; y++)
+                for (uint32_t x = 0; x < size[0]; x++) {
+                    const uint32_t at[3] = {x, y, z};
+                    int64_t squares = 0;
+                    for (int a = 0; a < 3; a++) {
+                        const int64_t mm1000 =
+                            ((int64_t)at[a] - size[a] / 2) * (int64_t)(nm[a] / 1000);
+                        squares += mm1000 * mm1000;
+                    }
+                    if (squares <= INT64_C(28000) * 28000)
+                        s.scene->cell[grid_cell(&s.scene->grid, x, y, z)].label = 1;
+                }
+        border_recount(&s.border);
+        for (int i = 0; i < 3 && round >= 5; i++)
+            s.view.angle[i] = (int32_t)check_below(&random, 360000);
+        s.view.width = s.view.height = 300;
+        s.view.zoom = (uint32_t)(4 * (uint64_t)least / 1000); /* 4 pixels a millimetre */
+        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+        draw(&r, &s, splat_border);
+        for (uint32_t y = 0; y < 300; y++)
+            for (uint32_t x = 0; x < 300; x++)
+                if (r.cell[y * 300 + x] != CELL_NONE) {
+                    const uint32_t at[2] = {x, y};
+                    for (int k = 0; k < 2; k++) {
+                        first[k] = at[k] < first[k] ? at[k] : first[k];
+                        last[k] = at[k] > last[k] ? at[k] : last[k];
+                    }
+                }
+        /* 56 mm; its cubes stick out by half of their diagonal at most. */
+        const uint32_t margin = 4 * most / 1000000 * 7 / 4 + 1;
+        for (int k = 0; k < 2; k++) {
+            const uint32_t wide = last[k] - first[k] + 1;
+            CHECK(wide + margin >= 224 && wide <= 224 + margin);
+        }
+        rendition_release(&r);
+        stage_release(&s);
+    }
+}
+
+int main(void)
+{
+    return RUN_STORIES(
+        TELL(the_voxel_in_focus_is_in_the_middle_of_the_picture),
+        TELL(all_ways_agree_wherever_the_focus_is),
+        TELL(a_pan_moves_what_is_seen_by_so_many_pixels_and_back), TELL(the_focus_changes_no_depth),
+        TELL(a_focus_beyond_all_proportion_is_refused), TELL(a_ball_is_round_from_everywhere));
+}
