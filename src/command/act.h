@@ -49,6 +49,11 @@ ACT(render);
 ACT(golden);
 ACT(save);
 
+/* act_clip.c */
+ACT(clip);
+ACT(plane);
+ACT(cut);
+
 /* act_ask.c */
 ACT(pick);
 ACT(why);
@@ -69,6 +74,10 @@ enum err act_tell_outside(struct reply *reply, size_t inside, size_t outside, st
 
 /* What the fence is: "mask brain.nii regions 1-90, range 40..1200"; false where there is none. */
 bool act_write_fence(struct buf *out, const struct session *session);
+
+/* What is cut away: "axial slices 10-60 kept, 1 plane, 2 boxes taken out"; false where nothing is.
+ */
+bool act_write_cut(struct buf *out, const struct session *session);
 
 /* "2 cerebellum", or "2" where the label has no name. */
 void act_write_label(struct buf *out, const struct session *session, unsigned label);

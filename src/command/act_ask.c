@@ -179,6 +179,10 @@ ACT(info)
                view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,
                name ? ", " : "", name ? name : "", view->zoom / 1000.0, view->width, view->height);
     tell_look(out, &session->settings.look);
+    struct buf cut = {0};
+    if (act_write_cut(&cut, session))
+        buf_printf(out, "cut away  %s\n", buf_text(&cut));
+    buf_release(&cut);
     buf_printf(out, "memory    %.1f MB, %.1f bytes a voxel\n",
                (double)session_memory(session) / 1e6,
                (double)session_memory(session) / (double)scene->grid.voxels);

@@ -8,7 +8,7 @@
 enum err border_init(struct border *border, const struct scene *scene, struct fault *fault)
 {
     size_t words = scene->grid.cells / 64 + 2;
-    *border = (struct border){.scene = scene, .words = words};
+    *border = (struct border){.scene = scene, .words = words, .cut = cut_none()};
     border->shown = mem_pages(words * sizeof *border->shown);
     border->border = mem_pages(words * sizeof *border->border);
     border->marked = mem_pages((words / 64 + 1) * sizeof *border->marked);
@@ -63,22 +63,29 @@ static uint64_t border_word(const struct border *border, size_t w)
     return shown & ~inside;
 }
 
-/* False where the watch has stopped it. */
+/* False where the watch has stopped it. `border`, which is made anew afterwards, holds what is to
+ * be shown until the cut is made, so that only words that end up different count as changed. */
 static bool count_shown(struct border *border, struct task *task)
 {
     const struct grid *grid = &border->scene->grid;
     const struct cell *cell = border->scene->cell;
-    border->version++;
+    uint64_t *next = border->border;
     for (size_t w = 0; w + 1 < border->words; w++) {
         uint64_t word = 0;
         size_t end = w * 64 + 64 < grid->cells ? w * 64 + 64 : grid->cells;
         for (size_t c = w * 64; c < end; c++)
             word |= (uint64_t)border->visible[cell[c].label] << (c & 63);
-        if (word != border->shown[w])
-            border->changed[w] = border->version;
-        border->shown[w] = word;
+        next[w] = word;
         if (!task_advance(task, 64))
             return false;
+    }
+    if (!cut_clear(&border->cut, border->scene, next))
+        return false;
+    border->version++;
+    for (size_t w = 0; w + 1 < border->words; w++) {
+        if (next[w] != border->shown[w])
+            border->changed[w] = border->version;
+        border->shown[w] = next[w];
     }
     return true;
 }
@@ -118,12 +125,14 @@ void border_update(struct border *border, const struct changes *changes)
         border_recount(border);
         return;
     }
-    const ptrdiff_t *step = border->scene->grid.step;
+    const struct grid *grid = &border->scene->grid;
+    const ptrdiff_t *step = grid->step;
     border->version++;
     for (size_t i = 0; i < changes->count; i++) {
         const struct change *change = changes->item + i;
         const uint32_t at = change->cell;
-        if (border->visible[change->label] == border->visible[change->former_label])
+        if (border->visible[change->label] == border->visible[change->former_label] ||
+            cut_takes(&border->cut, grid, at))
             continue;
         border->shown[at >> 6] ^= UINT64_C(1) << (at & 63);
         border->changed[at >> 6] = border->version;
@@ -148,19 +157,26 @@ size_t border_count(const struct border *border)
     return count;
 }
 
+/* By the words of border.h, voxel by voxel. */
+static bool should_show(const struct border *border, uint32_t cell)
+{
+    const struct scene *scene = border->scene;
+    return border->visible[scene->cell[cell].label] && /* no cell of the rim */
+           !cut_takes(&border->cut, &scene->grid, cell);
+}
+
 bool border_check(const struct border *border, struct fault *fault)
 {
     const struct grid *grid = &border->scene->grid;
-    const struct cell *cell = border->scene->cell;
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++)
             for (uint32_t x = 0; x < grid->size[0]; x++) {
                 uint32_t at = grid_cell(grid, x, y, z);
-                bool shown = border->visible[cell[at].label];
+                bool shown = should_show(border, at);
                 bool inside = shown;
                 for (int a = 0; a < 3; a++)
-                    inside = inside && border->visible[cell[at - grid->step[a]].label] &&
-                             border->visible[cell[at + grid->step[a]].label];
+                    inside = inside && should_show(border, (uint32_t)(at - grid->step[a])) &&
+                             should_show(border, (uint32_t)(at + grid->step[a]));
                 if (border_shows(border, at) != shown ||
                     border_holds(border, at) != (shown && !inside)) {
                     fault_set(fault, ERR_CHECK, "voxel %u,%u,%u: B1: the border is not a recount",

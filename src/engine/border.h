@@ -1,13 +1,15 @@
 /*
  * The border: which voxels can be seen at all.
  *
- * A voxel is *shown* where its label is one that the view shows (never 0). A border voxel is a
- * shown voxel with a face neighbour that is not: background, hidden, or outside the scene, whatever
- * the adjacency of the forest. Both sets are held as one bit per cell and kept up to date from the
- * changes of the forest (BDIFT), in time proportional to them; reading the border is one sequential
- * scan. It answers the scattered border lists of the paper with ordered access.
+ * A voxel is *shown* where its label is one that the view shows (never 0) and it is not cut away
+ * (engine/cut.h). A border voxel is a shown voxel with a face neighbour that is not: background,
+ * hidden, cut away, or outside the scene, whatever the adjacency of the forest. Both sets are held
+ * as one bit per cell and kept up to date from the changes of the forest (BDIFT), in time
+ * proportional to them; reading the border is one sequential scan. It answers the scattered border
+ * lists of the paper with ordered access.
  *
- * Invariant B1: between calls both sets equal a recount from the labels; border_check asserts it.
+ * Invariant B1: between calls both sets equal a recount from labels and cut; border_check asserts
+ * it.
  */
 #ifndef ENGINE_BORDER_H
 #define ENGINE_BORDER_H
@@ -15,6 +17,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "engine/cut.h"
 #include "engine/forest.h"
 
 struct border {
@@ -28,6 +31,7 @@ struct border {
     uint32_t version;
     uint32_t *changed; /* [words] */
     bool visible[256]; /* which labels the view shows; [0] is false */
+    struct cut cut;    /* what is cut away of the scene */
 
     /* During an update: words of `border` to be made anew, each once, and a bit for each. */
     uint32_t *stale;
@@ -35,14 +39,14 @@ struct border {
     uint64_t *marked;
 };
 
-/* Nothing shown yet; every label but 0 visible. The scene outlives the border. */
+/* Nothing shown yet; every label but 0 visible, nothing cut away. The scene outlives the border. */
 enum err border_init(struct border *border, const struct scene *scene, struct fault *fault);
 void border_release(struct border *border);
 
 /* After an edit of the forest. Also right after one whose changes are "everything". */
 void border_update(struct border *border, const struct changes *changes);
 
-/* After `visible` has changed, or to start with: a scan of the scene, under its watch. */
+/* After `visible` or `cut` has changed, or to start with: a scan of the scene, under its watch. */
 void border_recount(struct border *border);
 
 /* The first half of that: `shown` alone, which is all that scene projection reads. Which voxels are
@@ -61,6 +65,13 @@ static inline bool border_holds(const struct border *border, uint32_t cell)
 /* Which of the 64 cells from `at` on are shown, bit 0 the first. `at` may lie up to a row and a
  * plane before the first cell or behind the last: none of those cells is shown. */
 uint64_t border_shown_from(const struct border *border, ptrdiff_t at);
+
+/* Whether the cell would be shown, were it not cut away: beside such a cell the scene has been cut
+ * open. One look at its label and its bit, both right while B1 holds. */
+static inline bool border_is_cut(const struct border *border, uint32_t cell)
+{
+    return !border_shows(border, cell) && border->visible[border->scene->cell[cell].label];
+}
 
 size_t border_count(const struct border *border); /* border voxels */
 

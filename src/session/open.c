@@ -140,6 +140,8 @@ static enum err equip(struct session *session, struct scene *scene, struct fores
         err = border_init(border, scene, fault);
     if (!err)
         memcpy(border->visible, session->settings.visible, sizeof border->visible);
+    if (!err)
+        border->cut = session->settings.cut;
     return err;
 }
 
@@ -227,6 +229,10 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
         return fault_set(fault, ERR_USAGE,
                          "a mask or weights out of a file lie on the scene as it is; interpolate "
                          "first, then take them on the finer grid; nothing has changed");
+    if (!cut_is_none(&session->settings.cut))
+        return fault_set(fault, ERR_USAGE,
+                         "what is cut away lies on the scene as it is; interpolate first, or say "
+                         "`clip none`, `plane none`, `cut none`; nothing has changed");
     for (unsigned a = 0; a < 3; a++)
         if (session->scene->grid.size[a] == 1)
             doubled &= ~(1U << a);

@@ -13,6 +13,7 @@ void session_init(struct session *session)
     session->settings.look = look_default();
     for (int label = 1; label < 256; label++)
         session->settings.visible[label] = true;
+    session->settings.cut = cut_none();
     session->settings.adjacency = 6;
     session->settings.weight = (struct weight_choice){.kind = WEIGHT_MORPH, .radius = 1};
     session->fence = fence_none();
@@ -396,6 +397,14 @@ void session_set_visible(struct session *session, uint8_t label, bool visible)
     session->rendered = false;
 }
 
+enum err session_set_cut(struct session *session, const struct cut *cut, struct fault *fault)
+{
+    session->settings.cut = session->border.cut = *cut;
+    border_recount(&session->border);
+    session->rendered = false;
+    return watch_fault(session->watch, fault);
+}
+
 /* Memory for the rendition, of camera.view's size. */
 static enum err make_room(struct session *session, struct fault *fault)
 {
@@ -499,7 +508,9 @@ void session_rollback(struct session *session)
                    memcmp(&session->settings.view, &session->mark.view, sizeof(struct view)) != 0 ||
                    memcmp(&session->settings.look, &session->mark.look, sizeof(struct look)) != 0;
     bool shows_other =
-        memcmp(session->settings.visible, session->mark.visible, sizeof session->mark.visible) != 0;
+        memcmp(session->settings.visible, session->mark.visible, sizeof session->mark.visible) !=
+            0 ||
+        memcmp(&session->settings.cut, &session->mark.cut, sizeof session->mark.cut) != 0;
     bool recolours =
         memcmp(&session->settings.palette, &session->mark.palette, sizeof(struct palette)) != 0;
     session->settings = session->mark;
@@ -513,8 +524,10 @@ void session_rollback(struct session *session)
     if (session->edited_forest && forest_revert(session->forest, NULL) == OK)
         follow_forest(session);
     take_weights_and_fence_back(session);
-    if (shows_other)
+    if (shows_other) {
         memcpy(session->border.visible, session->mark.visible, sizeof session->border.visible);
+        session->border.cut = session->mark.cut;
+    }
     if (shows_other || (cut_short && session->edited_forest))
         border_recount(&session->border);
     if (redraws)

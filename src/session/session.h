@@ -8,10 +8,10 @@
  * Invariants
  *   S1 a command is all or nothing: session_mark before it, and session_rollback takes back
  *      whatever it did, exactly;
- *   S2 the border fits the forest and the visible labels; the rendition, where `rendered`, is that
- *      of forest, border and view, pixel for pixel, whichever mode made it;
- *   S3 without a scene only session_open does anything; all else asks has_scene first;
- *   S4 a scene that was interpolated is kept, with what hangs on it, until the command stands.
+ *   S2 the border fits the forest, the visible labels and the cut; the rendition, where `rendered`,
+ * is that of forest, border and view, pixel for pixel, whichever mode made it; S3 without a scene
+ * only session_open does anything; all else asks has_scene first; S4 a scene that was interpolated
+ * is kept, with what hangs on it, until the command stands.
  */
 #ifndef SESSION_SESSION_H
 #define SESSION_SESSION_H
@@ -41,6 +41,7 @@ struct settings {
     struct look look;
     char label_name[256][LABEL_NAME_BYTES]; /* "" for none */
     bool visible[256];
+    struct cut cut;      /* what is cut away of what is visible */
     bool runs_by_itself; /* "auto": each edit is run at once */
     unsigned adjacency;  /* 6 or 26 */
     struct weight_choice weight;
@@ -114,7 +115,8 @@ enum err session_open(struct session *session, const char *path, struct fault *f
 /* Interpolates the axes a with bit a set in `doubled` to 2n - 1 voxels (engine/scene.h); an axis of
  * one voxel has nothing between and stays as it is. Angles and size of the view stay, the zoom is
  * what opening such a scene gives. ERR_USAGE once a seed is planted or waits to be, and where a
- * mask or weights came out of a file, since those lie on the grid. On error, session_rollback gives
+ * mask or weights came out of a file or something is cut away, since those lie on the grid. On
+ * error, session_rollback gives
  * back the former scene. */
 enum err session_interpolate(struct session *session, unsigned doubled, struct fault *fault);
 
@@ -167,6 +169,8 @@ enum err session_set_range(struct session *session, const int64_t thousandths[2]
 enum err session_set_view(struct session *session, const struct view *view, struct fault *fault);
 enum err session_set_look(struct session *session, const struct look *look, struct fault *fault);
 void session_set_visible(struct session *session, uint8_t label, bool visible);
+/* The boxes and slabs of the cut lie in the scene. */
+enum err session_set_cut(struct session *session, const struct cut *cut, struct fault *fault);
 
 enum render_mode { RENDER_AS_KEPT, RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL, RENDER_RAY };
 

@@ -1,0 +1,151 @@
+/* Commands that cut away what hides the inside: slabs, planes, boxes. */
+#include "command/act.h"
+
+#include <string.h>
+
+#include "render/slice.h"
+
+/* ---- slabs ---- */
+
+/* The patient's axis that slices of a plane are counted along, and its sides from slice 0 on. */
+static const struct {
+    const char *name, *from, *to;
+    int8_t world_axis;
+} slab[3] = {
+    [SLICE_AXIAL] = {"axial", "feet", "head", 2},
+    [SLICE_CORONAL] = {"coronal", "back", "front", 1},
+    [SLICE_SAGITTAL] = {"sagittal", "left", "right", 0},
+};
+enum { SLAB_NONE = 3 }; /* the choice after these */
+
+static int scene_axis(const struct scene *scene, int world)
+{
+    int axis = 0;
+    while (axis < 2 && scene->world_axis[axis] != world)
+        axis++;
+    return axis;
+}
+
+/* A slice's number as a voxel index along its axis, and back. */
+static uint32_t slice_as_voxel(const struct scene *scene, int axis, uint32_t slice)
+{
+    return scene->world_sign[axis] < 0 ? scene->grid.size[axis] - 1 - slice : slice;
+}
+
+static void keep_slab(struct cut *cut, const struct scene *scene, int axis, const uint32_t range[2])
+{
+    const uint32_t a = slice_as_voxel(scene, axis, range[0]),
+                   b = slice_as_voxel(scene, axis, range[1]);
+    cut->first[axis] = a < b ? a : b;
+    cut->last[axis] = a < b ? b : a;
+    if (cut->first[axis] == 0 && cut->last[axis] == scene->grid.size[axis] - 1)
+        cut->last[axis] = UINT32_MAX;
+}
+
+ACT(clip)
+{
+    struct session *session = &desk->session;
+    struct cut cut = session->settings.cut;
+    const int64_t plane = value[0].number;
+    (void)reply;
+    if (plane == SLAB_NONE) {
+        const struct cut whole = cut_none();
+        if (value[1].given)
+            return fault_set(fault, ERR_USAGE, "none takes no slices; the view is unchanged");
+        memcpy(cut.first, whole.first, sizeof cut.first);
+        memcpy(cut.last, whole.last, sizeof cut.last);
+        return session_set_cut(session, &cut, fault);
+    }
+    const int axis = scene_axis(session->scene, slab[plane].world_axis);
+    const uint32_t count = session->scene->grid.size[axis];
+    if (!value[1].given)
+        return fault_set(fault, ERR_USAGE, "expected %s slices A-B within 0-%u, %s to %s",
+                         slab[plane].name, count - 1, slab[plane].from, slab[plane].to);
+    if (value[1].place[1] >= count)
+        return fault_set(
+            fault, ERR_INPUT, "there are %s slices 0-%u, %s to %s, not %u; the view is unchanged",
+            slab[plane].name, count - 1, slab[plane].from, slab[plane].to, value[1].place[1]);
+    keep_slab(&cut, session->scene, axis, value[1].place);
+    return session_set_cut(session, &cut, fault);
+}
+
+/* ---- planes and boxes ---- */
+
+ACT(plane)
+{
+    struct session *session = &desk->session;
+    struct cut cut = session->settings.cut;
+    (void)reply;
+    if (value[0].text) {
+        memset(cut.plane, 0, sizeof cut.plane);
+        cut.planes = 0;
+    } else if (cut.planes == CUT_PLANES_MOST) {
+        return fault_set(fault, ERR_LIMIT,
+                         "%d planes are the most; `plane none` takes them off; the view is "
+                         "unchanged",
+                         CUT_PLANES_MOST);
+    } else {
+        cut.plane[cut.planes++] =
+            cut_plane_through(session->scene, value[0].place, session->camera.ahead);
+    }
+    return session_set_cut(session, &cut, fault);
+}
+
+static struct cut_box box_between(const uint32_t corner[3], const uint32_t opposite[3])
+{
+    struct cut_box box;
+    for (int a = 0; a < 3; a++) {
+        box.first[a] = corner[a] < opposite[a] ? corner[a] : opposite[a];
+        box.last[a] = corner[a] < opposite[a] ? opposite[a] : corner[a];
+    }
+    return box;
+}
+
+ACT(cut)
+{
+    struct session *session = &desk->session;
+    struct cut cut = session->settings.cut;
+    (void)reply;
+    if ((value[0].text != NULL) == value[1].given)
+        return fault_set(fault, ERR_USAGE,
+                         "expected two corners X,Y,Z X,Y,Z, or none alone; the view is unchanged");
+    if (value[0].text) {
+        memset(cut.box, 0, sizeof cut.box);
+        cut.boxes = 0;
+    } else if (cut.boxes == CUT_BOXES_MOST) {
+        return fault_set(fault, ERR_LIMIT,
+                         "%d boxes are the most; `cut none` puts them back; the view is unchanged",
+                         CUT_BOXES_MOST);
+    } else {
+        cut.box[cut.boxes++] = box_between(value[0].place, value[1].place);
+    }
+    return session_set_cut(session, &cut, fault);
+}
+
+/* ---- in words ---- */
+
+bool act_write_cut(struct buf *out, const struct session *session)
+{
+    const struct cut *cut = &session->settings.cut;
+    const struct scene *scene = session->scene;
+    const char *between = "";
+    for (int i = 0; i < 3; i++) {
+        const int axis = scene_axis(scene, slab[i].world_axis);
+        const uint32_t count = scene->grid.size[axis];
+        if (cut->first[axis] == 0 && cut->last[axis] == UINT32_MAX)
+            continue;
+        const uint32_t last = cut->last[axis] < count ? cut->last[axis] : count - 1;
+        const uint32_t a = slice_as_voxel(scene, axis, cut->first[axis]),
+                       b = slice_as_voxel(scene, axis, last);
+        buf_printf(out, "%s%s slices %u-%u kept", between, slab[i].name, a < b ? a : b,
+                   a < b ? b : a);
+        between = ", ";
+    }
+    if (cut->planes) {
+        buf_printf(out, "%s%u plane%s", between, cut->planes, cut->planes > 1 ? "s" : "");
+        between = ", ";
+    }
+    if (cut->boxes)
+        buf_printf(out, "%s%u box%s taken out", between, cut->boxes, cut->boxes > 1 ? "es" : "");
+    return !cut_is_none(cut);
+}
