@@ -79,6 +79,17 @@ bool act_write_fence(struct buf *out, const struct session *session);
  */
 bool act_write_cut(struct buf *out, const struct session *session);
 
+/* Adds to the notes of a picture what the desk knows: the journal and where its chain stands. */
+enum err act_note_picture(struct desk *desk, struct picture *picture, struct fault *fault);
+
+/* What `replace=yes|no` says. */
+enum file_mode act_file_mode(const struct value *replace);
+
+/* Writes a picture to `path`, which desk_output_path gave, and says so. The picture is released,
+ * whatever comes of it. */
+enum err act_write_picture(struct desk *desk, const char *path, enum file_mode mode,
+                           struct picture *picture, struct reply *reply, struct fault *fault);
+
 /* "2 cerebellum", or "2" where the label has no name. */
 void act_write_label(struct buf *out, const struct session *session, unsigned label);
 

@@ -10,16 +10,22 @@
 
 /* ---- pictures ---- */
 
+enum err act_note_picture(struct desk *desk, struct picture *picture, struct fault *fault)
+{
+    if (!desk->journal)
+        return OK;
+    const char *name = file_name(journal_path(desk->journal));
+    enum err err = picture_note(picture, "iftty:journal", name, fault);
+    return err ? err : picture_note(picture, "iftty:chain", journal_chain(desk->journal), fault);
+}
+
 static enum err take_picture(struct desk *desk, struct picture *picture, struct fault *fault)
 {
     enum err err = export_picture(picture, &desk->session, fault);
-    if (!err && desk->journal) {
-        err = picture_note(picture, "iftty:journal", file_name(journal_path(desk->journal)), fault);
-        if (!err)
-            err = picture_note(picture, "iftty:chain", journal_chain(desk->journal), fault);
-        if (err)
-            picture_release(picture);
-    }
+    if (!err)
+        err = act_note_picture(desk, picture, fault);
+    if (err)
+        picture_release(picture);
     return err;
 }
 
@@ -29,7 +35,7 @@ static void add_picture_digest(struct desk *desk, struct reply *reply)
                (unsigned long long)rendition_digest(session_frame(&desk->session)));
 }
 
-static enum file_mode mode_of(const struct value *replace)
+enum file_mode act_file_mode(const struct value *replace)
 {
     return replace->given && replace->number == 0 ? FILE_REPLACE : FILE_KEEP;
 }
@@ -50,36 +56,59 @@ static void tell_seen(const struct rendition *r, struct reply *reply)
                seen);
 }
 
+enum err act_write_picture(struct desk *desk, const char *path, enum file_mode mode,
+                           struct picture *picture, struct reply *reply, struct fault *fault)
+{
+    enum err err = desk_will_write(desk, path, mode, fault);
+    if (!err)
+        err = image_write(desk->helper, path, mode, picture, fault);
+    if (!err)
+        tell_written(path, reply);
+    picture_release(picture);
+    return err;
+}
+
+/* The rendition as a file; OpenEXR takes the normals too, and may have tiles. */
+static enum err render_file(struct desk *desk, const struct value *value, struct reply *reply,
+                            struct fault *fault)
+{
+    const struct value *layout = &value[3];
+    const bool is_exr = exr_is_named(value[0].text);
+    struct picture picture;
+    struct buf path = {0};
+    enum err err = desk_output_path(desk, value[0].text, &path, fault);
+    if (!err && path.length) {
+        err = take_picture(desk, &picture, fault);
+        if (!err && is_exr)
+            err = export_normals(&picture, &desk->session, fault);
+        if (!err) {
+            picture.tiled = layout->given && layout->number == 1;
+            err = act_write_picture(desk, buf_text(&path), act_file_mode(&value[2]), &picture,
+                                    reply, fault);
+        } else {
+            picture_release(&picture);
+        }
+    }
+    buf_release(&path);
+    return err;
+}
+
 ACT(render)
 {
     static const enum render_mode mode[] = {RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL,
                                             RENDER_RAY};
-    struct picture picture = {0};
-    struct buf path = {0};
+    if (value[3].given && !(value[0].given && exr_is_named(value[0].text)))
+        return fault_set(fault, ERR_USAGE, "layout: only an .exr has lines or tiles");
     enum err err = session_render(&desk->session,
                                   value[1].given ? mode[value[1].number] : RENDER_AS_KEPT, fault);
     if (err)
         return err;
     add_picture_digest(desk, reply);
-    if (!value[0].given) {
-        desk->shows_picture = true;
-        tell_seen(session_frame(&desk->session), reply);
-        return OK;
-    }
-    err = desk_output_path(desk, value[0].text, &path, fault);
-    if (!err && path.length) {
-        const enum file_mode how = mode_of(&value[2]);
-        err = take_picture(desk, &picture, fault);
-        if (!err)
-            err = desk_will_write(desk, buf_text(&path), how, fault);
-        if (!err)
-            err = image_write(desk->helper, buf_text(&path), how, &picture, fault);
-        if (!err)
-            tell_written(buf_text(&path), reply);
-    }
-    picture_release(&picture);
-    buf_release(&path);
-    return err;
+    if (value[0].given)
+        return render_file(desk, value, reply, fault);
+    desk->shows_picture = true;
+    tell_seen(session_frame(&desk->session), reply);
+    return OK;
 }
 
 /* ---- golden images ---- */
@@ -95,7 +124,7 @@ static void leave_evidence(struct desk *desk, const char *name, const struct pic
 {
     struct buf path = {0};
     struct picture image = {
-        difference->width, difference->height, difference->image, NULL, NULL, NULL, NULL, 0};
+        .width = difference->width, .height = difference->height, .rgba = difference->image};
     if (!desk->evidence_folder)
         return;
     const char *journal = file_name(buf_text(&desk->home));
@@ -207,7 +236,7 @@ ACT(save)
     if (!err)
         err = desk_output_path(desk, value[1].text, &path, fault);
     if (!err && path.length) {
-        const enum file_mode how = mode_of(&value[2]);
+        const enum file_mode how = act_file_mode(&value[2]);
         err = desk_will_write(desk, buf_text(&path), how, fault);
         if (!err)
             err = export_map(&desk->session, map[value[0].number], buf_text(&path), how, fault);

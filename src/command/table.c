@@ -285,11 +285,13 @@ const struct command command_table[] = {
     {"render",
      R | S | E,
      {MAY("FILE", FILE, 0, 0), KEYED_ONE_OF("mode", "sp|bp|ii|ray"),
-      KEYED_ONE_OF("replace", "yes|no")},
+      KEYED_ONE_OF("replace", "yes|no"), KEYED_ONE_OF("layout", "lines|tiled")},
      "make the rendition: to a file, or inline",
-     "    .exr holds colour, depth, label and voxel of each pixel; .png and whatever else\n"
-     "    OpenImageIO writes hold the colours. All modes give the same pixels: sp splats every\n"
-     "    object voxel, bp border voxels, ray walks the rays, ii repairs what is there.\n",
+     "    .exr holds colour, depth, label, voxel and normal of each pixel, in lines or tiled; "
+     ".png\n"
+     "    and whatever else OpenImageIO writes hold the colours. All modes give the same pixels:\n"
+     "    sp splats every object voxel, bp border voxels, ray walks the rays, ii repairs what is\n"
+     "    there. `iftty info FILE` tells what a picture is of.\n",
      "render brain.png",
      act_render},
     {"golden",

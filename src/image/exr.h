@@ -1,14 +1,16 @@
 /*
  * OpenEXR: golden images and renditions, by OpenEXR's C library.
  *
- * A file has one part of scan lines under ZIP, data and display window from 0,0:
+ * A file has one part under ZIP, of scan lines or (picture->tiled) of tiles of 64x64 pixels in one
+ * level, data and display window from 0,0:
  *
- *     R G B A   half    linear light; A is 0..1; colours are not multiplied by A
- *     Z         float   depth_mm, +infinity where nothing is seen
- *     label     uint
- *     voxel     uint    0xFFFFFFFF where nothing is seen
+ *     R G B A       half    linear light; A is 0..1; colours are not multiplied by A
+ *     Z             float   depth_mm, +infinity where nothing is seen
+ *     label         uint
+ *     voxel         uint    0xFFFFFFFF where nothing is seen
+ *     N.X N.Y N.Z   float   normal, towards Right, Anterior, Superior; 0,0,0 where nothing is seen
  *
- * of which the last three are there when the picture has the plane. Each attribute of the picture
+ * of which the last four are there when the picture has the plane. Each attribute of the picture
  * is a string attribute of its own name. exr_read gives back exactly what exr_write was given:
  * 8-bit sRGB goes through a table of 256 halves that all differ, and a half that is not in the
  * table (another program wrote it) comes back as the nearest entry. The same picture gives the same
@@ -17,9 +19,14 @@
 #ifndef IMAGE_EXR_H
 #define IMAGE_EXR_H
 
+#include <stdbool.h>
+
 #include "base/err.h"
 #include "base/file.h"
 #include "image/picture.h"
+
+/* Whether a path ends in ".exr". */
+bool exr_is_named(const char *path);
 
 /* Writes `picture` as `path`, whole or not at all. ERR_INPUT for an attribute whose name OpenEXR
  * keeps for itself (such as "channels") or that is empty or longer than 255 bytes. */

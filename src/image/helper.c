@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/wait.h>
@@ -413,7 +412,7 @@ enum err image_write(struct image_helper *helper, const char *path, enum file_mo
 {
     const char *dot = strrchr(file_name(path), '.');
     struct buf draft = {0};
-    if (dot && strcasecmp(dot, ".exr") == 0)
+    if (exr_is_named(path))
         return exr_write(path, mode, picture, fault);
     if (!dot || dot == file_name(path) || dot[1] == '\0')
         return fault_set(fault, ERR_USAGE,

@@ -33,6 +33,13 @@ enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, 
     return OK;
 }
 
+enum err picture_add_normals(struct picture *picture, struct fault *fault)
+{
+    const size_t pixels = (size_t)picture->width * picture->height;
+    picture->normal = calloc(pixels, 3 * sizeof *picture->normal);
+    return picture->normal ? OK : fault_memory(fault, "the normals of a picture");
+}
+
 void picture_release(struct picture *picture)
 {
     for (size_t i = 0; i < picture->attributes; i++) {
@@ -44,6 +51,7 @@ void picture_release(struct picture *picture)
     free(picture->depth_mm);
     free(picture->label);
     free(picture->voxel);
+    free(picture->normal);
     *picture = (struct picture){0};
 }
 

@@ -25,13 +25,19 @@ struct picture {
     float *depth_mm; /* [height][width] along the view, +infinity where nothing is seen; or NULL */
     uint32_t *label; /* [height][width], 0 where nothing is seen; or NULL */
     uint32_t *voxel; /* [height][width] voxel index, 0xFFFFFFFF where nothing is seen; or NULL */
+    float *normal;   /* [height][width][3] unit vector towards Right, Anterior, Superior, out of the
+                        object; 0,0,0 where nothing is seen; or NULL */
+    bool tiled;      /* in tiles rather than lines, where the format knows them */
     struct attribute *attribute; /* names differ from one another */
     size_t attributes;
 };
 
-/* All planes (or rgba alone) for width x height pixels, zeroed. ERR_LIMIT over 16384 a side. */
+/* All planes but normals (or rgba alone) for width x height pixels, zeroed. ERR_LIMIT over 16384 a
+ * side. */
 enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, bool all_planes,
                       struct fault *fault);
+/* Normals for all pixels, zeroed. On failure the picture is as it was. */
+enum err picture_add_normals(struct picture *picture, struct fault *fault);
 void picture_release(struct picture *picture);
 
 /* Adds a copy of name and value; a value already under that name is replaced, so names are unique.

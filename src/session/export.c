@@ -22,6 +22,8 @@ static enum err add_notes(struct picture *picture, const struct session *session
              view->angle[2], view->zoom, view->width, view->height);
     enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
     if (!err)
+        err = picture_note(picture, "iftty:scene-name", session->settings.scene_file, fault);
+    if (!err)
         err = picture_note(picture, "iftty:scene", scene, fault);
     if (!err)
         err = picture_note(picture, "iftty:view", seen, fault);
@@ -47,6 +49,21 @@ enum err export_picture(struct picture *picture, const struct session *session, 
     if (err)
         picture_release(picture);
     return err;
+}
+
+void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
+                             const struct scene *scene)
+{
+    for (size_t i = 0; i < pixels; i++)
+        for (int a = 0; a < 3; a++)
+            out[3 * i + (size_t)scene->world_axis[a]] =
+                (float)(normal[4 * i + (size_t)a] * scene->world_sign[a]) / 16384.0f;
+}
+
+enum err export_normals(struct picture *picture, const struct session *session, struct fault *fault)
+{
+    (void)picture, (void)session, (void)fault;
+    return OK;
 }
 
 struct map_source {

@@ -14,11 +14,20 @@
 enum { SEMANTICS = 3 };
 #define PROGRAM_VERSION "0.1"
 
-/* All planes of the rendition, which must be rendered, and notes: view, scene digest, version.
- * Depth is in millimetres along the view direction, 0 in the middle of the scene. The caller
- * releases the picture. */
+/* All planes of the rendition but normals, which must be rendered, and notes: version, scene (its
+ * name and digest), view. Depth is in millimetres along the view direction, 0 in the middle of the
+ * scene. The caller releases the picture. */
 enum err export_picture(struct picture *picture, const struct session *session,
                         struct fault *fault);
+
+/* The normals as well, for files that hold them; none where the rendition has none. */
+enum err export_normals(struct picture *picture, const struct session *session,
+                        struct fault *fault);
+
+/* Normals along the axes of voxels (unit vectors times 2^14, [pixels][4], the fourth unused), as
+ * unit vectors towards Right, Anterior, Superior ([pixels][3]). Exact: a float holds them. */
+void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
+                             const struct scene *scene);
 
 enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER };
 

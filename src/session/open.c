@@ -2,9 +2,11 @@
 #include "session/session_parts.h"
 
 #include <assert.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/mem.h"
 #include "base/scan.h"
 #include "image/nifti.h"
@@ -164,6 +166,8 @@ enum err session_open(struct session *session, const char *path, struct fault *f
         return err;
     }
     session->has_scene = true;
+    snprintf(session->settings.scene_file, sizeof session->settings.scene_file, "%s",
+             file_name(path));
     session->fence_tally = fence_tally(&session->fence, session->scene);
     session->scene_digest = scene_digest(session->scene);
     err = session_weigh(session, fault);

@@ -47,7 +47,8 @@ struct settings {
     struct weight_choice weight;
     int8_t polarity[256]; /* of each label, in percent; heeded while the weight is `polarity` */
 
-    /* What to call the fence and weights that came out of files; a long name is cut. */
+    /* What to call the scene, and fence and weights that came out of files; a long name is cut. */
+    char scene_file[FILE_WORDS_BYTES];                               /* without its folder */
     char weight_file[FILE_WORDS_BYTES], mask_file[FILE_WORDS_BYTES]; /* "" for none */
     uint32_t mask_regions[2];                                        /* first and last */
     bool has_range;               /* and if so, in real values: */

@@ -1,0 +1,171 @@
+#include "image/exr_parts.h"
+
+#include <errno.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "image/exr.h"
+
+/* ---- the channels, one table for both ways ---- */
+
+const struct channel exr_channel[EXR_CHANNELS] = {
+    {"R", PLANE_RGBA, 0, EXR_PIXEL_HALF, 2},      {"G", PLANE_RGBA, 1, EXR_PIXEL_HALF, 2},
+    {"B", PLANE_RGBA, 2, EXR_PIXEL_HALF, 2},      {"A", PLANE_RGBA, 3, EXR_PIXEL_HALF, 2},
+    {"Z", PLANE_DEPTH, 0, EXR_PIXEL_FLOAT, 4},    {"label", PLANE_LABEL, 0, EXR_PIXEL_UINT, 4},
+    {"voxel", PLANE_VOXEL, 0, EXR_PIXEL_UINT, 4}, {"N.X", PLANE_NORMAL, 0, EXR_PIXEL_FLOAT, 4},
+    {"N.Y", PLANE_NORMAL, 1, EXR_PIXEL_FLOAT, 4}, {"N.Z", PLANE_NORMAL, 2, EXR_PIXEL_FLOAT, 4},
+};
+
+const struct channel *exr_channel_named(const char *name)
+{
+    for (int i = 0; i < EXR_CHANNELS; i++)
+        if (strcmp(exr_channel[i].name, name) == 0)
+            return &exr_channel[i];
+    return NULL;
+}
+
+void *exr_plane_of(const struct picture *picture, enum plane plane)
+{
+    switch (plane) {
+    case PLANE_RGBA:
+        return picture->rgba;
+    case PLANE_DEPTH:
+        return picture->depth_mm;
+    case PLANE_LABEL:
+        return picture->label;
+    case PLANE_VOXEL:
+        return picture->voxel;
+    case PLANE_NORMAL:
+        return picture->normal;
+    }
+    return NULL;
+}
+
+void exr_point(exr_coding_channel_info_t *info, const struct channel *channel,
+               const struct picture *picture, const struct block *block, uint16_t *halves)
+{
+    const bool by_halves = channel->plane == PLANE_RGBA;
+    const int32_t pixel = by_halves ? 8 : channel->plane == PLANE_NORMAL ? 12 : 4;
+    const size_t line = (size_t)(by_halves ? block->width : picture->width) * (size_t)pixel;
+    uint8_t *at = by_halves ? (uint8_t *)halves
+                            : (uint8_t *)exr_plane_of(picture, channel->plane) + block->y * line +
+                                  block->x * (size_t)pixel;
+    info->decode_to_ptr = at + channel->index * (unsigned)channel->bytes;
+    info->user_pixel_stride = pixel;
+    info->user_line_stride = (int32_t)line;
+    info->user_bytes_per_element = (int16_t)channel->bytes;
+    info->user_data_type = (uint16_t)channel->type;
+}
+
+bool exr_name_is_reserved(const char *name)
+{
+    static const char *const reserved[] = {
+        "channels",           "chunkCount",         "compression", "dataWindow", "displayWindow",
+        "lineOrder",          "maxSamplesPerPixel", "name",        "preview",    "pixelAspectRatio",
+        "screenWindowCenter", "screenWindowWidth",  "tiles",       "type",       "version",
+    };
+    for (size_t i = 0; i < sizeof reserved / sizeof reserved[0]; i++)
+        if (strcmp(reserved[i], name) == 0)
+            return true;
+    return false;
+}
+
+bool exr_is_named(const char *path)
+{
+    const char *dot = strrchr(file_name(path), '.');
+    return dot && strcasecmp(dot, ".exr") == 0;
+}
+
+/* ---- bytes in and out ---- */
+
+static struct stream *stream_of(void *user)
+{
+    return user;
+}
+
+static int64_t stream_read(exr_const_context_t context, void *user, void *to, uint64_t length,
+                           uint64_t offset, exr_stream_error_func_ptr_t report)
+{
+    struct stream *stream = stream_of(user);
+    uint64_t done = 0;
+    (void)context;
+    (void)report;
+    if (offset > (uint64_t)stream->bytes)
+        return 0;
+    while (done < length) {
+        ssize_t n = pread(stream->fd, (uint8_t *)to + done, length - done, (off_t)(offset + done));
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0) {
+            stream->number = stream->number ? stream->number : errno;
+            return -1;
+        }
+        if (n == 0)
+            break;
+        done += (uint64_t)n;
+    }
+    return (int64_t)done;
+}
+
+static int64_t stream_write(exr_const_context_t context, void *user, const void *from,
+                            uint64_t length, uint64_t offset, exr_stream_error_func_ptr_t report)
+{
+    struct stream *stream = stream_of(user);
+    uint64_t done = 0;
+    (void)context;
+    (void)report;
+    while (done < length) {
+        int number = file_step_hook ? file_step_hook(FILE_STEP_WRITE, stream->path) : 0;
+        ssize_t n = number ? (errno = number, -1)
+                           : pwrite(stream->fd, (const uint8_t *)from + done, length - done,
+                                    (off_t)(offset + done));
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0) {
+            stream->number = stream->number ? stream->number : errno;
+            return -1;
+        }
+        done += (uint64_t)n;
+    }
+    return (int64_t)done;
+}
+
+static int64_t stream_size(exr_const_context_t context, void *user)
+{
+    (void)context;
+    return stream_of(user)->bytes;
+}
+
+/* The library would print. Its result codes say enough. */
+static void stay_silent(exr_const_context_t context, exr_result_t code, const char *words)
+{
+    (void)context;
+    (void)code;
+    (void)words;
+}
+
+exr_context_initializer_t exr_stream_setup(struct stream *stream)
+{
+    exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    setup.error_handler_fn = stay_silent;
+    setup.user_data = stream;
+    setup.read_fn = stream_read;
+    setup.write_fn = stream_write;
+    setup.size_fn = stream_size;
+    return setup;
+}
+
+enum err exr_library_fault(const char *what, const struct stream *stream, exr_result_t result,
+                           struct fault *fault)
+{
+    if (stream->number) {
+        errno = stream->number;
+        return fault_errno(fault, what, stream->path);
+    }
+    if (result == EXR_ERR_OUT_OF_MEMORY)
+        return fault_memory(fault, stream->path);
+    return fault_set(fault, ERR_INPUT, "cannot %s %s: OpenEXR says: %s", what, stream->path,
+                     exr_get_default_error_message(result));
+}

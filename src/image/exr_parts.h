@@ -1,0 +1,68 @@
+/*
+ * What writing and reading OpenEXR share: the channels, the bytes of the file, the blocks in which
+ * pixels are packed. Only exr_write.c, exr_read.c and exr_parts.c look in here.
+ */
+#ifndef IMAGE_EXR_PARTS_H
+#define IMAGE_EXR_PARTS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <openexr.h>
+
+#include "base/err.h"
+#include "image/picture.h"
+
+enum {
+    EXR_SIDE_MOST = 16384,
+    EXR_BLOCK_LINES = 16, /* scan lines that ZIP packs together */
+    EXR_TILE_SIDE = 64,   /* of the tiles that are written */
+    EXR_TILE_MOST = 4096, /* of those that are read */
+};
+
+enum plane { PLANE_RGBA, PLANE_DEPTH, PLANE_LABEL, PLANE_VOXEL, PLANE_NORMAL };
+
+struct channel {
+    const char *name;
+    enum plane plane;
+    unsigned index; /* within the plane's pixel */
+    exr_pixel_type_t type;
+    int bytes;
+};
+
+enum { EXR_CHANNELS = 10 };
+extern const struct channel exr_channel[EXR_CHANNELS];
+
+const struct channel *exr_channel_named(const char *name); /* or NULL */
+void *exr_plane_of(const struct picture *picture, enum plane plane);
+
+/* The pixels that one block of the file packs: some lines, or a tile. */
+struct block {
+    uint32_t x, y, width, height;
+};
+
+/* Points the library at a channel's pixels of a block; RGBA goes by way of `halves`, 4 a pixel of
+ * the block. */
+void exr_point(exr_coding_channel_info_t *info, const struct channel *channel,
+               const struct picture *picture, const struct block *block, uint16_t *halves);
+
+/* Bytes in and out: the library's own file layer neither keeps errno nor checks what it opens. */
+struct stream {
+    int fd;
+    int64_t bytes;
+    int number; /* errno of the first failure, or 0 */
+    const char *path;
+};
+
+/* Settings of a context on `stream`, for reading or writing. */
+exr_context_initializer_t exr_stream_setup(struct stream *stream);
+
+/* What failed, in words. `what` is "read" or "write". */
+enum err exr_library_fault(const char *what, const struct stream *stream, exr_result_t result,
+                           struct fault *fault);
+
+/* Names that an OpenEXR header uses itself, where a string would be refused or misread. */
+bool exr_name_is_reserved(const char *name);
+
+#endif

@@ -1,0 +1,339 @@
+#include "image/exr.h"
+
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/mem.h"
+#include "image/exr_parts.h"
+#include "image/linear.h"
+
+enum {
+    ZIP_MOST = 1032,     /* what deflate can make of a byte */
+    NOTE_MOST = 1 << 20, /* bytes of one attribute that is read */
+};
+
+static const char *const type_name[] = {"uint", "half", "float"};
+
+/* How the pixels are packed: blocks of `lines`, or tiles of tile[0] x tile[1]. */
+struct form {
+    bool tiled;
+    uint32_t lines, tile[2];
+};
+
+/* Which of our channels the file has; refuses one of another type or sampling, and a lack of
+ * colour. */
+static enum err find_channels(bool has[EXR_CHANNELS], exr_context_t context, size_t *pixel_bytes,
+                              struct fault *fault)
+{
+    const exr_attr_chlist_t *list;
+    memset(has, 0, EXR_CHANNELS * sizeof *has);
+    *pixel_bytes = 0;
+    if (exr_get_channels(context, 0, &list) != EXR_ERR_SUCCESS)
+        return fault_set(fault, ERR_INPUT, "it has no channels; expected R, G, B and A");
+    for (int i = 0; i < list->num_channels; i++) {
+        const exr_attr_chlist_entry_t *entry = &list->entries[i];
+        const struct channel *channel = exr_channel_named(entry->name.str);
+        if (entry->x_sampling != 1 || entry->y_sampling != 1)
+            return fault_set(fault, ERR_INPUT, "a channel is sampled %d by %d; expected 1 by 1",
+                             entry->x_sampling, entry->y_sampling);
+        if ((unsigned)entry->pixel_type >= EXR_PIXEL_LAST_TYPE)
+            return fault_set(fault, ERR_INPUT, "a channel is of no known type");
+        *pixel_bytes += entry->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
+        if (!channel)
+            continue;
+        if (entry->pixel_type != channel->type)
+            return fault_set(fault, ERR_INPUT, "channel %s is %s; expected %s", channel->name,
+                             type_name[entry->pixel_type], type_name[channel->type]);
+        has[channel - exr_channel] = true;
+    }
+    for (int i = 0; i < EXR_CHANNELS; i++)
+        if (!has[i] && exr_channel[i].plane == PLANE_RGBA)
+            return fault_set(fault, ERR_INPUT, "it has no channel %s; expected R, G, B and A",
+                             exr_channel[i].name);
+    return OK;
+}
+
+/* Also tells whether it is tiled, and in what tiles. */
+static enum err check_form(struct form *form, exr_context_t context, struct fault *fault)
+{
+    int parts = 0;
+    exr_storage_t storage;
+    exr_compression_t compression;
+    exr_tile_level_mode_t level;
+    exr_tile_round_mode_t round;
+    if (exr_get_count(context, &parts) || parts != 1)
+        return fault_set(fault, ERR_INPUT, "it has %d parts; expected one", parts);
+    if (exr_get_storage(context, 0, &storage) ||
+        (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED))
+        return fault_set(fault, ERR_INPUT, "it is deep; expected scan lines or tiles");
+    if (exr_get_compression(context, 0, &compression) ||
+        (compression != EXR_COMPRESSION_NONE && compression != EXR_COMPRESSION_ZIPS &&
+         compression != EXR_COMPRESSION_ZIP))
+        return fault_set(fault, ERR_INPUT, "its compression is not the ZIP that iftty writes");
+    form->tiled = storage == EXR_STORAGE_TILED;
+    if (form->tiled &&
+        (exr_get_tile_descriptor(context, 0, &form->tile[0], &form->tile[1], &level, &round) ||
+         level != EXR_TILE_ONE_LEVEL || form->tile[0] < 1 || form->tile[1] < 1 ||
+         form->tile[0] > EXR_TILE_MOST || form->tile[1] > EXR_TILE_MOST))
+        return fault_set(fault, ERR_INPUT, "its tiles have several levels, or sides beyond %d",
+                         EXR_TILE_MOST);
+    return OK;
+}
+
+/* Width and height, that they are within limits, and that so small a file can hold them. */
+static enum err find_window(exr_context_t context, exr_attr_box2i_t *window, size_t pixel_bytes,
+                            int64_t file_bytes, struct fault *fault)
+{
+    if (exr_get_data_window(context, 0, window))
+        return fault_set(fault, ERR_INPUT, "it has no data window");
+    const int64_t width = (int64_t)window->max.x - window->min.x + 1;
+    const int64_t height = (int64_t)window->max.y - window->min.y + 1;
+    if (width < 1 || height < 1 || width > EXR_SIDE_MOST || height > EXR_SIDE_MOST)
+        return fault_set(fault, ERR_LIMIT,
+                         "it is %" PRId64 "x%" PRId64 " pixels; expected 1 to %d a side", width,
+                         height, EXR_SIDE_MOST);
+    if ((uint64_t)width * (uint64_t)height * pixel_bytes / ZIP_MOST > (uint64_t)file_bytes)
+        return fault_set(fault, ERR_INPUT,
+                         "cut short: %" PRId64 " bytes cannot hold %" PRId64 "x%" PRId64 " pixels",
+                         file_bytes, width, height);
+    return OK;
+}
+
+static void keep_plane(struct picture *out, enum plane plane, void *memory)
+{
+    if (plane == PLANE_DEPTH)
+        out->depth_mm = memory;
+    else if (plane == PLANE_LABEL)
+        out->label = memory;
+    else if (plane == PLANE_VOXEL)
+        out->voxel = memory;
+    else
+        out->normal = memory;
+}
+
+static enum err make_planes(struct picture *out, const exr_attr_box2i_t *window,
+                            const bool has[EXR_CHANNELS], struct fault *fault)
+{
+    uint32_t width = (uint32_t)(window->max.x - window->min.x + 1);
+    uint32_t height = (uint32_t)(window->max.y - window->min.y + 1);
+    size_t pixels = (size_t)width * height;
+    enum err err = picture_init(out, width, height, false, fault);
+    bool fine = true;
+    for (int i = 0; i < EXR_CHANNELS && !err; i++) {
+        if (!has[i] || exr_channel[i].plane == PLANE_RGBA)
+            continue;
+        const enum plane plane = exr_channel[i].plane;
+        if (!exr_plane_of(out, plane)) /* the first channel of it */
+            keep_plane(out, plane, calloc(pixels * (plane == PLANE_NORMAL ? 3 : 1), 4));
+        fine = fine && exr_plane_of(out, plane);
+    }
+    return err || fine ? err : fault_memory(fault, "a picture");
+}
+
+static enum err get_attributes(struct picture *out, exr_context_t context, struct fault *fault)
+{
+    int32_t count = 0;
+    enum err err = OK;
+    exr_get_attribute_count(context, 0, &count);
+    for (int32_t i = 0; i < count && !err; i++) {
+        const exr_attribute_t *attribute;
+        if (exr_get_attribute_by_index(context, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute) ||
+            attribute->type != EXR_ATTR_STRING || exr_name_is_reserved(attribute->name))
+            continue;
+        const exr_attr_string_t *string = attribute->string;
+        if (string->length < 0 || string->length > NOTE_MOST)
+            return fault_set(fault, ERR_LIMIT, "a note of %d bytes; expected at most %d",
+                             string->length, NOTE_MOST);
+        char *value = mem_array((size_t)string->length + 1, 1);
+        if (!value)
+            return fault_memory(fault, "a note on a picture");
+        memcpy(value, string->length ? string->str : "", (size_t)string->length);
+        value[string->length] = '\0';
+        err = picture_note(out, attribute->name, value, fault);
+        free(value);
+    }
+    return err;
+}
+
+struct reader {
+    exr_context_t context;
+    struct picture *out;
+    struct form form;
+    exr_attr_box2i_t window;
+    exr_decode_pipeline_t pipeline;
+    bool begun;
+    uint16_t *halves;               /* 4 a pixel of the largest block */
+    uint8_t level[2][HALF_ONE + 1]; /* of colours, of alpha */
+};
+
+static void take_halves(struct reader *r, const struct block *block)
+{
+    const uint16_t *half = r->halves;
+    for (uint32_t y = block->y; y < block->y + block->height; y++) {
+        uint8_t *rgba = r->out->rgba + 4 * ((size_t)y * r->out->width + block->x);
+        for (size_t i = 0; i < 4 * (size_t)block->width; i++)
+            rgba[i] = linear_level(r->level[i % 4 == 3], *half++);
+    }
+}
+
+static exr_result_t get_block(struct reader *r, const exr_chunk_info_t *chunk,
+                              const struct block *block)
+{
+    exr_decode_pipeline_t *pipeline = &r->pipeline;
+    exr_result_t result = r->begun ? exr_decoding_update(r->context, 0, chunk, pipeline)
+                                   : exr_decoding_initialize(r->context, 0, chunk, pipeline);
+    if (result)
+        return result;
+    for (int i = 0; i < pipeline->channel_count; i++) {
+        const struct channel *channel = exr_channel_named(pipeline->channels[i].channel_name);
+        if (channel)
+            exr_point(&pipeline->channels[i], channel, r->out, block, r->halves);
+    }
+    if (!r->begun)
+        result = exr_decoding_choose_default_routines(r->context, 0, pipeline);
+    r->begun = true;
+    if (!result)
+        result = exr_decoding_run(r->context, 0, pipeline);
+    if (!result)
+        take_halves(r, block);
+    return result;
+}
+
+static uint32_t at_most(uint32_t left, uint32_t most)
+{
+    return left < most ? left : most;
+}
+
+static exr_result_t get_lines(struct reader *r)
+{
+    const uint32_t width = r->out->width, height = r->out->height, step = r->form.lines;
+    const int32_t top = r->window.min.y;
+    exr_result_t result = EXR_ERR_SUCCESS;
+    for (uint32_t y = 0; y < height && !result; y += step) {
+        const struct block block = {0, y, width, at_most(height - y, step)};
+        exr_chunk_info_t chunk;
+        result = exr_read_scanline_chunk_info(r->context, 0, top + (int32_t)y, &chunk);
+        if (!result && (chunk.start_y != top + (int32_t)y ||
+                        chunk.height != (int32_t)block.height || chunk.width != (int32_t)width))
+            result = EXR_ERR_BAD_CHUNK_LEADER;
+        if (!result)
+            result = get_block(r, &chunk, &block);
+    }
+    return result;
+}
+
+static exr_result_t get_tiles(struct reader *r)
+{
+    const uint32_t *tile = r->form.tile;
+    exr_result_t result = EXR_ERR_SUCCESS;
+    for (uint32_t y = 0; y < r->out->height; y += tile[1])
+        for (uint32_t x = 0; x < r->out->width && !result; x += tile[0]) {
+            const struct block block = {x, y, at_most(r->out->width - x, tile[0]),
+                                        at_most(r->out->height - y, tile[1])};
+            exr_chunk_info_t chunk;
+            result = exr_read_tile_chunk_info(r->context, 0, (int)(x / tile[0]), (int)(y / tile[1]),
+                                              0, 0, &chunk);
+            if (!result &&
+                (chunk.height != (int32_t)block.height || chunk.width != (int32_t)block.width))
+                result = EXR_ERR_BAD_CHUNK_LEADER;
+            if (!result)
+                result = get_block(r, &chunk, &block);
+        }
+    return result;
+}
+
+/* Pixels that a block of lines or a tile holds at most; 0 where the file says what cannot be. */
+static size_t largest_block(struct reader *r)
+{
+    int32_t lines = 0;
+    if (r->form.tiled)
+        return (size_t)at_most(r->out->width, r->form.tile[0]) *
+               at_most(r->out->height, r->form.tile[1]);
+    if (exr_get_scanlines_per_chunk(r->context, 0, &lines) || lines < 1 || lines > EXR_BLOCK_LINES)
+        return 0;
+    r->form.lines = (uint32_t)lines;
+    return (size_t)r->out->width * r->form.lines;
+}
+
+static enum err get_pixels(struct reader *r, const struct stream *stream, struct fault *fault)
+{
+    uint16_t alpha[256];
+    const size_t largest = largest_block(r);
+    if (!largest)
+        return exr_library_fault("read", stream, EXR_ERR_INVALID_ATTR, fault);
+    r->halves = calloc(4 * largest, sizeof *r->halves);
+    if (!r->halves)
+        return fault_memory(fault, stream->path);
+    linear_alpha(alpha);
+    linear_invert(r->level[0], linear_half);
+    linear_invert(r->level[1], alpha);
+    r->pipeline = (exr_decode_pipeline_t)EXR_DECODE_PIPELINE_INITIALIZER;
+    const exr_result_t result = r->form.tiled ? get_tiles(r) : get_lines(r);
+    exr_decoding_destroy(r->context, &r->pipeline);
+    free(r->halves);
+    return result ? exr_library_fault("read", stream, result, fault) : OK;
+}
+
+static enum err read_context(struct picture *out, exr_context_t context,
+                             const struct stream *stream, struct fault *fault)
+{
+    struct reader *r = calloc(1, sizeof *r); /* tables of 30 kB */
+    bool has[EXR_CHANNELS];
+    size_t pixel_bytes;
+    if (!r)
+        return fault_memory(fault, stream->path);
+    r->context = context;
+    r->out = out;
+    enum err err = check_form(&r->form, context, fault);
+    if (!err)
+        err = find_channels(has, context, &pixel_bytes, fault);
+    if (!err)
+        err = find_window(context, &r->window, pixel_bytes, stream->bytes, fault);
+    if (!err)
+        err = make_planes(out, &r->window, has, fault);
+    if (!err)
+        err = get_attributes(out, context, fault);
+    out->tiled = r->form.tiled;
+    if (err)
+        fault_prefix(fault, err, "%s", stream->path);
+    else
+        err = get_pixels(r, stream, fault);
+    free(r);
+    return err;
+}
+
+enum err exr_read(struct picture *out, const char *path, struct fault *fault)
+{
+    struct stream stream = {.path = path};
+    struct stat status;
+    exr_context_initializer_t setup = exr_stream_setup(&stream);
+    exr_context_t context;
+    enum err err = OK;
+    *out = (struct picture){0};
+    stream.fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (stream.fd < 0)
+        return fault_errno(fault, "open", path);
+    if (fstat(stream.fd, &status) != 0 || !S_ISREG(status.st_mode)) {
+        close(stream.fd);
+        return fault_set(fault, ERR_INPUT, "%s is not a regular file", path);
+    }
+    stream.bytes = status.st_size;
+    setup.max_image_width = setup.max_image_height = EXR_SIDE_MOST;
+    setup.flags =
+        EXR_CONTEXT_FLAG_SILENT_HEADER_PARSE | EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    exr_result_t result = exr_start_read(&context, path, &setup);
+    if (result) {
+        err = exr_library_fault("read", &stream, result, fault);
+    } else {
+        err = read_context(out, context, &stream, fault);
+        exr_finish(&context);
+    }
+    close(stream.fd);
+    if (err)
+        picture_release(out);
+    return err;
+}
