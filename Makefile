@@ -7,7 +7,8 @@ OPTIMISE ?= -O2
 SANITISE ?=
 BUILD    := $(if $(filter release,$(VARIANT)),build,build/$(VARIANT))
 
-PACKAGES := g++ pkg-config libopenimageio-dev libopenexr-dev libmd-dev zlib1g-dev
+PACKAGES := g++ pkg-config libopenimageio-dev libopenexr-dev libmd-dev zlib1g-dev \
+            openexr openimageio-tools
 SCENES   := mricron-data
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wvla -Werror

@@ -13,6 +13,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/scan.h"
+#include "command/about.h"
 #include "command/bench.h"
 #include "command/drive.h"
 #include "journal/log.h"
@@ -30,6 +31,8 @@ static const char usage[] =
     "    iftty verify JOURNAL...        the same quietly, and compare golden images; TAP\n"
     "    iftty log JOURNAL              print a journal; --script its commands, --check its chain\n"
     "    iftty show PICTURE             show a picture file inline, if the terminal can\n"
+    "    iftty info FILE                what a picture, a scene or a journal says of itself; "
+    "--json\n"
     "    iftty bench [brain]            measure the whole way; --json for programs\n"
     "    iftty bench paper [SCENE...]   the paper's five experiments: text, --json or --csv\n"
     "    iftty bench growth             one edit, in scenes of 4 to 300 million voxels\n"
@@ -358,6 +361,25 @@ static enum err program_log(const struct options *o, struct fault *fault)
     return err;
 }
 
+/* What a picture, a scene or a journal says of itself. */
+static enum err program_info(const struct options *o, struct fault *fault)
+{
+    struct buf program = {0}, text = {0};
+    struct image_helper *helper = NULL;
+    enum err err = need_files(o, 1, 1, fault);
+    if (!err)
+        err = image_helper_default_program(&program, fault);
+    if (!err)
+        err = image_helper_new(&helper, buf_text(&program), fault);
+    if (!err)
+        err = about_file(&text, o->word[1], o->json, helper, fault);
+    fputs(buf_text(&text), stdout);
+    image_helper_free(helper);
+    buf_release(&text);
+    buf_release(&program);
+    return err;
+}
+
 /* Fine, and silent, where standard output is no terminal. */
 static enum err program_show(const struct options *o, struct fault *fault)
 {
@@ -573,9 +595,9 @@ int main(int count, char **word)
     static const struct {
         const char *name;
         enum err (*run)(const struct options *o, struct fault *fault);
-    } program[] = {{"run", program_run},  {"replay", program_replay}, {"verify", program_verify},
-                   {"log", program_log},  {"show", program_show},     {"bench", program_bench},
-                   {"help", program_help}};
+    } program[] = {{"run", program_run},     {"replay", program_replay}, {"verify", program_verify},
+                   {"log", program_log},     {"show", program_show},     {"info", program_info},
+                   {"bench", program_bench}, {"help", program_help}};
     struct options options;
     struct fault fault = {0};
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error that a write returns */

@@ -206,6 +206,86 @@ STORY(damaged_images_never_end_the_session)
     picture_release(&p);
 }
 
+/* Writes frames of growing brightness; the words of a failure, or "". */
+static const char *write_frames(const char *name, unsigned frames, unsigned delay_ms)
+{
+    static struct fault fault;
+    struct picture p = sample(40, 30);
+    const char *path = in_folder(name);
+    struct image_writing writing = {helper, path, path};
+    fault = (struct fault){0};
+    enum err err = image_helper_begin(&writing, &p, frames, delay_ms, &fault);
+    for (unsigned i = 0; i < frames && !err; i++) {
+        for (size_t k = 0; k < (size_t)40 * 30 * 4; k++)
+            p.rgba[k] = k % 4 == 3 ? 255 : (uint8_t)(40 * (i + 1));
+        err = image_helper_frame(&writing, &p, &fault);
+    }
+    if (!err)
+        image_helper_end(&writing, &fault);
+    picture_release(&p);
+    return fault.text;
+}
+
+STORY(a_file_of_several_frames_says_so)
+{
+    static const char *const name[] = {"a.gif", "a.tif"};
+    for (size_t i = 0; i < 2; i++) {
+        struct image_facts facts;
+        CHECK_TEXT(write_frames(name[i], 5, 80), "");
+        CHECK_INT(image_helper_about(helper, in_folder(name[i]), &facts, NULL), OK);
+        CHECK_INT(facts.frames, 5);
+        CHECK_INT(facts.picture.width, 40);
+        CHECK_INT(facts.picture.height, 30);
+        CHECK_TEXT(facts.format, i ? "tiff" : "gif");
+        CHECK_TEXT(facts.type, "uint8");
+        CHECK_TEXT(facts.channels, i ? "R,G,B" : "R,G,B,A");
+        image_facts_release(&facts);
+    }
+}
+
+STORY(a_format_of_one_picture_refuses_several)
+{
+    CHECK_HAS(write_frames("a.png", 2, 0), ".png holds one picture; expected for instance .gif");
+    CHECK_HAS(write_frames("a.xyz", 3, 0), "no known format writes .xyz");
+    CHECK_TEXT(write_frames("a.png", 1, 0), ""); /* the same helper goes on */
+}
+
+STORY(frames_that_never_come_cost_one_helper)
+{
+    struct picture p = sample(40, 30), q;
+    const char *path = in_folder("a.gif");
+    struct image_writing writing = {helper, path, path};
+    CHECK_INT(image_helper_begin(&writing, &p, 3, 0, NULL), OK);
+    CHECK_INT(image_helper_frame(&writing, &p, NULL), OK);
+    image_helper_abandon(&writing);
+    CHECK_TEXT(there_and_back(&p, "a.png", &q), "");
+    picture_release(&p);
+    picture_release(&q);
+}
+
+STORY(linear_formats_get_linear_light)
+{
+    struct picture p = sample(1, 1), q;
+    struct buf file = {0};
+    memcpy(p.rgba, (const uint8_t[]){188, 188, 188, 255}, 4); /* 0.503 of full light */
+    CHECK_TEXT(there_and_back(&p, "a.hdr", &q), "");
+    CHECK_INT(file_read(&file, in_folder("a.hdr"), 1 << 20, NULL), OK);
+    const uint8_t *last = (const uint8_t *)file.data + file.length - 4;
+    CHECK(file.length > 4 && last[3] == 128 && last[0] >= 127 && last[0] <= 129);
+    buf_release(&file);
+    picture_release(&p);
+    picture_release(&q);
+}
+
+STORY(about_what_is_no_image_is_told_in_a_line)
+{
+    struct image_facts facts;
+    struct fault fault = {0};
+    CHECK_INT(file_write(in_folder("bad.png"), "\x1b[2Jnot a png", 13, FILE_REPLACE, NULL), OK);
+    CHECK_INT(image_helper_about(helper, in_folder("bad.png"), &facts, &fault), ERR_INPUT);
+    CHECK(strpbrk(fault.text, "\n\033") == NULL && facts.format == NULL);
+}
+
 /* A helper that is a small shell script. */
 static struct image_helper *scripted(const char *script)
 {
@@ -277,6 +357,25 @@ STORY(answers_that_make_no_sense_are_told)
     CHECK_HAS(failure(script, true), "gave an answer that makes no sense");
 }
 
+STORY(facts_that_make_no_sense_are_told)
+{
+    static const char *const answer[] = {
+        "about 1 1 1 0 1 1\\n", "about 0 1 1 0 1 1 1\\nabc",     "about 1 1 1 0 9999 1 1\\nabc",
+        "picture 1 1 0\\nabcd", "about 1 1 1 1 1 1 1\\nabcx\\n",
+    };
+    for (size_t i = 0; i < sizeof answer / sizeof answer[0]; i++) {
+        char script[128];
+        struct fault fault = {0};
+        struct image_facts facts;
+        snprintf(script, sizeof script, "printf '%s'; sleep 9", answer[i]);
+        struct image_helper *odd = scripted(script);
+        CHECK_INT(image_helper_about(odd, in_folder("x.png"), &facts, &fault), ERR_IO);
+        CHECK_HAS(fault.text, "gave an answer that makes no sense");
+        CHECK(facts.format == NULL && facts.channels == NULL);
+        image_helper_free(odd);
+    }
+}
+
 STORY(an_answer_cut_short_is_told)
 {
     CHECK_HAS(failure("printf 'picture 4 4 0\\nabc'", false), "ended with status 0");
@@ -313,8 +412,9 @@ STORY(after_a_death_the_next_request_starts_anew)
 
 int main(void)
 {
-    static const char *const leftover[] = {"a.png", "a.PNG", "a.tif", "a.bmp",   "a.tga",
-                                           "a.ppm", "a.jpg", "a.exr", "bad.png", "helper.sh"};
+    static const char *const leftover[] = {"a.png", "a.PNG", "a.tif",   "a.bmp",
+                                           "a.tga", "a.ppm", "a.gif",   "a.hdr",
+                                           "a.jpg", "a.exr", "bad.png", "helper.sh"};
     const char *build = getenv("IFTTY_BUILD");
     struct buf program = {0};
     buf_printf(&program, "%s/iftty-image", build ? build : "build");
@@ -327,6 +427,9 @@ int main(void)
         TELL(the_same_picture_gives_the_same_bytes), TELL(exr_goes_without_the_helper),
         TELL(a_name_without_a_known_format_is_told_off), TELL(an_existing_file_is_kept_unless_told),
         TELL(what_is_no_image_is_told_in_a_line), TELL(damaged_images_never_end_the_session),
+        TELL(a_file_of_several_frames_says_so), TELL(a_format_of_one_picture_refuses_several),
+        TELL(frames_that_never_come_cost_one_helper), TELL(linear_formats_get_linear_light),
+        TELL(about_what_is_no_image_is_told_in_a_line), TELL(facts_that_make_no_sense_are_told),
         TELL(a_missing_helper_is_named), TELL(a_helper_that_ends_or_dies_is_told),
         TELL(answers_that_make_no_sense_are_told), TELL(an_answer_cut_short_is_told),
         TELL(a_helper_that_stays_silent_is_ended),
@@ -336,7 +439,7 @@ int main(void)
     for (size_t i = 0; i < sizeof leftover / sizeof leftover[0]; i++)
         unlink(in_folder(leftover[i]));
     if (rmdir(folder) != 0) {
-        printf("not ok 18 - no_draft_is_left_behind\n");
+        printf("not ok 24 - no_draft_is_left_behind\n");
         status = 1;
     }
     return status;

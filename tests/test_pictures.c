@@ -85,14 +85,43 @@ STORY(an_exr_in_tiles_holds_what_one_in_lines_holds)
     CHECK(memcmp(lines.depth_mm, tiles.depth_mm, bytes) == 0);
     CHECK(memcmp(lines.label, tiles.label, bytes) == 0);
     CHECK(memcmp(lines.voxel, tiles.voxel, bytes) == 0);
-    CHECK((lines.normal == NULL) == (tiles.normal == NULL));
-    if (lines.normal)
-        CHECK(memcmp(lines.normal, tiles.normal, 3 * bytes) == 0);
+    CHECK(memcmp(lines.normal, tiles.normal, 3 * bytes) == 0);
     is_refused(&desk, "render a.png layout=tiled", ERR_USAGE, "only an .exr has lines or tiles");
     is_refused(&desk, "render layout=tiled", ERR_USAGE, "only an .exr has lines or tiles");
     CHECK(!file_exists("a.png"));
     picture_release(&lines);
     picture_release(&tiles);
+    desk_release(&desk);
+}
+
+STORY(normals_are_unit_vectors_that_face_the_viewer)
+{
+    static const struct {
+        const char *view;
+        int axis, sign;
+    } side[] = {{"view front", 1, 1}, {"view left", 0, -1}, {"view top", 2, 1}};
+    struct desk desk;
+    struct picture p;
+    begin_with_object(&desk);
+    for (size_t k = 0; k < 3; k++) {
+        double towards = 0;
+        size_t seen = 0, odd = 0;
+        must(&desk, side[k].view);
+        must(&desk, "render normals.exr replace=yes");
+        CHECK_INT(exr_read(&p, "normals.exr", NULL), OK);
+        for (size_t i = 0; i < (size_t)p.width * p.height; i++) {
+            const float *n = p.normal + 3 * i;
+            const double square = (double)(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+            const bool shows = p.label[i] != 0;
+            odd += shows ? square < 0.998 || square > 1.002 : square > 0;
+            seen += shows;
+            towards += (double)n[side[k].axis] * side[k].sign;
+        }
+        CHECK(seen > 100);
+        CHECK_INT(odd, 0);
+        CHECK(towards > 0.5 * (double)seen);
+        picture_release(&p);
+    }
     desk_release(&desk);
 }
 
@@ -122,6 +151,8 @@ STORY(a_picture_says_what_it_is_of)
     }
     const char *view = picture_find(&p, "iftty:view");
     CHECK_HAS(view ? view : "", "30000 20000 10000 zoom ");
+    const char *look = picture_find(&p, "iftty:look");
+    CHECK_HAS(look ? look : "", "surface light ");
     picture_release(&p);
     desk_release(&desk);
 }
@@ -130,9 +161,9 @@ int main(void)
 {
     if (!mkdtemp(folder) || chdir(folder) != 0)
         return 1;
-    int status = RUN_STORIES(TELL(normals_are_turned_to_the_world),
-                             TELL(an_exr_in_tiles_holds_what_one_in_lines_holds),
-                             TELL(a_picture_says_what_it_is_of));
+    int status = RUN_STORIES(
+        TELL(normals_are_turned_to_the_world), TELL(an_exr_in_tiles_holds_what_one_in_lines_holds),
+        TELL(normals_are_unit_vectors_that_face_the_viewer), TELL(a_picture_says_what_it_is_of));
     reply_release(&reply);
     char command[PATH_MAX];
     snprintf(command, sizeof command, "rm -rf '%s'", folder);

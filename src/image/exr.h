@@ -25,7 +25,7 @@
 #include "base/file.h"
 #include "image/picture.h"
 
-/* Whether a path ends in ".exr". */
+/* Whether a path ends in .exr, or in .sxr or .mxr, which are the same. */
 bool exr_is_named(const char *path);
 
 /* Writes `picture` as `path`, whole or not at all. ERR_INPUT for an attribute whose name OpenEXR

@@ -74,8 +74,12 @@ bool exr_name_is_reserved(const char *name)
 
 bool exr_is_named(const char *path)
 {
+    static const char *const ending[] = {".exr", ".sxr", ".mxr"};
     const char *dot = strrchr(file_name(path), '.');
-    return dot && strcasecmp(dot, ".exr") == 0;
+    for (size_t i = 0; dot && i < sizeof ending / sizeof ending[0]; i++)
+        if (strcasecmp(dot, ending[i]) == 0)
+            return true;
+    return false;
 }
 
 /* ---- bytes in and out ---- */

@@ -23,7 +23,8 @@ enum {
     NAME_MOST = 4096,
     VALUE_MOST = 1 << 20,
     NOTES_MOST = 1024,
-    LINE_MOST = 64,
+    WORDS_MOST = 4096, /* bytes of a word on what a file is */
+    LINE_MOST = 96,
     SEND_PIECE = 1 << 20,
 };
 
@@ -306,32 +307,66 @@ static enum err check_request(const char *doing, const char *path, const struct 
     return OK;
 }
 
-/* Writes to `path`, and speaks of it as `shown`. */
-static enum err write_picture(struct image_helper *helper, const char *path, const char *shown,
-                              const struct picture *picture, struct fault *fault)
+enum err image_helper_begin(struct image_writing *writing, const struct picture *like,
+                            unsigned frames, unsigned delay_ms, struct fault *fault)
 {
+    struct image_helper *helper = writing->helper;
+    const char *path = writing->path;
     char line[LINE_MOST];
-    enum err err = check_request("write", path, picture, fault);
+    enum err err = check_request("write", path, like, fault);
     if (!err)
         err = start(helper, fault);
     if (err)
         return err;
+    int length = snprintf(line, sizeof line, "write %zu %u %u %zu %u %u\n", strlen(path),
+                          like->width, like->height, like->attributes, frames, delay_ms);
+    if (!tell(helper, line, (size_t)length) || !tell(helper, path, strlen(path)) ||
+        !tell_notes(helper, like))
+        return trouble_fault(helper, "write", writing->shown, fault);
+    return OK;
+}
+
+enum err image_helper_frame(struct image_writing *writing, const struct picture *picture,
+                            struct fault *fault)
+{
     uint8_t *piece = mem_array(SEND_PIECE, 1);
     if (!piece)
-        return fault_memory(fault, shown);
-    int length = snprintf(line, sizeof line, "write %zu %u %u %zu\n", strlen(path), picture->width,
-                          picture->height, picture->attributes);
-    bool told = tell(helper, line, (size_t)length) && tell(helper, path, strlen(path)) &&
-                tell_notes(helper, picture) && tell_pixels(helper, picture, piece);
+        return fault_memory(fault, writing->shown);
+    const bool told = tell_pixels(writing->helper, picture, piece);
     free(piece);
-    if (!told)
-        return trouble_fault(helper, "write", shown, fault);
-    err = hear_answer(helper, line, "write", shown, fault);
+    return told ? OK : trouble_fault(writing->helper, "write", writing->shown, fault);
+}
+
+enum err image_helper_end(struct image_writing *writing, struct fault *fault)
+{
+    char line[LINE_MOST];
+    enum err err = hear_answer(writing->helper, line, "write", writing->shown, fault);
     if (!err && strcmp(line, "ok") != 0) {
-        odd(helper);
-        err = trouble_fault(helper, "write", shown, fault);
+        odd(writing->helper);
+        err = trouble_fault(writing->helper, "write", writing->shown, fault);
     }
     return err;
+}
+
+void image_helper_abandon(struct image_writing *writing)
+{
+    stop(writing->helper, false); /* it may be waiting for the rest of a frame */
+}
+
+/* Writes to `path`, and speaks of it as `shown`. */
+static enum err write_picture(struct image_helper *helper, const char *path, const char *shown,
+                              const struct picture *picture, struct fault *fault)
+{
+    struct image_writing writing = {helper, path, shown};
+    enum err err = image_helper_begin(&writing, picture, 1, 0, fault);
+    if (err)
+        return err;
+    err = image_helper_frame(&writing, picture, fault);
+    if (err) {
+        image_helper_abandon(&writing);
+        return err;
+    }
+    return image_helper_end(&writing, fault);
 }
 
 enum err image_helper_write(struct image_helper *helper, const char *path,
@@ -381,30 +416,103 @@ static enum err hear_picture(struct image_helper *helper, const char *line, stru
     return err;
 }
 
-enum err image_helper_read(struct image_helper *helper, const char *path, struct picture *out,
-                           struct fault *fault)
+/* Asks `request` of a path, and takes the first line of the answer. */
+static enum err ask(struct image_helper *helper, const char *request, const char *path,
+                    char line[LINE_MOST], struct fault *fault)
 {
-    char line[LINE_MOST];
-    *out = (struct picture){0};
     enum err err = check_request("read", path, NULL, fault);
     if (!err)
         err = start(helper, fault);
     if (err)
         return err;
-    int length = snprintf(line, sizeof line, "read %zu\n", strlen(path));
+    int length = snprintf(line, LINE_MOST, "%s %zu\n", request, strlen(path));
     if (!tell(helper, line, (size_t)length) || !tell(helper, path, strlen(path)))
         return trouble_fault(helper, "read", path, fault);
-    err = hear_answer(helper, line, "read", path, fault);
+    return hear_answer(helper, line, "read", path, fault);
+}
+
+/* An answer could not be taken to its end: what `err` or helper->trouble says. */
+static enum err give_up(struct image_helper *helper, enum err err, const char *path,
+                        struct fault *fault)
+{
+    if (helper->trouble != FINE)
+        return trouble_fault(helper, "read", path, fault);
+    stop(helper, false); /* the rest of its answer is of no use */
+    return err;
+}
+
+enum err image_helper_read(struct image_helper *helper, const char *path, struct picture *out,
+                           struct fault *fault)
+{
+    char line[LINE_MOST];
+    *out = (struct picture){0};
+    enum err err = ask(helper, "read", path, line, fault);
     if (err)
         return err;
     err = hear_picture(helper, line, out, fault);
     if (err) {
         picture_release(out);
-        if (helper->trouble != FINE)
-            return trouble_fault(helper, "read", path, fault);
-        stop(helper, false); /* the rest of its answer is of no use */
+        return give_up(helper, err, path, fault);
     }
+    return OK;
+}
+
+static enum err hear_word(struct image_helper *helper, char **out, size_t length,
+                          struct fault *fault)
+{
+    *out = calloc(length + 1, 1);
+    if (!*out)
+        return fault_memory(fault, "what a picture is");
+    return hear(helper, *out, length) ? OK : ERR_IO;
+}
+
+/* The rest of an "about" answer, as hear_picture does it. */
+static enum err hear_facts(struct image_helper *helper, const char *line, struct image_facts *out,
+                           struct fault *fault)
+{
+    static const int64_t most[7] = {SIDE_MOST,  SIDE_MOST,  INT32_MAX, NOTES_MOST,
+                                    WORDS_MOST, WORDS_MOST, WORDS_MOST};
+    int64_t number[7];
+    if (!scan_text(&line, "about ") || !scan_numbers(line, 7, most, number) || number[0] < 1 ||
+        number[1] < 1) {
+        odd(helper);
+        return ERR_IO;
+    }
+    out->picture.width = (uint32_t)number[0];
+    out->picture.height = (uint32_t)number[1];
+    out->frames = (unsigned)number[2];
+    char **const word[3] = {&out->format, &out->type, &out->channels};
+    enum err err = OK;
+    for (int i = 0; i < 3 && !err; i++)
+        err = hear_word(helper, word[i], (size_t)number[4 + i], fault);
+    for (int64_t i = 0; i < number[3] && !err; i++)
+        err = hear_note(helper, &out->picture, fault);
     return err;
+}
+
+enum err image_helper_about(struct image_helper *helper, const char *path, struct image_facts *out,
+                            struct fault *fault)
+{
+    char line[LINE_MOST];
+    *out = (struct image_facts){0};
+    enum err err = ask(helper, "about", path, line, fault);
+    if (err)
+        return err;
+    err = hear_facts(helper, line, out, fault);
+    if (err) {
+        image_facts_release(out);
+        return give_up(helper, err, path, fault);
+    }
+    return OK;
+}
+
+void image_facts_release(struct image_facts *facts)
+{
+    picture_release(&facts->picture);
+    free(facts->format);
+    free(facts->type);
+    free(facts->channels);
+    *facts = (struct image_facts){0};
 }
 
 enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,

@@ -9,18 +9,22 @@
  * answer at a time. Numbers are decimal without sign or leading zeros; \n is one line feed;
  * everything else is counted bytes without an end mark.
  *
- *     request   write PATH_LENGTH WIDTH HEIGHT NOTES\n  path  notes  WIDTH * HEIGHT * 3 bytes RGB
+ *     request   write PATH_LENGTH WIDTH HEIGHT NOTES FRAMES DELAY\n
+ *                                  path  notes  FRAMES * WIDTH * HEIGHT * 3 bytes RGB
  *               read PATH_LENGTH\n                      path
+ *               about PATH_LENGTH\n                     path
  *     note      NAME_LENGTH VALUE_LENGTH\n              name  value
  *     answer    ok\n
  *               picture WIDTH HEIGHT NOTES\n            notes  WIDTH * HEIGHT * 4 bytes RGBA
+ *               about WIDTH HEIGHT FRAMES NOTES FORMAT_LENGTH TYPE_LENGTH CHANNELS_LENGTH\n
+ *                                  format  type  channels  notes
  *               error LENGTH\n                          words
  *
  * Rows run from the top. Sides are 1..16384, a path or name is at most 4096 bytes, a value at most
- * 1048576, notes at most 1024. What breaks these rules ends the helper. A worked example, a
- * red pixel with one note:
+ * 1048576, notes at most 1024; frames are 1..1000, and DELAY is how long each is seen, 0..60000 ms.
+ * What breaks these rules ends the helper. A worked example, a red pixel with one note:
  *
- *     write 5 1 1 1\na.png4 3\nviewtop\xff\x00\x00        ->  ok\n
+ *     write 5 1 1 1 1 0\na.png4 3\nviewtop\xff\x00\x00    ->  ok\n
  *     read 5\na.png      ->  picture 1 1 1\n4 3\nviewtop\xff\x00\x00\xff
  *
  * Nothing here ever raises SIGPIPE or waits for ever: a helper that neither reads nor writes a byte
@@ -45,14 +49,41 @@ void image_helper_free(struct image_helper *helper);
 /* Writes the colours of `picture`, over black where they are transparent, and its notes to `path`,
  * in the format of its extension. Not whole or not at all: see image_write for that. PNG keeps each
  * note as a text chunk; formats without such have them as lines "name: value" of their image
- * description. The same picture gives the same bytes. */
+ * description, where they have one. The same picture gives the same bytes. */
 enum err image_helper_write(struct image_helper *helper, const char *path,
                             const struct picture *picture, struct fault *fault);
+
+enum { IMAGE_FRAMES_MOST = 1000 };
+
+/* The same in three steps, for several pictures of one size in one file: begin, as many frames as
+ * were promised, end. `like` gives the size and the notes. Speaks of the path as `shown`. After an
+ * error, image_helper_abandon ends the helper, which the next request starts again. */
+struct image_writing {
+    struct image_helper *helper;
+    const char *path, *shown; /* the caller's */
+};
+enum err image_helper_begin(struct image_writing *writing, const struct picture *like,
+                            unsigned frames, unsigned delay_ms, struct fault *fault);
+enum err image_helper_frame(struct image_writing *writing, const struct picture *picture,
+                            struct fault *fault);
+enum err image_helper_end(struct image_writing *writing, struct fault *fault);
+void image_helper_abandon(struct image_writing *writing);
 
 /* Reads the first image of `path`, in any format, into 8 bits per channel. On failure *out is
  * empty. */
 enum err image_helper_read(struct image_helper *helper, const char *path, struct picture *out,
                            struct fault *fault);
+
+/* What a file is, in any format. Its first image is decoded, so one that is cut short is an error.
+ * The texts are those of the file: not safe to print. */
+struct image_facts {
+    struct picture picture; /* sides and notes, no pixels */
+    unsigned frames;
+    char *format, *type, *channels; /* "png", "uint8", "R,G,B" */
+};
+enum err image_helper_about(struct image_helper *helper, const char *path, struct image_facts *out,
+                            struct fault *fault);
+void image_facts_release(struct image_facts *facts);
 
 /* Writes `picture` as `path`, whole or not at all: .exr by exr_write with all planes, any other
  * extension by the helper. */

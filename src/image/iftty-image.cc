@@ -7,6 +7,7 @@
  */
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -42,7 +43,10 @@ constexpr uint64_t kPathMost = 4096;
 constexpr uint64_t kNameMost = 4096;
 constexpr uint64_t kValueMost = 1 << 20;
 constexpr uint64_t kNotesMost = 1024;
-constexpr size_t kLineMost = 64;
+constexpr uint64_t kFramesMost = 1000;
+constexpr uint64_t kDelayMost = 60000;
+constexpr size_t kFactMost = 4096;
+constexpr size_t kLineMost = 96;
 constexpr size_t kWordsMost = 390;
 constexpr rlim_t kMemoryMost = rlim_t{8} << 30;
 
@@ -185,61 +189,148 @@ void add_notes(OIIO::ImageSpec &spec, const std::string &format, const std::vect
         spec.attribute("ImageDescription", description);
 }
 
-void write_image(const std::string &line)
+struct Order {
+    std::string path;
+    uint64_t width, height, frames, delay_ms;
+    std::vector<Note> notes;
+};
+
+Order hear_order(const std::string &line)
 {
+    Order order;
     size_t at = 6; /* past "write " */
     uint64_t length = take_number(line, at, kPathMost);
-    uint64_t width = take_number(line, at, kSideMost);
-    uint64_t height = take_number(line, at, kSideMost);
+    order.width = take_number(line, at, kSideMost);
+    order.height = take_number(line, at, kSideMost);
     uint64_t count = take_number(line, at, kNotesMost);
-    if (width == 0 || height == 0)
+    order.frames = take_number(line, at, kFramesMost);
+    order.delay_ms = take_number(line, at, kDelayMost);
+    if (order.width == 0 || order.height == 0 || order.frames == 0)
         leave(2);
-    std::string path = hear_text(length);
-    std::vector<Note> notes = hear_notes(count);
-    std::vector<uint8_t> pixels(3 * width * height);
-    hear(pixels.data(), pixels.size());
+    order.path = hear_text(length);
+    order.notes = hear_notes(count);
+    return order;
+}
 
-    std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(path);
-    if (!out || is_no_file(out->format_name())) {
-        OIIO::geterror();
-        tell_error("no known format writes " + extension_of(path) +
-                   "; expected for instance .png, .exr, .tif or .jpg");
-        return;
-    }
-    std::string format = out->format_name();
-    OIIO::ImageSpec spec(static_cast<int>(width), static_cast<int>(height), 3, OIIO::TypeUInt8);
+OIIO::ImageSpec spec_of(const Order &order, const std::string &format)
+{
+    OIIO::ImageSpec spec(static_cast<int>(order.width), static_cast<int>(order.height), 3,
+                         OIIO::TypeUInt8);
     spec.attribute("oiio:ColorSpace", "sRGB");
-    if (format == "jpeg")
+    if (format == "hdr") { /* this one holds linear light */
+        spec.set_format(OIIO::TypeFloat);
+        spec.attribute("oiio:ColorSpace", "linear");
+    }
+    if (format == "jpeg") {
         spec.attribute("Compression", "jpeg:95");
+        spec.attribute("jpeg:subsampling", "4:4:4");
+    }
+    if (format == "heif")
+        spec.attribute("Compression", "heic:100");
     if (format == "webp")
         spec.attribute("Compression", "lossless");
-    /* These two put the time of writing in where none is given. PNG leaves out what is no time;
-     * TIFF, which would keep even that, gets the beginning of all of them. */
+    /* These put the time of writing in where none is given. PNG leaves out what is no time; the
+     * others, which would keep even that, get the beginning of all of them. */
     if (format == "png")
         spec.attribute("DateTime", "none");
-    if (format == "tiff")
+    if (format == "tiff" || format == "dpx" || format == "rla")
         spec.attribute("DateTime", "1970:01:01 00:00:00");
-    add_notes(spec, format, notes);
+    if (order.frames > 1 && order.delay_ms > 0) {
+        const int rate[2] = {1000, static_cast<int>(order.delay_ms)};
+        spec.attribute("FramesPerSecond", OIIO::TypeRational, rate);
+    }
+    add_notes(spec, format, order.notes);
+    return spec;
+}
+
+/* Linear light of the levels of sRGB (IEC 61966-2-1). */
+float linear_of(uint8_t level)
+{
+    const float v = static_cast<float>(level) / 255.0f;
+    return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+}
+
+bool write_frame(OIIO::ImageOutput &out, const std::vector<uint8_t> &pixels)
+{
+    if (out.spec().format != OIIO::TypeFloat)
+        return out.write_image(OIIO::TypeUInt8, pixels.data());
+    std::vector<float> light(pixels.size());
+    std::transform(pixels.begin(), pixels.end(), light.begin(), linear_of);
+    return out.write_image(OIIO::TypeFloat, light.data());
+}
+
+/* Opens for the frame `number`; some formats want to hear of all of them first. */
+bool open_frame(OIIO::ImageOutput &out, const Order &order, const OIIO::ImageSpec &spec,
+                uint64_t number)
+{
+    if (number > 0)
+        return out.open(order.path, spec, OIIO::ImageOutput::AppendSubimage);
+    if (order.frames > 1 && !out.supports("appendsubimage")) {
+        const std::vector<OIIO::ImageSpec> all(order.frames, spec);
+        return out.open(order.path, static_cast<int>(order.frames), all.data());
+    }
+    return out.open(order.path, spec);
+}
+
+std::string reason(OIIO::ImageOutput &out)
+{
+    const std::string words = out.geterror();
+    return words.empty() ? "OpenImageIO gives no reason" : words;
+}
+
+/* Writes what the order says as its frames arrive; the words of a failure, or none. Whatever
+ * happens, all frames are heard. */
+std::string write_frames(const Order &order, OIIO::ImageOutput *out, std::string words)
+{
+    std::vector<uint8_t> pixels(3 * order.width * order.height);
+    OIIO::ImageSpec spec;
+    if (words.empty())
+        spec = spec_of(order, out->format_name());
+    for (uint64_t i = 0; i < order.frames; i++) {
+        hear(pixels.data(), pixels.size());
+        if (!words.empty())
+            continue;
+        try {
+            if (!open_frame(*out, order, spec, i) || !write_frame(*out, pixels))
+                words = reason(*out);
+        } catch (const std::bad_alloc &) {
+            throw;
+        } catch (const std::exception &error) {
+            words = *error.what() ? error.what() : "OpenImageIO gives no reason";
+        }
+    }
+    if (out && !out->close() && words.empty())
+        words = reason(*out);
+    return words;
+}
+
+void write_image(const std::string &line)
+{
+    const Order order = hear_order(line);
+    std::string words;
+    std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(order.path);
+    if (!out || is_no_file(out->format_name())) {
+        OIIO::geterror();
+        out.reset();
+        words = "no known format writes " + extension_of(order.path) +
+                "; expected for instance .png, .exr, .tif or .jpg";
+    } else if (order.frames > 1 && !out->supports("multiimage")) {
+        words = extension_of(order.path) + " holds one picture; expected for instance .gif or .tif";
+        out.reset();
+    }
     /* The library does not look at what closing a file says, and so would not see that the disk was
-     * full; where it lets us hold the file, we look. (Its TIFF writer reports the failure by itself, and
-     * loses its directory when held.) */
+     * full; where it lets us hold the file, we look. (Its TIFF writer reports the failure by
+     * itself, and loses its directory when held.) */
     std::unique_ptr<OIIO::Filesystem::IOFile> file;
-    if (format != "tiff" && out->supports("ioproxy")) {
-        file = std::make_unique<OIIO::Filesystem::IOFile>(path,
+    if (out && std::strcmp(out->format_name(), "tiff") != 0 && out->supports("ioproxy")) {
+        file = std::make_unique<OIIO::Filesystem::IOFile>(order.path,
                                                           OIIO::Filesystem::IOProxy::Write);
         out->set_ioproxy(file.get());
     }
-    bool fine = out->open(path, spec) && out->write_image(OIIO::TypeUInt8, pixels.data());
-    std::string words = fine ? std::string() : out->geterror();
-    if (!out->close() && fine) {
-        fine = false;
-        words = out->geterror();
-    }
-    if (fine && file && (std::fflush(file->handle()) != 0 || std::ferror(file->handle()))) {
-        fine = false;
+    words = write_frames(order, out.get(), words);
+    if (words.empty() && file && (std::fflush(file->handle()) != 0 || std::ferror(file->handle())))
         words = std::strerror(errno);
-    }
-    if (fine)
+    if (words.empty())
         tell("ok\n");
     else
         tell_error(words);
@@ -275,16 +366,15 @@ void widen(std::vector<uint8_t> &pixels, size_t channels, size_t count)
     }
 }
 
-void read_image(const std::string &line)
+/* Colours as the file holds them, not multiplied by alpha; what is none, or too large, is told. */
+std::unique_ptr<OIIO::ImageInput> open_image(const std::string &path)
 {
-    size_t at = 5; /* past "read " */
-    std::string path = hear_text(take_number(line, at, kPathMost));
-    OIIO::ImageSpec wish; /* colours as the file holds them, not multiplied by alpha */
+    OIIO::ImageSpec wish;
     wish.attribute("oiio:UnassociatedAlpha", 1);
     std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(path, &wish);
     if (!in) {
         tell_error(OIIO::geterror());
-        return;
+        return in;
     }
     const OIIO::ImageSpec &spec = in->spec();
     if (spec.width < 1 || spec.height < 1 || spec.width > static_cast<int>(kSideMost) ||
@@ -292,23 +382,81 @@ void read_image(const std::string &line)
         spec.nchannels < 1 || is_no_file(in->format_name())) {
         tell_error("it is " + std::to_string(spec.width) + "x" + std::to_string(spec.height) +
                    " pixels, deep or of no file; expected a flat image of 1 to 16384 a side");
-        return;
+        in.reset();
     }
-    size_t count = static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height);
-    int channels = std::min(spec.nchannels, 4);
+    return in;
+}
+
+/* The first four channels at most; nothing, and told, where they cannot be had. */
+std::vector<uint8_t> pixels_of(OIIO::ImageInput &in)
+{
+    const OIIO::ImageSpec &spec = in.spec();
+    const size_t count = static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height);
+    const int channels = std::min(spec.nchannels, 4);
     std::vector<uint8_t> pixels(4 * count);
-    if (!in->read_image(0, 0, 0, channels, OIIO::TypeUInt8, pixels.data())) {
-        tell_error(in->geterror());
-        return;
+    if (!in.read_image(0, 0, 0, channels, OIIO::TypeUInt8, pixels.data())) {
+        tell_error(in.geterror());
+        pixels.clear();
+        return pixels;
     }
     widen(pixels, static_cast<size_t>(channels), count);
-    std::vector<Note> notes = notes_of(spec);
-    tell("picture " + std::to_string(spec.width) + " " + std::to_string(spec.height) + " " +
-         std::to_string(notes.size()) + "\n");
+    return pixels;
+}
+
+void tell_notes(const std::vector<Note> &notes)
+{
     for (const Note &note : notes)
         tell(std::to_string(note.name.size()) + " " + std::to_string(note.value.size()) + "\n" +
              note.name + note.value);
+}
+
+std::string hear_path(const std::string &line, size_t at)
+{
+    return hear_text(take_number(line, at, kPathMost));
+}
+
+void read_image(const std::string &line)
+{
+    std::unique_ptr<OIIO::ImageInput> in = open_image(hear_path(line, 5)); /* past "read " */
+    if (!in)
+        return;
+    const std::vector<uint8_t> pixels = pixels_of(*in);
+    if (pixels.empty())
+        return;
+    const OIIO::ImageSpec &spec = in->spec();
+    const std::vector<Note> notes = notes_of(spec);
+    tell("picture " + std::to_string(spec.width) + " " + std::to_string(spec.height) + " " +
+         std::to_string(notes.size()) + "\n");
+    tell_notes(notes);
     tell(pixels.data(), pixels.size());
+}
+
+/* "R,G,B", cut where it is too long to be told. */
+std::string channels_of(const OIIO::ImageSpec &spec)
+{
+    std::string names;
+    for (int c = 0; c < spec.nchannels; c++)
+        names += (c ? "," : "") + std::string(spec.channel_name(c));
+    return names.substr(0, kFactMost);
+}
+
+void tell_about(const std::string &line)
+{
+    std::unique_ptr<OIIO::ImageInput> in = open_image(hear_path(line, 6)); /* past "about " */
+    if (!in || pixels_of(*in).empty())
+        return;
+    const OIIO::ImageSpec spec = in->spec();
+    const std::vector<Note> notes = notes_of(spec);
+    const std::string format = in->format_name(), type = spec.format.c_str();
+    const std::string channels = channels_of(spec);
+    uint64_t frames = 1;
+    while (frames < kFramesMost && in->seek_subimage(static_cast<int>(frames), 0))
+        frames++;
+    tell("about " + std::to_string(spec.width) + " " + std::to_string(spec.height) + " " +
+         std::to_string(frames) + " " + std::to_string(notes.size()) + " " +
+         std::to_string(format.size()) + " " + std::to_string(type.size()) + " " +
+         std::to_string(channels.size()) + "\n" + format + type + channels);
+    tell_notes(notes);
 }
 
 /* ---- */
@@ -341,6 +489,8 @@ void serve()
             write_image(line);
         else if (line.compare(0, 5, "read ") == 0)
             read_image(line);
+        else if (line.compare(0, 6, "about ") == 0)
+            tell_about(line);
         else
             leave(2);
     } catch (const std::bad_alloc &) {

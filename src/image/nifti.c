@@ -417,7 +417,7 @@ enum err nifti_read(struct volume *out, const char *path, struct watch *watch, s
     return err;
 }
 
-enum err nifti_size(uint32_t size[3], const char *path, struct fault *fault)
+enum err nifti_about(struct nifti_facts *out, const char *path, struct fault *fault)
 {
     struct source source;
     struct nifti_header header;
@@ -432,8 +432,21 @@ enum err nifti_size(uint32_t size[3], const char *path, struct fault *fault)
     source_close(&source);
     if (err)
         return fault_prefix(fault, err, "%s", path);
-    memcpy(size, plan.size, sizeof plan.size);
+    *out = (struct nifti_facts){.geometry = plan.geometry,
+                                .type = type_name(header.datatype),
+                                .version = header.bytes == NIFTI_LEAST_BYTES ? 1 : 2,
+                                .big_endian = header.big_endian};
+    memcpy(out->size, plan.size, sizeof plan.size);
     return OK;
+}
+
+enum err nifti_size(uint32_t size[3], const char *path, struct fault *fault)
+{
+    struct nifti_facts facts;
+    enum err err = nifti_about(&facts, path, fault);
+    if (!err)
+        memcpy(size, facts.size, sizeof facts.size);
+    return err;
 }
 
 void volume_release(struct volume *volume)

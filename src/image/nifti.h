@@ -43,6 +43,16 @@ struct volume {
 enum err nifti_read(struct volume *out, const char *path, struct watch *watch, struct fault *fault);
 void volume_release(struct volume *volume);
 
+/* What the header of `path` says; refuses what nifti_read would refuse before it reads a voxel. */
+struct nifti_facts {
+    uint32_t size[3];
+    struct geometry geometry; /* but for slope and intercept */
+    const char *type;         /* of voxels, "int16" */
+    unsigned version;         /* of NIfTI, 1 or 2 */
+    bool big_endian;
+};
+enum err nifti_about(struct nifti_facts *out, const char *path, struct fault *fault);
+
 /* The size of the scene in `path`, from its header alone; refuses what nifti_read would refuse
  * before it reads a voxel. */
 enum err nifti_size(uint32_t size[3], const char *path, struct fault *fault);

@@ -16,10 +16,15 @@ static enum err add_notes(struct picture *picture, const struct session *session
                           struct fault *fault)
 {
     const struct view *view = &session->settings.view;
-    char scene[32], seen[96];
+    char scene[32], seen[96], shaded[96];
     snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session->scene_digest);
     snprintf(seen, sizeof seen, "%d %d %d zoom %u size %ux%u", view->angle[0], view->angle[1],
              view->angle[2], view->zoom, view->width, view->height);
+    static const char *const mode[] = {"surface", "scene", "depth"};
+    const struct look *look = &session->settings.look;
+    snprintf(shaded, sizeof shaded, "%s light %d %d cue %u edges %s samples %u", mode[look->mode],
+             look->light[0], look->light[1], look->cue_percent, look->edges ? "on" : "off",
+             look->samples);
     enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
     if (!err)
         err = picture_note(picture, "iftty:scene-name", session->settings.scene_file, fault);
@@ -27,6 +32,8 @@ static enum err add_notes(struct picture *picture, const struct session *session
         err = picture_note(picture, "iftty:scene", scene, fault);
     if (!err)
         err = picture_note(picture, "iftty:view", seen, fault);
+    if (!err)
+        err = picture_note(picture, "iftty:look", shaded, fault);
     return err;
 }
 
@@ -62,8 +69,12 @@ void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
 
 enum err export_normals(struct picture *picture, const struct session *session, struct fault *fault)
 {
-    (void)picture, (void)session, (void)fault;
-    return OK;
+    const struct rendition *r = session_frame(session);
+    enum err err = picture_add_normals(picture, fault);
+    if (!err)
+        export_normals_to_world(picture->normal, r->normal, (size_t)r->width * r->height,
+                                session->scene);
+    return err;
 }
 
 struct map_source {

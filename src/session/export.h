@@ -20,7 +20,7 @@ enum { SEMANTICS = 3 };
 enum err export_picture(struct picture *picture, const struct session *session,
                         struct fault *fault);
 
-/* The normals as well, for files that hold them; none where the rendition has none. */
+/* The normals as well, for files that hold them. */
 enum err export_normals(struct picture *picture, const struct session *session,
                         struct fault *fault);
 

@@ -1,0 +1,204 @@
+#!/bin/sh
+# Pictures in every format, as other programs see them: exrheader, oiiotool and idiff must agree
+# with us about channels, sizes, notes and pixels. And `iftty info`, which reads them back.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+
+for tool in exrheader oiiotool idiff; do
+    if ! command -v $tool >/dev/null 2>&1; then
+        skip_story "pictures as other programs see them" "$tool is not installed"
+        finish
+    fi
+done
+
+make_scene s.nii 24 20 16
+formats="png tif tiff bmp tga ppm sgi iff rla dpx fits ico jp2 gif jpg webp hdr heic"
+{
+    printf '%s\n' 'open s.nii' 'label 1 ball' 'seed 6,10,8 1' 'seed 20,10,8 2' 'seed 2,3,4 0' run \
+        'size 150 110' 'zoom 4' 'view 30 20' 'render lines.exr' 'render tiled.exr layout=tiled'
+    for format in $formats; do echo "render a.$format"; done
+} >script
+"$iftty" run script --journal session.iftty >out 2>err || { cat err; echo "Bail out!"; exit 1; }
+chain() { # of the record before the command $1
+    awk -v command="$1" '$0 == command { print chain; exit } /^= / { chain = $NF }' session.iftty
+}
+scene=$("$iftty" -c 'open s.nii; info' | sed -n 's/.*digest //p')
+
+# The value of one attribute, as exrheader prints it: attribute FILE NAME
+attribute() {
+    exrheader "$1" | sed -n "s/^$2 (type string): \"\(.*\)\"\$/\1/p"
+}
+# The same out of what `iftty info` printed, and `oiiotool --info -v`: note TEXT NAME
+note() {
+    sed -n "s/^\(notes\)\{0,1\} *$2: //p" "$1"
+}
+oiio_note() { # as an attribute of its own, or a line of a description
+    { tr '"' '\n' <"$1" | sed -n "/^ *$2: /{s///;p;q;}"
+      sed -n "/^ *$2: \"\{0,1\}/{s///;s/\"\$//;p;q;}" "$1"; } | sed -n '/./{p;q;}'
+}
+
+begin "exrheader sees our channels, sizes, layouts and notes"
+exrheader lines.exr >lines.txt
+exrheader tiled.exr >tiled.txt
+for name in A B G R; do
+    grep -q "^    $name, 16-bit floating-point, sampling 1 1" lines.txt || fail "no channel $name"
+done
+grep -q '^    Z, 32-bit floating-point, sampling 1 1' lines.txt || fail "no channel Z"
+for name in label voxel; do
+    grep -q "^    $name, 32-bit unsigned integer, sampling 1 1" lines.txt || fail "no channel $name"
+done
+for text in lines.txt tiled.txt; do
+    grep -q '^dataWindow (type box2i): (0 0) - (149 109)' $text || fail "data window: $(cat $text)"
+    grep -q '^displayWindow (type box2i): (0 0) - (149 109)' $text || fail "display window"
+    grep -q '^compression .*: zip' $text || fail "compression"
+done
+! grep -q '^tiles' lines.txt || fail "lines.exr has tiles"
+grep -q 'tile size 64 by 64 pixels' tiled.txt || fail "tiled.exr has no tiles"
+same "$(sed -n '/^channels/,/^compression/p' lines.txt)" \
+    "$(sed -n '/^channels/,/^compression/p' tiled.txt)"
+for name in N.X N.Y N.Z; do
+    grep -q "^    $name, 32-bit floating-point, sampling 1 1" lines.txt || fail "no channel $name"
+done
+same "$(attribute lines.exr iftty:scene)" "$scene"
+same "$(attribute lines.exr iftty:scene-name)" s.nii
+same "$(attribute lines.exr iftty:journal)" session.iftty
+same "$(attribute tiled.exr iftty:journal)" session.iftty
+same "$(attribute lines.exr Software)" "$("$iftty" --version)"
+[ -n "$(attribute lines.exr iftty:chain)" ] || fail "no chain"
+close_story
+
+begin "info says what exrheader and oiiotool say"
+for file in lines.exr tiled.exr a.png a.tif a.jpg; do
+    expect 0 "$iftty" info $file
+    oiiotool --info -v $file >theirs
+    for name in Software iftty:scene-name iftty:scene iftty:view iftty:look iftty:journal iftty:chain; do
+        [ -n "$(note out $name)" ] || fail "$file: no $name"
+        same "$file $name $(note out $name)" "$file $name $(oiio_note theirs $name)"
+    done
+    same "$(note out iftty:scene)" "$scene"
+    same "$(sed -n 's/^pixels *//p' out)" 150x110
+done
+expect 0 "$iftty" info tiled.exr
+same "$(note out iftty:view)" "$(attribute tiled.exr iftty:view)"
+same "$(sed -n 's/^format *//p' out)" "openexr, tiled"
+close_story
+
+begin "tiles and lines hold the same pixels, in every channel"
+expect 0 idiff -q lines.exr tiled.exr
+for file in lines.exr tiled.exr; do
+    oiiotool $file --ch R,G,B,A,Z -o flat-$file >/dev/null 2>&1 || fail "oiiotool does not read $file"
+done
+close_story
+
+begin "the colours of the OpenEXR file are those of the PNG"
+# Back from linear light: not one level off.
+oiiotool lines.exr --ch R,G,B --colorconvert linear sRGB -d uint8 -o levels.tif 2>err ||
+    fail "$(cat err)"
+expect 0 idiff -q levels.tif a.png
+close_story
+
+begin "formats without loss agree with the PNG, pixel for pixel"
+for format in tif tiff bmp tga ppm sgi iff rla dpx fits ico jp2; do
+    oiiotool a.$format --ch 0,1,2 --chnames R,G,B -d uint8 -o back.tif 2>err || fail "$format: $(cat err)"
+    idiff -q back.tif a.png >out 2>&1 || fail "$format: $(sed 5q out)"
+done
+close_story
+
+begin "formats with loss come near it"
+for format in jpg webp heic gif; do
+    oiiotool a.$format --ch R,G,B -d uint8 -o back.tif 2>err || fail "$format: $(cat err)"
+    idiff -q -fail 0.1 -failpercent 2 -hardfail 0.4 -warn 1 back.tif a.png >out 2>&1 ||
+        fail "$format: $(idiff back.tif a.png | sed 6q)"
+done
+oiiotool a.hdr --colorconvert linear sRGB -d uint8 -o back.tif
+idiff -q -fail 0.01 -warn 1 back.tif a.png >out 2>&1 || fail "hdr: $(idiff back.tif a.png | sed 6q)"
+close_story
+
+begin "every extension is written whole, or refused in one line with no file left"
+mkdir every
+extensions="$(oiiotool --list-formats | sed -n 's/^ .* : //p' | tr -d ',') EXR PNG xyz"
+{
+    printf '%s\n' 'open s.nii' 'size 150 110' 'seed 6,10,8 1' run
+    for format in $extensions; do echo "render every/a.$format"; done
+} >all
+expect 3 "$iftty" run all --keep-going
+for format in $extensions; do
+    written=$(grep -c "^    wrote every/a\.$format\$" out)
+    refused=$(grep -c "^all:[0-9]*: cannot write every/a\.$format: ." err)
+    same "$format $((written + refused))" "$format 1"
+    if [ "$written" = 1 ]; then
+        [ -s "every/a.$format" ] || fail "$format: no file"
+    else
+        [ ! -e "every/a.$format" ] || fail "$format: a file, although refused"
+    fi
+done
+same "$(wc -l <err | tr -d ' ')" "$(grep -c '^all:[0-9]*: cannot write' err)"
+same "$(ls -A every | wc -l)" "$(grep -c '^    wrote' out)"
+[ "$(ls every | wc -l)" -gt 35 ] || fail "only $(ls every)"
+same "$(oiiotool --info every/* 2>&1 | grep -c ' : *150 x  *110, ')" "$(ls every | wc -l)"
+close_story
+
+begin "the same picture gives the same bytes, today and tomorrow"
+mkdir again
+cp a.* lines.exr tiled.exr again/
+rm -f a.* lines.exr tiled.exr session.iftty
+sleep 1
+expect 0 "$iftty" run script --journal session.iftty
+for file in a.* lines.exr tiled.exr; do
+    case $file in
+    *.dpx | *.rla) ;; # these have the name they were begun under in their header
+    *) same_files $file again/$file ;;
+    esac
+done
+close_story
+
+begin "info tells scenes and journals, as text and as JSON"
+expect 0 "$iftty" info s.nii
+same "$(sed -n 's/^voxels *//p' out)" 24x20x16
+out_has "uint8"
+expect 0 "$iftty" info session.iftty
+out_has "iftty journal"
+same "$(sed -n 's/^records *//p' out)" "$(grep -c '^= ' session.iftty)"
+for file in s.nii session.iftty lines.exr a.png a.tif a.gif; do
+    expect 0 "$iftty" info $file --json
+    same "$(wc -l <out | tr -d ' ')" 1
+    if command -v python3 >/dev/null 2>&1; then
+        python3 -c 'import json, sys; json.load(sys.stdin)' <out 2>err || fail "$file: $(cat out err)"
+    fi
+done
+"$iftty" info a.tif --json >out
+out_has "\"iftty:scene\": \"$scene\""
+flip_byte session.iftty 300
+expect 1 "$iftty" info session.iftty
+close_story
+
+begin "info is not fooled: no picture, half a picture, and what a terminal would obey"
+printf 'P6 nothing' >no.png
+head -c 900 a.png >half.png
+head -c 2000 lines.exr >half.exr
+mkdir folder.png
+for file in no.png half.png half.exr folder.png missing.png script; do
+    expect 3 "$iftty" info $file
+    same "$file $(wc -l <err | tr -d ' ') $(wc -c <out | tr -d ' ')" "$file 1 0"
+done
+expect 2 "$iftty" info
+expect 2 "$iftty" info a b
+oiiotool a.png --attrib note "$(printf 'red \033[31m "quoted" \\ text')" -o odd.png
+expect 0 "$iftty" info odd.png
+! grep -q "$(printf '\033')" out || fail "an escape sequence came through"
+out_has '\x1b[31m'
+expect 0 "$iftty" info odd.png --json
+! grep -q "$(printf '\033')" out || fail "an escape sequence came through"
+out_has 'red \u001b[31m \"quoted\" \\ text'
+close_story
+
+begin "what other programs write is told too"
+oiiotool lines.exr --ch R,G,B --compression piz -o other.exr
+expect 0 "$iftty" info other.exr
+out_has "R G B float"
+oiiotool a.png a.png --siappend -o two.tif
+expect 0 "$iftty" info two.tif
+same "$(sed -n 's/^frames *//p' out)" 2
+close_story
+
+finish
