@@ -142,6 +142,7 @@ struct stage {
     struct view view;
     struct camera camera;
     struct palette palette;
+    struct shader shader;
 };
 
 static void stage_init(struct stage *s, uint64_t *random)
@@ -166,6 +167,7 @@ static void stage_init(struct stage *s, uint64_t *random)
 
 static void stage_release(struct stage *s)
 {
+    shader_release(&s->shader);
     border_release(&s->border);
     forest_free(s->forest);
     scene_free(s->scene);
@@ -252,7 +254,8 @@ typedef void projection(struct rendition *, const struct camera *, const struct 
 static void draw(struct stage *s, struct rendition *r, projection *project)
 {
     project(r, &s->camera, &s->border);
-    shade(r, &s->camera, &s->border, &s->palette);
+    const struct look look = look_default();
+    CHECK(shade(r, &s->camera, &s->border, &s->palette, &look, &s->shader, NULL) == OK);
 }
 
 /* `kept` has followed the edits as an incremental image. */
@@ -289,8 +292,9 @@ STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
         for (int step = 0; step < 4 && check_failures == 0; step++) {
             const struct changes changes = random_edit(&s, &random);
             CHECK(border_check(&s.border, NULL));
-            incremental_image(&kept, &s.camera, &s.border, &changes);
-            shade(&kept, &s.camera, &s.border, &s.palette);
+            const struct look look = look_default();
+            incremental_image(&kept, &s.camera, &s.border, &changes, shade_reach(&look, &s.camera));
+            CHECK(shade(&kept, &s.camera, &s.border, &s.palette, &look, &s.shader, NULL) == OK);
             all_ways_agree(&s, &kept);
         }
         for (uint32_t c = 0; c < s.scene->grid.cells; c++)
