@@ -343,10 +343,22 @@ static struct tile tile_at(const struct rendition *r, uint32_t x, uint32_t y)
                          bottom < r->height ? bottom : r->height};
 }
 
+/* Voxels beside each other in a picture lie far apart in memory. */
+static void fetch_cells(const struct rendition *r, const struct scene *scene, struct tile tile)
+{
+    for (uint32_t y = tile.top; y < tile.bottom; y++)
+        for (uint32_t x = tile.left; x < tile.right; x++) {
+            const uint32_t cell = r->cell[(size_t)y * r->width + x];
+            if (cell != CELL_NONE)
+                __builtin_prefetch(scene->cell + cell);
+        }
+}
+
 /* Labels of a tile. Empty pixels get no colour and no normal; true where all of them are empty. */
 static bool label_tile(struct rendition *r, const struct scene *scene, struct tile tile)
 {
     bool is_empty = true;
+    fetch_cells(r, scene, tile);
     for (uint32_t y = tile.top; y < tile.bottom; y++) {
         const size_t row = (size_t)y * r->width;
         for (size_t pixel = row + tile.left; pixel < row + tile.right; pixel++) {

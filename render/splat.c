@@ -121,43 +121,58 @@ static struct face_set face_set_of(const struct camera *camera, unsigned faces)
     return set;
 }
 
-/* Goes through rows of cells in their order; `sight` is that of the row's voxel 0. */
+/* Goes through the rows of cells, from any to one further on in either order. */
 struct sweep {
     const struct camera *camera;
     struct face_set set[FACE_SETS];
-    struct sight sight;
-    uint32_t first, end; /* cells of the row, from voxel 0 to behind its last */
-    struct sight along;  /* what one voxel along x adds */
+    uint32_t first, end;           /* cells of the row at hand, from voxel 0 to behind its last, */
+    struct sight sight;            /* and what is seen of its voxel 0 */
+    struct sight along_x, along_y; /* what one voxel along x or y adds */
 };
+
+static struct sight sight_between(const struct camera *camera, int a)
+{
+    const int64_t n = camera->flip[a] ? -1 : 1;
+    struct sight sight = {{0, 0, 0}, {n * camera->column[0][a], n * camera->column[1][a]}};
+    sight.near[a] = n * camera->T[a];
+    return sight;
+}
 
 static void sweep_init(struct sweep *sweep, const struct camera *camera)
 {
     *sweep = (struct sweep){.camera = camera};
-    const int64_t n = camera->flip[0] ? -1 : 1;
-    sweep->along.near[0] = n * camera->T[0];
-    for (int k = 0; k < 2; k++)
-        sweep->along.centre[k] = n * camera->column[k][0];
+    sweep->along_x = sight_between(camera, 0);
+    sweep->along_y = sight_between(camera, 1);
     for (unsigned faces = 1; faces < FACE_SETS; faces++)
         sweep->set[faces] = face_set_of(camera, faces);
 }
 
+/* Most rows with something to show lie beside the one before: then nothing is divided. */
 static void sweep_to_row(struct sweep *sweep, uint32_t cell)
 {
     const struct grid *grid = &sweep->camera->scene->grid;
-    const struct place p = grid_place(grid, cell);
-    sweep->first = cell - p.x;
+    const uint32_t next = sweep->first + (uint32_t)grid->step[1];
+    if (cell >= next && cell < next + grid->size[0] && sweep->first) {
+        sweep->first = next;
+        sweep->sight.near[1] += sweep->along_y.near[1];
+        for (int k = 0; k < 2; k++)
+            sweep->sight.centre[k] += sweep->along_y.centre[k];
+    } else {
+        const struct place p = grid_place(grid, cell);
+        sweep->first = cell - p.x;
+        sweep->sight = sight_of(sweep->camera, (struct place){0, p.y, p.z});
+    }
     sweep->end = sweep->first + grid->size[0];
-    sweep->sight = sight_of(sweep->camera, (struct place){0, p.y, p.z});
 }
 
 /* Splats the cell's faces; all of them are the cube. */
 static inline void sweep_splat(struct sweep *sweep, struct rendition *r, uint32_t cell,
                                unsigned faces)
 {
-    if (cell >= sweep->end)
+    if (cell >= sweep->end || cell < sweep->first)
         sweep_to_row(sweep, cell);
     const struct face_set *set = &sweep->set[faces];
-    const struct sight *row = &sweep->sight, *along = &sweep->along;
+    const struct sight *row = &sweep->sight, *along = &sweep->along_x;
     const int64_t x = cell - sweep->first;
     const int64_t near[3] = {row->near[0] + x * along->near[0], row->near[1], row->near[2]};
     const struct footprint f =
@@ -180,24 +195,34 @@ void splat_scene(struct rendition *r, const struct camera *camera, const struct 
 
 /* A pixel shows a face whose neighbour is not shown: one of the three towards us. So voxels without
  * such a face are left out, and of the others, such faces are splatted alone. */
+static void splat_border_word(struct sweep *sweep, struct rendition *r, const struct border *border,
+                              size_t w)
+{
+    const ptrdiff_t at = (ptrdiff_t)w * 64;
+    const ptrdiff_t *toward = sweep->camera->toward;
+    const uint64_t open0 = ~border_shown_from(border, at + toward[0]);
+    const uint64_t open1 = ~border_shown_from(border, at + toward[1]);
+    const uint64_t open2 = ~border_shown_from(border, at + toward[2]);
+    uint64_t word = border->border[w] & (open0 | open1 | open2);
+    for (; word; word &= word - 1) {
+        const unsigned bit = (unsigned)__builtin_ctzll(word);
+        const uint64_t faces =
+            (open0 >> bit & 1) | (open1 >> bit & 1) << 1 | (open2 >> bit & 1) << 2;
+        sweep_splat(sweep, r, (uint32_t)at + bit, (unsigned)faces);
+    }
+}
+
+/* What is nearer comes first, as far as planes of voxels go: then most of what is hidden is found
+ * to be so by one comparison. */
 void splat_border(struct rendition *r, const struct camera *camera, const struct border *border)
 {
     struct sweep sweep;
     sweep_init(&sweep, camera);
     rendition_clear(r);
     struct task task = task_begin(border->scene->watch, "rendition", border->scene->grid.cells);
-    for (size_t w = 0; w < border->words && task_advance(&task, 64); w++) {
-        uint64_t word = border->border[w];
-        if (!word)
-            continue;
-        uint64_t open[NEAR_FACES];
-        for (int a = 0; a < NEAR_FACES; a++)
-            open[a] = ~border_shown_from(border, (ptrdiff_t)w * 64 + camera->toward[a]);
-        for (word &= open[0] | open[1] | open[2]; word; word &= word - 1) {
-            const unsigned bit = (unsigned)__builtin_ctzll(word);
-            const unsigned faces = (unsigned)((open[0] >> bit & 1) | (open[1] >> bit & 1) << 1 |
-                                              (open[2] >> bit & 1) << 2);
-            sweep_splat(&sweep, r, (uint32_t)(w * 64) + bit, faces);
-        }
+    for (size_t i = 0; i < border->words && task_advance(&task, 64); i++) {
+        const size_t w = camera->flip[2] ? border->words - 1 - i : i;
+        if (border->border[w])
+            splat_border_word(&sweep, r, border, w);
     }
 }

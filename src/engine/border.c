@@ -32,24 +32,6 @@ void border_release(struct border *border)
     *border = (struct border){0};
 }
 
-/* The 64 bits from bit `at` on; bits before the first and behind the last are 0. */
-static inline uint64_t bits_from(const uint64_t *words, size_t count, ptrdiff_t at)
-{
-    if (at < 0)
-        return at > -64 ? words[0] << -at : 0;
-    size_t word = (size_t)at >> 6;
-    unsigned shift = (unsigned)at & 63;
-    if (word >= count)
-        return 0;
-    uint64_t low = words[word] >> shift;
-    return shift == 0 || word + 1 >= count ? low : low | words[word + 1] << (64 - shift);
-}
-
-uint64_t border_shown_from(const struct border *border, ptrdiff_t at)
-{
-    return bits_from(border->shown, border->words, at);
-}
-
 /* Which of the 64 cells of word `w` are border voxels: shown, and not all six neighbours shown. */
 static uint64_t border_word(const struct border *border, size_t w)
 {
@@ -57,8 +39,8 @@ static uint64_t border_word(const struct border *border, size_t w)
     uint64_t shown = inside;
     for (int a = 0; shown && a < 3; a++) {
         ptrdiff_t at = (ptrdiff_t)w * 64, step = border->scene->grid.step[a];
-        inside &= bits_from(border->shown, border->words, at - step);
-        inside &= bits_from(border->shown, border->words, at + step);
+        inside &= border_shown_from(border, at - step);
+        inside &= border_shown_from(border, at + step);
     }
     return shown & ~inside;
 }

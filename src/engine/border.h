@@ -22,9 +22,9 @@
 
 struct border {
     const struct scene *scene;
-    uint64_t *shown;   /* bit c % 64 of word c / 64: cell c is shown */
-    uint64_t *border;  /* likewise: cell c is a border voxel */
-    size_t words;      /* of each, with one spare word at the end that stays 0 */
+    uint64_t *shown;  /* bit c % 64 of word c / 64: cell c is shown */
+    uint64_t *border; /* likewise: cell c is a border voxel */
+    size_t words;     /* of each, with one spare word at the end that stays 0 */
 
     /* For whoever keeps what was made of `shown` (render/field.h): every update and recount has a
      * number, and each word that of the last one in which it changed. */
@@ -62,9 +62,24 @@ static inline bool border_holds(const struct border *border, uint32_t cell)
     return border->border[cell >> 6] >> (cell & 63) & 1;
 }
 
+/* The 64 bits from bit `at` on; bits before the first and behind the last are 0. */
+static inline uint64_t border_bits_from(const uint64_t *words, size_t count, ptrdiff_t at)
+{
+    if (at < 0)
+        return at > -64 ? words[0] << -at : 0;
+    const size_t word = (size_t)at >> 6;
+    const unsigned shift = (unsigned)at & 63;
+    if (word + 1 >= count)
+        return word < count ? words[word] >> shift : 0;
+    return words[word] >> shift | words[word + 1] << 1 << (63 - shift);
+}
+
 /* Which of the 64 cells from `at` on are shown, bit 0 the first. `at` may lie up to a row and a
  * plane before the first cell or behind the last: none of those cells is shown. */
-uint64_t border_shown_from(const struct border *border, ptrdiff_t at);
+static inline uint64_t border_shown_from(const struct border *border, ptrdiff_t at)
+{
+    return border_bits_from(border->shown, border->words, at);
+}
 
 /* Whether the cell would be shown, were it not cut away: beside such a cell the scene has been cut
  * open. One look at its label and its bit, both right while B1 holds. */
