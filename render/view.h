@@ -2,7 +2,8 @@
  * The view: from where a scene is looked at, and the exact arithmetic of its rays.
  *
  * Angles. (0, 0, 0) is the front: the patient faces us, with his left on our right. Yaw takes us
- * around him towards his left side, pitch lifts us above him, roll turns the picture clockwise.
+ * around him towards his left side, pitch lifts us above him, roll turns the picture
+ * counter-clockwise.
  *
  * The focus is the place of the scene that falls in the middle of the picture, whatever the angles,
  * the zoom and the size: views turn around it. It is held in the scene, not in the picture, so that

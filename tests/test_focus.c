@@ -165,6 +165,39 @@ STORY(a_pan_moves_what_is_seen_by_so_many_pixels_and_back)
     }
 }
 
+/* Yaw to his left side, pitch above him, roll counter-clockwise: where three voxels go. */
+STORY(angles_turn_the_way_they_say)
+{
+    static const uint32_t end[3][3] = {{0, 10, 10}, {10, 20, 10}, {10, 10, 20}}; /* L, A, S */
+    static const struct {
+        int32_t angle[3];
+        int at[3][2]; /* pixels to the right and down from the middle */
+    } row[] = {
+        {{0, 0, 0}, {{10, 0}, {0, 0}, {0, -10}}},
+        {{90000, 0, 0}, {{0, 0}, {-10, 0}, {0, -10}}},
+        {{0, 90000, 0}, {{10, 0}, {0, 10}, {0, 0}}},
+        {{0, 0, 90000}, {{0, -10}, {0, 0}, {-10, 0}}},
+    };
+    struct stage s;
+    struct rendition r;
+    stage_init(&s, (uint32_t[]){21, 21, 21});
+    for (int i = 0; i < 3; i++)
+        s.scene->cell[grid_cell(&s.scene->grid, end[i][0], end[i][1], end[i][2])].label = 1;
+    border_recount(&s.border);
+    s.view.width = s.view.height = 41;
+    s.view.zoom = VIEW_ZOOM_ONE;
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        memcpy(s.view.angle, row[i].angle, sizeof s.view.angle);
+        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+        draw(&r, &s, splat_border);
+        for (int k = 0; k < 3; k++)
+            CHECK_INT(r.cell[(size_t)(20 + row[i].at[k][1]) * 41 + (size_t)(20 + row[i].at[k][0])],
+                      grid_cell(&s.scene->grid, end[k][0], end[k][1], end[k][2]));
+        rendition_release(&r);
+    }
+    stage_release(&s);
+}
+
 STORY(the_focus_changes_no_depth)
 {
     struct stage s;
@@ -278,9 +311,10 @@ STORY(a_ball_is_round_from_everywhere)
 
 int main(void)
 {
-    return RUN_STORIES(
-        TELL(the_voxel_in_focus_is_in_the_middle_of_the_picture),
-        TELL(all_ways_agree_wherever_the_focus_is),
-        TELL(a_pan_moves_what_is_seen_by_so_many_pixels_and_back), TELL(the_focus_changes_no_depth),
-        TELL(a_focus_beyond_all_proportion_is_refused), TELL(a_ball_is_round_from_everywhere));
+    return RUN_STORIES(TELL(the_voxel_in_focus_is_in_the_middle_of_the_picture),
+                       TELL(all_ways_agree_wherever_the_focus_is),
+                       TELL(a_pan_moves_what_is_seen_by_so_many_pixels_and_back),
+                       TELL(angles_turn_the_way_they_say), TELL(the_focus_changes_no_depth),
+                       TELL(a_focus_beyond_all_proportion_is_refused),
+                       TELL(a_ball_is_round_from_everywhere));
 }

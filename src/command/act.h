@@ -54,8 +54,10 @@ ACT(clip);
 ACT(plane);
 ACT(cut);
 
-/* act_ask.c */
+/* act_pick.c */
 ACT(pick);
+
+/* act_ask.c */
 ACT(why);
 ACT(info);
 ACT(stats);
@@ -89,6 +91,12 @@ enum file_mode act_file_mode(const struct value *replace);
  * whatever comes of it. */
 enum err act_write_picture(struct desk *desk, const char *path, enum file_mode mode,
                            struct picture *picture, struct reply *reply, struct fault *fault);
+
+/* A line: where a voxel is, its intensity, its label and the seed it has that from. */
+void act_tell_voxel(struct buf *out, const struct session *session, uint32_t cell);
+
+/* Lines: the view, and how the patient lies in the picture. */
+void act_tell_view(struct buf *out, const struct session *session);
 
 /* "2 cerebellum", or "2" where the label has no name. */
 void act_write_label(struct buf *out, const struct session *session, unsigned label);

@@ -33,7 +33,7 @@ static void tell_voxel_weight(struct buf *out, const struct session *session,
         buf_printf(out, "a step of weight %u, ", arc_weight_now(arcs, cells + before, cell));
 }
 
-static void tell_voxel(struct buf *out, const struct session *session, uint32_t at)
+void act_tell_voxel(struct buf *out, const struct session *session, uint32_t at)
 {
     const struct grid *grid = &session->scene->grid;
     const struct cell *cell = session->scene->cell + at;
@@ -57,24 +57,6 @@ static void tell_voxel(struct buf *out, const struct session *session, uint32_t 
     buf_printf(out, ", of the seed at %u,%u,%u\n", root.x, root.y, root.z);
 }
 
-ACT(pick)
-{
-    struct session *session = &desk->session;
-    const struct rendition *r = session_frame(session);
-    uint32_t column = (uint32_t)value[0].number, row = (uint32_t)value[1].number;
-    if (!session->rendered)
-        return fault_set(fault, ERR_USAGE, "the rendition is not up to date; `render` first");
-    if (column >= r->width || row >= r->height)
-        return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column,
-                         row, r->width, r->height);
-    uint32_t cell = r->cell[(size_t)row * r->width + column];
-    if (cell == CELL_NONE)
-        buf_printf(&reply->text, "pixel %u,%u shows no object\n", column, row);
-    else
-        tell_voxel(&reply->text, session, cell);
-    return OK;
-}
-
 /* How a voxel came to its label: the path back to the seed, where the cost rose. */
 ACT(why)
 {
@@ -86,7 +68,7 @@ ACT(why)
     size_t steps = 0, told = 0;
     uint32_t before;
     (void)fault;
-    tell_voxel(&reply->text, session, at);
+    act_tell_voxel(&reply->text, session, at);
     if (!cell_is_reached(cell))
         return OK;
     buf_printf(&reply->text, "cost %u, %u steps since it last rose\n", key_cost(cell->key),
@@ -159,7 +141,6 @@ ACT(info)
     }
     static const char letter[3][2] = {{'R', 'L'}, {'A', 'P'}, {'S', 'I'}};
     const struct scene *scene = session->scene;
-    const struct view *view = &session->settings.view;
     char towards[4] = {0};
     for (int a = 0; a < 3; a++)
         towards[a] = letter[scene->world_axis[a]][scene->world_sign[a] < 0];
@@ -174,10 +155,7 @@ ACT(info)
     tell_weight(out, &session->settings);
     buf_add_char(out, '\n');
     tell_fence(out, session);
-    const char *name = view_name(view->angle);
-    buf_printf(out, "view      %g %g %g degrees%s%s, zoom %g, %ux%u pixels\n",
-               view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,
-               name ? ", " : "", name ? name : "", view->zoom / 1000.0, view->width, view->height);
+    act_tell_view(out, session);
     tell_look(out, &session->settings.look);
     struct buf cut = {0};
     if (act_write_cut(&cut, session))

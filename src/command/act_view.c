@@ -76,6 +76,52 @@ ACT(size)
     return session_set_view(&desk->session, &view, fault);
 }
 
+/* The patient's sides that a direction of the picture leads to, "front and left": those within
+ * some 67 degrees of it. */
+static void write_sides(struct buf *out, const int32_t direction[3])
+{
+    static const struct {
+        int axis;
+        const char *side[2]; /* where the direction is above 0 along the axis, and below */
+    } row[3] = {{1, {"front", "back"}}, {0, {"right", "left"}}, {2, {"head", "feet"}}};
+    const int32_t least = view_sine(22500);
+    const char *between = "";
+    for (int i = 0; i < 3; i++) {
+        const int32_t along = direction[row[i].axis];
+        if (along > -least && along < least)
+            continue;
+        buf_printf(out, "%s%s", between, row[i].side[along < 0]);
+        between = " and ";
+    }
+}
+
+void act_tell_view(struct buf *out, const struct session *session)
+{
+    const struct view *view = &session->settings.view;
+    const char *name = view_name(view->angle);
+    int32_t right[3], up[3], ahead[3], towards[3];
+    double middle[3];
+    view_look(view, right, up, ahead);
+    for (int i = 0; i < 3; i++) {
+        towards[i] = -ahead[i];
+        middle[i] = (session->scene->grid.size[i] - 1) / 2.0 +
+                    (double)view->focus[i] / (1 << VIEW_FOCUS_BITS);
+    }
+    buf_printf(out,
+               "view      %g %g %g degrees%s%s, zoom %g, %ux%u pixels, %.5g,%.5g,%.5g in the "
+               "middle\n",
+               view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,
+               name ? ", " : "", name ? name : "", view->zoom / 1000.0, view->width, view->height,
+               middle[0], middle[1], middle[2]);
+    buf_add_text(out, "          the patient's ");
+    write_sides(out, towards);
+    buf_add_text(out, " towards you, his ");
+    write_sides(out, right);
+    buf_add_text(out, " on the right, his ");
+    write_sides(out, up);
+    buf_add_text(out, " up\n");
+}
+
 ACT(hide)
 {
     (void)reply, (void)fault;

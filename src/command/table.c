@@ -164,7 +164,11 @@ const struct command command_table[] = {
       MAY("ROLL", DECIMAL, -TURNS, TURNS)},
      "look from a side, or from angles in degrees",
      "    0 0 0 is the front: the patient faces you, his left on your right. Yaw takes you around\n"
-     "    him towards his left side, pitch above him; roll turns the picture clockwise.\n",
+     "    him towards his left side, pitch above him; roll turns the picture counter-clockwise.\n"
+     "    front, back, left and right have his head up; top and bottom his face. As radiologists\n"
+     "    have it, his left is on your right from the front, as in coronal slices, and from the\n"
+     "    bottom, as in axial ones; from the back and the top it is on your left. `info` tells it\n"
+     "    for every view.\n",
      "view 30 15 0",
      act_view},
     {"turn",
@@ -314,7 +318,10 @@ const struct command command_table[] = {
      S,
      {NEED("COLUMN", NUMBER, 0, VIEW_SIDE_MOST), NEED("ROW", NUMBER, 0, VIEW_SIDE_MOST)},
      "the voxel under a pixel of the rendition",
-     NULL,
+     "    Columns from the left, rows from the top, both from 0. Tells where the voxel is, in\n"
+     "    voxels and millimetres, its intensity, its label and seed, and how far it is from the\n"
+     "    border of its object: from the nearest voxel of its label with a face on another label\n"
+     "    or on the edge of the scene, whatever is shown. It looks 100 mm far, or 100 voxels.\n",
      "pick 256 256",
      act_pick},
     {"why",

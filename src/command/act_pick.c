@@ -1,0 +1,57 @@
+/* What is under a pixel. */
+#include "command/act.h"
+
+#include <math.h>
+
+#include "engine/measure.h"
+
+/* The voxel that a pixel of the rendition shows, or CELL_NONE. */
+static enum err voxel_of_rendition(const struct session *session, uint32_t column, uint32_t row,
+                                   uint32_t *cell, struct fault *fault)
+{
+    const struct rendition *r = session_frame(session);
+    if (!session->rendered)
+        return fault_set(fault, ERR_USAGE, "the rendition is not up to date; `render` first");
+    if (column >= r->width || row >= r->height)
+        return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column,
+                         row, r->width, r->height);
+    *cell = r->cell[(size_t)row * r->width + column];
+    return OK;
+}
+
+/* "3.61 mm from the border of label 1 brain, at 70,101,95" */
+static void tell_distance(struct buf *out, const struct session *session, uint32_t cell)
+{
+    const struct scene *scene = session->scene;
+    const struct border_distance border = measure_border_distance(scene, cell);
+    const struct place at = grid_place(&scene->grid, border.cell);
+    if (!border.found && border.reach_nm == UINT64_MAX)
+        buf_add_text(out, "nowhere a border of label ");
+    else if (!border.found)
+        buf_printf(out, "more than %g mm from the border of label ", (double)border.reach_nm / 1e6);
+    else if (border.squared == 0)
+        buf_add_text(out, "on the border of label ");
+    else
+        buf_printf(out, "%.2f mm from the border of label ", sqrt((double)border.squared) / 1e6);
+    act_write_label(out, session, scene->cell[cell].label);
+    if (border.found && border.squared)
+        buf_printf(out, ", at %u,%u,%u", at.x, at.y, at.z);
+    buf_add_char(out, '\n');
+}
+
+ACT(pick)
+{
+    const struct session *session = &desk->session;
+    const uint32_t column = (uint32_t)value[0].number, row = (uint32_t)value[1].number;
+    uint32_t cell = CELL_NONE;
+    enum err err = voxel_of_rendition(session, column, row, &cell, fault);
+    if (err)
+        return err;
+    if (cell == CELL_NONE) {
+        buf_printf(&reply->text, "pixel %u,%u shows no object\n", column, row);
+        return OK;
+    }
+    act_tell_voxel(&reply->text, session, cell);
+    tell_distance(&reply->text, session, cell);
+    return watch_fault(session->watch, fault);
+}
