@@ -13,6 +13,7 @@
 #include "command/drive.h"
 #include "engine/border.h"
 #include "engine/forest.h"
+#include "image/exr.h"
 #include "render/rendition.h"
 #include "render/shade.h"
 
@@ -142,6 +143,7 @@ struct stage {
     struct view view;
     struct camera camera;
     struct palette palette;
+    struct look look;
     struct shader shader;
 };
 
@@ -155,6 +157,9 @@ static void stage_init(struct stage *s, uint64_t *random)
     CHECK(forest_new(&s->forest, s->scene, 6, NULL) == OK);
     CHECK(border_init(&s->border, s->scene, NULL) == OK);
     palette_default(&s->palette);
+    s->look = look_default();
+    s->look.mode = (enum shade_mode)check_below(random, 3);
+    s->look.edges = check_below(random, 2);
     for (size_t i = 0; i < s->scene->grid.cells; i++)
         if (!(s->scene->cell[i].flags & CELL_RIM))
             s->scene->cell[i].weight = (uint16_t)check_below(random, 6);
@@ -249,13 +254,17 @@ static bool same(const struct rendition *a, const struct rendition *b, const cha
     return fine;
 }
 
+static void paint(struct stage *s, struct rendition *r)
+{
+    CHECK(shade(r, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
+}
+
 typedef void projection(struct rendition *, const struct camera *, const struct border *);
 
 static void draw(struct stage *s, struct rendition *r, projection *project)
 {
     project(r, &s->camera, &s->border);
-    const struct look look = look_default();
-    CHECK(shade(r, &s->camera, &s->border, &s->palette, &look, &s->shader, NULL) == OK);
+    paint(s, r);
 }
 
 /* `kept` has followed the edits as an incremental image. */
@@ -270,6 +279,22 @@ static void all_ways_agree(struct stage *s, const struct rendition *kept)
         CHECK(same(&r, kept, name[i]));
     }
     rendition_release(&r);
+}
+
+/* After another cut, what the shader keeps of the one before is of no consequence. */
+static void a_new_shader_sees_the_same(struct stage *s, uint64_t *random)
+{
+    struct rendition kept, anew;
+    random_cut(s, random);
+    CHECK(border_check(&s->border, NULL));
+    CHECK(rendition_init(&kept, s->view.width, s->view.height, NULL) == OK);
+    CHECK(rendition_init(&anew, s->view.width, s->view.height, NULL) == OK);
+    draw(s, &kept, splat_border);
+    shader_release(&s->shader);
+    draw(s, &anew, splat_border);
+    CHECK(same(&kept, &anew, "what a shader kept"));
+    rendition_release(&kept);
+    rendition_release(&anew);
 }
 
 STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
@@ -292,13 +317,14 @@ STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
         for (int step = 0; step < 4 && check_failures == 0; step++) {
             const struct changes changes = random_edit(&s, &random);
             CHECK(border_check(&s.border, NULL));
-            const struct look look = look_default();
-            incremental_image(&kept, &s.camera, &s.border, &changes, shade_reach(&look, &s.camera));
-            CHECK(shade(&kept, &s.camera, &s.border, &s.palette, &look, &s.shader, NULL) == OK);
+            incremental_image(&kept, &s.camera, &s.border, &changes,
+                              shade_reach(&s.look, &s.camera));
+            paint(&s, &kept);
             all_ways_agree(&s, &kept);
         }
         for (uint32_t c = 0; c < s.scene->grid.cells; c++)
             open += border_is_cut(&s.border, c);
+        a_new_shader_sees_the_same(&s, &random);
         rendition_release(&kept);
         stage_release(&s);
         if (check_failures)
@@ -435,6 +461,38 @@ STORY(a_cut_scene_is_not_interpolated)
     desk_release(&desk);
 }
 
+STORY(a_picture_notes_what_is_cut_away_and_in_focus)
+{
+    struct desk desk;
+    struct picture p;
+    char line[PATH_MAX + 16], path[PATH_MAX];
+    snprintf(path, sizeof path, "%s/whole.exr", folder);
+    snprintf(line, sizeof line, "render %s", path);
+    begin(&desk);
+    must(&desk, line);
+    CHECK(exr_read(&p, path, NULL) == OK);
+    CHECK(!picture_find(&p, "iftty:cut"));
+    const char *note = picture_find(&p, "iftty:view");
+    CHECK_TEXT(note ? note : "", "0 0 0 zoom 1500 size 64x64");
+    picture_release(&p);
+    must(&desk, "view right");
+    must(&desk, "focus 0,0,0");
+    must(&desk, "clip axial 3-7");
+    must(&desk, "plane 20,15,10");
+    must(&desk, "cut 1,2,3 6,5,4");
+    snprintf(path, sizeof path, "%s/open.exr", folder);
+    snprintf(line, sizeof line, "render %s", path);
+    must(&desk, line);
+    CHECK(exr_read(&p, path, NULL) == OK);
+    note = picture_find(&p, "iftty:cut");
+    CHECK_TEXT(note ? note : "", "kept x 0-39 y 0-29 z 3-7 plane -1048576000000 0 0 from "
+                                 "-20971520000000 box 1,2,3 6,5,4");
+    note = picture_find(&p, "iftty:view");
+    CHECK_TEXT(note ? note : "", "270000 0 0 zoom 1500 size 64x64 focus -1277952 -950272 -622592");
+    picture_release(&p);
+    desk_release(&desk);
+}
+
 /* Fails to be recorded, and is taken back; then works, and is the same when replayed. */
 static const char *failing_path;
 
@@ -517,6 +575,7 @@ int main(void)
                     TELL(slabs_are_counted_as_slices_are),
                     TELL(a_plane_cuts_what_lies_before_a_voxel_and_stays_with_the_patient),
                     TELL(boxes_are_taken_out_and_put_back), TELL(a_cut_scene_is_not_interpolated),
+                    TELL(a_picture_notes_what_is_cut_away_and_in_focus),
                     TELL(cuts_are_taken_back_and_replayed_exactly));
     reply_release(&reply);
     char command[PATH_MAX];

@@ -26,4 +26,16 @@ else
     echo "not ok $number - the README lists the commands as help does"
 fi
 rm -f "$help.diff"
+number=$((number + 1))
+views=$(sed -n '/^<!-- views/,/^<!-- end of views/s/^    \([^#]*\).*/\1/p' README.md |
+    tr '\n' ';')
+if ! "$iftty" -c "open ch2.nii.gz" >/dev/null 2>&1; then
+    echo "ok $number - the views of the README # SKIP there is no ch2.nii.gz here"
+elif output=$("$iftty" -c "open ch2.nii.gz; seed 90,120,90 1; $views" 2>&1) &&
+    printf '%s\n' "$output" | grep -q 'ok 1[0-9] pick'; then
+    echo "ok $number - the views of the README"
+else
+    printf '%s\n' "$output" | sed 's/^/# /'
+    echo "not ok $number - the views of the README"
+fi
 echo "1..$number"

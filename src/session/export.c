@@ -12,14 +12,61 @@ static double depth_unit_mm(const struct camera *camera)
     return pixel_mm / (double)(INT64_C(4) << 24);
 }
 
+/* Angles, zoom and size; where the middle of the picture is not the scene's, the focus as it is
+ * held (render/view.h). */
+static void write_view(struct buf *out, const struct view *view)
+{
+    buf_printf(out, "%d %d %d zoom %u size %ux%u", view->angle[0], view->angle[1], view->angle[2],
+               view->zoom, view->width, view->height);
+    if (view->focus[0] || view->focus[1] || view->focus[2])
+        buf_printf(out, " focus %lld %lld %lld", (long long)view->focus[0],
+                   (long long)view->focus[1], (long long)view->focus[2]);
+}
+
+/* In voxels, as it is held (engine/cut.h): "kept x 0-180 y 0-216 z 40-120 plane ... box ...". */
+static void write_cut(struct buf *out, const struct cut *cut, const struct grid *grid)
+{
+    buf_add_text(out, "kept");
+    for (int a = 0; a < 3; a++) {
+        const uint32_t end = grid->size[a] - 1;
+        buf_printf(out, " %c %u-%u", "xyz"[a], cut -> first[a],
+                   cut -> last[a] < end ? cut -> last[a] : end);
+    }
+    for (uint32_t i = 0; i < cut->planes; i++) {
+        const struct cut_plane *p = &cut->plane[i];
+        buf_printf(out, " plane %lld %lld %lld from %lld", (long long)p->normal[0],
+                   (long long)p->normal[1], (long long)p->normal[2], (long long)p->least);
+    }
+    for (uint32_t i = 0; i < cut->boxes; i++) {
+        const struct cut_box *b = &cut->box[i];
+        buf_printf(out, " box %u,%u,%u %u,%u,%u", b->first[0], b->first[1], b->first[2], b->last[0],
+                   b->last[1], b->last[2]);
+    }
+}
+
+/* How the scene is seen: notes that need words made for them. */
+static enum err add_view_notes(struct picture *picture, const struct session *session,
+                               struct fault *fault)
+{
+    const struct settings *settings = &session->settings;
+    struct buf seen = {0}, cut = {0};
+    write_view(&seen, &settings->view);
+    write_cut(&cut, &settings->cut, &session->scene->grid);
+    enum err err = seen.failed || cut.failed ? fault_memory(fault, "a note on a picture") : OK;
+    if (!err)
+        err = picture_note(picture, "iftty:view", buf_text(&seen), fault);
+    if (!err && !cut_is_none(&settings->cut))
+        err = picture_note(picture, "iftty:cut", buf_text(&cut), fault);
+    buf_release(&seen);
+    buf_release(&cut);
+    return err;
+}
+
 static enum err add_notes(struct picture *picture, const struct session *session,
                           struct fault *fault)
 {
-    const struct view *view = &session->settings.view;
-    char scene[32], seen[96], shaded[96];
+    char scene[32], shaded[96];
     snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session->scene_digest);
-    snprintf(seen, sizeof seen, "%d %d %d zoom %u size %ux%u", view->angle[0], view->angle[1],
-             view->angle[2], view->zoom, view->width, view->height);
     static const char *const mode[] = {"surface", "scene", "depth"};
     const struct look *look = &session->settings.look;
     snprintf(shaded, sizeof shaded, "%s light %d %d cue %u edges %s samples %u", mode[look->mode],
@@ -31,7 +78,7 @@ static enum err add_notes(struct picture *picture, const struct session *session
     if (!err)
         err = picture_note(picture, "iftty:scene", scene, fault);
     if (!err)
-        err = picture_note(picture, "iftty:view", seen, fault);
+        err = add_view_notes(picture, session, fault);
     if (!err)
         err = picture_note(picture, "iftty:look", shaded, fault);
     return err;

@@ -1,0 +1,420 @@
+/* What a picture takes: whole frames, parts of them, edits, and VTK beside it. See bench.h. */
+#include "command/bench.h"
+
+#include <errno.h>
+#include <sched.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "base/mem.h"
+#include "command/bench_procedure.h"
+#include "session/export.h"
+
+enum {
+    SIDE = 512,
+    FRAMES = 60, /* a turn in steps of 6 degrees, seen a little from above */
+    EDITS = 24,  /* with their erasing twice as many incremental images */
+    TRIES = 600,
+    LEAST_LABELS = 1500, /* that an edit changes */
+    MOST_LABELS = 2500,
+    MOST_TIMES = FRAMES,
+    BALL_MOST = 9,
+    ROWS_MOST = 24,
+};
+
+struct row {
+    char what[64];
+    double ms[MOST_TIMES];
+    int count;
+    double only_ms; /* a median that was measured elsewhere, where count is 0 */
+};
+
+struct table {
+    struct row row[ROWS_MOST];
+    int rows;
+    size_t pixels[2]; /* that show an object, at zoom 1 and 2 */
+    double labels;    /* changed by the edits, mean */
+    char vtk[128];    /* its version, or why it is not here */
+};
+
+static struct row *add_row(struct table *table, const char *what)
+{
+    struct row *row = &table->row[table->rows < ROWS_MOST - 1 ? table->rows++ : ROWS_MOST - 1];
+    snprintf(row->what, sizeof row->what, "%s", what);
+    return row;
+}
+
+static uint64_t add_since(struct row *row, uint64_t begin)
+{
+    const uint64_t now = clock_ns();
+    if (row->count < MOST_TIMES)
+        row->ms[row->count++] = (double)(now - begin) / 1e6;
+    return now;
+}
+
+static int compare_ms(const void *a, const void *b)
+{
+    const double *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+static double quantile(struct row *row, double share)
+{
+    qsort(row->ms, (size_t)row->count, sizeof row->ms[0], compare_ms);
+    return row->count ? row->ms[(int)(share * (row->count - 1) + 0.5)] : row->only_ms;
+}
+
+/* ---- frames ---- */
+
+static enum err colour(struct session *session, struct fault *fault)
+{
+    const struct settings *settings = &session->settings;
+    return shade(&session->rendition, &session->camera, &session->border, &settings->palette,
+                 &settings->look, &session->shader, fault);
+}
+
+static enum err turn_to(struct session *session, int frame, uint32_t zoom, struct fault *fault)
+{
+    struct view view = session->settings.view;
+    view.angle[0] = frame * (VIEW_TURN / FRAMES);
+    view.angle[1] = 15000;
+    view.width = view.height = SIDE;
+    view.zoom = zoom;
+    enum err err = session_set_view(session, &view, fault);
+    if (!err && !session->has_rendition) /* so that no frame makes room for the first time */
+        err = session_render(session, RENDER_BORDER, fault);
+    return err;
+}
+
+static size_t pixels_seen(const struct rendition *r)
+{
+    size_t seen = 0;
+    for (size_t i = 0; i < (size_t)r->width * r->height; i++)
+        seen += r->cell[i] != CELL_NONE;
+    return seen;
+}
+
+/* Whole turns: a frame and its two parts; and again with nothing kept of the frames before. */
+static enum err time_turn(struct session *session, struct table *table, uint32_t zoom,
+                          struct fault *fault)
+{
+    static const char *const name[2][4] = {
+        {"border projection and shading, zoom 1", "    border projection", "    shading",
+         "    both, nothing kept of other frames"},
+        {"border projection and shading, zoom 2", "    border projection", "    shading",
+         "    both, nothing kept of other frames"}};
+    const int which = zoom != VIEW_ZOOM_ONE;
+    struct row *row[4];
+    for (int i = 0; i < 4; i++)
+        row[i] = add_row(table, name[which][i]);
+    enum err err = turn_to(session, FRAMES - 1, zoom, fault);
+    for (int frame = 0; !err && frame < FRAMES; frame++) {
+        err = turn_to(session, frame, zoom, fault);
+        const uint64_t begin = clock_ns();
+        splat_border(&session->rendition, &session->camera, &session->border);
+        const uint64_t between = add_since(row[1], begin);
+        err = err ? err : colour(session, fault);
+        add_since(row[2], between);
+        add_since(row[0], begin);
+        table->pixels[which] += pixels_seen(&session->rendition) / FRAMES;
+    }
+    for (int frame = 0; !err && frame < FRAMES; frame += 4) {
+        err = turn_to(session, frame, zoom, fault);
+        shader_release(&session->shader);
+        const uint64_t begin = clock_ns();
+        err = err ? err : session_render(session, RENDER_BORDER, fault);
+        add_since(row[3], begin);
+    }
+    return err;
+}
+
+/* The same with one look, at zoom 1. */
+static enum err time_look(struct session *session, struct table *table, const char *what,
+                          const struct look *look, struct fault *fault)
+{
+    const struct look former = session->settings.look;
+    struct row *row = add_row(table, what);
+    enum err err = session_set_look(session, look, fault);
+    if (!err)
+        err = turn_to(session, FRAMES - 1, VIEW_ZOOM_ONE, fault);
+    for (int frame = 0; !err && frame < FRAMES; frame += 3) {
+        err = turn_to(session, frame, VIEW_ZOOM_ONE, fault);
+        const uint64_t begin = clock_ns();
+        err = err ? err : session_render(session, RENDER_BORDER, fault);
+        add_since(row, begin);
+    }
+    const enum err again = session_set_look(session, &former, err ? NULL : fault);
+    return err ? err : again;
+}
+
+static enum err time_looks(struct session *session, struct table *table, struct fault *fault)
+{
+    struct look look = look_default();
+    look.mode = SHADE_SCENE;
+    enum err err = time_look(session, table, "    by the scene's gradient, zoom 1", &look, fault);
+    look.mode = SHADE_DEPTH;
+    if (!err)
+        err = time_look(session, table, "    by depth, zoom 1", &look, fault);
+    look = look_default();
+    look.samples = 2;
+    if (!err)
+        err = time_look(session, table, "    2x2 samples, zoom 1", &look, fault);
+    return err;
+}
+
+/* ---- edits ---- */
+
+struct ball {
+    struct edit seed[4096], undo[4096];
+    size_t count;
+};
+
+static void make_ball(struct ball *ball, const struct scene *scene, uint32_t cell, int radius)
+{
+    const struct place p = grid_place(&scene->grid, cell);
+    ball->count = 0;
+    for (int z = -radius; z <= radius; z++)
+        for (int y = -radius; y <= radius; y++)
+            for (int x = -radius; x <= radius; x++) {
+                const int64_t at[3] = {(int64_t)p.x + x, (int64_t)p.y + y, (int64_t)p.z + z};
+                if (x * x + y * y + z * z > radius * radius ||
+                    !grid_contains(&scene->grid, at[0], at[1], at[2]))
+                    continue;
+                const uint32_t c =
+                    grid_cell(&scene->grid, (uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]);
+                if (scene->cell[c].flags & CELL_SEED)
+                    continue; /* erasing the ball would take a seed of the procedure */
+                ball->seed[ball->count] = (struct edit){c, 0};
+                ball->undo[ball->count++] = (struct edit){c, EDIT_ERASE};
+            }
+}
+
+/* One edit and its incremental image, which is timed where the edit is of the wanted size. */
+static enum err follow_edit(struct session *session, const struct edit *edit, size_t count,
+                            struct table *table, struct row *row, bool *is_wanted,
+                            struct fault *fault)
+{
+    enum err err = forest_edit(session->forest, edit, count, NULL, fault);
+    const struct changes changes = forest_changes(session->forest);
+    border_update(&session->border, &changes);
+    *is_wanted =
+        !changes.everything && changes.count >= LEAST_LABELS && changes.count <= MOST_LABELS;
+    const uint64_t begin = clock_ns();
+    incremental_image(&session->rendition, &session->camera, &session->border, &changes,
+                      shade_reach(&session->settings.look, &session->camera));
+    err = err ? err : colour(session, fault);
+    if (!err && *is_wanted) {
+        add_since(row, begin);
+        table->labels += (double)changes.count / (2 * EDITS);
+    }
+    return err;
+}
+
+/* A ball of background at a place that is seen bites into it, and is erased again. */
+static enum err time_edits(struct session *session, struct table *table, uint32_t zoom,
+                           struct fault *fault)
+{
+    struct row *row =
+        add_row(table, zoom == VIEW_ZOOM_ONE ? "incremental image and shading, zoom 1"
+                                             : "incremental image and shading, zoom 2");
+    struct ball *ball = mem_new(sizeof *ball);
+    enum err err = ball ? turn_to(session, 5, zoom, fault) : fault_memory(fault, "a benchmark");
+    if (!err)
+        err = session_render(session, RENDER_BORDER, fault);
+    uint64_t pixel = 0;
+    table->labels = 0;
+    for (int i = 0; !err && i < TRIES && row->count < 2 * EDITS; i++) {
+        bool is_wanted = false;
+        do
+            pixel = (pixel + 12347) % (SIDE * SIDE);
+        while (session->rendition.cell[pixel] == CELL_NONE);
+        make_ball(ball, session->scene, session->rendition.cell[pixel], 4 + i % (BALL_MOST - 3));
+        const int before = row->count;
+        err = follow_edit(session, ball->seed, ball->count, table, row, &is_wanted, fault);
+        if (!err)
+            err = follow_edit(session, ball->undo, ball->count, table, row, &is_wanted, fault);
+        if (row->count == before + 1) /* one way alone: not the same edit */
+            row->count = before;
+    }
+    free(ball);
+    return err;
+}
+
+/* ---- VTK ---- */
+
+/* Beside the program lies its source tree, if it was not installed. */
+static bool find_script(struct buf *out)
+{
+    char self[4096];
+    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+    if (length < 0)
+        return false;
+    self[length] = '\0';
+    file_folder(out, self);
+    buf_add_text(out, "/../tests/peers/vtk_render.py");
+    return !out->failed && file_exists(buf_text(out));
+}
+
+static void become_script(const char *script, const char *labels, int out)
+{
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET((unsigned)sched_getcpu(), &one);
+    sched_setaffinity(0, sizeof one, &one);
+    dup2(out, STDOUT_FILENO);
+    execl("/usr/bin/python3", "python3", script, labels, "--size", "512", "512", "--angles", "30",
+          "15", "0", "--zoom", "1", "--rounds", "7", (char *)NULL);
+    _exit(127);
+}
+
+/* What the script prints; false where it fails. */
+static bool run_script(struct buf *out, const char *script, const char *labels)
+{
+    int ends[2], status = -1;
+    char bytes[1024];
+    if (pipe(ends) != 0)
+        return false;
+    fflush(NULL);
+    const pid_t child = fork();
+    if (child == 0)
+        become_script(script, labels, ends[1]);
+    close(ends[1]);
+    for (ssize_t n; child > 0 && (n = read(ends[0], bytes, sizeof bytes)) != 0;) {
+        if (n < 0 && errno != EINTR)
+            break;
+        if (n > 0)
+            buf_add(out, bytes, (size_t)n);
+    }
+    close(ends[0]);
+    while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR)
+        ;
+    return child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0 && !out->failed;
+}
+
+/* {"what": "rotation", "median_ms": 93.1, ...}; the first line tells versions. */
+static void read_line(struct table *table, const char *line)
+{
+    char what[40], version[24];
+    const char *median = strstr(line, "\"median_ms\": ");
+    if (sscanf(line, "{\"what\": \"versions\", \"vtk\": \"%23[^\"]\"", version) == 1)
+        snprintf(table->vtk, sizeof table->vtk, "VTK %s in software, the same labels, one core",
+                 version);
+    if (!median || sscanf(line, "{\"what\": \"%39[^\"]\"", what) != 1)
+        return;
+    struct row *row = add_row(table, "");
+    snprintf(row->what, sizeof row->what, "    %s", what);
+    row->only_ms = strtod(median + strlen("\"median_ms\": "), NULL);
+}
+
+static enum err time_vtk(const struct session *session, struct table *table, struct fault *fault)
+{
+    char folder[] = "/tmp/iftty-bench-XXXXXX", labels[64];
+    struct buf script = {0}, told = {0};
+    enum err err = OK;
+    snprintf(table->vtk, sizeof table->vtk,
+             "VTK is not here to compare with: it takes Debian's python3-vtk9 and xvfb");
+    if (find_script(&script) && mkdtemp(folder)) {
+        snprintf(labels, sizeof labels, "%s/labels.nii", folder);
+        err = export_map(session, MAP_LABELS, labels, FILE_KEEP, fault);
+        if (!err && run_script(&told, buf_text(&script), labels))
+            for (char *line = strtok(told.data, "\n"); line; line = strtok(NULL, "\n"))
+                read_line(table, line);
+        unlink(labels);
+        rmdir(folder);
+    }
+    buf_release(&script);
+    buf_release(&told);
+    return err;
+}
+
+/* ---- tables ---- */
+
+static void print_table(FILE *out, struct table *t, const struct session *session)
+{
+    fprintf(out,
+            "ch2: %zu voxels, %zu seeds, %zu border voxels; %dx%d pixels, one core.\n"
+            "A turn of %d frames: %zu pixels show an object at zoom 1, %zu at zoom 2.\n"
+            "Edits bite at what is seen and are erased again; each changes %.0f labels.\n\n"
+            "%-44s %9s %9s %9s\n",
+            session->scene->grid.voxels, forest_seeds(session->forest),
+            border_count(&session->border), SIDE, SIDE, FRAMES, t->pixels[0], t->pixels[1],
+            t->labels, "", "median", "9 of 10", "most");
+    for (int i = 0; i < t->rows; i++) {
+        struct row *row = &t->row[i];
+        if (row->count)
+            fprintf(out, "%-44s %9.2f %9.2f %9.2f  ms\n", row->what, quantile(row, 0.5),
+                    quantile(row, 0.9), quantile(row, 1));
+        else if (row->only_ms > 0)
+            fprintf(out, "%-44s %9.2f %9s %9s  ms\n", row->what, row->only_ms, "", "");
+        else
+            fprintf(out, "%s\n", row->what);
+    }
+}
+
+static void print_json(FILE *out, struct table *t, const struct session *session)
+{
+    fprintf(out,
+            "{\"scene\": \"ch2\", \"border_voxels\": %zu, \"labels_changed\": %.0f, \"rows\": [",
+            border_count(&session->border), t->labels);
+    const char *between = "";
+    for (int i = 0; i < t->rows; i++) {
+        struct row *row = &t->row[i];
+        if (row->count == 0 && row->only_ms <= 0)
+            continue;
+        fprintf(out, "%s{\"what\": \"%s\", \"median_ms\": %.3f, \"most_ms\": %.3f}", between,
+                row->what + strspn(row->what, " "), quantile(row, 0.5),
+                row->count ? quantile(row, 1) : row->only_ms);
+        between = ", ";
+    }
+    fprintf(out, "]}\n");
+}
+
+static enum err plant_procedure(struct desk *desk, struct fault *fault)
+{
+    struct procedure procedure = {0};
+    struct seeds seeds = {0};
+    struct session *session = &desk->session;
+    enum err err = procedure_load(&procedure, desk, "ch2.nii.gz", "aal.nii.gz", fault);
+    if (!err)
+        err = procedure_seeds(&seeds, &procedure, session, fault);
+    for (size_t i = 0; !err && i < seeds.count; i++)
+        err = session_plant(session, seeds.edit[i].cell, (uint8_t)seeds.edit[i].label, fault);
+    if (!err)
+        err = session_run(session, fault);
+    seeds_release(&seeds);
+    procedure_release(&procedure);
+    return err;
+}
+
+enum err bench_render(bool json, FILE *out, struct watch *watch, struct fault *fault)
+{
+    struct desk desk;
+    struct table *table = mem_new(sizeof *table);
+    enum err err = desk_init(&desk, fault);
+    struct session *session = &desk.session;
+    if (!err && !table)
+        err = fault_memory(fault, "a benchmark");
+    if (!err)
+        err = plant_procedure(&desk, fault);
+    for (uint32_t zoom = 1; !err && zoom <= 2; zoom++)
+        err = time_turn(session, table, zoom * VIEW_ZOOM_ONE, fault);
+    if (!err)
+        err = time_looks(session, table, fault);
+    for (uint32_t zoom = 1; !err && zoom <= 2; zoom++)
+        err = time_edits(session, table, zoom * VIEW_ZOOM_ONE, fault);
+    if (!err && watch_look(watch, "VTK", 1, 2))
+        err = fault_set(fault, ERR_CANCELLED, "cancelled");
+    if (!err) {
+        struct row *head = add_row(table, "");
+        err = time_vtk(session, table, fault);
+        snprintf(head->what, sizeof head->what, "%.63s", table->vtk);
+    }
+    if (!err)
+        (json ? print_json : print_table)(out, table, session);
+    desk_release(&desk);
+    free(table);
+    return err;
+}
