@@ -36,6 +36,7 @@ static const char usage[] =
     "    iftty bench [brain]            measure the whole way; --json for programs\n"
     "    iftty bench paper [SCENE...]   the paper's five experiments: text, --json or --csv\n"
     "    iftty bench growth             one edit, in scenes of 4 to 300 million voxels\n"
+    "    iftty bench render             frames and incremental images; VTK beside them\n"
     "    iftty help [COMMAND]           the commands of prompt, script and journal\n"
     "\n"
     "    --journal FILE    record there (run, -c, prompt); an existing journal is resumed\n"
@@ -428,18 +429,38 @@ static enum err bench_paper_by(const struct options *o, struct fault *fault)
     return bench_paper(&how, fault);
 }
 
+enum bench { BENCH_BRAIN, BENCH_PAPER, BENCH_GROWTH, BENCH_RENDER, BENCHES };
+
+/* Which benchmark a word names, one of "brain|paper|growth|render"; BENCHES for none. */
+static enum bench bench_named(const char *word)
+{
+    const char *name = "brain|paper|growth|render";
+    enum bench bench = BENCH_BRAIN;
+    for (; bench < BENCHES; bench++, name += strcspn(name, "|") + 1)
+        if (strlen(word) == strcspn(name, "|") && strncmp(word, name, strlen(word)) == 0)
+            break;
+    return bench;
+}
+
 static enum err program_bench(const struct options *o, struct fault *fault)
 {
-    if (o->words > 1 && strcmp(o->word[1], "paper") == 0)
+    const enum bench bench = o->words > 1 ? bench_named(o->word[1]) : BENCH_BRAIN;
+    switch (bench) {
+    case BENCH_BRAIN:
+        return bench_brain(o->scene, o->json, stdout, fault);
+    case BENCH_PAPER:
         return bench_paper_by(o, fault);
-    if (o->words > 1 && strcmp(o->word[1], "growth") == 0) {
+    case BENCH_GROWTH:
         handle_interrupts();
         return bench_growth(o->json, o->quick, stdout, &watch, fault);
+    case BENCH_RENDER:
+        handle_interrupts();
+        return bench_render(o->json, stdout, &watch, fault);
+    case BENCHES:
+        break;
     }
-    if (o->words > 1 && strcmp(o->word[1], "brain") != 0)
-        return fault_set(fault, ERR_USAGE, "bench: expected brain, paper or growth, not %s",
-                         o->word[1]);
-    return bench_brain(o->scene, o->json, stdout, fault);
+    return fault_set(fault, ERR_USAGE, "bench: expected brain, paper, growth or render, not %s",
+                     o->word[1]);
 }
 
 static enum err program_help(const struct options *o, struct fault *fault)

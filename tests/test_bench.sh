@@ -36,7 +36,7 @@ close_story
 
 begin "what is wrong is told at once"
 expect 2 "$iftty" bench liver
-err_has "bench: expected brain, paper or growth, not liver"
+err_has "bench: expected brain, paper, growth or render, not liver"
 for scene in liver brain2 brain213 brain2111 ch2better211 geom-211 ""; do
     expect 2 "$iftty" bench paper geom "$scene"
     err_has "expected brain or geom, as they are or interpolated as in brain211, or ch2better, or all"

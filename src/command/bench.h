@@ -9,6 +9,9 @@
  * bench_growth: one edit in scenes of 4 to 300 million voxels, as many as memory holds together. It
  * touches the same voxels in each.
  *
+ * bench_render: whole frames of ch2 with brain and cerebellum, their parts, and incremental images;
+ * VTK beside them, where it is there.
+ *
  * Medians; no time is compared with a limit.
  */
 #ifndef COMMAND_BENCH_H
@@ -44,6 +47,8 @@ enum err bench_paper(const struct bench_paper_options *options, struct fault *fa
 
 /* `quick`: the first two scenes alone. ERR_CANCELLED. */
 enum err bench_growth(bool json, bool quick, FILE *out, struct watch *watch, struct fault *fault);
+
+enum err bench_render(bool json, FILE *out, struct watch *watch, struct fault *fault);
 
 /* Milliseconds from starting this program on `scene` (or without one where NULL) in a terminal of
  * its own until the prompt is there, and until the scene is loaded and the prompt back. False where

@@ -124,45 +124,18 @@ static bool advanced(void *context, unsigned step, unsigned round)
     return goes_on(run, "step", next + 1);
 }
 
-static enum err open_file(struct desk *desk, const char *name, struct fault *fault)
-{
-    struct buf path = {0};
-    enum err err = desk_find_scene(desk, name, &path, fault);
-    if (!err)
-        err = session_open(&desk->session, buf_text(&path), fault);
-    buf_release(&path);
-    return err;
-}
-
-static enum err read_atlas(struct volume *atlas, const struct desk *desk, const char *name,
-                           struct fault *fault)
-{
-    struct buf path = {0};
-    enum err err = desk_find_file(desk, name, &path, fault);
-    if (!err)
-        err = nifti_read(atlas, buf_text(&path), NULL, fault);
-    buf_release(&path);
-    return err;
-}
-
 /* The scene in the desk's session, and its seeds. */
 static enum err prepare(struct desk *desk, struct seeds *seeds, const struct scene_choice *choice,
                         struct fault *fault)
 {
     const struct source *from = choice->from;
     struct session *session = &desk->session;
-    struct volume atlas = {0};
     struct procedure procedure = {0};
-    enum err err = open_file(desk, from->base, fault);
-    if (!err && from->atlas)
-        err = read_atlas(&atlas, desk, from->atlas, fault);
-    if (!err)
-        err = procedure_make(&procedure, session, from->atlas ? &atlas : NULL, fault);
-    volume_release(&atlas);
+    enum err err = procedure_load(&procedure, desk, from->base, from->atlas, fault);
     if (!err && strcmp(from->file, from->base) != 0) {
         session_release(session);
         session_init(session);
-        err = open_file(desk, from->file, fault);
+        err = procedure_open(desk, from->file, fault);
     } else if (!err) {
         err = session_interpolate(session, choice->doubled, fault);
         session_settle(session);

@@ -153,6 +153,41 @@ enum err procedure_make(struct procedure *procedure, const struct session *base,
     return OK;
 }
 
+enum err procedure_open(struct desk *desk, const char *name, struct fault *fault)
+{
+    struct buf path = {0};
+    enum err err = desk_find_scene(desk, name, &path, fault);
+    if (!err)
+        err = session_open(&desk->session, buf_text(&path), fault);
+    buf_release(&path);
+    return err;
+}
+
+static enum err read_atlas(struct volume *atlas, const struct desk *desk, const char *name,
+                           struct fault *fault)
+{
+    struct buf path = {0};
+    enum err err = desk_find_file(desk, name, &path, fault);
+    if (!err)
+        err = nifti_read(atlas, buf_text(&path), NULL, fault);
+    buf_release(&path);
+    return err;
+}
+
+enum err procedure_load(struct procedure *procedure, struct desk *desk, const char *base,
+                        const char *atlas, struct fault *fault)
+{
+    struct volume map = {0};
+    *procedure = (struct procedure){0};
+    enum err err = procedure_open(desk, base, fault);
+    if (!err && atlas)
+        err = read_atlas(&map, desk, atlas, fault);
+    if (!err)
+        err = procedure_make(procedure, &desk->session, atlas ? &map : NULL, fault);
+    volume_release(&map);
+    return err;
+}
+
 /* ---- the seeds of a scene ---- */
 
 struct turn {

@@ -18,6 +18,7 @@
 #ifndef COMMAND_BENCH_PROCEDURE_H
 #define COMMAND_BENCH_PROCEDURE_H
 
+#include "command/desk.h"
 #include "image/nifti.h"
 #include "session/seed_file.h"
 #include "session/session.h"
@@ -43,6 +44,14 @@ void procedure_release(struct procedure *procedure);
 /* For the scene of `base`: by `atlas`, which lies on its grid, or as geom where that is NULL. */
 enum err procedure_make(struct procedure *procedure, const struct session *base,
                         const struct volume *atlas, struct fault *fault);
+
+/* Opens a scene by its name in the desk's session. */
+enum err procedure_open(struct desk *desk, const char *name, struct fault *fault);
+
+/* Opens `base` so, and makes the procedure for it: by the atlas of that name, or as geom where it
+ * is NULL. */
+enum err procedure_load(struct procedure *procedure, struct desk *desk, const char *base,
+                        const char *atlas, struct fault *fault);
 
 /* The first PROCEDURE_SEEDS seeds that lie in the scene of `session`, in the order of insertion.
  * ERR_INPUT where there are not so many of a kind. */

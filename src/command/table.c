@@ -227,7 +227,8 @@ const struct command command_table[] = {
      R | S,
      {ONE_OF("NORMALS", "surface|scene|depth")},
      "what tells which way a surface faces",
-     "    surface: the shown objects, smoothed. scene: the gradient of the intensities, which shows\n"
+     "    surface: the shown objects, smoothed. scene: the gradient of the intensities, which "
+     "shows\n"
      "    more where objects end at edges of the scene. depth: the depths around a pixel.\n",
      "shade scene",
      act_shade},
