@@ -1,204 +1,268 @@
+/* The grey of a slice, and its labels. What lies over them is render/slice_notes.c. */
 #include "render/slice.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/mem.h"
+#include "render/slice_notes.h"
+#include "render/slice_plan.h"
 
-/* The patient's axes of each plane. In the picture, both of them run downwards: columns from the
- * right (or the front) of the patient on, rows from his front (or top) on. */
-enum { COLUMN, ROW, ACROSS };
-static const int8_t world_axis_of[3][3] = {
-    [SLICE_AXIAL] = {0, 1, 2}, [SLICE_CORONAL] = {0, 2, 1}, [SLICE_SAGITTAL] = {1, 2, 0}};
+enum { PART = 256, HALF = PART * PART / 2 }; /* parts of the way from one voxel to the next */
 
-static const uint8_t cross_colour[3] = {255, 220, 0};
+void slice_window(uint8_t grey[UINT16_MAX + 1], int32_t low, int32_t high)
+{
+    const int64_t width = low < high ? (int64_t)high - low : (int64_t)low - high;
+    for (int64_t i = 0; i <= UINT16_MAX; i++) {
+        const int64_t above = low < high ? i - low : low - i;
+        grey[i] = (uint8_t)(above <= 0       ? 0
+                            : above >= width ? 255
+                                             : (above * 255 + width / 2) / width);
+    }
+}
 
-/* Where the voxels of a slice lie: pixel (x, y) shows cell first + column[x] + row[y]. */
-struct plan {
-    uint32_t side[2];  /* pixels */
-    ptrdiff_t *offset; /* [side[0] + side[1]]: of columns, then of rows */
-    ptrdiff_t *row;
-    size_t first;
-    uint32_t cross[2], cross_first[2], cross_last[2]; /* the line, and the pixels it leaves free */
+/* ---- columns ---- */
+
+/* What a pixel column takes from a row of voxels: those two in the list of columns to be read, the
+ * second one's part, and which of the two its centre falls in. */
+struct sample {
+    uint32_t low, high, near;
+    uint32_t part;
 };
 
-/* The axis of the scene that runs along an axis of the patient. */
-static int scene_axis(const struct scene *scene, int world)
-{
-    int axis = 0;
-    while (axis < 2 && scene->world_axis[axis] != world)
-        axis++;
-    return axis;
-}
+/* Everything that the rows of a slice share. Columns are counted from the first that shows
+ * something. */
+struct work {
+    const struct scene *scene;
+    const struct slice_plan *plan;
+    uint8_t shown[256]; /* a label, or 0 where it is hidden */
+    struct sample *sample;
+    ptrdiff_t *reads; /* voxels to be read, as cells from the row's first */
+    size_t columns, count;
+    uint8_t *label; /* [rows][columns] of the picture */
 
-/* From patient's index to the scene's, and back. */
-static uint32_t turned(const struct scene *scene, int axis, uint32_t index)
-{
-    return scene->world_sign[axis] < 0 ? scene->grid.size[axis] - 1 - index : index;
-}
+    uint16_t *intensity; /* [count] of a row of voxels */
+    uint8_t *of_voxel;   /* [count], their labels */
+    struct row {
+        int64_t voxel;  /* which row of voxels this is, -1 for none */
+        uint32_t *grey; /* [columns], intensities times PART */
+        uint8_t *label; /* [columns] */
+    } row[2];           /* even and odd ones: neighbours are there at the same time */
+};
 
-uint32_t slice_count(const struct scene *scene, enum slice_plane plane)
+static void work_release(struct work *work)
 {
-    return scene->grid.size[scene_axis(scene, world_axis_of[plane][ACROSS])];
-}
-
-static uint64_t pixels_along(const struct scene *scene, int axis, uint32_t zoom)
-{
-    uint64_t finest = scene->spacing_nm[0];
-    for (int a = 1; a < 3; a++)
-        if (scene->spacing_nm[a] < finest)
-            finest = scene->spacing_nm[a];
-    uint64_t length = (uint64_t)scene->grid.size[axis] * scene->spacing_nm[axis] * zoom;
-    return (length + finest / 2) / finest;
-}
-
-/* How many voxels from the picture's edge the centre of a pixel lies. */
-static uint32_t voxel_under(uint32_t pixel, uint32_t size, uint32_t side)
-{
-    return (uint32_t)((2 * (uint64_t)pixel + 1) * size / (2 * (uint64_t)side));
-}
-
-/* One side of the picture: the voxels under its pixels, and where the cross meets it. */
-static void plan_side(struct plan *plan, const struct scene *scene, int which, int axis,
-                      uint32_t cross)
-{
-    ptrdiff_t *offset = which == COLUMN ? plan->offset : plan->row;
-    const uint32_t size = scene->grid.size[axis], side = plan->side[which];
-    const uint32_t at = size - 1 - turned(scene, axis, cross);
-    plan->cross[which] = (uint32_t)((2 * (uint64_t)at + 1) * side / (2 * (uint64_t)size));
-    plan->cross_first[which] = side;
-    for (uint32_t p = 0; p < side; p++) {
-        const uint32_t voxel = voxel_under(p, size, side);
-        offset[p] = (ptrdiff_t)turned(scene, axis, size - 1 - voxel) * scene->grid.step[axis];
-        if (voxel != at)
-            continue;
-        if (p < plan->cross_first[which])
-            plan->cross_first[which] = p;
-        plan->cross_last[which] = p;
-    }
-}
-
-static enum err plan_init(struct plan *plan, const struct scene *scene,
-                          const struct slice_choice *choice, struct fault *fault)
-{
-    int axis[3];
-    uint32_t cross[3] = {0};
-    for (int i = 0; i < 3; i++)
-        axis[i] = scene_axis(scene, world_axis_of[choice->plane][i]);
+    free(work->sample);
+    free(work->reads);
+    free(work->label);
+    free(work->intensity);
+    free(work->of_voxel);
     for (int i = 0; i < 2; i++) {
-        uint64_t side = pixels_along(scene, axis[i], choice->zoom);
-        if (side > VIEW_SIDE_MOST)
-            return fault_set(fault, ERR_LIMIT, "a slice of %llu pixels a side: at most %d",
-                             (unsigned long long)side, VIEW_SIDE_MOST);
-        plan->side[i] = (uint32_t)side;
+        free(work->row[i].grey);
+        free(work->row[i].label);
     }
-    plan->offset = mem_array((size_t)plan->side[0] + plan->side[1], sizeof *plan->offset);
-    if (!plan->offset)
-        return fault_memory(fault, "a slice");
-    plan->row = plan->offset + plan->side[0];
-    plan->first = grid_cell(&scene->grid, 0, 0, 0) + turned(scene, axis[ACROSS], choice->index) *
-                                                         (size_t)scene->grid.step[axis[ACROSS]];
-    if (choice->cross != CELL_NONE) {
-        struct place place = grid_place(&scene->grid, choice->cross);
-        cross[0] = place.x, cross[1] = place.y, cross[2] = place.z;
+}
+
+/* Between which voxels of a side a pixel lies; `part` is 0 where only the first one counts. */
+static int64_t between(const struct slice_side *side, int64_t pixel, bool smooth, uint32_t *part)
+{
+    const int64_t last = side->voxels - 1;
+    int64_t voxel = smooth ? slice_side_between(side, pixel, part) : slice_side_voxel(side, pixel);
+    if (!smooth || voxel < 0 || voxel >= last)
+        *part = 0;
+    return voxel < 0 ? 0 : voxel > last ? last : voxel;
+}
+
+/* Voxels rise from column to column, so each is listed once. */
+static void list_columns(struct work *work, bool smooth)
+{
+    const struct slice_side *side = &work->plan->side[0];
+    const ptrdiff_t step = work->plan->step[0];
+    int64_t last = -1; /* the voxel listed last */
+    for (size_t x = 0; x < work->columns; x++) {
+        struct sample *s = &work->sample[x];
+        const int64_t pixel = side->first + (int64_t)x;
+        const int64_t low = between(side, pixel, smooth, &s->part);
+        const int64_t high = low + (s->part > 0);
+        const int64_t begin = low > last ? low : last + 1;
+        for (int64_t voxel = begin; voxel <= high; voxel++)
+            work->reads[work->count++] = voxel * step;
+        last = high > last ? high : last;
+        s->low = (uint32_t)(work->count - 1 - (size_t)(last - low));
+        s->high = (uint32_t)(work->count - 1 - (size_t)(last - high));
+        s->near = slice_side_voxel(side, pixel) == low ? s->low : s->high;
     }
-    for (int i = 0; i < 2; i++)
-        plan_side(plan, scene, i, axis[i], cross[axis[i]]);
-    return OK;
 }
 
-static const struct cell *cell_under(const struct plan *plan, const struct scene *scene, uint32_t x,
-                                     uint32_t y)
+static bool work_init(struct work *work, const struct scene *scene, const struct slice_plan *plan,
+                      const struct slice_choice *choice, const struct slice_style *style)
 {
-    return scene->cell + ((ptrdiff_t)plan->first + plan->offset[x] + plan->row[y]);
+    const size_t columns = (size_t)(plan->side[0].end - plan->side[0].first);
+    const size_t rows = (size_t)(plan->side[1].end - plan->side[1].first);
+    *work = (struct work){.scene = scene, .plan = plan, .columns = columns};
+    for (unsigned label = 1; label < 256; label++)
+        work->shown[label] = style->visible[label] ? (uint8_t)label : 0;
+    work->sample = mem_array(columns, sizeof *work->sample);
+    work->reads = mem_array(2 * columns, sizeof *work->reads);
+    work->label = mem_array(columns * rows, 1);
+    work->intensity = mem_array(2 * columns, sizeof *work->intensity);
+    work->of_voxel = mem_array(2 * columns, 1);
+    bool fine = work->sample && work->reads && work->label && work->intensity && work->of_voxel;
+    for (int i = 0; i < 2; i++) {
+        work->row[i].voxel = -1;
+        work->row[i].grey = mem_array(columns, sizeof *work->row[i].grey);
+        work->row[i].label = mem_array(columns, 1);
+        fine = fine && work->row[i].grey && work->row[i].label;
+    }
+    if (fine)
+        list_columns(work, choice->smooth);
+    return fine;
 }
 
-/* Whether one of the 4 pixels around has another label; the picture's edge is no contour. */
-static bool on_contour(const struct plan *plan, const struct scene *scene, uint32_t x, uint32_t y)
+/* ---- rows ---- */
+
+/* A row of voxels, interpolated along the columns. Read once: cells of a sagittal slice lie further
+ * apart than caches reach. */
+static const struct row *row_of(struct work *work, int64_t voxel)
 {
-    const uint8_t label = cell_under(plan, scene, x, y)->label;
-    return (x > 0 && cell_under(plan, scene, x - 1, y)->label != label) ||
-           (y > 0 && cell_under(plan, scene, x, y - 1)->label != label) ||
-           (x + 1 < plan->side[0] && cell_under(plan, scene, x + 1, y)->label != label) ||
-           (y + 1 < plan->side[1] && cell_under(plan, scene, x, y + 1)->label != label);
+    struct row *row = &work->row[voxel & 1];
+    if (row->voxel == voxel)
+        return row;
+    const struct cell *cell =
+        work->scene->cell + ((ptrdiff_t)work->plan->corner + voxel * work->plan->step[1]);
+    for (size_t i = 0; i < work->count; i++) {
+        const struct cell *at = cell + work->reads[i];
+        work->intensity[i] = at->intensity;
+        work->of_voxel[i] = work->shown[at->label];
+    }
+    for (size_t x = 0; x < work->columns; x++) {
+        const struct sample *s = &work->sample[x];
+        row->grey[x] =
+            work->intensity[s->low] * (PART - s->part) + work->intensity[s->high] * s->part;
+        row->label[x] = work->of_voxel[s->near];
+    }
+    row->voxel = voxel;
+    return row;
 }
 
-static bool on_cross(const struct plan *plan, uint32_t x, uint32_t y)
+static void paint_row(uint8_t *pixel, const uint32_t *low, const uint32_t *high, uint32_t part,
+                      const uint8_t *grey, size_t columns)
 {
-    return (x == plan->cross[0] && (y < plan->cross_first[1] || y > plan->cross_last[1])) ||
-           (y == plan->cross[1] && (x < plan->cross_first[0] || x > plan->cross_last[0]));
+    for (size_t x = 0; x < columns; x++, pixel += 4) {
+        const uint32_t mixed = low[x] * (PART - part) + high[x] * part;
+        memset(pixel, grey[(mixed + HALF) / (PART * PART)], 3);
+    }
 }
 
-static uint8_t grey_of(uint16_t intensity, int32_t low, int32_t high)
+static void paint_grey(const struct canvas *canvas, struct work *work, bool smooth,
+                       const uint8_t *grey)
 {
-    if (intensity <= low)
+    const struct slice_side *side = &work->plan->side[1];
+    const size_t left = (size_t)work->plan->side[0].first;
+    for (int64_t y = side->first; y < side->end; y++) {
+        uint32_t part = 0;
+        const int64_t voxel = between(side, y, smooth, &part), near = slice_side_voxel(side, y);
+        const struct row *low = row_of(work, voxel);
+        const struct row *high = part ? row_of(work, voxel + 1) : low;
+        paint_row(canvas_pixel(canvas, left, (size_t)y), low->grey, high->grey, part, grey,
+                  work->columns);
+        memcpy(work->label + (size_t)(y - side->first) * work->columns,
+               near == voxel ? low->label : high->label, work->columns);
+    }
+}
+
+/* ---- labels ---- */
+
+static void tint_row(uint8_t *pixel, const uint8_t *label, size_t columns,
+                     const struct palette *palette)
+{
+    for (size_t x = 0; x < columns; x++, pixel += 4)
+        for (int k = 0; label[x] && k < 3; k++)
+            pixel[k] = (uint8_t)((2 * pixel[k] + palette->rgb[label[x]][k] + 1) / 3);
+}
+
+/* The label of a pixel: 0 beside the scene, `own` beside the picture, whose edge is no contour. */
+static uint8_t label_at(const struct work *work, int64_t x, int64_t y, uint8_t own)
+{
+    const struct slice_side *column = &work->plan->side[0], *row = &work->plan->side[1];
+    if (x < 0 || y < 0 || x >= column->pixels || y >= row->pixels)
+        return own;
+    if (x < column->first || y < row->first || x >= column->end || y >= row->end)
         return 0;
-    if (intensity >= high)
-        return 255;
-    const int64_t width = (int64_t)high - low;
-    return (uint8_t)((((int64_t)intensity - low) * 255 + width / 2) / width);
+    return work->label[(size_t)(y - row->first) * work->columns + (size_t)(x - column->first)];
 }
 
-static void colour_pixel(uint8_t rgb[3], const struct plan *plan, const struct scene *scene,
-                         const struct slice_choice *choice, const struct palette *palette,
-                         uint32_t x, uint32_t y)
+static bool on_contour(const struct work *work, int64_t x, int64_t y, uint8_t own, int64_t reach)
 {
-    const struct cell *cell = cell_under(plan, scene, x, y);
-    const uint8_t grey = grey_of(cell->intensity, choice->low, choice->high);
-    const uint8_t *colour = palette->rgb[cell->label];
-    const bool tints = choice->overlay == SLICE_TINT && cell->label;
-    const bool draws =
-        choice->overlay == SLICE_CONTOUR && cell->label && on_contour(plan, scene, x, y);
-    const bool crosses = choice->cross != CELL_NONE && on_cross(plan, x, y);
-    for (int k = 0; k < 3; k++)
-        rgb[k] = crosses ? cross_colour[k]
-                 : draws ? colour[k]
-                 : tints ? (uint8_t)((3 * grey + colour[k] + 2) / 4)
-                         : grey;
+    for (int64_t d = 1; d <= reach; d++)
+        if (label_at(work, x - d, y, own) != own || label_at(work, x + d, y, own) != own ||
+            label_at(work, x, y - d, own) != own || label_at(work, x, y + d, own) != own)
+            return true;
+    return false;
 }
 
-static enum err check_choice(const struct scene *scene, const struct slice_choice *choice,
-                             struct fault *fault)
+static void outline_row(uint8_t *pixel, const struct work *work, int64_t y, int64_t reach,
+                        const struct palette *palette)
 {
-    const uint32_t count = slice_count(scene, choice->plane);
-    if (choice->index >= count)
-        return fault_set(fault, ERR_USAGE, "slice %u: expected 0..%u", choice->index, count - 1);
-    if (choice->zoom < 1 || choice->zoom > SLICE_ZOOM_MOST)
-        return fault_set(fault, ERR_USAGE, "zoom %u: expected 1..%d", choice->zoom,
-                         SLICE_ZOOM_MOST);
-    if (choice->low >= choice->high)
-        return fault_set(fault, ERR_USAGE, "window %d %d: expected the lower intensity first",
-                         choice->low, choice->high);
-    return OK;
+    const struct slice_side *column = &work->plan->side[0];
+    for (int64_t x = column->first; x < column->end; x++, pixel += 4) {
+        const uint8_t own = label_at(work, x, y, 0);
+        if (own && on_contour(work, x, y, own, reach))
+            memcpy(pixel, palette->rgb[own], 3);
+    }
 }
 
-enum err slice_init(struct slice *slice, const struct scene *scene,
-                    const struct slice_choice *choice, const struct palette *palette,
+static void paint_labels(const struct canvas *canvas, const struct work *work,
+                         const struct slice_style *style)
+{
+    const struct slice_side *column = &work->plan->side[0], *row = &work->plan->side[1];
+    const int64_t reach = slice_notes_unit(canvas);
+    for (int64_t y = row->first; y < row->end; y++) {
+        uint8_t *pixel = canvas_pixel(canvas, (size_t)column->first, (size_t)y);
+        if (style->overlay == SLICE_TINT)
+            tint_row(pixel, work->label + (size_t)(y - row->first) * work->columns, work->columns,
+                     style->palette);
+        else
+            outline_row(pixel, work, y, reach, style->palette);
+    }
+}
+
+/* ---- the whole ---- */
+
+static void tell_cells(const struct canvas *canvas, const struct slice_plan *plan)
+{
+    const struct slice_side *column = &plan->side[0], *row = &plan->side[1];
+    for (int64_t y = 0; y < row->pixels; y++) {
+        uint32_t *cell = canvas->cell + (size_t)y * canvas->stride;
+        for (int64_t x = 0; x < column->pixels; x++)
+            cell[x] = CELL_NONE;
+        if (y < row->first || y >= row->end)
+            continue;
+        const ptrdiff_t first = (ptrdiff_t)plan->corner + slice_side_voxel(row, y) * plan->step[1];
+        for (int64_t x = column->first; x < column->end; x++)
+            cell[x] = (uint32_t)(first + slice_side_voxel(column, x) * plan->step[0]);
+    }
+}
+
+enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
+                    const struct slice_choice *choice, const struct slice_style *style,
                     struct fault *fault)
 {
-    struct plan plan = {0};
-    *slice = (struct slice){0};
-    enum err err = check_choice(scene, choice, fault);
-    if (!err)
-        err = plan_init(&plan, scene, choice, fault);
-    if (err)
-        return err;
-    slice->rgb = mem_array((size_t)plan.side[0] * plan.side[1], 3);
-    if (slice->rgb) {
-        slice->width = plan.side[0];
-        slice->height = plan.side[1];
-        uint8_t *rgb = slice->rgb;
-        for (uint32_t y = 0; y < slice->height; y++)
-            for (uint32_t x = 0; x < slice->width; x++, rgb += 3)
-                colour_pixel(rgb, &plan, scene, choice, palette, x, y);
-    } else {
-        err = fault_memory(fault, "a slice");
+    static const uint8_t black[3];
+    struct slice_plan plan;
+    struct work work;
+    slice_plan_init(&plan, scene, choice, canvas->width, canvas->height);
+    const bool fine = work_init(&work, scene, &plan, choice, style);
+    canvas_box(canvas, 0, 0, canvas->width, canvas->height, black);
+    if (fine) {
+        paint_grey(canvas, &work, choice->smooth, style->grey);
+        if (style->overlay != SLICE_PLAIN)
+            paint_labels(canvas, &work, style);
+        if (canvas->cell)
+            tell_cells(canvas, &plan);
     }
-    free(plan.offset);
-    return err;
-}
-
-void slice_release(struct slice *slice)
-{
-    free(slice->rgb);
-    *slice = (struct slice){0};
+    work_release(&work);
+    if (!fine || !slice_notes_draw(canvas, scene, &plan, choice, style))
+        return fault_memory(fault, "a slice");
+    return OK;
 }

@@ -1,5 +1,5 @@
 /*
- * A slice: one plane of the scene in grey, with its labels over it.
+ * A slice: one plane of the scene in grey, with what is known about it drawn over.
  *
  * Pictures lie as radiologists look at them, whatever the order and direction of the scene's axes:
  * axial from the feet (anterior up, the patient's left on the right), coronal from the front
@@ -7,55 +7,96 @@
  * Slices are counted from 0 along the patient's axis: towards superior in axial slices, towards
  * anterior in coronal ones, towards his right in sagittal ones.
  *
- * Pixels are square in millimetres: `zoom` pixels to a voxel of the scene's smallest spacing, and
- * more in proportion where spacing is larger, so that every voxel of the plane has a pixel. A pixel
- * shows the voxel that its centre falls in.
+ * Pixels are square in millimetres. What label, seed or voxel a pixel shows is that of the voxel
+ * that its centre falls in; grey is the same voxel's, or, where `smooth`, interpolated between the
+ * centres of the four around. Beyond the scene there is black, and no label.
  *
- * A slice is a pure function of the scene, the choice and the palette, in integers. Oblique axes
- * count as the world's axis that they run along, as in views.
+ * A slice is a pure function of what is passed, in integers. Oblique axes count as the world's axis
+ * that they run along, as in views.
  */
 #ifndef RENDER_SLICE_H
 #define RENDER_SLICE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/err.h"
 #include "engine/scene.h"
+#include "render/canvas.h"
 #include "render/shade.h"
-
-enum { SLICE_ZOOM_MOST = 8 };
 
 enum slice_plane { SLICE_AXIAL, SLICE_CORONAL, SLICE_SAGITTAL };
 
-enum slice_overlay {
-    SLICE_PLAIN,   /* grey alone */
-    SLICE_TINT,    /* a quarter of the label's colour, three quarters of the grey */
-    SLICE_CONTOUR, /* the label's colour where one of the 4 pixels around has another label */
-};
-
+/* Which slice, and how large: a pixel is `pixel_pm` picometres wide, and 0 stands for the least at
+ * which the slice fits. One that does not fit is seen around `place`, as far as it goes. */
 struct slice_choice {
     enum slice_plane plane;
-    uint32_t index;    /* 0..slice_count - 1 */
-    uint32_t zoom;     /* 1..SLICE_ZOOM_MOST */
-    int32_t low, high; /* intensities: black up to low, white from high on; low < high */
+    uint32_t place[3]; /* a voxel of the slice, where the lines of the cross-hair meet */
+    uint64_t pixel_pm;
+    bool smooth;
+    unsigned notes;    /* enum slice_note */
+    const char *title; /* ASCII, or NULL */
+};
+
+enum slice_note {
+    SLICE_LETTERS = 1, /* R L A P S I at the edges: where the patient's sides are */
+    SLICE_SCALE = 2,   /* a bar of a round length */
+    SLICE_COLOURS = 4, /* a bar of the greys, with the values at its ends */
+};
+
+/* Something to mark: a seed by a dot of its label's colour, an eliminator by an x, outlined in
+ * white where it waits for a run, else in black. */
+struct slice_mark {
+    uint32_t cell;
+    uint8_t label;
+    bool eliminates, waits;
+};
+
+enum slice_overlay {
+    SLICE_PLAIN,   /* grey alone */
+    SLICE_TINT,    /* a third of the label's colour, two thirds of the grey */
+    SLICE_CONTOUR, /* the label's colour where another label is beside, above or below, as near as a
+                      thin line is wide: one pixel, two where the picture's shorter side has 400 */
+};
+
+/* How slices are drawn, whichever they are. */
+struct slice_style {
+    uint8_t grey[UINT16_MAX + 1]; /* of each intensity */
     enum slice_overlay overlay;
-    uint32_t cross; /* the cell of a voxel at whose place lines cross, which they leave free;
-                       CELL_NONE for no lines */
+    const struct palette *palette; /* a label of black there is marked in light grey */
+    const bool *visible;           /* [256], whether a label is overlaid */
+    bool crosses;                  /* the cross-hair */
+    bool marks_seeds;              /* seeds that are planted, and beside them: */
+    const struct slice_mark *mark; /* [marks]; those of other slices are passed over */
+    size_t marks;
+    const char *least, *most; /* what stands at the ends of the bar of greys; ASCII */
 };
 
-struct slice {
-    uint32_t width, height;
-    uint8_t *rgb; /* [height][width][3], sRGB */
-};
+/* Grey rises from black at intensity `low` to white at `high`, and stays so beyond; it falls where
+ * low is above high. They differ. */
+void slice_window(uint8_t grey[UINT16_MAX + 1], int32_t low, int32_t high);
 
-/* How many slices of a plane the scene has. */
+/* How many slices of a plane the scene has; which one goes through a voxel; the voxel at the same
+ * place of slice `index`. */
 uint32_t slice_count(const struct scene *scene, enum slice_plane plane);
+uint32_t slice_index(const struct scene *scene, enum slice_plane plane, const uint32_t place[3]);
+void slice_move(const struct scene *scene, enum slice_plane plane, uint32_t index,
+                uint32_t place[3]);
 
-/* Makes a slice, which the caller releases. ERR_USAGE for an index, zoom or window out of range,
- * ERR_LIMIT for a picture of more than VIEW_SIDE_MOST pixels a side; then there is none. */
-enum err slice_init(struct slice *slice, const struct scene *scene,
-                    const struct slice_choice *choice, const struct palette *palette,
+/* The pixel_pm at which a slice just fits a picture, and at which the scene's smallest spacing is
+ * `zoom` thousandths of a pixel. */
+uint64_t slice_fitting_pixel(const struct scene *scene, enum slice_plane plane, uint32_t width,
+                             uint32_t height);
+uint64_t slice_zoomed_pixel(const struct scene *scene, uint32_t zoom);
+
+/* Fills the whole canvas, and canvas->cell where it has that. ERR_MEMORY, with the canvas half
+ * drawn. */
+enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
+                    const struct slice_choice *choice, const struct slice_style *style,
                     struct fault *fault);
-void slice_release(struct slice *slice);
+
+/* The cell of the voxel that a pixel shows in a picture of that size, or CELL_NONE. */
+uint32_t slice_cell_at(const struct scene *scene, const struct slice_choice *choice, uint32_t width,
+                       uint32_t height, uint32_t column, uint32_t row);
 
 #endif

@@ -1,7 +1,12 @@
 /* Slices: the right way round under every orientation of the scene, worked by hand. */
 #include "check.h"
 
-#include "render/slice.h"
+#include <stdlib.h>
+
+#include "base/mem.h"
+#include "render/slice_plan.h"
+#include "render/slice_notes.h"
+#include "render/text.h"
 
 /* The anatomy: sizes and spacings along the patient's right, anterior, superior, and what is at
  * each place of it. */
@@ -47,36 +52,80 @@ static struct scene *body_scene(const int8_t order[3], unsigned flips, uint32_t 
 
 static const int8_t world_order[3] = {0, 1, 2};
 
-static struct slice take(const struct scene *scene, struct slice_choice choice)
+static const uint64_t MM = 1000000000; /* picometres */
+
+/* ---- drawing ---- */
+
+static struct palette palette;
+static bool visible[256];
+
+static struct slice_style style_of(int32_t low, int32_t high, enum slice_overlay overlay)
 {
-    struct slice slice;
-    struct palette palette = {{{0}}};
+    struct slice_style style = {
+        .overlay = overlay, .palette = &palette, .visible = visible, .least = "", .most = ""};
+    memset(&palette, 0, sizeof palette);
     memcpy(palette.rgb[1], "\x50\x60\x70", 3);
     memcpy(palette.rgb[2], "\xff\x00\x01", 3);
-    CHECK(slice_init(&slice, scene, &choice, &palette, NULL) == OK);
-    return slice;
+    memset(visible, 1, sizeof visible);
+    slice_window(style.grey, low, high);
+    return style;
 }
 
-static bool is_rgb(const struct slice *s, uint32_t x, uint32_t y, int r, int g, int b)
+/* The slice through the voxel at `cell`. */
+static struct slice_choice through(const struct scene *scene, uint32_t cell, enum slice_plane plane,
+                                   uint64_t pixel_pm)
 {
-    const uint8_t *p = s->rgb + 3 * ((size_t)y * s->width + x);
-    return p[0] == r && p[1] == g && p[2] == b;
+    const struct place p = grid_place(&scene->grid, cell);
+    return (struct slice_choice){.plane = plane, .place = {p.x, p.y, p.z}, .pixel_pm = pixel_pm};
 }
-static int grey_at(const struct slice *s, uint32_t x, uint32_t y)
+
+/* The same at the slice of that number. */
+static struct slice_choice slice_number(const struct scene *scene, enum slice_plane plane,
+                                        uint32_t index, uint64_t pixel_pm)
 {
-    const uint8_t *p = s->rgb + 3 * ((size_t)y * s->width + x);
+    struct slice_choice choice = {.plane = plane, .pixel_pm = pixel_pm};
+    slice_move(scene, plane, index, choice.place);
+    CHECK_INT(slice_index(scene, plane, choice.place), index);
+    return choice;
+}
+
+static struct canvas take(const struct scene *scene, const struct slice_choice *choice,
+                          const struct slice_style *style, uint32_t width, uint32_t height)
+{
+    struct canvas canvas;
+    CHECK(canvas_init(&canvas, width, height, true, NULL) == OK);
+    CHECK(slice_draw(&canvas, scene, choice, style, NULL) == OK);
+    return canvas;
+}
+
+static bool is_rgb(const struct canvas *s, uint32_t x, uint32_t y, int r, int g, int b)
+{
+    const uint8_t *p = canvas_pixel(s, x, y);
+    return p[0] == r && p[1] == g && p[2] == b && p[3] == 255;
+}
+static int grey_at(const struct canvas *s, uint32_t x, uint32_t y)
+{
+    const uint8_t *p = canvas_pixel(s, x, y);
     return p[0] == p[1] && p[1] == p[2] ? p[0] : -1;
 }
+
+static bool same_pixels(const struct canvas *a, const struct canvas *b)
+{
+    return a->width == b->width && a->height == b->height &&
+           memcmp(a->rgba, b->rgba, (size_t)4 * a->width * a->height) == 0;
+}
+
+/* ---- which voxel where ---- */
 
 STORY(slices_lie_as_radiologists_look_at_them)
 {
     uint32_t cross;
     struct scene *scene = body_scene(world_order, 0, &cross);
-    struct slice_choice choice = {SLICE_AXIAL, 1, 1, 0, 255, SLICE_PLAIN, CELL_NONE};
+    const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
 
-    /* Right-anterior is top left; rows of 1.5 mm: 3 voxels on 5 pixels, 4.5 rounded up. */
-    struct slice s = take(scene, choice);
-    CHECK(s.width == 4 && s.height == 5);
+    /* Right-anterior is top left; rows of 1.5 mm: 3 voxels in the middle of 5 pixels. */
+    struct slice_choice choice = slice_number(scene, SLICE_AXIAL, 1, MM);
+    struct canvas s = take(scene, &choice, &style, 4, 5);
     CHECK_INT(grey_at(&s, 0, 0), 230);
     CHECK_INT(grey_at(&s, 3, 0), 200);
     CHECK_INT(grey_at(&s, 0, 4), 150);
@@ -84,62 +133,234 @@ STORY(slices_lie_as_radiologists_look_at_them)
     CHECK_INT(grey_at(&s, 3, 1), 200);
     CHECK_INT(grey_at(&s, 3, 2), 160);
     CHECK_INT(grey_at(&s, 3, 3), 120);
-    slice_release(&s);
+    canvas_release(&s);
 
     /* Right-superior is top left. */
-    choice.plane = SLICE_CORONAL;
-    choice.index = 0;
-    s = take(scene, choice);
-    CHECK(s.width == 4 && s.height == 6);
+    choice = slice_number(scene, SLICE_CORONAL, 0, MM);
+    s = take(scene, &choice, &style, 4, 6);
     CHECK_INT(grey_at(&s, 0, 0), 150);
     CHECK_INT(grey_at(&s, 3, 2), 120);
     CHECK_INT(grey_at(&s, 0, 3), 30);
     CHECK_INT(grey_at(&s, 3, 5), 0);
-    slice_release(&s);
+    canvas_release(&s);
 
     /* Anterior-superior is top left, and slice 3 is the patient's rightmost. */
-    choice.plane = SLICE_SAGITTAL;
-    choice.index = 3;
-    s = take(scene, choice);
-    CHECK(s.width == 5 && s.height == 6);
+    choice = slice_number(scene, SLICE_SAGITTAL, 3, MM);
+    s = take(scene, &choice, &style, 5, 6);
     CHECK_INT(grey_at(&s, 0, 0), 230);
     CHECK_INT(grey_at(&s, 4, 0), 150);
     CHECK_INT(grey_at(&s, 4, 5), 30);
-    slice_release(&s);
+    canvas_release(&s);
     scene_free(scene);
 }
 
-STORY(a_window_ramps_from_black_to_white)
+STORY(a_slice_lies_in_the_middle_or_around_its_place)
 {
     uint32_t cross;
     struct scene *scene = body_scene(world_order, 0, &cross);
-    struct slice s =
-        take(scene, (struct slice_choice){SLICE_AXIAL, 0, 2, 10, 30, SLICE_PLAIN, CELL_NONE});
-    CHECK(s.width == 8 && s.height == 9);
+    const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
+    struct slice_choice choice = slice_number(scene, SLICE_CORONAL, 0, MM);
+    struct canvas s = take(scene, &choice, &style, 8, 10);
+    CHECK_INT(grey_at(&s, 2, 2), 150);
+    CHECK_INT(grey_at(&s, 5, 7), 0);
+    CHECK(s.cell[2 * 8 + 1] == CELL_NONE && is_rgb(&s, 1, 2, 0, 0, 0));
+    CHECK(s.cell[1 * 8 + 2] == CELL_NONE && s.cell[8 * 8 + 5] == CELL_NONE);
+    CHECK_INT(s.cell[2 * 8 + 2], grid_cell(&scene->grid, 3, 0, 1));
+    CHECK_INT(s.cell[7 * 8 + 5], grid_cell(&scene->grid, 0, 0, 0));
+    canvas_release(&s);
+
+    /* Sixteen columns of a quarter: only twelve are seen, as far to the patient's right as goes. */
+    choice = slice_number(scene, SLICE_CORONAL, 0, MM / 4);
+    choice.place[0] = 3;
+    s = take(scene, &choice, &style, 12, 24);
+    CHECK_INT(grey_at(&s, 0, 0), 150);
+    CHECK_INT(grey_at(&s, 11, 0), 130);
+    canvas_release(&s);
+    choice.place[0] = 0;
+    s = take(scene, &choice, &style, 12, 24);
+    CHECK_INT(grey_at(&s, 0, 0), 140);
+    CHECK_INT(grey_at(&s, 11, 0), 120);
+    canvas_release(&s);
+    choice.place[0] = 2; /* its four pixels in the middle of eight */
+    s = take(scene, &choice, &style, 8, 24);
+    CHECK_INT(grey_at(&s, 1, 0), 150);
+    CHECK_INT(grey_at(&s, 2, 0), 140);
+    CHECK_INT(grey_at(&s, 5, 0), 140);
+    CHECK_INT(grey_at(&s, 6, 0), 130);
+    canvas_release(&s);
+    scene_free(scene);
+}
+
+STORY(what_fits_is_as_large_as_can_be)
+{
+    uint32_t cross;
+    struct scene *scene = body_scene(world_order, 0, &cross);
+    CHECK_INT(slice_fitting_pixel(scene, SLICE_AXIAL, 8, 9), MM / 2);
+    CHECK_INT(slice_fitting_pixel(scene, SLICE_AXIAL, 8, 3), 3 * MM / 2);
+    CHECK_INT(slice_fitting_pixel(scene, SLICE_CORONAL, 1, 1000), 4 * MM);
+    CHECK_INT(slice_fitting_pixel(scene, SLICE_SAGITTAL, 7, 100), (9 * MM / 2 + 6) / 7);
+    CHECK_INT(slice_zoomed_pixel(scene, 1000), MM);
+    CHECK_INT(slice_zoomed_pixel(scene, 64000), MM / 64);
+    CHECK_INT(slice_zoomed_pixel(scene, 10), 100 * MM);
+    scene_free(scene);
+}
+
+/* However thin or large: every pixel's cell is one of the slice, and there is one. */
+STORY(slices_of_any_size_and_spacing_fit)
+{
+    static const uint32_t sizes[5][3] = {
+        {65534, 1, 1}, {1, 65534, 2}, {3, 1, 65534}, {1, 1, 1}, {700, 500, 3}};
+    static const uint32_t spacings[4][3] = {{1, 1, 1},
+                                            {UINT32_MAX, UINT32_MAX, UINT32_MAX},
+                                            {1000000, 1, UINT32_MAX},
+                                            {999999, 1000003, 314159}};
+    static const uint32_t pictures[4][2] = {{256, 256}, {1, 1}, {97, 2}, {31, 300}};
+    struct slice_style style = style_of(0, 255, SLICE_CONTOUR);
+    style.crosses = style.marks_seeds = true;
+    for (unsigned i = 0; i < 5 * 4 * 4 * 3; i++) {
+        const uint32_t *size = sizes[i / 48], *picture = pictures[i / 3 % 4];
+        struct scene *scene = NULL;
+        if (!CHECK(scene_new(&scene, size, NULL) == OK))
+            continue;
+        memcpy(scene->spacing_nm, spacings[i / 12 % 4], sizeof scene->spacing_nm);
+        struct slice_choice choice = {.plane = (enum slice_plane)(i % 3),
+                                      .notes = SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS,
+                                      .smooth = i % 2};
+        for (int a = 0; a < 3; a++)
+            choice.place[a] = size[a] / 2;
+        const uint64_t pixels[3] = {0, slice_zoomed_pixel(scene, 10),
+                                    slice_zoomed_pixel(scene, 64000)};
+        for (int k = 0; k < 3; k++) {
+            choice.pixel_pm = pixels[k];
+            struct canvas s = take(scene, &choice, &style, picture[0], picture[1]);
+            size_t shown = 0;
+            for (size_t p = 0; p < (size_t)s.width * s.height; p++)
+                shown +=
+                    s.cell[p] < scene->grid.cells && !(scene->cell[s.cell[p]].flags & CELL_RIM);
+            CHECK(shown > 0);
+            canvas_release(&s);
+        }
+        scene_free(scene);
+    }
+}
+
+/* At random: the voxel under a pixel is the one that was drawn there, and a voxel of a pixel or
+ * more is shown by the pixel that its centre lies in. */
+STORY(a_pixel_knows_its_voxel)
+{
+    uint64_t seed = 7;
+    struct slice_style style = style_of(0, 255, SLICE_PLAIN);
+    for (unsigned i = 0; i < 400; i++) {
+        struct scene *scene = NULL;
+        uint32_t size[3], wrong = 0;
+        struct slice_choice choice = {.plane = (enum slice_plane)check_below(&seed, 3),
+                                      .smooth = check_below(&seed, 2)};
+        for (int a = 0; a < 3; a++) {
+            size[a] = 1 + check_below(&seed, 12);
+            choice.place[a] = check_below(&seed, size[a]);
+        }
+        if (!CHECK(scene_new(&scene, size, NULL) == OK))
+            return;
+        for (int a = 0; a < 3; a++) {
+            scene->world_sign[a] = check_below(&seed, 2) ? 1 : -1;
+            scene->spacing_nm[a] = 500000 + check_below(&seed, 2000000);
+        }
+        choice.pixel_pm = check_below(&seed, 3) ? 1 + check_random(&seed) % (2 * MM) : 0;
+        struct canvas s =
+            take(scene, &choice, &style, 1 + check_below(&seed, 40), 1 + check_below(&seed, 40));
+        for (uint32_t p = 0; p < s.width * s.height; p++)
+            wrong += s.cell[p] !=
+                     slice_cell_at(scene, &choice, s.width, s.height, p % s.width, p / s.width);
+        struct slice_plan plan;
+        slice_plan_init(&plan, scene, &choice, s.width, s.height);
+        for (int k = 0; k < 2; k++)
+            for (int64_t v = 0; v < plan.side[k].voxels; v++) {
+                const int64_t p = slice_side_pixel(&plan.side[k], v);
+                if (plan.side[k].spacing_pm >= plan.side[k].pixel_pm)
+                    wrong += slice_side_voxel(&plan.side[k], p) != v;
+            }
+        CHECK_INT(wrong, 0);
+        canvas_release(&s);
+        scene_free(scene);
+    }
+}
+
+/* ---- grey ---- */
+
+STORY(a_window_ramps_from_black_to_white)
+{
+    static uint8_t grey[UINT16_MAX + 1];
+    slice_window(grey, 10, 30);
+    CHECK(grey[0] == 0 && grey[10] == 0 && grey[11] == 13);
+    CHECK(grey[20] == 128 && grey[30] == 255 && grey[UINT16_MAX] == 255);
+    slice_window(grey, 30, 10); /* values fall as intensities rise */
+    CHECK(grey[0] == 255 && grey[10] == 255 && grey[20] == 128 && grey[30] == 0);
+    slice_window(grey, -(1 << 30), 1 << 30);
+    CHECK(grey[0] == 128 && grey[UINT16_MAX] == 128);
+    slice_window(grey, 70000, 70001);
+    CHECK(grey[UINT16_MAX] == 0);
+
+    uint32_t cross;
+    struct scene *scene = body_scene(world_order, 0, &cross);
+    const struct slice_style style = style_of(10, 30, SLICE_PLAIN);
+    const struct slice_choice choice = slice_number(scene, SLICE_AXIAL, 0, MM / 2);
+    struct canvas s = take(scene, &choice, &style, 8, 9);
     CHECK_INT(grey_at(&s, 7, 8), 0);   /* 0 */
     CHECK_INT(grey_at(&s, 5, 8), 0);   /* 10 */
     CHECK_INT(grey_at(&s, 3, 8), 128); /* 20: 127.5 */
     CHECK_INT(grey_at(&s, 2, 8), 128);
     CHECK_INT(grey_at(&s, 1, 8), 255); /* 30 */
     CHECK_INT(grey_at(&s, 0, 0), 255);
-    slice_release(&s);
+    canvas_release(&s);
     scene_free(scene);
 }
+
+STORY(smooth_grey_lies_between_the_four_voxels_around)
+{
+    static const uint32_t size[3] = {2, 2, 1};
+    static const int along[8] = {0, 0, 13, 38, 63, 88, 100, 100}; /* 12.5, 37.5, 62.5, 87.5 */
+    struct scene *scene = NULL;
+    CHECK(scene_new(&scene, size, NULL) == OK);
+    for (int i = 0; i < 2; i++)
+        scene->world_sign[i] = -1;
+    scene_fill(scene, (const uint16_t[4]){0, 100, 100, 200});
+    const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
+    struct slice_choice choice = {.plane = SLICE_AXIAL, .pixel_pm = MM / 4, .smooth = true};
+    struct canvas s = take(scene, &choice, &style, 8, 8);
+    for (uint32_t i = 0; i < 8; i++) {
+        CHECK_INT(grey_at(&s, i, 0), along[i]);
+        CHECK_INT(grey_at(&s, 0, i), along[i]);
+        CHECK_INT(grey_at(&s, i, 7), 100 + along[i]);
+    }
+    CHECK_INT(grey_at(&s, 3, 3), 75); /* 37.5 each way */
+    CHECK_INT(grey_at(&s, 4, 3), 100);
+    CHECK_INT(s.cell[3 * 8 + 3], grid_cell(&scene->grid, 0, 0, 0));
+    CHECK_INT(s.cell[3 * 8 + 4], grid_cell(&scene->grid, 1, 0, 0));
+    canvas_release(&s);
+    scene_fill(scene, (const uint16_t[4]){65535, 65535, 65535, 65535}); /* no sum overflows */
+    s = take(scene, &choice, &style, 8, 8);
+    CHECK_INT(grey_at(&s, 3, 4), 255);
+    canvas_release(&s);
+    scene_free(scene);
+}
+
+/* ---- labels ---- */
 
 STORY(labels_tint_or_are_outlined)
 {
     uint32_t cross;
     struct scene *scene = body_scene(world_order, 0, &cross);
-    struct slice_choice choice = {SLICE_AXIAL, 0, 2, 0, 255, SLICE_TINT, CELL_NONE};
-    struct slice s = take(scene, choice);
-    CHECK(is_rgb(&s, 0, 8, 43, 47, 51));  /* 30 with 80, 96, 112: 42.5, 46.5, 50.5 */
-    CHECK(is_rgb(&s, 0, 0, 146, 83, 83)); /* 110 with 255, 0, 1: 146.25, 82.5, 82.75 */
+    struct slice_choice choice = slice_number(scene, SLICE_AXIAL, 0, MM / 2);
+    struct slice_style style = style_of(0, 255, SLICE_TINT);
+    struct canvas s = take(scene, &choice, &style, 8, 9);
+    CHECK(is_rgb(&s, 0, 8, 47, 52, 57));  /* twice 30 with 80, 96, 112: 46.7, 52, 57.3 */
+    CHECK(is_rgb(&s, 0, 0, 158, 73, 74)); /* twice 110 with 255, 0, 1: 158.3, 73.3, 73.7 */
     CHECK_INT(grey_at(&s, 7, 8), 0);
-    slice_release(&s);
+    canvas_release(&s);
 
     /* Label 2 fills columns 0-3 of rows 0-2, label 1 those of rows 3-8. */
-    choice.overlay = SLICE_CONTOUR;
-    s = take(scene, choice);
+    style.overlay = SLICE_CONTOUR;
+    s = take(scene, &choice, &style, 8, 9);
     CHECK_INT(grey_at(&s, 0, 0), 110); /* the picture's edge is no contour */
     CHECK_INT(grey_at(&s, 0, 1), 110);
     CHECK(is_rgb(&s, 0, 2, 255, 0, 1));
@@ -147,93 +368,311 @@ STORY(labels_tint_or_are_outlined)
     CHECK_INT(grey_at(&s, 2, 8), 20);
     CHECK(is_rgb(&s, 3, 8, 0x50, 0x60, 0x70));
     CHECK_INT(grey_at(&s, 4, 8), 10); /* the background has none */
-    slice_release(&s);
+    canvas_release(&s);
+
+    /* Where the picture goes on beyond the scene, there is background. */
+    s = take(scene, &choice, &style, 10, 11);
+    CHECK(is_rgb(&s, 1, 1, 255, 0, 1) && is_rgb(&s, 1, 9, 0x50, 0x60, 0x70));
+    CHECK(is_rgb(&s, 0, 1, 0, 0, 0));
+    canvas_release(&s);
+
+    /* A hidden label is background. */
+    visible[1] = false;
+    s = take(scene, &choice, &style, 8, 9);
+    CHECK(is_rgb(&s, 0, 2, 255, 0, 1));
+    CHECK_INT(grey_at(&s, 0, 3), 70);
+    CHECK_INT(grey_at(&s, 3, 8), 20);
+    style.overlay = SLICE_TINT;
+    canvas_release(&s);
+    s = take(scene, &choice, &style, 8, 9);
+    CHECK_INT(grey_at(&s, 0, 8), 30);
+    CHECK(is_rgb(&s, 0, 0, 158, 73, 74));
+    canvas_release(&s);
+    visible[1] = true;
 
     /* From the side, label 2 fills columns 0-2, label 1 columns 3-8. */
-    choice.plane = SLICE_SAGITTAL;
-    choice.index = 3;
-    s = take(scene, choice);
+    style.overlay = SLICE_CONTOUR;
+    choice = slice_number(scene, SLICE_SAGITTAL, 3, MM / 2);
+    s = take(scene, &choice, &style, 9, 12);
     CHECK(is_rgb(&s, 2, 0, 255, 0, 1));
     CHECK(is_rgb(&s, 3, 0, 0x50, 0x60, 0x70));
     CHECK_INT(grey_at(&s, 4, 0), 190);
-    slice_release(&s);
+    canvas_release(&s);
     scene_free(scene);
 }
+
+STORY(contours_are_thicker_in_larger_pictures)
+{
+    uint32_t cross;
+    struct scene *scene = body_scene(world_order, 0, &cross);
+    const struct slice_style style = style_of(0, 255, SLICE_CONTOUR);
+    const struct slice_choice choice = slice_number(scene, SLICE_AXIAL, 0, 0);
+    struct canvas s = take(scene, &choice, &style, 400, 450); /* 100 columns, 150 rows a voxel */
+    CHECK(is_rgb(&s, 0, 149, 255, 0, 1) && is_rgb(&s, 0, 148, 255, 0, 1));
+    CHECK_INT(grey_at(&s, 0, 147), 110);
+    CHECK(is_rgb(&s, 199, 449, 0x50, 0x60, 0x70) && is_rgb(&s, 198, 449, 0x50, 0x60, 0x70));
+    CHECK_INT(grey_at(&s, 197, 449), 20);
+    canvas_release(&s);
+    scene_free(scene);
+}
+
+/* ---- what lies over them ---- */
 
 STORY(a_cross_leaves_its_voxel_free)
 {
     uint32_t cross = 0;
     struct scene *scene = body_scene(world_order, 0, &cross);
-    struct slice s =
-        take(scene, (struct slice_choice){SLICE_AXIAL, 0, 2, 0, 255, SLICE_PLAIN, cross});
-    /* Voxel 1, 2 has columns 4 and 5, rows 0 to 2. */
-    CHECK_INT(grey_at(&s, 5, 1), 90);
-    CHECK_INT(grey_at(&s, 5, 0), 90);
-    CHECK_INT(grey_at(&s, 5, 2), 90);
-    CHECK_INT(grey_at(&s, 4, 1), 90);
-    CHECK(is_rgb(&s, 3, 1, 255, 220, 0) && is_rgb(&s, 6, 1, 255, 220, 0));
-    CHECK(is_rgb(&s, 5, 3, 255, 220, 0) && is_rgb(&s, 5, 8, 255, 220, 0));
-    CHECK(is_rgb(&s, 0, 1, 255, 220, 0) && is_rgb(&s, 7, 1, 255, 220, 0));
-    CHECK_INT(grey_at(&s, 4, 3), 50);
-    slice_release(&s);
+    struct slice_style style = style_of(0, 255, SLICE_PLAIN);
+    const struct slice_choice choice = through(scene, cross, SLICE_AXIAL, MM / 8);
+    style.crosses = true;
+    /* Voxel 1, 2 has columns 16 to 23, rows 0 to 11; the lines are column 20 and row 6, and leave
+     * half a voxel and one pixel free. */
+    struct canvas s = take(scene, &choice, &style, 32, 36);
+    CHECK_INT(grey_at(&s, 20, 6), 210);
+    CHECK_INT(grey_at(&s, 13, 6), 220);
+    CHECK(is_rgb(&s, 12, 6, 243, 220, 73)); /* a third of 220 */
+    CHECK(is_rgb(&s, 0, 6, 247, 223, 77));
+    CHECK_INT(grey_at(&s, 27, 6), 200);
+    CHECK(is_rgb(&s, 28, 6, 237, 213, 67));
+    CHECK_INT(grey_at(&s, 20, 13), 170);
+    CHECK(is_rgb(&s, 20, 14, 227, 203, 57));
+    CHECK(is_rgb(&s, 20, 35, 213, 190, 43));
+    CHECK_INT(grey_at(&s, 21, 35), 130);
+    CHECK_INT(grey_at(&s, 0, 7), 230);
+    canvas_release(&s);
     scene_free(scene);
+}
+
+/* A black scene of 41 mm a side. */
+static struct scene *dark_scene(void)
+{
+    static const uint32_t size[3] = {41, 41, 41};
+    struct scene *scene = NULL;
+    CHECK(scene_new(&scene, size, NULL) == OK);
+    for (int a = 0; a < 3; a++)
+        scene->world_sign[a] = -1; /* so that columns and rows are indices in axial slices */
+    return scene;
+}
+
+STORY(seeds_are_dots_and_eliminators_crosses)
+{
+    struct scene *scene = dark_scene();
+    struct slice_style style = style_of(0, 255, SLICE_PLAIN);
+    struct slice_choice choice = {.plane = SLICE_AXIAL, .place = {0, 0, 20}, .pixel_pm = MM};
+    struct cell *planted = scene->cell + grid_cell(&scene->grid, 5, 6, 20);
+    planted->flags = CELL_SEED;
+    planted->label = 2;
+    scene->cell[grid_cell(&scene->grid, 30, 30, 21)].flags = CELL_SEED; /* another slice */
+    scene->cell[grid_cell(&scene->grid, 6, 30, 20)].flags = CELL_SEED;  /* the background's */
+    const struct slice_mark mark[] = {{grid_cell(&scene->grid, 20, 6, 20), 1, false, true},
+                                      {grid_cell(&scene->grid, 20, 20, 20), 0, true, false},
+                                      {grid_cell(&scene->grid, 30, 20, 20), 0, true, true},
+                                      {grid_cell(&scene->grid, 34, 34, 19), 1, false, true}};
+    struct canvas plain = take(scene, &choice, &style, 41, 41);
+    style.marks_seeds = true;
+    style.mark = mark;
+    style.marks = 4;
+    struct canvas s = take(scene, &choice, &style, 41, 41);
+    CHECK(is_rgb(&s, 5, 6, 255, 0, 1) && is_rgb(&s, 4, 6, 255, 0, 1) &&
+          is_rgb(&s, 5, 7, 255, 0, 1));
+    CHECK(is_rgb(&s, 5, 4, 0, 0, 0));
+    CHECK(is_rgb(&s, 6, 30, 225, 225, 225));
+    CHECK(is_rgb(&s, 20, 6, 0x50, 0x60, 0x70) && is_rgb(&s, 18, 6, 255, 255, 255));
+    CHECK(is_rgb(&s, 20, 20, 255, 72, 56) && is_rgb(&s, 22, 18, 255, 72, 56));
+    CHECK(is_rgb(&s, 18, 18, 255, 72, 56) && is_rgb(&s, 22, 20, 0, 0, 0));
+    CHECK(is_rgb(&s, 32, 22, 255, 72, 56) && is_rgb(&s, 31, 20, 255, 255, 255));
+    CHECK(is_rgb(&s, 30, 30, 0, 0, 0) && is_rgb(&s, 34, 34, 0, 0, 0));
+    canvas_release(&s);
+    style.marks_seeds = false;
+    s = take(scene, &choice, &style, 41, 41);
+    CHECK(same_pixels(&s, &plain));
+    canvas_release(&s);
+    canvas_release(&plain);
+    scene_free(scene);
+}
+
+/* The letter in the middle of an edge, 0 left, 1 right, 2 top, 3 bottom, of a picture of 100x100
+ * that is black there: '?' for none of them. */
+static char letter_at(const struct canvas *s, int edge)
+{
+    static const uint32_t corner[4][2] = {{2, 46}, {93, 46}, {47, 2}, {47, 91}};
+    for (const char *letter = "RLAPSI"; *letter; letter++) {
+        struct canvas expected;
+        bool same = true;
+        CHECK(canvas_init(&expected, 100, 100, false, NULL) == OK);
+        text_draw(&expected, corner[edge][0], corner[edge][1], 1, (char[2]){*letter, '\0'},
+                  (const uint8_t[3]){232, 232, 232});
+        for (uint32_t y = 0; y < 7; y++)
+            same &= memcmp(canvas_pixel(&expected, corner[edge][0], corner[edge][1] + y),
+                           canvas_pixel(s, corner[edge][0], corner[edge][1] + y), 5 * 4) == 0;
+        canvas_release(&expected);
+        if (same)
+            return *letter;
+    }
+    return '?';
+}
+
+static void letters_are(const struct scene *scene, enum slice_plane plane, const char *expected)
+{
+    const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
+    const struct slice_choice choice = {
+        .plane = plane, .pixel_pm = 10 * MM, .notes = SLICE_LETTERS};
+    struct canvas s = take(scene, &choice, &style, 100, 100);
+    for (int edge = 0; edge < 4; edge++)
+        CHECK_INT(letter_at(&s, edge), expected[edge]);
+    canvas_release(&s);
+}
+
+static const int8_t orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                    {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+
+STORY(letters_say_where_the_patients_sides_are)
+{
+    for (unsigned o = 0; o < 48; o++) {
+        uint32_t cross;
+        struct scene *scene = body_scene(orders[o / 8], o % 8, &cross);
+        letters_are(scene, SLICE_AXIAL, "RLAP");
+        letters_are(scene, SLICE_CORONAL, "RLSI");
+        letters_are(scene, SLICE_SAGITTAL, "APSI");
+        scene_free(scene);
+    }
+}
+
+STORY(lengths_of_bars_are_round)
+{
+    static const uint64_t row[][2] = {{1, 1},       {2, 2},
+                                      {4, 2},       {5, 5},
+                                      {9, 5},       {10, 10},
+                                      {19, 10},     {20, 20},
+                                      {49, 20},     {50, 50},
+                                      {99, 50},     {100, 100},
+                                      {4999, 2000}, {UINT64_MAX, 10000000000000000000u}};
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
+        CHECK_INT(slice_round_length(row[i][0]), row[i][1]);
+}
+
+/* In a black picture of 200 pixels of 1 mm: 50 mm bottom left, greys bottom right. */
+STORY(bars_tell_lengths_and_greys)
+{
+    struct scene *scene = dark_scene();
+    struct slice_style style = style_of(0, 255, SLICE_PLAIN);
+    struct slice_choice choice = {.plane = SLICE_AXIAL, .pixel_pm = MM, .notes = SLICE_SCALE};
+    struct canvas s = take(scene, &choice, &style, 200, 200), words;
+    CHECK(is_rgb(&s, 4, 195, 232, 232, 232) && is_rgb(&s, 53, 195, 232, 232, 232));
+    CHECK(is_rgb(&s, 3, 195, 0, 0, 0) && is_rgb(&s, 54, 195, 0, 0, 0));
+    CHECK(is_rgb(&s, 4, 193, 232, 232, 232) && is_rgb(&s, 5, 193, 0, 0, 0));
+    CHECK(canvas_init(&words, 200, 200, false, NULL) == OK);
+    text_draw(&words, 4, 183, 1, "50 mm", (const uint8_t[3]){232, 232, 232});
+    for (uint32_t y = 183; y < 190; y++)
+        CHECK(memcmp(canvas_pixel(&s, 0, y), canvas_pixel(&words, 0, y), 60 * 4) == 0);
+    canvas_release(&s);
+    canvas_release(&words);
+
+    choice.notes = SLICE_COLOURS;
+    style.least = "-12.5";
+    style.most = "300";
+    s = take(scene, &choice, &style, 200, 200);
+    CHECK(is_rgb(&s, 191, 195, 0, 0, 0) && is_rgb(&s, 191, 146, 255, 255, 255));
+    CHECK(is_rgb(&s, 191, 170, 130, 130, 130)); /* 25 of 49 */
+    CHECK(is_rgb(&s, 190, 170, 232, 232, 232) && is_rgb(&s, 196, 170, 232, 232, 232));
+    CHECK(canvas_init(&words, 200, 200, false, NULL) == OK);
+    text_draw(&words, 188 - 17, 146, 1, "300", (const uint8_t[3]){232, 232, 232});
+    text_draw(&words, 188 - 29, 189, 1, "-12.5", (const uint8_t[3]){232, 232, 232});
+    for (uint32_t y = 140; y < 200; y++)
+        CHECK(memcmp(canvas_pixel(&s, 150, y), canvas_pixel(&words, 150, y), 38 * 4) == 0);
+    canvas_release(&s);
+    canvas_release(&words);
+    scene_free(scene);
+}
+
+/* ---- every orientation ---- */
+
+static struct canvas take_noted(const struct scene *scene, uint32_t cross, unsigned i)
+{
+    static const uint64_t pixels[3] = {0, 1000000000, 300000000};
+    struct slice_style style = style_of(20, 200, (enum slice_overlay)(i / 3 % 3));
+    struct slice_choice choice =
+        through(scene, cross, (enum slice_plane)(i % 3), pixels[i / 9 % 3]);
+    const struct slice_mark mark = {cross, 2, i / 27 % 2, true};
+    choice.smooth = i / 27 % 2;
+    choice.notes = SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS;
+    style.crosses = style.marks_seeds = true;
+    style.mark = &mark;
+    style.marks = 1;
+    return take(scene, &choice, &style, 130, 131);
 }
 
 STORY(all_48_orientations_give_the_same_pictures)
 {
-    static const int8_t order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
-                                       {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-    static const enum slice_plane planes[3] = {SLICE_AXIAL, SLICE_CORONAL, SLICE_SAGITTAL};
     uint32_t plain_cross = 0, cross = 0;
     struct scene *plain = body_scene(world_order, 0, &plain_cross);
     for (unsigned o = 0; o < 48; o++) {
-        struct scene *scene = body_scene(order[o / 8], o % 8, &cross);
-        for (unsigned i = 0; i < 3 * 3 * 3; i++) {
-            struct slice_choice choice = {
-                planes[i % 3], 0, 1 + i / 9, 20, 200, (enum slice_overlay)(i / 3 % 3), CELL_NONE};
-            CHECK_INT(slice_count(scene, choice.plane), body_size[2 - i % 3]);
-            for (; choice.index < body_size[2 - i % 3]; choice.index++) {
-                choice.cross = choice.index % 2 ? plain_cross : CELL_NONE;
-                struct slice expected = take(plain, choice);
-                choice.cross = choice.index % 2 ? cross : CELL_NONE;
-                struct slice actual = take(scene, choice);
-                bool same = actual.width == expected.width && actual.height == expected.height;
-                CHECK(same && memcmp(actual.rgb, expected.rgb,
-                                     (size_t)3 * expected.width * expected.height) == 0);
-                slice_release(&expected);
-                slice_release(&actual);
-            }
+        struct scene *scene = body_scene(orders[o / 8], o % 8, &cross);
+        for (unsigned i = 0; i < 54; i++) {
+            CHECK_INT(slice_count(scene, (enum slice_plane)(i % 3)), body_size[2 - i % 3]);
+            struct canvas expected = take_noted(plain, plain_cross, i);
+            struct canvas actual = take_noted(scene, cross, i);
+            CHECK(same_pixels(&actual, &expected));
+            canvas_release(&expected);
+            canvas_release(&actual);
         }
         scene_free(scene);
     }
     scene_free(plain);
 }
 
-STORY(what_is_out_of_range_is_refused)
+/* ---- without memory ---- */
+
+static unsigned allocations_left;
+static bool allow_some(size_t bytes)
 {
-    uint32_t cross;
-    struct scene *scene = body_scene(world_order, 0, &cross);
-    static const struct slice_choice good = {SLICE_AXIAL, 1, 1, 0, 255, SLICE_PLAIN, CELL_NONE};
-    struct slice_choice bad[4] = {good, good, good, good};
-    struct palette palette = {{{0}}};
-    struct slice slice;
+    (void)bytes;
+    return allocations_left && allocations_left--;
+}
+
+STORY(without_memory_there_is_no_slice)
+{
+    struct scene *scene = dark_scene();
+    struct slice_style style = style_of(0, 255, SLICE_CONTOUR);
+    const struct slice_choice choice = {.plane = SLICE_AXIAL};
+    struct canvas canvas;
     struct fault fault;
-    bad[0].index = 2;
-    bad[1].zoom = 0;
-    bad[2].zoom = SLICE_ZOOM_MOST + 1;
-    bad[3].high = 0;
-    for (int i = 0; i < 4; i++)
-        CHECK(slice_init(&slice, scene, &bad[i], &palette, &fault) == ERR_USAGE && !slice.rgb);
-    scene->spacing_nm[1] = 4000000000;
-    CHECK(slice_init(&slice, scene, &good, &palette, &fault) == ERR_LIMIT && !slice.rgb);
-    CHECK_HAS(fault.text, "12000 pixels");
+    unsigned refused = 0;
+    enum err err = ERR_MEMORY;
+    scene->cell[grid_cell(&scene->grid, 3, 3, 0)].flags = CELL_SEED;
+    style.marks_seeds = true;
+    CHECK(canvas_init(&canvas, 20, 20, true, NULL) == OK);
+    for (unsigned n = 0; err == ERR_MEMORY && n < 100; n++) {
+        allocations_left = n;
+        mem_allows = allow_some;
+        err = slice_draw(&canvas, scene, &choice, &style, &fault);
+        mem_allows = NULL;
+        refused += err == ERR_MEMORY;
+    }
+    CHECK_INT(err, OK);
+    CHECK(refused > 5);
+    CHECK_HAS(fault.text, "a slice");
+    canvas_release(&canvas);
+    for (unsigned n = 0; n < 2; n++) {
+        allocations_left = n;
+        mem_allows = allow_some;
+        CHECK(canvas_init(&canvas, 20, 20, true, &fault) == ERR_MEMORY && !canvas.rgba);
+        mem_allows = NULL;
+    }
     scene_free(scene);
 }
 
 int main(void)
 {
     return RUN_STORIES(
-        TELL(slices_lie_as_radiologists_look_at_them), TELL(a_window_ramps_from_black_to_white),
-        TELL(labels_tint_or_are_outlined), TELL(a_cross_leaves_its_voxel_free),
-        TELL(all_48_orientations_give_the_same_pictures), TELL(what_is_out_of_range_is_refused));
+        TELL(slices_lie_as_radiologists_look_at_them),
+        TELL(a_slice_lies_in_the_middle_or_around_its_place), TELL(what_fits_is_as_large_as_can_be),
+        TELL(slices_of_any_size_and_spacing_fit), TELL(a_pixel_knows_its_voxel),
+        TELL(a_window_ramps_from_black_to_white),
+        TELL(smooth_grey_lies_between_the_four_voxels_around), TELL(labels_tint_or_are_outlined),
+        TELL(contours_are_thicker_in_larger_pictures), TELL(a_cross_leaves_its_voxel_free),
+        TELL(seeds_are_dots_and_eliminators_crosses),
+        TELL(letters_say_where_the_patients_sides_are), TELL(lengths_of_bars_are_round),
+        TELL(bars_tell_lengths_and_greys), TELL(all_48_orientations_give_the_same_pictures),
+        TELL(without_memory_there_is_no_slice));
 }

@@ -1,0 +1,70 @@
+#include "render/canvas.h"
+
+#include <stdlib.h>
+
+#include "base/hash.h"
+#include "base/mem.h"
+#include "engine/grid.h"
+
+static const uint8_t black[3];
+
+enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, bool tells_cells,
+                     struct fault *fault)
+{
+    const size_t pixels = (size_t)width * height;
+    *canvas = (struct canvas){.width = width, .height = height, .stride = width};
+    canvas->rgba = mem_array(pixels, 4);
+    if (tells_cells)
+        canvas->cell = mem_array(pixels, sizeof *canvas->cell);
+    if (!canvas->rgba || (tells_cells && !canvas->cell)) {
+        canvas_release(canvas);
+        return fault_memory(fault, "a picture");
+    }
+    for (size_t i = 0; i < pixels; i++)
+        canvas->rgba[4 * i + 3] = 255;
+    for (size_t i = 0; tells_cells && i < pixels; i++)
+        canvas->cell[i] = CELL_NONE;
+    canvas_box(canvas, 0, 0, width, height, black);
+    return OK;
+}
+
+void canvas_release(struct canvas *canvas)
+{
+    free(canvas->rgba);
+    free(canvas->cell);
+    *canvas = (struct canvas){0};
+}
+
+struct canvas canvas_part(const struct canvas *canvas, uint32_t left, uint32_t top, uint32_t width,
+                          uint32_t height)
+{
+    const size_t first = (size_t)top * canvas->stride + left;
+    return (struct canvas){width, height, canvas->stride, canvas->rgba + 4 * first,
+                           canvas->cell ? canvas->cell + first : NULL};
+}
+
+void canvas_box(const struct canvas *canvas, int64_t left, int64_t top, int64_t width,
+                int64_t height, const uint8_t rgb[3])
+{
+    const int64_t right = left + width < canvas->width ? left + width : canvas->width;
+    const int64_t bottom = top + height < canvas->height ? top + height : canvas->height;
+    for (int64_t y = top > 0 ? top : 0; y < bottom; y++)
+        for (int64_t x = left > 0 ? left : 0; x < right; x++)
+            canvas_dot(canvas, x, y, rgb);
+}
+
+/* Two pixels to a mix: pictures are made faster than they could be mixed one by one. */
+uint64_t canvas_digest(const struct canvas *canvas)
+{
+    const size_t bytes = (size_t)canvas->width * canvas->height * 4;
+    const uint8_t *at = canvas->rgba;
+    uint64_t sum = hash_mix_at(canvas->width, canvas->height);
+    for (size_t i = 0; i < bytes; i += 8) {
+        const unsigned count = bytes - i < 8 ? 4 : 8;
+        uint64_t both = 0;
+        for (unsigned k = 0; k < count; k++)
+            both |= (uint64_t)at[i + k] << 8 * k;
+        sum += hash_mix_at(i, both);
+    }
+    return sum;
+}

@@ -1,0 +1,56 @@
+/*
+ * A canvas: the pixels that slices, mosaics and words are drawn into, or a part of them.
+ *
+ * Pixels are opaque sRGB, rows from the top, columns from the left. Whoever draws may aim beyond
+ * the edges: what falls outside is not drawn. A part borrows the pixels of the whole.
+ *
+ * Where `cell` is not NULL it tells which voxel each pixel shows, CELL_NONE for none.
+ */
+#ifndef RENDER_CANVAS_H
+#define RENDER_CANVAS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+
+struct canvas {
+    uint32_t width, height;
+    size_t stride;  /* pixels from one row to the next */
+    uint8_t *rgba;  /* [height][stride][4], alpha 255 */
+    uint32_t *cell; /* [height][stride], or NULL */
+};
+
+/* Black, of 1..VIEW_SIDE_MOST pixels a side, which the caller releases; nothing on error. */
+enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, bool tells_cells,
+                     struct fault *fault);
+void canvas_release(struct canvas *canvas);
+
+/* The part from column `left` and row `top` on, which lies within the canvas. */
+struct canvas canvas_part(const struct canvas *canvas, uint32_t left, uint32_t top, uint32_t width,
+                          uint32_t height);
+
+/* Fills a box of width x height pixels. */
+void canvas_box(const struct canvas *canvas, int64_t left, int64_t top, int64_t width,
+                int64_t height, const uint8_t rgb[3]);
+
+/* A sum mod 2^64 over the pixels of a whole canvas of a mix of place and colour. */
+uint64_t canvas_digest(const struct canvas *canvas);
+
+static inline uint8_t *canvas_pixel(const struct canvas *canvas, size_t column, size_t row)
+{
+    return canvas->rgba + 4 * (row * canvas->stride + column);
+}
+
+static inline void canvas_dot(const struct canvas *canvas, int64_t column, int64_t row,
+                              const uint8_t rgb[3])
+{
+    if (column < 0 || row < 0 || column >= canvas->width || row >= canvas->height)
+        return;
+    uint8_t *pixel = canvas_pixel(canvas, (size_t)column, (size_t)row);
+    for (int k = 0; k < 3; k++)
+        pixel[k] = rgb[k];
+}
+
+#endif

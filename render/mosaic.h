@@ -1,0 +1,45 @@
+/*
+ * A mosaic: the three slices through one voxel, at one scale, and the rendition.
+ *
+ *     coronal | sagittal        The patient's sides run on from pane to pane: superior is up in
+ *     --------+---------        both upper ones, his left is on the right in both left ones, and
+ *     axial   | rendition       the lines of the cross-hair meet at the seams.
+ *
+ * Each pane has half of the picture, less a thin seam. The rendition's has every two by two pixels
+ * averaged over black, which is the picture at half its size where the rendition is as large as
+ * the mosaic.
+ */
+#ifndef RENDER_MOSAIC_H
+#define RENDER_MOSAIC_H
+
+#include "render/rendition.h"
+#include "render/slice.h"
+
+enum { MOSAIC_SIDE_LEAST = 16, MOSAIC_PANES = 4 };
+
+enum mosaic_pane { MOSAIC_CORONAL, MOSAIC_SAGITTAL, MOSAIC_AXIAL, MOSAIC_RENDITION };
+
+struct mosaic_choice {
+    uint32_t place[3];
+    const char *title[3]; /* of the slices, by enum slice_plane; or NULL */
+    bool notes;
+};
+
+struct mosaic_box {
+    uint32_t left, top, width, height;
+};
+
+/* Where a pane lies in a picture of MOSAIC_SIDE_LEAST pixels a side or more. */
+struct mosaic_box mosaic_box(uint32_t width, uint32_t height, enum mosaic_pane pane);
+
+/* Fills a canvas of the rendition's size, and canvas->cell where it has that. ERR_MEMORY. */
+enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,
+                     const struct rendition *rendition, const struct mosaic_choice *choice,
+                     const struct slice_style *style, struct fault *fault);
+
+/* The cell that a pixel of that picture shows, or CELL_NONE. A pixel of the rendition's pane shows
+ * the voxel of the first of its four pixels that shows one. */
+uint32_t mosaic_cell_at(const struct scene *scene, const struct rendition *rendition,
+                        const struct mosaic_choice *choice, uint32_t column, uint32_t row);
+
+#endif

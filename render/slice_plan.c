@@ -1,0 +1,184 @@
+#include "render/slice_plan.h"
+
+#include <assert.h>
+
+#include "render/view.h"
+
+/* The patient's axes of each plane. In the picture, both of them run downwards: columns from the
+ * right (or the front) of the patient on, rows from his front (or top) on. */
+enum { COLUMN, ROW, ACROSS };
+static const int8_t world_axis_of[3][3] = {
+    [SLICE_AXIAL] = {0, 1, 2}, [SLICE_CORONAL] = {0, 2, 1}, [SLICE_SAGITTAL] = {1, 2, 0}};
+
+/* Wide enough for any scene that there is, and small enough for 64 bits in all that follows. */
+static const uint64_t PIXEL_PM_MOST = INT64_MAX / (8 * VIEW_SIDE_MOST);
+
+/* The axis of the scene that runs along an axis of the patient. */
+static int scene_axis(const struct scene *scene, int world)
+{
+    int axis = 0;
+    while (axis < 2 && scene->world_axis[axis] != world)
+        axis++;
+    return axis;
+}
+
+/* ---- which slice ---- */
+
+uint32_t slice_count(const struct scene *scene, enum slice_plane plane)
+{
+    return scene->grid.size[scene_axis(scene, world_axis_of[plane][ACROSS])];
+}
+
+/* From the patient's index to the scene's, and back. */
+static uint32_t turned(const struct scene *scene, int axis, uint32_t index)
+{
+    return scene->world_sign[axis] < 0 ? scene->grid.size[axis] - 1 - index : index;
+}
+
+uint32_t slice_index(const struct scene *scene, enum slice_plane plane, const uint32_t place[3])
+{
+    const int axis = scene_axis(scene, world_axis_of[plane][ACROSS]);
+    return turned(scene, axis, place[axis]);
+}
+
+void slice_move(const struct scene *scene, enum slice_plane plane, uint32_t index,
+                uint32_t place[3])
+{
+    const int axis = scene_axis(scene, world_axis_of[plane][ACROSS]);
+    place[axis] = turned(scene, axis, index);
+}
+
+/* ---- how large ---- */
+
+static uint64_t within_reach(uint64_t pixel_pm)
+{
+    return pixel_pm < 1 ? 1 : pixel_pm > PIXEL_PM_MOST ? PIXEL_PM_MOST : pixel_pm;
+}
+
+static uint64_t length_pm(const struct scene *scene, int axis)
+{
+    return (uint64_t)scene->grid.size[axis] * scene->spacing_nm[axis] * 1000;
+}
+
+uint64_t slice_fitting_pixel(const struct scene *scene, enum slice_plane plane, uint32_t width,
+                             uint32_t height)
+{
+    const uint64_t pixels[2] = {width, height};
+    uint64_t most = 0;
+    for (int i = 0; i < 2; i++) {
+        const uint64_t length = length_pm(scene, scene_axis(scene, world_axis_of[plane][i]));
+        const uint64_t side = (length + pixels[i] - 1) / pixels[i];
+        most = side > most ? side : most;
+    }
+    return within_reach(most);
+}
+
+uint64_t slice_zoomed_pixel(const struct scene *scene, uint32_t zoom)
+{
+    uint64_t finest = scene->spacing_nm[0];
+    for (int a = 1; a < 3; a++)
+        if (scene->spacing_nm[a] < finest)
+            finest = scene->spacing_nm[a];
+    return within_reach((finest * 1000000 + zoom / 2) / zoom);
+}
+
+/* ---- pixels and voxels ---- */
+
+static int64_t divided_down(int64_t a, int64_t b)
+{
+    return a >= 0 ? a / b : -((-a + b - 1) / b);
+}
+
+static int64_t centre2(const struct slice_side *side, int64_t pixel)
+{
+    return side->origin2 + (2 * pixel + 1) * side->pixel_pm;
+}
+
+int64_t slice_side_voxel(const struct slice_side *side, int64_t pixel)
+{
+    return divided_down(centre2(side, pixel), 2 * side->spacing_pm);
+}
+
+int64_t slice_side_pixel(const struct slice_side *side, int64_t voxel)
+{
+    return divided_down((2 * voxel + 1) * side->spacing_pm - side->origin2, 2 * side->pixel_pm);
+}
+
+int64_t slice_side_between(const struct slice_side *side, int64_t pixel, uint32_t *part)
+{
+    const int64_t from_first = centre2(side, pixel) - side->spacing_pm;
+    const int64_t voxel = divided_down(from_first, 2 * side->spacing_pm);
+    const int64_t rest = from_first - voxel * 2 * side->spacing_pm;
+    *part = (uint32_t)((rest * 256 + side->spacing_pm) / (2 * side->spacing_pm));
+    return voxel;
+}
+
+/* Where the picture begins: the slice in the middle where it fits, else the place, as near to the
+ * middle as leaves nothing empty. What is thinner than a pixel has the middle of one, or no pixel
+ * would show it. */
+static int64_t origin2(const struct slice_side *side, int64_t voxel)
+{
+    const int64_t length2 = 2 * side->voxels * side->spacing_pm;
+    const int64_t picture2 = 2 * side->pixels * side->pixel_pm;
+    if (length2 < 2 * side->pixel_pm)
+        return length2 / 2 - (2 * (side->pixels / 2) + 1) * side->pixel_pm;
+    if (length2 <= picture2)
+        return (length2 - picture2) / 2;
+    const int64_t wanted = (2 * voxel + 1) * side->spacing_pm - picture2 / 2;
+    return wanted < 0 ? 0 : wanted > length2 - picture2 ? length2 - picture2 : wanted;
+}
+
+static void place_side(struct slice_side *side, const uint32_t place[3])
+{
+    side->origin2 = origin2(side, slice_side_counted(side, place));
+    side->first = 0;
+    side->end = side->pixels;
+    while (side->first < side->end && slice_side_voxel(side, side->first) < 0)
+        side->first++;
+    while (side->first < side->end && slice_side_voxel(side, side->end - 1) >= side->voxels)
+        side->end--;
+}
+
+void slice_plan_init(struct slice_plan *plan, const struct scene *scene,
+                     const struct slice_choice *choice, uint32_t width, uint32_t height)
+{
+    const int8_t *world = world_axis_of[choice->plane];
+    const struct grid *grid = &scene->grid;
+    uint32_t corner[3];
+    *plan = (struct slice_plan){.across = scene_axis(scene, world[ACROSS])};
+    for (int a = 0; a < 3; a++) {
+        assert(choice->place[a] < grid->size[a]);
+        corner[a] = choice->place[a];
+    }
+    for (int i = 0; i < 2; i++) {
+        struct slice_side *side = &plan->side[i];
+        side->axis = scene_axis(scene, world[i]);
+        side->backwards = scene->world_sign[side->axis] > 0;
+        side->voxels = grid->size[side->axis];
+        side->pixels = i == COLUMN ? width : height;
+        side->spacing_pm = (int64_t)scene->spacing_nm[side->axis] * 1000;
+        side->pixel_pm =
+            (int64_t)(choice->pixel_pm ? choice->pixel_pm
+                                       : slice_fitting_pixel(scene, choice->plane, width, height));
+        place_side(side, choice->place);
+        corner[side->axis] = side->backwards ? (uint32_t)side->voxels - 1 : 0;
+        plan->step[i] = side->backwards ? -grid->step[side->axis] : grid->step[side->axis];
+    }
+    plan->corner = grid_cell(grid, corner[0], corner[1], corner[2]);
+}
+
+uint32_t slice_cell_at(const struct scene *scene, const struct slice_choice *choice, uint32_t width,
+                       uint32_t height, uint32_t column, uint32_t row)
+{
+    struct slice_plan plan;
+    const int64_t pixel[2] = {column, row};
+    ptrdiff_t cell;
+    slice_plan_init(&plan, scene, choice, width, height);
+    cell = (ptrdiff_t)plan.corner;
+    for (int i = 0; i < 2; i++) {
+        if (pixel[i] < plan.side[i].first || pixel[i] >= plan.side[i].end)
+            return CELL_NONE;
+        cell += slice_side_voxel(&plan.side[i], pixel[i]) * plan.step[i];
+    }
+    return (uint32_t)cell;
+}

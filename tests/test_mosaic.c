@@ -1,0 +1,229 @@
+/* Mosaics: four panes that share a scale, and the rendition at half its size. */
+#include "check.h"
+
+#include <stdlib.h>
+
+#include "base/mem.h"
+#include "render/mosaic.h"
+
+static struct palette palette;
+static bool visible[256];
+
+static struct slice_style plain_style(void)
+{
+    struct slice_style style = {.palette = &palette, .visible = visible, .least = "", .most = ""};
+    slice_window(style.grey, 0, 255);
+    return style;
+}
+
+/* 14x10x6 voxels of 1x1.5x2 mm, each of another grey. */
+static struct scene *graded_scene(void)
+{
+    static const uint32_t size[3] = {14, 10, 6};
+    static const uint32_t spacing[3] = {1000000, 1500000, 2000000};
+    struct scene *scene = NULL;
+    uint16_t intensity[14 * 10 * 6];
+    CHECK(scene_new(&scene, size, NULL) == OK);
+    memcpy(scene->spacing_nm, spacing, sizeof spacing);
+    for (uint16_t i = 0; i < 14 * 10 * 6; i++)
+        intensity[i] = (uint16_t)(i * 37 % 251);
+    scene_fill(scene, intensity);
+    return scene;
+}
+
+/* A rendition of noise, in which one pixel of three shows nothing. */
+static struct rendition noisy_rendition(uint32_t width, uint32_t height)
+{
+    struct rendition r;
+    uint64_t seed = 5;
+    CHECK(rendition_init(&r, width, height, NULL) == OK);
+    for (size_t i = 0; i < (size_t)width * height; i++) {
+        if (check_below(&seed, 3) == 0)
+            continue;
+        r.cell[i] = 1 + check_below(&seed, 1000);
+        for (size_t k = 0; k < 3; k++)
+            r.rgba[4 * i + k] = (uint8_t)check_below(&seed, 256);
+        r.rgba[4 * i + 3] = 255;
+    }
+    return r;
+}
+
+static struct canvas take(const struct scene *scene, const struct rendition *r,
+                          const struct mosaic_choice *choice, const struct slice_style *style)
+{
+    struct canvas canvas;
+    CHECK(canvas_init(&canvas, r->width, r->height, true, NULL) == OK);
+    CHECK(mosaic_draw(&canvas, scene, r, choice, style, NULL) == OK);
+    return canvas;
+}
+
+STORY(panes_share_the_picture_out)
+{
+    for (uint32_t width = MOSAIC_SIDE_LEAST; width < 140; width++)
+        for (uint32_t height = MOSAIC_SIDE_LEAST; height < 140; height += 1 + width % 3) {
+            const struct mosaic_box a = mosaic_box(width, height, MOSAIC_CORONAL),
+                                    b = mosaic_box(width, height, MOSAIC_SAGITTAL),
+                                    c = mosaic_box(width, height, MOSAIC_AXIAL),
+                                    d = mosaic_box(width, height, MOSAIC_RENDITION);
+            const uint32_t seam = b.left - a.width;
+            CHECK(seam == (width < 128 || height < 128 ? 1 : 2));
+            CHECK(a.left == 0 && a.top == 0 && b.top == 0 && c.left == 0);
+            CHECK(d.left == b.left && d.top == c.top && c.top - a.height == seam);
+            CHECK(b.left + b.width == width && d.top + d.height == height);
+            CHECK(a.width == c.width && b.width == d.width && a.height == b.height &&
+                  c.height == d.height);
+            CHECK(d.width - a.width <= 1 && 2 * d.width <= width && 2 * d.height <= height);
+        }
+}
+
+/* Each pane is what the slice alone would be at the scale that all three fit. */
+STORY(panes_are_slices_at_one_scale)
+{
+    static const enum mosaic_pane pane_of[3] = {MOSAIC_AXIAL, MOSAIC_CORONAL, MOSAIC_SAGITTAL};
+    struct scene *scene = graded_scene();
+    struct slice_style style = plain_style();
+    style.crosses = true;
+    for (uint32_t side = 61; side < 64; side++) {
+        struct rendition r = noisy_rendition(side, 2 * side);
+        const struct mosaic_choice choice = {.place = {3, 4, 5}};
+        struct canvas mosaic = take(scene, &r, &choice, &style);
+        uint64_t pixel_pm = 0;
+        for (int p = 0; p < 3; p++) {
+            const struct mosaic_box box = mosaic_box(side, 2 * side, pane_of[p]);
+            const uint64_t fits =
+                slice_fitting_pixel(scene, (enum slice_plane)p, box.width, box.height);
+            pixel_pm = fits > pixel_pm ? fits : pixel_pm;
+        }
+        for (int p = 0; p < 3; p++) {
+            const struct mosaic_box box = mosaic_box(side, 2 * side, pane_of[p]);
+            const struct slice_choice slice = {
+                (enum slice_plane)p, {3, 4, 5}, pixel_pm, true, 0, NULL};
+            struct canvas alone;
+            CHECK(canvas_init(&alone, box.width, box.height, false, NULL) == OK);
+            CHECK(slice_draw(&alone, scene, &slice, &style, NULL) == OK);
+            for (uint32_t y = 0; y < box.height; y++)
+                CHECK(memcmp(canvas_pixel(&mosaic, box.left, box.top + y),
+                             canvas_pixel(&alone, 0, y), 4 * (size_t)box.width) == 0);
+            canvas_release(&alone);
+        }
+        canvas_release(&mosaic);
+        rendition_release(&r);
+    }
+    scene_free(scene);
+}
+
+/* In a dark scene, the lines of the cross-hair alone: one column and one row go on over the seam.
+ */
+STORY(the_lines_of_the_cross_hair_run_on)
+{
+    static const uint32_t size[3] = {14, 10, 6};
+    struct scene *scene = NULL;
+    struct slice_style style = plain_style();
+    const struct mosaic_choice choice = {.place = {3, 4, 5}};
+    struct rendition r = noisy_rendition(100, 100);
+    uint32_t columns[2] = {0}, rows[2] = {0};
+    CHECK(scene_new(&scene, size, NULL) == OK);
+    style.crosses = true;
+    struct canvas mosaic = take(scene, &r, &choice, &style);
+    for (uint32_t i = 0; i < 49; i++) {
+        columns[0] += canvas_pixel(&mosaic, i, 0)[0] ? i : 0;
+        columns[1] += canvas_pixel(&mosaic, i, 99)[0] ? i : 0;
+        rows[0] += canvas_pixel(&mosaic, 0, i)[0] ? i : 0;
+        rows[1] += canvas_pixel(&mosaic, 99, i)[0] ? i : 0;
+    }
+    CHECK(columns[0] > 24 && columns[0] == columns[1]); /* left of the middle of the patient */
+    CHECK(rows[0] > 0 && rows[0] < 24 && rows[0] == rows[1]);
+    canvas_release(&mosaic);
+    rendition_release(&r);
+    scene_free(scene);
+}
+
+STORY(the_rendition_is_averaged_over_black)
+{
+    struct scene *scene = graded_scene();
+    const struct slice_style style = plain_style();
+    const struct mosaic_choice choice = {.place = {0, 0, 0}};
+    struct rendition r;
+    CHECK(rendition_init(&r, 20, 21, NULL) == OK);
+    /* The pane has 10x10 pixels, and the first stands for columns 0, 1 and rows 0, 1. */
+    memcpy(r.rgba, (const uint8_t[]){255, 8, 3, 255, 255, 9, 3, 255}, 8);
+    memcpy(r.rgba + (size_t)4 * 20, (const uint8_t[]){255, 8, 4, 255}, 4);
+    r.cell[1] = 77;
+    r.cell[20] = 78;
+    r.cell[20 * 19 + 19] = 79;
+    struct canvas mosaic = take(scene, &r, &choice, &style);
+    const uint8_t *p = canvas_pixel(&mosaic, 10, 11);
+    CHECK_INT(p[0], 191); /* 765 / 4 = 191.25 */
+    CHECK_INT(p[1], 6);   /* 25 / 4 = 6.25 */
+    CHECK_INT(p[2], 3);   /* 10 / 4 = 2.5 */
+    CHECK_INT(p[3], 255);
+    CHECK_INT(mosaic.cell[11 * 20 + 10], 77);
+    CHECK_INT(mosaic.cell[20 * 20 + 19], 79);
+    CHECK_INT(mosaic.cell[20 * 20 + 18], CELL_NONE);
+    canvas_release(&mosaic);
+    rendition_release(&r);
+    scene_free(scene);
+}
+
+STORY(a_pixel_of_a_mosaic_knows_its_voxel)
+{
+    struct scene *scene = graded_scene();
+    const struct slice_style style = plain_style();
+    uint64_t seed = 9;
+    for (int i = 0; i < 60; i++) {
+        const struct mosaic_choice choice = {
+            .place = {check_below(&seed, 14), check_below(&seed, 10), check_below(&seed, 6)}};
+        struct rendition r = noisy_rendition(MOSAIC_SIDE_LEAST + check_below(&seed, 130),
+                                             MOSAIC_SIDE_LEAST + check_below(&seed, 130));
+        struct canvas mosaic = take(scene, &r, &choice, &style);
+        uint32_t wrong = 0, shown = 0;
+        for (uint32_t p = 0; p < r.width * r.height; p++) {
+            wrong += mosaic.cell[p] != mosaic_cell_at(scene, &r, &choice, p % r.width, p / r.width);
+            shown += mosaic.cell[p] != CELL_NONE;
+        }
+        CHECK_INT(wrong, 0);
+        CHECK(shown > r.width * r.height / 4);
+        canvas_release(&mosaic);
+        rendition_release(&r);
+    }
+    scene_free(scene);
+}
+
+static unsigned allocations_left;
+static bool allow_some(size_t bytes)
+{
+    (void)bytes;
+    return allocations_left && allocations_left--;
+}
+
+STORY(without_memory_there_is_no_mosaic)
+{
+    struct scene *scene = graded_scene();
+    const struct slice_style style = plain_style();
+    const struct mosaic_choice choice = {.place = {0, 0, 0}, .notes = true};
+    struct rendition r = noisy_rendition(40, 40);
+    struct canvas canvas;
+    unsigned refused = 0;
+    enum err err = ERR_MEMORY;
+    CHECK(canvas_init(&canvas, 40, 40, false, NULL) == OK);
+    for (unsigned n = 0; err == ERR_MEMORY && n < 100; n++) {
+        allocations_left = n;
+        mem_allows = allow_some;
+        err = mosaic_draw(&canvas, scene, &r, &choice, &style, NULL);
+        mem_allows = NULL;
+        refused += err == ERR_MEMORY;
+    }
+    CHECK_INT(err, OK);
+    CHECK(refused > 15);
+    canvas_release(&canvas);
+    rendition_release(&r);
+    scene_free(scene);
+}
+
+int main(void)
+{
+    return RUN_STORIES(
+        TELL(panes_share_the_picture_out), TELL(panes_are_slices_at_one_scale),
+        TELL(the_lines_of_the_cross_hair_run_on), TELL(the_rendition_is_averaged_over_black),
+        TELL(a_pixel_of_a_mosaic_knows_its_voxel), TELL(without_memory_there_is_no_mosaic));
+}
