@@ -64,12 +64,17 @@ static uint32_t rendition_cell(const struct rendition *r, size_t first)
     return CELL_NONE;
 }
 
-/* A pixel of the rendition is either seen or of colour 0, so the mean is that over black. */
+/* The mean of what four pixels look like over black. */
 static void average(uint8_t rgb[3], const struct rendition *r, size_t first)
 {
     const uint8_t *above = r->rgba + 4 * first, *below = above + (size_t)4 * r->width;
-    for (int k = 0; k < 3; k++)
-        rgb[k] = (uint8_t)((above[k] + above[k + 4] + below[k] + below[k + 4] + 2) / 4);
+    const uint8_t *const four[4] = {above, above + 4, below, below + 4};
+    for (int k = 0; k < 3; k++) {
+        uint32_t sum = 0;
+        for (int i = 0; i < 4; i++)
+            sum += (uint32_t)four[i][k] * four[i][3];
+        rgb[k] = (uint8_t)((sum + 2 * 255) / (4 * 255));
+    }
 }
 
 static void draw_rendition(const struct canvas *pane, const struct mosaic_box *box,

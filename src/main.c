@@ -136,7 +136,10 @@ static void complain(void *context, const char *text)
 
 static struct image_view view_of(const struct desk *desk)
 {
+    const struct canvas *shown = &desk->shown;
     const struct rendition *r = session_frame(&desk->session);
+    if (shown->rgba)
+        return (struct image_view){shown->width, shown->height, shown->rgba};
     return (struct image_view){r->width, r->height, r->rgba};
 }
 

@@ -177,7 +177,7 @@ static const char *form_of(const struct parameter *p)
         return form;
     case PARAMETER_NAMED_DECIMAL:
     case PARAMETER_NAMED_FILE:
-        snprintf(form, sizeof form, "%s|%s", p->choices, p->name);
+        snprintf(form, sizeof form, "%s|%s", p->choices, p->keyed ? "" : p->name);
         return form;
     default:
         return p->name;
@@ -466,6 +466,8 @@ struct snapshot {
     uint64_t forest, labels, scene, weights, fence, picture;
     size_t seeds, pendings, border, acknowledged, records;
     struct edit pending[64];
+    uint32_t eliminator[64];
+    size_t eliminators, waiting;
     struct settings settings;
     bool has_scene, rendered;
 };
@@ -498,6 +500,11 @@ static void take_snapshot(struct snapshot *s, const struct desk *desk)
         s->pending[i].cell = session->pending[i].cell;
         s->pending[i].label = session->pending[i].label;
     }
+    const struct eliminators *e = &session->eliminators;
+    s->eliminators = e->end - e->first;
+    s->waiting = e->end - e->waiting;
+    for (size_t i = 0; i < s->eliminators && i < 64; i++)
+        s->eliminator[i] = e->cell[e->first + i];
     if (!session->has_scene)
         return;
     s->scene = session->scene_digest;
@@ -534,6 +541,8 @@ static void is_as_before(const struct snapshot *before, const struct desk *desk,
     CHECK(memcmp(&now.settings, &before->settings, sizeof now.settings) == 0);
     CHECK(now.pendings == before->pendings);
     CHECK(memcmp(now.pending, before->pending, sizeof now.pending) == 0);
+    CHECK(now.eliminators == before->eliminators && now.waiting == before->waiting);
+    CHECK(memcmp(now.eliminator, before->eliminator, sizeof now.eliminator) == 0);
     if (check_failures > failures)
         printf("#   after %s\n", line);
 }
@@ -647,6 +656,29 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"golden ../front", "small letters"},
         {"pick 0 0", "`render` first"},
         {"remove 1,1,1", "no seed reaches it"},
+        {"cross 12,0,0", "lies outside the scene, whose voxels are 0,0,0 to 11,10,9"},
+        {"cross", "missing: PLACE; usage: cross X,Y,Z"},
+        {"window", "missing: LOW"},
+        {"window 5", "expected LOW and HIGH, or auto alone; nothing has changed"},
+        {"window auto 5", "expected LOW and HIGH, or auto alone"},
+        {"window 5 5", "HIGH is not above LOW; nothing has changed"},
+        {"window wide 5", "LOW: expected a number -1000000000..1000000000"},
+        {"overlay", "expected what to change, as in `overlay tint`"},
+        {"overlay paint", "LABELS: expected none|tint|contour, not paint"},
+        {"overlay words=maybe", "words: expected on|off, not maybe"},
+        {"slice", "missing: PLANE; usage: slice axial|coronal|sagittal [N] [FILE]"},
+        {"slice transverse", "PLANE: expected axial|coronal|sagittal, not transverse"},
+        {"slice axial 10", "N: expected a slice 0..9, which this scene has axial, not 10"},
+        {"slice coronal 11", "N: expected a slice 0..10, which this scene has coronal"},
+        {"slice sagittal 12", "N: expected a slice 0..11, which this scene has sagittal"},
+        {"slice axial -1", "N: expected a number 0..65533, not -1"},
+        {"slice axial left", "N: expected a number 0..65533, not left"},
+        {"slice axial 1 2", "its name says no format; expected for instance .png"},
+        {"slice axial zoom=0", "zoom: expected a number 0.01..64"},
+        {"slice axial missing-folder/x.exr", "there is no folder"},
+        {"mosaic missing-folder/x.exr", "there is no folder"},
+        {"golden x of=oblique",
+         "of: expected rendition|axial|coronal|sagittal|mosaic, not oblique"},
         {"open elsewhere.nii", "there is no scene elsewhere.nii here"},
         {"open synth:geom", "a scene is open already"},
         {"render missing-folder/x.exr", "there is no folder"},
@@ -1166,6 +1198,18 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"save labels @/l.nii.gz", "l.nii.gz"},
         {"golden first", "door.golden/first.exr"},
         {"golden second", "door.golden/second.png"},
+        {"cross 3,4,5", NULL},
+        {"window 10 90.5", NULL},
+        {"mosaic", NULL},
+        {"window auto", NULL},
+        {"overlay tint marks=off", NULL},
+        {"slice sagittal", NULL},
+        {"slice coronal 2 @/s.png", "s.png"},
+        {"slice axial @/s.exr zoom=3", "s.exr"},
+        {"overlay none words=off cross=off marks=on", NULL},
+        {"mosaic @/m.exr", "m.exr"},
+        {"golden third of=sagittal", "door.golden/third.exr"},
+        {"golden fourth of=mosaic", "door.golden/fourth.png"},
         {"seed 3,3,3 4", NULL},
         {"render mode=bp", NULL},
         {"auto on", NULL},
@@ -1268,6 +1312,17 @@ STORY(what_the_door_recorded_is_the_same_when_replayed)
         {"range -5 220.125", NULL},
         {"adjacency 6", NULL},
         {"golden third", "replay.golden/third.exr"},
+        {"remove 2,2,2", NULL},
+        {"auto off", NULL},
+        {"seed 5,6,7 2", NULL},
+        {"remove 9,9,9", NULL},
+        {"cross 5,6,7", NULL},
+        {"overlay tint", NULL},
+        {"golden waiting of=axial", "replay.golden/waiting.exr"},
+        {"golden waiting-too of=mosaic", "replay.golden/waiting-too.exr"},
+        {"run", NULL},
+        {"slice coronal 3 zoom=5", NULL},
+        {"golden near of=coronal", "replay.golden/near.exr"},
     };
     all_fail_then_work(&desk, deeds, sizeof deeds / sizeof deeds[0]);
     desk_release(&desk);
@@ -1292,6 +1347,7 @@ STORY(an_interpolated_scene_is_the_same_when_replayed)
         {"weight sobel", NULL},
         {"run", NULL},
         {"golden finer", "finer.golden/finer.exr"},
+        {"golden slice of=sagittal", "finer.golden/slice.exr"},
     };
     snprintf(path, sizeof path, "%s", place("finer.iftty"));
     failing_path = path;
@@ -1318,6 +1374,9 @@ STORY(random_edits_fail_at_random)
                                          "range none",
                                          "range 20 90",
                                          "range 40 300"};
+    static const char *const sights[] = {
+        "slice axial 3",  "slice coronal zoom=4", "slice sagittal 5 zoom=fit", "mosaic",
+        "window 20 99.5", "overlay contour",      "overlay tint marks=on"};
     unsigned undone = 0;
     snprintf(path, sizeof path, "%s", place("random.iftty"));
     failing_path = path;
@@ -1329,7 +1388,7 @@ STORY(random_edits_fail_at_random)
     for (unsigned i = 0; i < 600 && check_failures < 5; i++) {
         struct snapshot before;
         uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]);
-        switch (below(14)) {
+        switch (below(15)) {
         case 0:
             snprintf(line, sizeof line, "remove %u,%u,%u", x, y, z);
             break;
@@ -1356,6 +1415,9 @@ STORY(random_edits_fail_at_random)
             break;
         case 8:
             snprintf(line, sizeof line, "%s", fences[below(7)]);
+            break;
+        case 9:
+            snprintf(line, sizeof line, "%s", sights[below(7)]);
             break;
         default:
             snprintf(line, sizeof line, "seed %u,%u,%u %u radius=%u", x, y, z, below(5),
@@ -1654,7 +1716,8 @@ STORY(a_command_that_is_cancelled_is_undone)
                                        "hide 1",
                                        "weight polarity",
                                        "save cost x.nii replace=yes",
-                                       "range 0 300"};
+                                       "range 0 300",
+                                       "mosaic"};
     static const char *const picture[] = {"render mode=sp", "render mode=bp", "render mode=ray"};
     struct desk desk;
     struct snapshot before;

@@ -147,7 +147,8 @@ STORY(the_rendition_is_averaged_over_black)
     CHECK(rendition_init(&r, 20, 21, NULL) == OK);
     /* The pane has 10x10 pixels, and the first stands for columns 0, 1 and rows 0, 1. */
     memcpy(r.rgba, (const uint8_t[]){255, 8, 3, 255, 255, 9, 3, 255}, 8);
-    memcpy(r.rgba + (size_t)4 * 20, (const uint8_t[]){255, 8, 4, 255}, 4);
+    memcpy(r.rgba + (size_t)4 * 20, (const uint8_t[]){255, 8, 4, 255, 99, 99, 99, 0}, 8);
+    memcpy(r.rgba + 8, (const uint8_t[]){200, 0, 0, 51}, 4); /* a fifth of it is covered */
     r.cell[1] = 77;
     r.cell[20] = 78;
     r.cell[20 * 19 + 19] = 79;
@@ -157,6 +158,7 @@ STORY(the_rendition_is_averaged_over_black)
     CHECK_INT(p[1], 6);   /* 25 / 4 = 6.25 */
     CHECK_INT(p[2], 3);   /* 10 / 4 = 2.5 */
     CHECK_INT(p[3], 255);
+    CHECK_INT(canvas_pixel(&mosaic, 11, 11)[0], 10);
     CHECK_INT(mosaic.cell[11 * 20 + 10], 77);
     CHECK_INT(mosaic.cell[20 * 20 + 19], 79);
     CHECK_INT(mosaic.cell[20 * 20 + 18], CELL_NONE);

@@ -137,7 +137,7 @@ struct prompt {
     struct line_editor editor;
 };
 
-/* Adds the rendition, if there is one, and a question whose answer says that it has been drawn.
+/* Adds the picture, if there is one, and a question whose answer says that it has been drawn.
  * The one before must have been: else pictures queue up in a slow connection. */
 static void add_picture(struct prompt *p, struct buf *out)
 {

@@ -33,7 +33,7 @@ struct repl_host {
     /* Adds whole words, one a line, for the word from *word_start to the cursor. May be NULL. */
     void (*complete)(void *context, const char *line, size_t cursor, struct buf *candidates,
                      size_t *word_start);
-    /* True once after a command made a rendition to show; its pixels stay until the next execute.
+    /* True once after a command made a picture to show; its pixels stay until the next execute.
      * Asked only at a terminal. May be NULL. */
     bool (*picture)(void *context, struct image_view *out);
     /* Whether the session is over; asked after every command. */

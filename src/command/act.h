@@ -3,6 +3,7 @@
 #define COMMAND_ACT_H
 
 #include "command/desk.h"
+#include "session/slicing.h"
 
 #define ACT(name)                                                                                  \
     enum err act_##name(struct desk *desk, const struct value *value, struct reply *reply,         \
@@ -54,6 +55,13 @@ ACT(clip);
 ACT(plane);
 ACT(cut);
 
+/* act_slice.c */
+ACT(cross);
+ACT(window);
+ACT(overlay);
+ACT(slice);
+ACT(mosaic);
+
 /* act_pick.c */
 ACT(pick);
 
@@ -97,6 +105,14 @@ void act_tell_voxel(struct buf *out, const struct session *session, uint32_t cel
 
 /* Lines: the view, and how the patient lies in the picture. */
 void act_tell_view(struct buf *out, const struct session *session);
+
+/* What slices show: "through 90,108,90: axial 90, ...; window 0 142, overlay contour". */
+void act_write_slices(struct buf *out, struct session *session);
+
+/* A slice or mosaic as a picture with notes, and its digest among the words. The caller releases
+ * the picture. */
+enum err act_take_sight(struct desk *desk, enum sight sight, struct picture *picture,
+                        struct reply *reply, struct fault *fault);
 
 /* "2 cerebellum", or "2" where the label has no name. */
 void act_write_label(struct buf *out, const struct session *session, unsigned label);

@@ -127,7 +127,7 @@ static void tell_look(struct buf *out, const struct look *look)
 
 ACT(info)
 {
-    const struct session *session = &desk->session;
+    struct session *session = &desk->session;
     struct buf *out = &reply->text;
     (void)value, (void)fault;
     if (desk->journal) {
@@ -161,6 +161,8 @@ ACT(info)
     if (act_write_cut(&cut, session))
         buf_printf(out, "cut away  %s\n", buf_text(&cut));
     buf_release(&cut);
+    buf_add_text(out, "slices    ");
+    act_write_slices(out, session);
     buf_printf(out, "memory    %.1f MB, %.1f bytes a voxel\n",
                (double)session_memory(session) / 1e6,
                (double)session_memory(session) / (double)scene->grid.voxels);

@@ -195,6 +195,19 @@ static enum err write_golden(struct desk *desk, const char *name, const char *pa
     return err;
 }
 
+/* The rendition, which takes in the edits that wait, or a slice or mosaic; and its digest. */
+static enum err take_golden(struct desk *desk, const struct value *of, struct picture *picture,
+                            struct reply *reply, struct fault *fault)
+{
+    if (of->given && of->number > 0)
+        return act_take_sight(desk, (enum sight)(of->number - 1), picture, reply, fault);
+    enum err err = session_render(&desk->session, RENDER_AS_KEPT, fault);
+    if (err)
+        return err;
+    add_picture_digest(desk, reply);
+    return take_picture(desk, picture, fault);
+}
+
 ACT(golden)
 {
     struct picture picture = {0};
@@ -204,22 +217,16 @@ ACT(golden)
         return fault_set(fault, ERR_USAGE,
                          "NAME: expected small letters, digits, - and _ (at most 64), not %s",
                          name);
-    enum err err = session_render(&desk->session, RENDER_AS_KEPT, fault);
+    enum err err = take_golden(desk, &value[1], &picture, reply, fault);
     if (err)
         return err;
-    add_picture_digest(desk, reply);
-    if (desk->replays && !desk->compares_goldens)
-        return OK;
-    if (!desk->home.length) {
+    if (!desk->home.length && !desk->replays)
         buf_add_text(&reply->text, "not kept: there is no journal that it could belong to\n");
-        return OK;
-    }
-    err = golden_path(&path, buf_text(&desk->home), name, fault);
-    if (!err)
-        err = take_picture(desk, &picture, fault);
-    if (!err && desk->replays)
+    else if (!desk->replays || desk->compares_goldens)
+        err = golden_path(&path, buf_text(&desk->home), name, fault);
+    if (!err && path.length && desk->replays)
         err = compare_golden(desk, name, buf_text(&path), &picture, fault);
-    else if (!err)
+    else if (!err && path.length)
         err = write_golden(desk, name, buf_text(&path), &picture, fault);
     picture_release(&picture);
     buf_release(&path);

@@ -195,7 +195,11 @@ ACT(remove)
                         : fault_memory(fault, "a ball of eliminators");
     (void)reply;
     free(cell);
-    return err;
+    if (err)
+        return err;
+    const uint32_t *p = value[0].place;
+    return eliminators_add(&session->eliminators,
+                           grid_cell(&session->scene->grid, p[0], p[1], p[2]), fault);
 }
 
 ACT(run)

@@ -29,6 +29,7 @@ void desk_release(struct desk *desk)
     session_release(&desk->session);
     buf_release(&desk->home);
     buf_release(&desk->written);
+    canvas_release(&desk->shown);
     *desk = (struct desk){0};
 }
 
@@ -37,6 +38,13 @@ void reply_release(struct reply *reply)
     buf_release(&reply->text);
     buf_release(&reply->words);
     buf_release(&reply->canonical);
+}
+
+void desk_show(struct desk *desk, const struct canvas *picture)
+{
+    canvas_release(&desk->shown);
+    desk->shown = *picture;
+    desk->shows_picture = true;
 }
 
 /* ---- the door ---- */
@@ -119,6 +127,7 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
     buf_clear(&reply->words);
     buf_clear(&reply->canonical);
     desk->shows_picture = false;
+    canvas_release(&desk->shown);
     enum err err = command_parse(&call, line, &desk->session, fault);
     if (err || !call.command)
         return err;

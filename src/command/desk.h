@@ -13,6 +13,7 @@
 #include "command/command.h"
 #include "image/helper.h"
 #include "journal/journal.h"
+#include "render/canvas.h"
 #include "session/session.h"
 
 struct desk {
@@ -32,8 +33,9 @@ struct desk {
     struct buf written; /* by the command at hand: pairs of a path and its backup ("" where it is
                            new), each ended by NUL */
     size_t acknowledged;
-    bool finished;      /* `quit` */
-    bool shows_picture; /* the last command made a rendition to be shown inline */
+    bool finished;       /* `quit` */
+    bool shows_picture;  /* the last command made a picture to be shown inline: */
+    struct canvas shown; /* it; no pixels stand for the session's rendition */
 };
 
 enum err desk_init(struct desk *desk, struct fault *fault);
@@ -44,6 +46,9 @@ void desk_release(struct desk *desk);
 enum err desk_execute(struct desk *desk, const char *line, struct reply *reply,
                       struct fault *fault);
 void reply_release(struct reply *reply);
+
+/* Has a picture shown inline, which is the desk's from now on, until the next command. */
+void desk_show(struct desk *desk, const struct canvas *picture);
 
 /* Starts a journal at `path`, or resumes it: replays its records, compares every result, and goes
  * on recording there. `told` gets lines for the user. */

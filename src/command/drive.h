@@ -15,7 +15,7 @@ struct teller {
     void *context;
     void (*say)(void *context, const char *text);      /* whole lines, to standard output */
     void (*complain)(void *context, const char *text); /* whole lines, to standard error */
-    void (*picture)(void *context, struct desk *desk); /* a rendition to be shown; may be NULL */
+    void (*picture)(void *context, struct desk *desk); /* to be shown; may be NULL */
     /* Before a line is read, which may take for ever, and after; may be NULL. */
     void (*waits)(void *context, bool waits);
 };

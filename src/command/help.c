@@ -31,6 +31,12 @@ static void parameter_form(struct buf *out, const struct parameter *p)
         buf_printf(out, "%s|X,Y,Z", p->choices);
         break;
     case PARAMETER_NAMED_DECIMAL:
+        if (p->keyed) {
+            buf_printf(out, "%s|%g..%g", p->choices, (double)p->least / 1000,
+                       (double)p->most / 1000);
+            break;
+        }
+        /* fall through */
     case PARAMETER_NAMED_FILE:
         buf_printf(out, "%s|%s", p->choices, p->name);
         break;

@@ -256,6 +256,13 @@ static enum err read_value(struct value *value, const struct parameter *p, const
 
 /* ---- calls ---- */
 
+/* An optional number before an optional file is left out where a word is a file: has a dot. */
+static bool is_passed_over(const struct parameter *p, const char *word)
+{
+    return p->type == PARAMETER_NUMBER && p->optional && !p->keyed && p[1].type == PARAMETER_FILE &&
+           strchr(word, '.');
+}
+
 /* The parameter that a word fills: a keyed one by its name, else the next in order. */
 static int parameter_for(const struct call *call, const char **word)
 {
@@ -268,7 +275,7 @@ static int parameter_for(const struct call *call, const char **word)
         }
     }
     for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++)
-        if (!p[i].keyed && !call->value[i].given)
+        if (!p[i].keyed && !call->value[i].given && !is_passed_over(&p[i], *word))
             return i;
     return -1;
 }

@@ -4,6 +4,7 @@
 #include "engine/weight.h"
 #include "render/view.h"
 #include "session/seed_file.h"
+#include "session/slicing.h"
 
 /* Parameters. N is what help calls them. */
 #define NEED(N, TYPE, LEAST, MOST)                                                                 \
@@ -22,9 +23,17 @@
     {                                                                                              \
         N, PARAMETER_NAMED_##TYPE, false, false, LEAST, MOST, CHOICES                              \
     }
+#define KEYED_NAMED(N, TYPE, CHOICES, LEAST, MOST)                                                 \
+    {                                                                                              \
+        N, PARAMETER_NAMED_##TYPE, true, true, LEAST, MOST, CHOICES                                \
+    }
 #define ONE_OF(N, CHOICES)                                                                         \
     {                                                                                              \
         N, PARAMETER_CHOICE, false, false, 0, 0, CHOICES                                           \
+    }
+#define MAY_ONE_OF(N, CHOICES)                                                                     \
+    {                                                                                              \
+        N, PARAMETER_CHOICE, true, false, 0, 0, CHOICES                                            \
     }
 #define KEYED_ONE_OF(N, CHOICES)                                                                   \
     {                                                                                              \
@@ -299,11 +308,65 @@ const struct command command_table[] = {
      "    there. `iftty info FILE` tells what a picture is of.\n",
      "render brain.png",
      act_render},
+    {"cross",
+     R | S,
+     {NEED("PLACE", POSITION, 0, 0)},
+     "the cross-hair: the voxel that slices go through",
+     "    After `open`, the middle of the scene.\n",
+     "cross 90,108,90",
+     act_cross},
+    {"window",
+     R | S,
+     {NAMED("LOW", DECIMAL, "auto", -REAL_MOST, REAL_MOST),
+      MAY("HIGH", DECIMAL, -REAL_MOST, REAL_MOST)},
+     "what is black in slices, and what is white",
+     "    Intensities, as `why` tells them: a window of width W at level L is from L - W/2 to\n"
+     "    L + W/2. auto: all but the darkest 1 % and the brightest 0.5 % of the scene.\n",
+     "window 20 90.5",
+     act_window},
+    {"overlay",
+     R | S,
+     {MAY_ONE_OF("LABELS", "none|tint|contour"), KEYED_ONE_OF("cross", "on|off"),
+      KEYED_ONE_OF("marks", "on|off"), KEYED_ONE_OF("words", "on|off")},
+     "what lies over the grey of slices",
+     "    Labels that are shown, as a tint or a contour; the cross-hair; marks: a dot for a seed "
+     "in\n"
+     "    the slice, an x for an eliminator of the last run, with a white rim where it waits for "
+     "a\n"
+     "    run; words: title, letters for the patient's sides, the scale, the greys.\n",
+     "overlay tint cross=off",
+     act_overlay},
+    {"slice",
+     R | S,
+     {ONE_OF("PLANE", SLICE_WORDS), MAY("N", NUMBER, 0, 65533), MAY("FILE", FILE, 0, 0),
+      KEYED_NAMED("zoom", DECIMAL, "fit", VIEW_ZOOM_LEAST, VIEW_ZOOM_MOST),
+      KEYED_ONE_OF("replace", "yes|no")},
+     "a slice through the cross-hair: to a file, or inline",
+     "    As radiologists look at it, at the size of the view. N takes the cross-hair to that "
+     "slice,\n"
+     "    counted from 0 towards superior, anterior, or the patient's right.\n"
+     "    zoom: pixels per voxel of the smallest spacing, around the cross-hair; voxels are "
+     "squares\n"
+     "    then. It stays so until zoom=fit, which shows all of the slice, in smooth greys.\n"
+     "    A FILE has a dot in its name; .exr holds the label and voxel of each pixel too.\n",
+     "slice axial 90 axial.png",
+     act_slice},
+    {"mosaic",
+     R | S,
+     {MAY("FILE", FILE, 0, 0), KEYED_ONE_OF("replace", "yes|no")},
+     "three slices and the rendition, as one picture",
+     "    Coronal, sagittal and axial through the cross-hair at one scale, and the rendition of "
+     "the\n"
+     "    view at half its size.\n",
+     "mosaic brain.png",
+     act_mosaic},
     {"golden",
      R | S | E,
-     {NEED("NAME", WORD, 0, 0)},
-     "keep this rendition as a golden image",
-     "    `iftty verify` compares it pixel for pixel. It lies in a folder beside the journal.\n",
+     {NEED("NAME", WORD, 0, 0), KEYED_ONE_OF("of", "rendition|" SIGHT_WORDS)},
+     "keep a picture as a golden image",
+     "    The rendition, or a slice or mosaic as it would be shown now. `iftty verify` compares "
+     "it\n"
+     "    pixel for pixel. It lies in a folder beside the journal.\n",
      "golden front-1",
      act_golden},
     {"save",

@@ -62,8 +62,7 @@ static enum err add_view_notes(struct picture *picture, const struct session *se
     return err;
 }
 
-static enum err add_notes(struct picture *picture, const struct session *session,
-                          struct fault *fault)
+enum err export_notes(struct picture *picture, const struct session *session, struct fault *fault)
 {
     char scene[32], shaded[96];
     snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session->scene_digest);
@@ -99,7 +98,7 @@ enum err export_picture(struct picture *picture, const struct session *session, 
         picture->label[i] = r->label[i];
         picture->voxel[i] = seen ? grid_voxel(&session->scene->grid, r->cell[i]) : CELL_NONE;
     }
-    err = add_notes(picture, session, fault);
+    err = export_notes(picture, session, fault);
     if (err)
         picture_release(picture);
     return err;

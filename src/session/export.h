@@ -14,6 +14,9 @@
 enum { SEMANTICS = 3 };
 #define PROGRAM_VERSION "0.1"
 
+/* What every picture says of itself: program, scene, view. */
+enum err export_notes(struct picture *picture, const struct session *session, struct fault *fault);
+
 /* All planes of the rendition but normals, which must be rendered, and notes: version, scene (its
  * name and digest), view. Depth is in millimetres along the view direction, 0 in the middle of the
  * scene. The caller releases the picture. */

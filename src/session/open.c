@@ -168,6 +168,8 @@ enum err session_open(struct session *session, const char *path, struct fault *f
     session->has_scene = true;
     snprintf(session->settings.scene_file, sizeof session->settings.scene_file, "%s",
              file_name(path));
+    for (int a = 0; a < 3; a++)
+        session->settings.slices.cross[a] = session->scene->grid.size[a] / 2;
     session->fence_tally = fence_tally(&session->fence, session->scene);
     session->scene_digest = scene_digest(session->scene);
     err = session_weigh(session, fault);
@@ -207,6 +209,7 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
     session->scene = next.scene;
     session->forest = next.forest;
     session->border = next.border;
+    session->knows_window = false;
     return OK;
 }
 
@@ -253,6 +256,9 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
         for (unsigned w = 0; w < 3 && doubled >> a & 1; w++)
             session->geometry.to_mm[w][a] /= 2;
     }
+    for (unsigned a = 0; a < 3; a++)
+        session->settings.slices.cross[a] *= 1 + (doubled >> a & 1);
+    eliminators_forget(&session->eliminators);
     fence_apply(&session->fence, session->scene);
     session->fence_tally = fence_tally(&session->fence, session->scene);
     session->scene_digest = scene_digest(session->scene);
@@ -274,6 +280,7 @@ void session_take_back_scene(struct session *session)
     session->weight_digest = former.weight_digest;
     session->forest = former.forest;
     session->border = former.border;
+    session->knows_window = false;
     session->fence_tally = session->mark_fence_tally; /* the fence itself is the same */
     session->former = (struct former_scene){0};
 }

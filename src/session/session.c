@@ -16,6 +16,10 @@ void session_init(struct session *session)
     session->settings.cut = cut_none();
     session->settings.adjacency = 6;
     session->settings.weight = (struct weight_choice){.kind = WEIGHT_MORPH, .radius = 1};
+    session->settings.slices.overlay = SLICE_CONTOUR;
+    session->settings.slices.crosses = true;
+    session->settings.slices.marks = true;
+    session->settings.slices.words = true;
     session->fence = fence_none();
     session_mark(session);
 }
@@ -57,7 +61,7 @@ void session_close_scene(struct session *session)
     session->fence = session->mark_fence = fence_none();
     session->forest = NULL;
     session->scene = NULL;
-    session->has_scene = false;
+    session->has_scene = session->knows_window = false;
 }
 
 void session_release(struct session *session)
@@ -65,6 +69,7 @@ void session_release(struct session *session)
     session_close_scene(session);
     crew_free(session->crew);
     free(session->pending);
+    eliminators_release(&session->eliminators);
     *session = (struct session){0};
 }
 
@@ -83,6 +88,7 @@ enum err session_weigh(struct session *session, struct fault *fault)
 size_t session_memory(const struct session *session)
 {
     size_t bytes = sizeof *session + session->pending_capacity * sizeof *session->pending;
+    bytes += session->eliminators.capacity * sizeof *session->eliminators.cell;
     if (!session->has_scene)
         return bytes;
     bytes += session->scene->grid.cells * sizeof(struct cell);
@@ -199,6 +205,7 @@ enum err session_run(struct session *session, struct fault *fault)
         return err;
     session->pendings = 0; /* the edits stay in memory behind the end, for session_rollback */
     session->edited_forest = true;
+    eliminators_apply(&session->eliminators);
     follow_forest(session);
     return watch_fault(session->watch, fault);
 }
@@ -421,8 +428,7 @@ static enum err make_room(struct session *session, struct fault *fault)
     return err;
 }
 
-/* The rendition of the forest as it stands, whatever edits wait. */
-static enum err draw(struct session *session, enum render_mode mode, struct fault *fault)
+enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault)
 {
     enum err err = make_room(session, fault);
     if (err || (session->rendered && (mode == RENDER_AS_KEPT || mode == RENDER_INCREMENTAL)))
@@ -442,7 +448,7 @@ static enum err draw(struct session *session, enum render_mode mode, struct faul
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault)
 {
     enum err err = session_run(session, fault);
-    return err ? err : draw(session, mode, fault);
+    return err ? err : session_draw(session, mode, fault);
 }
 
 /* ---- all or nothing ---- */
@@ -455,6 +461,7 @@ void session_mark(struct session *session)
         session->scene->watch = session->watch;
     session->mark = session->settings;
     session->mark_pendings = session->pendings;
+    eliminators_mark(&session->eliminators);
     session->mark_has_scene = session->has_scene;
     session->mark_rendered = session->rendered;
     session->edited_forest = session->rebuilt_forest = false;
@@ -500,6 +507,7 @@ void session_rollback(struct session *session)
         return;
     }
     const bool cut_short = session->watch && session->watch->stopped;
+    eliminators_rollback(&session->eliminators);
     watch_deafen(session->watch);
     bool is_other_scene = session->former.scene != NULL;
     if (is_other_scene)
@@ -535,7 +543,7 @@ void session_rollback(struct session *session)
     if (shows_other || recolours || !session->mark_rendered)
         session->rendered = false;
     if (session->mark_rendered)
-        draw(session, RENDER_AS_KEPT, NULL);
+        session_draw(session, RENDER_AS_KEPT, NULL);
     watch_begin(session->watch);
     session->scene->watch = NULL; /* until the next command */
 }

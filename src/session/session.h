@@ -30,9 +30,21 @@
 #include "image/geometry.h"
 #include "render/rendition.h"
 #include "render/shade.h"
+#include "render/slice.h"
 #include "render/view.h"
+#include "session/eliminators.h"
 
 enum { LABEL_NAME_BYTES = 32, FILE_WORDS_BYTES = 128 };
+
+/* How slices and mosaics are shown. */
+struct slice_settings {
+    uint32_t cross[3]; /* the voxel that they go through */
+    uint32_t zoom;     /* of slices, thousandths of a pixel per smallest spacing; 0 for what fits */
+    bool has_window;   /* else it follows from the scene */
+    int64_t window_thousandths[2]; /* real values: black and white */
+    enum slice_overlay overlay;
+    bool crosses, marks, words; /* the cross-hair; seeds and eliminators; letters and bars */
+};
 
 /* Everything but seeds that a command can change: small enough to copy whole. */
 struct settings {
@@ -53,6 +65,8 @@ struct settings {
     uint32_t mask_regions[2];                                        /* first and last */
     bool has_range;               /* and if so, in real values: */
     int64_t range_thousandths[2]; /* lowest and highest inside */
+
+    struct slice_settings slices;
 };
 
 /* What interpolating a scene replaces. */
@@ -82,6 +96,10 @@ struct session {
 
     struct edit *pending; /* seeds and eliminators that wait for a run, in order */
     size_t pendings, pending_capacity;
+    struct eliminators eliminators; /* where the user has put them, to be shown */
+
+    bool knows_window; /* what follows from the scene, once somebody has asked: */
+    int32_t window[2]; /* intensities, black and white */
 
     struct camera camera; /* of the view, `look.samples` times as large */
     struct rendition rendition;
@@ -178,6 +196,9 @@ enum render_mode { RENDER_AS_KEPT, RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENT
 /* Makes the rendition show the present state. RENDER_AS_KEPT and RENDER_INCREMENTAL do what is
  * left to do; the others start from nothing. All give the same pixels. */
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault);
+
+/* The same with the forest as it stands, whatever edits wait. */
+enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault);
 
 /* What was rendered, at the size of the view. */
 const struct rendition *session_frame(const struct session *session);

@@ -1,0 +1,304 @@
+#include "session/slicing.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "render/mosaic.h"
+#include "session/export.h"
+
+/* Voxels that are looked at for the window: enough for its percentiles, and few enough to take no
+ * time in a large scene. */
+static const size_t WINDOW_VOXELS = 1u << 22;
+
+/* ---- the window ---- */
+
+/* Every n-th row of voxels. */
+static size_t count_intensities(uint32_t *count, const struct scene *scene)
+{
+    const struct grid *grid = &scene->grid;
+    const size_t rows = (size_t)grid->size[1] * grid->size[2];
+    const size_t each = (grid->voxels + WINDOW_VOXELS - 1) / WINDOW_VOXELS;
+    size_t counted = 0;
+    for (size_t r = 0; r < rows; r += each) {
+        const struct span row =
+            grid_row(grid, (uint32_t)(r % grid->size[1]), (uint32_t)(r / grid->size[1]));
+        for (uint32_t c = row.first; c < row.end; c++)
+            count[scene->cell[c].intensity]++;
+        counted += row.end - row.first;
+    }
+    return counted;
+}
+
+/* The 1st and the 99.5th percentile: few voxels are as bright as vessels and fat. */
+static void find_window(struct session *session)
+{
+    static uint32_t count[UINT16_MAX + 1];
+    for (size_t i = 0; i <= UINT16_MAX; i++)
+        count[i] = 0;
+    const uint64_t all = count_intensities(count, session->scene);
+    uint64_t below = 0;
+    session->window[0] = session->window[1] = 0;
+    for (int32_t i = 0; i <= UINT16_MAX; i++) {
+        if (below * 100 <= all)
+            session->window[0] = i;
+        if (below * 1000 < all * 995)
+            session->window[1] = i;
+        below += count[i];
+    }
+    session->knows_window = true;
+}
+
+/* A real value as an intensity. */
+static int32_t intensity_of(const struct geometry *geometry, int64_t thousandths)
+{
+    static const double most = 1 << 30;
+    const double slope = geometry->slope != 0 ? geometry->slope : 1;
+    const double value = ((double)thousandths / 1000 - geometry->intercept) / slope;
+    const double whole = floor(value + 0.5);
+    return (int32_t)(whole < -most ? -most : whole > most ? most : whole);
+}
+
+/* Intensities of black and white; they differ. A scene whose values fall as intensities rise has
+ * the greater one first. */
+static void window_of(int32_t window[2], struct session *session)
+{
+    const struct slice_settings *s = &session->settings.slices;
+    const bool falls = session->geometry.slope < 0;
+    if (!s->has_window && !session->knows_window)
+        find_window(session);
+    for (int i = 0; i < 2; i++)
+        window[i] = s->has_window ? intensity_of(&session->geometry, s->window_thousandths[i])
+                                  : session->window[falls ? 1 - i : i];
+    if (window[0] == window[1])
+        window[1] += falls ? -1 : 1;
+}
+
+/* "12.5", or four digits of what is smaller than thousandths tell. */
+static void write_value(char out[WINDOW_WORDS_BYTES], double value)
+{
+    const double thousandths = value * 1000;
+    if (value == 0 || fabs(value) >= 1)
+        snprintf(out, WINDOW_WORDS_BYTES, "%.10g", floor(thousandths + 0.5) / 1000);
+    else
+        snprintf(out, WINDOW_WORDS_BYTES, "%.4g", value);
+}
+
+void slicing_window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS_BYTES],
+                          struct session *session)
+{
+    const struct slice_settings *s = &session->settings.slices;
+    const struct geometry *geometry = &session->geometry;
+    char *const words[2] = {least, most};
+    int32_t window[2];
+    window_of(window, session);
+    for (int i = 0; i < 2; i++)
+        write_value(words[i], s->has_window ? (double)s->window_thousandths[i] / 1000
+                                            : geometry->slope * window[i] + geometry->intercept);
+}
+
+/* ---- what is drawn ---- */
+
+/* Everything that a slice or mosaic borrows while it is drawn. */
+struct sketch {
+    struct slice_style style;
+    struct slice_mark *mark;
+    char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES];
+    char title[3][64];
+};
+
+/* Seeds that wait, and eliminators. */
+static bool list_marks(struct sketch *sketch, const struct session *session)
+{
+    const struct eliminators *e = &session->eliminators;
+    const size_t most = session->pendings + (e->end - e->first);
+    struct slice_mark *mark = sketch->mark = mem_array(most, sizeof *mark);
+    if (!mark)
+        return false;
+    for (size_t i = 0; i < session->pendings; i++) {
+        const struct edit *edit = &session->pending[i];
+        if (edit->label != EDIT_ERASE)
+            *mark++ = (struct slice_mark){edit->cell, (uint8_t)edit->label, false, true};
+    }
+    for (size_t i = e->first; i < e->end; i++)
+        *mark++ = (struct slice_mark){e->cell[i], 0, true, i >= e->waiting};
+    sketch->style.mark = sketch->mark;
+    sketch->style.marks = (size_t)(mark - sketch->mark);
+    return true;
+}
+
+static void write_sight(char out[16], enum sight sight)
+{
+    const char *word = SIGHT_WORDS;
+    for (int i = 0; i < (int)sight; i++)
+        word += strcspn(word, "|") + 1;
+    snprintf(out, 16, "%.*s", (int)strcspn(word, "|"), word);
+}
+
+/* "axial 90", and where that is in the world: "S 18.0 mm". */
+static void write_title(char out[64], const struct session *session, enum slice_plane plane)
+{
+    static const char side[3][2] = {{'I', 'S'}, {'P', 'A'}, {'L', 'R'}};
+    const uint32_t *cross = session->settings.slices.cross;
+    const double *row = session->geometry.to_mm[2 - plane];
+    const double mm = row[0] * cross[0] + row[1] * cross[1] + row[2] * cross[2] + row[3];
+    const long long tenths = llround(mm * 10);
+    char name[16];
+    write_sight(name, (enum sight)plane);
+    snprintf(out, 64, "%s %u\n%c %lld.%lld mm", name, slice_index(session->scene, plane, cross),
+             side[plane][tenths >= 0], llabs(tenths) / 10, llabs(tenths) % 10);
+}
+
+static enum err sketch_init(struct sketch *sketch, struct session *session, struct fault *fault)
+{
+    const struct slice_settings *s = &session->settings.slices;
+    int32_t window[2];
+    sketch->mark = NULL;
+    sketch->style.overlay = s->overlay;
+    sketch->style.palette = &session->settings.palette;
+    sketch->style.visible = session->settings.visible;
+    sketch->style.crosses = s->crosses;
+    sketch->style.marks_seeds = s->marks;
+    sketch->style.mark = NULL;
+    sketch->style.marks = 0;
+    if (s->marks && !list_marks(sketch, session))
+        return fault_memory(fault, "the marks of a slice");
+    window_of(window, session);
+    slice_window(sketch->style.grey, window[0], window[1]);
+    slicing_window_words(sketch->least, sketch->most, session);
+    sketch->style.least = sketch->least;
+    sketch->style.most = sketch->most;
+    for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++)
+        write_title(sketch->title[plane], session, plane);
+    return OK;
+}
+
+/* One that was zoomed shows voxels as they are, to be told one from another. */
+static struct slice_choice slice_of(const struct session *session, enum sight sight,
+                                    const struct sketch *sketch)
+{
+    const struct slice_settings *s = &session->settings.slices;
+    struct slice_choice choice = {.plane = (enum slice_plane)sight, .smooth = s->zoom == 0};
+    for (int a = 0; a < 3; a++)
+        choice.place[a] = s->cross[a];
+    if (s->zoom)
+        choice.pixel_pm = slice_zoomed_pixel(session->scene, s->zoom);
+    if (s->words && sketch) {
+        choice.notes = SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS;
+        choice.title = sketch->title[sight];
+    }
+    return choice;
+}
+
+static struct mosaic_choice mosaic_of(const struct session *session, const struct sketch *sketch)
+{
+    const struct slice_settings *s = &session->settings.slices;
+    struct mosaic_choice choice = {.notes = s->words};
+    for (int i = 0; i < 3; i++) {
+        choice.place[i] = s->cross[i];
+        choice.title[i] = s->words && sketch ? sketch->title[i] : NULL;
+    }
+    return choice;
+}
+
+static enum err prepare(struct session *session, enum sight sight, struct fault *fault)
+{
+    const struct view *view = &session->settings.view;
+    if (sight != SIGHT_MOSAIC)
+        return OK;
+    if (view->width < MOSAIC_SIDE_LEAST || view->height < MOSAIC_SIDE_LEAST)
+        return fault_set(fault, ERR_LIMIT,
+                         "a mosaic takes %dx%d pixels or more, and the view has %ux%u; give it "
+                         "more by `size`; nothing has changed",
+                         MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, view->width, view->height);
+    return session_draw(session, RENDER_AS_KEPT, fault);
+}
+
+enum err slicing_draw(struct canvas *canvas, struct session *session, enum sight sight,
+                      bool tells_cells, struct fault *fault)
+{
+    const struct view *view = &session->settings.view;
+    struct sketch sketch;
+    *canvas = (struct canvas){0};
+    enum err err = prepare(session, sight, fault);
+    if (err)
+        return err;
+    err = sketch_init(&sketch, session, fault);
+    if (!err)
+        err = canvas_init(canvas, view->width, view->height, tells_cells, fault);
+    if (!err && sight == SIGHT_MOSAIC) {
+        const struct mosaic_choice choice = mosaic_of(session, &sketch);
+        err = mosaic_draw(canvas, session->scene, session_frame(session), &choice, &sketch.style,
+                          fault);
+    } else if (!err) {
+        const struct slice_choice choice = slice_of(session, sight, &sketch);
+        err = slice_draw(canvas, session->scene, &choice, &sketch.style, fault);
+    }
+    free(sketch.mark);
+    if (err)
+        canvas_release(canvas);
+    return err;
+}
+
+enum err slicing_cell_at(uint32_t *cell, struct session *session, enum sight sight, uint32_t column,
+                         uint32_t row, struct fault *fault)
+{
+    const struct view *view = &session->settings.view;
+    enum err err = prepare(session, sight, fault);
+    if (err)
+        return err;
+    if (sight == SIGHT_MOSAIC) {
+        const struct mosaic_choice choice = mosaic_of(session, NULL);
+        *cell = mosaic_cell_at(session->scene, session_frame(session), &choice, column, row);
+    } else {
+        const struct slice_choice choice = slice_of(session, sight, NULL);
+        *cell = slice_cell_at(session->scene, &choice, view->width, view->height, column, row);
+    }
+    return OK;
+}
+
+/* ---- out of the session ---- */
+
+/* "axial 90", "mosaic"; with the cross-hair's place, the zoom and the window. */
+static enum err note_sight(struct picture *picture, const struct session *session, enum sight sight,
+                           struct fault *fault)
+{
+    const struct slice_settings *s = &session->settings.slices;
+    char name[16], words[128];
+    write_sight(name, sight);
+    int n = snprintf(words, sizeof words, "%s through %u,%u,%u", name, s->cross[0], s->cross[1],
+                     s->cross[2]);
+    if (s->zoom && sight != SIGHT_MOSAIC)
+        snprintf(words + n, sizeof words - (size_t)n, " zoom %u", s->zoom);
+    return picture_note(picture, "iftty:slice", words, fault);
+}
+
+enum err slicing_export(struct picture *picture, const struct session *session, enum sight sight,
+                        const struct canvas *canvas, struct fault *fault)
+{
+    const size_t pixels = (size_t)canvas->width * canvas->height;
+    enum err err = picture_init(picture, canvas->width, canvas->height, false, fault);
+    if (err)
+        return err;
+    picture->label = mem_array(pixels, sizeof *picture->label);
+    picture->voxel = mem_array(pixels, sizeof *picture->voxel);
+    if (!picture->label || !picture->voxel)
+        err = fault_memory(fault, "a picture");
+    for (size_t i = 0; !err && i < pixels; i++) {
+        const uint32_t cell = canvas->cell[i];
+        const bool shows = cell != CELL_NONE;
+        for (size_t k = 4 * i; k < 4 * i + 4; k++)
+            picture->rgba[k] = canvas->rgba[k];
+        picture->label[i] = shows ? session->scene->cell[cell].label : 0;
+        picture->voxel[i] = shows ? grid_voxel(&session->scene->grid, cell) : CELL_NONE;
+    }
+    if (!err)
+        err = export_notes(picture, session, fault);
+    if (!err)
+        err = note_sight(picture, session, sight, fault);
+    if (err)
+        picture_release(picture);
+    return err;
+}

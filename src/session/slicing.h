@@ -1,0 +1,40 @@
+/*
+ * Slices and mosaics of a session: what is drawn, under which settings, at the size of the view.
+ *
+ * They show the forest as it stands; edits that wait for a run are marked. Real values and
+ * millimetres become integers and words here, above render/, so that pictures are drawn in integers
+ * alone.
+ */
+#ifndef SESSION_SLICING_H
+#define SESSION_SLICING_H
+
+#include "image/picture.h"
+#include "render/canvas.h"
+#include "session/session.h"
+
+/* What can be drawn. The first three are the planes of render/slice.h. */
+#define SLICE_WORDS "axial|coronal|sagittal"
+#define SIGHT_WORDS SLICE_WORDS "|mosaic"
+enum sight { SIGHT_AXIAL, SIGHT_CORONAL, SIGHT_SAGITTAL, SIGHT_MOSAIC };
+
+/* Draws a slice or a mosaic as the settings have it; the caller releases the canvas. A mosaic makes
+ * the rendition, if that is not up to date. ERR_LIMIT for a mosaic of a view that is too small. */
+enum err slicing_draw(struct canvas *canvas, struct session *session, enum sight sight,
+                      bool tells_cells, struct fault *fault);
+
+/* The cell of the voxel under a pixel of the picture that slicing_draw would make now, or
+ * CELL_NONE; the pixel lies within the view's size. Errors are those of slicing_draw. */
+enum err slicing_cell_at(uint32_t *cell, struct session *session, enum sight sight, uint32_t column,
+                         uint32_t row, struct fault *fault);
+
+/* The canvas, which tells its cells, as a picture with labels, voxels and notes. Labels are those
+ * of the voxels, be they overlaid or not. The caller releases it. */
+enum err slicing_export(struct picture *picture, const struct session *session, enum sight sight,
+                        const struct canvas *canvas, struct fault *fault);
+
+/* The real values that are black and white: "0" and "142.5". */
+enum { WINDOW_WORDS_BYTES = 32 };
+void slicing_window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS_BYTES],
+                          struct session *session);
+
+#endif

@@ -1,0 +1,623 @@
+/*
+ * Slices and mosaics by command: real files in every orientation, real values, waiting edits, and
+ * journals that show the same again.
+ */
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/mem.h"
+#include "command/drive.h"
+#include "image/exr.h"
+#include "image/nifti.h"
+#include "render/text.h"
+#include "tests/check.h"
+
+static char folder[] = "/tmp/iftty-sights-XXXXXX";
+static struct reply reply;
+static struct fault fault;
+
+static enum err execute(struct desk *desk, const char *line)
+{
+    fault = (struct fault){.text = ""};
+    return desk_execute(desk, line, &reply, &fault);
+}
+
+static void must(struct desk *desk, const char *line)
+{
+    if (!CHECK(execute(desk, line) == OK))
+        printf("#   %s: %s\n", line, fault.text);
+}
+
+static void refused(struct desk *desk, const char *line, const char *words)
+{
+    CHECK(execute(desk, line) != OK);
+    CHECK_HAS(fault.text, words);
+    CHECK(!desk->shows_picture);
+}
+
+/* The helper lies above the folder of the test programs. */
+static void begin_desk(struct desk *desk)
+{
+    char program[PATH_MAX];
+    ssize_t n = readlink("/proc/self/exe", program, sizeof program - 32);
+    CHECK(desk_init(desk, NULL) == OK && n > 0);
+    program[n > 0 ? n : 0] = '\0';
+    for (int up = 0; up < 2 && strrchr(program, '/'); up++)
+        *strrchr(program, '/') = '\0';
+    strcat(program, "/iftty-image");
+    image_helper_free(desk->helper);
+    CHECK(image_helper_new(&desk->helper, program, NULL) == OK);
+}
+
+/* ---- heads in every orientation ---- */
+
+enum { SIDE = 20 };
+
+/* Which voxels a head has: all are dark but those within three of one of the patient's sides, and
+ * the way from voxels to the patient (Right, Anterior, Superior from 0 on). */
+struct head {
+    double to_patient[3][4];
+    int bright_axis;
+    bool bright_at_end;
+};
+
+static void head_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    const struct head *head = context;
+    const double *row = head->to_patient[head->bright_axis];
+    uint8_t *at = values;
+    for (uint32_t x = 0; x < SIDE; x++) {
+        const double place = row[0] * x + row[1] * y + row[2] * z + row[3];
+        *at++ = (head->bright_at_end ? place > SIDE - 4 : place < 3) ? 200 : 1;
+    }
+}
+
+/* The signed permutation number 0..47: voxel axis a runs along patient axis order[a]. */
+static void orient(double to_patient[3][4], unsigned number)
+{
+    static const int order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                    {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    memset(to_patient, 0, 12 * sizeof(double));
+    for (int a = 0; a < 3; a++) {
+        const int axis = order[number / 8][a];
+        const bool against = number >> a & 1;
+        to_patient[axis][a] = against ? -1 : 1;
+        to_patient[axis][3] = against ? SIDE - 1 : 0;
+    }
+}
+
+static void write_head(const char *name, struct head *head, double to_mm[3][4])
+{
+    static const uint32_t size[3] = {SIDE, SIDE, SIDE};
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
+    CHECK(geometry_place(&geometry, (const double(*)[4])to_mm));
+    CHECK(nifti_write(name, FILE_REPLACE, size, &geometry, NIFTI_UINT8, "test", head_row, head,
+                      NULL, NULL) == OK);
+}
+
+/* Takes the sform away and leaves a qform of the rotation b, c, d under pixdim[0] = qfac. */
+static void use_qform(const char *name, const float quaternion[3], float qfac)
+{
+    struct buf file = {0};
+    const int16_t codes[2] = {1, 0};
+    const float offset[3] = {-5, 7, 11};
+    CHECK(file_read(&file, name, 1 << 20, NULL) == OK && file.length > 352);
+    memcpy(file.data + 76, &qfac, 4);
+    memcpy(file.data + 252, codes, 4); /* qform_code, sform_code */
+    memcpy(file.data + 256, quaternion, 12);
+    memcpy(file.data + 268, offset, 12);
+    CHECK(file_write(name, file.data, file.length, FILE_REPLACE, NULL) == OK);
+    buf_release(&file);
+}
+
+/* The letter in the middle of an edge of a picture of 100x100; 0 left, 1 right, 2 top, 3 bottom. */
+static char letter_at(const struct canvas *s, int edge)
+{
+    static const uint32_t corner[4][2] = {{2, 46}, {93, 46}, {47, 2}, {47, 91}};
+    for (const char *letter = "RLAPSI"; *letter; letter++) {
+        struct canvas expected;
+        bool same = true;
+        CHECK(canvas_init(&expected, 100, 100, false, NULL) == OK);
+        text_draw(&expected, corner[edge][0], corner[edge][1], 1, (char[2]){*letter, '\0'},
+                  (const uint8_t[3]){232, 232, 232});
+        for (uint32_t y = 0; y < 7; y++)
+            for (uint32_t x = 0; x < 5; x++) { /* the ground is not always black */
+                const uint8_t *e =
+                    canvas_pixel(&expected, corner[edge][0] + x, corner[edge][1] + y);
+                const uint8_t *p = canvas_pixel(s, corner[edge][0] + x, corner[edge][1] + y);
+                same &= (e[0] == 232) == (p[0] == 232);
+            }
+        canvas_release(&expected);
+        if (same)
+            return *letter;
+    }
+    return '?';
+}
+
+/* The scene is bright on one of the patient's sides, `letter`: in both planes that have that side
+ * on an edge, the bright edge is the one with the letter. */
+static void bright_is(struct desk *desk, char letter)
+{
+    static const char *const plane[3] = {"slice axial", "slice coronal", "slice sagittal"};
+    static const uint32_t inside[4][2] = {{5, 30}, {94, 30}, {30, 5}, {30, 94}};
+    unsigned found = 0;
+    for (int p = 0; p < 3; p++) {
+        must(desk, plane[p]);
+        const struct canvas *s = &desk->shown;
+        for (int edge = 0; edge < 4; edge++) {
+            const uint8_t *pixel = canvas_pixel(s, inside[edge][0], inside[edge][1]);
+            if (letter_at(s, edge) == letter) {
+                CHECK(pixel[0] == 255);
+                found++;
+            } else if (strchr("RLAPSI", letter_at(s, edge))) {
+                CHECK(pixel[0] == 0);
+            } else {
+                CHECK(!"a letter");
+            }
+        }
+    }
+    CHECK_INT(found, 2);
+}
+
+/* A head that is bright on each of the sides in turn. */
+static void heads_are_bright_where_they_are(unsigned number, double to_mm[3][4],
+                                            const float *quaternion, float qfac)
+{
+    struct head head;
+    orient(head.to_patient, number);
+    for (int side = 0; side < 6; side++) {
+        struct desk desk;
+        head.bright_axis = side / 2;
+        head.bright_at_end = side % 2;
+        write_head("head.nii", &head, to_mm ? to_mm : head.to_patient);
+        if (quaternion)
+            use_qform("head.nii", quaternion, qfac);
+        begin_desk(&desk);
+        must(&desk, "open head.nii");
+        must(&desk, "size 100 100");
+        must(&desk, "window 2 150");
+        must(&desk, "overlay cross=off");
+        bright_is(&desk, "LRPAIS"[side]);
+        desk_release(&desk);
+    }
+}
+
+STORY(letters_are_right_in_all_48_orientations_of_a_file)
+{
+    for (unsigned number = 0; number < 48 && check_failures < 10; number++)
+        heads_are_bright_where_they_are(number, NULL, NULL, 1);
+}
+
+STORY(letters_are_right_where_the_sform_is_rotated)
+{
+    for (unsigned number = 0; number < 48 && check_failures < 10; number += 5) {
+        double to_patient[3][4], to_mm[3][4] = {{0}};
+        const double c = cos(0.4), s = sin(0.4); /* 23 degrees about two axes */
+        const double turn[3][3] = {{c, -s, 0}, {s * c, c * c, -s}, {s * s, c * s, c}};
+        orient(to_patient, number);
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 4; j++)
+                for (int k = 0; k < 3; k++)
+                    to_mm[i][j] += turn[i][k] * to_patient[k][j];
+        heads_are_bright_where_they_are(number, to_mm, NULL, 1);
+    }
+}
+
+STORY(letters_are_right_under_qforms_and_negative_pixdim)
+{
+    /* Rotations by quarter turns and halves, and which signed permutation each is. */
+    static const struct {
+        float quaternion[3], qfac;
+        unsigned number;
+    } row[] = {
+        {{0, 0, 0}, 1, 0},                /* as the world */
+        {{0, 0, 0}, -1, 4},               /* z against it */
+        {{0, 0, 1}, 1, 3},                /* half a turn about z: x and y against */
+        {{0, 0, 1}, -1, 7},               /* and z too */
+        {{0, 1, 0}, 1, 5},                /* half a turn about y: x and z */
+        {{0, 1, 0}, -1, 1},               /* z back again */
+        {{0.70710678f, 0, 0}, 1, 8 + 4},  /* a quarter about x: y to z, z to -y */
+        {{0.70710678f, 0, 0}, -1, 8},     /* z to y */
+        {{0, 0, 0.70710678f}, 1, 16 + 2}, /* a quarter about z: x to y, y to -x */
+        {{0, 0, 0.70710678f}, -1, 16 + 6},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof row[0] && check_failures < 10; i++) {
+        heads_are_bright_where_they_are(row[i].number, NULL, row[i].quaternion, row[i].qfac);
+        if (check_failures)
+            printf("#   at qform %zu\n", i);
+    }
+}
+
+/* ---- a scene with real values ---- */
+
+/* Values 0, 1, ... 999 along x, y, z, stored as they are and told as slope * i + intercept. */
+static void value_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    uint16_t *at = values;
+    (void)context;
+    for (uint32_t x = 0; x < 10; x++)
+        *at++ = (uint16_t)(x + 10 * (y + 10 * z));
+}
+
+static void write_values(const char *name, float slope, float intercept)
+{
+    static const uint32_t size[3] = {10, 10, 10};
+    const double spacing[3] = {1, 1, 1};
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
+    struct buf file = {0};
+    geometry_place_plain(&geometry, spacing);
+    CHECK(nifti_write(name, FILE_REPLACE, size, &geometry, NIFTI_UINT16, "test", value_row, NULL,
+                      NULL, NULL) == OK);
+    CHECK(file_read(&file, name, 1 << 20, NULL) == OK && file.length > 352);
+    memcpy(file.data + 112, &slope, 4);
+    memcpy(file.data + 116, &intercept, 4);
+    CHECK(file_write(name, file.data, file.length, FILE_REPLACE, NULL) == OK);
+    buf_release(&file);
+}
+
+static void begin_values(struct desk *desk, float slope, float intercept)
+{
+    write_values("values.nii", slope, intercept);
+    begin_desk(desk);
+    must(desk, "open values.nii");
+    must(desk, "size 10 10");
+    must(desk, "overlay none cross=off marks=off words=off");
+}
+
+/* The grey of voxel x, y of axial slice z: columns run from the patient's right, rows from A. */
+static int grey_of(struct desk *desk, uint32_t x, uint32_t y)
+{
+    return canvas_pixel(&desk->shown, 9 - x, 9 - y)[0];
+}
+
+STORY(windows_are_in_real_values)
+{
+    struct desk desk;
+    begin_values(&desk, 0.5f, -100);
+    must(&desk, "window -75 -50"); /* intensities 50 and 100 */
+    CHECK_HAS(buf_text(&reply.text), "window -75 -50,");
+    must(&desk, "slice axial 0");
+    CHECK_INT(grey_of(&desk, 0, 5), 0);
+    CHECK_INT(grey_of(&desk, 1, 5), 5);
+    CHECK_INT(grey_of(&desk, 5, 7), 128); /* 75: 127.5 */
+    CHECK_INT(grey_of(&desk, 9, 9), 250);
+    must(&desk, "slice axial 1");
+    CHECK_INT(grey_of(&desk, 0, 0), 255);
+    must(&desk, "window -75 -74.9"); /* less than an intensity: a step */
+    must(&desk, "slice axial 0");
+    CHECK_INT(grey_of(&desk, 0, 5), 0);
+    CHECK_INT(grey_of(&desk, 1, 5), 255);
+    must(&desk, "window -1000000000 1000000000");
+    must(&desk, "slice axial 0");
+    CHECK(grey_of(&desk, 0, 0) == 128 && grey_of(&desk, 9, 9) == 128);
+    desk_release(&desk);
+
+    begin_values(&desk, -2, 10);    /* bright voxels have low intensities */
+    must(&desk, "window -190 -90"); /* intensities 100 and 50 */
+    must(&desk, "slice axial 0");
+    CHECK_INT(grey_of(&desk, 0, 5), 255);
+    CHECK_INT(grey_of(&desk, 9, 9), 5);
+    must(&desk, "slice axial 1");
+    CHECK_INT(grey_of(&desk, 0, 0), 0);
+    must(&desk, "window auto");
+    CHECK_HAS(buf_text(&reply.text), "window auto: -1978 -10,");
+    desk_release(&desk);
+}
+
+STORY(an_automatic_window_leaves_the_extremes_out)
+{
+    struct desk desk;
+    begin_values(&desk, 1, 0);
+    must(&desk, "window auto");
+    CHECK_HAS(buf_text(&reply.text), "window auto: 10 994,");
+    must(&desk, "slice axial 0");
+    CHECK_INT(grey_of(&desk, 0, 1), 0);
+    CHECK_INT(grey_of(&desk, 1, 2), 3); /* 11 of 984, times 255: 2.85 */
+    must(&desk, "info");
+    CHECK_HAS(buf_text(&reply.text), "slices    through 5,5,0: axial 0, coronal 5, sagittal 5;");
+    must(&desk, "interpolate 2 1 1"); /* another scene, another window */
+    CHECK(!desk.session.knows_window);
+    must(&desk, "window auto");
+    CHECK_HAS(buf_text(&reply.text), "through 10,5,0: axial 0, coronal 5, sagittal 10;");
+    desk_release(&desk);
+    begin_values(&desk, 1e-6f, 0);
+    must(&desk, "window auto");
+    CHECK_HAS(buf_text(&reply.text), "window auto: 1e-05 0.000994,");
+    desk_release(&desk);
+}
+
+/* ---- what is shown ---- */
+
+STORY(slices_move_the_cross_hair)
+{
+    struct desk desk;
+    begin_values(&desk, 1, 0);
+    CHECK_INT(desk.session.settings.slices.cross[2], 5); /* the middle */
+    must(&desk, "cross 1,2,3");
+    must(&desk, "slice axial");
+    CHECK(desk.shows_picture && desk.shown.width == 10 && desk.shown.height == 10);
+    must(&desk, "window 0 1000");
+    CHECK(!desk.shows_picture && !desk.shown.rgba);
+    must(&desk, "slice axial");
+    CHECK_INT(grey_of(&desk, 4, 0), 78); /* 304 */
+    must(&desk, "slice coronal 7");
+    must(&desk, "slice sagittal 8");
+    CHECK_HAS(buf_text(&reply.text), "through 8,7,3: axial 3, coronal 7, sagittal 8;");
+    CHECK_HAS(buf_text(&reply.words), "picture=");
+    must(&desk, "cross 2.2,4,5mm");
+    CHECK_TEXT(buf_text(&reply.canonical), "cross 2,4,5");
+    refused(&desk, "slice axial 10",
+            "N: expected a slice 0..9, which this scene has axial, not 10");
+    CHECK_INT(desk.session.settings.slices.cross[2], 5);
+    must(&desk, "render");
+    CHECK(desk.shows_picture && !desk.shown.rgba); /* the session's rendition */
+    desk_release(&desk);
+}
+
+STORY(a_zoom_stays_until_it_fits_again)
+{
+    struct desk desk;
+    begin_values(&desk, 1, 0);
+    must(&desk, "window 0 1000");
+    must(&desk, "cross 2,2,0");
+    must(&desk, "slice axial zoom=5");
+    CHECK_TEXT(buf_text(&reply.canonical), "slice axial zoom=5");
+    CHECK_INT(grey_of(&desk, 7, 5), 6); /* the voxel 2,2: 22 */
+    CHECK_INT(grey_of(&desk, 3, 3), 6);
+    CHECK_INT(grey_of(&desk, 2, 3), 5); /* its neighbour: 21 */
+    must(&desk, "slice axial");
+    CHECK_INT(grey_of(&desk, 7, 5), 6);
+    must(&desk, "slice axial zoom=fit");
+    CHECK_INT(grey_of(&desk, 7, 5), 15); /* 57 */
+    desk_release(&desk);
+}
+
+static bool shows_colour(const struct desk *desk, int r, int g, int b)
+{
+    const struct canvas *s = &desk->shown;
+    for (size_t i = 0; i < (size_t)s->width * s->height; i++)
+        if (s->rgba[4 * i] == r && s->rgba[4 * i + 1] == g && s->rgba[4 * i + 2] == b)
+            return true;
+    return false;
+}
+
+static const int dot[3] = {1, 2, 253}, x_red[3] = {255, 72, 56}, rim[3] = {255, 255, 255};
+
+/* What the axial slice at hand marks: a seed's dot, an x, the white rim of what waits. */
+static void marks_are(struct desk *desk, bool seed, bool eliminator, bool waiting)
+{
+    must(desk, "slice axial");
+    CHECK(shows_colour(desk, dot[0], dot[1], dot[2]) == seed);
+    CHECK(shows_colour(desk, x_red[0], x_red[1], x_red[2]) == eliminator);
+    CHECK(shows_colour(desk, rim[0], rim[1], rim[2]) == waiting);
+}
+
+STORY(what_waits_and_what_was_eliminated_is_marked)
+{
+    struct desk desk;
+    begin_values(&desk, 1, 0);
+    must(&desk, "size 60 60");
+    must(&desk, "window 0 100000");
+    must(&desk, "label 3 thing #0102fd");
+    must(&desk, "overlay marks=on");
+    must(&desk, "cross 0,0,4");
+    marks_are(&desk, false, false, false);
+    must(&desk, "seed 3,3,4 3");
+    marks_are(&desk, true, false, true);
+    must(&desk, "run");
+    marks_are(&desk, true, false, false);
+    must(&desk, "remove 7,7,4");
+    marks_are(&desk, true, true, true);
+    must(&desk, "run");
+    marks_are(&desk, false, true, false);
+    must(&desk, "run"); /* nothing waits: the last run is still that one */
+    marks_are(&desk, false, true, false);
+    must(&desk, "cross 0,0,5"); /* marks lie in their slice */
+    marks_are(&desk, false, false, false);
+    must(&desk, "cross 0,0,4");
+    must(&desk, "auto on");
+    must(&desk, "seed 2,2,4 3");
+    marks_are(&desk, true, false, false);
+    must(&desk, "remove 5,5,4 radius=2");
+    marks_are(&desk, false, true, false);
+    must(&desk, "overlay marks=off");
+    marks_are(&desk, false, false, false);
+    must(&desk, "overlay marks=on");
+    must(&desk, "interpolate 2 2 1"); /* of the scene before */
+    must(&desk, "cross 0,0,4");
+    marks_are(&desk, false, false, false);
+    desk_release(&desk);
+}
+
+STORY(hidden_labels_are_not_overlaid)
+{
+    struct desk desk;
+    begin_values(&desk, 1, 0);
+    must(&desk, "label 3 thing #ff0000");
+    must(&desk, "seed 3,3,4 3");
+    must(&desk, "run");
+    must(&desk, "slice axial 4");
+    const uint64_t plain = canvas_digest(&desk.shown);
+    must(&desk, "overlay tint");
+    must(&desk, "slice axial");
+    CHECK(canvas_digest(&desk.shown) != plain);
+    must(&desk, "hide 3");
+    must(&desk, "slice axial");
+    CHECK(canvas_digest(&desk.shown) == plain);
+    desk_release(&desk);
+}
+
+STORY(mosaics_have_the_size_of_the_view)
+{
+    static const char *const sizes[] = {"size 16 16", "size 17 300", "size 129 128", "size 333 57"};
+    struct desk desk;
+    begin_values(&desk, 1, 0);
+    must(&desk, "overlay tint cross=on marks=on words=on");
+    must(&desk, "seed 3,3,4 3");
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        must(&desk, sizes[i]);
+        must(&desk, "mosaic");
+        CHECK(desk.shown.width == desk.session.settings.view.width);
+        CHECK(desk.shown.height == desk.session.settings.view.height);
+    }
+    CHECK_INT(desk.session.pendings, 1); /* showing it runs nothing */
+    must(&desk, "size 1 1");
+    refused(&desk, "mosaic",
+            "a mosaic takes 16x16 pixels or more, and the view has 1x1; give it more by `size`");
+    must(&desk, "slice axial");
+    CHECK(desk.shown.width == 1);
+    must(&desk, "size 15 400");
+    refused(&desk, "mosaic", "the view has 15x400");
+    refused(&desk, "golden small of=mosaic", "the view has 15x400");
+    desk_release(&desk);
+}
+
+static unsigned allocations_left;
+static bool allow_some(size_t bytes)
+{
+    (void)bytes;
+    return allocations_left && allocations_left--;
+}
+
+STORY(without_memory_nothing_is_shown)
+{
+    struct desk desk;
+    begin_values(&desk, 1, 0);
+    must(&desk, "seed 3,3,4 3");
+    must(&desk, "size 50 50");
+    must(&desk, "overlay marks=on");
+    for (unsigned left = 0; left < 200; left++) {
+        allocations_left = left;
+        mem_allows = allow_some;
+        const enum err err = execute(&desk, "mosaic");
+        mem_allows = NULL;
+        if (!err)
+            break;
+        CHECK_INT(err, ERR_MEMORY);
+        CHECK(!desk.shown.rgba && !desk.shows_picture);
+    }
+    CHECK(desk.shown.rgba);
+    desk_release(&desk);
+}
+
+/* ---- files and journals ---- */
+
+STORY(an_exr_of_a_slice_holds_labels_and_voxels)
+{
+    struct desk desk;
+    struct picture picture;
+    begin_values(&desk, 1, 0);
+    must(&desk, "seed 3,3,4 3");
+    must(&desk, "run");
+    must(&desk, "size 12 10");
+    must(&desk, "slice axial 4 slice.exr");
+    CHECK_HAS(buf_text(&reply.text), "wrote slice.exr");
+    refused(&desk, "slice axial 4 slice.exr", "exists");
+    must(&desk, "slice axial 4 slice.exr replace=yes");
+    if (CHECK(exr_read(&picture, "slice.exr", &fault) == OK)) {
+        CHECK(picture.width == 12 && picture.height == 10 && !picture.depth_mm);
+        CHECK(picture.label && picture.label[1] == 3 && picture.label[0] == 0);
+        CHECK_INT(picture.voxel[0], CELL_NONE);
+        CHECK_INT(picture.voxel[1], 9 + 90 + 400); /* right, anterior */
+        CHECK_INT(picture.voxel[9 * 12 + 10], 400);
+        CHECK_TEXT(picture_find(&picture, "iftty:slice"), "axial through 5,5,4");
+        CHECK(picture_find(&picture, "iftty:scene") != NULL);
+        picture_release(&picture);
+    }
+    must(&desk, "size 40 40");
+    must(&desk, "mosaic mosaic.png");
+    CHECK(file_exists("mosaic.png"));
+    desk_release(&desk);
+}
+
+static void say_nothing(void *context, const char *text)
+{
+    struct buf *kept = context;
+    buf_add_text(kept, text);
+}
+
+/* Carried out again from the file, every picture is the same; or what is told has these words. */
+static void replay(const char *path, const char *words)
+{
+    struct buf told = {0};
+    struct desk desk;
+    const struct teller teller = {&told, say_nothing, say_nothing, NULL, NULL};
+    begin_desk(&desk);
+    desk.compares_goldens = true;
+    fault = (struct fault){.text = ""};
+    const enum err err = drive_replay(&desk, path, &teller, &fault);
+    if (!words && !CHECK(err == OK))
+        printf("#   %s\n", fault.text);
+    buf_add_text(&told, fault.text);
+    if (words) {
+        CHECK(err != OK);
+        CHECK_HAS(buf_text(&told), words);
+    }
+    desk_release(&desk);
+    buf_release(&told);
+}
+
+STORY(golden_slices_are_compared_when_replayed)
+{
+    static const char *const line[] = {"open values.nii",
+                                       "size 40 40",
+                                       "label 3 thing #ff8000",
+                                       "seed 3,3,4 3",
+                                       "seed 9,9,9 0",
+                                       "run",
+                                       "seed 1,1,4 3",
+                                       "remove 3,3,3",
+                                       "window 100 600",
+                                       "golden axial of=axial",
+                                       "golden coronal of=coronal",
+                                       "golden sagittal of=sagittal",
+                                       "golden mosaic of=mosaic",
+                                       "slice axial 4",
+                                       "golden rendition of=rendition",
+                                       "slice coronal 3 zoom=7",
+                                       "overlay tint cross=off",
+                                       "golden near of=coronal",
+                                       "mosaic"};
+    struct desk desk;
+    struct picture picture;
+    write_values("values.nii", 1, 0);
+    begin_desk(&desk);
+    CHECK(desk_create_journal(&desk, "sights.iftty", &fault) == OK);
+    for (size_t i = 0; i < sizeof line / sizeof line[0]; i++)
+        must(&desk, line[i]);
+    desk_release(&desk);
+    replay("sights.iftty", NULL);
+    CHECK(file_exists("sights.golden/near.png"));
+    if (CHECK(exr_read(&picture, "sights.golden/mosaic.exr", &fault) == OK)) {
+        CHECK(picture.label && picture.voxel && !picture.depth_mm);
+        picture.rgba[4 * 5] ^= 1;
+        CHECK(exr_write("sights.golden/mosaic.exr", FILE_REPLACE, &picture, &fault) == OK);
+        picture_release(&picture);
+        replay("sights.iftty",
+               "golden image mosaic: 1 of 1600 pixels differ, first column 5, row 0");
+    }
+    CHECK(unlink("sights.golden/mosaic.exr") == 0);
+    replay("sights.iftty", "golden image mosaic is missing");
+}
+
+int main(void)
+{
+    if (!mkdtemp(folder) || chdir(folder) != 0)
+        return 1;
+    int status = RUN_STORIES(
+        TELL(letters_are_right_in_all_48_orientations_of_a_file),
+        TELL(letters_are_right_where_the_sform_is_rotated),
+        TELL(letters_are_right_under_qforms_and_negative_pixdim), TELL(windows_are_in_real_values),
+        TELL(an_automatic_window_leaves_the_extremes_out), TELL(slices_move_the_cross_hair),
+        TELL(a_zoom_stays_until_it_fits_again), TELL(what_waits_and_what_was_eliminated_is_marked),
+        TELL(hidden_labels_are_not_overlaid), TELL(mosaics_have_the_size_of_the_view),
+        TELL(without_memory_nothing_is_shown), TELL(an_exr_of_a_slice_holds_labels_and_voxels),
+        TELL(golden_slices_are_compared_when_replayed));
+    reply_release(&reply);
+    char command[PATH_MAX];
+    snprintf(command, sizeof command, "rm -rf '%s'", folder);
+    return status | (system(command) != 0);
+}
