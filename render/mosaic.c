@@ -64,16 +64,22 @@ static uint32_t rendition_cell(const struct rendition *r, size_t first)
     return CELL_NONE;
 }
 
-/* The mean of what four pixels look like over black. */
+/* The mean of what four pixels look like over black. Nearly all are covered whole or not at all. */
 static void average(uint8_t rgb[3], const struct rendition *r, size_t first)
 {
     const uint8_t *above = r->rgba + 4 * first, *below = above + (size_t)4 * r->width;
-    const uint8_t *const four[4] = {above, above + 4, below, below + 4};
+    const uint32_t a = above[3], b = above[7], c = below[3], d = below[7];
+    const bool is_whole = (a & b & c & d) == 255;
+    if ((a | b | c | d) == 0) {
+        rgb[0] = rgb[1] = rgb[2] = 0;
+        return;
+    }
     for (int k = 0; k < 3; k++) {
-        uint32_t sum = 0;
-        for (int i = 0; i < 4; i++)
-            sum += (uint32_t)four[i][k] * four[i][3];
-        rgb[k] = (uint8_t)((sum + 2 * 255) / (4 * 255));
+        const uint32_t plain = (uint32_t)above[k] + above[k + 4] + below[k] + below[k + 4];
+        rgb[k] = (uint8_t)(is_whole ? (plain + 2) / 4
+                                    : (above[k] * a + above[k + 4] * b + below[k] * c +
+                                       below[k + 4] * d + 2 * 255) /
+                                          (4 * 255));
     }
 }
 

@@ -150,7 +150,8 @@ static void paint_row(uint8_t *pixel, const uint32_t *low, const uint32_t *high,
 {
     for (size_t x = 0; x < columns; x++, pixel += 4) {
         const uint32_t mixed = low[x] * (PART - part) + high[x] * part;
-        memset(pixel, grey[(mixed + HALF) / (PART * PART)], 3);
+        const uint8_t shade = grey[(mixed + HALF) / (PART * PART)];
+        memcpy(pixel, (const uint8_t[4]){shade, shade, shade, 255}, 4);
     }
 }
 
@@ -201,14 +202,28 @@ static bool on_contour(const struct work *work, int64_t x, int64_t y, uint8_t ow
     return false;
 }
 
+/* The same where all that is looked at lies in the scene and in the picture, as nearly all does. */
+static bool on_contour_inside(const uint8_t *label, ptrdiff_t columns, int64_t reach)
+{
+    unsigned differs = 0;
+    for (ptrdiff_t d = 1; d <= reach; d++)
+        differs |= (unsigned)(label[-d] ^ *label) | (unsigned)(label[d] ^ *label) |
+                   (unsigned)(label[-d * columns] ^ *label) |
+                   (unsigned)(label[d * columns] ^ *label);
+    return differs;
+}
+
 static void outline_row(uint8_t *pixel, const struct work *work, int64_t y, int64_t reach,
                         const struct palette *palette)
 {
-    const struct slice_side *column = &work->plan->side[0];
-    for (int64_t x = column->first; x < column->end; x++, pixel += 4) {
-        const uint8_t own = label_at(work, x, y, 0);
-        if (own && on_contour(work, x, y, own, reach))
-            memcpy(pixel, palette->rgb[own], 3);
+    const struct slice_side *column = &work->plan->side[0], *row = &work->plan->side[1];
+    const bool is_inner = y - row->first >= reach && row->end - y > reach;
+    const uint8_t *label = work->label + (size_t)(y - row->first) * work->columns;
+    for (int64_t x = column->first; x < column->end; x++, pixel += 4, label++) {
+        const bool inside = is_inner && x - column->first >= reach && column->end - x > reach;
+        if (*label && (inside ? on_contour_inside(label, (ptrdiff_t)work->columns, reach)
+                              : on_contour(work, x, y, *label, reach)))
+            memcpy(pixel, palette->rgb[*label], 3);
     }
 }
 
@@ -244,17 +259,28 @@ static void tell_cells(const struct canvas *canvas, const struct slice_plan *pla
     }
 }
 
+/* Black beyond the scene. */
+static void clear_around(const struct canvas *canvas, const struct slice_plan *plan)
+{
+    static const uint8_t black[3];
+    const struct slice_side *column = &plan->side[0], *row = &plan->side[1];
+    canvas_box(canvas, 0, 0, column->pixels, row->first, black);
+    canvas_box(canvas, 0, row->end, column->pixels, row->pixels - row->end, black);
+    canvas_box(canvas, 0, row->first, column->first, row->end - row->first, black);
+    canvas_box(canvas, column->end, row->first, column->pixels - column->end, row->end - row->first,
+               black);
+}
+
 enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
                     const struct slice_choice *choice, const struct slice_style *style,
                     struct fault *fault)
 {
-    static const uint8_t black[3];
     struct slice_plan plan;
     struct work work;
     slice_plan_init(&plan, scene, choice, canvas->width, canvas->height);
     const bool fine = work_init(&work, scene, &plan, choice, style);
-    canvas_box(canvas, 0, 0, canvas->width, canvas->height, black);
     if (fine) {
+        clear_around(canvas, &plan);
         paint_grey(canvas, &work, choice->smooth, style->grey);
         if (style->overlay != SLICE_PLAIN)
             paint_labels(canvas, &work, style);
