@@ -31,12 +31,19 @@ static struct scene *graded_scene(void)
     return scene;
 }
 
+static struct rendition black_rendition(uint32_t width, uint32_t height)
+{
+    struct rendition r;
+    CHECK(rendition_init(&r, width, height, NULL) == OK);
+    memset(r.rgba, 0, (size_t)4 * width * height);
+    return r;
+}
+
 /* A rendition of noise, in which one pixel of three shows nothing. */
 static struct rendition noisy_rendition(uint32_t width, uint32_t height)
 {
-    struct rendition r;
+    struct rendition r = black_rendition(width, height);
     uint64_t seed = 5;
-    CHECK(rendition_init(&r, width, height, NULL) == OK);
     for (size_t i = 0; i < (size_t)width * height; i++) {
         if (check_below(&seed, 3) == 0)
             continue;
@@ -83,19 +90,20 @@ STORY(panes_are_slices_at_one_scale)
     struct scene *scene = graded_scene();
     struct slice_style style = plain_style();
     style.crosses = true;
-    for (uint32_t side = 61; side < 64; side++) {
-        struct rendition r = noisy_rendition(side, 2 * side);
+    for (uint32_t side = 61; side < 200; side += 23) {
+        const uint32_t width = side % 2 ? side : 2 * side, height = side % 2 ? 2 * side : side;
+        struct rendition r = noisy_rendition(width, height);
         const struct mosaic_choice choice = {.place = {3, 4, 5}};
         struct canvas mosaic = take(scene, &r, &choice, &style);
         uint64_t pixel_pm = 0;
         for (int p = 0; p < 3; p++) {
-            const struct mosaic_box box = mosaic_box(side, 2 * side, pane_of[p]);
+            const struct mosaic_box box = mosaic_box(width, height, pane_of[p]);
             const uint64_t fits =
                 slice_fitting_pixel(scene, (enum slice_plane)p, box.width, box.height);
             pixel_pm = fits > pixel_pm ? fits : pixel_pm;
         }
         for (int p = 0; p < 3; p++) {
-            const struct mosaic_box box = mosaic_box(side, 2 * side, pane_of[p]);
+            const struct mosaic_box box = mosaic_box(width, height, pane_of[p]);
             const struct slice_choice slice = {
                 (enum slice_plane)p, {3, 4, 5}, pixel_pm, true, 0, NULL};
             struct canvas alone;
@@ -143,8 +151,7 @@ STORY(the_rendition_is_averaged_over_black)
     struct scene *scene = graded_scene();
     const struct slice_style style = plain_style();
     const struct mosaic_choice choice = {.place = {0, 0, 0}};
-    struct rendition r;
-    CHECK(rendition_init(&r, 20, 21, NULL) == OK);
+    struct rendition r = black_rendition(20, 21);
     /* The pane has 10x10 pixels, and the first stands for columns 0, 1 and rows 0, 1. */
     memcpy(r.rgba, (const uint8_t[]){255, 8, 3, 255, 255, 9, 3, 255}, 8);
     memcpy(r.rgba + (size_t)4 * 20, (const uint8_t[]){255, 8, 4, 255, 99, 99, 99, 0}, 8);
@@ -162,6 +169,28 @@ STORY(the_rendition_is_averaged_over_black)
     CHECK_INT(mosaic.cell[11 * 20 + 10], 77);
     CHECK_INT(mosaic.cell[20 * 20 + 19], 79);
     CHECK_INT(mosaic.cell[20 * 20 + 18], CELL_NONE);
+    canvas_release(&mosaic);
+    rendition_release(&r);
+    scene_free(scene);
+}
+
+/* Where the seam takes a pixel of the pane away, the rendition loses one on either side. */
+STORY(the_rendition_lies_in_the_middle_of_its_pane)
+{
+    struct scene *scene = graded_scene();
+    const struct slice_style style = plain_style();
+    const struct mosaic_choice choice = {.place = {0, 0, 0}};
+    struct rendition r = black_rendition(130, 131); /* the pane has 64x65 */
+    r.cell[0] = 5;
+    r.cell[1] = 6;
+    r.cell[130 * 130 + 128] = 7;
+    r.cell[130 * 130 + 129] = 8;
+    struct canvas mosaic = take(scene, &r, &choice, &style);
+    CHECK_INT(mosaic.cell[66 * 130 + 66], 6);
+    CHECK_INT(mosaic.cell[66 * 130 + 67], CELL_NONE);
+    CHECK_INT(mosaic.cell[130 * 130 + 129], CELL_NONE); /* the last row has no other */
+    r.cell[129 * 130 + 128] = 9;
+    CHECK_INT(mosaic_cell_at(scene, &r, &choice, 129, 130), 9);
     canvas_release(&mosaic);
     rendition_release(&r);
     scene_free(scene);
@@ -227,5 +256,6 @@ int main(void)
     return RUN_STORIES(
         TELL(panes_share_the_picture_out), TELL(panes_are_slices_at_one_scale),
         TELL(the_lines_of_the_cross_hair_run_on), TELL(the_rendition_is_averaged_over_black),
+        TELL(the_rendition_lies_in_the_middle_of_its_pane),
         TELL(a_pixel_of_a_mosaic_knows_its_voxel), TELL(without_memory_there_is_no_mosaic));
 }

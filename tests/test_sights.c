@@ -427,6 +427,7 @@ STORY(what_waits_and_what_was_eliminated_is_marked)
     marks_are(&desk, false, false, false);
     must(&desk, "overlay marks=on");
     must(&desk, "interpolate 2 2 1"); /* of the scene before */
+    CHECK(desk.session.eliminators.first == desk.session.eliminators.end);
     must(&desk, "cross 0,0,4");
     marks_are(&desk, false, false, false);
     desk_release(&desk);

@@ -416,6 +416,56 @@ STORY(contours_are_thicker_in_larger_pictures)
     scene_free(scene);
 }
 
+static uint8_t label_under(const struct scene *scene, const struct canvas *s, size_t pixel)
+{
+    return s->cell[pixel] == CELL_NONE ? 0 : scene->cell[s->cell[pixel]].label;
+}
+
+/* Whether another label lies within `reach` pixels along rows or columns. */
+static bool is_outlined(const struct scene *scene, const struct canvas *s, int64_t x, int64_t y,
+                        int64_t reach)
+{
+    const size_t pixel = (size_t)(y * s->width + x);
+    const uint8_t own = label_under(scene, s, pixel);
+    for (int64_t d = -reach; own && d <= reach; d++) {
+        if (x + d >= 0 && x + d < s->width && label_under(scene, s, pixel + (size_t)d) != own)
+            return true;
+        if (y + d >= 0 && y + d < s->height &&
+            label_under(scene, s, pixel + (size_t)(d * s->width)) != own)
+            return true;
+    }
+    return false;
+}
+
+/* Labels at random in blocks, in pictures that they fill, or do not. */
+STORY(contours_are_those_of_a_plain_search)
+{
+    static const uint32_t size[3] = {40, 30, 20};
+    static const uint32_t pictures[4][2] = {{90, 70}, {400, 410}, {33, 50}, {120, 40}};
+    struct slice_style style = style_of(0, 60000, SLICE_CONTOUR); /* all grey is black */
+    struct scene *scene = NULL;
+    uint64_t seed = 3;
+    CHECK(scene_new(&scene, size, NULL) == OK);
+    for (uint32_t c = 0; c < scene->grid.cells; c++)
+        if (!(scene->cell[c].flags & CELL_RIM))
+            scene->cell[c].label = (uint8_t)check_below(&seed, 40) < 30 ? 1 : 2;
+    for (unsigned i = 0; i < 24; i++) {
+        const uint32_t *picture = pictures[i % 4];
+        const struct slice_choice choice = {
+            (enum slice_plane)(i / 8), {20, 15, 10}, i % 8 < 4 ? 0 : MM / 3, i % 2, 0, NULL};
+        struct canvas s = take(scene, &choice, &style, picture[0], picture[1]);
+        uint32_t wrong = 0;
+        for (uint32_t p = 0; p < s.width * s.height; p++) {
+            const bool drawn = !is_rgb(&s, p % s.width, p / s.width, 0, 0, 0);
+            wrong += drawn !=
+                     is_outlined(scene, &s, p % s.width, p / s.width, picture[0] >= 400 ? 2 : 1);
+        }
+        CHECK_INT(wrong, 0);
+        canvas_release(&s);
+    }
+    scene_free(scene);
+}
+
 /* ---- what lies over them ---- */
 
 STORY(a_cross_leaves_its_voxel_free)
@@ -670,8 +720,8 @@ int main(void)
         TELL(slices_of_any_size_and_spacing_fit), TELL(a_pixel_knows_its_voxel),
         TELL(a_window_ramps_from_black_to_white),
         TELL(smooth_grey_lies_between_the_four_voxels_around), TELL(labels_tint_or_are_outlined),
-        TELL(contours_are_thicker_in_larger_pictures), TELL(a_cross_leaves_its_voxel_free),
-        TELL(seeds_are_dots_and_eliminators_crosses),
+        TELL(contours_are_thicker_in_larger_pictures), TELL(contours_are_those_of_a_plain_search),
+        TELL(a_cross_leaves_its_voxel_free), TELL(seeds_are_dots_and_eliminators_crosses),
         TELL(letters_say_where_the_patients_sides_are), TELL(lengths_of_bars_are_round),
         TELL(bars_tell_lengths_and_greys), TELL(all_48_orientations_give_the_same_pictures),
         TELL(without_memory_there_is_no_slice));
