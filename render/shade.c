@@ -31,7 +31,7 @@ void shader_release(struct shader *shader)
 {
     field_release(&shader->shown);
     field_release(&shader->scene);
-    *shader = (struct shader){0};
+    shader->has_shown = shader->has_scene = false;
 }
 
 size_t shader_bytes(const struct shader *shader)
@@ -86,9 +86,12 @@ struct lamp {
     int64_t stride;             /* pixels between the depths that a plane is fitted to: a voxel's */
     int32_t gloss[GLOSSES + 1]; /* by the cosine to `half`, times UNIT */
     const struct camera *camera;
+    const struct border *border;
     const struct look *look;
     const struct palette *palette;
     struct field_reader shown, scene;
+    bool cuts;         /* something is cut away, */
+    int32_t window[2]; /* and where it was, these intensities are black and white */
 };
 
 static int32_t mirrored(int32_t cosine)
@@ -305,6 +308,27 @@ static bool is_edge(const struct rendition *r, uint32_t x, uint32_t y)
     return false;
 }
 
+/* Whether a pixel shows a face of its voxel beyond which an object was cut away. */
+static bool is_cut_open(const struct lamp *lamp, uint32_t cell, int64_t depth)
+{
+    return lamp->cuts &&
+           border_is_cut(lamp->border, (uint32_t)(cell + lamp->camera->toward[depth & 3]));
+}
+
+/* The scene there: as bright from every side, so that it reads like a slice. */
+static void shade_cut_face(uint8_t rgba[4], const struct lamp *lamp, uint32_t cell,
+                           const uint8_t colour[3], int64_t cue)
+{
+    const int64_t width = (int64_t)lamp->window[1] - lamp->window[0];
+    const int64_t above = (int64_t)lamp->camera->scene->cell[cell].intensity - lamp->window[0];
+    const int64_t share = width ? above * 255 / width : 0;
+    const int64_t grey = share < 0 ? 0 : share > 255 ? 255 : share;
+    uint8_t tinted[3];
+    for (int k = 0; k < 3; k++)
+        tinted[k] = (uint8_t)((3 * grey + colour[k] + 2) / 4);
+    colour_pixel(rgba, tinted, UNIT, 0, cue);
+}
+
 static void shade_pixel(struct rendition *r, struct lamp *lamp, uint32_t x, uint32_t y)
 {
     const size_t pixel = (size_t)y * r->width + x;
@@ -325,8 +349,12 @@ static void shade_pixel(struct rendition *r, struct lamp *lamp, uint32_t x, uint
     int64_t cue = cue_at(lamp, depth);
     if (lamp->look->edges && is_edge(r, x, y))
         cue = cue * EDGE >> UNIT_BITS;
-    colour_pixel(r->rgba + 4 * pixel, lamp->palette->rgb[r->label[pixel]],
-                 AMBIENT + (DIFFUSE * cosine >> UNIT_BITS),
+    const uint8_t *colour = lamp->palette->rgb[r->label[pixel]];
+    if (is_cut_open(lamp, r->cell[pixel], depth)) {
+        shade_cut_face(r->rgba + 4 * pixel, lamp, r->cell[pixel], colour, cue);
+        return;
+    }
+    colour_pixel(r->rgba + 4 * pixel, colour, AMBIENT + (DIFFUSE * cosine >> UNIT_BITS),
                  lamp->gloss[shine > GLOSSES ? GLOSSES : shine], cue);
 }
 
@@ -422,7 +450,12 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
                const struct palette *palette, const struct look *look, struct shader *shader,
                struct fault *fault)
 {
-    struct lamp lamp = {.camera = camera, .look = look, .palette = palette};
+    struct lamp lamp = {.camera = camera,
+                        .border = border,
+                        .look = look,
+                        .palette = palette,
+                        .cuts = !cut_is_none(&border->cut),
+                        .window = {shader->window[0], shader->window[1]}};
     enum err err = OK;
     if (look->mode != SHADE_DEPTH)
         err = prepare(&shader->shown, &shader->has_shown, border, FIELD_SHOWN, fault);
@@ -440,7 +473,8 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
 
 struct shade_reach shade_reach(const struct look *look, const struct camera *camera)
 {
-    struct shade_reach reach = {look->mode == SHADE_DEPTH ? 0 : FIELD_REACH, look->edges ? 1 : 0};
+    /* One step in any case: a face may be cut open, or no more so. */
+    struct shade_reach reach = {look->mode == SHADE_DEPTH ? 1 : FIELD_REACH, look->edges ? 1 : 0};
     if (look->mode == SHADE_DEPTH)
         reach.pixels = FIT_STEPS * (int)stride_of(camera);
     return reach;

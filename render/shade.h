@@ -11,7 +11,8 @@
  * So a pixel's colour is a pure function of what is shown, labels, intensities and depths near it,
  * and of palette, look and view: shade_reach tells how near. The incremental image relies on it.
  * The light moves with the viewer. What lies deeper is a little darker. Where edges are wished
- * for, a pixel is darkened beside which another object, or nothing, lies further back.
+ * for, a pixel is darkened beside which another object, or nothing, lies further back. A face where
+ * an object was cut open (engine/cut.h) shows the scene, in grey tinted with the object's colour.
  */
 #ifndef RENDER_SHADE_H
 #define RENDER_SHADE_H
@@ -46,11 +47,13 @@ struct look look_default(void);
 
 /* What shading keeps from one picture to the next, so that the next is made faster. */
 struct shader {
+    int32_t window[2]; /* to be set where something is cut: the intensities that are black and
+                          white on faces cut open; they differ, and either may be the greater */
     struct field shown, scene;
     bool has_shown, has_scene;
 };
 
-/* Frees what is kept; the shader may be used again. A new one is zeroed. */
+/* Frees what is kept; the shader, whose window stays, may be used again. A new one is zeroed. */
 void shader_release(struct shader *shader);
 size_t shader_bytes(const struct shader *shader);
 

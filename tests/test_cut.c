@@ -161,8 +161,12 @@ static void stage_init(struct stage *s, uint64_t *random)
     s->look.mode = (enum shade_mode)check_below(random, 3);
     s->look.edges = check_below(random, 2);
     for (size_t i = 0; i < s->scene->grid.cells; i++)
-        if (!(s->scene->cell[i].flags & CELL_RIM))
+        if (!(s->scene->cell[i].flags & CELL_RIM)) {
             s->scene->cell[i].weight = (uint16_t)check_below(random, 6);
+            s->scene->cell[i].intensity = (uint16_t)check_below(random, 1000);
+        }
+    s->shader.window[0] = (int32_t)check_below(random, 500);
+    s->shader.window[1] = 501 + (int32_t)check_below(random, 500);
     for (int a = 0; a < 3; a++) {
         s->scene->world_sign[a] = check_below(random, 2) ? 1 : -1;
         s->scene->spacing_nm[a] =
@@ -295,6 +299,45 @@ static void a_new_shader_sees_the_same(struct stage *s, uint64_t *random)
     CHECK(same(&kept, &anew, "what a shader kept"));
     rendition_release(&kept);
     rendition_release(&anew);
+}
+
+/* A slab of two objects, whose front half is cut away: what is cut open shows the scene, what was
+ * its surface before is shaded. */
+STORY(faces_that_are_cut_open_show_the_scene)
+{
+    struct stage s = {0};
+    struct rendition r;
+    struct cut cut = cut_none();
+    CHECK(scene_new(&s.scene, (uint32_t[]){20, 20, 20}, NULL) == OK);
+    CHECK(forest_new(&s.forest, s.scene, 6, NULL) == OK);
+    CHECK(border_init(&s.border, s.scene, NULL) == OK);
+    palette_default(&s.palette);
+    s.look = look_default();
+    s.look.cue_percent = 0;
+    s.shader.window[0] = 100, s.shader.window[1] = 355;
+    for (uint32_t x = 0; x < 20; x++)
+        for (uint32_t y = 0; y < 18; y++)
+            for (uint32_t z = 0; z < 20; z++) {
+                const uint32_t c = grid_cell(&s.scene->grid, x, y, z);
+                s.scene->cell[c].label = y < 8 || x < 10; /* the right half ends at y 7 */
+                s.scene->cell[c].intensity = (uint16_t)(100 + 10 * z);
+            }
+    cut.last[1] = 9;
+    s.border.cut = cut;
+    border_recount(&s.border);
+    s.view = (struct view){.zoom = 1000, .width = 20, .height = 20};
+    CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+    CHECK(rendition_init(&r, 20, 20, NULL) == OK);
+    draw(&s, &r, splat_border);
+    /* From the front the patient's left, where x is small, is on the right; row 19 - z is z. */
+    for (uint32_t z = 0; z < 20; z++) {
+        const uint8_t *open = r.rgba + 4 * ((19 - z) * 20 + 15), *closed = open - 4 * 10;
+        CHECK_INT(open[0], (3 * 10 * z + s.palette.rgb[1][0] + 2) / 4);
+        CHECK_INT(open[2], (3 * 10 * z + s.palette.rgb[1][2] + 2) / 4);
+        CHECK(z < 4 || z > 15 || closed[0] > 100);
+    }
+    rendition_release(&r);
+    stage_release(&s);
 }
 
 STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
@@ -571,6 +614,7 @@ int main(void)
     int status =
         RUN_STORIES(TELL(slabs_boxes_and_planes_take_what_they_say),
                     TELL(planes_of_any_spacing_keep_their_voxel_and_fit_64_bits),
+                    TELL(faces_that_are_cut_open_show_the_scene),
                     TELL(borders_and_pictures_follow_cuts_edits_and_hidden_labels),
                     TELL(slabs_are_counted_as_slices_are),
                     TELL(a_plane_cuts_what_lies_before_a_voxel_and_stays_with_the_patient),

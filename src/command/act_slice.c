@@ -41,7 +41,6 @@ ACT(cross)
 
 ACT(window)
 {
-    struct slice_settings *s = &desk->session.settings.slices;
     const bool is_auto = value[WINDOW_LOW].text != NULL;
     const int64_t window[2] = {value[WINDOW_LOW].number, value[WINDOW_HIGH].number};
     if (is_auto == value[WINDOW_HIGH].given)
@@ -49,9 +48,7 @@ ACT(window)
                          "expected LOW and HIGH, or auto alone; nothing has changed");
     if (!is_auto && window[1] <= window[0])
         return fault_set(fault, ERR_USAGE, "HIGH is not above LOW; nothing has changed");
-    s->has_window = !is_auto;
-    for (int i = 0; i < 2; i++)
-        s->window_thousandths[i] = is_auto ? 0 : window[i];
+    session_set_window(&desk->session, is_auto ? NULL : window);
     act_write_slices(&reply->text, &desk->session);
     return OK;
 }

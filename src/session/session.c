@@ -5,6 +5,7 @@
 
 #include "base/mem.h"
 #include "session/fencing.h"
+#include "session/slicing.h"
 
 void session_init(struct session *session)
 {
@@ -173,6 +174,8 @@ static bool look(void *context, uint64_t served)
 static enum err colour(struct session *session, struct fault *fault)
 {
     const struct settings *settings = &session->settings;
+    if (!cut_is_none(&settings->cut))
+        slicing_window(session->shader.window, session);
     enum err err = shade(&session->rendition, &session->camera, &session->border,
                          &settings->palette, &settings->look, &session->shader, fault);
     if (!err && settings->look.samples > 1)
@@ -352,8 +355,8 @@ static struct view sampled(const struct view *view, uint32_t samples)
     return fine;
 }
 
-static enum err look_from(struct session *session, const struct view *view,
-                          const struct look *look, struct fault *fault)
+static enum err look_from(struct session *session, const struct view *view, const struct look *look,
+                          struct fault *fault)
 {
     struct camera camera;
     const struct view fine = sampled(view, look->samples);
@@ -389,6 +392,16 @@ enum err session_set_look(struct session *session, const struct look *look, stru
         return look_from(session, &view, look, fault);
     session->settings.look = *look;
     return OK;
+}
+
+void session_set_window(struct session *session, const int64_t thousandths[2])
+{
+    struct slice_settings *slices = &session->settings.slices;
+    slices->has_window = thousandths != NULL;
+    for (int i = 0; i < 2; i++)
+        slices->window_thousandths[i] = thousandths ? thousandths[i] : 0;
+    if (!cut_is_none(&session->settings.cut))
+        session->rendered = false; /* faces that are cut open show the scene */
 }
 
 const struct rendition *session_frame(const struct session *session)
@@ -520,7 +533,10 @@ void session_rollback(struct session *session)
             0 ||
         memcmp(&session->settings.cut, &session->mark.cut, sizeof session->mark.cut) != 0;
     bool recolours =
-        memcmp(&session->settings.palette, &session->mark.palette, sizeof(struct palette)) != 0;
+        memcmp(&session->settings.palette, &session->mark.palette, sizeof(struct palette)) != 0 ||
+        session->settings.slices.has_window != session->mark.slices.has_window ||
+        memcmp(session->settings.slices.window_thousandths, session->mark.slices.window_thousandths,
+               sizeof session->mark.slices.window_thousandths) != 0;
     session->settings = session->mark;
     session->pendings = session->mark_pendings;
     if (!session->has_scene) {

@@ -200,6 +200,10 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
 /* The same with the forest as it stands, whatever edits wait. */
 enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault);
 
+/* The real values, in thousandths, that are black and white; NULL for what follows from the scene.
+ */
+void session_set_window(struct session *session, const int64_t thousandths[2]);
+
 /* What was rendered, at the size of the view. */
 const struct rendition *session_frame(const struct session *session);
 

@@ -61,9 +61,7 @@ static int32_t intensity_of(const struct geometry *geometry, int64_t thousandths
     return (int32_t)(whole < -most ? -most : whole > most ? most : whole);
 }
 
-/* Intensities of black and white; they differ. A scene whose values fall as intensities rise has
- * the greater one first. */
-static void window_of(int32_t window[2], struct session *session)
+void slicing_window(int32_t window[2], struct session *session)
 {
     const struct slice_settings *s = &session->settings.slices;
     const bool falls = session->geometry.slope < 0;
@@ -93,7 +91,7 @@ void slicing_window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS
     const struct geometry *geometry = &session->geometry;
     char *const words[2] = {least, most};
     int32_t window[2];
-    window_of(window, session);
+    slicing_window(window, session);
     for (int i = 0; i < 2; i++)
         write_value(words[i], s->has_window ? (double)s->window_thousandths[i] / 1000
                                             : geometry->slope * window[i] + geometry->intercept);
@@ -165,7 +163,7 @@ static enum err sketch_init(struct sketch *sketch, struct session *session, stru
     sketch->style.marks = 0;
     if (s->marks && !list_marks(sketch, session))
         return fault_memory(fault, "the marks of a slice");
-    window_of(window, session);
+    slicing_window(window, session);
     slice_window(sketch->style.grey, window[0], window[1]);
     slicing_window_words(sketch->least, sketch->most, session);
     sketch->style.least = sketch->least;
