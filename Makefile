@@ -39,9 +39,9 @@ SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
 LIBRARY := $(BUILD)/libiftty.a
 TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c)) \
-           $(BUILD)/tests/test_crew_racing
+           $(BUILD)/tests/test_crew_racing $(BUILD)/tests/test_press_racing
 RACING  := $(patsubst %.c,$(BUILD)/racing/%.o,\
-             $(wildcard src/base/*.c src/engine/*.c) tests/test_crew.c)
+             $(wildcard src/base/*.c src/engine/*.c src/image/*.c))
 
 # What iftty is measured against. Debian's Python is the one that sees Debian's modules.
 PEER_PACKAGES := libinsighttoolkit5-dev libvigraimpex-dev python3-scipy python3-skimage
@@ -132,7 +132,7 @@ $(BUILD)/%.o: %.c | $(PACKAGES_STAMP)
 	$(Q)$(CC) $(ALL_CFLAGS) -c -o $@ $<
 
 # The threads' stories once more, under ThreadSanitizer.
-$(BUILD)/tests/test_crew_racing: $(RACING)
+$(BUILD)/tests/%_racing: $(BUILD)/racing/tests/%.o $(RACING)
 	$(say) "link      $@"
 	$(Q)$(CC) -fsanitize=thread $(ALL_LDFLAGS) -o $@ $^ $(LIBS)
 
@@ -141,5 +141,5 @@ $(BUILD)/racing/%.o: %.c | $(PACKAGES_STAMP)
 	$(say) "compile   $< (for races)"
 	$(Q)$(CC) $(ALL_CFLAGS) -fsanitize=thread -c -o $@ $<
 
--include $(RACING:.o=.d)
+-include $(RACING:.o=.d) $(wildcard $(BUILD)/racing/tests/*.d)
 -include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(BUILD)/iftty-image.d

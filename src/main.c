@@ -558,6 +558,25 @@ static bool prompt_finished(void *context)
     return prompt->desk.finished;
 }
 
+static void prompt_news(void *context, struct buf *output)
+{
+    struct prompt *prompt = context;
+    press_news(prompt->desk.press, output);
+}
+
+/* The session is over when what it wrote is on the disk; Ctrl-C gives up what is not begun. */
+static void finish_pictures(struct prompt *prompt)
+{
+    struct buf text = {0};
+    interrupted = 0;
+    watch_begin(&watch);
+    press_wait(prompt->desk.press, &watch, NULL);
+    progress_erase(&progress);
+    press_news(prompt->desk.press, &text);
+    fputs(buf_text(&text), stdout);
+    buf_release(&text);
+}
+
 /* "ch2" for /data/ch2.nii.gz; NAME-N.iftty for the first N that is free here. */
 static void name_session(struct prompt *prompt, struct buf *journal)
 {
@@ -591,16 +610,24 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
     enum err err = begin_desk(&prompt.desk, o, fault);
     if (!o->journal && !prompt.resumes)
         prompt.desk.new_journal = buf_text(&journal);
+    /* Without it, which is no reason to stop, pictures are waited for. */
+    if (!err && isatty(STDIN_FILENO) && isatty(STDOUT_FILENO))
+        desk_write_beside(&prompt.desk, NULL);
+    struct press *press = prompt.desk.press;
     const struct repl_host host = {.context = &prompt,
                                    .begin = prompt_begin,
                                    .prompt = prompt_text,
                                    .execute = prompt_execute,
                                    .complete = prompt_complete,
                                    .picture = prompt_picture,
+                                   .news = press ? prompt_news : NULL,
+                                   .news_descriptor = press ? press_descriptor(press) : -1,
                                    .finished = prompt_finished};
     const struct repl_options how = {o->graphics, NULL};
     if (!err)
         err = repl_run(&host, &how, fault);
+    if (press)
+        finish_pictures(&prompt);
     if (prompt.desk.journal && isatty(STDOUT_FILENO)) {
         struct buf text = {0};
         const char *path = journal_path(prompt.desk.journal);

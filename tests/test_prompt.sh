@@ -107,6 +107,20 @@ see '^s>$'
 press C-l
 close_story
 
+begin "a picture is written beside the session, and said to be there above the line"
+enter "render prompt.png"
+see '^writing prompt\.png$'
+tmux_here send-keys -t prompt -l "half a li"
+see '^wrote prompt\.png$'
+see '^s> half a li$'
+press C-u
+[ -s prompt.png ] || fail "no prompt.png"
+enter "render prompt.png"
+see '^error: prompt\.png exists already and was left alone$'
+see '^s>$'
+press C-l
+close_story
+
 begin "Ctrl-Z stops it, fg goes on with the line"
 tmux_here send-keys -t prompt -l "half a li"
 press C-z
@@ -120,11 +134,14 @@ press C-c
 close_story
 
 begin "quit leaves a sane terminal and a journal that verifies"
+enter "render last.tif"
 enter "quit"
+see '^wrote last\.tif$'
 see '^journal: s-1\.iftty \(.* records\)$'
 enter 'echo status $?'
 see '^status 0$'
 sane
+[ -s last.tif ] || fail "no last.tif"
 expect 0 "$iftty" verify s-1.iftty
 grep -qx 'label 2 early' s-1.iftty || fail "the label is not in the journal"
 grep -qx 'seed 20,10,8 0' s-1.iftty || fail "a seed is not in the journal"

@@ -22,6 +22,7 @@ static uint8_t rendition[64 * 40 * 4];
 
 struct host {
     bool finished, has_picture;
+    int news[2]; /* a pipe: a byte for each line of news */
 };
 
 static void host_prompt(void *context, struct buf *out)
@@ -38,6 +39,11 @@ static enum err host_execute(void *context, const char *text, struct buf *output
         buf_printf(output, "[%s]\n", text + 5);
     } else if (strcmp(text, "picture") == 0) {
         host->has_picture = true;
+    } else if (strcmp(text, "later") == 0) {
+        if (fork() == 0) {
+            usleep(300000);
+            _exit(write(host->news[1], "n", 1) != 1);
+        }
     } else if (strcmp(text, "quit") == 0) {
         host->finished = true;
     } else if (strcmp(text, "wait") == 0) {
@@ -76,6 +82,14 @@ static bool host_picture(void *context, struct image_view *out)
     return had;
 }
 
+static void host_news(void *context, struct buf *output)
+{
+    struct host *host = context;
+    char c;
+    if (read(host->news[0], &c, 1) == 1)
+        buf_add_text(output, "[news]\n");
+}
+
 static bool host_finished(void *context)
 {
     const struct host *host = context;
@@ -90,8 +104,12 @@ static int run_host(const struct repl_options *options, bool once)
                              .execute = host_execute,
                              .complete = host_complete,
                              .picture = host_picture,
+                             .news = host_news,
                              .finished = host_finished};
     struct fault fault;
+    if (pipe2(state.news, O_NONBLOCK | O_CLOEXEC) != 0)
+        return 99;
+    host.news_descriptor = state.news[0];
     for (size_t i = 0; i < sizeof rendition; i++)
         rendition[i] = (uint8_t)(i % 4 == 3 ? 255 : 40 * (i / 600));
     if (once)
@@ -539,6 +557,41 @@ STORY(a_new_width_is_used_at_once)
     end(&t);
 }
 
+STORY(news_stand_above_the_line_that_is_typed)
+{
+    struct terminal t;
+    start(&t, &xterm);
+    SEE(&t, "ch2> ");
+    type(&t, "later\r");
+    SEE(&t, "ch2> ");
+    type(&t, "echo ha");
+    SEE(&t, "echo ha");
+    SEE(&t, "\r\033[J[news]\r\n"); /* on its own: nothing was typed */
+    SEE(&t, "ch2> echo ha");
+    type(&t, "lf\r");
+    SEE(&t, "[half]");
+    type(&t, "quit\r");
+    CHECK_INT(report_of(&t), 0);
+    end(&t);
+}
+
+STORY(news_clear_every_row_of_a_long_line)
+{
+    struct terminal t;
+    struct winsize size = {.ws_row = 24, .ws_col = 20};
+    start(&t, &xterm);
+    SEE(&t, "ch2> ");
+    ioctl(t.slave, TIOCSWINSZ, &size);
+    type(&t, "later\r");
+    SEE(&t, "ch2> ");
+    type(&t, "echo 0123456789012345678901234567890123456789"); /* rows 0 to 2 */
+    SEE(&t, "\033[2A\r\033[J[news]\r\n");
+    SEE(&t, "ch2> ");
+    type(&t, "\003quit\r");
+    CHECK_INT(report_of(&t), 0);
+    end(&t);
+}
+
 STORY(ctrl_z_gives_the_terminal_back_and_fg_draws_again)
 {
     struct terminal t;
@@ -697,7 +750,9 @@ int main(void)
         TELL(ctrl_c_empties_the_line_and_keeps_the_session), TELL(tab_completes_and_lists),
         TELL(a_large_paste_is_one_redraw_and_its_lines_are_run),
         TELL(history_is_searched_and_kept_in_a_file), TELL(escape_alone_is_not_the_alt_key),
-        TELL(a_new_width_is_used_at_once), TELL(ctrl_z_gives_the_terminal_back_and_fg_draws_again),
+        TELL(a_new_width_is_used_at_once), TELL(news_stand_above_the_line_that_is_typed),
+        TELL(news_clear_every_row_of_a_long_line),
+        TELL(ctrl_z_gives_the_terminal_back_and_fg_draws_again),
         TELL(sigterm_and_sighup_at_the_prompt_restore_the_terminal),
         TELL(signals_while_a_command_runs_restore_the_terminal), TELL(crashes_restore_the_terminal),
         TELL(exit_inside_a_command_restores_the_terminal),

@@ -21,7 +21,7 @@ void line_editor_release(struct line_editor *e)
 }
 
 /* What a key led to. */
-enum outcome { GO_ON, SUBMIT, ABANDON, END, GONE, SUSPEND, CLEAR, COMPLETE };
+enum outcome { GO_ON, SUBMIT, ABANDON, END, GONE, SUSPEND, CLEAR, COMPLETE, NEWS };
 
 /* ---- drawing ---- */
 
@@ -68,6 +68,25 @@ static enum err leave_line(struct line_editor *e, const char *prompt, const char
     draw_line(e, prompt, &out);
     buf_add_text(&out, more);
     e->drawing = (struct line_drawing){0};
+    return write_out(&out, fault);
+}
+
+/* The line goes, the news take its place, and it comes again below them. */
+static enum err tell_news(struct line_editor *e, const char *prompt, struct fault *fault)
+{
+    struct buf text = {0}, out = {0};
+    e->news(e->context, &text);
+    if (e->drawing.row > 0)
+        buf_printf(&out, "\033[%uA", e->drawing.row);
+    buf_add_text(&out, "\r\033[J");
+    for (const char *at = buf_text(&text); *at; at += strcspn(at, "\n"), at += *at == '\n') {
+        buf_add(&out, at, strcspn(at, "\n"));
+        buf_add_text(&out, "\r\n");
+    }
+    out.failed |= text.failed;
+    buf_release(&text);
+    e->drawing = (struct line_drawing){0};
+    draw_line(e, prompt, &out);
     return write_out(&out, fault);
 }
 
@@ -368,7 +387,10 @@ static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
     bool waiting = keys_waiting(&e->keys);
     bool stalled = *screen == STALE_IN_PASTE;
     enum outcome outcome;
-    switch (term_read(&e->input, waiting ? KEYS_TIMEOUT_MS : stalled ? PASTE_PATIENCE_MS : -1)) {
+    const int patience = waiting ? KEYS_TIMEOUT_MS : stalled ? PASTE_PATIENCE_MS : -1;
+    switch (term_read_or(&e->input, patience, e->news ? e->news_descriptor : -1)) {
+    case TERM_OTHER:
+        return NEWS;
     case TERM_BYTES:
         outcome = take_input(e);
         *screen = e->pasting || keys_waiting(&e->keys) ? STALE_IN_PASTE : STALE;
@@ -410,6 +432,8 @@ static enum err follow(struct line_editor *e, const char *prompt, enum outcome o
         return err ? err : redraw(e, prompt, fault);
     case COMPLETE:
         return complete_word(e, prompt, fault);
+    case NEWS:
+        return tell_news(e, prompt, fault);
     default:
         return OK;
     }

@@ -31,6 +31,9 @@
 typedef void line_complete_function(void *context, const char *line, size_t cursor,
                                     struct buf *candidates, size_t *word_start);
 
+/* Adds lines that are to be told now, safe to print, each ended by a line feed. */
+typedef void line_news_function(void *context, struct buf *out);
+
 struct line_editor {
     struct line_history history;
     struct line line;
@@ -42,13 +45,16 @@ struct line_editor {
     unsigned answers_due; /* DA1 questions sent, not answered yet */
     struct line_drawing drawing;
     line_complete_function *complete; /* may be NULL */
+    line_news_function *news;         /* may be NULL; else asked when news_descriptor is readable */
+    int news_descriptor;
     void *context;
 };
 
 void line_editor_init(struct line_editor *e, line_complete_function *complete, void *context);
 void line_editor_release(struct line_editor *e);
 
-/* Reads a line at the terminal, which is open and raw, and adds it to the history. The line is then
+/* Reads a line at the terminal, which is open and raw, and adds it to the history. News that come
+ * meanwhile stand above the line. The line is then
  * e->line.text, until the next call. *ended is set at Ctrl-D on an empty line or when the terminal
  * has gone. */
 enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struct fault *fault);

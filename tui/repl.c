@@ -73,6 +73,8 @@ static enum err run_line(const struct repl_host *host, const char *line, struct 
 static enum err print_prompt(const struct repl_host *host, struct fault *fault)
 {
     struct buf prompt = {0};
+    if (host->news)
+        host->news(host->context, &prompt);
     host->prompt(host->context, &prompt);
     enum err err = term_write_to(STDOUT_FILENO, buf_text(&prompt), prompt.length, fault);
     buf_release(&prompt);
@@ -266,6 +268,8 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     struct fault of_history = {0};
     enum err loaded = OK;
     line_editor_init(&p.editor, host->complete, host->context);
+    p.editor.news = host->news;
+    p.editor.news_descriptor = host->news_descriptor;
     if (options->history_path)
         loaded = line_history_load(&p.editor.history, options->history_path, &of_history);
     enum err err = open_terminal(STDIN_FILENO, options->graphics, &p.facts, &p.editor.input,

@@ -36,6 +36,10 @@ struct repl_host {
     /* True once after a command made a picture to show; its pixels stay until the next execute.
      * Asked only at a terminal. May be NULL. */
     bool (*picture)(void *context, struct image_view *out);
+    /* Adds lines on what has happened beside the commands: asked when news_descriptor is readable,
+     * while a line is edited, and before a plain prompt. May be NULL. */
+    void (*news)(void *context, struct buf *output);
+    int news_descriptor;
     /* Whether the session is over; asked after every command. */
     bool (*finished)(void *context);
 };

@@ -290,9 +290,9 @@ enum err term_write(const void *bytes, size_t length, struct fault *fault)
 
 /* Waits with the signals that set a flag let in only while waiting: none comes between the look at
  * the flags and the wait. */
-static int wait_for_input(int timeout_ms)
+static int wait_for_input(int timeout_ms, int other, bool *only_other)
 {
-    struct pollfd ready = {.fd = term.in, .events = POLLIN};
+    struct pollfd ready[2] = {{.fd = term.in, .events = POLLIN}, {.fd = other, .events = POLLIN}};
     struct timespec limit = {timeout_ms / 1000, timeout_ms % 1000 * 1000000L};
     sigset_t flags, before;
     sigemptyset(&flags);
@@ -302,16 +302,20 @@ static int wait_for_input(int timeout_ms)
     int n = -1;
     errno = EINTR;
     if (!term.resized && !term.continued)
-        n = ppoll(&ready, 1, timeout_ms < 0 ? NULL : &limit, &before);
+        n = ppoll(ready, 2, timeout_ms < 0 ? NULL : &limit, &before);
     int kept = errno;
     sigprocmask(SIG_SETMASK, &before, NULL);
     errno = kept;
+    *only_other = n > 0 && ready[0].revents == 0;
     return n;
 }
 
-enum term_input term_read(struct buf *out, int timeout_ms)
+enum term_input term_read_or(struct buf *out, int timeout_ms, int other)
 {
-    int ready = wait_for_input(timeout_ms);
+    bool only_other;
+    int ready = wait_for_input(timeout_ms, other, &only_other);
+    if (only_other)
+        return TERM_OTHER;
     if (ready == 0)
         return TERM_TIMEOUT;
     if (ready < 0)
@@ -328,6 +332,11 @@ enum term_input term_read(struct buf *out, int timeout_ms)
     if (n < 0 && (errno == EINTR || errno == EAGAIN))
         return TERM_SIGNAL;
     return TERM_CLOSED;
+}
+
+enum term_input term_read(struct buf *out, int timeout_ms)
+{
+    return term_read_or(out, timeout_ms, -1);
 }
 
 bool term_was_resized(void)

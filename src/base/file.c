@@ -117,7 +117,7 @@ done:
 
 enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, struct fault *fault)
 {
-    static unsigned counter;
+    static _Atomic unsigned counter; /* pictures are written beside the session */
     struct buf folder = {0};
     enum err err = OK;
     buf_clear(draft);

@@ -62,6 +62,9 @@ ACT(overlay);
 ACT(slice);
 ACT(mosaic);
 
+/* act_spin.c */
+ACT(spin);
+
 /* act_pick.c */
 ACT(pick);
 
@@ -92,11 +95,16 @@ bool act_write_cut(struct buf *out, const struct session *session);
 /* Adds to the notes of a picture what the desk knows: the journal and where its chain stands. */
 enum err act_note_picture(struct desk *desk, struct picture *picture, struct fault *fault);
 
+/* The rendition as a picture with all notes, for a file of that name (or NULL), which says whether
+ * it holds normals. */
+enum err act_take_picture(struct desk *desk, const char *name, struct picture *picture,
+                          struct fault *fault);
+
 /* What `replace=yes|no` says. */
 enum file_mode act_file_mode(const struct value *replace);
 
-/* Writes a picture to `path`, which desk_output_path gave, and says so. The picture is released,
- * whatever comes of it. */
+/* Writes a picture to `path`, which desk_output_path gave, or has the press do it, and says so. The
+ * picture is released, whatever comes of it. */
 enum err act_write_picture(struct desk *desk, const char *path, enum file_mode mode,
                            struct picture *picture, struct reply *reply, struct fault *fault);
 

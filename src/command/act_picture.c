@@ -19,9 +19,12 @@ enum err act_note_picture(struct desk *desk, struct picture *picture, struct fau
     return err ? err : picture_note(picture, "iftty:chain", journal_chain(desk->journal), fault);
 }
 
-static enum err take_picture(struct desk *desk, struct picture *picture, struct fault *fault)
+enum err act_take_picture(struct desk *desk, const char *name, struct picture *picture,
+                          struct fault *fault)
 {
     enum err err = export_picture(picture, &desk->session, fault);
+    if (!err && name && exr_is_named(name))
+        err = export_normals(picture, &desk->session, fault);
     if (!err)
         err = act_note_picture(desk, picture, fault);
     if (err)
@@ -40,9 +43,9 @@ enum file_mode act_file_mode(const struct value *replace)
     return replace->given && replace->number == 0 ? FILE_REPLACE : FILE_KEEP;
 }
 
-static void tell_written(const char *path, struct reply *reply)
+static void tell_file(const char *doing, const char *path, struct reply *reply)
 {
-    buf_add_text(&reply->text, "wrote ");
+    buf_add_text(&reply->text, doing);
     buf_add_safe(&reply->text, path, strlen(path));
     buf_add_char(&reply->text, '\n');
 }
@@ -56,37 +59,47 @@ static void tell_seen(const struct rendition *r, struct reply *reply)
                seen);
 }
 
+/* An order for the press, which gets it once the command is recorded. */
+static enum err order_picture(struct desk *desk, const char *path, enum file_mode mode,
+                              struct picture *picture, struct reply *reply, struct fault *fault)
+{
+    if (press_holds(desk->press, path))
+        press_wait(desk->press, NULL, NULL); /* for what it finds there */
+    enum err err = press_order(&desk->order, path, mode, picture, fault);
+    if (!err)
+        tell_file("writing ", path, reply);
+    return err;
+}
+
 enum err act_write_picture(struct desk *desk, const char *path, enum file_mode mode,
                            struct picture *picture, struct reply *reply, struct fault *fault)
 {
-    enum err err = desk_will_write(desk, path, mode, fault);
-    if (!err)
-        err = image_write(desk->helper, path, mode, picture, fault);
-    if (!err)
-        tell_written(path, reply);
+    enum err err;
+    if (desk->press && !desk->replays && press_takes(path)) {
+        err = order_picture(desk, path, mode, picture, reply, fault);
+    } else {
+        err = desk_will_write(desk, path, mode, fault);
+        if (!err)
+            err = image_write(desk->helper, path, mode, picture, fault);
+        if (!err)
+            tell_file("wrote ", path, reply);
+    }
     picture_release(picture);
     return err;
 }
 
-/* The rendition as a file; OpenEXR takes the normals too, and may have tiles. */
 static enum err render_file(struct desk *desk, const struct value *value, struct reply *reply,
                             struct fault *fault)
 {
-    const struct value *layout = &value[3];
-    const bool is_exr = exr_is_named(value[0].text);
     struct picture picture;
     struct buf path = {0};
     enum err err = desk_output_path(desk, value[0].text, &path, fault);
     if (!err && path.length) {
-        err = take_picture(desk, &picture, fault);
-        if (!err && is_exr)
-            err = export_normals(&picture, &desk->session, fault);
+        err = act_take_picture(desk, value[0].text, &picture, fault);
         if (!err) {
-            picture.tiled = layout->given && layout->number == 1;
+            picture.tiled = value[3].given && value[3].number == 1;
             err = act_write_picture(desk, buf_text(&path), act_file_mode(&value[2]), &picture,
                                     reply, fault);
-        } else {
-            picture_release(&picture);
         }
     }
     buf_release(&path);
@@ -248,7 +261,7 @@ ACT(save)
         if (!err)
             err = export_map(&desk->session, map[value[0].number], buf_text(&path), how, fault);
         if (!err)
-            tell_written(buf_text(&path), reply);
+            tell_file("wrote ", buf_text(&path), reply);
     }
     buf_release(&path);
     return err;

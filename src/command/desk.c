@@ -22,8 +22,20 @@ enum err desk_init(struct desk *desk, struct fault *fault)
     return err;
 }
 
+enum err desk_write_beside(struct desk *desk, struct fault *fault)
+{
+    struct buf program = {0};
+    enum err err = image_helper_default_program(&program, fault);
+    if (!err)
+        err = press_new(&desk->press, buf_text(&program), fault);
+    buf_release(&program);
+    return err;
+}
+
 void desk_release(struct desk *desk)
 {
+    order_free(desk->order);
+    press_free(desk->press);
     journal_close(desk->journal);
     image_helper_free(desk->helper);
     session_release(&desk->session);
@@ -90,6 +102,8 @@ enum err desk_will_write(struct desk *desk, const char *path, enum file_mode mod
 {
     struct buf backup = {0};
     enum err err = OK;
+    if (desk->press && press_holds(desk->press, path))
+        press_wait(desk->press, NULL, NULL); /* one after the other */
     if (file_exists(path)) {
         if (mode == FILE_KEEP)
             return OK; /* the writer refuses */
@@ -152,6 +166,11 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
             fault_prefix(fault, err, "the command is undone, because it could not be recorded");
     }
     settle_files(desk, err == OK);
+    if (!err && desk->order)
+        press_give(desk->press, desk->order);
+    else
+        order_free(desk->order);
+    desk->order = NULL;
     if (err) {
         session_rollback(&desk->session);
         desk->shows_picture = desk->finished = false;

@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "command/command.h"
 #include "image/helper.h"
+#include "image/press.h"
 #include "journal/journal.h"
 #include "render/canvas.h"
 #include "session/session.h"
@@ -21,6 +22,9 @@ struct desk {
     struct journal *journal;     /* where commands are recorded; NULL records nothing */
     const char *new_journal;     /* created with the first command that is recorded, or NULL */
     struct image_helper *helper; /* started on first use */
+    struct press *press; /* writes pictures beside the session; NULL: a command is acknowledged when
+                            its picture is written */
+    struct order *order; /* of the command at hand, for the press once it is recorded, or NULL */
 
     struct buf home;             /* path of the journal at hand: goldens and scenes lie beside it */
     const char *scene_path;      /* a scene to open whatever name `open` gives, or NULL */
@@ -40,6 +44,10 @@ struct desk {
 
 enum err desk_init(struct desk *desk, struct fault *fault);
 void desk_release(struct desk *desk);
+
+/* From now on pictures are written beside the session, at a prompt. What became of each is told by
+ * press_news; a picture that could not be written changes nothing else: the command stands. */
+enum err desk_write_beside(struct desk *desk, struct fault *fault);
 
 /* Carries one line out. `reply` is cleared first. An empty line or a comment does nothing, and
  * leaves reply->canonical empty. On error nothing has changed. */
