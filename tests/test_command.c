@@ -1195,6 +1195,8 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"render mode=sp", NULL},
         {"render @/p.exr", "p.exr"},
         {"render @/p.png", "p.png"},
+        {"spin 3 @/s%d.png", "s2.png"},
+        {"spin 3 @/s.gif", "s.gif"},
         {"save labels @/l.nii.gz", "l.nii.gz"},
         {"golden first", "door.golden/first.exr"},
         {"golden second", "door.golden/second.png"},

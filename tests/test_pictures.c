@@ -1,4 +1,5 @@
 /* Pictures as commands make them: what they hold, and how they come to the disk. */
+#include <dirent.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -32,15 +33,19 @@ static void is_refused(struct desk *desk, const char *line, enum err code, const
 }
 
 /* The helper lies above the folder of the test programs. */
-static void begin_desk(struct desk *desk)
+static char program[PATH_MAX];
+static void find_program(void)
 {
-    char program[PATH_MAX];
     ssize_t n = readlink("/proc/self/exe", program, sizeof program - 32);
-    CHECK(desk_init(desk, NULL) == OK && n > 0);
     program[n > 0 ? n : 0] = '\0';
     for (int up = 0; up < 2 && strrchr(program, '/'); up++)
         *strrchr(program, '/') = '\0';
     strcat(program, "/iftty-image");
+}
+
+static void begin_desk(struct desk *desk)
+{
+    CHECK_INT(desk_init(desk, NULL), OK);
     image_helper_free(desk->helper);
     CHECK(image_helper_new(&desk->helper, program, NULL) == OK);
 }
@@ -157,13 +162,306 @@ STORY(a_picture_says_what_it_is_of)
     desk_release(&desk);
 }
 
+/* ---- the turntable ---- */
+
+/* Files of this folder whose names begin so. */
+static unsigned count_files(const char *prefix)
+{
+    unsigned count = 0;
+    DIR *here = opendir(".");
+    for (const struct dirent *entry; here && (entry = readdir(here)) != NULL;)
+        count += strncmp(entry->d_name, prefix, strlen(prefix)) == 0;
+    if (here)
+        closedir(here);
+    return count;
+}
+
+STORY(a_turntable_shows_what_turning_shows)
+{
+    static const char *const turned[] = {"view 350 20", "view 80 20", "view 170 20", "view 260 20"};
+    struct desk desk;
+    struct picture p, q;
+    char line[64];
+    begin_with_object(&desk);
+    must(&desk, "view 350 20");
+    must(&desk, "render");
+    const uint64_t before = rendition_digest(session_frame(&desk.session));
+    must(&desk, "spin 4 turn%02d.exr");
+    CHECK_TEXT(buf_text(&reply.text), "wrote turn00.exr to turn03.exr\n");
+    CHECK_HAS(buf_text(&reply.words), "spin=");
+    CHECK(desk.session.rendered && desk.session.settings.view.angle[0] == 350000);
+    CHECK(rendition_digest(session_frame(&desk.session)) == before);
+    for (unsigned i = 0; i < 4; i++) {
+        must(&desk, turned[i]);
+        must(&desk, "render one.exr replace=yes");
+        snprintf(line, sizeof line, "turn%02u.exr", i);
+        CHECK_INT(exr_read(&p, line, NULL), OK);
+        CHECK_INT(exr_read(&q, "one.exr", NULL), OK);
+        CHECK(p.rgba && q.rgba && memcmp(p.rgba, q.rgba, (size_t)4 * 90 * 70) == 0);
+        CHECK_TEXT(picture_find(&p, "iftty:view"), picture_find(&q, "iftty:view"));
+        picture_release(&p);
+        picture_release(&q);
+    }
+    CHECK_INT(count_files("turn"), 4);
+    desk_release(&desk);
+}
+
+STORY(parts_of_a_turn_are_whole_thousandths)
+{
+    static const char *const angle[] = {"0 0 0 ",      "51429 0 0 ",  "102857 0 0 ", "154286 0 0 ",
+                                        "205714 0 0 ", "257143 0 0 ", "308571 0 0 "};
+    struct desk desk;
+    struct picture p;
+    char name[32];
+    begin_with_object(&desk);
+    must(&desk, "size 9 7");
+    must(&desk, "spin 7 part%d.exr");
+    for (unsigned i = 0; i < 7; i++) {
+        snprintf(name, sizeof name, "part%u.exr", i);
+        CHECK_INT(exr_read(&p, name, NULL), OK);
+        const char *view = picture_find(&p, "iftty:view");
+        CHECK(view && strncmp(view, angle[i], strlen(angle[i])) == 0);
+        picture_release(&p);
+    }
+    desk_release(&desk);
+}
+
+STORY(an_animated_picture_has_every_frame)
+{
+    struct desk desk;
+    struct image_facts facts;
+    struct picture p, q;
+    begin_with_object(&desk);
+    must(&desk, "spin 5 round.gif delay=80");
+    CHECK_TEXT(buf_text(&reply.text), "wrote round.gif, 5 pictures\n");
+    must(&desk, "spin 5 round.tif");
+    CHECK_INT(image_helper_about(desk.helper, "round.gif", &facts, NULL), OK);
+    CHECK_INT(facts.frames, 5);
+    image_facts_release(&facts);
+    CHECK_INT(image_helper_about(desk.helper, "round.tif", &facts, NULL), OK);
+    CHECK_INT(facts.frames, 5);
+    image_facts_release(&facts);
+    must(&desk, "render round.png");
+    CHECK_INT(image_helper_read(desk.helper, "round.tif", &p, NULL), OK);
+    CHECK_INT(image_helper_read(desk.helper, "round.png", &q, NULL), OK);
+    CHECK(p.rgba && q.rgba && memcmp(p.rgba, q.rgba, (size_t)4 * 90 * 70) == 0);
+    picture_release(&p);
+    picture_release(&q);
+    desk_release(&desk);
+}
+
+STORY(a_pattern_is_one_number_in_the_name)
+{
+    static const char *const bad[] = {"a.png",    "a%d%d.png", "a%5d.png", "a%s.png",
+                                      "a%%.png",  "a%d/x.png", "a%",       "a%0d.png",
+                                      "%n%d.png", "a%03i.png"};
+    struct desk desk;
+    char line[64];
+    begin_with_object(&desk);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        snprintf(line, sizeof line, "spin 3 %s", bad[i]);
+        is_refused(&desk, line, ERR_USAGE, "expected one %d or %0Nd in its name");
+        CHECK_HAS(fault.text, bad[i]);
+    }
+    is_refused(&desk, "spin 1 a%d.png", ERR_USAGE, "expected a number 2..1000");
+    is_refused(&desk, "spin 3 none/a%d.png", ERR_IO, "there is no folder none");
+    is_refused(&desk, "spin 3 a%d.xyz", ERR_INPUT, "no known format");
+    CHECK_INT(count_files("a"), 0);
+    must(&desk, "spin 11 n%09d.ppm");
+    CHECK(file_exists("n000000010.ppm"));
+    desk_release(&desk);
+}
+
+STORY(a_turntable_is_all_or_nothing)
+{
+    struct desk desk;
+    struct buf kept = {0};
+    begin_with_object(&desk);
+    CHECK_INT(file_write("all2.png", "mine", 4, FILE_KEEP, NULL), OK);
+    is_refused(&desk, "spin 4 all%d.png", ERR_IO, "all2.png exists already and was left alone");
+    CHECK_INT(count_files("all"), 1);
+    CHECK(desk.session.rendered && desk.session.settings.view.angle[0] == 0);
+    must(&desk, "spin 4 all%d.png replace=yes");
+    CHECK_INT(count_files("all"), 4);
+    CHECK_INT(file_read(&kept, "all2.png", 1 << 20, NULL), OK);
+    CHECK(kept.length > 100);
+    CHECK_INT(count_files(".tmp"), 0);
+    buf_release(&kept);
+    desk_release(&desk);
+}
+
+/* Stops after so many looks. */
+static int looks_left = 1 << 30;
+static bool look(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    (void)context, (void)what, (void)done, (void)total;
+    return looks_left-- <= 0;
+}
+
+STORY(a_turntable_that_is_cancelled_leaves_nothing)
+{
+    static struct watch watch = {.look = look};
+    static const char *const line[] = {"spin 6 gone%d.png", "spin 6 gone.gif",
+                                       "spin 6 all%d.png replace=yes"};
+    struct desk desk;
+    struct buf before = {0}, after = {0};
+    begin_with_object(&desk);
+    must(&desk, "spin 6 all%d.png replace=yes");
+    CHECK_INT(file_read(&before, "all1.png", 1 << 20, NULL), OK);
+    const uint64_t digest = rendition_digest(session_frame(&desk.session));
+    desk.session.watch = &watch;
+    must(&desk, "view front");
+    for (size_t i = 0; i < 3; i++)
+        for (int looks = 1; looks < 12; looks += 5) {
+            looks_left = looks;
+            enum err err = execute(&desk, line[i]);
+            looks_left = 1 << 30;
+            if (!CHECK(err == ERR_CANCELLED))
+                continue;
+            CHECK_INT(count_files("gone") + count_files(".tmp"), 0);
+            CHECK(desk.session.settings.view.angle[0] == 0);
+        }
+    must(&desk, "render");
+    CHECK(rendition_digest(session_frame(&desk.session)) == digest);
+    CHECK_INT(file_read(&after, "all1.png", 1 << 20, NULL), OK);
+    CHECK(after.length == before.length && memcmp(after.data, before.data, after.length) == 0);
+    buf_release(&before);
+    buf_release(&after);
+    desk_release(&desk);
+}
+
+STORY(a_turntable_is_the_same_when_replayed)
+{
+    struct desk desk;
+    struct buf told = {0};
+    begin_desk(&desk);
+    CHECK_INT(desk_create_journal(&desk, "spun.iftty", &fault), OK);
+    must(&desk, "open synth:geom:40x40x20");
+    must(&desk, "seed 20,20,10 1 radius=3");
+    must(&desk, "run");
+    must(&desk, "spin 3 spun%d.png");
+    must(&desk, "spin 4 spun.gif");
+    must(&desk, "render");
+    desk_release(&desk);
+    unlink("spun.gif");
+    begin_desk(&desk);
+    if (!CHECK(desk_resume_journal(&desk, "spun.iftty", &told, &fault) == OK))
+        printf("#   %s\n", fault.text);
+    CHECK_INT(journal_count(desk.journal), 6);
+    CHECK(!file_exists("spun.gif")); /* replaying writes nothing */
+    buf_release(&told);
+    desk_release(&desk);
+}
+
+/* ---- beside the session ---- */
+
+static const char *news_of(struct desk *desk)
+{
+    static struct buf text;
+    buf_clear(&text);
+    press_wait(desk->press, NULL, NULL);
+    press_news(desk->press, &text);
+    return buf_text(&text);
+}
+
+static void begin_beside(struct desk *desk)
+{
+    begin_with_object(desk);
+    CHECK_INT(press_new(&desk->press, program, NULL), OK);
+}
+
+STORY(at_a_prompt_a_picture_is_written_beside_the_session)
+{
+    struct desk desk;
+    begin_beside(&desk);
+    must(&desk, "render beside.png");
+    CHECK_TEXT(buf_text(&reply.text), "writing beside.png\n");
+    CHECK_TEXT(news_of(&desk), "wrote beside.png\n");
+    CHECK(file_exists("beside.png"));
+    must(&desk, "render beside.exr");
+    must(&desk, "seed 1,1,3 2"); /* goes on meanwhile, and changes nothing of what is written */
+    must(&desk, "run");
+    CHECK_TEXT(news_of(&desk), "wrote beside.exr\n");
+    desk_release(&desk);
+}
+
+STORY(what_is_there_is_left_alone_at_once)
+{
+    struct desk desk;
+    begin_beside(&desk);
+    must(&desk, "render twice.png");
+    is_refused(&desk, "render twice.png", ERR_IO, "twice.png exists already and was left alone");
+    must(&desk, "render twice.png replace=yes");
+    is_refused(&desk, "render none/a.png", ERR_IO, "there is no folder none");
+    is_refused(&desk, "render odd.xyz", ERR_INPUT, "no known format writes .xyz");
+    must(&desk, "render odd.sgi"); /* not known that well: written before the prompt is back */
+    CHECK_TEXT(buf_text(&reply.text), "wrote odd.sgi\n");
+    CHECK_TEXT(news_of(&desk), "wrote twice.png\nwrote twice.png\n");
+    desk_release(&desk);
+}
+
+static int journal_fails(enum file_step step, const char *path)
+{
+    return step == FILE_STEP_SYNC && strstr(path, "beside.iftty") ? 28 /* ENOSPC */ : 0;
+}
+
+STORY(what_is_not_recorded_is_not_written)
+{
+    struct desk desk;
+    begin_beside(&desk);
+    CHECK_INT(desk_create_journal(&desk, "beside.iftty", &fault), OK);
+    file_step_hook = journal_fails;
+    is_refused(&desk, "render lost.png", ERR_IO, "could not be recorded");
+    file_step_hook = NULL;
+    CHECK_TEXT(news_of(&desk), "");
+    CHECK(!file_exists("lost.png"));
+    must(&desk, "render found.png");
+    CHECK_TEXT(news_of(&desk), "wrote found.png\n");
+    desk_release(&desk);
+}
+
+STORY(a_picture_that_fails_later_changes_nothing_else)
+{
+    struct desk desk;
+    begin_beside(&desk);
+    CHECK_INT(file_make_folder("going", NULL), OK);
+    press_free(desk.press);
+    CHECK_INT(press_new(&desk.press, "/nonexistent/iftty-image", NULL), OK);
+    must(&desk, "render going/a.png");
+    CHECK_HAS(news_of(&desk), "error: cannot start the image helper /nonexistent/iftty-image");
+    CHECK(desk.session.rendered && !file_exists("going/a.png"));
+    must(&desk, "pick 45 35");
+    desk_release(&desk);
+}
+
+STORY(releasing_a_desk_waits_for_its_pictures)
+{
+    struct desk desk;
+    begin_beside(&desk);
+    must(&desk, "render last1.png");
+    must(&desk, "render last2.png");
+    must(&desk, "spin 3 last.gif"); /* waits for its own */
+    CHECK(file_exists("last.gif"));
+    desk_release(&desk);
+    CHECK(file_exists("last1.png") && file_exists("last2.png"));
+}
+
 int main(void)
 {
+    find_program();
     if (!mkdtemp(folder) || chdir(folder) != 0)
         return 1;
     int status = RUN_STORIES(
         TELL(normals_are_turned_to_the_world), TELL(an_exr_in_tiles_holds_what_one_in_lines_holds),
-        TELL(normals_are_unit_vectors_that_face_the_viewer), TELL(a_picture_says_what_it_is_of));
+        TELL(normals_are_unit_vectors_that_face_the_viewer), TELL(a_picture_says_what_it_is_of),
+        TELL(a_turntable_shows_what_turning_shows), TELL(parts_of_a_turn_are_whole_thousandths),
+        TELL(an_animated_picture_has_every_frame), TELL(a_pattern_is_one_number_in_the_name),
+        TELL(a_turntable_is_all_or_nothing), TELL(a_turntable_that_is_cancelled_leaves_nothing),
+        TELL(a_turntable_is_the_same_when_replayed),
+        TELL(at_a_prompt_a_picture_is_written_beside_the_session),
+        TELL(what_is_there_is_left_alone_at_once), TELL(what_is_not_recorded_is_not_written),
+        TELL(a_picture_that_fails_later_changes_nothing_else),
+        TELL(releasing_a_desk_waits_for_its_pictures));
     reply_release(&reply);
     char command[PATH_MAX];
     snprintf(command, sizeof command, "rm -rf '%s'", folder);

@@ -218,7 +218,7 @@ static enum err take_golden(struct desk *desk, const struct value *of, struct pi
     if (err)
         return err;
     add_picture_digest(desk, reply);
-    return take_picture(desk, picture, fault);
+    return act_take_picture(desk, NULL, picture, fault);
 }
 
 ACT(golden)

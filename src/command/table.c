@@ -308,6 +308,17 @@ const struct command command_table[] = {
      "    there. `iftty info FILE` tells what a picture is of.\n",
      "render brain.png",
      act_render},
+    {"spin",
+     R | S | E,
+     {NEED("N", NUMBER, 2, IMAGE_FRAMES_MOST), NEED("FILE", FILE, 0, 0),
+      KEYED("delay", NUMBER, 20, 60000), KEYED_ONE_OF("replace", "yes|no")},
+     "a turntable: N pictures, all the way around",
+     "    From the present view on, which stays. A %03d in FILE is the number of the picture, "
+     "with\n"
+     "    as many digits, from 000. Without it a .gif is animated, each picture seen for `delay`\n"
+     "    milliseconds, 100 unless given, in 256 colours; a .tif has pages, in all of them.\n",
+     "spin 36 turn%03d.png",
+     act_spin},
     {"cross",
      R | S,
      {NEED("PLACE", POSITION, 0, 0)},

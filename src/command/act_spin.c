@@ -1,0 +1,173 @@
+/* The turntable: pictures all the way around, as files or as one that is animated. */
+#include "command/act.h"
+
+#include <string.h>
+
+#include "base/file.h"
+#include "base/hash.h"
+#include "image/movie.h"
+#include "session/export.h"
+
+/* "turn%03d.png": what stands before the number of a picture, how many digits it has at least, and
+ * what stands behind. */
+struct pattern {
+    const char *name, *rest;
+    size_t before;
+    int digits;
+    bool counts; /* else the name is of one file for all pictures */
+};
+
+static bool read_pattern(struct pattern *pattern, const char *name)
+{
+    const char *percent = strchr(name, '%'), *at;
+    *pattern = (struct pattern){.name = name, .rest = "", .before = strlen(name)};
+    if (!percent)
+        return image_movie_is_named(name);
+    at = percent + 1;
+    if (at[0] == '0' && at[1] >= '1' && at[1] <= '9') {
+        pattern->digits = at[1] - '0';
+        at += 2;
+    }
+    pattern->counts = *at == 'd';
+    if (!pattern->counts || strpbrk(at, "%/"))
+        return false;
+    pattern->before = (size_t)(percent - name);
+    pattern->rest = at + 1;
+    return true;
+}
+
+static void write_name(struct buf *out, const struct pattern *pattern, unsigned number)
+{
+    buf_clear(out);
+    buf_add(out, pattern->name, pattern->before);
+    if (pattern->counts)
+        buf_printf(out, "%0*u%s", pattern->digits, number, pattern->rest);
+}
+
+struct spin {
+    struct desk *desk;
+    struct pattern pattern;
+    unsigned count, delay_ms;
+    enum file_mode mode;
+    struct image_movie movie; /* where the pattern does not count */
+    struct buf name, path, first;
+    uint64_t digest;
+};
+
+static enum err write_still(struct spin *spin, const struct picture *picture, struct fault *fault)
+{
+    const char *path = buf_text(&spin->path);
+    enum err err = desk_will_write(spin->desk, path, spin->mode, fault);
+    return err ? err : image_write(spin->desk->helper, path, spin->mode, picture, fault);
+}
+
+static enum err write_frame(struct spin *spin, unsigned number, const struct picture *picture,
+                            struct fault *fault)
+{
+    enum err err = OK;
+    if (number == 0)
+        err = desk_will_write(spin->desk, buf_text(&spin->path), spin->mode, fault);
+    if (!err && number == 0)
+        err = image_movie_begin(&spin->movie, spin->desk->helper, buf_text(&spin->path), spin->mode,
+                                picture, spin->count, spin->delay_ms, fault);
+    if (!err)
+        err = image_movie_add(&spin->movie, picture, fault);
+    if (!err && number + 1 == spin->count)
+        err = image_movie_end(&spin->movie, fault);
+    return err;
+}
+
+/* The rendition as the file, or part of one, that it is to be; nothing where replay writes none. */
+static enum err write_picture(struct spin *spin, unsigned number, struct fault *fault)
+{
+    struct picture picture;
+    write_name(&spin->name, &spin->pattern, number);
+    enum err err = spin->name.failed ? fault_memory(fault, "a file name") : OK;
+    if (!err && (number == 0 || spin->pattern.counts))
+        err = desk_output_path(spin->desk, buf_text(&spin->name), &spin->path, fault);
+    if (err || !spin->path.length)
+        return err;
+    if (number == 0)
+        buf_add_text(&spin->first, buf_text(&spin->path));
+    err = act_take_picture(spin->desk, buf_text(&spin->name), &picture, fault);
+    if (!err && spin->pattern.counts)
+        err = write_still(spin, &picture, fault);
+    else if (!err)
+        err = write_frame(spin, number, &picture, fault);
+    picture_release(&picture);
+    return err;
+}
+
+/* Picture `number`: yaw is number / count of a turn beyond where it was, to the nearest
+ * thousandth. */
+static enum err turn_to(struct spin *spin, const struct view *from, unsigned number,
+                        struct fault *fault)
+{
+    struct session *session = &spin->desk->session;
+    struct view view = *from;
+    const int64_t part =
+        ((int64_t)2 * VIEW_TURN * number + spin->count) / ((int64_t)2 * spin->count);
+    view.angle[0] = (int32_t)((from->angle[0] + part) % VIEW_TURN);
+    enum err err = session_set_view(session, &view, fault);
+    if (!err)
+        err = session_render(session, RENDER_AS_KEPT, fault);
+    if (!err)
+        spin->digest += hash_mix_at(number, rendition_digest(session_frame(session)));
+    return err;
+}
+
+static enum err turn_around(struct spin *spin, struct fault *fault)
+{
+    struct session *session = &spin->desk->session;
+    const struct view from = session->settings.view;
+    const bool rendered = session->rendered;
+    enum err err = OK;
+    for (unsigned i = 0; i < spin->count && !err; i++) {
+        watch_look(session->watch, "turntable", i, spin->count);
+        err = turn_to(spin, &from, i, fault);
+        if (!err)
+            err = write_picture(spin, i, fault);
+    }
+    if (!err)
+        err = session_set_view(session, &from, fault);
+    if (!err && rendered)
+        err = session_render(session, RENDER_AS_KEPT, fault);
+    return err;
+}
+
+static void tell_outcome(const struct spin *spin, struct reply *reply)
+{
+    buf_printf(&reply->words, "spin=%016llx", (unsigned long long)spin->digest);
+    if (!spin->path.length)
+        return;
+    buf_add_text(&reply->text, "wrote ");
+    buf_add_safe(&reply->text, buf_text(&spin->first), spin->first.length);
+    if (spin->pattern.counts) {
+        buf_add_text(&reply->text, " to ");
+        buf_add_safe(&reply->text, buf_text(&spin->path), spin->path.length);
+        buf_add_char(&reply->text, '\n');
+    } else {
+        buf_printf(&reply->text, ", %u pictures\n", spin->count);
+    }
+}
+
+ACT(spin)
+{
+    struct spin spin = {.desk = desk,
+                        .count = (unsigned)value[0].number,
+                        .delay_ms = value[2].given ? (unsigned)value[2].number : 100,
+                        .mode = act_file_mode(&value[3])};
+    if (!read_pattern(&spin.pattern, value[1].text))
+        return fault_set(fault, ERR_USAGE,
+                         "FILE: expected one %%d or %%0Nd in its name, as in turn%%03d.png, or a "
+                         "name that ends in .gif or .tif; not %s",
+                         value[1].text);
+    enum err err = turn_around(&spin, fault);
+    if (!err)
+        tell_outcome(&spin, reply);
+    image_movie_abandon(&spin.movie);
+    buf_release(&spin.name);
+    buf_release(&spin.path);
+    buf_release(&spin.first);
+    return err;
+}
