@@ -177,7 +177,8 @@ printf 'P6 nothing' >no.png
 head -c 900 a.png >half.png
 head -c 2000 lines.exr >half.exr
 mkdir folder.png
-for file in no.png half.png half.exr folder.png missing.png script; do
+mkfifo pipe.png
+for file in no.png half.png half.exr folder.png pipe.png missing.png script; do
     expect 3 "$iftty" info $file
     same "$file $(wc -l <err | tr -d ' ') $(wc -c <out | tr -d ' ')" "$file 1 0"
 done

@@ -266,6 +266,8 @@ enum err about_file(struct buf *out, const char *path, bool json, struct image_h
     enum err err;
     if (!file_exists(path))
         return fault_set(fault, ERR_IO, "there is no file %s", path);
+    if (!file_begins_with(path, ""))
+        return fault_set(fault, ERR_INPUT, "%s is not a regular file that can be read", path);
     tell_text(&teller, "file", path);
     if (desk_is_journal(path))
         err = about_journal(&teller, path, fault);

@@ -305,7 +305,8 @@ const struct command command_table[] = {
      ".png\n"
      "    and whatever else OpenImageIO writes hold the colours. All modes give the same pixels:\n"
      "    sp splats every object voxel, bp border voxels, ray walks the rays, ii repairs what is\n"
-     "    there. `iftty info FILE` tells what a picture is of.\n",
+     "    there. `iftty info FILE` tells what a picture is of. At the prompt a file is written\n"
+     "    beside the session: what became of it is told when it is known.\n",
      "render brain.png",
      act_render},
     {"spin",
