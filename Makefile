@@ -64,9 +64,10 @@ all: $(BUILD)/iftty $(BUILD)/iftty-image
 test: all tests
 	@tests/run.sh $(BUILD)
 
-## test-long: the property tests of forest, threads and rendition, ten times over (a million edits)
+## test-long: the property tests of forest, threads, rendition and cuts, ten times over (a million edits)
 test-long: all tests
-	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render test_crew test_crew_racing
+	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render test_cut test_crew \
+	    test_crew_racing
 
 ## tests: build the test programs, and those of bench-peers that need no other package
 tests: $(TESTS) $(PEERS_IN_C)

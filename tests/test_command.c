@@ -1716,6 +1716,8 @@ STORY(a_command_that_is_cancelled_is_undone)
                                        "weight sobel",
                                        "weight gauss 2",
                                        "hide 1",
+                                       "plane 40,32,32",
+                                       "cut 9,9,9 60,60,60",
                                        "weight polarity",
                                        "save cost x.nii replace=yes",
                                        "range 0 300",
