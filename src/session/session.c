@@ -94,7 +94,7 @@ size_t session_memory(const struct session *session)
         return bytes;
     bytes += session->scene->grid.cells * sizeof(struct cell);
     bytes += forest_memory(session->forest) + session->weight_work.capacity;
-    bytes += 2 * session->border.words * sizeof(uint64_t);
+    bytes += session->border.words * (2 * sizeof(uint64_t) + sizeof(uint32_t));
     bytes += session->fence.mask ? mask_bytes(&session->scene->grid) : 0;
     bytes += rendition_bytes(&session->rendition) + rendition_bytes(&session->reduced);
     return bytes + shader_bytes(&session->shader);
