@@ -41,7 +41,7 @@ static enum err host_execute(void *context, const char *text, struct buf *output
         host->has_picture = true;
     } else if (strcmp(text, "later") == 0) {
         if (fork() == 0) {
-            usleep(300000);
+            usleep(800000);
             _exit(write(host->news[1], "n", 1) != 1);
         }
     } else if (strcmp(text, "quit") == 0) {

@@ -29,8 +29,8 @@ static void write_cut(struct buf *out, const struct cut *cut, const struct grid 
     buf_add_text(out, "kept");
     for (int a = 0; a < 3; a++) {
         const uint32_t end = grid->size[a] - 1;
-        buf_printf(out, " %c %u-%u", "xyz"[a], cut->first[a],
-                   cut->last[a] < end ? cut->last[a] : end);
+        const uint32_t last = cut->last[a] < end ? cut->last[a] : end;
+        buf_printf(out, " %c %u-%u", 'x' + a, cut->first[a], last);
     }
     for (uint32_t i = 0; i < cut->planes; i++) {
         const struct cut_plane *p = &cut->plane[i];
