@@ -10,8 +10,9 @@
 
 #include "base/clock.h"
 #include "base/mem.h"
-#include "command/bench_procedure.h"
+#include "command/desk.h"
 #include "session/export.h"
+#include "session/slicing.h"
 
 enum {
     SIDE = 512,
@@ -24,6 +25,19 @@ enum {
     BALL_MOST = 9,
     ROWS_MOST = 24,
 };
+
+/* Beside the program lies its source tree, if it was not installed. */
+static bool find_in_tree(struct buf *out, const char *name)
+{
+    char self[4096];
+    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+    if (length < 0)
+        return false;
+    self[length] = '\0';
+    file_folder(out, self);
+    buf_printf(out, "/../%s", name);
+    return !out->failed && file_exists(buf_text(out));
+}
 
 struct row {
     char what[128];
@@ -243,20 +257,30 @@ static enum err time_edits(struct session *session, struct table *table, uint32_
     return err;
 }
 
-/* ---- VTK ---- */
+/* ---- slices ---- */
 
-/* Beside the program lies its source tree, if it was not installed. */
-static bool find_script(struct buf *out)
+/* The rendition is up to date; the cross-hair wanders through the scene. */
+static enum err time_sight(struct session *session, struct table *table, const char *what,
+                           enum sight sight, struct fault *fault)
 {
-    char self[4096];
-    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-    if (length < 0)
-        return false;
-    self[length] = '\0';
-    file_folder(out, self);
-    buf_add_text(out, "/../tests/peers/vtk_render.py");
-    return !out->failed && file_exists(buf_text(out));
+    struct row *row = add_row(table, what);
+    const uint32_t *size = session->scene->grid.size;
+    enum err err = turn_to(session, 5, VIEW_ZOOM_ONE, fault);
+    if (!err)
+        err = session_render(session, RENDER_BORDER, fault);
+    for (uint32_t i = 0; !err && i < FRAMES; i++) {
+        struct canvas canvas = {0};
+        for (int a = 0; a < 3; a++)
+            session->settings.slices.cross[a] = size[a] * (FRAMES + 2 * i) / (4 * FRAMES);
+        const uint64_t begin = clock_ns();
+        err = slicing_draw(&canvas, session, sight, false, fault);
+        add_since(row, begin);
+        canvas_release(&canvas);
+    }
+    return err;
 }
+
+/* ---- VTK ---- */
 
 static void become_script(const char *script, const char *labels, int out)
 {
@@ -316,7 +340,7 @@ static enum err time_vtk(const struct session *session, struct table *table, str
     enum err err = OK;
     snprintf(table->vtk, sizeof table->vtk,
              "VTK is not here to compare with: it takes Debian's python3-vtk9 and xvfb");
-    if (find_script(&script) && mkdtemp(folder)) {
+    if (find_in_tree(&script, "tests/peers/vtk_render.py") && mkdtemp(folder)) {
         snprintf(labels, sizeof labels, "%s/labels.nii", folder);
         err = export_map(session, MAP_LABELS, labels, FILE_KEEP, fault);
         if (!err && run_script(&told, buf_text(&script), labels))
@@ -373,60 +397,43 @@ static void print_json(FILE *out, struct table *t, const struct session *session
     fprintf(out, "]}\n");
 }
 
-/* Seeds of one label: what is left of the regions first..last of a map, shrunk by `erode`. */
-struct kind {
-    uint16_t first, last;
-    uint8_t label;
-    uint32_t erode;
-};
+/* ---- the labels ---- */
 
-/* Brain, cerebellum, and what lies well outside of both. */
-static const struct kind kinds[] = {{1, 90, 1, 2}, {91, 116, 2, 2}, {200, 200, 0, 5}};
-enum { OUTSIDE = 200 };
-
-static enum err plant_kind(struct session *session, const struct volume *atlas,
-                           const struct kind *kind, struct fault *fault)
+/* Carries the commands of a journal out, without writing anything. */
+static enum err carry_out(struct desk *desk, const char *path, struct fault *fault)
 {
-    const struct grid *grid = &session->scene->grid;
-    const struct region_choice choice = {
-        .first = kind->first, .last = kind->last, .label = kind->label, .erode = kind->erode};
-    struct volume map = *atlas;
-    struct seeds seeds = {0};
-    struct region_tally tally;
-    map.intensity = mem_array(grid->voxels, sizeof *map.intensity);
-    if (!map.intensity)
-        return fault_memory(fault, "a benchmark");
-    /* One region of each kind, so that borders between regions are none. */
-    for (size_t i = 0; i < grid->voxels; i++) {
-        const uint16_t region = atlas->intensity[i] ? atlas->intensity[i] : OUTSIDE;
-        map.intensity[i] = region >= kind->first && region <= kind->last ? kind->first : 0;
+    char *line = NULL;
+    size_t room = 0;
+    struct reply reply = {0};
+    enum err err = OK;
+    FILE *journal = fopen(path, "r");
+    if (!journal)
+        return fault_errno(fault, "read", path);
+    desk->replays = true;
+    while (!err && getline(&line, &room, journal) >= 0) {
+        line[strcspn(line, "\n")] = '\0';
+        if (*line != '=')
+            err = desk_execute(desk, line, &reply, fault);
     }
-    enum err err =
-        seeds_from_map(&seeds, &tally, &map, grid, &session->geometry, &choice, NULL, fault);
-    for (size_t i = 0; !err && i < seeds.count; i++)
-        err = session_plant(session, seeds.edit[i].cell, (uint8_t)seeds.edit[i].label, fault);
-    seeds_release(&seeds);
-    free(map.intensity);
+    free(line);
+    reply_release(&reply);
+    fclose(journal);
     return err;
 }
 
+/* Brain, cerebellum and medulla, as a person segmented them. */
 static enum err segment(struct desk *desk, struct fault *fault)
 {
     struct buf path = {0};
-    struct volume atlas = {0};
-    struct session *session = &desk->session;
-    enum err err = procedure_open(desk, "ch2.nii.gz", fault);
+    enum err err = OK;
+    if (!find_in_tree(&path, "examples/brain.iftty"))
+        err = fault_set(fault, ERR_IO,
+                        "bench render works on what examples/brain.iftty segments, and that does "
+                        "not lie beside the program");
     if (!err)
-        err = desk_find_file(desk, "aal.nii.gz", &path, fault);
-    if (!err)
-        err = nifti_read(&atlas, buf_text(&path), NULL, fault);
-    if (!err)
-        err = map_check_size(atlas.size, &session->scene->grid, fault);
-    for (size_t i = 0; !err && i < sizeof kinds / sizeof kinds[0]; i++)
-        err = plant_kind(session, &atlas, &kinds[i], fault);
-    volume_release(&atlas);
+        err = carry_out(desk, buf_text(&path), fault);
     buf_release(&path);
-    return err ? err : session_run(session, fault);
+    return err ? err : session_run(&desk->session, fault);
 }
 
 enum err bench_render(bool json, FILE *out, struct watch *watch, struct fault *fault)
@@ -445,6 +452,11 @@ enum err bench_render(bool json, FILE *out, struct watch *watch, struct fault *f
         err = time_looks(session, table, fault);
     for (uint32_t zoom = 1; !err && zoom <= 2; zoom++)
         err = time_edits(session, table, zoom * VIEW_ZOOM_ONE, fault);
+    if (!err)
+        err = time_sight(session, table, "mosaic: three slices and the rendition", SIGHT_MOSAIC,
+                         fault);
+    if (!err)
+        err = time_sight(session, table, "axial slice", SIGHT_AXIAL, fault);
     if (!err && watch_look(watch, "VTK", 1, 2))
         err = fault_set(fault, ERR_CANCELLED, "cancelled");
     if (!err) {
