@@ -504,6 +504,53 @@ STORY(without_memory_nothing_is_shown)
     desk_release(&desk);
 }
 
+/* ---- what is under a pixel ---- */
+
+static void picks(struct desk *desk, const char *line, const char *words)
+{
+    must(desk, line);
+    CHECK_HAS(buf_text(&reply.text), words);
+}
+
+STORY(a_pixel_of_a_slice_tells_its_voxel)
+{
+    struct desk desk;
+    begin_values(&desk, 1, 0);
+    must(&desk, "seed 3,3,4 3");
+    must(&desk, "cross 1,2,3");
+    picks(&desk, "pick 0 0 of=axial", "voxel 9,9,3 at 9.0,9.0,3.0 mm: intensity 399,");
+    picks(&desk, "pick 9 9 of=axial", "voxel 0,0,3 ");
+    CHECK_HAS(buf_text(&reply.text), "reached by no seed\n");
+    picks(&desk, "pick 9 0 of=coronal", "voxel 0,2,9 ");
+    picks(&desk, "pick 0 9 of=sagittal", "voxel 1,9,0 ");
+    CHECK_INT(desk.session.pendings, 1); /* asking runs nothing */
+    must(&desk, "run");
+    picks(&desk, "pick 9 9 of=axial", "on the border of label 3\n");
+    must(&desk, "slice axial zoom=5");
+    picks(&desk, "pick 9 9 of=axial", "voxel 0,1,3 "); /* two by two voxels around 1,2 */
+    must(&desk, "slice axial zoom=fit");
+    must(&desk, "size 22 20");
+    picks(&desk, "pick 0 0 of=axial", "pixel 0,0 shows no voxel\n");
+    picks(&desk, "pick 1 0 of=axial", "voxel 9,9,3 ");
+    refused(&desk, "pick 22 0 of=axial", "pixel 22,0 lies outside the picture of 22x20");
+    refused(&desk, "pick 0 20 of=mosaic", "pixel 0,20 lies outside the picture of 22x20");
+    refused(&desk, "pick 0 0 of=oblique", "of: expected rendition|axial|coronal|sagittal|mosaic");
+    /* Panes of 10x9, 11x9 and 10x10 pixels and a seam of one; nine pixels for ten voxels. */
+    picks(&desk, "pick 8 8 of=mosaic", "voxel 1,2,0 ");
+    picks(&desk, "pick 9 8 of=mosaic", "shows no voxel");
+    picks(&desk, "pick 10 8 of=mosaic", "shows no voxel");
+    picks(&desk, "pick 12 8 of=mosaic", "voxel 1,9,0 ");
+    picks(&desk, "pick 1 18 of=mosaic", "voxel 8,1,3 ");
+    must(&desk, "view front");
+    must(&desk, "zoom 1");
+    picks(&desk, "pick 16 14 of=mosaic", "voxel 5,9,6 "); /* the front of the one object */
+    must(&desk, "size 8 8");
+    refused(&desk, "pick 0 0 of=mosaic", "a mosaic takes 16x16 pixels or more");
+    must(&desk, "render");
+    picks(&desk, "pick 4 4 of=rendition", "voxel ");
+    desk_release(&desk);
+}
+
 /* ---- files and journals ---- */
 
 STORY(an_exr_of_a_slice_holds_labels_and_voxels)
@@ -615,7 +662,8 @@ int main(void)
         TELL(an_automatic_window_leaves_the_extremes_out), TELL(slices_move_the_cross_hair),
         TELL(a_zoom_stays_until_it_fits_again), TELL(what_waits_and_what_was_eliminated_is_marked),
         TELL(hidden_labels_are_not_overlaid), TELL(mosaics_have_the_size_of_the_view),
-        TELL(without_memory_nothing_is_shown), TELL(an_exr_of_a_slice_holds_labels_and_voxels),
+        TELL(without_memory_nothing_is_shown), TELL(a_pixel_of_a_slice_tells_its_voxel),
+        TELL(an_exr_of_a_slice_holds_labels_and_voxels),
         TELL(golden_slices_are_compared_when_replayed));
     reply_release(&reply);
     char command[PATH_MAX];

@@ -19,6 +19,17 @@ static enum err voxel_of_rendition(const struct session *session, uint32_t colum
     return OK;
 }
 
+/* The same of a slice or mosaic, as it would be drawn now. */
+static enum err voxel_of_sight(struct session *session, enum sight sight, uint32_t column,
+                               uint32_t row, uint32_t *cell, struct fault *fault)
+{
+    const struct view *view = &session->settings.view;
+    if (column >= view->width || row >= view->height)
+        return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column,
+                         row, view->width, view->height);
+    return slicing_cell_at(cell, session, sight, column, row, fault);
+}
+
 /* "3.61 mm from the border of label 1 brain, at 70,101,95" */
 static void tell_distance(struct buf *out, const struct session *session, uint32_t cell)
 {
@@ -41,17 +52,22 @@ static void tell_distance(struct buf *out, const struct session *session, uint32
 
 ACT(pick)
 {
-    const struct session *session = &desk->session;
+    struct session *session = &desk->session;
     const uint32_t column = (uint32_t)value[0].number, row = (uint32_t)value[1].number;
+    const bool is_sight = value[2].given && value[2].number > 0;
     uint32_t cell = CELL_NONE;
-    enum err err = voxel_of_rendition(session, column, row, &cell, fault);
+    enum err err = is_sight ? voxel_of_sight(session, (enum sight)(value[2].number - 1), column,
+                                             row, &cell, fault)
+                            : voxel_of_rendition(session, column, row, &cell, fault);
     if (err)
         return err;
     if (cell == CELL_NONE) {
-        buf_printf(&reply->text, "pixel %u,%u shows no object\n", column, row);
+        buf_printf(&reply->text, "pixel %u,%u shows no %s\n", column, row,
+                   is_sight ? "voxel" : "object");
         return OK;
     }
     act_tell_voxel(&reply->text, session, cell);
-    tell_distance(&reply->text, session, cell);
+    if (cell_is_reached(session->scene->cell + cell))
+        tell_distance(&reply->text, session, cell);
     return watch_fault(session->watch, fault);
 }

@@ -392,8 +392,10 @@ const struct command command_table[] = {
      act_save},
     {"pick",
      S,
-     {NEED("COLUMN", NUMBER, 0, VIEW_SIDE_MOST), NEED("ROW", NUMBER, 0, VIEW_SIDE_MOST)},
-     "the voxel under a pixel of the rendition",
+     {NEED("COLUMN", NUMBER, 0, VIEW_SIDE_MOST), NEED("ROW", NUMBER, 0, VIEW_SIDE_MOST),
+      KEYED_ONE_OF("of", "rendition|" SIGHT_WORDS)},
+     "the voxel under a pixel of a picture",
+     "    Of the rendition, or of a slice or mosaic as it would be shown now.\n"
      "    Columns from the left, rows from the top, both from 0. Tells where the voxel is, in\n"
      "    voxels and millimetres, its intensity, its label and seed, and how far it is from the\n"
      "    border of its object: from the nearest voxel of its label with a face on another label\n"
