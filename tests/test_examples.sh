@@ -26,16 +26,21 @@ else
     echo "not ok $number - the README lists the commands as help does"
 fi
 rm -f "$help.diff"
-number=$((number + 1))
-views=$(sed -n '/^<!-- views/,/^<!-- end of views/s/^    \([^#]*\).*/\1/p' README.md |
-    tr '\n' ';')
-if ! "$iftty" -c "open ch2.nii.gz" >/dev/null 2>&1; then
-    echo "ok $number - the views of the README # SKIP there is no ch2.nii.gz here"
-elif output=$("$iftty" -c "open ch2.nii.gz; seed 90,120,90 1; $views" 2>&1) &&
-    printf '%s\n' "$output" | grep -q 'ok 1[0-9] pick'; then
-    echo "ok $number - the views of the README"
-else
-    printf '%s\n' "$output" | sed 's/^/# /'
-    echo "not ok $number - the views of the README"
-fi
+# The commands of the README's sections, each of which ends with a pick.
+folder=$(mktemp -d)
+trap 'rm -rf "$help" "$folder"' EXIT
+for section in views slices; do
+    number=$((number + 1))
+    commands=$(sed -n "/^<!-- $section/,/^<!-- end of $section/s/^    \\([^#]*\\).*/\\1/p" README.md |
+        tr '\n' ';')
+    if ! "$iftty" -c "open ch2.nii.gz" >/dev/null 2>&1; then
+        echo "ok $number - the $section of the README # SKIP there is no ch2.nii.gz here"
+    elif output=$("$iftty" -c "open ch2.nii.gz; seed 90,120,90 1; $commands" --out "$folder" 2>&1) &&
+        printf '%s\n' "$output" | grep -q 'ok 1[0-9] pick'; then
+        echo "ok $number - the $section of the README"
+    else
+        printf '%s\n' "$output" | sed 's/^/# /'
+        echo "not ok $number - the $section of the README"
+    fi
+done
 echo "1..$number"

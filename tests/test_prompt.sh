@@ -121,6 +121,15 @@ see '^s>$'
 press C-l
 close_story
 
+begin "slices and mosaics are shown too"
+for command in "slice axial" "mosaic"; do
+    enter "$command"
+    see "$half_block"
+    see '^s>$'
+    press C-l
+done
+close_story
+
 begin "Ctrl-Z stops it, fg goes on with the line"
 tmux_here send-keys -t prompt -l "half a li"
 press C-z
