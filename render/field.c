@@ -223,54 +223,78 @@ static void smooth_shown(struct values *values, const struct field *field,
     memcpy(values->row, plane, sizeof values->row);
 }
 
-/* 1 2 1 over rows, in place. */
-static void soften_rows(struct row *row, int count, int step)
+/* ---- the scene, smoothed by 1 4 6 4 1 along each axis ---- */
+
+enum { SCENE_RADIUS = 2, SCENE_INPUT = SAMPLES + 2 * SCENE_RADIUS };
+
+/* The voxels along each axis that a block is made of. Outside the scene they are those of its edge,
+ * so that the edge is no surface. */
+struct scene_input {
+    uint32_t at[3][SCENE_INPUT];
+};
+
+static struct scene_input scene_input_of(const struct grid *grid, const struct input *input)
 {
-    for (int pass = 0; pass < 2; pass++) {
-        count--;
-        for (int i = 0; i < count; i++)
-            add_row(row + i * step, row + (i + 1) * step);
-    }
-    for (int i = 0; i < count; i++) {
-        row[i * step].half[0] >>= 2;
-        row[i * step].half[1] >>= 2;
-    }
+    struct scene_input in;
+    for (int a = 0; a < 3; a++)
+        for (int i = 0; i < SCENE_INPUT; i++) {
+            const int64_t p = input->first[a] + FIELD_RADIUS - SCENE_RADIUS + i;
+            const int64_t last = (int64_t)grid->size[a] - 1;
+            in.at[a][i] = (uint32_t)(p < 0 ? 0 : p > last ? last : p);
+        }
+    return in;
 }
 
-/* Intensities smoothed by 1 2 1 along each axis. Outside the scene they are those of its edge, so
- * that the edge is no surface. */
-static void smooth_scene(struct values *values, const struct field *field,
-                         const struct input *input)
+/* A row of intensities of 12 bits, smoothed along x. */
+static void fill_scene_row(struct row *row, const struct field *field, const struct scene_input *in,
+                           int y, int z)
 {
-    enum { SIDE = SAMPLES + 2, SKIP = FIELD_RADIUS - 1 };
     const struct scene *scene = field->border->scene;
     const int left = field->brighter > 0 ? field->brighter : 0;
     const int right = field->brighter < 0 ? -field->brighter : 0;
-    struct row plane[SIDE][SIDE];
-    uint32_t at[3][SIDE];
-    for (int a = 0; a < 3; a++)
-        for (int i = 0; i < SIDE; i++) {
-            const int64_t p = input->first[a] + SKIP + i, last = scene->grid.size[a] - 1;
-            at[a][i] = (uint32_t)(p < 0 ? 0 : p > last ? last : p);
+    int value[SCENE_INPUT];
+    int16_t smooth[ROW] = {0};
+    for (int x = 0; x < SCENE_INPUT; x++) {
+        const uint32_t cell = grid_cell(&scene->grid, in->at[0][x], in->at[1][y], in->at[2][z]);
+        value[x] = scene->cell[cell].intensity << left >> right;
+    }
+    for (int x = 0; x < SAMPLES; x++) {
+        const int *v = value + x;
+        smooth[x] = (int16_t)((v[0] + 4 * v[1] + 6 * v[2] + 4 * v[3] + v[4]) >> 4);
+    }
+    memcpy(row, smooth, sizeof smooth);
+}
+
+/* Over rows, in place: sums of two, two of them at a time so that 12 bits stay within 16. */
+static void smooth_scene_rows(struct row *row, int count, int step)
+{
+    for (int pass = 0; pass < 2 * SCENE_RADIUS; pass++) {
+        count--;
+        for (int i = 0; i < count; i++) {
+            add_row(row + i * step, row + (i + 1) * step);
+            row[i * step].half[0] >>= 2 * (pass % 2);
+            row[i * step].half[1] >>= 2 * (pass % 2);
         }
-    for (int z = 0; z < SIDE; z++)
-        for (int y = 0; y < SIDE; y++) {
-            int16_t value[SIDE], soft[ROW] = {0};
-            for (int x = 0; x < SIDE; x++) {
-                const uint32_t cell = grid_cell(&scene->grid, at[0][x], at[1][y], at[2][z]);
-                value[x] = (int16_t)(scene->cell[cell].intensity << left >> right);
-            }
-            for (int x = 0; x < SAMPLES; x++)
-                soft[x] = (int16_t)((value[x] + 2 * value[x + 1] + value[x + 2]) >> 2);
-            memcpy(&plane[z][y], soft, sizeof soft);
-        }
-    for (int z = 0; z < SIDE; z++)
-        soften_rows(plane[z], SIDE, 1);
+    }
+}
+
+static void smooth_scene(struct values *values, const struct field *field,
+                         const struct input *input)
+{
+    const struct scene_input in = scene_input_of(&field->border->scene->grid, input);
+    struct row plane[SCENE_INPUT][SCENE_INPUT];
+    for (int z = 0; z < SCENE_INPUT; z++) {
+        for (int y = 0; y < SCENE_INPUT; y++)
+            fill_scene_row(&plane[z][y], field, &in, y, z);
+        smooth_scene_rows(plane[z], SCENE_INPUT, 1);
+    }
     for (int y = 0; y < SAMPLES; y++)
-        soften_rows(&plane[0][y], SIDE, SIDE);
+        smooth_scene_rows(&plane[0][y], SCENE_INPUT, SCENE_INPUT);
     for (int z = 0; z < SAMPLES; z++)
         memcpy(values->row[z], plane[z], sizeof values->row[z]);
 }
+
+/* ---- gradients ---- */
 
 static inline lanes lanes_at(const int16_t *at)
 {

@@ -4,7 +4,7 @@
  * Labels are steps; a surface shaded by them would be a staircase. So what is shown (1, else 0) is
  * smoothed by a tent of FIELD_RADIUS voxels each way along every axis, and what lies between voxel
  * centres is interpolated. The direction in which the field falls is the normal of the surface.
- * The field of the scene itself (FIELD_SCENE) is the same of its intensities, with a narrow tent.
+ * The field of the scene itself (FIELD_SCENE) is the same of its intensities, smoothed less.
  *
  * It is made where it is asked for, in blocks of FIELD_BLOCK voxels a side, of which a bounded
  * number is kept: making one costs some 3 us, a picture needs some hundreds, and the next picture
