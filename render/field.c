@@ -6,7 +6,9 @@
 #include "base/mem.h"
 
 enum {
-    SLOTS_MOST = 2048,                  /* 12 MB of blocks */
+    SLOTS_LEAST = 256,                  /* 1.5 MB of blocks, */
+    SLOTS_MOST = 2048,                  /* 12 MB, */
+    VOXELS_A_SLOT = 6500,               /* and less than a byte for each voxel of the scene */
     SAMPLES = FIELD_SIDE + 2,           /* values along an axis: a gradient is their difference */
     ROW = 16,                           /* SAMPLES, and room for whole vectors */
     INPUT = SAMPLES + 2 * FIELD_RADIUS, /* rows and planes of voxels that a block is made of */
@@ -59,14 +61,15 @@ static uint32_t blocks_along(const struct grid *grid, int a)
     return grid->size[a] / FIELD_BLOCK + 1;
 }
 
-/* As many slots as there are blocks, and no more than SLOTS_MOST. */
+/* No more slots than there are blocks. */
 static uint32_t slots_for(const struct grid *grid)
 {
-    uint64_t blocks = 1;
+    uint64_t blocks = 1, most = grid->voxels / VOXELS_A_SLOT;
     uint32_t slots = 2;
     for (int a = 0; a < 3; a++)
         blocks *= blocks_along(grid, a);
-    while (slots < blocks && slots < SLOTS_MOST)
+    most = most < SLOTS_LEAST ? SLOTS_LEAST : most > SLOTS_MOST ? SLOTS_MOST : most;
+    while (slots < blocks && 2 * slots <= most)
         slots *= 2;
     return slots;
 }
