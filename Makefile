@@ -38,10 +38,14 @@ PARTS   := src/base src/engine src/session src/command src/image journal render 
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
 LIBRARY := $(BUILD)/libiftty.a
-TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c)) \
-           $(BUILD)/tests/test_crew_racing $(BUILD)/tests/test_press_racing
+TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c))
 RACING  := $(patsubst %.c,$(BUILD)/racing/%.o,\
              $(wildcard src/base/*.c src/engine/*.c src/image/*.c))
+
+# ThreadSanitizer bears no other sanitizer beside it.
+ifeq ($(SANITISE),)
+TESTS += $(BUILD)/tests/test_crew_racing $(BUILD)/tests/test_press_racing
+endif
 
 # What iftty is measured against. Debian's Python is the one that sees Debian's modules.
 PEER_PACKAGES := libinsighttoolkit5-dev libvigraimpex-dev python3-scipy python3-skimage

@@ -331,6 +331,61 @@ STORY(an_automatic_window_leaves_the_extremes_out)
 
 /* ---- what is shown ---- */
 
+/* Puts the first voxel of values.nii at that place along each axis, in mm. */
+static void move_values(float mm)
+{
+    struct buf file = {0};
+    CHECK(file_read(&file, "values.nii", 1 << 20, NULL) == OK && file.length > 352);
+    for (size_t row = 280; row < 328; row += 16) /* of the sform */
+        memcpy(file.data + row + 12, &mm, 4);
+    CHECK(file_write("values.nii", file.data, file.length, FILE_REPLACE, NULL) == OK);
+    buf_release(&file);
+}
+
+/* Whether the top left corner of the picture at hand says these words and no more. */
+static bool is_titled(const struct desk *desk, const char *words)
+{
+    const uint8_t ink[3] = {232, 232, 232};
+    struct canvas expected;
+    bool same = true;
+    CHECK(canvas_init(&expected, 200, 200, false, NULL) == OK);
+    text_draw(&expected, 4, 4, 1, words, ink);
+    for (uint32_t y = 4; y < 4 + 2 * TEXT_LINE; y++)
+        for (uint32_t x = 0; x < 90; x++)
+            same &= (canvas_pixel(&expected, x, y)[0] == ink[0]) ==
+                    (canvas_pixel(&desk->shown, x, y)[0] == ink[0]);
+    canvas_release(&expected);
+    return same;
+}
+
+STORY(titles_say_where_a_scene_is_however_far_that_is)
+{
+    static const struct {
+        float mm;
+        const char *axial, *sagittal;
+    } row[] = {
+        {-7.25f, "axial 5\nI 2.3 mm", "sagittal 5\nL 2.3 mm"},
+        {1e6f, "axial 5\nS 1000005.0 mm", "sagittal 5\nR 1000005.0 mm"},
+        {-4e18f, "axial 5\nI 4e+18 mm", "sagittal 5\nL 4e+18 mm"},
+        {3e38f, "axial 5\nS 3e+38 mm", "sagittal 5\nR 3e+38 mm"},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        struct desk desk;
+        write_values("values.nii", 1, 0);
+        move_values(row[i].mm);
+        begin_desk(&desk);
+        must(&desk, "open values.nii");
+        must(&desk, "size 200 200");
+        must(&desk, "window 60000 60001");
+        must(&desk, "overlay none cross=off marks=off");
+        must(&desk, "slice axial 5");
+        CHECK(is_titled(&desk, row[i].axial));
+        must(&desk, "slice sagittal 5");
+        CHECK(is_titled(&desk, row[i].sagittal));
+        desk_release(&desk);
+    }
+}
+
 STORY(slices_move_the_cross_hair)
 {
     struct desk desk;
@@ -659,7 +714,8 @@ int main(void)
         TELL(letters_are_right_in_all_48_orientations_of_a_file),
         TELL(letters_are_right_where_the_sform_is_rotated),
         TELL(letters_are_right_under_qforms_and_negative_pixdim), TELL(windows_are_in_real_values),
-        TELL(an_automatic_window_leaves_the_extremes_out), TELL(slices_move_the_cross_hair),
+        TELL(an_automatic_window_leaves_the_extremes_out),
+        TELL(titles_say_where_a_scene_is_however_far_that_is), TELL(slices_move_the_cross_hair),
         TELL(a_zoom_stays_until_it_fits_again), TELL(what_waits_and_what_was_eliminated_is_marked),
         TELL(hidden_labels_are_not_overlaid), TELL(mosaics_have_the_size_of_the_view),
         TELL(without_memory_nothing_is_shown), TELL(a_pixel_of_a_slice_tells_its_voxel),

@@ -135,18 +135,24 @@ static void write_sight(char out[16], enum sight sight)
     snprintf(out, 16, "%.*s", (int)strcspn(word, "|"), word);
 }
 
-/* "axial 90", and where that is in the world: "S 18.0 mm". */
+/* "axial 90", and where that is in the world: "S 18.0 mm". A file may put the scene anywhere: what
+ * is further off than tenths make sense of is "S 1e+18 mm". */
 static void write_title(char out[64], const struct session *session, enum slice_plane plane)
 {
     static const char side[3][2] = {{'I', 'S'}, {'P', 'A'}, {'L', 'R'}};
     const uint32_t *cross = session->settings.slices.cross;
     const double *row = session->geometry.to_mm[2 - plane];
     const double mm = row[0] * cross[0] + row[1] * cross[1] + row[2] * cross[2] + row[3];
-    const long long tenths = llround(mm * 10);
+    const bool is_far = fabs(mm) >= 1e9;
+    const long long tenths = is_far ? 0 : llround(mm * 10);
     char name[16];
     write_sight(name, (enum sight)plane);
-    snprintf(out, 64, "%s %u\n%c %lld.%lld mm", name, slice_index(session->scene, plane, cross),
-             side[plane][tenths >= 0], llabs(tenths) / 10, llabs(tenths) % 10);
+    const int n = snprintf(out, 64, "%s %u\n%c ", name, slice_index(session->scene, plane, cross),
+                           side[plane][is_far ? mm > 0 : tenths >= 0]);
+    if (is_far)
+        snprintf(out + n, 64 - (size_t)n, "%.6g mm", fabs(mm));
+    else
+        snprintf(out + n, 64 - (size_t)n, "%lld.%lld mm", llabs(tenths) / 10, llabs(tenths) % 10);
 }
 
 static enum err sketch_init(struct sketch *sketch, struct session *session, struct fault *fault)
