@@ -339,6 +339,23 @@ static enum err convert(void *voxels, const struct nifti_header *header, const s
     return err;
 }
 
+/* That the voxels are of a type that is read, and where they lie. */
+static enum err plan_voxels(size_t *needed, uint64_t *offset, struct nifti_header *header,
+                            const struct grid *grid, struct source *source, struct fault *fault)
+{
+    if (type_bytes(header->datatype) == 0)
+        return fault_set(fault, ERR_INPUT,
+                         "its voxels are %s (datatype %" PRId64
+                         "); expected uint8, int16, uint16 or float32",
+                         type_name(header->datatype), header->datatype);
+    enum err err = check_scale(header, fault);
+    if (!err && !size_multiply(grid->voxels, type_bytes(header->datatype), needed))
+        err = fault_set(fault, ERR_LIMIT, "its voxels do not fit the memory of any machine");
+    if (!err)
+        err = read_offset(offset, header, *needed, source, fault);
+    return err;
+}
+
 /* Everything that can be told from the header alone, before anything large is allocated. */
 static enum err read_plan(struct volume *volume, struct nifti_header *header, struct grid *grid,
                           size_t *needed, uint64_t *offset, struct source *source,
@@ -347,17 +364,8 @@ static enum err read_plan(struct volume *volume, struct nifti_header *header, st
     enum err err = read_header(header, source, fault);
     if (!err)
         err = read_size(volume->size, header, grid, fault);
-    if (!err && type_bytes(header->datatype) == 0)
-        err = fault_set(fault, ERR_INPUT,
-                        "its voxels are %s (datatype %" PRId64
-                        "); expected uint8, int16, uint16 or float32",
-                        type_name(header->datatype), header->datatype);
     if (!err)
-        err = check_scale(header, fault);
-    if (!err && !size_multiply(grid->voxels, type_bytes(header->datatype), needed))
-        err = fault_set(fault, ERR_LIMIT, "its voxels do not fit the memory of any machine");
-    if (!err)
-        err = read_offset(offset, header, *needed, source, fault);
+        err = plan_voxels(needed, offset, header, grid, source, fault);
     if (!err)
         err = nifti_header_geometry(&volume->geometry, header, fault);
     return err;
@@ -421,6 +429,33 @@ enum err nifti_about(struct nifti_facts *out, const char *path, struct fault *fa
 {
     struct source source;
     struct nifti_header header;
+    struct grid grid;
+    size_t needed;
+    uint64_t offset;
+    *out = (struct nifti_facts){.version = 1};
+    enum err err = source_open(&source, path, fault);
+    if (err)
+        return err;
+    err = read_header(&header, &source, fault);
+    if (!err)
+        err = read_size(out->size, &header, &grid, fault);
+    if (!err && type_bytes(header.datatype) > 0)
+        err = plan_voxels(&needed, &offset, &header, &grid, &source, fault);
+    if (!err)
+        err = nifti_header_geometry(&out->geometry, &header, fault);
+    source_close(&source);
+    if (err)
+        return fault_prefix(fault, err, "%s", path);
+    out->type = type_name(header.datatype);
+    out->version = header.bytes == NIFTI_LEAST_BYTES ? 1 : 2;
+    out->big_endian = header.big_endian;
+    return OK;
+}
+
+enum err nifti_size(uint32_t size[3], const char *path, struct fault *fault)
+{
+    struct source source;
+    struct nifti_header header;
     struct volume plan = {0};
     struct grid grid;
     size_t needed;
@@ -430,23 +465,8 @@ enum err nifti_about(struct nifti_facts *out, const char *path, struct fault *fa
         return err;
     err = read_plan(&plan, &header, &grid, &needed, &offset, &source, fault);
     source_close(&source);
-    if (err)
-        return fault_prefix(fault, err, "%s", path);
-    *out = (struct nifti_facts){.geometry = plan.geometry,
-                                .type = type_name(header.datatype),
-                                .version = header.bytes == NIFTI_LEAST_BYTES ? 1 : 2,
-                                .big_endian = header.big_endian};
-    memcpy(out->size, plan.size, sizeof plan.size);
-    return OK;
-}
-
-enum err nifti_size(uint32_t size[3], const char *path, struct fault *fault)
-{
-    struct nifti_facts facts;
-    enum err err = nifti_about(&facts, path, fault);
-    if (!err)
-        memcpy(size, facts.size, sizeof facts.size);
-    return err;
+    memcpy(size, plan.size, sizeof plan.size);
+    return err ? fault_prefix(fault, err, "%s", path) : OK;
 }
 
 void volume_release(struct volume *volume)

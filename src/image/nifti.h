@@ -43,7 +43,8 @@ struct volume {
 enum err nifti_read(struct volume *out, const char *path, struct watch *watch, struct fault *fault);
 void volume_release(struct volume *volume);
 
-/* What the header of `path` says; refuses what nifti_read would refuse before it reads a voxel. */
+/* What the header of `path` says; of voxels of a type that is not read too, as those of the root
+ * map that `save` writes. Others are refused where nifti_read would refuse the header. */
 struct nifti_facts {
     uint32_t size[3];
     struct geometry geometry; /* but for slope and intercept */
