@@ -117,13 +117,14 @@ static int64_t side_in_pixels(const struct scene *scene, int a, uint32_t zoom)
     return (int64_t)((ratio < most ? ratio : most) * zoom / VIEW_ZOOM_ONE);
 }
 
-uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height)
+uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height,
+                           uint32_t samples)
 {
     uint64_t squares = 0, most = VIEW_ZOOM_MOST;
     for (int a = 0; a < 3; a++) {
         /* A voxel much longer than wide is not to be larger than a picture can hold. */
         uint64_t fits = (uint64_t)(SIDE_LIMIT - 1) * VIEW_ZOOM_ONE /
-                        (uint64_t)side_in_pixels(scene, a, VIEW_ZOOM_ONE);
+                        (samples * (uint64_t)side_in_pixels(scene, a, VIEW_ZOOM_ONE));
         most = fits < most ? fits : most;
         uint64_t side = (uint64_t)scene->grid.size[a] *
                             (uint64_t)(side_in_pixels(scene, a, VIEW_ZOOM_ONE) >> 10) >>
@@ -139,7 +140,7 @@ uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t h
 
 struct view view_default(const struct scene *scene)
 {
-    uint32_t zoom = view_fitting_zoom(scene, 512, 512);
+    uint32_t zoom = view_fitting_zoom(scene, 512, 512, 1);
     return (struct view){
         {0, 0, 0}, zoom > VIEW_ZOOM_ONE ? VIEW_ZOOM_ONE : zoom, 512, 512, {0, 0, 0}};
 }

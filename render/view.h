@@ -50,8 +50,10 @@ struct view {
 
 /* 512x512 from the front, at zoom 1, or less where the scene would not fit. */
 struct view view_default(const struct scene *scene);
-/* The largest zoom at which the scene fits the picture whatever way it is turned. */
-uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height);
+/* The largest zoom at which the scene fits the picture whatever way it is turned, and a camera can
+ * have samples x samples pixels for each. */
+uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height,
+                           uint32_t samples);
 
 /* The six named views: "front" and the like. False for any other name. */
 bool view_by_name(const char *name, int32_t angle[3]);

@@ -1256,6 +1256,60 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
     buf_release(&told);
 }
 
+/* The scene once more, with voxels so long. */
+static void make_long(const char *name, double z_mm)
+{
+    const double spacing[3] = {1, 1, z_mm};
+    struct geometry geometry = {.slope = 1,
+                                .spacing_nm = {1000000, 1000000, (uint32_t)(z_mm * 1e6)}};
+    geometry_place_plain(&geometry, spacing);
+    CHECK(nifti_write(place(name), FILE_REPLACE, size, &geometry, NIFTI_UINT8, "test", scene_row,
+                      NULL, NULL, NULL) == OK);
+}
+
+STORY(what_fits_can_be_shown_whatever_the_samples)
+{
+    static const char *const open[] = {"synth:geom:1x1x1", "synth:geom:3x2x1", "long.nii"};
+    make_long("long.nii", 90);
+    for (size_t i = 0; i < sizeof open / sizeof open[0]; i++) {
+        struct desk desk;
+        char line[PATH_MAX];
+        begin_desk(&desk);
+        snprintf(line, sizeof line, "open %s", strchr(open[i], ':') ? open[i] : place(open[i]));
+        must(&desk, line);
+        must(&desk, "size 1000 1000");
+        must(&desk, "samples 4");
+        must(&desk, "zoom fit");
+        must(&desk, "samples 1");
+        must(&desk, "zoom fit"); /* larger again */
+        must(&desk, "render");
+        desk_release(&desk);
+    }
+}
+
+STORY(voxels_too_long_for_any_picture_are_refused_in_so_many_words)
+{
+    struct desk desk;
+    char line[PATH_MAX];
+    begin_desk(&desk);
+    make_long("needles.nii", 3000);
+    snprintf(line, sizeof line, "open %s", place("needles.nii"));
+    must(&desk, line);
+    desk_release(&desk);
+    begin_desk(&desk);
+    struct buf file = {0};
+    const float thin = 0.1f;
+    CHECK(file_read(&file, place("needles.nii"), 1 << 20, NULL) == OK);
+    memcpy(file.data + 80, &thin, 4); /* pixdim[1] */
+    CHECK(file_write(place("needles.nii"), file.data, file.length, FILE_REPLACE, NULL) == OK);
+    buf_release(&file);
+    CHECK(execute(&desk, line) == ERR_LIMIT);
+    CHECK_TEXT(fault.text, "voxels of 0.1x1x3000 mm are too long for their width: no picture could "
+                           "show them; nothing was opened");
+    CHECK(!desk.session.has_scene);
+    desk_release(&desk);
+}
+
 STORY(a_file_that_was_replaced_comes_back)
 {
     struct desk desk;
@@ -1858,6 +1912,8 @@ int main(void)
         TELL(a_fence_is_refused_that_leaves_seeds_outside),
         TELL(a_fence_or_weights_that_are_wrong_change_nothing),
         TELL(a_journal_knows_its_weights_and_masks_again),
+        TELL(what_fits_can_be_shown_whatever_the_samples),
+        TELL(voxels_too_long_for_any_picture_are_refused_in_so_many_words),
         TELL(a_file_that_was_replaced_comes_back),
         TELL(what_the_door_recorded_is_the_same_when_replayed),
         TELL(an_interpolated_scene_is_the_same_when_replayed), TELL(random_edits_fail_at_random),

@@ -221,7 +221,7 @@ STORY(a_scene_of_very_thick_slices_has_a_view)
         s.scene->spacing_nm[2] = thick * 100000;
         s.view = view_default(s.scene);
         CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
-        s.view.zoom = view_fitting_zoom(s.scene, 512, 512);
+        s.view.zoom = view_fitting_zoom(s.scene, 512, 512, 1);
         CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
     }
     stage_release(&s);

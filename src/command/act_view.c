@@ -41,7 +41,8 @@ ACT(zoom)
     (void)reply;
     view.zoom = (uint32_t)value[0].number;
     if (value[0].text) {
-        view.zoom = view_fitting_zoom(session->scene, view.width, view.height);
+        view.zoom = view_fitting_zoom(session->scene, view.width, view.height,
+                                      session->settings.look.samples);
         memset(view.focus, 0, sizeof view.focus);
     }
     return session_set_view(session, &view, fault);

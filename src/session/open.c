@@ -174,8 +174,13 @@ enum err session_open(struct session *session, const char *path, struct fault *f
     session->scene_digest = scene_digest(session->scene);
     err = session_weigh(session, fault);
     struct view view = view_default(session->scene);
-    if (!err)
-        err = session_set_view(session, &view, fault);
+    if (!err && session_set_view(session, &view, NULL)) {
+        const uint32_t *nm = session->scene->spacing_nm;
+        err = fault_set(fault, ERR_LIMIT,
+                        "voxels of %gx%gx%g mm are too long for their width: no picture could show "
+                        "them; nothing was opened",
+                        nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6);
+    }
     if (err)
         session_close_scene(session);
     return err;
@@ -217,7 +222,8 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
 static enum err set_default_zoom(struct session *session, unsigned doubled, struct fault *fault)
 {
     struct view view = session->settings.view;
-    view.zoom = view_fitting_zoom(session->scene, view.width, view.height);
+    view.zoom =
+        view_fitting_zoom(session->scene, view.width, view.height, session->settings.look.samples);
     view.zoom = view.zoom < VIEW_ZOOM_ONE ? view.zoom : VIEW_ZOOM_ONE;
     for (unsigned a = 0; a < 3; a++)
         view.focus[a] *= 1 + (doubled >> a & 1); /* 2n - 1 voxels: the middle stays the middle */
