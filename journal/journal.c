@@ -146,7 +146,7 @@ static enum err resume_records(const struct buf *bytes, const struct finding *fi
     struct record record;
     if (!resume->on_record || finding->count == 0)
         return OK;
-    enum err err = walk_begin(&walk, bytes->data, finding->sound, WALK_AS_FOUND, fault);
+    enum err err = walk_begin(&walk, bytes->data, (size_t)finding->sound, WALK_AS_FOUND, fault);
     if (err)
         return err;
     while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
@@ -180,7 +180,7 @@ static enum err mend(struct journal *journal, const struct buf *bytes,
                      const struct finding *finding, struct buf *notice, struct fault *fault)
 {
     struct buf name = {0};
-    const size_t lost = bytes->length - finding->sound;
+    const size_t lost = bytes->length - (size_t)finding->sound;
     enum err err =
         save_torn(&name, journal_path(journal), bytes->data + finding->sound, lost, fault);
     if (!err)

@@ -32,7 +32,7 @@ bool raycast_pixel(const struct camera *camera, const struct border *border, uin
             return false;
         at = next[a];
         next[a] += camera->T[a];
-        here = (uint32_t)(here - camera->toward[a]);
+        here -= (uint32_t)camera->toward[a];
     }
     *depth = at;
     *cell = here;

@@ -312,7 +312,7 @@ static bool is_edge(const struct rendition *r, uint32_t x, uint32_t y)
 static bool is_cut_open(const struct lamp *lamp, uint32_t cell, int64_t depth)
 {
     return lamp->cuts &&
-           border_is_cut(lamp->border, (uint32_t)(cell + lamp->camera->toward[depth & 3]));
+           border_is_cut(lamp->border, cell + (uint32_t)lamp->camera->toward[depth & 3]);
 }
 
 /* The scene there: as bright from every side, so that it reads like a slice. */

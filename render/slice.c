@@ -86,7 +86,7 @@ static void list_columns(struct work *work, bool smooth)
         const int64_t high = low + (s->part > 0);
         const int64_t begin = low > last ? low : last + 1;
         for (int64_t voxel = begin; voxel <= high; voxel++)
-            work->reads[work->count++] = voxel * step;
+            work->reads[work->count++] = (ptrdiff_t)voxel * step;
         last = high > last ? high : last;
         s->low = (uint32_t)(work->count - 1 - (size_t)(last - low));
         s->high = (uint32_t)(work->count - 1 - (size_t)(last - high));
@@ -253,7 +253,7 @@ static void tell_cells(const struct canvas *canvas, const struct slice_plan *pla
             cell[x] = CELL_NONE;
         if (y < row->first || y >= row->end)
             continue;
-        const ptrdiff_t first = (ptrdiff_t)plan->corner + slice_side_voxel(row, y) * plan->step[1];
+        const int64_t first = (int64_t)plan->corner + slice_side_voxel(row, y) * plan->step[1];
         for (int64_t x = column->first; x < column->end; x++)
             cell[x] = (uint32_t)(first + slice_side_voxel(column, x) * plan->step[0]);
     }

@@ -57,7 +57,7 @@ static void add_spot(struct spots *spots, const struct slice_plan *plan, int64_t
 static void add_seeds(struct spots *spots, const struct scene *scene, const struct slice_plan *plan)
 {
     for (int64_t y = 0; y < plan->side[1].voxels; y++) {
-        const ptrdiff_t row = (ptrdiff_t)plan->corner + y * plan->step[1];
+        const int64_t row = (int64_t)plan->corner + y * plan->step[1];
         for (int64_t x = 0; x < plan->side[0].voxels; x++) {
             const struct cell *cell = scene->cell + (row + x * plan->step[0]);
             if (cell->flags & CELL_SEED)

@@ -172,9 +172,9 @@ uint32_t slice_cell_at(const struct scene *scene, const struct slice_choice *cho
 {
     struct slice_plan plan;
     const int64_t pixel[2] = {column, row};
-    ptrdiff_t cell;
+    int64_t cell;
     slice_plan_init(&plan, scene, choice, width, height);
-    cell = (ptrdiff_t)plan.corner;
+    cell = (int64_t)plan.corner;
     for (int i = 0; i < 2; i++) {
         if (pixel[i] < plan.side[i].first || pixel[i] >= plan.side[i].end)
             return CELL_NONE;

@@ -40,7 +40,7 @@ static void mean_of_area(const struct image_view *view, uint32_t width, uint32_t
         uint64_t tall = overlap(y0, y1, t * height, (t + 1) * height);
         for (uint64_t s = x0 / width; s * width < x1; s++) {
             uint64_t weight = tall * overlap(x0, x1, s * width, (s + 1) * width);
-            uint32_t colour = image_view_colour(view, t * view->width + s);
+            uint32_t colour = image_view_colour(view, (size_t)(t * view->width + s));
             red += weight * (colour >> 16);
             green += weight * (colour >> 8 & 255);
             blue += weight * (colour & 255);

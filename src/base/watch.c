@@ -5,8 +5,10 @@
 
 void watch_begin(struct watch *watch)
 {
-    if (watch)
-        watch->deaf = watch->stopped = false;
+    if (!watch)
+        return;
+    watch->stopped = false;
+    watch->deaf = false;
 }
 
 void watch_deafen(struct watch *watch)

@@ -127,7 +127,7 @@ static enum err time_edit(struct growth *growth, int erases, int round, struct f
     const struct changes changes = forest_changes(growth->forest);
     border_update(&growth->border, &changes);
     growth->ms[erases][round] = (double)(clock_ns() - begin) / 1e6;
-    growth->touched[erases] = forest_stats(growth->forest).touched;
+    growth->touched[erases] = (size_t)forest_stats(growth->forest).touched;
     return err;
 }
 

@@ -119,8 +119,8 @@ void border_update(struct border *border, const struct changes *changes)
         border->shown[at >> 6] ^= UINT64_C(1) << (at & 63);
         border->changed[at >> 6] = border->version;
         for (int a = 0; a < 3; a++) {
-            mark(border, (uint32_t)(at - step[a]));
-            mark(border, (uint32_t)(at + step[a]));
+            mark(border, at - (uint32_t)step[a]);
+            mark(border, at + (uint32_t)step[a]);
         }
         mark(border, at);
     }
@@ -157,8 +157,8 @@ bool border_check(const struct border *border, struct fault *fault)
                 bool shown = should_show(border, at);
                 bool inside = shown;
                 for (int a = 0; a < 3; a++)
-                    inside = inside && should_show(border, (uint32_t)(at - grid->step[a])) &&
-                             should_show(border, (uint32_t)(at + grid->step[a]));
+                    inside = inside && should_show(border, at - (uint32_t)grid->step[a]) &&
+                             should_show(border, at + (uint32_t)grid->step[a]);
                 if (border_shows(border, at) != shown ||
                     border_holds(border, at) != (shown && !inside)) {
                     fault_set(fault, ERR_CHECK, "voxel %u,%u,%u: B1: the border is not a recount",

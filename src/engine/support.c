@@ -63,7 +63,7 @@ static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
             fetch_around(forest, cleared->item[next + AHEAD]);
         size_t count = cleared->count;
         for (unsigned i = 0; i < adjacency->count; i++) {
-            const uint32_t child = (uint32_t)(at + adjacency->offset[i]);
+            const uint32_t child = at + (uint32_t)adjacency->offset[i];
             cleared->item[count] = child; /* for good, if it is one */
             count += forest->cell[child].direction == i;
         }

@@ -99,7 +99,8 @@ static int64_t stream_read(exr_const_context_t context, void *user, void *to, ui
     if (offset > (uint64_t)stream->bytes)
         return 0;
     while (done < length) {
-        ssize_t n = pread(stream->fd, (uint8_t *)to + done, length - done, (off_t)(offset + done));
+        ssize_t n = pread(stream->fd, (uint8_t *)to + done, (size_t)(length - done),
+                          (off_t)(offset + done));
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0) {
@@ -123,8 +124,8 @@ static int64_t stream_write(exr_const_context_t context, void *user, const void 
     while (done < length) {
         int number = file_step_hook ? file_step_hook(FILE_STEP_WRITE, stream->path) : 0;
         ssize_t n = number ? (errno = number, -1)
-                           : pwrite(stream->fd, (const uint8_t *)from + done, length - done,
-                                    (off_t)(offset + done));
+                           : pwrite(stream->fd, (const uint8_t *)from + done,
+                                    (size_t)(length - done), (off_t)(offset + done));
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0) {

@@ -74,7 +74,8 @@ static exr_result_t compress_block(exr_encode_pipeline_t *pipeline)
     exr_result_t result = (*compress)(pipeline);
     if (!result && pipeline->compressed_bytes == pipeline->packed_bytes &&
         pipeline->compressed_buffer != pipeline->packed_buffer)
-        memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes);
+        memcpy(pipeline->compressed_buffer, pipeline->packed_buffer,
+               (size_t)pipeline->packed_bytes);
     return result;
 }
 
