@@ -19,6 +19,7 @@
 #include "tui/probe.h"
 #include "tui/show.h"
 #include "tui/sixel.h"
+#include "tui/wrap.h"
 
 /* ---- pictures ---- */
 
@@ -1293,6 +1294,42 @@ STORY(widths_of_characters)
         CHECK_INT(char_width(cases[i].point), cases[i].width);
 }
 
+/* ---- replies ---- */
+
+static void wraps(const char *text, unsigned columns, const char *expected)
+{
+    struct buf in = {0}, out = {0};
+    buf_add_text(&in, text);
+    wrap_text(&out, &in, columns);
+    CHECK_TEXT(buf_text(&out), expected);
+    buf_release(&in);
+    buf_release(&out);
+}
+
+STORY(replies_are_broken_between_words)
+{
+    wraps("", 10, "");
+    wraps("one two", 10, "one two");
+    wraps("one\ntwo\n", 10, "one\r\ntwo\r\n");
+    wraps("1234567890\n", 10, "1234567890\r\n");
+    wraps("one two three\n", 10, "one two\r\nthree\r\n");
+    wraps("12345 7890 1\n", 10, "12345 7890\r\n1\r\n");
+    wraps("one two \n", 7, "one two\r\n");
+    wraps("a/path/that/is/long and on\n", 10, "a/path/that/is/long\r\nand on\r\n");
+    wraps("at a/path/that/is/long\n", 10, "at\r\na/path/that/is/long\r\n");
+    wraps("\u00e9\u00e9 \u00e9\u00e9 \u00e9\n", 5, "\u00e9\u00e9 \u00e9\u00e9\r\n\u00e9\r\n");
+    wraps("\u4e2d\u4e2d \u4e2d\n", 6, "\u4e2d\u4e2d\r\n\u4e2d\r\n"); /* two cells each */
+    wraps("\033[31merror:\033[m bad\n", 10, "\033[31merror:\033[m bad\r\n");
+}
+
+STORY(replies_go_on_where_their_text_began)
+{
+    wraps("view  one two three\n", 14, "view  one two\r\n      three\r\n");
+    wraps("  one two three\n", 9, "  one two\r\n  three\r\n");
+    wraps("one two three  four\n", 16, "one two three\r\nfour\r\n"); /* beyond the middle */
+    wraps("    a b\n", 1, "    a\r\nb\r\n");
+}
+
 int main(void)
 {
     int status = RUN_STORIES(
@@ -1328,7 +1365,8 @@ int main(void)
         TELL(a_line_wraps_at_the_right_margin_and_back),
         TELL(wide_characters_and_marks_take_the_cells_they_take),
         TELL(a_line_taller_than_the_screen_shows_what_is_around_the_cursor),
-        TELL(random_edits_always_draw_what_a_fresh_screen_would_show), TELL(widths_of_characters));
+        TELL(random_edits_always_draw_what_a_fresh_screen_would_show), TELL(widths_of_characters),
+        TELL(replies_are_broken_between_words), TELL(replies_go_on_where_their_text_began));
     line_release(&line);
     line_history_release(&old_lines);
     return status;

@@ -11,6 +11,7 @@
 #include "tui/line_edit.h"
 #include "tui/show.h"
 #include "tui/term.h"
+#include "tui/wrap.h"
 
 enum { BARRIER_MS = 2000 };
 
@@ -31,21 +32,6 @@ static void end_line(struct buf *out)
 {
     if (out->length > 0 && out->data[out->length - 1] != '\n')
         buf_add_char(out, '\n');
-}
-
-/* The same text for a raw terminal: lines end with CR LF. */
-static void add_raw(struct buf *out, const struct buf *text)
-{
-    const char *at = buf_text(text), *end = at + text->length;
-    while (at < end) {
-        const char *feed = memchr(at, '\n', (size_t)(end - at));
-        const char *stop = feed ? feed : end;
-        buf_add(out, at, (size_t)(stop - at));
-        if (feed)
-            buf_add_text(out, "\r\n");
-        at = stop + (feed ? 1 : 0);
-    }
-    out->failed |= text->failed;
 }
 
 /* ---- plain input ---- */
@@ -175,14 +161,14 @@ static enum err execute(struct prompt *p, const char *line, struct fault *fault)
     end_line(&text);
     if (failed)
         add_error(&text, failed, &of_command, coloured);
-    add_raw(&out, &text);
+    wrap_text(&out, &text, term_size().columns);
     if (!err)
         add_picture(p, &out);
     if (out.failed) {
         buf_release(&text);
         buf_release(&out);
         add_error(&text, fault_memory(&of_command, "the output"), &of_command, coloured);
-        add_raw(&out, &text);
+        wrap_text(&out, &text, term_size().columns);
     }
     if (!err)
         err = term_write(buf_text(&out), out.length, fault);
@@ -208,7 +194,7 @@ static enum err begin(struct prompt *p, struct fault *fault)
     buf_clear(&out);
     buf_add_text(&out, "\r\033[K");
     end_line(&text);
-    add_raw(&out, &text);
+    wrap_text(&out, &text, term_size().columns);
     if (out.failed && !err)
         err = fault_memory(fault, "the output");
     term_write(buf_text(&out), out.length, NULL);
