@@ -195,6 +195,8 @@ STORY(help_names_every_command_and_parameter)
         CHECK(strncmp(buf_text(&all), c->name, strlen(c->name)) == 0 ||
               strstr(buf_text(&all), start));
         CHECK_HAS(buf_text(&all), c->summary);
+        CHECK_HAS(buf_text(&all), command_group_name[c->group]);
+        CHECK(i == 0 || c->group - c[-1].group <= 1); /* groups are whole, and in order */
         buf_clear(&one);
         command_help(&one, c);
         CHECK_HAS(buf_text(&one), c->example);
@@ -207,6 +209,27 @@ STORY(help_names_every_command_and_parameter)
     }
     buf_release(&all);
     buf_release(&one);
+}
+
+static void fits_80_columns(const char *text)
+{
+    for (; *text; text += strcspn(text, "\n") + 1)
+        if (!CHECK(strcspn(text, "\n") <= 80))
+            printf("#   %.100s\n", text);
+}
+
+STORY(help_fits_80_columns)
+{
+    struct buf out = {0};
+    command_help(&out, NULL);
+    fits_80_columns(buf_text(&out));
+    for (unsigned i = 0; i < command_count; i++) {
+        buf_clear(&out);
+        command_help(&out, &command_table[i]);
+        fits_80_columns(buf_text(&out));
+        CHECK(!strstr(buf_text(&out), " \n"));
+    }
+    buf_release(&out);
 }
 
 /* ---- random lines that are right ---- */
@@ -668,9 +691,9 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"overlay words=maybe", "words: expected on|off, not maybe"},
         {"slice", "missing: PLANE; usage: slice axial|coronal|sagittal [N] [FILE]"},
         {"slice transverse", "PLANE: expected axial|coronal|sagittal, not transverse"},
-        {"slice axial 10", "N: expected a slice 0..9, which this scene has axial, not 10"},
-        {"slice coronal 11", "N: expected a slice 0..10, which this scene has coronal"},
-        {"slice sagittal 12", "N: expected a slice 0..11, which this scene has sagittal"},
+        {"slice axial 10", "N: expected one of the axial slices 0..9, not 10"},
+        {"slice coronal 11", "N: expected one of the coronal slices 0..10"},
+        {"slice sagittal 12", "N: expected one of the sagittal slices 0..11"},
         {"slice axial -1", "N: expected a number 0..65533, not -1"},
         {"slice axial left", "N: expected a number 0..65533, not left"},
         {"slice axial 1 2", "its name says no format; expected for instance .png"},
@@ -1900,7 +1923,7 @@ int main(void)
     make_seed_files();
     int status = RUN_STORIES(
         TELL(the_table_is_in_order), TELL(every_example_parses_and_its_canonical_form_is_its_own),
-        TELL(help_names_every_command_and_parameter),
+        TELL(help_names_every_command_and_parameter), TELL(help_fits_80_columns),
         TELL(a_random_line_and_its_canonical_form_mean_the_same),
         TELL(millimetres_lead_to_the_nearest_voxel), TELL(a_wrong_line_is_told_what_was_expected),
         TELL(without_a_scene_only_what_needs_none_works), TELL(comments_and_empty_lines_do_nothing),

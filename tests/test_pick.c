@@ -227,8 +227,7 @@ STORY(info_tells_how_the_patient_lies_in_the_picture)
     must(&desk, "focus 3,4,5");
     must(&desk, "info");
     CHECK_HAS(buf_text(&reply.text), "pixels, 3,4,5 in the middle\n");
-    must(&desk, "help view");
-    CHECK_HAS(buf_text(&reply.text), "his left is on your right from the front");
+    CHECK_HAS(command_find("view")->detail, "his left is on your right from the front");
     desk_release(&desk);
 }
 

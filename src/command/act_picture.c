@@ -241,6 +241,8 @@ ACT(golden)
         err = compare_golden(desk, name, buf_text(&path), &picture, fault);
     else if (!err && path.length)
         err = write_golden(desk, name, buf_text(&path), &picture, fault);
+    if (!err && path.length && !desk->replays)
+        tell_file("kept as ", buf_text(&path), reply);
     picture_release(&picture);
     buf_release(&path);
     return err;

@@ -132,9 +132,8 @@ ACT(slice)
     const uint32_t count = slice_count(session->scene, plane);
     if (value[SLICE_NUMBER].given && value[SLICE_NUMBER].number >= count)
         return fault_set(fault, ERR_INPUT,
-                         "N: expected a slice 0..%u, which this scene has %s, not %lld; "
-                         "nothing has changed",
-                         count - 1, value[SLICE_PLANE].text, (long long)value[SLICE_NUMBER].number);
+                         "N: expected one of the %s slices 0..%u, not %lld; nothing has changed",
+                         value[SLICE_PLANE].text, count - 1, (long long)value[SLICE_NUMBER].number);
     if (value[SLICE_NUMBER].given)
         slice_move(session->scene, plane, (uint32_t)value[SLICE_NUMBER].number, s->cross);
     if (value[SLICE_ZOOM].given)

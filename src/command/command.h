@@ -72,12 +72,27 @@ struct reply {
 
 struct call; /* a command with its values */
 
+/* What commands are about; those of a group stand together. */
+enum command_group {
+    GROUP_SCENE,
+    GROUP_WEIGHT,
+    GROUP_SEEDS,
+    GROUP_VIEW,
+    GROUP_LOOK,
+    GROUP_CUTS,
+    GROUP_RENDITION,
+    GROUP_SLICES,
+    GROUP_KEPT,
+    GROUP_QUESTIONS,
+};
+
 struct command {
     const char *name;
+    enum command_group group;
     unsigned flags; /* enum command_flag */
     struct parameter parameter[PARAMETERS_MOST];
     const char *summary; /* one line */
-    const char *detail;  /* further lines of help, or NULL */
+    const char *detail;  /* further paragraphs of help, between line feeds, or NULL */
     const char *example; /* a line that parses */
     enum err (*act)(struct desk *desk, const struct value *value, struct reply *reply,
                     struct fault *fault);
@@ -89,7 +104,8 @@ struct call {
     struct buf store; /* the words that values point into */
 };
 
-/* The table, in the order of help. */
+/* The table, in the order of help, and the headings of its groups. */
+extern const char *const command_group_name[];
 extern const struct command command_table[];
 extern const unsigned command_count;
 
@@ -111,7 +127,7 @@ void command_write(struct buf *out, const struct call *call);
 /* "seed X,Y,Z LABEL [radius=0..32]": how a command is used. */
 void command_usage(struct buf *out, const struct command *command);
 
-/* The text of `help` (command NULL) or `help NAME`. */
+/* The text of `help` (command NULL) or `help NAME`, in lines of at most 80 columns. */
 void command_help(struct buf *out, const struct command *command);
 
 /* Words that may stand at the end of line[0..cursor): newline-separated, with where they begin. */

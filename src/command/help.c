@@ -5,7 +5,8 @@
 #include "render/view.h"
 #include "session/session.h"
 
-enum { SUMMARY_COLUMN = 30, USAGE_MOST = 76 }; /* in 80, with summaries of at most 50 */
+/* Columns; summaries have the 50 that are left. */
+enum { INDENT = 4, SUMMARY_COLUMN = 30, USAGE_MOST = 76, LINE_MOST = 80 };
 
 /* ---- usage and help ---- */
 
@@ -68,48 +69,71 @@ void command_usage(struct buf *out, const struct command *command)
     }
 }
 
-/* A usage of more than one line goes on, indented, between two parameters. */
-static void add_wrapped(struct buf *out, const char *usage)
+/* Text in lines, each indented and at most `most` columns wide, that end where a gap does. */
+static void add_lines(struct buf *out, const char *text, size_t length, const char *gap,
+                      size_t indent, size_t most)
 {
-    size_t left = strlen(usage), indent = 0;
-    while (indent + left > USAGE_MOST) {
-        size_t n = USAGE_MOST - indent;
-        while (n > 0 && strncmp(usage + n, " [", 2) != 0)
+    const size_t gap_length = strlen(gap);
+    while (indent + length > most) {
+        size_t n = most - indent;
+        while (n > 0 && strncmp(text + n, gap, gap_length) != 0)
             n--;
         if (n == 0)
             break;
-        buf_printf(out, "%*s%.*s\n", (int)indent, "", (int)n, usage);
-        usage += n + 1;
-        left -= n + 1;
-        indent = 4;
+        buf_printf(out, "%*s%.*s\n", (int)indent, "", (int)n, text);
+        text += n + 1;
+        length -= n + 1;
+        indent = INDENT;
     }
-    buf_printf(out, "%*s%s", (int)indent, "", usage);
+    buf_printf(out, "%*s%.*s\n", (int)indent, "", (int)length, text);
+}
+
+static void add_usage(struct buf *out, const struct command *command)
+{
+    struct buf usage = {0};
+    command_usage(&usage, command);
+    add_lines(out, buf_text(&usage), usage.length, " [", 0, USAGE_MOST);
+    out->failed |= usage.failed;
+    buf_release(&usage);
+}
+
+static void help_with_one(struct buf *out, const struct command *command)
+{
+    add_usage(out, command);
+    buf_printf(out, "%*s%s\n", INDENT, "", command->summary);
+    for (const char *at = command->detail; at && *at; at += *at == '\n') {
+        const size_t length = strcspn(at, "\n");
+        add_lines(out, at, length, " ", INDENT, LINE_MOST);
+        at += length;
+    }
+    buf_printf(out, "%*sExample: %s\n", INDENT, "", command->example);
+}
+
+/* The usage, and the summary beside it, or below one that is too long. */
+static void list_command(struct buf *out, const struct command *command)
+{
+    const size_t before = out->length;
+    add_usage(out, command);
+    size_t length = out->length - before;
+    if (length > 0 && length <= SUMMARY_COLUMN)
+        out->length = before + --length;
+    else
+        length = 0;
+    buf_printf(out, "%*s%s\n", (int)(SUMMARY_COLUMN - length), "", command->summary);
 }
 
 void command_help(struct buf *out, const struct command *command)
 {
-    struct buf usage = {0};
     if (command) {
-        command_usage(&usage, command);
-        buf_printf(out, "%s\n    %s\n", buf_text(&usage), command->summary);
-        if (command->detail)
-            buf_printf(out, "%s", command->detail);
-        buf_printf(out, "    Example: %s\n", command->example);
-        buf_release(&usage);
+        help_with_one(out, command);
         return;
     }
     for (unsigned i = 0; i < command_count; i++) {
-        buf_clear(&usage);
-        command_usage(&usage, &command_table[i]);
-        if (usage.length >= SUMMARY_COLUMN) {
-            add_wrapped(out, buf_text(&usage));
-            buf_printf(out, "\n%*s", SUMMARY_COLUMN, "");
-        } else {
-            buf_printf(out, "%-*s", SUMMARY_COLUMN, buf_text(&usage));
-        }
-        buf_printf(out, "%s\n", command_table[i].summary);
+        const struct command *c = &command_table[i];
+        if (i == 0 || c->group != c[-1].group)
+            buf_printf(out, "%s%s\n", i ? "\n" : "", command_group_name[c->group]);
+        list_command(out, c);
     }
-    buf_release(&usage);
 }
 
 /* ---- completion ---- */
