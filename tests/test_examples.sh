@@ -17,7 +17,7 @@ done
 number=$((number + 1))
 help=$(mktemp)
 trap 'rm -f "$help"' EXIT
-"$iftty" help | sed 's/^/    /' >"$help"
+"$iftty" help | sed 's/^./    &/' >"$help"
 if sed -n '/^<!-- commands/,/^<!-- end of commands/p' README.md | sed '1,2d;$d' | sed '$d' |
     diff - "$help" >"$help.diff"; then
     echo "ok $number - the README lists the commands as help does"
