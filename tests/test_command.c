@@ -10,9 +10,8 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "base/safe.h"
-#include "command/drive.h"
 #include "image/nifti.h"
-#include "tests/check.h"
+#include "tests/at_desk.h"
 
 /* ---- a small scene, a desk ---- */
 
@@ -46,35 +45,6 @@ static void make_scene(void)
     CHECK(geometry_place(&geometry, to_mm));
     CHECK(nifti_write(place("scene.nii"), FILE_REPLACE, size, &geometry, NIFTI_UINT8, "test",
                       scene_row, NULL, NULL, NULL) == OK);
-}
-
-static struct reply reply;
-static struct fault fault;
-
-static enum err execute(struct desk *desk, const char *line)
-{
-    fault = (struct fault){.text = ""};
-    return desk_execute(desk, line, &reply, &fault);
-}
-
-static void must(struct desk *desk, const char *line)
-{
-    if (!CHECK(execute(desk, line) == OK))
-        printf("#   %s: %s\n", line, fault.text);
-}
-
-/* The helper lies above the folder of the test programs. */
-static void begin_desk(struct desk *desk)
-{
-    char program[PATH_MAX];
-    ssize_t n = readlink("/proc/self/exe", program, sizeof program - 32);
-    CHECK(desk_init(desk, NULL) == OK && n > 0);
-    program[n > 0 ? n : 0] = '\0';
-    for (int up = 0; up < 2 && strrchr(program, '/'); up++)
-        *strrchr(program, '/') = '\0';
-    strcat(program, "/iftty-image");
-    image_helper_free(desk->helper);
-    CHECK(image_helper_new(&desk->helper, program, NULL) == OK);
 }
 
 static void begin_with_scene(struct desk *desk)

@@ -2,7 +2,7 @@
  * What is cut away: borders against a slow recount, four ways to one picture through cuts, edits
  * and hidden labels, and commands whose every step can be taken back.
  */
-#include "check.h"
+#include "at_desk.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "command/drive.h"
 #include "engine/border.h"
 #include "engine/forest.h"
 #include "image/exr.h"
@@ -379,20 +378,6 @@ STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
 /* ---- commands ---- */
 
 static char folder[] = "/tmp/iftty-cut-XXXXXX";
-static struct reply reply;
-static struct fault fault;
-
-static enum err execute(struct desk *desk, const char *line)
-{
-    fault = (struct fault){.text = ""};
-    return desk_execute(desk, line, &reply, &fault);
-}
-
-static void must(struct desk *desk, const char *line)
-{
-    if (!CHECK(execute(desk, line) == OK))
-        printf("#   %s: %s\n", line, fault.text);
-}
 
 static void begin(struct desk *desk)
 {

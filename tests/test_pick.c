@@ -2,7 +2,7 @@
  * What is under a pixel: the voxel, its label and where it lies, and how far the border of its
  * object is, against a search of the whole scene.
  */
-#include "check.h"
+#include "at_desk.h"
 
 #include <limits.h>
 #include <math.h>
@@ -110,21 +110,6 @@ STORY(a_border_beyond_reach_is_not_searched_for)
 }
 
 /* ---- commands ---- */
-
-static struct reply reply;
-static struct fault fault;
-
-static enum err execute(struct desk *desk, const char *line)
-{
-    fault = (struct fault){.text = ""};
-    return desk_execute(desk, line, &reply, &fault);
-}
-
-static void must(struct desk *desk, const char *line)
-{
-    if (!CHECK(execute(desk, line) == OK))
-        printf("#   %s: %s\n", line, fault.text);
-}
 
 STORY(every_pixel_tells_the_voxel_it_shows)
 {

@@ -5,49 +5,16 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "command/drive.h"
 #include "image/exr.h"
 #include "session/export.h"
-#include "tests/check.h"
+#include "tests/at_desk.h"
 
 static char folder[] = "/tmp/iftty-pictures-XXXXXX";
-static struct reply reply;
-static struct fault fault;
-
-static enum err execute(struct desk *desk, const char *line)
-{
-    fault = (struct fault){.text = ""};
-    return desk_execute(desk, line, &reply, &fault);
-}
-
-static void must(struct desk *desk, const char *line)
-{
-    if (!CHECK(execute(desk, line) == OK))
-        printf("#   %s: %s\n", line, fault.text);
-}
 
 static void is_refused(struct desk *desk, const char *line, enum err code, const char *words)
 {
     CHECK_INT(execute(desk, line), code);
     CHECK_HAS(fault.text, words);
-}
-
-/* The helper lies above the folder of the test programs. */
-static char program[PATH_MAX];
-static void find_program(void)
-{
-    ssize_t n = readlink("/proc/self/exe", program, sizeof program - 32);
-    program[n > 0 ? n : 0] = '\0';
-    for (int up = 0; up < 2 && strrchr(program, '/'); up++)
-        *strrchr(program, '/') = '\0';
-    strcat(program, "/iftty-image");
-}
-
-static void begin_desk(struct desk *desk)
-{
-    CHECK_INT(desk_init(desk, NULL), OK);
-    image_helper_free(desk->helper);
-    CHECK(image_helper_new(&desk->helper, program, NULL) == OK);
 }
 
 static void begin_with_object(struct desk *desk)
@@ -367,7 +334,7 @@ static const char *news_of(struct desk *desk)
 static void begin_beside(struct desk *desk)
 {
     begin_with_object(desk);
-    CHECK_INT(press_new(&desk->press, program, NULL), OK);
+    CHECK_INT(press_new(&desk->press, helper_program(), NULL), OK);
 }
 
 STORY(at_a_prompt_a_picture_is_written_beside_the_session)
@@ -448,7 +415,6 @@ STORY(releasing_a_desk_waits_for_its_pictures)
 
 int main(void)
 {
-    find_program();
     if (!mkdtemp(folder) || chdir(folder) != 0)
         return 1;
     int status = RUN_STORIES(
