@@ -3,6 +3,7 @@
  * wrong; and the one door, which takes back what it cannot record.
  */
 #include <errno.h>
+#include <dirent.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -1870,6 +1871,104 @@ STORY(weights_are_named_and_stay_without_memory)
     desk_release(&desk);
 }
 
+/* ---- without memory ---- */
+
+static unsigned allocations_left;
+static bool allow_some(size_t bytes)
+{
+    (void)bytes;
+    return allocations_left > 0 && allocations_left--;
+}
+
+/* How many files the folder of a test holds, drafts and backups too. */
+static unsigned files_in(const char *path)
+{
+    DIR *dir = opendir(path);
+    unsigned count = 0;
+    while (CHECK(dir != NULL) && readdir(dir))
+        count++;
+    closedir(dir);
+    return count;
+}
+
+/* The first allocation fails, the second one, and so on, until none does. */
+static void fails_at_every_allocation(struct desk *desk, const char *line, const char *kept)
+{
+    struct buf former = {0}, now = {0};
+    const unsigned files = files_in(folder);
+    enum err err = ERR_MEMORY;
+    CHECK(!kept || file_read(&former, place(kept), 1 << 20, NULL) == OK);
+    for (unsigned n = 0; n < 400 && err && check_failures < 5; n++) {
+        struct snapshot before;
+        const unsigned failures = check_failures;
+        take_snapshot(&before, desk);
+        allocations_left = n;
+        mem_allows = allow_some;
+        err = execute(desk, line);
+        mem_allows = NULL;
+        if (!err)
+            break;
+        CHECK(err == ERR_MEMORY || strstr(fault.text, strerror(ENOMEM)));
+        CHECK(is_plain(fault.text));
+        is_as_before(&before, desk, line);
+        CHECK_INT(files_in(folder), files);
+        CHECK(!kept ||
+              (file_read(&now, place(kept), 1 << 20, NULL) == OK && now.length == former.length &&
+               memcmp(now.data, former.data, now.length) == 0));
+        if (check_failures > failures)
+            printf("#   allocation %u of %s: %s\n", n, line, fault.text);
+    }
+    CHECK(err == OK);
+    buf_release(&former);
+    buf_release(&now);
+}
+
+STORY(pictures_without_memory_leave_everything_as_it_was)
+{
+    static const struct deed row[] = {
+        {"render mode=bp", NULL},
+        {"render @/old.png replace=yes", "old.png"},
+        {"render @/old.exr replace=yes", "old.exr"},
+        {"render @/new.exr", NULL},
+        {"spin 3 @/old.gif replace=yes", "old.gif"},
+        {"spin 3 @/old%d.png replace=yes", "old1.png"},
+        {"spin 3 @/new%d.exr", NULL},
+        {"slice axial 3 @/old.png replace=yes", "old.png"},
+        {"mosaic @/old.exr replace=yes", "old.exr"},
+        {"mosaic", NULL},
+        {"save labels @/old.nii.gz replace=yes", "old.nii.gz"},
+        {"golden bright", NULL},
+        {"golden dark of=mosaic", NULL},
+        {"clip axial 2-5", NULL},
+        {"plane 3,3,3", NULL},
+        {"samples 2", NULL},
+        {"shade scene", NULL},
+        {"mosaic @/small.png", NULL},
+        {"render", NULL},
+    };
+    static const char *const before[] = {"old.png",  "old.exr",  "old.gif",   "old0.png",
+                                         "old1.png", "old2.png", "old.nii.gz"};
+    struct desk desk;
+    begin_with_scene(&desk);
+    CHECK(desk_create_journal(&desk, place("poor.iftty"), &fault) == OK);
+    for (size_t i = 0; i < sizeof before / sizeof before[0]; i++)
+        CHECK(file_write(place(before[i]), before[i], 3, FILE_REPLACE, NULL) == OK);
+    CHECK(file_make_folder(place("poor.golden"), NULL) == OK);
+    must(&desk, "seed 3,3,3 1 radius=2");
+    must(&desk, "seed 0,0,0 0");
+    must(&desk, "run");
+    must(&desk, "size 40 30");
+    for (size_t i = 0; i < sizeof row / sizeof row[0] && !check_failures; i++) {
+        char line[PATH_MAX + 64];
+        const char *at = strchr(row[i].line, '@');
+        snprintf(line, sizeof line, "%.*s%s%s",
+                 at ? (int)(at - row[i].line) : (int)strlen(row[i].line), row[i].line,
+                 at ? folder : "", at ? at + 1 : "");
+        fails_at_every_allocation(&desk, line, row[i].file);
+    }
+    desk_release(&desk);
+}
+
 STORY(a_journal_that_cannot_begin_undoes_the_command)
 {
     struct desk desk;
@@ -1914,6 +2013,7 @@ int main(void)
         TELL(interpolation_that_is_cancelled_is_undone),
         TELL(opening_that_is_cancelled_opens_nothing),
         TELL(weights_are_named_and_stay_without_memory),
+        TELL(pictures_without_memory_leave_everything_as_it_was),
         TELL(a_journal_that_cannot_begin_undoes_the_command));
     reply_release(&reply);
     char command[PATH_MAX];

@@ -63,7 +63,11 @@ static bool sync_folder(const char *path)
 {
     struct buf folder = {0};
     file_folder(&folder, path);
-    int fd = folder.failed ? -1 : open_again(buf_text(&folder), O_RDONLY | O_DIRECTORY);
+    int fd = -1;
+    if (folder.failed)
+        errno = ENOMEM;
+    else
+        fd = open_again(buf_text(&folder), O_RDONLY | O_DIRECTORY);
     bool fine =
         fd >= 0 && !file_step_fails(FILE_STEP_SYNC, path) && (fsync(fd) == 0 || errno == EINVAL);
     if (fd >= 0)

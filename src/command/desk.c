@@ -109,7 +109,12 @@ enum err desk_will_write(struct desk *desk, const char *path, enum file_mode mod
             return OK; /* the writer refuses */
         err = file_backup(&backup, path, fault);
     }
-    if (!err) {
+    if (!err && !buf_reserve(&desk->written, strlen(path) + backup.length + 2)) {
+        if (backup.length)
+            file_discard(buf_text(&backup));
+        err = fault_memory(fault, "a file name");
+    }
+    if (!err) { /* there is room for both */
         buf_add(&desk->written, path, strlen(path) + 1);
         buf_add(&desk->written, buf_text(&backup), backup.length + 1);
     }
