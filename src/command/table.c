@@ -361,7 +361,7 @@ const struct command command_table[] = {
      R | S | E,
      {MAY("FILE", FILE, 0, 0), KEYED_ONE_OF("mode", "sp|bp|ii|ray"),
       KEYED_ONE_OF("replace", "yes|no"), KEYED_ONE_OF("layout", "lines|tiled")},
-     "make the rendition; FILE, or inline",
+     "make the rendition, to FILE or inline",
      ".exr holds colour, depth, label, voxel and normal of each pixel, in lines or tiled; .png "
      "and whatever else OpenImageIO writes hold the colours. At the prompt a file is written "
      "beside the session: what became of it is told when it is known. `iftty info FILE` tells "
@@ -419,7 +419,7 @@ const struct command command_table[] = {
      {ONE_OF("PLANE", SLICE_WORDS), MAY("N", NUMBER, 0, 65533), MAY("FILE", FILE, 0, 0),
       KEYED_NAMED("zoom", DECIMAL, "fit", VIEW_ZOOM_LEAST, VIEW_ZOOM_MOST),
       KEYED_ONE_OF("replace", "yes|no")},
-     "a slice through the cross-hair; FILE, or inline",
+     "a slice through the cross-hair, to FILE or inline",
      "As radiologists look at it, at the size of the view. N takes the cross-hair to that slice, "
      "counted from 0 towards superior, anterior, or the patient's right.\n"
      "A FILE has a dot in its name; .exr holds the label and voxel of each pixel too.\n"
