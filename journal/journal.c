@@ -1,7 +1,6 @@
 #include "journal/journal.h"
 
 #include <assert.h>
-#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,13 +10,14 @@
 enum { COMMENTS_MAX = 1 << 20, TORN_NAMES_MAX = 9999 };
 
 struct journal {
-    struct file_log *log;
-    struct buf header;   /* line 1, part of the first record's chain */
-    struct buf comments; /* whole lines, for the next record */
-    uint64_t length;     /* of the valid part; the file is longer only while `is_ragged` */
+    struct file_log *log; /* NULL where it is only looked at */
+    struct buf path;      /* of the file */
+    struct buf header;    /* line 1, part of the first record's chain */
+    struct buf comments;  /* whole lines, for the next record */
+    struct buf kept;      /* J7: the valid part; the file is longer only while it is ragged */
+    enum file_sync sync;
     size_t count;
     struct record_chain chain;
-    bool is_ragged; /* a failed append may have left bytes behind `length` */
 };
 
 void journal_close(struct journal *journal)
@@ -25,47 +25,65 @@ void journal_close(struct journal *journal)
     if (!journal)
         return;
     file_log_close(journal->log);
+    buf_release(&journal->path);
     buf_release(&journal->header);
     buf_release(&journal->comments);
+    buf_release(&journal->kept);
     free(journal);
 }
 
-static enum err journal_new(struct journal **journal, unsigned semantics, struct fault *fault)
+static enum err journal_new(struct journal **journal, const char *path, unsigned semantics,
+                            struct fault *fault)
 {
     *journal = calloc(1, sizeof **journal);
     if (!*journal)
         return fault_memory(fault, "a journal");
+    buf_add_text(&(*journal)->path, path);
     record_header(&(*journal)->header, semantics);
     (*journal)->chain = record_chain_zero;
-    if (!(*journal)->header.failed)
+    if (!(*journal)->header.failed && !(*journal)->path.failed)
         return OK;
     journal_close(*journal);
     *journal = NULL;
     return fault_memory(fault, "a journal");
 }
 
-/* The one door by which bytes reach the file: J1, J2, J5. */
-static enum err append_bytes(struct journal *journal, const struct buf *bytes, struct fault *fault)
+/* Ends what earlier failures have left: bytes that were refused are cut off, bytes whose sync
+ * failed are written again. */
+static enum err mend_failures(struct journal *journal, struct fault *fault)
 {
     enum err err = OK;
-    if (bytes->length > JOURNAL_BYTES_MAX - journal->length)
+    if (file_log_is_ragged(journal->log))
+        err = file_log_cut(journal->log, journal->kept.length, fault);
+    if (!err && file_log_is_in_doubt(journal->log))
+        err = file_log_rewrite(journal->log, buf_text(&journal->kept), fault);
+    return err ? fault_prefix(fault, err, "an earlier failure is not mended yet") : OK;
+}
+
+static enum err append_to_file(struct journal *journal, const struct buf *bytes,
+                               struct fault *fault)
+{
+    enum err err = mend_failures(journal, fault);
+    if (err)
+        return err;
+    assert(file_log_length(journal->log) == journal->kept.length); /* J3 */
+    return file_log_append(journal->log, bytes->data, bytes->length, fault);
+}
+
+/* The one door by which bytes reach the file: J1, J2, J5, J7. */
+static enum err append_bytes(struct journal *journal, const struct buf *bytes, struct fault *fault)
+{
+    struct buf *kept = &journal->kept;
+    if (bytes->length > JOURNAL_BYTES_MAX - kept->length)
         return fault_set(fault, ERR_LIMIT, "%s would hold more than %zu bytes; nothing was written",
                          journal_path(journal), JOURNAL_BYTES_MAX);
-    if (journal->is_ragged) {
-        err = file_log_cut(journal->log, journal->length, fault);
-        if (err)
-            return fault_prefix(fault, err, "an earlier failure is not mended yet");
-        journal->is_ragged = false;
+    if (!buf_reserve(kept, bytes->length)) {
+        kept->failed = false; /* what was kept before is whole */
+        return fault_memory(fault, "the journal");
     }
-    assert(file_log_length(journal->log) == journal->length); /* J3 */
-    err = file_log_append(journal->log, bytes->data, bytes->length, fault);
-    if (!err) {
-        journal->length += bytes->length;
-        return OK;
-    }
-    /* The file layer has cut the file; that cut is to be on the disk before anything follows, or
-     * the refused bytes could be back after a loss of power, or stand behind a shorter record. */
-    journal->is_ragged = file_log_cut(journal->log, journal->length, NULL) != OK;
+    enum err err = journal->log ? append_to_file(journal, bytes, fault) : OK;
+    if (!err)
+        buf_add(kept, bytes->data, bytes->length);
     return err;
 }
 
@@ -74,7 +92,7 @@ enum err journal_create(struct journal **out, const char *path, unsigned semanti
 {
     struct journal *journal;
     *out = NULL;
-    enum err err = journal_new(&journal, semantics, fault);
+    enum err err = journal_new(&journal, path, semantics, fault);
     if (err)
         return err;
     err = file_log_open(&journal->log, path, true, fault);
@@ -101,12 +119,13 @@ struct finding {
     struct fault fault;
 };
 
+/* `semantics` 0: any will do. */
 static enum err judge_semantics(const struct walk *walk, unsigned semantics, struct fault *fault)
 {
     if (!walk->is_journal && walk->length > 0)
         return fault_set(fault, ERR_INPUT,
                          "it has no header: this is a script, not a journal; run it instead");
-    if (walk->semantics != 0 && walk->semantics != semantics)
+    if (walk->semantics != 0 && semantics != 0 && walk->semantics != semantics)
         return fault_set(fault, ERR_INPUT,
                          "its commands have the meaning of version %u, here they have that of "
                          "version %u; run it as a script into a new journal",
@@ -123,7 +142,7 @@ static enum err survey(const struct buf *bytes, const struct journal_resume *res
     enum err err = walk_begin(&walk, bytes->data, bytes->length, WALK_AS_FOUND, fault);
     if (err)
         return err;
-    err = judge_semantics(&walk, resume->semantics, fault);
+    err = judge_semantics(&walk, resume->any_semantics ? 0 : resume->semantics, fault);
     enum walk_step step = WALK_RECORD;
     while (!err && step == WALK_RECORD)
         step = walk_next_sound(&walk, &record);
@@ -194,35 +213,49 @@ static enum err mend(struct journal *journal, const struct buf *bytes,
     return err;
 }
 
-static enum err open_locked(struct journal *journal, const char *path,
-                            const struct journal_resume *resume, struct buf *notice,
-                            struct fault *fault)
+/* Takes the sound part over. What follows it is mended, unless we only look. */
+static enum err take_over(struct journal *journal, const struct buf *bytes,
+                          const struct finding *finding, struct buf *notice, struct fault *fault)
+{
+    enum err err = OK;
+    buf_add(&journal->kept, buf_text(bytes), (size_t)finding->sound);
+    if (journal->kept.failed)
+        return fault_memory(fault, "the journal");
+    if (finding->is_torn && journal->log)
+        err = mend(journal, bytes, finding, notice, fault);
+    else if (finding->is_torn && notice)
+        buf_printf(notice, "%s; it was left where it is", finding->fault.text);
+    if (err)
+        return err;
+    journal->count = finding->count;
+    journal->chain = finding->chain;
+    if (finding->sound > 0)
+        return OK;
+    /* Whoever began it may not have come to that. */
+    err = journal->log ? file_log_sync_folder(journal->log, fault) : OK;
+    return err ? err : append_bytes(journal, &journal->header, fault);
+}
+
+static enum err open_held(struct journal *journal, const char *path,
+                          const struct journal_resume *resume, struct buf *notice,
+                          struct fault *fault)
 {
     struct buf bytes = {0};
     struct finding finding;
     enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
     if (err)
         goto done;
-    if (bytes.length != file_log_length(journal->log)) {
+    if (journal->log && bytes.length != file_log_length(journal->log)) {
         err = fault_set(fault, ERR_IO, "%s changed while it was opened", path);
         goto done;
     }
     err = survey(&bytes, resume, &finding, fault);
     if (!err)
         err = resume_records(&bytes, &finding, resume, fault);
-    if (err) {
-        fault_prefix(fault, err, "cannot continue %s", path);
-        goto done;
-    }
-    if (finding.is_torn)
-        err = mend(journal, &bytes, &finding, notice, fault);
     if (err)
-        goto done;
-    journal->length = finding.sound;
-    journal->count = finding.count;
-    journal->chain = finding.chain;
-    if (finding.sound == 0)
-        err = append_bytes(journal, &journal->header, fault);
+        fault_prefix(fault, err, "cannot continue %s", path);
+    else
+        err = take_over(journal, &bytes, &finding, notice, fault);
 done:
     buf_release(&bytes);
     return err;
@@ -235,17 +268,32 @@ enum err journal_open(struct journal **out, const char *path, const struct journ
     *out = NULL;
     if (notice)
         buf_clear(notice);
-    enum err err = journal_new(&journal, resume->semantics, fault);
+    enum err err = journal_new(&journal, path, resume->semantics, fault);
     if (err)
         return err;
-    err = file_log_open(&journal->log, path, false, fault); /* J6 */
+    if (!resume->only_looks)
+        err = file_log_open(&journal->log, path, false, fault); /* J6 */
     if (!err)
-        err = open_locked(journal, path, resume, notice, fault);
+        err = open_held(journal, path, resume, notice, fault);
     if (err)
         journal_close(journal);
     else
         *out = journal;
     return err;
+}
+
+enum err journal_repair(const char *path, unsigned semantics, struct buf *told, struct fault *fault)
+{
+    struct journal *journal;
+    const struct journal_resume how = {
+        .semantics = semantics, .any_semantics = true, .cuts_damage = true};
+    enum err err = journal_open(&journal, path, &how, told, fault);
+    if (err)
+        return err;
+    if (told->length == 0)
+        buf_printf(told, "intact, %zu records; nothing was changed", journal_count(journal));
+    journal_close(journal);
+    return OK;
 }
 
 /* ---- writing --------------------------------------------------------------------------------- */
@@ -289,9 +337,68 @@ enum err journal_comment(struct journal *journal, const char *comment, struct fa
     return OK;
 }
 
+/* ---- another file, and when to sync ---------------------------------------------------------- */
+
+enum err journal_continue(struct journal *journal, const char *path, struct fault *fault)
+{
+    struct file_log *log;
+    struct buf name = {0};
+    buf_add_text(&name, path);
+    if (name.failed) {
+        buf_release(&name);
+        return fault_memory(fault, "a path");
+    }
+    enum err err = file_log_open(&log, path, true, fault);
+    if (!err) {
+        err = file_log_append(log, journal->kept.data, journal->kept.length, fault);
+        if (!err)
+            err = file_log_set_sync(log, journal->sync, fault);
+        if (err) {
+            file_discard(path); /* ours, made a moment ago */
+            file_log_close(log);
+        }
+    }
+    if (err) {
+        buf_release(&name);
+        return err;
+    }
+    if (journal->log && file_log_is_ragged(journal->log)) /* a last attempt */
+        file_log_cut(journal->log, journal->kept.length, NULL);
+    file_log_close(journal->log);
+    buf_release(&journal->path);
+    journal->log = log;
+    journal->path = name;
+    return OK;
+}
+
+enum err journal_set_sync(struct journal *journal, enum file_sync sync, struct fault *fault)
+{
+    enum err err = OK;
+    if (journal->log && sync == FILE_SYNC_ALWAYS)
+        err = mend_failures(journal, fault);
+    if (!err && journal->log)
+        err = file_log_set_sync(journal->log, sync, fault);
+    if (!err)
+        journal->sync = sync;
+    return err;
+}
+
+enum err journal_sync(struct journal *journal, struct fault *fault)
+{
+    if (!journal->log)
+        return OK;
+    enum err err = mend_failures(journal, fault);
+    return err ? err : file_log_sync(journal->log, fault);
+}
+
+bool journal_only_looks(const struct journal *journal)
+{
+    return journal->log == NULL;
+}
+
 const char *journal_path(const struct journal *journal)
 {
-    return file_log_path(journal->log);
+    return buf_text(&journal->path);
 }
 
 size_t journal_count(const struct journal *journal)
@@ -319,15 +426,16 @@ enum err journal_audit(const struct journal *journal, struct fault *fault)
     do
         step = walk_next_sound(&walk, &record);
     while (step == WALK_RECORD);
-    const bool tail_is_fine =
-        step == WALK_END || (step == WALK_TORN && journal->is_ragged); /* J2 */
-    const bool content_is_ours = walk.offset == journal->length && walk.records == journal->count &&
+    const bool tail_is_fine = step == WALK_END || (step == WALK_TORN && journal->log &&
+                                                   file_log_is_ragged(journal->log)); /* J2 */
+    const bool content_is_ours = walk.offset == journal->kept.length &&
+                                 walk.records == journal->count &&
                                  strcmp(walk.chain.hex, journal->chain.hex) == 0; /* J3 */
     if (!tail_is_fine || !content_is_ours)
-        err = fault_set(
-            fault, ERR_CHECK,
-            "%s holds %zu records in %zu bytes where %zu in %" PRIu64 " were acknowledged",
-            journal_path(journal), walk.records, walk.offset, journal->count, journal->length);
+        err = fault_set(fault, ERR_CHECK,
+                        "%s holds %zu records in %zu bytes where %zu in %zu were acknowledged",
+                        journal_path(journal), walk.records, walk.offset, journal->count,
+                        journal->kept.length);
     walk_release(&walk);
 done:
     buf_release(&bytes);

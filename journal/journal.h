@@ -3,7 +3,7 @@
  *
  * Promises, by numbers that the tests use too:
  *   J1 a command is acknowledged only after its record is synced: when journal_append returns OK,
- *      the record is on the disk;
+ *      the record is on the disk. Whoever asks for less (journal_set_sync) gets less, told there;
  *   J2 the file is always header + valid records + at most one torn record;
  *   J3 bytes before the end of the valid part never change;
  *   J4 replay reproduces every recorded word, or stops at the first that differs and says which
@@ -12,7 +12,9 @@
  *      caller undoes the edit. Nothing is appended until the cut is on the disk as well, so that a
  *      record which was refused cannot come back;
  *   J6 one writer at a time: the file is locked from journal_create or journal_open to
- *      journal_close. Readers (replay, journal_check) take no lock.
+ *      journal_close. Readers (replay, journal_check) take no lock;
+ *   J7 the session outlives the file: every byte is kept in memory too, so that the record can go
+ * on in another file (journal_continue) when this one is full, gone or failing.
  *
  * The bytes are told in journal/FORMAT.md, and encoded and walked by record.h and walk.h. A
  * journal holds at most JOURNAL_BYTES_MAX bytes, so that whoever reads it knows what it takes.
@@ -20,6 +22,7 @@
 #ifndef JOURNAL_JOURNAL_H
 #define JOURNAL_JOURNAL_H
 
+#include "base/file_log.h"
 #include "journal/record.h"
 
 #define JOURNAL_BYTES_MAX ((size_t)256 << 20)
@@ -34,11 +37,14 @@ enum err journal_create(struct journal **journal, const char *path, unsigned sem
 
 struct journal_resume {
     unsigned semantics; /* a journal of another one is refused: it could not be continued */
+    bool any_semantics; /* unless this is set: for repair, where nothing is carried out */
     /* Called for every record in order, once it is known that the journal can be opened. An error
      * ends the opening with that error, the file as it was. NULL calls nobody. */
     enum err (*on_record)(void *context, const struct record *record, struct fault *fault);
     void *context;
     bool cuts_damage; /* repair on request: what follows the last sound record is cut off */
+    bool only_looks;  /* takes no lock and never writes: what is appended is kept in memory alone,
+                         from where journal_continue takes it; a torn tail is left where it is */
 };
 
 /* Opens `path` to continue it. A torn tail (and damage, where asked for) is saved as PATH.torn-N,
@@ -49,6 +55,13 @@ struct journal_resume {
 enum err journal_open(struct journal **journal, const char *path,
                       const struct journal_resume *resume, struct buf *notice, struct fault *fault);
 
+/* Keeps what is sound of the journal at `path`, whatever its semantics, saves the rest beside it as
+ * journal_open does, and adds a line to `told`: how many records were kept, what was cut off, from
+ * which byte, and where it is now; or that there was nothing to do. ERR_INPUT where not even line 1
+ * can be read. `semantics` is for a file that has no header yet. */
+enum err journal_repair(const char *path, unsigned semantics, struct buf *told,
+                        struct fault *fault);
+
 /* Appends the record of a command that has been carried out: one write, one sync. Words are
  * "key=value key=value" or "". On failure the journal is what it was (J5). */
 enum err journal_append(struct journal *journal, const char *command, const char *words,
@@ -57,6 +70,21 @@ enum err journal_append(struct journal *journal, const char *command, const char
 /* Keeps one comment line ("# why" or "") for the next record, which it becomes part of. It is lost
  * if there is none. */
 enum err journal_comment(struct journal *journal, const char *comment, struct fault *fault);
+
+/* Goes on in a new file: the whole journal so far is written to `path`, which must not exist, and
+ * synced; what follows is recorded there. The former file stays as it was when it was last right.
+ * On failure nothing has changed, and there is no new file. */
+enum err journal_continue(struct journal *journal, const char *path, struct fault *fault);
+
+/* When records are synced. FILE_SYNC_EVERY_SECOND: a loss of power may take the records of the last
+ * second; FILE_SYNC_OFF: those since the system, journal_sync or journal_close last synced. Records
+ * may then be lost from the end, or, where the disk wrote them in another order, damaged: what was
+ * synced is sound in either case. */
+enum err journal_set_sync(struct journal *journal, enum file_sync sync, struct fault *fault);
+
+/* Every record is on the disk, or ERR_IO. What a failed sync may have lost is written again. */
+enum err journal_sync(struct journal *journal, struct fault *fault);
+bool journal_only_looks(const struct journal *journal);
 
 const char *journal_path(const struct journal *journal);
 size_t journal_count(const struct journal *journal);      /* records */

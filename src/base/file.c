@@ -5,83 +5,17 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-struct file_log {
-    int fd;
-    uint64_t length;
-    char *path;
-};
-
-int (*file_step_hook)(enum file_step step, const char *path);
-
-bool file_step_fails(enum file_step step, const char *path)
-{
-    int number = file_step_hook ? file_step_hook(step, path) : 0;
-    if (number)
-        errno = number;
-    return number != 0;
-}
-
-static int open_again(const char *path, int flags)
-{
-    if (file_step_fails(FILE_STEP_OPEN, path))
-        return -1;
-    int fd;
-    do
-        fd = open(path, flags | O_CLOEXEC | O_NOCTTY, 0666);
-    while (fd < 0 && errno == EINTR);
-    return fd;
-}
-
-static bool write_all(int fd, const char *path, const char *bytes, size_t length)
-{
-    while (length > 0) {
-        if (file_step_fails(FILE_STEP_WRITE, path))
-            return false;
-        ssize_t n = write(fd, bytes, length);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n < 0)
-            return false;
-        bytes += n;
-        length -= (size_t)n;
-    }
-    return true;
-}
-
-static bool sync_data(int fd, const char *path)
-{
-    return !file_step_fails(FILE_STEP_SYNC, path) && fdatasync(fd) == 0;
-}
-
-/* Syncs the folder that holds `path`, so that a new name in it survives. File systems that cannot
- * sync a folder answer EINVAL; there is nothing more to do on those. */
-static bool sync_folder(const char *path)
-{
-    struct buf folder = {0};
-    file_folder(&folder, path);
-    int fd = -1;
-    if (folder.failed)
-        errno = ENOMEM;
-    else
-        fd = open_again(buf_text(&folder), O_RDONLY | O_DIRECTORY);
-    bool fine =
-        fd >= 0 && !file_step_fails(FILE_STEP_SYNC, path) && (fsync(fd) == 0 || errno == EINVAL);
-    if (fd >= 0)
-        close(fd);
-    buf_release(&folder);
-    return fine;
-}
+#include "base/file_steps.h"
 
 enum err file_read(struct buf *out, const char *path, size_t limit, struct fault *fault)
 {
     struct stat status;
     enum err err = OK;
     buf_clear(out);
-    int fd = open_again(path, O_RDONLY | O_NONBLOCK);
+    int fd = file_step_open(path, O_RDONLY | O_NONBLOCK);
     if (fd < 0 || fstat(fd, &status) != 0) {
         err = fault_errno(fault, "open", path);
         goto done;
@@ -147,8 +81,8 @@ enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, st
 
 enum err file_publish(const char *draft, const char *path, enum file_mode mode, struct fault *fault)
 {
-    int fd = open_again(draft, O_RDONLY);
-    bool synced = fd >= 0 && sync_data(fd, draft);
+    int fd = file_step_open(draft, O_RDONLY);
+    bool synced = fd >= 0 && file_step_sync(fd, draft);
     if (fd >= 0)
         close(fd);
     unsigned flags = mode == FILE_KEEP ? RENAME_NOREPLACE : 0;
@@ -158,7 +92,7 @@ enum err file_publish(const char *draft, const char *path, enum file_mode mode, 
         file_discard(draft);
         return err;
     }
-    if (!sync_folder(path))
+    if (!file_step_sync_folder(path))
         return fault_errno(fault, "sync the folder of", path);
     return OK;
 }
@@ -177,12 +111,12 @@ enum err file_write(const char *path, const void *bytes, size_t length, enum fil
     enum err err = file_draft(&draft, path, mode, fault);
     if (err)
         goto done;
-    int fd = open_again(buf_text(&draft), O_WRONLY | O_CREAT | O_EXCL);
+    int fd = file_step_open(buf_text(&draft), O_WRONLY | O_CREAT | O_EXCL);
     if (fd < 0) {
         err = fault_errno(fault, "write", path);
         goto done;
     }
-    bool written = write_all(fd, path, bytes, length);
+    bool written = file_step_write(fd, path, bytes, length);
     if (!written) {
         err = fault_errno(fault, "write", path);
         close(fd);
@@ -211,84 +145,7 @@ enum err file_restore(const char *backup, const char *path, struct fault *fault)
     if (rename(backup, path) != 0)
         return fault_errno(fault, "restore", path);
     file_discard(backup); /* it stays where path was never replaced: two names of one file */
-    return sync_folder(path) ? OK : fault_errno(fault, "sync the folder of", path);
-}
-
-enum err file_log_open(struct file_log **out, const char *path, bool create, struct fault *fault)
-{
-    struct stat status;
-    struct file_log *log = calloc(1, sizeof *log);
-    char *name = strdup(path);
-    enum err err = OK;
-    *out = NULL;
-    if (!log || !name) {
-        free(log);
-        free(name);
-        return fault_memory(fault, path);
-    }
-    *log = (struct file_log){.fd = -1, .path = name};
-    log->fd = open_again(path, create ? O_RDWR | O_CREAT | O_EXCL : O_RDWR | O_NONBLOCK);
-    if (log->fd < 0 && create && errno == EEXIST)
-        err = fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
-    else if (log->fd < 0 || fstat(log->fd, &status) != 0)
-        err = fault_errno(fault, create ? "create" : "open", path);
-    else if (!S_ISREG(status.st_mode))
-        err = fault_set(fault, ERR_IO, "%s is not a regular file", path);
-    else if (flock(log->fd, LOCK_EX | LOCK_NB) != 0)
-        err = fault_set(fault, ERR_IO, "%s is being written by another session", path);
-    else if (create && !sync_folder(path)) {
-        err = fault_errno(fault, "sync the folder of", path);
-        unlink(path);
-    }
-    if (err) {
-        file_log_close(log);
-        return err;
-    }
-    log->length = (uint64_t)status.st_size;
-    *out = log;
-    return OK;
-}
-
-enum err file_log_cut(struct file_log *log, uint64_t length, struct fault *fault)
-{
-    if (ftruncate(log->fd, (off_t)length) != 0 || !sync_data(log->fd, log->path))
-        return fault_errno(fault, "cut", log->path);
-    log->length = length;
-    return OK;
-}
-
-enum err file_log_append(struct file_log *log, const void *bytes, size_t length,
-                         struct fault *fault)
-{
-    bool placed = lseek(log->fd, (off_t)log->length, SEEK_SET) >= 0;
-    if (placed && write_all(log->fd, log->path, bytes, length) && sync_data(log->fd, log->path)) {
-        log->length += length;
-        return OK;
-    }
-    enum err err = fault_errno(fault, "append to", log->path);
-    if (ftruncate(log->fd, (off_t)log->length) != 0)
-        fault_prefix(fault, err, "a torn record is left at the end");
-    return err;
-}
-
-uint64_t file_log_length(const struct file_log *log)
-{
-    return log->length;
-}
-
-const char *file_log_path(const struct file_log *log)
-{
-    return log->path;
-}
-
-void file_log_close(struct file_log *log)
-{
-    if (!log)
-        return;
-    if (log->fd >= 0)
-        close(log->fd);
-    free(log->path);
-    free(log);
+    return file_step_sync_folder(path) ? OK : fault_errno(fault, "sync the folder of", path);
 }
 
 bool file_exists(const char *path)
@@ -303,7 +160,7 @@ bool file_begins_with(const char *path, const char *text)
     char start[64];
     const size_t length = strlen(text);
     bool begins = false;
-    int fd = open_again(path, O_RDONLY | O_NONBLOCK);
+    int fd = file_step_open(path, O_RDONLY | O_NONBLOCK);
     if (fd >= 0 && length <= sizeof start && fstat(fd, &status) == 0 && S_ISREG(status.st_mode))
         begins = pread(fd, start, length, 0) == (ssize_t)length && memcmp(start, text, length) == 0;
     if (fd >= 0)

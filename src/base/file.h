@@ -1,14 +1,12 @@
 /*
  * The file layer: the one place that writes and syncs.
  *
- * Two ways to write. A whole file appears complete or not at all (temporary name in the same
- * folder, sync, rename, sync of the folder). A log only grows: what file_append acknowledged has
- * reached the disk, and a failed append is cut off again, so that the file never holds half of it.
+ * A whole file appears complete or not at all (temporary name in the same folder, sync, rename,
+ * sync of the folder). Files that grow are base/file_log.h.
  *
  * Invariants
  *   F1 nothing that exists is overwritten unless the caller asked for it (FILE_REPLACE);
- *   F2 after a failure the target is what it was before;
- *   F3 when file_append returns OK, its bytes are on the disk.
+ *   F2 after a failure the target is what it was before.
  */
 #ifndef BASE_FILE_H
 #define BASE_FILE_H
@@ -44,24 +42,6 @@ void file_discard(const char *draft);
 enum err file_backup(struct buf *backup, const char *path, struct fault *fault);
 enum err file_restore(const char *backup, const char *path, struct fault *fault);
 
-/* A file that grows. */
-struct file_log;
-
-/* Opens `path` for appending, creating it (and syncing its folder) where `create` is set and
- * refusing an existing one then. Takes a lock: a second writer gets ERR_IO with words that say so.
- * On success *log is to be closed by the caller. */
-enum err file_log_open(struct file_log **log, const char *path, bool create, struct fault *fault);
-
-/* Appends and syncs. On failure the file is cut back to its former length. */
-enum err file_log_append(struct file_log *log, const void *bytes, size_t length,
-                         struct fault *fault);
-
-/* Cuts the file to `length` bytes and syncs. */
-enum err file_log_cut(struct file_log *log, uint64_t length, struct fault *fault);
-uint64_t file_log_length(const struct file_log *log);
-const char *file_log_path(const struct file_log *log);
-void file_log_close(struct file_log *log);
-
 bool file_exists(const char *path);
 bool file_begins_with(const char *path, const char *text); /* a regular file that can be read */
 bool file_is_folder(const char *path);
@@ -73,7 +53,14 @@ void file_folder(struct buf *out, const char *path);
 
 /* For tests: called before every step that can fail; a non-zero answer is the errno the step then
  * fails with. NULL (the default) asks nobody. */
-enum file_step { FILE_STEP_OPEN, FILE_STEP_WRITE, FILE_STEP_SYNC, FILE_STEP_RENAME };
+enum file_step {
+    FILE_STEP_OPEN,
+    FILE_STEP_WRITE,
+    FILE_STEP_SYNC,
+    FILE_STEP_RENAME,
+    FILE_STEP_CUT,
+    FILE_STEP_SYNC_FOLDER /* of the folder that holds `path` */
+};
 extern int (*file_step_hook)(enum file_step step, const char *path);
 
 /* Asks the hook, and sets errno where the step is to fail. */

@@ -1,0 +1,367 @@
+#include "base/file_log.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/file_steps.h"
+#include "base/holder.h"
+
+struct file_log {
+    int fd;
+    char *path;
+    dev_t device; /* with `inode`: the file, whatever it is called */
+    ino_t inode;
+    enum file_sync sync;
+    bool is_ragged; /* G1 */
+
+    pthread_mutex_t lock; /* of what follows: the thread reads and writes it too */
+    pthread_cond_t stirs; /* something waits to be synced, or the thread is to leave */
+    uint64_t length, synced;
+    bool is_in_doubt; /* G3 */
+    bool leaves;
+    bool has_thread;
+    pthread_t thread;
+};
+
+/* ---- syncing --------------------------------------------------------------------------------- */
+
+/* Syncs and notes how far that went. The lock is held at call and return, not while it lasts. */
+static bool sync_now(struct file_log *log)
+{
+    const uint64_t length = log->length;
+    pthread_mutex_unlock(&log->lock);
+    const bool fine = file_step_sync(log->fd, log->path);
+    const int number = errno;
+    pthread_mutex_lock(&log->lock);
+    if (!fine)
+        log->is_in_doubt = true;
+    else if (!log->is_in_doubt && length <= log->length)
+        log->synced = length > log->synced ? length : log->synced;
+    errno = number;
+    return fine && !log->is_in_doubt;
+}
+
+static bool has_work(const struct file_log *log)
+{
+    return log->synced < log->length && !log->is_in_doubt;
+}
+
+/* The thread: a second after something was appended, it is synced with whatever followed it. */
+static void *sync_every_second(void *argument)
+{
+    struct file_log *log = argument;
+    pthread_mutex_lock(&log->lock);
+    while (!log->leaves) {
+        struct timespec until;
+        int waited = 0;
+        if (!has_work(log)) {
+            pthread_cond_wait(&log->stirs, &log->lock);
+            continue;
+        }
+        clock_gettime(CLOCK_MONOTONIC, &until);
+        until.tv_sec += 1;
+        while (!log->leaves && waited != ETIMEDOUT)
+            waited = pthread_cond_timedwait(&log->stirs, &log->lock, &until);
+        if (!log->leaves && has_work(log))
+            sync_now(log);
+    }
+    pthread_mutex_unlock(&log->lock);
+    return NULL;
+}
+
+static enum err start_thread(struct file_log *log, struct fault *fault)
+{
+    sigset_t all, before;
+    log->leaves = false;
+    sigfillset(&all); /* signals are the caller's */
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int number = pthread_create(&log->thread, NULL, sync_every_second, log);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    log->has_thread = number == 0;
+    if (number == 0)
+        return OK;
+    errno = number;
+    return fault_errno(fault, "start a thread that syncs", log->path);
+}
+
+static void stop_thread(struct file_log *log)
+{
+    if (!log->has_thread)
+        return;
+    pthread_mutex_lock(&log->lock);
+    log->leaves = true;
+    pthread_cond_signal(&log->stirs);
+    pthread_mutex_unlock(&log->lock);
+    pthread_join(log->thread, NULL);
+    log->has_thread = false;
+}
+
+enum err file_log_sync(struct file_log *log, struct fault *fault)
+{
+    pthread_mutex_lock(&log->lock);
+    if (log->is_in_doubt)
+        errno = EIO;
+    const bool fine = !log->is_in_doubt && (log->synced == log->length || sync_now(log));
+    const int number = errno;
+    pthread_mutex_unlock(&log->lock);
+    errno = number;
+    return fine ? OK : fault_errno(fault, "sync", log->path);
+}
+
+bool file_log_is_in_doubt(struct file_log *log)
+{
+    pthread_mutex_lock(&log->lock);
+    const bool doubt = log->is_in_doubt;
+    pthread_mutex_unlock(&log->lock);
+    return doubt;
+}
+
+enum err file_log_set_sync(struct file_log *log, enum file_sync sync, struct fault *fault)
+{
+    enum err err = OK;
+    if (sync == FILE_SYNC_ALWAYS)
+        err = file_log_sync(log, fault);
+    if (!err && sync == FILE_SYNC_EVERY_SECOND && !log->has_thread)
+        err = start_thread(log, fault);
+    if (err)
+        return err;
+    if (sync != FILE_SYNC_EVERY_SECOND)
+        stop_thread(log);
+    log->sync = sync;
+    return OK;
+}
+
+/* ---- opening --------------------------------------------------------------------------------- */
+
+static enum err fault_held(const struct stat *status, const char *path, struct fault *fault)
+{
+    struct buf words = {0};
+    const bool known = holder_find(&words, status);
+    enum err err = fault_set(fault, ERR_IO,
+                             "%s is being written by another session%s%s; it is unchanged, and "
+                             "--read-only opens it for looking",
+                             path, known ? ", " : "", known ? buf_text(&words) : "");
+    buf_release(&words);
+    return err;
+}
+
+static enum err take(struct file_log *log, bool create, struct fault *fault)
+{
+    struct stat status;
+    const char *path = log->path;
+    log->fd = file_step_open(path, create ? O_RDWR | O_CREAT | O_EXCL : O_RDWR | O_NONBLOCK);
+    if (log->fd < 0 && create && errno == EEXIST)
+        return fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
+    if (log->fd < 0 && !create && (errno == EACCES || errno == EROFS || errno == EPERM)) {
+        enum err err = fault_errno(fault, "write to", path);
+        return fault_prefix(fault, err, "--read-only opens it for looking");
+    }
+    if (log->fd < 0 || fstat(log->fd, &status) != 0)
+        return fault_errno(fault, create ? "create" : "open", path);
+    if (!S_ISREG(status.st_mode))
+        return fault_set(fault, ERR_IO, "%s is not a regular file", path);
+    if (flock(log->fd, LOCK_EX | LOCK_NB) != 0)
+        return errno == EWOULDBLOCK ? fault_held(&status, path, fault)
+                                    : fault_errno(fault, "lock", path);
+    if (fstat(log->fd, &status) != 0) /* again: it may have grown until it was ours */
+        return fault_errno(fault, "open", path);
+    log->device = status.st_dev;
+    log->inode = status.st_ino;
+    log->length = (uint64_t)status.st_size;
+    if (create && !file_step_sync_folder(path)) {
+        enum err err = fault_errno(fault, "sync the folder of", path);
+        unlink(path);
+        return err;
+    }
+    return OK;
+}
+
+static struct file_log *log_new(const char *path)
+{
+    struct file_log *log = calloc(1, sizeof *log);
+    pthread_condattr_t attributes;
+    if (!log)
+        return NULL;
+    log->fd = -1;
+    log->path = strdup(path);
+    if (!log->path) {
+        free(log);
+        return NULL;
+    }
+    pthread_mutex_init(&log->lock, NULL);
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_cond_init(&log->stirs, &attributes);
+    pthread_condattr_destroy(&attributes);
+    return log;
+}
+
+enum err file_log_open(struct file_log **out, const char *path, bool create, struct fault *fault)
+{
+    struct file_log *log = log_new(path);
+    *out = NULL;
+    if (!log)
+        return fault_memory(fault, path);
+    enum err err = take(log, create, fault);
+    if (!err)
+        err = file_log_sync(log, fault);
+    if (err)
+        file_log_close(log);
+    else
+        *out = log;
+    return err;
+}
+
+enum err file_log_sync_folder(const struct file_log *log, struct fault *fault)
+{
+    return file_step_sync_folder(log->path) ? OK
+                                            : fault_errno(fault, "sync the folder of", log->path);
+}
+
+/* ---- writing --------------------------------------------------------------------------------- */
+
+/* G2. Only a name that leads to the file makes it worth writing to. */
+static enum err find_in_place(const struct file_log *log, struct fault *fault)
+{
+    struct stat there;
+    if (stat(log->path, &there) != 0)
+        return errno == ENOENT || errno == ENOTDIR
+                   ? fault_set(fault, ERR_IO, "%s is gone: it was deleted or moved away", log->path)
+                   : fault_errno(fault, "look for", log->path);
+    if (there.st_dev != log->device || there.st_ino != log->inode)
+        return fault_set(fault, ERR_IO, "%s was replaced: another file has its name now",
+                         log->path);
+    if ((uint64_t)there.st_size != log->length)
+        return fault_set(fault, ERR_IO,
+                         "%s was changed by somebody else: it holds %lld bytes, %llu were written",
+                         log->path, (long long)there.st_size, (unsigned long long)log->length);
+    return OK;
+}
+
+static void set_length(struct file_log *log, uint64_t length)
+{
+    pthread_mutex_lock(&log->lock);
+    log->length = length;
+    log->synced = log->synced < length ? log->synced : length;
+    pthread_cond_signal(&log->stirs);
+    pthread_mutex_unlock(&log->lock);
+}
+
+static void note_synced(struct file_log *log)
+{
+    pthread_mutex_lock(&log->lock);
+    log->is_in_doubt = false;
+    log->synced = log->length;
+    pthread_mutex_unlock(&log->lock);
+}
+
+/* A sync has failed: the system may have forgotten what waited for one. */
+static void doubt_what_waits(struct file_log *log)
+{
+    pthread_mutex_lock(&log->lock);
+    log->is_in_doubt = log->is_in_doubt || log->synced < log->length;
+    pthread_mutex_unlock(&log->lock);
+}
+
+enum err file_log_cut(struct file_log *log, uint64_t length, struct fault *fault)
+{
+    if (!file_step_cut(log->fd, log->path, length))
+        return fault_errno(fault, "cut", log->path);
+    if (!file_step_sync(log->fd, log->path)) {
+        doubt_what_waits(log);
+        return fault_errno(fault, "cut", log->path);
+    }
+    set_length(log, length);
+    log->is_ragged = false;
+    return OK;
+}
+
+/* Bytes that were not there before: a sync that fails takes nothing with it but them. */
+static bool add(struct file_log *log, const void *bytes, size_t length)
+{
+    return lseek(log->fd, (off_t)log->length, SEEK_SET) >= 0 &&
+           file_step_write(log->fd, log->path, bytes, length) &&
+           (log->sync != FILE_SYNC_ALWAYS || file_step_sync(log->fd, log->path));
+}
+
+enum err file_log_append(struct file_log *log, const void *bytes, size_t length,
+                         struct fault *fault)
+{
+    enum err err = find_in_place(log, fault);
+    if (!err && (log->is_ragged || file_log_is_in_doubt(log)))
+        err = fault_set(fault, ERR_IO, "%s is not mended after a failure", log->path);
+    if (err)
+        return err;
+    if (add(log, bytes, length)) {
+        set_length(log, log->length + length);
+        if (log->sync == FILE_SYNC_ALWAYS)
+            note_synced(log);
+        return OK;
+    }
+    err = fault_errno(fault, "append to", log->path);
+    log->is_ragged = true;
+    if (file_log_cut(log, log->length, NULL) != OK)
+        fault_prefix(fault, err, "what was refused may still stand at its end");
+    return err;
+}
+
+bool file_log_is_ragged(const struct file_log *log)
+{
+    return log->is_ragged;
+}
+
+enum err file_log_rewrite(struct file_log *log, const char *bytes, struct fault *fault)
+{
+    enum err err = find_in_place(log, fault);
+    const uint64_t from = file_log_synced(log);
+    if (err)
+        return err;
+    if (lseek(log->fd, (off_t)from, SEEK_SET) < 0 ||
+        !file_step_write(log->fd, log->path, bytes + from, (size_t)(log->length - from)) ||
+        !file_step_sync(log->fd, log->path))
+        return fault_errno(fault, "write again what could not be synced of", log->path);
+    note_synced(log);
+    return OK;
+}
+
+uint64_t file_log_length(const struct file_log *log)
+{
+    return log->length;
+}
+
+uint64_t file_log_synced(struct file_log *log)
+{
+    pthread_mutex_lock(&log->lock);
+    const uint64_t synced = log->synced;
+    pthread_mutex_unlock(&log->lock);
+    return synced;
+}
+
+const char *file_log_path(const struct file_log *log)
+{
+    return log->path;
+}
+
+void file_log_close(struct file_log *log)
+{
+    if (!log)
+        return;
+    stop_thread(log);
+    if (log->fd >= 0 && log->synced < log->length)
+        file_log_sync(log, NULL);
+    if (log->fd >= 0)
+        close(log->fd);
+    pthread_cond_destroy(&log->stirs);
+    pthread_mutex_destroy(&log->lock);
+    free(log->path);
+    free(log);
+}

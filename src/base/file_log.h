@@ -1,0 +1,77 @@
+/*
+ * A file that grows, has one writer, and is synced as its owner wants it.
+ *
+ * What is promised of an append depends on when the file is synced:
+ *   always  its bytes are on the disk when it returns;
+ *   second  a thread syncs at most a second later: a loss of power may take the last second;
+ *   off     whenever the system does, a `file_log_sync` asks for it, or the log is closed.
+ * In all three a process that is killed loses nothing: the bytes are the system's by then.
+ *
+ * Invariants
+ *   G1 a failed append is cut off again, so that the file never holds half of it. Nothing is
+ *      appended until that cut is on the disk: else bytes that were refused could be back after a
+ *      loss of power, or stand behind a shorter append;
+ *   G2 nothing is appended to a file that is not at its path any more (deleted, moved, replaced),
+ *      nor to one that somebody else has made longer or shorter;
+ *   G3 a sync that has failed is never asked again and believed: systems forget what they could
+ *      not write. What stands behind `synced` is written anew (file_log_rewrite) before anything
+ *      else is appended;
+ *   G4 one writer at a time, by a lock of the system that ends with the process.
+ *
+ * Apart from the thread inside, a log belongs to one thread.
+ */
+#ifndef BASE_FILE_LOG_H
+#define BASE_FILE_LOG_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+
+/* Their names, in the order of the enum. */
+#define FILE_SYNC_WORDS "always|everysec|off"
+enum file_sync { FILE_SYNC_ALWAYS, FILE_SYNC_EVERY_SECOND, FILE_SYNC_OFF };
+
+struct file_log;
+
+/* Opens `path` for appending, creating it (and syncing its folder) where `create` is set and
+ * refusing an existing one then. Takes the lock: a second writer gets ERR_IO and words that say who
+ * holds it. What stands in a file that is opened is synced, whatever became of its last writer.
+ * On success *log is to be closed by the caller; it syncs always. */
+enum err file_log_open(struct file_log **log, const char *path, bool create, struct fault *fault);
+
+/* Syncs the folder that holds the file: it can be found after a loss of power. */
+enum err file_log_sync_folder(const struct file_log *log, struct fault *fault);
+
+/* Appends, and syncs as was asked for. On failure the file is cut back to its former length; where
+ * even that fails it is ragged, and file_log_cut is to be tried again (G1). */
+enum err file_log_append(struct file_log *log, const void *bytes, size_t length,
+                         struct fault *fault);
+
+bool file_log_is_ragged(const struct file_log *log);
+
+/* Cuts the file to `length` bytes and syncs. */
+enum err file_log_cut(struct file_log *log, uint64_t length, struct fault *fault);
+
+/* All that was appended is on the disk, or ERR_IO; then the log is in doubt (G3). */
+enum err file_log_sync(struct file_log *log, struct fault *fault);
+
+/* A sync has failed, this one or that of the thread, and nothing was rewritten since. */
+bool file_log_is_in_doubt(struct file_log *log);
+
+/* Writes again what may not be on the disk, and syncs it. `bytes` is the whole content, as it was
+ * appended. */
+enum err file_log_rewrite(struct file_log *log, const char *bytes, struct fault *fault);
+
+/* From now on syncs so. Towards `always` everything is synced first; on failure it is as it was. */
+enum err file_log_set_sync(struct file_log *log, enum file_sync sync, struct fault *fault);
+
+uint64_t file_log_length(const struct file_log *log);
+uint64_t file_log_synced(struct file_log *log); /* bytes that are known to be on the disk */
+const char *file_log_path(const struct file_log *log);
+
+/* Syncs what waits, as far as that is possible: ask file_log_sync before to know. NULL is fine. */
+void file_log_close(struct file_log *log);
+
+#endif

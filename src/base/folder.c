@@ -1,0 +1,81 @@
+#include "base/folder.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/file_steps.h"
+
+enum { COPY_BYTES_MOST = 1 << 30 };
+
+static bool is_regular(const char *path)
+{
+    struct stat status;
+    return lstat(path, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+static void join(struct buf *out, const char *folder, const char *name)
+{
+    buf_clear(out);
+    buf_printf(out, "%s/%s", folder, name);
+}
+
+static enum err copy_one(const char *from, const char *to, const char *name, struct fault *fault)
+{
+    struct buf source = {0}, target = {0}, bytes = {0};
+    enum err err = OK;
+    join(&source, from, name);
+    join(&target, to, name);
+    if (source.failed || target.failed)
+        err = fault_memory(fault, "a path");
+    else if (is_regular(buf_text(&source)))
+        err = file_read(&bytes, buf_text(&source), COPY_BYTES_MOST, fault);
+    if (!err && bytes.data)
+        err = file_write(buf_text(&target), bytes.data, bytes.length, FILE_KEEP, fault);
+    buf_release(&source);
+    buf_release(&target);
+    buf_release(&bytes);
+    return err;
+}
+
+static enum err copy_all(const char *from, const char *to, struct fault *fault)
+{
+    enum err err = OK;
+    DIR *folder = opendir(from);
+    if (!folder)
+        return fault_errno(fault, "open", from);
+    for (struct dirent *entry; !err && (entry = readdir(folder));)
+        if (*entry->d_name != '.')
+            err = copy_one(from, to, entry->d_name, fault);
+    closedir(folder);
+    return err;
+}
+
+enum err folder_copy(const char *from, const char *to, struct fault *fault)
+{
+    if (mkdir(to, 0777) != 0)
+        return fault_errno(fault, "make the folder", to);
+    enum err err = copy_all(from, to, fault);
+    if (!err && !file_step_sync_folder(to))
+        err = fault_errno(fault, "sync the folder of", to);
+    if (err)
+        folder_discard(to);
+    return err;
+}
+
+void folder_discard(const char *path)
+{
+    struct buf name = {0};
+    DIR *folder = opendir(path);
+    for (struct dirent *entry; folder && (entry = readdir(folder));) {
+        join(&name, path, entry->d_name);
+        if (!name.failed && is_regular(buf_text(&name)))
+            unlink(buf_text(&name));
+    }
+    if (folder)
+        closedir(folder);
+    buf_release(&name);
+    rmdir(path);
+}
