@@ -30,6 +30,7 @@ static const char usage[] =
     "    iftty replay JOURNAL           carry a journal out again, compare every result\n"
     "    iftty verify JOURNAL...        the same quietly, and compare golden images; TAP\n"
     "    iftty log JOURNAL              print a journal; --script its commands, --check its chain\n"
+    "    iftty log --repair JOURNAL     keep what is sound of it, and the rest beside it\n"
     "    iftty show PICTURE             show a picture file inline, if the terminal can\n"
     "    iftty info FILE                what a picture, a scene or a journal says of itself; "
     "--json\n"
@@ -40,6 +41,7 @@ static const char usage[] =
     "    iftty help [COMMAND]           the commands of prompt, script and journal\n"
     "\n"
     "    --journal FILE    record there (run, -c, prompt); an existing journal is resumed\n"
+    "    --read-only       resume it for looking: it is not written to, nor locked\n"
     "    --scene FILE      open this scene, whatever name `open` gives\n"
     "    --out DIR         write files into this folder (replay writes none without); verify\n"
     "                      leaves there what a golden image differs by\n"
@@ -56,7 +58,7 @@ static const char usage[] =
 struct options {
     const char *journal, *scene, *out, *commands;
     const char *rounds, *plots;
-    bool keep_going, script, check, json, csv, quick;
+    bool keep_going, read_only, script, check, repair, json, csv, quick;
     enum graphics graphics;
     char **word; /* what is left: program and files */
     int words;
@@ -180,6 +182,8 @@ static enum err read_options(struct options *o, int count, char **word, struct f
         const char *name;
         bool *flag;
     } plain[] = {{"--keep-going", &o->keep_going},
+                 {"--read-only", &o->read_only},
+                 {"--repair", &o->repair},
                  {"--script", &o->script},
                  {"--check", &o->check},
                  {"--json", &o->json},
@@ -233,10 +237,13 @@ static enum err begin_desk(struct desk *desk, const struct options *o, struct fa
     desk->session.watch = &watch;
     desk->scene_path = o->scene;
     desk->out_folder = o->out;
+    desk->looks = o->read_only;
     if (!err && o->out)
         err = file_make_folder(o->out, fault);
     if (!err && o->journal && file_exists(o->journal))
         err = desk_resume_journal(desk, o->journal, &told, fault);
+    else if (!err && o->journal && o->read_only)
+        err = fault_set(fault, ERR_IO, "--read-only: there is no journal %s", o->journal);
     else if (!err && o->journal)
         err = desk_create_journal(desk, o->journal, fault);
     progress_erase(&progress);
@@ -244,6 +251,16 @@ static enum err begin_desk(struct desk *desk, const struct options *o, struct fa
         fprintf(stderr, "iftty: %s", buf_text(&told));
     buf_release(&told);
     return err;
+}
+
+/* What waits to be synced when a session ends; `err` is what it ends with. */
+static enum err sync_journal(struct desk *desk, enum err err, struct fault *fault)
+{
+    struct fault words;
+    enum err synced = desk->journal ? journal_sync(desk->journal, &words) : OK;
+    if (synced && !err)
+        *fault = words;
+    return err ? err : synced;
 }
 
 static enum err run_lines(const struct options *o, FILE *input, const char *name,
@@ -257,6 +274,7 @@ static enum err run_lines(const struct options *o, FILE *input, const char *name
         err = drive_script(&desk, input, name, o->keep_going, &teller, fault);
         fault->text[0] = '\0'; /* told with its line */
     }
+    err = sync_journal(&desk, err, fault);
     desk_release(&desk);
     return err;
 }
@@ -335,11 +353,23 @@ static enum err program_verify(const struct options *o, struct fault *fault)
     return err;
 }
 
+static enum err repair(const char *path, struct fault *fault)
+{
+    struct buf told = {0};
+    enum err err = journal_repair(path, SEMANTICS, &told, fault);
+    if (!err)
+        puts(buf_text(&told));
+    buf_release(&told);
+    return err;
+}
+
 static enum err program_log(const struct options *o, struct fault *fault)
 {
     struct buf bytes = {0}, text = {0};
     struct journal_condition condition;
     enum err err = need_files(o, 1, 1, fault);
+    if (!err && o->repair)
+        return repair(o->word[1], fault);
     if (!err)
         err = file_read(&bytes, o->word[1], JOURNAL_BYTES_MAX, fault);
     if (!err && o->check) {
@@ -599,6 +629,8 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
     struct buf journal = {0};
     if (o->words > 1)
         return fault_set(fault, ERR_USAGE, "one scene or journal at a time; see iftty --help");
+    if (o->read_only && !o->journal && !(o->words && desk_is_journal(o->word[0])))
+        return fault_set(fault, ERR_USAGE, "--read-only: name the journal to look at");
     prompt.first = o->words ? o->word[0] : NULL;
     prompt.resumes = prompt.first && desk_is_journal(prompt.first);
     if (prompt.resumes && o->journal)
@@ -628,11 +660,13 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
         err = repl_run(&host, &how, fault);
     if (press)
         finish_pictures(&prompt);
+    err = sync_journal(&prompt.desk, err, fault);
     if (prompt.desk.journal && isatty(STDOUT_FILENO)) {
         struct buf text = {0};
         const char *path = journal_path(prompt.desk.journal);
         buf_add_safe(&text, path, strlen(path));
-        printf("journal: %s (%zu records)\n", buf_text(&text), journal_count(prompt.desk.journal));
+        printf("journal: %s (%zu records%s)\n", buf_text(&text), journal_count(prompt.desk.journal),
+               journal_only_looks(prompt.desk.journal) ? ", not written to" : "");
         buf_release(&text);
     }
     reply_release(&prompt.reply);

@@ -68,6 +68,10 @@ ACT(spin);
 /* act_pick.c */
 ACT(pick);
 
+/* act_journal.c */
+ACT(journal);
+ACT(sync);
+
 /* act_ask.c */
 ACT(why);
 ACT(info);

@@ -230,6 +230,10 @@ ACT(golden)
         return fault_set(fault, ERR_USAGE,
                          "NAME: expected small letters, digits, - and _ (at most 64), not %s",
                          name);
+    if (desk->looks && desk->journal && journal_only_looks(desk->journal))
+        return fault_set(fault, ERR_USAGE,
+                         "the journal is only looked at, and its golden images with it; `journal "
+                         "FILE` goes on in a file of your own");
     enum err err = take_golden(desk, &value[1], &picture, reply, fault);
     if (err)
         return err;

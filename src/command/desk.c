@@ -168,7 +168,9 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
         err = journal_append(desk->journal, buf_text(&reply->canonical), buf_text(&reply->words),
                              fault);
         if (err)
-            fault_prefix(fault, err, "the command is undone, because it could not be recorded");
+            fault_prefix(fault, err,
+                         "the command is undone, because it could not be recorded "
+                         "(`journal FILE` goes on in another file)");
     }
     settle_files(desk, err == OK);
     if (!err && desk->order)
@@ -182,6 +184,7 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
     } else {
         session_settle(&desk->session);
         desk->acknowledged++;
+        desk->unrecorded += recorded && !desk->journal;
     }
     call_release(&call);
     return err;
@@ -206,7 +209,7 @@ enum err desk_create_journal(struct desk *desk, const char *path, struct fault *
     enum err err = desk_set_home(desk, path, fault);
     if (!err)
         err = journal_create(&desk->journal, path, SEMANTICS, fault);
-    return err;
+    return err ? err : journal_set_sync(desk->journal, desk->sync, fault);
 }
 
 struct resume {
@@ -235,12 +238,16 @@ enum err desk_resume_journal(struct desk *desk, const char *path, struct buf *to
                              struct fault *fault)
 {
     struct resume resume = {.desk = desk};
-    struct journal_resume how = {
-        .semantics = SEMANTICS, .on_record = resume_record, .context = &resume};
+    struct journal_resume how = {.semantics = SEMANTICS,
+                                 .on_record = resume_record,
+                                 .context = &resume,
+                                 .only_looks = desk->looks};
     enum err err = desk_set_home(desk, path, fault);
     desk->replays = desk->resumes = true;
     if (!err)
         err = journal_open(&desk->journal, path, &how, told, fault);
+    if (!err)
+        err = journal_set_sync(desk->journal, desk->sync, fault);
     if (told && told->length)
         buf_add_char(told, '\n');
     desk->replays = desk->resumes = false;

@@ -19,8 +19,11 @@
 
 struct desk {
     struct session session;
-    struct journal *journal;     /* where commands are recorded; NULL records nothing */
-    const char *new_journal;     /* created with the first command that is recorded, or NULL */
+    struct journal *journal; /* where commands are recorded; NULL records nothing */
+    const char *new_journal; /* created with the first command that is recorded, or NULL */
+    enum file_sync sync;     /* when what is recorded is synced */
+    bool looks; /* a journal is opened for looking: nothing is written to it, J7 of journal.h */
+    size_t unrecorded;           /* commands that are no part of any journal, for the lack of one */
     struct image_helper *helper; /* started on first use */
     struct press *press; /* writes pictures beside the session; NULL: a command is acknowledged when
                             its picture is written */

@@ -455,6 +455,31 @@ const struct command command_table[] = {
      "(voxel index of the seed, 4294967295 where none reaches).",
      "save labels brain-labels.nii.gz",
      act_save},
+    {"journal",
+     GROUP_KEPT,
+     0,
+     {MAY("FILE", FILE, 0, 0)},
+     "where the record is, or go on in another file",
+     "    The whole record so far is written to FILE first, with its golden images\n"
+     "    beside it, so that it replays alone; what follows is recorded there. The\n"
+     "    former file stays as it was when it was last right. For a disk that is\n"
+     "    full or failing, a journal that was deleted or replaced, or one opened\n"
+     "    with --read-only. Not recorded.\n",
+     "journal",
+     act_journal},
+    {"sync",
+     GROUP_KEPT,
+     0,
+     {MAY_ONE_OF("WHEN", FILE_SYNC_WORDS)},
+     "when records reach the disk; now, without a word",
+     "    always, unless told: each before its command is acknowledged. everysec: a\n"
+     "    second later at most; a loss of power may take the commands of that\n"
+     "    second. off: whenever the system does, with `sync`, and at the end; a loss\n"
+     "    of power may take all since then, and leave damage behind what was synced,\n"
+     "    which `iftty log --repair` cuts off. A program that is killed loses\n"
+     "    nothing under any of them. Not recorded.\n",
+     "sync always",
+     act_sync},
     {"pick",
      GROUP_QUESTIONS,
      S,
