@@ -148,6 +148,40 @@ static enum walk_step end_torn(struct walk *walk)
     return end_walk(walk, WALK_TORN, walk->offset, walk->line);
 }
 
+/* The smallest block that a disk writes whole. */
+enum { SECTOR = 512 };
+
+/* Zeros stand only where whole sectors were not written: between sectors' ends, or the ends of what
+ * follows the last record. Single zero bytes are nobody's write. */
+static bool zeros_are_sectors(const struct walk *walk)
+{
+    for (size_t at = walk->offset; at < walk->length; at++) {
+        size_t end = at;
+        while (end < walk->length && walk->bytes[end] == '\0')
+            end++;
+        if (end > at && ((at != walk->offset && at % SECTOR != 0) ||
+                         (end != walk->length && end % SECTOR != 0)))
+            return false;
+        at = end;
+    }
+    return true;
+}
+
+/* A disk may write the sectors of an append in any order, and lose power between two: zeros then
+ * stand where one was not written, and bytes behind them. Such a record is the last: behind its
+ * result line, if that is there, nothing follows. */
+static bool is_torn_by_zeros(const struct walk *walk, const struct line *line)
+{
+    struct position at = {walk->offset, walk->line};
+    struct line later;
+    if (!walk->is_journal || !memchr(line->text, '\0', line->length))
+        return false;
+    while (take_line(walk, &at, &later))
+        if (line_is_result(&later) && at.offset < walk->length)
+            return false;
+    return zeros_are_sectors(walk);
+}
+
 /* Nothing is left but comments, or nothing at all. */
 static enum walk_step end_of_bytes(struct walk *walk)
 {
@@ -216,7 +250,7 @@ static enum walk_step find_command(struct walk *walk, struct position *at, struc
         if (!take_line(walk, at, line))
             return end_of_bytes(walk);
         if ((wrong = line_fault(line)))
-            return end_damaged(walk, line, wrong);
+            return is_torn_by_zeros(walk, line) ? end_torn(walk) : end_damaged(walk, line, wrong);
         if (walk->is_journal && !line->is_complete)
             return end_torn(walk);
         skip_indent(walk, line);
@@ -238,7 +272,7 @@ static enum walk_step find_result(struct walk *walk, struct position *at, bool *
     if (walk->as == WALK_AS_SCRIPT || !line_is_result(line))
         return WALK_RECORD;
     if ((wrong = line_fault(line)))
-        return end_damaged(walk, line, wrong);
+        return is_torn_by_zeros(walk, line) ? end_torn(walk) : end_damaged(walk, line, wrong);
     if (walk->is_journal && !line->is_complete)
         return end_torn(walk);
     if (!record_result_parse(line->text, line->length, result))

@@ -1,0 +1,413 @@
+/*
+ * What a journal is protected from: files that are deleted, moved, replaced or changed under it,
+ * syncs that fail, a second writer, flipped bits. And how it goes on elsewhere.
+ */
+#include <errno.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/buf.h"
+#include "base/clock.h"
+#include "base/file.h"
+#include "journal/journal.h"
+#include "journal/log.h"
+#include "tests/check.h"
+
+static char folder[64];
+
+/* A path in the test's own folder; it stays until four others were asked for. */
+static const char *place(const char *name)
+{
+    static char path[4][128];
+    static unsigned next;
+    char *at = path[next++ % 4];
+    snprintf(at, 128, "%s/%s", folder, name);
+    return at;
+}
+
+static void content(struct buf *out, const char *path)
+{
+    CHECK(file_read(out, path, JOURNAL_BYTES_MAX, NULL) == OK);
+}
+
+static void put(const char *path, const void *bytes, size_t length)
+{
+    CHECK(file_write(path, bytes, length, FILE_REPLACE, NULL) == OK);
+}
+
+static bool is_file_of(const char *path, const struct buf *bytes)
+{
+    struct buf found = {0};
+    content(&found, path);
+    const bool same =
+        found.length == bytes->length && memcmp(found.data, bytes->data, found.length) == 0;
+    buf_release(&found);
+    return same;
+}
+
+static enum err append(struct journal *journal, size_t n, struct fault *fault)
+{
+    char command[64], words[64];
+    snprintf(command, sizeof command, "seed %zu,2,3 1", n);
+    snprintf(words, sizeof words, "forest=%016zx seeds=%zu", n * 77, n);
+    return journal_append(journal, command, words, fault);
+}
+
+/* A new journal of `records`, open. */
+static struct journal *make(const char *path, size_t records)
+{
+    struct journal *journal;
+    unlink(path);
+    if (!CHECK(journal_create(&journal, path, 1, NULL) == OK))
+        abort();
+    for (size_t n = 1; n <= records; n++)
+        CHECK(append(journal, n, NULL) == OK);
+    return journal;
+}
+
+static enum err open_again(struct journal **journal, const char *path, struct fault *fault)
+{
+    const struct journal_resume how = {.semantics = 1};
+    return journal_open(journal, path, &how, NULL, fault);
+}
+
+/* The file at `path` is a sound journal of `records`. */
+static void holds(const char *path, size_t records)
+{
+    struct journal *journal;
+    if (!CHECK(open_again(&journal, path, NULL) == OK))
+        return;
+    CHECK_INT(journal_count(journal), records);
+    CHECK(journal_audit(journal, NULL) == OK);
+    journal_close(journal);
+}
+
+/* ---- a file that is not what it was ---- */
+
+enum harm { DELETED, MOVED, REPLACED, LONGER, SHORTER, HARMS };
+
+static void do_harm(const char *path, enum harm harm)
+{
+    struct buf bytes = {0};
+    char moved[160];
+    snprintf(moved, sizeof moved, "%s.moved", path);
+    content(&bytes, path);
+    if (harm == DELETED)
+        CHECK(unlink(path) == 0);
+    else if (harm == MOVED)
+        CHECK(rename(path, moved) == 0);
+    else if (harm == REPLACED)
+        put(path, bytes.data, bytes.length); /* the same bytes, another file */
+    else if (harm == SHORTER)
+        CHECK(truncate(path, (off_t)bytes.length - 5) == 0);
+    FILE *file = harm == LONGER ? fopen(path, "ae") : NULL;
+    if (file) {
+        fputs("# not ours\n", file);
+        fclose(file);
+    }
+    buf_release(&bytes);
+}
+
+STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
+{
+    static const char *const words[] = {"is gone", "is gone", "was replaced", "was changed",
+                                        "was changed"};
+    char path[128], other[128];
+    strcpy(path, place("harmed.iftty"));
+    strcpy(other, place("harmed-2.iftty"));
+    for (enum harm harm = DELETED; harm < HARMS; harm++) {
+        struct fault fault;
+        struct buf left = {0};
+        struct journal *journal = make(path, 3);
+        unlink(other);
+        do_harm(path, harm);
+        if (file_exists(path))
+            content(&left, path);
+        for (int tries = 0; tries < 2; tries++) {
+            CHECK(append(journal, 4, &fault) == ERR_IO);
+            CHECK_HAS(fault.text, words[harm]);
+            CHECK_HAS(fault.text, "not recorded");
+            CHECK_INT(journal_count(journal), 3);
+        }
+        CHECK(left.data ? is_file_of(path, &left) : !file_exists(path));
+        CHECK(journal_continue(journal, other, &fault) == OK); /* and the session goes on */
+        CHECK_TEXT(journal_path(journal), other);
+        CHECK(append(journal, 4, NULL) == OK);
+        CHECK(left.data ? is_file_of(path, &left) : !file_exists(path));
+        journal_close(journal);
+        holds(other, 4);
+        buf_release(&left);
+    }
+}
+
+static unsigned steps_left;
+static bool fails_for_good;
+
+static int fail_step(enum file_step step, const char *path)
+{
+    (void)step, (void)path;
+    if (steps_left > 0) {
+        steps_left--;
+        return 0;
+    }
+    if (!fails_for_good)
+        steps_left = 1000000;
+    return ENOSPC;
+}
+
+STORY(going_on_elsewhere_is_all_or_nothing)
+{
+    char path[128], other[128];
+    unsigned failures = 0;
+    strcpy(path, place("from.iftty"));
+    strcpy(other, place("to.iftty"));
+    for (unsigned steps = 0; steps < 24; steps++) {
+        struct journal *journal = make(path, 3);
+        struct fault fault = {.text = ""};
+        unlink(other);
+        steps_left = steps / 2;
+        fails_for_good = steps % 2;
+        file_step_hook = fail_step;
+        const enum err err = journal_continue(journal, other, &fault);
+        file_step_hook = NULL;
+        if (err) {
+            failures++;
+            CHECK_HAS(fault.text, strerror(ENOSPC));
+            CHECK(!file_exists(other));
+        }
+        CHECK_TEXT(journal_path(journal), err ? path : other);
+        CHECK(append(journal, 4, NULL) == OK);
+        CHECK(journal_audit(journal, NULL) == OK);
+        journal_close(journal);
+        holds(path, err ? 4 : 3);
+        if (!err)
+            holds(other, 4);
+    }
+    CHECK(failures >= 6 && failures < 24);
+    struct journal *journal = make(path, 1);
+    struct fault fault;
+    CHECK(journal_continue(journal, other, &fault) == ERR_IO);
+    CHECK_HAS(fault.text, "exists already");
+    CHECK(journal_continue(journal, place("no/such/folder.iftty"), &fault) == ERR_IO);
+    CHECK(append(journal, 2, NULL) == OK);
+    journal_close(journal);
+    holds(path, 2);
+}
+
+/* ---- when to sync ---- */
+
+static _Atomic unsigned syncs, bad_syncs;
+
+static int count_syncs(enum file_step step, const char *path)
+{
+    (void)path;
+    syncs += step == FILE_STEP_SYNC;
+    if (step != FILE_STEP_SYNC || bad_syncs == 0)
+        return 0;
+    bad_syncs--;
+    return EIO;
+}
+
+STORY(records_are_synced_when_that_was_asked_for)
+{
+    const char *path = place("modes.iftty");
+    struct journal *journal = make(path, 1);
+    syncs = bad_syncs = 0;
+    file_step_hook = count_syncs;
+    CHECK(append(journal, 2, NULL) == OK);
+    CHECK_INT(syncs, 1);
+    CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
+    for (size_t n = 3; n <= 20; n++)
+        CHECK(append(journal, n, NULL) == OK);
+    CHECK_INT(syncs, 1);
+    CHECK(journal_sync(journal, NULL) == OK);
+    CHECK_INT(syncs, 2);
+    CHECK(journal_set_sync(journal, FILE_SYNC_EVERY_SECOND, NULL) == OK);
+    for (size_t n = 21; n <= 40; n++)
+        CHECK(append(journal, n, NULL) == OK);
+    CHECK(syncs <= 3); /* it may have taken long */
+    const uint64_t begin = clock_ns();
+    while (syncs < 3 && clock_ns() - begin < UINT64_C(10000000000))
+        usleep(10000);
+    CHECK_INT(syncs, 3); /* though nothing else was done */
+    CHECK(append(journal, 41, NULL) == OK);
+    CHECK(journal_set_sync(journal, FILE_SYNC_ALWAYS, NULL) == OK); /* what waits goes first */
+    CHECK(syncs >= 4);
+    file_step_hook = NULL;
+    journal_close(journal);
+    holds(path, 41);
+}
+
+/* A system that could not write a page may drop it and say once that it did. */
+STORY(what_a_failed_sync_may_have_lost_is_written_again)
+{
+    char path[128];
+    struct fault fault;
+    strcpy(path, place("doubt.iftty"));
+    struct journal *journal = make(path, 2);
+    CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
+    for (size_t n = 3; n <= 6; n++)
+        CHECK(append(journal, n, NULL) == OK);
+    bad_syncs = 2;
+    file_step_hook = count_syncs;
+    CHECK(journal_sync(journal, &fault) == ERR_IO);
+    CHECK_HAS(fault.text, "cannot sync");
+    struct buf bytes = {0};
+    content(&bytes, path);
+    FILE *file = fopen(path, "r+e"); /* the pages are gone */
+    for (size_t at = bytes.length - 100; file && at < bytes.length; at++) {
+        fseek(file, (long)at, SEEK_SET);
+        fputc(0, file);
+    }
+    fclose(file);
+    CHECK(append(journal, 7, &fault) == ERR_IO); /* the second bad sync */
+    CHECK_HAS(fault.text, "not mended yet");
+    CHECK_INT(journal_count(journal), 6);
+    CHECK(append(journal, 7, NULL) == OK);
+    file_step_hook = NULL;
+    CHECK(journal_audit(journal, NULL) == OK);
+    journal_close(journal);
+    holds(path, 7);
+    buf_release(&bytes);
+}
+
+/* ---- others ---- */
+
+STORY(a_second_writer_is_told_who_has_it_and_may_look)
+{
+    char path[128], other[128], wanted[64];
+    struct fault fault;
+    struct buf before = {0};
+    strcpy(path, place("held.iftty"));
+    strcpy(other, place("mine.iftty"));
+    struct journal *journal = make(path, 3), *second;
+    snprintf(wanted, sizeof wanted, "process %ld (test_durable)", (long)getpid());
+    CHECK(open_again(&second, path, &fault) == ERR_IO);
+    CHECK_HAS(fault.text, wanted);
+    CHECK_HAS(fault.text, "--read-only");
+    content(&before, path);
+    const struct journal_resume looking = {.semantics = 1, .only_looks = true};
+    CHECK(journal_open(&second, path, &looking, NULL, NULL) == OK);
+    CHECK(journal_only_looks(second));
+    CHECK_INT(journal_count(second), 3);
+    CHECK(append(second, 4, NULL) == OK); /* in memory */
+    CHECK(is_file_of(path, &before));
+    CHECK(journal_sync(second, NULL) == OK);
+    CHECK(journal_continue(second, other, NULL) == OK);
+    CHECK(append(second, 5, NULL) == OK);
+    journal_close(second);
+    CHECK(is_file_of(path, &before));
+    holds(other, 5);
+    CHECK(append(journal, 4, NULL) == OK);
+    journal_close(journal);
+    holds(path, 4); /* the lock went with it */
+    buf_release(&before);
+}
+
+STORY(looking_leaves_a_torn_tail_alone)
+{
+    char path[128];
+    struct journal *journal;
+    struct buf bytes = {0}, notice = {0};
+    strcpy(path, place("looked.iftty"));
+    journal_close(make(path, 3));
+    CHECK(truncate(path, 200) == 0);
+    content(&bytes, path);
+    const struct journal_resume looking = {.semantics = 1, .only_looks = true};
+    CHECK(journal_open(&journal, path, &looking, &notice, NULL) == OK);
+    CHECK_HAS(buf_text(&notice), "left where it is");
+    journal_close(journal);
+    CHECK(is_file_of(path, &bytes));
+    CHECK(!file_exists(place("looked.iftty.torn-1")));
+    buf_release(&bytes);
+    buf_release(&notice);
+}
+
+/* ---- flips ---- */
+
+/* Nobody calls the bytes intact, nor a record sound that is not among the first `before`. */
+static void is_noticed(const struct buf *bytes, size_t before)
+{
+    struct journal_condition condition;
+    CHECK(journal_check(&condition, bytes->data, bytes->length, NULL) == ERR_CHECK);
+    CHECK(condition.state != JOURNAL_INTACT && condition.state != JOURNAL_SCRIPT);
+    if (condition.semantics) /* else it does not even look like a journal */
+        CHECK(condition.records <= before);
+}
+
+/* Opens `bytes`, of which the byte at `at` is wrong; records before it are `before`. */
+static void open_flipped(const char *path, const struct buf *bytes, size_t before, bool is_last)
+{
+    struct journal *journal;
+    struct buf told = {0}, left = {0};
+    put(path, bytes->data, bytes->length);
+    const enum err err = open_again(&journal, path, NULL);
+    if (err) {
+        CHECK(err == ERR_INPUT);
+        CHECK(is_file_of(path, bytes)); /* refused, and untouched */
+        if (before > 0 && CHECK(journal_repair(path, 1, &told, NULL) == OK))
+            holds(path, before);
+    } else {
+        CHECK(is_last); /* what could be a torn end is repaired, as told; never more */
+        CHECK_INT(journal_count(journal), before);
+        journal_close(journal);
+        content(&left, path);
+        CHECK(left.length < bytes->length || before == 0);
+    }
+    buf_release(&told);
+    buf_release(&left);
+}
+
+STORY(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken)
+{
+    enum { RECORDS = 3 };
+    struct buf bytes = {0};
+    char path[128], name[32];
+    size_t before = 0;
+    strcpy(path, place("flip.iftty"));
+    journal_close(make(path, RECORDS));
+    content(&bytes, path);
+    for (size_t at = 0; at < bytes.length; at++) {
+        for (unsigned bit = 0; bit < 8; bit++) {
+            bytes.data[at] = (char)(bytes.data[at] ^ 1 << bit);
+            is_noticed(&bytes, before);
+            open_flipped(path, &bytes, before, before == RECORDS - 1);
+            bytes.data[at] = (char)(bytes.data[at] ^ 1 << bit);
+            for (unsigned n = 1; n < 4; n++) {
+                snprintf(name, sizeof name, "flip.iftty.torn-%u", n);
+                unlink(place(name));
+            }
+        }
+        const char *line = memrchr(bytes.data, '\n', at);
+        before += bytes.data[at] == '\n' && line && line[1] == '=';
+    }
+    CHECK_INT(before, RECORDS);
+    buf_release(&bytes);
+}
+
+static void remove_folder(void)
+{
+    char command[96];
+    snprintf(command, sizeof command, "rm -rf '%s'", folder);
+    if (system(command) != 0)
+        printf("# %s is left behind\n", folder);
+}
+
+int main(void)
+{
+    /* in memory where there is such a place: thousands of syncs follow */
+    snprintf(folder, sizeof folder, "%s/iftty-durable-XXXXXX",
+             access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp");
+    if (!mkdtemp(folder))
+        return 1;
+    int status = RUN_STORIES(TELL(nothing_is_written_to_a_file_that_is_not_ours_any_more),
+                             TELL(going_on_elsewhere_is_all_or_nothing),
+                             TELL(records_are_synced_when_that_was_asked_for),
+                             TELL(what_a_failed_sync_may_have_lost_is_written_again),
+                             TELL(a_second_writer_is_told_who_has_it_and_may_look),
+                             TELL(looking_leaves_a_torn_tail_alone),
+                             TELL(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken));
+    remove_folder();
+    return status;
+}

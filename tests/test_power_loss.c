@@ -1,0 +1,466 @@
+/*
+ * Power loss: a model of a disk that keeps what was synced and, of all else, whatever it likes.
+ *
+ * A real journal is written below a folder. Before each step of the file layer the model takes the
+ * power away in many ways: every block written since the last sync of its file is there, or is what
+ * it was, or is zeros; the file has any length between the former and the present one; a name that
+ * was made, replaced or moved since the last sync of its folder is what it is now or what it was
+ * before. What is left is written to a second folder and opened: it holds every record that was
+ * acknowledged, in their order, and at most the one in the making; and the bytes of a torn tail
+ * that was being mended are in the journal or beside it.
+ *
+ * Blocks are the sectors of a disk; records are made long by comments, so that they have several.
+ */
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/buf.h"
+#include "base/file.h"
+#include "journal/journal.h"
+#include "tests/check.h"
+
+enum { BLOCK = 512, FILES_MOST = 16, TRIALS = 40 };
+
+static char folder[64], after[80]; /* where things are written; what a loss of power leaves */
+
+/* What the disk is known to hold. Contents go with the inode, names with the folder. */
+struct synced_file {
+    ino_t inode;
+    struct buf bytes;
+};
+struct synced_name {
+    char name[256];
+    ino_t inode;
+};
+static struct synced_file on_disk[FILES_MOST];
+static struct synced_name names[FILES_MOST];
+static unsigned files_on_disk, names_on_disk;
+
+static uint64_t dice;
+static size_t acknowledged; /* records */
+static const char *torn;    /* bytes that are to be in one file or the other, or NULL */
+static size_t torn_length;
+static unsigned losses, losses_of_bytes;
+
+static struct buf *synced_bytes(ino_t inode)
+{
+    for (unsigned i = 0; i < files_on_disk; i++)
+        if (on_disk[i].inode == inode)
+            return &on_disk[i].bytes;
+    if (files_on_disk == FILES_MOST)
+        abort();
+    on_disk[files_on_disk] = (struct synced_file){.inode = inode};
+    return &on_disk[files_on_disk++].bytes;
+}
+
+static void forget_everything(void)
+{
+    for (unsigned i = 0; i < files_on_disk; i++)
+        buf_release(&on_disk[i].bytes);
+    files_on_disk = names_on_disk = 0;
+}
+
+static void path_in(char out[512], const char *where, const char *name)
+{
+    snprintf(out, 512, "%s/%s", where, name);
+}
+
+static void read_all(struct buf *out, const char *path)
+{
+    FILE *file = fopen(path, "re"); /* not by the layer under test */
+    buf_clear(out);
+    for (int c; file && (c = getc(file)) != EOF;)
+        buf_add_char(out, (char)c);
+    if (file)
+        fclose(file);
+}
+
+/* The files of the folder as they are now, whatever the disk holds. */
+static unsigned present_names(struct synced_name out[FILES_MOST])
+{
+    unsigned count = 0;
+    DIR *listing = opendir(folder);
+    for (struct dirent *entry; listing && (entry = readdir(listing));) {
+        char path[512];
+        struct stat status;
+        path_in(path, folder, entry->d_name);
+        if (*entry->d_name == '.' || stat(path, &status) != 0)
+            continue; /* drafts are nobody's before they are published */
+        if (count == FILES_MOST)
+            abort();
+        snprintf(out[count].name, sizeof out[count].name, "%s", entry->d_name);
+        out[count++].inode = status.st_ino;
+    }
+    if (listing)
+        closedir(listing);
+    return count;
+}
+
+/* ---- what a loss of power leaves ---- */
+
+static bool coin(void)
+{
+    return check_below(&dice, 2);
+}
+
+/* A length between what is synced and what is written; often one of the two. */
+static size_t surviving_length(size_t synced, size_t written)
+{
+    const size_t low = synced < written ? synced : written, high = synced + written - low;
+    if (coin())
+        return coin() ? low : high;
+    return low + check_below(&dice, (uint32_t)(high - low) + 1);
+}
+
+static void survive(struct buf *out, const struct buf *synced, const struct buf *written)
+{
+    const size_t length = surviving_length(synced->length, written->length);
+    buf_clear(out);
+    for (size_t at = 0; at < length; at += BLOCK) {
+        const bool is_new = coin();
+        for (size_t i = at; i < length && i < at + BLOCK; i++) {
+            const struct buf *from = is_new ? written : synced;
+            buf_add_char(out, i < from->length ? from->data[i] : '\0');
+        }
+    }
+    losses_of_bytes += out->length != written->length ||
+                       (out->length && memcmp(out->data, written->data, out->length) != 0);
+}
+
+/* The inode that `name` leads to, in one of the lists; 0 for none. */
+static ino_t inode_of(const struct synced_name *list, unsigned count, const char *name)
+{
+    for (unsigned i = 0; i < count; i++)
+        if (strcmp(list[i].name, name) == 0)
+            return list[i].inode;
+    return 0;
+}
+
+static const char *name_of(const struct synced_name *list, unsigned count, ino_t inode)
+{
+    for (unsigned i = 0; i < count; i++)
+        if (list[i].inode == inode)
+            return list[i].name;
+    return NULL;
+}
+
+/* One name after the loss: what it leads to now, or what the folder on the disk says. */
+static void leave(const char *name, const struct synced_name *now, unsigned count)
+{
+    struct buf written = {0}, left = {0};
+    char path[512];
+    const ino_t is = inode_of(now, count, name), was = inode_of(names, names_on_disk, name);
+    const ino_t inode = is == was || coin() ? is : was;
+    path_in(path, after, name);
+    unlink(path);
+    if (inode == 0)
+        return;
+    const char *present = name_of(now, count, inode);
+    if (present) {
+        char source[512];
+        path_in(source, folder, present);
+        read_all(&written, source);
+        survive(&left, synced_bytes(inode), &written);
+    } else {
+        buf_add(&left, synced_bytes(inode)->data, synced_bytes(inode)->length);
+    }
+    FILE *file = fopen(path, "we");
+    if (CHECK(file != NULL)) {
+        fwrite(left.data ? left.data : "", 1, left.length, file);
+        fclose(file);
+    }
+    buf_release(&written);
+    buf_release(&left);
+}
+
+static enum err count_record(void *context, const struct record *record, struct fault *fault)
+{
+    char command[64];
+    size_t *count = context;
+    snprintf(command, sizeof command, "seed %zu,2,3 1", ++*count);
+    CHECK_TEXT(record->command, command);
+    (void)fault;
+    return OK;
+}
+
+/* The torn bytes, or those of them that the loss left in the journal, are beside it. */
+static bool is_kept(const char *name)
+{
+    struct buf bytes = {0};
+    char path[512];
+    path_in(path, after, name);
+    read_all(&bytes, path);
+    const bool is_there = bytes.length == torn_length && memcmp(bytes.data, torn, torn_length) == 0;
+    buf_release(&bytes);
+    return is_there;
+}
+
+static void open_what_is_left(void)
+{
+    char path[512];
+    struct journal *journal;
+    struct fault fault = {.text = ""};
+    struct buf before = {0};
+    size_t count = 0;
+    const struct journal_resume how = {
+        .semantics = 1, .on_record = count_record, .context = &count};
+    path_in(path, after, "j.iftty");
+    losses++;
+    if (!file_exists(path)) {
+        CHECK_INT(acknowledged, 0);
+        return;
+    }
+    read_all(&before, path);
+    if (CHECK(journal_open(&journal, path, &how, NULL, &fault) == OK)) {
+        CHECK(count == acknowledged || count == acknowledged + 1);
+        CHECK(journal_audit(journal, NULL) == OK);
+        journal_close(journal);
+    } else {
+        printf("#   %zu acknowledged: %s\n", acknowledged, fault.text);
+    }
+    if (torn)
+        CHECK(is_kept("j.iftty.torn-1") || is_kept("j.iftty.torn-2"));
+    buf_release(&before);
+}
+
+static void clear(const char *where)
+{
+    DIR *listing = opendir(where);
+    for (struct dirent *entry; listing && (entry = readdir(listing));) {
+        char path[512];
+        path_in(path, where, entry->d_name);
+        unlink(path); /* those that are no files stay */
+    }
+    if (listing)
+        closedir(listing);
+}
+
+static void lose_power(void)
+{
+    struct synced_name now[FILES_MOST];
+    const unsigned count = present_names(now);
+    int (*hook)(enum file_step step, const char *path) = file_step_hook;
+    file_step_hook = NULL;
+    for (unsigned trial = 0; trial < TRIALS; trial++) {
+        clear(after);
+        for (unsigned i = 0; i < count; i++)
+            leave(now[i].name, now, count);
+        for (unsigned i = 0; i < names_on_disk; i++)
+            if (inode_of(now, count, names[i].name) == 0)
+                leave(names[i].name, now, count);
+        open_what_is_left();
+    }
+    file_step_hook = hook;
+}
+
+/* ---- the disk ---- */
+
+static void sync_file(const char *path)
+{
+    struct stat status;
+    if (stat(path, &status) == 0)
+        read_all(synced_bytes(status.st_ino), path);
+}
+
+/* Called before each step: the power may go here; else a sync is carried out. */
+static int watch_step(enum file_step step, const char *path)
+{
+    lose_power();
+    if (step == FILE_STEP_SYNC)
+        sync_file(path);
+    if (step == FILE_STEP_SYNC_FOLDER)
+        names_on_disk = present_names(names);
+    return 0;
+}
+
+static void append(struct journal *journal, size_t n)
+{
+    char command[64], words[128], comment[1200] = "";
+    const size_t width = 1 + n * 397 % (sizeof comment - 1);
+    memset(comment, '.', width);
+    comment[0] = '#';
+    comment[width] = '\0';
+    CHECK(journal_comment(journal, comment, NULL) == OK);
+    CHECK(journal_comment(journal, comment, NULL) == OK);
+    snprintf(command, sizeof command, "seed %zu,2,3 1", n);
+    snprintf(words, sizeof words, "forest=%016zx labels=%016zx seeds=%zu", n * 77, n * 78, n);
+    if (CHECK(journal_append(journal, command, words, NULL) == OK))
+        acknowledged = n;
+}
+
+static const char *begin(uint64_t seed)
+{
+    static char path[512];
+    forget_everything();
+    clear(folder);
+    dice = seed;
+    acknowledged = 0;
+    torn = NULL;
+    losses = losses_of_bytes = 0;
+    path_in(path, folder, "j.iftty");
+    return path;
+}
+
+STORY(a_loss_of_power_takes_nothing_that_was_acknowledged)
+{
+    for (uint64_t seed = 1; seed <= 3; seed++) {
+        struct journal *journal;
+        const char *path = begin(seed);
+        file_step_hook = watch_step;
+        CHECK(journal_create(&journal, path, 1, NULL) == OK);
+        for (size_t n = 1; n <= 6; n++)
+            append(journal, n);
+        lose_power();
+        file_step_hook = NULL;
+        CHECK(losses > 20 * TRIALS / 2);
+        CHECK(losses_of_bytes > 100); /* it did take something */
+        journal_close(journal);
+    }
+}
+
+static int folder_cannot_be_synced(enum file_step step, const char *path)
+{
+    (void)path;
+    return step == FILE_STEP_SYNC_FOLDER ? EIO : 0;
+}
+
+/* Whoever made the file may have died before its name was on the disk. */
+STORY(a_journal_that_was_only_begun_gets_its_name_synced)
+{
+    struct journal *journal;
+    const struct journal_resume how = {.semantics = 1};
+    const char *path = begin(4);
+    fclose(fopen(path, "we"));
+    file_step_hook = watch_step;
+    CHECK(journal_open(&journal, path, &how, NULL, NULL) == OK);
+    append(journal, 1);
+    append(journal, 2);
+    file_step_hook = NULL;
+    journal_close(journal);
+    begin(5);
+    fclose(fopen(path, "we"));
+    file_step_hook = folder_cannot_be_synced;
+    CHECK(journal_open(&journal, path, &how, NULL, NULL) == ERR_IO);
+    file_step_hook = NULL;
+}
+
+STORY(a_loss_of_power_while_a_torn_tail_is_mended)
+{
+    static const char tail[] = "# a comment of the record that was torn\nseed 4,2,3 1\n= 4 fo";
+    for (uint64_t seed = 11; seed <= 13; seed++) {
+        struct journal *journal;
+        const struct journal_resume how = {.semantics = 1};
+        const char *path = begin(seed);
+        CHECK(journal_create(&journal, path, 1, NULL) == OK);
+        for (size_t n = 1; n <= 3; n++)
+            append(journal, n);
+        journal_close(journal);
+        FILE *file = fopen(path, "ae");
+        fputs(tail, file);
+        fclose(file);
+        sync_file(path);
+        names_on_disk = present_names(names);
+        torn = tail;
+        torn_length = strlen(tail);
+        file_step_hook = watch_step;
+        CHECK(journal_open(&journal, path, &how, NULL, NULL) == OK);
+        append(journal, 4);
+        file_step_hook = NULL;
+        journal_close(journal);
+        CHECK(losses_of_bytes > 20);
+    }
+}
+
+STORY(a_loss_of_power_while_the_journal_goes_on_elsewhere)
+{
+    struct journal *journal;
+    char other[512];
+    const char *path = begin(21);
+    path_in(other, folder, "other.iftty");
+    CHECK(journal_create(&journal, path, 1, NULL) == OK);
+    for (size_t n = 1; n <= 3; n++)
+        append(journal, n);
+    sync_file(path);
+    names_on_disk = present_names(names);
+    file_step_hook = watch_step; /* the former file is what is opened after each loss */
+    CHECK(journal_continue(journal, other, NULL) == OK);
+    file_step_hook = NULL;
+    append(journal, 4);
+    CHECK(journal_audit(journal, NULL) == OK);
+    journal_close(journal);
+}
+
+/* What is not synced may be lost, and what a disk wrote in another order may be damaged; what was
+ * synced is there, and a repair keeps it. */
+static void open_or_repair(size_t synced)
+{
+    struct journal *journal;
+    struct buf told = {0};
+    size_t count = 0;
+    char path[512];
+    const struct journal_resume how = {
+        .semantics = 1, .on_record = count_record, .context = &count};
+    path_in(path, after, "j.iftty");
+    enum err err = journal_open(&journal, path, &how, NULL, NULL);
+    if (err == ERR_INPUT) {
+        CHECK(journal_repair(path, 1, &told, NULL) == OK);
+        count = 0;
+        err = journal_open(&journal, path, &how, NULL, NULL);
+    }
+    CHECK(err == OK && count >= synced);
+    journal_close(journal);
+    buf_release(&told);
+}
+
+STORY(without_syncs_what_was_synced_last_is_there)
+{
+    static const enum file_sync sync[] = {FILE_SYNC_OFF, FILE_SYNC_EVERY_SECOND};
+    for (size_t s = 0; s < 2; s++) {
+        struct journal *journal;
+        struct synced_name now[FILES_MOST];
+        const char *path = begin(31 + s);
+        CHECK(journal_create(&journal, path, 1, NULL) == OK);
+        append(journal, 1);
+        append(journal, 2);
+        CHECK(journal_set_sync(journal, sync[s], NULL) == OK);
+        sync_file(path);
+        names_on_disk = present_names(names);
+        for (size_t n = 3; n <= 12; n++)
+            append(journal, n);
+        const unsigned count = present_names(now);
+        for (unsigned trial = 0; trial < 10 * TRIALS; trial++) {
+            clear(after);
+            leave("j.iftty", now, count);
+            open_or_repair(2);
+        }
+        CHECK(losses_of_bytes > 100);
+        CHECK(journal_sync(journal, NULL) == OK);
+        CHECK(journal_audit(journal, NULL) == OK);
+        journal_close(journal);
+    }
+}
+
+int main(void)
+{
+    snprintf(folder, sizeof folder, "%s/iftty-power-XXXXXX",
+             access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp");
+    if (!mkdtemp(folder))
+        return 1;
+    snprintf(after, sizeof after, "%s.after", folder);
+    if (mkdir(after, 0700) != 0)
+        return 1;
+    int status = RUN_STORIES(TELL(a_loss_of_power_takes_nothing_that_was_acknowledged),
+                             TELL(a_journal_that_was_only_begun_gets_its_name_synced),
+                             TELL(a_loss_of_power_while_a_torn_tail_is_mended),
+                             TELL(a_loss_of_power_while_the_journal_goes_on_elsewhere),
+                             TELL(without_syncs_what_was_synced_last_is_there));
+    forget_everything();
+    clear(folder);
+    clear(after);
+    rmdir(folder);
+    rmdir(after);
+    return status;
+}
