@@ -69,10 +69,11 @@ all: $(BUILD)/iftty $(BUILD)/iftty-image
 test: all tests
 	@tests/run.sh $(BUILD)
 
-## test-long: the property tests of forest, threads, rendition and cuts, ten times over (a million edits)
+## test-long: the property tests of forest, threads, rendition and cuts, ten times over (a million
+##     edits); 500 sessions killed at random moments
 test-long: all tests
 	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render test_cut test_crew \
-	    test_crew_racing
+	    test_crew_racing test_kill
 
 ## tests: build the test programs, and those of bench-peers that need no other package
 tests: $(TESTS) $(PEERS_IN_C)

@@ -43,6 +43,7 @@ static uint64_t dice;
 static size_t acknowledged; /* records */
 static const char *torn;    /* bytes that are to be in one file or the other, or NULL */
 static size_t torn_length;
+static const char *opened; /* the journal that is looked at after a loss */
 static unsigned losses, losses_of_bytes;
 
 static struct buf *synced_bytes(ino_t inode)
@@ -207,7 +208,7 @@ static void open_what_is_left(void)
     size_t count = 0;
     const struct journal_resume how = {
         .semantics = 1, .on_record = count_record, .context = &count};
-    path_in(path, after, "j.iftty");
+    path_in(path, after, opened);
     losses++;
     if (!file_exists(path)) {
         CHECK_INT(acknowledged, 0);
@@ -299,6 +300,7 @@ static const char *begin(uint64_t seed)
     dice = seed;
     acknowledged = 0;
     torn = NULL;
+    opened = "j.iftty";
     losses = losses_of_bytes = 0;
     path_in(path, folder, "j.iftty");
     return path;
@@ -387,8 +389,11 @@ STORY(a_loss_of_power_while_the_journal_goes_on_elsewhere)
     names_on_disk = present_names(names);
     file_step_hook = watch_step; /* the former file is what is opened after each loss */
     CHECK(journal_continue(journal, other, NULL) == OK);
-    file_step_hook = NULL;
+    opened = "other.iftty";
+    lose_power();
     append(journal, 4);
+    lose_power();
+    file_step_hook = NULL;
     CHECK(journal_audit(journal, NULL) == OK);
     journal_close(journal);
 }

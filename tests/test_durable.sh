@@ -1,0 +1,191 @@
+#!/bin/sh
+# What the program does when its journal is held, gone, full, damaged: it says so, nothing that was
+# acknowledged is lost, and the session goes on elsewhere.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+make_scene s.nii 24 20 16
+
+# A session whose commands are written one after the other: begin_session ARGUMENTS..., tell LINE,
+# end_session. What it says is in acks and errors.
+begin_session() {
+    rm -f line
+    mkfifo line
+    "$iftty" run - --keep-going "$@" <line >acks 2>errors &
+    session=$!
+    exec 3>line
+}
+tell() { # and wait until it is answered
+    before=$(cat acks errors | wc -l)
+    echo "$1" >&3
+    tries=0
+    until [ "$(cat acks errors | wc -l)" -gt "$before" ] || [ $((tries += 1)) -gt 1000 ]; do
+        sleep 0.01
+    done
+}
+end_session() {
+    exec 3>&-
+    wait "$session"
+}
+errors_have() {
+    grep -qF -e "$1" errors || fail "no '$1' in the errors:" "$(cat errors)"
+}
+
+begin "a second session is told who holds the journal, and may look"
+begin_session --journal a.iftty
+tell 'open s.nii'
+tell 'seed 3,4,5 1'
+expect 3 "$iftty" run - --journal a.iftty </dev/null
+err_has "process $session (iftty)"
+err_has "--read-only"
+cp a.iftty a.kept
+expect 0 "$iftty" -c 'stats; seed 9,9,9 2; journal; journal mine.iftty; seed 8,8,8 3' --read-only \
+    --journal a.iftty
+out_has "3 records, looked at: nothing is written"
+same_files a.iftty a.kept
+expect 0 "$iftty" verify mine.iftty
+out_has "4 commands, 4 results"
+echo 'golden g' >script
+expect 2 "$iftty" run script --read-only --journal a.iftty
+err_has "only looked at"
+tell 'seed 6,6,6 2'
+end_session
+expect 0 "$iftty" verify a.iftty
+out_has "3 commands"
+expect 3 "$iftty" -c 'info' --read-only --journal none.iftty
+err_has "there is no journal none.iftty"
+[ ! -e none.iftty ] || fail "it was created"
+expect 2 "$iftty" --read-only </dev/null
+close_story
+
+begin "a journal in a folder that cannot be written to can be looked at"
+mkdir closed
+cp a.iftty s.nii closed
+chmod 555 closed
+chmod 444 closed/a.iftty
+expect 0 "$iftty" -c 'stats; journal later.iftty; seed 1,1,1 1' --read-only --journal closed/a.iftty
+expect 0 "$iftty" verify later.iftty
+if [ "$(id -u)" != 0 ]; then
+    expect 3 "$iftty" -c 'stats' --journal closed/a.iftty
+    err_has "--read-only opens it for looking"
+    expect 3 "$iftty" -c 'open s.nii' --journal closed/new.iftty
+fi
+close_story
+
+for harm in deleted replaced shorter longer; do
+    begin "a journal that was $harm: said, undone, and gone on with elsewhere"
+    rm -rf ./*.iftty ./*.golden
+    begin_session --journal b.iftty
+    tell 'open s.nii'
+    tell 'golden first'
+    tell 'seed 3,4,5 1'
+    case $harm in
+    deleted) rm b.iftty ;;
+    replaced) cp b.iftty b.new && mv b.new b.iftty ;;
+    shorter) truncate -s -7 b.iftty ;;
+    longer) echo '# mine' >>b.iftty ;;
+    esac
+    cp b.iftty b.kept 2>/dev/null
+    tell 'seed 6,6,6 2'
+    errors_have "the command is undone, because it could not be recorded"
+    errors_have "journal FILE"
+    tell 'journal elsewhere.iftty'
+    tell 'seed 7,7,7 2'
+    end_session
+    [ $harm = deleted ] || same_files b.iftty b.kept
+    expect 0 "$iftty" verify elsewhere.iftty
+    out_has "4 commands, 4 results"
+    expect 0 "$iftty" log --script elsewhere.iftty
+    grep -q 'seed 6,6,6' out && fail "the undone command is there"
+    [ -f elsewhere.golden/first.exr ] || fail "the golden image did not come along"
+    close_story
+done
+
+begin "a disk that is full: the session goes on on another"
+if small=$(mktemp -d) && mount -t tmpfs -o size=16k none "$small" 2>/dev/null; then
+    begin_session --journal "$small/c.iftty"
+    tell "open $work/s.nii"
+    n=0
+    while [ ! -s errors ] && [ $((n += 1)) -lt 400 ]; do tell "seed $((n % 24)),3,4 1"; done
+    errors_have "No space left on device"
+    said=$(grep -c '^ok' acks)
+    tell 'journal roomy.iftty'
+    tell 'seed 9,9,9 3'
+    end_session
+    expect 0 "$iftty" verify roomy.iftty
+    out_has "$((said + 1)) commands"
+    expect 0 "$iftty" log --check "$small/c.iftty"
+    out_has "$said records"
+    umount "$small"
+    rmdir "$small"
+    close_story
+else
+    rmdir "$small"
+    skip_story "$story" "no small disk can be mounted here"
+fi
+
+begin "journal FILE where there is something, or nothing to go on from"
+expect 0 "$iftty" -c 'open s.nii; journal; journal d.iftty; seed 1,2,3 1; journal' --journal e.iftty
+out_has "e.iftty, 1 records"
+out_has "d.iftty, 2 records"
+cp d.iftty d.kept
+expect 3 "$iftty" -c 'journal d.iftty' --journal e.iftty
+err_has "d.iftty exists already"
+same_files d.iftty d.kept
+expect 0 "$iftty" -c 'journal f.iftty; open s.nii'
+expect 0 "$iftty" verify f.iftty
+expect 2 "$iftty" -c 'open s.nii; journal g.iftty'
+err_has "without a journal"
+[ ! -e g.iftty ] || fail "it was created"
+echo 'journal h.iftty' >script
+expect 3 "$iftty" replay script
+[ ! -e h.iftty ] || fail "a replay wrote a journal"
+close_story
+
+begin "ways of syncing: told, and nothing is lost when the program is killed"
+for mode in always everysec off; do
+    rm -f k.iftty
+    begin_session --journal k.iftty
+    tell "sync $mode"
+    tell 'open s.nii'
+    tell 'seed 3,4,5 1'
+    kill -9 "$session"
+    end_session 2>/dev/null
+    expect 0 "$iftty" log --check k.iftty
+    out_has "2 records"
+done
+expect 0 "$iftty" -c 'sync; sync off; sync' --journal k.iftty
+out_has "before it is acknowledged"
+out_has "since the last"
+expect 2 "$iftty" -c 'sync never'
+err_has "always"
+close_story
+
+begin "a repair keeps what is sound, and the rest beside it"
+printf 'open s.nii\nseed 1,2,3 1\n# why\nseed 4,5,6 2\nseed 7,8,9 3\n' >script
+expect 0 "$iftty" run script --journal r.iftty
+expect 0 "$iftty" log --repair r.iftty
+out_has "intact, 4 records; nothing was changed"
+cp r.iftty r.kept
+flip_byte r.iftty "$(grep -b -o 'seed 4' r.iftty | cut -d : -f 1)"
+cp r.iftty r.harmed
+expect 3 "$iftty" run - --journal r.iftty </dev/null
+err_has "record 3"
+err_has "byte"
+expect 0 "$iftty" log --repair r.iftty
+out_has "record 3"
+out_has "r.iftty.torn-1"
+out_has "2 records remain"
+cat r.iftty r.iftty.torn-1 | cmp -s - r.harmed || fail "bytes are lost"
+expect 0 "$iftty" verify r.iftty
+sed 's/semantics [0-9]*/semantics 999/' r.kept >v.iftty
+cp v.iftty v.kept
+expect 0 "$iftty" log --repair v.iftty # record 1 covers the header
+out_has "0 records remain"
+cat v.iftty v.iftty.torn-1 | cmp -s - v.kept || fail "bytes are lost"
+echo 'open s.nii' >script
+expect 3 "$iftty" log --repair script
+err_has "a script, not a journal"
+expect 3 "$iftty" log --repair none.iftty
+close_story
+
+finish

@@ -1,0 +1,234 @@
+/*
+ * kill -9 at random moments of the real program, under load: whatever it acknowledged is in the
+ * journal, which goes on where it was.
+ *
+ * Commands are fed as fast as the program takes them; two sessions are at work at a time, so that
+ * they are in each other's way. Each round kills one at a random moment, compares what it said with
+ * what its journal holds, and goes on in the same journal, now and then in a new one; the way of
+ * syncing changes from round to round. IFTTY_TEST_SCALE=10 makes 500 rounds of 25.
+ */
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/buf.h"
+#include "base/clock.h"
+#include "base/file.h"
+#include "journal/journal.h"
+#include "journal/walk.h"
+#include "tests/check.h"
+
+enum { VICTIMS = 2, NEW_AFTER = 6 };
+
+static char folder[64], program[512];
+static uint64_t dice = 20060101;
+
+struct victim {
+    pid_t process;
+    int input, output;
+    char journal[128];
+    unsigned rounds; /* with this journal */
+    size_t before;   /* records that were in it */
+    size_t fed;      /* commands, in this round */
+    struct buf waits, said;
+};
+
+/* Command n of a round; every one is another. A journal that is resumed has its scene. */
+static void write_command(struct buf *out, size_t n, size_t salt, bool has_scene)
+{
+    static const char *const first[] = {"open synth:geom:16x16x16", "auto on"};
+    static const char *const sync[] = {"sync always", "sync everysec", "sync off"};
+    if (n == 0)
+        buf_printf(out, "%s\n", sync[salt % 3]);
+    else if (n <= 2 && has_scene)
+        buf_add_text(out, "info\n");
+    else if (n <= 2)
+        buf_printf(out, "%s\n", first[n - 1]);
+    else if (n % 17 == 0)
+        buf_printf(out, "# comment %zu\nlabel %zu name%zu-%zu\n", n, 1 + n % 200, salt, n);
+    else
+        buf_printf(out, "seed %zu,%zu,%zu %zu\n", n % 16, n / 16 % 16, (n + salt) % 16, n % 9);
+}
+
+static void start(struct victim *v, size_t salt)
+{
+    int in[2], out[2];
+    if (v->rounds++ % NEW_AFTER == 0)
+        snprintf(v->journal, sizeof v->journal, "%s/%zu.iftty", folder, salt);
+    if (pipe2(in, O_CLOEXEC) != 0 || pipe2(out, O_CLOEXEC) != 0)
+        abort();
+    fflush(stdout);
+    v->process = fork();
+    if (v->process == 0) {
+        dup2(in[0], STDIN_FILENO);
+        dup2(out[1], STDOUT_FILENO);
+        execl(program, "iftty", "run", "-", "--keep-going", "--journal", v->journal, (char *)NULL);
+        _exit(127);
+    }
+    close(in[0]);
+    close(out[1]);
+    v->input = in[1];
+    v->output = out[0];
+    fcntl(v->input, F_SETFL, O_NONBLOCK);
+    fcntl(v->output, F_SETFL, O_NONBLOCK);
+    v->fed = 0;
+    buf_clear(&v->waits);
+    buf_clear(&v->said);
+}
+
+static void take_output(struct victim *v)
+{
+    char bytes[4096];
+    ssize_t n;
+    while ((n = read(v->output, bytes, sizeof bytes)) > 0)
+        buf_add(&v->said, bytes, (size_t)n);
+}
+
+static void feed(struct victim *v, size_t salt)
+{
+    while (v->waits.length < 4096)
+        write_command(&v->waits, v->fed++, salt, v->before > 0);
+    const ssize_t n = write(v->input, v->waits.data, v->waits.length);
+    if (n <= 0)
+        return;
+    v->waits.length -= (size_t)n;
+    memmove(v->waits.data, v->waits.data + n, v->waits.length);
+}
+
+/* Feeds both until the moment has come. */
+static void work_until(struct victim *victims, const size_t *salt, uint64_t end_ns)
+{
+    while (clock_ns() < end_ns) {
+        struct pollfd ready[2 * VICTIMS];
+        for (unsigned i = 0; i < VICTIMS; i++) {
+            ready[2 * i] = (struct pollfd){.fd = victims[i].input, .events = POLLOUT};
+            ready[2 * i + 1] = (struct pollfd){.fd = victims[i].output, .events = POLLIN};
+        }
+        poll(ready, 2 * VICTIMS, 1);
+        for (unsigned i = 0; i < VICTIMS; i++) {
+            if (ready[2 * i].revents & POLLOUT)
+                feed(victims + i, salt[i]);
+            take_output(victims + i);
+        }
+    }
+}
+
+static bool is_recorded(const char *command)
+{
+    return strncmp(command, "sync", 4) != 0 && strcmp(command, "info") != 0;
+}
+
+/* Every command said to be done, in whole lines, is in the journal in that order, behind what was
+ * there before; and at most one more is. Gives the number of records. */
+static size_t compare(const struct victim *v, size_t *acknowledged)
+{
+    struct buf bytes = {0};
+    struct walk walk;
+    struct record record = {0};
+    size_t records = 0;
+    if (!file_exists(v->journal)) {
+        CHECK_INT(v->said.length, 0);
+        return 0;
+    }
+    CHECK(file_read(&bytes, v->journal, JOURNAL_BYTES_MAX, NULL) == OK);
+    if (!CHECK(walk_begin(&walk, buf_text(&bytes), bytes.length, WALK_AS_FOUND, NULL) == OK))
+        return 0;
+    while (records < v->before && walk_next_sound(&walk, &record) == WALK_RECORD)
+        records++;
+    CHECK_INT(records, v->before); /* what was acknowledged in earlier rounds */
+    const char *at = buf_text(&v->said), *feed;
+    for (; (feed = strchr(at, '\n')); at = feed + 1) {
+        char line[128] = "";
+        const char *command = line;
+        if (strncmp(at, "ok ", 3) != 0)
+            continue; /* what it answers */
+        snprintf(line, sizeof line, "%.*s", (int)(feed - at), at);
+        command += 3 + strcspn(line + 3, " ") + 1;
+        if (!is_recorded(command))
+            continue;
+        ++*acknowledged;
+        if (!CHECK(walk_next_sound(&walk, &record) == WALK_RECORD))
+            break;
+        CHECK_TEXT(record.command, command);
+        records++;
+    }
+    size_t more = 0;
+    while (walk_next_sound(&walk, &record) == WALK_RECORD)
+        more++;
+    CHECK(walk.over != WALK_DAMAGED);
+    CHECK(more <= 1);
+    walk_release(&walk);
+    buf_release(&bytes);
+    return records + more;
+}
+
+static void kill_and_compare(struct victim *v, size_t *acknowledged)
+{
+    int status = 0;
+    take_output(v);
+    kill(v->process, SIGKILL);
+    while (waitpid(v->process, &status, 0) < 0 && errno == EINTR)
+        ;
+    CHECK(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+    take_output(v); /* what it said and nobody had read yet */
+    close(v->input);
+    close(v->output);
+    v->before = compare(v, acknowledged);
+    if (v->rounds % NEW_AFTER == 0)
+        v->before = 0;
+}
+
+static unsigned rounds_wanted(void)
+{
+    const char *factor = getenv("IFTTY_TEST_SCALE");
+    const int scale = factor ? atoi(factor) : 1;
+    return scale > 1 ? 50 * (unsigned)scale : 25;
+}
+
+STORY(kill_9_at_any_moment_takes_nothing_that_was_acknowledged)
+{
+    struct victim victim[VICTIMS] = {0};
+    size_t salt[VICTIMS], acknowledged = 0, next = 0;
+    const unsigned rounds = rounds_wanted();
+    for (unsigned i = 0; i < VICTIMS; i++)
+        start(victim + i, salt[i] = next++);
+    for (unsigned round = 0; round < rounds && check_failures == 0; round++) {
+        struct victim *v = victim + round % VICTIMS;
+        const uint64_t us = 200 + check_below(&dice, round % 4 == 0 ? 5000 : 120000);
+        work_until(victim, salt, clock_ns() + us * 1000);
+        kill_and_compare(v, &acknowledged);
+        start(v, salt[round % VICTIMS] = next++);
+    }
+    for (unsigned i = 0; i < VICTIMS; i++) {
+        kill_and_compare(victim + i, &acknowledged);
+        buf_release(&victim[i].waits);
+        buf_release(&victim[i].said);
+    }
+    printf("# %u rounds, %zu commands acknowledged, none lost\n", rounds, acknowledged);
+    CHECK(acknowledged > 4 * rounds);
+}
+
+static void remove_folder(void)
+{
+    char command[96];
+    snprintf(command, sizeof command, "rm -rf '%s'", folder);
+    if (system(command) != 0)
+        printf("# %s is left behind\n", folder);
+}
+
+int main(void)
+{
+    const char *build = getenv("IFTTY_BUILD");
+    snprintf(program, sizeof program, "%s/iftty", build ? build : "build");
+    snprintf(folder, sizeof folder, "/tmp/iftty-kill-XXXXXX");
+    signal(SIGPIPE, SIG_IGN);
+    if (!mkdtemp(folder))
+        return 1;
+    int status = RUN_STORIES(TELL(kill_9_at_any_moment_takes_nothing_that_was_acknowledged));
+    remove_folder();
+    return status;
+}
