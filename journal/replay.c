@@ -13,6 +13,8 @@ void replay_report_release(struct replay_report *report)
     buf_release(&report->word);
     buf_release(&report->expected);
     buf_release(&report->actual);
+    buf_release(&report->expected_words);
+    buf_release(&report->actual_words);
 }
 
 /* Notes where the replay stops, and at what. */
@@ -25,17 +27,20 @@ static void stop_at(struct replay_report *report, enum replay_outcome outcome,
     buf_add_text(&report->command, record->command);
 }
 
-static enum err tell_divergence(const struct record *record, const struct record_word *expected,
+static enum err tell_divergence(const struct record *record, const char *words,
+                                const struct record_word *expected,
                                 const struct record_word *actual, struct replay_report *report,
                                 struct fault *fault)
 {
     stop_at(report, REPLAY_DIVERGED, record);
+    buf_add_text(&report->expected_words, record->result);
+    buf_add_text(&report->actual_words, words);
     buf_add(&report->word, expected->key, expected->key_length);
     buf_add(&report->expected, expected->value, expected->value_length);
     if (actual)
         buf_add(&report->actual, actual->value, actual->value_length);
     if (report->command.failed || report->word.failed || report->expected.failed ||
-        report->actual.failed)
+        report->actual.failed || report->expected_words.failed || report->actual_words.failed)
         return fault_memory(fault, "the report of a replay");
     return fault_set(fault, ERR_CHECK,
                      "record %zu (line %zu) diverges: %.*s is %s%.*s, %.*s was recorded; "
@@ -68,7 +73,8 @@ static enum err compare(const struct record *record, const char *words,
         const bool is_there = record_word_find(words, expected.key, expected.key_length, &actual);
         if (!is_there || actual.value_length != expected.value_length ||
             memcmp(actual.value, expected.value, expected.value_length) != 0)
-            return tell_divergence(record, &expected, is_there ? &actual : NULL, report, fault);
+            return tell_divergence(record, words, &expected, is_there ? &actual : NULL, report,
+                                   fault);
     }
     return OK;
 }
@@ -154,7 +160,10 @@ enum err replay_run(const char *bytes, size_t length, const struct replay_host *
     report->is_journal = walk.is_journal;
     report->semantics = walk.semantics;
     while (!err && walk_next(&walk, &record) == WALK_RECORD) {
-        note_edit(report, &walk, &record);
+        if (record.number >= options->first)
+            note_edit(report, &walk, &record);
+        else
+            record.has_result = false;
         err = replay_record(&record, host, report, fault);
         if (record.number == options->last)
             break;

@@ -26,6 +26,7 @@ struct replay_host {
 
 struct replay_options {
     unsigned semantics; /* of this program; told where it is not the journal's. 0: do not ask */
+    size_t first;       /* records before it are carried out, and neither compared nor judged */
     size_t last;        /* stop behind this record; 0: go to the end */
 };
 
@@ -55,7 +56,8 @@ struct replay_report {
     struct buf command; /* bytes of the file: print them by buf_add_safe */
     struct buf word;    /* the key */
     struct buf expected;
-    struct buf actual; /* "" where the word is missing */
+    struct buf actual;                       /* "" where the word is missing */
+    struct buf expected_words, actual_words; /* all of the record, for REPLAY_DIVERGED */
 };
 
 /* `struct replay_report r = {0}` is to be released, whatever became of the replay. */
