@@ -15,7 +15,10 @@
 #include "base/scan.h"
 #include "command/about.h"
 #include "command/bench.h"
+#include "command/bisect.h"
 #include "command/drive.h"
+#include "command/reseal.h"
+#include "command/verify.h"
 #include "journal/log.h"
 #include "session/export.h"
 #include "tui/progress.h"
@@ -45,6 +48,15 @@ static const char usage[] =
     "    --scene FILE      open this scene, whatever name `open` gives\n"
     "    --out DIR         write files into this folder (replay writes none without); verify\n"
     "                      leaves there what a golden image differs by\n"
+    "    -j N              verify N journals at once (1..64; 1)\n"
+    "    --from N, --until N  compare these records only (verify)\n"
+    "    --junit FILE, --html FILE  what verify found: for other programs, and as a page with the\n"
+    "                      pictures of each failure; written anew\n"
+    "    --bisect          find the first record that differs in two journals, or, with\n"
+    "                      --with PROGRAM, in what another build gives (verify)\n"
+    "    --accept WHY      draw up anew the golden images of a journal that differ (verify), and\n"
+    "                      note in it why; refused where CI is set\n"
+    "    --reseal          give a journal that was edited its results anew (log)\n"
     "    --keep-going      do not stop at the first error (run, -c)\n"
     "    --graphics auto|kitty|sixel|blocks|none\n"
     "    --rounds N        time each experiment N times (bench paper; 3), take the median\n"
@@ -58,7 +70,8 @@ static const char usage[] =
 struct options {
     const char *journal, *scene, *out, *commands;
     const char *rounds, *plots;
-    bool keep_going, read_only, script, check, repair, json, csv, quick;
+    const char *processes, *from, *until, *junit, *html, *accept, *with;
+    bool keep_going, read_only, script, check, repair, reseal, bisect, json, csv, quick;
     enum graphics graphics;
     char **word; /* what is left: program and files */
     int words;
@@ -177,7 +190,9 @@ static enum err read_options(struct options *o, int count, char **word, struct f
         const char **value;
     } valued[] = {{"--journal", &o->journal}, {"--scene", &o->scene},   {"--out", &o->out},
                   {"-c", &o->commands},       {"--rounds", &o->rounds}, {"--plots", &o->plots},
-                  {"--graphics", &graphics}};
+                  {"-j", &o->processes},      {"--from", &o->from},     {"--until", &o->until},
+                  {"--accept", &o->accept},   {"--with", &o->with},     {"--junit", &o->junit},
+                  {"--html", &o->html},       {"--graphics", &graphics}};
     const struct {
         const char *name;
         bool *flag;
@@ -186,6 +201,8 @@ static enum err read_options(struct options *o, int count, char **word, struct f
                  {"--repair", &o->repair},
                  {"--script", &o->script},
                  {"--check", &o->check},
+                 {"--reseal", &o->reseal},
+                 {"--bisect", &o->bisect},
                  {"--json", &o->json},
                  {"--csv", &o->csv},
                  {"--quick", &o->quick}};
@@ -342,15 +359,87 @@ static enum err program_replay(const struct options *o, struct fault *fault)
     return err;
 }
 
-static enum err program_verify(const struct options *o, struct fault *fault)
+/* The number that an option gives, `given` NULL standing for `otherwise`. */
+static enum err read_number(const char *option, const char *given, int64_t most, size_t otherwise,
+                            size_t *out, struct fault *fault)
+{
+    const char *at = given;
+    int64_t number = (int64_t)otherwise;
+    if (given && (!scan_integer(&at, 1, most, &number) || *at))
+        return fault_set(fault, ERR_USAGE, "%s: expected a number 1..%lld, not %s", option,
+                         (long long)most, given);
+    *out = (size_t)number;
+    return OK;
+}
+
+/* A journal that is sealed anew, with a reason where golden images are accepted. */
+static enum err seal_anew(const struct options *o, struct fault *fault)
+{
+    struct desk desk;
+    const struct teller teller = {NULL, say, complain, NULL, NULL};
+    struct options without = *o;
+    enum err err = need_files(o, 1, 1, fault);
+    if (err)
+        return err;
+    without.journal = without.out = NULL;
+    handle_interrupts();
+    err = begin_desk(&desk, &without, fault);
+    if (!err)
+        err = o->accept ? reseal_accept(&desk, o->word[1], o->accept, &teller, fault)
+                        : reseal_edited(&desk, o->word[1], &teller, fault);
+    desk_release(&desk);
+    return err;
+}
+
+static enum err find_first(const struct options *o, struct fault *fault)
 {
     const struct teller teller = {NULL, say, complain, NULL, NULL};
+    const struct bisect_builds how = {.journal = o->words > 1 ? o->word[1] : NULL,
+                                      .other = o->with,
+                                      .scene_path = o->scene,
+                                      .word = "run",
+                                      .watch = &watch};
+    if (o->words != (o->with ? 2 : 3))
+        return fault_set(fault, ERR_USAGE, "--bisect: expected %s; see iftty --help",
+                         o->with ? "one journal" : "two journals, or one and --with PROGRAM");
+    handle_interrupts();
+    return o->with ? bisect_builds(&how, &teller, fault)
+                   : bisect_journals(o->word[1], o->word[2], &teller, fault);
+}
+
+static enum err program_verify(const struct options *o, struct fault *fault)
+{
+    enum { RECORDS_MOST = 999999999 };
+    const struct teller teller = {NULL, say, complain, NULL, NULL};
+    struct verify_options how = {.path = o->word + 1,
+                                 .scene_path = o->scene,
+                                 .evidence_folder = o->out,
+                                 .junit = o->junit,
+                                 .html = o->html,
+                                 .watch = &watch};
+    size_t processes = 1;
+    if (o->accept)
+        return seal_anew(o, fault);
+    if (o->bisect || o->with)
+        return find_first(o, fault);
     enum err err = need_files(o, 1, 1 << 20, fault);
+    if (!err)
+        err = read_number("-j", o->processes, VERIFY_PROCESSES_MOST, 1, &processes, fault);
+    if (!err)
+        err = read_number("--from", o->from, RECORDS_MOST, 0, &how.first, fault);
+    if (!err)
+        err = read_number("--until", o->until, RECORDS_MOST, 0, &how.last, fault);
+    if (!err && how.last && how.first > how.last)
+        err = fault_set(fault, ERR_USAGE, "--from %zu --until %zu: nothing lies between", how.first,
+                        how.last);
     if (!err && o->out)
         err = file_make_folder(o->out, fault);
-    if (!err)
-        err = drive_verify(o->word + 1, o->words - 1, o->scene, o->out, &teller, fault);
-    return err;
+    if (err)
+        return err;
+    how.count = (size_t)o->words - 1;
+    how.processes = (unsigned)processes;
+    handle_interrupts();
+    return verify_files(&how, &teller, fault);
 }
 
 static enum err repair(const char *path, struct fault *fault)
@@ -367,6 +456,8 @@ static enum err program_log(const struct options *o, struct fault *fault)
 {
     struct buf bytes = {0}, text = {0};
     struct journal_condition condition;
+    if (o->reseal)
+        return seal_anew(o, fault);
     enum err err = need_files(o, 1, 1, fault);
     if (!err && o->repair)
         return repair(o->word[1], fault);

@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "command/accepting.h"
+#include "command/verdict.h"
 #include "image/exr.h"
 #include "journal/golden.h"
 #include "session/export.h"
@@ -151,15 +153,37 @@ static void leave_evidence(struct desk *desk, const char *name, const struct pic
     buf_release(&path);
 }
 
+/* The same for a report; colours lie over black, as they are seen. */
+static void keep_for_report(struct desk *desk, const char *name, const struct picture *expected,
+                            const struct picture *actual,
+                            const struct golden_difference *difference)
+{
+    struct gallery *gallery = desk->gallery;
+    struct buf words = {0};
+    if (!gallery)
+        return;
+    buf_printf(&words, "expected: golden image %s", name);
+    gallery_add(gallery, buf_text(&words), expected->width, expected->height, expected->rgba);
+    gallery_add(gallery, "actual", actual->width, actual->height, actual->rgba);
+    if (difference->image)
+        gallery_add(gallery, "difference, in red", difference->width, difference->height,
+                    difference->image);
+    buf_release(&words);
+}
+
 static enum err compare_golden(struct desk *desk, const char *name, const char *path,
                                const struct picture *actual, struct fault *fault)
 {
     struct picture expected = {0};
     struct golden_difference difference = {0};
     struct buf words = {0};
-    if (!file_exists(path))
+    if (!file_exists(path)) {
+        if (desk->gallery)
+            gallery_add(desk->gallery, "actual; there is no golden image", actual->width,
+                        actual->height, actual->rgba);
         return fault_set(fault, ERR_CHECK, "golden image %s is missing: there is no %s", name,
                          path);
+    }
     enum err err = exr_read(&expected, path, fault);
     if (err) {
         fault_prefix(fault, err, "golden image %s", name);
@@ -171,11 +195,23 @@ static enum err compare_golden(struct desk *desk, const char *name, const char *
         golden_tell(&words, &difference);
         err = fault_set(fault, ERR_CHECK, "golden image %s: %s", name, buf_text(&words));
         leave_evidence(desk, name, actual, &difference);
+        keep_for_report(desk, name, &expected, actual, &difference);
     }
     golden_difference_release(&difference);
     picture_release(&expected);
     buf_release(&words);
     return err;
+}
+
+/* The same for one that is drawn up anew where it differs. */
+static enum err accept_golden(struct desk *desk, const char *name, const char *path,
+                              struct picture *picture, struct fault *fault)
+{
+    const enum err err =
+        compare_golden(desk, name, accepting_source(desk->accepting, path), picture, fault);
+    if (err != ERR_CHECK)
+        return err;
+    return accepting_take(desk->accepting, desk, name, path, picture, fault);
 }
 
 /* Writes one file of a golden image, which must not be there. */
@@ -237,11 +273,16 @@ ACT(golden)
     enum err err = take_golden(desk, &value[1], &picture, reply, fault);
     if (err)
         return err;
-    if (!desk->home.length && !desk->replays)
+    buf_add(&desk->goldens, name, strlen(name) + 1);
+    if (desk->goldens.failed)
+        err = fault_memory(fault, "a name");
+    else if (!desk->home.length && !desk->replays)
         buf_add_text(&reply->text, "not kept: there is no journal that it could belong to\n");
     else if (!desk->replays || desk->compares_goldens)
         err = golden_path(&path, buf_text(&desk->home), name, fault);
-    if (!err && path.length && desk->replays)
+    if (!err && path.length && desk->accepting)
+        err = accept_golden(desk, name, buf_text(&path), &picture, fault);
+    else if (!err && path.length && desk->replays)
         err = compare_golden(desk, name, buf_text(&path), &picture, fault);
     else if (!err && path.length)
         err = write_golden(desk, name, buf_text(&path), &picture, fault);

@@ -41,6 +41,7 @@ void desk_release(struct desk *desk)
     session_release(&desk->session);
     buf_release(&desk->home);
     buf_release(&desk->written);
+    buf_release(&desk->goldens);
     canvas_release(&desk->shown);
     *desk = (struct desk){0};
 }
@@ -123,7 +124,7 @@ enum err desk_will_write(struct desk *desk, const char *path, enum file_mode mod
 }
 
 /* Backups go when the command stands; else files are again what they were. */
-static void settle_files(struct desk *desk, bool stands)
+void desk_settle_files(struct desk *desk, bool stands)
 {
     const char *at = buf_text(&desk->written), *end = at + desk->written.length;
     while (at < end) {
@@ -172,7 +173,7 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
                          "the command is undone, because it could not be recorded "
                          "(`journal FILE` goes on in another file)");
     }
-    settle_files(desk, err == OK);
+    desk_settle_files(desk, err == OK);
     if (!err && desk->order)
         press_give(desk->press, desk->order);
     else

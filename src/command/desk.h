@@ -33,6 +33,9 @@ struct desk {
     const char *scene_path;      /* a scene to open whatever name `open` gives, or NULL */
     const char *out_folder;      /* files go there, under their last name; NULL: where they say */
     const char *evidence_folder; /* for what a golden image differs by, or NULL */
+    struct buf goldens;          /* names of golden images so far, each ended by NUL */
+    struct gallery *gallery;     /* for pictures of what they differ by (verdict.h), or NULL */
+    struct accepting *accepting; /* has those that differ drawn up anew (accepting.h), or NULL */
     bool replays;                /* files are written only with an out_folder */
     bool compares_goldens;       /* `golden` compares with the file instead of writing it */
     bool resumes;                /* replays the user's own journal: nothing is written */
@@ -91,5 +94,8 @@ enum err desk_output_path(const struct desk *desk, const char *name, struct buf 
  * recorded, a file that was not there goes again, and one that is replaced comes back. */
 enum err desk_will_write(struct desk *desk, const char *path, enum file_mode mode,
                          struct fault *fault);
+
+/* Those files stay as they are now, or are again what they were. A command sees to it by itself. */
+void desk_settle_files(struct desk *desk, bool stands);
 
 #endif

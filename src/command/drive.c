@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "journal/replay.h"
+#include "command/divergence.h"
 #include "session/export.h"
 
 enum { LINE_BYTES_MOST = 65536 };
@@ -120,12 +120,16 @@ enum err drive_script(struct desk *desk, FILE *input, const char *name, bool kee
 struct replaying {
     struct desk *desk;
     const struct teller *teller; /* NULL: quietly */
+    bool compares_goldens;       /* from record `first` on */
+    size_t number, first;
 };
 
 static enum err execute(void *context, const char *command, struct buf *words, struct fault *fault)
 {
     struct replaying *replaying = context;
     struct reply reply = {0};
+    const bool is_judged = ++replaying->number >= replaying->first;
+    replaying->desk->compares_goldens = replaying->compares_goldens && is_judged;
     enum err err = desk_execute(replaying->desk, command, &reply, fault);
     if (!err && replaying->teller && reply.canonical.length)
         acknowledge(replaying->desk, &reply, replaying->teller);
@@ -134,19 +138,21 @@ static enum err execute(void *context, const char *command, struct buf *words, s
     return err;
 }
 
-static enum err replay_file(struct desk *desk, const char *path, const struct teller *teller,
-                            struct replay_report *report, struct fault *fault)
+enum err drive_file(struct desk *desk, const char *path, size_t first, size_t last,
+                    const struct teller *teller, struct replay_report *report, struct fault *fault)
 {
     struct buf bytes = {0};
-    struct replaying replaying = {desk, teller};
+    struct replaying replaying = {
+        .desk = desk, .teller = teller, .compares_goldens = desk->compares_goldens, .first = first};
     const struct replay_host host = {&replaying, execute};
-    const struct replay_options options = {.semantics = SEMANTICS};
+    const struct replay_options options = {SEMANTICS, first, last};
     enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
     desk->replays = true;
     if (!err)
         err = desk_set_home(desk, path, fault);
     if (!err)
         err = replay_run(buf_text(&bytes), bytes.length, &host, &options, report, fault);
+    desk->compares_goldens = replaying.compares_goldens;
     buf_release(&bytes);
     return err;
 }
@@ -158,9 +164,7 @@ static void add_detail(struct buf *text, const char *what, const struct buf *val
     buf_add_char(text, '\n');
 }
 
-/* What a replay found, as comment lines. */
-static void tell_report(struct buf *text, const struct replay_report *report,
-                        const struct fault *fault)
+void drive_tell(struct buf *text, const struct replay_report *report, const struct fault *fault)
 {
     if (!report->is_intact && report->edited_number)
         buf_printf(text,
@@ -184,6 +188,8 @@ static void tell_report(struct buf *text, const struct replay_report *report,
     add_detail(text, "differs", &report->word);
     add_detail(text, "expected", &report->expected);
     add_detail(text, "actual", &report->actual);
+    divergence_tell(text, buf_text(&report->expected_words), buf_text(&report->actual_words),
+                    DIVERGENCE_OF_REPLAY);
 }
 
 enum err drive_replay(struct desk *desk, const char *path, const struct teller *teller,
@@ -191,8 +197,8 @@ enum err drive_replay(struct desk *desk, const char *path, const struct teller *
 {
     struct replay_report report = {0};
     struct buf text = {0};
-    enum err err = replay_file(desk, path, teller, &report, fault);
-    tell_report(&text, &report, fault);
+    enum err err = drive_file(desk, path, 0, 0, teller, &report, fault);
+    drive_tell(&text, &report, fault);
     if (text.length)
         teller->complain(teller->context, buf_text(&text));
     if (!err)
@@ -203,59 +209,4 @@ enum err drive_replay(struct desk *desk, const char *path, const struct teller *
     replay_report_release(&report);
     buf_release(&text);
     return err;
-}
-
-/* ---- verify ---- */
-
-static enum err verify_one(const char *path, int number, const char *scene_path,
-                           const char *out_folder, const struct teller *teller, struct fault *fault)
-{
-    struct desk desk;
-    struct replay_report report = {0};
-    struct buf text = {0};
-    enum err err = desk_init(&desk, fault);
-    desk.scene_path = scene_path;
-    desk.evidence_folder = out_folder;
-    desk.compares_goldens = true;
-    if (!err)
-        err = replay_file(&desk, path, NULL, &report, fault);
-    if (!err && !report.is_journal)
-        err = fault_set(fault, ERR_CHECK, "this is a script, not a journal: nothing to compare");
-    buf_printf(&text, "%s %d - ", err ? "not ok" : "ok", number);
-    buf_add_safe(&text, path, strlen(path));
-    if (err)
-        buf_add_char(&text, '\n');
-    else
-        buf_printf(&text, " (%zu commands, %zu results)\n", report.executed, report.compared);
-    struct buf detail = {0};
-    tell_report(&detail, &report, fault);
-    if (err && !detail.length)
-        buf_printf(&detail, "# %s\n", fault->text);
-    buf_add_text(&text, buf_text(&detail));
-    teller->say(teller->context, buf_text(&text));
-    buf_release(&detail);
-    buf_release(&text);
-    replay_report_release(&report);
-    desk_release(&desk);
-    return err;
-}
-
-enum err drive_verify(char *const *paths, int count, const char *scene_path, const char *out_folder,
-                      const struct teller *teller, struct fault *fault)
-{
-    struct buf text = {0};
-    int passed = 0;
-    enum err worst = OK;
-    for (int i = 0; i < count; i++) {
-        enum err err = verify_one(paths[i], i + 1, scene_path, out_folder, teller, fault);
-        passed += err == OK;
-        if (err && (!worst || worst == ERR_CHECK))
-            worst = err;
-    }
-    buf_printf(&text, "1..%d\n# %d verified, %d failed\n", count, passed, count - passed);
-    say(teller, &text);
-    buf_release(&text);
-    if (worst)
-        fault_set(fault, worst, "%d of %d journals failed", count - passed, count);
-    return worst;
 }

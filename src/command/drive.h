@@ -1,5 +1,5 @@
 /*
- * What drives a desk without a keyboard: scripts, replays, and the verification of journals.
+ * What drives a desk without a keyboard: scripts and replays. Verification is in verify.h.
  *
  * Nothing here prints: a `struct teller` takes the lines. Each returns the error that the program's
  * exit status comes from.
@@ -10,6 +10,7 @@
 #include <stdio.h>
 
 #include "command/desk.h"
+#include "journal/replay.h"
 
 struct teller {
     void *context;
@@ -31,9 +32,13 @@ enum err drive_script(struct desk *desk, FILE *input, const char *name, bool kee
 enum err drive_replay(struct desk *desk, const char *path, const struct teller *teller,
                       struct fault *fault);
 
-/* Replays journals, each at a desk of its own, and compares every result and golden image. Tells
- * TAP. ERR_CHECK when any differs. */
-enum err drive_verify(char *const *paths, int count, const char *scene_path, const char *out_folder,
-                      const struct teller *teller, struct fault *fault);
+/* The same for whoever looks at the report: quietly where `teller` is NULL, comparing results (and,
+ * where the desk does so, golden images) of records `first` to `last` only; 0 for all. */
+enum err drive_file(struct desk *desk, const char *path, size_t first, size_t last,
+                    const struct teller *teller, struct replay_report *report, struct fault *fault);
+
+/* What the report of a replay says, as lines that begin with "# ", safe to print; none where all is
+ * well. `fault` is that of the replay. */
+void drive_tell(struct buf *text, const struct replay_report *report, const struct fault *fault);
 
 #endif

@@ -1,0 +1,211 @@
+/*
+ * The pure parts of a verification: what a difference means, verdicts on their way through a pipe,
+ * text in markup, and pictures as PNG.
+ */
+#include <stdlib.h>
+#include <zlib.h>
+
+#include "command/divergence.h"
+#include "command/markup.h"
+#include "command/verdict.h"
+#include "command/verify_report.h"
+#include "image/png.h"
+#include "tests/check.h"
+
+/* ---- words ---- */
+
+static void check_meaning(const char *expected, const char *actual, const char *part)
+{
+    struct buf lines = {0};
+    divergence_tell(&lines, expected, actual, DIVERGENCE_OF_REPLAY);
+    CHECK_HAS(buf_text(&lines), part);
+    for (const char *at = buf_text(&lines); *at; at = strchr(at, '\n') + 1)
+        CHECK(strncmp(at, "#   ", 4) == 0); /* TAP takes them as comments */
+    buf_release(&lines);
+}
+
+STORY(a_difference_is_told_by_what_it_means)
+{
+    check_meaning("forest=1 labels=2 seeds=3", "forest=9 labels=2 seeds=3", "only keys differ");
+    check_meaning("forest=1 labels=2 seeds=3", "forest=9 labels=8 seeds=3", "labels differ");
+    check_meaning("forest=1 labels=2", "forest=1 labels=8", "labels differ");
+    check_meaning("picture=5 forest=1 labels=2", "picture=6 forest=1 labels=2",
+                  "only the picture differs");
+    check_meaning("picture=5", "picture=6", "says nothing of the forest");
+    check_meaning("picture=5 forest=1 labels=2", "picture=6 forest=3 labels=2", "only keys");
+    check_meaning("spin=5", "spin=6", "the picture differs");
+    check_meaning("scene=1 size=2,2,2", "scene=2 size=2,2,2", "the scene is another one");
+    check_meaning("file=1 added=3 forest=1 labels=1", "file=2 added=3 forest=2 labels=2",
+                  "a file that the command read");
+    check_meaning("weights=1 forest=1 labels=1", "weights=2 forest=2 labels=2", "the arc weights");
+}
+
+STORY(counts_tell_how_many_more_or_less)
+{
+    check_meaning("seeds=12", "seeds=9", "seeds: 12 was recorded, 9 now (3 less)");
+    check_meaning("inside=100", "inside=101", "inside: 100 was recorded, 101 now (1 more)");
+    check_meaning("seeds=12", "", "seeds: 12 was recorded, nothing now\n");
+    check_meaning("a=1 b=2 c=3", "c=3 b=9 a=1", "the same a, c\n");
+    struct buf lines = {0};
+    divergence_tell(&lines, "forest=1234567890123456 size=1,2,3",
+                    "forest=1234567890123457 size=1,2,4", DIVERGENCE_OF_JOURNALS);
+    CHECK(!strstr(buf_text(&lines), "more")); /* a digest of digits is no count */
+    buf_clear(&lines);
+    divergence_tell(&lines, "a=\x1b[31m", "a=2", DIVERGENCE_OF_REPLAY);
+    CHECK(!strchr(buf_text(&lines), '\x1b'));
+    buf_release(&lines);
+}
+
+/* ---- verdicts ---- */
+
+static void make_verdict(struct verdict *v)
+{
+    static const uint8_t pixel[8] = {255, 0, 0, 255, 0, 255, 0, 255};
+    *v = (struct verdict){.err = ERR_CHECK, .executed = 12, .compared = 7, .took_ms = 1234};
+    buf_add_text(&v->why, "it differs");
+    buf_add_text(&v->lines, "# one\n# two\n");
+    gallery_add(&v->gallery, "expected", 2, 1, pixel);
+    gallery_add(&v->gallery, "actual", 1, 2, pixel);
+}
+
+STORY(a_verdict_comes_back_as_it_was_sent)
+{
+    struct verdict sent, got = {0};
+    struct buf bytes = {0};
+    make_verdict(&sent);
+    verdict_write(&bytes, &sent);
+    CHECK(verdict_read(&got, bytes.data, bytes.length, NULL) == OK);
+    CHECK(got.err == ERR_CHECK);
+    CHECK_INT(got.executed, 12);
+    CHECK_INT(got.compared, 7);
+    CHECK_INT(got.took_ms, 1234);
+    CHECK_TEXT(buf_text(&got.why), "it differs");
+    CHECK_TEXT(buf_text(&got.lines), "# one\n# two\n");
+    CHECK_INT(got.gallery.pictures, 2);
+    CHECK_TEXT(buf_text(&got.gallery.picture[1].caption), "actual");
+    CHECK_INT(got.gallery.picture[0].png.length, sent.gallery.picture[0].png.length);
+    verdict_release(&sent);
+    verdict_release(&got);
+    buf_release(&bytes);
+}
+
+STORY(half_a_verdict_is_none)
+{
+    struct verdict sent, got = {0};
+    struct buf bytes = {0};
+    make_verdict(&sent);
+    verdict_write(&bytes, &sent);
+    for (size_t length = 0; length < bytes.length; length++) {
+        CHECK(verdict_read(&got, bytes.data, length, NULL) == ERR_INPUT);
+        verdict_release(&got);
+        got = (struct verdict){0};
+    }
+    static const char *const wrong[] = {
+        "verdict 99 0 0 0 0 0 0\n",  "verdict 1 0 0 0 9999999999999 0 0\n",
+        "verdict 1 0 0 0 0 0 4\n",   "verdict -1 0 0 0 0 0 0\n",
+        "verdict 0 0 0 0 0 0 0\n\n", "verdict 0 0 0 0 0 0 1\npicture 1 -1\n",
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        CHECK(verdict_read(&got, wrong[i], strlen(wrong[i]), NULL) == ERR_INPUT);
+        verdict_release(&got);
+        got = (struct verdict){0};
+    }
+    verdict_release(&sent);
+    buf_release(&bytes);
+}
+
+/* ---- reports ---- */
+
+STORY(text_from_outside_cannot_be_markup)
+{
+    struct buf out = {0};
+    markup_add(&out, "a<b>&\"c'\x1b\n\xff", 11);
+    CHECK_TEXT(buf_text(&out), "a&lt;b&gt;&amp;&quot;c&#39;\\x1b\n\\xff");
+    buf_clear(&out);
+    markup_add(&out, "\xEF\xBF\xBE!\xEF\xBF\xBF", 7); /* XML has no such characters */
+    CHECK_TEXT(buf_text(&out), "?!?");
+    buf_release(&out);
+}
+
+STORY(bytes_as_base64)
+{
+    static const char *const c[][2] = {{"", ""},
+                                       {"f", "Zg=="},
+                                       {"fo", "Zm8="},
+                                       {"foo", "Zm9v"},
+                                       {"foob", "Zm9vYg=="},
+                                       {"fooba", "Zm9vYmE="},
+                                       {"foobar", "Zm9vYmFy"},
+                                       {"\xff\xff\xbe", "//++"}};
+    struct buf out = {0};
+    for (size_t i = 0; i < sizeof c / sizeof c[0]; i++) {
+        buf_clear(&out);
+        markup_add_base64(&out, c[i][0], strlen(c[i][0]));
+        CHECK_TEXT(buf_text(&out), c[i][1]);
+    }
+    buf_release(&out);
+}
+
+STORY(a_report_names_what_failed_and_how)
+{
+    struct verdict v[2] = {{.executed = 5, .compared = 5, .took_ms = 1005}};
+    char *path[] = {(char[]){"fine.iftty"}, (char[]){"<script>.iftty"}};
+    struct buf out = {0};
+    make_verdict(v + 1);
+    verify_report_text(&out, VERIFY_JUNIT, path, v, 2);
+    CHECK_HAS(buf_text(&out), "tests=\"2\" failures=\"1\" errors=\"0\" time=\"2.239\"");
+    CHECK_HAS(buf_text(&out), "name=\"fine.iftty\" time=\"1.005\"/>");
+    CHECK_HAS(buf_text(&out), "message=\"it differs\"># one\n# two\n</failure>");
+    buf_clear(&out);
+    verify_report_text(&out, VERIFY_HTML, path, v, 2);
+    CHECK_HAS(buf_text(&out), "<h1>1 verified, <span class=\"failed\">1 failed</span></h1>");
+    CHECK_HAS(buf_text(&out), "<h2>&lt;script&gt;.iftty</h2>");
+    CHECK(!strstr(buf_text(&out), "<script"));
+    CHECK_HAS(buf_text(&out), "src=\"data:image/png;base64,iVBORw0KGgo");
+    verdict_release(v + 1);
+    buf_release(&out);
+}
+
+/* ---- PNG ---- */
+
+static uint32_t number_at(const char *bytes)
+{
+    const uint8_t *b = (const uint8_t *)bytes;
+    return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3];
+}
+
+STORY(a_picture_as_png_holds_its_pixels)
+{
+    enum { WIDTH = 5, HEIGHT = 3, LINE = 1 + 4 * WIDTH };
+    uint8_t rgba[WIDTH * HEIGHT * 4], lines[LINE * HEIGHT + 1];
+    uint64_t state = 7;
+    struct buf out = {0};
+    uLongf length = sizeof lines;
+    for (size_t i = 0; i < sizeof rgba; i++)
+        rgba[i] = (uint8_t)check_random(&state);
+    CHECK(png_encode(&out, WIDTH, HEIGHT, rgba, NULL) == OK);
+    CHECK(memcmp(out.data, "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\5\0\0\0\3\10\6\0\0\0", 29) == 0);
+    const char *data = out.data + 33;
+    const uint32_t packed = number_at(data);
+    CHECK(memcmp(data + 4, "IDAT", 4) == 0);
+    CHECK_INT(number_at(data + 8 + packed), crc32_z(0, (const Bytef *)data + 4, packed + 4));
+    CHECK_INT(8 + 25 + 12 + packed + 12, out.length);
+    CHECK(uncompress(lines, &length, (const Bytef *)data + 8, packed) == Z_OK);
+    CHECK_INT(length, LINE * HEIGHT);
+    for (size_t y = 0; y < HEIGHT; y++) {
+        CHECK_INT(lines[y * LINE], 0);
+        CHECK(memcmp(lines + y * LINE + 1, rgba + y * 4 * WIDTH, 4 * WIDTH) == 0);
+    }
+    CHECK(png_encode(&out, 0, 3, rgba, NULL) == ERR_LIMIT);
+    CHECK(png_encode(&out, 3, 16385, rgba, NULL) == ERR_LIMIT);
+    buf_release(&out);
+}
+
+int main(void)
+{
+    return RUN_STORIES(
+        TELL(a_difference_is_told_by_what_it_means), TELL(counts_tell_how_many_more_or_less),
+        TELL(a_verdict_comes_back_as_it_was_sent), TELL(half_a_verdict_is_none),
+        TELL(text_from_outside_cannot_be_markup), TELL(bytes_as_base64),
+        TELL(a_report_names_what_failed_and_how), TELL(a_picture_as_png_holds_its_pixels));
+}

@@ -1,0 +1,435 @@
+#!/bin/sh
+# iftty verify: what it compares, what it says of a difference, and what reports it writes.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+make_scene s.nii 24 20 16
+
+# record JOURNAL: nine records, of which the seventh and the last are golden images
+record() {
+    "$iftty" -c 'open s.nii; seed 2,3,4 1; seed 6,10,8 2 radius=1; run; size 40 30; view 30 20; golden first
+        seed 20,10,8 3; run; golden second' --journal "$1" >/dev/null || fail "cannot record $1"
+}
+# rewrite JOURNAL NUMBER WORDS: its result words, with all chains right: an honest forgery
+rewrite() {
+    awk -v n="$2" -v words="$3" '/^= / && $2 == n { print "= " n " " words " chain=" substr($NF, 7); next }
+        { print }' "$1" >rewritten
+    chain=00000000000000000000000000000000 start=1 line=0
+    : >"$1"
+    covered=
+    while IFS= read -r text; do
+        line=$((line + 1))
+        case $text in
+        '= '*)
+            covered=$covered${text% chain=*}
+            chain=$(printf %s%s "$chain" "$covered" | sha256sum | cut -c 1-32)
+            printf '%s chain=%s\n' "$covered" "$chain" >>"$1"
+            covered=
+            ;;
+        *) covered="$covered$text
+" ;;
+        esac
+    done <rewritten
+}
+words_of() { # JOURNAL NUMBER
+    sed -n "s/^= $2 \(.*\) chain=.*/\1/p" "$1"
+}
+
+begin "journals are verified at once, and told in order"
+for n in 1 2 3 4 5; do record "j$n.iftty"; done
+expect 0 "$iftty" verify j1.iftty j2.iftty j3.iftty j4.iftty j5.iftty
+cp out one
+for processes in 1 2 5 64; do
+    expect 0 "$iftty" verify -j "$processes" j1.iftty j2.iftty j3.iftty j4.iftty j5.iftty
+    same_files out one
+done
+same "$(head -n 1 one)" "ok 1 - j1.iftty (10 commands, 10 results)"
+same "$(tail -n 2 one | tr '\n' ' ')" "1..5 # 5 verified, 0 failed "
+for wrong in "-j 0" "-j 65" "-j x" "--from 0" "--until x" "--from 3 --until 2" "--junit" "--from"; do
+    # shellcheck disable=SC2086
+    expect 2 "$iftty" verify j1.iftty $wrong
+    [ ! -s out ] || fail "'$wrong' printed something"
+done
+close_story
+
+begin "the first one may take longest"
+"$iftty" -c 'open synth:geom; seed 100,100,50 1; seed 10,10,10 2; run' --journal long.iftty >/dev/null
+expect 0 "$iftty" verify -j 3 long.iftty j1.iftty j2.iftty
+same "$(sed -n 's/^ok [0-9]* - \([a-z0-9]*\).*/\1/p' out | tr '\n' ' ')" "long j1 j2 "
+close_story
+
+begin "an orphan golden image is a failure"
+cp j1.golden/first.exr j1.golden/third.exr
+expect 1 "$iftty" verify j1.iftty j2.iftty
+out_has "# orphan golden image: the journal names no third.exr, which is in j1.golden"
+out_has "# 1 verified, 1 failed"
+cp j1.golden/first.exr j1.golden/First.exr
+expect 1 "$iftty" verify j1.iftty
+out_has "no First.exr, which is in j1.golden, and others"
+rm j1.golden/First.exr
+expect 0 "$iftty" verify j1.iftty --until 9 # nobody knows yet
+mv j1.golden/third.exr j1.golden/third.png
+cp j1.golden/first.exr j1.golden/.tmp-1-0-first.exr
+expect 0 "$iftty" verify j1.iftty
+close_story
+
+begin "--from and --until compare what lies between"
+cp j2.golden/second.exr j2.golden/first.exr
+expect 1 "$iftty" verify j2.iftty
+out_has "# record 7, line"
+expect 0 "$iftty" verify j2.iftty --until 6
+out_has "(6 commands, 6 results)"
+expect 1 "$iftty" verify j2.iftty --until 7
+expect 1 "$iftty" verify j2.iftty --from 7
+expect 0 "$iftty" verify j2.iftty --from 8
+out_has "(10 commands, 3 results)"
+expect 0 "$iftty" verify j2.iftty --from 8 --until 9
+out_has "(9 commands, 2 results)"
+expect 1 "$iftty" verify j2.iftty --from 11
+out_has "it ends with record 10: nothing to compare from 11 on"
+close_story
+
+begin "a difference is told in words"
+words=$(words_of j3.iftty 9)
+labels=$(printf %s "$words" | sed 's/.*labels=\([0-9a-f]*\).*/\1/')
+rewrite j3.iftty 9 "forest=0123456789abcdef labels=$labels seeds=7"
+expect 0 "$iftty" log --check j3.iftty
+expect 1 "$iftty" verify j3.iftty
+out_has "# record 9, line"
+out_has "command  run"
+out_has "meaning  only keys differ"
+out_has "word     forest: 0123456789abcdef was recorded, "
+out_has "word     seeds: 7 was recorded, 9 now (2 more)"
+out_has "the same labels"
+grep -qE '^#   now      label 2: 7 seeds, [0-9]+ voxels' out || fail "no voxels: $(cat out)"
+rewrite j3.iftty 9 "forest=0123456789abcdef labels=0123456789abcdef seeds=9"
+expect 1 "$iftty" verify j3.iftty
+out_has "meaning  labels differ"
+close_story
+
+begin "a process that dies is one failure, with its signal"
+"$iftty" -c 'open synth:geom:222; seed 100,100,50 1; seed 10,10,10 2; run; adjacency 26' \
+    --journal large.iftty >/dev/null
+"$iftty" verify large.iftty j4.iftty >out 2>err &
+verifier=$!
+child=
+for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do
+    read -r child _ <"/proc/$verifier/task/$verifier/children" && [ -n "$child" ] && break
+    sleep 0.05
+done
+kill -SEGV "$child"
+wait "$verifier"
+same "$?" 1
+out_has "not ok 1 - large.iftty"
+out_has "# the process that replayed it was ended by signal 11 (Segmentation fault)"
+out_has "ok 2 - j4.iftty"
+close_story
+
+begin "Ctrl-C ends all of them"
+"$iftty" verify -j 2 large.iftty large.iftty large.iftty >out 2>err &
+verifier=$!
+sleep 0.4
+children=$(cat "/proc/$verifier/task/$verifier/children")
+[ "$(echo "$children" | wc -w)" -ge 2 ] || fail "children: $children"
+# They end with the one that started them, however that ends.
+kill -9 "$verifier"
+wait "$verifier" 2>/dev/null
+sleep 0.3
+for child in $children; do
+    [ ! -e "/proc/$child" ] || grep -q '^State:.*Z' "/proc/$child/status" || fail "$child outlives its parent"
+done
+# A background job ignores SIGINT unless it is told otherwise.
+env --default-signal=INT "$iftty" verify -j 2 large.iftty large.iftty large.iftty >out 2>err &
+verifier=$!
+sleep 0.4
+children=$(cat "/proc/$verifier/task/$verifier/children")
+kill -INT "$verifier"
+wait "$verifier"
+same "$?" 130
+err_has "cancelled; 0 of 3 journals were verified"
+for child in $children; do
+    [ ! -e "/proc/$child" ] || fail "$child is still there"
+done
+close_story
+
+# ---- reports ----
+
+begin "JUnit's XML"
+cp j5.golden/second.exr j5.golden/first.exr
+cp j4.iftty 'a<b>&"c'"'.iftty"
+cp -r j4.golden 'a<b>&"c'"'.golden"
+expect 1 "$iftty" verify j4.iftty j5.iftty 'a<b>&"c'"'.iftty" --junit report.xml
+grep -q '<testsuite name="iftty verify" tests="3" failures="1" errors="0"' report.xml || fail "$(cat report.xml)"
+grep -q 'name="a&lt;b&gt;&amp;&quot;c&#39;.iftty"' report.xml || fail "$(cat report.xml)"
+grep -q '<failure type="check failed" message="record 7 (line' report.xml || fail "$(cat report.xml)"
+if command -v xmllint >/dev/null; then
+    xmllint --noout report.xml 2>err || fail "$(cat err)"
+elif command -v python3 >/dev/null; then
+    python3 -c 'import sys, xml.dom.minidom; xml.dom.minidom.parse(sys.argv[1])' report.xml 2>err || fail "$(cat err)"
+fi
+cp report.xml before
+expect 0 "$iftty" verify j4.iftty --junit report.xml
+grep -q 'tests="1" failures="0"' report.xml || fail "the report was not written anew"
+expect 3 "$iftty" verify missing.iftty --junit report.xml
+grep -q 'errors="1"' report.xml || fail "$(cat report.xml)"
+close_story
+
+begin "one page of HTML, that needs nothing else"
+expect 1 "$iftty" verify j4.iftty j5.iftty 'a<b>&"c'"'.iftty" --html report.html
+grep -q 'a&lt;b&gt;&amp;&quot;c&#39;.iftty' report.html || fail "a name is not escaped"
+same "$(grep -c '<img alt="[^"]*" src="data:image/png;base64,[A-Za-z0-9+/]*=*">' report.html)" 3
+same "$(grep -o 'expected: golden image first<\|>actual<\|>difference, in red<' report.html | wc -l | tr -d ' ')" 3
+grep -qE 'https?:|<script|<link|url\(' report.html && fail "it refers to something else"
+grep -q "default-src 'none'" report.html || fail "it does not forbid to fetch"
+# The picture that is called the expected one is the golden image's.
+sed -n 's/.*alt="expected[^"]*" src="data:image\/png;base64,\([^"]*\)".*/\1/p' report.html | base64 -d >expected.png
+same "$(head -c 4 expected.png | od -An -c | tr -d ' ')" '211PNG'
+if command -v idiff >/dev/null; then
+    oiiotool expected.png --ch R,G,B -o seen.png && idiff -q seen.png j5.golden/second.png || fail "it is another picture"
+fi
+expect 1 "$iftty" verify j3.iftty --html report.html
+same "$(grep -c 'actual: the rendition after this command</figcaption>' report.html)" 1
+rm j5.golden/first.exr
+expect 1 "$iftty" verify j5.iftty --html report.html
+same "$(grep -c 'actual; there is no golden image</figcaption>' report.html)" 1
+close_story
+
+begin "reports are written over reports, and over no journal"
+cp j4.iftty kept
+expect 2 "$iftty" verify j4.iftty --html j4.iftty
+err_has "j4.iftty is a journal and was left alone"
+same_files j4.iftty kept
+expect 3 "$iftty" verify j4.iftty --junit nowhere/report.xml
+[ ! -s out ] || fail "it verified before it looked for the folder"
+close_story
+
+# ---- accepting ----
+
+unset CI
+# unlike JOURNAL NUMBER: the record's picture was another one when it was recorded
+unlike() {
+    rewrite "$1" "$2" "$(words_of "$1" "$2" | sed 's/picture=[0-9a-f]*/picture=00000000000000aa/')"
+}
+
+begin "accepting takes in a golden image that differs, with a reason, and keeps what was"
+record k.iftty
+cp k.golden/first.exr first.kept
+cp k.golden/second.exr k.golden/first.exr
+unlike k.iftty 7
+cp k.iftty k.before
+expect 1 "$iftty" verify k.iftty
+expect 0 "$iftty" verify k.iftty --accept 'softer light'
+out_has "# 1 golden images accepted, 1 of 10 records of k.iftty marked; the former journal is kept as k.iftty.before-1"
+same_files k.iftty.before-1 k.before
+expect 0 "$iftty" verify k.iftty
+expect 0 "$iftty" log --check k.iftty
+grep -q '^# accepted: softer light (golden image first: ' k.iftty || fail "no reason: $(cat k.iftty)"
+grep -q "^# it was: chain=[0-9a-f]* picture=00000000000000aa" k.iftty || fail "$(cat k.iftty)"
+same "$(words_of k.iftty 7)" "$(words_of j4.iftty 7)"
+"$iftty" info k.golden/first.exr >info
+grep -q 'iftty:journal: k.iftty' info || fail "$(cat info)"
+same "$(sed -n 's/.*iftty:chain: //p' info)" "$(sed -n 's/^= 6 .*chain=//p' k.iftty)"
+"$iftty" -c 'open s.nii; seed 1,1,1 1' --journal k2.iftty >/dev/null
+same "$(ls -A k.golden | tr '\n' ' ')" "first.exr first.png second.exr second.png "
+# The journal goes on from there.
+expect 0 "$iftty" -c 'seed 1,1,1 1; run' --journal k.iftty
+expect 0 "$iftty" verify k.iftty
+close_story
+
+begin "accepting what is as it should be changes nothing"
+listing . | grep -vE ' ./(out|err|before|d)$' >before
+expect 0 "$iftty" verify k.iftty --accept 'nothing'
+out_has "# 0 golden images accepted, 0 of 12 records of k.iftty marked; nothing has changed"
+listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >d || fail "$(cat d)"
+rm -f d
+close_story
+
+begin "a golden image that is missing, or damaged, is accepted as well"
+rm k.golden/first.exr k.golden/first.png
+head -c 300 j4.golden/second.exr >k.golden/second.exr
+expect 1 "$iftty" verify k.iftty
+expect 0 "$iftty" verify k.iftty --accept 'a disk was full'
+out_has "2 golden images accepted, 2 of 12"
+expect 0 "$iftty" verify k.iftty
+same "$(ls k.iftty.before-*  | tr '\n' ' ')" "k.iftty.before-1 k.iftty.before-2 "
+# Another picture of the journal may differ as well.
+expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; render; golden one' --journal r.iftty
+unlike r.iftty 4
+expect 1 "$iftty" verify r.iftty
+expect 0 "$iftty" verify r.iftty --accept 'the shader rounds'
+out_has "0 golden images accepted, 1 of 5"
+expect 0 "$iftty" verify r.iftty
+close_story
+
+# refused JOURNAL WORDS STATUS [OPTION...]: accepting says so, and nothing has changed
+refused() {
+    journal=$1 words=$2 status=$3
+    shift 3
+    listing . | grep -vE ' ./(out|err|before|d)$' >before
+    expect "$status" "$@" "$iftty" verify "$journal" --accept 'why not'
+    err_has "$words"
+    listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >d || fail "$(cat d)"
+    rm -f d
+}
+
+begin "accepting is refused in CI, and for what is no picture"
+cp j4.golden/second.exr k.golden/first.exr
+refused k.iftty "refused where CI is set" 2 env CI=true
+refused k.iftty "refused where CI is set" 2 env CI=0
+expect 2 "$iftty" verify k.iftty --accept ''
+expect 2 "$iftty" verify k.iftty --accept "two
+lines"
+expect 2 "$iftty" verify k.iftty j4.iftty --accept both
+cp k.golden/first.exr k.golden/third.exr
+refused k.iftty "orphan golden image" 1 env
+rm k.golden/third.exr
+cp k.iftty kept
+rewrite k.iftty 6 "forest=0123456789abcdef"
+refused k.iftty "nothing has changed" 1 env
+cp kept k.iftty
+rewrite k.iftty 9 "forest=0123456789abcdef"
+refused k.iftty "record 9 (line 22) gives another forest: no picture, but a result, which is not accepted" 1 env
+sed 's/^seed 20,10,8 3$/seed 20,10,8 4/' kept >k.iftty
+refused k.iftty "record 8 (line 20) was edited: iftty log --reseal comes first" 1 env
+{ cat kept; echo run; } >k.iftty
+refused k.iftty "going on with the journal repairs it; nothing has changed" 1 env
+expect 0 "$iftty" log --script kept
+grep -v '^#' out >a-script
+refused a-script "this is a script, not a journal" 1 env
+cp kept k.iftty
+expect 0 "$iftty" verify k.iftty --accept 'now'
+close_story
+
+begin "accepting is refused while somebody writes the journal"
+mkfifo held
+"$iftty" run - --journal k.iftty <held >held.out 2>&1 &
+writer=$!
+exec 9>held
+tries=0
+until "$iftty" run - --journal k.iftty </dev/null 2>&1 | grep -q 'another session' || [ $((tries += 1)) -gt 100 ]; do :; done
+refused k.iftty "is being written by another session" 3 env
+exec 9>&-
+wait "$writer"
+close_story
+
+begin "a full folder, or one that may not be written to: all is as it was"
+if [ "$(id -u)" != 0 ]; then
+    cp j4.golden/second.exr k.golden/first.exr
+    chmod a-w .
+    expect 3 "$iftty" verify k.iftty --accept 'why not' >/dev/null 2>&1
+    chmod u+w .
+    same_files j4.golden/second.exr k.golden/first.exr
+fi
+close_story
+
+begin "an edited journal is sealed anew, and says so"
+record e.iftty
+sed 's/^seed 20,10,8 3$/seed 20,10,7 3/' e.iftty >edited.iftty
+cp edited.iftty edited.kept
+expect 1 "$iftty" log --check edited.iftty
+expect 0 "$iftty" log --reseal edited.iftty
+out_has "# 3 of 10 records of edited.iftty marked; the former journal is kept as edited.iftty.before-1"
+same_files edited.iftty.before-1 edited.kept
+expect 0 "$iftty" log --check edited.iftty
+expect 0 "$iftty" replay edited.iftty
+same "$(grep -c '^# resealed: ' edited.iftty)" 3
+expect 1 "$iftty" verify edited.iftty # its golden images are another matter
+expect 0 "$iftty" verify edited.iftty --accept 'the seed lies deeper'
+expect 0 "$iftty" verify edited.iftty
+sed 's/^# iftty journal 1 semantics .*/# iftty journal 1 semantics 1/' e.iftty >old.iftty
+cp -r e.golden old.golden
+expect 1 "$iftty" verify old.iftty
+refused old.iftty "written with semantics 1" 1 env
+expect 0 "$iftty" log --reseal old.iftty
+expect 0 "$iftty" verify old.iftty
+close_story
+
+# ---- the first that differs ----
+
+begin "bisecting two journals names the first record that differs, by their chains"
+record b1.iftty
+cp b1.iftty b2.iftty
+expect 0 "$iftty" verify --bisect b1.iftty b2.iftty
+out_has "ok 1 - b1.iftty and b2.iftty (3 chains of 10 compared)"
+rewrite b2.iftty 9 "$(words_of b1.iftty 9 | sed 's/forest=[0-9a-f]*/forest=0000000000000001/')"
+expect 1 "$iftty" verify --bisect b1.iftty b2.iftty
+out_has "# record 9 is the first that differs: the same command gives another result"
+out_has "only keys differ"
+out_has "in       b1.iftty, line 18: run"
+out_has ", 0000000000000001 in the second"
+expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; seed 6,10,7 2 radius=1' --journal b3.iftty
+expect 1 "$iftty" verify --bisect b1.iftty b3.iftty
+out_has "# record 3 is the first that differs: another command stands there"
+head -n 15 b1.iftty >b4.iftty
+expect 1 "$iftty" verify --bisect b1.iftty b4.iftty
+out_has "# record 8 is the first that differs: only one of the two goes on"
+# Comments make other chains, and no other results.
+sed '2s/^/# by somebody else\n/' b1.iftty >b5.iftty
+rewrite b5.iftty 0 ''
+expect 0 "$iftty" log --check b5.iftty
+expect 0 "$iftty" verify --bisect b1.iftty b5.iftty
+sed 's/^run$/auto on/' b1.iftty >b6.iftty
+expect 3 "$iftty" verify --bisect b1.iftty b6.iftty
+err_has "b6.iftty: "
+expect 2 "$iftty" verify --bisect b1.iftty
+expect 2 "$iftty" verify --bisect b1.iftty b2.iftty b3.iftty
+expect 3 "$iftty" verify --bisect b1.iftty missing
+close_story
+
+begin "a thousand records are told apart by ten chains"
+{ echo 'open s.nii'; awk 'BEGIN { for (i = 1; i < 1000; i++) print "turn 1" }'; } >many
+expect 0 "$iftty" run many --journal m1.iftty
+sed 's/^turn 1$/&/; 700s/turn 1/turn 2/' many >many2
+expect 0 "$iftty" run many2 --journal m2.iftty
+expect 1 "$iftty" verify --bisect m1.iftty m2.iftty
+out_has "# record 700 is the first that differs: another command stands there"
+grep -qE '\((9|10) chains of 1000 compared\)' out || fail "$(head -n 1 out)"
+close_story
+
+begin "bisecting two builds"
+cat >same-build <<EOS
+#!/bin/sh
+exec "$iftty" "\$@"
+EOS
+# Another build, whose eighth command gives another digest.
+cat >other-build <<EOS
+#!/bin/sh
+"$iftty" "\$@" || exit
+journal=\$4
+sed 's/^= 9 forest=[0-9a-f]*/= 9 forest=0000000000000002/' "\$journal" >"\$journal.new"
+cp "\$journal.new" "\$journal"
+EOS
+# Another, that cannot carry out the seventh.
+cat >broken-build <<EOS
+#!/bin/sh
+sed '/^golden/,\$d' "\$2" >"\$4.commands"
+echo nonsense >>"\$4.commands"
+exec "$iftty" run "\$4.commands" --journal "\$4"
+EOS
+cat >crashing-build <<EOS
+#!/bin/sh
+sed '/^golden/,\$d' "\$2" >"\$4.commands"
+"$iftty" run "\$4.commands" --journal "\$4"
+kill -SEGV \$\$
+EOS
+chmod +x same-build other-build broken-build crashing-build
+mkdir tmp
+TMPDIR=$work/tmp
+export TMPDIR
+listing . | grep -vE ' ./(out|err|before|d)$' >before
+expect 0 "$iftty" verify --bisect b1.iftty --with ./same-build
+out_has "ok 1 - this build and ./same-build (3 chains of 10 compared)"
+expect_in / 0 "$iftty" verify --bisect "$work/b1.iftty" --with "$work/same-build"
+expect 1 "$iftty" verify --bisect b1.iftty --with ./broken-build
+out_has "# record 7 is the first that differs: only one of the two goes on"
+out_has "./broken-build with status 2: "
+out_has "unknown command nonsense"
+expect 1 "$iftty" verify --bisect b1.iftty --with ./crashing-build
+out_has "./crashing-build by signal 11 (Segmentation fault)"
+expect 3 "$iftty" verify --bisect b1.iftty --with ./other-build # its chain does not fit
+expect 3 "$iftty" verify --bisect b1.iftty --with ./missing
+expect 3 "$iftty" verify --bisect b1.iftty --with /bin/true
+err_has "wrote no journal"
+listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >"$work/err" || fail "$(cat err)"
+close_story
+
+finish
