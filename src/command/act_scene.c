@@ -31,6 +31,8 @@ ACT(open)
     buf_release(&path);
     if (!err)
         tell_scene(session, reply);
+    if (!err && *session->proof)
+        buf_printf(&reply->words, " sha256=%s", session->proof);
     return err;
 }
 

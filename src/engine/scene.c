@@ -1,5 +1,6 @@
 #include "engine/scene.h"
 
+#include <endian.h>
 #include <stdlib.h>
 
 #include "base/hash.h"
@@ -112,6 +113,71 @@ uint64_t scene_digest(const struct scene *scene)
                 return 0;
         }
     return sum;
+}
+
+static void put_le32(uint8_t *out, uint32_t value)
+{
+    for (unsigned i = 0; i < 4; i++)
+        out[i] = (uint8_t)(value >> 8 * i);
+}
+
+static void prove_geometry(struct sha256 *sha, const struct scene *scene)
+{
+    uint8_t head[28] = {0};
+    for (unsigned a = 0; a < 3; a++) {
+        put_le32(head + 4 * a, scene->grid.size[a]);
+        put_le32(head + 12 + 4 * a, scene->spacing_nm[a]);
+        head[24 + a] = (uint8_t)(scene->world_axis[a] * 2 + (scene->world_sign[a] < 0));
+    }
+    sha256_add(sha, head, sizeof head);
+}
+
+/* Intensities on their way to SHA-256. What follows the head makes it up to a whole block; from
+ * then on pieces are whole blocks, which are taken fastest. */
+enum { PROOF_PIECE = 2048, PROOF_FIRST = (64 - 28) / 2 };
+
+struct proof {
+    struct sha256 sha;
+    uint16_t piece[PROOF_PIECE];
+    uint32_t held, most;
+};
+
+static void prove_row(struct proof *proof, const struct cell *cell, uint32_t count)
+{
+    while (count > 0) {
+        const uint32_t room = proof->most - proof->held, n = count < room ? count : room;
+        uint16_t *out = proof->piece + proof->held;
+        for (uint32_t i = 0; i < n; i++)
+            out[i] = htole16(cell[i].intensity);
+        proof->held += n;
+        cell += n;
+        count -= n;
+        if (proof->held == proof->most) {
+            sha256_add(&proof->sha, proof->piece, proof->held * sizeof *proof->piece);
+            proof->held = 0;
+            proof->most = PROOF_PIECE;
+        }
+    }
+}
+
+void scene_proof(char out[SCENE_PROOF_HEX], const struct scene *scene)
+{
+    const struct grid *grid = &scene->grid;
+    struct proof proof = {.most = PROOF_FIRST};
+    uint8_t digest[SHA256_BYTES];
+    struct task task = task_begin(scene->watch, "proof of the scene", grid->voxels);
+    *out = '\0';
+    sha256_init(&proof.sha);
+    prove_geometry(&proof.sha, scene);
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            prove_row(&proof, scene->cell + grid_row(grid, y, z).first, grid->size[0]);
+            if (!task_advance(&task, grid->size[0]))
+                return;
+        }
+    sha256_add(&proof.sha, proof.piece, proof.held * sizeof *proof.piece);
+    sha256_end(&proof.sha, digest);
+    hash_hex(out, digest, sizeof digest);
 }
 
 /* ---- interpolation ---- */

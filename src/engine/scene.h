@@ -115,8 +115,18 @@ enum err scene_new_geom(struct scene **scene, unsigned doubled, struct watch *wa
 enum err scene_new_geom_of(struct scene **scene, const uint32_t size[3], struct watch *watch,
                            struct fault *fault);
 
-/* SHA-256 would take longer than the forest: this digest is a 64-bit sum over voxels. It covers
- * sizes, spacing, axes and every intensity. */
+/* A 64-bit sum over voxels, which covers sizes, spacing, axes and every intensity: it finds
+ * mistakes. */
 uint64_t scene_digest(const struct scene *scene);
+
+enum { SCENE_PROOF_HEX = 65 };
+
+/*
+ * SHA-256 over the same, which nobody can find a second scene for, as 64 digits and a NUL: three
+ * sizes and three spacings in nanometres as 32 bits each, then a byte for each axis (2 * world axis,
+ * + 1 where it runs the other way) and one zero byte, then the intensities, x fastest, as 16 bits;
+ * all little-endian. "" where the watch says so.
+ */
+void scene_proof(char out[SCENE_PROOF_HEX], const struct scene *scene);
 
 #endif

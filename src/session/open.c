@@ -172,6 +172,7 @@ enum err session_open(struct session *session, const char *path, struct fault *f
         session->settings.slices.cross[a] = session->scene->grid.size[a] / 2;
     session->fence_tally = fence_tally(&session->fence, session->scene);
     session->scene_digest = scene_digest(session->scene);
+    scene_proof(session->proof, session->scene);
     err = session_weigh(session, fault);
     struct view view = view_default(session->scene);
     if (!err && session_set_view(session, &view, NULL)) {

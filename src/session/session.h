@@ -83,6 +83,7 @@ struct session {
     struct scene *scene;
     struct geometry geometry;
     uint64_t scene_digest, weight_digest;
+    char proof[SCENE_PROOF_HEX]; /* of the scene as it was opened (scene_proof) */
     struct crew *crew; /* the threads that compute; NULL for one */
     struct forest *forest;
     struct border border;
