@@ -11,13 +11,16 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/confine.h"
 #include "base/file.h"
 #include "base/scan.h"
 #include "command/about.h"
 #include "command/bench.h"
 #include "command/bisect.h"
 #include "command/drive.h"
+#include "command/limits.h"
 #include "command/reseal.h"
+#include "command/trust.h"
 #include "command/verify.h"
 #include "journal/log.h"
 #include "session/export.h"
@@ -35,8 +38,8 @@ static const char usage[] =
     "    iftty log JOURNAL              print a journal; --script its commands, --check its chain\n"
     "    iftty log --repair JOURNAL     keep what is sound of it, and the rest beside it\n"
     "    iftty show PICTURE             show a picture file inline, if the terminal can\n"
-    "    iftty info FILE                what a picture, a scene or a journal says of itself; "
-    "--json\n"
+    "    iftty info [FILE]              what a picture, a scene, a journal or the program says of\n"
+    "                                   itself; --json\n"
     "    iftty bench [brain]            measure the whole way; --json for programs\n"
     "    iftty bench paper [SCENE...]   the paper's five experiments: text, --json or --csv\n"
     "    iftty bench growth             one edit, in scenes of 4 to 300 million voxels\n"
@@ -46,7 +49,8 @@ static const char usage[] =
     "    --journal FILE    record there (run, -c, prompt); an existing journal is resumed\n"
     "    --read-only       resume it for looking: it is not written to, nor locked\n"
     "    --scene FILE      open this scene, whatever name `open` gives\n"
-    "    --out DIR         write files into this folder (replay writes none without); verify\n"
+    "    --out DIR         write files into this folder (replay: else a new temporary one); "
+    "verify\n"
     "                      leaves there what a golden image differs by\n"
     "    -j N              verify N journals at once (1..64; 1)\n"
     "    --from N, --until N  compare these records only (verify)\n"
@@ -57,6 +61,9 @@ static const char usage[] =
     "    --accept WHY      draw up anew the golden images of a journal that differ (verify), and\n"
     "                      note in it why; refused where CI is set\n"
     "    --reseal          give a journal that was edited its results anew (log)\n"
+    "    --limit-memory 2G, --limit-time 20m, --limit-output 500M\n"
+    "                      the most that a replay or verify may take (3/4 of what is free, 1h, "
+    "4G)\n"
     "    --keep-going      do not stop at the first error (run, -c)\n"
     "    --graphics auto|kitty|sixel|blocks|none\n"
     "    --rounds N        time each experiment N times (bench paper; 3), take the median\n"
@@ -71,6 +78,7 @@ struct options {
     const char *journal, *scene, *out, *commands;
     const char *rounds, *plots;
     const char *processes, *from, *until, *junit, *html, *accept, *with;
+    const char *limit_memory, *limit_time, *limit_output;
     bool keep_going, read_only, script, check, repair, reseal, bisect, json, csv, quick;
     enum graphics graphics;
     char **word; /* what is left: program and files */
@@ -120,7 +128,7 @@ static bool look(void *context, const char *what, uint64_t done, uint64_t total)
         snprintf(words, sizeof words, "taking it back%s%s", what ? ": " : "", what ? what : "");
     if (stop || what)
         progress_show(&progress, stop ? words : what, done, total, clock_ns());
-    return stop;
+    return stop || limits_stop();
 }
 
 static void tell(void *context, const char *line)
@@ -188,11 +196,23 @@ static enum err read_options(struct options *o, int count, char **word, struct f
     const struct {
         const char *name;
         const char **value;
-    } valued[] = {{"--journal", &o->journal}, {"--scene", &o->scene},   {"--out", &o->out},
-                  {"-c", &o->commands},       {"--rounds", &o->rounds}, {"--plots", &o->plots},
-                  {"-j", &o->processes},      {"--from", &o->from},     {"--until", &o->until},
-                  {"--accept", &o->accept},   {"--with", &o->with},     {"--junit", &o->junit},
-                  {"--html", &o->html},       {"--graphics", &graphics}};
+    } valued[] = {{"--journal", &o->journal},
+                  {"--scene", &o->scene},
+                  {"--out", &o->out},
+                  {"-c", &o->commands},
+                  {"--rounds", &o->rounds},
+                  {"--plots", &o->plots},
+                  {"-j", &o->processes},
+                  {"--from", &o->from},
+                  {"--until", &o->until},
+                  {"--accept", &o->accept},
+                  {"--with", &o->with},
+                  {"--junit", &o->junit},
+                  {"--html", &o->html},
+                  {"--limit-memory", &o->limit_memory},
+                  {"--limit-time", &o->limit_time},
+                  {"--limit-output", &o->limit_output},
+                  {"--graphics", &graphics}};
     const struct {
         const char *name;
         bool *flag;
@@ -342,20 +362,62 @@ static enum err program_commands(const struct options *o, struct fault *fault)
     return err;
 }
 
-static enum err program_replay(const struct options *o, struct fault *fault)
+/* Before anything that a journal says is carried out: its limits, and the walls around it.
+ * `written` are folders that may be written, NULL at their end. */
+static enum err be_wary(const struct options *o, char *const *journal, int journals,
+                        const char *const *written, struct fault *fault)
+{
+    struct buf helper = {0};
+    struct limits limits;
+    enum err err = limits_read(&limits, o->limit_memory, o->limit_time, o->limit_output, fault);
+    if (!err)
+        err = image_helper_default_program(&helper, fault);
+    const struct trust_places places = {.journal = journal,
+                                        .journals = journals,
+                                        .scene = o->scene,
+                                        .scenes = desk_scenes(),
+                                        .helper = buf_text(&helper),
+                                        .written = written};
+    if (!err) {
+        trust_confine(&places);
+        limits_begin(&limits);
+    }
+    buf_release(&helper);
+    return err;
+}
+
+static enum err replay_into(const struct options *o, struct fault *fault)
 {
     struct desk desk;
     const struct teller teller = {(void *)(uintptr_t)o, say, complain, NULL, NULL};
-    enum err err = need_files(o, 1, 1, fault);
-    if (err)
-        return err;
-    handle_interrupts();
-    struct options without = *o;
-    without.journal = NULL;
-    err = begin_desk(&desk, &without, fault);
+    enum err err = begin_desk(&desk, o, fault);
     if (!err)
         err = drive_replay(&desk, o->word[1], &teller, fault);
     desk_release(&desk);
+    return err;
+}
+
+static enum err program_replay(const struct options *o, struct fault *fault)
+{
+    struct buf fresh = {0};
+    struct options here = *o;
+    enum err err = need_files(o, 1, 1, fault);
+    if (!err)
+        err = o->out ? file_make_folder(o->out, fault) : trust_fresh_folder(&fresh, fault);
+    if (err)
+        goto done;
+    handle_interrupts();
+    here.journal = NULL;
+    here.out = o->out ? o->out : buf_text(&fresh);
+    err = be_wary(o, o->word + 1, 1, (const char *const[]){here.out, NULL}, fault);
+    if (!err)
+        err = replay_into(&here, fault);
+    if (!o->out && trust_keep_folder(here.out)) {
+        progress_erase(&progress);
+        fprintf(stderr, "# files are in %s\n", here.out);
+    }
+done:
+    buf_release(&fresh);
     return err;
 }
 
@@ -407,6 +469,14 @@ static enum err find_first(const struct options *o, struct fault *fault)
                    : bisect_journals(o->word[1], o->word[2], &teller, fault);
 }
 
+/* In the process of one journal, before it is carried out. */
+static enum err begin_verifying(void *context, const char *journal, struct fault *fault)
+{
+    const struct options *o = context;
+    char *path = (char *)(uintptr_t)journal;
+    return be_wary(o, &path, 1, (const char *const[]){o->out, NULL}, fault);
+}
+
 static enum err program_verify(const struct options *o, struct fault *fault)
 {
     enum { RECORDS_MOST = 999999999 };
@@ -416,6 +486,8 @@ static enum err program_verify(const struct options *o, struct fault *fault)
                                  .evidence_folder = o->out,
                                  .junit = o->junit,
                                  .html = o->html,
+                                 .begin = begin_verifying,
+                                 .context = (void *)(uintptr_t)o,
                                  .watch = &watch};
     size_t processes = 1;
     if (o->accept)
@@ -486,9 +558,29 @@ static enum err program_log(const struct options *o, struct fault *fault)
     return err;
 }
 
+/* What this program is here, where no file is named: its version, and the kernel's walls. */
+static enum err tell_program(const struct options *o)
+{
+    const int landlock = confine_version();
+    if (o->json) {
+        printf("{\"version\": \"" PROGRAM_VERSION "\", \"semantics\": %d, \"landlock\": %d}\n",
+               SEMANTICS, landlock);
+        return OK;
+    }
+    puts("version   " PROGRAM_VERSION);
+    printf("semantics %d\n", SEMANTICS);
+    if (landlock)
+        printf("landlock  version %d: replay and verify reach only the files they may\n", landlock);
+    else
+        puts("landlock  none in this kernel: replay and verify check names alone");
+    return OK;
+}
+
 /* What a picture, a scene or a journal says of itself. */
 static enum err program_info(const struct options *o, struct fault *fault)
 {
+    if (o->words == 1)
+        return tell_program(o);
     struct buf program = {0}, text = {0};
     struct image_helper *helper = NULL;
     enum err err = need_files(o, 1, 1, fault);

@@ -187,7 +187,6 @@ for file in no.png half.png half.exr folder.png pipe.png missing.png script; do
     expect 3 "$iftty" info $file
     same "$file $(wc -l <err | tr -d ' ') $(wc -c <out | tr -d ' ')" "$file 1 0"
 done
-expect 2 "$iftty" info
 expect 2 "$iftty" info a b
 oiiotool a.png --attrib note "$(printf 'red \033[31m "quoted" \\ text')" -o odd.png
 expect 0 "$iftty" info odd.png

@@ -290,14 +290,21 @@ out_has "24x20x16 voxels of 1x1x1 mm"
 expect 0 "$iftty" -c 'open c.nii'
 close_story
 
-begin "a replay writes nothing without --out, and only there with it"
+begin "a replay writes into --out alone, or into a new folder of its own"
 mkdir w
 cp s.nii w
 expect_in w 0 "$iftty" -c "$start; render p.exr; save labels l.nii; save cost sub.nii" --journal w.iftty
 cp w/p.exr p.first && cp w/l.nii l.first
 rm w/p.exr w/l.nii w/sub.nii
 listing w >before
-expect 0 "$iftty" replay w/w.iftty
+mkdir fresh
+expect 0 env TMPDIR="$work/fresh" "$iftty" replay w/w.iftty
+err_has "# files are in $work/fresh/iftty-"
+same_files fresh/iftty-*/l.nii l.first
+same "$(ls fresh | wc -l | tr -d ' ')" 1
+rm -r fresh/*
+expect 0 env TMPDIR="$work/fresh" "$iftty" replay j.iftty # which writes no file
+[ ! -s err ] && [ -z "$(ls fresh)" ] || fail "it leaves $(ls fresh): $(cat err)"
 expect 0 "$iftty" verify w/w.iftty
 expect_in w 0 "$iftty" verify w.iftty
 expect_in w 0 "$iftty" run - --journal w.iftty </dev/null
@@ -312,11 +319,12 @@ begin "a journal that names a file elsewhere is refused and writes nothing"
 for name in "$work/evil.png" ../evil.exr a/../../evil.exr /dev/null; do
     for command in "render $name" "save labels $name"; do
         printf 'open s.nii\nseed 1,1,1 1\n%s\n' "$command" >evil
-        expect 3 "$iftty" replay evil --out made2
-        cat out err >both
-        grep -qF "a journal may not write to $name" both || fail "replay: $(cat both)"
-        expect 1 "$iftty" verify evil --out made2 # a script: and verify writes evidence alone
-        expect 0 "$iftty" replay evil # without a folder to write to, nothing is written anyway
+        for program in "replay evil --out made2" "verify evil --out made2" "replay evil" "verify evil"; do
+            # shellcheck disable=SC2086
+            expect 3 "$iftty" $program
+            cat out err >both
+            grep -qF "a journal may not write to $name" both || fail "$program: $(cat both)"
+        done
     done
 done
 [ ! -e evil.png ] && [ ! -e ../evil.exr ] && [ -z "$(ls made2)" ] || fail "it has written"
@@ -337,12 +345,14 @@ same "$(ls there | tr '\n' ' ')" "p.exr q.exr "
 same_files there/p.exr o.kept
 close_story
 
-begin "a scene in a folder further up is found from anywhere"
+begin "a scene in a folder further up is found when it is named"
 mkdir -p up/scenes up/here
 cp s.nii up/scenes
 expect_in up/here 0 "$iftty" -c "open ../scenes/s.nii; seed 1,1,1 1; run" --journal u.iftty
-expect 0 "$iftty" verify up/here/u.iftty
-expect_in / 0 "$iftty" verify "$work/up/here/u.iftty"
+expect_in up/here 0 "$iftty" run - --journal u.iftty </dev/null # one's own goes on
+expect 3 "$iftty" verify up/here/u.iftty
+out_has "the journal may not open ../scenes/s.nii; expected --scene FILE"
+expect_in / 0 "$iftty" verify "$work/up/here/u.iftty" --scene "$work/s.nii"
 close_story
 
 begin "--scene opens another file under the name that is written"

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 enum {
     HUGE_FROM = 8 << 20,    /* below, clearing a huge page costs more than it saves */
@@ -95,6 +96,32 @@ void mem_pages_forget(void *pages, size_t bytes)
     madvise(pages, bytes, MADV_DONTNEED);
 }
 
+static size_t limit = SIZE_MAX;
+
+void mem_limit(size_t bytes)
+{
+    limit = bytes;
+}
+
+size_t mem_held(void)
+{
+    FILE *file = fopen("/proc/self/statm", "re");
+    unsigned long all, resident = 0;
+    if (file && fscanf(file, "%lu %lu", &all, &resident) != 2)
+        resident = 0;
+    if (file)
+        fclose(file);
+    return resident * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+static size_t within_limit(size_t bytes)
+{
+    if (limit == SIZE_MAX)
+        return bytes;
+    const size_t held = mem_held(), left = held < limit ? limit - held : 0;
+    return bytes < left ? bytes : left;
+}
+
 size_t mem_available(void)
 {
     FILE *file = fopen("/proc/meminfo", "re");
@@ -106,5 +133,5 @@ size_t mem_available(void)
             bytes = (size_t)kib * 1024;
     if (file)
         fclose(file);
-    return bytes;
+    return within_limit(bytes);
 }

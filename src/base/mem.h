@@ -38,7 +38,13 @@ void mem_pages_free(void *pages, size_t bytes);
 void mem_pages_forget(void *pages, size_t bytes);
 
 /* Bytes of physical memory of this machine that can be had without swapping, as the kernel
- * estimates it; SIZE_MAX where it does not say. */
+ * estimates it; SIZE_MAX where it does not say. No more than a limit leaves. */
 size_t mem_available(void);
+
+/* Bytes of physical memory that this process holds; 0 where the kernel does not say. */
+size_t mem_held(void);
+
+/* From now on no more than so many are to be held: mem_available says what that leaves. */
+void mem_limit(size_t bytes);
 
 #endif

@@ -5,6 +5,8 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "command/limits.h"
+#include "command/trust.h"
 #include "journal/replay.h"
 #include "session/export.h"
 
@@ -15,6 +17,7 @@ enum err desk_init(struct desk *desk, struct fault *fault)
     struct buf program = {0};
     *desk = (struct desk){0};
     session_init(&desk->session);
+    desk->session.watch = limits_watch();
     enum err err = image_helper_default_program(&program, fault);
     if (!err)
         err = image_helper_new(&desk->helper, buf_text(&program), fault);
@@ -42,6 +45,7 @@ void desk_release(struct desk *desk)
     buf_release(&desk->home);
     buf_release(&desk->written);
     buf_release(&desk->goldens);
+    buf_release(&desk->made);
     canvas_release(&desk->shown);
     *desk = (struct desk){0};
 }
@@ -98,24 +102,43 @@ static enum err act(struct desk *desk, const struct call *call, struct reply *re
 
 /* ---- files that go with a command ---- */
 
+static bool has_made(const struct desk *desk, const char *path)
+{
+    const char *at = buf_text(&desk->made), *end = at + desk->made.length;
+    while (at < end && strcmp(at, path) != 0)
+        at += strlen(at) + 1;
+    return at < end;
+}
+
 enum err desk_will_write(struct desk *desk, const char *path, enum file_mode mode,
                          struct fault *fault)
 {
     struct buf backup = {0};
     enum err err = OK;
+    if (desk_is_wary(desk))
+        limits_will_write();
     if (desk->press && press_holds(desk->press, path))
         press_wait(desk->press, NULL, NULL); /* one after the other */
     if (file_exists(path)) {
         if (mode == FILE_KEEP)
             return OK; /* the writer refuses */
+        if (desk_is_wary(desk) && !has_made(desk, path))
+            return fault_set(
+                fault, ERR_IO,
+                "%s was there before; a replay replaces only what it has written itself; "
+                "it was left alone",
+                path);
         err = file_backup(&backup, path, fault);
     }
-    if (!err && !buf_reserve(&desk->written, strlen(path) + backup.length + 2)) {
+    const size_t made = desk_is_wary(desk) ? strlen(path) + 1 : 0;
+    if (!err && (!buf_reserve(&desk->written, strlen(path) + backup.length + 2) ||
+                 !buf_reserve(&desk->made, made + 1))) {
         if (backup.length)
             file_discard(buf_text(&backup));
         err = fault_memory(fault, "a file name");
     }
-    if (!err) { /* there is room for both */
+    if (!err) { /* there is room for all */
+        buf_add(&desk->made, path, made);
         buf_add(&desk->written, path, strlen(path) + 1);
         buf_add(&desk->written, buf_text(&backup), backup.length + 1);
     }
@@ -158,6 +181,8 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
         err = act(desk, &call, reply, fault);
     if (!err) /* what was cut short, wherever that was, is not recorded */
         err = watch_fault(desk->session.watch, fault);
+    if (desk_is_wary(desk))
+        err = limits_judge(err, &desk->written, fault);
     if (err == ERR_CANCELLED) /* whoever pressed Ctrl-C need not know where it was noticed */
         fault_set(fault, err, "cancelled; nothing has changed");
     const bool recorded = call.command->flags & COMMAND_RECORDED;
@@ -262,14 +287,15 @@ enum err desk_resume_journal(struct desk *desk, const char *path, struct buf *to
 
 /* ---- paths ---- */
 
-static bool is_inside(const char *name)
+bool desk_is_wary(const struct desk *desk)
 {
-    if (*name == '/' || *name == '\0')
-        return false;
-    for (const char *at = name; *at; at += strcspn(at, "/"), at += *at == '/')
-        if (strncmp(at, "..", 2) == 0 && (at[2] == '/' || at[2] == '\0'))
-            return false;
-    return true;
+    return desk->replays && !desk->resumes;
+}
+
+const char *desk_scenes(void)
+{
+    const char *list = getenv("IFTTY_SCENES");
+    return list ? list : default_scenes;
 }
 
 static bool try_folder(struct buf *path, const char *folder, size_t length, const char *name)
@@ -286,6 +312,8 @@ static enum err find(const struct desk *desk, const char *name, struct buf *path
 {
     struct buf folder = {0};
     bool found = false;
+    if (desk_is_wary(desk))
+        return trust_find(path, buf_text(&desk->home), desk_scenes(), name, kind, undone, fault);
     buf_clear(path);
     if (desk->home.length && *name != '/') {
         file_folder(&folder, buf_text(&desk->home));
@@ -296,8 +324,7 @@ static enum err find(const struct desk *desk, const char *name, struct buf *path
         buf_add_text(path, name);
         found = true;
     }
-    const char *list = getenv("IFTTY_SCENES");
-    for (list = list ? list : default_scenes; !found && is_inside(name) && *list;) {
+    for (const char *list = desk_scenes(); !found && trust_is_inside(name) && *list;) {
         size_t length = strcspn(list, ":");
         found = length && try_folder(path, list, length, name);
         list += length + (list[length] == ':');
@@ -315,8 +342,14 @@ enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *
                          struct fault *fault)
 {
     const bool synthetic = strncmp(name, "synth:", 6) == 0;
-    if (!synthetic && !desk->scene_path)
-        return find(desk, name, path, "scene", "was opened", fault);
+    if (!synthetic && !desk->scene_path) {
+        const bool is_elsewhere = desk_is_wary(desk) && !trust_is_inside(name);
+        const enum err err =
+            find(desk, is_elsewhere ? file_name(name) : name, path, "scene", "was opened", fault);
+        if (err && is_elsewhere)
+            fault_prefix(fault, err, "the journal may not open %s; expected --scene FILE", name);
+        return err;
+    }
     buf_clear(path);
     buf_add_text(path, synthetic ? name : desk->scene_path);
     return path->failed ? fault_memory(fault, "a path") : OK;
@@ -334,13 +367,17 @@ enum err desk_output_path(const struct desk *desk, const char *name, struct buf 
     buf_clear(path);
     if (desk->resumes)
         return OK; /* it was written when the command was new */
+    if (desk_is_wary(desk) && !trust_is_inside(name))
+        return fault_set(
+            fault, ERR_INPUT,
+            "a journal may not write to %s, but to names in its own folder; nothing was "
+            "written",
+            name);
     if (desk->out_folder)
         buf_printf(path, "%s/%s", desk->out_folder, file_name(name));
     else if (!desk->replays)
         buf_add_text(path, name);
     if (path->failed)
         return fault_memory(fault, "a path");
-    if (desk->replays && desk->out_folder && !is_inside(name))
-        return fault_set(fault, ERR_INPUT, "a journal may not write to %s", name);
     return OK;
 }

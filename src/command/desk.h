@@ -39,6 +39,7 @@ struct desk {
     bool replays;                /* files are written only with an out_folder */
     bool compares_goldens;       /* `golden` compares with the file instead of writing it */
     bool resumes;                /* replays the user's own journal: nothing is written */
+    struct buf made; /* files that this replay has written, and so may replace, each ended by NUL */
 
     struct buf written; /* by the command at hand: pairs of a path and its backup ("" where it is
                            new), each ended by NUL */
@@ -77,8 +78,16 @@ enum err desk_set_home(struct desk *desk, const char *path, struct fault *fault)
 /* True where the file at `path` begins as a journal does. */
 bool desk_is_journal(const char *path);
 
+/* Whether the commands are those of a journal that somebody else may have written: then names are
+ * looked up, and files written, by the rules of command/trust.h. */
+bool desk_is_wary(const struct desk *desk);
+
+/* $IFTTY_SCENES: folders separated by colons; Debian's mricron-data by default. */
+const char *desk_scenes(void);
+
 /* The path under which the scene `name` is found: desk->scene_path; beside the journal; as it
- * stands; in a folder of $IFTTY_SCENES (separated by colons; Debian's mricron-data by default). */
+ * stands; in a folder of desk_scenes(). Of a wary desk: desk->scene_path; below the folder of the
+ * journal or of desk_scenes(), where a name that leads elsewhere is looked for by its last part. */
 enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *path,
                          struct fault *fault);
 

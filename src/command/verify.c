@@ -74,6 +74,8 @@ void verify_one(const struct verify_options *options, const char *path, struct v
     struct fault fault = {0};
     const uint64_t begin = clock_ns();
     enum err err = desk_init(&desk, &fault);
+    if (!err && options->begin)
+        err = options->begin(options->context, path, &fault);
     desk.scene_path = options->scene_path;
     desk.evidence_folder = options->evidence_folder;
     desk.compares_goldens = true;

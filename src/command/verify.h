@@ -22,7 +22,11 @@ struct verify_options {
     const char *junit, *html;    /* reports, written anew; or NULL */
     size_t first, last;          /* records to compare; 0 for all */
     unsigned processes;          /* at most so many at once, 1..VERIFY_PROCESSES_MOST */
-    struct watch *watch;         /* when it stops, all processes are ended: ERR_CANCELLED */
+    /* Called in the process of each journal before it is carried out; or NULL. An error is the
+     * verdict. */
+    enum err (*begin)(void *context, const char *journal, struct fault *fault);
+    void *context;
+    struct watch *watch; /* when it stops, all processes are ended: ERR_CANCELLED */
 };
 
 /* ERR_CHECK when anything differs, a golden image is missing, or one is there that no command of
