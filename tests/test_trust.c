@@ -1,8 +1,19 @@
-/* What others' journals are measured by: SHA-256 and the proof of a scene. */
+/* What others' journals are measured by: SHA-256 and the proof of a scene, names that stay below a
+ * folder, and the kernel's walls. */
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include "base/confine.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "check.h"
+#include "command/trust.h"
 #include "engine/scene.h"
 
 /* ---- SHA-256 ---- */
@@ -146,6 +157,152 @@ STORY(whatever_changes_in_a_scene_changes_its_proof)
     scene_free(scene);
 }
 
+/* ---- names below a folder ---- */
+
+static char top[64];
+
+static const char *below_top(const char *name)
+{
+    static char path[4][200];
+    static unsigned turn;
+    char *at = path[turn++ % 4];
+    snprintf(at, sizeof path[0], "%s/%s", top, name);
+    return at;
+}
+
+static bool make_top(void)
+{
+    snprintf(top, sizeof top, "/tmp/iftty-trust-XXXXXX");
+    bool fine = mkdtemp(top) && mkdir(below_top("in"), 0777) == 0 &&
+                mkdir(below_top("in/deep"), 0777) == 0 && mkdir(below_top("out"), 0777) == 0;
+    static const char *const file[] = {"in/a", "in/deep/b", "in/..c", "out/secret"};
+    for (size_t i = 0; i < sizeof file / sizeof *file; i++)
+        fine = fine && file_write(below_top(file[i]), "x", 1, FILE_KEEP, NULL) == OK;
+    static const char *const link[][2] = {{"../out/secret", "in/up"},  {"../out", "in/folder"},
+                                          {"/dev/zero", "in/zero"},    {"round", "in/round"},
+                                          {"../../in/a", "in/deep/c"}, {"nothing", "in/dangling"}};
+    for (size_t i = 0; i < sizeof link / sizeof *link; i++)
+        fine = fine && symlink(link[i][0], below_top(link[i][1])) == 0;
+    return fine && symlink("deep/b", below_top("in/inner")) == 0 &&
+           mkfifo(below_top("in/pipe"), 0666) == 0;
+}
+
+static void remove_top(void)
+{
+    char command[100];
+    snprintf(command, sizeof command, "rm -rf '%s'", top);
+    CHECK_INT(system(command), 0);
+}
+
+STORY(a_name_is_found_below_its_folder_and_nowhere_else)
+{
+    static const struct {
+        const char *name;
+        enum trust_answer answer, stepwise;
+    } expected[] = {
+        {"a", TRUST_FINE, TRUST_FINE},
+        {"./a", TRUST_FINE, TRUST_FINE},
+        {"deep/b", TRUST_FINE, TRUST_FINE},
+        {"deep//b", TRUST_FINE, TRUST_FINE},
+        {"..c", TRUST_FINE, TRUST_FINE},
+        {"inner", TRUST_FINE, TRUST_OUTSIDE}, /* where no link is followed, none is trusted */
+        {"deep", TRUST_NO_FILE, TRUST_NO_FILE},
+        {"pipe", TRUST_NO_FILE, TRUST_NO_FILE},
+        {"none", TRUST_MISSING, TRUST_MISSING},
+        {"a/b", TRUST_MISSING, TRUST_MISSING},
+        {"dangling", TRUST_MISSING, TRUST_OUTSIDE},
+        {"", TRUST_OUTSIDE, TRUST_OUTSIDE},
+        {"/etc/passwd", TRUST_OUTSIDE, TRUST_OUTSIDE},
+        {"..", TRUST_OUTSIDE, TRUST_OUTSIDE},
+        {"../out/secret", TRUST_OUTSIDE, TRUST_OUTSIDE},
+        {"deep/../../out/secret", TRUST_OUTSIDE, TRUST_OUTSIDE},
+        {"deep/..", TRUST_OUTSIDE, TRUST_OUTSIDE},
+        {"up", TRUST_OUTSIDE, TRUST_OUTSIDE},
+        {"folder/secret", TRUST_OUTSIDE, TRUST_OUTSIDE},
+        {"zero", TRUST_OUTSIDE, TRUST_OUTSIDE},
+        {"round", TRUST_OUTSIDE, TRUST_OUTSIDE},
+        {"deep/c", TRUST_OUTSIDE, TRUST_OUTSIDE},
+    };
+    CHECK(make_top());
+    char folder[200];
+    snprintf(folder, sizeof folder, "%s", below_top("in"));
+    for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
+        trust_without_openat2 = false;
+        const enum trust_answer answer = trust_look(folder, expected[i].name);
+        trust_without_openat2 = true;
+        const enum trust_answer stepwise = trust_look(folder, expected[i].name);
+        if (answer != expected[i].answer || stepwise != expected[i].stepwise)
+            printf("# %s: %d and %d\n", expected[i].name, answer, stepwise);
+        /* a kernel without openat2 answers as if step by step */
+        CHECK(answer == expected[i].answer || answer == expected[i].stepwise);
+        CHECK(stepwise == expected[i].stepwise);
+    }
+    trust_without_openat2 = false;
+    remove_top();
+}
+
+/* ---- the kernel's walls ---- */
+
+static bool may_open(const char *path, int flags)
+{
+    const int fd = open(path, flags, 0666);
+    if (fd >= 0)
+        close(fd);
+    return fd >= 0;
+}
+
+static bool may_connect(void)
+{
+    struct sockaddr_in there = {.sin_family = AF_INET, .sin_port = htons(9)};
+    there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const int fd = socket(AF_INET, SOCK_STREAM, 0);
+    const bool is_denied =
+        fd >= 0 && connect(fd, (struct sockaddr *)&there, sizeof there) != 0 && errno == EACCES;
+    if (fd >= 0)
+        close(fd);
+    return !is_denied;
+}
+
+/* In a process of its own, since there is no way back: a bit for each thing that is not as it
+ * should be. */
+static int wrongs_behind_walls(void)
+{
+    const char *written[] = {below_top("out"), NULL};
+    char journal[200];
+    snprintf(journal, sizeof journal, "%s", below_top("in/j.iftty"));
+    char *journals[] = {journal};
+    const struct trust_places places = {
+        .journal = journals, .journals = 1, .scenes = "/nowhere", .written = written};
+    const bool is_confined = trust_confine(&places);
+    int wrong = !is_confined;
+    wrong |= !may_open(below_top("in/a"), O_RDONLY) << 1;
+    wrong |= may_open(below_top("in/a"), O_WRONLY) << 2;
+    wrong |= may_open(below_top("in/new"), O_WRONLY | O_CREAT) << 3;
+    wrong |= !may_open(below_top("out/new"), O_WRONLY | O_CREAT | O_TRUNC) << 4;
+    wrong |= may_open("/etc/passwd", O_RDONLY) << 5;
+    wrong |= (unlink(below_top("in/a")) == 0) << 6;
+    wrong |= (confine_version() >= 4 && may_connect()) << 7;
+    return wrong;
+}
+
+STORY(behind_walls_only_the_places_given_can_be_reached)
+{
+    int status = 0;
+    if (!confine_version()) {
+        printf("# this kernel has no walls\n");
+        return;
+    }
+    CHECK(make_top());
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0)
+        _exit(wrongs_behind_walls());
+    CHECK(child > 0 && waitpid(child, &status, 0) == child);
+    CHECK(WIFEXITED(status));
+    CHECK_INT(WEXITSTATUS(status), 0);
+    remove_top();
+}
+
 int main(void)
 {
     const struct story story[] = {
@@ -153,6 +310,8 @@ int main(void)
         TELL(fast_and_plain_digests_agree_however_the_bytes_are_cut),
         TELL(the_proof_is_what_its_header_says),
         TELL(whatever_changes_in_a_scene_changes_its_proof),
+        TELL(a_name_is_found_below_its_folder_and_nowhere_else),
+        TELL(behind_walls_only_the_places_given_can_be_reached),
     };
     return check_run(story, sizeof story / sizeof *story);
 }

@@ -361,6 +361,22 @@ enum err desk_find_file(const struct desk *desk, const char *name, struct buf *p
     return find(desk, name, path, "file", "has changed", fault);
 }
 
+enum err desk_may_read(const struct desk *desk, const char *path, struct fault *fault)
+{
+    struct buf folder = {0};
+    if (!desk_is_wary(desk))
+        return OK;
+    const char *home = buf_text(&desk->home);
+    const char *name = path + (file_name(home) - home); /* both lie in one folder */
+    file_folder(&folder, home);
+    const enum trust_answer answer = trust_look(buf_text(&folder), name);
+    buf_release(&folder);
+    if (answer == TRUST_FINE || answer == TRUST_MISSING)
+        return OK; /* whoever reads it says that it is missing */
+    return fault_set(fault, ERR_INPUT, "the journal may not read %s, which %s", path,
+                     answer == TRUST_OUTSIDE ? "leads out of its folder" : "is not a regular file");
+}
+
 enum err desk_output_path(const struct desk *desk, const char *name, struct buf *path,
                           struct fault *fault)
 {

@@ -95,6 +95,10 @@ enum err desk_find_scene(const struct desk *desk, const char *name, struct buf *
 enum err desk_find_file(const struct desk *desk, const char *name, struct buf *path,
                         struct fault *fault);
 
+/* Whether a file beside the journal, by its path, may be read: a wary desk follows no link that
+ * leads out of the journal's folder. ERR_INPUT. */
+enum err desk_may_read(const struct desk *desk, const char *path, struct fault *fault);
+
 /* Where a file that a command names is to be written; an empty path where it is not. */
 enum err desk_output_path(const struct desk *desk, const char *name, struct buf *path,
                           struct fault *fault);
