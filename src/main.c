@@ -15,10 +15,12 @@
 #include "base/file.h"
 #include "base/scan.h"
 #include "command/about.h"
+#include "command/anonymise.h"
 #include "command/bench.h"
 #include "command/bisect.h"
 #include "command/drive.h"
 #include "command/limits.h"
+#include "command/provenance.h"
 #include "command/reseal.h"
 #include "command/trust.h"
 #include "command/verify.h"
@@ -36,6 +38,8 @@ static const char usage[] =
     "    iftty replay JOURNAL           carry a journal out again, compare every result\n"
     "    iftty verify JOURNAL...        the same quietly, and compare golden images; TAP\n"
     "    iftty log JOURNAL              print a journal; --script its commands, --check its chain\n"
+    "                                   --export FILE as W3C PROV-JSON; --anonymise leaves out\n"
+    "                                   comments and the names of files\n"
     "    iftty log --repair JOURNAL     keep what is sound of it, and the rest beside it\n"
     "    iftty show PICTURE             show a picture file inline, if the terminal can\n"
     "    iftty info [FILE]              what a picture, a scene, a journal or the program says of\n"
@@ -77,9 +81,9 @@ static const char usage[] =
 struct options {
     const char *journal, *scene, *out, *commands;
     const char *rounds, *plots;
-    const char *processes, *from, *until, *junit, *html, *accept, *with;
+    const char *processes, *from, *until, *junit, *html, *accept, *with, *export;
     const char *limit_memory, *limit_time, *limit_output;
-    bool keep_going, read_only, script, check, repair, reseal, bisect, json, csv, quick;
+    bool keep_going, read_only, script, check, repair, reseal, anonymise, bisect, json, csv, quick;
     enum graphics graphics;
     char **word; /* what is left: program and files */
     int words;
@@ -209,6 +213,7 @@ static enum err read_options(struct options *o, int count, char **word, struct f
                   {"--with", &o->with},
                   {"--junit", &o->junit},
                   {"--html", &o->html},
+                  {"--export", &o->export},
                   {"--limit-memory", &o->limit_memory},
                   {"--limit-time", &o->limit_time},
                   {"--limit-output", &o->limit_output},
@@ -223,6 +228,7 @@ static enum err read_options(struct options *o, int count, char **word, struct f
                  {"--check", &o->check},
                  {"--reseal", &o->reseal},
                  {"--bisect", &o->bisect},
+                 {"--anonymise", &o->anonymise},
                  {"--json", &o->json},
                  {"--csv", &o->csv},
                  {"--quick", &o->quick}};
@@ -413,8 +419,11 @@ static enum err program_replay(const struct options *o, struct fault *fault)
     if (!err)
         err = replay_into(&here, fault);
     if (!o->out && trust_keep_folder(here.out)) {
+        struct buf text = {0};
+        buf_add_safe(&text, here.out, strlen(here.out));
         progress_erase(&progress);
-        fprintf(stderr, "# files are in %s\n", here.out);
+        fprintf(stderr, "# files are in %s\n", buf_text(&text));
+        buf_release(&text);
     }
 done:
     buf_release(&fresh);
@@ -524,6 +533,20 @@ static enum err repair(const char *path, struct fault *fault)
     return err;
 }
 
+/* `log --export FILE`, or - for standard output. */
+static enum err export_log(const struct options *o, const struct buf *bytes, struct fault *fault)
+{
+    struct buf text = {0};
+    enum err err = provenance_write(&text, file_name(o->word[1]), buf_text(bytes), bytes->length,
+                                    o->anonymise, fault);
+    if (!err && strcmp(o->export, "-") == 0)
+        fputs(buf_text(&text), stdout);
+    else if (!err)
+        err = file_write(o->export, text.data, text.length, FILE_KEEP, fault);
+    buf_release(&text);
+    return err;
+}
+
 static enum err program_log(const struct options *o, struct fault *fault)
 {
     struct buf bytes = {0}, text = {0};
@@ -539,6 +562,10 @@ static enum err program_log(const struct options *o, struct fault *fault)
         err = journal_check(&condition, buf_text(&bytes), bytes.length, fault);
         if (!err)
             puts(condition.text);
+    } else if (!err && o->export) {
+        err = export_log(o, &bytes, fault);
+    } else if (!err && o->anonymise) {
+        err = anonymise_script(&text, buf_text(&bytes), bytes.length, fault);
     } else if (!err && o->script) {
         err = journal_script(&text, buf_text(&bytes), bytes.length, fault);
     } else if (!err) {

@@ -187,6 +187,175 @@ for wrong in "--limit-memory 0" "--limit-memory much" "--limit-memory 5X" "--lim
 done
 close_story
 
+# ---- what is shown ----
+
+# Well-formed UTF-8 without a control character, a mark that turns the direction of text, or one that
+# nobody sees; line feeds apart.
+is_plain() { # FILE WHAT
+    iconv -f utf-8 -t utf-8 "$1" >/dev/null 2>&1 || fail "$2: no UTF-8: $(od -c "$1" | sed 4q)"
+    ! grep -qP '[\x00-\x09\x0b-\x1f\x7f]|\xc2[\x80-\x9f\xad]|\xd8\x9c|\xe2\x80[\x8b-\x8f\xa8-\xae]|\xe2\x81[\xa0-\xaf]|\xef\xbb\xbf|\xef\xb8[\x80-\x8f]|\xf3\xa0' "$1" ||
+        fail "$2: it would obey $(od -c "$1" | sed 4q)"
+}
+shown() { # WHAT COMMAND...: whatever comes of it
+    what=$1
+    shift
+    "$@" >"$work/out" 2>"$work/err" </dev/null
+    [ $? -lt 126 ] || fail "$what died"
+    is_plain "$work/out" "$what"
+    is_plain "$work/err" "$what"
+    cat "$work/out" "$work/err" >"$work/both"
+}
+
+begin "what a terminal would obey, or a reader be deceived by, is shown as text at every door"
+cat >"$work/hostile" <<'EOH'
+clear\033[2Jscreen
+title\033]0;mine\007
+return\rover
+bell\007tab\tdelete\177
+eight\302\233[31mbit
+raw\233[31m\220q
+turned\342\200\256gpj.exe
+isolated\342\201\247x\342\201\251
+arabic\330\234mark
+hidden\342\200\213\357\273\277joined
+tags\363\240\201\201\363\240\204\200
+half\342\202
+long\300\257slash
+surrogate\355\240\200
+beyond\364\220\200\200
+EOH
+mkdir doors
+cd doors || exit 1
+cp ../s.nii ../proof.iftty .
+while read -r escaped; do
+    # shellcheck disable=SC2059
+    bad=$(printf "$escaped")
+    cp s.nii "$bad.nii"
+    cp proof.iftty "$bad.iftty"
+    shown "a scene's name" "$iftty" -c "open \"$bad.nii\"; info"
+    shown "a scene's name, by --scene" "$iftty" -c "open x; info" --scene "$bad.nii"
+    shown "a journal's name" "$iftty" verify "$bad.iftty"
+    shown "a journal's name, exported" "$iftty" log "$bad.iftty" --export -
+    shown "a name that is told" "$iftty" info "$bad.nii"
+    shown "a name that is told, as JSON" "$iftty" info "$bad.nii" --json
+    shown "a folder" "$iftty" replay proof.iftty --out "$bad/x"
+    shown "an option" "$iftty" "--$bad"
+    shown "a label" "$iftty" -c "open s.nii; label 2 \"a$bad\"; stats"
+    shown "a golden image" "$iftty" -c "open s.nii; golden \"$bad\""
+    shown "a picture" "$iftty" -c "open s.nii; seed 1,1,1 1; render \"$bad.png\""
+    for at in 14 148 228 328; do # db_name, descrip, aux_file, intent_name
+        cp s.nii header.nii
+        printf '%s' "$bad" | dd of=header.nii bs=1 seek=$at conv=notrunc 2>/dev/null
+        shown "a header" "$iftty" -c 'open header.nii; info'
+        shown "a header that is told" "$iftty" info header.nii
+    done
+    {
+        sed -n 1,3p proof.iftty
+        printf '# %s\nlabel 2 "%s"\n= 2 a=%s chain=%032d\n# torn %s' "$bad" "$bad" "$bad" 0 "$bad"
+    } >lines.iftty
+    for program in "replay" "verify" "log" "log --check" "log --script" "log --anonymise" \
+        "log --export -" info "info --json" "run - --journal" "run"; do
+        # shellcheck disable=SC2086
+        shown "$program" "$iftty" $program lines.iftty
+    done
+    if command -v oiiotool >/dev/null && [ ! -e noted.png ]; then
+        oiiotool --create 4x4 3 --attrib "ImageDescription" "$bad" -o noted.png 2>/dev/null
+        shown "a picture's note" "$iftty" info noted.png
+        oiiotool --create 4x4 3 --attrib "owner" "$bad" -o noted.exr 2>/dev/null
+        shown "a picture's attribute" "$iftty" info noted.exr
+        shown "a picture's attribute, as JSON" "$iftty" info noted.exr --json
+        rm -f noted.png noted.exr
+    fi
+    rm -rf -- ./*"$bad"*
+done <"$work/hostile"
+cd ..
+close_story
+
+# ---- without carrying it out ----
+
+begin "log --check says intact, torn, or edited since which record"
+expect 0 "$iftty" log --check proof.iftty
+out_has "intact, 3 records"
+sed 's/^seed 2,3,4 1$/seed 3,3,4 1/' proof.iftty >edited.iftty
+expect 1 "$iftty" log --check edited.iftty
+err_has "record 2"
+head -c $(($(file_bytes proof.iftty) - 20)) proof.iftty >torn.iftty
+expect 1 "$iftty" log --check torn.iftty
+err_has "record 3"
+close_story
+
+begin "--anonymise leaves out comments and the names of files, and nothing else"
+cat >named <<'EOS'
+# for Dr. Brown
+open /home/brown/miller-1950.nii.gz
+
+mask ../brown/mask.nii regions=1-3
+weight gauss 1.5
+weight edges.nii
+seed-file "my seeds.csv" label=2
+label 2 brain #40c060
+seed 1,2,3 brain radius=3
+slice axial 90 axial.png
+spin 36 turn%03d.png
+save labels axial.png replace=yes
+render miller.brown mode=sp
+render 19500401
+later /home/brown/x
+EOS
+cat >unnamed <<'EOS'
+open scene.nii.gz
+mask file-1.nii regions=1-3
+weight gauss 1.5
+weight file-2.nii
+seed-file file-3.csv label=2
+label 2 brain #40c060
+seed 1,2,3 brain radius=3
+slice axial 90 file-4.png
+spin 36 file-5-%03d.png
+save labels file-4.png replace=yes
+render file-6 mode=sp
+render file-7
+later file-8
+EOS
+expect 0 "$iftty" log named --anonymise
+diff "$work/out" unnamed >"$work/both" || fail "$(cat "$work/both")"
+expect 0 "$iftty" log named --anonymise --script
+diff "$work/out" unnamed >"$work/both" || fail "$(cat "$work/both")"
+expect 0 "$iftty" -c "open $work/there/s.nii; seed 2,3,4 1; run; golden brown-1" --journal brown.iftty
+expect 0 "$iftty" log brown.iftty --anonymise --export -
+! grep -q "$work" "$work/out" && ! grep -q 's.nii\|brown.iftty' "$work/out" || fail "a name is told: $(cat "$work/out")"
+close_story
+
+if command -v python3 >/dev/null; then
+    begin "log --export is PROV-JSON, in which every relation leads to a thing"
+    expect 0 "$iftty" log brown.iftty --export prov.json
+    expect 3 "$iftty" log brown.iftty --export prov.json
+    err_has "prov.json exists already and was left alone"
+    python3 - >"$work/out" 2>&1 <<'EOP' || fail "$(cat "$work/out")"
+import json
+prov = json.load(open("prov.json"))
+kinds = {"prov:entity": "entity", "prov:activity": "activity", "prov:agent": "agent",
+         "prov:generatedEntity": "entity", "prov:usedEntity": "entity"}
+for relation in "used", "wasGeneratedBy", "wasDerivedFrom", "wasAssociatedWith":
+    assert prov[relation], relation
+    for ends in prov[relation].values():
+        for role, thing in ends.items():
+            assert thing in prov[kinds[role]], (relation, role, thing)
+assert [a["prov:label"] for a in prov["activity"].values()][1:] == ["seed 2,3,4 1", "run", "golden brown-1"]
+assert len(prov["entity"]["iftty:scene-1"]["iftty:sha256"]) == 64
+assert prov["entity"]["iftty:golden-4"]["prov:label"] == "brown-1"
+assert prov["entity"]["iftty:journal-1"]["iftty:condition"] == "intact, 4 records"
+assert prov["used"]["_:u-command-1-scene"]["prov:entity"] == "iftty:scene-1"
+EOP
+    sed 's/^seed 2,3,4 1$/seed 2,3,4 "\\1/' brown.iftty >odd.iftty
+    "$iftty" log odd.iftty --export - >"$work/out"
+    python3 -m json.tool "$work/out" >/dev/null || fail "no JSON: $(cat "$work/out")"
+    grep -q '"iftty:is-sound": false' "$work/out" || fail "the edited record passes for sound"
+    expect 1 "$iftty" log named --export -
+    err_has "is a script"
+    close_story
+fi
+
 # ---- the kernel's walls ----
 
 begin "the program says whether the kernel has walls"

@@ -4,7 +4,7 @@
 #include <strings.h>
 
 #include "base/file.h"
-#include "base/safe.h"
+#include "base/json.h"
 #include "base/scan.h"
 #include "command/desk.h"
 #include "image/exr.h"
@@ -20,23 +20,9 @@ struct teller_of_facts {
     unsigned told;
 };
 
-/* A JSON string of any bytes: what is no plain character comes out as \u00NN, byte by byte. */
 static void add_json_text(struct buf *out, const char *text)
 {
-    size_t left = strlen(text);
-    buf_add_char(out, '"');
-    while (left > 0) {
-        const size_t n = safe_character(text, left);
-        if (n == 0)
-            buf_printf(out, "\\u%04x", (unsigned char)*text);
-        else if (*text == '"' || *text == '\\')
-            buf_printf(out, "\\%c", *text);
-        else
-            buf_add(out, text, n);
-        text += n ? n : 1;
-        left -= n ? n : 1;
-    }
-    buf_add_char(out, '"');
+    json_add_text(out, text, strlen(text));
 }
 
 static void begin_fact(struct teller_of_facts *t, const char *name)

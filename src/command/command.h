@@ -118,6 +118,10 @@ enum err command_parse(struct call *call, const char *line, const struct session
                        struct fault *fault);
 void call_release(struct call *call);
 
+/* Adds the word at *cursor to `out`, ended by NUL, without its quotes, and moves on behind it.
+ * False for a quote that does not end. */
+bool command_take_word(const char **cursor, struct buf *out);
+
 /* One word as a command holds it: between quotes where it needs them. */
 void command_write_word(struct buf *out, const char *word);
 

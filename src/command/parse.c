@@ -33,8 +33,7 @@ static bool is_text(const char *line)
     return true;
 }
 
-/* Takes one word at *cursor into `out`, ended by NUL. False for a quote that does not end. */
-static bool take_word(const char **cursor, struct buf *out)
+bool command_take_word(const char **cursor, struct buf *out)
 {
     const char *at = *cursor;
     bool quoted = *at == '"';
@@ -61,7 +60,7 @@ static enum err split(struct buf *out, unsigned *count, const char *line, struct
         return fault_set(fault, ERR_USAGE,
                          "a command is UTF-8 text without control characters, not %s", line);
     for (scan_blanks(&line); *line; scan_blanks(&line)) {
-        if (!take_word(&line, out))
+        if (!command_take_word(&line, out))
             return fault_set(fault, ERR_USAGE, "a word in quotes does not end: %s", line);
         ++*count;
     }
