@@ -5,11 +5,13 @@
 #include <stdlib.h>
 #include <zlib.h>
 
+#include "command/bisect.h"
 #include "command/divergence.h"
 #include "command/markup.h"
 #include "command/verdict.h"
 #include "command/verify_report.h"
 #include "image/png.h"
+#include "journal/record.h"
 #include "tests/check.h"
 
 /* ---- words ---- */
@@ -54,6 +56,62 @@ STORY(counts_tell_how_many_more_or_less)
     divergence_tell(&lines, "a=\x1b[31m", "a=2", DIVERGENCE_OF_REPLAY);
     CHECK(!strchr(buf_text(&lines), '\x1b'));
     buf_release(&lines);
+}
+
+/* ---- two journals ---- */
+
+/* `count` records; from `other` on (0: none) a result differs, from `comment` on there is one. */
+static void make_journal(struct buf *out, size_t count, size_t other, size_t comment)
+{
+    struct buf header = {0};
+    struct record_chain chain = record_chain_zero;
+    record_header(&header, 3);
+    buf_clear(out);
+    buf_add_text(out, buf_text(&header));
+    for (size_t n = 1; n <= count; n++) {
+        char words[40];
+        snprintf(words, sizeof words, "forest=%zu labels=7", other && n >= other ? n + 1000 : n);
+        CHECK(record_encode(out, &chain, &chain, n == 1 ? buf_text(&header) : "", n,
+                            n == comment ? "# why\n" : "", "turn 1", words, NULL) == OK);
+    }
+    buf_release(&header);
+}
+
+static void check_first(const struct buf two[2], size_t number, size_t chains)
+{
+    static const char *const name[2] = {"a", "b"};
+    struct bisection found;
+    CHECK(bisect_bytes(&found, name, two, NULL) == OK);
+    CHECK_INT(found.number, number);
+    CHECK(found.compared <= chains);
+    CHECK(!number == !found.lines.length);
+    bisection_release(&found);
+}
+
+STORY(the_first_record_that_differs_is_found_by_few_chains)
+{
+    struct buf two[2] = {{0}, {0}};
+    for (size_t count = 0; count < 20; count++)
+        for (size_t other = 0; other <= count; other++) {
+            make_journal(two, count, 0, 0);
+            make_journal(two + 1, count, other, 0);
+            check_first(two, other, 5);
+            make_journal(two, count, other, 0);
+            make_journal(two + 1, count, other, other / 2);
+            check_first(two, 0, 5); /* comments are no results */
+        }
+    make_journal(two, 1000, 0, 3);
+    make_journal(two + 1, 1000, 900, 0);
+    check_first(two, 900, 10);
+    make_journal(two + 1, 998, 0, 0);
+    check_first(two, 999, 10);
+    two[1].data[two[1].length / 2] ^= 1;
+    struct bisection found;
+    static const char *const name[2] = {"a", "b"};
+    CHECK(bisect_bytes(&found, name, two, NULL) == ERR_INPUT);
+    bisection_release(&found);
+    buf_release(two);
+    buf_release(two + 1);
 }
 
 /* ---- verdicts ---- */
@@ -205,6 +263,7 @@ int main(void)
 {
     return RUN_STORIES(
         TELL(a_difference_is_told_by_what_it_means), TELL(counts_tell_how_many_more_or_less),
+        TELL(the_first_record_that_differs_is_found_by_few_chains),
         TELL(a_verdict_comes_back_as_it_was_sent), TELL(half_a_verdict_is_none),
         TELL(text_from_outside_cannot_be_markup), TELL(bytes_as_base64),
         TELL(a_report_names_what_failed_and_how), TELL(a_picture_as_png_holds_its_pixels));

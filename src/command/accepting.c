@@ -80,8 +80,6 @@ enum err accepting_publish(struct accepting *accepting, struct desk *desk, struc
     while (!err && at < end) {
         const char *draft = at, *place = at + strlen(at) + 1;
         err = desk_will_write(desk, place, FILE_REPLACE, fault);
-        if (!err && desk->written.failed)
-            err = fault_memory(fault, "the names of files");
         if (!err)
             err = file_publish(draft, place, FILE_REPLACE, fault);
         at = place + strlen(place) + 1;

@@ -259,6 +259,16 @@ static enum err take_golden(struct desk *desk, const struct value *of, struct pi
     return act_take_picture(desk, NULL, picture, fault);
 }
 
+/* For orphan_check. A name that there was no memory for leaves room for the next. */
+static enum err note_name(struct desk *desk, const char *name, struct fault *fault)
+{
+    buf_add(&desk->goldens, name, strlen(name) + 1);
+    if (!desk->goldens.failed)
+        return OK;
+    desk->goldens.failed = false;
+    return fault_memory(fault, "a name");
+}
+
 ACT(golden)
 {
     struct picture picture = {0};
@@ -272,13 +282,12 @@ ACT(golden)
         return fault_set(fault, ERR_USAGE,
                          "the journal is only looked at, and its golden images with it; `journal "
                          "FILE` goes on in a file of your own");
-    enum err err = take_golden(desk, &value[1], &picture, reply, fault);
+    enum err err = note_name(desk, name, fault);
+    if (!err)
+        err = take_golden(desk, &value[1], &picture, reply, fault);
     if (err)
         return err;
-    buf_add(&desk->goldens, name, strlen(name) + 1);
-    if (desk->goldens.failed)
-        err = fault_memory(fault, "a name");
-    else if (!desk->home.length && !desk->replays)
+    if (!desk->home.length && !desk->replays)
         buf_add_text(&reply->text, "not kept: there is no journal that it could belong to\n");
     else if (!desk->replays || desk->compares_goldens)
         err = golden_path(&path, buf_text(&desk->home), name, fault);

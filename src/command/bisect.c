@@ -31,14 +31,8 @@ static void listed_release(struct listed *listed)
 
 static enum err add_entry(struct listed *l, const struct record *record, struct fault *fault)
 {
-    if (l->count == l->capacity) {
-        const size_t capacity = l->capacity ? 2 * l->capacity : 256;
-        struct entry *entry = realloc(l->entry, capacity * sizeof *entry);
-        if (!entry)
-            return fault_memory(fault, "the records of a journal");
-        l->entry = entry;
-        l->capacity = capacity;
-    }
+    if (!mem_grow(&l->entry, &l->capacity, l->count + 1, sizeof *l->entry))
+        return fault_memory(fault, "the records of a journal");
     struct entry *entry = l->entry + l->count++;
     *entry = (struct entry){.line = record->line, .chain = record->chain};
     entry->command = l->texts.length;
