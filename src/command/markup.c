@@ -25,12 +25,6 @@ static void add_escaped(struct buf *out, char c)
     }
 }
 
-/* U+FFFE and U+FFFF print, as far as a terminal goes, and XML forbids them. */
-static size_t forbidden(const char *text)
-{
-    return strncmp(text, "\xEF\xBF\xBE", 3) == 0 || strncmp(text, "\xEF\xBF\xBF", 3) == 0 ? 3 : 0;
-}
-
 void markup_add(struct buf *out, const char *text, size_t length)
 {
     struct buf safe = {0};
@@ -42,15 +36,8 @@ void markup_add(struct buf *out, const char *text, size_t length)
             buf_add_char(&safe, '\n');
         at += line + (feed != NULL);
     }
-    for (const char *at = buf_text(&safe); *at; at++) {
-        const size_t skipped = forbidden(at);
-        if (skipped) {
-            buf_add_text(out, "?");
-            at += skipped - 1;
-        } else {
-            add_escaped(out, *at);
-        }
-    }
+    for (const char *at = buf_text(&safe); *at; at++)
+        add_escaped(out, *at);
     out->failed = out->failed || safe.failed;
     buf_release(&safe);
 }

@@ -219,6 +219,7 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
         err = keep_former(kept, path, former, fault);
     if (err)
         return err;
+    r->desk->replays = false; /* it is over: what is replaced now is what the user asked for */
     if (r->accepting)
         err = accepting_publish(r->accepting, r->desk, fault);
     if (!err)
