@@ -1096,7 +1096,7 @@ STORY(a_journal_knows_its_seed_files_again)
     make_regions("regions.nii", size[0], 1);
     replay_tells(path, "file is ");
     CHECK(unlink(place("regions.nii")) == 0);
-    replay_tells(path, "there is no file regions.nii here nor beside the journal");
+    replay_tells(path, "there is no file regions.nii beside the journal or among the scenes");
     make_seed_files();
     journal_verifies(path);
 }
@@ -1682,7 +1682,7 @@ STORY(a_journal_knows_its_weights_and_masks_again)
     make_regions("regions.nii", size[0], 254); /* 256 is 0 */
     replay_tells(path, "file is ");
     CHECK(unlink(place("regions.nii")) == 0);
-    replay_tells(path, "there is no file regions.nii here nor beside the journal");
+    replay_tells(path, "there is no file regions.nii beside the journal or among the scenes");
     make_seed_files();
     make_weights("weights.nii", 1);
     replay_tells(path, "weights is ");

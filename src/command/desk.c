@@ -135,6 +135,7 @@ enum err desk_will_write(struct desk *desk, const char *path, enum file_mode mod
                  !buf_reserve(&desk->made, made + 1))) {
         if (backup.length)
             file_discard(buf_text(&backup));
+        desk->made.failed = false; /* what it holds is whole; desk_settle_files clears the other */
         err = fault_memory(fault, "a file name");
     }
     if (!err) { /* there is room for all */
