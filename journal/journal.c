@@ -147,7 +147,10 @@ static enum err survey(const struct buf *bytes, const struct journal_resume *res
     while (!err && step == WALK_RECORD)
         step = walk_next_sound(&walk, &record);
     if (!err && step == WALK_DAMAGED && !resume->cuts_damage)
-        err = fault_set(fault, ERR_INPUT, "%s; nothing was changed", walk.fault.text);
+        err =
+            fault_set(fault, ERR_INPUT,
+                      "%s; nothing was changed (`iftty log --repair` keeps the records before it)",
+                      walk.fault.text);
     *finding = (struct finding){.sound = walk.offset,
                                 .count = walk.records,
                                 .chain = walk.chain,

@@ -41,6 +41,7 @@ cp a.iftty a.kept
 expect 0 "$iftty" -c 'stats; seed 9,9,9 2; journal; journal mine.iftty; seed 8,8,8 3' --read-only \
     --journal a.iftty
 out_has "3 records, looked at: nothing is written"
+err_has "a.iftty is only looked at"
 same_files a.iftty a.kept
 expect 0 "$iftty" verify mine.iftty
 out_has "4 commands, 4 results"
@@ -171,6 +172,7 @@ cp r.iftty r.harmed
 expect 3 "$iftty" run - --journal r.iftty </dev/null
 err_has "record 3"
 err_has "byte"
+err_has "iftty log --repair"
 expect 0 "$iftty" log --repair r.iftty
 out_has "record 3"
 out_has "r.iftty.torn-1"

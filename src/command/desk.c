@@ -190,6 +190,9 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
     if (!err && recorded && desk->new_journal && !desk->replays) {
         err = desk_create_journal(desk, desk->new_journal, fault);
         desk->new_journal = err ? desk->new_journal : NULL;
+        if (err)
+            fault_prefix(fault, err,
+                         "no journal can be begun here (--journal FILE begins it elsewhere)");
     }
     if (!err && recorded && desk->journal && !desk->replays) {
         err = journal_append(desk->journal, buf_text(&reply->canonical), buf_text(&reply->words),
@@ -236,7 +239,15 @@ enum err desk_create_journal(struct desk *desk, const char *path, struct fault *
     enum err err = desk_set_home(desk, path, fault);
     if (!err)
         err = journal_create(&desk->journal, path, SEMANTICS, fault);
-    return err ? err : journal_set_sync(desk->journal, desk->sync, fault);
+    if (err)
+        return err;
+    err = journal_set_sync(desk->journal, desk->sync, fault);
+    if (err) { /* no thread can be had: as if it had not been begun */
+        journal_close(desk->journal);
+        desk->journal = NULL;
+        file_discard(path);
+    }
+    return err;
 }
 
 struct resume {
@@ -277,6 +288,10 @@ enum err desk_resume_journal(struct desk *desk, const char *path, struct buf *to
         err = journal_set_sync(desk->journal, desk->sync, fault);
     if (told && told->length)
         buf_add_char(told, '\n');
+    if (!err && told && desk->looks) {
+        buf_add_safe(told, path, strlen(path));
+        buf_add_text(told, " is only looked at: what is done here is not written to it\n");
+    }
     desk->replays = desk->resumes = false;
     desk->finished = desk->shows_picture = false;
     desk->acknowledged = err ? 0 : journal_count(desk->journal);
