@@ -365,4 +365,30 @@ expect 0 "$iftty" info --json
 out_has '"landlock": '
 close_story
 
+if "$iftty" info | grep -q '^landlock  version' && [ -r /proc/self/status ]; then
+    begin "replay and verify stand behind them, the user's own commands do not"
+    walls_of() { # PROCESS: 1 once it has confined itself, 0 where it has not within half a second
+        tries=0
+        until grep -q '^NoNewPrivs:[[:space:]]*1' "/proc/$1/status" 2>/dev/null; do
+            [ $((tries += 1)) -lt 50 ] || { echo 0; return; }
+            sleep 0.01
+        done
+        echo 1
+    }
+    journal long 'open synth:geom:400x400x400; seed 100,100,50 1; run; adjacency 26'
+    for program in replay verify -c; do
+        case $program in
+        -c) "$iftty" -c 'open synth:geom:400x400x400; seed 1,1,1 1; run' >"$work/out" 2>&1 & wanted=0 ;;
+        *) "$iftty" $program long >"$work/out" 2>&1 & wanted=1 ;;
+        esac
+        process=$!
+        same "$program: $(walls_of $process)" "$program: $wanted"
+        kill "$process" 2>/dev/null
+        wait "$process" 2>/dev/null
+    done
+    close_story
+else
+    skip_story "replay and verify stand behind them" "this kernel has none"
+fi
+
 finish
