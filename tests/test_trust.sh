@@ -343,7 +343,7 @@ for relation in "used", "wasGeneratedBy", "wasDerivedFrom", "wasAssociatedWith":
             assert thing in prov[kinds[role]], (relation, role, thing)
 assert [a["prov:label"] for a in prov["activity"].values()][1:] == ["seed 2,3,4 1", "run", "golden brown-1"]
 assert len(prov["entity"]["iftty:scene-1"]["iftty:sha256"]) == 64
-assert prov["entity"]["iftty:golden-4"]["prov:label"] == "brown-1"
+assert prov["entity"]["iftty:golden-image-4"]["prov:label"] == "brown-1"
 assert prov["entity"]["iftty:journal-1"]["iftty:condition"] == "intact, 4 records"
 assert prov["used"]["_:u-command-1-scene"]["prov:entity"] == "iftty:scene-1"
 EOP
@@ -367,10 +367,14 @@ close_story
 
 if "$iftty" info | grep -q '^landlock  version' && [ -r /proc/self/status ]; then
     begin "replay and verify stand behind them, the user's own commands do not"
-    walls_of() { # PROCESS: 1 once it has confined itself, 0 where it has not within half a second
+    family() { # PROCESS: it and its children, of which verify has one for each journal
+        echo "$1 $(cat "/proc/$1/task/$1/children" 2>/dev/null)"
+    }
+    walls_of() { # PROCESS: 1 once one of them is confined, 0 where none is within a second
         tries=0
-        until grep -q '^NoNewPrivs:[[:space:]]*1' "/proc/$1/status" 2>/dev/null; do
-            [ $((tries += 1)) -lt 50 ] || { echo 0; return; }
+        until for one in $(family "$1"); do cat "/proc/$one/status" 2>/dev/null; done |
+            grep -q '^NoNewPrivs:[[:space:]]*1'; do
+            [ $((tries += 1)) -lt 100 ] || { echo 0; return; }
             sleep 0.01
         done
         echo 1
@@ -383,7 +387,8 @@ if "$iftty" info | grep -q '^landlock  version' && [ -r /proc/self/status ]; the
         esac
         process=$!
         same "$program: $(walls_of $process)" "$program: $wanted"
-        kill "$process" 2>/dev/null
+        # shellcheck disable=SC2046
+        kill $(family "$process") 2>/dev/null
         wait "$process" 2>/dev/null
     done
     close_story

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "command/command.h"
+#include "command/act.h"
 #include "journal/walk.h"
 
 void anonymiser_release(struct anonymiser *anonymiser)
@@ -107,7 +107,7 @@ void anonymise_command(struct anonymiser *anonymiser, struct buf *out, const cha
         const char *text = buf_text(&word);
         if (n == 0) {
             known = command_find(text);
-            is_open = strcmp(text, "open") == 0;
+            is_open = known && known->act == act_open;
         }
         if (n > 0 && is_file(known, text))
             add_name(anonymiser, out, text, is_open);

@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "base/json.h"
+#include "command/act.h"
 #include "command/anonymise.h"
-#include "command/command.h"
 #include "journal/log.h"
 #include "journal/walk.h"
 #include "session/export.h"
@@ -108,10 +108,15 @@ static void add_named(struct provenance *p, const char *kind, const struct recor
     buf_release(&id);
 }
 
-static bool begins(const char *command, const char *name)
+/* NULL for one that this version does not know. */
+static const struct command *command_of(const char *line)
 {
-    const size_t n = strlen(name);
-    return strncmp(command, name, n) == 0 && (command[n] == ' ' || command[n] == '\0');
+    struct buf name = {0};
+    const struct command *command = NULL;
+    if (command_take_word(&line, &name))
+        command = command_find(buf_text(&name));
+    buf_release(&name);
+    return command;
 }
 
 static void add_record(struct provenance *p, const struct record *record)
@@ -122,14 +127,15 @@ static void add_record(struct provenance *p, const struct record *record)
     else
         buf_add_text(&command, record->command);
     const char *text = buf_text(&command);
+    const struct command *known = command_of(text);
     add_command(p, record, text);
     add_state(p, record);
-    if (begins(text, "open")) {
+    if (known && known->act == act_open) {
         add_named(p, "scene", record, text);
         relate(p, USED, "activity", "command", record->number, "entity", "scene", record->number);
-    } else if (begins(text, "golden")) {
-        add_named(p, "golden", record, text);
-        relate(p, GENERATED, "entity", "golden", record->number, "activity", "command",
+    } else if (known && known->act == act_golden) {
+        add_named(p, "golden-image", record, text);
+        relate(p, GENERATED, "entity", "golden-image", record->number, "activity", "command",
                record->number);
     }
     p->member[ENTITY].failed |= command.failed;
@@ -141,7 +147,7 @@ static void add_journal(struct provenance *p, const char *name,
 {
     struct buf *out = begin(p, ENTITY, "iftty:journal", 1);
     buf_add_text(out, "\"prov:type\": \"iftty:journal\", \"prov:label\": ");
-    add_text(out, p->is_anonymous ? "journal" : name);
+    add_text(out, p->is_anonymous ? "a journal" : name);
     buf_printf(out, ", \"iftty:records\": %zu, \"iftty:chain\": \"%s\", \"iftty:condition\": ",
                condition->records, condition->chain.hex);
     add_text(out, condition->text);
