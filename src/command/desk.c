@@ -132,7 +132,7 @@ enum err desk_will_write(struct desk *desk, const char *path, enum file_mode mod
     }
     const size_t made = desk_is_wary(desk) ? strlen(path) + 1 : 0;
     if (!err && (!buf_reserve(&desk->written, strlen(path) + backup.length + 2) ||
-                 !buf_reserve(&desk->made, made + 1))) {
+                 (made && !buf_reserve(&desk->made, made)))) {
         if (backup.length)
             file_discard(buf_text(&backup));
         desk->made.failed = false; /* what it holds is whole; desk_settle_files clears the other */
