@@ -57,8 +57,12 @@ ROUNDS        ?= 5
 ITK            = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
 ITK_LIBS       = $(addsuffix $(ITK:ITK%=%),-lITKCommon -litkvnl_algo -litkvnl)
 
+# Other compilers and machines, for `make test-matrix`.
+MATRIX_PACKAGES := clang gcc-i686-linux-gnu libc6-dev-i386-cross gcc-aarch64-linux-gnu \
+                   libc6-dev-arm64-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static
+
 .DEFAULT_GOAL := all
-.PHONY: all tests test test-long demo bench-peers help clean packages
+.PHONY: all tests test test-long test-matrix test-matrix-short demo bench-peers help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -74,6 +78,14 @@ test: all tests
 test-long: all tests
 	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render test_cut test_crew \
 	    test_crew_racing test_kill
+
+## test-matrix: the same bits from gcc and clang, -O0 to -O3, sanitisers, 1 to 8 threads, i386, ARM, s390x
+test-matrix: all build/.packages-matrix
+	@tests/matrix/run.sh all $(BUILD)
+
+## test-matrix-short: the same of engine, render and journal, and of one example under threads
+test-matrix-short: all build/.packages-matrix
+	@tests/matrix/run.sh short $(BUILD)
 
 ## tests: build the test programs, and those of bench-peers that need no other package
 tests: $(TESTS) $(PEERS_IN_C)
@@ -118,6 +130,10 @@ $(LIBRARY): $(OBJECTS)
 $(BUILD)/tests/%: $(BUILD)/tests/%.o $(LIBRARY)
 	$(say) "link      $@"
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
+
+build/.packages-matrix: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages $(MATRIX_PACKAGES) --
+	@touch $@
 
 # Only `make bench-peers` needs these. The C++ ones are templates, and get the options of a release.
 PEERS_STAMP  := build/.packages-peers

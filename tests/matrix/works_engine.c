@@ -1,0 +1,144 @@
+/* Scenes, weights, forests and fences. */
+#include "tests/matrix/works.h"
+
+#include <stdlib.h>
+
+#include "base/hash.h"
+#include "engine/fence.h"
+
+static const struct {
+    const char *name;
+    struct weight_choice choice;
+} weights[] = {{"morph-1", {WEIGHT_MORPH, 1, 0}},         {"morph-3", {WEIGHT_MORPH, 3, 0}},
+               {"sobel", {WEIGHT_SOBEL, 0, 0}},           {"gauss-0.5", {WEIGHT_GAUSS, 0, 500}},
+               {"gauss-1.7", {WEIGHT_GAUSS, 0, 1700}},    {"gauss-8", {WEIGHT_GAUSS, 0, 8000}},
+               {"difference", {WEIGHT_DIFFERENCE, 0, 0}}, {"polarity", {WEIGHT_POLARITY, 0, 0}}};
+
+/* What the digests of a forest do not cover: who is before whom. */
+static uint64_t predecessors_digest(const struct forest *forest)
+{
+    const struct scene *scene = forest_scene(forest);
+    uint64_t sum = 0;
+    for (uint32_t c = 0; c < scene->grid.cells; c++)
+        if (cell_is_reached(&scene->cell[c]))
+            sum += hash_mix_at(c, forest_predecessor(forest, c));
+    return sum;
+}
+
+static void tell_forest(const struct forest *forest, const char *name, unsigned adjacency,
+                        const char *when)
+{
+    struct fault fault;
+    must_hold(forest_check(forest, &fault), "the forest");
+    tell(forest_digest(forest), "forest/%s/%u/%s/keys", name, adjacency, when);
+    tell(forest_label_digest(forest), "forest/%s/%u/%s/labels", name, adjacency, when);
+    tell(predecessors_digest(forest), "forest/%s/%u/%s/predecessors", name, adjacency, when);
+}
+
+static void weigh(struct forest *forest, struct scene *scene, const struct weight_choice *choice,
+                  struct crew *crew)
+{
+    struct weight_work work = {.crew = crew};
+    struct arc_rule arcs = {.kind = weight_arcs(choice->kind)};
+    struct fault fault;
+    for (int label = 0; label < 6; label++)
+        arcs.polarity[label] = (int8_t)(40 * label - 100);
+    if (weight_is_gradient(choice->kind)) {
+        must(weight_work_reserve(&work, &scene->grid, choice, &fault), &fault, "room for weights");
+        weight_compute(scene, forest_adjacency(forest), choice, &work);
+    }
+    forest_set_arcs(forest, &arcs);
+    must(forest_rebuild(forest, NULL, &fault), &fault, "a forest from nothing");
+    weight_work_release(&work);
+}
+
+/* Grown from nothing; a third erased and replanted with other labels, bit by bit; taken back. */
+static void edit_forest(struct forest *forest, const char *name, unsigned adjacency)
+{
+    struct edit edit[WORKS_SEEDS], other;
+    struct fault fault;
+    works_edits(edit, forest_scene(forest), 7);
+    must(forest_edit(forest, edit, WORKS_SEEDS, NULL, &fault), &fault, "the seeds");
+    tell_forest(forest, name, adjacency, "planted");
+    for (int i = 0; i < WORKS_SEEDS; i += 3) {
+        other = (struct edit){edit[i].cell, (int16_t)(i % 2 ? EDIT_ERASE : (i + 1) % 6)};
+        must(forest_edit(forest, &other, 1, NULL, &fault), &fault, "an edit");
+        const struct changes changes = forest_changes(forest);
+        tell(changes.everything ? 0 : changes.count, "forest/%s/%u/changes-%d", name, adjacency, i);
+    }
+    tell_forest(forest, name, adjacency, "edited");
+    must(forest_revert(forest, &fault), &fault, "taking back");
+    tell_forest(forest, name, adjacency, "reverted");
+    must(forest_rebuild(forest, NULL, &fault), &fault, "a forest from nothing");
+    tell_forest(forest, name, adjacency, "rebuilt");
+}
+
+static void forests(struct crew *crew, unsigned adjacency)
+{
+    for (size_t i = 0; i < sizeof weights / sizeof weights[0]; i++) {
+        struct scene *scene = works_scene();
+        struct forest *forest = NULL;
+        struct fault fault;
+        must(forest_new(&forest, scene, adjacency, &fault), &fault, "a forest");
+        must(forest_set_crew(forest, crew, &fault), &fault, "a forest's crew");
+        weigh(forest, scene, &weights[i].choice, crew);
+        tell(weight_digest(scene, forest_arcs(forest), crew), "weight/%s/%u", weights[i].name,
+             adjacency);
+        edit_forest(forest, weights[i].name, adjacency);
+        forest_free(forest);
+        scene_free(scene);
+    }
+}
+
+/* A mask of two voxels in three, in runs, and a range; the forest again inside. */
+static void fences(struct crew *crew)
+{
+    static const struct weight_choice morph = {WEIGHT_MORPH, 1, 0};
+    struct scene *scene = works_scene();
+    struct forest *forest = NULL;
+    struct edit edit[WORKS_SEEDS];
+    struct fault fault;
+    struct fence fence = {mask_new(&scene->grid), 20, 210};
+    size_t count = 0;
+    must_hold(fence.mask != NULL, "room for a mask");
+    for (uint32_t c = 0; c < scene->grid.cells; c++)
+        if (!(scene->cell[c].flags & CELL_RIM) && c / 37 % 3)
+            fence.mask[c >> 6] |= UINT64_C(1) << (c & 63);
+    must(forest_new(&forest, scene, 6, &fault), &fault, "a forest");
+    must(forest_set_crew(forest, crew, &fault), &fault, "a forest's crew");
+    const struct fence_tally tally = fence_tally(&fence, scene);
+    tell(tally.digest, "fence/outside");
+    tell(tally.inside, "fence/inside");
+    fence_apply(&fence, scene);
+    weigh(forest, scene, &morph, crew);
+    works_edits(edit, scene, 11);
+    for (int i = 0; i < WORKS_SEEDS; i++)
+        if (fence_holds(&fence, scene, edit[i].cell))
+            edit[count++] = edit[i];
+    must(forest_edit(forest, edit, count, NULL, &fault), &fault, "the seeds");
+    tell_forest(forest, "fenced", 6, "planted");
+    free(fence.mask);
+    forest_free(forest);
+    scene_free(scene);
+}
+
+static void scenes(void)
+{
+    struct scene *scene = works_scene(), *doubled = NULL;
+    struct fault fault;
+    tell(scene_digest(scene), "scene/geom");
+    for (unsigned axes = 1; axes < 8; axes++) {
+        must(scene_new_interpolated(&doubled, scene, axes, NULL, &fault), &fault, "a scene");
+        tell(scene_digest(doubled), "scene/interpolated-%u", axes);
+        scene_free(doubled);
+    }
+    scene_free(scene);
+}
+
+void works_engine(struct crew *crew)
+{
+    scenes();
+    forests(crew, 6);
+    forests(crew, 26);
+    fences(crew);
+}
