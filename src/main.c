@@ -48,6 +48,7 @@ static const char usage[] =
     "    iftty bench paper [SCENE...]   the paper's five experiments: text, --json or --csv\n"
     "    iftty bench growth             one edit, in scenes of 4 to 300 million voxels\n"
     "    iftty bench render             frames and incremental images; VTK beside them\n"
+    "    iftty bench journal [JOURNAL]  what recording, reading and verifying cost\n"
     "    iftty help [COMMAND]           the commands of prompt, script and journal\n"
     "\n"
     "    --journal FILE    record there (run, -c, prompt); an existing journal is resumed\n"
@@ -672,12 +673,12 @@ static enum err bench_paper_by(const struct options *o, struct fault *fault)
     return bench_paper(&how, fault);
 }
 
-enum bench { BENCH_BRAIN, BENCH_PAPER, BENCH_GROWTH, BENCH_RENDER, BENCHES };
+enum bench { BENCH_BRAIN, BENCH_PAPER, BENCH_GROWTH, BENCH_RENDER, BENCH_JOURNAL, BENCHES };
 
-/* Which benchmark a word names, one of "brain|paper|growth|render"; BENCHES for none. */
+/* Which benchmark a word names, one of "brain|paper|growth|render|journal"; BENCHES for none. */
 static enum bench bench_named(const char *word)
 {
-    const char *name = "brain|paper|growth|render";
+    const char *name = "brain|paper|growth|render|journal";
     enum bench bench = BENCH_BRAIN;
     for (; bench < BENCHES; bench++, name += strcspn(name, "|") + 1)
         if (strlen(word) == strcspn(name, "|") && strncmp(word, name, strlen(word)) == 0)
@@ -699,10 +700,12 @@ static enum err program_bench(const struct options *o, struct fault *fault)
     case BENCH_RENDER:
         handle_interrupts();
         return bench_render(o->json, stdout, &watch, fault);
+    case BENCH_JOURNAL:
+        return bench_journal(o->words > 2 ? o->word[2] : NULL, o->json, stdout, fault);
     case BENCHES:
         break;
     }
-    return fault_set(fault, ERR_USAGE, "bench: expected brain, paper, growth or render, not %s",
+    return fault_set(fault, ERR_USAGE, "bench: expected brain, paper, growth, render or journal, not %s",
                      o->word[1]);
 }
 

@@ -34,9 +34,29 @@ same "$(grep -o '"touched": [^]]*' "$work/out" | sort -u | wc -l)" 1
 same "$(grep -o '"voxels"' "$work/out" | wc -l)" 2
 close_story
 
+begin "what a journal costs, part by part"
+expect 0 "$iftty" -c 'open synth:geom:20x20x20; seed 5,5,5 1; seed 15,15,15 2; size 64 64; render; golden one' \
+    --journal "$work/small.iftty" </dev/null
+expect 0 "$iftty" bench journal "$work/small.iftty" </dev/null
+out_has "100000 records of "
+out_has "small.iftty, 6 records"
+out_has "of forests and renditions"
+out_has "with a sync each"
+expect 0 "$iftty" bench journal "$work/small.iftty" --json </dev/null
+out_has '"journal": {"records": 6, '
+same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
+sed 's/^seed 5,5,5 1/seed 5,5,5 3/' "$work/small.iftty" >"$work/other.iftty"
+expect 1 "$iftty" bench journal "$work/other.iftty" </dev/null
+err_has "record 2"
+: >"$work/empty.iftty"
+expect 1 "$iftty" bench journal "$work/empty.iftty" </dev/null
+err_has "there are no records to verify"
+expect 3 "$iftty" bench journal "$work/none.iftty" </dev/null
+close_story
+
 begin "what is wrong is told at once"
 expect 2 "$iftty" bench liver
-err_has "bench: expected brain, paper, growth or render, not liver"
+err_has "bench: expected brain, paper, growth, render or journal, not liver"
 for scene in liver brain2 brain213 brain2111 ch2better211 geom-211 ""; do
     expect 2 "$iftty" bench paper geom "$scene"
     err_has "expected brain or geom, as they are or interpolated as in brain211, or ch2better, or all"

@@ -12,6 +12,9 @@
  * bench_render: whole frames of ch2 with brain and cerebellum, their parts, and incremental images;
  * VTK beside them, where it is there.
  *
+ * bench_journal: what a journal costs: 100 000 records encoded and read, recording beside the
+ * session that is recorded, verifying beside the forests and renditions that are made on the way.
+ *
  * Medians; no time is compared with a limit.
  */
 #ifndef COMMAND_BENCH_H
@@ -20,6 +23,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "base/buf.h"
 #include "base/err.h"
 #include "base/watch.h"
 
@@ -49,6 +53,14 @@ enum err bench_paper(const struct bench_paper_options *options, struct fault *fa
 enum err bench_growth(bool json, bool quick, FILE *out, struct watch *watch, struct fault *fault);
 
 enum err bench_render(bool json, FILE *out, struct watch *watch, struct fault *fault);
+
+/* On this journal; NULL: examples/brain.iftty, or examples/geom.iftty where the scene of that is
+ * not here. ERR_CHECK where the journal does not verify. */
+enum err bench_journal(const char *journal, bool json, FILE *out, struct fault *fault);
+
+/* The path of a file of the source tree that the program lies in; false where it was installed
+ * without it. */
+bool bench_find_in_tree(struct buf *out, const char *name);
 
 /* Milliseconds from starting this program on `scene` (or without one where NULL) in a terminal of
  * its own until the prompt is there, and until the scene is loaded and the prompt back. False where

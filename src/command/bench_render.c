@@ -26,8 +26,7 @@ enum {
     ROWS_MOST = 24,
 };
 
-/* Beside the program lies its source tree, if it was not installed. */
-static bool find_in_tree(struct buf *out, const char *name)
+bool bench_find_in_tree(struct buf *out, const char *name)
 {
     char self[4096];
     const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
@@ -340,7 +339,7 @@ static enum err time_vtk(const struct session *session, struct table *table, str
     enum err err = OK;
     snprintf(table->vtk, sizeof table->vtk,
              "VTK is not here to compare with: it takes Debian's python3-vtk9 and xvfb");
-    if (find_in_tree(&script, "tests/peers/vtk_render.py") && mkdtemp(folder)) {
+    if (bench_find_in_tree(&script, "tests/peers/vtk_render.py") && mkdtemp(folder)) {
         snprintf(labels, sizeof labels, "%s/labels.nii", folder);
         err = export_map(session, MAP_LABELS, labels, FILE_KEEP, fault);
         if (!err && run_script(&told, buf_text(&script), labels))
@@ -426,7 +425,7 @@ static enum err segment(struct desk *desk, struct fault *fault)
 {
     struct buf path = {0};
     enum err err = OK;
-    if (!find_in_tree(&path, "examples/brain.iftty"))
+    if (!bench_find_in_tree(&path, "examples/brain.iftty"))
         err = fault_set(fault, ERR_IO,
                         "bench render works on what examples/brain.iftty segments, and that does "
                         "not lie beside the program");
