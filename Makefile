@@ -48,6 +48,13 @@ ifeq ($(SANITISE),)
 TESTS += $(BUILD)/tests/test_crew_racing $(BUILD)/tests/test_press_racing
 endif
 
+# Readers of what comes from outside, and bytes for them. libFuzzer has a main of its own.
+FUZZ          := $(patsubst tests/fuzz/fuzz_%.c,%,$(wildcard tests/fuzz/fuzz_*.c))
+FUZZ_SECONDS  ?= 60
+FUZZ_SANITISE := -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
+FUZZ_REPLAYS  := $(FUZZ:%=$(BUILD)/tests/fuzz/fuzz_%)
+FUZZERS       := $(FUZZ:%=$(BUILD)/libfuzzer/fuzz_%)
+
 # What iftty is measured against. Debian's Python is the one that sees Debian's modules.
 PEER_PACKAGES := libinsighttoolkit5-dev libvigraimpex-dev python3-scipy python3-skimage
 PEERS_IN_C    := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/peers/*.c))
@@ -62,7 +69,7 @@ MATRIX_PACKAGES := clang gcc-i686-linux-gnu libc6-dev-i386-cross gcc-aarch64-lin
                    libc6-dev-arm64-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static
 
 .DEFAULT_GOAL := all
-.PHONY: all tests test test-long test-matrix test-matrix-short demo bench-peers help clean packages
+.PHONY: all tests test test-long test-matrix test-matrix-short fuzz fuzzers demo bench-peers help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -87,8 +94,16 @@ test-matrix: all build/.packages-matrix
 test-matrix-short: all build/.packages-matrix
 	@tests/matrix/run.sh short $(BUILD)
 
+## fuzz: have libFuzzer look for bytes that break a reader; FUZZ_SECONDS=60 each, FUZZ=journal for one
+fuzz: build/.packages-matrix
+	@$(MAKE) VARIANT=fuzz CC=clang OPTIMISE=-O1 SANITISE="$(FUZZ_SANITISE)" FUZZ="$(FUZZ)" fuzzers
+	@for name in $(FUZZ); do mkdir -p build/fuzz/corpus/$$name && \
+	    build/fuzz/libfuzzer/fuzz_$$name -max_total_time=$(FUZZ_SECONDS) -timeout=20 -max_len=8192 \
+	        -rss_limit_mb=4096 -print_final_stats=1 -artifact_prefix=build/fuzz/$$name- \
+	        build/fuzz/corpus/$$name tests/fuzz/corpus/$$name || exit 1; done
+
 ## tests: build the test programs, and those of bench-peers that need no other package
-tests: $(TESTS) $(PEERS_IN_C)
+tests: $(TESTS) $(FUZZ_REPLAYS) $(PEERS_IN_C)
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: all
@@ -130,6 +145,16 @@ $(LIBRARY): $(OBJECTS)
 $(BUILD)/tests/%: $(BUILD)/tests/%.o $(LIBRARY)
 	$(say) "link      $@"
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
+
+fuzzers: $(FUZZERS)
+$(BUILD)/tests/fuzz/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/tests/fuzz/replay.o \
+                            $(BUILD)/tests/fuzz/file.o $(LIBRARY)
+	$(say) "link      $@"
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS)
+$(BUILD)/libfuzzer/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/tests/fuzz/file.o $(LIBRARY)
+	@mkdir -p $(@D)
+	$(say) "link      $@"
+	$(Q)$(CC) -fsanitize=fuzzer $(ALL_LDFLAGS) -o $@ $^ $(LIBS)
 
 build/.packages-matrix: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(MATRIX_PACKAGES) --

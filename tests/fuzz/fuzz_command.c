@@ -1,0 +1,57 @@
+/* Lines as commands: what parses is written in a form that parses to the same, and is a command
+ * that a journal takes. Completion of any line. */
+#include "tests/fuzz/fuzz.h"
+
+#include <string.h>
+
+#include "command/command.h"
+#include "journal/record.h"
+#include "session/session.h"
+
+static struct session session; /* kept from one line to the next */
+
+static void prepare(void)
+{
+    struct fault fault;
+    if (session.has_scene)
+        return;
+    session_init(&session);
+    HOLDS(session_open(&session, "synth:geom:9x8x7", &fault) == OK);
+    strcpy(session.settings.label_name[2], "cerebellum");
+}
+
+static void parse(const char *line)
+{
+    struct call call, again;
+    struct buf first = {0}, second = {0};
+    struct fault fault;
+    if (command_parse(&call, line, &session, &fault))
+        return;
+    if (call.command) {
+        command_write(&first, &call);
+        HOLDS(record_command_check(buf_text(&first), &fault) == OK);
+        HOLDS(command_parse(&again, buf_text(&first), &session, &fault) == OK);
+        HOLDS(again.command == call.command);
+        command_write(&second, &again);
+        HOLDS(strcmp(buf_text(&first), buf_text(&second)) == 0);
+        call_release(&again);
+    }
+    call_release(&call);
+    buf_release(&first);
+    buf_release(&second);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
+{
+    struct buf line = {0}, words = {0};
+    size_t start = 0;
+    prepare();
+    buf_add(&line, bytes, length);
+    const char *text = buf_text(&line);
+    parse(text);
+    command_complete(&words, &start, text, strlen(text), &session);
+    HOLDS(start <= strlen(text));
+    buf_release(&words);
+    buf_release(&line);
+    return 0;
+}

@@ -1,0 +1,65 @@
+/* Bytes as a journal and as a script: walk, check, script; what is sound encodes to itself. */
+#include "tests/fuzz/fuzz.h"
+
+#include <string.h>
+
+#include "journal/log.h"
+#include "journal/walk.h"
+
+/* A record that is sound, and has no comments, is what encoding it gives. */
+static void encode_again(const struct walk *walk, const struct record *record,
+                         const struct record_chain *before)
+{
+    struct buf out = {0}, header = {0};
+    struct record_chain after;
+    const char *bytes = walk->bytes + record->offset;
+    if (record->number == 1)
+        buf_add(&header, walk->bytes, walk->header_length);
+    if (!record_judge(record, NULL) && *bytes != '#' && *bytes != '\n' &&
+        !record_encode(&out, &after, before, buf_text(&header), (size_t)record->noted, "",
+                       record->command, record->result, NULL)) {
+        HOLDS(out.length == record->end - record->offset);
+        HOLDS(memcmp(out.data, bytes, out.length) == 0);
+        HOLDS(strcmp(after.hex, record->chain.hex) == 0);
+    }
+    buf_release(&header);
+    buf_release(&out);
+}
+
+static void walk_through(const char *bytes, size_t length, enum walk_as as)
+{
+    struct walk walk;
+    struct record record;
+    struct record_chain before = record_chain_zero;
+    uint64_t end = 0;
+    if (walk_begin(&walk, bytes, length, as, NULL))
+        return;
+    while (walk_next(&walk, &record) == WALK_RECORD) {
+        HOLDS(record.offset >= end && record.end > record.offset && record.end <= length);
+        HOLDS(strlen(record.command) <= RECORD_LINE_MAX &&
+              strlen(record.result) <= RECORD_LINE_MAX);
+        if (walk.is_journal)
+            encode_again(&walk, &record, &before);
+        if (record.has_result)
+            before = record.chain;
+        end = record.end;
+    }
+    HOLDS(walk.over == walk_next(&walk, &record)); /* an end stays one */
+    walk_release(&walk);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t length)
+{
+    const char *bytes = (const char *)data;
+    struct journal_condition condition;
+    struct buf script = {0};
+    struct fault fault;
+    walk_through(bytes, length, WALK_AS_FOUND);
+    walk_through(bytes, length, WALK_AS_SCRIPT);
+    const enum err err = journal_check(&condition, bytes, length, &fault);
+    HOLDS(!err == (condition.state == JOURNAL_INTACT || condition.state == JOURNAL_SCRIPT));
+    if (!journal_script(&script, bytes, length, NULL) && script.length)
+        walk_through(script.data, script.length, WALK_AS_FOUND);
+    buf_release(&script);
+    return 0;
+}
