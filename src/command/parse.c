@@ -64,6 +64,8 @@ static enum err split(struct buf *out, unsigned *count, const char *line, struct
             return fault_set(fault, ERR_USAGE, "a word in quotes does not end: %s", line);
         ++*count;
     }
+    if (out->length && memchr(out->data, '\t', out->length)) /* it could not be recorded */
+        return fault_set(fault, ERR_USAGE, "a tab in a word; tabs stand between words only");
     return out->failed ? fault_memory(fault, "a command") : OK;
 }
 

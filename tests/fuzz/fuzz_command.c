@@ -29,7 +29,7 @@ static void parse(const char *line)
         return;
     if (call.command) {
         command_write(&first, &call);
-        HOLDS(record_command_check(buf_text(&first), &fault) == OK);
+    HOLDS(record_command_check(buf_text(&first), &fault) == OK);
         HOLDS(command_parse(&again, buf_text(&first), &session, &fault) == OK);
         HOLDS(again.command == call.command);
         command_write(&second, &again);
