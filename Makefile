@@ -81,10 +81,10 @@ test: all tests
 	@tests/run.sh $(BUILD)
 
 ## test-long: the property tests of forest, threads, rendition and cuts, ten times over (a million
-##     edits); 500 sessions killed at random moments
+##     edits); 500 sessions killed at random moments; the mutation test in full
 test-long: all tests
 	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render test_cut test_crew \
-	    test_crew_racing test_kill
+	    test_crew_racing test_kill test_mutation.sh
 
 ## test-matrix: the same bits from gcc and clang, -O0 to -O3, sanitisers, 1 to 8 threads, i386, ARM, s390x
 test-matrix: all build/.packages-matrix
@@ -103,7 +103,7 @@ fuzz: build/.packages-matrix
 	        build/fuzz/corpus/$$name tests/fuzz/corpus/$$name || exit 1; done
 
 ## tests: build the test programs, and those of bench-peers that need no other package
-tests: $(TESTS) $(FUZZ_REPLAYS) $(PEERS_IN_C)
+tests: $(TESTS) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_IN_C)
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: all

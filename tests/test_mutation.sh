@@ -1,0 +1,101 @@
+#!/bin/sh
+# Would the golden suite notice? One thing at a time is changed in a copy of the examples, or of the
+# program; verifying the examples must then fail. Programs are built from a copy of the tree and of
+# what was built there, so that one constant costs the files that see it. IFTTY_TEST_SCALE above 1,
+# as in `make test-long`, has all of them instead of two.
+. "$(dirname "$0")/lib.sh"
+
+# ---- the data ----
+
+fresh_examples() {
+    rm -rf "$work/e"
+    mkdir "$work/e"
+    cp -r examples/geom.iftty examples/geom.golden "$work/e"
+}
+red() { # WHAT: verifying the copy of the example fails, and says where
+    expect 1 "$iftty" verify "$work/e/geom.iftty" </dev/null || fail "after: $1"
+    out_has "not ok 1 - "
+}
+changed() { # WHAT SED-SCRIPT
+    fresh_examples
+    sed -i "$2" "$work/e/geom.iftty"
+    cmp -s "$work/e/geom.iftty" examples/geom.iftty && fail "nothing was changed: $1"
+    red "$1"
+}
+
+begin "one sample of one golden pixel, by the least there is, is noticed"
+for plane in colour depth label voxel; do
+    fresh_examples
+    expect 0 "$build/tests/mutation/nudge" "$work/e/geom.golden/body.exr" $plane
+    red "a golden image's $plane"
+    out_has "golden image body"
+done
+close_story
+
+begin "one datum of a journal is noticed"
+changed "a seed, by one voxel" 's/^seed 100,40,50 1/seed 101,40,50 1/'
+changed "a seed's label" 's/^seed 50,84,50 2/seed 50,84,50 3/'
+changed "a digest of the forest" '0,/ seeds=6/s/\(forest=.*\)\([0-8]\) labels=/\19 labels=/'
+changed "the scene's digest" 's/scene=\(.*\)\([0-9a-e]\) size/scene=\1f size/'
+changed "a chain" 's/\(^= 3 .*\)[0-9a-e]$/\1f/'
+changed "a picture's digest" '0,/picture=0*[0-9a-e]/s/picture=[0-9a-e]/picture=f/'
+changed "a command left out" '/^seed 120,70,45 3/,+1d'
+close_story
+
+# ---- the program ----
+
+# what | file | sed script
+programs='one shade: the highlights        |render/shade.c      |s/SPECULAR = 70,/SPECULAR = 71,/
+one weight: steps of seven          |src/engine/weight.c |s/return (uint16_t)(high - low);/return (uint16_t)(high - low + (high - low == 7));/'
+more='one shade: the light that is everywhere |render/shade.c |s:AMBIENT = UNIT / 5,:AMBIENT = UNIT / 5 + 16,:
+one rule of ties: hops count for two |src/engine/key.h    |s/key + (UINT64_C(1) << 32)/key + (UINT64_C(2) << 32)/
+one multiplier of all digests       |src/base/hash.h     |s/0xc4ceb9fe1a85ec53/0xc4ceb9fe1a85ec55/
+one rounding of sines               |render/view.c       |s/(y + (1 << 15)) >> 16/y >> 16/
+one colour of an object             |render/shade.c      |s/{214, 178, 150}/{214, 178, 151}/'
+[ "${IFTTY_TEST_SCALE:-1}" -gt 1 ] && programs="$programs
+$more"
+
+# A copy of the tree with all that was built, times of files too, so that make builds no more than
+# it has to.
+copy_tree() {
+    rm -rf "$work/tree"
+    mkdir -p "$work/tree/build"
+    cp -a Makefile .ci src journal render tui tests "$work/tree/"
+    cp -a build/.packages "$work/tree/build/"
+    for part in src journal render tui; do
+        cp -a "$build/$part" "$work/tree/build/"
+    done
+}
+
+# Verifies the examples that need no file; the paths of the copy are not those of the program.
+mutate() { # FILE SED-SCRIPT
+    cp -p "$1" "$work/original"
+    sed -i "$2" "$work/tree/$1"
+    if cmp -s "$1" "$work/tree/$1"; then
+        fail "nothing was changed in $1"
+    elif ! make -C "$work/tree" VARIANT=release SANITISE= build/iftty </dev/null >"$work/make" 2>&1; then
+        fail "does not build: $(grep -m 2 error "$work/make")"
+    else
+        expect 1 "$work/tree/build/iftty" verify "$top/examples/geom.iftty" \
+            "$top/examples/looks.iftty" </dev/null && out_has "not ok"
+    fi
+    cp "$work/original" "$work/tree/$1" # with the time of now, so that it is built again
+}
+
+if [ "$build" != "$top/build" ]; then
+    skip_story "one constant of the program is noticed" "only the release is copied"
+    finish
+fi
+copy_tree
+begin "the copy verifies as long as nothing is changed"
+make -C "$work/tree" VARIANT=release build/iftty </dev/null >"$work/make" 2>&1 || fail "$(tail -n 3 "$work/make")"
+expect 0 "$work/tree/build/iftty" verify examples/geom.iftty examples/looks.iftty </dev/null
+close_story
+printf '%s\n' "$programs" >"$work/programs"
+while IFS='|' read -r what file script; do
+    begin "$(printf '%s' "$what" | sed 's/ *$//')"
+    mutate "$(printf '%s' "$file" | tr -d ' ')" "$script"
+    close_story
+done <"$work/programs"
+
+finish
