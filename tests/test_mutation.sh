@@ -51,7 +51,7 @@ more='one shade: the light that is everywhere |render/shade.c |s:AMBIENT = UNIT 
 one rule of ties: hops count for two |src/engine/key.h    |s/key + (UINT64_C(1) << 32)/key + (UINT64_C(2) << 32)/
 one multiplier of all digests       |src/base/hash.h     |s/0xc4ceb9fe1a85ec53/0xc4ceb9fe1a85ec55/
 one rounding of sines               |render/view.c       |s/(y + (1 << 15)) >> 16/y >> 16/
-one colour of an object             |render/shade.c      |s/{214, 178, 150}/{214, 178, 151}/'
+one darkness of edges               |render/shade.c      |s:EDGE = UNIT \* 35 / 100:EDGE = UNIT * 36 / 100:'
 [ "${IFTTY_TEST_SCALE:-1}" -gt 1 ] && programs="$programs
 $more"
 
