@@ -86,7 +86,7 @@ test-long: all tests
 	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render test_cut test_crew \
 	    test_crew_racing test_kill test_mutation.sh
 
-## test-matrix: the same bits from gcc and clang, -O0 to -O3, sanitisers, 1 to 8 threads, i386, ARM, s390x
+## test-matrix: the same bits from gcc and clang, -O0 to -O3, sanitisers, threads, i386, ARM, s390x
 test-matrix: all build/.packages-matrix
 	@tests/matrix/run.sh all $(BUILD)
 
