@@ -27,7 +27,7 @@ static void take_block(SHA2_CTX *state)
     for (int i = 16; i < 64; i++)
         w[i] = (turn(w[i - 2], 17) ^ turn(w[i - 2], 19) ^ w[i - 2] >> 10) + w[i - 7] +
                (turn(w[i - 15], 7) ^ turn(w[i - 15], 18) ^ w[i - 15] >> 3) + w[i - 16];
-    memcpy(v, state->h, sizeof v);
+    memcpy(v, state->state.st32, sizeof v);
     for (int i = 0; i < 64; i++) {
         const uint32_t one = v[7] + (turn(v[4], 6) ^ turn(v[4], 11) ^ turn(v[4], 25)) +
                              ((v[4] & v[5]) ^ (~v[4] & v[6])) + K[i] + w[i];
@@ -38,7 +38,7 @@ static void take_block(SHA2_CTX *state)
         v[0] = one + two;
     }
     for (int i = 0; i < 8; i++)
-        state->h[i] += v[i];
+        state->state.st32[i] += v[i];
 }
 
 void SHA256Init(SHA2_CTX *state)
@@ -46,29 +46,30 @@ void SHA256Init(SHA2_CTX *state)
     static const uint32_t first[8] = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
                                       0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
     memset(state, 0, sizeof *state);
-    memcpy(state->h, first, sizeof first);
+    memcpy(state->state.st32, first, sizeof first);
 }
 
 void SHA256Update(SHA2_CTX *state, const uint8_t *bytes, size_t length)
 {
     for (size_t i = 0; i < length; i++) {
-        state->block[state->length++ % 64] = bytes[i];
-        if (state->length % 64 == 0)
+        state->block[state->bitcount[0] / 8 % 64] = bytes[i];
+        state->bitcount[0] += 8;
+        if (state->bitcount[0] / 8 % 64 == 0)
             take_block(state);
     }
 }
 
 void SHA256Final(uint8_t digest[32], SHA2_CTX *state)
 {
-    const uint64_t bits = state->length * 8;
+    const uint64_t bits = state->bitcount[0];
     static const uint8_t end = 0x80, nothing = 0;
     SHA256Update(state, &end, 1);
-    while (state->length % 64 != 56)
+    while (state->bitcount[0] / 8 % 64 != 56)
         SHA256Update(state, &nothing, 1);
     for (int i = 0; i < 8; i++) {
         const uint8_t byte = (uint8_t)(bits >> (56 - 8 * i));
         SHA256Update(state, &byte, 1);
     }
     for (int i = 0; i < 32; i++)
-        digest[i] = (uint8_t)(state->h[i / 4] >> (24 - 8 * (i % 4)));
+        digest[i] = (uint8_t)(state->state.st32[i / 4] >> (24 - 8 * (i % 4)));
 }

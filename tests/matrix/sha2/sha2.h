@@ -10,9 +10,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* The members that src/base/hash.c looks at have libmd's names. */
 typedef struct sha2_state {
-    uint32_t h[8];
-    uint64_t length; /* bytes so far; the last length % 64 of them wait in `block` */
+    struct {
+        uint32_t st32[8];
+    } state;
+    uint64_t bitcount[1]; /* so far; the last bytes of them, less than a block, wait in `block` */
     uint8_t block[64];
 } SHA2_CTX;
 
