@@ -65,8 +65,9 @@ ITK            = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
 ITK_LIBS       = $(addsuffix $(ITK:ITK%=%),-lITKCommon -litkvnl_algo -litkvnl)
 
 # Other compilers and machines, for `make test-matrix`.
-MATRIX_PACKAGES := clang gcc-i686-linux-gnu libc6-dev-i386-cross gcc-aarch64-linux-gnu \
-                   libc6-dev-arm64-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static
+MATRIX_PACKAGES := clang libclang-rt-dev gcc-i686-linux-gnu libc6-dev-i386-cross \
+                   gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-s390x-linux-gnu \
+                   libc6-dev-s390x-cross qemu-user-static
 
 .DEFAULT_GOAL := all
 .PHONY: all tests test test-long test-matrix test-matrix-short fuzz fuzzers demo bench-peers help clean packages
