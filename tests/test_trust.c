@@ -12,7 +12,9 @@
 #include "base/confine.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "at_desk.h"
 #include "check.h"
+#include "command/limits.h"
 #include "command/trust.h"
 #include "engine/scene.h"
 
@@ -303,6 +305,28 @@ STORY(behind_walls_only_the_places_given_can_be_reached)
     remove_top();
 }
 
+/* The last story: limits hold for the process, for good. */
+STORY(limits_stop_commands_of_a_desk_that_was_there_before_them)
+{
+    struct desk desk;
+    struct limits limits;
+    struct replay_report report = {0};
+    char script[] = "/tmp/iftty-limits-XXXXXX";
+    const int fd = mkstemp(script);
+    CHECK(fd >= 0 && write(fd, "auto on\n", 8) == 8);
+    begin_desk(&desk);
+    CHECK(limits_read(&limits, NULL, "1h", NULL, NULL) == OK);
+    limits_begin(&limits);
+    CHECK(drive_file(&desk, script, 0, 0, NULL, &report, &fault) == OK);
+    CHECK_INT(report.executed, 1);
+    CHECK(desk.session.watch && desk.session.watch == limits_watch());
+    replay_report_release(&report);
+    desk_release(&desk);
+    reply_release(&reply);
+    close(fd);
+    CHECK(unlink(script) == 0);
+}
+
 int main(void)
 {
     const struct story story[] = {
@@ -312,6 +336,7 @@ int main(void)
         TELL(whatever_changes_in_a_scene_changes_its_proof),
         TELL(a_name_is_found_below_its_folder_and_nowhere_else),
         TELL(behind_walls_only_the_places_given_can_be_reached),
+        TELL(limits_stop_commands_of_a_desk_that_was_there_before_them),
     };
     return check_run(story, sizeof story / sizeof *story);
 }

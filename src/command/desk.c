@@ -17,7 +17,6 @@ enum err desk_init(struct desk *desk, struct fault *fault)
     struct buf program = {0};
     *desk = (struct desk){0};
     session_init(&desk->session);
-    desk->session.watch = limits_watch();
     enum err err = image_helper_default_program(&program, fault);
     if (!err)
         err = image_helper_new(&desk->helper, buf_text(&program), fault);

@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "command/divergence.h"
+#include "command/limits.h"
 #include "session/export.h"
 
 enum { LINE_BYTES_MOST = 65536 };
@@ -148,6 +149,8 @@ enum err drive_file(struct desk *desk, const char *path, size_t first, size_t la
     const struct replay_options options = {SEMANTICS, first, last};
     enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
     desk->replays = true;
+    if (!desk->session.watch) /* one of a program at a terminal looks at the limits as well */
+        desk->session.watch = limits_watch();
     if (!err)
         err = desk_set_home(desk, path, fault);
     if (!err)
