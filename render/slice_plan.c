@@ -24,9 +24,14 @@ static int scene_axis(const struct scene *scene, int world)
 
 /* ---- which slice ---- */
 
+int slice_axis(const struct scene *scene, enum slice_plane plane)
+{
+    return scene_axis(scene, world_axis_of[plane][ACROSS]);
+}
+
 uint32_t slice_count(const struct scene *scene, enum slice_plane plane)
 {
-    return scene->grid.size[scene_axis(scene, world_axis_of[plane][ACROSS])];
+    return scene->grid.size[slice_axis(scene, plane)];
 }
 
 /* From the patient's index to the scene's, and back. */
@@ -37,14 +42,14 @@ static uint32_t turned(const struct scene *scene, int axis, uint32_t index)
 
 uint32_t slice_index(const struct scene *scene, enum slice_plane plane, const uint32_t place[3])
 {
-    const int axis = scene_axis(scene, world_axis_of[plane][ACROSS]);
+    const int axis = slice_axis(scene, plane);
     return turned(scene, axis, place[axis]);
 }
 
 void slice_move(const struct scene *scene, enum slice_plane plane, uint32_t index,
                 uint32_t place[3])
 {
-    const int axis = scene_axis(scene, world_axis_of[plane][ACROSS]);
+    const int axis = slice_axis(scene, plane);
     place[axis] = turned(scene, axis, index);
 }
 

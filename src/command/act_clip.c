@@ -7,37 +7,25 @@
 
 /* ---- slabs ---- */
 
-/* The patient's axis that slices of a plane are counted along, and its sides from slice 0 on. */
+/* Slices of each plane, and the patient's sides from slice 0 on. */
 static const struct {
     const char *name, *from, *to;
-    int8_t world_axis;
 } slab[3] = {
-    [SLICE_AXIAL] = {"axial", "feet", "head", 2},
-    [SLICE_CORONAL] = {"coronal", "back", "front", 1},
-    [SLICE_SAGITTAL] = {"sagittal", "left", "right", 0},
+    [SLICE_AXIAL] = {"axial", "feet", "head"},
+    [SLICE_CORONAL] = {"coronal", "back", "front"},
+    [SLICE_SAGITTAL] = {"sagittal", "left", "right"},
 };
 enum { SLAB_NONE = 3 }; /* the choice after these */
 
-static int scene_axis(const struct scene *scene, int world)
+static void keep_slab(struct cut *cut, const struct scene *scene, enum slice_plane plane,
+                      const uint32_t range[2])
 {
-    int axis = 0;
-    while (axis < 2 && scene->world_axis[axis] != world)
-        axis++;
-    return axis;
-}
-
-/* A slice's number as a voxel index along its axis, and back. */
-static uint32_t slice_as_voxel(const struct scene *scene, int axis, uint32_t slice)
-{
-    return scene->world_sign[axis] < 0 ? scene->grid.size[axis] - 1 - slice : slice;
-}
-
-static void keep_slab(struct cut *cut, const struct scene *scene, int axis, const uint32_t range[2])
-{
-    const uint32_t a = slice_as_voxel(scene, axis, range[0]),
-                   b = slice_as_voxel(scene, axis, range[1]);
-    cut->first[axis] = a < b ? a : b;
-    cut->last[axis] = a < b ? b : a;
+    const int axis = slice_axis(scene, plane);
+    uint32_t a[3] = {0}, b[3] = {0};
+    slice_move(scene, plane, range[0], a);
+    slice_move(scene, plane, range[1], b);
+    cut->first[axis] = a[axis] < b[axis] ? a[axis] : b[axis];
+    cut->last[axis] = a[axis] < b[axis] ? b[axis] : a[axis];
     if (cut->first[axis] == 0 && cut->last[axis] == scene->grid.size[axis] - 1)
         cut->last[axis] = UINT32_MAX;
 }
@@ -56,8 +44,7 @@ ACT(clip)
         memcpy(cut.last, whole.last, sizeof cut.last);
         return session_set_cut(session, &cut, fault);
     }
-    const int axis = scene_axis(session->scene, slab[plane].world_axis);
-    const uint32_t count = session->scene->grid.size[axis];
+    const uint32_t count = slice_count(session->scene, (enum slice_plane)plane);
     if (!value[1].given)
         return fault_set(fault, ERR_USAGE, "expected %s slices A-B within 0-%u, %s to %s",
                          slab[plane].name, count - 1, slab[plane].from, slab[plane].to);
@@ -65,7 +52,7 @@ ACT(clip)
         return fault_set(
             fault, ERR_INPUT, "there are %s slices 0-%u, %s to %s, not %u; the view is unchanged",
             slab[plane].name, count - 1, slab[plane].from, slab[plane].to, value[1].place[1]);
-    keep_slab(&cut, session->scene, axis, value[1].place);
+    keep_slab(&cut, session->scene, (enum slice_plane)plane, value[1].place);
     return session_set_cut(session, &cut, fault);
 }
 
@@ -129,15 +116,16 @@ bool act_write_cut(struct buf *out, const struct session *session)
     const struct cut *cut = &session->settings.cut;
     const struct scene *scene = session->scene;
     const char *between = "";
-    for (int i = 0; i < 3; i++) {
-        const int axis = scene_axis(scene, slab[i].world_axis);
-        const uint32_t count = scene->grid.size[axis];
+    for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
+        const int axis = slice_axis(scene, plane);
+        uint32_t last[3] = {0};
         if (cut->first[axis] == 0 && cut->last[axis] == UINT32_MAX)
             continue;
-        const uint32_t last = cut->last[axis] < count ? cut->last[axis] : count - 1;
-        const uint32_t a = slice_as_voxel(scene, axis, cut->first[axis]),
-                       b = slice_as_voxel(scene, axis, last);
-        buf_printf(out, "%s%s slices %u-%u kept", between, slab[i].name, a < b ? a : b,
+        const uint32_t end = scene->grid.size[axis] - 1;
+        last[axis] = cut->last[axis] < end ? cut->last[axis] : end;
+        const uint32_t a = slice_index(scene, plane, cut->first),
+                       b = slice_index(scene, plane, last);
+        buf_printf(out, "%s%s slices %u-%u kept", between, slab[plane].name, a < b ? a : b,
                    a < b ? b : a);
         between = ", ";
     }
