@@ -13,6 +13,7 @@
 #include "base/clock.h"
 #include "base/confine.h"
 #include "base/file.h"
+#include "base/folder.h"
 #include "base/scan.h"
 #include "command/about.h"
 #include "command/anonymise.h"
@@ -410,7 +411,7 @@ static enum err program_replay(const struct options *o, struct fault *fault)
     struct options here = *o;
     enum err err = need_files(o, 1, 1, fault);
     if (!err)
-        err = o->out ? file_make_folder(o->out, fault) : trust_fresh_folder(&fresh, fault);
+        err = o->out ? file_make_folder(o->out, fault) : folder_fresh(&fresh, NULL, fault);
     if (err)
         goto done;
     handle_interrupts();

@@ -2,9 +2,11 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -195,4 +197,28 @@ void file_folder(struct buf *out, const char *path)
         buf_add_text(out, ".");
     else
         buf_add(out, path, slash == path ? 1 : (size_t)(slash - path));
+}
+
+bool file_is_named(const char *path, const char *endings)
+{
+    const char *name = file_name(path);
+    const size_t length = strlen(name);
+    while (*endings) {
+        const size_t n = strcspn(endings, "|");
+        if (length > n && strncasecmp(name + length - n, endings, n) == 0)
+            return true;
+        endings += n + (endings[n] == '|');
+    }
+    return false;
+}
+
+enum err file_program_folder(struct buf *out, struct fault *fault)
+{
+    char self[PATH_MAX];
+    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+    if (length < 0)
+        return fault_errno(fault, "find the folder of this program by", "/proc/self/exe");
+    self[length] = '\0';
+    file_folder(out, self);
+    return out->failed ? fault_memory(fault, "a file name") : OK;
 }

@@ -51,6 +51,12 @@ enum err file_make_folder(const char *path, struct fault *fault); /* fine when i
 const char *file_name(const char *path);
 void file_folder(struct buf *out, const char *path);
 
+/* Whether its name ends in one of "a|b|c", in capitals or not, with something before it. */
+bool file_is_named(const char *path, const char *endings);
+
+/* The folder of the running program. */
+enum err file_program_folder(struct buf *out, struct fault *fault);
+
 /* For tests: called before every step that can fail; a non-zero answer is the errno the step then
  * fails with. NULL (the default) asks nobody. */
 enum file_step {

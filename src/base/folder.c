@@ -2,6 +2,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -78,4 +79,20 @@ void folder_discard(const char *path)
         closedir(folder);
     buf_release(&name);
     rmdir(path);
+}
+
+enum err folder_fresh(struct buf *path, const char *below, struct fault *fault)
+{
+    const char *usual = getenv("TMPDIR");
+    if (!below)
+        below = usual && *usual ? usual : "/tmp";
+    buf_clear(path);
+    buf_printf(path, "%s/iftty-XXXXXX", below);
+    if (path->failed)
+        return fault_memory(fault, "a path");
+    if (mkdtemp(path->data))
+        return OK;
+    const enum err err = fault_errno(fault, "make a folder below", below);
+    buf_clear(path);
+    return err;
 }

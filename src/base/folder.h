@@ -1,9 +1,11 @@
 /*
- * Folders of plain files, as golden images lie in: copied whole or not at all.
+ * Folders: those of plain files, as golden images lie in, copied whole or not at all; and fresh
+ * ones for what is only passing.
  */
 #ifndef BASE_FOLDER_H
 #define BASE_FOLDER_H
 
+#include "base/buf.h"
 #include "base/err.h"
 
 /* Makes the folder `to`, which must not exist, with a copy of every regular file in `from`, each
@@ -12,5 +14,9 @@ enum err folder_copy(const char *from, const char *to, struct fault *fault);
 
 /* Removes a folder that folder_copy made. */
 void folder_discard(const char *path);
+
+/* path = a new folder below `below`, or where that is NULL, below $TMPDIR or else /tmp, which
+ * nobody else can look into. On failure `path` is empty. */
+enum err folder_fresh(struct buf *path, const char *below, struct fault *fault);
 
 #endif

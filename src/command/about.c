@@ -1,7 +1,6 @@
 #include "command/about.h"
 
 #include <string.h>
-#include <strings.h>
 
 #include "base/file.h"
 #include "base/json.h"
@@ -198,12 +197,6 @@ static enum err about_openexr(struct teller_of_facts *t, const char *path,
 
 /* ---- scenes ---- */
 
-static bool ends_with(const char *path, const char *end)
-{
-    const size_t length = strlen(path), n = strlen(end);
-    return length > n && strcasecmp(path + length - n, end) == 0;
-}
-
 static enum err about_scene(struct teller_of_facts *t, const char *path, struct fault *fault)
 {
     static const char letter[3][2] = {{'R', 'L'}, {'A', 'P'}, {'S', 'I'}};
@@ -259,7 +252,7 @@ enum err about_file(struct buf *out, const char *path, bool json, struct image_h
         err = about_journal(&teller, path, fault);
     else if (file_begins_with(path, "\x76\x2f\x31\x01"))
         err = about_openexr(&teller, path, helper, fault);
-    else if (ends_with(path, ".nii") || ends_with(path, ".nii.gz"))
+    else if (file_is_named(path, ".nii|.nii.gz"))
         err = about_scene(&teller, path, fault);
     else
         err = about_image(&teller, path, helper, fault);

@@ -7,6 +7,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/folder.h"
 #include "command/desk.h"
 #include "journal/journal.h"
 #include "journal/replay.h"
@@ -213,20 +214,22 @@ static enum err append_all(struct journal *journal, const struct buf *bytes, str
 static enum err time_recording(double *ms, const char *where, const struct buf *bytes,
                                struct fault *fault)
 {
-    char folder[64], path[96];
+    struct buf folder = {0}, path = {0};
     struct journal *journal = NULL;
-    snprintf(folder, sizeof folder, "%s/iftty-bench-XXXXXX", where);
-    if (!mkdtemp(folder))
-        return fault_errno(fault, "make a folder below", where);
-    snprintf(path, sizeof path, "%s/again.iftty", folder);
-    enum err err = journal_create(&journal, path, SEMANTICS, fault);
+    enum err err = folder_fresh(&folder, where, fault);
+    if (err)
+        return err;
+    buf_printf(&path, "%s/again.iftty", buf_text(&folder));
+    err = path.failed ? fault_memory(fault, "a path")
+                      : journal_create(&journal, buf_text(&path), SEMANTICS, fault);
     const uint64_t begin = clock_ns();
     if (!err)
         err = append_all(journal, bytes, fault);
     *ms = ms_since(begin);
     journal_close(journal);
-    unlink(path);
-    rmdir(folder);
+    folder_discard(buf_text(&folder));
+    buf_release(&folder);
+    buf_release(&path);
     return err;
 }
 

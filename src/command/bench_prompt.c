@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/folder.h"
 
 enum { PATIENCE_MS = 5000 };
 
@@ -79,24 +80,25 @@ static bool time_start(struct screen *screen, int inner, const char *scene, cons
         kill(child, SIGKILL);
         waitpid(child, NULL, 0);
     }
-    unlink(journal);
     return there;
 }
 
 bool bench_prompt(const char *scene, double *prompt_ms, double *loaded_ms)
 {
-    char folder[64], journal[96];
+    struct buf folder = {0}, journal = {0};
     struct screen screen = {.terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)};
     int inner = -1;
     bool timed = false;
     if (screen.terminal >= 0 && grantpt(screen.terminal) == 0 && unlockpt(screen.terminal) == 0)
         inner = open(ptsname(screen.terminal), O_RDWR | O_NOCTTY | O_CLOEXEC);
-    snprintf(folder, sizeof folder, "/tmp/iftty-bench-%ld", (long)getpid());
-    if (inner >= 0 && mkdir(folder, 0700) == 0) {
-        snprintf(journal, sizeof journal, "%s/bench.iftty", folder);
-        timed = time_start(&screen, inner, scene, journal, prompt_ms, loaded_ms);
-        rmdir(folder);
+    if (inner >= 0 && folder_fresh(&folder, NULL, NULL) == OK) {
+        buf_printf(&journal, "%s/bench.iftty", buf_text(&folder));
+        timed = !journal.failed &&
+                time_start(&screen, inner, scene, buf_text(&journal), prompt_ms, loaded_ms);
+        folder_discard(buf_text(&folder));
     }
+    buf_release(&folder);
+    buf_release(&journal);
     if (inner >= 0)
         close(inner);
     if (screen.terminal >= 0)

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/folder.h"
 #include "base/mem.h"
 #include "command/desk.h"
 #include "session/export.h"
@@ -28,12 +29,8 @@ enum {
 
 bool bench_find_in_tree(struct buf *out, const char *name)
 {
-    char self[4096];
-    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-    if (length < 0)
+    if (file_program_folder(out, NULL))
         return false;
-    self[length] = '\0';
-    file_folder(out, self);
     buf_printf(out, "/../%s", name);
     return !out->failed && file_exists(buf_text(out));
 }
@@ -334,22 +331,25 @@ static void read_line(struct table *table, const char *line)
 
 static enum err time_vtk(const struct session *session, struct table *table, struct fault *fault)
 {
-    char folder[] = "/tmp/iftty-bench-XXXXXX", labels[64];
-    struct buf script = {0}, told = {0};
-    enum err err = OK;
+    struct buf script = {0}, told = {0}, folder = {0}, labels = {0};
     snprintf(table->vtk, sizeof table->vtk,
              "VTK is not here to compare with: it takes Debian's python3-vtk9 and xvfb");
-    if (bench_find_in_tree(&script, "tests/peers/vtk_render.py") && mkdtemp(folder)) {
-        snprintf(labels, sizeof labels, "%s/labels.nii", folder);
-        err = export_map(session, MAP_LABELS, labels, FILE_KEEP, fault);
-        if (!err && run_script(&told, buf_text(&script), labels))
+    enum err err = OK;
+    if (bench_find_in_tree(&script, "tests/peers/vtk_render.py") &&
+        folder_fresh(&folder, NULL, NULL) == OK) {
+        buf_printf(&labels, "%s/labels.nii", buf_text(&folder));
+        err = labels.failed
+                  ? fault_memory(fault, "a path")
+                  : export_map(session, MAP_LABELS, buf_text(&labels), FILE_KEEP, fault);
+        if (!err && run_script(&told, buf_text(&script), buf_text(&labels)))
             for (char *line = strtok(told.data, "\n"); line; line = strtok(NULL, "\n"))
                 read_line(table, line);
-        unlink(labels);
-        rmdir(folder);
+        folder_discard(buf_text(&folder));
     }
     buf_release(&script);
     buf_release(&told);
+    buf_release(&folder);
+    buf_release(&labels);
     return err;
 }
 

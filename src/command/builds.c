@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/folder.h"
 
 enum { LOOK_MS = 20, ERRORS_MOST = 1 << 20 };
 
@@ -25,20 +26,6 @@ static enum err whole_path(struct buf *out, const char *path, struct fault *faul
         return fault_errno(fault, "find", path);
     buf_add_text(out, whole);
     return out->failed ? fault_memory(fault, "a path") : OK;
-}
-
-static enum err make_folder(struct buf *out, struct fault *fault)
-{
-    const char *parent = getenv("TMPDIR");
-    buf_printf(out, "%s/iftty-bisect-XXXXXX", parent && *parent ? parent : "/tmp");
-    if (out->failed)
-        return fault_memory(fault, "a path");
-    if (!mkdtemp(out->data)) {
-        const enum err err = fault_errno(fault, "make", buf_text(out));
-        buf_clear(out);
-        return err;
-    }
-    return OK;
 }
 
 static enum err prepare(struct builds *b, struct side *side, const char *name, const char *program,
@@ -144,7 +131,7 @@ enum err builds_run(struct builds *b, const struct bisect_builds *how, struct fa
     if (!err && how->scene_path && file_exists(how->scene_path))
         err = whole_path(&scene, how->scene_path, fault);
     if (!err)
-        err = make_folder(&b->folder, fault);
+        err = folder_fresh(&b->folder, NULL, fault);
     if (!err)
         err = prepare(b, b->side, "this", "/proc/self/exe", fault);
     if (!err)

@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <linux/openat2.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -160,16 +159,6 @@ enum err trust_find(struct buf *path, const char *home, const char *scenes, cons
 }
 
 /* ---- where files go ---- */
-
-enum err trust_fresh_folder(struct buf *path, struct fault *fault)
-{
-    const char *below = getenv("TMPDIR");
-    buf_clear(path);
-    buf_printf(path, "%s/iftty-XXXXXX", below && *below ? below : "/tmp");
-    if (path->failed)
-        return fault_memory(fault, "a path");
-    return mkdtemp(path->data) ? OK : fault_errno(fault, "make a folder like", path->data);
-}
 
 bool trust_keep_folder(const char *path)
 {

@@ -43,9 +43,7 @@ enum trust_answer trust_look(const char *folder, const char *name);
 enum err trust_find(struct buf *path, const char *home, const char *scenes, const char *name,
                     const char *kind, const char *undone, struct fault *fault);
 
-/* A new folder for files, which nobody else can look into; and what becomes of it: removed, or,
- * where it holds something, kept: true. */
-enum err trust_fresh_folder(struct buf *path, struct fault *fault);
+/* What becomes of a fresh folder for files: removed, or, where it holds something, kept: true. */
 bool trust_keep_folder(const char *path);
 
 /* What a replay needs: NULL for what there is not. */

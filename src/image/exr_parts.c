@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
 
 #include "base/file.h"
@@ -74,12 +73,7 @@ bool exr_name_is_reserved(const char *name)
 
 bool exr_is_named(const char *path)
 {
-    static const char *const ending[] = {".exr", ".sxr", ".mxr"};
-    const char *dot = strrchr(file_name(path), '.');
-    for (size_t i = 0; dot && i < sizeof ending / sizeof ending[0]; i++)
-        if (strcasecmp(dot, ending[i]) == 0)
-            return true;
-    return false;
+    return file_is_named(path, ".exr|.sxr|.mxr");
 }
 
 /* ---- bytes in and out ---- */

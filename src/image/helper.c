@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
@@ -541,12 +540,9 @@ enum err image_write(struct image_helper *helper, const char *path, enum file_mo
 
 enum err image_helper_default_program(struct buf *out, struct fault *fault)
 {
-    char self[PATH_MAX];
-    ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-    if (length < 0)
-        return fault_errno(fault, "find the folder of this program by", "/proc/self/exe");
-    self[length] = '\0';
-    file_folder(out, self);
+    const enum err err = file_program_folder(out, fault);
+    if (err)
+        return err;
     buf_add_text(out, "/iftty-image");
     return out->failed ? fault_memory(fault, "a file name") : OK;
 }

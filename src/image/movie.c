@@ -1,16 +1,9 @@
 #include "image/movie.h"
 
-#include <string.h>
-#include <strings.h>
 
 bool image_movie_is_named(const char *path)
 {
-    static const char *const ending[] = {".gif", ".tif", ".tiff"};
-    const char *dot = strrchr(file_name(path), '.');
-    for (size_t i = 0; dot && i < sizeof ending / sizeof ending[0]; i++)
-        if (strcasecmp(dot, ending[i]) == 0)
-            return true;
-    return false;
+    return file_is_named(path, ".gif|.tif|.tiff");
 }
 
 /* Nothing is held any more, and no draft lies about. */

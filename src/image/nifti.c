@@ -6,7 +6,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -485,12 +484,6 @@ static const struct {
     [NIFTI_UINT32] = {TYPE_UINT32, 4},
 };
 
-static bool ends_with(const char *path, const char *end)
-{
-    size_t length = strlen(file_name(path)), tail = strlen(end);
-    return length > tail && strcasecmp(path + strlen(path) - tail, end) == 0;
-}
-
 /* The header and the four bytes after it that say "no extensions"; returns their number. */
 static unsigned make_header(uint8_t *bytes, const uint32_t size[3], const struct geometry *geometry,
                             enum nifti_type type, const char *description)
@@ -602,12 +595,12 @@ enum err nifti_write(const char *path, enum file_mode mode, const uint32_t size[
                      void (*row)(void *context, uint32_t y, uint32_t z, void *values),
                      void *context, struct watch *watch, struct fault *fault)
 {
-    const bool packed = ends_with(path, ".nii.gz");
+    const bool packed = file_is_named(path, ".nii.gz");
     const struct map map = {size, type, row, context, watch};
     uint8_t header[NIFTI_MOST_BYTES + 4];
     struct grid grid;
     struct buf draft = {0};
-    if (!packed && !ends_with(path, ".nii"))
+    if (!packed && !file_is_named(path, ".nii"))
         return fault_set(fault, ERR_USAGE, "cannot write %s: expected a name in .nii or .nii.gz",
                          path);
     enum err err = grid_init(&grid, size, fault);

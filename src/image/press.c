@@ -4,7 +4,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/eventfd.h>
 #include <time.h>
 #include <unistd.h>
@@ -39,13 +38,7 @@ struct press {
 
 bool press_takes(const char *path)
 {
-    static const char *const known[] = {".exr",  ".png", ".tif", ".tiff", ".jpg",
-                                        ".jpeg", ".gif", ".bmp", ".tga",  ".ppm"};
-    const char *dot = strrchr(file_name(path), '.');
-    for (size_t i = 0; dot && i < sizeof known / sizeof known[0]; i++)
-        if (strcasecmp(dot, known[i]) == 0)
-            return true;
-    return false;
+    return file_is_named(path, ".exr|.png|.tif|.tiff|.jpg|.jpeg|.gif|.bmp|.tga|.ppm");
 }
 
 enum err press_order(struct order **out, const char *path, enum file_mode mode,
