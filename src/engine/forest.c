@@ -167,8 +167,10 @@ static void set_seeds(struct forest *forest, const struct edit *edit, size_t cou
 {
     for (size_t i = 0; i < count; i++) {
         struct cell *cell = forest->cell + edit[i].cell;
+        forest->seeds -= (cell->flags & CELL_SEED) != 0;
         cell->flags &= (uint8_t)~CELL_SEED;
         if (edit[i].label != EDIT_ERASE) {
+            forest->seeds++;
             cell->flags |= CELL_SEED;
             cell->label = (uint8_t)edit[i].label;
         }
@@ -223,6 +225,10 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
     if (err)
         return err;
     const bool from_nothing = forest->seeds == 0;
+    if (forest->suspended) {
+        set_seeds(forest, forest->batch, forest->edits);
+        return OK;
+    }
     begin(forest, from_nothing);
     change_seeds(forest, forest->batch, forest->edits);
     if (forest->lost_too_much) {
@@ -303,6 +309,8 @@ static void clear_all(struct forest *forest, bool planted)
 enum err forest_rebuild(struct forest *forest, const struct forest_watch *watch,
                         struct fault *fault)
 {
+    if (forest->suspended)
+        return OK;
     clear_all(forest, true);
     enum err err = forest_pass(forest, watch);
     if (err) {
@@ -312,6 +320,28 @@ enum err forest_rebuild(struct forest *forest, const struct forest_watch *watch,
     }
     finish_changes(forest);
     return err;
+}
+
+struct seed_changes forest_seed_changes(const struct forest *forest)
+{
+    return (struct seed_changes){forest->edits, forest->batch, forest->inverse};
+}
+
+void forest_suspend(struct forest *forest)
+{
+    forest->suspended = true;
+}
+
+bool forest_is_suspended(const struct forest *forest)
+{
+    return forest->suspended;
+}
+
+enum err forest_catch_up(struct forest *forest, const struct forest_watch *watch,
+                         struct fault *fault)
+{
+    forest->suspended = false;
+    return forest_rebuild(forest, watch, fault);
 }
 
 /* ---- life ---- */

@@ -100,6 +100,23 @@ enum err forest_revert(struct forest *forest, struct fault *fault);
 enum err forest_rebuild(struct forest *forest, const struct forest_watch *watch,
                         struct fault *fault);
 
+/* What the last edit did to seeds: of each of `count` voxels, once, what it has now and had before.
+ * Until the next edit. */
+struct seed_changes {
+    size_t count;
+    const struct edit *after, *before;
+};
+struct seed_changes forest_seed_changes(const struct forest *forest);
+
+/* Since the forest is a function of the set of seeds, many edits need it only after the last: a
+ * suspended forest keeps its seeds alone, T1, T2 and T4 do not hold, and edits and rebuilds compute
+ * nothing, until forest_catch_up computes what they would have led to. On its errors, see
+ * forest_rebuild. */
+void forest_suspend(struct forest *forest);
+bool forest_is_suspended(const struct forest *forest);
+enum err forest_catch_up(struct forest *forest, const struct forest_watch *watch,
+                         struct fault *fault);
+
 /* 6 or 26 neighbours from now on; forest_rebuild must follow. */
 void forest_set_adjacency(struct forest *forest, unsigned count);
 

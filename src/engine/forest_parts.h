@@ -63,6 +63,7 @@ struct forest {
     struct edit *batch;   /* the edit at hand, in the order of cells, each voxel once */
     struct edit *inverse; /* what takes it back, likewise */
     size_t edits, batch_capacity, inverse_capacity;
+    bool suspended; /* seeds alone are kept */
 
     struct cells cleared; /* voxels that have lost their tree in this edit */
     size_t reoffered;     /* the first of these, that wait for no offer any more */
