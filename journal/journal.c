@@ -144,8 +144,11 @@ static enum err survey(const struct buf *bytes, const struct journal_resume *res
         return err;
     err = judge_semantics(&walk, resume->any_semantics ? 0 : resume->semantics, fault);
     enum walk_step step = WALK_RECORD;
-    while (!err && step == WALK_RECORD)
+    while (!err && step == WALK_RECORD) {
         step = walk_next_sound(&walk, &record);
+        if (step == WALK_RECORD && resume->on_sight)
+            resume->on_sight(resume->context, &record);
+    }
     if (!err && step == WALK_DAMAGED && !resume->cuts_damage)
         err =
             fault_set(fault, ERR_INPUT,

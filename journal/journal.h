@@ -38,6 +38,9 @@ enum err journal_create(struct journal **journal, const char *path, unsigned sem
 struct journal_resume {
     unsigned semantics; /* a journal of another one is refused: it could not be continued */
     bool any_semantics; /* unless this is set: for repair, where nothing is carried out */
+    /* Called for every sound record in order while the file is looked through, before anything is
+     * carried out or changed. NULL calls nobody. */
+    void (*on_sight)(void *context, const struct record *record);
     /* Called for every record in order, once it is known that the journal can be opened. An error
      * ends the opening with that error, the file as it was. NULL calls nobody. */
     enum err (*on_record)(void *context, const struct record *record, struct fault *fault);

@@ -762,7 +762,7 @@ static enum err prompt_begin(void *context, struct buf *output, struct fault *fa
         err = desk_resume_journal(&prompt->desk, prompt->first, output, fault);
         progress_erase(&progress);
         if (!err)
-            buf_printf(output, "%zu records replayed, every result the same\n",
+            buf_printf(output, "%zu records, resumed as they left it\n",
                        journal_count(prompt->desk.journal));
         if (err == ERR_CANCELLED)
             fault_set(fault, err, "cannot resume %s: cancelled; it is as it was", prompt->first);

@@ -11,52 +11,7 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "base/safe.h"
-#include "image/nifti.h"
-#include "tests/at_desk.h"
-
-/* ---- a small scene, a desk ---- */
-
-static char folder[] = "/tmp/iftty-command-XXXXXX";
-static const uint32_t size[3] = {12, 11, 10};
-static const double to_mm[3][4] = {{-1, 0, 0, 5.5}, {0, 1.5, 0, -20}, {0, 0.25, 2, 7}};
-
-static const char *place(const char *name)
-{
-    static char path[4][PATH_MAX];
-    static unsigned next;
-    char *at = path[next++ % 4];
-    snprintf(at, PATH_MAX, "%s/%s", folder, name);
-    return at;
-}
-
-/* Three blocks on a slope, so that trees have something to climb. */
-static void scene_row(void *context, uint32_t y, uint32_t z, void *values)
-{
-    uint8_t *at = values;
-    (void)context;
-    for (uint32_t x = 0; x < size[0]; x++)
-        *at++ = (uint8_t)(3 * x + 2 * y + z + (x > 5 ? 60 : 0) + (y > 6 && z > 4 ? 90 : 0));
-}
-
-static void make_scene(void)
-{
-    const double spacing[3] = {1, 1.5, 2};
-    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
-    geometry_place_plain(&geometry, spacing);
-    CHECK(geometry_place(&geometry, to_mm));
-    CHECK(nifti_write(place("scene.nii"), FILE_REPLACE, size, &geometry, NIFTI_UINT8, "test",
-                      scene_row, NULL, NULL, NULL) == OK);
-}
-
-static void begin_with_scene(struct desk *desk)
-{
-    char line[PATH_MAX + 8];
-    begin_desk(desk);
-    snprintf(line, sizeof line, "open %s", place("scene.nii"));
-    must(desk, line);
-    must(desk, "label 2 cerebellum #40c060");
-    must(desk, "label 0 background");
-}
+#include "tests/small_scene.h"
 
 /* One line, nothing that a terminal obeys. */
 static bool is_plain(const char *text)
@@ -455,92 +410,6 @@ STORY(millimetres_lead_to_the_nearest_voxel)
 
 /* ---- lines that are wrong ---- */
 
-/* All of a session that commands can change. */
-struct snapshot {
-    uint64_t forest, labels, scene, weights, fence, picture;
-    size_t seeds, pendings, border, acknowledged, records;
-    struct edit pending[64];
-    uint32_t eliminator[64];
-    size_t eliminators, waiting;
-    struct settings settings;
-    bool has_scene, rendered;
-};
-
-/* Voxels are fenced exactly where the fence says so, and its tally is right. */
-static void fence_stands(const struct session *session)
-{
-    const struct fence_tally tally = fence_tally(&session->fence, session->scene);
-    const struct cell *cell = session->scene->cell;
-    bool stands = true;
-    for (uint32_t c = 0; c < session->scene->grid.cells; c++)
-        stands &= cell[c].flags & CELL_RIM ||
-                  !(cell[c].flags & CELL_FENCED) == fence_holds(&session->fence, session->scene, c);
-    CHECK(stands);
-    CHECK(tally.digest == session->fence_tally.digest && tally.seeds_outside == 0);
-    CHECK_INT(tally.inside, session->fence_tally.inside);
-}
-
-static void take_snapshot(struct snapshot *s, const struct desk *desk)
-{
-    const struct session *session = &desk->session;
-    memset(s, 0, sizeof *s);
-    s->has_scene = session->has_scene;
-    s->rendered = session->rendered;
-    memcpy(&s->settings, &session->settings, sizeof s->settings);
-    s->pendings = session->pendings;
-    s->acknowledged = desk->acknowledged;
-    s->records = desk->journal ? journal_count(desk->journal) : 0;
-    for (size_t i = 0; i < session->pendings && i < 64; i++) {
-        s->pending[i].cell = session->pending[i].cell;
-        s->pending[i].label = session->pending[i].label;
-    }
-    const struct eliminators *e = &session->eliminators;
-    s->eliminators = e->end - e->first;
-    s->waiting = e->end - e->waiting;
-    for (size_t i = 0; i < s->eliminators && i < 64; i++)
-        s->eliminator[i] = e->cell[e->first + i];
-    if (!session->has_scene)
-        return;
-    s->scene = session->scene_digest;
-    s->weights = session->weight_digest;
-    s->fence = session->fence_tally.digest;
-    CHECK(s->weights == weight_digest(session->scene, forest_arcs(session->forest), NULL));
-    fence_stands(session);
-    s->forest = forest_digest(session->forest);
-    s->labels = forest_label_digest(session->forest);
-    s->seeds = forest_seeds(session->forest);
-    s->border = border_count(&session->border);
-    s->picture = session->rendered ? rendition_digest(&session->rendition) : 0;
-    CHECK(forest_check(session->forest, NULL));
-    CHECK(border_check(&session->border, NULL));
-}
-
-static void is_as_before(const struct snapshot *before, const struct desk *desk, const char *line)
-{
-    struct snapshot now;
-    unsigned failures = check_failures;
-    take_snapshot(&now, desk);
-    CHECK(now.has_scene == before->has_scene);
-    CHECK(now.scene == before->scene);
-    CHECK(now.weights == before->weights);
-    CHECK(now.fence == before->fence);
-    CHECK(now.forest == before->forest);
-    CHECK(now.labels == before->labels);
-    CHECK(now.seeds == before->seeds);
-    CHECK(now.border == before->border);
-    CHECK(now.rendered == before->rendered);
-    CHECK(now.picture == before->picture);
-    CHECK(now.acknowledged == before->acknowledged);
-    CHECK(now.records == before->records);
-    CHECK(memcmp(&now.settings, &before->settings, sizeof now.settings) == 0);
-    CHECK(now.pendings == before->pendings);
-    CHECK(memcmp(now.pending, before->pending, sizeof now.pending) == 0);
-    CHECK(now.eliminators == before->eliminators && now.waiting == before->waiting);
-    CHECK(memcmp(now.eliminator, before->eliminator, sizeof now.eliminator) == 0);
-    if (check_failures > failures)
-        printf("#   after %s\n", line);
-}
-
 static void is_refused(struct desk *desk, const char *line, const char *words)
 {
     struct snapshot before;
@@ -929,54 +798,6 @@ static void journal_verifies(const char *path)
 
 /* ---- seeds out of files ---- */
 
-static void write_text(const char *name, const char *text)
-{
-    CHECK(file_write(place(name), text, strlen(text), FILE_REPLACE, NULL) == OK);
-}
-
-/* Two slabs, one of them of the value 2 + `other`; or of another size. */
-static uint8_t other_region;
-static void region_row(void *context, uint32_t y, uint32_t z, void *values)
-{
-    const uint32_t *sides = context;
-    uint8_t *at = values;
-    (void)y, (void)z;
-    for (uint32_t x = 0; x < sides[0]; x++)
-        *at++ = (uint8_t)(x < 4 ? 1 : x < 8 ? 0 : 2 + other_region);
-}
-
-static void make_regions(const char *name, uint32_t x, uint8_t other)
-{
-    uint32_t sides[3] = {x, size[1], size[2]};
-    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
-    other_region = other;
-    CHECK(geometry_place(&geometry, to_mm));
-    CHECK(nifti_write(place(name), FILE_REPLACE, sides, &geometry, NIFTI_UINT8, "test", region_row,
-                      sides, NULL, NULL) == OK);
-}
-
-/* Weights 0..39, and `more`. */
-static uint32_t more_weight;
-static void weight_row(void *context, uint32_t y, uint32_t z, void *values)
-{
-    uint8_t *at = values;
-    (void)context;
-    for (uint32_t x = 0; x < size[0]; x++) {
-        const uint32_t value = (7 * x + 5 * y + 3 * z) % 40 + more_weight;
-        *at++ = (uint8_t)(value & 255);
-        *at++ = (uint8_t)(value >> 8);
-    }
-}
-
-static void make_weights(const char *name, uint32_t more)
-{
-    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
-    more_weight = more;
-    CHECK(geometry_place(&geometry, to_mm));
-    CHECK(nifti_write(place(name), FILE_REPLACE, size, &geometry, NIFTI_UINT16, "test", weight_row,
-                      NULL, NULL, NULL) == OK);
-}
-
 /* weights.nii with other values of scl_slope and scl_inter, as bytes of two floats. */
 static void make_scaled(const char *name, const char scale[8])
 {
@@ -1219,6 +1040,19 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"seed 2,8,1 3", NULL},
         {"view 30 20 10", NULL},
         {"run", NULL},
+        {"undo", NULL},
+        {"undo 7", NULL},
+        {"redo 3", NULL},
+        {"branch other", NULL},
+        {"seed 4,4,4 2", NULL},
+        {"mask @/regions.nii regions=0-2", NULL},
+        {"goto main", NULL},
+        {"render", NULL},
+        {"goto 30", NULL},
+        {"goto other", NULL},
+        {"undo 40", NULL},
+        {"render", NULL},
+        {"redo 12", NULL},
     };
     struct desk desk;
     struct snapshot end, again;
@@ -1439,7 +1273,16 @@ STORY(random_edits_fail_at_random)
     for (unsigned i = 0; i < 600 && check_failures < 5; i++) {
         struct snapshot before;
         uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]);
-        switch (below(15)) {
+        switch (below(18)) {
+        case 15:
+            snprintf(line, sizeof line, "%s %u", below(3) ? "undo" : "redo", 1 + below(4));
+            break;
+        case 16:
+            snprintf(line, sizeof line, "goto %u", 1 + below(i));
+            break;
+        case 17:
+            snprintf(line, sizeof line, "%s b%u", below(2) ? "branch" : "goto", below(9));
+            break;
         case 0:
             snprintf(line, sizeof line, "remove %u,%u,%u", x, y, z);
             break;
@@ -1770,6 +1613,7 @@ STORY(a_command_that_is_cancelled_is_undone)
                                        "weight polarity",
                                        "save cost x.nii replace=yes",
                                        "range 0 300",
+                                       "undo 3",
                                        "mosaic"};
     static const char *const picture[] = {"render mode=sp", "render mode=bp", "render mode=ray"};
     struct desk desk;
@@ -1987,7 +1831,7 @@ STORY(a_journal_that_cannot_begin_undoes_the_command)
 
 int main(void)
 {
-    if (!mkdtemp(folder) || chdir(folder) != 0)
+    if (!begin_folder())
         return 1;
     make_scene();
     make_seed_files();
@@ -2016,8 +1860,5 @@ int main(void)
         TELL(weights_are_named_and_stay_without_memory),
         TELL(pictures_without_memory_leave_everything_as_it_was),
         TELL(a_journal_that_cannot_begin_undoes_the_command));
-    reply_release(&reply);
-    char command[PATH_MAX];
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    return status | (system(command) != 0);
+    return status | !end_folder();
 }

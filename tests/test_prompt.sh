@@ -157,10 +157,10 @@ grep -qx 'seed 20,10,8 0' s-1.iftty || fail "a seed is not in the journal"
 ! grep -q 'sed 1\|half' s-1.iftty || fail "what was no command is in the journal"
 close_story
 
-begin "resuming tells how many records were replayed"
+begin "resuming tells how many records there are"
 records=$(grep -c '^= ' s-1.iftty)
 enter "clear; sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
-see "^$records records replayed, every result the same\$"
+see "^$records records, resumed as they left it\$"
 see '^s-1>$'
 enter "seed 6,10,8 2"
 see '^[0-9]+ voxels changed'

@@ -65,6 +65,13 @@ ACT(mosaic);
 /* act_spin.c */
 ACT(spin);
 
+/* act_history.c */
+ACT(undo);
+ACT(redo);
+ACT(goto);
+ACT(branch);
+ACT(history);
+
 /* act_pick.c */
 ACT(pick);
 
@@ -81,6 +88,10 @@ ACT(quit);
 
 /* `err`, with the name of a file before its words. */
 enum err act_naming(const char *file, enum err err, struct fault *fault);
+
+/* A name is a word of less than `room` bytes that no number, colour or option can be mistaken for.
+ */
+bool act_name_is_fit(const char *name, size_t room);
 
 /* Whether no seed may be planted here. */
 bool act_is_fenced(const struct session *session, uint32_t cell);

@@ -7,7 +7,11 @@
 
 #include "base/mem.h"
 #include "base/safe.h"
+#include "base/scan.h"
+#include "journal/record.h"
 #include "session/map.h"
+
+enum { TAKEN_MOST = 256 }; /* seeds that one record says were taken away */
 
 /* What a command says that has given the session its scene. */
 static void tell_scene(const struct session *session, struct reply *reply)
@@ -112,11 +116,10 @@ ACT(adjacency)
     return err;
 }
 
-/* A name is a word that no number, colour or option can be mistaken for. */
-static bool name_is_fit(const char *name)
+bool act_name_is_fit(const char *name, size_t room)
 {
     const unsigned char first = (unsigned char)*name;
-    if (strlen(name) >= LABEL_NAME_BYTES || (first < 0x80 && !isalpha(first)))
+    if (strlen(name) >= room || (first < 0x80 && !isalpha(first)))
         return false;
     for (size_t left = strlen(name); left > 0;) {
         size_t n = safe_character(name, left);
@@ -133,7 +136,7 @@ ACT(label)
     struct settings *settings = &desk->session.settings;
     size_t label = (size_t)value[0].number;
     (void)reply;
-    if (!name_is_fit(value[1].text))
+    if (!act_name_is_fit(value[1].text, LABEL_NAME_BYTES))
         return fault_set(fault, ERR_USAGE,
                          "NAME: expected a word of at most %d bytes that begins with a letter, "
                          "not %s",
@@ -187,18 +190,71 @@ ACT(seed)
     return err ? err : act_tell_outside(reply, inside, count - inside, fault);
 }
 
-/* Of a ball, voxels that no tree holds are passed over, unless that is all of them. */
+/* Which seeds an eliminator takes away, for the journal: "took=X,Y,Z;X,Y,Z". More than a line
+ * should hold are not told. */
+static void tell_taken(const struct session *session, struct reply *reply)
+{
+    const char *between = "took=";
+    if (session->pendings - session->mark_pendings > TAKEN_MOST)
+        return;
+    for (size_t i = session->mark_pendings; i < session->pendings; i++) {
+        const struct place p = grid_place(&session->scene->grid, session->pending[i].cell);
+        buf_printf(&reply->words, "%s%u,%u,%u", between, p.x, p.y, p.z);
+        between = ";";
+    }
+}
+
+/* The seeds that a record says were taken away; ERR_CHECK where it says nonsense. */
+static enum err read_taken(const struct grid *grid, const struct record_word *word, uint32_t *seed,
+                           size_t *count, struct fault *fault)
+{
+    const char *at = word->value, *end = word->value + word->value_length;
+    bool goes_on = true;
+    for (*count = 0; goes_on && *count < TAKEN_MOST; goes_on = scan_text(&at, ";")) {
+        int64_t place[3];
+        if (!scan_integer(&at, 0, grid->size[0] - 1, &place[0]) || !scan_text(&at, ",") ||
+            !scan_integer(&at, 0, grid->size[1] - 1, &place[1]) || !scan_text(&at, ",") ||
+            !scan_integer(&at, 0, grid->size[2] - 1, &place[2]))
+            break;
+        seed[(*count)++] =
+            grid_cell(grid, (uint32_t)place[0], (uint32_t)place[1], (uint32_t)place[2]);
+    }
+    return at == end ? OK : fault_set(fault, ERR_CHECK, "took: expected X,Y,Z;X,Y,Z");
+}
+
+/* Of a ball, voxels that no tree holds are passed over, unless that is all of them. Which tree
+ * holds a voxel is known only to a forest that is up to date; whoever skims a journal finds in it
+ * which seeds went, and else has to catch up. */
+static enum err eliminate(struct desk *desk, const struct value *value, struct fault *fault)
+{
+    struct session *session = &desk->session;
+    uint32_t taken[TAKEN_MOST];
+    struct record_word word;
+    size_t count;
+    enum err err = OK;
+    if (session->skims && desk->recorded_words &&
+        record_word_find(desk->recorded_words, "took", 4, &word)) {
+        err = read_taken(&session->scene->grid, &word, taken, &count, fault);
+        return err ? err : session_eliminate_seeds(session, taken, count, fault);
+    }
+    if (session->skims)
+        err = session_catch_up(session, fault);
+    if (err)
+        return err;
+    uint32_t *cell = ball(&session->scene->grid, value[0].place, value[1].number, &count);
+    err = cell ? session_eliminate(session, cell, count, fault)
+               : fault_memory(fault, "a ball of eliminators");
+    free(cell);
+    return err;
+}
+
 ACT(remove)
 {
     struct session *session = &desk->session;
-    size_t count;
-    uint32_t *cell = ball(&session->scene->grid, value[0].place, value[1].number, &count);
-    enum err err = cell ? session_eliminate(session, cell, count, fault)
-                        : fault_memory(fault, "a ball of eliminators");
-    (void)reply;
-    free(cell);
+    const enum err err = eliminate(desk, value, fault);
     if (err)
         return err;
+    tell_taken(session, reply);
     const uint32_t *p = value[0].place;
     return eliminators_add(&session->eliminators,
                            grid_cell(&session->scene->grid, p[0], p[1], p[2]), fault);

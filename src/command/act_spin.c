@@ -162,6 +162,8 @@ ACT(spin)
                          "FILE: expected one %%d or %%0Nd in its name, as in turn%%03d.png, or a "
                          "name that ends in .gif or .tif; not %s",
                          value[1].text);
+    if (desk->skims)
+        return session_run(&desk->session, fault);
     enum err err = turn_around(&spin, fault);
     if (!err)
         tell_outcome(&spin, reply);

@@ -67,4 +67,13 @@ bool bench_find_in_tree(struct buf *out, const char *name);
  * there is no pseudo-terminal. */
 bool bench_prompt(const char *scene, double *prompt_ms, double *loaded_ms);
 
+/* A session of many commands on 7 million voxels, and how long going on with its journal takes: the
+ * least of three times. ERR_CHECK where what is resumed is not what was left. */
+struct bench_resume {
+    unsigned commands;
+    uint64_t voxels;
+    double session_ms, resume_ms;
+};
+enum err bench_resuming(struct bench_resume *figures, struct fault *fault);
+
 #endif

@@ -24,6 +24,7 @@ struct figures {
     double scene_ms, forest_ms, rendition_ms, verify_ms;
     double record_ms, synced_ms; /* all records of the journal, appended without and with a sync */
     bool is_unsynced;            /* record_ms could be taken: there is a folder in memory */
+    struct bench_resume resume;  /* commands 0 where it was not timed */
 };
 
 static double ms_since(uint64_t begin)
@@ -263,6 +264,12 @@ static void print_table(FILE *out, const struct figures *f)
                 100 * f->record_ms / session);
     fprintf(out, "    %-44s %10.1f  ms  %.2f ms each\n", "recorded, with a sync each (/tmp)",
             f->synced_ms, f->synced_ms / (double)f->records);
+    if (!f->resume.commands)
+        return;
+    fprintf(out, "%u commands on %.1f million voxels\n", f->resume.commands,
+            (double)f->resume.voxels / 1e6);
+    fprintf(out, "    %-44s %10.1f  ms\n", "carried out", f->resume.session_ms);
+    fprintf(out, "    %-44s %10.1f  ms\n", "resumed", f->resume.resume_ms);
 }
 
 static void print_json(FILE *out, const struct figures *f)
@@ -275,7 +282,11 @@ static void print_json(FILE *out, const struct figures *f)
             f->rendition_ms, f->verify_ms, f->synced_ms);
     if (f->is_unsynced)
         fprintf(out, ", \"record_ms\": %.3f", f->record_ms);
-    fprintf(out, "}}\n");
+    fprintf(out, "}");
+    if (f->resume.commands)
+        fprintf(out, ", \"resume\": {\"commands\": %u, \"session_ms\": %.3f, \"resume_ms\": %.3f}",
+                f->resume.commands, f->resume.session_ms, f->resume.resume_ms);
+    fprintf(out, "}\n");
 }
 
 /* The journal of the demo, where its scene is here. */
@@ -310,6 +321,8 @@ enum err bench_journal(const char *journal, bool json, FILE *out, struct fault *
         err = time_verifying(buf_text(&path), &bytes, &f, fault);
     if (!err)
         err = time_recordings(&bytes, &f, fault);
+    if (!err && !journal)
+        err = bench_resuming(&f.resume, fault);
     const char *last = file_name(buf_text(&path));
     buf_add_safe(&name, last, strlen(last));
     snprintf(f.name, sizeof f.name, "%s", buf_text(&name));

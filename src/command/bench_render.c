@@ -338,9 +338,8 @@ static enum err time_vtk(const struct session *session, struct table *table, str
     if (bench_find_in_tree(&script, "tests/peers/vtk_render.py") &&
         folder_fresh(&folder, NULL, NULL) == OK) {
         buf_printf(&labels, "%s/labels.nii", buf_text(&folder));
-        err = labels.failed
-                  ? fault_memory(fault, "a path")
-                  : export_map(session, MAP_LABELS, buf_text(&labels), FILE_KEEP, fault);
+        err = labels.failed ? fault_memory(fault, "a path")
+                            : export_map(session, MAP_LABELS, buf_text(&labels), FILE_KEEP, fault);
         if (!err && run_script(&told, buf_text(&script), buf_text(&labels)))
             for (char *line = strtok(told.data, "\n"); line; line = strtok(NULL, "\n"))
                 read_line(table, line);

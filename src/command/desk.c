@@ -17,6 +17,7 @@ enum err desk_init(struct desk *desk, struct fault *fault)
     struct buf program = {0};
     *desk = (struct desk){0};
     session_init(&desk->session);
+    history_init(&desk->history);
     enum err err = image_helper_default_program(&program, fault);
     if (!err)
         err = image_helper_new(&desk->helper, buf_text(&program), fault);
@@ -40,6 +41,7 @@ void desk_release(struct desk *desk)
     press_free(desk->press);
     journal_close(desk->journal);
     image_helper_free(desk->helper);
+    history_release(&desk->history);
     session_release(&desk->session);
     buf_release(&desk->home);
     buf_release(&desk->written);
@@ -85,7 +87,8 @@ static enum err act(struct desk *desk, const struct call *call, struct reply *re
     if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
         return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
     enum err err = command->act(desk, call->value, reply, fault);
-    if (!err && command->flags & COMMAND_EDITS && session->settings.runs_by_itself)
+    const bool waits = !session->settings.runs_by_itself || desk->history.goes_to != POINT_NONE;
+    if (!err && command->flags & COMMAND_EDITS && !waits)
         err = session_run(session, fault);
     if (!err && command->flags & COMMAND_EDITS)
         add_digests(reply, session);
@@ -186,6 +189,8 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
     if (err == ERR_CANCELLED) /* whoever pressed Ctrl-C need not know where it was noticed */
         fault_set(fault, err, "cancelled; nothing has changed");
     const bool recorded = call.command->flags & COMMAND_RECORDED;
+    if (!err && recorded)
+        err = history_note(&desk->history, &desk->session, buf_text(&reply->canonical), fault);
     if (!err && recorded && desk->new_journal && !desk->replays) {
         err = desk_create_journal(desk, desk->new_journal, fault);
         desk->new_journal = err ? desk->new_journal : NULL;
@@ -207,6 +212,7 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
     else
         order_free(desk->order);
     desk->order = NULL;
+    history_settle(&desk->history, err == OK);
     if (err) {
         session_rollback(&desk->session);
         desk->shows_picture = desk->finished = false;
@@ -251,8 +257,33 @@ enum err desk_create_journal(struct desk *desk, const char *path, struct fault *
 
 struct resume {
     struct desk *desk;
+    size_t last; /* number of the last record that tells of the forest; 0 for none */
     struct replay_report report;
 };
+
+/* What records tell of the forest. */
+static const char *const forest_words[] = {"forest", "labels", "seeds", "pending"};
+
+static bool tells_of_forest(const char *words, struct buf *out)
+{
+    struct record_word word;
+    bool tells = false;
+    for (size_t i = 0; i < sizeof forest_words / sizeof *forest_words; i++)
+        if (record_word_find(words, forest_words[i], strlen(forest_words[i]), &word)) {
+            tells = true;
+            if (out)
+                buf_printf(out, "%s%s=%.*s", out->length ? " " : "", forest_words[i],
+                           (int)word.value_length, word.value);
+        }
+    return tells;
+}
+
+static void look_for_last(void *context, const struct record *record)
+{
+    struct resume *resume = context;
+    if (tells_of_forest(record->result, NULL))
+        resume->last = record->number;
+}
 
 static enum err execute_again(void *context, const char *command, struct buf *words,
                               struct fault *fault)
@@ -264,25 +295,109 @@ static enum err execute_again(void *context, const char *command, struct buf *wo
     return err;
 }
 
+static enum err compare_record(struct resume *resume, const struct record *record,
+                               struct fault *fault)
+{
+    const struct replay_host host = {resume->desk, execute_again};
+    return replay_record(record, &host, &resume->report, fault);
+}
+
+/* The same, and then what it and all before have led to is computed. */
+static enum err execute_and_catch_up(void *context, const char *command, struct buf *words,
+                                     struct fault *fault)
+{
+    struct desk *desk = context;
+    struct reply reply = {0};
+    enum err err = desk_execute(desk, command, &reply, fault);
+    if (!err)
+        err = session_catch_up(&desk->session, fault);
+    buf_clear(&reply.words);
+    if (!err)
+        add_digests(&reply, &desk->session);
+    buf_add_text(words, buf_text(&reply.words));
+    reply_release(&reply);
+    return err;
+}
+
+static enum err compare_forest(struct resume *resume, const struct record *record,
+                               struct fault *fault)
+{
+    const struct replay_host host = {resume->desk, execute_and_catch_up};
+    struct record judged = *record;
+    struct buf words = {0};
+    tells_of_forest(record->result, &words);
+    judged.result = buf_text(&words);
+    enum err err = words.failed ? fault_memory(fault, "a record")
+                                : replay_record(&judged, &host, &resume->report, fault);
+    buf_release(&words);
+    return err;
+}
+
+/* Up to the last record that tells of the forest nothing is computed; behind it nothing is left to
+ * be. What opens a scene is carried out in full either way. */
+static enum err skim_record(struct resume *resume, const struct record *record, struct fault *fault)
+{
+    struct session *session = &resume->desk->session;
+    struct record unjudged = *record;
+    if (!session->has_scene)
+        return compare_record(resume, record, fault);
+    if (record->number <= resume->last && !session->skims)
+        session_skim(session);
+    if (record->number == resume->last)
+        return compare_forest(resume, record, fault);
+    unjudged.has_result = false;
+    return compare_record(resume, &unjudged, fault);
+}
+
 static enum err resume_record(void *context, const struct record *record, struct fault *fault)
 {
     struct resume *resume = context;
-    const struct replay_host host = {resume->desk, execute_again};
-    return replay_record(record, &host, &resume->report, fault);
+    resume->desk->recorded_words = record->result;
+    enum err err = resume->desk->skims ? skim_record(resume, record, fault)
+                                       : compare_record(resume, record, fault);
+    resume->desk->recorded_words = NULL;
+    return err;
+}
+
+static enum err carry_out_again(struct desk *desk, const char *path, struct buf *told,
+                                struct fault *fault)
+{
+    struct resume resume = {.desk = desk};
+    struct journal_resume how = {.semantics = SEMANTICS,
+                                 .on_sight = look_for_last,
+                                 .on_record = resume_record,
+                                 .context = &resume,
+                                 .only_looks = desk->looks};
+    enum err err = journal_open(&desk->journal, path, &how, told, fault);
+    replay_report_release(&resume.report);
+    return err;
+}
+
+/* As if no command had been carried out. */
+static void begin_again(struct desk *desk)
+{
+    struct watch *watch = desk->session.watch;
+    history_release(&desk->history);
+    session_release(&desk->session);
+    session_init(&desk->session);
+    history_init(&desk->history);
+    desk->session.watch = watch;
+    buf_clear(&desk->goldens);
 }
 
 enum err desk_resume_journal(struct desk *desk, const char *path, struct buf *told,
                              struct fault *fault)
 {
-    struct resume resume = {.desk = desk};
-    struct journal_resume how = {.semantics = SEMANTICS,
-                                 .on_record = resume_record,
-                                 .context = &resume,
-                                 .only_looks = desk->looks};
     enum err err = desk_set_home(desk, path, fault);
     desk->replays = desk->resumes = true;
+    desk->skims = !desk->resumes_slowly;
     if (!err)
-        err = journal_open(&desk->journal, path, &how, told, fault);
+        err = carry_out_again(desk, path, told, fault);
+    if (err == ERR_CHECK && desk->skims) {
+        desk->skims = false;
+        begin_again(desk);
+        err = carry_out_again(desk, path, told, fault);
+    }
     if (!err)
         err = journal_set_sync(desk->journal, desk->sync, fault);
     if (told && told->length)
@@ -291,10 +406,9 @@ enum err desk_resume_journal(struct desk *desk, const char *path, struct buf *to
         buf_add_safe(told, path, strlen(path));
         buf_add_text(told, " is only looked at: what is done here is not written to it\n");
     }
-    desk->replays = desk->resumes = false;
+    desk->replays = desk->resumes = desk->skims = false;
     desk->finished = desk->shows_picture = false;
     desk->acknowledged = err ? 0 : journal_count(desk->journal);
-    replay_report_release(&resume.report);
     if (err)
         return fault_prefix(fault, err, "cannot resume %s", path);
     return OK;

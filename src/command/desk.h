@@ -15,10 +15,11 @@
 #include "image/press.h"
 #include "journal/journal.h"
 #include "render/canvas.h"
-#include "session/session.h"
+#include "session/history.h"
 
 struct desk {
     struct session session;
+    struct history history;
     struct journal *journal; /* where commands are recorded; NULL records nothing */
     const char *new_journal; /* created with the first command that is recorded, or NULL */
     enum file_sync sync;     /* when what is recorded is synced */
@@ -39,6 +40,9 @@ struct desk {
     bool replays;                /* files are written only with an out_folder */
     bool compares_goldens;       /* `golden` compares with the file instead of writing it */
     bool resumes;                /* replays the user's own journal: nothing is written */
+    bool skims;                  /* then: only what becomes of the session matters, no picture */
+    bool resumes_slowly;         /* every command of a journal that is resumed is compared */
+    const char *recorded_words;  /* what the record at hand says the command gave, or NULL */
     struct buf made; /* files that this replay has written, and so may replace, each ended by NUL */
 
     struct buf written; /* by the command at hand: pairs of a path and its backup ("" where it is
@@ -65,8 +69,10 @@ void reply_release(struct reply *reply);
 /* Has a picture shown inline, which is the desk's from now on, until the next command. */
 void desk_show(struct desk *desk, const struct canvas *picture);
 
-/* Starts a journal at `path`, or resumes it: replays its records, compares every result, and goes
- * on recording there. `told` gets lines for the user. */
+/* Starts a journal at `path`, or resumes it and goes on recording there. Resuming skims: every
+ * command changes seeds and settings, the forest is computed once, and compared with what the last
+ * record says of it. Where that is not the same, the commands are carried out and compared one by
+ * one, to say which of them differs. `told` gets lines for the user. */
 enum err desk_create_journal(struct desk *desk, const char *path, struct fault *fault);
 enum err desk_resume_journal(struct desk *desk, const char *path, struct buf *told,
                              struct fault *fault);

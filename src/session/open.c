@@ -216,6 +216,8 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
     session->forest = next.forest;
     session->border = next.border;
     session->knows_window = false;
+    if (session->skims)
+        forest_suspend(session->forest);
     return OK;
 }
 

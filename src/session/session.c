@@ -36,6 +36,7 @@ void session_settle(struct session *session)
     if (session->mark_fence.mask != session->fence.mask)
         free(session->mark_fence.mask);
     free(session->former_weights);
+    session_settle_lists(session);
     session->mark_fence = session->fence;
     session->mark_fence_tally = session->fence_tally;
     session->former_weights = NULL;
@@ -80,6 +81,9 @@ enum err session_weigh(struct session *session, struct fault *fault)
     struct arc_rule arcs = {.kind = weight_arcs(session->settings.weight.kind)};
     memcpy(arcs.polarity, session->settings.polarity, sizeof arcs.polarity);
     forest_set_arcs(session->forest, &arcs);
+    session->weighs_later = session->skims;
+    if (session->skims)
+        return OK;
     weight_compute(session->scene, forest_adjacency(session->forest), &session->settings.weight,
                    &session->weight_work);
     session->weight_digest = weight_digest(session->scene, &arcs, session->crew);
@@ -158,6 +162,25 @@ enum err session_eliminate(struct session *session, const uint32_t *cell, size_t
     return err;
 }
 
+enum err session_eliminate_seeds(struct session *session, const uint32_t *seed, size_t count,
+                                 struct fault *fault)
+{
+    size_t waits;
+    uint32_t *waiting = waiting_seeds(session, &waits);
+    enum err err = waiting ? OK : fault_memory(fault, "eliminators");
+    for (size_t i = 0; !err && i < count; i++) {
+        const bool is_planted = session->scene->cell[seed[i]].flags & CELL_SEED;
+        if (is_planted || bsearch(&seed[i], waiting, waits, sizeof *seed, compare_cells))
+            err = wait_for_run(session, seed[i], EDIT_ERASE, fault);
+        else
+            err = fault_set(fault, ERR_CHECK, "no seed is planted where one was taken away");
+    }
+    free(waiting);
+    return err;
+}
+
+/* ---- the forest ---- */
+
 /* How the forest's passes are watched. */
 struct lookout {
     struct watch *watch;
@@ -187,6 +210,8 @@ static enum err colour(struct session *session, struct fault *fault)
  * is asked for. */
 static void follow_forest(struct session *session)
 {
+    if (forest_is_suspended(session->forest))
+        return;
     struct changes changes = forest_changes(session->forest);
     border_update(&session->border, &changes);
     if (session->rendered) {
@@ -196,31 +221,42 @@ static void follow_forest(struct session *session)
     }
 }
 
+enum err session_edit(struct session *session, const struct edit *edit, size_t count,
+                      struct fault *fault)
+{
+    const bool scratch = forest_seeds(session->forest) == 0;
+    struct lookout lookout = {session->watch, scratch ? session->scene->grid.voxels : 0};
+    const struct forest_watch watch = {look, &lookout};
+    enum err err = forest_edit(session->forest, edit, count, &watch, fault);
+    if (err)
+        return err;
+    session->edited_forest = true;
+    follow_forest(session);
+    return OK;
+}
+
 enum err session_run(struct session *session, struct fault *fault)
 {
     if (session->pendings == 0)
         return OK;
-    const bool scratch = forest_seeds(session->forest) == 0;
-    struct lookout lookout = {session->watch, scratch ? session->scene->grid.voxels : 0};
-    const struct forest_watch watch = {look, &lookout};
-    enum err err = forest_edit(session->forest, session->pending, session->pendings, &watch, fault);
+    enum err err = session_edit(session, session->pending, session->pendings, fault);
     if (err)
         return err;
+    session->applied = session->pendings;
     session->pendings = 0; /* the edits stay in memory behind the end, for session_rollback */
-    session->edited_forest = true;
     eliminators_apply(&session->eliminators);
-    follow_forest(session);
     return watch_fault(session->watch, fault);
 }
 
-static enum err rebuild(struct session *session, struct fault *fault)
+enum err session_rebuild(struct session *session, bool catches_up, struct fault *fault)
 {
     struct lookout lookout = {session->watch, session->scene->grid.voxels};
     const struct forest_watch watch = {look, &lookout};
-    if (forest_seeds(session->forest) == 0)
+    if (forest_seeds(session->forest) == 0 && !catches_up)
         return OK; /* no voxel is reached, whatever the weights */
     session->rebuilt_forest = true;
-    enum err err = forest_rebuild(session->forest, &watch, fault);
+    enum err err = catches_up ? forest_catch_up(session->forest, &watch, fault)
+                              : forest_rebuild(session->forest, &watch, fault);
     follow_forest(session);
     return err ? err : watch_fault(session->watch, fault);
 }
@@ -231,7 +267,7 @@ static enum err compute_again(struct session *session, struct fault *fault)
     session->weighed_again = true;
     forest_set_adjacency(session->forest, session->settings.adjacency);
     enum err err = session_weigh(session, fault);
-    return err ? err : rebuild(session, fault);
+    return err ? err : session_rebuild(session, false, fault);
 }
 
 enum err session_set_adjacency(struct session *session, unsigned count, struct fault *fault)
@@ -242,8 +278,7 @@ enum err session_set_adjacency(struct session *session, unsigned count, struct f
     return compute_again(session, fault);
 }
 
-/* Before weights out of a file are written over. */
-static enum err keep_weights(struct session *session, struct fault *fault)
+enum err session_keep_weights(struct session *session, struct fault *fault)
 {
     if (session->settings.weight.kind != WEIGHT_FILE || session->former_weights)
         return OK;
@@ -262,7 +297,7 @@ enum err session_set_weight(struct session *session, const struct weight_choice 
         return OK;
     enum err err = weight_work_reserve(&session->weight_work, &session->scene->grid, choice, fault);
     if (!err && weight_is_gradient(choice->kind))
-        err = keep_weights(session, fault);
+        err = session_keep_weights(session, fault);
     if (err)
         return err;
     session->settings.weight = *choice;
@@ -278,11 +313,12 @@ static void set_words(char words[FILE_WORDS_BYTES], const char *name)
 enum err session_set_weight_map(struct session *session, const char *name, const uint16_t *weight,
                                 struct fault *fault)
 {
-    enum err err = keep_weights(session, fault);
+    enum err err = session_keep_weights(session, fault);
     if (err)
         return err;
     session->settings.weight = (struct weight_choice){.kind = WEIGHT_FILE};
     set_words(session->settings.weight_file, name);
+    session->read_weights = true;
     weight_fill(session->scene, weight);
     return compute_again(session, fault);
 }
@@ -306,7 +342,7 @@ static enum err put_up(struct session *session, const struct fence *fence,
     session->fence_tally = *tally;
     session->fenced_again = true;
     fence_apply(fence, session->scene);
-    return rebuild(session, fault);
+    return session_rebuild(session, false, fault);
 }
 
 enum err session_set_mask(struct session *session, uint64_t *mask, const char *name,
@@ -409,19 +445,24 @@ const struct rendition *session_frame(const struct session *session)
     return session->settings.look.samples > 1 ? &session->reduced : &session->rendition;
 }
 
+void session_recount(struct session *session)
+{
+    if (!session->skims)
+        border_recount(&session->border);
+    session->rendered = false;
+}
+
 void session_set_visible(struct session *session, uint8_t label, bool visible)
 {
     session->settings.visible[label] = visible;
     session->border.visible[label] = visible;
-    border_recount(&session->border);
-    session->rendered = false;
+    session_recount(session);
 }
 
 enum err session_set_cut(struct session *session, const struct cut *cut, struct fault *fault)
 {
     session->settings.cut = session->border.cut = *cut;
-    border_recount(&session->border);
-    session->rendered = false;
+    session_recount(session);
     return watch_fault(session->watch, fault);
 }
 
@@ -443,6 +484,8 @@ static enum err make_room(struct session *session, struct fault *fault)
 
 enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault)
 {
+    if (session->skims)
+        return OK;
     enum err err = make_room(session, fault);
     if (err || (session->rendered && (mode == RENDER_AS_KEPT || mode == RENDER_INCREMENTAL)))
         return err;
@@ -479,11 +522,22 @@ void session_mark(struct session *session)
     session->mark_rendered = session->rendered;
     session->edited_forest = session->rebuilt_forest = false;
     session->weighed_again = session->fenced_again = false;
+    session->read_weights = session->replanted = false;
+    session->applied = 0;
 }
 
-/* Weights, fence and forest as the settings and the mark have them; not to be cancelled again. */
+/* Weights, fence and forest as the settings and the mark have them; not to be cancelled again. What
+ * session_restore did to the seeds is taken back while no fence is in the way. */
 static void take_weights_and_fence_back(struct session *session)
 {
+    if (session->replanted) {
+        const struct fence open = fence_none();
+        forest_suspend(session->forest);
+        fence_apply(&open, session->scene);
+        if (session->edited_forest)
+            forest_revert(session->forest, NULL);
+        session->fenced_again = true;
+    }
     if (session->fenced_again) {
         if (session->fence.mask != session->mark_fence.mask)
             free(session->fence.mask);
@@ -498,7 +552,7 @@ static void take_weights_and_fence_back(struct session *session)
         session_weigh(session, NULL);
     }
     if (session->rebuilt_forest || session->fenced_again)
-        rebuild(session, NULL);
+        session_rebuild(session, session->replanted && !session->skims, NULL);
 }
 
 /*
@@ -520,6 +574,7 @@ void session_rollback(struct session *session)
         return;
     }
     const bool cut_short = session->watch && session->watch->stopped;
+    session_take_back_lists(session);
     eliminators_rollback(&session->eliminators);
     watch_deafen(session->watch);
     bool is_other_scene = session->former.scene != NULL;
@@ -545,7 +600,7 @@ void session_rollback(struct session *session)
     }
     if (cut_short)
         session->rendered = false;
-    if (session->edited_forest && forest_revert(session->forest, NULL) == OK)
+    if (session->edited_forest && !session->replanted && forest_revert(session->forest, NULL) == OK)
         follow_forest(session);
     take_weights_and_fence_back(session);
     if (shows_other) {
@@ -553,7 +608,7 @@ void session_rollback(struct session *session)
         session->border.cut = session->mark.cut;
     }
     if (shows_other || (cut_short && session->edited_forest))
-        border_recount(&session->border);
+        session_recount(session);
     if (redraws)
         look_from(session, &session->mark.view, &session->mark.look, NULL);
     if (shows_other || recolours || !session->mark_rendered)

@@ -49,25 +49,29 @@ struct slice_settings {
 /* Everything but seeds that a command can change: small enough to copy whole. */
 struct settings {
     struct view view;
-    struct palette palette;
     struct look look;
-    char label_name[256][LABEL_NAME_BYTES]; /* "" for none */
-    bool visible[256];
-    struct cut cut;      /* what is cut away of what is visible */
+    struct slice_settings slices;
     bool runs_by_itself; /* "auto": each edit is run at once */
-    unsigned adjacency;  /* 6 or 26 */
-    struct weight_choice weight;
-    int8_t polarity[256]; /* of each label, in percent; heeded while the weight is `polarity` */
 
     /* What to call the scene, and fence and weights that came out of files; a long name is cut. */
-    char scene_file[FILE_WORDS_BYTES];                               /* without its folder */
+    char scene_file[FILE_WORDS_BYTES]; /* without its folder */
+
+    /* From here on, what belongs to the segmentation and is undone: see SETTINGS_KEPT. */
+    struct palette palette;
+    char label_name[256][LABEL_NAME_BYTES]; /* "" for none */
+    bool visible[256];
+    struct cut cut;     /* what is cut away of what is visible */
+    unsigned adjacency; /* 6 or 26 */
+    struct weight_choice weight;
+    int8_t polarity[256]; /* of each label, in percent; heeded while the weight is `polarity` */
     char weight_file[FILE_WORDS_BYTES], mask_file[FILE_WORDS_BYTES]; /* "" for none */
     uint32_t mask_regions[2];                                        /* first and last */
     bool has_range;               /* and if so, in real values: */
     int64_t range_thousandths[2]; /* lowest and highest inside */
-
-    struct slice_settings slices;
 };
+
+/* Settings from this byte on belong to the segmentation; those before say where one looks from. */
+#define SETTINGS_KEPT offsetof(struct settings, palette)
 
 /* What interpolating a scene replaces. */
 struct former_scene {
@@ -78,13 +82,21 @@ struct former_scene {
     struct border border;
 };
 
+/* The lists that a restored state replaces. */
+struct former_lists {
+    bool replaced;
+    struct edit *pending;
+    size_t pendings, pending_capacity;
+    struct eliminators eliminators;
+};
+
 struct session {
     bool has_scene;
     struct scene *scene;
     struct geometry geometry;
     uint64_t scene_digest, weight_digest;
     char proof[SCENE_PROOF_HEX]; /* of the scene as it was opened (scene_proof) */
-    struct crew *crew; /* the threads that compute; NULL for one */
+    struct crew *crew;           /* the threads that compute; NULL for one */
     struct forest *forest;
     struct border border;
     struct settings settings;
@@ -104,24 +116,31 @@ struct session {
 
     struct camera camera; /* of the view, `look.samples` times as large */
     struct rendition rendition;
-    bool has_rendition; /* the rendition has memory, of camera.view's size */
-    bool rendered;      /* S2: it shows the present state */
+    bool has_rendition;       /* the rendition has memory, of camera.view's size */
+    bool rendered;            /* S2: it shows the present state */
     struct rendition reduced; /* to the view's size, where look.samples is above 1 */
     struct shader shader;
 
     struct watch *watch; /* of all that takes long, or NULL */
+
+    bool skims;        /* session_skim */
+    bool weighs_later; /* weights are not those of the settings yet */
 
     /* For session_rollback: what the command at hand began with, and what it has done since. */
     struct settings mark;
     size_t mark_pendings;
     bool mark_has_scene, mark_rendered;
     bool edited_forest;  /* forest_revert takes it back */
+    size_t applied;      /* where edited by session_run: how many edits waited for it */
     bool rebuilt_forest; /* under another adjacency or fence, or other weights */
     bool weighed_again, fenced_again;
+    bool read_weights;       /* out of a file, or as session_restore was given them */
+    bool replanted;          /* session_restore changed seeds, and what they grow under */
     struct fence mark_fence; /* its mask is freed by the next mark, where it is not in use again */
     struct fence_tally mark_fence_tally;
     uint16_t *former_weights; /* out of a file, where the command wrote over them, or NULL */
     struct former_scene former;
+    struct former_lists former_lists;
 };
 
 void session_init(struct session *session);
@@ -181,6 +200,38 @@ enum err session_set_mask(struct session *session, uint64_t *mask, const char *n
                           const uint32_t regions[2], struct fault *fault);
 enum err session_set_range(struct session *session, const int64_t thousandths[2],
                            struct fault *fault);
+
+/* ---- a state of before, or beside ---- */
+
+/* A state of the segmentation, as src/session/history.h has it: all of it but the seeds, which are
+ * told by what is to be done to those that are planted. */
+struct state {
+    const struct settings *settings; /* from SETTINGS_KEPT on */
+    const struct edit *seed;         /* in order; a later one of a voxel wins */
+    size_t seeds;
+    struct edit *pending; /* the session's from now on, also on error; as is: */
+    size_t pendings;
+    uint32_t *eliminator; /* those of the last run, and from `waiting` on those that wait */
+    size_t eliminators, waiting;
+    bool has_mask, has_weights; /* the mask is another, or none; weights come out of a file: */
+    uint64_t *mask;             /* the session's from now on, also on error */
+    const uint16_t *weight;     /* [z][y][x] */
+};
+
+/* Makes it the session's; what says where one looks from stays. On error, session_rollback gives
+ * back the former state. */
+enum err session_restore(struct session *session, struct state *state, struct fault *fault);
+
+/* From now on commands change seeds and settings alone, and nothing is computed or drawn: weights,
+ * forest, border and rendition are out of date until session_catch_up has computed what they would
+ * have come to. For whoever carries out many commands and looks at the last state only. */
+void session_skim(struct session *session);
+enum err session_catch_up(struct session *session, struct fault *fault);
+
+/* session_eliminate, where it is known which seeds go: those that are not planted and do not wait
+ * are ERR_CHECK. */
+enum err session_eliminate_seeds(struct session *session, const uint32_t *seed, size_t count,
+                                 struct fault *fault);
 
 /* ---- what is seen ---- */
 

@@ -1,0 +1,122 @@
+/*
+ * The history of a session: a tree of the states that its commands have led to.
+ *
+ * A *point* is a state of the segmentation: seeds, edits and eliminators that wait, weights, fence,
+ * labels, what is hidden and cut away. Where one looks from is no part of it. Each command that
+ * changes the segmentation leads from the present point to a new one, which remembers what the
+ * command did; so the way between any two points is known, and because the forest is a function of
+ * the set of seeds, going there takes one edit, whatever lies between. What was undone is not lost:
+ * the next command only begins another alternative.
+ *
+ *      open --- seed 1 --- seed 2              main
+ *                    \---- seed 3 --- seed 4    other, where we are
+ *
+ * Invariants
+ *   H1 there is a root, the state after the scene was opened (or interpolated), as long as the
+ *      session has a scene;
+ *   H2 each point is reached from its parent by one command; a way up and down again leads to the
+ *      very same state, bit for bit;
+ *   H3 records are counted as a journal numbers them, whether there is one or not;
+ *   H4 a command that is taken back has left no trace: it is noted by history_note, which may fail,
+ *      and stands with history_settle, which may not.
+ */
+#ifndef SESSION_HISTORY_H
+#define SESSION_HISTORY_H
+
+#include "base/packed.h"
+#include "session/session.h"
+
+enum { POINT_NONE = UINT32_MAX, BRANCH_NAME_BYTES = 64 };
+
+/* What is held by all points at which it is the same; `holders` many. */
+struct kept_settings {
+    size_t holders;
+    struct settings settings; /* from SETTINGS_KEPT on */
+};
+
+struct point {
+    uint32_t parent; /* POINT_NONE for the root */
+    uint32_t
+        latest; /* the child one was at last: where redo leads; POINT_NONE where there is none */
+    uint32_t branch;
+    size_t record; /* number of the command's record */
+    char *command; /* in canonical form */
+
+    /* What the command did: edits that came to wait; whether it ran, and what that did to seeds,
+     * each voxel once; an eliminator that was put. */
+    struct edit *appended;
+    size_t appendeds;
+    bool ran;
+    struct edit *after, *before;
+    size_t seeds;
+    uint32_t *eliminator;
+    size_t eliminators;
+
+    /* The state here, of what is not told by the way to it. */
+    struct kept_settings *settings;
+    struct packed *mask, *weights; /* of the fence; out of a file; NULL for none */
+};
+
+struct branch {
+    char name[BRANCH_NAME_BYTES];
+    uint32_t point; /* where one was on it last */
+};
+
+struct history {
+    struct point *point; /* point[0] is the root */
+    size_t points, point_capacity;
+    uint32_t present;
+
+    uint32_t *at; /* at[n - first]: the point where record n left the session */
+    size_t first, ats, at_capacity;
+    size_t records; /* so far, with those before the root */
+
+    struct branch *branch; /* branch[0] is "main" */
+    size_t branches, branch_capacity;
+    uint32_t on; /* the branch that the present point is on */
+
+    /* Of the command at hand: where it goes, by history_go, or POINT_NONE; and what history_note
+     * has got ready. */
+    uint32_t goes_to, goes_on;
+    bool is_noted, is_root;
+    struct point noted; /* a new point, where its settings are not NULL */
+};
+
+void history_init(struct history *history);
+void history_release(struct history *history);
+size_t history_memory(const struct history *history);
+
+/* ---- ways ---- */
+
+/* The point `count` commands before the present one, or after it, the way one came. ERR_INPUT where
+ * there are not so many. */
+enum err history_before(const struct history *history, size_t count, uint32_t *point,
+                        struct fault *fault);
+enum err history_after(const struct history *history, size_t count, uint32_t *point,
+                       struct fault *fault);
+
+/* The point where record `number` left the session, or where one was last on the branch `name`,
+ * which is in *branch then. ERR_INPUT. */
+enum err history_find(const struct history *history, const char *name, uint32_t *point,
+                      uint32_t *branch, struct fault *fault);
+
+/* Has the session be what it was at `point`. On error, session_rollback gives back what it was. The
+ * history itself moves when the command stands. */
+enum err history_go(struct history *history, struct session *session, uint32_t point,
+                    uint32_t branch, struct fault *fault);
+
+/* From now on the present point is on a branch `name`, which is new: when the command stands.
+ * ERR_USAGE for a name that is taken. */
+enum err history_branch(struct history *history, const char *name, struct fault *fault);
+
+/* ---- commands ---- */
+
+/* A command that is to be recorded was carried out (between session_mark and session_settle): gets
+ * ready what is to be kept of it. `command` is in canonical form. ERR_MEMORY. */
+enum err history_note(struct history *history, const struct session *session, const char *command,
+                      struct fault *fault);
+
+/* It stands, or is taken back. Called after each command, noted or not. */
+void history_settle(struct history *history, bool stands);
+
+#endif

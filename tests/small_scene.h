@@ -1,0 +1,228 @@
+/*
+ * What stories about a small scene share: the scene, maps on its grid, and snapshots of a session
+ * to compare. All files are below `folder`, which main makes and removes (begin_folder,
+ * end_folder).
+ */
+#ifndef TESTS_SMALL_SCENE_H
+#define TESTS_SMALL_SCENE_H
+
+#include <limits.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "image/nifti.h"
+#include "tests/at_desk.h"
+
+static char folder[] = "/tmp/iftty-story-XXXXXX";
+static const uint32_t size[3] = {12, 11, 10};
+static const double to_mm[3][4] = {{-1, 0, 0, 5.5}, {0, 1.5, 0, -20}, {0, 0.25, 2, 7}};
+
+static inline const char *place(const char *name)
+{
+    static char path[4][PATH_MAX];
+    static unsigned next;
+    char *at = path[next++ % 4];
+    snprintf(at, PATH_MAX, "%s/%s", folder, name);
+    return at;
+}
+
+/* Three blocks on a slope, so that trees have something to climb. */
+static inline void scene_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    uint8_t *at = values;
+    (void)context;
+    for (uint32_t x = 0; x < size[0]; x++)
+        *at++ = (uint8_t)(3 * x + 2 * y + z + (x > 5 ? 60 : 0) + (y > 6 && z > 4 ? 90 : 0));
+}
+
+static inline void make_scene(void)
+{
+    const double spacing[3] = {1, 1.5, 2};
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
+    geometry_place_plain(&geometry, spacing);
+    CHECK(geometry_place(&geometry, to_mm));
+    CHECK(nifti_write(place("scene.nii"), FILE_REPLACE, size, &geometry, NIFTI_UINT8, "test",
+                      scene_row, NULL, NULL, NULL) == OK);
+}
+
+static inline void begin_with_scene(struct desk *desk)
+{
+    char line[PATH_MAX + 8];
+    begin_desk(desk);
+    snprintf(line, sizeof line, "open %s", place("scene.nii"));
+    must(desk, line);
+    must(desk, "label 2 cerebellum #40c060");
+    must(desk, "label 0 background");
+}
+
+static inline void write_text(const char *name, const char *text)
+{
+    CHECK(file_write(place(name), text, strlen(text), FILE_REPLACE, NULL) == OK);
+}
+
+/* Two slabs, one of them of the value 2 + `other`; or of another size. */
+static uint8_t other_region;
+static inline void region_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    const uint32_t *sides = context;
+    uint8_t *at = values;
+    (void)y, (void)z;
+    for (uint32_t x = 0; x < sides[0]; x++)
+        *at++ = (uint8_t)(x < 4 ? 1 : x < 8 ? 0 : 2 + other_region);
+}
+
+static inline void make_regions(const char *name, uint32_t x, uint8_t other)
+{
+    uint32_t sides[3] = {x, size[1], size[2]};
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
+    other_region = other;
+    CHECK(geometry_place(&geometry, to_mm));
+    CHECK(nifti_write(place(name), FILE_REPLACE, sides, &geometry, NIFTI_UINT8, "test", region_row,
+                      sides, NULL, NULL) == OK);
+}
+
+/* Weights 0..39, and `more`. */
+static uint32_t more_weight;
+static inline void weight_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    uint8_t *at = values;
+    (void)context;
+    for (uint32_t x = 0; x < size[0]; x++) {
+        const uint32_t value = (7 * x + 5 * y + 3 * z) % 40 + more_weight;
+        *at++ = (uint8_t)(value & 255);
+        *at++ = (uint8_t)(value >> 8);
+    }
+}
+
+static inline void make_weights(const char *name, uint32_t more)
+{
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
+    more_weight = more;
+    CHECK(geometry_place(&geometry, to_mm));
+    CHECK(nifti_write(place(name), FILE_REPLACE, size, &geometry, NIFTI_UINT16, "test", weight_row,
+                      NULL, NULL, NULL) == OK);
+}
+
+/* ---- snapshots ---- */
+
+/* All of a session that commands can change. */
+struct snapshot {
+    uint64_t forest, labels, scene, weights, fence, picture;
+    size_t seeds, pendings, border, acknowledged, records;
+    struct edit pending[64];
+    uint32_t eliminator[64];
+    size_t eliminators, waiting;
+    struct settings settings;
+    bool has_scene, rendered;
+    size_t points, branches, numbered;
+    uint32_t present, on;
+};
+
+/* Voxels are fenced exactly where the fence says so, and its tally is right. */
+static inline void fence_stands(const struct session *session)
+{
+    const struct fence_tally tally = fence_tally(&session->fence, session->scene);
+    const struct cell *cell = session->scene->cell;
+    bool stands = true;
+    for (uint32_t c = 0; c < session->scene->grid.cells; c++)
+        stands &= cell[c].flags & CELL_RIM ||
+                  !(cell[c].flags & CELL_FENCED) == fence_holds(&session->fence, session->scene, c);
+    CHECK(stands);
+    CHECK(tally.digest == session->fence_tally.digest && tally.seeds_outside == 0);
+    CHECK_INT(tally.inside, session->fence_tally.inside);
+}
+
+static inline void take_snapshot(struct snapshot *s, const struct desk *desk)
+{
+    const struct session *session = &desk->session;
+    memset(s, 0, sizeof *s);
+    s->has_scene = session->has_scene;
+    s->rendered = session->rendered;
+    memcpy(&s->settings, &session->settings, sizeof s->settings);
+    s->pendings = session->pendings;
+    s->acknowledged = desk->acknowledged;
+    s->records = desk->journal ? journal_count(desk->journal) : 0;
+    s->points = desk->history.points;
+    s->branches = desk->history.branches;
+    s->numbered = desk->history.records;
+    s->present = desk->history.present;
+    s->on = desk->history.on;
+    for (size_t i = 0; i < session->pendings && i < 64; i++) {
+        s->pending[i].cell = session->pending[i].cell;
+        s->pending[i].label = session->pending[i].label;
+    }
+    const struct eliminators *e = &session->eliminators;
+    s->eliminators = e->end - e->first;
+    s->waiting = e->end - e->waiting;
+    for (size_t i = 0; i < s->eliminators && i < 64; i++)
+        s->eliminator[i] = e->cell[e->first + i];
+    if (!session->has_scene)
+        return;
+    s->scene = session->scene_digest;
+    s->weights = session->weight_digest;
+    s->fence = session->fence_tally.digest;
+    CHECK(s->weights == weight_digest(session->scene, forest_arcs(session->forest), NULL));
+    fence_stands(session);
+    s->forest = forest_digest(session->forest);
+    s->labels = forest_label_digest(session->forest);
+    s->seeds = forest_seeds(session->forest);
+    s->border = border_count(&session->border);
+    s->picture = session->rendered ? rendition_digest(&session->rendition) : 0;
+    CHECK(forest_check(session->forest, NULL));
+    CHECK(border_check(&session->border, NULL));
+}
+
+/* The segmentation is the same; where one looks from, and how one came, may be others. */
+static inline void is_same_segmentation(const struct snapshot *a, const struct snapshot *b)
+{
+    CHECK(a->weights == b->weights);
+    CHECK(a->fence == b->fence);
+    CHECK(a->forest == b->forest);
+    CHECK(a->labels == b->labels);
+    CHECK(a->seeds == b->seeds);
+    CHECK(a->border == b->border);
+    CHECK(a->pendings == b->pendings);
+    CHECK(memcmp(a->pending, b->pending, sizeof a->pending) == 0);
+    CHECK(a->eliminators == b->eliminators && a->waiting == b->waiting);
+    CHECK(memcmp(a->eliminator, b->eliminator, sizeof a->eliminator) == 0);
+    CHECK(memcmp((const char *)&a->settings + SETTINGS_KEPT,
+                 (const char *)&b->settings + SETTINGS_KEPT,
+                 sizeof a->settings - SETTINGS_KEPT) == 0);
+}
+
+static inline void is_as_before(const struct snapshot *before, const struct desk *desk,
+                                const char *line)
+{
+    struct snapshot now;
+    unsigned failures = check_failures;
+    take_snapshot(&now, desk);
+    is_same_segmentation(before, &now);
+    CHECK(now.has_scene == before->has_scene);
+    CHECK(now.scene == before->scene);
+    CHECK(now.rendered == before->rendered);
+    CHECK(now.picture == before->picture);
+    CHECK(now.acknowledged == before->acknowledged);
+    CHECK(now.records == before->records);
+    CHECK(memcmp(&now.settings, &before->settings, sizeof now.settings) == 0);
+    CHECK(now.points == before->points && now.present == before->present);
+    CHECK(now.branches == before->branches && now.on == before->on);
+    CHECK(now.numbered == before->numbered);
+    if (check_failures > failures)
+        printf("#   after %s\n", line);
+}
+
+static inline bool begin_folder(void)
+{
+    return mkdtemp(folder) && chdir(folder) == 0;
+}
+
+static inline bool end_folder(void)
+{
+    char command[PATH_MAX];
+    reply_release(&reply);
+    snprintf(command, sizeof command, "rm -rf '%s'", folder);
+    return system(command) == 0;
+}
+
+#endif

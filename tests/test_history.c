@@ -1,0 +1,592 @@
+/*
+ * The history: whatever was done is undone exactly, and done again; alternatives keep apart; what
+ * is resumed is what was left, whether its commands are carried out or only skimmed.
+ */
+#include "base/mem.h"
+#include "base/packed.h"
+#include "journal/walk.h"
+#include "tests/small_scene.h"
+
+static uint64_t seed = 7;
+static uint32_t below(uint32_t bound)
+{
+    return check_below(&seed, bound);
+}
+
+static void make_maps(void)
+{
+    make_weights("weights.nii", 0);
+    make_weights("heavier.nii", 3);
+    make_regions("regions.nii", size[0], 0);
+    write_text("seeds.csv", "1,1,1,1\n10,9,8,2\n");
+}
+
+static const char *const deeds[] = {
+    "seed 1,1,1 1",
+    "seed 10,9,8 2 radius=1",
+    "run",
+    "seed 5,5,5 3",
+    "remove 5,5,5",
+    "remove 1,1,1",
+    "run",
+    "seed-file seeds.csv",
+    "run",
+    "remove 0,0,0",
+    "render mode=bp", /* runs what waits */
+    "hide 1",
+    "show 1",
+    "label 3 liver #102030",
+    "adjacency 26",
+    "weight sobel",
+    "weight weights.nii",
+    "adjacency 6",
+    "weight heavier.nii",
+    "weight polarity",
+    "polarity 2 50",
+    "polarity 2 0",
+    "weight gauss 1.5",
+    "weight heavier.nii",
+    "seed 10,1,1 4",
+    "seed 6,1,1 4",
+    "run",
+    "remove 6,1,1",
+    "run",
+    "mask regions.nii regions=1-2",
+    "range 0 290.5",
+    "mask regions.nii regions=0-2",
+    "range none",
+    "seed 5,2,2 1",
+    "run",
+    "remove 5,2,2",
+    "mask none",
+    "weight morph radius=2",
+    "clip axial 1-8",
+    "plane 6,4,3",
+    "cut 0,0,0 5,5,5",
+    "clip none",
+    "plane none",
+};
+
+enum { DEEDS = sizeof deeds / sizeof deeds[0] };
+
+/* Goes one command back and forth: both states are again what they were. */
+static void goes_back_and_forth(struct desk *desk, const char *line)
+{
+    struct snapshot before, after, now;
+    const unsigned failures = check_failures;
+    take_snapshot(&before, desk);
+    must(desk, line);
+    take_snapshot(&after, desk);
+    if (after.points == before.points)
+        return; /* it changed nothing of the segmentation */
+    must(desk, "undo");
+    take_snapshot(&now, desk);
+    is_same_segmentation(&before, &now);
+    must(desk, "redo");
+    take_snapshot(&now, desk);
+    is_same_segmentation(&after, &now);
+    if (check_failures > failures)
+        printf("#   %s\n", line);
+}
+
+STORY(every_kind_of_command_is_undone_and_done_again)
+{
+    for (int by_itself = 0; by_itself < 2; by_itself++) {
+        struct desk desk;
+        struct snapshot first, now;
+        begin_with_scene(&desk);
+        must(&desk, "size 24 24");
+        must(&desk, by_itself ? "auto on" : "auto off");
+        take_snapshot(&first, &desk);
+        for (size_t i = 0; i < DEEDS; i++)
+            goes_back_and_forth(&desk, deeds[i]);
+        CHECK(desk.history.points > DEEDS - 5);
+        while (execute(&desk, "undo") == OK)
+            continue;
+        CHECK_HAS(fault.text, "there is nothing to undo since the scene was opened");
+        must(&desk, "redo 2"); /* the two labels of the beginning */
+        take_snapshot(&now, &desk);
+        is_same_segmentation(&first, &now);
+        must(&desk, "redo 20");
+        CHECK(execute(&desk, "redo 1000") == ERR_INPUT);
+        CHECK_HAS(fault.text, "commands can be done again, not 1000; nothing has changed");
+        while (execute(&desk, "redo 2") == OK)
+            continue;
+        desk_release(&desk);
+    }
+}
+
+STORY(where_one_looks_from_is_not_undone)
+{
+    struct desk desk;
+    begin_with_scene(&desk);
+    must(&desk, "seed 1,1,1 1");
+    must(&desk, "view left");
+    must(&desk, "cross 3,3,3");
+    must(&desk, "shade depth");
+    must(&desk, "undo");
+    CHECK_TEXT(buf_text(&reply.text), "undone: 4 seed 1,1,1 1\nafter 3 label 0 background\n");
+    CHECK_HAS(buf_text(&reply.words), "at=3 forest=");
+    CHECK_INT(desk.session.pendings, 0);
+    CHECK_INT(desk.session.settings.slices.cross[0], 3);
+    CHECK(desk.session.settings.look.mode != look_default().mode);
+    CHECK(desk.session.settings.view.angle[0] != 0);
+    desk_release(&desk);
+}
+
+STORY(an_edit_after_undo_begins_an_alternative)
+{
+    struct desk desk;
+    begin_with_scene(&desk); /* records 1 to 3 */
+    must(&desk, "auto on");
+    must(&desk, "seed 1,1,1 1");
+    must(&desk, "seed 10,9,8 2");
+    must(&desk, "undo");
+    must(&desk, "seed 9,2,2 3");
+    CHECK(execute(&desk, "redo") == ERR_INPUT);
+    CHECK_HAS(fault.text, "there is nothing to do again");
+    must(&desk, "goto 6"); /* what was undone is not lost */
+    CHECK_HAS(buf_text(&reply.words), "at=6 ");
+    must(&desk, "goto 7"); /* as the undo left it */
+    CHECK_HAS(buf_text(&reply.words), "at=5 ");
+    CHECK(execute(&desk, "goto 0") == ERR_INPUT);
+    CHECK_HAS(fault.text, "expected a record 1..10, or a branch, not 0");
+    CHECK(execute(&desk, "goto 11") == ERR_INPUT);
+    CHECK(execute(&desk, "goto somewhere") == ERR_INPUT);
+    CHECK_HAS(fault.text, "there is no branch somewhere");
+    desk_release(&desk);
+}
+
+STORY(branches_have_names_and_are_left_and_found_again)
+{
+    struct desk desk;
+    begin_with_scene(&desk);
+    must(&desk, "auto on");
+    must(&desk, "seed 1,1,1 1");
+    must(&desk, "hide 1");
+    must(&desk, "undo");
+    must(&desk, "branch other");
+    CHECK_TEXT(buf_text(&reply.words), "branch=other");
+    must(&desk, "seed 10,9,8 2");
+    must(&desk, "seed 9,9,8 2");
+    must(&desk, "goto main");
+    CHECK_INT(forest_seeds(desk.session.forest), 1);
+    must(&desk, "redo"); /* along the branch one is on */
+    CHECK(!desk.session.settings.visible[1]);
+    must(&desk, "goto other");
+    CHECK_INT(forest_seeds(desk.session.forest), 3);
+    must(&desk, "history 3");
+    CHECK_TEXT(buf_text(&reply.text), "  6 hide 1   [main]\n"
+                                      "  9 seed 10,9,8 2   (from 5)\n"
+                                      "* 10 seed 9,9,8 2   [other]\n");
+    CHECK(execute(&desk, "branch main") == ERR_USAGE);
+    CHECK_HAS(fault.text, "there is a branch main already");
+    CHECK(execute(&desk, "branch 7up") == ERR_USAGE);
+    CHECK_HAS(fault.text, "begins with a letter, not 7up");
+    desk_release(&desk);
+}
+
+/* ---- random walks ---- */
+
+static void random_line(char *line, size_t room)
+{
+    static const char *const plain[] = {"run",
+                                        "auto on",
+                                        "auto off",
+                                        "hide 1",
+                                        "show 1",
+                                        "hide 2",
+                                        "adjacency 6",
+                                        "adjacency 26",
+                                        "weight morph",
+                                        "weight weights.nii",
+                                        "weight sobel",
+                                        "weight polarity",
+                                        "polarity 1 30",
+                                        "polarity 1 -30",
+                                        "mask none",
+                                        "mask regions.nii regions=0-2",
+                                        "range 0 200",
+                                        "range none",
+                                        "clip axial 2-7",
+                                        "clip none",
+                                        "render",
+                                        "turn 10 5",
+                                        "label 1 a",
+                                        "label 1 b #ff00ff",
+                                        "slice axial 3",
+                                        "mask regions.nii"};
+    const uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]);
+    switch (below(9)) {
+    case 0:
+        snprintf(line, room, "undo %u", 1 + below(below(2) ? 1 : 6));
+        break;
+    case 1:
+        snprintf(line, room, "redo %u", 1 + below(3));
+        break;
+    case 2:
+        snprintf(line, room, "goto %u", 1 + below(200));
+        break;
+    case 3:
+        if (below(4))
+            snprintf(line, room, "remove %u,%u,%u radius=%u", x, y, z, below(2));
+        else
+            snprintf(line, room, "%s %c", below(2) ? "branch" : "goto", (int)('a' + below(5)));
+        break;
+    case 4:
+    case 5:
+        snprintf(line, room, "%s", plain[below(sizeof plain / sizeof plain[0])]);
+        break;
+    default:
+        snprintf(line, room, "seed %u,%u,%u %u", x, y, z, below(4));
+    }
+}
+
+/* Every state that a record left, to be compared with whenever it comes back. */
+static struct snapshot state_at[400];
+
+static void walk_about(struct desk *desk, unsigned steps)
+{
+    char line[100];
+    for (unsigned i = 0; i < steps && check_failures < 5; i++) {
+        struct snapshot now;
+        random_line(line, sizeof line);
+        if (desk->session.pendings > 40)
+            snprintf(line, sizeof line, "run");
+        const size_t points = desk->history.points;
+        if (execute(desk, line) != OK || desk->history.records >= 400)
+            continue;
+        const unsigned failures = check_failures;
+        take_snapshot(&now, desk);
+        const struct point *present = desk->history.point + desk->history.present;
+        if (desk->history.points > points)
+            state_at[present->record] = now;
+        is_same_segmentation(&state_at[present->record], &now);
+        if (check_failures > failures)
+            printf("#   after %s\n", line);
+    }
+}
+
+/* The scene alone, with a journal where one is named. */
+static void begin_at_root(struct desk *desk, const char *journal)
+{
+    char line[PATH_MAX + 8];
+    begin_desk(desk);
+    if (journal)
+        CHECK(desk_create_journal(desk, journal, &fault) == OK);
+    snprintf(line, sizeof line, "open %s", place("scene.nii"));
+    must(desk, line);
+    must(desk, "size 24 24");
+}
+
+/* Carries out the commands on the way from the root to a point, in a session that runs nothing by
+ * itself. */
+static void walk_straight_to(struct desk *desk, const struct history *history, uint32_t at)
+{
+    const struct point *point = history->point + at;
+    if (point->parent == POINT_NONE)
+        return;
+    walk_straight_to(desk, history, point->parent);
+    must(desk, point->command);
+    if (point->ran)
+        must(desk, "run");
+}
+
+static void a_straight_way_leads_there_too(const struct desk *desk, uint32_t at)
+{
+    struct desk straight;
+    struct snapshot now;
+    begin_at_root(&straight, NULL);
+    walk_straight_to(&straight, &desk->history, at);
+    take_snapshot(&now, &straight);
+    is_same_segmentation(&state_at[desk->history.point[at].record], &now);
+    desk_release(&straight);
+}
+
+STORY(random_walks_come_back_to_the_very_same_states)
+{
+    for (unsigned round = 0; round < 6; round++) {
+        struct desk desk;
+        begin_at_root(&desk, NULL);
+        take_snapshot(&state_at[1], &desk);
+        walk_about(&desk, 300);
+        CHECK(desk.history.points > 60);
+        for (unsigned i = 0; i < 8; i++)
+            a_straight_way_leads_there_too(&desk, below((uint32_t)desk.history.points));
+        desk_release(&desk);
+    }
+}
+
+/* ---- out of memory, cancelled, not recorded ---- */
+
+static unsigned allowed;
+static bool allow_some(size_t bytes)
+{
+    (void)bytes;
+    return allowed-- > 0;
+}
+
+static bool not_now(void *context, const char *what, uint64_t done, uint64_t all)
+{
+    unsigned *left = context;
+    (void)what, (void)done, (void)all;
+    return (*left)-- == 0;
+}
+
+static void begin_with_history(struct desk *desk)
+{
+    static const char *const lines[] = {"size 24 24",
+                                        "seed 1,1,1 1",
+                                        "seed 10,9,8 2",
+                                        "run",
+                                        "weight heavier.nii",
+                                        "seed 5,5,5 3",
+                                        "remove 1,1,1",
+                                        "mask regions.nii regions=0-2",
+                                        "run",
+                                        "adjacency 26",
+                                        "weight sobel",
+                                        "hide 2",
+                                        "render",
+                                        "undo 4"};
+    begin_with_scene(desk);
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++)
+        must(desk, lines[i]);
+}
+
+static const char *const travels[] = {"undo",   "undo 2", "undo 4", "redo",   "redo 2",
+                                      "redo 4", "goto 4", "goto 8", "goto 16"};
+enum { TRAVELS = sizeof travels / sizeof travels[0] };
+
+STORY(without_memory_one_stays_where_one_is)
+{
+    struct desk desk;
+    struct snapshot before;
+    unsigned refused = 0;
+    begin_with_history(&desk);
+    take_snapshot(&before, &desk);
+    for (size_t i = 0; i < TRAVELS; i++)
+        for (unsigned few = 0; few < 60; few++) {
+            allowed = few;
+            mem_allows = allow_some;
+            const enum err err = execute(&desk, travels[i]);
+            mem_allows = NULL;
+            if (err == OK) {
+                must(&desk, "goto 17");
+                take_snapshot(&before, &desk);
+                break;
+            }
+            CHECK(err == ERR_MEMORY);
+            refused++;
+            is_as_before(&before, &desk, travels[i]);
+        }
+    CHECK(refused > 3 * TRAVELS);
+    desk_release(&desk);
+}
+
+STORY(who_is_stopped_on_the_way_is_where_he_was)
+{
+    struct desk desk;
+    struct snapshot before;
+    unsigned left, stopped = 0;
+    struct watch watch = {.context = &left, .look = not_now};
+    begin_with_history(&desk);
+    take_snapshot(&before, &desk);
+    for (size_t i = 0; i < TRAVELS; i++)
+        for (unsigned looks = 0;; looks++) {
+            left = looks;
+            desk.session.watch = &watch;
+            const enum err err = execute(&desk, travels[i]);
+            desk.session.watch = NULL;
+            if (err == OK) {
+                must(&desk, "goto 17");
+                take_snapshot(&before, &desk);
+                break;
+            }
+            CHECK(err == ERR_CANCELLED);
+            stopped++;
+            is_as_before(&before, &desk, travels[i]);
+        }
+    CHECK(stopped > 2 * TRAVELS);
+    desk_release(&desk);
+}
+
+/* ---- resuming ---- */
+
+static enum err resume(struct desk *desk, const char *path, bool slowly)
+{
+    begin_desk(desk);
+    desk->resumes_slowly = slowly;
+    desk->looks = true;
+    fault = (struct fault){.text = ""};
+    return desk_resume_journal(desk, path, NULL, &fault);
+}
+
+static void has_same_history(const struct history *a, const struct history *b)
+{
+    if (!CHECK(a->points == b->points && a->ats == b->ats && a->branches == b->branches))
+        return;
+    CHECK(a->present == b->present && a->on == b->on && a->records == b->records);
+    CHECK(memcmp(a->at, b->at, a->ats * sizeof *a->at) == 0);
+    CHECK(memcmp(a->branch, b->branch, a->branches * sizeof *a->branch) == 0);
+    for (size_t i = 0; i < a->points; i++) {
+        CHECK_TEXT(a->point[i].command, b->point[i].command);
+        CHECK(a->point[i].parent == b->point[i].parent);
+        CHECK(a->point[i].latest == b->point[i].latest);
+        CHECK(a->point[i].seeds == b->point[i].seeds);
+    }
+}
+
+/* A copy of a journal whose eliminators say another thing of what they took, or (NULL) nothing. */
+static void forge_taken(const char *from, const char *to, const char *taken)
+{
+    struct buf bytes = {0}, out = {0}, words = {0}, header = {0};
+    struct walk walk;
+    struct record record;
+    struct record_chain chain = record_chain_zero;
+    CHECK(file_read(&bytes, from, JOURNAL_BYTES_MAX, NULL) == OK);
+    CHECK(walk_begin(&walk, bytes.data, bytes.length, WALK_AS_FOUND, NULL) == OK);
+    buf_add(&out, bytes.data, walk.header_length);
+    buf_add(&header, bytes.data, walk.header_length);
+    while (walk_next_sound(&walk, &record) == WALK_RECORD) {
+        struct record_word word;
+        buf_clear(&words);
+        const char *at = record.result, *end = at + strlen(at);
+        while (record_word_next(&at, end, &word)) {
+            const bool took = word.key_length == 4 && memcmp(word.key, "took", 4) == 0;
+            if (took && !taken)
+                continue;
+            buf_printf(&words, "%s%.*s=", words.length ? " " : "", (int)word.key_length, word.key);
+            buf_printf(&words, "%.*s", took ? (int)strlen(taken) : (int)word.value_length,
+                       took ? taken : word.value);
+        }
+        CHECK(record_encode(&out, &chain, &chain, record.number == 1 ? buf_text(&header) : "",
+                            record.number, "", record.command, buf_text(&words), NULL) == OK);
+    }
+    CHECK(file_write(to, out.data, out.length, FILE_REPLACE, NULL) == OK);
+    walk_release(&walk);
+    buf_release(&bytes);
+    buf_release(&out);
+    buf_release(&words);
+    buf_release(&header);
+}
+
+static void resumes_as(const char *path, const struct desk *desk, bool slowly)
+{
+    struct snapshot expected, now;
+    struct desk again;
+    if (!CHECK(resume(&again, path, slowly) == OK)) {
+        printf("#   %s\n", fault.text);
+        desk_release(&again);
+        return;
+    }
+    take_snapshot(&expected, desk);
+    take_snapshot(&now, &again);
+    is_same_segmentation(&expected, &now);
+    CHECK(memcmp(&expected.settings, &now.settings, sizeof now.settings) == 0);
+    has_same_history(&desk->history, &again.history);
+    for (unsigned i = 0; i < 12; i++) { /* wherever one goes from there */
+        const uint32_t at = below((uint32_t)again.history.points);
+        char line[40];
+        snprintf(line, sizeof line, "goto %zu", again.history.point[at].record);
+        const unsigned failures = check_failures;
+        must(&again, line);
+        take_snapshot(&now, &again);
+        is_same_segmentation(&state_at[again.history.point[at].record], &now);
+        if (check_failures > failures)
+            printf("#   %s of %s, %s\n", line, path, slowly ? "carried out" : "skimmed");
+    }
+    desk_release(&again);
+}
+
+STORY(what_is_skimmed_is_what_was_carried_out)
+{
+    for (unsigned round = 0; round < 4; round++) {
+        struct desk desk;
+        char path[PATH_MAX + 8], bare[PATH_MAX + 8];
+        snprintf(path, sizeof path, "%s-%u", place("walk.iftty"), round);
+        snprintf(bare, sizeof bare, "%s-%u", place("bare.iftty"), round);
+        begin_at_root(&desk, path);
+        take_snapshot(&state_at[1], &desk);
+        walk_about(&desk, 200);
+        must(&desk,
+             round & 1 ? "turn 3" : "run"); /* with and without the forest's word at the end */
+        take_snapshot(&state_at[desk.history.point[desk.history.present].record], &desk);
+        journal_close(desk.journal);
+        desk.journal = NULL;
+        resumes_as(path, &desk, true);
+        resumes_as(path, &desk, false);
+        forge_taken(path, bare, NULL);
+        resumes_as(bare, &desk, false);
+        desk_release(&desk);
+    }
+}
+
+STORY(a_journal_that_lies_is_not_resumed)
+{
+    struct desk desk, again;
+    char path[PATH_MAX], forged[PATH_MAX];
+    snprintf(path, sizeof path, "%s", place("lies.iftty"));
+    snprintf(forged, sizeof forged, "%s", place("forged.iftty"));
+    begin_at_root(&desk, path);
+    must(&desk, "auto on");
+    must(&desk, "seed 1,1,1 1");
+    must(&desk, "seed 10,9,8 2");
+    must(&desk, "remove 1,2,1");
+    CHECK_HAS(buf_text(&reply.words), "took=1,1,1 ");
+    desk_release(&desk);
+    static const char *const lies[] = {"10,9,8",  "3,3,3",  "1,1", "99,1,1",
+                                       "1,1,1;;", "-1,0,0", "x"};
+    for (size_t i = 0; i < sizeof lies / sizeof lies[0]; i++) {
+        forge_taken(path, forged, lies[i]);
+        CHECK(resume(&again, forged, false) == ERR_CHECK);
+        CHECK_HAS(fault.text, "record 6 (line 12) diverges: took is 1,1,1");
+        desk_release(&again);
+    }
+    forge_taken(path, forged, "1,1,1");
+    CHECK(resume(&again, forged, false) == OK);
+    desk_release(&again);
+}
+
+/* ---- what is put away ---- */
+
+STORY(what_is_put_away_comes_back)
+{
+    enum { BYTES = 100000 };
+    static unsigned char bytes[BYTES], back[BYTES];
+    for (size_t length = 0; length <= BYTES; length = length * 5 + 1) {
+        for (size_t i = 0; i < length; i++)
+            bytes[i] = (unsigned char)(i % 7 ? below(4) : below(256));
+        struct packed *packed = packed_new(bytes, length);
+        CHECK(packed && packed_length(packed) == length);
+        packed_release(packed_hold(packed));
+        memset(back, 0, sizeof back);
+        CHECK(packed_take_out(packed, back, NULL) == OK);
+        CHECK(memcmp(bytes, back, length) == 0);
+        packed_release(packed);
+    }
+    for (unsigned few = 0; few < 2; few++) {
+        allowed = few;
+        mem_allows = allow_some;
+        CHECK(packed_new(bytes, 10) == NULL);
+        mem_allows = NULL;
+    }
+}
+
+int main(void)
+{
+    if (!begin_folder())
+        return 1;
+    make_scene();
+    make_maps();
+    int status = RUN_STORIES(
+        TELL(every_kind_of_command_is_undone_and_done_again),
+        TELL(where_one_looks_from_is_not_undone), TELL(an_edit_after_undo_begins_an_alternative),
+        TELL(branches_have_names_and_are_left_and_found_again),
+        TELL(random_walks_come_back_to_the_very_same_states),
+        TELL(without_memory_one_stays_where_one_is),
+        TELL(who_is_stopped_on_the_way_is_where_he_was),
+        TELL(what_is_skimmed_is_what_was_carried_out), TELL(a_journal_that_lies_is_not_resumed),
+        TELL(what_is_put_away_comes_back));
+    return status | !end_folder();
+}
