@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "command/bench_report.h"
+#include "command/bench_times.h"
 #include "command/plot.h"
 #include "tests/check.h"
 
@@ -450,6 +451,22 @@ STORY(charts_overwrite_nothing)
     CHECK(report_plots(plots, &trial, 1, &fault) == ERR_IO);
 }
 
+/* ---- times ---- */
+
+STORY(medians_and_quantiles_of_times_in_any_order)
+{
+    double odd[] = {5, 1, 9, 3, 7}, even[] = {4, 1, 3, 10}, one[] = {6}, none[1] = {2};
+    CHECK(times_median(odd, 5) == 5);
+    CHECK(times_quantile(odd, 5, 0) == 1);
+    CHECK(times_quantile(odd, 5, 0.9) == 9);
+    CHECK(times_median(even, 4) == 3.5);
+    CHECK(times_quantile(even, 4, 0.5) == 4);
+    CHECK(times_quantile(even, 4, 1) == 10);
+    CHECK(times_median(one, 1) == 6 && times_quantile(one, 1, 0.9) == 6);
+    CHECK(times_median(none, 0) == 0 && times_quantile(none, 0, 1) == 0);
+    CHECK(times_between(1000000, 3500000) == 2.5);
+}
+
 int main(void)
 {
     if (!mkdtemp(folder))
@@ -463,7 +480,7 @@ int main(void)
         TELL(the_first_pixel_that_differs_is_named), TELL(means_leave_the_first_step_out),
         TELL(every_row_of_csv_has_every_column), TELL(ticks_are_round),
         TELL(a_chart_holds_every_value), TELL(a_chart_of_zeros_is_a_chart),
-        TELL(charts_overwrite_nothing));
+        TELL(charts_overwrite_nothing), TELL(medians_and_quantiles_of_times_in_any_order));
     char command[PATH_MAX];
     snprintf(command, sizeof command, "rm -rf '%s'", folder);
     return status | (system(command) != 0);

@@ -6,6 +6,7 @@
 #include "base/clock.h"
 #include "base/hash.h"
 #include "base/mem.h"
+#include "command/bench_times.h"
 #include "command/desk.h"
 #include "image/nifti.h"
 
@@ -13,25 +14,22 @@ enum { SEEDS = 660, SCRATCH_RUNS = 5, EDITS = 60, FRAMES = 24, STARTS = 9, MOST_
 
 struct times {
     double ms[MOST_TIMES];
-    int count;
+    size_t count;
 };
 
 static void add_since(struct times *times, uint64_t begin)
 {
-    times->ms[times->count++] = (double)(clock_ns() - begin) / 1e6;
+    times->ms[times->count++] = times_since(begin);
 }
 
-static int compare_times(const void *a, const void *b)
+static double median(struct times *times)
 {
-    const double *x = a, *y = b;
-    return (*x > *y) - (*x < *y);
+    return times_median(times->ms, times->count);
 }
 
-/* The share 0..1 of the sorted times: 0.5 is the median. */
 static double quantile(struct times *times, double share)
 {
-    qsort(times->ms, (size_t)times->count, sizeof times->ms[0], compare_times);
-    return times->count ? times->ms[(int)(share * (times->count - 1) + 0.5)] : 0;
+    return times_quantile(times->ms, times->count, share);
 }
 
 /* ---- the procedure ---- */
@@ -196,9 +194,8 @@ static void print_row(FILE *out, const char *what, struct times *times, double s
 {
     if (times->count == 0)
         return;
-    double median = quantile(times, 0.5), tenth = quantile(times, 0.9), most = quantile(times, 1.0);
-    fprintf(out, "%-44s %9.2f %9.2f %9.2f  %s\n", what, median * scale, tenth * scale, most * scale,
-            unit);
+    fprintf(out, "%-44s %9.2f %9.2f %9.2f  %s\n", what, median(times) * scale,
+            quantile(times, 0.9) * scale, quantile(times, 1) * scale, unit);
 }
 
 static void print_table(FILE *out, const char *scene, struct figures *f)
@@ -233,7 +230,7 @@ static void print_json(FILE *out, const char *scene, struct figures *f)
     fprintf(out, "{\"scene\": \"%s\", \"voxels\": %zu, \"seeds\": %d", scene, f->voxels, SEEDS);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
         fprintf(out, ", \"%s\": {\"median\": %.3f, \"most\": %.3f}", row[i].name,
-                quantile(row[i].times, 0.5), quantile(row[i].times, 1.0));
+                median(row[i].times), quantile(row[i].times, 1));
     fprintf(out, ", \"bytes_per_voxel\": %.2f}\n", f->bytes_per_voxel);
 }
 

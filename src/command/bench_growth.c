@@ -5,6 +5,7 @@
 
 #include "base/clock.h"
 #include "base/mem.h"
+#include "command/bench_times.h"
 #include "engine/border.h"
 #include "engine/forest.h"
 #include "engine/weight.h"
@@ -126,21 +127,14 @@ static enum err time_edit(struct growth *growth, int erases, int round, struct f
         forest_edit(growth->forest, erases ? growth->undo : growth->ball, BALL_VOXELS, NULL, fault);
     const struct changes changes = forest_changes(growth->forest);
     border_update(&growth->border, &changes);
-    growth->ms[erases][round] = (double)(clock_ns() - begin) / 1e6;
+    growth->ms[erases][round] = times_since(begin);
     growth->touched[erases] = (size_t)forest_stats(growth->forest).touched;
     return err;
 }
 
-static int compare_ms(const void *a, const void *b)
-{
-    const double *x = a, *y = b;
-    return (*x > *y) - (*x < *y);
-}
-
 static double median(double *ms)
 {
-    qsort(ms, ROUNDS, sizeof *ms, compare_ms);
-    return ms[ROUNDS / 2];
+    return times_median(ms, ROUNDS);
 }
 
 static void print_table(FILE *out, struct growth *growth, size_t scenes)

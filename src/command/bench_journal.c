@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/folder.h"
+#include "command/bench_times.h"
 #include "command/desk.h"
 #include "journal/journal.h"
 #include "journal/replay.h"
@@ -26,23 +27,6 @@ struct figures {
     bool is_unsynced;            /* record_ms could be taken: there is a folder in memory */
     struct bench_resume resume;  /* commands 0 where it was not timed */
 };
-
-static double ms_since(uint64_t begin)
-{
-    return (double)(clock_ns() - begin) / 1e6;
-}
-
-static int compare_ms(const void *a, const void *b)
-{
-    const double *x = a, *y = b;
-    return (*x > *y) - (*x < *y);
-}
-
-static double median(double ms[ROUNDS])
-{
-    qsort(ms, ROUNDS, sizeof ms[0], compare_ms);
-    return ms[ROUNDS / 2];
-}
 
 /* ---- many records ---- */
 
@@ -92,17 +76,17 @@ static enum err time_many(struct figures *f, struct fault *fault)
     for (int i = 0; !err && i < ROUNDS; i++) {
         const uint64_t begin = clock_ns();
         err = encode_many(&bytes, fault);
-        encode[i] = ms_since(begin);
+        encode[i] = times_since(begin);
         const uint64_t between = clock_ns();
         err = err ? err : read_many(&bytes, fault);
-        read[i] = ms_since(between);
+        read[i] = times_since(between);
     }
     f->many_bytes = bytes.length;
     buf_release(&bytes);
     if (err)
         return err;
-    f->encode_ms = median(encode);
-    f->read_ms = median(read);
+    f->encode_ms = times_median(encode, ROUNDS);
+    f->read_ms = times_median(read, ROUNDS);
     return OK;
 }
 
@@ -134,13 +118,13 @@ static enum err verify_record(struct desk *desk, const struct record *record, st
     enum err err = OK;
     if (gives(record, "picture") && desk->session.has_scene)
         err = session_render(&desk->session, RENDER_AS_KEPT, fault);
-    f->rendition_ms += ms_since(begin);
+    f->rendition_ms += times_since(begin);
     begin = clock_ns();
     err = err ? err : replay_record(record, &host, &report, fault);
     if (gives(record, "scene"))
-        f->scene_ms += ms_since(begin);
+        f->scene_ms += times_since(begin);
     else if (gives(record, "forest"))
-        f->forest_ms += ms_since(begin);
+        f->forest_ms += times_since(begin);
     replay_report_release(&report);
     return err;
 }
@@ -176,7 +160,7 @@ static enum err verify_once(const char *path, const struct buf *bytes, struct fi
     if (!err)
         err = verify_records(&desk, bytes, f, fault);
     desk_release(&desk);
-    f->verify_ms = ms_since(begin);
+    f->verify_ms = times_since(begin);
     return err;
 }
 
@@ -226,7 +210,7 @@ static enum err time_recording(double *ms, const char *where, const struct buf *
     const uint64_t begin = clock_ns();
     if (!err)
         err = append_all(journal, bytes, fault);
-    *ms = ms_since(begin);
+    *ms = times_since(begin);
     journal_close(journal);
     folder_discard(buf_text(&folder));
     buf_release(&folder);

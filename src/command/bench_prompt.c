@@ -13,6 +13,7 @@
 
 #include "base/clock.h"
 #include "base/folder.h"
+#include "command/bench_times.h"
 
 enum { PATIENCE_MS = 5000 };
 
@@ -72,10 +73,10 @@ static bool time_start(struct screen *screen, int inner, const char *scene, cons
     if (child == 0)
         become_program(inner, scene, journal);
     bool there = child > 0 && await(screen, "> ");
-    *prompt_ms = (double)(clock_ns() - screen->begin) / 1e6;
+    *prompt_ms = times_since(screen->begin);
     if (there && scene)
         there = await(screen, "voxels of") && await(screen, "> ");
-    *loaded_ms = (double)(clock_ns() - screen->begin) / 1e6;
+    *loaded_ms = times_since(screen->begin);
     if (child > 0) {
         kill(child, SIGKILL);
         waitpid(child, NULL, 0);

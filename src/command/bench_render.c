@@ -11,6 +11,7 @@
 #include "base/clock.h"
 #include "base/folder.h"
 #include "base/mem.h"
+#include "command/bench_times.h"
 #include "command/desk.h"
 #include "session/export.h"
 #include "session/slicing.h"
@@ -38,7 +39,7 @@ bool bench_find_in_tree(struct buf *out, const char *name)
 struct row {
     char what[128];
     double ms[MOST_TIMES];
-    int count;
+    size_t count;
     double only_ms; /* a median that was measured elsewhere, where count is 0 */
 };
 
@@ -61,20 +62,18 @@ static uint64_t add_since(struct row *row, uint64_t begin)
 {
     const uint64_t now = clock_ns();
     if (row->count < MOST_TIMES)
-        row->ms[row->count++] = (double)(now - begin) / 1e6;
+        row->ms[row->count++] = times_between(begin, now);
     return now;
 }
 
-static int compare_ms(const void *a, const void *b)
+static double median(struct row *row)
 {
-    const double *x = a, *y = b;
-    return (*x > *y) - (*x < *y);
+    return row->count ? times_median(row->ms, row->count) : row->only_ms;
 }
 
 static double quantile(struct row *row, double share)
 {
-    qsort(row->ms, (size_t)row->count, sizeof row->ms[0], compare_ms);
-    return row->count ? row->ms[(int)(share * (row->count - 1) + 0.5)] : row->only_ms;
+    return row->count ? times_quantile(row->ms, row->count, share) : row->only_ms;
 }
 
 /* ---- frames ---- */
@@ -242,7 +241,7 @@ static enum err time_edits(struct session *session, struct table *table, uint32_
             pixel = (pixel + 12347) % (SIDE * SIDE);
         while (session->rendition.cell[pixel] == CELL_NONE);
         make_ball(ball, session->scene, session->rendition.cell[pixel], 4 + i % (BALL_MOST - 3));
-        const int before = row->count;
+        const size_t before = row->count;
         err = follow_edit(session, ball->seed, ball->count, table, row, &is_wanted, fault);
         if (!err)
             err = follow_edit(session, ball->undo, ball->count, table, row, &is_wanted, fault);
@@ -318,15 +317,15 @@ static bool run_script(struct buf *out, const char *script, const char *labels)
 static void read_line(struct table *table, const char *line)
 {
     char what[40], version[24];
-    const char *median = strstr(line, "\"median_ms\": ");
+    const char *ms = strstr(line, "\"median_ms\": ");
     if (sscanf(line, "{\"what\": \"versions\", \"vtk\": \"%23[^\"]\"", version) == 1)
         snprintf(table->vtk, sizeof table->vtk, "VTK %s in software, the same labels, one core",
                  version);
-    if (!median || sscanf(line, "{\"what\": \"%39[^\"]\"", what) != 1)
+    if (!ms || sscanf(line, "{\"what\": \"%39[^\"]\"", what) != 1)
         return;
     struct row *row = add_row(table, "");
     snprintf(row->what, sizeof row->what, "    %s", what);
-    row->only_ms = strtod(median + strlen("\"median_ms\": "), NULL);
+    row->only_ms = strtod(ms + strlen("\"median_ms\": "), NULL);
 }
 
 static enum err time_vtk(const struct session *session, struct table *table, struct fault *fault)
@@ -368,7 +367,7 @@ static void print_table(FILE *out, struct table *t, const struct session *sessio
     for (int i = 0; i < t->rows; i++) {
         struct row *row = &t->row[i];
         if (row->count)
-            fprintf(out, "%-44s %9.2f %9.2f %9.2f  ms\n", row->what, quantile(row, 0.5),
+            fprintf(out, "%-44s %9.2f %9.2f %9.2f  ms\n", row->what, median(row),
                     quantile(row, 0.9), quantile(row, 1));
         else if (row->only_ms > 0)
             fprintf(out, "%-44s %9.2f %9s %9s  ms\n", row->what, row->only_ms, "", "");
@@ -388,8 +387,7 @@ static void print_json(FILE *out, struct table *t, const struct session *session
         if (row->count == 0 && row->only_ms <= 0)
             continue;
         fprintf(out, "%s{\"what\": \"%s\", \"median_ms\": %.3f, \"most_ms\": %.3f}", between,
-                row->what + strspn(row->what, " "), quantile(row, 0.5),
-                row->count ? quantile(row, 1) : row->only_ms);
+                row->what + strspn(row->what, " "), median(row), quantile(row, 1));
         between = ", ";
     }
     fprintf(out, "]}\n");

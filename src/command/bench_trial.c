@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "base/mem.h"
+#include "command/bench_times.h"
 
 const char *const experiment_name[EXPERIMENTS] = {"IFT + SP", "DIFT + SP", "BDIFT + BP",
                                                   "DIFT + II", "DIFT + scan + BP"};
@@ -83,7 +84,7 @@ static enum err segment(struct work *work, enum experiment e, const struct edit 
         begin = clock_ns();
         err = forest_rebuild(forest, NULL, fault);
     }
-    *ms = (double)(clock_ns() - begin) / 1e6;
+    *ms = times_since(begin);
     return err;
 }
 
@@ -136,8 +137,8 @@ static enum err carry_out(struct work *work, enum experiment e, const struct edi
     keep_border(work, e);
     const uint64_t between = clock_ns();
     err = render(work, e, fault);
-    ms[BORDER] = e == IFT_SP || e == DIFT_SP ? 0 : (double)(between - begin) / 1e6;
-    ms[RENDITION] = (double)(clock_ns() - between) / 1e6;
+    ms[BORDER] = e == IFT_SP || e == DIFT_SP ? 0 : times_between(begin, between);
+    ms[RENDITION] = times_since(between);
     return err;
 }
 
@@ -226,18 +227,6 @@ static void remember(struct trial_step *step, struct work *work)
 
 /* ---- a step ---- */
 
-static int compare_numbers(const void *a, const void *b)
-{
-    const double *x = a, *y = b;
-    return (*x > *y) - (*x < *y);
-}
-
-static double median(double *ms, unsigned count)
-{
-    qsort(ms, count, sizeof *ms, compare_numbers);
-    return count % 2 ? ms[count / 2] : (ms[count / 2 - 1] + ms[count / 2]) / 2;
-}
-
 /* The experiments in turn, each beginning a round once. */
 static enum err run_round(struct trial *trial, struct work *work, unsigned s, unsigned round,
                           const struct edit *edit, size_t count, struct fault *fault)
@@ -288,7 +277,7 @@ static enum err run_step(struct trial *trial, struct work *work, unsigned s,
     step->border_voxels = border_count(&work->session->border);
     for (enum experiment e = 0; e < EXPERIMENTS; e++)
         for (enum phase p = 0; p < PHASES; p++)
-            step->cost[e].ms[p] = median(work->ms[e][p], trial->rounds);
+            step->cost[e].ms[p] = times_median(work->ms[e][p], trial->rounds);
     return OK;
 }
 
