@@ -76,8 +76,8 @@ struct slice_style {
  * low is above high. They differ. */
 void slice_window(uint8_t grey[UINT16_MAX + 1], int32_t low, int32_t high);
 
-/* The scene's axis along which slices of a plane are counted; how many of them the scene has; which one goes through a voxel; the voxel at the same
- * place of slice `index`. */
+/* The scene's axis along which slices of a plane are counted; how many of them the scene has; which
+ * one goes through a voxel; the voxel at the same place of slice `index`. */
 int slice_axis(const struct scene *scene, enum slice_plane plane);
 uint32_t slice_count(const struct scene *scene, enum slice_plane plane);
 uint32_t slice_index(const struct scene *scene, enum slice_plane plane, const uint32_t place[3]);

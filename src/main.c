@@ -706,8 +706,8 @@ static enum err program_bench(const struct options *o, struct fault *fault)
     case BENCHES:
         break;
     }
-    return fault_set(fault, ERR_USAGE, "bench: expected brain, paper, growth, render or journal, not %s",
-                     o->word[1]);
+    return fault_set(fault, ERR_USAGE,
+                     "bench: expected brain, paper, growth, render or journal, not %s", o->word[1]);
 }
 
 static enum err program_help(const struct options *o, struct fault *fault)

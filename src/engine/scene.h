@@ -123,7 +123,7 @@ enum { SCENE_PROOF_HEX = 65 };
 
 /*
  * SHA-256 over the same, which nobody can find a second scene for, as 64 digits and a NUL: three
- * sizes and three spacings in nanometres as 32 bits each, then a byte for each axis (2 * world axis,
+ * sizes and three spacings in nanometres as 32 bits each, then a byte for each axis (2 * world axis
  * + 1 where it runs the other way) and one zero byte, then the intensities, x fastest, as 16 bits;
  * all little-endian. "" where the watch says so.
  */
