@@ -82,7 +82,7 @@ void limits_begin(const struct limits *limits)
         now.limits.time_ms = DEFAULT_TIME_MS;
     if (!now.limits.output_bytes)
         now.limits.output_bytes = DEFAULT_OUTPUT;
-    mem_limit(now.limits.memory_bytes);
+    mem_limit(now.limits.memory_bytes < SIZE_MAX ? (size_t)now.limits.memory_bytes : SIZE_MAX);
     signal(SIGXFSZ, SIG_IGN); /* a write that would grow a file too large is an error of its own */
 }
 
@@ -115,10 +115,10 @@ void limits_will_write(void)
 {
     if (!now.hold || now.is_file_size_set || getrlimit(RLIMIT_FSIZE, &now.file_size) != 0)
         return;
-    const rlim_t left = now.limits.output_bytes - now.output_bytes;
+    const uint64_t left = now.limits.output_bytes - now.output_bytes;
     struct rlimit wanted = now.file_size;
     if (left < wanted.rlim_cur)
-        wanted.rlim_cur = left;
+        wanted.rlim_cur = (rlim_t)left;
     now.is_file_size_set = setrlimit(RLIMIT_FSIZE, &wanted) == 0;
 }
 

@@ -108,9 +108,11 @@ void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
                              const struct scene *scene)
 {
     for (size_t i = 0; i < pixels; i++)
-        for (int a = 0; a < 3; a++)
-            out[3 * i + (size_t)scene->world_axis[a]] =
+        for (int a = 0; a < 3; a++) {
+            const uint8_t axis = (uint8_t)scene->world_axis[a];
+            out[3 * i + axis] =
                 (float)(normal[4 * i + (size_t)a] * scene->world_sign[a]) / 16384.0f;
+        }
 }
 
 enum err export_normals(struct picture *picture, const struct session *session, struct fault *fault)
