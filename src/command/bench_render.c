@@ -19,7 +19,7 @@
 enum {
     SIDE = 512,
     FRAMES = 60, /* a turn in steps of 6 degrees, seen a little from above */
-    EDITS = 24,  /* with their erasing twice as many incremental images */
+    EDITS = 24,  /* at most; with their erasing twice as many incremental images */
     TRIES = 600,
     LEAST_LABELS = 1500, /* that an edit changes */
     MOST_LABELS = 2500,
@@ -47,7 +47,8 @@ struct table {
     struct row row[ROWS_MOST];
     int rows;
     size_t pixels[2]; /* that show an object, at zoom 1 and 2 */
-    double labels;    /* changed by the edits, mean */
+    double labels;    /* changed by the edits that count, altogether */
+    size_t edits;     /* that count, each planted and each erased one */
     char vtk[128];    /* its version, or why it is not here */
 };
 
@@ -201,25 +202,40 @@ static void make_ball(struct ball *ball, const struct scene *scene, uint32_t cel
             }
 }
 
-/* One edit and its incremental image, which is timed where the edit is of the wanted size. */
+/* One edit and its incremental image: what that took, and how many labels the edit changed; 0 where
+ * the edit is not of the wanted size. */
+struct followed {
+    double ms;
+    size_t labels;
+};
+
 static enum err follow_edit(struct session *session, const struct edit *edit, size_t count,
-                            struct table *table, struct row *row, bool *is_wanted,
-                            struct fault *fault)
+                            struct followed *out, struct fault *fault)
 {
     enum err err = forest_edit(session->forest, edit, count, NULL, fault);
     const struct changes changes = forest_changes(session->forest);
     border_update(&session->border, &changes);
-    *is_wanted =
+    const bool is_wanted =
         !changes.everything && changes.count >= LEAST_LABELS && changes.count <= MOST_LABELS;
+    out->labels = is_wanted ? changes.count : 0;
     const uint64_t begin = clock_ns();
     incremental_image(&session->rendition, &session->camera, &session->border, &changes,
                       shade_reach(&session->settings.look, &session->camera));
     err = err ? err : colour(session, fault);
-    if (!err && *is_wanted) {
-        add_since(row, begin);
-        table->labels += (double)changes.count / (2 * EDITS);
-    }
+    out->ms = times_since(begin);
     return err;
+}
+
+/* An edit and its erasing count where both are of the wanted size: else they are not the same. */
+static void count_edits(struct table *table, struct row *row, const struct followed way[2])
+{
+    if (way[0].labels == 0 || way[1].labels == 0)
+        return;
+    for (int i = 0; i < 2; i++) {
+        row->ms[row->count++] = way[i].ms;
+        table->labels += (double)way[i].labels;
+        table->edits++;
+    }
 }
 
 /* A ball of background at a place that is seen bites into it, and is erased again. */
@@ -234,19 +250,17 @@ static enum err time_edits(struct session *session, struct table *table, uint32_
     if (!err)
         err = session_render(session, RENDER_BORDER, fault);
     uint64_t pixel = 0;
-    table->labels = 0;
     for (int i = 0; !err && i < TRIES && row->count < 2 * EDITS; i++) {
-        bool is_wanted = false;
+        struct followed way[2];
         do
             pixel = (pixel + 12347) % (SIDE * SIDE);
         while (session->rendition.cell[pixel] == CELL_NONE);
         make_ball(ball, session->scene, session->rendition.cell[pixel], 4 + i % (BALL_MOST - 3));
-        const size_t before = row->count;
-        err = follow_edit(session, ball->seed, ball->count, table, row, &is_wanted, fault);
+        err = follow_edit(session, ball->seed, ball->count, &way[0], fault);
         if (!err)
-            err = follow_edit(session, ball->undo, ball->count, table, row, &is_wanted, fault);
-        if (row->count == before + 1) /* one way alone: not the same edit */
-            row->count = before;
+            err = follow_edit(session, ball->undo, ball->count, &way[1], fault);
+        if (!err)
+            count_edits(table, row, way);
     }
     free(ball);
     return err;
@@ -353,6 +367,11 @@ static enum err time_vtk(const struct session *session, struct table *table, str
 
 /* ---- tables ---- */
 
+static double labels_changed(const struct table *t)
+{
+    return t->edits ? t->labels / (double)t->edits : 0;
+}
+
 static void print_table(FILE *out, struct table *t, const struct session *session)
 {
     fprintf(out,
@@ -363,7 +382,7 @@ static void print_table(FILE *out, struct table *t, const struct session *sessio
             "%-44s %9s %9s %9s\n",
             session->scene->grid.voxels, forest_seeds(session->forest),
             border_count(&session->border), SIDE, SIDE, FRAMES, t->pixels[0], t->pixels[1],
-            t->labels, "", "median", "9 of 10", "most");
+            labels_changed(t), "", "median", "9 of 10", "most");
     for (int i = 0; i < t->rows; i++) {
         struct row *row = &t->row[i];
         if (row->count)
@@ -380,7 +399,7 @@ static void print_json(FILE *out, struct table *t, const struct session *session
 {
     fprintf(out,
             "{\"scene\": \"ch2\", \"border_voxels\": %zu, \"labels_changed\": %.0f, \"rows\": [",
-            border_count(&session->border), t->labels);
+            border_count(&session->border), labels_changed(t));
     const char *between = "";
     for (int i = 0; i < t->rows; i++) {
         struct row *row = &t->row[i];
