@@ -338,6 +338,9 @@ STORY(the_qform_is_a_rotation_with_a_flip)
     CHECK(fabs(g->to_mm[2][2] + 3) < 1e-6 && g->to_mm[0][3] == -11);
     CHECK(g->world_axis[0] == 1 && g->world_axis[1] == 0 && g->world_axis[2] == 2);
     CHECK(g->world_sign[0] == 1 && g->world_sign[1] == -1 && g->world_sign[2] == -1);
+    char axes[4];
+    geometry_axes(axes, g);
+    CHECK_TEXT(axes, "ALI");
     volume_release(&v);
 }
 

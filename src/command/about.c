@@ -199,15 +199,13 @@ static enum err about_openexr(struct teller_of_facts *t, const char *path,
 
 static enum err about_scene(struct teller_of_facts *t, const char *path, struct fault *fault)
 {
-    static const char letter[3][2] = {{'R', 'L'}, {'A', 'P'}, {'S', 'I'}};
     struct nifti_facts facts;
     enum err err = nifti_about(&facts, path, fault);
     if (err)
         return err;
     const struct geometry *g = &facts.geometry;
-    char towards[4] = {0};
-    for (int a = 0; a < 3; a++)
-        towards[a] = letter[g->world_axis[a]][g->world_sign[a] < 0];
+    char towards[4];
+    geometry_axes(towards, g);
     tell_text(t, "format", facts.version == 1 ? "nifti-1" : "nifti-2");
     tell_sides(t, "voxels", facts.size, 3);
     tell_text(t, "type", facts.type);

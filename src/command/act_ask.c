@@ -139,11 +139,9 @@ ACT(info)
         buf_add_text(out, "no scene is open\n");
         return OK;
     }
-    static const char letter[3][2] = {{'R', 'L'}, {'A', 'P'}, {'S', 'I'}};
     const struct scene *scene = session->scene;
-    char towards[4] = {0};
-    for (int a = 0; a < 3; a++)
-        towards[a] = letter[scene->world_axis[a]][scene->world_sign[a] < 0];
+    char towards[4];
+    geometry_axes(towards, &session->geometry);
     buf_printf(out, "scene     %ux%ux%u voxels of %gx%gx%g mm, axes towards %s, digest %016llx\n",
                scene->grid.size[0], scene->grid.size[1], scene->grid.size[2],
                scene->spacing_nm[0] / 1e6, scene->spacing_nm[1] / 1e6, scene->spacing_nm[2] / 1e6,

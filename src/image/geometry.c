@@ -67,6 +67,14 @@ void geometry_place_plain(struct geometry *geometry, const double spacing_mm[3])
     }
 }
 
+void geometry_axes(char letters[4], const struct geometry *geometry)
+{
+    static const char side[3][2] = {{'R', 'L'}, {'A', 'P'}, {'S', 'I'}};
+    for (int a = 0; a < 3; a++)
+        letters[a] = side[geometry->world_axis[a]][geometry->world_sign[a] < 0];
+    letters[3] = '\0';
+}
+
 /* Solves to_mm * (i, j, k, 1) = point. */
 bool geometry_voxel(const struct geometry *geometry, const double point_mm[3], int64_t place[3])
 {
