@@ -10,11 +10,8 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "engine/border.h"
-#include "engine/forest.h"
 #include "image/exr.h"
-#include "render/rendition.h"
-#include "render/shade.h"
+#include "tests/stage.h"
 
 /* ---- by hand ---- */
 
@@ -135,28 +132,12 @@ STORY(planes_of_any_spacing_keep_their_voxel_and_fit_64_bits)
 
 /* ---- at random ---- */
 
-struct stage {
-    struct scene *scene;
-    struct forest *forest;
-    struct border border;
-    struct view view;
-    struct camera camera;
-    struct palette palette;
-    struct look look;
-    struct shader shader;
-};
-
-static void stage_init(struct stage *s, uint64_t *random)
+static void stage_at_random(struct stage *s, uint64_t *random)
 {
     uint32_t size[3];
-    *s = (struct stage){0};
     for (int a = 0; a < 3; a++)
         size[a] = 1 + check_below(random, check_below(random, 3) ? 24 : 4);
-    CHECK(scene_new(&s->scene, size, NULL) == OK);
-    CHECK(forest_new(&s->forest, s->scene, 6, NULL) == OK);
-    CHECK(border_init(&s->border, s->scene, NULL) == OK);
-    palette_default(&s->palette);
-    s->look = look_default();
+    CHECK(stage_init(s, size, 6, NULL) == OK);
     s->look.mode = (enum shade_mode)check_below(random, 3);
     s->look.edges = check_below(random, 2);
     for (size_t i = 0; i < s->scene->grid.cells; i++)
@@ -171,14 +152,6 @@ static void stage_init(struct stage *s, uint64_t *random)
         s->scene->spacing_nm[a] =
             check_below(random, 2) ? 1000000 : 300000 + check_below(random, 2000000);
     }
-}
-
-static void stage_release(struct stage *s)
-{
-    shader_release(&s->shader);
-    border_release(&s->border);
-    forest_free(s->forest);
-    scene_free(s->scene);
 }
 
 static void random_place(const struct stage *s, uint64_t *random, uint32_t place[3])
@@ -348,7 +321,7 @@ STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
          sitting++) {
         struct stage s;
         struct rendition kept;
-        stage_init(&s, &random);
+        stage_at_random(&s, &random);
         random_view(&s, &random);
         for (int i = 0; i < 4; i++)
             random_edit(&s, &random);

@@ -3,40 +3,7 @@
 
 #include <stdlib.h>
 
-#include "engine/border.h"
-#include "engine/forest.h"
-#include "render/rendition.h"
-#include "render/shade.h"
-
-struct stage {
-    struct scene *scene;
-    struct forest *forest;
-    struct border border;
-    struct view view;
-    struct camera camera;
-    struct palette palette;
-    struct look look;
-    struct shader shader;
-};
-
-static void stage_init(struct stage *s, const uint32_t size[3], unsigned adjacency)
-{
-    *s = (struct stage){0};
-    CHECK(scene_new(&s->scene, size, NULL) == OK);
-    CHECK(forest_new(&s->forest, s->scene, adjacency, NULL) == OK);
-    CHECK(border_init(&s->border, s->scene, NULL) == OK);
-    s->view = view_default(s->scene);
-    palette_default(&s->palette);
-    s->look = look_default();
-}
-
-static void stage_release(struct stage *s)
-{
-    shader_release(&s->shader);
-    border_release(&s->border);
-    forest_free(s->forest);
-    scene_free(s->scene);
-}
+#include "tests/stage.h"
 
 static bool same_maps(const struct rendition *a, const struct rendition *b, const char *what)
 {
@@ -145,7 +112,7 @@ static void random_sitting(uint64_t seed)
     uint32_t size[3];
     for (int a = 0; a < 3; a++)
         size[a] = 1 + check_below(&random, check_below(&random, 3) ? 30 : 4);
-    stage_init(&s, size, check_below(&random, 2) ? 26 : 6);
+    CHECK(stage_init(&s, size, check_below(&random, 2) ? 26 : 6, NULL) == OK);
     const uint32_t brightest = 1 + check_below(&random, UINT16_MAX);
     for (size_t i = 0; i < s.scene->grid.cells; i++)
         if (!(s.scene->cell[i].flags & CELL_RIM)) {
@@ -215,7 +182,7 @@ static uint8_t label_at(const struct rendition *r, uint32_t x, uint32_t y)
 STORY(a_scene_of_very_thick_slices_has_a_view)
 {
     struct stage s;
-    stage_init(&s, (uint32_t[]){10, 10, 1}, 6);
+    CHECK(stage_init(&s, (uint32_t[]){10, 10, 1}, 6, NULL) == OK);
     for (uint32_t thick = 1; thick < 25000; thick = thick * 3 / 2 + 1) {
         s.scene->spacing_nm[0] = s.scene->spacing_nm[1] = 100000;
         s.scene->spacing_nm[2] = thick * 100000;
@@ -231,7 +198,7 @@ STORY(named_views_show_the_patient_from_the_side_they_name)
 {
     struct stage s;
     struct rendition r;
-    stage_init(&s, (uint32_t[]){21, 21, 21}, 6);
+    CHECK(stage_init(&s, (uint32_t[]){21, 21, 21}, 6, NULL) == OK);
     for (size_t i = 0; i < s.scene->grid.cells; i++)
         if (!(s.scene->cell[i].flags & CELL_RIM))
             s.scene->cell[i].weight = 9;
@@ -280,7 +247,7 @@ STORY(a_long_row_of_voxels_is_seen_whole)
     for (int i = 0; i < 3; i++) {
         struct stage s;
         struct rendition splatted, walked;
-        stage_init(&s, (uint32_t[]){length[i], 1, 1}, 6);
+        CHECK(stage_init(&s, (uint32_t[]){length[i], 1, 1}, 6, NULL) == OK);
         struct edit seed = {grid_cell(&s.scene->grid, length[i] / 2, 0, 0), 1};
         CHECK(forest_edit(s.forest, &seed, 1, NULL, NULL) == OK);
         border_recount(&s.border);
@@ -306,7 +273,7 @@ STORY(absurd_views_are_refused_in_words)
 {
     struct stage s;
     struct fault fault;
-    stage_init(&s, (uint32_t[]){2, 2, 60000}, 6);
+    CHECK(stage_init(&s, (uint32_t[]){2, 2, 60000}, 6, NULL) == OK);
     s.scene->spacing_nm[0] = 1;
     s.scene->spacing_nm[2] = 4000000000u;
     CHECK_INT(camera_init(&s.camera, s.scene, &s.view, &fault), ERR_LIMIT);

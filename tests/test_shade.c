@@ -5,38 +5,11 @@
 #include <stdlib.h>
 
 #include "render/fixed.h"
-#include "render/shade.h"
+#include "tests/stage.h"
 
-struct stage {
-    struct scene *scene;
-    struct forest *forest;
-    struct border border;
-    struct view view;
-    struct camera camera;
-    struct palette palette;
-    struct look look;
-    struct shader shader;
-    struct rendition rendition;
-};
-
-static void stage_init(struct stage *s, uint32_t side)
+static void stage_cube(struct stage *s, uint32_t side)
 {
-    *s = (struct stage){0};
-    CHECK(scene_new(&s->scene, (uint32_t[]){side, side, side}, NULL) == OK);
-    CHECK(forest_new(&s->forest, s->scene, 6, NULL) == OK);
-    CHECK(border_init(&s->border, s->scene, NULL) == OK);
-    s->view = view_default(s->scene);
-    palette_default(&s->palette);
-    s->look = look_default();
-}
-
-static void stage_release(struct stage *s)
-{
-    rendition_release(&s->rendition);
-    shader_release(&s->shader);
-    border_release(&s->border);
-    forest_free(s->forest);
-    scene_free(s->scene);
+    CHECK(stage_init(s, (uint32_t[]){side, side, side}, 6, NULL) == OK);
 }
 
 static void put(struct stage *s, int x, int y, int z, uint8_t label)
@@ -115,7 +88,7 @@ STORY(the_field_is_the_tent_over_what_is_shown_and_follows_its_changes)
     for (uint32_t side = 1; side < 30 && check_failures == 0; side += 4) {
         struct stage s;
         struct field field;
-        stage_init(&s, side);
+        stage_cube(&s, side);
         CHECK(field_init(&field, &s.border, FIELD_SHOWN, NULL) == OK);
         for (int round = 0; round < 20; round++) {
             for (int i = 0; i < 40; i++)
@@ -167,7 +140,7 @@ STORY(a_ball_is_round_from_every_side_in_every_mode)
     static const double most[3] = {7, 7, 30}, most_mean[3] = {2.1, 2.3, 3.6};
     struct stage s;
     double mean;
-    stage_init(&s, 61);
+    stage_cube(&s, 61);
     put_ball(&s, 25, 1);
     for (int mode = SHADE_SURFACE; mode <= SHADE_DEPTH; mode++)
         for (int i = 0; i < 8; i++) {
@@ -185,7 +158,7 @@ STORY(a_ball_is_round_from_every_side_in_every_mode)
 STORY(a_ball_has_no_hole_no_speckle_and_no_staircase)
 {
     struct stage s;
-    stage_init(&s, 81);
+    stage_cube(&s, 81);
     put_ball(&s, 36, 1);
     for (uint32_t zoom = 1000; zoom <= 5000; zoom += 1000) {
         draw(&s, 100 * zoom / 1000, zoom, 33000, 21000);
@@ -213,7 +186,7 @@ STORY(a_ball_has_no_hole_no_speckle_and_no_staircase)
 STORY(an_edit_makes_no_more_than_its_surroundings_stale)
 {
     struct stage s;
-    stage_init(&s, 81);
+    stage_cube(&s, 81);
     put_ball(&s, 36, 1);
     for (int mode = SHADE_SURFACE; mode <= SHADE_DEPTH; mode++) {
         s.look.mode = (enum shade_mode)mode;
@@ -255,7 +228,7 @@ STORY(the_light_comes_from_where_it_is_said_to)
                {{0, 90000}, {50, 25}, {50, 75}},
                {{0, -90000}, {50, 75}, {50, 25}}};
     struct stage s;
-    stage_init(&s, 81);
+    stage_cube(&s, 81);
     put_ball(&s, 36, 1);
     for (size_t i = 0; i < sizeof lit / sizeof lit[0]; i++)
         for (int view = 0; view < 4; view++) {
@@ -270,7 +243,7 @@ STORY(the_light_comes_from_where_it_is_said_to)
 STORY(what_lies_far_is_darker_as_the_cue_says)
 {
     struct stage s;
-    stage_init(&s, 81);
+    stage_cube(&s, 81);
     for (int y = 0; y < 81; y++) /* two plates, one far behind the other */
         for (int x = 0; x < 81; x++)
             put(&s, x, x < 40 ? 75 : 5, y, 1);
@@ -291,7 +264,7 @@ STORY(what_lies_far_is_darker_as_the_cue_says)
 STORY(edges_are_drawn_on_the_nearer_object)
 {
     struct stage s;
-    stage_init(&s, 41);
+    stage_cube(&s, 41);
     for (int z = 0; z < 41; z++)
         for (int x = 0; x < 41; x++) {
             put(&s, x, 10, z, 1);
@@ -314,7 +287,7 @@ STORY(edges_are_drawn_on_the_nearer_object)
 STORY(the_scenes_own_gradient_shows_what_labels_do_not)
 {
     struct stage s;
-    stage_init(&s, 41);
+    stage_cube(&s, 41);
     /* A flat slab in a scene whose upper half is brighter the further right one goes. */
     for (int z = 0; z < 41; z++)
         for (int y = 0; y < 41; y++)

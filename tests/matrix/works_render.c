@@ -4,60 +4,33 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine/border.h"
 #include "engine/cut.h"
 #include "render/mosaic.h"
-#include "render/rendition.h"
-#include "render/shade.h"
 #include "render/slice.h"
 #include "render/text.h"
-
-struct stage {
-    struct scene *scene;
-    struct forest *forest;
-    struct border border;
-    struct view view;
-    struct camera camera;
-    struct palette palette;
-    struct look look;
-    struct shader shader;
-    struct rendition rendition;
-};
+#include "tests/stage.h"
 
 enum { WIDTH = 90, HEIGHT = 70 };
 
-static void stage_init(struct stage *s)
+static void stage_set(struct stage *s)
 {
     static const struct weight_choice morph = {WEIGHT_MORPH, 1, 0};
     struct weight_work work = {0};
     struct edit edit[WORKS_SEEDS];
     struct fault fault;
-    *s = (struct stage){.scene = works_scene(), .look = look_default()};
-    must(forest_new(&s->forest, s->scene, 6, &fault), &fault, "a forest");
+    must(stage_take(s, works_scene(), 6, &fault), &fault, "a forest and a border");
     must(weight_work_reserve(&work, &s->scene->grid, &morph, &fault), &fault, "room for weights");
     weight_compute(s->scene, forest_adjacency(s->forest), &morph, &work);
     weight_work_release(&work);
     works_edits(edit, s->scene, 3);
     must(forest_edit(s->forest, edit, WORKS_SEEDS, NULL, &fault), &fault, "the seeds");
-    must(border_init(&s->border, s->scene, &fault), &fault, "a border");
     s->border.visible[1] = false;
     border_recount(&s->border);
-    s->view = view_default(s->scene);
     s->view.width = WIDTH;
     s->view.height = HEIGHT;
     s->view.zoom = 1300;
-    palette_default(&s->palette);
     s->shader.window[1] = 255;
     must(rendition_init(&s->rendition, WIDTH, HEIGHT, &fault), &fault, "a rendition");
-}
-
-static void stage_release(struct stage *s)
-{
-    rendition_release(&s->rendition);
-    shader_release(&s->shader);
-    border_release(&s->border);
-    forest_free(s->forest);
-    scene_free(s->scene);
 }
 
 static void look_from(struct stage *s)
@@ -239,7 +212,7 @@ static void slices(struct stage *s)
 void works_render(void)
 {
     struct stage stage;
-    stage_init(&stage);
+    stage_set(&stage);
     views(&stage);
     looks(&stage);
     samples(&stage);

@@ -1,0 +1,56 @@
+/*
+ * What stories of renditions share: a scene, its forest and border, and how they are looked at.
+ *
+ * The rendition takes memory where a story wants it to; stage_release gives it back with the rest,
+ * also where stage_init failed halfway.
+ */
+#ifndef TESTS_STAGE_H
+#define TESTS_STAGE_H
+
+#include "engine/border.h"
+#include "engine/forest.h"
+#include "render/rendition.h"
+#include "render/shade.h"
+
+struct stage {
+    struct scene *scene;
+    struct forest *forest;
+    struct border border;
+    struct view view;
+    struct camera camera;
+    struct palette palette;
+    struct look look;
+    struct shader shader;
+    struct rendition rendition;
+};
+
+/* Takes the scene, with a forest of no seeds, in the view and look that a session begins with. */
+static inline enum err stage_take(struct stage *s, struct scene *scene, unsigned adjacency,
+                                  struct fault *why)
+{
+    *s = (struct stage){.scene = scene, .view = view_default(scene), .look = look_default()};
+    palette_default(&s->palette);
+    const enum err err = forest_new(&s->forest, scene, adjacency, why);
+    return err ? err : border_init(&s->border, scene, why);
+}
+
+/* The same for a new scene, all of it zero. */
+static inline enum err stage_init(struct stage *s, const uint32_t size[3], unsigned adjacency,
+                                  struct fault *why)
+{
+    struct scene *scene = NULL;
+    *s = (struct stage){0};
+    const enum err err = scene_new(&scene, size, why);
+    return err ? err : stage_take(s, scene, adjacency, why);
+}
+
+static inline void stage_release(struct stage *s)
+{
+    rendition_release(&s->rendition);
+    shader_release(&s->shader);
+    border_release(&s->border);
+    forest_free(s->forest);
+    scene_free(s->scene);
+}
+
+#endif
