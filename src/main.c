@@ -10,6 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/choice.h"
 #include "base/clock.h"
 #include "base/confine.h"
 #include "base/file.h"
@@ -674,22 +675,12 @@ static enum err bench_paper_by(const struct options *o, struct fault *fault)
     return bench_paper(&how, fault);
 }
 
-enum bench { BENCH_BRAIN, BENCH_PAPER, BENCH_GROWTH, BENCH_RENDER, BENCH_JOURNAL, BENCHES };
-
-/* Which benchmark a word names, one of "brain|paper|growth|render|journal"; BENCHES for none. */
-static enum bench bench_named(const char *word)
-{
-    const char *name = "brain|paper|growth|render|journal";
-    enum bench bench = BENCH_BRAIN;
-    for (; bench < BENCHES; bench++, name += strcspn(name, "|") + 1)
-        if (strlen(word) == strcspn(name, "|") && strncmp(word, name, strlen(word)) == 0)
-            break;
-    return bench;
-}
+enum bench { BENCH_BRAIN, BENCH_PAPER, BENCH_GROWTH, BENCH_RENDER, BENCH_JOURNAL };
 
 static enum err program_bench(const struct options *o, struct fault *fault)
 {
-    const enum bench bench = o->words > 1 ? bench_named(o->word[1]) : BENCH_BRAIN;
+    static const char names[] = "brain|paper|growth|render|journal";
+    const int bench = o->words > 1 ? choice_find(names, o->word[1]) : BENCH_BRAIN;
     switch (bench) {
     case BENCH_BRAIN:
         return bench_brain(o->scene, o->json, stdout, fault);
@@ -703,8 +694,6 @@ static enum err program_bench(const struct options *o, struct fault *fault)
         return bench_render(o->json, stdout, &watch, fault);
     case BENCH_JOURNAL:
         return bench_journal(o->words > 2 ? o->word[2] : NULL, o->json, stdout, fault);
-    case BENCHES:
-        break;
     }
     return fault_set(fault, ERR_USAGE,
                      "bench: expected brain, paper, growth, render or journal, not %s", o->word[1]);

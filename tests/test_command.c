@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "base/choice.h"
 #include "base/file.h"
 #include "base/mem.h"
 #include "base/safe.h"
@@ -52,6 +53,29 @@ STORY(the_table_is_in_order)
                   (q->choices != NULL));
         }
     }
+}
+
+STORY(a_choice_is_a_whole_word_told_by_its_number)
+{
+    static const char words[] = "axial|ax|coronal";
+    const char *at = words;
+    struct choice choice;
+    for (unsigned i = 0; i < 3; i++) {
+        const struct choice same = choice_at(words, i);
+        CHECK(choice_next(&choice, &at));
+        CHECK(choice.word == same.word && choice.length == same.length);
+    }
+    CHECK(!choice_next(&choice, &at) && *at == '\0');
+    CHECK_INT(choice_find(words, "axial"), 0);
+    CHECK_INT(choice_find(words, "ax"), 1);
+    CHECK_INT(choice_find(words, "coronal"), 2);
+    for (const char *const *none = (const char *[]){"", "a", "axi", "coronals", "ax|coronal", NULL};
+         *none; none++)
+        CHECK_INT(choice_find(words, *none), -1);
+    CHECK_INT(choice_find("", ""), -1);
+    CHECK(choice_at(words, 9).length == strlen("coronal"));
+    CHECK(file_is_named("/there/a.NII.gz", ".nii|.nii.gz") && file_is_named("a.nii", ".gz|.nii"));
+    CHECK(!file_is_named("/there.nii/a", ".nii|.gz") && !file_is_named(".nii", ".nii"));
 }
 
 static void canonical(struct buf *out, const char *line, const struct session *session)
@@ -205,9 +229,8 @@ static void add_choice(struct buf *out, const char *choices)
     uint32_t n = 1;
     for (const char *at = choices; *at; at++)
         n += *at == '|';
-    for (n = below(n); n > 0; n--)
-        choices = strchr(choices, '|') + 1;
-    buf_add(out, choices, strcspn(choices, "|"));
+    const struct choice choice = choice_at(choices, below(n));
+    buf_add(out, choice.word, choice.length);
 }
 
 static void add_position(struct buf *out)
@@ -1836,7 +1859,8 @@ int main(void)
     make_scene();
     make_seed_files();
     int status = RUN_STORIES(
-        TELL(the_table_is_in_order), TELL(every_example_parses_and_its_canonical_form_is_its_own),
+        TELL(the_table_is_in_order), TELL(a_choice_is_a_whole_word_told_by_its_number),
+        TELL(every_example_parses_and_its_canonical_form_is_its_own),
         TELL(help_names_every_command_and_parameter), TELL(help_fits_80_columns),
         TELL(a_random_line_and_its_canonical_form_mean_the_same),
         TELL(millimetres_lead_to_the_nearest_voxel), TELL(a_wrong_line_is_told_what_was_expected),

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/choice.h"
 #include "base/file_steps.h"
 
 enum err file_read(struct buf *out, const char *path, size_t limit, struct fault *fault)
@@ -203,12 +204,11 @@ bool file_is_named(const char *path, const char *endings)
 {
     const char *name = file_name(path);
     const size_t length = strlen(name);
-    while (*endings) {
-        const size_t n = strcspn(endings, "|");
-        if (length > n && strncasecmp(name + length - n, endings, n) == 0)
+    struct choice end;
+    while (choice_next(&end, &endings))
+        if (length > end.length &&
+            strncasecmp(name + length - end.length, end.word, end.length) == 0)
             return true;
-        endings += n + (endings[n] == '|');
-    }
     return false;
 }
 

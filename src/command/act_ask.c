@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/choice.h"
 #include "journal/journal.h"
 
 void act_write_label(struct buf *out, const struct session *session, unsigned label)
@@ -90,15 +91,13 @@ ACT(why)
 static void tell_weight(struct buf *out, const struct settings *settings)
 {
     const struct weight_choice *choice = &settings->weight;
-    const char *kind = WEIGHT_KINDS;
+    const struct choice kind = choice_at(WEIGHT_KINDS, choice->kind);
     if (choice->kind == WEIGHT_FILE) {
         buf_add_text(out, "of ");
         buf_add_safe(out, settings->weight_file, strlen(settings->weight_file));
         return;
     }
-    for (enum weight_kind k = 0; k < choice->kind; k++)
-        kind += strcspn(kind, "|") + 1;
-    buf_add(out, kind, strcspn(kind, "|"));
+    buf_add(out, kind.word, kind.length);
     if (choice->radius > 1)
         buf_printf(out, " radius=%u", choice->radius);
     if (choice->sigma_thousandths)

@@ -3,6 +3,7 @@
 #include <ctype.h>
 #include <string.h>
 
+#include "base/choice.h"
 #include "base/file.h"
 #include "command/act.h"
 #include "journal/walk.h"
@@ -24,13 +25,10 @@ static bool takes_file(const struct command *command)
 /* One of "a|b|c", or a keyed parameter with its value. */
 static bool is_word_of(const struct parameter *p, const char *word)
 {
-    const size_t length = strlen(word), name = strlen(p->name);
+    const size_t name = strlen(p->name);
     if (p->keyed && strncmp(word, p->name, name) == 0 && word[name] == '=')
         return true;
-    for (const char *at = p->choices; at && *at; at += strcspn(at, "|"), at += *at == '|')
-        if (strcspn(at, "|") == length && strncmp(at, word, length) == 0)
-            return true;
-    return false;
+    return p->choices && choice_find(p->choices, word) >= 0;
 }
 
 static bool is_file(const struct command *command, const char *word)

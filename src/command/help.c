@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/choice.h"
 #include "render/view.h"
 #include "session/session.h"
 
@@ -149,11 +150,9 @@ static void offer(struct buf *out, const char *word, size_t length, const char *
 
 static void offer_choices(struct buf *out, const char *choices, const char *typed, size_t length)
 {
-    while (*choices) {
-        size_t n = strcspn(choices, "|");
-        offer(out, choices, n, typed, length);
-        choices += n + (choices[n] == '|');
-    }
+    struct choice choice;
+    while (choice_next(&choice, &choices))
+        offer(out, choice.word, choice.length, typed, length);
 }
 
 static void offer_values(struct buf *out, const struct parameter *p, const char *typed,

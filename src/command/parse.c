@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/choice.h"
 #include "base/safe.h"
 #include "base/scan.h"
 #include "render/view.h"
@@ -188,19 +189,6 @@ static enum err read_range(struct value *value, const struct parameter *p, const
     return OK;
 }
 
-/* Which of "a|b|c" a word is; -1 for none. */
-static int choice_of(const char *choices, const char *word)
-{
-    size_t length = strlen(word);
-    for (int i = 0; *choices; i++) {
-        size_t n = strcspn(choices, "|");
-        if (n == length && memcmp(choices, word, n) == 0)
-            return i;
-        choices += n + (choices[n] == '|');
-    }
-    return -1;
-}
-
 static enum err read_value(struct value *value, const struct parameter *p, const char *word,
                            const struct session *session, struct fault *fault)
 {
@@ -221,20 +209,20 @@ static enum err read_value(struct value *value, const struct parameter *p, const
         return read_number(value, p, word, 3, fault);
     case PARAMETER_CHOICE:
         value->text = word;
-        value->number = choice_of(p->choices, word);
+        value->number = choice_find(p->choices, word);
         return value->number < 0 ? expect(fault, p, word, p->choices) : OK;
     case PARAMETER_VIEW:
         value->text = view_by_name(word, angle) ? word : NULL;
         return value->text ? OK : read_number(value, p, word, 3, fault);
     case PARAMETER_NAMED_DECIMAL:
-        value->text = choice_of(p->choices, word) < 0 ? NULL : word;
+        value->text = choice_find(p->choices, word) < 0 ? NULL : word;
         return value->text ? OK : read_number(value, p, word, 3, fault);
     case PARAMETER_NAMED_POSITION:
-        value->text = choice_of(p->choices, word) < 0 ? NULL : word;
+        value->text = choice_find(p->choices, word) < 0 ? NULL : word;
         return value->text ? OK : read_position(value, p, word, session, fault);
     case PARAMETER_NAMED_FILE:
         value->text = word;
-        value->number = choice_of(p->choices, word);
+        value->number = choice_find(p->choices, word);
         return *word ? OK : expect(fault, p, word, "a word");
     case PARAMETER_COLOUR:
         if (*word != '#' || !scan_hex(&at, 6, &colour) || *at)

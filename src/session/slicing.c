@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/choice.h"
 #include "base/mem.h"
 #include "render/mosaic.h"
 #include "session/export.h"
@@ -129,10 +130,8 @@ static bool list_marks(struct sketch *sketch, const struct session *session)
 
 static void write_sight(char out[16], enum sight sight)
 {
-    const char *word = SIGHT_WORDS;
-    for (int i = 0; i < (int)sight; i++)
-        word += strcspn(word, "|") + 1;
-    snprintf(out, 16, "%.*s", (int)strcspn(word, "|"), word);
+    const struct choice choice = choice_at(SIGHT_WORDS, sight);
+    snprintf(out, 16, "%.*s", (int)choice.length, choice.word);
 }
 
 /* "axial 90", and where that is in the world: "S 18.0 mm". A file may put the scene anywhere: what
