@@ -372,9 +372,10 @@ static enum err program_commands(const struct options *o, struct fault *fault)
 }
 
 /* Before anything that a journal says is carried out: its limits, and the walls around it.
- * `written` are folders that may be written, NULL at their end. */
-static enum err be_wary(const struct options *o, char *const *journal, int journals,
-                        const char *const *written, struct fault *fault)
+ * `written` are folders that may be written, `run` programs that may be run or NULL, both with NULL
+ * at their end. */
+static enum err be_wary(const struct options *o, char *const *journal, const char *const *written,
+                        const char *const *run, struct fault *fault)
 {
     struct buf helper = {0};
     struct limits limits;
@@ -382,11 +383,12 @@ static enum err be_wary(const struct options *o, char *const *journal, int journ
     if (!err)
         err = image_helper_default_program(&helper, fault);
     const struct trust_places places = {.journal = journal,
-                                        .journals = journals,
+                                        .journals = 1,
                                         .scene = o->scene,
                                         .scenes = desk_scenes(),
                                         .helper = buf_text(&helper),
-                                        .written = written};
+                                        .written = written,
+                                        .run = run};
     if (!err) {
         trust_confine(&places);
         limits_begin(&limits);
@@ -418,7 +420,7 @@ static enum err program_replay(const struct options *o, struct fault *fault)
     handle_interrupts();
     here.journal = NULL;
     here.out = o->out ? o->out : buf_text(&fresh);
-    err = be_wary(o, o->word + 1, 1, (const char *const[]){here.out, NULL}, fault);
+    err = be_wary(o, o->word + 1, (const char *const[]){here.out, NULL}, NULL, fault);
     if (!err)
         err = replay_into(&here, fault);
     if (!o->out && trust_keep_folder(here.out)) {
@@ -465,6 +467,14 @@ static enum err seal_anew(const struct options *o, struct fault *fault)
     return err;
 }
 
+/* The two builds stand behind the walls that a replay stands behind. */
+static enum err begin_builds(void *context, const char *folder, const char *const *program,
+                             struct fault *fault)
+{
+    const struct options *o = context;
+    return be_wary(o, o->word + 1, (const char *const[]){folder, NULL}, program, fault);
+}
+
 static enum err find_first(const struct options *o, struct fault *fault)
 {
     const struct teller teller = {NULL, say, complain, NULL, NULL};
@@ -472,7 +482,9 @@ static enum err find_first(const struct options *o, struct fault *fault)
                                       .other = o->with,
                                       .scene_path = o->scene,
                                       .word = "run",
-                                      .watch = &watch};
+                                      .watch = &watch,
+                                      .begin = begin_builds,
+                                      .context = (void *)(uintptr_t)o};
     if (o->words != (o->with ? 2 : 3))
         return fault_set(fault, ERR_USAGE, "--bisect: expected %s; see iftty --help",
                          o->with ? "one journal" : "two journals, or one and --with PROGRAM");
@@ -486,7 +498,7 @@ static enum err begin_verifying(void *context, const char *journal, struct fault
 {
     const struct options *o = context;
     char *path = (char *)(uintptr_t)journal;
-    return be_wary(o, &path, 1, (const char *const[]){o->out, NULL}, fault);
+    return be_wary(o, &path, (const char *const[]){o->out, NULL}, NULL, fault);
 }
 
 static enum err program_verify(const struct options *o, struct fault *fault)

@@ -433,4 +433,54 @@ err_has "wrote no journal"
 listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >"$work/err" || fail "$(cat err)"
 close_story
 
+begin "builds are limited together, and neither stands for the other"
+big='open synth:geom; seed 100,100,50 1; run; adjacency 26; run; adjacency 6; run; adjacency 26; run'
+"$iftty" -c "$big" --journal big.iftty >/dev/null || fail "cannot record"
+for limit in "time 0.2" "memory 60M"; do
+    # shellcheck disable=SC2086
+    expect 3 "$iftty" verify --bisect big.iftty --with ./same-build --limit-$limit
+    err_has "of --limit-${limit% *}; it was stopped"
+done
+"$iftty" -c "open synth:geom; $(seq -f 'save root r%g.nii;' 9)" --journal wide.iftty >/dev/null
+rm -f r?.nii
+expect 3 "$iftty" verify --bisect wide.iftty --with ./same-build --limit-output 50M
+err_has "more than the 50 MB of --limit-output; it was stopped"
+expect 3 "$iftty" verify --bisect b1.iftty --with ./same-build --limit-output 100 # a file too large
+expect 2 "$iftty" verify --bisect b1.iftty --with ./same-build --limit-time never
+printf 'open s.nii\nseed 2,3,4 1\nopen missing.nii\n' >half
+"$iftty" run half --keep-going --journal half.iftty >/dev/null 2>&1
+sed 's/^seed 2,3,4/seed 2,3,99/' half.iftty >none.iftty
+expect 3 "$iftty" verify --bisect none.iftty --with ./same-build
+err_has "neither build carries out what follows record 1"
+out_has "this build with status"
+same "$(ls tmp)" ""
+close_story
+
+if "$iftty" info | grep -q '^landlock  version'; then
+    begin "behind walls, builds read and write what a replay may, and no more"
+    mkdir walled
+    echo precious >secret
+    cp s.nii walled
+    (cd walled && record w.iftty) || fail "cannot record"
+    cat >walled/curious-build <<EOS
+#!/bin/sh
+cat "$work/secret" >"\$6/found" && cp "\$6/found" "$work/stolen"
+echo mine >"$work/walled/written"
+exec "$iftty" "\$@"
+EOS
+    chmod +x walled/curious-build
+    expect 0 "$iftty" verify --bisect walled/w.iftty --with walled/curious-build
+    for gone in stolen walled/written; do [ ! -e "$gone" ] || fail "$gone was written"; done
+    printf 'open s.nii\nmask %s/secret.nii regions=1-99\nseed 2,3,4 1\n' "$work" >walled/prying
+    make_scene secret.nii 24 20 16
+    "$iftty" run walled/prying --scene s.nii --journal walled/prying.iftty >/dev/null ||
+        fail "cannot record"
+    cp same-build walled
+    expect 3 "$iftty" verify --bisect walled/prying.iftty --with walled/same-build
+    out_has "secret.nii"
+    close_story
+else
+    skip_story "behind walls, builds read and write what a replay may, and no more" "no Landlock"
+fi
+
 finish

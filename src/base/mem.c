@@ -103,15 +103,27 @@ void mem_limit(size_t bytes)
     limit = bytes;
 }
 
-size_t mem_held(void)
+static size_t held_by(const char *statm)
 {
-    FILE *file = fopen("/proc/self/statm", "re");
+    FILE *file = fopen(statm, "re");
     unsigned long all, resident = 0;
     if (file && fscanf(file, "%lu %lu", &all, &resident) != 2)
         resident = 0;
     if (file)
         fclose(file);
     return resident * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+size_t mem_held(void)
+{
+    return held_by("/proc/self/statm");
+}
+
+size_t mem_held_by(int process)
+{
+    char statm[40];
+    snprintf(statm, sizeof statm, "/proc/%d/statm", process);
+    return held_by(statm);
 }
 
 static size_t within_limit(size_t bytes)

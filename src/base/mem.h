@@ -41,8 +41,9 @@ void mem_pages_forget(void *pages, size_t bytes);
  * estimates it; SIZE_MAX where it does not say. No more than a limit leaves. */
 size_t mem_available(void);
 
-/* Bytes of physical memory that this process holds; 0 where the kernel does not say. */
+/* Bytes of physical memory that this process holds, or another; 0 where the kernel does not say. */
 size_t mem_held(void);
+size_t mem_held_by(int process);
 
 /* From now on no more than so many are to be held: mem_available says what that leaves. */
 void mem_limit(size_t bytes);

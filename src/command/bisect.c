@@ -180,6 +180,12 @@ static enum err compare(const char *const path[2], const char *const name[2],
         err = file_read(bytes + 1, path[1], JOURNAL_BYTES_MAX, fault);
     if (!err)
         err = bisect_bytes(&found, name, bytes, fault);
+    if (!err && !found.number && *more[0] && *more[1]) {
+        teller->say(teller->context, more[0]);
+        teller->say(teller->context, more[1]);
+        err = fault_set(fault, ERR_INPUT, "neither build carries out what follows record %zu",
+                        found.records);
+    }
     for (int i = 0; !err && i < 2; i++)
         buf_add_text(&found.lines, more[i]);
     if (!err)

@@ -26,9 +26,16 @@ struct bisect_builds {
     const char *scene_path;      /* as for a replay, or NULL */
     const char *word;            /* of the command line, for carrying a script out */
     struct watch *watch;
+    /* Before the two programs, ended by NULL, are started, which are to write below the folder; or
+     * NULL. For walls and limits: both hold for them as well. */
+    enum err (*begin)(void *context, const char *folder, const char *const *program,
+                      struct fault *fault);
+    void *context;
 };
 
-/* The same for this program and another. Scenes are found where the journal lies. */
+/* The same for this program and another. Scenes are found where the journal lies. ERR_INPUT where
+ * both end at the same record, which neither can carry out: that they differ nowhere is not known
+ * then; ERR_LIMIT. */
 enum err bisect_builds(const struct bisect_builds *builds, const struct teller *teller,
                        struct fault *fault);
 

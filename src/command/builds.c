@@ -15,6 +15,8 @@
 
 #include "base/file.h"
 #include "base/folder.h"
+#include "base/mem.h"
+#include "command/limits.h"
 
 enum { LOOK_MS = 20, ERRORS_MOST = 1 << 20 };
 
@@ -85,6 +87,26 @@ static bool has_ended(struct side *side)
     return process == side->process || (process < 0 && errno == ECHILD);
 }
 
+static uint64_t written_bytes;
+
+static int add_written(const char *path, const struct stat *status, int type, struct FTW *where)
+{
+    (void)path, (void)where;
+    written_bytes += type == FTW_F ? (uint64_t)status->st_size : 0;
+    return 0;
+}
+
+/* What the builds hold now, and have written by now. */
+static void count(struct builds *b)
+{
+    uint64_t held = 0;
+    for (int i = 0; i < 2; i++)
+        held += b->side[i].process ? mem_held_by(b->side[i].process) : 0;
+    written_bytes = 0;
+    nftw(buf_text(&b->folder), add_written, 8, FTW_PHYS);
+    limits_count(held, written_bytes);
+}
+
 /* Until both have ended; the watch ends them. */
 static enum err wait_for_both(struct builds *b, struct watch *watch, struct fault *fault)
 {
@@ -92,6 +114,7 @@ static enum err wait_for_both(struct builds *b, struct watch *watch, struct faul
         for (int i = 0; i < 2; i++)
             if (b->side[i].process && has_ended(b->side + i))
                 b->side[i].process = 0;
+        count(b);
         if (watch_fault(watch, NULL))
             return fault_set(fault, ERR_CANCELLED, "cancelled; the two builds were ended");
         poll(NULL, 0, LOOK_MS);
@@ -123,6 +146,25 @@ static enum err judge(struct side *side, const char *name, struct fault *fault)
     return side->words.failed ? fault_memory(fault, "a report") : OK;
 }
 
+static enum err run_both(struct builds *b, const struct bisect_builds *how, const char *commands,
+                         const char *scene, struct fault *fault)
+{
+    const struct buf nothing = {0};
+    const char *const program[] = {buf_text(&b->side[0].program), buf_text(&b->side[1].program),
+                                   NULL};
+    enum err err = OK;
+    if (how->begin)
+        err = how->begin(how->context, buf_text(&b->folder), program, fault);
+    if (err)
+        return err;
+    limits_will_write();
+    for (int i = 0; !err && i < 2; i++)
+        err = begin(b->side + i, how->word, commands, scene, fault);
+    if (!err)
+        err = wait_for_both(b, how->watch, fault);
+    return limits_judge(err, &nothing, fault);
+}
+
 enum err builds_run(struct builds *b, const struct bisect_builds *how, struct fault *fault)
 {
     struct buf commands = {0}, scene = {0};
@@ -137,10 +179,8 @@ enum err builds_run(struct builds *b, const struct bisect_builds *how, struct fa
     if (!err)
         err = prepare(b, b->side + 1, "other", how->other, fault);
     const char *at = scene.length ? buf_text(&scene) : how->scene_path;
-    for (int i = 0; !err && i < 2; i++)
-        err = begin(b->side + i, how->word, buf_text(&commands), at, fault);
     if (!err)
-        err = wait_for_both(b, how->watch, fault);
+        err = run_both(b, how, buf_text(&commands), at, fault);
     if (!err)
         err = judge(b->side, "this build", fault);
     if (!err)
@@ -150,10 +190,11 @@ enum err builds_run(struct builds *b, const struct bisect_builds *how, struct fa
     return err;
 }
 
+/* Walls that let an empty folder be removed let no file be tried there. */
 static int remove_one(const char *path, const struct stat *status, int type, struct FTW *where)
 {
-    (void)status, (void)type, (void)where;
-    return remove(path);
+    (void)status, (void)where;
+    return type == FTW_DP ? rmdir(path) : unlink(path);
 }
 
 void builds_release(struct builds *b)

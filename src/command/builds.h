@@ -1,6 +1,9 @@
 /*
  * Two builds of the program carry the commands of one journal out, at the same time, each into a
  * journal of its own in a temporary folder that goes away with struct builds.
+ *
+ * The commands may be a stranger's: whoever wants the builds confined and limited does it to this
+ * process in how->begin, which they inherit. What both take is counted together as its own.
  */
 #ifndef COMMAND_BUILDS_H
 #define COMMAND_BUILDS_H

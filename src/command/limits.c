@@ -17,7 +17,8 @@ static struct {
     bool hold;
     struct limits limits;
     uint64_t begun_ns, looked_ns, output_bytes;
-    enum { WITHIN, TOO_LONG, TOO_MUCH_MEMORY } state;
+    uint64_t others_held_bytes, others_written_bytes;
+    enum { WITHIN, TOO_LONG, TOO_MUCH_MEMORY, TOO_MUCH_OUTPUT } state;
     struct rlimit file_size; /* as it was */
     bool is_file_size_set;
 } now;
@@ -73,7 +74,7 @@ void limits_begin(const struct limits *limits)
     now.limits = *limits;
     now.begun_ns = clock_ns();
     now.looked_ns = 0;
-    now.output_bytes = 0;
+    now.output_bytes = now.others_held_bytes = now.others_written_bytes = 0;
     now.state = WITHIN;
     const size_t free_bytes = mem_available();
     if (!now.limits.memory_bytes)
@@ -94,8 +95,10 @@ bool limits_stop(void)
     now.looked_ns = ns;
     if (ns - now.begun_ns > now.limits.time_ms * 1000000)
         now.state = TOO_LONG;
-    else if (mem_held() > now.limits.memory_bytes)
+    else if (mem_held() + now.others_held_bytes > now.limits.memory_bytes)
         now.state = TOO_MUCH_MEMORY;
+    else if (now.others_written_bytes > now.limits.output_bytes)
+        now.state = TOO_MUCH_OUTPUT;
     return now.state != WITHIN;
 }
 
@@ -109,6 +112,12 @@ struct watch *limits_watch(void)
 {
     static struct watch watch = {.look = look};
     return now.hold ? &watch : NULL;
+}
+
+void limits_count(uint64_t held_bytes, uint64_t written_bytes)
+{
+    now.others_held_bytes = held_bytes;
+    now.others_written_bytes = written_bytes;
 }
 
 void limits_will_write(void)
@@ -162,6 +171,10 @@ enum err limits_judge(enum err err, const struct buf *written, struct fault *fau
         return fault_set(fault, ERR_LIMIT,
                          "the journal takes more than the %g MB of --limit-memory; it was stopped",
                          (double)now.limits.memory_bytes / 1e6);
+    if (now.state == TOO_MUCH_OUTPUT)
+        return fault_set(fault, ERR_LIMIT,
+                         "the journal writes more than the %g MB of --limit-output; it was stopped",
+                         (double)now.limits.output_bytes / 1e6);
     if ((err == ERR_LIMIT || err == ERR_MEMORY) && fault && strstr(fault->text, "memory"))
         fault_prefix(fault, err, "--limit-memory allows %g MB",
                      (double)now.limits.memory_bytes / 1e6);

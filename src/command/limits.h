@@ -4,7 +4,8 @@
  * One set for the process, because memory and time are the process's. Memory is looked at before
  * a scene is loaded (mem_available) and again while commands work; time while they work and behind
  * each; output before a file grows too large and behind each command, whose files go again. What is
- * beyond a limit ends the replay with ERR_LIMIT and one line that names the option.
+ * beyond a limit ends the replay with ERR_LIMIT and one line that names the option. Where other
+ * processes do the work, what they take is counted.
  */
 #ifndef COMMAND_LIMITS_H
 #define COMMAND_LIMITS_H
@@ -33,6 +34,10 @@ void limits_begin(const struct limits *limits);
  * or NULL where no limits hold. */
 bool limits_stop(void);
 struct watch *limits_watch(void);
+
+/* Processes that work for this one hold so much memory, and have written so much: from now on that
+ * counts as its own. */
+void limits_count(uint64_t held_bytes, uint64_t written_bytes);
 
 /* A file is about to be written: it cannot grow beyond what is left. */
 void limits_will_write(void);

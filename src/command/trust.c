@@ -242,6 +242,16 @@ static void gather_system(struct gathering *g)
     gather(g, "/dev/null", CONFINE_DEVICE);
 }
 
+static void gather_programs(struct gathering *g, const char *const *program)
+{
+    if (program && *program) {
+        gather(g, "/bin", CONFINE_READ | CONFINE_RUN);
+        gather(g, "/usr/bin", CONFINE_READ | CONFINE_RUN);
+    }
+    for (; program && *program; program++)
+        gather_folder_of(g, *program, CONFINE_READ | CONFINE_RUN);
+}
+
 bool trust_confine(const struct trust_places *places)
 {
     static struct gathering g; /* large */
@@ -254,6 +264,7 @@ bool trust_confine(const struct trust_places *places)
         gather(&g, *at, CONFINE_WRITE);
         gather_folder_of(&g, *at, CONFINE_EMPTY);
     }
+    gather_programs(&g, places->run);
     gather_journals(&g, places);
     const bool is_confined = !g.is_full && confine_to(g.place, g.places);
     while (g.mades > 0)

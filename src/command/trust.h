@@ -53,6 +53,8 @@ struct trust_places {
     const char *scene, *scenes; /* --scene; folders, separated by colons */
     const char *helper;         /* the image helper's program */
     const char *const *written; /* folders, ended by NULL, that the user wants written */
+    const char *const *run;     /* programs, ended by NULL, that the user wants run: with what lies
+                                   in their folders, and with the system's, if they are scripts */
 };
 
 /* Confines the process to these places, for ever. False, and nothing is confined, where the kernel
