@@ -2,6 +2,8 @@
 
 #include <stdbool.h>
 
+#include "base/utf8.h"
+
 struct range {
     uint32_t first, last;
 };
@@ -133,24 +135,8 @@ unsigned char_width(uint32_t point)
 
 size_t char_read(const char *text, size_t length, uint32_t *point)
 {
-    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
-    const unsigned char *byte = (const unsigned char *)text;
-    size_t n = byte[0] < 0x80   ? 1
-               : byte[0] < 0xC2 ? 0
-               : byte[0] < 0xE0 ? 2
-               : byte[0] < 0xF0 ? 3
-                                : 4;
-    *point = CHAR_BROKEN;
-    if (n == 0 || n > length || byte[0] > 0xF4)
-        return 1;
-    uint32_t value = n == 1 ? byte[0] : byte[0] & (0xFFu >> (n + 1));
-    for (size_t i = 1; i < n; i++) {
-        if ((byte[i] & 0xC0) != 0x80)
-            return 1;
-        value = value << 6 | (byte[i] & 0x3F);
-    }
-    if (value < least[n] || value > 0x10FFFF || (value >= 0xD800 && value <= 0xDFFF))
-        return 1;
-    *point = value;
-    return n;
+    const size_t n = utf8_read(text, length, point);
+    if (n == 0)
+        *point = CHAR_BROKEN;
+    return n ? n : 1;
 }

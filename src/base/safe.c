@@ -4,6 +4,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/utf8.h"
+
 /* Code points that print nothing of their own but change how other text looks. */
 static bool is_formatting(uint32_t point)
 {
@@ -21,36 +23,11 @@ static bool is_formatting(uint32_t point)
     return false;
 }
 
-/* Length of the sequence that a lead byte announces; 0 for what cannot lead. */
-static size_t sequence_length(unsigned char lead)
-{
-    if (lead < 0x80)
-        return 1;
-    if (lead >= 0xC2 && lead <= 0xDF)
-        return 2;
-    if (lead >= 0xE0 && lead <= 0xEF)
-        return 3;
-    if (lead >= 0xF0 && lead <= 0xF4)
-        return 4;
-    return 0;
-}
-
 size_t safe_character(const char *text, size_t length)
 {
-    const unsigned char *byte = (const unsigned char *)text;
-    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
-    size_t n = sequence_length(byte[0]);
-    if (n == 0 || n > length)
-        return 0;
-    uint32_t point = n == 1 ? byte[0] : byte[0] & (0xFFu >> (n + 1));
-    for (size_t i = 1; i < n; i++) {
-        if ((byte[i] & 0xC0) != 0x80)
-            return 0;
-        point = point << 6 | (byte[i] & 0x3F);
-    }
-    if (point < least[n] || point > 0x10FFFF || (point >= 0xD800 && point <= 0xDFFF))
-        return 0;
-    return is_formatting(point) ? 0 : n;
+    uint32_t point;
+    const size_t n = utf8_read(text, length, &point);
+    return n && !is_formatting(point) ? n : 0;
 }
 
 size_t safe_copy(char *out, size_t capacity, const char *text, size_t length)
