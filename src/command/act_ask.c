@@ -39,11 +39,8 @@ void act_tell_voxel(struct buf *out, const struct session *session, uint32_t at)
     const struct grid *grid = &session->scene->grid;
     const struct cell *cell = session->scene->cell + at;
     struct place p = grid_place(grid, at);
-    const double index[4] = {p.x, p.y, p.z, 1};
-    double mm[3] = {0, 0, 0};
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 4; j++)
-            mm[i] += session->geometry.to_mm[i][j] * index[j];
+    double mm[3];
+    geometry_point(&session->geometry, (const uint32_t[]){p.x, p.y, p.z}, mm);
     buf_printf(out, "voxel %u,%u,%u at %.1f,%.1f,%.1f mm: intensity %g, ", p.x, p.y, p.z, mm[0],
                mm[1], mm[2], real_value(session, cell->intensity));
     tell_voxel_weight(out, session, cell);

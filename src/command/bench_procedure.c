@@ -104,10 +104,7 @@ static enum err draw_kind(struct procedure *procedure, unsigned k, const struct 
         struct procedure_place *place = &procedure->place[procedure->places++];
         *place = (struct procedure_place){
             .kind = k, .order = hash_mix_at(grid_voxel(grid, seeds.edit[i].cell), k)};
-        for (int w = 0; w < 3; w++) {
-            const double *m = base->geometry.to_mm[w];
-            place->mm[w] = m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
-        }
+        geometry_point(&base->geometry, (const uint32_t[]){p.x, p.y, p.z}, place->mm);
     }
     seeds_release(&seeds);
     return err;

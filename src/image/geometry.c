@@ -75,6 +75,14 @@ void geometry_axes(char letters[4], const struct geometry *geometry)
     letters[3] = '\0';
 }
 
+void geometry_point(const struct geometry *geometry, const uint32_t place[3], double point_mm[3])
+{
+    for (int w = 0; w < 3; w++) {
+        const double *m = geometry->to_mm[w];
+        point_mm[w] = m[0] * place[0] + m[1] * place[1] + m[2] * place[2] + m[3];
+    }
+}
+
 /* Solves to_mm * (i, j, k, 1) = point. */
 bool geometry_voxel(const struct geometry *geometry, const double point_mm[3], int64_t place[3])
 {

@@ -34,6 +34,9 @@ void geometry_place_plain(struct geometry *geometry, const double spacing_mm[3])
 /* Which side of the patient each voxel axis runs towards: "RAS" where they are the world's. */
 void geometry_axes(char letters[4], const struct geometry *geometry);
 
+/* Where the middle of a voxel is. */
+void geometry_point(const struct geometry *geometry, const uint32_t place[3], double point_mm[3]);
+
 /* The voxel nearest to a point of the world, be it in the scene or not. False where it is out of
  * all proportion: a billion voxels off. */
 bool geometry_voxel(const struct geometry *geometry, const double point_mm[3], int64_t place[3]);

@@ -140,8 +140,9 @@ static void write_title(char out[64], const struct session *session, enum slice_
 {
     static const char side[3][2] = {{'I', 'S'}, {'P', 'A'}, {'L', 'R'}};
     const uint32_t *cross = session->settings.slices.cross;
-    const double *row = session->geometry.to_mm[2 - plane];
-    const double mm = row[0] * cross[0] + row[1] * cross[1] + row[2] * cross[2] + row[3];
+    double point_mm[3];
+    geometry_point(&session->geometry, cross, point_mm);
+    const double mm = point_mm[2 - plane];
     const bool is_far = fabs(mm) >= 1e9;
     const long long tenths = is_far ? 0 : llround(mm * 10);
     char name[16];
