@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "image/nifti.h"
 #include "tests/at_desk.h"
+#include "tests/folder.h"
 
 static char folder[] = "/tmp/iftty-story-XXXXXX";
 static const uint32_t size[3] = {12, 11, 10};
@@ -217,12 +218,11 @@ static inline bool begin_folder(void)
     return mkdtemp(folder) && chdir(folder) == 0;
 }
 
-static inline bool end_folder(void)
+/* 1 where something is left of it. */
+static inline int end_folder(void)
 {
-    char command[PATH_MAX];
     reply_release(&reply);
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    return system(command) == 0;
+    return remove_folder(folder);
 }
 
 #endif

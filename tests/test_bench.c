@@ -10,6 +10,7 @@
 #include "command/bench_times.h"
 #include "command/plot.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 
 /* ---- the procedure ---- */
 
@@ -481,7 +482,5 @@ int main(void)
         TELL(every_row_of_csv_has_every_column), TELL(ticks_are_round),
         TELL(a_chart_holds_every_value), TELL(a_chart_of_zeros_is_a_chart),
         TELL(charts_overwrite_nothing), TELL(medians_and_quantiles_of_times_in_any_order));
-    char command[PATH_MAX];
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    return status | (system(command) != 0);
+    return status | remove_folder(folder);
 }

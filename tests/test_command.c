@@ -1884,5 +1884,5 @@ int main(void)
         TELL(weights_are_named_and_stay_without_memory),
         TELL(pictures_without_memory_leave_everything_as_it_was),
         TELL(a_journal_that_cannot_begin_undoes_the_command));
-    return status | !end_folder();
+    return status | end_folder();
 }

@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "image/exr.h"
+#include "tests/folder.h"
 #include "tests/stage.h"
 
 /* ---- by hand ---- */
@@ -580,7 +581,5 @@ int main(void)
                     TELL(a_picture_notes_what_is_cut_away_and_in_focus),
                     TELL(cuts_are_taken_back_and_replayed_exactly));
     reply_release(&reply);
-    char command[PATH_MAX];
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    return status | (system(command) != 0);
+    return status | remove_folder(folder);
 }

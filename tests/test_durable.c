@@ -13,6 +13,7 @@
 #include "journal/journal.h"
 #include "journal/log.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 
 static char folder[64];
 
@@ -386,14 +387,6 @@ STORY(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken)
     buf_release(&bytes);
 }
 
-static void remove_folder(void)
-{
-    char command[96];
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    if (system(command) != 0)
-        printf("# %s is left behind\n", folder);
-}
-
 int main(void)
 {
     /* in memory where there is such a place: thousands of syncs follow */
@@ -408,6 +401,5 @@ int main(void)
                              TELL(a_second_writer_is_told_who_has_it_and_may_look),
                              TELL(looking_leaves_a_torn_tail_alone),
                              TELL(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken));
-    remove_folder();
-    return status;
+    return status | remove_folder(folder);
 }

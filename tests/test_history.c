@@ -588,5 +588,5 @@ int main(void)
         TELL(who_is_stopped_on_the_way_is_where_he_was),
         TELL(what_is_skimmed_is_what_was_carried_out), TELL(a_journal_that_lies_is_not_resumed),
         TELL(what_is_put_away_comes_back));
-    return status | !end_folder();
+    return status | end_folder();
 }

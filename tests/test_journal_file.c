@@ -13,6 +13,7 @@
 #include "journal/journal.h"
 #include "journal/walk.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 
 static char folder[64];
 
@@ -656,14 +657,6 @@ STORY(kill_9_loses_nothing_that_was_acknowledged)
     CHECK(acknowledged >= 40);
 }
 
-static void remove_folder(void)
-{
-    char command[96];
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    if (system(command) != 0)
-        printf("# %s is left behind\n", folder);
-}
-
 int main(void)
 {
     /* in memory where there is such a place: thousands of syncs follow */
@@ -684,6 +677,5 @@ int main(void)
         TELL(a_process_that_dies_at_any_step_leaves_at_most_a_torn_record),
         TELL(kill_9_loses_nothing_that_was_acknowledged),
         TELL(a_torn_tail_is_kept_aside_and_cut_for_every_cut));
-    remove_folder();
-    return status;
+    return status | remove_folder(folder);
 }

@@ -21,6 +21,7 @@
 #include "journal/journal.h"
 #include "journal/walk.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 
 enum { VICTIMS = 2, NEW_AFTER = 6 };
 
@@ -212,14 +213,6 @@ STORY(kill_9_at_any_moment_takes_nothing_that_was_acknowledged)
     CHECK(acknowledged > 4 * rounds);
 }
 
-static void remove_folder(void)
-{
-    char command[96];
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    if (system(command) != 0)
-        printf("# %s is left behind\n", folder);
-}
-
 int main(void)
 {
     const char *build = getenv("IFTTY_BUILD");
@@ -229,6 +222,5 @@ int main(void)
     if (!mkdtemp(folder))
         return 1;
     int status = RUN_STORIES(TELL(kill_9_at_any_moment_takes_nothing_that_was_acknowledged));
-    remove_folder();
-    return status;
+    return status | remove_folder(folder);
 }

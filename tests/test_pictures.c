@@ -8,6 +8,7 @@
 #include "image/exr.h"
 #include "session/export.h"
 #include "tests/at_desk.h"
+#include "tests/folder.h"
 
 static char folder[] = "/tmp/iftty-pictures-XXXXXX";
 
@@ -429,7 +430,5 @@ int main(void)
         TELL(a_picture_that_fails_later_changes_nothing_else),
         TELL(releasing_a_desk_waits_for_its_pictures));
     reply_release(&reply);
-    char command[PATH_MAX];
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    return status | (system(command) != 0);
+    return status | remove_folder(folder);
 }

@@ -13,6 +13,7 @@
 #include "image/nifti.h"
 #include "render/text.h"
 #include "tests/at_desk.h"
+#include "tests/folder.h"
 
 static char folder[] = "/tmp/iftty-sights-XXXXXX";
 
@@ -692,7 +693,5 @@ int main(void)
         TELL(an_exr_of_a_slice_holds_labels_and_voxels),
         TELL(golden_slices_are_compared_when_replayed));
     reply_release(&reply);
-    char command[PATH_MAX];
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    return status | (system(command) != 0);
+    return status | remove_folder(folder);
 }

@@ -17,6 +17,7 @@
 #include "command/limits.h"
 #include "command/trust.h"
 #include "engine/scene.h"
+#include "tests/folder.h"
 
 /* ---- SHA-256 ---- */
 
@@ -189,13 +190,6 @@ static bool make_top(void)
            mkfifo(below_top("in/pipe"), 0666) == 0;
 }
 
-static void remove_top(void)
-{
-    char command[100];
-    snprintf(command, sizeof command, "rm -rf '%s'", top);
-    CHECK_INT(system(command), 0);
-}
-
 STORY(a_name_is_found_below_its_folder_and_nowhere_else)
 {
     static const struct {
@@ -240,7 +234,7 @@ STORY(a_name_is_found_below_its_folder_and_nowhere_else)
         CHECK(stepwise == expected[i].stepwise);
     }
     trust_without_openat2 = false;
-    remove_top();
+    CHECK(remove_folder(top) == 0);
 }
 
 /* ---- the kernel's walls ---- */
@@ -302,7 +296,7 @@ STORY(behind_walls_only_the_places_given_can_be_reached)
     CHECK(child > 0 && waitpid(child, &status, 0) == child);
     CHECK(WIFEXITED(status));
     CHECK_INT(WEXITSTATUS(status), 0);
-    remove_top();
+    CHECK(remove_folder(top) == 0);
 }
 
 /* The last story: limits hold for the process, for good. */
