@@ -21,6 +21,7 @@
 #include "command/bench.h"
 #include "command/bisect.h"
 #include "command/drive.h"
+#include "command/graph.h"
 #include "command/limits.h"
 #include "command/provenance.h"
 #include "command/reseal.h"
@@ -28,6 +29,7 @@
 #include "command/verify.h"
 #include "journal/log.h"
 #include "session/export.h"
+#include "tui/crop.h"
 #include "tui/progress.h"
 #include "tui/repl.h"
 
@@ -42,6 +44,7 @@ static const char usage[] =
     "    iftty log JOURNAL              print a journal; --script its commands, --check its chain\n"
     "                                   --export FILE as W3C PROV-JSON; --anonymise leaves out\n"
     "                                   comments and the names of files\n"
+    "    iftty log --graph JOURNAL      draw the alternatives in it, and which one is the present\n"
     "    iftty log --repair JOURNAL     keep what is sound of it, and the rest beside it\n"
     "    iftty show PICTURE             show a picture file inline, if the terminal can\n"
     "    iftty info [FILE]              what a picture, a scene, a journal or the program says of\n"
@@ -86,7 +89,8 @@ struct options {
     const char *rounds, *plots;
     const char *processes, *from, *until, *junit, *html, *accept, *with, *export;
     const char *limit_memory, *limit_time, *limit_output;
-    bool keep_going, read_only, script, check, repair, reseal, anonymise, bisect, json, csv, quick;
+    bool keep_going, read_only, script, check, repair, reseal, anonymise, bisect, json, csv, quick,
+        graph;
     enum graphics graphics;
     char **word; /* what is left: program and files */
     int words;
@@ -231,6 +235,7 @@ static enum err read_options(struct options *o, int count, char **word, struct f
                  {"--check", &o->check},
                  {"--reseal", &o->reseal},
                  {"--bisect", &o->bisect},
+                 {"--graph", &o->graph},
                  {"--anonymise", &o->anonymise},
                  {"--json", &o->json},
                  {"--csv", &o->csv},
@@ -562,6 +567,24 @@ static enum err export_log(const struct options *o, const struct buf *bytes, str
     return err;
 }
 
+/* `log --graph`: at a terminal no wider than it is, with lines where the locale has them. */
+static enum err print_graph(const struct buf *bytes, struct fault *fault)
+{
+    const bool is_terminal = isatty(STDOUT_FILENO);
+    struct buf drawn = {0}, text = {0};
+    enum err err = graph_draw(&drawn, buf_text(bytes), bytes->length,
+                              is_terminal && crop_locale_is_utf8(), fault);
+    if (!err)
+        crop_lines(&text, buf_text(&drawn), is_terminal ? crop_columns(STDOUT_FILENO) : 0);
+    if (!err && text.failed)
+        err = fault_memory(fault, "the graph of a journal");
+    if (!err)
+        fputs(buf_text(&text), stdout);
+    buf_release(&text);
+    buf_release(&drawn);
+    return err;
+}
+
 static enum err program_log(const struct options *o, struct fault *fault)
 {
     struct buf bytes = {0}, text = {0};
@@ -577,6 +600,8 @@ static enum err program_log(const struct options *o, struct fault *fault)
         err = journal_check(&condition, buf_text(&bytes), bytes.length, fault);
         if (!err)
             puts(condition.text);
+    } else if (!err && o->graph) {
+        err = print_graph(&bytes, fault);
     } else if (!err && o->export) {
         err = export_log(o, &bytes, fault);
     } else if (!err && o->anonymise) {
