@@ -20,6 +20,7 @@
 #include "command/anonymise.h"
 #include "command/bench.h"
 #include "command/bisect.h"
+#include "command/diff.h"
 #include "command/drive.h"
 #include "command/graph.h"
 #include "command/limits.h"
@@ -41,6 +42,8 @@ static const char usage[] =
     "    iftty -c 'COMMAND; COMMAND'    carry out these commands\n"
     "    iftty replay JOURNAL           carry a journal out again, compare every result\n"
     "    iftty verify JOURNAL...        the same quietly, and compare golden images; TAP\n"
+    "    iftty diff A B                 where two journals part, and how far their labels differ:\n"
+    "                                   Dice, voxels, a picture; --json, --until\n"
     "    iftty log JOURNAL              print a journal; --script its commands, --check its chain\n"
     "                                   --export FILE as W3C PROV-JSON; --anonymise leaves out\n"
     "                                   comments and the names of files\n"
@@ -63,11 +66,12 @@ static const char usage[] =
     "verify\n"
     "                      leaves there what a golden image differs by\n"
     "    -j N              verify N journals at once (1..64; 1)\n"
-    "    --from N, --until N  compare these records only (verify)\n"
+    "    --from N, --until N  compare these records only (verify); carry out no more (diff)\n"
     "    --junit FILE, --html FILE  what verify found: for other programs, and as a page with the\n"
     "                      pictures of each failure; written anew\n"
     "    --bisect          find the first record that differs in two journals, or, with\n"
     "                      --with PROGRAM, in what another build gives (verify)\n"
+    "    --picture FILE.png  both renditions, and where they differ, side by side (diff)\n"
     "    --accept WHY      draw up anew the golden images of a journal that differ (verify), and\n"
     "                      note in it why; refused where CI is set\n"
     "    --reseal          give a journal that was edited its results anew (log)\n"
@@ -87,7 +91,7 @@ static const char usage[] =
 struct options {
     const char *journal, *scene, *out, *commands;
     const char *rounds, *plots;
-    const char *processes, *from, *until, *junit, *html, *accept, *with, *export;
+    const char *processes, *from, *until, *junit, *html, *accept, *with, *export, *picture;
     const char *limit_memory, *limit_time, *limit_output;
     bool keep_going, read_only, script, check, repair, reseal, anonymise, bisect, json, csv, quick,
         graph;
@@ -221,6 +225,7 @@ static enum err read_options(struct options *o, int count, char **word, struct f
                   {"--junit", &o->junit},
                   {"--html", &o->html},
                   {"--export", &o->export},
+                  {"--picture", &o->picture},
                   {"--limit-memory", &o->limit_memory},
                   {"--limit-time", &o->limit_time},
                   {"--limit-output", &o->limit_output},
@@ -506,9 +511,10 @@ static enum err begin_verifying(void *context, const char *journal, struct fault
     return be_wary(o, &path, (const char *const[]){o->out, NULL}, NULL, fault);
 }
 
+enum { RECORDS_MOST = 999999999 };
+
 static enum err program_verify(const struct options *o, struct fault *fault)
 {
-    enum { RECORDS_MOST = 999999999 };
     const struct teller teller = {NULL, say, complain, NULL, NULL};
     struct verify_options how = {.path = o->word + 1,
                                  .scene_path = o->scene,
@@ -541,6 +547,27 @@ static enum err program_verify(const struct options *o, struct fault *fault)
     how.processes = (unsigned)processes;
     handle_interrupts();
     return verify_files(&how, &teller, fault);
+}
+
+static enum err program_diff(const struct options *o, struct fault *fault)
+{
+    const struct teller teller = {NULL, say, complain, NULL, NULL};
+    struct diff_options how = {.scene_path = o->scene,
+                               .picture = o->picture,
+                               .json = o->json,
+                               .begin = begin_verifying,
+                               .context = (void *)(uintptr_t)o,
+                               .watch = &watch};
+    if (o->words != 3)
+        return fault_set(fault, ERR_USAGE, "%s: expected two journals or scripts; see iftty --help",
+                         o->word[0]);
+    enum err err = read_number("--until", o->until, RECORDS_MOST, 0, &how.last, fault);
+    if (err)
+        return err;
+    how.path[0] = o->word[1];
+    how.path[1] = o->word[2];
+    handle_interrupts();
+    return diff_journals(&how, &teller, fault);
 }
 
 static enum err repair(const char *path, struct fault *fault)
@@ -922,7 +949,7 @@ int main(int count, char **word)
         enum err (*run)(const struct options *o, struct fault *fault);
     } program[] = {{"run", program_run},     {"replay", program_replay}, {"verify", program_verify},
                    {"log", program_log},     {"show", program_show},     {"info", program_info},
-                   {"bench", program_bench}, {"help", program_help}};
+                   {"bench", program_bench}, {"help", program_help},     {"diff", program_diff}};
     struct options options;
     struct fault fault = {0};
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error that a write returns */

@@ -1,0 +1,375 @@
+/*
+ * The pure parts of a comparison of two journals: where their commands part, how far labels differ,
+ * the picture of it, and errands, which other processes run.
+ */
+#include <signal.h>
+#include <stdlib.h>
+
+#include "command/contrast.h"
+#include "command/errand.h"
+#include "command/parting.h"
+#include "tests/at_desk.h"
+
+/* ---- where commands part ---- */
+
+static struct parting find(const char *a, const char *b, size_t last)
+{
+    struct parting parting = {0};
+    struct buf bytes[2] = {{0}, {0}};
+    buf_add_text(bytes, a);
+    buf_add_text(bytes + 1, b);
+    CHECK(parting_find(&parting, (const char *const[]){"a", "b"}, bytes, last, NULL) == OK);
+    buf_release(bytes);
+    buf_release(bytes + 1);
+    return parting;
+}
+
+static void check_same(const char *a, const char *b, size_t same)
+{
+    struct parting p = find(a, b, 0);
+    CHECK(!p.parts);
+    CHECK_INT(p.same, same);
+    parting_release(&p);
+}
+
+STORY(the_same_commands_do_not_part)
+{
+    check_same("", "", 0);
+    check_same("open s.nii\nrun\n", "open s.nii\nrun", 2);
+    check_same("# by one\n\nopen s.nii\n", "  open   \"s.nii\"\n# the end\n", 1);
+    check_same("open s.nii\ninfo\nrun\nstats\n", "open s.nii\nrun\n", 2); /* questions */
+}
+
+STORY(results_and_comments_are_no_commands)
+{
+    const char seal[] = " chain=00000000000000000000000000000000\n";
+    struct buf a = {0}, b = {0};
+    buf_printf(&a, "# iftty journal 1 semantics 3\nopen s.nii\n= 1 scene=1%srun\n= 2 forest=1%s",
+               seal, seal);
+    buf_printf(&b, "# iftty journal 1 semantics 2\n# why\nopen s.nii\n= 1 scene=9%srun\n= 2%s",
+               seal, seal);
+    check_same(buf_text(&a), buf_text(&b), 2);
+    check_same(buf_text(&a), "open s.nii\nrun\n", 2);
+    buf_release(&a);
+    buf_release(&b);
+}
+
+STORY(the_first_other_command_is_named_in_both)
+{
+    struct parting p = find("open s\n\nseed 1,1,1 1\nrun\n", "open s\nstats\nseed 1,1,2 1\n", 0);
+    CHECK(p.parts && p.side[0].goes_on && p.side[1].goes_on);
+    CHECK_INT(p.same, 1);
+    CHECK_INT(p.side[0].number, 2);
+    CHECK_INT(p.side[0].line, 3);
+    CHECK_TEXT(buf_text(&p.side[0].command), "seed 1,1,1 1");
+    CHECK_INT(p.side[1].number, 3);
+    CHECK_INT(p.side[1].line, 3);
+    CHECK_TEXT(buf_text(&p.side[1].command), "seed 1,1,2 1");
+    parting_release(&p);
+    p = find("open s\nrun\n", "open s\n", 0);
+    CHECK(p.parts && p.side[0].goes_on && !p.side[1].goes_on);
+    CHECK_TEXT(buf_text(&p.side[0].command), "run");
+    parting_release(&p);
+    p = find("open s\nrun\n", "open s\nauto on\n", 1);
+    CHECK(!p.parts);
+    parting_release(&p);
+    p = find("label 1 a\n", "label 1a\n", 0); /* words, not letters */
+    CHECK(p.parts);
+    parting_release(&p);
+    p = find("open \"s\n", "open \"s \n", 0); /* which do not end */
+    CHECK(p.parts);
+    parting_release(&p);
+}
+
+STORY(what_cannot_be_read_is_named)
+{
+    struct parting p = {0};
+    struct buf bytes[2] = {{0}, {0}};
+    struct fault why = {0};
+    buf_add_text(bytes, "run\n");
+    buf_add_text(bytes + 1, "# iftty journal 1 semantics 3\n= 1 x\n");
+    CHECK(parting_find(&p, (const char *const[]){"a", "b"}, bytes, 0, &why) == ERR_INPUT);
+    CHECK(strncmp(why.text, "b: ", 3) == 0);
+    buf_clear(bytes + 1);
+    buf_add_text(bytes + 1, "# iftty journal 77 semantics 3\n");
+    CHECK(parting_find(&p, (const char *const[]){"a", "b"}, bytes, 0, &why) == ERR_INPUT);
+    CHECK(strncmp(why.text, "b: ", 3) == 0);
+    parting_release(&p);
+    buf_release(bytes);
+    buf_release(bytes + 1);
+}
+
+/* ---- how far labels differ ---- */
+
+STORY(voxels_are_counted_and_dice_is_exact)
+{
+    static const uint8_t a[] = {0, 1, 1, 1, 2, 2, 0, 7}, b[] = {0, 1, 1, 2, 2, 1, 2, 255};
+    static struct overlap o;
+    overlap_count(&o, a, b, sizeof a);
+    CHECK_INT(o.voxels, 8);
+    CHECK_INT(o.differing, 4);
+    CHECK_INT(o.a[1], 3);
+    CHECK_INT(o.b[1], 3);
+    CHECK_INT(o.both[1], 2);
+    CHECK_INT(overlap_dice(&o, 1), 6667); /* 4/6 */
+    CHECK_INT(overlap_dice(&o, 2), 4000); /* 2/5 */
+    CHECK_INT(overlap_dice(&o, 7), 0);
+    CHECK_INT(overlap_dice(&o, 255), 0);
+    CHECK_INT(overlap_dice(&o, 9), DICE_ONE);
+}
+
+/* Against the fraction, rounded by its definition: d is right where 20000 d - 10000 <= 20000 x
+ * 10000 < 20000 d + 10000, all times the sum. */
+STORY(dice_is_rounded_to_the_nearest_halves_up)
+{
+    uint64_t random = 1;
+    static struct overlap o;
+    for (int i = 0; i < 100000; i++) {
+        o.a[1] = 1 + check_random(&random) % (i % 2 ? 50 : UINT32_MAX);
+        o.b[1] = 1 + check_random(&random) % (i % 2 ? 50 : UINT32_MAX);
+        const uint64_t least = o.a[1] < o.b[1] ? o.a[1] : o.b[1];
+        o.both[1] = check_random(&random) % (least + 1);
+        const uint64_t sum = o.a[1] + o.b[1], twice = 4 * o.both[1] * DICE_ONE;
+        const uint64_t d = overlap_dice(&o, 1);
+        if (!CHECK(2 * d * sum <= twice + sum && twice + sum < 2 * (d + 1) * sum))
+            return;
+    }
+}
+
+/* ---- the picture ---- */
+
+static uint8_t *labels_of(const struct session *session)
+{
+    const struct grid *grid = &session->scene->grid;
+    uint8_t *label = malloc(grid->voxels);
+    for (uint32_t z = 0, i = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++)
+            for (uint32_t x = 0; x < grid->size[0]; x++)
+                label[i++] = session->scene->cell[grid_cell(grid, x, y, z)].label;
+    return label;
+}
+
+static void begin(struct desk *desk, const char *seed)
+{
+    begin_desk(desk);
+    must(desk, "open synth:geom:40x40x20");
+    must(desk, "label 2 ball #ff0000");
+    must(desk, "seed 0,0,0 0");
+    must(desk, "seed 20,20,10 1");
+    must(desk, seed);
+    must(desk, "run");
+    must(desk, "size 120 100");
+    must(desk, "zoom 2");
+    must(desk, "view 30 20");
+}
+
+/* Whether the pane of a picture shows what the session renders, over black. */
+static bool shows(const struct picture *picture, uint32_t left, uint32_t top,
+                  const struct session *session)
+{
+    const struct rendition *frame = session_frame(session);
+    for (uint32_t y = 0; y < frame->height; y++)
+        for (uint32_t x = 0; x < frame->width; x++) {
+            const size_t at = (size_t)(y + top) * picture->width + x + left;
+            const uint8_t *from = frame->rgba + 4 * ((size_t)y * frame->width + x);
+            for (int k = 0; k < 3; k++)
+                if (picture->rgba[4 * at + (size_t)k] != (from[k] * from[3] + 127) / 255)
+                    return false;
+        }
+    return true;
+}
+
+/* How many pixels of the right pane have hue enough to be of that colour, by its sides' order. */
+static size_t coloured(const struct picture *picture, uint32_t left, uint32_t top, uint32_t bottom,
+                       int most, int least)
+{
+    size_t count = 0;
+    for (uint32_t y = top; y < bottom; y++)
+        for (uint32_t x = left; x < picture->width; x++) {
+            const uint8_t *p = picture->rgba + 4 * ((size_t)y * picture->width + x);
+            const int middle = 3 - most - least;
+            count += p[most] > p[least] + 15 && p[most] >= p[middle] && p[middle] >= p[least];
+        }
+    return count;
+}
+
+enum { RED, GREEN, BLUE };
+
+static void draw(struct picture *picture, struct desk *a, const uint8_t *label_a,
+                 const uint8_t *label_b)
+{
+    static struct overlap overlap;
+    overlap_count(&overlap, label_a, label_b, a->session.scene->grid.voxels);
+    const struct contrast contrast = {
+        .name = {"a.iftty", "b.iftty"}, .label = {label_a, label_b}, .overlap = &overlap};
+    CHECK(contrast_draw(picture, &a->session, &contrast, NULL) == OK);
+}
+
+STORY(the_picture_shows_both_and_where_they_differ)
+{
+    static struct desk a, b;
+    struct picture picture = {0};
+    begin(&a, "seed 6,6,4 2");
+    begin(&b, "seed 33,33,14 2");
+    CHECK(session_render(&a.session, RENDER_RAY, NULL) == OK);
+    CHECK(session_render(&b.session, RENDER_RAY, NULL) == OK);
+    uint8_t *label_a = labels_of(&a.session), *label_b = labels_of(&b.session);
+    /* A keeps its rendition only until it is drawn over. */
+    static struct desk again;
+    begin(&again, "seed 6,6,4 2");
+    CHECK(session_render(&again.session, RENDER_RAY, NULL) == OK);
+    draw(&picture, &a, label_a, label_b);
+    CHECK_INT(picture.width, 3 * 120 + 2 * 2);
+    const uint32_t top = 11 + 8, right = 2 * (120 + 2);
+    CHECK_INT(picture.height, top + 100 + 3 * 11 + 8);
+    CHECK(shows(&picture, 0, top, &again.session));
+    CHECK(shows(&picture, 120 + 2, top, &b.session));
+    CHECK(!shows(&picture, 120 + 2, top, &again.session));
+    size_t alone[3] = {0}, voxels = a.session.scene->grid.voxels;
+    for (size_t i = 0; i < voxels; i++)
+        if (label_a[i] != label_b[i])
+            alone[!label_b[i] ? 0 : !label_a[i] ? 1 : 2]++;
+    printf("# %zu in A alone, %zu in B alone, %zu in both\n", alone[0], alone[1], alone[2]);
+    CHECK(alone[0] || alone[1] || alone[2]);
+    CHECK((coloured(&picture, right, top, top + 100, RED, BLUE) > 0) == (alone[0] > 0));
+    CHECK((coloured(&picture, right, top, top + 100, BLUE, RED) > 0) == (alone[1] > 0));
+    for (size_t i = 0; i < (size_t)picture.width * picture.height; i++)
+        if (!CHECK(picture.rgba[4 * i + 3] == 255))
+            break;
+    picture_release(&picture);
+    free(label_a);
+    free(label_b);
+    desk_release(&a);
+    desk_release(&b);
+    desk_release(&again);
+}
+
+STORY(where_nothing_differs_all_is_grey)
+{
+    static struct desk a;
+    struct picture picture = {0};
+    begin(&a, "seed 6,6,4 2");
+    uint8_t *label = labels_of(&a.session);
+    draw(&picture, &a, label, label);
+    CHECK_INT(coloured(&picture, 2 * 122, 19, 119, RED, BLUE), 0);
+    CHECK_INT(coloured(&picture, 2 * 122, 19, 119, BLUE, RED), 0);
+    picture_release(&picture);
+    free(label);
+    desk_release(&a);
+}
+
+/* Hidden objects, objects of one alone, three views too wide for a picture, a view of one pixel. */
+STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
+{
+    static struct desk a;
+    struct picture picture = {0};
+    begin(&a, "seed 6,6,4 2");
+    uint8_t *label = labels_of(&a.session);
+    uint8_t *other = malloc(a.session.scene->grid.voxels);
+    for (size_t i = 0; i < a.session.scene->grid.voxels; i++)
+        other[i] = label[i] == 2 ? 0 : label[i];
+    must(&a, "hide 2");
+    draw(&picture, &a, label, other);
+    CHECK_INT(coloured(&picture, 2 * 122, 19, 119, RED, BLUE), 0);
+    picture_release(&picture);
+    desk_release(&a);
+    begin(&a, "seed 6,6,4 2");
+    draw(&picture, &a, label, other);
+    CHECK(coloured(&picture, 2 * 122, 19, 119, RED, BLUE) > 0);
+    picture_release(&picture);
+    desk_release(&a);
+    begin(&a, "seed 6,6,4 2");
+    must(&a, "size 1 1");
+    draw(&picture, &a, label, other);
+    CHECK_INT(picture.width, 7);
+    picture_release(&picture);
+    a.session.settings.view.width = 8192;
+    static struct overlap overlap;
+    overlap_count(&overlap, label, other, a.session.scene->grid.voxels);
+    const struct contrast contrast = {
+        .name = {"a", "b"}, .label = {label, other}, .overlap = &overlap};
+    CHECK(contrast_draw(&picture, &a.session, &contrast, NULL) == ERR_LIMIT);
+    picture_release(&picture);
+    free(label);
+    free(other);
+    desk_release(&a);
+}
+
+/* ---- errands ---- */
+
+static void say_much(void *context, struct buf *out)
+{
+    const size_t *bytes = context;
+    for (size_t i = 0; i < *bytes; i++)
+        buf_add_char(out, (char)(i * 7));
+}
+
+static void die(void *context, struct buf *out)
+{
+    (void)context;
+    buf_add_text(out, "half");
+    raise(SIGKILL);
+}
+
+static void wait_for_ever(void *context, struct buf *out)
+{
+    (void)context;
+    (void)out;
+    for (;;)
+        pause();
+}
+
+static bool look_and_stop(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    (void)what;
+    (void)done;
+    (void)total;
+    return ++*(int *)context > 2;
+}
+
+STORY(an_errand_hands_back_what_was_made_elsewhere)
+{
+    size_t bytes = 3000000;
+    struct buf out = {0}, expected = {0};
+    const struct errand errand = {.work = say_much, .context = &bytes, .most = 4000000};
+    CHECK(errand_run(&out, &errand, NULL) == OK);
+    say_much(&bytes, &expected);
+    CHECK(out.length == expected.length && memcmp(out.data, expected.data, out.length) == 0);
+    buf_release(&out);
+    bytes = 0;
+    CHECK(errand_run(&out, &errand, NULL) == OK);
+    CHECK_INT(out.length, 0);
+    buf_release(&out);
+    buf_release(&expected);
+}
+
+STORY(an_errand_that_dies_or_says_too_much_or_never_ends_is_an_error)
+{
+    size_t bytes = 3000000;
+    int looks = 0;
+    struct watch watch = {.context = &looks, .look = look_and_stop};
+    struct buf out = {0};
+    struct fault why = {0};
+    CHECK(errand_run(&out, &(struct errand){.work = die, .most = 100}, &why) == ERR_INPUT);
+    CHECK_HAS(why.text, "ended by signal 9 (Killed)");
+    CHECK(errand_run(&out, &(struct errand){.work = say_much, .context = &bytes, .most = 2000000},
+                     &why) == ERR_INPUT);
+    CHECK_HAS(why.text, "more than it may");
+    CHECK(errand_run(&out, &(struct errand){.work = wait_for_ever, .most = 1, .watch = &watch},
+                     &why) == ERR_CANCELLED);
+    buf_release(&out);
+}
+
+int main(void)
+{
+    const int status = RUN_STORIES(
+        TELL(the_same_commands_do_not_part), TELL(results_and_comments_are_no_commands),
+        TELL(the_first_other_command_is_named_in_both), TELL(what_cannot_be_read_is_named),
+        TELL(voxels_are_counted_and_dice_is_exact), TELL(dice_is_rounded_to_the_nearest_halves_up),
+        TELL(the_picture_shows_both_and_where_they_differ), TELL(where_nothing_differs_all_is_grey),
+        TELL(what_is_hidden_does_not_differ_and_sizes_are_judged),
+        TELL(an_errand_hands_back_what_was_made_elsewhere),
+        TELL(an_errand_that_dies_or_says_too_much_or_never_ends_is_an_error));
+    reply_release(&reply);
+    return status;
+}

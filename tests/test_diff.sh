@@ -1,0 +1,186 @@
+#!/bin/sh
+# iftty diff: where two journals part, how far their labels differ, the picture of it, and that a
+# journal is trusted no more than by verify. The pure parts are in tests/test_diff.c.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+make_scene s.nii 24 20 16
+
+# record JOURNAL COMMANDS: what all begin with, and these
+record() {
+    "$iftty" -c "open s.nii; label 1 liver; seed 2,3,4 0; seed 6,10,8 1; $2" --journal "$1" \
+        >/dev/null || fail "cannot record $1"
+}
+record a.iftty 'seed 20,10,8 2; run; size 60 50; view 30 20'
+record b.iftty 'seed 20,12,3 2 radius=1; seed 3,15,12 3; label 3 spleen; run'
+cp a.iftty plain.iftty
+proof=$(tr ' ' '\n' <a.iftty | grep -E '=[0-9a-f]{64}$' | sed 's/.*=//')
+
+begin "a journal and itself"
+same "${#proof}" 64
+expect 0 "$iftty" diff a.iftty a.iftty
+out_has "commands  the same 8"
+out_has "scenes    the same: 24x20x16 voxels, SHA-256 $proof"
+out_has "voxels    0 of 7680 differ"
+grep -qE '^1 liver +1\.0000 ' out || fail "$(cat out)"
+[ ! -s err ] || fail "it warns: $(cat err)"
+close_story
+
+begin "the first command at which two part, and every figure as the label maps have it"
+expect 1 "$iftty" diff a.iftty b.iftty
+err_has "of 7680 voxels have another label"
+out_has "commands  part after 4 that are the same"
+out_has "    A  a.iftty, command 5, line 10: seed 20,10,8 2"
+out_has "    B  b.iftty, command 5, line 10: seed 20,12,3 2 radius=1"
+cp out told
+for n in a b; do
+    "$iftty" -c "save labels $n.nii" --journal "$n.iftty" >/dev/null || fail "no labels of $n"
+    od -An -v -tu1 -w1 -j 352 "$n.nii" >"$n.labels"
+done
+paste a.labels b.labels | awk '
+    { a[$1]++; b[$2]++; if ($1 == $2) both[$1]++; else differ++ }
+    END { for (l = 1; l < 4; l++) {
+              s = a[l] + b[l]; d = int((40000 * both[l] + s) / (2 * s))
+              printf "%d %d.%04d %d %d %d\n", l, d / 10000, d % 10000, a[l], b[l], both[l] }
+          printf "voxels %d of %d differ\n", differ, NR }' >expected
+sed -n 's/^\([0-9]\) \(liver\|spleen\|\) *\([0-9.]*\) *\([0-9]*\) *\([0-9]*\) *\([0-9]*\)$/\1 \3 \4 \5 \6/p
+        s/^voxels *\(.* differ\)/voxels \1/p' told >figures
+same_files figures expected
+grep -q '^3 spleen' told || fail "no name that B alone has: $(cat told)"
+close_story
+
+begin "the same for programs"
+expect 1 "$iftty" diff --json a.iftty b.iftty
+if command -v python3 >/dev/null; then
+    python3 - <<'EOS' >"$work/figures" || fail "no JSON: $(cat out)"
+import json
+d = json.load(open('out'))
+assert d['parts'] and d['a']['command'] == 'seed 20,10,8 2' and d['b']['line'] == 10
+assert d['same_scene'] and d['size'] == [24, 20, 16]
+for l in d['labels']:
+    print(l['label'], '%d.%04d' % divmod(l['dice_ten_thousandths'], 10000), l['a'], l['b'], l['both'])
+print('voxels', d['differing'], 'of', d['voxels'], 'differ')
+EOS
+    same_files figures expected
+fi
+close_story
+
+begin "comments, results and questions are no commands"
+"$iftty" log --script a.iftty | grep -v '^save' | sed 's/^run$/# why\ninfo\nrun/' >a.txt
+expect 0 "$iftty" diff a.txt plain.iftty
+out_has "commands  the same 8"
+sed 's/^run$/# by hand\nrun/' a.iftty >hand.iftty
+expect 0 "$iftty" diff a.iftty hand.iftty
+out_has "commands  the same 9"
+err_has "# hand.iftty was edited by hand, and gives what it says all the same"
+close_story
+
+begin "up to a record"
+expect 0 "$iftty" diff a.iftty b.iftty --until 4
+out_has "commands  the same 4"
+err_has "# a.iftty ends with edits that wait for a run"
+expect 2 "$iftty" diff a.iftty b.iftty --until 0
+close_story
+
+begin "scenes that are not the same"
+mkdir other larger
+make_scene other/s.nii 24 20 16
+flip_byte other/s.nii 4000
+make_scene larger/s.nii 25 20 16
+cp a.txt other
+cp a.txt larger
+expect 0 "$iftty" diff a.txt a.txt
+"$iftty" diff a.txt other/a.txt >out 2>err
+[ $? -lt 2 ] || fail "$(cat err)"
+out_has "commands  the same 8"
+out_has "scenes    other ones, of the same 24x20x16 voxels"
+err_has "# the scenes are not the same: voxels were compared place by place"
+expect 3 "$iftty" diff a.txt larger/a.txt
+err_has "scenes of 24x20x16 and 25x20x16 voxels: expected two of one size"
+expect 0 "$iftty" diff a.txt larger/a.txt --scene s.nii
+close_story
+
+begin "the picture: three panes, whole, over nothing"
+expect 1 "$iftty" diff a.iftty b.iftty --picture d.png
+"$iftty" info d.png >info
+grep -q '184x' info || fail "not three views of 60 and two seams: $(cat info)"
+grep -q "iftty:differ: $(sed -n 's/voxels *\(.*\) differ/\1/p' told) voxels" info || fail "$(cat info)"
+cp d.png kept.png
+expect 3 "$iftty" diff a.iftty b.iftty --picture d.png
+err_has "d.png"
+[ ! -s out ] || fail "it carried out before it looked"
+same_files d.png kept.png
+expect 1 "$iftty" diff a.iftty b.iftty --picture d2.png
+same_files d.png d2.png
+expect 2 "$iftty" diff a.iftty b.iftty --picture d.exr
+err_has "expected a name that ends in .png"
+expect 3 "$iftty" diff a.iftty b.iftty --picture nowhere/d.png
+expect 0 "$iftty" diff a.iftty a.iftty --picture same.png
+close_story
+
+begin "a journal is trusted no more than by verify"
+mkdir inside
+{ grep -v '^open' a.txt | sed '1s/^/open ..\/s.nii\n/'; } >inside/out.txt
+expect 3 "$iftty" diff inside/out.txt a.txt
+err_has "inside/out.txt: "
+{ cat a.txt; echo 'render r.png'; echo 'save labels l.nii'; echo 'golden g'; } >writes.txt
+listing . | grep -vE ' ./(out|err|before|d)$' >before
+expect 0 "$iftty" diff writes.txt a.txt
+listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >d || fail "$(cat d)"
+expect 3 "$iftty" diff a.txt a.iftty --limit-memory 1M
+err_has "--limit-memory"
+close_story
+
+begin "what cannot be compared is one line, that names the file"
+expect 3 "$iftty" diff a.iftty missing.iftty
+expect 2 "$iftty" diff a.iftty
+err_has "diff: expected two journals or scripts"
+expect 2 "$iftty" diff a.iftty a.iftty a.iftty
+echo '# nothing' >empty.txt
+expect 3 "$iftty" diff a.iftty empty.txt
+err_has "empty.txt: it opens no scene"
+sed 's/^= \([0-9]*\) forest=[0-9a-f]*/= \1 forest=0123456789abcdef/' a.iftty >lies.iftty
+expect 3 "$iftty" diff a.iftty lies.iftty
+err_has "lies.iftty: it does not give what it says, see iftty verify"
+head -c 300 a.iftty >torn.iftty
+expect 0 "$iftty" diff torn.iftty torn.iftty
+err_has "# torn.iftty ends with an unfinished record"
+printf 'open s.nii\nseed 999,1,1 1\n' >bad.txt
+expect 3 "$iftty" diff bad.txt a.iftty
+err_has "bad.txt: "
+err_has "(line 2)"
+same "$(wc -l <err | tr -d ' ')" 1
+close_story
+
+begin "Ctrl-C ends the processes; one that dies is named"
+echo 'open synth:geom:222' >large.txt
+echo 'seed 100,100,50 1' >>large.txt
+echo 'run' >>large.txt
+for n in 1 2 3 4 5 6 7 8; do echo 'adjacency 26'; echo 'adjacency 6'; done >>large.txt
+# catch_child PROGRAM: its process, once there
+catch_child() {
+    child=
+    tries=0
+    until [ -n "$child" ] || [ $((tries += 1)) -gt 200 ]; do
+        sleep 0.02
+        read -r child _ <"/proc/$1/task/$1/children"
+    done
+}
+env --default-signal=INT "$iftty" diff large.txt large.txt >out 2>err &
+program=$!
+catch_child "$program"
+sleep 0.2
+kill -INT "$program"
+wait "$program"
+same "$?" 130
+[ ! -e "/proc/$child" ] || fail "$child outlives it"
+"$iftty" diff large.txt large.txt >out 2>err &
+program=$!
+catch_child "$program"
+sleep 0.2
+kill -SEGV "$child"
+wait "$program"
+same "$?" 3
+err_has "large.txt: its process was ended by signal 11 (Segmentation fault)"
+close_story
+
+finish
