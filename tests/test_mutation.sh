@@ -46,7 +46,7 @@ close_story
 
 # what | file | sed script
 programs='one shade: the highlights        |render/shade.c      |s/SPECULAR = 70,/SPECULAR = 71,/
-one weight: steps of seven          |src/engine/weight.c |s/return (uint16_t)(high - low);/return (uint16_t)(high - low + (high - low == 7));/'
+one weight: steps of seven          |src/engine/morph.c  |s/weight = weight\[i\];/weight = (uint16_t)(weight[i] + (weight[i] == 7));/'
 more='one shade: the light that is everywhere |render/shade.c |s:AMBIENT = UNIT / 5,:AMBIENT = UNIT / 5 + 16,:
 one rule of ties: hops count for two |src/engine/key.h    |s/key + (UINT64_C(1) << 32)/key + (UINT64_C(2) << 32)/
 one multiplier of all digests       |src/base/hash.h     |s/0xc4ceb9fe1a85ec53/0xc4ceb9fe1a85ec55/

@@ -413,6 +413,44 @@ STORY(morph_is_what_rounds_over_the_adjacency_give)
     }
 }
 
+static uint16_t morph_by_cell(const struct cell *cell, const struct adjacency *adjacency)
+{
+    uint16_t low = cell->intensity, high = low;
+    for (unsigned n = 0; n < adjacency->count; n++) {
+        const struct cell *neighbour = cell + adjacency->offset[n];
+        if (neighbour->flags & CELL_RIM)
+            continue;
+        low = neighbour->intensity < low ? neighbour->intensity : low;
+        high = neighbour->intensity > high ? neighbour->intensity : high;
+    }
+    return (uint16_t)(high - low);
+}
+
+STORY(scenes_wider_and_higher_than_tiles_have_the_same_morph)
+{
+    static const uint32_t sizes[][3] = {{515, 3, 2}, {256, 33, 3}, {257, 64, 2}, {1, 97, 4}};
+    for (unsigned i = 0; i < 8; i++) {
+        const uint32_t *size = sizes[i / 2];
+        const unsigned neighbours = i % 2 ? 26 : 6;
+        struct scene *scene;
+        struct adjacency adjacency;
+        CHECK(scene_new(&scene, size, NULL) == OK);
+        adjacency_init(&adjacency, neighbours, &scene->grid);
+        for (size_t k = 0; k < scene->grid.cells; k++)
+            if (!(scene->cell[k].flags & CELL_RIM))
+                scene->cell[k].intensity = (uint16_t)check_below(&seed, 65536);
+        weigh(scene, neighbours, &morph1);
+        size_t wrong = 0;
+        for (size_t k = 0; k < scene->grid.cells; k++) {
+            const struct cell *cell = scene->cell + k;
+            const bool is_rim = cell->flags & CELL_RIM;
+            wrong += cell->weight != (is_rim ? 0 : morph_by_cell(cell, &adjacency));
+        }
+        CHECK(wrong == 0);
+        scene_free(scene);
+    }
+}
+
 STORY(sobel_is_what_twenty_seven_products_give)
 {
     for (unsigned i = 0; i < 500 && check_failures < 3; i++) {
@@ -535,6 +573,7 @@ int main(void)
         TELL(a_corner_counts_for_sobel_by_its_square_root), TELL(a_single_voxel_weighs_nothing),
         TELL(the_largest_intensities_do_not_overflow), TELL(the_gaussian_is_a_gaussian_and_sums_up),
         TELL(square_roots_are_rounded_down), TELL(morph_is_what_rounds_over_the_adjacency_give),
+        TELL(scenes_wider_and_higher_than_tiles_have_the_same_morph),
         TELL(sobel_is_what_twenty_seven_products_give), TELL(gauss_is_what_whole_volumes_give),
         TELL(a_mirrored_scene_has_mirrored_weights), TELL(every_crew_gives_the_same_weights),
         TELL(without_memory_the_room_is_what_it_was));

@@ -6,6 +6,7 @@
 
 #include "base/hash.h"
 #include "base/mem.h"
+#include "engine/morph.h"
 
 bool weight_choice_equals(const struct weight_choice *a, const struct weight_choice *b)
 {
@@ -27,38 +28,9 @@ bool weight_is_gradient(enum weight_kind kind)
 
 /* ---- morph ---- */
 
-static uint16_t morph_at(const struct cell *cell, const struct adjacency *adjacency)
-{
-    uint16_t low = cell->intensity;
-    uint16_t high = low;
-    for (unsigned i = 0; i < adjacency->count; i++) {
-        const struct cell *neighbour = cell + adjacency->offset[i];
-        if (neighbour->flags & CELL_RIM)
-            continue;
-        low = neighbour->intensity < low ? neighbour->intensity : low;
-        high = neighbour->intensity > high ? neighbour->intensity : high;
-    }
-    return (uint16_t)(high - low);
-}
-
-static void morph_narrow(struct scene *scene, const struct adjacency *adjacency, struct slab slab)
-{
-    const struct grid *grid = &scene->grid;
-    struct task task =
-        task_begin_part(scene->watch, "weights", slab_voxels(grid, slab), slab.first);
-    for (uint32_t z = slab.first; z < slab.end; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                scene->cell[c].weight = morph_at(scene->cell + c, adjacency);
-            if (!task_advance(&task, grid->size[0]))
-                return;
-        }
-}
-
 void weight_morph(struct scene *scene, const struct adjacency *adjacency)
 {
-    morph_narrow(scene, adjacency, grid_slab(&scene->grid, 0, 1));
+    morph_weigh(scene, adjacency, grid_slab(&scene->grid, 0, 1));
 }
 
 /*
@@ -206,7 +178,7 @@ static void weigh_part(void *context, unsigned worker)
         if (w->choice->radius > 1)
             morph_wide(w->scene, w->adjacency, w->choice->radius, slab, bytes);
         else
-            morph_narrow(w->scene, w->adjacency, slab);
+            morph_weigh(w->scene, w->adjacency, slab);
         break;
     case WEIGHT_SOBEL:
         sobel_weigh(w->scene, slab, bytes);
