@@ -25,6 +25,8 @@ struct fence_tally fence_tally(const struct fence *fence, const struct scene *sc
     const struct grid *grid = &scene->grid;
     struct fence_tally tally = {0};
     uint64_t voxel = 0;
+    if (fence_is_none(fence))
+        return (struct fence_tally){.inside = grid->voxels};
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             const struct span row = grid_row(grid, y, z);

@@ -24,6 +24,11 @@ static inline struct fence fence_none(void)
     return (struct fence){NULL, 0, UINT16_MAX};
 }
 
+static inline bool fence_is_none(const struct fence *fence)
+{
+    return !fence->mask && fence->low == 0 && fence->high == UINT16_MAX;
+}
+
 static inline bool fence_holds(const struct fence *fence, const struct scene *scene, uint32_t cell)
 {
     const uint16_t intensity = scene->cell[cell].intensity;
