@@ -103,6 +103,18 @@ static void paint(uint8_t out[4], const uint8_t *rgba, bool differs)
     out[3] = 255;
 }
 
+/* Without looking at pixels one by one, which takes ten times as long. */
+static bool planes_are_same(const struct golden_planes *expected,
+                            const struct golden_planes *actual, size_t bytes)
+{
+    for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++) {
+        const uint8_t *a = plane_bytes(expected, plane), *b = plane_bytes(actual, plane);
+        if (a && memcmp(a, b, bytes) != 0)
+            return false;
+    }
+    return true;
+}
+
 enum err golden_compare(const struct golden_planes *expected, const struct golden_planes *actual,
                         struct golden_difference *out, struct fault *fault)
 {
@@ -112,14 +124,17 @@ enum err golden_compare(const struct golden_planes *expected, const struct golde
     if (out->shape_differs)
         return OK;
     if (!size_multiply(expected->width, expected->height, &pixels) ||
-        !size_multiply(pixels, 4, &bytes) || !(out->image = mem_array(bytes, 1)))
+        !size_multiply(pixels, 4, &bytes))
+        return fault_memory(fault, "a difference image");
+    out->is_same = planes_are_same(expected, actual, bytes);
+    if (out->is_same)
+        return OK;
+    out->image = mem_array(bytes, 1);
+    if (!out->image)
         return fault_memory(fault, "a difference image");
     for (size_t i = 0; i < pixels; i++)
         paint(out->image + 4 * i, expected->rgba ? expected->rgba + 4 * i : NULL,
               compare_pixel(out, expected, actual, i));
-    out->is_same = out->pixels == 0;
-    if (out->is_same)
-        golden_difference_release(out);
     return OK;
 }
 
