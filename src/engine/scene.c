@@ -12,8 +12,16 @@ static void fill_with(struct cell *cell, size_t count, struct cell value)
         cell[i] = value;
 }
 
-/* Everything is rim at first; then each row of voxels becomes unreached voxels. */
-static void scene_clear(struct scene *scene)
+static const uint16_t *fill_row(struct cell *cell, size_t count, const uint16_t *intensity)
+{
+    for (size_t i = 0; i < count; i++)
+        cell[i].intensity = intensity[i];
+    return intensity + count;
+}
+
+/* Everything is rim at first; then each row of voxels becomes unreached voxels, of these
+ * intensities or (NULL) of 0. */
+static void scene_clear(struct scene *scene, const uint16_t *intensity)
 {
     const struct grid *grid = &scene->grid;
     const struct cell rim = {.flags = CELL_RIM, .direction = DIRECTION_NONE};
@@ -28,6 +36,8 @@ static void scene_clear(struct scene *scene)
             fill_with(cell, row, rim);
             if (!outside)
                 fill_with(cell + 1, grid->size[0], voxel);
+            if (!outside && intensity)
+                intensity = fill_row(cell + 1, grid->size[0], intensity);
             if (!task_advance(&task, row))
                 return;
         }
@@ -40,6 +50,12 @@ enum err scene_new(struct scene **out, const uint32_t size[3], struct fault *fau
 
 enum err scene_new_watched(struct scene **out, const uint32_t size[3], struct watch *watch,
                            struct fault *fault)
+{
+    return scene_new_filled(out, size, NULL, watch, fault);
+}
+
+enum err scene_new_filled(struct scene **out, const uint32_t size[3], const uint16_t *intensity,
+                          struct watch *watch, struct fault *fault)
 {
     *out = NULL;
     struct scene *scene = mem_new(sizeof *scene);
@@ -61,7 +77,7 @@ enum err scene_new_watched(struct scene **out, const uint32_t size[3], struct wa
         scene->world_sign[a] = 1;
     }
     scene->watch = watch;
-    scene_clear(scene);
+    scene_clear(scene, intensity);
     err = watch_fault(watch, fault);
     if (err)
         scene_free(scene);
@@ -84,9 +100,8 @@ void scene_fill(struct scene *scene, const uint16_t *intensity)
     struct task task = task_begin(scene->watch, "intensities", grid->voxels);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
-            struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                scene->cell[c].intensity = *intensity++;
+            intensity =
+                fill_row(scene->cell + grid_row(grid, y, z).first, grid->size[0], intensity);
             if (!task_advance(&task, grid->size[0]))
                 return;
         }
@@ -107,8 +122,10 @@ uint64_t scene_digest(const struct scene *scene)
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
+            for (uint32_t c = row.first; c < row.end; c++) {
+                scene_fetch_ahead(scene, c);
                 sum += hash_mix(voxel++ << 16 | scene->cell[c].intensity);
+            }
             if (!task_advance(&task, grid->size[0]))
                 return 0;
         }

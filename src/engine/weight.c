@@ -251,8 +251,10 @@ static void sum_part(void *context, unsigned worker)
     for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
+            for (uint32_t c = row.first; c < row.end; c++) {
+                scene_fetch_ahead(s->scene, c);
                 sum += hash_mix(voxel++ << 16 | s->scene->cell[c].weight);
+            }
             if (!task_advance(&task, grid->size[0]))
                 return;
         }

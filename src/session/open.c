@@ -116,11 +116,11 @@ static enum err open_file(struct session *session, const char *path, struct faul
     if (!err)
         err = nifti_read(&volume, path, session->watch, fault);
     if (!err)
-        err = scene_new_watched(&session->scene, volume.size, session->watch, fault);
+        err =
+            scene_new_filled(&session->scene, volume.size, volume.intensity, session->watch, fault);
     if (!err) {
         struct scene *scene = session->scene;
         session->geometry = volume.geometry;
-        scene_fill(scene, volume.intensity);
         memcpy(scene->spacing_nm, volume.geometry.spacing_nm, sizeof scene->spacing_nm);
         memcpy(scene->world_axis, volume.geometry.world_axis, sizeof scene->world_axis);
         memcpy(scene->world_sign, volume.geometry.world_sign, sizeof scene->world_sign);
