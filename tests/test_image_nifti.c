@@ -249,6 +249,72 @@ STORY(gzip_is_told_by_content_not_by_name)
     }
 }
 
+/* The same in two members, which only zlib's stream reads. */
+static void save_in_members(const char *path, const struct made *m)
+{
+    save_packed(path, m->bytes, m->length / 2);
+    gzFile file = gzopen(path, "ab");
+    gzwrite(file, m->bytes + m->length / 2, (unsigned)(m->length - m->length / 2));
+    gzclose(file);
+}
+
+static void append(const char *path, const char *bytes)
+{
+    FILE *file = fopen(path, "ab");
+    fputs(bytes, file);
+    fclose(file);
+}
+
+/* 10x10x9 voxels, which may be more bytes than lie before them, and 48 bytes of an extension. */
+static struct made make_larger(int datatype, bool big, bool extended, uint64_t *chance)
+{
+    struct made m = make(datatype, big);
+    const unsigned width = width_of(datatype), begin = extended ? 400 : DATA;
+    for (unsigned i = 1; i < 4; i++)
+        put(&m, DIM + 2 * i, i < 3 ? 10 : 9, 2);
+    put_float(&m, OFFSET, (float)begin);
+    for (unsigned i = 0; i < 900; i++)
+        if (datatype == 16)
+            put_float(&m, begin + 4 * i, (float)check_below(chance, 5000));
+        else
+            put(&m, begin + width * i, check_random(chance), width);
+    m.length = begin + 900 * width;
+    return m;
+}
+
+STORY(a_gzip_gives_the_voxels_of_the_plain_file_however_it_is_inflated)
+{
+    static const int datatype[] = {2, 4, 512, 16};
+    uint64_t chance = 14;
+    for (unsigned i = 0; i < 48; i++) {
+        const struct made m = make_larger(datatype[i % 4], i / 4 % 2, i / 8 % 2, &chance);
+        struct volume expected = read_made(&m), v;
+        (i / 16 == 1 ? save_in_members(packed, &m) : save_packed(packed, m.bytes, m.length));
+        if (i / 16 == 2)
+            append(packed, "what follows is nobody's");
+        CHECK_INT(nifti_read(&v, packed, NULL, NULL), OK);
+        CHECK(v.intensity && memcmp(v.intensity, expected.intensity, 900 * 2) == 0);
+        CHECK(v.geometry.slope == expected.geometry.slope &&
+              v.geometry.intercept == expected.geometry.intercept);
+        volume_release(&v);
+        volume_release(&expected);
+    }
+}
+
+STORY(a_false_length_at_the_end_of_a_gzip_is_told)
+{
+    uint64_t chance = 15;
+    const struct made m = make_larger(512, false, false, &chance);
+    struct buf file = {0};
+    save_packed(packed, m.bytes, m.length + 100); /* longer than its voxels; its end denies it */
+    CHECK_INT(file_read(&file, packed, 8192, NULL), OK);
+    file.data[file.length - 4] = (char)(m.length & 255);
+    file.data[file.length - 3] = (char)(m.length >> 8);
+    save(packed, file.data, file.length);
+    CHECK_HAS(refusal_of(packed), "damaged: its gzip data or checksum is wrong");
+    buf_release(&file);
+}
+
 STORY(extensions_are_skipped_and_two_dimensions_are_a_slice)
 {
     struct made m = make(2, false);
@@ -881,6 +947,8 @@ int main(void)
         TELL(a_constant_float_image_is_zero_and_keeps_its_value),
         TELL(the_widest_range_of_floats_does_not_overflow), TELL(the_scale_of_the_file_is_kept),
         TELL(gzip_is_told_by_content_not_by_name),
+        TELL(a_gzip_gives_the_voxels_of_the_plain_file_however_it_is_inflated),
+        TELL(a_false_length_at_the_end_of_a_gzip_is_told),
         TELL(extensions_are_skipped_and_two_dimensions_are_a_slice),
         TELL(further_dimensions_of_one_are_let_pass), TELL(nifti_2_is_read_in_both_byte_orders),
         TELL(without_codes_the_axes_are_those_of_the_world), TELL(the_sform_goes_before_the_qform),

@@ -13,6 +13,7 @@
 #include "base/mem.h"
 #include "base/safe.h"
 #include "engine/grid.h"
+#include "image/inflate.h"
 #include "image/nifti_header.h"
 
 /* Deflate at its best: 258 bytes for two bits. */
@@ -28,16 +29,19 @@ enum {
     TYPE_UINT16 = 512,
     TYPE_UINT32 = 768,
     PACKED_CHUNK = 256 << 10, /* bytes that zlib reads or writes at a time */
+    HEADER_CHUNK = 16 << 10,  /* where that is for the header alone */
     BEYOND_MOST = 64 << 10,   /* a multiple of 4096 */
 };
 
 /* The file, seen through zlib, which passes plain bytes on as they are. */
 struct source {
     gzFile gz;
+    int fd;         /* owned by gz */
     uint64_t bytes; /* of the file on disk */
     bool packed;    /* gzip */
 };
 
+/* Voxels of small files are not read through zlib, so that it need not read far. */
 static enum err source_open(struct source *source, const char *path, struct fault *fault)
 {
     struct stat status;
@@ -58,8 +62,9 @@ static enum err source_open(struct source *source, const char *path, struct faul
         close(fd);
         return fault_memory(fault, path);
     }
-    gzbuffer(source->gz, PACKED_CHUNK);
+    source->fd = fd;
     source->bytes = (uint64_t)status.st_size;
+    gzbuffer(source->gz, source->bytes > INFLATE_PACKED_MOST ? PACKED_CHUNK : HEADER_CHUNK);
     source->packed = !gzdirect(source->gz);
     return OK;
 }
@@ -370,12 +375,48 @@ static enum err read_plan(struct volume *volume, struct nifti_header *header, st
     return err;
 }
 
+/* Reads the file's voxels to `to`, by zlib. */
+static enum err stream_voxels(uint8_t *to, size_t needed, uint64_t offset, struct source *source,
+                              struct watch *watch, struct fault *fault)
+{
+    enum err err = OK;
+    if (gzseek(source->gz, (z_off_t)offset, SEEK_SET) < 0)
+        err = source_fault(source, "the extensions of its header", fault);
+    if (!err)
+        err = source_read(source, to, needed, "the voxels", watch, fault);
+    if (!err && source->packed)
+        err = source_end(source, fault);
+    return err;
+}
+
+/* Whether the file may be inflated as a whole, header and all. */
+static bool fits_at_once(const struct source *source, size_t needed, uint64_t offset)
+{
+    return source->packed && source->bytes <= INFLATE_PACKED_MOST && needed <= INFLATE_MOST &&
+           offset <= INFLATE_MOST - needed;
+}
+
+/* Has the voxels end up behind `lead` bytes of `voxels`, where there is room for them and for
+ * `offset` bytes more, before or behind them. False where this file is not one for that. */
+static bool inflate_voxels(uint8_t *voxels, size_t lead, size_t needed, size_t offset,
+                           const struct source *source)
+{
+    uint8_t *begin = lead > offset ? voxels + (lead - offset) : voxels;
+    if (!inflate_file(begin, offset + needed, source->fd, source->bytes))
+        return false;
+    if (begin + offset != voxels + lead)
+        memmove(voxels + lead, begin + offset, needed);
+    return true;
+}
+
 static enum err read_voxels(struct volume *volume, const struct nifti_header *header,
                             const struct grid *grid, size_t needed, uint64_t offset,
                             struct source *source, struct watch *watch, struct fault *fault)
 {
     const size_t held = grid->voxels * sizeof(uint16_t);
-    const size_t room = needed > held ? needed : held;
+    const size_t wide = needed > held ? needed : held, lead = wide - needed;
+    const bool at_once = fits_at_once(source, needed, offset);
+    const size_t room = at_once && offset > lead ? (size_t)offset + needed : wide;
     if (room > mem_available())
         return fault_set(fault, ERR_MEMORY, "%zu MB of voxels; this machine has %zu MB left",
                          room >> 20, mem_available() >> 20);
@@ -384,12 +425,8 @@ static enum err read_voxels(struct volume *volume, const struct nifti_header *he
         return fault_memory(fault, "the voxels");
     volume->intensity = (uint16_t *)(void *)voxels;
     enum err err = OK;
-    if (gzseek(source->gz, (z_off_t)offset, SEEK_SET) < 0)
-        err = source_fault(source, "the extensions of its header", fault);
-    if (!err)
-        err = source_read(source, voxels + (room - needed), needed, "the voxels", watch, fault);
-    if (!err && source->packed)
-        err = source_end(source, fault);
+    if (!at_once || !inflate_voxels(voxels, lead, needed, (size_t)offset, source))
+        err = stream_voxels(voxels + lead, needed, offset, source, watch, fault);
     if (!err)
         err = convert(voxels, header, grid, &volume->geometry, fault);
     if (!err)
