@@ -410,6 +410,28 @@ STORY(after_a_death_the_next_request_starts_anew)
     unlink(in_folder("died"));
 }
 
+/* The words of a helper that says how many kilobytes of memory it may hold. */
+static const char *ask_its_memory(void)
+{
+    static struct fault fault;
+    struct picture q;
+    struct image_helper *modest = scripted("read line; words=$(ulimit -d)\n"
+                                           "printf 'error %d\\n%s' ${#words} $words; sleep 9");
+    fault = (struct fault){0};
+    CHECK_INT(image_helper_read(modest, "a.png", &q, &fault), ERR_INPUT);
+    image_helper_free(modest);
+    return fault.text;
+}
+
+STORY(a_helper_is_held_to_the_memory_that_it_is_given)
+{
+    CHECK_HAS(ask_its_memory(), "a.png: unlimited");
+    image_helper_memory_most = 512000000;
+    CHECK_HAS(ask_its_memory(), "a.png: 500000");
+    image_helper_memory_most = 0;
+    CHECK_HAS(ask_its_memory(), "a.png: unlimited");
+}
+
 int main(void)
 {
     static const char *const leftover[] = {"a.png", "a.PNG", "a.tif",   "a.bmp",
@@ -433,6 +455,7 @@ int main(void)
         TELL(a_missing_helper_is_named), TELL(a_helper_that_ends_or_dies_is_told),
         TELL(answers_that_make_no_sense_are_told), TELL(an_answer_cut_short_is_told),
         TELL(a_helper_that_stays_silent_is_ended),
+        TELL(a_helper_is_held_to_the_memory_that_it_is_given),
         TELL(after_a_death_the_next_request_starts_anew));
     image_helper_free(helper);
     buf_release(&program);

@@ -17,6 +17,7 @@
 #include "command/limits.h"
 #include "command/trust.h"
 #include "engine/scene.h"
+#include "image/helper.h"
 #include "tests/folder.h"
 
 /* ---- SHA-256 ---- */
@@ -310,7 +311,9 @@ STORY(limits_stop_commands_of_a_desk_that_was_there_before_them)
     CHECK(fd >= 0 && write(fd, "auto on\n", 8) == 8);
     begin_desk(&desk);
     CHECK(limits_read(&limits, NULL, "1h", NULL, NULL) == OK);
+    CHECK(image_helper_memory_most == 0);
     limits_begin(&limits);
+    CHECK(image_helper_memory_most >= 512000000);
     CHECK(drive_file(&desk, script, 0, 0, NULL, &report, &fault) == OK);
     CHECK_INT(report.executed, 1);
     CHECK(desk.session.watch && desk.session.watch == limits_watch());

@@ -9,9 +9,11 @@
 #include "base/clock.h"
 #include "base/mem.h"
 #include "base/scan.h"
+#include "image/helper.h"
 
 enum { LOOK_EVERY_NS = 20000000 };
 static const uint64_t DEFAULT_TIME_MS = 3600000, DEFAULT_OUTPUT = 4000000000;
+static const uint64_t HELPER_LEAST = 512000000; /* with less it could not write every picture */
 
 static struct {
     bool hold;
@@ -84,6 +86,8 @@ void limits_begin(const struct limits *limits)
     if (!now.limits.output_bytes)
         now.limits.output_bytes = DEFAULT_OUTPUT;
     mem_limit(now.limits.memory_bytes < SIZE_MAX ? (size_t)now.limits.memory_bytes : SIZE_MAX);
+    image_helper_memory_most =
+        now.limits.memory_bytes > HELPER_LEAST ? now.limits.memory_bytes : HELPER_LEAST;
     signal(SIGXFSZ, SIG_IGN); /* a write that would grow a file too large is an error of its own */
 }
 

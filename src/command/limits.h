@@ -6,6 +6,9 @@
  * each; output before a file grows too large and behind each command, whose files go again. What is
  * beyond a limit ends the replay with ERR_LIMIT and one line that names the option. Where other
  * processes do the work, what they take is counted.
+ *
+ * The image helper is a process of its own, and may hold as much memory again, or 512 MB where that
+ * is more.
  */
 #ifndef COMMAND_LIMITS_H
 #define COMMAND_LIMITS_H

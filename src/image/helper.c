@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/wait.h>
@@ -28,6 +29,7 @@ enum {
 };
 
 int image_helper_patience_ms = 60000;
+uint64_t image_helper_memory_most;
 
 struct image_helper {
     char *program;
@@ -111,6 +113,23 @@ static int spawn(pid_t *process, const char *program, int fd)
     return number;
 }
 
+/* Before it is asked anything; only ever less than it may hold already. False, with errno, where
+ * that cannot be had. */
+static bool limit_memory(pid_t process)
+{
+    const rlim_t most = image_helper_memory_most;
+    struct rlimit limit;
+    if (!most)
+        return true;
+    if (prlimit(process, RLIMIT_DATA, NULL, &limit) != 0)
+        return false;
+    if (limit.rlim_max > most)
+        limit.rlim_max = most;
+    if (limit.rlim_cur > limit.rlim_max)
+        limit.rlim_cur = limit.rlim_max;
+    return prlimit(process, RLIMIT_DATA, &limit, NULL) == 0;
+}
+
 /* Makes sure that a helper runs. One that has ended while nothing was asked of it costs nothing and
  * is replaced. */
 static enum err start(struct image_helper *helper, struct fault *fault)
@@ -139,6 +158,11 @@ static enum err start(struct image_helper *helper, struct fault *fault)
                          helper->program, strerror(number));
     }
     helper->fd = pair[0];
+    if (!limit_memory(helper->process)) {
+        const enum err err = fault_errno(fault, "limit the memory of", helper->program);
+        stop(helper, false);
+        return err;
+    }
     return OK;
 }
 

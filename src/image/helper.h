@@ -96,4 +96,9 @@ enum err image_helper_default_program(struct buf *out, struct fault *fault);
 /* How long a helper may stay silent; tests are less patient. */
 extern int image_helper_patience_ms;
 
+/* Bytes that a helper started from now on may hold for itself, its program and libraries not
+ * counted; 0: as many as there are. One with all its libraries holds 150 MB, and 350 MB over the
+ * largest picture that is written. What it does not get is an error of the request, or its end. */
+extern uint64_t image_helper_memory_most;
+
 #endif
