@@ -126,7 +126,7 @@ STORY(where_one_looks_from_is_not_undone)
     must(&desk, "shade depth");
     must(&desk, "undo");
     CHECK_TEXT(buf_text(&reply.text), "undone: 4 seed 1,1,1 1\nafter 3 label 0 background\n");
-    CHECK_HAS(buf_text(&reply.words), "at=3 forest=");
+    CHECK_HAS(buf_text(&reply.words), "at=3 on=main forest=");
     CHECK_INT(desk.session.pendings, 0);
     CHECK_INT(desk.session.settings.slices.cross[0], 3);
     CHECK(desk.session.settings.look.mode != look_default().mode);

@@ -14,10 +14,11 @@ static void tell_point(struct buf *out, const struct history *history, uint32_t 
 }
 
 /* Where the session is now, for user and journal. */
-static void tell_arrival(const struct desk *desk, uint32_t to, struct reply *reply)
+static void tell_arrival(const struct desk *desk, uint32_t to, uint32_t branch, struct reply *reply)
 {
     const struct history *history = &desk->history;
-    buf_printf(&reply->words, "at=%zu", history->point[to].record);
+    buf_printf(&reply->words, "at=%zu on=%s", history->point[to].record,
+               history->branch[branch].name);
     buf_add_text(&reply->text, "after ");
     tell_point(&reply->text, history, to);
     const size_t waits = desk->session.pendings;
@@ -31,7 +32,7 @@ static enum err go(struct desk *desk, uint32_t to, uint32_t branch, struct reply
 {
     enum err err = history_go(&desk->history, &desk->session, to, branch, fault);
     if (!err)
-        tell_arrival(desk, to, reply);
+        tell_arrival(desk, to, branch, reply);
     return err;
 }
 

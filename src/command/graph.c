@@ -1,6 +1,7 @@
 #include "command/graph.h"
 
 #include <stdlib.h>
+#include <search.h>
 #include <string.h>
 
 #include "base/mem.h"
@@ -27,17 +28,26 @@ struct branch {
     size_t tip;  /* the last record that belongs to it; 0 for none */
 };
 
+/* In a search tree (tsearch), since a journal may have as many branches as records. */
+struct named {
+    size_t branch;
+    char name[];
+};
+
 struct tree {
     struct node *node; /* [nodes] by the number of the record */
     size_t nodes, node_capacity;
     struct branch *branch;
     size_t branches, branch_capacity;
+    void *names;      /* of struct named */
     struct buf texts; /* each ended by NUL */
     size_t present;   /* node */
+    size_t on;        /* the branch that what follows belongs to */
 };
 
 static void tree_release(struct tree *tree)
 {
+    tdestroy(tree->names, free);
     free(tree->node);
     free(tree->branch);
     buf_release(&tree->texts);
@@ -51,12 +61,53 @@ static size_t keep_text(struct tree *tree, const char *text, size_t length)
     return place;
 }
 
+static int compare_names(const void *a, const void *b)
+{
+    const struct named *x = a, *y = b;
+    return strcmp(x->name, y->name);
+}
+
+/* A search tree's entry for a name, or NULL when out of memory. */
+static struct named *new_name(const char *name, size_t length, size_t branch)
+{
+    struct named *named = mem_new(sizeof *named + length + 1);
+    if (!named)
+        return NULL;
+    named->branch = branch;
+    memcpy(named->name, name, length);
+    return named;
+}
+
+/* Of two branches of one name, which no session makes, the first is the one that is found. */
 static bool add_branch(struct tree *tree, const char *name, size_t length)
 {
-    if (!mem_grow(&tree->branch, &tree->branch_capacity, tree->branches + 1, sizeof *tree->branch))
+    struct named *named = new_name(name, length, tree->branches);
+    struct named **found = named ? tsearch(named, &tree->names, compare_names) : NULL;
+    if (!found || *found != named)
+        free(named);
+    if (!found ||
+        !mem_grow(&tree->branch, &tree->branch_capacity, tree->branches + 1, sizeof *tree->branch))
         return false;
+    tree->on = tree->branches;
     tree->branch[tree->branches++] = (struct branch){.name = keep_text(tree, name, length)};
     return true;
+}
+
+/* The branch that a record with at=N says one is on; that of N where it says nothing. */
+static enum err read_on(struct tree *tree, const struct record *record, size_t state,
+                        struct fault *fault)
+{
+    struct record_word word;
+    tree->on = tree->node[state].branch;
+    if (!record_word_find(record->result, "on", 2, &word))
+        return OK;
+    struct named *named = new_name(word.value, word.value_length, 0);
+    if (!named)
+        return fault_memory(fault, "the graph of a journal");
+    struct named **found = tfind(named, &tree->names, compare_names);
+    tree->on = found ? (*found)->branch : tree->on;
+    free(named);
+    return OK;
 }
 
 /* Where at=N goes: to a node before this record. */
@@ -79,15 +130,17 @@ static enum err read_at(const struct tree *tree, const struct record *record,
 static enum err add_record(struct tree *tree, const struct record *record, struct fault *fault)
 {
     struct record_word at, name;
-    const bool moves = record_word_find(record->result, "at=", 2, &at);
-    const bool begins = record_word_find(record->result, "branch=", 6, &name);
+    const bool moves = record_word_find(record->result, "at", 2, &at);
+    const bool begins = record_word_find(record->result, "branch", 6, &name);
     const size_t number = tree->nodes;
     struct node node = {.is_note = moves && !begins, .parent = tree->present, .lane = NO_LANE};
     enum err err = moves ? read_at(tree, record, &at, &node.parent, fault) : OK;
+    if (!err && moves)
+        err = read_on(tree, record, node.parent, fault);
     if (err)
         return err;
     node.state = node.is_note ? node.parent : number;
-    node.branch = begins ? tree->branches : tree->node[node.parent].branch;
+    node.branch = begins ? tree->branches : tree->on;
     node.command = keep_text(tree, record->command, strlen(record->command));
     if ((begins && !add_branch(tree, name.value, name.value_length)) ||
         !mem_grow(&tree->node, &tree->node_capacity, number + 1, sizeof node) || tree->texts.failed)
