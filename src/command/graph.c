@@ -99,7 +99,7 @@ static enum err read_on(struct tree *tree, const struct record *record, size_t s
 {
     struct record_word word;
     tree->on = tree->node[state].branch;
-    if (!record_word_find(record->result, "on", 2, &word))
+    if (!record_word_find(record->result, "on=", 2, &word))
         return OK;
     struct named *named = new_name(word.value, word.value_length, 0);
     if (!named)
@@ -130,8 +130,8 @@ static enum err read_at(const struct tree *tree, const struct record *record,
 static enum err add_record(struct tree *tree, const struct record *record, struct fault *fault)
 {
     struct record_word at, name;
-    const bool moves = record_word_find(record->result, "at", 2, &at);
-    const bool begins = record_word_find(record->result, "branch", 6, &name);
+    const bool moves = record_word_find(record->result, "at=", 2, &at);
+    const bool begins = record_word_find(record->result, "branch=", 6, &name);
     const size_t number = tree->nodes;
     struct node node = {.is_note = moves && !begins, .parent = tree->present, .lane = NO_LANE};
     enum err err = moves ? read_at(tree, record, &at, &node.parent, fault) : OK;
