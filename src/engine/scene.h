@@ -95,7 +95,8 @@ void scene_free(struct scene *scene);
 static inline void scene_fetch_ahead(const struct scene *scene, size_t cell)
 {
     enum { AHEAD = 128 };
-    __builtin_prefetch((const char *)((uintptr_t)scene->cell + (cell + AHEAD) * sizeof(struct cell)));
+    __builtin_prefetch(
+        (const char *)((uintptr_t)scene->cell + (cell + AHEAD) * sizeof(struct cell)));
 }
 
 /* Copies intensities [z][y][x] in. */

@@ -117,14 +117,14 @@ static int spawn(pid_t *process, const char *program, int fd)
  * that cannot be had. */
 static bool limit_memory(pid_t process)
 {
-    const rlim_t most = image_helper_memory_most;
+    const uint64_t most = image_helper_memory_most;
     struct rlimit limit;
     if (!most)
         return true;
     if (prlimit(process, RLIMIT_DATA, NULL, &limit) != 0)
         return false;
     if (limit.rlim_max > most)
-        limit.rlim_max = most;
+        limit.rlim_max = (rlim_t)most;
     if (limit.rlim_cur > limit.rlim_max)
         limit.rlim_cur = limit.rlim_max;
     return prlimit(process, RLIMIT_DATA, &limit, NULL) == 0;

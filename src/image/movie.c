@@ -1,6 +1,5 @@
 #include "image/movie.h"
 
-
 bool image_movie_is_named(const char *path)
 {
     return file_is_named(path, ".gif|.tif|.tiff");
