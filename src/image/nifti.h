@@ -38,8 +38,9 @@ struct volume {
 };
 
 /* Reads the scene in `path`, under a watch (or NULL). It takes two bytes a voxel, four while
- * float32 is read. On failure *out is empty and the words say what was wrong and what was expected:
- * ERR_INPUT for content, ERR_LIMIT, ERR_IO, ERR_MEMORY, ERR_CANCELLED. */
+ * float32 is read, and as much as the file where a gzip is inflated whole (image/inflate.h). On
+ * failure *out is empty and the words say what was wrong and what was expected: ERR_INPUT for
+ * content, ERR_LIMIT, ERR_IO, ERR_MEMORY, ERR_CANCELLED. */
 enum err nifti_read(struct volume *out, const char *path, struct watch *watch, struct fault *fault);
 void volume_release(struct volume *volume);
 
