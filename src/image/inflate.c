@@ -26,9 +26,12 @@ static bool read_all(uint8_t *out, size_t length, int fd)
 static bool claims(size_t length, int fd, uint64_t packed)
 {
     uint8_t end[4];
+    uint32_t claimed = 0;
     if (packed < TRAILER || pread(fd, end, sizeof end, (off_t)(packed - sizeof end)) != sizeof end)
         return false;
-    return length == (end[0] | end[1] << 8 | end[2] << 16 | (uint32_t)end[3] << 24);
+    for (unsigned i = 0; i < sizeof end; i++)
+        claimed |= (uint32_t)end[i] << 8 * i;
+    return length == claimed;
 }
 
 static bool inflate_bytes(void *out, size_t length, const uint8_t *bytes, size_t packed)
