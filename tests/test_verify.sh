@@ -72,6 +72,27 @@ cp j1.golden/first.exr j1.golden/.tmp-1-0-first.exr
 expect 0 "$iftty" verify j1.iftty
 close_story
 
+begin "journals of one name leave their evidence in places of their own, others where they did"
+mkdir left right
+cp s.nii left
+cp s.nii right
+record left/same.iftty
+record right/same.iftty
+record only.iftty
+cp left/same.golden/second.exr left/same.golden/first.exr
+cp right/same.golden/first.exr right/same.golden/second.exr
+cp only.golden/first.exr only.golden/second.exr
+expect 1 "$iftty" verify j2.iftty left/same.iftty right/same.iftty only.iftty --out proofs -j 3
+same "$(cd proofs && find . -type f | sort | tr '\n' ' ')" "./2/same.iftty.first.actual.exr \
+./2/same.iftty.first.difference.png ./3/same.iftty.second.actual.exr \
+./3/same.iftty.second.difference.png ./only.iftty.second.actual.exr ./only.iftty.second.difference.png "
+expect 1 "$iftty" verify left/same.iftty --out alone
+same "$(ls alone | tr '\n' ' ')" "same.iftty.first.actual.exr same.iftty.first.difference.png "
+expect 1 "$iftty" verify left/same.iftty left/../left/same.iftty --out twice
+same "$(ls twice | tr '\n' ' ')" "1 2 "
+rm -r left right proofs alone twice only.iftty only.golden
+close_story
+
 begin "--from and --until compare what lies between"
 cp j2.golden/second.exr j2.golden/first.exr
 expect 1 "$iftty" verify j2.iftty

@@ -140,7 +140,7 @@ static void leave_evidence(struct desk *desk, const char *name, const struct pic
     struct buf path = {0};
     struct picture image = {
         .width = difference->width, .height = difference->height, .rgba = difference->image};
-    if (!desk->evidence_folder)
+    if (!desk->evidence_folder || file_make_folder(desk->evidence_folder, NULL))
         return;
     const char *journal = file_name(buf_text(&desk->home));
     buf_printf(&path, "%s/%s.%s.actual.exr", desk->evidence_folder, journal, name);

@@ -67,17 +67,36 @@ static enum err judge_whole(const struct verify_options *options, const struct d
     return options->last ? OK : orphan_check(path, &desk->goldens, fault);
 }
 
+/* The folder for a journal's evidence, which is made when there is some. Journals of one name have
+ * folders of their own below, by their numbers in the list, so that none replaces another's. */
+static void place_evidence(struct buf *folder, const struct verify_options *options,
+                           const char *path)
+{
+    size_t number = 0, namesakes = 0;
+    for (size_t i = 0; i < options->count; i++) {
+        if (options->path[i] == path)
+            number = i + 1;
+        namesakes += strcmp(file_name(options->path[i]), file_name(path)) == 0;
+    }
+    buf_add_text(folder, options->evidence_folder);
+    if (namesakes > 1)
+        buf_printf(folder, "/%zu", number);
+}
+
 void verify_one(const struct verify_options *options, const char *path, struct verdict *verdict)
 {
     struct desk desk;
     struct replay_report report = {0};
+    struct buf evidence = {0};
     struct fault fault = {0};
     const uint64_t begin = clock_ns();
     enum err err = desk_init(&desk, &fault);
     if (!err && options->begin)
         err = options->begin(options->context, path, &fault);
     desk.scene_path = options->scene_path;
-    desk.evidence_folder = options->evidence_folder;
+    if (options->evidence_folder)
+        place_evidence(&evidence, options, path);
+    desk.evidence_folder = evidence.length ? buf_text(&evidence) : NULL;
     desk.compares_goldens = true;
     desk.gallery = options->html ? &verdict->gallery : NULL;
     if (!err)
@@ -100,6 +119,7 @@ void verify_one(const struct verify_options *options, const char *path, struct v
     verdict->took_ms = (clock_ns() - begin) / 1000000;
     replay_report_release(&report);
     desk_release(&desk);
+    buf_release(&evidence);
 }
 
 /* ---- processes ---- */

@@ -18,7 +18,8 @@ struct verify_options {
     char *const *path; /* of the journals */
     size_t count;
     const char *scene_path;      /* a scene to open whatever name `open` gives, or NULL */
-    const char *evidence_folder; /* for what golden images differ by, or NULL */
+    const char *evidence_folder; /* for what golden images differ by, or NULL; that of journals of
+                                    one name goes below, into N/ for the Nth of `path` */
     const char *junit, *html;    /* reports, written anew; or NULL */
     size_t first, last;          /* records to compare; 0 for all */
     unsigned processes;          /* at most so many at once, 1..VERIFY_PROCESSES_MOST */
