@@ -47,34 +47,80 @@ static struct slice_choice slice_of(const struct scene *scene, const struct mosa
 
 /* ---- the rendition ---- */
 
-/* The first of the four pixels of the rendition that a pixel of its pane stands for. */
-static size_t first_of_four(const struct rendition *r, const struct mosaic_box *box, uint32_t x,
-                            uint32_t y)
+/* Where the rendition's pixels come to lie: `shown` pixels of the pane from `left`, `top` on. */
+struct fitting {
+    uint32_t width, height; /* of the part of the rendition that is seen, in its pixels, */
+    uint32_t from_left, from_top;
+    uint32_t shown_width, shown_height; /* and in those of the pane */
+    uint32_t left, top;
+};
+
+/* At half the size where the rendition is as large as the whole mosaic; else in its own shape, as
+ * large as it fits, and enlarged by a whole number alone. */
+static struct fitting fit(const struct rendition *r, const struct mosaic_box *box, bool halves)
 {
-    const uint32_t left = (r->width - 2 * box->width) / 2, top = (r->height - 2 * box->height) / 2;
-    return (size_t)(top + 2 * y) * r->width + left + 2 * x;
+    struct fitting f = {.width = r->width, .height = r->height};
+    if (halves) {
+        f.width = 2 * box->width;
+        f.height = 2 * box->height;
+        f.from_left = (r->width - f.width) / 2;
+        f.from_top = (r->height - f.height) / 2;
+        f.shown_width = box->width;
+        f.shown_height = box->height;
+        return f;
+    }
+    const uint32_t across = box->width / r->width, down = box->height / r->height;
+    const uint32_t times = across < down ? across : down;
+    if (times > 0) {
+        f.shown_width = times * r->width;
+        f.shown_height = times * r->height;
+    } else if ((uint64_t)box->width * r->height < (uint64_t)box->height * r->width) {
+        f.shown_width = box->width;
+        f.shown_height = (uint32_t)((uint64_t)r->height * box->width / r->width);
+    } else {
+        f.shown_height = box->height;
+        f.shown_width = (uint32_t)((uint64_t)r->width * box->height / r->height);
+    }
+    f.shown_width += f.shown_width == 0;
+    f.shown_height += f.shown_height == 0;
+    f.left = (box->width - f.shown_width) / 2;
+    f.top = (box->height - f.shown_height) / 2;
+    return f;
 }
 
-static uint32_t rendition_cell(const struct rendition *r, size_t first)
+/* The pixels of the rendition that one of the pane stands for. */
+static struct mosaic_box source_of(const struct fitting *f, uint32_t x, uint32_t y)
 {
-    const size_t four[4] = {first, first + 1, first + r->width, first + r->width + 1};
-    for (int i = 0; i < 4; i++)
-        if (r->cell[four[i]] != CELL_NONE)
-            return r->cell[four[i]];
+    if (f->width == 2 * f->shown_width && f->height == 2 * f->shown_height)
+        return (struct mosaic_box){f->from_left + 2 * x, f->from_top + 2 * y, 2, 2};
+    const uint32_t left = (uint32_t)((uint64_t)x * f->width / f->shown_width);
+    const uint32_t top = (uint32_t)((uint64_t)y * f->height / f->shown_height);
+    const uint32_t right = (uint32_t)((uint64_t)(x + 1) * f->width / f->shown_width);
+    const uint32_t bottom = (uint32_t)((uint64_t)(y + 1) * f->height / f->shown_height);
+    return (struct mosaic_box){f->from_left + left, f->from_top + top,
+                               right > left ? right - left : 1, bottom > top ? bottom - top : 1};
+}
+
+static uint32_t rendition_cell(const struct rendition *r, const struct mosaic_box *source)
+{
+    for (uint32_t y = 0; y < source->height; y++)
+        for (uint32_t x = 0; x < source->width; x++) {
+            const size_t at = (size_t)(source->top + y) * r->width + source->left + x;
+            if (r->cell[at] != CELL_NONE)
+                return r->cell[at];
+        }
     return CELL_NONE;
 }
 
-/* The mean of what four pixels look like over black. Nearly all are covered whole or not at all. */
-static void average(uint8_t rgb[3], const struct rendition *r, size_t first)
+/* The mean of what four pixels, two by two, look like over black. Most are covered whole or not at
+ * all. */
+static void average_four(uint8_t rgb[3], const struct rendition *r, size_t first)
 {
     const uint8_t *above = r->rgba + 4 * first, *below = above + (size_t)4 * r->width;
     const uint32_t a = above[3], b = above[7], c = below[3], d = below[7];
     const bool is_whole = (a & b & c & d) == 255;
-    if ((a | b | c | d) == 0) {
-        rgb[0] = rgb[1] = rgb[2] = 0;
-        return;
-    }
-    for (int k = 0; k < 3; k++) {
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    for (int k = 0; k < 3 && (a | b | c | d); k++) {
         const uint32_t plain = (uint32_t)above[k] + above[k + 4] + below[k] + below[k + 4];
         rgb[k] = (uint8_t)(is_whole ? (plain + 2) / 4
                                     : (above[k] * a + above[k + 4] * b + below[k] * c +
@@ -83,15 +129,34 @@ static void average(uint8_t rgb[3], const struct rendition *r, size_t first)
     }
 }
 
-static void draw_rendition(const struct canvas *pane, const struct mosaic_box *box,
+/* The same of any number. */
+static void average(uint8_t rgb[3], const struct rendition *r, const struct mosaic_box *source)
+{
+    const uint64_t whole = (uint64_t)source->width * source->height * 255;
+    uint64_t sum[3] = {0};
+    for (uint32_t y = 0; y < source->height; y++) {
+        const uint8_t *p = r->rgba + 4 * ((size_t)(source->top + y) * r->width + source->left);
+        for (uint32_t x = 0; x < source->width; x++, p += 4)
+            for (int k = 0; k < 3; k++)
+                sum[k] += (uint32_t)p[k] * p[3];
+    }
+    for (int k = 0; k < 3; k++)
+        rgb[k] = (uint8_t)(sum[k] ? (sum[k] + whole / 2) / whole : 0);
+}
+
+static void draw_rendition(const struct canvas *pane, const struct fitting *f,
                            const struct rendition *r)
 {
-    for (uint32_t y = 0; y < pane->height; y++)
-        for (uint32_t x = 0; x < pane->width; x++) {
-            const size_t first = first_of_four(r, box, x, y);
-            average(canvas_pixel(pane, x, y), r, first);
+    for (uint32_t y = 0; y < f->shown_height; y++)
+        for (uint32_t x = 0; x < f->shown_width; x++) {
+            const struct mosaic_box source = source_of(f, x, y);
+            uint8_t *pixel = canvas_pixel(pane, f->left + x, f->top + y);
+            if (source.width == 2 && source.height == 2)
+                average_four(pixel, r, (size_t)source.top * r->width + source.left);
+            else
+                average(pixel, r, &source);
             if (pane->cell)
-                pane->cell[y * pane->stride + x] = rendition_cell(r, first);
+                pane->cell[(f->top + y) * pane->stride + f->left + x] = rendition_cell(r, &source);
         }
 }
 
@@ -120,22 +185,36 @@ enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,
     }
     const struct mosaic_box box = mosaic_box(width, height, MOSAIC_RENDITION);
     const struct canvas pane = canvas_part(canvas, box.left, box.top, box.width, box.height);
-    draw_rendition(&pane, &box, rendition);
+    const struct fitting f =
+        fit(rendition, &box, width == rendition->width && height == rendition->height);
+    draw_rendition(&pane, &f, rendition);
     return err;
 }
 
-uint32_t mosaic_cell_at(const struct scene *scene, const struct rendition *rendition,
-                        const struct mosaic_choice *choice, uint32_t column, uint32_t row)
+static uint32_t rendition_cell_at(const struct rendition *r, const struct fitting *f, uint32_t x,
+                                  uint32_t y)
 {
-    const uint32_t width = rendition->width, height = rendition->height;
+    if (x - f->left >= f->shown_width || y - f->top >= f->shown_height)
+        return CELL_NONE; /* huge where left or above */
+    const struct mosaic_box source = source_of(f, x - f->left, y - f->top);
+    return rendition_cell(r, &source);
+}
+
+uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t height,
+                        const struct rendition *rendition, const struct mosaic_choice *choice,
+                        uint32_t column, uint32_t row)
+{
     for (int i = 0; i < MOSAIC_PANES; i++) {
         const enum mosaic_pane pane = (enum mosaic_pane)i;
         const struct mosaic_box box = mosaic_box(width, height, pane);
         const uint32_t x = column - box.left, y = row - box.top; /* huge where left or above */
         if (x >= box.width || y >= box.height)
             continue;
-        if (pane == MOSAIC_RENDITION)
-            return rendition_cell(rendition, first_of_four(rendition, &box, x, y));
+        if (pane == MOSAIC_RENDITION) {
+            const struct fitting f =
+                fit(rendition, &box, width == rendition->width && height == rendition->height);
+            return rendition_cell_at(rendition, &f, x, y);
+        }
         const enum slice_plane plane = pane == MOSAIC_AXIAL     ? SLICE_AXIAL
                                        : pane == MOSAIC_CORONAL ? SLICE_CORONAL
                                                                 : SLICE_SAGITTAL;

@@ -5,9 +5,10 @@
  *     --------+---------        both upper ones, his left is on the right in both left ones, and
  *     axial   | rendition       the lines of the cross-hair meet at the seams.
  *
- * Each pane has half of the picture, less a thin seam. The rendition's has every two by two pixels
- * averaged over black, which is the picture at half its size where the rendition is as large as
- * the mosaic.
+ * Each pane has half of the picture, less a thin seam. Where the rendition is as large as the
+ * mosaic, its pane has every two by two pixels averaged over black, the picture at half its size. A
+ * rendition of another size is fitted in: in its own shape, in the middle, averaged where it is
+ * larger than the pane, and a whole number of times as large where it is smaller.
  */
 #ifndef RENDER_MOSAIC_H
 #define RENDER_MOSAIC_H
@@ -32,14 +33,15 @@ struct mosaic_box {
 /* Where a pane lies in a picture of MOSAIC_SIDE_LEAST pixels a side or more. */
 struct mosaic_box mosaic_box(uint32_t width, uint32_t height, enum mosaic_pane pane);
 
-/* Fills a canvas of the rendition's size, and canvas->cell where it has that. ERR_MEMORY. */
+/* Fills a canvas, and canvas->cell where it has that. ERR_MEMORY. */
 enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,
                      const struct rendition *rendition, const struct mosaic_choice *choice,
                      const struct slice_style *style, struct fault *fault);
 
-/* The cell that a pixel of that picture shows, or CELL_NONE. A pixel of the rendition's pane shows
- * the voxel of the first of its four pixels that shows one. */
-uint32_t mosaic_cell_at(const struct scene *scene, const struct rendition *rendition,
-                        const struct mosaic_choice *choice, uint32_t column, uint32_t row);
+/* The cell that a pixel of a picture of that size shows, or CELL_NONE. A pixel of the rendition's
+ * pane shows the voxel of the first of its pixels that shows one. */
+uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t height,
+                        const struct rendition *rendition, const struct mosaic_choice *choice,
+                        uint32_t column, uint32_t row);
 
 #endif

@@ -190,30 +190,71 @@ STORY(the_rendition_lies_in_the_middle_of_its_pane)
     CHECK_INT(mosaic.cell[66 * 130 + 67], CELL_NONE);
     CHECK_INT(mosaic.cell[130 * 130 + 129], CELL_NONE); /* the last row has no other */
     r.cell[129 * 130 + 128] = 9;
-    CHECK_INT(mosaic_cell_at(scene, &r, &choice, 129, 130), 9);
+    CHECK_INT(mosaic_cell_at(scene, r.width, r.height, &r, &choice, 129, 130), 9);
     canvas_release(&mosaic);
     rendition_release(&r);
     scene_free(scene);
 }
 
+/* Of the rendition's own size, and of others that it is fitted into. */
 STORY(a_pixel_of_a_mosaic_knows_its_voxel)
 {
     struct scene *scene = graded_scene();
     const struct slice_style style = plain_style();
     uint64_t seed = 9;
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 90; i++) {
         const struct mosaic_choice choice = {
             .place = {check_below(&seed, 14), check_below(&seed, 10), check_below(&seed, 6)}};
         struct rendition r = noisy_rendition(MOSAIC_SIDE_LEAST + check_below(&seed, 130),
                                              MOSAIC_SIDE_LEAST + check_below(&seed, 130));
-        struct canvas mosaic = take(scene, &r, &choice, &style);
+        const bool is_fitted = i % 3 > 0;
+        const uint32_t width = is_fitted ? MOSAIC_SIDE_LEAST + check_below(&seed, 200) : r.width;
+        const uint32_t height = is_fitted ? MOSAIC_SIDE_LEAST + check_below(&seed, 200) : r.height;
+        struct canvas mosaic;
+        CHECK(canvas_init(&mosaic, width, height, true, NULL) == OK);
+        CHECK(mosaic_draw(&mosaic, scene, &r, &choice, &style, NULL) == OK);
         uint32_t wrong = 0, shown = 0;
-        for (uint32_t p = 0; p < r.width * r.height; p++) {
-            wrong += mosaic.cell[p] != mosaic_cell_at(scene, &r, &choice, p % r.width, p / r.width);
+        for (uint32_t p = 0; p < width * height; p++) {
+            wrong += mosaic.cell[p] !=
+                     mosaic_cell_at(scene, width, height, &r, &choice, p % width, p / width);
             shown += mosaic.cell[p] != CELL_NONE;
         }
         CHECK_INT(wrong, 0);
-        CHECK(shown > r.width * r.height / 4);
+        CHECK(shown > 0);
+        canvas_release(&mosaic);
+        rendition_release(&r);
+    }
+    scene_free(scene);
+}
+
+/* One colour stays that colour, whatever the sizes; what is far larger or smaller still fits. */
+STORY(a_rendition_of_another_size_is_fitted_in)
+{
+    static const uint32_t side[][2] = {{16, 16}, {17, 300}, {300, 20}, {512, 512}, {64, 48}};
+    struct scene *scene = graded_scene();
+    const struct slice_style style = plain_style();
+    const struct mosaic_choice choice = {.place = {0, 0, 0}};
+    for (size_t i = 0; i < sizeof side / sizeof side[0]; i++) {
+        struct rendition r = noisy_rendition(side[i][0], side[i][1]);
+        const struct mosaic_box box = mosaic_box(200, 160, MOSAIC_RENDITION);
+        struct canvas mosaic;
+        uint32_t seen = 0, wrong = 0;
+        for (size_t p = 0; p < (size_t)r.width * r.height; p++)
+            memcpy(r.rgba + 4 * p, (uint8_t[]){10, 200, 90, 255}, 4);
+        CHECK(canvas_init(&mosaic, 200, 160, true, NULL) == OK);
+        CHECK(mosaic_draw(&mosaic, scene, &r, &choice, &style, NULL) == OK);
+        for (uint32_t y = 0; y < box.height; y++)
+            for (uint32_t x = 0; x < box.width; x++) {
+                const uint8_t *p = canvas_pixel(&mosaic, box.left + x, box.top + y);
+                seen += p[1] == 200;
+                wrong += !(p[0] == 10 && p[1] == 200 && p[2] == 90) && p[0] + p[1] + p[2] > 0;
+            }
+        CHECK_INT(wrong, 0);
+        const uint32_t wide = box.width * side[i][1], high = box.height * side[i][0];
+        const uint32_t least =
+            wide < high ? wide / side[i][0] * box.width : high / side[i][1] * box.height;
+        CHECK(seen * 4 >=
+              least - least / 8); /* enlarged by whole numbers: a quarter at the least */
         canvas_release(&mosaic);
         rendition_release(&r);
     }
@@ -257,5 +298,6 @@ int main(void)
         TELL(panes_share_the_picture_out), TELL(panes_are_slices_at_one_scale),
         TELL(the_lines_of_the_cross_hair_run_on), TELL(the_rendition_is_averaged_over_black),
         TELL(the_rendition_lies_in_the_middle_of_its_pane),
-        TELL(a_pixel_of_a_mosaic_knows_its_voxel), TELL(without_memory_there_is_no_mosaic));
+        TELL(a_pixel_of_a_mosaic_knows_its_voxel), TELL(a_rendition_of_another_size_is_fitted_in),
+        TELL(without_memory_there_is_no_mosaic));
 }

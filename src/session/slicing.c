@@ -255,12 +255,47 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum sight sig
         return err;
     if (sight == SIGHT_MOSAIC) {
         const struct mosaic_choice choice = mosaic_of(session, NULL);
-        *cell = mosaic_cell_at(session->scene, session_frame(session), &choice, column, row);
+        *cell = mosaic_cell_at(session->scene, view->width, view->height, session_frame(session),
+                               &choice, column, row);
     } else {
         const struct slice_choice choice = slice_of(session, sight, NULL);
         *cell = slice_cell_at(session->scene, &choice, view->width, view->height, column, row);
     }
     return OK;
+}
+
+/* ---- the panel ---- */
+
+static enum err prepare_panel(struct session *session, uint32_t width, uint32_t height,
+                              struct fault *fault)
+{
+    if (width < MOSAIC_SIDE_LEAST || height < MOSAIC_SIDE_LEAST)
+        return fault_set(fault, ERR_LIMIT, "a panel takes %dx%d pixels or more", MOSAIC_SIDE_LEAST,
+                         MOSAIC_SIDE_LEAST);
+    return session_draw(session, RENDER_AS_KEPT, fault);
+}
+
+enum err slicing_panel(struct canvas *canvas, struct session *session, uint32_t width,
+                       uint32_t height, bool words, struct fault *fault)
+{
+    struct sketch sketch;
+    *canvas = (struct canvas){0};
+    enum err err = prepare_panel(session, width, height, fault);
+    if (err)
+        return err;
+    err = sketch_init(&sketch, session, fault);
+    if (!err)
+        err = canvas_init(canvas, width, height, true, fault);
+    if (!err) {
+        struct mosaic_choice choice = mosaic_of(session, words ? &sketch : NULL);
+        choice.notes &= words;
+        err = mosaic_draw(canvas, session->scene, session_frame(session), &choice, &sketch.style,
+                          fault);
+    }
+    free(sketch.mark);
+    if (err)
+        canvas_release(canvas);
+    return err;
 }
 
 /* ---- out of the session ---- */
