@@ -80,7 +80,7 @@ static const char usage[] =
     "                      the most that a replay or verify may take (3/4 of what is free, 1h, "
     "4G)\n"
     "    --keep-going      do not stop at the first error (run, -c)\n"
-    "    --graphics auto|kitty|sixel|blocks|none\n"
+    "    --graphics auto|kitty|iterm|sixel|blocks|none\n"
     "    --rounds N        time each experiment N times (bench paper; 3), take the median\n"
     "    --quick           only the first two steps (bench paper) or scenes (bench growth)\n"
     "    --plots DIR       charts as SVG, into this folder (bench paper)\n"
@@ -271,7 +271,7 @@ static enum err read_options(struct options *o, int count, char **word, struct f
     }
     if (!graphics_from_name(graphics, &o->graphics))
         return fault_set(fault, ERR_USAGE,
-                         "--graphics: expected auto, kitty, sixel, blocks or none, not %s",
+                         "--graphics: expected auto, kitty, iterm, sixel, blocks or none, not %s",
                          graphics);
     return OK;
 }

@@ -573,10 +573,12 @@ STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
 /* Feeds bytes and writes the events down, in words. */
 static void write_event(struct buf *out, const struct keys *k, const struct key_event *event)
 {
-    static const char *const name[] = {"none",   "character", "enter",  "tab",    "backspace",
-                                       "escape", "up",        "down",   "right",  "left",
-                                       "home",   "end",       "insert", "delete", "pgup",
-                                       "pgdown", "paste",     "pasted", "reply",  "other"};
+    static const char *const name[] = {
+        "none", "character", "enter", "tab",    "backspace", "escape", "up",
+        "down", "right",     "left",  "home",   "end",       "insert", "delete",
+        "pgup", "pgdown",    "paste", "pasted", "reply",     "mouse",  "other"};
+    static const char *const button[] = {"left", "middle", "right", "-"};
+    static const char *const action[] = {"pressed", "released", "moved", "wheel-up", "wheel-down"};
     if (out->length > 0)
         buf_add_char(out, ' ');
     if (event->modifiers & KEY_CONTROL)
@@ -589,6 +591,9 @@ static void write_event(struct buf *out, const struct keys *k, const struct key_
         buf_add(out, event->text, event->length);
     else if (event->key == KEY_REPLY)
         buf_printf(out, "<%s>", k->body);
+    else if (event->key == KEY_MOUSE)
+        buf_printf(out, "%s:%s@%u,%u", button[event->mouse.button], action[event->mouse.action],
+                   event->mouse.column, event->mouse.row);
     else
         buf_add_text(out, name[event->key]);
 }
@@ -674,6 +679,27 @@ STORY(replies_are_swallowed_whole_whenever_they_come)
     CHECK(out.length > 2 && strcmp(out.data + out.length - 3, "> z") == 0);
     buf_release(&out);
     buf_release(&reply);
+}
+
+STORY(the_mouse_is_reported_in_two_ways)
+{
+    CHECK_KEYS(
+        {"\033[<0;11;6M\033[<0;11;6mx", "left:pressed@10,5 left:released@10,5 x"},
+        {"\033[<1;1;1M\033[<2;300;200M", "middle:pressed@0,0 right:pressed@299,199"},
+        {"\033[<32;5;6M\033[<35;5;6M", "left:moved@4,5 -:moved@4,5"},
+        {"\033[<64;5;6M\033[<65;5;6M", "-:wheel-up@4,5 -:wheel-down@4,5"},
+        {"\033[<20;5;6M\033[<8;5;6M", "C-S-left:pressed@4,5 A-left:pressed@4,5"},
+        {"\033[M +&\033[M#+&\033[M`!!x", "left:pressed@10,5 -:released@10,5 -:wheel-up@0,0 x"});
+}
+
+STORY(mouse_reports_that_make_no_sense_are_swallowed)
+{
+    CHECK_KEYS({"\033[<66;5;6M\033[<128;5;6Mx", "other other x"}, /* a wheel that tilts; button 8 */
+               {"\033[<0;0;6M\033[<0;5;0M\033[<0;5M\033[<M\033[<0;5;6;7Mx",
+                "other other other other other x"},
+               {"\033[<0;99999999999999999999;6Mx", "left:pressed@99998,5 x"},
+               {"\033[<0;5\003", "C-c"}, {"\033[M !\rx", "enter x"}, {"\033[M   x", "other x"},
+               {"\033[I\033[Ox", "other other x"}); /* the focus came and went */
 }
 
 STORY(escape_is_a_key_when_nothing_follows)
@@ -1351,6 +1377,8 @@ int main(void)
         TELL(characters_come_out_whole_and_broken_ones_do_not),
         TELL(control_and_alt_keys_are_told_from_text), TELL(cursor_keys_come_in_two_dialects),
         TELL(a_paste_is_marked_off), TELL(replies_are_swallowed_whole_whenever_they_come),
+        TELL(the_mouse_is_reported_in_two_ways),
+        TELL(mouse_reports_that_make_no_sense_are_swallowed),
         TELL(escape_is_a_key_when_nothing_follows), TELL(any_bytes_at_all_lead_back_to_the_ground),
         TELL(replies_are_understood_however_they_are_split), TELL(parameter_4_is_a_whole_number),
         TELL(garbage_is_no_reply), TELL(each_terminal_gets_the_graphics_it_has),

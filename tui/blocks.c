@@ -48,7 +48,7 @@ struct pen {
 /* The colour as the terminal will show it, so that equal ones are recognised as equal. */
 static int64_t shown(const struct pen *pen, uint32_t colour)
 {
-    return pen->colours == COLOURS_256 ? blocks_nearest_256(colour) : colour;
+    return pen->colours != COLOURS_24BIT ? blocks_nearest_256(colour) : colour;
 }
 
 static void set_colour(struct pen *pen, int64_t colour, bool paper, struct buf *out)
@@ -58,7 +58,7 @@ static void set_colour(struct pen *pen, int64_t colour, bool paper, struct buf *
     if (*now == colour)
         return;
     *now = colour;
-    if (pen->colours == COLOURS_256)
+    if (pen->colours != COLOURS_24BIT)
         buf_printf(out, "\033[%c8;5;%um", paper ? '4' : '3', c);
     else
         buf_printf(out, "\033[%c8;2;%u;%u;%um", paper ? '4' : '3', c >> 16, c >> 8 & 255, c & 255);

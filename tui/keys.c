@@ -181,9 +181,58 @@ static unsigned parameter(const char **text)
     return n;
 }
 
+/* The button byte: two bits of button, shift, alt and control, 32 moved, 64 the wheel. Buttons
+ * further on, and a wheel that tilts, are of no use here. */
+static bool emit_mouse(struct keys *k, unsigned code, unsigned column, unsigned row, bool released,
+                       struct key_event *event)
+{
+    const unsigned which = code & 3;
+    const bool wheel = code & 64;
+    if (code >= 128 || (wheel && which > 1) || column == 0 || row == 0)
+        return emit(k, KEY_OTHER, 0, event);
+    emit(k, KEY_MOUSE, code >> 2 & 7, event);
+    event->mouse = (struct mouse){.action = wheel       ? MOUSE_WHEEL_UP + which
+                                            : code & 32 ? MOUSE_MOVED
+                                            : released  ? MOUSE_RELEASED
+                                                        : MOUSE_PRESSED,
+                                  .button = wheel ? MOUSE_NO_BUTTON : which,
+                                  .column = column - 1,
+                                  .row = row - 1};
+    return true;
+}
+
+/* "<0;11;6" and the final byte. */
+static bool end_sgr_mouse(struct keys *k, uint8_t final, struct key_event *event)
+{
+    const char *text = k->body + 2;
+    const unsigned code = parameter(&text), column = parameter(&text), row = parameter(&text);
+    if (text != k->body + k->length - 1)
+        return emit(k, KEY_OTHER, 0, event);
+    return emit_mouse(k, code, column, row, final == 'm', event);
+}
+
+/* Three bytes, each 32 more than it says; which button was let go is not told. */
+static bool feed_csi_mouse(struct keys *k, uint8_t byte, struct key_event *event)
+{
+    keep(k, byte);
+    k->taken++;
+    if (k->length < 5)
+        return false;
+    const unsigned code = (uint8_t)k->body[2] - 32u;
+    const bool released = (code & (64 | 32 | 3)) == 3;
+    return emit_mouse(k, code, (uint8_t)k->body[3] - 32u, (uint8_t)k->body[4] - 32u, released,
+                      event);
+}
+
 static bool end_csi(struct keys *k, uint8_t final, struct key_event *event)
 {
     const char *text = k->body + 1;
+    if (*text == '<' && (final == 'M' || final == 'm'))
+        return end_sgr_mouse(k, final, event);
+    if (final == 'M' && k->length == 2) {
+        k->state = KEYS_CSI_MOUSE;
+        return false;
+    }
     if (strchr("?><=", *text) && *text)
         return emit(k, KEY_REPLY, 0, event);
     if (strchr("tcnRSy", final) && k->length > 2)
@@ -243,8 +292,8 @@ bool keys_feed(struct keys *k, uint8_t byte, struct key_event *event)
 {
     bool control = byte < 0x20 || byte == DELETE;
     bool in_string = k->state == KEYS_STRING || k->state == KEYS_STRING_ESC;
-    bool in_sequence =
-        in_string || k->state == KEYS_CSI || k->state == KEYS_SS3 || k->state == KEYS_CSI_LINUX;
+    bool in_sequence = in_string || k->state == KEYS_CSI || k->state == KEYS_SS3 ||
+                       k->state == KEYS_CSI_LINUX || k->state == KEYS_CSI_MOUSE;
     if (in_sequence && control && !(in_string && (byte == ESC || byte == BEL))) {
         k->alt = false;
         return feed_ground(k, byte, event);
@@ -259,6 +308,8 @@ bool keys_feed(struct keys *k, uint8_t byte, struct key_event *event)
     case KEYS_CSI_LINUX:
         k->taken++;
         return emit(k, KEY_OTHER, 0, event);
+    case KEYS_CSI_MOUSE:
+        return feed_csi_mouse(k, byte, event);
     case KEYS_SS3:
         return feed_ss3(k, byte, event);
     case KEYS_STRING:

@@ -7,6 +7,8 @@
  *     ESC [ A,  ESC O A       KEY_UP                       ESC [ 1;5 C    KEY_RIGHT + KEY_CONTROL
  *     ESC [ 3 ~               KEY_DELETE                   ESC [ 200 ~    KEY_PASTE_BEGIN
  *     ESC [ ? 62;4 c          KEY_REPLY "[?62;4c"          ESC P .. ESC \ KEY_REPLY "P.."
+ *     ESC [ < 0;11;6 M        KEY_MOUSE, left pressed, column 10, row 5;   m: released
+ *     ESC [ M 20 2B 26        the same as terminals without SGR reports say it
  *
  * A terminal's replies may come late, so they are recognised all session long and never reach the
  * line as text: CSI with a private mark or a final byte that only replies have; DCS, APC, OSC, PM
@@ -44,12 +46,28 @@ enum key {
     KEY_PASTE_BEGIN,
     KEY_PASTE_END,
     KEY_REPLY, /* keys.body holds it */
-    KEY_OTHER  /* a key of no use here: F1, keypad .. */
+    KEY_MOUSE, /* key_event.mouse */
+    KEY_OTHER  /* of no use here: F1, keypad, focus gained or lost .. */
 };
 
 enum { KEY_SHIFT = 1, KEY_ALT = 2, KEY_CONTROL = 4 }; /* xterm's modifier parameter less 1 */
 
 enum { KEYS_TIMEOUT_MS = 50 };
+
+enum mouse_action {
+    MOUSE_PRESSED,
+    MOUSE_RELEASED,
+    MOUSE_MOVED, /* with `button` held; reported under ESC[?1002h (held) and ESC[?1003h (always) */
+    MOUSE_WHEEL_UP,
+    MOUSE_WHEEL_DOWN
+};
+enum mouse_button { MOUSE_LEFT, MOUSE_MIDDLE, MOUSE_RIGHT, MOUSE_NO_BUTTON };
+
+struct mouse {
+    enum mouse_action action;
+    enum mouse_button button; /* MOUSE_NO_BUTTON where none or not said */
+    unsigned column, row;     /* cells, from 0 at the top left; below 100000 */
+};
 
 struct key_event {
     enum key key;
@@ -57,6 +75,7 @@ struct key_event {
     uint32_t point; /* of a KEY_CHARACTER; with KEY_CONTROL the letter in lower case */
     char text[5];   /* the same in UTF-8 */
     unsigned length;
+    struct mouse mouse; /* of a KEY_MOUSE */
 };
 
 struct keys {
@@ -66,6 +85,7 @@ struct keys {
         KEYS_ESC,
         KEYS_CSI,
         KEYS_CSI_LINUX, /* ESC [ [ A: a function key of the Linux console */
+        KEYS_CSI_MOUSE, /* ESC [ M and three bytes */
         KEYS_SS3,
         KEYS_STRING,
         KEYS_STRING_ESC

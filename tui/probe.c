@@ -12,7 +12,7 @@ enum { LIMIT_MS = 2000, SIDE_UNTOLD = 1000, CELL_LEAST = 4, CELL_MOST = 64 };
 
 bool graphics_from_name(const char *name, enum graphics *out)
 {
-    static const char *const names[] = {"auto", "none", "blocks", "sixel", "kitty"};
+    static const char *const names[] = {"auto", "none", "blocks", "sixel", "kitty", "iterm"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (strcmp(name, names[i]) == 0) {
             *out = (enum graphics)i;

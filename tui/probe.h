@@ -34,10 +34,11 @@ enum graphics {
     GRAPHICS_NONE,
     GRAPHICS_BLOCKS,
     GRAPHICS_SIXEL,
-    GRAPHICS_KITTY
+    GRAPHICS_KITTY,
+    GRAPHICS_ITERM
 };
 
-/* "auto", "none", "blocks", "sixel", "kitty". */
+/* "auto", "none", "blocks", "sixel", "kitty", "iterm". */
 bool graphics_from_name(const char *name, enum graphics *out);
 
 struct terminal_facts {
@@ -45,7 +46,10 @@ struct terminal_facts {
     enum colours colours;
     uint32_t cell_width, cell_height; /* px, 4..64 */
     uint32_t image_side_most;         /* px; a larger picture may not be drawn at all */
+    enum block_shape shape;           /* the finest that its font is known to have */
     bool answers;                     /* it answered DA1: barriers work */
+    bool synchronizes;                /* ESC[?2026h .. l: what is between appears at once */
+    bool mouse;                       /* may be asked for SGR mouse reports: ESC[?1000;1006h */
 };
 
 /* ---- pure ---- */

@@ -33,7 +33,7 @@ void show_inline(const struct terminal_facts *facts, const struct image_view *vi
     uint32_t picture_rows = rows > 1 ? rows - 1 : 1;
     if (view->width == 0 || view->height == 0 || facts->graphics == GRAPHICS_NONE)
         return;
-    if (facts->graphics == GRAPHICS_BLOCKS) {
+    if (facts->graphics == GRAPHICS_BLOCKS || facts->graphics == GRAPHICS_ITERM) {
         blocks_encode(view, facts->colours, columns, picture_rows, out);
         return;
     }
