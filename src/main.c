@@ -178,8 +178,9 @@ static struct image_view view_of(const struct desk *desk)
     const struct canvas *shown = &desk->shown;
     const struct rendition *r = session_frame(&desk->session);
     if (shown->rgba)
-        return (struct image_view){shown->width, shown->height, shown->rgba};
-    return (struct image_view){r->width, r->height, r->rgba};
+        return (struct image_view){
+            .width = shown->width, .height = shown->height, .rgba = shown->rgba};
+    return (struct image_view){.width = r->width, .height = r->height, .rgba = r->rgba};
 }
 
 static void show_picture(void *context, struct desk *desk)
@@ -706,7 +707,8 @@ static enum err program_show(const struct options *o, struct fault *fault)
     if (!err)
         err = image_helper_read(helper, o->word[1], &picture, fault);
     if (!err) {
-        struct image_view view = {picture.width, picture.height, picture.rgba};
+        struct image_view view = {
+            .width = picture.width, .height = picture.height, .rgba = picture.rgba};
         show_picture_once(o->graphics, &view);
     }
     picture_release(&picture);

@@ -30,7 +30,7 @@ static uint32_t decoded[SIDE_MOST * SIDE_MOST];
 static struct image_view blank_picture(uint32_t width, uint32_t height)
 {
     memset(pixels, 0, sizeof pixels);
-    return (struct image_view){width, height, pixels};
+    return (struct image_view){.width = width, .height = height, .rgba = pixels};
 }
 
 static void set_pixel(const struct image_view *view, uint32_t x, uint32_t y, uint32_t colour)
@@ -422,7 +422,7 @@ STORY(shrinking_takes_the_mean_of_whole_and_part_pixels)
 STORY(fitting_keeps_the_shape_and_never_enlarges)
 {
     uint32_t w, h;
-    struct image_view view = {400, 200, NULL};
+    struct image_view view = {.width = 400, .height = 200};
     image_view_fit(&view, 1000, 1000, &w, &h);
     CHECK_INT(w, 400);
     CHECK_INT(h, 200);

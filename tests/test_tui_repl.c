@@ -77,7 +77,7 @@ static bool host_picture(void *context, struct image_view *out)
 {
     struct host *host = context;
     bool had = host->has_picture;
-    *out = (struct image_view){64, 40, rendition};
+    *out = (struct image_view){.width = 64, .height = 40, .rgba = rendition};
     host->has_picture = false;
     return had;
 }
@@ -113,7 +113,8 @@ static int run_host(const struct repl_options *options, bool once)
     for (size_t i = 0; i < sizeof rendition; i++)
         rendition[i] = (uint8_t)(i % 4 == 3 ? 255 : 40 * (i / 600));
     if (once)
-        return show_picture_once(options->graphics, &(struct image_view){64, 40, rendition});
+        return show_picture_once(
+            options->graphics, &(struct image_view){.width = 64, .height = 40, .rgba = rendition});
     return (int)repl_run(&host, options, &fault);
 }
 

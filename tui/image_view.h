@@ -8,12 +8,19 @@
 #ifndef TUI_IMAGE_VIEW_H
 #define TUI_IMAGE_VIEW_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 struct image_view {
     uint32_t width, height;
     const uint8_t *rgba;
+    const uint32_t *hue; /* 0xRRGGBB of the labels that may show, in any order, twice or not; the
+                            same from picture to picture, for another set is another palette, and
+                            the picture goes whole. NULL where it is not told */
+    unsigned hues;
+    bool smooth; /* all 24 bits of every colour go out where the terminal can, at several times the
+                    bytes; otherwise shades are rounded to a palette (tui/shades.h) */
 };
 
 /* Pixel number `i` (row by row) over black, as 0xRRGGBB. */

@@ -50,6 +50,8 @@ struct terminal_facts {
     bool answers;                     /* it answered DA1: barriers work */
     bool synchronizes;                /* ESC[?2026h .. l: what is between appears at once */
     bool mouse;                       /* may be asked for SGR mouse reports: ESC[?1000;1006h */
+    bool kitty_is_still; /* kitty graphics without a=f (ghostty, Konsole): nothing can be changed
+                            in place, so every picture goes whole */
 };
 
 /* ---- pure ---- */
