@@ -191,6 +191,20 @@ enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,
     return err;
 }
 
+struct mosaic_point mosaic_point_of(uint32_t width, uint32_t height,
+                                    const struct rendition *rendition, uint32_t column,
+                                    uint32_t row)
+{
+    const struct mosaic_box box = mosaic_box(width, height, MOSAIC_RENDITION);
+    const struct fitting f =
+        fit(rendition, &box, width == rendition->width && height == rendition->height);
+    const uint32_t x = column < f.from_left ? 0 : column - f.from_left;
+    const uint32_t y = row < f.from_top ? 0 : row - f.from_top;
+    return (struct mosaic_point){
+        box.left + f.left + (uint32_t)((uint64_t)x * f.shown_width / f.width),
+        box.top + f.top + (uint32_t)((uint64_t)y * f.shown_height / f.height)};
+}
+
 static uint32_t rendition_cell_at(const struct rendition *r, const struct fitting *f, uint32_t x,
                                   uint32_t y)
 {

@@ -38,6 +38,14 @@ enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,
                      const struct rendition *rendition, const struct mosaic_choice *choice,
                      const struct slice_style *style, struct fault *fault);
 
+/* Where a pixel of the rendition lies in a mosaic of that size. */
+struct mosaic_point {
+    uint32_t column, row;
+};
+struct mosaic_point mosaic_point_of(uint32_t width, uint32_t height,
+                                    const struct rendition *rendition, uint32_t column,
+                                    uint32_t row);
+
 /* The cell that a pixel of a picture of that size shows, or CELL_NONE. A pixel of the rendition's
  * pane shows the voxel of the first of its pixels that shows one. */
 uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t height,

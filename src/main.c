@@ -28,6 +28,7 @@
 #include "command/reseal.h"
 #include "command/trust.h"
 #include "command/verify.h"
+#include "host/pilot_host.h"
 #include "journal/log.h"
 #include "session/export.h"
 #include "tui/crop.h"
@@ -782,6 +783,7 @@ static enum err program_help(const struct options *o, struct fault *fault)
 /* ---- the prompt ---- */
 
 struct prompt {
+    struct pilot_desk pilot; /* first: the pilot's host has this whole as its context */
     struct desk desk;
     struct reply reply;
     char name[24];     /* before the "> " */
@@ -858,6 +860,14 @@ static bool prompt_finished(void *context)
     return prompt->desk.finished;
 }
 
+static bool prompt_flies(void *context)
+{
+    struct prompt *prompt = context;
+    const bool flies = prompt->desk.flies;
+    prompt->desk.flies = false;
+    return flies;
+}
+
 static void prompt_news(void *context, struct buf *output)
 {
     struct prompt *prompt = context;
@@ -916,7 +926,15 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
     if (!err && isatty(STDIN_FILENO) && isatty(STDOUT_FILENO))
         desk_write_beside(&prompt.desk, NULL);
     struct press *press = prompt.desk.press;
+    struct pilot_host pilot = {
+        .context = &prompt, .execute = prompt_execute, .finished = prompt_finished};
+    pilot_host_fill(&pilot);
+    prompt.pilot.desk = &prompt.desk;
+    prompt.desk.has_cockpit = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     const struct repl_host host = {.context = &prompt,
+                                   .pilot = &pilot,
+                                   .flies = prompt_flies,
+                                   .pilot_line = "pilot",
                                    .begin = prompt_begin,
                                    .prompt = prompt_text,
                                    .execute = prompt_execute,
@@ -940,6 +958,7 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
         buf_release(&text);
     }
     reply_release(&prompt.reply);
+    pilot_desk_release(&prompt.pilot);
     desk_release(&prompt.desk);
     buf_release(&journal);
     return err;

@@ -211,6 +211,12 @@ static enum outcome control_key(struct line_editor *e, uint32_t letter)
         return CLEAR;
     case 'n':
         return act(e, LINE_NEWER);
+    case 'o':
+        if (!e->line_of_ctrl_o)
+            return GO_ON;
+        line_clear(&e->line);
+        line_insert(&e->line, e->line_of_ctrl_o, strlen(e->line_of_ctrl_o));
+        return SUBMIT;
     case 'p':
         return act(e, LINE_OLDER);
     case 'r':

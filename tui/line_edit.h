@@ -10,6 +10,7 @@
  *     Tab                       complete             Ctrl-L          clear the screen
  *     Ctrl-C                    empty the line       Ctrl-Z          stop, as job control does
  *     Ctrl-D                    delete; on an empty line, the end
+ *     Ctrl-O                    a line of the host's, such as a command that is often wanted
  *
  * All that has arrived is taken in before the line is drawn, and a bracketed paste to its end, so
  * that a large paste costs one redraw. A line feed in it submits, the rest stays for the next line.
@@ -47,6 +48,7 @@ struct line_editor {
     line_complete_function *complete; /* may be NULL */
     line_news_function *news;         /* may be NULL; else asked when news_descriptor is readable */
     int news_descriptor;
+    const char *line_of_ctrl_o; /* submitted in place of what was typed, or NULL */
     void *context;
 };
 

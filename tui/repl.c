@@ -203,6 +203,24 @@ static enum err begin(struct prompt *p, struct fault *fault)
     return err;
 }
 
+/* What cannot be flown is told, and the prompt goes on. */
+static enum err fly(struct prompt *p, bool *ended, struct fault *fault)
+{
+    struct buf words = {0};
+    struct fault why;
+    enum err err = pilot_fly(p->host->pilot, &p->facts, &p->editor, ended, &why);
+    if (err == ERR_IO) { /* the terminal has gone */
+        if (fault)
+            *fault = why;
+        return err;
+    }
+    if (err)
+        add_error(&words, err, &why, p->facts.colours != COLOURS_NONE);
+    err = words.length ? term_write(buf_text(&words), words.length, fault) : OK;
+    buf_release(&words);
+    return err;
+}
+
 static enum err run_prompt(struct prompt *p, struct fault *fault)
 {
     struct buf prompt = {0};
@@ -216,6 +234,10 @@ static enum err run_prompt(struct prompt *p, struct fault *fault)
             break;
         if (!is_blank(buf_text(&p->editor.line.text)))
             err = execute(p, buf_text(&p->editor.line.text), fault);
+        if (!err && p->host->pilot && p->host->flies(p->host->context))
+            err = fly(p, &ended, fault);
+        if (ended)
+            break;
     }
     if (!err && p->editor.answers_due > 0) /* or the shell gets the answer as input */
         probe_await(p->editor.answers_due, BARRIER_MS, &p->editor.input);
@@ -256,6 +278,7 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     line_editor_init(&p.editor, host->complete, host->context);
     p.editor.news = host->news;
     p.editor.news_descriptor = host->news_descriptor;
+    p.editor.line_of_ctrl_o = host->pilot ? host->pilot_line : NULL;
     if (options->history_path)
         loaded = line_history_load(&p.editor.history, options->history_path, &of_history);
     enum err err = open_terminal(STDIN_FILENO, options->graphics, &p.facts, &p.editor.input,

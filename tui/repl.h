@@ -17,6 +17,7 @@
 #include "base/buf.h"
 #include "base/err.h"
 #include "tui/image_view.h"
+#include "tui/pilot.h"
 #include "tui/probe.h"
 
 /* Output text is printed as it is: names in it have been escaped by the host. */
@@ -40,6 +41,11 @@ struct repl_host {
      * while a line is edited, and before a plain prompt. May be NULL. */
     void (*news)(void *context, struct buf *output);
     int news_descriptor;
+    /* The pilot's host, or NULL for none; and true once after a command that asked for the pilot,
+     * which Ctrl-O does by this line. */
+    const struct pilot_host *pilot;
+    bool (*flies)(void *context);
+    const char *pilot_line;
     /* Whether the session is over; asked after every command. */
     bool (*finished)(void *context);
 };

@@ -83,6 +83,7 @@ ACT(sync);
 ACT(why);
 ACT(info);
 ACT(stats);
+ACT(pilot);
 ACT(help);
 ACT(quit);
 

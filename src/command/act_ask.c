@@ -209,6 +209,15 @@ ACT(help)
     return OK;
 }
 
+ACT(pilot)
+{
+    (void)value, (void)reply;
+    if (!desk->has_cockpit)
+        return fault_set(fault, ERR_USAGE, "the pilot flies at a terminal's prompt alone");
+    desk->flies = true;
+    return OK;
+}
+
 ACT(quit)
 {
     (void)value, (void)reply, (void)fault;

@@ -154,40 +154,90 @@ ACT(label)
     return OK;
 }
 
-/* The voxels of the scene within `radius` of a place, plane by plane. NULL when out of memory. */
-static uint32_t *ball(const struct grid *grid, const uint32_t place[3], int64_t radius,
-                      size_t *count)
+/* Voxels, as a list that grows. */
+struct voxels {
+    uint32_t *cell;
+    size_t count, capacity;
+};
+
+/* Adds the voxels of the scene within `radius` of a place, plane by plane, without those within as
+ * much of `but` (NULL for none), which are there already. False when out of memory. */
+static bool add_ball(struct voxels *v, const struct grid *grid, const int64_t place[3],
+                     const int64_t *but, int64_t radius)
 {
-    size_t side = (size_t)(2 * radius + 1);
-    uint32_t *cell = mem_array(side * side * side, sizeof *cell);
-    *count = 0;
-    for (int64_t z = -radius; cell && z <= radius; z++)
+    const size_t side = (size_t)(2 * radius + 1);
+    if (!mem_grow(&v->cell, &v->capacity, v->count + side * side * side, sizeof *v->cell))
+        return false;
+    for (int64_t z = -radius; z <= radius; z++)
         for (int64_t y = -radius; y <= radius; y++)
             for (int64_t x = -radius; x <= radius; x++) {
-                int64_t at[3] = {place[0] + x, place[1] + y, place[2] + z};
-                if (x * x + y * y + z * z <= radius * radius &&
+                const int64_t at[3] = {place[0] + x, place[1] + y, place[2] + z};
+                int64_t far = radius * radius + 1;
+                for (int a = 0; but && a < 3; a++)
+                    far = (a ? far : 0) + (at[a] - but[a]) * (at[a] - but[a]);
+                if (x * x + y * y + z * z <= radius * radius && far > radius * radius &&
                     grid_contains(grid, at[0], at[1], at[2]))
-                    cell[(*count)++] =
+                    v->cell[v->count++] =
                         grid_cell(grid, (uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]);
             }
-    return cell;
+    return true;
+}
+
+/* `from` plus `part` of `parts` of the way to `to`, to the nearest voxel. */
+static void step_to(int64_t at[3], const uint32_t from[3], const uint32_t to[3], int64_t part,
+                    int64_t parts)
+{
+    for (int a = 0; a < 3; a++) {
+        const int64_t way = (int64_t)to[a] - from[a], twice = 2 * way * part;
+        at[a] = from[a] + (parts ? (twice + (twice < 0 ? -parts : parts)) / (2 * parts) : 0);
+    }
+}
+
+/* A ball at each step of the straight line between two places. */
+static bool add_stroke(struct voxels *v, const struct grid *grid, const uint32_t from[3],
+                       const uint32_t to[3], int64_t radius)
+{
+    int64_t steps = 0, at[3], before[3];
+    for (int a = 0; a < 3; a++) {
+        const int64_t way = from[a] < to[a] ? to[a] - from[a] : from[a] - to[a];
+        steps = way > steps ? way : steps;
+    }
+    bool fits = true;
+    for (int64_t i = 0; fits && i <= steps; i++) {
+        step_to(at, from, to, i, steps);
+        fits = add_ball(v, grid, at, i ? before : NULL, radius);
+        memcpy(before, at, sizeof at);
+    }
+    return fits;
+}
+
+static struct voxels ball(const struct grid *grid, const uint32_t place[3], int64_t radius,
+                          enum err *err, struct fault *fault)
+{
+    struct voxels v = {0};
+    if (!add_stroke(&v, grid, place, place, radius))
+        *err = fault_memory(fault, "a ball of voxels");
+    return v;
 }
 
 ACT(seed)
 {
     struct session *session = &desk->session;
-    size_t count;
-    uint32_t *cell = ball(&session->scene->grid, value[0].place, value[2].number, &count);
-    enum err err = cell ? OK : fault_memory(fault, "a ball of seeds");
+    const struct grid *grid = &session->scene->grid;
+    const uint32_t *to = value[3].given ? value[3].place : value[0].place;
+    struct voxels v = {0};
     size_t inside = 0;
-    for (size_t i = 0; !err && i < count; i++) {
-        if (act_is_fenced(session, cell[i]))
+    enum err err = add_stroke(&v, grid, value[0].place, to, value[2].number)
+                       ? OK
+                       : fault_memory(fault, "a stroke of seeds");
+    for (size_t i = 0; !err && i < v.count; i++) {
+        if (act_is_fenced(session, v.cell[i]))
             continue;
-        err = session_plant(session, cell[i], (uint8_t)value[1].number, fault);
+        err = session_plant(session, v.cell[i], (uint8_t)value[1].number, fault);
         inside++;
     }
-    free(cell);
-    return err ? err : act_tell_outside(reply, inside, count - inside, fault);
+    free(v.cell);
+    return err ? err : act_tell_outside(reply, inside, v.count - inside, fault);
 }
 
 /* Which seeds an eliminator takes away, for the journal: "took=X,Y,Z;X,Y,Z". More than a line
@@ -241,10 +291,11 @@ static enum err eliminate(struct desk *desk, const struct value *value, struct f
         err = session_catch_up(session, fault);
     if (err)
         return err;
-    uint32_t *cell = ball(&session->scene->grid, value[0].place, value[1].number, &count);
-    err = cell ? session_eliminate(session, cell, count, fault)
-               : fault_memory(fault, "a ball of eliminators");
-    free(cell);
+    const struct voxels v =
+        ball(&session->scene->grid, value[0].place, value[1].number, &err, fault);
+    if (!err)
+        err = session_eliminate(session, v.cell, v.count, fault);
+    free(v.cell);
     return err;
 }
 
