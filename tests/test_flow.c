@@ -1,0 +1,240 @@
+/* Frames over a simulated line: bytes wait their turn, an answer comes back half a round trip after
+ * the last of them has arrived. */
+#include "tests/check.h"
+#include "tui/flow.h"
+
+#define MS UINT64_C(1000000)
+
+enum { QUEUE = 64 };
+
+struct line {
+    uint64_t round_trip_ns, bytes_per_s;
+    uint64_t free_ns; /* the line is busy until then */
+    struct {
+        uint64_t drawn_ns, answer_ns;
+        unsigned state;
+    } frame[QUEUE];
+    unsigned first, count; /* of those whose answer is on its way */
+    unsigned loses;        /* answers that get lost: so many to come */
+};
+
+/* What the person at the other end sees. */
+struct view {
+    unsigned state;    /* the newest that is drawn */
+    unsigned frames;   /* sent */
+    unsigned deepest;  /* frames on the line at once */
+    uint64_t oldest;   /* ns: the greatest age of a state when it was drawn, of late */
+    size_t last_bytes; /* of the last frame */
+};
+
+static void send(struct line *line, struct view *view, unsigned state, size_t bytes, uint64_t now)
+{
+    const uint64_t begin = line->free_ns > now ? line->free_ns : now;
+    const unsigned at = (line->first + line->count++) % QUEUE;
+    line->free_ns = begin + bytes * UINT64_C(1000000000) / line->bytes_per_s;
+    line->frame[at].drawn_ns = line->free_ns + line->round_trip_ns / 2;
+    line->frame[at].answer_ns = line->frame[at].drawn_ns + line->round_trip_ns / 2;
+    line->frame[at].state = state;
+    view->frames++;
+    view->last_bytes = bytes;
+    view->deepest = line->count > view->deepest ? line->count : view->deepest;
+}
+
+static void hear(struct line *line, struct flow *flow, uint64_t now)
+{
+    while (line->count > 0 && line->frame[line->first].answer_ns <= now) {
+        line->first = (line->first + 1) % QUEUE;
+        line->count--;
+        if (line->loses > 0)
+            line->loses--;
+        else
+            flow_answered(flow, now);
+    }
+}
+
+static void look(const struct line *line, struct view *view, uint64_t now)
+{
+    for (unsigned i = 0; i < line->count; i++) {
+        const unsigned at = (line->first + i) % QUEUE;
+        if (line->frame[at].drawn_ns > now || line->frame[at].state <= view->state)
+            continue;
+        view->state = line->frame[at].state;
+        if (now - view->state * MS > view->oldest)
+            view->oldest = now - view->state * MS;
+    }
+}
+
+/* A picture of `full` bytes that changes every ms, from `from` to `to` ms: its state is the time.
+ * Goes on until all that was sent has been drawn, with the last state. */
+static void steer(struct flow *flow, struct line *line, struct view *view, size_t full,
+                  unsigned from, unsigned to)
+{
+    unsigned sent = 0;
+    for (unsigned ms = from; ms < to || line->count > 0 || sent < to; ms++) {
+        const uint64_t now = ms * MS;
+        const unsigned state = ms < to ? ms : to;
+        look(line, view, now);
+        hear(line, flow, now);
+        if (sent == state || !flow_may_send(flow, now))
+            continue;
+        const unsigned divisor = flow_divisor(flow, full);
+        sent = state;
+        send(line, view, state, full / (divisor * divisor), now);
+        flow_sent(flow, view->last_bytes, now);
+    }
+}
+
+/* ---- stories ---- */
+
+STORY(a_frame_goes_only_when_the_one_before_has_been_drawn)
+{
+    struct flow flow = {0};
+    CHECK(flow_may_send(&flow, 5 * MS));
+    CHECK_INT(flow_wait_ms(&flow, 5 * MS), 0);
+    flow_sent(&flow, 1000, 5 * MS);
+    CHECK(!flow_may_send(&flow, 6 * MS));
+    CHECK_INT(flow_wait_ms(&flow, 6 * MS), 1999);
+    flow_answered(&flow, 45 * MS);
+    CHECK(flow_may_send(&flow, 45 * MS));
+    flow_answered(&flow, 46 * MS); /* nobody asked */
+    flow_sent(&flow, 1000, 47 * MS);
+    CHECK(!flow_may_send(&flow, 48 * MS));
+}
+
+/* 16 MB/s with nothing in between, 10 Mbit/s, 2 Mbit/s, 256 kbit/s. */
+STORY(on_any_line_the_newest_state_arrives_in_time)
+{
+    static const struct {
+        unsigned round_trip_ms, bytes_per_s, late_ms;
+    } lines[] = {{0, 16000000, 110}, {40, 1250000, 220}, {120, 250000, 350}, {300, 32000, 700}};
+    for (unsigned known = 0; known < 2; known++)
+        for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+            struct line line = {lines[i].round_trip_ms * MS, lines[i].bytes_per_s, .count = 0};
+            struct flow flow = {.round_trip_ns = known ? lines[i].round_trip_ms * MS : 0};
+            struct view view = {0};
+            steer(&flow, &line, &view, 80000, 1, 5000); /* it learns */
+            CHECK_INT(view.state, 5000);
+            const unsigned learnt = view.frames;
+            view.oldest = 0;
+            view.deepest = 0;
+            steer(&flow, &line, &view, 80000, 10000, 20000);
+            printf("# round trip %u ms, %u bytes/s: %u frames in 10 s of %zu bytes, %u ms late\n",
+                   lines[i].round_trip_ms, lines[i].bytes_per_s, view.frames - learnt,
+                   view.last_bytes, (unsigned)(view.oldest / MS));
+            CHECK_INT(view.state, 20000);
+            CHECK_INT(view.deepest, 1);
+            CHECK(view.oldest < lines[i].late_ms * MS);
+        }
+}
+
+STORY(quality_drops_before_latency_and_comes_back)
+{
+    struct line line = {40 * MS, 10000000, .count = 0};
+    struct flow flow = {.round_trip_ns = 40 * MS};
+    struct view view = {0};
+    steer(&flow, &line, &view, 80000, 1, 3000);
+    CHECK_INT(flow_divisor(&flow, 80000), 1);
+    line.bytes_per_s = 100000; /* 80000 bytes would take 800 ms */
+    steer(&flow, &line, &view, 80000, 5000, 9000);
+    CHECK(flow_divisor(&flow, 80000) >= 3);
+    view.oldest = 0;
+    steer(&flow, &line, &view, 80000, 20000, 24000);
+    CHECK(view.oldest < 300 * MS);
+    line.bytes_per_s = 10000000;
+    steer(&flow, &line, &view, 80000, 30000, 33000);
+    CHECK_INT(flow_divisor(&flow, 80000), 1);
+}
+
+STORY(small_changes_do_not_make_a_fast_line_look_slow)
+{
+    struct line line = {120 * MS, 1250000, .count = 0};
+    struct flow flow = {.round_trip_ns = 120 * MS};
+    struct view view = {0};
+    steer(&flow, &line, &view, 900, 1, 3000);
+    CHECK(flow_divisor(&flow, 60000) == 1);
+}
+
+STORY(an_answer_that_is_lost_costs_two_seconds_once)
+{
+    struct line line = {40 * MS, 1250000, .count = 0};
+    struct flow flow = {.round_trip_ns = 40 * MS};
+    struct view view = {0};
+    steer(&flow, &line, &view, 20000, 1, 1000);
+    line.loses = 1;
+    const unsigned before = view.frames;
+    steer(&flow, &line, &view, 20000, 2000, 8000);
+    CHECK_INT(view.state, 8000);
+    CHECK(view.frames - before > 40);
+    CHECK_INT(flow.late, 0);
+}
+
+/* A line of 30 kB/s gets 200 kB at first: the answer takes 7 s, three barriers fail meanwhile. Then
+ * every answer is known to be that of its own frame again. */
+STORY(answers_that_come_late_are_not_taken_for_those_of_newer_frames)
+{
+    struct line line = {100 * MS, 30000, .count = 0};
+    struct flow flow = {0};
+    struct view view = {0};
+    send(&line, &view, 1, 200000, 1 * MS);
+    flow_sent(&flow, 200000, 1 * MS);
+    steer(&flow, &line, &view, 80000, 2, 15000);
+    CHECK_INT(view.state, 15000);
+    view.deepest = 0;
+    view.oldest = 0;
+    steer(&flow, &line, &view, 80000, 30000, 36000);
+    CHECK_INT(view.deepest, 1);
+    CHECK(view.oldest < 600 * MS);
+}
+
+STORY(a_failed_barrier_asks_for_recovery_once)
+{
+    struct flow flow = {0};
+    CHECK_TEXT(flow_recovery(&flow, true), "");
+    flow_sent(&flow, 100000, 0);
+    CHECK(!flow_may_send(&flow, 1999 * MS));
+    CHECK(flow_may_send(&flow, 2000 * MS));
+    CHECK_TEXT(flow_recovery(&flow, false), "\033\\");
+    CHECK_TEXT(flow_recovery(&flow, true), "\033\\\033_Gm=0,q=2;\033\\");
+    CHECK(flow_budget(&flow) <= 5000); /* 100000 bytes in 2 s at the very best */
+    flow_sent(&flow, 4000, 2000 * MS);
+    CHECK_TEXT(flow_recovery(&flow, true), "");
+}
+
+STORY(a_terminal_that_never_answers_gets_a_frame_now_and_then)
+{
+    struct flow flow = {.silent = true};
+    CHECK(flow_may_send(&flow, 1 * MS));
+    flow_sent(&flow, 1000, 1 * MS);
+    CHECK(!flow_may_send(&flow, 200 * MS));
+    CHECK_INT(flow_wait_ms(&flow, 200 * MS), 1);
+    CHECK(flow_may_send(&flow, 201 * MS));
+    CHECK_INT(flow_budget(&flow), FLOW_BYTES_START);
+    flow_answered(&flow, 202 * MS);
+    CHECK_INT(flow_budget(&flow), FLOW_BYTES_START);
+}
+
+STORY(clocks_and_sizes_at_their_limits_do_no_harm)
+{
+    struct flow flow = {0};
+    flow_sent(&flow, 0, 100);
+    flow_answered(&flow, 50); /* before it was sent */
+    CHECK(flow_budget(&flow) >= FLOW_BYTES_LEAST && flow_budget(&flow) <= FLOW_BYTES_MOST);
+    flow_sent(&flow, SIZE_MAX, 200);
+    flow_answered(&flow, UINT64_MAX / 2);
+    CHECK(flow_budget(&flow) >= FLOW_BYTES_LEAST && flow_budget(&flow) <= FLOW_BYTES_MOST);
+    CHECK_INT(flow_divisor(&flow, SIZE_MAX), 8);
+    CHECK_INT(flow_divisor(&flow, 0), 1);
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(a_frame_goes_only_when_the_one_before_has_been_drawn),
+                       TELL(on_any_line_the_newest_state_arrives_in_time),
+                       TELL(quality_drops_before_latency_and_comes_back),
+                       TELL(small_changes_do_not_make_a_fast_line_look_slow),
+                       TELL(an_answer_that_is_lost_costs_two_seconds_once),
+                       TELL(answers_that_come_late_are_not_taken_for_those_of_newer_frames),
+                       TELL(a_failed_barrier_asks_for_recovery_once),
+                       TELL(a_terminal_that_never_answers_gets_a_frame_now_and_then),
+                       TELL(clocks_and_sizes_at_their_limits_do_no_harm));
+}
