@@ -20,8 +20,8 @@ echo "Segmenting by the procedure of examples/$name.iftty:"
 awk '
     /^ok/ { seeds += $3 == "seed"; removed += $3 == "remove"; command = $3 }
     /voxels changed/ && command == "run" {
-        printf "  iteration %d: %3d seeds and %d eliminators planted, %8d voxels changed, %s ms\n",
-               ++n, seeds, removed, $1, $4
+        printf "  iteration %d: %3d seeds and %d eliminators planted, %8d voxels changed, %s %s\n",
+               ++n, seeds, removed, $1, $(NF - 1), $NF
         seeds = removed = 0
     }' "$out/run.txt"
 

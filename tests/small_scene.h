@@ -165,6 +165,7 @@ static inline void take_snapshot(struct snapshot *s, const struct desk *desk)
     s->fence = session->fence_tally.digest;
     CHECK(s->weights == weight_digest(session->scene, forest_arcs(session->forest), NULL));
     fence_stands(session);
+    CHECK(tally_check(&session->tally, session->scene));
     s->forest = forest_digest(session->forest);
     s->labels = forest_label_digest(session->forest);
     s->seeds = forest_seeds(session->forest);

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "command/limits.h"
 #include "command/trust.h"
+#include "command/volumes.h"
 #include "journal/replay.h"
 #include "session/export.h"
 
@@ -86,17 +87,20 @@ static enum err act(struct desk *desk, const struct call *call, struct reply *re
     uint64_t begin = clock_ns();
     if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
         return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
-    enum err err = command->act(desk, call->value, reply, fault);
+    const bool tells = command->flags & COMMAND_EDITS && !desk->replays && !session->skims;
+    enum err err = tells ? session_count_labels(session, fault) : OK;
+    if (!err)
+        err = command->act(desk, call->value, reply, fault);
     const bool waits = !session->settings.runs_by_itself || desk->history.goes_to != POINT_NONE;
     if (!err && command->flags & COMMAND_EDITS && !waits)
         err = session_run(session, fault);
     if (!err && command->flags & COMMAND_EDITS)
         add_digests(reply, session);
-    const uint64_t took_ns = clock_ns() - begin;
-    if (!err && (session->edited_forest || session->rebuilt_forest))
-        buf_printf(&reply->text, "%llu voxels changed, %.1f ms\n",
-                   (unsigned long long)forest_stats(session->forest).touched,
-                   (double)took_ns / 1e6);
+    const bool edited = tells && (session->edited_forest || session->rebuilt_forest);
+    if (!err && edited)
+        err = session_count_labels(session, fault);
+    if (!err && edited)
+        volumes_tell(&reply->text, session, clock_ns() - begin);
     if (!err && (reply->text.failed || reply->words.failed || reply->canonical.failed))
         err = fault_memory(fault, "an answer");
     return err;

@@ -166,6 +166,7 @@ enum err session_open(struct session *session, const char *path, struct fault *f
         return err;
     }
     session->has_scene = true;
+    session->tally = tally_of_none(session->scene);
     snprintf(session->settings.scene_file, sizeof session->settings.scene_file, "%s",
              file_name(path));
     for (int a = 0; a < 3; a++)
@@ -215,6 +216,7 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
     session->scene = next.scene;
     session->forest = next.forest;
     session->border = next.border;
+    session->tally = tally_of_none(next.scene);
     session->knows_window = false;
     if (session->skims)
         forest_suspend(session->forest);

@@ -210,9 +210,12 @@ static enum err colour(struct session *session, struct fault *fault)
  * is asked for. */
 static void follow_forest(struct session *session)
 {
-    if (forest_is_suspended(session->forest))
+    if (forest_is_suspended(session->forest)) {
+        session->tally.stale = true;
         return;
+    }
     struct changes changes = forest_changes(session->forest);
+    tally_follow(&session->tally, &changes);
     border_update(&session->border, &changes);
     if (session->rendered) {
         incremental_image(&session->rendition, &session->camera, &session->border, &changes,
@@ -330,6 +333,27 @@ enum err session_set_polarity(struct session *session, uint8_t label, int8_t per
         return OK;
     session->settings.polarity[label] = percent;
     return session->settings.weight.kind == WEIGHT_POLARITY ? compute_again(session, fault) : OK;
+}
+
+/* ---- what labels have ---- */
+
+enum err session_count_labels(struct session *session, struct fault *fault)
+{
+    if (!tally_refresh(&session->tally, session->scene, session->crew))
+        return watch_fault(session->scene->watch, fault);
+    if (!session->edited_forest && !session->rebuilt_forest)
+        session->mark_tally = session->tally;
+    return OK;
+}
+
+uint64_t session_label_voxels(const struct session *session, uint8_t label)
+{
+    return session->tally.voxels[label];
+}
+
+uint64_t session_label_former_voxels(const struct session *session, uint8_t label)
+{
+    return session->mark_tally.voxels[label];
 }
 
 /* ---- the fence ---- */
@@ -516,6 +540,7 @@ void session_mark(struct session *session)
     if (session->has_scene)
         session->scene->watch = session->watch;
     session->mark = session->settings;
+    session->mark_tally = session->tally;
     session->mark_pendings = session->pendings;
     eliminators_mark(&session->eliminators);
     session->mark_has_scene = session->has_scene;
@@ -603,6 +628,7 @@ void session_rollback(struct session *session)
     if (session->edited_forest && !session->replanted && forest_revert(session->forest, NULL) == OK)
         follow_forest(session);
     take_weights_and_fence_back(session);
+    session->tally = session->mark_tally;
     if (shows_other) {
         memcpy(session->border.visible, session->mark.visible, sizeof session->border.visible);
         session->border.cut = session->mark.cut;

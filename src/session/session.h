@@ -33,6 +33,7 @@
 #include "render/slice.h"
 #include "render/view.h"
 #include "session/eliminators.h"
+#include "session/tally.h"
 
 enum { LABEL_NAME_BYTES = 32, FILE_WORDS_BYTES = 128 };
 
@@ -99,6 +100,7 @@ struct session {
     struct crew *crew;           /* the threads that compute; NULL for one */
     struct forest *forest;
     struct border border;
+    struct tally tally; /* voxels of each label: session_label_voxels */
     struct settings settings;
 
     /* Room for the present weights and for those before, so that taking them back cannot fail. */
@@ -128,6 +130,7 @@ struct session {
 
     /* For session_rollback: what the command at hand began with, and what it has done since. */
     struct settings mark;
+    struct tally mark_tally;
     size_t mark_pendings;
     bool mark_has_scene, mark_rendered;
     bool edited_forest;  /* forest_revert takes it back */
@@ -232,6 +235,18 @@ enum err session_catch_up(struct session *session, struct fault *fault);
  * are ERR_CHECK. */
 enum err session_eliminate_seeds(struct session *session, const uint32_t *seed, size_t count,
                                  struct fault *fault);
+
+/* ---- what labels have ---- */
+
+/* Has session_label_voxels know, which takes a walk through the scene after a run from nothing and
+ * else no time. ERR_CANCELLED. Not for a session that skims. */
+enum err session_count_labels(struct session *session, struct fault *fault);
+
+/* How many voxels have the label now; `former`, when the command at hand began. Of 0, the
+ * background and what no seed reaches. session_count_labels comes before; for `former`, before the
+ * command did anything. */
+uint64_t session_label_voxels(const struct session *session, uint8_t label);
+uint64_t session_label_former_voxels(const struct session *session, uint8_t label);
 
 /* ---- what is seen ---- */
 

@@ -1,0 +1,50 @@
+#include "command/volumes.h"
+
+#include "command/act.h"
+
+enum { TOLD_MOST = 6 };
+
+static void tell_label(struct buf *out, const struct session *session, unsigned label)
+{
+    const uint64_t voxels = session_label_voxels(session, (uint8_t)label);
+    buf_add_text(out, ", ");
+    act_write_label(out, session, label);
+    buf_add_char(out, ' ');
+    if (voxels)
+        tally_write_volume(out, session->scene->spacing_nm, voxels);
+    else
+        buf_add_text(out, "0 ml");
+}
+
+/* The labels whose number of voxels has changed, the largest first; of equals, the lower number. */
+static unsigned changed_labels(const struct session *session, uint8_t label[255])
+{
+    unsigned count = 0;
+    for (unsigned l = 1; l < 256; l++) {
+        const uint64_t voxels = session_label_voxels(session, (uint8_t)l);
+        if (voxels == session_label_former_voxels(session, (uint8_t)l))
+            continue;
+        unsigned at = count++;
+        for (; at > 0 && session_label_voxels(session, label[at - 1]) < voxels; at--)
+            label[at] = label[at - 1];
+        label[at] = (uint8_t)l;
+    }
+    return count;
+}
+
+void volumes_tell(struct buf *out, const struct session *session, uint64_t took_ns)
+{
+    uint8_t label[255];
+    const unsigned count = changed_labels(session, label);
+    const double ms = (double)took_ns / 1e6;
+    buf_printf(out, "%llu voxels changed",
+               (unsigned long long)forest_stats(session->forest).touched);
+    for (unsigned i = 0; i < count && i < TOLD_MOST; i++)
+        tell_label(out, session, label[i]);
+    if (count > TOLD_MOST)
+        buf_printf(out, ", %u more labels", count - TOLD_MOST);
+    if (ms < 10000)
+        buf_printf(out, ", %.1f ms\n", ms);
+    else
+        buf_printf(out, ", %.1f s\n", ms / 1000);
+}

@@ -1,0 +1,144 @@
+#include "session/tally.h"
+
+#include <string.h>
+
+struct tally tally_of_none(const struct scene *scene)
+{
+    return (struct tally){.voxels = {scene->grid.voxels}};
+}
+
+void tally_follow(struct tally *tally, const struct changes *changes)
+{
+    tally->stale |= changes->everything;
+    for (size_t i = 0; !tally->stale && i < changes->count; i++) {
+        tally->voxels[changes->item[i].former_label]--;
+        tally->voxels[changes->item[i].label]++;
+    }
+}
+
+/* ---- counting ---- */
+
+struct counting {
+    const struct scene *scene;
+    struct crew *crew;
+    uint64_t voxels[CREW_MOST][256];
+};
+
+/* Neighbours mostly have the same label: four counters in turn do not wait for each other. */
+static void count_row(const struct scene *scene, struct span row, uint32_t count[4][256])
+{
+    for (uint32_t c = row.first; c < row.end; c++) {
+        scene_fetch_ahead(scene, c);
+        count[c & 3][scene->cell[c].label]++;
+    }
+}
+
+static void count_part(void *context, unsigned worker)
+{
+    struct counting *counting = context;
+    const struct scene *scene = counting->scene;
+    const struct grid *grid = &scene->grid;
+    const struct slab slab = grid_slab(grid, worker, crew_size(counting->crew));
+    uint32_t count[4][256] = {{0}}; /* a scene has less than 2^32 cells */
+    struct task task =
+        task_begin_part(scene->watch, "counting labels", slab_voxels(grid, slab), worker);
+    for (uint32_t z = slab.first; z < slab.end; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            count_row(scene, grid_row(grid, y, z), count);
+            if (!task_advance(&task, grid->size[0]))
+                return;
+        }
+    for (unsigned label = 0; label < 256; label++)
+        for (unsigned i = 0; i < 4; i++)
+            counting->voxels[worker][label] += count[i][label];
+}
+
+static struct tally count_all(const struct scene *scene, struct crew *crew)
+{
+    struct counting counting = {.scene = scene, .crew = crew};
+    struct tally tally = {0};
+    crew_run(crew, count_part, &counting);
+    for (unsigned worker = 0; worker < crew_size(crew); worker++)
+        for (unsigned label = 0; label < 256; label++)
+            tally.voxels[label] += counting.voxels[worker][label];
+    return tally;
+}
+
+bool tally_refresh(struct tally *tally, const struct scene *scene, struct crew *crew)
+{
+    if (!tally->stale)
+        return true;
+    const struct tally counted = count_all(scene, crew);
+    if (watch_stops(scene->watch))
+        return false;
+    *tally = counted;
+    return true;
+}
+
+bool tally_check(const struct tally *tally, const struct scene *scene)
+{
+    const struct tally counted = count_all(scene, NULL);
+    return tally->stale || memcmp(counted.voxels, tally->voxels, sizeof counted.voxels) == 0;
+}
+
+/* ---- volumes ---- */
+
+/* voxels * nm * nm * nm / 10^9, halves rounded up, or 2^64 - 1 for more: the product has up to 160
+ * bits, in limbs of 32. */
+static uint64_t cubic_um(const uint32_t nm[3], uint64_t voxels)
+{
+    enum { LIMBS = 5, HALF = 500000000 };
+    uint32_t limb[LIMBS] = {(uint32_t)voxels, (uint32_t)(voxels >> 32)};
+    uint64_t rest = 0;
+    for (int a = 0; a < 3; a++) {
+        uint64_t carry = 0;
+        for (int i = 0; i < LIMBS; i++) {
+            carry += (uint64_t)limb[i] * nm[a];
+            limb[i] = (uint32_t)carry;
+            carry >>= 32;
+        }
+    }
+    for (int i = LIMBS - 1; i >= 0; i--) {
+        rest = rest << 32 | limb[i];
+        limb[i] = (uint32_t)(rest / HALF);
+        rest %= HALF;
+    }
+    const uint64_t halves = (uint64_t)limb[1] << 32 | limb[0];
+    return limb[2] || limb[3] || limb[4] ? UINT64_MAX : halves / 2 + halves % 2;
+}
+
+/* Three digits: hundredths below 10 of the unit, tenths below 100. */
+static void write_rounded(struct buf *out, uint64_t value, uint64_t unit)
+{
+    uint64_t step = unit / 100;
+    unsigned decimals = 2;
+    for (; decimals > 0 && (value + step / 2) / step >= 1000; decimals--)
+        step *= 10;
+    const uint64_t steps = (value + step / 2) / step, whole = unit / step;
+    const uint64_t fraction = steps % whole;
+    buf_printf(out, "%llu", (unsigned long long)(steps / whole));
+    if (fraction && decimals == 2 && fraction % 10)
+        buf_printf(out, ".%02llu", (unsigned long long)fraction);
+    else if (fraction)
+        buf_printf(out, ".%llu", (unsigned long long)(decimals == 2 ? fraction / 10 : fraction));
+}
+
+void tally_write_volume(struct buf *out, const uint32_t spacing_nm[3], uint64_t voxels)
+{
+    static const struct {
+        uint64_t least_um3, um3;
+        const char *name;
+    } unit[] = {
+        {UINT64_C(1000000000000000), UINT64_C(1000000000000000), "l"},
+        {UINT64_C(1000000000000), UINT64_C(1000000000000), "ml"},
+        {10000000, 1000000000, "mm3"},
+    };
+    const uint64_t most = UINT64_C(10000000000000000000), um3 = cubic_um(spacing_nm, voxels);
+    for (size_t i = 0; i < sizeof unit / sizeof *unit; i++)
+        if (um3 >= unit[i].least_um3) {
+            write_rounded(out, um3 < most ? um3 : most, unit[i].um3);
+            buf_printf(out, " %s", unit[i].name);
+            return;
+        }
+    buf_printf(out, "%llu um3", (unsigned long long)um3);
+}

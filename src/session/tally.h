@@ -1,0 +1,43 @@
+/*
+ * The tally: how many voxels each label has, kept up to date from what edits change.
+ *
+ * An edit changes the counts of the voxels that it gave another label, which takes no time worth
+ * mentioning in a scene of any size. Where a forest grows from nothing, or so much of it that
+ * nobody has a list, the tally is stale: it is counted again by whoever asks first, every thread
+ * of the crew at once, and a replay that never asks never pays.
+ *
+ * Label 0 has the background and all that no seed reaches. The counts of all labels make the scene.
+ *
+ * Invariant
+ *   Y1 a tally that is not stale equals a recount; tally_check asserts it.
+ */
+#ifndef SESSION_TALLY_H
+#define SESSION_TALLY_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/buf.h"
+#include "base/crew.h"
+#include "engine/forest.h"
+
+struct tally {
+    bool stale;
+    uint64_t voxels[256];
+};
+
+/* Of a forest without seeds. */
+struct tally tally_of_none(const struct scene *scene);
+
+void tally_follow(struct tally *tally, const struct changes *changes);
+
+/* Counts where that is needed. False where the scene's watch has stopped it: still stale then. */
+bool tally_refresh(struct tally *tally, const struct scene *scene, struct crew *crew);
+
+bool tally_check(const struct tally *tally, const struct scene *scene);
+
+/* Adds "1.24 l", "142 ml", "9.5 mm3" or "800 um3": what so many voxels take, to three digits,
+ * halves rounded up; for more than 10 000 l, 10 000 l. */
+void tally_write_volume(struct buf *out, const uint32_t spacing_nm[3], uint64_t voxels);
+
+#endif

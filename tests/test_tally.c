@@ -1,0 +1,263 @@
+/* How many voxels each label has: kept up to date through edits that change little and much,
+ * undone, cancelled and failed, and told in a line after each edit. */
+#include "tests/small_scene.h"
+
+#include "session/tally.h"
+
+/* ---- volumes ---- */
+
+static void is_told(uint32_t nm, uint64_t voxels, const char *expected)
+{
+    struct buf out = {0};
+    tally_write_volume(&out, (const uint32_t[]){nm, nm, nm}, voxels);
+    CHECK_TEXT(buf_text(&out), expected);
+    buf_release(&out);
+}
+
+STORY(volumes_are_told_to_three_digits_in_a_unit_that_fits)
+{
+    is_told(1000000, 1, "1 mm3");
+    is_told(1000000, 999, "999 mm3");
+    is_told(1000000, 1000, "1 ml");
+    is_told(1000000, 1240, "1.24 ml");
+    is_told(1000000, 1245, "1.25 ml"); /* halves up */
+    is_told(1000000, 1004, "1 ml");
+    is_told(1000000, 1050, "1.05 ml");
+    is_told(1000000, 1200, "1.2 ml");
+    is_told(1000000, 9994, "9.99 ml");
+    is_told(1000000, 9995, "10 ml");
+    is_told(1000000, 99949, "99.9 ml");
+    is_told(1000000, 99950, "100 ml");
+    is_told(1000000, 999600, "1000 ml");
+    is_told(1000000, 1000000, "1 l");
+    is_told(1000000, 1244999, "1.24 l");
+    is_told(500000, 1, "0.13 mm3"); /* an eighth, rounded */
+    is_told(500000, 76, "9.5 mm3");
+    is_told(10000, 1, "1000 um3");
+    is_told(1000, 7, "7 um3");
+    is_told(1, 499999999, "0 um3");
+    is_told(1, 500000000, "1 um3");
+    is_told(1000000, UINT32_MAX, "4295 l");
+    is_told(UINT32_MAX, UINT64_MAX, "10000 l");
+}
+
+STORY(each_axis_has_a_spacing_of_its_own)
+{
+    struct buf out = {0};
+    tally_write_volume(&out, (const uint32_t[]){1000000, 1500000, 2000000}, 500);
+    CHECK_TEXT(buf_text(&out), "1.5 ml");
+    buf_release(&out);
+}
+
+/* ---- counts ---- */
+
+static uint64_t seed = 1;
+
+/* A tally that is not stale is looked at after each command, or it would be counted anew. */
+static bool stands(struct session *session)
+{
+    const bool fresh = !session->tally.stale;
+    CHECK(tally_check(&session->tally, session->scene));
+    CHECK(session_count_labels(session, NULL) == OK);
+    uint64_t sum = 0;
+    for (unsigned label = 0; label < 256; label++)
+        sum += session_label_voxels(session, (uint8_t)label);
+    CHECK_INT(sum, session->scene->grid.voxels);
+    return fresh;
+}
+
+/* One of the things that a session does to labels; `all` things, or those that edit a little. */
+static void do_anything(struct desk *desk, bool all)
+{
+    char line[64];
+    const unsigned x = check_below(&seed, 40), y = check_below(&seed, 40);
+    const unsigned z = check_below(&seed, 30), label = check_below(&seed, 5);
+    switch (check_below(&seed, all ? 12 : 4)) {
+    case 0:
+        snprintf(line, sizeof line, "remove %u,%u,%u", x, y, z);
+        break;
+    default:
+        snprintf(line, sizeof line, "seed %u,%u,%u %u", x, y, z, label);
+        break;
+    case 4:
+        snprintf(line, sizeof line, "undo %u", 1 + check_below(&seed, 3));
+        break;
+    case 5:
+        snprintf(line, sizeof line, "redo");
+        break;
+    case 6:
+        snprintf(line, sizeof line, "goto %u", 4 + check_below(&seed, 60));
+        break;
+    case 7:
+        snprintf(line, sizeof line, "weight %s", check_below(&seed, 2) ? "morph" : "difference");
+        break;
+    case 8:
+        snprintf(line, sizeof line, "range %s", check_below(&seed, 2) ? "none" : "20 300");
+        break;
+    case 9:
+        snprintf(line, sizeof line, "adjacency %s", check_below(&seed, 2) ? "6" : "26");
+        break;
+    case 10:
+        snprintf(line, sizeof line, "auto %s", check_below(&seed, 2) ? "on" : "off");
+        break;
+    case 11:
+        snprintf(line, sizeof line, "run");
+        break;
+    }
+    execute(desk, line);
+}
+
+static void begin_with_geom(struct desk *desk)
+{
+    begin_desk(desk);
+    must(desk, "open synth:geom:40x40x30");
+    CHECK(stands(&desk->session));
+    must(desk, "auto on");
+}
+
+STORY(counts_follow_whatever_is_done)
+{
+    struct desk desk;
+    unsigned fresh = 0;
+    begin_with_geom(&desk);
+    for (int i = 0; i < 400 && check_failures < 5; i++) {
+        do_anything(&desk, true);
+        fresh += stands(&desk.session);
+    }
+    CHECK(fresh > 100);
+    must(&desk, "auto on");
+    must(&desk, "range none");
+    for (int i = 0; i < 60; i++)
+        do_anything(&desk, false);
+    const struct tally before = desk.session.tally;
+    session_mark(&desk.session);
+    CHECK(session_count_labels(&desk.session, NULL) == OK);
+    for (uint32_t i = 0; i < 5; i++)
+        CHECK(session_plant(&desk.session, grid_cell(&desk.session.scene->grid, 3 + i, 7, 9), 9,
+                            NULL) == OK);
+    CHECK(session_run(&desk.session, NULL) == OK);
+    stands(&desk.session);
+    CHECK(session_label_voxels(&desk.session, 9) >= 5);
+    CHECK_INT(session_label_former_voxels(&desk.session, 9), 0);
+    session_rollback(&desk.session);
+    CHECK(stands(&desk.session));
+    CHECK(memcmp(&before, &desk.session.tally, sizeof before) == 0);
+    desk_release(&desk);
+}
+
+/* Stops at its nth look. */
+static unsigned looks_left;
+static bool stop_later(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    (void)context, (void)what, (void)done, (void)total;
+    return looks_left > 0 && --looks_left == 0;
+}
+
+STORY(counts_are_right_after_a_command_was_cancelled)
+{
+    struct desk desk;
+    struct watch watch = {.look = stop_later};
+    unsigned cancelled = 0;
+    begin_with_geom(&desk);
+    desk.session.watch = &watch;
+    for (int i = 0; i < 200 && check_failures < 5; i++) {
+        looks_left = 1 + check_below(&seed, 40);
+        do_anything(&desk, true);
+        cancelled += fault.code == ERR_CANCELLED;
+        looks_left = 0;
+        stands(&desk.session);
+    }
+    CHECK(cancelled > 20);
+    desk_release(&desk);
+}
+
+STORY(a_journal_that_is_resumed_is_counted_when_somebody_asks)
+{
+    struct desk desk;
+    struct buf told = {0};
+    begin_with_geom(&desk);
+    desk_release(&desk);
+    begin_desk(&desk);
+    CHECK(desk_create_journal(&desk, place("tally.iftty"), NULL) == OK);
+    must(&desk, "open synth:geom:40x40x30");
+    must(&desk, "seed 20,20,15 3");
+    must(&desk, "seed 2,2,2 0");
+    must(&desk, "run");
+    const uint64_t voxels = session_label_voxels(&desk.session, 3);
+    CHECK(voxels > 0 && voxels < 48000);
+    desk_release(&desk);
+    begin_desk(&desk);
+    CHECK(desk_resume_journal(&desk, place("tally.iftty"), &told, NULL) == OK);
+    stands(&desk.session);
+    CHECK_INT(session_label_voxels(&desk.session, 3), voxels);
+    desk_release(&desk);
+    buf_release(&told);
+}
+
+/* ---- what is told ---- */
+
+/* What the last command said, without the time at its end. */
+static const char *answer(void)
+{
+    static char text[512];
+    snprintf(text, sizeof text, "%s", buf_text(&reply.text));
+    char *line = strstr(text, "voxels changed");
+    char *time = line ? strrchr(line, ',') : NULL;
+    if (time)
+        *time = '\0';
+    return text;
+}
+
+STORY(an_edit_is_answered_with_what_it_changed)
+{
+    struct desk desk;
+    begin_with_scene(&desk);
+    must(&desk, "auto on");
+    must(&desk, "seed 9,9,8 1"); /* 12 x 11 x 10 voxels of 1 x 1.5 x 2 mm, oblique */
+    CHECK_TEXT(answer(), "1320 voxels changed, 1 3.96 ml");
+    must(&desk, "seed 1,1,1 2");
+    const uint64_t one = session_label_voxels(&desk.session, 1);
+    const uint64_t two = session_label_voxels(&desk.session, 2);
+    CHECK_INT(one + two, 1320);
+    CHECK_HAS(answer(), one > two ? " voxels changed, 1 " : " voxels changed, 2 cerebellum ");
+    CHECK_HAS(answer(), ", 2 cerebellum ");
+    CHECK_HAS(buf_text(&reply.text), " ms\n");
+    must(&desk, "remove 1,1,1");
+    CHECK_HAS(answer(), ", 1 3.96 ml, 2 cerebellum 0 ml");
+    must(&desk, "undo");
+    CHECK_HAS(answer(), ", 2 cerebellum ");
+    must(&desk, "seed 1,1,1 2"); /* is there already */
+    CHECK(strstr(answer(), "cerebellum") == NULL);
+    must(&desk, "hide 2");
+    CHECK_TEXT(buf_text(&reply.text), "");
+    desk_release(&desk);
+}
+
+STORY(of_many_labels_the_largest_are_told)
+{
+    struct desk desk;
+    char line[64];
+    begin_with_scene(&desk);
+    for (int label = 1; label <= 9; label++) {
+        snprintf(line, sizeof line, "seed %d,5,5 %d", label, label);
+        must(&desk, line);
+    }
+    must(&desk, "run");
+    CHECK_HAS(answer(), ", 3 more labels");
+    desk_release(&desk);
+}
+
+int main(void)
+{
+    if (!mkdtemp(folder))
+        return 1;
+    make_scene();
+    const int status = RUN_STORIES(
+        TELL(volumes_are_told_to_three_digits_in_a_unit_that_fits),
+        TELL(each_axis_has_a_spacing_of_its_own), TELL(counts_follow_whatever_is_done),
+        TELL(counts_are_right_after_a_command_was_cancelled),
+        TELL(a_journal_that_is_resumed_is_counted_when_somebody_asks),
+        TELL(an_edit_is_answered_with_what_it_changed), TELL(of_many_labels_the_largest_are_told));
+    reply_release(&reply);
+    return remove_folder(folder) | status;
+}
