@@ -55,7 +55,8 @@ struct view view_default(const struct scene *scene);
 uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height,
                            uint32_t samples);
 
-/* The six named views: "front" and the like. False for any other name. */
+/* The six named views. False for any other name. */
+#define VIEW_NAMES "front|back|left|right|top|bottom"
 bool view_by_name(const char *name, int32_t angle[3]);
 /* The name that these angles have, or NULL. */
 const char *view_name(const int32_t angle[3]);

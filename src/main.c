@@ -772,8 +772,7 @@ static enum err program_help(const struct options *o, struct fault *fault)
     struct buf text = {0};
     const struct command *command = o->words > 1 ? command_find(o->word[1]) : NULL;
     if (o->words > 1 && !command)
-        return fault_set(fault, ERR_USAGE, "there is no command %s; `iftty help` lists them",
-                         o->word[1]);
+        return command_unknown(fault, "there is no command", "`iftty help`", o->word[1]);
     command_help(&text, command);
     fputs(buf_text(&text), stdout);
     buf_release(&text);

@@ -452,11 +452,17 @@ STORY(a_wrong_line_is_told_what_was_expected)
     static const struct {
         const char *line, *words;
     } row[] = {
-        {"sed 1,1,1 1", "unknown command sed; `help` lists them"},
-        {"Seed 1,1,1 1", "unknown command Seed"},
+        {"sede 1,1,1 1", "unknown command sede; did you mean seed?"},
+        {"xylophone 1", "unknown command xylophone; `help` lists them"},
+        {"Seed 1,1,1 1", "unknown command Seed; did you mean seed?"},
+        {"interp 2 2 2", "unknown command interp; did you mean interpolate?"},
+        {"see 1,1,1 1", "unknown command see; did you mean seed or seed-file?"},
+        {"s", "unknown command s; `help` lists them"},
         {"\"\"", "unknown command"},
         {"= 1", "unknown command ="},
         {"seed 1,1,1 liver", "LABEL: expected a label 0..255 or the name of one, not liver"},
+        {"seed 1,1,1 cerebelum", "the name of one, not cerebelum; did you mean cerebellum?"},
+        {"hide bakground", "the name of one, not bakground; name one with"},
         {"seed 1,1,1 256", "expected a label 0..255"},
         {"seed 1,1,1 -1", "expected a label 0..255"},
         {"seed 1,1,1 1x", "not 1x"},
@@ -465,6 +471,15 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"adjacency 18", "COUNT: expected 6|26, not 18"},
         {"auto yes", "STATE: expected on|off, not yes"},
         {"auto o", "STATE: expected on|off, not o"},
+        {"auto onn", "STATE: expected on|off, not onn; did you mean on?"},
+        {"view lfet", "not lfet; did you mean left?"},
+        {"zoom fitt", "not fitt; did you mean fit?"},
+        {"focus secne", "not secne; did you mean scene?"},
+        {"weight sobl", "there is no file sobl here; nothing has changed; did you mean sobel?"},
+        {"seed 1,1,1 1 radus=2", "seed has no radus=; did you mean radius=?"},
+        {"seed 1,1,1 radus=2", "seed has no radus=; did you mean radius=?"},
+        {"seed-file x.csv ech=2", "seed-file has no ech=; did you mean each=?"},
+        {"help sede", "there is no command sede; did you mean seed?"},
         {"weight paint",
          "expected morph|sobel|gauss|difference|polarity or a file: there is no file "
          "paint here; nothing has changed"},
@@ -587,6 +602,42 @@ STORY(a_wrong_line_is_told_what_was_expected)
     desk_release(&desk);
 }
 
+/* The word under the caret of the error; "" for a place behind the end. */
+static void is_wrong_at(struct desk *desk, const char *line, const char *word)
+{
+    CHECK(execute(desk, line) != OK);
+    const size_t length = strlen(line);
+    if (!CHECK(fault.at > 0 && fault.at <= length + 2))
+        return;
+    if (fault.at - 1 > length)
+        CHECK_TEXT("", word);
+    else if (!CHECK(strncmp(line + fault.at - 1, word, strlen(word)) == 0))
+        printf("#   %s: at %s\n", line, line + fault.at - 1);
+}
+
+STORY(an_error_tells_where_in_the_line_it_is)
+{
+    struct desk desk;
+    begin_with_scene(&desk);
+    is_wrong_at(&desk, "sede 1,1,1 1", "sede");
+    is_wrong_at(&desk, "  \t sede 1,1,1 1", "sede");
+    is_wrong_at(&desk, "seed 1,1 1", "1,1 ");
+    is_wrong_at(&desk, "seed 99,1,1 1", "99,1,1");
+    is_wrong_at(&desk, "seed   1,1,1   liver", "liver");
+    is_wrong_at(&desk, "seed 1,1,1", "");
+    is_wrong_at(&desk, "seed 1,1,1 ", "");
+    is_wrong_at(&desk, "run now and then", "now");
+    is_wrong_at(&desk, "seed radius=33 1,1,1 1", "radius=33");
+    is_wrong_at(&desk, "label 2 \"\" #40c060", "\"\" #");
+    is_wrong_at(&desk, "save \"labels\" x.nii replace=maybe", "replace=maybe");
+    is_wrong_at(&desk, "\"sa\\\"ve\" x", "\"sa");
+    is_wrong_at(&desk, "render \"a b", "\"a b");
+    is_wrong_at(&desk, "label 2 \xc3\xa4\x1b[m", "\x1b[m");
+    CHECK(execute(&desk, "open synth:geom") != OK); /* no word of it is wrong */
+    CHECK_INT(fault.at, 0);
+    desk_release(&desk);
+}
+
 STORY(without_a_scene_only_what_needs_none_works)
 {
     struct desk desk;
@@ -668,6 +719,7 @@ STORY(garbage_is_parsed_or_refused_in_one_plain_line)
         fault = (struct fault){.text = ""};
         if (command_parse(&call, line, &desk.session, &fault) != OK) {
             CHECK(fault.text[0] != '\0' && is_plain(fault.text) && fault.code != OK);
+            CHECK(fault.at <= strlen(line) + 2);
         } else if (call.command) {
             parsed++;
             buf_clear(&once);
@@ -1864,6 +1916,7 @@ int main(void)
         TELL(help_names_every_command_and_parameter), TELL(help_fits_80_columns),
         TELL(a_random_line_and_its_canonical_form_mean_the_same),
         TELL(millimetres_lead_to_the_nearest_voxel), TELL(a_wrong_line_is_told_what_was_expected),
+        TELL(an_error_tells_where_in_the_line_it_is),
         TELL(without_a_scene_only_what_needs_none_works), TELL(comments_and_empty_lines_do_nothing),
         TELL(garbage_is_parsed_or_refused_in_one_plain_line),
         TELL(completion_offers_what_may_stand_there), TELL(seeds_come_out_of_files),

@@ -80,16 +80,30 @@ see '^s> seed$'
 press C-u
 close_story
 
-begin "a wrong command gets one line, and the prompt is back"
+begin "a wrong command gets a caret and a line, and the prompt is back"
 enter "sed 1,1,1 1"
 see '^error: '
 see '^s>$'
-same "$(below 's> sed 1,1,1 1')" "error: unknown command sed; \`help\` lists them
+same "$(below 's> sed 1,1,1 1')" "   ^
+error: unknown command sed; did you mean seed?
 s>"
 close_story
 
+begin "a caret stands under the word that is wrong, also behind wide characters"
+enter 'label 2 "本x" colour'
+see '^error: COLOUR'
+same "$(below 's> label 2 "本x" colour')" "                 ^
+error: COLOUR: expected #rrggbb, six lower-case hexadecimal digits, not colour
+s>"
+enter "seed 1,1,1"
+see '^error: missing: LABEL'
+same "$(below 's> seed 1,1,1' | sed 2q)" "              ^
+error: missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..32]"
+press C-l
+close_story
+
 begin "arrow up has the line again, and Ctrl-C leaves it"
-press Up
+press Up Up Up
 see '^s> sed 1,1,1 1$'
 press Left Left C-c
 see '^s> sed 1,1,1 1\^C$'

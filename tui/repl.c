@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "tui/caret.h"
 #include "tui/line_edit.h"
 #include "tui/show.h"
 #include "tui/term.h"
@@ -147,8 +148,18 @@ static void add_picture(struct prompt *p, struct buf *out)
     }
 }
 
+/* The error below the line that it is about, which was typed behind `prompt`. */
+static void add_error_below(struct buf *text, const char *prompt, const char *line, enum err err,
+                            const struct fault *fault, bool coloured)
+{
+    const struct caret caret = {prompt, line, fault->at - 1, text->length == 0, coloured};
+    if (fault->at > 0)
+        caret_add(text, &caret, term_size().columns);
+    add_error(text, err, fault, coloured);
+}
+
 /* Runs a command and prints all it has to say in one write. */
-static enum err execute(struct prompt *p, const char *line, struct fault *fault)
+static enum err execute(struct prompt *p, const char *prompt, const char *line, struct fault *fault)
 {
     struct buf text = {0}, out = {0};
     struct fault of_command = {0};
@@ -160,7 +171,7 @@ static enum err execute(struct prompt *p, const char *line, struct fault *fault)
     err = term_set_mode(TERM_RAW, fault);
     end_line(&text);
     if (failed)
-        add_error(&text, failed, &of_command, coloured);
+        add_error_below(&text, prompt, line, failed, &of_command, coloured);
     wrap_text(&out, &text, term_size().columns);
     if (!err)
         add_picture(p, &out);
@@ -233,7 +244,7 @@ static enum err run_prompt(struct prompt *p, struct fault *fault)
         if (err || ended)
             break;
         if (!is_blank(buf_text(&p->editor.line.text)))
-            err = execute(p, buf_text(&p->editor.line.text), fault);
+            err = execute(p, buf_text(&prompt), buf_text(&p->editor.line.text), fault);
         if (!err && p->host->pilot && p->host->flies(p->host->context))
             err = fly(p, &ended, fault);
         if (ended)

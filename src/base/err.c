@@ -17,6 +17,7 @@ enum err fault_set(struct fault *fault, enum err code, const char *format, ...)
     vsnprintf(raw, sizeof raw, format, words);
     va_end(words);
     fault->code = code;
+    fault->at = 0;
     safe_copy(fault->text, sizeof fault->text, raw, strlen(raw));
     return code;
 }

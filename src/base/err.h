@@ -8,6 +8,8 @@
 #ifndef BASE_ERR_H
 #define BASE_ERR_H
 
+#include <stddef.h>
+
 /* code, exit status of a program that ends with it, what it is called */
 #define ERR_LIST(X)                                                                                \
     X(OK, 0, "fine")                                                                               \
@@ -29,10 +31,11 @@ enum err {
 struct fault {
     enum err code;
     char text[512];
+    size_t at; /* where they are about a byte of a line that was read: which, from 1; else 0 */
 };
 
-/* Fills `fault` (which may be NULL) with printf-like words and returns `code`. Bytes that a
- * terminal would obey (from file names, headers, journals) come out escaped. */
+/* Fills `fault` (which may be NULL) with printf-like words, at no byte, and returns `code`. Bytes
+ * that a terminal would obey (from file names, headers, journals) come out escaped. */
 enum err fault_set(struct fault *fault, enum err code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

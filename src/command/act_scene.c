@@ -1,5 +1,6 @@
 /* Commands that open a scene and change its forest. */
 #include "command/act.h"
+#include "command/near.h"
 
 #include <ctype.h>
 #include <stdlib.h>
@@ -62,8 +63,12 @@ static enum err weigh_by_file(struct desk *desk, const char *name, struct fault 
     struct volume map = {0};
     struct buf path = {0};
     enum err err = desk_find_file(desk, name, &path, fault);
-    if (err)
+    if (err) {
+        struct near near = near_to(name);
+        near_try_choices(&near, WEIGHT_KINDS);
         fault_prefix(fault, err, "expected " WEIGHT_KINDS " or a file");
+        near_append(&near, "", fault);
+    }
     if (!err)
         err = map_read(&map, buf_text(&path), &session->scene->grid, &session->geometry,
                        session->watch, fault);

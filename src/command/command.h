@@ -111,9 +111,14 @@ extern const unsigned command_count;
 
 const struct command *command_find(const char *name);
 
+/* The error for a name that command_find does not know: "WHAT sede; did you mean seed?", or "WHAT
+ * xyz; LIST lists them". */
+enum err command_unknown(struct fault *fault, const char *what, const char *list, const char *word);
+
 /* Parses a line against the table. Positions and labels are looked up in `session` (which may have
  * no scene: then positions are refused, and label names too). The words of an error say what was
- * expected. The caller releases `call`. */
+ * expected, and fault->at, where the word begins that is wrong; for one that is missing, a place
+ * behind the end. The caller releases `call`. */
 enum err command_parse(struct call *call, const char *line, const struct session *session,
                        struct fault *fault);
 void call_release(struct call *call);

@@ -27,7 +27,7 @@ static void parameter_form(struct buf *out, const struct parameter *p)
             buf_add_text(out, p->name);
         break;
     case PARAMETER_VIEW:
-        buf_add_text(out, "front|back|left|right|top|bottom|YAW");
+        buf_add_text(out, VIEW_NAMES "|YAW");
         break;
     case PARAMETER_NAMED_POSITION:
         buf_printf(out, "%s|X,Y,Z", p->choices);
@@ -161,7 +161,7 @@ static void offer_values(struct buf *out, const struct parameter *p, const char 
     if (p->choices)
         offer_choices(out, p->choices, typed, length);
     else if (p->type == PARAMETER_VIEW)
-        offer_choices(out, "front|back|left|right|top|bottom", typed, length);
+        offer_choices(out, VIEW_NAMES, typed, length);
     else if (p->type == PARAMETER_COMMAND)
         for (unsigned i = 0; i < command_count; i++)
             offer(out, command_table[i].name, strlen(command_table[i].name), typed, length);

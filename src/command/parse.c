@@ -6,6 +6,7 @@
 #include "base/choice.h"
 #include "base/safe.h"
 #include "base/scan.h"
+#include "command/near.h"
 #include "render/view.h"
 #include "session/session.h"
 
@@ -19,19 +20,38 @@ const struct command *command_find(const char *name)
     return NULL;
 }
 
+enum err command_unknown(struct fault *fault, const char *what, const char *list, const char *word)
+{
+    struct near near = near_to(word);
+    for (unsigned i = 0; i < command_count; i++)
+        near_try(&near, command_table[i].name, strlen(command_table[i].name));
+    if (near.count == 0 || near.count > NEAR_TOLD)
+        return fault_set(fault, ERR_USAGE, "%s %s; %s lists them", what, word, list);
+    fault_set(fault, ERR_USAGE, "%s %s", what, word);
+    near_append(&near, "", fault);
+    return ERR_USAGE;
+}
+
 /* ---- words ---- */
 
-/* A journal is UTF-8 text, so a command is; what a terminal would obey is no part of it either. */
-static bool is_text(const char *line)
+/* A journal is UTF-8 text, so a command is; what a terminal would obey is no part of it either. The
+ * first byte that is not so, or the end. */
+static const char *end_of_text(const char *line)
 {
-    for (size_t left = strlen(line); left > 0;) {
-        size_t n = *line == '\t' ? 1 : safe_character(line, left);
-        if (n == 0)
-            return false;
+    size_t n = 1;
+    for (size_t left = strlen(line); left > 0 && n > 0; left -= n) {
+        n = *line == '\t' ? 1 : safe_character(line, left);
         line += n;
-        left -= n;
     }
-    return true;
+    return line;
+}
+
+/* The same error, about the byte of `line` that `place` is. */
+static enum err at_place(enum err err, const char *line, const char *place, struct fault *fault)
+{
+    if (fault)
+        fault->at = (size_t)(place - line) + 1;
+    return err;
 }
 
 bool command_take_word(const char **cursor, struct buf *out)
@@ -54,15 +74,21 @@ bool command_take_word(const char **cursor, struct buf *out)
 /* The words of a line, each ended by NUL, one after the other in `out`. */
 static enum err split(struct buf *out, unsigned *count, const char *line, struct fault *fault)
 {
+    const char *at = line, *text_end;
     *count = 0;
     if (strlen(line) > LINE_BYTES_MOST)
         return fault_set(fault, ERR_USAGE, "a command of more than %d bytes", LINE_BYTES_MOST);
-    if (!is_text(line))
-        return fault_set(fault, ERR_USAGE,
-                         "a command is UTF-8 text without control characters, not %s", line);
-    for (scan_blanks(&line); *line; scan_blanks(&line)) {
-        if (!command_take_word(&line, out))
-            return fault_set(fault, ERR_USAGE, "a word in quotes does not end: %s", line);
+    text_end = end_of_text(line);
+    if (*text_end)
+        return at_place(fault_set(fault, ERR_USAGE,
+                                  "a command is UTF-8 text without control characters, not %s",
+                                  line),
+                        line, text_end, fault);
+    for (scan_blanks(&at); *at; scan_blanks(&at)) {
+        const char *word = at;
+        if (!command_take_word(&at, out))
+            return at_place(fault_set(fault, ERR_USAGE, "a word in quotes does not end: %s", word),
+                            line, word, fault);
         ++*count;
     }
     if (out->length && memchr(out->data, '\t', out->length)) /* it could not be recorded */
@@ -79,12 +105,25 @@ static enum err expect(struct fault *fault, const struct parameter *p, const cha
                      *word ? word : "nothing");
 }
 
+static enum err expect_choice(struct fault *fault, const struct parameter *p, const char *word)
+{
+    struct near near = near_to(word);
+    near_try_choices(&near, p->choices);
+    expect(fault, p, word, p->choices);
+    near_append(&near, "", fault);
+    return ERR_USAGE;
+}
+
 static enum err expect_position(struct fault *fault, const struct parameter *p, const char *word)
 {
     const bool named = p->type == PARAMETER_NAMED_POSITION;
-    return fault_set(fault, ERR_USAGE,
-                     "%s: expected %s%sX,Y,Z (voxel indices) or X,Y,Zmm (world), not %s", p->name,
-                     named ? p->choices : "", named ? ", " : "", *word ? word : "nothing");
+    struct near near = near_to(word);
+    fault_set(fault, ERR_USAGE, "%s: expected %s%sX,Y,Z (voxel indices) or X,Y,Zmm (world), not %s",
+              p->name, named ? p->choices : "", named ? ", " : "", *word ? word : "nothing");
+    if (named)
+        near_try_choices(&near, p->choices);
+    near_append(&near, "", fault);
+    return ERR_USAGE;
 }
 
 static enum err read_position(struct value *value, const struct parameter *p, const char *word,
@@ -130,10 +169,14 @@ static enum err read_label(struct value *value, const struct parameter *p, const
             value->number = label;
             return OK;
         }
-    return fault_set(fault, ERR_USAGE,
-                     "%s: expected a label %d..255 or the name of one, not %s; name one with "
-                     "`label N NAME`",
-                     p->name, (int)p->least, word);
+    struct near near = near_to(word);
+    for (int label = (int)p->least; label < 256; label++)
+        near_try(&near, session->settings.label_name[label],
+                 strlen(session->settings.label_name[label]));
+    fault_set(fault, ERR_USAGE, "%s: expected a label %d..255 or the name of one, not %s%s",
+              p->name, (int)p->least, word, near.count ? "" : "; name one with `label N NAME`");
+    near_append(&near, "", fault);
+    return ERR_USAGE;
 }
 
 /* Thousandths without needless digits: 12500 is 12.5, -500 is -0.5. */
@@ -164,10 +207,16 @@ static enum err read_number(struct value *value, const struct parameter *p, cons
     write_decimal(&range, p->least * unit);
     buf_add_text(&range, "..");
     write_decimal(&range, p->most * unit);
-    enum err err = fault_set(fault, ERR_USAGE, "%s: expected a number %s%s, not %s", p->name,
-                             buf_text(&range), places ? " with at most three decimals" : "", word);
+    struct near near = near_to(word);
+    fault_set(fault, ERR_USAGE, "%s: expected a number %s%s, not %s", p->name, buf_text(&range),
+              places ? " with at most three decimals" : "", word);
+    if (p->choices)
+        near_try_choices(&near, p->choices);
+    if (p->type == PARAMETER_VIEW)
+        near_try_choices(&near, VIEW_NAMES);
+    near_append(&near, "", fault);
     buf_release(&range);
-    return err;
+    return ERR_USAGE;
 }
 
 static enum err read_range(struct value *value, const struct parameter *p, const char *word,
@@ -210,7 +259,7 @@ static enum err read_value(struct value *value, const struct parameter *p, const
     case PARAMETER_CHOICE:
         value->text = word;
         value->number = choice_find(p->choices, word);
-        return value->number < 0 ? expect(fault, p, word, p->choices) : OK;
+        return value->number < 0 ? expect_choice(fault, p, word) : OK;
     case PARAMETER_VIEW:
         value->text = view_by_name(word, angle) ? word : NULL;
         return value->text ? OK : read_number(value, p, word, 3, fault);
@@ -231,9 +280,8 @@ static enum err read_value(struct value *value, const struct parameter *p, const
         return OK;
     case PARAMETER_COMMAND:
         value->text = word;
-        return command_find(word)
-                   ? OK
-                   : fault_set(fault, ERR_USAGE, "there is no command %s; `help` lists them", word);
+        return command_find(word) ? OK
+                                  : command_unknown(fault, "there is no command", "`help`", word);
     case PARAMETER_FILE:
     case PARAMETER_WORD:
     case PARAMETER_END:
@@ -279,44 +327,94 @@ static enum err usage_fault(struct fault *fault, const struct command *command, 
     return err;
 }
 
+/* A word "key=value" that is not understood, and whose key is near one that the command has. */
+static bool is_near_a_key(const struct command *command, const char *word, struct fault *fault)
+{
+    const struct parameter *p = command->parameter;
+    const size_t length = strcspn(word, "=");
+    char key[NEAR_BYTES_MOST + 1];
+    if (word[length] == '\0' || length >= sizeof key)
+        return false;
+    memcpy(key, word, length);
+    key[length] = '\0';
+    struct near near = near_to(key);
+    for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++)
+        if (p[i].keyed && strcmp(p[i].name, key) != 0)
+            near_try(&near, p[i].name, strlen(p[i].name));
+    if (near.count == 0 || near.count > NEAR_TOLD)
+        return false;
+    fault_set(fault, ERR_USAGE, "%s has no %s=", command->name, key);
+    near_append(&near, "=", fault);
+    return true;
+}
+
 static enum err fill(struct call *call, const char *word, const struct session *session,
                      struct fault *fault)
 {
     const char *whole = word;
     int i = parameter_for(call, &word);
+    enum err err = OK;
     if (i < 0)
-        return usage_fault(fault, call->command, "one word too many: ", whole);
-    if (call->value[i].given)
+        err = usage_fault(fault, call->command, "one word too many: ", whole);
+    else if (call->value[i].given)
         return usage_fault(fault, call->command, "given twice: ", whole);
-    return read_value(&call->value[i], &call->command->parameter[i], word, session, fault);
+    else
+        err = read_value(&call->value[i], &call->command->parameter[i], word, session, fault);
+    if (err == ERR_USAGE && word == whole)
+        is_near_a_key(call->command, word, fault);
+    return err;
+}
+
+/* The words of a line that has been split, from the first on. */
+static enum err read_words(struct call *call, unsigned count, const struct session *session,
+                           unsigned *wrong, struct fault *fault)
+{
+    const char *word = call->store.data;
+    *wrong = 0;
+    call->command = command_find(word);
+    if (!call->command)
+        return command_unknown(fault, "unknown command", "`help`", word);
+    for (*wrong = 1; *wrong < count; ++*wrong) {
+        word += strlen(word) + 1;
+        enum err err = fill(call, word, session, fault);
+        if (err)
+            return err;
+    }
+    const struct parameter *p = call->command->parameter;
+    for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++)
+        if (!p[i].optional && !call->value[i].given)
+            return usage_fault(fault, call->command, "missing: ", p[i].name);
+    return OK;
+}
+
+/* Where the word of this number begins; behind the last one, a blank later. */
+static const char *place_of_word(const char *line, unsigned number)
+{
+    struct buf word = {0};
+    const char *end = line;
+    for (scan_blanks(&line); *line && number > 0; scan_blanks(&line), number--) {
+        command_take_word(&line, &word);
+        end = line;
+    }
+    buf_release(&word);
+    return *line ? line : end + 1;
 }
 
 enum err command_parse(struct call *call, const char *line, const struct session *session,
                        struct fault *fault)
 {
-    unsigned count;
+    unsigned count, wrong;
+    const char *at = line;
     *call = (struct call){0};
-    scan_blanks(&line);
-    if (*line == '#')
+    scan_blanks(&at);
+    if (*at == '#')
         return OK;
     enum err err = split(&call->store, &count, line, fault);
-    if (err || count == 0)
-        goto done;
-    const char *word = call->store.data;
-    call->command = command_find(word);
-    if (!call->command) {
-        err = fault_set(fault, ERR_USAGE, "unknown command %s; `help` lists them", word);
-        goto done;
+    if (!err && count > 0) {
+        err = read_words(call, count, session, &wrong, fault);
+        if (err)
+            at_place(err, line, place_of_word(line, wrong), fault);
     }
-    for (unsigned i = 1; !err && i < count; i++) {
-        word += strlen(word) + 1;
-        err = fill(call, word, session, fault);
-    }
-    const struct parameter *p = call->command->parameter;
-    for (int i = 0; !err && i < PARAMETERS_MOST && p[i].type; i++)
-        if (!p[i].optional && !call->value[i].given)
-            err = usage_fault(fault, call->command, "missing: ", p[i].name);
-done:
     if (err)
         call_release(call);
     return err;

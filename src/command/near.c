@@ -1,0 +1,112 @@
+#include "command/near.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "base/choice.h"
+
+/* Mistakes that a word of this length may have. */
+static unsigned limit_for(size_t length)
+{
+    return length < 3 ? 0 : length < 6 ? 1 : length < 9 ? 2 : 3;
+}
+
+struct near near_to(const char *word)
+{
+    return (struct near){.word = word, .mistakes = limit_for(strlen(word)) + 1};
+}
+
+static char small(char c)
+{
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
+
+static unsigned least(unsigned a, unsigned b)
+{
+    return a < b ? a : b;
+}
+
+/* The mistakes that lead from `a` to `b`, by the table of those that lead from the first i bytes to
+ * the first j, of which three rows are kept. No byte is mistaken twice. */
+static unsigned mistakes_between(const char *a, size_t a_length, const char *b, size_t b_length)
+{
+    unsigned row[3][NEAR_BYTES_MOST + 1] = {{0}};
+    unsigned *two_up = row[0], *up = row[1], *now = row[2];
+    for (size_t j = 0; j <= b_length; j++)
+        up[j] = (unsigned)j;
+    for (size_t i = 1; i <= a_length; i++) {
+        now[0] = (unsigned)i;
+        for (size_t j = 1; j <= b_length; j++) {
+            const char x = small(a[i - 1]), y = small(b[j - 1]);
+            now[j] = least(least(up[j], now[j - 1]) + 1, up[j - 1] + (x != y));
+            if (i > 1 && j > 1 && x == small(b[j - 2]) && y == small(a[i - 2]))
+                now[j] = least(now[j], two_up[j - 2] + 1);
+        }
+        unsigned *const free_row = two_up;
+        two_up = up;
+        up = now;
+        now = free_row;
+    }
+    return up[b_length];
+}
+
+static unsigned mistakes_of(const char *word, const char *known, size_t length)
+{
+    const size_t typed = strlen(word), limit = limit_for(typed);
+    const bool begins = typed >= 2 && typed < length && memcmp(known, word, typed) == 0;
+    unsigned mistakes = begins ? 1 : UINT32_MAX;
+    if (typed <= NEAR_BYTES_MOST && length <= NEAR_BYTES_MOST && typed <= length + limit &&
+        length <= typed + limit && limit > 0) {
+        const unsigned between = mistakes_between(word, typed, known, length);
+        mistakes = least(mistakes, between <= limit ? between : UINT32_MAX);
+    }
+    return mistakes;
+}
+
+void near_try(struct near *near, const char *known, size_t length)
+{
+    const unsigned mistakes = length ? mistakes_of(near->word, known, length) : UINT32_MAX;
+    if (mistakes == UINT32_MAX || (near->count > 0 && mistakes > near->mistakes))
+        return;
+    if (near->count == 0 || mistakes < near->mistakes)
+        near->count = 0;
+    near->mistakes = mistakes;
+    if (near->count <= NEAR_TOLD) {
+        near->found[near->count].word = known;
+        near->found[near->count++].length = length;
+    }
+}
+
+void near_try_choices(struct near *near, const char *choices)
+{
+    struct choice choice;
+    while (choice_next(&choice, &choices))
+        near_try(near, choice.word, choice.length);
+}
+
+void near_add(const struct near *near, const char *ending, struct buf *out)
+{
+    if (near->count == 0 || near->count > NEAR_TOLD)
+        return;
+    for (size_t i = 0; i < near->count; i++) {
+        const bool last = i + 1 == near->count;
+        buf_add_text(out, i == 0 ? "; did you mean " : last ? " or " : ", ");
+        buf_add_safe(out, near->found[i].word, near->found[i].length);
+        buf_add_text(out, ending);
+    }
+    buf_add_char(out, '?');
+}
+
+enum err near_append(const struct near *near, const char *ending, struct fault *fault)
+{
+    struct buf words = {0};
+    if (!fault)
+        return ERR_USAGE;
+    near_add(near, ending, &words);
+    const size_t used = strlen(fault->text);
+    if (!words.failed && used + words.length < sizeof fault->text)
+        memcpy(fault->text + used, buf_text(&words), words.length + 1);
+    buf_release(&words);
+    return fault->code;
+}
