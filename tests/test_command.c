@@ -892,6 +892,31 @@ static void make_seed_files(void)
     make_regions("regions.nii", size[0], 0);
 }
 
+static bool has_seed(const struct desk *desk, uint32_t x, uint32_t y, uint32_t z)
+{
+    const struct scene *scene = desk->session.scene;
+    return scene->cell[grid_cell(&scene->grid, x, y, z)].flags & CELL_SEED;
+}
+
+STORY(a_stroke_is_balls_along_a_line)
+{
+    struct desk desk;
+    begin_with_scene(&desk);
+    must(&desk, "seed 1,1,1 1 to=9,5,1");
+    must(&desk, "run");
+    CHECK_INT(forest_seeds(desk.session.forest), 9); /* a step of the longest axis each */
+    CHECK(has_seed(&desk, 1, 1, 1) && has_seed(&desk, 5, 3, 1) && has_seed(&desk, 9, 5, 1));
+    must(&desk, "undo 2");
+    must(&desk, "seed 9,5,1 1 to=1,1,1 radius=1"); /* each voxel once, wherever balls overlap */
+    must(&desk, "run");
+    CHECK_INT(forest_seeds(desk.session.forest), 47);
+    CHECK(has_seed(&desk, 5, 3, 2) && has_seed(&desk, 10, 5, 1) && !has_seed(&desk, 5, 3, 3));
+    must(&desk, "seed 3,3,3 2 to=3,3,3");
+    CHECK_INT(desk.session.pendings, 1);
+    CHECK(execute(&desk, "seed 1,1,1 1 to=99,1,1") == ERR_INPUT);
+    desk_release(&desk);
+}
+
 STORY(seeds_come_out_of_files)
 {
     struct desk desk;
@@ -1919,8 +1944,9 @@ int main(void)
         TELL(an_error_tells_where_in_the_line_it_is),
         TELL(without_a_scene_only_what_needs_none_works), TELL(comments_and_empty_lines_do_nothing),
         TELL(garbage_is_parsed_or_refused_in_one_plain_line),
-        TELL(completion_offers_what_may_stand_there), TELL(seeds_come_out_of_files),
-        TELL(a_seed_file_that_is_wrong_plants_nothing), TELL(a_journal_knows_its_seed_files_again),
+        TELL(completion_offers_what_may_stand_there), TELL(a_stroke_is_balls_along_a_line),
+        TELL(seeds_come_out_of_files), TELL(a_seed_file_that_is_wrong_plants_nothing),
+        TELL(a_journal_knows_its_seed_files_again),
         TELL(a_command_that_cannot_be_recorded_is_undone), TELL(weights_come_out_of_a_file),
         TELL(weights_of_steps_go_by_both_ends), TELL(a_fence_keeps_the_forest_in),
         TELL(a_fence_is_refused_that_leaves_seeds_outside),

@@ -5,9 +5,11 @@
 
 #include "base/clock.h"
 #include "tui/crop.h"
+#include "tui/flow.h"
 #include "tui/keys.h"
 #include "tui/painter.h"
 #include "tui/pilot_keys.h"
+#include "tui/refine.h"
 #include "tui/term.h"
 #include "tui/wrap.h"
 
@@ -31,9 +33,10 @@ struct flight {
     struct painter painter;
     struct buf message; /* of the last key or command, until the next */
     bool is_stale;      /* the screen does not show the present state */
-    bool is_blank;      /* nor anything at all */
+    struct refine refine;
+    struct flow flow;
+    bool is_blank; /* nor anything at all */
     bool is_over, has_ended;
-    uint64_t sent_ns; /* when the frame went that has not been answered; 0 for none */
 };
 
 /* ---- the screen ---- */
@@ -97,10 +100,12 @@ static void add_help(struct buf *out)
     buf_printf(out, "\033[%u;1H  any key goes on", row + 2);
 }
 
+/* A frame is to be there soon after the key: half of what the line carries while nobody minds. */
 static void add_picture(struct flight *f, struct buf *out)
 {
     const struct pilot_wish wish = wish_of(f);
-    struct image_view view;
+    const size_t before = out->length;
+    struct image_view view, shown;
     struct fault fault;
     if (f->facts->graphics == GRAPHICS_NONE)
         return;
@@ -109,7 +114,12 @@ static void add_picture(struct flight *f, struct buf *out)
         buf_printf(&f->message, "error: %s", fault.text);
         return;
     }
-    painter_show(&f->painter, &view, out);
+    if (!refine_begin(&f->refine, &view, f->is_stale, flow_budget(&f->flow) / 2, &shown)) {
+        out->failed = true;
+        return;
+    }
+    painter_show(&f->painter, &shown, out);
+    refine_sent(&f->refine, out->length - before);
 }
 
 /* The whole of the present state in one write, and a question whose answer says that it is there.
@@ -122,11 +132,13 @@ static enum err draw(struct flight *f, struct fault *fault)
         f->is_over = true;
         return OK;
     }
+    buf_add_text(&out, flow_recovery(&f->flow, f->facts->graphics == GRAPHICS_KITTY));
     if (f->facts->synchronizes)
         buf_add_text(&out, "\033[?2026h");
     if (f->is_blank) {
         buf_add_text(&out, "\033[m\033[H\033[2J");
         painter_forget(&f->painter);
+        refine_forget(&f->refine);
     }
     if (f->state.mode == PILOT_HELPING)
         add_help(&out);
@@ -135,13 +147,13 @@ static enum err draw(struct flight *f, struct fault *fault)
     add_status(f, &facts, &out);
     if (f->facts->synchronizes)
         buf_add_text(&out, "\033[?2026l");
-    const bool asks = f->facts->answers;
-    if (asks)
+    if (f->facts->answers)
         buf_add_text(&out, "\033[c");
     f->is_stale = f->is_blank = false;
+    const uint64_t now_ns = clock_ns();
     enum err err =
         out.failed ? fault_memory(fault, "a frame") : term_write(buf_text(&out), out.length, fault);
-    f->sent_ns = asks ? clock_ns() : 0;
+    flow_sent(&f->flow, out.length, now_ns);
     buf_release(&out);
     return err;
 }
@@ -219,8 +231,8 @@ static enum err carry_out_all(struct flight *f, const char *lines, struct fault 
         lines += n + (lines[n] == '\n');
         err = line.failed ? fault_memory(fault, "a command")
                           : carry_out(f, buf_text(&line), &output, &of_command, fault);
-        if (!err && !of_command)
-            keep_last_line(&f->message, buf_text(&output));
+        if (!err && !of_command && strncmp(buf_text(&line), "cross ", 6) != 0)
+            keep_last_line(&f->message, buf_text(&output)); /* where it is now is told above */
     }
     buf_release(&line);
     buf_release(&output);
@@ -369,8 +381,7 @@ static bool next_key(struct flight *f, struct key_event *event)
         if (event->key != KEY_REPLY)
             return true;
         if (is_answer(&e->keys)) {
-            e->answers_due -= e->answers_due > 0;
-            f->sent_ns = 0;
+            flow_answered(&f->flow, clock_ns());
         }
     }
     buf_clear(&e->input);
@@ -378,15 +389,17 @@ static bool next_key(struct flight *f, struct key_event *event)
     return false;
 }
 
-/* How long to wait for input: for the rest of a sequence, or for an answer that may be lost. */
+static bool has_more(const struct flight *f)
+{
+    return f->is_stale || f->refine.is_coarse;
+}
+
+/* How long to wait for input: for the rest of a sequence, or until a frame may go. */
 static int patience_ms(const struct flight *f)
 {
     if (keys_waiting(&f->editor->keys))
         return KEYS_TIMEOUT_MS;
-    if (!f->sent_ns || !f->is_stale)
-        return -1;
-    const uint64_t waited = clock_ns() - f->sent_ns;
-    return waited >= PATIENCE_NS ? 0 : (int)((PATIENCE_NS - waited) / 1000000) + 1;
+    return has_more(f) ? flow_wait_ms(&f->flow, clock_ns()) : -1;
 }
 
 /* Waits once: bytes, news, a signal, or nothing for as long as that makes sense. True with a key
@@ -405,8 +418,6 @@ static bool wait_once(struct flight *f, struct key_event *event)
         buf_release(&news);
         f->is_stale = true;
     } else if (input == TERM_TIMEOUT) {
-        if (f->sent_ns && clock_ns() - f->sent_ns >= PATIENCE_NS)
-            f->sent_ns = 0;
         if (keys_waiting(&e->keys))
             return keys_time_out(&e->keys, event);
     }
@@ -432,7 +443,7 @@ static enum err fly(struct flight *f, struct fault *fault)
     while (!err && !f->is_over) {
         while (!err && !f->is_over && next_key(f, &event))
             err = take_key(f, &event, fault);
-        if (!err && !f->is_over && f->is_stale && !f->sent_ns)
+        if (!err && !f->is_over && has_more(f) && flow_may_send(&f->flow, clock_ns()))
             err = draw(f, fault);
         if (!err && !f->is_over && wait_once(f, &event))
             err = take_key(f, &event, fault);
@@ -445,6 +456,7 @@ enum err pilot_fly(const struct pilot_host *host, struct terminal_facts *facts,
 {
     const struct term_size size = term_size();
     struct flight f = {.host = host, .facts = facts, .editor = editor};
+    f.flow.silent = !facts->answers;
     struct buf out = {0};
     *ended = false;
     if (size.columns < COLUMNS_LEAST || size.rows < ROWS_LEAST)
@@ -464,10 +476,10 @@ enum err pilot_fly(const struct pilot_host *host, struct terminal_facts *facts,
     buf_add_text(&out, facts->mouse ? MOUSE_OFF LEAVE_SCREEN : LEAVE_SCREEN);
     term_write(buf_text(&out), out.length, NULL);
     term_set_greetings("\033[?2004h", "\033[?2004l");
-    if (f.sent_ns)
-        editor->answers_due = 1;
+    editor->answers_due += f.flow.due;
     *ended = f.has_ended;
     painter_release(&f.painter);
+    refine_release(&f.refine);
     buf_release(&f.message);
     buf_release(&out);
     return err;

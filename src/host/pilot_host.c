@@ -190,8 +190,9 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
     struct session *session = &pilot->desk->session;
     canvas_release(&pilot->canvas);
     pilot->canvas = (struct canvas){0};
-    enum err err =
-        slicing_panel(&pilot->canvas, session, wish->width, wish->height, wish->words, fault);
+    enum err err = session_count_labels(session, fault); /* for the hues */
+    if (!err)
+        err = slicing_panel(&pilot->canvas, session, wish->width, wish->height, wish->words, fault);
     if (err)
         return err;
     const struct mosaic_box box = mosaic_box(wish->width, wish->height, mosaic_of(wish->pane));
@@ -244,10 +245,9 @@ static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_
 unsigned pilot_hues(uint32_t hue[256], const struct session *session)
 {
     unsigned count = 0;
-    for (int label = 1; label < 256; label++) {
+    for (unsigned label = 1; label < 256; label++) {
         const uint8_t *rgb = session->settings.palette.rgb[label];
-        if (session->settings.visible[label] &&
-            (label < 10 || session->settings.label_name[label][0]))
+        if (session->settings.visible[label] && session_label_voxels(session, (uint8_t)label))
             hue[count++] = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
     }
     return count;

@@ -1,0 +1,393 @@
+/*
+ * The pilot: what keys mean, as lines of commands; pictures that get finer on a slow line.
+ */
+#include <stdlib.h>
+
+#include "tests/check.h"
+#include "tui/pilot_keys.h"
+#include "tui/refine.h"
+
+/* ---- a host that is a box of voxels ---- */
+
+/* Slices are counted along x for sagittal ones, y for coronal ones, z for axial ones. */
+static struct pilot_facts facts;
+static const uint32_t size[3] = {40, 50, 60};
+
+static void move(void *context, const int64_t by[3], uint32_t place[3])
+{
+    static const int axis[3] = {[PILOT_AXIAL] = 2, [PILOT_CORONAL] = 1, [PILOT_SAGITTAL] = 0};
+    (void)context;
+    memcpy(place, facts.place, sizeof facts.place);
+    for (int plane = 0; plane < 3; plane++) {
+        const int a = axis[plane];
+        const int64_t to = (int64_t)place[a] + by[plane];
+        place[a] = to < 0 ? 0 : to >= size[a] ? size[a] - 1 : (uint32_t)to;
+    }
+}
+
+static bool has_tree = true;
+static bool tree(void *context, struct buf *out)
+{
+    (void)context;
+    buf_add_text(out, "tree of 5 voxels");
+    return has_tree;
+}
+
+static void label(void *context, unsigned number, struct buf *out)
+{
+    (void)context;
+    buf_printf(out, "%u", number);
+}
+
+static bool shows = true;
+static enum pilot_pane shown_pane;
+static bool voxel_at(void *context, uint32_t column, uint32_t row, uint32_t place[3],
+                     enum pilot_pane *pane)
+{
+    (void)context;
+    *pane = shown_pane;
+    memcpy(place, (uint32_t[]){column, row, 7}, 3 * sizeof *place);
+    return shows;
+}
+
+static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_t place[3])
+{
+    (void)context;
+    memcpy(place, (uint32_t[]){column, row, 9}, 3 * sizeof *place);
+    return shows;
+}
+
+static const struct pilot_host host = {.move = move,
+                                       .tree = tree,
+                                       .label = label,
+                                       .voxel_at = voxel_at,
+                                       .voxel_of_frame = voxel_of_frame};
+
+static struct pilot_state state;
+static struct buf line, message;
+static enum pilot_deed deed;
+
+static void begin(void)
+{
+    facts = (struct pilot_facts){.place = {20, 25, 30},
+                                 .window = {0, 100},
+                                 .zoom = 1000,
+                                 .frame_width = 64,
+                                 .frame_height = 48};
+    has_tree = shows = true;
+    pilot_state_init(&state);
+}
+
+static void press(enum key key, unsigned modifiers, char c)
+{
+    const struct key_event event = {
+        .key = key, .modifiers = modifiers, .point = (uint8_t)c, .text = {c}, .length = 1};
+    buf_clear(&line);
+    buf_clear(&message);
+    deed = pilot_press(&state, &event, &host, &facts, &line, &message);
+}
+
+/* Presses letters one after the other; the line is the last one's. */
+static const char *type(const char *letters)
+{
+    for (; *letters; letters++)
+        press(KEY_CHARACTER, 0, *letters);
+    return buf_text(&line);
+}
+
+static const char *arrow(enum key key, unsigned modifiers)
+{
+    press(key, modifiers, 0);
+    return buf_text(&line);
+}
+
+STORY(arrows_and_letters_move_in_the_plane_that_is_marked)
+{
+    begin();
+    CHECK_TEXT(arrow(KEY_RIGHT, 0), "cross 19,25,30\n"); /* towards the patient's left */
+    CHECK_TEXT(type("l"), "cross 19,25,30\n");
+    CHECK_TEXT(type("h"), "cross 21,25,30\n");
+    CHECK_TEXT(type("k"), "cross 20,26,30\n");
+    CHECK_TEXT(arrow(KEY_DOWN, 0), "cross 20,24,30\n");
+    CHECK_TEXT(type("J"), "cross 20,25,29\n");
+    CHECK_TEXT(arrow(KEY_PAGE_UP, 0), "cross 20,25,31\n");
+    press(KEY_TAB, 0, 0); /* coronal */
+    CHECK_TEXT(type("k"), "cross 20,25,31\n");
+    CHECK_TEXT(type("K"), "cross 20,26,30\n");
+    press(KEY_TAB, 0, 0); /* sagittal: his front is on the left */
+    CHECK_TEXT(type("h"), "cross 20,26,30\n");
+    CHECK_TEXT(type("k"), "cross 20,25,31\n");
+    CHECK_TEXT(type("K"), "cross 21,25,30\n");
+    press(KEY_TAB, 0, 0);
+    CHECK_TEXT(type("l"), "cross 19,25,30\n");
+}
+
+STORY(jumps_counts_and_edges)
+{
+    begin();
+    CHECK_TEXT(type("H"), "cross 30,25,30\n");
+    CHECK_TEXT(arrow(KEY_UP, KEY_CONTROL), "cross 20,35,30\n");
+    CHECK_TEXT(type("#7h"), "cross 27,25,30\n");
+    CHECK_TEXT(type("h"), "cross 21,25,30\n"); /* a count holds once */
+    CHECK_TEXT(type("#12K"), "cross 20,25,42\n");
+    CHECK_TEXT(type("#99999h"), "cross 39,25,30\n"); /* as far as the scene goes */
+    facts.place[0] = 39;
+    CHECK_TEXT(type("h"), ""); /* nowhere to go is no command */
+    CHECK_TEXT(type("#5u"), "undo 5\n");
+    CHECK_TEXT(type("u"), "undo 1\n");
+    press(KEY_CHARACTER, KEY_CONTROL, 'r');
+    CHECK_TEXT(buf_text(&line), "redo\n");
+}
+
+STORY(seeds_brushes_and_strokes)
+{
+    begin();
+    CHECK_TEXT(type("3"), "seed 20,25,30 3\n");
+    CHECK_TEXT(type("s"), "seed 20,25,30 3\n"); /* of the label at hand */
+    CHECK_TEXT(type("ns"), "seed 20,25,30 4\n");
+    CHECK_TEXT(type("++s"), "seed 20,25,30 4 radius=2\n");
+    CHECK_TEXT(type("-0"), "seed 20,25,30 0 radius=1\n");
+    CHECK_TEXT(type("Ns"), "seed 20,25,30 255 radius=1\n"); /* they go round */
+    for (int i = 0; i < 50; i++)
+        type("+");
+    CHECK_TEXT(type("1"), "seed 20,25,30 1 radius=32\n");
+    for (int i = 0; i < 50; i++)
+        type("-");
+    type("m");
+    facts.place[1] = 40;
+    CHECK_TEXT(type("2"), "seed 20,40,30 2 to=20,25,30\n");
+    CHECK_TEXT(type("2"), "seed 20,40,30 2\n"); /* one stroke a mark */
+    type("v");
+    CHECK_HAS(buf_text(&message), "pen down");
+    CHECK_TEXT(type("l"), "cross 19,40,30\nseed 19,40,30 2 to=20,40,30\n");
+    press(KEY_ESCAPE, 0, 0);
+    CHECK_TEXT(type("l"), "cross 19,40,30\n");
+}
+
+STORY(an_eliminator_shows_its_tree_first)
+{
+    begin();
+    CHECK_TEXT(type("x"), "");
+    CHECK_HAS(buf_text(&message), "tree of 5 voxels; x again eliminates it");
+    CHECK(state.mode == PILOT_CONFIRMING);
+    CHECK_TEXT(type("x"), "remove 20,25,30\n");
+    CHECK(state.mode == PILOT_FLYING);
+    type("x");
+    CHECK_TEXT(type("l"), "cross 19,25,30\n"); /* another key does what it does, and nothing goes */
+    type("x");
+    press(KEY_ESCAPE, 0, 0);
+    CHECK_TEXT(buf_text(&line), "");
+    CHECK(state.mode == PILOT_FLYING);
+    has_tree = false;
+    type("x");
+    CHECK_HAS(buf_text(&message), "no tree holds this voxel");
+    CHECK(state.mode == PILOT_FLYING);
+}
+
+STORY(the_view_and_the_window)
+{
+    begin();
+    CHECK_TEXT(type("r"), "turn 15\n");
+    CHECK_TEXT(type("#3R"), "turn -45\n");
+    CHECK_TEXT(arrow(KEY_UP, KEY_SHIFT), "turn 0 15\n");
+    CHECK_TEXT(arrow(KEY_LEFT, KEY_SHIFT), "turn -15\n");
+    CHECK_TEXT(type("z"), "zoom 1.251\n");
+    CHECK_TEXT(type("Z"), "zoom 0.8\n");
+    facts.zoom = 64000;
+    CHECK_TEXT(type("z"), "zoom 64\n");
+    type("w");
+    CHECK_TEXT(arrow(KEY_RIGHT, 0), "window -2 102\n"); /* wider */
+    CHECK_TEXT(arrow(KEY_UP, 0), "window -2 98\n");     /* brighter */
+    CHECK_TEXT(arrow(KEY_LEFT, KEY_CONTROL), "window 20 80\n");
+    press(KEY_ENTER, 0, 0);
+    CHECK(state.mode == PILOT_FLYING);
+    CHECK_TEXT(type("wa"), "window auto\n");
+    CHECK_TEXT(type(" "), "run\n");
+}
+
+STORY(a_pixel_of_the_rendition_leads_to_its_voxel)
+{
+    begin();
+    type("p");
+    CHECK(state.mode == PILOT_PICKING && state.pixel[0] == 32 && state.pixel[1] == 24);
+    CHECK_TEXT(type("llj"), "");
+    press(KEY_ENTER, 0, 0);
+    CHECK_TEXT(buf_text(&line), "cross 34,25,9\n");
+    CHECK(state.mode == PILOT_FLYING);
+    type("p");
+    for (int i = 0; i < 20; i++)
+        type("L"); /* as far as the picture goes */
+    CHECK_INT(state.pixel[0], 63);
+    shows = false;
+    press(KEY_ENTER, 0, 0);
+    CHECK_TEXT(buf_text(&line), "");
+    CHECK_HAS(buf_text(&message), "no object is seen at that pixel");
+    type("p");
+    press(KEY_ESCAPE, 0, 0);
+    CHECK(state.mode == PILOT_FLYING);
+}
+
+STORY(what_is_no_command)
+{
+    begin();
+    CHECK_TEXT(type(":"), "");
+    CHECK(deed == PILOT_PROMPT);
+    type("q");
+    CHECK(deed == PILOT_LEAVE);
+    press(KEY_CHARACTER, KEY_CONTROL, 'l');
+    CHECK(deed == PILOT_REDRAW);
+    press(KEY_CHARACTER, KEY_CONTROL, 'z');
+    CHECK(deed == PILOT_SUSPEND);
+    type("?");
+    CHECK(state.mode == PILOT_HELPING);
+    CHECK_TEXT(type("1"), ""); /* any key goes on, and does nothing else */
+    CHECK(state.mode == PILOT_FLYING);
+    CHECK_TEXT(type("y"), "");
+    CHECK_HAS(buf_text(&message), "? tells them");
+    press(KEY_OTHER, 0, 0);
+    CHECK_TEXT(buf_text(&line), "");
+}
+
+/* ---- the mouse ---- */
+
+static const char *click(enum mouse_action action, uint32_t column, uint32_t row)
+{
+    const struct key_event event = {.key = KEY_MOUSE,
+                                    .mouse = {.action = action, .button = MOUSE_LEFT}};
+    buf_clear(&line);
+    buf_clear(&message);
+    pilot_click(&state, &event, column, row, &host, &facts, &line, &message);
+    return buf_text(&line);
+}
+
+STORY(a_click_takes_the_cross_hair_there_and_the_pen_draws)
+{
+    begin();
+    shown_pane = PILOT_CORONAL;
+    CHECK_TEXT(click(MOUSE_PRESSED, 3, 4), "cross 3,4,7\n");
+    CHECK(state.pane == PILOT_CORONAL);
+    memcpy(facts.place, (uint32_t[]){3, 4, 7}, sizeof facts.place);
+    CHECK_TEXT(click(MOUSE_MOVED, 5, 4), "cross 5,4,7\n");
+    CHECK_TEXT(click(MOUSE_RELEASED, 5, 4), "");
+    CHECK_TEXT(click(MOUSE_MOVED, 6, 4), ""); /* not held */
+    type("v2");
+    click(MOUSE_PRESSED, 3, 4);
+    CHECK_TEXT(click(MOUSE_MOVED, 5, 4), "cross 5,4,7\nseed 5,4,7 2 to=3,4,7\n");
+    shown_pane = PILOT_AXIAL; /* not from pane to pane */
+    CHECK_TEXT(click(MOUSE_MOVED, 9, 4), "");
+    CHECK_TEXT(click(MOUSE_WHEEL_UP, 1, 1), "cross 3,4,8\n");
+    shown_pane = PILOT_RENDITION;
+    CHECK_TEXT(click(MOUSE_WHEEL_DOWN, 1, 1), "zoom 0.8\n");
+    CHECK_TEXT(click(MOUSE_PRESSED, 8, 9), "cross 8,9,7\n");
+    shows = false;
+    CHECK_TEXT(click(MOUSE_PRESSED, 8, 9), "");
+    CHECK_HAS(buf_text(&message), "nothing is seen there");
+}
+
+STORY(any_keys_make_lines_that_are_whole)
+{
+    uint64_t seed = 4;
+    begin();
+    for (int i = 0; i < 20000; i++) {
+        static const enum key keys[] = {KEY_CHARACTER, KEY_CHARACTER, KEY_CHARACTER, KEY_UP,
+                                        KEY_LEFT,      KEY_ENTER,     KEY_ESCAPE,    KEY_TAB};
+        const enum key key = keys[check_below(&seed, 8)];
+        press(key, check_below(&seed, 6) ? 0 : check_below(&seed, 8),
+              (char)(' ' + check_below(&seed, 95)));
+        CHECK(line.length == 0 || line.data[line.length - 1] == '\n');
+        CHECK(!line.failed && !message.failed);
+        CHECK(state.label < 256 && state.radius <= 32 && state.pane < PILOT_RENDITION);
+        CHECK(state.pixel[0] < 64 && state.pixel[1] < 48);
+    }
+    buf_release(&line);
+    buf_release(&message);
+}
+
+/* ---- finer and finer ---- */
+
+enum { WIDTH = 70, HEIGHT = 45 };
+static uint8_t wanted[4 * WIDTH * HEIGHT];
+static const struct image_view view = {.width = WIDTH, .height = HEIGHT, .rgba = wanted};
+
+static void paint(uint64_t *seed, uint32_t left, uint32_t top, uint32_t right, uint32_t bottom)
+{
+    for (uint32_t y = top; y < bottom; y++)
+        for (uint32_t x = left; x < right; x++)
+            for (int k = 0; k < 4; k++)
+                wanted[4 * (y * WIDTH + x) + (unsigned)k] =
+                    (uint8_t)(k == 3 ? 255 : check_below(seed, 256));
+}
+
+static size_t differing(const struct image_view *shown)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++)
+        count += memcmp(shown->rgba + 4 * i, wanted + 4 * i, 4) != 0;
+    return count;
+}
+
+STORY(with_room_enough_all_is_fine_at_once)
+{
+    struct refine r = {0};
+    struct image_view shown;
+    uint64_t seed = 1;
+    paint(&seed, 0, 0, WIDTH, HEIGHT);
+    CHECK(refine_begin(&r, &view, true, 1 << 20, &shown));
+    CHECK_INT(differing(&shown), 0);
+    CHECK(!r.is_coarse);
+    refine_sent(&r, 5000);
+    refine_release(&r);
+}
+
+STORY(with_little_room_it_is_coarse_first_and_fine_in_the_end)
+{
+    for (uint64_t seed = 1; seed < 30; seed++) {
+        struct refine r = {0};
+        struct image_view shown;
+        unsigned frames = 0;
+        paint(&seed, 0, 0, WIDTH, HEIGHT);
+        CHECK(refine_begin(&r, &view, true, 300, &shown));
+        CHECK(r.is_coarse && differing(&shown) > WIDTH * HEIGHT / 2);
+        refine_sent(&r, 250);
+        for (; r.is_coarse && frames < 100; frames++) {
+            const size_t before = differing(&shown);
+            CHECK(refine_begin(&r, &view, false, 300, &shown));
+            CHECK(differing(&shown) < before || before == 0);
+            refine_sent(&r, 300);
+        }
+        CHECK_INT(differing(&shown), 0);
+        CHECK(frames > 2 && frames < 20);
+        paint(&seed, 20, 20, 30, 25); /* a small change fits, and leaves the rest alone */
+        CHECK(refine_begin(&r, &view, true, 300, &shown));
+        CHECK_INT(differing(&shown), 0);
+        refine_release(&r);
+    }
+}
+
+STORY(what_tiles_cost_is_learnt)
+{
+    struct refine r = {0};
+    struct image_view shown;
+    uint64_t seed = 1;
+    for (int i = 0; i < 12; i++) {
+        paint(&seed, 0, 0, WIDTH, HEIGHT);
+        CHECK(refine_begin(&r, &view, true, 4000, &shown));
+        refine_sent(&r, r.tiles * 1000 >> 2 * r.level); /* ten times as dear as at first thought */
+    }
+    CHECK(r.level > 0);
+    refine_forget(&r);
+    CHECK(!r.is_coarse);
+    refine_release(&r);
+}
+
+int main(void)
+{
+    return RUN_STORIES(
+        TELL(arrows_and_letters_move_in_the_plane_that_is_marked), TELL(jumps_counts_and_edges),
+        TELL(seeds_brushes_and_strokes), TELL(an_eliminator_shows_its_tree_first),
+        TELL(the_view_and_the_window), TELL(a_pixel_of_the_rendition_leads_to_its_voxel),
+        TELL(what_is_no_command), TELL(a_click_takes_the_cross_hair_there_and_the_pen_draws),
+        TELL(any_keys_make_lines_that_are_whole), TELL(with_room_enough_all_is_fine_at_once),
+        TELL(with_little_room_it_is_coarse_first_and_fine_in_the_end),
+        TELL(what_tiles_cost_is_learnt));
+}

@@ -1,0 +1,119 @@
+#include "tui/refine.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Bytes a tile before anything is known: about what palette pictures take. */
+static const double cost_at_first[REFINE_LEVELS] = {110, 45, 20, 10};
+
+static uint32_t least(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+void refine_forget(struct refine *r)
+{
+    free(r->rgba);
+    r->rgba = NULL;
+    r->width = r->height = 0;
+    r->is_coarse = false;
+}
+
+void refine_release(struct refine *r)
+{
+    free(r->rgba);
+    *r = (struct refine){0};
+}
+
+/* A part of the picture: one tile, cut at the edges. */
+struct tile {
+    uint32_t left, top, width, height;
+};
+
+static bool tile_differs(const struct refine *r, const uint8_t *wanted, const struct tile *t)
+{
+    for (uint32_t y = t->top; y < t->top + t->height; y++) {
+        const size_t at = 4 * ((size_t)y * r->width + t->left);
+        if (memcmp(r->rgba + at, wanted + at, (size_t)4 * t->width) != 0)
+            return true;
+    }
+    return false;
+}
+
+/* Blocks of `coarse` pixels a side, each of the colour in its middle: no mean, so that a palette
+ * stays what it was. */
+static void copy_tile(struct refine *r, const uint8_t *wanted, const struct tile *t,
+                      uint32_t coarse)
+{
+    for (uint32_t y = t->top; y < t->top + t->height; y++)
+        for (uint32_t x = t->left; x < t->left + t->width; x++) {
+            const uint32_t from_x = least(x / coarse * coarse + coarse / 2, r->width - 1);
+            const uint32_t from_y = least(y / coarse * coarse + coarse / 2, r->height - 1);
+            memcpy(r->rgba + 4 * ((size_t)y * r->width + x),
+                   wanted + 4 * ((size_t)from_y * r->width + from_x), 4);
+        }
+}
+
+/* How many tiles differ from what is wanted; `most` of them are made as coarse as this, where it is
+ * not 0. */
+static size_t each_stale(struct refine *r, const uint8_t *wanted, size_t most, uint32_t coarse)
+{
+    size_t count = 0;
+    for (uint32_t top = 0; top < r->height; top += REFINE_TILE)
+        for (uint32_t left = 0; left < r->width; left += REFINE_TILE) {
+            const struct tile t = {left, top, least(REFINE_TILE, r->width - left),
+                                   least(REFINE_TILE, r->height - top)};
+            if (!tile_differs(r, wanted, &t))
+                continue;
+            if (count < most && coarse)
+                copy_tile(r, wanted, &t, coarse);
+            count++;
+        }
+    return count;
+}
+
+static bool begin_size(struct refine *r, const struct image_view *wanted)
+{
+    if (r->rgba && r->width == wanted->width && r->height == wanted->height)
+        return true;
+    refine_forget(r);
+    r->rgba = calloc((size_t)wanted->width * wanted->height, 4);
+    r->width = wanted->width;
+    r->height = wanted->height;
+    return r->rgba != NULL;
+}
+
+bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves, size_t budget,
+                  struct image_view *shown)
+{
+    if (r->cost[0] <= 0)
+        memcpy(r->cost, cost_at_first, sizeof r->cost);
+    if (!begin_size(r, wanted))
+        return false;
+    const size_t stale = each_stale(r, wanted->rgba, 0, 0);
+    const double may = (double)budget;
+    unsigned level = 0;
+    while (moves && level + 1 < REFINE_LEVELS && (double)stale * r->cost[level] > may)
+        level++;
+    size_t most = stale;
+    if (!moves) { /* as many as there is room for, in full */
+        const double fit = may / r->cost[0];
+        most = fit < 1 ? 1 : fit < (double)stale ? (size_t)fit : stale;
+    }
+    each_stale(r, wanted->rgba, most, 1U << level);
+    r->level = level;
+    r->tiles = most < stale ? most : stale;
+    r->is_coarse = level > 0 || most < stale;
+    *shown = *wanted;
+    shown->rgba = r->rgba;
+    return true;
+}
+
+void refine_sent(struct refine *r, size_t bytes)
+{
+    if (r->tiles < 4)
+        return; /* what goes with every frame counts for more than the tiles */
+    const double cost = (double)bytes / (double)r->tiles;
+    r->cost[r->level] += (cost - r->cost[r->level]) / 2;
+    r->cost[r->level] = r->cost[r->level] < 1 ? 1 : r->cost[r->level];
+}
