@@ -164,7 +164,7 @@ STORY(an_answer_that_is_lost_costs_two_seconds_once)
     const unsigned before = view.frames;
     steer(&flow, &line, &view, 20000, 2000, 8000);
     CHECK_INT(view.state, 8000);
-    CHECK(view.frames - before > 40);
+    CHECK(view.frames - before > 60);
     CHECK_INT(flow.late, 0);
 }
 

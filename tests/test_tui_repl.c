@@ -400,7 +400,7 @@ STORY(a_terminal_without_graphics_gets_blocks)
     end(&t);
 }
 
-STORY(without_colours_nothing_is_asked_and_nothing_coloured)
+STORY(without_colours_one_question_is_asked_and_nothing_coloured)
 {
     struct terminal t;
     struct setting setting = vt340;
@@ -410,7 +410,7 @@ STORY(without_colours_nothing_is_asked_and_nothing_coloured)
     type(&t, "nonsense\rpicture\rquit\r");
     SEE(&t, "error: there is no command nonsense\r\n");
     CHECK_INT(report_of(&t), 0);
-    CHECK(strstr(t.seen.data, "\033[c") == NULL && strstr(t.seen.data, "\033[31m") == NULL &&
+    CHECK(strstr(t.seen.data, "\033[>") == NULL && strstr(t.seen.data, "\033[31m") == NULL &&
           strstr(t.seen.data, "\033[48") == NULL);
     CHECK_HAS(t.seen.data, "%%%");
     end(&t);
@@ -746,7 +746,7 @@ int main(void)
         TELL(a_sixel_terminal_gets_sixels_and_each_is_waited_for),
         TELL(kitty_is_asked_and_gets_its_own_graphics),
         TELL(a_terminal_without_graphics_gets_blocks),
-        TELL(without_colours_nothing_is_asked_and_nothing_coloured),
+        TELL(without_colours_one_question_is_asked_and_nothing_coloured),
         TELL(a_silent_terminal_costs_two_seconds_and_no_key),
         TELL(ctrl_c_empties_the_line_and_keeps_the_session), TELL(tab_completes_and_lists),
         TELL(a_large_paste_is_one_redraw_and_its_lines_are_run),

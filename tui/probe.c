@@ -5,10 +5,19 @@
 
 #include "base/clock.h"
 
-#define CSI_QUESTIONS  "\033[>c\033[>q\033[16t\033[14t\033[?2;4;0S\033[c"
-#define KITTY_QUESTION "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\\033[c"
+#define BARRIER        "\033[c"
+#define CSI_QUESTIONS  "\033[>c\033[>q\033[16t\033[14t\033[?2;4;0S"
+#define MODE_QUESTION  "\033[?2026$p"
+#define KITTY_QUESTION "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\"
+#define CLEAR_UP       "\r\033[K"
 
 enum { LIMIT_MS = 2000, SIDE_UNTOLD = 1000, CELL_LEAST = 4, CELL_MOST = 64 };
+enum {
+    KIND_SCREEN = 'S',
+    KIND_TMUX = 'T',
+    KIND_VTE = 65,
+    KIND_XTERM = 41
+}; /* in the secondary DA */
 
 bool graphics_from_name(const char *name, enum graphics *out)
 {
@@ -64,7 +73,13 @@ void probe_reply(struct probe_replies *replies, const char *body)
         } else if (is_end(end, "S") && count == 4 && n[0] == 2 && n[1] == 0) {
             replies->image_width = n[2];
             replies->image_height = n[3];
+        } else if (is_end(end, "$y") && count == 2 && n[0] == 2026) {
+            replies->synchronizes = n[1] == 1 || n[1] == 2;
         }
+    } else if (starts_with(body, "[>")) {
+        read_numbers(body + 2, n, 32, &end);
+        if (is_end(end, "c"))
+            replies->kind = n[0];
     } else if (starts_with(body, "P>|")) {
         size_t length = strnlen(body + 3, sizeof replies->name - 1);
         memcpy(replies->name, body + 3, length);
@@ -109,51 +124,140 @@ bool probe_take(struct probe_replies *replies, struct keys *keys, const char *by
 
 /* ---- deciding ---- */
 
-static bool is_plain(const struct probe_environment *e)
-{
-    return *e->term == '\0' || strcmp(e->term, "dumb") == 0;
-}
-
-static bool is_multiplexed(const struct probe_environment *e)
-{
-    return starts_with(e->term, "screen") || starts_with(e->term, "tmux");
-}
-
-bool probe_is_silent(const struct probe_environment *e, enum graphics wish)
-{
-    return is_plain(e) || starts_with(e->term, "linux") || wish == GRAPHICS_NONE ||
-           wish == GRAPHICS_BLOCKS || (wish == GRAPHICS_AUTO && e->no_color);
-}
-
 static bool names_any(const char *text, const char *const *name)
 {
-    for (; *name; name++)
+    for (; text && *name; name++)
         if (strcasestr(text, *name))
             return true;
     return false;
 }
 
+static bool begins_with_any(const char *text, const char *const *start)
+{
+    for (; *start; start++)
+        if (starts_with(text, *start))
+            return true;
+    return false;
+}
+
+static bool is_any(const char *text, const char *const *word)
+{
+    for (; text && *word; word++)
+        if (strcmp(text, *word) == 0)
+            return true;
+    return false;
+}
+
+bool probe_is_plain(const char *term)
+{
+    static const char *const plain[] = {"", "dumb", "unknown", "network", "vt52", NULL};
+    return is_any(term, plain);
+}
+
+/* Terminals that draw text in colours and print questions, or answer as if somebody typed. */
+static bool is_console(const struct probe_environment *e)
+{
+    static const char *const console[] = {"linux", "eterm", "cons25", "sun", NULL};
+    return begins_with_any(e->term, console);
+}
+
+static bool in_tmux(const struct probe_replies *replies, const struct probe_environment *e)
+{
+    return starts_with(replies->name, "tmux") || replies->kind == KIND_TMUX ||
+           (starts_with(e->term, "tmux") && replies->kind != KIND_SCREEN);
+}
+
+/* TERM=screen is what tmux says too, if told so. */
+static bool in_screen(const struct probe_replies *replies, const struct probe_environment *e)
+{
+    return replies->kind == KIND_SCREEN || (starts_with(e->term, "screen") && !in_tmux(replies, e));
+}
+
+static bool is_multiplexed(const struct probe_replies *replies, const struct probe_environment *e)
+{
+    return in_tmux(replies, e) || in_screen(replies, e);
+}
+
+bool probe_is_silent(const struct probe_environment *e, enum graphics wish)
+{
+    return probe_is_plain(e->term) || is_console(e) || wish == GRAPHICS_NONE;
+}
+
+static bool wants_plain(const struct probe_environment *e, enum graphics wish)
+{
+    return wish == GRAPHICS_BLOCKS || (wish == GRAPHICS_AUTO && e->no_color);
+}
+
 bool probe_may_ask_kitty(const struct probe_replies *replies, const struct probe_environment *e)
 {
     static const char *const family[] = {"kitty", "ghostty", "wezterm", "konsole", NULL};
-    if (is_multiplexed(e) || starts_with(replies->name, "tmux"))
+    const bool known = replies->name[0] || replies->kind; /* or it may be screen, with any TERM */
+    if (!known || is_multiplexed(replies, e))
         return false;
     return names_any(replies->name[0] ? replies->name : e->term, family);
+}
+
+bool probe_may_ask_modes(const struct probe_replies *replies, const struct probe_environment *e)
+{
+    static const char *const careful[] = {"alacritty", "foot",    "contour", "kitty",
+                                          "ghostty",   "wezterm", NULL};
+    return replies->name[0] || (names_any(e->term, careful) && !is_multiplexed(replies, e));
+}
+
+void probe_questions(unsigned round, const struct probe_replies *replies,
+                     const struct probe_environment *e, enum graphics wish, struct buf *out)
+{
+    const bool first = round == 0, plain = wants_plain(e, wish);
+    if (probe_is_silent(e, wish) || round > 1 || (!first && (plain || !replies->da1)))
+        return;
+    const bool modes = !first && probe_may_ask_modes(replies, e);
+    const bool kitty = !first && wish == GRAPHICS_AUTO && probe_may_ask_kitty(replies, e);
+    if (first && !plain)
+        buf_add_text(out, CSI_QUESTIONS);
+    if (modes)
+        buf_add_text(out, MODE_QUESTION);
+    if (kitty)
+        buf_add_text(out, KITTY_QUESTION);
+    if (first || modes || kitty)
+        buf_add_text(out, BARRIER);
+    if (kitty)
+        buf_add_text(out, CLEAR_UP);
+}
+
+/* iTerm2 has told its name only since 3.4; LC_TERMINAL is what it sends through ssh. A terminal
+ * with a name of its own has been started by one in iTerm2, and both variables are stale. */
+static bool is_iterm(const struct probe_replies *replies, const struct probe_environment *e)
+{
+    static const char *const name[] = {"iTerm2", NULL}, *const program[] = {"iTerm.app", NULL};
+    if (is_multiplexed(replies, e))
+        return false;
+    if (replies->name[0])
+        return names_any(replies->name, name);
+    if (!replies->da1 || replies->kind == KIND_XTERM)
+        return false;
+    return is_any(e->term_program, program) || is_any(e->lc_terminal, name);
 }
 
 static enum graphics decide_graphics(const struct probe_replies *replies,
                                      const struct probe_environment *e, enum graphics wish)
 {
-    bool in_screen = starts_with(e->term, "screen") && !starts_with(replies->name, "tmux");
     if (wish != GRAPHICS_AUTO)
         return wish;
-    if (is_plain(e))
+    if (probe_is_plain(e->term))
         return GRAPHICS_NONE;
-    if (e->no_color || in_screen)
+    if (e->no_color || in_screen(replies, e))
         return GRAPHICS_BLOCKS;
     if (replies->kitty)
         return GRAPHICS_KITTY;
+    if (is_iterm(replies, e))
+        return GRAPHICS_ITERM;
     return replies->sixel ? GRAPHICS_SIXEL : GRAPHICS_BLOCKS;
+}
+
+static bool ends_with(const char *text, const char *end)
+{
+    const size_t length = strlen(text), least = strlen(end);
+    return length >= least && strcmp(text + length - least, end) == 0;
 }
 
 /* COLORTERM does not survive ssh and is stale inside screen; tmux knows 24-bit colours itself and
@@ -161,16 +265,35 @@ static enum graphics decide_graphics(const struct probe_replies *replies,
 static enum colours decide_colours(const struct probe_replies *replies,
                                    const struct probe_environment *e)
 {
-    static const char *const all_colours[] = {"kitty",     "ghostty", "wezterm", "konsole", "foot",
-                                              "alacritty", "xterm(",  "tmux",    "direct",  NULL};
-    if (e->no_color || is_plain(e) || starts_with(e->term, "vt"))
+    static const char *const all[] = {"kitty",   "ghostty", "wezterm",   "konsole", "foot",
+                                      "xterm(",  "tmux",    "alacritty", "iterm2",  "mintty",
+                                      "contour", "vte",     "xterm.js",  "direct",  NULL};
+    static const char *const few[] = {"rxvt", "xterm-color", "ansi", "pcansi", "cygwin", NULL};
+    static const char *const told[] = {"truecolor", "24bit", NULL};
+    if (e->no_color || probe_is_plain(e->term) || starts_with(e->term, "vt"))
         return COLOURS_NONE;
-    if (names_any(replies->name, all_colours) || names_any(e->term, all_colours))
-        return COLOURS_24BIT;
-    if (starts_with(e->term, "screen"))
+    if (in_screen(replies, e))
         return COLOURS_256;
-    bool told = strcmp(e->colorterm, "truecolor") == 0 || strcmp(e->colorterm, "24bit") == 0;
-    return told ? COLOURS_24BIT : COLOURS_256;
+    if (names_any(replies->name, all) || names_any(e->term, all) || replies->kind == KIND_VTE)
+        return COLOURS_24BIT;
+    if (is_console(e) || is_any(e->term, few) || ends_with(e->term, "-16color"))
+        return COLOURS_16;
+    return is_any(e->colorterm, told) || is_iterm(replies, e) ? COLOURS_24BIT : COLOURS_256;
+}
+
+/* Terminals that draw these characters themselves have them whatever the font; half blocks are in
+ * every font. What is outside of a multiplexer is not known. */
+static enum block_shape decide_shape(const struct probe_replies *replies,
+                                     const struct probe_environment *e)
+{
+    static const char *const sextant[] = {"kitty", "foot", "wezterm", "ghostty", "contour", NULL};
+    static const char *const quadrant[] = {"alacritty", "konsole", "iterm2", "vte", "xterm(", NULL};
+    const char *name = replies->name[0] ? replies->name : e->term;
+    if (is_multiplexed(replies, e))
+        return BLOCK_HALF;
+    if (names_any(name, sextant))
+        return BLOCK_SEXTANT;
+    return names_any(name, quadrant) || replies->kind == KIND_VTE ? BLOCK_QUADRANT : BLOCK_HALF;
 }
 
 static bool use_cell(struct terminal_facts *facts, uint32_t width, uint32_t height)
@@ -195,7 +318,11 @@ void probe_decide(const struct probe_replies *replies, const struct probe_enviro
                                      .cell_width = 8,
                                      .cell_height = 16,
                                      .image_side_most = SIDE_UNTOLD,
-                                     .answers = replies->da1};
+                                     .shape = decide_shape(replies, e),
+                                     .answers = replies->da1,
+                                     .edits = starts_with(replies->name, "kitty"),
+                                     .synchronizes = replies->synchronizes,
+                                     .mouse = replies->da1};
     if (!use_cell(facts, replies->cell_width, replies->cell_height))
         use_cell(facts, replies->text_width / size->columns, replies->text_height / size->rows);
     probe_resize(facts, size);
@@ -207,13 +334,19 @@ void probe_decide(const struct probe_replies *replies, const struct probe_enviro
 
 /* ---- asking ---- */
 
+static const char *variable(const char *name)
+{
+    const char *value = getenv(name);
+    return value ? value : "";
+}
+
 struct probe_environment probe_environment_now(void)
 {
-    const char *term = getenv("TERM"), *colorterm = getenv("COLORTERM");
-    const char *no_color = getenv("NO_COLOR");
-    return (struct probe_environment){.term = term ? term : "",
-                                      .colorterm = colorterm ? colorterm : "",
-                                      .no_color = no_color && *no_color};
+    return (struct probe_environment){.term = variable("TERM"),
+                                      .colorterm = variable("COLORTERM"),
+                                      .term_program = variable("TERM_PROGRAM"),
+                                      .lc_terminal = variable("LC_TERMINAL"),
+                                      .no_color = *variable("NO_COLOR")};
 }
 
 /* Reads until `count` DA1 replies came. Ctrl-C gives up on a silent terminal. */
@@ -254,20 +387,25 @@ enum err probe_terminal(enum graphics wish, struct terminal_facts *facts, struct
 {
     const struct probe_environment e = probe_environment_now();
     struct probe_replies replies = {0};
+    struct buf questions = {0};
+    uint64_t round_trip_ns = 0;
     enum err err = OK;
-    if (!probe_is_silent(&e, wish)) {
-        err = term_write(CSI_QUESTIONS, sizeof CSI_QUESTIONS - 1, fault);
-        if (!err)
-            await_replies(&replies, 1, LIMIT_MS, typed);
-    }
-    if (!err && replies.da1 && wish == GRAPHICS_AUTO && probe_may_ask_kitty(&replies, &e)) {
-        err = term_write(KITTY_QUESTION, sizeof KITTY_QUESTION - 1, fault);
-        if (!err)
-            await_replies(&replies, 1, LIMIT_MS, typed);
-        if (!err)
-            err = term_write("\r\033[K", 4, fault);
+    for (unsigned round = 0; !err && round < 2; round++) {
+        buf_clear(&questions);
+        probe_questions(round, &replies, &e, wish, &questions);
+        if (questions.failed)
+            err = fault_memory(fault, "the questions to the terminal");
+        else if (questions.length > 0)
+            err = term_write(questions.data, questions.length, fault);
+        if (err || questions.length == 0)
+            break;
+        const uint64_t begin = clock_ns();
+        if (await_replies(&replies, 1, LIMIT_MS, typed))
+            round_trip_ns = clock_ns() - begin;
     }
     const struct term_size size = term_size();
     probe_decide(&replies, &e, &size, wish, facts);
+    facts->round_trip_ns = round_trip_ns;
+    buf_release(&questions);
     return err;
 }

@@ -1,5 +1,5 @@
 /*
- * What the terminal can do: asked once, at the start, with queries that no terminal prints.
+ * What the terminal can do: asked once, at the start, with questions that no terminal prints.
  *
  *     ESC[>c ESC[>q ESC[16t ESC[14t ESC[?2;4;0S ESC[c          one write, then read until DA1
  *
@@ -9,10 +9,19 @@
  *     ESC[4;450;720t           the text area in px
  *     ESC[?2;0;1000;1000S      the largest picture
  *
- * Every terminal answers DA1, and answers in order, so DA1 ends the replies. Only a terminal that
- * names itself as one of the kitty family is asked for kitty graphics: others print that question.
- * Inside tmux and screen the outer terminal does not matter, the multiplexer's own DA1 does, and
- * screen passes no graphics at all.
+ * Every terminal answers DA1, and answers in order, so DA1 ends the replies. What some terminals
+ * print is asked in a second write, and only of those that have named themselves:
+ *
+ *     ESC[?2026$p ESC[c        synchronized output; Apple's Terminal prints the p
+ *     ESC_Gi=31,..,a=q;.. ESC\ ESC[c CR ESC[K      kitty graphics, of its family alone: PuTTY,
+ * urxvt and screen print it all
+ *
+ * Inside tmux and screen the outer terminal does not matter, nor what the environment says of it:
+ * the multiplexer's own DA1 does, and screen passes no graphics at all. Its secondary DA tells
+ * either of them whatever TERM says: ESC[>83;.. screen, ESC[>84;.. tmux.
+ *
+ * The Linux console and the like are asked nothing. Who asks for blocks, or for no colours, gets
+ * the one question ESC[c, since the frames of a slow line need its answers; for "none" nothing.
  *
  * Whatever is typed meanwhile is kept. The parts that decide are pure: replies and environment in,
  * facts out.
@@ -48,7 +57,9 @@ struct terminal_facts {
     uint32_t image_side_most;         /* px; a larger picture may not be drawn at all */
     enum block_shape shape;           /* the finest that its font is known to have */
     bool answers;                     /* it answered DA1: barriers work */
+    bool edits;                       /* kitty's a=f changes a picture in place; others have not */
     bool synchronizes;                /* ESC[?2026h .. l: what is between appears at once */
+    uint64_t round_trip_ns;           /* from a question to its answer; 0 where nothing answers */
     bool mouse;                       /* may be asked for SGR mouse reports: ESC[?1000;1006h */
     bool kitty_is_still; /* kitty graphics without a=f (ghostty, Konsole): nothing can be changed
                             in place, so every picture goes whole */
@@ -57,12 +68,13 @@ struct terminal_facts {
 /* ---- pure ---- */
 
 struct probe_environment {
-    const char *term, *colorterm; /* "" where unset */
+    const char *term, *colorterm, *term_program, *lc_terminal; /* "" or NULL where unset */
     bool no_color;
 };
 
 struct probe_replies {
-    bool da1, sixel, kitty;
+    bool da1, sixel, kitty, synchronizes;
+    uint32_t kind; /* the first number of the secondary DA, a letter's code where it is a name */
     char name[64]; /* of XTVERSION */
     uint32_t cell_width, cell_height, text_width, text_height, image_width, image_height; /* px */
 };
@@ -76,12 +88,23 @@ void probe_reply(struct probe_replies *replies, const char *body);
 bool probe_take(struct probe_replies *replies, struct keys *keys, const char *bytes, size_t length,
                 struct buf *typed);
 
-/* Whether `wish` in this environment needs no question at all. */
+/* Whether a terminal of this name gets no escape sequence at all, as TERM=dumb. */
+bool probe_is_plain(const char *term);
+
+/* Whether `wish` in this environment allows no question at all. */
 bool probe_is_silent(const struct probe_environment *environment, enum graphics wish);
 
-/* Whether the question for kitty graphics may be asked. */
+/* Whether the question for kitty graphics may be asked, that for a mode. */
 bool probe_may_ask_kitty(const struct probe_replies *replies,
                          const struct probe_environment *environment);
+bool probe_may_ask_modes(const struct probe_replies *replies,
+                         const struct probe_environment *environment);
+
+/* Adds what is to be written in this round, 0 or 1, after the replies to the one before; nothing
+ * where nothing is to be asked. It ends with a DA1 question, and what clears up behind it. */
+void probe_questions(unsigned round, const struct probe_replies *replies,
+                     const struct probe_environment *environment, enum graphics wish,
+                     struct buf *out);
 
 void probe_decide(const struct probe_replies *replies, const struct probe_environment *environment,
                   const struct term_size *size, enum graphics wish, struct terminal_facts *facts);

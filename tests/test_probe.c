@@ -1,0 +1,610 @@
+/* Every terminal that is known, asked as the program asks: what each answers is a table of facts
+ * measured with the terminals themselves. Pure: nothing is opened. */
+#include "tests/check.h"
+#include "tui/probe.h"
+
+enum { QUESTIONS = 8 };
+static const char *const question[QUESTIONS] = {
+    "\033[>c",      "\033[>q", "\033[16t",     "\033[14t",
+    "\033[?2;4;0S", "\033[c",  "\033[?2026$p", "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\"};
+enum { DA2, VERSION, CELL, AREA, LIMIT, DA1, MODE, KITTY };
+#define PRINTS(place) (1u << (place))
+
+struct known {
+    const char *about;
+    struct probe_environment environment;
+    const char *answer[QUESTIONS]; /* NULL: none */
+    unsigned prints;               /* questions that come out as text */
+    enum graphics graphics;
+    enum colours colours;
+    enum block_shape shape;
+    bool synchronizes;
+    uint32_t cell_width, cell_height;
+};
+
+#define TERM(name)                                                                                 \
+    {                                                                                              \
+        .term = name                                                                               \
+    }
+#define VERSION_IS(name)  "\033P>|" name "\033\\"
+#define KITTY_OK          "\033_Gi=31;OK\033\\"
+#define NOT_KNOWN         "\033[?2026;0$y"
+#define KNOWN             "\033[?2026;2$y"
+#define COLOURED          COLOURS_24BIT
+#define XTERM_SAYS(attrs) "\033[>41;379;0c", VERSION_IS("XTerm(379)"), NULL, NULL, NULL, attrs
+
+static const struct known terminals[] = {
+    {"xterm -ti vt340",
+     TERM("xterm-256color"),
+     {"\033[>41;379;0c", VERSION_IS("XTerm(379)"), NULL, NULL, "\033[?2;0;1000;1000S",
+      "\033[?63;1;2;4;6;9;15;16;17;18;21;22;28c", NOT_KNOWN, NULL},
+     0,
+     GRAPHICS_SIXEL,
+     COLOURED,
+     BLOCK_QUADRANT,
+     false,
+     8,
+     16},
+    {"xterm",
+     TERM("xterm-256color"),
+     {"\033[>41;379;0c", VERSION_IS("XTerm(379)"), NULL, NULL, "\033[?2;3S",
+      "\033[?64;1;2;6;9;15;16;17;18;21;22;28c", NOT_KNOWN, NULL},
+     0,
+     GRAPHICS_BLOCKS,
+     COLOURED,
+     BLOCK_QUADRANT,
+     false,
+     8,
+     16},
+    {"kitty",
+     TERM("xterm-kitty"),
+     {"\033[>1;4000;26c", VERSION_IS("kitty(0.26.5)"), "\033[6;20;9t", "\033[4;400;639t", NULL,
+      "\033[?62;c", KNOWN, KITTY_OK},
+     0,
+     GRAPHICS_KITTY,
+     COLOURED,
+     BLOCK_SEXTANT,
+     true,
+     9,
+     20},
+    {"kitty over ssh, with a TERM that is known there",
+     TERM("xterm-256color"),
+     {"\033[>1;4000;26c", VERSION_IS("kitty(0.26.5)"), "\033[6;20;9t", "\033[4;400;639t", NULL,
+      "\033[?62;c", KNOWN, KITTY_OK},
+     0,
+     GRAPHICS_KITTY,
+     COLOURED,
+     BLOCK_SEXTANT,
+     true,
+     9,
+     20},
+    {"ghostty",
+     TERM("xterm-ghostty"),
+     {"\033[>1;10;0c", VERSION_IS("ghostty 1.0.0"), "\033[6;34;16t", NULL, NULL, "\033[?62;22c",
+      KNOWN, KITTY_OK},
+     0,
+     GRAPHICS_KITTY,
+     COLOURED,
+     BLOCK_SEXTANT,
+     true,
+     16,
+     34},
+    {"WezTerm",
+     TERM("xterm-256color"),
+     {"\033[>1;277;0c", VERSION_IS("WezTerm 20240203-110809-5046fc22"), "\033[6;18;8t", NULL, NULL,
+      "\033[?65;4;6;18;22c", KNOWN, KITTY_OK},
+     0,
+     GRAPHICS_KITTY,
+     COLOURED,
+     BLOCK_SEXTANT,
+     true,
+     8,
+     18},
+    {"WezTerm without kitty graphics",
+     TERM("xterm-256color"),
+     {"\033[>1;277;0c", VERSION_IS("WezTerm 20220319"), "\033[6;18;8t", NULL, NULL,
+      "\033[?65;4;6;18;22c", KNOWN, "\033_Gi=31;ENOTSUPPORTED\033\\"},
+     0,
+     GRAPHICS_SIXEL,
+     COLOURED,
+     BLOCK_SEXTANT,
+     true,
+     8,
+     18},
+    {"Konsole",
+     TERM("xterm-256color"),
+     {"\033[>1;220380;0c", VERSION_IS("Konsole 22.12.3"), NULL, "\033[4;480;640t", NULL,
+      "\033[?62;1;4c", NOT_KNOWN, KITTY_OK},
+     0,
+     GRAPHICS_KITTY,
+     COLOURED,
+     BLOCK_QUADRANT,
+     false,
+     8,
+     20},
+    {"iTerm2",
+     TERM("xterm-256color"),
+     {"\033[>0;95;0c", VERSION_IS("iTerm2 3.5.0"), "\033[6;18;9t", NULL, NULL, "\033[?62;1;2;4;6c",
+      KNOWN, NULL},
+     PRINTS(KITTY),
+     GRAPHICS_ITERM,
+     COLOURED,
+     BLOCK_QUADRANT,
+     true,
+     9,
+     18},
+    {"an older iTerm2, through ssh that sends LC_*",
+     {.term = "xterm-256color", .lc_terminal = "iTerm2"},
+     {"\033[>0;95;0c", NULL, NULL, NULL, NULL, "\033[?62;4c", NULL, NULL},
+     PRINTS(KITTY),
+     GRAPHICS_ITERM,
+     COLOURED,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"an older iTerm2 at home",
+     {.term = "xterm-256color", .term_program = "iTerm.app"},
+     {"\033[>0;95;0c", NULL, NULL, NULL, NULL, "\033[?62;4c", NULL, NULL},
+     PRINTS(KITTY),
+     GRAPHICS_ITERM,
+     COLOURED,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"xterm started from a shell in iTerm2",
+     {.term = "xterm-256color", .term_program = "iTerm.app", .lc_terminal = "iTerm2"},
+     {XTERM_SAYS("\033[?64;1;2;6c"), NOT_KNOWN, NULL},
+     0,
+     GRAPHICS_BLOCKS,
+     COLOURED,
+     BLOCK_QUADRANT,
+     false,
+     8,
+     16},
+    {"mlterm",
+     TERM("mlterm"),
+     {"\033[>24;279;0c", NULL, "\033[6;22;10t", "\033[4;528;800t", "\033[?1;3;0S",
+      "\033[?63;1;2;3;4;6;7;15;18;22;29c", NOT_KNOWN, NULL},
+     0,
+     GRAPHICS_SIXEL,
+     COLOURS_256,
+     BLOCK_HALF,
+     false,
+     10,
+     22},
+    {"foot",
+     TERM("foot"),
+     {"\033[>1;11301;0c", VERSION_IS("foot(1.13.1)"), "\033[6;15;7t", "\033[4;360;560t",
+      "\033[?2;0;10000;10000S", "\033[?62;4;22c", KNOWN, NULL},
+     0,
+     GRAPHICS_SIXEL,
+     COLOURED,
+     BLOCK_SEXTANT,
+     true,
+     7,
+     15},
+    {"VTE",
+     TERM("xterm-256color"),
+     {"\033[>65;7006;1c", VERSION_IS("VTE(7006)"), "\033[6;17;8t", "\033[4;408;640t", NULL,
+      "\033[?65;1;9c", NOT_KNOWN, NULL},
+     0,
+     GRAPHICS_BLOCKS,
+     COLOURED,
+     BLOCK_QUADRANT,
+     false,
+     8,
+     17},
+    {"an older VTE, without a name",
+     TERM("xterm-256color"),
+     {"\033[>65;6003;1c", NULL, NULL, NULL, NULL, "\033[?65;1;9c", NULL, NULL},
+     PRINTS(KITTY),
+     GRAPHICS_BLOCKS,
+     COLOURED,
+     BLOCK_QUADRANT,
+     false,
+     8,
+     16},
+    {"alacritty",
+     TERM("alacritty"),
+     {"\033[>0;1203;1c", NULL, NULL, "\033[4;432;640t", NULL, "\033[?6c", KNOWN, NULL},
+     0,
+     GRAPHICS_BLOCKS,
+     COLOURED,
+     BLOCK_QUADRANT,
+     true,
+     8,
+     18},
+    {"st",
+     TERM("st-256color"),
+     {NULL, NULL, NULL, NULL, NULL, "\033[?6c", NULL, NULL},
+     0,
+     GRAPHICS_BLOCKS,
+     COLOURS_256,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"urxvt",
+     TERM("rxvt-unicode-256color"),
+     {"\033[>85;95;0c", NULL, NULL, "\033[4;316;496t", NULL, "\033[?1;2c", NOT_KNOWN, NULL},
+     PRINTS(KITTY),
+     GRAPHICS_BLOCKS,
+     COLOURS_256,
+     BLOCK_HALF,
+     false,
+     6,
+     13},
+    {"PuTTY",
+     TERM("xterm"),
+     {"\033[>0;136;0c", NULL, NULL, "\033[4;314;496t", NULL, "\033[?6c", NULL, NULL},
+     PRINTS(KITTY),
+     GRAPHICS_BLOCKS,
+     COLOURS_256,
+     BLOCK_HALF,
+     false,
+     6,
+     13},
+    {"Apple's Terminal, which prints the p of $p",
+     TERM("xterm-256color"),
+     {"\033[>1;95;0c", NULL, NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
+     PRINTS(KITTY) | PRINTS(MODE),
+     GRAPHICS_BLOCKS,
+     COLOURS_256,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"tmux",
+     TERM("screen-256color"),
+     {"\033[>84;0;0c", VERSION_IS("tmux 3.3a"), NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
+     0,
+     GRAPHICS_BLOCKS,
+     COLOURED,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"tmux with sixel",
+     TERM("tmux-256color"),
+     {"\033[>84;0;0c", VERSION_IS("tmux 3.4"), NULL, NULL, NULL, "\033[?1;2;4c", NULL, NULL},
+     0,
+     GRAPHICS_SIXEL,
+     COLOURED,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"tmux in kitty, whose TERM has come along",
+     TERM("xterm-kitty"),
+     {"\033[>84;0;0c", VERSION_IS("tmux 3.3a"), NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
+     PRINTS(KITTY),
+     GRAPHICS_BLOCKS,
+     COLOURED,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"tmux in iTerm2",
+     {.term = "screen", .lc_terminal = "iTerm2", .term_program = "tmux"},
+     {"\033[>84;0;0c", VERSION_IS("tmux 3.3a"), NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
+     PRINTS(KITTY),
+     GRAPHICS_BLOCKS,
+     COLOURED,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"screen",
+     TERM("screen"),
+     {"\033[>83;40900;0c", NULL, NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
+     PRINTS(KITTY),
+     GRAPHICS_BLOCKS,
+     COLOURS_256,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"screen that claims sixel",
+     TERM("screen.xterm-256color"),
+     {"\033[>83;50000;0c", NULL, NULL, NULL, NULL, "\033[?1;2;4c", NULL, NULL},
+     PRINTS(KITTY),
+     GRAPHICS_BLOCKS,
+     COLOURS_256,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"screen in kitty, whose TERM has come along",
+     TERM("xterm-kitty"),
+     {"\033[>83;40900;0c", NULL, NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
+     PRINTS(KITTY),
+     GRAPHICS_BLOCKS,
+     COLOURS_256,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"the Linux console",
+     TERM("linux"),
+     {NULL, NULL, NULL, NULL, NULL, "\033[?6c", NULL, NULL},
+     PRINTS(KITTY) | PRINTS(MODE) | PRINTS(DA2) | PRINTS(VERSION),
+     GRAPHICS_BLOCKS,
+     COLOURS_16,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"Emacs",
+     TERM("eterm-color"),
+     {NULL},
+     0xFF,
+     GRAPHICS_BLOCKS,
+     COLOURS_16,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"a dumb terminal",
+     TERM("dumb"),
+     {NULL},
+     0xFF,
+     GRAPHICS_NONE,
+     COLOURS_NONE,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"no TERM at all",
+     TERM(""),
+     {NULL},
+     0xFF,
+     GRAPHICS_NONE,
+     COLOURS_NONE,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+    {"a line that answers nothing",
+     TERM("xterm"),
+     {NULL},
+     PRINTS(KITTY) | PRINTS(MODE),
+     GRAPHICS_BLOCKS,
+     COLOURS_256,
+     BLOCK_HALF,
+     false,
+     8,
+     16},
+};
+enum { TERMINALS = sizeof terminals / sizeof terminals[0] };
+
+/* ---- a terminal that is asked ---- */
+
+/* Answers what was written, in order, less the answer to the question `lost` (-1: none). */
+static void answer(const struct known *t, const char *asked, int lost, struct buf *replies)
+{
+    while (*asked) {
+        int which = 0;
+        while (which < QUESTIONS && strncmp(asked, question[which], strlen(question[which])) != 0)
+            which++;
+        if (which == QUESTIONS) {
+            CHECK_TEXT(asked, "\r\033[K"); /* nothing else, and that last */
+            return;
+        }
+        if (!check_report(!(t->prints >> which & 1), __FILE__, __LINE__, "it prints the question"))
+            printf("#   %s: question %d\n", t->about, which);
+        if (t->answer[which] && which != lost)
+            buf_add_text(replies, t->answer[which]);
+        asked += strlen(question[which]);
+    }
+}
+
+struct probed {
+    struct probe_replies replies;
+    struct terminal_facts facts;
+    struct buf typed;
+    unsigned rounds; /* in which anything was asked */
+    size_t bytes;    /* that came back */
+};
+
+/* Asks in both rounds. The bytes that come back are cut in two at `cut` (counted over both rounds).
+ */
+static void ask(struct probed *p, const struct known *t, enum graphics wish, int lost, size_t cut)
+{
+    const struct term_size size = {.columns = 80, .rows = 24};
+    struct buf asked = {0}, back = {0};
+    struct keys keys = {0};
+    *p = (struct probed){.typed = p->typed};
+    buf_clear(&p->typed);
+    for (unsigned round = 0; round < 3; round++) {
+        buf_clear(&asked);
+        buf_clear(&back);
+        probe_questions(round, &p->replies, &t->environment, wish, &asked);
+        p->rounds += asked.length > 0;
+        answer(t, buf_text(&asked), lost, &back);
+        const size_t first = cut < p->bytes ? 0 : cut - p->bytes;
+        const size_t head = first < back.length ? first : back.length;
+        probe_take(&p->replies, &keys, buf_text(&back), head, &p->typed);
+        probe_take(&p->replies, &keys, buf_text(&back) + head, back.length - head, &p->typed);
+        p->bytes += back.length;
+    }
+    probe_decide(&p->replies, &t->environment, &size, wish, &p->facts);
+    buf_release(&asked);
+    buf_release(&back);
+}
+
+static void check_facts(const struct known *t, const struct terminal_facts *f)
+{
+    const unsigned before = check_failures;
+    CHECK_INT(f->graphics, t->graphics);
+    CHECK_INT(f->colours, t->colours);
+    CHECK_INT(f->shape, t->shape);
+    CHECK_INT(f->synchronizes, t->synchronizes);
+    CHECK_INT(f->cell_width, t->cell_width);
+    CHECK_INT(f->cell_height, t->cell_height);
+    if (check_failures > before)
+        printf("#   that is %s\n", t->about);
+}
+
+/* ---- stories ---- */
+
+STORY(each_terminal_gets_what_it_has_and_prints_nothing)
+{
+    struct probed p = {0};
+    for (size_t i = 0; i < TERMINALS; i++) {
+        ask(&p, &terminals[i], GRAPHICS_AUTO, -1, SIZE_MAX);
+        check_facts(&terminals[i], &p.facts);
+        CHECK_TEXT(buf_text(&p.typed), "");
+        CHECK_INT(p.facts.answers, p.rounds > 0 && terminals[i].answer[DA1] != NULL);
+        CHECK_INT(p.facts.mouse, p.facts.answers);
+        CHECK_INT(p.facts.edits, terminals[i].graphics == GRAPHICS_KITTY &&
+                                     strstr(terminals[i].about, "kitty") == terminals[i].about);
+    }
+    buf_release(&p.typed);
+}
+
+STORY(it_does_not_matter_where_the_answers_are_cut)
+{
+    struct probed p = {0};
+    for (size_t i = 0; i < TERMINALS; i++) {
+        ask(&p, &terminals[i], GRAPHICS_AUTO, -1, SIZE_MAX);
+        for (size_t cut = 0, bytes = p.bytes; cut < bytes; cut++) {
+            ask(&p, &terminals[i], GRAPHICS_AUTO, -1, cut);
+            check_facts(&terminals[i], &p.facts);
+            CHECK_TEXT(buf_text(&p.typed), "");
+        }
+    }
+    buf_release(&p.typed);
+}
+
+/* Any answer but one: never garbage, and no better graphics than there are. */
+STORY(an_answer_that_is_missing_leaves_the_fallback)
+{
+    struct probed p = {0};
+    for (size_t i = 0; i < TERMINALS; i++)
+        for (int lost = 0; lost < QUESTIONS; lost++) {
+            const struct known *t = &terminals[i];
+            ask(&p, t, GRAPHICS_AUTO, lost, SIZE_MAX);
+            const enum graphics got = p.facts.graphics;
+            if (!check_report(got == t->graphics || got == GRAPHICS_BLOCKS ||
+                                  (got == GRAPHICS_SIXEL && p.replies.sixel),
+                              __FILE__, __LINE__, "the graphics are there"))
+                printf("#   %s without answer %d: %d\n", t->about, lost, got);
+            CHECK(t->answer[MODE] || !p.facts.synchronizes);
+            CHECK_TEXT(buf_text(&p.typed), "");
+        }
+    buf_release(&p.typed);
+}
+
+STORY(answers_that_come_late_are_never_text)
+{
+    for (size_t i = 0; i < TERMINALS; i++)
+        for (int which = 0; which < QUESTIONS; which++) {
+            struct keys keys = {0};
+            struct key_event event;
+            const char *text = terminals[i].answer[which];
+            for (const char *at = text; at && *at; at++)
+                if (keys_feed(&keys, (uint8_t)*at, &event))
+                    CHECK_INT(event.key, KEY_REPLY);
+            CHECK_INT(keys.state, KEYS_GROUND);
+        }
+}
+
+STORY(what_is_typed_between_the_answers_is_kept)
+{
+    static const char bytes[] = "a\033P>|kitty(0.26.5)\033\\b\033[?2026;1$yc\033[?62;cd\033[A";
+    for (size_t cut = 0; cut < sizeof bytes - 1; cut++) {
+        struct probe_replies r = {0};
+        struct keys keys = {0};
+        struct buf typed = {0};
+        probe_take(&r, &keys, bytes, cut, &typed);
+        probe_take(&r, &keys, bytes + cut, sizeof bytes - 1 - cut, &typed);
+        CHECK_TEXT(buf_text(&typed), "abcd\033[A");
+        CHECK(r.da1 && r.synchronizes);
+        CHECK_TEXT(r.name, "kitty(0.26.5)");
+        buf_release(&typed);
+    }
+}
+
+STORY(a_wish_is_kept_and_asks_no_more_than_it_needs)
+{
+    struct probed p = {0};
+    struct buf asked = {0};
+    const struct probe_replies none = {0};
+    for (size_t i = 0; i < TERMINALS; i++)
+        for (enum graphics wish = GRAPHICS_NONE; wish <= GRAPHICS_ITERM; wish++) {
+            ask(&p, &terminals[i], wish, -1, SIZE_MAX);
+            CHECK_INT(p.facts.graphics, wish);
+            CHECK(!p.replies.kitty);
+        }
+    const struct probe_environment xterm = TERM("xterm"), linux_console = TERM("linux");
+    const struct probe_environment no_color = {.term = "xterm", .no_color = true};
+    probe_questions(0, &none, &xterm, GRAPHICS_NONE, &asked);
+    probe_questions(0, &none, &linux_console, GRAPHICS_KITTY, &asked);
+    CHECK_INT(asked.length, 0);
+    probe_questions(0, &none, &xterm, GRAPHICS_BLOCKS, &asked);
+    CHECK_TEXT(buf_text(&asked), "\033[c");
+    probe_questions(0, &none, &no_color, GRAPHICS_AUTO, &asked);
+    CHECK_TEXT(buf_text(&asked), "\033[c\033[c");
+    buf_release(&asked);
+    buf_release(&p.typed);
+}
+
+STORY(modes_are_answered_with_a_number)
+{
+    static const struct {
+        const char *reply;
+        bool synchronizes;
+    } cases[] = {{"[?2026;0$y", false}, {"[?2026;1$y", true},  {"[?2026;2$y", true},
+                 {"[?2026;3$y", false}, {"[?2026;4$y", false}, {"[?2026$y", false},
+                 {"[?2027;2$y", false}, {"[?2026;2y", false},  {"[2026;2$y", false}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct probe_replies r = {0};
+        probe_reply(&r, cases[i].reply);
+        CHECK_INT(r.synchronizes, cases[i].synchronizes);
+    }
+}
+
+STORY(colours_are_those_of_the_name)
+{
+    static const struct {
+        const char *term, *colorterm;
+        bool no_color;
+        enum colours colours;
+    } cases[] = {{"xterm", "", false, COLOURS_256},
+                 {"xterm", "truecolor", false, COLOURS_24BIT},
+                 {"xterm", "24bit", false, COLOURS_24BIT},
+                 {"xterm", "yes", false, COLOURS_256},
+                 {"xterm-direct", "", false, COLOURS_24BIT},
+                 {"xterm-256color", "", false, COLOURS_256},
+                 {"xterm-16color", "", false, COLOURS_16},
+                 {"xterm-color", "", false, COLOURS_16},
+                 {"rxvt", "", false, COLOURS_16},
+                 {"linux", "truecolor", false, COLOURS_16},
+                 {"screen", "truecolor", false, COLOURS_256},
+                 {"vt100", "", false, COLOURS_NONE},
+                 {"vt220", "truecolor", false, COLOURS_NONE},
+                 {"dumb", "truecolor", false, COLOURS_NONE},
+                 {"xterm-kitty", "truecolor", true, COLOURS_NONE}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const struct probe_environment e = {
+            .term = cases[i].term, .colorterm = cases[i].colorterm, .no_color = cases[i].no_color};
+        const struct term_size size = {.columns = 80, .rows = 24};
+        const struct probe_replies none = {0};
+        struct terminal_facts f;
+        probe_decide(&none, &e, &size, GRAPHICS_AUTO, &f);
+        CHECK_INT(f.colours, cases[i].colours);
+    }
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(each_terminal_gets_what_it_has_and_prints_nothing),
+                       TELL(it_does_not_matter_where_the_answers_are_cut),
+                       TELL(an_answer_that_is_missing_leaves_the_fallback),
+                       TELL(answers_that_come_late_are_never_text),
+                       TELL(what_is_typed_between_the_answers_is_kept),
+                       TELL(a_wish_is_kept_and_asks_no_more_than_it_needs),
+                       TELL(modes_are_answered_with_a_number), TELL(colours_are_those_of_the_name));
+}
