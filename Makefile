@@ -69,8 +69,13 @@ MATRIX_PACKAGES := clang libclang-rt-dev gcc-i686-linux-gnu libc6-dev-i386-cross
                    gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-s390x-linux-gnu \
                    libc6-dev-s390x-cross qemu-user-static
 
+# Terminals, what they are shown on without a screen, and what looks at them and types.
+TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-dejavu-core foot sway \
+                     grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
+
 .DEFAULT_GOAL := all
-.PHONY: all tests test test-long test-matrix test-matrix-short fuzz fuzzers demo bench-peers help clean packages
+.PHONY: all tests test test-long test-matrix test-matrix-short test-terminals fuzz \
+        fuzzers demo bench-peers help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -95,6 +100,10 @@ test-matrix: all build/.packages-matrix
 test-matrix-short: all build/.packages-matrix
 	@tests/matrix/run.sh short $(BUILD)
 
+## test-terminals: pictures, prompt and pilot in real terminals, by screenshot; WORD=kitty for some
+test-terminals: all $(BUILD)/tests/terminals/paint build/.packages-terminals
+	@$(PYTHON) -B tests/terminals/run.py $(BUILD) $(WORD)
+
 ## fuzz: have libFuzzer look for bytes that break a reader; FUZZ_SECONDS=60 each, FUZZ=journal for one
 fuzz: build/.packages-matrix
 	@$(MAKE) VARIANT=fuzz CC=clang OPTIMISE=-O1 SANITISE="$(FUZZ_SANITISE)" FUZZ="$(FUZZ)" fuzzers
@@ -104,7 +113,8 @@ fuzz: build/.packages-matrix
 	        build/fuzz/corpus/$$name tests/fuzz/corpus/$$name || exit 1; done
 
 ## tests: build the test programs, and those of bench-peers that need no other package
-tests: $(TESTS) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_IN_C)
+tests: $(TESTS) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_IN_C) \
+       $(BUILD)/tests/terminals/paint
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: all
@@ -161,6 +171,10 @@ build/.packages-matrix: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(MATRIX_PACKAGES) --
 	@touch $@
 
+build/.packages-terminals: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages $(TERMINAL_PACKAGES) --
+	@touch $@
+
 # Only `make bench-peers` needs these. The C++ ones are templates, and get the options of a release.
 PEERS_STAMP  := build/.packages-peers
 $(PEERS_STAMP): Makefile | $(PACKAGES_STAMP)
@@ -191,4 +205,5 @@ $(BUILD)/racing/%.o: %.c | $(PACKAGES_STAMP)
 	$(Q)$(CC) $(ALL_CFLAGS) -fsanitize=thread -c -o $@ $<
 
 -include $(RACING:.o=.d) $(wildcard $(BUILD)/racing/tests/*.d)
--include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(BUILD)/iftty-image.d
+-include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(BUILD)/iftty-image.d \
+         $(BUILD)/tests/terminals/paint.d

@@ -1,0 +1,217 @@
+/*
+ * A picture that is known, painted by the program's own painter into the terminal that this runs
+ * in: paint FOLDER SEED EDITS COLUMN ROW COLUMNS ROWS
+ *
+ * The picture fills COLUMNS x ROWS cells from COLUMN, ROW (0: as many as there are from there on,
+ * less the window's last row, which is not for pictures). It follows from SEED and the place's size
+ * alone: shades of a few hues in discs and bars, 128 colours at most. Then EDITS patches of it
+ * change, each shown before the next, some cleared and painted again. The painter must bring the
+ * screen to the same pixels as one whole frame.
+ *
+ * Left in FOLDER: expected.ppm, the picture after the last edit; facts, "NAME VALUE" lines; and at
+ * last `ready`, when the terminal has answered that it has parsed everything. A key ends it.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "tests/check.h"
+#include "tui/painter.h"
+#include "tui/probe.h"
+#include "tui/term.h"
+
+enum { HUES = 8, SHADES = 16, ANSWER_MS = 20000 };
+
+struct picture {
+    uint32_t width, height;
+    uint8_t *rgba;
+    uint64_t random;
+};
+
+static uint32_t below(struct picture *p, uint32_t most)
+{
+    return (uint32_t)(check_random(&p->random) % most);
+}
+
+static void put(struct picture *p, uint32_t x, uint32_t y, uint32_t hue, uint32_t shade)
+{
+    uint8_t *pixel = p->rgba + 4 * ((size_t)y * p->width + x);
+    const uint32_t level = 40 + 14 * shade; /* at most 250 */
+    pixel[0] = (uint8_t)(hue & 1 ? level : level / 3);
+    pixel[1] = (uint8_t)(hue & 2 ? level : level / 5);
+    pixel[2] = (uint8_t)(hue & 4 ? level : level / 7);
+    pixel[3] = 255;
+}
+
+/* A patch that is a disc, a bar, single pixels, or black. */
+static void change(struct picture *p, uint32_t side)
+{
+    const uint32_t w = 1 + below(p, side < p->width ? side : p->width);
+    const uint32_t h = 1 + below(p, side < p->height ? side : p->height);
+    const uint32_t left = below(p, p->width - w + 1), top = below(p, p->height - h + 1);
+    const uint32_t kind = below(p, 4), hue = below(p, HUES), shade = below(p, SHADES);
+    for (uint32_t y = 0; y < h; y++) {
+        for (uint32_t x = 0; x < w; x++) {
+            const int64_t dx = 2 * (int64_t)x - w, dy = 2 * (int64_t)y - h;
+            const bool inside = dx * dx * h * h + dy * dy * w * w < (int64_t)w * w * h * h;
+            if (kind == 0 && inside)
+                put(p, left + x, top + y, hue, (shade + x * SHADES / w) % SHADES);
+            else if (kind == 1)
+                put(p, left + x, top + y, hue, (shade + y / 3) % SHADES);
+            else if (kind == 2 && below(p, 29) == 0)
+                put(p, left + x, top + y, hue, shade);
+            else if (kind == 3)
+                memcpy(p->rgba + 4 * ((size_t)(top + y) * p->width + left + x), "\0\0\0\377", 4);
+        }
+    }
+}
+
+static bool begin_picture(struct picture *p)
+{
+    p->rgba = calloc((size_t)p->width * p->height, 4);
+    if (!p->rgba)
+        return false;
+    for (size_t i = 0; i < (size_t)p->width * p->height; i++)
+        p->rgba[4 * i + 3] = 255;
+    for (int i = 0; i < 40; i++)
+        change(p, 220);
+    return true;
+}
+
+static void write_picture(const struct picture *p, const char *path)
+{
+    FILE *out = fopen(path, "wb");
+    if (!out)
+        return;
+    fprintf(out, "P6\n%u %u\n255\n", p->width, p->height);
+    for (size_t i = 0; i < (size_t)p->width * p->height; i++)
+        fwrite(p->rgba + 4 * i, 1, 3, out);
+    fclose(out);
+}
+
+/* Sends what is in `bytes` and waits until the terminal has taken it. */
+static bool send(struct buf *bytes, struct fault *fault)
+{
+    struct buf typed = {0};
+    buf_add_text(bytes, "\033[c");
+    const bool sent = !bytes->failed && !term_write(bytes->data, bytes->length, fault) &&
+                      probe_await(1, ANSWER_MS, &typed) == 1;
+    buf_clear(bytes);
+    buf_release(&typed);
+    return sent;
+}
+
+struct place {
+    unsigned column, row, columns, rows;
+};
+
+static struct place read_place(char **word)
+{
+    const struct term_size size = term_size();
+    struct place place = {(unsigned)atoi(word[0]), (unsigned)atoi(word[1]), (unsigned)atoi(word[2]),
+                          (unsigned)atoi(word[3])};
+    if (place.columns == 0)
+        place.columns = size.columns - place.column;
+    if (place.rows == 0)
+        place.rows = size.rows - 1 - place.row;
+    return place;
+}
+
+struct sent {
+    size_t first, edits;
+    double ms; /* from before the first frame until the last was parsed */
+};
+
+/* Shows the picture and its edits; false where the terminal does not follow. */
+static bool paint(struct painter *painter, struct picture *p, unsigned edits, struct sent *sent,
+                  struct fault *fault)
+{
+    const struct image_view view = {.width = p->width, .height = p->height, .rgba = p->rgba};
+    struct buf bytes = {0};
+    const uint64_t begin = clock_ns();
+    buf_add_text(&bytes, "\033[?25l\033[2J");
+    painter_show(painter, &view, &bytes);
+    sent->first = bytes.length;
+    bool good = send(&bytes, fault);
+    for (unsigned i = 0; i < edits && good; i++) {
+        change(p, 60);
+        painter_show(painter, &view, &bytes);
+        sent->edits += bytes.length;
+        good = send(&bytes, fault);
+    }
+    sent->ms = (double)(clock_ns() - begin) / 1e6;
+    buf_release(&bytes);
+    return good;
+}
+
+static void write_facts(const char *path, const struct terminal_facts *facts,
+                        const struct place *place, const struct sent *sent)
+{
+    static const char *const names[] = {[GRAPHICS_NONE] = "none",
+                                        [GRAPHICS_BLOCKS] = "blocks",
+                                        [GRAPHICS_SIXEL] = "sixel",
+                                        [GRAPHICS_KITTY] = "kitty"};
+    const size_t known = sizeof names / sizeof names[0];
+    const char *name = facts->graphics < known ? names[facts->graphics] : "another";
+    const struct term_size size = term_size();
+    FILE *out = fopen(path, "w");
+    if (!out)
+        return;
+    fprintf(out, "graphics %s\ncell_width %u\ncell_height %u\ncolumns %u\nrows %u\n", name,
+            facts->cell_width, facts->cell_height, size.columns, size.rows);
+    fprintf(out, "column %u\nrow %u\nfirst_bytes %zu\nedit_bytes %zu\nms %.1f\n", place->column,
+            place->row, sent->first, sent->edits, sent->ms);
+    fclose(out);
+}
+
+/* Waits for a key, and leaves the terminal as it was. */
+static void wait_key(void)
+{
+    struct buf typed = {0};
+    term_read(&typed, -1);
+    buf_release(&typed);
+}
+
+static bool run(const char *folder, char **word, struct fault *fault)
+{
+    struct picture p = {.random = strtoull(word[0], NULL, 10)};
+    struct painter painter = {0};
+    struct terminal_facts facts;
+    struct sent sent = {0};
+    struct buf typed = {0};
+    char path[512];
+    if (term_set_mode(TERM_RAW, fault) || probe_terminal(GRAPHICS_AUTO, &facts, &typed, fault))
+        return false;
+    buf_release(&typed);
+    const struct place place = read_place(word + 2);
+    painter_place(&painter, &facts, place.column, place.row, place.columns, place.rows);
+    painter_size(&painter, &p.width, &p.height);
+    if (!begin_picture(&p))
+        return false;
+    const bool good = paint(&painter, &p, (unsigned)atoi(word[1]), &sent, fault);
+    snprintf(path, sizeof path, "%s/expected.ppm", folder);
+    write_picture(&p, path);
+    snprintf(path, sizeof path, "%s/facts", folder);
+    write_facts(path, &facts, &place, &sent);
+    snprintf(path, sizeof path, "%s/%s", folder, good ? "ready" : "failed");
+    write_picture(&p, path);
+    wait_key();
+    painter_release(&painter);
+    free(p.rgba);
+    return good;
+}
+
+int main(int count, char **word)
+{
+    struct fault fault = {0};
+    if (count != 8) {
+        fputs("paint FOLDER SEED EDITS COLUMN ROW COLUMNS ROWS\n", stderr);
+        return 2;
+    }
+    if (term_open(0, 1, &fault))
+        return 2;
+    const bool good = run(word[1], word + 2, &fault);
+    term_close();
+    return good ? 0 : 1;
+}
