@@ -134,7 +134,7 @@ STORY(jumps_counts_and_edges)
     facts.place[0] = 39;
     CHECK_TEXT(type("h"), ""); /* nowhere to go is no command */
     CHECK_TEXT(type("#5u"), "undo 5\n");
-    CHECK_TEXT(type("u"), "undo 1\n");
+    CHECK_TEXT(type("u"), "undo\n");
     press(KEY_CHARACTER, KEY_CONTROL, 'r');
     CHECK_TEXT(buf_text(&line), "redo\n");
 }

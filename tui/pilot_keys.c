@@ -346,7 +346,10 @@ static enum pilot_deed press_letter(struct pilot_state *state, const struct key_
         buf_add_text(line, "run\n");
         break;
     case 'u':
-        buf_printf(line, "undo %u\n", count);
+        buf_add_text(line, "undo");
+        if (state->count)
+            buf_printf(line, " %u", count);
+        buf_add_char(line, '\n');
         break;
     case 'r':
         turn(1, 0, state->count, line);

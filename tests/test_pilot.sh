@@ -1,0 +1,136 @@
+#!/bin/sh
+# The pilot as a person meets it: keys into a real terminal (tmux, 80x24), what stands on its screen
+# then, and what the journal says of it.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+. "$top/tests/tmux.sh"
+
+make_scene s.nii 24 20 16
+half_block=$(printf '\342\226\200')
+last_record() {
+    grep -v '^[=#]' s-1.iftty | tail -n 1
+}
+# Waits (10 s) until the last command of the journal is this one.
+recorded() {
+    tries=0
+    until [ "$(last_record)" = "$1" ]; do
+        if [ $((tries += 1)) -gt 200 ]; then
+            fail "the last command is '$(last_record)', not '$1'"
+            return 1
+        fi
+        sleep 0.05
+    done
+}
+begin_terminal
+
+begin "pilot takes the whole screen: slices, and where the cross-hair is"
+enter "clear; $iftty s.nii"
+see '^24x20x16 voxels'
+enter "pilot"
+see '^axial 8  voxel 12,10,8 '
+see '0-9 seed  x eliminate  u undo  : command  \? keys  q back'
+screen | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen)"
+close_story
+
+begin "keys move, seed, undo and turn, each as the command it is"
+press Right
+recorded "cross 11,10,8"
+type_letters "#3k"
+recorded "cross 11,13,8"
+type_letters "2"
+recorded "seed 11,13,8 2"
+see 'voxels changed'
+see 'label 2  '
+press Tab
+see '^coronal 13 '
+type_letters "++1"
+recorded "seed 11,13,8 1 radius=2"
+type_letters "u"
+recorded "undo"
+press C-r
+recorded "redo"
+press S-Right
+recorded "turn 15"
+type_letters "m"
+press Up
+type_letters "-3"
+recorded "seed 11,13,9 3 radius=1 to=11,13,8"
+close_story
+
+begin "x shows the tree first, and eliminates it then"
+type_letters "x"
+see 'tree of the seed at .* x again eliminates it'
+type_letters "x"
+recorded "remove 11,13,9"
+close_story
+
+begin "? tells the keys, and any key goes back"
+type_letters "?"
+see 'a seed of that label'
+type_letters "0"
+see '^coronal 13 '
+recorded "remove 11,13,9"
+close_story
+
+begin "a colon takes a command; what says more than a line has a page"
+type_letters ":"
+enter "label 3 node"
+recorded "label 3 node"
+see '3 node'
+type_letters ":"
+enter "help seed"
+see 'plant a seed'
+see '\(any key\)'
+press Enter
+see '^coronal 13 '
+type_letters ":"
+enter "sed 1"
+see 'error: unknown command sed'
+close_story
+
+begin "stopped and continued, the screen comes back"
+press C-z
+see '[Ss]topped'
+enter "fg"
+see '^coronal 13 '
+close_story
+
+begin "another size of the window is another picture"
+tmux_here resize-window -t prompt -x 100 -y 30
+see '^coronal 13 '
+same "$(screen | grep -n '^coronal' | cut -d: -f1)" 29
+tmux_here resize-window -t prompt -x 80 -y 24
+see '^coronal 13 '
+close_story
+
+begin "q goes back to the prompt, with the screen as it was before"
+type_letters "q"
+see '^s>$'
+see '^24x20x16 voxels'
+enter "quit"
+see '^journal: '
+sane
+close_story
+
+begin "the flight replays like any other session"
+expect 0 "$iftty" verify s-1.iftty
+grep -qx 'cross 11,13,8' s-1.iftty || fail "a move is not in the journal"
+close_story
+
+begin "Ctrl-O is the pilot too; killed there, the terminal is sane"
+enter "clear; sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
+see '^s-1>$'
+press C-o
+see '^axial'
+kill -TERM "$(cat pid)"
+see '[Tt]erminated'
+sane
+expect 0 "$iftty" verify s-1.iftty
+close_story
+
+begin "in a script there is no pilot"
+expect 2 "$iftty" -c "open s.nii; pilot"
+grep -q "the pilot flies at a terminal's prompt alone" err || fail "$(cat err)"
+close_story
+
+finish

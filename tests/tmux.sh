@@ -1,0 +1,53 @@
+# A real terminal for stories: tmux, 80x24, with a shell in it. To be sourced after lib.sh, in the
+# folder $work; ends the script where there is no tmux.
+if ! command -v tmux >/dev/null 2>&1; then
+    skip_story "at a terminal" "tmux is not installed"
+    finish
+fi
+
+# A server of our own, whatever the user has; -u since LC_ALL=C says nothing of UTF-8.
+unset TMUX NO_COLOR
+tmux_here() {
+    tmux -u -S "$work/tmux" "$@"
+}
+trap 'tmux_here kill-server 2>/dev/null; rm -rf "$work"' EXIT
+
+checks=0
+screen() {
+    tmux_here capture-pane -p -t prompt | sed 's/ *$//'
+}
+press() { # keys by the names that tmux gives them
+    tmux_here send-keys -t prompt "$@"
+}
+type_letters() {
+    tmux_here send-keys -t prompt -l -- "$1"
+}
+enter() { # a line
+    type_letters "$1"
+    press Enter
+}
+# Waits (10 s) until a line of the screen matches.
+see() {
+    tries=0
+    until screen | grep -qE -e "$1"; do
+        if [ $((tries += 1)) -gt 200 ]; then
+            fail "nothing like '$1' on the screen:" "$(screen | grep .)"
+            return 1
+        fi
+        sleep 0.05
+    done
+}
+# A program has left the terminal as a shell wants it.
+sane() {
+    checks=$((checks + 1))
+    enter "clear; stty -a >modes; echo mo\"\"des $checks"
+    see "^modes $checks\$"
+    for mode in echo icanon isig icrnl opost; do
+        sed 's/;/ /g' modes | tr ' ' '\n' | grep -qx "$mode" || fail "$mode is off afterwards"
+    done
+}
+begin_terminal() {
+    tmux_here -f /dev/null new-session -d -s prompt -x 80 -y 24 "PS1='$ ' ENV= exec sh -i" ||
+        { echo "Bail out! tmux does not start"; exit 1; }
+    see '^\$$' || true # what its prompt looks like does not matter
+}
