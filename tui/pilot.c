@@ -325,15 +325,14 @@ static enum err do_deed(struct flight *f, enum pilot_deed deed, struct fault *fa
 static bool pixel_of(const struct flight *f, const struct mouse *mouse, uint32_t *column,
                      uint32_t *row)
 {
-    const struct term_size size = term_size();
+    const bool in_cells = f->facts->graphics == GRAPHICS_BLOCKS;
     uint32_t width, height;
     painter_size(&f->painter, &width, &height);
-    const unsigned rows = size.rows > STATUS_ROWS + 1 ? size.rows - STATUS_ROWS : 1;
-    if (mouse->column >= size.columns || mouse->row >= rows)
-        return false;
-    *column = (uint32_t)((2 * (uint64_t)mouse->column + 1) * width / (2 * size.columns));
-    *row = (uint32_t)((2 * (uint64_t)mouse->row + 1) * height / (2 * rows));
-    return true;
+    const uint32_t across = in_cells ? width / f->painter.columns : f->facts->cell_width;
+    const uint32_t down = in_cells ? height / f->painter.rows : f->facts->cell_height;
+    *column = mouse->column * across + across / 2;
+    *row = mouse->row * down + down / 2;
+    return mouse->row < f->painter.rows && *column < width && *row < height;
 }
 
 static enum err take_key(struct flight *f, const struct key_event *event, struct fault *fault)
