@@ -1,0 +1,29 @@
+/*
+ * PNG (RFC 2083), as small and as fast as a terminal wants it: one IDAT, no filter.
+ *
+ * A palette of up to 2, 4 or 16 colours packs 8, 4 or 2 pixels into a byte; only colours that occur
+ * are in it. Filters won nothing on pictures of shades that are rounded to a palette.
+ */
+#ifndef TUI_PNG_H
+#define TUI_PNG_H
+
+#include "base/buf.h"
+#include "tui/raster.h"
+
+/* Whether a picture is sent once and large, and time counts, or small and often, and bytes do. */
+enum png_effort { PNG_FAST, PNG_SMALL };
+
+/* Compressors and memory, kept from picture to picture. `struct png_writer w = {0}` is ready. */
+struct png_writer {
+    struct libdeflate_compressor *compressor[2]; /* by effort; NULL until needed */
+    uint8_t *raw, *packed;
+    size_t raw_capacity, packed_capacity;
+};
+
+void png_release(struct png_writer *writer);
+
+/* Adds a file. Without memory png->failed is set. */
+void png_add(struct png_writer *writer, const struct raster *raster, enum png_effort effort,
+             struct buf *png);
+
+#endif
