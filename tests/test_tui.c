@@ -8,6 +8,8 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "tests/check.h"
+#include "tests/kitty_decode.h"
+#include "tests/sixel_decode.h"
 #include "tui/blocks.h"
 #include "tui/char_width.h"
 #include "tui/colour_table.h"
@@ -17,6 +19,7 @@
 #include "tui/line_draw.h"
 #include "tui/line_edit.h"
 #include "tui/probe.h"
+#include "tui/shades.h"
 #include "tui/show.h"
 #include "tui/sixel.h"
 #include "tui/wrap.h"
@@ -104,110 +107,26 @@ static double mean_error(const struct image_view *view)
     return sum / (double)count;
 }
 
-/* ---- a decoder of kitty graphics and PNG ---- */
-
-static uint32_t number_at(const uint8_t *p)
-{
-    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
-}
-
-static int base64_value(char c)
-{
-    static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const char *place = c ? strchr(digit, c) : NULL;
-    return place ? (int)(place - digit) : -1;
-}
-
-/* The PNG inside a transmission; false where the protocol is broken. */
-static bool kitty_unwrap(const char *text, struct buf *png, unsigned *chunks)
-{
-    bool more = true;
-    for (*chunks = 0; more; ++*chunks) {
-        const char *keys = *chunks == 0 ? "\033_Ga=T,C=1,f=100,q=2,m=" : "\033_Gq=2,m=";
-        if (strncmp(text, keys, strlen(keys)) != 0)
-            return false;
-        text += strlen(keys);
-        more = *text == '1';
-        if (text[1] != ';')
-            return false;
-        text += 2;
-        const char *end = strchr(text, '\033');
-        if (!end || end[1] != '\\' || end - text > 4096 || (end - text) % 4 || end == text)
-            return false;
-        for (; text < end; text += 4) {
-            uint32_t n = 0;
-            unsigned bytes = text[3] != '=' ? 3 : text[2] != '=' ? 2 : 1;
-            for (unsigned i = 0; i <= bytes; i++) {
-                if (base64_value(text[i]) < 0)
-                    return false;
-                n |= (uint32_t)base64_value(text[i]) << (18 - 6 * i);
-            }
-            buf_add(png, (uint8_t[3]){(uint8_t)(n >> 16), (uint8_t)(n >> 8), (uint8_t)n}, bytes);
-        }
-        text = end + 2;
-    }
-    return *text == '\0';
-}
+/* ---- kitty ---- */
 
 struct png {
     uint32_t width, height;
     bool indexed;
-    uint8_t palette[768];
-    struct buf packed;
 };
-
-static bool png_chunks(const struct buf *file, struct png *png)
-{
-    const uint8_t *p = (const uint8_t *)file->data, *end = p + file->length;
-    if (file->length < 8 || memcmp(p, "\x89PNG\r\n\x1a\n", 8) != 0)
-        return false;
-    for (p += 8; end - p >= 12;) {
-        uint32_t length = number_at(p);
-        if (length > end - p - 12 || crc32(0, p + 4, length + 4) != number_at(p + 8 + length))
-            return false;
-        if (memcmp(p + 4, "IHDR", 4) == 0) {
-            png->width = number_at(p + 8);
-            png->height = number_at(p + 12);
-            png->indexed = p[17] == 3;
-        } else if (memcmp(p + 4, "PLTE", 4) == 0 && length <= sizeof png->palette) {
-            memcpy(png->palette, p + 8, length);
-        } else if (memcmp(p + 4, "IDAT", 4) == 0) {
-            buf_add(&png->packed, p + 8, length);
-        } else if (memcmp(p + 4, "IEND", 4) == 0) {
-            return p + 12 == end;
-        }
-        p += 12 + length;
-    }
-    return false;
-}
-
-static bool png_pixels(const struct png *png)
-{
-    size_t bytes = png->indexed ? 1 : 3, row = 1 + bytes * png->width;
-    uLongf length = (uLongf)(row * png->height);
-    uint8_t *raw = calloc(png->height + 1, row), *line = raw;
-    bool fine = uncompress(raw, &length, (const Bytef *)png->packed.data,
-                           (uLong)png->packed.length) == Z_OK &&
-                length == row * png->height;
-    for (uint32_t y = 0; fine && y < png->height; y++, line += row) {
-        fine = line[0] == 0;
-        for (uint32_t x = 0; x < png->width; x++) {
-            const uint8_t *c = png->indexed ? png->palette + 3 * line[1 + x] : line + 1 + 3 * x;
-            decoded[(size_t)y * png->width + x] = (uint32_t)c[0] << 16 | (uint32_t)c[1] << 8 | c[2];
-        }
-    }
-    free(raw);
-    return fine;
-}
 
 /* Decodes into `decoded`. */
 static bool kitty_decode(const char *text, struct png *png, unsigned *chunks)
 {
-    struct buf file = {0};
-    *png = (struct png){0};
-    bool fine = kitty_unwrap(text, &file, chunks) && png_chunks(&file, png) && png_pixels(png);
-    buf_release(&file);
-    buf_release(&png->packed);
+    struct kitty_screen screen = {0};
+    while (text && *text)
+        text = kitty_feed(&screen, text, 0, 0);
+    const struct decoded_png *shown = &screen.picture[0].png;
+    bool fine = text && screen.picture[0].is_there && !screen.waits;
+    *png = (struct png){shown->width, shown->height, shown->colours > 0};
+    *chunks = screen.chunks;
+    if (fine)
+        memcpy(decoded, shown->pixel, sizeof *decoded * shown->width * shown->height);
+    kitty_release(&screen);
     return fine;
 }
 
@@ -264,7 +183,7 @@ STORY(a_transparent_pixel_is_black)
     CHECK_INT(image_view_colour(&view, 1), 0x643219);
 }
 
-/* ---- a decoder of sixels ---- */
+/* ---- sixel ---- */
 
 struct sixels {
     uint32_t width, height;
@@ -272,72 +191,16 @@ struct sixels {
     bool all_painted;
 };
 
-static uint32_t take_number(const char **text)
+/* Decodes into `decoded`; the picture ends where the text does. */
+static bool sixels_decode(const char *text, struct sixels *s)
 {
-    uint32_t n = 0;
-    for (; **text >= '0' && **text <= '9'; ++*text)
-        n = n * 10 + (uint32_t)(**text - '0');
-    return n;
-}
-
-static uint32_t take_next(const char **text) /* a semicolon and a number */
-{
-    ++*text;
-    return take_number(text);
-}
-
-static uint32_t of_percent(uint32_t percent)
-{
-    return (percent * 255 + 50) / 100;
-}
-
-/* Decodes into `decoded`; false where the stream is broken or paints outside the picture. */
-static bool sixel_decode(const char *text, struct sixels *s)
-{
-    static uint32_t palette[1024];
-    uint32_t x = 0, y = 0, colour = 0;
-    *s = (struct sixels){0};
-    if (strncmp(text, "\033P0;1q\"1;1;", 11) != 0)
-        return false;
-    text += 11;
-    s->width = take_number(&text);
-    s->height = take_next(&text);
-    memset(decoded, 255, sizeof decoded);
-    while (*text && *text != '\033') {
-        uint32_t run = 1;
-        if (*text == '#') {
-            colour = take_next(&text);
-            if (*text != ';')
-                continue;
-            if (take_next(&text) != 2)
-                return false;
-            uint32_t r = take_next(&text), g = take_next(&text), b = take_next(&text);
-            palette[colour] = of_percent(r) << 16 | of_percent(g) << 8 | of_percent(b);
-            s->colours++;
-            continue;
-        }
-        if (*text == '$' || *text == '-') {
-            x = 0;
-            y += *text++ == '-' ? 6 : 0;
-            continue;
-        }
-        if (*text == '!')
-            run = take_next(&text);
-        if (*text < '?' || *text > '~')
-            return false;
-        for (unsigned bits = (unsigned)(*text++ - '?'); run > 0; run--, x++)
-            for (unsigned i = 0; i < 6; i++) {
-                if (!(bits >> i & 1))
-                    continue;
-                if (x >= s->width || y + i >= s->height)
-                    return false;
-                decoded[(size_t)(y + i) * s->width + x] = palette[colour];
-            }
-    }
-    s->all_painted = true;
-    for (size_t i = 0; i < (size_t)s->width * s->height; i++)
-        s->all_painted &= decoded[i] != UINT32_MAX;
-    return strcmp(text, "\033\\") == 0;
+    struct decoded_sixel picture;
+    bool fine = sixel_decode(&picture, &text) && *text == '\0';
+    *s = (struct sixels){picture.width, picture.height, picture.colours, picture.all_painted};
+    if (fine)
+        memcpy(decoded, picture.pixel, sizeof *decoded * s->width * s->height);
+    free(picture.pixel);
+    return fine;
 }
 
 STORY(a_picture_of_few_colours_survives_sixel_within_a_percent)
@@ -346,10 +209,10 @@ STORY(a_picture_of_few_colours_survives_sixel_within_a_percent)
     struct buf out = {0};
     struct sixels s;
     sixel_encode(&view, &out);
-    CHECK(sixel_decode(buf_text(&out), &s));
+    CHECK(sixels_decode(buf_text(&out), &s));
     CHECK_INT(s.width, 302);
     CHECK_INT(s.height, 302);
-    CHECK(s.colours <= SIXEL_COLOURS);
+    CHECK(s.colours <= SHADES_MOST);
     CHECK(s.all_painted);
     CHECK(worst_pixel(&view) <= 2);
     buf_release(&out);
@@ -362,11 +225,11 @@ STORY(smooth_shading_is_reduced_to_colours_nobody_can_tell_apart)
     struct sixels s;
     sixel_encode(&view, &out);
     sixel_encode(&view, &again);
-    CHECK(sixel_decode(buf_text(&out), &s));
-    CHECK(s.colours > 200 && s.colours <= SIXEL_COLOURS);
+    CHECK(sixels_decode(buf_text(&out), &s));
+    CHECK(s.colours > 200 && s.colours <= SHADES_MOST);
     CHECK(s.all_painted);
     CHECK(worst_pixel(&view) <= 12);
-    CHECK(mean_error(&view) < 2.0);
+CHECK(mean_error(&view) < 2.0);
     CHECK_TEXT(buf_text(&again), buf_text(&out)); /* and always to the same */
     buf_release(&out);
     buf_release(&again);
@@ -379,7 +242,7 @@ STORY(noise_and_odd_sizes_survive_sixel_in_shape)
         struct buf out = {0};
         struct sixels s;
         sixel_encode(&view, &out);
-        CHECK(sixel_decode(buf_text(&out), &s));
+        CHECK(sixels_decode(buf_text(&out), &s));
         CHECK_INT(s.width, view.width);
         CHECK_INT(s.height, height);
         CHECK(s.all_painted);
@@ -445,12 +308,12 @@ STORY(blocks_hold_two_pixels_a_cell_and_change_colour_only_where_it_changes)
     set_pixel(&view, 0, 1, 0x0000FF);
     set_pixel(&view, 1, 0, 0x0000FF);
     set_pixel(&view, 1, 1, 0xFF0000);
-    blocks_encode(&view, COLOURS_24BIT, 80, 24, &out);
-    CHECK_TEXT(buf_text(&out), "\033[38;2;255;0;0m\033[48;2;0;0;255m\u2580\u2584"
+    blocks_encode(&view, COLOURS_24BIT, BLOCK_HALF, 80, 24, &out);
+    CHECK_TEXT(buf_text(&out), "\033[38;2;255;0;0;48;2;0;0;255m\u2580\u2584"
                                "\033[48;2;0;0;0m \033[m\r\n");
     buf_clear(&out);
-    blocks_encode(&view, COLOURS_256, 80, 24, &out);
-    CHECK_TEXT(buf_text(&out), "\033[38;5;196m\033[48;5;21m\u2580\u2584\033[48;5;16m \033[m\r\n");
+    blocks_encode(&view, COLOURS_256, BLOCK_HALF, 80, 24, &out);
+    CHECK_TEXT(buf_text(&out), "\033[38;5;196;48;5;21m\u2580\u2584\033[48;5;16m \033[m\r\n");
     buf_release(&out);
 }
 
@@ -461,7 +324,7 @@ STORY(without_colours_blocks_are_a_ramp_of_plain_characters)
     set_pixel(&view, 0, 0, 0xFFFFFF);
     set_pixel(&view, 0, 1, 0xFFFFFF);
     set_pixel(&view, 2, 0, 0xFFFFFF);
-    blocks_encode(&view, COLOURS_NONE, 80, 24, &out);
+    blocks_encode(&view, COLOURS_NONE, BLOCK_HALF, 80, 24, &out);
     CHECK_TEXT(buf_text(&out), "@ +\r\n\r\n");
     buf_release(&out);
 }
@@ -471,7 +334,7 @@ STORY(blocks_never_take_more_cells_than_there_are)
     struct image_view view = ball(200, 30);
     struct buf out = {0};
     unsigned lines = 0;
-    blocks_encode(&view, COLOURS_NONE, 33, 10, &out);
+    blocks_encode(&view, COLOURS_NONE, BLOCK_HALF, 33, 10, &out);
     for (const char *end, *at = buf_text(&out); *at; at = end + 1, lines++) {
         end = strchr(at, '\n');
         CHECK(end - at - 1 <= 20);
@@ -516,18 +379,18 @@ STORY(a_picture_at_the_prompt_is_framed_and_fits)
     CHECK(strncmp(buf_text(&out), "\r\n\n\n\n\n\033[5A\0337\033P", 14) == 0);
     CHECK(out.length > 10 && strcmp(out.data + out.length - 7, "\0338\033[5B\r") == 0);
     out.data[out.length - 7] = '\0';
-    CHECK(sixel_decode(out.data + 12, &s));
+    CHECK(sixels_decode(out.data + 12, &s));
     CHECK_INT(s.width, 90);
     buf_clear(&out);
     show_inline(&facts, &view, 80, 4, &out); /* three rows of 20 px are left */
     out.data[out.length - 7] = '\0';
-    CHECK(sixel_decode(out.data + 10, &s));
+    CHECK(sixels_decode(out.data + 10, &s));
     CHECK_INT(s.width, 60);
     CHECK_INT(s.height, 60);
     buf_clear(&out);
     view = ball(1050, 30);
     show_inline(&facts, &view, 300, 100, &out);
-    CHECK(sixel_decode(strstr(buf_text(&out), "\033P"), &s) || s.width == 1000);
+    CHECK(sixels_decode(strstr(buf_text(&out), "\033P"), &s) || s.width == 1000);
     CHECK_INT(s.width, 1000);
     buf_clear(&out);
     facts.graphics = GRAPHICS_NONE;
@@ -553,7 +416,7 @@ STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
                 else if (k == 1)
                     sixel_encode(&view, &out);
                 else
-                    blocks_encode(&view, COLOURS_24BIT, 120, 49, &out);
+                    blocks_encode(&view, COLOURS_24BIT, BLOCK_HALF, 120, 49, &out);
                 uint64_t took = clock_ns() - begin;
                 best[k] = took < best[k] ? took : best[k];
                 bytes[k] = out.length;

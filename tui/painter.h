@@ -11,8 +11,18 @@
  * order, and between its pictures nobody else writes into its place; where that happened,
  * painter_forget.
  *
- * Cells count from 0. The last row of the screen is not for pictures: several terminals scroll when
- * a sixel ends there.
+ * By what means:
+ *   kitty    boxes of pixels are changed in place; a whole picture has another number than the one
+ *            before, which goes when the new one is there, so that nothing flickers
+ *   sixel    boxes of whole cells are drawn over, and so in iTerm2's way
+ *   blocks   cells that differ are written
+ *
+ * Pictures keep their palette (tui/shades.h) until one goes whole, so patches agree with what they
+ * are put on. A picture goes whole when it is the first, or of another size, when its hues or
+ * smooth change, and when half of its pixels have changed.
+ *
+ * One painter at a time shows a picture on a terminal. Cells count from 0. The last row of the
+ * screen is not for pictures: several terminals scroll when a sixel ends there.
  */
 #ifndef TUI_PAINTER_H
 #define TUI_PAINTER_H
@@ -22,13 +32,29 @@
 
 #include "base/buf.h"
 #include "tui/image_view.h"
+#include "tui/png.h"
 #include "tui/probe.h"
+#include "tui/shades.h"
+#include "tui/sixel.h"
+
+struct painter_picture {
+    uint8_t *bytes; /* places in the palette, or colours */
+    size_t capacity;
+    struct block *cell; /* [rows][columns] */
+    size_t cells;
+};
 
 struct painter {
     struct terminal_facts facts;
     unsigned column, row, columns, rows;
+    bool is_shown;                /* the screen shows of[0] */
+    struct painter_picture of[2]; /* the last one, and the next */
+    uint32_t width, height; /* of what is shown, grown to whole cells where cells are drawn over */
+    bool has_palette;
+    struct shades shades;
+    struct png_writer png;
+    struct sixel_writer sixel;
     uint32_t image; /* kitty: the number of the picture that the terminal has, 0 for none */
-    bool is_shown;
 };
 
 /* Where the picture goes from now on, at least 1x1 cells, and by what means. Forgets what is on the

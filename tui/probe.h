@@ -61,8 +61,6 @@ struct terminal_facts {
     bool synchronizes;                /* ESC[?2026h .. l: what is between appears at once */
     uint64_t round_trip_ns;           /* from a question to its answer; 0 where nothing answers */
     bool mouse;                       /* may be asked for SGR mouse reports: ESC[?1000;1006h */
-    bool kitty_is_still; /* kitty graphics without a=f (ghostty, Konsole): nothing can be changed
-                            in place, so every picture goes whole */
 };
 
 /* ---- pure ---- */

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "tui/blocks.h"
+#include "tui/iterm.h"
 #include "tui/kitty.h"
 #include "tui/sixel.h"
 
@@ -21,6 +22,8 @@ static void add_framed(const struct terminal_facts *facts, const struct image_vi
     buf_printf(out, "\033[%uA\0337", rows);
     if (facts->graphics == GRAPHICS_KITTY)
         kitty_encode(view, out);
+    else if (facts->graphics == GRAPHICS_ITERM)
+        iterm_encode(view, out);
     else
         sixel_encode(view, out);
     buf_printf(out, "\0338\033[%uB\r", rows);
@@ -33,8 +36,8 @@ void show_inline(const struct terminal_facts *facts, const struct image_view *vi
     uint32_t picture_rows = rows > 1 ? rows - 1 : 1;
     if (view->width == 0 || view->height == 0 || facts->graphics == GRAPHICS_NONE)
         return;
-    if (facts->graphics == GRAPHICS_BLOCKS || facts->graphics == GRAPHICS_ITERM) {
-        blocks_encode(view, facts->colours, columns, picture_rows, out);
+    if (facts->graphics == GRAPHICS_BLOCKS) {
+        blocks_encode(view, facts->colours, facts->shape, columns, picture_rows, out);
         return;
     }
     uint32_t side = facts->image_side_most;

@@ -4,37 +4,102 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "tui/colour_table.h"
+#include "tui/shaded.h"
 
-/* One band of six rows, as bits per colour and column. */
-struct band {
-    uint32_t width;
-    uint8_t *bits; /* bits[colour][x]; all zero between bands */
-    uint32_t first[SIXEL_COLOURS], last[SIXEL_COLOURS]; /* columns that a colour touches */
-    uint8_t used[SIXEL_COLOURS];                        /* the colours of this band */
-    unsigned used_count;
-    bool is_used[SIXEL_COLOURS];
+enum { BAND = 6, COLOURS = RASTER_COLOURS_MOST, NONE = UINT32_MAX };
+
+/* Columns from .. to - 1 in which a colour has the same bits. */
+struct sixel_run {
+    uint32_t from, to, next; /* next of the same colour, or NONE */
+    uint8_t bits;
 };
 
-static void band_gather(struct band *band, const uint8_t *index, uint32_t rows)
+struct band {
+    struct sixel_run *run;
+    uint32_t runs;
+    uint32_t first[COLOURS], last[COLOURS]; /* of each colour's runs */
+    uint8_t used[COLOURS];                  /* the colours of this band */
+    unsigned used_count;
+    bool is_used[COLOURS];
+};
+
+void sixel_release(struct sixel_writer *writer)
 {
+    free(writer->run);
+    *writer = (struct sixel_writer){0};
+}
+
+/* ---- runs ---- */
+
+static void add_run(struct band *band, uint8_t colour, uint8_t bits, uint32_t from, uint32_t to)
+{
+    if (!band->is_used[colour]) {
+        band->is_used[colour] = true;
+        band->used[band->used_count++] = colour;
+        band->first[colour] = band->runs;
+    } else {
+        struct sixel_run *last = &band->run[band->last[colour]];
+        if (last->to == from && last->bits == bits) {
+            last->to = to;
+            return;
+        }
+        last->next = band->runs;
+    }
+    band->last[colour] = band->runs;
+    band->run[band->runs++] = (struct sixel_run){from, to, NONE, bits};
+}
+
+static void gather_column(struct band *band, const uint8_t *top, size_t stride, uint32_t rows,
+                          uint32_t x)
+{
+    uint8_t colour[BAND], bits[BAND];
+    unsigned count = 0;
     for (uint32_t y = 0; y < rows; y++) {
-        const uint8_t *row = index + (size_t)y * band->width;
-        for (uint32_t x = 0; x < band->width; x++) {
-            uint8_t colour = row[x];
-            if (!band->is_used[colour]) {
-                band->is_used[colour] = true;
-                band->used[band->used_count++] = colour;
-                band->first[colour] = band->last[colour] = x;
-            }
-            if (x < band->first[colour])
-                band->first[colour] = x;
-            if (x > band->last[colour])
-                band->last[colour] = x;
-            band->bits[(size_t)colour * band->width + x] |= (uint8_t)(1u << y);
+        const uint8_t c = top[y * stride + x];
+        unsigned k = 0;
+        while (k < count && colour[k] != c)
+            k++;
+        if (k == count) {
+            colour[count] = c;
+            bits[count++] = 0;
+        }
+        bits[k] |= (uint8_t)(1u << y);
+    }
+    for (unsigned k = 0; k < count; k++)
+        add_run(band, colour[k], bits[k], x, x + 1);
+}
+
+/* Whether eight columns are of one colour all over. */
+static bool is_flat(const uint8_t *top, size_t stride, uint32_t rows)
+{
+    const uint64_t wanted = top[0] * UINT64_C(0x0101010101010101);
+    uint64_t differs = 0;
+    for (uint32_t y = 0; y < rows; y++) {
+        uint64_t eight;
+        memcpy(&eight, top + y * stride, 8);
+        differs |= eight ^ wanted;
+    }
+    return differs == 0;
+}
+
+static void gather(struct band *band, const uint8_t *top, size_t stride, uint32_t width,
+                   uint32_t rows)
+{
+    uint32_t x = 0;
+    band->runs = 0;
+    band->used_count = 0;
+    memset(band->is_used, 0, sizeof band->is_used);
+    while (x < width) {
+        if (x + 8 <= width && is_flat(top + x, stride, rows)) {
+            add_run(band, top[x], (uint8_t)((1u << rows) - 1), x, x + 8);
+            x += 8;
+        } else {
+            gather_column(band, top, stride, rows, x++);
         }
     }
 }
+
+/* ---- bytes ---- */
 
 static char *put_number(char *place, uint32_t n)
 {
@@ -61,43 +126,35 @@ static char *put_run(char *place, uint8_t bits, uint32_t run)
     return place;
 }
 
-static char *put_colour(char *place, const uint8_t *bits, uint32_t first, uint32_t last)
+static char *put_colour(char *place, const struct band *band, uint8_t colour)
 {
-    if (first > 0)
-        place = put_run(place, 0, first);
-    for (uint32_t x = first; x <= last;) {
-        uint8_t sixel = bits[x];
-        uint32_t from = x++;
-        while (x <= last && bits[x] == sixel)
-            x++;
-        place = put_run(place, sixel, x - from);
+    uint32_t x = 0;
+    for (uint32_t i = band->first[colour]; i != NONE; i = band->run[i].next) {
+        const struct sixel_run *run = &band->run[i];
+        place = put_run(place, 0, run->from - x);
+        place = put_run(place, run->bits, run->to - run->from);
+        x = run->to;
     }
     return place;
 }
 
-/* Writes the band and makes it empty again. */
-static void band_write(struct band *band, struct buf *out)
+static void write_band(const struct band *band, const uint8_t *number, struct buf *out)
 {
+    enum { RUN_MOST = 2 * 12, COLOUR_MOST = 5 }; /* bytes: with what is left out before it */
+    char *begin =
+        buf_reserve(out, (size_t)band->runs * RUN_MOST + band->used_count * COLOUR_MOST + 1);
+    if (!begin)
+        return;
+    char *end = begin;
     for (unsigned i = 0; i < band->used_count; i++) {
-        uint8_t colour = band->used[i];
-        uint8_t *bits = band->bits + (size_t)colour * band->width;
-        uint32_t first = band->first[colour], last = band->last[colour];
-        /* a run takes no more bytes than sixels, but for the first, which may be a number */
-        char *begin = buf_reserve(out, (size_t)last - first + 32);
-        if (!begin)
-            return;
-        char *end = begin;
         if (i > 0)
             *end++ = '$';
         *end++ = '#';
-        end = put_number(end, colour);
-        end = put_colour(end, bits, first, last);
-        *end = '\0';
-        out->length += (size_t)(end - begin);
-        memset(bits + first, 0, (size_t)last - first + 1);
-        band->is_used[colour] = false;
+        end = put_number(end, number[band->used[i]]);
+        end = put_colour(end, band, band->used[i]);
     }
-    band->used_count = 0;
+    *end = '\0';
+    out->length += (size_t)(end - begin);
 }
 
 static unsigned percent(uint32_t channel)
@@ -105,40 +162,45 @@ static unsigned percent(uint32_t channel)
     return (channel * 100 + 127) / 255;
 }
 
-static void add_colours(struct buf *out, const struct colour_table *table)
+static void add_colours(struct buf *out, const uint32_t *colour, unsigned count)
 {
-    for (unsigned i = 0; i < table->count; i++)
-        buf_printf(out, "#%u;2;%u;%u;%u", i, percent(table->colour[i] >> 16),
-                   percent(table->colour[i] >> 8 & 255), percent(table->colour[i] & 255));
+    for (unsigned i = 0; i < count; i++)
+        buf_printf(out, "#%u;2;%u;%u;%u", i, percent(colour[i] >> 16),
+                   percent(colour[i] >> 8 & 255), percent(colour[i] & 255));
+}
+
+void sixel_add(struct sixel_writer *writer, const struct raster *raster, struct buf *out)
+{
+    uint8_t number[RASTER_COLOURS_MOST];
+    uint32_t used[RASTER_COLOURS_MOST];
+    struct band band;
+    if (raster->width > UINT32_MAX / BAND ||
+        !mem_grow(&writer->run, &writer->capacity, (size_t)raster->width * BAND,
+                  sizeof *writer->run)) {
+        out->failed = true;
+        return;
+    }
+    band.run = writer->run;
+    buf_printf(out, "\033P0;1q\"1;1;%u;%u", raster->width, raster->height);
+    add_colours(out, used, raster_used(raster, number, used));
+    for (uint32_t y = 0; y < raster->height; y += BAND) {
+        const uint32_t rows = raster->height - y < BAND ? raster->height - y : BAND;
+        gather(&band, raster->bytes + y * raster->stride, raster->stride, raster->width, rows);
+        write_band(&band, number, out);
+        if (y + rows < raster->height)
+            buf_add_char(out, '-');
+    }
+    buf_add_text(out, "\033\\");
 }
 
 void sixel_encode(const struct image_view *view, struct buf *out)
 {
-    struct colour_table table;
-    struct band *band = calloc(1, sizeof *band);
-    size_t pixels = 0;
-    uint8_t *index = NULL;
-    if (!band || !size_multiply(view->width, view->height, &pixels) ||
-        !(index = mem_array(pixels, 1)) || !(band->bits = calloc(SIXEL_COLOURS, view->width)) ||
-        (!colour_table_exact(&table, view, SIXEL_COLOURS, index) &&
-         !colour_table_reduce(&table, view, SIXEL_COLOURS, index))) {
+    struct sixel_writer writer = {0};
+    struct shaded shaded = {0};
+    if (shaded_take(&shaded, view, SHADED_SIXEL))
+        sixel_add(&writer, &shaded.raster, out);
+    else
         out->failed = true;
-        goto done;
-    }
-    band->width = view->width;
-    buf_printf(out, "\033P0;1q\"1;1;%u;%u", view->width, view->height);
-    add_colours(out, &table);
-    for (uint32_t y = 0; y < view->height; y += 6) {
-        uint32_t rows = view->height - y < 6 ? view->height - y : 6;
-        band_gather(band, index + (size_t)y * view->width, rows);
-        band_write(band, out);
-        if (y + rows < view->height)
-            buf_add_char(out, '-');
-    }
-    buf_add_text(out, "\033\\");
-done:
-    if (band)
-        free(band->bits);
-    free(band);
-    free(index);
+    shaded_release(&shaded);
+    sixel_release(&writer);
 }

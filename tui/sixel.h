@@ -9,18 +9,29 @@
  *     ESC \
  *
  * A sixel is a byte 63 + bits, the lowest bit on top; !N repeats. Every pixel is painted, black
- * ones too: terminals differ in what they do with the rest. Colours are whole percents, so a
- * channel may come back up to 1 of 255 off; at most 250 colours, which every sixel terminal has.
+ * ones too: terminals differ in what they do with the rest; but none below the last row, where the
+ * last band has more. Colours are whole percents, so a channel may come back up to 1 of 255 off.
+ * Only those that occur are declared, numbered anew, so each picture is complete in itself.
  */
 #ifndef TUI_SIXEL_H
 #define TUI_SIXEL_H
 
 #include "base/buf.h"
 #include "tui/image_view.h"
+#include "tui/raster.h"
 
-enum { SIXEL_COLOURS = 250 };
+/* Memory that is kept from picture to picture. `struct sixel_writer w = {0}` is ready. */
+struct sixel_writer {
+    struct sixel_run *run;
+    size_t capacity;
+};
 
-/* Adds `view` (not empty) to `out`; without memory out->failed is set. */
+void sixel_release(struct sixel_writer *writer);
+
+/* Adds a raster that has a palette. As below, without memory out->failed is set. */
+void sixel_add(struct sixel_writer *writer, const struct raster *raster, struct buf *out);
+
+/* Adds `view` (not empty). */
 void sixel_encode(const struct image_view *view, struct buf *out);
 
 #endif

@@ -1,0 +1,721 @@
+/* The painter against a small model of each terminal: what the screen shows after every picture is
+ * the picture, however it came there. */
+#include <stdlib.h>
+
+#include "base/mem.h"
+#include "tests/check.h"
+#include "tests/kitty_decode.h"
+#include "tests/sixel_decode.h"
+#include "tui/painter.h"
+#include "tui/shades.h"
+
+/* ---- pictures ---- */
+
+enum { SIDE_MOST = 400, BLANK = 0x123456, BROKEN = -1 };
+
+static uint8_t pixels[4 * SIDE_MOST * SIDE_MOST];
+static const uint32_t hues[] = {0xD6B296, 0x56B4E9, 0xF0C842, 0x6B594B};
+
+static struct image_view picture(uint32_t width, uint32_t height)
+{
+    memset(pixels, 0, sizeof pixels);
+    return (struct image_view){
+        .width = width, .height = height, .rgba = pixels, .hue = hues, .hues = 4};
+}
+
+/* A shade of one of the hues; at times a highlight, a grey, or a tint. */
+static uint32_t random_shade(uint64_t *seed)
+{
+    uint32_t hue = hues[check_below(seed, 3)], light = check_below(seed, 256), colour = 0;
+    uint32_t kind = check_below(seed, 8), more = kind == 0 ? check_below(seed, 70) : 0;
+    for (unsigned shift = 24; shift > 0;) {
+        shift -= 8;
+        uint32_t c = kind == 1 ? light : (hue >> shift & 255) * light / 255 + more;
+        colour = colour << 8 | (c > 255 ? 255 : c);
+    }
+    return colour;
+}
+
+static void fill_box(const struct image_view *view, uint32_t left, uint32_t top, uint32_t width,
+                     uint32_t height, uint64_t *seed)
+{
+    const bool is_flat = check_below(seed, 2) == 0;
+    uint32_t colour = random_shade(seed);
+    for (uint32_t y = top; y < top + height && y < view->height; y++)
+        for (uint32_t x = left; x < left + width && x < view->width; x++) {
+            uint8_t *p = pixels + 4 * ((size_t)y * view->width + x);
+            colour = is_flat ? colour : random_shade(seed);
+            for (unsigned k = 0; k < 3; k++)
+                p[k] = (uint8_t)(colour >> (16 - 8 * k));
+            p[3] = check_below(seed, 50) == 0 ? (uint8_t)check_below(seed, 256) : 255;
+        }
+}
+
+static void fill_all(const struct image_view *view, uint64_t *seed)
+{
+    for (unsigned i = 0; i < 30; i++)
+        fill_box(view, check_below(seed, view->width), check_below(seed, view->height),
+                 1 + check_below(seed, 90), 1 + check_below(seed, 90), seed);
+}
+
+/* ---- terminals ---- */
+
+enum { CELLS_MOST = 64 };
+
+struct glyph {
+    uint32_t point;
+    int64_t ink, paper; /* -1 is the terminal's */
+};
+
+struct screen {
+    uint32_t cell_width, cell_height;
+    unsigned column, row;
+    int64_t ink, paper;
+    struct kitty_screen kitty;
+    uint32_t pixel[SIDE_MOST * SIDE_MOST]; /* of what is drawn over cells */
+    struct glyph cell[CELLS_MOST][CELLS_MOST];
+};
+
+static struct screen screen;
+
+static void screen_begin(uint32_t cell_width, uint32_t cell_height)
+{
+    kitty_release(&screen.kitty);
+    memset(&screen, 0, sizeof screen);
+    screen.cell_width = cell_width;
+    screen.cell_height = cell_height;
+    screen.ink = screen.paper = -1;
+    for (size_t i = 0; i < SIDE_MOST * SIDE_MOST; i++)
+        screen.pixel[i] = BLANK;
+}
+
+static void draw(uint32_t width, uint32_t height, const uint32_t *pixel)
+{
+    const uint32_t left = screen.column * screen.cell_width, top = screen.row * screen.cell_height;
+    for (uint32_t y = 0; y < height && top + y < SIDE_MOST; y++)
+        for (uint32_t x = 0; x < width && left + x < SIDE_MOST; x++)
+            screen.pixel[(top + y) * SIDE_MOST + left + x] = pixel[(size_t)y * width + x];
+}
+
+static void erase_cells(unsigned count)
+{
+    for (unsigned i = 0; i < count && screen.column + i < CELLS_MOST; i++)
+        screen.cell[screen.row][screen.column + i] = (struct glyph){0, -1, -1};
+    for (uint32_t y = 0; y < screen.cell_height; y++)
+        for (uint32_t x = 0; x < count * screen.cell_width; x++)
+            if (screen.column * screen.cell_width + x < SIDE_MOST &&
+                screen.row * screen.cell_height + y < SIDE_MOST)
+                screen.pixel[(screen.row * screen.cell_height + y) * SIDE_MOST +
+                             screen.column * screen.cell_width + x] = BLANK;
+}
+
+static const char *take_sixel(const char *text)
+{
+    struct decoded_sixel s;
+    bool fine = sixel_decode(&s, &text) && s.all_painted && s.width % screen.cell_width == 0 &&
+                s.height % screen.cell_height == 0;
+    if (fine)
+        draw(s.width, s.height, s.pixel);
+    free(s.pixel);
+    return fine ? text : NULL;
+}
+
+static const char *take_iterm(const char *text)
+{
+    size_t size = 0;
+    unsigned columns = 0, rows = 0;
+    int taken = 0;
+    const char *end = strchr(text, '\a');
+    struct decoded_png png = {0};
+    struct buf file = {0};
+    bool fine = end &&
+                sscanf(text,
+                       "\033]1337;File=inline=1;size=%zu;width=%u;height=%u;"
+                       "preserveAspectRatio=0;doNotMoveCursor=1:%n",
+                       &size, &columns, &rows, &taken) == 3 &&
+                taken > 0 && base64_decode(&file, text + taken, (size_t)(end - text - taken)) &&
+                file.length == size &&
+                png_decode(&png, (const uint8_t *)buf_text(&file), file.length) &&
+                png.width == columns * screen.cell_width && png.height == rows * screen.cell_height;
+    if (fine)
+        draw(png.width, png.height, png.pixel);
+    free(png.pixel);
+    buf_release(&file);
+    return fine ? end + 1 : NULL;
+}
+
+/* One of the 256 colours, or of 16, stays a number. */
+static bool take_colours(const uint32_t *n, unsigned count)
+{
+    for (unsigned i = 0; i < count; i++) {
+        bool paper = n[i] / 10 == 4 || n[i] / 10 == 10;
+        int64_t *colour = paper ? &screen.paper : &screen.ink;
+        if (n[i] == 0) {
+            screen.ink = screen.paper = -1;
+        } else if (n[i] % 10 == 8 && i + 2 < count && n[i + 1] == 5) {
+            *colour = n[i + 2];
+            i += 2;
+        } else if (n[i] % 10 == 8 && i + 4 < count && n[i + 1] == 2) {
+            *colour = n[i + 2] << 16 | n[i + 3] << 8 | n[i + 4];
+            i += 4;
+        } else if (n[i] % 10 == 9) {
+            *colour = -1;
+        } else if (n[i] % 10 < 8) {
+            *colour = n[i] % 10 + (n[i] >= 90 ? 8 : 0);
+        } else {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* ESC[38;2;r;g;b;48;2;r;g;bm has ten numbers: the longest there is. */
+static const char *take_csi(const char *text)
+{
+    uint32_t n[12];
+    unsigned count = 0;
+    for (text += 2;; text++) {
+        n[count] = sixel_number(&text);
+        if (++count == 12 || *text != ';')
+            break;
+    }
+    if (*text == 'H' && count == 2) {
+        screen.row = n[0] - 1;
+        screen.column = n[1] - 1;
+    } else if (*text == 'C' && count == 1 && n[0] > 0) {
+        screen.column += n[0];
+    } else if (*text == 'X' && count == 1) {
+        erase_cells(n[0]);
+    } else if (*text != 'm' || !take_colours(n, count)) {
+        return NULL;
+    }
+    return text + 1;
+}
+
+static const char *take_character(const char *text)
+{
+    const uint8_t *c = (const uint8_t *)text;
+    unsigned length = c[0] < 0x80 ? 1 : c[0] < 0xF0 ? 3 : 4;
+    uint32_t point = c[0] < 0x80 ? c[0] : c[0] < 0xF0 ? c[0] & 15u : c[0] & 7u;
+    for (unsigned i = 1; i < length; i++) {
+        if ((c[i] & 0xC0) != 0x80)
+            return NULL;
+        point = point << 6 | (c[i] & 63u);
+    }
+    if (point < ' ' || screen.column >= CELLS_MOST || screen.row >= CELLS_MOST)
+        return NULL;
+    screen.cell[screen.row][screen.column++] = (struct glyph){point, screen.ink, screen.paper};
+    return text + length;
+}
+
+/* False where the terminal would not understand. */
+static bool screen_feed(const struct buf *bytes)
+{
+    const char *text = buf_text(bytes);
+    while (text && *text) {
+        if (strncmp(text, "\033_G", 3) == 0)
+            text = kitty_feed(&screen.kitty, text, screen.column, screen.row);
+        else if (strncmp(text, "\033P", 2) == 0)
+            text = take_sixel(text);
+        else if (strncmp(text, "\033]", 2) == 0)
+            text = take_iterm(text);
+        else if (strncmp(text, "\033[", 2) == 0)
+            text = take_csi(text);
+        else
+            text = take_character(text);
+    }
+    return text && !screen.kitty.waits;
+}
+
+/* ---- what is to be seen ---- */
+
+static struct terminal_facts facts_of(enum graphics graphics, uint32_t width, uint32_t height)
+{
+    return (struct terminal_facts){.graphics = graphics,
+                                   .colours = COLOURS_24BIT,
+                                   .cell_width = width,
+                                   .cell_height = height,
+                                   .image_side_most = 1000,
+                                   .edits = true};
+}
+
+/* The one picture that kitty shows, at the painter's place. */
+static const struct kitty_picture *kitty_shown(const struct painter *p)
+{
+    const struct kitty_picture *shown = NULL;
+    for (unsigned i = 0; i < KITTY_PICTURES; i++) {
+        if (!screen.kitty.picture[i].is_there)
+            continue;
+        if (shown)
+            return NULL;
+        shown = &screen.kitty.picture[i];
+    }
+    return shown && shown->column == p->column && shown->row == p->row ? shown : NULL;
+}
+
+static uint32_t expected_at(struct painter *p, const struct image_view *view, size_t i)
+{
+    uint32_t colour = image_view_colour(view, i);
+    if (p->has_palette)
+        colour = shades_shown(&p->shades, colour);
+    return p->facts.graphics == GRAPHICS_SIXEL ? sixel_round_trip(colour) : colour;
+}
+
+/* How many pixels of the place are not as they should be: the view's, black up to whole cells, and
+ * nothing beyond. */
+static int64_t wrong_pixels(struct painter *p, const struct image_view *view)
+{
+    const struct kitty_picture *shown = kitty_shown(p);
+    const bool kitty = p->facts.graphics == GRAPHICS_KITTY;
+    uint32_t width, height;
+    int64_t wrong = 0;
+    if (kitty && (!shown || shown->png.width != view->width || shown->png.height != view->height))
+        return BROKEN;
+    painter_size(p, &width, &height);
+    for (uint32_t y = 0; y < (kitty ? view->height : height); y++)
+        for (uint32_t x = 0; x < (kitty ? view->width : width); x++) {
+            const size_t at = (size_t)(p->row * p->facts.cell_height + y) * SIDE_MOST +
+                              p->column * p->facts.cell_width + x;
+            const bool beyond = x / p->facts.cell_width * p->facts.cell_width >= view->width ||
+                                y / p->facts.cell_height * p->facts.cell_height >= view->height;
+            uint32_t wanted = beyond ? BLANK : 0;
+            if (x < view->width && y < view->height)
+                wanted = expected_at(p, view, (size_t)y * view->width + x);
+            wrong += wanted !=
+                     (kitty ? shown->png.pixel[(size_t)y * view->width + x] : screen.pixel[at]);
+        }
+    return wrong;
+}
+
+static size_t show(struct painter *p, const struct image_view *view)
+{
+    struct buf out = {0};
+    CHECK(painter_show(p, view, &out));
+    CHECK(screen_feed(&out));
+    const size_t bytes = out.length;
+    buf_release(&out);
+    return bytes;
+}
+
+static const enum graphics with_pixels[] = {GRAPHICS_KITTY, GRAPHICS_SIXEL, GRAPHICS_ITERM};
+
+/* ---- stories ---- */
+
+STORY(after_thousands_of_edits_the_screen_shows_the_picture)
+{
+    for (unsigned g = 0; g < 3; g++) {
+        struct terminal_facts facts = facts_of(with_pixels[g], 9, 19);
+        struct painter p = {0};
+        uint64_t seed = g;
+        screen_begin(9, 19);
+        painter_place(&p, &facts, 2, 1, 20, 10);
+        struct image_view view = picture(180, 190);
+        fill_all(&view, &seed);
+        const size_t whole = show(&p, &view);
+        CHECK_INT(wrong_pixels(&p, &view), 0);
+        CHECK(p.has_palette && !p.shades.is_exact);
+        for (unsigned i = 0; i < 1500; i++) {
+            for (uint32_t n = 1 + check_below(&seed, 4); n > 0; n--)
+                fill_box(&view, check_below(&seed, 180), check_below(&seed, 190),
+                         1 + check_below(&seed, 30), 1 + check_below(&seed, 30), &seed);
+            CHECK(show(&p, &view) < whole);
+            if (i % 10 == 0)
+                CHECK_INT(wrong_pixels(&p, &view), 0);
+        }
+        CHECK_INT(wrong_pixels(&p, &view), 0);
+        CHECK_INT(show(&p, &view), 0);
+        painter_release(&p);
+    }
+}
+
+STORY(pictures_of_every_size_and_kind_follow_each_other)
+{
+    for (unsigned g = 0; g < 3; g++) {
+        struct terminal_facts facts = facts_of(with_pixels[g], 7, 15);
+        struct painter p = {0};
+        uint64_t seed = 100 + g;
+        screen_begin(7, 15);
+        painter_place(&p, &facts, 0, 0, 12, 6);
+        for (unsigned i = 0; i < 400; i++) {
+            uint32_t width = 1 + check_below(&seed, 84), height = 1 + check_below(&seed, 90);
+            struct image_view view = picture(width, height);
+            view.smooth = check_below(&seed, 4) == 0;
+            view.hues = check_below(&seed, 4) == 0 ? 0 : 2 + check_below(&seed, 3);
+            if (check_below(&seed, 3) == 0)
+                fill_box(&view, 0, 0, width, height / 2, &seed); /* few colours, or none */
+            else
+                fill_all(&view, &seed);
+            for (unsigned edits = check_below(&seed, 4); edits < 4; edits++) {
+                show(&p, &view);
+                CHECK_INT(wrong_pixels(&p, &view), 0);
+                fill_box(&view, check_below(&seed, width), check_below(&seed, height),
+                         1 + check_below(&seed, 20), 1 + check_below(&seed, 20), &seed);
+            }
+        }
+        painter_release(&p);
+    }
+}
+
+STORY(few_colours_come_exactly_and_more_may_join_them)
+{
+    struct terminal_facts facts = facts_of(GRAPHICS_KITTY, 8, 16);
+    struct painter p = {0};
+    struct image_view view = picture(128, 128);
+    screen_begin(8, 16);
+    painter_place(&p, &facts, 0, 0, 16, 8);
+    for (uint32_t i = 0; i < 400; i++) {
+        uint8_t *pixel = pixels + 4 * (i * 37);
+        pixel[0] = (uint8_t)(i % 251);
+        pixel[1] = (uint8_t)(i / 251 + 7);
+        pixel[3] = 255;
+        show(&p, &view);
+        CHECK_INT(wrong_pixels(&p, &view), 0);
+        CHECK_INT(p.shades.is_exact, i < SHADES_MOST - 1);
+    }
+    painter_release(&p);
+}
+
+STORY(a_cursor_move_costs_next_to_nothing)
+{
+    static const size_t most[] = {500, 700, 900};
+    for (unsigned g = 0; g < 3; g++) {
+        struct terminal_facts facts = facts_of(with_pixels[g], 8, 16);
+        struct painter p = {0};
+        uint64_t seed = 3;
+        screen_begin(8, 16);
+        painter_place(&p, &facts, 0, 0, 40, 20);
+        struct image_view view = picture(320, 320);
+        fill_all(&view, &seed);
+        show(&p, &view);
+        memset(pixels + 4 * (100 * 320 + 100), 255, 4);
+        CHECK(show(&p, &view) < most[g]);
+        CHECK_INT(wrong_pixels(&p, &view), 0);
+        painter_release(&p);
+    }
+}
+
+STORY(a_large_patch_for_kitty_goes_in_chunks)
+{
+    struct terminal_facts facts = facts_of(GRAPHICS_KITTY, 8, 16);
+    struct painter p = {0};
+    uint64_t seed = 13;
+    screen_begin(8, 16);
+    painter_place(&p, &facts, 0, 0, 40, 20);
+    struct image_view view = picture(320, 320);
+    fill_all(&view, &seed);
+    show(&p, &view);
+    for (size_t y = 10; y < 130; y++)
+        for (size_t x = 20; x < 150; x++)
+            pixels[4 * (y * 320 + x)] = (uint8_t)check_random(&seed);
+    screen.kitty.chunks = 0;
+    CHECK(show(&p, &view) > 8192);
+    CHECK(screen.kitty.chunks > 2);
+    CHECK_INT(screen.kitty.picture[0].png.width, 320); /* it is the same one, changed */
+    CHECK_INT(wrong_pixels(&p, &view), 0);
+    painter_release(&p);
+}
+
+STORY(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone)
+{
+    for (unsigned g = 0; g < 3; g++) {
+        struct terminal_facts facts = facts_of(with_pixels[g], 8, 16);
+        struct painter p = {0};
+        struct buf out = {0};
+        uint64_t seed = 4;
+        screen_begin(8, 16);
+        painter_place(&p, &facts, 3, 1, 10, 5);
+        struct image_view view = picture(80, 80);
+        fill_all(&view, &seed);
+        const size_t whole = show(&p, &view);
+        painter_place(&p, &facts, 3, 1, 10, 5);
+        CHECK_INT(show(&p, &view), 0);
+        painter_forget(&p);
+        CHECK(show(&p, &view) + 4 >= whole);
+        CHECK_INT(wrong_pixels(&p, &view), 0);
+        painter_remove(&p, &out);
+        CHECK(screen_feed(&out));
+        CHECK(!kitty_shown(&p));
+        for (size_t i = 0; i < SIDE_MOST * SIDE_MOST; i++)
+            CHECK(screen.pixel[i] == BLANK);
+        painter_place(&p, &facts, 12, 7, 10, 5);
+        show(&p, &view);
+        CHECK_INT(wrong_pixels(&p, &view), 0);
+        buf_release(&out);
+        painter_release(&p);
+    }
+}
+
+STORY(kitty_graphics_that_stand_still_go_whole)
+{
+    struct terminal_facts facts = facts_of(GRAPHICS_KITTY, 8, 16);
+    struct painter p = {0};
+    uint64_t seed = 5;
+    facts.edits = false;
+    screen_begin(8, 16);
+    painter_place(&p, &facts, 0, 0, 10, 5);
+    struct image_view view = picture(80, 80);
+    fill_all(&view, &seed);
+    const size_t whole = show(&p, &view);
+    CHECK_INT(show(&p, &view), 0);
+    fill_box(&view, 10, 10, 5, 5, &seed);
+    CHECK(show(&p, &view) > whole / 2);
+    CHECK_INT(wrong_pixels(&p, &view), 0);
+    painter_release(&p);
+}
+
+STORY(a_picture_larger_than_its_place_is_cut)
+{
+    for (unsigned g = 0; g < 3; g++) {
+        struct terminal_facts facts = facts_of(with_pixels[g], 8, 16);
+        struct painter p = {0};
+        uint64_t seed = 6;
+        screen_begin(8, 16);
+        painter_place(&p, &facts, 0, 0, 5, 3);
+        struct image_view view = picture(83, 71);
+        fill_all(&view, &seed);
+        show(&p, &view);
+        for (uint32_t y = 0; y < 48; y++)
+            memmove(pixels + 4 * y * 40, pixels + 4 * y * 83, 4 * 40);
+        view.width = 40;
+        view.height = 48;
+        CHECK_INT(wrong_pixels(&p, &view), 0);
+        painter_release(&p);
+    }
+}
+
+/* Which of a cell's parts have the ink, by its character. */
+static unsigned parts_of(uint32_t point, enum block_shape shape)
+{
+    static const uint32_t quadrant[] = {' ',    0x2598, 0x259D, 0x2580, 0x2596, 0x258C,
+                                        0x259E, 0x259B, 0x2597, 0x259A, 0x2590, 0x259C,
+                                        0x2584, 0x2599, 0x259F, 0x2588};
+    if (point == ' ')
+        return 0;
+    if (shape == BLOCK_HALF)
+        return point == 0x2580 ? 1 : point == 0x2584 ? 2 : 99;
+    if (shape == BLOCK_SEXTANT && (point == 0x258C || point == 0x2590))
+        return point == 0x258C ? 21 : 42;
+    if (shape == BLOCK_SEXTANT) {
+        unsigned parts = point - 0x1FB00 + 1;
+        parts += parts >= 21;
+        return parts + (parts >= 42);
+    }
+    for (unsigned i = 0; i < 16; i++)
+        if (quadrant[i] == point)
+            return i;
+    return 99;
+}
+
+/* Every cell that the picture reaches shows what blocks_fill says, part by part. */
+static int64_t wrong_parts(const struct painter *p, const struct image_view *view)
+{
+    static struct block cell[CELLS_MOST * CELLS_MOST];
+    const enum block_shape shape = p->facts.shape;
+    const unsigned parts = shape == BLOCK_HALF ? 2 : shape == BLOCK_QUADRANT ? 4 : 6;
+    uint32_t width, height;
+    int64_t wrong = 0;
+    blocks_pixels(shape, &width, &height);
+    for (size_t i = 0; i < CELLS_MOST * CELLS_MOST; i++)
+        cell[i] = (struct block){-1, -1, 0};
+    blocks_fill(cell, CELLS_MOST, view, p->facts.colours, shape);
+    for (unsigned y = 0; y < p->rows; y++)
+        for (unsigned x = 0; x < p->columns; x++) {
+            const struct block *wanted = &cell[y * CELLS_MOST + x];
+            const struct glyph *shown = &screen.cell[p->row + y][p->column + x];
+            if (p->facts.colours == COLOURS_NONE) {
+                wrong += (wanted->parts ? wanted->parts : ' ') != shown->point;
+                continue;
+            }
+            const unsigned inked = parts_of(shown->point, shape);
+            for (unsigned i = 0; i < parts; i++)
+                wrong += (wanted->parts >> i & 1 ? wanted->ink : wanted->paper) !=
+                         (inked >> i & 1 ? shown->ink : shown->paper);
+        }
+    return wrong;
+}
+
+STORY(cells_show_what_they_should_after_every_edit)
+{
+    for (unsigned i = 0; i < 12; i++) {
+        struct terminal_facts facts = facts_of(GRAPHICS_BLOCKS, 8, 16);
+        struct painter p = {0};
+        uint64_t seed = i;
+        uint32_t width, height;
+        facts.colours = (enum colours)(i % 4);
+        facts.shape = (enum block_shape)(i / 4);
+        screen_begin(8, 16);
+        painter_place(&p, &facts, 5, 2, 20, 9);
+        painter_size(&p, &width, &height);
+        struct image_view view = picture(width, height);
+        fill_all(&view, &seed);
+        const size_t whole = show(&p, &view);
+        for (unsigned n = 0; n < 200; n++) {
+            fill_box(&view, check_below(&seed, width), check_below(&seed, height),
+                     1 + check_below(&seed, width / 5), 1 + check_below(&seed, height / 5), &seed);
+            CHECK(show(&p, &view) < whole);
+            CHECK_INT(wrong_parts(&p, &view), 0);
+        }
+        CHECK_INT(show(&p, &view), 0);
+        view.width -= width / 20 + 1; /* a smaller one leaves nothing of the larger */
+        view.height -= height / 3;
+        show(&p, &view);
+        CHECK_INT(wrong_parts(&p, &view), 0);
+        painter_release(&p);
+    }
+}
+
+STORY(half_blocks_in_all_colours_show_every_pixel)
+{
+    struct terminal_facts facts = facts_of(GRAPHICS_BLOCKS, 8, 16);
+    struct painter p = {0};
+    uint64_t seed = 8;
+    screen_begin(8, 16);
+    painter_place(&p, &facts, 0, 0, 30, 15);
+    struct image_view view = picture(30, 30);
+    fill_all(&view, &seed);
+    show(&p, &view);
+    for (uint32_t y = 0; y < 30; y++)
+        for (uint32_t x = 0; x < 30; x++) {
+            const struct glyph *g = &screen.cell[y / 2][x];
+            const bool ink = parts_of(g->point, BLOCK_HALF) >> y % 2 & 1;
+            CHECK_INT(ink ? g->ink : g->paper, image_view_colour(&view, y * 30 + x));
+        }
+    painter_release(&p);
+}
+
+static unsigned allowed;
+
+static bool allow_some(size_t bytes)
+{
+    (void)bytes;
+    return allowed > 0 && allowed-- > 0;
+}
+
+STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
+{
+    static const enum graphics all[] = {GRAPHICS_KITTY, GRAPHICS_SIXEL, GRAPHICS_ITERM,
+                                        GRAPHICS_BLOCKS};
+    for (unsigned g = 0; g < 4; g++) {
+        struct terminal_facts facts = facts_of(all[g], 8, 16);
+        uint64_t seed = 9;
+        bool shown = false;
+        for (unsigned limit = 0; !shown && limit < 60; limit++) {
+            struct painter p = {0};
+            struct buf out = {0};
+            screen_begin(8, 16);
+            painter_place(&p, &facts, 0, 0, 10, 5);
+            struct image_view view = picture(80, 80);
+            if (all[g] == GRAPHICS_BLOCKS)
+                view.width = view.height = 10;
+            fill_all(&view, &seed);
+            allowed = limit;
+            mem_allows = allow_some;
+            shown = painter_show(&p, &view, &out);
+            mem_allows = NULL;
+            CHECK_INT(shown, !out.failed);
+            if (!shown) {
+                show(&p, &view);
+                CHECK_INT(all[g] == GRAPHICS_BLOCKS ? wrong_parts(&p, &view)
+                                                    : wrong_pixels(&p, &view),
+                          0);
+            }
+            buf_release(&out);
+            painter_release(&p);
+        }
+        CHECK(shown);
+    }
+}
+
+STORY(a_stream_cut_short_is_not_taken_for_a_picture)
+{
+    for (unsigned g = 0; g < 3; g++) {
+        struct terminal_facts facts = facts_of(with_pixels[g], 8, 16);
+        struct painter p = {0};
+        struct buf out = {0};
+        uint64_t seed = 10;
+        painter_place(&p, &facts, 0, 0, 5, 3);
+        struct image_view view = picture(40, 48);
+        fill_all(&view, &seed);
+        CHECK(painter_show(&p, &view, &out));
+        for (size_t length = out.length - 1; length > 6; length -= length > 60 ? 17 : 1) {
+            out.data[length] = '\0';
+            screen_begin(8, 16);
+            CHECK(!screen_feed(&out));
+        }
+        buf_release(&out);
+        painter_release(&p);
+    }
+}
+
+/* ---- shades ---- */
+
+static uint32_t worst_channel(uint32_t a, uint32_t b)
+{
+    uint32_t worst = 0;
+    for (unsigned shift = 0; shift < 24; shift += 8) {
+        const int32_t d = (int32_t)(a >> shift & 255) - (int32_t)(b >> shift & 255);
+        const uint32_t size = (uint32_t)(d < 0 ? -d : d);
+        worst = size > worst ? size : worst;
+    }
+    return worst;
+}
+
+STORY(shades_of_told_hues_are_near_what_was_asked_for)
+{
+    struct shades s = {0};
+    uint64_t seed = 11;
+    struct image_view view = picture(300, 300);
+    view.hues = 2;
+    fill_all(&view, &seed);
+    CHECK(shades_choose(&s, &view));
+    CHECK(!s.is_exact);
+    CHECK_INT(shades_shown(&s, 0), 0);
+    for (uint32_t light = 0; light <= 255; light++)
+        for (unsigned h = 0; h < 2; h++) {
+            uint32_t colour = 0;
+            for (unsigned shift = 24; shift > 0; colour = colour << 8) {
+                shift -= 8;
+                colour |= (hues[h] >> shift & 255) * light / 255;
+            }
+            CHECK(worst_channel(shades_shown(&s, colour >> 8), colour >> 8) <= 8);
+        }
+    for (unsigned h = 0; h < 2; h++)
+        CHECK_INT(shades_shown(&s, hues[h]), hues[h]);
+    shades_release(&s);
+}
+
+STORY(a_hundred_hues_share_the_palette)
+{
+    static uint32_t many[SHADES_HUES_MOST];
+    struct shades s = {0};
+    uint64_t seed = 12;
+    struct image_view view = picture(300, 300);
+    for (unsigned i = 0; i < SHADES_HUES_MOST; i++)
+        many[i] = (uint32_t)check_random(&seed) & 0xFFFFFF;
+    view.hue = many;
+    view.hues = SHADES_HUES_MOST;
+    fill_all(&view, &seed);
+    CHECK(shades_choose(&s, &view));
+    CHECK(s.count <= SHADES_MOST);
+    for (unsigned i = 0; i < SHADES_HUES_MOST; i++)
+        CHECK(worst_channel(shades_shown(&s, many[i]), many[i]) <= 90);
+    shades_release(&s);
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(after_thousands_of_edits_the_screen_shows_the_picture),
+                       TELL(pictures_of_every_size_and_kind_follow_each_other),
+                       TELL(few_colours_come_exactly_and_more_may_join_them),
+                       TELL(a_cursor_move_costs_next_to_nothing),
+                       TELL(a_large_patch_for_kitty_goes_in_chunks),
+                       TELL(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone),
+                       TELL(kitty_graphics_that_stand_still_go_whole),
+                       TELL(a_picture_larger_than_its_place_is_cut),
+                       TELL(cells_show_what_they_should_after_every_edit),
+                       TELL(half_blocks_in_all_colours_show_every_pixel),
+                       TELL(without_memory_nothing_is_shown_and_the_next_picture_goes_whole),
+                       TELL(a_stream_cut_short_is_not_taken_for_a_picture),
+                       TELL(shades_of_told_hues_are_near_what_was_asked_for),
+                       TELL(a_hundred_hues_share_the_palette));
+}
