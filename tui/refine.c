@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
+
 /* Bytes a tile before anything is known: about what palette pictures take. */
 static const double cost_at_first[REFINE_LEVELS] = {110, 45, 20, 10};
 
@@ -22,6 +24,7 @@ void refine_forget(struct refine *r)
 void refine_release(struct refine *r)
 {
     free(r->rgba);
+    free(r->stale);
     *r = (struct refine){0};
 }
 
@@ -29,6 +32,12 @@ void refine_release(struct refine *r)
 struct tile {
     uint32_t left, top, width, height;
 };
+
+static struct tile tile_at(const struct refine *r, uint32_t left, uint32_t top)
+{
+    return (struct tile){left, top, least(REFINE_TILE, r->width - left),
+                         least(REFINE_TILE, r->height - top)};
+}
 
 static bool tile_differs(const struct refine *r, const uint8_t *wanted, const struct tile *t)
 {
@@ -45,7 +54,11 @@ static bool tile_differs(const struct refine *r, const uint8_t *wanted, const st
 static void copy_tile(struct refine *r, const uint8_t *wanted, const struct tile *t,
                       uint32_t coarse)
 {
-    for (uint32_t y = t->top; y < t->top + t->height; y++)
+    for (uint32_t y = t->top; coarse == 1 && y < t->top + t->height; y++) {
+        const size_t at = 4 * ((size_t)y * r->width + t->left);
+        memcpy(r->rgba + at, wanted + at, (size_t)4 * t->width);
+    }
+    for (uint32_t y = t->top; coarse > 1 && y < t->top + t->height; y++)
         for (uint32_t x = t->left; x < t->left + t->width; x++) {
             const uint32_t from_x = least(x / coarse * coarse + coarse / 2, r->width - 1);
             const uint32_t from_y = least(y / coarse * coarse + coarse / 2, r->height - 1);
@@ -54,22 +67,20 @@ static void copy_tile(struct refine *r, const uint8_t *wanted, const struct tile
         }
 }
 
-/* How many tiles differ from what is wanted; `most` of them are made as coarse as this, where it is
- * not 0. */
-static size_t each_stale(struct refine *r, const uint8_t *wanted, size_t most, uint32_t coarse)
+/* Lists the tiles that differ from what is wanted. False without memory. */
+static bool list_stale(struct refine *r, const uint8_t *wanted)
 {
-    size_t count = 0;
+    r->stales = 0;
     for (uint32_t top = 0; top < r->height; top += REFINE_TILE)
         for (uint32_t left = 0; left < r->width; left += REFINE_TILE) {
-            const struct tile t = {left, top, least(REFINE_TILE, r->width - left),
-                                   least(REFINE_TILE, r->height - top)};
+            const struct tile t = tile_at(r, left, top);
             if (!tile_differs(r, wanted, &t))
                 continue;
-            if (count < most && coarse)
-                copy_tile(r, wanted, &t, coarse);
-            count++;
+            if (!mem_grow(&r->stale, &r->stale_capacity, r->stales + 1, sizeof *r->stale))
+                return false;
+            r->stale[r->stales++] = (struct refine_place){left, top};
         }
-    return count;
+    return true;
 }
 
 static bool begin_size(struct refine *r, const struct image_view *wanted)
@@ -88,9 +99,9 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
 {
     if (r->cost[0] <= 0)
         memcpy(r->cost, cost_at_first, sizeof r->cost);
-    if (!begin_size(r, wanted))
+    if (!begin_size(r, wanted) || !list_stale(r, wanted->rgba))
         return false;
-    const size_t stale = each_stale(r, wanted->rgba, 0, 0);
+    const size_t stale = r->stales;
     const double may = (double)budget;
     unsigned level = 0;
     while (moves && level + 1 < REFINE_LEVELS && (double)stale * r->cost[level] > may)
@@ -100,9 +111,12 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
         const double fit = may / r->cost[0];
         most = fit < 1 ? 1 : fit < (double)stale ? (size_t)fit : stale;
     }
-    each_stale(r, wanted->rgba, most, 1U << level);
     r->level = level;
     r->tiles = most < stale ? most : stale;
+    for (size_t i = 0; i < r->tiles; i++) {
+        const struct tile t = tile_at(r, r->stale[i].left, r->stale[i].top);
+        copy_tile(r, wanted->rgba, &t, 1U << level);
+    }
     r->is_coarse = level > 0 || most < stale;
     *shown = *wanted;
     shown->rgba = r->rgba;

@@ -23,6 +23,10 @@
 
 enum { REFINE_TILE = 16, REFINE_LEVELS = 4 }; /* pixels a side; coarser by 1, 2, 4 and 8 */
 
+struct refine_place {
+    uint32_t left, top;
+};
+
 struct refine {
     uint32_t width, height;
     uint8_t *rgba;  /* what the screen shows */
@@ -30,6 +34,8 @@ struct refine {
     unsigned level; /* of the last frame, and how many tiles it had */
     size_t tiles;
     double cost[REFINE_LEVELS]; /* bytes a tile */
+    struct refine_place *stale; /* of the frame at hand: tiles that are not as they should be */
+    size_t stales, stale_capacity;
 };
 
 /* Has `shown`, which has the size of `wanted` and is the refine's until the next call, be the
