@@ -307,6 +307,7 @@ STORY(after_thousands_of_edits_the_screen_shows_the_picture)
         struct terminal_facts facts = facts_of(with_pixels[g], 9, 19);
         struct painter p = {0};
         uint64_t seed = g;
+        unsigned wholes = 0;
         screen_begin(9, 19);
         painter_place(&p, &facts, 2, 1, 20, 10);
         struct image_view view = picture(180, 190);
@@ -318,10 +319,11 @@ STORY(after_thousands_of_edits_the_screen_shows_the_picture)
             for (uint32_t n = 1 + check_below(&seed, 4); n > 0; n--)
                 fill_box(&view, check_below(&seed, 180), check_below(&seed, 190),
                          1 + check_below(&seed, 30), 1 + check_below(&seed, 30), &seed);
-            CHECK(show(&p, &view) < whole);
+            wholes += show(&p, &view) >= whole;
             if (i % 10 == 0)
                 CHECK_INT(wrong_pixels(&p, &view), 0);
         }
+        CHECK(wholes < 5); /* greys or tints came in, and wanted a palette */
         CHECK_INT(wrong_pixels(&p, &view), 0);
         CHECK_INT(show(&p, &view), 0);
         painter_release(&p);
@@ -340,7 +342,8 @@ STORY(pictures_of_every_size_and_kind_follow_each_other)
             uint32_t width = 1 + check_below(&seed, 84), height = 1 + check_below(&seed, 90);
             struct image_view view = picture(width, height);
             view.smooth = check_below(&seed, 4) == 0;
-            view.hues = check_below(&seed, 4) == 0 ? 0 : 2 + check_below(&seed, 3);
+            view.hues = check_below(&seed, 4);
+            view.hue = check_below(&seed, 4) ? hues : NULL;
             if (check_below(&seed, 3) == 0)
                 fill_box(&view, 0, 0, width, height / 2, &seed); /* few colours, or none */
             else
@@ -684,6 +687,50 @@ STORY(shades_of_told_hues_are_near_what_was_asked_for)
     shades_release(&s);
 }
 
+STORY(what_is_drawn_over_slices_keeps_its_colour)
+{
+    struct shades s = {0};
+    struct image_view view = picture(256, 256);
+    view.hues = 0;
+    for (size_t i = 0; i < 256 * 256; i++) /* no two rows of greys alike, so they are too many */
+        memcpy(pixels + 4 * i, (uint8_t[4]){(uint8_t)i, (uint8_t)i, (uint8_t)(i ^ (i >> 15)), 255},
+               4);
+    CHECK(shades_choose(&s, &view));
+    CHECK(!s.is_exact);
+    CHECK_INT(shades_shown(&s, 0xFFDC00), 0xFFDC00);
+    for (uint32_t grey = 0; grey < 256; grey++)
+        CHECK(worst_channel(shades_shown(&s, grey * 0x010101), grey * 0x010101) <= 3);
+    shades_release(&s);
+}
+
+STORY(tints_that_come_with_an_edit_get_their_colours)
+{
+    struct terminal_facts facts = facts_of(GRAPHICS_KITTY, 8, 16);
+    struct painter p = {0};
+    struct image_view view = picture(320, 320);
+    screen_begin(8, 16);
+    painter_place(&p, &facts, 0, 0, 40, 20);
+    for (size_t i = 0; i < 320 * 320; i++) {
+        const uint32_t light = (uint32_t)(i % 251);
+        for (unsigned k = 0; k < 3; k++)
+            pixels[4 * i + k] =
+                (uint8_t)(i < 160 * 320 ? light : (hues[0] >> (16 - 8 * k) & 255) * light / 255);
+        pixels[4 * i + 3] = 255;
+    }
+    show(&p, &view);
+    CHECK(!p.shades.is_exact && p.shades.has_greys && !p.shades.has_tints);
+    for (uint32_t y = 40; y < 140; y++)
+        for (uint32_t x = 20; x < 140; x++) {
+            uint8_t *pixel = pixels + 4 * (y * 320 + x);
+            for (unsigned k = 0; k < 3; k++)
+                pixel[k] = (uint8_t)((2u * pixel[k] + (hues[1] >> (16 - 8 * k) & 255)) / 3);
+        }
+    show(&p, &view);
+    CHECK(p.shades.has_tints);
+    CHECK_INT(wrong_pixels(&p, &view), 0);
+    painter_release(&p);
+}
+
 STORY(a_hundred_hues_share_the_palette)
 {
     static uint32_t many[SHADES_HUES_MOST];
@@ -717,5 +764,7 @@ int main(void)
                        TELL(without_memory_nothing_is_shown_and_the_next_picture_goes_whole),
                        TELL(a_stream_cut_short_is_not_taken_for_a_picture),
                        TELL(shades_of_told_hues_are_near_what_was_asked_for),
+                       TELL(what_is_drawn_over_slices_keeps_its_colour),
+                       TELL(tints_that_come_with_an_edit_get_their_colours),
                        TELL(a_hundred_hues_share_the_palette));
 }

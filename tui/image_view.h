@@ -18,7 +18,7 @@ struct image_view {
     const uint32_t *hue; /* 0xRRGGBB of the labels that may show, in any order, twice or not; the
                             same from picture to picture, for another set is another palette, and
                             the picture goes whole. NULL where it is not told */
-    unsigned hues;
+    unsigned hues;       /* 0 where no label shows: greys alone */
     bool smooth; /* all 24 bits of every colour go out where the terminal can, at several times the
                     bytes; otherwise shades are rounded to a palette (tui/shades.h) */
 };

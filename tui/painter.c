@@ -265,7 +265,10 @@ static bool can_patch(struct painter *p, const struct image_view *view, struct s
         return true;
     if (p->facts.graphics == GRAPHICS_KITTY && !p->facts.edits)
         return false;
-    return stale->cost < (uint64_t)p->width * p->height / 2;
+    const uint64_t all = (uint64_t)p->width * p->height;
+    if (p->has_palette && stale->cost > all / 32 && shades_lack(&p->shades, view))
+        return false;
+    return stale->cost < all / 2;
 }
 
 /* Palette and memory for a picture that goes whole; false without memory. */

@@ -14,7 +14,7 @@ void shaded_release(struct shaded *s)
 
 bool shaded_has_palette(const struct image_view *view, enum shaded_for what)
 {
-    return what == SHADED_SIXEL || (view->hues > 0 && !view->smooth);
+    return what == SHADED_SIXEL || (view->hue && !view->smooth);
 }
 
 static void fill_colours(uint8_t *bytes, const struct image_view *view, size_t stride)
@@ -53,23 +53,32 @@ static bool seek_colours(struct shaded *s, const struct image_view *view)
     return true;
 }
 
+/* Sets *has_palette. False without memory, which exact colours do not need. */
+static bool take_palette(struct shaded *s, const struct image_view *view, enum shaded_for what,
+                         bool *has_palette)
+{
+    *has_palette = shaded_has_palette(view, what);
+    if (*has_palette && view->hue)
+        return shades_choose(&s->shades, view);
+    *has_palette |= shades_take_exact(&s->shades, view);
+    return true;
+}
+
 bool shaded_take(struct shaded *s, const struct image_view *view, enum shaded_for what)
 {
-    const bool is_exact = shades_take_exact(&s->shades, view);
-    const bool has_palette = is_exact || shaded_has_palette(view, what);
-    const size_t each = has_palette ? 1 : 3;
+    bool has_palette;
     size_t pixels, bytes;
-    if (!size_multiply(view->width, view->height, &pixels) ||
-        !size_multiply(pixels, each, &bytes) || !mem_grow(&s->bytes, &s->capacity, bytes, 1))
+    if (!take_palette(s, view, what, &has_palette) ||
+        !size_multiply(view->width, view->height, &pixels) ||
+        !size_multiply(pixels, has_palette ? 1 : 3, &bytes) ||
+        !mem_grow(&s->bytes, &s->capacity, bytes, 1))
         return false;
     s->raster = (struct raster){.width = view->width,
                                 .height = view->height,
-                                .stride = view->width * each,
+                                .stride = (size_t)view->width * (has_palette ? 1 : 3),
                                 .bytes = s->bytes};
-    if (has_palette && !is_exact && view->hues == 0)
+    if (has_palette && !view->hue && !s->shades.is_exact)
         return seek_colours(s, view);
-    if (has_palette && !is_exact && !shades_choose(&s->shades, view))
-        return false;
     shaded_fill(s->bytes, view->width, view->height, &s->shades, view, has_palette);
     if (has_palette) {
         s->raster.colour = s->shades.colour;

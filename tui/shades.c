@@ -38,23 +38,27 @@ static void begin_exact(struct shades *s)
     exact_place(s, 0);
 }
 
+/* `index` is NULL where only the colours are wanted. */
 static bool apply_exact(struct shades *s, const struct image_view *view, uint8_t *index,
                         size_t stride)
 {
-    uint32_t last = 0;
-    unsigned place = 0;
-    for (uint32_t y = 0; y < view->height; y++)
+    uint32_t last, pixel;
+    unsigned place = exact_place(s, image_view_colour(view, 0));
+    memcpy(&last, view->rgba, 4);
+    for (uint32_t y = 0; y < view->height; y++) {
+        const size_t first = (size_t)y * view->width;
         for (uint32_t x = 0; x < view->width; x++) {
-            const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
-            if (colour != last) {
-                place = exact_place(s, colour);
-                if (place == NOWHERE)
-                    return false;
-                last = colour;
+            memcpy(&pixel, view->rgba + 4 * (first + x), 4);
+            if (pixel != last) {
+                place = exact_place(s, image_view_colour(view, first + x));
+                last = pixel;
             }
+            if (place == NOWHERE)
+                return false;
             if (index)
                 index[y * stride + x] = (uint8_t)place;
         }
+    }
     return true;
 }
 
@@ -105,23 +109,31 @@ static uint8_t place_of(struct shades *s, uint32_t colour)
     return (uint8_t)((place ? place : seek(s, cell)) - 1);
 }
 
+/* The first entry of a cell has that cell: black is black. */
+static void forget_places(struct shades *s)
+{
+    memset(s->place, 0, PLACES);
+    for (unsigned i = s->count; i-- > 0;)
+        s->place[cell_of(s->colour[i])] = (uint8_t)(i + 1);
+}
+
+/* Pixels that cover what is behind them, which nearly all do, are looked up as they are. */
 static void apply_nearest(struct shades *s, const struct image_view *view, uint8_t *index,
                           size_t stride)
 {
     for (uint32_t y = 0; y < view->height; y++) {
-        const uint8_t *p = view->rgba + (size_t)y * view->width * 4;
+        const size_t first = (size_t)y * view->width;
+        const uint8_t *p = view->rgba + 4 * first;
         uint8_t *out = index + y * stride;
-        uint32_t last;
-        uint8_t place = place_of(s, image_view_colour(view, (size_t)y * view->width));
-        memcpy(&last, p, 4);
         for (uint32_t x = 0; x < view->width; x++, p += 4) {
-            uint32_t pixel;
-            memcpy(&pixel, p, 4);
-            if (pixel != last) {
-                place = place_of(s, image_view_colour(view, (size_t)y * view->width + x));
-                last = pixel;
-            }
-            out[x] = place;
+            const uint32_t cell = (p[0] >> 2u) << 12 | (p[1] >> 2u) << 6 | p[2] >> 2u;
+            const uint8_t place = s->place[cell];
+            if (p[3] == 255 && place)
+                out[x] = (uint8_t)(place - 1);
+            else if (p[3] == 0)
+                out[x] = 0;
+            else
+                out[x] = place_of(s, image_view_colour(view, first + x));
         }
     }
 }
@@ -196,7 +208,7 @@ static uint32_t brightest(uint32_t colour)
 
 /* ---- which ladders ---- */
 
-enum { NEAR = 9 * 12 * 12, SAMPLES = 1024, HUE_OF_ANOTHER = 9 * 4 * 4 };
+enum { NEAR = 9 * 12 * 12, HUE_OF_ANOTHER = 9 * 4 * 4 };
 
 static bool is_grey(uint32_t colour)
 {
@@ -254,27 +266,33 @@ static void look_around(const struct image_view *view, const uint32_t *hue, unsi
     *has_tints = tints * 32 > seen;
 }
 
+/* More than 64 greys, or much the same of any hue, the table could not tell apart. */
+enum { ACCENTS = 3, GREYS_LEAST = 8, RUNGS_MOST = 56 };
+
+/* Cross-hair and eliminator (render/slice_notes.c), the pane that keys go to (pilot_host.c). */
+static const uint32_t accent[ACCENTS] = {0xFFDC00, 0xFF4838, 0xE6C85A};
+
 static void fill_palette(struct shades *s)
 {
-    const unsigned greys = s->hues == 0 ? SHADES_MOST : s->has_greys ? 256 / (s->hues + 1) : 8;
-    const unsigned for_greys = greys > 64 ? 64 : greys < 16 && s->has_greys ? 16 : greys;
-    const unsigned each = s->hues ? (SHADES_MOST - 1 - for_greys) / s->hues : 0;
-    const unsigned most = each < 2 ? 2 : each > 56 ? 56 : each;
+    const unsigned share = 256 / (s->hues + 1);
+    const unsigned greys = !s->has_greys ? GREYS_LEAST : share > 64 ? 64 : share < 16 ? 16 : share;
+    const unsigned each = s->hues ? (SHADES_MOST - 1 - ACCENTS - greys) / s->hues : 0;
+    const unsigned most = each < 2 ? 2 : each > RUNGS_MOST ? RUNGS_MOST : each;
     const unsigned tints = s->has_tints ? most * 3 / 8 : 0;
     const unsigned gloss = (most - tints) / 4;
     s->count = 0;
     s->is_laddered = true;
     add_colour(s, 0);
-    add_ladder(s, 0, 0xFFFFFF, s->hues ? for_greys : SHADES_MOST);
+    for (unsigned i = 0; i < ACCENTS; i++)
+        add_colour(s, accent[i]);
+    add_ladder(s, 0, 0xFFFFFF, greys);
     for (unsigned i = 0; i < s->hues; i++) {
         const uint32_t hue = s->hue[i];
         add_ladder(s, 0, hue, most - tints - gloss);
         add_ladder(s, hue, brightened(hue, GLOSS), gloss);
         add_ladder(s, third(hue), brightened(third(hue), 170), tints);
     }
-    memset(s->place, 0, PLACES);
-    for (unsigned i = s->count; i-- > 0;)
-        s->place[cell_of(s->colour[i])] = (uint8_t)(i + 1);
+    forget_places(s);
 }
 
 /* ---- no hues are told ---- */
@@ -305,7 +323,7 @@ static bool take_sample(struct shades *s, const struct image_view *view)
     add_colour(s, 0xFFFFFF);
     for (unsigned i = 0; i < table.count; i++)
         add_colour(s, table.colour[i]);
-    memset(s->place, 0, PLACES);
+    forget_places(s);
     return true;
 }
 
@@ -346,17 +364,27 @@ bool shades_choose(struct shades *s, const struct image_view *view)
         return false;
     if (shades_take_exact(s, view))
         return true;
-    return view->hues > 0 ? choose_ladders(s, view) : take_sample(s, view);
+    return view->hue ? choose_ladders(s, view) : take_sample(s, view);
 }
 
 bool shades_serve(const struct shades *s, const struct image_view *view)
 {
+    const unsigned told = view->hues < SHADES_HUES_MOST ? view->hues : SHADES_HUES_MOST;
     if (s->is_exact)
         return true;
-    const unsigned told = view->hues < SHADES_HUES_MOST ? view->hues : SHADES_HUES_MOST;
-    return s->count > 0 && s->is_laddered == (told > 0) &&
-           (told == 0 ||
-            (told == s->tolds && memcmp(s->told, view->hue, told * sizeof *s->told) == 0));
+    if (s->count == 0 || s->is_laddered != (view->hue != NULL))
+        return false;
+    return !view->hue ||
+           (told == s->tolds && memcmp(s->told, view->hue, told * sizeof *s->told) == 0);
+}
+
+bool shades_lack(const struct shades *s, const struct image_view *view)
+{
+    bool has_greys, has_tints;
+    if (!s->is_laddered)
+        return false;
+    look_around(view, s->hue, s->hues, &has_greys, &has_tints);
+    return (has_greys && !s->has_greys) || (has_tints && !s->has_tints);
 }
 
 bool shades_apply(struct shades *s, const struct image_view *view, uint8_t *index, size_t stride)

@@ -5,13 +5,14 @@
  *     a hue, shaded     from black to the hue, and on towards white, as far as gloss goes
  *     a tint            from a third of the hue upwards, a third of it and two thirds of a grey
  *     greys             from black to white
+ *     accents           the colours of cross-hairs and marks
  *
  * So no colours are sought in pictures, and the palette stays from one picture to the next. A pixel
  * goes to the entry nearest to it, which is remembered for all colours that have the same 6 leading
  * bits a channel: a look into a table of 256 kB, filled as needed.
  *
  *   S1 the same colour has the same place in every picture until shades_choose says otherwise;
- *   S2 place 0 is black, and only black has it where the palette is exact;
+ *   S2 place 0 is black, and black has place 0;
  *   S3 a picture of few colours, text for instance, has exactly these ("exact").
  *
  * Many hues share what entries there are: those that are but darker versions of another have its
@@ -54,6 +55,9 @@ bool shades_choose(struct shades *shades, const struct image_view *view);
 
 /* Whether the palette is for the hues that a view tells. */
 bool shades_serve(const struct shades *shades, const struct image_view *view);
+
+/* Whether a view has greys or tints, and the palette, which serves it, few or none. */
+bool shades_lack(const struct shades *shades, const struct image_view *view);
 
 /* index[y * stride + x] becomes the place of pixel x, y. False where the palette is exact and has
  * no room for another colour: choose again, and send the picture whole. Needs shades_choose. */
