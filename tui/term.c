@@ -9,9 +9,11 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "tui/guardian.h"
+
 /* A short text that a signal handler may write: filled before its length is set. */
 struct text {
-    char bytes[64];
+    char bytes[TERM_WORDS];
     volatile sig_atomic_t length;
 };
 
@@ -19,9 +21,13 @@ static struct {
     int in, out;
     volatile sig_atomic_t open;
     volatile sig_atomic_t mode; /* enum term_mode */
+    volatile sig_atomic_t answers;
+    bool farewell_said;
+    pid_t owner; /* the process that opened it: a child of ours is none of its business */
     struct termios found;
     struct text begin, end, recover;
     volatile sig_atomic_t resized, continued;
+    struct guardian guardian;
 } term;
 
 enum { SIGNALS = 12 };
@@ -41,6 +47,7 @@ static struct termios modes_of(enum term_mode mode)
     t.c_iflag &= ~(tcflag_t)(BRKINT | ICRNL | INLCR | IGNCR | INPCK | ISTRIP | IXON);
     t.c_cflag |= CS8;
     t.c_lflag &= ~(tcflag_t)(ECHO | ICANON | IEXTEN | ISIG);
+    t.c_lflag |= NOFLSH; /* or Ctrl-C throws away the rest of a picture that is on its way */
     if (mode == TERM_QUIET) {
         t.c_lflag |= ISIG;
         t.c_oflag |= OPOST | ONLCR; /* what a command prints itself ends lines with LF alone */
@@ -68,53 +75,153 @@ static size_t put(char *place, const struct text *text)
     return (size_t)text->length;
 }
 
-/* For signal handlers: gives the terminal back, with one write. `for_good` also shows the cursor
- * and begins a line, since who comes next knows nothing of our prompt. */
-static void give_back(bool for_good)
+enum { FAREWELL = 3 * TERM_WORDS + 32 };
+_Static_assert((int)FAREWELL <= (int)GUARDIAN_WORDS, "the guardian may have to say all of it");
+
+/* `for_good` also shows the cursor and begins a line, since who comes next knows nothing of our
+ * prompt; `ask` adds a question, before the words that restore. */
+static size_t put_farewell(char words[FAREWELL], bool for_good, bool ask)
 {
-    char words[256] = "\033\\";
     size_t length = 2;
-    if (!term.open || term.mode == TERM_AS_FOUND)
-        return;
+    memcpy(words, "\033\\", 2);
     length += put(words + length, &term.recover);
+    if (ask) {
+        memcpy(words + length, "\033[c", 3);
+        length += 3;
+    }
     length += put(words + length, &term.end);
     if (for_good) {
         memcpy(words + length, "\033[m\033[?25h\r\n", 11);
         length += 11;
     }
-    ssize_t ignored = write(term.out, words, length);
+    return length;
+}
+
+static void tell_guardian(void)
+{
+    char words[FAREWELL];
+    guardian_set_words(&term.guardian, words, put_farewell(words, true, false));
+}
+
+static bool is_ours(void)
+{
+    return term.open && term.mode != TERM_AS_FOUND && getpid() == term.owner;
+}
+
+/* Reads on until what looks like the end of an answer, and nothing behind it for a moment: at most
+ * 0.2 s. A read from the background would stop us. */
+static void eat_answers(void)
+{
+    char bytes[256];
+    bool answered = false;
+    if (tcgetpgrp(term.in) != getpgrp())
+        return;
+    for (int i = 0; i < 10; i++) {
+        struct pollfd ready = {.fd = term.in, .events = POLLIN};
+        if (poll(&ready, 1, 20) <= 0) {
+            if (answered)
+                return;
+            continue;
+        }
+        ssize_t n = read(term.in, bytes, sizeof bytes);
+        if (n <= 0)
+            return;
+        answered |= memchr(bytes, 'c', (size_t)n) != NULL;
+    }
+}
+
+/* For signal handlers: gives the terminal back, with one write. */
+static void give_back(bool for_good, bool ask)
+{
+    char words[FAREWELL];
+    if (!is_ours())
+        return;
+    ask &= term.answers;
+    ssize_t ignored = write(term.out, words, put_farewell(words, for_good, ask));
     (void)ignored; /* nobody is left to tell */
+    if (ask)
+        eat_answers();
     tcsetattr(term.in, TCSANOW, &term.found);
+    term.guardian.guarded->on = 0;
 }
 
 void term_set_greetings(const char *begin, const char *end)
 {
     set_text(&term.begin, begin);
     set_text(&term.end, end);
+    tell_guardian();
 }
 
 void term_set_recovery(const char *recover)
 {
     set_text(&term.recover, recover);
+    tell_guardian();
+}
+
+void term_set_answers(bool answers)
+{
+    term.answers = answers;
+}
+
+/* From here on the new farewell holds, though its greeting comes only now. */
+enum err term_change_greetings(const char *begin, const char *end, struct fault *fault)
+{
+    const struct text earlier = term.end;
+    sigset_t all, before;
+    if (strlen(begin) >= TERM_WORDS || strlen(end) >= TERM_WORDS)
+        return fault_set(fault, ERR_USAGE, "greetings of the terminal: more than %d bytes",
+                         TERM_WORDS - 1);
+    sigfillset(&all);
+    sigprocmask(SIG_SETMASK, &all, &before);
+    term_set_greetings(begin, end);
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    term.farewell_said = false;
+    if (term.mode == TERM_AS_FOUND)
+        return OK;
+    enum err err = term_write(earlier.bytes, (size_t)earlier.length, fault);
+    return err ? err : term_write(term.begin.bytes, (size_t)term.begin.length, fault);
+}
+
+enum err term_say_farewell(struct fault *fault)
+{
+    if (term.mode == TERM_AS_FOUND || term.farewell_said)
+        return OK;
+    term.farewell_said = true;
+    return term_write(term.end.bytes, (size_t)term.end.length, fault);
+}
+
+static enum err greet(enum term_mode before, enum term_mode mode, struct fault *fault)
+{
+    if (mode == TERM_AS_FOUND && !term.farewell_said)
+        return term_write(term.end.bytes, (size_t)term.end.length, fault);
+    term.farewell_said = false;
+    if (mode != TERM_AS_FOUND && before == TERM_AS_FOUND)
+        return term_write(term.begin.bytes, (size_t)term.begin.length, fault);
+    return OK;
 }
 
 enum err term_set_mode(enum term_mode mode, struct fault *fault)
 {
     enum term_mode before = (enum term_mode)term.mode;
-    const struct text *words = mode == TERM_AS_FOUND ? &term.end : &term.begin;
+    struct guarded *guarded = term.guardian.guarded;
     struct termios modes = modes_of(mode);
     if (mode == before)
         return OK;
     term.mode = (sig_atomic_t)mode; /* first, so that a signal from here on restores */
+    if (mode != TERM_AS_FOUND) {
+        guarded->ours = modes;
+        guarded->on = 1;
+    }
     while (tcsetattr(term.in, TCSADRAIN, &modes) != 0) {
         if (errno == EINTR)
             continue;
         term.mode = (sig_atomic_t)before;
+        guarded->on = before != TERM_AS_FOUND;
         return fault_errno(fault, "set the modes of", "the terminal");
     }
-    if (mode == TERM_AS_FOUND || before == TERM_AS_FOUND)
-        return term_write(words->bytes, (size_t)words->length, fault);
-    return OK;
+    enum err err = greet(before, mode, fault);
+    guarded->on = mode != TERM_AS_FOUND;
+    return err;
 }
 
 /* ---- signals ---- */
@@ -132,7 +239,7 @@ static size_t signal_place(int number)
 static void on_end(int number)
 {
     int kept = errno;
-    give_back(true);
+    give_back(true, number == SIGTERM || number == SIGINT || number == SIGQUIT);
     term.mode = TERM_AS_FOUND;
     sigaction(number, &former[signal_place(number)], NULL);
     raise(number);
@@ -144,7 +251,7 @@ static void on_stop(int number)
     int kept = errno;
     struct sigaction usual = {.sa_handler = SIG_DFL}, ours;
     sigset_t this_one;
-    give_back(false);
+    give_back(false, false);
     sigaction(number, &usual, &ours);
     sigemptyset(&this_one);
     sigaddset(&this_one, number);
@@ -159,10 +266,11 @@ static void on_continue(int number)
 {
     int kept = errno;
     (void)number;
-    if (term.open && term.mode != TERM_AS_FOUND) {
+    if (is_ours()) {
         struct termios modes = modes_of((enum term_mode)term.mode);
         while (tcsetattr(term.in, TCSADRAIN, &modes) != 0 && errno == EINTR)
             ;
+        term.guardian.guarded->on = 1;
         ssize_t ignored = write(term.out, term.begin.bytes, (size_t)term.begin.length);
         (void)ignored;
     }
@@ -219,9 +327,11 @@ static void take_stack(void)
 
 static void at_exit(void)
 {
-    if (term.open)
-        give_back(true);
+    if (!term.open || getpid() != term.owner)
+        return;
+    give_back(true, false);
     term.open = 0;
+    guardian_end(&term.guardian);
 }
 
 enum err term_open(int in, int out, struct fault *fault)
@@ -235,7 +345,12 @@ enum err term_open(int in, int out, struct fault *fault)
     term.in = in;
     term.out = out;
     term.mode = TERM_AS_FOUND;
-    term.resized = term.continued = 0;
+    term.resized = term.continued = term.answers = 0;
+    term.farewell_said = false;
+    term.owner = getpid();
+    guardian_start(&term.guardian, in, out);
+    term.guardian.guarded->on = 0;
+    term.guardian.guarded->found = term.found;
     set_text(&term.begin, "");
     set_text(&term.end, "");
     set_text(&term.recover, "");
@@ -251,6 +366,7 @@ void term_close(void)
         return;
     term_set_mode(TERM_AS_FOUND, NULL);
     term.open = 0;
+    guardian_end(&term.guardian);
     give_signals_back();
 }
 
@@ -283,9 +399,17 @@ enum err term_write_to(int fd, const void *bytes, size_t length, struct fault *f
     return OK;
 }
 
+/* Stopping in the middle would write our farewell into a picture, and the rest of that as text. */
 enum err term_write(const void *bytes, size_t length, struct fault *fault)
 {
-    return term_write_to(term.out, bytes, length, fault);
+    sigset_t stops, before;
+    sigemptyset(&stops);
+    sigaddset(&stops, SIGTSTP);
+    sigaddset(&stops, SIGCONT);
+    sigprocmask(SIG_BLOCK, &stops, &before);
+    enum err err = term_write_to(term.out, bytes, length, fault);
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    return err;
 }
 
 /* Waits with the signals that set a flag let in only while waiting: none comes between the look at

@@ -2,14 +2,19 @@
  * The terminal of this process: its modes, its size, reading and writing.
  *
  * There is one, because signals and exits belong to the process, so there is no object to pass.
- * Whatever way the process ends, short of SIGKILL, the terminal is as it was found:
+ * Whatever way the process ends, the terminal is as it was found:
  *
  *   T1 modes are saved before they are first changed;
  *   T2 they come back at term_close, exit(), SIGTERM, SIGHUP, SIGINT, SIGQUIT and a crash (SIGSEGV,
  *      SIGABRT, SIGBUS, SIGILL, SIGFPE), after which the signal takes its usual course;
  *   T3 they come back while the process is stopped (SIGTSTP), and ours when it goes on (SIGCONT);
  *   T4 a signal that the program handles or ignores itself is left alone, crashes apart;
- *   T5 what a handler writes is one write that begins with ESC \, which ends a picture cut in two.
+ *   T5 what a handler writes is one write that begins with ESC \, which ends a picture cut in two;
+ *   T6 a child gives it back after SIGKILL (tui/guardian.h);
+ *   T7 nothing that we do cuts what term_write writes in two: Ctrl-C does not make the terminal
+ * drop its output, and stopping waits until the write is done; T8 answers to our questions are not
+ * left to the shell: those that are due when a signal ends the process are read for up to 0.2 s.
+ * (When it ends by itself: probe_leave in tui/probe.h.)
  */
 #ifndef TUI_TERM_H
 #define TUI_TERM_H
@@ -36,10 +41,23 @@ struct term_size {
 enum err term_open(int in, int out, struct fault *fault);
 void term_close(void);
 
-/* What is written when our modes begin and when they end (bracketed paste on and off, say). At most
- * 63 bytes each; needed before the first term_set_mode. `recover` goes after the ESC \ of T5. */
+/* What is written when our modes begin and when they end (bracketed paste on and off, say). Less
+ * than TERM_WORDS bytes each, or none is; needed before the first term_set_mode. `recover` goes
+ * after the ESC \ of T5. */
+enum { TERM_WORDS = 128 };
 void term_set_greetings(const char *begin, const char *end);
 void term_set_recovery(const char *recover);
+
+/* The same while our modes are on, as for a full screen: what ends the former is written, then what
+ * begins the new. */
+enum err term_change_greetings(const char *begin, const char *end, struct fault *fault);
+
+/* Writes what ends our modes while they are on still, so that answers to what is asked behind it
+ * are read and not echoed. The next term_set_mode or term_close does not write it again. */
+enum err term_say_farewell(struct fault *fault);
+
+/* Whether the terminal is known to answer ESC[c: for T8. No at first. */
+void term_set_answers(bool answers);
 
 enum err term_set_mode(enum term_mode mode, struct fault *fault);
 
