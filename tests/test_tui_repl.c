@@ -126,6 +126,9 @@ struct terminal {
     struct termios found;
     const char *da1, *name; /* answers; NULL for none */
     bool kitty;
+    unsigned delay_ms; /* of the line: answers wait in `late` until `late_ns` */
+    struct buf late;
+    uint64_t late_ns;
     size_t answered; /* bytes of `seen` looked at for questions */
     size_t mark;     /* what was expected ended here */
     struct buf seen;
@@ -134,6 +137,7 @@ struct terminal {
 struct setting {
     const char *term, *da1, *name, *no_color;
     bool kitty, once;
+    unsigned delay_ms;
     struct repl_options options;
 };
 
@@ -146,6 +150,9 @@ static void run_shell(int slave, int report, int order, const struct setting *se
     setsid();
     ioctl(slave, TIOCSCTTY, 0);
     signal(SIGTTOU, SIG_IGN);
+    signal(SIGINT, SIG_DFL); /* ignored where the test itself runs in the background or by nohup */
+    signal(SIGQUIT, SIG_DFL);
+    signal(SIGHUP, SIG_DFL);
     for (int fd = 0; fd < 3; fd++)
         dup2(slave, fd);
     pid_t job = fork();
@@ -179,7 +186,10 @@ static void start(struct terminal *t, const struct setting *setting)
 {
     int report[2], order[2];
     struct winsize size = {.ws_row = 24, .ws_col = 80, .ws_xpixel = 800, .ws_ypixel = 480};
-    *t = (struct terminal){.da1 = setting->da1, .name = setting->name, .kitty = setting->kitty};
+    *t = (struct terminal){.da1 = setting->da1,
+                           .name = setting->name,
+                           .kitty = setting->kitty,
+                           .delay_ms = setting->delay_ms};
     t->master = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
     grantpt(t->master);
     unlockpt(t->master);
@@ -217,17 +227,36 @@ static bool is_question(const char *at, const char *question)
     return strncmp(at, question, strlen(question)) == 0;
 }
 
+static void reply(struct terminal *t, const char *text)
+{
+    if (t->delay_ms == 0) {
+        type(t, text);
+        return;
+    }
+    if (t->late.length == 0)
+        t->late_ns = clock_ns() + t->delay_ms * UINT64_C(1000000);
+    buf_add_text(&t->late, text);
+}
+
+static void reply_late(struct terminal *t)
+{
+    if (t->late.length == 0 || clock_ns() < t->late_ns)
+        return;
+    type_bytes(t, t->late.data, t->late.length);
+    buf_clear(&t->late);
+}
+
 /* Answers the questions in what came since, as a terminal with these abilities does. */
 static void answer(struct terminal *t)
 {
     for (; t->answered < t->seen.length; t->answered++) {
         const char *at = t->seen.data + t->answered;
         if (is_question(at, "\033[c") && t->da1)
-            type(t, t->da1);
+            reply(t, t->da1);
         else if (is_question(at, "\033[>q") && t->name)
-            type(t, t->name);
+            reply(t, t->name);
         else if (is_question(at, "\033_Gi=31,s=1,v=1,a=q") && t->kitty)
-            type(t, "\033_Gi=31;OK\033\\");
+            reply(t, "\033_Gi=31;OK\033\\");
         else if (*at == '\033' && t->seen.length - t->answered < 24 && !strchr(at, 'c'))
             break; /* perhaps cut short: look again when more is there */
     }
@@ -246,8 +275,11 @@ static bool see(struct terminal *t, const char *text, int ms)
         }
         uint64_t now = clock_ns();
         struct pollfd ready = {.fd = t->master, .events = POLLIN};
-        if (now >= end || poll(&ready, 1, (int)((end - now) / 1000000) + 1) == 0)
+        reply_late(t);
+        if (now >= end)
             return false;
+        if (poll(&ready, 1, t->late.length ? 2 : (int)((end - now) / 1000000) + 1) == 0)
+            continue;
         ssize_t n = read(t->master, piece, sizeof piece);
         if (n > 0) {
             buf_add(&t->seen, piece, (size_t)n);
@@ -310,6 +342,20 @@ static void end(struct terminal *t)
     close(t->master);
     close(t->slave);
     buf_release(&t->seen);
+    buf_release(&t->late);
+}
+
+/* What a shell would find typed, once every answer has come. */
+static size_t left_to_read(struct terminal *t)
+{
+    char bytes[256];
+    struct termios raw = t->found;
+    see(t, NULL, (int)t->delay_ms + 50);
+    raw.c_lflag &= ~(tcflag_t)(ICANON | ECHO);
+    raw.c_cc[VMIN] = raw.c_cc[VTIME] = 0;
+    tcsetattr(t->slave, TCSANOW, &raw);
+    ssize_t n = read(t->slave, bytes, sizeof bytes);
+    return n > 0 ? (size_t)n : 0;
 }
 
 static const struct setting xterm = {.term = "xterm", .da1 = "\033[?64;1;2;6;9c"};
@@ -429,6 +475,52 @@ STORY(a_silent_terminal_costs_two_seconds_and_no_key)
     CHECK(took > 1500 && took < 6000);
     type(&t, "\004");
     CHECK_INT(report_of(&t), 0);
+    end(&t);
+}
+
+STORY(answers_that_take_their_time_are_not_left_to_the_shell)
+{
+    struct setting setting = vt340;
+    struct terminal t;
+    setting.delay_ms = 300;
+    start(&t, &setting);
+    SEE(&t, "ch2> ");
+    type(&t, "picture\rquit\r");
+    SEE(&t, "\033P0;1q");
+    CHECK_INT(report_of(&t), 0);
+    CHECK(modes_are_as_found(&t));
+    CHECK_INT(left_to_read(&t), 0);
+    end(&t);
+}
+
+STORY(ctrl_z_waits_for_the_answer_that_is_due)
+{
+    struct setting setting = vt340;
+    struct terminal t;
+    setting.delay_ms = 300;
+    start(&t, &setting);
+    SEE(&t, "ch2> ");
+    type(&t, "picture\r\032");
+    CHECK(WIFSTOPPED(report_of(&t)));
+    CHECK(modes_are_as_found(&t));
+    CHECK_INT(left_to_read(&t), 0);
+    end(&t);
+}
+
+STORY(an_answer_that_comes_after_two_seconds_is_neither_text_nor_harm)
+{
+    struct setting setting = vt340;
+    struct terminal t;
+    setting.delay_ms = 2300;
+    start(&t, &setting);
+    SEE(&t, "ch2> ");
+    type(&t, "echo on");
+    see(&t, NULL, 500);
+    type(&t, "ly\r");
+    SEE(&t, "[only]");
+    type(&t, "quit\r");
+    CHECK_INT(report_of(&t), 0);
+    CHECK_INT(left_to_read(&t), 0);
     end(&t);
 }
 
@@ -748,6 +840,9 @@ int main(void)
         TELL(a_terminal_without_graphics_gets_blocks),
         TELL(without_colours_one_question_is_asked_and_nothing_coloured),
         TELL(a_silent_terminal_costs_two_seconds_and_no_key),
+        TELL(answers_that_take_their_time_are_not_left_to_the_shell),
+        TELL(ctrl_z_waits_for_the_answer_that_is_due),
+        TELL(an_answer_that_comes_after_two_seconds_is_neither_text_nor_harm),
         TELL(ctrl_c_empties_the_line_and_keeps_the_session), TELL(tab_completes_and_lists),
         TELL(a_large_paste_is_one_redraw_and_its_lines_are_run),
         TELL(history_is_searched_and_kept_in_a_file), TELL(escape_alone_is_not_the_alt_key),

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "tui/char_width.h"
+#include "tui/probe.h"
 #include "tui/term.h"
 
 enum { PASTE_PATIENCE_MS = 200 };
@@ -430,6 +431,9 @@ static enum err follow(struct line_editor *e, const char *prompt, enum outcome o
         err = leave_line(e, prompt, "\r\n", fault);
         if (err)
             return err;
+        if (e->answers_due > 0) /* or the shell gets the answer as input */
+            probe_await(e->answers_due, 2000, &e->input);
+        e->answers_due = 0;
         term_suspend();
         return redraw(e, prompt, fault);
     case CLEAR:

@@ -298,6 +298,9 @@ static enum err ask_for_command(struct flight *f, struct fault *fault)
 static enum err suspend(struct flight *f, struct fault *fault)
 {
     enum err err = clear_picture(f, fault);
+    if (f->flow.due) /* or the shell gets the answer as input */
+        probe_await(1, 2000, &f->editor->input);
+    f->flow.due = false;
     term_suspend();
     lay_out(f);
     return err;
@@ -456,6 +459,7 @@ enum err pilot_fly(const struct pilot_host *host, struct terminal_facts *facts,
     const struct term_size size = term_size();
     struct flight f = {.host = host, .facts = facts, .editor = editor};
     f.flow.silent = !facts->answers;
+    f.flow.round_trip_ns = facts->round_trip_ns;
     struct buf out = {0};
     *ended = false;
     if (size.columns < COLUMNS_LEAST || size.rows < ROWS_LEAST)

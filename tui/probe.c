@@ -11,7 +11,8 @@
 #define KITTY_QUESTION "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\"
 #define CLEAR_UP       "\r\033[K"
 
-enum { LIMIT_MS = 2000, SIDE_UNTOLD = 1000, CELL_LEAST = 4, CELL_MOST = 64 };
+enum { LIMIT_MS = 2000, OWED_MS = 300 };
+enum { SIDE_UNTOLD = 1000, CELL_LEAST = 4, CELL_MOST = 64 };
 enum {
     KIND_SCREEN = 'S',
     KIND_TMUX = 'T',
@@ -382,6 +383,30 @@ unsigned probe_await(unsigned count, int limit_ms, struct buf *typed)
     return await_replies(&ignored, count, limit_ms, typed);
 }
 
+void probe_leave(const struct terminal_facts *facts, unsigned due)
+{
+    struct buf typed = {0};
+    if (term_say_farewell(NULL) == OK) {
+        if (facts->answers && term_write(BARRIER, sizeof BARRIER - 1, NULL) == OK)
+            probe_await(due + 1, LIMIT_MS, &typed);
+        else if (facts->owes)
+            probe_await(1, OWED_MS, &typed);
+    }
+    buf_release(&typed);
+}
+
+/* ESC \ has been written before; what is harmless where it was not needed. */
+static void prepare_farewell(const struct terminal_facts *facts)
+{
+    char words[32] = "";
+    if (facts->graphics == GRAPHICS_KITTY)
+        strcat(words, "\033_Gm=0,q=2;\033\\"); /* ends a transmission cut between chunks */
+    if (facts->synchronizes)
+        strcat(words, "\033[?2026l");
+    term_set_recovery(words);
+    term_set_answers(facts->answers);
+}
+
 enum err probe_terminal(enum graphics wish, struct terminal_facts *facts, struct buf *typed,
                         struct fault *fault)
 {
@@ -389,6 +414,7 @@ enum err probe_terminal(enum graphics wish, struct terminal_facts *facts, struct
     struct probe_replies replies = {0};
     struct buf questions = {0};
     uint64_t round_trip_ns = 0;
+    bool owes = false;
     enum err err = OK;
     for (unsigned round = 0; !err && round < 2; round++) {
         buf_clear(&questions);
@@ -400,12 +426,15 @@ enum err probe_terminal(enum graphics wish, struct terminal_facts *facts, struct
         if (err || questions.length == 0)
             break;
         const uint64_t begin = clock_ns();
-        if (await_replies(&replies, 1, LIMIT_MS, typed))
+        owes = await_replies(&replies, 1, LIMIT_MS, typed) == 0;
+        if (!owes)
             round_trip_ns = clock_ns() - begin;
     }
     const struct term_size size = term_size();
     probe_decide(&replies, &e, &size, wish, facts);
     facts->round_trip_ns = round_trip_ns;
+    facts->owes = owes;
+    prepare_farewell(facts);
     buf_release(&questions);
     return err;
 }

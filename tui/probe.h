@@ -57,6 +57,7 @@ struct terminal_facts {
     uint32_t image_side_most;         /* px; a larger picture may not be drawn at all */
     enum block_shape shape;           /* the finest that its font is known to have */
     bool answers;                     /* it answered DA1: barriers work */
+    bool owes;                        /* it was asked and has not answered yet: perhaps it will */
     bool edits;                       /* kitty's a=f changes a picture in place; others have not */
     bool synchronizes;                /* ESC[?2026h .. l: what is between appears at once */
     uint64_t round_trip_ns;           /* from a question to its answer; 0 where nothing answers */
@@ -114,13 +115,19 @@ void probe_resize(struct terminal_facts *facts, const struct term_size *size);
 
 struct probe_environment probe_environment_now(void);
 
-/* Asks (at most 2 s without an answer) and decides. What was typed meanwhile is added to `typed`.
- */
+/* Asks (at most 2 s without an answer) and decides; tells the terminal what a farewell needs to
+ * know. What was typed meanwhile is added to `typed`. */
 enum err probe_terminal(enum graphics wish, struct terminal_facts *facts, struct buf *typed,
                         struct fault *fault);
 
 /* Waits until the terminal has answered `count` DA1 questions, at most `limit_ms`: everything
  * written before is on screen then. What was typed is added to `typed`. Returns those answered. */
 unsigned probe_await(unsigned count, int limit_ms, struct buf *typed);
+
+/* Before term_close: ends our modes, then asks once more and waits (at most 2 s; Ctrl-C ends it)
+ * for that answer and the `due` ones before it. Whatever would have come to the shell as if it had
+ * been typed, late answers and reports of the mouse, has come by then. Everything written before is
+ * on screen. What is typed meanwhile is lost. */
+void probe_leave(const struct terminal_facts *facts, unsigned due);
 
 #endif

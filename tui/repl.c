@@ -250,8 +250,6 @@ static enum err run_prompt(struct prompt *p, struct fault *fault)
         if (ended)
             break;
     }
-    if (!err && p->editor.answers_due > 0) /* or the shell gets the answer as input */
-        probe_await(p->editor.answers_due, BARRIER_MS, &p->editor.input);
     buf_release(&prompt);
     return err;
 }
@@ -275,8 +273,6 @@ static enum err open_terminal(int in, enum graphics wish, struct terminal_facts 
     err = term_set_mode(TERM_RAW, fault);
     if (!err)
         err = probe_terminal(wish, facts, typed, fault);
-    if (!err && facts->graphics == GRAPHICS_KITTY)
-        term_set_recovery("\033_Gm=0,q=2;\033\\"); /* ends a transmission cut between chunks */
     return err;
 }
 
@@ -301,6 +297,8 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     if (options->history_path && !loaded &&
         line_history_save(&p.editor.history, options->history_path, &of_history))
         print_warning(&of_history);
+    if (!err)
+        probe_leave(&p.facts, p.editor.answers_due);
     term_close();
     line_editor_release(&p.editor);
     return err;
@@ -331,12 +329,8 @@ bool show_picture_once(enum graphics wish, const struct image_view *view)
     if (tcgetpgrp(in) == getpgrp() && open_terminal(in, wish, &facts, &typed, "", "", NULL) == OK) {
         const struct term_size size = term_size();
         show_inline(&facts, view, size.columns, size.rows, &out);
-        bool barrier = facts.answers && facts.graphics > GRAPHICS_BLOCKS;
-        if (out.length > 0 && barrier)
-            buf_add_text(&out, "\033[c");
         shown = out.length > 0 && !out.failed && term_write(out.data, out.length, NULL) == OK;
-        if (shown && barrier)
-            probe_await(1, BARRIER_MS, &typed);
+        probe_leave(&facts, 0);
     }
     term_close();
     if (own)

@@ -82,13 +82,14 @@ _Static_assert((int)FAREWELL <= (int)GUARDIAN_WORDS, "the guardian may have to s
  * prompt; `ask` adds a question, before the words that restore. */
 static size_t put_farewell(char words[FAREWELL], bool for_good, bool ask)
 {
-    size_t length = 2;
-    memcpy(words, "\033\\", 2);
-    length += put(words + length, &term.recover);
+    size_t length = 0;
     if (ask) {
-        memcpy(words + length, "\033[c", 3);
-        length += 3;
+        memcpy(words, "\033\\\033[c", 5);
+        length += 5;
     }
+    memcpy(words + length, "\033\\", 2);
+    length += 2;
+    length += put(words + length, &term.recover);
     length += put(words + length, &term.end);
     if (for_good) {
         memcpy(words + length, "\033[m\033[?25h\r\n", 11);
