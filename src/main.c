@@ -840,7 +840,13 @@ static void prompt_complete(void *context, const char *line, size_t cursor, stru
                             size_t *word_start)
 {
     const struct prompt *prompt = context;
-    command_complete(candidates, word_start, line, cursor, &prompt->desk.session);
+    command_complete(candidates, word_start, line, cursor, &prompt->desk);
+}
+
+static void prompt_hint(void *context, const char *line, size_t length, struct buf *out)
+{
+    (void)context;
+    command_hint(out, line, length);
 }
 
 static bool prompt_picture(void *context, struct image_view *out)
@@ -938,6 +944,7 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
                                    .prompt = prompt_text,
                                    .execute = prompt_execute,
                                    .complete = prompt_complete,
+                                   .hint = prompt_hint,
                                    .picture = prompt_picture,
                                    .news = press ? prompt_news : NULL,
                                    .news_descriptor = press ? press_descriptor(press) : -1,

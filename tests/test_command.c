@@ -732,7 +732,7 @@ STORY(garbage_is_parsed_or_refused_in_one_plain_line)
         }
         buf_clear(&once);
         size_t start = 0, cursor = below((uint32_t)strlen(line) + 1);
-        command_complete(&once, &start, line, cursor, &desk.session);
+        command_complete(&once, &start, line, cursor, &desk);
         CHECK(start <= cursor);
     }
     CHECK(parsed > 300); /* or the mixture tests nothing */
@@ -748,7 +748,7 @@ static void completes(const struct desk *desk, const char *line, const char *exp
 {
     struct buf out = {0};
     size_t start = 99;
-    command_complete(&out, &start, line, strlen(line), &desk->session);
+    command_complete(&out, &start, line, strlen(line), desk);
     CHECK_TEXT(buf_text(&out), expected);
     CHECK_INT(start, expected_start);
     buf_release(&out);
@@ -761,12 +761,12 @@ STORY(completion_offers_what_may_stand_there)
     size_t start;
     begin_with_scene(&desk);
     must(&desk, "label 7 cortex");
-    command_complete(&out, &start, "", 0, &desk.session);
+    command_complete(&out, &start, "", 0, &desk);
     for (unsigned i = 0; i < command_count; i++)
         buf_printf(&names, "%s\n", command_table[i].name);
     CHECK_TEXT(buf_text(&out), buf_text(&names));
     buf_clear(&out);
-    command_complete(&out, &start, "help ", 5, &desk.session);
+    command_complete(&out, &start, "help ", 5, &desk);
     CHECK_TEXT(buf_text(&out), buf_text(&names));
     completes(&desk, "see", "seed\nseed-file\n", 0);
     completes(&desk, "  see", "seed\nseed-file\n", 2);
@@ -790,6 +790,143 @@ STORY(completion_offers_what_may_stand_there)
     buf_release(&out);
     buf_release(&names);
     desk_release(&desk);
+}
+
+/* Names of all kinds, below a folder of their own, where the story works. */
+static void begin_with_files(struct desk *desk)
+{
+    static const char *const name[] = {"a.nii",     "ab c.nii", "\"q\\.nii",
+                                       "#hash.nii", ".hidden",  "bad\nname",
+                                       "bad\x1b[m", "\xff",     "b\xc3\xa4r.nii"};
+    begin_with_scene(desk);
+    must(desk, "label 7 cortex");
+    CHECK(file_make_folder(place("files"), NULL) == OK);
+    CHECK(file_make_folder(place("files/masks"), NULL) == OK);
+    CHECK(file_make_folder(place("files/to do"), NULL) == OK);
+    for (size_t i = 0; i < sizeof name / sizeof *name; i++) {
+        char path[64];
+        snprintf(path, sizeof path, "files/%s", name[i]);
+        write_text(path, "");
+    }
+    write_text("files/masks/m.nii", "");
+    write_text("files/to do/one.nii", "");
+    CHECK(symlink("masks", place("files/link")) == 0);
+    CHECK(chdir(place("files")) == 0);
+}
+
+STORY(files_are_offered_where_a_file_may_stand)
+{
+    struct desk desk;
+    begin_with_files(&desk);
+    completes(&desk, "open a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
+    completes(&desk, "open a.", "a.nii\n", 5);
+    completes(&desk, "open \"a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
+    completes(&desk, "open \"a.", "\"a.nii\"\n", 5);
+    completes(&desk, "open \"a.nii\"", "", 12);
+    completes(&desk, "open m", "masks/\n", 5);
+    completes(&desk, "open l", "link/\n", 5);
+    completes(&desk, "open masks/", "masks/m.nii\n", 5);
+    completes(&desk, "open masks/n", "", 5);
+    completes(&desk, "open t", "\"to do/\n", 5);
+    completes(&desk, "open \"to do/", "\"to do/one.nii\"\n", 5);
+    completes(&desk, "open ./a.", "./a.nii\n", 5);
+    completes(&desk, "open #", "\"#hash.nii\"\n", 5);
+    completes(&desk, "open ./#", "./#hash.nii\n", 5);
+    completes(&desk, "open \"\\\"", "\"\\\"q\\\\.nii\"\n", 5);
+    completes(&desk, "open b", "b\xc3\xa4r.nii\n", 5); /* none that a command cannot hold */
+    completes(&desk, "open .", ".hidden\n", 5);
+    completes(&desk, "open \"\"x", "", 8);
+    completes(&desk, "save labels m", "masks/\n", 12);
+    completes(&desk, "weight m", "morph\nmasks/\n", 7);
+    completes(&desk, "slice axial m", "masks/\n", 12);
+    completes(&desk, "slice axial 3 m", "masks/\n", 14);
+    completes(&desk, "render l", "link/\nlayout=\n", 7);
+    completes(&desk, "render layout=l", "lines\n", 14);
+    completes(&desk, "seed 1,1,1 m", "", 11);
+    completes(&desk, "hide \"co", "\"cortex\"\n", 5);
+    completes(&desk, "save nowhere/", "", 5);
+    CHECK(chdir(folder) == 0);
+    desk_release(&desk);
+}
+
+STORY(a_key_that_is_given_is_not_offered_again)
+{
+    struct desk desk;
+    begin_with_scene(&desk);
+    completes(&desk, "overlay cross=on ", "none\ntint\ncontour\nmarks=\nwords=\n", 17);
+    completes(&desk, "overlay cross=on m", "marks=\n", 17);
+    completes(&desk, "hide b", "", 5); /* label 0 cannot be hidden */
+    completes(&desk, "# see", "", 5);
+    desk_release(&desk);
+}
+
+STORY(goldens_branches_and_records_are_offered)
+{
+    struct desk desk;
+    begin_with_scene(&desk);
+    desk_release(&desk);
+    begin_desk(&desk);
+    CHECK(desk_create_journal(&desk, place("offers.iftty"), NULL) == OK);
+    char line[PATH_MAX + 8];
+    snprintf(line, sizeof line, "open %s", place("scene.nii"));
+    must(&desk, line);
+    completes(&desk, "golden ", "of=\n", 7);
+    must(&desk, "seed 1,1,1 2");
+    must(&desk, "seed 9,9,9 1");
+    must(&desk, "size 20 20");
+    must(&desk, "golden front-1");
+    must(&desk, "golden front-2 of=axial");
+    must(&desk, "branch stem");
+    completes(&desk, "golden f", "front-1\nfront-2\n", 7);
+    completes(&desk, "golden front-1 of=a", "axial\n", 18);
+    completes(&desk, "goto s", "stem\n", 5);
+    completes(&desk, "goto ", "main\nstem\n1\n2\n3\n5\n", 5);
+    completes(&desk, "goto 2", "2\n", 5);
+    desk_release(&desk);
+}
+
+/* ---- hints ---- */
+
+static void hints(const char *line, const char *expected)
+{
+    struct buf out = {0};
+    command_hint(&out, line, strlen(line));
+    if (strcmp(buf_text(&out), expected) != 0)
+        printf("#   %s\n", line);
+    CHECK_TEXT(buf_text(&out), expected);
+    buf_release(&out);
+}
+
+STORY(a_hint_is_the_rest_of_the_usage)
+{
+    hints("", "");
+    hints("see", "");
+    hints("seed", " X,Y,Z LABEL [radius=0..32]");
+    hints("seed ", "X,Y,Z LABEL [radius=0..32]");
+    hints("  seed   ", "X,Y,Z LABEL [radius=0..32]");
+    hints("seed 1", " LABEL [radius=0..32]");
+    hints("seed 1,1,1", " LABEL [radius=0..32]");
+    hints("seed 1,1,1 ", "LABEL [radius=0..32]");
+    hints("seed 1,1,1 2", " [radius=0..32]");
+    hints("seed 1,1,1 2 ", "[radius=0..32]");
+    hints("seed 1,1,1 2 r", "");
+    hints("seed 1,1,1 2 radius=", "0..32");
+    hints("seed 1,1,1 2 radius=3", "");
+    hints("seed radius=", "0..32 X,Y,Z LABEL");
+    hints("seed radius=3 ", "X,Y,Z LABEL");
+    hints("seed 1,1,1 2 radius=3 ", "");
+    hints("seed 1,1,1 2 3 ", "[radius=0..32]");
+    hints("overlay words=off ", "[none|tint|contour] [cross=on|off] [marks=on|off]");
+    hints("slice axial a.png ", "[N] [zoom=fit|0.01..64] [replace=yes|no]");
+    hints("label 2 \"a", "");
+    hints("label \"2\"", " NAME [#rrggbb]");
+    hints("\"seed\" ", "X,Y,Z LABEL [radius=0..32]");
+    hints("\"seed", "");
+    hints("run", "");
+    hints("run ", "");
+    hints("nonsense ", "");
+    hints("# seed ", "");
+    hints("seed \"1\"2 ", "");
 }
 
 /* ---- the door ---- */
@@ -1944,7 +2081,10 @@ int main(void)
         TELL(an_error_tells_where_in_the_line_it_is),
         TELL(without_a_scene_only_what_needs_none_works), TELL(comments_and_empty_lines_do_nothing),
         TELL(garbage_is_parsed_or_refused_in_one_plain_line),
-        TELL(completion_offers_what_may_stand_there), TELL(a_stroke_is_balls_along_a_line),
+TELL(completion_offers_what_may_stand_there), TELL(a_stroke_is_balls_along_a_line),
+        TELL(files_are_offered_where_a_file_may_stand),
+        TELL(a_key_that_is_given_is_not_offered_again),
+        TELL(goldens_branches_and_records_are_offered), TELL(a_hint_is_the_rest_of_the_usage),
         TELL(seeds_come_out_of_files), TELL(a_seed_file_that_is_wrong_plants_nothing),
         TELL(a_journal_knows_its_seed_files_again),
         TELL(a_command_that_cannot_be_recorded_is_undone), TELL(weights_come_out_of_a_file),

@@ -68,15 +68,21 @@ screen | grep -q '^24x20x16 voxels' || fail "the scene is not told:" "$(screen)"
 same "$(below 's> label 2 early')" "s>"
 close_story
 
-begin "Tab completes a word, and lists what there is"
+begin "Tab completes a word, and lists what there is; a hint tells what may follow"
 press z o Tab
-see '^s> zoom$'
+see '^s> zoom fit\|FACTOR$'
 enter "fit"
 see '^s> zoom fit$'
 press s Tab
-see '^seed +seed-file +size +show'
+see '^seed +size +shade +spin +save +stats$'
+see '^seed-file +show +samples +slice +sync$'
 press e Tab
-see '^s> seed$'
+see '^s> seed X,Y,Z LABEL \[radius=0\.\.32\]$'
+press C-u
+see '^s>$'
+tmux_here send-keys -t prompt -l "open s."
+press Tab
+see '^s> open s\.nii$'
 press C-u
 close_story
 

@@ -1,6 +1,8 @@
 /* What the prompt draws besides the line itself, without a terminal: bytes in, bytes out. */
 #include "tests/check.h"
+#include "tui/candidates.h"
 #include "tui/caret.h"
+#include "tui/line_draw.h"
 
 /* ---- the caret ---- */
 
@@ -63,10 +65,92 @@ STORY(in_hardly_any_columns_there_is_no_caret)
         }
 }
 
+/* ---- candidates ---- */
+
+static const char *list(const char *words, unsigned columns, unsigned rows)
+{
+    static char drawn[4096];
+    struct buf out = {0};
+    const struct candidates c = candidates_of(words);
+    candidates_list(&c, columns, rows, &out);
+    snprintf(drawn, sizeof drawn, "%s", buf_text(&out));
+    buf_release(&out);
+    return drawn;
+}
+
+STORY(what_all_candidates_begin_with_is_whole_characters)
+{
+    CHECK_INT(candidates_of("").count, 0);
+    CHECK_INT(candidates_of("seed\n").common, 4);
+    CHECK_INT(candidates_of("seed\nseed-file\n").common, 4);
+    CHECK_INT(candidates_of("seed\nsave\n").common, 1);
+    CHECK_INT(candidates_of("b\xc3\xa4\nb\xc3\xb6\n").common, 1);
+    CHECK_INT(candidates_of("seed\nrun\n").common, 0);
+}
+
+STORY(candidates_stand_in_columns_read_downwards)
+{
+    CHECK_TEXT(list("one\ntwo\n", 80, 24), "one  two\r\n");
+    CHECK_TEXT(list("a\nb\nc\nd\ne\n", 6, 24), "a  d\r\nb  e\r\nc\r\n");
+    CHECK_TEXT(list("\xe6\x9c\xac\nb\nc\n", 8, 24), "\xe6\x9c\xac  c\r\nb\r\n");
+    CHECK_TEXT(list("longer than the window\nb\n", 8, 24), "longer than the window\r\nb\r\n");
+}
+
+STORY(what_leads_to_a_file_is_not_repeated)
+{
+    CHECK_TEXT(list("scans/a.nii\nscans/b.nii\n", 80, 24), "a.nii  b.nii\r\n");
+    CHECK_TEXT(list("\"my scans/a.nii\"\n\"my scans/masks/\n", 80, 24), "a.nii   masks/\r\n");
+    CHECK_TEXT(list("\"a b\"\n\"a c/\n", 80, 24), "a b   a c/\r\n");
+    CHECK_TEXT(list("scans/\nscans/a\n", 80, 24), "scans/  a\r\n");
+}
+
+STORY(candidates_that_do_not_fit_are_told_in_one_line)
+{
+    struct buf words = {0};
+    for (int i = 0; i < 100; i++)
+        buf_printf(&words, "%02d\n", i);
+    CHECK_TEXT(list(buf_text(&words), 9, 8),
+               "00  04\r\n01  05\r\n02  06\r\n03  07\r\nand 92 more\r\n");
+    CHECK_TEXT(list(buf_text(&words), 9, 1), "00  01\r\nand 98 more\r\n");
+    buf_release(&words);
+}
+
+/* ---- hints ---- */
+
+static const char *draw(const char *text, size_t cursor, const char *hint, unsigned columns)
+{
+    static char drawn[512];
+    struct buf out = {0};
+    struct line_drawing drawing = {0};
+    const struct line_content content = {"> ", text, strlen(text), cursor, hint};
+    line_draw(&drawing, &content, columns, 24, &out);
+    snprintf(drawn, sizeof drawn, "%s", buf_text(&out));
+    buf_release(&out);
+    return drawn;
+}
+
+#define GREY "\033[38;5;244m"
+
+STORY(a_hint_stands_behind_the_cursor_and_is_cut_before_the_last_column)
+{
+    CHECK_TEXT(draw("seed", 4, NULL, 80), "\r\033[J> seed");
+    CHECK_TEXT(draw("seed", 4, "", 80), "\r\033[J> seed");
+    CHECK_TEXT(draw("seed", 4, " X,Y,Z", 80), "\r\033[J> seed" GREY " X,Y,Z\033[m\r\033[6C");
+    CHECK_TEXT(draw("seed", 4, " X,Y,Z", 11), "\r\033[J> seed" GREY " X,Y\033[m\r\033[6C");
+    CHECK_TEXT(draw("seed", 4, " \xe6\x9c\xac!", 9), "\r\033[J> seed" GREY " \033[m\r\033[6C");
+    CHECK_TEXT(draw("seed", 4, " X,Y,Z", 7), "\r\033[J> seed");
+    CHECK_TEXT(draw("seed", 4, "X,Y,Z", 6), "\r\033[J> seed\r\n" GREY "X,Y,Z\033[m\r");
+}
+
 int main(void)
 {
     return RUN_STORIES(TELL(the_caret_stands_under_the_first_column_of_the_word),
                        TELL(a_line_that_did_not_fit_is_shown_around_the_word),
                        TELL(below_other_output_the_line_is_shown_again),
-                       TELL(in_hardly_any_columns_there_is_no_caret));
+                       TELL(in_hardly_any_columns_there_is_no_caret),
+                       TELL(what_all_candidates_begin_with_is_whole_characters),
+                       TELL(candidates_stand_in_columns_read_downwards),
+                       TELL(what_leads_to_a_file_is_not_repeated),
+                       TELL(candidates_that_do_not_fit_are_told_in_one_line),
+                       TELL(a_hint_stands_behind_the_cursor_and_is_cut_before_the_last_column));
 }

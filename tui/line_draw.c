@@ -88,6 +88,26 @@ static void go_to_cursor(size_t up, unsigned column, struct buf *out)
         buf_printf(out, "\033[%uC", column);
 }
 
+/* As much of the hint as fits before the last column, where terminals wait with the wrap. */
+static bool add_hint(const char *hint, unsigned columns, unsigned column, struct buf *out)
+{
+    const size_t length = strlen(hint);
+    struct walk w = {.columns = UINT32_MAX / 2, .column = column, .end = 1};
+    size_t fits = 0;
+    while (fits < length) {
+        const size_t n = walk_character(&w, hint + fits, length - fits);
+        if (w.column >= columns)
+            break;
+        fits += n;
+    }
+    if (fits == 0)
+        return false;
+    buf_add_text(out, "\033[38;5;244m");
+    buf_add(out, hint, fits);
+    buf_add_text(out, "\033[m");
+    return true;
+}
+
 void line_draw(struct line_drawing *drawing, const struct line_content *content, unsigned columns,
                unsigned rows, struct buf *out)
 {
@@ -109,7 +129,8 @@ void line_draw(struct line_drawing *drawing, const struct line_content *content,
     walk_text(&w, content->prompt, strlen(content->prompt));
     walk_text(&w, content->text, content->length);
     walk_wrap(&w);
-    if (w.row != cursor.row || w.column != cursor.column)
+    const bool hints = content->hint && add_hint(content->hint, columns, w.column, out);
+    if (hints || w.row != cursor.row || w.column != cursor.column)
         go_to_cursor(last - cursor.row, cursor.column, out);
     drawing->row = (unsigned)(cursor.row - first);
     drawing->cells = (size_t)drawing->row * columns + cursor.column;

@@ -6,7 +6,8 @@
  * Rows break where the terminal breaks them: at the right margin, a wide character early. After a
  * character in the last column terminals wait with the wrap, so when the text ends there, CR LF
  * makes it happen. When there are more rows than the terminal has, those around the cursor show.
- * What is no printable UTF-8 is drawn as \xNN. Pure: bytes out.
+ * What is no printable UTF-8 is drawn as \xNN. A hint goes no further than the row of the cursor.
+ * Pure: bytes out.
  */
 #ifndef TUI_LINE_DRAW_H
 #define TUI_LINE_DRAW_H
@@ -25,6 +26,7 @@ struct line_content {
     const char *prompt;
     const char *text;
     size_t length, cursor; /* in bytes of text */
+    const char *hint; /* in grey behind the text, where the cursor is; safe to print, or NULL */
 };
 
 void line_draw(struct line_drawing *drawing, const struct line_content *content, unsigned columns,

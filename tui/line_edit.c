@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "tui/char_width.h"
+#include "tui/candidates.h"
 #include "tui/probe.h"
 #include "tui/term.h"
 
@@ -26,11 +26,21 @@ enum outcome { GO_ON, SUBMIT, ABANDON, END, GONE, SUSPEND, CLEAR, COMPLETE, NEWS
 
 /* ---- drawing ---- */
 
+/* What may follow, behind a line that is typed at its end. */
+static void add_hint(const struct line_editor *e, struct buf *hint)
+{
+    const struct line *l = &e->line;
+    if (e->hint && l->text.length > 0 && l->cursor == l->text.length && !l->searching &&
+        !e->pasting && !e->submits)
+        e->hint(e->context, buf_text(&l->text), l->text.length, hint);
+}
+
 static void draw_line(struct line_editor *e, const char *prompt, struct buf *out)
 {
     const struct line *l = &e->line;
     const struct term_size size = term_size();
-    struct buf search = {0};
+    struct buf search = {0}, hint = {0};
+    add_hint(e, &hint);
     if (l->searching) {
         buf_printf(&search, "(%s '%s') ", l->search_failed ? "not found:" : "search",
                    buf_text(&l->wanted));
@@ -39,9 +49,11 @@ static void draw_line(struct line_editor *e, const char *prompt, struct buf *out
     const struct line_content content = {.prompt = prompt,
                                          .text = buf_text(&l->text),
                                          .length = l->text.length,
-                                         .cursor = l->cursor};
+                                         .cursor = l->cursor,
+                                         .hint = buf_text(&hint)};
     line_draw(&e->drawing, &content, size.columns, size.rows, out);
     buf_release(&search);
+    buf_release(&hint);
 }
 
 static enum err write_out(struct buf *out, struct fault *fault)
@@ -66,7 +78,9 @@ static enum err leave_line(struct line_editor *e, const char *prompt, const char
     struct buf out = {0};
     e->line.cursor = e->line.text.length;
     e->line.searching = false;
+    e->submits = true;
     draw_line(e, prompt, &out);
+    e->submits = false;
     buf_add_text(&out, more);
     e->drawing = (struct line_drawing){0};
     return write_out(&out, fault);
@@ -93,58 +107,6 @@ static enum err tell_news(struct line_editor *e, const char *prompt, struct faul
 
 /* ---- completion ---- */
 
-struct candidates {
-    size_t count, widest;
-    const char *first;
-    size_t common; /* bytes that all begin with */
-};
-
-static const char *end_of_word(const char *word)
-{
-    return word + strcspn(word, "\n");
-}
-
-static struct candidates look_at(const char *words)
-{
-    struct candidates c = {.first = words};
-    for (const char *end, *word = words; *word; word = *end ? end + 1 : end) {
-        end = end_of_word(word);
-        size_t length = (size_t)(end - word), same = 0;
-        if (length == 0)
-            continue;
-        if (c.count++ == 0) {
-            c.first = word;
-            c.common = length;
-        }
-        while (same < c.common && same < length && word[same] == c.first[same])
-            same++;
-        c.common = same;
-        size_t width = line_width(word, length);
-        c.widest = width > c.widest ? width : c.widest;
-    }
-    while (c.count > 1 && c.common > 0 && (c.first[c.common] & 0xC0) == 0x80)
-        c.common--; /* not within a character */
-    return c;
-}
-
-/* The candidates in columns, as many as fit, escaped for the terminal. */
-static void list_candidates(const char *words, const struct candidates *c, unsigned columns,
-                            struct buf *out)
-{
-    size_t stride = c->widest + 2, a_row = columns / stride > 0 ? columns / stride : 1, n = 0;
-    for (const char *end, *word = words; *word; word = *end ? end + 1 : end) {
-        end = end_of_word(word);
-        if (end == word)
-            continue;
-        buf_add_safe(out, word, (size_t)(end - word));
-        if (++n % a_row == 0 || n == c->count)
-            buf_add_text(out, "\r\n");
-        else
-            for (size_t w = line_width(word, (size_t)(end - word)); w < stride; w++)
-                buf_add_char(out, ' ');
-    }
-}
-
 static void accept_word(struct line *l, size_t start, const struct candidates *c)
 {
     char last = c->first[c->common - 1];
@@ -159,10 +121,11 @@ static enum err complete_word(struct line_editor *e, const char *prompt, struct 
 {
     struct buf words = {0}, out = {0};
     struct line *l = &e->line;
+    const struct term_size size = term_size();
     size_t start = l->cursor;
     if (e->complete)
         e->complete(e->context, buf_text(&l->text), l->cursor, &words, &start);
-    const struct candidates c = look_at(buf_text(&words));
+    const struct candidates c = candidates_of(buf_text(&words));
     enum err err = OK;
     if (c.count == 0 || words.failed || start > l->cursor) {
         buf_add_char(&out, '\a');
@@ -172,7 +135,7 @@ static enum err complete_word(struct line_editor *e, const char *prompt, struct 
         size_t cursor = l->cursor;
         err = leave_line(e, prompt, "\r\n", fault);
         l->cursor = cursor;
-        list_candidates(buf_text(&words), &c, term_size().columns, &out);
+        candidates_list(&c, size.columns, size.rows, &out);
     }
     buf_release(&words);
     if (err) {

@@ -7,10 +7,12 @@
  *     Ctrl-P Ctrl-N arrows      older, newer         Ctrl-Y          yank
  *     Alt-< Alt->               oldest, newest       Ctrl-T          transpose characters
  *     Ctrl-R                    search; Ctrl-G gives up, Enter submits, other keys edit
- *     Tab                       complete             Ctrl-L          clear the screen
+ *     Tab                       complete, or list    Ctrl-L          clear the screen
  *     Ctrl-C                    empty the line       Ctrl-Z          stop, as job control does
  *     Ctrl-D                    delete; on an empty line, the end
  *     Ctrl-O                    a line of the host's, such as a command that is often wanted
+ *
+ * Behind a line that is typed at its end stands in grey what may follow; it is no part of the line.
  *
  * All that has arrived is taken in before the line is drawn, and a bracketed paste to its end, so
  * that a large paste costs one redraw. A line feed in it submits, the rest stays for the next line.
@@ -32,6 +34,9 @@
 typedef void line_complete_function(void *context, const char *line, size_t cursor,
                                     struct buf *candidates, size_t *word_start);
 
+/* Adds what may follow the line, safe to print. */
+typedef void line_hint_function(void *context, const char *line, size_t length, struct buf *out);
+
 /* Adds lines that are to be told now, safe to print, each ended by a line feed. */
 typedef void line_news_function(void *context, struct buf *out);
 
@@ -46,6 +51,8 @@ struct line_editor {
     unsigned answers_due; /* DA1 questions sent, not answered yet */
     struct line_drawing drawing;
     line_complete_function *complete; /* may be NULL */
+    line_hint_function *hint;         /* may be NULL: asked wherever the cursor is at the end */
+    bool submits;                     /* the line is drawn for the last time: without a hint */
     line_news_function *news;         /* may be NULL; else asked when news_descriptor is readable */
     int news_descriptor;
     const char *line_of_ctrl_o; /* submitted in place of what was typed, or NULL */

@@ -292,6 +292,8 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
                                  "\033[?2004h", "\033[?2004l", fault);
     if (!err && loaded)
         print_warning(&of_history);
+    if (p.facts.colours != COLOURS_NONE)
+        p.editor.hint = host->hint;
     if (!err)
         err = run_prompt(&p, fault);
     if (options->history_path && !loaded &&

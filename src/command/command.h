@@ -34,6 +34,8 @@ enum parameter_type {
     PARAMETER_COLOUR,         /* #rrggbb */
     PARAMETER_FILE,           /* a path */
     PARAMETER_COMMAND,        /* the name of a command */
+    PARAMETER_GOLDEN,         /* the name of a golden image */
+    PARAMETER_POINT,          /* the number of a record, or the name of a branch */
     PARAMETER_WORD,           /* any word */
 };
 
@@ -139,8 +141,19 @@ void command_usage(struct buf *out, const struct command *command);
 /* The text of `help` (command NULL) or `help NAME`, in lines of at most 80 columns. */
 void command_help(struct buf *out, const struct command *command);
 
-/* Words that may stand at the end of line[0..cursor): newline-separated, with where they begin. */
+/* The parameter that a word fills, of those whose value is not given: a keyed one by its name, in
+ * which case *word moves on to its value, else the next in order; -1 for none. */
+int command_parameter_for(const struct command *command, const struct value *value,
+                          const char **word);
+
+/* Words that may stand at the end of line[0..cursor), as they are to be typed: each ended by a line
+ * feed, with where they begin. Of a folder, what ends in / and may go on. Files are those on the
+ * disk now; names that a command cannot hold are left out. */
 void command_complete(struct buf *out, size_t *word_start, const char *line, size_t cursor,
-                      const struct session *session);
+                      const struct desk *desk);
+
+/* What may follow line[0..length), as usage has it: "X,Y,Z LABEL [radius=0..32]" behind the name
+ * of a command; nothing where that is not known. */
+void command_hint(struct buf *out, const char *line, size_t length);
 
 #endif

@@ -1,17 +1,15 @@
-#include "command/command.h"
+#include "command/usage.h"
 
 #include <string.h>
 
-#include "base/choice.h"
 #include "render/view.h"
-#include "session/session.h"
 
 /* Columns; summaries have the 50 that are left. */
 enum { INDENT = 4, SUMMARY_COLUMN = 30, USAGE_MOST = 76, LINE_MOST = 80 };
 
 /* ---- usage and help ---- */
 
-static void parameter_form(struct buf *out, const struct parameter *p)
+void usage_form(struct buf *out, const struct parameter *p)
 {
     switch (p->type) {
     case PARAMETER_POSITION:
@@ -56,17 +54,24 @@ static void parameter_form(struct buf *out, const struct parameter *p)
     }
 }
 
+void usage_parameter(struct buf *out, const struct parameter *p)
+{
+    if (p->optional)
+        buf_add_char(out, '[');
+    if (p->keyed)
+        buf_printf(out, "%s=", p->name);
+    usage_form(out, p);
+    if (p->optional)
+        buf_add_char(out, ']');
+}
+
 void command_usage(struct buf *out, const struct command *command)
 {
     const struct parameter *p = command->parameter;
     buf_add_text(out, command->name);
     for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++) {
-        buf_add_text(out, p[i].optional ? " [" : " ");
-        if (p[i].keyed)
-            buf_printf(out, "%s=", p[i].name);
-        parameter_form(out, &p[i]);
-        if (p[i].optional)
-            buf_add_char(out, ']');
+        buf_add_char(out, ' ');
+        usage_parameter(out, &p[i]);
     }
 }
 
@@ -134,85 +139,5 @@ void command_help(struct buf *out, const struct command *command)
         if (i == 0 || c->group != c[-1].group)
             buf_printf(out, "%s%s\n", i ? "\n" : "", command_group_name[c->group]);
         list_command(out, c);
-    }
-}
-
-/* ---- completion ---- */
-
-static void offer(struct buf *out, const char *word, size_t length, const char *typed,
-                  size_t typed_length)
-{
-    if (length < typed_length || memcmp(word, typed, typed_length) != 0)
-        return;
-    buf_add(out, word, length);
-    buf_add_char(out, '\n');
-}
-
-static void offer_choices(struct buf *out, const char *choices, const char *typed, size_t length)
-{
-    struct choice choice;
-    while (choice_next(&choice, &choices))
-        offer(out, choice.word, choice.length, typed, length);
-}
-
-static void offer_values(struct buf *out, const struct parameter *p, const char *typed,
-                         size_t length, const struct session *session)
-{
-    if (p->choices)
-        offer_choices(out, p->choices, typed, length);
-    else if (p->type == PARAMETER_VIEW)
-        offer_choices(out, VIEW_NAMES, typed, length);
-    else if (p->type == PARAMETER_COMMAND)
-        for (unsigned i = 0; i < command_count; i++)
-            offer(out, command_table[i].name, strlen(command_table[i].name), typed, length);
-    else if (p->type == PARAMETER_LABEL)
-        for (int label = 0; label < 256; label++) {
-            const char *name = session->settings.label_name[label];
-            if (*name)
-                offer(out, name, strlen(name), typed, length);
-        }
-}
-
-void command_complete(struct buf *out, size_t *word_start, const char *line, size_t cursor,
-                      const struct session *session)
-{
-    size_t start = cursor, words = 0;
-    while (start > 0 && line[start - 1] != ' ' && line[start - 1] != '\t')
-        start--;
-    for (size_t i = 0; i < start; i++)
-        words += (line[i] != ' ' && line[i] != '\t') &&
-                 (i + 1 == start || line[i + 1] == ' ' || line[i + 1] == '\t');
-    const char *typed = line + start;
-    size_t length = cursor - start;
-    *word_start = start;
-    const struct command *command = NULL;
-    for (unsigned i = 0; i < command_count; i++) {
-        const char *name = command_table[i].name;
-        size_t n = strlen(name);
-        if (words == 0)
-            offer(out, name, n, typed, length);
-        else if (strncmp(line + strspn(line, " \t"), name, n) == 0 &&
-                 strchr(" \t", line[strspn(line, " \t") + n]))
-            command = &command_table[i];
-    }
-    if (!command)
-        return;
-    size_t place = 1;
-    for (int i = 0; i < PARAMETERS_MOST && command->parameter[i].type; i++) {
-        const struct parameter *p = &command->parameter[i];
-        size_t n = strlen(p->name);
-        if (!p->keyed && place++ == words)
-            offer_values(out, p, typed, length, session);
-        if (!p->keyed)
-            continue;
-        struct buf word = {0};
-        buf_printf(&word, "%s=", p->name);
-        if (length > n && memcmp(typed, buf_text(&word), n + 1) == 0) {
-            *word_start = start + n + 1;
-            offer_values(out, p, typed + n + 1, length - n - 1, session);
-        } else {
-            offer(out, buf_text(&word), n + 1, typed, length);
-        }
-        buf_release(&word);
     }
 }

@@ -283,6 +283,8 @@ static enum err read_value(struct value *value, const struct parameter *p, const
         return command_find(word) ? OK
                                   : command_unknown(fault, "there is no command", "`help`", word);
     case PARAMETER_FILE:
+    case PARAMETER_GOLDEN:
+    case PARAMETER_POINT:
     case PARAMETER_WORD:
     case PARAMETER_END:
         value->text = word;
@@ -300,10 +302,10 @@ static bool is_passed_over(const struct parameter *p, const char *word)
            strchr(word, '.');
 }
 
-/* The parameter that a word fills: a keyed one by its name, else the next in order. */
-static int parameter_for(const struct call *call, const char **word)
+int command_parameter_for(const struct command *command, const struct value *value,
+                          const char **word)
 {
-    const struct parameter *p = call->command->parameter;
+    const struct parameter *p = command->parameter;
     for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++) {
         size_t n = strlen(p[i].name);
         if (p[i].keyed && strncmp(*word, p[i].name, n) == 0 && (*word)[n] == '=') {
@@ -312,7 +314,7 @@ static int parameter_for(const struct call *call, const char **word)
         }
     }
     for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++)
-        if (!p[i].keyed && !call->value[i].given && !is_passed_over(&p[i], *word))
+        if (!p[i].keyed && !value[i].given && !is_passed_over(&p[i], *word))
             return i;
     return -1;
 }
@@ -352,7 +354,7 @@ static enum err fill(struct call *call, const char *word, const struct session *
                      struct fault *fault)
 {
     const char *whole = word;
-    int i = parameter_for(call, &word);
+    int i = command_parameter_for(call->command, call->value, &word);
     enum err err = OK;
     if (i < 0)
         err = usage_fault(fault, call->command, "one word too many: ", whole);
@@ -477,6 +479,8 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
     case PARAMETER_NAMED_FILE:
     case PARAMETER_FILE:
     case PARAMETER_COMMAND:
+    case PARAMETER_GOLDEN:
+    case PARAMETER_POINT:
     case PARAMETER_WORD:
     case PARAMETER_END:
         command_write_word(out, value->text);

@@ -218,7 +218,7 @@ const struct command command_table[] = {
     {"goto",
      GROUP_SEEDS,
      R | S | E,
-     {NEED("PLACE", WORD, 0, 0)},
+     {NEED("PLACE", POINT, 0, 0)},
      "the segmentation as a record or a branch left it",
      "The number of a record, which `history` and `iftty log` tell, or the name of a branch: "
      "where one was on it last. The first branch is main.",
@@ -478,7 +478,7 @@ const struct command command_table[] = {
     {"golden",
      GROUP_KEPT,
      R | S | E,
-     {NEED("NAME", WORD, 0, 0), KEYED_ONE_OF("of", "rendition|" SIGHT_WORDS)},
+     {NEED("NAME", GOLDEN, 0, 0), KEYED_ONE_OF("of", "rendition|" SIGHT_WORDS)},
      "keep a picture as a golden image",
      "The rendition, or a slice or mosaic as it would be shown now. `iftty verify` compares it "
      "pixel for pixel. It lies in a folder beside the journal.",

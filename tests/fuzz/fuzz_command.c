@@ -1,23 +1,24 @@
 /* Lines as commands: what parses is written in a form that parses to the same, and is a command
- * that a journal takes. Completion of any line. */
+ * that a journal takes. Completion and hints of any line. */
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>
 
-#include "command/command.h"
+#include "command/desk.h"
 #include "journal/record.h"
-#include "session/session.h"
 
-static struct session session; /* kept from one line to the next */
+static struct desk desk; /* kept from one line to the next */
 
 static void prepare(void)
 {
     struct fault fault;
-    if (session.has_scene)
+    struct session *session = &desk.session;
+    if (session->has_scene)
         return;
-    session_init(&session);
-    HOLDS(session_open(&session, "synth:geom:9x8x7", &fault) == OK);
-    strcpy(session.settings.label_name[2], "cerebellum");
+    session_init(session);
+    history_init(&desk.history);
+    HOLDS(session_open(session, "synth:geom:9x8x7", &fault) == OK);
+    strcpy(session->settings.label_name[2], "cerebellum");
 }
 
 static void parse(const char *line)
@@ -25,12 +26,12 @@ static void parse(const char *line)
     struct call call, again;
     struct buf first = {0}, second = {0};
     struct fault fault;
-    if (command_parse(&call, line, &session, &fault))
+    if (command_parse(&call, line, &desk.session, &fault))
         return;
     if (call.command) {
         command_write(&first, &call);
     HOLDS(record_command_check(buf_text(&first), &fault) == OK);
-        HOLDS(command_parse(&again, buf_text(&first), &session, &fault) == OK);
+        HOLDS(command_parse(&again, buf_text(&first), &desk.session, &fault) == OK);
         HOLDS(again.command == call.command);
         command_write(&second, &again);
         HOLDS(strcmp(buf_text(&first), buf_text(&second)) == 0);
@@ -49,8 +50,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
     buf_add(&line, bytes, length);
     const char *text = buf_text(&line);
     parse(text);
-    command_complete(&words, &start, text, strlen(text), &session);
+    command_complete(&words, &start, text, strlen(text), &desk);
     HOLDS(start <= strlen(text));
+    command_hint(&words, text, strlen(text));
     buf_release(&words);
     buf_release(&line);
     return 0;
