@@ -194,14 +194,16 @@ STORY(the_line_comes_late_is_drawn_over_itself_and_goes)
         return;
     struct progress p = {.fd = end[1], .shows = true, .columns = 80};
     progress_show(&p, "weights", 0, 100, now);
-    progress_show(&p, "weights", 50, 100, now += 299 * ms);
+    progress_show(&p, "weights", 49, 100, now += 499 * ms);
     CHECK_TEXT(written(end[0]), "");
     progress_show(&p, "weights", 50, 100, now += 1 * ms);
-    CHECK_TEXT(written(end[0]), "\rweights               [############------------]  50 %, 0 s");
+    CHECK_TEXT(written(end[0]),
+               "\rweights               [############------------]  50 %, 1 s left");
     progress_show(&p, "weights", 60, 100, now += 99 * ms);
     CHECK_TEXT(written(end[0]), "");
     progress_show(&p, "forest", 1234, 0, now += 1000 * ms);
-    CHECK_TEXT(written(end[0]), "\rforest                1234 voxels, 1 s                     \r");
+    CHECK_TEXT(written(end[0]),
+               "\rforest                1234 voxels, 1 s                          \r");
     progress_erase(&p);
     CHECK_TEXT(written(end[0]), "\r                                      \r");
     progress_erase(&p);
@@ -214,15 +216,61 @@ STORY(the_line_comes_late_is_drawn_over_itself_and_goes)
     close(end[1]);
 }
 
+STORY(time_left_is_that_of_the_step_at_hand)
+{
+    const uint64_t ms = 1000000;
+    uint64_t now = 5000 * ms;
+    int end[2];
+    if (!CHECK(pipe2(end, O_NONBLOCK) == 0))
+        return;
+    struct progress p = {.fd = end[1], .shows = true, .columns = 80};
+    progress_show(&p, "weights", 1, 100, now);
+    progress_show(&p, "forest", 0, 100, now += 10000 * ms);
+    CHECK_HAS(written(end[0]), "   0 %, 10 s"); /* nothing can be told yet */
+    progress_show(&p, "forest", 10, 100, now += 2000 * ms);
+    CHECK_HAS(written(end[0]), "  10 %, 18 s left");
+    progress_show(&p, "forest", 50, 100, now += 2000 * ms);
+    CHECK_HAS(written(end[0]), "  50 %, 4 s left");
+    progress_show(&p, "forest", 5, 100, now += 2000 * ms); /* once more from the start */
+    CHECK_HAS(written(end[0]), "   5 %, 16 s");
+    progress_show(&p, "forest", 100, 100, now += 2000 * ms);
+    CHECK_HAS(written(end[0]), " 100 %, 18 s");
+    progress_show(&p, "forest", UINT64_MAX / 2, UINT64_MAX, now += 2000 * ms);
+    CHECK_HAS(written(end[0]), "  50 %, ");
+    close(end[0]);
+    close(end[1]);
+}
+
+static const char *line_of(const char *what, uint64_t done, uint64_t total, bool blocks,
+                           unsigned columns)
+{
+    static char text[256];
+    struct buf line = {0};
+    const struct progress_step step = {.what = what, .done = done, .total = total, .seconds = 3};
+    progress_line(&line, &step, blocks, columns);
+    snprintf(text, sizeof text, "%s", buf_text(&line));
+    buf_release(&line);
+    return text;
+}
+
 STORY(the_line_fits_the_terminal)
 {
-    struct buf line = {0};
-    progress_line(&line, "digest of the weights", UINT64_MAX, UINT64_MAX, 3, 79);
-    CHECK_TEXT(buf_text(&line), "digest of the weights [########################] 100 %, 3 s");
-    buf_clear(&line);
-    progress_line(&line, "weights", 0, UINT64_C(1) << 40, 0, 30);
-    CHECK_TEXT(buf_text(&line), "weights               [-------");
-    buf_release(&line);
+    CHECK_TEXT(line_of("digest of the weights", UINT64_MAX, UINT64_MAX, false, 79),
+               "digest of the weights [########################] 100 %, 3 s");
+    CHECK_TEXT(line_of("weights", 0, UINT64_C(1) << 40, false, 30),
+               "weights               [-------");
+    CHECK_TEXT(line_of("weights", 3, 0, false, 0), "");
+}
+
+STORY(where_text_is_utf_8_the_bar_has_eighths)
+{
+    CHECK_TEXT(line_of("weights", 0, 192, true, 79),
+               "weights               ▕                        ▏   0 %, 3 s");
+    CHECK_TEXT(line_of("weights", 12, 192, true, 79),
+               "weights               ▕█▌                      ▏   6 %, 3 s");
+    CHECK_TEXT(line_of("weights", 192, 192, true, 79),
+               "weights               ▕████████████████████████▏ 100 %, 3 s");
+    CHECK_TEXT(line_of("weights", 12, 192, true, 24), "weights               ▕█");
 }
 
 int main(void)
@@ -233,5 +281,7 @@ int main(void)
         TELL(arrays_beyond_the_memory_of_the_machine_are_refused),
         TELL(geom_of_its_own_size_is_geom), TELL(geom_of_another_size_shows_the_same_solids),
         TELL(a_task_is_looked_at_now_and_then_and_stays_stopped),
-        TELL(the_line_comes_late_is_drawn_over_itself_and_goes), TELL(the_line_fits_the_terminal));
+        TELL(the_line_comes_late_is_drawn_over_itself_and_goes),
+        TELL(time_left_is_that_of_the_step_at_hand), TELL(the_line_fits_the_terminal),
+        TELL(where_text_is_utf_8_the_bar_has_eighths));
 }

@@ -5,49 +5,80 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "tui/crop.h"
+#include "tui/line_draw.h"
 #include "tui/term.h"
 
-enum { BAR = 24 };
+enum { BAR = 24, TELLS_LEFT_AFTER_MS = 200 };
 
 void progress_init(struct progress *progress, int fd)
 {
-    *progress = (struct progress){.fd = fd, .shows = isatty(fd) == 1, .columns = 80};
+    *progress = (struct progress){
+        .fd = fd, .shows = isatty(fd) == 1, .has_blocks = crop_locale_is_utf8(), .columns = 80};
 }
 
-void progress_line(struct buf *out, const char *what, uint64_t done, uint64_t total,
-                   uint64_t seconds, unsigned columns)
+static void add_bar(struct buf *out, unsigned percent)
 {
-    buf_printf(out, "%-21s ", what);
-    if (total) {
-        const uint64_t part = done < total ? done : total;
-        const unsigned percent = (unsigned)((double)part * 100.0 / (double)total);
-        char bar[BAR + 1] = {0};
-        for (unsigned i = 0; i < BAR; i++)
-            bar[i] = i * 100 < percent * BAR ? '#' : '-';
-        buf_printf(out, "[%s] %3u %%", bar, percent);
-        buf_add_text(out, ", ");
-    } else if (done) {
-        buf_printf(out, "%llu voxels, ", (unsigned long long)done);
+    buf_add_char(out, '[');
+    for (unsigned i = 0; i < BAR; i++)
+        buf_add_char(out, i * 100 < percent * BAR ? '#' : '-');
+    buf_add_char(out, ']');
+}
+
+/* Whole cells, and of the last one as many eighths from the left as there are. */
+static void add_block_bar(struct buf *out, double part)
+{
+    static const char *const eighths[] = {" ", "▏", "▎", "▍", "▌", "▋", "▊", "▉", "█"};
+    const unsigned all = (unsigned)(part * BAR * 8);
+    buf_add_text(out, "▕");
+    for (unsigned i = 0; i < BAR; i++) {
+        const unsigned left = all > 8 * i ? all - 8 * i : 0;
+        buf_add_text(out, eighths[left < 8 ? left : 8]);
     }
-    buf_printf(out, "%llu s", (unsigned long long)seconds);
-    if (!out->failed && out->length > columns)
-        out->data[out->length = columns] = '\0';
+    buf_add_text(out, "▏");
+}
+
+void progress_line(struct buf *out, const struct progress_step *step, bool has_blocks,
+                   unsigned columns)
+{
+    struct buf line = {0};
+    const uint64_t done = step->done < step->total ? step->done : step->total;
+    buf_printf(&line, "%-21s ", step->what);
+    if (step->total) {
+        const double part = (double)done / (double)step->total;
+        const unsigned percent = (unsigned)((double)done * 100.0 / (double)step->total);
+        if (has_blocks)
+            add_block_bar(&line, part);
+        else
+            add_bar(&line, percent);
+        buf_printf(&line, " %3u %%, ", percent);
+    } else if (step->done) {
+        buf_printf(&line, "%llu voxels, ", (unsigned long long)step->done);
+    }
+    if (step->knows_left)
+        buf_printf(&line, "%llu s left", (unsigned long long)step->seconds_left);
+    else
+        buf_printf(&line, "%llu s", (unsigned long long)step->seconds);
+    if (columns > 0)
+        crop_lines(out, buf_text(&line), columns);
+    out->failed |= line.failed;
+    buf_release(&line);
 }
 
 /* Over the line that is there, and blanks where that was longer. */
 static void put(struct progress *progress, const struct buf *line)
 {
     struct buf out = {0};
-    const unsigned length = (unsigned)line->length;
+    const unsigned width = (unsigned)line_width(buf_text(line), line->length);
     buf_add_char(&out, '\r');
-    buf_add(&out, buf_text(line), length);
-    for (unsigned i = length; i < progress->drawn; i++)
+    buf_add(&out, buf_text(line), line->length);
+    for (unsigned i = width; i < progress->drawn; i++)
         buf_add_char(&out, ' ');
-    if (length < progress->drawn)
+    if (width < progress->drawn)
         buf_add_char(&out, '\r');
     if (!out.failed)
         term_write_to(progress->fd, out.data, out.length, NULL);
-    progress->drawn = length;
+    progress->drawn = width;
     buf_release(&out);
 }
 
@@ -61,6 +92,31 @@ static bool is_in_front(struct progress *progress)
     return front < 0 || front == getpgrp();
 }
 
+/* Notices where another step begins, or the same one anew. */
+static void follow_step(struct progress *progress, const char *what, uint64_t done, uint64_t now_ns)
+{
+    const bool goes_on = done >= progress->step_seen;
+    progress->step_seen = done;
+    if (goes_on && strncmp(progress->step, what, PROGRESS_WORDS - 1) == 0)
+        return;
+    snprintf(progress->step, sizeof progress->step, "%s", what);
+    progress->step_ns = now_ns;
+    progress->step_done = done;
+}
+
+/* Whether it can be told how long the step will go on. */
+static bool tell_left(const struct progress *progress, uint64_t now_ns, struct progress_step *step)
+{
+    const uint64_t took_ns = now_ns - progress->step_ns;
+    if (step->total <= step->done || step->done <= progress->step_done ||
+        took_ns < TELLS_LEFT_AFTER_MS * UINT64_C(1000000))
+        return false;
+    const double rate = (double)(step->done - progress->step_done) / (double)took_ns;
+    const double left_s = (double)(step->total - step->done) / rate / 1e9;
+    step->seconds_left = left_s < 1e9 ? (uint64_t)(left_s + 0.5) : 1000000000;
+    return true;
+}
+
 void progress_show(struct progress *progress, const char *what, uint64_t done, uint64_t total,
                    uint64_t now_ns)
 {
@@ -70,14 +126,17 @@ void progress_show(struct progress *progress, const char *what, uint64_t done, u
         return;
     if (!progress->begun_ns)
         progress->begun_ns = now_ns;
+    follow_step(progress, what, done, now_ns);
     if (now_ns - progress->begun_ns < PROGRESS_AFTER_MS * ms ||
         now_ns - progress->drawn_ns < 1000 / PROGRESS_A_SECOND * ms)
         return;
     progress->drawn_ns = now_ns;
     if (!is_in_front(progress))
         return;
-    const uint64_t seconds = (now_ns - progress->begun_ns) / (1000 * ms);
-    progress_line(&line, what, done, total, seconds, progress->columns - 1);
+    struct progress_step step = {.what = what, .done = done, .total = total};
+    step.seconds = (now_ns - progress->begun_ns) / (1000 * ms);
+    step.knows_left = tell_left(progress, now_ns, &step);
+    progress_line(&line, &step, progress->has_blocks, progress->columns - 1);
     put(progress, &line);
     buf_release(&line);
 }
@@ -88,4 +147,5 @@ void progress_erase(struct progress *progress)
     if (progress->drawn)
         put(progress, &nothing);
     progress->begun_ns = 0;
+    progress->step[0] = '\0';
 }
