@@ -32,6 +32,7 @@
 #include "journal/log.h"
 #include "session/export.h"
 #include "tui/crop.h"
+#include "tui/line_history.h"
 #include "tui/progress.h"
 #include "tui/repl.h"
 
@@ -949,9 +950,12 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
                                    .news = press ? prompt_news : NULL,
                                    .news_descriptor = press ? press_descriptor(press) : -1,
                                    .finished = prompt_finished};
-    const struct repl_options how = {o->graphics, NULL};
+    struct buf history = {0};
+    const bool keeps = line_history_path(&history);
+    const struct repl_options how = {o->graphics, keeps ? buf_text(&history) : NULL};
     if (!err)
         err = repl_run(&host, &how, fault);
+    buf_release(&history);
     if (press)
         finish_pictures(&prompt);
     err = sync_journal(&prompt.desk, err, fault);

@@ -7,7 +7,8 @@
 #     finish                          prints the plan and exits
 
 LC_ALL=C
-export LC_ALL
+IFTTY_HISTORY= # what is typed here is none of the user's
+export LC_ALL IFTTY_HISTORY
 cd "$(dirname "$0")/.." || exit 1
 top=$(pwd)
 build=${IFTTY_BUILD:-build}

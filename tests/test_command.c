@@ -2081,7 +2081,7 @@ int main(void)
         TELL(an_error_tells_where_in_the_line_it_is),
         TELL(without_a_scene_only_what_needs_none_works), TELL(comments_and_empty_lines_do_nothing),
         TELL(garbage_is_parsed_or_refused_in_one_plain_line),
-TELL(completion_offers_what_may_stand_there), TELL(a_stroke_is_balls_along_a_line),
+        TELL(completion_offers_what_may_stand_there), TELL(a_stroke_is_balls_along_a_line),
         TELL(files_are_offered_where_a_file_may_stand),
         TELL(a_key_that_is_given_is_not_offered_again),
         TELL(goldens_branches_and_records_are_offered), TELL(a_hint_is_the_rest_of_the_usage),

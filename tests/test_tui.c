@@ -1,7 +1,6 @@
 /* The terminal side without a terminal: encoders against decoders of our own, keys, lines, replies,
  * drawing against a small model of a screen. */
 #include <stdlib.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -939,39 +938,6 @@ STORY(searching_goes_back_and_can_be_given_up)
     CHECK_TEXT(shown(), "view <|left");
 }
 
-STORY(the_history_file_is_private_and_limited)
-{
-    char folder[] = "/tmp/iftty-history-XXXXXX", path[64], text[32];
-    struct line_history h = {0}, other = {0};
-    struct fault fault;
-    struct stat status;
-    CHECK(mkdtemp(folder) != NULL);
-    snprintf(path, sizeof path, "%s/history", folder);
-    CHECK_INT(line_history_load(&h, path, &fault), OK);
-    CHECK_INT(h.count, 0);
-    for (int i = 0; i < 1200; i++) {
-        snprintf(text, sizeof text, "line %d", i);
-        line_history_add(&h, text, strlen(text));
-    }
-    line_history_add(&other, "from elsewhere", 14);
-    CHECK_INT(line_history_save(&h, path, &fault), OK);
-    CHECK_INT(line_history_save(&other, path, &fault), OK); /* the other session adds its own */
-    CHECK(stat(path, &status) == 0 && (status.st_mode & 0777) == 0600);
-    line_history_release(&h);
-    CHECK_INT(line_history_load(&h, path, &fault), OK);
-    CHECK_INT(h.count, LINE_HISTORY_MOST);
-    CHECK_TEXT(h.line[0], "line 201");
-    CHECK_TEXT(h.line[999], "from elsewhere");
-    CHECK_INT(h.added, 0);
-    CHECK_INT(line_history_load(&other, "/dev/null", &fault), ERR_INPUT);
-    CHECK_INT(line_history_save(&other, "/dev/null", &fault), ERR_INPUT);
-    CHECK(stat("/dev/null", &status) == 0 && S_ISCHR(status.st_mode));
-    line_history_release(&h);
-    line_history_release(&other);
-    unlink(path);
-    rmdir(folder);
-}
-
 /* ---- drawing, on a small model of a screen ---- */
 
 enum { SCREEN_COLUMNS = 10, SCREEN_ROWS = 6 };
@@ -1250,8 +1216,7 @@ int main(void)
         TELL(typing_moving_and_deleting), TELL(one_character_is_what_the_eye_sees_as_one),
         TELL(kills_gather_and_come_back), TELL(transposing_at_the_ends_and_within),
         TELL(browsing_older_lines_keeps_the_one_begun),
-        TELL(searching_goes_back_and_can_be_given_up),
-        TELL(the_history_file_is_private_and_limited), TELL(a_line_is_drawn_with_its_cursor),
+        TELL(searching_goes_back_and_can_be_given_up), TELL(a_line_is_drawn_with_its_cursor),
         TELL(a_line_wraps_at_the_right_margin_and_back),
         TELL(wide_characters_and_marks_take_the_cells_they_take),
         TELL(a_line_taller_than_the_screen_shows_what_is_around_the_cursor),

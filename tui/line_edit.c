@@ -447,8 +447,8 @@ enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struc
     enum err err = edit(e, prompt, &outcome, fault);
     if (!err && outcome != GONE)
         err = leave_line(e, prompt, "\r\n", fault);
-    if (!err && outcome == SUBMIT)
-        line_history_add(&e->history, buf_text(&e->line.text), e->line.text.length);
+    e->kept = !err && outcome == SUBMIT &&
+              line_history_add(&e->history, buf_text(&e->line.text), e->line.text.length);
     *ended = outcome == END || outcome == GONE;
     return err;
 }

@@ -42,6 +42,7 @@ typedef void line_news_function(void *context, struct buf *out);
 
 struct line_editor {
     struct line_history history;
+    bool kept; /* the last line is in the history now */
     struct line line;
     struct keys keys;
     struct buf input; /* bytes read; those before `taken` are done with */

@@ -122,6 +122,7 @@ static enum err run_plain(const struct repl_host *host, bool prompts, struct fau
 
 struct prompt {
     const struct repl_host *host;
+    const char *history_path; /* or NULL */
     struct terminal_facts facts;
     struct line_editor editor;
 };
@@ -232,6 +233,26 @@ static enum err fly(struct prompt *p, bool *ended, struct fault *fault)
     return err;
 }
 
+/* A history that cannot be kept is no reason to stop: it is told once. */
+static void tell_of_history(struct prompt *p, enum err err, const struct fault *fault)
+{
+    struct buf words = {0};
+    if (!err)
+        return;
+    p->history_path = NULL;
+    buf_printf(&words, "history: %s; IFTTY_HISTORY= (empty) keeps none\r\n", fault->text);
+    term_write(buf_text(&words), words.length, NULL);
+    buf_release(&words);
+}
+
+static void keep_line(struct prompt *p)
+{
+    struct fault fault;
+    if (p->history_path && p->editor.kept)
+        tell_of_history(p, line_history_append(&p->editor.history, p->history_path, &fault),
+                        &fault);
+}
+
 static enum err run_prompt(struct prompt *p, struct fault *fault)
 {
     struct buf prompt = {0};
@@ -243,6 +264,7 @@ static enum err run_prompt(struct prompt *p, struct fault *fault)
         err = line_edit(&p->editor, buf_text(&prompt), &ended, fault);
         if (err || ended)
             break;
+        keep_line(p);
         if (!is_blank(buf_text(&p->editor.line.text)))
             err = execute(p, buf_text(&prompt), buf_text(&p->editor.line.text), fault);
         if (!err && p->host->pilot && p->host->flies(p->host->context))
@@ -252,14 +274,6 @@ static enum err run_prompt(struct prompt *p, struct fault *fault)
     }
     buf_release(&prompt);
     return err;
-}
-
-static void print_warning(const struct fault *fault)
-{
-    struct buf words = {0};
-    buf_printf(&words, "history: %s\r\n", fault->text);
-    term_write(buf_text(&words), words.length, NULL);
-    buf_release(&words);
 }
 
 static enum err open_terminal(int in, enum graphics wish, struct terminal_facts *facts,
@@ -279,7 +293,7 @@ static enum err open_terminal(int in, enum graphics wish, struct terminal_facts 
 static enum err run_interactive(const struct repl_host *host, const struct repl_options *options,
                                 struct fault *fault)
 {
-    struct prompt p = {.host = host};
+    struct prompt p = {.host = host, .history_path = options->history_path};
     struct fault of_history = {0};
     enum err loaded = OK;
     line_editor_init(&p.editor, host->complete, host->context);
@@ -290,15 +304,12 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
         loaded = line_history_load(&p.editor.history, options->history_path, &of_history);
     enum err err = open_terminal(STDIN_FILENO, options->graphics, &p.facts, &p.editor.input,
                                  "\033[?2004h", "\033[?2004l", fault);
-    if (!err && loaded)
-        print_warning(&of_history);
+    if (!err)
+        tell_of_history(&p, loaded, &of_history);
     if (p.facts.colours != COLOURS_NONE)
         p.editor.hint = host->hint;
     if (!err)
         err = run_prompt(&p, fault);
-    if (options->history_path && !loaded &&
-        line_history_save(&p.editor.history, options->history_path, &of_history))
-        print_warning(&of_history);
     if (!err)
         probe_leave(&p.facts, p.editor.answers_due);
     term_close();

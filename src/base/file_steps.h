@@ -1,6 +1,6 @@
 /*
- * The steps of the file layer that can fail: open, write, sync, cut. For base/file.c and
- * base/file_log.c alone; each asks file_step_hook (base/file.h) first, so that tests reach every
+ * The steps of the file layer that can fail: open, write, sync, cut. For base/file.c,
+ * base/file_log.c and base/file_lines.c alone; each asks file_step_hook (base/file.h) first, so that tests reach every
  * one of them.
  */
 #ifndef BASE_FILE_STEPS_H

@@ -3,6 +3,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -51,6 +52,24 @@ static enum err copy_all(const char *from, const char *to, struct fault *fault)
         if (*entry->d_name != '.')
             err = copy_one(from, to, entry->d_name, fault);
     closedir(folder);
+    return err;
+}
+
+enum err folder_make_private(const char *path, struct fault *fault)
+{
+    struct buf part = {0};
+    enum err err = OK;
+    for (size_t at = 0; !err && path[at];) {
+        at += strspn(path + at, "/");
+        at += strcspn(path + at, "/");
+        buf_clear(&part);
+        buf_add(&part, path, at);
+        if (part.failed)
+            err = fault_memory(fault, "a path");
+        else if (mkdir(buf_text(&part), 0700) != 0 && !file_is_folder(buf_text(&part)))
+            err = fault_errno(fault, "make the folder", buf_text(&part));
+    }
+    buf_release(&part);
     return err;
 }
 

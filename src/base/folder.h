@@ -15,6 +15,10 @@ enum err folder_copy(const char *from, const char *to, struct fault *fault);
 /* Removes a folder that folder_copy made. */
 void folder_discard(const char *path);
 
+/* Makes the folder and those above it that are not there, for their owner alone. Fine when it
+ * exists. */
+enum err folder_make_private(const char *path, struct fault *fault);
+
 /* path = a new folder below `below`, or where that is NULL, below $TMPDIR or else /tmp, which
  * nobody else can look into. On failure `path` is empty. */
 enum err folder_fresh(struct buf *path, const char *below, struct fault *fault);

@@ -24,6 +24,7 @@ static void become_program(int terminal, const char *scene, const char *journal)
     for (int fd = 0; fd < 3; fd++)
         dup2(terminal, fd);
     setenv("TERM", "xterm-256color", 1);
+    setenv("IFTTY_HISTORY", "", 1);
     execl("/proc/self/exe", "iftty", "--journal", journal, scene, (char *)NULL);
     _exit(127);
 }

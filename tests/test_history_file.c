@@ -1,0 +1,250 @@
+/* The history of lines and its file: what is kept, for whom, how much, and by how many at once. */
+#include <errno.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/file_lines.h"
+#include "base/folder.h"
+#include "tests/check.h"
+#include "tests/folder.h"
+#include "tui/line_history.h"
+
+static char folder[] = "/tmp/iftty-history-XXXXXX";
+static char path[64];
+static struct fault fault;
+
+static bool enter(struct line_history *h, const char *text)
+{
+    return line_history_add(h, text, strlen(text)) && line_history_append(h, path, &fault) == OK;
+}
+
+static const char *content(void)
+{
+    static struct buf bytes;
+    CHECK(file_read(&bytes, path, 1 << 24, NULL) == OK);
+    return buf_text(&bytes);
+}
+
+static void write_file(const char *text)
+{
+    CHECK(file_write(path, text, strlen(text), FILE_REPLACE, NULL) == OK);
+}
+
+STORY(lines_are_appended_as_they_are_entered)
+{
+    struct line_history h = {0};
+    struct stat status;
+    CHECK(line_history_load(&h, path, &fault) == OK); /* nothing there, nor its folder */
+    CHECK_INT(h.count, 0);
+    CHECK(enter(&h, "seed 1,1,1 1"));
+    CHECK_TEXT(content(), "seed 1,1,1 1\n");
+    CHECK(stat(path, &status) == 0 && (status.st_mode & 0777) == 0600);
+    *strrchr(path, '/') = '\0';
+    CHECK(stat(path, &status) == 0 && (status.st_mode & 0777) == 0700);
+    path[strlen(path)] = '/';
+    CHECK(enter(&h, "run"));
+    CHECK(!enter(&h, "run"));
+    CHECK(!enter(&h, " secret"));
+    CHECK(!enter(&h, ""));
+    CHECK_TEXT(content(), "seed 1,1,1 1\nrun\n");
+    line_history_release(&h);
+    CHECK(line_history_load(&h, path, &fault) == OK);
+    CHECK_INT(h.count, 2);
+    CHECK_TEXT(h.line[0], "seed 1,1,1 1");
+    line_history_release(&h);
+}
+
+STORY(a_line_that_somebody_left_half_written_is_ended)
+{
+    struct line_history h = {0};
+    write_file("one\nhal");
+    CHECK(enter(&h, "two"));
+    CHECK_TEXT(content(), "one\nhal\ntwo\n");
+    line_history_release(&h);
+}
+
+STORY(what_the_file_holds_is_not_trusted)
+{
+    struct line_history h = {0};
+    static const char text[] =
+        "one\n\x1b[31mred\nbell\a\n\n blank\n\xff\xfe\ntwo\r\nthree\0four\nfive";
+    CHECK(file_write(path, text, sizeof text - 1, FILE_REPLACE, NULL) == OK);
+    CHECK(line_history_load(&h, path, &fault) == OK);
+    CHECK_INT(h.count, 3);
+    CHECK_TEXT(h.line[0], "one");
+    CHECK_TEXT(h.line[1], "\xff\xfe"); /* drawn as \xff\xfe */
+    CHECK_TEXT(h.line[2], "five");
+    line_history_release(&h);
+}
+
+STORY(the_file_and_the_memory_are_bounded)
+{
+    struct line_history h = {0};
+    struct buf text = {0};
+    for (int i = 0; i < LINE_HISTORY_MOST + 500; i++)
+        buf_printf(&text, "line %d\n", i);
+    write_file(buf_text(&text));
+    CHECK(line_history_load(&h, path, &fault) == OK);
+    CHECK_INT(h.count, LINE_HISTORY_MOST);
+    CHECK_TEXT(h.line[0], "line 500");
+    CHECK(enter(&h, "the last"));
+    CHECK_INT(h.count, LINE_HISTORY_MOST);
+    CHECK(strncmp(content(), "line 501\n", 9) == 0);
+    line_history_release(&h);
+    CHECK(truncate(path, (off_t)1 << 40) == 0); /* a hole, of which nothing is read but the end */
+    CHECK(line_history_load(&h, path, &fault) == OK);
+    CHECK_INT(h.count, 0);
+    CHECK(enter(&h, "after the hole"));
+    CHECK(strstr(content(), "after the hole\n") != NULL);
+    struct stat status;
+    CHECK(stat(path, &status) == 0 && status.st_size <= LINE_HISTORY_BYTES_MOST);
+    line_history_release(&h);
+    buf_release(&text);
+}
+
+/* Others that trim all the time are in the way. */
+static void enter_many(int number, int lines)
+{
+    for (int i = 0; i < lines; i++) {
+        char line[64];
+        snprintf(line, sizeof line, "line %d of %d", i, number);
+        if (file_lines_append(path, line, strlen(line), NULL) != OK)
+            _exit(1);
+        if (i % 16 == 0 && file_lines_trim(path, 4000, 100000, NULL) != OK)
+            _exit(1);
+    }
+    _exit(0);
+}
+
+STORY(many_sessions_at_once_lose_no_line)
+{
+    enum { SESSIONS = 8, LINES = 200 };
+    struct buf filler = {0};
+    int status;
+    while (filler.length < 96000) /* so that there is always something to trim */
+        buf_add_text(&filler, "an old line that may go\n");
+    write_file(buf_text(&filler));
+    fflush(stdout);
+    for (int n = 0; n < SESSIONS; n++)
+        if (fork() == 0)
+            enter_many(n, LINES);
+    for (int n = 0; n < SESSIONS; n++)
+        CHECK(wait(&status) > 0 && status == 0);
+    const char *text = content();
+    int found = 0, next[SESSIONS] = {0}, number, i;
+    for (const char *at = text; *at; at += strcspn(at, "\n") + 1)
+        if (sscanf(at, "line %d of %d\n", &i, &number) == 2 && number >= 0 && number < SESSIONS) {
+            found++;
+            CHECK(i == next[number]); /* in the order in which each entered them */
+            next[number] = i + 1;
+        }
+    CHECK_INT(found, SESSIONS * LINES);
+    CHECK(strlen(text) < 102000);
+    buf_release(&filler);
+}
+
+STORY(a_lock_that_is_never_given_back_delays_a_line_and_no_more)
+{
+    struct line_history h = {0};
+    write_file("one\n");
+    FILE *holder = fopen(path, "re");
+    if (!CHECK(holder != NULL) || !CHECK(flock(fileno(holder), LOCK_EX) == 0))
+        return;
+    CHECK(line_history_add(&h, "two", 3));
+    CHECK(file_lines_append(path, "two", 3, &fault) == OK);
+    CHECK_TEXT(content(), "one\ntwo\n");
+    CHECK(file_lines_trim(path, 1, 100, &fault) == OK);
+    CHECK_TEXT(content(), "one\ntwo\n");
+    fclose(holder);
+    CHECK(file_lines_trim(path, 1, 100, &fault) == OK);
+    CHECK_TEXT(content(), "two\n");
+    line_history_release(&h);
+}
+
+STORY(what_is_no_regular_file_is_left_alone)
+{
+    struct buf out = {0};
+    struct stat status;
+    char pipe_path[80], link_path[80];
+    snprintf(pipe_path, sizeof pipe_path, "%s/pipe", folder);
+    snprintf(link_path, sizeof link_path, "%s/link", folder);
+    CHECK(mkfifo(pipe_path, 0600) == 0);
+    CHECK(file_lines_read(&out, pipe_path, 100, &fault) == ERR_INPUT);
+    CHECK(file_lines_append(pipe_path, "x", 1, &fault) == ERR_INPUT);
+    CHECK(file_lines_read(&out, "/dev/null", 100, &fault) == ERR_INPUT);
+    CHECK(file_lines_append("/dev/null", "x", 1, &fault) == ERR_INPUT);
+    CHECK(file_lines_append(folder, "x", 1, &fault) == ERR_IO);
+    CHECK(stat("/dev/null", &status) == 0 && S_ISCHR(status.st_mode));
+    write_file("one\ntwo\n");
+    CHECK(symlink(path, link_path) == 0); /* a link to a file is as good as the file */
+    CHECK(file_lines_trim(link_path, 1, 100, &fault) == OK);
+    CHECK_TEXT(content(), "two\n");
+    CHECK(lstat(link_path, &status) == 0 && S_ISLNK(status.st_mode));
+    buf_release(&out);
+}
+
+static enum file_step failing;
+static int fail(enum file_step step, const char *at)
+{
+    (void)at;
+    return step == failing ? ENOSPC : 0;
+}
+
+STORY(a_disk_that_fails_is_told_of)
+{
+    static const enum file_step step[] = {FILE_STEP_OPEN, FILE_STEP_WRITE};
+    struct line_history h = {0};
+    write_file("one\ntwo\n");
+    CHECK(line_history_add(&h, "three", 5));
+    for (size_t i = 0; i < 2; i++) {
+        failing = step[i];
+        file_step_hook = fail;
+        CHECK(line_history_append(&h, path, &fault) == ERR_IO);
+        CHECK(file_lines_trim(path, 1, 100, &fault) == ERR_IO);
+        file_step_hook = NULL;
+        CHECK_HAS(fault.text, "No space left on device");
+        CHECK_TEXT(content(), "one\ntwo\n");
+    }
+    line_history_release(&h);
+}
+
+static const char *path_with(const char *own, const char *state, const char *home)
+{
+    static struct buf out;
+    own ? setenv("IFTTY_HISTORY", own, 1) : unsetenv("IFTTY_HISTORY");
+    state ? setenv("XDG_STATE_HOME", state, 1) : unsetenv("XDG_STATE_HOME");
+    home ? setenv("HOME", home, 1) : unsetenv("HOME");
+    return line_history_path(&out) ? buf_text(&out) : "none";
+}
+
+STORY(the_environment_says_where_it_lies)
+{
+    CHECK_TEXT(path_with("/x/y", "/state", "/home/me"), "/x/y");
+    CHECK_TEXT(path_with("", "/state", "/home/me"), "none");
+    CHECK_TEXT(path_with(NULL, "/state", "/home/me"), "/state/iftty/history");
+    CHECK_TEXT(path_with(NULL, "state", "/home/me"), "/home/me/.local/state/iftty/history");
+    CHECK_TEXT(path_with(NULL, NULL, "/home/me"), "/home/me/.local/state/iftty/history");
+    CHECK_TEXT(path_with(NULL, NULL, ""), "none");
+    CHECK_TEXT(path_with(NULL, NULL, NULL), "none");
+}
+
+int main(void)
+{
+    alarm(120);
+    if (!mkdtemp(folder))
+        return 1;
+    snprintf(path, sizeof path, "%s/state/iftty/history", folder);
+    const int status = RUN_STORIES(
+        TELL(lines_are_appended_as_they_are_entered),
+        TELL(a_line_that_somebody_left_half_written_is_ended),
+        TELL(what_the_file_holds_is_not_trusted), TELL(the_file_and_the_memory_are_bounded),
+        TELL(many_sessions_at_once_lose_no_line),
+        TELL(a_lock_that_is_never_given_back_delays_a_line_and_no_more),
+        TELL(what_is_no_regular_file_is_left_alone), TELL(a_disk_that_fails_is_told_of),
+        TELL(the_environment_says_where_it_lies));
+    return remove_folder(folder) | status;
+}
