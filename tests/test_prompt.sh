@@ -77,7 +77,7 @@ press s Tab
 see '^seed +size +shade +spin +save +stats$'
 see '^seed-file +show +samples +slice +sync$'
 press e Tab
-see '^s> seed X,Y,Z LABEL \[radius=0\.\.32\]$'
+see '^s> seed X,Y,Z LABEL \[radius=0\.\.32\] \[to=X,Y,Z\]$'
 press C-u
 see '^s>$'
 tmux_here send-keys -t prompt -l "open s."
@@ -104,7 +104,7 @@ s>"
 enter "seed 1,1,1"
 see '^error: missing: LABEL'
 same "$(below 's> seed 1,1,1' | sed 2q)" "              ^
-error: missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..32]"
+error: missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..32] [to=X,Y,Z]"
 press C-l
 close_story
 

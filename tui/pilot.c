@@ -468,6 +468,7 @@ enum err pilot_fly(const struct pilot_host *host, struct terminal_facts *facts,
     pilot_state_init(&f.state);
     term_set_greetings(ENTER_SCREEN, MOUSE_OFF LEAVE_SCREEN "\033[?2004l");
     buf_add_text(&out, ENTER_SCREEN);
+    facts->reports |= facts->mouse;
     if (facts->mouse)
         buf_add_text(&out, MOUSE_ON);
     enum err err = term_write(buf_text(&out), out.length, fault);

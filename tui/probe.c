@@ -387,7 +387,8 @@ void probe_leave(const struct terminal_facts *facts, unsigned due)
 {
     struct buf typed = {0};
     if (term_say_farewell(NULL) == OK) {
-        if (facts->answers && term_write(BARRIER, sizeof BARRIER - 1, NULL) == OK)
+        const bool expects = due > 0 || facts->reports;
+        if (expects && facts->answers && term_write(BARRIER, sizeof BARRIER - 1, NULL) == OK)
             probe_await(due + 1, LIMIT_MS, &typed);
         else if (facts->owes)
             probe_await(1, OWED_MS, &typed);

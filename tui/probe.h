@@ -61,7 +61,9 @@ struct terminal_facts {
     bool edits;                       /* kitty's a=f changes a picture in place; others have not */
     bool synchronizes;                /* ESC[?2026h .. l: what is between appears at once */
     uint64_t round_trip_ns;           /* from a question to its answer; 0 where nothing answers */
-    bool mouse;                       /* may be asked for SGR mouse reports: ESC[?1000;1006h */
+    bool
+        reports; /* something may still come or be drawn: the mouse was asked for, a picture sent */
+    bool mouse;  /* may be asked for SGR mouse reports: ESC[?1000;1006h */
 };
 
 /* ---- pure ---- */
@@ -124,10 +126,10 @@ enum err probe_terminal(enum graphics wish, struct terminal_facts *facts, struct
  * written before is on screen then. What was typed is added to `typed`. Returns those answered. */
 unsigned probe_await(unsigned count, int limit_ms, struct buf *typed);
 
-/* Before term_close: ends our modes, then asks once more and waits (at most 2 s; Ctrl-C ends it)
- * for that answer and the `due` ones before it. Whatever would have come to the shell as if it had
- * been typed, late answers and reports of the mouse, has come by then. Everything written before is
- * on screen. What is typed meanwhile is lost. */
+/* Before term_close: ends our modes. Where answers are `due` or the mouse was asked for, asks once
+ * more and waits (at most 2 s; Ctrl-C ends it) for that answer and those before it. Whatever would
+ * have come to the shell as if it had been typed, late answers and reports of the mouse, has come
+ * by then. Everything written before is on screen. What is typed meanwhile is lost. */
 void probe_leave(const struct terminal_facts *facts, unsigned due);
 
 #endif

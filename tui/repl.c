@@ -343,6 +343,7 @@ bool show_picture_once(enum graphics wish, const struct image_view *view)
         const struct term_size size = term_size();
         show_inline(&facts, view, size.columns, size.rows, &out);
         shown = out.length > 0 && !out.failed && term_write(out.data, out.length, NULL) == OK;
+        facts.reports |= shown && facts.graphics > GRAPHICS_BLOCKS;
         probe_leave(&facts, 0);
     }
     term_close();
