@@ -527,6 +527,25 @@ STORY(what_is_typed_between_the_answers_is_kept)
     }
 }
 
+/* Else its beginning would swallow what somebody types next. */
+STORY(what_was_cut_short_goes_with_the_answer_behind_it)
+{
+    static const struct {
+        const char *bytes, *typed;
+    } cases[] = {{"a\033P>|cut\033[?62;cb", "ab"},
+                 {"a\033[?6\033[?62;cb", "ab"},
+                 {"\033\033[?62;c[?6c", "[?6c"},
+                 {"\xC3\033[?62;c\xA4x", "\xA4x"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct probe_replies r = {0};
+        struct keys keys = {0};
+        struct buf typed = {0};
+        probe_take(&r, &keys, cases[i].bytes, strlen(cases[i].bytes), &typed);
+        CHECK_TEXT(buf_text(&typed), cases[i].typed);
+        buf_release(&typed);
+    }
+}
+
 STORY(a_wish_is_kept_and_asks_no_more_than_it_needs)
 {
     struct probed p = {0};
@@ -605,6 +624,7 @@ int main(void)
                        TELL(an_answer_that_is_missing_leaves_the_fallback),
                        TELL(answers_that_come_late_are_never_text),
                        TELL(what_is_typed_between_the_answers_is_kept),
+                       TELL(what_was_cut_short_goes_with_the_answer_behind_it),
                        TELL(a_wish_is_kept_and_asks_no_more_than_it_needs),
                        TELL(modes_are_answered_with_a_number), TELL(colours_are_those_of_the_name));
 }

@@ -62,10 +62,8 @@ static bool feed_control(struct keys *k, uint8_t byte, struct key_event *event)
 
 static bool feed_ground(struct keys *k, uint8_t byte, struct key_event *event)
 {
-    if (byte == ESC) {
-        k->taken = 1;
+    if (byte == ESC)
         return begin(k, KEYS_ESC);
-    }
     if (byte < 0x20 || byte == DELETE)
         return feed_control(k, byte, event);
     if (byte < 0x80)
@@ -107,11 +105,9 @@ static bool feed_utf8(struct keys *k, uint8_t byte, struct key_event *event)
 
 static bool feed_escape(struct keys *k, uint8_t byte, struct key_event *event)
 {
-    k->taken++;
     switch (byte) {
     case ESC:
         k->alt = true;
-        k->taken = 1;
         return false;
     case '[':
         begin(k, KEYS_CSI);
@@ -215,7 +211,6 @@ static bool end_sgr_mouse(struct keys *k, uint8_t final, struct key_event *event
 static bool feed_csi_mouse(struct keys *k, uint8_t byte, struct key_event *event)
 {
     keep(k, byte);
-    k->taken++;
     if (k->length < 5)
         return false;
     const unsigned code = (uint8_t)k->body[2] - 32u;
@@ -251,7 +246,6 @@ static bool end_csi(struct keys *k, uint8_t final, struct key_event *event)
 static bool feed_csi(struct keys *k, uint8_t byte, struct key_event *event)
 {
     keep(k, byte);
-    k->taken++;
     if (byte < 0x40)
         return false;
     return end_csi(k, byte, event);
@@ -259,7 +253,6 @@ static bool feed_csi(struct keys *k, uint8_t byte, struct key_event *event)
 
 static bool feed_ss3(struct keys *k, uint8_t byte, struct key_event *event)
 {
-    k->taken++;
     if (byte >= '0' && byte <= '9')
         return false;
     if (byte == 'M')
@@ -271,14 +264,12 @@ static bool feed_ss3(struct keys *k, uint8_t byte, struct key_event *event)
 
 static bool feed_string(struct keys *k, uint8_t byte, struct key_event *event)
 {
-    k->taken++;
     if (byte == BEL)
         return emit(k, KEY_REPLY, 0, event);
     if (k->state == KEYS_STRING_ESC) {
         if (byte == '\\')
             return emit(k, KEY_REPLY, 0, event);
         k->state = KEYS_ESC; /* another sequence begins where this one should have ended */
-        k->taken = 1;
         return feed_escape(k, byte, event);
     }
     if (byte == ESC)
@@ -288,7 +279,7 @@ static bool feed_string(struct keys *k, uint8_t byte, struct key_event *event)
     return false;
 }
 
-bool keys_feed(struct keys *k, uint8_t byte, struct key_event *event)
+static bool feed(struct keys *k, uint8_t byte, struct key_event *event)
 {
     bool control = byte < 0x20 || byte == DELETE;
     bool in_string = k->state == KEYS_STRING || k->state == KEYS_STRING_ESC;
@@ -306,7 +297,6 @@ bool keys_feed(struct keys *k, uint8_t byte, struct key_event *event)
     case KEYS_CSI:
         return feed_csi(k, byte, event);
     case KEYS_CSI_LINUX:
-        k->taken++;
         return emit(k, KEY_OTHER, 0, event);
     case KEYS_CSI_MOUSE:
         return feed_csi_mouse(k, byte, event);
@@ -318,8 +308,14 @@ bool keys_feed(struct keys *k, uint8_t byte, struct key_event *event)
     case KEYS_GROUND:
         break;
     }
-    k->taken = 1;
     return feed_ground(k, byte, event);
+}
+
+bool keys_feed(struct keys *k, uint8_t byte, struct key_event *event)
+{
+    k->taken = k->complete ? 1 : k->taken + 1;
+    k->complete = feed(k, byte, event);
+    return k->complete;
 }
 
 /* ---- time ---- */
@@ -336,6 +332,7 @@ bool keys_time_out(struct keys *k, struct key_event *event)
 {
     if (!keys_waiting(k))
         return false;
+    k->complete = true;
     if (k->state == KEYS_ESC)
         return emit(k, KEY_ESCAPE, 0, event);
     return emit_point(k, (uint8_t)k->body[0], KEY_ALT, event);

@@ -92,7 +92,8 @@ struct keys {
     } state;
     bool alt;        /* ESC ESC: the next key has Alt */
     unsigned needed; /* bytes of a character still to come */
-    size_t taken;    /* bytes of the sequence so far; of a KEY_REPLY, of all of it */
+    bool complete;   /* the last byte ended an event */
+    size_t taken;    /* bytes since the event before: with a KEY_REPLY, it and what was cut short */
     size_t length;   /* bytes in body; a longer sequence keeps its beginning */
     char body[256];  /* without the first ESC, ended by NUL */
 };
