@@ -1,0 +1,127 @@
+#!/bin/sh
+# How the program leaves a real terminal that it has not the time to say farewell to: killed outright,
+# the line gone. And what it draws inside of multiplexers: blocks, and no garbage.
+. "$(dirname "$0")/lib.sh"
+. "$top/tests/tmux.sh"
+cd "$work" || exit 1
+half_block=$(printf '\342\226\200')
+make_scene s.nii 24 20 16
+begin_terminal
+
+state() { # of the terminal: alternate screen, mouse, cursor
+    tmux_here display-message -p -t prompt '#{alternate_on}#{mouse_any_flag}#{cursor_flag}'
+}
+processes() { # of ours at the terminal
+    ps -t "$(tmux_here display-message -p -t prompt '#{pane_tty}')" -o comm= | grep iftty
+}
+# Waits (10 s) until a command succeeds.
+comes_true() {
+    tries=0
+    until "$@"; do
+        if [ $((tries += 1)) -gt 200 ]; then
+            fail "never comes true: $*"
+            return 1
+        fi
+        sleep 0.05
+    done
+}
+start_session() { # JOURNAL [WORDS...]
+    enter "clear; sh -c 'echo \$\$ >pid; exec $iftty --journal $*'"
+    see '^[a-z]+>$'
+}
+nothing_left() {
+    [ -z "$(processes)" ]
+}
+state_is() {
+    [ "$(state)" = "$1" ]
+}
+
+begin "killed at the prompt: a sane terminal, a whole journal, no process"
+start_session one.iftty s.nii
+same "$(processes | sort | tr '\n' ' ')" "iftty iftty-guardian "
+enter "seed 2,3,4 1"
+see '^[0-9]+ voxels changed'
+type_letters "half a li"
+see '> half a li$'
+kill -KILL "$(cat pid)"
+see '[Kk]illed'
+comes_true nothing_left
+sane
+state_is 001 || fail "the state is $(state)"
+expect 0 "$iftty" verify one.iftty
+grep -qx 'seed 2,3,4 1' one.iftty || fail "the seed is not in the journal"
+close_story
+
+begin "killed while it has the whole screen: the same"
+start_session two.iftty s.nii
+enter "seed 2,3,4 1"
+see '^[0-9]+ voxels changed'
+enter "pilot"
+comes_true state_is 110
+same "$(processes | sort | tr '\n' ' ')" "iftty iftty-guardian "
+kill -KILL "$(cat pid)"
+comes_true state_is 001
+see '[Kk]illed'
+comes_true nothing_left
+sane
+expect 0 "$iftty" verify two.iftty
+close_story
+
+begin "aborted while it has the whole screen: the same"
+start_session three.iftty s.nii
+enter "pilot"
+comes_true state_is 110
+kill -ABRT "$(cat pid)"
+comes_true state_is 001
+see '[Aa]borted'
+comes_true nothing_left
+sane
+close_story
+
+begin "in tmux that passes everything through: blocks, and nothing else"
+tmux_here set-option -g allow-passthrough on 2>/dev/null
+start_session four.iftty s.nii
+screen >before
+! grep -q 'Gi=31\|AAAA\|2026' before || fail "garbage:" "$(cat before)"
+enter "slice axial"
+see "$half_block"
+enter "quit"
+see '^journal: four'
+sane
+close_story
+
+if command -v screen >/dev/null 2>&1; then
+    begin "in GNU screen: blocks, and nothing else"
+    SCREENDIR=$work/screens
+    mkdir -m 700 "$SCREENDIR"
+    enter "clear; SCREENDIR=$SCREENDIR $(command -v screen) -U -c /dev/null sh -c 'exec $iftty --journal five.iftty s.nii'"
+    see '^[a-z]+>$'
+    screen >before
+    ! grep -q 'Gi=31\|AAAA\|2026' before || fail "garbage:" "$(cat before)"
+    enter "slice axial"
+    see "$half_block"
+    enter "quit"
+    see 'screen is terminating'
+    sane
+    close_story
+else
+    skip_story "in GNU screen: blocks, and nothing else" "screen is not installed"
+fi
+
+begin "the line is gone: the process too, and the journal is whole"
+start_session six.iftty s.nii
+enter "seed 2,3,4 1"
+see '^[0-9]+ voxels changed'
+enter "render late.png"
+type_letters "seed 20,10"
+tmux_here kill-server
+gone() {
+    ! kill -0 "$(cat pid)" 2>/dev/null
+}
+comes_true gone
+expect 0 "$iftty" verify six.iftty
+grep -qx 'seed 2,3,4 1' six.iftty || fail "the seed is not in the journal"
+! grep -q 'seed 20' six.iftty || fail "half a line is in the journal"
+close_story
+
+finish
