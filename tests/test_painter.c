@@ -586,6 +586,89 @@ STORY(half_blocks_in_all_colours_show_every_pixel)
     painter_release(&p);
 }
 
+/* The squared error of six colours in two sets, each to its mean. */
+static double error_of(const uint32_t colour[6], unsigned parts)
+{
+    double error = 0;
+    for (unsigned side = 0; side < 2; side++)
+        for (unsigned shift = 0; shift < 24; shift += 8) {
+            double sum = 0, squares = 0, count = 0;
+            for (unsigned i = 0; i < 6; i++) {
+                const double c = colour[i] >> shift & 255;
+                if ((parts >> i & 1) != side)
+                    continue;
+                sum += c, squares += c * c, count++;
+            }
+            error += count > 0 ? squares - sum * sum / count : 0;
+        }
+    return error;
+}
+
+STORY(a_cell_is_parted_where_the_error_is_least)
+{
+    uint64_t seed = 14;
+    struct image_view view = picture(6, 12);
+    for (unsigned n = 0; n < 500; n++) {
+        uint32_t colour[6];
+        struct block block;
+        double least = 1e9;
+        for (unsigned i = 0; i < 6; i++)
+            colour[i] = (uint32_t)check_random(&seed) & 0xFFFFFF;
+        for (uint32_t i = 0; i < 72; i++) {
+            const uint32_t c = colour[i / 6 / 4 * 2 + i % 6 / 3];
+            memcpy(pixels + 4 * i,
+                   (uint8_t[4]){(uint8_t)(c >> 16), (uint8_t)(c >> 8), (uint8_t)c, 255}, 4);
+        }
+        blocks_fill(&block, 1, &view, COLOURS_24BIT, BLOCK_SEXTANT);
+        for (unsigned parts = 0; parts < 64; parts += 2)
+            least = error_of(colour, parts) < least ? error_of(colour, parts) : least;
+        CHECK(error_of(colour, block.parts) < least + 0.01);
+    }
+}
+
+STORY(a_picture_of_512x512_and_a_change_in_it_cost_what_was_promised)
+{
+    static const size_t whole_most[] = {90000, 180000, 90000};
+    static const size_t change_most[] = {1500, 4000, 1700};
+    enum { SIDE = 512 };
+    static uint8_t large[4 * SIDE * SIDE];
+    struct image_view view = {.width = SIDE, .height = SIDE, .rgba = large, .hue = hues, .hues = 3};
+    memset(large, 0, sizeof large);
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++) { /* folds on a ball, of two hues */
+            const int32_t dx = (int32_t)x - 256, dy = (int32_t)y - 256, d = dx * dx + dy * dy;
+            const int32_t fold = (int32_t)((x * x / 97 + y * y / 61 + x * y / 53) % 64) - 32;
+            const int32_t light = 235 - d / 128 + fold;
+            for (unsigned k = 0; d < 145 * 145 && k < 4; k++)
+                large[4 * (y * SIDE + x) + k] =
+                    k == 3
+                        ? 255
+                        : (uint8_t)((hues[y > 300] >> (16 - 8 * k) & 255) * (uint32_t)light / 270);
+        }
+    for (unsigned g = 0; g < 3; g++) {
+        struct terminal_facts facts = facts_of(with_pixels[g], 8, 16);
+        struct painter p = {0};
+        struct buf out = {0};
+        painter_place(&p, &facts, 0, 0, 64, 32);
+        CHECK(painter_show(&p, &view, &out));
+        printf("# 512x512: %zu bytes", out.length);
+        CHECK(out.length <= whole_most[g]);
+        buf_clear(&out);
+        for (uint32_t y = 200; y < 240; y++) /* 40x40 become another label's */
+            for (uint32_t x = 200; x < 240; x++) {
+                uint8_t *pixel = large + 4 * (y * SIDE + x);
+                for (unsigned k = 0; k < 3; k++)
+                    pixel[k] = (uint8_t)((uint32_t)pixel[0] *
+                                         (hues[1 + g % 2] >> (16 - 8 * k) & 255) / 256);
+            }
+        CHECK(painter_show(&p, &view, &out));
+        printf(", a change of 40x40: %zu bytes\n", out.length);
+        CHECK(out.length <= change_most[g]);
+        buf_release(&out);
+        painter_release(&p);
+    }
+}
+
 static unsigned allowed;
 
 static bool allow_some(size_t bytes)
@@ -761,6 +844,8 @@ int main(void)
                        TELL(a_picture_larger_than_its_place_is_cut),
                        TELL(cells_show_what_they_should_after_every_edit),
                        TELL(half_blocks_in_all_colours_show_every_pixel),
+                       TELL(a_cell_is_parted_where_the_error_is_least),
+                       TELL(a_picture_of_512x512_and_a_change_in_it_cost_what_was_promised),
                        TELL(without_memory_nothing_is_shown_and_the_next_picture_goes_whole),
                        TELL(a_stream_cut_short_is_not_taken_for_a_picture),
                        TELL(shades_of_told_hues_are_near_what_was_asked_for),

@@ -123,24 +123,24 @@ static uint32_t mean_of(const struct sum *sum)
 
 /* The squared error of a set to its mean is the sum of squares less this, in sixtieths, which are
  * whole for sets of 1 .. 6. */
-static uint32_t kept(const struct sum *sum)
+static uint32_t kept(const uint32_t sum[3], unsigned parts)
 {
-    uint32_t squares = 0;
-    for (unsigned k = 0; k < 3; k++)
-        squares += sum->channel[k] * sum->channel[k];
-    return squares * (60 / sum->count);
+    return (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) *
+           (60 / (unsigned)__builtin_popcount(parts));
 }
 
 /* The best set of parts for the ink, of more than two; the first part is the paper's. */
 static unsigned best_parts(const uint32_t *colour, unsigned count)
 {
     const unsigned all = (1u << count) - 1;
+    uint32_t sum[1 << PARTS_MOST][3] = {{0}}, most = 0; /* of every set's channels */
     unsigned best = 2;
-    uint32_t most = 0;
+    for (unsigned parts = 1; parts <= all; parts++)
+        for (unsigned k = 0; k < 3; k++)
+            sum[parts][k] =
+                sum[parts & (parts - 1)][k] + (colour[__builtin_ctz(parts)] >> (16 - 8 * k) & 255);
     for (unsigned parts = 2; parts < all; parts += 2) {
-        const struct sum ink = sum_of(colour, count, parts);
-        const struct sum paper = sum_of(colour, count, all & ~parts);
-        const uint32_t k = kept(&ink) + kept(&paper);
+        const uint32_t k = kept(sum[parts], parts) + kept(sum[all ^ parts], all ^ parts);
         if (k > most) {
             most = k;
             best = parts;
