@@ -68,7 +68,7 @@ struct glyph {
 };
 
 struct screen {
-    uint32_t cell_width, cell_height;
+    uint32_t cell_width, cell_height, side_most;
     unsigned column, row;
     int64_t ink, paper;
     struct kitty_screen kitty;
@@ -84,6 +84,7 @@ static void screen_begin(uint32_t cell_width, uint32_t cell_height)
     memset(&screen, 0, sizeof screen);
     screen.cell_width = cell_width;
     screen.cell_height = cell_height;
+    screen.side_most = 1000;
     screen.ink = screen.paper = -1;
     for (size_t i = 0; i < SIDE_MOST * SIDE_MOST; i++)
         screen.pixel[i] = BLANK;
@@ -113,7 +114,8 @@ static const char *take_sixel(const char *text)
 {
     struct decoded_sixel s;
     bool fine = sixel_decode(&s, &text) && s.all_painted && s.width % screen.cell_width == 0 &&
-                s.height % screen.cell_height == 0;
+                s.height % screen.cell_height == 0 && s.width <= screen.side_most &&
+                s.height <= screen.side_most;
     if (fine)
         draw(s.width, s.height, s.pixel);
     free(s.pixel);
@@ -446,6 +448,23 @@ STORY(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone)
         buf_release(&out);
         painter_release(&p);
     }
+}
+
+STORY(sixels_beyond_the_limit_of_the_terminal_come_in_pieces)
+{
+    struct terminal_facts facts = facts_of(GRAPHICS_SIXEL, 9, 19);
+    struct painter p = {0};
+    uint64_t seed = 15;
+    screen_begin(9, 19);
+    facts.image_side_most = screen.side_most = 64;
+    painter_place(&p, &facts, 1, 1, 20, 10);
+    struct image_view view = picture(173, 190);
+    for (unsigned i = 0; i < 20; i++) {
+        fill_all(&view, &seed);
+        show(&p, &view);
+        CHECK_INT(wrong_pixels(&p, &view), 0);
+    }
+    painter_release(&p);
 }
 
 STORY(kitty_graphics_that_stand_still_go_whole)
@@ -840,6 +859,7 @@ int main(void)
                        TELL(a_cursor_move_costs_next_to_nothing),
                        TELL(a_large_patch_for_kitty_goes_in_chunks),
                        TELL(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone),
+                       TELL(sixels_beyond_the_limit_of_the_terminal_come_in_pieces),
                        TELL(kitty_graphics_that_stand_still_go_whole),
                        TELL(a_picture_larger_than_its_place_is_cut),
                        TELL(cells_show_what_they_should_after_every_edit),

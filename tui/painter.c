@@ -143,6 +143,11 @@ static bool draws_over_cells(const struct painter *p)
     return p->facts.graphics != GRAPHICS_KITTY;
 }
 
+static uint32_t least(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
 static uint32_t whole(uint32_t length, uint32_t unit)
 {
     return (length + unit - 1) / unit * unit;
@@ -175,15 +180,42 @@ static struct stale_rule rule_of(const struct painter *p)
                                                                    : ITERM_BOX_COST};
 }
 
-static void add_over_cells(struct painter *p, const struct raster *raster, uint32_t left,
-                           uint32_t top, enum png_effort effort, struct buf *out)
+/* The most pixels of a side that are drawn at all, in whole cells. */
+static uint32_t side_most(const struct painter *p, uint32_t cell)
+{
+    const uint32_t cells = p->facts.image_side_most / cell;
+    return cells > 0 ? cells * cell : UINT32_MAX;
+}
+
+/* Sixels, in as many pictures as the terminal's limit asks for: beyond it xterm draws nothing. */
+static void add_sixels(struct painter *p, const struct raster *raster, struct raster_box box,
+                       struct buf *out)
+{
+    const uint32_t across = side_most(p, p->facts.cell_width);
+    const uint32_t down = side_most(p, p->facts.cell_height);
+    for (uint32_t y = 0; y < box.height; y += least(down, box.height - y))
+        for (uint32_t x = 0; x < box.width; x += least(across, box.width - x)) {
+            const struct raster_box piece = {box.left + x, box.top + y,
+                                             least(across, box.width - x),
+                                             least(down, box.height - y)};
+            const struct raster part = raster_part(raster, piece);
+            move_to(p, piece.left / p->facts.cell_width, piece.top / p->facts.cell_height, out);
+            sixel_add(&p->sixel, &part, out);
+        }
+}
+
+/* `box` is whole cells. */
+static void add_over_cells(struct painter *p, const struct raster *raster, struct raster_box box,
+                           enum png_effort effort, struct buf *out)
 {
     const uint32_t width = p->facts.cell_width, height = p->facts.cell_height;
-    move_to(p, left / width, top / height, out);
-    if (p->facts.graphics == GRAPHICS_SIXEL)
-        sixel_add(&p->sixel, raster, out);
-    else
-        iterm_add(&p->png, raster, raster->width / width, raster->height / height, effort, out);
+    const struct raster part = raster_part(raster, box);
+    if (p->facts.graphics == GRAPHICS_SIXEL) {
+        add_sixels(p, raster, box, out);
+        return;
+    }
+    move_to(p, box.left / width, box.top / height, out);
+    iterm_add(&p->png, &part, box.width / width, box.height / height, effort, out);
 }
 
 static void show_patches(struct painter *p, const struct stale *stale, struct buf *out)
@@ -194,7 +226,7 @@ static void show_patches(struct painter *p, const struct stale *stale, struct bu
         const struct raster_box box = stale->box[i];
         const struct raster part = raster_part(&raster, box);
         if (draws_over_cells(p))
-            add_over_cells(p, &part, box.left, box.top, effort, out);
+            add_over_cells(p, &raster, box, effort, out);
         else
             kitty_patch(&p->png, &part, effort, p->image, box.left, box.top, out);
     }
@@ -204,7 +236,7 @@ static void show_whole(struct painter *p, struct buf *out)
 {
     const struct raster raster = raster_of(p, 1);
     if (draws_over_cells(p)) {
-        add_over_cells(p, &raster, 0, 0, PNG_FAST, out);
+        add_over_cells(p, &raster, (struct raster_box){0, 0, p->width, p->height}, PNG_FAST, out);
         return;
     }
     const uint32_t former = p->image, image = former == IMAGE ? IMAGE + 1 : IMAGE;

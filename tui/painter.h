@@ -14,7 +14,8 @@
  * By what means:
  *   kitty    boxes of pixels are changed in place; a whole picture has another number than the one
  *            before, which goes when the new one is there, so that nothing flickers
- *   sixel    boxes of whole cells are drawn over, and so in iTerm2's way
+ *   sixel    boxes of whole cells are drawn over, none larger than the terminal draws
+ *   iterm    the same with pictures in iTerm2's way
  *   blocks   cells that differ are written
  *
  * Pictures keep their palette (tui/shades.h) until one goes whole, so patches agree with what they
