@@ -126,7 +126,7 @@ static void apply_nearest(struct shades *s, const struct image_view *view, uint8
         const uint8_t *p = view->rgba + 4 * first;
         uint8_t *out = index + y * stride;
         for (uint32_t x = 0; x < view->width; x++, p += 4) {
-            const uint32_t cell = (p[0] >> 2u) << 12 | (p[1] >> 2u) << 6 | p[2] >> 2u;
+            const unsigned cell = (p[0] & 252u) << 10 | (p[1] & 252u) << 4 | p[2] >> 2;
             const uint8_t place = s->place[cell];
             if (p[3] == 255 && place)
                 out[x] = (uint8_t)(place - 1);

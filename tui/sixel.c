@@ -6,7 +6,8 @@
 #include "base/mem.h"
 #include "tui/shaded.h"
 
-enum { BAND = 6, COLOURS = RASTER_COLOURS_MOST, NONE = UINT32_MAX };
+enum { BAND = 6, COLOURS = RASTER_COLOURS_MOST };
+#define NONE UINT32_MAX
 
 /* Columns from .. to - 1 in which a colour has the same bits. */
 struct sixel_run {
