@@ -27,6 +27,13 @@ static enum mosaic_pane pane_of(enum slice_plane plane)
                                     : MOSAIC_SAGITTAL;
 }
 
+static enum slice_plane plane_of(enum mosaic_pane pane)
+{
+    return pane == MOSAIC_AXIAL     ? SLICE_AXIAL
+           : pane == MOSAIC_CORONAL ? SLICE_CORONAL
+                                    : SLICE_SAGITTAL;
+}
+
 /* At the largest scale at which all three fit. */
 static struct slice_choice slice_of(const struct scene *scene, const struct mosaic_choice *choice,
                                     uint32_t width, uint32_t height, enum slice_plane plane)
@@ -204,25 +211,51 @@ static void draw_seams(const struct canvas *canvas)
     canvas_box(canvas, 0, first.height, canvas->width, seam, seam_grey);
 }
 
+/* Panes share nothing but what is only read, so each may be drawn by another thread. */
+struct drawing {
+    const struct canvas *canvas;
+    const struct scene *scene;
+    const struct rendition *rendition;
+    const struct mosaic_choice *choice;
+    const struct slice_style *style;
+    enum err err[MOSAIC_PANES];
+};
+
+static void draw_pane(struct drawing *d, enum mosaic_pane pane)
+{
+    const uint32_t width = d->canvas->width, height = d->canvas->height;
+    const struct mosaic_box box = mosaic_box(width, height, pane);
+    const struct canvas part = canvas_part(d->canvas, box.left, box.top, box.width, box.height);
+    if (pane == MOSAIC_RENDITION) {
+        const struct fitting f =
+            fit(d->rendition, &box, width == d->rendition->width && height == d->rendition->height);
+        draw_rendition(&part, &f, d->rendition);
+        return;
+    }
+    const enum slice_plane plane = plane_of(pane);
+    const struct slice_choice slice = slice_of(d->scene, d->choice, width, height, plane);
+    d->err[pane] = slice_draw(&part, d->scene, &slice, d->style, NULL);
+}
+
+static void draw_share(void *context, unsigned worker)
+{
+    struct drawing *d = context;
+    const struct share share = crew_share(d->choice->crew, worker, MOSAIC_PANES);
+    for (size_t pane = share.first; pane < share.end; pane++)
+        draw_pane(d, (enum mosaic_pane)pane);
+}
+
 enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,
                      const struct rendition *rendition, const struct mosaic_choice *choice,
                      const struct slice_style *style, struct fault *fault)
 {
-    const uint32_t width = canvas->width, height = canvas->height;
-    enum err err = OK;
+    struct drawing d = {canvas, scene, rendition, choice, style, {OK}};
     draw_seams(canvas);
-    for (enum slice_plane p = SLICE_AXIAL; !err && p <= SLICE_SAGITTAL; p++) {
-        const struct mosaic_box box = mosaic_box(width, height, pane_of(p));
-        const struct canvas pane = canvas_part(canvas, box.left, box.top, box.width, box.height);
-        const struct slice_choice slice = slice_of(scene, choice, width, height, p);
-        err = slice_draw(&pane, scene, &slice, style, fault);
-    }
-    const struct mosaic_box box = mosaic_box(width, height, MOSAIC_RENDITION);
-    const struct canvas pane = canvas_part(canvas, box.left, box.top, box.width, box.height);
-    const struct fitting f =
-        fit(rendition, &box, width == rendition->width && height == rendition->height);
-    draw_rendition(&pane, &f, rendition);
-    return err;
+    crew_run(choice->crew, draw_share, &d);
+    for (int i = 0; i < MOSAIC_PANES; i++)
+        if (d.err[i])
+            return fault_memory(fault, "a slice");
+    return OK;
 }
 
 struct mosaic_point mosaic_point_of(uint32_t width, uint32_t height,
@@ -263,10 +296,7 @@ uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t heig
                 fit(rendition, &box, width == rendition->width && height == rendition->height);
             return rendition_cell_at(rendition, &f, x, y);
         }
-        const enum slice_plane plane = pane == MOSAIC_AXIAL     ? SLICE_AXIAL
-                                       : pane == MOSAIC_CORONAL ? SLICE_CORONAL
-                                                                : SLICE_SAGITTAL;
-        const struct slice_choice slice = slice_of(scene, choice, width, height, plane);
+        const struct slice_choice slice = slice_of(scene, choice, width, height, plane_of(pane));
         return slice_cell_at(scene, &slice, box.width, box.height, x, y);
     }
     return CELL_NONE;

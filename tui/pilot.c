@@ -100,7 +100,8 @@ static void add_help(struct buf *out)
     buf_printf(out, "\033[%u;1H  any key goes on", row + 2);
 }
 
-/* A frame is to be there soon after the key: half of what the line carries while nobody minds. */
+/* A frame is to be there 60 ms after the key, what the line takes for the way apart; the flow counts
+ * with 100, and making a frame takes its share. */
 static void add_picture(struct flight *f, struct buf *out)
 {
     const struct pilot_wish wish = wish_of(f);
@@ -114,7 +115,7 @@ static void add_picture(struct flight *f, struct buf *out)
         buf_printf(&f->message, "error: %s", fault.text);
         return;
     }
-    if (!refine_begin(&f->refine, &view, f->is_stale, flow_budget(&f->flow) / 2, &shown)) {
+    if (!refine_begin(&f->refine, &view, f->is_stale, flow_budget(&f->flow) / 3, &shown)) {
         out->failed = true;
         return;
     }
