@@ -197,17 +197,23 @@ same "$(grep -c '^= ' s-1.iftty)" $((records + 1))
 close_story
 
 begin "Ctrl-C while a scene opens: it is not opened, and the prompt goes on"
-enter "clear; $iftty"
-see '^session>$'
-enter "open synth:geom:420x420x340"
-see 'needs 1\.1 GB of memory|error: '
-press C-c
-see '^error: (cancelled; nothing has changed|a scene of)'
+for try in 1 2 3 4 5; do # on a busy machine the key may come when the scene is there
+    enter "clear; $iftty --journal big-$try.iftty"
+    see '^session>$'
+    enter "open synth:geom:420x420x340"
+    see 'needs 1\.1 GB of memory|error: '
+    press C-c
+    see '^error: (cancelled; nothing has changed|a scene of)|^420x420x340 voxels'
+    screen | grep -q '^420x420x340 voxels' || break
+    press C-u
+    enter "quit"
+    sane
+done
 enter "info"
 see '^no scene is open'
 enter "quit"
 sane
-! grep -q '^open' session-1.iftty || fail "what was cancelled is in the journal"
+! grep -q '^open' "big-$try.iftty" || fail "what was cancelled is in the journal"
 close_story
 
 finish

@@ -26,11 +26,11 @@ enter() { # a line
     type_letters "$1"
     press Enter
 }
-# Waits (10 s) until a line of the screen matches.
+# Waits (60 s, for a machine that is busy with other things) until a line of the screen matches.
 see() {
     tries=0
     until screen | grep -qE -e "$1"; do
-        if [ $((tries += 1)) -gt 200 ]; then
+        if [ $((tries += 1)) -gt 1200 ]; then
             fail "nothing like '$1' on the screen:" "$(screen | grep .)"
             return 1
         fi
