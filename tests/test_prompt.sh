@@ -167,6 +167,7 @@ enter "render last.tif"
 enter "quit"
 see '^wrote last\.tif$'
 see '^journal: s-1\.iftty \(.* records\)$'
+see '^\$$' # the shell is back: what is typed before its prompt stands behind it
 enter 'echo status $?'
 see '^status 0$'
 sane
