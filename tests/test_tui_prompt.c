@@ -117,19 +117,19 @@ STORY(candidates_that_do_not_fit_are_told_in_one_line)
 
 /* ---- hints ---- */
 
+#define GREY "\033[38;5;244m"
+
 static const char *draw(const char *text, size_t cursor, const char *hint, unsigned columns)
 {
     static char drawn[512];
     struct buf out = {0};
     struct line_drawing drawing = {0};
-    const struct line_content content = {"> ", text, strlen(text), cursor, hint};
+    const struct line_content content = {"> ", text, strlen(text), cursor, hint, GREY};
     line_draw(&drawing, &content, columns, 24, &out);
     snprintf(drawn, sizeof drawn, "%s", buf_text(&out));
     buf_release(&out);
     return drawn;
 }
-
-#define GREY "\033[38;5;244m"
 
 STORY(a_hint_stands_behind_the_cursor_and_is_cut_before_the_last_column)
 {

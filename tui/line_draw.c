@@ -89,9 +89,11 @@ static void go_to_cursor(size_t up, unsigned column, struct buf *out)
 }
 
 /* As much of the hint as fits before the last column, where terminals wait with the wrap. */
-static bool add_hint(const char *hint, unsigned columns, unsigned column, struct buf *out)
+static bool add_hint(const struct line_content *content, unsigned columns, unsigned column,
+                     struct buf *out)
 {
-    const size_t length = strlen(hint);
+    const char *hint = content->hint;
+    const size_t length = hint ? strlen(hint) : 0;
     struct walk w = {.columns = UINT32_MAX / 2, .column = column, .end = 1};
     size_t fits = 0;
     while (fits < length) {
@@ -102,7 +104,7 @@ static bool add_hint(const char *hint, unsigned columns, unsigned column, struct
     }
     if (fits == 0)
         return false;
-    buf_add_text(out, "\033[38;5;244m");
+    buf_add_text(out, content->grey);
     buf_add(out, hint, fits);
     buf_add_text(out, "\033[m");
     return true;
@@ -129,7 +131,7 @@ void line_draw(struct line_drawing *drawing, const struct line_content *content,
     walk_text(&w, content->prompt, strlen(content->prompt));
     walk_text(&w, content->text, content->length);
     walk_wrap(&w);
-    const bool hints = content->hint && add_hint(content->hint, columns, w.column, out);
+    const bool hints = add_hint(content, columns, w.column, out);
     if (hints || w.row != cursor.row || w.column != cursor.column)
         go_to_cursor(last - cursor.row, cursor.column, out);
     drawing->row = (unsigned)(cursor.row - first);

@@ -26,7 +26,8 @@ struct line_content {
     const char *prompt;
     const char *text;
     size_t length, cursor; /* in bytes of text */
-    const char *hint; /* in grey behind the text, where the cursor is; safe to print, or NULL */
+    const char *hint;      /* behind the text, where the cursor is; safe to print, or NULL */
+    const char *grey;      /* CSI .. m that makes it so */
 };
 
 void line_draw(struct line_drawing *drawing, const struct line_content *content, unsigned columns,

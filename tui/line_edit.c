@@ -50,7 +50,8 @@ static void draw_line(struct line_editor *e, const char *prompt, struct buf *out
                                          .text = buf_text(&l->text),
                                          .length = l->text.length,
                                          .cursor = l->cursor,
-                                         .hint = buf_text(&hint)};
+                                         .hint = buf_text(&hint),
+                                         .grey = e->grey};
     line_draw(&e->drawing, &content, size.columns, size.rows, out);
     buf_release(&search);
     buf_release(&hint);
@@ -321,10 +322,22 @@ static enum outcome take_key(struct line_editor *e, const struct key_event *even
     return e->line.searching ? search_key(e, event) : plain_key(e, event);
 }
 
+/* A slow connection may tear a reply right behind its ESC. Nobody types a bracket behind the Escape
+ * key, which means nothing here; the letters that begin a string, one may. */
+static void mend_torn_reply(struct line_editor *e, uint8_t byte)
+{
+    struct key_event event;
+    const bool strings = e->unanswered || e->answers_due > 0;
+    if (e->lone_escape && (byte == '[' || (strings && byte && strchr("P]_", byte))))
+        keys_feed(&e->keys, 27, &event);
+    e->lone_escape = false;
+}
+
 /* Takes the next byte in. */
 static enum outcome take_byte(struct line_editor *e, uint8_t byte)
 {
     struct key_event event;
+    mend_torn_reply(e, byte);
     bool second = byte == '\n' && e->after_return;
     e->after_return = e->pasting && byte == '\r';
     if (second || !keys_feed(&e->keys, byte, &event))
@@ -367,7 +380,10 @@ static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
         return outcome;
     case TERM_TIMEOUT:
         *screen = STALE;
-        return waiting && keys_time_out(&e->keys, &event) ? take_key(e, &event) : GO_ON;
+        if (!waiting || !keys_time_out(&e->keys, &event))
+            return GO_ON;
+        e->lone_escape = event.key == KEY_ESCAPE;
+        return take_key(e, &event);
     case TERM_SIGNAL:
         if (term_was_continued())
             e->drawing = (struct line_drawing){0};

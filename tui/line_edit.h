@@ -48,11 +48,14 @@ struct line_editor {
     struct buf input; /* bytes read; those before `taken` are done with */
     size_t taken;
     bool pasting;
-    bool after_return;    /* of CR LF in a paste, the LF says nothing new */
+    bool lone_escape;  /* the last byte was an ESC that nothing followed for a while */
+    bool unanswered;   /* the terminal was asked and has not answered: what it says may come yet */
+    bool after_return; /* of CR LF in a paste, the LF says nothing new */
     unsigned answers_due; /* DA1 questions sent, not answered yet */
     struct line_drawing drawing;
     line_complete_function *complete; /* may be NULL */
     line_hint_function *hint;         /* may be NULL: asked wherever the cursor is at the end */
+    const char *grey;                 /* in which hints are drawn, CSI .. m */
     bool submits;                     /* the line is drawn for the last time: without a hint */
     line_news_function *news;         /* may be NULL; else asked when news_descriptor is readable */
     int news_descriptor;

@@ -308,6 +308,8 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
         tell_of_history(&p, loaded, &of_history);
     if (p.facts.colours != COLOURS_NONE)
         p.editor.hint = host->hint;
+    p.editor.unanswered = !p.facts.answers;
+    p.editor.grey = p.facts.colours == COLOURS_16 ? "\033[90m" : "\033[38;5;244m";
     if (!err)
         err = run_prompt(&p, fault);
     if (!err)

@@ -1,0 +1,617 @@
+/* The program's prompt in a pseudo-terminal of our own, and what stands on its screen: keys go in,
+ * cells are looked at. The terminal answers, late, in pieces, or with nonsense. */
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/buf.h"
+#include "base/clock.h"
+#include "base/file.h"
+#include "tests/check.h"
+#include "tests/folder.h"
+#include "tests/screen.h"
+
+static char folder[] = "/tmp/iftty-pty-XXXXXX";
+static char program[PATH_MAX];
+
+struct terminal {
+    int master, slave;
+    pid_t job;
+    unsigned answered;
+    struct buf written; /* by the program: all of it */
+    struct screen screen;
+};
+
+struct setting {
+    const char *term, *no_color, *scene;
+    unsigned columns, rows;
+};
+
+static const struct setting plain = {"xterm-256color", NULL, "synth:geom:40x40x30", 80, 24};
+
+static void become_program(int slave, const struct setting *setting)
+{
+    setsid();
+    ioctl(slave, TIOCSCTTY, 0);
+    for (int fd = 0; fd < 3; fd++)
+        dup2(slave, fd);
+    setenv("TERM", setting->term, 1);
+    unsetenv("COLORTERM");
+    unsetenv("TMUX");
+    unsetenv("NO_COLOR");
+    setenv("LC_ALL", "C", 1);
+    setenv("IFTTY_HISTORY", "history", 1);
+    if (setting->no_color)
+        setenv("NO_COLOR", setting->no_color, 1);
+    execl(program, "iftty", setting->scene, (char *)NULL);
+    _exit(127);
+}
+
+static void set_size(struct terminal *t, unsigned columns, unsigned rows)
+{
+    struct winsize size = {.ws_row = (unsigned short)rows, .ws_col = (unsigned short)columns};
+    screen_resize(&t->screen, columns, rows);
+    ioctl(t->slave, TIOCSWINSZ, &size);
+}
+
+static void type_bytes(struct terminal *t, const char *bytes, size_t length)
+{
+    CHECK(write(t->master, bytes, length) == (ssize_t)length);
+}
+
+static void type(struct terminal *t, const char *text)
+{
+    type_bytes(t, text, strlen(text));
+}
+
+/* Takes in what comes within `ms`; false at the end of the program. */
+static bool take(struct terminal *t, int ms)
+{
+    char piece[4096];
+    struct pollfd ready = {.fd = t->master, .events = POLLIN};
+    if (poll(&ready, 1, ms) <= 0)
+        return true;
+    const ssize_t n = read(t->master, piece, sizeof piece);
+    if (n <= 0)
+        return n < 0 && errno == EINTR;
+    buf_add(&t->written, piece, (size_t)n);
+    screen_write(&t->screen, piece, (size_t)n);
+    for (; t->answered < t->screen.questions; t->answered++)
+        type(t, "\033[?64;1;2;6;9c");
+    return true;
+}
+
+static bool stands(const struct terminal *t, const char *row)
+{
+    for (unsigned y = 0; y < t->screen.rows; y++)
+        if (strcmp(screen_row(&t->screen, y), row) == 0)
+            return true;
+    return false;
+}
+
+static bool begins(const struct terminal *t, const char *text)
+{
+    for (unsigned y = 0; y < t->screen.rows; y++)
+        if (strncmp(screen_row(&t->screen, y), text, strlen(text)) == 0)
+            return true;
+    return false;
+}
+
+static bool is_cursor_row(const struct terminal *t, const char *row)
+{
+    return strcmp(screen_row(&t->screen, t->screen.row), row) == 0;
+}
+
+static bool await(struct terminal *t, bool (*holds)(const struct terminal *, const char *),
+                  const char *text)
+{
+    const uint64_t end = clock_ns() + UINT64_C(10000000000);
+    while (!holds(t, text) && clock_ns() < end)
+        if (!take(t, 20))
+            break;
+    return holds(t, text);
+}
+
+static void print_screen(const struct terminal *t)
+{
+    for (unsigned y = 0; y < t->screen.rows; y++)
+        if (*screen_row(&t->screen, y))
+            printf("#   |%s\n", screen_row(&t->screen, y));
+}
+
+static void check_awaited(struct terminal *t, bool (*holds)(const struct terminal *, const char *),
+                          const char *text, int line)
+{
+    if (!check_report(await(t, holds, text), __FILE__, line, text))
+        print_screen(t);
+}
+
+/* A row is this; begins so; is this where the cursor is. */
+#define SEE(t, row)        check_awaited(t, stands, row, __LINE__)
+#define SEE_BEGIN(t, text) check_awaited(t, begins, text, __LINE__)
+#define SEE_LINE(t, row)   check_awaited(t, is_cursor_row, row, __LINE__)
+
+/* What comes within a while that is long for a program that has nothing to do. */
+static void settle(struct terminal *t)
+{
+    const uint64_t end = clock_ns() + UINT64_C(150000000);
+    while (clock_ns() < end && take(t, 20))
+        ;
+}
+
+static void start(struct terminal *t, const struct setting *setting)
+{
+    memset(t, 0, sizeof *t);
+    t->master = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+    CHECK(t->master >= 0 && grantpt(t->master) == 0 && unlockpt(t->master) == 0);
+    t->slave = open(ptsname(t->master), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    set_size(t, setting->columns, setting->rows);
+    fflush(stdout);
+    t->job = fork();
+    if (t->job == 0)
+        become_program(t->slave, setting);
+}
+
+static void start_at_prompt(struct terminal *t)
+{
+    start(t, &plain);
+    SEE_BEGIN(t, "40x40x30 voxels of 1x1x1 mm, ");
+    SEE_LINE(t, "synth>");
+}
+
+/* Its exit status, or -1 where it does not end. */
+static int end(struct terminal *t)
+{
+    int status = -1;
+    for (int i = 0; i < 500; i++) {
+        const pid_t ended = waitpid(t->job, &status, WNOHANG);
+        if (ended == t->job)
+            break;
+        take(t, 20);
+        status = -1;
+    }
+    kill(t->job, SIGKILL);
+    waitpid(t->job, NULL, WNOHANG);
+    while (take(t, 50) && clock_ns() % 1000 == 0)
+        ;
+    close(t->slave);
+    close(t->master);
+    buf_release(&t->written);
+    return status < 0 ? -1 : WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+static void quit(struct terminal *t)
+{
+    type(t, "\025quit\r");
+    CHECK_INT(end(t), 0);
+}
+
+/* The journal that was written last is the Nth. */
+static const char *journal(unsigned n)
+{
+    static struct buf bytes;
+    char name[32];
+    snprintf(name, sizeof name, "synth-%u.iftty", n);
+    CHECK(file_read(&bytes, name, 1 << 24, NULL) == OK);
+    return buf_text(&bytes);
+}
+
+static void forget_journals(void)
+{
+    char name[32];
+    for (unsigned n = 1; n < 20; n++) {
+        snprintf(name, sizeof name, "synth-%u.iftty", n);
+        unlink(name);
+    }
+}
+
+/* ---- stories ---- */
+
+STORY(a_line_is_typed_mended_and_carried_out)
+{
+    struct terminal t;
+    start_at_prompt(&t);
+    type(&t, "sed 20,20,15 1");
+    SEE_LINE(&t, "synth> sed 20,20,15 1");
+    type(&t, "\001\033[C\033[Ce"); /* start, two to the right, the letter */
+    SEE_LINE(&t, "synth> seed 20,20,15 1");
+    CHECK_INT(t.screen.column, 7 + 3);
+    type(&t, "\r");
+    SEE_BEGIN(&t, "48000 voxels changed, 1 48 ml, ");
+    SEE_LINE(&t, "synth>");
+    type(&t, "label 1 \346\234\254x");
+    SEE_LINE(&t, "synth> label 1 \346\234\254x [#rrggbb]");
+    CHECK_INT(t.screen.column, 7 + 8 + 3);
+    type(&t, "\177\177kidney\r");
+    SEE(&t, "synth> label 1 kidney");
+    type(&t, "seed 2,2,2 2\r");
+    SEE_BEGIN(&t, "");
+    SEE_LINE(&t, "synth>");
+    settle(&t);
+    bool tells = false;
+    for (unsigned y = 0; y < t.screen.rows; y++)
+        tells |= strstr(screen_row(&t.screen, y), " voxels changed, ") &&
+                 strstr(screen_row(&t.screen, y), "1 kidney ");
+    CHECK(tells);
+    quit(&t);
+    CHECK_HAS(journal(1), "\nlabel 1 kidney\n");
+    CHECK_HAS(journal(1), "\nseed 20,20,15 1\n");
+    forget_journals();
+}
+
+STORY(a_hint_is_grey_moves_on_and_never_gets_into_the_line)
+{
+    struct terminal t;
+    start_at_prompt(&t);
+    type(&t, "polarity ");
+    SEE_LINE(&t, "synth> polarity LABEL PERCENT");
+    const struct screen_cell *cell = t.screen.cell[t.screen.row];
+    CHECK(!cell[7].grey && cell[16].grey && strcmp(cell[16].text, "L") == 0);
+    CHECK_INT(t.screen.column, 16);
+    type(&t, "1");
+    SEE_LINE(&t, "synth> polarity 1 PERCENT");
+    type(&t, "\001"); /* the cursor is not at the end: no hint */
+    SEE_LINE(&t, "synth> polarity 1");
+    type(&t, "\005 50");
+    SEE_LINE(&t, "synth> polarity 1 50");
+    type(&t, "\177\177\177\r");
+    SEE(&t, "synth> polarity 1"); /* gone with Enter */
+    SEE(&t, "                  ^");
+    SEE(&t, "error: missing: PERCENT; usage: polarity LABEL PERCENT");
+    type(&t, "weight ");
+    SEE_BEGIN(&t, "synth> weight morph|sobel");
+    set_size(&t, 30, 24);
+    SEE_LINE(&t, "synth> weight morph|sobel|gau"); /* cut before the last column */
+    quit(&t);
+    forget_journals();
+}
+
+STORY(tab_completes_and_lists_and_tells_how_many_more)
+{
+    struct terminal t;
+    CHECK(file_make_folder("scans", NULL) == OK && file_make_folder("scans/my masks", NULL) == OK);
+    for (int i = 0; i < 150; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "scans/volume-%d.nii", i);
+        CHECK(file_write(name, "", 0, FILE_REPLACE, NULL) == OK);
+    }
+    CHECK(file_write("scans/my masks/one.nii", "", 0, FILE_REPLACE, NULL) == OK);
+    start_at_prompt(&t);
+    type(&t, "mask sc\t");
+    SEE_LINE(&t, "synth> mask scans/ [regions=A-B]");
+    type(&t, "my\t");
+    SEE_LINE(&t, "synth> mask \"scans/my masks/");
+    type(&t, "\t");
+    SEE_LINE(&t, "synth> mask \"scans/my masks/one.nii\" [regions=A-B]");
+    CHECK_INT(t.screen.column, 37);
+    type(&t, "\027\027"); /* kills back to the name of the command */
+    SEE_LINE(&t, "synth> mask none|FILE [regions=A-B]");
+    type(&t, "scans/v\t\t");
+    SEE_LINE(&t, "synth> mask scans/volume- [regions=A-B]");
+    SEE_BEGIN(&t, "volume-0.nii    volume-20.nii");
+    SEE(&t, "and 50 more");
+    type(&t, "\025zzz\t");
+    SEE_LINE(&t, "synth> zzz");
+    CHECK(t.screen.bells > 0);
+    quit(&t);
+    forget_journals();
+}
+
+STORY(a_caret_stands_under_what_is_wrong)
+{
+    struct terminal t;
+    start_at_prompt(&t);
+    type(&t, "seed 20,20,15 livver\r");
+    SEE(&t, "                     ^");
+    SEE_BEGIN(&t, "error: LABEL: expected a label 0..255 or the name of one, not livver");
+    type(&t, "label 1 \346\234\254 clour\r");
+    SEE(&t, "                  ^");
+    set_size(&t, 30, 24);
+    type(&t, "seed 20,20,15 1 radius=99 to=1,1,1\r");
+    SEE(&t, "...eed 20,20,15 1 radius=9...");
+    SEE(&t, "                  ^");
+    SEE_LINE(&t, "synth>");
+    quit(&t);
+    forget_journals();
+}
+
+STORY(a_hundred_pasted_lines_are_a_hundred_commands)
+{
+    struct terminal t;
+    struct buf paste = {0};
+    char line[64];
+    start_at_prompt(&t);
+    buf_add_text(&paste, "\033[200~");
+    for (int i = 1; i <= 100; i++)
+        buf_printf(&paste, "label %d part-%d%s", i, i, i < 100 ? "\r" : "");
+    buf_add_text(&paste, "\033[201~");
+    for (size_t at = 0; at < paste.length; at += 300) {
+        type_bytes(&t, paste.data + at, paste.length - at < 300 ? paste.length - at : 300);
+        take(&t, 5);
+    }
+    SEE(&t, "synth> label 99 part-99");
+    SEE_LINE(&t, "synth> label 100 part-100 [#rrggbb]"); /* waits for Enter */
+    type(&t, "\r");
+    SEE_LINE(&t, "synth>");
+    quit(&t);
+    for (int i = 1; i <= 100; i++) {
+        snprintf(line, sizeof line, "\nlabel %d part-%d\n", i, i);
+        CHECK_HAS(journal(1), line);
+    }
+    buf_release(&paste);
+    forget_journals();
+    unlink("history");
+}
+
+STORY(history_outlives_a_session_that_is_killed)
+{
+    struct terminal t, other;
+    struct stat status;
+    start_at_prompt(&t);
+    start(&other, &plain);
+    SEE_LINE(&other, "synth>");
+    type(&t, "label 7 first\r");
+    SEE(&t, "synth> label 7 first");
+    SEE_LINE(&t, "synth>");
+    type(&other, "label 7 second\r");
+    SEE(&other, "synth> label 7 second");
+    SEE_LINE(&other, "synth>");
+    kill(t.job, SIGKILL);
+    CHECK_INT(end(&t), 128 + SIGKILL);
+    quit(&other);
+    CHECK(stat("history", &status) == 0 && (status.st_mode & 0777) == 0600);
+    start_at_prompt(&t);
+    type(&t, "\020\020"); /* up, past `quit` */
+    SEE_LINE(&t, "synth> label 7 second [#rrggbb]");
+    type(&t, "\022fir");
+    SEE_LINE(&t, "(search 'fir') label 7 first");
+    type(&t, "\007");
+    SEE_LINE(&t, "synth>");
+    quit(&t);
+    unlink("history");
+    forget_journals();
+}
+
+STORY(hostile_lines_of_a_history_are_not_obeyed)
+{
+    struct terminal t;
+    static const char lines[] = "info\n\033]0;title\a\033[2J\033[31m\n\xff\xfe\x9b"
+                                "31m\n";
+    CHECK(file_write("history", lines, sizeof lines - 1, FILE_REPLACE, NULL) == OK);
+    start_at_prompt(&t);
+    type(&t, "\020");
+    SEE_LINE(&t, "synth> \\xff\\xfe\\x9b31m");
+    type(&t, "\020");
+    SEE_LINE(&t, "synth> info");
+    CHECK(strstr(buf_text(&t.written), "title") == NULL);
+    quit(&t);
+    unlink("history");
+    forget_journals();
+}
+
+/* The rows that a line of `text` behind the prompt takes, with the cursor at its end. */
+static void check_rows(struct terminal *t, const char *text)
+{
+    char whole[256];
+    const unsigned columns = t->screen.columns;
+    snprintf(whole, sizeof whole, "synth> %s", text);
+    const unsigned length = (unsigned)strlen(whole), rows = length / columns + 1;
+    const unsigned last = t->screen.row;
+    CHECK_INT(t->screen.column, length % columns);
+    for (unsigned i = 0; i < rows && i <= last; i++) {
+        const unsigned n = i + 1 < rows ? columns : length % columns;
+        char part[256];
+        snprintf(part, sizeof part, "%.*s", (int)n, whole + i * columns);
+        CHECK_TEXT(screen_row(&t->screen, last - rows + 1 + i), part);
+    }
+}
+
+STORY(a_long_line_is_drawn_anew_at_every_width)
+{
+    static const char text[] = "abcdefghijklmnopqrstuvwxyz0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-"
+                               "abcdefghijklmnopqrstuvwxyz0123456789";
+    static const unsigned width[] = {60, 40, 106, 26, 80, 53, 120, 20, 107, 80};
+    struct terminal t;
+    start_at_prompt(&t);
+    type(&t, "info\r");
+    SEE_BEGIN(&t, "memory ");
+    type(&t, text);
+    settle(&t);
+    check_rows(&t, text);
+    for (size_t i = 0; i < sizeof width / sizeof *width; i++) {
+        set_size(&t, width[i], 24);
+        settle(&t);
+        check_rows(&t, text);
+        if (!CHECK(begins(&t, "memory "))) /* what was said before is left alone */
+            print_screen(&t);
+    }
+    type(&t, "\003");
+    settle(&t);
+    quit(&t);
+    forget_journals();
+}
+
+STORY(whatever_a_terminal_says_the_line_stays_what_was_typed)
+{
+    static const char *const reply[] = {
+        "\033[?64;1;2;6;9c",                   /* DA1 */
+        "\033[>41;379;0c",                     /* DA2 */
+        "\033P>|XTerm(379)\033\\",             /* XTVERSION */
+        "\033P!|00000000\033\\",               /* DA3 */
+        "\033P1+r544e=787465726d\033\\",       /* XTGETTCAP */
+        "\033P0$r0m\033\\",                    /* DECRQSS */
+        "\033[6;18;9t\033[4;432;720t",         /* sizes */
+        "\033[?2;0;1000;1000S",                /* XTSMGRAPHICS */
+        "\033[?2026;2$y",                      /* DECRPM */
+        "\033[24;80R\033[?24;80R",             /* cursor */
+        "\033[0n",                             /* status */
+        "\033]11;rgb:0000/0000/0000\033\\",    /* colours */
+        "\033]4;1;rgb:ffff/0000/0000\a",       /* ended by BEL */
+        "\033_Gi=31;OK\033\\",                 /* kitty */
+        "\033_Gi=31;EINVAL:\302\233c\033\\",   /* with bytes of its own */
+        "\033[I\033[O",                        /* focus */
+        "\033[?1u",                            /* kitty's keyboard */
+        "\033[?997;1n",                        /* dark or light */
+        "\033[201~",                           /* the end of no paste */
+        "\033^private\033\\\033Xstring\033\\", /* PM, SOS */
+        "\033[?1;2;3;4;5;6;7;8;9;10;11;12;13;14;15;16;17;18;19;20;21;22;23;24;25;26;27;28;29c",
+    };
+    struct terminal t;
+    struct buf text = {0}, row = {0}, lengthy = {0};
+    start_at_prompt(&t);
+    buf_add_text(&text, "#");
+    type(&t, "#");
+    for (size_t i = 0; i < sizeof reply / sizeof *reply; i++) {
+        const char letter[] = {(char)('a' + i), '\0'};
+        type(&t, reply[i]);
+        type(&t, letter);
+        buf_add_text(&text, letter);
+    }
+    buf_add_text(&lengthy, "\033P");
+    for (int i = 0; i < 20000; i++) /* more than anybody keeps */
+        buf_add_char(&lengthy, (char)('0' + i % 70));
+    buf_add_text(&lengthy, "\033\\.");
+    for (size_t at = 0; at < lengthy.length; at += 1000) {
+        const size_t n = lengthy.length - at < 1000 ? lengthy.length - at : 1000;
+        type_bytes(&t, lengthy.data + at, n);
+        take(&t, 1);
+    }
+    buf_printf(&row, "synth> %s.", buf_text(&text));
+    SEE_LINE(&t, buf_text(&row));
+    type(&t, "\033P never ends"); /* Ctrl-C gets the keyboard back */
+    settle(&t);
+    type(&t, "\003");
+    settle(&t);
+    type(&t, "\003");
+    SEE_LINE(&t, "synth>");
+    quit(&t);
+    buf_release(&text);
+    buf_release(&row);
+    buf_release(&lengthy);
+    forget_journals();
+}
+
+/* The first piece, and then so many bytes at a time. */
+static void answer_slowly(struct terminal *t, const char *reply, size_t first, size_t more)
+{
+    const size_t length = strlen(reply);
+    for (size_t at = 0, piece = first; at < length; at += piece, piece = more) {
+        type_bytes(t, reply + at, length - at < piece ? length - at : piece);
+        const uint64_t until = clock_ns() + UINT64_C(250000000);
+        while (clock_ns() < until)
+            take(t, 20);
+    }
+}
+
+STORY(a_reply_may_take_two_seconds)
+{
+    struct terminal t;
+    const uint64_t begin = clock_ns();
+    start_at_prompt(&t);
+    type(&t, "in");
+    answer_slowly(&t, "\033[?64;1;2;6;9c", 3, 4);
+    answer_slowly(&t, "\033P>|XTerm(379)\033\\", 4, 6);
+    answer_slowly(&t, "\033[?64;1;2;6;9c", 1, 7); /* ESC alone is a key, unless this follows */
+    type(&t, "fo");
+    SEE_LINE(&t, "synth> info");
+    CHECK(clock_ns() - begin > UINT64_C(2000000000));
+    type(&t, "\033");
+    settle(&t);
+    type(&t, "\177\177fo");
+    settle(&t);
+    SEE_LINE(&t, "synth> info");
+    quit(&t);
+    forget_journals();
+}
+
+STORY(ctrl_c_takes_back_a_line_or_a_command)
+{
+    struct terminal t;
+    const struct setting empty = {"xterm-256color", NULL, NULL, 80, 24};
+    start(&t, &empty);
+    SEE_LINE(&t, "session>");
+    settle(&t); /* the prompt is there before the session is */
+    type(&t, "seed 1,1,1");
+    SEE_BEGIN(&t, "session> seed 1,1,1");
+    type(&t, "\003");
+    SEE(&t, "session> seed 1,1,1^C");
+    SEE_LINE(&t, "session>");
+    type(&t, "open synth:geom:420x420x340\r");
+    SEE_BEGIN(&t, "synthetic scene       [");
+    type(&t, "\003");
+    SEE(&t, "error: cancelled; nothing has changed");
+    SEE_LINE(&t, "session>");
+    CHECK(!begins(&t, "synthetic scene       [")); /* the bar is gone */
+    type(&t, "info\r");
+    SEE(&t, "no scene is open");
+    quit(&t);
+    unlink("session-1.iftty");
+}
+
+STORY(without_colours_there_is_none_and_no_hint)
+{
+    struct terminal t;
+    struct setting setting = plain;
+    setting.no_color = "1";
+    start(&t, &setting);
+    SEE_LINE(&t, "synth>");
+    type(&t, "seed ");
+    settle(&t);
+    SEE_LINE(&t, "synth> seed");
+    type(&t, "1,1 1\r");
+    SEE(&t, "            ^");
+    SEE_BEGIN(&t, "error: PLACE: expected X,Y,Z");
+    CHECK_INT(t.screen.colours, 0);
+    quit(&t);
+    forget_journals();
+}
+
+STORY(a_dumb_terminal_gets_no_escape_at_all)
+{
+    struct terminal t;
+    struct setting setting = plain;
+    setting.term = "dumb";
+    start(&t, &setting);
+    SEE_LINE(&t, "synth>");
+    type(&t, "seed 20,20,15 1\r");
+    SEE_BEGIN(&t, "48000 voxels changed, 1 48 ml, ");
+    type(&t, "sede\r");
+    SEE(&t, "error: unknown command sede; did you mean seed?");
+    type(&t, "quit\r");
+    SEE_BEGIN(&t, "journal: synth-1.iftty");
+    CHECK(strchr(buf_text(&t.written), '\033') == NULL);
+    CHECK_INT(end(&t), 0);
+    forget_journals();
+}
+
+int main(void)
+{
+    alarm(300);
+    ssize_t n = readlink("/proc/self/exe", program, sizeof program - 32);
+    program[n > 0 ? n : 0] = '\0';
+    for (int up = 0; up < 2 && strrchr(program, '/'); up++)
+        *strrchr(program, '/') = '\0';
+    strcat(program, "/iftty");
+    if (!mkdtemp(folder) || chdir(folder) != 0)
+        return 1;
+    const int status =
+        RUN_STORIES(TELL(a_line_is_typed_mended_and_carried_out),
+                    TELL(a_hint_is_grey_moves_on_and_never_gets_into_the_line),
+                    TELL(tab_completes_and_lists_and_tells_how_many_more),
+                    TELL(a_caret_stands_under_what_is_wrong),
+                    TELL(a_hundred_pasted_lines_are_a_hundred_commands),
+                    TELL(history_outlives_a_session_that_is_killed),
+                    TELL(hostile_lines_of_a_history_are_not_obeyed),
+                    TELL(a_long_line_is_drawn_anew_at_every_width),
+                    TELL(whatever_a_terminal_says_the_line_stays_what_was_typed),
+                    TELL(a_reply_may_take_two_seconds), TELL(ctrl_c_takes_back_a_line_or_a_command),
+                    TELL(without_colours_there_is_none_and_no_hint),
+                    TELL(a_dumb_terminal_gets_no_escape_at_all));
+    return remove_folder(folder) | status;
+}
