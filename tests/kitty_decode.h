@@ -91,11 +91,32 @@ static inline bool kitty_change(struct kitty_screen *k, const struct decoded_png
     return true;
 }
 
+static inline bool kitty_pixels(const struct kitty_screen *k, struct decoded_png *png)
+{
+    *png = (struct decoded_png){.width = kitty_value(k->keys, "s"),
+                                .height = kitty_value(k->keys, "v")};
+    const size_t pixels = (size_t)png->width * png->height;
+    uLongf length = (uLongf)(3 * pixels);
+    uint8_t *raw = calloc(pixels + 1, 3);
+    png->pixel = calloc(pixels + 1, sizeof *png->pixel);
+    bool fine = strcmp(kitty_key(k->keys, "o"), "z") == 0 &&
+                uncompress(raw, &length, (const Bytef *)buf_text(&k->data),
+                           (uLong)k->data.length) == Z_OK &&
+                length == 3 * pixels;
+    for (size_t i = 0; i < pixels; i++)
+        png->pixel[i] = (uint32_t)raw[3 * i] << 16 | (uint32_t)raw[3 * i + 1] << 8 | raw[3 * i + 2];
+    free(raw);
+    return fine;
+}
+
 static inline bool kitty_complete(struct kitty_screen *k, unsigned column, unsigned row)
 {
     struct decoded_png png = {0};
-    bool fine = strcmp(kitty_key(k->keys, "f"), "100") == 0 &&
-                png_decode(&png, (const uint8_t *)buf_text(&k->data), k->data.length);
+    bool fine = false;
+    if (strcmp(kitty_key(k->keys, "f"), "100") == 0)
+        fine = png_decode(&png, (const uint8_t *)buf_text(&k->data), k->data.length);
+    else if (strcmp(kitty_key(k->keys, "f"), "24") == 0)
+        fine = kitty_pixels(k, &png);
     if (fine && *kitty_key(k->keys, "a") == 'T')
         fine = kitty_take(k, &png, column, row);
     else

@@ -5,7 +5,7 @@
 #include "tui/base64.h"
 #include "tui/shaded.h"
 
-enum { CHUNK = 4096 };
+enum { CHUNK = 4096, FEW_PIXELS = 1024 };
 
 /* `first` and `next` are keys of the first chunk and of those that follow, each with its comma. */
 static void add_chunks(const struct buf *png, const char *first, const char *next, struct buf *out)
@@ -37,14 +37,18 @@ void kitty_show(struct png_writer *writer, const struct raster *raster, uint32_t
 void kitty_patch(struct png_writer *writer, const struct raster *part, enum png_effort effort,
                  uint32_t image, uint32_t left, uint32_t top, struct buf *out)
 {
-    struct buf png = {0}, first = {0}, next = {0};
+    struct buf png = {0}, pixels = {0}, first = {0}, next = {0};
     png_add(writer, part, effort, &png);
+    if ((uint64_t)part->width * part->height <= FEW_PIXELS)
+        png_add_pixels(writer, part, effort, &pixels);
+    const bool is_png = pixels.length == 0 || png.length <= pixels.length;
     buf_printf(&next, "a=f,i=%u,r=1,", image);
-    buf_printf(&first, "%sX=1,f=100,x=%u,y=%u,s=%u,v=%u,", buf_text(&next), left, top, part->width,
-               part->height);
-    png.failed |= first.failed || next.failed;
-    add_chunks(&png, buf_text(&first), buf_text(&next), out);
+    buf_printf(&first, "%sX=1,%s,x=%u,y=%u,s=%u,v=%u,", buf_text(&next),
+               is_png ? "f=100" : "f=24,o=z", left, top, part->width, part->height);
+    out->failed |= png.failed || pixels.failed || first.failed || next.failed;
+    add_chunks(is_png ? &png : &pixels, buf_text(&first), buf_text(&next), out);
     buf_release(&png);
+    buf_release(&pixels);
     buf_release(&first);
     buf_release(&next);
 }

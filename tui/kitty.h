@@ -6,13 +6,14 @@
  *     ESC _ G q=2,m=0 ; <the rest> ESC \
  *
  *     ESC _ G a=f,i=7,r=1,X=1,f=100,x=40,y=8,s=20,v=10,q=2,m=0 ; <base64> ESC \     a patch
+ *     ESC _ G a=f,i=7,r=1,X=1,f=24,o=z,x=40,y=8,s=3,v=3,q=2,m=0 ; <base64> ESC \    a small one
  *     ESC _ G a=d,d=I,i=7,q=2 ESC \                                     takes it away
  *
  * a=T transmits and shows at the cursor, C=1 leaves the cursor where it is, q=2 (on every chunk)
- * asks for no answer, f=100 means PNG, m=1 that more follows. a=f changes a frame, r=1 the first,
- * X=1 puts pixels in the place of pixels. Every chunk of a patch carries a=f,i=,r=1: without them
- * kitty 0.26.5 says OK and changes nothing.
- * Source: https://sw.kovidgoyal.net/kitty/graphics-protocol/
+ * asks for no answer, f=100 means PNG, f=24,o=z deflated 24-bit pixels, m=1 that more follows. a=f
+ * changes a frame, r=1 the first, X=1 puts pixels in the place of pixels. Every chunk of a patch
+ * carries a=f,i=,r=1: without them kitty 0.26.5 says OK and changes nothing. Source:
+ * https://sw.kovidgoyal.net/kitty/graphics-protocol/
  */
 #ifndef TUI_KITTY_H
 #define TUI_KITTY_H

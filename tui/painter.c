@@ -13,7 +13,7 @@
 enum {
     IMAGE = 26982, /* and the next: numbers in kitty that others hardly use */
     PIXEL_TILE = 16,
-    FAST_FROM = 1 << 16, /* pixels; from here on time counts more than bytes */
+    FAST_FROM = 1 << 13, /* pixels; from here on time counts more than bytes */
 };
 
 /* What a patch costs beyond its pixels, in pixels: escape, headers, palette. */

@@ -97,8 +97,7 @@ static void fill_rows(uint8_t *out, const struct raster *raster, const uint8_t *
 
 static bool prepare(struct png_writer *w, enum png_effort effort, size_t raw_length)
 {
-    /* Level 1 is twice as fast as any other, and 6 is within 2 % of the smallest. */
-    static const int level[2] = {[PNG_FAST] = 1, [PNG_SMALL] = 6};
+    static const int level[2] = {[PNG_FAST] = 1, [PNG_SMALL] = 10};
     if (!w->compressor[effort])
         w->compressor[effort] = libdeflate_alloc_compressor(level[effort]);
     return w->compressor[effort] && mem_grow(&w->raw, &w->raw_capacity, raw_length, 1) &&
@@ -134,4 +133,29 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
         add_palette(png, used, colours);
     add_chunk(png, "IDAT", w->packed, packed_length);
     add_chunk(png, "IEND", "", 0);
+}
+
+void png_add_pixels(struct png_writer *w, const struct raster *raster, enum png_effort effort,
+                    struct buf *out)
+{
+    const size_t row_bytes = (size_t)raster->width * 3;
+    size_t raw_length;
+    if (!size_multiply(row_bytes, raster->height, &raw_length) || raw_length > UINT32_MAX / 2 ||
+        !prepare(w, effort, raw_length)) {
+        out->failed = true;
+        return;
+    }
+    uint8_t *raw = w->raw;
+    for (uint32_t y = 0; y < raster->height; y++) {
+        const uint8_t *row = raster->bytes + y * raster->stride;
+        for (uint32_t x = 0; raster->colour && x < raster->width; x++)
+            for (unsigned k = 0; k < 3; k++)
+                raw[3 * x + k] = (uint8_t)(raster->colour[row[x]] >> (16 - 8 * k));
+        if (!raster->colour)
+            memcpy(raw, row, row_bytes);
+        raw += row_bytes;
+    }
+    buf_add(out, w->packed,
+            libdeflate_zlib_compress(w->compressor[effort], w->raw, raw_length, w->packed,
+                                     w->packed_capacity));
 }

@@ -10,7 +10,10 @@
 #include "base/buf.h"
 #include "tui/raster.h"
 
-/* Whether a picture is sent once and large, and time counts, or small and often, and bytes do. */
+/* Whether time counts, or bytes do. On pictures rounded to a palette deflate's level 1 makes 45 kB
+ * of a 512x512 rendition in 0.9 ms, 6 makes 42 kB in 1.7 ms; of 40x40 pixels 1 makes 821 bytes, 6
+ * makes 844, and 10 makes 769 in 0.1 ms. So the levels are 1 and 10, and the latter is for small
+ * ones. */
 enum png_effort { PNG_FAST, PNG_SMALL };
 
 /* Compressors and memory, kept from picture to picture. `struct png_writer w = {0}` is ready. */
@@ -25,5 +28,9 @@ void png_release(struct png_writer *writer);
 /* Adds a file. Without memory png->failed is set. */
 void png_add(struct png_writer *writer, const struct raster *raster, enum png_effort effort,
              struct buf *png);
+
+/* Adds no file, but its pixels alone: 24 bits each, deflated (zlib). Smaller where they are few. */
+void png_add_pixels(struct png_writer *writer, const struct raster *raster, enum png_effort effort,
+                    struct buf *out);
 
 #endif
