@@ -6,7 +6,7 @@
 #include "base/mem.h"
 
 /* Bytes a tile before anything is known: about what palette pictures take. */
-static const double cost_at_first[REFINE_LEVELS] = {110, 45, 20, 10};
+static const double cost_at_first[REFINE_LEVELS] = {160, 70, 35, 22, 13};
 
 static uint32_t least(uint32_t a, uint32_t b)
 {

@@ -21,7 +21,7 @@
 
 #include "tui/image_view.h"
 
-enum { REFINE_TILE = 16, REFINE_LEVELS = 4 }; /* pixels a side; coarser by 1, 2, 4 and 8 */
+enum { REFINE_TILE = 16, REFINE_LEVELS = 5 }; /* pixels a side; coarser by 1, 2, 4, 8, 16 */
 
 struct refine_place {
     uint32_t left, top;
