@@ -66,6 +66,21 @@ sane
 expect 0 "$iftty" verify two.iftty
 close_story
 
+begin "stopped and continued while it has the whole screen: that, and the mouse, come back"
+start_session stop.iftty s.nii
+enter "pilot"
+comes_true state_is 110
+press C-z
+comes_true state_is 001
+sane
+enter "fg"
+comes_true state_is 110
+kill -KILL "$(cat pid)"
+comes_true state_is 001
+comes_true nothing_left
+sane
+close_story
+
 begin "aborted while it has the whole screen: the same"
 start_session three.iftty s.nii
 enter "pilot"

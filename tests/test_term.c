@@ -176,7 +176,8 @@ static void run_shell(int slave, int report, int order, void (*play)(void))
     setpgid(job, job);
     bool alive = write(report, &job, sizeof job) == sizeof job;
     while (alive && waitpid(job, &status, WUNTRACED) == job) {
-        tcsetpgrp(0, getpgrp());
+        if (!other)
+            tcsetpgrp(0, getpgrp());
         alive = write(report, &status, sizeof status) > 0 && read(order, &other, sizeof other) > 0;
         tcsetpgrp(0, other ? other : job);
         if (WIFSTOPPED(status) && !other)

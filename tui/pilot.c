@@ -133,7 +133,9 @@ static enum err draw(struct flight *f, struct fault *fault)
         f->is_over = true;
         return OK;
     }
-    buf_add_text(&out, flow_recovery(&f->flow, f->facts->graphics == GRAPHICS_KITTY));
+    const char *recovery = flow_recovery(&f->flow, f->facts->graphics == GRAPHICS_KITTY);
+    buf_add_text(&out, recovery);
+    f->is_blank |= *recovery != '\0'; /* nobody knows what has arrived */
     if (f->facts->synchronizes)
         buf_add_text(&out, "\033[?2026h");
     if (f->is_blank) {
@@ -467,7 +469,8 @@ enum err pilot_fly(const struct pilot_host *host, struct terminal_facts *facts,
         return fault_set(fault, ERR_USAGE, "the pilot takes a screen of %dx%d characters or more",
                          COLUMNS_LEAST, ROWS_LEAST);
     pilot_state_init(&f.state);
-    term_set_greetings(ENTER_SCREEN, MOUSE_OFF LEAVE_SCREEN "\033[?2004l");
+    term_set_greetings(facts->mouse ? ENTER_SCREEN MOUSE_ON : ENTER_SCREEN,
+                       MOUSE_OFF LEAVE_SCREEN "\033[?2004l");
     buf_add_text(&out, ENTER_SCREEN);
     facts->reports |= facts->mouse;
     if (facts->mouse)

@@ -383,6 +383,11 @@ unsigned probe_await(unsigned count, int limit_ms, struct buf *typed)
     return await_replies(&ignored, count, limit_ms, typed);
 }
 
+const char *probe_recovery(const struct terminal_facts *facts)
+{
+    return facts->graphics == GRAPHICS_KITTY ? "\033\\\033_Gm=0,q=2;\033\\" : "\033\\";
+}
+
 void probe_leave(const struct terminal_facts *facts, unsigned due)
 {
     struct buf typed = {0};

@@ -126,6 +126,9 @@ enum err probe_terminal(enum graphics wish, struct terminal_facts *facts, struct
  * written before is on screen then. What was typed is added to `typed`. Returns those answered. */
 unsigned probe_await(unsigned count, int limit_ms, struct buf *typed);
 
+/* What ends a picture that the line has cut in two, where nobody knows whether it did. */
+const char *probe_recovery(const struct terminal_facts *facts);
+
 /* Before term_close: ends our modes. Where answers are `due` or the mouse was asked for, asks once
  * more and waits (at most 2 s; Ctrl-C ends it) for that answer and those before it. Whatever would
  * have come to the shell as if it had been typed, late answers and reports of the mouse, has come

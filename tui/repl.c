@@ -135,8 +135,8 @@ static void add_picture(struct prompt *p, struct buf *out)
     struct line_editor *e = &p->editor;
     if (!p->host->picture || !p->host->picture(p->host->context, &view))
         return;
-    if (e->answers_due > 0)
-        probe_await(e->answers_due, BARRIER_MS, &e->input);
+    if (e->answers_due > 0 && probe_await(e->answers_due, BARRIER_MS, &e->input) == 0)
+        buf_add_text(out, probe_recovery(&p->facts));
     e->answers_due = 0;
     const struct term_size size = term_size();
     size_t before = out->length;
