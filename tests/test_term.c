@@ -154,6 +154,7 @@ static void run_shell(int slave, int report, int order, void (*play)(void))
 {
     int status;
     pid_t other = 0;
+    prctl(PR_SET_PDEATHSIG, SIGKILL); /* and the terminal hangs up */
     setsid();
     ioctl(slave, TIOCSCTTY, 0);
     signal(SIGTTOU, SIG_IGN);
@@ -183,7 +184,8 @@ static void run_shell(int slave, int report, int order, void (*play)(void))
         if (WIFSTOPPED(status) && !other)
             kill(-job, SIGCONT);
     }
-    pause();
+    while (read(order, &other, sizeof other) > 0)
+        ;
     _exit(0);
 }
 
