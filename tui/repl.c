@@ -312,8 +312,7 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     p.editor.grey = p.facts.colours == COLOURS_16 ? "\033[90m" : "\033[38;5;244m";
     if (!err)
         err = run_prompt(&p, fault);
-    if (!err)
-        probe_leave(&p.facts, p.editor.answers_due);
+    probe_leave(&p.facts, p.editor.answers_due);
     term_close();
     line_editor_release(&p.editor);
     return err;
@@ -324,7 +323,7 @@ enum err repl_run(const struct repl_host *host, const struct repl_options *optio
 {
     bool terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     const char *name = probe_environment_now().term;
-    if (terminal && *name && strcmp(name, "dumb") != 0)
+    if (terminal && !probe_is_plain(name))
         return run_interactive(host, options, fault);
     return run_plain(host, terminal, fault);
 }
