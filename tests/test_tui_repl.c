@@ -434,6 +434,24 @@ STORY(kitty_is_asked_and_gets_its_own_graphics)
     end(&t);
 }
 
+STORY(a_picture_that_nobody_confirms_is_recovered_from_before_the_next)
+{
+    struct terminal t;
+    start(&t, &kitty);
+    SEE(&t, "ch2> ");
+    t.da1 = NULL; /* the line has cut it */
+    type(&t, "picture\r");
+    SEE(&t, "\033_Ga=T");
+    SEE(&t, "ch2> ");
+    type(&t, "picture\r");
+    SEE(&t, "\033\\\033_Gm=0,q=2;\033\\");
+    SEE(&t, "\033_Ga=T");
+    SEE(&t, "ch2> ");
+    type(&t, "quit\r");
+    CHECK_INT(report_of(&t), 0);
+    end(&t);
+}
+
 STORY(a_terminal_without_graphics_gets_blocks)
 {
     struct terminal t;
@@ -837,6 +855,7 @@ int main(void)
         TELL(replies_that_come_late_never_reach_the_line),
         TELL(a_sixel_terminal_gets_sixels_and_each_is_waited_for),
         TELL(kitty_is_asked_and_gets_its_own_graphics),
+        TELL(a_picture_that_nobody_confirms_is_recovered_from_before_the_next),
         TELL(a_terminal_without_graphics_gets_blocks),
         TELL(without_colours_one_question_is_asked_and_nothing_coloured),
         TELL(a_silent_terminal_costs_two_seconds_and_no_key),
