@@ -208,11 +208,13 @@ for try in 1 2 3 4 5; do # on a busy machine the key may come when the scene is 
     screen | grep -q '^420x420x340 voxels' || break
     press C-u
     enter "quit"
+    see '^journal: big' # what is typed before is the prompt's, and goes with it
     sane
 done
 enter "info"
 see '^no scene is open'
 enter "quit"
+see '^journal: big'
 sane
 ! grep -q '^open' "big-$try.iftty" || fail "what was cancelled is in the journal"
 close_story
