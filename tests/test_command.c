@@ -633,6 +633,11 @@ STORY(an_error_tells_where_in_the_line_it_is)
     is_wrong_at(&desk, "\"sa\\\"ve\" x", "\"sa");
     is_wrong_at(&desk, "render \"a b", "\"a b");
     is_wrong_at(&desk, "label 2 \xc3\xa4\x1b[m", "\x1b[m");
+    is_wrong_at(&desk, "mask elsewhere.nii", "elsewhere.nii");
+    is_wrong_at(&desk, "mask \"else where.nii\" regions=1", "\"else where.nii\"");
+    is_wrong_at(&desk, "goto nowhere", "nowhere");
+    is_wrong_at(&desk, "label 1 cerebellum", "cerebellum");
+    is_wrong_at(&desk, "save labels nowhere/x.nii", "nowhere/x.nii");
     CHECK(execute(&desk, "open synth:geom") != OK); /* no word of it is wrong */
     CHECK_INT(fault.at, 0);
     desk_release(&desk);

@@ -125,6 +125,10 @@ enum err command_parse(struct call *call, const char *line, const struct session
                        struct fault *fault);
 void call_release(struct call *call);
 
+/* An error of a command that was parsed: where its words name a word of the line, a file say,
+ * fault->at says where that begins. */
+void command_point_at(const struct call *call, const char *line, struct fault *fault);
+
 /* Adds the word at *cursor to `out`, ended by NUL, without its quotes, and moves on behind it.
  * False for a quote that does not end. */
 bool command_take_word(const char **cursor, struct buf *out);

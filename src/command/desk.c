@@ -186,6 +186,8 @@ enum err desk_execute(struct desk *desk, const char *line, struct reply *reply, 
     err = watch_fault(desk->session.watch, fault);
     if (!err)
         err = act(desk, &call, reply, fault);
+    if (err && fault)
+        command_point_at(&call, line, fault);
     if (!err) /* what was cut short, wherever that was, is not recorded */
         err = watch_fault(desk->session.watch, fault);
     if (desk_is_wary(desk))

@@ -422,6 +422,37 @@ enum err command_parse(struct call *call, const char *line, const struct session
     return err;
 }
 
+/* Whether words of an error name this one: not as a part of another. */
+static bool names(const char *text, const char *word)
+{
+    static const char behind[] = " ,;:?";
+    const size_t length = strlen(word);
+    for (const char *at = text; length > 1 && (at = strstr(at, word)); at++)
+        if ((at == text || at[-1] == ' ') && (!at[length] || strchr(behind, at[length])))
+            return true;
+    return false;
+}
+
+void command_point_at(const struct call *call, const char *line, struct fault *fault)
+{
+    const struct parameter *p = call->command->parameter;
+    const char *wrong = NULL, *at = line;
+    struct buf word = {0};
+    for (int i = 0; i < PARAMETERS_MOST && p[i].type && !wrong; i++)
+        if (call->value[i].text && names(fault->text, call->value[i].text))
+            wrong = call->value[i].text;
+    for (scan_blanks(&at); wrong && *at; scan_blanks(&at)) {
+        const char *start = at;
+        buf_clear(&word);
+        command_take_word(&at, &word);
+        if (start != line && strcmp(buf_text(&word), wrong) == 0) {
+            at_place(fault->code, line, start, fault);
+            break;
+        }
+    }
+    buf_release(&word);
+}
+
 void call_release(struct call *call)
 {
     buf_release(&call->store);
