@@ -50,24 +50,30 @@ static void add_run(struct band *band, uint8_t colour, uint8_t bits, uint32_t fr
     band->run[band->runs++] = (struct sixel_run){from, to, NONE, bits};
 }
 
+/* Which of the six bytes of `column` are `colour`, as bits, the lowest byte's first. Bytes that are
+ * differ in nothing, so that 127 added to their lower 7 bits carries into no bit 7; the product
+ * moves bit 8 i to 56 + i. */
+static uint8_t bits_of(uint64_t column, uint8_t colour)
+{
+    const uint64_t low = UINT64_C(0x7F7F7F7F7F7F);
+    const uint64_t differs = column ^ colour * UINT64_C(0x010101010101);
+    const uint64_t same = ~(((differs & low) + low) | differs | low) & UINT64_C(0x808080808080);
+    return (uint8_t)((same >> 7) * UINT64_C(0x0102040810200000) >> 56);
+}
+
 static void gather_column(struct band *band, const uint8_t *top, size_t stride, uint32_t rows,
                           uint32_t x)
 {
-    uint8_t colour[BAND], bits[BAND];
-    unsigned count = 0;
-    for (uint32_t y = 0; y < rows; y++) {
-        const uint8_t c = top[y * stride + x];
-        unsigned k = 0;
-        while (k < count && colour[k] != c)
-            k++;
-        if (k == count) {
-            colour[count] = c;
-            bits[count++] = 0;
-        }
-        bits[k] |= (uint8_t)(1u << y);
+    const unsigned all = (1u << rows) - 1;
+    uint64_t column = 0;
+    for (uint32_t y = 0; y < rows; y++)
+        column |= (uint64_t)top[y * stride + x] << 8 * y;
+    for (unsigned left = all; left > 0;) {
+        const uint8_t colour = (uint8_t)(column >> 8 * __builtin_ctz(left));
+        const uint8_t bits = bits_of(column, colour) & (uint8_t)all;
+        add_run(band, colour, bits, x, x + 1);
+        left &= ~(unsigned)bits;
     }
-    for (unsigned k = 0; k < count; k++)
-        add_run(band, colour[k], bits[k], x, x + 1);
 }
 
 /* Whether eight columns are of one colour all over. */
