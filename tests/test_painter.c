@@ -450,6 +450,30 @@ STORY(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone)
     }
 }
 
+STORY(one_means_after_another_leaves_nothing)
+{
+    struct terminal_facts kitty = facts_of(GRAPHICS_KITTY, 8, 16);
+    struct terminal_facts sixel = facts_of(GRAPHICS_SIXEL, 8, 16);
+    struct painter p = {0};
+    struct buf out = {0};
+    uint64_t seed = 16;
+    screen_begin(8, 16);
+    struct image_view view = picture(80, 80);
+    fill_all(&view, &seed);
+    painter_place(&p, &kitty, 0, 0, 10, 5);
+    show(&p, &view);
+    painter_place(&p, &sixel, 0, 0, 10, 5);
+    show(&p, &view);
+    CHECK_INT(wrong_pixels(&p, &view), 0);
+    painter_remove(&p, &out);
+    CHECK(screen_feed(&out));
+    CHECK(!kitty_shown(&p));
+    for (size_t i = 0; i < SIDE_MOST * SIDE_MOST; i++)
+        CHECK(screen.pixel[i] == BLANK);
+    buf_release(&out);
+    painter_release(&p);
+}
+
 STORY(sixels_beyond_the_limit_of_the_terminal_come_in_pieces)
 {
     struct terminal_facts facts = facts_of(GRAPHICS_SIXEL, 9, 19);
@@ -859,6 +883,7 @@ int main(void)
                        TELL(a_cursor_move_costs_next_to_nothing),
                        TELL(a_large_patch_for_kitty_goes_in_chunks),
                        TELL(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone),
+                       TELL(one_means_after_another_leaves_nothing),
                        TELL(sixels_beyond_the_limit_of_the_terminal_come_in_pieces),
                        TELL(kitty_graphics_that_stand_still_go_whole),
                        TELL(a_picture_larger_than_its_place_is_cut),

@@ -56,6 +56,11 @@ void painter_forget(struct painter *p)
     p->is_shown = false;
 }
 
+static bool draws_over_cells(const struct painter *p)
+{
+    return p->facts.graphics != GRAPHICS_KITTY;
+}
+
 static void erase(const struct painter *p, struct buf *out)
 {
     buf_add_text(out, "\033[m");
@@ -69,7 +74,7 @@ void painter_remove(struct painter *p, struct buf *out)
 {
     if (p->image > 0)
         kitty_delete(p->image, out);
-    else if (p->is_shown)
+    if (p->is_shown && draws_over_cells(p))
         erase(p, out);
     p->image = 0;
     p->is_shown = false;
@@ -137,11 +142,6 @@ static bool show_cells(struct painter *p, const struct image_view *view, struct 
 }
 
 /* ---- pixels ---- */
-
-static bool draws_over_cells(const struct painter *p)
-{
-    return p->facts.graphics != GRAPHICS_KITTY;
-}
 
 static uint32_t least(uint32_t a, uint32_t b)
 {
