@@ -9,13 +9,15 @@
 #ifndef TESTS_SCREEN_H
 #define TESTS_SCREEN_H
 
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "tui/char_width.h"
 
-enum { SCREEN_ROWS = 60, SCREEN_COLUMNS = 200, SCREEN_WIDE = 1 };
+enum { SCREEN_ROWS = 60, SCREEN_COLUMNS = 200 };
 
 struct screen_cell {
     char text[16]; /* a character and its marks; "" for a blank, and behind a wide one */

@@ -5,8 +5,10 @@
 
 #include "base/mem.h"
 
+enum { GAP_MOST = 6 }; /* tiles */
+
 /* Bytes a tile before anything is known: about what palette pictures take. */
-static const double cost_at_first[REFINE_LEVELS] = {160, 70, 35, 22, 13};
+static const double cost_at_first[REFINE_LEVELS] = {160, 70, 35, 22, 10};
 
 static uint32_t least(uint32_t a, uint32_t b)
 {
@@ -83,6 +85,19 @@ static bool list_stale(struct refine *r, const uint8_t *wanted)
     return true;
 }
 
+/* In a hurry, fine tiles between coarse ones go coarse as well: they would be sent again with what
+ * is around them, and cost more than all of that. */
+static void coarsen_between(struct refine *r, const uint8_t *wanted, size_t i, uint32_t coarse)
+{
+    const struct refine_place *here = r->stale + i, *before = here - 1;
+    if (i == 0 || before->top != here->top || here->left - before->left > GAP_MOST * REFINE_TILE)
+        return;
+    for (uint32_t left = before->left + REFINE_TILE; left < here->left; left += REFINE_TILE) {
+        const struct tile t = tile_at(r, left, here->top);
+        copy_tile(r, wanted, &t, coarse);
+    }
+}
+
 static bool begin_size(struct refine *r, const struct image_view *wanted)
 {
     if (r->rgba && r->width == wanted->width && r->height == wanted->height)
@@ -116,6 +131,8 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
     for (size_t i = 0; i < r->tiles; i++) {
         const struct tile t = tile_at(r, r->stale[i].left, r->stale[i].top);
         copy_tile(r, wanted->rgba, &t, 1U << level);
+        if (level > 0)
+            coarsen_between(r, wanted->rgba, i, 1U << level);
     }
     r->is_coarse = level > 0 || most < stale;
     *shown = *wanted;
