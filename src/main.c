@@ -175,14 +175,20 @@ static void complain(void *context, const char *text)
     fputs(text, stderr);
 }
 
-static struct image_view view_of(const struct desk *desk)
+static struct image_view view_of(struct desk *desk)
 {
+    static uint32_t hue[256];
     const struct canvas *shown = &desk->shown;
     const struct rendition *r = session_frame(&desk->session);
+    struct image_view view = {.width = r->width, .height = r->height, .rgba = r->rgba};
     if (shown->rgba)
-        return (struct image_view){
+        view = (struct image_view){
             .width = shown->width, .height = shown->height, .rgba = shown->rgba};
-    return (struct image_view){.width = r->width, .height = r->height, .rgba = r->rgba};
+    if (desk->session.has_scene && session_count_labels(&desk->session, NULL) == OK) {
+        view.hue = hue;
+        view.hues = pilot_hues(hue, &desk->session);
+    }
+    return view;
 }
 
 static void show_picture(void *context, struct desk *desk)

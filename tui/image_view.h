@@ -19,8 +19,10 @@ struct image_view {
                             same from picture to picture, for another set is another palette, and
                             the picture goes whole. NULL where it is not told */
     unsigned hues;       /* 0 where no label shows: greys alone */
+    bool is_coarse; /* what has changed comes in blocks of pixels, in a hurry: bytes are dearer than
+                       time */
     bool smooth; /* all 24 bits of every colour go out where the terminal can, at several times the
-                    bytes; otherwise shades are rounded to a palette (tui/shades.h) */
+                 bytes; otherwise shades are rounded to a palette (tui/shades.h) */
 };
 
 /* Pixel number `i` (row by row) over black, as 0xRRGGBB. */

@@ -218,10 +218,11 @@ static void add_over_cells(struct painter *p, const struct raster *raster, struc
     iterm_add(&p->png, &part, box.width / width, box.height / height, effort, out);
 }
 
-static void show_patches(struct painter *p, const struct stale *stale, struct buf *out)
+static void show_patches(struct painter *p, const struct stale *stale, bool is_coarse,
+                         struct buf *out)
 {
     const struct raster raster = raster_of(p, 1);
-    const enum png_effort effort = stale->cost < FAST_FROM ? PNG_SMALL : PNG_FAST;
+    const enum png_effort effort = stale->cost < FAST_FROM || is_coarse ? PNG_SMALL : PNG_FAST;
     for (unsigned i = 0; i < stale->count; i++) {
         const struct raster_box box = stale->box[i];
         const struct raster part = raster_part(&raster, box);
@@ -321,7 +322,7 @@ static bool show_pixels(struct painter *p, const struct image_view *view, struct
     struct stale stale;
     take_size(p, view, out);
     if (can_patch(p, view, &stale)) {
-        show_patches(p, &stale, out);
+        show_patches(p, &stale, view->is_coarse, out);
         return !out->failed;
     }
     if (!begin_whole(p, view))

@@ -137,6 +137,7 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
     r->is_coarse = level > 0 || most < stale;
     *shown = *wanted;
     shown->rgba = r->rgba;
+    shown->is_coarse = level > 0;
     return true;
 }
 
