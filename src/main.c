@@ -28,6 +28,7 @@
 #include "command/reseal.h"
 #include "command/trust.h"
 #include "command/verify.h"
+#include "host/bench_terminal.h"
 #include "host/pilot_host.h"
 #include "journal/log.h"
 #include "session/export.h"
@@ -59,6 +60,7 @@ static const char usage[] =
     "    iftty bench growth             one edit, in scenes of 4 to 300 million voxels\n"
     "    iftty bench render             frames and incremental images; VTK beside them\n"
     "    iftty bench journal [JOURNAL]  what recording, reading and verifying cost\n"
+    "    iftty bench terminal           pictures for terminals; from a key to the picture; chafa\n"
     "    iftty help [COMMAND]           the commands of prompt, script and journal\n"
     "\n"
     "    --journal FILE    record there (run, -c, prompt); an existing journal is resumed\n"
@@ -84,7 +86,8 @@ static const char usage[] =
     "    --keep-going      do not stop at the first error (run, -c)\n"
     "    --graphics auto|kitty|iterm|sixel|blocks|none\n"
     "    --rounds N        time each experiment N times (bench paper; 3), take the median\n"
-    "    --quick           only the first two steps (bench paper) or scenes (bench growth)\n"
+    "    --quick           only the first two steps (bench paper) or scenes (bench growth); no slow\n"
+    "                      line (bench terminal)\n"
     "    --plots DIR       charts as SVG, into this folder (bench paper)\n"
     "    --version\n"
     "\n"
@@ -750,11 +753,11 @@ static enum err bench_paper_by(const struct options *o, struct fault *fault)
     return bench_paper(&how, fault);
 }
 
-enum bench { BENCH_BRAIN, BENCH_PAPER, BENCH_GROWTH, BENCH_RENDER, BENCH_JOURNAL };
+enum bench { BENCH_BRAIN, BENCH_PAPER, BENCH_GROWTH, BENCH_RENDER, BENCH_JOURNAL, BENCH_TERMINAL };
 
 static enum err program_bench(const struct options *o, struct fault *fault)
 {
-    static const char names[] = "brain|paper|growth|render|journal";
+    static const char names[] = "brain|paper|growth|render|journal|terminal";
     const int bench = o->words > 1 ? choice_find(names, o->word[1]) : BENCH_BRAIN;
     switch (bench) {
     case BENCH_BRAIN:
@@ -769,9 +772,12 @@ static enum err program_bench(const struct options *o, struct fault *fault)
         return bench_render(o->json, stdout, &watch, fault);
     case BENCH_JOURNAL:
         return bench_journal(o->words > 2 ? o->word[2] : NULL, o->json, stdout, fault);
+    case BENCH_TERMINAL:
+        return bench_terminal(o->json, o->quick, stdout, fault);
     }
     return fault_set(fault, ERR_USAGE,
-                     "bench: expected brain, paper, growth, render or journal, not %s", o->word[1]);
+                     "bench: expected brain, paper, growth, render, journal or terminal, not %s",
+                     o->word[1]);
 }
 
 static enum err program_help(const struct options *o, struct fault *fault)

@@ -54,9 +54,26 @@ err_has "there are no records to verify"
 expect 3 "$iftty" bench journal "$work/none.iftty" </dev/null
 close_story
 
+# Without ch2 on the small scene; with `local` alone, for a slow line takes its time.
+begin "what goes to a terminal, and how soon a key shows"
+expect 0 "$iftty" bench terminal --quick --json </dev/null
+for words in '"rendition": {"kitty": {"bytes": ' '"mosaic": {"kitty": ' '"patch": {"kitty": ' '"chafa": {' \
+    '"kitty_local": {"move": {"keys": ' '"sixel_local": {"move": '; do
+    out_has "$words"
+done
+# a patch is a small part of a picture, whatever the encoding
+for by in kitty sixel; do
+    whole=$(sed "s/.*\"rendition\": {.*\"$by\": {\"bytes\": \([0-9]*\).*\"mosaic\".*/\1/" "$work/out")
+    patch=$(sed "s/.*\"patch\": {.*\"$by\": {\"bytes\": \([0-9]*\).*\"chafa\".*/\1/" "$work/out")
+    [ "$patch" -gt 0 ] && [ $((patch * 4)) -lt "$whole" ] ||
+        fail "$by: a patch takes $patch bytes, the picture $whole"
+done
+same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
+close_story
+
 begin "what is wrong is told at once"
 expect 2 "$iftty" bench liver
-err_has "bench: expected brain, paper, growth, render or journal, not liver"
+err_has "bench: expected brain, paper, growth, render, journal or terminal, not liver"
 for scene in liver brain2 brain213 brain2111 ch2better211 geom-211 ""; do
     expect 2 "$iftty" bench paper geom "$scene"
     err_has "expected brain or geom, as they are or interpolated as in brain211, or ch2better, or all"
