@@ -70,6 +70,7 @@ MATRIX_PACKAGES := clang libclang-rt-dev gcc-i686-linux-gnu libc6-dev-i386-cross
                    libc6-dev-s390x-cross qemu-user-static
 
 # Terminals, what they are shown on without a screen, and what looks at them and types.
+STAGED            := $(BUILD)/tests/terminals/paint $(BUILD)/tests/terminals/cockpit
 TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-dejavu-core foot sway \
                      grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
 
@@ -101,7 +102,7 @@ test-matrix-short: all build/.packages-matrix
 	@tests/matrix/run.sh short $(BUILD)
 
 ## test-terminals: pictures, prompt and pilot in real terminals, by screenshot; WORD=kitty for some
-test-terminals: all $(BUILD)/tests/terminals/paint build/.packages-terminals
+test-terminals: all $(STAGED) build/.packages-terminals
 	@$(PYTHON) -B tests/terminals/run.py $(BUILD) $(WORD)
 
 ## fuzz: have libFuzzer look for bytes that break a reader; FUZZ_SECONDS=60 each, FUZZ=journal for one
@@ -113,8 +114,7 @@ fuzz: build/.packages-matrix
 	        build/fuzz/corpus/$$name tests/fuzz/corpus/$$name || exit 1; done
 
 ## tests: build the test programs, and those of bench-peers that need no other package
-tests: $(TESTS) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_IN_C) \
-       $(BUILD)/tests/terminals/paint
+tests: $(TESTS) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_IN_C) $(STAGED)
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: all
@@ -206,4 +206,4 @@ $(BUILD)/racing/%.o: %.c | $(PACKAGES_STAMP)
 
 -include $(RACING:.o=.d) $(wildcard $(BUILD)/racing/tests/*.d)
 -include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(BUILD)/iftty-image.d \
-         $(BUILD)/tests/terminals/paint.d
+         $(STAGED:=.d)

@@ -7,12 +7,13 @@ Ends with "N passed, N failed" as tests/run.sh does; nothing is skipped: a termi
 start has failed. `make test-terminals` installs what this needs.
 
 What ought to be seen is never another screenshot of the same bytes. A picture is compared with the
-pixels that went into it: all of them, and the rest of its screen with what the same session shows
-under --graphics none, moved down where the picture has made room. Where there are no graphics, the
-same keys under --graphics blocks, which asks the terminal nothing, give the expected screen.
+pixels that went into it, and the rest of its screen, to the pixel, with what the same session shows
+under --graphics none, moved down where the picture has made room. So questions that a terminal
+prints, cut pictures, and lines in the wrong place all show.
 """
 import contextlib
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -20,9 +21,9 @@ import sys
 import tempfile
 import time
 
-from PIL import Image
+from PIL import Image, ImageChops
 
-from terminals import (KINDS, Room, TerminalFailed, fresh_folder, same_pixels, wait_file)
+from terminals import (KINDS, Patience, Room, TerminalFailed, fresh_folder, same_pixels, wait_file)
 
 GRAPHICAL = ("xterm", "kitty", "mlterm", "foot")
 
@@ -66,11 +67,10 @@ class Stage:
         self.room, self.report = room, report
         self.programs = os.path.join(room.folder, "bin")
         os.makedirs(self.programs)
-        for name in ("iftty", "iftty-image", "tests/terminals/paint"):
+        for name in ("iftty", "iftty-image", "tests/terminals/paint", "tests/terminals/cockpit"):
             shutil.copy(os.path.join(build, name), self.programs)
         self.iftty = os.path.join(self.programs, "iftty")
         self.kept = os.path.join(build, "terminals")  # screenshots of what failed
-        shutil.rmtree(self.kept, ignore_errors=True)
 
     def keep(self, name, **images):
         """Leaves the pictures of a failure where they can be looked at."""
@@ -136,20 +136,22 @@ def painter_stories(stage):
 
 SCENE = ("open synth:geom:64x64x64", "size 240 180", "label 1 ball", "seed 32,32,32 ball radius=5",
          "seed 2,2,2 0", "zoom fit")
-SHADES_APART = 12  # of 255: a rendition's shades are rounded to those of a palette
+SHADES_APART = 12  # of 255: a rendition's shades are rounded to those of a palette,
+COLOURS_APART = 60  # and what is laid over slices to fewer
 
 
 class Prompt:
     """iftty at the prompt of a shell, in a folder of its own."""
 
-    def __init__(self, stage, name, graphics, shell=("/bin/sh",), options="", **environment):
+    def __init__(self, stage, name, graphics, shell=("/bin/sh",), **environment):
         self.stage, self.name = stage, name
         self.folder = fresh_folder(stage.room, "prompt")
         self.journal = os.path.join(self.folder, "j.iftty")
         self.records = 0
-        self.terminal = stage.room.start(name, list(shell), self.folder, **environment)
+        self.terminal = stage.room.start(
+            name, list(shell), self.folder,
+            IFTTY="%s --graphics %s --journal j.iftty" % (stage.iftty, graphics), **environment)
         self.terminal.settled()
-        self.graphics, self.options = graphics, options
 
     def __enter__(self):
         return self
@@ -158,8 +160,7 @@ class Prompt:
         self.terminal.close()
 
     def begin(self):
-        self.terminal.type("clear; %s --graphics %s --journal j.iftty %s\n" % (
-            self.stage.iftty, self.graphics, self.options))
+        self.terminal.type("clear; $IFTTY\n")
         if not wait_file(self.journal):
             raise Failure("the program does not start")
         self.terminal.settled()
@@ -193,14 +194,20 @@ class Cells:
     """Where the rows of a terminal lie in its screenshot."""
 
     def __init__(self, stage, name):
+        kind = KINDS[name]
+        self.left, self.top = kind.origin
+        if kind.cells:
+            self.width, self.height, self.rows = kind.cells
+            self.columns = 0  # nobody asks
+            return
         folder = fresh_folder(stage.room, "cells")
         program = [os.path.join(stage.programs, "paint"), folder, "1", "0", "0", "0", "1", "1"]
         with stage.room.start(name, program, folder):
             if not wait_file(os.path.join(folder, "ready")):
                 raise TerminalFailed(name + " does not say how large its cells are")
             facts = read_facts(folder)
-        self.height, self.rows = int(facts["cell_height"]), int(facts["rows"])
-        self.left, self.top = KINDS[name].origin
+        self.width, self.height, self.columns, self.rows = (
+            int(facts[what]) for what in ("cell_width", "cell_height", "columns", "rows"))
 
     def last_row(self, shot):
         """The last row that has something on it: that of the prompt."""
@@ -278,11 +285,314 @@ def prompt_stories(stage):
             inline(stage, name, Cells(stage, name))
 
 
+# ---- the pilot ----
+
+# keys as typed, or by name; the last leaves the coronal pane marked
+FLIGHT = ("l", "l", "9k", "3", "Tab", "6j", "4", "x", "Escape", "u", "shift+Right", "r", "+", "2",
+          "Z", "h")
+ROUNDED_MEAN = 3  # of 255,
+ROUNDED_MOST = 0.002  # and the share of pixels further off than COLOURS_APART: of cross-hairs, say
+
+
+def cockpit(stage, cells, journal):
+    """What the pilot's picture ought to be, from the journal alone."""
+    folder = fresh_folder(stage.room, "cockpit")
+    path = os.path.join(folder, "expected.ppm")
+    subprocess.run([os.path.join(stage.programs, "cockpit"), journal,
+                    str(cells.columns * cells.width), str((cells.rows - 2) * cells.height), "1",
+                    path], check=True)
+    with Image.open(path) as picture:
+        return picture.convert("RGB")
+
+
+def same_cockpit(cells, shot, expected):
+    """The picture, up to how its colours are rounded; nothing beside it but two rows of text."""
+    right = cells.left + expected.width
+    bottom = cells.top + expected.height
+    found = shot.crop((cells.left, cells.top, right, bottom))
+    mean, share = mean_apart(found, expected), share_apart(found, expected, COLOURS_APART)
+    if mean > ROUNDED_MEAN or share > ROUNDED_MOST:
+        return "the picture is %.2f of 255 from the right one, %.2f %% of its pixels by %d: %s" % (
+            mean, 100 * share, COLOURS_APART, same_pixels(found, expected, COLOURS_APART))
+    rest = shot.copy()
+    rest.paste(Image.new("RGB", (shot.width, 2 * cells.height)), (0, bottom))
+    rest.paste(Image.new("RGB", expected.size), (cells.left, cells.top))
+    return same_pixels(rest, Image.new("RGB", rest.size))
+
+
+def fly(stage, name):
+    story = name + ": a flight shows what its journal says"
+    if not stage.report.wants(story):
+        return
+    with stage.report.story(story):
+        cells = Cells(stage, name)
+        with Prompt(stage, name, "auto") as prompt:
+            prompt.open_scene()
+            prompt.terminal.type("pilot\n")
+            prompt.terminal.settled()
+            for key in FLIGHT:
+                if len(key) > 2:
+                    prompt.terminal.press(key)
+                else:
+                    prompt.terminal.type(key)
+            prompt.terminal.settled(0.6)
+            expected = cockpit(stage, cells, prompt.journal)
+            stage.need_screen(prompt.terminal, story,
+                              lambda shot: same_cockpit(cells, shot, expected))
+            flown = prompt.terminal.settled()
+            prompt.terminal.press("ctrl+l")
+            anew = prompt.terminal.settled(0.6)
+            words = same_pixels(flown, anew)
+            if words:
+                stage.keep(story, flown=flown, anew=anew)
+                raise Failure("drawn anew, it differs: " + words)
+            prompt.terminal.type("q")
+            prompt.terminal.settled()
+            prompt.terminal.type("quit\n")
+            prompt.terminal.settled()
+            with open(prompt.journal) as lines:
+                commands = [line.split()[0] for line in lines if line[0] not in "=#\n"]
+            missing = {"cross", "seed", "undo", "turn", "zoom"} - set(commands)
+            if missing:
+                raise Failure("not in the journal: " + ", ".join(sorted(missing)))
+            subprocess.run([stage.iftty, "verify", prompt.journal], check=True,
+                           stdout=subprocess.DEVNULL)
+
+
+def pilot_stories(stage):
+    for name in GRAPHICAL:
+        fly(stage, name)
+
+
+# ---- blocks, where there are no graphics ----
+
+
+def same_blocks(cells, shot, plain, picture):
+    """The text of `plain` to the pixel, and the picture between its last lines, roughly: blocks are
+    few, and what they look like is the font's affair."""
+    prompt, end = cells.last_row(plain), cells.last_row(shot)
+    if end - prompt < 4:
+        return "no picture"
+    rows = end - prompt
+    columns = 2 * rows * picture.width // picture.height + 1
+    screen = Image.new("RGB", plain.size)
+    cells.slide(plain, screen, 0, prompt, 0)
+    cells.slide(plain, screen, prompt, 1, rows)
+    place = (cells.left, cells.top + prompt * cells.height)
+    size = (columns * cells.width, rows * cells.height)
+    box = place + (place[0] + size[0], place[1] + size[1])
+    found, shot = shot.crop(box).resize((columns, 2 * rows), Image.BOX), shot.copy()
+    shot.paste(Image.new("RGB", size), box)
+    words = same_pixels(shot, screen)
+    if words:
+        return "around the picture: " + words
+    wanted = picture.resize((columns, 2 * rows), Image.BOX)
+    apart = mean_apart(found, wanted)
+    nothing = mean_apart(Image.new("RGB", wanted.size), wanted)
+    return None if apart < 0.55 * nothing else (  # sixteen colours, in the worst case
+        "the picture is %.1f of 255 from the right one, nothing at all %.1f" % (apart, nothing))
+
+
+def share_apart(one, other, tolerance):
+    over = None
+    for band in ImageChops.difference(one, other).split():
+        band = band.point(lambda value: 255 if value > tolerance else 0)
+        over = ImageChops.lighter(over, band) if over else band
+    return over.histogram()[255] / (one.width * one.height)
+
+
+def mean_apart(one, other):
+    total = 0
+    for band in ImageChops.difference(one, other).split():
+        total += sum(value * count for value, count in enumerate(band.histogram()))
+    return total / (3 * one.width * one.height)
+
+
+def blocks(stage, name, where, shell=("/bin/sh",), **environment):
+    story = "%s: %s: blocks, and nothing but text around them" % (name, where)
+    if not stage.report.wants(story):
+        return
+    lines = ("view left", "render")
+    with stage.report.story(story):
+        cells = Cells(stage, name)
+        with Prompt(stage, name, "none", shell, **environment) as prompt:
+            prompt.open_scene()
+            plain = prompt.commands(lines)
+        picture = rendition(stage, ["view left"])
+        with Prompt(stage, name, "auto", shell, **environment) as prompt:
+            prompt.open_scene()
+            prompt.commands(lines)
+            stage.need_screen(prompt.terminal, story,
+                              lambda shot: same_blocks(cells, shot, plain, picture))
+
+
+def dumb(stage):
+    """TERM=dumb: not one escape, so nothing differs from a session without graphics."""
+    story = "xterm: TERM=dumb: text alone"
+    if not stage.report.wants(story):
+        return
+    with stage.report.story(story):
+        shots = []
+        for graphics in ("none", "auto"):
+            with Prompt(stage, "xterm", graphics, ("/usr/bin/env", "TERM=dumb", "/bin/sh")) as prompt:
+                prompt.begin()
+                prompt.commands(["label 2 other", "size 100 100"])
+                shots.append(prompt.terminal.settled())
+        need(same_pixels(shots[1], shots[0]))
+
+
+def write_file(stage, name, text):
+    path = os.path.join(stage.room.folder, name)
+    with open(path, "w") as out:
+        out.write(text)
+    return path
+
+
+def multiplexed(stage):
+    """Inside tmux and GNU screen, which end with the terminal that they are shown in."""
+    screen = write_file(stage, "screen.rc", "startup_message off\nautodetach off\nvbell off\n")
+    os.makedirs(os.path.join(stage.room.folder, "screens"), mode=0o700, exist_ok=True)
+    for passing in ("off", "on"):
+        write_file(stage, "tmux.conf." + passing, "set -g status off\nset -g destroy-unattached on\n"
+                   "set -g allow-passthrough %s\nset -g default-shell /bin/sh\n" % passing)
+    for name in ("xterm", "kitty"):
+        for passing in ("off", "on"):
+            folder = stage.room.folder
+            shell = ("tmux", "-u", "-S", os.path.join(folder, "tmux-" + passing), "-f",
+                     os.path.join(folder, "tmux.conf." + passing), "new-session", "/bin/sh")
+            blocks(stage, name, "tmux, allow-passthrough " + passing, shell)
+        # to one that is told no more, it shows eight colours
+        blocks(stage, name, "GNU screen",
+               ("/usr/bin/env", "TERM=xterm-256color", "screen", "-U", "-c", screen, "/bin/sh"),
+               SCREENDIR=os.path.join(stage.room.folder, "screens"))
+
+
+def silence_stories(stage):
+    for name in ("pterm", "urxvt", "xterm without sixel"):
+        blocks(stage, name, "no graphics")
+    for name in ("xterm", "pterm", "urxvt"):
+        blocks(stage, name, "TERM=linux", ("/usr/bin/env", "TERM=linux", "/bin/sh"))
+    dumb(stage)
+    multiplexed(stage)
+
+
+# ---- leaving ----
+
+
+def after(terminal, folder):
+    """What a shell shows and what its modes are, for commands typed now."""
+    modes = os.path.join(folder, "modes")
+    with contextlib.suppress(FileNotFoundError):
+        os.remove(modes)
+    terminal.type("stty -a >modes; clear\n")
+    if not wait_file(modes, b"eol", 10):
+        raise Failure("the shell takes no commands")
+    cleared = terminal.settled()
+    terminal.type("echo ok\n")
+    terminal.wait_screen(lambda shot: None if same_pixels(shot, cleared) else "nothing yet")
+    shot = terminal.settled()
+    with open(modes) as lines:
+        return shot, lines.read()
+
+
+def kill_program(stage, prompt, number):
+    """The session, which began before its helpers did."""
+    running = prompt.terminal.running(stage.iftty)
+    if not running:
+        raise Failure("the program does not run")
+    os.kill(running[0], number)
+    patience = Patience(10)
+    while running[0] in prompt.terminal.running(stage.iftty):
+        if patience.over():
+            raise Failure("signal %d does not end it" % number)
+        time.sleep(0.02)
+    prompt.terminal.settled()
+
+
+def leave(stage, name, how, expected):
+    story = "%s: after %s the shell goes on as before" % (name, how)
+    if not stage.report.wants(story):
+        return
+    with stage.report.story(story), Prompt(stage, name, "auto") as prompt:
+        if how == "quit":
+            prompt.open_scene()
+            prompt.commands(["render"])
+            prompt.terminal.type("quit\n")
+            prompt.terminal.settled()
+        elif how == "a quit typed ahead":
+            prompt.terminal.type("clear; $IFTTY\nquit\n")
+            prompt.terminal.settled()
+        else:
+            prompt.open_scene()
+            prompt.commands(["render"])
+            if "pilot" in how:
+                prompt.terminal.type("pilot\n")
+                prompt.terminal.settled()
+            kill_program(stage, prompt, getattr(signal, how.split()[0]))
+        shot, modes = after(prompt.terminal, prompt.folder)
+        if modes != expected[1]:
+            raise Failure("its modes are\n" + modes + "expected\n" + expected[1])
+        words = same_pixels(shot, expected[0])
+        if words:
+            stage.keep(story, actual=shot, expected=expected[0])
+            raise Failure(words)
+
+
+def leaving_stories(stage):
+    for name in GRAPHICAL + ("pterm", "urxvt"):
+        if not stage.report.wants(name + ": after leaving the shell goes on as before"):
+            continue
+        folder = fresh_folder(stage.room, "prompt")
+        with stage.room.start(name, ["/bin/sh"], folder) as terminal:
+            terminal.settled()
+            expected = after(terminal, folder)
+        for how in ("quit", "a quit typed ahead", "SIGTERM", "SIGSEGV", "SIGKILL",
+                    "SIGTERM in the pilot", "SIGKILL in the pilot"):
+            if name in GRAPHICAL or how in ("quit", "SIGKILL in the pilot"):
+                leave(stage, name, how, expected)
+
+
 def tell(room, build, words):
     report = Report(words)
     stage = Stage(room, build, report)
     painter_stories(stage)
     prompt_stories(stage)
+    pilot_stories(stage)
+    silence_stories(stage)
+    leaving_stories(stage)
+    return report
+
+
+def run_here(build, words):
+    with tempfile.TemporaryDirectory(prefix="iftty-terminals-") as folder:
+        os.chmod(folder, 0o755)
+        with Room(folder) as room:
+            return tell(room, build, words)
+
+
+def run_beside(build):
+    """Each terminal's stories in a process of their own, one for each core: most of it is waiting.
+    What they say comes one after the other."""
+    shutil.rmtree(os.path.join(build, "terminals"), ignore_errors=True)
+    report, running, waiting = Report([]), [], [name + ":" for name in KINDS]
+    while waiting or running:
+        while waiting and len(running) < (os.cpu_count() or 1):
+            running.append(subprocess.Popen(
+                ["setpriv", "--pdeathsig", "TERM", sys.executable, "-B", __file__, build,
+                 waiting.pop(0)], stdout=subprocess.PIPE, text=True))
+        process = running.pop(0)
+        for line in process.communicate()[0].splitlines():
+            good, bad = line.startswith("ok "), line.startswith("not ok ")
+            report.passed += good
+            report.failed += bad
+            if good or bad:
+                line = re.sub("[0-9]+", str(report.passed + report.failed), line, count=1)
+            if not re.fullmatch("[0-9]+ passed, [0-9]+ failed", line):
+                print(line, flush=True)
+        if process.returncode not in (0, 1):
+            report.failed += 1
+            print("not ok %d - it ended with status %d" % (report.passed + report.failed,
+                                                           process.returncode))
     return report
 
 
@@ -290,13 +600,10 @@ def main():
     build = os.path.abspath(sys.argv[1])
     # an end from outside is an end like any other: what was started goes too
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
-        signal.signal(number, lambda *_: sys.exit(1))
-    with tempfile.TemporaryDirectory(prefix="iftty-terminals-") as folder:
-        os.chmod(folder, 0o755)
-        with Room(folder) as room:
-            report = tell(room, build, sys.argv[2:])
+        signal.signal(number, lambda *_: sys.exit(2))
+    report = run_here(build, sys.argv[2:]) if sys.argv[2:] else run_beside(build)
     print("%d passed, %d failed" % (report.passed, report.failed))
-    return 1 if report.failed else 0
+    return 1 if report.failed or not report.passed else 0
 
 
 if __name__ == "__main__":

@@ -33,12 +33,14 @@ class TerminalFailed(Exception):
 class Kind:
     """What is known of a terminal before it starts."""
 
-    def __init__(self, command, origin=(0, 0), tolerance=0, graphics="blocks", x11=True):
+    def __init__(self, command, origin=(0, 0), tolerance=0, graphics="blocks", x11=True,
+                 cells=None):
         self.command = command  # what is run, with the program in it appended
         self.origin = origin  # px: where its first cell begins in the screenshot
         self.tolerance = tolerance  # of 255: sixel colours are whole percents
         self.graphics = graphics  # what iftty should find it can do
         self.x11 = x11
+        self.cells = cells  # px: width and height of one, where what it tells is nonsense; rows
 
 
 XTERM = ["xterm", "-geometry", "140x60+0+0", "-fn", "fixed", "-b", "0", "-bw", "0", "+sb", "-bg",
@@ -58,13 +60,16 @@ KINDS = {
                     "--bg", "black", "--fg", "white", "--bel=none", "-e"],
                    origin=(2, 2), tolerance=2, graphics="sixel"),
     "foot": Kind(["foot", "--config=/dev/null", "-o", "pad=0x0", "-o", "csd.preferred=none",
-                  "-o", "colors.background=000000", "-o", "cursor.blink=no"],
+                  "-o", "colors.background=000000", "-o", "cursor.blink=no",
+                  # what sway makes of it anyway, but from the start
+                  "-o", "initial-window-size-pixels=%dx%d" % (WIDTH, HEIGHT)],
                  tolerance=2, graphics="sixel", x11=False),
     # Without graphics, and without mercy for questions that they do not know.
-    "xterm without sixel": Kind(XTERM + ["-e"]),
-    "pterm": Kind(["pterm", "-geometry", "100x40+0+0", "-fn", "server:fixed", "-e"]),
-    "urxvt": Kind(["urxvt", "-geometry", "100x40+0+0", "-fn", "fixed", "+sb", "-b", "0", "-bg",
-                   "black", "-fg", "white", "-e"]),
+    "xterm without sixel": Kind(XTERM + ["-e"], cells=(6, 13, 60)),
+    "pterm": Kind(["pterm", "-geometry", "100x50+0+0", "-fn", "server:fixed", "+sb",
+                   "-e"], origin=(1, 1), cells=(6, 13, 50)),
+    "urxvt": Kind(["urxvt", "-geometry", "100x50+0+0", "-fn", "fixed", "+sb", "-b", "0", "-bg",
+                   "black", "-fg", "white", "-e"], cells=(6, 13, 50)),
 }
 SWAY = """output HEADLESS-1 resolution %dx%d position 0,0
 default_border none
@@ -91,6 +96,20 @@ def same_pixels(one, other, tolerance=0):
     return "%d pixels differ, in %d,%d..%d,%d; at %d,%d %r, expected %r" % (
         over.histogram()[255], box[0], box[1], box[2] - 1, box[3] - 1, x, box[1],
         one.getpixel((x, box[1])), other.getpixel((x, box[1])))
+
+
+class Patience:
+    """Time that counts only while everything runs: a machine that is busy elsewhere, or stopped for
+    a while, is no terminal that does not answer."""
+
+    def __init__(self, seconds=PATIENCE):
+        self.left, self.last = seconds, time.monotonic()
+
+    def over(self):
+        now = time.monotonic()
+        self.left -= min(now - self.last, 0.2)
+        self.last = now
+        return self.left < 0
 
 
 class Room:
@@ -161,9 +180,9 @@ class Room:
                                        WLR_LIBINPUT_NO_DEVICES="1", WLR_RENDERER="pixman")
         process = self.spawn(["sway", "-c", config], environment, user=self.user)
         socket = os.path.join(runtime, "wayland-1")
-        end = time.monotonic() + PATIENCE
+        patience = Patience()
         while not os.path.exists(socket):
-            if process.poll() is not None or time.monotonic() > end:
+            if process.poll() is not None or patience.over():
                 raise TerminalFailed("sway does not start: " + self.log("sway"))
             time.sleep(0.05)
         self.sway_environment = dict(environment, WAYLAND_DISPLAY="wayland-1")
@@ -226,9 +245,9 @@ class Terminal:
         if self.process in self.room.processes:
             self.room.processes.remove(self.process)
         # the next screenshot must not see this window
-        end = time.monotonic() + PATIENCE
-        while self.screenshot().getextrema() != ((0, 0),) * 3 and self.kind.x11:
-            if time.monotonic() > end:
+        patience = Patience()
+        while self.kind.x11 and self.screenshot().getextrema() != ((0, 0),) * 3:
+            if patience.over():
                 break
             time.sleep(0.02)
 
@@ -239,14 +258,25 @@ class Terminal:
         return subprocess.run(as_user + list(command), env=self.base, stdout=subprocess.PIPE,
                               stderr=subprocess.DEVNULL, check=False, timeout=60).stdout
 
+    def running(self, path):
+        """The processes that run this program, which is nobody else's."""
+        found = []
+        for number in filter(str.isdigit, os.listdir("/proc")):
+            try:
+                if os.readlink("/proc/%s/exe" % number) == path:
+                    found.append(int(number))
+            except OSError:  # ended, or a kernel thread
+                pass
+        return sorted(found)
+
     def alive(self):
         if self.process.poll() is not None:
             raise TerminalFailed("%s ended: %s" % (self.name, self.room.log(self.kind.command[0])))
 
     def focus(self):
         """Waits for its window, and gives it the keys."""
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end:
+        patience = Patience()
+        while not patience.over():
             self.alive()
             windows = self.tool("xdotool", "search", "--onlyvisible", "--class", ".").split()
             if windows:
@@ -289,30 +319,30 @@ class Terminal:
 
     def wait_screen(self, good, seconds=10.0):
         """Polls until good(screenshot) returns None; else its last words."""
-        end = time.monotonic() + seconds
+        patience = Patience(seconds)
         while True:
             self.alive()
             words = good(self.screenshot())
-            if words is None or time.monotonic() > end:
+            if words is None or patience.over():
                 return words
             time.sleep(0.05)
 
     def settled(self, quiet=0.3):
         """A screenshot that has not changed for `quiet` seconds."""
-        last, since = self.screenshot(), time.monotonic()
-        while time.monotonic() - since < quiet:
+        last, patience = self.screenshot(), Patience(quiet)
+        while not patience.over():
             self.alive()
             time.sleep(0.05)
             now = self.screenshot()
             if ImageChops.difference(last, now).getbbox():
-                last, since = now, time.monotonic()
+                last, patience = now, Patience(quiet)
         return last
 
 
 def wait_file(path, contains=None, seconds=PATIENCE):
     """False where the file, with these bytes in it, does not come."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
+    patience = Patience(seconds)
+    while not patience.over():
         try:
             with open(path, "rb") as there:
                 if contains is None or contains in there.read():

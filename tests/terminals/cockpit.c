@@ -1,0 +1,58 @@
+/*
+ * What the pilot ought to show: cockpit JOURNAL WIDTH HEIGHT PANE OUT
+ *
+ * Carries the journal out in a process of its own, without a terminal, and draws the state that it
+ * leaves, as the pilot would with PANE marked (0 axial, 1 coronal, 2 sagittal), into OUT, a PPM.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "host/pilot_host.h"
+
+static bool write_picture(const struct image_view *view, const char *path)
+{
+    FILE *out = fopen(path, "wb");
+    if (!out)
+        return false;
+    fprintf(out, "P6\n%u %u\n255\n", view->width, view->height);
+    for (size_t i = 0; i < (size_t)view->width * view->height; i++) {
+        const uint32_t colour = image_view_colour(view, i);
+        fputc((int)(colour >> 16), out);
+        fputc((int)(colour >> 8 & 255), out);
+        fputc((int)(colour & 255), out);
+    }
+    return fclose(out) == 0;
+}
+
+int main(int count, char **word)
+{
+    struct desk desk;
+    struct pilot_desk pilot = {.desk = &desk};
+    struct pilot_host host = {.context = &pilot};
+    struct image_view view;
+    struct buf told = {0};
+    struct fault fault = {0};
+    if (count != 6) {
+        fputs("cockpit JOURNAL WIDTH HEIGHT PANE OUT\n", stderr);
+        return 2;
+    }
+    const struct pilot_wish wish = {.width = (uint32_t)atoi(word[2]),
+                                    .height = (uint32_t)atoi(word[3]),
+                                    .words = true,
+                                    .pane = (enum pilot_pane)atoi(word[4])};
+    pilot_host_fill(&host);
+    enum err err = desk_init(&desk, &fault);
+    desk.looks = true;
+    if (!err)
+        err = desk_resume_journal(&desk, word[1], &told, &fault);
+    if (!err)
+        err = host.picture(&pilot, &wish, &view, &fault);
+    if (err)
+        fprintf(stderr, "%s\n", fault.text);
+    const bool good = !err && write_picture(&view, word[5]);
+    pilot_desk_release(&pilot);
+    desk_release(&desk);
+    buf_release(&told);
+    return good ? 0 : 1;
+}
