@@ -85,8 +85,11 @@ static const char usage[] =
     "4G)\n"
     "    --keep-going      do not stop at the first error (run, -c)\n"
     "    --graphics auto|kitty|iterm|sixel|blocks|none\n"
+    "    --smooth          pictures at the terminal in 24 bits, where it can, for four times the "
+    "bytes\n"
     "    --rounds N        time each experiment N times (bench paper; 3), take the median\n"
-    "    --quick           only the first two steps (bench paper) or scenes (bench growth); no slow\n"
+    "    --quick           only the first two steps (bench paper) or scenes (bench growth); no "
+    "slow\n"
     "                      line (bench terminal)\n"
     "    --plots DIR       charts as SVG, into this folder (bench paper)\n"
     "    --version\n"
@@ -99,8 +102,8 @@ struct options {
     const char *rounds, *plots;
     const char *processes, *from, *until, *junit, *html, *accept, *with, *export, *picture;
     const char *limit_memory, *limit_time, *limit_output;
-    bool keep_going, read_only, script, check, repair, reseal, anonymise, bisect, json, csv, quick,
-        graph;
+    bool keep_going, smooth, read_only, script, check, repair, reseal, anonymise, bisect, json, csv,
+        quick, graph;
     enum graphics graphics;
     char **word; /* what is left: program and files */
     int words;
@@ -178,7 +181,7 @@ static void complain(void *context, const char *text)
     fputs(text, stderr);
 }
 
-static struct image_view view_of(struct desk *desk)
+static struct image_view view_of(struct desk *desk, bool smooth)
 {
     static uint32_t hue[256];
     const struct canvas *shown = &desk->shown;
@@ -191,13 +194,14 @@ static struct image_view view_of(struct desk *desk)
         view.hue = hue;
         view.hues = pilot_hues(hue, &desk->session);
     }
+    view.smooth = smooth;
     return view;
 }
 
 static void show_picture(void *context, struct desk *desk)
 {
     const struct options *options = context;
-    struct image_view view = view_of(desk);
+    struct image_view view = view_of(desk, options->smooth);
     fflush(stdout);
     if (isatty(STDOUT_FILENO))
         show_picture_once(options->graphics, &view);
@@ -247,6 +251,7 @@ static enum err read_options(struct options *o, int count, char **word, struct f
         const char *name;
         bool *flag;
     } plain[] = {{"--keep-going", &o->keep_going},
+                 {"--smooth", &o->smooth},
                  {"--read-only", &o->read_only},
                  {"--repair", &o->repair},
                  {"--script", &o->script},
@@ -868,7 +873,7 @@ static bool prompt_picture(void *context, struct image_view *out)
     struct desk *desk = &prompt->desk;
     bool shows = desk->shows_picture;
     desk->shows_picture = false;
-    *out = view_of(desk);
+    *out = view_of(desk, prompt->pilot.smooth);
     return shows;
 }
 
@@ -948,6 +953,7 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
         .context = &prompt, .execute = prompt_execute, .finished = prompt_finished};
     pilot_host_fill(&pilot);
     prompt.pilot.desk = &prompt.desk;
+    prompt.pilot.smooth = o->smooth;
     prompt.desk.has_cockpit = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     const struct repl_host host = {.context = &prompt,
                                    .pilot = &pilot,

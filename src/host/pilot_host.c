@@ -204,6 +204,7 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
     *view = (struct image_view){.width = wish->width,
                                 .height = wish->height,
                                 .rgba = pilot->canvas.rgba,
+                                .smooth = pilot->smooth,
                                 .hue = pilot->hue,
                                 .hues = pilot_hues(pilot->hue, session)};
     return OK;

@@ -10,6 +10,7 @@
 
 struct pilot_desk {
     struct desk *desk;
+    bool smooth;          /* all bits of every colour, where the terminal can */
     struct canvas canvas; /* the last picture */
     uint32_t hue[256];
 };

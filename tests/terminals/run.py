@@ -136,7 +136,7 @@ def painter_stories(stage):
 
 SCENE = ("open synth:geom:64x64x64", "size 240 180", "label 1 ball", "seed 32,32,32 ball radius=5",
          "seed 2,2,2 0", "zoom fit")
-SHADES_APART = 12  # of 255: a rendition's shades are rounded to those of a palette,
+SHADES_APART = 16  # of 255: a rendition's shades are rounded to those of a palette,
 COLOURS_APART = 60  # and what is laid over slices to fewer
 
 
@@ -150,7 +150,7 @@ class Prompt:
         self.records = 0
         self.terminal = stage.room.start(
             name, list(shell), self.folder,
-            IFTTY="%s --graphics %s --journal j.iftty" % (stage.iftty, graphics), **environment)
+            IFTTY="%s --graphics %s --smooth --journal j.iftty" % (stage.iftty, graphics), **environment)
         self.terminal.settled()
 
     def __enter__(self):
