@@ -157,9 +157,10 @@ ACT(info)
     buf_release(&cut);
     buf_add_text(out, "slices    ");
     act_write_slices(out, session);
-    buf_printf(out, "memory    %.1f MB, %.1f bytes a voxel\n",
+    buf_printf(out, "memory    %.1f MB, %.1f bytes a voxel; %.1f MB for what can be undone\n",
                (double)session_memory(session) / 1e6,
-               (double)session_memory(session) / (double)scene->grid.voxels);
+               (double)session_memory(session) / (double)scene->grid.voxels,
+               (double)history_memory(&desk->history) / 1e6);
     return OK;
 }
 
