@@ -148,10 +148,15 @@ static void average(uint8_t rgb[3], const struct rendition *r, const struct mosa
                 sum[k] += (uint32_t)p[k] * p[3];
     }
     const bool is_small = whole < 1 << 24; /* dividing 32 bits takes a third of the time */
-    for (int k = 0; k < 3; k++)
-        rgb[k] = !sum[k]    ? 0
-                 : is_small ? (uint8_t)((uint32_t)(sum[k] + whole / 2) / (uint32_t)whole)
-                            : (uint8_t)((sum[k] + whole / 2) / whole);
+    for (int k = 0; k < 3; k++) {
+        const uint64_t dividend = sum[k] + whole / 2;
+        if (!sum[k])
+            rgb[k] = 0;
+        else if (is_small)
+            rgb[k] = (uint8_t)((uint32_t)dividend / (uint32_t)whole);
+        else
+            rgb[k] = (uint8_t)(dividend / whole);
+    }
 }
 
 /* x * length / shown for x = 0, 1, 2 and so on, without divisions. */

@@ -278,8 +278,10 @@ static void name_branches(char *words, size_t size, size_t number)
 static void name_scattered(char *words, size_t size, size_t number)
 {
     uint64_t state = number;
-    snprintf(words, size, number < 50000 ? "" : "branch=b at=%llu",
-             (unsigned long long)(check_random(&state) % number));
+    words[0] = '\0';
+    if (number >= 50000)
+        snprintf(words, size, "branch=b at=%llu",
+                 (unsigned long long)(check_random(&state) % number));
 }
 
 STORY(a_hundred_thousand_records_are_drawn_within_bounds)

@@ -26,7 +26,9 @@
 #include "base/packed.h"
 #include "session/session.h"
 
-enum { POINT_NONE = UINT32_MAX, BRANCH_NAME_BYTES = 64 };
+#define POINT_NONE UINT32_MAX
+
+enum { BRANCH_NAME_BYTES = 64 };
 
 /* What is held by all points at which it is the same; `holders` many. */
 struct kept_settings {
@@ -36,8 +38,7 @@ struct kept_settings {
 
 struct point {
     uint32_t parent; /* POINT_NONE for the root */
-    uint32_t
-        latest; /* the child one was at last: where redo leads; POINT_NONE where there is none */
+    uint32_t latest; /* the child one was at last: where redo leads; POINT_NONE for none */
     uint32_t branch;
     size_t record; /* number of the command's record */
     char *command; /* in canonical form */
