@@ -65,8 +65,8 @@ static inline bool png_unpack(struct decoded_png *png, const uint8_t *packed, si
             const uint8_t *c = line + 1 + 3 * x;
             if (png->colours) {
                 unsigned bit = x * png->bits;
-                unsigned i =
-                    line[1 + bit / 8] >> (8 - png->bits - bit % 8) & ((1u << png->bits) - 1);
+                unsigned byte = line[1 + bit / 8];
+                unsigned i = byte >> (8 - png->bits - bit % 8) & ((1u << png->bits) - 1);
                 fine = i < png->colours;
                 c = palette + 3 * i;
             }

@@ -54,15 +54,21 @@ static void add_seed(const struct pilot_state *state, const uint32_t place[3],
     buf_add_char(line, '\n');
 }
 
-/* Takes the cross-hair to a place; with the pen down, a stroke leads there. */
+/* Takes the cross-hair to a place, unless it is there. Whether it moves. */
+static bool add_cross(const struct pilot_facts *facts, const uint32_t place[3], struct buf *line)
+{
+    if (memcmp(place, facts->place, sizeof facts->place) == 0)
+        return false;
+    add_place(line, "cross ", place);
+    buf_add_char(line, '\n');
+    return true;
+}
+
+/* The same; with the pen down, a stroke leads there. */
 static void go_to(const struct pilot_state *state, const struct pilot_facts *facts,
                   const uint32_t place[3], struct buf *line)
 {
-    if (memcmp(place, facts->place, sizeof facts->place) == 0)
-        return;
-    add_place(line, "cross ", place);
-    buf_add_char(line, '\n');
-    if (state->pen_is_down)
+    if (add_cross(facts, place, line) && state->pen_is_down)
         add_seed(state, place, facts->place, line);
 }
 
@@ -494,10 +500,14 @@ void pilot_click(struct pilot_state *state, const struct key_event *event, uint3
         }
         by[pane] = up ? 1 : -1;
         host->move(host->context, by, place);
-        add_place(line, "cross ", place);
-        buf_add_char(line, '\n');
+        if (state->mode == PILOT_CONFIRMING) { /* the tree that was told is not under it any more */
+            state->mode = PILOT_FLYING;
+            buf_clear(message);
+        }
+        add_cross(facts, place, line);
     } else if (mouse->button == MOUSE_LEFT && mouse->action == MOUSE_PRESSED) {
         if (!shows) {
+            buf_clear(message);
             buf_add_text(message, "nothing is seen there");
             return;
         }
@@ -505,10 +515,7 @@ void pilot_click(struct pilot_state *state, const struct key_event *event, uint3
         state->drags = true;
         if (pane != PILOT_RENDITION)
             state->pane = pane;
-        if (memcmp(place, facts->place, sizeof place) != 0) {
-            add_place(line, "cross ", place);
-            buf_add_char(line, '\n');
-        }
+        add_cross(facts, place, line);
     } else if (state->drags && shows && pane == state->pane) {
         go_to(state, facts, place, line);
     }
