@@ -414,9 +414,11 @@ int main(void)
         TELL(seeds_brushes_and_strokes), TELL(an_eliminator_shows_its_tree_first),
         TELL(the_view_and_the_window), TELL(a_pixel_of_the_rendition_leads_to_its_voxel),
         TELL(what_is_no_command), TELL(a_click_takes_the_cross_hair_there_and_the_pen_draws),
-        TELL(the_wheel_takes_the_question_about_a_tree_away), TELL(with_room_enough_all_is_fine_at_once),
-        TELL(what_a_click_says_takes_the_place_of_what_was_said), TELL(with_room_enough_all_is_fine_at_once),
-        TELL(any_keys_make_lines_that_are_whole), TELL(with_room_enough_all_is_fine_at_once),
+        TELL(the_wheel_takes_the_question_about_a_tree_away),
+        TELL(with_room_enough_all_is_fine_at_once),
+        TELL(what_a_click_says_takes_the_place_of_what_was_said),
+        TELL(with_room_enough_all_is_fine_at_once), TELL(any_keys_make_lines_that_are_whole),
+        TELL(with_room_enough_all_is_fine_at_once),
         TELL(with_little_room_it_is_coarse_first_and_fine_in_the_end),
         TELL(what_tiles_cost_is_learnt));
 }
