@@ -3,61 +3,16 @@
 # screen then. Without tmux there is nothing to see.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
+. "$top/tests/tmux.sh"
 
-if ! command -v tmux >/dev/null 2>&1; then
-    skip_story "the prompt at a terminal" "tmux is not installed"
-    finish
-fi
-
-# A server of our own, whatever the user has; -u since LC_ALL=C says nothing of UTF-8.
-unset TMUX NO_COLOR
-tmux_here() {
-    tmux -u -S "$work/tmux" "$@"
-}
-trap 'tmux_here kill-server 2>/dev/null; rm -rf "$work"' EXIT
-
-checks=0
 half_block=$(printf '\342\226\200')
 make_scene s.nii 24 20 16
-screen() {
-    tmux_here capture-pane -p -t prompt | sed 's/ *$//'
-}
-press() { # keys by the names that tmux gives them
-    tmux_here send-keys -t prompt "$@"
-}
-enter() { # a line
-    tmux_here send-keys -t prompt -l "$1"
-    press Enter
-}
-# Waits (10 s) until a line of the screen matches.
-see() {
-    tries=0
-    until screen | grep -qE -e "$1"; do
-        if [ $((tries += 1)) -gt 200 ]; then
-            fail "nothing like '$1' on the screen:" "$(screen | grep .)"
-            return 1
-        fi
-        sleep 0.05
-    done
-}
 # What stands below the last line that is $1.
 below() {
     screen | grep . | awk -v line="$1" '{ text = text $0 "\n" } $0 == line { text = "" }
                                         END { printf "%s", text }'
 }
-# A program has left the terminal as a shell wants it.
-sane() {
-    checks=$((checks + 1))
-    enter "clear; stty -a >modes; echo mo\"\"des $checks"
-    see "^modes $checks\$"
-    for mode in echo icanon isig icrnl opost; do
-        sed 's/;/ /g' modes | tr ' ' '\n' | grep -qx "$mode" || fail "$mode is off afterwards"
-    done
-}
-
-tmux_here -f /dev/null new-session -d -s prompt -x 80 -y 24 "PS1='$ ' ENV= exec sh -i" ||
-    { echo "Bail out! tmux does not start"; exit 1; }
-see '^\$$' || true # what its prompt looks like does not matter
+begin_terminal
 
 begin "the prompt appears, and what was typed before it is not lost"
 enter "clear; $iftty s.nii"
@@ -80,7 +35,7 @@ press e Tab
 see '^s> seed X,Y,Z LABEL \[radius=0\.\.32\] \[to=X,Y,Z\]$'
 press C-u
 see '^s>$'
-tmux_here send-keys -t prompt -l "open s."
+type_letters "open s."
 press Tab
 see '^s> open s\.nii$'
 press C-u
@@ -130,7 +85,7 @@ close_story
 begin "a picture is written beside the session, and said to be there above the line"
 enter "render prompt.png"
 see '^writing prompt\.png$'
-tmux_here send-keys -t prompt -l "half a li"
+type_letters "half a li"
 see '^wrote prompt\.png$'
 see '^s> half a li$'
 press C-u
@@ -151,13 +106,13 @@ done
 close_story
 
 begin "Ctrl-Z stops it, fg goes on with the line"
-tmux_here send-keys -t prompt -l "half a li"
+type_letters "half a li"
 press C-z
 see '[Ss](topped|uspended)'
 sane
 enter "fg"
 see '^s> half a li$'
-tmux_here send-keys -t prompt -l "ne"
+type_letters "ne"
 see '^s> half a line$'
 press C-c
 close_story
@@ -188,7 +143,7 @@ see '^[0-9]+ voxels changed'
 close_story
 
 begin "killed at the prompt: a sane terminal, a whole journal"
-tmux_here send-keys -t prompt -l "half a li"
+type_letters "half a li"
 see '^s-1> half a li$'
 kill -TERM "$(cat pid)"
 see '[Tt]erminated'
