@@ -29,7 +29,7 @@ static bool has_tree = true;
 static bool tree(void *context, struct buf *out)
 {
     (void)context;
-    buf_add_text(out, "tree of 5 voxels");
+    buf_add_text(out, "the tree of 5 voxels");
     return has_tree;
 }
 
@@ -168,7 +168,7 @@ STORY(an_eliminator_shows_its_tree_first)
 {
     begin();
     CHECK_TEXT(type("x"), "");
-    CHECK_HAS(buf_text(&message), "tree of 5 voxels; x again eliminates it");
+    CHECK_HAS(buf_text(&message), "x again eliminates the tree of 5 voxels");
     CHECK(state.mode == PILOT_CONFIRMING);
     CHECK_TEXT(type("x"), "remove 20,25,30\n");
     CHECK(state.mode == PILOT_FLYING);

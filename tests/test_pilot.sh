@@ -27,7 +27,7 @@ begin "pilot takes the whole screen: slices, and where the cross-hair is"
 enter "clear; $iftty s.nii"
 see '^24x20x16 voxels'
 enter "pilot"
-see '^axial 8  voxel 12,10,8 '
+see '^axial 8 at 12,10,8  brush 1  no label  intensity '
 see '0-9 seed  x eliminate  u undo  : command  \? keys  q back'
 screen | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen)"
 close_story
@@ -40,7 +40,7 @@ recorded "cross 11,13,8"
 type_letters "2"
 recorded "seed 11,13,8 2"
 see 'voxels changed'
-see 'label 2  '
+see '^axial 8 at 11,13,8  brush 2  label 2  intensity '
 press Tab
 see '^coronal 13 '
 type_letters "++1"
@@ -59,7 +59,7 @@ close_story
 
 begin "x shows the tree first, and eliminates it then"
 type_letters "x"
-see 'tree of the seed at .* x again eliminates it'
+see '^x again eliminates the tree of the seed at 11,13,[89]: [0-9]+ voxels, label [0-9]'
 type_letters "x"
 recorded "remove 11,13,9"
 close_story
@@ -86,6 +86,52 @@ see '^coronal 13 '
 type_letters ":"
 enter "sed 1"
 see 'error: unknown command sed'
+close_story
+
+begin "an answer longer than the screen comes page by page"
+type_letters ":"
+enter "help"
+see '^The scene'
+see '^\(any key: more; q: enough\)$'
+press Space
+see '^goto PLACE '
+type_letters "q"
+see '^coronal 13 '
+type_letters ":"
+enter "help"
+see '^The scene'
+for page in 1 2 3 4 5 6; do
+    screen | grep -q '^quit ' || press Space
+    sleep 0.2
+done
+see '^quit  *leave'
+see '^\(any key\)$'
+press Space
+see '^coronal 13 '
+close_story
+
+begin "a message of more than a row takes both, until the next key"
+type_letters ":"
+enter "seed 1,1,1 a-name-that-no-label-has-been-given-and-that-is-long"
+see '^error: LABEL: expected'
+see 'name one with'
+press Tab
+see '^sagittal '
+press Tab Tab
+see '^coronal 13 '
+close_story
+
+begin "what the keys do in a mode stands below as long as it lasts, and fits"
+type_letters "w"
+press Left
+see '^window [-0-9.]+ [-0-9.]+  left right width  up down brightness  a auto  Enter done$'
+press Enter
+see '^0-9 seed '
+type_letters "p"
+press Left
+see '^pixel [0-9]+,[0-9]+ of the rendition  arrows move it  Enter goes to its voxel$'
+press Escape
+see '^0-9 seed '
 close_story
 
 begin "stopped and continued, the screen comes back"

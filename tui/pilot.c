@@ -4,17 +4,17 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "tui/crop.h"
 #include "tui/flow.h"
 #include "tui/keys.h"
 #include "tui/painter.h"
 #include "tui/pilot_keys.h"
+#include "tui/pilot_rows.h"
 #include "tui/refine.h"
 #include "tui/term.h"
 #include "tui/wrap.h"
 
-/* Rows below the picture; smaller screens than this cannot be flown on. */
-enum { STATUS_ROWS = 2, COLUMNS_LEAST = 20, ROWS_LEAST = 10 };
+/* Smaller screens than this cannot be flown on. */
+enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10 };
 
 /* An answer that takes longer has been lost, or the line is; the next frame goes out all the same.
  */
@@ -54,54 +54,8 @@ static struct pilot_wish wish_of(const struct flight *f)
     return wish;
 }
 
-/* A row of text, cut to the screen, without a line feed. */
-static void add_row(struct buf *out, unsigned row, unsigned columns, const char *text)
-{
-    struct buf cut = {0};
-    crop_lines(&cut, text, columns);
-    size_t length = cut.length;
-    while (length > 0 && (cut.data[length - 1] == '\n' || cut.data[length - 1] == '\r'))
-        length--;
-    buf_printf(out, "\033[%u;1H\033[m\033[K", row + 1);
-    buf_add(out, buf_text(&cut), length);
-    out->failed |= cut.failed;
-    buf_release(&cut);
-}
-
-static void add_status(struct flight *f, const struct pilot_facts *facts, struct buf *out)
-{
-    static const char *const pane[] = {"axial", "coronal", "sagittal"};
-    const struct term_size size = term_size();
-    struct buf words = {0};
-    buf_printf(&words, "%s %u  %s", pane[f->state.pane], facts->index[f->state.pane], facts->where);
-    buf_add_text(&words, "   brush ");
-    f->host->label(f->host->context, f->state.label, &words);
-    if (f->state.radius)
-        buf_printf(&words, " r%u", f->state.radius);
-    buf_add_text(&words, f->state.pen_is_down ? " drawing" : f->state.has_mark ? " stroke" : "");
-    add_row(out, size.rows - 2, size.columns, buf_text(&words));
-    if (f->message.length)
-        add_row(out, size.rows - 1, size.columns, buf_text(&f->message));
-    else
-        add_row(out, size.rows - 1, size.columns,
-                "0-9 seed  x eliminate  u undo  : command  ? keys  q back");
-    buf_release(&words);
-}
-
-static void add_help(struct buf *out)
-{
-    unsigned row = 1;
-    for (const char *at = pilot_keys_help; *at; row++) {
-        const size_t n = strcspn(at, "\n");
-        buf_printf(out, "\033[%u;1H\033[K", row + 1);
-        buf_add(out, at, n);
-        at += n + (at[n] == '\n');
-    }
-    buf_printf(out, "\033[%u;1H  any key goes on", row + 2);
-}
-
-/* A frame is to be there 60 ms after the key, what the line takes for the way apart; the flow counts
- * with 100, and making a frame takes its share. */
+/* A frame is to be there 60 ms after the key, what the line takes for the way apart; the flow
+ * counts with 100, and making a frame takes its share. */
 static void add_picture(struct flight *f, struct buf *out)
 {
     const struct pilot_wish wish = wish_of(f);
@@ -127,6 +81,7 @@ static void add_picture(struct flight *f, struct buf *out)
  */
 static enum err draw(struct flight *f, struct fault *fault)
 {
+    const struct term_size size = term_size();
     struct buf out = {0};
     struct pilot_facts facts;
     if (!f->host->facts(f->host->context, &facts)) {
@@ -144,10 +99,10 @@ static enum err draw(struct flight *f, struct fault *fault)
         refine_forget(&f->refine);
     }
     if (f->state.mode == PILOT_HELPING)
-        add_help(&out);
+        pilot_rows_add_help(&out);
     else
         add_picture(f, &out);
-    add_status(f, &facts, &out);
+    pilot_rows_add(&out, &f->state, f->host, &facts, &f->message, &size);
     if (f->facts->synchronizes)
         buf_add_text(&out, "\033[?2026l");
     if (f->facts->answers)
@@ -167,7 +122,7 @@ static void lay_out(struct flight *f)
     const struct term_size size = term_size();
     probe_resize(f->facts, &size);
     painter_place(&f->painter, f->facts, 0, 0, size.columns,
-                  size.rows > STATUS_ROWS + 1 ? size.rows - STATUS_ROWS : 1);
+                  size.rows > PILOT_ROWS + 1 ? size.rows - PILOT_ROWS : 1);
     f->is_stale = f->is_blank = true;
 }
 
@@ -221,6 +176,12 @@ static enum err carry_out(struct flight *f, const char *line, struct buf *output
     return err;
 }
 
+/* The rows below the picture tell the cross-hair and the window as they are now. */
+static bool is_told_anyway(const char *line)
+{
+    return strncmp(line, "cross ", 6) == 0 || strncmp(line, "window ", 7) == 0;
+}
+
 /* The lines that a key stands for, until one fails. */
 static enum err carry_out_all(struct flight *f, const char *lines, struct fault *fault)
 {
@@ -234,8 +195,8 @@ static enum err carry_out_all(struct flight *f, const char *lines, struct fault 
         lines += n + (lines[n] == '\n');
         err = line.failed ? fault_memory(fault, "a command")
                           : carry_out(f, buf_text(&line), &output, &of_command, fault);
-        if (!err && !of_command && strncmp(buf_text(&line), "cross ", 6) != 0)
-            keep_last_line(&f->message, buf_text(&output)); /* where it is now is told above */
+        if (!err && !of_command && !is_told_anyway(buf_text(&line)))
+            keep_last_line(&f->message, buf_text(&output));
     }
     buf_release(&line);
     buf_release(&output);
@@ -254,23 +215,34 @@ static unsigned count_lines(const char *text)
     return lines;
 }
 
-/* What takes more than the message's row has the screen for itself until a key is pressed. */
-static enum err show_page(struct flight *f, struct buf *text, struct fault *fault)
+static bool is_enough(const struct key_event *event)
 {
-    struct buf page = {0};
-    struct key_event event;
+    return event->key == KEY_ESCAPE || (event->key == KEY_CHARACTER && event->point == 'q');
+}
+
+/* What has more than a line has the screen for itself, page by page, each until a key. */
+static enum err show_pages(struct flight *f, struct buf *text, struct fault *fault)
+{
+    struct buf wrapped = {0};
+    struct key_event event = {0};
     if (count_lines(buf_text(text)) < 2) {
         keep_last_line(&f->message, buf_text(text));
         return OK;
     }
     enum err err = clear_picture(f, fault);
-    wrap_text(&page, text, term_size().columns);
-    buf_add_text(&page, "\r\n(any key)");
-    if (!err)
-        err = page.failed ? fault_memory(fault, "a page")
-                          : term_write(buf_text(&page), page.length, fault);
-    buf_release(&page);
-    return err ? err : await_key(f, &event);
+    wrap_text(&wrapped, text, term_size().columns);
+    for (size_t at = 0; !err && !f->is_over && !is_enough(&event) && at < wrapped.length;) {
+        const struct term_size size = term_size();
+        struct buf page = {0};
+        pilot_rows_add_page(&page, &wrapped, &at, &size);
+        err = page.failed || wrapped.failed ? fault_memory(fault, "a page")
+                                            : term_write(buf_text(&page), page.length, fault);
+        buf_release(&page);
+        if (!err)
+            err = await_key(f, &event);
+    }
+    buf_release(&wrapped);
+    return err;
 }
 
 static enum err ask_for_command(struct flight *f, struct fault *fault)
@@ -289,7 +261,7 @@ static enum err ask_for_command(struct flight *f, struct fault *fault)
     if (!err && !ended && line[strspn(line, " \t")]) {
         err = carry_out(f, line, &output, &of_command, fault);
         if (!err && !of_command)
-            err = show_page(f, &output, fault);
+            err = show_pages(f, &output, fault);
     }
     buf_release(&place);
     buf_release(&output);

@@ -49,7 +49,8 @@ struct pilot_facts {
     uint32_t place[3];    /* of the cross-hair: a voxel */
     uint32_t index[3];    /* its slice, by plane */
     uint32_t count[3];    /* slices */
-    char where[160];      /* a line: position, intensity, label */
+    size_t waiting;       /* edits that wait for a run */
+    char where[160];      /* of the voxel there: label, intensity, millimetres */
     double window[2];     /* black and white, in real values */
     uint32_t zoom;        /* of the view, thousandths */
     uint32_t frame_width; /* of the rendition, in pixels */
@@ -87,7 +88,8 @@ struct pilot_host {
     bool (*voxel_of_frame)(void *context, uint32_t column, uint32_t row, uint32_t place[3]);
     /* Adds what a label is called: "2 cerebellum". */
     void (*label)(void *context, unsigned label, struct buf *out);
-    /* Tells of the tree under the cross-hair, in a line without its end. False where none is. */
+    /* Adds what tree is under the cross-hair: "the tree of the seed at 1,2,3: 9 voxels, label 2".
+     * False where none is. */
     bool (*tree)(void *context, struct buf *out);
 };
 

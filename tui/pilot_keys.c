@@ -293,21 +293,22 @@ static void choose(struct pilot_state *state, uint32_t point)
 static void begin_confirming(struct pilot_state *state, const struct pilot_host *host,
                              struct buf *message)
 {
-    if (host->tree(host->context, message)) {
+    struct buf tree = {0};
+    if (host->tree(host->context, &tree)) {
         state->mode = PILOT_CONFIRMING;
-        buf_add_text(message, "; x again eliminates it");
+        buf_printf(message, "x again eliminates %s", buf_text(&tree));
     } else {
         buf_add_text(message, "no tree holds this voxel");
     }
+    message->failed |= tree.failed;
+    buf_release(&tree);
 }
 
-static void begin_picking(struct pilot_state *state, const struct pilot_facts *facts,
-                          struct buf *message)
+static void begin_picking(struct pilot_state *state, const struct pilot_facts *facts)
 {
     state->mode = PILOT_PICKING;
     state->pixel[0] = facts->frame_width / 2;
     state->pixel[1] = facts->frame_height / 2;
-    buf_add_text(message, "arrows move in the rendition, Enter takes the cross-hair there");
 }
 
 static enum pilot_deed press_letter(struct pilot_state *state, const struct key_event *event,
@@ -371,11 +372,9 @@ static enum pilot_deed press_letter(struct pilot_state *state, const struct key_
         break;
     case 'w':
         state->mode = PILOT_WINDOWING;
-        buf_add_text(message, "window: left and right make it narrower and wider, up and down "
-                              "brighter and darker; a: by itself; Enter ends");
         break;
     case 'p':
-        begin_picking(state, facts, message);
+        begin_picking(state, facts);
         break;
     case '?':
         state->mode = PILOT_HELPING;
@@ -478,6 +477,32 @@ enum pilot_deed pilot_press(struct pilot_state *state, const struct key_event *e
     }
     state->count = 0;
     return deed;
+}
+
+/* ---- what the keys do now ---- */
+
+void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
+                     struct buf *out)
+{
+    switch (state->mode) {
+    case PILOT_FLYING:
+    case PILOT_HELPING:
+        buf_add_text(out, "0-9 seed  x eliminate  u undo  : command  ? keys  q back");
+        break;
+    case PILOT_CONFIRMING:
+        buf_add_text(out, "x or Enter eliminates the hatched tree  Escape keeps it");
+        break;
+    case PILOT_WINDOWING:
+        buf_add_text(out, "window ");
+        add_decimal(out, facts->window[0]);
+        buf_add_char(out, ' ');
+        add_decimal(out, facts->window[1]);
+        buf_add_text(out, "  left right width  up down brightness  a auto  Enter done");
+        break;
+    case PILOT_PICKING:
+        buf_printf(out, "pixel %u,%u of the rendition  arrows move it  Enter goes to its voxel",
+                   state->pixel[0], state->pixel[1]);
+    }
 }
 
 /* ---- the mouse ---- */

@@ -45,6 +45,10 @@ void pilot_click(struct pilot_state *state, const struct key_event *event, uint3
                  uint32_t row, const struct pilot_host *host, const struct pilot_facts *facts,
                  struct buf *line, struct buf *message);
 
+/* What the keys do in the present mode, in a line that fits 80 columns. */
+void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
+                     struct buf *out);
+
 /* The keys, as lines of at most 78 columns. */
 extern const char pilot_keys_help[];
 

@@ -45,26 +45,23 @@ static void place_of(const struct session *session, uint32_t cell, uint32_t plac
 
 /* ---- facts ---- */
 
-/* "90,108,90  0.5,18.0,-2.0 mm  intensity 93  label 2 cerebellum" */
+/* "label 2 cerebellum  intensity 93  0.5,18.0,-2.0 mm" */
 static void write_where(struct buf *out, const struct session *session)
 {
-    const uint32_t *p = session->settings.slices.cross;
     const struct cell *cell = session->scene->cell + cell_at_cross(session);
     const struct geometry *geometry = &session->geometry;
     double mm[3];
-    geometry_point(geometry, p, mm);
-    buf_printf(out, "voxel %u,%u,%u  %.1f,%.1f,%.1f mm  %g  ", p[0], p[1], p[2], mm[0], mm[1],
-               mm[2], geometry->slope * cell->intensity + geometry->intercept);
+    geometry_point(geometry, session->settings.slices.cross, mm);
     if (cell->flags & CELL_FENCED) {
         buf_add_text(out, "outside the fence");
     } else if (cell_is_reached(cell)) {
         buf_add_text(out, "label ");
         act_write_label(out, session, cell->label);
     } else {
-        buf_add_text(out, "no seed reaches it");
+        buf_add_text(out, "no label");
     }
-    if (session->pendings)
-        buf_printf(out, "  %zu wait for space", session->pendings);
+    buf_printf(out, "  intensity %g  %.1f,%.1f,%.1f mm",
+               geometry->slope * cell->intensity + geometry->intercept, mm[0], mm[1], mm[2]);
 }
 
 static bool facts(void *context, struct pilot_facts *out)
@@ -75,7 +72,8 @@ static bool facts(void *context, struct pilot_facts *out)
     if (!session->has_scene)
         return false;
     const struct slice_settings *s = &session->settings.slices;
-    *out = (struct pilot_facts){.zoom = session->settings.view.zoom,
+    *out = (struct pilot_facts){.waiting = session->pendings,
+                                .zoom = session->settings.view.zoom,
                                 .frame_width = session->settings.view.width,
                                 .frame_height = session->settings.view.height};
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
@@ -133,9 +131,9 @@ static bool tree(void *context, struct buf *out)
         }
     uint32_t seed[3];
     place_of(session, root, seed);
-    buf_printf(out, "tree of the seed at %u,%u,%u, label ", seed[0], seed[1], seed[2]);
+    buf_printf(out, "the tree of the seed at %u,%u,%u: %zu voxels, label ", seed[0], seed[1],
+               seed[2], voxels);
     act_write_label(out, session, here->label);
-    buf_printf(out, ", %zu voxels", voxels);
     return true;
 }
 
