@@ -200,7 +200,8 @@ static void slices(struct stage *s)
         must(slice_draw(&canvas, s->scene, &choice, &style, &fault), &fault, "a slice");
         tell(canvas_digest(&canvas), "slice/%d", i);
     }
-    const struct mosaic_choice mosaic = {{5, 30, 20}, {title[0], title[1], title[2]}, true};
+    const struct mosaic_choice mosaic = {
+        .place = {5, 30, 20}, .title = {title[0], title[1], title[2]}, .notes = true};
     must(mosaic_draw(&canvas, s->scene, &s->rendition, &mosaic, &style, &fault), &fault,
          "a mosaic");
     tell(canvas_digest(&canvas), "mosaic");
