@@ -137,7 +137,7 @@ static enum err read_tail(struct buf *out, int fd, size_t bytes_most, const char
 
 enum err file_lines_read(struct buf *out, const char *path, size_t bytes_most, struct fault *fault)
 {
-    int fd;
+    int fd = -1;
     buf_clear(out);
     if (!file_exists(path))
         return OK;
