@@ -59,7 +59,7 @@ close_story
 
 begin "x shows the tree first, and eliminates it then"
 type_letters "x"
-see '^x again eliminates the tree of the seed at 11,13,[89]: [0-9]+ voxels, label [0-9]'
+see '^x again eliminates the tree of the seed at 11,13,[89]: [0-9]+ voxels?, label [0-9]'
 type_letters "x"
 recorded "remove 11,13,9"
 close_story
