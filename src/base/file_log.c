@@ -346,11 +346,6 @@ uint64_t file_log_synced(struct file_log *log)
     return synced;
 }
 
-const char *file_log_path(const struct file_log *log)
-{
-    return log->path;
-}
-
 void file_log_close(struct file_log *log)
 {
     if (!log)

@@ -69,7 +69,6 @@ enum err file_log_set_sync(struct file_log *log, enum file_sync sync, struct fau
 
 uint64_t file_log_length(const struct file_log *log);
 uint64_t file_log_synced(struct file_log *log); /* bytes that are known to be on the disk */
-const char *file_log_path(const struct file_log *log);
 
 /* Syncs what waits, as far as that is possible: ask file_log_sync before to know. NULL is fine. */
 void file_log_close(struct file_log *log);

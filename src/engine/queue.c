@@ -266,25 +266,6 @@ void queue_rewind(struct queue *queue)
     }
 }
 
-void queue_each(const struct queue *queue, void (*visit)(void *context, uint32_t cell),
-                void *context)
-{
-    for (uint32_t cost = 0; cost < COSTS; cost++) {
-        for (uint32_t handle = queue->at_rise[cost]; handle;) {
-            const struct chunk *chunk = chunk_at(queue, handle);
-            for (uint32_t i = 0; i < chunk->count; i++)
-                visit(context, chunk->cell[i]);
-            handle = chunk->next;
-        }
-        for (uint32_t handle = queue->later[cost]; handle;) {
-            const struct chunk *chunk = chunk_at(queue, handle);
-            for (uint32_t i = 1; i < chunk->count; i += 2)
-                visit(context, chunk->cell[i]);
-            handle = chunk->next;
-        }
-    }
-}
-
 void queue_trim(struct queue *queue)
 {
     if (queue->used > queue->kept)

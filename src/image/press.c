@@ -73,11 +73,6 @@ void order_free(struct order *order)
     free(order);
 }
 
-const char *order_path(const struct order *order)
-{
-    return order->path;
-}
-
 /* ---- the thread ---- */
 
 /* Under the lock. A press without memory for its news says so with what it has left. */

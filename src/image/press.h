@@ -47,7 +47,6 @@ bool press_takes(const char *path);
 enum err press_order(struct order **order, const char *path, enum file_mode mode,
                      struct picture *picture, struct fault *fault);
 void order_free(struct order *order); /* one that is not given; NULL is fine */
-const char *order_path(const struct order *order);
 
 /* Gives an order, which cannot fail; waits while PRESS_WAITING_MOST are before it. */
 void press_give(struct press *press, struct order *order);
