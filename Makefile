@@ -35,7 +35,8 @@ Q   = @
 endif
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
 
-PARTS   := src/base src/engine src/session src/command src/image src/host journal render tui
+PARTS   := src/base src/engine src/image src/session src/sandbox src/command src/verify src/program \
+           journal render tui tui/picture tui/prompt tui/pilot tests/bench
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
 LIBRARY := $(BUILD)/libiftty.a
@@ -45,7 +46,7 @@ RACING  := $(patsubst %.c,$(BUILD)/racing/%.o,\
 
 # ThreadSanitizer bears no other sanitizer beside it.
 ifeq ($(SANITISE),)
-TESTS += $(BUILD)/tests/test_crew_racing $(BUILD)/tests/test_press_racing
+TESTS += $(BUILD)/tests/test_team_racing $(BUILD)/tests/test_picture_writer_racing
 endif
 
 # Readers of what comes from outside, and bytes for them. libFuzzer has a main of its own.
@@ -90,8 +91,8 @@ test: all tests
 ## test-long: the property tests of forest, threads, rendition and cuts, ten times over (a million
 ##     edits); 500 sessions killed at random moments; the mutation test in full
 test-long: all tests
-	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render test_cut test_crew \
-	    test_crew_racing test_kill test_mutation.sh
+	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render test_cut test_team \
+	    test_team_racing test_kill test_mutation.sh
 
 ## test-matrix: the same bits from gcc and clang, -O0 to -O3, sanitisers, threads, i386, ARM, s390x
 test-matrix: all build/.packages-matrix

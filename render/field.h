@@ -21,7 +21,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
-#include "engine/border.h"
+#include "render/border.h"
 
 enum {
     FIELD_RADIUS = 3, /* voxels; of the shown voxels */

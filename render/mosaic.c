@@ -245,7 +245,7 @@ static void draw_pane(struct drawing *d, enum mosaic_pane pane)
 static void draw_share(void *context, unsigned worker)
 {
     struct drawing *d = context;
-    const struct share share = crew_share(d->choice->crew, worker, MOSAIC_PANES);
+    const struct share share = team_share(d->choice->team, worker, MOSAIC_PANES);
     for (size_t pane = share.first; pane < share.end; pane++)
         draw_pane(d, (enum mosaic_pane)pane);
 }
@@ -256,7 +256,7 @@ enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,
 {
     struct drawing d = {canvas, scene, rendition, choice, style, {OK}};
     draw_seams(canvas);
-    crew_run(choice->crew, draw_share, &d);
+    team_run(choice->team, draw_share, &d);
     for (int i = 0; i < MOSAIC_PANES; i++)
         if (d.err[i])
             return fault_memory(fault, "a slice");

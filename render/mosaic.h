@@ -13,7 +13,7 @@
 #ifndef RENDER_MOSAIC_H
 #define RENDER_MOSAIC_H
 
-#include "base/crew.h"
+#include "base/team.h"
 #include "render/rendition.h"
 #include "render/slice.h"
 
@@ -25,7 +25,7 @@ struct mosaic_choice {
     uint32_t place[3];
     const char *title[3]; /* of the slices, by enum slice_plane; or NULL */
     bool notes;
-    struct crew *crew; /* draws the panes side by side; NULL: the caller alone, the same pixels */
+    struct team *team; /* draws the panes side by side; NULL: the caller alone, the same pixels */
 };
 
 struct mosaic_box {

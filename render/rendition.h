@@ -15,7 +15,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
-#include "engine/border.h"
+#include "render/border.h"
 #include "render/view.h"
 
 #define DEPTH_NONE INT64_MAX

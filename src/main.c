@@ -12,30 +12,30 @@
 
 #include "base/choice.h"
 #include "base/clock.h"
-#include "base/confine.h"
+#include "sandbox/confine.h"
 #include "base/file.h"
 #include "base/folder.h"
 #include "base/scan.h"
-#include "command/about.h"
-#include "command/anonymise.h"
-#include "command/bench.h"
-#include "command/bisect.h"
-#include "command/diff.h"
-#include "command/drive.h"
-#include "command/graph.h"
-#include "command/limits.h"
-#include "command/provenance.h"
-#include "command/reseal.h"
-#include "command/trust.h"
-#include "command/verify.h"
-#include "host/bench_terminal.h"
-#include "host/pilot_host.h"
+#include "program/about.h"
+#include "program/anonymise.h"
+#include "program/bench.h"
+#include "verify/bisect.h"
+#include "verify/diff.h"
+#include "verify/drive.h"
+#include "journal/graph.h"
+#include "sandbox/limits.h"
+#include "program/provenance.h"
+#include "verify/reseal.h"
+#include "sandbox/trust.h"
+#include "verify/verify.h"
+#include "program/bench_terminal.h"
+#include "program/pilot_host.h"
 #include "journal/log.h"
 #include "session/export.h"
 #include "tui/crop.h"
-#include "tui/line_history.h"
+#include "tui/prompt/line_history.h"
 #include "tui/progress.h"
-#include "tui/repl.h"
+#include "tui/prompt/repl.h"
 
 static const char usage[] =
     "iftty: segment 3-D scenes by seeds, in a terminal\n"
@@ -181,27 +181,27 @@ static void complain(void *context, const char *text)
     fputs(text, stderr);
 }
 
-static struct image_view view_of(struct desk *desk, bool smooth)
+static struct image_view view_of(struct interpreter *interp, bool smooth)
 {
     static uint32_t hue[256];
-    const struct canvas *shown = &desk->shown;
-    const struct rendition *r = session_frame(&desk->session);
+    const struct canvas *shown = &interp->shown;
+    const struct rendition *r = session_frame(&interp->session);
     struct image_view view = {.width = r->width, .height = r->height, .rgba = r->rgba};
     if (shown->rgba)
         view = (struct image_view){
             .width = shown->width, .height = shown->height, .rgba = shown->rgba};
-    if (desk->session.has_scene && session_count_labels(&desk->session, NULL) == OK) {
+    if (interp->session.has_scene && session_count_labels(&interp->session, NULL) == OK) {
         view.hue = hue;
-        view.hues = pilot_hues(hue, &desk->session);
+        view.hues = pilot_hues(hue, &interp->session);
     }
     view.smooth = smooth;
     return view;
 }
 
-static void show_picture(void *context, struct desk *desk)
+static void show_picture(void *context, struct interpreter *interp)
 {
     const struct options *options = context;
-    struct image_view view = view_of(desk, options->smooth);
+    struct image_view view = view_of(interp, options->smooth);
     fflush(stdout);
     if (isatty(STDOUT_FILENO))
         show_picture_once(options->graphics, &view);
@@ -304,22 +304,23 @@ static enum err need_files(const struct options *o, int least, int most, struct 
 
 /* ---- programs ---- */
 
-static enum err begin_desk(struct desk *desk, const struct options *o, struct fault *fault)
+static enum err begin_interpreter(struct interpreter *interp, const struct options *o,
+                                  struct fault *fault)
 {
     struct buf told = {0};
-    enum err err = desk_init(desk, fault);
-    desk->session.watch = &watch;
-    desk->scene_path = o->scene;
-    desk->out_folder = o->out;
-    desk->looks = o->read_only;
+    enum err err = interpreter_init(interp, fault);
+    interp->session.watch = &watch;
+    interp->scene_path = o->scene;
+    interp->out_folder = o->out;
+    interp->looks = o->read_only;
     if (!err && o->out)
         err = file_make_folder(o->out, fault);
     if (!err && o->journal && file_exists(o->journal))
-        err = desk_resume_journal(desk, o->journal, &told, fault);
+        err = interpreter_resume_journal(interp, o->journal, &told, fault);
     else if (!err && o->journal && o->read_only)
         err = fault_set(fault, ERR_IO, "--read-only: there is no journal %s", o->journal);
     else if (!err && o->journal)
-        err = desk_create_journal(desk, o->journal, fault);
+        err = interpreter_create_journal(interp, o->journal, fault);
     progress_erase(&progress);
     if (told.length)
         fprintf(stderr, "iftty: %s", buf_text(&told));
@@ -328,10 +329,10 @@ static enum err begin_desk(struct desk *desk, const struct options *o, struct fa
 }
 
 /* What waits to be synced when a session ends; `err` is what it ends with. */
-static enum err sync_journal(struct desk *desk, enum err err, struct fault *fault)
+static enum err sync_journal(struct interpreter *interp, enum err err, struct fault *fault)
 {
     struct fault words;
-    enum err synced = desk->journal ? journal_sync(desk->journal, &words) : OK;
+    enum err synced = interp->journal ? journal_sync(interp->journal, &words) : OK;
     if (synced && !err)
         *fault = words;
     return err ? err : synced;
@@ -340,16 +341,16 @@ static enum err sync_journal(struct desk *desk, enum err err, struct fault *faul
 static enum err run_lines(const struct options *o, FILE *input, const char *name,
                           struct fault *fault)
 {
-    struct desk desk;
+    struct interpreter interp;
     const struct teller teller = {(void *)(uintptr_t)o, say, complain, show_picture, wait_idly};
     handle_interrupts();
-    enum err err = begin_desk(&desk, o, fault);
+    enum err err = begin_interpreter(&interp, o, fault);
     if (!err) {
-        err = drive_script(&desk, input, name, o->keep_going, &teller, fault);
+        err = drive_script(&interp, input, name, o->keep_going, &teller, fault);
         fault->text[0] = '\0'; /* told with its line */
     }
-    err = sync_journal(&desk, err, fault);
-    desk_release(&desk);
+    err = sync_journal(&interp, err, fault);
+    interpreter_release(&interp);
     return err;
 }
 
@@ -413,7 +414,7 @@ static enum err be_wary(const struct options *o, char *const *journal, const cha
     const struct trust_places places = {.journal = journal,
                                         .journals = 1,
                                         .scene = o->scene,
-                                        .scenes = desk_scenes(),
+                                        .scenes = interpreter_scenes(),
                                         .helper = buf_text(&helper),
                                         .written = written,
                                         .run = run};
@@ -427,12 +428,12 @@ static enum err be_wary(const struct options *o, char *const *journal, const cha
 
 static enum err replay_into(const struct options *o, struct fault *fault)
 {
-    struct desk desk;
+    struct interpreter interp;
     const struct teller teller = {(void *)(uintptr_t)o, say, complain, NULL, NULL};
-    enum err err = begin_desk(&desk, o, fault);
+    enum err err = begin_interpreter(&interp, o, fault);
     if (!err)
-        err = drive_replay(&desk, o->word[1], &teller, fault);
-    desk_release(&desk);
+        err = drive_replay(&interp, o->word[1], &teller, fault);
+    interpreter_release(&interp);
     return err;
 }
 
@@ -479,7 +480,7 @@ static enum err read_number(const char *option, const char *given, int64_t most,
 /* A journal that is sealed anew, with a reason where golden images are accepted. */
 static enum err seal_anew(const struct options *o, struct fault *fault)
 {
-    struct desk desk;
+    struct interpreter interp;
     const struct teller teller = {NULL, say, complain, NULL, NULL};
     struct options without = *o;
     enum err err = need_files(o, 1, 1, fault);
@@ -487,11 +488,11 @@ static enum err seal_anew(const struct options *o, struct fault *fault)
         return err;
     without.journal = without.out = NULL;
     handle_interrupts();
-    err = begin_desk(&desk, &without, fault);
+    err = begin_interpreter(&interp, &without, fault);
     if (!err)
-        err = o->accept ? reseal_accept(&desk, o->word[1], o->accept, &teller, fault)
-                        : reseal_edited(&desk, o->word[1], &teller, fault);
-    desk_release(&desk);
+        err = o->accept ? reseal_accept(&interp, o->word[1], o->accept, &teller, fault)
+                        : reseal_edited(&interp, o->word[1], &teller, fault);
+    interpreter_release(&interp);
     return err;
 }
 
@@ -800,8 +801,8 @@ static enum err program_help(const struct options *o, struct fault *fault)
 /* ---- the prompt ---- */
 
 struct prompt {
-    struct pilot_desk pilot; /* first: the pilot's host has this whole as its context */
-    struct desk desk;
+    struct pilot_interpreter pilot; /* first: the pilot's host has this whole as its context */
+    struct interpreter interp;
     struct reply reply;
     char name[24];     /* before the "> " */
     const char *first; /* opened once the prompt is there, so that the prompt is there at once */
@@ -820,7 +821,7 @@ static enum err prompt_execute(void *context, const char *line, struct buf *outp
 {
     struct prompt *prompt = context;
     interrupted = 0;
-    enum err err = desk_execute(&prompt->desk, line, &prompt->reply, fault);
+    enum err err = interpreter_execute(&prompt->interp, line, &prompt->reply, fault);
     progress_erase(&progress);
     if (!err)
         buf_add_text(output, buf_text(&prompt->reply.text));
@@ -834,11 +835,11 @@ static enum err prompt_begin(void *context, struct buf *output, struct fault *fa
     struct buf line = {0};
     enum err err = OK;
     if (prompt->resumes) {
-        err = desk_resume_journal(&prompt->desk, prompt->first, output, fault);
+        err = interpreter_resume_journal(&prompt->interp, prompt->first, output, fault);
         progress_erase(&progress);
         if (!err)
             buf_printf(output, "%zu records, resumed as they left it\n",
-                       journal_count(prompt->desk.journal));
+                       journal_count(prompt->interp.journal));
         if (err == ERR_CANCELLED)
             fault_set(fault, err, "cannot resume %s: cancelled; it is as it was", prompt->first);
         return err;
@@ -858,7 +859,7 @@ static void prompt_complete(void *context, const char *line, size_t cursor, stru
                             size_t *word_start)
 {
     const struct prompt *prompt = context;
-    command_complete(candidates, word_start, line, cursor, &prompt->desk);
+    command_complete(candidates, word_start, line, cursor, &prompt->interp);
 }
 
 static void prompt_hint(void *context, const char *line, size_t length, struct buf *out)
@@ -870,31 +871,31 @@ static void prompt_hint(void *context, const char *line, size_t length, struct b
 static bool prompt_picture(void *context, struct image_view *out)
 {
     struct prompt *prompt = context;
-    struct desk *desk = &prompt->desk;
-    bool shows = desk->shows_picture;
-    desk->shows_picture = false;
-    *out = view_of(desk, prompt->pilot.smooth);
+    struct interpreter *interp = &prompt->interp;
+    bool shows = interp->shows_picture;
+    interp->shows_picture = false;
+    *out = view_of(interp, prompt->pilot.smooth);
     return shows;
 }
 
 static bool prompt_finished(void *context)
 {
     const struct prompt *prompt = context;
-    return prompt->desk.finished;
+    return prompt->interp.finished;
 }
 
 static bool prompt_flies(void *context)
 {
     struct prompt *prompt = context;
-    const bool flies = prompt->desk.flies;
-    prompt->desk.flies = false;
+    const bool flies = prompt->interp.flies;
+    prompt->interp.flies = false;
     return flies;
 }
 
 static void prompt_news(void *context, struct buf *output)
 {
     struct prompt *prompt = context;
-    press_news(prompt->desk.press, output);
+    picture_writer_news(prompt->interp.writer, output);
 }
 
 /* The session is over when what it wrote is on the disk; Ctrl-C gives up what is not begun. */
@@ -903,9 +904,9 @@ static void finish_pictures(struct prompt *prompt)
     struct buf text = {0};
     interrupted = 0;
     watch_begin(&watch);
-    press_wait(prompt->desk.press, &watch, NULL);
+    picture_writer_wait(prompt->interp.writer, &watch, NULL);
     progress_erase(&progress);
-    press_news(prompt->desk.press, &text);
+    picture_writer_news(prompt->interp.writer, &text);
     fputs(buf_text(&text), stdout);
     buf_release(&text);
 }
@@ -932,29 +933,29 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
     struct buf journal = {0};
     if (o->words > 1)
         return fault_set(fault, ERR_USAGE, "one scene or journal at a time; see iftty --help");
-    if (o->read_only && !o->journal && !(o->words && desk_is_journal(o->word[0])))
+    if (o->read_only && !o->journal && !(o->words && interpreter_is_journal(o->word[0])))
         return fault_set(fault, ERR_USAGE, "--read-only: name the journal to look at");
     prompt.first = o->words ? o->word[0] : NULL;
-    prompt.resumes = prompt.first && desk_is_journal(prompt.first);
+    prompt.resumes = prompt.first && interpreter_is_journal(prompt.first);
     if (prompt.resumes && o->journal)
         return fault_set(fault, ERR_USAGE, "%s is a journal itself and goes on in its own file",
                          prompt.first);
     name_session(&prompt, &journal);
     if (isatty(STDIN_FILENO)) /* else nobody is there to go on */
         handle_interrupts();
-    enum err err = begin_desk(&prompt.desk, o, fault);
+    enum err err = begin_interpreter(&prompt.interp, o, fault);
     if (!o->journal && !prompt.resumes)
-        prompt.desk.new_journal = buf_text(&journal);
+        prompt.interp.new_journal = buf_text(&journal);
     /* Without it, which is no reason to stop, pictures are waited for. */
     if (!err && isatty(STDIN_FILENO) && isatty(STDOUT_FILENO))
-        desk_write_beside(&prompt.desk, NULL);
-    struct press *press = prompt.desk.press;
+        interpreter_write_beside(&prompt.interp, NULL);
+    struct picture_writer *writer = prompt.interp.writer;
     struct pilot_host pilot = {
         .context = &prompt, .execute = prompt_execute, .finished = prompt_finished};
     pilot_host_fill(&pilot);
-    prompt.pilot.desk = &prompt.desk;
+    prompt.pilot.interp = &prompt.interp;
     prompt.pilot.smooth = o->smooth;
-    prompt.desk.has_cockpit = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
+    prompt.interp.has_cockpit = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     const struct repl_host host = {.context = &prompt,
                                    .pilot = &pilot,
                                    .flies = prompt_flies,
@@ -965,8 +966,9 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
                                    .complete = prompt_complete,
                                    .hint = prompt_hint,
                                    .picture = prompt_picture,
-                                   .news = press ? prompt_news : NULL,
-                                   .news_descriptor = press ? press_descriptor(press) : -1,
+                                   .news = writer ? prompt_news : NULL,
+                                   .news_descriptor =
+                                       writer ? picture_writer_descriptor(writer) : -1,
                                    .finished = prompt_finished};
     struct buf history = {0};
     const bool keeps = line_history_path(&history);
@@ -974,20 +976,21 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
     if (!err)
         err = repl_run(&host, &how, fault);
     buf_release(&history);
-    if (press)
+    if (writer)
         finish_pictures(&prompt);
-    err = sync_journal(&prompt.desk, err, fault);
-    if (prompt.desk.journal && isatty(STDOUT_FILENO)) {
+    err = sync_journal(&prompt.interp, err, fault);
+    if (prompt.interp.journal && isatty(STDOUT_FILENO)) {
         struct buf text = {0};
-        const char *path = journal_path(prompt.desk.journal);
+        const char *path = journal_path(prompt.interp.journal);
         buf_add_safe(&text, path, strlen(path));
-        printf("journal: %s (%zu records%s)\n", buf_text(&text), journal_count(prompt.desk.journal),
-               journal_only_looks(prompt.desk.journal) ? ", not written to" : "");
+        printf("journal: %s (%zu records%s)\n", buf_text(&text),
+               journal_count(prompt.interp.journal),
+               journal_only_looks(prompt.interp.journal) ? ", not written to" : "");
         buf_release(&text);
     }
     reply_release(&prompt.reply);
-    pilot_desk_release(&prompt.pilot);
-    desk_release(&prompt.desk);
+    pilot_interpreter_release(&prompt.pilot);
+    interpreter_release(&prompt.interp);
     buf_release(&journal);
     return err;
 }

@@ -12,7 +12,7 @@
 
 #include "base/file.h"
 #include "image/nifti.h"
-#include "tests/at_desk.h"
+#include "tests/interpreting.h"
 #include "tests/folder.h"
 
 static char folder[] = "/tmp/iftty-story-XXXXXX";
@@ -47,14 +47,14 @@ static inline void make_scene(void)
                       scene_row, NULL, NULL, NULL) == OK);
 }
 
-static inline void begin_with_scene(struct desk *desk)
+static inline void begin_with_scene(struct interpreter *interp)
 {
     char line[PATH_MAX + 8];
-    begin_desk(desk);
+    begin_interpreter(interp);
     snprintf(line, sizeof line, "open %s", place("scene.nii"));
-    must(desk, line);
-    must(desk, "label 2 cerebellum #40c060");
-    must(desk, "label 0 background");
+    must(interp, line);
+    must(interp, "label 2 cerebellum #40c060");
+    must(interp, "label 0 background");
 }
 
 static inline void write_text(const char *name, const char *text)
@@ -109,7 +109,7 @@ static inline void make_weights(const char *name, uint32_t more)
 
 /* All of a session that commands can change. */
 struct snapshot {
-    uint64_t forest, labels, scene, weights, fence, picture;
+    uint64_t forest, labels, scene, weights, roi, picture;
     size_t seeds, pendings, border, acknowledged, records;
     struct edit pending[64];
     uint32_t eliminator[64];
@@ -120,35 +120,35 @@ struct snapshot {
     uint32_t present, on;
 };
 
-/* Voxels are fenced exactly where the fence says so, and its tally is right. */
-static inline void fence_stands(const struct session *session)
+/* Voxels are fenced exactly where the region of interest says so, and its tally is right. */
+static inline void roi_stands(const struct session *session)
 {
-    const struct fence_tally tally = fence_tally(&session->fence, session->scene);
+    const struct roi_tally tally = roi_tally(&session->roi, session->scene);
     const struct cell *cell = session->scene->cell;
     bool stands = true;
     for (uint32_t c = 0; c < session->scene->grid.cells; c++)
         stands &= cell[c].flags & CELL_RIM ||
-                  !(cell[c].flags & CELL_FENCED) == fence_holds(&session->fence, session->scene, c);
+                  !(cell[c].flags & CELL_OUTSIDE) == roi_holds(&session->roi, session->scene, c);
     CHECK(stands);
-    CHECK(tally.digest == session->fence_tally.digest && tally.seeds_outside == 0);
-    CHECK_INT(tally.inside, session->fence_tally.inside);
+    CHECK(tally.digest == session->roi_tally.digest && tally.seeds_outside == 0);
+    CHECK_INT(tally.inside, session->roi_tally.inside);
 }
 
-static inline void take_snapshot(struct snapshot *s, const struct desk *desk)
+static inline void take_snapshot(struct snapshot *s, const struct interpreter *interp)
 {
-    const struct session *session = &desk->session;
+    const struct session *session = &interp->session;
     memset(s, 0, sizeof *s);
     s->has_scene = session->has_scene;
     s->rendered = session->rendered;
     memcpy(&s->settings, &session->settings, sizeof s->settings);
     s->pendings = session->pendings;
-    s->acknowledged = desk->acknowledged;
-    s->records = desk->journal ? journal_count(desk->journal) : 0;
-    s->points = desk->history.points;
-    s->branches = desk->history.branches;
-    s->numbered = desk->history.records;
-    s->present = desk->history.present;
-    s->on = desk->history.on;
+    s->acknowledged = interp->acknowledged;
+    s->records = interp->journal ? journal_count(interp->journal) : 0;
+    s->points = interp->history.points;
+    s->branches = interp->history.branches;
+    s->numbered = interp->history.records;
+    s->present = interp->history.present;
+    s->on = interp->history.on;
     for (size_t i = 0; i < session->pendings && i < 64; i++) {
         s->pending[i].cell = session->pending[i].cell;
         s->pending[i].label = session->pending[i].label;
@@ -162,9 +162,9 @@ static inline void take_snapshot(struct snapshot *s, const struct desk *desk)
         return;
     s->scene = session->scene_digest;
     s->weights = session->weight_digest;
-    s->fence = session->fence_tally.digest;
+    s->roi = session->roi_tally.digest;
     CHECK(s->weights == weight_digest(session->scene, forest_arcs(session->forest), NULL));
-    fence_stands(session);
+    roi_stands(session);
     CHECK(tally_check(&session->tally, session->scene));
     s->forest = forest_digest(session->forest);
     s->labels = forest_label_digest(session->forest);
@@ -179,7 +179,7 @@ static inline void take_snapshot(struct snapshot *s, const struct desk *desk)
 static inline void is_same_segmentation(const struct snapshot *a, const struct snapshot *b)
 {
     CHECK(a->weights == b->weights);
-    CHECK(a->fence == b->fence);
+    CHECK(a->roi == b->roi);
     CHECK(a->forest == b->forest);
     CHECK(a->labels == b->labels);
     CHECK(a->seeds == b->seeds);
@@ -193,12 +193,12 @@ static inline void is_same_segmentation(const struct snapshot *a, const struct s
                  sizeof a->settings - SETTINGS_KEPT) == 0);
 }
 
-static inline void is_as_before(const struct snapshot *before, const struct desk *desk,
+static inline void is_as_before(const struct snapshot *before, const struct interpreter *interp,
                                 const char *line)
 {
     struct snapshot now;
     unsigned failures = check_failures;
-    take_snapshot(&now, desk);
+    take_snapshot(&now, interp);
     is_same_segmentation(before, &now);
     CHECK(now.has_scene == before->has_scene);
     CHECK(now.scene == before->scene);

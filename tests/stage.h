@@ -7,7 +7,7 @@
 #ifndef TESTS_STAGE_H
 #define TESTS_STAGE_H
 
-#include "engine/border.h"
+#include "render/border.h"
 #include "engine/forest.h"
 #include "render/rendition.h"
 #include "render/shade.h"

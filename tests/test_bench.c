@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "command/bench_report.h"
-#include "command/bench_times.h"
-#include "command/plot.h"
+#include "tests/bench/report.h"
+#include "program/bench_times.h"
+#include "tests/bench/plot.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 

@@ -92,19 +92,19 @@ static void canonical(struct buf *out, const char *line, const struct session *s
 
 STORY(every_example_parses_and_its_canonical_form_is_its_own)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct buf once = {0}, twice = {0};
-    begin_desk(&desk);
-    must(&desk, "open synth:geom");
+    begin_interpreter(&interp);
+    must(&interp, "open synth:geom");
     for (unsigned i = 0; i < command_count; i++) {
-        canonical(&once, command_table[i].example, &desk.session);
-        canonical(&twice, buf_text(&once), &desk.session);
+        canonical(&once, command_table[i].example, &interp.session);
+        canonical(&twice, buf_text(&once), &interp.session);
         CHECK_TEXT(buf_text(&twice), buf_text(&once));
         CHECK_TEXT(buf_text(&once), command_table[i].example);
     }
     buf_release(&once);
     buf_release(&twice);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* What stands for a parameter in help. */
@@ -366,20 +366,20 @@ static bool same_values(const struct call *a, const struct call *b)
 
 STORY(a_random_line_and_its_canonical_form_mean_the_same)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct buf line = {0}, once = {0}, twice = {0};
-    begin_with_scene(&desk);
+    begin_with_scene(&interp);
     seed = 1;
     for (unsigned i = 0; i < 40000 && check_failures < 5; i++) {
         struct call first, second;
         random_line(&line, &command_table[i % command_count]);
-        if (!CHECK(command_parse(&first, buf_text(&line), &desk.session, &fault) == OK)) {
+        if (!CHECK(command_parse(&first, buf_text(&line), &interp.session, &fault) == OK)) {
             printf("#   %s: %s\n", buf_text(&line), fault.text);
             continue;
         }
         buf_clear(&once);
         command_write(&once, &first);
-        if (CHECK(command_parse(&second, buf_text(&once), &desk.session, &fault) == OK)) {
+        if (CHECK(command_parse(&second, buf_text(&once), &interp.session, &fault) == OK)) {
             buf_clear(&twice);
             command_write(&twice, &second);
             CHECK_TEXT(buf_text(&twice), buf_text(&once));
@@ -393,7 +393,7 @@ STORY(a_random_line_and_its_canonical_form_mean_the_same)
     buf_release(&line);
     buf_release(&once);
     buf_release(&twice);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* ---- positions ---- */
@@ -414,37 +414,37 @@ STORY(millimetres_lead_to_the_nearest_voxel)
     static const char *const outside[] = {
         "seed 12,0,0 1",      "seed 0,11,0 1",       "seed 0,0,10 1", "seed -1,0,0 1",
         "seed 6.1,-20,7mm 1", "seed 999999,0,0mm 1", "why 900000,0,0"};
-    struct desk desk;
+    struct interpreter interp;
     struct buf out = {0};
     struct call call;
-    begin_with_scene(&desk);
+    begin_with_scene(&interp);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        canonical(&out, row[i].line, &desk.session);
+        canonical(&out, row[i].line, &interp.session);
         CHECK_TEXT(buf_text(&out), row[i].canonical);
     }
     for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++) {
-        CHECK(command_parse(&call, outside[i], &desk.session, &fault) == ERR_INPUT);
+        CHECK(command_parse(&call, outside[i], &interp.session, &fault) == ERR_INPUT);
         CHECK_HAS(fault.text, "lies outside the scene, whose voxels are 0,0,0 to 11,10,9");
         CHECK_HAS(fault.text, "nothing has changed");
     }
     buf_release(&out);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* ---- lines that are wrong ---- */
 
-static void is_refused(struct desk *desk, const char *line, const char *words)
+static void is_refused(struct interpreter *interp, const char *line, const char *words)
 {
     struct snapshot before;
-    take_snapshot(&before, desk);
-    enum err err = execute(desk, line);
+    take_snapshot(&before, interp);
+    enum err err = execute(interp, line);
     if (!CHECK(err != OK))
         printf("#   %s\n", line);
     CHECK_HAS(fault.text, words);
     CHECK(fault.code == err);
     CHECK(err_exit_status(err) == 2 || err_exit_status(err) == 3);
     CHECK(is_plain(fault.text));
-    is_as_before(&before, desk, line);
+    is_as_before(&before, interp, line);
 }
 
 STORY(a_wrong_line_is_told_what_was_expected)
@@ -586,26 +586,26 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"render missing-folder/x.exr", "there is no folder"},
         {"\x1b]0;title\x07", "\\x1b]0;title\\x07"},
     };
-    struct desk desk;
-    begin_with_scene(&desk);
+    struct interpreter interp;
+    begin_with_scene(&interp);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
-        is_refused(&desk, row[i].line, row[i].words);
+        is_refused(&interp, row[i].line, row[i].words);
     char *lengthy = malloc(100001);
     if (CHECK(lengthy != NULL)) {
         memset(lengthy, 'a', 100000);
         lengthy[100000] = '\0';
-        is_refused(&desk, lengthy, "more than 4096 bytes");
+        is_refused(&interp, lengthy, "more than 4096 bytes");
         lengthy[4000] = '\0';
-        is_refused(&desk, lengthy, "unknown command aaaa");
+        is_refused(&interp, lengthy, "unknown command aaaa");
     }
     free(lengthy);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* The word under the caret of the error; "" for a place behind the end. */
-static void is_wrong_at(struct desk *desk, const char *line, const char *word)
+static void is_wrong_at(struct interpreter *interp, const char *line, const char *word)
 {
-    CHECK(execute(desk, line) != OK);
+    CHECK(execute(interp, line) != OK);
     const size_t length = strlen(line);
     if (!CHECK(fault.at > 0 && fault.at <= length + 2))
         return;
@@ -617,69 +617,69 @@ static void is_wrong_at(struct desk *desk, const char *line, const char *word)
 
 STORY(an_error_tells_where_in_the_line_it_is)
 {
-    struct desk desk;
-    begin_with_scene(&desk);
-    is_wrong_at(&desk, "sede 1,1,1 1", "sede");
-    is_wrong_at(&desk, "  \t sede 1,1,1 1", "sede");
-    is_wrong_at(&desk, "seed 1,1 1", "1,1 ");
-    is_wrong_at(&desk, "seed 99,1,1 1", "99,1,1");
-    is_wrong_at(&desk, "seed   1,1,1   liver", "liver");
-    is_wrong_at(&desk, "seed 1,1,1", "");
-    is_wrong_at(&desk, "seed 1,1,1 ", "");
-    is_wrong_at(&desk, "run now and then", "now");
-    is_wrong_at(&desk, "seed radius=33 1,1,1 1", "radius=33");
-    is_wrong_at(&desk, "label 2 \"\" #40c060", "\"\" #");
-    is_wrong_at(&desk, "save \"labels\" x.nii replace=maybe", "replace=maybe");
-    is_wrong_at(&desk, "\"sa\\\"ve\" x", "\"sa");
-    is_wrong_at(&desk, "render \"a b", "\"a b");
-    is_wrong_at(&desk, "label 2 \xc3\xa4\x1b[m", "\x1b[m");
-    is_wrong_at(&desk, "mask elsewhere.nii", "elsewhere.nii");
-    is_wrong_at(&desk, "mask \"else where.nii\" regions=1", "\"else where.nii\"");
-    is_wrong_at(&desk, "goto nowhere", "nowhere");
-    is_wrong_at(&desk, "label 1 cerebellum", "cerebellum");
-    is_wrong_at(&desk, "save labels nowhere/x.nii", "nowhere/x.nii");
-    CHECK(execute(&desk, "open synth:geom") != OK); /* no word of it is wrong */
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    is_wrong_at(&interp, "sede 1,1,1 1", "sede");
+    is_wrong_at(&interp, "  \t sede 1,1,1 1", "sede");
+    is_wrong_at(&interp, "seed 1,1 1", "1,1 ");
+    is_wrong_at(&interp, "seed 99,1,1 1", "99,1,1");
+    is_wrong_at(&interp, "seed   1,1,1   liver", "liver");
+    is_wrong_at(&interp, "seed 1,1,1", "");
+    is_wrong_at(&interp, "seed 1,1,1 ", "");
+    is_wrong_at(&interp, "run now and then", "now");
+    is_wrong_at(&interp, "seed radius=33 1,1,1 1", "radius=33");
+    is_wrong_at(&interp, "label 2 \"\" #40c060", "\"\" #");
+    is_wrong_at(&interp, "save \"labels\" x.nii replace=maybe", "replace=maybe");
+    is_wrong_at(&interp, "\"sa\\\"ve\" x", "\"sa");
+    is_wrong_at(&interp, "render \"a b", "\"a b");
+    is_wrong_at(&interp, "label 2 \xc3\xa4\x1b[m", "\x1b[m");
+    is_wrong_at(&interp, "mask elsewhere.nii", "elsewhere.nii");
+    is_wrong_at(&interp, "mask \"else where.nii\" regions=1", "\"else where.nii\"");
+    is_wrong_at(&interp, "goto nowhere", "nowhere");
+    is_wrong_at(&interp, "label 1 cerebellum", "cerebellum");
+    is_wrong_at(&interp, "save labels nowhere/x.nii", "nowhere/x.nii");
+    CHECK(execute(&interp, "open synth:geom") != OK); /* no word of it is wrong */
     CHECK_INT(fault.at, 0);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(without_a_scene_only_what_needs_none_works)
 {
-    struct desk desk;
-    begin_desk(&desk);
+    struct interpreter interp;
+    begin_interpreter(&interp);
     for (unsigned i = 0; i < command_count; i++) {
         const struct command *c = &command_table[i];
         if (c->flags & COMMAND_NEEDS_SCENE)
-            is_refused(&desk, c->example, "scene");
+            is_refused(&interp, c->example, "scene");
     }
-    is_refused(&desk, "seed 1,1,1 1", "no scene is open; open one first");
-    is_refused(&desk, "run", "run needs a scene; open one first");
-    is_refused(&desk, "open synth:geom:333", "each of X, Y, Z 1 or 2");
-    is_refused(&desk, "open synth:cube", "nothing was opened");
-    must(&desk, "label 1 liver");
-    must(&desk, "auto on");
-    must(&desk, "info");
+    is_refused(&interp, "seed 1,1,1 1", "no scene is open; open one first");
+    is_refused(&interp, "run", "run needs a scene; open one first");
+    is_refused(&interp, "open synth:geom:333", "each of X, Y, Z 1 or 2");
+    is_refused(&interp, "open synth:cube", "nothing was opened");
+    must(&interp, "label 1 liver");
+    must(&interp, "auto on");
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "no scene is open");
-    must(&desk, "help seed");
+    must(&interp, "help seed");
     CHECK_HAS(buf_text(&reply.text), "radius=0..32");
-    must(&desk, "quit");
-    CHECK(desk.finished);
-    desk_release(&desk);
+    must(&interp, "quit");
+    CHECK(interp.finished);
+    interpreter_release(&interp);
 }
 
 STORY(comments_and_empty_lines_do_nothing)
 {
     static const char *const line[] = {"", "   ", "\t", "# seed 1,1,1 1", "  # x", "#"};
-    struct desk desk;
-    begin_with_scene(&desk);
+    struct interpreter interp;
+    begin_with_scene(&interp);
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
         struct snapshot before;
-        take_snapshot(&before, &desk);
-        CHECK(execute(&desk, line[i]) == OK);
+        take_snapshot(&before, &interp);
+        CHECK(execute(&interp, line[i]) == OK);
         CHECK_INT(reply.canonical.length, 0);
-        is_as_before(&before, &desk, line[i]);
+        is_as_before(&before, &interp, line[i]);
     }
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* Words of the language and bytes of no language, mixed. */
@@ -711,25 +711,25 @@ static void garbage(char *out, size_t capacity)
 
 STORY(garbage_is_parsed_or_refused_in_one_plain_line)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct buf once = {0}, twice = {0};
     char line[2048];
     unsigned parsed = 0;
-    begin_with_scene(&desk);
+    begin_with_scene(&interp);
     seed = 2;
     for (unsigned i = 0; i < 30000 && check_failures < 5; i++) {
         struct call call;
         line[0] = '\0';
         garbage(line, sizeof line);
         fault = (struct fault){.text = ""};
-        if (command_parse(&call, line, &desk.session, &fault) != OK) {
+        if (command_parse(&call, line, &interp.session, &fault) != OK) {
             CHECK(fault.text[0] != '\0' && is_plain(fault.text) && fault.code != OK);
             CHECK(fault.at <= strlen(line) + 2);
         } else if (call.command) {
             parsed++;
             buf_clear(&once);
             command_write(&once, &call);
-            canonical(&twice, buf_text(&once), &desk.session);
+            canonical(&twice, buf_text(&once), &interp.session);
             CHECK_TEXT(buf_text(&twice), buf_text(&once));
             call_release(&call);
         } else {
@@ -737,23 +737,23 @@ STORY(garbage_is_parsed_or_refused_in_one_plain_line)
         }
         buf_clear(&once);
         size_t start = 0, cursor = below((uint32_t)strlen(line) + 1);
-        command_complete(&once, &start, line, cursor, &desk);
+        command_complete(&once, &start, line, cursor, &interp);
         CHECK(start <= cursor);
     }
     CHECK(parsed > 300); /* or the mixture tests nothing */
     buf_release(&once);
     buf_release(&twice);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* ---- completion ---- */
 
-static void completes(const struct desk *desk, const char *line, const char *expected,
+static void completes(const struct interpreter *interp, const char *line, const char *expected,
                       size_t expected_start)
 {
     struct buf out = {0};
     size_t start = 99;
-    command_complete(&out, &start, line, strlen(line), desk);
+    command_complete(&out, &start, line, strlen(line), interp);
     CHECK_TEXT(buf_text(&out), expected);
     CHECK_INT(start, expected_start);
     buf_release(&out);
@@ -761,50 +761,50 @@ static void completes(const struct desk *desk, const char *line, const char *exp
 
 STORY(completion_offers_what_may_stand_there)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct buf out = {0}, names = {0};
     size_t start;
-    begin_with_scene(&desk);
-    must(&desk, "label 7 cortex");
-    command_complete(&out, &start, "", 0, &desk);
+    begin_with_scene(&interp);
+    must(&interp, "label 7 cortex");
+    command_complete(&out, &start, "", 0, &interp);
     for (unsigned i = 0; i < command_count; i++)
         buf_printf(&names, "%s\n", command_table[i].name);
     CHECK_TEXT(buf_text(&out), buf_text(&names));
     buf_clear(&out);
-    command_complete(&out, &start, "help ", 5, &desk);
+    command_complete(&out, &start, "help ", 5, &interp);
     CHECK_TEXT(buf_text(&out), buf_text(&names));
-    completes(&desk, "see", "seed\nseed-file\n", 0);
-    completes(&desk, "  see", "seed\nseed-file\n", 2);
-    completes(&desk, "xyz", "", 0);
-    completes(&desk, "xyz ", "", 4);
-    completes(&desk, "help see", "seed\nseed-file\n", 5);
-    completes(&desk, "help seed ", "", 10);
-    completes(&desk, "save ", "labels\ncost\nroot\nborder\nreplace=\n", 5);
-    completes(&desk, "save c", "cost\n", 5);
-    completes(&desk, "save cost x.nii replace=y", "yes\n", 24);
-    completes(&desk, "render mode=", "sp\nbp\nii\nray\n", 12);
-    completes(&desk, "render mode=b", "bp\n", 12);
-    completes(&desk, "seed 1,1,1 ce", "cerebellum\n", 11);
-    completes(&desk, "seed 1,1,1 c", "cerebellum\ncortex\n", 11);
-    completes(&desk, "seed 1,1,1 7 r", "radius=\n", 13);
-    completes(&desk, "seed-file x.nii label=c", "cerebellum\ncortex\n", 22);
-    completes(&desk, "hide cor", "cortex\n", 5);
-    completes(&desk, "view b", "back\nbottom\n", 5);
-    completes(&desk, "zoom f", "fit\n", 5);
-    completes(&desk, "adjacency ", "6\n26\n", 10);
+    completes(&interp, "see", "seed\nseed-file\n", 0);
+    completes(&interp, "  see", "seed\nseed-file\n", 2);
+    completes(&interp, "xyz", "", 0);
+    completes(&interp, "xyz ", "", 4);
+    completes(&interp, "help see", "seed\nseed-file\n", 5);
+    completes(&interp, "help seed ", "", 10);
+    completes(&interp, "save ", "labels\ncost\nroot\nborder\nreplace=\n", 5);
+    completes(&interp, "save c", "cost\n", 5);
+    completes(&interp, "save cost x.nii replace=y", "yes\n", 24);
+    completes(&interp, "render mode=", "sp\nbp\nii\nray\n", 12);
+    completes(&interp, "render mode=b", "bp\n", 12);
+    completes(&interp, "seed 1,1,1 ce", "cerebellum\n", 11);
+    completes(&interp, "seed 1,1,1 c", "cerebellum\ncortex\n", 11);
+    completes(&interp, "seed 1,1,1 7 r", "radius=\n", 13);
+    completes(&interp, "seed-file x.nii label=c", "cerebellum\ncortex\n", 22);
+    completes(&interp, "hide cor", "cortex\n", 5);
+    completes(&interp, "view b", "back\nbottom\n", 5);
+    completes(&interp, "zoom f", "fit\n", 5);
+    completes(&interp, "adjacency ", "6\n26\n", 10);
     buf_release(&out);
     buf_release(&names);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* Names of all kinds, below a folder of their own, where the story works. */
-static void begin_with_files(struct desk *desk)
+static void begin_with_files(struct interpreter *interp)
 {
     static const char *const name[] = {"a.nii",     "ab c.nii", "\"q\\.nii",
                                        "#hash.nii", ".hidden",  "bad\nname",
                                        "bad\x1b[m", "\xff",     "b\xc3\xa4r.nii"};
-    begin_with_scene(desk);
-    must(desk, "label 7 cortex");
+    begin_with_scene(interp);
+    must(interp, "label 7 cortex");
     CHECK(file_make_folder(place("files"), NULL) == OK);
     CHECK(file_make_folder(place("files/masks"), NULL) == OK);
     CHECK(file_make_folder(place("files/to do"), NULL) == OK);
@@ -821,73 +821,73 @@ static void begin_with_files(struct desk *desk)
 
 STORY(files_are_offered_where_a_file_may_stand)
 {
-    struct desk desk;
-    begin_with_files(&desk);
-    completes(&desk, "open a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
-    completes(&desk, "open a.", "a.nii\n", 5);
-    completes(&desk, "open \"a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
-    completes(&desk, "open \"a.", "\"a.nii\"\n", 5);
-    completes(&desk, "open \"a.nii\"", "", 12);
-    completes(&desk, "open m", "masks/\n", 5);
-    completes(&desk, "open l", "link/\n", 5);
-    completes(&desk, "open masks/", "masks/m.nii\n", 5);
-    completes(&desk, "open masks/n", "", 5);
-    completes(&desk, "open t", "\"to do/\n", 5);
-    completes(&desk, "open \"to do/", "\"to do/one.nii\"\n", 5);
-    completes(&desk, "open ./a.", "./a.nii\n", 5);
-    completes(&desk, "open #", "\"#hash.nii\"\n", 5);
-    completes(&desk, "open ./#", "./#hash.nii\n", 5);
-    completes(&desk, "open \"\\\"", "\"\\\"q\\\\.nii\"\n", 5);
-    completes(&desk, "open b", "b\xc3\xa4r.nii\n", 5); /* none that a command cannot hold */
-    completes(&desk, "open .", ".hidden\n", 5);
-    completes(&desk, "open \"\"x", "", 8);
-    completes(&desk, "save labels m", "masks/\n", 12);
-    completes(&desk, "weight m", "morph\nmasks/\n", 7);
-    completes(&desk, "slice axial m", "masks/\n", 12);
-    completes(&desk, "slice axial 3 m", "masks/\n", 14);
-    completes(&desk, "render l", "link/\nlayout=\n", 7);
-    completes(&desk, "render layout=l", "lines\n", 14);
-    completes(&desk, "seed 1,1,1 m", "", 11);
-    completes(&desk, "hide \"co", "\"cortex\"\n", 5);
-    completes(&desk, "save nowhere/", "", 5);
+    struct interpreter interp;
+    begin_with_files(&interp);
+    completes(&interp, "open a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
+    completes(&interp, "open a.", "a.nii\n", 5);
+    completes(&interp, "open \"a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
+    completes(&interp, "open \"a.", "\"a.nii\"\n", 5);
+    completes(&interp, "open \"a.nii\"", "", 12);
+    completes(&interp, "open m", "masks/\n", 5);
+    completes(&interp, "open l", "link/\n", 5);
+    completes(&interp, "open masks/", "masks/m.nii\n", 5);
+    completes(&interp, "open masks/n", "", 5);
+    completes(&interp, "open t", "\"to do/\n", 5);
+    completes(&interp, "open \"to do/", "\"to do/one.nii\"\n", 5);
+    completes(&interp, "open ./a.", "./a.nii\n", 5);
+    completes(&interp, "open #", "\"#hash.nii\"\n", 5);
+    completes(&interp, "open ./#", "./#hash.nii\n", 5);
+    completes(&interp, "open \"\\\"", "\"\\\"q\\\\.nii\"\n", 5);
+    completes(&interp, "open b", "b\xc3\xa4r.nii\n", 5); /* none that a command cannot hold */
+    completes(&interp, "open .", ".hidden\n", 5);
+    completes(&interp, "open \"\"x", "", 8);
+    completes(&interp, "save labels m", "masks/\n", 12);
+    completes(&interp, "weight m", "morph\nmasks/\n", 7);
+    completes(&interp, "slice axial m", "masks/\n", 12);
+    completes(&interp, "slice axial 3 m", "masks/\n", 14);
+    completes(&interp, "render l", "link/\nlayout=\n", 7);
+    completes(&interp, "render layout=l", "lines\n", 14);
+    completes(&interp, "seed 1,1,1 m", "", 11);
+    completes(&interp, "hide \"co", "\"cortex\"\n", 5);
+    completes(&interp, "save nowhere/", "", 5);
     CHECK(chdir(folder) == 0);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(a_key_that_is_given_is_not_offered_again)
 {
-    struct desk desk;
-    begin_with_scene(&desk);
-    completes(&desk, "overlay cross=on ", "none\ntint\ncontour\nmarks=\nwords=\n", 17);
-    completes(&desk, "overlay cross=on m", "marks=\n", 17);
-    completes(&desk, "hide b", "", 5); /* label 0 cannot be hidden */
-    completes(&desk, "# see", "", 5);
-    desk_release(&desk);
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    completes(&interp, "overlay cross=on ", "none\ntint\ncontour\nmarks=\nwords=\n", 17);
+    completes(&interp, "overlay cross=on m", "marks=\n", 17);
+    completes(&interp, "hide b", "", 5); /* label 0 cannot be hidden */
+    completes(&interp, "# see", "", 5);
+    interpreter_release(&interp);
 }
 
 STORY(goldens_branches_and_records_are_offered)
 {
-    struct desk desk;
-    begin_with_scene(&desk);
-    desk_release(&desk);
-    begin_desk(&desk);
-    CHECK(desk_create_journal(&desk, place("offers.iftty"), NULL) == OK);
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    interpreter_release(&interp);
+    begin_interpreter(&interp);
+    CHECK(interpreter_create_journal(&interp, place("offers.iftty"), NULL) == OK);
     char line[PATH_MAX + 8];
     snprintf(line, sizeof line, "open %s", place("scene.nii"));
-    must(&desk, line);
-    completes(&desk, "golden ", "of=\n", 7);
-    must(&desk, "seed 1,1,1 2");
-    must(&desk, "seed 9,9,9 1");
-    must(&desk, "size 20 20");
-    must(&desk, "golden front-1");
-    must(&desk, "golden front-2 of=axial");
-    must(&desk, "branch stem");
-    completes(&desk, "golden f", "front-1\nfront-2\n", 7);
-    completes(&desk, "golden front-1 of=a", "axial\n", 18);
-    completes(&desk, "goto s", "stem\n", 5);
-    completes(&desk, "goto ", "main\nstem\n1\n2\n3\n5\n", 5);
-    completes(&desk, "goto 2", "2\n", 5);
-    desk_release(&desk);
+    must(&interp, line);
+    completes(&interp, "golden ", "of=\n", 7);
+    must(&interp, "seed 1,1,1 2");
+    must(&interp, "seed 9,9,9 1");
+    must(&interp, "size 20 20");
+    must(&interp, "golden front-1");
+    must(&interp, "golden front-2 of=axial");
+    must(&interp, "branch stem");
+    completes(&interp, "golden f", "front-1\nfront-2\n", 7);
+    completes(&interp, "golden front-1 of=a", "axial\n", 18);
+    completes(&interp, "goto s", "stem\n", 5);
+    completes(&interp, "goto ", "main\nstem\n1\n2\n3\n5\n", 5);
+    completes(&interp, "goto 2", "2\n", 5);
+    interpreter_release(&interp);
 }
 
 /* ---- hints ---- */
@@ -950,31 +950,31 @@ static int fail_on_journal(enum file_step step, const char *path)
 }
 
 /* A recorded command fails to be recorded, nothing has happened; then it is recorded. */
-static void fails_then_works(struct desk *desk, const char *line, const char *file)
+static void fails_then_works(struct interpreter *interp, const char *line, const char *file)
 {
     static const enum file_step step[] = {FILE_STEP_WRITE, FILE_STEP_SYNC};
     for (size_t i = 0; i < 2; i++) {
         struct snapshot before;
-        take_snapshot(&before, desk);
+        take_snapshot(&before, interp);
         failing_step = step[i];
         failed_steps = 0;
         file_step_hook = fail_on_journal;
-        enum err err = execute(desk, line);
+        enum err err = execute(interp, line);
         file_step_hook = NULL;
         CHECK(failed_steps > 0);
         CHECK(err == ERR_IO);
         CHECK_HAS(fault.text, "the command is undone, because it could not be recorded");
         CHECK_HAS(fault.text, i == 0 ? "No space left on device" : "Input/output error");
         CHECK(is_plain(fault.text));
-        is_as_before(&before, desk, line);
+        is_as_before(&before, interp, line);
         if (file && !CHECK(!file_exists(place(file))))
             printf("#   %s is left by %s\n", file, line);
     }
-    must(desk, line);
+    must(interp, line);
     if (file)
         CHECK(file_exists(place(file)));
-    CHECK(desk->session.has_scene ? forest_check(desk->session.forest, NULL) : true);
-    CHECK(journal_audit(desk->journal, NULL) == OK);
+    CHECK(interp->session.has_scene ? forest_check(interp->session.forest, NULL) : true);
+    CHECK(journal_audit(interp->journal, NULL) == OK);
 }
 
 struct deed {
@@ -982,7 +982,7 @@ struct deed {
 };
 
 /* The lines, written into the test's folder where they name "@". */
-static void all_fail_then_work(struct desk *desk, const struct deed *deed, size_t count)
+static void all_fail_then_work(struct interpreter *interp, const struct deed *deed, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         char line[PATH_MAX + 64];
@@ -990,7 +990,7 @@ static void all_fail_then_work(struct desk *desk, const struct deed *deed, size_
         int head = at ? (int)(at - deed[i].line) : (int)strlen(deed[i].line);
         snprintf(line, sizeof line, "%.*s%s%s", head, deed[i].line, at ? folder : "",
                  at ? at + 1 : "");
-        fails_then_works(desk, line, deed[i].file);
+        fails_then_works(interp, line, deed[i].file);
     }
 }
 
@@ -1000,17 +1000,17 @@ static void say_nothing(void *context, const char *text)
     buf_add_text(kept, text);
 }
 
-/* Carried out again from the file, by another desk, everything is the same. */
+/* Carried out again from the file, by another interpreter, everything is the same. */
 static void journal_verifies(const char *path)
 {
     struct buf told = {0};
-    struct desk desk;
+    struct interpreter interp;
     const struct teller teller = {&told, say_nothing, say_nothing, NULL, NULL};
-    begin_desk(&desk);
-    enum err err = drive_replay(&desk, path, &teller, &fault);
+    begin_interpreter(&interp);
+    enum err err = drive_replay(&interp, path, &teller, &fault);
     if (!CHECK(err == OK))
         printf("#   %s\n", fault.text);
-    desk_release(&desk);
+    interpreter_release(&interp);
     buf_release(&told);
 }
 
@@ -1035,56 +1035,56 @@ static void make_seed_files(void)
     make_regions("regions.nii", size[0], 0);
 }
 
-static bool has_seed(const struct desk *desk, uint32_t x, uint32_t y, uint32_t z)
+static bool has_seed(const struct interpreter *interp, uint32_t x, uint32_t y, uint32_t z)
 {
-    const struct scene *scene = desk->session.scene;
+    const struct scene *scene = interp->session.scene;
     return scene->cell[grid_cell(&scene->grid, x, y, z)].flags & CELL_SEED;
 }
 
 STORY(a_stroke_is_balls_along_a_line)
 {
-    struct desk desk;
-    begin_with_scene(&desk);
-    must(&desk, "seed 1,1,1 1 to=9,5,1");
-    must(&desk, "run");
-    CHECK_INT(forest_seeds(desk.session.forest), 9); /* a step of the longest axis each */
-    CHECK(has_seed(&desk, 1, 1, 1) && has_seed(&desk, 5, 3, 1) && has_seed(&desk, 9, 5, 1));
-    must(&desk, "undo 2");
-    must(&desk, "seed 9,5,1 1 to=1,1,1 radius=1"); /* each voxel once, wherever balls overlap */
-    must(&desk, "run");
-    CHECK_INT(forest_seeds(desk.session.forest), 47);
-    CHECK(has_seed(&desk, 5, 3, 2) && has_seed(&desk, 10, 5, 1) && !has_seed(&desk, 5, 3, 3));
-    must(&desk, "seed 3,3,3 2 to=3,3,3");
-    CHECK_INT(desk.session.pendings, 1);
-    CHECK(execute(&desk, "seed 1,1,1 1 to=99,1,1") == ERR_INPUT);
-    desk_release(&desk);
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    must(&interp, "seed 1,1,1 1 to=9,5,1");
+    must(&interp, "run");
+    CHECK_INT(forest_seeds(interp.session.forest), 9); /* a step of the longest axis each */
+    CHECK(has_seed(&interp, 1, 1, 1) && has_seed(&interp, 5, 3, 1) && has_seed(&interp, 9, 5, 1));
+    must(&interp, "undo 2");
+    must(&interp, "seed 9,5,1 1 to=1,1,1 radius=1"); /* each voxel once, wherever balls overlap */
+    must(&interp, "run");
+    CHECK_INT(forest_seeds(interp.session.forest), 47);
+    CHECK(has_seed(&interp, 5, 3, 2) && has_seed(&interp, 10, 5, 1) && !has_seed(&interp, 5, 3, 3));
+    must(&interp, "seed 3,3,3 2 to=3,3,3");
+    CHECK_INT(interp.session.pendings, 1);
+    CHECK(execute(&interp, "seed 1,1,1 1 to=99,1,1") == ERR_INPUT);
+    interpreter_release(&interp);
 }
 
 STORY(seeds_come_out_of_files)
 {
-    struct desk desk;
-    begin_with_scene(&desk);
+    struct interpreter interp;
+    begin_with_scene(&interp);
     make_seed_files();
-    must(&desk, "seed-file seeds.csv");
+    must(&interp, "seed-file seeds.csv");
     CHECK_HAS(buf_text(&reply.words), "added=2 forest=");
     CHECK_HAS(buf_text(&reply.words), " pending=2");
-    must(&desk, "run");
-    CHECK_INT(forest_seeds(desk.session.forest), 2);
-    const uint32_t cell = grid_cell(&desk.session.scene->grid, 10, 9, 8);
-    CHECK_INT(desk.session.scene->cell[cell].label, 2);
-    must(&desk, "seed-file seeds.csv label=7");
-    must(&desk, "run");
-    CHECK_INT(desk.session.scene->cell[cell].label, 7);
-    must(&desk, "seed-file regions.nii"); /* four of twelve columns each */
+    must(&interp, "run");
+    CHECK_INT(forest_seeds(interp.session.forest), 2);
+    const uint32_t cell = grid_cell(&interp.session.scene->grid, 10, 9, 8);
+    CHECK_INT(interp.session.scene->cell[cell].label, 2);
+    must(&interp, "seed-file seeds.csv label=7");
+    must(&interp, "run");
+    CHECK_INT(interp.session.scene->cell[cell].label, 7);
+    must(&interp, "seed-file regions.nii"); /* four of twelve columns each */
     CHECK_HAS(buf_text(&reply.words), "added=880 forest=");
-    must(&desk, "seed-file regions.nii erode=1 regions=2");
+    must(&interp, "seed-file regions.nii erode=1 regions=2");
     CHECK_TEXT(buf_text(&reply.canonical), "seed-file regions.nii regions=2 erode=1");
     CHECK_HAS(buf_text(&reply.words), "added=144 forest="); /* 2 x 9 x 8 */
-    must(&desk, "seed-file regions.nii each=5 label=cerebellum");
+    must(&interp, "seed-file regions.nii each=5 label=cerebellum");
     CHECK_HAS(buf_text(&reply.words), "added=10 forest=");
-    must(&desk, "run");
-    CHECK(forest_check(desk.session.forest, NULL));
-    desk_release(&desk);
+    must(&interp, "run");
+    CHECK(forest_check(interp.session.forest, NULL));
+    interpreter_release(&interp);
 }
 
 STORY(a_seed_file_that_is_wrong_plants_nothing)
@@ -1111,47 +1111,47 @@ STORY(a_seed_file_that_is_wrong_plants_nothing)
         {"seed-file regions.nii regions=", "not nothing"},
         {"seed-file regions.nii label=256", "label: expected a label 0..255"},
     };
-    struct desk desk;
-    begin_with_scene(&desk);
+    struct interpreter interp;
+    begin_with_scene(&interp);
     make_seed_files();
     make_regions("narrow.nii", 9, 0);
     write_text("bad.csv", "1,1,1,1\n2,2,2,2\n12,1,1,1\n");
     write_text("text.nii", "1,1,1,1\n");
-    must(&desk, "seed 5,5,5 1");
+    must(&interp, "seed 5,5,5 1");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
-        is_refused(&desk, row[i].line, row[i].words);
-    desk_release(&desk);
+        is_refused(&interp, row[i].line, row[i].words);
+    interpreter_release(&interp);
 }
 
 /* Carried out again, a changed file is told from the one that was planted. */
 static void replay_tells(const char *path, const char *words)
 {
     struct buf told = {0};
-    struct desk desk;
+    struct interpreter interp;
     const struct teller teller = {&told, say_nothing, say_nothing, NULL, NULL};
-    begin_desk(&desk);
+    begin_interpreter(&interp);
     fault = (struct fault){.text = ""};
-    CHECK(drive_replay(&desk, path, &teller, &fault) != OK);
+    CHECK(drive_replay(&interp, path, &teller, &fault) != OK);
     buf_add_text(&told, fault.text);
     CHECK_HAS(buf_text(&told), words);
-    desk_release(&desk);
+    interpreter_release(&interp);
     buf_release(&told);
 }
 
 STORY(a_journal_knows_its_seed_files_again)
 {
-    struct desk desk;
+    struct interpreter interp;
     char path[PATH_MAX];
     snprintf(path, sizeof path, "%s", place("files.iftty"));
     make_seed_files();
-    begin_desk(&desk);
-    CHECK(desk_create_journal(&desk, path, &fault) == OK);
-    must(&desk, "open scene.nii");
-    must(&desk, "label 2 cerebellum");
-    must(&desk, "seed-file seeds.csv");
-    must(&desk, "seed-file regions.nii each=3 erode=1 generator=5");
-    must(&desk, "run");
-    desk_release(&desk);
+    begin_interpreter(&interp);
+    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
+    must(&interp, "open scene.nii");
+    must(&interp, "label 2 cerebellum");
+    must(&interp, "seed-file seeds.csv");
+    must(&interp, "seed-file regions.nii each=3 erode=1 generator=5");
+    must(&interp, "run");
+    interpreter_release(&interp);
     journal_verifies(path);
     write_text("seeds.csv", "10,9,8,2\n1,1,1,1\n"); /* the same seeds */
     journal_verifies(path);
@@ -1297,18 +1297,18 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"render", NULL},
         {"redo 12", NULL},
     };
-    struct desk desk;
+    struct interpreter interp;
     struct snapshot end, again;
     char path[PATH_MAX];
     struct buf told = {0};
     snprintf(path, sizeof path, "%s", place("door.iftty"));
     failing_path = path;
-    begin_desk(&desk);
-    CHECK(desk_create_journal(&desk, path, &fault) == OK);
-    all_fail_then_work(&desk, before, sizeof before / sizeof before[0]);
-    all_fail_then_work(&desk, deeds, sizeof deeds / sizeof deeds[0]);
-    take_snapshot(&end, &desk);
-    desk_release(&desk);
+    begin_interpreter(&interp);
+    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
+    all_fail_then_work(&interp, before, sizeof before / sizeof before[0]);
+    all_fail_then_work(&interp, deeds, sizeof deeds / sizeof deeds[0]);
+    take_snapshot(&end, &interp);
+    interpreter_release(&interp);
     for (unsigned i = 0; i < command_count; i++) { /* every kind is among them */
         const char *name = command_table[i].name;
         bool is_there = !(command_table[i].flags & COMMAND_RECORDED) || strcmp(name, "open") == 0 ||
@@ -1318,13 +1318,13 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         if (!CHECK(is_there))
             printf("#   %s\n", name);
     }
-    begin_desk(&desk); /* and resumed, it is the same session */
-    if (!CHECK(desk_resume_journal(&desk, path, &told, &fault) == OK))
+    begin_interpreter(&interp); /* and resumed, it is the same session */
+    if (!CHECK(interpreter_resume_journal(&interp, path, &told, &fault) == OK))
         printf("#   %s\n", fault.text);
-    take_snapshot(&again, &desk);
+    take_snapshot(&again, &interp);
     again.rendered = end.rendered, again.picture = end.picture;
     CHECK(memcmp(&again, &end, sizeof end) == 0);
-    desk_release(&desk);
+    interpreter_release(&interp);
     buf_release(&told);
 }
 
@@ -1344,63 +1344,63 @@ STORY(what_fits_can_be_shown_whatever_the_samples)
     static const char *const open[] = {"synth:geom:1x1x1", "synth:geom:3x2x1", "long.nii"};
     make_long("long.nii", 90);
     for (size_t i = 0; i < sizeof open / sizeof open[0]; i++) {
-        struct desk desk;
+        struct interpreter interp;
         char line[PATH_MAX];
-        begin_desk(&desk);
+        begin_interpreter(&interp);
         snprintf(line, sizeof line, "open %s", strchr(open[i], ':') ? open[i] : place(open[i]));
-        must(&desk, line);
-        must(&desk, "size 1000 1000");
-        must(&desk, "samples 4");
-        must(&desk, "zoom fit");
-        must(&desk, "samples 1");
-        must(&desk, "zoom fit"); /* larger again */
-        must(&desk, "render");
-        desk_release(&desk);
+        must(&interp, line);
+        must(&interp, "size 1000 1000");
+        must(&interp, "samples 4");
+        must(&interp, "zoom fit");
+        must(&interp, "samples 1");
+        must(&interp, "zoom fit"); /* larger again */
+        must(&interp, "render");
+        interpreter_release(&interp);
     }
 }
 
 STORY(voxels_too_long_for_any_picture_are_refused_in_so_many_words)
 {
-    struct desk desk;
+    struct interpreter interp;
     char line[PATH_MAX];
-    begin_desk(&desk);
+    begin_interpreter(&interp);
     make_long("needles.nii", 3000);
     snprintf(line, sizeof line, "open %s", place("needles.nii"));
-    must(&desk, line);
-    desk_release(&desk);
-    begin_desk(&desk);
+    must(&interp, line);
+    interpreter_release(&interp);
+    begin_interpreter(&interp);
     struct buf file = {0};
     const float thin = 0.1f;
     CHECK(file_read(&file, place("needles.nii"), 1 << 20, NULL) == OK);
     memcpy(file.data + 80, &thin, 4); /* pixdim[1] */
     CHECK(file_write(place("needles.nii"), file.data, file.length, FILE_REPLACE, NULL) == OK);
     buf_release(&file);
-    CHECK(execute(&desk, line) == ERR_LIMIT);
+    CHECK(execute(&interp, line) == ERR_LIMIT);
     CHECK_TEXT(fault.text, "voxels of 0.1x1x3000 mm are too long for their width: no picture could "
                            "show them; nothing was opened");
-    CHECK(!desk.session.has_scene);
-    desk_release(&desk);
+    CHECK(!interp.session.has_scene);
+    interpreter_release(&interp);
 }
 
 STORY(a_file_that_was_replaced_comes_back)
 {
-    struct desk desk;
+    struct interpreter interp;
     char path[PATH_MAX], line[PATH_MAX + 64];
     struct buf former = {0}, now = {0};
     snprintf(path, sizeof path, "%s", place("replaced.iftty"));
     failing_path = path;
     failing_step = FILE_STEP_SYNC;
-    begin_with_scene(&desk);
-    CHECK(desk_create_journal(&desk, path, &fault) == OK);
-    must(&desk, "seed 1,1,1 1");
+    begin_with_scene(&interp);
+    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
+    must(&interp, "seed 1,1,1 1");
     snprintf(line, sizeof line, "save labels %s", place("replaced.nii"));
-    must(&desk, line);
+    must(&interp, line);
     CHECK(file_read(&former, place("replaced.nii"), 1 << 20, NULL) == OK);
-    must(&desk, "seed 1,1,1 2");
+    must(&interp, "seed 1,1,1 2");
     snprintf(line, sizeof line, "save labels %s replace=yes", place("replaced.nii"));
     for (int tries = 0; tries < 2; tries++) {
         file_step_hook = tries == 0 ? fail_on_journal : NULL;
-        CHECK_INT(execute(&desk, line), tries == 0 ? ERR_IO : OK);
+        CHECK_INT(execute(&interp, line), tries == 0 ? ERR_IO : OK);
         file_step_hook = NULL;
         CHECK(file_read(&now, place("replaced.nii"), 1 << 20, NULL) == OK);
         bool same = now.length == former.length && memcmp(now.data, former.data, now.length) == 0;
@@ -1410,17 +1410,17 @@ STORY(a_file_that_was_replaced_comes_back)
     CHECK(system(line) != 0); /* no backup is left */
     buf_release(&former);
     buf_release(&now);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(what_the_door_recorded_is_the_same_when_replayed)
 {
-    struct desk desk;
+    struct interpreter interp;
     char path[PATH_MAX];
     snprintf(path, sizeof path, "%s", place("replay.iftty"));
     failing_path = path;
-    begin_desk(&desk);
-    CHECK(desk_create_journal(&desk, path, &fault) == OK);
+    begin_interpreter(&interp);
+    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
     static const struct deed deeds[] = {
         {"open scene.nii", NULL},
         {"seed 1,1,1 1", NULL},
@@ -1452,14 +1452,14 @@ STORY(what_the_door_recorded_is_the_same_when_replayed)
         {"slice coronal 3 zoom=5", NULL},
         {"golden near of=coronal", "replay.golden/near.exr"},
     };
-    all_fail_then_work(&desk, deeds, sizeof deeds / sizeof deeds[0]);
-    desk_release(&desk);
+    all_fail_then_work(&interp, deeds, sizeof deeds / sizeof deeds[0]);
+    interpreter_release(&interp);
     journal_verifies(path);
 }
 
 STORY(an_interpolated_scene_is_the_same_when_replayed)
 {
-    struct desk desk;
+    struct interpreter interp;
     char path[PATH_MAX];
     static const struct deed deeds[] = {
         {"open scene.nii", NULL},
@@ -1479,29 +1479,29 @@ STORY(an_interpolated_scene_is_the_same_when_replayed)
     };
     snprintf(path, sizeof path, "%s", place("finer.iftty"));
     failing_path = path;
-    begin_desk(&desk);
-    CHECK(desk_create_journal(&desk, path, &fault) == OK);
-    all_fail_then_work(&desk, deeds, sizeof deeds / sizeof deeds[0]);
-    is_refused(&desk, "interpolate 2 2 2", "a scene is interpolated before the first seed");
-    desk_release(&desk);
+    begin_interpreter(&interp);
+    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
+    all_fail_then_work(&interp, deeds, sizeof deeds / sizeof deeds[0]);
+    is_refused(&interp, "interpolate 2 2 2", "a scene is interpolated before the first seed");
+    interpreter_release(&interp);
     journal_verifies(path);
 }
 
 /* Random edits, each of which fails at random: the journal alone tells what the session is. */
 STORY(random_edits_fail_at_random)
 {
-    struct desk desk;
+    struct interpreter interp;
     char path[PATH_MAX], line[128];
     static const char *const weights[] = {"morph",       "morph radius=3", "sobel",
                                           "gauss 0.75",  "difference",     "polarity",
                                           "weights.nii", "heavier.nii"};
-    static const char *const fences[] = {"mask none",
-                                         "mask regions.nii",
-                                         "mask regions.nii regions=0-1",
-                                         "mask weights.nii regions=10-39",
-                                         "range none",
-                                         "range 20 90",
-                                         "range 40 300"};
+    static const char *const excludes[] = {"mask none",
+                                           "mask regions.nii",
+                                           "mask regions.nii regions=0-1",
+                                           "mask weights.nii regions=10-39",
+                                           "range none",
+                                           "range 20 90",
+                                           "range 40 300"};
     static const char *const sights[] = {
         "slice axial 3",  "slice coronal zoom=4", "slice sagittal 5 zoom=fit", "mosaic",
         "window 20 99.5", "overlay contour",      "overlay tint marks=on"};
@@ -1509,10 +1509,10 @@ STORY(random_edits_fail_at_random)
     snprintf(path, sizeof path, "%s", place("random.iftty"));
     failing_path = path;
     seed = 3;
-    begin_desk(&desk);
-    CHECK(desk_create_journal(&desk, path, &fault) == OK);
-    must(&desk, "open scene.nii");
-    must(&desk, "size 24 24");
+    begin_interpreter(&interp);
+    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
+    must(&interp, "open scene.nii");
+    must(&interp, "size 24 24");
     for (unsigned i = 0; i < 600 && check_failures < 5; i++) {
         struct snapshot before;
         uint32_t x = below(size[0]), y = below(size[1]), z = below(size[2]);
@@ -1551,7 +1551,7 @@ STORY(random_edits_fail_at_random)
             snprintf(line, sizeof line, "polarity %u %d", below(5), (int)below(201) - 100);
             break;
         case 8:
-            snprintf(line, sizeof line, "%s", fences[below(7)]);
+            snprintf(line, sizeof line, "%s", excludes[below(7)]);
             break;
         case 9:
             snprintf(line, sizeof line, "%s", sights[below(7)]);
@@ -1560,153 +1560,155 @@ STORY(random_edits_fail_at_random)
             snprintf(line, sizeof line, "seed %u,%u,%u %u radius=%u", x, y, z, below(5),
                      below(8) ? 0 : 1);
         }
-        if (desk.session.pendings > 48)
+        if (interp.session.pendings > 48)
             snprintf(line, sizeof line, "run");
-        take_snapshot(&before, &desk);
+        take_snapshot(&before, &interp);
         failing_step = below(2) ? FILE_STEP_WRITE : FILE_STEP_SYNC;
         file_step_hook = below(2) ? fail_on_journal : NULL;
-        enum err err = execute(&desk, line);
+        enum err err = execute(&interp, line);
         file_step_hook = NULL;
         undone += err == ERR_IO;
         if (err)
-            is_as_before(&before, &desk, line);
+            is_as_before(&before, &interp, line);
     }
     CHECK(undone > 90);
-    CHECK(journal_audit(desk.journal, NULL) == OK);
-    desk_release(&desk);
+    CHECK(journal_audit(interp.journal, NULL) == OK);
+    interpreter_release(&interp);
     journal_verifies(path);
 }
 
-/* ---- weights and fences ---- */
+/* ---- weights and regions of interest ---- */
 
-static const struct cell *cell_at(const struct desk *desk, uint32_t x, uint32_t y, uint32_t z)
+static const struct cell *cell_at(const struct interpreter *interp, uint32_t x, uint32_t y,
+                                  uint32_t z)
 {
-    const struct scene *scene = desk->session.scene;
+    const struct scene *scene = interp->session.scene;
     return scene->cell + grid_cell(&scene->grid, x, y, z);
 }
 
 STORY(weights_come_out_of_a_file)
 {
-    struct desk desk;
-    begin_with_scene(&desk);
-    must(&desk, "seed 1,1,1 1");
-    must(&desk, "seed 10,9,8 2");
-    must(&desk, "run");
-    must(&desk, "weight morph radius=2");
-    const uint64_t morph = forest_digest(desk.session.forest);
-    must(&desk, "weight weights.nii");
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "seed 10,9,8 2");
+    must(&interp, "run");
+    must(&interp, "weight morph radius=2");
+    const uint64_t morph = forest_digest(interp.session.forest);
+    must(&interp, "weight weights.nii");
     CHECK_HAS(buf_text(&reply.words), "weights=");
-    CHECK_INT(cell_at(&desk, 3, 4, 5)->weight, (21 + 20 + 15) % 40);
-    CHECK(forest_digest(desk.session.forest) != morph);
-    must(&desk, "info");
+    CHECK_INT(cell_at(&interp, 3, 4, 5)->weight, (21 + 20 + 15) % 40);
+    CHECK(forest_digest(interp.session.forest) != morph);
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "weight of weights.nii\n");
-    must(&desk, "why 3,4,5");
+    must(&interp, "why 3,4,5");
     CHECK_HAS(buf_text(&reply.text), "weight 16, ");
-    must(&desk, "adjacency 26"); /* they stay */
-    CHECK_INT(cell_at(&desk, 3, 4, 5)->weight, 16);
-    must(&desk, "weight difference");
-    must(&desk, "adjacency 6");
-    must(&desk, "weight morph radius=2");
-    CHECK(forest_digest(desk.session.forest) == morph);
+    must(&interp, "adjacency 26"); /* they stay */
+    CHECK_INT(cell_at(&interp, 3, 4, 5)->weight, 16);
+    must(&interp, "weight difference");
+    must(&interp, "adjacency 6");
+    must(&interp, "weight morph radius=2");
+    CHECK(forest_digest(interp.session.forest) == morph);
     make_weights("heaviest.nii", 65535 - 39);
-    must(&desk, "weight heaviest.nii");
-    CHECK_INT(cell_at(&desk, 0, 0, 0)->weight, 65535 - 39);
-    desk_release(&desk);
+    must(&interp, "weight heaviest.nii");
+    CHECK_INT(cell_at(&interp, 0, 0, 0)->weight, 65535 - 39);
+    interpreter_release(&interp);
 }
 
 STORY(weights_of_steps_go_by_both_ends)
 {
-    struct desk desk;
-    begin_with_scene(&desk);
-    must(&desk, "seed 0,0,0 1");
-    must(&desk, "auto on");
-    must(&desk, "weight difference");
-    must(&desk, "info");
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    must(&interp, "seed 0,0,0 1");
+    must(&interp, "auto on");
+    must(&interp, "weight difference");
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "weight difference\n");
-    CHECK_INT(key_cost(cell_at(&desk, 5, 0, 0)->key), 3); /* 3 a step along x */
-    CHECK_INT(key_cost(cell_at(&desk, 6, 0, 0)->key), 63);
-    must(&desk, "why 5,0,0");
+    CHECK_INT(key_cost(cell_at(&interp, 5, 0, 0)->key), 3); /* 3 a step along x */
+    CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 63);
+    must(&interp, "why 5,0,0");
     CHECK_HAS(buf_text(&reply.text), "intensity 15, a step of weight 3, label 1");
-    must(&desk, "polarity 1 50");
+    must(&interp, "polarity 1 50");
     CHECK_HAS(buf_text(&reply.text), "heeded under `weight polarity`");
-    CHECK_INT(key_cost(cell_at(&desk, 6, 0, 0)->key), 63);
-    must(&desk, "weight polarity");
-    CHECK_INT(key_cost(cell_at(&desk, 6, 0, 0)->key), 31); /* up to brighter: half */
-    must(&desk, "polarity 1 -50");
+    CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 63);
+    must(&interp, "weight polarity");
+    CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 31); /* up to brighter: half */
+    must(&interp, "polarity 1 -50");
     CHECK(strstr(buf_text(&reply.text), "heeded") == NULL);
-    CHECK_INT(key_cost(cell_at(&desk, 6, 0, 0)->key), 94);
-    must(&desk, "stats");
+    CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 94);
+    must(&interp, "stats");
     CHECK_HAS(buf_text(&reply.text), "weight polarity 1:-50\n");
-    must(&desk, "seed 0,0,0 cerebellum"); /* another label, whose polarity is 0 */
-    CHECK_INT(key_cost(cell_at(&desk, 6, 0, 0)->key), 63);
-    CHECK(forest_check(desk.session.forest, NULL));
-    desk_release(&desk);
+    must(&interp, "seed 0,0,0 cerebellum"); /* another label, whose polarity is 0 */
+    CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 63);
+    CHECK(forest_check(interp.session.forest, NULL));
+    interpreter_release(&interp);
 }
 
-STORY(a_fence_keeps_the_forest_in)
+STORY(a_roi_keeps_the_forest_in)
 {
-    struct desk desk;
-    begin_with_scene(&desk);
-    must(&desk, "auto on");
-    must(&desk, "seed 1,1,1 1");
-    must(&desk, "mask regions.nii"); /* columns 0..3 and 8..11 */
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    must(&interp, "auto on");
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "mask regions.nii"); /* columns 0..3 and 8..11 */
     CHECK_HAS(buf_text(&reply.words), "file=");
     CHECK_HAS(buf_text(&reply.words), " inside=880 forest=");
-    CHECK_INT(cell_at(&desk, 3, 5, 5)->label, 1);
-    CHECK(!cell_is_reached(cell_at(&desk, 4, 5, 5)) && !cell_is_reached(cell_at(&desk, 8, 5, 5)));
-    must(&desk, "info");
+    CHECK_INT(cell_at(&interp, 3, 5, 5)->label, 1);
+    CHECK(!cell_is_reached(cell_at(&interp, 4, 5, 5)) &&
+          !cell_is_reached(cell_at(&interp, 8, 5, 5)));
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "fence     mask regions.nii regions 1-65533: 880 of 1320");
-    must(&desk, "why 4,5,5");
+    must(&interp, "why 4,5,5");
     CHECK_HAS(buf_text(&reply.text), "outside the fence");
-    must(&desk, "range 0 20");
+    must(&interp, "range 0 20");
     CHECK_HAS(buf_text(&reply.words), "fence=");
-    CHECK(!cell_is_reached(cell_at(&desk, 3, 10, 5)));
-    must(&desk, "stats");
+    CHECK(!cell_is_reached(cell_at(&interp, 3, 10, 5)));
+    must(&interp, "stats");
     CHECK_HAS(buf_text(&reply.text), "mask regions.nii regions 1-65533, range 0..20: ");
-    must(&desk, "seed 3,1,1 1 radius=2");
+    must(&interp, "seed 3,1,1 1 radius=2");
     CHECK_HAS(buf_text(&reply.text), "left out, being outside the fence: ");
-    is_refused(&desk, "seed 5,5,5 2", "outside the fence, where no tree grows");
-    is_refused(&desk, "seed-file bright.csv", "nothing was planted");
-    must(&desk, "seed-file seeds.csv");
+    is_refused(&interp, "seed 5,5,5 2", "outside the fence, where no tree grows");
+    is_refused(&interp, "seed-file bright.csv", "nothing was planted");
+    must(&interp, "seed-file seeds.csv");
     CHECK_HAS(buf_text(&reply.words), "added=1 ");
     CHECK_HAS(buf_text(&reply.text), "left out, being outside the fence: 1\n");
-    is_refused(&desk, "remove 5,5,5", "no seed reaches it");
-    must(&desk, "range none");
-    must(&desk, "mask none");
+    is_refused(&interp, "remove 5,5,5", "no seed reaches it");
+    must(&interp, "range none");
+    must(&interp, "mask none");
     CHECK_HAS(buf_text(&reply.words), "fence=0000000000000000 inside=1320 ");
-    CHECK_INT(cell_at(&desk, 11, 10, 9)->label, 1);
-    must(&desk, "info");
+    CHECK_INT(cell_at(&interp, 11, 10, 9)->label, 1);
+    must(&interp, "info");
     CHECK(strstr(buf_text(&reply.text), "fence") == NULL);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
-STORY(a_fence_is_refused_that_leaves_seeds_outside)
+STORY(a_roi_is_refused_that_leaves_seeds_outside)
 {
-    struct desk desk;
-    begin_with_scene(&desk);
-    must(&desk, "seed 5,5,5 1");
-    is_refused(&desk, "mask regions.nii", "0 planted and 1 waiting seeds would be outside");
-    must(&desk, "remove 5,5,5");
-    must(&desk, "seed 6,5,5 1");
-    must(&desk, "remove 6,5,5");
-    must(&desk, "mask regions.nii"); /* none of them would be planted */
-    must(&desk, "run");
-    must(&desk, "mask none");
-    must(&desk, "seed 5,5,5 1");
-    must(&desk, "run");
-    must(&desk, "seed 6,5,5 1");
-    must(&desk, "seed 6,5,5 2");
-    is_refused(&desk, "mask regions.nii", "1 planted and 1 waiting seeds would be outside");
-    is_refused(&desk, "range 0 10", "remove them and run first; nothing has changed");
-    is_refused(&desk, "range 900 1000", "no voxel of the scene would be inside");
-    is_refused(&desk, "mask regions.nii regions=7", "no voxel of the scene would be inside");
-    must(&desk, "mask regions.nii regions=0");
-    must(&desk, "run");
-    CHECK_INT(cell_at(&desk, 7, 0, 0)->label, 2);
-    desk_release(&desk);
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    must(&interp, "seed 5,5,5 1");
+    is_refused(&interp, "mask regions.nii", "0 planted and 1 waiting seeds would be outside");
+    must(&interp, "remove 5,5,5");
+    must(&interp, "seed 6,5,5 1");
+    must(&interp, "remove 6,5,5");
+    must(&interp, "mask regions.nii"); /* none of them would be planted */
+    must(&interp, "run");
+    must(&interp, "mask none");
+    must(&interp, "seed 5,5,5 1");
+    must(&interp, "run");
+    must(&interp, "seed 6,5,5 1");
+    must(&interp, "seed 6,5,5 2");
+    is_refused(&interp, "mask regions.nii", "1 planted and 1 waiting seeds would be outside");
+    is_refused(&interp, "range 0 10", "remove them and run first; nothing has changed");
+    is_refused(&interp, "range 900 1000", "no voxel of the scene would be inside");
+    is_refused(&interp, "mask regions.nii regions=7", "no voxel of the scene would be inside");
+    must(&interp, "mask regions.nii regions=0");
+    must(&interp, "run");
+    CHECK_INT(cell_at(&interp, 7, 0, 0)->label, 2);
+    interpreter_release(&interp);
 }
 
-STORY(a_fence_or_weights_that_are_wrong_change_nothing)
+STORY(a_roi_or_weights_that_are_wrong_change_nothing)
 {
     static const struct {
         const char *line, *words;
@@ -1736,33 +1738,34 @@ STORY(a_fence_or_weights_that_are_wrong_change_nothing)
         {"range low 5", "LOW: expected a number -1000000000..1000000000"},
         {"range 1.2345 5", "at most three decimals"},
     };
-    struct desk desk;
-    begin_with_scene(&desk);
+    struct interpreter interp;
+    begin_with_scene(&interp);
     make_regions("narrow.nii", 9, 0);
     make_scaled("wide.nii", "\0\0\x80\x3f\0\0\x80\x47"); /* 1 and 65536 */
     make_scaled("half.nii", "\0\0\0\x3f\0\0\0\0");       /* 0.5 and 0 */
-    must(&desk, "seed 1,1,1 1");
-    must(&desk, "run");
-    must(&desk, "weight weights.nii");
-    must(&desk, "mask regions.nii");
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "run");
+    must(&interp, "weight weights.nii");
+    must(&interp, "mask regions.nii");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
-        is_refused(&desk, row[i].line, row[i].words);
-    desk_release(&desk);
+        is_refused(&interp, row[i].line, row[i].words);
+    interpreter_release(&interp);
 }
 
 STORY(a_journal_knows_its_weights_and_masks_again)
 {
-    struct desk desk;
+    struct interpreter interp;
     char path[PATH_MAX];
     snprintf(path, sizeof path, "%s", place("maps.iftty"));
     make_seed_files();
-    begin_desk(&desk);
-    CHECK(desk_create_journal(&desk, path, &fault) == OK);
-    must(&desk, "open scene.nii");
-    must(&desk, "weight weights.nii");
-    must(&desk, "range 0 9"); /* hides from the fence what the mask does further off */
-    must(&desk, "mask regions.nii");
-    desk_release(&desk);
+    begin_interpreter(&interp);
+    CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
+    must(&interp, "open scene.nii");
+    must(&interp, "weight weights.nii");
+    must(&interp,
+         "range 0 9"); /* hides from the region of interest what the mask does further off */
+    must(&interp, "mask regions.nii");
+    interpreter_release(&interp);
     journal_verifies(path);
     make_regions("regions.nii", size[0], 253); /* 255 is 1 and above too */
     journal_verifies(path);
@@ -1789,26 +1792,26 @@ static bool after_some_looks(void *context, const char *what, uint64_t done, uin
     return looks->count++ >= looks->stop_at;
 }
 
-static void begin_interesting_work(struct desk *desk)
+static void begin_interesting_work(struct interpreter *interp)
 {
-    begin_desk(desk);
-    must(desk, "open synth:geom:80x64x64");
-    must(desk, "size 64 64");
-    must(desk, "seed 40,32,32 1 radius=2");
-    must(desk, "seed 1,1,1 2");
-    must(desk, "render");
-    must(desk, "remove 1,1,1");
+    begin_interpreter(interp);
+    must(interp, "open synth:geom:80x64x64");
+    must(interp, "size 64 64");
+    must(interp, "seed 40,32,32 1 radius=2");
+    must(interp, "seed 1,1,1 2");
+    must(interp, "render");
+    must(interp, "remove 1,1,1");
 }
 
 /* How often the watch is asked while a command runs, which is taken back again by opening anew. */
-static unsigned looks_of(struct desk *desk, const char *line)
+static unsigned looks_of(struct interpreter *interp, const char *line)
 {
     struct looks looks = {0, UINT32_MAX};
     struct watch watch = {.context = &looks, .look = after_some_looks};
-    desk->session.watch = &watch;
-    CHECK_INT(execute(desk, line), OK);
-    desk_release(desk);
-    begin_interesting_work(desk);
+    interp->session.watch = &watch;
+    CHECK_INT(execute(interp, line), OK);
+    interpreter_release(interp);
+    begin_interesting_work(interp);
     return looks.count;
 }
 
@@ -1824,7 +1827,7 @@ static unsigned next_look(unsigned at, unsigned *step, unsigned total)
 }
 
 /* Stops a command at looks below `total`; returns how often. */
-static unsigned stop_everywhere(struct desk *desk, const char *line, unsigned total,
+static unsigned stop_everywhere(struct interpreter *interp, const char *line, unsigned total,
                                 const struct snapshot *before)
 {
     struct looks looks;
@@ -1832,11 +1835,11 @@ static unsigned stop_everywhere(struct desk *desk, const char *line, unsigned to
     unsigned stopped = 0;
     for (unsigned at = 0, step = 1; at < total; at = next_look(at, &step, total), stopped++) {
         looks = (struct looks){0, at};
-        desk->session.watch = &watch;
-        CHECK_INT(execute(desk, line), ERR_CANCELLED);
-        desk->session.watch = NULL;
+        interp->session.watch = &watch;
+        CHECK_INT(execute(interp, line), ERR_CANCELLED);
+        interp->session.watch = NULL;
         CHECK_TEXT(fault.text, "cancelled; nothing has changed");
-        is_as_before(before, desk, line);
+        is_as_before(before, interp, line);
     }
     return stopped;
 }
@@ -1859,71 +1862,72 @@ STORY(a_command_that_is_cancelled_is_undone)
                                        "undo 3",
                                        "mosaic"};
     static const char *const picture[] = {"render mode=sp", "render mode=bp", "render mode=ray"};
-    struct desk desk;
+    struct interpreter interp;
     struct snapshot before;
     unsigned cancelled = 0;
-    begin_interesting_work(&desk);
-    take_snapshot(&before, &desk);
+    begin_interesting_work(&interp);
+    take_snapshot(&before, &interp);
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++)
-        cancelled += stop_everywhere(&desk, line[i], looks_of(&desk, line[i]), &before);
+        cancelled += stop_everywhere(&interp, line[i], looks_of(&interp, line[i]), &before);
     CHECK(cancelled > 60);
-    must(&desk, "run");
-    must(&desk, "render");
-    take_snapshot(&before, &desk);
+    must(&interp, "run");
+    must(&interp, "render");
+    take_snapshot(&before, &interp);
     for (size_t i = 0; i < sizeof picture / sizeof picture[0]; i++) /* with nothing else to do */
-        CHECK(stop_everywhere(&desk, picture[i], 4, &before) == 4);
-    CHECK(forest_check(desk.session.forest, NULL));
-    CHECK(border_check(&desk.session.border, NULL));
-    desk_release(&desk);
+        CHECK(stop_everywhere(&interp, picture[i], 4, &before) == 4);
+    CHECK(forest_check(interp.session.forest, NULL));
+    CHECK(border_check(&interp.session.border, NULL));
+    interpreter_release(&interp);
 }
 
 STORY(interpolation_that_is_cancelled_is_undone)
 {
     static const char line[] = "interpolate 2 1 1";
-    struct desk desk;
+    struct interpreter interp;
     struct looks looks;
     struct watch watch = {.context = &looks, .look = after_some_looks};
     struct snapshot before;
     enum err err = ERR_CANCELLED;
     unsigned cancelled = 0;
-    begin_desk(&desk);
-    must(&desk, "open synth:geom:120x100x90");
-    must(&desk, "range 0 300");
-    must(&desk, "render mode=sp");
-    take_snapshot(&before, &desk);
+    begin_interpreter(&interp);
+    must(&interp, "open synth:geom:120x100x90");
+    must(&interp, "range 0 300");
+    must(&interp, "render mode=sp");
+    take_snapshot(&before, &interp);
     for (unsigned at = 0; err == ERR_CANCELLED; at += 1 + at / 4) {
         looks = (struct looks){0, at};
-        desk.session.watch = &watch;
-        err = execute(&desk, line);
-        desk.session.watch = NULL;
+        interp.session.watch = &watch;
+        err = execute(&interp, line);
+        interp.session.watch = NULL;
         if (err)
-            is_as_before(&before, &desk, line);
+            is_as_before(&before, &interp, line);
         cancelled += err == ERR_CANCELLED;
     }
     CHECK_INT(err, OK);
     CHECK(cancelled > 5);
-    CHECK_INT(desk.session.scene->grid.size[0], 239);
-    desk_release(&desk);
+    CHECK_INT(interp.session.scene->grid.size[0], 239);
+    interpreter_release(&interp);
 }
 
 STORY(opening_that_is_cancelled_opens_nothing)
 {
     static const char *const line[] = {"open synth:geom:120x100x90", "open synth:geom:211",
                                        "open scene.nii"};
-    struct desk desk;
+    struct interpreter interp;
     struct looks looks;
     struct watch watch = {.context = &looks, .look = after_some_looks};
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
         enum err err = ERR_CANCELLED;
-        begin_desk(&desk);
+        begin_interpreter(&interp);
         for (unsigned at = 0; err == ERR_CANCELLED; at += 1 + at / 4) {
             looks = (struct looks){0, at};
-            desk.session.watch = &watch;
-            err = execute(&desk, line[i]);
-            CHECK(err ? !desk.session.has_scene && !desk.session.scene : desk.session.has_scene);
+            interp.session.watch = &watch;
+            err = execute(&interp, line[i]);
+            CHECK(err ? !interp.session.has_scene && !interp.session.scene
+                      : interp.session.has_scene);
         }
         CHECK_INT(err, OK);
-        desk_release(&desk);
+        interpreter_release(&interp);
     }
 }
 
@@ -1935,28 +1939,28 @@ static bool allow_nothing(size_t bytes)
 
 STORY(weights_are_named_and_stay_without_memory)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct snapshot before;
-    begin_with_scene(&desk);
-    must(&desk, "seed 1,1,1 1");
-    must(&desk, "weight sobel");
-    must(&desk, "run");
-    must(&desk, "info");
+    begin_with_scene(&interp);
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "weight sobel");
+    must(&interp, "run");
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "weight sobel\n");
-    take_snapshot(&before, &desk);
+    take_snapshot(&before, &interp);
     mem_allows = allow_nothing;
-    CHECK(execute(&desk, "weight gauss 1.5") == ERR_MEMORY);
+    CHECK(execute(&interp, "weight gauss 1.5") == ERR_MEMORY);
     mem_allows = NULL;
-    is_as_before(&before, &desk, "weight gauss 1.5");
-    must(&desk, "weight gauss 1.5");
+    is_as_before(&before, &interp, "weight gauss 1.5");
+    must(&interp, "weight gauss 1.5");
     CHECK_HAS(buf_text(&reply.words), "weights=");
     CHECK_HAS(buf_text(&reply.words), " forest=");
-    must(&desk, "info");
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "weight gauss 1.5\n");
-    must(&desk, "weight morph radius=3");
-    must(&desk, "info");
+    must(&interp, "weight morph radius=3");
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "weight morph radius=3\n");
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* ---- without memory ---- */
@@ -1980,7 +1984,8 @@ static unsigned files_in(const char *path)
 }
 
 /* The first allocation fails, the second one, and so on, until none does. */
-static void fails_at_every_allocation(struct desk *desk, const char *line, const char *kept)
+static void fails_at_every_allocation(struct interpreter *interp, const char *line,
+                                      const char *kept)
 {
     struct buf former = {0}, now = {0};
     const unsigned files = files_in(folder);
@@ -1989,16 +1994,16 @@ static void fails_at_every_allocation(struct desk *desk, const char *line, const
     for (unsigned n = 0; n < 400 && err && check_failures < 5; n++) {
         struct snapshot before;
         const unsigned failures = check_failures;
-        take_snapshot(&before, desk);
+        take_snapshot(&before, interp);
         allocations_left = n;
         mem_allows = allow_some;
-        err = execute(desk, line);
+        err = execute(interp, line);
         mem_allows = NULL;
         if (!err)
             break;
         CHECK(err == ERR_MEMORY || strstr(fault.text, strerror(ENOMEM)));
         CHECK(is_plain(fault.text));
-        is_as_before(&before, desk, line);
+        is_as_before(&before, interp, line);
         CHECK_INT(files_in(folder), files);
         CHECK(!kept ||
               (file_read(&now, place(kept), 1 << 20, NULL) == OK && now.length == former.length &&
@@ -2036,40 +2041,40 @@ STORY(pictures_without_memory_leave_everything_as_it_was)
     };
     static const char *const before[] = {"old.png",  "old.exr",  "old.gif",   "old0.png",
                                          "old1.png", "old2.png", "old.nii.gz"};
-    struct desk desk;
-    begin_with_scene(&desk);
-    CHECK(desk_create_journal(&desk, place("poor.iftty"), &fault) == OK);
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    CHECK(interpreter_create_journal(&interp, place("poor.iftty"), &fault) == OK);
     for (size_t i = 0; i < sizeof before / sizeof before[0]; i++)
         CHECK(file_write(place(before[i]), before[i], 3, FILE_REPLACE, NULL) == OK);
     CHECK(file_make_folder(place("poor.golden"), NULL) == OK);
-    must(&desk, "seed 3,3,3 1 radius=2");
-    must(&desk, "seed 0,0,0 0");
-    must(&desk, "run");
-    must(&desk, "size 40 30");
+    must(&interp, "seed 3,3,3 1 radius=2");
+    must(&interp, "seed 0,0,0 0");
+    must(&interp, "run");
+    must(&interp, "size 40 30");
     for (size_t i = 0; i < sizeof row / sizeof row[0] && !check_failures; i++) {
         char line[PATH_MAX + 64];
         const char *at = strchr(row[i].line, '@');
         snprintf(line, sizeof line, "%.*s%s%s",
                  at ? (int)(at - row[i].line) : (int)strlen(row[i].line), row[i].line,
                  at ? folder : "", at ? at + 1 : "");
-        fails_at_every_allocation(&desk, line, row[i].file);
+        fails_at_every_allocation(&interp, line, row[i].file);
     }
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(a_journal_that_cannot_begin_undoes_the_command)
 {
-    struct desk desk;
+    struct interpreter interp;
     char missing[PATH_MAX];
     snprintf(missing, sizeof missing, "%s", place("no-folder/x.iftty"));
-    begin_with_scene(&desk);
-    desk.new_journal = missing;
-    is_refused(&desk, "seed 1,1,1 1", "No such file or directory");
-    is_refused(&desk, "seed 1,1,1 1", "No such file or directory");
-    must(&desk, "info"); /* what is not recorded needs no journal */
-    desk.new_journal = NULL;
-    must(&desk, "seed 1,1,1 1");
-    desk_release(&desk);
+    begin_with_scene(&interp);
+    interp.new_journal = missing;
+    is_refused(&interp, "seed 1,1,1 1", "No such file or directory");
+    is_refused(&interp, "seed 1,1,1 1", "No such file or directory");
+    must(&interp, "info"); /* what is not recorded needs no journal */
+    interp.new_journal = NULL;
+    must(&interp, "seed 1,1,1 1");
+    interpreter_release(&interp);
 }
 
 int main(void)
@@ -2094,9 +2099,9 @@ int main(void)
         TELL(seeds_come_out_of_files), TELL(a_seed_file_that_is_wrong_plants_nothing),
         TELL(a_journal_knows_its_seed_files_again),
         TELL(a_command_that_cannot_be_recorded_is_undone), TELL(weights_come_out_of_a_file),
-        TELL(weights_of_steps_go_by_both_ends), TELL(a_fence_keeps_the_forest_in),
-        TELL(a_fence_is_refused_that_leaves_seeds_outside),
-        TELL(a_fence_or_weights_that_are_wrong_change_nothing),
+        TELL(weights_of_steps_go_by_both_ends), TELL(a_roi_keeps_the_forest_in),
+        TELL(a_roi_is_refused_that_leaves_seeds_outside),
+        TELL(a_roi_or_weights_that_are_wrong_change_nothing),
         TELL(a_journal_knows_its_weights_and_masks_again),
         TELL(what_fits_can_be_shown_whatever_the_samples),
         TELL(voxels_too_long_for_any_picture_are_refused_in_so_many_words),

@@ -2,7 +2,7 @@
  * What is cut away: borders against a slow recount, four ways to one picture through cuts, edits
  * and hidden labels, and commands whose every step can be taken back.
  */
-#include "at_desk.h"
+#include "interpreting.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -353,138 +353,141 @@ STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
 
 static char folder[] = "/tmp/iftty-cut-XXXXXX";
 
-static void begin(struct desk *desk)
+static void begin(struct interpreter *interp)
 {
-    CHECK(desk_init(desk, NULL) == OK);
-    must(desk, "open synth:geom:40x30x20");
-    must(desk, "size 64 64");
-    must(desk, "zoom 1.5");
-    must(desk, "seed 20,15,10 1");
-    must(desk, "run");
+    CHECK(interpreter_init(interp, NULL) == OK);
+    must(interp, "open synth:geom:40x30x20");
+    must(interp, "size 64 64");
+    must(interp, "zoom 1.5");
+    must(interp, "seed 20,15,10 1");
+    must(interp, "run");
 }
 
-static uint64_t picture(struct desk *desk)
+static uint64_t picture(struct interpreter *interp)
 {
-    must(desk, "render mode=bp");
-    return rendition_digest(&desk->session.rendition);
+    must(interp, "render mode=bp");
+    return rendition_digest(&interp->session.rendition);
 }
 
-static bool is_shown(const struct desk *desk, uint32_t x, uint32_t y, uint32_t z)
+static bool is_shown(const struct interpreter *interp, uint32_t x, uint32_t y, uint32_t z)
 {
-    return shows(&desk->session.border, x, y, z);
+    return shows(&interp->session.border, x, y, z);
 }
 
 STORY(slabs_are_counted_as_slices_are)
 {
-    struct desk desk;
-    begin(&desk);
-    must(&desk, "clip axial 3-7");
-    CHECK(!is_shown(&desk, 5, 5, 2) && is_shown(&desk, 5, 5, 3) && is_shown(&desk, 5, 5, 7) &&
-          !is_shown(&desk, 5, 5, 8));
-    must(&desk, "clip coronal 10");
-    CHECK(is_shown(&desk, 5, 10, 5) && !is_shown(&desk, 5, 11, 5) && !is_shown(&desk, 5, 10, 8));
-    must(&desk, "info");
+    struct interpreter interp;
+    begin(&interp);
+    must(&interp, "clip axial 3-7");
+    CHECK(!is_shown(&interp, 5, 5, 2) && is_shown(&interp, 5, 5, 3) && is_shown(&interp, 5, 5, 7) &&
+          !is_shown(&interp, 5, 5, 8));
+    must(&interp, "clip coronal 10");
+    CHECK(is_shown(&interp, 5, 10, 5) && !is_shown(&interp, 5, 11, 5) &&
+          !is_shown(&interp, 5, 10, 8));
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text),
               "cut away  axial slices 3-7 kept, coronal slices 10-10 kept\n");
-    must(&desk, "clip axial 0-19");
-    CHECK(is_shown(&desk, 5, 10, 19));
-    must(&desk, "info");
+    must(&interp, "clip axial 0-19");
+    CHECK(is_shown(&interp, 5, 10, 19));
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "cut away  coronal slices 10-10 kept\n");
     /* Where an axis runs the other way, slice 0 is its last voxel. */
-    must(&desk, "clip none");
-    desk.session.scene->world_sign[0] = -1;
-    must(&desk, "clip sagittal 0-1");
-    CHECK(is_shown(&desk, 39, 5, 5) && is_shown(&desk, 38, 5, 5) && !is_shown(&desk, 37, 5, 5));
-    must(&desk, "info");
+    must(&interp, "clip none");
+    interp.session.scene->world_sign[0] = -1;
+    must(&interp, "clip sagittal 0-1");
+    CHECK(is_shown(&interp, 39, 5, 5) && is_shown(&interp, 38, 5, 5) &&
+          !is_shown(&interp, 37, 5, 5));
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "sagittal slices 0-1 kept");
-    must(&desk, "clip none");
-    must(&desk, "info");
+    must(&interp, "clip none");
+    must(&interp, "info");
     CHECK(!strstr(buf_text(&reply.text), "cut away"));
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(a_plane_cuts_what_lies_before_a_voxel_and_stays_with_the_patient)
 {
-    struct desk desk;
-    begin(&desk);
-    const uint64_t whole = picture(&desk);
-    must(&desk, "view front"); /* from anterior: y counts towards us */
-    must(&desk, "plane 20,15,10");
-    CHECK(is_shown(&desk, 3, 15, 3) && !is_shown(&desk, 3, 16, 3));
-    must(&desk, "view left");
-    CHECK(is_shown(&desk, 3, 15, 3) && !is_shown(&desk, 3, 16, 3));
-    must(&desk, "plane 10,15,10"); /* from his left: x counts away from us */
-    CHECK(is_shown(&desk, 10, 15, 3) && !is_shown(&desk, 9, 15, 3) && !is_shown(&desk, 10, 16, 3));
+    struct interpreter interp;
+    begin(&interp);
+    const uint64_t whole = picture(&interp);
+    must(&interp, "view front"); /* from anterior: y counts towards us */
+    must(&interp, "plane 20,15,10");
+    CHECK(is_shown(&interp, 3, 15, 3) && !is_shown(&interp, 3, 16, 3));
+    must(&interp, "view left");
+    CHECK(is_shown(&interp, 3, 15, 3) && !is_shown(&interp, 3, 16, 3));
+    must(&interp, "plane 10,15,10"); /* from his left: x counts away from us */
+    CHECK(is_shown(&interp, 10, 15, 3) && !is_shown(&interp, 9, 15, 3) &&
+          !is_shown(&interp, 10, 16, 3));
     for (int more = 2; more < CUT_PLANES_MOST; more++)
-        must(&desk, "plane 10,15,10");
-    CHECK_INT(execute(&desk, "plane 1,1,1"), ERR_LIMIT);
+        must(&interp, "plane 10,15,10");
+    CHECK_INT(execute(&interp, "plane 1,1,1"), ERR_LIMIT);
     CHECK_HAS(fault.text, "8 planes are the most; `plane none` takes them off");
-    must(&desk, "info");
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "cut away  8 planes\n");
-    must(&desk, "plane none");
-    must(&desk, "view front");
-    CHECK(picture(&desk) == whole);
-    desk_release(&desk);
+    must(&interp, "plane none");
+    must(&interp, "view front");
+    CHECK(picture(&interp) == whole);
+    interpreter_release(&interp);
 }
 
 STORY(boxes_are_taken_out_and_put_back)
 {
-    struct desk desk;
-    begin(&desk);
-    must(&desk, "view 30 40");
-    const uint64_t whole = picture(&desk);
-    must(&desk, "cut 30,20,19 10,10,5"); /* any two corners */
-    CHECK(!is_shown(&desk, 10, 10, 5) && !is_shown(&desk, 30, 20, 19) &&
-          is_shown(&desk, 31, 20, 19));
-    CHECK(picture(&desk) != whole);
+    struct interpreter interp;
+    begin(&interp);
+    must(&interp, "view 30 40");
+    const uint64_t whole = picture(&interp);
+    must(&interp, "cut 30,20,19 10,10,5"); /* any two corners */
+    CHECK(!is_shown(&interp, 10, 10, 5) && !is_shown(&interp, 30, 20, 19) &&
+          is_shown(&interp, 31, 20, 19));
+    CHECK(picture(&interp) != whole);
     for (int more = 1; more < CUT_BOXES_MOST; more++)
-        must(&desk, "cut 0,0,0 1,1,1");
-    CHECK_INT(execute(&desk, "cut 0,0,0 1,1,1"), ERR_LIMIT);
-    must(&desk, "info");
+        must(&interp, "cut 0,0,0 1,1,1");
+    CHECK_INT(execute(&interp, "cut 0,0,0 1,1,1"), ERR_LIMIT);
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "cut away  8 boxes taken out\n");
-    must(&desk, "cut none");
-    CHECK(picture(&desk) == whole);
-    desk_release(&desk);
+    must(&interp, "cut none");
+    CHECK(picture(&interp) == whole);
+    interpreter_release(&interp);
 }
 
 STORY(a_cut_scene_is_not_interpolated)
 {
-    struct desk desk;
-    CHECK(desk_init(&desk, NULL) == OK);
-    must(&desk, "open synth:geom:20x20x20");
-    must(&desk, "clip axial 3-7");
-    CHECK_INT(execute(&desk, "interpolate 2 2 2"), ERR_USAGE);
+    struct interpreter interp;
+    CHECK(interpreter_init(&interp, NULL) == OK);
+    must(&interp, "open synth:geom:20x20x20");
+    must(&interp, "clip axial 3-7");
+    CHECK_INT(execute(&interp, "interpolate 2 2 2"), ERR_USAGE);
     CHECK_HAS(fault.text, "what is cut away lies on the scene as it is");
-    must(&desk, "clip none");
-    must(&desk, "focus 3,4,5");
-    must(&desk, "interpolate 2 1 2");
-    CHECK_INT(desk.session.settings.view.focus[0], (2 * 6 - 38) * (1 << 15));
-    CHECK_INT(desk.session.settings.view.focus[1], (2 * 4 - 19) * (1 << 15));
-    desk_release(&desk);
+    must(&interp, "clip none");
+    must(&interp, "focus 3,4,5");
+    must(&interp, "interpolate 2 1 2");
+    CHECK_INT(interp.session.settings.view.focus[0], (2 * 6 - 38) * (1 << 15));
+    CHECK_INT(interp.session.settings.view.focus[1], (2 * 4 - 19) * (1 << 15));
+    interpreter_release(&interp);
 }
 
 STORY(a_picture_notes_what_is_cut_away_and_in_focus)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct picture p;
     char line[PATH_MAX + 16], path[PATH_MAX];
     snprintf(path, sizeof path, "%s/whole.exr", folder);
     snprintf(line, sizeof line, "render %s", path);
-    begin(&desk);
-    must(&desk, line);
+    begin(&interp);
+    must(&interp, line);
     CHECK(exr_read(&p, path, NULL) == OK);
     CHECK(!picture_find(&p, "iftty:cut"));
     const char *note = picture_find(&p, "iftty:view");
     CHECK_TEXT(note ? note : "", "0 0 0 zoom 1500 size 64x64");
     picture_release(&p);
-    must(&desk, "view right");
-    must(&desk, "focus 0,0,0");
-    must(&desk, "clip axial 3-7");
-    must(&desk, "plane 20,15,10");
-    must(&desk, "cut 1,2,3 6,5,4");
+    must(&interp, "view right");
+    must(&interp, "focus 0,0,0");
+    must(&interp, "clip axial 3-7");
+    must(&interp, "plane 20,15,10");
+    must(&interp, "cut 1,2,3 6,5,4");
     snprintf(path, sizeof path, "%s/open.exr", folder);
     snprintf(line, sizeof line, "render %s", path);
-    must(&desk, line);
+    must(&interp, line);
     CHECK(exr_read(&p, path, NULL) == OK);
     note = picture_find(&p, "iftty:cut");
     CHECK_TEXT(note ? note : "", "kept x 0-39 y 0-29 z 3-7 plane -1048576000000 0 0 from "
@@ -492,7 +495,7 @@ STORY(a_picture_notes_what_is_cut_away_and_in_focus)
     note = picture_find(&p, "iftty:view");
     CHECK_TEXT(note ? note : "", "270000 0 0 zoom 1500 size 64x64 focus -1277952 -950272 -622592");
     picture_release(&p);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* Fails to be recorded, and is taken back; then works, and is the same when replayed. */
@@ -532,37 +535,37 @@ STORY(cuts_are_taken_back_and_replayed_exactly)
                                        "cut none",
                                        "focus scene",
                                        "render"};
-    struct desk desk;
+    struct interpreter interp;
     struct buf told = {0};
     char path[PATH_MAX];
     snprintf(path, sizeof path, "%s/cuts.iftty", folder);
     failing_path = path;
-    CHECK(desk_init(&desk, NULL) == OK);
-    CHECK(desk_create_journal(&desk, path, NULL) == OK);
+    CHECK(interpreter_init(&interp, NULL) == OK);
+    CHECK(interpreter_create_journal(&interp, path, NULL) == OK);
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
-        const struct session *session = &desk.session;
+        const struct session *session = &interp.session;
         const struct settings before = session->settings;
         const bool rendered = session->rendered;
         const uint64_t seen = rendered ? rendition_digest(&session->rendition) : 0;
         file_step_hook = no_space;
-        CHECK_INT(execute(&desk, line[i]), ERR_IO);
+        CHECK_INT(execute(&interp, line[i]), ERR_IO);
         file_step_hook = NULL;
         CHECK(memcmp(&before.cut, &session->settings.cut, sizeof before.cut) == 0);
         CHECK(memcmp(&before.view, &session->settings.view, sizeof before.view) == 0);
         CHECK(session->rendered == rendered);
         CHECK(!rendered || rendition_digest(&session->rendition) == seen);
         CHECK(!session->has_scene || border_check(&session->border, NULL));
-        must(&desk, line[i]);
+        must(&interp, line[i]);
     }
-    const struct settings end = desk.session.settings;
-    const uint64_t seen = rendition_digest(&desk.session.rendition);
-    desk_release(&desk);
-    CHECK(desk_init(&desk, NULL) == OK);
-    CHECK(desk_resume_journal(&desk, path, &told, &fault) == OK);
-    CHECK(memcmp(&end.cut, &desk.session.settings.cut, sizeof end.cut) == 0);
-    CHECK(memcmp(&end.view, &desk.session.settings.view, sizeof end.view) == 0);
-    CHECK(picture(&desk) == seen);
-    desk_release(&desk);
+    const struct settings end = interp.session.settings;
+    const uint64_t seen = rendition_digest(&interp.session.rendition);
+    interpreter_release(&interp);
+    CHECK(interpreter_init(&interp, NULL) == OK);
+    CHECK(interpreter_resume_journal(&interp, path, &told, &fault) == OK);
+    CHECK(memcmp(&end.cut, &interp.session.settings.cut, sizeof end.cut) == 0);
+    CHECK(memcmp(&end.view, &interp.session.settings.view, sizeof end.view) == 0);
+    CHECK(picture(&interp) == seen);
+    interpreter_release(&interp);
     buf_release(&told);
 }
 

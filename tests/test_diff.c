@@ -1,35 +1,36 @@
 /*
  * The pure parts of a comparison of two journals: where their commands part, how far labels differ,
- * the picture of it, and errands, which other processes run.
+ * the picture of it, and workers, which other processes run.
  */
 #include <signal.h>
 #include <stdlib.h>
 
-#include "command/contrast.h"
-#include "command/errand.h"
-#include "command/parting.h"
-#include "tests/at_desk.h"
+#include "verify/difference_picture.h"
+#include "verify/worker_process.h"
+#include "verify/first_difference.h"
+#include "tests/interpreting.h"
 
 /* ---- where commands part ---- */
 
-static struct parting find(const char *a, const char *b, size_t last)
+static struct first_difference find(const char *a, const char *b, size_t last)
 {
-    struct parting parting = {0};
+    struct first_difference first_difference = {0};
     struct buf bytes[2] = {{0}, {0}};
     buf_add_text(bytes, a);
     buf_add_text(bytes + 1, b);
-    CHECK(parting_find(&parting, (const char *const[]){"a", "b"}, bytes, last, NULL) == OK);
+    CHECK(first_difference_find(&first_difference, (const char *const[]){"a", "b"}, bytes, last,
+                                NULL) == OK);
     buf_release(bytes);
     buf_release(bytes + 1);
-    return parting;
+    return first_difference;
 }
 
 static void check_same(const char *a, const char *b, size_t same)
 {
-    struct parting p = find(a, b, 0);
+    struct first_difference p = find(a, b, 0);
     CHECK(!p.parts);
     CHECK_INT(p.same, same);
-    parting_release(&p);
+    first_difference_release(&p);
 }
 
 STORY(the_same_commands_do_not_part)
@@ -56,7 +57,8 @@ STORY(results_and_comments_are_no_commands)
 
 STORY(the_first_other_command_is_named_in_both)
 {
-    struct parting p = find("open s\n\nseed 1,1,1 1\nrun\n", "open s\nstats\nseed 1,1,2 1\n", 0);
+    struct first_difference p =
+        find("open s\n\nseed 1,1,1 1\nrun\n", "open s\nstats\nseed 1,1,2 1\n", 0);
     CHECK(p.parts && p.side[0].goes_on && p.side[1].goes_on);
     CHECK_INT(p.same, 1);
     CHECK_INT(p.side[0].number, 2);
@@ -65,36 +67,36 @@ STORY(the_first_other_command_is_named_in_both)
     CHECK_INT(p.side[1].number, 3);
     CHECK_INT(p.side[1].line, 3);
     CHECK_TEXT(buf_text(&p.side[1].command), "seed 1,1,2 1");
-    parting_release(&p);
+    first_difference_release(&p);
     p = find("open s\nrun\n", "open s\n", 0);
     CHECK(p.parts && p.side[0].goes_on && !p.side[1].goes_on);
     CHECK_TEXT(buf_text(&p.side[0].command), "run");
-    parting_release(&p);
+    first_difference_release(&p);
     p = find("open s\nrun\n", "open s\nauto on\n", 1);
     CHECK(!p.parts);
-    parting_release(&p);
+    first_difference_release(&p);
     p = find("label 1 a\n", "label 1a\n", 0); /* words, not letters */
     CHECK(p.parts);
-    parting_release(&p);
+    first_difference_release(&p);
     p = find("open \"s\n", "open \"s \n", 0); /* which do not end */
     CHECK(p.parts);
-    parting_release(&p);
+    first_difference_release(&p);
 }
 
 STORY(what_cannot_be_read_is_named)
 {
-    struct parting p = {0};
+    struct first_difference p = {0};
     struct buf bytes[2] = {{0}, {0}};
     struct fault why = {0};
     buf_add_text(bytes, "run\n");
     buf_add_text(bytes + 1, "# iftty journal 1 semantics 3\n= 1 x\n");
-    CHECK(parting_find(&p, (const char *const[]){"a", "b"}, bytes, 0, &why) == ERR_INPUT);
+    CHECK(first_difference_find(&p, (const char *const[]){"a", "b"}, bytes, 0, &why) == ERR_INPUT);
     CHECK(strncmp(why.text, "b: ", 3) == 0);
     buf_clear(bytes + 1);
     buf_add_text(bytes + 1, "# iftty journal 77 semantics 3\n");
-    CHECK(parting_find(&p, (const char *const[]){"a", "b"}, bytes, 0, &why) == ERR_INPUT);
+    CHECK(first_difference_find(&p, (const char *const[]){"a", "b"}, bytes, 0, &why) == ERR_INPUT);
     CHECK(strncmp(why.text, "b: ", 3) == 0);
-    parting_release(&p);
+    first_difference_release(&p);
     buf_release(bytes);
     buf_release(bytes + 1);
 }
@@ -149,18 +151,18 @@ static uint8_t *labels_of(const struct session *session)
     return label;
 }
 
-static void begin(struct desk *desk, const char *seed)
+static void begin(struct interpreter *interp, const char *seed)
 {
-    begin_desk(desk);
-    must(desk, "open synth:geom:40x40x20");
-    must(desk, "label 2 ball #ff0000");
-    must(desk, "seed 0,0,0 0");
-    must(desk, "seed 20,20,10 1");
-    must(desk, seed);
-    must(desk, "run");
-    must(desk, "size 120 100");
-    must(desk, "zoom 2");
-    must(desk, "view 30 20");
+    begin_interpreter(interp);
+    must(interp, "open synth:geom:40x40x20");
+    must(interp, "label 2 ball #ff0000");
+    must(interp, "seed 0,0,0 0");
+    must(interp, "seed 20,20,10 1");
+    must(interp, seed);
+    must(interp, "run");
+    must(interp, "size 120 100");
+    must(interp, "zoom 2");
+    must(interp, "view 30 20");
 }
 
 /* Whether the pane of a picture shows what the session renders, over black. */
@@ -195,19 +197,19 @@ static size_t coloured(const struct picture *picture, uint32_t left, uint32_t to
 
 enum { RED, GREEN, BLUE };
 
-static void draw(struct picture *picture, struct desk *a, const uint8_t *label_a,
+static void draw(struct picture *picture, struct interpreter *a, const uint8_t *label_a,
                  const uint8_t *label_b)
 {
     static struct overlap overlap;
     overlap_count(&overlap, label_a, label_b, a->session.scene->grid.voxels);
-    const struct contrast contrast = {
+    const struct difference_picture difference_picture = {
         .name = {"a.iftty", "b.iftty"}, .label = {label_a, label_b}, .overlap = &overlap};
-    CHECK(contrast_draw(picture, &a->session, &contrast, NULL) == OK);
+    CHECK(difference_picture_draw(picture, &a->session, &difference_picture, NULL) == OK);
 }
 
 STORY(the_picture_shows_both_and_where_they_differ)
 {
-    static struct desk a, b;
+    static struct interpreter a, b;
     struct picture picture = {0};
     begin(&a, "seed 6,6,4 2");
     begin(&b, "seed 33,33,14 2");
@@ -215,7 +217,7 @@ STORY(the_picture_shows_both_and_where_they_differ)
     CHECK(session_render(&b.session, RENDER_RAY, NULL) == OK);
     uint8_t *label_a = labels_of(&a.session), *label_b = labels_of(&b.session);
     /* A keeps its rendition only until it is drawn over. */
-    static struct desk again;
+    static struct interpreter again;
     begin(&again, "seed 6,6,4 2");
     CHECK(session_render(&again.session, RENDER_RAY, NULL) == OK);
     draw(&picture, &a, label_a, label_b);
@@ -239,14 +241,14 @@ STORY(the_picture_shows_both_and_where_they_differ)
     picture_release(&picture);
     free(label_a);
     free(label_b);
-    desk_release(&a);
-    desk_release(&b);
-    desk_release(&again);
+    interpreter_release(&a);
+    interpreter_release(&b);
+    interpreter_release(&again);
 }
 
 STORY(where_nothing_differs_all_is_grey)
 {
-    static struct desk a;
+    static struct interpreter a;
     struct picture picture = {0};
     begin(&a, "seed 6,6,4 2");
     uint8_t *label = labels_of(&a.session);
@@ -255,13 +257,13 @@ STORY(where_nothing_differs_all_is_grey)
     CHECK_INT(coloured(&picture, 2 * 122, 19, 119, BLUE, RED), 0);
     picture_release(&picture);
     free(label);
-    desk_release(&a);
+    interpreter_release(&a);
 }
 
 /* Hidden objects, objects of one alone, three views too wide for a picture, a view of one pixel. */
 STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
 {
-    static struct desk a;
+    static struct interpreter a;
     struct picture picture = {0};
     begin(&a, "seed 6,6,4 2");
     uint8_t *label = labels_of(&a.session);
@@ -272,12 +274,12 @@ STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
     draw(&picture, &a, label, other);
     CHECK_INT(coloured(&picture, 2 * 122, 19, 119, RED, BLUE), 0);
     picture_release(&picture);
-    desk_release(&a);
+    interpreter_release(&a);
     begin(&a, "seed 6,6,4 2");
     draw(&picture, &a, label, other);
     CHECK(coloured(&picture, 2 * 122, 19, 119, RED, BLUE) > 0);
     picture_release(&picture);
-    desk_release(&a);
+    interpreter_release(&a);
     begin(&a, "seed 6,6,4 2");
     must(&a, "size 1 1");
     draw(&picture, &a, label, other);
@@ -286,16 +288,16 @@ STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
     a.session.settings.view.width = 8192;
     static struct overlap overlap;
     overlap_count(&overlap, label, other, a.session.scene->grid.voxels);
-    const struct contrast contrast = {
+    const struct difference_picture difference_picture = {
         .name = {"a", "b"}, .label = {label, other}, .overlap = &overlap};
-    CHECK(contrast_draw(&picture, &a.session, &contrast, NULL) == ERR_LIMIT);
+    CHECK(difference_picture_draw(&picture, &a.session, &difference_picture, NULL) == ERR_LIMIT);
     picture_release(&picture);
     free(label);
     free(other);
-    desk_release(&a);
+    interpreter_release(&a);
 }
 
-/* ---- errands ---- */
+/* ---- workers ---- */
 
 static void say_much(void *context, struct buf *out)
 {
@@ -331,13 +333,13 @@ STORY(an_errand_hands_back_what_was_made_elsewhere)
 {
     size_t bytes = 3000000;
     struct buf out = {0}, expected = {0};
-    const struct errand errand = {.work = say_much, .context = &bytes, .most = 4000000};
-    CHECK(errand_run(&out, &errand, NULL) == OK);
+    const struct worker_process worker = {.work = say_much, .context = &bytes, .most = 4000000};
+    CHECK(worker_process_run(&out, &worker, NULL) == OK);
     say_much(&bytes, &expected);
     CHECK(out.length == expected.length && memcmp(out.data, expected.data, out.length) == 0);
     buf_release(&out);
     bytes = 0;
-    CHECK(errand_run(&out, &errand, NULL) == OK);
+    CHECK(worker_process_run(&out, &worker, NULL) == OK);
     CHECK_INT(out.length, 0);
     buf_release(&out);
     buf_release(&expected);
@@ -350,13 +352,16 @@ STORY(an_errand_that_dies_or_says_too_much_or_never_ends_is_an_error)
     struct watch watch = {.context = &looks, .look = look_and_stop};
     struct buf out = {0};
     struct fault why = {0};
-    CHECK(errand_run(&out, &(struct errand){.work = die, .most = 100}, &why) == ERR_INPUT);
+    CHECK(worker_process_run(&out, &(struct worker_process){.work = die, .most = 100}, &why) ==
+          ERR_INPUT);
     CHECK_HAS(why.text, "ended by signal 9 (Killed)");
-    CHECK(errand_run(&out, &(struct errand){.work = say_much, .context = &bytes, .most = 2000000},
-                     &why) == ERR_INPUT);
+    CHECK(worker_process_run(
+              &out, &(struct worker_process){.work = say_much, .context = &bytes, .most = 2000000},
+              &why) == ERR_INPUT);
     CHECK_HAS(why.text, "more than it may");
-    CHECK(errand_run(&out, &(struct errand){.work = wait_for_ever, .most = 1, .watch = &watch},
-                     &why) == ERR_CANCELLED);
+    CHECK(worker_process_run(
+              &out, &(struct worker_process){.work = wait_for_ever, .most = 1, .watch = &watch},
+              &why) == ERR_CANCELLED);
     buf_release(&out);
 }
 

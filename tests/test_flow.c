@@ -1,7 +1,7 @@
 /* Frames over a simulated line: bytes wait their turn, an answer comes back half a round trip after
  * the last of them has arrived. */
 #include "tests/check.h"
-#include "tui/flow.h"
+#include "tui/pilot/flow.h"
 
 #define MS UINT64_C(1000000)
 

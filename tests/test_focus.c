@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "engine/border.h"
+#include "render/border.h"
 #include "engine/forest.h"
 #include "render/rendition.h"
 

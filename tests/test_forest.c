@@ -4,8 +4,8 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "engine/border.h"
-#include "engine/fence.h"
+#include "render/border.h"
+#include "engine/roi.h"
 #include "engine/forest.h"
 #include "engine/weight.h"
 
@@ -130,7 +130,7 @@ STORY(the_last_edit_of_a_voxel_in_a_batch_wins)
     world_free(&w);
 }
 
-/* ---- arcs and fences, by hand ---- */
+/* ---- arcs and regions of interest, by hand ---- */
 
 static void set_row_intensities(struct world *w, const uint16_t *intensity)
 {
@@ -212,23 +212,23 @@ STORY(polarity_goes_by_the_label_of_the_root)
     world_free(&w);
 }
 
-/* Puts a fence up where the forest has its seeds inside. */
-static void put_up(struct world *w, const struct fence *fence)
+/* Puts a region of interest up where the forest has its seeds inside. */
+static void put_up(struct world *w, const struct roi *roi)
 {
-    CHECK_INT(fence_tally(fence, w->scene).seeds_outside, 0);
-    fence_apply(fence, w->scene);
+    CHECK_INT(roi_tally(roi, w->scene).seeds_outside, 0);
+    roi_apply(roi, w->scene);
     CHECK(forest_rebuild(w->forest, NULL, NULL) == OK);
     CHECK(forest_check(w->forest, NULL));
 }
 
-STORY(no_tree_passes_a_fence)
+STORY(no_tree_passes_a_roi)
 {
     struct world w = world_new(7, 1, 1, 6);
-    struct fence range = {NULL, 5, 9}, none = fence_none(), mask = {NULL, 0, 9};
+    struct roi range = {NULL, 5, 9}, none = roi_none(), mask = {NULL, 0, 9};
     set_row_intensities(&w, (const uint16_t[]){5, 9, 7, 4, 10, 5, 5});
-    CHECK_INT(fence_tally(&range, w.scene).inside, 5);
-    CHECK(fence_tally(&range, w.scene).digest != 0);
-    CHECK(fence_tally(&none, w.scene).digest == 0);
+    CHECK_INT(roi_tally(&range, w.scene).inside, 5);
+    CHECK(roi_tally(&range, w.scene).digest != 0);
+    CHECK(roi_tally(&none, w.scene).digest == 0);
     put_up(&w, &range); /* before there is a seed */
     plant_at(&w, 1, 0, 0, 1);
     CHECK_TEXT(row_labels(&w), "1110000");
@@ -249,9 +249,9 @@ STORY(no_tree_passes_a_fence)
     put_up(&w, &none);
     CHECK_TEXT(row_labels(&w), "0000000");
     CHECK(voxel(&w, 3, 0, 0)->key == KEY_NONE && voxel(&w, 3, 0, 0)->flags == 0);
-    CHECK_INT(fence_tally(&mask, w.scene).seeds_outside, 0);
+    CHECK_INT(roi_tally(&mask, w.scene).seeds_outside, 0);
     plant_at(&w, 4, 0, 0, 1);
-    CHECK_INT(fence_tally(&mask, w.scene).seeds_outside, 1);
+    CHECK_INT(roi_tally(&mask, w.scene).seeds_outside, 1);
     free(mask.mask);
     world_free(&w);
 }
@@ -338,8 +338,8 @@ static void copy_scene(struct world *to, const struct world *from)
         struct cell *cell = to->scene->cell + i;
         cell->weight = from->scene->cell[i].weight;
         cell->intensity = from->scene->cell[i].intensity;
-        if (from->scene->cell[i].flags & CELL_FENCED) {
-            cell->flags |= CELL_FENCED;
+        if (from->scene->cell[i].flags & CELL_OUTSIDE) {
+            cell->flags |= CELL_OUTSIDE;
             cell->key = 0;
         }
     }
@@ -402,7 +402,7 @@ static bool costs_equal_textbook(struct world *w)
     bool same = true;
     for (size_t i = 0; i < g->cells; i++) {
         node[i].cost = w->scene->cell[i].flags & CELL_SEED ? 0 : UINT32_MAX;
-        node[i].done = w->scene->cell[i].flags & (CELL_RIM | CELL_FENCED);
+        node[i].done = w->scene->cell[i].flags & (CELL_RIM | CELL_OUTSIDE);
     }
     for (;;) {
         size_t best = g->cells;
@@ -423,7 +423,7 @@ static bool costs_equal_textbook(struct world *w)
     }
     for (size_t i = 0; i < g->cells; i++) {
         uint64_t key = w->scene->cell[i].key;
-        if (!(w->scene->cell[i].flags & (CELL_RIM | CELL_FENCED)))
+        if (!(w->scene->cell[i].flags & (CELL_RIM | CELL_OUTSIDE)))
             same &= key == KEY_NONE ? node[i].cost == UINT32_MAX : key_cost(key) == node[i].cost;
     }
     free(node);
@@ -454,7 +454,7 @@ static bool keys_equal_fixed_point(struct world *w)
     uint8_t *label = calloc(g->cells, 1);
     bool same = true;
     for (size_t i = 0; i < g->cells; i++) {
-        node[i].done = w->scene->cell[i].flags & (CELL_RIM | CELL_FENCED);
+        node[i].done = w->scene->cell[i].flags & (CELL_RIM | CELL_OUTSIDE);
         if (w->scene->cell[i].flags & CELL_SEED) {
             node[i] = (struct slow_key){0, 0, i, true, false};
             label[i] = w->scene->cell[i].label;
@@ -482,7 +482,7 @@ static bool keys_equal_fixed_point(struct world *w)
     }
     for (size_t i = 0; i < g->cells; i++) {
         const struct cell *cell = w->scene->cell + i;
-        if (cell->flags & (CELL_RIM | CELL_FENCED))
+        if (cell->flags & (CELL_RIM | CELL_OUTSIDE))
             same &= cell->key == 0 && cell->label == 0;
         else if (node[i].reached)
             same &= cell->key == key_make(node[i].cost, node[i].hops, (uint32_t)node[i].root) &&
@@ -527,12 +527,12 @@ static size_t random_batch(struct world *w, struct edit *batch, uint64_t *random
     return count;
 }
 
-/* Without those outside the fence. */
+/* Without those outside the region of interest. */
 static size_t only_inside(const struct world *w, struct edit *batch, size_t count)
 {
     size_t kept = 0;
     for (size_t i = 0; i < count; i++)
-        if (!(w->scene->cell[batch[i].cell].flags & CELL_FENCED))
+        if (!(w->scene->cell[batch[i].cell].flags & CELL_OUTSIDE))
             batch[kept++] = batch[i];
     return kept;
 }
@@ -546,34 +546,34 @@ static void random_arcs(struct world *w, uint64_t *random)
     forest_set_arcs(w->forest, &rule);
 }
 
-/* Seeds that it would fence off go first; it holds few voxels, most, or all. */
-static void random_fence(struct world *w, struct edit *batch, uint64_t *random)
+/* Seeds that it would region of interest off go first; it holds few voxels, most, or all. */
+static void random_roi(struct world *w, struct edit *batch, uint64_t *random)
 {
     const struct grid *g = &w->scene->grid;
     const uint32_t part = 1 + check_below(random, 10);
-    struct fence fence = fence_none();
+    struct roi roi = roi_none();
     size_t count = 0;
     if (check_below(random, 3))
-        fence.mask = mask_new(g);
-    for (size_t i = 0; fence.mask && i < g->cells; i++)
+        roi.mask = mask_new(g);
+    for (size_t i = 0; roi.mask && i < g->cells; i++)
         if (check_below(random, 11) < part)
-            fence.mask[i >> 6] |= UINT64_C(1) << (i & 63);
+            roi.mask[i >> 6] |= UINT64_C(1) << (i & 63);
     if (check_below(random, 3) == 0) {
-        fence.low = w->scene->cell[random_voxel(g, random)].intensity;
-        fence.high = w->scene->cell[random_voxel(g, random)].intensity;
+        roi.low = w->scene->cell[random_voxel(g, random)].intensity;
+        roi.high = w->scene->cell[random_voxel(g, random)].intensity;
     }
     for (size_t i = 0; i < g->cells; i++)
-        if (w->scene->cell[i].flags & CELL_SEED && !fence_holds(&fence, w->scene, (uint32_t)i))
+        if (w->scene->cell[i].flags & CELL_SEED && !roi_holds(&roi, w->scene, (uint32_t)i))
             batch[count++] = (struct edit){(uint32_t)i, EDIT_ERASE};
-    CHECK_INT(fence_tally(&fence, w->scene).seeds_outside, count);
+    CHECK_INT(roi_tally(&roi, w->scene).seeds_outside, count);
     CHECK(forest_edit(w->forest, batch, count, NULL, NULL) == OK);
-    fence_apply(&fence, w->scene);
-    free(fence.mask);
+    roi_apply(&roi, w->scene);
+    free(roi.mask);
 }
 
-/* Arcs of every kind, behind fences that come and go: after each edit and each rebuild, keys and
+/* Arcs of every kind, behind regions of interest that come and go: after each edit and each rebuild, keys and
  * labels are those of the fixed point, and of a run from scratch. */
-static void random_fenced_session(uint64_t seed, unsigned steps)
+static void random_roi_session(uint64_t seed, unsigned steps)
 {
     uint64_t random = seed;
     struct world w = world_new(1 + check_below(&random, 6), 1 + check_below(&random, 6),
@@ -591,7 +591,7 @@ static void random_fenced_session(uint64_t seed, unsigned steps)
         if (rebuilds && check_below(&random, 2))
             random_arcs(&w, &random);
         else if (rebuilds)
-            random_fence(&w, batch, &random);
+            random_roi(&w, batch, &random);
         const bool polar = forest_arcs(w.forest)->kind == ARC_POLARITY;
         if (!CHECK((rebuilds ? forest_rebuild(w.forest, NULL, NULL)
                              : forest_edit(w.forest, batch, count, NULL, NULL)) == OK) ||
@@ -654,10 +654,10 @@ STORY(a_hundred_thousand_random_edits_each_equal_a_run_from_scratch)
         random_session(i, i % 200 ? 5 : 40);
 }
 
-STORY(under_every_kind_of_arc_and_fence_edits_equal_the_fixed_point)
+STORY(under_every_kind_of_arc_and_roi_edits_equal_the_fixed_point)
 {
     for (unsigned i = 0; i < scaled(4000) && check_failures == 0; i++)
-        random_fenced_session(i, i % 100 ? 12 : 60);
+        random_roi_session(i, i % 100 ? 12 : 60);
 }
 
 /* ---- edits that do not go through ---- */
@@ -850,12 +850,12 @@ int main(void)
                        TELL(the_last_edit_of_a_voxel_in_a_batch_wins),
                        TELL(a_difference_is_the_same_both_ways),
                        TELL(polarity_makes_one_way_over_an_edge_dearer),
-                       TELL(polarity_goes_by_the_label_of_the_root), TELL(no_tree_passes_a_fence),
+                       TELL(polarity_goes_by_the_label_of_the_root), TELL(no_tree_passes_a_roi),
                        TELL(changes_name_each_voxel_that_got_another_label_once),
                        TELL(a_plateau_longer_than_hops_can_count_is_refused_and_undone),
                        TELL(both_adjacencies_hold_each_direction_and_its_opposite),
                        TELL(a_hundred_thousand_random_edits_each_equal_a_run_from_scratch),
-                       TELL(under_every_kind_of_arc_and_fence_edits_equal_the_fixed_point),
+                       TELL(under_every_kind_of_arc_and_roi_edits_equal_the_fixed_point),
                        TELL(a_large_tree_that_falls_is_as_if_it_had_never_been),
                        TELL(an_edit_cancelled_at_every_level_leaves_the_forest_as_it_was),
                        TELL(an_allocation_that_fails_leaves_the_forest_as_it_was),

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
-#include "command/graph.h"
+#include "journal/graph.h"
 #include "journal/record.h"
 #include "tests/check.h"
 

@@ -70,20 +70,20 @@ static const char *const deeds[] = {
 enum { DEEDS = sizeof deeds / sizeof deeds[0] };
 
 /* Goes one command back and forth: both states are again what they were. */
-static void goes_back_and_forth(struct desk *desk, const char *line)
+static void goes_back_and_forth(struct interpreter *interp, const char *line)
 {
     struct snapshot before, after, now;
     const unsigned failures = check_failures;
-    take_snapshot(&before, desk);
-    must(desk, line);
-    take_snapshot(&after, desk);
+    take_snapshot(&before, interp);
+    must(interp, line);
+    take_snapshot(&after, interp);
     if (after.points == before.points)
         return; /* it changed nothing of the segmentation */
-    must(desk, "undo");
-    take_snapshot(&now, desk);
+    must(interp, "undo");
+    take_snapshot(&now, interp);
     is_same_segmentation(&before, &now);
-    must(desk, "redo");
-    take_snapshot(&now, desk);
+    must(interp, "redo");
+    take_snapshot(&now, interp);
     is_same_segmentation(&after, &now);
     if (check_failures > failures)
         printf("#   %s\n", line);
@@ -92,98 +92,98 @@ static void goes_back_and_forth(struct desk *desk, const char *line)
 STORY(every_kind_of_command_is_undone_and_done_again)
 {
     for (int by_itself = 0; by_itself < 2; by_itself++) {
-        struct desk desk;
+        struct interpreter interp;
         struct snapshot first, now;
-        begin_with_scene(&desk);
-        must(&desk, "size 24 24");
-        must(&desk, by_itself ? "auto on" : "auto off");
-        take_snapshot(&first, &desk);
+        begin_with_scene(&interp);
+        must(&interp, "size 24 24");
+        must(&interp, by_itself ? "auto on" : "auto off");
+        take_snapshot(&first, &interp);
         for (size_t i = 0; i < DEEDS; i++)
-            goes_back_and_forth(&desk, deeds[i]);
-        CHECK(desk.history.points > DEEDS - 5);
-        while (execute(&desk, "undo") == OK)
+            goes_back_and_forth(&interp, deeds[i]);
+        CHECK(interp.history.points > DEEDS - 5);
+        while (execute(&interp, "undo") == OK)
             continue;
         CHECK_HAS(fault.text, "there is nothing to undo since the scene was opened");
-        must(&desk, "redo 2"); /* the two labels of the beginning */
-        take_snapshot(&now, &desk);
+        must(&interp, "redo 2"); /* the two labels of the beginning */
+        take_snapshot(&now, &interp);
         is_same_segmentation(&first, &now);
-        must(&desk, "redo 20");
-        CHECK(execute(&desk, "redo 1000") == ERR_INPUT);
+        must(&interp, "redo 20");
+        CHECK(execute(&interp, "redo 1000") == ERR_INPUT);
         CHECK_HAS(fault.text, "commands can be done again, not 1000; nothing has changed");
-        while (execute(&desk, "redo 2") == OK)
+        while (execute(&interp, "redo 2") == OK)
             continue;
-        desk_release(&desk);
+        interpreter_release(&interp);
     }
 }
 
 STORY(where_one_looks_from_is_not_undone)
 {
-    struct desk desk;
-    begin_with_scene(&desk);
-    must(&desk, "seed 1,1,1 1");
-    must(&desk, "view left");
-    must(&desk, "cross 3,3,3");
-    must(&desk, "shade depth");
-    must(&desk, "undo");
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "view left");
+    must(&interp, "cross 3,3,3");
+    must(&interp, "shade depth");
+    must(&interp, "undo");
     CHECK_TEXT(buf_text(&reply.text), "undone: 4 seed 1,1,1 1\nafter 3 label 0 background\n");
     CHECK_HAS(buf_text(&reply.words), "at=3 on=main forest=");
-    CHECK_INT(desk.session.pendings, 0);
-    CHECK_INT(desk.session.settings.slices.cross[0], 3);
-    CHECK(desk.session.settings.look.mode != look_default().mode);
-    CHECK(desk.session.settings.view.angle[0] != 0);
-    desk_release(&desk);
+    CHECK_INT(interp.session.pendings, 0);
+    CHECK_INT(interp.session.settings.slices.cross[0], 3);
+    CHECK(interp.session.settings.look.mode != look_default().mode);
+    CHECK(interp.session.settings.view.angle[0] != 0);
+    interpreter_release(&interp);
 }
 
 STORY(an_edit_after_undo_begins_an_alternative)
 {
-    struct desk desk;
-    begin_with_scene(&desk); /* records 1 to 3 */
-    must(&desk, "auto on");
-    must(&desk, "seed 1,1,1 1");
-    must(&desk, "seed 10,9,8 2");
-    must(&desk, "undo");
-    must(&desk, "seed 9,2,2 3");
-    CHECK(execute(&desk, "redo") == ERR_INPUT);
+    struct interpreter interp;
+    begin_with_scene(&interp); /* records 1 to 3 */
+    must(&interp, "auto on");
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "seed 10,9,8 2");
+    must(&interp, "undo");
+    must(&interp, "seed 9,2,2 3");
+    CHECK(execute(&interp, "redo") == ERR_INPUT);
     CHECK_HAS(fault.text, "there is nothing to do again");
-    must(&desk, "goto 6"); /* what was undone is not lost */
+    must(&interp, "goto 6"); /* what was undone is not lost */
     CHECK_HAS(buf_text(&reply.words), "at=6 ");
-    must(&desk, "goto 7"); /* as the undo left it */
+    must(&interp, "goto 7"); /* as the undo left it */
     CHECK_HAS(buf_text(&reply.words), "at=5 ");
-    CHECK(execute(&desk, "goto 0") == ERR_INPUT);
+    CHECK(execute(&interp, "goto 0") == ERR_INPUT);
     CHECK_HAS(fault.text, "expected a record 1..10, or a branch, not 0");
-    CHECK(execute(&desk, "goto 11") == ERR_INPUT);
-    CHECK(execute(&desk, "goto somewhere") == ERR_INPUT);
+    CHECK(execute(&interp, "goto 11") == ERR_INPUT);
+    CHECK(execute(&interp, "goto somewhere") == ERR_INPUT);
     CHECK_HAS(fault.text, "there is no branch somewhere");
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(branches_have_names_and_are_left_and_found_again)
 {
-    struct desk desk;
-    begin_with_scene(&desk);
-    must(&desk, "auto on");
-    must(&desk, "seed 1,1,1 1");
-    must(&desk, "hide 1");
-    must(&desk, "undo");
-    must(&desk, "branch other");
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    must(&interp, "auto on");
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "hide 1");
+    must(&interp, "undo");
+    must(&interp, "branch other");
     CHECK_TEXT(buf_text(&reply.words), "branch=other");
-    must(&desk, "seed 10,9,8 2");
-    must(&desk, "seed 9,9,8 2");
-    must(&desk, "goto main");
-    CHECK_INT(forest_seeds(desk.session.forest), 1);
-    must(&desk, "redo"); /* along the branch one is on */
-    CHECK(!desk.session.settings.visible[1]);
-    must(&desk, "goto other");
-    CHECK_INT(forest_seeds(desk.session.forest), 3);
-    must(&desk, "history 3");
+    must(&interp, "seed 10,9,8 2");
+    must(&interp, "seed 9,9,8 2");
+    must(&interp, "goto main");
+    CHECK_INT(forest_seeds(interp.session.forest), 1);
+    must(&interp, "redo"); /* along the branch one is on */
+    CHECK(!interp.session.settings.visible[1]);
+    must(&interp, "goto other");
+    CHECK_INT(forest_seeds(interp.session.forest), 3);
+    must(&interp, "history 3");
     CHECK_TEXT(buf_text(&reply.text), "  6 hide 1   [main]\n"
                                       "  9 seed 10,9,8 2   (from 5)\n"
                                       "* 10 seed 9,9,8 2   [other]\n");
-    CHECK(execute(&desk, "branch main") == ERR_USAGE);
+    CHECK(execute(&interp, "branch main") == ERR_USAGE);
     CHECK_HAS(fault.text, "there is a branch main already");
-    CHECK(execute(&desk, "branch 7up") == ERR_USAGE);
+    CHECK(execute(&interp, "branch 7up") == ERR_USAGE);
     CHECK_HAS(fault.text, "begins with a letter, not 7up");
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* ---- random walks ---- */
@@ -245,21 +245,21 @@ static void random_line(char *line, size_t room)
 /* Every state that a record left, to be compared with whenever it comes back. */
 static struct snapshot state_at[400];
 
-static void walk_about(struct desk *desk, unsigned steps)
+static void walk_about(struct interpreter *interp, unsigned steps)
 {
     char line[100];
     for (unsigned i = 0; i < steps && check_failures < 5; i++) {
         struct snapshot now;
         random_line(line, sizeof line);
-        if (desk->session.pendings > 40)
+        if (interp->session.pendings > 40)
             snprintf(line, sizeof line, "run");
-        const size_t points = desk->history.points;
-        if (execute(desk, line) != OK || desk->history.records >= 400)
+        const size_t points = interp->history.points;
+        if (execute(interp, line) != OK || interp->history.records >= 400)
             continue;
         const unsigned failures = check_failures;
-        take_snapshot(&now, desk);
-        const struct point *present = desk->history.point + desk->history.present;
-        if (desk->history.points > points)
+        take_snapshot(&now, interp);
+        const struct point *present = interp->history.point + interp->history.present;
+        if (interp->history.points > points)
             state_at[present->record] = now;
         is_same_segmentation(&state_at[present->record], &now);
         if (check_failures > failures)
@@ -268,52 +268,52 @@ static void walk_about(struct desk *desk, unsigned steps)
 }
 
 /* The scene alone, with a journal where one is named. */
-static void begin_at_root(struct desk *desk, const char *journal)
+static void begin_at_root(struct interpreter *interp, const char *journal)
 {
     char line[PATH_MAX + 8];
-    begin_desk(desk);
+    begin_interpreter(interp);
     if (journal)
-        CHECK(desk_create_journal(desk, journal, &fault) == OK);
+        CHECK(interpreter_create_journal(interp, journal, &fault) == OK);
     snprintf(line, sizeof line, "open %s", place("scene.nii"));
-    must(desk, line);
-    must(desk, "size 24 24");
+    must(interp, line);
+    must(interp, "size 24 24");
 }
 
 /* Carries out the commands on the way from the root to a point, in a session that runs nothing by
  * itself. */
-static void walk_straight_to(struct desk *desk, const struct history *history, uint32_t at)
+static void walk_straight_to(struct interpreter *interp, const struct history *history, uint32_t at)
 {
     const struct point *point = history->point + at;
     if (point->parent == POINT_NONE)
         return;
-    walk_straight_to(desk, history, point->parent);
-    must(desk, point->command);
+    walk_straight_to(interp, history, point->parent);
+    must(interp, point->command);
     if (point->ran)
-        must(desk, "run");
+        must(interp, "run");
 }
 
-static void a_straight_way_leads_there_too(const struct desk *desk, uint32_t at)
+static void a_straight_way_leads_there_too(const struct interpreter *interp, uint32_t at)
 {
-    struct desk straight;
+    struct interpreter straight;
     struct snapshot now;
     begin_at_root(&straight, NULL);
-    walk_straight_to(&straight, &desk->history, at);
+    walk_straight_to(&straight, &interp->history, at);
     take_snapshot(&now, &straight);
-    is_same_segmentation(&state_at[desk->history.point[at].record], &now);
-    desk_release(&straight);
+    is_same_segmentation(&state_at[interp->history.point[at].record], &now);
+    interpreter_release(&straight);
 }
 
 STORY(random_walks_come_back_to_the_very_same_states)
 {
     for (unsigned round = 0; round < 6; round++) {
-        struct desk desk;
-        begin_at_root(&desk, NULL);
-        take_snapshot(&state_at[1], &desk);
-        walk_about(&desk, 300);
-        CHECK(desk.history.points > 60);
+        struct interpreter interp;
+        begin_at_root(&interp, NULL);
+        take_snapshot(&state_at[1], &interp);
+        walk_about(&interp, 300);
+        CHECK(interp.history.points > 60);
         for (unsigned i = 0; i < 8; i++)
-            a_straight_way_leads_there_too(&desk, below((uint32_t)desk.history.points));
-        desk_release(&desk);
+            a_straight_way_leads_there_too(&interp, below((uint32_t)interp.history.points));
+        interpreter_release(&interp);
     }
 }
 
@@ -333,7 +333,7 @@ static bool not_now(void *context, const char *what, uint64_t done, uint64_t all
     return (*left)-- == 0;
 }
 
-static void begin_with_history(struct desk *desk)
+static void begin_with_history(struct interpreter *interp)
 {
     static const char *const lines[] = {"size 24 24",
                                         "seed 1,1,1 1",
@@ -349,9 +349,9 @@ static void begin_with_history(struct desk *desk)
                                         "hide 2",
                                         "render",
                                         "undo 4"};
-    begin_with_scene(desk);
+    begin_with_scene(interp);
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++)
-        must(desk, lines[i]);
+        must(interp, lines[i]);
 }
 
 static const char *const travels[] = {"undo",   "undo 2", "undo 4", "redo",   "redo 2",
@@ -360,66 +360,66 @@ enum { TRAVELS = sizeof travels / sizeof travels[0] };
 
 STORY(without_memory_one_stays_where_one_is)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct snapshot before;
     unsigned refused = 0;
-    begin_with_history(&desk);
-    take_snapshot(&before, &desk);
+    begin_with_history(&interp);
+    take_snapshot(&before, &interp);
     for (size_t i = 0; i < TRAVELS; i++)
         for (unsigned few = 0; few < 60; few++) {
             allowed = few;
             mem_allows = allow_some;
-            const enum err err = execute(&desk, travels[i]);
+            const enum err err = execute(&interp, travels[i]);
             mem_allows = NULL;
             if (err == OK) {
-                must(&desk, "goto 17");
-                take_snapshot(&before, &desk);
+                must(&interp, "goto 17");
+                take_snapshot(&before, &interp);
                 break;
             }
             CHECK(err == ERR_MEMORY);
             refused++;
-            is_as_before(&before, &desk, travels[i]);
+            is_as_before(&before, &interp, travels[i]);
         }
     CHECK(refused > 3 * TRAVELS);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(who_is_stopped_on_the_way_is_where_he_was)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct snapshot before;
     unsigned left, stopped = 0;
     struct watch watch = {.context = &left, .look = not_now};
-    begin_with_history(&desk);
-    take_snapshot(&before, &desk);
+    begin_with_history(&interp);
+    take_snapshot(&before, &interp);
     for (size_t i = 0; i < TRAVELS; i++)
         for (unsigned looks = 0;; looks++) {
             left = looks;
-            desk.session.watch = &watch;
-            const enum err err = execute(&desk, travels[i]);
-            desk.session.watch = NULL;
+            interp.session.watch = &watch;
+            const enum err err = execute(&interp, travels[i]);
+            interp.session.watch = NULL;
             if (err == OK) {
-                must(&desk, "goto 17");
-                take_snapshot(&before, &desk);
+                must(&interp, "goto 17");
+                take_snapshot(&before, &interp);
                 break;
             }
             CHECK(err == ERR_CANCELLED);
             stopped++;
-            is_as_before(&before, &desk, travels[i]);
+            is_as_before(&before, &interp, travels[i]);
         }
     CHECK(stopped > 2 * TRAVELS);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* ---- resuming ---- */
 
-static enum err resume(struct desk *desk, const char *path, bool slowly)
+static enum err resume(struct interpreter *interp, const char *path, bool slowly)
 {
-    begin_desk(desk);
-    desk->resumes_slowly = slowly;
-    desk->looks = true;
+    begin_interpreter(interp);
+    interp->resumes_slowly = slowly;
+    interp->looks = true;
     fault = (struct fault){.text = ""};
-    return desk_resume_journal(desk, path, NULL, &fault);
+    return interpreter_resume_journal(interp, path, NULL, &fault);
 }
 
 static void has_same_history(const struct history *a, const struct history *b)
@@ -471,20 +471,20 @@ static void forge_taken(const char *from, const char *to, const char *taken)
     buf_release(&header);
 }
 
-static void resumes_as(const char *path, const struct desk *desk, bool slowly)
+static void resumes_as(const char *path, const struct interpreter *interp, bool slowly)
 {
     struct snapshot expected, now;
-    struct desk again;
+    struct interpreter again;
     if (!CHECK(resume(&again, path, slowly) == OK)) {
         printf("#   %s\n", fault.text);
-        desk_release(&again);
+        interpreter_release(&again);
         return;
     }
-    take_snapshot(&expected, desk);
+    take_snapshot(&expected, interp);
     take_snapshot(&now, &again);
     is_same_segmentation(&expected, &now);
     CHECK(memcmp(&expected.settings, &now.settings, sizeof now.settings) == 0);
-    has_same_history(&desk->history, &again.history);
+    has_same_history(&interp->history, &again.history);
     for (unsigned i = 0; i < 12; i++) { /* wherever one goes from there */
         const uint32_t at = below((uint32_t)again.history.points);
         char line[40];
@@ -496,56 +496,56 @@ static void resumes_as(const char *path, const struct desk *desk, bool slowly)
         if (check_failures > failures)
             printf("#   %s of %s, %s\n", line, path, slowly ? "carried out" : "skimmed");
     }
-    desk_release(&again);
+    interpreter_release(&again);
 }
 
 STORY(what_is_skimmed_is_what_was_carried_out)
 {
     for (unsigned round = 0; round < 4; round++) {
-        struct desk desk;
+        struct interpreter interp;
         char path[PATH_MAX + 8], bare[PATH_MAX + 8];
         snprintf(path, sizeof path, "%s-%u", place("walk.iftty"), round);
         snprintf(bare, sizeof bare, "%s-%u", place("bare.iftty"), round);
-        begin_at_root(&desk, path);
-        take_snapshot(&state_at[1], &desk);
-        walk_about(&desk, 200);
-        must(&desk,
+        begin_at_root(&interp, path);
+        take_snapshot(&state_at[1], &interp);
+        walk_about(&interp, 200);
+        must(&interp,
              round & 1 ? "turn 3" : "run"); /* with and without the forest's word at the end */
-        take_snapshot(&state_at[desk.history.point[desk.history.present].record], &desk);
-        journal_close(desk.journal);
-        desk.journal = NULL;
-        resumes_as(path, &desk, true);
-        resumes_as(path, &desk, false);
+        take_snapshot(&state_at[interp.history.point[interp.history.present].record], &interp);
+        journal_close(interp.journal);
+        interp.journal = NULL;
+        resumes_as(path, &interp, true);
+        resumes_as(path, &interp, false);
         forge_taken(path, bare, NULL);
-        resumes_as(bare, &desk, false);
-        desk_release(&desk);
+        resumes_as(bare, &interp, false);
+        interpreter_release(&interp);
     }
 }
 
 STORY(a_journal_that_lies_is_not_resumed)
 {
-    struct desk desk, again;
+    struct interpreter interp, again;
     char path[PATH_MAX], forged[PATH_MAX];
     snprintf(path, sizeof path, "%s", place("lies.iftty"));
     snprintf(forged, sizeof forged, "%s", place("forged.iftty"));
-    begin_at_root(&desk, path);
-    must(&desk, "auto on");
-    must(&desk, "seed 1,1,1 1");
-    must(&desk, "seed 10,9,8 2");
-    must(&desk, "remove 1,2,1");
+    begin_at_root(&interp, path);
+    must(&interp, "auto on");
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "seed 10,9,8 2");
+    must(&interp, "remove 1,2,1");
     CHECK_HAS(buf_text(&reply.words), "took=1,1,1 ");
-    desk_release(&desk);
+    interpreter_release(&interp);
     static const char *const lies[] = {"10,9,8",  "3,3,3",  "1,1", "99,1,1",
                                        "1,1,1;;", "-1,0,0", "x"};
     for (size_t i = 0; i < sizeof lies / sizeof lies[0]; i++) {
         forge_taken(path, forged, lies[i]);
         CHECK(resume(&again, forged, false) == ERR_CHECK);
         CHECK_HAS(fault.text, "record 6 (line 12) diverges: took is 1,1,1");
-        desk_release(&again);
+        interpreter_release(&again);
     }
     forge_taken(path, forged, "1,1,1");
     CHECK(resume(&again, forged, false) == OK);
-    desk_release(&again);
+    interpreter_release(&again);
 }
 
 /* ---- what is put away ---- */

@@ -11,7 +11,7 @@
 #include "base/folder.h"
 #include "tests/check.h"
 #include "tests/folder.h"
-#include "tui/line_history.h"
+#include "tui/prompt/line_history.h"
 
 static char folder[] = "/tmp/iftty-history-XXXXXX";
 static char path[64];

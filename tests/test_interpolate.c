@@ -242,10 +242,10 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     CHECK(session_set_range(&session, (const int64_t[]){100000, 240000}, NULL) == OK);
     session_mark(&session);
     const struct trace before = trace_of(&session);
-    const struct fence_tally tally = session.fence_tally;
+    const struct roi_tally tally = session.roi_tally;
     CHECK(session_interpolate(&session, 4, NULL) == OK);
-    const struct fence_tally finer = fence_tally(&session.fence, session.scene);
-    CHECK(finer.inside > tally.inside && finer.inside == session.fence_tally.inside);
+    const struct roi_tally finer = roi_tally(&session.roi, session.scene);
+    CHECK(finer.inside > tally.inside && finer.inside == session.roi_tally.inside);
     const uint32_t dark = grid_cell(&session.scene->grid, 0, 0, 0);
     CHECK(session_plant(&session, grid_cell(&session.scene->grid, 66, 110, 100), 1, NULL) == OK);
     CHECK(session_run(&session, NULL) == OK);
@@ -263,7 +263,7 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     session_rollback(&session);
     const struct trace after = trace_of(&session);
     CHECK(memcmp(&before, &after, sizeof before) == 0);
-    CHECK_INT(session.fence_tally.inside, tally.inside);
+    CHECK_INT(session.roi_tally.inside, tally.inside);
     const size_t bytes = mask_bytes(&session.scene->grid);
     uint64_t *mask = malloc(bytes);
     if (CHECK(mask != NULL)) {

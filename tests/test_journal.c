@@ -105,21 +105,21 @@ STORY(what_is_encoded_is_walked)
 /* ---- FORMAT.md --------------------------------------------------------------------------------
  */
 
-/* The bytes between the fences of the example, from the page itself. */
+/* The bytes between the regions of interest of the example, from the page itself. */
 static bool read_example(struct buf *out)
 {
     struct buf page = {0};
-    static const char fence[] = "\n```journal\n";
+    static const char roi[] = "\n```journal\n";
     struct fault fault;
     buf_clear(out);
     if (!CHECK(file_read(&page, "journal/FORMAT.md", 1 << 20, &fault) == OK)) {
         printf("# %s (run me in the top folder)\n", fault.text);
         return false;
     }
-    const char *begin = strstr(buf_text(&page), fence);
-    const char *end = begin ? strstr(begin + sizeof fence - 1, "```") : NULL;
+    const char *begin = strstr(buf_text(&page), roi);
+    const char *end = begin ? strstr(begin + sizeof roi - 1, "```") : NULL;
     if (CHECK(end))
-        buf_add(out, begin + sizeof fence - 1, (size_t)(end - begin) - (sizeof fence - 1));
+        buf_add(out, begin + sizeof roi - 1, (size_t)(end - begin) - (sizeof roi - 1));
     buf_release(&page);
     return end != NULL;
 }

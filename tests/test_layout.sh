@@ -61,7 +61,7 @@ printf '#include "journal/journal.h"\n' >"$fake/src/engine/one.c"
 printf '  #  include "engine/forest.h"\n' >"$fake/journal/two.c"
 printf '#include "tui/term.h"\n' >"$fake/render/three.h"
 printf '#include "engine/grid.h"\n' >"$fake/src/base/four.h"
-printf '#include "command/desk.h"\n' >"$fake/tui/five.c"
+printf '#include "command/interpreter.h"\n' >"$fake/tui/five.c"
 printf '#include "base/err.h"\n' >"$fake/src/odd/six.c"
 printf '#include "err.h"\n' >"$fake/src/base/seven.cc"
 same "$(violations "$fake" | sed 's/ .*//' | sort | tr '\n' ' ')" \

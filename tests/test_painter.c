@@ -6,8 +6,8 @@
 #include "tests/check.h"
 #include "tests/kitty_decode.h"
 #include "tests/sixel_decode.h"
-#include "tui/painter.h"
-#include "tui/shades.h"
+#include "tui/picture/painter.h"
+#include "tui/picture/shades.h"
 
 /* ---- pictures ---- */
 

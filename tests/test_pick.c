@@ -2,13 +2,13 @@
  * What is under a pixel: the voxel, its label and where it lies, and how far the border of its
  * object is, against a search of the whole scene.
  */
-#include "at_desk.h"
+#include "interpreting.h"
 
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 
-#include "command/desk.h"
+#include "command/interpreter.h"
 #include "engine/measure.h"
 
 /* ---- distances ---- */
@@ -113,26 +113,26 @@ STORY(a_border_beyond_reach_is_not_searched_for)
 
 STORY(every_pixel_tells_the_voxel_it_shows)
 {
-    struct desk desk;
+    struct interpreter interp;
     char line[64], words[128];
-    CHECK(desk_init(&desk, NULL) == OK);
-    must(&desk, "open synth:geom:40x30x20");
-    must(&desk, "size 40 30");
-    must(&desk, "label 1 torus");
-    must(&desk, "seed 20,15,10 1");
-    must(&desk, "seed 2,2,2 2");
-    must(&desk, "view 20 30");
-    must(&desk, "cut 30,20,19 10,10,5");
-    CHECK_INT(execute(&desk, "pick 3 3"), ERR_USAGE);
+    CHECK(interpreter_init(&interp, NULL) == OK);
+    must(&interp, "open synth:geom:40x30x20");
+    must(&interp, "size 40 30");
+    must(&interp, "label 1 torus");
+    must(&interp, "seed 20,15,10 1");
+    must(&interp, "seed 2,2,2 2");
+    must(&interp, "view 20 30");
+    must(&interp, "cut 30,20,19 10,10,5");
+    CHECK_INT(execute(&interp, "pick 3 3"), ERR_USAGE);
     CHECK_HAS(fault.text, "the rendition is not up to date; `render` first");
-    must(&desk, "render");
-    const struct session *session = &desk.session;
+    must(&interp, "render");
+    const struct session *session = &interp.session;
     unsigned objects = 0;
     for (uint32_t y = 0; y < 30; y++)
         for (uint32_t x = 0; x < 40; x++) {
             const uint32_t cell = session->rendition.cell[y * 40 + x];
             snprintf(line, sizeof line, "pick %u %u", x, y);
-            must(&desk, line);
+            must(&interp, line);
             if (cell == CELL_NONE) {
                 snprintf(words, sizeof words, "pixel %u,%u shows no object\n", x, y);
                 CHECK_TEXT(buf_text(&reply.text), words);
@@ -154,33 +154,33 @@ STORY(every_pixel_tells_the_voxel_it_shows)
             objects++;
         }
     CHECK(objects > 200);
-    CHECK_INT(execute(&desk, "pick 40 0"), ERR_INPUT);
+    CHECK_INT(execute(&interp, "pick 40 0"), ERR_INPUT);
     CHECK_HAS(fault.text, "pixel 40,0 lies outside the picture of 40x30");
-    CHECK_INT(execute(&desk, "pick 0 30"), ERR_INPUT);
-    CHECK_INT(execute(&desk, "pick -1 0"), ERR_USAGE);
-    CHECK_INT(execute(&desk, "pick 8193 0"), ERR_USAGE);
-    CHECK_INT(execute(&desk, "pick 1"), ERR_USAGE);
+    CHECK_INT(execute(&interp, "pick 0 30"), ERR_INPUT);
+    CHECK_INT(execute(&interp, "pick -1 0"), ERR_USAGE);
+    CHECK_INT(execute(&interp, "pick 8193 0"), ERR_USAGE);
+    CHECK_INT(execute(&interp, "pick 1"), ERR_USAGE);
     CHECK_HAS(fault.text, "missing: ROW");
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(a_cut_shows_how_deep_a_voxel_lies)
 {
-    struct desk desk;
-    CHECK(desk_init(&desk, NULL) == OK);
-    must(&desk, "open synth:geom:41x41x41");
-    must(&desk, "size 41 41");
-    must(&desk, "zoom 1");
-    must(&desk, "seed 20,20,20 1");
-    must(&desk, "plane 20,20,20"); /* from the front; the whole scene is label 1 */
-    must(&desk, "render");
-    must(&desk, "pick 20 20");
+    struct interpreter interp;
+    CHECK(interpreter_init(&interp, NULL) == OK);
+    must(&interp, "open synth:geom:41x41x41");
+    must(&interp, "size 41 41");
+    must(&interp, "zoom 1");
+    must(&interp, "seed 20,20,20 1");
+    must(&interp, "plane 20,20,20"); /* from the front; the whole scene is label 1 */
+    must(&interp, "render");
+    must(&interp, "pick 20 20");
     CHECK_HAS(buf_text(&reply.text), "voxel 20,20,20 ");
     CHECK_HAS(buf_text(&reply.text), "20.00 mm from the border of label 1, at 20,20,0\n");
-    must(&desk, "pick 17 20"); /* from the front, his right is on the left */
+    must(&interp, "pick 17 20"); /* from the front, his right is on the left */
     CHECK_HAS(buf_text(&reply.text), "voxel 23,20,20 ");
     CHECK_HAS(buf_text(&reply.text), "17.00 mm from the border of label 1, at 40,20,20\n");
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(info_tells_how_the_patient_lies_in_the_picture)
@@ -200,20 +200,20 @@ STORY(info_tells_how_the_patient_lies_in_the_picture)
         {"view 0 0 90", "the patient's front towards you, his feet on the right, his left up\n"},
         {"view 10 -10", "the patient's front towards you, his left on the right, his head up\n"},
     };
-    struct desk desk;
-    CHECK(desk_init(&desk, NULL) == OK);
-    must(&desk, "open synth:geom:40x30x20");
+    struct interpreter interp;
+    CHECK(interpreter_init(&interp, NULL) == OK);
+    must(&interp, "open synth:geom:40x30x20");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        must(&desk, row[i].view);
-        must(&desk, "info");
+        must(&interp, row[i].view);
+        must(&interp, "info");
         CHECK_HAS(buf_text(&reply.text), row[i].words);
     }
     CHECK_HAS(buf_text(&reply.text), "pixels, 19.5,14.5,9.5 in the middle\n");
-    must(&desk, "focus 3,4,5");
-    must(&desk, "info");
+    must(&interp, "focus 3,4,5");
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "pixels, 3,4,5 in the middle\n");
     CHECK_HAS(command_find("view")->detail, "his left is on your right from the front");
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 int main(void)

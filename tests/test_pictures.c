@@ -7,26 +7,27 @@
 #include "base/file.h"
 #include "image/exr.h"
 #include "session/export.h"
-#include "tests/at_desk.h"
+#include "tests/interpreting.h"
 #include "tests/folder.h"
 
 static char folder[] = "/tmp/iftty-pictures-XXXXXX";
 
-static void is_refused(struct desk *desk, const char *line, enum err code, const char *words)
+static void is_refused(struct interpreter *interp, const char *line, enum err code,
+                       const char *words)
 {
-    CHECK_INT(execute(desk, line), code);
+    CHECK_INT(execute(interp, line), code);
     CHECK_HAS(fault.text, words);
 }
 
-static void begin_with_object(struct desk *desk)
+static void begin_with_object(struct interpreter *interp)
 {
-    begin_desk(desk);
-    must(desk, "open synth:geom:40x40x20");
-    must(desk, "seed 20,20,10 1 radius=3");
-    must(desk, "seed 1,1,1 0");
-    must(desk, "size 90 70");
-    must(desk, "run");
-    must(desk, "render");
+    begin_interpreter(interp);
+    must(interp, "open synth:geom:40x40x20");
+    must(interp, "seed 20,20,10 1 radius=3");
+    must(interp, "seed 1,1,1 0");
+    must(interp, "size 90 70");
+    must(interp, "run");
+    must(interp, "render");
 }
 
 /* ---- what a picture holds ---- */
@@ -44,12 +45,12 @@ STORY(normals_are_turned_to_the_world)
 
 STORY(an_exr_in_tiles_holds_what_one_in_lines_holds)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct picture lines, tiles;
-    begin_with_object(&desk);
-    must(&desk, "render lines.exr");
-    must(&desk, "render same.exr layout=lines");
-    must(&desk, "render tiles.exr layout=tiled");
+    begin_with_object(&interp);
+    must(&interp, "render lines.exr");
+    must(&interp, "render same.exr layout=lines");
+    must(&interp, "render tiles.exr layout=tiled");
     CHECK_INT(exr_read(&lines, "lines.exr", NULL), OK);
     CHECK_INT(exr_read(&tiles, "tiles.exr", NULL), OK);
     CHECK(!lines.tiled && tiles.tiled);
@@ -59,12 +60,12 @@ STORY(an_exr_in_tiles_holds_what_one_in_lines_holds)
     CHECK(memcmp(lines.label, tiles.label, bytes) == 0);
     CHECK(memcmp(lines.voxel, tiles.voxel, bytes) == 0);
     CHECK(memcmp(lines.normal, tiles.normal, 3 * bytes) == 0);
-    is_refused(&desk, "render a.png layout=tiled", ERR_USAGE, "only an .exr has lines or tiles");
-    is_refused(&desk, "render layout=tiled", ERR_USAGE, "only an .exr has lines or tiles");
+    is_refused(&interp, "render a.png layout=tiled", ERR_USAGE, "only an .exr has lines or tiles");
+    is_refused(&interp, "render layout=tiled", ERR_USAGE, "only an .exr has lines or tiles");
     CHECK(!file_exists("a.png"));
     picture_release(&lines);
     picture_release(&tiles);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(normals_are_unit_vectors_that_face_the_viewer)
@@ -73,14 +74,14 @@ STORY(normals_are_unit_vectors_that_face_the_viewer)
         const char *view;
         int axis, sign;
     } side[] = {{"view front", 1, 1}, {"view left", 0, -1}, {"view top", 2, 1}};
-    struct desk desk;
+    struct interpreter interp;
     struct picture p;
-    begin_with_object(&desk);
+    begin_with_object(&interp);
     for (size_t k = 0; k < 3; k++) {
         double towards = 0;
         size_t seen = 0, odd = 0;
-        must(&desk, side[k].view);
-        must(&desk, "render normals.exr replace=yes");
+        must(&interp, side[k].view);
+        must(&interp, "render normals.exr replace=yes");
         CHECK_INT(exr_read(&p, "normals.exr", NULL), OK);
         for (size_t i = 0; i < (size_t)p.width * p.height; i++) {
             const float *n = p.normal + 3 * i;
@@ -95,21 +96,21 @@ STORY(normals_are_unit_vectors_that_face_the_viewer)
         CHECK(towards > 0.5 * (double)seen);
         picture_release(&p);
     }
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(a_picture_says_what_it_is_of)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct picture p;
-    begin_desk(&desk);
-    CHECK_INT(desk_create_journal(&desk, "notes.iftty", &fault), OK);
-    must(&desk, "open synth:geom:40x40x20");
-    must(&desk, "view 30 20 10");
+    begin_interpreter(&interp);
+    CHECK_INT(interpreter_create_journal(&interp, "notes.iftty", &fault), OK);
+    must(&interp, "open synth:geom:40x40x20");
+    must(&interp, "view 30 20 10");
     char chain[64], scene[32];
-    snprintf(chain, sizeof chain, "%s", journal_chain(desk.journal));
-    snprintf(scene, sizeof scene, "%016llx", (unsigned long long)desk.session.scene_digest);
-    must(&desk, "render notes.exr");
+    snprintf(chain, sizeof chain, "%s", journal_chain(interp.journal));
+    snprintf(scene, sizeof scene, "%016llx", (unsigned long long)interp.session.scene_digest);
+    must(&interp, "render notes.exr");
     CHECK_INT(exr_read(&p, "notes.exr", NULL), OK);
     const struct {
         const char *name, *value;
@@ -127,7 +128,7 @@ STORY(a_picture_says_what_it_is_of)
     const char *look = picture_find(&p, "iftty:look");
     CHECK_HAS(look ? look : "", "surface light ");
     picture_release(&p);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* ---- the turntable ---- */
@@ -147,21 +148,21 @@ static unsigned count_files(const char *prefix)
 STORY(a_turntable_shows_what_turning_shows)
 {
     static const char *const turned[] = {"view 350 20", "view 80 20", "view 170 20", "view 260 20"};
-    struct desk desk;
+    struct interpreter interp;
     struct picture p, q;
     char line[64];
-    begin_with_object(&desk);
-    must(&desk, "view 350 20");
-    must(&desk, "render");
-    const uint64_t before = rendition_digest(session_frame(&desk.session));
-    must(&desk, "spin 4 turn%02d.exr");
+    begin_with_object(&interp);
+    must(&interp, "view 350 20");
+    must(&interp, "render");
+    const uint64_t before = rendition_digest(session_frame(&interp.session));
+    must(&interp, "spin 4 turn%02d.exr");
     CHECK_TEXT(buf_text(&reply.text), "wrote turn00.exr to turn03.exr\n");
     CHECK_HAS(buf_text(&reply.words), "spin=");
-    CHECK(desk.session.rendered && desk.session.settings.view.angle[0] == 350000);
-    CHECK(rendition_digest(session_frame(&desk.session)) == before);
+    CHECK(interp.session.rendered && interp.session.settings.view.angle[0] == 350000);
+    CHECK(rendition_digest(session_frame(&interp.session)) == before);
     for (unsigned i = 0; i < 4; i++) {
-        must(&desk, turned[i]);
-        must(&desk, "render one.exr replace=yes");
+        must(&interp, turned[i]);
+        must(&interp, "render one.exr replace=yes");
         snprintf(line, sizeof line, "turn%02u.exr", i);
         CHECK_INT(exr_read(&p, line, NULL), OK);
         CHECK_INT(exr_read(&q, "one.exr", NULL), OK);
@@ -171,19 +172,19 @@ STORY(a_turntable_shows_what_turning_shows)
         picture_release(&q);
     }
     CHECK_INT(count_files("turn"), 4);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(parts_of_a_turn_are_whole_thousandths)
 {
     static const char *const angle[] = {"0 0 0 ",      "51429 0 0 ",  "102857 0 0 ", "154286 0 0 ",
                                         "205714 0 0 ", "257143 0 0 ", "308571 0 0 "};
-    struct desk desk;
+    struct interpreter interp;
     struct picture p;
     char name[32];
-    begin_with_object(&desk);
-    must(&desk, "size 9 7");
-    must(&desk, "spin 7 part%d.exr");
+    begin_with_object(&interp);
+    must(&interp, "size 9 7");
+    must(&interp, "spin 7 part%d.exr");
     for (unsigned i = 0; i < 7; i++) {
         snprintf(name, sizeof name, "part%u.exr", i);
         CHECK_INT(exr_read(&p, name, NULL), OK);
@@ -191,31 +192,31 @@ STORY(parts_of_a_turn_are_whole_thousandths)
         CHECK(view && strncmp(view, angle[i], strlen(angle[i])) == 0);
         picture_release(&p);
     }
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(an_animated_picture_has_every_frame)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct image_facts facts;
     struct picture p, q;
-    begin_with_object(&desk);
-    must(&desk, "spin 5 round.gif delay=80");
+    begin_with_object(&interp);
+    must(&interp, "spin 5 round.gif delay=80");
     CHECK_TEXT(buf_text(&reply.text), "wrote round.gif, 5 pictures\n");
-    must(&desk, "spin 5 round.tif");
-    CHECK_INT(image_helper_about(desk.helper, "round.gif", &facts, NULL), OK);
+    must(&interp, "spin 5 round.tif");
+    CHECK_INT(image_helper_about(interp.helper, "round.gif", &facts, NULL), OK);
     CHECK_INT(facts.frames, 5);
     image_facts_release(&facts);
-    CHECK_INT(image_helper_about(desk.helper, "round.tif", &facts, NULL), OK);
+    CHECK_INT(image_helper_about(interp.helper, "round.tif", &facts, NULL), OK);
     CHECK_INT(facts.frames, 5);
     image_facts_release(&facts);
-    must(&desk, "render round.png");
-    CHECK_INT(image_helper_read(desk.helper, "round.tif", &p, NULL), OK);
-    CHECK_INT(image_helper_read(desk.helper, "round.png", &q, NULL), OK);
+    must(&interp, "render round.png");
+    CHECK_INT(image_helper_read(interp.helper, "round.tif", &p, NULL), OK);
+    CHECK_INT(image_helper_read(interp.helper, "round.png", &q, NULL), OK);
     CHECK(p.rgba && q.rgba && memcmp(p.rgba, q.rgba, (size_t)4 * 90 * 70) == 0);
     picture_release(&p);
     picture_release(&q);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(a_pattern_is_one_number_in_the_name)
@@ -223,39 +224,39 @@ STORY(a_pattern_is_one_number_in_the_name)
     static const char *const bad[] = {"a.png",    "a%d%d.png", "a%5d.png", "a%s.png",
                                       "a%%.png",  "a%d/x.png", "a%",       "a%0d.png",
                                       "%n%d.png", "a%03i.png"};
-    struct desk desk;
+    struct interpreter interp;
     char line[64];
-    begin_with_object(&desk);
+    begin_with_object(&interp);
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         snprintf(line, sizeof line, "spin 3 %s", bad[i]);
-        is_refused(&desk, line, ERR_USAGE, "expected one %d or %0Nd in its name");
+        is_refused(&interp, line, ERR_USAGE, "expected one %d or %0Nd in its name");
         CHECK_HAS(fault.text, bad[i]);
     }
-    is_refused(&desk, "spin 1 a%d.png", ERR_USAGE, "expected a number 2..1000");
-    is_refused(&desk, "spin 3 none/a%d.png", ERR_IO, "there is no folder none");
-    is_refused(&desk, "spin 3 a%d.xyz", ERR_INPUT, "no known format");
+    is_refused(&interp, "spin 1 a%d.png", ERR_USAGE, "expected a number 2..1000");
+    is_refused(&interp, "spin 3 none/a%d.png", ERR_IO, "there is no folder none");
+    is_refused(&interp, "spin 3 a%d.xyz", ERR_INPUT, "no known format");
     CHECK_INT(count_files("a"), 0);
-    must(&desk, "spin 11 n%09d.ppm");
+    must(&interp, "spin 11 n%09d.ppm");
     CHECK(file_exists("n000000010.ppm"));
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(a_turntable_is_all_or_nothing)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct buf kept = {0};
-    begin_with_object(&desk);
+    begin_with_object(&interp);
     CHECK_INT(file_write("all2.png", "mine", 4, FILE_KEEP, NULL), OK);
-    is_refused(&desk, "spin 4 all%d.png", ERR_IO, "all2.png exists already and was left alone");
+    is_refused(&interp, "spin 4 all%d.png", ERR_IO, "all2.png exists already and was left alone");
     CHECK_INT(count_files("all"), 1);
-    CHECK(desk.session.rendered && desk.session.settings.view.angle[0] == 0);
-    must(&desk, "spin 4 all%d.png replace=yes");
+    CHECK(interp.session.rendered && interp.session.settings.view.angle[0] == 0);
+    must(&interp, "spin 4 all%d.png replace=yes");
     CHECK_INT(count_files("all"), 4);
     CHECK_INT(file_read(&kept, "all2.png", 1 << 20, NULL), OK);
     CHECK(kept.length > 100);
     CHECK_INT(count_files(".tmp"), 0);
     buf_release(&kept);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* Stops after so many looks. */
@@ -271,101 +272,101 @@ STORY(a_turntable_that_is_cancelled_leaves_nothing)
     static struct watch watch = {.look = look};
     static const char *const line[] = {"spin 6 gone%d.png", "spin 6 gone.gif",
                                        "spin 6 all%d.png replace=yes"};
-    struct desk desk;
+    struct interpreter interp;
     struct buf before = {0}, after = {0};
-    begin_with_object(&desk);
-    must(&desk, "spin 6 all%d.png replace=yes");
+    begin_with_object(&interp);
+    must(&interp, "spin 6 all%d.png replace=yes");
     CHECK_INT(file_read(&before, "all1.png", 1 << 20, NULL), OK);
-    const uint64_t digest = rendition_digest(session_frame(&desk.session));
-    desk.session.watch = &watch;
-    must(&desk, "view front");
+    const uint64_t digest = rendition_digest(session_frame(&interp.session));
+    interp.session.watch = &watch;
+    must(&interp, "view front");
     for (size_t i = 0; i < 3; i++)
         for (int looks = 1; looks < 12; looks += 5) {
             looks_left = looks;
-            enum err err = execute(&desk, line[i]);
+            enum err err = execute(&interp, line[i]);
             looks_left = 1 << 30;
             if (!CHECK(err == ERR_CANCELLED))
                 continue;
             CHECK_INT(count_files("gone") + count_files(".tmp"), 0);
-            CHECK(desk.session.settings.view.angle[0] == 0);
+            CHECK(interp.session.settings.view.angle[0] == 0);
         }
-    must(&desk, "render");
-    CHECK(rendition_digest(session_frame(&desk.session)) == digest);
+    must(&interp, "render");
+    CHECK(rendition_digest(session_frame(&interp.session)) == digest);
     CHECK_INT(file_read(&after, "all1.png", 1 << 20, NULL), OK);
     CHECK(after.length == before.length && memcmp(after.data, before.data, after.length) == 0);
     buf_release(&before);
     buf_release(&after);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(a_turntable_is_the_same_when_replayed)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct buf told = {0};
-    begin_desk(&desk);
-    CHECK_INT(desk_create_journal(&desk, "spun.iftty", &fault), OK);
-    must(&desk, "open synth:geom:40x40x20");
-    must(&desk, "seed 20,20,10 1 radius=3");
-    must(&desk, "run");
-    must(&desk, "spin 3 spun%d.png");
-    must(&desk, "spin 4 spun.gif");
-    must(&desk, "render");
-    desk_release(&desk);
+    begin_interpreter(&interp);
+    CHECK_INT(interpreter_create_journal(&interp, "spun.iftty", &fault), OK);
+    must(&interp, "open synth:geom:40x40x20");
+    must(&interp, "seed 20,20,10 1 radius=3");
+    must(&interp, "run");
+    must(&interp, "spin 3 spun%d.png");
+    must(&interp, "spin 4 spun.gif");
+    must(&interp, "render");
+    interpreter_release(&interp);
     unlink("spun.gif");
-    begin_desk(&desk);
-    if (!CHECK(desk_resume_journal(&desk, "spun.iftty", &told, &fault) == OK))
+    begin_interpreter(&interp);
+    if (!CHECK(interpreter_resume_journal(&interp, "spun.iftty", &told, &fault) == OK))
         printf("#   %s\n", fault.text);
-    CHECK_INT(journal_count(desk.journal), 6);
+    CHECK_INT(journal_count(interp.journal), 6);
     CHECK(!file_exists("spun.gif")); /* replaying writes nothing */
     buf_release(&told);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* ---- beside the session ---- */
 
-static const char *news_of(struct desk *desk)
+static const char *news_of(struct interpreter *interp)
 {
     static struct buf text;
     buf_clear(&text);
-    press_wait(desk->press, NULL, NULL);
-    press_news(desk->press, &text);
+    picture_writer_wait(interp->writer, NULL, NULL);
+    picture_writer_news(interp->writer, &text);
     return buf_text(&text);
 }
 
-static void begin_beside(struct desk *desk)
+static void begin_beside(struct interpreter *interp)
 {
-    begin_with_object(desk);
-    CHECK_INT(press_new(&desk->press, helper_program(), NULL), OK);
+    begin_with_object(interp);
+    CHECK_INT(picture_writer_new(&interp->writer, helper_program(), NULL), OK);
 }
 
 STORY(at_a_prompt_a_picture_is_written_beside_the_session)
 {
-    struct desk desk;
-    begin_beside(&desk);
-    must(&desk, "render beside.png");
+    struct interpreter interp;
+    begin_beside(&interp);
+    must(&interp, "render beside.png");
     CHECK_TEXT(buf_text(&reply.text), "writing beside.png\n");
-    CHECK_TEXT(news_of(&desk), "wrote beside.png\n");
+    CHECK_TEXT(news_of(&interp), "wrote beside.png\n");
     CHECK(file_exists("beside.png"));
-    must(&desk, "render beside.exr");
-    must(&desk, "seed 1,1,3 2"); /* goes on meanwhile, and changes nothing of what is written */
-    must(&desk, "run");
-    CHECK_TEXT(news_of(&desk), "wrote beside.exr\n");
-    desk_release(&desk);
+    must(&interp, "render beside.exr");
+    must(&interp, "seed 1,1,3 2"); /* goes on meanwhile, and changes nothing of what is written */
+    must(&interp, "run");
+    CHECK_TEXT(news_of(&interp), "wrote beside.exr\n");
+    interpreter_release(&interp);
 }
 
 STORY(what_is_there_is_left_alone_at_once)
 {
-    struct desk desk;
-    begin_beside(&desk);
-    must(&desk, "render twice.png");
-    is_refused(&desk, "render twice.png", ERR_IO, "twice.png exists already and was left alone");
-    must(&desk, "render twice.png replace=yes");
-    is_refused(&desk, "render none/a.png", ERR_IO, "there is no folder none");
-    is_refused(&desk, "render odd.xyz", ERR_INPUT, "no known format writes .xyz");
-    must(&desk, "render odd.sgi"); /* not known that well: written before the prompt is back */
+    struct interpreter interp;
+    begin_beside(&interp);
+    must(&interp, "render twice.png");
+    is_refused(&interp, "render twice.png", ERR_IO, "twice.png exists already and was left alone");
+    must(&interp, "render twice.png replace=yes");
+    is_refused(&interp, "render none/a.png", ERR_IO, "there is no folder none");
+    is_refused(&interp, "render odd.xyz", ERR_INPUT, "no known format writes .xyz");
+    must(&interp, "render odd.sgi"); /* not known that well: written before the prompt is back */
     CHECK_TEXT(buf_text(&reply.text), "wrote odd.sgi\n");
-    CHECK_TEXT(news_of(&desk), "wrote twice.png\nwrote twice.png\n");
-    desk_release(&desk);
+    CHECK_TEXT(news_of(&interp), "wrote twice.png\nwrote twice.png\n");
+    interpreter_release(&interp);
 }
 
 static int journal_fails(enum file_step step, const char *path)
@@ -375,42 +376,42 @@ static int journal_fails(enum file_step step, const char *path)
 
 STORY(what_is_not_recorded_is_not_written)
 {
-    struct desk desk;
-    begin_beside(&desk);
-    CHECK_INT(desk_create_journal(&desk, "beside.iftty", &fault), OK);
+    struct interpreter interp;
+    begin_beside(&interp);
+    CHECK_INT(interpreter_create_journal(&interp, "beside.iftty", &fault), OK);
     file_step_hook = journal_fails;
-    is_refused(&desk, "render lost.png", ERR_IO, "could not be recorded");
+    is_refused(&interp, "render lost.png", ERR_IO, "could not be recorded");
     file_step_hook = NULL;
-    CHECK_TEXT(news_of(&desk), "");
+    CHECK_TEXT(news_of(&interp), "");
     CHECK(!file_exists("lost.png"));
-    must(&desk, "render found.png");
-    CHECK_TEXT(news_of(&desk), "wrote found.png\n");
-    desk_release(&desk);
+    must(&interp, "render found.png");
+    CHECK_TEXT(news_of(&interp), "wrote found.png\n");
+    interpreter_release(&interp);
 }
 
 STORY(a_picture_that_fails_later_changes_nothing_else)
 {
-    struct desk desk;
-    begin_beside(&desk);
+    struct interpreter interp;
+    begin_beside(&interp);
     CHECK_INT(file_make_folder("going", NULL), OK);
-    press_free(desk.press);
-    CHECK_INT(press_new(&desk.press, "/nonexistent/iftty-image", NULL), OK);
-    must(&desk, "render going/a.png");
-    CHECK_HAS(news_of(&desk), "error: cannot start the image helper /nonexistent/iftty-image");
-    CHECK(desk.session.rendered && !file_exists("going/a.png"));
-    must(&desk, "pick 45 35");
-    desk_release(&desk);
+    picture_writer_free(interp.writer);
+    CHECK_INT(picture_writer_new(&interp.writer, "/nonexistent/iftty-image", NULL), OK);
+    must(&interp, "render going/a.png");
+    CHECK_HAS(news_of(&interp), "error: cannot start the image helper /nonexistent/iftty-image");
+    CHECK(interp.session.rendered && !file_exists("going/a.png"));
+    must(&interp, "pick 45 35");
+    interpreter_release(&interp);
 }
 
-STORY(releasing_a_desk_waits_for_its_pictures)
+STORY(releasing_a_interpreter_waits_for_its_pictures)
 {
-    struct desk desk;
-    begin_beside(&desk);
-    must(&desk, "render last1.png");
-    must(&desk, "render last2.png");
-    must(&desk, "spin 3 last.gif"); /* waits for its own */
+    struct interpreter interp;
+    begin_beside(&interp);
+    must(&interp, "render last1.png");
+    must(&interp, "render last2.png");
+    must(&interp, "spin 3 last.gif"); /* waits for its own */
     CHECK(file_exists("last.gif"));
-    desk_release(&desk);
+    interpreter_release(&interp);
     CHECK(file_exists("last1.png") && file_exists("last2.png"));
 }
 
@@ -428,7 +429,7 @@ int main(void)
         TELL(at_a_prompt_a_picture_is_written_beside_the_session),
         TELL(what_is_there_is_left_alone_at_once), TELL(what_is_not_recorded_is_not_written),
         TELL(a_picture_that_fails_later_changes_nothing_else),
-        TELL(releasing_a_desk_waits_for_its_pictures));
+        TELL(releasing_a_interpreter_waits_for_its_pictures));
     reply_release(&reply);
     return status | remove_folder(folder);
 }

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 
 #include "tests/check.h"
-#include "tui/pilot_keys.h"
-#include "tui/refine.h"
+#include "tui/pilot/pilot_keys.h"
+#include "tui/pilot/refine.h"
 
 /* ---- a host that is a box of voxels ---- */
 
@@ -78,7 +78,7 @@ static void begin(void)
     pilot_state_init(&state);
 }
 
-static void press(enum key key, unsigned modifiers, char c)
+static void writer(enum key key, unsigned modifiers, char c)
 {
     const struct key_event event = {
         .key = key, .modifiers = modifiers, .point = (uint8_t)c, .text = {c}, .length = 1};
@@ -91,13 +91,13 @@ static void press(enum key key, unsigned modifiers, char c)
 static const char *type(const char *letters)
 {
     for (; *letters; letters++)
-        press(KEY_CHARACTER, 0, *letters);
+        writer(KEY_CHARACTER, 0, *letters);
     return buf_text(&line);
 }
 
 static const char *arrow(enum key key, unsigned modifiers)
 {
-    press(key, modifiers, 0);
+    writer(key, modifiers, 0);
     return buf_text(&line);
 }
 
@@ -111,14 +111,14 @@ STORY(arrows_and_letters_move_in_the_plane_that_is_marked)
     CHECK_TEXT(arrow(KEY_DOWN, 0), "cross 20,24,30\n");
     CHECK_TEXT(type("J"), "cross 20,25,29\n");
     CHECK_TEXT(arrow(KEY_PAGE_UP, 0), "cross 20,25,31\n");
-    press(KEY_TAB, 0, 0); /* coronal */
+    writer(KEY_TAB, 0, 0); /* coronal */
     CHECK_TEXT(type("k"), "cross 20,25,31\n");
     CHECK_TEXT(type("K"), "cross 20,26,30\n");
-    press(KEY_TAB, 0, 0); /* sagittal: his front is on the left */
+    writer(KEY_TAB, 0, 0); /* sagittal: his front is on the left */
     CHECK_TEXT(type("h"), "cross 20,26,30\n");
     CHECK_TEXT(type("k"), "cross 20,25,31\n");
     CHECK_TEXT(type("K"), "cross 21,25,30\n");
-    press(KEY_TAB, 0, 0);
+    writer(KEY_TAB, 0, 0);
     CHECK_TEXT(type("l"), "cross 19,25,30\n");
 }
 
@@ -135,7 +135,7 @@ STORY(jumps_counts_and_edges)
     CHECK_TEXT(type("h"), ""); /* nowhere to go is no command */
     CHECK_TEXT(type("#5u"), "undo 5\n");
     CHECK_TEXT(type("u"), "undo\n");
-    press(KEY_CHARACTER, KEY_CONTROL, 'r');
+    writer(KEY_CHARACTER, KEY_CONTROL, 'r');
     CHECK_TEXT(buf_text(&line), "redo\n");
 }
 
@@ -160,7 +160,7 @@ STORY(seeds_brushes_and_strokes)
     type("v");
     CHECK_HAS(buf_text(&message), "pen down");
     CHECK_TEXT(type("l"), "cross 19,40,30\nseed 19,40,30 2 to=20,40,30\n");
-    press(KEY_ESCAPE, 0, 0);
+    writer(KEY_ESCAPE, 0, 0);
     CHECK_TEXT(type("l"), "cross 19,40,30\n");
 }
 
@@ -175,7 +175,7 @@ STORY(an_eliminator_shows_its_tree_first)
     type("x");
     CHECK_TEXT(type("l"), "cross 19,25,30\n"); /* another key does what it does, and nothing goes */
     type("x");
-    press(KEY_ESCAPE, 0, 0);
+    writer(KEY_ESCAPE, 0, 0);
     CHECK_TEXT(buf_text(&line), "");
     CHECK(state.mode == PILOT_FLYING);
     has_tree = false;
@@ -199,7 +199,7 @@ STORY(the_view_and_the_window)
     CHECK_TEXT(arrow(KEY_RIGHT, 0), "window -2 102\n"); /* wider */
     CHECK_TEXT(arrow(KEY_UP, 0), "window -2 98\n");     /* brighter */
     CHECK_TEXT(arrow(KEY_LEFT, KEY_CONTROL), "window 20 80\n");
-    press(KEY_ENTER, 0, 0);
+    writer(KEY_ENTER, 0, 0);
     CHECK(state.mode == PILOT_FLYING);
     CHECK_TEXT(type("wa"), "window auto\n");
     CHECK_TEXT(type(" "), "run\n");
@@ -211,7 +211,7 @@ STORY(a_pixel_of_the_rendition_leads_to_its_voxel)
     type("p");
     CHECK(state.mode == PILOT_PICKING && state.pixel[0] == 32 && state.pixel[1] == 24);
     CHECK_TEXT(type("llj"), "");
-    press(KEY_ENTER, 0, 0);
+    writer(KEY_ENTER, 0, 0);
     CHECK_TEXT(buf_text(&line), "cross 34,25,9\n");
     CHECK(state.mode == PILOT_FLYING);
     type("p");
@@ -219,11 +219,11 @@ STORY(a_pixel_of_the_rendition_leads_to_its_voxel)
         type("L"); /* as far as the picture goes */
     CHECK_INT(state.pixel[0], 63);
     shows = false;
-    press(KEY_ENTER, 0, 0);
+    writer(KEY_ENTER, 0, 0);
     CHECK_TEXT(buf_text(&line), "");
     CHECK_HAS(buf_text(&message), "no object is seen at that pixel");
     type("p");
-    press(KEY_ESCAPE, 0, 0);
+    writer(KEY_ESCAPE, 0, 0);
     CHECK(state.mode == PILOT_FLYING);
 }
 
@@ -234,9 +234,9 @@ STORY(what_is_no_command)
     CHECK(deed == PILOT_PROMPT);
     type("q");
     CHECK(deed == PILOT_LEAVE);
-    press(KEY_CHARACTER, KEY_CONTROL, 'l');
+    writer(KEY_CHARACTER, KEY_CONTROL, 'l');
     CHECK(deed == PILOT_REDRAW);
-    press(KEY_CHARACTER, KEY_CONTROL, 'z');
+    writer(KEY_CHARACTER, KEY_CONTROL, 'z');
     CHECK(deed == PILOT_SUSPEND);
     type("?");
     CHECK(state.mode == PILOT_HELPING);
@@ -244,7 +244,7 @@ STORY(what_is_no_command)
     CHECK(state.mode == PILOT_FLYING);
     CHECK_TEXT(type("y"), "");
     CHECK_HAS(buf_text(&message), "? tells them");
-    press(KEY_OTHER, 0, 0);
+    writer(KEY_OTHER, 0, 0);
     CHECK_TEXT(buf_text(&line), "");
 }
 
@@ -319,8 +319,8 @@ STORY(any_keys_make_lines_that_are_whole)
         static const enum key keys[] = {KEY_CHARACTER, KEY_CHARACTER, KEY_CHARACTER, KEY_UP,
                                         KEY_LEFT,      KEY_ENTER,     KEY_ESCAPE,    KEY_TAB};
         const enum key key = keys[check_below(&seed, 8)];
-        press(key, check_below(&seed, 6) ? 0 : check_below(&seed, 8),
-              (char)(' ' + check_below(&seed, 95)));
+        writer(key, check_below(&seed, 6) ? 0 : check_below(&seed, 8),
+               (char)(' ' + check_below(&seed, 95)));
         CHECK(line.length == 0 || line.data[line.length - 1] == '\n');
         CHECK(!line.failed && !message.failed);
         CHECK(state.label < 256 && state.radius <= 32 && state.pane < PILOT_RENDITION);

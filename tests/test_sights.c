@@ -12,16 +12,16 @@
 #include "image/exr.h"
 #include "image/nifti.h"
 #include "render/text.h"
-#include "tests/at_desk.h"
+#include "tests/interpreting.h"
 #include "tests/folder.h"
 
 static char folder[] = "/tmp/iftty-sights-XXXXXX";
 
-static void refused(struct desk *desk, const char *line, const char *words)
+static void refused(struct interpreter *interp, const char *line, const char *words)
 {
-    CHECK(execute(desk, line) != OK);
+    CHECK(execute(interp, line) != OK);
     CHECK_HAS(fault.text, words);
-    CHECK(!desk->shows_picture);
+    CHECK(!interp->shows_picture);
 }
 
 /* ---- heads in every orientation ---- */
@@ -111,14 +111,14 @@ static char letter_at(const struct canvas *s, int edge)
 
 /* The scene is bright on one of the patient's sides, `letter`: in both planes that have that side
  * on an edge, the bright edge is the one with the letter. */
-static void bright_is(struct desk *desk, char letter)
+static void bright_is(struct interpreter *interp, char letter)
 {
     static const char *const plane[3] = {"slice axial", "slice coronal", "slice sagittal"};
     static const uint32_t inside[4][2] = {{5, 30}, {94, 30}, {30, 5}, {30, 94}};
     unsigned found = 0;
     for (int p = 0; p < 3; p++) {
-        must(desk, plane[p]);
-        const struct canvas *s = &desk->shown;
+        must(interp, plane[p]);
+        const struct canvas *s = &interp->shown;
         for (int edge = 0; edge < 4; edge++) {
             const uint8_t *pixel = canvas_pixel(s, inside[edge][0], inside[edge][1]);
             if (letter_at(s, edge) == letter) {
@@ -141,19 +141,19 @@ static void heads_are_bright_where_they_are(unsigned number, double to_mm[3][4],
     struct head head;
     orient(head.to_patient, number);
     for (int side = 0; side < 6; side++) {
-        struct desk desk;
+        struct interpreter interp;
         head.bright_axis = side / 2;
         head.bright_at_end = side % 2;
         write_head("head.nii", &head, to_mm ? to_mm : head.to_patient);
         if (quaternion)
             use_qform("head.nii", quaternion, qfac);
-        begin_desk(&desk);
-        must(&desk, "open head.nii");
-        must(&desk, "size 100 100");
-        must(&desk, "window 2 150");
-        must(&desk, "overlay cross=off");
-        bright_is(&desk, "LRPAIS"[side]);
-        desk_release(&desk);
+        begin_interpreter(&interp);
+        must(&interp, "open head.nii");
+        must(&interp, "size 100 100");
+        must(&interp, "window 2 150");
+        must(&interp, "overlay cross=off");
+        bright_is(&interp, "LRPAIS"[side]);
+        interpreter_release(&interp);
     }
 }
 
@@ -230,75 +230,75 @@ static void write_values(const char *name, float slope, float intercept)
     buf_release(&file);
 }
 
-static void begin_values(struct desk *desk, float slope, float intercept)
+static void begin_values(struct interpreter *interp, float slope, float intercept)
 {
     write_values("values.nii", slope, intercept);
-    begin_desk(desk);
-    must(desk, "open values.nii");
-    must(desk, "size 10 10");
-    must(desk, "overlay none cross=off marks=off words=off");
+    begin_interpreter(interp);
+    must(interp, "open values.nii");
+    must(interp, "size 10 10");
+    must(interp, "overlay none cross=off marks=off words=off");
 }
 
 /* The grey of voxel x, y of axial slice z: columns run from the patient's right, rows from A. */
-static int grey_of(struct desk *desk, uint32_t x, uint32_t y)
+static int grey_of(struct interpreter *interp, uint32_t x, uint32_t y)
 {
-    return canvas_pixel(&desk->shown, 9 - x, 9 - y)[0];
+    return canvas_pixel(&interp->shown, 9 - x, 9 - y)[0];
 }
 
 STORY(windows_are_in_real_values)
 {
-    struct desk desk;
-    begin_values(&desk, 0.5f, -100);
-    must(&desk, "window -75 -50"); /* intensities 50 and 100 */
+    struct interpreter interp;
+    begin_values(&interp, 0.5f, -100);
+    must(&interp, "window -75 -50"); /* intensities 50 and 100 */
     CHECK_HAS(buf_text(&reply.text), "window -75 -50,");
-    must(&desk, "slice axial 0");
-    CHECK_INT(grey_of(&desk, 0, 5), 0);
-    CHECK_INT(grey_of(&desk, 1, 5), 5);
-    CHECK_INT(grey_of(&desk, 5, 7), 128); /* 75: 127.5 */
-    CHECK_INT(grey_of(&desk, 9, 9), 250);
-    must(&desk, "slice axial 1");
-    CHECK_INT(grey_of(&desk, 0, 0), 255);
-    must(&desk, "window -75 -74.9"); /* less than an intensity: a step */
-    must(&desk, "slice axial 0");
-    CHECK_INT(grey_of(&desk, 0, 5), 0);
-    CHECK_INT(grey_of(&desk, 1, 5), 255);
-    must(&desk, "window -1000000000 1000000000");
-    must(&desk, "slice axial 0");
-    CHECK(grey_of(&desk, 0, 0) == 128 && grey_of(&desk, 9, 9) == 128);
-    desk_release(&desk);
+    must(&interp, "slice axial 0");
+    CHECK_INT(grey_of(&interp, 0, 5), 0);
+    CHECK_INT(grey_of(&interp, 1, 5), 5);
+    CHECK_INT(grey_of(&interp, 5, 7), 128); /* 75: 127.5 */
+    CHECK_INT(grey_of(&interp, 9, 9), 250);
+    must(&interp, "slice axial 1");
+    CHECK_INT(grey_of(&interp, 0, 0), 255);
+    must(&interp, "window -75 -74.9"); /* less than an intensity: a step */
+    must(&interp, "slice axial 0");
+    CHECK_INT(grey_of(&interp, 0, 5), 0);
+    CHECK_INT(grey_of(&interp, 1, 5), 255);
+    must(&interp, "window -1000000000 1000000000");
+    must(&interp, "slice axial 0");
+    CHECK(grey_of(&interp, 0, 0) == 128 && grey_of(&interp, 9, 9) == 128);
+    interpreter_release(&interp);
 
-    begin_values(&desk, -2, 10);    /* bright voxels have low intensities */
-    must(&desk, "window -190 -90"); /* intensities 100 and 50 */
-    must(&desk, "slice axial 0");
-    CHECK_INT(grey_of(&desk, 0, 5), 255);
-    CHECK_INT(grey_of(&desk, 9, 9), 5);
-    must(&desk, "slice axial 1");
-    CHECK_INT(grey_of(&desk, 0, 0), 0);
-    must(&desk, "window auto");
+    begin_values(&interp, -2, 10);    /* bright voxels have low intensities */
+    must(&interp, "window -190 -90"); /* intensities 100 and 50 */
+    must(&interp, "slice axial 0");
+    CHECK_INT(grey_of(&interp, 0, 5), 255);
+    CHECK_INT(grey_of(&interp, 9, 9), 5);
+    must(&interp, "slice axial 1");
+    CHECK_INT(grey_of(&interp, 0, 0), 0);
+    must(&interp, "window auto");
     CHECK_HAS(buf_text(&reply.text), "window auto: -1978 -10,");
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(an_automatic_window_leaves_the_extremes_out)
 {
-    struct desk desk;
-    begin_values(&desk, 1, 0);
-    must(&desk, "window auto");
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    must(&interp, "window auto");
     CHECK_HAS(buf_text(&reply.text), "window auto: 10 994,");
-    must(&desk, "slice axial 0");
-    CHECK_INT(grey_of(&desk, 0, 1), 0);
-    CHECK_INT(grey_of(&desk, 1, 2), 3); /* 11 of 984, times 255: 2.85 */
-    must(&desk, "info");
+    must(&interp, "slice axial 0");
+    CHECK_INT(grey_of(&interp, 0, 1), 0);
+    CHECK_INT(grey_of(&interp, 1, 2), 3); /* 11 of 984, times 255: 2.85 */
+    must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "slices    through 5,5,0: axial 0, coronal 5, sagittal 5;");
-    must(&desk, "interpolate 2 1 1"); /* another scene, another window */
-    CHECK(!desk.session.knows_window);
-    must(&desk, "window auto");
+    must(&interp, "interpolate 2 1 1"); /* another scene, another window */
+    CHECK(!interp.session.knows_window);
+    must(&interp, "window auto");
     CHECK_HAS(buf_text(&reply.text), "through 10,5,0: axial 0, coronal 5, sagittal 10;");
-    desk_release(&desk);
-    begin_values(&desk, 1e-6f, 0);
-    must(&desk, "window auto");
+    interpreter_release(&interp);
+    begin_values(&interp, 1e-6f, 0);
+    must(&interp, "window auto");
     CHECK_HAS(buf_text(&reply.text), "window auto: 1e-05 0.000994,");
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 /* ---- what is shown ---- */
@@ -315,7 +315,7 @@ static void move_values(float mm)
 }
 
 /* Whether the top left corner of the picture at hand says these words and no more. */
-static bool is_titled(const struct desk *desk, const char *words)
+static bool is_titled(const struct interpreter *interp, const char *words)
 {
     const uint8_t ink[3] = {232, 232, 232};
     struct canvas expected;
@@ -325,7 +325,7 @@ static bool is_titled(const struct desk *desk, const char *words)
     for (uint32_t y = 4; y < 4 + 2 * TEXT_LINE; y++)
         for (uint32_t x = 0; x < 90; x++)
             same &= (canvas_pixel(&expected, x, y)[0] == ink[0]) ==
-                    (canvas_pixel(&desk->shown, x, y)[0] == ink[0]);
+                    (canvas_pixel(&interp->shown, x, y)[0] == ink[0]);
     canvas_release(&expected);
     return same;
 }
@@ -342,68 +342,68 @@ STORY(titles_say_where_a_scene_is_however_far_that_is)
         {3e38f, "axial 5\nS 3e+38 mm", "sagittal 5\nR 3e+38 mm"},
     };
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        struct desk desk;
+        struct interpreter interp;
         write_values("values.nii", 1, 0);
         move_values(row[i].mm);
-        begin_desk(&desk);
-        must(&desk, "open values.nii");
-        must(&desk, "size 200 200");
-        must(&desk, "window 60000 60001");
-        must(&desk, "overlay none cross=off marks=off");
-        must(&desk, "slice axial 5");
-        CHECK(is_titled(&desk, row[i].axial));
-        must(&desk, "slice sagittal 5");
-        CHECK(is_titled(&desk, row[i].sagittal));
-        desk_release(&desk);
+        begin_interpreter(&interp);
+        must(&interp, "open values.nii");
+        must(&interp, "size 200 200");
+        must(&interp, "window 60000 60001");
+        must(&interp, "overlay none cross=off marks=off");
+        must(&interp, "slice axial 5");
+        CHECK(is_titled(&interp, row[i].axial));
+        must(&interp, "slice sagittal 5");
+        CHECK(is_titled(&interp, row[i].sagittal));
+        interpreter_release(&interp);
     }
 }
 
 STORY(slices_move_the_cross_hair)
 {
-    struct desk desk;
-    begin_values(&desk, 1, 0);
-    CHECK_INT(desk.session.settings.slices.cross[2], 5); /* the middle */
-    must(&desk, "cross 1,2,3");
-    must(&desk, "slice axial");
-    CHECK(desk.shows_picture && desk.shown.width == 10 && desk.shown.height == 10);
-    must(&desk, "window 0 1000");
-    CHECK(!desk.shows_picture && !desk.shown.rgba);
-    must(&desk, "slice axial");
-    CHECK_INT(grey_of(&desk, 4, 0), 78); /* 304 */
-    must(&desk, "slice coronal 7");
-    must(&desk, "slice sagittal 8");
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    CHECK_INT(interp.session.settings.slices.cross[2], 5); /* the middle */
+    must(&interp, "cross 1,2,3");
+    must(&interp, "slice axial");
+    CHECK(interp.shows_picture && interp.shown.width == 10 && interp.shown.height == 10);
+    must(&interp, "window 0 1000");
+    CHECK(!interp.shows_picture && !interp.shown.rgba);
+    must(&interp, "slice axial");
+    CHECK_INT(grey_of(&interp, 4, 0), 78); /* 304 */
+    must(&interp, "slice coronal 7");
+    must(&interp, "slice sagittal 8");
     CHECK_HAS(buf_text(&reply.text), "through 8,7,3: axial 3, coronal 7, sagittal 8;");
     CHECK_HAS(buf_text(&reply.words), "picture=");
-    must(&desk, "cross 2.2,4,5mm");
+    must(&interp, "cross 2.2,4,5mm");
     CHECK_TEXT(buf_text(&reply.canonical), "cross 2,4,5");
-    refused(&desk, "slice axial 10", "N: expected one of the axial slices 0..9, not 10");
-    CHECK_INT(desk.session.settings.slices.cross[2], 5);
-    must(&desk, "render");
-    CHECK(desk.shows_picture && !desk.shown.rgba); /* the session's rendition */
-    desk_release(&desk);
+    refused(&interp, "slice axial 10", "N: expected one of the axial slices 0..9, not 10");
+    CHECK_INT(interp.session.settings.slices.cross[2], 5);
+    must(&interp, "render");
+    CHECK(interp.shows_picture && !interp.shown.rgba); /* the session's rendition */
+    interpreter_release(&interp);
 }
 
 STORY(a_zoom_stays_until_it_fits_again)
 {
-    struct desk desk;
-    begin_values(&desk, 1, 0);
-    must(&desk, "window 0 1000");
-    must(&desk, "cross 2,2,0");
-    must(&desk, "slice axial zoom=5");
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    must(&interp, "window 0 1000");
+    must(&interp, "cross 2,2,0");
+    must(&interp, "slice axial zoom=5");
     CHECK_TEXT(buf_text(&reply.canonical), "slice axial zoom=5");
-    CHECK_INT(grey_of(&desk, 7, 5), 6); /* the voxel 2,2: 22 */
-    CHECK_INT(grey_of(&desk, 3, 3), 6);
-    CHECK_INT(grey_of(&desk, 2, 3), 5); /* its neighbour: 21 */
-    must(&desk, "slice axial");
-    CHECK_INT(grey_of(&desk, 7, 5), 6);
-    must(&desk, "slice axial zoom=fit");
-    CHECK_INT(grey_of(&desk, 7, 5), 15); /* 57 */
-    desk_release(&desk);
+    CHECK_INT(grey_of(&interp, 7, 5), 6); /* the voxel 2,2: 22 */
+    CHECK_INT(grey_of(&interp, 3, 3), 6);
+    CHECK_INT(grey_of(&interp, 2, 3), 5); /* its neighbour: 21 */
+    must(&interp, "slice axial");
+    CHECK_INT(grey_of(&interp, 7, 5), 6);
+    must(&interp, "slice axial zoom=fit");
+    CHECK_INT(grey_of(&interp, 7, 5), 15); /* 57 */
+    interpreter_release(&interp);
 }
 
-static bool shows_colour(const struct desk *desk, int r, int g, int b)
+static bool shows_colour(const struct interpreter *interp, int r, int g, int b)
 {
-    const struct canvas *s = &desk->shown;
+    const struct canvas *s = &interp->shown;
     for (size_t i = 0; i < (size_t)s->width * s->height; i++)
         if (s->rgba[4 * i] == r && s->rgba[4 * i + 1] == g && s->rgba[4 * i + 2] == b)
             return true;
@@ -413,93 +413,93 @@ static bool shows_colour(const struct desk *desk, int r, int g, int b)
 static const int dot[3] = {1, 2, 253}, x_red[3] = {255, 72, 56}, rim[3] = {255, 255, 255};
 
 /* What the axial slice at hand marks: a seed's dot, an x, the white rim of what waits. */
-static void marks_are(struct desk *desk, bool seed, bool eliminator, bool waiting)
+static void marks_are(struct interpreter *interp, bool seed, bool eliminator, bool waiting)
 {
-    must(desk, "slice axial");
-    CHECK(shows_colour(desk, dot[0], dot[1], dot[2]) == seed);
-    CHECK(shows_colour(desk, x_red[0], x_red[1], x_red[2]) == eliminator);
-    CHECK(shows_colour(desk, rim[0], rim[1], rim[2]) == waiting);
+    must(interp, "slice axial");
+    CHECK(shows_colour(interp, dot[0], dot[1], dot[2]) == seed);
+    CHECK(shows_colour(interp, x_red[0], x_red[1], x_red[2]) == eliminator);
+    CHECK(shows_colour(interp, rim[0], rim[1], rim[2]) == waiting);
 }
 
 STORY(what_waits_and_what_was_eliminated_is_marked)
 {
-    struct desk desk;
-    begin_values(&desk, 1, 0);
-    must(&desk, "size 60 60");
-    must(&desk, "window 0 100000");
-    must(&desk, "label 3 thing #0102fd");
-    must(&desk, "overlay marks=on");
-    must(&desk, "cross 0,0,4");
-    marks_are(&desk, false, false, false);
-    must(&desk, "seed 3,3,4 3");
-    marks_are(&desk, true, false, true);
-    must(&desk, "run");
-    marks_are(&desk, true, false, false);
-    must(&desk, "remove 7,7,4");
-    marks_are(&desk, true, true, true);
-    must(&desk, "run");
-    marks_are(&desk, false, true, false);
-    must(&desk, "run"); /* nothing waits: the last run is still that one */
-    marks_are(&desk, false, true, false);
-    must(&desk, "cross 0,0,5"); /* marks lie in their slice */
-    marks_are(&desk, false, false, false);
-    must(&desk, "cross 0,0,4");
-    must(&desk, "auto on");
-    must(&desk, "seed 2,2,4 3");
-    marks_are(&desk, true, false, false);
-    must(&desk, "remove 5,5,4 radius=2");
-    marks_are(&desk, false, true, false);
-    must(&desk, "overlay marks=off");
-    marks_are(&desk, false, false, false);
-    must(&desk, "overlay marks=on");
-    must(&desk, "interpolate 2 2 1"); /* of the scene before */
-    CHECK(desk.session.eliminators.first == desk.session.eliminators.end);
-    must(&desk, "cross 0,0,4");
-    marks_are(&desk, false, false, false);
-    desk_release(&desk);
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    must(&interp, "size 60 60");
+    must(&interp, "window 0 100000");
+    must(&interp, "label 3 thing #0102fd");
+    must(&interp, "overlay marks=on");
+    must(&interp, "cross 0,0,4");
+    marks_are(&interp, false, false, false);
+    must(&interp, "seed 3,3,4 3");
+    marks_are(&interp, true, false, true);
+    must(&interp, "run");
+    marks_are(&interp, true, false, false);
+    must(&interp, "remove 7,7,4");
+    marks_are(&interp, true, true, true);
+    must(&interp, "run");
+    marks_are(&interp, false, true, false);
+    must(&interp, "run"); /* nothing waits: the last run is still that one */
+    marks_are(&interp, false, true, false);
+    must(&interp, "cross 0,0,5"); /* marks lie in their slice */
+    marks_are(&interp, false, false, false);
+    must(&interp, "cross 0,0,4");
+    must(&interp, "auto on");
+    must(&interp, "seed 2,2,4 3");
+    marks_are(&interp, true, false, false);
+    must(&interp, "remove 5,5,4 radius=2");
+    marks_are(&interp, false, true, false);
+    must(&interp, "overlay marks=off");
+    marks_are(&interp, false, false, false);
+    must(&interp, "overlay marks=on");
+    must(&interp, "interpolate 2 2 1"); /* of the scene before */
+    CHECK(interp.session.eliminators.first == interp.session.eliminators.end);
+    must(&interp, "cross 0,0,4");
+    marks_are(&interp, false, false, false);
+    interpreter_release(&interp);
 }
 
 STORY(hidden_labels_are_not_overlaid)
 {
-    struct desk desk;
-    begin_values(&desk, 1, 0);
-    must(&desk, "label 3 thing #ff0000");
-    must(&desk, "seed 3,3,4 3");
-    must(&desk, "run");
-    must(&desk, "slice axial 4");
-    const uint64_t plain = canvas_digest(&desk.shown);
-    must(&desk, "overlay tint");
-    must(&desk, "slice axial");
-    CHECK(canvas_digest(&desk.shown) != plain);
-    must(&desk, "hide 3");
-    must(&desk, "slice axial");
-    CHECK(canvas_digest(&desk.shown) == plain);
-    desk_release(&desk);
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    must(&interp, "label 3 thing #ff0000");
+    must(&interp, "seed 3,3,4 3");
+    must(&interp, "run");
+    must(&interp, "slice axial 4");
+    const uint64_t plain = canvas_digest(&interp.shown);
+    must(&interp, "overlay tint");
+    must(&interp, "slice axial");
+    CHECK(canvas_digest(&interp.shown) != plain);
+    must(&interp, "hide 3");
+    must(&interp, "slice axial");
+    CHECK(canvas_digest(&interp.shown) == plain);
+    interpreter_release(&interp);
 }
 
 STORY(mosaics_have_the_size_of_the_view)
 {
     static const char *const sizes[] = {"size 16 16", "size 17 300", "size 129 128", "size 333 57"};
-    struct desk desk;
-    begin_values(&desk, 1, 0);
-    must(&desk, "overlay tint cross=on marks=on words=on");
-    must(&desk, "seed 3,3,4 3");
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    must(&interp, "overlay tint cross=on marks=on words=on");
+    must(&interp, "seed 3,3,4 3");
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-        must(&desk, sizes[i]);
-        must(&desk, "mosaic");
-        CHECK(desk.shown.width == desk.session.settings.view.width);
-        CHECK(desk.shown.height == desk.session.settings.view.height);
+        must(&interp, sizes[i]);
+        must(&interp, "mosaic");
+        CHECK(interp.shown.width == interp.session.settings.view.width);
+        CHECK(interp.shown.height == interp.session.settings.view.height);
     }
-    CHECK_INT(desk.session.pendings, 1); /* showing it runs nothing */
-    must(&desk, "size 1 1");
-    refused(&desk, "mosaic",
+    CHECK_INT(interp.session.pendings, 1); /* showing it runs nothing */
+    must(&interp, "size 1 1");
+    refused(&interp, "mosaic",
             "a mosaic takes 16x16 pixels or more, and the view has 1x1; give it more by `size`");
-    must(&desk, "slice axial");
-    CHECK(desk.shown.width == 1);
-    must(&desk, "size 15 400");
-    refused(&desk, "mosaic", "the view has 15x400");
-    refused(&desk, "golden small of=mosaic", "the view has 15x400");
-    desk_release(&desk);
+    must(&interp, "slice axial");
+    CHECK(interp.shown.width == 1);
+    must(&interp, "size 15 400");
+    refused(&interp, "mosaic", "the view has 15x400");
+    refused(&interp, "golden small of=mosaic", "the view has 15x400");
+    interpreter_release(&interp);
 }
 
 static unsigned allocations_left;
@@ -511,86 +511,86 @@ static bool allow_some(size_t bytes)
 
 STORY(without_memory_nothing_is_shown)
 {
-    struct desk desk;
-    begin_values(&desk, 1, 0);
-    must(&desk, "seed 3,3,4 3");
-    must(&desk, "size 50 50");
-    must(&desk, "overlay marks=on");
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    must(&interp, "seed 3,3,4 3");
+    must(&interp, "size 50 50");
+    must(&interp, "overlay marks=on");
     for (unsigned left = 0; left < 200; left++) {
         allocations_left = left;
         mem_allows = allow_some;
-        const enum err err = execute(&desk, "mosaic");
+        const enum err err = execute(&interp, "mosaic");
         mem_allows = NULL;
         if (!err)
             break;
         CHECK_INT(err, ERR_MEMORY);
-        CHECK(!desk.shown.rgba && !desk.shows_picture);
+        CHECK(!interp.shown.rgba && !interp.shows_picture);
     }
-    CHECK(desk.shown.rgba);
-    desk_release(&desk);
+    CHECK(interp.shown.rgba);
+    interpreter_release(&interp);
 }
 
 /* ---- what is under a pixel ---- */
 
-static void picks(struct desk *desk, const char *line, const char *words)
+static void picks(struct interpreter *interp, const char *line, const char *words)
 {
-    must(desk, line);
+    must(interp, line);
     CHECK_HAS(buf_text(&reply.text), words);
 }
 
 STORY(a_pixel_of_a_slice_tells_its_voxel)
 {
-    struct desk desk;
-    begin_values(&desk, 1, 0);
-    must(&desk, "seed 3,3,4 3");
-    must(&desk, "cross 1,2,3");
-    picks(&desk, "pick 0 0 of=axial", "voxel 9,9,3 at 9.0,9.0,3.0 mm: intensity 399,");
-    picks(&desk, "pick 9 9 of=axial", "voxel 0,0,3 ");
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    must(&interp, "seed 3,3,4 3");
+    must(&interp, "cross 1,2,3");
+    picks(&interp, "pick 0 0 of=axial", "voxel 9,9,3 at 9.0,9.0,3.0 mm: intensity 399,");
+    picks(&interp, "pick 9 9 of=axial", "voxel 0,0,3 ");
     CHECK_HAS(buf_text(&reply.text), "reached by no seed\n");
-    picks(&desk, "pick 9 0 of=coronal", "voxel 0,2,9 ");
-    picks(&desk, "pick 0 9 of=sagittal", "voxel 1,9,0 ");
-    CHECK_INT(desk.session.pendings, 1); /* asking runs nothing */
-    must(&desk, "run");
-    picks(&desk, "pick 9 9 of=axial", "on the border of label 3\n");
-    must(&desk, "slice axial zoom=5");
-    picks(&desk, "pick 9 9 of=axial", "voxel 0,1,3 "); /* two by two voxels around 1,2 */
-    must(&desk, "slice axial zoom=fit");
-    must(&desk, "size 22 20");
-    picks(&desk, "pick 0 0 of=axial", "pixel 0,0 shows no voxel\n");
-    picks(&desk, "pick 1 0 of=axial", "voxel 9,9,3 ");
-    refused(&desk, "pick 22 0 of=axial", "pixel 22,0 lies outside the picture of 22x20");
-    refused(&desk, "pick 0 20 of=mosaic", "pixel 0,20 lies outside the picture of 22x20");
-    refused(&desk, "pick 0 0 of=oblique", "of: expected rendition|axial|coronal|sagittal|mosaic");
+    picks(&interp, "pick 9 0 of=coronal", "voxel 0,2,9 ");
+    picks(&interp, "pick 0 9 of=sagittal", "voxel 1,9,0 ");
+    CHECK_INT(interp.session.pendings, 1); /* asking runs nothing */
+    must(&interp, "run");
+    picks(&interp, "pick 9 9 of=axial", "on the border of label 3\n");
+    must(&interp, "slice axial zoom=5");
+    picks(&interp, "pick 9 9 of=axial", "voxel 0,1,3 "); /* two by two voxels around 1,2 */
+    must(&interp, "slice axial zoom=fit");
+    must(&interp, "size 22 20");
+    picks(&interp, "pick 0 0 of=axial", "pixel 0,0 shows no voxel\n");
+    picks(&interp, "pick 1 0 of=axial", "voxel 9,9,3 ");
+    refused(&interp, "pick 22 0 of=axial", "pixel 22,0 lies outside the picture of 22x20");
+    refused(&interp, "pick 0 20 of=mosaic", "pixel 0,20 lies outside the picture of 22x20");
+    refused(&interp, "pick 0 0 of=oblique", "of: expected rendition|axial|coronal|sagittal|mosaic");
     /* Panes of 10x9, 11x9 and 10x10 pixels and a seam of one; nine pixels for ten voxels. */
-    picks(&desk, "pick 8 8 of=mosaic", "voxel 1,2,0 ");
-    picks(&desk, "pick 9 8 of=mosaic", "shows no voxel");
-    picks(&desk, "pick 10 8 of=mosaic", "shows no voxel");
-    picks(&desk, "pick 12 8 of=mosaic", "voxel 1,9,0 ");
-    picks(&desk, "pick 1 18 of=mosaic", "voxel 8,1,3 ");
-    must(&desk, "view front");
-    must(&desk, "zoom 1");
-    picks(&desk, "pick 16 14 of=mosaic", "voxel 5,9,6 "); /* the front of the one object */
-    must(&desk, "size 8 8");
-    refused(&desk, "pick 0 0 of=mosaic", "a mosaic takes 16x16 pixels or more");
-    must(&desk, "render");
-    picks(&desk, "pick 4 4 of=rendition", "voxel ");
-    desk_release(&desk);
+    picks(&interp, "pick 8 8 of=mosaic", "voxel 1,2,0 ");
+    picks(&interp, "pick 9 8 of=mosaic", "shows no voxel");
+    picks(&interp, "pick 10 8 of=mosaic", "shows no voxel");
+    picks(&interp, "pick 12 8 of=mosaic", "voxel 1,9,0 ");
+    picks(&interp, "pick 1 18 of=mosaic", "voxel 8,1,3 ");
+    must(&interp, "view front");
+    must(&interp, "zoom 1");
+    picks(&interp, "pick 16 14 of=mosaic", "voxel 5,9,6 "); /* the front of the one object */
+    must(&interp, "size 8 8");
+    refused(&interp, "pick 0 0 of=mosaic", "a mosaic takes 16x16 pixels or more");
+    must(&interp, "render");
+    picks(&interp, "pick 4 4 of=rendition", "voxel ");
+    interpreter_release(&interp);
 }
 
 /* ---- files and journals ---- */
 
 STORY(an_exr_of_a_slice_holds_labels_and_voxels)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct picture picture;
-    begin_values(&desk, 1, 0);
-    must(&desk, "seed 3,3,4 3");
-    must(&desk, "run");
-    must(&desk, "size 12 10");
-    must(&desk, "slice axial 4 slice.exr");
+    begin_values(&interp, 1, 0);
+    must(&interp, "seed 3,3,4 3");
+    must(&interp, "run");
+    must(&interp, "size 12 10");
+    must(&interp, "slice axial 4 slice.exr");
     CHECK_HAS(buf_text(&reply.text), "wrote slice.exr");
-    refused(&desk, "slice axial 4 slice.exr", "exists");
-    must(&desk, "slice axial 4 slice.exr replace=yes");
+    refused(&interp, "slice axial 4 slice.exr", "exists");
+    must(&interp, "slice axial 4 slice.exr replace=yes");
     if (CHECK(exr_read(&picture, "slice.exr", &fault) == OK)) {
         CHECK(picture.width == 12 && picture.height == 10 && !picture.depth_mm);
         CHECK(picture.label && picture.label[1] == 3 && picture.label[0] == 0);
@@ -601,10 +601,10 @@ STORY(an_exr_of_a_slice_holds_labels_and_voxels)
         CHECK(picture_find(&picture, "iftty:scene") != NULL);
         picture_release(&picture);
     }
-    must(&desk, "size 40 40");
-    must(&desk, "mosaic mosaic.png");
+    must(&interp, "size 40 40");
+    must(&interp, "mosaic mosaic.png");
     CHECK(file_exists("mosaic.png"));
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 static void say_nothing(void *context, const char *text)
@@ -617,12 +617,12 @@ static void say_nothing(void *context, const char *text)
 static void replay(const char *path, const char *words)
 {
     struct buf told = {0};
-    struct desk desk;
+    struct interpreter interp;
     const struct teller teller = {&told, say_nothing, say_nothing, NULL, NULL};
-    begin_desk(&desk);
-    desk.compares_goldens = true;
+    begin_interpreter(&interp);
+    interp.compares_goldens = true;
     fault = (struct fault){.text = ""};
-    const enum err err = drive_replay(&desk, path, &teller, &fault);
+    const enum err err = drive_replay(&interp, path, &teller, &fault);
     if (!words && !CHECK(err == OK))
         printf("#   %s\n", fault.text);
     buf_add_text(&told, fault.text);
@@ -630,7 +630,7 @@ static void replay(const char *path, const char *words)
         CHECK(err != OK);
         CHECK_HAS(buf_text(&told), words);
     }
-    desk_release(&desk);
+    interpreter_release(&interp);
     buf_release(&told);
 }
 
@@ -655,14 +655,14 @@ STORY(golden_slices_are_compared_when_replayed)
                                        "overlay tint cross=off",
                                        "golden near of=coronal",
                                        "mosaic"};
-    struct desk desk;
+    struct interpreter interp;
     struct picture picture;
     write_values("values.nii", 1, 0);
-    begin_desk(&desk);
-    CHECK(desk_create_journal(&desk, "sights.iftty", &fault) == OK);
+    begin_interpreter(&interp);
+    CHECK(interpreter_create_journal(&interp, "sights.iftty", &fault) == OK);
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++)
-        must(&desk, line[i]);
-    desk_release(&desk);
+        must(&interp, line[i]);
+    interpreter_release(&interp);
     replay("sights.iftty", NULL);
     CHECK(file_exists("sights.golden/near.png"));
     if (CHECK(exr_read(&picture, "sights.golden/mosaic.exr", &fault) == OK)) {

@@ -67,7 +67,7 @@ static bool stands(struct session *session)
 }
 
 /* One of the things that a session does to labels; `all` things, or those that edit a little. */
-static void do_anything(struct desk *desk, bool all)
+static void do_anything(struct interpreter *interp, bool all)
 {
     char line[64];
     const unsigned x = check_below(&seed, 40), y = check_below(&seed, 40);
@@ -104,45 +104,45 @@ static void do_anything(struct desk *desk, bool all)
         snprintf(line, sizeof line, "run");
         break;
     }
-    execute(desk, line);
+    execute(interp, line);
 }
 
-static void begin_with_geom(struct desk *desk)
+static void begin_with_geom(struct interpreter *interp)
 {
-    begin_desk(desk);
-    must(desk, "open synth:geom:40x40x30");
-    CHECK(stands(&desk->session));
-    must(desk, "auto on");
+    begin_interpreter(interp);
+    must(interp, "open synth:geom:40x40x30");
+    CHECK(stands(&interp->session));
+    must(interp, "auto on");
 }
 
 STORY(counts_follow_whatever_is_done)
 {
-    struct desk desk;
+    struct interpreter interp;
     unsigned fresh = 0;
-    begin_with_geom(&desk);
+    begin_with_geom(&interp);
     for (int i = 0; i < 400 && check_failures < 5; i++) {
-        do_anything(&desk, true);
-        fresh += stands(&desk.session);
+        do_anything(&interp, true);
+        fresh += stands(&interp.session);
     }
     CHECK(fresh > 100);
-    must(&desk, "auto on");
-    must(&desk, "range none");
+    must(&interp, "auto on");
+    must(&interp, "range none");
     for (int i = 0; i < 60; i++)
-        do_anything(&desk, false);
-    const struct tally before = desk.session.tally;
-    session_mark(&desk.session);
-    CHECK(session_count_labels(&desk.session, NULL) == OK);
+        do_anything(&interp, false);
+    const struct tally before = interp.session.tally;
+    session_mark(&interp.session);
+    CHECK(session_count_labels(&interp.session, NULL) == OK);
     for (uint32_t i = 0; i < 5; i++)
-        CHECK(session_plant(&desk.session, grid_cell(&desk.session.scene->grid, 3 + i, 7, 9), 9,
+        CHECK(session_plant(&interp.session, grid_cell(&interp.session.scene->grid, 3 + i, 7, 9), 9,
                             NULL) == OK);
-    CHECK(session_run(&desk.session, NULL) == OK);
-    stands(&desk.session);
-    CHECK(session_label_voxels(&desk.session, 9) >= 5);
-    CHECK_INT(session_label_former_voxels(&desk.session, 9), 0);
-    session_rollback(&desk.session);
-    CHECK(stands(&desk.session));
-    CHECK(memcmp(&before, &desk.session.tally, sizeof before) == 0);
-    desk_release(&desk);
+    CHECK(session_run(&interp.session, NULL) == OK);
+    stands(&interp.session);
+    CHECK(session_label_voxels(&interp.session, 9) >= 5);
+    CHECK_INT(session_label_former_voxels(&interp.session, 9), 0);
+    session_rollback(&interp.session);
+    CHECK(stands(&interp.session));
+    CHECK(memcmp(&before, &interp.session.tally, sizeof before) == 0);
+    interpreter_release(&interp);
 }
 
 /* Stops at its nth look. */
@@ -155,42 +155,42 @@ static bool stop_later(void *context, const char *what, uint64_t done, uint64_t 
 
 STORY(counts_are_right_after_a_command_was_cancelled)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct watch watch = {.look = stop_later};
     unsigned cancelled = 0;
-    begin_with_geom(&desk);
-    desk.session.watch = &watch;
+    begin_with_geom(&interp);
+    interp.session.watch = &watch;
     for (int i = 0; i < 200 && check_failures < 5; i++) {
         looks_left = 1 + check_below(&seed, 40);
-        do_anything(&desk, true);
+        do_anything(&interp, true);
         cancelled += fault.code == ERR_CANCELLED;
         looks_left = 0;
-        stands(&desk.session);
+        stands(&interp.session);
     }
     CHECK(cancelled > 20);
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(a_journal_that_is_resumed_is_counted_when_somebody_asks)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct buf told = {0};
-    begin_with_geom(&desk);
-    desk_release(&desk);
-    begin_desk(&desk);
-    CHECK(desk_create_journal(&desk, place("tally.iftty"), NULL) == OK);
-    must(&desk, "open synth:geom:40x40x30");
-    must(&desk, "seed 20,20,15 3");
-    must(&desk, "seed 2,2,2 0");
-    must(&desk, "run");
-    const uint64_t voxels = session_label_voxels(&desk.session, 3);
+    begin_with_geom(&interp);
+    interpreter_release(&interp);
+    begin_interpreter(&interp);
+    CHECK(interpreter_create_journal(&interp, place("tally.iftty"), NULL) == OK);
+    must(&interp, "open synth:geom:40x40x30");
+    must(&interp, "seed 20,20,15 3");
+    must(&interp, "seed 2,2,2 0");
+    must(&interp, "run");
+    const uint64_t voxels = session_label_voxels(&interp.session, 3);
     CHECK(voxels > 0 && voxels < 48000);
-    desk_release(&desk);
-    begin_desk(&desk);
-    CHECK(desk_resume_journal(&desk, place("tally.iftty"), &told, NULL) == OK);
-    stands(&desk.session);
-    CHECK_INT(session_label_voxels(&desk.session, 3), voxels);
-    desk_release(&desk);
+    interpreter_release(&interp);
+    begin_interpreter(&interp);
+    CHECK(interpreter_resume_journal(&interp, place("tally.iftty"), &told, NULL) == OK);
+    stands(&interp.session);
+    CHECK_INT(session_label_voxels(&interp.session, 3), voxels);
+    interpreter_release(&interp);
     buf_release(&told);
 }
 
@@ -210,41 +210,41 @@ static const char *answer(void)
 
 STORY(an_edit_is_answered_with_what_it_changed)
 {
-    struct desk desk;
-    begin_with_scene(&desk);
-    must(&desk, "auto on");
-    must(&desk, "seed 9,9,8 1"); /* 12 x 11 x 10 voxels of 1 x 1.5 x 2 mm, oblique */
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    must(&interp, "auto on");
+    must(&interp, "seed 9,9,8 1"); /* 12 x 11 x 10 voxels of 1 x 1.5 x 2 mm, oblique */
     CHECK_TEXT(answer(), "1320 voxels changed, 1 3.96 ml");
-    must(&desk, "seed 1,1,1 2");
-    const uint64_t one = session_label_voxels(&desk.session, 1);
-    const uint64_t two = session_label_voxels(&desk.session, 2);
+    must(&interp, "seed 1,1,1 2");
+    const uint64_t one = session_label_voxels(&interp.session, 1);
+    const uint64_t two = session_label_voxels(&interp.session, 2);
     CHECK_INT(one + two, 1320);
     CHECK_HAS(answer(), one > two ? " voxels changed, 1 " : " voxels changed, 2 cerebellum ");
     CHECK_HAS(answer(), ", 2 cerebellum ");
     CHECK_HAS(buf_text(&reply.text), " ms\n");
-    must(&desk, "remove 1,1,1");
+    must(&interp, "remove 1,1,1");
     CHECK_HAS(answer(), ", 1 3.96 ml, 2 cerebellum 0 ml");
-    must(&desk, "undo");
+    must(&interp, "undo");
     CHECK_HAS(answer(), ", 2 cerebellum ");
-    must(&desk, "seed 1,1,1 2"); /* is there already */
+    must(&interp, "seed 1,1,1 2"); /* is there already */
     CHECK(strstr(answer(), "cerebellum") == NULL);
-    must(&desk, "hide 2");
+    must(&interp, "hide 2");
     CHECK_TEXT(buf_text(&reply.text), "");
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 STORY(of_many_labels_the_largest_are_told)
 {
-    struct desk desk;
+    struct interpreter interp;
     char line[64];
-    begin_with_scene(&desk);
+    begin_with_scene(&interp);
     for (int label = 1; label <= 9; label++) {
         snprintf(line, sizeof line, "seed %d,5,5 %d", label, label);
-        must(&desk, line);
+        must(&interp, line);
     }
-    must(&desk, "run");
+    must(&interp, "run");
     CHECK_HAS(answer(), ", 3 more labels");
-    desk_release(&desk);
+    interpreter_release(&interp);
 }
 
 int main(void)

@@ -9,13 +9,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/confine.h"
+#include "sandbox/confine.h"
 #include "base/file.h"
 #include "base/hash.h"
-#include "at_desk.h"
+#include "interpreting.h"
 #include "check.h"
-#include "command/limits.h"
-#include "command/trust.h"
+#include "sandbox/limits.h"
+#include "sandbox/trust.h"
 #include "engine/scene.h"
 #include "image/helper.h"
 #include "tests/folder.h"
@@ -301,24 +301,24 @@ STORY(behind_walls_only_the_places_given_can_be_reached)
 }
 
 /* The last story: limits hold for the process, for good. */
-STORY(limits_stop_commands_of_a_desk_that_was_there_before_them)
+STORY(limits_stop_commands_of_a_interpreter_that_was_there_before_them)
 {
-    struct desk desk;
+    struct interpreter interp;
     struct limits limits;
     struct replay_report report = {0};
     char script[] = "/tmp/iftty-limits-XXXXXX";
     const int fd = mkstemp(script);
     CHECK(fd >= 0 && write(fd, "auto on\n", 8) == 8);
-    begin_desk(&desk);
+    begin_interpreter(&interp);
     CHECK(limits_read(&limits, NULL, "1h", NULL, NULL) == OK);
     CHECK(image_helper_memory_most == 0);
     limits_begin(&limits);
     CHECK(image_helper_memory_most >= 512000000);
-    CHECK(drive_file(&desk, script, 0, 0, NULL, &report, &fault) == OK);
+    CHECK(drive_file(&interp, script, 0, 0, NULL, &report, &fault) == OK);
     CHECK_INT(report.executed, 1);
-    CHECK(desk.session.watch && desk.session.watch == limits_watch());
+    CHECK(interp.session.watch && interp.session.watch == limits_watch());
     replay_report_release(&report);
-    desk_release(&desk);
+    interpreter_release(&interp);
     reply_release(&reply);
     close(fd);
     CHECK(unlink(script) == 0);
@@ -333,7 +333,7 @@ int main(void)
         TELL(whatever_changes_in_a_scene_changes_its_proof),
         TELL(a_name_is_found_below_its_folder_and_nowhere_else),
         TELL(behind_walls_only_the_places_given_can_be_reached),
-        TELL(limits_stop_commands_of_a_desk_that_was_there_before_them),
+        TELL(limits_stop_commands_of_a_interpreter_that_was_there_before_them),
     };
     return check_run(story, sizeof story / sizeof *story);
 }

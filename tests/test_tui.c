@@ -9,19 +9,19 @@
 #include "tests/check.h"
 #include "tests/kitty_decode.h"
 #include "tests/sixel_decode.h"
-#include "tui/blocks.h"
+#include "tui/picture/blocks.h"
 #include "tui/char_width.h"
-#include "tui/colour_table.h"
+#include "tui/picture/colour_table.h"
 #include "tui/keys.h"
-#include "tui/kitty.h"
-#include "tui/line.h"
+#include "tui/picture/kitty.h"
+#include "tui/prompt/line.h"
 #include "tui/line_draw.h"
-#include "tui/line_edit.h"
+#include "tui/prompt/line_edit.h"
 #include "tui/probe.h"
-#include "tui/shades.h"
-#include "tui/show.h"
-#include "tui/sixel.h"
-#include "tui/wrap.h"
+#include "tui/picture/shades.h"
+#include "tui/picture/show.h"
+#include "tui/picture/sixel.h"
+#include "tui/prompt/wrap.h"
 
 /* ---- pictures ---- */
 
@@ -228,7 +228,7 @@ STORY(smooth_shading_is_reduced_to_colours_nobody_can_tell_apart)
     CHECK(s.colours > 200 && s.colours <= SHADES_MOST);
     CHECK(s.all_painted);
     CHECK(worst_pixel(&view) <= 12);
-CHECK(mean_error(&view) < 2.0);
+    CHECK(mean_error(&view) < 2.0);
     CHECK_TEXT(buf_text(&again), buf_text(&out)); /* and always to the same */
     buf_release(&out);
     buf_release(&again);

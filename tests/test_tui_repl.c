@@ -13,7 +13,7 @@
 
 #include "base/clock.h"
 #include "tests/check.h"
-#include "tui/repl.h"
+#include "tui/prompt/repl.h"
 #include "tui/term.h"
 
 /* ---- the host: a handful of commands ---- */

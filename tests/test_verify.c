@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <zlib.h>
 
-#include "command/bisect.h"
-#include "command/divergence.h"
-#include "command/markup.h"
-#include "command/verdict.h"
-#include "command/verify_report.h"
+#include "verify/bisect.h"
+#include "verify/divergence.h"
+#include "verify/markup.h"
+#include "verify/verdict.h"
+#include "verify/verify_report.h"
 #include "image/png.h"
 #include "journal/record.h"
 #include "tests/check.h"

@@ -23,10 +23,10 @@ static struct scene *scene_of(uint32_t x, uint32_t y, uint32_t z, const uint16_t
     return scene;
 }
 
-static void weigh_by_crew(struct scene *scene, unsigned neighbours,
-                          const struct weight_choice *choice, struct crew *crew)
+static void weigh_by_team(struct scene *scene, unsigned neighbours,
+                          const struct weight_choice *choice, struct team *team)
 {
-    struct weight_work work = {.crew = crew};
+    struct weight_work work = {.team = team};
     struct adjacency adjacency;
     adjacency_init(&adjacency, neighbours, &scene->grid);
     CHECK(weight_work_reserve(&work, &scene->grid, choice, NULL) == OK);
@@ -37,7 +37,7 @@ static void weigh_by_crew(struct scene *scene, unsigned neighbours,
 
 static void weigh(struct scene *scene, unsigned neighbours, const struct weight_choice *choice)
 {
-    weigh_by_crew(scene, neighbours, choice, NULL);
+    weigh_by_team(scene, neighbours, choice, NULL);
 }
 
 static uint16_t weight_at(const struct scene *scene, uint32_t x, uint32_t y, uint32_t z)
@@ -514,14 +514,14 @@ STORY(a_mirrored_scene_has_mirrored_weights)
     }
 }
 
-STORY(every_crew_gives_the_same_weights)
+STORY(every_team_gives_the_same_weights)
 {
     const struct arc_rule arcs = {0};
     const struct weight_choice choices[] = {morph1, morph2, morph3,
                                             sobel,  gauss1, {WEIGHT_GAUSS, 0, 4200}};
     for (unsigned workers = 1; workers < SIDE_MOST + 3; workers++) { /* more than planes, too */
-        struct crew *crew;
-        CHECK(crew_new(&crew, workers, NULL) == OK);
+        struct team *team;
+        CHECK(team_new(&team, workers, NULL) == OK);
         for (unsigned i = 0; i < 30; i++) {
             const struct volume v = random_volume();
             struct scene *scene = scene_of_volume(&v);
@@ -529,12 +529,12 @@ STORY(every_crew_gives_the_same_weights)
             const uint64_t alone = weight_digest(scene, &arcs, NULL);
             for (size_t k = 0; k < scene->grid.cells; k++)
                 scene->cell[k].weight ^= 0x5A5A;
-            weigh_by_crew(scene, 26, &choices[i % 6], crew);
+            weigh_by_team(scene, 26, &choices[i % 6], team);
             CHECK(weight_digest(scene, &arcs, NULL) == alone);
-            CHECK(weight_digest(scene, &arcs, crew) == alone);
+            CHECK(weight_digest(scene, &arcs, team) == alone);
             scene_free(scene);
         }
-        crew_free(crew);
+        team_free(team);
     }
 }
 
@@ -575,6 +575,6 @@ int main(void)
         TELL(square_roots_are_rounded_down), TELL(morph_is_what_rounds_over_the_adjacency_give),
         TELL(scenes_wider_and_higher_than_tiles_have_the_same_morph),
         TELL(sobel_is_what_twenty_seven_products_give), TELL(gauss_is_what_whole_volumes_give),
-        TELL(a_mirrored_scene_has_mirrored_weights), TELL(every_crew_gives_the_same_weights),
+        TELL(a_mirrored_scene_has_mirrored_weights), TELL(every_team_gives_the_same_weights),
         TELL(without_memory_the_room_is_what_it_was));
 }

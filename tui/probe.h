@@ -34,7 +34,7 @@
 
 #include "base/buf.h"
 #include "base/err.h"
-#include "tui/blocks.h"
+#include "tui/picture/blocks.h"
 #include "tui/keys.h"
 #include "tui/term.h"
 

@@ -52,6 +52,10 @@ void term_set_recovery(const char *recover);
  * begins the new. */
 enum err term_change_greetings(const char *begin, const char *end, struct fault *fault);
 
+/* Those of a prompt: bracketed paste. */
+#define TERM_PROMPT_BEGINS "\033[?2004h"
+#define TERM_PROMPT_ENDS   "\033[?2004l"
+
 /* Writes what ends our modes while they are on still, so that answers to what is asked behind it
  * are read and not echoed. The next term_set_mode or term_close does not write it again. */
 enum err term_say_farewell(struct fault *fault);

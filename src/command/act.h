@@ -2,12 +2,12 @@
 #ifndef COMMAND_ACT_H
 #define COMMAND_ACT_H
 
-#include "command/desk.h"
+#include "command/interpreter.h"
 #include "session/slicing.h"
 
 #define ACT(name)                                                                                  \
-    enum err act_##name(struct desk *desk, const struct value *value, struct reply *reply,         \
-                        struct fault *fault)
+    enum err act_##name(struct interpreter *interp, const struct value *value,                     \
+                        struct reply *reply, struct fault *fault)
 
 /* act_scene.c */
 ACT(open);
@@ -95,33 +95,33 @@ enum err act_naming(const char *file, enum err err, struct fault *fault);
 bool act_name_is_fit(const char *name, size_t room);
 
 /* Whether no seed may be planted here. */
-bool act_is_fenced(const struct session *session, uint32_t cell);
+bool act_is_outside(const struct session *session, uint32_t cell);
 
-/* Of seeds to be planted, how many were, and how many were left out by the fence: says so, and
+/* Of seeds to be planted, how many were, and how many were left out by the region of interest: says so, and
  * refuses where all were. */
 enum err act_tell_outside(struct reply *reply, size_t inside, size_t outside, struct fault *fault);
 
-/* What the fence is: "mask brain.nii regions 1-90, range 40..1200"; false where there is none. */
-bool act_write_fence(struct buf *out, const struct session *session);
+/* What the region of interest is: "mask brain.nii regions 1-90, range 40..1200"; false where there is none. */
+bool act_write_roi(struct buf *out, const struct session *session);
 
 /* What is cut away: "axial slices 10-60 kept, 1 plane, 2 boxes taken out"; false where nothing is.
  */
 bool act_write_cut(struct buf *out, const struct session *session);
 
-/* Adds to the notes of a picture what the desk knows: the journal and where its chain stands. */
-enum err act_note_picture(struct desk *desk, struct picture *picture, struct fault *fault);
+/* Adds to the notes of a picture what the interpreter knows: the journal and where its chain stands. */
+enum err act_note_picture(struct interpreter *interp, struct picture *picture, struct fault *fault);
 
 /* The rendition as a picture with all notes, for a file of that name (or NULL), which says whether
  * it holds normals. */
-enum err act_take_picture(struct desk *desk, const char *name, struct picture *picture,
+enum err act_take_picture(struct interpreter *interp, const char *name, struct picture *picture,
                           struct fault *fault);
 
 /* What `replace=yes|no` says. */
 enum file_mode act_file_mode(const struct value *replace);
 
-/* Writes a picture to `path`, which desk_output_path gave, or has the press do it, and says so. The
+/* Writes a picture to `path`, which interpreter_output_path gave, or has the picture writer do it, and says so. The
  * picture is released, whatever comes of it. */
-enum err act_write_picture(struct desk *desk, const char *path, enum file_mode mode,
+enum err act_write_picture(struct interpreter *interp, const char *path, enum file_mode mode,
                            struct picture *picture, struct reply *reply, struct fault *fault);
 
 /* A line: where a voxel is, its intensity, its label and the seed it has that from. */
@@ -135,7 +135,7 @@ void act_write_slices(struct buf *out, struct session *session);
 
 /* A slice or mosaic as a picture with notes, and its digest among the words. The caller releases
  * the picture. */
-enum err act_take_sight(struct desk *desk, enum sight sight, struct picture *picture,
+enum err act_take_sight(struct interpreter *interp, enum sight sight, struct picture *picture,
                         struct reply *reply, struct fault *fault);
 
 /* "2 cerebellum", or "2" where the label has no name. */

@@ -46,7 +46,7 @@ void act_tell_voxel(struct buf *out, const struct session *session, uint32_t at)
     tell_voxel_weight(out, session, cell);
     if (!cell_is_reached(cell)) {
         buf_add_text(out,
-                     cell->flags & CELL_FENCED ? "outside the fence\n" : "reached by no seed\n");
+                     cell->flags & CELL_OUTSIDE ? "outside the fence\n" : "reached by no seed\n");
         return;
     }
     struct place root = grid_place(grid, key_root(cell->key));
@@ -58,7 +58,7 @@ void act_tell_voxel(struct buf *out, const struct session *session, uint32_t at)
 /* How a voxel came to its label: the path back to the seed, where the cost rose. */
 ACT(why)
 {
-    const struct session *session = &desk->session;
+    const struct session *session = &interp->session;
     const struct grid *grid = &session->scene->grid;
     const uint32_t *p = value[0].place;
     uint32_t at = grid_cell(grid, p[0], p[1], p[2]);
@@ -104,13 +104,13 @@ static void tell_weight(struct buf *out, const struct settings *settings)
             buf_printf(out, " %u:%d", label, settings->polarity[label]);
 }
 
-static void tell_fence(struct buf *out, const struct session *session)
+static void tell_roi(struct buf *out, const struct session *session)
 {
-    struct buf fence = {0};
-    if (act_write_fence(&fence, session))
-        buf_printf(out, "fence     %s: %zu of %zu voxels inside\n", buf_text(&fence),
-                   session->fence_tally.inside, session->scene->grid.voxels);
-    buf_release(&fence);
+    struct buf roi = {0};
+    if (act_write_roi(&roi, session))
+        buf_printf(out, "fence     %s: %zu of %zu voxels inside\n", buf_text(&roi),
+                   session->roi_tally.inside, session->scene->grid.voxels);
+    buf_release(&roi);
 }
 
 static void tell_look(struct buf *out, const struct look *look)
@@ -123,13 +123,13 @@ static void tell_look(struct buf *out, const struct look *look)
 
 ACT(info)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     struct buf *out = &reply->text;
     (void)value, (void)fault;
-    if (desk->journal) {
+    if (interp->journal) {
         buf_add_text(out, "journal   ");
-        buf_add_safe(out, journal_path(desk->journal), strlen(journal_path(desk->journal)));
-        buf_printf(out, ", %zu records\n", journal_count(desk->journal));
+        buf_add_safe(out, journal_path(interp->journal), strlen(journal_path(interp->journal)));
+        buf_printf(out, ", %zu records\n", journal_count(interp->journal));
     }
     if (!session->has_scene) {
         buf_add_text(out, "no scene is open\n");
@@ -148,7 +148,7 @@ ACT(info)
                forest_seeds(session->forest), session->pendings, session->settings.adjacency);
     tell_weight(out, &session->settings);
     buf_add_char(out, '\n');
-    tell_fence(out, session);
+    tell_roi(out, session);
     act_tell_view(out, session);
     tell_look(out, &session->settings.look);
     struct buf cut = {0};
@@ -160,13 +160,13 @@ ACT(info)
     buf_printf(out, "memory    %.1f MB, %.1f bytes a voxel; %.1f MB for what can be undone\n",
                (double)session_memory(session) / 1e6,
                (double)session_memory(session) / (double)scene->grid.voxels,
-               (double)history_memory(&desk->history) / 1e6);
+               (double)history_memory(&interp->history) / 1e6);
     return OK;
 }
 
 ACT(stats)
 {
-    const struct session *session = &desk->session;
+    const struct session *session = &interp->session;
     const struct grid *grid = &session->scene->grid;
     size_t voxels[256] = {0}, seeds[256] = {0};
     struct task task = task_begin(session->watch, "counting", grid->voxels);
@@ -196,7 +196,7 @@ ACT(stats)
     buf_add_text(&reply->text, "weight ");
     tell_weight(&reply->text, &session->settings);
     buf_add_char(&reply->text, '\n');
-    tell_fence(&reply->text, session);
+    tell_roi(&reply->text, session);
     buf_printf(&reply->text, "%zu border voxels; forest %016llx, labels %016llx\n",
                border_count(&session->border), (unsigned long long)forest_digest(session->forest),
                (unsigned long long)forest_label_digest(session->forest));
@@ -205,7 +205,7 @@ ACT(stats)
 
 ACT(help)
 {
-    (void)desk, (void)fault;
+    (void)interp, (void)fault;
     command_help(&reply->text, value[0].given ? command_find(value[0].text) : NULL);
     return OK;
 }
@@ -213,15 +213,15 @@ ACT(help)
 ACT(pilot)
 {
     (void)value, (void)reply;
-    if (!desk->has_cockpit)
+    if (!interp->has_cockpit)
         return fault_set(fault, ERR_USAGE, "the pilot flies at a terminal's prompt alone");
-    desk->flies = true;
+    interp->flies = true;
     return OK;
 }
 
 ACT(quit)
 {
     (void)value, (void)reply, (void)fault;
-    desk->finished = true;
+    interp->finished = true;
     return OK;
 }

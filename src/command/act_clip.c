@@ -32,7 +32,7 @@ static void keep_slab(struct cut *cut, const struct scene *scene, enum slice_pla
 
 ACT(clip)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     struct cut cut = session->settings.cut;
     const int64_t plane = value[0].number;
     (void)reply;
@@ -60,7 +60,7 @@ ACT(clip)
 
 ACT(plane)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     struct cut cut = session->settings.cut;
     (void)reply;
     if (value[0].text) {
@@ -90,7 +90,7 @@ static struct cut_box box_between(const uint32_t corner[3], const uint32_t oppos
 
 ACT(cut)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     struct cut cut = session->settings.cut;
     (void)reply;
     if ((value[0].text != NULL) == value[1].given)

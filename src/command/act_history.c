@@ -14,25 +14,26 @@ static void tell_point(struct buf *out, const struct history *history, uint32_t 
 }
 
 /* Where the session is now, for user and journal. */
-static void tell_arrival(const struct desk *desk, uint32_t to, uint32_t branch, struct reply *reply)
+static void tell_arrival(const struct interpreter *interp, uint32_t to, uint32_t branch,
+                         struct reply *reply)
 {
-    const struct history *history = &desk->history;
+    const struct history *history = &interp->history;
     buf_printf(&reply->words, "at=%zu on=%s", history->point[to].record,
                history->branch[branch].name);
     buf_add_text(&reply->text, "after ");
     tell_point(&reply->text, history, to);
-    const size_t waits = desk->session.pendings;
+    const size_t waits = interp->session.pendings;
     if (waits > 0)
         buf_printf(&reply->text, ", %zu edit%s waiting for `run`", waits, waits > 1 ? "s" : "");
     buf_add_char(&reply->text, '\n');
 }
 
-static enum err go(struct desk *desk, uint32_t to, uint32_t branch, struct reply *reply,
+static enum err go(struct interpreter *interp, uint32_t to, uint32_t branch, struct reply *reply,
                    struct fault *fault)
 {
-    enum err err = history_go(&desk->history, &desk->session, to, branch, fault);
+    enum err err = history_go(&interp->history, &interp->session, to, branch, fault);
     if (!err)
-        tell_arrival(desk, to, branch, reply);
+        tell_arrival(interp, to, branch, reply);
     return err;
 }
 
@@ -55,26 +56,26 @@ ACT(undo)
 {
     uint32_t to;
     const size_t count = value[0].given ? (size_t)value[0].number : 1;
-    enum err err = history_before(&desk->history, count, &to, fault);
+    enum err err = history_before(&interp->history, count, &to, fault);
     if (err)
         return err;
-    tell_undone(&desk->history, to, reply);
-    return go(desk, to, desk->history.on, reply, fault);
+    tell_undone(&interp->history, to, reply);
+    return go(interp, to, interp->history.on, reply, fault);
 }
 
 ACT(redo)
 {
     uint32_t to;
     const size_t count = value[0].given ? (size_t)value[0].number : 1;
-    enum err err = history_after(&desk->history, count, &to, fault);
-    return err ? err : go(desk, to, desk->history.on, reply, fault);
+    enum err err = history_after(&interp->history, count, &to, fault);
+    return err ? err : go(interp, to, interp->history.on, reply, fault);
 }
 
 ACT(goto)
 {
     uint32_t to, branch;
-    enum err err = history_find(&desk->history, value[0].text, &to, &branch, fault);
-    return err ? err : go(desk, to, branch, reply, fault);
+    enum err err = history_find(&interp->history, value[0].text, &to, &branch, fault);
+    return err ? err : go(interp, to, branch, reply, fault);
 }
 
 ACT(branch)
@@ -85,7 +86,7 @@ ACT(branch)
                          "NAME: expected a word of at most %d bytes that begins with a letter, "
                          "not %s",
                          BRANCH_NAME_BYTES - 1, name);
-    enum err err = history_branch(&desk->history, name, fault);
+    enum err err = history_branch(&interp->history, name, fault);
     if (!err)
         buf_printf(&reply->words, "branch=%s", name);
     return err;
@@ -94,7 +95,7 @@ ACT(branch)
 /* A line for each of the last `count` points, the latest last, and for the branches. */
 ACT(history)
 {
-    const struct history *history = &desk->history;
+    const struct history *history = &interp->history;
     const size_t count = value[0].given ? (size_t)value[0].number : LISTED;
     const size_t first = history->points > count ? history->points - count : 0;
     (void)fault;

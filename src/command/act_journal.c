@@ -26,67 +26,67 @@ static enum err take_goldens_along(struct buf *made, const char *from, const cha
     return err;
 }
 
-static enum err continue_in(struct desk *desk, const char *path, struct fault *fault)
+static enum err continue_in(struct interpreter *interp, const char *path, struct fault *fault)
 {
     struct buf former = {0}, goldens = {0};
     enum err err = OK;
-    buf_add_text(&former, buf_text(&desk->home));
+    buf_add_text(&former, buf_text(&interp->home));
     if (former.failed)
         err = fault_memory(fault, "a path");
     else if (file_exists(path)) /* said before anything is copied */
         err = fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
     if (!err)
-        err = take_goldens_along(&goldens, journal_path(desk->journal), path, fault);
+        err = take_goldens_along(&goldens, journal_path(interp->journal), path, fault);
     if (!err)
-        err = desk_set_home(desk, path, fault);
+        err = interpreter_set_home(interp, path, fault);
     if (!err)
-        err = journal_continue(desk->journal, path, fault);
+        err = journal_continue(interp->journal, path, fault);
     if (err && goldens.length)
         folder_discard(buf_text(&goldens));
     if (err && !former.failed)
-        desk_set_home(desk, buf_text(&former), NULL);
+        interpreter_set_home(interp, buf_text(&former), NULL);
     buf_release(&former);
     buf_release(&goldens);
     return err;
 }
 
 /* The whole record so far in a new file, and its golden images beside it. */
-static enum err go_on_in(struct desk *desk, const char *path, struct fault *fault)
+static enum err go_on_in(struct interpreter *interp, const char *path, struct fault *fault)
 {
-    if (desk->journal)
-        return continue_in(desk, path, fault);
-    if (desk->unrecorded > 0)
+    if (interp->journal)
+        return continue_in(interp, path, fault);
+    if (interp->unrecorded > 0)
         return fault_set(fault, ERR_USAGE,
                          "%zu commands were carried out without a journal; --journal FILE records "
                          "from the beginning",
-                         desk->unrecorded);
-    return desk_create_journal(desk, path, fault);
+                         interp->unrecorded);
+    return interpreter_create_journal(interp, path, fault);
 }
 
-static void tell_journal(const struct desk *desk, struct reply *reply)
+static void tell_journal(const struct interpreter *interp, struct reply *reply)
 {
-    if (!desk->journal) {
+    if (!interp->journal) {
         buf_add_text(&reply->text, "nothing is recorded yet\n");
         return;
     }
-    const char *path = journal_path(desk->journal);
+    const char *path = journal_path(interp->journal);
     buf_add_safe(&reply->text, path, strlen(path));
-    buf_printf(&reply->text, ", %zu records%s\n", journal_count(desk->journal),
-               journal_only_looks(desk->journal) ? ", looked at: nothing is written" : "");
+    buf_printf(&reply->text, ", %zu records%s\n", journal_count(interp->journal),
+               journal_only_looks(interp->journal) ? ", looked at: nothing is written" : "");
 }
 
 ACT(journal)
 {
     enum err err = OK;
-    if (desk->replays)
+    if (interp->replays)
         return fault_set(fault, ERR_INPUT, "a journal may not say where it is kept");
     if (value[0].given)
-        err = go_on_in(desk, value[0].text, fault);
+        err = go_on_in(interp, value[0].text, fault);
     if (err)
         return fault_prefix(fault, err, "the journal stays where it was");
     if (value[0].given)
-        desk->new_journal = NULL;
-    tell_journal(desk, reply);
+        interp->new_journal = NULL;
+    tell_journal(interp, reply);
     return OK;
 }
 
@@ -97,15 +97,15 @@ ACT(sync)
         "a loss of power may take the commands of the last second",
         "a loss of power may take what was done since the last `sync`"};
     enum err err = OK;
-    if (desk->replays)
+    if (interp->replays)
         return OK; /* nothing is written */
-    const enum file_sync sync = value[0].given ? (enum file_sync)value[0].number : desk->sync;
-    if (desk->journal)
-        err = value[0].given ? journal_set_sync(desk->journal, sync, fault)
-                             : journal_sync(desk->journal, fault);
+    const enum file_sync sync = value[0].given ? (enum file_sync)value[0].number : interp->sync;
+    if (interp->journal)
+        err = value[0].given ? journal_set_sync(interp->journal, sync, fault)
+                             : journal_sync(interp->journal, fault);
     if (err)
         return fault_prefix(fault, err, "`journal FILE` goes on in another file");
-    desk->sync = sync;
+    interp->sync = sync;
     buf_printf(&reply->text, "%s\n", words[sync]);
     return OK;
 }

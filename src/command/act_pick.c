@@ -52,7 +52,7 @@ static void tell_distance(struct buf *out, const struct session *session, uint32
 
 ACT(pick)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     const uint32_t column = (uint32_t)value[0].number, row = (uint32_t)value[1].number;
     const bool is_sight = value[2].given && value[2].number > 0;
     uint32_t cell = CELL_NONE;

@@ -4,40 +4,40 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "command/accepting.h"
-#include "command/verdict.h"
+#include "verify/golden_accept.h"
+#include "verify/verdict.h"
 #include "image/exr.h"
 #include "journal/golden.h"
 #include "session/export.h"
 
 /* ---- pictures ---- */
 
-enum err act_note_picture(struct desk *desk, struct picture *picture, struct fault *fault)
+enum err act_note_picture(struct interpreter *interp, struct picture *picture, struct fault *fault)
 {
-    if (!desk->journal)
+    if (!interp->journal)
         return OK;
-    const char *name = file_name(journal_path(desk->journal));
+    const char *name = file_name(journal_path(interp->journal));
     enum err err = picture_note(picture, "iftty:journal", name, fault);
-    return err ? err : picture_note(picture, "iftty:chain", journal_chain(desk->journal), fault);
+    return err ? err : picture_note(picture, "iftty:chain", journal_chain(interp->journal), fault);
 }
 
-enum err act_take_picture(struct desk *desk, const char *name, struct picture *picture,
+enum err act_take_picture(struct interpreter *interp, const char *name, struct picture *picture,
                           struct fault *fault)
 {
-    enum err err = export_picture(picture, &desk->session, fault);
+    enum err err = export_picture(picture, &interp->session, fault);
     if (!err && name && exr_is_named(name))
-        err = export_normals(picture, &desk->session, fault);
+        err = export_normals(picture, &interp->session, fault);
     if (!err)
-        err = act_note_picture(desk, picture, fault);
+        err = act_note_picture(interp, picture, fault);
     if (err)
         picture_release(picture);
     return err;
 }
 
-static void add_picture_digest(struct desk *desk, struct reply *reply)
+static void add_picture_digest(struct interpreter *interp, struct reply *reply)
 {
     buf_printf(&reply->words, "picture=%016llx",
-               (unsigned long long)rendition_digest(session_frame(&desk->session)));
+               (unsigned long long)rendition_digest(session_frame(&interp->session)));
 }
 
 enum file_mode act_file_mode(const struct value *replace)
@@ -61,28 +61,29 @@ static void tell_seen(const struct rendition *r, struct reply *reply)
                seen);
 }
 
-/* An order for the press, which gets it once the command is recorded. */
-static enum err order_picture(struct desk *desk, const char *path, enum file_mode mode,
-                              struct picture *picture, struct reply *reply, struct fault *fault)
+/* An order for the picture writer, which gets it once the command is recorded. */
+static enum err picture_job_picture(struct interpreter *interp, const char *path,
+                                    enum file_mode mode, struct picture *picture,
+                                    struct reply *reply, struct fault *fault)
 {
-    if (press_holds(desk->press, path))
-        press_wait(desk->press, NULL, NULL); /* for what it finds there */
-    enum err err = press_order(&desk->order, path, mode, picture, fault);
+    if (picture_writer_holds(interp->writer, path))
+        picture_writer_wait(interp->writer, NULL, NULL); /* for what it finds there */
+    enum err err = picture_job_new(&interp->job, path, mode, picture, fault);
     if (!err)
         tell_file("writing ", path, reply);
     return err;
 }
 
-enum err act_write_picture(struct desk *desk, const char *path, enum file_mode mode,
+enum err act_write_picture(struct interpreter *interp, const char *path, enum file_mode mode,
                            struct picture *picture, struct reply *reply, struct fault *fault)
 {
     enum err err;
-    if (desk->press && !desk->replays && press_takes(path)) {
-        err = order_picture(desk, path, mode, picture, reply, fault);
+    if (interp->writer && !interp->replays && picture_writer_takes(path)) {
+        err = picture_job_picture(interp, path, mode, picture, reply, fault);
     } else {
-        err = desk_will_write(desk, path, mode, fault);
+        err = interpreter_will_write(interp, path, mode, fault);
         if (!err)
-            err = image_write(desk->helper, path, mode, picture, fault);
+            err = image_write(interp->helper, path, mode, picture, fault);
         if (!err)
             tell_file("wrote ", path, reply);
     }
@@ -90,17 +91,17 @@ enum err act_write_picture(struct desk *desk, const char *path, enum file_mode m
     return err;
 }
 
-static enum err render_file(struct desk *desk, const struct value *value, struct reply *reply,
-                            struct fault *fault)
+static enum err render_file(struct interpreter *interp, const struct value *value,
+                            struct reply *reply, struct fault *fault)
 {
     struct picture picture;
     struct buf path = {0};
-    enum err err = desk_output_path(desk, value[0].text, &path, fault);
+    enum err err = interpreter_output_path(interp, value[0].text, &path, fault);
     if (!err && path.length) {
-        err = act_take_picture(desk, value[0].text, &picture, fault);
+        err = act_take_picture(interp, value[0].text, &picture, fault);
         if (!err) {
             picture.tiled = value[3].given && value[3].number == 1;
-            err = act_write_picture(desk, buf_text(&path), act_file_mode(&value[2]), &picture,
+            err = act_write_picture(interp, buf_text(&path), act_file_mode(&value[2]), &picture,
                                     reply, fault);
         }
     }
@@ -114,15 +115,15 @@ ACT(render)
                                             RENDER_RAY};
     if (value[3].given && !(value[0].given && exr_is_named(value[0].text)))
         return fault_set(fault, ERR_USAGE, "layout: only an .exr has lines or tiles");
-    enum err err = session_render(&desk->session,
+    enum err err = session_render(&interp->session,
                                   value[1].given ? mode[value[1].number] : RENDER_AS_KEPT, fault);
-    if (err || desk->skims)
+    if (err || interp->skims)
         return err;
-    add_picture_digest(desk, reply);
+    add_picture_digest(interp, reply);
     if (value[0].given)
-        return render_file(desk, value, reply, fault);
-    desk->shows_picture = true;
-    tell_seen(session_frame(&desk->session), reply);
+        return render_file(interp, value, reply, fault);
+    interp->shows_picture = true;
+    tell_seen(session_frame(&interp->session), reply);
     return OK;
 }
 
@@ -134,31 +135,31 @@ static struct golden_planes planes_of(const struct picture *p)
 }
 
 /* Expected, actual and difference beside each other, for whoever looks into a failure. */
-static void leave_evidence(struct desk *desk, const char *name, const struct picture *actual,
-                           const struct golden_difference *difference)
+static void leave_evidence(struct interpreter *interp, const char *name,
+                           const struct picture *actual, const struct golden_difference *difference)
 {
     struct buf path = {0};
     struct picture image = {
         .width = difference->width, .height = difference->height, .rgba = difference->image};
-    if (!desk->evidence_folder || file_make_folder(desk->evidence_folder, NULL))
+    if (!interp->evidence_folder || file_make_folder(interp->evidence_folder, NULL))
         return;
-    const char *journal = file_name(buf_text(&desk->home));
-    buf_printf(&path, "%s/%s.%s.actual.exr", desk->evidence_folder, journal, name);
-    image_write(desk->helper, buf_text(&path), FILE_REPLACE, actual, NULL);
+    const char *journal = file_name(buf_text(&interp->home));
+    buf_printf(&path, "%s/%s.%s.actual.exr", interp->evidence_folder, journal, name);
+    image_write(interp->helper, buf_text(&path), FILE_REPLACE, actual, NULL);
     if (difference->image) {
         buf_clear(&path);
-        buf_printf(&path, "%s/%s.%s.difference.png", desk->evidence_folder, journal, name);
-        image_write(desk->helper, buf_text(&path), FILE_REPLACE, &image, NULL);
+        buf_printf(&path, "%s/%s.%s.difference.png", interp->evidence_folder, journal, name);
+        image_write(interp->helper, buf_text(&path), FILE_REPLACE, &image, NULL);
     }
     buf_release(&path);
 }
 
 /* The same for a report; colours lie over black, as they are seen. */
-static void keep_for_report(struct desk *desk, const char *name, const struct picture *expected,
-                            const struct picture *actual,
+static void keep_for_report(struct interpreter *interp, const char *name,
+                            const struct picture *expected, const struct picture *actual,
                             const struct golden_difference *difference)
 {
-    struct gallery *gallery = desk->gallery;
+    struct gallery *gallery = interp->gallery;
     struct buf words = {0};
     if (!gallery)
         return;
@@ -171,20 +172,20 @@ static void keep_for_report(struct desk *desk, const char *name, const struct pi
     buf_release(&words);
 }
 
-static enum err compare_golden(struct desk *desk, const char *name, const char *path,
+static enum err compare_golden(struct interpreter *interp, const char *name, const char *path,
                                const struct picture *actual, struct fault *fault)
 {
     struct picture expected = {0};
     struct golden_difference difference = {0};
     struct buf words = {0};
     if (!file_exists(path)) {
-        if (desk->gallery)
-            gallery_add(desk->gallery, "actual; there is no golden image", actual->width,
+        if (interp->gallery)
+            gallery_add(interp->gallery, "actual; there is no golden image", actual->width,
                         actual->height, actual->rgba);
         return fault_set(fault, ERR_CHECK, "golden image %s is missing: there is no %s", name,
                          path);
     }
-    enum err err = desk_may_read(desk, path, fault);
+    enum err err = interpreter_may_read(interp, path, fault);
     if (!err)
         err = exr_read(&expected, path, fault);
     if (err) {
@@ -196,8 +197,8 @@ static enum err compare_golden(struct desk *desk, const char *name, const char *
     if (!err && !difference.is_same) {
         golden_tell(&words, &difference);
         err = fault_set(fault, ERR_CHECK, "golden image %s: %s", name, buf_text(&words));
-        leave_evidence(desk, name, actual, &difference);
-        keep_for_report(desk, name, &expected, actual, &difference);
+        leave_evidence(interp, name, actual, &difference);
+        keep_for_report(interp, name, &expected, actual, &difference);
     }
     golden_difference_release(&difference);
     picture_release(&expected);
@@ -206,69 +207,69 @@ static enum err compare_golden(struct desk *desk, const char *name, const char *
 }
 
 /* The same for one that is drawn up anew where it differs. */
-static enum err accept_golden(struct desk *desk, const char *name, const char *path,
+static enum err accept_golden(struct interpreter *interp, const char *name, const char *path,
                               struct picture *picture, struct fault *fault)
 {
-    const enum err err =
-        compare_golden(desk, name, accepting_source(desk->accepting, path), picture, fault);
+    const enum err err = compare_golden(
+        interp, name, golden_accept_source(interp->golden_accept, path), picture, fault);
     if (err != ERR_CHECK)
         return err;
-    return accepting_take(desk->accepting, desk, name, path, picture, fault);
+    return golden_accept_take(interp->golden_accept, interp, name, path, picture, fault);
 }
 
 /* Writes one file of a golden image, which must not be there. */
-static enum err write_new(struct desk *desk, const char *path, const struct picture *picture,
-                          struct fault *fault)
+static enum err write_new(struct interpreter *interp, const char *path,
+                          const struct picture *picture, struct fault *fault)
 {
-    enum err err = desk_will_write(desk, path, FILE_KEEP, fault);
-    return err ? err : image_write(desk->helper, path, FILE_KEEP, picture, fault);
+    enum err err = interpreter_will_write(interp, path, FILE_KEEP, fault);
+    return err ? err : image_write(interp->helper, path, FILE_KEEP, picture, fault);
 }
 
 /* The EXR is the golden image; the PNG beside it is for people. */
-static enum err write_golden(struct desk *desk, const char *name, const char *path,
+static enum err write_golden(struct interpreter *interp, const char *name, const char *path,
                              const struct picture *picture, struct fault *fault)
 {
     struct buf other = {0};
-    enum err err = golden_folder(&other, buf_text(&desk->home), fault);
+    enum err err = golden_folder(&other, buf_text(&interp->home), fault);
     if (!err)
         err = file_make_folder(buf_text(&other), fault);
     if (!err && file_exists(path)) {
-        err = compare_golden(desk, name, path, picture, fault);
+        err = compare_golden(interp, name, path, picture, fault);
         if (err)
             fault_prefix(fault, err, "it exists already and was left alone");
     } else if (!err) {
         buf_printf(&other, "/%s.png", name);
-        err = write_new(desk, path, picture, fault);
+        err = write_new(interp, path, picture, fault);
         if (!err)
-            err = write_new(desk, buf_text(&other), picture, fault);
+            err = write_new(interp, buf_text(&other), picture, fault);
     }
     buf_release(&other);
     return err;
 }
 
 /* The rendition, which takes in the edits that wait, or a slice or mosaic; and its digest. */
-static enum err take_golden(struct desk *desk, const struct value *of, struct picture *picture,
-                            struct reply *reply, struct fault *fault)
+static enum err take_golden(struct interpreter *interp, const struct value *of,
+                            struct picture *picture, struct reply *reply, struct fault *fault)
 {
     const bool is_sight = of->given && of->number > 0;
-    if (desk->skims)
-        return is_sight ? OK : session_run(&desk->session, fault);
+    if (interp->skims)
+        return is_sight ? OK : session_run(&interp->session, fault);
     if (is_sight)
-        return act_take_sight(desk, (enum sight)(of->number - 1), picture, reply, fault);
-    enum err err = session_render(&desk->session, RENDER_AS_KEPT, fault);
+        return act_take_sight(interp, (enum sight)(of->number - 1), picture, reply, fault);
+    enum err err = session_render(&interp->session, RENDER_AS_KEPT, fault);
     if (err)
         return err;
-    add_picture_digest(desk, reply);
-    return act_take_picture(desk, NULL, picture, fault);
+    add_picture_digest(interp, reply);
+    return act_take_picture(interp, NULL, picture, fault);
 }
 
 /* For orphan_check. A name that there was no memory for leaves room for the next. */
-static enum err note_name(struct desk *desk, const char *name, struct fault *fault)
+static enum err note_name(struct interpreter *interp, const char *name, struct fault *fault)
 {
-    buf_add(&desk->goldens, name, strlen(name) + 1);
-    if (!desk->goldens.failed)
+    buf_add(&interp->goldens, name, strlen(name) + 1);
+    if (!interp->goldens.failed)
         return OK;
-    desk->goldens.failed = false;
+    interp->goldens.failed = false;
     return fault_memory(fault, "a name");
 }
 
@@ -281,26 +282,26 @@ ACT(golden)
         return fault_set(fault, ERR_USAGE,
                          "NAME: expected small letters, digits, - and _ (at most 64), not %s",
                          name);
-    if (desk->looks && desk->journal && journal_only_looks(desk->journal))
+    if (interp->looks && interp->journal && journal_only_looks(interp->journal))
         return fault_set(fault, ERR_USAGE,
                          "the journal is only looked at, and its golden images with it; `journal "
                          "FILE` goes on in a file of your own");
-    enum err err = note_name(desk, name, fault);
+    enum err err = note_name(interp, name, fault);
     if (!err)
-        err = take_golden(desk, &value[1], &picture, reply, fault);
+        err = take_golden(interp, &value[1], &picture, reply, fault);
     if (err)
         return err;
-    if (!desk->home.length && !desk->replays)
+    if (!interp->home.length && !interp->replays)
         buf_add_text(&reply->text, "not kept: there is no journal that it could belong to\n");
-    else if (!desk->replays || desk->compares_goldens)
-        err = golden_path(&path, buf_text(&desk->home), name, fault);
-    if (!err && path.length && desk->accepting)
-        err = accept_golden(desk, name, buf_text(&path), &picture, fault);
-    else if (!err && path.length && desk->replays)
-        err = compare_golden(desk, name, buf_text(&path), &picture, fault);
+    else if (!interp->replays || interp->compares_goldens)
+        err = golden_path(&path, buf_text(&interp->home), name, fault);
+    if (!err && path.length && interp->golden_accept)
+        err = accept_golden(interp, name, buf_text(&path), &picture, fault);
+    else if (!err && path.length && interp->replays)
+        err = compare_golden(interp, name, buf_text(&path), &picture, fault);
     else if (!err && path.length)
-        err = write_golden(desk, name, buf_text(&path), &picture, fault);
-    if (!err && path.length && !desk->replays)
+        err = write_golden(interp, name, buf_text(&path), &picture, fault);
+    if (!err && path.length && !interp->replays)
         tell_file("kept as ", buf_text(&path), reply);
     picture_release(&picture);
     buf_release(&path);
@@ -313,14 +314,14 @@ ACT(save)
 {
     static const enum map map[] = {MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER};
     struct buf path = {0};
-    enum err err = session_run(&desk->session, fault);
+    enum err err = session_run(&interp->session, fault);
     if (!err)
-        err = desk_output_path(desk, value[1].text, &path, fault);
+        err = interpreter_output_path(interp, value[1].text, &path, fault);
     if (!err && path.length) {
         const enum file_mode how = act_file_mode(&value[2]);
-        err = desk_will_write(desk, buf_text(&path), how, fault);
+        err = interpreter_will_write(interp, buf_text(&path), how, fault);
         if (!err)
-            err = export_map(&desk->session, map[value[0].number], buf_text(&path), how, fault);
+            err = export_map(&interp->session, map[value[0].number], buf_text(&path), how, fault);
         if (!err)
             tell_file("wrote ", buf_text(&path), reply);
     }

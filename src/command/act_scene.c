@@ -29,8 +29,8 @@ static void tell_scene(const struct session *session, struct reply *reply)
 ACT(open)
 {
     struct buf path = {0};
-    struct session *session = &desk->session;
-    enum err err = desk_find_scene(desk, value[0].text, &path, fault);
+    struct session *session = &interp->session;
+    enum err err = interpreter_find_scene(interp, value[0].text, &path, fault);
     if (!err)
         err = session_open(session, buf_text(&path), fault);
     buf_release(&path);
@@ -46,23 +46,23 @@ ACT(interpolate)
     unsigned doubled = 0;
     for (unsigned a = 0; a < 3; a++)
         doubled |= (unsigned)(value[a].number == 2) << a;
-    enum err err = session_interpolate(&desk->session, doubled, fault);
+    enum err err = session_interpolate(&interp->session, doubled, fault);
     if (!err)
-        tell_scene(&desk->session, reply);
+        tell_scene(&interp->session, reply);
     return err;
 }
 
-static void add_weights(struct desk *desk, struct reply *reply)
+static void add_weights(struct interpreter *interp, struct reply *reply)
 {
-    buf_printf(&reply->words, "weights=%016llx", (unsigned long long)desk->session.weight_digest);
+    buf_printf(&reply->words, "weights=%016llx", (unsigned long long)interp->session.weight_digest);
 }
 
-static enum err weigh_by_file(struct desk *desk, const char *name, struct fault *fault)
+static enum err weigh_by_file(struct interpreter *interp, const char *name, struct fault *fault)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     struct volume map = {0};
     struct buf path = {0};
-    enum err err = desk_find_file(desk, name, &path, fault);
+    enum err err = interpreter_find_file(interp, name, &path, fault);
     if (err) {
         struct near near = near_to(name);
         near_try_choices(&near, WEIGHT_KINDS);
@@ -94,30 +94,30 @@ ACT(weight)
     if (choice.kind == WEIGHT_MORPH)
         choice.radius = radius->given ? (uint32_t)radius->number : 1;
     choice.sigma_thousandths = sigma->given ? (uint32_t)sigma->number : 0;
-    enum err err = is_file ? weigh_by_file(desk, value[0].text, fault)
-                           : session_set_weight(&desk->session, &choice, fault);
+    enum err err = is_file ? weigh_by_file(interp, value[0].text, fault)
+                           : session_set_weight(&interp->session, &choice, fault);
     if (!err)
-        add_weights(desk, reply);
+        add_weights(interp, reply);
     return err;
 }
 
 ACT(polarity)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     enum err err =
         session_set_polarity(session, (uint8_t)value[0].number, (int8_t)value[1].number, fault);
     if (!err && session->settings.weight.kind != WEIGHT_POLARITY)
         buf_add_text(&reply->text, "heeded under `weight polarity`\n");
     if (!err)
-        add_weights(desk, reply);
+        add_weights(interp, reply);
     return err;
 }
 
 ACT(adjacency)
 {
-    enum err err = session_set_adjacency(&desk->session, value[0].number == 0 ? 6 : 26, fault);
+    enum err err = session_set_adjacency(&interp->session, value[0].number == 0 ? 6 : 26, fault);
     if (!err)
-        add_weights(desk, reply);
+        add_weights(interp, reply);
     return err;
 }
 
@@ -138,7 +138,7 @@ bool act_name_is_fit(const char *name, size_t room)
 
 ACT(label)
 {
-    struct settings *settings = &desk->session.settings;
+    struct settings *settings = &interp->session.settings;
     size_t label = (size_t)value[0].number;
     (void)reply;
     if (!act_name_is_fit(value[1].text, LABEL_NAME_BYTES))
@@ -154,7 +154,7 @@ ACT(label)
     if (value[2].given) {
         for (int k = 0; k < 3; k++)
             settings->palette.rgb[label][k] = (uint8_t)(value[2].number >> (16 - 8 * k));
-        desk->session.rendered = false;
+        interp->session.rendered = false;
     }
     return OK;
 }
@@ -227,7 +227,7 @@ static struct voxels ball(const struct grid *grid, const uint32_t place[3], int6
 
 ACT(seed)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     const struct grid *grid = &session->scene->grid;
     const uint32_t *to = value[3].given ? value[3].place : value[0].place;
     struct voxels v = {0};
@@ -236,7 +236,7 @@ ACT(seed)
                        ? OK
                        : fault_memory(fault, "a stroke of seeds");
     for (size_t i = 0; !err && i < v.count; i++) {
-        if (act_is_fenced(session, v.cell[i]))
+        if (act_is_outside(session, v.cell[i]))
             continue;
         err = session_plant(session, v.cell[i], (uint8_t)value[1].number, fault);
         inside++;
@@ -280,15 +280,16 @@ static enum err read_taken(const struct grid *grid, const struct record_word *wo
 /* Of a ball, voxels that no tree holds are passed over, unless that is all of them. Which tree
  * holds a voxel is known only to a forest that is up to date; whoever skims a journal finds in it
  * which seeds went, and else has to catch up. */
-static enum err eliminate(struct desk *desk, const struct value *value, struct fault *fault)
+static enum err eliminate(struct interpreter *interp, const struct value *value,
+                          struct fault *fault)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     uint32_t taken[TAKEN_MOST];
     struct record_word word;
     size_t count;
     enum err err = OK;
-    if (session->skims && desk->recorded_words &&
-        record_word_find(desk->recorded_words, "took", 4, &word)) {
+    if (session->skims && interp->recorded_words &&
+        record_word_find(interp->recorded_words, "took", 4, &word)) {
         err = read_taken(&session->scene->grid, &word, taken, &count, fault);
         return err ? err : session_eliminate_seeds(session, taken, count, fault);
     }
@@ -306,8 +307,8 @@ static enum err eliminate(struct desk *desk, const struct value *value, struct f
 
 ACT(remove)
 {
-    struct session *session = &desk->session;
-    const enum err err = eliminate(desk, value, fault);
+    struct session *session = &interp->session;
+    const enum err err = eliminate(interp, value, fault);
     if (err)
         return err;
     tell_taken(session, reply);
@@ -319,12 +320,12 @@ ACT(remove)
 ACT(run)
 {
     (void)value, (void)reply;
-    return session_run(&desk->session, fault);
+    return session_run(&interp->session, fault);
 }
 
 ACT(auto)
 {
     (void)reply, (void)fault;
-    desk->session.settings.runs_by_itself = value[0].number == 0;
+    interp->session.settings.runs_by_itself = value[0].number == 0;
     return OK;
 }

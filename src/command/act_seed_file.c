@@ -66,19 +66,19 @@ static enum err read_map(struct seeds *seeds, struct reply *reply, const struct 
 
 ACT(seed_file)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     struct buf path = {0};
     struct seeds seeds = {0};
     const char *name = value[FILE_NAME].text;
     const size_t length = strlen(name);
-    enum err err = desk_find_file(desk, name, &path, fault);
+    enum err err = interpreter_find_file(interp, name, &path, fault);
     if (!err && length > 4 && strcmp(name + length - 4, ".csv") == 0)
         err = read_list(&seeds, session, value, buf_text(&path), fault);
     else if (!err)
         err = read_map(&seeds, reply, session, value, buf_text(&path), fault);
     size_t inside = 0;
     for (size_t i = 0; !err && i < seeds.count; i++) {
-        if (act_is_fenced(session, seeds.edit[i].cell))
+        if (act_is_outside(session, seeds.edit[i].cell))
             continue;
         err = session_plant(session, seeds.edit[i].cell, (uint8_t)seeds.edit[i].label, fault);
         inside++;

@@ -31,11 +31,11 @@ void act_write_slices(struct buf *out, struct session *session)
 
 ACT(cross)
 {
-    uint32_t *cross = desk->session.settings.slices.cross;
+    uint32_t *cross = interp->session.settings.slices.cross;
     (void)fault;
     for (int a = 0; a < 3; a++)
         cross[a] = value[0].place[a];
-    act_write_slices(&reply->text, &desk->session);
+    act_write_slices(&reply->text, &interp->session);
     return OK;
 }
 
@@ -48,14 +48,14 @@ ACT(window)
                          "expected LOW and HIGH, or auto alone; nothing has changed");
     if (!is_auto && window[1] <= window[0])
         return fault_set(fault, ERR_USAGE, "HIGH is not above LOW; nothing has changed");
-    session_set_window(&desk->session, is_auto ? NULL : window);
-    act_write_slices(&reply->text, &desk->session);
+    session_set_window(&interp->session, is_auto ? NULL : window);
+    act_write_slices(&reply->text, &interp->session);
     return OK;
 }
 
 ACT(overlay)
 {
-    struct slice_settings *s = &desk->session.settings.slices;
+    struct slice_settings *s = &interp->session.settings.slices;
     bool *const what[] = {
         [OVERLAY_CROSS] = &s->crosses, [OVERLAY_MARKS] = &s->marks, [OVERLAY_WORDS] = &s->words};
     bool any = value[OVERLAY_LABELS].given;
@@ -68,57 +68,57 @@ ACT(overlay)
         return fault_set(fault, ERR_USAGE, "expected what to change, as in `overlay tint`");
     if (value[OVERLAY_LABELS].given)
         s->overlay = (enum slice_overlay)value[OVERLAY_LABELS].number;
-    act_write_slices(&reply->text, &desk->session);
+    act_write_slices(&reply->text, &interp->session);
     return OK;
 }
 
 /* ---- pictures ---- */
 
-enum err act_take_sight(struct desk *desk, enum sight sight, struct picture *picture,
+enum err act_take_sight(struct interpreter *interp, enum sight sight, struct picture *picture,
                         struct reply *reply, struct fault *fault)
 {
     struct canvas canvas;
-    enum err err = slicing_draw(&canvas, &desk->session, sight, true, fault);
+    enum err err = slicing_draw(&canvas, &interp->session, sight, true, fault);
     if (err)
         return err;
     buf_printf(&reply->words, "picture=%016llx", (unsigned long long)canvas_digest(&canvas));
-    err = slicing_export(picture, &desk->session, sight, &canvas, fault);
+    err = slicing_export(picture, &interp->session, sight, &canvas, fault);
     canvas_release(&canvas);
     if (!err)
-        err = act_note_picture(desk, picture, fault);
+        err = act_note_picture(interp, picture, fault);
     if (err)
         picture_release(picture);
     return err;
 }
 
-static enum err show_inline(struct desk *desk, enum sight sight, struct reply *reply,
+static enum err show_inline(struct interpreter *interp, enum sight sight, struct reply *reply,
                             struct fault *fault)
 {
     struct canvas canvas;
-    enum err err = slicing_draw(&canvas, &desk->session, sight, false, fault);
+    enum err err = slicing_draw(&canvas, &interp->session, sight, false, fault);
     if (err)
         return err;
     buf_printf(&reply->words, "picture=%016llx", (unsigned long long)canvas_digest(&canvas));
-    desk_show(desk, &canvas);
+    interpreter_show(interp, &canvas);
     return OK;
 }
 
 /* To the file that is named, or inline. */
-static enum err bring_out(struct desk *desk, enum sight sight, const struct value *file,
+static enum err bring_out(struct interpreter *interp, enum sight sight, const struct value *file,
                           const struct value *replace, struct reply *reply, struct fault *fault)
 {
     struct picture picture = {0};
     struct buf path = {0};
-    if (desk->skims)
+    if (interp->skims)
         return OK;
-    act_write_slices(&reply->text, &desk->session);
+    act_write_slices(&reply->text, &interp->session);
     if (!file->given)
-        return show_inline(desk, sight, reply, fault);
-    enum err err = act_take_sight(desk, sight, &picture, reply, fault);
+        return show_inline(interp, sight, reply, fault);
+    enum err err = act_take_sight(interp, sight, &picture, reply, fault);
     if (!err)
-        err = desk_output_path(desk, file->text, &path, fault);
+        err = interpreter_output_path(interp, file->text, &path, fault);
     if (!err && path.length)
-        err = act_write_picture(desk, buf_text(&path), act_file_mode(replace), &picture, reply,
+        err = act_write_picture(interp, buf_text(&path), act_file_mode(replace), &picture, reply,
                                 fault);
     else
         picture_release(&picture);
@@ -128,7 +128,7 @@ static enum err bring_out(struct desk *desk, enum sight sight, const struct valu
 
 ACT(slice)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     struct slice_settings *s = &session->settings.slices;
     const enum slice_plane plane = (enum slice_plane)value[SLICE_PLANE].number;
     const uint32_t count = slice_count(session->scene, plane);
@@ -140,11 +140,12 @@ ACT(slice)
         slice_move(session->scene, plane, (uint32_t)value[SLICE_NUMBER].number, s->cross);
     if (value[SLICE_ZOOM].given)
         s->zoom = value[SLICE_ZOOM].text ? 0 : (uint32_t)value[SLICE_ZOOM].number;
-    return bring_out(desk, (enum sight)plane, &value[SLICE_FILE], &value[SLICE_REPLACE], reply,
+    return bring_out(interp, (enum sight)plane, &value[SLICE_FILE], &value[SLICE_REPLACE], reply,
                      fault);
 }
 
 ACT(mosaic)
 {
-    return bring_out(desk, SIGHT_MOSAIC, &value[MOSAIC_FILE], &value[MOSAIC_REPLACE], reply, fault);
+    return bring_out(interp, SIGHT_MOSAIC, &value[MOSAIC_FILE], &value[MOSAIC_REPLACE], reply,
+                     fault);
 }

@@ -45,7 +45,7 @@ static void write_name(struct buf *out, const struct pattern *pattern, unsigned 
 }
 
 struct spin {
-    struct desk *desk;
+    struct interpreter *interp;
     struct pattern pattern;
     unsigned count, delay_ms;
     enum file_mode mode;
@@ -57,8 +57,8 @@ struct spin {
 static enum err write_still(struct spin *spin, const struct picture *picture, struct fault *fault)
 {
     const char *path = buf_text(&spin->path);
-    enum err err = desk_will_write(spin->desk, path, spin->mode, fault);
-    return err ? err : image_write(spin->desk->helper, path, spin->mode, picture, fault);
+    enum err err = interpreter_will_write(spin->interp, path, spin->mode, fault);
+    return err ? err : image_write(spin->interp->helper, path, spin->mode, picture, fault);
 }
 
 static enum err write_frame(struct spin *spin, unsigned number, const struct picture *picture,
@@ -66,10 +66,10 @@ static enum err write_frame(struct spin *spin, unsigned number, const struct pic
 {
     enum err err = OK;
     if (number == 0)
-        err = desk_will_write(spin->desk, buf_text(&spin->path), spin->mode, fault);
+        err = interpreter_will_write(spin->interp, buf_text(&spin->path), spin->mode, fault);
     if (!err && number == 0)
-        err = image_movie_begin(&spin->movie, spin->desk->helper, buf_text(&spin->path), spin->mode,
-                                picture, spin->count, spin->delay_ms, fault);
+        err = image_movie_begin(&spin->movie, spin->interp->helper, buf_text(&spin->path),
+                                spin->mode, picture, spin->count, spin->delay_ms, fault);
     if (!err)
         err = image_movie_add(&spin->movie, picture, fault);
     if (!err && number + 1 == spin->count)
@@ -84,12 +84,12 @@ static enum err write_picture(struct spin *spin, unsigned number, struct fault *
     write_name(&spin->name, &spin->pattern, number);
     enum err err = spin->name.failed ? fault_memory(fault, "a file name") : OK;
     if (!err && (number == 0 || spin->pattern.counts))
-        err = desk_output_path(spin->desk, buf_text(&spin->name), &spin->path, fault);
+        err = interpreter_output_path(spin->interp, buf_text(&spin->name), &spin->path, fault);
     if (err || !spin->path.length)
         return err;
     if (number == 0)
         buf_add_text(&spin->first, buf_text(&spin->path));
-    err = act_take_picture(spin->desk, buf_text(&spin->name), &picture, fault);
+    err = act_take_picture(spin->interp, buf_text(&spin->name), &picture, fault);
     if (!err && spin->pattern.counts)
         err = write_still(spin, &picture, fault);
     else if (!err)
@@ -103,7 +103,7 @@ static enum err write_picture(struct spin *spin, unsigned number, struct fault *
 static enum err turn_to(struct spin *spin, const struct view *from, unsigned number,
                         struct fault *fault)
 {
-    struct session *session = &spin->desk->session;
+    struct session *session = &spin->interp->session;
     struct view view = *from;
     const int64_t part =
         ((int64_t)2 * VIEW_TURN * number + spin->count) / ((int64_t)2 * spin->count);
@@ -118,7 +118,7 @@ static enum err turn_to(struct spin *spin, const struct view *from, unsigned num
 
 static enum err turn_around(struct spin *spin, struct fault *fault)
 {
-    struct session *session = &spin->desk->session;
+    struct session *session = &spin->interp->session;
     const struct view from = session->settings.view;
     const bool rendered = session->rendered;
     enum err err = OK;
@@ -153,7 +153,7 @@ static void tell_outcome(const struct spin *spin, struct reply *reply)
 
 ACT(spin)
 {
-    struct spin spin = {.desk = desk,
+    struct spin spin = {.interp = interp,
                         .count = (unsigned)value[0].number,
                         .delay_ms = value[2].given ? (unsigned)value[2].number : 100,
                         .mode = act_file_mode(&value[3])};
@@ -162,8 +162,8 @@ ACT(spin)
                          "FILE: expected one %%d or %%0Nd in its name, as in turn%%03d.png, or a "
                          "name that ends in .gif or .tif; not %s",
                          value[1].text);
-    if (desk->skims)
-        return session_run(&desk->session, fault);
+    if (interp->skims)
+        return session_run(&interp->session, fault);
     enum err err = turn_around(&spin, fault);
     if (!err)
         tell_outcome(&spin, reply);

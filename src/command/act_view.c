@@ -11,7 +11,7 @@ static int32_t whole_turn(int64_t angle)
 
 ACT(view)
 {
-    struct view view = desk->session.settings.view;
+    struct view view = interp->session.settings.view;
     (void)reply;
     if (value[0].text) {
         if (value[1].given || value[2].given)
@@ -21,22 +21,22 @@ ACT(view)
         for (int i = 0; i < 3; i++)
             view.angle[i] = whole_turn(value[i].given ? value[i].number : 0);
     }
-    return session_set_view(&desk->session, &view, fault);
+    return session_set_view(&interp->session, &view, fault);
 }
 
 ACT(turn)
 {
-    struct view view = desk->session.settings.view;
+    struct view view = interp->session.settings.view;
     (void)reply;
     for (int i = 0; i < 3; i++)
         if (value[i].given)
             view.angle[i] = whole_turn(view.angle[i] + value[i].number);
-    return session_set_view(&desk->session, &view, fault);
+    return session_set_view(&interp->session, &view, fault);
 }
 
 ACT(zoom)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     struct view view = session->settings.view;
     (void)reply;
     view.zoom = (uint32_t)value[0].number;
@@ -50,7 +50,7 @@ ACT(zoom)
 
 ACT(pan)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     struct view view = session->settings.view;
     (void)reply;
     view_pan(&view, &session->camera, value[0].number, value[1].number);
@@ -59,7 +59,7 @@ ACT(pan)
 
 ACT(focus)
 {
-    struct session *session = &desk->session;
+    struct session *session = &interp->session;
     struct view view = session->settings.view;
     (void)reply;
     memset(view.focus, 0, sizeof view.focus);
@@ -70,11 +70,11 @@ ACT(focus)
 
 ACT(size)
 {
-    struct view view = desk->session.settings.view;
+    struct view view = interp->session.settings.view;
     (void)reply;
     view.width = (uint32_t)value[0].number;
     view.height = (uint32_t)value[1].number;
-    return session_set_view(&desk->session, &view, fault);
+    return session_set_view(&interp->session, &view, fault);
 }
 
 /* The patient's sides that a direction of the picture leads to, "front and left": those within
@@ -126,13 +126,13 @@ void act_tell_view(struct buf *out, const struct session *session)
 ACT(hide)
 {
     (void)reply, (void)fault;
-    session_set_visible(&desk->session, (uint8_t)value[0].number, false);
+    session_set_visible(&interp->session, (uint8_t)value[0].number, false);
     return OK;
 }
 
 ACT(show)
 {
     (void)reply, (void)fault;
-    session_set_visible(&desk->session, (uint8_t)value[0].number, true);
+    session_set_visible(&interp->session, (uint8_t)value[0].number, true);
     return OK;
 }

@@ -16,7 +16,7 @@
 #include "base/buf.h"
 #include "base/err.h"
 
-struct desk;
+struct interpreter;
 struct session;
 
 enum parameter_type {
@@ -96,7 +96,7 @@ struct command {
     const char *summary; /* one line */
     const char *detail;  /* further paragraphs of help, between line feeds, or NULL */
     const char *example; /* a line that parses */
-    enum err (*act)(struct desk *desk, const struct value *value, struct reply *reply,
+    enum err (*act)(struct interpreter *interp, const struct value *value, struct reply *reply,
                     struct fault *fault);
 };
 
@@ -154,7 +154,7 @@ int command_parameter_for(const struct command *command, const struct value *val
  * feed, with where they begin. Of a folder, what ends in / and may go on. Files are those on the
  * disk now; names that a command cannot hold are left out. */
 void command_complete(struct buf *out, size_t *word_start, const char *line, size_t cursor,
-                      const struct desk *desk);
+                      const struct interpreter *interp);
 
 /* What may follow line[0..length), as usage has it: "X,Y,Z LABEL [radius=0..32]" behind the name
  * of a command; nothing where that is not known. */

@@ -10,7 +10,7 @@
 
 #include "base/choice.h"
 #include "base/file.h"
-#include "command/desk.h"
+#include "command/interpreter.h"
 #include "command/listing.h"
 #include "command/partial.h"
 #include "journal/golden.h"
@@ -22,7 +22,7 @@ struct offers {
     struct buf *out;
     const char *typed; /* of the value, without quotes */
     bool quoted;
-    const struct desk *desk;
+    const struct interpreter *interp;
 };
 
 /* One word, between quotes where they were asked for; open-ended without the closing one. */
@@ -63,7 +63,7 @@ static void offer_commands(const struct offers *o)
 static void offer_labels(const struct offers *o, const struct parameter *p)
 {
     for (int label = (int)p->least; label < 256; label++) {
-        const char *name = o->desk->session.settings.label_name[label];
+        const char *name = o->interp->session.settings.label_name[label];
         offer(o, name, strlen(name));
     }
 }
@@ -115,7 +115,7 @@ static void offer_goldens(const struct offers *o)
     static const char ending[] = ".exr";
     struct buf folder = {0};
     struct listing listing = {0};
-    if (o->desk->home.length && golden_folder(&folder, buf_text(&o->desk->home), NULL) == OK)
+    if (o->interp->home.length && golden_folder(&folder, buf_text(&o->interp->home), NULL) == OK)
         listing_read(&listing, buf_text(&folder), o->typed);
     for (size_t i = 0; i < listing.count; i++)
         if (file_is_named(listing.name[i], ending))
@@ -128,7 +128,7 @@ static void offer_goldens(const struct offers *o)
 
 static void offer_points(const struct offers *o)
 {
-    const struct history *history = &o->desk->history;
+    const struct history *history = &o->interp->history;
     const size_t points = history->points;
     const bool any = o->typed[0] != '\0';
     for (size_t i = 0; i < history->branches; i++)
@@ -199,13 +199,13 @@ static void offer_parameters(const struct offers *o, const struct partial *parti
 }
 
 void command_complete(struct buf *out, size_t *word_start, const char *line, size_t cursor,
-                      const struct desk *desk)
+                      const struct interpreter *interp)
 {
     struct partial partial;
     *word_start = cursor;
     if (partial_read(&partial, line, cursor) && !partial.closed) {
         const struct offers offers = {out, buf_text(&partial.word) + partial.key, partial.quoted,
-                                      desk};
+                                      interp};
         *word_start = partial.start + (partial.quoted ? 0 : partial.key);
         if (partial.words == 0)
             offer_commands(&offers);

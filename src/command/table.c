@@ -572,7 +572,8 @@ const struct command command_table[] = {
      S,
      {{0}},
      "fly through the scene by keys, on the whole screen",
-     "Slices, the rendition and a cross-hair; ? tells the keys, q comes back. Each key that changes "
+     "Slices, the rendition and a cross-hair; ? tells the keys, q comes back. Each key that "
+     "changes "
      "something is a command, and recorded as such. At a terminal only; Ctrl-O is the same.",
      "pilot",
      act_pilot},

@@ -22,9 +22,9 @@ static const char *voxel_wrong(const struct forest *forest, uint32_t at)
 {
     const struct adjacency *adjacency = forest_adjacency(forest);
     const struct cell *cell = forest_scene(forest)->cell + at;
-    if (cell->flags & CELL_FENCED)
+    if (cell->flags & CELL_OUTSIDE)
         return cell->key || cell->label || cell->direction != DIRECTION_NONE ||
-                       cell->flags != CELL_FENCED
+                       cell->flags != CELL_OUTSIDE
                    ? "S2: outside the fence, but not as the rim"
                    : NULL;
     if (cell->key != solve_at(forest, at))

@@ -145,14 +145,14 @@ static enum err prepare(struct forest *forest, const struct edit *edit, size_t c
         const struct edit *e = forest->batch + i;
         const struct cell *cell = forest->cell + e->cell;
         assert(!(cell->flags & CELL_RIM));
-        assert(!(cell->flags & CELL_FENCED) || e->label == EDIT_ERASE);
+        assert(!(cell->flags & CELL_OUTSIDE) || e->label == EDIT_ERASE);
         forest->inverse[i] =
             (struct edit){e->cell, cell->flags & CELL_SEED ? cell->label : EDIT_ERASE};
     }
     return OK;
 }
 
-/* A pass over nothing but seeds is the whole crew's. */
+/* A pass over nothing but seeds is the whole team's. */
 static void begin(struct forest *forest, bool from_scratch)
 {
     forest->changes = 0;
@@ -262,10 +262,10 @@ enum err forest_revert(struct forest *forest, struct fault *fault)
 static bool clear_cell(struct forest *forest, uint32_t at, bool planted)
 {
     struct cell *cell = forest->cell + at;
-    const uint8_t fixed = cell->flags & (CELL_SEED | CELL_FENCED | CELL_RIM);
+    const uint8_t fixed = cell->flags & (CELL_SEED | CELL_OUTSIDE | CELL_RIM);
     if (fixed & CELL_RIM)
         return false;
-    cell->key = fixed & CELL_FENCED ? 0 : KEY_NONE;
+    cell->key = fixed & CELL_OUTSIDE ? 0 : KEY_NONE;
     cell->state = cell_state(fixed & CELL_SEED ? cell->label : 0, DIRECTION_NONE, fixed);
     if (fixed & CELL_SEED && planted)
         accept(forest, at, key_make(0, 0, at), cell->label, DIRECTION_NONE);
@@ -275,7 +275,7 @@ static bool clear_cell(struct forest *forest, uint32_t at, bool planted)
 struct clearing {
     struct forest *forest;
     bool planted;
-    size_t seeds[CREW_MOST]; /* each worker's */
+    size_t seeds[TEAM_MOST]; /* each worker's */
 };
 
 static void clear_owned(void *context, unsigned number)
@@ -301,7 +301,7 @@ static void clear_all(struct forest *forest, bool planted)
     forest->unsettled = 0;
     forest->seeds = 0;
     forest->key_digest = forest->label_digest = 0;
-    crew_run(forest->crew, clear_owned, &clearing);
+    team_run(forest->team, clear_owned, &clearing);
     for (unsigned i = 0; i < forest->workers; i++)
         forest->seeds += clearing.seeds[i];
 }
@@ -383,9 +383,9 @@ void forest_set_adjacency(struct forest *forest, unsigned count)
     forest->settled_state = cell_state(255, 255, (uint8_t) ~(CELL_QUEUED | CELL_TOUCHED));
 }
 
-enum err forest_set_crew(struct forest *forest, struct crew *crew, struct fault *fault)
+enum err forest_set_team(struct forest *forest, struct team *team, struct fault *fault)
 {
-    return forest_enlist(forest, crew, fault);
+    return forest_enlist(forest, team, fault);
 }
 
 void forest_set_arcs(struct forest *forest, const struct arc_rule *arcs)
@@ -456,7 +456,7 @@ size_t forest_memory(const struct forest *forest)
         const struct worker *worker = forest->worker + i;
         bytes += sizeof *worker + queue_memory(worker->queue);
         for (unsigned to = 0; to < forest->workers; to++)
-            bytes += worker->to[to].capacity * sizeof(struct letter);
+            bytes += worker->to[to].capacity * sizeof(struct posted_offer);
     }
     return bytes;
 }

@@ -33,7 +33,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/crew.h"
+#include "base/team.h"
 #include "base/err.h"
 #include "engine/arc.h"
 #include "engine/scene.h"
@@ -41,7 +41,7 @@
 struct forest;
 
 /* What an edit does to one voxel: plant a seed of a label (in place of one that may be there; not
- * outside the fence), or take the seed away. */
+ * outside the region of interest), or take the seed away. */
 enum { EDIT_ERASE = -1 };
 struct edit {
     uint32_t cell;
@@ -94,7 +94,7 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
 /* Takes the last successful edit back, as an edit of its own. */
 enum err forest_revert(struct forest *forest, struct fault *fault);
 
-/* Computes the whole forest again from its seeds: after weights, adjacency or fence have changed,
+/* Computes the whole forest again from its seeds: after weights, adjacency or region of interest have changed,
  * or as the yardstick for an update. On error the forest is as before, or, where even that could
  * not be computed again, it has its seeds and no keys; the words say which. */
 enum err forest_rebuild(struct forest *forest, const struct forest_watch *watch,
@@ -123,10 +123,10 @@ void forest_set_adjacency(struct forest *forest, unsigned count);
 /* Arcs weigh by this rule from now on, instead of by ARC_TARGET; forest_rebuild must follow. */
 void forest_set_arcs(struct forest *forest, const struct arc_rule *arcs);
 
-/* Who grows a forest from nothing, every thread of the crew at once; NULL, as at first, is the
- * caller alone. All crews give the same bits. The crew outlives the forest. On ERR_MEMORY the
+/* Who grows a forest from nothing, every thread of the team at once; NULL, as at first, is the
+ * caller alone. All crews give the same bits. The team outlives the forest. On ERR_MEMORY the
  * former one stays. */
-enum err forest_set_crew(struct forest *forest, struct crew *crew, struct fault *fault);
+enum err forest_set_team(struct forest *forest, struct team *team, struct fault *fault);
 
 struct changes forest_changes(const struct forest *forest);
 struct forest_stats forest_stats(const struct forest *forest);

@@ -5,7 +5,7 @@
 #ifndef ENGINE_FOREST_PARTS_H
 #define ENGINE_FOREST_PARTS_H
 
-#include "base/crew.h"
+#include "base/team.h"
 #include "base/hash.h"
 #include "engine/forest.h"
 #include "engine/queue.h"
@@ -17,12 +17,12 @@ struct cells {
 };
 
 /* An offer to a cell of another worker, and a growing list of them. */
-struct letter {
+struct posted_offer {
     uint64_t key;
     uint32_t cell, state;
 };
-struct letters {
-    struct letter *item;
+struct outbox {
+    struct posted_offer *item;
     size_t count, capacity;
 };
 
@@ -31,7 +31,7 @@ struct worker {
     struct forest *forest;
     unsigned number;
     struct queue *queue;
-    struct letters to[CREW_MOST];
+    struct outbox to[TEAM_MOST];
     uint64_t key_digest, label_digest; /* what it added in this pass */
     uint64_t served;
     bool starved; /* memory ran out */
@@ -73,8 +73,8 @@ struct forest {
     struct forest_stats stats;
     uint64_t key_digest, label_digest;
 
-    struct crew *crew; /* not owned; NULL for one worker */
-    bool shared;       /* the pass is the whole crew's; else worker 0's */
+    struct team *team; /* not owned; NULL for one worker */
+    bool shared;       /* the pass is the whole team's; else worker 0's */
     unsigned owner_shift;
     uint8_t owner[256]; /* owner[cell >> owner_shift]: whose cell it is, where shared */
     unsigned workers;
@@ -190,8 +190,8 @@ void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned d
  * ERR_LIMIT (T3), ERR_CANCELLED. Nobody has words yet. */
 enum err forest_pass(struct forest *forest, const struct forest_watch *watch);
 
-/* Workers for the crew, and which cells are whose. ERR_MEMORY: as it was. */
-enum err forest_enlist(struct forest *forest, struct crew *crew, struct fault *fault);
+/* Workers for the team, and which cells are whose. ERR_MEMORY: as it was. */
+enum err forest_enlist(struct forest *forest, struct team *team, struct fault *fault);
 void forest_dismiss(struct forest *forest);
 
 /* Forgets all that waits. */

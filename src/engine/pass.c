@@ -9,8 +9,8 @@
  * they are served, their neighbours one window before. On a scene of 7 million voxels this takes
  * half the time of serving voxel by voxel.
  *
- * Workers. Where a forest grows from nothing, a crew shares the pass. Each cell has one owner,
- * who alone changes it and in whose queue it waits; offers to another's cell are sent as letters
+ * Workers. Where a forest grows from nothing, a thread team shares the pass. Each cell has one owner,
+ * who alone changes it and in whose queue it waits; offers to another's cell are sent as posted offers
  * and read when all have served the level. A worker reads keys of others' cells while their owners
  * may lower them: an offer made in vain is turned down by the owner, and no key ever rises. So each
  * level ends in the same keys as if one worker had served it. Where the others keep the first
@@ -115,12 +115,12 @@ PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t
     offers->count = count;
 }
 
-static void send_letter(struct worker *worker, unsigned to, uint64_t key, uint32_t cell,
-                        uint32_t state)
+static void post_offer(struct worker *worker, unsigned to, uint64_t key, uint32_t cell,
+                       uint32_t state)
 {
-    struct letters *letters = worker->to + to;
-    if (mem_grow(&letters->item, &letters->capacity, letters->count + 1, sizeof *letters->item))
-        letters->item[letters->count++] = (struct letter){key, cell, state};
+    struct outbox *outbox = worker->to + to;
+    if (mem_grow(&outbox->item, &outbox->capacity, outbox->count + 1, sizeof *outbox->item))
+        outbox->item[outbox->count++] = (struct posted_offer){key, cell, state};
     else
         worker->starved = true;
 }
@@ -141,7 +141,7 @@ PER_KIND void take_offers(struct forest *forest, struct worker *worker, uint32_t
         const uint64_t offer = offers->key[i];
         struct cell *cell = forest->cell + at;
         if (kind.shares && owner_of(forest, at) != worker->number) {
-            send_letter(worker, owner_of(forest, at), offer, at, offers->state[i]);
+            post_offer(worker, owner_of(forest, at), offer, at, offers->state[i]);
             continue;
         }
         const uint64_t former = cell->key;
@@ -255,16 +255,16 @@ static void serve(struct forest *forest, struct worker *worker, uint32_t level)
 }
 
 /* Takes the offers that others have sent to this worker's cells. */
-static void read_letters(struct forest *forest, struct worker *worker, uint32_t level)
+static void take_posted_offers(struct forest *forest, struct worker *worker, uint32_t level)
 {
     struct offers offers;
     for (unsigned from = 0; from < forest->workers; from++) {
-        const struct letters *letters = forest->worker[from].to + worker->number;
-        for (size_t i = 0; i < letters->count;) {
-            for (offers.count = 0; offers.count < OFFERS && i < letters->count; i++) {
-                offers.key[offers.count] = letters->item[i].key;
-                offers.cell[offers.count] = letters->item[i].cell;
-                offers.state[offers.count++] = letters->item[i].state;
+        const struct outbox *outbox = forest->worker[from].to + worker->number;
+        for (size_t i = 0; i < outbox->count;) {
+            for (offers.count = 0; offers.count < OFFERS && i < outbox->count; i++) {
+                offers.key[offers.count] = outbox->item[i].key;
+                offers.cell[offers.count] = outbox->item[i].cell;
+                offers.state[offers.count++] = outbox->item[i].state;
             }
             take_offers(forest, worker, level, &offers, (struct kind){0});
         }
@@ -292,14 +292,14 @@ static void tell(struct worker *worker, enum err err)
 }
 
 /* What all have told, the same to everyone. */
-struct tidings {
+struct status {
     uint64_t lowest, served;
     enum err err;
 };
 
-static struct tidings hear(const struct forest *forest)
+static struct status gather_status(const struct forest *forest)
 {
-    struct tidings all = {QUEUE_EMPTY, 0, OK};
+    struct status all = {QUEUE_EMPTY, 0, OK};
     for (unsigned i = 0; i < (forest->shared ? forest->workers : 1); i++) {
         const struct worker *worker = forest->worker + i;
         all.lowest = worker->told.lowest < all.lowest ? worker->told.lowest : all.lowest;
@@ -310,10 +310,10 @@ static struct tidings hear(const struct forest *forest)
 }
 
 /* Has the first worker meet the others, and count how long it waits for them. */
-static void meet(struct pass *pass, struct crew *crew, unsigned number)
+static void meet(struct pass *pass, struct team *team, unsigned number)
 {
-    const uint64_t begin = crew && number == 0 ? clock_ns() : 0;
-    crew_wait(crew);
+    const uint64_t begin = team && number == 0 ? clock_ns() : 0;
+    team_wait(team);
     if (begin)
         pass->waited_ns += clock_ns() - begin;
 }
@@ -340,50 +340,50 @@ static void work(void *context, unsigned number)
 {
     struct pass *pass = context;
     struct forest *forest = pass->forest;
-    struct crew *crew = forest->shared ? forest->crew : NULL;
+    struct team *team = forest->shared ? forest->team : NULL;
     unsigned end = number + 1; /* acts for the workers number..end-1 */
     tell(forest->worker + number, OK);
-    meet(pass, crew, number);
+    meet(pass, team, number);
     for (;;) {
         if (pass->alone && number > 0)
             break;
         if (pass->alone) {
             end = forest->workers;
-            crew = NULL;
+            team = NULL;
         }
-        const struct tidings all = hear(forest);
+        const struct status all = gather_status(forest);
         if (all.err || all.lowest == QUEUE_EMPTY)
             break;
         const uint32_t level = (uint32_t)all.lowest;
         for (unsigned i = number; i < end; i++)
             serve_own(forest, forest->worker + i, level);
-        meet(pass, crew, number);
-        if (number == 0 && crew)
+        meet(pass, team, number);
+        if (number == 0 && team)
             pass->alone = is_kept_waiting(pass);
         const bool cancelled =
             number == 0 && pass->watch && pass->watch->cancelled(pass->watch->context, all.served);
         for (unsigned i = number; i < end; i++) {
             if (forest->shared)
-                read_letters(forest, forest->worker + i, level);
+                take_posted_offers(forest, forest->worker + i, level);
             tell(forest->worker + i, cancelled ? ERR_CANCELLED : OK);
         }
-        meet(pass, crew, number);
+        meet(pass, team, number);
     }
 }
 
-static void throw_letters_away(struct forest *forest, struct worker *worker)
+static void empty_outboxes(struct forest *forest, struct worker *worker)
 {
     for (unsigned to = 0; to < forest->workers; to++) {
         free(worker->to[to].item);
-        worker->to[to] = (struct letters){0};
+        worker->to[to] = (struct outbox){0};
     }
 }
 
 enum err forest_pass(struct forest *forest, const struct forest_watch *watch)
 {
     struct pass pass = {.forest = forest, .watch = watch, .begin_ns = clock_ns()};
-    crew_run(forest->shared ? forest->crew : NULL, work, &pass);
-    const struct tidings all = hear(forest);
+    team_run(forest->shared ? forest->team : NULL, work, &pass);
+    const struct status all = gather_status(forest);
     for (unsigned i = 0; i < forest->workers; i++) {
         struct worker *worker = forest->worker + i;
         forest->stats.served += worker->served;
@@ -391,7 +391,7 @@ enum err forest_pass(struct forest *forest, const struct forest_watch *watch)
         forest->label_digest += worker->label_digest;
         worker->served = worker->key_digest = worker->label_digest = 0;
         worker->starved = worker->too_far = false;
-        throw_letters_away(forest, worker);
+        empty_outboxes(forest, worker);
         if (!all.err)
             queue_trim(worker->queue);
     }
@@ -432,9 +432,9 @@ static void share_cells(struct forest *forest)
         forest->owner[part] = (uint8_t)(part % forest->workers);
 }
 
-enum err forest_enlist(struct forest *forest, struct crew *crew, struct fault *fault)
+enum err forest_enlist(struct forest *forest, struct team *team, struct fault *fault)
 {
-    const unsigned workers = crew_size(crew);
+    const unsigned workers = team_size(team);
     struct worker *worker = mem_array(workers, sizeof *worker);
     if (!worker)
         return fault_memory(fault, "a forest");
@@ -449,7 +449,7 @@ enum err forest_enlist(struct forest *forest, struct crew *crew, struct fault *f
         }
     }
     forest_dismiss(forest);
-    forest->crew = crew;
+    forest->team = team;
     forest->worker = worker;
     forest->workers = workers;
     share_cells(forest);

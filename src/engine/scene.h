@@ -7,7 +7,7 @@
  * Invariants
  *   S1 a cell of the rim has key 0, label 0, weight 0, and the flag CELL_RIM, for ever: it declines
  *      every offer (none is below 0), makes none, and is background to everyone;
- *   S2 a voxel outside the fence (engine/fence.h) has key 0, label 0, no predecessor, and the flag
+ *   S2 a voxel outside the region of interest (engine/region of interest.h) has key 0, label 0, no predecessor, and the flag
  *      CELL_FENCED: to the forest it is as the rim;
  *   S3 intensity belongs to the scene, weight to engine/weight.h, the rest to engine/forest.h.
  */
@@ -24,13 +24,13 @@
 #include "engine/key.h"
 
 enum cell_flag {
-    CELL_SEED = 1,    /* a seed is planted here; label is its own */
-    CELL_QUEUED = 2,  /* waits in the queue at the level of its key */
-    CELL_CLEARED = 4, /* has just lost its tree */
-    CELL_TOUCHED = 8, /* has changed in this edit, and waits for its final key */
-    CELL_RIM = 16,    /* not a voxel */
-    CELL_FENCED = 32, /* a voxel outside the fence */
-    CELL_RAISED = 64, /* lost what it was offered; others may offer better than what it has */
+    CELL_SEED = 1,     /* a seed is planted here; label is its own */
+    CELL_QUEUED = 2,   /* waits in the queue at the level of its key */
+    CELL_CLEARED = 4,  /* has just lost its tree */
+    CELL_TOUCHED = 8,  /* has changed in this edit, and waits for its final key */
+    CELL_RIM = 16,     /* not a voxel */
+    CELL_OUTSIDE = 32, /* a voxel outside the region of interest */
+    CELL_RAISED = 64,  /* lost what it was offered; others may offer better than what it has */
 };
 
 enum { DIRECTION_NONE = 255 };
@@ -62,7 +62,7 @@ static inline uint8_t cell_state_direction(uint32_t state)
     return cell.direction;
 }
 
-/* Whether a tree holds the cell: its key is neither KEY_NONE nor the 0 of rim and fence. */
+/* Whether a tree holds the cell: its key is neither KEY_NONE nor the 0 of rim and region of interest. */
 static inline bool cell_is_reached(const struct cell *cell)
 {
     return cell->key + 1 > 1;

@@ -146,7 +146,7 @@ static uint64_t bytes_for_part(const struct grid *grid, const struct weight_choi
 enum err weight_work_reserve(struct weight_work *work, const struct grid *grid,
                              const struct weight_choice *choice, struct fault *fault)
 {
-    const uint64_t needed = bytes_for_part(grid, choice) * crew_size(work->crew);
+    const uint64_t needed = bytes_for_part(grid, choice) * team_size(work->team);
     if (needed <= work->capacity)
         return OK;
     void *bytes = needed <= SIZE_MAX ? mem_array((size_t)needed, 1) : NULL;
@@ -168,7 +168,7 @@ struct weighing {
 static void weigh_part(void *context, unsigned worker)
 {
     const struct weighing *w = context;
-    const struct slab slab = grid_slab(&w->scene->grid, worker, crew_size(w->work->crew));
+    const struct slab slab = grid_slab(&w->scene->grid, worker, team_size(w->work->team));
     const size_t room = (size_t)bytes_for_part(&w->scene->grid, w->choice);
     void *bytes = room ? (char *)w->work->bytes + worker * room : NULL;
     if (slab.first == slab.end)
@@ -197,9 +197,9 @@ void weight_compute(struct scene *scene, const struct adjacency *adjacency,
                     const struct weight_choice *choice, struct weight_work *work)
 {
     struct weighing weighing = {scene, adjacency, choice, work};
-    assert(bytes_for_part(&scene->grid, choice) * crew_size(work->crew) <= work->capacity);
+    assert(bytes_for_part(&scene->grid, choice) * team_size(work->team) <= work->capacity);
     if (weight_is_gradient(choice->kind))
-        crew_run(work->crew, weigh_part, &weighing);
+        team_run(work->team, weigh_part, &weighing);
 }
 
 void weight_fill(struct scene *scene, const uint16_t *weight)
@@ -236,15 +236,15 @@ static uint64_t rule_digest(const struct arc_rule *arcs)
 
 struct summing {
     const struct scene *scene;
-    struct crew *crew;
-    uint64_t sum[CREW_MOST];
+    struct team *team;
+    uint64_t sum[TEAM_MOST];
 };
 
 static void sum_part(void *context, unsigned worker)
 {
     struct summing *s = context;
     const struct grid *grid = &s->scene->grid;
-    const struct slab slab = grid_slab(grid, worker, crew_size(s->crew));
+    const struct slab slab = grid_slab(grid, worker, team_size(s->team));
     uint64_t sum = 0, voxel = (uint64_t)slab.first * grid->size[1] * grid->size[0];
     struct task task = task_begin_part(s->scene->watch, "digest of the weights",
                                        slab_voxels(grid, slab), slab.first);
@@ -261,14 +261,14 @@ static void sum_part(void *context, unsigned worker)
     s->sum[worker] = sum;
 }
 
-uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs, struct crew *crew)
+uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs, struct team *team)
 {
-    struct summing summing = {.scene = scene, .crew = crew};
+    struct summing summing = {.scene = scene, .team = team};
     uint64_t sum = 0;
     if (arcs->kind != ARC_TARGET)
         return rule_digest(arcs);
-    crew_run(crew, sum_part, &summing);
-    for (unsigned worker = 0; worker < crew_size(crew); worker++)
+    team_run(team, sum_part, &summing);
+    for (unsigned worker = 0; worker < team_size(team); worker++)
         sum += summing.sum[worker];
     return sum;
 }

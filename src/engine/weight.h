@@ -9,7 +9,7 @@
 #ifndef ENGINE_WEIGHT_H
 #define ENGINE_WEIGHT_H
 
-#include "base/crew.h"
+#include "base/team.h"
 #include "engine/arc.h"
 #include "engine/gradient.h"
 #include "engine/scene.h"
@@ -41,12 +41,12 @@ struct weight_choice {
 bool weight_choice_equals(const struct weight_choice *a, const struct weight_choice *b);
 
 /* Memory that computing weights takes; it only grows, so that what was computed once can be
- * computed again. Begins as {0}. The crew is not owned, and is set before room is reserved: all
+ * computed again. Begins as {0}. The team is not owned, and is set before room is reserved: all
  * crews give the same weights. */
 struct weight_work {
     void *bytes;
     size_t capacity;
-    struct crew *crew; /* weighs a slab of the scene each, in room of its own; NULL: the caller */
+    struct team *team; /* weighs a slab of the scene each, in room of its own; NULL: the caller */
 };
 void weight_work_release(struct weight_work *work);
 
@@ -75,7 +75,7 @@ void weight_fill(struct scene *scene, const uint16_t *weight);
 void weight_copy(uint16_t *weight, const struct scene *scene);
 
 /* A digest of what arcs weigh, given the intensities: for ARC_TARGET a sum over voxels of their
- * weights, which a crew shares, else of the kind, and under ARC_POLARITY of every label's. */
-uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs, struct crew *crew);
+ * weights, which a thread team shares, else of the kind, and under ARC_POLARITY of every label's. */
+uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs, struct team *team);
 
 #endif

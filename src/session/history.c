@@ -368,9 +368,9 @@ static struct kept_settings *keep_settings(const struct session *session, bool *
 
 static struct packed *keep_mask(const struct session *session, bool *lacks)
 {
-    if (!session->fence.mask)
+    if (!session->roi.mask)
         return NULL;
-    struct packed *mask = packed_new(session->fence.mask, mask_bytes(&session->scene->grid));
+    struct packed *mask = packed_new(session->roi.mask, mask_bytes(&session->scene->grid));
     *lacks |= !mask;
     return mask;
 }
@@ -415,20 +415,20 @@ static bool describe_state(struct point *point, const struct point *before,
                            const struct session *session, bool *lacks)
 {
     const bool sets = changed_settings(session);
-    const bool fences = session->fenced_again && session->fence.mask != session->mark_fence.mask;
+    const bool excludes = session->roi_changed && session->roi.mask != session->mark_roi.mask;
     const bool reads = session->read_weights;
-    if (sets || fences || reads)
+    if (sets || excludes || reads)
         point->settings = keep_settings(session, lacks);
     else {
         point->settings = before->settings;
         point->settings->holders++;
     }
-    point->mask = fences ? keep_mask(session, lacks) : packed_hold(before->mask);
+    point->mask = excludes ? keep_mask(session, lacks) : packed_hold(before->mask);
     if (reads)
         point->weights = keep_weights(session, lacks);
     else if (session->settings.weight.kind == WEIGHT_FILE)
         point->weights = packed_hold(before->weights);
-    return sets || fences || reads;
+    return sets || excludes || reads;
 }
 
 static enum err note_root(struct history *history, const struct session *session,

@@ -1,7 +1,7 @@
 /*
  * The history of a session: a tree of the states that its commands have led to.
  *
- * A *point* is a state of the segmentation: seeds, edits and eliminators that wait, weights, fence,
+ * A *point* is a state of the segmentation: seeds, edits and eliminators that wait, weights, region of interest,
  * labels, what is hidden and cut away. Where one looks from is no part of it. Each command that
  * changes the segmentation leads from the present point to a new one, which remembers what the
  * command did; so the way between any two points is known, and because the forest is a function of
@@ -55,7 +55,7 @@ struct point {
 
     /* The state here, of what is not told by the way to it. */
     struct kept_settings *settings;
-    struct packed *mask, *weights; /* of the fence; out of a file; NULL for none */
+    struct packed *mask, *weights; /* of the region of interest; out of a file; NULL for none */
 };
 
 struct branch {

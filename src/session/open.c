@@ -135,9 +135,9 @@ static enum err equip(struct session *session, struct scene *scene, struct fores
                       struct border *border, struct fault *fault)
 {
     enum err err = forest_new(forest, scene, session->settings.adjacency, fault);
-    if (!err && (session->crew || crew_new(&session->crew, crew_size_wanted(), NULL) == OK))
-        err = forest_set_crew(*forest, session->crew, fault);
-    session->weight_work.crew = session->crew;
+    if (!err && (session->team || team_new(&session->team, team_size_wanted(), NULL) == OK))
+        err = forest_set_team(*forest, session->team, fault);
+    session->weight_work.team = session->team;
     if (!err)
         err = border_init(border, scene, fault);
     if (!err)
@@ -171,7 +171,7 @@ enum err session_open(struct session *session, const char *path, struct fault *f
              file_name(path));
     for (int a = 0; a < 3; a++)
         session->settings.slices.cross[a] = session->scene->grid.size[a] / 2;
-    session->fence_tally = fence_tally(&session->fence, session->scene);
+    session->roi_tally = roi_tally(&session->roi, session->scene);
     session->scene_digest = scene_digest(session->scene);
     scene_proof(session->proof, session->scene);
     err = session_weigh(session, fault);
@@ -243,7 +243,7 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
                          "%zu seeds are planted and %zu edits wait; a scene is interpolated before "
                          "the first seed; nothing has changed",
                          forest_seeds(session->forest), session->pendings);
-    if (session->fence.mask || session->settings.weight.kind == WEIGHT_FILE)
+    if (session->roi.mask || session->settings.weight.kind == WEIGHT_FILE)
         return fault_set(fault, ERR_USAGE,
                          "a mask or weights out of a file lie on the scene as it is; interpolate "
                          "first, then take them on the finer grid; nothing has changed");
@@ -270,8 +270,8 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
     for (unsigned a = 0; a < 3; a++)
         session->settings.slices.cross[a] *= 1 + (doubled >> a & 1);
     eliminators_forget(&session->eliminators);
-    fence_apply(&session->fence, session->scene);
-    session->fence_tally = fence_tally(&session->fence, session->scene);
+    roi_apply(&session->roi, session->scene);
+    session->roi_tally = roi_tally(&session->roi, session->scene);
     session->scene_digest = scene_digest(session->scene);
     err = session_weigh(session, fault);
     return err ? err : set_default_zoom(session, doubled, fault);
@@ -292,6 +292,6 @@ void session_take_back_scene(struct session *session)
     session->forest = former.forest;
     session->border = former.border;
     session->knows_window = false;
-    session->fence_tally = session->mark_fence_tally; /* the fence itself is the same */
+    session->roi_tally = session->mark_roi_tally; /* the region of interest itself is the same */
     session->former = (struct former_scene){0};
 }

@@ -54,20 +54,20 @@ static bool weighs_otherwise(const struct settings *a, const struct settings *b)
             memcmp(a->polarity, b->polarity, sizeof a->polarity) != 0);
 }
 
-static bool fences_otherwise(const struct settings *a, const struct settings *b)
+static bool roi_differs(const struct settings *a, const struct settings *b)
 {
     return a->has_range != b->has_range ||
            memcmp(a->range_thousandths, b->range_thousandths, sizeof a->range_thousandths) != 0;
 }
 
-static struct fence fence_of(const struct session *session, const struct settings *settings,
-                             const struct state *state)
+static struct roi roi_of(const struct session *session, const struct settings *settings,
+                         const struct state *state)
 {
-    struct fence fence = fence_none();
-    fence.mask = state->has_mask ? state->mask : session->fence.mask;
+    struct roi roi = roi_none();
+    roi.mask = state->has_mask ? state->mask : session->roi.mask;
     if (settings->has_range)
-        fencing_range(&fence, &session->geometry, settings->range_thousandths);
-    return fence;
+        roi_range(&roi, &session->geometry, settings->range_thousandths);
+    return roi;
 }
 
 /* The weights that the settings say, which are the session's by now. */
@@ -83,23 +83,23 @@ static enum err weigh_again(struct session *session, const struct state *state, 
 }
 
 /* Seeds and what they grow under, both at once: the forest is computed again, once. The seeds are
- * changed while there is no fence, since those that go may lie outside the coming one, and those
+ * changed while there is no region of interest, since those that go may lie outside the coming one, and those
  * that come outside the present one. */
 static enum err replant(struct session *session, struct state *state, bool weighs,
                         struct fault *fault)
 {
-    const struct fence open = fence_none();
-    const struct fence fence = fence_of(session, &session->settings, state);
+    const struct roi open = roi_none();
+    const struct roi roi = roi_of(session, &session->settings, state);
     state->mask = NULL;
-    session->replanted = session->rebuilt_forest = session->fenced_again = true;
+    session->replanted = session->rebuilt_forest = session->roi_changed = true;
     forest_suspend(session->forest);
-    fence_apply(&open, session->scene);
-    session->fence = fence;
+    roi_apply(&open, session->scene);
+    session->roi = roi;
     enum err err = session_edit(session, state->seed, state->seeds, fault);
     if (err)
         return err;
-    session->fence_tally = fence_tally(&fence, session->scene);
-    fence_apply(&fence, session->scene);
+    session->roi_tally = roi_tally(&roi, session->scene);
+    roi_apply(&roi, session->scene);
     if (weighs)
         err = weigh_again(session, state, fault);
     return err || session->skims ? err : session_rebuild(session, true, fault);
@@ -130,7 +130,7 @@ static enum err restore(struct session *session, struct state *state, struct fau
     memcpy((char *)&session->settings + SETTINGS_KEPT, (const char *)settings + SETTINGS_KEPT,
            sizeof *settings - SETTINGS_KEPT);
     take_lists(session, state);
-    if (weighs || state->has_mask || fences_otherwise(settings, &former))
+    if (weighs || state->has_mask || roi_differs(settings, &former))
         err = replant(session, state, weighs, fault);
     else if (state->seeds)
         err = session_edit(session, state->seed, state->seeds, fault);

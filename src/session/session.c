@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "session/fencing.h"
+#include "session/roi_check.h"
 #include "session/slicing.h"
 
 void session_init(struct session *session)
@@ -21,7 +21,7 @@ void session_init(struct session *session)
     session->settings.slices.crosses = true;
     session->settings.slices.marks = true;
     session->settings.slices.words = true;
-    session->fence = fence_none();
+    session->roi = roi_none();
     session_mark(session);
 }
 
@@ -33,12 +33,12 @@ void session_settle(struct session *session)
         forest_free(former->forest);
         scene_free(former->scene);
     }
-    if (session->mark_fence.mask != session->fence.mask)
-        free(session->mark_fence.mask);
+    if (session->mark_roi.mask != session->roi.mask)
+        free(session->mark_roi.mask);
     free(session->former_weights);
     session_settle_lists(session);
-    session->mark_fence = session->fence;
-    session->mark_fence_tally = session->fence_tally;
+    session->mark_roi = session->roi;
+    session->mark_roi_tally = session->roi_tally;
     session->former_weights = NULL;
     *former = (struct former_scene){0};
 }
@@ -59,8 +59,8 @@ void session_close_scene(struct session *session)
     forest_free(session->forest);
     scene_free(session->scene);
     weight_work_release(&session->weight_work);
-    free(session->fence.mask);
-    session->fence = session->mark_fence = fence_none();
+    free(session->roi.mask);
+    session->roi = session->mark_roi = roi_none();
     session->forest = NULL;
     session->scene = NULL;
     session->has_scene = session->knows_window = false;
@@ -69,7 +69,7 @@ void session_close_scene(struct session *session)
 void session_release(struct session *session)
 {
     session_close_scene(session);
-    crew_free(session->crew);
+    team_free(session->team);
     free(session->pending);
     eliminators_release(&session->eliminators);
     *session = (struct session){0};
@@ -86,7 +86,7 @@ enum err session_weigh(struct session *session, struct fault *fault)
         return OK;
     weight_compute(session->scene, forest_adjacency(session->forest), &session->settings.weight,
                    &session->weight_work);
-    session->weight_digest = weight_digest(session->scene, &arcs, session->crew);
+    session->weight_digest = weight_digest(session->scene, &arcs, session->team);
     return watch_fault(session->watch, fault);
 }
 
@@ -99,7 +99,7 @@ size_t session_memory(const struct session *session)
     bytes += session->scene->grid.cells * sizeof(struct cell);
     bytes += forest_memory(session->forest) + session->weight_work.capacity;
     bytes += session->border.words * (2 * sizeof(uint64_t) + sizeof(uint32_t));
-    bytes += session->fence.mask ? mask_bytes(&session->scene->grid) : 0;
+    bytes += session->roi.mask ? mask_bytes(&session->scene->grid) : 0;
     bytes += rendition_bytes(&session->rendition) + rendition_bytes(&session->reduced);
     return bytes + shader_bytes(&session->shader);
 }
@@ -339,7 +339,7 @@ enum err session_set_polarity(struct session *session, uint8_t label, int8_t per
 
 enum err session_count_labels(struct session *session, struct fault *fault)
 {
-    if (!tally_refresh(&session->tally, session->scene, session->crew))
+    if (!tally_refresh(&session->tally, session->scene, session->team))
         return watch_fault(session->scene->watch, fault);
     if (!session->edited_forest && !session->rebuilt_forest)
         session->mark_tally = session->tally;
@@ -356,26 +356,26 @@ uint64_t session_label_former_voxels(const struct session *session, uint8_t labe
     return session->mark_tally.voxels[label];
 }
 
-/* ---- the fence ---- */
+/* ---- the region of interest ---- */
 
-/* Takes the fence, which was checked. */
-static enum err put_up(struct session *session, const struct fence *fence,
-                       const struct fence_tally *tally, struct fault *fault)
+/* Takes the region of interest, which was checked. */
+static enum err put_up(struct session *session, const struct roi *roi,
+                       const struct roi_tally *tally, struct fault *fault)
 {
-    session->fence = *fence;
-    session->fence_tally = *tally;
-    session->fenced_again = true;
-    fence_apply(fence, session->scene);
+    session->roi = *roi;
+    session->roi_tally = *tally;
+    session->roi_changed = true;
+    roi_apply(roi, session->scene);
     return session_rebuild(session, false, fault);
 }
 
 enum err session_set_mask(struct session *session, uint64_t *mask, const char *name,
                           const uint32_t regions[2], struct fault *fault)
 {
-    const struct fence fence = {mask, session->fence.low, session->fence.high};
-    struct fence_tally tally;
+    const struct roi roi = {mask, session->roi.low, session->roi.high};
+    struct roi_tally tally;
     enum err err =
-        fencing_check(&fence, session->scene, session->pending, session->pendings, &tally, fault);
+        roi_check(&roi, session->scene, session->pending, session->pendings, &tally, fault);
     if (err) {
         free(mask);
         return err;
@@ -383,24 +383,24 @@ enum err session_set_mask(struct session *session, uint64_t *mask, const char *n
     set_words(session->settings.mask_file, mask ? name : "");
     for (int i = 0; i < 2; i++)
         session->settings.mask_regions[i] = mask ? regions[i] : 0;
-    return put_up(session, &fence, &tally, fault);
+    return put_up(session, &roi, &tally, fault);
 }
 
 enum err session_set_range(struct session *session, const int64_t thousandths[2],
                            struct fault *fault)
 {
-    struct fence fence = {session->fence.mask, 0, UINT16_MAX};
-    struct fence_tally tally;
+    struct roi roi = {session->roi.mask, 0, UINT16_MAX};
+    struct roi_tally tally;
     if (thousandths)
-        fencing_range(&fence, &session->geometry, thousandths);
+        roi_range(&roi, &session->geometry, thousandths);
     enum err err =
-        fencing_check(&fence, session->scene, session->pending, session->pendings, &tally, fault);
+        roi_check(&roi, session->scene, session->pending, session->pendings, &tally, fault);
     if (err)
         return err;
     session->settings.has_range = thousandths != NULL;
     for (int i = 0; i < 2; i++)
         session->settings.range_thousandths[i] = thousandths ? thousandths[i] : 0;
-    return put_up(session, &fence, &tally, fault);
+    return put_up(session, &roi, &tally, fault);
 }
 
 /* ---- what is seen ---- */
@@ -546,29 +546,29 @@ void session_mark(struct session *session)
     session->mark_has_scene = session->has_scene;
     session->mark_rendered = session->rendered;
     session->edited_forest = session->rebuilt_forest = false;
-    session->weighed_again = session->fenced_again = false;
+    session->weighed_again = session->roi_changed = false;
     session->read_weights = session->replanted = false;
     session->applied = 0;
 }
 
-/* Weights, fence and forest as the settings and the mark have them; not to be cancelled again. What
- * session_restore did to the seeds is taken back while no fence is in the way. */
-static void take_weights_and_fence_back(struct session *session)
+/* Weights, region of interest and forest as the settings and the mark have them; not to be cancelled again. What
+ * session_restore did to the seeds is taken back while no region of interest is in the way. */
+static void take_weights_and_roi_back(struct session *session)
 {
     if (session->replanted) {
-        const struct fence open = fence_none();
+        const struct roi open = roi_none();
         forest_suspend(session->forest);
-        fence_apply(&open, session->scene);
+        roi_apply(&open, session->scene);
         if (session->edited_forest)
             forest_revert(session->forest, NULL);
-        session->fenced_again = true;
+        session->roi_changed = true;
     }
-    if (session->fenced_again) {
-        if (session->fence.mask != session->mark_fence.mask)
-            free(session->fence.mask);
-        session->fence = session->mark_fence;
-        session->fence_tally = session->mark_fence_tally;
-        fence_apply(&session->fence, session->scene);
+    if (session->roi_changed) {
+        if (session->roi.mask != session->mark_roi.mask)
+            free(session->roi.mask);
+        session->roi = session->mark_roi;
+        session->roi_tally = session->mark_roi_tally;
+        roi_apply(&session->roi, session->scene);
     }
     if (session->former_weights)
         weight_fill(session->scene, session->former_weights);
@@ -576,7 +576,7 @@ static void take_weights_and_fence_back(struct session *session)
         forest_set_adjacency(session->forest, session->settings.adjacency);
         session_weigh(session, NULL);
     }
-    if (session->rebuilt_forest || session->fenced_again)
+    if (session->rebuilt_forest || session->roi_changed)
         session_rebuild(session, session->replanted && !session->skims, NULL);
 }
 
@@ -627,7 +627,7 @@ void session_rollback(struct session *session)
         session->rendered = false;
     if (session->edited_forest && !session->replanted && forest_revert(session->forest, NULL) == OK)
         follow_forest(session);
-    take_weights_and_fence_back(session);
+    take_weights_and_roi_back(session);
     session->tally = session->mark_tally;
     if (shows_other) {
         memcpy(session->border.visible, session->mark.visible, sizeof session->border.visible);

@@ -20,10 +20,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/crew.h"
+#include "base/team.h"
 #include "base/err.h"
-#include "engine/border.h"
-#include "engine/fence.h"
+#include "render/border.h"
+#include "engine/roi.h"
 #include "engine/forest.h"
 #include "engine/scene.h"
 #include "engine/weight.h"
@@ -54,7 +54,7 @@ struct settings {
     struct slice_settings slices;
     bool runs_by_itself; /* "auto": each edit is run at once */
 
-    /* What to call the scene, and fence and weights that came out of files; a long name is cut. */
+    /* What to call the scene, and region of interest and weights that came out of files; a long name is cut. */
     char scene_file[FILE_WORDS_BYTES]; /* without its folder */
 
     /* From here on, what belongs to the segmentation and is undone: see SETTINGS_KEPT. */
@@ -97,7 +97,7 @@ struct session {
     struct geometry geometry;
     uint64_t scene_digest, weight_digest;
     char proof[SCENE_PROOF_HEX]; /* of the scene as it was opened (scene_proof) */
-    struct crew *crew;           /* the threads that compute; NULL for one */
+    struct team *team;           /* the threads that compute; NULL for one */
     struct forest *forest;
     struct border border;
     struct tally tally; /* voxels of each label: session_label_voxels */
@@ -106,8 +106,8 @@ struct session {
     /* Room for the present weights and for those before, so that taking them back cannot fail. */
     struct weight_work weight_work;
 
-    struct fence fence; /* as applied */
-    struct fence_tally fence_tally;
+    struct roi roi; /* as applied */
+    struct roi_tally roi_tally;
 
     struct edit *pending; /* seeds and eliminators that wait for a run, in order */
     size_t pendings, pending_capacity;
@@ -135,12 +135,12 @@ struct session {
     bool mark_has_scene, mark_rendered;
     bool edited_forest;  /* forest_revert takes it back */
     size_t applied;      /* where edited by session_run: how many edits waited for it */
-    bool rebuilt_forest; /* under another adjacency or fence, or other weights */
-    bool weighed_again, fenced_again;
-    bool read_weights;       /* out of a file, or as session_restore was given them */
-    bool replanted;          /* session_restore changed seeds, and what they grow under */
-    struct fence mark_fence; /* its mask is freed by the next mark, where it is not in use again */
-    struct fence_tally mark_fence_tally;
+    bool rebuilt_forest; /* under another adjacency or region of interest, or other weights */
+    bool weighed_again, roi_changed;
+    bool read_weights;   /* out of a file, or as session_restore was given them */
+    bool replanted;      /* session_restore changed seeds, and what they grow under */
+    struct roi mark_roi; /* its mask is freed by the next mark, where it is not in use again */
+    struct roi_tally mark_roi_tally;
     uint16_t *former_weights; /* out of a file, where the command wrote over them, or NULL */
     struct former_scene former;
     struct former_lists former_lists;
@@ -196,7 +196,7 @@ enum err session_set_weight_map(struct session *session, const char *name, const
 enum err session_set_polarity(struct session *session, uint8_t label, int8_t percent,
                               struct fault *fault);
 
-/* The two parts of the fence. ERR_INPUT where nothing would be inside, or a seed that is planted or
+/* The two parts of the region of interest. ERR_INPUT where nothing would be inside, or a seed that is planted or
  * waits would be outside. The mask is the session's from now on, also on error; NULL for none, as
  * is a NULL range. Both compute the forest again. */
 enum err session_set_mask(struct session *session, uint64_t *mask, const char *name,

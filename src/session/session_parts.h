@@ -3,7 +3,7 @@
 #ifndef SESSION_SESSION_PARTS_H
 #define SESSION_SESSION_PARTS_H
 
-#include "session/fencing.h"
+#include "session/roi_check.h"
 #include "session/session.h"
 
 /* ---- session.c ---- */

@@ -199,7 +199,7 @@ static struct slice_choice slice_of(const struct session *session, enum sight si
 static struct mosaic_choice mosaic_of(const struct session *session, const struct sketch *sketch)
 {
     const struct slice_settings *s = &session->settings.slices;
-    struct mosaic_choice choice = {.notes = s->words, .crew = session->crew};
+    struct mosaic_choice choice = {.notes = s->words, .team = session->team};
     for (int i = 0; i < 3; i++) {
         choice.place[i] = s->cross[i];
         choice.title[i] = s->words && sketch ? sketch->title[i] : NULL;

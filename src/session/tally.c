@@ -20,8 +20,8 @@ void tally_follow(struct tally *tally, const struct changes *changes)
 
 struct counting {
     const struct scene *scene;
-    struct crew *crew;
-    uint64_t voxels[CREW_MOST][256];
+    struct team *team;
+    uint64_t voxels[TEAM_MOST][256];
 };
 
 /* Neighbours mostly have the same label: four counters in turn do not wait for each other. */
@@ -38,7 +38,7 @@ static void count_part(void *context, unsigned worker)
     struct counting *counting = context;
     const struct scene *scene = counting->scene;
     const struct grid *grid = &scene->grid;
-    const struct slab slab = grid_slab(grid, worker, crew_size(counting->crew));
+    const struct slab slab = grid_slab(grid, worker, team_size(counting->team));
     uint32_t count[4][256] = {{0}}; /* a scene has less than 2^32 cells */
     struct task task =
         task_begin_part(scene->watch, "counting labels", slab_voxels(grid, slab), worker);
@@ -53,22 +53,22 @@ static void count_part(void *context, unsigned worker)
             counting->voxels[worker][label] += count[i][label];
 }
 
-static struct tally count_all(const struct scene *scene, struct crew *crew)
+static struct tally count_all(const struct scene *scene, struct team *team)
 {
-    struct counting counting = {.scene = scene, .crew = crew};
+    struct counting counting = {.scene = scene, .team = team};
     struct tally tally = {0};
-    crew_run(crew, count_part, &counting);
-    for (unsigned worker = 0; worker < crew_size(crew); worker++)
+    team_run(team, count_part, &counting);
+    for (unsigned worker = 0; worker < team_size(team); worker++)
         for (unsigned label = 0; label < 256; label++)
             tally.voxels[label] += counting.voxels[worker][label];
     return tally;
 }
 
-bool tally_refresh(struct tally *tally, const struct scene *scene, struct crew *crew)
+bool tally_refresh(struct tally *tally, const struct scene *scene, struct team *team)
 {
     if (!tally->stale)
         return true;
-    const struct tally counted = count_all(scene, crew);
+    const struct tally counted = count_all(scene, team);
     if (watch_stops(scene->watch))
         return false;
     *tally = counted;

@@ -4,7 +4,7 @@
  * An edit changes the counts of the voxels that it gave another label, which takes no time worth
  * mentioning in a scene of any size. Where a forest grows from nothing, or so much of it that
  * nobody has a list, the tally is stale: it is counted again by whoever asks first, every thread
- * of the crew at once, and a replay that never asks never pays.
+ * of the team at once, and a replay that never asks never pays.
  *
  * Label 0 has the background and all that no seed reaches. The counts of all labels make the scene.
  *
@@ -18,7 +18,7 @@
 #include <stdint.h>
 
 #include "base/buf.h"
-#include "base/crew.h"
+#include "base/team.h"
 #include "engine/forest.h"
 
 struct tally {
@@ -32,7 +32,7 @@ struct tally tally_of_none(const struct scene *scene);
 void tally_follow(struct tally *tally, const struct changes *changes);
 
 /* Counts where that is needed. False where the scene's watch has stopped it: still stale then. */
-bool tally_refresh(struct tally *tally, const struct scene *scene, struct crew *crew);
+bool tally_refresh(struct tally *tally, const struct scene *scene, struct team *team);
 
 bool tally_check(const struct tally *tally, const struct scene *scene);
 

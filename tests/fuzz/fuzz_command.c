@@ -4,19 +4,19 @@
 
 #include <string.h>
 
-#include "command/desk.h"
+#include "command/interpreter.h"
 #include "journal/record.h"
 
-static struct desk desk; /* kept from one line to the next */
+static struct interpreter interp; /* kept from one line to the next */
 
 static void prepare(void)
 {
     struct fault fault;
-    struct session *session = &desk.session;
+    struct session *session = &interp.session;
     if (session->has_scene)
         return;
     session_init(session);
-    history_init(&desk.history);
+    history_init(&interp.history);
     HOLDS(session_open(session, "synth:geom:9x8x7", &fault) == OK);
     strcpy(session->settings.label_name[2], "cerebellum");
 }
@@ -26,12 +26,12 @@ static void parse(const char *line)
     struct call call, again;
     struct buf first = {0}, second = {0};
     struct fault fault;
-    if (command_parse(&call, line, &desk.session, &fault))
+    if (command_parse(&call, line, &interp.session, &fault))
         return;
     if (call.command) {
         command_write(&first, &call);
-    HOLDS(record_command_check(buf_text(&first), &fault) == OK);
-        HOLDS(command_parse(&again, buf_text(&first), &desk.session, &fault) == OK);
+        HOLDS(record_command_check(buf_text(&first), &fault) == OK);
+        HOLDS(command_parse(&again, buf_text(&first), &interp.session, &fault) == OK);
         HOLDS(again.command == call.command);
         command_write(&second, &again);
         HOLDS(strcmp(buf_text(&first), buf_text(&second)) == 0);
@@ -50,7 +50,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
     buf_add(&line, bytes, length);
     const char *text = buf_text(&line);
     parse(text);
-    command_complete(&words, &start, text, strlen(text), &desk);
+    command_complete(&words, &start, text, strlen(text), &interp);
     HOLDS(start <= strlen(text));
     command_hint(&words, text, strlen(text));
     buf_release(&words);

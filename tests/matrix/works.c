@@ -73,15 +73,15 @@ void works_edits(struct edit edit[WORKS_SEEDS], const struct scene *scene, uint6
 
 int main(int count, char **word)
 {
-    struct crew *crew = NULL;
+    struct team *team = NULL;
     struct fault fault;
     const int threads = count > 2 ? atoi(word[2]) : 1;
-    must_hold(count > 1 && threads >= 1 && threads <= CREW_MOST, "works FOLDER [THREADS 1..64]");
-    must(crew_new(&crew, (unsigned)threads, &fault), &fault, "a crew");
-    must_hold(crew_size(crew) == (unsigned)threads, "a crew of as many threads");
-    works_engine(crew);
+    must_hold(count > 1 && threads >= 1 && threads <= TEAM_MOST, "works FOLDER [THREADS 1..64]");
+    must(team_new(&team, (unsigned)threads, &fault), &fault, "a crew");
+    must_hold(team_size(team) == (unsigned)threads, "a crew of as many threads");
+    works_engine(team);
     works_render();
     works_journal(word[1]);
-    crew_free(crew);
+    team_free(team);
     return 0;
 }

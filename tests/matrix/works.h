@@ -9,7 +9,7 @@
 #ifndef TESTS_MATRIX_WORKS_H
 #define TESTS_MATRIX_WORKS_H
 
-#include "base/crew.h"
+#include "base/team.h"
 #include "base/err.h"
 #include "engine/forest.h"
 #include "engine/weight.h"
@@ -33,7 +33,7 @@ enum { WORKS_SEEDS = 60 };
 void works_edits(struct edit edit[WORKS_SEEDS], const struct scene *scene, uint64_t random);
 
 /* Threads to work with; NULL for the caller alone. `folder` is there, and may be written to. */
-void works_engine(struct crew *crew);
+void works_engine(struct team *team);
 void works_render(void);
 void works_journal(const char *folder);
 

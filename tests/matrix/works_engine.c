@@ -1,10 +1,10 @@
-/* Scenes, weights, forests and fences. */
+/* Scenes, weights, forests and regions of interest. */
 #include "tests/matrix/works.h"
 
 #include <stdlib.h>
 
 #include "base/hash.h"
-#include "engine/fence.h"
+#include "engine/roi.h"
 
 static const struct {
     const char *name;
@@ -36,9 +36,9 @@ static void tell_forest(const struct forest *forest, const char *name, unsigned 
 }
 
 static void weigh(struct forest *forest, struct scene *scene, const struct weight_choice *choice,
-                  struct crew *crew)
+                  struct team *team)
 {
-    struct weight_work work = {.crew = crew};
+    struct weight_work work = {.team = team};
     struct arc_rule arcs = {.kind = weight_arcs(choice->kind)};
     struct fault fault;
     for (int label = 0; label < 6; label++)
@@ -73,16 +73,16 @@ static void edit_forest(struct forest *forest, const char *name, unsigned adjace
     tell_forest(forest, name, adjacency, "rebuilt");
 }
 
-static void forests(struct crew *crew, unsigned adjacency)
+static void forests(struct team *team, unsigned adjacency)
 {
     for (size_t i = 0; i < sizeof weights / sizeof weights[0]; i++) {
         struct scene *scene = works_scene();
         struct forest *forest = NULL;
         struct fault fault;
         must(forest_new(&forest, scene, adjacency, &fault), &fault, "a forest");
-        must(forest_set_crew(forest, crew, &fault), &fault, "a forest's crew");
-        weigh(forest, scene, &weights[i].choice, crew);
-        tell(weight_digest(scene, forest_arcs(forest), crew), "weight/%s/%u", weights[i].name,
+        must(forest_set_team(forest, team, &fault), &fault, "a forest's crew");
+        weigh(forest, scene, &weights[i].choice, team);
+        tell(weight_digest(scene, forest_arcs(forest), team), "weight/%s/%u", weights[i].name,
              adjacency);
         edit_forest(forest, weights[i].name, adjacency);
         forest_free(forest);
@@ -91,33 +91,33 @@ static void forests(struct crew *crew, unsigned adjacency)
 }
 
 /* A mask of two voxels in three, in runs, and a range; the forest again inside. */
-static void fences(struct crew *crew)
+static void excludes(struct team *team)
 {
     static const struct weight_choice morph = {WEIGHT_MORPH, 1, 0};
     struct scene *scene = works_scene();
     struct forest *forest = NULL;
     struct edit edit[WORKS_SEEDS];
     struct fault fault;
-    struct fence fence = {mask_new(&scene->grid), 20, 210};
+    struct roi roi = {mask_new(&scene->grid), 20, 210};
     size_t count = 0;
-    must_hold(fence.mask != NULL, "room for a mask");
+    must_hold(roi.mask != NULL, "room for a mask");
     for (uint32_t c = 0; c < scene->grid.cells; c++)
         if (!(scene->cell[c].flags & CELL_RIM) && c / 37 % 3)
-            fence.mask[c >> 6] |= UINT64_C(1) << (c & 63);
+            roi.mask[c >> 6] |= UINT64_C(1) << (c & 63);
     must(forest_new(&forest, scene, 6, &fault), &fault, "a forest");
-    must(forest_set_crew(forest, crew, &fault), &fault, "a forest's crew");
-    const struct fence_tally tally = fence_tally(&fence, scene);
+    must(forest_set_team(forest, team, &fault), &fault, "a forest's crew");
+    const struct roi_tally tally = roi_tally(&roi, scene);
     tell(tally.digest, "fence/outside");
     tell(tally.inside, "fence/inside");
-    fence_apply(&fence, scene);
-    weigh(forest, scene, &morph, crew);
+    roi_apply(&roi, scene);
+    weigh(forest, scene, &morph, team);
     works_edits(edit, scene, 11);
     for (int i = 0; i < WORKS_SEEDS; i++)
-        if (fence_holds(&fence, scene, edit[i].cell))
+        if (roi_holds(&roi, scene, edit[i].cell))
             edit[count++] = edit[i];
     must(forest_edit(forest, edit, count, NULL, &fault), &fault, "the seeds");
     tell_forest(forest, "fenced", 6, "planted");
-    free(fence.mask);
+    free(roi.mask);
     forest_free(forest);
     scene_free(scene);
 }
@@ -135,10 +135,10 @@ static void scenes(void)
     scene_free(scene);
 }
 
-void works_engine(struct crew *crew)
+void works_engine(struct team *team)
 {
     scenes();
-    forests(crew, 6);
-    forests(crew, 26);
-    fences(crew);
+    forests(team, 6);
+    forests(team, 26);
+    excludes(team);
 }

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine/cut.h"
+#include "render/cut.h"
 #include "render/mosaic.h"
 #include "render/slice.h"
 #include "render/text.h"

@@ -8,7 +8,7 @@
  * weights, and the list of edits.
  */
 #include "base/mem.h"
-#include "engine/border.h"
+#include "render/border.h"
 #include "engine/forest.h"
 #include "tests/peers/worker.h"
 

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host/pilot_host.h"
+#include "program/pilot_host.h"
 
 static bool write_picture(const struct image_view *view, const char *path)
 {
@@ -27,8 +27,8 @@ static bool write_picture(const struct image_view *view, const char *path)
 
 int main(int count, char **word)
 {
-    struct desk desk;
-    struct pilot_desk pilot = {.desk = &desk};
+    struct interpreter interp;
+    struct pilot_interpreter pilot = {.interp = &interp};
     struct pilot_host host = {.context = &pilot};
     struct image_view view;
     struct buf told = {0};
@@ -42,17 +42,17 @@ int main(int count, char **word)
                                     .words = true,
                                     .pane = (enum pilot_pane)atoi(word[4])};
     pilot_host_fill(&host);
-    enum err err = desk_init(&desk, &fault);
-    desk.looks = true;
+    enum err err = interpreter_init(&interp, &fault);
+    interp.looks = true;
     if (!err)
-        err = desk_resume_journal(&desk, word[1], &told, &fault);
+        err = interpreter_resume_journal(&interp, word[1], &told, &fault);
     if (!err)
         err = host.picture(&pilot, &wish, &view, &fault);
     if (err)
         fprintf(stderr, "%s\n", fault.text);
     const bool good = !err && write_picture(&view, word[5]);
-    pilot_desk_release(&pilot);
-    desk_release(&desk);
+    pilot_interpreter_release(&pilot);
+    interpreter_release(&interp);
     buf_release(&told);
     return good ? 0 : 1;
 }

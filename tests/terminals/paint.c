@@ -17,7 +17,7 @@
 
 #include "base/clock.h"
 #include "tests/check.h"
-#include "tui/painter.h"
+#include "tui/picture/painter.h"
 #include "tui/probe.h"
 #include "tui/term.h"
 

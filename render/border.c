@@ -1,0 +1,170 @@
+#include "render/border.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+
+enum err border_init(struct border *border, const struct scene *scene, struct fault *fault)
+{
+    size_t words = scene->grid.cells / 64 + 2;
+    *border = (struct border){.scene = scene, .words = words, .cut = cut_none()};
+    border->shown = mem_pages(words * sizeof *border->shown);
+    border->border = mem_pages(words * sizeof *border->border);
+    border->marked = mem_pages((words / 64 + 1) * sizeof *border->marked);
+    border->stale = mem_pages(words * sizeof *border->stale);
+    border->changed = mem_pages(words * sizeof *border->changed);
+    for (int label = 1; label < 256; label++)
+        border->visible[label] = true;
+    if (border->shown && border->border && border->marked && border->stale && border->changed)
+        return OK;
+    border_release(border);
+    return fault_memory(fault, "the border");
+}
+
+void border_release(struct border *border)
+{
+    mem_pages_free(border->shown, border->words * sizeof *border->shown);
+    mem_pages_free(border->border, border->words * sizeof *border->border);
+    mem_pages_free(border->marked, (border->words / 64 + 1) * sizeof *border->marked);
+    mem_pages_free(border->stale, border->words * sizeof *border->stale);
+    mem_pages_free(border->changed, border->words * sizeof *border->changed);
+    *border = (struct border){0};
+}
+
+/* Which of the 64 cells of word `w` are border voxels: shown, and not all six neighbours shown. */
+static uint64_t border_word(const struct border *border, size_t w)
+{
+    uint64_t inside = border->shown[w];
+    uint64_t shown = inside;
+    for (int a = 0; shown && a < 3; a++) {
+        ptrdiff_t at = (ptrdiff_t)w * 64, step = border->scene->grid.step[a];
+        inside &= border_shown_from(border, at - step);
+        inside &= border_shown_from(border, at + step);
+    }
+    return shown & ~inside;
+}
+
+/* False where the watch has stopped it. `border`, which is made anew afterwards, holds what is to
+ * be shown until the cut is made, so that only words that end up different count as changed. */
+static bool count_shown(struct border *border, struct task *task)
+{
+    const struct grid *grid = &border->scene->grid;
+    const struct cell *cell = border->scene->cell;
+    uint64_t *next = border->border;
+    for (size_t w = 0; w + 1 < border->words; w++) {
+        uint64_t word = 0;
+        size_t end = w * 64 + 64 < grid->cells ? w * 64 + 64 : grid->cells;
+        for (size_t c = w * 64; c < end; c++)
+            word |= (uint64_t)border->visible[cell[c].label] << (c & 63);
+        next[w] = word;
+        if (!task_advance(task, 64))
+            return false;
+    }
+    if (!cut_clear(&border->cut, border->scene, next))
+        return false;
+    border->version++;
+    for (size_t w = 0; w + 1 < border->words; w++) {
+        if (next[w] != border->shown[w])
+            border->changed[w] = border->version;
+        border->shown[w] = next[w];
+    }
+    return true;
+}
+
+void border_recount_shown(struct border *border)
+{
+    const uint64_t cells = border->scene->grid.cells;
+    struct task task = task_begin(border->scene->watch, "shown voxels", cells);
+    count_shown(border, &task);
+}
+
+void border_recount(struct border *border)
+{
+    const uint64_t cells = border->scene->grid.cells;
+    struct task task = task_begin(border->scene->watch, "border", 2 * cells);
+    if (!count_shown(border, &task))
+        return;
+    for (size_t w = 0; w + 1 < border->words && task_advance(&task, 64); w++)
+        border->border[w] = border_word(border, w);
+}
+
+/* Notes that the word of a cell is out of date. */
+static inline void mark(struct border *border, uint32_t at)
+{
+    const uint32_t w = at >> 6;
+    const uint64_t bit = UINT64_C(1) << (w & 63);
+    if (border->marked[w >> 6] & bit)
+        return;
+    border->marked[w >> 6] |= bit;
+    border->stale[border->stales++] = w;
+}
+
+/* Voxels that change sides lie close together, and many of them share a word. */
+void border_update(struct border *border, const struct changes *changes)
+{
+    if (changes->everything) {
+        border_recount(border);
+        return;
+    }
+    const struct grid *grid = &border->scene->grid;
+    const ptrdiff_t *step = grid->step;
+    border->version++;
+    for (size_t i = 0; i < changes->count; i++) {
+        const struct change *change = changes->item + i;
+        const uint32_t at = change->cell;
+        if (border->visible[change->label] == border->visible[change->former_label] ||
+            cut_takes(&border->cut, grid, at))
+            continue;
+        border->shown[at >> 6] ^= UINT64_C(1) << (at & 63);
+        border->changed[at >> 6] = border->version;
+        for (int a = 0; a < 3; a++) {
+            mark(border, at - (uint32_t)step[a]);
+            mark(border, at + (uint32_t)step[a]);
+        }
+        mark(border, at);
+    }
+    while (border->stales > 0) {
+        const uint32_t w = border->stale[--border->stales];
+        border->marked[w >> 6] &= ~(UINT64_C(1) << (w & 63));
+        border->border[w] = border_word(border, w);
+    }
+}
+
+size_t border_count(const struct border *border)
+{
+    size_t count = 0;
+    for (size_t w = 0; w < border->words; w++)
+        count += (size_t)__builtin_popcountll(border->border[w]);
+    return count;
+}
+
+/* By the words of border.h, voxel by voxel. */
+static bool should_show(const struct border *border, uint32_t cell)
+{
+    const struct scene *scene = border->scene;
+    return border->visible[scene->cell[cell].label] && /* no cell of the rim */
+           !cut_takes(&border->cut, &scene->grid, cell);
+}
+
+bool border_check(const struct border *border, struct fault *fault)
+{
+    const struct grid *grid = &border->scene->grid;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++)
+            for (uint32_t x = 0; x < grid->size[0]; x++) {
+                uint32_t at = grid_cell(grid, x, y, z);
+                bool shown = should_show(border, at);
+                bool inside = shown;
+                for (int a = 0; a < 3; a++)
+                    inside = inside && should_show(border, at - (uint32_t)grid->step[a]) &&
+                             should_show(border, at + (uint32_t)grid->step[a]);
+                if (border_shows(border, at) != shown ||
+                    border_holds(border, at) != (shown && !inside)) {
+                    fault_set(fault, ERR_CHECK, "voxel %u,%u,%u: B1: the border is not a recount",
+                              x, y, z);
+                    return false;
+                }
+            }
+    return true;
+}

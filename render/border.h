@@ -1,0 +1,96 @@
+/*
+ * The border: which voxels can be seen at all.
+ *
+ * A voxel is *shown* where its label is one that the view shows (never 0) and it is not cut away
+ * (engine/cut.h). A border voxel is a shown voxel with a face neighbour that is not: background,
+ * hidden, cut away, or outside the scene, whatever the adjacency of the forest. Both sets are held
+ * as one bit per cell and kept up to date from the changes of the forest (BDIFT), in time
+ * proportional to them; reading the border is one sequential scan. It answers the scattered border
+ * lists of the paper with ordered access.
+ *
+ * Invariant B1: between calls both sets equal a recount from labels and cut; border_check asserts
+ * it.
+ */
+#ifndef RENDER_BORDER_H
+#define RENDER_BORDER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "render/cut.h"
+#include "engine/forest.h"
+
+struct border {
+    const struct scene *scene;
+    uint64_t *shown;  /* bit c % 64 of word c / 64: cell c is shown */
+    uint64_t *border; /* likewise: cell c is a border voxel */
+    size_t words;     /* of each, with one spare word at the end that stays 0 */
+
+    /* For whoever keeps what was made of `shown` (render/field.h): every update and recount has a
+     * number, and each word that of the last one in which it changed. */
+    uint32_t version;
+    uint32_t *changed; /* [words] */
+    bool visible[256]; /* which labels the view shows; [0] is false */
+    struct cut cut;    /* what is cut away of the scene */
+
+    /* During an update: words of `border` to be made anew, each once, and a bit for each. */
+    uint32_t *stale;
+    size_t stales;
+    uint64_t *marked;
+};
+
+/* Nothing shown yet; every label but 0 visible, nothing cut away. The scene outlives the border. */
+enum err border_init(struct border *border, const struct scene *scene, struct fault *fault);
+void border_release(struct border *border);
+
+/* After an edit of the forest. Also right after one whose changes are "everything". */
+void border_update(struct border *border, const struct changes *changes);
+
+/* After `visible` or `cut` has changed, or to start with: a scan of the scene, under its watch. */
+void border_recount(struct border *border);
+
+/* The first half of that: `shown` alone, which is all that scene projection reads. Which voxels are
+ * border voxels is then out of date. */
+void border_recount_shown(struct border *border);
+
+static inline bool border_shows(const struct border *border, uint32_t cell)
+{
+    return border->shown[cell >> 6] >> (cell & 63) & 1;
+}
+static inline bool border_holds(const struct border *border, uint32_t cell)
+{
+    return border->border[cell >> 6] >> (cell & 63) & 1;
+}
+
+/* The 64 bits from bit `at` on; bits before the first and behind the last are 0. */
+static inline uint64_t border_bits_from(const uint64_t *words, size_t count, ptrdiff_t at)
+{
+    if (at < 0)
+        return at > -64 ? words[0] << -at : 0;
+    const size_t word = (size_t)at >> 6;
+    const unsigned shift = (unsigned)at & 63;
+    if (word + 1 >= count)
+        return word < count ? words[word] >> shift : 0;
+    return words[word] >> shift | words[word + 1] << 1 << (63 - shift);
+}
+
+/* Which of the 64 cells from `at` on are shown, bit 0 the first. `at` may lie up to a row and a
+ * plane before the first cell or behind the last: none of those cells is shown. */
+static inline uint64_t border_shown_from(const struct border *border, ptrdiff_t at)
+{
+    return border_bits_from(border->shown, border->words, at);
+}
+
+/* Whether the cell would be shown, were it not cut away: beside such a cell the scene has been cut
+ * open. One look at its label and its bit, both right while B1 holds. */
+static inline bool border_is_cut(const struct border *border, uint32_t cell)
+{
+    return !border_shows(border, cell) && border->visible[border->scene->cell[cell].label];
+}
+
+size_t border_count(const struct border *border); /* border voxels */
+
+/* Asserts B1. */
+bool border_check(const struct border *border, struct fault *fault);
+
+#endif

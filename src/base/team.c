@@ -1,0 +1,170 @@
+#include "base/team.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/mem.h"
+
+enum {
+    SPINS = 4000, /* some microseconds: longer than most levels of a forest */
+    WORKERS_UNASKED = 8,
+};
+
+struct worker {
+    struct team *team;
+    unsigned number;
+    pthread_t thread;
+};
+
+struct team {
+    unsigned size;
+    struct worker worker[TEAM_MOST]; /* [0] is the caller and has no thread */
+
+    /* team_wait: the last to arrive opens the gate by counting `meeting` up. */
+    atomic_uint arrived, meeting;
+
+    /* Work is handed out, and its end told, under the lock. */
+    pthread_mutex_t lock;
+    pthread_cond_t begins, ended;
+    team_work *work;
+    void *context;
+    unsigned piece;   /* counts the pieces of work */
+    unsigned at_work; /* threads that have not ended this piece */
+    bool leaves;
+};
+
+unsigned team_size_wanted(void)
+{
+    const char *text = getenv("IFTTY_THREADS");
+    char *end;
+    const unsigned long asked = text ? strtoul(text, &end, 10) : 0;
+    if (text && *text && *end == '\0' && asked >= 1 && asked <= TEAM_MOST)
+        return (unsigned)asked;
+    cpu_set_t cores;
+    if (sched_getaffinity(0, sizeof cores, &cores) != 0)
+        return 1;
+    const unsigned count = (unsigned)CPU_COUNT(&cores);
+    return count < WORKERS_UNASKED ? count : WORKERS_UNASKED;
+}
+
+unsigned team_size(const struct team *team)
+{
+    return team ? team->size : 1;
+}
+
+static void *live(void *argument)
+{
+    const struct worker *worker = argument;
+    struct team *team = worker->team;
+    unsigned done = 0;
+    pthread_mutex_lock(&team->lock);
+    for (;;) {
+        while (team->piece == done && !team->leaves)
+            pthread_cond_wait(&team->begins, &team->lock);
+        if (team->leaves)
+            break;
+        done = team->piece;
+        pthread_mutex_unlock(&team->lock);
+        team->work(team->context, worker->number);
+        pthread_mutex_lock(&team->lock);
+        if (--team->at_work == 0)
+            pthread_cond_signal(&team->ended);
+    }
+    pthread_mutex_unlock(&team->lock);
+    return NULL;
+}
+
+enum err team_new(struct team **out, unsigned workers, struct fault *fault)
+{
+    struct team *team = mem_new(sizeof *team);
+    *out = team;
+    if (!team)
+        return fault_memory(fault, "threads");
+    pthread_mutex_init(&team->lock, NULL);
+    pthread_cond_init(&team->begins, NULL);
+    pthread_cond_init(&team->ended, NULL);
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    for (team->size = 1; team->size < workers && team->size < TEAM_MOST; team->size++) {
+        struct worker *worker = team->worker + team->size;
+        *worker = (struct worker){.team = team, .number = team->size};
+        if (pthread_create(&worker->thread, NULL, live, worker) != 0)
+            break;
+    }
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return OK;
+}
+
+void team_free(struct team *team)
+{
+    if (!team)
+        return;
+    pthread_mutex_lock(&team->lock);
+    team->leaves = true;
+    pthread_cond_broadcast(&team->begins);
+    pthread_mutex_unlock(&team->lock);
+    for (unsigned i = 1; i < team->size; i++)
+        pthread_join(team->worker[i].thread, NULL);
+    pthread_cond_destroy(&team->ended);
+    pthread_cond_destroy(&team->begins);
+    pthread_mutex_destroy(&team->lock);
+    free(team);
+}
+
+void team_run(struct team *team, team_work *work, void *context)
+{
+    if (team_size(team) == 1) {
+        work(context, 0);
+        return;
+    }
+    pthread_mutex_lock(&team->lock);
+    team->work = work;
+    team->context = context;
+    team->at_work = team->size - 1;
+    team->piece++;
+    pthread_cond_broadcast(&team->begins);
+    pthread_mutex_unlock(&team->lock);
+    work(context, 0);
+    pthread_mutex_lock(&team->lock);
+    while (team->at_work > 0)
+        pthread_cond_wait(&team->ended, &team->lock);
+    pthread_mutex_unlock(&team->lock);
+}
+
+static inline void breathe(void)
+{
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+}
+
+void team_wait(struct team *team)
+{
+    if (team_size(team) == 1)
+        return;
+    const unsigned meeting = atomic_load_explicit(&team->meeting, memory_order_relaxed);
+    if (atomic_fetch_add_explicit(&team->arrived, 1, memory_order_acq_rel) + 1 == team->size) {
+        atomic_store_explicit(&team->arrived, 0, memory_order_relaxed);
+        atomic_store_explicit(&team->meeting, meeting + 1, memory_order_release);
+        return;
+    }
+    for (unsigned spins = 0; atomic_load_explicit(&team->meeting, memory_order_acquire) == meeting;
+         spins++)
+        if (spins < SPINS)
+            breathe();
+        else
+            sched_yield();
+}
+
+struct share team_share(const struct team *team, unsigned worker, size_t count)
+{
+    const size_t size = team_size(team), each = count / size, left = count % size;
+    const size_t first = worker * each + (worker < left ? worker : left);
+    return (struct share){first, first + each + (worker < left)};
+}

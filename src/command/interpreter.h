@@ -1,0 +1,127 @@
+/*
+ * The interpreter: a session with its journal, and the one door through which commands come.
+ *
+ * Keyboard, script and replay all call interpreter_execute. A command is carried out, recorded (if it
+ * changes something), and only then acknowledged; when the record cannot be written, the session
+ * is taken back to before it, and so it is where session.watch stops it. Replaying only turns
+ * writing off and comparing on.
+ */
+#ifndef COMMAND_INTERPRETER_H
+#define COMMAND_INTERPRETER_H
+
+#include "base/file.h"
+#include "command/command.h"
+#include "image/helper.h"
+#include "image/picture_writer.h"
+#include "journal/journal.h"
+#include "render/canvas.h"
+#include "session/history.h"
+
+struct interpreter {
+    struct session session;
+    struct history history;
+    struct journal *journal; /* where commands are recorded; NULL records nothing */
+    const char *new_journal; /* created with the first command that is recorded, or NULL */
+    enum file_sync sync;     /* when what is recorded is synced */
+    bool looks; /* a journal is opened for looking: nothing is written to it, J7 of journal.h */
+    size_t unrecorded;           /* commands that are no part of any journal, for the lack of one */
+    struct image_helper *helper; /* started on first use */
+    struct picture_writer
+        *writer; /* writes pictures beside the session; NULL: a command is acknowledged when
+                            its picture is written */
+    struct picture_job
+        *job; /* of the command at hand, for the picture writer once it is recorded, or NULL */
+
+    struct buf home;             /* path of the journal at hand: goldens and scenes lie beside it */
+    const char *scene_path;      /* a scene to open whatever name `open` gives, or NULL */
+    const char *out_folder;      /* files go there, under their last name; NULL: where they say */
+    const char *evidence_folder; /* for what a golden image differs by, or NULL */
+    struct buf goldens;          /* names of golden images so far, each ended by NUL */
+    struct gallery *gallery;     /* for pictures of what they differ by (verdict.h), or NULL */
+    struct golden_accept
+        *golden_accept;         /* has those that differ drawn up anew (accepting.h), or NULL */
+    bool replays;               /* files are written only with an out_folder */
+    bool compares_goldens;      /* `golden` compares with the file instead of writing it */
+    bool resumes;               /* replays the user's own journal: nothing is written */
+    bool skims;                 /* then: only what becomes of the session matters, no picture */
+    bool resumes_slowly;        /* every command of a journal that is resumed is compared */
+    const char *recorded_words; /* what the record at hand says the command gave, or NULL */
+    struct buf made; /* files that this replay has written, and so may replace, each ended by NUL */
+
+    struct buf written; /* by the command at hand: pairs of a path and its backup ("" where it is
+                           new), each ended by NUL */
+    size_t acknowledged;
+    bool finished;       /* `quit` */
+    bool has_cockpit;    /* `pilot` can be had here; if so, */
+    bool flies;          /* it was asked for */
+    bool shows_picture;  /* the last command made a picture to be shown inline: */
+    struct canvas shown; /* it; no pixels stand for the session's rendition */
+};
+
+enum err interpreter_init(struct interpreter *interp, struct fault *fault);
+void interpreter_release(struct interpreter *interp);
+
+/* From now on pictures are written beside the session, at a prompt. What became of each is told by
+ * picture_writer_news; a picture that could not be written changes nothing else: the command stands. */
+enum err interpreter_write_beside(struct interpreter *interp, struct fault *fault);
+
+/* Carries one line out. `reply` is cleared first. An empty line or a comment does nothing, and
+ * leaves reply->canonical empty. On error nothing has changed. */
+enum err interpreter_execute(struct interpreter *interp, const char *line, struct reply *reply,
+                             struct fault *fault);
+void reply_release(struct reply *reply);
+
+/* Has a picture shown inline, which is the interpreter's from now on, until the next command. */
+void interpreter_show(struct interpreter *interp, const struct canvas *picture);
+
+/* Starts a journal at `path`, or resumes it and goes on recording there. Resuming skims: every
+ * command changes seeds and settings, the forest is computed once, and compared with what the last
+ * record says of it. Where that is not the same, the commands are carried out and compared one by
+ * one, to say which of them differs. `told` gets lines for the user. */
+enum err interpreter_create_journal(struct interpreter *interp, const char *path,
+                                    struct fault *fault);
+enum err interpreter_resume_journal(struct interpreter *interp, const char *path, struct buf *told,
+                                    struct fault *fault);
+
+/* Says which journal is at hand, without opening it: goldens and scenes are looked for beside it.
+ */
+enum err interpreter_set_home(struct interpreter *interp, const char *path, struct fault *fault);
+
+/* True where the file at `path` begins as a journal does. */
+bool interpreter_is_journal(const char *path);
+
+/* Whether the commands are those of a journal that somebody else may have written: then names are
+ * looked up, and files written, by the rules of command/trust.h. */
+bool interpreter_is_wary(const struct interpreter *interp);
+
+/* $IFTTY_SCENES: folders separated by colons; Debian's mricron-data by default. */
+const char *interpreter_scenes(void);
+
+/* The path under which the scene `name` is found: interpreter->scene_path; beside the journal; as it
+ * stands; in a folder of interpreter_scenes(). Of a wary interpreter: interpreter->scene_path; below the folder of the
+ * journal or of interpreter_scenes(), where a name that leads elsewhere is looked for by its last part. */
+enum err interpreter_find_scene(const struct interpreter *interp, const char *name,
+                                struct buf *path, struct fault *fault);
+
+/* The same for another file that a command reads, which no interpreter->scene_path stands for. */
+enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
+                               struct fault *fault);
+
+/* Whether a file beside the journal, by its path, may be read: a wary interpreter follows no link that
+ * leads out of the journal's folder. ERR_INPUT. */
+enum err interpreter_may_read(const struct interpreter *interp, const char *path,
+                              struct fault *fault);
+
+/* Where a file that a command names is to be written; an empty path where it is not. */
+enum err interpreter_output_path(const struct interpreter *interp, const char *name,
+                                 struct buf *path, struct fault *fault);
+
+/* Says that the command at hand is about to write `path`: where the command fails or cannot be
+ * recorded, a file that was not there goes again, and one that is replaced comes back. */
+enum err interpreter_will_write(struct interpreter *interp, const char *path, enum file_mode mode,
+                                struct fault *fault);
+
+/* Those files stay as they are now, or are again what they were. A command sees to it by itself. */
+void interpreter_settle_files(struct interpreter *interp, bool stands);
+
+#endif

@@ -1,0 +1,273 @@
+#include "image/picture_writer.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/mem.h"
+#include "image/helper.h"
+
+enum { LOOK_MS = 100 };
+
+struct picture_job {
+    struct picture_job *next;
+    char *path;
+    enum file_mode mode;
+    struct picture picture;
+};
+
+struct picture_writer {
+    struct image_helper *helper; /* the thread's alone, until it has ended */
+    pthread_t thread;
+    int descriptor;
+
+    pthread_mutex_t lock; /* of everything below */
+    pthread_cond_t given, done;
+    struct picture_job *first, **last; /* those that wait */
+    struct picture_job *current;
+    unsigned waiting;
+    bool leaves;
+    struct buf news;
+};
+
+/* ---- jobs ---- */
+
+bool picture_writer_takes(const char *path)
+{
+    return file_is_named(path, ".exr|.png|.tif|.tiff|.jpg|.jpeg|.gif|.bmp|.tga|.ppm");
+}
+
+enum err picture_job_new(struct picture_job **out, const char *path, enum file_mode mode,
+                         struct picture *picture, struct fault *fault)
+{
+    struct buf draft = {0};
+    *out = NULL;
+    enum err err = file_draft(&draft, path, mode, fault);
+    buf_release(&draft);
+    if (err)
+        return err;
+    struct picture_job *job = calloc(1, sizeof *job);
+    if (job)
+        job->path = strdup(path);
+    if (!job || !job->path) {
+        free(job);
+        return fault_memory(fault, "a picture");
+    }
+    job->mode = mode;
+    job->picture = *picture;
+    *picture = (struct picture){0};
+    *out = job;
+    return OK;
+}
+
+void picture_job_free(struct picture_job *job)
+{
+    if (!job)
+        return;
+    picture_release(&job->picture);
+    free(job->path);
+    free(job);
+}
+
+/* ---- the thread ---- */
+
+/* Under the lock. A press without memory for its news says so with what it has left. */
+static void tell(struct picture_writer *writer, enum err err, const char *path,
+                 const struct fault *fault)
+{
+    const uint64_t one = 1;
+    if (err) {
+        buf_printf(&writer->news, "error: %s\n", fault->text);
+    } else {
+        buf_add_text(&writer->news, "wrote ");
+        buf_add_safe(&writer->news, path, strlen(path));
+        buf_add_char(&writer->news, '\n');
+    }
+    if (write(writer->descriptor, &one, sizeof one) < 0)
+        return; /* it counts to 2^64: whoever reads it has been told already */
+}
+
+/* Takes the next job off the queue; NULL where none waits. Under the lock. */
+static struct picture_job *take(struct picture_writer *writer)
+{
+    struct picture_job *job = writer->first;
+    if (!job)
+        return NULL;
+    writer->first = job->next;
+    if (!writer->first)
+        writer->last = &writer->first;
+    writer->waiting--;
+    return job;
+}
+
+static void *work(void *argument)
+{
+    struct picture_writer *writer = argument;
+    pthread_mutex_lock(&writer->lock);
+    for (;;) {
+        while (!writer->first && !writer->leaves)
+            pthread_cond_wait(&writer->given, &writer->lock);
+        struct picture_job *job = take(writer);
+        if (!job)
+            break;
+        writer->current = job;
+        pthread_cond_broadcast(&writer->done); /* there is room */
+        pthread_mutex_unlock(&writer->lock);
+        struct fault fault = {0};
+        enum err err = image_write(writer->helper, job->path, job->mode, &job->picture, &fault);
+        pthread_mutex_lock(&writer->lock);
+        tell(writer, err, job->path, &fault);
+        writer->current = NULL;
+        picture_job_free(job);
+        pthread_cond_broadcast(&writer->done);
+    }
+    pthread_mutex_unlock(&writer->lock);
+    return NULL;
+}
+
+/* Signals are for the thread that began the picture writer. */
+static int begin_thread(struct picture_writer *writer)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int number = pthread_create(&writer->thread, NULL, work, writer);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return number;
+}
+
+static void discard(struct picture_writer *writer)
+{
+    if (writer->descriptor >= 0)
+        close(writer->descriptor);
+    image_helper_free(writer->helper);
+    buf_release(&writer->news);
+    free(writer);
+}
+
+enum err picture_writer_new(struct picture_writer **out, const char *program, struct fault *fault)
+{
+    pthread_condattr_t monotonic;
+    struct picture_writer *writer = calloc(1, sizeof *writer);
+    *out = NULL;
+    if (!writer)
+        return fault_memory(fault, "writing beside the session");
+    writer->last = &writer->first;
+    writer->descriptor = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    enum err err = image_helper_new(&writer->helper, program, fault);
+    if (err || writer->descriptor < 0) {
+        discard(writer);
+        return err ? err : fault_set(fault, ERR_IO, "no descriptor is left for the news");
+    }
+    pthread_mutex_init(&writer->lock, NULL);
+    pthread_cond_init(&writer->given, NULL);
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    pthread_cond_init(&writer->done, &monotonic);
+    pthread_condattr_destroy(&monotonic);
+    if (begin_thread(writer) != 0) {
+        discard(writer);
+        return fault_set(fault, ERR_IO, "no thread can be had to write beside the session");
+    }
+    *out = writer;
+    return OK;
+}
+
+void picture_writer_free(struct picture_writer *writer)
+{
+    if (!writer)
+        return;
+    pthread_mutex_lock(&writer->lock);
+    writer->leaves = true;
+    pthread_cond_signal(&writer->given);
+    pthread_mutex_unlock(&writer->lock);
+    pthread_join(writer->thread, NULL);
+    pthread_cond_destroy(&writer->given);
+    pthread_cond_destroy(&writer->done);
+    pthread_mutex_destroy(&writer->lock);
+    discard(writer);
+}
+
+/* ---- from outside ---- */
+
+void picture_writer_give(struct picture_writer *writer, struct picture_job *job)
+{
+    pthread_mutex_lock(&writer->lock);
+    while (writer->waiting >= PICTURE_WRITER_WAITING_MOST)
+        pthread_cond_wait(&writer->done, &writer->lock);
+    job->next = NULL;
+    *writer->last = job;
+    writer->last = &job->next;
+    writer->waiting++;
+    pthread_cond_signal(&writer->given);
+    pthread_mutex_unlock(&writer->lock);
+}
+
+bool picture_writer_holds(struct picture_writer *writer, const char *path)
+{
+    pthread_mutex_lock(&writer->lock);
+    bool holds = writer->current && strcmp(writer->current->path, path) == 0;
+    for (const struct picture_job *job = writer->first; job && !holds; job = job->next)
+        holds = strcmp(job->path, path) == 0;
+    pthread_mutex_unlock(&writer->lock);
+    return holds;
+}
+
+/* What waits will not be written. Under the lock. */
+static void give_up(struct picture_writer *writer)
+{
+    struct fault fault;
+    for (struct picture_job *job; (job = take(writer)) != NULL; picture_job_free(job)) {
+        fault_set(&fault, ERR_CANCELLED, "cancelled: %s was not written", job->path);
+        tell(writer, ERR_CANCELLED, job->path, &fault);
+    }
+}
+
+static void wait_a_moment(struct picture_writer *writer)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_nsec += LOOK_MS * 1000000L;
+    until.tv_sec += until.tv_nsec / 1000000000L;
+    until.tv_nsec %= 1000000000L;
+    pthread_cond_timedwait(&writer->done, &writer->lock, &until);
+}
+
+enum err picture_writer_wait(struct picture_writer *writer, struct watch *watch,
+                             struct fault *fault)
+{
+    bool stopped = false;
+    pthread_mutex_lock(&writer->lock);
+    while (writer->first || writer->current) {
+        wait_a_moment(writer);
+        pthread_mutex_unlock(&writer->lock);
+        stopped = stopped || watch_look(watch, "writing pictures", 0, 0);
+        pthread_mutex_lock(&writer->lock);
+        if (stopped)
+            give_up(writer);
+    }
+    pthread_mutex_unlock(&writer->lock);
+    return stopped ? watch_fault(watch, fault) : OK;
+}
+
+void picture_writer_news(struct picture_writer *writer, struct buf *out)
+{
+    uint64_t count;
+    pthread_mutex_lock(&writer->lock);
+    if (read(writer->descriptor, &count, sizeof count) < 0)
+        count = 0; /* nothing new */
+    buf_add(out, buf_text(&writer->news), writer->news.length);
+    if (writer->news.failed)
+        buf_add_text(out, "error: out of memory for what became of a picture\n");
+    buf_release(&writer->news);
+    pthread_mutex_unlock(&writer->lock);
+}
+
+int picture_writer_descriptor(const struct picture_writer *writer)
+{
+    return writer->descriptor;
+}

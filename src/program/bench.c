@@ -1,0 +1,291 @@
+#include "program/bench.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/hash.h"
+#include "base/mem.h"
+#include "program/bench_times.h"
+#include "command/interpreter.h"
+#include "image/nifti.h"
+
+enum { SEEDS = 660, SCRATCH_RUNS = 5, EDITS = 60, FRAMES = 24, STARTS = 9, MOST_TIMES = 128 };
+
+struct times {
+    double ms[MOST_TIMES];
+    size_t count;
+};
+
+static void add_since(struct times *times, uint64_t begin)
+{
+    times->ms[times->count++] = times_since(begin);
+}
+
+static double median(struct times *times)
+{
+    return times_median(times->ms, times->count);
+}
+
+static double quantile(struct times *times, double share)
+{
+    return times_quantile(times->ms, times->count, share);
+}
+
+/* ---- the procedure ---- */
+
+/* A deterministic generator: the n-th number of a sequence. */
+static uint64_t draw(uint64_t *state)
+{
+    return hash_mix(++*state * UINT64_C(0x9e3779b97f4a7c15));
+}
+
+/* What a seed at this voxel would be labelled, or -1: by the atlas (1 brain, 2 cerebellum, which
+ * has its regions from 91 on), else by the intensity alone. */
+static int label_at(const struct session *session, const struct volume *atlas, size_t voxel,
+                    uint32_t cell)
+{
+    uint16_t intensity = session->scene->cell[cell].intensity;
+    if (!atlas->intensity)
+        return intensity > 60 ? 1 + (intensity > 150) : intensity < 20 ? 0 : -1;
+    uint16_t region = atlas->intensity[voxel];
+    if (region)
+        return region >= 91 ? 2 : 1;
+    return intensity < 20 ? 0 : -1;
+}
+
+static uint32_t draw_cell(const struct grid *grid, uint64_t *state, size_t *voxel)
+{
+    *voxel = (size_t)(draw(state) % grid->voxels);
+    size_t rows = *voxel / grid->size[0];
+    return grid_cell(grid, (uint32_t)(*voxel % grid->size[0]), (uint32_t)(rows % grid->size[1]),
+                     (uint32_t)(rows / grid->size[1]));
+}
+
+static enum err plant_seeds(struct session *session, const struct volume *atlas,
+                            struct fault *fault)
+{
+    uint64_t state = 1;
+    enum err err = OK;
+    for (int planted = 0; !err && planted < SEEDS;) {
+        size_t voxel;
+        uint32_t cell = draw_cell(&session->scene->grid, &state, &voxel);
+        int label = label_at(session, atlas, voxel, cell);
+        if (label < 0)
+            continue;
+        err = session_plant(session, cell, (uint8_t)label, fault);
+        planted++;
+    }
+    return err;
+}
+
+/* A voxel in the middle half of each axis. */
+static uint32_t middle_cell(const struct grid *grid, uint64_t *state)
+{
+    uint32_t at[3];
+    for (int a = 0; a < 3; a++)
+        at[a] = grid->size[a] / 4 + (uint32_t)(draw(state) % (grid->size[a] / 2 + 1));
+    return grid_cell(grid, at[0], at[1], at[2]);
+}
+
+struct figures {
+    struct times alone, together, corners; /* from nothing: one thread, all, 26 neighbours */
+    struct times plant, eliminate, border, scene, turn, start, loaded;
+    double bytes_per_voxel;
+    size_t voxels, border_voxels;
+    unsigned threads;
+};
+
+/* The seeds that are planted, as edits; NULL when out of memory. */
+static struct edit *list_seeds(const struct session *session)
+{
+    const size_t seeds = forest_seeds(session->forest), cells = session->scene->grid.cells;
+    struct edit *seed = mem_array(seeds, sizeof *seed);
+    size_t count = 0;
+    for (size_t c = 0; seed && c < cells && count < seeds; c++)
+        if (session->scene->cell[c].flags & CELL_SEED)
+            seed[count++] = (struct edit){(uint32_t)c, session->scene->cell[c].label};
+    return seed;
+}
+
+/* Erases every seed and plants them all at once, which is timed: the forest from nothing. */
+static enum err time_growing(struct session *session, struct team *team, struct times *times,
+                             struct fault *fault)
+{
+    const size_t seeds = forest_seeds(session->forest);
+    struct edit *seed = list_seeds(session), *none = mem_array(seeds, sizeof *none);
+    enum err err = seed && none ? forest_set_team(session->forest, team, fault)
+                                : fault_memory(fault, "a benchmark");
+    for (size_t i = 0; !err && i < seeds; i++)
+        none[i] = (struct edit){seed[i].cell, EDIT_ERASE};
+    for (int i = 0; !err && i < SCRATCH_RUNS; i++) {
+        err = forest_edit(session->forest, none, seeds, NULL, fault);
+        const uint64_t begin = clock_ns();
+        err = err ? err : forest_edit(session->forest, seed, seeds, NULL, fault);
+        add_since(times, begin);
+    }
+    free(seed);
+    free(none);
+    return err;
+}
+
+static enum err time_corners(struct session *session, struct figures *figures, struct fault *fault)
+{
+    forest_set_adjacency(session->forest, 26);
+    enum err err = forest_rebuild(session->forest, NULL, fault);
+    if (!err)
+        err = time_growing(session, NULL, &figures->corners, fault);
+    forest_set_adjacency(session->forest, 6);
+    return err ? err : forest_rebuild(session->forest, NULL, fault);
+}
+
+static enum err time_scratch(struct session *session, struct figures *figures, struct fault *fault)
+{
+    enum err err = time_corners(session, figures, fault);
+    if (!err)
+        err = time_growing(session, NULL, &figures->alone, fault);
+    if (!err && figures->threads > 1)
+        err = time_growing(session, session->team, &figures->together, fault);
+    return err ? err : forest_set_team(session->forest, session->team, fault);
+}
+
+/* Each edit as the user feels it: forest, border, digests, picture. Planted and taken away again.
+ */
+static enum err time_edits(struct session *session, struct figures *figures, struct fault *fault)
+{
+    uint64_t state = 1000;
+    enum err err = session_render(session, RENDER_BORDER, fault);
+    for (int i = 0; !err && i < EDITS; i++) {
+        uint32_t cell = middle_cell(&session->scene->grid, &state);
+        uint64_t begin = clock_ns();
+        err = session_plant(session, cell, (uint8_t)(i % 3), fault);
+        err = err ? err : session_run(session, fault);
+        add_since(&figures->plant, begin);
+        begin = clock_ns();
+        err = err ? err : session_eliminate(session, &cell, 1, fault);
+        err = err ? err : session_run(session, fault);
+        add_since(&figures->eliminate, begin);
+    }
+    return err;
+}
+
+static enum err time_frames(struct session *session, struct figures *figures, struct fault *fault)
+{
+    struct view view = session->settings.view;
+    enum err err = OK;
+    for (int i = 0; !err && i < FRAMES; i++) {
+        view.angle[0] = i * 15000;
+        view.angle[1] = i * 7000;
+        err = session_set_view(session, &view, fault);
+        uint64_t begin = clock_ns();
+        err = err ? err : session_render(session, RENDER_BORDER, fault);
+        add_since(&figures->border, begin);
+        begin = clock_ns();
+        err = err ? err : session_render(session, RENDER_SCENE, fault);
+        add_since(&figures->scene, begin);
+    }
+    return err;
+}
+
+/* ---- tables ---- */
+
+static void print_row(FILE *out, const char *what, struct times *times, double scale,
+                      const char *unit)
+{
+    if (times->count == 0)
+        return;
+    fprintf(out, "%-44s %9.2f %9.2f %9.2f  %s\n", what, median(times) * scale,
+            quantile(times, 0.9) * scale, quantile(times, 1) * scale, unit);
+}
+
+static void print_table(FILE *out, const char *scene, struct figures *f)
+{
+    double ns_per_voxel = 1e6 / (double)f->voxels;
+    fprintf(out, "%s: %zu voxels, %d seeds, %zu border voxels; %u threads\n\n", scene, f->voxels,
+            SEEDS, f->border_voxels, f->threads);
+    fprintf(out, "%-44s %9s %9s %9s\n", "", "median", "9 of 10", "most");
+    print_row(out, "forest from nothing, one thread", &f->alone, 1, "ms");
+    print_row(out, "    a voxel", &f->alone, ns_per_voxel, "ns");
+    print_row(out, "    all threads, a voxel", &f->together, ns_per_voxel, "ns");
+    print_row(out, "    one thread, 26 neighbours, a voxel", &f->corners, ns_per_voxel, "ns");
+    print_row(out, "a seed: update and incremental image", &f->plant, 1, "ms");
+    print_row(out, "an eliminator: update and incremental image", &f->eliminate, 1, "ms");
+    print_row(out, "border projection, 512x512", &f->border, 1, "ms");
+    print_row(out, "scene projection, 512x512", &f->scene, 1, "ms");
+    print_row(out, "start to prompt", &f->start, 1, "ms");
+    print_row(out, "start to scene loaded", &f->loaded, 1, "ms");
+    fprintf(out, "%-44s %9.2f %9s %9s  bytes a voxel\n", "memory", f->bytes_per_voxel, "", "");
+}
+
+static void print_json(FILE *out, const char *scene, struct figures *f)
+{
+    const struct {
+        const char *name;
+        struct times *times;
+    } row[] = {{"scratch_ms", &f->alone},          {"scratch_all_threads_ms", &f->together},
+               {"scratch_26_ms", &f->corners},     {"seed_ms", &f->plant},
+               {"eliminator_ms", &f->eliminate},   {"border_projection_ms", &f->border},
+               {"scene_projection_ms", &f->scene}, {"start_to_prompt_ms", &f->start},
+               {"start_to_loaded_ms", &f->loaded}};
+    fprintf(out, "{\"scene\": \"%s\", \"voxels\": %zu, \"seeds\": %d", scene, f->voxels, SEEDS);
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
+        fprintf(out, ", \"%s\": {\"median\": %.3f, \"most\": %.3f}", row[i].name,
+                median(row[i].times), quantile(row[i].times, 1));
+    fprintf(out, ", \"bytes_per_voxel\": %.2f}\n", f->bytes_per_voxel);
+}
+
+enum err bench_brain(const char *scene, bool json, FILE *out, struct fault *fault)
+{
+    struct interpreter interp;
+    struct volume atlas = {0};
+    struct buf path = {0}, atlas_path = {0};
+    struct figures *figures = calloc(1, sizeof *figures);
+    const char *name = scene ? scene : "ch2.nii.gz";
+    enum err err = interpreter_init(&interp, fault);
+    if (!err && !figures)
+        err = fault_memory(fault, "a benchmark");
+    if (!err && interpreter_find_scene(&interp, name, &path, fault) != OK) {
+        name = "synth:geom";
+        err = interpreter_find_scene(&interp, name, &path, fault);
+    }
+    struct session *session = &interp.session;
+    if (!err)
+        err = session_open(session, buf_text(&path), fault);
+    if (!err && interpreter_find_scene(&interp, "aal.nii.gz", &atlas_path, NULL) == OK &&
+        nifti_read(&atlas, buf_text(&atlas_path), NULL, NULL) == OK &&
+        memcmp(atlas.size, session->scene->grid.size, sizeof atlas.size) != 0)
+        volume_release(&atlas);
+    if (!err)
+        err = plant_seeds(session, &atlas, fault);
+    volume_release(&atlas);
+    if (!err)
+        err = session_run(session, fault);
+    if (!err)
+        figures->threads = team_size(session->team);
+    if (!err)
+        err = time_scratch(session, figures, fault);
+    if (!err)
+        border_recount(&session->border);
+    if (!err)
+        err = time_edits(session, figures, fault);
+    if (!err)
+        err = time_frames(session, figures, fault);
+    if (!err) {
+        figures->voxels = session->scene->grid.voxels;
+        figures->border_voxels = border_count(&session->border);
+        figures->bytes_per_voxel = (double)session_memory(session) / (double)figures->voxels;
+        for (int i = 0; i < STARTS; i++) {
+            double prompt_ms, loaded_ms;
+            if (!bench_prompt(buf_text(&path), &prompt_ms, &loaded_ms))
+                break;
+            figures->start.ms[figures->start.count++] = prompt_ms;
+            figures->loaded.ms[figures->loaded.count++] = loaded_ms;
+        }
+        (json ? print_json : print_table)(out, name, figures);
+    }
+    buf_release(&path);
+    buf_release(&atlas_path);
+    free(figures);
+    interpreter_release(&interp);
+    return err;
+}

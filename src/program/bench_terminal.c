@@ -1,0 +1,494 @@
+#include "program/bench_terminal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "base/folder.h"
+#include "base/mem.h"
+#include "program/bench.h"
+#include "program/bench_times.h"
+#include "command/interpreter.h"
+#include "program/bench_pilot.h"
+#include "program/pilot_host.h"
+#include "image/helper.h"
+#include "session/slicing.h"
+#include "tui/picture/painter.h"
+
+enum {
+    RENDITION_SIDE = 512,
+    MOSAIC_SIDE = 640,
+    PATCH_SIDE = 40,
+    CELL_WIDTH = 8,
+    CELL_HEIGHT = 16,
+    ROUNDS = 21,
+    CHAFA_ROUNDS = 7,
+    PATCHES = 12,
+};
+
+enum { RENDITION, MOSAIC, PATCH, PICTURES };
+enum { CHAFA_RENDITION, CHAFA_MOSAIC, CHAFA_PICTURES };
+
+static const char *const picture_words[PICTURES] = {"rendition, 512x512", "mosaic, 640x640",
+                                                    "40x40 pixels of the rendition change"};
+static const char *const picture_names[PICTURES] = {"rendition", "mosaic", "patch"};
+static const char *const chafa_words[CHAFA_PICTURES] = {"chafa: rendition", "chafa: mosaic"};
+
+/* The means, and what chafa calls them; blocks are half a cell high, in 24-bit colours. */
+static const struct means {
+    enum graphics graphics;
+    const char *name, *words, *chafa;
+    bool blocks;
+} means[] = {{GRAPHICS_KITTY, "kitty", "kitty", "kitty", false},
+             {GRAPHICS_SIXEL, "sixel", "sixel", "sixels", false},
+             {GRAPHICS_ITERM, "iterm", "iTerm2", "iterm", false},
+             {GRAPHICS_BLOCKS, "blocks", "half blocks", "symbols", true}};
+enum { MEANS = sizeof means / sizeof means[0] };
+
+struct cost {
+    double bytes, ms; /* no bytes: not measured */
+};
+
+static const struct line_kind {
+    const char *name, *words;
+    struct bench_line line;
+    unsigned keys;
+} lines[] = {{"local", "no line", {0, 0}, 24},
+             {"slow", "2 Mbit/s, 120 ms round trip", {2e6, 60}, 10}};
+enum { LINES = sizeof lines / sizeof lines[0], FLOWN = 2 /* kitty and sixel */ };
+
+struct figures {
+    char journal[64];
+    struct cost cost[PICTURES][MEANS], chafa[CHAFA_PICTURES][MEANS];
+    bool has_chafa;
+    int lines; /* that were flown over */
+    struct bench_flight flight[LINES][FLOWN];
+};
+
+/* ---- pictures ---- */
+
+struct pictures {
+    struct canvas rendition, mosaic; /* canvases of their own */
+    uint32_t hue[256];
+    unsigned hues;
+};
+
+static struct image_view view_of(const struct pictures *p, const struct canvas *canvas)
+{
+    return (struct image_view){.width = canvas->width,
+                               .height = canvas->height,
+                               .rgba = canvas->rgba,
+                               .hue = p->hue,
+                               .hues = p->hues};
+}
+
+static enum err find_journal(struct interpreter *interp, struct buf *path, struct fault *fault)
+{
+    struct buf scene = {0};
+    const bool has_brain = interpreter_find_scene(interp, "ch2.nii.gz", &scene, NULL) == OK;
+    const char *name = has_brain ? "examples/brain.iftty" : "examples/geom.iftty";
+    buf_release(&scene);
+    if (bench_find_in_tree(path, name))
+        return OK;
+    return fault_set(fault, ERR_IO, "%s does not lie beside the program", name);
+}
+
+/* Its rendition, over black, of its own size. */
+static enum err copy_rendition(struct canvas *canvas, struct session *session, struct fault *fault)
+{
+    struct view of_side = session->settings.view;
+    of_side.width = of_side.height = RENDITION_SIDE;
+    enum err err = session_set_view(session, &of_side, fault);
+    if (!err)
+        err = session_render(session, RENDER_BORDER, fault);
+    const struct rendition *r = session_frame(session);
+    if (!err)
+        err = canvas_init(canvas, r->width, r->height, false, fault);
+    if (err)
+        return err;
+    const struct image_view view = {.width = r->width, .height = r->height, .rgba = r->rgba};
+    for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
+        const uint32_t colour = image_view_colour(&view, i);
+        for (int k = 0; k < 3; k++)
+            canvas->rgba[4 * i + (size_t)k] = (uint8_t)(colour >> (16 - 8 * k));
+    }
+    return OK;
+}
+
+static enum err make_pictures(struct pictures *p, struct interpreter *interp, const char *journal,
+                              struct fault *fault)
+{
+    struct buf told = {0};
+    struct session *session = &interp->session;
+    interp->looks = true; /* it stays as it is */
+    enum err err = interpreter_resume_journal(interp, journal, &told, fault);
+    buf_release(&told);
+    if (!err)
+        err = session_count_labels(session, fault);
+    if (!err)
+        err = copy_rendition(&p->rendition, session, fault);
+    if (!err)
+        err = slicing_panel(&p->mosaic, session, MOSAIC_SIDE, MOSAIC_SIDE, true, fault);
+    if (!err)
+        p->hues = pilot_hues(p->hue, session);
+    return err;
+}
+
+/* ---- the painter ---- */
+
+static void place_painter(struct painter *painter, const struct means *by, uint32_t side)
+{
+    const struct terminal_facts facts = {.graphics = by->graphics,
+                                         .colours = COLOURS_24BIT,
+                                         .cell_width = CELL_WIDTH,
+                                         .cell_height = CELL_HEIGHT,
+                                         .image_side_most = 10000,
+                                         .shape = BLOCK_HALF,
+                                         .answers = true,
+                                         .edits = by->graphics == GRAPHICS_KITTY};
+    painter_place(painter, &facts, 0, 0, side / CELL_WIDTH, side / CELL_HEIGHT);
+}
+
+/* Adds the time and bytes of one frame. */
+static bool time_frame(struct painter *painter, const struct image_view *view, struct buf *out,
+                       double *ms, double *bytes)
+{
+    buf_clear(out);
+    const uint64_t begin = clock_ns();
+    painter_show(painter, view, out);
+    *ms = times_since(begin);
+    *bytes = (double)out->length;
+    return !out->failed;
+}
+
+/* A picture as large as the painter wants it; *owned is to be freed. */
+static bool fit(struct painter *painter, const struct image_view *view, struct image_view *fitting,
+                uint8_t **owned)
+{
+    uint32_t width, height;
+    painter_size(painter, &width, &height);
+    *fitting = *view;
+    *owned = NULL;
+    if (width >= view->width && height >= view->height)
+        return true;
+    *owned = image_view_shrink(view, width, height);
+    fitting->width = width;
+    fitting->height = height;
+    fitting->rgba = *owned;
+    return *owned != NULL;
+}
+
+static bool time_whole(const struct image_view *view, const struct means *by, struct cost *cost)
+{
+    struct painter painter = {0};
+    struct image_view fitting;
+    struct buf out = {0};
+    double ms[ROUNDS], bytes[ROUNDS];
+    uint8_t *owned;
+    place_painter(&painter, by, view->width);
+    bool good = fit(&painter, view, &fitting, &owned);
+    for (int i = 0; good && i < ROUNDS; i++) {
+        painter_forget(&painter);
+        good = time_frame(&painter, &fitting, &out, ms + i, bytes + i);
+    }
+    if (good)
+        *cost = (struct cost){times_median(bytes, ROUNDS), times_median(ms, ROUNDS)};
+    painter_release(&painter);
+    buf_release(&out);
+    free(owned);
+    return good;
+}
+
+/* Nine tenths of the patch show an object, before and after. */
+static bool is_full(const struct image_view *view, uint32_t left, uint32_t top)
+{
+    unsigned shown = 0;
+    for (uint32_t y = 0; y < PATCH_SIDE; y++)
+        for (uint32_t x = 0; x < PATCH_SIDE; x++)
+            shown += image_view_colour(view, (size_t)(top + y) * view->width + left + x) != 0;
+    return shown >= PATCH_SIDE * PATCH_SIDE * 9 / 10;
+}
+
+/* The patch, and what is seen 5 pixels to the right of it and 3 below. */
+static void change_patch(uint8_t *rgba, const struct image_view *view, uint32_t left, uint32_t top)
+{
+    for (uint32_t y = 0; y < PATCH_SIDE; y++)
+        memcpy(rgba + 4 * ((size_t)(top + y) * view->width + left),
+               view->rgba + 4 * ((size_t)(top + y + 3) * view->width + left + 5), 4 * PATCH_SIDE);
+}
+
+/* Patches all over the object; each is changed and comes back. */
+static bool time_patches(const struct image_view *view, const struct means *by, struct cost *cost)
+{
+    const size_t all = 4 * (size_t)view->width * view->height;
+    struct painter painter = {0};
+    struct buf out = {0};
+    uint8_t *rgba = malloc(all);
+    double ms[2 * PATCHES], bytes[2 * PATCHES];
+    size_t count = 0;
+    bool good = rgba != NULL;
+    struct image_view changed = *view;
+    changed.rgba = rgba;
+    place_painter(&painter, by, view->width);
+    if (good)
+        good = painter_show(&painter, view, &out);
+    for (uint32_t top = 11; good && top + PATCH_SIDE + 3 < view->height; top += 53) {
+        for (uint32_t left = 17; good && left + PATCH_SIDE + 5 < view->width; left += 67) {
+            if (count + 2 > 2 * PATCHES || !is_full(view, left, top))
+                continue;
+            memcpy(rgba, view->rgba, all);
+            change_patch(rgba, view, left, top);
+            good = time_frame(&painter, &changed, &out, ms + count, bytes + count) &&
+                   time_frame(&painter, view, &out, ms + count + 1, bytes + count + 1);
+            count += 2;
+        }
+    }
+    if (good)
+        *cost = (struct cost){times_median(bytes, count), times_median(ms, count)};
+    painter_release(&painter);
+    buf_release(&out);
+    free(rgba);
+    return good;
+}
+
+static enum err time_painter(const struct pictures *p, struct figures *f, struct fault *fault)
+{
+    const struct image_view rendition = view_of(p, &p->rendition), mosaic = view_of(p, &p->mosaic);
+    bool good = true;
+    for (int m = 0; good && m < MEANS; m++) {
+        good = time_whole(&rendition, means + m, &f->cost[RENDITION][m]) &&
+               time_whole(&mosaic, means + m, &f->cost[MOSAIC][m]);
+        /* an edit in blocks is a few cells: as coarse as that, there is no patch of 40x40 */
+        if (good && !means[m].blocks)
+            good = time_patches(&rendition, means + m, &f->cost[PATCH][m]);
+    }
+    return good ? OK : fault_memory(fault, "a picture for the terminal");
+}
+
+/* ---- chafa ---- */
+
+/* Runs it with its output in a pipe; returns the bytes, 0 where it cannot be run. */
+static size_t run_chafa(const struct means *by, uint32_t side, const char *path)
+{
+    char size[32], taken[4096];
+    int ends[2], status = 1;
+    size_t bytes = 0;
+    ssize_t n;
+    /* where there are pixels, chafa takes cells for squares of 8x8 */
+    snprintf(size, sizeof size, "%ux%u", side / 8, by->blocks ? side / 16 : side / 8);
+    if (pipe2(ends, O_CLOEXEC) != 0)
+        return 0;
+    const pid_t child = fork();
+    if (child == 0) {
+        const int nowhere = open("/dev/null", O_RDWR);
+        dup2(nowhere, 0);
+        dup2(ends[1], 1);
+        dup2(nowhere, 2);
+        execlp("chafa", "chafa", "-f", by->chafa, "-c", "full", "--font-ratio",
+               by->blocks ? "1/2" : "1/1", "-s", size, path, (char *)NULL);
+        _exit(127);
+    }
+    close(ends[1]);
+    while ((n = read(ends[0], taken, sizeof taken)) > 0 || (n < 0 && errno == EINTR))
+        bytes += n > 0 ? (size_t)n : 0;
+    close(ends[0]);
+    if (child > 0)
+        waitpid(child, &status, 0);
+    return status == 0 ? bytes : 0;
+}
+
+static bool time_chafa(const struct means *by, uint32_t side, const char *path, struct cost *cost)
+{
+    double ms[CHAFA_ROUNDS];
+    for (int i = 0; i < CHAFA_ROUNDS; i++) {
+        const uint64_t begin = clock_ns();
+        cost->bytes = (double)run_chafa(by, side, path);
+        ms[i] = times_since(begin);
+    }
+    cost->ms = times_median(ms, CHAFA_ROUNDS);
+    return cost->bytes > 0;
+}
+
+static enum err write_png(struct buf *path, const struct buf *folder, const char *name,
+                          struct interpreter *interp, const struct canvas *canvas, uint32_t width,
+                          uint32_t height, struct fault *fault)
+{
+    struct picture picture = {0};
+    buf_clear(path);
+    buf_printf(path, "%s/%s.png", buf_text(folder), name);
+    enum err err = picture_init(&picture, width, height, false, fault);
+    if (!err)
+        memcpy(picture.rgba, canvas->rgba, 4 * (size_t)width * height);
+    if (!err)
+        err = image_write(interp->helper, buf_text(path), FILE_KEEP, &picture, fault);
+    picture_release(&picture);
+    return err;
+}
+
+static enum err time_chafas(const struct pictures *p, struct interpreter *interp, struct figures *f,
+                            struct fault *fault)
+{
+    const struct canvas *shown[CHAFA_PICTURES] = {&p->rendition, &p->mosaic};
+    struct buf folder = {0}, path = {0}, dot = {0};
+    enum err err = folder_fresh(&folder, NULL, fault);
+    if (!err)
+        err = write_png(&dot, &folder, "dot", interp, &p->rendition, 1, 1, fault);
+    for (int i = 0; !err && i < CHAFA_PICTURES; i++) {
+        err = write_png(&path, &folder, picture_names[i], interp, shown[i], shown[i]->width,
+                        shown[i]->height, fault);
+        for (int m = 0; !err && m < MEANS; m++) {
+            struct cost start = {0}, *cost = &f->chafa[i][m];
+            if (!time_chafa(means + m, shown[i]->width, buf_text(&path), cost) ||
+                !time_chafa(means + m, 8, buf_text(&dot), &start))
+                continue;
+            f->has_chafa = true;
+            cost->ms = cost->ms > start.ms ? cost->ms - start.ms : 0;
+        }
+    }
+    if (folder.length)
+        folder_discard(buf_text(&folder));
+    buf_release(&folder);
+    buf_release(&path);
+    buf_release(&dot);
+    return err;
+}
+
+/* ---- the pilot ---- */
+
+static enum err time_pilot(const char *journal, bool quick, struct figures *f, struct fault *fault)
+{
+    enum err err = OK;
+    f->lines = quick ? 1 : LINES;
+    for (int l = 0; !err && l < f->lines; l++)
+        for (int m = 0; !err && m < FLOWN; m++)
+            err = bench_pilot(journal, means[m].graphics, &lines[l].line, quick ? 4 : lines[l].keys,
+                              &f->flight[l][m], fault);
+    return err;
+}
+
+/* ---- what comes out ---- */
+
+static void print_row(FILE *out, const char *words, const struct cost cost[MEANS])
+{
+    fprintf(out, "    %-36s", words);
+    for (int m = 0; m < MEANS; m++) {
+        if (cost[m].bytes > 0)
+            fprintf(out, " %7.2f %5.2f", cost[m].bytes / 1000, cost[m].ms);
+        else
+            fprintf(out, " %7s %5s", "", "");
+    }
+    fputc('\n', out);
+}
+
+static void print_key(FILE *out, const char *words, const struct bench_key *key)
+{
+    fprintf(out, "        %-32s %9.2f %9.2f %9.2f\n", words, key->shown_ms, key->last_ms,
+            key->bytes / 1000);
+}
+
+static void print_table(FILE *out, const struct figures *f)
+{
+    fprintf(out, "%s, what goes to the terminal\n    %-36s", f->journal, "");
+    for (int m = 0; m < MEANS; m++)
+        fprintf(out, " %13s", means[m].words);
+    fprintf(out, "\n    %-36s", "");
+    for (int m = 0; m < MEANS; m++)
+        fprintf(out, " %7s %5s", "kB", "ms");
+    fputc('\n', out);
+    for (int i = 0; i < PICTURES; i++)
+        print_row(out, picture_words[i], f->cost[i]);
+    for (int i = 0; f->has_chafa && i < CHAFA_PICTURES; i++)
+        print_row(out, chafa_words[i], f->chafa[i]);
+    if (!f->has_chafa)
+        fprintf(out, "    chafa is not installed\n");
+    fprintf(out, "the pilot, %dx%d cells of %dx%d pixels: a key, until\n%-41s %9s %9s %9s\n",
+            PILOT_COLUMNS, PILOT_ROWS, PILOT_CELL_WIDTH, PILOT_CELL_HEIGHT, "", "shown",
+            "last byte", "kB");
+    for (int l = 0; l < f->lines; l++) {
+        for (int m = 0; m < FLOWN; m++) {
+            fprintf(out, "    %s, %s\n", means[m].words, lines[l].words);
+            print_key(out, "the cross-hair by a voxel, ms", &f->flight[l][m].move);
+            print_key(out, "a seed and its run, ms", &f->flight[l][m].seed);
+        }
+    }
+}
+
+static void print_costs(FILE *out, const char *name, const struct cost cost[MEANS])
+{
+    const char *comma = "";
+    fprintf(out, "\"%s\": {", name);
+    for (int m = 0; m < MEANS; m++) {
+        if (cost[m].bytes <= 0)
+            continue;
+        fprintf(out, "%s\"%s\": {\"bytes\": %.0f, \"ms\": %.3f}", comma, means[m].name,
+                cost[m].bytes, cost[m].ms);
+        comma = ", ";
+    }
+    fputc('}', out);
+}
+
+static void print_json_key(FILE *out, const char *name, const struct bench_key *key)
+{
+    fprintf(out, "\"%s\": {\"keys\": %u, \"shown_ms\": %.3f, \"last_ms\": %.3f, \"bytes\": %.0f}",
+            name, key->keys, key->shown_ms, key->last_ms, key->bytes);
+}
+
+static void print_json(FILE *out, const struct figures *f)
+{
+    fprintf(out, "{\"journal\": \"%s\"", f->journal);
+    for (int i = 0; i < PICTURES; i++) {
+        fputs(", ", out);
+        print_costs(out, picture_names[i], f->cost[i]);
+    }
+    fputs(", \"chafa\": {", out);
+    for (int i = 0; f->has_chafa && i < CHAFA_PICTURES; i++) {
+        fputs(i ? ", " : "", out);
+        print_costs(out, picture_names[i], f->chafa[i]);
+    }
+    fputs("}, \"pilot\": {", out);
+    for (int l = 0; l < f->lines; l++) {
+        for (int m = 0; m < FLOWN; m++) {
+            fprintf(out, "%s\"%s_%s\": {", l + m ? ", " : "", means[m].name, lines[l].name);
+            print_json_key(out, "move", &f->flight[l][m].move);
+            fputs(", ", out);
+            print_json_key(out, "seed", &f->flight[l][m].seed);
+            fputc('}', out);
+        }
+    }
+    fputs("}}\n", out);
+}
+
+enum err bench_terminal(bool json, bool quick, FILE *out, struct fault *fault)
+{
+    struct interpreter interp;
+    struct pictures pictures = {0};
+    struct buf journal = {0};
+    struct figures *f = mem_new(sizeof *f);
+    enum err err = interpreter_init(&interp, fault);
+    if (!err && !f)
+        err = fault_memory(fault, "a benchmark");
+    if (!err)
+        err = find_journal(&interp, &journal, fault);
+    if (!err)
+        err = make_pictures(&pictures, &interp, buf_text(&journal), fault);
+    if (!err)
+        err = time_painter(&pictures, f, fault);
+    if (!err)
+        err = time_chafas(&pictures, &interp, f, fault);
+    interpreter_release(&interp); /* the pilot gets the memory */
+    if (!err)
+        err = time_pilot(buf_text(&journal), quick, f, fault);
+    if (!err) {
+        snprintf(f->journal, sizeof f->journal, "%s", file_name(buf_text(&journal)));
+        (json ? print_json : print_table)(out, f);
+    }
+    canvas_release(&pictures.rendition);
+    canvas_release(&pictures.mosaic);
+    buf_release(&journal);
+    free(f);
+    return err;
+}

@@ -1,0 +1,269 @@
+#include "program/pilot_host.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "command/act.h"
+#include "render/mosaic.h"
+#include "session/slicing.h"
+
+static const uint8_t marked_tree[3] = {255, 255, 255}, marked_pane[3] = {230, 200, 90},
+                     marked_pixel[3] = {255, 255, 255};
+
+/* The plane of a pane of slices. */
+static enum slice_plane plane_of(enum pilot_pane pane)
+{
+    return pane == PILOT_AXIAL     ? SLICE_AXIAL
+           : pane == PILOT_CORONAL ? SLICE_CORONAL
+                                   : SLICE_SAGITTAL;
+}
+
+static enum mosaic_pane mosaic_of(enum pilot_pane pane)
+{
+    static const enum mosaic_pane of[PILOT_PANES] = {
+        [PILOT_AXIAL] = MOSAIC_AXIAL,
+        [PILOT_CORONAL] = MOSAIC_CORONAL,
+        [PILOT_SAGITTAL] = MOSAIC_SAGITTAL,
+        [PILOT_RENDITION] = MOSAIC_RENDITION,
+    };
+    return of[pane];
+}
+
+static uint32_t cell_at_cross(const struct session *session)
+{
+    const uint32_t *p = session->settings.slices.cross;
+    return grid_cell(&session->scene->grid, p[0], p[1], p[2]);
+}
+
+static void place_of(const struct session *session, uint32_t cell, uint32_t place[3])
+{
+    const struct place p = grid_place(&session->scene->grid, cell);
+    place[0] = p.x;
+    place[1] = p.y;
+    place[2] = p.z;
+}
+
+/* ---- facts ---- */
+
+/* "label 2 cerebellum  intensity 93  0.5,18.0,-2.0 mm" */
+static void write_where(struct buf *out, const struct session *session)
+{
+    const struct cell *cell = session->scene->cell + cell_at_cross(session);
+    const struct geometry *geometry = &session->geometry;
+    double mm[3];
+    geometry_point(geometry, session->settings.slices.cross, mm);
+    if (cell->flags & CELL_OUTSIDE) {
+        buf_add_text(out, "outside the fence");
+    } else if (cell_is_reached(cell)) {
+        buf_add_text(out, "label ");
+        act_write_label(out, session, cell->label);
+    } else {
+        buf_add_text(out, "no label");
+    }
+    buf_printf(out, "  intensity %g  %.1f,%.1f,%.1f mm",
+               geometry->slope * cell->intensity + geometry->intercept, mm[0], mm[1], mm[2]);
+}
+
+static bool facts(void *context, struct pilot_facts *out)
+{
+    struct session *session = &((struct pilot_interpreter *)context)->interp->session;
+    struct buf where = {0};
+    int32_t window[2];
+    if (!session->has_scene)
+        return false;
+    const struct slice_settings *s = &session->settings.slices;
+    *out = (struct pilot_facts){.waiting = session->pendings,
+                                .zoom = session->settings.view.zoom,
+                                .frame_width = session->settings.view.width,
+                                .frame_height = session->settings.view.height};
+    for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
+        out->place[pane] = s->cross[pane];
+        out->index[pane] = slice_index(session->scene, plane_of(pane), s->cross);
+        out->count[pane] = slice_count(session->scene, plane_of(pane));
+    }
+    slicing_window(window, session);
+    for (int i = 0; i < 2; i++)
+        out->window[i] = s->has_window
+                             ? (double)s->window_thousandths[i] / 1000
+                             : session->geometry.slope * window[i] + session->geometry.intercept;
+    write_where(&where, session);
+    memcpy(out->where, buf_text(&where),
+           where.length < sizeof out->where ? where.length + 1 : sizeof out->where - 1);
+    buf_release(&where);
+    return true;
+}
+
+static void move(void *context, const int64_t by[3], uint32_t place[3])
+{
+    const struct session *session = &((struct pilot_interpreter *)context)->interp->session;
+    memcpy(place, session->settings.slices.cross, 3 * sizeof *place);
+    for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
+        const enum slice_plane plane = plane_of(pane);
+        const int64_t count = slice_count(session->scene, plane);
+        int64_t index = (int64_t)slice_index(session->scene, plane, place) + by[pane];
+        index = index < 0 ? 0 : index >= count ? count - 1 : index;
+        slice_move(session->scene, plane, (uint32_t)index, place);
+    }
+}
+
+static void label(void *context, unsigned number, struct buf *out)
+{
+    act_write_label(out, &((struct pilot_interpreter *)context)->interp->session, number);
+}
+
+/* ---- the tree under the cross-hair ---- */
+
+/* Looks at every voxel of the scene: some milliseconds for a head. */
+static bool tree(void *context, struct buf *out)
+{
+    const struct session *session = &((struct pilot_interpreter *)context)->interp->session;
+    const struct scene *scene = session->scene;
+    const struct cell *here = scene->cell + cell_at_cross(session);
+    if (!cell_is_reached(here))
+        return false;
+    const uint32_t root = key_root(here->key);
+    size_t voxels = 0;
+    for (uint32_t z = 0; z < scene->grid.size[2]; z++)
+        for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
+            const struct span row = grid_row(&scene->grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                voxels += cell_is_reached(scene->cell + c) && key_root(scene->cell[c].key) == root;
+        }
+    uint32_t seed[3];
+    place_of(session, root, seed);
+    buf_printf(out, "the tree of the seed at %u,%u,%u: %zu voxel%s, label ", seed[0], seed[1],
+               seed[2], voxels, voxels == 1 ? "" : "s");
+    act_write_label(out, session, here->label);
+    return true;
+}
+
+static void mark_tree(const struct canvas *canvas, const struct session *session)
+{
+    const struct cell *cell = session->scene->cell, *here = cell + cell_at_cross(session);
+    if (!cell_is_reached(here))
+        return;
+    for (uint32_t y = 0; y < canvas->height; y++)
+        for (uint32_t x = 0; x < canvas->width; x++) {
+            const uint32_t at = canvas->cell[y * canvas->stride + x];
+            uint8_t *pixel = canvas_pixel(canvas, x, y);
+            if (at == CELL_NONE || !cell_is_reached(cell + at) ||
+                key_root(cell[at].key) != key_root(here->key))
+                continue;
+            for (int k = 0; k < 3 && (x + y) % 2 == 0; k++) /* hatched: seen without colours */
+                pixel[k] = marked_tree[k];
+        }
+}
+
+/* ---- the picture ---- */
+
+/* A frame just inside a box. */
+static void draw_frame(const struct canvas *canvas, const struct mosaic_box *box)
+{
+    const int64_t left = box->left, top = box->top, width = box->width, height = box->height;
+    canvas_box(canvas, left, top, width, 1, marked_pane);
+    canvas_box(canvas, left, top + height - 1, width, 1, marked_pane);
+    canvas_box(canvas, left, top, 1, height, marked_pane);
+    canvas_box(canvas, left + width - 1, top, 1, height, marked_pane);
+}
+
+/* A cross of short lines around where the rendition's pixel is shown. */
+static void mark_pixel(const struct canvas *canvas, const struct rendition *r,
+                       const uint32_t pixel[2])
+{
+    const struct mosaic_point at =
+        mosaic_point_of(canvas->width, canvas->height, r, pixel[0], pixel[1]);
+    enum { GAP = 2, ARM = 6 };
+    for (int i = GAP; i < GAP + ARM; i++) {
+        canvas_dot(canvas, (int64_t)at.column - i, at.row, marked_pixel);
+        canvas_dot(canvas, (int64_t)at.column + i, at.row, marked_pixel);
+        canvas_dot(canvas, at.column, (int64_t)at.row - i, marked_pixel);
+        canvas_dot(canvas, at.column, (int64_t)at.row + i, marked_pixel);
+    }
+}
+
+static enum err picture(void *context, const struct pilot_wish *wish, struct image_view *view,
+                        struct fault *fault)
+{
+    struct pilot_interpreter *pilot = context;
+    struct session *session = &pilot->interp->session;
+    canvas_release(&pilot->canvas);
+    pilot->canvas = (struct canvas){0};
+    enum err err = session_count_labels(session, fault); /* for the hues */
+    if (!err)
+        err = slicing_panel(&pilot->canvas, session, wish->width, wish->height, wish->words, fault);
+    if (err)
+        return err;
+    const struct mosaic_box box = mosaic_box(wish->width, wish->height, mosaic_of(wish->pane));
+    draw_frame(&pilot->canvas, &box);
+    if (wish->marks_tree)
+        mark_tree(&pilot->canvas, session);
+    if (wish->marks_pixel)
+        mark_pixel(&pilot->canvas, session_frame(session), wish->pixel);
+    *view = (struct image_view){.width = wish->width,
+                                .height = wish->height,
+                                .rgba = pilot->canvas.rgba,
+                                .smooth = pilot->smooth,
+                                .hue = pilot->hue,
+                                .hues = pilot_hues(pilot->hue, session)};
+    return OK;
+}
+
+static bool voxel_at(void *context, uint32_t column, uint32_t row, uint32_t place[3],
+                     enum pilot_pane *pane)
+{
+    struct pilot_interpreter *pilot = context;
+    const struct canvas *canvas = &pilot->canvas;
+    *pane = PILOT_RENDITION;
+    for (enum pilot_pane p = PILOT_AXIAL; p < PILOT_RENDITION && canvas->rgba; p++) {
+        const struct mosaic_box box = mosaic_box(canvas->width, canvas->height, mosaic_of(p));
+        if (column - box.left < box.width && row - box.top < box.height)
+            *pane = p;
+    }
+    if (!canvas->rgba || column >= canvas->width || row >= canvas->height)
+        return false;
+    const uint32_t cell = canvas->cell[(size_t)row * canvas->stride + column];
+    if (cell != CELL_NONE)
+        place_of(&pilot->interp->session, cell, place);
+    return cell != CELL_NONE;
+}
+
+static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_t place[3])
+{
+    const struct session *session = &((struct pilot_interpreter *)context)->interp->session;
+    const struct rendition *r = session_frame(session);
+    if (!session->rendered || column >= r->width || row >= r->height)
+        return false;
+    const uint32_t cell = r->cell[(size_t)row * r->width + column];
+    if (cell != CELL_NONE)
+        place_of(session, cell, place);
+    return cell != CELL_NONE;
+}
+
+/* ---- the whole ---- */
+
+unsigned pilot_hues(uint32_t hue[256], const struct session *session)
+{
+    unsigned count = 0;
+    for (unsigned label = 1; label < 256; label++) {
+        const uint8_t *rgb = session->settings.palette.rgb[label];
+        if (session->settings.visible[label] && session_label_voxels(session, (uint8_t)label))
+            hue[count++] = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
+    }
+    return count;
+}
+
+void pilot_host_fill(struct pilot_host *host)
+{
+    host->facts = facts;
+    host->move = move;
+    host->picture = picture;
+    host->voxel_at = voxel_at;
+    host->voxel_of_frame = voxel_of_frame;
+    host->label = label;
+    host->tree = tree;
+}
+
+void pilot_interpreter_release(struct pilot_interpreter *pilot)
+{
+    canvas_release(&pilot->canvas);
+}

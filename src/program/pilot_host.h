@@ -1,0 +1,27 @@
+/*
+ * The pilot's host: an interpreter, seen from the cockpit (tui/pilot.h). It turns what the pilot asks into
+ * looks at the session; whatever changes goes through the interpreter's one door, as a line.
+ */
+#ifndef PROGRAM_PILOT_HOST_H
+#define PROGRAM_PILOT_HOST_H
+
+#include "command/interpreter.h"
+#include "tui/pilot/pilot.h"
+
+struct pilot_interpreter {
+    struct interpreter *interp;
+    bool smooth;          /* all bits of every colour, where the terminal can */
+    struct canvas canvas; /* the last picture */
+    uint32_t hue[256];
+};
+
+/* Fills in all of a host but its context, execute and finished. The context that
+ * these functions are given begins with a struct pilot_desk. */
+void pilot_host_fill(struct pilot_host *host);
+
+/* The colours of the labels that can show, for a palette; how many. */
+unsigned pilot_hues(uint32_t hue[256], const struct session *session);
+
+void pilot_interpreter_release(struct pilot_interpreter *pilot);
+
+#endif

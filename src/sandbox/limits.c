@@ -1,0 +1,195 @@
+#include "sandbox/limits.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include "base/clock.h"
+#include "base/mem.h"
+#include "base/scan.h"
+#include "image/helper.h"
+
+enum { LOOK_EVERY_NS = 20000000 };
+static const uint64_t DEFAULT_TIME_MS = 3600000, DEFAULT_OUTPUT = 4000000000;
+static const uint64_t HELPER_LEAST = 512000000; /* with less it could not write every picture */
+
+static struct {
+    bool hold;
+    struct limits limits;
+    uint64_t begun_ns, looked_ns, output_bytes;
+    uint64_t others_held_bytes, others_written_bytes;
+    enum { WITHIN, TOO_LONG, TOO_MUCH_MEMORY, TOO_MUCH_OUTPUT } state;
+    struct rlimit file_size; /* as it was */
+    bool is_file_size_set;
+} now;
+
+/* ---- options ---- */
+
+/* A decimal with one of the units, each of which is worth so many; at least 1, at most 2^53. */
+static bool read_amount(uint64_t *out, const char *text, const char *units, const uint64_t *worth)
+{
+    int64_t thousandths;
+    if (!scan_decimal(&text, 3, 1, INT64_C(1000000000000), &thousandths) || strlen(text) > 1)
+        return false;
+    const char *unit = strchr(units, *text ? *text : ' ');
+    if (!unit)
+        return false;
+    if (__builtin_mul_overflow((uint64_t)thousandths, worth[unit - units], out))
+        return false;
+    *out /= 1000;
+    return *out > 0 && *out < UINT64_C(1) << 53;
+}
+
+static enum err read_option(uint64_t *out, const char *option, const char *text, const char *units,
+                            const uint64_t *worth, const char *expected, struct fault *fault)
+{
+    if (!text || read_amount(out, text, units, worth))
+        return OK;
+    return fault_set(fault, ERR_USAGE, "%s: expected %s, not %s", option, expected, text);
+}
+
+enum err limits_read(struct limits *limits, const char *memory, const char *time,
+                     const char *output, struct fault *fault)
+{
+    static const char bytes[] = " kMGT", spans[] = " smh";
+    static const uint64_t bytes_worth[] = {1, 1000, 1000000, 1000000000, 1000000000000};
+    static const uint64_t spans_worth[] = {1000, 1000, 60000, 3600000};
+    *limits = (struct limits){0};
+    enum err err = read_option(&limits->memory_bytes, "--limit-memory", memory, bytes, bytes_worth,
+                               "bytes such as 500M or 2G", fault);
+    if (!err)
+        err = read_option(&limits->time_ms, "--limit-time", time, spans, spans_worth,
+                          "seconds such as 90, or 20m or 1h", fault);
+    if (!err)
+        err = read_option(&limits->output_bytes, "--limit-output", output, bytes, bytes_worth,
+                          "bytes such as 500M or 2G", fault);
+    return err;
+}
+
+/* ---- while they hold ---- */
+
+void limits_begin(const struct limits *limits)
+{
+    now.hold = true;
+    now.limits = *limits;
+    now.begun_ns = clock_ns();
+    now.looked_ns = 0;
+    now.output_bytes = now.others_held_bytes = now.others_written_bytes = 0;
+    now.state = WITHIN;
+    const size_t free_bytes = mem_available();
+    if (!now.limits.memory_bytes)
+        now.limits.memory_bytes = free_bytes / 4 * 3;
+    if (!now.limits.time_ms)
+        now.limits.time_ms = DEFAULT_TIME_MS;
+    if (!now.limits.output_bytes)
+        now.limits.output_bytes = DEFAULT_OUTPUT;
+    mem_limit(now.limits.memory_bytes < SIZE_MAX ? (size_t)now.limits.memory_bytes : SIZE_MAX);
+    image_helper_memory_most =
+        now.limits.memory_bytes > HELPER_LEAST ? now.limits.memory_bytes : HELPER_LEAST;
+    signal(SIGXFSZ, SIG_IGN); /* a write that would grow a file too large is an error of its own */
+}
+
+bool limits_stop(void)
+{
+    const uint64_t ns = clock_ns();
+    if (!now.hold || now.state != WITHIN || ns - now.looked_ns < LOOK_EVERY_NS)
+        return now.state != WITHIN;
+    now.looked_ns = ns;
+    if (ns - now.begun_ns > now.limits.time_ms * 1000000)
+        now.state = TOO_LONG;
+    else if (mem_held() + now.others_held_bytes > now.limits.memory_bytes)
+        now.state = TOO_MUCH_MEMORY;
+    else if (now.others_written_bytes > now.limits.output_bytes)
+        now.state = TOO_MUCH_OUTPUT;
+    return now.state != WITHIN;
+}
+
+static bool look(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    (void)context, (void)what, (void)done, (void)total;
+    return limits_stop();
+}
+
+struct watch *limits_watch(void)
+{
+    static struct watch watch = {.look = look};
+    return now.hold ? &watch : NULL;
+}
+
+void limits_count(uint64_t held_bytes, uint64_t written_bytes)
+{
+    now.others_held_bytes = held_bytes;
+    now.others_written_bytes = written_bytes;
+}
+
+void limits_will_write(void)
+{
+    if (!now.hold || now.is_file_size_set || getrlimit(RLIMIT_FSIZE, &now.file_size) != 0)
+        return;
+    const uint64_t left = now.limits.output_bytes - now.output_bytes;
+    struct rlimit wanted = now.file_size;
+    if (left < wanted.rlim_cur)
+        wanted.rlim_cur = (rlim_t)left;
+    now.is_file_size_set = setrlimit(RLIMIT_FSIZE, &wanted) == 0;
+}
+
+static uint64_t bytes_of(const struct buf *written)
+{
+    const char *at = buf_text(written), *end = at + written->length;
+    uint64_t bytes = 0;
+    while (at < end) {
+        struct stat status;
+        if (lstat(at, &status) == 0)
+            bytes += (uint64_t)status.st_size;
+        at += strlen(at) + 1; /* the path */
+        at += strlen(at) + 1; /* and what belongs to it */
+    }
+    return bytes;
+}
+
+static enum err too_much_output(struct fault *fault)
+{
+    return fault_set(fault, ERR_LIMIT,
+                     "the journal writes more than the %g MB of --limit-output; this file was not "
+                     "kept",
+                     (double)now.limits.output_bytes / 1e6);
+}
+
+enum err limits_judge(enum err err, const struct buf *written, struct fault *fault)
+{
+    if (!now.hold)
+        return err;
+    if (now.is_file_size_set)
+        setrlimit(RLIMIT_FSIZE, &now.file_size);
+    const bool may_be_large = now.is_file_size_set;
+    now.is_file_size_set = false;
+    now.looked_ns = 0;
+    limits_stop();
+    if (now.state == TOO_LONG)
+        return fault_set(fault, ERR_LIMIT,
+                         "the journal takes longer than the %g s of --limit-time; it was stopped",
+                         (double)now.limits.time_ms / 1e3);
+    if (now.state == TOO_MUCH_MEMORY)
+        return fault_set(fault, ERR_LIMIT,
+                         "the journal takes more than the %g MB of --limit-memory; it was stopped",
+                         (double)now.limits.memory_bytes / 1e6);
+    if (now.state == TOO_MUCH_OUTPUT)
+        return fault_set(fault, ERR_LIMIT,
+                         "the journal writes more than the %g MB of --limit-output; it was stopped",
+                         (double)now.limits.output_bytes / 1e6);
+    if ((err == ERR_LIMIT || err == ERR_MEMORY) && fault && strstr(fault->text, "memory"))
+        fault_prefix(fault, err, "--limit-memory allows %g MB",
+                     (double)now.limits.memory_bytes / 1e6);
+    if (err == ERR_IO && may_be_large && fault &&
+        (strstr(fault->text, strerror(EFBIG)) || strstr(fault->text, strsignal(SIGXFSZ))))
+        return too_much_output(fault);
+    if (err)
+        return err;
+    const uint64_t bytes = bytes_of(written);
+    if (bytes > now.limits.output_bytes - now.output_bytes)
+        return too_much_output(fault);
+    now.output_bytes += bytes;
+    return OK;
+}

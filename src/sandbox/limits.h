@@ -1,0 +1,52 @@
+/*
+ * Limits of a replay: how much memory, time and output the journal of somebody else may take.
+ *
+ * One set for the process, because memory and time are the process's. Memory is looked at before
+ * a scene is loaded (mem_available) and again while commands work; time while they work and behind
+ * each; output before a file grows too large and behind each command, whose files go again. What is
+ * beyond a limit ends the replay with ERR_LIMIT and one line that names the option. Where other
+ * processes do the work, what they take is counted.
+ *
+ * The image helper is a process of its own, and may hold as much memory again, or 512 MB where that
+ * is more.
+ */
+#ifndef SANDBOX_LIMITS_H
+#define SANDBOX_LIMITS_H
+
+#include <stdint.h>
+
+#include "base/buf.h"
+#include "base/err.h"
+#include "base/watch.h"
+
+struct limits {
+    uint64_t memory_bytes; /* 0: three quarters of what is free at the beginning */
+    uint64_t time_ms;      /* 0: an hour */
+    uint64_t output_bytes; /* 0: 4 GB */
+};
+
+/* Texts as options give them, or NULL: "500M", "2G" (powers of 1000) and "90", "1.5h", "20m",
+ * "90s". ERR_USAGE. */
+enum err limits_read(struct limits *limits, const char *memory, const char *time,
+                     const char *output, struct fault *fault);
+
+/* From now on they hold. */
+void limits_begin(const struct limits *limits);
+
+/* Whether the work is to stop, for a watch that looks; limits_watch is one that does nothing else,
+ * or NULL where no limits hold. */
+bool limits_stop(void);
+struct watch *limits_watch(void);
+
+/* Processes that work for this one hold so much memory, and have written so much: from now on that
+ * counts as its own. */
+void limits_count(uint64_t held_bytes, uint64_t written_bytes);
+
+/* A file is about to be written: it cannot grow beyond what is left. */
+void limits_will_write(void);
+
+/* A command has ended with `err`, and has written files: pairs of a path and another text, each
+ * ended by NUL. What it is to end with. */
+enum err limits_judge(enum err err, const struct buf *written, struct fault *fault);
+
+#endif

@@ -1,0 +1,274 @@
+#include "sandbox/trust.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <linux/openat2.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "sandbox/confine.h"
+#include "base/file.h"
+
+bool trust_without_openat2;
+
+bool trust_is_inside(const char *name)
+{
+    if (*name == '/' || *name == '\0')
+        return false;
+    for (const char *at = name; *at; at += strcspn(at, "/"), at += *at == '/')
+        if (strncmp(at, "..", 2) == 0 && (at[2] == '/' || at[2] == '\0'))
+            return false;
+    return true;
+}
+
+/* ---- one name below one folder ---- */
+
+/* Opened without side effects: O_PATH touches no device and waits for no pipe. */
+static int open_beneath(int folder, const char *name)
+{
+    const struct open_how how = {.flags = O_PATH | O_CLOEXEC,
+                                 .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
+    if (trust_without_openat2) {
+        errno = ENOSYS;
+        return -1;
+    }
+    return (int)syscall(SYS_openat2, folder, name, &how, sizeof how);
+}
+
+static bool is_link(int fd)
+{
+    struct stat status;
+    return fstat(fd, &status) == 0 && S_ISLNK(status.st_mode);
+}
+
+/* The same without openat2: every step by itself, and no link is followed at all. */
+static int open_stepwise(int folder, const char *name)
+{
+    char step[256];
+    int at = dup(folder);
+    while (at >= 0 && *name) {
+        const size_t n = strcspn(name, "/");
+        int next = -1;
+        if (n >= sizeof step) {
+            errno = ENAMETOOLONG;
+        } else {
+            memcpy(step, name, n);
+            step[n] = '\0';
+            next = openat(at, n ? step : ".", O_PATH | O_CLOEXEC | O_NOFOLLOW);
+            if (name[n] && next >= 0 && is_link(next)) {
+                close(next);
+                next = -1;
+                errno = ELOOP;
+            }
+        }
+        const int number = errno;
+        close(at);
+        errno = number;
+        at = next;
+        name += n + (name[n] == '/');
+    }
+    return at;
+}
+
+static enum trust_answer judge(int fd)
+{
+    struct stat status;
+    if (fd < 0)
+        return errno == EXDEV || errno == ELOOP ? TRUST_OUTSIDE : TRUST_MISSING;
+    if (fstat(fd, &status) != 0)
+        return TRUST_MISSING;
+    if (S_ISLNK(status.st_mode)) /* only where none is followed */
+        return TRUST_OUTSIDE;
+    return S_ISREG(status.st_mode) ? TRUST_FINE : TRUST_NO_FILE;
+}
+
+enum trust_answer trust_look(const char *folder, const char *name)
+{
+    if (!trust_is_inside(name))
+        return TRUST_OUTSIDE;
+    const int at = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
+    if (at < 0)
+        return TRUST_MISSING;
+    int fd = open_beneath(at, name);
+    if (fd < 0 && (errno == ENOSYS || errno == EPERM || errno == EINVAL))
+        fd = open_stepwise(at, name);
+    const enum trust_answer answer = judge(fd);
+    if (fd >= 0)
+        close(fd);
+    close(at);
+    return answer;
+}
+
+/* ---- a name that a journal gives ---- */
+
+static enum trust_answer look_in(struct buf *path, const char *folder, size_t length,
+                                 const char *name)
+{
+    buf_clear(path);
+    buf_add(path, folder, length);
+    const enum trust_answer answer =
+        path->failed ? TRUST_MISSING : trust_look(buf_text(path), name);
+    buf_printf(path, "/%s", name);
+    return answer;
+}
+
+/* The first place that has something of this name decides: a link that leads out is not passed
+ * over, or else a folder of scenes would answer for it. */
+static enum trust_answer look_everywhere(struct buf *path, const char *home, const char *scenes,
+                                         const char *name)
+{
+    struct buf folder = {0};
+    file_folder(&folder, home);
+    enum trust_answer answer = look_in(path, buf_text(&folder), folder.length, name);
+    while (answer == TRUST_MISSING && *scenes) {
+        const size_t length = strcspn(scenes, ":");
+        if (length)
+            answer = look_in(path, scenes, length, name);
+        scenes += length + (scenes[length] == ':');
+    }
+    path->failed |= folder.failed;
+    buf_release(&folder);
+    return answer;
+}
+
+enum err trust_find(struct buf *path, const char *home, const char *scenes, const char *name,
+                    const char *kind, const char *undone, struct fault *fault)
+{
+    const enum trust_answer answer = look_everywhere(path, home, scenes, name);
+    if (path->failed)
+        return fault_memory(fault, "a path");
+    switch (answer) {
+    case TRUST_FINE:
+        return OK;
+    case TRUST_OUTSIDE:
+        return fault_set(fault, ERR_INPUT,
+                         "the journal may not read %s, which leads out of its folder; nothing %s",
+                         name, undone);
+    case TRUST_NO_FILE:
+        return fault_set(fault, ERR_INPUT, "%s is not a regular file; nothing %s", name, undone);
+    case TRUST_MISSING:
+        break;
+    }
+    return fault_set(fault, ERR_IO,
+                     "there is no %s %s beside the journal or among the scenes; "
+                     "nothing %s",
+                     kind, name, undone);
+}
+
+/* ---- where files go ---- */
+
+bool trust_keep_folder(const char *path)
+{
+    return rmdir(path) != 0 && (errno == ENOTEMPTY || errno == EEXIST);
+}
+
+/* ---- the second wall ---- */
+
+/* Places as they are gathered; paths that had to be made are in `made`. */
+struct gathering {
+    struct confine_place place[256];
+    size_t places;
+    struct buf made[256];
+    size_t mades;
+    unsigned made_rights; /* of the last of them */
+    bool is_full;
+};
+
+static void gather(struct gathering *g, const char *path, unsigned rights)
+{
+    g->is_full |= g->places == sizeof g->place / sizeof *g->place;
+    if (path && !g->is_full)
+        g->place[g->places++] = (struct confine_place){path, rights};
+}
+
+static void gather_made(struct gathering *g, const char *text, size_t length, unsigned rights)
+{
+    g->is_full |= g->mades == sizeof g->made / sizeof *g->made;
+    if (!length || g->is_full)
+        return;
+    struct buf *made = &g->made[g->mades++];
+    buf_add(made, text, length);
+    g->made_rights = rights;
+    g->is_full |= made->failed;
+    gather(g, buf_text(made), rights);
+}
+
+static void gather_folder_of(struct gathering *g, const char *path, unsigned rights)
+{
+    struct buf folder = {0};
+    file_folder(&folder, path);
+    g->is_full |= folder.failed;
+    const bool is_known = g->mades && g->made_rights == rights &&
+                          strcmp(buf_text(&g->made[g->mades - 1]), buf_text(&folder)) == 0;
+    if (!is_known) /* many journals lie in one folder */
+        gather_made(g, buf_text(&folder), folder.length, rights);
+    buf_release(&folder);
+}
+
+static void gather_list(struct gathering *g, const char *list)
+{
+    while (*list) {
+        const size_t length = strcspn(list, ":");
+        gather_made(g, list, length, CONFINE_READ);
+        list += length + (list[length] == ':');
+    }
+}
+
+/* A journal may be a link to one, whose folder is not the one that names are looked up in. */
+static void gather_journals(struct gathering *g, const struct trust_places *places)
+{
+    for (int i = 0; i < places->journals; i++) {
+        struct stat status;
+        gather_folder_of(g, places->journal[i], CONFINE_READ);
+        if (lstat(places->journal[i], &status) == 0 && S_ISLNK(status.st_mode))
+            gather(g, places->journal[i], CONFINE_READ);
+    }
+}
+
+/* What any program needs: its libraries, what they look at as they start, and where nothing is
+ * kept. */
+static void gather_system(struct gathering *g)
+{
+    static const char *const read[] = {
+        "/usr/lib",       "/usr/lib32", "/usr/lib64",          "/lib",
+        "/lib64",         "/usr/share", "/usr/local/lib",      "/etc/ld.so.cache",
+        "/etc/localtime", "/proc",      "/sys/devices/system", "/dev/urandom",
+        "/dev/random",    "/dev/zero"};
+    for (size_t i = 0; i < sizeof read / sizeof *read; i++)
+        gather(g, read[i], CONFINE_READ | (i < 5 ? CONFINE_RUN : 0u));
+    gather(g, "/dev/null", CONFINE_DEVICE);
+}
+
+static void gather_programs(struct gathering *g, const char *const *program)
+{
+    if (program && *program) {
+        gather(g, "/bin", CONFINE_READ | CONFINE_RUN);
+        gather(g, "/usr/bin", CONFINE_READ | CONFINE_RUN);
+    }
+    for (; program && *program; program++)
+        gather_folder_of(g, *program, CONFINE_READ | CONFINE_RUN);
+}
+
+bool trust_confine(const struct trust_places *places)
+{
+    static struct gathering g; /* large */
+    g.is_full = false;
+    gather_system(&g);
+    gather(&g, places->helper, CONFINE_READ | CONFINE_RUN);
+    gather(&g, places->scene, CONFINE_READ);
+    gather_list(&g, places->scenes);
+    for (const char *const *at = places->written; at && *at; at++) {
+        gather(&g, *at, CONFINE_WRITE);
+        gather_folder_of(&g, *at, CONFINE_EMPTY);
+    }
+    gather_programs(&g, places->run);
+    gather_journals(&g, places);
+    const bool is_confined = !g.is_full && confine_to(g.place, g.places);
+    while (g.mades > 0)
+        buf_release(&g.made[--g.mades]);
+    g.places = 0;
+    return is_confined;
+}

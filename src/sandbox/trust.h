@@ -1,0 +1,67 @@
+/*
+ * Trust: what the journal of somebody else may reach while it is replayed or verified.
+ *
+ * A journal is a program that we did not write. Its own words lead nowhere but to
+ *   T1 reading: the scene that was given by --scene, and regular files below the folder of the
+ *      journal or a folder of scenes ($IFTTY_SCENES): no absolute names, no "..", no links that
+ *      lead out of that folder, no devices, pipes or sockets;
+ *   T2 writing: the folder of --out, or a fresh temporary one; nothing there is overwritten but
+ *      what the same replay has written;
+ *   T3 so much memory, time and output (command/limits.h).
+ * Names are resolved by openat2 with RESOLVE_BENEATH, or step by step without following any link
+ * where the kernel has not got it; what is checked is the folder and file themselves, not their
+ * names. Where the kernel has Landlock, T1 and T2 hold for the process and the image helper as
+ * well, whatever a decoder may be talked into.
+ *
+ * One's own journal, which a session goes on with, is not measured by this.
+ */
+#ifndef SANDBOX_TRUST_H
+#define SANDBOX_TRUST_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/buf.h"
+#include "base/err.h"
+
+enum trust_answer {
+    TRUST_FINE,    /* a regular file */
+    TRUST_MISSING, /* there is none, or it cannot be reached */
+    TRUST_OUTSIDE, /* the name, or a link on the way, leads out of the folder */
+    TRUST_NO_FILE, /* a folder, device, pipe or socket */
+};
+
+/* True for a relative name without ".." in it. */
+bool trust_is_inside(const char *name);
+
+/* What `name` below `folder` is. */
+enum trust_answer trust_look(const char *folder, const char *name);
+
+/* path = the file `name` below the folder of the journal `home`, or of a folder of `scenes`
+ * (separated by colons), the first that has it. `kind` and `undone` are for the words: "scene",
+ * "was opened". ERR_INPUT for a name that leads out or is no file, ERR_IO where there is none. */
+enum err trust_find(struct buf *path, const char *home, const char *scenes, const char *name,
+                    const char *kind, const char *undone, struct fault *fault);
+
+/* What becomes of a fresh folder for files: removed, or, where it holds something, kept: true. */
+bool trust_keep_folder(const char *path);
+
+/* What a replay needs: NULL for what there is not. */
+struct trust_places {
+    char *const *journal;
+    int journals;
+    const char *scene, *scenes; /* --scene; folders, separated by colons */
+    const char *helper;         /* the image helper's program */
+    const char *const *written; /* folders, ended by NULL, that the user wants written */
+    const char *const *run;     /* programs, ended by NULL, that the user wants run: with what lies
+                                   in their folders, and with the system's, if they are scripts */
+};
+
+/* Confines the process to these places, for ever. False, and nothing is confined, where the kernel
+ * cannot, or where they are more than some 250 folders. */
+bool trust_confine(const struct trust_places *places);
+
+/* For tests: true goes step by step though the kernel has openat2. */
+extern bool trust_without_openat2;
+
+#endif

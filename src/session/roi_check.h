@@ -1,0 +1,21 @@
+/*
+ * What a region of interest must fulfil before a session puts it up, and what a range of real values is in
+ * intensities. Nothing is changed here.
+ */
+#ifndef SESSION_ROI_CHECK_H
+#define SESSION_ROI_CHECK_H
+
+#include "engine/roi.h"
+#include "engine/forest.h"
+#include "image/geometry.h"
+
+/* ERR_INPUT where nothing would be inside, or where seeds would be outside: those planted in the
+ * scene, and those that a run of the pending edits, in their order, would plant. */
+enum err roi_check(const struct roi *roi, const struct scene *scene, const struct edit *pending,
+                   size_t pendings, struct roi_tally *tally, struct fault *fault);
+
+/* Makes region of interest->low..high the intensities whose real values lie in a range, in thousandths; low is
+ * above high where there are none. */
+void roi_range(struct roi *roi, const struct geometry *geometry, const int64_t thousandths[2]);
+
+#endif

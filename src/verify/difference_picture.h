@@ -1,0 +1,37 @@
+/*
+ * The picture of two sets of labels of one scene: both as the first session shows its own, side by
+ * side, and where they differ.
+ *
+ *     +----------+----------+----------+
+ *     | A        | B        | A, B     |   strips of words above and below; below stand the labels
+ *     |  (A's    |  (B's    |  (where  |   with their Dice, and what the colours on the right
+ *     |  labels) |  labels) |  not)    |   mean
+ *     +----------+----------+----------+
+ *
+ * View, look, cuts, colours and what is hidden are those of A's session for all three. On the right
+ * all objects of either are a grey shade, and the voxels whose labels differ shine through it:
+ * orange what A alone has for an object, blue what B alone has, purple what is another object in
+ * each. These are colours that people who cannot tell red from green tell apart. One that lies
+ * behind something is paler than one that is seen.
+ */
+#ifndef VERIFY_DIFFERENCE_PICTURE_H
+#define VERIFY_DIFFERENCE_PICTURE_H
+
+#include "verify/overlap.h"
+#include "image/picture.h"
+#include "session/session.h"
+
+struct difference_picture {
+    const char *name[2];     /* of the two: shown as they are, as far as they are ASCII */
+    const uint8_t *label[2]; /* [z][y][x] */
+    const struct overlap *overlap;
+};
+
+/* Draws it into `picture`, which the caller releases; colours alone. The session is of no other use
+ * afterwards: its scene has had its labels replaced, and its forest no longer fits them. ERR_LIMIT
+ * where three views are wider than a picture may be, ERR_MEMORY, ERR_CANCELLED. */
+enum err difference_picture_draw(struct picture *picture, struct session *session,
+                                 const struct difference_picture *difference_picture,
+                                 struct fault *fault);
+
+#endif

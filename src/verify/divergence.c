@@ -1,0 +1,120 @@
+#include "verify/divergence.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+#include "base/scan.h"
+#include "journal/record.h"
+
+enum likeness { ABSENT, SAME, OTHER }; /* ABSENT: one of the two does not have the word */
+
+static bool find(const char *words, const struct record_word *like, struct record_word *out)
+{
+    return record_word_find(words, like->key, like->key_length, out);
+}
+
+static bool values_are_same(const struct record_word *a, const struct record_word *b)
+{
+    return a->value_length == b->value_length && memcmp(a->value, b->value, a->value_length) == 0;
+}
+
+/* `word` is a key with its "=". */
+static enum likeness compare(const char *expected, const char *actual, const char *word)
+{
+    struct record_word e, a;
+    const char *key = word;
+    const size_t length = strlen(word) - 1;
+    if (!record_word_find(expected, key, length, &e) || !record_word_find(actual, key, length, &a))
+        return ABSENT;
+    return values_are_same(&e, &a) ? SAME : OTHER;
+}
+
+/* The first line that holds says what the difference is; what a command read comes before what it
+ * made of it. */
+static const char *meaning(const char *expected, const char *actual)
+{
+    const enum likeness labels = compare(expected, actual, "labels="),
+                        forest = compare(expected, actual, "forest=");
+    if (compare(expected, actual, "scene=") == OTHER)
+        return "the scene is another one: other voxels were read";
+    if (compare(expected, actual, "file=") == OTHER)
+        return "a file that the command read holds something else";
+    if (compare(expected, actual, "weights=") == OTHER)
+        return "the arc weights differ, and what grows by them may";
+    if (labels == OTHER)
+        return "labels differ: voxels belong to other objects";
+    if (labels == SAME && forest == OTHER)
+        return "only keys differ: every voxel has the same label, by another cost, hops or root";
+    if (compare(expected, actual, "picture=") == OTHER ||
+        compare(expected, actual, "spin=") == OTHER)
+        return forest == SAME ? "only the picture differs: the forest and its labels are the same"
+                              : "the picture differs; the command says nothing of the forest";
+    return NULL;
+}
+
+static void add_line(struct buf *lines, const char *what)
+{
+    buf_printf(lines, "#   %-9s", what);
+}
+
+/* Counts, that is decimal numbers of up to 12 digits: how far they are apart. Digests are longer.
+ */
+static void add_difference(struct buf *lines, const struct record_word *e,
+                           const struct record_word *a)
+{
+    const char *expected = e->value, *actual = a->value;
+    int64_t before, now;
+    if (e->value_length > 12 || a->value_length > 12 ||
+        !scan_integer(&expected, 0, INT64_MAX, &before) || expected != e->value + e->value_length ||
+        !scan_integer(&actual, 0, INT64_MAX, &now) || actual != a->value + a->value_length)
+        return;
+    buf_printf(lines, " (%" PRId64 " %s)", now > before ? now - before : before - now,
+               now > before ? "more" : "less");
+}
+
+static void tell_word(struct buf *lines, const struct record_word *e, const struct record_word *a,
+                      enum divergence_of of)
+{
+    const bool is_replay = of == DIVERGENCE_OF_REPLAY;
+    add_line(lines, "word");
+    buf_add_safe(lines, e->key, e->key_length);
+    buf_add_text(lines, ": ");
+    buf_add_safe(lines, e->value, e->value_length);
+    buf_add_text(lines, is_replay ? " was recorded, " : " in the first, ");
+    if (a)
+        buf_add_safe(lines, a->value, a->value_length);
+    else
+        buf_add_text(lines, "nothing");
+    buf_add_text(lines, is_replay ? " now" : " in the second");
+    if (a)
+        add_difference(lines, e, a);
+    buf_add_char(lines, '\n');
+}
+
+void divergence_tell(struct buf *lines, const char *expected, const char *actual,
+                     enum divergence_of of)
+{
+    const char *words = meaning(expected, actual);
+    const char *at = expected, *end = expected + strlen(expected);
+    struct record_word e, a;
+    struct buf same = {0};
+    if (words) {
+        add_line(lines, "meaning");
+        buf_printf(lines, "%s\n", words);
+    }
+    while (record_word_next(&at, end, &e)) {
+        const bool is_there = find(actual, &e, &a);
+        if (!is_there || !values_are_same(&e, &a)) {
+            tell_word(lines, &e, is_there ? &a : NULL, of);
+            continue;
+        }
+        buf_add_text(&same, same.length ? ", " : "");
+        buf_add_safe(&same, e.key, e.key_length);
+    }
+    if (same.length) {
+        add_line(lines, "the same");
+        buf_printf(lines, "%s\n", buf_text(&same));
+    }
+    lines->failed = lines->failed || same.failed;
+    buf_release(&same);
+}

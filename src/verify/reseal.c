@@ -1,0 +1,329 @@
+#include "verify/reseal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "verify/golden_accept.h"
+#include "verify/orphan.h"
+#include "journal/journal.h"
+#include "journal/log.h"
+#include "journal/walk.h"
+#include "session/export.h"
+
+enum {
+    WHY_MOST = 1000,         /* bytes of a reason */
+    WORDS_SHOWN_MOST = 4000, /* bytes of former results that a comment repeats */
+    FORMER_MOST = 9999       /* journals kept beside one */
+};
+
+static const char unchanged[] = "nothing has changed";
+
+struct resealing {
+    struct interpreter *interp;
+    struct golden_accept *golden_accept; /* NULL where golden images are left alone */
+    struct buf mark;                     /* what the comment of a changed record begins with */
+    struct buf header, out;              /* the new journal */
+    struct record_chain chain;
+    size_t count, marked; /* records; those that have changed */
+    bool changes_header;
+};
+
+/* ---- one record ---- */
+
+static bool is_given(const struct record_word *recorded, const char *words)
+{
+    struct record_word now;
+    return record_word_find(words, recorded->key, recorded->key_length, &now) &&
+           now.value_length == recorded->value_length &&
+           memcmp(now.value, recorded->value, now.value_length) == 0;
+}
+
+/* Whether every recorded word is given now. */
+static bool all_are_given(const char *recorded, const char *words)
+{
+    const char *at = recorded, *end = recorded + strlen(recorded);
+    struct record_word word;
+    while (record_word_next(&at, end, &word))
+        if (!is_given(&word, words))
+            return false;
+    return true;
+}
+
+static bool is_of_picture(const struct record_word *word)
+{
+    static const char *const key[] = {"picture=", "spin="};
+    for (size_t i = 0; i < sizeof key / sizeof key[0]; i++)
+        if (word->key_length == strlen(key[i]) - 1 &&
+            memcmp(word->key, key[i], word->key_length) == 0)
+            return true;
+    return false;
+}
+
+/* Accepting is for pictures: any other result that has changed is refused. */
+static enum err refuse_results(const struct record *record, const char *words, struct fault *fault)
+{
+    struct record_word word;
+    const char *at = record->result, *end = at + strlen(at);
+    while (record_word_next(&at, end, &word))
+        if (!is_given(&word, words) && !is_of_picture(&word))
+            return fault_set(fault, ERR_CHECK,
+                             "record %zu (line %zu) gives another %.*s: no picture, but a result, "
+                             "which is not accepted; iftty log --reseal takes it in; %s",
+                             record->number, record->line, (int)word.key_length, word.key,
+                             unchanged);
+    return OK;
+}
+
+/* The comments before a record's command, as they stand. */
+static void add_comments(struct buf *out, const char *bytes, const struct record *record)
+{
+    const char *at = bytes + record->offset, *end = bytes + record->end;
+    while (at < end && (*at == '#' || *at == '\n')) {
+        const char *feed = memchr(at, '\n', (size_t)(end - at));
+        const size_t n = feed ? (size_t)(feed - at) + 1 : (size_t)(end - at);
+        buf_add(out, at, n);
+        at += n;
+    }
+}
+
+/* Why it has changed, and what it was. */
+static void add_mark(const struct resealing *r, struct buf *out, const struct record *record)
+{
+    buf_printf(out, "# %s", buf_text(&r->mark));
+    if (r->golden_accept && r->golden_accept->note.length)
+        buf_printf(out, " (%s)", buf_text(&r->golden_accept->note));
+    buf_add_char(out, '\n');
+    if (record->has_result)
+        buf_printf(out, "# it was: chain=%s%s%.*s\n", record->chain.hex, *record->result ? " " : "",
+                   WORDS_SHOWN_MOST, record->result);
+    else
+        buf_add_text(out, "# it had no result\n");
+}
+
+static enum err write_record(struct resealing *r, const char *bytes, const struct record *record,
+                             const struct reply *reply, struct fault *fault)
+{
+    struct buf comments = {0};
+    const bool is_sound = !record_judge(record, NULL);
+    const bool is_same =
+        record->has_result && all_are_given(record->result, buf_text(&reply->words));
+    const bool has_note = r->golden_accept && r->golden_accept->note.length;
+    add_comments(&comments, bytes, record);
+    if (!is_sound || !is_same || has_note) {
+        add_mark(r, &comments, record);
+        r->marked++;
+    }
+    const char *command = is_sound ? record->command : buf_text(&reply->canonical);
+    const char *words = is_same ? record->result : buf_text(&reply->words);
+    const enum err err =
+        comments.failed
+            ? fault_memory(fault, "a journal")
+            : record_encode(&r->out, &r->chain, &r->chain, r->count ? "" : buf_text(&r->header),
+                            r->count + 1, buf_text(&comments), command, words, fault);
+    r->count += err == OK;
+    buf_release(&comments);
+    return err;
+}
+
+static enum err reseal_record(struct resealing *r, const char *bytes, const struct record *record,
+                              struct fault *fault)
+{
+    struct reply reply = {0};
+    enum err err = OK;
+    if (r->golden_accept) {
+        err = record_judge(record, fault);
+        if (err)
+            return fault_set(fault, ERR_CHECK,
+                             "record %zu (line %zu) was edited: iftty log --reseal comes first; %s",
+                             record->number, record->line, unchanged);
+        buf_clear(&r->golden_accept->note);
+        r->golden_accept->chain = r->chain;
+    }
+    err = interpreter_execute(r->interp, record->command, &reply, fault);
+    if (err)
+        fault_prefix(fault, err, "record %zu (line %zu) fails; %s", record->number, record->line,
+                     unchanged);
+    if (!err && r->golden_accept)
+        err = refuse_results(record, buf_text(&reply.words), fault);
+    if (!err)
+        err = write_record(r, bytes, record, &reply, fault);
+    reply_release(&reply);
+    return err;
+}
+
+/* ---- the journal ---- */
+
+static enum err judge_header(struct resealing *r, const struct walk *walk, struct fault *fault)
+{
+    if (!walk->is_journal)
+        return fault_set(fault, ERR_CHECK,
+                         "this is a script, not a journal: run it into a new one; %s", unchanged);
+    r->changes_header = walk->semantics != SEMANTICS;
+    if (r->changes_header && r->golden_accept)
+        return fault_set(fault, ERR_CHECK,
+                         "it was written with semantics %u, here is %u: iftty log --reseal comes "
+                         "first; %s",
+                         walk->semantics, (unsigned)SEMANTICS, unchanged);
+    record_header(&r->header, SEMANTICS);
+    buf_add(&r->out, buf_text(&r->header), r->header.length);
+    return OK;
+}
+
+/* Carries all of it out, into r->out. */
+static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struct fault *fault)
+{
+    struct walk walk;
+    struct record record;
+    enum err err = walk_begin(&walk, buf_text(bytes), bytes->length, WALK_AS_FOUND, fault);
+    if (err)
+        return err;
+    err = judge_header(r, &walk, fault);
+    while (!err && walk_next(&walk, &record) == WALK_RECORD)
+        err = reseal_record(r, walk.bytes, &record, fault);
+    if (!err && walk.over != WALK_END)
+        err = fault_set(fault, ERR_CHECK, "%s; going on with the journal repairs it; %s",
+                        walk.fault.text, unchanged);
+    if (!err && (r->out.failed || r->header.failed))
+        err = fault_memory(fault, "a journal");
+    walk_release(&walk);
+    return err;
+}
+
+/* R3: under the first name that is free. */
+static enum err keep_former(struct buf *name, const char *path, const struct buf *bytes,
+                            struct fault *fault)
+{
+    for (unsigned n = 1; n <= FORMER_MOST; n++) {
+        buf_clear(name);
+        buf_printf(name, "%s.before-%u", path, n);
+        if (name->failed)
+            return fault_memory(fault, "a file name");
+        if (!file_exists(buf_text(name)))
+            return file_write(buf_text(name), buf_text(bytes), bytes->length, FILE_KEEP, fault);
+    }
+    return fault_set(fault, ERR_IO, "there are %d files %s.before-N already; %s", FORMER_MOST, path,
+                     unchanged);
+}
+
+/* R1, R2: all of it, or nothing. */
+static enum err publish(struct resealing *r, const char *path, const struct buf *former,
+                        struct buf *kept, struct fault *fault)
+{
+    struct journal_condition condition;
+    enum err err = journal_check(&condition, buf_text(&r->out), r->out.length, fault);
+    if (!err && r->out.length > JOURNAL_BYTES_MAX)
+        err = fault_set(fault, ERR_LIMIT, "%s would hold more than %zu bytes; %s", path,
+                        JOURNAL_BYTES_MAX, unchanged);
+    if (!err)
+        err = keep_former(kept, path, former, fault);
+    if (err)
+        return err;
+    r->interp->replays = false; /* it is over: what is replaced now is what the user asked for */
+    if (r->golden_accept)
+        err = golden_accept_publish(r->golden_accept, r->interp, fault);
+    if (!err)
+        err = file_write(path, buf_text(&r->out), r->out.length, FILE_REPLACE, fault);
+    interpreter_settle_files(r->interp, err == OK);
+    if (err)
+        file_discard(buf_text(kept));
+    return err;
+}
+
+static void report(const struct resealing *r, const char *path, const struct buf *kept,
+                   const struct teller *teller)
+{
+    struct buf text = {0};
+    if (r->golden_accept)
+        buf_printf(&text, "# %zu golden images accepted, ", r->golden_accept->images);
+    else
+        buf_add_text(&text, "# ");
+    buf_printf(&text, "%zu of %zu records of ", r->marked, r->count);
+    buf_add_safe(&text, path, strlen(path));
+    buf_add_text(&text, " marked");
+    if (kept->length) {
+        buf_add_text(&text, "; the former journal is kept as ");
+        buf_add_safe(&text, buf_text(kept), kept->length);
+    } else {
+        buf_add_text(&text, "; nothing has changed");
+    }
+    buf_add_char(&text, '\n');
+    teller->say(teller->context, buf_text(&text));
+    buf_release(&text);
+}
+
+static enum err reseal(struct resealing *r, const char *path, const struct teller *teller,
+                       struct fault *fault)
+{
+    struct file_log *lock = NULL;
+    struct buf bytes = {0}, kept = {0};
+    struct interpreter *interp = r->interp;
+    r->chain = record_chain_zero;
+    interp->replays = true;
+    interp->golden_accept = r->golden_accept;
+    interp->compares_goldens = r->golden_accept != NULL;
+    enum err err = file_log_open(&lock, path, false, fault); /* R4 */
+    if (!err)
+        err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
+    if (!err)
+        err = interpreter_set_home(interp, path, fault);
+    if (!err)
+        err = reseal_bytes(r, &bytes, fault);
+    if (!err && r->golden_accept)
+        err = orphan_check(path, &interp->goldens, fault);
+    if (!err && (r->marked || r->changes_header))
+        err = publish(r, path, &bytes, &kept, fault);
+    if (!err)
+        report(r, path, &kept, teller);
+    file_log_close(lock);
+    buf_release(&kept);
+    buf_release(&bytes);
+    buf_release(&r->mark);
+    buf_release(&r->header);
+    buf_release(&r->out);
+    interp->golden_accept = NULL;
+    return err;
+}
+
+/* ---- the two doors ---- */
+
+static enum err check_reason(const char *why, struct fault *fault)
+{
+    const char *ci = getenv("CI");
+    struct fault words;
+    struct buf comment = {0};
+    if (ci && *ci)
+        return fault_set(fault, ERR_USAGE,
+                         "--accept is a person's decision, and refused where CI is set; %s",
+                         unchanged);
+    buf_printf(&comment, "# %s", why);
+    const bool is_fine = why[strspn(why, " ")] && strlen(why) <= WHY_MOST && !comment.failed &&
+                         !record_comment_check(buf_text(&comment), &words);
+    buf_release(&comment);
+    return is_fine ? OK
+                   : fault_set(fault, ERR_USAGE,
+                               "--accept: expected a reason, one line of at most %d bytes; %s",
+                               WHY_MOST, unchanged);
+}
+
+enum err reseal_accept(struct interpreter *interp, const char *path, const char *why,
+                       const struct teller *teller, struct fault *fault)
+{
+    struct golden_accept golden_accept = {0};
+    struct resealing r = {.interp = interp, .golden_accept = &golden_accept};
+    enum err err = check_reason(why, fault);
+    if (err)
+        return err;
+    buf_printf(&r.mark, "accepted: %s", why);
+    err = reseal(&r, path, teller, fault);
+    golden_accept_release(&golden_accept);
+    return err;
+}
+
+enum err reseal_edited(struct interpreter *interp, const char *path, const struct teller *teller,
+                       struct fault *fault)
+{
+    struct resealing r = {.interp = interp};
+    buf_add_text(&r.mark, "resealed: its results are those of iftty " PROGRAM_VERSION);
+    return reseal(&r, path, teller, fault);
+}

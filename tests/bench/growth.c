@@ -1,0 +1,220 @@
+/* The cost of one edit as the scene around it grows. See command/bench.h. */
+#include "program/bench.h"
+
+#include <stdlib.h>
+
+#include "base/clock.h"
+#include "base/mem.h"
+#include "program/bench_times.h"
+#include "render/border.h"
+#include "engine/forest.h"
+#include "engine/weight.h"
+#include "session/session.h"
+
+/*
+ * Every scene is made of the same tile, synth:geom with a lattice of seeds, repeated; the edit, a
+ * ball of seeds between those of the lattice, touches the same voxels in each. So whatever depends
+ * on the size of the scene shows.
+ */
+enum {
+    TILE_X = 200,
+    TILE_Y = 200,
+    TILE_Z = 100,
+    LATTICE = 25, /* voxels between seeds */
+    BALL = 3,     /* radius of the edit */
+    BALL_VOXELS = 123,
+    ROUNDS = 31,
+    SCENES = 4,
+};
+static const uint32_t tiles[SCENES][3] = {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {5, 5, 3}};
+
+struct growth {
+    struct scene *scene;
+    struct forest *forest;
+    struct border border;
+    struct edit ball[BALL_VOXELS], undo[BALL_VOXELS];
+    double scratch_ns; /* a voxel */
+    size_t touched[2]; /* planting and erasing */
+    double ms[2][ROUNDS];
+};
+
+/* ---- scenes ---- */
+
+static void lay_tiles(struct scene *scene, const struct scene *tile)
+{
+    const struct grid *grid = &scene->grid;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const struct span to = grid_row(grid, y, z);
+            const struct span from = grid_row(&tile->grid, y % TILE_Y, z % TILE_Z);
+            for (uint32_t x = 0; x < grid->size[0]; x++) {
+                const struct cell *cell = tile->cell + from.first + x % TILE_X;
+                scene->cell[to.first + x].intensity = cell->intensity;
+                scene->cell[to.first + x].weight = cell->weight;
+            }
+        }
+}
+
+static enum err plant_lattice(struct growth *growth, struct fault *fault)
+{
+    const struct grid *grid = &growth->scene->grid;
+    struct edit *seed = mem_array(grid->voxels / (LATTICE * LATTICE * LATTICE), sizeof *seed);
+    size_t seeds = 0;
+    if (!seed)
+        return fault_memory(fault, "seeds");
+    for (uint32_t z = LATTICE / 2; z < grid->size[2]; z += LATTICE)
+        for (uint32_t y = LATTICE / 2; y < grid->size[1]; y += LATTICE)
+            for (uint32_t x = LATTICE / 2; x < grid->size[0]; x += LATTICE)
+                seed[seeds++] = (struct edit){grid_cell(grid, x, y, z),
+                                              (int16_t)(1 + (x + y + z) / LATTICE % 3)};
+    const uint64_t begin = clock_ns();
+    enum err err = forest_edit(growth->forest, seed, seeds, NULL, fault);
+    growth->scratch_ns = (double)(clock_ns() - begin) / (double)grid->voxels;
+    free(seed);
+    return err;
+}
+
+/* In the tile in the middle, in the middle of eight seeds. */
+static void place_ball(struct growth *growth, const uint32_t count[3])
+{
+    const struct grid *grid = &growth->scene->grid;
+    const int32_t at[3] = {(int32_t)(count[0] / 2 * TILE_X + 4 * LATTICE),
+                           (int32_t)(count[1] / 2 * TILE_Y + 4 * LATTICE),
+                           (int32_t)(count[2] / 2 * TILE_Z + 2 * LATTICE)};
+    size_t voxels = 0;
+    for (int32_t z = -BALL; z <= BALL; z++)
+        for (int32_t y = -BALL; y <= BALL; y++)
+            for (int32_t x = -BALL; x <= BALL; x++)
+                if (x * x + y * y + z * z <= BALL * BALL && voxels < BALL_VOXELS) {
+                    const uint32_t cell = grid_cell(grid, (uint32_t)(at[0] + x),
+                                                    (uint32_t)(at[1] + y), (uint32_t)(at[2] + z));
+                    growth->ball[voxels] = (struct edit){cell, 7};
+                    growth->undo[voxels++] = (struct edit){cell, EDIT_ERASE};
+                }
+}
+
+static enum err make_scene(struct growth *growth, const struct scene *tile, const uint32_t count[3],
+                           struct fault *fault)
+{
+    const uint32_t size[3] = {count[0] * TILE_X, count[1] * TILE_Y, count[2] * TILE_Z};
+    enum err err = scene_new(&growth->scene, size, fault);
+    if (!err)
+        err = forest_new(&growth->forest, growth->scene, 6, fault);
+    if (!err)
+        err = border_init(&growth->border, growth->scene, fault);
+    if (err)
+        return err;
+    lay_tiles(growth->scene, tile);
+    place_ball(growth, count);
+    err = plant_lattice(growth, fault);
+    border_recount(&growth->border);
+    return err;
+}
+
+static void release(struct growth *growth)
+{
+    border_release(&growth->border);
+    forest_free(growth->forest);
+    scene_free(growth->scene);
+}
+
+/* ---- timing ---- */
+
+static enum err time_edit(struct growth *growth, int erases, int round, struct fault *fault)
+{
+    const uint64_t begin = clock_ns();
+    enum err err =
+        forest_edit(growth->forest, erases ? growth->undo : growth->ball, BALL_VOXELS, NULL, fault);
+    const struct changes changes = forest_changes(growth->forest);
+    border_update(&growth->border, &changes);
+    growth->ms[erases][round] = times_since(begin);
+    growth->touched[erases] = (size_t)forest_stats(growth->forest).touched;
+    return err;
+}
+
+static double median(double *ms)
+{
+    return times_median(ms, ROUNDS);
+}
+
+static void print_table(FILE *out, struct growth *growth, size_t scenes)
+{
+    fprintf(
+        out,
+        "one edit, %d seeds planted and erased again, in scenes that grow around it: forest,\n"
+        "digests and border. Medians of %d rounds in turn, one core.\n\n"
+        "                        planted           erased        ns a touched voxel    both,\n"
+        "      voxels       ms   touched      ms   touched   plant   erase  scratch   first=1\n",
+        BALL_VOXELS, ROUNDS);
+    double first = 0;
+    for (size_t i = 0; i < scenes; i++) {
+        struct growth *g = growth + i;
+        const double plant = median(g->ms[0]), erase = median(g->ms[1]);
+        first = i == 0 ? plant + erase : first;
+        fprintf(out, "%12zu %8.3f %9zu %7.3f %9zu %7.1f %7.1f %8.1f %9.2f\n", g->scene->grid.voxels,
+                plant, g->touched[0], erase, g->touched[1], plant * 1e6 / (double)g->touched[0],
+                erase * 1e6 / (double)g->touched[1], g->scratch_ns, (plant + erase) / first);
+    }
+}
+
+static void print_json(FILE *out, struct growth *growth, size_t scenes)
+{
+    fprintf(out, "{\"rounds\": %d, \"seeds\": %d, \"scenes\": [", ROUNDS, BALL_VOXELS);
+    for (size_t i = 0; i < scenes; i++) {
+        struct growth *g = growth + i;
+        fprintf(out,
+                "%s{\"voxels\": %zu, \"touched\": [%zu, %zu], \"plant_ms\": %.4f, "
+                "\"erase_ms\": %.4f, \"scratch_ns\": %.2f}",
+                i ? ", " : "", g->scene->grid.voxels, g->touched[0], g->touched[1],
+                median(g->ms[0]), median(g->ms[1]), g->scratch_ns);
+    }
+    fprintf(out, "]}\n");
+}
+
+/* As many of the scenes as memory holds together, one at least. */
+static size_t scenes_that_fit(size_t most)
+{
+    uint64_t bytes = 0;
+    size_t scenes = 0;
+    for (; scenes < most; scenes++) {
+        const uint32_t size[3] = {tiles[scenes][0] * TILE_X, tiles[scenes][1] * TILE_Y,
+                                  tiles[scenes][2] * TILE_Z};
+        bytes += session_bytes_for(size);
+        if (scenes > 0 && bytes > mem_available() / 10 * 9)
+            break;
+    }
+    return scenes;
+}
+
+enum err bench_growth(bool json, bool quick, FILE *out, struct watch *watch, struct fault *fault)
+{
+    const size_t scenes = scenes_that_fit(quick ? 2 : SCENES);
+    struct growth *growth = mem_array(SCENES, sizeof *growth);
+    struct scene *tile = NULL;
+    enum err err =
+        growth ? scene_new_geom(&tile, 0, watch, fault) : fault_memory(fault, "a benchmark");
+    for (size_t i = 0; growth && i < SCENES; i++)
+        growth[i] = (struct growth){0};
+    if (!err) {
+        struct adjacency adjacency;
+        adjacency_init(&adjacency, 6, &tile->grid);
+        weight_morph(tile, &adjacency);
+    }
+    for (size_t i = 0; !err && i < scenes; i++) {
+        watch_look(watch, "making scenes", i, scenes);
+        err = make_scene(growth + i, tile, tiles[i], fault);
+    }
+    for (int round = -1; !err && round < ROUNDS; round++) { /* the first warms up */
+        if (watch_look(watch, "edits", (uint64_t)round + 1, ROUNDS))
+            err = fault_set(fault, ERR_CANCELLED, "cancelled");
+        for (size_t i = 0; !err && i < 2 * scenes; i++)
+            err = time_edit(growth + i / 2, i % 2, round < 0 ? 0 : round, fault);
+    }
+    if (!err)
+        (json ? print_json : print_table)(out, growth, scenes);
+    for (size_t i = 0; growth && i < SCENES; i++)
+        release(growth + i);
+    free(growth);
+    scene_free(tile);
+    return err;
+}

@@ -1,0 +1,320 @@
+/* What a journal costs: records alone, recording a session, verifying it. See bench.h. */
+#include "program/bench.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "base/file.h"
+#include "base/folder.h"
+#include "program/bench_times.h"
+#include "command/interpreter.h"
+#include "journal/journal.h"
+#include "journal/replay.h"
+#include "journal/walk.h"
+#include "session/export.h"
+
+enum { RECORDS = 100000, ROUNDS = 5, VERIFYINGS = 3 };
+
+struct figures {
+    char name[128];            /* of the journal */
+    size_t records;            /* of the journal */
+    size_t many_bytes;         /* of RECORDS records */
+    double encode_ms, read_ms; /* RECORDS records */
+    double scene_ms, forest_ms, rendition_ms, verify_ms;
+    double record_ms, synced_ms; /* all records of the journal, appended without and with a sync */
+    bool is_unsynced;            /* record_ms could be taken: there is a folder in memory */
+    struct bench_resume resume;  /* commands 0 where it was not timed */
+};
+
+/* ---- many records ---- */
+
+static enum err encode_many(struct buf *out, struct fault *fault)
+{
+    struct record_chain chain = record_chain_zero;
+    char command[64], words[128];
+    enum err err = OK;
+    buf_clear(out);
+    record_header(out, SEMANTICS);
+    const size_t header_length = out->length;
+    struct buf header = {0};
+    buf_add(&header, out->data, header_length);
+    for (unsigned i = 0; !err && i < RECORDS; i++) {
+        snprintf(command, sizeof command, "seed %u,%u,%u %u radius=2", i % 181, i % 217, i % 179,
+                 i % 9);
+        snprintf(words, sizeof words, "forest=%016llx labels=%016llx seeds=%u",
+                 i * 0x9e3779b97f4a7c15ull, i * 0xc4ceb9fe1a85ec53ull, i);
+        err = record_encode(out, &chain, &chain, i ? "" : buf_text(&header), i + 1, "", command,
+                            words, fault);
+    }
+    buf_release(&header);
+    return err;
+}
+
+static enum err read_many(const struct buf *bytes, struct fault *fault)
+{
+    struct walk walk;
+    struct record record;
+    enum err err = walk_begin(&walk, bytes->data, bytes->length, WALK_AS_FOUND, fault);
+    if (err)
+        return err;
+    while (walk_next_sound(&walk, &record) == WALK_RECORD)
+        ;
+    if (walk.over != WALK_END || walk.records != RECORDS)
+        err = fault_set(fault, ERR_CHECK, "%zu of %d records were read: %s", walk.records, RECORDS,
+                        walk.fault.text);
+    walk_release(&walk);
+    return err;
+}
+
+static enum err time_many(struct figures *f, struct fault *fault)
+{
+    struct buf bytes = {0};
+    double encode[ROUNDS], read[ROUNDS];
+    enum err err = OK;
+    for (int i = 0; !err && i < ROUNDS; i++) {
+        const uint64_t begin = clock_ns();
+        err = encode_many(&bytes, fault);
+        encode[i] = times_since(begin);
+        const uint64_t between = clock_ns();
+        err = err ? err : read_many(&bytes, fault);
+        read[i] = times_since(between);
+    }
+    f->many_bytes = bytes.length;
+    buf_release(&bytes);
+    if (err)
+        return err;
+    f->encode_ms = times_median(encode, ROUNDS);
+    f->read_ms = times_median(read, ROUNDS);
+    return OK;
+}
+
+/* ---- verifying ---- */
+
+static enum err execute(void *context, const char *command, struct buf *words, struct fault *fault)
+{
+    struct reply reply = {0};
+    enum err err = interpreter_execute(context, command, &reply, fault);
+    buf_add_text(words, buf_text(&reply.words));
+    reply_release(&reply);
+    return err;
+}
+
+static bool gives(const struct record *record, const char *key)
+{
+    struct record_word word;
+    return record_word_find(record->result, key, strlen(key), &word);
+}
+
+/* Carries a record out and compares. What it shows is rendered before, so that its time is told
+ * apart from that of reading and comparing golden images. */
+static enum err verify_record(struct interpreter *interp, const struct record *record,
+                              struct figures *f, struct fault *fault)
+{
+    const struct replay_host host = {interp, execute};
+    struct replay_report report = {0};
+    uint64_t begin = clock_ns();
+    enum err err = OK;
+    if (gives(record, "picture") && interp->session.has_scene)
+        err = session_render(&interp->session, RENDER_AS_KEPT, fault);
+    f->rendition_ms += times_since(begin);
+    begin = clock_ns();
+    err = err ? err : replay_record(record, &host, &report, fault);
+    if (gives(record, "scene"))
+        f->scene_ms += times_since(begin);
+    else if (gives(record, "forest"))
+        f->forest_ms += times_since(begin);
+    replay_report_release(&report);
+    return err;
+}
+
+static enum err verify_records(struct interpreter *interp, const struct buf *bytes,
+                               struct figures *f, struct fault *fault)
+{
+    struct walk walk;
+    struct record record;
+    enum err err = walk_begin(&walk, bytes->data, bytes->length, WALK_AS_FOUND, fault);
+    if (err)
+        return err;
+    while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
+        err = verify_record(interp, &record, f, fault);
+    if (!err && (walk.over != WALK_END || walk.records == 0))
+        err = fault_set(fault, ERR_CHECK, "%s",
+                        walk.records ? walk.fault.text : "there are no records to verify");
+    f->records = walk.records;
+    walk_release(&walk);
+    return err;
+}
+
+static enum err verify_once(const char *path, const struct buf *bytes, struct figures *f,
+                            struct fault *fault)
+{
+    struct interpreter interp;
+    const uint64_t begin = clock_ns();
+    f->scene_ms = f->forest_ms = f->rendition_ms = 0;
+    enum err err = interpreter_init(&interp, fault);
+    interp.replays = interp.compares_goldens = true;
+    if (!err)
+        err = interpreter_set_home(&interp, path, fault);
+    if (!err)
+        err = verify_records(&interp, bytes, f, fault);
+    interpreter_release(&interp);
+    f->verify_ms = times_since(begin);
+    return err;
+}
+
+/* Of several times the one that took least as a whole, part for part. */
+static enum err time_verifying(const char *path, const struct buf *bytes, struct figures *f,
+                               struct fault *fault)
+{
+    struct figures best = {.verify_ms = 0};
+    enum err err = OK;
+    for (int i = 0; !err && i < VERIFYINGS; i++) {
+        err = verify_once(path, bytes, f, fault);
+        if (i == 0 || f->verify_ms < best.verify_ms)
+            best = *f;
+    }
+    if (!err)
+        *f = best;
+    return err;
+}
+
+/* ---- recording ---- */
+
+static enum err append_all(struct journal *journal, const struct buf *bytes, struct fault *fault)
+{
+    struct walk walk;
+    struct record record;
+    enum err err = walk_begin(&walk, bytes->data, bytes->length, WALK_AS_FOUND, fault);
+    if (err)
+        return err;
+    while (!err && walk_next(&walk, &record) == WALK_RECORD)
+        err = journal_append(journal, record.command, record.result, fault);
+    walk_release(&walk);
+    return err;
+}
+
+/* The records of the journal once more into a new one in a folder of its own below `where`. */
+static enum err time_recording(double *ms, const char *where, const struct buf *bytes,
+                               struct fault *fault)
+{
+    struct buf folder = {0}, path = {0};
+    struct journal *journal = NULL;
+    enum err err = folder_fresh(&folder, where, fault);
+    if (err)
+        return err;
+    buf_printf(&path, "%s/again.iftty", buf_text(&folder));
+    err = path.failed ? fault_memory(fault, "a path")
+                      : journal_create(&journal, buf_text(&path), SEMANTICS, fault);
+    const uint64_t begin = clock_ns();
+    if (!err)
+        err = append_all(journal, bytes, fault);
+    *ms = times_since(begin);
+    journal_close(journal);
+    folder_discard(buf_text(&folder));
+    buf_release(&folder);
+    buf_release(&path);
+    return err;
+}
+
+static enum err time_recordings(const struct buf *bytes, struct figures *f, struct fault *fault)
+{
+    enum err err = time_recording(&f->synced_ms, "/tmp", bytes, fault);
+    f->is_unsynced = access("/dev/shm", W_OK) == 0; /* in memory: a sync has nothing to do */
+    if (!err && f->is_unsynced)
+        err = time_recording(&f->record_ms, "/dev/shm", bytes, fault);
+    return err;
+}
+
+/* ---- what is told ---- */
+
+static void print_table(FILE *out, const struct figures *f)
+{
+    const double parts = f->forest_ms + f->rendition_ms;
+    const double session = f->scene_ms + parts;
+    fprintf(out, "%d records of %.1f MB\n", RECORDS, (double)f->many_bytes / 1e6);
+    fprintf(out, "    %-44s %10.1f  ms\n", "encoded", f->encode_ms);
+    fprintf(out, "    %-44s %10.1f  ms\n", "read, numbers and chain checked", f->read_ms);
+    fprintf(out, "%s, %zu records\n", f->name, f->records);
+    fprintf(out, "    %-44s %10.1f  ms\n", "scene opened and weighed", f->scene_ms);
+    fprintf(out, "    %-44s %10.1f  ms\n", "forests", f->forest_ms);
+    fprintf(out, "    %-44s %10.1f  ms\n", "renditions", f->rendition_ms);
+    fprintf(out, "    %-44s %10.1f  ms  %.2f of forests and renditions\n", "verified, all told",
+            f->verify_ms, f->verify_ms / parts);
+    if (f->is_unsynced)
+        fprintf(out, "    %-44s %10.1f  ms  %.2f %% of the session\n",
+                "recorded, but for the syncs (/dev/shm)", f->record_ms,
+                100 * f->record_ms / session);
+    fprintf(out, "    %-44s %10.1f  ms  %.2f ms each\n", "recorded, with a sync each (/tmp)",
+            f->synced_ms, f->synced_ms / (double)f->records);
+    if (!f->resume.commands)
+        return;
+    fprintf(out, "%u commands on %.1f million voxels\n", f->resume.commands,
+            (double)f->resume.voxels / 1e6);
+    fprintf(out, "    %-44s %10.1f  ms\n", "carried out", f->resume.session_ms);
+    fprintf(out, "    %-44s %10.1f  ms\n", "resumed", f->resume.resume_ms);
+}
+
+static void print_json(FILE *out, const struct figures *f)
+{
+    fprintf(out,
+            "{\"records\": %d, \"encode_ms\": %.3f, \"read_ms\": %.3f, \"journal\": "
+            "{\"records\": %zu, \"scene_ms\": %.3f, \"forest_ms\": %.3f, \"rendition_ms\": %.3f, "
+            "\"verify_ms\": %.3f, \"synced_ms\": %.3f",
+            RECORDS, f->encode_ms, f->read_ms, f->records, f->scene_ms, f->forest_ms,
+            f->rendition_ms, f->verify_ms, f->synced_ms);
+    if (f->is_unsynced)
+        fprintf(out, ", \"record_ms\": %.3f", f->record_ms);
+    fprintf(out, "}");
+    if (f->resume.commands)
+        fprintf(out, ", \"resume\": {\"commands\": %u, \"session_ms\": %.3f, \"resume_ms\": %.3f}",
+                f->resume.commands, f->resume.session_ms, f->resume.resume_ms);
+    fprintf(out, "}\n");
+}
+
+/* The journal of the demo, where its scene is here. */
+static enum err find_journal(struct buf *path, struct fault *fault)
+{
+    struct interpreter interp;
+    struct buf scene = {0};
+    enum err err = interpreter_init(&interp, fault);
+    const bool has_brain =
+        !err && interpreter_find_scene(&interp, "ch2.nii.gz", &scene, NULL) == OK;
+    const char *name = has_brain ? "examples/brain.iftty" : "examples/geom.iftty";
+    buf_release(&scene);
+    interpreter_release(&interp);
+    if (!err && !bench_find_in_tree(path, name))
+        err = fault_set(fault, ERR_IO, "%s does not lie beside the program; name a journal", name);
+    return err;
+}
+
+enum err bench_journal(const char *journal, bool json, FILE *out, struct fault *fault)
+{
+    struct figures f = {.records = 0};
+    struct buf path = {0}, bytes = {0}, name = {0};
+    enum err err = OK;
+    if (journal)
+        buf_add_text(&path, journal);
+    else
+        err = find_journal(&path, fault);
+    if (!err)
+        err = file_read(&bytes, buf_text(&path), JOURNAL_BYTES_MAX, fault);
+    if (!err)
+        err = time_many(&f, fault);
+    if (!err)
+        err = time_verifying(buf_text(&path), &bytes, &f, fault);
+    if (!err)
+        err = time_recordings(&bytes, &f, fault);
+    if (!err && !journal)
+        err = bench_resuming(&f.resume, fault);
+    const char *last = file_name(buf_text(&path));
+    buf_add_safe(&name, last, strlen(last));
+    snprintf(f.name, sizeof f.name, "%s", buf_text(&name));
+    if (!err)
+        (json ? print_json : print_table)(out, &f);
+    buf_release(&name);
+    buf_release(&bytes);
+    buf_release(&path);
+    return err;
+}

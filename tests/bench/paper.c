@@ -1,0 +1,221 @@
+/* The paper's scenes, one after the other, and what is printed of them. */
+#include "program/bench.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "tests/bench/report.h"
+#include "command/interpreter.h"
+
+enum { SCENES_MOST = 24, QUICK_STEPS = 2 };
+
+/* Where scenes come from. Seeds are made on the base, whose grid the atlas has. */
+struct source {
+    const char *name, *base, *atlas, *file;
+    unsigned megavoxels;
+    bool interpolated; /* may be */
+};
+static const struct source source[] = {
+    {"brain", "ch2.nii.gz", "aal.nii.gz", "ch2.nii.gz", 7, true},
+    {"geom", "synth:geom", NULL, "synth:geom", 4, true},
+    {"ch2better", "ch2.nii.gz", "aal.nii.gz", "ch2better.nii.gz", 35, false},
+};
+enum { SOURCES = sizeof source / sizeof source[0] };
+
+static const char *const usual[] = {"brain", "geom"};
+static const char *const every[] = {"brain",    "brain211", "brain121", "brain112", "brain122",
+                                    "brain212", "brain221", "brain222", "geom",     "geom211",
+                                    "geom121",  "geom112",  "geom122",  "geom212",  "geom221",
+                                    "geom222",  "ch2better"};
+
+struct scene_choice {
+    const struct source *from;
+    unsigned doubled; /* as in engine/scene.h */
+};
+
+/* ---- which scenes ---- */
+
+static bool scan_scene(struct scene_choice *choice, const char *name)
+{
+    for (int i = 0; i < SOURCES; i++) {
+        const size_t n = strlen(source[i].name);
+        if (strncmp(name, source[i].name, n) != 0)
+            continue;
+        *choice = (struct scene_choice){&source[i], 0};
+        if (name[n] == '\0')
+            return true;
+        if (!source[i].interpolated || strlen(name + n) != 3 || strspn(name + n, "12") != 3)
+            return false;
+        for (unsigned a = 0; a < 3; a++)
+            choice->doubled |= (unsigned)(name[n + a] == '2') << a;
+        return true;
+    }
+    return false;
+}
+
+/* The paper has every interpolation of geom, and of brain along one axis or two. */
+static bool is_in_paper(const struct scene_choice *choice)
+{
+    return choice->from->interpolated && (choice->from->atlas == NULL || choice->doubled != 7);
+}
+
+static uint64_t megavoxels(const struct scene_choice *choice)
+{
+    uint64_t count = choice->from->megavoxels;
+    for (unsigned a = 0; a < 3; a++)
+        count <<= choice->doubled >> a & 1;
+    return count;
+}
+
+struct run {
+    const struct bench_paper_options *options;
+    struct scene_choice choice[SCENES_MOST];
+    struct trial trial[SCENES_MOST];
+    size_t scenes, at;
+    unsigned steps;
+    uint64_t done, total; /* megavoxels times steps times rounds */
+};
+
+static enum err choose_scenes(struct run *run, struct fault *fault)
+{
+    const struct bench_paper_options *o = run->options;
+    const bool all = o->scenes == 1 && strcmp(o->scene[0], "all") == 0;
+    const char *const *name = all ? every : o->scenes ? (const char *const *)o->scene : usual;
+    run->scenes = all         ? sizeof every / sizeof every[0]
+                  : o->scenes ? (size_t)o->scenes
+                              : sizeof usual / sizeof usual[0];
+    run->steps = o->quick ? QUICK_STEPS : PROCEDURE_STEPS;
+    if (run->scenes > SCENES_MOST)
+        return fault_set(fault, ERR_USAGE, "at most %d scenes at a time", SCENES_MOST);
+    for (size_t i = 0; i < run->scenes; i++) {
+        struct trial *trial = &run->trial[i];
+        if (!scan_scene(&run->choice[i], name[i]))
+            return fault_set(fault, ERR_USAGE,
+                             "expected brain or geom, as they are or interpolated as in brain211, "
+                             "or ch2better, or all; not %s",
+                             name[i]);
+        snprintf(trial->name, sizeof trial->name, "%s", name[i]);
+        trial->in_paper = is_in_paper(&run->choice[i]);
+        run->total += megavoxels(&run->choice[i]) * run->steps * o->rounds;
+    }
+    return OK;
+}
+
+/* ---- one scene ---- */
+
+/* How far it is; false where nobody wants it any more. */
+static bool goes_on(struct run *run, const char *doing, unsigned step)
+{
+    char what[64];
+    if (step)
+        snprintf(what, sizeof what, "%s, %s %u of %u", run->trial[run->at].name, doing, step,
+                 run->steps);
+    else
+        snprintf(what, sizeof what, "%s, %s", run->trial[run->at].name, doing);
+    return !watch_look(run->options->watch, what, run->done, run->total);
+}
+
+static bool advanced(void *context, unsigned step, unsigned round)
+{
+    struct run *run = context;
+    const unsigned next = step + (round + 1 == run->options->rounds && step + 1 < run->steps);
+    run->done += megavoxels(&run->choice[run->at]);
+    return goes_on(run, "step", next + 1);
+}
+
+/* The scene in the interpreter's session, and its seeds. */
+static enum err prepare(struct interpreter *interp, struct seeds *seeds,
+                        const struct scene_choice *choice, struct fault *fault)
+{
+    const struct source *from = choice->from;
+    struct session *session = &interp->session;
+    struct procedure procedure = {0};
+    enum err err = procedure_load(&procedure, interp, from->base, from->atlas, fault);
+    if (!err && strcmp(from->file, from->base) != 0) {
+        session_release(session);
+        session_init(session);
+        err = procedure_open(interp, from->file, fault);
+    } else if (!err) {
+        err = session_interpolate(session, choice->doubled, fault);
+        session_settle(session);
+    }
+    if (!err)
+        err = procedure_seeds(seeds, &procedure, session, fault);
+    procedure_release(&procedure);
+    return err;
+}
+
+static enum err run_scene(struct run *run, struct fault *fault)
+{
+    const struct trial_watch watch = {advanced, run};
+    struct trial *trial = &run->trial[run->at];
+    struct seeds seeds = {0};
+    struct interpreter interp;
+    enum err err = interpreter_init(&interp, fault);
+    if (!err && !goes_on(run, "opening", 0))
+        err = fault_set(fault, ERR_CANCELLED, "cancelled");
+    if (!err)
+        err = prepare(&interp, &seeds, &run->choice[run->at], fault);
+    if (!err)
+        err = trial_run(trial, &interp.session, &seeds, run->steps, run->options->rounds, &watch,
+                        fault);
+    else
+        fault_prefix(fault, err, "%s", trial->name);
+    seeds_release(&seeds);
+    interpreter_release(&interp);
+    return err;
+}
+
+/* ---- all of them ---- */
+
+/* What the reports print, all at once. */
+static enum err say(const struct run *run,
+                    void (*print)(FILE *out, const struct trial *trial, size_t count),
+                    const struct trial *trial, size_t count, struct fault *fault)
+{
+    char *text = NULL;
+    size_t length = 0;
+    FILE *out = open_memstream(&text, &length);
+    if (!out)
+        return fault_memory(fault, "a report");
+    print(out, trial, count);
+    bool failed = ferror(out) != 0;
+    failed = fclose(out) != 0 || failed;
+    if (!failed)
+        run->options->say(run->options->context, text);
+    free(text);
+    return failed ? fault_memory(fault, "a report") : OK;
+}
+
+static enum err run_scenes(struct run *run, struct fault *fault)
+{
+    enum err err = OK;
+    for (; !err && run->at < run->scenes; run->at++) {
+        err = run_scene(run, fault);
+        if (!err && run->options->form == BENCH_TEXT)
+            err = say(run, report_scenes, &run->trial[run->at], 1, fault);
+    }
+    return err;
+}
+
+enum err bench_paper(const struct bench_paper_options *options, struct fault *fault)
+{
+    static void (*const report[])(FILE *, const struct trial *, size_t) = {
+        [BENCH_TEXT] = report_summary, [BENCH_JSON] = report_json, [BENCH_CSV] = report_csv};
+    struct run *run = mem_new(sizeof *run);
+    if (!run)
+        return fault_memory(fault, "a benchmark");
+    run->options = options;
+    enum err err = choose_scenes(run, fault);
+    if (!err && options->plots)
+        err = report_plots_check(options->plots, run->trial, run->scenes, fault);
+    if (!err)
+        err = run_scenes(run, fault);
+    if (!err)
+        err = say(run, report[options->form], run->trial, run->scenes, fault);
+    if (!err && options->plots)
+        err = report_plots(options->plots, run->trial, run->scenes, fault);
+    free(run);
+    return err;
+}

@@ -1,0 +1,487 @@
+/* What a picture takes: whole frames, parts of them, edits, and VTK beside it. See bench.h. */
+#include "program/bench.h"
+
+#include <errno.h>
+#include <sched.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "base/folder.h"
+#include "base/mem.h"
+#include "program/bench_times.h"
+#include "command/interpreter.h"
+#include "session/export.h"
+#include "session/slicing.h"
+
+enum {
+    SIDE = 512,
+    FRAMES = 60, /* a turn in steps of 6 degrees, seen a little from above */
+    EDITS = 24,  /* at most; with their erasing twice as many incremental images */
+    TRIES = 600,
+    LEAST_LABELS = 1500, /* that an edit changes */
+    MOST_LABELS = 2500,
+    MOST_TIMES = FRAMES,
+    BALL_MOST = 9,
+    ROWS_MOST = 24,
+};
+
+bool bench_find_in_tree(struct buf *out, const char *name)
+{
+    if (file_program_folder(out, NULL))
+        return false;
+    buf_printf(out, "/../%s", name);
+    return !out->failed && file_exists(buf_text(out));
+}
+
+struct row {
+    char what[128];
+    double ms[MOST_TIMES];
+    size_t count;
+    double only_ms; /* a median that was measured elsewhere, where count is 0 */
+};
+
+struct table {
+    struct row row[ROWS_MOST];
+    int rows;
+    size_t pixels[2]; /* that show an object, at zoom 1 and 2 */
+    double labels;    /* changed by the edits that count, altogether */
+    size_t edits;     /* that count, each planted and each erased one */
+    char vtk[128];    /* its version, or why it is not here */
+};
+
+static struct row *add_row(struct table *table, const char *what)
+{
+    struct row *row = &table->row[table->rows < ROWS_MOST - 1 ? table->rows++ : ROWS_MOST - 1];
+    snprintf(row->what, sizeof row->what, "%s", what);
+    return row;
+}
+
+static uint64_t add_since(struct row *row, uint64_t begin)
+{
+    const uint64_t now = clock_ns();
+    if (row->count < MOST_TIMES)
+        row->ms[row->count++] = times_between(begin, now);
+    return now;
+}
+
+static double median(struct row *row)
+{
+    return row->count ? times_median(row->ms, row->count) : row->only_ms;
+}
+
+static double quantile(struct row *row, double share)
+{
+    return row->count ? times_quantile(row->ms, row->count, share) : row->only_ms;
+}
+
+/* ---- frames ---- */
+
+static enum err colour(struct session *session, struct fault *fault)
+{
+    const struct settings *settings = &session->settings;
+    return shade(&session->rendition, &session->camera, &session->border, &settings->palette,
+                 &settings->look, &session->shader, fault);
+}
+
+static enum err turn_to(struct session *session, int frame, uint32_t zoom, struct fault *fault)
+{
+    struct view view = session->settings.view;
+    view.angle[0] = frame * (VIEW_TURN / FRAMES);
+    view.angle[1] = 15000;
+    view.width = view.height = SIDE;
+    view.zoom = zoom;
+    enum err err = session_set_view(session, &view, fault);
+    if (!err && !session->has_rendition) /* so that no frame makes room for the first time */
+        err = session_render(session, RENDER_BORDER, fault);
+    return err;
+}
+
+static size_t pixels_seen(const struct rendition *r)
+{
+    size_t seen = 0;
+    for (size_t i = 0; i < (size_t)r->width * r->height; i++)
+        seen += r->cell[i] != CELL_NONE;
+    return seen;
+}
+
+/* Whole turns: a frame and its two parts; and again with nothing kept of the frames before. */
+static enum err time_turn(struct session *session, struct table *table, uint32_t zoom,
+                          struct fault *fault)
+{
+    static const char *const name[2][4] = {
+        {"border projection and shading, zoom 1", "    border projection", "    shading",
+         "    both, nothing kept of other frames"},
+        {"border projection and shading, zoom 2", "    border projection", "    shading",
+         "    both, nothing kept of other frames"}};
+    const int which = zoom != VIEW_ZOOM_ONE;
+    struct row *row[4];
+    for (int i = 0; i < 4; i++)
+        row[i] = add_row(table, name[which][i]);
+    enum err err = turn_to(session, FRAMES - 1, zoom, fault);
+    for (int frame = 0; !err && frame < FRAMES; frame++) {
+        err = turn_to(session, frame, zoom, fault);
+        const uint64_t begin = clock_ns();
+        splat_border(&session->rendition, &session->camera, &session->border);
+        const uint64_t between = add_since(row[1], begin);
+        err = err ? err : colour(session, fault);
+        add_since(row[2], between);
+        add_since(row[0], begin);
+        table->pixels[which] += pixels_seen(&session->rendition) / FRAMES;
+    }
+    for (int frame = 0; !err && frame < FRAMES; frame += 4) {
+        err = turn_to(session, frame, zoom, fault);
+        shader_release(&session->shader);
+        const uint64_t begin = clock_ns();
+        err = err ? err : session_render(session, RENDER_BORDER, fault);
+        add_since(row[3], begin);
+    }
+    return err;
+}
+
+/* The same with one look, at zoom 1. */
+static enum err time_look(struct session *session, struct table *table, const char *what,
+                          const struct look *look, struct fault *fault)
+{
+    const struct look former = session->settings.look;
+    struct row *row = add_row(table, what);
+    enum err err = session_set_look(session, look, fault);
+    if (!err)
+        err = turn_to(session, FRAMES - 1, VIEW_ZOOM_ONE, fault);
+    for (int frame = 0; !err && frame < FRAMES; frame += 3) {
+        err = turn_to(session, frame, VIEW_ZOOM_ONE, fault);
+        const uint64_t begin = clock_ns();
+        err = err ? err : session_render(session, RENDER_BORDER, fault);
+        add_since(row, begin);
+    }
+    const enum err again = session_set_look(session, &former, err ? NULL : fault);
+    return err ? err : again;
+}
+
+static enum err time_looks(struct session *session, struct table *table, struct fault *fault)
+{
+    struct look look = look_default();
+    look.mode = SHADE_SCENE;
+    enum err err = time_look(session, table, "    by the scene's gradient, zoom 1", &look, fault);
+    look.mode = SHADE_DEPTH;
+    if (!err)
+        err = time_look(session, table, "    by depth, zoom 1", &look, fault);
+    look = look_default();
+    look.samples = 2;
+    if (!err)
+        err = time_look(session, table, "    2x2 samples, zoom 1", &look, fault);
+    return err;
+}
+
+/* ---- edits ---- */
+
+struct ball {
+    struct edit seed[4096], undo[4096];
+    size_t count;
+};
+
+static void make_ball(struct ball *ball, const struct scene *scene, uint32_t cell, int radius)
+{
+    const struct place p = grid_place(&scene->grid, cell);
+    ball->count = 0;
+    for (int z = -radius; z <= radius; z++)
+        for (int y = -radius; y <= radius; y++)
+            for (int x = -radius; x <= radius; x++) {
+                const int64_t at[3] = {(int64_t)p.x + x, (int64_t)p.y + y, (int64_t)p.z + z};
+                if (x * x + y * y + z * z > radius * radius ||
+                    !grid_contains(&scene->grid, at[0], at[1], at[2]))
+                    continue;
+                const uint32_t c =
+                    grid_cell(&scene->grid, (uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]);
+                if (scene->cell[c].flags & CELL_SEED)
+                    continue; /* erasing the ball would take a seed of the procedure */
+                ball->seed[ball->count] = (struct edit){c, 0};
+                ball->undo[ball->count++] = (struct edit){c, EDIT_ERASE};
+            }
+}
+
+/* One edit and its incremental image: what that took, and how many labels the edit changed; 0 where
+ * the edit is not of the wanted size. */
+struct followed {
+    double ms;
+    size_t labels;
+};
+
+static enum err follow_edit(struct session *session, const struct edit *edit, size_t count,
+                            struct followed *out, struct fault *fault)
+{
+    enum err err = forest_edit(session->forest, edit, count, NULL, fault);
+    const struct changes changes = forest_changes(session->forest);
+    border_update(&session->border, &changes);
+    const bool is_wanted =
+        !changes.everything && changes.count >= LEAST_LABELS && changes.count <= MOST_LABELS;
+    out->labels = is_wanted ? changes.count : 0;
+    const uint64_t begin = clock_ns();
+    incremental_image(&session->rendition, &session->camera, &session->border, &changes,
+                      shade_reach(&session->settings.look, &session->camera));
+    err = err ? err : colour(session, fault);
+    out->ms = times_since(begin);
+    return err;
+}
+
+/* An edit and its erasing count where both are of the wanted size: else they are not the same. */
+static void count_edits(struct table *table, struct row *row, const struct followed way[2])
+{
+    if (way[0].labels == 0 || way[1].labels == 0)
+        return;
+    for (int i = 0; i < 2; i++) {
+        row->ms[row->count++] = way[i].ms;
+        table->labels += (double)way[i].labels;
+        table->edits++;
+    }
+}
+
+/* A ball of background at a place that is seen bites into it, and is erased again. */
+static enum err time_edits(struct session *session, struct table *table, uint32_t zoom,
+                           struct fault *fault)
+{
+    struct row *row =
+        add_row(table, zoom == VIEW_ZOOM_ONE ? "incremental image and shading, zoom 1"
+                                             : "incremental image and shading, zoom 2");
+    struct ball *ball = mem_new(sizeof *ball);
+    enum err err = ball ? turn_to(session, 5, zoom, fault) : fault_memory(fault, "a benchmark");
+    if (!err)
+        err = session_render(session, RENDER_BORDER, fault);
+    uint64_t pixel = 0;
+    for (int i = 0; !err && i < TRIES && row->count < 2 * EDITS; i++) {
+        struct followed way[2];
+        do
+            pixel = (pixel + 12347) % (SIDE * SIDE);
+        while (session->rendition.cell[pixel] == CELL_NONE);
+        make_ball(ball, session->scene, session->rendition.cell[pixel], 4 + i % (BALL_MOST - 3));
+        err = follow_edit(session, ball->seed, ball->count, &way[0], fault);
+        if (!err)
+            err = follow_edit(session, ball->undo, ball->count, &way[1], fault);
+        if (!err)
+            count_edits(table, row, way);
+    }
+    free(ball);
+    return err;
+}
+
+/* ---- slices ---- */
+
+/* The rendition is up to date; the cross-hair wanders through the scene. */
+static enum err time_sight(struct session *session, struct table *table, const char *what,
+                           enum sight sight, struct fault *fault)
+{
+    struct row *row = add_row(table, what);
+    const uint32_t *size = session->scene->grid.size;
+    enum err err = turn_to(session, 5, VIEW_ZOOM_ONE, fault);
+    if (!err)
+        err = session_render(session, RENDER_BORDER, fault);
+    for (uint32_t i = 0; !err && i < FRAMES; i++) {
+        struct canvas canvas = {0};
+        for (int a = 0; a < 3; a++)
+            session->settings.slices.cross[a] = size[a] * (FRAMES + 2 * i) / (4 * FRAMES);
+        const uint64_t begin = clock_ns();
+        err = slicing_draw(&canvas, session, sight, false, fault);
+        add_since(row, begin);
+        canvas_release(&canvas);
+    }
+    return err;
+}
+
+/* ---- VTK ---- */
+
+static void become_script(const char *script, const char *labels, int out)
+{
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET((unsigned)sched_getcpu(), &one);
+    sched_setaffinity(0, sizeof one, &one);
+    dup2(out, STDOUT_FILENO);
+    execl("/usr/bin/python3", "/usr/bin/python3", script, labels, "--size", "512", "512",
+          "--angles", "30", "15", "0", "--zoom", "1", "--rounds", "7", (char *)NULL);
+    _exit(127);
+}
+
+/* What the script prints; false where it fails. */
+static bool run_script(struct buf *out, const char *script, const char *labels)
+{
+    int ends[2], status = -1;
+    char bytes[1024];
+    if (pipe(ends) != 0)
+        return false;
+    fflush(NULL);
+    const pid_t child = fork();
+    if (child == 0)
+        become_script(script, labels, ends[1]);
+    close(ends[1]);
+    for (ssize_t n; child > 0 && (n = read(ends[0], bytes, sizeof bytes)) != 0;) {
+        if (n < 0 && errno != EINTR)
+            break;
+        if (n > 0)
+            buf_add(out, bytes, (size_t)n);
+    }
+    close(ends[0]);
+    while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR)
+        ;
+    return child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0 && !out->failed;
+}
+
+/* {"what": "rotation", "median_ms": 93.1, ...}; the first line tells versions. */
+static void read_line(struct table *table, const char *line)
+{
+    char what[40], version[24];
+    const char *ms = strstr(line, "\"median_ms\": ");
+    if (sscanf(line, "{\"what\": \"versions\", \"vtk\": \"%23[^\"]\"", version) == 1)
+        snprintf(table->vtk, sizeof table->vtk, "VTK %s in software, the same labels, one core",
+                 version);
+    if (!ms || sscanf(line, "{\"what\": \"%39[^\"]\"", what) != 1)
+        return;
+    struct row *row = add_row(table, "");
+    snprintf(row->what, sizeof row->what, "    %s", what);
+    row->only_ms = strtod(ms + strlen("\"median_ms\": "), NULL);
+}
+
+static enum err time_vtk(const struct session *session, struct table *table, struct fault *fault)
+{
+    struct buf script = {0}, told = {0}, folder = {0}, labels = {0};
+    snprintf(table->vtk, sizeof table->vtk,
+             "VTK is not here to compare with: it takes Debian's python3-vtk9 and xvfb");
+    enum err err = OK;
+    if (bench_find_in_tree(&script, "tests/peers/vtk_render.py") &&
+        folder_fresh(&folder, NULL, NULL) == OK) {
+        buf_printf(&labels, "%s/labels.nii", buf_text(&folder));
+        err = labels.failed ? fault_memory(fault, "a path")
+                            : export_map(session, MAP_LABELS, buf_text(&labels), FILE_KEEP, fault);
+        if (!err && run_script(&told, buf_text(&script), buf_text(&labels)))
+            for (char *line = strtok(told.data, "\n"); line; line = strtok(NULL, "\n"))
+                read_line(table, line);
+        folder_discard(buf_text(&folder));
+    }
+    buf_release(&script);
+    buf_release(&told);
+    buf_release(&folder);
+    buf_release(&labels);
+    return err;
+}
+
+/* ---- tables ---- */
+
+static double labels_changed(const struct table *t)
+{
+    return t->edits ? t->labels / (double)t->edits : 0;
+}
+
+static void print_table(FILE *out, struct table *t, const struct session *session)
+{
+    fprintf(out,
+            "ch2, brain and cerebellum: %zu voxels, %zu of them seeds, %zu border voxels.\n"
+            "%dx%d pixels, one core. "
+            "A turn of %d frames: %zu pixels show an object at zoom 1, %zu at zoom 2.\n"
+            "Edits bite at what is seen and are erased again; each changes %.0f labels.\n\n"
+            "%-44s %9s %9s %9s\n",
+            session->scene->grid.voxels, forest_seeds(session->forest),
+            border_count(&session->border), SIDE, SIDE, FRAMES, t->pixels[0], t->pixels[1],
+            labels_changed(t), "", "median", "9 of 10", "most");
+    for (int i = 0; i < t->rows; i++) {
+        struct row *row = &t->row[i];
+        if (row->count)
+            fprintf(out, "%-44s %9.2f %9.2f %9.2f  ms\n", row->what, median(row),
+                    quantile(row, 0.9), quantile(row, 1));
+        else if (row->only_ms > 0)
+            fprintf(out, "%-44s %9.2f %9s %9s  ms\n", row->what, row->only_ms, "", "");
+        else
+            fprintf(out, "%s\n", row->what);
+    }
+}
+
+static void print_json(FILE *out, struct table *t, const struct session *session)
+{
+    fprintf(out,
+            "{\"scene\": \"ch2\", \"border_voxels\": %zu, \"labels_changed\": %.0f, \"rows\": [",
+            border_count(&session->border), labels_changed(t));
+    const char *between = "";
+    for (int i = 0; i < t->rows; i++) {
+        struct row *row = &t->row[i];
+        if (row->count == 0 && row->only_ms <= 0)
+            continue;
+        fprintf(out, "%s{\"what\": \"%s\", \"median_ms\": %.3f, \"most_ms\": %.3f}", between,
+                row->what + strspn(row->what, " "), median(row), quantile(row, 1));
+        between = ", ";
+    }
+    fprintf(out, "]}\n");
+}
+
+/* ---- the labels ---- */
+
+/* Carries the commands of a journal out, without writing anything. */
+static enum err carry_out(struct interpreter *interp, const char *path, struct fault *fault)
+{
+    char *line = NULL;
+    size_t room = 0;
+    struct reply reply = {0};
+    enum err err = OK;
+    FILE *journal = fopen(path, "r");
+    if (!journal)
+        return fault_errno(fault, "read", path);
+    interp->replays = true;
+    while (!err && getline(&line, &room, journal) >= 0) {
+        line[strcspn(line, "\n")] = '\0';
+        if (*line != '=')
+            err = interpreter_execute(interp, line, &reply, fault);
+    }
+    free(line);
+    reply_release(&reply);
+    fclose(journal);
+    return err;
+}
+
+/* Brain, cerebellum and medulla, as a person segmented them. */
+static enum err segment(struct interpreter *interp, struct fault *fault)
+{
+    struct buf path = {0};
+    enum err err = OK;
+    if (!bench_find_in_tree(&path, "examples/brain.iftty"))
+        err = fault_set(fault, ERR_IO,
+                        "bench render works on what examples/brain.iftty segments, and that does "
+                        "not lie beside the program");
+    if (!err)
+        err = carry_out(interp, buf_text(&path), fault);
+    buf_release(&path);
+    return err ? err : session_run(&interp->session, fault);
+}
+
+enum err bench_render(bool json, FILE *out, struct watch *watch, struct fault *fault)
+{
+    struct interpreter interp;
+    struct table *table = mem_new(sizeof *table);
+    enum err err = interpreter_init(&interp, fault);
+    struct session *session = &interp.session;
+    if (!err && !table)
+        err = fault_memory(fault, "a benchmark");
+    if (!err)
+        err = segment(&interp, fault);
+    for (uint32_t zoom = 1; !err && zoom <= 2; zoom++)
+        err = time_turn(session, table, zoom * VIEW_ZOOM_ONE, fault);
+    if (!err)
+        err = time_looks(session, table, fault);
+    for (uint32_t zoom = 1; !err && zoom <= 2; zoom++)
+        err = time_edits(session, table, zoom * VIEW_ZOOM_ONE, fault);
+    if (!err)
+        err = time_sight(session, table, "mosaic: three slices and the rendition", SIGHT_MOSAIC,
+                         fault);
+    if (!err)
+        err = time_sight(session, table, "axial slice", SIGHT_AXIAL, fault);
+    if (!err && watch_look(watch, "VTK", 1, 2))
+        err = fault_set(fault, ERR_CANCELLED, "cancelled");
+    if (!err) {
+        struct row *head = add_row(table, "");
+        err = time_vtk(session, table, fault);
+        snprintf(head->what, sizeof head->what, "%s", table->vtk);
+    }
+    if (!err)
+        (json ? print_json : print_table)(out, table, session);
+    interpreter_release(&interp);
+    free(table);
+    return err;
+}

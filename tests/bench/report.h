@@ -1,0 +1,50 @@
+/*
+ * What the paper's experiments gave, beside the paper's own figures: as text for people, as JSON
+ * and CSV for programs, and as charts.
+ */
+#ifndef TESTS_BENCH_REPORT_H
+#define TESTS_BENCH_REPORT_H
+
+#include <stdio.h>
+
+#include "base/file.h"
+#include "tests/bench/trial.h"
+
+/* Each scene: means of each experiment, and each step (the paper's figure 9). */
+void report_scenes(FILE *out, const struct trial *trial, size_t count);
+
+/* All scenes: times and ratios (the paper's figure 7). */
+void report_summary(FILE *out, const struct trial *trial, size_t count);
+
+/* One object; one row for each scene, step and experiment. */
+void report_json(FILE *out, const struct trial *trial, size_t count);
+void report_csv(FILE *out, const struct trial *trial, size_t count);
+
+/* Segmentation and rendition of all scenes, and the steps of each, as SVG files in `folder`.
+ * report_plots_check says beforehand what would be in the way: ERR_IO. */
+enum err report_plots_check(const char *folder, const struct trial *trial, size_t count,
+                            struct fault *fault);
+enum err report_plots(const char *folder, const struct trial *trial, size_t count,
+                      struct fault *fault);
+
+/* The ratios that the paper gives. */
+enum ratio {
+    RATIO_IFT,          /* segmentation of (1) to that of (2) */
+    RATIO_BDIFT,        /* segmentation and border of (3) to segmentation of (2) */
+    RATIO_KEEP,         /* segmentation and border of (3) to those of (5) */
+    RATIO_BP,           /* rendition of (3) to that of (2) */
+    RATIO_II,           /* rendition of (4) to that of (2) */
+    RATIO_WITH_BP,      /* whole step of (3) to that of (2) */
+    RATIO_WITH_II,      /* whole step of (4) to that of (2) */
+    RATIO_BORDER_SHARE, /* border upkeep of (3) to its segmentation and border */
+    RATIOS
+};
+struct ratio_told {
+    const char *name, *words[2]; /* for programs; for the head of a column */
+    double paper;                /* 0 where it gives none */
+    const char *paper_words;
+};
+extern const struct ratio_told ratio_told[RATIOS];
+double report_ratio(const struct trial *trial, enum ratio ratio);
+
+#endif

@@ -1,0 +1,51 @@
+/*
+ * What stories at an interpreter share: lines go in by the one door, and the image helper is the one that
+ * was built beside the test programs.
+ *
+ * `reply` and `fault` are those of the last line; whoever has a main releases `reply` at its end.
+ */
+#ifndef TESTS_INTERPRETING_H
+#define TESTS_INTERPRETING_H
+
+#include <limits.h>
+#include <unistd.h>
+
+#include "verify/drive.h"
+#include "tests/check.h"
+
+static struct reply reply;
+static struct fault fault;
+
+static inline enum err execute(struct interpreter *interp, const char *line)
+{
+    fault = (struct fault){.text = ""};
+    return interpreter_execute(interp, line, &reply, &fault);
+}
+
+static inline void must(struct interpreter *interp, const char *line)
+{
+    if (!CHECK(execute(interp, line) == OK))
+        printf("#   %s: %s\n", line, fault.text);
+}
+
+/* The helper lies above the folder of the test programs. Static storage. */
+static inline const char *helper_program(void)
+{
+    static char program[PATH_MAX];
+    ssize_t n = readlink("/proc/self/exe", program, sizeof program - 32);
+    CHECK(n > 0);
+    program[n > 0 ? n : 0] = '\0';
+    for (int up = 0; up < 2 && strrchr(program, '/'); up++)
+        *strrchr(program, '/') = '\0';
+    return strcat(program, "/iftty-image");
+}
+
+/* A interpreter with that helper; the caller releases it. */
+static inline void begin_interpreter(struct interpreter *interp)
+{
+    CHECK(interpreter_init(interp, NULL) == OK);
+    image_helper_free(interp->helper);
+    CHECK(image_helper_new(&interp->helper, helper_program(), NULL) == OK);
+}
+
+#endif

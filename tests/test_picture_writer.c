@@ -1,0 +1,255 @@
+/* The picture writer: orders in order, outcomes told once, memory bounded. Runs under ThreadSanitizer too.
+ */
+#include "check.h"
+
+#include <poll.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/buf.h"
+#include "base/file.h"
+#include "image/exr.h"
+#include "image/helper.h"
+#include "image/picture_writer.h"
+
+static char folder[] = "/tmp/iftty-press-XXXXXX";
+static char program[4096];
+
+static const char *in_folder(const char *name)
+{
+    static char path[4][96];
+    static unsigned turn;
+    turn = (turn + 1) % 4;
+    snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
+    return path[turn];
+}
+
+static struct picture sample(uint8_t level)
+{
+    struct picture p;
+    CHECK_INT(picture_init(&p, 60, 40, false, NULL), OK);
+    memset(p.rgba, level, (size_t)60 * 40 * 4);
+    for (size_t i = 3; i < (size_t)60 * 40 * 4; i += 4)
+        p.rgba[i] = 255;
+    return p;
+}
+
+static struct picture_writer *begin(void)
+{
+    struct picture_writer *writer = NULL;
+    CHECK_INT(picture_writer_new(&writer, program, NULL), OK);
+    return writer;
+}
+
+static void give(struct picture_writer *writer, const char *name, enum file_mode mode,
+                 uint8_t level)
+{
+    struct picture p = sample(level);
+    struct picture_job *order = NULL;
+    struct fault fault = {0};
+    if (!CHECK(picture_job_new(&order, in_folder(name), mode, &p, &fault) == OK))
+        printf("#   %s\n", fault.text);
+    else
+        picture_writer_give(writer, order);
+    CHECK(p.rgba == NULL); /* it is the order's */
+}
+
+static const char *refusal(const char *name, enum file_mode mode)
+{
+    static struct fault fault;
+    struct picture p = sample(1);
+    struct picture_job *order;
+    fault = (struct fault){0};
+    CHECK(picture_job_new(&order, in_folder(name), mode, &p, &fault) != OK && order == NULL);
+    CHECK(p.rgba != NULL);
+    picture_release(&p);
+    return fault.text;
+}
+
+static bool has_news(const struct picture_writer *writer, int patience_ms)
+{
+    struct pollfd ready = {.fd = picture_writer_descriptor(writer), .events = POLLIN};
+    return poll(&ready, 1, patience_ms) == 1;
+}
+
+/* The news until nothing is to be done, in a buffer that is good until the next call. */
+static const char *news(struct picture_writer *writer)
+{
+    static struct buf text;
+    buf_clear(&text);
+    CHECK_INT(picture_writer_wait(writer, NULL, NULL), OK);
+    picture_writer_news(writer, &text);
+    return buf_text(&text);
+}
+
+/* A helper that is a small shell script. */
+static struct picture_writer *scripted(const char *script)
+{
+    struct picture_writer *writer = NULL;
+    const char *path = in_folder("helper.sh");
+    FILE *out = fopen(path, "wb");
+    fprintf(out, "#!/bin/sh\n%s\n", script);
+    fclose(out);
+    CHECK_INT(chmod(path, 0700), 0);
+    CHECK_INT(picture_writer_new(&writer, path, NULL), OK);
+    return writer;
+}
+
+STORY(a_picture_is_there_when_the_news_say_so)
+{
+    struct picture_writer *writer = begin();
+    struct buf text = {0};
+    char wrote[128];
+    CHECK(!has_news(writer, 0));
+    give(writer, "a.png", FILE_KEEP, 9);
+    CHECK(has_news(writer, 20000));
+    CHECK(file_exists(in_folder("a.png")));
+    snprintf(wrote, sizeof wrote, "wrote %s\n", in_folder("a.png"));
+    picture_writer_news(writer, &text);
+    CHECK_TEXT(buf_text(&text), wrote);
+    CHECK(!has_news(writer, 0));
+    picture_writer_news(writer, &text); /* told once */
+    CHECK_TEXT(buf_text(&text), wrote);
+    picture_writer_free(writer);
+    buf_release(&text);
+}
+
+STORY(orders_are_done_in_their_order)
+{
+    struct picture_writer *writer = begin();
+    char expected[1024] = "", line[128];
+    struct picture q;
+    for (unsigned i = 0; i < 12; i++) {
+        give(writer, "same.exr", FILE_REPLACE, (uint8_t)i);
+        snprintf(line, sizeof line, "wrote %s\n", in_folder("same.exr"));
+        strcat(expected, line);
+    }
+    while (picture_writer_holds(writer, in_folder("same.exr")))
+        usleep(100); /* looks on while the thread is at work */
+    CHECK_TEXT(news(writer), expected);
+    CHECK_INT(exr_read(&q, in_folder("same.exr"), NULL), OK);
+    CHECK_INT(q.rgba[0], 11); /* the last one */
+    picture_release(&q);
+    picture_writer_free(writer);
+}
+
+STORY(what_cannot_be_is_refused_at_once)
+{
+    CHECK_HAS(refusal("a.png", FILE_KEEP), "exists already and was left alone");
+    CHECK_HAS(refusal("none/a.png", FILE_REPLACE), "there is no folder");
+    CHECK_HAS(refusal(".", FILE_REPLACE), "is a folder");
+}
+
+STORY(what_fails_later_is_told)
+{
+    struct picture_writer *writer = begin();
+    give(writer, "late.png", FILE_KEEP, 1);
+    give(writer, "late.png", FILE_KEEP, 2); /* not there yet, when it was ordered */
+    const char *text = news(writer);
+    CHECK_HAS(text, "wrote ");
+    CHECK_HAS(text, "\nerror: ");
+    CHECK_HAS(text, "late.png exists already and was left alone\n");
+    picture_writer_free(writer);
+}
+
+STORY(a_helper_that_dies_costs_one_picture)
+{
+    struct picture_writer *writer = scripted("exit 3");
+    give(writer, "dead.png", FILE_KEEP, 1);
+    CHECK_HAS(news(writer), "error: cannot write ");
+    CHECK_TEXT(news(writer), ""); /* told once */
+    give(writer, "alive.exr", FILE_KEEP, 1);
+    CHECK_HAS(news(writer), "wrote ");
+    CHECK(!file_exists(in_folder("dead.png")) && file_exists(in_folder("alive.exr")));
+    picture_writer_free(writer);
+}
+
+/* The helper stays silent, so everything waits; the fifth that waits would have to wait outside. */
+STORY(a_known_number_of_pictures_waits)
+{
+    struct picture_writer *writer = scripted("exec sleep 30");
+    char name[16];
+    image_helper_patience_ms = 500;
+    for (unsigned i = 0; i < PICTURE_WRITER_WAITING_MOST + 1; i++) {
+        snprintf(name, sizeof name, "wait%u.png", i);
+        give(writer, name, FILE_KEEP, 1);
+    }
+    /* One is at work, four wait, and nobody has waited for any of them. */
+    CHECK(picture_writer_holds(writer, in_folder("wait0.png")) &&
+          picture_writer_holds(writer, in_folder("wait4.png")));
+    CHECK(!picture_writer_holds(writer, in_folder("wait5.png")));
+    give(writer, "wait5.png", FILE_KEEP, 1);
+    CHECK(!picture_writer_holds(writer, in_folder("wait0.png"))); /* it has been given up by then */
+    const char *text = news(writer);
+    unsigned lines = 0;
+    for (const char *at = text; (at = strstr(at, "did not answer")) != NULL; at++)
+        lines++;
+    CHECK_INT(lines, PICTURE_WRITER_WAITING_MOST + 2);
+    image_helper_patience_ms = 60000;
+    picture_writer_free(writer);
+}
+
+static bool stop(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    (void)context, (void)what, (void)done, (void)total;
+    return true;
+}
+
+STORY(waiting_can_be_given_up)
+{
+    struct picture_writer *writer = scripted("exec sleep 30");
+    struct watch watch = {.look = stop};
+    struct buf text = {0};
+    image_helper_patience_ms = 1000;
+    for (unsigned i = 0; i < 3; i++)
+        give(writer, i == 0 ? "up0.png" : i == 1 ? "up1.png" : "up2.png", FILE_KEEP, 1);
+    CHECK_INT(picture_writer_wait(writer, &watch, NULL), ERR_CANCELLED);
+    picture_writer_news(writer, &text);
+    CHECK_HAS(buf_text(&text), "cancelled: ");
+    CHECK_HAS(buf_text(&text), "up2.png was not written\n");
+    CHECK_HAS(buf_text(&text), "did not answer"); /* the one at work had its time */
+    CHECK(!file_exists(in_folder("up0.png")) && !file_exists(in_folder("up2.png")));
+    image_helper_patience_ms = 60000;
+    buf_release(&text);
+    picture_writer_free(writer);
+}
+
+STORY(leaving_waits_for_everything)
+{
+    struct picture_writer *writer = begin();
+    give(writer, "end1.png", FILE_KEEP, 1);
+    give(writer, "end2.exr", FILE_KEEP, 2);
+    give(writer, "end3.tif", FILE_KEEP, 3);
+    picture_writer_free(writer);
+    CHECK(file_exists(in_folder("end1.png")) && file_exists(in_folder("end2.exr")) &&
+          file_exists(in_folder("end3.tif")));
+    picture_writer_free(NULL);
+    picture_job_free(NULL);
+}
+
+STORY(only_well_known_formats_are_taken)
+{
+    CHECK(picture_writer_takes("a.png") && picture_writer_takes("x/a.b.EXR") &&
+          picture_writer_takes("a.tiff"));
+    CHECK(!picture_writer_takes("png") && !picture_writer_takes("a.xyz") &&
+          !picture_writer_takes("a.png/b"));
+}
+
+int main(void)
+{
+    const char *build = getenv("IFTTY_BUILD");
+    snprintf(program, sizeof program, "%s/iftty-image", build ? build : "build");
+    if (!mkdtemp(folder))
+        return 1;
+    int status =
+        RUN_STORIES(TELL(a_picture_is_there_when_the_news_say_so),
+                    TELL(orders_are_done_in_their_order), TELL(what_cannot_be_is_refused_at_once),
+                    TELL(what_fails_later_is_told), TELL(a_helper_that_dies_costs_one_picture),
+                    TELL(a_known_number_of_pictures_waits), TELL(waiting_can_be_given_up),
+                    TELL(leaving_waits_for_everything), TELL(only_well_known_formats_are_taken));
+    char command[128];
+    snprintf(command, sizeof command, "ls -A %s | grep -q '^\\.tmp' && exit 1; rm -rf %s", folder,
+             folder);
+    return status | (system(command) != 0);
+}

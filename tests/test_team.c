@@ -1,0 +1,245 @@
+/* The team: however many workers grow a forest, the same bits come out. Run under ThreadSanitizer
+ * as well (test_crew_racing). */
+#include "check.h"
+
+#include <stdlib.h>
+
+#include "base/team.h"
+#include "base/mem.h"
+#include "engine/forest.h"
+
+enum { WORKERS = 8 };
+
+static unsigned scaled(unsigned count)
+{
+    const char *factor = getenv("IFTTY_TEST_SCALE");
+    return factor ? count * (unsigned)atoi(factor) : count;
+}
+
+/* ---- the team itself ---- */
+
+struct sums {
+    struct team *team;
+    unsigned part[TEAM_MOST];
+    bool fine[TEAM_MOST];
+};
+
+/* Everyone writes, all meet, everyone reads what all have written, all meet again. */
+static void count_rounds(void *context, unsigned worker)
+{
+    struct sums *sums = context;
+    sums->fine[worker] = true;
+    for (unsigned round = 1; round <= 200; round++) {
+        sums->part[worker] = round;
+        team_wait(sums->team);
+        for (unsigned i = 0; i < team_size(sums->team); i++)
+            sums->fine[worker] = sums->fine[worker] && sums->part[i] == round;
+        team_wait(sums->team);
+    }
+}
+
+STORY(workers_that_meet_see_what_the_others_wrote)
+{
+    for (unsigned workers = 1; workers <= WORKERS; workers++) {
+        struct sums sums = {0};
+        CHECK(team_new(&sums.team, workers, NULL) == OK);
+        CHECK_INT(team_size(sums.team), workers);
+        for (int again = 0; again < 3; again++) {
+            team_run(sums.team, count_rounds, &sums);
+            for (unsigned i = 0; i < workers; i++)
+                CHECK(sums.fine[i]);
+        }
+        team_free(sums.team);
+    }
+}
+
+STORY(shares_cover_everything_once)
+{
+    struct team *team;
+    CHECK(team_new(&team, 3, NULL) == OK);
+    for (size_t count = 0; count < 20; count++) {
+        size_t next = 0;
+        for (unsigned i = 0; i < team_size(team); i++) {
+            const struct share share = team_share(team, i, count);
+            CHECK_INT(share.first, next);
+            CHECK(share.end - share.first <= count / 3 + 1);
+            next = share.end;
+        }
+        CHECK_INT(next, count);
+    }
+    team_free(team);
+    CHECK_INT(team_share(NULL, 0, 7).end, 7);
+}
+
+/* ---- forests ---- */
+
+struct world {
+    struct scene *scene;
+    struct forest *forest;
+};
+
+/* The same world for the same number, whatever the team. */
+static struct world world_new(uint64_t number, struct team *team)
+{
+    uint64_t random = number;
+    const uint32_t size[3] = {1 + check_below(&random, 30), 1 + check_below(&random, 30),
+                              1 + check_below(&random, 30)};
+    const uint32_t steep = 1 + check_below(&random, 3) * 6;
+    struct arc_rule rule = {.kind = check_below(&random, 3), .polarity = {0, 50, -70}};
+    struct world w = {0};
+    CHECK(scene_new(&w.scene, size, NULL) == OK);
+    CHECK(forest_new(&w.forest, w.scene, check_below(&random, 3) ? 6 : 26, NULL) == OK);
+    CHECK(forest_set_team(w.forest, team, NULL) == OK);
+    for (uint32_t z = 0; z < size[2]; z++)
+        for (uint32_t y = 0; y < size[1]; y++)
+            for (uint32_t x = 0; x < size[0]; x++) {
+                struct cell *cell = w.scene->cell + grid_cell(&w.scene->grid, x, y, z);
+                cell->weight = (uint16_t)check_below(&random, steep);
+                cell->intensity = (uint16_t)check_below(&random, steep);
+            }
+    forest_set_arcs(w.forest, &rule);
+    return w;
+}
+
+static void world_free(struct world *w)
+{
+    forest_free(w->forest);
+    scene_free(w->scene);
+}
+
+enum { BATCH = 40 };
+
+static size_t random_batch(const struct world *w, struct edit *batch, uint64_t *random)
+{
+    const uint32_t *size = w->scene->grid.size;
+    const size_t count = 1 + check_below(random, BATCH);
+    for (size_t i = 0; i < count; i++)
+        batch[i] =
+            (struct edit){grid_cell(&w->scene->grid, check_below(random, size[0]),
+                                    check_below(random, size[1]), check_below(random, size[2])),
+                          (int16_t)((int)check_below(random, 4) - 1)};
+    return count;
+}
+
+static bool same_cells(const struct world *a, const struct world *b)
+{
+    for (size_t i = 0; i < a->scene->grid.cells; i++)
+        if (a->scene->cell[i].key != b->scene->cell[i].key ||
+            a->scene->cell[i].label != b->scene->cell[i].label)
+            return false;
+    return forest_digest(a->forest) == forest_digest(b->forest) &&
+           forest_label_digest(a->forest) == forest_label_digest(b->forest) &&
+           forest_seeds(a->forest) == forest_seeds(b->forest);
+}
+
+/* From scratch, an edit on top, and everything again. */
+static void grow(struct world *w, uint64_t number)
+{
+    uint64_t random = number * 31;
+    struct edit batch[BATCH];
+    CHECK(forest_edit(w->forest, batch, random_batch(w, batch, &random), NULL, NULL) == OK);
+    CHECK(forest_edit(w->forest, batch, random_batch(w, batch, &random), NULL, NULL) == OK);
+    if (number % 2)
+        CHECK(forest_rebuild(w->forest, NULL, NULL) == OK);
+}
+
+STORY(one_to_eight_workers_grow_the_same_forest)
+{
+    struct team *team[WORKERS + 1] = {NULL};
+    for (unsigned workers = 2; workers <= WORKERS; workers++)
+        CHECK(team_new(&team[workers], workers, NULL) == OK);
+    for (uint64_t number = 1; number <= scaled(8) && check_failures == 0; number++) {
+        struct world alone = world_new(number, NULL);
+        grow(&alone, number);
+        CHECK(forest_check(alone.forest, NULL));
+        for (unsigned workers = 2; workers <= WORKERS; workers++) {
+            struct world w = world_new(number, team[workers]);
+            grow(&w, number);
+            CHECK(forest_check(w.forest, NULL));
+            if (!CHECK(same_cells(&alone, &w)))
+                printf("# world %" PRIu64 ", %u workers\n", number, workers);
+            world_free(&w);
+        }
+        world_free(&alone);
+    }
+    for (unsigned workers = 2; workers <= WORKERS; workers++)
+        team_free(team[workers]);
+}
+
+static bool after_some_looks(void *context, uint64_t served)
+{
+    (void)served;
+    return --*(int *)context < 0;
+}
+
+STORY(a_shared_pass_cancelled_at_any_level_leaves_an_empty_forest)
+{
+    struct team *team;
+    CHECK(team_new(&team, 3, NULL) == OK);
+    for (uint64_t number = 1; number <= scaled(6) && check_failures == 0; number++) {
+        uint64_t random = number;
+        struct world w = world_new(number, team);
+        struct edit batch[BATCH];
+        const size_t count = random_batch(&w, batch, &random);
+        enum err err = ERR_CANCELLED;
+        for (int looks = 0; err && check_failures == 0; looks++) {
+            int left = looks;
+            const struct forest_watch watch = {after_some_looks, &left};
+            err = forest_edit(w.forest, batch, count, &watch, NULL);
+            if (!err)
+                break;
+            CHECK_INT(err, ERR_CANCELLED);
+            CHECK(forest_seeds(w.forest) == 0 && forest_digest(w.forest) == 0);
+            CHECK(forest_check(w.forest, NULL));
+        }
+        CHECK(forest_check(w.forest, NULL));
+        world_free(&w);
+    }
+    team_free(team);
+}
+
+static size_t allocations_left;
+
+static bool counts_down(size_t bytes)
+{
+    (void)bytes;
+    return allocations_left > 0 && allocations_left--;
+}
+
+STORY(workers_out_of_memory_leave_an_empty_forest)
+{
+    struct team *team;
+    CHECK(team_new(&team, 2, NULL) == OK);
+    for (uint64_t number = 1; number <= 6; number++) {
+        uint64_t random = number;
+        struct world w = world_new(number, NULL);
+        struct edit batch[BATCH];
+        const size_t count = random_batch(&w, batch, &random);
+        enum err err = ERR_MEMORY;
+        for (size_t allowed = 0; err; allowed++) {
+            allocations_left = allowed;
+            mem_allows = counts_down;
+            err = forest_set_team(w.forest, team, NULL);
+            mem_allows = NULL;
+            CHECK(err == OK || err == ERR_MEMORY);
+        }
+        allocations_left = 0;
+        mem_allows = counts_down;
+        CHECK_INT(forest_edit(w.forest, batch, count, NULL, NULL), ERR_MEMORY);
+        mem_allows = NULL;
+        CHECK(forest_seeds(w.forest) == 0 && forest_check(w.forest, NULL));
+        CHECK(forest_edit(w.forest, batch, count, NULL, NULL) == OK);
+        CHECK(forest_check(w.forest, NULL));
+        world_free(&w);
+    }
+    team_free(team);
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(workers_that_meet_see_what_the_others_wrote),
+                       TELL(shares_cover_everything_once),
+                       TELL(one_to_eight_workers_grow_the_same_forest),
+                       TELL(a_shared_pass_cancelled_at_any_level_leaves_an_empty_forest),
+                       TELL(workers_out_of_memory_leave_an_empty_forest));
+}

@@ -1,0 +1,332 @@
+#include "tui/picture/blocks.h"
+
+#include <stdlib.h>
+
+#include "base/mem.h"
+
+/* ---- 256 colours ---- */
+
+static uint32_t distance(uint32_t a, uint32_t b)
+{
+    uint32_t sum = 0;
+    for (unsigned shift = 0; shift < 24; shift += 8) {
+        int32_t d = (int32_t)(a >> shift & 255) - (int32_t)(b >> shift & 255);
+        sum += (uint32_t)(d * d);
+    }
+    return sum;
+}
+
+/* Levels of the cube are 0, 95, 135, 175, 215, 255. */
+static uint32_t cube_place(uint32_t channel)
+{
+    return channel < 48 ? 0 : channel < 115 ? 1 : (channel - 35) / 40;
+}
+
+static uint32_t cube_level(uint32_t place)
+{
+    return place == 0 ? 0 : 55 + 40 * place;
+}
+
+uint8_t blocks_nearest_256(uint32_t colour)
+{
+    uint32_t red = colour >> 16, green = colour >> 8 & 255, blue = colour & 255;
+    uint32_t r = cube_place(red), g = cube_place(green), b = cube_place(blue);
+    uint32_t in_cube = cube_level(r) << 16 | cube_level(g) << 8 | cube_level(b);
+    uint32_t mean = (red + green + blue) / 3;
+    uint32_t step = mean < 8 ? 0 : mean > 238 ? 23 : (mean - 3) / 10; /* levels 8, 18 .. 238 */
+    uint32_t grey = (8 + 10 * step) * UINT32_C(0x010101);
+    if (distance(colour, grey) < distance(colour, in_cube))
+        return (uint8_t)(232 + step);
+    return (uint8_t)(16 + 36 * r + 6 * g + b);
+}
+
+uint8_t blocks_nearest_16(uint32_t colour)
+{
+    static const uint32_t xterm[16] = {0x000000, 0xCD0000, 0x00CD00, 0xCDCD00, 0x0000EE, 0xCD00CD,
+                                       0x00CDCD, 0xE5E5E5, 0x7F7F7F, 0xFF0000, 0x00FF00, 0xFFFF00,
+                                       0x5C5CFF, 0xFF00FF, 0x00FFFF, 0xFFFFFF};
+    uint8_t best = 0;
+    for (uint8_t i = 1; i < 16; i++)
+        if (distance(colour, xterm[i]) < distance(colour, xterm[best]))
+            best = i;
+    return best;
+}
+
+/* ---- what a cell shows ---- */
+
+enum { PARTS_MOST = 6 };
+
+static uint32_t columns_of(enum block_shape shape)
+{
+    return shape == BLOCK_HALF ? 1 : 2;
+}
+
+static uint32_t rows_of(enum block_shape shape)
+{
+    return shape == BLOCK_SEXTANT ? 3 : 2;
+}
+
+void blocks_pixels(enum block_shape shape, uint32_t *width, uint32_t *height)
+{
+    *width = shape == BLOCK_HALF ? 1 : shape == BLOCK_QUADRANT ? 2 : 6;
+    *height = 2 * *width;
+}
+
+bool blocks_equal(const struct block *a, const struct block *b)
+{
+    return a->parts == b->parts && a->ink == b->ink && a->paper == b->paper;
+}
+
+/* The mean of a part's pixels; beyond the view they are black. */
+static uint32_t part_colour(const struct image_view *view, uint32_t left, uint32_t top,
+                            uint32_t width, uint32_t height)
+{
+    uint32_t red = 0, green = 0, blue = 0;
+    const uint32_t count = width * height;
+    for (uint32_t y = top; y < top + height && y < view->height; y++)
+        for (uint32_t x = left; x < left + width && x < view->width; x++) {
+            const uint32_t c = image_view_colour(view, (size_t)y * view->width + x);
+            red += c >> 16;
+            green += c >> 8 & 255;
+            blue += c & 255;
+        }
+    if (count == 1)
+        return red << 16 | green << 8 | blue;
+    return (red + count / 2) / count << 16 | (green + count / 2) / count << 8 |
+           (blue + count / 2) / count;
+}
+
+struct sum {
+    uint32_t channel[3], count;
+};
+
+static struct sum sum_of(const uint32_t *colour, unsigned count, unsigned parts)
+{
+    struct sum sum = {{0}, 0};
+    for (unsigned i = 0; i < count; i++) {
+        if (!(parts >> i & 1))
+            continue;
+        sum.count++;
+        for (unsigned k = 0; k < 3; k++)
+            sum.channel[k] += colour[i] >> (16 - 8 * k) & 255;
+    }
+    return sum;
+}
+
+static uint32_t mean_of(const struct sum *sum)
+{
+    uint32_t mean = 0;
+    for (unsigned k = 0; k < 3; k++)
+        mean = mean << 8 | (sum->channel[k] + sum->count / 2) / sum->count;
+    return mean;
+}
+
+/* The squared error of a set to its mean is the sum of squares less this, in sixtieths, which are
+ * whole for sets of 1 .. 6. */
+static uint32_t kept(const uint32_t sum[3], unsigned parts)
+{
+    return (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) *
+           (60 / (unsigned)__builtin_popcount(parts));
+}
+
+/* The best set of parts for the ink, of more than two; the first part is the paper's. */
+static unsigned best_parts(const uint32_t *colour, unsigned count)
+{
+    const unsigned all = (1u << count) - 1;
+    uint32_t sum[1 << PARTS_MOST][3] = {{0}}, most = 0; /* of every set's channels */
+    unsigned best = 2;
+    for (unsigned parts = 1; parts <= all; parts++)
+        for (unsigned k = 0; k < 3; k++)
+            sum[parts][k] =
+                sum[parts & (parts - 1)][k] + (colour[__builtin_ctz(parts)] >> (16 - 8 * k) & 255);
+    for (unsigned parts = 2; parts < all; parts += 2) {
+        const uint32_t k = kept(sum[parts], parts) + kept(sum[all ^ parts], all ^ parts);
+        if (k > most) {
+            most = k;
+            best = parts;
+        }
+    }
+    return best;
+}
+
+static int32_t number_of(uint32_t colour, enum colours colours)
+{
+    return colours == COLOURS_256  ? blocks_nearest_256(colour)
+           : colours == COLOURS_16 ? blocks_nearest_16(colour)
+                                   : (int32_t)colour;
+}
+
+static struct block coloured(const uint32_t *colour, unsigned count, enum colours colours)
+{
+    const unsigned all = (1u << count) - 1;
+    unsigned parts = 0;
+    for (unsigned i = 1; i < count; i++)
+        parts |= (unsigned)(colour[i] != colour[0]) << i;
+    if (count > 2 && parts)
+        parts = best_parts(colour, count);
+    const struct sum paper = sum_of(colour, count, all & ~parts);
+    struct block block = {BLOCK_DEFAULT, number_of(mean_of(&paper), colours), (uint8_t)parts};
+    if (parts) {
+        const struct sum ink = sum_of(colour, count, parts);
+        block.ink = number_of(mean_of(&ink), colours);
+    }
+    if (block.ink == block.paper || !parts) {
+        block.ink = BLOCK_DEFAULT;
+        block.parts = 0;
+    }
+    return block;
+}
+
+static uint32_t luminance(uint32_t colour)
+{
+    return (299 * (colour >> 16) + 587 * (colour >> 8 & 255) + 114 * (colour & 255)) / 1000;
+}
+
+static struct block colourless(const uint32_t *colour, unsigned count)
+{
+    static const char ink[] = " .:-=+*#%@";
+    uint32_t light = count / 2;
+    for (unsigned i = 0; i < count; i++)
+        light += luminance(colour[i]);
+    light /= count;
+    return (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT,
+                          (uint8_t)ink[(light * (sizeof ink - 2) + 127) / 255]};
+}
+
+void blocks_fill(struct block *cell, size_t stride, const struct image_view *view,
+                 enum colours colours, enum block_shape shape)
+{
+    const uint32_t across = columns_of(shape), down = rows_of(shape);
+    uint32_t width, height, colour[PARTS_MOST];
+    blocks_pixels(shape, &width, &height);
+    for (uint32_t top = 0; top < view->height; top += height, cell += stride)
+        for (uint32_t left = 0; left < view->width; left += width) {
+            unsigned count = 0;
+            for (uint32_t j = 0; j < down; j++)
+                for (uint32_t i = 0; i < across; i++)
+                    colour[count++] =
+                        part_colour(view, left + i * (width / across), top + j * (height / down),
+                                    width / across, height / down);
+            cell[left / width] = colours == COLOURS_NONE ? colourless(colour, count)
+                                                         : coloured(colour, count, colours);
+        }
+}
+
+/* ---- bytes ---- */
+
+static void add_colour(const struct block_pen *pen, int32_t colour, bool paper, struct buf *out)
+{
+    const unsigned c = (unsigned)colour;
+    if (colour == BLOCK_DEFAULT)
+        buf_add_text(out, paper ? "49" : "39");
+    else if (pen->colours == COLOURS_16)
+        buf_printf(out, "%u", (c < 8 ? 30 + c : 82 + c) + (paper ? 10 : 0));
+    else if (pen->colours == COLOURS_256)
+        buf_printf(out, "%c8;5;%u", paper ? '4' : '3', c);
+    else
+        buf_printf(out, "%c8;2;%u;%u;%u", paper ? '4' : '3', c >> 16, c >> 8 & 255, c & 255);
+}
+
+static void set_colours(struct block_pen *pen, int32_t ink, int32_t paper, struct buf *out)
+{
+    const bool inks = ink != pen->ink, papers = paper != pen->paper;
+    if (!inks && !papers)
+        return;
+    buf_add_text(out, "\033[");
+    if (inks)
+        add_colour(pen, ink, false, out);
+    if (inks && papers)
+        buf_add_char(out, ';');
+    if (papers)
+        add_colour(pen, paper, true, out);
+    buf_add_char(out, 'm');
+    pen->ink = ink;
+    pen->paper = paper;
+}
+
+/* The character whose ink has these parts; neither none nor all of them. */
+static uint32_t character_of(enum block_shape shape, unsigned parts)
+{
+    static const uint16_t quadrant[16] = {0x0020, 0x2598, 0x259D, 0x2580, 0x2596, 0x258C,
+                                          0x259E, 0x259B, 0x2597, 0x259A, 0x2590, 0x259C,
+                                          0x2584, 0x2599, 0x259F, 0x2588};
+    enum { LEFT_HALF = 21, RIGHT_HALF = 42 }; /* are not among the sextants */
+    if (shape == BLOCK_HALF)
+        return parts == 1 ? 0x2580 : 0x2584;
+    if (shape == BLOCK_QUADRANT)
+        return quadrant[parts];
+    if (parts == LEFT_HALF || parts == RIGHT_HALF)
+        return parts == LEFT_HALF ? 0x258C : 0x2590;
+    return 0x1FB00 + parts - 1 - (parts > LEFT_HALF) - (parts > RIGHT_HALF);
+}
+
+static void add_character(uint32_t point, struct buf *out)
+{
+    const char three[3] = {(char)(0xE0 | point >> 12), (char)(0x80 | (point >> 6 & 63)),
+                           (char)(0x80 | (point & 63))};
+    const char four[4] = {(char)(0xF0 | point >> 18), (char)(0x80 | (point >> 12 & 63)), three[1],
+                          three[2]};
+    if (point < 0x10000)
+        buf_add(out, three, sizeof three);
+    else
+        buf_add(out, four, sizeof four);
+}
+
+void blocks_put(struct block_pen *pen, const struct block *cell, struct buf *out)
+{
+    const unsigned all = (1u << columns_of(pen->shape) * rows_of(pen->shape)) - 1;
+    if (pen->colours == COLOURS_NONE) {
+        buf_add_char(out, (char)cell->parts);
+    } else if (!cell->parts) {
+        set_colours(pen, pen->ink, cell->paper, out);
+        buf_add_char(out, ' ');
+    } else if ((pen->ink == cell->ink) + (pen->paper == cell->paper) >
+               (pen->ink == cell->paper) + (pen->paper == cell->ink)) {
+        set_colours(pen, cell->ink, cell->paper, out);
+        add_character(character_of(pen->shape, cell->parts), out);
+    } else {
+        set_colours(pen, cell->paper, cell->ink, out);
+        add_character(character_of(pen->shape, all & ~(unsigned)cell->parts), out);
+    }
+}
+
+/* ---- lines ---- */
+
+static void put_line(const struct block *cell, uint32_t columns, struct block_pen pen,
+                     struct buf *out)
+{
+    if (pen.colours == COLOURS_NONE)
+        while (columns > 0 && cell[columns - 1].parts == ' ')
+            columns--;
+    for (uint32_t i = 0; i < columns; i++)
+        blocks_put(&pen, &cell[i], out);
+    buf_add_text(out, pen.colours == COLOURS_NONE ? "\r\n" : "\033[m\r\n");
+}
+
+static uint32_t times(uint32_t a, uint32_t b)
+{
+    return a > UINT32_MAX / b ? UINT32_MAX : a * b;
+}
+
+void blocks_encode(const struct image_view *view, enum colours colours, enum block_shape shape,
+                   uint32_t columns, uint32_t rows, struct buf *out)
+{
+    const struct block_pen pen = {colours, shape, BLOCK_DEFAULT, BLOCK_DEFAULT};
+    struct image_view small = *view;
+    uint32_t width, height;
+    blocks_pixels(shape, &width, &height);
+    image_view_fit(view, times(columns, width), times(rows, height), &small.width, &small.height);
+    const size_t across = (small.width + width - 1) / width;
+    const size_t down = (small.height + height - 1) / height;
+    uint8_t *rgba = image_view_shrink(view, small.width, small.height);
+    struct block *cell = mem_array(across * down, sizeof *cell);
+    small.rgba = rgba;
+    if (rgba && cell)
+        blocks_fill(cell, across, &small, colours, shape);
+    else
+        out->failed = true;
+    for (size_t y = 0; y < down && !out->failed; y++)
+        put_line(cell + y * across, (uint32_t)across, pen, out);
+    free(cell);
+    free(rgba);
+}

@@ -1,0 +1,173 @@
+#include "tui/picture/colour_table.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+
+/* ---- exact ---- */
+
+enum { SLOTS = 1024 }; /* at most a quarter full */
+
+bool colour_table_exact(struct colour_table *table, const struct image_view *view, unsigned most,
+                        uint8_t *index)
+{
+    uint16_t slot[SLOTS] = {0}; /* place in the table + 1 */
+    size_t pixels = (size_t)view->width * view->height;
+    uint32_t last = 0;
+    uint8_t last_place = 0;
+    table->count = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        uint32_t colour = image_view_colour(view, i);
+        if (i == 0 || colour != last) {
+            uint32_t at = colour * UINT32_C(0x9e3779b1) >> 22;
+            while (slot[at] && table->colour[slot[at] - 1] != colour)
+                at = (at + 1) % SLOTS;
+            if (!slot[at]) {
+                if (table->count == most)
+                    return false;
+                table->colour[table->count] = colour;
+                slot[at] = (uint16_t)++table->count;
+            }
+            last = colour;
+            last_place = (uint8_t)(slot[at] - 1);
+        }
+        index[i] = last_place;
+    }
+    return true;
+}
+
+/* ---- reduced ---- */
+
+/* Six bits a channel: no shade moves by more than 3 of 255 before the boxes are cut. */
+enum { CELLS = 1 << 18 };
+
+static uint32_t cell_of(uint32_t colour)
+{
+    return (colour >> 18 & 63) << 12 | (colour >> 10 & 63) << 6 | (colour >> 2 & 63);
+}
+
+struct sample {
+    uint8_t channel[3];
+    uint32_t cell;
+    uint32_t weight; /* pixels */
+};
+
+struct box {
+    size_t first, count; /* its part of the samples */
+    uint64_t error;      /* the largest squared error along one axis */
+    unsigned axis;       /* that axis */
+    uint8_t mean[3];
+};
+
+static void measure_box(struct box *box, const struct sample *sample)
+{
+    uint64_t weight = 0, sum[3] = {0}, square[3] = {0};
+    for (size_t i = box->first; i < box->first + box->count; i++) {
+        uint64_t w = sample[i].weight;
+        weight += w;
+        for (unsigned k = 0; k < 3; k++) {
+            sum[k] += w * sample[i].channel[k];
+            square[k] += w * sample[i].channel[k] * sample[i].channel[k];
+        }
+    }
+    box->error = 0;
+    box->axis = 0;
+    for (unsigned k = 0; k < 3; k++) {
+        uint64_t mean = (sum[k] + weight / 2) / weight;
+        /* sum w (c - mean)^2, which is never negative, without a fraction */
+        uint64_t error = square[k] + weight * mean * mean - 2 * mean * sum[k];
+        box->mean[k] = (uint8_t)mean;
+        if (error > box->error) {
+            box->error = error;
+            box->axis = k;
+        }
+    }
+}
+
+/* Parts the samples of `box` at its mean; those above go into `above`. A box with an error has
+ * samples on both sides, except where the rounded mean equals the largest value. */
+static void cut_box(struct box *box, struct box *above, struct sample *sample)
+{
+    unsigned axis = box->axis;
+    uint8_t most = 0;
+    for (size_t i = box->first; i < box->first + box->count; i++)
+        if (sample[i].channel[axis] > most)
+            most = sample[i].channel[axis];
+    unsigned limit = box->mean[axis] < most ? box->mean[axis] : most - 1u;
+    size_t low = box->first, high = box->first + box->count;
+    while (low < high) {
+        if (sample[low].channel[axis] <= limit) {
+            low++;
+        } else {
+            struct sample moved = sample[--high];
+            sample[high] = sample[low];
+            sample[low] = moved;
+        }
+    }
+    above->first = low;
+    above->count = box->first + box->count - low;
+    box->count = low - box->first;
+    measure_box(box, sample);
+    measure_box(above, sample);
+}
+
+static unsigned cut_boxes(struct box *box, unsigned most, struct sample *sample, size_t samples)
+{
+    unsigned count = 1;
+    box[0] = (struct box){.first = 0, .count = samples};
+    measure_box(&box[0], sample);
+    while (count < most) {
+        unsigned worst = 0;
+        for (unsigned i = 1; i < count; i++)
+            if (box[i].error > box[worst].error)
+                worst = i;
+        if (box[worst].error == 0)
+            break;
+        cut_box(&box[worst], &box[count], sample);
+        count++;
+    }
+    return count;
+}
+
+/* Counts the pixels of each cell in `weight` and lists the cells that have any, each with the
+ * first colour seen in it. Returns how many, or 0 without memory. */
+static size_t gather(const struct image_view *view, uint32_t *weight, struct sample **sample)
+{
+    size_t pixels = (size_t)view->width * view->height, count = 0, capacity = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        uint32_t colour = image_view_colour(view, i), cell = cell_of(colour);
+        if (weight[cell]++ > 0)
+            continue;
+        if (!mem_grow(sample, &capacity, count + 1, sizeof **sample))
+            return 0;
+        (*sample)[count++] = (struct sample){
+            .channel = {(uint8_t)(colour >> 16), (uint8_t)(colour >> 8), (uint8_t)colour},
+            .cell = cell};
+    }
+    for (size_t i = 0; i < count; i++)
+        (*sample)[i].weight = weight[(*sample)[i].cell];
+    return count;
+}
+
+bool colour_table_reduce(struct colour_table *table, const struct image_view *view, unsigned most,
+                         uint8_t *index)
+{
+    struct box box[COLOUR_TABLE_MOST];
+    struct sample *sample = NULL;
+    uint32_t *cell = calloc(CELLS, sizeof *cell); /* pixels in it; later its place in the table */
+    size_t pixels = (size_t)view->width * view->height;
+    size_t samples = cell ? gather(view, cell, &sample) : 0;
+    table->count = samples ? cut_boxes(box, most, sample, samples) : 0;
+    for (unsigned b = 0; b < table->count; b++) {
+        const uint8_t *mean = box[b].mean;
+        table->colour[b] = (uint32_t)mean[0] << 16 | (uint32_t)mean[1] << 8 | mean[2];
+        for (size_t i = box[b].first; i < box[b].first + box[b].count; i++)
+            cell[sample[i].cell] = b;
+    }
+    for (size_t i = 0; samples && i < pixels; i++)
+        index[i] = (uint8_t)cell[cell_of(image_view_colour(view, i))];
+    free(cell);
+    free(sample);
+    return samples > 0 || pixels == 0;
+}

@@ -1,0 +1,50 @@
+/*
+ * A picture as the encoders see it: pixels in memory, borrowed from whoever made them.
+ *
+ * rgba[y][x][4], x fastest, rows without padding, 8 bits each. Alpha tells how much of the pixel
+ * covers the black background: 0 is black whatever the colour says, 255 the colour itself. All
+ * encoders look at pixels through image_view_colour, so they agree.
+ */
+#ifndef TUI_PICTURE_IMAGE_VIEW_H
+#define TUI_PICTURE_IMAGE_VIEW_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct image_view {
+    uint32_t width, height;
+    const uint8_t *rgba;
+    const uint32_t *hue; /* 0xRRGGBB of the labels that may show, in any order, twice or not; the
+                            same from picture to picture, for another set is another palette, and
+                            the picture goes whole. NULL where it is not told */
+    unsigned hues;       /* 0 where no label shows: greys alone */
+    bool is_coarse; /* what has changed comes in blocks of pixels, in a hurry: bytes are dearer than
+                       time */
+    bool smooth; /* all 24 bits of every colour go out where the terminal can, at several times the
+                 bytes; otherwise shades are rounded to a palette (tui/shades.h) */
+};
+
+/* Pixel number `i` (row by row) over black, as 0xRRGGBB. */
+static inline uint32_t image_view_colour(const struct image_view *view, size_t i)
+{
+    const uint8_t *p = view->rgba + 4 * i;
+    uint32_t a = p[3];
+    if (a == 255)
+        return (uint32_t)p[0] << 16 | (uint32_t)p[1] << 8 | p[2];
+    if (a == 0)
+        return 0;
+    return (p[0] * a + 127) / 255 << 16 | (p[1] * a + 127) / 255 << 8 | (p[2] * a + 127) / 255;
+}
+
+/* The largest size of the same shape within most_width x most_height, never larger than the view
+ * itself and never 0. */
+void image_view_fit(const struct image_view *view, uint32_t most_width, uint32_t most_height,
+                    uint32_t *width, uint32_t *height);
+
+/* The view averaged down to width x height (each 1 .. the view's own): every new pixel is the mean
+ * of the area that it covers, parts of pixels counted as parts, in integers. Returns opaque RGBA
+ * for the caller to free, or NULL without memory. */
+uint8_t *image_view_shrink(const struct image_view *view, uint32_t width, uint32_t height);
+
+#endif

@@ -1,0 +1,161 @@
+#include "tui/picture/png.h"
+
+#include <libdeflate.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+
+enum { HEADER = 13, INDEXED = 3, COLOURED = 2 };
+
+void png_release(struct png_writer *writer)
+{
+    for (unsigned i = 0; i < 2; i++)
+        if (writer->compressor[i])
+            libdeflate_free_compressor(writer->compressor[i]);
+    free(writer->raw);
+    free(writer->packed);
+    *writer = (struct png_writer){0};
+}
+
+/* ---- chunks: length, type, data, CRC of type and data ---- */
+
+static void put_number(uint8_t *place, uint32_t n)
+{
+    for (unsigned i = 0; i < 4; i++)
+        place[i] = (uint8_t)(n >> (24 - 8 * i));
+}
+
+static void add_chunk(struct buf *png, const char type[4], const void *data, size_t length)
+{
+    uint8_t number[4];
+    uint32_t crc = libdeflate_crc32(libdeflate_crc32(0, type, 4), data, length);
+    put_number(number, (uint32_t)length);
+    buf_add(png, number, 4);
+    buf_add(png, type, 4);
+    buf_add(png, data, length);
+    put_number(number, crc);
+    buf_add(png, number, 4);
+}
+
+static void add_header(struct buf *png, const struct raster *raster, unsigned bits)
+{
+    uint8_t header[HEADER] = {[8] = (uint8_t)bits, [9] = raster->colour ? INDEXED : COLOURED};
+    put_number(header, raster->width);
+    put_number(header + 4, raster->height);
+    buf_add(png, "\x89PNG\r\n\x1a\n", 8);
+    add_chunk(png, "IHDR", header, HEADER);
+}
+
+static void add_palette(struct buf *png, const uint32_t *colour, unsigned count)
+{
+    uint8_t rgb[3 * RASTER_COLOURS_MOST];
+    for (unsigned i = 0; i < count; i++) {
+        rgb[3 * i] = (uint8_t)(colour[i] >> 16);
+        rgb[3 * i + 1] = (uint8_t)(colour[i] >> 8);
+        rgb[3 * i + 2] = (uint8_t)colour[i];
+    }
+    add_chunk(png, "PLTE", rgb, 3 * (size_t)count);
+}
+
+/* ---- rows: the number of a filter, 0 for none, and pixels, the leftmost in the highest bits ----
+ */
+
+static void pack_row(uint8_t *out, const uint8_t *row, uint32_t width, const uint8_t *place,
+                     unsigned bits)
+{
+    const uint32_t each = 8 / bits;
+    for (uint32_t x = 0; x < width; x += each) {
+        unsigned byte = 0;
+        for (uint32_t k = 0; k < each; k++)
+            byte = byte << bits | (x + k < width ? place[row[x + k]] : 0u);
+        *out++ = (uint8_t)byte;
+    }
+}
+
+static void map_row(uint8_t *out, const uint8_t *row, uint32_t width, const uint8_t *place)
+{
+    for (uint32_t x = 0; x < width; x++)
+        out[x] = place[row[x]];
+}
+
+static void fill_rows(uint8_t *out, const struct raster *raster, const uint8_t *place,
+                      unsigned bits, size_t row_bytes)
+{
+    for (uint32_t y = 0; y < raster->height; y++) {
+        const uint8_t *row = raster->bytes + y * raster->stride;
+        *out++ = 0;
+        if (!raster->colour)
+            memcpy(out, row, row_bytes);
+        else if (bits == 8)
+            map_row(out, row, raster->width, place);
+        else
+            pack_row(out, row, raster->width, place, bits);
+        out += row_bytes;
+    }
+}
+
+static bool prepare(struct png_writer *w, enum png_effort effort, size_t raw_length)
+{
+    static const int level[2] = {[PNG_FAST] = 1, [PNG_SMALL] = 10};
+    if (!w->compressor[effort])
+        w->compressor[effort] = libdeflate_alloc_compressor(level[effort]);
+    return w->compressor[effort] && mem_grow(&w->raw, &w->raw_capacity, raw_length, 1) &&
+           mem_grow(&w->packed, &w->packed_capacity,
+                    libdeflate_zlib_compress_bound(w->compressor[effort], raw_length), 1);
+}
+
+static unsigned bits_for(unsigned colours)
+{
+    return colours <= 2 ? 1 : colours <= 4 ? 2 : colours <= 16 ? 4 : 8;
+}
+
+void png_add(struct png_writer *w, const struct raster *raster, enum png_effort effort,
+             struct buf *png)
+{
+    uint8_t place[RASTER_COLOURS_MOST];
+    uint32_t used[RASTER_COLOURS_MOST];
+    const unsigned colours = raster->colour ? raster_used(raster, place, used) : 0;
+    const unsigned bits = raster->colour ? bits_for(colours) : 8;
+    const size_t row_bytes =
+        raster->colour ? ((size_t)raster->width * bits + 7) / 8 : (size_t)raster->width * 3;
+    size_t raw_length;
+    if (!size_multiply(row_bytes + 1, raster->height, &raw_length) || raw_length > UINT32_MAX / 2 ||
+        !prepare(w, effort, raw_length)) {
+        png->failed = true;
+        return;
+    }
+    fill_rows(w->raw, raster, place, bits, row_bytes);
+    const size_t packed_length = libdeflate_zlib_compress(w->compressor[effort], w->raw, raw_length,
+                                                          w->packed, w->packed_capacity);
+    add_header(png, raster, bits);
+    if (raster->colour)
+        add_palette(png, used, colours);
+    add_chunk(png, "IDAT", w->packed, packed_length);
+    add_chunk(png, "IEND", "", 0);
+}
+
+void png_add_pixels(struct png_writer *w, const struct raster *raster, enum png_effort effort,
+                    struct buf *out)
+{
+    const size_t row_bytes = (size_t)raster->width * 3;
+    size_t raw_length;
+    if (!size_multiply(row_bytes, raster->height, &raw_length) || raw_length > UINT32_MAX / 2 ||
+        !prepare(w, effort, raw_length)) {
+        out->failed = true;
+        return;
+    }
+    uint8_t *raw = w->raw;
+    for (uint32_t y = 0; y < raster->height; y++) {
+        const uint8_t *row = raster->bytes + y * raster->stride;
+        for (uint32_t x = 0; raster->colour && x < raster->width; x++)
+            for (unsigned k = 0; k < 3; k++)
+                raw[3 * x + k] = (uint8_t)(raster->colour[row[x]] >> (16 - 8 * k));
+        if (!raster->colour)
+            memcpy(raw, row, row_bytes);
+        raw += row_bytes;
+    }
+    buf_add(out, w->packed,
+            libdeflate_zlib_compress(w->compressor[effort], w->raw, raw_length, w->packed,
+                                     w->packed_capacity));
+}

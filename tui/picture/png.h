@@ -1,0 +1,36 @@
+/*
+ * PNG (RFC 2083), as small and as fast as a terminal wants it: one IDAT, no filter.
+ *
+ * A palette of up to 2, 4 or 16 colours packs 8, 4 or 2 pixels into a byte; only colours that occur
+ * are in it. Filters won nothing on pictures of shades that are rounded to a palette.
+ */
+#ifndef TUI_PICTURE_PNG_H
+#define TUI_PICTURE_PNG_H
+
+#include "base/buf.h"
+#include "tui/picture/raster.h"
+
+/* Whether time counts, or bytes do. On pictures rounded to a palette deflate's level 1 makes 45 kB
+ * of a 512x512 rendition in 0.9 ms, 6 makes 42 kB in 1.7 ms; of 40x40 pixels 1 makes 821 bytes, 6
+ * makes 844, and 10 makes 769 in 0.1 ms. So the levels are 1 and 10, and the latter is for small
+ * ones. */
+enum png_effort { PNG_FAST, PNG_SMALL };
+
+/* Compressors and memory, kept from picture to picture. `struct png_writer w = {0}` is ready. */
+struct png_writer {
+    struct libdeflate_compressor *compressor[2]; /* by effort; NULL until needed */
+    uint8_t *raw, *packed;
+    size_t raw_capacity, packed_capacity;
+};
+
+void png_release(struct png_writer *writer);
+
+/* Adds a file. Without memory png->failed is set. */
+void png_add(struct png_writer *writer, const struct raster *raster, enum png_effort effort,
+             struct buf *png);
+
+/* Adds no file, but its pixels alone: 24 bits each, deflated (zlib). Smaller where they are few. */
+void png_add_pixels(struct png_writer *writer, const struct raster *raster, enum png_effort effort,
+                    struct buf *out);
+
+#endif

@@ -1,0 +1,401 @@
+#include "tui/picture/shades.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "tui/picture/colour_table.h"
+
+enum { PLACES = 1 << 18, SLOTS = 1024, NOWHERE = SHADES_MOST };
+
+void shades_release(struct shades *s)
+{
+    free(s->place);
+    *s = (struct shades){0};
+}
+
+/* ---- exact ---- */
+
+static unsigned exact_place(struct shades *s, uint32_t colour)
+{
+    uint32_t at = colour * UINT32_C(0x9e3779b1) >> 22;
+    while (s->slot[at] && s->colour[s->slot[at] - 1] != colour)
+        at = (at + 1) % SLOTS;
+    if (!s->slot[at]) {
+        if (s->count == SHADES_MOST)
+            return NOWHERE;
+        s->colour[s->count] = colour;
+        s->slot[at] = (uint16_t)++s->count;
+    }
+    return s->slot[at] - 1u;
+}
+
+static void begin_exact(struct shades *s)
+{
+    memset(s->slot, 0, sizeof s->slot);
+    s->count = 0;
+    s->is_exact = true;
+    exact_place(s, 0);
+}
+
+/* `index` is NULL where only the colours are wanted. */
+static bool apply_exact(struct shades *s, const struct image_view *view, uint8_t *index,
+                        size_t stride)
+{
+    uint32_t last, pixel;
+    unsigned place = exact_place(s, image_view_colour(view, 0));
+    memcpy(&last, view->rgba, 4);
+    for (uint32_t y = 0; y < view->height; y++) {
+        const size_t first = (size_t)y * view->width;
+        for (uint32_t x = 0; x < view->width; x++) {
+            memcpy(&pixel, view->rgba + 4 * (first + x), 4);
+            if (pixel != last) {
+                place = exact_place(s, image_view_colour(view, first + x));
+                last = pixel;
+            }
+            if (place == NOWHERE)
+                return false;
+            if (index)
+                index[y * stride + x] = (uint8_t)place;
+        }
+    }
+    return true;
+}
+
+/* ---- the nearest entry ---- */
+
+static uint32_t cell_of(uint32_t colour)
+{
+    return (colour >> 18 & 63) << 12 | (colour >> 10 & 63) << 6 | (colour >> 2 & 63);
+}
+
+/* Squares of differences, weighted as eyes see them. */
+static uint32_t distance(uint32_t a, uint32_t b)
+{
+    const int32_t red = (int32_t)(a >> 16) - (int32_t)(b >> 16);
+    const int32_t green = (int32_t)(a >> 8 & 255) - (int32_t)(b >> 8 & 255);
+    const int32_t blue = (int32_t)(a & 255) - (int32_t)(b & 255);
+    return (uint32_t)(2 * red * red + 4 * green * green + 3 * blue * blue);
+}
+
+static unsigned nearest(const struct shades *s, uint32_t colour)
+{
+    unsigned best = 0;
+    uint32_t least = UINT32_MAX;
+    for (unsigned i = 0; i < s->count; i++) {
+        const uint32_t d = distance(s->colour[i], colour);
+        if (d < least) {
+            least = d;
+            best = i;
+        }
+    }
+    return best;
+}
+
+/* The middle of a cell stands for all of it, so that no order of asking matters. */
+static uint8_t seek(struct shades *s, uint32_t cell)
+{
+    const uint32_t middle =
+        (cell >> 12) << 18 | (cell >> 6 & 63) << 10 | (cell & 63) << 2 | UINT32_C(0x020202);
+    const unsigned best = nearest(s, middle);
+    s->place[cell] = (uint8_t)(best + 1);
+    return s->place[cell];
+}
+
+static uint8_t place_of(struct shades *s, uint32_t colour)
+{
+    const uint32_t cell = cell_of(colour);
+    const uint8_t place = s->place[cell];
+    return (uint8_t)((place ? place : seek(s, cell)) - 1);
+}
+
+/* The first entry of a cell has that cell: black is black. */
+static void forget_places(struct shades *s)
+{
+    memset(s->place, 0, PLACES);
+    for (unsigned i = s->count; i-- > 0;)
+        s->place[cell_of(s->colour[i])] = (uint8_t)(i + 1);
+}
+
+/* Pixels that cover what is behind them, which nearly all do, are looked up as they are. */
+static void apply_nearest(struct shades *s, const struct image_view *view, uint8_t *index,
+                          size_t stride)
+{
+    for (uint32_t y = 0; y < view->height; y++) {
+        const size_t first = (size_t)y * view->width;
+        const uint8_t *p = view->rgba + 4 * first;
+        uint8_t *out = index + y * stride;
+        for (uint32_t x = 0; x < view->width; x++, p += 4) {
+            const unsigned cell = (p[0] & 252u) << 10 | (p[1] & 252u) << 4 | p[2] >> 2;
+            const uint8_t place = s->place[cell];
+            if (p[3] == 255 && place)
+                out[x] = (uint8_t)(place - 1);
+            else if (p[3] == 0)
+                out[x] = 0;
+            else
+                out[x] = place_of(s, image_view_colour(view, first + x));
+        }
+    }
+}
+
+/* ---- ladders ---- */
+
+static uint32_t channel(uint32_t colour, unsigned k)
+{
+    return colour >> (16 - 8 * k) & 255;
+}
+
+/* Entry `i` of `n` on the way from one colour to another; entry n is the latter. */
+static uint32_t on_the_way(uint32_t from, uint32_t to, unsigned i, unsigned n)
+{
+    uint32_t colour = 0;
+    for (unsigned k = 0; k < 3; k++)
+        colour = colour << 8 | (channel(from, k) * (n - i) + channel(to, k) * i + n / 2) / n;
+    return colour;
+}
+
+static void add_colour(struct shades *s, uint32_t colour)
+{
+    for (unsigned i = 0; i < s->count; i++)
+        if (s->colour[i] == colour)
+            return;
+    if (s->count < SHADES_MOST)
+        s->colour[s->count++] = colour;
+}
+
+static void add_ladder(struct shades *s, uint32_t from, uint32_t to, unsigned rungs)
+{
+    for (unsigned i = 1; i <= rungs; i++)
+        add_colour(s, on_the_way(from, to, i, rungs));
+}
+
+static uint32_t brightened(uint32_t colour, uint32_t by)
+{
+    uint32_t bright = 0;
+    for (unsigned k = 0; k < 3; k++) {
+        const uint32_t v = channel(colour, k) + by;
+        bright = bright << 8 | (v > 255 ? 255 : v);
+    }
+    return bright;
+}
+
+/* Gloss adds 70 of 255 (SPECULAR in render/shade.c), where a face looks at the light or nearly. */
+enum { GLOSS = 70 };
+
+static uint32_t third(uint32_t colour)
+{
+    return on_the_way(0, colour, 1, 3);
+}
+
+/* How far a colour lies from the way from `from` to `to`, as the nearest of its 16 rungs. */
+static uint32_t off_the_way(uint32_t colour, uint32_t from, uint32_t to)
+{
+    uint32_t least = UINT32_MAX;
+    for (unsigned i = 0; i <= 16; i++) {
+        const uint32_t d = distance(colour, on_the_way(from, to, i, 16));
+        least = d < least ? d : least;
+    }
+    return least;
+}
+
+static uint32_t brightest(uint32_t colour)
+{
+    uint32_t most = 0;
+    for (unsigned k = 0; k < 3; k++)
+        most = channel(colour, k) > most ? channel(colour, k) : most;
+    return most;
+}
+
+/* ---- which ladders ---- */
+
+enum { NEAR = 9 * 12 * 12, HUE_OF_ANOTHER = 9 * 4 * 4 };
+
+static bool is_grey(uint32_t colour)
+{
+    return distance(colour, (colour >> 8 & 255) * UINT32_C(0x010101)) < 9 * 3 * 3;
+}
+
+static bool is_shaded(uint32_t colour, const uint32_t *hue, unsigned hues)
+{
+    for (unsigned i = 0; i < hues; i++)
+        if (off_the_way(colour, 0, hue[i]) < NEAR ||
+            off_the_way(colour, hue[i], brightened(hue[i], GLOSS)) < NEAR)
+            return true;
+    return false;
+}
+
+/* Brighter hues first; what is but another's shade is left out. Returns whether any is new. */
+static bool take_hues(struct shades *s, const struct image_view *view)
+{
+    const unsigned told = view->hues < SHADES_HUES_MOST ? view->hues : SHADES_HUES_MOST;
+    if (s->tolds == told && memcmp(s->told, view->hue, told * sizeof *s->told) == 0)
+        return false;
+    memcpy(s->told, view->hue, told * sizeof *s->told);
+    s->tolds = told;
+    s->hues = 0;
+    for (unsigned level = 256; level-- > 8;)
+        for (unsigned i = 0; i < told; i++) {
+            const uint32_t hue = s->told[i] & 0xFFFFFF;
+            bool is_new = brightest(hue) == level && !is_grey(hue);
+            for (unsigned k = 0; is_new && k < s->hues; k++)
+                is_new = off_the_way(hue, 0, s->hue[k]) >= HUE_OF_ANOTHER;
+            if (is_new)
+                s->hue[s->hues++] = hue;
+        }
+    return true;
+}
+
+/* About 32 x 32 pixels, evenly over the picture. */
+static void look_around(const struct image_view *view, const uint32_t *hue, unsigned hues,
+                        bool *has_greys, bool *has_tints)
+{
+    const uint32_t across = view->width / 32 + 1, down = view->height / 32 + 1;
+    unsigned seen = 0, greys = 0, tints = 0;
+    for (uint32_t y = down / 2; y < view->height; y += down)
+        for (uint32_t x = across / 2; x < view->width; x += across) {
+            const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
+            if (brightest(colour) < 16)
+                continue;
+            seen++;
+            if (is_grey(colour))
+                greys++;
+            else if (!is_shaded(colour, hue, hues < 32 ? hues : 32))
+                tints++;
+        }
+    *has_greys = greys * 32 > seen;
+    *has_tints = tints * 32 > seen;
+}
+
+/* More than 64 greys, or much the same of any hue, the table could not tell apart. */
+enum { ACCENTS = 3, GREYS_LEAST = 8, RUNGS_MOST = 56 };
+
+/* Cross-hair and eliminator (render/slice_notes.c), the pane that keys go to (pilot_host.c). */
+static const uint32_t accent[ACCENTS] = {0xFFDC00, 0xFF4838, 0xE6C85A};
+
+static void fill_palette(struct shades *s)
+{
+    const unsigned share = 256 / (s->hues + 1);
+    const unsigned greys = !s->has_greys ? GREYS_LEAST : share > 64 ? 64 : share < 16 ? 16 : share;
+    const unsigned each = s->hues ? (SHADES_MOST - 1 - ACCENTS - greys) / s->hues : 0;
+    const unsigned most = each < 2 ? 2 : each > RUNGS_MOST ? RUNGS_MOST : each;
+    const unsigned tints = s->has_tints ? most * 3 / 8 : 0;
+    const unsigned gloss = (most - tints) / 4;
+    s->count = 0;
+    s->is_laddered = true;
+    add_colour(s, 0);
+    for (unsigned i = 0; i < ACCENTS; i++)
+        add_colour(s, accent[i]);
+    add_ladder(s, 0, 0xFFFFFF, greys);
+    for (unsigned i = 0; i < s->hues; i++) {
+        const uint32_t hue = s->hue[i];
+        add_ladder(s, 0, hue, most - tints - gloss);
+        add_ladder(s, hue, brightened(hue, GLOSS), gloss);
+        add_ladder(s, third(hue), brightened(third(hue), 170), tints);
+    }
+    forget_places(s);
+}
+
+/* ---- no hues are told ---- */
+
+static bool take_sample(struct shades *s, const struct image_view *view)
+{
+    enum { SIDE = 256 };
+    const uint32_t across = (view->width + SIDE - 1) / SIDE;
+    const uint32_t down = (view->height + SIDE - 1) / SIDE;
+    struct image_view few = {.width = view->width / across, .height = view->height / down};
+    struct colour_table table;
+    uint8_t *pixels = mem_array((size_t)few.width * few.height, 5);
+    if (!pixels)
+        return false;
+    for (uint32_t y = 0; y < few.height; y++)
+        for (uint32_t x = 0; x < few.width; x++)
+            memcpy(pixels + 4 * ((size_t)y * few.width + x),
+                   view->rgba + 4 * ((size_t)y * down * view->width + (size_t)x * across), 4);
+    few.rgba = pixels;
+    uint8_t *index = pixels + (size_t)few.width * few.height * 4;
+    const bool fine = colour_table_reduce(&table, &few, SHADES_MOST - 2, index);
+    free(pixels);
+    if (!fine)
+        return false;
+    s->count = 0;
+    s->is_laddered = false;
+    add_colour(s, 0);
+    add_colour(s, 0xFFFFFF);
+    for (unsigned i = 0; i < table.count; i++)
+        add_colour(s, table.colour[i]);
+    forget_places(s);
+    return true;
+}
+
+/* ---- the palette ---- */
+
+static bool choose_ladders(struct shades *s, const struct image_view *view)
+{
+    bool has_greys, has_tints;
+    const bool is_new = take_hues(s, view);
+    look_around(view, s->hue, s->hues, &has_greys, &has_tints);
+    if (!is_new && s->is_laddered && s->has_greys == has_greys && s->has_tints == has_tints)
+        return true;
+    s->has_greys = has_greys;
+    s->has_tints = has_tints;
+    fill_palette(s);
+    return true;
+}
+
+bool shades_take_exact(struct shades *s, const struct image_view *view)
+{
+    uint32_t former[SHADES_MOST];
+    const unsigned former_count = s->count;
+    memcpy(former, s->colour, sizeof former);
+    begin_exact(s);
+    if (apply_exact(s, view, NULL, 0)) {
+        s->is_laddered = false;
+        return true;
+    }
+    s->is_exact = false;
+    s->count = former_count;
+    memcpy(s->colour, former, sizeof former);
+    return false;
+}
+
+bool shades_choose(struct shades *s, const struct image_view *view)
+{
+    if (!s->place && !(s->place = mem_array(PLACES, 1)))
+        return false;
+    if (shades_take_exact(s, view))
+        return true;
+    return view->hue ? choose_ladders(s, view) : take_sample(s, view);
+}
+
+bool shades_serve(const struct shades *s, const struct image_view *view)
+{
+    const unsigned told = view->hues < SHADES_HUES_MOST ? view->hues : SHADES_HUES_MOST;
+    if (s->is_exact)
+        return true;
+    if (s->count == 0 || s->is_laddered != (view->hue != NULL))
+        return false;
+    return !view->hue ||
+           (told == s->tolds && memcmp(s->told, view->hue, told * sizeof *s->told) == 0);
+}
+
+bool shades_lack(const struct shades *s, const struct image_view *view)
+{
+    bool has_greys, has_tints;
+    if (!s->is_laddered)
+        return false;
+    look_around(view, s->hue, s->hues, &has_greys, &has_tints);
+    return (has_greys && !s->has_greys) || (has_tints && !s->has_tints);
+}
+
+bool shades_apply(struct shades *s, const struct image_view *view, uint8_t *index, size_t stride)
+{
+    if (s->is_exact)
+        return apply_exact(s, view, index, stride);
+    apply_nearest(s, view, index, stride);
+    return true;
+}
+
+uint32_t shades_shown(struct shades *s, uint32_t colour)
+{
+    return s->is_exact ? colour : s->colour[place_of(s, colour)];
+}

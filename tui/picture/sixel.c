@@ -1,0 +1,213 @@
+#include "tui/picture/sixel.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "tui/picture/shaded.h"
+
+enum { BAND = 6, COLOURS = RASTER_COLOURS_MOST };
+#define NONE UINT32_MAX
+
+/* Columns from .. to - 1 in which a colour has the same bits. */
+struct sixel_run {
+    uint32_t from, to, next; /* next of the same colour, or NONE */
+    uint8_t bits;
+};
+
+struct band {
+    struct sixel_run *run;
+    uint32_t runs;
+    uint32_t first[COLOURS], last[COLOURS]; /* of each colour's runs */
+    uint8_t used[COLOURS];                  /* the colours of this band */
+    unsigned used_count;
+    bool is_used[COLOURS];
+};
+
+void sixel_release(struct sixel_writer *writer)
+{
+    free(writer->run);
+    *writer = (struct sixel_writer){0};
+}
+
+/* ---- runs ---- */
+
+static void add_run(struct band *band, uint8_t colour, uint8_t bits, uint32_t from, uint32_t to)
+{
+    if (!band->is_used[colour]) {
+        band->is_used[colour] = true;
+        band->used[band->used_count++] = colour;
+        band->first[colour] = band->runs;
+    } else {
+        struct sixel_run *last = &band->run[band->last[colour]];
+        if (last->to == from && last->bits == bits) {
+            last->to = to;
+            return;
+        }
+        last->next = band->runs;
+    }
+    band->last[colour] = band->runs;
+    band->run[band->runs++] = (struct sixel_run){from, to, NONE, bits};
+}
+
+/* Which of the six bytes of `column` are `colour`, as bits, the lowest byte's first. Bytes that are
+ * differ in nothing, so that 127 added to their lower 7 bits carries into no bit 7; the product
+ * moves bit 8 i to 56 + i. */
+static uint8_t bits_of(uint64_t column, uint8_t colour)
+{
+    const uint64_t low = UINT64_C(0x7F7F7F7F7F7F);
+    const uint64_t differs = column ^ colour * UINT64_C(0x010101010101);
+    const uint64_t same = ~(((differs & low) + low) | differs | low) & UINT64_C(0x808080808080);
+    return (uint8_t)((same >> 7) * UINT64_C(0x0102040810200000) >> 56);
+}
+
+static void gather_column(struct band *band, const uint8_t *top, size_t stride, uint32_t rows,
+                          uint32_t x)
+{
+    const unsigned all = (1u << rows) - 1;
+    uint64_t column = 0;
+    for (uint32_t y = 0; y < rows; y++)
+        column |= (uint64_t)top[y * stride + x] << 8 * y;
+    for (unsigned left = all; left > 0;) {
+        const uint8_t colour = (uint8_t)(column >> 8 * __builtin_ctz(left));
+        const uint8_t bits = bits_of(column, colour) & (uint8_t)all;
+        add_run(band, colour, bits, x, x + 1);
+        left &= ~(unsigned)bits;
+    }
+}
+
+/* Whether eight columns are of one colour all over. */
+static bool is_flat(const uint8_t *top, size_t stride, uint32_t rows)
+{
+    const uint64_t wanted = top[0] * UINT64_C(0x0101010101010101);
+    uint64_t differs = 0;
+    for (uint32_t y = 0; y < rows; y++) {
+        uint64_t eight;
+        memcpy(&eight, top + y * stride, 8);
+        differs |= eight ^ wanted;
+    }
+    return differs == 0;
+}
+
+static void gather(struct band *band, const uint8_t *top, size_t stride, uint32_t width,
+                   uint32_t rows)
+{
+    uint32_t x = 0;
+    band->runs = 0;
+    band->used_count = 0;
+    memset(band->is_used, 0, sizeof band->is_used);
+    while (x < width) {
+        if (x + 8 <= width && is_flat(top + x, stride, rows)) {
+            add_run(band, top[x], (uint8_t)((1u << rows) - 1), x, x + 8);
+            x += 8;
+        } else {
+            gather_column(band, top, stride, rows, x++);
+        }
+    }
+}
+
+/* ---- bytes ---- */
+
+static char *put_number(char *place, uint32_t n)
+{
+    char digits[10];
+    unsigned count = 0;
+    do
+        digits[count++] = (char)('0' + n % 10);
+    while ((n /= 10) > 0);
+    while (count > 0)
+        *place++ = digits[--count];
+    return place;
+}
+
+/* `run` times the same sixel; spelt out where that is shorter. */
+static char *put_run(char *place, uint8_t bits, uint32_t run)
+{
+    if (run > 3) {
+        *place++ = '!';
+        place = put_number(place, run);
+        run = 1;
+    }
+    for (; run > 0; run--)
+        *place++ = (char)(63 + bits);
+    return place;
+}
+
+static char *put_colour(char *place, const struct band *band, uint8_t colour)
+{
+    uint32_t x = 0;
+    for (uint32_t i = band->first[colour]; i != NONE; i = band->run[i].next) {
+        const struct sixel_run *run = &band->run[i];
+        place = put_run(place, 0, run->from - x);
+        place = put_run(place, run->bits, run->to - run->from);
+        x = run->to;
+    }
+    return place;
+}
+
+static void write_band(const struct band *band, const uint8_t *number, struct buf *out)
+{
+    enum { RUN_MOST = 2 * 12, COLOUR_MOST = 5 }; /* bytes: with what is left out before it */
+    char *begin =
+        buf_reserve(out, (size_t)band->runs * RUN_MOST + band->used_count * COLOUR_MOST + 1);
+    if (!begin)
+        return;
+    char *end = begin;
+    for (unsigned i = 0; i < band->used_count; i++) {
+        if (i > 0)
+            *end++ = '$';
+        *end++ = '#';
+        end = put_number(end, number[band->used[i]]);
+        end = put_colour(end, band, band->used[i]);
+    }
+    *end = '\0';
+    out->length += (size_t)(end - begin);
+}
+
+static unsigned percent(uint32_t channel)
+{
+    return (channel * 100 + 127) / 255;
+}
+
+static void add_colours(struct buf *out, const uint32_t *colour, unsigned count)
+{
+    for (unsigned i = 0; i < count; i++)
+        buf_printf(out, "#%u;2;%u;%u;%u", i, percent(colour[i] >> 16),
+                   percent(colour[i] >> 8 & 255), percent(colour[i] & 255));
+}
+
+void sixel_add(struct sixel_writer *writer, const struct raster *raster, struct buf *out)
+{
+    uint8_t number[RASTER_COLOURS_MOST];
+    uint32_t used[RASTER_COLOURS_MOST];
+    struct band band;
+    if (raster->width > UINT32_MAX / BAND ||
+        !mem_grow(&writer->run, &writer->capacity, (size_t)raster->width * BAND,
+                  sizeof *writer->run)) {
+        out->failed = true;
+        return;
+    }
+    band.run = writer->run;
+    buf_printf(out, "\033P0;1q\"1;1;%u;%u", raster->width, raster->height);
+    add_colours(out, used, raster_used(raster, number, used));
+    for (uint32_t y = 0; y < raster->height; y += BAND) {
+        const uint32_t rows = raster->height - y < BAND ? raster->height - y : BAND;
+        gather(&band, raster->bytes + y * raster->stride, raster->stride, raster->width, rows);
+        write_band(&band, number, out);
+        if (y + rows < raster->height)
+            buf_add_char(out, '-');
+    }
+    buf_add_text(out, "\033\\");
+}
+
+void sixel_encode(const struct image_view *view, struct buf *out)
+{
+    struct sixel_writer writer = {0};
+    struct shaded shaded = {0};
+    if (shaded_take(&shaded, view, SHADED_SIXEL))
+        sixel_add(&writer, &shaded.raster, out);
+    else
+        out->failed = true;
+    shaded_release(&shaded);
+    sixel_release(&writer);
+}

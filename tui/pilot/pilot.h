@@ -1,0 +1,101 @@
+/*
+ * The pilot: the whole screen, flown by keys. Three slices, the rendition, a cross-hair.
+ *
+ * The pilot knows no scene: a host tells it where the cross-hair is and draws the picture. Each key
+ * that changes something becomes the line of a command that a user could have typed, which the host
+ * carries out and records: so a flight replays like any other session.
+ *
+ *     arrows h j k l       the cross-hair, in the plane of the pane that is marked
+ *     Ctrl-arrows H L      ten voxels at once            # and digits   a count for what follows
+ *     J K, Page keys       the slice: towards the patient's feet, back, left, and away from them
+ *     Tab                  the next pane
+ *     0 .. 9               a seed of that label          s   of the label at hand;  n N   choose it
+ *     + -                  the brush's radius            v   pen down or up: moving draws
+ *     m                    marks one end of a stroke; the next seed is a line from there
+ *     x                    shows the tree under the cross-hair; x again eliminates it
+ *     space                run                           u Ctrl-R   undo, redo
+ *     r R, Shift-arrows    turn the view                 z Z   nearer, farther
+ *     w                    window: arrows change it, a has it follow from the scene, Enter ends
+ *     p                    a pixel of the rendition: Enter takes the cross-hair to its voxel
+ *     mouse                a click takes the cross-hair there; dragging draws while the pen is down
+ *     :                    a command                     ?   the keys
+ *     Ctrl-L               draws everything anew         Ctrl-Z   stops, as job control does
+ *     q                    back to the prompt            Ctrl-C   cancels a command
+ *
+ * Invariants
+ *   P1 what is on screen is made of what the host says after the last command, never of what a key
+ *      was meant to do;
+ *   P2 all keys that have arrived are carried out before anything is drawn, and nothing is drawn
+ *      while the terminal has not said that the frame before is there: frames are dropped, never
+ *      queued, and the newest state always comes.
+ */
+#ifndef TUI_PILOT_PILOT_H
+#define TUI_PILOT_PILOT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/buf.h"
+#include "base/err.h"
+#include "tui/picture/image_view.h"
+#include "tui/prompt/line_edit.h"
+#include "tui/probe.h"
+
+/* Planes, and panes: they are shown as render/mosaic.h lays them out. */
+enum pilot_pane { PILOT_AXIAL, PILOT_CORONAL, PILOT_SAGITTAL, PILOT_RENDITION, PILOT_PANES };
+
+/* What the host knows of the present state. */
+struct pilot_facts {
+    uint32_t place[3];    /* of the cross-hair: a voxel */
+    uint32_t index[3];    /* its slice, by plane */
+    uint32_t count[3];    /* slices */
+    size_t waiting;       /* edits that wait for a run */
+    char where[160];      /* of the voxel there: label, intensity, millimetres */
+    double window[2];     /* black and white, in real values */
+    uint32_t zoom;        /* of the view, thousandths */
+    uint32_t frame_width; /* of the rendition, in pixels */
+    uint32_t frame_height;
+};
+
+/* How the picture is wanted. */
+struct pilot_wish {
+    uint32_t width, height; /* pixels */
+    bool words;             /* letters and titles in the slices can be read at this size */
+    bool marks_tree;        /* the tree under the cross-hair is marked */
+    bool marks_pixel;       /* a pixel of the rendition, by column and row of its own, is marked */
+    uint32_t pixel[2];
+    enum pilot_pane pane; /* that is marked */
+};
+
+struct pilot_host {
+    void *context;
+    /* As of repl_host; completion and news are the line editor's. */
+    enum err (*execute)(void *context, const char *line, struct buf *output, struct fault *fault);
+    bool (*finished)(void *context);
+
+    /* False where there is no scene to fly in. */
+    bool (*facts)(void *context, struct pilot_facts *facts);
+    /* The place that lies so many slices along each plane's count; as far as the scene goes. */
+    void (*move)(void *context, const int64_t by[3], uint32_t place[3]);
+    /* Draws; the pixels stay until the next call. */
+    enum err (*picture)(void *context, const struct pilot_wish *wish, struct image_view *view,
+                        struct fault *fault);
+    /* The voxel that the last picture shows at a pixel, and in which pane that is; false for none,
+     * with the pane none the less. */
+    bool (*voxel_at)(void *context, uint32_t column, uint32_t row, uint32_t place[3],
+                     enum pilot_pane *pane);
+    /* The voxel under a pixel of the rendition, by its own columns and rows. */
+    bool (*voxel_of_frame)(void *context, uint32_t column, uint32_t row, uint32_t place[3]);
+    /* Adds what a label is called: "2 cerebellum". */
+    void (*label)(void *context, unsigned label, struct buf *out);
+    /* Adds what tree is under the cross-hair: "the tree of the seed at 1,2,3: 9 voxels, label 2".
+     * False where none is. */
+    bool (*tree)(void *context, struct buf *out);
+};
+
+/* Flies until q, `finished`, or the end of the input, which *ended says then. The terminal is open
+ * and raw, and is so afterwards; what was typed ahead stays in editor->input. */
+enum err pilot_fly(const struct pilot_host *host, struct terminal_facts *facts,
+                   struct line_editor *editor, bool *ended, struct fault *fault);
+
+#endif

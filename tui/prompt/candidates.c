@@ -1,0 +1,101 @@
+#include "tui/prompt/candidates.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+#include "tui/line_draw.h"
+
+enum { GAP = 2, ROWS_LEFT = 3 };
+
+/* The next word, from *at on, which moves behind it; NULL at the end. */
+static const char *take(const char **at, size_t *length)
+{
+    while (**at == '\n')
+        ++*at;
+    const char *word = *at;
+    *length = strcspn(word, "\n");
+    *at += *length;
+    return *length ? word : NULL;
+}
+
+struct candidates candidates_of(const char *words)
+{
+    struct candidates c = {.words = words, .first = words};
+    size_t length;
+    for (const char *at = words, *word; (word = take(&at, &length));) {
+        size_t same = 0;
+        if (c.count++ == 0) {
+            c.first = word;
+            c.common = length;
+        }
+        while (same < c.common && same < length && word[same] == c.first[same])
+            same++;
+        c.common = same;
+    }
+    while (c.count > 1 && c.common > 0 && (c.first[c.common] & 0xC0) == 0x80)
+        c.common--;
+    return c;
+}
+
+/* What of a word is shown: not what leads to it. */
+static void strip(const struct candidates *c, const char **word, size_t *length)
+{
+    const bool quoted = c->first[0] == '"';
+    size_t skip = quoted;
+    for (size_t i = 0; i < c->common && i + 1 < *length; i++)
+        if (c->first[i] == '/')
+            skip = i + 1;
+    if (skip >= *length)
+        skip = 0;
+    *word += skip;
+    *length -= skip;
+    if (quoted && *length > 1 && (*word)[*length - 1] == '"')
+        --*length;
+}
+
+static size_t widest(const struct candidates *c)
+{
+    size_t most = 0, length;
+    for (const char *at = c->words, *word; (word = take(&at, &length));) {
+        strip(c, &word, &length);
+        const size_t width = line_width(word, length);
+        most = width > most ? width : most;
+    }
+    return most;
+}
+
+/* The word of this number, as it is shown. A list has no more of them than the screen has cells. */
+static const char *find(const struct candidates *c, size_t number, size_t *length)
+{
+    const char *at = c->words, *word = take(&at, length);
+    for (size_t i = 0; word && i < number; i++)
+        word = take(&at, length);
+    if (word)
+        strip(c, &word, length);
+    return word;
+}
+
+void candidates_list(const struct candidates *c, unsigned columns, unsigned rows, struct buf *out)
+{
+    const size_t stride = widest(c) + GAP;
+    const size_t across = columns / stride > 0 ? columns / stride : 1;
+    const size_t most = rows > ROWS_LEFT + 1 ? rows - ROWS_LEFT : 1;
+    size_t down = (c->count + across - 1) / across;
+    const bool fits = down <= most;
+    down = fits ? down : most - (most > 1);
+    for (size_t row = 0; row < down; row++) {
+        for (size_t column = 0; column < across && column * down + row < c->count; column++) {
+            size_t length;
+            const char *word = find(c, column * down + row, &length);
+            if (!word)
+                break;
+            buf_add_safe(out, word, length);
+            if (column + 1 < across && (column + 1) * down + row < c->count)
+                for (size_t w = line_width(word, length); w < stride; w++)
+                    buf_add_char(out, ' ');
+        }
+        buf_add_text(out, "\r\n");
+    }
+    if (!fits)
+        buf_printf(out, "and %zu more\r\n", c->count - down * across);
+}

@@ -1,0 +1,470 @@
+#include "tui/prompt/line_edit.h"
+
+#include <string.h>
+
+#include "tui/prompt/candidates.h"
+#include "tui/probe.h"
+#include "tui/term.h"
+
+enum { PASTE_PATIENCE_MS = 200 };
+
+void line_editor_init(struct line_editor *e, line_complete_function *complete, void *context)
+{
+    *e = (struct line_editor){.complete = complete, .context = context};
+    line_init(&e->line, &e->history);
+}
+
+void line_editor_release(struct line_editor *e)
+{
+    line_release(&e->line);
+    line_history_release(&e->history);
+    buf_release(&e->input);
+}
+
+/* What a key led to. */
+enum outcome { GO_ON, SUBMIT, ABANDON, END, GONE, SUSPEND, CLEAR, COMPLETE, NEWS };
+
+/* ---- drawing ---- */
+
+/* What may follow, behind a line that is typed at its end. */
+static void add_hint(const struct line_editor *e, struct buf *hint)
+{
+    const struct line *l = &e->line;
+    if (e->hint && l->text.length > 0 && l->cursor == l->text.length && !l->searching &&
+        !e->pasting && !e->submits)
+        e->hint(e->context, buf_text(&l->text), l->text.length, hint);
+}
+
+static void draw_line(struct line_editor *e, const char *prompt, struct buf *out)
+{
+    const struct line *l = &e->line;
+    const struct term_size size = term_size();
+    struct buf search = {0}, hint = {0};
+    add_hint(e, &hint);
+    if (l->searching) {
+        buf_printf(&search, "(%s '%s') ", l->search_failed ? "not found:" : "search",
+                   buf_text(&l->wanted));
+        prompt = buf_text(&search);
+    }
+    const struct line_content content = {.prompt = prompt,
+                                         .text = buf_text(&l->text),
+                                         .length = l->text.length,
+                                         .cursor = l->cursor,
+                                         .hint = buf_text(&hint),
+                                         .grey = e->grey};
+    line_draw(&e->drawing, &content, size.columns, size.rows, out);
+    buf_release(&search);
+    buf_release(&hint);
+}
+
+static enum err write_out(struct buf *out, struct fault *fault)
+{
+    enum err err = out->failed ? fault_memory(fault, "drawing the line")
+                               : term_write(buf_text(out), out->length, fault);
+    buf_release(out);
+    return err;
+}
+
+static enum err redraw(struct line_editor *e, const char *prompt, struct fault *fault)
+{
+    struct buf out = {0};
+    draw_line(e, prompt, &out);
+    return write_out(&out, fault);
+}
+
+/* Draws the line once more with the cursor at its end, then `more`; what follows begins a line. */
+static enum err leave_line(struct line_editor *e, const char *prompt, const char *more,
+                           struct fault *fault)
+{
+    struct buf out = {0};
+    e->line.cursor = e->line.text.length;
+    e->line.searching = false;
+    e->submits = true;
+    draw_line(e, prompt, &out);
+    e->submits = false;
+    buf_add_text(&out, more);
+    e->drawing = (struct line_drawing){0};
+    return write_out(&out, fault);
+}
+
+/* The line goes, the news take its place, and it comes again below them. */
+static enum err tell_news(struct line_editor *e, const char *prompt, struct fault *fault)
+{
+    struct buf text = {0}, out = {0};
+    e->news(e->context, &text);
+    if (e->drawing.row > 0)
+        buf_printf(&out, "\033[%uA", e->drawing.row);
+    buf_add_text(&out, "\r\033[J");
+    for (const char *at = buf_text(&text); *at; at += strcspn(at, "\n"), at += *at == '\n') {
+        buf_add(&out, at, strcspn(at, "\n"));
+        buf_add_text(&out, "\r\n");
+    }
+    out.failed |= text.failed;
+    buf_release(&text);
+    e->drawing = (struct line_drawing){0};
+    draw_line(e, prompt, &out);
+    return write_out(&out, fault);
+}
+
+/* ---- completion ---- */
+
+static void accept_word(struct line *l, size_t start, const struct candidates *c)
+{
+    char last = c->first[c->common - 1];
+    line_replace(l, start, l->cursor, c->first, c->common);
+    if (c->count > 1 || last == '/' || last == '=' || last == ' ')
+        return;
+    if (l->cursor == l->text.length || l->text.data[l->cursor] != ' ')
+        line_insert(l, " ", 1);
+}
+
+static enum err complete_word(struct line_editor *e, const char *prompt, struct fault *fault)
+{
+    struct buf words = {0}, out = {0};
+    struct line *l = &e->line;
+    const struct term_size size = term_size();
+    size_t start = l->cursor;
+    if (e->complete)
+        e->complete(e->context, buf_text(&l->text), l->cursor, &words, &start);
+    const struct candidates c = candidates_of(buf_text(&words));
+    enum err err = OK;
+    if (c.count == 0 || words.failed || start > l->cursor) {
+        buf_add_char(&out, '\a');
+    } else if (c.count == 1 || c.common > l->cursor - start) {
+        accept_word(l, start, &c);
+    } else {
+        size_t cursor = l->cursor;
+        err = leave_line(e, prompt, "\r\n", fault);
+        l->cursor = cursor;
+        candidates_list(&c, size.columns, size.rows, &out);
+    }
+    buf_release(&words);
+    if (err) {
+        buf_release(&out);
+        return err;
+    }
+    draw_line(e, prompt, &out);
+    return write_out(&out, fault);
+}
+
+/* ---- keys ---- */
+
+static enum outcome act(struct line_editor *e, enum line_action action)
+{
+    line_act(&e->line, action);
+    return GO_ON;
+}
+
+static enum outcome control_key(struct line_editor *e, uint32_t letter)
+{
+    switch (letter) {
+    case 'a':
+        return act(e, LINE_HOME);
+    case 'b':
+        return act(e, LINE_LEFT);
+    case 'c':
+        return ABANDON;
+    case 'd':
+        return e->line.text.length == 0 ? END : act(e, LINE_DELETE);
+    case 'e':
+        return act(e, LINE_END);
+    case 'f':
+        return act(e, LINE_RIGHT);
+    case 'k':
+        return act(e, LINE_KILL_TO_END);
+    case 'l':
+        return CLEAR;
+    case 'n':
+        return act(e, LINE_NEWER);
+    case 'o':
+        if (!e->line_of_ctrl_o)
+            return GO_ON;
+        line_clear(&e->line);
+        line_insert(&e->line, e->line_of_ctrl_o, strlen(e->line_of_ctrl_o));
+        return SUBMIT;
+    case 'p':
+        return act(e, LINE_OLDER);
+    case 'r':
+        line_search_begin(&e->line);
+        return GO_ON;
+    case 't':
+        return act(e, LINE_TRANSPOSE);
+    case 'u':
+        return act(e, LINE_KILL_TO_START);
+    case 'w':
+        return act(e, LINE_KILL_BLANK_LEFT);
+    case 'y':
+        return act(e, LINE_YANK);
+    case 'z':
+        return SUSPEND;
+    default:
+        return GO_ON;
+    }
+}
+
+static enum outcome alt_key(struct line_editor *e, uint32_t point)
+{
+    switch (point) {
+    case 'b':
+    case 'B':
+        return act(e, LINE_WORD_LEFT);
+    case 'f':
+    case 'F':
+        return act(e, LINE_WORD_RIGHT);
+    case 'd':
+    case 'D':
+        return act(e, LINE_KILL_WORD_RIGHT);
+    case '<':
+        return act(e, LINE_OLDEST);
+    case '>':
+        return act(e, LINE_NEWEST);
+    default:
+        return GO_ON;
+    }
+}
+
+static enum outcome plain_key(struct line_editor *e, const struct key_event *event)
+{
+    bool by_word = event->modifiers & (KEY_CONTROL | KEY_ALT);
+    switch (event->key) {
+    case KEY_CHARACTER:
+        if (event->modifiers & KEY_CONTROL)
+            return control_key(e, event->point);
+        if (event->modifiers & KEY_ALT)
+            return alt_key(e, event->point);
+        line_insert(&e->line, event->text, event->length);
+        return GO_ON;
+    case KEY_ENTER:
+        return SUBMIT;
+    case KEY_TAB:
+        return event->modifiers == 0 ? COMPLETE : GO_ON;
+    case KEY_BACKSPACE:
+        return act(e, by_word ? LINE_KILL_WORD_LEFT : LINE_ERASE);
+    case KEY_DELETE:
+        return act(e, by_word ? LINE_KILL_WORD_RIGHT : LINE_DELETE);
+    case KEY_LEFT:
+        return act(e, by_word ? LINE_WORD_LEFT : LINE_LEFT);
+    case KEY_RIGHT:
+        return act(e, by_word ? LINE_WORD_RIGHT : LINE_RIGHT);
+    case KEY_HOME:
+        return act(e, LINE_HOME);
+    case KEY_END:
+        return act(e, LINE_END);
+    case KEY_UP:
+        return act(e, LINE_OLDER);
+    case KEY_DOWN:
+        return act(e, LINE_NEWER);
+    case KEY_PAGE_UP:
+        return act(e, LINE_OLDEST);
+    case KEY_PAGE_DOWN:
+        return act(e, LINE_NEWEST);
+    default:
+        return GO_ON;
+    }
+}
+
+static enum outcome search_key(struct line_editor *e, const struct key_event *event)
+{
+    struct line *l = &e->line;
+    bool control = event->modifiers & KEY_CONTROL;
+    if (event->key == KEY_CHARACTER && event->modifiers == 0) {
+        line_search_add(l, event->text, event->length);
+    } else if (event->key == KEY_BACKSPACE) {
+        line_search_erase(l);
+    } else if (event->key == KEY_CHARACTER && control && event->point == 'r') {
+        line_search_again(l);
+    } else if (event->key == KEY_CHARACTER && control && event->point == 'g') {
+        line_search_end(l, false);
+    } else {
+        line_search_end(l, true);
+        return event->key == KEY_ESCAPE || event->key == KEY_TAB ? GO_ON : plain_key(e, event);
+    }
+    return GO_ON;
+}
+
+/* Pasted text is text: only the end of a line, and Ctrl-C against a paste that never ends, do
+ * anything. */
+static enum outcome paste_key(struct line_editor *e, const struct key_event *event)
+{
+    bool control = event->modifiers & KEY_CONTROL;
+    if (event->key == KEY_CHARACTER && control && event->point == 'c') {
+        e->pasting = false;
+        return ABANDON;
+    }
+    if (event->key == KEY_ENTER)
+        return SUBMIT;
+    if (event->key == KEY_TAB)
+        line_insert(&e->line, " ", 1);
+    else if (event->key == KEY_CHARACTER && !control)
+        line_insert(&e->line, event->text, event->length);
+    return GO_ON;
+}
+
+static bool is_answer(const char *body)
+{
+    size_t length = strlen(body);
+    return strncmp(body, "[?", 2) == 0 && body[length - 1] == 'c';
+}
+
+static enum outcome take_key(struct line_editor *e, const struct key_event *event)
+{
+    if (event->key == KEY_REPLY) {
+        if (e->answers_due > 0 && is_answer(e->keys.body))
+            e->answers_due--;
+        return GO_ON;
+    }
+    if (event->key == KEY_PASTE_BEGIN || event->key == KEY_PASTE_END) {
+        e->pasting = event->key == KEY_PASTE_BEGIN;
+        return GO_ON;
+    }
+    if (e->pasting)
+        return paste_key(e, event);
+    return e->line.searching ? search_key(e, event) : plain_key(e, event);
+}
+
+/* A slow connection may tear a reply right behind its ESC. Nobody types a bracket behind the Escape
+ * key, which means nothing here; the letters that begin a string, one may. */
+static void mend_torn_reply(struct line_editor *e, uint8_t byte)
+{
+    struct key_event event;
+    const bool strings = e->unanswered || e->answers_due > 0;
+    if (e->lone_escape && (byte == '[' || (strings && byte && strchr("P]_", byte))))
+        keys_feed(&e->keys, 27, &event);
+    e->lone_escape = false;
+}
+
+/* Takes the next byte in. */
+static enum outcome take_byte(struct line_editor *e, uint8_t byte)
+{
+    struct key_event event;
+    mend_torn_reply(e, byte);
+    bool second = byte == '\n' && e->after_return;
+    e->after_return = e->pasting && byte == '\r';
+    if (second || !keys_feed(&e->keys, byte, &event))
+        return GO_ON;
+    return take_key(e, &event);
+}
+
+/* ---- the loop ---- */
+
+/* All bytes that have been read, up to one that leads to more than a redraw. */
+static enum outcome take_input(struct line_editor *e)
+{
+    enum outcome outcome = GO_ON;
+    while (outcome == GO_ON && e->taken < e->input.length)
+        outcome = take_byte(e, (uint8_t)e->input.data[e->taken++]);
+    if (e->taken == e->input.length) {
+        buf_clear(&e->input);
+        e->taken = 0;
+    }
+    return outcome;
+}
+
+/* What stands on the screen against what should. */
+enum screen { DRAWN, STALE, STALE_IN_PASTE };
+
+/* Waits for bytes, and tells in *screen whether the line has to be drawn again. */
+static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
+{
+    struct key_event event;
+    bool waiting = keys_waiting(&e->keys);
+    bool stalled = *screen == STALE_IN_PASTE;
+    enum outcome outcome;
+    const int patience = waiting ? KEYS_TIMEOUT_MS : stalled ? PASTE_PATIENCE_MS : -1;
+    switch (term_read_or(&e->input, patience, e->news ? e->news_descriptor : -1)) {
+    case TERM_OTHER:
+        return NEWS;
+    case TERM_BYTES:
+        outcome = take_input(e);
+        *screen = e->pasting || keys_waiting(&e->keys) ? STALE_IN_PASTE : STALE;
+        return outcome;
+    case TERM_TIMEOUT:
+        *screen = STALE;
+        if (!waiting || !keys_time_out(&e->keys, &event))
+            return GO_ON;
+        e->lone_escape = event.key == KEY_ESCAPE;
+        return take_key(e, &event);
+    case TERM_SIGNAL:
+        if (term_was_continued())
+            e->drawing = (struct line_drawing){0};
+        term_was_resized(); /* every drawing asks for the size anew */
+        *screen = STALE;
+        return GO_ON;
+    case TERM_CLOSED:
+        break;
+    }
+    return GONE;
+}
+
+/* Does what a key led to, short of the end of the line. */
+static enum err follow(struct line_editor *e, const char *prompt, enum outcome outcome,
+                       struct fault *fault)
+{
+    enum err err;
+    switch (outcome) {
+    case ABANDON:
+        err = leave_line(e, prompt, "^C\r\n", fault);
+        line_clear(&e->line);
+        return err ? err : redraw(e, prompt, fault);
+    case SUSPEND:
+        err = leave_line(e, prompt, "\r\n", fault);
+        if (err)
+            return err;
+        if (e->answers_due > 0) /* or the shell gets the answer as input */
+            probe_await(e->answers_due, 2000, &e->input);
+        e->answers_due = 0;
+        term_suspend();
+        return redraw(e, prompt, fault);
+    case CLEAR:
+        e->drawing = (struct line_drawing){0};
+        err = term_write("\033[H\033[2J", 7, fault);
+        return err ? err : redraw(e, prompt, fault);
+    case COMPLETE:
+        return complete_word(e, prompt, fault);
+    case NEWS:
+        return tell_news(e, prompt, fault);
+    default:
+        return OK;
+    }
+}
+
+/* Edits until the line is submitted or the end has come. */
+static enum err edit(struct line_editor *e, const char *prompt, enum outcome *outcome,
+                     struct fault *fault)
+{
+    enum screen screen = STALE;
+    enum err err = OK;
+    *outcome = take_input(e);
+    while (!err && *outcome != SUBMIT && *outcome != END && *outcome != GONE) {
+        if (*outcome != GO_ON) {
+            err = follow(e, prompt, *outcome, fault);
+            screen = e->taken < e->input.length ? STALE : DRAWN;
+            *outcome = take_input(e);
+            continue;
+        }
+        if (screen == STALE) {
+            err = redraw(e, prompt, fault);
+            screen = DRAWN;
+        }
+        if (!err)
+            *outcome = wait_for_input(e, &screen);
+    }
+    if (!err && (e->line.text.failed || e->input.failed))
+        err = fault_memory(fault, "the line typed");
+    return err;
+}
+
+enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struct fault *fault)
+{
+    enum outcome outcome;
+    line_clear(&e->line);
+    e->line.text.failed = false;
+    e->drawing = (struct line_drawing){0};
+    enum err err = edit(e, prompt, &outcome, fault);
+    if (!err && outcome != GONE)
+        err = leave_line(e, prompt, "\r\n", fault);
+    e->kept = !err && outcome == SUBMIT &&
+              line_history_add(&e->history, buf_text(&e->line.text), e->line.text.length);
+    *ended = outcome == END || outcome == GONE;
+    return err;
+}

@@ -1,0 +1,75 @@
+/*
+ * Reading a line at the terminal: keys in, line drawn, until Enter.
+ *
+ *     Ctrl-A Ctrl-E Home End    start, end           Ctrl-K Ctrl-U   kill to end, to start
+ *     Ctrl-B Ctrl-F arrows      one character        Ctrl-W          kill back to a blank
+ *     Alt-B Alt-F Ctrl-arrows   one word             Alt-D Alt-Backspace  kill a word
+ *     Ctrl-P Ctrl-N arrows      older, newer         Ctrl-Y          yank
+ *     Alt-< Alt->               oldest, newest       Ctrl-T          transpose characters
+ *     Ctrl-R                    search; Ctrl-G gives up, Enter submits, other keys edit
+ *     Tab                       complete, or list    Ctrl-L          clear the screen
+ *     Ctrl-C                    empty the line       Ctrl-Z          stop, as job control does
+ *     Ctrl-D                    delete; on an empty line, the end
+ *     Ctrl-O                    a line of the host's, such as a command that is often wanted
+ *
+ * Behind a line that is typed at its end stands in grey what may follow; it is no part of the line.
+ *
+ * All that has arrived is taken in before the line is drawn, and a bracketed paste to its end, so
+ * that a large paste costs one redraw. A line feed in it submits, the rest stays for the next line.
+ */
+#ifndef TUI_PROMPT_LINE_EDIT_H
+#define TUI_PROMPT_LINE_EDIT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/buf.h"
+#include "base/err.h"
+#include "tui/keys.h"
+#include "tui/prompt/line.h"
+#include "tui/line_draw.h"
+
+/* Fills `candidates` with whole words, one a line, for the word that begins at *word_start and ends
+ * at the cursor. */
+typedef void line_complete_function(void *context, const char *line, size_t cursor,
+                                    struct buf *candidates, size_t *word_start);
+
+/* Adds what may follow the line, safe to print. */
+typedef void line_hint_function(void *context, const char *line, size_t length, struct buf *out);
+
+/* Adds lines that are to be told now, safe to print, each ended by a line feed. */
+typedef void line_news_function(void *context, struct buf *out);
+
+struct line_editor {
+    struct line_history history;
+    bool kept; /* the last line is in the history now */
+    struct line line;
+    struct keys keys;
+    struct buf input; /* bytes read; those before `taken` are done with */
+    size_t taken;
+    bool pasting;
+    bool lone_escape;  /* the last byte was an ESC that nothing followed for a while */
+    bool unanswered;   /* the terminal was asked and has not answered: what it says may come yet */
+    bool after_return; /* of CR LF in a paste, the LF says nothing new */
+    unsigned answers_due; /* DA1 questions sent, not answered yet */
+    struct line_drawing drawing;
+    line_complete_function *complete; /* may be NULL */
+    line_hint_function *hint;         /* may be NULL: asked wherever the cursor is at the end */
+    const char *grey;                 /* in which hints are drawn, CSI .. m */
+    bool submits;                     /* the line is drawn for the last time: without a hint */
+    line_news_function *news;         /* may be NULL; else asked when news_descriptor is readable */
+    int news_descriptor;
+    const char *line_of_ctrl_o; /* submitted in place of what was typed, or NULL */
+    void *context;
+};
+
+void line_editor_init(struct line_editor *e, line_complete_function *complete, void *context);
+void line_editor_release(struct line_editor *e);
+
+/* Reads a line at the terminal, which is open and raw, and adds it to the history. News that come
+ * meanwhile stand above the line. The line is then
+ * e->line.text, until the next call. *ended is set at Ctrl-D on an empty line or when the terminal
+ * has gone. */
+enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struct fault *fault);
+
+#endif

@@ -1,0 +1,356 @@
+#include "tui/prompt/repl.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "tui/prompt/caret.h"
+#include "tui/prompt/line_edit.h"
+#include "tui/picture/show.h"
+#include "tui/term.h"
+#include "tui/prompt/wrap.h"
+
+enum { BARRIER_MS = 2000 };
+
+static bool is_blank(const char *line)
+{
+    return line[strspn(line, " \t\r")] == '\0';
+}
+
+/* "error: words", one line. */
+static void add_error(struct buf *out, enum err err, const struct fault *fault, bool coloured)
+{
+    buf_add_text(out, coloured ? "\033[31merror:\033[m " : "error: ");
+    buf_add_text(out, fault->text[0] ? fault->text : err_name(err));
+    buf_add_char(out, '\n');
+}
+
+static void end_line(struct buf *out)
+{
+    if (out->length > 0 && out->data[out->length - 1] != '\n')
+        buf_add_char(out, '\n');
+}
+
+/* ---- plain input ---- */
+
+static enum err run_line(const struct repl_host *host, const char *line, struct fault *fault)
+{
+    struct buf output = {0}, words = {0};
+    struct fault of_command = {0};
+    enum err err = host->execute(host->context, line, &output, &of_command);
+    end_line(&output);
+    if (output.failed && !err)
+        err = fault_memory(&of_command, "the output");
+    enum err written = term_write_to(STDOUT_FILENO, buf_text(&output), output.length, fault);
+    if (err) {
+        add_error(&words, err, &of_command, false);
+        term_write_to(STDERR_FILENO, buf_text(&words), words.length, NULL);
+    }
+    buf_release(&output);
+    buf_release(&words);
+    if (!written && err && fault)
+        *fault = (struct fault){.code = err};
+    return written ? written : err;
+}
+
+static enum err print_prompt(const struct repl_host *host, struct fault *fault)
+{
+    struct buf prompt = {0};
+    if (host->news)
+        host->news(host->context, &prompt);
+    host->prompt(host->context, &prompt);
+    enum err err = term_write_to(STDOUT_FILENO, buf_text(&prompt), prompt.length, fault);
+    buf_release(&prompt);
+    return err;
+}
+
+static enum err begin_plain(const struct repl_host *host, struct fault *fault)
+{
+    struct buf output = {0};
+    enum err err = host->begin ? host->begin(host->context, &output, fault) : OK;
+    end_line(&output);
+    if (!err)
+        err = term_write_to(STDOUT_FILENO, buf_text(&output), output.length, fault);
+    buf_release(&output);
+    return err;
+}
+
+/* Waits at a terminal that takes in whole lines. Ctrl-C has emptied the line: begin another. */
+static void wait_for_line(const struct repl_host *host)
+{
+    struct pollfd ready = {.fd = STDIN_FILENO, .events = POLLIN};
+    while (poll(&ready, 1, -1) < 0 && errno == EINTR) {
+        if (term_write_to(STDOUT_FILENO, "\n", 1, NULL) || print_prompt(host, NULL))
+            return;
+    }
+}
+
+static enum err run_plain(const struct repl_host *host, bool prompts, struct fault *fault)
+{
+    char *line = NULL;
+    size_t capacity = 0;
+    enum err first = begin_plain(host, fault);
+    if (first)
+        return first;
+    while (!host->finished(host->context)) {
+        struct fault ignored;
+        if (prompts && print_prompt(host, &ignored))
+            break;
+        if (prompts)
+            wait_for_line(host);
+        ssize_t length = getline(&line, &capacity, stdin);
+        if (length < 0) {
+            if (prompts) /* whoever comes next begins a line */
+                term_write_to(STDOUT_FILENO, "\n", 1, &ignored);
+            break;
+        }
+        line[strcspn(line, "\r\n")] = '\0';
+        if (is_blank(line))
+            continue;
+        enum err err = run_line(host, line, first ? &ignored : fault);
+        first = first ? first : err;
+    }
+    free(line);
+    return prompts ? OK : first;
+}
+
+/* ---- at a terminal ---- */
+
+struct prompt {
+    const struct repl_host *host;
+    const char *history_path; /* or NULL */
+    struct terminal_facts facts;
+    struct line_editor editor;
+};
+
+/* Adds the picture, if there is one, and a question whose answer says that it has been drawn.
+ * The one before must have been: else pictures queue up in a slow connection. */
+static void add_picture(struct prompt *p, struct buf *out)
+{
+    struct image_view view;
+    struct line_editor *e = &p->editor;
+    if (!p->host->picture || !p->host->picture(p->host->context, &view))
+        return;
+    if (e->answers_due > 0 && probe_await(e->answers_due, BARRIER_MS, &e->input) == 0)
+        buf_add_text(out, probe_recovery(&p->facts));
+    e->answers_due = 0;
+    const struct term_size size = term_size();
+    size_t before = out->length;
+    probe_resize(&p->facts, &size);
+    show_inline(&p->facts, &view, size.columns, size.rows, out);
+    if (p->facts.answers && p->facts.graphics > GRAPHICS_BLOCKS && out->length > before &&
+        !out->failed) {
+        buf_add_text(out, "\033[c");
+        e->answers_due = 1;
+    }
+}
+
+/* The error below the line that it is about, which was typed behind `prompt`. */
+static void add_error_below(struct buf *text, const char *prompt, const char *line, enum err err,
+                            const struct fault *fault, bool coloured)
+{
+    const struct caret caret = {prompt, line, fault->at - 1, text->length == 0, coloured};
+    if (fault->at > 0)
+        caret_add(text, &caret, term_size().columns);
+    add_error(text, err, fault, coloured);
+}
+
+/* Runs a command and prints all it has to say in one write. */
+static enum err execute(struct prompt *p, const char *prompt, const char *line, struct fault *fault)
+{
+    struct buf text = {0}, out = {0};
+    struct fault of_command = {0};
+    bool coloured = p->facts.colours != COLOURS_NONE;
+    enum err err = term_set_mode(TERM_QUIET, fault);
+    if (err)
+        return err;
+    enum err failed = p->host->execute(p->host->context, line, &text, &of_command);
+    err = term_set_mode(TERM_RAW, fault);
+    end_line(&text);
+    if (failed)
+        add_error_below(&text, prompt, line, failed, &of_command, coloured);
+    wrap_text(&out, &text, term_size().columns);
+    if (!err)
+        add_picture(p, &out);
+    if (out.failed) {
+        buf_release(&text);
+        buf_release(&out);
+        add_error(&text, fault_memory(&of_command, "the output"), &of_command, coloured);
+        wrap_text(&out, &text, term_size().columns);
+    }
+    if (!err)
+        err = term_write(buf_text(&out), out.length, fault);
+    buf_release(&text);
+    buf_release(&out);
+    return err;
+}
+
+/* The prompt is there before the session has begun; what there is to say takes its place. */
+static enum err begin(struct prompt *p, struct fault *fault)
+{
+    struct buf text = {0}, out = {0};
+    if (!p->host->begin)
+        return OK;
+    p->host->prompt(p->host->context, &out);
+    enum err err = term_write(buf_text(&out), out.length, fault);
+    if (!err)
+        err = term_set_mode(TERM_QUIET, fault);
+    if (!err)
+        err = p->host->begin(p->host->context, &text, fault);
+    if (!err)
+        err = term_set_mode(TERM_RAW, fault);
+    buf_clear(&out);
+    buf_add_text(&out, "\r\033[K");
+    end_line(&text);
+    wrap_text(&out, &text, term_size().columns);
+    if (out.failed && !err)
+        err = fault_memory(fault, "the output");
+    term_write(buf_text(&out), out.length, NULL);
+    buf_release(&text);
+    buf_release(&out);
+    return err;
+}
+
+/* What cannot be flown is told, and the prompt goes on. */
+static enum err fly(struct prompt *p, bool *ended, struct fault *fault)
+{
+    struct buf words = {0};
+    struct fault why;
+    enum err err = pilot_fly(p->host->pilot, &p->facts, &p->editor, ended, &why);
+    if (err == ERR_IO) { /* the terminal has gone */
+        if (fault)
+            *fault = why;
+        return err;
+    }
+    if (err)
+        add_error(&words, err, &why, p->facts.colours != COLOURS_NONE);
+    err = words.length ? term_write(buf_text(&words), words.length, fault) : OK;
+    buf_release(&words);
+    return err;
+}
+
+/* A history that cannot be kept is no reason to stop: it is told once. */
+static void tell_of_history(struct prompt *p, enum err err, const struct fault *fault)
+{
+    struct buf words = {0};
+    if (!err)
+        return;
+    p->history_path = NULL;
+    buf_printf(&words, "history: %s; IFTTY_HISTORY= (empty) keeps none\r\n", fault->text);
+    term_write(buf_text(&words), words.length, NULL);
+    buf_release(&words);
+}
+
+static void keep_line(struct prompt *p)
+{
+    struct fault fault;
+    if (p->history_path && p->editor.kept)
+        tell_of_history(p, line_history_append(&p->editor.history, p->history_path, &fault),
+                        &fault);
+}
+
+static enum err run_prompt(struct prompt *p, struct fault *fault)
+{
+    struct buf prompt = {0};
+    bool ended = false;
+    enum err err = begin(p, fault);
+    while (!err && !p->host->finished(p->host->context)) {
+        buf_clear(&prompt);
+        p->host->prompt(p->host->context, &prompt);
+        err = line_edit(&p->editor, buf_text(&prompt), &ended, fault);
+        if (err || ended)
+            break;
+        keep_line(p);
+        if (!is_blank(buf_text(&p->editor.line.text)))
+            err = execute(p, buf_text(&prompt), buf_text(&p->editor.line.text), fault);
+        if (!err && p->host->pilot && p->host->flies(p->host->context))
+            err = fly(p, &ended, fault);
+        if (ended)
+            break;
+    }
+    buf_release(&prompt);
+    return err;
+}
+
+static enum err open_terminal(int in, enum graphics wish, struct terminal_facts *facts,
+                              struct buf *typed, const char *begin, const char *end,
+                              struct fault *fault)
+{
+    enum err err = term_open(in, STDOUT_FILENO, fault);
+    if (err)
+        return err;
+    term_set_greetings(begin, end);
+    err = term_set_mode(TERM_RAW, fault);
+    if (!err)
+        err = probe_terminal(wish, facts, typed, fault);
+    return err;
+}
+
+static enum err run_interactive(const struct repl_host *host, const struct repl_options *options,
+                                struct fault *fault)
+{
+    struct prompt p = {.host = host, .history_path = options->history_path};
+    struct fault of_history = {0};
+    enum err loaded = OK;
+    line_editor_init(&p.editor, host->complete, host->context);
+    p.editor.news = host->news;
+    p.editor.news_descriptor = host->news_descriptor;
+    p.editor.line_of_ctrl_o = host->pilot ? host->pilot_line : NULL;
+    if (options->history_path)
+        loaded = line_history_load(&p.editor.history, options->history_path, &of_history);
+    enum err err = open_terminal(STDIN_FILENO, options->graphics, &p.facts, &p.editor.input,
+                                 TERM_PROMPT_BEGINS, TERM_PROMPT_ENDS, fault);
+    if (!err)
+        tell_of_history(&p, loaded, &of_history);
+    if (p.facts.colours != COLOURS_NONE)
+        p.editor.hint = host->hint;
+    p.editor.unanswered = !p.facts.answers;
+    p.editor.grey = p.facts.colours == COLOURS_16 ? "\033[90m" : "\033[38;5;244m";
+    if (!err)
+        err = run_prompt(&p, fault);
+    probe_leave(&p.facts, p.editor.answers_due);
+    term_close();
+    line_editor_release(&p.editor);
+    return err;
+}
+
+enum err repl_run(const struct repl_host *host, const struct repl_options *options,
+                  struct fault *fault)
+{
+    bool terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
+    const char *name = probe_environment_now().term;
+    if (terminal && !probe_is_plain(name))
+        return run_interactive(host, options, fault);
+    return run_plain(host, terminal, fault);
+}
+
+/* ---- one picture ---- */
+
+bool show_picture_once(enum graphics wish, const struct image_view *view)
+{
+    struct terminal_facts facts;
+    struct buf out = {0}, typed = {0};
+    bool own = !isatty(STDIN_FILENO), shown = false;
+    if (!isatty(STDOUT_FILENO))
+        return false;
+    int in = own ? open("/dev/tty", O_RDWR | O_CLOEXEC | O_NOCTTY) : STDIN_FILENO;
+    if (in < 0)
+        return false;
+    if (tcgetpgrp(in) == getpgrp() && open_terminal(in, wish, &facts, &typed, "", "", NULL) == OK) {
+        const struct term_size size = term_size();
+        show_inline(&facts, view, size.columns, size.rows, &out);
+        shown = out.length > 0 && !out.failed && term_write(out.data, out.length, NULL) == OK;
+        facts.reports |= shown && facts.graphics > GRAPHICS_BLOCKS;
+        probe_leave(&facts, 0);
+    }
+    term_close();
+    if (own)
+        close(in);
+    buf_release(&out);
+    buf_release(&typed);
+    return shown;
+}

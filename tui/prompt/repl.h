@@ -1,0 +1,72 @@
+/*
+ * The prompt: reads lines, hands them to a host, prints what comes back. Knows no command.
+ *
+ * At a terminal (standard input and output both) there are line editing, completion, history and
+ * pictures; with TERM=dumb a prompt alone. Otherwise lines are read from standard input as they
+ * are, output goes to standard output and errors to standard error, without any escape sequence.
+ *
+ * While a command runs, the terminal makes signals of Ctrl-C and Ctrl-Z. A host that can cancel
+ * handles SIGINT before repl_run; otherwise Ctrl-C ends the program, with the terminal restored.
+ */
+#ifndef TUI_PROMPT_REPL_H
+#define TUI_PROMPT_REPL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/buf.h"
+#include "base/err.h"
+#include "tui/picture/image_view.h"
+#include "tui/pilot/pilot.h"
+#include "tui/probe.h"
+
+/* Output text is printed as it is: names in it have been escaped by the host. */
+struct repl_host {
+    void *context;
+    /* What the session begins with, such as loading a scene: called once, when the prompt has been
+     * shown already, so that nobody waits for it. What is typed meanwhile waits. An error ends
+     * repl_run with it. May be NULL. */
+    enum err (*begin)(void *context, struct buf *output, struct fault *fault);
+    /* Adds the prompt, "ch2> ". */
+    void (*prompt)(void *context, struct buf *out);
+    /* Does what `line` (not blank) says; adds text to print to `output`, with an error too. */
+    enum err (*execute)(void *context, const char *line, struct buf *output, struct fault *fault);
+    /* Adds whole words, one a line, for the word from *word_start to the cursor. May be NULL. */
+    void (*complete)(void *context, const char *line, size_t cursor, struct buf *candidates,
+                     size_t *word_start);
+    /* Adds what may follow the line, safe to print: shown in grey behind it, at a terminal with
+     * colours. May be NULL. */
+    void (*hint)(void *context, const char *line, size_t length, struct buf *out);
+    /* True once after a command made a picture to show; its pixels stay until the next execute.
+     * Asked only at a terminal. May be NULL. */
+    bool (*picture)(void *context, struct image_view *out);
+    /* Adds lines on what has happened beside the commands: asked when news_descriptor is readable,
+     * while a line is edited, and before a plain prompt. May be NULL. */
+    void (*news)(void *context, struct buf *output);
+    int news_descriptor;
+    /* The pilot's host, or NULL for none; and true once after a command that asked for the pilot,
+     * which Ctrl-O does by this line. */
+    const struct pilot_host *pilot;
+    bool (*flies)(void *context);
+    const char *pilot_line;
+    /* Whether the session is over; asked after every command. */
+    bool (*finished)(void *context);
+};
+
+struct repl_options {
+    enum graphics graphics;   /* GRAPHICS_AUTO, or what to use whatever the terminal says */
+    const char *history_path; /* NULL: no history file */
+};
+
+/* Runs until the host is finished or the input ends. Errors of commands are printed in one line
+ * and do not end it. Returns OK at a terminal, unless the terminal fails; with plain input the code
+ * of the first command that failed, with fault->text empty since it has been printed. */
+enum err repl_run(const struct repl_host *host, const struct repl_options *options,
+                  struct fault *fault);
+
+/* Outside repl_run: asks the terminal what it can, shows the picture at the cursor, which must be
+ * at the start of a line, and restores everything. False, with nothing written, where standard
+ * output is no terminal or cannot show it, or this is a background job. */
+bool show_picture_once(enum graphics wish, const struct image_view *view);
+
+#endif
