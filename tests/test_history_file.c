@@ -16,6 +16,7 @@
 static char folder[] = "/tmp/iftty-history-XXXXXX";
 static char path[64];
 static struct fault fault;
+static const unsigned patience_ms = 60000; /* a busy machine is no reason to go without a lock */
 
 static bool enter(struct line_history *h, const char *text)
 {
@@ -154,15 +155,80 @@ STORY(a_lock_that_is_never_given_back_delays_a_line_and_no_more)
     FILE *holder = fopen(path, "re");
     if (!CHECK(holder != NULL) || !CHECK(flock(fileno(holder), LOCK_EX) == 0))
         return;
+    file_lines_patience_ms = 100;
     CHECK(line_history_add(&h, "two", 3));
     CHECK(file_lines_append(path, "two", 3, &fault) == OK);
     CHECK_TEXT(content(), "one\ntwo\n");
     CHECK(file_lines_trim(path, 1, 100, &fault) == OK);
     CHECK_TEXT(content(), "one\ntwo\n");
     fclose(holder);
+    file_lines_patience_ms = patience_ms;
     CHECK(file_lines_trim(path, 1, 100, &fault) == OK);
     CHECK_TEXT(content(), "two\n");
     line_history_release(&h);
+}
+
+/* A hook: stops this process before the new file gets the name of the old one. */
+static int stop_before_rename(enum file_step step, const char *at)
+{
+    (void)at;
+    if (step == FILE_STEP_RENAME)
+        raise(SIGSTOP);
+    return 0;
+}
+
+STORY(a_line_is_not_lost_while_another_process_is_stopped_in_its_trimming)
+{
+    int status;
+    write_file("one\ntwo\nthree\n");
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0) {
+        file_step_hook = stop_before_rename;
+        _exit(file_lines_trim(path, 2, 100, NULL) == OK ? 0 : 1);
+    }
+    CHECK(waitpid(child, &status, WUNTRACED) == child && WIFSTOPPED(status));
+    file_lines_patience_ms = 100;
+    CHECK(file_lines_append(path, "four", 4, &fault) == OK);
+    file_lines_patience_ms = patience_ms;
+    CHECK_TEXT(content(), "one\ntwo\nthree\nfour\n");
+    CHECK(kill(child, SIGCONT) == 0);
+    CHECK(waitpid(child, &status, 0) == child && status == 0);
+    CHECK_TEXT(content(), "two\nthree\nfour\n");
+}
+
+/* A hook: the file is replaced after it was opened and before the line is written. */
+static unsigned replacements;
+static int replace_before_write(enum file_step step, const char *at)
+{
+    char other[80];
+    if (step != FILE_STEP_WRITE || strcmp(at, path) != 0 || replacements == 0)
+        return 0;
+    replacements--;
+    snprintf(other, sizeof other, "%s.new", path);
+    FILE *out = fopen(other, "we");
+    CHECK(out != NULL && fputs("new\n", out) >= 0 && fclose(out) == 0);
+    CHECK(rename(other, path) == 0);
+    return 0;
+}
+
+STORY(a_line_is_written_to_the_file_that_has_the_name_at_last)
+{
+    for (unsigned times = 1; times <= 40; times *= 2) {
+        write_file("old\n");
+        replacements = times;
+        file_step_hook = replace_before_write;
+        CHECK(file_lines_append(path, "one", 3, &fault) == OK);
+        file_step_hook = NULL;
+        CHECK_INT(replacements, 0);
+        CHECK_TEXT(content(), "new\none\n");
+    }
+    write_file("old\n");
+    replacements = 1000000; /* a line that cannot be stored is reported */
+    file_step_hook = replace_before_write;
+    CHECK(file_lines_append(path, "one", 3, &fault) == ERR_IO);
+    file_step_hook = NULL;
+    CHECK_HAS(fault.text, "is replaced all the time");
 }
 
 STORY(what_is_no_regular_file_is_left_alone)
@@ -234,7 +300,8 @@ STORY(the_environment_says_where_it_lies)
 
 int main(void)
 {
-    alarm(120);
+    alarm(300);
+    file_lines_patience_ms = patience_ms;
     if (!mkdtemp(folder))
         return 1;
     snprintf(path, sizeof path, "%s/state/iftty/history", folder);
@@ -244,6 +311,8 @@ int main(void)
         TELL(what_the_file_holds_is_not_trusted), TELL(the_file_and_the_memory_are_bounded),
         TELL(many_sessions_at_once_lose_no_line),
         TELL(a_lock_that_is_never_given_back_delays_a_line_and_no_more),
+        TELL(a_line_is_not_lost_while_another_process_is_stopped_in_its_trimming),
+        TELL(a_line_is_written_to_the_file_that_has_the_name_at_last),
         TELL(what_is_no_regular_file_is_left_alone), TELL(a_disk_that_fails_is_told_of),
         TELL(the_environment_says_where_it_lies));
     return remove_folder(folder) | status;

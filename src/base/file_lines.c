@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <poll.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,10 +9,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/file_steps.h"
 
-enum { LOCK_TRIES = 50, LOCK_PAUSE_MS = 10, OPEN_TRIES = 20 };
+unsigned file_lines_patience_ms = 3000;
+
+enum { LOCK_PAUSE_US = 1000, REPLACED_MOST = 100 };
 
 /* Does not wait for the other end of a pipe, as one may lie there. */
 static enum err open_regular(int *fd, const char *path, int flags, struct fault *fault)
@@ -30,17 +32,15 @@ static enum err open_regular(int *fd, const char *path, int flags, struct fault 
     return fault_set(fault, ERR_INPUT, "%s is no regular file", path);
 }
 
-/* Somebody who was stopped may hold the lock for ever. */
-static bool lock(int fd)
+/* A process that was stopped may hold the lock for any time, so this gives up at `deadline`. */
+static bool lock(int fd, uint64_t deadline)
 {
-    for (int i = 0; i < LOCK_TRIES; i++) {
-        if (flock(fd, LOCK_EX | LOCK_NB) == 0)
-            return true;
-        if (errno != EWOULDBLOCK && errno != EINTR)
+    while (flock(fd, LOCK_EX | LOCK_NB) != 0) {
+        if ((errno != EWOULDBLOCK && errno != EINTR) || clock_ns() >= deadline)
             return false;
-        poll(NULL, 0, LOCK_PAUSE_MS);
+        usleep(LOCK_PAUSE_US);
     }
-    return false;
+    return true;
 }
 
 static bool is_at_path(int fd, const char *path)
@@ -50,19 +50,24 @@ static bool is_at_path(int fd, const char *path)
            here.st_dev == there.st_dev;
 }
 
-/* The file that is at the path once the lock is held, or was not to be had. */
+/* The file that is at the path once the lock is held; from the deadline on, without the lock. */
 static enum err open_locked(int *fd, bool *is_locked, const char *path, int flags,
-                            struct fault *fault)
+                            uint64_t deadline, struct fault *fault)
 {
-    for (int i = 0;; i++) {
+    for (;;) {
         enum err err = open_regular(fd, path, flags, fault);
         if (err)
             return err;
-        *is_locked = lock(*fd);
-        if (is_at_path(*fd, path) || i == OPEN_TRIES)
+        *is_locked = lock(*fd, deadline);
+        if (is_at_path(*fd, path) || clock_ns() >= deadline)
             return OK;
         close(*fd);
     }
+}
+
+static uint64_t deadline_from_now(void)
+{
+    return clock_ns() + file_lines_patience_ms * UINT64_C(1000000);
 }
 
 static bool ends_in_a_line(int fd)
@@ -72,24 +77,41 @@ static bool ends_in_a_line(int fd)
     return end <= 0 || pread(fd, &last, 1, end - 1) != 1 || last == '\n';
 }
 
-enum err file_lines_append(const char *path, const char *line, size_t length, struct fault *fault)
+static enum err append_to(int fd, const char *path, const char *text, size_t length,
+                          struct fault *fault)
 {
     struct buf bytes = {0};
-    bool is_locked;
-    int fd;
-    enum err err = open_locked(&fd, &is_locked, path, O_RDWR | O_APPEND | O_CREAT, fault);
-    if (err)
-        return err;
+    enum err err = OK;
     buf_add_text(&bytes, ends_in_a_line(fd) ? "" : "\n");
-    buf_add(&bytes, line, length);
+    buf_add(&bytes, text, length);
     buf_add_char(&bytes, '\n');
     if (bytes.failed)
         err = fault_memory(fault, "a line");
     else if (!file_step_write(fd, path, bytes.data, bytes.length))
         err = fault_errno(fault, "write", path);
-    close(fd);
     buf_release(&bytes);
     return err;
+}
+
+/* Without the lock a trimming process may have replaced the file before the write, and may have
+ * read it to its end before that (copy_late_lines): then the line is written once more. */
+enum err file_lines_append(const char *path, const char *line, size_t length, struct fault *fault)
+{
+    const uint64_t deadline = deadline_from_now();
+    for (int i = 0; i < REPLACED_MOST; i++) {
+        bool is_locked, is_there;
+        int fd;
+        enum err err =
+            open_locked(&fd, &is_locked, path, O_RDWR | O_APPEND | O_CREAT, deadline, fault);
+        if (err)
+            return err;
+        err = append_to(fd, path, line, length, fault);
+        is_there = is_at_path(fd, path);
+        close(fd);
+        if (err || is_there)
+            return err;
+    }
+    return fault_set(fault, ERR_IO, "%s is replaced all the time", path);
 }
 
 /* Reads from `from` to the end, at most `most` bytes. */
@@ -115,11 +137,11 @@ static enum err read_from(struct buf *out, int fd, off_t from, size_t most, cons
     return OK;
 }
 
-/* What lies before the first whole line goes. */
-static enum err read_tail(struct buf *out, int fd, size_t bytes_most, const char *path,
+/* The lines among the last `bytes_most` bytes before `end`; what is before the first whole line is
+ * left out. */
+static enum err read_tail(struct buf *out, int fd, off_t end, size_t bytes_most, const char *path,
                           struct fault *fault)
 {
-    const off_t end = lseek(fd, 0, SEEK_END);
     const bool whole = end <= (off_t)bytes_most;
     buf_clear(out);
     if (end < 0)
@@ -144,7 +166,7 @@ enum err file_lines_read(struct buf *out, const char *path, size_t bytes_most, s
     enum err err = open_regular(&fd, path, O_RDONLY, fault);
     if (err)
         return err;
-    err = read_tail(out, fd, bytes_most, path, fault);
+    err = read_tail(out, fd, lseek(fd, 0, SEEK_END), bytes_most, path, fault);
     close(fd);
     return err;
 }
@@ -172,23 +194,51 @@ static enum err write_anew(const char *path, const struct buf *tail, size_t line
     return err;
 }
 
+/* What was appended to the old file without the lock, after its lines were read. */
+static enum err copy_late_lines(int fd, off_t from, const char *path, struct fault *fault)
+{
+    struct buf late = {0};
+    const off_t end = lseek(fd, 0, SEEK_END);
+    enum err err = OK;
+    if (end > from)
+        err = read_from(&late, fd, from, (size_t)(end - from), path, fault);
+    while (late.length > 0 && late.data[late.length - 1] == '\n')
+        late.length--;
+    if (!err && late.length > 0)
+        err = file_lines_append(path, late.data, late.length, fault);
+    buf_release(&late);
+    return err;
+}
+
+static enum err trim_locked(int fd, const char *path, size_t lines_most, size_t bytes_most,
+                            struct fault *fault)
+{
+    struct buf tail = {0};
+    const off_t end = lseek(fd, 0, SEEK_END);
+    enum err err = read_tail(&tail, fd, end, bytes_most, path, fault);
+    const char *text = buf_text(&tail);
+    if (!err &&
+        (end > (off_t)bytes_most || file_lines_last(text, tail.length, lines_most) > text)) {
+        err = write_anew(path, &tail, lines_most, fault);
+        if (!err)
+            err = copy_late_lines(fd, end, path, fault);
+    }
+    buf_release(&tail);
+    return err;
+}
+
 enum err file_lines_trim(const char *path, size_t lines_most, size_t bytes_most,
                          struct fault *fault)
 {
-    struct buf tail = {0};
     bool is_locked;
     int fd;
     if (!file_exists(path))
         return OK;
-    enum err err = open_locked(&fd, &is_locked, path, O_RDWR, fault);
+    enum err err = open_locked(&fd, &is_locked, path, O_RDWR, deadline_from_now(), fault);
     if (err)
         return err;
-    const bool is_long = lseek(fd, 0, SEEK_END) > (off_t)bytes_most;
-    err = read_tail(&tail, fd, bytes_most, path, fault);
-    const char *text = buf_text(&tail);
-    if (!err && is_locked && (is_long || file_lines_last(text, tail.length, lines_most) > text))
-        err = write_anew(path, &tail, lines_most, fault);
+    if (is_locked && is_at_path(fd, path))
+        err = trim_locked(fd, path, lines_most, bytes_most, fault);
     close(fd); /* and with it the lock goes */
-    buf_release(&tail);
     return err;
 }
