@@ -38,19 +38,25 @@ void buf_add_char(struct buf *b, char c)
     buf_add(b, &c, 1);
 }
 
-void buf_printf(struct buf *b, const char *format, ...)
+void buf_vprintf(struct buf *b, const char *format, va_list words)
 {
-    va_list words, again;
-    va_start(words, format);
+    va_list again;
     va_copy(again, words);
-    int length = vsnprintf(NULL, 0, format, words);
-    va_end(words);
+    const int length = vsnprintf(NULL, 0, format, words);
     char *place = length < 0 ? NULL : buf_reserve(b, (size_t)length);
     if (place) {
         vsnprintf(place, (size_t)length + 1, format, again);
         b->length += (size_t)length;
     }
     va_end(again);
+}
+
+void buf_printf(struct buf *b, const char *format, ...)
+{
+    va_list words;
+    va_start(words, format);
+    buf_vprintf(b, format, words);
+    va_end(words);
 }
 
 void buf_add_safe(struct buf *b, const char *text, size_t length)

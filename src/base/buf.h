@@ -24,6 +24,8 @@ void buf_add(struct buf *b, const void *bytes, size_t length);
 void buf_add_text(struct buf *b, const char *text);
 void buf_add_char(struct buf *b, char c);
 void buf_printf(struct buf *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void buf_vprintf(struct buf *b, const char *format, va_list words)
+    __attribute__((format(printf, 2, 0)));
 
 /* Adds `length` bytes of `text` with everything a terminal would obey escaped (base/safe.h). */
 void buf_add_safe(struct buf *b, const char *text, size_t length);

@@ -1,5 +1,11 @@
 #include "base/json.h"
 
+#include <assert.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
 #include "base/safe.h"
 
 void json_add_text(struct buf *out, const char *text, size_t length)
@@ -17,4 +23,141 @@ void json_add_text(struct buf *out, const char *text, size_t length)
         length -= n ? n : 1;
     }
     buf_add_char(out, '"');
+}
+
+/* ---- members ---- */
+
+static bool has_lines(const struct json *json)
+{
+    return json->depth && json->depth <= json->lines;
+}
+
+static void begin_line(struct json *json, unsigned depth)
+{
+    buf_add_char(json->out, '\n');
+    for (unsigned i = 0; i < depth; i++)
+        buf_add_text(json->out, "  ");
+}
+
+static void begin_member(struct json *json, const char *key)
+{
+    if (json->has_member)
+        buf_add_char(json->out, ',');
+    if (has_lines(json))
+        begin_line(json, json->depth);
+    else if (json->has_member)
+        buf_add_char(json->out, ' ');
+    if (key) {
+        json_add_text(json->out, key, strlen(key));
+        buf_add_text(json->out, ": ");
+    }
+}
+
+static void end_member(struct json *json)
+{
+    json->has_member = json->depth > 0;
+    if (!json->depth)
+        buf_add_char(json->out, '\n');
+}
+
+static void begin_container(struct json *json, const char *key, char opening, char closing)
+{
+    assert(json->depth < JSON_DEPTH_MOST);
+    begin_member(json, key);
+    buf_add_char(json->out, opening);
+    json->closing[json->depth++] = closing;
+    json->has_member = false;
+}
+
+void json_object(struct json *json, const char *key)
+{
+    begin_container(json, key, '{', '}');
+}
+
+void json_array(struct json *json, const char *key)
+{
+    begin_container(json, key, '[', ']');
+}
+
+void json_end(struct json *json)
+{
+    assert(json->depth > 0);
+    if (json->has_member && has_lines(json))
+        begin_line(json, json->depth - 1);
+    buf_add_char(json->out, json->closing[--json->depth]);
+    end_member(json);
+}
+
+/* ---- values ---- */
+
+void json_bytes(struct json *json, const char *key, const void *bytes, size_t length)
+{
+    begin_member(json, key);
+    json_add_text(json->out, bytes, length);
+    end_member(json);
+}
+
+void json_text(struct json *json, const char *key, const char *text)
+{
+    json_bytes(json, key, text, strlen(text));
+}
+
+void json_format(struct json *json, const char *key, const char *format, ...)
+{
+    struct buf text = {0};
+    va_list words;
+    va_start(words, format);
+    buf_vprintf(&text, format, words);
+    va_end(words);
+    json_bytes(json, key, buf_text(&text), text.length);
+    json->out->failed |= text.failed;
+    buf_release(&text);
+}
+
+/* A number, or another word of JSON. */
+static void add_word(struct json *json, const char *key, const char *word)
+{
+    begin_member(json, key);
+    buf_add_text(json->out, word);
+    end_member(json);
+}
+
+void json_integer(struct json *json, const char *key, int64_t value)
+{
+    char word[24];
+    snprintf(word, sizeof word, "%" PRId64, value);
+    add_word(json, key, word);
+}
+
+void json_count(struct json *json, const char *key, uint64_t value)
+{
+    char word[24];
+    snprintf(word, sizeof word, "%" PRIu64, value);
+    add_word(json, key, word);
+}
+
+void json_boolean(struct json *json, const char *key, bool value)
+{
+    add_word(json, key, value ? "true" : "false");
+}
+
+static void add_real(struct json *json, const char *key, double value, const char *format,
+                     int precision)
+{
+    char word[400]; /* the largest double has 309 digits before the point */
+    snprintf(word, sizeof word, format, precision, value);
+    char *comma = strchr(word, ',');
+    if (comma)
+        *comma = '.';
+    add_word(json, key, isfinite(value) ? word : "null");
+}
+
+void json_fixed(struct json *json, const char *key, double value, int decimals)
+{
+    add_real(json, key, value, "%.*f", decimals);
+}
+
+void json_real(struct json *json, const char *key, double value, int digits)
+{
+    add_real(json, key, value, "%.*g", digits);
 }

@@ -1,11 +1,57 @@
-/* JSON texts out of bytes that are not ours. */
+/*
+ * A writer of JSON: it sets commas, quotes and brackets, and escapes what has to be.
+ *
+ *     struct json json = {.out = &text};
+ *     json_object(&json, NULL);
+ *     json_text(&json, "file", path);
+ *     json_array(&json, "size");
+ *     for (int a = 0; a < 3; a++)
+ *         json_count(&json, NULL, size[a]);
+ *     json_end(&json);
+ *     json_end(&json);
+ *
+ * adds {"file": "a.nii", "size": [3, 4, 5]} and a line feed, which ends every outermost value. Each
+ * value is given with the key it has in its object, or with NULL in an array and outermost. A text
+ * of any bytes comes out as valid JSON that is safe to print: what safe_character (base/safe.h)
+ * does not let pass becomes \u00NN, byte by byte. Numbers have a point, whatever the locale.
+ *
+ * The writer owns nothing; a failure stands in `out`.
+ */
 #ifndef BASE_JSON_H
 #define BASE_JSON_H
 
 #include "base/buf.h"
 
-/* Adds `length` bytes as a JSON string. What safe_character (base/safe.h) does not let pass comes
- * out as \u00NN, byte by byte, so that the outcome is valid JSON and safe to print. */
+enum { JSON_DEPTH_MOST = 16 };
+
+/* Begins as {.out = ...}; the caller sets `lines` besides, and leaves the rest to the writer. */
+struct json {
+    struct buf *out;
+    unsigned lines; /* objects and arrays down to this depth have a line for each member; 0: none */
+    unsigned depth; /* that are open now */
+    bool has_member; /* a comma comes before the next one */
+    char closing[JSON_DEPTH_MOST];
+};
+
+/* Each is closed by json_end, the last one opened first. */
+void json_object(struct json *json, const char *key);
+void json_array(struct json *json, const char *key);
+void json_end(struct json *json);
+
+void json_text(struct json *json, const char *key, const char *text);
+void json_bytes(struct json *json, const char *key, const void *bytes, size_t length);
+void json_format(struct json *json, const char *key, const char *format, ...)
+    __attribute__((format(printf, 3, 4))); /* a text too */
+void json_integer(struct json *json, const char *key, int64_t value);
+void json_count(struct json *json, const char *key, uint64_t value);
+void json_boolean(struct json *json, const char *key, bool value);
+
+/* So many digits after the point; the shorter of the two forms with so many significant ones. A
+ * value that is not finite, for which JSON has no number, is null. */
+void json_fixed(struct json *json, const char *key, double value, int decimals);
+void json_real(struct json *json, const char *key, double value, int digits);
+
+/* A text alone, where no writer is at work. */
 void json_add_text(struct buf *out, const char *text, size_t length);
 
 #endif

@@ -405,43 +405,55 @@ static void warn(struct buf *out, const struct journals *j)
         buf_add_text(out, "# the scenes are not the same: voxels were compared place by place\n");
 }
 
-static void tell_json_first_difference(struct buf *out, const struct journals *j)
+static void add_json_side(struct json *json, const struct journals *j, int which)
 {
     const struct first_difference *p = &j->first_difference;
-    buf_printf(out, "{\"same_commands\": %zu, \"parts\": %s", p->same, p->parts ? "true" : "false");
-    for (int i = 0; i < 2; i++) {
-        buf_printf(out, ", \"%s\": {\"file\": ", i ? "b" : "a");
-        json_add_text(out, j->options->path[i], strlen(j->options->path[i]));
-        if (p->side[i].goes_on) {
-            buf_printf(out, ", \"number\": %zu, \"line\": %zu, \"command\": ", p->side[i].number,
-                       p->side[i].line);
-            json_add_text(out, buf_text(&p->side[i].command), p->side[i].command.length);
-        }
-        buf_printf(out, ", \"scene\": \"%s\"}", j->facts[i]->proof);
+    json_object(json, which ? "b" : "a");
+    json_text(json, "file", j->options->path[which]);
+    if (p->side[which].goes_on) {
+        const struct buf *command = &p->side[which].command;
+        json_count(json, "number", p->side[which].number);
+        json_count(json, "line", p->side[which].line);
+        json_bytes(json, "command", buf_text(command), command->length);
     }
+    json_text(json, "scene", j->facts[which]->proof);
+    json_end(json);
+}
+
+static void add_json_label(struct json *json, const struct journals *j, uint8_t label)
+{
+    const struct overlap *o = j->overlap;
+    json_object(json, NULL);
+    json_count(json, "label", label);
+    json_text(json, "name", name_of(j, label));
+    json_count(json, "dice_ten_thousandths", overlap_dice(o, label));
+    json_count(json, "a", o->a[label]);
+    json_count(json, "b", o->b[label]);
+    json_count(json, "both", o->both[label]);
+    json_end(json);
 }
 
 static void tell_json(struct buf *out, const struct journals *j)
 {
-    const struct overlap *o = j->overlap;
-    const uint32_t *size = j->facts[0]->size;
-    const char *between = "";
-    tell_json_first_difference(out, j);
-    buf_printf(out, ", \"same_scene\": %s, \"size\": [%u, %u, %u], \"voxels\": %" PRIu64,
-               scenes_are_same(j) ? "true" : "false", size[0], size[1], size[2], o->voxels);
-    buf_printf(out, ", \"differing\": %" PRIu64 ", \"labels\": [", o->differing);
-    for (int label = 1; label < 256; label++) {
-        if (!is_told(o, label))
-            continue;
-        buf_printf(out, "%s{\"label\": %d, \"name\": ", between, label);
-        json_add_text(out, name_of(j, label), strlen(name_of(j, label)));
-        buf_printf(out,
-                   ", \"dice_ten_thousandths\": %u, \"a\": %" PRIu64 ", \"b\": %" PRIu64
-                   ", \"both\": %" PRIu64 "}",
-                   overlap_dice(o, (uint8_t)label), o->a[label], o->b[label], o->both[label]);
-        between = ", ";
-    }
-    buf_add_text(out, "]}\n");
+    struct json json = {.out = out};
+    json_object(&json, NULL);
+    json_count(&json, "same_commands", j->first_difference.same);
+    json_boolean(&json, "parts", j->first_difference.parts);
+    add_json_side(&json, j, 0);
+    add_json_side(&json, j, 1);
+    json_boolean(&json, "same_scene", scenes_are_same(j));
+    json_array(&json, "size");
+    for (int a = 0; a < 3; a++)
+        json_count(&json, NULL, j->facts[0]->size[a]);
+    json_end(&json);
+    json_count(&json, "voxels", j->overlap->voxels);
+    json_count(&json, "differing", j->overlap->differing);
+    json_array(&json, "labels");
+    for (int label = 1; label < 256; label++)
+        if (is_told(j->overlap, label))
+            add_json_label(&json, j, (uint8_t)label);
+    json_end(&json);
+    json_end(&json);
 }
 
 static enum err say(struct buf *text, void (*to)(void *context, const char *text),

@@ -1,0 +1,149 @@
+/*
+ * The writer of JSON, against texts that were worked out by hand.
+ */
+#include <math.h>
+
+#include "base/json.h"
+#include "tests/check.h"
+
+static struct buf text;
+
+static struct json begin(unsigned lines)
+{
+    buf_clear(&text);
+    return (struct json){.out = &text, .lines = lines};
+}
+
+STORY(members_are_parted_by_commas)
+{
+    struct json json = begin(0);
+    json_object(&json, NULL);
+    json_text(&json, "file", "a.nii");
+    json_array(&json, "size");
+    for (int a = 3; a < 6; a++)
+        json_count(&json, NULL, (uint64_t)a);
+    json_end(&json);
+    json_boolean(&json, "whole", true);
+    json_boolean(&json, "torn", false);
+    json_end(&json);
+    CHECK_TEXT(buf_text(&text),
+               "{\"file\": \"a.nii\", \"size\": [3, 4, 5], \"whole\": true, \"torn\": false}\n");
+}
+
+STORY(what_is_empty_is_closed_at_once)
+{
+    struct json json = begin(9);
+    json_array(&json, NULL);
+    json_object(&json, NULL);
+    json_end(&json);
+    json_array(&json, NULL);
+    json_end(&json);
+    json_end(&json);
+    CHECK_TEXT(buf_text(&text), "[\n  {},\n  []\n]\n");
+}
+
+STORY(outer_levels_have_a_line_for_each_member)
+{
+    struct json json = begin(2);
+    json_object(&json, NULL);
+    json_object(&json, "entity");
+    for (int i = 1; i < 3; i++) {
+        json_object(&json, i == 1 ? "one" : "two");
+        json_count(&json, "number", (uint64_t)i);
+        json_text(&json, "kind", "state");
+        json_end(&json);
+    }
+    json_end(&json);
+    json_object(&json, "used");
+    json_end(&json);
+    json_end(&json);
+    CHECK_TEXT(buf_text(&text), "{\n"
+                                "  \"entity\": {\n"
+                                "    \"one\": {\"number\": 1, \"kind\": \"state\"},\n"
+                                "    \"two\": {\"number\": 2, \"kind\": \"state\"}\n"
+                                "  },\n"
+                                "  \"used\": {}\n"
+                                "}\n");
+}
+
+STORY(each_outermost_value_is_a_line)
+{
+    struct json json = begin(0);
+    json_count(&json, NULL, 1);
+    json_object(&json, NULL);
+    json_end(&json);
+    json_text(&json, NULL, "");
+    CHECK_TEXT(buf_text(&text), "1\n{}\n\"\"\n");
+}
+
+STORY(texts_are_escaped_wherever_they_stand)
+{
+    struct json json = begin(0);
+    json_object(&json, NULL);
+    json_text(&json, "a\"b\\", "\n\033[1m\x7f");
+    json_bytes(&json, "zero", "a\0b", 3);
+    json_text(&json, "umlaut", "\xc3\xa4");
+    json_text(&json, "half", "\xc3");
+    json_text(&json, "C1", "\xc2\x9b");
+    json_format(&json, "digest", "%016llx", 0xabcULL);
+    json_end(&json);
+    CHECK_TEXT(buf_text(&text), "{\"a\\\"b\\\\\": \"\\u000a\\u001b[1m\\u007f\", "
+                                "\"zero\": \"a\\u0000b\", \"umlaut\": \"\xc3\xa4\", "
+                                "\"half\": \"\\u00c3\", \"C1\": \"\\u00c2\\u009b\", "
+                                "\"digest\": \"0000000000000abc\"}\n");
+}
+
+STORY(numbers_are_whole_at_the_ends_of_their_range)
+{
+    struct json json = begin(0);
+    json_array(&json, NULL);
+    json_integer(&json, NULL, INT64_MIN);
+    json_integer(&json, NULL, INT64_MAX);
+    json_count(&json, NULL, UINT64_MAX);
+    json_count(&json, NULL, 0);
+    json_end(&json);
+    CHECK_TEXT(buf_text(&text),
+               "[-9223372036854775808, 9223372036854775807, 18446744073709551615, 0]\n");
+}
+
+STORY(reals_have_a_point_and_are_finite)
+{
+    struct json json = begin(0);
+    json_array(&json, NULL);
+    json_fixed(&json, NULL, 1.5, 3);
+    json_fixed(&json, NULL, -0.0625, 4);
+    json_fixed(&json, NULL, 2.5, 0);
+    json_real(&json, NULL, 1.25, 6);
+    json_real(&json, NULL, 1e300, 6);
+    json_fixed(&json, NULL, (double)NAN, 3);
+    json_real(&json, NULL, -(double)INFINITY, 3);
+    json_end(&json);
+    CHECK_TEXT(buf_text(&text), "[1.500, -0.0625, 2, 1.25, 1e+300, null, null]\n");
+    json = begin(0);
+    json_fixed(&json, NULL, 1e308, 6); /* longer than any other */
+    CHECK_INT(text.length, 309 + 7 + 1);
+}
+
+STORY(a_failed_buffer_stays_failed)
+{
+    struct json json = begin(0);
+    json_object(&json, NULL);
+    text.failed = true;
+    json_text(&json, "a", "b");
+    json_format(&json, "c", "%d", 1);
+    json_end(&json);
+    CHECK(text.failed);
+    CHECK_TEXT(buf_text(&text), "{");
+}
+
+int main(void)
+{
+    const int status = RUN_STORIES(
+        TELL(members_are_parted_by_commas), TELL(what_is_empty_is_closed_at_once),
+        TELL(outer_levels_have_a_line_for_each_member), TELL(each_outermost_value_is_a_line),
+        TELL(texts_are_escaped_wherever_they_stand),
+        TELL(numbers_are_whole_at_the_ends_of_their_range), TELL(reals_have_a_point_and_are_finite),
+        TELL(a_failed_buffer_stays_failed));
+    buf_release(&text);
+    return status;
+}
