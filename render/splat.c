@@ -4,22 +4,22 @@
 
 /* A cube as the camera sees it: where its three near planes are crossed by the ray of pixel 0,0,
  * and where its centre falls, in pixels times 2^30. Linear in the cube's position. */
-struct sight {
+struct projection {
     int64_t near[3];
     int64_t centre[2];
 };
 
-static struct sight sight_of(const struct camera *camera, struct place p)
+static struct projection project(const struct camera *camera, struct place p)
 {
     const uint32_t at[3] = {p.x, p.y, p.z};
-    struct sight sight = {{0, 0, 0}, {camera->centre[0], camera->centre[1]}};
+    struct projection seen = {{0, 0, 0}, {camera->centre[0], camera->centre[1]}};
     for (int a = 0; a < 3; a++) {
         int64_t n = camera->flip[a] ? (int64_t)camera->scene->grid.size[a] - 1 - at[a] : at[a];
-        sight.near[a] = camera_crossing(camera, a, n, 0, 0);
-        sight.centre[0] += n * camera->column[0][a];
-        sight.centre[1] += n * camera->column[1][a];
+        seen.near[a] = camera_crossing(camera, a, n, 0, 0);
+        seen.centre[0] += n * camera->column[0][a];
+        seen.centre[1] += n * camera->column[1][a];
     }
-    return sight;
+    return seen;
 }
 
 static inline int32_t within(int64_t v, int64_t least, int64_t most)
@@ -41,10 +41,10 @@ static inline struct footprint footprint_at(const struct camera *camera, int64_t
 
 struct footprint splat_footprint(const struct camera *camera, uint32_t cell, int around)
 {
-    struct sight sight = sight_of(camera, grid_place(&camera->scene->grid, cell));
+    struct projection seen = project(camera, grid_place(&camera->scene->grid, cell));
     const int64_t reach[2] = {(2 * around + 1) * camera->reach[0],
                               (2 * around + 1) * camera->reach[1]};
-    return footprint_at(camera, sight.centre[0], sight.centre[1], reach);
+    return footprint_at(camera, seen.centre[0], seen.centre[1], reach);
 }
 
 static inline int64_t most_of(int64_t a, int64_t b, int64_t c)
@@ -84,8 +84,8 @@ static inline void splat_cube(struct rendition *r, const struct camera *camera, 
 
 void splat_voxel(struct rendition *r, const struct camera *camera, uint32_t cell)
 {
-    struct sight sight = sight_of(camera, grid_place(&camera->scene->grid, cell));
-    splat_cube(r, camera, cell, sight.near, splat_footprint(camera, cell, 0));
+    struct projection seen = project(camera, grid_place(&camera->scene->grid, cell));
+    splat_cube(r, camera, cell, seen.near, splat_footprint(camera, cell, 0));
 }
 
 /* ---- whole sets of voxels ---- */
@@ -125,24 +125,24 @@ static struct face_set face_set_of(const struct camera *camera, unsigned faces)
 struct sweep {
     const struct camera *camera;
     struct face_set set[FACE_SETS];
-    uint32_t first, end;           /* cells of the row at hand, from voxel 0 to behind its last, */
-    struct sight sight;            /* and what is seen of its voxel 0 */
-    struct sight along_x, along_y; /* what one voxel along x or y adds */
+    uint32_t first, end;    /* cells of the row at hand, from voxel 0 to behind its last, */
+    struct projection seen; /* and what is seen of its voxel 0 */
+    struct projection along_x, along_y; /* what one voxel along x or y adds */
 };
 
-static struct sight sight_between(const struct camera *camera, int a)
+static struct projection projection_between(const struct camera *camera, int a)
 {
     const int64_t n = camera->flip[a] ? -1 : 1;
-    struct sight sight = {{0, 0, 0}, {n * camera->column[0][a], n * camera->column[1][a]}};
-    sight.near[a] = n * camera->T[a];
-    return sight;
+    struct projection seen = {{0, 0, 0}, {n * camera->column[0][a], n * camera->column[1][a]}};
+    seen.near[a] = n * camera->T[a];
+    return seen;
 }
 
 static void sweep_init(struct sweep *sweep, const struct camera *camera)
 {
     *sweep = (struct sweep){.camera = camera};
-    sweep->along_x = sight_between(camera, 0);
-    sweep->along_y = sight_between(camera, 1);
+    sweep->along_x = projection_between(camera, 0);
+    sweep->along_y = projection_between(camera, 1);
     for (unsigned faces = 1; faces < FACE_SETS; faces++)
         sweep->set[faces] = face_set_of(camera, faces);
 }
@@ -154,13 +154,13 @@ static void sweep_to_row(struct sweep *sweep, uint32_t cell)
     const uint32_t next = sweep->first + (uint32_t)grid->step[1];
     if (cell >= next && cell < next + grid->size[0] && sweep->first) {
         sweep->first = next;
-        sweep->sight.near[1] += sweep->along_y.near[1];
+        sweep->seen.near[1] += sweep->along_y.near[1];
         for (int k = 0; k < 2; k++)
-            sweep->sight.centre[k] += sweep->along_y.centre[k];
+            sweep->seen.centre[k] += sweep->along_y.centre[k];
     } else {
         const struct place p = grid_place(grid, cell);
         sweep->first = cell - p.x;
-        sweep->sight = sight_of(sweep->camera, (struct place){0, p.y, p.z});
+        sweep->seen = project(sweep->camera, (struct place){0, p.y, p.z});
     }
     sweep->end = sweep->first + grid->size[0];
 }
@@ -172,7 +172,7 @@ static inline void sweep_splat(struct sweep *sweep, struct rendition *r, uint32_
     if (cell >= sweep->end || cell < sweep->first)
         sweep_to_row(sweep, cell);
     const struct face_set *set = &sweep->set[faces];
-    const struct sight *row = &sweep->sight, *along = &sweep->along_x;
+    const struct projection *row = &sweep->seen, *along = &sweep->along_x;
     const int64_t x = cell - sweep->first;
     const int64_t near[3] = {row->near[0] + x * along->near[0], row->near[1], row->near[2]};
     const struct footprint f =

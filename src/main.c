@@ -139,7 +139,7 @@ static void wait_idly(void *context, bool waits)
 
 static struct progress progress;
 
-static bool look(void *context, const char *what, uint64_t done, uint64_t total)
+static bool poll_watch(void *context, const char *what, uint64_t done, uint64_t total)
 {
     static bool taking_back;
     const bool stop = interrupted;
@@ -155,14 +155,14 @@ static bool look(void *context, const char *what, uint64_t done, uint64_t total)
     return stop || limits_stop();
 }
 
-static void tell(void *context, const char *line)
+static void announce(void *context, const char *line)
 {
     (void)context;
     progress_erase(&progress);
     fprintf(stderr, "%siftty: %s\n", progress.shows ? "\r" : "", line);
 }
 
-static struct watch watch = {.look = look, .tell = tell};
+static struct watch watch = {.poll = poll_watch, .announce = announce};
 
 /* ---- printing ---- */
 

@@ -1785,7 +1785,7 @@ struct looks {
     unsigned count, stop_at;
 };
 
-static bool after_some_looks(void *context, const char *what, uint64_t done, uint64_t total)
+static bool after_some_polls(void *context, const char *what, uint64_t done, uint64_t total)
 {
     struct looks *looks = context;
     CHECK(!what || !total || done <= total);
@@ -1807,7 +1807,7 @@ static void begin_interesting_work(struct interpreter *interp)
 static unsigned looks_of(struct interpreter *interp, const char *line)
 {
     struct looks looks = {0, UINT32_MAX};
-    struct watch watch = {.context = &looks, .look = after_some_looks};
+    struct watch watch = {.context = &looks, .poll = after_some_polls};
     interp->session.watch = &watch;
     CHECK_INT(execute(interp, line), OK);
     interpreter_release(interp);
@@ -1831,7 +1831,7 @@ static unsigned stop_everywhere(struct interpreter *interp, const char *line, un
                                 const struct snapshot *before)
 {
     struct looks looks;
-    struct watch watch = {.context = &looks, .look = after_some_looks};
+    struct watch watch = {.context = &looks, .poll = after_some_polls};
     unsigned stopped = 0;
     for (unsigned at = 0, step = 1; at < total; at = next_look(at, &step, total), stopped++) {
         looks = (struct looks){0, at};
@@ -1885,7 +1885,7 @@ STORY(interpolation_that_is_cancelled_is_undone)
     static const char line[] = "interpolate 2 1 1";
     struct interpreter interp;
     struct looks looks;
-    struct watch watch = {.context = &looks, .look = after_some_looks};
+    struct watch watch = {.context = &looks, .poll = after_some_polls};
     struct snapshot before;
     enum err err = ERR_CANCELLED;
     unsigned cancelled = 0;
@@ -1915,7 +1915,7 @@ STORY(opening_that_is_cancelled_opens_nothing)
                                        "open scene.nii"};
     struct interpreter interp;
     struct looks looks;
-    struct watch watch = {.context = &looks, .look = after_some_looks};
+    struct watch watch = {.context = &looks, .poll = after_some_polls};
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
         enum err err = ERR_CANCELLED;
         begin_interpreter(&interp);

@@ -321,7 +321,7 @@ static void wait_for_ever(void *context, struct buf *out)
         pause();
 }
 
-static bool look_and_stop(void *context, const char *what, uint64_t done, uint64_t total)
+static bool poll_and_stop(void *context, const char *what, uint64_t done, uint64_t total)
 {
     (void)what;
     (void)done;
@@ -349,7 +349,7 @@ STORY(an_errand_that_dies_or_says_too_much_or_never_ends_is_an_error)
 {
     size_t bytes = 3000000;
     int looks = 0;
-    struct watch watch = {.context = &looks, .look = look_and_stop};
+    struct watch watch = {.context = &looks, .poll = poll_and_stop};
     struct buf out = {0};
     struct fault why = {0};
     CHECK(worker_process_run(&out, &(struct worker_process){.work = die, .most = 100}, &why) ==

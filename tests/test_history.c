@@ -389,7 +389,7 @@ STORY(who_is_stopped_on_the_way_is_where_he_was)
     struct interpreter interp;
     struct snapshot before;
     unsigned left, stopped = 0;
-    struct watch watch = {.context = &left, .look = not_now};
+    struct watch watch = {.context = &left, .poll = not_now};
     begin_with_history(&interp);
     take_snapshot(&before, &interp);
     for (size_t i = 0; i < TRAVELS; i++)

@@ -143,7 +143,7 @@ static void hear(void *context, const char *line)
 STORY(a_task_is_looked_at_now_and_then_and_stays_stopped)
 {
     struct seen seen = {.stop_at = 3};
-    struct watch watch = {.context = &seen, .look = see, .tell = hear};
+    struct watch watch = {.context = &seen, .poll = see, .announce = hear};
     struct task task = task_begin(&watch, "work", 10 * TASK_STEP);
     unsigned steps = 0;
     while (task_advance(&task, TASK_STEP / 4))
@@ -160,18 +160,18 @@ STORY(a_task_is_looked_at_now_and_then_and_stays_stopped)
     CHECK(watch_stops(&watch) && watch_fault(&watch, NULL) == ERR_CANCELLED);
     seen.looks = 0;
     seen.stop_at = 1;
-    watch_deafen(&watch); /* W2 */
+    watch_ignore_stop(&watch); /* W2 */
     CHECK(!watch_stops(&watch) && watch_fault(&watch, NULL) == OK);
     CHECK_INT(seen.looks, 2);
     watch_begin(&watch);
     CHECK(watch_stops(&watch));
-    watch_tell(&watch, "%d voxels", 7);
+    watch_announce(&watch, "%d voxels", 7);
     CHECK_TEXT(seen.told, "7 voxels");
     task = task_begin(NULL, "work", TASK_STEP);
     CHECK(task_advance(&task, UINT64_C(1) << 40));
     CHECK(!watch_stops(NULL) && watch_fault(NULL, NULL) == OK);
     watch_begin(NULL);
-    watch_tell(NULL, "nobody");
+    watch_announce(NULL, "nobody");
 }
 
 /* ---- the line ---- */

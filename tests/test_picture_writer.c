@@ -199,7 +199,7 @@ static bool stop(void *context, const char *what, uint64_t done, uint64_t total)
 STORY(waiting_can_be_given_up)
 {
     struct picture_writer *writer = scripted("exec sleep 30");
-    struct watch watch = {.look = stop};
+    struct watch watch = {.poll = stop};
     struct buf text = {0};
     image_helper_patience_ms = 1000;
     for (unsigned i = 0; i < 3; i++)

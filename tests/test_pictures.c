@@ -261,7 +261,7 @@ STORY(a_turntable_is_all_or_nothing)
 
 /* Stops after so many looks. */
 static int looks_left = 1 << 30;
-static bool look(void *context, const char *what, uint64_t done, uint64_t total)
+static bool poll_watch(void *context, const char *what, uint64_t done, uint64_t total)
 {
     (void)context, (void)what, (void)done, (void)total;
     return looks_left-- <= 0;
@@ -269,7 +269,7 @@ static bool look(void *context, const char *what, uint64_t done, uint64_t total)
 
 STORY(a_turntable_that_is_cancelled_leaves_nothing)
 {
-    static struct watch watch = {.look = look};
+    static struct watch watch = {.poll = poll_watch};
     static const char *const line[] = {"spin 6 gone%d.png", "spin 6 gone.gif",
                                        "spin 6 all%d.png replace=yes"};
     struct interpreter interp;

@@ -156,7 +156,7 @@ static bool stop_later(void *context, const char *what, uint64_t done, uint64_t 
 STORY(counts_are_right_after_a_command_was_cancelled)
 {
     struct interpreter interp;
-    struct watch watch = {.look = stop_later};
+    struct watch watch = {.poll = stop_later};
     unsigned cancelled = 0;
     begin_with_geom(&interp);
     interp.session.watch = &watch;

@@ -8,40 +8,40 @@ void watch_begin(struct watch *watch)
     if (!watch)
         return;
     watch->stopped = false;
-    watch->deaf = false;
+    watch->ignores_stop = false;
 }
 
-void watch_deafen(struct watch *watch)
+void watch_ignore_stop(struct watch *watch)
 {
     watch_begin(watch);
     if (watch)
-        watch->deaf = true;
+        watch->ignores_stop = true;
 }
 
-void watch_tell(struct watch *watch, const char *format, ...)
+void watch_announce(struct watch *watch, const char *format, ...)
 {
     char line[256];
     va_list words;
-    if (!watch || !watch->tell)
+    if (!watch || !watch->announce)
         return;
     va_start(words, format);
     vsnprintf(line, sizeof line, format, words);
     va_end(words);
-    watch->tell(watch->context, line);
+    watch->announce(watch->context, line);
 }
 
-bool watch_look(struct watch *watch, const char *what, uint64_t done, uint64_t total)
+bool watch_poll(struct watch *watch, const char *what, uint64_t done, uint64_t total)
 {
     if (!watch)
         return false;
-    const bool stop = watch->look(watch->context, what, done, total);
-    watch->stopped = watch->stopped || (stop && !watch->deaf);
+    const bool stop = watch->poll(watch->context, what, done, total);
+    watch->stopped = watch->stopped || (stop && !watch->ignores_stop);
     return watch->stopped;
 }
 
 bool watch_stops(struct watch *watch)
 {
-    return watch_look(watch, NULL, 0, 0);
+    return watch_poll(watch, NULL, 0, 0);
 }
 
 enum err watch_fault(struct watch *watch, struct fault *fault)
@@ -61,10 +61,11 @@ struct task task_begin_part(struct watch *watch, const char *what, uint64_t tota
     return (struct task){watch, what, 0, total, watch ? TASK_STEP : UINT64_MAX, part > 0};
 }
 
-bool task_look(struct task *task)
+bool task_poll(struct task *task)
 {
-    const bool stop = task->aside ? task->watch->stopped
-                                  : watch_look(task->watch, task->what, task->done, task->total);
+    const bool stop = task->only_stops
+                          ? task->watch->stopped
+                          : watch_poll(task->watch, task->what, task->done, task->total);
     task->next = stop ? 0 : task->done + TASK_STEP;
     return !stop;
 }

@@ -135,8 +135,8 @@ void act_write_slices(struct buf *out, struct session *session);
 
 /* A slice or mosaic as a picture with notes, and its digest among the words. The caller releases
  * the picture. */
-enum err act_take_sight(struct interpreter *interp, enum sight sight, struct picture *picture,
-                        struct reply *reply, struct fault *fault);
+enum err act_take_slices(struct interpreter *interp, enum slice_kind kind, struct picture *picture,
+                         struct reply *reply, struct fault *fault);
 
 /* "2 cerebellum", or "2" where the label has no name. */
 void act_write_label(struct buf *out, const struct session *session, unsigned label);

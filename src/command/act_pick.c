@@ -20,14 +20,14 @@ static enum err voxel_of_rendition(const struct session *session, uint32_t colum
 }
 
 /* The same of a slice or mosaic, as it would be drawn now. */
-static enum err voxel_of_sight(struct session *session, enum sight sight, uint32_t column,
-                               uint32_t row, uint32_t *cell, struct fault *fault)
+static enum err voxel_of_slices(struct session *session, enum slice_kind kind, uint32_t column,
+                                uint32_t row, uint32_t *cell, struct fault *fault)
 {
     const struct view *view = &session->settings.view;
     if (column >= view->width || row >= view->height)
         return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column,
                          row, view->width, view->height);
-    return slicing_cell_at(cell, session, sight, column, row, fault);
+    return slicing_cell_at(cell, session, kind, column, row, fault);
 }
 
 /* "3.61 mm from the border of label 1 brain, at 70,101,95" */
@@ -54,16 +54,16 @@ ACT(pick)
 {
     struct session *session = &interp->session;
     const uint32_t column = (uint32_t)value[0].number, row = (uint32_t)value[1].number;
-    const bool is_sight = value[2].given && value[2].number > 0;
+    const bool is_slice = value[2].given && value[2].number > 0;
     uint32_t cell = CELL_NONE;
-    enum err err = is_sight ? voxel_of_sight(session, (enum sight)(value[2].number - 1), column,
-                                             row, &cell, fault)
+    enum err err = is_slice ? voxel_of_slices(session, (enum slice_kind)(value[2].number - 1),
+                                              column, row, &cell, fault)
                             : voxel_of_rendition(session, column, row, &cell, fault);
     if (err)
         return err;
     if (cell == CELL_NONE) {
         buf_printf(&reply->text, "pixel %u,%u shows no %s\n", column, row,
-                   is_sight ? "voxel" : "object");
+                   is_slice ? "voxel" : "object");
         return OK;
     }
     act_tell_voxel(&reply->text, session, cell);

@@ -251,11 +251,11 @@ static enum err write_golden(struct interpreter *interp, const char *name, const
 static enum err take_golden(struct interpreter *interp, const struct value *of,
                             struct picture *picture, struct reply *reply, struct fault *fault)
 {
-    const bool is_sight = of->given && of->number > 0;
+    const bool is_slice = of->given && of->number > 0;
     if (interp->skims)
-        return is_sight ? OK : session_run(&interp->session, fault);
-    if (is_sight)
-        return act_take_sight(interp, (enum sight)(of->number - 1), picture, reply, fault);
+        return is_slice ? OK : session_run(&interp->session, fault);
+    if (is_slice)
+        return act_take_slices(interp, (enum slice_kind)(of->number - 1), picture, reply, fault);
     enum err err = session_render(&interp->session, RENDER_AS_KEPT, fault);
     if (err)
         return err;

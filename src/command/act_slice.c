@@ -74,15 +74,15 @@ ACT(overlay)
 
 /* ---- pictures ---- */
 
-enum err act_take_sight(struct interpreter *interp, enum sight sight, struct picture *picture,
-                        struct reply *reply, struct fault *fault)
+enum err act_take_slices(struct interpreter *interp, enum slice_kind kind, struct picture *picture,
+                         struct reply *reply, struct fault *fault)
 {
     struct canvas canvas;
-    enum err err = slicing_draw(&canvas, &interp->session, sight, true, fault);
+    enum err err = slicing_draw(&canvas, &interp->session, kind, true, fault);
     if (err)
         return err;
     buf_printf(&reply->words, "picture=%016llx", (unsigned long long)canvas_digest(&canvas));
-    err = slicing_export(picture, &interp->session, sight, &canvas, fault);
+    err = slicing_export(picture, &interp->session, kind, &canvas, fault);
     canvas_release(&canvas);
     if (!err)
         err = act_note_picture(interp, picture, fault);
@@ -91,11 +91,11 @@ enum err act_take_sight(struct interpreter *interp, enum sight sight, struct pic
     return err;
 }
 
-static enum err show_inline(struct interpreter *interp, enum sight sight, struct reply *reply,
+static enum err show_inline(struct interpreter *interp, enum slice_kind kind, struct reply *reply,
                             struct fault *fault)
 {
     struct canvas canvas;
-    enum err err = slicing_draw(&canvas, &interp->session, sight, false, fault);
+    enum err err = slicing_draw(&canvas, &interp->session, kind, false, fault);
     if (err)
         return err;
     buf_printf(&reply->words, "picture=%016llx", (unsigned long long)canvas_digest(&canvas));
@@ -104,8 +104,9 @@ static enum err show_inline(struct interpreter *interp, enum sight sight, struct
 }
 
 /* To the file that is named, or inline. */
-static enum err bring_out(struct interpreter *interp, enum sight sight, const struct value *file,
-                          const struct value *replace, struct reply *reply, struct fault *fault)
+static enum err bring_out(struct interpreter *interp, enum slice_kind kind,
+                          const struct value *file, const struct value *replace,
+                          struct reply *reply, struct fault *fault)
 {
     struct picture picture = {0};
     struct buf path = {0};
@@ -113,8 +114,8 @@ static enum err bring_out(struct interpreter *interp, enum sight sight, const st
         return OK;
     act_write_slices(&reply->text, &interp->session);
     if (!file->given)
-        return show_inline(interp, sight, reply, fault);
-    enum err err = act_take_sight(interp, sight, &picture, reply, fault);
+        return show_inline(interp, kind, reply, fault);
+    enum err err = act_take_slices(interp, kind, &picture, reply, fault);
     if (!err)
         err = interpreter_output_path(interp, file->text, &path, fault);
     if (!err && path.length)
@@ -140,12 +141,12 @@ ACT(slice)
         slice_move(session->scene, plane, (uint32_t)value[SLICE_NUMBER].number, s->cross);
     if (value[SLICE_ZOOM].given)
         s->zoom = value[SLICE_ZOOM].text ? 0 : (uint32_t)value[SLICE_ZOOM].number;
-    return bring_out(interp, (enum sight)plane, &value[SLICE_FILE], &value[SLICE_REPLACE], reply,
-                     fault);
+    return bring_out(interp, (enum slice_kind)plane, &value[SLICE_FILE], &value[SLICE_REPLACE],
+                     reply, fault);
 }
 
 ACT(mosaic)
 {
-    return bring_out(interp, SIGHT_MOSAIC, &value[MOSAIC_FILE], &value[MOSAIC_REPLACE], reply,
+    return bring_out(interp, SLICE_KIND_MOSAIC, &value[MOSAIC_FILE], &value[MOSAIC_REPLACE], reply,
                      fault);
 }

@@ -123,7 +123,7 @@ static enum err turn_around(struct spin *spin, struct fault *fault)
     const bool rendered = session->rendered;
     enum err err = OK;
     for (unsigned i = 0; i < spin->count && !err; i++) {
-        watch_look(session->watch, "turntable", i, spin->count);
+        watch_poll(session->watch, "turntable", i, spin->count);
         err = turn_to(spin, &from, i, fault);
         if (!err)
             err = write_picture(spin, i, fault);

@@ -478,7 +478,7 @@ const struct command command_table[] = {
     {"golden",
      GROUP_KEPT,
      R | S | E,
-     {NEED("NAME", GOLDEN, 0, 0), KEYED_ONE_OF("of", "rendition|" SIGHT_WORDS)},
+     {NEED("NAME", GOLDEN, 0, 0), KEYED_ONE_OF("of", "rendition|" SLICE_KINDS)},
      "keep a picture as a golden image",
      "The rendition, or a slice or mosaic as it would be shown now. `iftty verify` compares it "
      "pixel for pixel. It lies in a folder beside the journal.",
@@ -531,7 +531,7 @@ const struct command command_table[] = {
      GROUP_QUESTIONS,
      S,
      {NEED("COLUMN", NUMBER, 0, VIEW_SIDE_MOST), NEED("ROW", NUMBER, 0, VIEW_SIDE_MOST),
-      KEYED_ONE_OF("of", "rendition|" SIGHT_WORDS)},
+      KEYED_ONE_OF("of", "rendition|" SLICE_KINDS)},
      "the voxel under a pixel of a picture",
      "Of the rendition as `render` made it, or of a slice or mosaic as it would be shown now. "
      "Columns from the left, rows from the top, both from 0.\n"

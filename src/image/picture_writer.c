@@ -245,7 +245,7 @@ enum err picture_writer_wait(struct picture_writer *writer, struct watch *watch,
     while (writer->first || writer->current) {
         wait_a_moment(writer);
         pthread_mutex_unlock(&writer->lock);
-        stopped = stopped || watch_look(watch, "writing pictures", 0, 0);
+        stopped = stopped || watch_poll(watch, "writing pictures", 0, 0);
         pthread_mutex_lock(&writer->lock);
         if (stopped)
             give_up(writer);

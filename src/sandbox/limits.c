@@ -106,7 +106,7 @@ bool limits_stop(void)
     return now.state != WITHIN;
 }
 
-static bool look(void *context, const char *what, uint64_t done, uint64_t total)
+static bool poll_limits(void *context, const char *what, uint64_t done, uint64_t total)
 {
     (void)context, (void)what, (void)done, (void)total;
     return limits_stop();
@@ -114,7 +114,7 @@ static bool look(void *context, const char *what, uint64_t done, uint64_t total)
 
 struct watch *limits_watch(void)
 {
-    static struct watch watch = {.look = look};
+    static struct watch watch = {.poll = poll_limits};
     return now.hold ? &watch : NULL;
 }
 

@@ -39,8 +39,8 @@ static enum err check_memory(const uint32_t size[3], const char *undone, struct 
                          size[0], size[1], size[2], (double)needed / 1e9, (double)available / 1e9,
                          undone);
     if (needed >= ANNOUNCED_FROM)
-        watch_tell(watch, "%ux%ux%u voxels: needs %.1f GB of memory, %.1f GB are free", size[0],
-                   size[1], size[2], (double)needed / 1e9, (double)available / 1e9);
+        watch_announce(watch, "%ux%ux%u voxels: needs %.1f GB of memory, %.1f GB are free", size[0],
+                       size[1], size[2], (double)needed / 1e9, (double)available / 1e9);
     return OK;
 }
 

@@ -182,15 +182,15 @@ enum err session_eliminate_seeds(struct session *session, const uint32_t *seed, 
 /* ---- the forest ---- */
 
 /* How the forest's passes are watched. */
-struct lookout {
+struct progress {
     struct watch *watch;
     uint64_t voxels; /* to be served; 0 where nobody knows */
 };
 
-static bool look(void *context, uint64_t served)
+static bool poll_forest(void *context, uint64_t served)
 {
-    const struct lookout *lookout = context;
-    return watch_look(lookout->watch, "forest", served, lookout->voxels);
+    const struct progress *progress = context;
+    return watch_poll(progress->watch, "forest", served, progress->voxels);
 }
 
 /* Colours of what the maps of the rendition show, and the picture at the size of the view. */
@@ -228,8 +228,8 @@ enum err session_edit(struct session *session, const struct edit *edit, size_t c
                       struct fault *fault)
 {
     const bool scratch = forest_seeds(session->forest) == 0;
-    struct lookout lookout = {session->watch, scratch ? session->scene->grid.voxels : 0};
-    const struct forest_watch watch = {look, &lookout};
+    struct progress progress = {session->watch, scratch ? session->scene->grid.voxels : 0};
+    const struct forest_watch watch = {poll_forest, &progress};
     enum err err = forest_edit(session->forest, edit, count, &watch, fault);
     if (err)
         return err;
@@ -253,8 +253,8 @@ enum err session_run(struct session *session, struct fault *fault)
 
 enum err session_rebuild(struct session *session, bool catches_up, struct fault *fault)
 {
-    struct lookout lookout = {session->watch, session->scene->grid.voxels};
-    const struct forest_watch watch = {look, &lookout};
+    struct progress progress = {session->watch, session->scene->grid.voxels};
+    const struct forest_watch watch = {poll_forest, &progress};
     if (forest_seeds(session->forest) == 0 && !catches_up)
         return OK; /* no voxel is reached, whatever the weights */
     session->rebuilt_forest = true;
@@ -601,7 +601,7 @@ void session_rollback(struct session *session)
     const bool cut_short = session->watch && session->watch->stopped;
     session_take_back_lists(session);
     eliminators_rollback(&session->eliminators);
-    watch_deafen(session->watch);
+    watch_ignore_stop(session->watch);
     bool is_other_scene = session->former.scene != NULL;
     if (is_other_scene)
         session_take_back_scene(session);

@@ -128,9 +128,9 @@ static bool list_marks(struct sketch *sketch, const struct session *session)
     return true;
 }
 
-static void write_sight(char out[16], enum sight sight)
+static void write_kind(char out[16], enum slice_kind kind)
 {
-    const struct choice choice = choice_at(SIGHT_WORDS, sight);
+    const struct choice choice = choice_at(SLICE_KINDS, kind);
     snprintf(out, 16, "%.*s", (int)choice.length, choice.word);
 }
 
@@ -146,7 +146,7 @@ static void write_title(char out[64], const struct session *session, enum slice_
     const bool is_far = fabs(mm) >= 1e9;
     const long long tenths = is_far ? 0 : llround(mm * 10);
     char name[16];
-    write_sight(name, (enum sight)plane);
+    write_kind(name, (enum slice_kind)plane);
     const int n = snprintf(out, 64, "%s %u\n%c ", name, slice_index(session->scene, plane, cross),
                            side[plane][is_far ? mm > 0 : tenths >= 0]);
     if (is_far)
@@ -180,18 +180,18 @@ static enum err sketch_init(struct sketch *sketch, struct session *session, stru
 }
 
 /* One that was zoomed shows voxels as they are, to be told one from another. */
-static struct slice_choice slice_of(const struct session *session, enum sight sight,
+static struct slice_choice slice_of(const struct session *session, enum slice_kind kind,
                                     const struct sketch *sketch)
 {
     const struct slice_settings *s = &session->settings.slices;
-    struct slice_choice choice = {.plane = (enum slice_plane)sight, .smooth = s->zoom == 0};
+    struct slice_choice choice = {.plane = (enum slice_plane)kind, .smooth = s->zoom == 0};
     for (int a = 0; a < 3; a++)
         choice.place[a] = s->cross[a];
     if (s->zoom)
         choice.pixel_pm = slice_zoomed_pixel(session->scene, s->zoom);
     if (s->words && sketch) {
         choice.notes = SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS;
-        choice.title = sketch->title[sight];
+        choice.title = sketch->title[kind];
     }
     return choice;
 }
@@ -207,10 +207,10 @@ static struct mosaic_choice mosaic_of(const struct session *session, const struc
     return choice;
 }
 
-static enum err prepare(struct session *session, enum sight sight, struct fault *fault)
+static enum err prepare(struct session *session, enum slice_kind kind, struct fault *fault)
 {
     const struct view *view = &session->settings.view;
-    if (sight != SIGHT_MOSAIC)
+    if (kind != SLICE_KIND_MOSAIC)
         return OK;
     if (view->width < MOSAIC_SIDE_LEAST || view->height < MOSAIC_SIDE_LEAST)
         return fault_set(fault, ERR_LIMIT,
@@ -220,24 +220,24 @@ static enum err prepare(struct session *session, enum sight sight, struct fault 
     return session_draw(session, RENDER_AS_KEPT, fault);
 }
 
-enum err slicing_draw(struct canvas *canvas, struct session *session, enum sight sight,
+enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
                       bool tells_cells, struct fault *fault)
 {
     const struct view *view = &session->settings.view;
     struct sketch sketch;
     *canvas = (struct canvas){0};
-    enum err err = prepare(session, sight, fault);
+    enum err err = prepare(session, kind, fault);
     if (err)
         return err;
     err = sketch_init(&sketch, session, fault);
     if (!err)
         err = canvas_init(canvas, view->width, view->height, tells_cells, fault);
-    if (!err && sight == SIGHT_MOSAIC) {
+    if (!err && kind == SLICE_KIND_MOSAIC) {
         const struct mosaic_choice choice = mosaic_of(session, &sketch);
         err = mosaic_draw(canvas, session->scene, session_frame(session), &choice, &sketch.style,
                           fault);
     } else if (!err) {
-        const struct slice_choice choice = slice_of(session, sight, &sketch);
+        const struct slice_choice choice = slice_of(session, kind, &sketch);
         err = slice_draw(canvas, session->scene, &choice, &sketch.style, fault);
     }
     free(sketch.mark);
@@ -246,19 +246,19 @@ enum err slicing_draw(struct canvas *canvas, struct session *session, enum sight
     return err;
 }
 
-enum err slicing_cell_at(uint32_t *cell, struct session *session, enum sight sight, uint32_t column,
-                         uint32_t row, struct fault *fault)
+enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kind kind,
+                         uint32_t column, uint32_t row, struct fault *fault)
 {
     const struct view *view = &session->settings.view;
-    enum err err = prepare(session, sight, fault);
+    enum err err = prepare(session, kind, fault);
     if (err)
         return err;
-    if (sight == SIGHT_MOSAIC) {
+    if (kind == SLICE_KIND_MOSAIC) {
         const struct mosaic_choice choice = mosaic_of(session, NULL);
         *cell = mosaic_cell_at(session->scene, view->width, view->height, session_frame(session),
                                &choice, column, row);
     } else {
-        const struct slice_choice choice = slice_of(session, sight, NULL);
+        const struct slice_choice choice = slice_of(session, kind, NULL);
         *cell = slice_cell_at(session->scene, &choice, view->width, view->height, column, row);
     }
     return OK;
@@ -301,21 +301,21 @@ enum err slicing_panel(struct canvas *canvas, struct session *session, uint32_t 
 /* ---- out of the session ---- */
 
 /* "axial 90", "mosaic"; with the cross-hair's place, the zoom and the window. */
-static enum err note_sight(struct picture *picture, const struct session *session, enum sight sight,
-                           struct fault *fault)
+static enum err note_kind(struct picture *picture, const struct session *session,
+                          enum slice_kind kind, struct fault *fault)
 {
     const struct slice_settings *s = &session->settings.slices;
     char name[16], words[128];
-    write_sight(name, sight);
+    write_kind(name, kind);
     int n = snprintf(words, sizeof words, "%s through %u,%u,%u", name, s->cross[0], s->cross[1],
                      s->cross[2]);
-    if (s->zoom && sight != SIGHT_MOSAIC)
+    if (s->zoom && kind != SLICE_KIND_MOSAIC)
         snprintf(words + n, sizeof words - (size_t)n, " zoom %u", s->zoom);
     return picture_note(picture, "iftty:slice", words, fault);
 }
 
-enum err slicing_export(struct picture *picture, const struct session *session, enum sight sight,
-                        const struct canvas *canvas, struct fault *fault)
+enum err slicing_export(struct picture *picture, const struct session *session,
+                        enum slice_kind kind, const struct canvas *canvas, struct fault *fault)
 {
     const size_t pixels = (size_t)canvas->width * canvas->height;
     enum err err = picture_init(picture, canvas->width, canvas->height, false, fault);
@@ -336,7 +336,7 @@ enum err slicing_export(struct picture *picture, const struct session *session, 
     if (!err)
         err = export_notes(picture, session, fault);
     if (!err)
-        err = note_sight(picture, session, sight, fault);
+        err = note_kind(picture, session, kind, fault);
     if (err)
         picture_release(picture);
     return err;

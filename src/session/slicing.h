@@ -14,18 +14,18 @@
 
 /* What can be drawn. The first three are the planes of render/slice.h. */
 #define SLICE_WORDS "axial|coronal|sagittal"
-#define SIGHT_WORDS SLICE_WORDS "|mosaic"
-enum sight { SIGHT_AXIAL, SIGHT_CORONAL, SIGHT_SAGITTAL, SIGHT_MOSAIC };
+#define SLICE_KINDS SLICE_WORDS "|mosaic"
+enum slice_kind { SLICE_KIND_AXIAL, SLICE_KIND_CORONAL, SLICE_KIND_SAGITTAL, SLICE_KIND_MOSAIC };
 
 /* Draws a slice or a mosaic as the settings have it; the caller releases the canvas. A mosaic makes
  * the rendition, if that is not up to date. ERR_LIMIT for a mosaic of a view that is too small. */
-enum err slicing_draw(struct canvas *canvas, struct session *session, enum sight sight,
+enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
                       bool tells_cells, struct fault *fault);
 
 /* The cell of the voxel under a pixel of the picture that slicing_draw would make now, or
  * CELL_NONE; the pixel lies within the view's size. Errors are those of slicing_draw. */
-enum err slicing_cell_at(uint32_t *cell, struct session *session, enum sight sight, uint32_t column,
-                         uint32_t row, struct fault *fault);
+enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kind kind,
+                         uint32_t column, uint32_t row, struct fault *fault);
 
 /* A mosaic of another size than the view's, for a screen: the rendition is fitted in. The canvas
  * tells its cells; the caller releases it. Without `words` there are no letters, titles and bars.
@@ -35,8 +35,8 @@ enum err slicing_panel(struct canvas *canvas, struct session *session, uint32_t 
 
 /* The canvas, which tells its cells, as a picture with labels, voxels and notes. Labels are those
  * of the voxels, be they overlaid or not. The caller releases it. */
-enum err slicing_export(struct picture *picture, const struct session *session, enum sight sight,
-                        const struct canvas *canvas, struct fault *fault);
+enum err slicing_export(struct picture *picture, const struct session *session,
+                        enum slice_kind kind, const struct canvas *canvas, struct fault *fault);
 
 /* Intensities of black and white; they differ. A scene whose values fall as intensities rise has
  * the greater one first. */

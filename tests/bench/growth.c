@@ -201,11 +201,11 @@ enum err bench_growth(bool json, bool quick, FILE *out, struct watch *watch, str
         weight_morph(tile, &adjacency);
     }
     for (size_t i = 0; !err && i < scenes; i++) {
-        watch_look(watch, "making scenes", i, scenes);
+        watch_poll(watch, "making scenes", i, scenes);
         err = make_scene(growth + i, tile, tiles[i], fault);
     }
     for (int round = -1; !err && round < ROUNDS; round++) { /* the first warms up */
-        if (watch_look(watch, "edits", (uint64_t)round + 1, ROUNDS))
+        if (watch_poll(watch, "edits", (uint64_t)round + 1, ROUNDS))
             err = fault_set(fault, ERR_CANCELLED, "cancelled");
         for (size_t i = 0; !err && i < 2 * scenes; i++)
             err = time_edit(growth + i / 2, i % 2, round < 0 ? 0 : round, fault);

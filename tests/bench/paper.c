@@ -113,7 +113,7 @@ static bool goes_on(struct run *run, const char *doing, unsigned step)
                  run->steps);
     else
         snprintf(what, sizeof what, "%s, %s", run->trial[run->at].name, doing);
-    return !watch_look(run->options->watch, what, run->done, run->total);
+    return !watch_poll(run->options->watch, what, run->done, run->total);
 }
 
 static bool advanced(void *context, unsigned step, unsigned round)

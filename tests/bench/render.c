@@ -269,8 +269,8 @@ static enum err time_edits(struct session *session, struct table *table, uint32_
 /* ---- slices ---- */
 
 /* The rendition is up to date; the cross-hair wanders through the scene. */
-static enum err time_sight(struct session *session, struct table *table, const char *what,
-                           enum sight sight, struct fault *fault)
+static enum err time_slices(struct session *session, struct table *table, const char *what,
+                            enum slice_kind kind, struct fault *fault)
 {
     struct row *row = add_row(table, what);
     const uint32_t *size = session->scene->grid.size;
@@ -282,7 +282,7 @@ static enum err time_sight(struct session *session, struct table *table, const c
         for (int a = 0; a < 3; a++)
             session->settings.slices.cross[a] = size[a] * (FRAMES + 2 * i) / (4 * FRAMES);
         const uint64_t begin = clock_ns();
-        err = slicing_draw(&canvas, session, sight, false, fault);
+        err = slicing_draw(&canvas, session, kind, false, fault);
         add_since(row, begin);
         canvas_release(&canvas);
     }
@@ -468,11 +468,11 @@ enum err bench_render(bool json, FILE *out, struct watch *watch, struct fault *f
     for (uint32_t zoom = 1; !err && zoom <= 2; zoom++)
         err = time_edits(session, table, zoom * VIEW_ZOOM_ONE, fault);
     if (!err)
-        err = time_sight(session, table, "mosaic: three slices and the rendition", SIGHT_MOSAIC,
-                         fault);
+        err = time_slices(session, table, "mosaic: three slices and the rendition",
+                          SLICE_KIND_MOSAIC, fault);
     if (!err)
-        err = time_sight(session, table, "axial slice", SIGHT_AXIAL, fault);
-    if (!err && watch_look(watch, "VTK", 1, 2))
+        err = time_slices(session, table, "axial slice", SLICE_KIND_AXIAL, fault);
+    if (!err && watch_poll(watch, "VTK", 1, 2))
         err = fault_set(fault, ERR_CANCELLED, "cancelled");
     if (!err) {
         struct row *head = add_row(table, "");

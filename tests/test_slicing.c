@@ -15,7 +15,7 @@
 #include "tests/interpreting.h"
 #include "tests/folder.h"
 
-static char folder[] = "/tmp/iftty-sights-XXXXXX";
+static char folder[] = "/tmp/iftty-slicing-XXXXXX";
 
 static void refused(struct interpreter *interp, const char *line, const char *words)
 {
