@@ -5,87 +5,83 @@
 #include "command/interpreter.h"
 #include "session/slicing.h"
 
-#define ACT(name)                                                                                  \
-    enum err act_##name(struct interpreter *interp, const struct value *value,                     \
-                        struct reply *reply, struct fault *fault)
-
 /* act_scene.c */
-ACT(open);
-ACT(interpolate);
-ACT(weight);
-ACT(polarity);
-ACT(adjacency);
-ACT(label);
-ACT(seed);
-ACT(remove);
-ACT(run);
-ACT(auto);
+enum err act_open(const struct act *act);
+enum err act_interpolate(const struct act *act);
+enum err act_weight(const struct act *act);
+enum err act_polarity(const struct act *act);
+enum err act_adjacency(const struct act *act);
+enum err act_label(const struct act *act);
+enum err act_seed(const struct act *act);
+enum err act_remove(const struct act *act);
+enum err act_run(const struct act *act);
+enum err act_auto(const struct act *act);
 
-/* act_fence.c */
-ACT(mask);
-ACT(range);
+/* act_roi.c */
+enum err act_mask(const struct act *act);
+enum err act_range(const struct act *act);
 
 /* act_seed_file.c */
-ACT(seed_file);
+enum err act_seed_file(const struct act *act);
 
 /* act_view.c */
-ACT(view);
-ACT(turn);
-ACT(zoom);
-ACT(pan);
-ACT(focus);
-ACT(size);
-ACT(hide);
-ACT(show);
+enum err act_view(const struct act *act);
+enum err act_turn(const struct act *act);
+enum err act_zoom(const struct act *act);
+enum err act_pan(const struct act *act);
+enum err act_focus(const struct act *act);
+enum err act_size(const struct act *act);
+enum err act_hide(const struct act *act);
+enum err act_show(const struct act *act);
 
 /* act_look.c */
-ACT(shade);
-ACT(light);
-ACT(cue);
-ACT(edges);
-ACT(samples);
+enum err act_shade(const struct act *act);
+enum err act_light(const struct act *act);
+enum err act_cue(const struct act *act);
+enum err act_edges(const struct act *act);
+enum err act_samples(const struct act *act);
 
 /* act_picture.c */
-ACT(render);
-ACT(golden);
-ACT(save);
+enum err act_render(const struct act *act);
+enum err act_golden(const struct act *act);
+enum err act_save(const struct act *act);
 
 /* act_clip.c */
-ACT(clip);
-ACT(plane);
-ACT(cut);
+enum err act_clip(const struct act *act);
+enum err act_plane(const struct act *act);
+enum err act_cut(const struct act *act);
 
 /* act_slice.c */
-ACT(cross);
-ACT(window);
-ACT(overlay);
-ACT(slice);
-ACT(mosaic);
+enum err act_cross(const struct act *act);
+enum err act_window(const struct act *act);
+enum err act_overlay(const struct act *act);
+enum err act_slice(const struct act *act);
+enum err act_mosaic(const struct act *act);
 
 /* act_spin.c */
-ACT(spin);
+enum err act_spin(const struct act *act);
 
 /* act_history.c */
-ACT(undo);
-ACT(redo);
-ACT(goto);
-ACT(branch);
-ACT(history);
+enum err act_undo(const struct act *act);
+enum err act_redo(const struct act *act);
+enum err act_goto(const struct act *act);
+enum err act_branch(const struct act *act);
+enum err act_history(const struct act *act);
 
 /* act_pick.c */
-ACT(pick);
+enum err act_pick(const struct act *act);
 
 /* act_journal.c */
-ACT(journal);
-ACT(sync);
+enum err act_journal(const struct act *act);
+enum err act_sync(const struct act *act);
 
 /* act_ask.c */
-ACT(why);
-ACT(info);
-ACT(stats);
-ACT(pilot);
-ACT(help);
-ACT(quit);
+enum err act_why(const struct act *act);
+enum err act_info(const struct act *act);
+enum err act_stats(const struct act *act);
+enum err act_pilot(const struct act *act);
+enum err act_help(const struct act *act);
+enum err act_quit(const struct act *act);
 
 /* `err`, with the name of a file before its words. */
 enum err act_naming(const char *file, enum err err, struct fault *fault);
@@ -99,7 +95,7 @@ bool act_is_outside(const struct session *session, uint32_t cell);
 
 /* Of seeds to be planted, how many were, and how many were left out by the region of interest: says so, and
  * refuses where all were. */
-enum err act_tell_outside(struct reply *reply, size_t inside, size_t outside, struct fault *fault);
+enum err act_write_outside(const struct act *act, size_t inside, size_t outside);
 
 /* What the region of interest is: "mask brain.nii regions 1-90, range 40..1200"; false where there is none. */
 bool act_write_roi(struct buf *out, const struct session *session);
@@ -109,20 +105,19 @@ bool act_write_roi(struct buf *out, const struct session *session);
 bool act_write_cut(struct buf *out, const struct session *session);
 
 /* Adds to the notes of a picture what the interpreter knows: the journal and where its chain stands. */
-enum err act_note_picture(struct interpreter *interp, struct picture *picture, struct fault *fault);
+enum err act_note_picture(const struct act *act, struct picture *picture);
 
 /* The rendition as a picture with all notes, for a file of that name (or NULL), which says whether
  * it holds normals. */
-enum err act_take_picture(struct interpreter *interp, const char *name, struct picture *picture,
-                          struct fault *fault);
+enum err act_take_picture(const struct act *act, const char *name, struct picture *picture);
 
 /* What `replace=yes|no` says. */
 enum file_mode act_file_mode(const struct value *replace);
 
 /* Writes a picture to `path`, which interpreter_output_path gave, or has the picture writer do it, and says so. The
  * picture is released, whatever comes of it. */
-enum err act_write_picture(struct interpreter *interp, const char *path, enum file_mode mode,
-                           struct picture *picture, struct reply *reply, struct fault *fault);
+enum err act_write_picture(const struct act *act, const char *path, enum file_mode mode,
+                           struct picture *picture);
 
 /* A line: where a voxel is, its intensity, its label and the seed it has that from. */
 void act_tell_voxel(struct buf *out, const struct session *session, uint32_t cell);
@@ -135,8 +130,7 @@ void act_write_slices(struct buf *out, struct session *session);
 
 /* A slice or mosaic as a picture with notes, and its digest among the words. The caller releases
  * the picture. */
-enum err act_take_slices(struct interpreter *interp, enum slice_kind kind, struct picture *picture,
-                         struct reply *reply, struct fault *fault);
+enum err act_take_slices(const struct act *act, enum slice_kind kind, struct picture *picture);
 
 /* "2 cerebellum", or "2" where the label has no name. */
 void act_write_label(struct buf *out, const struct session *session, unsigned label);

@@ -56,31 +56,30 @@ void act_tell_voxel(struct buf *out, const struct session *session, uint32_t at)
 }
 
 /* How a voxel came to its label: the path back to the seed, where the cost rose. */
-ACT(why)
+enum err act_why(const struct act *act)
 {
-    const struct session *session = &interp->session;
+    const struct session *session = act->session;
     const struct grid *grid = &session->scene->grid;
-    const uint32_t *p = value[0].place;
+    const uint32_t *p = act->value[0].place;
     uint32_t at = grid_cell(grid, p[0], p[1], p[2]);
     const struct cell *cell = session->scene->cell + at;
     size_t steps = 0, told = 0;
     uint32_t before;
-    (void)fault;
-    act_tell_voxel(&reply->text, session, at);
+    act_tell_voxel(&act->reply->text, session, at);
     if (!cell_is_reached(cell))
         return OK;
-    buf_printf(&reply->text, "cost %u, %u steps since it last rose\n", key_cost(cell->key),
+    buf_printf(&act->reply->text, "cost %u, %u steps since it last rose\n", key_cost(cell->key),
                key_hops(cell->key));
     for (; (before = forest_predecessor(session->forest, at)) != CELL_NONE; steps++) {
         if (key_hops(cell->key) == 0 && told++ < 8) {
             struct place rise = grid_place(grid, at);
-            buf_printf(&reply->text, "    the path climbs to %u at %u,%u,%u\n", key_cost(cell->key),
-                       rise.x, rise.y, rise.z);
+            buf_printf(&act->reply->text, "    the path climbs to %u at %u,%u,%u\n",
+                       key_cost(cell->key), rise.x, rise.y, rise.z);
         }
         at = before;
         cell = session->scene->cell + at;
     }
-    buf_printf(&reply->text, "%zu steps from the seed in all\n", steps);
+    buf_printf(&act->reply->text, "%zu steps from the seed in all\n", steps);
     return OK;
 }
 
@@ -121,15 +120,15 @@ static void tell_look(struct buf *out, const struct look *look)
                look->cue_percent, look->edges ? "on" : "off", look->samples);
 }
 
-ACT(info)
+enum err act_info(const struct act *act)
 {
-    struct session *session = &interp->session;
-    struct buf *out = &reply->text;
-    (void)value, (void)fault;
-    if (interp->journal) {
+    struct session *session = act->session;
+    struct buf *out = &act->reply->text;
+    if (act->interp->journal) {
         buf_add_text(out, "journal   ");
-        buf_add_safe(out, journal_path(interp->journal), strlen(journal_path(interp->journal)));
-        buf_printf(out, ", %zu records\n", journal_count(interp->journal));
+        buf_add_safe(out, journal_path(act->interp->journal),
+                     strlen(journal_path(act->interp->journal)));
+        buf_printf(out, ", %zu records\n", journal_count(act->interp->journal));
     }
     if (!session->has_scene) {
         buf_add_text(out, "no scene is open\n");
@@ -160,17 +159,16 @@ ACT(info)
     buf_printf(out, "memory    %.1f MB, %.1f bytes a voxel; %.1f MB for what can be undone\n",
                (double)session_memory(session) / 1e6,
                (double)session_memory(session) / (double)scene->grid.voxels,
-               (double)history_memory(&interp->history) / 1e6);
+               (double)history_memory(&act->interp->history) / 1e6);
     return OK;
 }
 
-ACT(stats)
+enum err act_stats(const struct act *act)
 {
-    const struct session *session = &interp->session;
+    const struct session *session = act->session;
     const struct grid *grid = &session->scene->grid;
     size_t voxels[256] = {0}, seeds[256] = {0};
     struct task task = task_begin(session->watch, "counting", grid->voxels);
-    (void)value;
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             struct span row = grid_row(grid, y, z);
@@ -181,47 +179,44 @@ ACT(stats)
             }
         }
     if (watch_stops(session->watch))
-        return watch_fault(session->watch, fault);
+        return watch_fault(session->watch, act->fault);
     const uint32_t *nm = session->scene->spacing_nm;
     double ml = nm[0] / 1e6 * (nm[1] / 1e6) * (nm[2] / 1e6) / 1000.0;
     for (unsigned label = 0; label < 256; label++) {
         if (!voxels[label])
             continue;
-        buf_add_text(&reply->text, "label ");
-        act_write_label(&reply->text, session, label);
-        buf_printf(&reply->text, ": %zu seeds, %zu voxels, %.1f ml%s\n", seeds[label],
+        buf_add_text(&act->reply->text, "label ");
+        act_write_label(&act->reply->text, session, label);
+        buf_printf(&act->reply->text, ": %zu seeds, %zu voxels, %.1f ml%s\n", seeds[label],
                    voxels[label], (double)voxels[label] * ml,
                    label && !session->settings.visible[label] ? ", hidden" : "");
     }
-    buf_add_text(&reply->text, "weight ");
-    tell_weight(&reply->text, &session->settings);
-    buf_add_char(&reply->text, '\n');
-    tell_roi(&reply->text, session);
-    buf_printf(&reply->text, "%zu border voxels; forest %016llx, labels %016llx\n",
+    buf_add_text(&act->reply->text, "weight ");
+    tell_weight(&act->reply->text, &session->settings);
+    buf_add_char(&act->reply->text, '\n');
+    tell_roi(&act->reply->text, session);
+    buf_printf(&act->reply->text, "%zu border voxels; forest %016llx, labels %016llx\n",
                border_count(&session->border), (unsigned long long)forest_digest(session->forest),
                (unsigned long long)forest_label_digest(session->forest));
     return OK;
 }
 
-ACT(help)
+enum err act_help(const struct act *act)
 {
-    (void)interp, (void)fault;
-    command_help(&reply->text, value[0].given ? command_find(value[0].text) : NULL);
+    command_help(&act->reply->text, act->value[0].given ? command_find(act->value[0].text) : NULL);
     return OK;
 }
 
-ACT(pilot)
+enum err act_pilot(const struct act *act)
 {
-    (void)value, (void)reply;
-    if (!interp->has_cockpit)
-        return fault_set(fault, ERR_USAGE, "the pilot flies at a terminal's prompt alone");
-    interp->flies = true;
+    if (!act->interp->has_cockpit)
+        return fault_set(act->fault, ERR_USAGE, "the pilot flies at a terminal's prompt alone");
+    act->interp->flies = true;
     return OK;
 }
 
-ACT(quit)
+enum err act_quit(const struct act *act)
 {
-    (void)value, (void)reply, (void)fault;
-    interp->finished = true;
+    act->interp->finished = true;
     return OK;
 }

@@ -30,52 +30,51 @@ static void keep_slab(struct cut *cut, const struct scene *scene, enum slice_pla
         cut->last[axis] = UINT32_MAX;
 }
 
-ACT(clip)
+enum err act_clip(const struct act *act)
 {
-    struct session *session = &interp->session;
+    struct session *session = act->session;
     struct cut cut = session->settings.cut;
-    const int64_t plane = value[0].number;
-    (void)reply;
+    const int64_t plane = act->value[0].number;
     if (plane == SLAB_NONE) {
         const struct cut whole = cut_none();
-        if (value[1].given)
-            return fault_set(fault, ERR_USAGE, "none takes no slices; the view is unchanged");
+        if (act->value[1].given)
+            return fault_set(act->fault, ERR_USAGE, "none takes no slices; the view is unchanged");
         memcpy(cut.first, whole.first, sizeof cut.first);
         memcpy(cut.last, whole.last, sizeof cut.last);
-        return session_set_cut(session, &cut, fault);
+        return session_set_cut(session, &cut, act->fault);
     }
     const uint32_t count = slice_count(session->scene, (enum slice_plane)plane);
-    if (!value[1].given)
-        return fault_set(fault, ERR_USAGE, "expected %s slices A-B within 0-%u, %s to %s",
+    if (!act->value[1].given)
+        return fault_set(act->fault, ERR_USAGE, "expected %s slices A-B within 0-%u, %s to %s",
                          slab[plane].name, count - 1, slab[plane].from, slab[plane].to);
-    if (value[1].place[1] >= count)
-        return fault_set(
-            fault, ERR_INPUT, "there are %s slices 0-%u, %s to %s, not %u; the view is unchanged",
-            slab[plane].name, count - 1, slab[plane].from, slab[plane].to, value[1].place[1]);
-    keep_slab(&cut, session->scene, (enum slice_plane)plane, value[1].place);
-    return session_set_cut(session, &cut, fault);
+    if (act->value[1].place[1] >= count)
+        return fault_set(act->fault, ERR_INPUT,
+                         "there are %s slices 0-%u, %s to %s, not %u; the view is unchanged",
+                         slab[plane].name, count - 1, slab[plane].from, slab[plane].to,
+                         act->value[1].place[1]);
+    keep_slab(&cut, session->scene, (enum slice_plane)plane, act->value[1].place);
+    return session_set_cut(session, &cut, act->fault);
 }
 
 /* ---- planes and boxes ---- */
 
-ACT(plane)
+enum err act_plane(const struct act *act)
 {
-    struct session *session = &interp->session;
+    struct session *session = act->session;
     struct cut cut = session->settings.cut;
-    (void)reply;
-    if (value[0].text) {
+    if (act->value[0].text) {
         memset(cut.plane, 0, sizeof cut.plane);
         cut.planes = 0;
     } else if (cut.planes == CUT_PLANES_MOST) {
-        return fault_set(fault, ERR_LIMIT,
+        return fault_set(act->fault, ERR_LIMIT,
                          "%d planes are the most; `plane none` takes them off; the view is "
                          "unchanged",
                          CUT_PLANES_MOST);
     } else {
         cut.plane[cut.planes++] =
-            cut_plane_through(session->scene, value[0].place, session->camera.ahead);
+            cut_plane_through(session->scene, act->value[0].place, session->camera.ahead);
     }
-    return session_set_cut(session, &cut, fault);
+    return session_set_cut(session, &cut, act->fault);
 }
 
 static struct cut_box box_between(const uint32_t corner[3], const uint32_t opposite[3])
@@ -88,25 +87,24 @@ static struct cut_box box_between(const uint32_t corner[3], const uint32_t oppos
     return box;
 }
 
-ACT(cut)
+enum err act_cut(const struct act *act)
 {
-    struct session *session = &interp->session;
+    struct session *session = act->session;
     struct cut cut = session->settings.cut;
-    (void)reply;
-    if ((value[0].text != NULL) == value[1].given)
-        return fault_set(fault, ERR_USAGE,
+    if ((act->value[0].text != NULL) == act->value[1].given)
+        return fault_set(act->fault, ERR_USAGE,
                          "expected two corners X,Y,Z X,Y,Z, or none alone; the view is unchanged");
-    if (value[0].text) {
+    if (act->value[0].text) {
         memset(cut.box, 0, sizeof cut.box);
         cut.boxes = 0;
     } else if (cut.boxes == CUT_BOXES_MOST) {
-        return fault_set(fault, ERR_LIMIT,
+        return fault_set(act->fault, ERR_LIMIT,
                          "%d boxes are the most; `cut none` puts them back; the view is unchanged",
                          CUT_BOXES_MOST);
     } else {
-        cut.box[cut.boxes++] = box_between(value[0].place, value[1].place);
+        cut.box[cut.boxes++] = box_between(act->value[0].place, act->value[1].place);
     }
-    return session_set_cut(session, &cut, fault);
+    return session_set_cut(session, &cut, act->fault);
 }
 
 /* ---- in words ---- */

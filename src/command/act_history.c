@@ -14,26 +14,25 @@ static void tell_point(struct buf *out, const struct history *history, uint32_t 
 }
 
 /* Where the session is now, for user and journal. */
-static void tell_arrival(const struct interpreter *interp, uint32_t to, uint32_t branch,
-                         struct reply *reply)
+static void write_arrival(const struct act *act, uint32_t to, uint32_t branch)
 {
-    const struct history *history = &interp->history;
+    const struct history *history = &act->interp->history;
+    struct reply *reply = act->reply;
     buf_printf(&reply->words, "at=%zu on=%s", history->point[to].record,
                history->branch[branch].name);
     buf_add_text(&reply->text, "after ");
     tell_point(&reply->text, history, to);
-    const size_t waits = interp->session.pendings;
+    const size_t waits = act->session->pendings;
     if (waits > 0)
         buf_printf(&reply->text, ", %zu edit%s waiting for `run`", waits, waits > 1 ? "s" : "");
     buf_add_char(&reply->text, '\n');
 }
 
-static enum err go(struct interpreter *interp, uint32_t to, uint32_t branch, struct reply *reply,
-                   struct fault *fault)
+static enum err go(const struct act *act, uint32_t to, uint32_t branch)
 {
-    enum err err = history_go(&interp->history, &interp->session, to, branch, fault);
+    enum err err = history_go(&act->interp->history, act->session, to, branch, act->fault);
     if (!err)
-        tell_arrival(interp, to, branch, reply);
+        write_arrival(act, to, branch);
     return err;
 }
 
@@ -52,63 +51,63 @@ static void tell_undone(const struct history *history, uint32_t to, struct reply
         buf_printf(&reply->text, "and %u before these\n", told - LISTED);
 }
 
-ACT(undo)
+enum err act_undo(const struct act *act)
 {
     uint32_t to;
-    const size_t count = value[0].given ? (size_t)value[0].number : 1;
-    enum err err = history_before(&interp->history, count, &to, fault);
+    const size_t count = act->value[0].given ? (size_t)act->value[0].number : 1;
+    enum err err = history_before(&act->interp->history, count, &to, act->fault);
     if (err)
         return err;
-    tell_undone(&interp->history, to, reply);
-    return go(interp, to, interp->history.on, reply, fault);
+    tell_undone(&act->interp->history, to, act->reply);
+    return go(act, to, act->interp->history.on);
 }
 
-ACT(redo)
+enum err act_redo(const struct act *act)
 {
     uint32_t to;
-    const size_t count = value[0].given ? (size_t)value[0].number : 1;
-    enum err err = history_after(&interp->history, count, &to, fault);
-    return err ? err : go(interp, to, interp->history.on, reply, fault);
+    const size_t count = act->value[0].given ? (size_t)act->value[0].number : 1;
+    enum err err = history_after(&act->interp->history, count, &to, act->fault);
+    return err ? err : go(act, to, act->interp->history.on);
 }
 
-ACT(goto)
+enum err act_goto(const struct act *act)
 {
     uint32_t to, branch;
-    enum err err = history_find(&interp->history, value[0].text, &to, &branch, fault);
-    return err ? err : go(interp, to, branch, reply, fault);
+    enum err err =
+        history_find(&act->interp->history, act->value[0].text, &to, &branch, act->fault);
+    return err ? err : go(act, to, branch);
 }
 
-ACT(branch)
+enum err act_branch(const struct act *act)
 {
-    const char *name = value[0].text;
+    const char *name = act->value[0].text;
     if (!act_name_is_fit(name, BRANCH_NAME_BYTES))
-        return fault_set(fault, ERR_USAGE,
+        return fault_set(act->fault, ERR_USAGE,
                          "NAME: expected a word of at most %d bytes that begins with a letter, "
                          "not %s",
                          BRANCH_NAME_BYTES - 1, name);
-    enum err err = history_branch(&interp->history, name, fault);
+    enum err err = history_branch(&act->interp->history, name, act->fault);
     if (!err)
-        buf_printf(&reply->words, "branch=%s", name);
+        buf_printf(&act->reply->words, "branch=%s", name);
     return err;
 }
 
 /* A line for each of the last `count` points, the latest last, and for the branches. */
-ACT(history)
+enum err act_history(const struct act *act)
 {
-    const struct history *history = &interp->history;
-    const size_t count = value[0].given ? (size_t)value[0].number : LISTED;
+    const struct history *history = &act->interp->history;
+    const size_t count = act->value[0].given ? (size_t)act->value[0].number : LISTED;
     const size_t first = history->points > count ? history->points - count : 0;
-    (void)fault;
     for (size_t i = first; i < history->points; i++) {
         const struct point *point = history->point + i;
-        buf_add_text(&reply->text, i == history->present ? "* " : "  ");
-        tell_point(&reply->text, history, (uint32_t)i);
+        buf_add_text(&act->reply->text, i == history->present ? "* " : "  ");
+        tell_point(&act->reply->text, history, (uint32_t)i);
         if (i > 0 && point->parent + 1 != i)
-            buf_printf(&reply->text, "   (from %zu)", history->point[point->parent].record);
+            buf_printf(&act->reply->text, "   (from %zu)", history->point[point->parent].record);
         for (size_t b = 0; b < history->branches; b++)
             if (history->branch[b].point == i && history->branches > 1)
-                buf_printf(&reply->text, "   [%s]", history->branch[b].name);
-        buf_add_char(&reply->text, '\n');
+                buf_printf(&act->reply->text, "   [%s]", history->branch[b].name);
+        buf_add_char(&act->reply->text, '\n');
     }
     return OK;
 }

@@ -26,8 +26,10 @@ static enum err take_goldens_along(struct buf *made, const char *from, const cha
     return err;
 }
 
-static enum err continue_in(struct interpreter *interp, const char *path, struct fault *fault)
+static enum err continue_in(const struct act *act, const char *path)
 {
+    struct interpreter *interp = act->interp;
+    struct fault *fault = act->fault;
     struct buf former = {0}, goldens = {0};
     enum err err = OK;
     buf_add_text(&former, buf_text(&interp->home));
@@ -51,16 +53,17 @@ static enum err continue_in(struct interpreter *interp, const char *path, struct
 }
 
 /* The whole record so far in a new file, and its golden images beside it. */
-static enum err go_on_in(struct interpreter *interp, const char *path, struct fault *fault)
+static enum err go_on_in(const struct act *act, const char *path)
 {
+    struct interpreter *interp = act->interp;
     if (interp->journal)
-        return continue_in(interp, path, fault);
+        return continue_in(act, path);
     if (interp->unrecorded > 0)
-        return fault_set(fault, ERR_USAGE,
+        return fault_set(act->fault, ERR_USAGE,
                          "%zu commands were carried out without a journal; --journal FILE records "
                          "from the beginning",
                          interp->unrecorded);
-    return interpreter_create_journal(interp, path, fault);
+    return interpreter_create_journal(interp, path, act->fault);
 }
 
 static void tell_journal(const struct interpreter *interp, struct reply *reply)
@@ -75,37 +78,38 @@ static void tell_journal(const struct interpreter *interp, struct reply *reply)
                journal_only_looks(interp->journal) ? ", looked at: nothing is written" : "");
 }
 
-ACT(journal)
+enum err act_journal(const struct act *act)
 {
     enum err err = OK;
-    if (interp->replays)
-        return fault_set(fault, ERR_INPUT, "a journal may not say where it is kept");
-    if (value[0].given)
-        err = go_on_in(interp, value[0].text, fault);
+    if (act->interp->replays)
+        return fault_set(act->fault, ERR_INPUT, "a journal may not say where it is kept");
+    if (act->value[0].given)
+        err = go_on_in(act, act->value[0].text);
     if (err)
-        return fault_prefix(fault, err, "the journal stays where it was");
-    if (value[0].given)
-        interp->new_journal = NULL;
-    tell_journal(interp, reply);
+        return fault_prefix(act->fault, err, "the journal stays where it was");
+    if (act->value[0].given)
+        act->interp->new_journal = NULL;
+    tell_journal(act->interp, act->reply);
     return OK;
 }
 
-ACT(sync)
+enum err act_sync(const struct act *act)
 {
     static const char *const words[] = {
         "each command is on the disk before it is acknowledged",
         "a loss of power may take the commands of the last second",
         "a loss of power may take what was done since the last `sync`"};
     enum err err = OK;
-    if (interp->replays)
+    if (act->interp->replays)
         return OK; /* nothing is written */
-    const enum file_sync sync = value[0].given ? (enum file_sync)value[0].number : interp->sync;
-    if (interp->journal)
-        err = value[0].given ? journal_set_sync(interp->journal, sync, fault)
-                             : journal_sync(interp->journal, fault);
+    const enum file_sync sync =
+        act->value[0].given ? (enum file_sync)act->value[0].number : act->interp->sync;
+    if (act->interp->journal)
+        err = act->value[0].given ? journal_set_sync(act->interp->journal, sync, act->fault)
+                                  : journal_sync(act->interp->journal, act->fault);
     if (err)
-        return fault_prefix(fault, err, "`journal FILE` goes on in another file");
-    interp->sync = sync;
-    buf_printf(&reply->text, "%s\n", words[sync]);
+        return fault_prefix(act->fault, err, "`journal FILE` goes on in another file");
+    act->interp->sync = sync;
+    buf_printf(&act->reply->text, "%s\n", words[sync]);
     return OK;
 }

@@ -1,43 +1,38 @@
 /* Commands that change how what is seen is coloured. */
 #include "command/act.h"
 
-ACT(shade)
+enum err act_shade(const struct act *act)
 {
-    struct look look = interp->session.settings.look;
-    (void)reply;
-    look.mode = (enum shade_mode)value[0].number;
-    return session_set_look(&interp->session, &look, fault);
+    struct look look = act->session->settings.look;
+    look.mode = (enum shade_mode)act->value[0].number;
+    return session_set_look(act->session, &look, act->fault);
 }
 
-ACT(light)
+enum err act_light(const struct act *act)
 {
-    struct look look = interp->session.settings.look;
-    (void)reply;
+    struct look look = act->session->settings.look;
     for (int i = 0; i < 2; i++)
-        look.light[i] = (int32_t)value[i].number;
-    return session_set_look(&interp->session, &look, fault);
+        look.light[i] = (int32_t)act->value[i].number;
+    return session_set_look(act->session, &look, act->fault);
 }
 
-ACT(cue)
+enum err act_cue(const struct act *act)
 {
-    struct look look = interp->session.settings.look;
-    (void)reply;
-    look.cue_percent = (uint32_t)value[0].number;
-    return session_set_look(&interp->session, &look, fault);
+    struct look look = act->session->settings.look;
+    look.cue_percent = (uint32_t)act->value[0].number;
+    return session_set_look(act->session, &look, act->fault);
 }
 
-ACT(edges)
+enum err act_edges(const struct act *act)
 {
-    struct look look = interp->session.settings.look;
-    (void)reply;
-    look.edges = value[0].number == 0;
-    return session_set_look(&interp->session, &look, fault);
+    struct look look = act->session->settings.look;
+    look.edges = act->value[0].number == 0;
+    return session_set_look(act->session, &look, act->fault);
 }
 
-ACT(samples)
+enum err act_samples(const struct act *act)
 {
-    struct look look = interp->session.settings.look;
-    (void)reply;
-    look.samples = 1u << value[0].number;
-    return session_set_look(&interp->session, &look, fault);
+    struct look look = act->session->settings.look;
+    look.samples = 1u << act->value[0].number;
+    return session_set_look(act->session, &look, act->fault);
 }

@@ -50,24 +50,24 @@ static void tell_distance(struct buf *out, const struct session *session, uint32
     buf_add_char(out, '\n');
 }
 
-ACT(pick)
+enum err act_pick(const struct act *act)
 {
-    struct session *session = &interp->session;
-    const uint32_t column = (uint32_t)value[0].number, row = (uint32_t)value[1].number;
-    const bool is_slice = value[2].given && value[2].number > 0;
+    struct session *session = act->session;
+    const uint32_t column = (uint32_t)act->value[0].number, row = (uint32_t)act->value[1].number;
+    const bool is_slice = act->value[2].given && act->value[2].number > 0;
     uint32_t cell = CELL_NONE;
-    enum err err = is_slice ? voxel_of_slices(session, (enum slice_kind)(value[2].number - 1),
-                                              column, row, &cell, fault)
-                            : voxel_of_rendition(session, column, row, &cell, fault);
+    enum err err = is_slice ? voxel_of_slices(session, (enum slice_kind)(act->value[2].number - 1),
+                                              column, row, &cell, act->fault)
+                            : voxel_of_rendition(session, column, row, &cell, act->fault);
     if (err)
         return err;
     if (cell == CELL_NONE) {
-        buf_printf(&reply->text, "pixel %u,%u shows no %s\n", column, row,
+        buf_printf(&act->reply->text, "pixel %u,%u shows no %s\n", column, row,
                    is_slice ? "voxel" : "object");
         return OK;
     }
-    act_tell_voxel(&reply->text, session, cell);
+    act_tell_voxel(&act->reply->text, session, cell);
     if (cell_is_reached(session->scene->cell + cell))
-        tell_distance(&reply->text, session, cell);
-    return watch_fault(session->watch, fault);
+        tell_distance(&act->reply->text, session, cell);
+    return watch_fault(session->watch, act->fault);
 }

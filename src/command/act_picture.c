@@ -12,32 +12,32 @@
 
 /* ---- pictures ---- */
 
-enum err act_note_picture(struct interpreter *interp, struct picture *picture, struct fault *fault)
+enum err act_note_picture(const struct act *act, struct picture *picture)
 {
-    if (!interp->journal)
+    const struct journal *journal = act->interp->journal;
+    if (!journal)
         return OK;
-    const char *name = file_name(journal_path(interp->journal));
-    enum err err = picture_note(picture, "iftty:journal", name, fault);
-    return err ? err : picture_note(picture, "iftty:chain", journal_chain(interp->journal), fault);
+    const char *name = file_name(journal_path(journal));
+    enum err err = picture_note(picture, "iftty:journal", name, act->fault);
+    return err ? err : picture_note(picture, "iftty:chain", journal_chain(journal), act->fault);
 }
 
-enum err act_take_picture(struct interpreter *interp, const char *name, struct picture *picture,
-                          struct fault *fault)
+enum err act_take_picture(const struct act *act, const char *name, struct picture *picture)
 {
-    enum err err = export_picture(picture, &interp->session, fault);
+    enum err err = export_picture(picture, act->session, act->fault);
     if (!err && name && exr_is_named(name))
-        err = export_normals(picture, &interp->session, fault);
+        err = export_normals(picture, act->session, act->fault);
     if (!err)
-        err = act_note_picture(interp, picture, fault);
+        err = act_note_picture(act, picture);
     if (err)
         picture_release(picture);
     return err;
 }
 
-static void add_picture_digest(struct interpreter *interp, struct reply *reply)
+static void add_picture_digest(const struct act *act)
 {
-    buf_printf(&reply->words, "picture=%016llx",
-               (unsigned long long)rendition_digest(session_frame(&interp->session)));
+    buf_printf(&act->reply->words, "picture=%016llx",
+               (unsigned long long)rendition_digest(session_frame(act->session)));
 }
 
 enum file_mode act_file_mode(const struct value *replace)
@@ -45,14 +45,14 @@ enum file_mode act_file_mode(const struct value *replace)
     return replace->given && replace->number == 0 ? FILE_REPLACE : FILE_KEEP;
 }
 
-static void tell_file(const char *doing, const char *path, struct reply *reply)
+static void write_file_line(const char *doing, const char *path, struct reply *reply)
 {
     buf_add_text(&reply->text, doing);
     buf_add_safe(&reply->text, path, strlen(path));
     buf_add_char(&reply->text, '\n');
 }
 
-static void tell_seen(const struct rendition *r, struct reply *reply)
+static void write_seen(const struct rendition *r, struct reply *reply)
 {
     size_t seen = 0, pixels = (size_t)r->width * r->height;
     for (size_t i = 0; i < pixels; i++)
@@ -62,68 +62,75 @@ static void tell_seen(const struct rendition *r, struct reply *reply)
 }
 
 /* An order for the picture writer, which gets it once the command is recorded. */
-static enum err picture_job_picture(struct interpreter *interp, const char *path,
-                                    enum file_mode mode, struct picture *picture,
-                                    struct reply *reply, struct fault *fault)
+static enum err order_picture(const struct act *act, const char *path, enum file_mode mode,
+                              struct picture *picture)
 {
+    struct interpreter *interp = act->interp;
     if (picture_writer_holds(interp->writer, path))
         picture_writer_wait(interp->writer, NULL, NULL); /* for what it finds there */
-    enum err err = picture_job_new(&interp->job, path, mode, picture, fault);
+    enum err err = picture_job_new(&interp->job, path, mode, picture, act->fault);
     if (!err)
-        tell_file("writing ", path, reply);
+        write_file_line("writing ", path, act->reply);
     return err;
 }
 
-enum err act_write_picture(struct interpreter *interp, const char *path, enum file_mode mode,
-                           struct picture *picture, struct reply *reply, struct fault *fault)
+/* A picture as a file that is there when this returns. */
+static enum err write_now(struct interpreter *interp, const char *path, enum file_mode mode,
+                          const struct picture *picture, struct fault *fault)
 {
+    enum err err = interpreter_will_write(interp, path, mode, fault);
+    return err ? err : image_write(interp->helper, path, mode, picture, fault);
+}
+
+enum err act_write_picture(const struct act *act, const char *path, enum file_mode mode,
+                           struct picture *picture)
+{
+    struct interpreter *interp = act->interp;
     enum err err;
     if (interp->writer && !interp->replays && picture_writer_takes(path)) {
-        err = picture_job_picture(interp, path, mode, picture, reply, fault);
+        err = order_picture(act, path, mode, picture);
     } else {
-        err = interpreter_will_write(interp, path, mode, fault);
+        err = write_now(interp, path, mode, picture, act->fault);
         if (!err)
-            err = image_write(interp->helper, path, mode, picture, fault);
-        if (!err)
-            tell_file("wrote ", path, reply);
+            write_file_line("wrote ", path, act->reply);
     }
     picture_release(picture);
     return err;
 }
 
-static enum err render_file(struct interpreter *interp, const struct value *value,
-                            struct reply *reply, struct fault *fault)
+static enum err render_file(const struct act *act)
 {
+    const struct value *value = act->value;
     struct picture picture;
     struct buf path = {0};
-    enum err err = interpreter_output_path(interp, value[0].text, &path, fault);
+    enum err err = interpreter_output_path(act->interp, value[0].text, &path, act->fault);
     if (!err && path.length) {
-        err = act_take_picture(interp, value[0].text, &picture, fault);
+        err = act_take_picture(act, value[0].text, &picture);
         if (!err) {
             picture.tiled = value[3].given && value[3].number == 1;
-            err = act_write_picture(interp, buf_text(&path), act_file_mode(&value[2]), &picture,
-                                    reply, fault);
+            err = act_write_picture(act, buf_text(&path), act_file_mode(&value[2]), &picture);
         }
     }
     buf_release(&path);
     return err;
 }
 
-ACT(render)
+enum err act_render(const struct act *act)
 {
     static const enum render_mode mode[] = {RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL,
                                             RENDER_RAY};
-    if (value[3].given && !(value[0].given && exr_is_named(value[0].text)))
-        return fault_set(fault, ERR_USAGE, "layout: only an .exr has lines or tiles");
-    enum err err = session_render(&interp->session,
-                                  value[1].given ? mode[value[1].number] : RENDER_AS_KEPT, fault);
-    if (err || interp->skims)
+    if (act->value[3].given && !(act->value[0].given && exr_is_named(act->value[0].text)))
+        return fault_set(act->fault, ERR_USAGE, "layout: only an .exr has lines or tiles");
+    enum err err = session_render(act->session,
+                                  act->value[1].given ? mode[act->value[1].number] : RENDER_AS_KEPT,
+                                  act->fault);
+    if (err || act->interp->skims)
         return err;
-    add_picture_digest(interp, reply);
-    if (value[0].given)
-        return render_file(interp, value, reply, fault);
-    interp->shows_picture = true;
-    tell_seen(session_frame(&interp->session), reply);
+    add_picture_digest(act);
+    if (act->value[0].given)
+        return render_file(act);
+    act->interp->shows_picture = true;
+    write_seen(session_frame(act->session), act->reply);
     return OK;
 }
 
@@ -217,14 +224,6 @@ static enum err accept_golden(struct interpreter *interp, const char *name, cons
     return golden_accept_take(interp->golden_accept, interp, name, path, picture, fault);
 }
 
-/* Writes one file of a golden image, which must not be there. */
-static enum err write_new(struct interpreter *interp, const char *path,
-                          const struct picture *picture, struct fault *fault)
-{
-    enum err err = interpreter_will_write(interp, path, FILE_KEEP, fault);
-    return err ? err : image_write(interp->helper, path, FILE_KEEP, picture, fault);
-}
-
 /* The EXR is the golden image; the PNG beside it is for people. */
 static enum err write_golden(struct interpreter *interp, const char *name, const char *path,
                              const struct picture *picture, struct fault *fault)
@@ -239,28 +238,27 @@ static enum err write_golden(struct interpreter *interp, const char *name, const
             fault_prefix(fault, err, "it exists already and was left alone");
     } else if (!err) {
         buf_printf(&other, "/%s.png", name);
-        err = write_new(interp, path, picture, fault);
+        err = write_now(interp, path, FILE_KEEP, picture, fault);
         if (!err)
-            err = write_new(interp, buf_text(&other), picture, fault);
+            err = write_now(interp, buf_text(&other), FILE_KEEP, picture, fault);
     }
     buf_release(&other);
     return err;
 }
 
 /* The rendition, which takes in the edits that wait, or a slice or mosaic; and its digest. */
-static enum err take_golden(struct interpreter *interp, const struct value *of,
-                            struct picture *picture, struct reply *reply, struct fault *fault)
+static enum err take_golden(const struct act *act, const struct value *of, struct picture *picture)
 {
     const bool is_slice = of->given && of->number > 0;
-    if (interp->skims)
-        return is_slice ? OK : session_run(&interp->session, fault);
+    if (act->interp->skims)
+        return is_slice ? OK : session_run(act->session, act->fault);
     if (is_slice)
-        return act_take_slices(interp, (enum slice_kind)(of->number - 1), picture, reply, fault);
-    enum err err = session_render(&interp->session, RENDER_AS_KEPT, fault);
+        return act_take_slices(act, (enum slice_kind)(of->number - 1), picture);
+    enum err err = session_render(act->session, RENDER_AS_KEPT, act->fault);
     if (err)
         return err;
-    add_picture_digest(interp, reply);
-    return act_take_picture(interp, NULL, picture, fault);
+    add_picture_digest(act);
+    return act_take_picture(act, NULL, picture);
 }
 
 /* For orphan_check. A name that there was no memory for leaves room for the next. */
@@ -273,36 +271,36 @@ static enum err note_name(struct interpreter *interp, const char *name, struct f
     return fault_memory(fault, "a name");
 }
 
-ACT(golden)
+enum err act_golden(const struct act *act)
 {
     struct picture picture = {0};
     struct buf path = {0};
-    const char *name = value[0].text;
+    const char *name = act->value[0].text;
     if (!golden_name_is_valid(name))
-        return fault_set(fault, ERR_USAGE,
+        return fault_set(act->fault, ERR_USAGE,
                          "NAME: expected small letters, digits, - and _ (at most 64), not %s",
                          name);
-    if (interp->looks && interp->journal && journal_only_looks(interp->journal))
-        return fault_set(fault, ERR_USAGE,
+    if (act->interp->looks && act->interp->journal && journal_only_looks(act->interp->journal))
+        return fault_set(act->fault, ERR_USAGE,
                          "the journal is only looked at, and its golden images with it; `journal "
                          "FILE` goes on in a file of your own");
-    enum err err = note_name(interp, name, fault);
+    enum err err = note_name(act->interp, name, act->fault);
     if (!err)
-        err = take_golden(interp, &value[1], &picture, reply, fault);
+        err = take_golden(act, &act->value[1], &picture);
     if (err)
         return err;
-    if (!interp->home.length && !interp->replays)
-        buf_add_text(&reply->text, "not kept: there is no journal that it could belong to\n");
-    else if (!interp->replays || interp->compares_goldens)
-        err = golden_path(&path, buf_text(&interp->home), name, fault);
-    if (!err && path.length && interp->golden_accept)
-        err = accept_golden(interp, name, buf_text(&path), &picture, fault);
-    else if (!err && path.length && interp->replays)
-        err = compare_golden(interp, name, buf_text(&path), &picture, fault);
+    if (!act->interp->home.length && !act->interp->replays)
+        buf_add_text(&act->reply->text, "not kept: there is no journal that it could belong to\n");
+    else if (!act->interp->replays || act->interp->compares_goldens)
+        err = golden_path(&path, buf_text(&act->interp->home), name, act->fault);
+    if (!err && path.length && act->interp->golden_accept)
+        err = accept_golden(act->interp, name, buf_text(&path), &picture, act->fault);
+    else if (!err && path.length && act->interp->replays)
+        err = compare_golden(act->interp, name, buf_text(&path), &picture, act->fault);
     else if (!err && path.length)
-        err = write_golden(interp, name, buf_text(&path), &picture, fault);
-    if (!err && path.length && !interp->replays)
-        tell_file("kept as ", buf_text(&path), reply);
+        err = write_golden(act->interp, name, buf_text(&path), &picture, act->fault);
+    if (!err && path.length && !act->interp->replays)
+        write_file_line("kept as ", buf_text(&path), act->reply);
     picture_release(&picture);
     buf_release(&path);
     return err;
@@ -310,20 +308,21 @@ ACT(golden)
 
 /* ---- maps ---- */
 
-ACT(save)
+enum err act_save(const struct act *act)
 {
     static const enum map map[] = {MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER};
     struct buf path = {0};
-    enum err err = session_run(&interp->session, fault);
+    enum err err = session_run(act->session, act->fault);
     if (!err)
-        err = interpreter_output_path(interp, value[1].text, &path, fault);
+        err = interpreter_output_path(act->interp, act->value[1].text, &path, act->fault);
     if (!err && path.length) {
-        const enum file_mode how = act_file_mode(&value[2]);
-        err = interpreter_will_write(interp, buf_text(&path), how, fault);
+        const enum file_mode how = act_file_mode(&act->value[2]);
+        err = interpreter_will_write(act->interp, buf_text(&path), how, act->fault);
         if (!err)
-            err = export_map(&interp->session, map[value[0].number], buf_text(&path), how, fault);
+            err = export_map(act->session, map[act->value[0].number], buf_text(&path), how,
+                             act->fault);
         if (!err)
-            tell_file("wrote ", buf_text(&path), reply);
+            write_file_line("wrote ", buf_text(&path), act->reply);
     }
     buf_release(&path);
     return err;

@@ -19,15 +19,15 @@ enum err act_naming(const char *file, enum err err, struct fault *fault)
     return err ? fault_prefix(fault, err, "%s", file) : OK;
 }
 
-enum err act_tell_outside(struct reply *reply, size_t inside, size_t outside, struct fault *fault)
+enum err act_write_outside(const struct act *act, size_t inside, size_t outside)
 {
     if (outside && !inside)
         return fault_set(
-            fault, ERR_INPUT,
+            act->fault, ERR_INPUT,
             "all of it lies outside the fence, where no tree grows; plant elsewhere, or widen "
             "the fence with `mask` or `range` (`info` tells it); nothing was planted");
     if (outside)
-        buf_printf(&reply->text, "left out, being outside the fence: %zu\n", outside);
+        buf_printf(&act->reply->text, "left out, being outside the fence: %zu\n", outside);
     return OK;
 }
 
@@ -46,13 +46,19 @@ bool act_write_roi(struct buf *out, const struct session *session)
     return session->roi.mask || settings->has_range;
 }
 
-static void add_roi(struct reply *reply, const struct session *session)
+/* After a command that may have changed it: what is inside now. */
+static enum err add_roi(const struct act *act, enum err err)
 {
+    const struct session *session = act->session;
     const struct roi_tally *tally = &session->roi_tally;
+    struct reply *reply = act->reply;
+    if (err)
+        return err;
     buf_printf(&reply->words, "%sfence=%016llx inside=%zu", reply->words.length ? " " : "",
                (unsigned long long)tally->digest, tally->inside);
     buf_printf(&reply->text, "%zu of %zu voxels are inside the fence\n", tally->inside,
                session->scene->grid.voxels);
+    return OK;
 }
 
 /* Of the mask alone: the digest of the region of interest does not see what the range leaves out. */
@@ -91,52 +97,43 @@ static enum err read_mask(uint64_t **mask, const struct session *session, const 
     return err;
 }
 
-static enum err mask_by_file(struct interpreter *interp, const struct value *value,
-                             struct reply *reply, struct fault *fault)
+static enum err mask_by_file(const struct act *act)
 {
-    struct session *session = &interp->session;
-    const char *name = value[MASK_FILE].text;
-    const bool given = value[MASK_REGIONS].given;
-    const uint32_t regions[2] = {given ? value[MASK_REGIONS].place[0] : 1,
-                                 given ? value[MASK_REGIONS].place[1] : (uint32_t)REGION_MOST};
+    struct session *session = act->session;
+    const char *name = act->value[MASK_FILE].text;
+    const struct value *given = &act->value[MASK_REGIONS];
+    const uint32_t regions[2] = {given->given ? given->place[0] : 1,
+                                 given->given ? given->place[1] : (uint32_t)REGION_MOST};
     struct buf path = {0};
     uint64_t *mask = NULL;
-    enum err err = interpreter_find_file(interp, name, &path, fault);
+    enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
     if (!err)
-        err = read_mask(&mask, session, name, buf_text(&path), regions, fault);
+        err = read_mask(&mask, session, name, buf_text(&path), regions, act->fault);
     buf_release(&path);
     if (err)
         return err;
-    buf_printf(&reply->words, "file=%016llx",
+    buf_printf(&act->reply->words, "file=%016llx",
                (unsigned long long)mask_digest(mask, session->scene));
-    return act_naming(name, session_set_mask(session, mask, name, regions, fault), fault);
+    return act_naming(name, session_set_mask(session, mask, name, regions, act->fault), act->fault);
 }
 
-ACT(mask)
+enum err act_mask(const struct act *act)
 {
-    struct session *session = &interp->session;
-    const bool is_file = value[MASK_FILE].number < 0;
-    if (!is_file && value[MASK_REGIONS].given)
-        return fault_set(fault, ERR_USAGE, "regions: no mask has none; nothing has changed");
-    enum err err = is_file ? mask_by_file(interp, value, reply, fault)
-                           : session_set_mask(session, NULL, NULL, NULL, fault);
-    if (!err)
-        add_roi(reply, session);
-    return err;
+    const bool is_file = act->value[MASK_FILE].number < 0;
+    if (!is_file && act->value[MASK_REGIONS].given)
+        return fault_set(act->fault, ERR_USAGE, "regions: no mask has none; nothing has changed");
+    return add_roi(act, is_file ? mask_by_file(act)
+                                : session_set_mask(act->session, NULL, NULL, NULL, act->fault));
 }
 
-ACT(range)
+enum err act_range(const struct act *act)
 {
-    struct session *session = &interp->session;
-    const bool is_range = !value[RANGE_LOW].text;
-    const int64_t thousandths[2] = {value[RANGE_LOW].number, value[RANGE_HIGH].number};
-    if (is_range != value[RANGE_HIGH].given)
-        return fault_set(fault, ERR_USAGE,
+    const bool is_range = !act->value[RANGE_LOW].text;
+    const int64_t thousandths[2] = {act->value[RANGE_LOW].number, act->value[RANGE_HIGH].number};
+    if (is_range != act->value[RANGE_HIGH].given)
+        return fault_set(act->fault, ERR_USAGE,
                          "expected LOW and HIGH, or none alone; nothing has changed");
     if (is_range && thousandths[1] < thousandths[0])
-        return fault_set(fault, ERR_USAGE, "HIGH is below LOW; nothing has changed");
-    enum err err = session_set_range(session, is_range ? thousandths : NULL, fault);
-    if (!err)
-        add_roi(reply, session);
-    return err;
+        return fault_set(act->fault, ERR_USAGE, "HIGH is below LOW; nothing has changed");
+    return add_roi(act, session_set_range(act->session, is_range ? thousandths : NULL, act->fault));
 }

@@ -15,8 +15,10 @@
 enum { TAKEN_MOST = 256 }; /* seeds that one record says were taken away */
 
 /* What a command says that has given the session its scene. */
-static void tell_scene(const struct session *session, struct reply *reply)
+static void write_scene(const struct act *act)
 {
+    const struct session *session = act->session;
+    struct reply *reply = act->reply;
     const struct scene *scene = session->scene;
     const uint32_t *size = scene->grid.size, *nm = scene->spacing_nm;
     buf_printf(&reply->words, "scene=%016llx size=%u,%u,%u spacing-nm=%u,%u,%u weights=%016llx",
@@ -26,43 +28,48 @@ static void tell_scene(const struct session *session, struct reply *reply)
                nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6, (double)session_memory(session) / 1e6);
 }
 
-ACT(open)
+enum err act_open(const struct act *act)
 {
     struct buf path = {0};
-    struct session *session = &interp->session;
-    enum err err = interpreter_find_scene(interp, value[0].text, &path, fault);
+    struct session *session = act->session;
+    enum err err = interpreter_find_scene(act->interp, act->value[0].text, &path, act->fault);
     if (!err)
-        err = session_open(session, buf_text(&path), fault);
+        err = session_open(session, buf_text(&path), act->fault);
     buf_release(&path);
     if (!err)
-        tell_scene(session, reply);
+        write_scene(act);
     if (!err && *session->proof)
-        buf_printf(&reply->words, " sha256=%s", session->proof);
+        buf_printf(&act->reply->words, " sha256=%s", session->proof);
     return err;
 }
 
-ACT(interpolate)
+enum err act_interpolate(const struct act *act)
 {
     unsigned doubled = 0;
     for (unsigned a = 0; a < 3; a++)
-        doubled |= (unsigned)(value[a].number == 2) << a;
-    enum err err = session_interpolate(&interp->session, doubled, fault);
+        doubled |= (unsigned)(act->value[a].number == 2) << a;
+    enum err err = session_interpolate(act->session, doubled, act->fault);
     if (!err)
-        tell_scene(&interp->session, reply);
+        write_scene(act);
     return err;
 }
 
-static void add_weights(struct interpreter *interp, struct reply *reply)
+/* After a command that may have changed weights: what they are now. */
+static enum err add_weights(const struct act *act, enum err err)
 {
-    buf_printf(&reply->words, "weights=%016llx", (unsigned long long)interp->session.weight_digest);
+    if (!err)
+        buf_printf(&act->reply->words, "weights=%016llx",
+                   (unsigned long long)act->session->weight_digest);
+    return err;
 }
 
-static enum err weigh_by_file(struct interpreter *interp, const char *name, struct fault *fault)
+static enum err weigh_by_file(const struct act *act, const char *name)
 {
-    struct session *session = &interp->session;
+    struct session *session = act->session;
+    struct fault *fault = act->fault;
     struct volume map = {0};
     struct buf path = {0};
-    enum err err = interpreter_find_file(interp, name, &path, fault);
+    enum err err = interpreter_find_file(act->interp, name, &path, fault);
     if (err) {
         struct near near = near_to(name);
         near_try_choices(&near, WEIGHT_KINDS);
@@ -81,44 +88,38 @@ static enum err weigh_by_file(struct interpreter *interp, const char *name, stru
     return err;
 }
 
-ACT(weight)
+enum err act_weight(const struct act *act)
 {
-    const struct value *sigma = &value[1], *radius = &value[2];
-    const bool is_file = value[0].number < 0;
-    struct weight_choice choice = {.kind =
-                                       is_file ? WEIGHT_FILE : (enum weight_kind)value[0].number};
+    const struct value *sigma = &act->value[1], *radius = &act->value[2];
+    const bool is_file = act->value[0].number < 0;
+    struct weight_choice choice = {.kind = is_file ? WEIGHT_FILE
+                                                   : (enum weight_kind)act->value[0].number};
     if (sigma->given != (choice.kind == WEIGHT_GAUSS))
-        return fault_set(fault, ERR_USAGE, "SIGMA: gauss is to have one, the others none");
+        return fault_set(act->fault, ERR_USAGE, "SIGMA: gauss is to have one, the others none");
     if (radius->given && choice.kind != WEIGHT_MORPH)
-        return fault_set(fault, ERR_USAGE, "radius: only morph has one");
+        return fault_set(act->fault, ERR_USAGE, "radius: only morph has one");
     if (choice.kind == WEIGHT_MORPH)
         choice.radius = radius->given ? (uint32_t)radius->number : 1;
     choice.sigma_thousandths = sigma->given ? (uint32_t)sigma->number : 0;
-    enum err err = is_file ? weigh_by_file(interp, value[0].text, fault)
-                           : session_set_weight(&interp->session, &choice, fault);
-    if (!err)
-        add_weights(interp, reply);
-    return err;
+    return add_weights(act, is_file ? weigh_by_file(act, act->value[0].text)
+                                    : session_set_weight(act->session, &choice, act->fault));
 }
 
-ACT(polarity)
+enum err act_polarity(const struct act *act)
 {
-    struct session *session = &interp->session;
-    enum err err =
-        session_set_polarity(session, (uint8_t)value[0].number, (int8_t)value[1].number, fault);
+    struct session *session = act->session;
+    enum err err = session_set_polarity(session, (uint8_t)act->value[0].number,
+                                        (int8_t)act->value[1].number, act->fault);
     if (!err && session->settings.weight.kind != WEIGHT_POLARITY)
-        buf_add_text(&reply->text, "heeded under `weight polarity`\n");
-    if (!err)
-        add_weights(interp, reply);
-    return err;
+        buf_add_text(&act->reply->text, "heeded under `weight polarity`\n");
+    return add_weights(act, err);
 }
 
-ACT(adjacency)
+enum err act_adjacency(const struct act *act)
 {
-    enum err err = session_set_adjacency(&interp->session, value[0].number == 0 ? 6 : 26, fault);
-    if (!err)
-        add_weights(interp, reply);
-    return err;
+    enum err err =
+        session_set_adjacency(act->session, act->value[0].number == 0 ? 6 : 26, act->fault);
+    return add_weights(act, err);
 }
 
 bool act_name_is_fit(const char *name, size_t room)
@@ -136,25 +137,24 @@ bool act_name_is_fit(const char *name, size_t room)
     return true;
 }
 
-ACT(label)
+enum err act_label(const struct act *act)
 {
-    struct settings *settings = &interp->session.settings;
-    size_t label = (size_t)value[0].number;
-    (void)reply;
-    if (!act_name_is_fit(value[1].text, LABEL_NAME_BYTES))
-        return fault_set(fault, ERR_USAGE,
+    struct settings *settings = &act->session->settings;
+    size_t label = (size_t)act->value[0].number;
+    if (!act_name_is_fit(act->value[1].text, LABEL_NAME_BYTES))
+        return fault_set(act->fault, ERR_USAGE,
                          "NAME: expected a word of at most %d bytes that begins with a letter, "
                          "not %s",
-                         LABEL_NAME_BYTES - 1, value[1].text);
+                         LABEL_NAME_BYTES - 1, act->value[1].text);
     for (size_t other = 0; other < 256; other++)
-        if (other != label && strcmp(settings->label_name[other], value[1].text) == 0)
-            return fault_set(fault, ERR_USAGE, "label %zu is already called %s", other,
-                             value[1].text);
-    memcpy(settings->label_name[label], value[1].text, strlen(value[1].text) + 1);
-    if (value[2].given) {
+        if (other != label && strcmp(settings->label_name[other], act->value[1].text) == 0)
+            return fault_set(act->fault, ERR_USAGE, "label %zu is already called %s", other,
+                             act->value[1].text);
+    memcpy(settings->label_name[label], act->value[1].text, strlen(act->value[1].text) + 1);
+    if (act->value[2].given) {
         for (int k = 0; k < 3; k++)
-            settings->palette.rgb[label][k] = (uint8_t)(value[2].number >> (16 - 8 * k));
-        interp->session.rendered = false;
+            settings->palette.rgb[label][k] = (uint8_t)(act->value[2].number >> (16 - 8 * k));
+        act->session->rendered = false;
     }
     return OK;
 }
@@ -225,29 +225,29 @@ static struct voxels ball(const struct grid *grid, const uint32_t place[3], int6
     return v;
 }
 
-ACT(seed)
+enum err act_seed(const struct act *act)
 {
-    struct session *session = &interp->session;
+    struct session *session = act->session;
     const struct grid *grid = &session->scene->grid;
-    const uint32_t *to = value[3].given ? value[3].place : value[0].place;
+    const uint32_t *to = act->value[3].given ? act->value[3].place : act->value[0].place;
     struct voxels v = {0};
     size_t inside = 0;
-    enum err err = add_stroke(&v, grid, value[0].place, to, value[2].number)
+    enum err err = add_stroke(&v, grid, act->value[0].place, to, act->value[2].number)
                        ? OK
-                       : fault_memory(fault, "a stroke of seeds");
+                       : fault_memory(act->fault, "a stroke of seeds");
     for (size_t i = 0; !err && i < v.count; i++) {
         if (act_is_outside(session, v.cell[i]))
             continue;
-        err = session_plant(session, v.cell[i], (uint8_t)value[1].number, fault);
+        err = session_plant(session, v.cell[i], (uint8_t)act->value[1].number, act->fault);
         inside++;
     }
     free(v.cell);
-    return err ? err : act_tell_outside(reply, inside, v.count - inside, fault);
+    return err ? err : act_write_outside(act, inside, v.count - inside);
 }
 
 /* Which seeds an eliminator takes away, for the journal: "took=X,Y,Z;X,Y,Z". More than a line
  * should hold are not told. */
-static void tell_taken(const struct session *session, struct reply *reply)
+static void add_taken(const struct session *session, struct reply *reply)
 {
     const char *between = "took=";
     if (session->pendings - session->mark_pendings > TAKEN_MOST)
@@ -280,16 +280,16 @@ static enum err read_taken(const struct grid *grid, const struct record_word *wo
 /* Of a ball, voxels that no tree holds are passed over, unless that is all of them. Which tree
  * holds a voxel is known only to a forest that is up to date; whoever skims a journal finds in it
  * which seeds went, and else has to catch up. */
-static enum err eliminate(struct interpreter *interp, const struct value *value,
-                          struct fault *fault)
+static enum err eliminate(const struct act *act)
 {
-    struct session *session = &interp->session;
+    struct session *session = act->session;
+    struct fault *fault = act->fault;
+    const char *recorded = act->interp->recorded_words;
     uint32_t taken[TAKEN_MOST];
     struct record_word word;
     size_t count;
     enum err err = OK;
-    if (session->skims && interp->recorded_words &&
-        record_word_find(interp->recorded_words, "took", 4, &word)) {
+    if (session->skims && recorded && record_word_find(recorded, "took", 4, &word)) {
         err = read_taken(&session->scene->grid, &word, taken, &count, fault);
         return err ? err : session_eliminate_seeds(session, taken, count, fault);
     }
@@ -298,34 +298,32 @@ static enum err eliminate(struct interpreter *interp, const struct value *value,
     if (err)
         return err;
     const struct voxels v =
-        ball(&session->scene->grid, value[0].place, value[1].number, &err, fault);
+        ball(&session->scene->grid, act->value[0].place, act->value[1].number, &err, fault);
     if (!err)
         err = session_eliminate(session, v.cell, v.count, fault);
     free(v.cell);
     return err;
 }
 
-ACT(remove)
+enum err act_remove(const struct act *act)
 {
-    struct session *session = &interp->session;
-    const enum err err = eliminate(interp, value, fault);
+    struct session *session = act->session;
+    const enum err err = eliminate(act);
     if (err)
         return err;
-    tell_taken(session, reply);
-    const uint32_t *p = value[0].place;
+    add_taken(session, act->reply);
+    const uint32_t *p = act->value[0].place;
     return eliminators_add(&session->eliminators,
-                           grid_cell(&session->scene->grid, p[0], p[1], p[2]), fault);
+                           grid_cell(&session->scene->grid, p[0], p[1], p[2]), act->fault);
 }
 
-ACT(run)
+enum err act_run(const struct act *act)
 {
-    (void)value, (void)reply;
-    return session_run(&interp->session, fault);
+    return session_run(act->session, act->fault);
 }
 
-ACT(auto)
+enum err act_auto(const struct act *act)
 {
-    (void)reply, (void)fault;
-    interp->session.settings.runs_by_itself = value[0].number == 0;
+    act->session->settings.runs_by_itself = act->value[0].number == 0;
     return OK;
 }

@@ -15,9 +15,11 @@ static int label_of(const struct value *value)
     return value[LABEL].given ? (int)value[LABEL].number : LABEL_OWN;
 }
 
-static enum err read_list(struct seeds *seeds, const struct session *session,
-                          const struct value *value, const char *path, struct fault *fault)
+static enum err read_list(struct seeds *seeds, const struct act *act, const char *path)
 {
+    const struct session *session = act->session;
+    const struct value *value = act->value;
+    struct fault *fault = act->fault;
     struct buf text = {0};
     for (int i = REGIONS; i <= GENERATOR; i++)
         if (value[i].given)
@@ -35,9 +37,12 @@ static enum err read_list(struct seeds *seeds, const struct session *session,
     return err;
 }
 
-static enum err read_map(struct seeds *seeds, struct reply *reply, const struct session *session,
-                         const struct value *value, const char *path, struct fault *fault)
+static enum err read_map(struct seeds *seeds, const struct act *act, const char *path)
 {
+    const struct session *session = act->session;
+    const struct value *value = act->value;
+    struct fault *fault = act->fault;
+    struct buf *out = &act->reply->text;
     struct volume map = {0};
     struct region_tally tally;
     const struct region_choice choice = {
@@ -57,37 +62,37 @@ static enum err read_map(struct seeds *seeds, struct reply *reply, const struct 
                          fault);
     volume_release(&map);
     if (!err)
-        buf_printf(&reply->text, "%u regions\n", tally.regions);
+        buf_printf(out, "%u regions\n", tally.regions);
     if (!err && tally.eroded_away)
-        buf_printf(&reply->text, "%u more have no voxel left after erosion, the first is %u\n",
+        buf_printf(out, "%u more have no voxel left after erosion, the first is %u\n",
                    tally.eroded_away, tally.first_eroded_away);
     return err;
 }
 
-ACT(seed_file)
+enum err act_seed_file(const struct act *act)
 {
-    struct session *session = &interp->session;
+    struct session *session = act->session;
     struct buf path = {0};
     struct seeds seeds = {0};
-    const char *name = value[FILE_NAME].text;
+    const char *name = act->value[FILE_NAME].text;
     const size_t length = strlen(name);
-    enum err err = interpreter_find_file(interp, name, &path, fault);
+    enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
     if (!err && length > 4 && strcmp(name + length - 4, ".csv") == 0)
-        err = read_list(&seeds, session, value, buf_text(&path), fault);
+        err = read_list(&seeds, act, buf_text(&path));
     else if (!err)
-        err = read_map(&seeds, reply, session, value, buf_text(&path), fault);
+        err = read_map(&seeds, act, buf_text(&path));
     size_t inside = 0;
     for (size_t i = 0; !err && i < seeds.count; i++) {
         if (act_is_outside(session, seeds.edit[i].cell))
             continue;
-        err = session_plant(session, seeds.edit[i].cell, (uint8_t)seeds.edit[i].label, fault);
+        err = session_plant(session, seeds.edit[i].cell, (uint8_t)seeds.edit[i].label, act->fault);
         inside++;
     }
-    buf_printf(&reply->words, "file=%016llx added=%zu", (unsigned long long)seeds_digest(&seeds),
-               inside);
-    buf_printf(&reply->text, "%zu seeds\n", inside);
+    buf_printf(&act->reply->words, "file=%016llx added=%zu",
+               (unsigned long long)seeds_digest(&seeds), inside);
+    buf_printf(&act->reply->text, "%zu seeds\n", inside);
     if (!err)
-        err = act_naming(name, act_tell_outside(reply, inside, seeds.count - inside, fault), fault);
+        err = act_naming(name, act_write_outside(act, inside, seeds.count - inside), act->fault);
     seeds_release(&seeds);
     buf_release(&path);
     return err;

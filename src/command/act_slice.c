@@ -29,124 +29,128 @@ void act_write_slices(struct buf *out, struct session *session)
                s->marks ? "" : " marks=off", s->words ? "" : " words=off");
 }
 
-ACT(cross)
+enum err act_cross(const struct act *act)
 {
-    uint32_t *cross = interp->session.settings.slices.cross;
-    (void)fault;
+    uint32_t *cross = act->session->settings.slices.cross;
     for (int a = 0; a < 3; a++)
-        cross[a] = value[0].place[a];
-    act_write_slices(&reply->text, &interp->session);
+        cross[a] = act->value[0].place[a];
+    act_write_slices(&act->reply->text, act->session);
     return OK;
 }
 
-ACT(window)
+enum err act_window(const struct act *act)
 {
-    const bool is_auto = value[WINDOW_LOW].text != NULL;
-    const int64_t window[2] = {value[WINDOW_LOW].number, value[WINDOW_HIGH].number};
-    if (is_auto == value[WINDOW_HIGH].given)
-        return fault_set(fault, ERR_USAGE,
+    const bool is_auto = act->value[WINDOW_LOW].text != NULL;
+    const int64_t window[2] = {act->value[WINDOW_LOW].number, act->value[WINDOW_HIGH].number};
+    if (is_auto == act->value[WINDOW_HIGH].given)
+        return fault_set(act->fault, ERR_USAGE,
                          "expected LOW and HIGH, or auto alone; nothing has changed");
     if (!is_auto && window[1] <= window[0])
-        return fault_set(fault, ERR_USAGE, "HIGH is not above LOW; nothing has changed");
-    session_set_window(&interp->session, is_auto ? NULL : window);
-    act_write_slices(&reply->text, &interp->session);
+        return fault_set(act->fault, ERR_USAGE, "HIGH is not above LOW; nothing has changed");
+    session_set_window(act->session, is_auto ? NULL : window);
+    act_write_slices(&act->reply->text, act->session);
     return OK;
 }
 
-ACT(overlay)
+enum err act_overlay(const struct act *act)
 {
-    struct slice_settings *s = &interp->session.settings.slices;
+    struct slice_settings *s = &act->session->settings.slices;
     bool *const what[] = {
         [OVERLAY_CROSS] = &s->crosses, [OVERLAY_MARKS] = &s->marks, [OVERLAY_WORDS] = &s->words};
-    bool any = value[OVERLAY_LABELS].given;
+    bool any = act->value[OVERLAY_LABELS].given;
     for (int i = OVERLAY_CROSS; i <= OVERLAY_WORDS; i++) {
-        if (value[i].given)
-            *what[i] = value[i].number == 0;
-        any |= value[i].given;
+        if (act->value[i].given)
+            *what[i] = act->value[i].number == 0;
+        any |= act->value[i].given;
     }
     if (!any)
-        return fault_set(fault, ERR_USAGE, "expected what to change, as in `overlay tint`");
-    if (value[OVERLAY_LABELS].given)
-        s->overlay = (enum slice_overlay)value[OVERLAY_LABELS].number;
-    act_write_slices(&reply->text, &interp->session);
+        return fault_set(act->fault, ERR_USAGE, "expected what to change, as in `overlay tint`");
+    if (act->value[OVERLAY_LABELS].given)
+        s->overlay = (enum slice_overlay)act->value[OVERLAY_LABELS].number;
+    act_write_slices(&act->reply->text, act->session);
     return OK;
 }
 
 /* ---- pictures ---- */
 
-enum err act_take_slices(struct interpreter *interp, enum slice_kind kind, struct picture *picture,
-                         struct reply *reply, struct fault *fault)
+/* Draws it, and adds its digest to the words; the caller releases the canvas. `with_cells` also
+ * finds which voxel each pixel shows. */
+static enum err draw(const struct act *act, enum slice_kind kind, bool with_cells,
+                     struct canvas *canvas)
+{
+    enum err err = slicing_draw(canvas, act->session, kind, with_cells, act->fault);
+    if (!err)
+        buf_printf(&act->reply->words, "picture=%016llx",
+                   (unsigned long long)canvas_digest(canvas));
+    return err;
+}
+
+enum err act_take_slices(const struct act *act, enum slice_kind kind, struct picture *picture)
 {
     struct canvas canvas;
-    enum err err = slicing_draw(&canvas, &interp->session, kind, true, fault);
+    enum err err = draw(act, kind, true, &canvas);
     if (err)
         return err;
-    buf_printf(&reply->words, "picture=%016llx", (unsigned long long)canvas_digest(&canvas));
-    err = slicing_export(picture, &interp->session, kind, &canvas, fault);
+    err = slicing_export(picture, act->session, kind, &canvas, act->fault);
     canvas_release(&canvas);
     if (!err)
-        err = act_note_picture(interp, picture, fault);
+        err = act_note_picture(act, picture);
     if (err)
         picture_release(picture);
     return err;
 }
 
-static enum err show_inline(struct interpreter *interp, enum slice_kind kind, struct reply *reply,
-                            struct fault *fault)
+static enum err show_inline(const struct act *act, enum slice_kind kind)
 {
     struct canvas canvas;
-    enum err err = slicing_draw(&canvas, &interp->session, kind, false, fault);
-    if (err)
-        return err;
-    buf_printf(&reply->words, "picture=%016llx", (unsigned long long)canvas_digest(&canvas));
-    interpreter_show(interp, &canvas);
-    return OK;
+    enum err err = draw(act, kind, false, &canvas);
+    if (!err)
+        interpreter_show(act->interp, &canvas);
+    return err;
 }
 
 /* To the file that is named, or inline. */
-static enum err bring_out(struct interpreter *interp, enum slice_kind kind,
-                          const struct value *file, const struct value *replace,
-                          struct reply *reply, struct fault *fault)
+static enum err bring_out(const struct act *act, enum slice_kind kind, const struct value *file,
+                          const struct value *replace)
 {
     struct picture picture = {0};
     struct buf path = {0};
-    if (interp->skims)
+    if (act->interp->skims)
         return OK;
-    act_write_slices(&reply->text, &interp->session);
+    act_write_slices(&act->reply->text, act->session);
     if (!file->given)
-        return show_inline(interp, kind, reply, fault);
-    enum err err = act_take_slices(interp, kind, &picture, reply, fault);
+        return show_inline(act, kind);
+    enum err err = act_take_slices(act, kind, &picture);
     if (!err)
-        err = interpreter_output_path(interp, file->text, &path, fault);
+        err = interpreter_output_path(act->interp, file->text, &path, act->fault);
     if (!err && path.length)
-        err = act_write_picture(interp, buf_text(&path), act_file_mode(replace), &picture, reply,
-                                fault);
+        err = act_write_picture(act, buf_text(&path), act_file_mode(replace), &picture);
     else
         picture_release(&picture);
     buf_release(&path);
     return err;
 }
 
-ACT(slice)
+enum err act_slice(const struct act *act)
 {
-    struct session *session = &interp->session;
+    struct session *session = act->session;
     struct slice_settings *s = &session->settings.slices;
-    const enum slice_plane plane = (enum slice_plane)value[SLICE_PLANE].number;
+    const enum slice_plane plane = (enum slice_plane)act->value[SLICE_PLANE].number;
     const uint32_t count = slice_count(session->scene, plane);
-    if (value[SLICE_NUMBER].given && value[SLICE_NUMBER].number >= count)
-        return fault_set(fault, ERR_INPUT,
+    if (act->value[SLICE_NUMBER].given && act->value[SLICE_NUMBER].number >= count)
+        return fault_set(act->fault, ERR_INPUT,
                          "N: expected one of the %s slices 0..%u, not %lld; nothing has changed",
-                         value[SLICE_PLANE].text, count - 1, (long long)value[SLICE_NUMBER].number);
-    if (value[SLICE_NUMBER].given)
-        slice_move(session->scene, plane, (uint32_t)value[SLICE_NUMBER].number, s->cross);
-    if (value[SLICE_ZOOM].given)
-        s->zoom = value[SLICE_ZOOM].text ? 0 : (uint32_t)value[SLICE_ZOOM].number;
-    return bring_out(interp, (enum slice_kind)plane, &value[SLICE_FILE], &value[SLICE_REPLACE],
-                     reply, fault);
+                         act->value[SLICE_PLANE].text, count - 1,
+                         (long long)act->value[SLICE_NUMBER].number);
+    if (act->value[SLICE_NUMBER].given)
+        slice_move(session->scene, plane, (uint32_t)act->value[SLICE_NUMBER].number, s->cross);
+    if (act->value[SLICE_ZOOM].given)
+        s->zoom = act->value[SLICE_ZOOM].text ? 0 : (uint32_t)act->value[SLICE_ZOOM].number;
+    return bring_out(act, (enum slice_kind)plane, &act->value[SLICE_FILE],
+                     &act->value[SLICE_REPLACE]);
 }
 
-ACT(mosaic)
+enum err act_mosaic(const struct act *act)
 {
-    return bring_out(interp, SLICE_KIND_MOSAIC, &value[MOSAIC_FILE], &value[MOSAIC_REPLACE], reply,
-                     fault);
+    return bring_out(act, SLICE_KIND_MOSAIC, &act->value[MOSAIC_FILE], &act->value[MOSAIC_REPLACE]);
 }

@@ -45,7 +45,7 @@ static void write_name(struct buf *out, const struct pattern *pattern, unsigned 
 }
 
 struct spin {
-    struct interpreter *interp;
+    const struct act *act;
     struct pattern pattern;
     unsigned count, delay_ms;
     enum file_mode mode;
@@ -54,22 +54,26 @@ struct spin {
     uint64_t digest;
 };
 
-static enum err write_still(struct spin *spin, const struct picture *picture, struct fault *fault)
+static enum err write_still(struct spin *spin, const struct picture *picture)
 {
     const char *path = buf_text(&spin->path);
-    enum err err = interpreter_will_write(spin->interp, path, spin->mode, fault);
-    return err ? err : image_write(spin->interp->helper, path, spin->mode, picture, fault);
+    struct interpreter *interp = spin->act->interp;
+    struct fault *fault = spin->act->fault;
+    enum err err = interpreter_will_write(interp, path, spin->mode, fault);
+    return err ? err : image_write(interp->helper, path, spin->mode, picture, fault);
 }
 
-static enum err write_frame(struct spin *spin, unsigned number, const struct picture *picture,
-                            struct fault *fault)
+static enum err write_frame(struct spin *spin, unsigned number, const struct picture *picture)
 {
+    const char *path = buf_text(&spin->path);
+    struct interpreter *interp = spin->act->interp;
+    struct fault *fault = spin->act->fault;
     enum err err = OK;
     if (number == 0)
-        err = interpreter_will_write(spin->interp, buf_text(&spin->path), spin->mode, fault);
+        err = interpreter_will_write(interp, path, spin->mode, fault);
     if (!err && number == 0)
-        err = image_movie_begin(&spin->movie, spin->interp->helper, buf_text(&spin->path),
-                                spin->mode, picture, spin->count, spin->delay_ms, fault);
+        err = image_movie_begin(&spin->movie, interp->helper, path, spin->mode, picture,
+                                spin->count, spin->delay_ms, fault);
     if (!err)
         err = image_movie_add(&spin->movie, picture, fault);
     if (!err && number + 1 == spin->count)
@@ -78,32 +82,34 @@ static enum err write_frame(struct spin *spin, unsigned number, const struct pic
 }
 
 /* The rendition as the file, or part of one, that it is to be; nothing where replay writes none. */
-static enum err write_picture(struct spin *spin, unsigned number, struct fault *fault)
+static enum err write_picture(struct spin *spin, unsigned number)
 {
+    const struct act *act = spin->act;
     struct picture picture;
     write_name(&spin->name, &spin->pattern, number);
-    enum err err = spin->name.failed ? fault_memory(fault, "a file name") : OK;
+    const char *name = buf_text(&spin->name);
+    enum err err = spin->name.failed ? fault_memory(act->fault, "a file name") : OK;
     if (!err && (number == 0 || spin->pattern.counts))
-        err = interpreter_output_path(spin->interp, buf_text(&spin->name), &spin->path, fault);
+        err = interpreter_output_path(act->interp, name, &spin->path, act->fault);
     if (err || !spin->path.length)
         return err;
     if (number == 0)
         buf_add_text(&spin->first, buf_text(&spin->path));
-    err = act_take_picture(spin->interp, buf_text(&spin->name), &picture, fault);
+    err = act_take_picture(act, name, &picture);
     if (!err && spin->pattern.counts)
-        err = write_still(spin, &picture, fault);
+        err = write_still(spin, &picture);
     else if (!err)
-        err = write_frame(spin, number, &picture, fault);
+        err = write_frame(spin, number, &picture);
     picture_release(&picture);
     return err;
 }
 
 /* Picture `number`: yaw is number / count of a turn beyond where it was, to the nearest
  * thousandth. */
-static enum err turn_to(struct spin *spin, const struct view *from, unsigned number,
-                        struct fault *fault)
+static enum err turn_to(struct spin *spin, const struct view *from, unsigned number)
 {
-    struct session *session = &spin->interp->session;
+    struct session *session = spin->act->session;
+    struct fault *fault = spin->act->fault;
     struct view view = *from;
     const int64_t part =
         ((int64_t)2 * VIEW_TURN * number + spin->count) / ((int64_t)2 * spin->count);
@@ -116,17 +122,18 @@ static enum err turn_to(struct spin *spin, const struct view *from, unsigned num
     return err;
 }
 
-static enum err turn_around(struct spin *spin, struct fault *fault)
+static enum err turn_around(struct spin *spin)
 {
-    struct session *session = &spin->interp->session;
+    struct session *session = spin->act->session;
+    struct fault *fault = spin->act->fault;
     const struct view from = session->settings.view;
     const bool rendered = session->rendered;
     enum err err = OK;
     for (unsigned i = 0; i < spin->count && !err; i++) {
         watch_poll(session->watch, "turntable", i, spin->count);
-        err = turn_to(spin, &from, i, fault);
+        err = turn_to(spin, &from, i);
         if (!err)
-            err = write_picture(spin, i, fault);
+            err = write_picture(spin, i);
     }
     if (!err)
         err = session_set_view(session, &from, fault);
@@ -135,7 +142,7 @@ static enum err turn_around(struct spin *spin, struct fault *fault)
     return err;
 }
 
-static void tell_outcome(const struct spin *spin, struct reply *reply)
+static void write_outcome(const struct spin *spin, struct reply *reply)
 {
     buf_printf(&reply->words, "spin=%016llx", (unsigned long long)spin->digest);
     if (!spin->path.length)
@@ -151,22 +158,22 @@ static void tell_outcome(const struct spin *spin, struct reply *reply)
     }
 }
 
-ACT(spin)
+enum err act_spin(const struct act *act)
 {
-    struct spin spin = {.interp = interp,
-                        .count = (unsigned)value[0].number,
-                        .delay_ms = value[2].given ? (unsigned)value[2].number : 100,
-                        .mode = act_file_mode(&value[3])};
-    if (!read_pattern(&spin.pattern, value[1].text))
-        return fault_set(fault, ERR_USAGE,
+    struct spin spin = {.act = act,
+                        .count = (unsigned)act->value[0].number,
+                        .delay_ms = act->value[2].given ? (unsigned)act->value[2].number : 100,
+                        .mode = act_file_mode(&act->value[3])};
+    if (!read_pattern(&spin.pattern, act->value[1].text))
+        return fault_set(act->fault, ERR_USAGE,
                          "FILE: expected one %%d or %%0Nd in its name, as in turn%%03d.png, or a "
                          "name that ends in .gif or .tif; not %s",
-                         value[1].text);
-    if (interp->skims)
-        return session_run(&interp->session, fault);
-    enum err err = turn_around(&spin, fault);
+                         act->value[1].text);
+    if (act->interp->skims)
+        return session_run(act->session, act->fault);
+    enum err err = turn_around(&spin);
     if (!err)
-        tell_outcome(&spin, reply);
+        write_outcome(&spin, act->reply);
     image_movie_abandon(&spin.movie);
     buf_release(&spin.name);
     buf_release(&spin.path);

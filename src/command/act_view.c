@@ -9,72 +9,66 @@ static int32_t whole_turn(int64_t angle)
     return (int32_t)(turned < 0 ? turned + VIEW_TURN : turned);
 }
 
-ACT(view)
+enum err act_view(const struct act *act)
 {
-    struct view view = interp->session.settings.view;
-    (void)reply;
-    if (value[0].text) {
-        if (value[1].given || value[2].given)
-            return fault_set(fault, ERR_USAGE, "a named view takes no angles");
-        view_by_name(value[0].text, view.angle);
+    struct view view = act->session->settings.view;
+    if (act->value[0].text) {
+        if (act->value[1].given || act->value[2].given)
+            return fault_set(act->fault, ERR_USAGE, "a named view takes no angles");
+        view_by_name(act->value[0].text, view.angle);
     } else {
         for (int i = 0; i < 3; i++)
-            view.angle[i] = whole_turn(value[i].given ? value[i].number : 0);
+            view.angle[i] = whole_turn(act->value[i].given ? act->value[i].number : 0);
     }
-    return session_set_view(&interp->session, &view, fault);
+    return session_set_view(act->session, &view, act->fault);
 }
 
-ACT(turn)
+enum err act_turn(const struct act *act)
 {
-    struct view view = interp->session.settings.view;
-    (void)reply;
+    struct view view = act->session->settings.view;
     for (int i = 0; i < 3; i++)
-        if (value[i].given)
-            view.angle[i] = whole_turn(view.angle[i] + value[i].number);
-    return session_set_view(&interp->session, &view, fault);
+        if (act->value[i].given)
+            view.angle[i] = whole_turn(view.angle[i] + act->value[i].number);
+    return session_set_view(act->session, &view, act->fault);
 }
 
-ACT(zoom)
+enum err act_zoom(const struct act *act)
 {
-    struct session *session = &interp->session;
+    struct session *session = act->session;
     struct view view = session->settings.view;
-    (void)reply;
-    view.zoom = (uint32_t)value[0].number;
-    if (value[0].text) {
+    view.zoom = (uint32_t)act->value[0].number;
+    if (act->value[0].text) {
         view.zoom = view_fitting_zoom(session->scene, view.width, view.height,
                                       session->settings.look.samples);
         memset(view.focus, 0, sizeof view.focus);
     }
-    return session_set_view(session, &view, fault);
+    return session_set_view(session, &view, act->fault);
 }
 
-ACT(pan)
+enum err act_pan(const struct act *act)
 {
-    struct session *session = &interp->session;
+    struct session *session = act->session;
     struct view view = session->settings.view;
-    (void)reply;
-    view_pan(&view, &session->camera, value[0].number, value[1].number);
-    return session_set_view(session, &view, fault);
+    view_pan(&view, &session->camera, act->value[0].number, act->value[1].number);
+    return session_set_view(session, &view, act->fault);
 }
 
-ACT(focus)
+enum err act_focus(const struct act *act)
 {
-    struct session *session = &interp->session;
+    struct session *session = act->session;
     struct view view = session->settings.view;
-    (void)reply;
     memset(view.focus, 0, sizeof view.focus);
-    if (!value[0].text)
-        view_focus_on(&view, session->scene, value[0].place);
-    return session_set_view(session, &view, fault);
+    if (!act->value[0].text)
+        view_focus_on(&view, session->scene, act->value[0].place);
+    return session_set_view(session, &view, act->fault);
 }
 
-ACT(size)
+enum err act_size(const struct act *act)
 {
-    struct view view = interp->session.settings.view;
-    (void)reply;
-    view.width = (uint32_t)value[0].number;
-    view.height = (uint32_t)value[1].number;
-    return session_set_view(&interp->session, &view, fault);
+    struct view view = act->session->settings.view;
+    view.width = (uint32_t)act->value[0].number;
+    view.height = (uint32_t)act->value[1].number;
+    return session_set_view(act->session, &view, act->fault);
 }
 
 /* The patient's sides that a direction of the picture leads to, "front and left": those within
@@ -123,16 +117,14 @@ void act_tell_view(struct buf *out, const struct session *session)
     buf_add_text(out, " up\n");
 }
 
-ACT(hide)
+enum err act_hide(const struct act *act)
 {
-    (void)reply, (void)fault;
-    session_set_visible(&interp->session, (uint8_t)value[0].number, false);
+    session_set_visible(act->session, (uint8_t)act->value[0].number, false);
     return OK;
 }
 
-ACT(show)
+enum err act_show(const struct act *act)
 {
-    (void)reply, (void)fault;
-    session_set_visible(&interp->session, (uint8_t)value[0].number, true);
+    session_set_visible(act->session, (uint8_t)act->value[0].number, true);
     return OK;
 }

@@ -72,7 +72,14 @@ struct reply {
     struct buf canonical;
 };
 
-struct call; /* a command with its values */
+/* A command that is being carried out: by whom, with which values, and where its answer goes. */
+struct act {
+    struct interpreter *interp;
+    struct session *session; /* the interpreter's */
+    const struct value *value; /* in the order of the table's parameters */
+    struct reply *reply;
+    struct fault *fault;
+};
 
 /* What commands are about; those of a group stand together. */
 enum command_group {
@@ -96,8 +103,7 @@ struct command {
     const char *summary; /* one line */
     const char *detail;  /* further paragraphs of help, between line feeds, or NULL */
     const char *example; /* a line that parses */
-    enum err (*act)(struct interpreter *interp, const struct value *value, struct reply *reply,
-                    struct fault *fault);
+    enum err (*act)(const struct act *act);
 };
 
 struct call {

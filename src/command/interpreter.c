@@ -90,7 +90,7 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
     const bool tells = command->flags & COMMAND_EDITS && !interp->replays && !session->skims;
     enum err err = tells ? session_count_labels(session, fault) : OK;
     if (!err)
-        err = command->act(interp, call->value, reply, fault);
+        err = command->act(&(struct act){interp, session, call->value, reply, fault});
     const bool waits = !session->settings.runs_by_itself || interp->history.goes_to != POINT_NONE;
     if (!err && command->flags & COMMAND_EDITS && !waits)
         err = session_run(session, fault);

@@ -42,7 +42,8 @@ static void show_present(struct interpreter *interp, struct gallery *gallery)
 static void tell_voxels(struct interpreter *interp, struct buf *lines)
 {
     struct reply reply = {0};
-    if (interp->session.has_scene && !act_stats(interp, NULL, &reply, NULL))
+    if (interp->session.has_scene &&
+        !act_stats(&(struct act){interp, &interp->session, NULL, &reply, NULL}))
         for (const char *at = buf_text(&reply.text); *at;) {
             const size_t n = strcspn(at, "\n");
             buf_printf(lines, "#   %-9s", "now");
