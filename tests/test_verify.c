@@ -198,7 +198,7 @@ STORY(bytes_as_base64)
     struct buf out = {0};
     for (size_t i = 0; i < sizeof c / sizeof c[0]; i++) {
         buf_clear(&out);
-        markup_add_base64(&out, c[i][0], strlen(c[i][0]));
+        buf_add_base64(&out, c[i][0], strlen(c[i][0]));
         CHECK_TEXT(buf_text(&out), c[i][1]);
     }
     buf_release(&out);

@@ -70,6 +70,33 @@ void buf_add_safe(struct buf *b, const char *text, size_t length)
         b->length += safe_copy(place, 4 * length + 4, text, length);
 }
 
+static char *put_base64(char *place, uint32_t bits)
+{
+    static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (unsigned i = 0; i < 4; i++)
+        *place++ = digit[bits >> (18 - 6 * i) & 63];
+    return place;
+}
+
+void buf_add_base64(struct buf *b, const void *bytes, size_t length)
+{
+    const uint8_t *byte = bytes;
+    const size_t characters = (length + 2) / 3 * 4;
+    char *place = buf_reserve(b, characters);
+    if (!place)
+        return;
+    b->length += characters;
+    for (; length >= 3; byte += 3, length -= 3)
+        place = put_base64(place, (uint32_t)byte[0] << 16 | (uint32_t)byte[1] << 8 | byte[2]);
+    if (length > 0) {
+        place = put_base64(place, (uint32_t)byte[0] << 16 | (length > 1 ? byte[1] * 256u : 0));
+        place[-1] = '=';
+        if (length == 1)
+            place[-2] = '=';
+    }
+    *place = '\0';
+}
+
 void buf_clear(struct buf *b)
 {
     b->length = 0;

@@ -30,6 +30,9 @@ void buf_vprintf(struct buf *b, const char *format, va_list words)
 /* Adds `length` bytes of `text` with everything a terminal would obey escaped (base/safe.h). */
 void buf_add_safe(struct buf *b, const char *text, size_t length);
 
+/* Adds bytes as base64 (RFC 4648): four characters for three bytes, padded with '='. */
+void buf_add_base64(struct buf *b, const void *bytes, size_t length);
+
 /* Makes room for `length` more bytes and returns where they go; the caller adds to b->length.
  * NULL on failure. */
 void *buf_reserve(struct buf *b, size_t length);

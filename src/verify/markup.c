@@ -41,24 +41,3 @@ void markup_add(struct buf *out, const char *text, size_t length)
     out->failed = out->failed || safe.failed;
     buf_release(&safe);
 }
-
-void markup_add_base64(struct buf *out, const void *bytes, size_t length)
-{
-    static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const unsigned char *byte = bytes;
-    char four[5] = "";
-    buf_add(out, "", 0); /* ended by NUL, also where nothing follows */
-    if (!buf_reserve(out, length / 3 * 4 + 4))
-        return;
-    for (size_t i = 0; i < length; i += 3) {
-        const size_t left = length - i;
-        const unsigned bits = (unsigned)byte[i] << 16 |
-                              (left > 1 ? (unsigned)byte[i + 1] << 8 : 0) |
-                              (left > 2 ? byte[i + 2] : 0u);
-        four[0] = digit[bits >> 18];
-        four[1] = digit[bits >> 12 & 63];
-        four[2] = left > 1 ? digit[bits >> 6 & 63] : '=';
-        four[3] = left > 2 ? digit[bits & 63] : '=';
-        buf_add(out, four, 4);
-    }
-}

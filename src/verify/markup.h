@@ -11,7 +11,4 @@
  * then & < > " ' as entities. A line feed stays one. */
 void markup_add(struct buf *out, const char *text, size_t length);
 
-/* Adds bytes as base64. */
-void markup_add_base64(struct buf *out, const void *bytes, size_t length);
-
 #endif

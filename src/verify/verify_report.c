@@ -121,7 +121,7 @@ static void add_pictures(struct buf *out, const struct gallery *gallery)
         buf_add_text(out, "<figure><img alt=\"");
         markup_add(out, buf_text(caption), caption->length);
         buf_add_text(out, "\" src=\"data:image/png;base64,");
-        markup_add_base64(out, buf_text(png), png->length);
+        buf_add_base64(out, buf_text(png), png->length);
         buf_add_text(out, "\"><figcaption>");
         markup_add(out, buf_text(caption), caption->length);
         buf_add_text(out, "</figcaption></figure>\n");

@@ -1,6 +1,5 @@
 #include "tui/picture/iterm.h"
 
-#include "tui/picture/base64.h"
 #include "tui/picture/shaded.h"
 
 void iterm_add(struct png_writer *writer, const struct raster *raster, unsigned columns,
@@ -15,7 +14,7 @@ void iterm_add(struct png_writer *writer, const struct raster *raster, unsigned 
     else
         buf_printf(out, "width=%upx;height=%upx;", raster->width, raster->height);
     buf_add_text(out, "preserveAspectRatio=0;doNotMoveCursor=1:");
-    base64_add(out, (const uint8_t *)buf_text(&png), png.length);
+    buf_add_base64(out, buf_text(&png), png.length);
     buf_add_char(out, '\a');
     buf_release(&png);
 }

@@ -13,7 +13,7 @@
 
 #include "base/buf.h"
 #include "tui/picture/image_view.h"
-#include "tui/picture/png.h"
+#include "image/png.h"
 
 /* Adds a picture over columns x rows cells from the cursor on; with 0 columns as large as its
  * pixels. Without memory out->failed is set. */

@@ -2,7 +2,6 @@
 
 #include <stdlib.h>
 
-#include "tui/picture/base64.h"
 #include "tui/picture/shaded.h"
 
 enum { CHUNK = 4096, FEW_PIXELS = 1024 };
@@ -15,7 +14,7 @@ static void add_chunks(const struct buf *png, const char *first, const char *nex
     for (size_t at = 0; !out->failed && at < png->length; at += piece) {
         const size_t length = png->length - at < piece ? png->length - at : piece;
         buf_printf(out, "\033_G%sq=2,m=%d;", at == 0 ? first : next, at + length < png->length);
-        base64_add(out, (const uint8_t *)png->data + at, length);
+        buf_add_base64(out, png->data + at, length);
         buf_add_text(out, "\033\\");
     }
 }

@@ -20,7 +20,7 @@
 
 #include "base/buf.h"
 #include "tui/picture/image_view.h"
-#include "tui/picture/png.h"
+#include "image/png.h"
 
 /* Adds the transmission of `view` (not empty), which stays where it is shown, to `out`: in 24 bits
  * where it is smooth, or no hues are told. As all here, without memory out->failed is set. */

@@ -33,7 +33,7 @@
 
 #include "base/buf.h"
 #include "tui/picture/image_view.h"
-#include "tui/picture/png.h"
+#include "image/png.h"
 #include "tui/probe.h"
 #include "tui/picture/shades.h"
 #include "tui/picture/sixel.h"

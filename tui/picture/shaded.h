@@ -9,7 +9,7 @@
 
 #include "tui/picture/colour_table.h"
 #include "tui/picture/image_view.h"
-#include "tui/picture/raster.h"
+#include "image/raster.h"
 #include "tui/picture/shades.h"
 
 /* PNG has 24 bits for pictures that are smooth or tell no hues; sixel has a palette always, and so

@@ -25,7 +25,7 @@
 #include <stdbool.h>
 
 #include "tui/picture/image_view.h"
-#include "tui/picture/raster.h"
+#include "image/raster.h"
 
 enum { SHADES_MOST = 250, SHADES_HUES_MOST = 256 }; /* colours that every sixel terminal has */
 

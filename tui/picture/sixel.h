@@ -18,7 +18,7 @@
 
 #include "base/buf.h"
 #include "tui/picture/image_view.h"
-#include "tui/picture/raster.h"
+#include "image/raster.h"
 
 /* Memory that is kept from picture to picture. `struct sixel_writer w = {0}` is ready. */
 struct sixel_writer {

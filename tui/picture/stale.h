@@ -10,7 +10,7 @@
 
 #include <stdbool.h>
 
-#include "tui/picture/raster.h"
+#include "image/raster.h"
 
 enum { STALE_MOST = 32 };
 

@@ -1,6 +1,5 @@
-#include "tui/picture/raster.h"
+#include "image/raster.h"
 
-#include <stdbool.h>
 #include <string.h>
 
 struct raster raster_part(const struct raster *raster, struct raster_box box)

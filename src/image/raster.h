@@ -1,10 +1,11 @@
 /*
- * A picture ready for the wire: places in a palette, or 24-bit colours. Pixels are borrowed, so a
- * part of a picture is a raster too.
+ * Pixels ready to be written: places in a palette, 24-bit colours, or 24-bit colours and alpha.
+ * They are borrowed, so a part of a picture is a raster too.
  */
-#ifndef TUI_PICTURE_RASTER_H
-#define TUI_PICTURE_RASTER_H
+#ifndef IMAGE_RASTER_H
+#define IMAGE_RASTER_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -13,14 +14,15 @@ enum { RASTER_COLOURS_MOST = 256 };
 struct raster {
     uint32_t width, height; /* never 0 */
     size_t stride;          /* bytes from row to row */
-    const uint8_t *bytes;   /* a place a pixel, or, without a palette, red, green, blue */
-    const uint32_t *colour; /* [colours] 0xRRGGBB; NULL for 24-bit colours */
+    const uint8_t *bytes;   /* a place a pixel; without a palette red, green, blue (and alpha) */
+    const uint32_t *colour; /* [colours] 0xRRGGBB; NULL without a palette */
     unsigned colours;
+    bool has_alpha; /* without a palette alone */
 };
 
 static inline size_t raster_pixel_bytes(const struct raster *raster)
 {
-    return raster->colour ? 1 : 3;
+    return raster->colour ? 1 : raster->has_alpha ? 4 : 3;
 }
 
 /* Pixels, in order of their places in the whole picture. */
