@@ -1,10 +1,32 @@
-/* The folder that a test program works in, and leaves nothing of. */
+/*
+ * The folder that a test program works in, and leaves nothing of. It lies below $TMPDIR, which
+ * tests/run.sh sets for each program; for a program that is run by hand, in memory where there is
+ * such a place.
+ */
 #ifndef TESTS_FOLDER_H
 #define TESTS_FOLDER_H
 
 #include <limits.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
+
+/* A folder's name; the name of a file in it. */
+enum { FOLDER_LENGTH = 96, FILE_LENGTH = FOLDER_LENGTH + 64 };
+
+/* Makes a folder with `word` in its name; false, with a comment, where that cannot be. */
+static inline bool make_folder(char folder[FOLDER_LENGTH], const char *word)
+{
+    const char *below = getenv("TMPDIR");
+    if (!below || !*below)
+        below = access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp";
+    const int length = snprintf(folder, FOLDER_LENGTH, "%s/iftty-%s-XXXXXX", below, word);
+    if (length < FOLDER_LENGTH && mkdtemp(folder))
+        return true;
+    printf("# no folder can be made below %s\n", below);
+    return false;
+}
 
 /* Removes a folder with all below it; 1, with a comment, where something is left. */
 static inline int remove_folder(const char *folder)

@@ -15,7 +15,7 @@
 #include "tests/interpreting.h"
 #include "tests/folder.h"
 
-static char folder[] = "/tmp/iftty-story-XXXXXX";
+static char folder[FOLDER_LENGTH];
 static const uint32_t size[3] = {12, 11, 10};
 static const double to_mm[3][4] = {{-1, 0, 0, 5.5}, {0, 1.5, 0, -20}, {0, 0.25, 2, 7}};
 
@@ -216,7 +216,7 @@ static inline void is_as_before(const struct snapshot *before, const struct inte
 
 static inline bool begin_folder(void)
 {
-    return mkdtemp(folder) && chdir(folder) == 0;
+    return make_folder(folder, "story") && chdir(folder) == 0;
 }
 
 /* 1 where something is left of it. */

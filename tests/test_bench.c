@@ -149,7 +149,7 @@ STORY(a_map_on_another_grid_or_without_regions_is_refused)
 
 /* ---- a trial on a small scene ---- */
 
-static char folder[] = "/tmp/iftty-bench-XXXXXX";
+static char folder[FOLDER_LENGTH];
 static const uint32_t side = 32;
 
 static void scene_row(void *context, uint32_t y, uint32_t z, void *values)
@@ -470,7 +470,7 @@ STORY(medians_and_quantiles_of_times_in_any_order)
 
 int main(void)
 {
-    if (!mkdtemp(folder))
+    if (!make_folder(folder, "bench"))
         return 1;
     int status = RUN_STORIES(
         TELL(seeds_lie_in_what_they_are_labelled), TELL(an_interpolated_scene_has_the_same_seeds),

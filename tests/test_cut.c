@@ -351,7 +351,7 @@ STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
 
 /* ---- commands ---- */
 
-static char folder[] = "/tmp/iftty-cut-XXXXXX";
+static char folder[FOLDER_LENGTH];
 
 static void begin(struct interpreter *interp)
 {
@@ -571,7 +571,7 @@ STORY(cuts_are_taken_back_and_replayed_exactly)
 
 int main(void)
 {
-    if (!mkdtemp(folder))
+    if (!make_folder(folder, "cut"))
         return 1;
     int status =
         RUN_STORIES(TELL(slabs_boxes_and_planes_take_what_they_say),

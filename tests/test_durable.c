@@ -15,15 +15,15 @@
 #include "tests/check.h"
 #include "tests/folder.h"
 
-static char folder[64];
+static char folder[FOLDER_LENGTH];
 
 /* A path in the test's own folder; it stays until four others were asked for. */
 static const char *place(const char *name)
 {
-    static char path[4][128];
+    static char path[4][FILE_LENGTH];
     static unsigned next;
     char *at = path[next++ % 4];
-    snprintf(at, 128, "%s/%s", folder, name);
+    snprintf(at, FILE_LENGTH, "%s/%s", folder, name);
     return at;
 }
 
@@ -91,7 +91,7 @@ enum harm { DELETED, MOVED, REPLACED, LONGER, SHORTER, HARMS };
 static void do_harm(const char *path, enum harm harm)
 {
     struct buf bytes = {0};
-    char moved[160];
+    char moved[FILE_LENGTH + 32];
     snprintf(moved, sizeof moved, "%s.moved", path);
     content(&bytes, path);
     if (harm == DELETED)
@@ -114,7 +114,7 @@ STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
 {
     static const char *const words[] = {"is gone", "is gone", "was replaced", "was changed",
                                         "was changed"};
-    char path[128], other[128];
+    char path[FILE_LENGTH], other[FILE_LENGTH];
     strcpy(path, place("harmed.iftty"));
     strcpy(other, place("harmed-2.iftty"));
     for (enum harm harm = DELETED; harm < HARMS; harm++) {
@@ -159,7 +159,7 @@ static int fail_step(enum file_step step, const char *path)
 
 STORY(going_on_elsewhere_is_all_or_nothing)
 {
-    char path[128], other[128];
+    char path[FILE_LENGTH], other[FILE_LENGTH];
     unsigned failures = 0;
     strcpy(path, place("from.iftty"));
     strcpy(other, place("to.iftty"));
@@ -243,7 +243,7 @@ STORY(records_are_synced_when_that_was_asked_for)
 /* A system that could not write a page may drop it and say once that it did. */
 STORY(what_a_failed_sync_may_have_lost_is_written_again)
 {
-    char path[128];
+    char path[FILE_LENGTH];
     struct fault fault;
     strcpy(path, place("doubt.iftty"));
     struct journal *journal = make(path, 2);
@@ -277,7 +277,7 @@ STORY(what_a_failed_sync_may_have_lost_is_written_again)
 
 STORY(a_second_writer_is_told_who_has_it_and_may_look)
 {
-    char path[128], other[128], wanted[64];
+    char path[FILE_LENGTH], other[FILE_LENGTH], wanted[64];
     struct fault fault;
     struct buf before = {0};
     strcpy(path, place("held.iftty"));
@@ -308,7 +308,7 @@ STORY(a_second_writer_is_told_who_has_it_and_may_look)
 
 STORY(looking_leaves_a_torn_tail_alone)
 {
-    char path[128];
+    char path[FILE_LENGTH];
     struct journal *journal;
     struct buf bytes = {0}, notice = {0};
     strcpy(path, place("looked.iftty"));
@@ -364,7 +364,7 @@ STORY(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken)
 {
     enum { RECORDS = 3 };
     struct buf bytes = {0};
-    char path[128], name[32];
+    char path[FILE_LENGTH], name[32];
     size_t before = 0;
     strcpy(path, place("flip.iftty"));
     journal_close(make(path, RECORDS));
@@ -389,10 +389,7 @@ STORY(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken)
 
 int main(void)
 {
-    /* in memory where there is such a place: thousands of syncs follow */
-    snprintf(folder, sizeof folder, "%s/iftty-durable-XXXXXX",
-             access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp");
-    if (!mkdtemp(folder))
+    if (!make_folder(folder, "durable"))
         return 1;
     int status = RUN_STORIES(TELL(nothing_is_written_to_a_file_that_is_not_ours_any_more),
                              TELL(going_on_elsewhere_is_all_or_nothing),

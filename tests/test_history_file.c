@@ -13,8 +13,8 @@
 #include "tests/folder.h"
 #include "tui/prompt/line_history.h"
 
-static char folder[] = "/tmp/iftty-history-XXXXXX";
-static char path[64];
+static char folder[FOLDER_LENGTH];
+static char path[FILE_LENGTH];
 static struct fault fault;
 static const unsigned patience_ms = 60000; /* a busy machine is no reason to go without a lock */
 
@@ -201,7 +201,7 @@ STORY(a_line_is_not_lost_while_another_process_is_stopped_in_its_trimming)
 static unsigned replacements;
 static int replace_before_write(enum file_step step, const char *at)
 {
-    char other[80];
+    char other[FILE_LENGTH + 4];
     if (step != FILE_STEP_WRITE || strcmp(at, path) != 0 || replacements == 0)
         return 0;
     replacements--;
@@ -235,7 +235,7 @@ STORY(what_is_no_regular_file_is_left_alone)
 {
     struct buf out = {0};
     struct stat status;
-    char pipe_path[80], link_path[80];
+    char pipe_path[FILE_LENGTH], link_path[FILE_LENGTH];
     snprintf(pipe_path, sizeof pipe_path, "%s/pipe", folder);
     snprintf(link_path, sizeof link_path, "%s/link", folder);
     CHECK(mkfifo(pipe_path, 0600) == 0);
@@ -302,7 +302,7 @@ int main(void)
 {
     alarm(300);
     file_lines_patience_ms = patience_ms;
-    if (!mkdtemp(folder))
+    if (!make_folder(folder, "history"))
         return 1;
     snprintf(path, sizeof path, "%s/state/iftty/history", folder);
     const int status = RUN_STORIES(

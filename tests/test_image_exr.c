@@ -1,5 +1,6 @@
 /* OpenEXR: what is written comes back exactly, and what others wrote is taken or told off. */
 #include "check.h"
+#include "folder.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,8 +10,8 @@
 #include "base/file.h"
 #include "image/exr.h"
 
-static char folder[] = "/tmp/iftty-exr-XXXXXX";
-static char path[64];
+static char folder[FOLDER_LENGTH];
+static char path[FILE_LENGTH];
 static uint64_t chance = 1;
 
 /* A picture in which every level of every channel and the odd values of each plane occur. */
@@ -302,7 +303,7 @@ STORY(damaged_files_never_do_harm)
 
 int main(void)
 {
-    if (!mkdtemp(folder))
+    if (!make_folder(folder, "exr"))
         return 1;
     snprintf(path, sizeof path, "%s/a.exr", folder);
     int status = RUN_STORIES(

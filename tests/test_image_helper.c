@@ -1,5 +1,6 @@
 /* The image helper: pictures through other formats, and a helper that misbehaves. */
 #include "check.h"
+#include "folder.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -13,13 +14,13 @@
 #include "image/exr.h"
 #include "image/helper.h"
 
-static char folder[] = "/tmp/iftty-helper-XXXXXX";
+static char folder[FOLDER_LENGTH];
 static struct image_helper *helper;
 
 /* The path of a file in the folder; good until the fourth call after. */
 static const char *in_folder(const char *name)
 {
-    static char path[4][96];
+    static char path[4][FILE_LENGTH];
     static unsigned turn;
     turn = (turn + 1) % 4;
     snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
@@ -440,7 +441,7 @@ int main(void)
     const char *build = getenv("IFTTY_BUILD");
     struct buf program = {0};
     buf_printf(&program, "%s/iftty-image", build ? build : "build");
-    if (!mkdtemp(folder) || image_helper_new(&helper, buf_text(&program), NULL) != OK)
+    if (!make_folder(folder, "helper") || image_helper_new(&helper, buf_text(&program), NULL) != OK)
         return 1;
     int status = RUN_STORIES(
         TELL(lossless_formats_bring_every_pixel_back), TELL(a_jpeg_comes_back_about_the_same),

@@ -1,5 +1,6 @@
 /* NIfTI: every kind of file that is read, every kind that is refused, and what is written. */
 #include "check.h"
+#include "folder.h"
 
 #include <math.h>
 #include <signal.h>
@@ -12,8 +13,8 @@
 #include "base/file.h"
 #include "image/nifti.h"
 
-static char folder[] = "/tmp/iftty-nifti-XXXXXX";
-static char plain[64], packed[64];
+static char folder[FOLDER_LENGTH];
+static char plain[FILE_LENGTH], packed[FILE_LENGTH];
 
 /* ---- files made by hand; the places of fields are those of nifti1.h ---- */
 
@@ -670,7 +671,7 @@ STORY(words_of_the_file_never_reach_the_terminal)
     struct made m = make(64, false);
     memcpy(m.bytes + DESCRIP, "\033]0;owned\a\n", 11);
     CHECK(strstr(refusal(&m), "owned") == NULL);
-    char odd[128];
+    char odd[FILE_LENGTH];
     snprintf(odd, sizeof odd, "%s/\033[31m\n.nii", folder);
     save(odd, m.bytes, m.length);
     CHECK_HAS(refusal_of(odd), "\\x1b[31m\\x0a.nii");
@@ -892,7 +893,7 @@ STORY(names_and_existing_files_are_checked)
 {
     static const uint32_t size[3] = {2, 2, 2};
     struct fault fault = {0};
-    char other[128];
+    char other[FILE_LENGTH];
     snprintf(other, sizeof other, "%s/a.img", folder);
     CHECK_INT(write_sample(other, size, &plain_geometry, NIFTI_UINT8, FILE_KEEP, &fault),
               ERR_USAGE);
@@ -936,7 +937,7 @@ STORY(a_disk_that_fills_leaves_the_former_file)
 
 int main(void)
 {
-    if (!mkdtemp(folder))
+    if (!make_folder(folder, "nifti"))
         return 1;
     snprintf(plain, sizeof plain, "%s/a.nii", folder);
     snprintf(packed, sizeof packed, "%s/a.nii.gz", folder);

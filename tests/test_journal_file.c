@@ -15,14 +15,14 @@
 #include "tests/check.h"
 #include "tests/folder.h"
 
-static char folder[64];
+static char folder[FOLDER_LENGTH];
 
 /* A path in the test's own folder; it stays. */
 static const char *place(const char *name)
 {
-    static char path[64][128];
+    static char path[64][FILE_LENGTH];
     static unsigned count;
-    char wanted[128];
+    char wanted[FILE_LENGTH];
     snprintf(wanted, sizeof wanted, "%s/%s", folder, name);
     for (unsigned i = 0; i < count; i++)
         if (strcmp(path[i], wanted) == 0)
@@ -659,10 +659,7 @@ STORY(kill_9_loses_nothing_that_was_acknowledged)
 
 int main(void)
 {
-    /* in memory where there is such a place: thousands of syncs follow */
-    snprintf(folder, sizeof folder, "%s/iftty-journal-XXXXXX",
-             access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp");
-    if (!mkdtemp(folder))
+    if (!make_folder(folder, "journal"))
         return 1;
     int status = RUN_STORIES(
         TELL(a_journal_is_created_continued_and_kept),

@@ -25,13 +25,13 @@
 
 enum { VICTIMS = 2, NEW_AFTER = 6 };
 
-static char folder[64], program[512];
+static char folder[FOLDER_LENGTH], program[512];
 static uint64_t dice = 20060101;
 
 struct victim {
     pid_t process;
     int input, output;
-    char journal[128];
+    char journal[FILE_LENGTH];
     unsigned rounds; /* with this journal */
     size_t before;   /* records that were in it */
     size_t fed;      /* commands, in this round */
@@ -217,9 +217,8 @@ int main(void)
 {
     const char *build = getenv("IFTTY_BUILD");
     snprintf(program, sizeof program, "%s/iftty", build ? build : "build");
-    snprintf(folder, sizeof folder, "/tmp/iftty-kill-XXXXXX");
     signal(SIGPIPE, SIG_IGN);
-    if (!mkdtemp(folder))
+    if (!make_folder(folder, "kill"))
         return 1;
     int status = RUN_STORIES(TELL(kill_9_at_any_moment_takes_nothing_that_was_acknowledged));
     return status | remove_folder(folder);

@@ -121,6 +121,16 @@ for file in $(sources src journal tui | grep -v '/table\.c$'); do
 done
 close_story
 
+# Tests write below $TMPDIR, in a folder that goes away: make_folder (tests/folder.h), $work (lib.sh).
+begin "no test names a place for files of its own"
+apart=" $(sed -n 's/^places: //p' "$law") "
+for file in $(find tests -type f ! -path '*/corpus/*' | sort); do
+    case $apart in *" $file "*) continue ;; esac
+    found=$(grep -nE '(^|[^[:alnum:]_}])/(tmp|var/tmp|dev/shm)([^[:alnum:]_]|$)' "$file")
+    [ -z "$found" ] || fail "$file: $found"
+done
+close_story
+
 begin "the top level holds what it may hold"
 allowed=" $(sed -n 's/^top: //p' "$law") "
 if [ -e .git ] && git ls-files >/dev/null 2>&1; then

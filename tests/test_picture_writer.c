@@ -1,6 +1,7 @@
 /* The picture writer: orders in order, outcomes told once, memory bounded. Runs under ThreadSanitizer too.
  */
 #include "check.h"
+#include "folder.h"
 
 #include <poll.h>
 #include <stdlib.h>
@@ -13,12 +14,12 @@
 #include "image/helper.h"
 #include "image/picture_writer.h"
 
-static char folder[] = "/tmp/iftty-press-XXXXXX";
+static char folder[FOLDER_LENGTH];
 static char program[4096];
 
 static const char *in_folder(const char *name)
 {
-    static char path[4][96];
+    static char path[4][FILE_LENGTH];
     static unsigned turn;
     turn = (turn + 1) % 4;
     snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
@@ -100,7 +101,7 @@ STORY(a_picture_is_there_when_the_news_say_so)
 {
     struct picture_writer *writer = begin();
     struct buf text = {0};
-    char wrote[128];
+    char wrote[FILE_LENGTH + 8];
     CHECK(!has_news(writer, 0));
     give(writer, "a.png", FILE_KEEP, 9);
     CHECK(has_news(writer, 20000));
@@ -118,7 +119,7 @@ STORY(a_picture_is_there_when_the_news_say_so)
 STORY(orders_are_done_in_their_order)
 {
     struct picture_writer *writer = begin();
-    char expected[1024] = "", line[128];
+    char expected[12 * FILE_LENGTH] = "", line[FILE_LENGTH + 8];
     struct picture q;
     for (unsigned i = 0; i < 12; i++) {
         give(writer, "same.exr", FILE_REPLACE, (uint8_t)i);
@@ -240,7 +241,7 @@ int main(void)
 {
     const char *build = getenv("IFTTY_BUILD");
     snprintf(program, sizeof program, "%s/iftty-image", build ? build : "build");
-    if (!mkdtemp(folder))
+    if (!make_folder(folder, "writer"))
         return 1;
     int status =
         RUN_STORIES(TELL(a_picture_is_there_when_the_news_say_so),
@@ -248,7 +249,7 @@ int main(void)
                     TELL(what_fails_later_is_told), TELL(a_helper_that_dies_costs_one_picture),
                     TELL(a_known_number_of_pictures_waits), TELL(waiting_can_be_given_up),
                     TELL(leaving_waits_for_everything), TELL(only_well_known_formats_are_taken));
-    char command[128];
+    char command[2 * FILE_LENGTH];
     snprintf(command, sizeof command, "ls -A %s | grep -q '^\\.tmp' && exit 1; rm -rf %s", folder,
              folder);
     return status | (system(command) != 0);

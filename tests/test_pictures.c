@@ -10,7 +10,7 @@
 #include "tests/interpreting.h"
 #include "tests/folder.h"
 
-static char folder[] = "/tmp/iftty-pictures-XXXXXX";
+static char folder[FOLDER_LENGTH];
 
 static void is_refused(struct interpreter *interp, const char *line, enum err code,
                        const char *words)
@@ -417,7 +417,7 @@ STORY(releasing_a_interpreter_waits_for_its_pictures)
 
 int main(void)
 {
-    if (!mkdtemp(folder) || chdir(folder) != 0)
+    if (!make_folder(folder, "pictures") || chdir(folder) != 0)
         return 1;
     int status = RUN_STORIES(
         TELL(normals_are_turned_to_the_world), TELL(an_exr_in_tiles_holds_what_one_in_lines_holds),

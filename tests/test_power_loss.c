@@ -21,10 +21,12 @@
 #include "base/file.h"
 #include "journal/journal.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 
 enum { BLOCK = 512, FILES_MOST = 16, TRIALS = 40 };
 
-static char folder[64], after[80]; /* where things are written; what a loss of power leaves */
+static char folder[FOLDER_LENGTH],
+    after[FOLDER_LENGTH + 8]; /* where things are written; what a loss of power leaves */
 
 /* What the disk is known to hold. Contents go with the inode, names with the folder. */
 struct synced_file {
@@ -450,9 +452,7 @@ STORY(without_syncs_what_was_synced_last_is_there)
 
 int main(void)
 {
-    snprintf(folder, sizeof folder, "%s/iftty-power-XXXXXX",
-             access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp");
-    if (!mkdtemp(folder))
+    if (!make_folder(folder, "power"))
         return 1;
     snprintf(after, sizeof after, "%s.after", folder);
     if (mkdir(after, 0700) != 0)

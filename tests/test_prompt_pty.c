@@ -17,7 +17,7 @@
 #include "tests/folder.h"
 #include "tests/screen.h"
 
-static char folder[] = "/tmp/iftty-pty-XXXXXX";
+static char folder[FOLDER_LENGTH];
 static char program[PATH_MAX];
 
 struct terminal {
@@ -598,7 +598,7 @@ int main(void)
     for (int up = 0; up < 2 && strrchr(program, '/'); up++)
         *strrchr(program, '/') = '\0';
     strcat(program, "/iftty");
-    if (!mkdtemp(folder) || chdir(folder) != 0)
+    if (!make_folder(folder, "pty") || chdir(folder) != 0)
         return 1;
     const int status =
         RUN_STORIES(TELL(a_line_is_typed_mended_and_carried_out),

@@ -15,7 +15,7 @@
 #include "tests/interpreting.h"
 #include "tests/folder.h"
 
-static char folder[] = "/tmp/iftty-slicing-XXXXXX";
+static char folder[FOLDER_LENGTH];
 
 static void refused(struct interpreter *interp, const char *line, const char *words)
 {
@@ -679,7 +679,7 @@ STORY(golden_slices_are_compared_when_replayed)
 
 int main(void)
 {
-    if (!mkdtemp(folder) || chdir(folder) != 0)
+    if (!make_folder(folder, "slicing") || chdir(folder) != 0)
         return 1;
     int status = RUN_STORIES(
         TELL(letters_are_right_in_all_48_orientations_of_a_file),

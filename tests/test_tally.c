@@ -249,7 +249,7 @@ STORY(of_many_labels_the_largest_are_told)
 
 int main(void)
 {
-    if (!mkdtemp(folder))
+    if (!make_folder(folder, "tally"))
         return 1;
     make_scene();
     const int status = RUN_STORIES(

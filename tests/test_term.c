@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <termios.h>
@@ -88,9 +89,7 @@ static void goes_at_once(void)
 
 static void holds_a_lock(void)
 {
-    char path[] = "/tmp/iftty-term-XXXXXX";
-    int fd = mkstemp(path);
-    unlink(path);
+    int fd = memfd_create("lock", 0);
     if (fd < 0 || dup2(fd, 77) < 0 || flock(77, LOCK_EX) != 0)
         _exit(92);
     waits();

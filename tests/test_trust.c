@@ -163,7 +163,7 @@ STORY(whatever_changes_in_a_scene_changes_its_proof)
 
 /* ---- names below a folder ---- */
 
-static char top[64];
+static char top[FOLDER_LENGTH];
 
 static const char *below_top(const char *name)
 {
@@ -176,8 +176,7 @@ static const char *below_top(const char *name)
 
 static bool make_top(void)
 {
-    snprintf(top, sizeof top, "/tmp/iftty-trust-XXXXXX");
-    bool fine = mkdtemp(top) && mkdir(below_top("in"), 0777) == 0 &&
+    bool fine = make_folder(top, "trust") && mkdir(below_top("in"), 0777) == 0 &&
                 mkdir(below_top("in/deep"), 0777) == 0 && mkdir(below_top("out"), 0777) == 0;
     static const char *const file[] = {"in/a", "in/deep/b", "in/..c", "out/secret"};
     for (size_t i = 0; i < sizeof file / sizeof *file; i++)
@@ -306,9 +305,10 @@ STORY(limits_stop_commands_of_a_interpreter_that_was_there_before_them)
     struct interpreter interp;
     struct limits limits;
     struct replay_report report = {0};
-    char script[] = "/tmp/iftty-limits-XXXXXX";
-    const int fd = mkstemp(script);
-    CHECK(fd >= 0 && write(fd, "auto on\n", 8) == 8);
+    char folder[FOLDER_LENGTH], script[FILE_LENGTH];
+    CHECK(make_folder(folder, "limits"));
+    snprintf(script, sizeof script, "%s/script", folder);
+    CHECK(file_write(script, "auto on\n", 8, FILE_KEEP, NULL) == OK);
     begin_interpreter(&interp);
     CHECK(limits_read(&limits, NULL, "1h", NULL, NULL) == OK);
     CHECK(image_helper_memory_most == 0);
@@ -320,8 +320,7 @@ STORY(limits_stop_commands_of_a_interpreter_that_was_there_before_them)
     replay_report_release(&report);
     interpreter_release(&interp);
     reply_release(&reply);
-    close(fd);
-    CHECK(unlink(script) == 0);
+    CHECK(remove_folder(folder) == 0);
 }
 
 int main(void)

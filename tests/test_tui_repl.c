@@ -13,6 +13,7 @@
 
 #include "base/clock.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 #include "tui/prompt/repl.h"
 #include "tui/term.h"
 
@@ -606,10 +607,10 @@ STORY(a_large_paste_is_one_redraw_and_its_lines_are_run)
 STORY(history_is_searched_and_kept_in_a_file)
 {
     struct terminal t;
-    char folder[] = "/tmp/iftty-repl-XXXXXX", path[64];
+    char folder[FOLDER_LENGTH], path[FILE_LENGTH];
     struct setting setting = xterm;
     struct stat status;
-    CHECK(mkdtemp(folder) != NULL);
+    CHECK(make_folder(folder, "repl"));
     snprintf(path, sizeof path, "%s/history", folder);
     setting.options.history_path = path;
     start(&t, &setting);

@@ -7,13 +7,13 @@
  *
  *     > reset                           the next run knows nothing of those before
  *     < ok
- *     > markers /tmp/w/markers-0.u8     what the next run begins with
+ *     > markers /w/markers-0.u8     what the next run begins with
  *     < ok
  *     > run                             markers to labels, both in memory: milliseconds, and what
  *     < 812.304                         else there is to say as NAME=VALUE
- *     > labels /tmp/w/itk-0.u8          writes the labels of the last run
+ *     > labels /w/itk-0.u8          writes the labels of the last run
  *     < ok
- *     > costs /tmp/w/iftty-0.cost       likewise the cost of every voxel, where the program has it
+ *     > costs /w/iftty-0.cost       likewise the cost of every voxel, where the program has it
  *     < ok
  *
  * Maps are files of a byte a voxel, x fastest. A marker is label + 1, and 0 where there is none;
