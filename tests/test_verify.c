@@ -122,8 +122,8 @@ static void make_verdict(struct verdict *v)
     *v = (struct verdict){.err = ERR_CHECK, .executed = 12, .compared = 7, .took_ms = 1234};
     buf_add_text(&v->why, "it differs");
     buf_add_text(&v->lines, "# one\n# two\n");
-    gallery_add(&v->gallery, "expected", 2, 1, pixel);
-    gallery_add(&v->gallery, "actual", 1, 2, pixel);
+    evidence_add(&v->evidence, "expected", 2, 1, pixel);
+    evidence_add(&v->evidence, "actual", 1, 2, pixel);
 }
 
 STORY(a_verdict_comes_back_as_it_was_sent)
@@ -139,9 +139,9 @@ STORY(a_verdict_comes_back_as_it_was_sent)
     CHECK_INT(got.took_ms, 1234);
     CHECK_TEXT(buf_text(&got.why), "it differs");
     CHECK_TEXT(buf_text(&got.lines), "# one\n# two\n");
-    CHECK_INT(got.gallery.pictures, 2);
-    CHECK_TEXT(buf_text(&got.gallery.picture[1].caption), "actual");
-    CHECK_INT(got.gallery.picture[0].png.length, sent.gallery.picture[0].png.length);
+    CHECK_INT(got.evidence.pictures, 2);
+    CHECK_TEXT(buf_text(&got.evidence.picture[1].caption), "actual");
+    CHECK_INT(got.evidence.picture[0].png.length, sent.evidence.picture[0].png.length);
     verdict_release(&sent);
     verdict_release(&got);
     buf_release(&bytes);

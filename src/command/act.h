@@ -43,8 +43,10 @@ enum err act_samples(const struct act *act);
 
 /* act_picture.c */
 enum err act_render(const struct act *act);
-enum err act_golden(const struct act *act);
 enum err act_save(const struct act *act);
+
+/* act_golden.c */
+enum err act_golden(const struct act *act);
 
 /* act_clip.c */
 enum err act_clip(const struct act *act);
@@ -111,8 +113,18 @@ enum err act_note_picture(const struct act *act, struct picture *picture);
  * it holds normals. */
 enum err act_take_picture(const struct act *act, const char *name, struct picture *picture);
 
+/* Adds the digest of the rendition to the words of the record. */
+void act_add_picture_digest(const struct act *act);
+
+/* A line of the answer: what was done with the file at `path`, as "wrote ". */
+void act_write_file_line(const char *doing, const char *path, struct reply *reply);
+
 /* What `replace=yes|no` says. */
 enum file_mode act_file_mode(const struct value *replace);
+
+/* A picture as a file that is there when this returns. */
+enum err act_write_now(struct interpreter *interp, const char *path, enum file_mode mode,
+                       const struct picture *picture, struct fault *fault);
 
 /* Writes a picture to `path`, which interpreter_output_path gave, or has the picture writer do it, and says so. The
  * picture is released, whatever comes of it. */

@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "command/command.h"
+#include "command/golden_judge.h"
 #include "image/helper.h"
 #include "image/picture_writer.h"
 #include "journal/journal.h"
@@ -32,17 +33,13 @@ struct interpreter {
     struct picture_job
         *job; /* of the command at hand, for the picture writer once it is recorded, or NULL */
 
-    struct buf home;             /* path of the journal at hand: goldens and scenes lie beside it */
-    const char *scene_path;      /* a scene to open whatever name `open` gives, or NULL */
-    const char *out_folder;      /* files go there, under their last name; NULL: where they say */
-    const char *evidence_folder; /* for what a golden image differs by, or NULL */
-    struct buf goldens;          /* names of golden images so far, each ended by NUL */
-    struct gallery *gallery;     /* for pictures of what they differ by (verdict.h), or NULL */
-    struct golden_accept
-        *golden_accept;         /* has those that differ drawn up anew (accepting.h), or NULL */
-    bool replays;               /* files are written only with an out_folder */
-    bool compares_goldens;      /* `golden` compares with the file instead of writing it */
-    bool resumes;               /* replays the user's own journal: nothing is written */
+    struct buf home;        /* path of the journal at hand: goldens and scenes lie beside it */
+    const char *scene_path; /* a scene to open whatever name `open` gives, or NULL */
+    const char *out_folder; /* files go there, under their last name; NULL: where they say */
+    struct buf goldens;     /* names of golden images so far, each ended by NUL */
+    const struct golden_judge *judge; /* of golden images in a replay; NULL compares none */
+    bool replays;                     /* files are written only with an out_folder */
+    bool resumes;                     /* replays the user's own journal: nothing is written */
     bool skims;                 /* then: only what becomes of the session matters, no picture */
     bool resumes_slowly;        /* every command of a journal that is resumed is compared */
     const char *recorded_words; /* what the record at hand says the command gave, or NULL */

@@ -121,8 +121,8 @@ enum err drive_script(struct interpreter *interp, FILE *input, const char *name,
 
 struct replaying {
     struct interpreter *interp;
-    const struct teller *teller; /* NULL: quietly */
-    bool compares_goldens;       /* from record `first` on */
+    const struct teller *teller;      /* NULL: quietly */
+    const struct golden_judge *judge; /* from record `first` on */
     size_t number, first;
 };
 
@@ -131,7 +131,7 @@ static enum err execute(void *context, const char *command, struct buf *words, s
     struct replaying *replaying = context;
     struct reply reply = {0};
     const bool is_judged = ++replaying->number >= replaying->first;
-    replaying->interp->compares_goldens = replaying->compares_goldens && is_judged;
+    replaying->interp->judge = is_judged ? replaying->judge : NULL;
     enum err err = interpreter_execute(replaying->interp, command, &reply, fault);
     if (!err && replaying->teller && reply.canonical.length)
         acknowledge(replaying->interp, &reply, replaying->teller);
@@ -144,10 +144,8 @@ enum err drive_file(struct interpreter *interp, const char *path, size_t first, 
                     const struct teller *teller, struct replay_report *report, struct fault *fault)
 {
     struct buf bytes = {0};
-    struct replaying replaying = {.interp = interp,
-                                  .teller = teller,
-                                  .compares_goldens = interp->compares_goldens,
-                                  .first = first};
+    struct replaying replaying = {
+        .interp = interp, .teller = teller, .judge = interp->judge, .first = first};
     const struct replay_host host = {&replaying, execute};
     const struct replay_options options = {SEMANTICS, first, last};
     enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
@@ -158,7 +156,7 @@ enum err drive_file(struct interpreter *interp, const char *path, size_t first, 
         err = interpreter_set_home(interp, path, fault);
     if (!err)
         err = replay_run(buf_text(&bytes), bytes.length, &host, &options, report, fault);
-    interp->compares_goldens = replaying.compares_goldens;
+    interp->judge = replaying.judge;
     buf_release(&bytes);
     return err;
 }

@@ -1,33 +1,42 @@
 #include "verify/golden_accept.h"
 
 #include <string.h>
-#include <unistd.h>
 
 #include "journal/golden.h"
 
-const char *golden_accept_source(const struct golden_accept *golden_accept, const char *path)
+/* The next pair of a draft and its place; false at the end. */
+static bool next_draft(const struct golden_accept *accept, const char **at, const char **draft,
+                       const char **place)
 {
-    const char *at = buf_text(&golden_accept->drafts), *end = at + golden_accept->drafts.length;
-    while (at < end) {
-        const char *draft = at, *place = at + strlen(at) + 1;
+    *at = *at ? *place + strlen(*place) + 1 : buf_text(&accept->drafts);
+    if (*at >= buf_text(&accept->drafts) + accept->drafts.length)
+        return false;
+    *draft = *at;
+    *place = *draft + strlen(*draft) + 1;
+    return true;
+}
+
+/* The file to be compared: the draft for that place, if there is one, or what is there. */
+static const char *source(void *context, const char *path)
+{
+    const char *at = NULL, *draft, *place;
+    while (next_draft(context, &at, &draft, &place))
         if (strcmp(place, path) == 0)
             return draft;
-        at = place + strlen(place) + 1;
-    }
     return path;
 }
 
 /* One file, whole, under a name of its own. */
-static enum err draw_up(struct golden_accept *golden_accept, struct interpreter *interp,
-                        const char *path, const struct picture *picture, struct fault *fault)
+static enum err write_draft(struct golden_accept *accept, struct interpreter *interp,
+                            const char *path, const struct picture *picture, struct fault *fault)
 {
     struct buf draft = {0};
     enum err err = file_draft(&draft, path, FILE_REPLACE, fault);
     if (!err) {
         err = image_write(interp->helper, buf_text(&draft), FILE_KEEP, picture, fault);
-        buf_add(&golden_accept->drafts, buf_text(&draft), draft.length + 1);
-        buf_add(&golden_accept->drafts, path, strlen(path) + 1);
-        if (!err && golden_accept->drafts.failed) {
+        buf_add(&accept->drafts, buf_text(&draft), draft.length + 1);
+        buf_add(&accept->drafts, path, strlen(path) + 1);
+        if (!err && accept->drafts.failed) {
             file_discard(buf_text(&draft));
             err = fault_memory(fault, "the names of files");
         }
@@ -36,68 +45,76 @@ static enum err draw_up(struct golden_accept *golden_accept, struct interpreter 
     return err;
 }
 
-static enum err note_origin(const struct golden_accept *golden_accept,
-                            const struct interpreter *interp, struct picture *picture,
-                            struct fault *fault)
+static enum err note_origin(const struct golden_accept *accept, const struct interpreter *interp,
+                            struct picture *picture, struct fault *fault)
 {
     const char *journal = file_name(buf_text(&interp->home));
     enum err err = picture_note(picture, "iftty:journal", journal, fault);
-    return err ? err : picture_note(picture, "iftty:chain", golden_accept->chain.hex, fault);
+    return err ? err : picture_note(picture, "iftty:chain", accept->chain.hex, fault);
 }
 
-enum err golden_accept_take(struct golden_accept *golden_accept, struct interpreter *interp,
-                            const char *name, const char *path, struct picture *picture,
-                            struct fault *fault)
+/* The image, and the PNG beside it. */
+static enum err write_drafts(struct golden_accept *accept, struct interpreter *interp,
+                             const struct golden_finding *finding, struct fault *fault)
 {
     struct buf folder = {0};
-    if (golden_accept_source(golden_accept, path) != path)
-        return fault_set(fault, ERR_CHECK,
-                         "golden image %s is given twice, and the pictures are not the same", name);
-    buf_clear(&golden_accept->note);
-    buf_add_text(&golden_accept->note, fault->text);
     enum err err = golden_folder(&folder, buf_text(&interp->home), fault);
     if (!err)
         err = file_make_folder(buf_text(&folder), fault);
     if (!err)
-        err = note_origin(golden_accept, interp, picture, fault);
+        err = note_origin(accept, interp, finding->actual, fault);
     if (!err)
-        err = draw_up(golden_accept, interp, path, picture, fault);
-    if (!err) {
-        buf_printf(&folder, "/%s.png", name);
-        err = folder.failed ? fault_memory(fault, "a path")
-                            : draw_up(golden_accept, interp, buf_text(&folder), picture, fault);
-    }
-    if (!err) {
-        golden_accept->images++;
-        fault->text[0] = '\0';
-    }
+        err = write_draft(accept, interp, finding->path, finding->actual, fault);
+    buf_printf(&folder, "/%s.png", finding->name);
+    if (!err)
+        err = folder.failed
+                  ? fault_memory(fault, "a path")
+                  : write_draft(accept, interp, buf_text(&folder), finding->actual, fault);
     buf_release(&folder);
     return err;
 }
 
-enum err golden_accept_publish(struct golden_accept *golden_accept, struct interpreter *interp,
+static enum err differs(void *context, struct interpreter *interp,
+                        const struct golden_finding *finding, struct fault *fault)
+{
+    struct golden_accept *accept = context;
+    if (source(accept, finding->path) != finding->path)
+        return fault_set(fault, ERR_CHECK,
+                         "golden image %s is given twice, and the pictures are not the same",
+                         finding->name);
+    buf_clear(&accept->note);
+    buf_add_text(&accept->note, fault->text);
+    const enum err err = write_drafts(accept, interp, finding, fault);
+    if (err)
+        return err;
+    accept->images++;
+    fault->text[0] = '\0';
+    return OK;
+}
+
+struct golden_judge golden_accept_judge(struct golden_accept *accept)
+{
+    return (struct golden_judge){.context = accept, .source = source, .differs = differs};
+}
+
+enum err golden_accept_publish(struct golden_accept *accept, struct interpreter *interp,
                                struct fault *fault)
 {
-    const char *at = buf_text(&golden_accept->drafts), *end = at + golden_accept->drafts.length;
+    const char *at = NULL, *draft, *place;
     enum err err = OK;
-    while (!err && at < end) {
-        const char *draft = at, *place = at + strlen(at) + 1;
+    while (!err && next_draft(accept, &at, &draft, &place)) {
         err = interpreter_will_write(interp, place, FILE_REPLACE, fault);
         if (!err)
             err = file_publish(draft, place, FILE_REPLACE, fault);
-        at = place + strlen(place) + 1;
     }
     return err;
 }
 
-void golden_accept_release(struct golden_accept *golden_accept)
+void golden_accept_release(struct golden_accept *accept)
 {
-    const char *at = buf_text(&golden_accept->drafts), *end = at + golden_accept->drafts.length;
-    while (at < end) {
-        const char *place = at + strlen(at) + 1;
-        file_discard(at); /* not there any more where it was published */
-        at = place + strlen(place) + 1;
-    }
-    buf_release(&golden_accept->drafts);
-    buf_release(&golden_accept->note);
+    const char *at = NULL, *draft, *place;
+    while (next_draft(accept, &at, &draft, &place))
+        file_discard(draft); /* it is gone already where it was published */
+    buf_release(&accept->drafts);
+    buf_release(&accept->note);
 }

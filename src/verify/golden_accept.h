@@ -1,9 +1,10 @@
 /*
- * Golden images that are being accepted: each that differs, or is missing, is drawn up beside the
- * place it is for, and takes that place only when all of them can, and the journal with them.
+ * Golden images that are being accepted: each that differs, or is missing, is drawn again into a
+ * draft beside its place, and takes that place only when all of them can, and the journal with
+ * them.
  *
- * Who owns: struct accepting lives as long as the replay that fills it; its drafts are files, which
- * golden_accept_release removes where they were not published.
+ * Who owns: struct golden_accept lives as long as the replay that fills it; its drafts are files,
+ * which golden_accept_release removes where they were not published.
  */
 #ifndef VERIFY_GOLDEN_ACCEPT_H
 #define VERIFY_GOLDEN_ACCEPT_H
@@ -18,19 +19,13 @@ struct golden_accept {
     size_t images;
 };
 
-/* Where a golden image with that place is to be read: its draft, if there is one, or the place. */
-const char *golden_accept_source(const struct golden_accept *golden_accept, const char *path);
+/* The judge that takes in every golden image that differs, and its PNG. ERR_CHECK only where the
+ * journal gives two pictures one name. It borrows `accept`. */
+struct golden_judge golden_accept_judge(struct golden_accept *accept);
 
-/* Draws up golden image `name`, whose place is `path`, and its PNG. `fault` says what is wrong with
- * the present one, and is cleared where OK is returned. ERR_CHECK where it was drawn up before:
- * then the journal gives two pictures that name. */
-enum err golden_accept_take(struct golden_accept *golden_accept, struct interpreter *interp,
-                            const char *name, const char *path, struct picture *picture,
-                            struct fault *fault);
-
-/* Gives all drafts their places; interpreter_settle_files keeps that or takes it back. */
-enum err golden_accept_publish(struct golden_accept *golden_accept, struct interpreter *interp,
+/* Gives all drafts their places; interpreter_settle_files then lets that stand or takes it back. */
+enum err golden_accept_publish(struct golden_accept *accept, struct interpreter *interp,
                                struct fault *fault);
-void golden_accept_release(struct golden_accept *golden_accept);
+void golden_accept_release(struct golden_accept *accept);
 
 #endif

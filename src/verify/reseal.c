@@ -21,9 +21,9 @@ static const char unchanged[] = "nothing has changed";
 
 struct resealing {
     struct interpreter *interp;
-    struct golden_accept *golden_accept; /* NULL where golden images are left alone */
-    struct buf mark;                     /* what the comment of a changed record begins with */
-    struct buf header, out;              /* the new journal */
+    struct golden_accept *accept; /* NULL where golden images are left alone */
+    struct buf mark;              /* what the comment of a changed record begins with */
+    struct buf header, out;       /* the new journal */
     struct record_chain chain;
     size_t count, marked; /* records; those that have changed */
     bool changes_header;
@@ -91,8 +91,8 @@ static void add_comments(struct buf *out, const char *bytes, const struct record
 static void add_mark(const struct resealing *r, struct buf *out, const struct record *record)
 {
     buf_printf(out, "# %s", buf_text(&r->mark));
-    if (r->golden_accept && r->golden_accept->note.length)
-        buf_printf(out, " (%s)", buf_text(&r->golden_accept->note));
+    if (r->accept && r->accept->note.length)
+        buf_printf(out, " (%s)", buf_text(&r->accept->note));
     buf_add_char(out, '\n');
     if (record->has_result)
         buf_printf(out, "# it was: chain=%s%s%.*s\n", record->chain.hex, *record->result ? " " : "",
@@ -108,7 +108,7 @@ static enum err write_record(struct resealing *r, const char *bytes, const struc
     const bool is_sound = !record_judge(record, NULL);
     const bool is_same =
         record->has_result && all_are_given(record->result, buf_text(&reply->words));
-    const bool has_note = r->golden_accept && r->golden_accept->note.length;
+    const bool has_note = r->accept && r->accept->note.length;
     add_comments(&comments, bytes, record);
     if (!is_sound || !is_same || has_note) {
         add_mark(r, &comments, record);
@@ -131,20 +131,20 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
 {
     struct reply reply = {0};
     enum err err = OK;
-    if (r->golden_accept) {
+    if (r->accept) {
         err = record_judge(record, fault);
         if (err)
             return fault_set(fault, ERR_CHECK,
                              "record %zu (line %zu) was edited: iftty log --reseal comes first; %s",
                              record->number, record->line, unchanged);
-        buf_clear(&r->golden_accept->note);
-        r->golden_accept->chain = r->chain;
+        buf_clear(&r->accept->note);
+        r->accept->chain = r->chain;
     }
     err = interpreter_execute(r->interp, record->command, &reply, fault);
     if (err)
         fault_prefix(fault, err, "record %zu (line %zu) fails; %s", record->number, record->line,
                      unchanged);
-    if (!err && r->golden_accept)
+    if (!err && r->accept)
         err = refuse_results(record, buf_text(&reply.words), fault);
     if (!err)
         err = write_record(r, bytes, record, &reply, fault);
@@ -160,7 +160,7 @@ static enum err judge_header(struct resealing *r, const struct walk *walk, struc
         return fault_set(fault, ERR_CHECK,
                          "this is a script, not a journal: run it into a new one; %s", unchanged);
     r->changes_header = walk->semantics != SEMANTICS;
-    if (r->changes_header && r->golden_accept)
+    if (r->changes_header && r->accept)
         return fault_set(fault, ERR_CHECK,
                          "it was written with semantics %u, here is %u: iftty log --reseal comes "
                          "first; %s",
@@ -220,8 +220,8 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
     if (err)
         return err;
     r->interp->replays = false; /* it is over: what is replaced now is what the user asked for */
-    if (r->golden_accept)
-        err = golden_accept_publish(r->golden_accept, r->interp, fault);
+    if (r->accept)
+        err = golden_accept_publish(r->accept, r->interp, fault);
     if (!err)
         err = file_write(path, buf_text(&r->out), r->out.length, FILE_REPLACE, fault);
     interpreter_settle_files(r->interp, err == OK);
@@ -234,8 +234,8 @@ static void report(const struct resealing *r, const char *path, const struct buf
                    const struct teller *teller)
 {
     struct buf text = {0};
-    if (r->golden_accept)
-        buf_printf(&text, "# %zu golden images accepted, ", r->golden_accept->images);
+    if (r->accept)
+        buf_printf(&text, "# %zu golden images accepted, ", r->accept->images);
     else
         buf_add_text(&text, "# ");
     buf_printf(&text, "%zu of %zu records of ", r->marked, r->count);
@@ -258,10 +258,10 @@ static enum err reseal(struct resealing *r, const char *path, const struct telle
     struct file_log *lock = NULL;
     struct buf bytes = {0}, kept = {0};
     struct interpreter *interp = r->interp;
+    const struct golden_judge judge = golden_accept_judge(r->accept);
     r->chain = record_chain_zero;
     interp->replays = true;
-    interp->golden_accept = r->golden_accept;
-    interp->compares_goldens = r->golden_accept != NULL;
+    interp->judge = r->accept ? &judge : NULL;
     enum err err = file_log_open(&lock, path, false, fault); /* R4 */
     if (!err)
         err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
@@ -269,7 +269,7 @@ static enum err reseal(struct resealing *r, const char *path, const struct telle
         err = interpreter_set_home(interp, path, fault);
     if (!err)
         err = reseal_bytes(r, &bytes, fault);
-    if (!err && r->golden_accept)
+    if (!err && r->accept)
         err = orphan_check(path, &interp->goldens, fault);
     if (!err && (r->marked || r->changes_header))
         err = publish(r, path, &bytes, &kept, fault);
@@ -281,7 +281,7 @@ static enum err reseal(struct resealing *r, const char *path, const struct telle
     buf_release(&r->mark);
     buf_release(&r->header);
     buf_release(&r->out);
-    interp->golden_accept = NULL;
+    interp->judge = NULL;
     return err;
 }
 
@@ -309,14 +309,14 @@ static enum err check_reason(const char *why, struct fault *fault)
 enum err reseal_accept(struct interpreter *interp, const char *path, const char *why,
                        const struct teller *teller, struct fault *fault)
 {
-    struct golden_accept golden_accept = {0};
-    struct resealing r = {.interp = interp, .golden_accept = &golden_accept};
+    struct golden_accept accept = {0};
+    struct resealing r = {.interp = interp, .accept = &accept};
     enum err err = check_reason(why, fault);
     if (err)
         return err;
     buf_printf(&r.mark, "accepted: %s", why);
     err = reseal(&r, path, teller, fault);
-    golden_accept_release(&golden_accept);
+    golden_accept_release(&accept);
     return err;
 }
 

@@ -4,50 +4,24 @@
 #include <string.h>
 
 #include "base/scan.h"
-#include "image/png.h"
-
-void gallery_add(struct gallery *gallery, const char *caption, uint32_t width, uint32_t height,
-                 const uint8_t *rgba)
-{
-    if (gallery->pictures == GALLERY_MOST)
-        return;
-    struct buf png = {0}, words = {0};
-    buf_add_text(&words, caption);
-    if (png_encode(&png, width, height, rgba, NULL) || words.failed) {
-        buf_release(&png);
-        buf_release(&words);
-        return;
-    }
-    gallery->picture[gallery->pictures].caption = words;
-    gallery->picture[gallery->pictures++].png = png;
-}
-
-void gallery_release(struct gallery *gallery)
-{
-    for (size_t i = 0; i < GALLERY_MOST; i++) {
-        buf_release(&gallery->picture[i].caption);
-        buf_release(&gallery->picture[i].png);
-    }
-    gallery->pictures = 0;
-}
 
 void verdict_release(struct verdict *verdict)
 {
     buf_release(&verdict->why);
     buf_release(&verdict->lines);
-    gallery_release(&verdict->gallery);
+    evidence_release(&verdict->evidence);
 }
 
 void verdict_write(struct buf *out, const struct verdict *v)
 {
     buf_printf(out, "verdict %d %" PRIu64 " %" PRIu64 " %" PRIu64 " %zu %zu %zu\n", (int)v->err,
                v->executed, v->compared, v->took_ms, v->why.length, v->lines.length,
-               v->gallery.pictures);
+               v->evidence.pictures);
     buf_add(out, buf_text(&v->why), v->why.length);
     buf_add(out, buf_text(&v->lines), v->lines.length);
-    for (size_t i = 0; i < v->gallery.pictures; i++) {
-        const struct buf *caption = &v->gallery.picture[i].caption,
-                         *png = &v->gallery.picture[i].png;
+    for (size_t i = 0; i < v->evidence.pictures; i++) {
+        const struct buf *caption = &v->evidence.picture[i].caption,
+                         *png = &v->evidence.picture[i].png;
         buf_printf(out, "picture %zu %zu\n", caption->length, png->length);
         buf_add(out, buf_text(caption), caption->length);
         buf_add(out, buf_text(png), png->length);
@@ -74,15 +48,15 @@ static bool read_bytes(const char **at, const char *end, struct buf *out, int64_
     return !out->failed;
 }
 
-static bool read_picture(const char **at, const char *end, struct gallery *gallery)
+static bool read_picture(const char **at, const char *end, struct evidence *evidence)
 {
     int64_t length[2];
-    struct buf *caption = &gallery->picture[gallery->pictures].caption,
-               *png = &gallery->picture[gallery->pictures].png;
+    struct buf *caption = &evidence->picture[evidence->pictures].caption,
+               *png = &evidence->picture[evidence->pictures].png;
     if (!read_numbers(at, "picture", length, 2) || !read_bytes(at, end, caption, length[0]) ||
         !read_bytes(at, end, png, length[1]))
         return false;
-    gallery->pictures++;
+    evidence->pictures++;
     return true;
 }
 
@@ -91,7 +65,7 @@ static bool read_all(struct verdict *v, const char *at, const char *end)
 {
     int64_t number[7];
     if (!read_numbers(&at, "verdict", number, 7) || number[0] > ERR_CANCELLED ||
-        number[6] > GALLERY_MOST)
+        number[6] > EVIDENCE_MOST)
         return false;
     v->err = (enum err)number[0];
     v->executed = (uint64_t)number[1];
@@ -100,7 +74,7 @@ static bool read_all(struct verdict *v, const char *at, const char *end)
     if (!read_bytes(&at, end, &v->why, number[4]) || !read_bytes(&at, end, &v->lines, number[5]))
         return false;
     for (int64_t i = 0; i < number[6]; i++)
-        if (!read_picture(&at, end, &v->gallery))
+        if (!read_picture(&at, end, &v->evidence))
             return false;
     return at == end;
 }

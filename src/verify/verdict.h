@@ -13,30 +13,14 @@
 
 #include "base/buf.h"
 #include "base/err.h"
-#include "image/picture.h"
-#include "journal/golden.h"
-
-enum { GALLERY_MOST = 3 };
-
-/* Pictures of a failure as PNG: expected, actual, difference; or what is seen now alone. */
-struct gallery {
-    struct {
-        struct buf caption, png;
-    } picture[GALLERY_MOST];
-    size_t pictures;
-};
-
-/* Adds a picture. One that there is no memory for is left out: the words say what failed. */
-void gallery_add(struct gallery *gallery, const char *caption, uint32_t width, uint32_t height,
-                 const uint8_t *rgba);
-void gallery_release(struct gallery *gallery);
+#include "verify/evidence.h"
 
 struct verdict {
     enum err err;
     uint64_t executed, compared, took_ms;
     struct buf why;   /* of a failure: one line, without line feed, safe to print */
     struct buf lines; /* more about it: lines that begin with "# " */
-    struct gallery gallery;
+    struct evidence evidence;
 };
 
 void verdict_release(struct verdict *verdict);

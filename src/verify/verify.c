@@ -26,15 +26,15 @@ enum {
 /* ---- one journal ---- */
 
 /* What is seen now, for whoever asks what a command has come to. */
-static void show_present(struct interpreter *interp, struct gallery *gallery)
+static void show_present(struct interpreter *interp, struct evidence *evidence)
 {
     struct picture picture = {0};
-    if (!interp->session.has_scene || gallery->pictures ||
+    if (!interp->session.has_scene || evidence->pictures ||
         session_draw(&interp->session, RENDER_AS_KEPT, NULL) ||
         export_picture(&picture, &interp->session, NULL))
         return;
-    gallery_add(gallery, "actual: the rendition after this command", picture.width, picture.height,
-                picture.rgba);
+    evidence_add(evidence, "actual: the rendition after this command", picture.width,
+                 picture.height, picture.rgba);
     picture_release(&picture);
 }
 
@@ -88,18 +88,19 @@ void verify_one(const struct verify_options *options, const char *path, struct v
 {
     struct interpreter interp;
     struct replay_report report = {0};
-    struct buf evidence = {0};
+    struct buf folder = {0};
     struct fault fault = {0};
+    struct evidence_collector collector = {.evidence = options->html ? &verdict->evidence : NULL};
+    const struct golden_judge judge = evidence_judge(&collector);
     const uint64_t begin = clock_ns();
     enum err err = interpreter_init(&interp, &fault);
     if (!err && options->begin)
         err = options->begin(options->context, path, &fault);
     interp.scene_path = options->scene_path;
     if (options->evidence_folder)
-        place_evidence(&evidence, options, path);
-    interp.evidence_folder = evidence.length ? buf_text(&evidence) : NULL;
-    interp.compares_goldens = true;
-    interp.gallery = options->html ? &verdict->gallery : NULL;
+        place_evidence(&folder, options, path);
+    collector.folder = folder.length ? buf_text(&folder) : NULL;
+    interp.judge = &judge;
     if (!err)
         err = drive_file(&interp, path, options->first, options->last, NULL, &report, &fault);
     if (!err)
@@ -107,8 +108,8 @@ void verify_one(const struct verify_options *options, const char *path, struct v
     drive_tell(&verdict->lines, &report, &fault);
     if (report.outcome == REPLAY_DIVERGED) {
         tell_voxels(&interp, &verdict->lines);
-        if (interp.gallery)
-            show_present(&interp, interp.gallery);
+        if (collector.evidence)
+            show_present(&interp, collector.evidence);
     }
     if (err && !verdict->lines.length)
         buf_printf(&verdict->lines, "# %s\n", fault.text);
@@ -120,7 +121,7 @@ void verify_one(const struct verify_options *options, const char *path, struct v
     verdict->took_ms = (clock_ns() - begin) / 1000000;
     replay_report_release(&report);
     interpreter_release(&interp);
-    buf_release(&evidence);
+    buf_release(&folder);
 }
 
 /* ---- processes ---- */
@@ -216,10 +217,10 @@ static void blame(struct verdict *verdict, int status, const struct fault *fault
 static void limit_pictures(struct pool *pool, struct verdict *verdict)
 {
     size_t bytes = 0;
-    for (size_t i = 0; i < verdict->gallery.pictures; i++)
-        bytes += verdict->gallery.picture[i].png.length;
+    for (size_t i = 0; i < verdict->evidence.pictures; i++)
+        bytes += verdict->evidence.picture[i].png.length;
     if (bytes > PICTURES_MOST - pool->picture_bytes) {
-        gallery_release(&verdict->gallery);
+        evidence_release(&verdict->evidence);
         buf_add_text(&verdict->lines, "# its pictures are left out: the report holds 64 MiB\n");
     } else {
         pool->picture_bytes += bytes;

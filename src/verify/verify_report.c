@@ -112,12 +112,12 @@ static void add_row(struct buf *out, size_t number, const char *path, const stru
                v->executed, v->compared, v->took_ms);
 }
 
-static void add_pictures(struct buf *out, const struct gallery *gallery)
+static void add_pictures(struct buf *out, const struct evidence *evidence)
 {
-    if (gallery->pictures)
+    if (evidence->pictures)
         buf_add_text(out, "<div class=\"pictures\">\n");
-    for (size_t i = 0; i < gallery->pictures; i++) {
-        const struct buf *caption = &gallery->picture[i].caption, *png = &gallery->picture[i].png;
+    for (size_t i = 0; i < evidence->pictures; i++) {
+        const struct buf *caption = &evidence->picture[i].caption, *png = &evidence->picture[i].png;
         buf_add_text(out, "<figure><img alt=\"");
         markup_add(out, buf_text(caption), caption->length);
         buf_add_text(out, "\" src=\"data:image/png;base64,");
@@ -126,7 +126,7 @@ static void add_pictures(struct buf *out, const struct gallery *gallery)
         markup_add(out, buf_text(caption), caption->length);
         buf_add_text(out, "</figcaption></figure>\n");
     }
-    if (gallery->pictures)
+    if (evidence->pictures)
         buf_add_text(out, "</div>\n");
 }
 
@@ -139,7 +139,7 @@ static void add_failure(struct buf *out, size_t number, const char *path, const 
     buf_add_text(out, "</p>\n<pre>");
     markup_add(out, buf_text(&v->lines), v->lines.length);
     buf_add_text(out, "</pre>\n");
-    add_pictures(out, &v->gallery);
+    add_pictures(out, &v->evidence);
     buf_add_text(out, "</section>\n");
 }
 

@@ -150,11 +150,13 @@ static enum err verify_records(struct interpreter *interp, const struct buf *byt
 static enum err verify_once(const char *path, const struct buf *bytes, struct figures *f,
                             struct fault *fault)
 {
+    static const struct golden_judge strict_judge = {.differs = NULL};
     struct interpreter interp;
     const uint64_t begin = clock_ns();
     f->scene_ms = f->forest_ms = f->rendition_ms = 0;
     enum err err = interpreter_init(&interp, fault);
-    interp.replays = interp.compares_goldens = true;
+    interp.replays = true;
+    interp.judge = &strict_judge;
     if (!err)
         err = interpreter_set_home(&interp, path, fault);
     if (!err)

@@ -1,0 +1,161 @@
+/* The command `golden`: a picture is stored beside the journal, and compared when it is replayed. */
+#include "command/act.h"
+
+#include <string.h>
+
+#include "base/file.h"
+#include "image/exr.h"
+
+/* ---- comparing ---- */
+
+static struct golden_planes planes_of(const struct picture *p)
+{
+    return (struct golden_planes){p->width, p->height, p->rgba, p->depth_mm, p->label, p->voxel};
+}
+
+static enum err read_golden(struct interpreter *interp, struct picture *expected, const char *name,
+                            const char *path, struct fault *fault)
+{
+    if (!file_exists(path))
+        return fault_set(fault, ERR_CHECK, "golden image %s is missing: there is no %s", name,
+                         path);
+    enum err err = interpreter_may_read(interp, path, fault);
+    if (!err)
+        err = exr_read(expected, path, fault);
+    if (!err)
+        return OK;
+    fault_prefix(fault, err, "golden image %s", name);
+    return fault ? fault_set(fault, ERR_CHECK, "%s", fault->text) : ERR_CHECK;
+}
+
+static enum err compare_planes(const struct picture *expected, const struct picture *actual,
+                               const char *name, struct golden_difference *difference,
+                               struct fault *fault)
+{
+    struct buf words = {0};
+    const struct golden_planes e = planes_of(expected), a = planes_of(actual);
+    enum err err = golden_compare(&e, &a, difference, fault);
+    if (!err && !difference->is_same) {
+        golden_tell(&words, difference);
+        err = fault_set(fault, ERR_CHECK, "golden image %s: %s", name, buf_text(&words));
+    }
+    buf_release(&words);
+    return err;
+}
+
+static enum err compare_golden(struct interpreter *interp, const char *name, const char *path,
+                               struct picture *actual, struct fault *fault)
+{
+    const struct golden_judge *judge = interp->judge;
+    struct picture expected = {0};
+    struct golden_difference difference = {0};
+    const bool has_source = judge && judge->source;
+    const char *source = has_source ? judge->source(judge->context, path) : path;
+    enum err err = read_golden(interp, &expected, name, source, fault);
+    const bool is_read = !err;
+    if (is_read)
+        err = compare_planes(&expected, actual, name, &difference, fault);
+    if (err == ERR_CHECK && judge && judge->differs) {
+        const struct golden_finding finding = {name, path, actual, is_read ? &expected : NULL,
+                                               is_read ? &difference : NULL};
+        err = judge->differs(judge->context, interp, &finding, fault);
+    }
+    golden_difference_release(&difference);
+    picture_release(&expected);
+    return err;
+}
+
+/* ---- storing ---- */
+
+/* The EXR is the golden image; the PNG beside it is for people. One that is there already is left
+ * alone, and has to be the same. */
+static enum err write_golden(struct interpreter *interp, const char *name, const char *path,
+                             struct picture *picture, struct fault *fault)
+{
+    struct buf other = {0};
+    enum err err = golden_folder(&other, buf_text(&interp->home), fault);
+    if (!err)
+        err = file_make_folder(buf_text(&other), fault);
+    if (!err && file_exists(path)) {
+        err = compare_golden(interp, name, path, picture, fault);
+        if (err)
+            fault_prefix(fault, err, "it exists already and was left alone");
+    } else if (!err) {
+        buf_printf(&other, "/%s.png", name);
+        err = act_write_now(interp, path, FILE_KEEP, picture, fault);
+        if (!err)
+            err = act_write_now(interp, buf_text(&other), FILE_KEEP, picture, fault);
+    }
+    buf_release(&other);
+    return err;
+}
+
+/* ---- the command ---- */
+
+/* The rendition, which takes in the edits that wait, or a slice or mosaic; and its digest. */
+static enum err take_golden(const struct act *act, const struct value *of, struct picture *picture)
+{
+    const bool is_slice = of->given && of->number > 0;
+    if (act->interp->skims)
+        return is_slice ? OK : session_run(act->session, act->fault);
+    if (is_slice)
+        return act_take_slices(act, (enum slice_kind)(of->number - 1), picture);
+    enum err err = session_render(act->session, RENDER_AS_KEPT, act->fault);
+    if (err)
+        return err;
+    act_add_picture_digest(act);
+    return act_take_picture(act, NULL, picture);
+}
+
+/* Compares it in a replay, or writes it. */
+static enum err settle_golden(const struct act *act, const char *name, struct picture *picture)
+{
+    struct interpreter *interp = act->interp;
+    struct buf path = {0};
+    enum err err = golden_path(&path, buf_text(&interp->home), name, act->fault);
+    if (!err && interp->replays)
+        err = compare_golden(interp, name, buf_text(&path), picture, act->fault);
+    else if (!err)
+        err = write_golden(interp, name, buf_text(&path), picture, act->fault);
+    if (!err && !interp->replays)
+        act_write_file_line("kept as ", buf_text(&path), act->reply);
+    buf_release(&path);
+    return err;
+}
+
+/* The names so far say which golden images in the journal's folder are orphans. A name that there
+ * was no memory for leaves room for the next. */
+static enum err note_name(struct interpreter *interp, const char *name, struct fault *fault)
+{
+    buf_add(&interp->goldens, name, strlen(name) + 1);
+    if (!interp->goldens.failed)
+        return OK;
+    interp->goldens.failed = false;
+    return fault_memory(fault, "a name");
+}
+
+enum err act_golden(const struct act *act)
+{
+    const struct interpreter *interp = act->interp;
+    struct picture picture = {0};
+    const char *name = act->value[0].text;
+    if (!golden_name_is_valid(name))
+        return fault_set(act->fault, ERR_USAGE,
+                         "NAME: expected small letters, digits, - and _ (at most 64), not %s",
+                         name);
+    if (interp->looks && interp->journal && journal_only_looks(interp->journal))
+        return fault_set(act->fault, ERR_USAGE,
+                         "the journal is only looked at, and its golden images with it; `journal "
+                         "FILE` goes on in a file of your own");
+    enum err err = note_name(act->interp, name, act->fault);
+    if (!err)
+        err = take_golden(act, &act->value[1], &picture);
+    if (err)
+        return err;
+    if (!interp->home.length && !interp->replays)
+        buf_add_text(&act->reply->text, "not kept: there is no journal that it could belong to\n");
+    else if (!interp->replays || interp->judge)
+        err = settle_golden(act, name, &picture);
+    picture_release(&picture);
+    return err;
+}

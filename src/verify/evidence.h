@@ -1,0 +1,35 @@
+/*
+ * Evidence for a person who looks into a failure: what was expected, what was drawn, and where the
+ * two differ; in a folder, and as PNG in memory for a report. Evidence that cannot be had is left
+ * out: the words of the failure stand without it.
+ */
+#ifndef VERIFY_EVIDENCE_H
+#define VERIFY_EVIDENCE_H
+
+#include "base/buf.h"
+#include "command/golden_judge.h"
+
+enum { EVIDENCE_MOST = 3 };
+
+/* Pictures of one failure as PNG, over black, as they are seen. */
+struct evidence {
+    struct {
+        struct buf caption, png;
+    } picture[EVIDENCE_MOST];
+    size_t pictures;
+};
+
+void evidence_add(struct evidence *evidence, const char *caption, uint32_t width, uint32_t height,
+                  const uint8_t *rgba);
+void evidence_release(struct evidence *evidence);
+
+struct evidence_collector {
+    const char *folder;        /* for JOURNAL.NAME.actual.exr and .difference.png; NULL: none */
+    struct evidence *evidence; /* for a report; or NULL */
+};
+
+/* The judge that refuses every golden image that differs, and collects evidence of it. It borrows
+ * the collector. */
+struct golden_judge evidence_judge(struct evidence_collector *collector);
+
+#endif
