@@ -21,7 +21,7 @@
 #include "program/bench.h"
 #include "verify/bisect.h"
 #include "verify/diff.h"
-#include "verify/drive.h"
+#include "verify/replay_file.h"
 #include "journal/graph.h"
 #include "sandbox/limits.h"
 #include "program/provenance.h"
@@ -346,7 +346,7 @@ static enum err run_lines(const struct options *o, FILE *input, const char *name
     handle_interrupts();
     enum err err = begin_interpreter(&interp, o, fault);
     if (!err) {
-        err = drive_script(&interp, input, name, o->keep_going, &teller, fault);
+        err = script_run(&interp, input, name, o->keep_going, &teller, fault);
         fault->text[0] = '\0'; /* told with its line */
     }
     err = sync_journal(&interp, err, fault);
@@ -432,7 +432,7 @@ static enum err replay_into(const struct options *o, struct fault *fault)
     const struct teller teller = {(void *)(uintptr_t)o, say, complain, NULL, NULL};
     enum err err = begin_interpreter(&interp, o, fault);
     if (!err)
-        err = drive_replay(&interp, o->word[1], &teller, fault);
+        err = replay_aloud(&interp, o->word[1], &teller, fault);
     interpreter_release(&interp);
     return err;
 }

@@ -10,7 +10,7 @@
 #include <limits.h>
 #include <unistd.h>
 
-#include "verify/drive.h"
+#include "verify/replay_file.h"
 #include "tests/check.h"
 
 static struct reply reply;

@@ -1007,7 +1007,7 @@ static void journal_verifies(const char *path)
     struct interpreter interp;
     const struct teller teller = {&told, say_nothing, say_nothing, NULL, NULL};
     begin_interpreter(&interp);
-    enum err err = drive_replay(&interp, path, &teller, &fault);
+    enum err err = replay_aloud(&interp, path, &teller, &fault);
     if (!CHECK(err == OK))
         printf("#   %s\n", fault.text);
     interpreter_release(&interp);
@@ -1131,7 +1131,7 @@ static void replay_tells(const char *path, const char *words)
     const struct teller teller = {&told, say_nothing, say_nothing, NULL, NULL};
     begin_interpreter(&interp);
     fault = (struct fault){.text = ""};
-    CHECK(drive_replay(&interp, path, &teller, &fault) != OK);
+    CHECK(replay_aloud(&interp, path, &teller, &fault) != OK);
     buf_add_text(&told, fault.text);
     CHECK_HAS(buf_text(&told), words);
     interpreter_release(&interp);

@@ -54,7 +54,7 @@ begin "the law is seen to be broken where it is"
 fake=$work/fake
 mkdir -p "$fake/src/engine" "$fake/src/base" "$fake/journal" "$fake/render" "$fake/tui" "$fake/src/odd"
 printf '#include "base/err.h"\n/* #include "tui/term.h" */\n' >"$fake/src/engine/fine.c"
-printf '#include "command/drive.h"\n#include "tui/repl.h"\n' >"$fake/src/main.c"
+printf '#include "command/script.h"\n#include "tui/repl.h"\n' >"$fake/src/main.c"
 found=$(violations "$fake")
 [ -z "$found" ] || fail "a lawful tree is blamed: $found"
 printf '#include "journal/journal.h"\n' >"$fake/src/engine/one.c"

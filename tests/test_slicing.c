@@ -623,7 +623,7 @@ static void replay(const char *path, const char *words)
     begin_interpreter(&interp);
     interp.judge = &strict_judge;
     fault = (struct fault){.text = ""};
-    const enum err err = drive_replay(&interp, path, &teller, &fault);
+    const enum err err = replay_aloud(&interp, path, &teller, &fault);
     if (!words && !CHECK(err == OK))
         printf("#   %s\n", fault.text);
     buf_add_text(&told, fault.text);

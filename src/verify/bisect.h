@@ -14,7 +14,7 @@
 #ifndef VERIFY_BISECT_H
 #define VERIFY_BISECT_H
 
-#include "verify/drive.h"
+#include "command/script.h"
 
 /* Tells TAP of one test. OK when both give the same, ERR_CHECK with the first that differs when
  * not, ERR_INPUT for a journal that is not sound. */

@@ -10,6 +10,7 @@
 #include "verify/difference_picture.h"
 #include "verify/worker_process.h"
 #include "verify/first_difference.h"
+#include "verify/replay_file.h"
 #include "journal/journal.h"
 #include "session/export.h"
 
@@ -55,7 +56,7 @@ static enum err carry_out(struct interpreter *interp, const struct side *side, s
 {
     const struct diff_options *o = side->options;
     struct replay_report report = {0};
-    enum err err = drive_file(interp, o->path[side->which], 0, o->last, NULL, &report, fault);
+    enum err err = replay_file(interp, o->path[side->which], 0, o->last, NULL, &report, fault);
     facts->is_edited = !report.is_intact;
     facts->is_torn = report.is_torn;
     if (err == ERR_CHECK && report.outcome == REPLAY_SAME)

@@ -10,7 +10,7 @@
 #ifndef VERIFY_DIFF_H
 #define VERIFY_DIFF_H
 
-#include "verify/drive.h"
+#include "command/script.h"
 
 struct diff_options {
     const char *path[2];

@@ -18,7 +18,7 @@
 #ifndef VERIFY_RESEAL_H
 #define VERIFY_RESEAL_H
 
-#include "verify/drive.h"
+#include "command/script.h"
 
 /* `iftty verify --accept WHY`: golden images that differ or are missing are drawn up anew, and
  * records of pictures get today's digests. Refused where a record gives another result that is no

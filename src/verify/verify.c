@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "command/act.h"
 #include "verify/orphan.h"
+#include "verify/replay_file.h"
 #include "verify/verify_report.h"
 #include "session/export.h"
 
@@ -102,10 +103,10 @@ void verify_one(const struct verify_options *options, const char *path, struct v
     collector.folder = folder.length ? buf_text(&folder) : NULL;
     interp.judge = &judge;
     if (!err)
-        err = drive_file(&interp, path, options->first, options->last, NULL, &report, &fault);
+        err = replay_file(&interp, path, options->first, options->last, NULL, &report, &fault);
     if (!err)
         err = judge_whole(options, &interp, path, &report, &fault);
-    drive_tell(&verdict->lines, &report, &fault);
+    replay_describe(&verdict->lines, &report, &fault);
     if (report.outcome == REPLAY_DIVERGED) {
         tell_voxels(&interp, &verdict->lines);
         if (collector.evidence)

@@ -9,7 +9,7 @@
 #ifndef VERIFY_VERIFY_H
 #define VERIFY_VERIFY_H
 
-#include "verify/drive.h"
+#include "command/script.h"
 #include "verify/verdict.h"
 
 enum { VERIFY_PROCESSES_MOST = 64 };

@@ -1,0 +1,103 @@
+#include "verify/replay_file.h"
+
+#include "base/file.h"
+#include "sandbox/limits.h"
+#include "session/export.h"
+#include "verify/divergence.h"
+
+struct replaying {
+    struct interpreter *interp;
+    const struct teller *teller;      /* NULL: quietly */
+    const struct golden_judge *judge; /* from record `first` on */
+    size_t number, first;
+};
+
+static enum err execute(void *context, const char *command, struct buf *words, struct fault *fault)
+{
+    struct replaying *replaying = context;
+    struct reply reply = {0};
+    const bool is_judged = ++replaying->number >= replaying->first;
+    replaying->interp->judge = is_judged ? replaying->judge : NULL;
+    enum err err = interpreter_execute(replaying->interp, command, &reply, fault);
+    if (!err && replaying->teller && reply.canonical.length)
+        script_acknowledge(replaying->interp, &reply, replaying->teller);
+    buf_add_text(words, buf_text(&reply.words));
+    reply_release(&reply);
+    return err;
+}
+
+enum err replay_file(struct interpreter *interp, const char *path, size_t first, size_t last,
+                     const struct teller *teller, struct replay_report *report, struct fault *fault)
+{
+    struct buf bytes = {0};
+    struct replaying replaying = {
+        .interp = interp, .teller = teller, .judge = interp->judge, .first = first};
+    const struct replay_host host = {&replaying, execute};
+    const struct replay_options options = {SEMANTICS, first, last};
+    enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
+    interp->replays = true;
+    if (!interp->session.watch) /* one of a program at a terminal looks at the limits as well */
+        interp->session.watch = limits_watch();
+    if (!err)
+        err = interpreter_set_home(interp, path, fault);
+    if (!err)
+        err = replay_run(buf_text(&bytes), bytes.length, &host, &options, report, fault);
+    interp->judge = replaying.judge;
+    buf_release(&bytes);
+    return err;
+}
+
+static void add_detail(struct buf *text, const char *what, const struct buf *value)
+{
+    buf_printf(text, "#   %-9s", what);
+    buf_add_safe(text, buf_text(value), value->length);
+    buf_add_char(text, '\n');
+}
+
+void replay_describe(struct buf *text, const struct replay_report *report,
+                     const struct fault *fault)
+{
+    if (!report->is_intact && report->edited_number)
+        buf_printf(text,
+                   "# record %zu, line %zu: its chain digest does not fit: the journal was "
+                   "edited from here on\n",
+                   report->edited_number, report->edited_line);
+    if (report->is_torn)
+        buf_printf(text, "# an unfinished record at byte %llu was left alone\n",
+                   (unsigned long long)report->torn_offset);
+    if (report->outcome == REPLAY_SAME)
+        return;
+    buf_printf(text, "# record %zu, line %zu: ", report->number, report->line);
+    if (report->outcome == REPLAY_DIVERGED)
+        buf_add_text(text, "the first command that gives another result\n");
+    else
+        buf_printf(text, "%s\n", fault->text);
+    if (report->command.length)
+        add_detail(text, "command", &report->command);
+    if (report->outcome != REPLAY_DIVERGED)
+        return;
+    add_detail(text, "differs", &report->word);
+    add_detail(text, "expected", &report->expected);
+    add_detail(text, "actual", &report->actual);
+    divergence_tell(text, buf_text(&report->expected_words), buf_text(&report->actual_words),
+                    DIVERGENCE_OF_REPLAY);
+}
+
+enum err replay_aloud(struct interpreter *interp, const char *path, const struct teller *teller,
+                      struct fault *fault)
+{
+    struct replay_report report = {0};
+    struct buf text = {0};
+    enum err err = replay_file(interp, path, 0, 0, teller, &report, fault);
+    replay_describe(&text, &report, fault);
+    if (text.length)
+        teller->complain(teller->context, buf_text(&text));
+    if (!err)
+        buf_printf(&text, "# %zu commands replayed, %zu results the same\n", report.executed,
+                   report.compared);
+    if (!err)
+        teller->say(teller->context, buf_text(&text));
+    replay_report_release(&report);
+    buf_release(&text);
+    return err;
+}
