@@ -169,8 +169,10 @@ static void begin(struct session *session, struct seeds *seeds)
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
     snprintf(path, sizeof path, "%s/small.nii", folder);
     geometry_place_plain(&geometry, spacing_mm);
-    CHECK(nifti_write(path, FILE_REPLACE, (uint32_t[]){side, side, side}, &geometry, NIFTI_UINT8,
-                      "test", scene_row, NULL, NULL, NULL) == OK);
+    CHECK(volume_write(path, FILE_REPLACE,
+                       &(struct volume_map){(uint32_t[]){side, side, side}, &geometry, VOXEL_UINT8,
+                                            "test", scene_row, NULL},
+                       NULL, NULL) == OK);
     session_init(session);
     CHECK(session_open(session, path, NULL) == OK);
     *seeds = (struct seeds){.edit = malloc(PROCEDURE_SEEDS * sizeof(struct edit))};

@@ -11,7 +11,7 @@
 
 #include "base/buf.h"
 #include "base/file.h"
-#include "image/nifti.h"
+#include "image/volume.h"
 
 static char folder[FOLDER_LENGTH];
 static char plain[FILE_LENGTH], packed[FILE_LENGTH];
@@ -99,7 +99,7 @@ static struct volume read_made(const struct made *m)
     struct volume v;
     struct fault fault = {0};
     save(plain, m->bytes, m->length);
-    CHECK_INT(nifti_read(&v, plain, NULL, &fault), OK);
+    CHECK_INT(volume_read(&v, plain, NULL, &fault), OK);
     CHECK_TEXT(fault.text, "");
     return v;
 }
@@ -109,7 +109,7 @@ static const char *refusal_of(const char *path)
     static struct fault fault;
     struct volume v;
     fault = (struct fault){0};
-    CHECK(nifti_read(&v, path, NULL, &fault) != OK);
+    CHECK(volume_read(&v, path, NULL, &fault) != OK);
     CHECK(v.intensity == NULL && v.size[0] == 0);
     CHECK(strpbrk(fault.text, "\n\033") == NULL);
     volume_release(&v);
@@ -244,7 +244,7 @@ STORY(gzip_is_told_by_content_not_by_name)
     for (int i = 0; i < 2; i++) {
         struct volume v;
         save_packed(i ? plain : packed, m.bytes, m.length);
-        CHECK_INT(nifti_read(&v, i ? plain : packed, NULL, NULL), OK);
+        CHECK_INT(volume_read(&v, i ? plain : packed, NULL, NULL), OK);
         CHECK(v.intensity && v.intensity[7] == 4711);
         volume_release(&v);
     }
@@ -293,7 +293,7 @@ STORY(a_gzip_gives_the_voxels_of_the_plain_file_however_it_is_inflated)
         (i / 16 == 1 ? save_in_members(packed, &m) : save_packed(packed, m.bytes, m.length));
         if (i / 16 == 2)
             append(packed, "what follows is nobody's");
-        CHECK_INT(nifti_read(&v, packed, NULL, NULL), OK);
+        CHECK_INT(volume_read(&v, packed, NULL, NULL), OK);
         CHECK(v.intensity && memcmp(v.intensity, expected.intensity, 900 * 2) == 0);
         CHECK(v.geometry.slope == expected.geometry.slope &&
               v.geometry.intercept == expected.geometry.intercept);
@@ -512,6 +512,25 @@ STORY(what_is_not_nifti_is_told_apart)
     CHECK_HAS(refusal(&m), "ends within the header");
 }
 
+STORY(a_format_is_known_by_content_or_by_name)
+{
+    char other[sizeof folder + 16];
+    struct made m = make(2, false);
+    struct volume v;
+    snprintf(other, sizeof other, "%s/a.scene", folder);
+    save(other, m.bytes, m.length);
+    CHECK_INT(volume_read(&v, other, NULL, NULL), OK);
+    volume_release(&v);
+    save_packed(other, m.bytes, m.length);
+    CHECK_INT(volume_read(&v, other, NULL, NULL), OK);
+    volume_release(&v);
+    save(other, "x,y,z,label\n", 12);
+    CHECK_HAS(refusal_of(other), "a.scene: not a volume; expected NIfTI (.nii or .nii.gz)");
+    save(plain, "x,y,z,label\n", 12);
+    CHECK_HAS(refusal_of(plain), "a.nii: not a NIfTI file: 12 bytes");
+    unlink(other);
+}
+
 STORY(dimensions_are_checked)
 {
     static const struct {
@@ -661,7 +680,7 @@ STORY(a_gzip_bomb_is_inflated_no_further_than_its_voxels)
         gzwrite(file, zeros, sizeof zeros);
     gzclose(file);
     struct volume v;
-    CHECK_INT(nifti_read(&v, packed, NULL, NULL),
+    CHECK_INT(volume_read(&v, packed, NULL, NULL),
               OK); /* the first voxels are fine; nothing more is read */
     volume_release(&v);
 }
@@ -692,7 +711,7 @@ STORY(damaged_files_never_do_harm)
             m.length = check_below(&chance, (uint32_t)m.length + 1);
         const char *path = round % 2 ? plain : packed;
         (round % 2 ? save : save_packed)(path, m.bytes, m.length);
-        if (nifti_read(&v, path, NULL, &fault) != OK)
+        if (volume_read(&v, path, NULL, &fault) != OK)
             CHECK(fault.text[0] != '\0' && v.intensity == NULL);
         volume_release(&v);
     }
@@ -715,7 +734,7 @@ STORY(damaged_gzip_never_does_harm)
         file.data[at] ^= (char)(1 + check_below(&chance, 255));
         save(packed, file.data, file.length);
         /* What a damaged byte does not change (a time, padding) may pass; no voxel ever differs. */
-        if (nifti_read(&v, packed, NULL, &fault) == OK)
+        if (volume_read(&v, packed, NULL, &fault) == OK)
             for (unsigned i = 0; i < VOXELS; i++)
                 CHECK_INT(v.intensity[i], m.bytes[DATA + 2 * i] | m.bytes[DATA + 2 * i + 1] << 8);
         volume_release(&v);
@@ -728,7 +747,7 @@ STORY(damaged_gzip_never_does_harm)
 
 struct asked {
     const uint32_t *size;
-    enum nifti_type type;
+    enum voxel_type type;
     uint64_t rows;
     bool in_order;
 };
@@ -745,9 +764,9 @@ static void give_row(void *context, uint32_t y, uint32_t z, void *values)
     a->rows++;
     for (uint32_t x = 0; x < a->size[0]; x++) {
         uint32_t v = value_at(x, y, z);
-        if (a->type == NIFTI_UINT8)
+        if (a->type == VOXEL_UINT8)
             ((uint8_t *)values)[x] = (uint8_t)v;
-        else if (a->type == NIFTI_UINT16)
+        else if (a->type == VOXEL_UINT16)
             ((uint16_t *)values)[x] = (uint16_t)v;
         else
             ((uint32_t *)values)[x] = v;
@@ -755,11 +774,12 @@ static void give_row(void *context, uint32_t y, uint32_t z, void *values)
 }
 
 static enum err write_sample(const char *path, const uint32_t size[3], const struct geometry *g,
-                             enum nifti_type type, enum file_mode mode, struct fault *fault)
+                             enum voxel_type type, enum file_mode mode, struct fault *fault)
 {
     struct asked asked = {size, type, 0, true};
-    enum err err =
-        nifti_write(path, mode, size, g, type, "iftty \xc3\xa4", give_row, &asked, NULL, fault);
+    enum err err = volume_write(
+        path, mode, &(struct volume_map){size, g, type, "iftty \xc3\xa4", give_row, &asked}, NULL,
+        fault);
     CHECK(asked.in_order);
     CHECK(err || asked.rows == (uint64_t)size[1] * size[2]);
     return err;
@@ -778,11 +798,11 @@ STORY(maps_come_back_as_they_were_written)
     static const uint32_t size[3] = {37, 11, 5};
     for (int wide = 0; wide < 2; wide++)
         for (int zip = 0; zip < 2; zip++) {
-            const enum nifti_type type = wide ? NIFTI_UINT16 : NIFTI_UINT8;
+            const enum voxel_type type = wide ? VOXEL_UINT16 : VOXEL_UINT8;
             const char *path = zip ? packed : plain;
             struct volume v;
             CHECK_INT(write_sample(path, size, &plain_geometry, type, FILE_REPLACE, NULL), OK);
-            CHECK_INT(nifti_read(&v, path, NULL, NULL), OK);
+            CHECK_INT(volume_read(&v, path, NULL, NULL), OK);
             for (uint32_t i = 0; i < 37 * 11 * 5; i++) {
                 uint32_t e = value_at(i % 37, i / 37 % 11, i / 37 / 11);
                 CHECK_INT(v.intensity[i], wide ? (uint16_t)e : (uint8_t)e);
@@ -796,7 +816,7 @@ STORY(a_map_of_32_bits_is_little_endian_after_its_header)
 {
     static const uint32_t size[3] = {3, 2, 2};
     struct buf file = {0};
-    CHECK_INT(write_sample(plain, size, &plain_geometry, NIFTI_UINT32, FILE_REPLACE, NULL), OK);
+    CHECK_INT(write_sample(plain, size, &plain_geometry, VOXEL_UINT32, FILE_REPLACE, NULL), OK);
     CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
     CHECK_INT(file.length, 352 + 12 * 4);
     CHECK(memcmp(file.data + DATATYPE, "\0\3\x20\0", 4) == 0); /* 768, 32 bits */
@@ -825,15 +845,15 @@ STORY(the_place_in_the_world_is_kept)
             put_float(&m, QUATERN + 12 + 4 * i, part * 100);
         }
         struct volume v = read_made(&m), w, only_q;
-        CHECK_INT(write_sample(plain, size, &v.geometry, NIFTI_UINT8, FILE_REPLACE, NULL), OK);
-        CHECK_INT(nifti_read(&w, plain, NULL, NULL), OK);
+        CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
+        CHECK_INT(volume_read(&w, plain, NULL, NULL), OK);
         CHECK_INT(w.geometry.qform_code, 3);
         struct buf file = {0};
         CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
         memset(file.data + SFORM, 0, 2); /* now the qform alone has to say it */
         save(plain, file.data, file.length);
         buf_release(&file);
-        CHECK_INT(nifti_read(&only_q, plain, NULL, NULL), OK);
+        CHECK_INT(volume_read(&only_q, plain, NULL, NULL), OK);
         for (int i = 0; i < 12; i++) {
             double e = v.geometry.to_mm[i / 4][i % 4];
             CHECK(fabs(w.geometry.to_mm[i / 4][i % 4] - e) < 1e-4);
@@ -855,8 +875,8 @@ STORY(a_sheared_matrix_is_kept_by_the_sform_alone)
     put_sform(&m, (const float[12]){1, 1, 0, 5, 0, 2, 0, 6, 0, 0, 3, 7});
     put(&m, SFORM, 4, 2);
     struct volume v = read_made(&m), w;
-    CHECK_INT(write_sample(plain, size, &v.geometry, NIFTI_UINT8, FILE_REPLACE, NULL), OK);
-    CHECK_INT(nifti_read(&w, plain, NULL, NULL), OK);
+    CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
+    CHECK_INT(volume_read(&w, plain, NULL, NULL), OK);
     CHECK(memcmp(v.geometry.to_mm, w.geometry.to_mm, sizeof v.geometry.to_mm) == 0);
     CHECK(w.geometry.sform_code == 4 && w.geometry.qform_code == 0);
     volume_release(&v);
@@ -867,8 +887,8 @@ STORY(a_side_too_long_for_nifti_1_makes_nifti_2)
 {
     static const uint32_t size[3] = {40000, 2, 1};
     struct volume v;
-    CHECK_INT(write_sample(packed, size, &plain_geometry, NIFTI_UINT16, FILE_REPLACE, NULL), OK);
-    CHECK_INT(nifti_read(&v, packed, NULL, NULL), OK);
+    CHECK_INT(write_sample(packed, size, &plain_geometry, VOXEL_UINT16, FILE_REPLACE, NULL), OK);
+    CHECK_INT(volume_read(&v, packed, NULL, NULL), OK);
     CHECK_INT(v.size[0], 40000);
     CHECK(v.intensity && v.intensity[79999] == (uint16_t)value_at(39999, 1, 0));
     volume_release(&v);
@@ -878,11 +898,11 @@ STORY(the_same_map_gives_the_same_gzip)
 {
     static const uint32_t size[3] = {30, 30, 30};
     struct buf first = {0}, second = {0};
-    CHECK_INT(write_sample(packed, size, &plain_geometry, NIFTI_UINT16, FILE_REPLACE, NULL), OK);
+    CHECK_INT(write_sample(packed, size, &plain_geometry, VOXEL_UINT16, FILE_REPLACE, NULL), OK);
     CHECK_INT(file_read(&first, packed, 1 << 20, NULL), OK);
     CHECK(memcmp(first.data + 4, "\0\0\0\0", 4) == 0); /* no time */
     sleep(1);
-    CHECK_INT(write_sample(packed, size, &plain_geometry, NIFTI_UINT16, FILE_REPLACE, NULL), OK);
+    CHECK_INT(write_sample(packed, size, &plain_geometry, VOXEL_UINT16, FILE_REPLACE, NULL), OK);
     CHECK_INT(file_read(&second, packed, 1 << 20, NULL), OK);
     CHECK(first.length == second.length && memcmp(first.data, second.data, first.length) == 0);
     buf_release(&first);
@@ -895,17 +915,17 @@ STORY(names_and_existing_files_are_checked)
     struct fault fault = {0};
     char other[FILE_LENGTH];
     snprintf(other, sizeof other, "%s/a.img", folder);
-    CHECK_INT(write_sample(other, size, &plain_geometry, NIFTI_UINT8, FILE_KEEP, &fault),
+    CHECK_INT(write_sample(other, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault),
               ERR_USAGE);
-    CHECK_HAS(fault.text, "expected a name in .nii or .nii.gz");
+    CHECK_HAS(fault.text, "expected the name of a volume, NIfTI (.nii or .nii.gz)");
     snprintf(other, sizeof other, "%s/.nii", folder);
-    CHECK_INT(write_sample(other, size, &plain_geometry, NIFTI_UINT8, FILE_KEEP, &fault),
+    CHECK_INT(write_sample(other, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault),
               ERR_USAGE);
     save(plain, "mine", 4);
-    CHECK_INT(write_sample(plain, size, &plain_geometry, NIFTI_UINT8, FILE_KEEP, &fault), ERR_IO);
+    CHECK_INT(write_sample(plain, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault), ERR_IO);
     CHECK_HAS(fault.text, "exists already");
     snprintf(other, sizeof other, "%s/none/a.nii", folder);
-    CHECK_INT(write_sample(other, size, &plain_geometry, NIFTI_UINT8, FILE_KEEP, &fault), ERR_IO);
+    CHECK_INT(write_sample(other, size, &plain_geometry, VOXEL_UINT8, FILE_KEEP, &fault), ERR_IO);
     CHECK_HAS(fault.text, "there is no folder");
 }
 
@@ -924,7 +944,7 @@ STORY(a_disk_that_fills_leaves_the_former_file)
         struct rlimit tight = {room[i], kept.rlim_max};
         setrlimit(RLIMIT_FSIZE, &tight);
         enum err err =
-            write_sample(plain, size, &plain_geometry, NIFTI_UINT8, FILE_REPLACE, &fault);
+            write_sample(plain, size, &plain_geometry, VOXEL_UINT8, FILE_REPLACE, &fault);
         setrlimit(RLIMIT_FSIZE, &kept);
         CHECK_INT(err, ERR_IO);
         CHECK_HAS(fault.text, "a.nii: File too large");
@@ -957,7 +977,7 @@ int main(void)
         TELL(a_matrix_that_cannot_be_inverted_falls_back),
         TELL(the_axes_are_a_permutation_whatever_the_matrix), TELL(units_of_length_are_honoured),
         TELL(odd_distances_of_voxels), TELL(what_is_not_nifti_is_told_apart),
-        TELL(dimensions_are_checked),
+        TELL(a_format_is_known_by_content_or_by_name), TELL(dimensions_are_checked),
         TELL(more_voxels_than_the_file_can_hold_are_refused_before_allocating),
         TELL(nifti_2_dimensions_beyond_64_bits_are_refused),
         TELL(types_that_are_not_read_are_named), TELL(offsets_are_checked),
@@ -973,7 +993,7 @@ int main(void)
     unlink(plain);
     unlink(packed);
     if (rmdir(folder) != 0) {
-        printf("not ok 41 - no_draft_is_left_behind\n");
+        printf("not ok 42 - no_draft_is_left_behind\n");
         status = 1;
     }
     return status;

@@ -200,7 +200,7 @@ void file_folder(struct buf *out, const char *path)
         buf_add(out, path, slash == path ? 1 : (size_t)(slash - path));
 }
 
-bool file_is_named(const char *path, const char *endings)
+const char *file_ending(const char *path, const char *endings)
 {
     const char *name = file_name(path);
     const size_t length = strlen(name);
@@ -208,8 +208,13 @@ bool file_is_named(const char *path, const char *endings)
     while (choice_next(&end, &endings))
         if (length > end.length &&
             strncasecmp(name + length - end.length, end.word, end.length) == 0)
-            return true;
-    return false;
+            return name + length - end.length;
+    return NULL;
+}
+
+bool file_is_named(const char *path, const char *endings)
+{
+    return file_ending(path, endings) != NULL;
 }
 
 enum err file_program_folder(struct buf *out, struct fault *fault)

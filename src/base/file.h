@@ -51,7 +51,9 @@ enum err file_make_folder(const char *path, struct fault *fault); /* fine when i
 const char *file_name(const char *path);
 void file_folder(struct buf *out, const char *path);
 
-/* Whether its name ends in one of "a|b|c", in capitals or not, with something before it. */
+/* The ending of its name that is one of "a|b|c", in capitals or not, with something before it; NULL
+ * where it has none of them. */
+const char *file_ending(const char *path, const char *endings);
 bool file_is_named(const char *path, const char *endings);
 
 /* The folder of the running program. */

@@ -2,9 +2,12 @@
 #include "command/act.h"
 
 #include "engine/weight.h"
+#include "image/volume.h"
 #include "render/view.h"
 #include "session/seed_file.h"
 #include "session/slicing.h"
+
+#define VOLUME_NOTE(format, note) note
 
 /* Parameters. N is what help calls them. */
 #define NEED(N, TYPE, LEAST, MOST)                                                                 \
@@ -69,12 +72,15 @@ const struct command command_table[] = {
      GROUP_SCENE,
      R,
      {NEED("FILE", FILE, 0, 0)},
-     "load a NIfTI scene, or synth:geom[:XYZ|:SIZE]",
-     "NIfTI is .nii or .nii.gz of uint8, int16, uint16 or float32. synth:geom has 200x200x100 "
-     "voxels; X, Y, Z of 2 interpolate that axis to 2n-1, as in synth:geom:221. A SIZE in "
-     "voxels, as in synth:geom:1024x1024x1024, draws the same solids in a scene of that size. A "
-     "large scene says what memory it needs before it is loaded, and is refused where that is "
-     "not free.",
+     "load a scene, or synth:geom[:XYZ|:SIZE]",
+     VOLUME_FORMATS(VOLUME_NOTE) "synth:geom has 200x200x100 "
+                                 "voxels; X, Y, Z of 2 interpolate that axis to 2n-1, as in "
+                                 "synth:geom:221. A SIZE in "
+                                 "voxels, as in synth:geom:1024x1024x1024, draws the same solids "
+                                 "in a scene of that size. A "
+                                 "large scene says what memory it needs before it is loaded, and "
+                                 "is refused where that is "
+                                 "not free.",
      "open synth:geom",
      act_open},
     {"interpolate",

@@ -129,15 +129,28 @@ static bool has_magic(const struct layout *layout, const uint8_t *bytes, char ki
     return memcmp(bytes + layout->magic, text, layout->magic_bytes) == 0;
 }
 
+/* By sizeof_hdr; NULL where it is that of neither. */
+static const struct layout *layout_in(const uint8_t *bytes, bool *big_endian)
+{
+    for (int big = 0; big < 2; big++) {
+        const uint64_t size = get_bits(bytes, 4, big);
+        *big_endian = big;
+        if (size == LAYOUT_1.bytes || size == LAYOUT_2.bytes)
+            return size == LAYOUT_1.bytes ? &LAYOUT_1 : &LAYOUT_2;
+    }
+    return NULL;
+}
+
+bool nifti_header_is_one(const uint8_t *begin, size_t length)
+{
+    bool big_endian;
+    return length >= NIFTI_LEAST_BYTES && layout_in(begin, &big_endian);
+}
+
 enum err nifti_header_recognise(struct nifti_header *header, const uint8_t *bytes,
                                 struct fault *fault)
 {
-    const struct layout *layout = NULL;
-    for (int big = 0; big < 2 && !layout; big++) {
-        uint64_t size = get_bits(bytes, 4, big);
-        layout = size == LAYOUT_1.bytes ? &LAYOUT_1 : size == LAYOUT_2.bytes ? &LAYOUT_2 : NULL;
-        header->big_endian = big;
-    }
+    const struct layout *layout = layout_in(bytes, &header->big_endian);
     if (!layout)
         return fault_set(fault, ERR_INPUT,
                          "not a NIfTI file: sizeof_hdr is %lld; expected 348 or 540",

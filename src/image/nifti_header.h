@@ -1,9 +1,9 @@
 /*
- * The header of a NIfTI file: its fields as plain numbers, and the geometry they tell.
+ * The header of a NIfTI file: its fields as plain numbers, and the geometry that they give.
  *
  * NIfTI-1 (348 bytes) and NIfTI-2 (540 bytes) hold the same fields at other places and in other
  * widths; one table of places serves reading and writing both. Decoding believes nothing and
- * refuses nothing but an unknown kind of file: what the numbers are worth is nifti.c's to say.
+ * refuses nothing but an unknown kind of file: what the numbers are worth is checked by the reader.
  */
 #ifndef IMAGE_NIFTI_HEADER_H
 #define IMAGE_NIFTI_HEADER_H
@@ -31,6 +31,9 @@ struct nifti_header {
     double srow[3][4];
     char descrip[NIFTI_DESCRIPTION]; /* written only: what a file says here is never shown */
 };
+
+/* Whether a file that begins with these bytes may be NIfTI, or the ANALYZE that it grew from. */
+bool nifti_header_is_one(const uint8_t *begin, size_t length);
 
 /* How long the header is that begins with these NIFTI_LEAST_BYTES, and in which byte order: fills
  * header->bytes and ->big_endian. ERR_INPUT where sizeof_hdr or the magic is not of a single-file

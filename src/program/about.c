@@ -7,7 +7,7 @@
 #include "base/scan.h"
 #include "command/interpreter.h"
 #include "image/exr.h"
-#include "image/nifti.h"
+#include "image/volume.h"
 #include "journal/log.h"
 
 /* ---- two ways to say it ---- */
@@ -199,16 +199,16 @@ static enum err about_openexr(struct teller_of_facts *t, const char *path,
 
 static enum err about_scene(struct teller_of_facts *t, const char *path, struct fault *fault)
 {
-    struct nifti_facts facts;
-    enum err err = nifti_about(&facts, path, fault);
+    struct volume_header facts;
+    enum err err = volume_about(&facts, path, fault);
     if (err)
         return err;
     const struct geometry *g = &facts.geometry;
     char towards[4];
     geometry_axes(towards, g);
-    tell_text(t, "format", facts.version == 1 ? "nifti-1" : "nifti-2");
+    tell_text(t, "format", facts.format);
     tell_sides(t, "voxels", facts.size, 3);
-    tell_text(t, "type", facts.type);
+    tell_text(t, "type", facts.type_name);
     begin_fact(t, "spacing");
     buf_printf(t->out, t->json ? "[%.6g, %.6g, %.6g]" : "%.6gx%.6gx%.6g mm", g->spacing_nm[0] / 1e6,
                g->spacing_nm[1] / 1e6, g->spacing_nm[2] / 1e6);
@@ -250,7 +250,7 @@ enum err about_file(struct buf *out, const char *path, bool json, struct image_h
         err = about_journal(&teller, path, fault);
     else if (file_begins_with(path, "\x76\x2f\x31\x01"))
         err = about_openexr(&teller, path, helper, fault);
-    else if (file_is_named(path, ".nii|.nii.gz"))
+    else if (volume_ending(path))
         err = about_scene(&teller, path, fault);
     else
         err = about_image(&teller, path, helper, fault);

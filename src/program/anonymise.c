@@ -6,6 +6,7 @@
 #include "base/choice.h"
 #include "base/file.h"
 #include "command/act.h"
+#include "image/volume.h"
 #include "journal/walk.h"
 
 void anonymiser_release(struct anonymiser *anonymiser)
@@ -67,8 +68,8 @@ static const char *ending_of(const char *name)
         n++;
     if (!dot || n > 4 || dot[1 + n] != '\0')
         return "";
-    if (dot - name > 4 && strcmp(dot, ".gz") == 0 && strncmp(dot - 4, ".nii", 4) == 0)
-        return dot - 4;
+    if (volume_ending(name))
+        return volume_ending(name);
     if (percent && strspn(percent + 1, "0123456789") + 2 == (size_t)(dot - percent) &&
         dot[-1] == 'd')
         return percent;

@@ -8,7 +8,7 @@
 #include "base/mem.h"
 #include "program/bench_times.h"
 #include "command/interpreter.h"
-#include "image/nifti.h"
+#include "image/volume.h"
 
 enum { SEEDS = 660, SCRATCH_RUNS = 5, EDITS = 60, FRAMES = 24, STARTS = 9, MOST_TIMES = 128 };
 
@@ -252,7 +252,7 @@ enum err bench_brain(const char *scene, bool json, FILE *out, struct fault *faul
     if (!err)
         err = session_open(session, buf_text(&path), fault);
     if (!err && interpreter_find_scene(&interp, "aal.nii.gz", &atlas_path, NULL) == OK &&
-        nifti_read(&atlas, buf_text(&atlas_path), NULL, NULL) == OK &&
+        volume_read(&atlas, buf_text(&atlas_path), NULL, NULL) == OK &&
         memcmp(atlas.size, session->scene->grid.size, sizeof atlas.size) != 0)
         volume_release(&atlas);
     if (!err)

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "image/nifti.h"
+#include "image/volume.h"
 
 /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
 static double depth_unit_mm(const struct camera *camera)
@@ -162,13 +162,15 @@ enum err export_map(const struct session *session, enum map map, const char *pat
                     enum file_mode mode, struct fault *fault)
 {
     static const struct {
-        enum nifti_type type;
+        enum voxel_type type;
         const char *description;
-    } form[] = {[MAP_LABELS] = {NIFTI_UINT8, "iftty labels"},
-                [MAP_COST] = {NIFTI_UINT16, "iftty path cost"},
-                [MAP_ROOT] = {NIFTI_UINT32, "iftty root: voxel index of the seed"},
-                [MAP_BORDER] = {NIFTI_UINT8, "iftty border"}};
+    } form[] = {[MAP_LABELS] = {VOXEL_UINT8, "iftty labels"},
+                [MAP_COST] = {VOXEL_UINT16, "iftty path cost"},
+                [MAP_ROOT] = {VOXEL_UINT32, "iftty root: voxel index of the seed"},
+                [MAP_BORDER] = {VOXEL_UINT8, "iftty border"}};
     struct map_source source = {session, map};
-    return nifti_write(path, mode, session->scene->grid.size, &session->geometry, form[map].type,
-                       form[map].description, fill_row, &source, session->watch, fault);
+    const struct volume_map written = {
+        session->scene->grid.size, &session->geometry, form[map].type,
+        form[map].description,     fill_row,           &source};
+    return volume_write(path, mode, &written, session->watch, fault);
 }

@@ -34,7 +34,7 @@ void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
 
 enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER };
 
-/* A NIfTI map in the scene's geometry: labels and border uint8; cost uint16, 65535 where no seed
+/* A map in the scene's geometry: labels and border uint8; cost uint16, 65535 where no seed
  * reaches; root uint32, the voxel index of the seed, 0xFFFFFFFF where none reaches. */
 enum err export_map(const struct session *session, enum map map, const char *path,
                     enum file_mode mode, struct fault *fault);

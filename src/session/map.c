@@ -35,13 +35,13 @@ enum err map_read(struct volume *map, const char *path, const struct grid *grid,
                   const struct geometry *place, struct watch *watch, struct fault *fault)
 {
     uint32_t size[3];
-    enum err err = nifti_size(size, path, fault);
+    enum err err = volume_size(size, path, fault);
     if (err)
         return err;
     err = map_check_size(size, grid, fault);
     if (err)
         return fault_prefix(fault, err, "%s", file_name(path));
-    err = nifti_read(map, path, watch, fault);
+    err = volume_read(map, path, watch, fault);
     if (err)
         return err;
     err = map_check_size(map->size, grid, fault); /* it may be another file by now */

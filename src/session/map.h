@@ -1,5 +1,5 @@
 /*
- * Maps: NIfTI files on the scene's grid whose voxels hold whole numbers. Label maps, masks,
+ * Maps: volumes on the scene's grid whose voxels hold whole numbers. Label maps, masks,
  * weights.
  */
 #ifndef SESSION_MAP_H
@@ -7,7 +7,7 @@
 
 #include "base/err.h"
 #include "engine/grid.h"
-#include "image/nifti.h"
+#include "image/volume.h"
 
 /* ERR_INPUT where a map of this size does not lie on the scene's grid. */
 enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault);
@@ -17,8 +17,8 @@ enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fa
 enum err map_check_axes(const struct volume *map, const struct geometry *place,
                         struct fault *fault);
 
-/* nifti_read, and both checks; the size is asked before a voxel is read, so that memory is bounded
- * by the scene. Watched, as nifti_read is. The words of an error name the file. */
+/* volume_read, and both checks; the size is asked before a voxel is read, so that memory is bounded
+ * by the scene. Watched, as volume_read is. The words of an error name the file. */
 enum err map_read(struct volume *map, const char *path, const struct grid *grid,
                   const struct geometry *place, struct watch *watch, struct fault *fault);
 

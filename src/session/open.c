@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "base/scan.h"
-#include "image/nifti.h"
+#include "image/volume.h"
 
 static const uint64_t ANNOUNCED_FROM = 1000000000; /* bytes */
 
@@ -110,11 +110,11 @@ static enum err open_file(struct session *session, const char *path, struct faul
 {
     struct volume volume = {0};
     uint32_t size[3];
-    enum err err = nifti_size(size, path, fault);
+    enum err err = volume_size(size, path, fault);
     if (!err)
         err = check_memory(size, "nothing was opened", session->watch, fault);
     if (!err)
-        err = nifti_read(&volume, path, session->watch, fault);
+        err = volume_read(&volume, path, session->watch, fault);
     if (!err)
         err =
             scene_new_filled(&session->scene, volume.size, volume.intensity, session->watch, fault);

@@ -166,7 +166,7 @@ static enum err read_atlas(struct volume *atlas, const struct interpreter *inter
     struct buf path = {0};
     enum err err = interpreter_find_file(interp, name, &path, fault);
     if (!err)
-        err = nifti_read(atlas, buf_text(&path), NULL, fault);
+        err = volume_read(atlas, buf_text(&path), NULL, fault);
     buf_release(&path);
     return err;
 }

@@ -19,7 +19,7 @@
 #define TESTS_BENCH_PROCEDURE_H
 
 #include "command/interpreter.h"
-#include "image/nifti.h"
+#include "image/volume.h"
 #include "session/seed_file.h"
 #include "session/session.h"
 

@@ -1,9 +1,9 @@
-/* Bytes as a scene: the header alone, what is told of a file, and its voxels. */
+/* Bytes as a scene: the header alone, what is said of a file, and its voxels. */
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>
 
-#include "image/nifti.h"
+#include "image/volume.h"
 #include "image/nifti_header.h"
 
 enum { VOXELS_MOST = 1 << 20 }; /* more are fine, and take too long here */
@@ -27,16 +27,16 @@ static void decode(const uint8_t *bytes, size_t length)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
 {
-    struct nifti_facts facts;
+    struct volume_header facts;
     struct volume volume;
     struct fault fault = {.text = ""};
     decode(bytes, length);
     const char *path = fuzz_file(bytes, length);
-    enum err err = nifti_about(&facts, path, &fault);
+    enum err err = volume_about(&facts, path, &fault);
     HOLDS(!err || (fault.text[0] && !strpbrk(fault.text, "\n\r\033")));
     if (err || (uint64_t)facts.size[0] * facts.size[1] * facts.size[2] > VOXELS_MOST)
         return 0;
-    err = nifti_read(&volume, path, NULL, &fault);
+    err = volume_read(&volume, path, NULL, &fault);
     HOLDS(!err == (volume.intensity != NULL));
     HOLDS(err || memcmp(volume.size, facts.size, sizeof volume.size) == 0);
     volume_release(&volume);

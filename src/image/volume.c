@@ -1,0 +1,145 @@
+#include "image/volume.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/buf.h"
+#include "base/choice.h"
+
+#define DECLARE(format, note) extern const struct volume_format format;
+VOLUME_FORMATS(DECLARE)
+
+#define POINT_AT(format, note) &format,
+static const struct volume_format *const formats[] = {VOLUME_FORMATS(POINT_AT)};
+enum { FORMATS = sizeof formats / sizeof formats[0], FIRST_BYTES = 1024 };
+
+/* ---- which format ---- */
+
+static const struct volume_format *format_named(const char *path)
+{
+    for (int i = 0; i < FORMATS; i++)
+        if (file_is_named(path, formats[i]->endings))
+            return formats[i];
+    return NULL;
+}
+
+const char *volume_ending(const char *path)
+{
+    const struct volume_format *format = format_named(path);
+    return format ? file_ending(path, format->endings) : NULL;
+}
+
+/* "NIfTI (.nii or .nii.gz)": all formats, or those that are written. */
+static void list_formats(struct buf *out, bool of_written)
+{
+    for (int i = 0; i < FORMATS; i++) {
+        const char *endings = formats[i]->endings, *between = " (";
+        struct choice ending;
+        if (of_written && !formats[i]->write)
+            continue;
+        buf_printf(out, "%s%s", out->length ? ", " : "", formats[i]->name);
+        for (; choice_next(&ending, &endings); between = " or ")
+            buf_printf(out, "%s%.*s", between, (int)ending.length, ending.word);
+        buf_add_char(out, ')');
+    }
+}
+
+static enum err refuse(const char *words, bool of_written, enum err err, struct fault *fault)
+{
+    struct buf list = {0};
+    list_formats(&list, of_written);
+    fault_set(fault, err, "%s%s", words, buf_text(&list));
+    buf_release(&list);
+    return err;
+}
+
+static enum err find_format(const struct volume_format **format, struct volume_source *source,
+                            struct fault *fault)
+{
+    uint8_t begin[FIRST_BYTES];
+    const size_t length = source_peek(source, begin, sizeof begin);
+    *format = format_named(source->path);
+    for (int i = 0; i < FORMATS; i++)
+        if (formats[i]->recognises(begin, length))
+            *format = formats[i];
+    return *format ? OK : refuse("not a volume; expected ", false, ERR_INPUT, fault);
+}
+
+/* ---- reading ---- */
+
+/* Opens `path` and reads its header; `source` is to be closed in any case. */
+static enum err begin(const struct volume_format **format, struct volume_header *header,
+                      struct volume_source *source, const char *path, struct fault *fault)
+{
+    *header = (struct volume_header){0};
+    enum err err = source_open(source, path, fault);
+    if (err)
+        return err;
+    err = find_format(format, source, fault);
+    if (!err)
+        err = (*format)->read_header(header, source, fault);
+    return err ? fault_prefix(fault, err, "%s", path) : OK;
+}
+
+static enum err check_voxels(const struct volume_header *header, const char *path,
+                             struct fault *fault)
+{
+    return *header->refusal ? fault_set(fault, ERR_INPUT, "%s: %s", path, header->refusal) : OK;
+}
+
+enum err volume_about(struct volume_header *out, const char *path, struct fault *fault)
+{
+    const struct volume_format *format;
+    struct volume_source source;
+    enum err err = begin(&format, out, &source, path, fault);
+    source_close(&source);
+    return err;
+}
+
+enum err volume_size(uint32_t size[3], const char *path, struct fault *fault)
+{
+    struct volume_header header;
+    enum err err = volume_about(&header, path, fault);
+    memcpy(size, header.size, sizeof header.size);
+    return err ? err : check_voxels(&header, path, fault);
+}
+
+enum err volume_read(struct volume *out, const char *path, struct watch *watch, struct fault *fault)
+{
+    const struct volume_format *format;
+    struct volume_header header;
+    struct volume_source source;
+    *out = (struct volume){0};
+    enum err err = begin(&format, &header, &source, path, fault);
+    if (!err)
+        err = check_voxels(&header, path, fault);
+    if (!err) {
+        memcpy(out->size, header.size, sizeof out->size);
+        out->geometry = header.geometry;
+        err = format->read_voxels(out, &header, &source, watch, fault);
+        if (err)
+            fault_prefix(fault, err, "%s", path);
+    }
+    source_close(&source);
+    if (err)
+        volume_release(out);
+    return err;
+}
+
+void volume_release(struct volume *volume)
+{
+    free(volume->intensity);
+    *volume = (struct volume){0};
+}
+
+/* ---- writing ---- */
+
+enum err volume_write(const char *path, enum file_mode mode, const struct volume_map *map,
+                      struct watch *watch, struct fault *fault)
+{
+    const struct volume_format *format = format_named(path);
+    if (format && format->write)
+        return format->write(path, mode, map, watch, fault);
+    const enum err err = refuse("expected the name of a volume, ", true, ERR_USAGE, fault);
+    return fault_prefix(fault, err, "cannot write %s", path);
+}

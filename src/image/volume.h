@@ -1,0 +1,101 @@
+/*
+ * Volumes: scenes and maps in files, whatever their format.
+ *
+ * A format is one file, which defines a `struct volume_format`, and one row of VOLUME_FORMATS. A
+ * file belongs to the format that recognises its first bytes (of a gzip file, those inside it), or
+ * else to the format whose ending its name has, which then says what is wrong with it.
+ *
+ * Intensities are held as 16 bits whatever a file holds; geometry.slope and .intercept lead back
+ * to real values (image/voxels.h).
+ *
+ * Nothing a file claims is believed before it is checked: no more is allocated than the size of
+ * the file can account for, and no more is inflated than the header and the voxels (and 64 kB
+ * after them, to reach the checksum of a gzip).
+ */
+#ifndef IMAGE_VOLUME_H
+#define IMAGE_VOLUME_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/err.h"
+#include "base/file.h"
+#include "base/watch.h"
+#include "image/geometry.h"
+#include "image/source.h"
+
+/* The formats, and a sentence about each for the help. */
+#define VOLUME_FORMATS(ROW)                                                                        \
+    ROW(nifti_format, "NIfTI is .nii or .nii.gz of uint8, int16, uint16 or float32. ")
+
+struct volume {
+    uint32_t size[3];
+    uint16_t *intensity; /* [z][y][x], x fastest */
+    struct geometry geometry;
+};
+
+enum voxel_type { VOXEL_UINT8, VOXEL_INT16, VOXEL_UINT16, VOXEL_FLOAT32, VOXEL_UINT32 };
+
+/* What the header of a file says. */
+struct volume_header {
+    uint32_t size[3];
+    struct geometry geometry; /* slope and intercept are those of the numbers in the file */
+    const char *format;       /* "nifti-1" */
+    const char *type_name;    /* of voxels, "int16" */
+    bool big_endian;
+    char refusal[112]; /* why its voxels cannot be read; "" where they can: */
+    enum voxel_type type;
+    uint64_t offset; /* bytes before the voxels */
+};
+
+/* A map to be written. `row` is asked for the rows in file order, y faster than z, and fills
+ * size[0] values of the type. */
+struct volume_map {
+    const uint32_t *size; /* [3] */
+    const struct geometry *geometry;
+    enum voxel_type type;    /* uint8, uint16 or uint32 */
+    const char *description; /* cut to what the format holds */
+    void (*row)(void *context, uint32_t y, uint32_t z, void *values);
+    void *context;
+};
+
+struct volume_format {
+    const char *name;    /* "NIfTI" */
+    const char *endings; /* of file names, ".nii|.nii.gz" */
+    bool (*recognises)(const uint8_t *begin, size_t length);
+    enum err (*read_header)(struct volume_header *header, struct volume_source *source,
+                            struct fault *fault);
+    /* The voxels after read_header on the same source; voxels_read serves plain ones. */
+    enum err (*read_voxels)(struct volume *volume, const struct volume_header *header,
+                            struct volume_source *source, struct watch *watch, struct fault *fault);
+    /* NULL where the format is only read. */
+    enum err (*write)(const char *path, enum file_mode mode, const struct volume_map *map,
+                      struct watch *watch, struct fault *fault);
+};
+
+/* The part of a name by which some format knows its files, ".nii.gz"; NULL where there is none. */
+const char *volume_ending(const char *path);
+
+/* What the header of `path` says, of voxels that cannot be read too (as those of the root map that
+ * `save` writes). Others are refused where volume_read would refuse the header. */
+enum err volume_about(struct volume_header *out, const char *path, struct fault *fault);
+
+/* The size of the scene in `path`, from its header alone; refuses what volume_read would refuse
+ * before it reads a voxel. */
+enum err volume_size(uint32_t size[3], const char *path, struct fault *fault);
+
+/* Reads the scene in `path`, under a watch (or NULL). It takes two bytes a voxel, four while
+ * float32 is read, and as much as the file where a gzip is inflated whole. On failure *out is empty
+ * and the words say what was wrong and what was expected: ERR_INPUT for content, ERR_LIMIT, ERR_IO,
+ * ERR_MEMORY, ERR_CANCELLED. */
+enum err volume_read(struct volume *out, const char *path, struct watch *watch,
+                     struct fault *fault);
+void volume_release(struct volume *volume);
+
+/* Writes a map as `path`, in the format that the name says; whole or not at all, as where the watch
+ * (or NULL) stops it. The same values give the same bytes: a gzip file carries no time and no name.
+ */
+enum err volume_write(const char *path, enum file_mode mode, const struct volume_map *map,
+                      struct watch *watch, struct fault *fault);
+
+#endif

@@ -1,0 +1,304 @@
+#include "image/voxels.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "base/mem.h"
+#include "engine/grid.h"
+
+enum { PACKED_CHUNK = 256 << 10 }; /* bytes that zlib writes at a time */
+
+unsigned voxel_bytes(enum voxel_type type)
+{
+    static const uint8_t bytes[] = {[VOXEL_UINT8] = 1,
+                                    [VOXEL_INT16] = 2,
+                                    [VOXEL_UINT16] = 2,
+                                    [VOXEL_FLOAT32] = 4,
+                                    [VOXEL_UINT32] = 4};
+    return bytes[type];
+}
+
+static size_t voxels_in(const uint32_t size[3])
+{
+    return (size_t)size[0] * size[1] * size[2];
+}
+
+/* ---- byte order ---- */
+
+static void swap_16(uint16_t *value, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        value[i] = (uint16_t)(value[i] << 8 | value[i] >> 8);
+}
+
+static void swap_32(uint32_t *value, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        value[i] = __builtin_bswap32(value[i]);
+}
+
+/* Between the order of this machine and that of a file. */
+static void put_in_order(void *value, size_t count, enum voxel_type type, bool big_endian)
+{
+    if (big_endian == (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__))
+        return;
+    if (voxel_bytes(type) == 2)
+        swap_16(value, count);
+    if (voxel_bytes(type) == 4)
+        swap_32(value, count);
+}
+
+/* ---- intensities ---- */
+
+/* Spreads `count` bytes from the upper half of an array over the whole of it. Piecewise through a
+ * small buffer: the compiler cannot see that reading stays ahead of writing. */
+static void widen_bytes(uint16_t *value, size_t count)
+{
+    const uint8_t *from = (const uint8_t *)value + count;
+    uint8_t piece[4096];
+    for (size_t done = 0; done < count;) {
+        size_t n = count - done < sizeof piece ? count - done : sizeof piece;
+        memcpy(piece, from + done, n);
+        for (size_t i = 0; i < n; i++)
+            value[done + i] = piece[i];
+        done += n;
+    }
+}
+
+/* Signed to unsigned by the least value; returns what was added to every voxel's value. */
+static int shift_signed(uint16_t *value, size_t count)
+{
+    int least = 0;
+    for (size_t i = 0; i < count; i++) {
+        int v = (int16_t)value[i];
+        least = v < least ? v : least;
+    }
+    for (size_t i = 0; i < count; i++)
+        value[i] = (uint16_t)((int16_t)value[i] - least);
+    return least;
+}
+
+/* Floats to 16 bits, in place: a voxel's two bytes never lie after its four. */
+static enum err quantise(void *voxels, const uint32_t size[3], double *factor, double *least,
+                         struct fault *fault)
+{
+    const unsigned char *from = voxels;
+    unsigned char *to = voxels;
+    const size_t count = voxels_in(size), row = size[0], plane = row * size[1];
+    float low = INFINITY, high = -INFINITY, value;
+    for (size_t i = 0; i < count; i++) {
+        memcpy(&value, from + 4 * i, sizeof value);
+        if (!isfinite(value))
+            return fault_set(fault, ERR_INPUT, "voxel %zu,%zu,%zu is %s; expected finite numbers",
+                             i % row, i % plane / row, i / plane,
+                             isnan(value) ? "not a number (NaN)" : "infinite");
+        low = value < low ? value : low;
+        high = value > high ? value : high;
+    }
+    const double base = (double)low;
+    const double range = (double)high - base;
+    for (size_t i = 0; i < count; i++) {
+        memcpy(&value, from + 4 * i, sizeof value);
+        double part = range > 0 ? ((double)value - base) / range : 0;
+        uint16_t intensity = (uint16_t)(part * 65535 + 0.5);
+        memcpy(to + 2 * i, &intensity, sizeof intensity);
+    }
+    *factor = range > 0 ? range / 65535 : 1;
+    *least = base;
+    return OK;
+}
+
+/* Turns the numbers of a file into intensities, and says the way back. */
+static enum err convert(void *voxels, const struct volume_header *header, struct geometry *geometry,
+                        struct fault *fault)
+{
+    const size_t count = voxels_in(header->size);
+    double factor = 1, least = 0;
+    enum err err = OK;
+    put_in_order(voxels, count, header->type, header->big_endian);
+    if (header->type == VOXEL_UINT8)
+        widen_bytes(voxels, count);
+    else if (header->type == VOXEL_INT16)
+        least = shift_signed(voxels, count);
+    else if (header->type == VOXEL_FLOAT32)
+        err = quantise(voxels, header->size, &factor, &least, fault);
+    geometry->intercept = header->geometry.slope * least + header->geometry.intercept;
+    geometry->slope = header->geometry.slope * factor;
+    return err;
+}
+
+/* ---- reading ---- */
+
+enum err voxels_check(const struct volume_header *header, const struct volume_source *source,
+                      struct fault *fault)
+{
+    size_t needed;
+    if (!size_multiply(voxels_in(header->size), voxel_bytes(header->type), &needed))
+        return fault_set(fault, ERR_LIMIT, "its voxels do not fit the memory of any machine");
+    if (source->most < header->offset || source->most - header->offset < needed)
+        return fault_set(
+            fault, ERR_INPUT,
+            "cut short or false: its header claims %zu bytes of voxels from byte %" PRIu64
+            ", but %" PRIu64 " bytes%s hold at most %" PRIu64,
+            needed, header->offset, source->bytes, source->packed ? " of gzip" : "", source->most);
+    return OK;
+}
+
+/* Reads the voxels to `to`, by zlib. */
+static enum err stream_voxels(uint8_t *to, size_t needed, uint64_t offset,
+                              struct volume_source *source, struct watch *watch,
+                              struct fault *fault)
+{
+    enum err err = source_go_to(source, offset, "the extensions of its header", fault);
+    if (!err)
+        err = source_read(source, to, needed, "the voxels", watch, fault);
+    return err ? err : source_finish(source, fault);
+}
+
+/* Has the voxels end up after `lead` bytes of `voxels`, where there is room for them and for
+ * `offset` bytes more, before or after them. False where this file is not one for that. */
+static bool inflate_voxels(uint8_t *voxels, size_t lead, size_t needed, size_t offset,
+                           struct volume_source *source)
+{
+    uint8_t *begin = lead > offset ? voxels + (lead - offset) : voxels;
+    if (!source_inflate(source, begin, offset + needed))
+        return false;
+    if (begin + offset != voxels + lead)
+        memmove(voxels + lead, begin + offset, needed);
+    return true;
+}
+
+enum err voxels_read(struct volume *volume, const struct volume_header *header,
+                     struct volume_source *source, struct watch *watch, struct fault *fault)
+{
+    const size_t count = voxels_in(header->size), needed = count * voxel_bytes(header->type);
+    const size_t held = count * sizeof(uint16_t), offset = (size_t)header->offset;
+    const size_t wide = needed > held ? needed : held, lead = wide - needed;
+    const bool at_once = source_inflates(source, (uint64_t)offset + needed);
+    const size_t room = at_once && offset > lead ? offset + needed : wide;
+    if (room > mem_available())
+        return fault_set(fault, ERR_MEMORY, "%zu MB of voxels; this machine has %zu MB left",
+                         room >> 20, mem_available() >> 20);
+    uint8_t *voxels = mem_array(room, 1);
+    if (!voxels)
+        return fault_memory(fault, "the voxels");
+    volume->intensity = (uint16_t *)(void *)voxels;
+    enum err err = OK;
+    if (!at_once || !inflate_voxels(voxels, lead, needed, offset, source))
+        err = stream_voxels(voxels + lead, needed, offset, source, watch, fault);
+    if (!err)
+        err = convert(voxels, header, &volume->geometry, fault);
+    if (!err)
+        err = watch_fault(watch, fault);
+    if (!err && room > held) {
+        void *smaller = realloc(voxels, held);
+        if (smaller)
+            volume->intensity = smaller;
+    }
+    return err;
+}
+
+/* ---- writing ---- */
+
+/* Tests make the step fail here, as they do in the file layer. */
+static bool put(gzFile gz, const char *path, const void *bytes, size_t length)
+{
+    const uint8_t *at = bytes;
+    const size_t piece_most = (size_t)1 << 30;
+    while (length > 0) {
+        unsigned piece = (unsigned)(length < piece_most ? length : piece_most);
+        if (file_step_fails(FILE_STEP_WRITE, path) || gzwrite(gz, at, piece) != (int)piece)
+            return false;
+        at += piece;
+        length -= piece;
+    }
+    return true;
+}
+
+/* Also false where the watch stops it. */
+static bool put_rows(gzFile gz, const char *path, const struct volume_map *map, void *values,
+                     struct watch *watch)
+{
+    const size_t bytes = (size_t)map->size[0] * voxel_bytes(map->type);
+    struct task task = task_begin(watch, "writing", voxels_in(map->size));
+    for (uint32_t z = 0; z < map->size[2]; z++)
+        for (uint32_t y = 0; y < map->size[1]; y++) {
+            map->row(map->context, y, z, values);
+            put_in_order(values, map->size[0], map->type, false);
+            if (!put(gz, path, values, bytes) || !task_advance(&task, map->size[0]))
+                return false;
+        }
+    return true;
+}
+
+/* A new file `draft`, as gzip where `path` is to be one. */
+static enum err create(gzFile *gz, const char *draft, const char *path, struct fault *fault)
+{
+    int fd = file_step_fails(FILE_STEP_OPEN, path)
+                 ? -1
+                 : open(draft, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0)
+        return fault_errno(fault, "write", path);
+    *gz = gzdopen(fd, file_is_named(path, ".gz") ? "wb1" : "wbT");
+    if (!*gz) {
+        close(fd);
+        file_discard(draft);
+        return fault_memory(fault, path);
+    }
+    gzbuffer(*gz, PACKED_CHUNK);
+    return OK;
+}
+
+/* False, with errno, where a step failed; the last one is to close. */
+static bool close_after(gzFile gz, bool fine)
+{
+    const int number = errno;
+    if (gzclose_w(gz) != Z_OK && fine)
+        return false;
+    errno = number;
+    return fine;
+}
+
+static enum err write_draft(const char *draft, const char *path, const void *header,
+                            size_t header_bytes, const struct volume_map *map, struct watch *watch,
+                            struct fault *fault)
+{
+    void *values = mem_array(map->size[0], voxel_bytes(map->type));
+    gzFile gz;
+    enum err err = values ? create(&gz, draft, path, fault) : fault_memory(fault, path);
+    if (!err) {
+        errno = EIO;
+        const bool fine =
+            put(gz, path, header, header_bytes) && put_rows(gz, path, map, values, watch);
+        if (!close_after(gz, fine)) {
+            err = watch && watch->stopped ? watch_fault(watch, fault)
+                                          : fault_errno(fault, "write", path);
+            file_discard(draft);
+        }
+    }
+    free(values);
+    return err;
+}
+
+enum err voxels_write(const char *path, enum file_mode mode, const void *header,
+                      size_t header_bytes, const struct volume_map *map, struct watch *watch,
+                      struct fault *fault)
+{
+    struct grid grid;
+    struct buf draft = {0};
+    enum err err = grid_init(&grid, map->size, fault);
+    if (!err)
+        err = file_draft(&draft, path, mode, fault);
+    if (!err)
+        err = write_draft(buf_text(&draft), path, header, header_bytes, map, watch, fault);
+    if (!err)
+        err = file_publish(buf_text(&draft), path, mode, fault);
+    buf_release(&draft);
+    return err;
+}

@@ -1,0 +1,31 @@
+/*
+ * Voxels as plain numbers, one after another, in a file: how most formats hold them.
+ *
+ *     uint8, uint16   intensities as they are
+ *     int16           less the least value found, where that is negative
+ *     float32         linear, least .. greatest found -> 0 .. 65535, halves rounded up
+ *                     (a constant image is 0 everywhere)
+ */
+#ifndef IMAGE_VOXELS_H
+#define IMAGE_VOXELS_H
+
+#include "image/volume.h"
+
+unsigned voxel_bytes(enum voxel_type type);
+
+/* That a file of this size can hold the voxels that its header claims, before anything large is
+ * allocated. */
+enum err voxels_check(const struct volume_header *header, const struct volume_source *source,
+                      struct fault *fault);
+
+/* For volume_format.read_voxels. The size has been checked. */
+enum err voxels_read(struct volume *volume, const struct volume_header *header,
+                     struct volume_source *source, struct watch *watch, struct fault *fault);
+
+/* For volume_format.write: `header`, then the voxels, little-endian; as gzip where the name ends in
+ * .gz. */
+enum err voxels_write(const char *path, enum file_mode mode, const void *header,
+                      size_t header_bytes, const struct volume_map *map, struct watch *watch,
+                      struct fault *fault);
+
+#endif
