@@ -33,6 +33,7 @@
 #include "journal/log.h"
 #include "session/export.h"
 #include "tui/crop.h"
+#include "tui/picture/graphics.h"
 #include "tui/prompt/line_history.h"
 #include "tui/progress.h"
 #include "tui/prompt/repl.h"
@@ -104,7 +105,7 @@ struct options {
     const char *limit_memory, *limit_time, *limit_output;
     bool keep_going, smooth, read_only, script, check, repair, reseal, anonymise, bisect, json, csv,
         quick, graph;
-    enum graphics graphics;
+    struct graphics_wish graphics;
     char **word; /* what is left: program and files */
     int words;
 };
@@ -286,11 +287,13 @@ static enum err read_options(struct options *o, int count, char **word, struct f
         else if (!over)
             return fault_set(fault, ERR_USAGE, "unknown option %s; see iftty --help", word[i]);
     }
-    if (!graphics_from_name(graphics, &o->graphics))
-        return fault_set(fault, ERR_USAGE,
-                         "--graphics: expected auto, kitty, iterm, sixel, blocks or none, not %s",
-                         graphics);
-    return OK;
+    if (graphics_from_name(graphics, &o->graphics))
+        return OK;
+    struct buf names = {0};
+    graphics_add_names(&names, ", ", " or ");
+    fault_set(fault, ERR_USAGE, "--graphics: expected %s, not %s", buf_text(&names), graphics);
+    buf_release(&names);
+    return ERR_USAGE;
 }
 
 static enum err need_files(const struct options *o, int least, int most, struct fault *fault)

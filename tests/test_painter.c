@@ -6,6 +6,8 @@
 #include "tests/check.h"
 #include "tests/kitty_decode.h"
 #include "tests/sixel_decode.h"
+#include "tui/picture/blocks.h"
+#include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
 #include "tui/picture/shades.h"
 
@@ -231,7 +233,8 @@ static bool screen_feed(const struct buf *bytes)
 
 /* ---- what is to be seen ---- */
 
-static struct terminal_facts facts_of(enum graphics graphics, uint32_t width, uint32_t height)
+static struct terminal_facts facts_of(const struct graphics *graphics, uint32_t width,
+                                      uint32_t height)
 {
     return (struct terminal_facts){.graphics = graphics,
                                    .colours = COLOURS_24BIT,
@@ -260,7 +263,7 @@ static uint32_t expected_at(struct painter *p, const struct image_view *view, si
     uint32_t colour = image_view_colour(view, i);
     if (p->has_palette)
         colour = shades_shown(&p->shades, colour);
-    return p->facts.graphics == GRAPHICS_SIXEL ? sixel_round_trip(colour) : colour;
+    return p->facts.graphics == &graphics_sixel ? sixel_round_trip(colour) : colour;
 }
 
 /* How many pixels of the place are not as they should be: the view's, black up to whole cells, and
@@ -268,7 +271,7 @@ static uint32_t expected_at(struct painter *p, const struct image_view *view, si
 static int64_t wrong_pixels(struct painter *p, const struct image_view *view)
 {
     const struct kitty_picture *shown = kitty_shown(p);
-    const bool kitty = p->facts.graphics == GRAPHICS_KITTY;
+    const bool kitty = p->facts.graphics == &graphics_kitty;
     uint32_t width, height;
     int64_t wrong = 0;
     if (kitty && (!shown || shown->png.width != view->width || shown->png.height != view->height))
@@ -299,7 +302,8 @@ static size_t show(struct painter *p, const struct image_view *view)
     return bytes;
 }
 
-static const enum graphics with_pixels[] = {GRAPHICS_KITTY, GRAPHICS_SIXEL, GRAPHICS_ITERM};
+static const struct graphics *const with_pixels[] = {&graphics_kitty, &graphics_sixel,
+                                                     &graphics_iterm};
 
 /* ---- stories ---- */
 
@@ -363,7 +367,7 @@ STORY(pictures_of_every_size_and_kind_follow_each_other)
 
 STORY(few_colours_come_exactly_and_more_may_join_them)
 {
-    struct terminal_facts facts = facts_of(GRAPHICS_KITTY, 8, 16);
+    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
     struct painter p = {0};
     struct image_view view = picture(128, 128);
     screen_begin(8, 16);
@@ -401,7 +405,7 @@ STORY(a_cursor_move_costs_next_to_nothing)
 
 STORY(a_large_patch_for_kitty_goes_in_chunks)
 {
-    struct terminal_facts facts = facts_of(GRAPHICS_KITTY, 8, 16);
+    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
     struct painter p = {0};
     uint64_t seed = 13;
     screen_begin(8, 16);
@@ -452,8 +456,8 @@ STORY(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone)
 
 STORY(one_means_after_another_leaves_nothing)
 {
-    struct terminal_facts kitty = facts_of(GRAPHICS_KITTY, 8, 16);
-    struct terminal_facts sixel = facts_of(GRAPHICS_SIXEL, 8, 16);
+    struct terminal_facts kitty = facts_of(&graphics_kitty, 8, 16);
+    struct terminal_facts sixel = facts_of(&graphics_sixel, 8, 16);
     struct painter p = {0};
     struct buf out = {0};
     uint64_t seed = 16;
@@ -476,7 +480,7 @@ STORY(one_means_after_another_leaves_nothing)
 
 STORY(sixels_beyond_the_limit_of_the_terminal_come_in_pieces)
 {
-    struct terminal_facts facts = facts_of(GRAPHICS_SIXEL, 9, 19);
+    struct terminal_facts facts = facts_of(&graphics_sixel, 9, 19);
     struct painter p = {0};
     uint64_t seed = 15;
     screen_begin(9, 19);
@@ -493,7 +497,7 @@ STORY(sixels_beyond_the_limit_of_the_terminal_come_in_pieces)
 
 STORY(kitty_graphics_that_stand_still_go_whole)
 {
-    struct terminal_facts facts = facts_of(GRAPHICS_KITTY, 8, 16);
+    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
     struct painter p = {0};
     uint64_t seed = 5;
     facts.edits = false;
@@ -583,7 +587,7 @@ static int64_t wrong_parts(const struct painter *p, const struct image_view *vie
 STORY(cells_show_what_they_should_after_every_edit)
 {
     for (unsigned i = 0; i < 12; i++) {
-        struct terminal_facts facts = facts_of(GRAPHICS_BLOCKS, 8, 16);
+        struct terminal_facts facts = facts_of(&graphics_blocks, 8, 16);
         struct painter p = {0};
         uint64_t seed = i;
         uint32_t width, height;
@@ -612,7 +616,7 @@ STORY(cells_show_what_they_should_after_every_edit)
 
 STORY(half_blocks_in_all_colours_show_every_pixel)
 {
-    struct terminal_facts facts = facts_of(GRAPHICS_BLOCKS, 8, 16);
+    struct terminal_facts facts = facts_of(&graphics_blocks, 8, 16);
     struct painter p = {0};
     uint64_t seed = 8;
     screen_begin(8, 16);
@@ -722,8 +726,8 @@ static bool allow_some(size_t bytes)
 
 STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
 {
-    static const enum graphics all[] = {GRAPHICS_KITTY, GRAPHICS_SIXEL, GRAPHICS_ITERM,
-                                        GRAPHICS_BLOCKS};
+    static const struct graphics *const all[] = {&graphics_kitty, &graphics_sixel, &graphics_iterm,
+                                                 &graphics_blocks};
     for (unsigned g = 0; g < 4; g++) {
         struct terminal_facts facts = facts_of(all[g], 8, 16);
         uint64_t seed = 9;
@@ -734,7 +738,7 @@ STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
             screen_begin(8, 16);
             painter_place(&p, &facts, 0, 0, 10, 5);
             struct image_view view = picture(80, 80);
-            if (all[g] == GRAPHICS_BLOCKS)
+            if (all[g] == &graphics_blocks)
                 view.width = view.height = 10;
             fill_all(&view, &seed);
             allowed = limit;
@@ -744,8 +748,8 @@ STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
             CHECK_INT(shown, !out.failed);
             if (!shown) {
                 show(&p, &view);
-                CHECK_INT(all[g] == GRAPHICS_BLOCKS ? wrong_parts(&p, &view)
-                                                    : wrong_pixels(&p, &view),
+                CHECK_INT(all[g] == &graphics_blocks ? wrong_parts(&p, &view)
+                                                     : wrong_pixels(&p, &view),
                           0);
             }
             buf_release(&out);
@@ -831,7 +835,7 @@ STORY(what_is_drawn_over_slices_keeps_its_colour)
 
 STORY(tints_that_come_with_an_edit_get_their_colours)
 {
-    struct terminal_facts facts = facts_of(GRAPHICS_KITTY, 8, 16);
+    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
     struct painter p = {0};
     struct image_view view = picture(320, 320);
     screen_begin(8, 16);

@@ -1,7 +1,7 @@
 /* Every terminal that is known, asked as the program asks: what each answers is a table of facts
  * measured with the terminals themselves. Pure: nothing is opened. */
 #include "tests/check.h"
-#include "tui/probe.h"
+#include "tui/picture/graphics.h"
 
 enum { QUESTIONS = 8 };
 static const char *const question[QUESTIONS] = {
@@ -15,7 +15,7 @@ struct known {
     struct probe_environment environment;
     const char *answer[QUESTIONS]; /* NULL: none */
     unsigned prints;               /* questions that come out as text */
-    enum graphics graphics;
+    const struct graphics *graphics;
     enum colours colours;
     enum block_shape shape;
     bool synchronizes;
@@ -39,7 +39,7 @@ static const struct known terminals[] = {
      {"\033[>41;379;0c", VERSION_IS("XTerm(379)"), NULL, NULL, "\033[?2;0;1000;1000S",
       "\033[?63;1;2;4;6;9;15;16;17;18;21;22;28c", NOT_KNOWN, NULL},
      0,
-     GRAPHICS_SIXEL,
+     &graphics_sixel,
      COLOURED,
      BLOCK_QUADRANT,
      false,
@@ -50,7 +50,7 @@ static const struct known terminals[] = {
      {"\033[>41;379;0c", VERSION_IS("XTerm(379)"), NULL, NULL, "\033[?2;3S",
       "\033[?64;1;2;6;9;15;16;17;18;21;22;28c", NOT_KNOWN, NULL},
      0,
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURED,
      BLOCK_QUADRANT,
      false,
@@ -61,7 +61,7 @@ static const struct known terminals[] = {
      {"\033[>1;4000;26c", VERSION_IS("kitty(0.26.5)"), "\033[6;20;9t", "\033[4;400;639t", NULL,
       "\033[?62;c", KNOWN, KITTY_OK},
      0,
-     GRAPHICS_KITTY,
+     &graphics_kitty,
      COLOURED,
      BLOCK_SEXTANT,
      true,
@@ -72,7 +72,7 @@ static const struct known terminals[] = {
      {"\033[>1;4000;26c", VERSION_IS("kitty(0.26.5)"), "\033[6;20;9t", "\033[4;400;639t", NULL,
       "\033[?62;c", KNOWN, KITTY_OK},
      0,
-     GRAPHICS_KITTY,
+     &graphics_kitty,
      COLOURED,
      BLOCK_SEXTANT,
      true,
@@ -83,7 +83,7 @@ static const struct known terminals[] = {
      {"\033[>1;10;0c", VERSION_IS("ghostty 1.0.0"), "\033[6;34;16t", NULL, NULL, "\033[?62;22c",
       KNOWN, KITTY_OK},
      0,
-     GRAPHICS_KITTY,
+     &graphics_kitty,
      COLOURED,
      BLOCK_SEXTANT,
      true,
@@ -94,7 +94,7 @@ static const struct known terminals[] = {
      {"\033[>1;277;0c", VERSION_IS("WezTerm 20240203-110809-5046fc22"), "\033[6;18;8t", NULL, NULL,
       "\033[?65;4;6;18;22c", KNOWN, KITTY_OK},
      0,
-     GRAPHICS_KITTY,
+     &graphics_kitty,
      COLOURED,
      BLOCK_SEXTANT,
      true,
@@ -105,7 +105,7 @@ static const struct known terminals[] = {
      {"\033[>1;277;0c", VERSION_IS("WezTerm 20220319"), "\033[6;18;8t", NULL, NULL,
       "\033[?65;4;6;18;22c", KNOWN, "\033_Gi=31;ENOTSUPPORTED\033\\"},
      0,
-     GRAPHICS_SIXEL,
+     &graphics_sixel,
      COLOURED,
      BLOCK_SEXTANT,
      true,
@@ -116,7 +116,7 @@ static const struct known terminals[] = {
      {"\033[>1;220380;0c", VERSION_IS("Konsole 22.12.3"), NULL, "\033[4;480;640t", NULL,
       "\033[?62;1;4c", NOT_KNOWN, KITTY_OK},
      0,
-     GRAPHICS_KITTY,
+     &graphics_kitty,
      COLOURED,
      BLOCK_QUADRANT,
      false,
@@ -127,7 +127,7 @@ static const struct known terminals[] = {
      {"\033[>0;95;0c", VERSION_IS("iTerm2 3.5.0"), "\033[6;18;9t", NULL, NULL, "\033[?62;1;2;4;6c",
       KNOWN, NULL},
      PRINTS(KITTY),
-     GRAPHICS_ITERM,
+     &graphics_iterm,
      COLOURED,
      BLOCK_QUADRANT,
      true,
@@ -137,7 +137,7 @@ static const struct known terminals[] = {
      {.term = "xterm-256color", .lc_terminal = "iTerm2"},
      {"\033[>0;95;0c", NULL, NULL, NULL, NULL, "\033[?62;4c", NULL, NULL},
      PRINTS(KITTY),
-     GRAPHICS_ITERM,
+     &graphics_iterm,
      COLOURED,
      BLOCK_HALF,
      false,
@@ -147,7 +147,7 @@ static const struct known terminals[] = {
      {.term = "xterm-256color", .term_program = "iTerm.app"},
      {"\033[>0;95;0c", NULL, NULL, NULL, NULL, "\033[?62;4c", NULL, NULL},
      PRINTS(KITTY),
-     GRAPHICS_ITERM,
+     &graphics_iterm,
      COLOURED,
      BLOCK_HALF,
      false,
@@ -157,7 +157,7 @@ static const struct known terminals[] = {
      {.term = "xterm-256color", .term_program = "iTerm.app", .lc_terminal = "iTerm2"},
      {XTERM_SAYS("\033[?64;1;2;6c"), NOT_KNOWN, NULL},
      0,
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURED,
      BLOCK_QUADRANT,
      false,
@@ -168,7 +168,7 @@ static const struct known terminals[] = {
      {"\033[>24;279;0c", NULL, "\033[6;22;10t", "\033[4;528;800t", "\033[?1;3;0S",
       "\033[?63;1;2;3;4;6;7;15;18;22;29c", NOT_KNOWN, NULL},
      0,
-     GRAPHICS_SIXEL,
+     &graphics_sixel,
      COLOURS_256,
      BLOCK_HALF,
      false,
@@ -179,7 +179,7 @@ static const struct known terminals[] = {
      {"\033[>1;11301;0c", VERSION_IS("foot(1.13.1)"), "\033[6;15;7t", "\033[4;360;560t",
       "\033[?2;0;10000;10000S", "\033[?62;4;22c", KNOWN, NULL},
      0,
-     GRAPHICS_SIXEL,
+     &graphics_sixel,
      COLOURED,
      BLOCK_SEXTANT,
      true,
@@ -190,7 +190,7 @@ static const struct known terminals[] = {
      {"\033[>65;7006;1c", VERSION_IS("VTE(7006)"), "\033[6;17;8t", "\033[4;408;640t", NULL,
       "\033[?65;1;9c", NOT_KNOWN, NULL},
      0,
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURED,
      BLOCK_QUADRANT,
      false,
@@ -200,7 +200,7 @@ static const struct known terminals[] = {
      TERM("xterm-256color"),
      {"\033[>65;6003;1c", NULL, NULL, NULL, NULL, "\033[?65;1;9c", NULL, NULL},
      PRINTS(KITTY),
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURED,
      BLOCK_QUADRANT,
      false,
@@ -210,7 +210,7 @@ static const struct known terminals[] = {
      TERM("alacritty"),
      {"\033[>0;1203;1c", NULL, NULL, "\033[4;432;640t", NULL, "\033[?6c", KNOWN, NULL},
      0,
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURED,
      BLOCK_QUADRANT,
      true,
@@ -220,7 +220,7 @@ static const struct known terminals[] = {
      TERM("st-256color"),
      {NULL, NULL, NULL, NULL, NULL, "\033[?6c", NULL, NULL},
      0,
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURS_256,
      BLOCK_HALF,
      false,
@@ -230,7 +230,7 @@ static const struct known terminals[] = {
      TERM("rxvt-unicode-256color"),
      {"\033[>85;95;0c", NULL, NULL, "\033[4;316;496t", NULL, "\033[?1;2c", NOT_KNOWN, NULL},
      PRINTS(KITTY),
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURS_256,
      BLOCK_HALF,
      false,
@@ -240,7 +240,7 @@ static const struct known terminals[] = {
      TERM("xterm"),
      {"\033[>0;136;0c", NULL, NULL, "\033[4;314;496t", NULL, "\033[?6c", NULL, NULL},
      PRINTS(KITTY),
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURS_256,
      BLOCK_HALF,
      false,
@@ -250,7 +250,7 @@ static const struct known terminals[] = {
      TERM("xterm-256color"),
      {"\033[>1;95;0c", NULL, NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
      PRINTS(KITTY) | PRINTS(MODE),
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURS_256,
      BLOCK_HALF,
      false,
@@ -260,7 +260,7 @@ static const struct known terminals[] = {
      TERM("screen-256color"),
      {"\033[>84;0;0c", VERSION_IS("tmux 3.3a"), NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
      0,
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURED,
      BLOCK_HALF,
      false,
@@ -270,7 +270,7 @@ static const struct known terminals[] = {
      TERM("tmux-256color"),
      {"\033[>84;0;0c", VERSION_IS("tmux 3.4"), NULL, NULL, NULL, "\033[?1;2;4c", NULL, NULL},
      0,
-     GRAPHICS_SIXEL,
+     &graphics_sixel,
      COLOURED,
      BLOCK_HALF,
      false,
@@ -280,7 +280,7 @@ static const struct known terminals[] = {
      TERM("xterm-kitty"),
      {"\033[>84;0;0c", VERSION_IS("tmux 3.3a"), NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
      PRINTS(KITTY),
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURED,
      BLOCK_HALF,
      false,
@@ -290,7 +290,7 @@ static const struct known terminals[] = {
      {.term = "screen", .lc_terminal = "iTerm2", .term_program = "tmux"},
      {"\033[>84;0;0c", VERSION_IS("tmux 3.3a"), NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
      PRINTS(KITTY),
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURED,
      BLOCK_HALF,
      false,
@@ -300,7 +300,7 @@ static const struct known terminals[] = {
      TERM("screen"),
      {"\033[>83;40900;0c", NULL, NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
      PRINTS(KITTY),
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURS_256,
      BLOCK_HALF,
      false,
@@ -310,7 +310,7 @@ static const struct known terminals[] = {
      TERM("screen.xterm-256color"),
      {"\033[>83;50000;0c", NULL, NULL, NULL, NULL, "\033[?1;2;4c", NULL, NULL},
      PRINTS(KITTY),
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURS_256,
      BLOCK_HALF,
      false,
@@ -320,7 +320,7 @@ static const struct known terminals[] = {
      TERM("xterm-kitty"),
      {"\033[>83;40900;0c", NULL, NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
      PRINTS(KITTY),
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURS_256,
      BLOCK_HALF,
      false,
@@ -330,7 +330,7 @@ static const struct known terminals[] = {
      TERM("linux"),
      {NULL, NULL, NULL, NULL, NULL, "\033[?6c", NULL, NULL},
      PRINTS(KITTY) | PRINTS(MODE) | PRINTS(DA2) | PRINTS(VERSION),
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURS_16,
      BLOCK_HALF,
      false,
@@ -340,7 +340,7 @@ static const struct known terminals[] = {
      TERM("eterm-color"),
      {NULL},
      0xFF,
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURS_16,
      BLOCK_HALF,
      false,
@@ -350,7 +350,7 @@ static const struct known terminals[] = {
      TERM("dumb"),
      {NULL},
      0xFF,
-     GRAPHICS_NONE,
+     &graphics_none,
      COLOURS_NONE,
      BLOCK_HALF,
      false,
@@ -360,7 +360,7 @@ static const struct known terminals[] = {
      TERM(""),
      {NULL},
      0xFF,
-     GRAPHICS_NONE,
+     &graphics_none,
      COLOURS_NONE,
      BLOCK_HALF,
      false,
@@ -370,7 +370,7 @@ static const struct known terminals[] = {
      TERM("xterm"),
      {NULL},
      PRINTS(KITTY) | PRINTS(MODE),
-     GRAPHICS_BLOCKS,
+     &graphics_blocks,
      COLOURS_256,
      BLOCK_HALF,
      false,
@@ -410,7 +410,8 @@ struct probed {
 
 /* Asks in both rounds. The bytes that come back are cut in two at `cut` (counted over both rounds).
  */
-static void ask(struct probed *p, const struct known *t, enum graphics wish, int lost, size_t cut)
+static void ask(struct probed *p, const struct known *t, struct graphics_wish wish, int lost,
+                size_t cut)
 {
     const struct term_size size = {.columns = 80, .rows = 24};
     struct buf asked = {0}, back = {0};
@@ -437,7 +438,7 @@ static void ask(struct probed *p, const struct known *t, enum graphics wish, int
 static void check_facts(const struct known *t, const struct terminal_facts *f)
 {
     const unsigned before = check_failures;
-    CHECK_INT(f->graphics, t->graphics);
+    CHECK_TEXT(f->graphics->name, t->graphics->name);
     CHECK_INT(f->colours, t->colours);
     CHECK_INT(f->shape, t->shape);
     CHECK_INT(f->synchronizes, t->synchronizes);
@@ -453,12 +454,12 @@ STORY(each_terminal_gets_what_it_has_and_prints_nothing)
 {
     struct probed p = {0};
     for (size_t i = 0; i < TERMINALS; i++) {
-        ask(&p, &terminals[i], GRAPHICS_AUTO, -1, SIZE_MAX);
+        ask(&p, &terminals[i], graphics_auto, -1, SIZE_MAX);
         check_facts(&terminals[i], &p.facts);
         CHECK_TEXT(buf_text(&p.typed), "");
         CHECK_INT(p.facts.answers, p.rounds > 0 && terminals[i].answer[DA1] != NULL);
         CHECK_INT(p.facts.mouse, p.facts.answers);
-        CHECK_INT(p.facts.edits, terminals[i].graphics == GRAPHICS_KITTY &&
+        CHECK_INT(p.facts.edits, terminals[i].graphics == &graphics_kitty &&
                                      strstr(terminals[i].about, "kitty") == terminals[i].about);
     }
     buf_release(&p.typed);
@@ -468,9 +469,9 @@ STORY(it_does_not_matter_where_the_answers_are_cut)
 {
     struct probed p = {0};
     for (size_t i = 0; i < TERMINALS; i++) {
-        ask(&p, &terminals[i], GRAPHICS_AUTO, -1, SIZE_MAX);
+        ask(&p, &terminals[i], graphics_auto, -1, SIZE_MAX);
         for (size_t cut = 0, bytes = p.bytes; cut < bytes; cut++) {
-            ask(&p, &terminals[i], GRAPHICS_AUTO, -1, cut);
+            ask(&p, &terminals[i], graphics_auto, -1, cut);
             check_facts(&terminals[i], &p.facts);
             CHECK_TEXT(buf_text(&p.typed), "");
         }
@@ -485,12 +486,12 @@ STORY(an_answer_that_is_missing_leaves_the_fallback)
     for (size_t i = 0; i < TERMINALS; i++)
         for (int lost = 0; lost < QUESTIONS; lost++) {
             const struct known *t = &terminals[i];
-            ask(&p, t, GRAPHICS_AUTO, lost, SIZE_MAX);
-            const enum graphics got = p.facts.graphics;
-            if (!check_report(got == t->graphics || got == GRAPHICS_BLOCKS ||
-                                  (got == GRAPHICS_SIXEL && p.replies.sixel),
+            ask(&p, t, graphics_auto, lost, SIZE_MAX);
+            const struct graphics *got = p.facts.graphics;
+            if (!check_report(got == t->graphics || got == &graphics_blocks ||
+                                  (got == &graphics_sixel && p.replies.attributes >> 4 & 1),
                               __FILE__, __LINE__, "the graphics are there"))
-                printf("#   %s without answer %d: %d\n", t->about, lost, got);
+                printf("#   %s without answer %d: %s\n", t->about, lost, got->name);
             CHECK(t->answer[MODE] || !p.facts.synchronizes);
             CHECK_TEXT(buf_text(&p.typed), "");
         }
@@ -546,25 +547,33 @@ STORY(what_was_cut_short_goes_with_the_answer_behind_it)
     }
 }
 
+static struct graphics_wish wish(const char *name)
+{
+    struct graphics_wish of_name;
+    CHECK(graphics_from_name(name, &of_name));
+    return of_name;
+}
+
 STORY(a_wish_is_kept_and_asks_no_more_than_it_needs)
 {
     struct probed p = {0};
     struct buf asked = {0};
     const struct probe_replies none = {0};
     for (size_t i = 0; i < TERMINALS; i++)
-        for (enum graphics wish = GRAPHICS_NONE; wish <= GRAPHICS_ITERM; wish++) {
-            ask(&p, &terminals[i], wish, -1, SIZE_MAX);
-            CHECK_INT(p.facts.graphics, wish);
-            CHECK(!p.replies.kitty);
+        for (size_t k = 0; k < graphics_auto.count; k++) {
+            const struct graphics *g = graphics_auto.of[k];
+            ask(&p, &terminals[i], wish(g->name), -1, SIZE_MAX);
+            CHECK(p.facts.graphics == g);
+            CHECK_TEXT(p.replies.answers, "");
         }
     const struct probe_environment xterm = TERM("xterm"), linux_console = TERM("linux");
     const struct probe_environment no_color = {.term = "xterm", .no_color = true};
-    probe_questions(0, &none, &xterm, GRAPHICS_NONE, &asked);
-    probe_questions(0, &none, &linux_console, GRAPHICS_KITTY, &asked);
+    probe_questions(0, &none, &xterm, wish("none"), &asked);
+    probe_questions(0, &none, &linux_console, wish("kitty"), &asked);
     CHECK_INT(asked.length, 0);
-    probe_questions(0, &none, &xterm, GRAPHICS_BLOCKS, &asked);
+    probe_questions(0, &none, &xterm, wish("blocks"), &asked);
     CHECK_TEXT(buf_text(&asked), "\033[c");
-    probe_questions(0, &none, &no_color, GRAPHICS_AUTO, &asked);
+    probe_questions(0, &none, &no_color, graphics_auto, &asked);
     CHECK_TEXT(buf_text(&asked), "\033[c\033[c");
     buf_release(&asked);
     buf_release(&p.typed);
@@ -612,7 +621,7 @@ STORY(colours_are_those_of_the_name)
         const struct term_size size = {.columns = 80, .rows = 24};
         const struct probe_replies none = {0};
         struct terminal_facts f;
-        probe_decide(&none, &e, &size, GRAPHICS_AUTO, &f);
+        probe_decide(&none, &e, &size, graphics_auto, &f);
         CHECK_INT(f.colours, cases[i].colours);
     }
 }

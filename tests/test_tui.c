@@ -13,14 +13,12 @@
 #include "tui/char_width.h"
 #include "tui/picture/colour_table.h"
 #include "tui/keys.h"
-#include "tui/picture/kitty.h"
 #include "tui/prompt/line.h"
 #include "tui/line_draw.h"
 #include "tui/prompt/line_edit.h"
 #include "tui/probe.h"
 #include "tui/picture/shades.h"
-#include "tui/picture/show.h"
-#include "tui/picture/sixel.h"
+#include "tui/picture/graphics.h"
 #include "tui/prompt/wrap.h"
 
 /* ---- pictures ---- */
@@ -135,7 +133,7 @@ STORY(a_picture_of_few_colours_travels_to_kitty_as_a_palette_png)
     struct buf out = {0};
     struct png png;
     unsigned chunks;
-    kitty_encode(&view, &out);
+    graphics_encode(&graphics_kitty, &view, &out);
     CHECK(kitty_decode(buf_text(&out), &png, &chunks));
     CHECK(png.indexed);
     CHECK_INT(png.width, 301);
@@ -151,7 +149,7 @@ STORY(a_picture_of_many_colours_travels_to_kitty_exactly)
     struct buf out = {0};
     struct png png;
     unsigned chunks;
-    kitty_encode(&view, &out);
+    graphics_encode(&graphics_kitty, &view, &out);
     CHECK(kitty_decode(buf_text(&out), &png, &chunks));
     CHECK(!png.indexed);
     CHECK_INT(worst_pixel(&view), 0);
@@ -165,7 +163,7 @@ STORY(the_smallest_pictures_travel_too)
         struct buf out = {0};
         struct png png;
         unsigned chunks;
-        kitty_encode(&view, &out);
+        graphics_encode(&graphics_kitty, &view, &out);
         CHECK(kitty_decode(buf_text(&out), &png, &chunks));
         CHECK_INT(chunks, 1);
         CHECK_INT(png.height, height);
@@ -207,7 +205,7 @@ STORY(a_picture_of_few_colours_survives_sixel_within_a_percent)
     struct image_view view = ball(302, 50);
     struct buf out = {0};
     struct sixels s;
-    sixel_encode(&view, &out);
+    graphics_encode(&graphics_sixel, &view, &out);
     CHECK(sixels_decode(buf_text(&out), &s));
     CHECK_INT(s.width, 302);
     CHECK_INT(s.height, 302);
@@ -222,8 +220,8 @@ STORY(smooth_shading_is_reduced_to_colours_nobody_can_tell_apart)
     struct image_view view = ball(256, 256);
     struct buf out = {0}, again = {0};
     struct sixels s;
-    sixel_encode(&view, &out);
-    sixel_encode(&view, &again);
+    graphics_encode(&graphics_sixel, &view, &out);
+    graphics_encode(&graphics_sixel, &view, &again);
     CHECK(sixels_decode(buf_text(&out), &s));
     CHECK(s.colours > 200 && s.colours <= SHADES_MOST);
     CHECK(s.all_painted);
@@ -240,7 +238,7 @@ STORY(noise_and_odd_sizes_survive_sixel_in_shape)
         struct image_view view = noise(300 - 23 * height, height, height);
         struct buf out = {0};
         struct sixels s;
-        sixel_encode(&view, &out);
+        graphics_encode(&graphics_sixel, &view, &out);
         CHECK(sixels_decode(buf_text(&out), &s));
         CHECK_INT(s.width, view.width);
         CHECK_INT(s.height, height);
@@ -257,7 +255,8 @@ STORY(two_nearly_equal_colours_among_many_do_not_stall_the_reduction)
     static uint8_t index[64 * 64];
     set_pixel(&view, 0, 0, 0x000000);
     set_pixel(&view, 1, 0, 0x000100);
-    CHECK(!colour_table_exact(&table, &view, 250, index));
+    struct shades shades = {0};
+    CHECK(!shades_take_exact(&shades, &view)); /* there are more */
     CHECK(colour_table_reduce(&table, &view, 250, index));
     CHECK_INT(table.count, 250);
     CHECK(colour_table_reduce(&table, &view, 2, index));
@@ -370,7 +369,7 @@ STORY(the_nearest_of_256_colours_is_the_nearest)
 STORY(a_picture_at_the_prompt_is_framed_and_fits)
 {
     struct terminal_facts facts = {
-        .graphics = GRAPHICS_SIXEL, .cell_width = 10, .cell_height = 20, .image_side_most = 1000};
+        .graphics = &graphics_sixel, .cell_width = 10, .cell_height = 20, .image_side_most = 1000};
     struct image_view view = ball(90, 30);
     struct buf out = {0};
     struct sixels s;
@@ -392,7 +391,7 @@ STORY(a_picture_at_the_prompt_is_framed_and_fits)
     CHECK(sixels_decode(strstr(buf_text(&out), "\033P"), &s) || s.width == 1000);
     CHECK_INT(s.width, 1000);
     buf_clear(&out);
-    facts.graphics = GRAPHICS_NONE;
+    facts.graphics = &graphics_none;
     show_inline(&facts, &view, 80, 24, &out);
     CHECK_INT(out.length, 0);
     buf_release(&out);
@@ -411,9 +410,9 @@ STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
                 buf_clear(&out);
                 uint64_t begin = clock_ns();
                 if (k == 0)
-                    kitty_encode(&view, &out);
+                    graphics_encode(&graphics_kitty, &view, &out);
                 else if (k == 1)
-                    sixel_encode(&view, &out);
+                    graphics_encode(&graphics_sixel, &view, &out);
                 else
                     blocks_encode(&view, COLOURS_24BIT, BLOCK_HALF, 120, 49, &out);
                 uint64_t took = clock_ns() - begin;
@@ -618,7 +617,7 @@ STORY(replies_are_understood_however_they_are_split)
     struct buf typed = {0};
     for (size_t piece = 1; piece < sizeof bytes; piece++) {
         take_all(&r, &typed, bytes, piece);
-        CHECK(r.da1 && r.sixel && !r.kitty);
+        CHECK(r.da1 && (r.attributes >> 4 & 1) && r.answers[0] == 0);
         CHECK_TEXT(r.name, "XTerm(379)");
         CHECK_INT(r.cell_width, 9);
         CHECK_INT(r.cell_height, 18);
@@ -641,7 +640,7 @@ STORY(parameter_4_is_a_whole_number)
     struct buf typed = {0};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         take_all(&r, &typed, cases[i].bytes, 1);
-        CHECK_INT(r.sixel, cases[i].sixel);
+        CHECK_INT(r.attributes >> 4 & 1, cases[i].sixel);
     }
     buf_release(&typed);
 }
@@ -662,23 +661,26 @@ STORY(garbage_is_no_reply)
                                         "\033[?1;0;256S"};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         take_all(&r, &typed, cases[i], 1);
-        CHECK(!r.sixel && !r.kitty && r.cell_width == 0 && r.image_width == 0 && r.text_width == 0);
+        CHECK(!(r.attributes >> 4 & 1) && !strstr(r.answers, "OK") && r.cell_width == 0 &&
+              r.image_width == 0 && r.text_width == 0);
         CHECK_TEXT(buf_text(&typed), "");
     }
     buf_release(&typed);
 }
 
-static struct terminal_facts decide(const char *term, const char *replies_text, enum graphics wish,
+static struct terminal_facts decide(const char *term, const char *replies_text, const char *name,
                                     bool no_color)
 {
     struct probe_environment e = {.term = term, .colorterm = "", .no_color = no_color};
     struct term_size size = {.columns = 80, .rows = 24};
+    struct graphics_wish wish;
     struct probe_replies r;
     struct buf typed = {0};
     struct terminal_facts facts;
     take_all(&r, &typed, replies_text, 7);
     if (strstr(replies_text, "_Gi=31"))
-        CHECK(probe_may_ask_kitty(&r, &e));
+        CHECK(graphics_kitty.may_ask(&r, &e));
+    CHECK(graphics_from_name(name, &wish));
     probe_decide(&r, &e, &size, wish, &facts);
     buf_release(&typed);
     return facts;
@@ -688,28 +690,28 @@ STORY(each_terminal_gets_the_graphics_it_has)
 {
     static const struct {
         const char *term, *replies;
-        enum graphics graphics;
+        const struct graphics *graphics;
         enum colours colours;
     } cases[] = {
         {"xterm-256color", "\033[>41;379;0c\033P>|XTerm(379)\033\\\033[?63;1;2;4;6c",
-         GRAPHICS_SIXEL, COLOURS_24BIT},
-        {"xterm-256color", "\033P>|XTerm(379)\033\\\033[?64;1;2;6c", GRAPHICS_BLOCKS,
+         &graphics_sixel, COLOURS_24BIT},
+        {"xterm-256color", "\033P>|XTerm(379)\033\\\033[?64;1;2;6c", &graphics_blocks,
          COLOURS_24BIT},
         {"xterm-kitty", "\033P>|kitty(0.26.5)\033\\\033[?62c\033_Gi=31;OK\033\\\033[?62c",
-         GRAPHICS_KITTY, COLOURS_24BIT},
-        {"foot", "\033P>|foot(1.13.1)\033\\\033[?62;4;22c", GRAPHICS_SIXEL, COLOURS_24BIT},
-        {"mlterm", "\033[?63;1;2;3;4;7;29c", GRAPHICS_SIXEL, COLOURS_256},
-        {"screen-256color", "\033P>|tmux 3.3a\033\\\033[?1;2c", GRAPHICS_BLOCKS, COLOURS_24BIT},
-        {"tmux-256color", "\033P>|tmux 3.4\033\\\033[?1;2;4c", GRAPHICS_SIXEL, COLOURS_24BIT},
-        {"screen", "\033[?1;2;4c", GRAPHICS_BLOCKS, COLOURS_256},
-        {"linux", "", GRAPHICS_BLOCKS, COLOURS_16},
-        {"dumb", "", GRAPHICS_NONE, COLOURS_NONE},
-        {"", "", GRAPHICS_NONE, COLOURS_NONE},
-        {"rxvt-unicode-256color", "\033[?1;2c", GRAPHICS_BLOCKS, COLOURS_256},
+         &graphics_kitty, COLOURS_24BIT},
+        {"foot", "\033P>|foot(1.13.1)\033\\\033[?62;4;22c", &graphics_sixel, COLOURS_24BIT},
+        {"mlterm", "\033[?63;1;2;3;4;7;29c", &graphics_sixel, COLOURS_256},
+        {"screen-256color", "\033P>|tmux 3.3a\033\\\033[?1;2c", &graphics_blocks, COLOURS_24BIT},
+        {"tmux-256color", "\033P>|tmux 3.4\033\\\033[?1;2;4c", &graphics_sixel, COLOURS_24BIT},
+        {"screen", "\033[?1;2;4c", &graphics_blocks, COLOURS_256},
+        {"linux", "", &graphics_blocks, COLOURS_16},
+        {"dumb", "", &graphics_none, COLOURS_NONE},
+        {"", "", &graphics_none, COLOURS_NONE},
+        {"rxvt-unicode-256color", "\033[?1;2c", &graphics_blocks, COLOURS_256},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct terminal_facts f = decide(cases[i].term, cases[i].replies, GRAPHICS_AUTO, false);
-        CHECK_INT(f.graphics, cases[i].graphics);
+        struct terminal_facts f = decide(cases[i].term, cases[i].replies, "auto", false);
+        CHECK_TEXT(f.graphics->name, cases[i].graphics->name);
         CHECK_INT(f.colours, cases[i].colours);
     }
 }
@@ -717,16 +719,19 @@ STORY(each_terminal_gets_the_graphics_it_has)
 STORY(a_wish_overrides_and_no_color_means_shades)
 {
     static const char vt340[] = "\033[?63;1;2;4c";
-    CHECK_INT(decide("xterm", vt340, GRAPHICS_KITTY, false).graphics, GRAPHICS_KITTY);
-    CHECK_INT(decide("xterm", vt340, GRAPHICS_NONE, false).graphics, GRAPHICS_NONE);
-    CHECK_INT(decide("xterm", vt340, GRAPHICS_AUTO, true).graphics, GRAPHICS_BLOCKS);
-    CHECK_INT(decide("xterm", vt340, GRAPHICS_AUTO, true).colours, COLOURS_NONE);
+    CHECK(decide("xterm", vt340, "kitty", false).graphics == &graphics_kitty);
+    CHECK(decide("xterm", vt340, "none", false).graphics == &graphics_none);
+    CHECK(decide("xterm", vt340, "auto", true).graphics == &graphics_blocks);
+    CHECK_INT(decide("xterm", vt340, "auto", true).colours, COLOURS_NONE);
+    struct graphics_wish only_blocks, only_none, only_kitty;
+    CHECK(graphics_from_name("blocks", &only_blocks) && graphics_from_name("none", &only_none) &&
+          graphics_from_name("kitty", &only_kitty));
     struct probe_environment e = {.term = "xterm", .colorterm = ""};
-    CHECK(!probe_is_silent(&e, GRAPHICS_AUTO));
-    CHECK(!probe_is_silent(&e, GRAPHICS_BLOCKS)); /* one question: see test_probe */
-    CHECK(probe_is_silent(&e, GRAPHICS_NONE));
+    CHECK(!probe_is_silent(&e, graphics_auto));
+    CHECK(!probe_is_silent(&e, only_blocks)); /* one question: see test_probe */
+    CHECK(probe_is_silent(&e, only_none));
     e = (struct probe_environment){.term = "linux", .colorterm = ""};
-    CHECK(probe_is_silent(&e, GRAPHICS_KITTY));
+    CHECK(probe_is_silent(&e, only_kitty));
 }
 
 STORY(only_the_kitty_family_is_asked_for_kitty_graphics)
@@ -749,7 +754,7 @@ STORY(only_the_kitty_family_is_asked_for_kitty_graphics)
         struct probe_replies r = {.kind = 1};
         struct probe_environment e = {.term = cases[i].term, .colorterm = ""};
         snprintf(r.name, sizeof r.name, "%s", cases[i].name);
-        CHECK_INT(probe_may_ask_kitty(&r, &e), cases[i].ask);
+        CHECK_INT(graphics_kitty.may_ask(&r, &e), cases[i].ask);
     }
 }
 
@@ -770,14 +775,13 @@ STORY(the_cell_size_comes_from_whoever_tells_a_sensible_one)
         struct probe_replies r;
         struct terminal_facts f;
         take_all(&r, &typed, cases[i].replies, 3);
-        probe_decide(&r, &e, &cases[i].size, GRAPHICS_AUTO, &f);
+        probe_decide(&r, &e, &cases[i].size, graphics_auto, &f);
         CHECK_INT(f.cell_width, cases[i].width);
         CHECK_INT(f.cell_height, cases[i].height);
         CHECK_INT(f.image_side_most, 1000);
     }
-    CHECK_INT(
-        decide("foot", "\033[?2;0;10000;8000S\033[?62;4c", GRAPHICS_AUTO, false).image_side_most,
-        8000);
+    CHECK_INT(decide("foot", "\033[?2;0;10000;8000S\033[?62;4c", "auto", false).image_side_most,
+              8000);
     buf_release(&typed);
 }
 

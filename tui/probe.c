@@ -1,15 +1,15 @@
 #include "tui/probe.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
 
-#define BARRIER        "\033[c"
-#define CSI_QUESTIONS  "\033[>c\033[>q\033[16t\033[14t\033[?2;4;0S"
-#define MODE_QUESTION  "\033[?2026$p"
-#define KITTY_QUESTION "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\"
-#define CLEAR_UP       "\r\033[K"
+#define BARRIER       "\033[c"
+#define CSI_QUESTIONS "\033[>c\033[>q\033[16t\033[14t\033[?2;4;0S"
+#define MODE_QUESTION "\033[?2026$p"
+#define CLEAR_UP      "\r\033[K"
 
 enum { LIMIT_MS = 2000, OWED_MS = 300 };
 enum { SIDE_UNTOLD = 1000, CELL_LEAST = 4, CELL_MOST = 64 };
@@ -19,18 +19,6 @@ enum {
     KIND_VTE = 65,
     KIND_XTERM = 41
 }; /* in the secondary DA */
-
-bool graphics_from_name(const char *name, enum graphics *out)
-{
-    static const char *const names[] = {"auto", "none", "blocks", "sixel", "kitty", "iterm"};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        if (strcmp(name, names[i]) == 0) {
-            *out = (enum graphics)i;
-            return true;
-        }
-    }
-    return false;
-}
 
 /* ---- replies ---- */
 
@@ -70,7 +58,7 @@ void probe_reply(struct probe_replies *replies, const char *body)
         if (is_end(end, "c")) {
             replies->da1 = true;
             for (unsigned i = 0; i < count; i++)
-                replies->sixel |= n[i] == 4;
+                replies->attributes |= n[i] < 64 ? UINT64_C(1) << n[i] : 0;
         } else if (is_end(end, "S") && count == 4 && n[0] == 2 && n[1] == 0) {
             replies->image_width = n[2];
             replies->image_height = n[3];
@@ -85,8 +73,9 @@ void probe_reply(struct probe_replies *replies, const char *body)
         size_t length = strnlen(body + 3, sizeof replies->name - 1);
         memcpy(replies->name, body + 3, length);
         replies->name[length] = '\0';
-    } else if (starts_with(body, "_G")) {
-        replies->kitty |= strstr(body, ";OK") != NULL;
+    } else if (body[0] == '_') {
+        const size_t used = strlen(replies->answers), room = sizeof replies->answers - used;
+        snprintf(replies->answers + used, room, "%s\n", body);
     } else if (body[0] == '[') {
         unsigned count = read_numbers(body + 1, n, 32, &end);
         if (!is_end(end, "t") || count != 3)
@@ -174,63 +163,64 @@ static bool in_screen(const struct probe_replies *replies, const struct probe_en
     return replies->kind == KIND_SCREEN || (starts_with(e->term, "screen") && !in_tmux(replies, e));
 }
 
-static bool is_multiplexed(const struct probe_replies *replies, const struct probe_environment *e)
+bool probe_is_multiplexed(const struct probe_replies *replies, const struct probe_environment *e)
 {
     return in_tmux(replies, e) || in_screen(replies, e);
 }
 
-bool probe_is_silent(const struct probe_environment *e, enum graphics wish)
+bool probe_is_silent(const struct probe_environment *e, struct graphics_wish wish)
 {
-    return probe_is_plain(e->term) || is_console(e) || wish == GRAPHICS_NONE;
+    return probe_is_plain(e->term) || is_console(e) || wish.of[0]->kind == GRAPHICS_NOTHING;
 }
 
-static bool wants_plain(const struct probe_environment *e, enum graphics wish)
+/* Text needs no facts but whether frames are answered. */
+static bool wants_text(const struct probe_environment *e, struct graphics_wish wish)
 {
-    return wish == GRAPHICS_BLOCKS || (wish == GRAPHICS_AUTO && e->no_color);
+    return wish.of[0]->kind == GRAPHICS_TEXT || (wish.count > 1 && e->no_color);
 }
 
-bool probe_may_ask_kitty(const struct probe_replies *replies, const struct probe_environment *e)
+bool probe_is_named(const struct probe_replies *replies, const struct probe_environment *e,
+                    const char *const *names)
 {
-    static const char *const family[] = {"kitty", "ghostty", "wezterm", "konsole", NULL};
-    const bool known = replies->name[0] || replies->kind; /* or it may be screen, with any TERM */
-    if (!known || is_multiplexed(replies, e))
-        return false;
-    return names_any(replies->name[0] ? replies->name : e->term, family);
+    return names_any(replies->name[0] ? replies->name : e->term, names);
 }
 
 bool probe_may_ask_modes(const struct probe_replies *replies, const struct probe_environment *e)
 {
     static const char *const careful[] = {"alacritty", "foot",    "contour", "kitty",
                                           "ghostty",   "wezterm", NULL};
-    return replies->name[0] || (names_any(e->term, careful) && !is_multiplexed(replies, e));
+    return replies->name[0] || (names_any(e->term, careful) && !probe_is_multiplexed(replies, e));
 }
 
 void probe_questions(unsigned round, const struct probe_replies *replies,
-                     const struct probe_environment *e, enum graphics wish, struct buf *out)
+                     const struct probe_environment *e, struct graphics_wish wish, struct buf *out)
 {
-    const bool first = round == 0, plain = wants_plain(e, wish);
-    if (probe_is_silent(e, wish) || round > 1 || (!first && (plain || !replies->da1)))
+    const size_t before = out->length;
+    const bool first = round == 0, text = wants_text(e, wish);
+    bool clears_up = false;
+    if (probe_is_silent(e, wish) || round > 1 || (!first && (text || !replies->da1)))
         return;
-    const bool modes = !first && probe_may_ask_modes(replies, e);
-    const bool kitty = !first && wish == GRAPHICS_AUTO && probe_may_ask_kitty(replies, e);
-    if (first && !plain)
+    if (first && !text)
         buf_add_text(out, CSI_QUESTIONS);
-    if (modes)
+    if (!first && probe_may_ask_modes(replies, e))
         buf_add_text(out, MODE_QUESTION);
-    if (kitty)
-        buf_add_text(out, KITTY_QUESTION);
-    if (first || modes || kitty)
+    for (size_t i = 0; !first && wish.count > 1 && i < wish.count; i++)
+        if (wish.of[i]->question && wish.of[i]->may_ask(replies, e)) {
+            buf_add_text(out, wish.of[i]->question);
+            clears_up = true;
+        }
+    if (first || out->length > before)
         buf_add_text(out, BARRIER);
-    if (kitty)
+    if (clears_up)
         buf_add_text(out, CLEAR_UP);
 }
 
 /* iTerm2 has told its name only since 3.4; LC_TERMINAL is what it sends through ssh. A terminal
  * with a name of its own has been started by one in iTerm2, and both variables are stale. */
-static bool is_iterm(const struct probe_replies *replies, const struct probe_environment *e)
+bool probe_is_iterm(const struct probe_replies *replies, const struct probe_environment *e)
 {
     static const char *const name[] = {"iTerm2", NULL}, *const program[] = {"iTerm.app", NULL};
-    if (is_multiplexed(replies, e))
+    if (probe_is_multiplexed(replies, e))
         return false;
     if (replies->name[0])
         return names_any(replies->name, name);
@@ -239,20 +229,19 @@ static bool is_iterm(const struct probe_replies *replies, const struct probe_env
     return is_any(e->term_program, program) || is_any(e->lc_terminal, name);
 }
 
-static enum graphics decide_graphics(const struct probe_replies *replies,
-                                     const struct probe_environment *e, enum graphics wish)
+/* Pixels are for a terminal of our own: screen passes none of them on. */
+static const struct graphics *decide_graphics(const struct probe_replies *replies,
+                                              const struct probe_environment *e,
+                                              struct graphics_wish wish)
 {
-    if (wish != GRAPHICS_AUTO)
-        return wish;
-    if (probe_is_plain(e->term))
-        return GRAPHICS_NONE;
-    if (e->no_color || in_screen(replies, e))
-        return GRAPHICS_BLOCKS;
-    if (replies->kitty)
-        return GRAPHICS_KITTY;
-    if (is_iterm(replies, e))
-        return GRAPHICS_ITERM;
-    return replies->sixel ? GRAPHICS_SIXEL : GRAPHICS_BLOCKS;
+    for (size_t i = 0; i + 1 < wish.count; i++) {
+        const struct graphics *g = wish.of[i];
+        const bool refused = probe_is_plain(e->term) ||
+                             (g->kind == GRAPHICS_PIXELS && (e->no_color || in_screen(replies, e)));
+        if (!refused && (!g->fits || g->fits(replies, e)))
+            return g;
+    }
+    return wish.of[wish.count - 1];
 }
 
 static bool ends_with(const char *text, const char *end)
@@ -279,7 +268,7 @@ static enum colours decide_colours(const struct probe_replies *replies,
         return COLOURS_24BIT;
     if (is_console(e) || is_any(e->term, few) || ends_with(e->term, "-16color"))
         return COLOURS_16;
-    return is_any(e->colorterm, told) || is_iterm(replies, e) ? COLOURS_24BIT : COLOURS_256;
+    return is_any(e->colorterm, told) || probe_is_iterm(replies, e) ? COLOURS_24BIT : COLOURS_256;
 }
 
 /* Terminals that draw these characters themselves have them whatever the font; half blocks are in
@@ -289,12 +278,12 @@ static enum block_shape decide_shape(const struct probe_replies *replies,
 {
     static const char *const sextant[] = {"kitty", "foot", "wezterm", "ghostty", "contour", NULL};
     static const char *const quadrant[] = {"alacritty", "konsole", "iterm2", "vte", "xterm(", NULL};
-    const char *name = replies->name[0] ? replies->name : e->term;
-    if (is_multiplexed(replies, e))
+    if (probe_is_multiplexed(replies, e))
         return BLOCK_HALF;
-    if (names_any(name, sextant))
+    if (probe_is_named(replies, e, sextant))
         return BLOCK_SEXTANT;
-    return names_any(name, quadrant) || replies->kind == KIND_VTE ? BLOCK_QUADRANT : BLOCK_HALF;
+    return probe_is_named(replies, e, quadrant) || replies->kind == KIND_VTE ? BLOCK_QUADRANT
+                                                                             : BLOCK_HALF;
 }
 
 static bool use_cell(struct terminal_facts *facts, uint32_t width, uint32_t height)
@@ -312,16 +301,19 @@ void probe_resize(struct terminal_facts *facts, const struct term_size *size)
 }
 
 void probe_decide(const struct probe_replies *replies, const struct probe_environment *e,
-                  const struct term_size *size, enum graphics wish, struct terminal_facts *facts)
+                  const struct term_size *size, struct graphics_wish wish,
+                  struct terminal_facts *facts)
 {
-    *facts = (struct terminal_facts){.graphics = decide_graphics(replies, e, wish),
+    const struct graphics *graphics = decide_graphics(replies, e, wish);
+    *facts = (struct terminal_facts){.graphics = graphics,
                                      .colours = decide_colours(replies, e),
                                      .cell_width = 8,
                                      .cell_height = 16,
                                      .image_side_most = SIDE_UNTOLD,
                                      .shape = decide_shape(replies, e),
                                      .answers = replies->da1,
-                                     .edits = starts_with(replies->name, "kitty"),
+                                     .edits = graphics->edited_by &&
+                                              starts_with(replies->name, graphics->edited_by),
                                      .synchronizes = replies->synchronizes,
                                      .mouse = replies->da1};
     if (!use_cell(facts, replies->cell_width, replies->cell_height))
@@ -383,9 +375,10 @@ unsigned probe_await(unsigned count, int limit_ms, struct buf *typed)
     return await_replies(&ignored, count, limit_ms, typed);
 }
 
-const char *probe_recovery(const struct terminal_facts *facts)
+void probe_add_recovery(const struct terminal_facts *facts, struct buf *out)
 {
-    return facts->graphics == GRAPHICS_KITTY ? "\033\\\033_Gm=0,q=2;\033\\" : "\033\\";
+    buf_add_text(out, "\033\\");
+    buf_add_text(out, facts->graphics->recovery ? facts->graphics->recovery : "");
 }
 
 void probe_leave(const struct terminal_facts *facts, unsigned due)
@@ -404,16 +397,15 @@ void probe_leave(const struct terminal_facts *facts, unsigned due)
 /* ESC \ has been written before; what is harmless where it was not needed. */
 static void prepare_farewell(const struct terminal_facts *facts)
 {
-    char words[32] = "";
-    if (facts->graphics == GRAPHICS_KITTY)
-        strcat(words, "\033_Gm=0,q=2;\033\\"); /* ends a transmission cut between chunks */
-    if (facts->synchronizes)
-        strcat(words, "\033[?2026l");
+    char words[TERM_WORDS];
+    snprintf(words, sizeof words, "%s%s",
+             facts->graphics->recovery ? facts->graphics->recovery : "",
+             facts->synchronizes ? "\033[?2026l" : "");
     term_set_recovery(words);
     term_set_answers(facts->answers);
 }
 
-enum err probe_terminal(enum graphics wish, struct terminal_facts *facts, struct buf *typed,
+enum err probe_terminal(struct graphics_wish wish, struct terminal_facts *facts, struct buf *typed,
                         struct fault *fault)
 {
     const struct probe_environment e = probe_environment_now();

@@ -34,36 +34,28 @@
 
 #include "base/buf.h"
 #include "base/err.h"
-#include "tui/picture/blocks.h"
 #include "tui/keys.h"
 #include "tui/term.h"
 
-enum graphics {
-    GRAPHICS_AUTO, /* as a wish only: the best the terminal has */
-    GRAPHICS_NONE,
-    GRAPHICS_BLOCKS,
-    GRAPHICS_SIXEL,
-    GRAPHICS_KITTY,
-    GRAPHICS_ITERM
-};
+enum colours { COLOURS_NONE, COLOURS_16, COLOURS_256, COLOURS_24BIT };
 
-/* "auto", "none", "blocks", "sixel", "kitty", "iterm". */
-bool graphics_from_name(const char *name, enum graphics *out);
+/* Pixels that a cell of text shows in two colours: 1x2, 2x2 (U+2596..259F) or 2x3
+ * (U+1FB00..1FB3B), as far as the terminal's font is known to have them. */
+enum block_shape { BLOCK_HALF, BLOCK_QUADRANT, BLOCK_SEXTANT };
 
 struct terminal_facts {
-    enum graphics graphics; /* never GRAPHICS_AUTO */
+    const struct graphics *graphics; /* what pictures are shown by */
     enum colours colours;
     uint32_t cell_width, cell_height; /* px, 4..64 */
     uint32_t image_side_most;         /* px; a larger picture may not be drawn at all */
     enum block_shape shape;           /* the finest that its font is known to have */
     bool answers;                     /* it answered DA1: barriers work */
     bool owes;                        /* it was asked and has not answered yet: perhaps it will */
-    bool edits;                       /* kitty's a=f changes a picture in place; others have not */
+    bool edits;                       /* it changes a picture in place (graphics->edited_by) */
     bool synchronizes;                /* ESC[?2026h .. l: what is between appears at once */
     uint64_t round_trip_ns;           /* from a question to its answer; 0 where nothing answers */
-    bool
-        reports; /* something may still come or be drawn: the mouse was asked for, a picture sent */
-    bool mouse;  /* may be asked for SGR mouse reports: ESC[?1000;1006h */
+    bool reports; /* something may still come or be drawn: mouse asked for, picture sent */
+    bool mouse;   /* may be asked for SGR mouse reports: ESC[?1000;1006h */
 };
 
 /* ---- pure ---- */
@@ -74,7 +66,9 @@ struct probe_environment {
 };
 
 struct probe_replies {
-    bool da1, sixel, kitty, synchronizes;
+    bool da1, synchronizes;
+    uint64_t attributes; /* of DA1: bit N for parameter N, below 64 */
+    char answers[64];    /* to questions of graphics protocols, APC: "_Gi=31;OK", one a line */
     uint32_t kind; /* the first number of the secondary DA, a letter's code where it is a name */
     char name[64]; /* of XTVERSION */
     uint32_t cell_width, cell_height, text_width, text_height, image_width, image_height; /* px */
@@ -92,23 +86,81 @@ bool probe_take(struct probe_replies *replies, struct keys *keys, const char *by
 /* Whether a terminal of this name gets no escape sequence at all, as TERM=dumb. */
 bool probe_is_plain(const char *term);
 
-/* Whether `wish` in this environment allows no question at all. */
-bool probe_is_silent(const struct probe_environment *environment, enum graphics wish);
+/* Whether the terminal is inside tmux or screen. */
+bool probe_is_multiplexed(const struct probe_replies *replies,
+                          const struct probe_environment *environment);
 
-/* Whether the question for kitty graphics may be asked, that for a mode. */
-bool probe_may_ask_kitty(const struct probe_replies *replies,
-                         const struct probe_environment *environment);
+/* Whether the terminal's name, or TERM where it has told none, holds one of `names`, which NULL
+ * ends. */
+bool probe_is_named(const struct probe_replies *replies,
+                    const struct probe_environment *environment, const char *const *names);
+
+bool probe_is_iterm(const struct probe_replies *replies,
+                    const struct probe_environment *environment);
+
+/* Whether the question for a mode may be asked. */
 bool probe_may_ask_modes(const struct probe_replies *replies,
                          const struct probe_environment *environment);
+
+/* ---- graphics protocols ---- */
+
+struct painter;
+struct image_view;
+struct raster;
+struct raster_box;
+
+enum graphics_kind { GRAPHICS_NOTHING, GRAPHICS_TEXT, GRAPHICS_PIXELS };
+
+/* One way to show pictures: a row of the table in tui/picture/graphics.c, and the only place that
+ * knows it. How it is found is used here, how it draws in tui/picture/painter.c. */
+struct graphics {
+    const char *name;  /* a word of --graphics */
+    const char *title; /* the same for people */
+    const char *chafa; /* the same for chafa, which `iftty bench terminal` measures beside it */
+    enum graphics_kind kind;
+
+    /* -- finding it: NULL is nothing, or always -- */
+    bool (*fits)(const struct probe_replies *, const struct probe_environment *);
+    const char *question; /* in the second round, of those that may be asked */
+    bool (*may_ask)(const struct probe_replies *, const struct probe_environment *);
+    const char *recovery;  /* after ESC \, ends a transmission that was cut in two */
+    const char *edited_by; /* the terminal that changes a picture in place; NULL: all of them */
+
+    /* -- pixels -- */
+    bool over_cells;     /* drawn over cells, so patches are whole cells; else pixels are changed */
+    bool palette_always; /* else 24 bits are possible as well */
+    uint32_t patch_cost; /* of a patch beyond its pixels, in pixels: escape, headers, palette */
+    void (*once)(struct painter *, const struct raster *, struct buf *);  /* at the cursor */
+    void (*whole)(struct painter *, const struct raster *, struct buf *); /* NULL: as a patch */
+    void (*patch)(struct painter *, const struct raster *, const struct raster_box *, struct buf *);
+    void (*remove)(struct painter *, struct buf *); /* NULL: cells are erased */
+
+    /* -- text -- */
+    void (*cell_pixels)(const struct terminal_facts *, uint32_t *width, uint32_t *height);
+    bool (*show)(struct painter *, const struct image_view *, struct buf *);
+    void (*lines)(const struct terminal_facts *, const struct image_view *, uint32_t columns,
+                  uint32_t rows, struct buf *);
+};
+
+/* What may be used, best first: the first that fits, else the last. With one alone nothing is to be
+ * found out. */
+struct graphics_wish {
+    const struct graphics *const *of;
+    size_t count;
+};
+
+/* Whether `wish` in this environment allows no question at all. */
+bool probe_is_silent(const struct probe_environment *environment, struct graphics_wish wish);
 
 /* Adds what is to be written in this round, 0 or 1, after the replies to the one before; nothing
  * where nothing is to be asked. It ends with a DA1 question, and what clears up behind it. */
 void probe_questions(unsigned round, const struct probe_replies *replies,
-                     const struct probe_environment *environment, enum graphics wish,
+                     const struct probe_environment *environment, struct graphics_wish wish,
                      struct buf *out);
 
 void probe_decide(const struct probe_replies *replies, const struct probe_environment *environment,
-                  const struct term_size *size, enum graphics wish, struct terminal_facts *facts);
+                  const struct term_size *size, struct graphics_wish wish,
+                  struct terminal_facts *facts);
 
 /* The cell size anew, after the window changed; what the window does not say stays. */
 void probe_resize(struct terminal_facts *facts, const struct term_size *size);
@@ -119,15 +171,15 @@ struct probe_environment probe_environment_now(void);
 
 /* Asks (at most 2 s without an answer) and decides; tells the terminal what a farewell needs to
  * know. What was typed meanwhile is added to `typed`. */
-enum err probe_terminal(enum graphics wish, struct terminal_facts *facts, struct buf *typed,
+enum err probe_terminal(struct graphics_wish wish, struct terminal_facts *facts, struct buf *typed,
                         struct fault *fault);
 
 /* Waits until the terminal has answered `count` DA1 questions, at most `limit_ms`: everything
  * written before is on screen then. What was typed is added to `typed`. Returns those answered. */
 unsigned probe_await(unsigned count, int limit_ms, struct buf *typed);
 
-/* What ends a picture that the line has cut in two, where nobody knows whether it did. */
-const char *probe_recovery(const struct terminal_facts *facts);
+/* Adds what ends a picture that the line has cut in two, where nobody knows whether it did. */
+void probe_add_recovery(const struct terminal_facts *facts, struct buf *out);
 
 /* Before term_close: ends our modes. Where answers are `due` or the mouse was asked for, asks once
  * more and waits (at most 2 s; Ctrl-C ends it) for that answer and those before it. Whatever would

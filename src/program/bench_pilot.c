@@ -40,7 +40,7 @@ struct reply {
 
 struct far_end {
     int terminal;
-    enum graphics graphics;
+    const struct graphics *graphics;
     double ns_per_byte;
     uint64_t one_way_ns, free_ns; /* when all that was put on the line has left */
     struct packet *packet;        /* a ring */
@@ -77,7 +77,7 @@ static void answer(struct far_end *e, uint64_t now_ns)
                  {"[16t", "\033[6;16;8t", "\033[6;16;8t"},
                  {"[?2026$p", "\033[?2026;2$y", "\033[?2026;0$y"},
                  {"[c", "\033[?62;c", "\033[?63;1;2;4;6;9;15;22c"}};
-    const bool kitty = e->graphics == GRAPHICS_KITTY;
+    const bool kitty = e->graphics == &graphics_kitty;
     e->sequence[e->length < SEQUENCE ? e->length : SEQUENCE - 1] = '\0';
     if (strcmp(e->sequence, "[c") == 0 && e->barrier_ns == 0)
         e->barrier_ns = now_ns;
@@ -282,7 +282,7 @@ static enum err fly_in(const char *folder, const char *journal, struct far_end *
         return fault_set(fault, ERR_IO, "there is no pseudo-terminal for the pilot");
     const pid_t child = fork();
     if (child == 0)
-        become_program(inner, folder, journal, e->graphics == GRAPHICS_KITTY);
+        become_program(inner, folder, journal, e->graphics == &graphics_kitty);
     close(inner);
     const bool good = child > 0 && fly(e, keys, flight);
     if (child > 0) {
@@ -292,8 +292,9 @@ static enum err fly_in(const char *folder, const char *journal, struct far_end *
     return good ? OK : fault_set(fault, ERR_IO, "the pilot showed nothing for ten seconds");
 }
 
-enum err bench_pilot(const char *journal, enum graphics graphics, const struct bench_line *line,
-                     unsigned keys, struct bench_flight *flight, struct fault *fault)
+enum err bench_pilot(const char *journal, const struct graphics *graphics,
+                     const struct bench_line *line, unsigned keys, struct bench_flight *flight,
+                     struct fault *fault)
 {
     struct buf folder = {0}, path = {0}, bytes = {0};
     struct far_end e = {.terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC),

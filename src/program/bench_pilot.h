@@ -18,7 +18,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
-#include "tui/probe.h"
+#include "tui/picture/graphics.h"
 
 enum { PILOT_COLUMNS = 80, PILOT_ROWS = 42, PILOT_CELL_WIDTH = 8, PILOT_CELL_HEIGHT = 16 };
 
@@ -38,9 +38,10 @@ struct bench_flight {
     struct bench_key move, seed; /* the cross-hair by a voxel; a seed with its run */
 };
 
-/* `graphics` is GRAPHICS_KITTY or GRAPHICS_SIXEL. ERR_IO where there is no pseudo-terminal, or
+/* `graphics` is kitty or sixel. ERR_IO where there is no pseudo-terminal, or
  * nothing is shown for ten seconds. */
-enum err bench_pilot(const char *journal, enum graphics graphics, const struct bench_line *line,
-                     unsigned keys, struct bench_flight *flight, struct fault *fault);
+enum err bench_pilot(const char *journal, const struct graphics *graphics,
+                     const struct bench_line *line, unsigned keys, struct bench_flight *flight,
+                     struct fault *fault);
 
 #endif

@@ -17,6 +17,7 @@
 #include "program/pilot_host.h"
 #include "image/helper.h"
 #include "session/slicing.h"
+#include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
 
 enum {
@@ -38,16 +39,9 @@ static const char *const picture_words[PICTURES] = {"rendition, 512x512", "mosai
 static const char *const picture_names[PICTURES] = {"rendition", "mosaic", "patch"};
 static const char *const chafa_words[CHAFA_PICTURES] = {"chafa: rendition", "chafa: mosaic"};
 
-/* The means, and what chafa calls them; blocks are half a cell high, in 24-bit colours. */
-static const struct means {
-    enum graphics graphics;
-    const char *name, *words, *chafa;
-    bool blocks;
-} means[] = {{GRAPHICS_KITTY, "kitty", "kitty", "kitty", false},
-             {GRAPHICS_SIXEL, "sixel", "sixel", "sixels", false},
-             {GRAPHICS_ITERM, "iterm", "iTerm2", "iterm", false},
-             {GRAPHICS_BLOCKS, "blocks", "half blocks", "symbols", true}};
-enum { MEANS = sizeof means / sizeof means[0] };
+/* All protocols but the last, which shows nothing. Blocks are half a cell high, in 24-bit colours. */
+enum { MEANS_MOST = 8 };
+#define MEANS ((int)graphics_auto.count - 1)
 
 struct cost {
     double bytes, ms; /* no bytes: not measured */
@@ -59,11 +53,12 @@ static const struct line_kind {
     unsigned keys;
 } lines[] = {{"local", "no line", {0, 0}, 24},
              {"slow", "2 Mbit/s, 120 ms round trip", {2e6, 60}, 10}};
-enum { LINES = sizeof lines / sizeof lines[0], FLOWN = 2 /* kitty and sixel */ };
+enum { LINES = sizeof lines / sizeof lines[0], FLOWN = 2 };
+static const struct graphics *const flown[FLOWN] = {&graphics_kitty, &graphics_sixel};
 
 struct figures {
     char journal[64];
-    struct cost cost[PICTURES][MEANS], chafa[CHAFA_PICTURES][MEANS];
+    struct cost cost[PICTURES][MEANS_MOST], chafa[CHAFA_PICTURES][MEANS_MOST];
     bool has_chafa;
     int lines; /* that were flown over */
     struct bench_flight flight[LINES][FLOWN];
@@ -140,16 +135,16 @@ static enum err make_pictures(struct pictures *p, struct interpreter *interp, co
 
 /* ---- the painter ---- */
 
-static void place_painter(struct painter *painter, const struct means *by, uint32_t side)
+static void place_painter(struct painter *painter, const struct graphics *by, uint32_t side)
 {
-    const struct terminal_facts facts = {.graphics = by->graphics,
+    const struct terminal_facts facts = {.graphics = by,
                                          .colours = COLOURS_24BIT,
                                          .cell_width = CELL_WIDTH,
                                          .cell_height = CELL_HEIGHT,
                                          .image_side_most = 10000,
                                          .shape = BLOCK_HALF,
                                          .answers = true,
-                                         .edits = by->graphics == GRAPHICS_KITTY};
+                                         .edits = true};
     painter_place(painter, &facts, 0, 0, side / CELL_WIDTH, side / CELL_HEIGHT);
 }
 
@@ -182,7 +177,7 @@ static bool fit(struct painter *painter, const struct image_view *view, struct i
     return *owned != NULL;
 }
 
-static bool time_whole(const struct image_view *view, const struct means *by, struct cost *cost)
+static bool time_whole(const struct image_view *view, const struct graphics *by, struct cost *cost)
 {
     struct painter painter = {0};
     struct image_view fitting;
@@ -222,7 +217,8 @@ static void change_patch(uint8_t *rgba, const struct image_view *view, uint32_t 
 }
 
 /* Patches all over the object; each is changed and comes back. */
-static bool time_patches(const struct image_view *view, const struct means *by, struct cost *cost)
+static bool time_patches(const struct image_view *view, const struct graphics *by,
+                         struct cost *cost)
 {
     const size_t all = 4 * (size_t)view->width * view->height;
     struct painter painter = {0};
@@ -260,11 +256,11 @@ static enum err time_painter(const struct pictures *p, struct figures *f, struct
     const struct image_view rendition = view_of(p, &p->rendition), mosaic = view_of(p, &p->mosaic);
     bool good = true;
     for (int m = 0; good && m < MEANS; m++) {
-        good = time_whole(&rendition, means + m, &f->cost[RENDITION][m]) &&
-               time_whole(&mosaic, means + m, &f->cost[MOSAIC][m]);
+        good = time_whole(&rendition, graphics_auto.of[m], &f->cost[RENDITION][m]) &&
+               time_whole(&mosaic, graphics_auto.of[m], &f->cost[MOSAIC][m]);
         /* an edit in blocks is a few cells: as coarse as that, there is no patch of 40x40 */
-        if (good && !means[m].blocks)
-            good = time_patches(&rendition, means + m, &f->cost[PATCH][m]);
+        if (good && graphics_auto.of[m]->kind == GRAPHICS_PIXELS)
+            good = time_patches(&rendition, graphics_auto.of[m], &f->cost[PATCH][m]);
     }
     return good ? OK : fault_memory(fault, "a picture for the terminal");
 }
@@ -272,14 +268,15 @@ static enum err time_painter(const struct pictures *p, struct figures *f, struct
 /* ---- chafa ---- */
 
 /* Runs it with its output in a pipe; returns the bytes, 0 where it cannot be run. */
-static size_t run_chafa(const struct means *by, uint32_t side, const char *path)
+static size_t run_chafa(const struct graphics *by, uint32_t side, const char *path)
 {
     char size[32], taken[4096];
     int ends[2], status = 1;
     size_t bytes = 0;
     ssize_t n;
     /* where there are pixels, chafa takes cells for squares of 8x8 */
-    snprintf(size, sizeof size, "%ux%u", side / 8, by->blocks ? side / 16 : side / 8);
+    snprintf(size, sizeof size, "%ux%u", side / 8,
+             by->kind == GRAPHICS_TEXT ? side / 16 : side / 8);
     if (pipe2(ends, O_CLOEXEC) != 0)
         return 0;
     const pid_t child = fork();
@@ -289,7 +286,7 @@ static size_t run_chafa(const struct means *by, uint32_t side, const char *path)
         dup2(ends[1], 1);
         dup2(nowhere, 2);
         execlp("chafa", "chafa", "-f", by->chafa, "-c", "full", "--font-ratio",
-               by->blocks ? "1/2" : "1/1", "-s", size, path, (char *)NULL);
+               by->kind == GRAPHICS_TEXT ? "1/2" : "1/1", "-s", size, path, (char *)NULL);
         _exit(127);
     }
     close(ends[1]);
@@ -301,7 +298,8 @@ static size_t run_chafa(const struct means *by, uint32_t side, const char *path)
     return status == 0 ? bytes : 0;
 }
 
-static bool time_chafa(const struct means *by, uint32_t side, const char *path, struct cost *cost)
+static bool time_chafa(const struct graphics *by, uint32_t side, const char *path,
+                       struct cost *cost)
 {
     double ms[CHAFA_ROUNDS];
     for (int i = 0; i < CHAFA_ROUNDS; i++) {
@@ -342,8 +340,8 @@ static enum err time_chafas(const struct pictures *p, struct interpreter *interp
                         shown[i]->height, fault);
         for (int m = 0; !err && m < MEANS; m++) {
             struct cost start = {0}, *cost = &f->chafa[i][m];
-            if (!time_chafa(means + m, shown[i]->width, buf_text(&path), cost) ||
-                !time_chafa(means + m, 8, buf_text(&dot), &start))
+            if (!time_chafa(graphics_auto.of[m], shown[i]->width, buf_text(&path), cost) ||
+                !time_chafa(graphics_auto.of[m], 8, buf_text(&dot), &start))
                 continue;
             f->has_chafa = true;
             cost->ms = cost->ms > start.ms ? cost->ms - start.ms : 0;
@@ -365,14 +363,14 @@ static enum err time_pilot(const char *journal, bool quick, struct figures *f, s
     f->lines = quick ? 1 : LINES;
     for (int l = 0; !err && l < f->lines; l++)
         for (int m = 0; !err && m < FLOWN; m++)
-            err = bench_pilot(journal, means[m].graphics, &lines[l].line, quick ? 4 : lines[l].keys,
+            err = bench_pilot(journal, flown[m], &lines[l].line, quick ? 4 : lines[l].keys,
                               &f->flight[l][m], fault);
     return err;
 }
 
 /* ---- what comes out ---- */
 
-static void print_row(FILE *out, const char *words, const struct cost cost[MEANS])
+static void print_row(FILE *out, const char *words, const struct cost cost[MEANS_MOST])
 {
     fprintf(out, "    %-36s", words);
     for (int m = 0; m < MEANS; m++) {
@@ -394,7 +392,7 @@ static void print_table(FILE *out, const struct figures *f)
 {
     fprintf(out, "%s, what goes to the terminal\n    %-36s", f->journal, "");
     for (int m = 0; m < MEANS; m++)
-        fprintf(out, " %13s", means[m].words);
+        fprintf(out, " %13s", graphics_auto.of[m]->title);
     fprintf(out, "\n    %-36s", "");
     for (int m = 0; m < MEANS; m++)
         fprintf(out, " %7s %5s", "kB", "ms");
@@ -410,21 +408,21 @@ static void print_table(FILE *out, const struct figures *f)
             "last byte", "kB");
     for (int l = 0; l < f->lines; l++) {
         for (int m = 0; m < FLOWN; m++) {
-            fprintf(out, "    %s, %s\n", means[m].words, lines[l].words);
+            fprintf(out, "    %s, %s\n", flown[m]->title, lines[l].words);
             print_key(out, "the cross-hair by a voxel, ms", &f->flight[l][m].move);
             print_key(out, "a seed and its run, ms", &f->flight[l][m].seed);
         }
     }
 }
 
-static void print_costs(FILE *out, const char *name, const struct cost cost[MEANS])
+static void print_costs(FILE *out, const char *name, const struct cost cost[MEANS_MOST])
 {
     const char *comma = "";
     fprintf(out, "\"%s\": {", name);
     for (int m = 0; m < MEANS; m++) {
         if (cost[m].bytes <= 0)
             continue;
-        fprintf(out, "%s\"%s\": {\"bytes\": %.0f, \"ms\": %.3f}", comma, means[m].name,
+        fprintf(out, "%s\"%s\": {\"bytes\": %.0f, \"ms\": %.3f}", comma, graphics_auto.of[m]->name,
                 cost[m].bytes, cost[m].ms);
         comma = ", ";
     }
@@ -452,7 +450,7 @@ static void print_json(FILE *out, const struct figures *f)
     fputs("}, \"pilot\": {", out);
     for (int l = 0; l < f->lines; l++) {
         for (int m = 0; m < FLOWN; m++) {
-            fprintf(out, "%s\"%s_%s\": {", l + m ? ", " : "", means[m].name, lines[l].name);
+            fprintf(out, "%s\"%s_%s\": {", l + m ? ", " : "", flown[m]->name, lines[l].name);
             print_json_key(out, "move", &f->flight[l][m].move);
             fputs(", ", out);
             print_json_key(out, "seed", &f->flight[l][m].seed);

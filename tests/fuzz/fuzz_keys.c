@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "tui/char_width.h"
-#include "tui/probe.h"
+#include "tui/picture/graphics.h"
 
 enum { READS = 16 };
 
@@ -82,12 +82,12 @@ static void check_facts(const struct probe_replies *replies)
         const struct probe_environment e = {.term = terms[i]};
         struct terminal_facts facts;
         struct buf asked = {0};
-        probe_decide(replies, &e, &size, GRAPHICS_AUTO, &facts);
-        probe_questions(1, replies, &e, GRAPHICS_AUTO, &asked);
-        HOLDS(facts.graphics != GRAPHICS_AUTO && facts.cell_width >= 4 && facts.cell_width <= 64);
+        probe_decide(replies, &e, &size, graphics_auto, &facts);
+        probe_questions(1, replies, &e, graphics_auto, &asked);
+        HOLDS(facts.graphics && facts.cell_width >= 4 && facts.cell_width <= 64);
         HOLDS(facts.cell_height >= 4 && facts.cell_height <= 64 && facts.image_side_most > 0);
-        HOLDS(facts.graphics != GRAPHICS_SIXEL || replies->sixel);
-        HOLDS(facts.graphics != GRAPHICS_KITTY || replies->kitty);
+        HOLDS(facts.graphics != &graphics_sixel || replies->attributes >> 4 & 1);
+        HOLDS(facts.graphics != &graphics_kitty || strstr(replies->answers, "_G"));
         buf_release(&asked);
     }
 }

@@ -17,8 +17,8 @@
 
 #include "base/clock.h"
 #include "tests/check.h"
+#include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
-#include "tui/probe.h"
 #include "tui/term.h"
 
 enum { HUES = 8, SHADES = 16, ANSWER_MS = 20000 };
@@ -148,18 +148,12 @@ static bool paint(struct painter *painter, struct picture *p, unsigned edits, st
 static void write_facts(const char *path, const struct terminal_facts *facts,
                         const struct place *place, const struct sent *sent)
 {
-    static const char *const names[] = {[GRAPHICS_NONE] = "none",
-                                        [GRAPHICS_BLOCKS] = "blocks",
-                                        [GRAPHICS_SIXEL] = "sixel",
-                                        [GRAPHICS_KITTY] = "kitty"};
-    const size_t known = sizeof names / sizeof names[0];
-    const char *name = facts->graphics < known ? names[facts->graphics] : "another";
     const struct term_size size = term_size();
     FILE *out = fopen(path, "w");
     if (!out)
         return;
-    fprintf(out, "graphics %s\ncell_width %u\ncell_height %u\ncolumns %u\nrows %u\n", name,
-            facts->cell_width, facts->cell_height, size.columns, size.rows);
+    fprintf(out, "graphics %s\ncell_width %u\ncell_height %u\ncolumns %u\nrows %u\n",
+            facts->graphics->name, facts->cell_width, facts->cell_height, size.columns, size.rows);
     fprintf(out, "column %u\nrow %u\nfirst_bytes %zu\nedit_bytes %zu\nms %.1f\n", place->column,
             place->row, sent->first, sent->edits, sent->ms);
     fclose(out);
@@ -181,7 +175,7 @@ static bool run(const char *folder, char **word, struct fault *fault)
     struct sent sent = {0};
     struct buf typed = {0};
     char path[512];
-    if (term_set_mode(TERM_RAW, fault) || probe_terminal(GRAPHICS_AUTO, &facts, &typed, fault))
+    if (term_set_mode(TERM_RAW, fault) || probe_terminal(graphics_auto, &facts, &typed, fault))
         return false;
     buf_release(&typed);
     const struct place place = read_place(word + 2);

@@ -1,8 +1,11 @@
 #include "tui/picture/blocks.h"
 
+#include <limits.h>
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "tui/picture/graphics.h"
+#include "tui/picture/painter.h"
 
 /* ---- 256 colours ---- */
 
@@ -330,3 +333,67 @@ void blocks_encode(const struct image_view *view, enum colours colours, enum blo
     free(cell);
     free(rgba);
 }
+
+/* ---- as a way to show pictures ---- */
+
+static void cell_pixels(const struct terminal_facts *facts, uint32_t *width, uint32_t *height)
+{
+    blocks_pixels(facts->shape, width, height);
+}
+
+static void lines(const struct terminal_facts *facts, const struct image_view *view,
+                  uint32_t columns, uint32_t rows, struct buf *out)
+{
+    blocks_encode(view, facts->colours, facts->shape, columns, rows, out);
+}
+
+static void write_changes(const struct painter *p, const struct block *then,
+                          const struct block *now, struct buf *out)
+{
+    struct block_pen pen = {p->facts.colours, p->facts.shape, BLOCK_DEFAULT, BLOCK_DEFAULT};
+    const size_t before = out->length;
+    for (unsigned row = 0; row < p->rows; row++) {
+        unsigned at = UINT_MAX; /* where the cursor is in this row */
+        for (unsigned column = 0; column < p->columns; column++) {
+            const size_t i = (size_t)row * p->columns + column;
+            if (p->is_shown && blocks_equal(&then[i], &now[i]))
+                continue;
+            if (out->length == before && pen.colours != COLOURS_NONE)
+                buf_add_text(out, "\033[m");
+            if (at == UINT_MAX)
+                painter_move_to(p, column, row, out);
+            else if (at < column)
+                buf_printf(out, "\033[%uC", column - at);
+            blocks_put(&pen, &now[i], out);
+            at = column + 1;
+        }
+    }
+    if (out->length > before && pen.colours != COLOURS_NONE)
+        buf_add_text(out, "\033[m");
+}
+
+/* The painter's bytes are cells here. */
+static bool show(struct painter *p, const struct image_view *view, struct buf *out)
+{
+    const size_t cells = (size_t)p->columns * p->rows;
+    const bool colourless = p->facts.colours == COLOURS_NONE;
+    for (unsigned i = 0; i < 2; i++)
+        if (!mem_grow(&p->of[i].bytes, &p->of[i].capacity, cells * sizeof(struct block), 1))
+            return false;
+    struct block *then = (void *)p->of[0].bytes, *now = (void *)p->of[1].bytes;
+    for (size_t i = 0; i < cells; i++)
+        now[i] = (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT, colourless ? ' ' : 0};
+    blocks_fill(now, p->columns, view, p->facts.colours, p->facts.shape);
+    write_changes(p, then, now, out);
+    return !out->failed;
+}
+
+const struct graphics graphics_blocks = {
+    .name = "blocks",
+    .title = "half blocks",
+    .chafa = "symbols",
+    .kind = GRAPHICS_TEXT,
+    .cell_pixels = cell_pixels,
+    .show = show,
+    .lines = lines,
+};

@@ -21,12 +21,7 @@
 
 #include "base/buf.h"
 #include "tui/picture/image_view.h"
-
-enum colours { COLOURS_NONE, COLOURS_16, COLOURS_256, COLOURS_24BIT };
-
-/* Pixels that a cell shows in two colours: 1x2, 2x2 (U+2596..259F) or 2x3 (U+1FB00..1FB3B), as far
- * as the terminal's font is known to have them. */
-enum block_shape { BLOCK_HALF, BLOCK_QUADRANT, BLOCK_SEXTANT };
+#include "tui/probe.h"
 
 /* Adds `view` (not empty), shrunk into columns x rows cells (each at least 1) in its own shape, as
  * lines that end in CR LF. Without memory out->failed is set. */

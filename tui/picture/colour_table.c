@@ -5,40 +5,6 @@
 
 #include "base/mem.h"
 
-/* ---- exact ---- */
-
-enum { SLOTS = 1024 }; /* at most a quarter full */
-
-bool colour_table_exact(struct colour_table *table, const struct image_view *view, unsigned most,
-                        uint8_t *index)
-{
-    uint16_t slot[SLOTS] = {0}; /* place in the table + 1 */
-    size_t pixels = (size_t)view->width * view->height;
-    uint32_t last = 0;
-    uint8_t last_place = 0;
-    table->count = 0;
-    for (size_t i = 0; i < pixels; i++) {
-        uint32_t colour = image_view_colour(view, i);
-        if (i == 0 || colour != last) {
-            uint32_t at = colour * UINT32_C(0x9e3779b1) >> 22;
-            while (slot[at] && table->colour[slot[at] - 1] != colour)
-                at = (at + 1) % SLOTS;
-            if (!slot[at]) {
-                if (table->count == most)
-                    return false;
-                table->colour[table->count] = colour;
-                slot[at] = (uint16_t)++table->count;
-            }
-            last = colour;
-            last_place = (uint8_t)(slot[at] - 1);
-        }
-        index[i] = last_place;
-    }
-    return true;
-}
-
-/* ---- reduced ---- */
-
 /* Six bits a channel: no shade moves by more than 3 of 255 before the boxes are cut. */
 enum { CELLS = 1 << 18 };
 

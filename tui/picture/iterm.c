@@ -1,32 +1,57 @@
-#include "tui/picture/iterm.h"
+/*
+ * iTerm2's inline pictures: a PNG in base64, drawn over cells. WezTerm, mintty and others have it.
+ *
+ *     ESC ] 1337 ; File=inline=1;size=1234;width=20;height=5;preserveAspectRatio=0;
+ *         doNotMoveCursor=1 : <base64> BEL                                        (in one line)
+ *
+ * Nothing can be changed in place, but cells drawn over show the new picture. Sizes are told in
+ * cells where the picture is whole cells, for what a pixel is depends on the screen; else in px.
+ * Source: https://iterm2.com/documentation-images.html
+ */
+#include <stdio.h>
 
-#include "tui/picture/shaded.h"
+#include "tui/picture/graphics.h"
+#include "tui/picture/painter.h"
 
-void iterm_add(struct png_writer *writer, const struct raster *raster, unsigned columns,
-               unsigned rows, enum png_effort effort, struct buf *out)
+static void add(struct painter *p, const struct raster *raster, enum png_effort effort,
+                const char *size, struct buf *out)
 {
     struct buf png = {0};
-    png_add(writer, raster, effort, &png);
+    png_add(&p->png, raster, effort, &png);
     out->failed |= png.failed;
-    buf_printf(out, "\033]1337;File=inline=1;size=%zu;", png.length);
-    if (columns > 0)
-        buf_printf(out, "width=%u;height=%u;", columns, rows);
-    else
-        buf_printf(out, "width=%upx;height=%upx;", raster->width, raster->height);
-    buf_add_text(out, "preserveAspectRatio=0;doNotMoveCursor=1:");
+    buf_printf(out, "\033]1337;File=inline=1;size=%zu;%spreserveAspectRatio=0;doNotMoveCursor=1:",
+               png.length, size);
     buf_add_base64(out, buf_text(&png), png.length);
     buf_add_char(out, '\a');
     buf_release(&png);
 }
 
-void iterm_encode(const struct image_view *view, struct buf *out)
+static void once(struct painter *p, const struct raster *raster, struct buf *out)
 {
-    struct png_writer png = {0};
-    struct shaded shaded = {0};
-    if (shaded_take(&shaded, view, SHADED_PNG))
-        iterm_add(&png, &shaded.raster, 0, 0, PNG_FAST, out);
-    else
-        out->failed = true;
-    shaded_release(&shaded);
-    png_release(&png);
+    char size[64];
+    snprintf(size, sizeof size, "width=%upx;height=%upx;", raster->width, raster->height);
+    add(p, raster, PNG_FAST, size, out);
 }
+
+static void patch(struct painter *p, const struct raster *raster, const struct raster_box *box,
+                  struct buf *out)
+{
+    const uint32_t width = p->facts.cell_width, height = p->facts.cell_height;
+    const struct raster part = raster_part(raster, *box);
+    char size[64];
+    snprintf(size, sizeof size, "width=%u;height=%u;", box->width / width, box->height / height);
+    painter_move_to(p, box->left / width, box->top / height, out);
+    add(p, &part, p->effort, size, out);
+}
+
+const struct graphics graphics_iterm = {
+    .name = "iterm",
+    .title = "iTerm2",
+    .chafa = "iterm",
+    .kind = GRAPHICS_PIXELS,
+    .fits = probe_is_iterm,
+    .over_cells = true,
+    .patch_cost = 300,
+    .once = once,
+    .patch = patch,
+};

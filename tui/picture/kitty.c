@@ -1,10 +1,49 @@
-#include "tui/picture/kitty.h"
+/*
+ * The kitty graphics protocol: pictures as PNG in base64, in chunks, and changed in place.
+ *
+ *     ESC _ G a=T,C=1,f=100,i=7,q=2,m=1 ; <4096 base64 bytes> ESC \
+ *     ESC _ G q=2,m=1 ; <4096 base64 bytes> ESC \
+ *     ESC _ G q=2,m=0 ; <the rest> ESC \
+ *
+ *     ESC _ G a=f,i=7,r=1,X=1,f=100,x=40,y=8,s=20,v=10,q=2,m=0 ; <base64> ESC \     a patch
+ *     ESC _ G a=f,i=7,r=1,X=1,f=24,o=z,x=40,y=8,s=3,v=3,q=2,m=0 ; <base64> ESC \    a small one
+ *     ESC _ G a=d,d=I,i=7,q=2 ESC \                                     takes it away
+ *
+ * a=T transmits and shows at the cursor, C=1 leaves the cursor where it is, q=2 (on every chunk)
+ * asks for no answer, f=100 means PNG, f=24,o=z deflated 24-bit pixels, m=1 that more follows. a=f
+ * changes a frame, r=1 the first, X=1 puts pixels in the place of pixels. Every chunk of a patch
+ * carries a=f,i=,r=1: without them kitty 0.26.5 says OK and changes nothing. Source:
+ * https://sw.kovidgoyal.net/kitty/graphics-protocol/
+ */
+#include <stdio.h>
+#include <string.h>
 
-#include <stdlib.h>
-
-#include "tui/picture/shaded.h"
+#include "tui/picture/graphics.h"
+#include "tui/picture/painter.h"
 
 enum { CHUNK = 4096, FEW_PIXELS = 1024 };
+enum { IMAGE = 26982 }; /* and the next: numbers of pictures that others hardly use */
+
+/* ---- finding it ---- */
+
+/* "_Gi=31;OK" */
+static bool fits(const struct probe_replies *replies, const struct probe_environment *environment)
+{
+    const char *answer = strstr(replies->answers, "_G");
+    (void)environment;
+    return answer && strstr(answer, ";OK");
+}
+
+/* A terminal without a name may be screen, whatever TERM says. */
+static bool may_ask(const struct probe_replies *replies,
+                    const struct probe_environment *environment)
+{
+    static const char *const family[] = {"kitty", "ghostty", "wezterm", "konsole", NULL};
+    return (replies->name[0] || replies->kind) && !probe_is_multiplexed(replies, environment) &&
+           probe_is_named(replies, environment, family);
+}
+
+/* ---- drawing ---- */
 
 /* `first` and `next` are keys of the first chunk and of those that follow, each with its comma. */
 static void add_chunks(const struct buf *png, const char *first, const char *next, struct buf *out)
@@ -19,52 +58,79 @@ static void add_chunks(const struct buf *png, const char *first, const char *nex
     }
 }
 
-void kitty_show(struct png_writer *writer, const struct raster *raster, uint32_t image,
-                struct buf *out)
+static void show(struct painter *p, const struct raster *raster, const char *keys, struct buf *out)
 {
-    struct buf png = {0}, keys = {0};
-    png_add(writer, raster, PNG_FAST, &png);
-    buf_add_text(&keys, "a=T,C=1,f=100,");
-    if (image > 0)
-        buf_printf(&keys, "i=%u,", image);
-    png.failed |= keys.failed;
-    add_chunks(&png, buf_text(&keys), "", out);
+    struct buf png = {0};
+    png_add(&p->png, raster, PNG_FAST, &png);
+    add_chunks(&png, keys, "", out);
     buf_release(&png);
-    buf_release(&keys);
 }
 
-void kitty_patch(struct png_writer *writer, const struct raster *part, enum png_effort effort,
-                 uint32_t image, uint32_t left, uint32_t top, struct buf *out)
+/* A picture without a number, which stays where it is shown. */
+static void once(struct painter *p, const struct raster *raster, struct buf *out)
 {
-    struct buf png = {0}, pixels = {0}, first = {0}, next = {0};
-    png_add(writer, part, effort, &png);
-    if ((uint64_t)part->width * part->height <= FEW_PIXELS)
-        png_add_pixels(writer, part, effort, &pixels);
-    const bool is_png = pixels.length == 0 || png.length <= pixels.length;
-    buf_printf(&next, "a=f,i=%u,r=1,", image);
-    buf_printf(&first, "%sX=1,%s,x=%u,y=%u,s=%u,v=%u,", buf_text(&next),
-               is_png ? "f=100" : "f=24,o=z", left, top, part->width, part->height);
-    out->failed |= png.failed || pixels.failed || first.failed || next.failed;
-    add_chunks(is_png ? &png : &pixels, buf_text(&first), buf_text(&next), out);
-    buf_release(&png);
-    buf_release(&pixels);
-    buf_release(&first);
-    buf_release(&next);
+    show(p, raster, "a=T,C=1,f=100,", out);
 }
 
-void kitty_delete(uint32_t image, struct buf *out)
+static void delete (uint32_t image, struct buf *out)
 {
     buf_printf(out, "\033_Ga=d,d=I,i=%u,q=2\033\\", image);
 }
 
-void kitty_encode(const struct image_view *view, struct buf *out)
+/* A whole picture has another number than the one before, which goes when the new one is there, so
+ * that nothing flickers. */
+static void whole(struct painter *p, const struct raster *raster, struct buf *out)
 {
-    struct png_writer png = {0};
-    struct shaded shaded = {0};
-    if (shaded_take(&shaded, view, SHADED_PNG))
-        kitty_show(&png, &shaded.raster, 0, out);
-    else
-        out->failed = true;
-    shaded_release(&shaded);
-    png_release(&png);
+    const uint32_t former = p->image, image = former == IMAGE ? IMAGE + 1 : IMAGE;
+    char keys[48];
+    snprintf(keys, sizeof keys, "a=T,C=1,f=100,i=%u,", image);
+    painter_move_to(p, 0, 0, out);
+    show(p, raster, keys, out);
+    if (former > 0)
+        delete (former, out);
+    if (!out->failed)
+        p->image = image;
 }
+
+static void patch(struct painter *p, const struct raster *raster, const struct raster_box *box,
+                  struct buf *out)
+{
+    const struct raster part = raster_part(raster, *box);
+    struct buf png = {0}, pixels = {0};
+    char next[32], first[128];
+    png_add(&p->png, &part, p->effort, &png);
+    if ((uint64_t)part.width * part.height <= FEW_PIXELS)
+        png_add_pixels(&p->png, &part, p->effort, &pixels);
+    const bool is_png = pixels.length == 0 || png.length <= pixels.length;
+    snprintf(next, sizeof next, "a=f,i=%u,r=1,", p->image);
+    snprintf(first, sizeof first, "%sX=1,%s,x=%u,y=%u,s=%u,v=%u,", next,
+             is_png ? "f=100" : "f=24,o=z", box->left, box->top, box->width, box->height);
+    out->failed |= png.failed || pixels.failed;
+    add_chunks(is_png ? &png : &pixels, first, next, out);
+    buf_release(&png);
+    buf_release(&pixels);
+}
+
+static void take_away(struct painter *p, struct buf *out)
+{
+    if (p->image > 0)
+        delete (p->image, out);
+    p->image = 0;
+}
+
+const struct graphics graphics_kitty = {
+    .name = "kitty",
+    .title = "kitty",
+    .chafa = "kitty",
+    .kind = GRAPHICS_PIXELS,
+    .fits = fits,
+    .question = "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\",
+    .may_ask = may_ask,
+    .recovery = "\033_Gm=0,q=2;\033\\", /* ends a transmission between two chunks */
+    .edited_by = "kitty",
+    .patch_cost = 250,
+    .once = once,
+    .whole = whole,
+    .patch = patch,
+    .remove = take_away,
+};

@@ -1,27 +1,19 @@
 #include "tui/picture/painter.h"
 
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"
-#include "tui/picture/iterm.h"
-#include "tui/picture/kitty.h"
-#include "tui/picture/shaded.h"
-#include "tui/picture/stale.h"
 
 enum {
-    IMAGE = 26982, /* and the next: numbers in kitty that others hardly use */
     PIXEL_TILE = 16,
     FAST_FROM = 1 << 13, /* pixels; from here on time counts more than bytes */
+    BOXES_MOST = 32,
 };
-
-/* What a patch costs beyond its pixels, in pixels: escape, headers, palette. */
-enum { KITTY_BOX_COST = 250, SIXEL_BOX_COST = 300, ITERM_BOX_COST = 300 };
 
 /* ---- the place ---- */
 
-static void move_to(const struct painter *p, unsigned column, unsigned row, struct buf *out)
+void painter_move_to(const struct painter *p, unsigned column, unsigned row, struct buf *out)
 {
     buf_printf(out, "\033[%u;%uH", p->row + row + 1, p->column + column + 1);
 }
@@ -45,8 +37,8 @@ void painter_place(struct painter *p, const struct terminal_facts *facts, unsign
 void painter_size(const struct painter *p, uint32_t *width, uint32_t *height)
 {
     uint32_t across = p->facts.cell_width, down = p->facts.cell_height;
-    if (p->facts.graphics == GRAPHICS_BLOCKS)
-        blocks_pixels(p->facts.shape, &across, &down);
+    if (p->facts.graphics->cell_pixels)
+        p->facts.graphics->cell_pixels(&p->facts, &across, &down);
     *width = p->columns * across;
     *height = p->rows * down;
 }
@@ -56,39 +48,32 @@ void painter_forget(struct painter *p)
     p->is_shown = false;
 }
 
-static bool draws_over_cells(const struct painter *p)
-{
-    return p->facts.graphics != GRAPHICS_KITTY;
-}
-
 static void erase(const struct painter *p, struct buf *out)
 {
     buf_add_text(out, "\033[m");
     for (unsigned row = 0; row < p->rows; row++) {
-        move_to(p, 0, row, out);
+        painter_move_to(p, 0, row, out);
         buf_printf(out, "\033[%uX", p->columns);
     }
 }
 
 void painter_remove(struct painter *p, struct buf *out)
 {
-    if (p->image > 0)
-        kitty_delete(p->image, out);
-    if (p->is_shown && draws_over_cells(p))
+    if (p->holder)
+        p->holder->remove(p, out);
+    if (p->is_shown && !p->facts.graphics->remove)
         erase(p, out);
-    p->image = 0;
+    p->holder = NULL;
     p->is_shown = false;
 }
 
 void painter_release(struct painter *p)
 {
-    for (unsigned i = 0; i < 2; i++) {
+    for (unsigned i = 0; i < 2; i++)
         free(p->of[i].bytes);
-        free(p->of[i].cell);
-    }
+    free(p->scratch);
     shades_release(&p->shades);
     png_release(&p->png);
-    sixel_release(&p->sixel);
     *p = (struct painter){0};
 }
 
@@ -101,54 +86,146 @@ static void turn_over(struct painter *p)
     p->is_shown = true;
 }
 
-/* ---- cells ---- */
-
-static void write_changes(const struct painter *p, bool all, struct buf *out)
-{
-    struct block_pen pen = {p->facts.colours, p->facts.shape, BLOCK_DEFAULT, BLOCK_DEFAULT};
-    const size_t before = out->length;
-    for (unsigned row = 0; row < p->rows; row++) {
-        unsigned at = UINT_MAX; /* where the cursor is in this row */
-        for (unsigned column = 0; column < p->columns; column++) {
-            const size_t i = (size_t)row * p->columns + column;
-            if (!all && blocks_equal(&p->of[0].cell[i], &p->of[1].cell[i]))
-                continue;
-            if (out->length == before && pen.colours != COLOURS_NONE)
-                buf_add_text(out, "\033[m");
-            if (at == UINT_MAX)
-                move_to(p, column, row, out);
-            else if (at < column)
-                buf_printf(out, "\033[%uC", column - at);
-            blocks_put(&pen, &p->of[1].cell[i], out);
-            at = column + 1;
-        }
-    }
-    if (out->length > before && pen.colours != COLOURS_NONE)
-        buf_add_text(out, "\033[m");
-}
-
-static bool show_cells(struct painter *p, const struct image_view *view, struct buf *out)
-{
-    const size_t cells = (size_t)p->columns * p->rows;
-    const bool colourless = p->facts.colours == COLOURS_NONE;
-    for (unsigned i = 0; i < 2; i++)
-        if (!mem_grow(&p->of[i].cell, &p->of[i].cells, cells, sizeof *p->of[i].cell))
-            return false;
-    for (size_t i = 0; i < cells; i++)
-        p->of[1].cell[i] = (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT, colourless ? ' ' : 0};
-    blocks_fill(p->of[1].cell, p->columns, view, p->facts.colours, p->facts.shape);
-    write_changes(p, !p->is_shown, out);
-    return !out->failed;
-}
-
-/* ---- pixels ---- */
-
 static uint32_t least(uint32_t a, uint32_t b)
 {
     return a < b ? a : b;
 }
 
-static uint32_t whole(uint32_t length, uint32_t unit)
+/* ---- what has changed ---- */
+
+struct stale {
+    struct raster_box box[BOXES_MOST];
+    unsigned count;
+    uint64_t cost; /* pixels in all boxes, and what the boxes cost themselves */
+};
+
+struct stale_rule {
+    uint32_t tile_width, tile_height;
+    bool whole_tiles;
+    uint32_t box_cost; /* pixels */
+};
+
+static uint64_t cost_of(struct raster_box box, uint32_t box_cost)
+{
+    return (uint64_t)box.width * box.height + box_cost;
+}
+
+static struct raster_box around(struct raster_box a, struct raster_box b)
+{
+    const uint32_t right =
+        a.left + a.width > b.left + b.width ? a.left + a.width : b.left + b.width;
+    const uint32_t bottom =
+        a.top + a.height > b.top + b.height ? a.top + a.height : b.top + b.height;
+    const uint32_t left = least(a.left, b.left), top = least(a.top, b.top);
+    return (struct raster_box){left, top, right - left, bottom - top};
+}
+
+/* Joins a box with that of the others for which it costs least, as long as that is no more than
+ * both cost apart, or there is no room for another. */
+static void add_box(struct stale *stale, struct raster_box box, uint32_t box_cost)
+{
+    while (stale->count > 0) {
+        unsigned best = 0;
+        int64_t least_growth = INT64_MAX;
+        for (unsigned i = 0; i < stale->count; i++) {
+            const int64_t growth =
+                (int64_t)(cost_of(around(stale->box[i], box), box_cost) -
+                          cost_of(stale->box[i], box_cost) - cost_of(box, box_cost));
+            if (growth < least_growth) {
+                least_growth = growth;
+                best = i;
+            }
+        }
+        if (least_growth > 0 && stale->count < BOXES_MOST)
+            break;
+        box = around(stale->box[best], box);
+        stale->box[best] = stale->box[--stale->count];
+    }
+    stale->box[stale->count++] = box;
+}
+
+/* The first and last of `length` bytes that differ; false where none do. */
+static bool differing(const uint8_t *a, const uint8_t *b, size_t length, size_t *first,
+                      size_t *last)
+{
+    if (memcmp(a, b, length) == 0)
+        return false;
+    *first = 0;
+    *last = length - 1;
+    while (a[*first] == b[*first])
+        ++*first;
+    while (a[*last] == b[*last])
+        --*last;
+    return true;
+}
+
+/* Cuts a tile down to what differs in it; false where nothing does. */
+static bool tighten(struct raster_box *tile, const struct raster *now, const struct raster *then)
+{
+    const size_t each = raster_pixel_bytes(now);
+    uint32_t left = tile->width, right = 0, top = tile->height, bottom = 0;
+    for (uint32_t y = 0; y < tile->height; y++) {
+        size_t first, last;
+        if (!differing(now->bytes + (tile->top + y) * now->stride + tile->left * each,
+                       then->bytes + (tile->top + y) * then->stride + tile->left * each,
+                       tile->width * each, &first, &last))
+            continue;
+        left = least(left, (uint32_t)(first / each));
+        right = right > last / each ? right : (uint32_t)(last / each);
+        top = least(top, y);
+        bottom = y;
+    }
+    if (top == tile->height)
+        return false;
+    *tile =
+        (struct raster_box){tile->left + left, tile->top + top, right - left + 1, bottom - top + 1};
+    return true;
+}
+
+/* The first and last column of bytes in which some of these rows differ. */
+static bool row_span(const struct raster *now, const struct raster *then, uint32_t top,
+                     uint32_t height, size_t *from, size_t *to)
+{
+    *from = SIZE_MAX;
+    *to = 0;
+    for (uint32_t y = top; y < top + height; y++) {
+        size_t first, last;
+        if (!differing(now->bytes + y * now->stride, then->bytes + y * then->stride,
+                       now->width * raster_pixel_bytes(now), &first, &last))
+            continue;
+        *from = first < *from ? first : *from;
+        *to = last > *to ? last : *to;
+    }
+    return *from != SIZE_MAX;
+}
+
+static void find_stale(struct stale *stale, const struct raster *now, const struct raster *then,
+                       const struct stale_rule *rule)
+{
+    const size_t each = raster_pixel_bytes(now);
+    stale->count = 0;
+    stale->cost = 0;
+    for (uint32_t top = 0; top < now->height; top += rule->tile_height) {
+        const uint32_t height = least(rule->tile_height, now->height - top);
+        size_t from, to;
+        if (!row_span(now, then, top, height, &from, &to))
+            continue;
+        uint32_t left = (uint32_t)(from / each / rule->tile_width) * rule->tile_width;
+        for (; left < now->width && left <= to / each; left += rule->tile_width) {
+            const struct raster_box tile = {left, top, least(rule->tile_width, now->width - left),
+                                            height};
+            struct raster_box tight = tile;
+            if (tighten(&tight, now, then))
+                add_box(stale, rule->whole_tiles ? tile : tight, rule->box_cost);
+        }
+    }
+    for (unsigned i = 0; i < stale->count; i++)
+        stale->cost += cost_of(stale->box[i], rule->box_cost);
+}
+
+/* ---- pixels ---- */
+
+static uint32_t whole_units(uint32_t length, uint32_t unit)
 {
     return (length + unit - 1) / unit * unit;
 }
@@ -168,96 +245,49 @@ static struct raster raster_of(const struct painter *p, unsigned i)
 
 static bool fill(struct painter *p, const struct image_view *view)
 {
-    return shaded_fill(p->of[1].bytes, p->width, p->height, &p->shades, view, p->has_palette);
+    return shades_fill(&p->shades, p->has_palette, view, p->of[1].bytes, p->width, p->height);
 }
 
 static struct stale_rule rule_of(const struct painter *p)
 {
-    if (!draws_over_cells(p))
-        return (struct stale_rule){PIXEL_TILE, PIXEL_TILE, false, KITTY_BOX_COST};
-    return (struct stale_rule){p->facts.cell_width, p->facts.cell_height, true,
-                               p->facts.graphics == GRAPHICS_SIXEL ? SIXEL_BOX_COST
-                                                                   : ITERM_BOX_COST};
-}
-
-/* The most pixels of a side that are drawn at all, in whole cells. */
-static uint32_t side_most(const struct painter *p, uint32_t cell)
-{
-    const uint32_t cells = p->facts.image_side_most / cell;
-    return cells > 0 ? cells * cell : UINT32_MAX;
-}
-
-/* Sixels, in as many pictures as the terminal's limit asks for: beyond it xterm draws nothing. */
-static void add_sixels(struct painter *p, const struct raster *raster, struct raster_box box,
-                       struct buf *out)
-{
-    const uint32_t across = side_most(p, p->facts.cell_width);
-    const uint32_t down = side_most(p, p->facts.cell_height);
-    for (uint32_t y = 0; y < box.height; y += least(down, box.height - y))
-        for (uint32_t x = 0; x < box.width; x += least(across, box.width - x)) {
-            const struct raster_box piece = {box.left + x, box.top + y,
-                                             least(across, box.width - x),
-                                             least(down, box.height - y)};
-            const struct raster part = raster_part(raster, piece);
-            move_to(p, piece.left / p->facts.cell_width, piece.top / p->facts.cell_height, out);
-            sixel_add(&p->sixel, &part, out);
-        }
-}
-
-/* `box` is whole cells. */
-static void add_over_cells(struct painter *p, const struct raster *raster, struct raster_box box,
-                           enum png_effort effort, struct buf *out)
-{
-    const uint32_t width = p->facts.cell_width, height = p->facts.cell_height;
-    const struct raster part = raster_part(raster, box);
-    if (p->facts.graphics == GRAPHICS_SIXEL) {
-        add_sixels(p, raster, box, out);
-        return;
-    }
-    move_to(p, box.left / width, box.top / height, out);
-    iterm_add(&p->png, &part, box.width / width, box.height / height, effort, out);
+    const struct graphics *g = p->facts.graphics;
+    if (!g->over_cells)
+        return (struct stale_rule){PIXEL_TILE, PIXEL_TILE, false, g->patch_cost};
+    return (struct stale_rule){p->facts.cell_width, p->facts.cell_height, true, g->patch_cost};
 }
 
 static void show_patches(struct painter *p, const struct stale *stale, bool is_coarse,
                          struct buf *out)
 {
     const struct raster raster = raster_of(p, 1);
-    const enum png_effort effort = stale->cost < FAST_FROM || is_coarse ? PNG_SMALL : PNG_FAST;
-    for (unsigned i = 0; i < stale->count; i++) {
-        const struct raster_box box = stale->box[i];
-        const struct raster part = raster_part(&raster, box);
-        if (draws_over_cells(p))
-            add_over_cells(p, &raster, box, effort, out);
-        else
-            kitty_patch(&p->png, &part, effort, p->image, box.left, box.top, out);
-    }
+    p->effort = stale->cost < FAST_FROM || is_coarse ? PNG_SMALL : PNG_FAST;
+    for (unsigned i = 0; i < stale->count; i++)
+        p->facts.graphics->patch(p, &raster, &stale->box[i], out);
 }
 
 static void show_whole(struct painter *p, struct buf *out)
 {
     const struct raster raster = raster_of(p, 1);
-    if (draws_over_cells(p)) {
-        add_over_cells(p, &raster, (struct raster_box){0, 0, p->width, p->height}, PNG_FAST, out);
-        return;
-    }
-    const uint32_t former = p->image, image = former == IMAGE ? IMAGE + 1 : IMAGE;
-    move_to(p, 0, 0, out);
-    kitty_show(&p->png, &raster, image, out);
-    if (former > 0)
-        kitty_delete(former, out);
-    if (!out->failed)
-        p->image = image;
+    const struct raster_box all = {0, 0, p->width, p->height};
+    const struct graphics *g = p->facts.graphics;
+    p->effort = PNG_FAST;
+    if (g->whole)
+        g->whole(p, &raster, out);
+    else
+        g->patch(p, &raster, &all, out);
+    if (g->remove)
+        p->holder = g;
 }
 
 /* A picture of another size cannot be compared, and what it leaves uncovered is erased. */
 static void take_size(struct painter *p, const struct image_view *view, struct buf *out)
 {
     uint32_t width = view->width, height = view->height;
-    if (draws_over_cells(p)) {
-        width = whole(width, p->facts.cell_width);
-        height = whole(height, p->facts.cell_height);
+    if (p->facts.graphics->over_cells) {
+        width = whole_units(width, p->facts.cell_width);
+        height = whole_units(height, p->facts.cell_height);
     }
-    if (p->is_shown && draws_over_cells(p) && (width < p->width || height < p->height))
+    if (p->is_shown && p->facts.graphics->over_cells && (width < p->width || height < p->height))
         erase(p, out);
     if (width != p->width || height != p->height)
         painter_forget(p);
@@ -270,7 +300,7 @@ enum palette_need { PALETTE_ALWAYS, PALETTE_NEVER, PALETTE_EXACT };
 
 static enum palette_need need_of(const struct painter *p, const struct image_view *view)
 {
-    if (shaded_has_palette(view, p->facts.graphics == GRAPHICS_SIXEL ? SHADED_SIXEL : SHADED_PNG))
+    if (shades_needed(view, p->facts.graphics->palette_always))
         return PALETTE_ALWAYS;
     return view->smooth ? PALETTE_NEVER : PALETTE_EXACT;
 }
@@ -293,10 +323,10 @@ static bool can_patch(struct painter *p, const struct image_view *view, struct s
         return false;
     const struct raster now = raster_of(p, 1), then = raster_of(p, 0);
     const struct stale_rule rule = rule_of(p);
-    stale_find(stale, &now, &then, &rule);
+    find_stale(stale, &now, &then, &rule);
     if (stale->count == 0)
         return true;
-    if (p->facts.graphics == GRAPHICS_KITTY && !p->facts.edits)
+    if (p->facts.graphics->edited_by && !p->facts.edits)
         return false;
     const uint64_t all = (uint64_t)p->width * p->height;
     if (p->has_palette && stale->cost > all / 32 && shades_lack(&p->shades, view))
@@ -354,16 +384,16 @@ static bool cut(struct image_view *view, uint32_t width, uint32_t height, uint8_
 
 bool painter_show(struct painter *p, const struct image_view *view, struct buf *out)
 {
+    const struct graphics *g = p->facts.graphics;
     struct image_view fitting = *view;
     uint32_t width, height;
     uint8_t *copy = NULL;
     painter_size(p, &width, &height);
     if (view->width == 0 || view->height == 0 || width == 0 || height == 0 ||
-        p->facts.graphics == GRAPHICS_NONE)
+        g->kind == GRAPHICS_NOTHING)
         return true;
     const bool fine = cut(&fitting, width, height, &copy) &&
-                      (p->facts.graphics == GRAPHICS_BLOCKS ? show_cells(p, &fitting, out)
-                                                            : show_pixels(p, &fitting, out));
+                      (g->show ? g->show(p, &fitting, out) : show_pixels(p, &fitting, out));
     free(copy);
     if (fine) {
         turn_over(p);

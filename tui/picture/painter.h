@@ -11,14 +11,17 @@
  * order, and between its pictures nobody else writes into its place; where that happened,
  * painter_forget.
  *
- * By what means:
- *   kitty    boxes of pixels are changed in place; a whole picture has another number than the one
- *            before, which goes when the new one is there, so that nothing flickers
- *   sixel    boxes of whole cells are drawn over, none larger than the terminal draws
- *   iterm    the same with pictures in iTerm2's way
- *   blocks   cells that differ are written
+ * By what means is said by the terminal's row in the table of graphics (tui/picture/graphics.h):
+ *   pixels over cells      boxes of whole cells are drawn over, none larger than the terminal draws
+ *   pixels of a picture    boxes of pixels are changed in place
+ *   text                   cells that differ are written
  *
- * Pictures keep their palette (tui/shades.h) until one goes whole, so patches agree with what they
+ * What has changed is looked for tile by tile, and comes as a few boxes. Where pixels can be changed
+ * one by one, boxes fit tightly; where cells are drawn over, they are whole cells. Boxes are joined
+ * where one costs no more than two: each has a fixed cost, as that of so many pixels. They may
+ * overlap.
+ *
+ * Pictures keep their palette (tui/picture/shades.h) until one goes whole, so patches agree with what they
  * are put on. A picture goes whole when it is the first, or of another size, when its hues or
  * smooth change, and when half of its pixels have changed.
  *
@@ -32,17 +35,14 @@
 #include <stdint.h>
 
 #include "base/buf.h"
-#include "tui/picture/image_view.h"
 #include "image/png.h"
-#include "tui/probe.h"
+#include "tui/picture/image_view.h"
 #include "tui/picture/shades.h"
-#include "tui/picture/sixel.h"
+#include "tui/probe.h"
 
 struct painter_picture {
-    uint8_t *bytes; /* places in the palette, or colours */
+    uint8_t *bytes; /* places in the palette, or colours, or what text needs */
     size_t capacity;
-    struct block *cell; /* [rows][columns] */
-    size_t cells;
 };
 
 struct painter {
@@ -53,9 +53,15 @@ struct painter {
     uint32_t width, height; /* of what is shown, grown to whole cells where cells are drawn over */
     bool has_palette;
     struct shades shades;
+
+    const struct graphics *holder; /* by which the terminal holds a picture of its own, or NULL */
+
+    /* for the protocol's own use */
     struct png_writer png;
-    struct sixel_writer sixel;
-    uint32_t image; /* kitty: the number of the picture that the terminal has, 0 for none */
+    enum png_effort effort;  /* of the patch at hand */
+    void *scratch;           /* memory kept from picture to picture, */
+    size_t scratch_capacity; /* in bytes */
+    uint32_t image;          /* the number of the picture that the terminal has, 0 for none */
 };
 
 /* Where the picture goes from now on, at least 1x1 cells, and by what means. Forgets what is on the
@@ -68,7 +74,7 @@ void painter_place(struct painter *p, const struct terminal_facts *facts, unsign
 void painter_size(const struct painter *p, uint32_t *width, uint32_t *height);
 
 /* Adds what makes the screen show `view` at the top left of the place, of which it is cut where it
- * is larger; nothing where nothing differs from what is there, or graphics are GRAPHICS_NONE. The
+ * is larger; nothing where nothing differs from what is there, or pictures cannot be shown. The
  * cursor may be anywhere afterwards. False, with out->failed set, without memory: `out` is to be
  * thrown away, and the next picture goes whole. */
 bool painter_show(struct painter *p, const struct image_view *view, struct buf *out);
@@ -78,6 +84,9 @@ void painter_forget(struct painter *p);
 
 /* Takes the picture off the screen; its place is blank then. */
 void painter_remove(struct painter *p, struct buf *out);
+
+/* For a protocol: adds what takes the cursor to a cell of the place. */
+void painter_move_to(const struct painter *p, unsigned column, unsigned row, struct buf *out);
 
 /* Gives the memory back; the painter is as new. What is on the screen stays. */
 void painter_release(struct painter *p);

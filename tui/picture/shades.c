@@ -395,6 +395,39 @@ bool shades_apply(struct shades *s, const struct image_view *view, uint8_t *inde
     return true;
 }
 
+/* ---- for the wire ---- */
+
+bool shades_needed(const struct image_view *view, bool always)
+{
+    return always || (view->hue && !view->smooth);
+}
+
+static void fill_colours(uint8_t *bytes, const struct image_view *view, size_t stride)
+{
+    for (uint32_t y = 0; y < view->height; y++) {
+        uint8_t *out = bytes + y * stride;
+        for (uint32_t x = 0; x < view->width; x++) {
+            const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
+            *out++ = (uint8_t)(colour >> 16);
+            *out++ = (uint8_t)(colour >> 8);
+            *out++ = (uint8_t)colour;
+        }
+    }
+}
+
+bool shades_fill(struct shades *s, bool has_palette, const struct image_view *view, uint8_t *bytes,
+                 uint32_t width, uint32_t height)
+{
+    const size_t each = has_palette ? 1 : 3, stride = width * each;
+    for (uint32_t y = 0; width > view->width && y < view->height; y++)
+        memset(bytes + y * stride + view->width * each, 0, (width - view->width) * each);
+    memset(bytes + view->height * stride, 0, (height - view->height) * stride);
+    if (has_palette)
+        return shades_apply(s, view, bytes, stride);
+    fill_colours(bytes, view, stride);
+    return true;
+}
+
 uint32_t shades_shown(struct shades *s, uint32_t colour)
 {
     return s->is_exact ? colour : s->colour[place_of(s, colour)];

@@ -17,15 +17,15 @@
  *
  * Many hues share what entries there are: those that are but darker versions of another have its
  * levels. Tints get levels only where a look at every so manieth pixel finds some. Where no hues
- * are told, the colours come from that look (tui/colour_table.h).
+ * are told, the colours come from that look (tui/picture/colour_table.h).
  */
 #ifndef TUI_PICTURE_SHADES_H
 #define TUI_PICTURE_SHADES_H
 
 #include <stdbool.h>
 
-#include "tui/picture/image_view.h"
 #include "image/raster.h"
+#include "tui/picture/image_view.h"
 
 enum { SHADES_MOST = 250, SHADES_HUES_MOST = 256 }; /* colours that every sixel terminal has */
 
@@ -63,6 +63,15 @@ bool shades_lack(const struct shades *shades, const struct image_view *view);
  * no room for another colour: choose again, and send the picture whole. Needs shades_choose. */
 bool shades_apply(struct shades *shades, const struct image_view *view, uint8_t *index,
                   size_t stride);
+
+/* Whether a view has a palette, however many colours it has: always in some protocols; in the others
+ * not where it is smooth, or tells no hues. */
+bool shades_needed(const struct image_view *view, bool always);
+
+/* Puts the view into `bytes`, `width` x `height` pixels, which may be more than it has and are black
+ * then: as shades_apply does, or as 24-bit colours. */
+bool shades_fill(struct shades *shades, bool has_palette, const struct image_view *view,
+                 uint8_t *bytes, uint32_t width, uint32_t height);
 
 /* What a colour is shown as. */
 uint32_t shades_shown(struct shades *shades, uint32_t colour);

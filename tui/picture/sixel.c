@@ -1,10 +1,23 @@
-#include "tui/picture/sixel.h"
-
-#include <stdlib.h>
+/*
+ * Sixel graphics (DEC STD 070): a picture as bands of six rows, one pass per colour and band.
+ *
+ *     ESC P 0;1 q "1;1;W;H             pixels are square, W x H of them
+ *     #3;2;100;0;50                    colour 3 is RGB 100 %, 0 %, 50 %
+ *     #3!12~?@                         colour 3: 12 times six pixels, six left out, the top one
+ *     $                                back to the left edge, for the next colour of this band
+ *     -                                down to the next band
+ *     ESC \
+ *
+ * A sixel is a byte 63 + bits, the lowest bit on top; !N repeats. Every pixel is painted, black
+ * ones too: terminals differ in what they do with the rest; but none below the last row, where the
+ * last band has more. Colours are whole percents, so a channel may come back up to 1 of 255 off.
+ * Only those that occur are declared, numbered anew, so each picture is complete in itself.
+ */
 #include <string.h>
 
 #include "base/mem.h"
-#include "tui/picture/shaded.h"
+#include "tui/picture/graphics.h"
+#include "tui/picture/painter.h"
 
 enum { BAND = 6, COLOURS = RASTER_COLOURS_MOST };
 #define NONE UINT32_MAX
@@ -23,12 +36,6 @@ struct band {
     unsigned used_count;
     bool is_used[COLOURS];
 };
-
-void sixel_release(struct sixel_writer *writer)
-{
-    free(writer->run);
-    *writer = (struct sixel_writer){0};
-}
 
 /* ---- runs ---- */
 
@@ -176,18 +183,18 @@ static void add_colours(struct buf *out, const uint32_t *colour, unsigned count)
                    percent(colour[i] >> 8 & 255), percent(colour[i] & 255));
 }
 
-void sixel_add(struct sixel_writer *writer, const struct raster *raster, struct buf *out)
+static void once(struct painter *p, const struct raster *raster, struct buf *out)
 {
     uint8_t number[RASTER_COLOURS_MOST];
     uint32_t used[RASTER_COLOURS_MOST];
     struct band band;
     if (raster->width > UINT32_MAX / BAND ||
-        !mem_grow(&writer->run, &writer->capacity, (size_t)raster->width * BAND,
-                  sizeof *writer->run)) {
+        !mem_grow(&p->scratch, &p->scratch_capacity,
+                  (size_t)raster->width * BAND * sizeof *band.run, 1)) {
         out->failed = true;
         return;
     }
-    band.run = writer->run;
+    band.run = p->scratch;
     buf_printf(out, "\033P0;1q\"1;1;%u;%u", raster->width, raster->height);
     add_colours(out, used, raster_used(raster, number, used));
     for (uint32_t y = 0; y < raster->height; y += BAND) {
@@ -200,14 +207,53 @@ void sixel_add(struct sixel_writer *writer, const struct raster *raster, struct 
     buf_add_text(out, "\033\\");
 }
 
-void sixel_encode(const struct image_view *view, struct buf *out)
+/* ---- parts of the screen ---- */
+
+/* The most pixels of a side that are drawn at all, in whole cells. */
+static uint32_t side_most(const struct painter *p, uint32_t cell)
 {
-    struct sixel_writer writer = {0};
-    struct shaded shaded = {0};
-    if (shaded_take(&shaded, view, SHADED_SIXEL))
-        sixel_add(&writer, &shaded.raster, out);
-    else
-        out->failed = true;
-    shaded_release(&shaded);
-    sixel_release(&writer);
+    const uint32_t cells = p->facts.image_side_most / cell;
+    return cells > 0 ? cells * cell : UINT32_MAX;
 }
+
+static uint32_t least(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+/* In as many pictures as the terminal's limit asks for: beyond it xterm draws nothing. */
+static void patch(struct painter *p, const struct raster *raster, const struct raster_box *box,
+                  struct buf *out)
+{
+    const uint32_t width = p->facts.cell_width, height = p->facts.cell_height;
+    const uint32_t across = side_most(p, width), down = side_most(p, height);
+    for (uint32_t y = 0; y < box->height; y += least(down, box->height - y))
+        for (uint32_t x = 0; x < box->width; x += least(across, box->width - x)) {
+            const struct raster_box piece = {box->left + x, box->top + y,
+                                             least(across, box->width - x),
+                                             least(down, box->height - y)};
+            const struct raster part = raster_part(raster, piece);
+            painter_move_to(p, piece.left / width, piece.top / height, out);
+            once(p, &part, out);
+        }
+}
+
+/* DA1 with parameter 4. */
+static bool fits(const struct probe_replies *replies, const struct probe_environment *environment)
+{
+    (void)environment;
+    return replies->attributes >> 4 & 1;
+}
+
+const struct graphics graphics_sixel = {
+    .name = "sixel",
+    .title = "sixel",
+    .chafa = "sixels",
+    .kind = GRAPHICS_PIXELS,
+    .fits = fits,
+    .over_cells = true,
+    .palette_always = true,
+    .patch_cost = 300,
+    .once = once,
+    .patch = patch,
+};

@@ -157,10 +157,3 @@ unsigned flow_divisor(const struct flow *f, size_t bytes)
             return divisor[i];
     return 8;
 }
-
-const char *flow_recovery(const struct flow *f, bool kitty)
-{
-    if (!f->failed)
-        return "";
-    return kitty ? "\033\\\033_Gm=0,q=2;\033\\" : "\033\\";
-}

@@ -11,7 +11,7 @@
  *   L1 a frame is sent only when the barrier before it has been answered: what came up meanwhile is
  *      dropped, not queued, and the newest state is what goes next;
  *   L2 after FLOW_LIMIT_NS without an answer it goes on anyway, one frame at a time; the transfer
- *      may have been cut on the way, so a frame after a failed barrier begins with flow_recovery();
+ *      may have been cut on the way, so a frame after a failed barrier begins with what ends it (`failed`);
  *   L3 a frame has as many bytes as the line carries in FLOW_TARGET_NS: a picture that needs more
  *      is sent smaller (flow_divisor), for quality is to drop before latency does. When nothing
  *      moves any more the caller sends the full picture.
@@ -55,7 +55,7 @@ struct flow {
     bool silent;            /* the terminal answers nothing: frames keep a distance in time */
     /* ---- ours ---- */
     bool due;      /* the last barrier has no answer yet */
-    bool failed;   /* it was given up, and nothing was sent since */
+    bool failed;   /* read-only: it was given up, and nothing was sent since */
     unsigned late; /* barriers given up whose answers may still come */
     uint64_t sent_ns;
     uint64_t settled_ns; /* if nothing else comes until then, what came was the answer; 0: unset */
@@ -85,9 +85,5 @@ size_t flow_budget(const struct flow *f);
 /* The least divisor (1, 2, 3, 4, 6 or 8) of both sides at which a picture that takes `bytes` in
  * full keeps the budget; 8 where none does. Bytes go with the area. */
 unsigned flow_divisor(const struct flow *f, size_t bytes);
-
-/* What the next frame must begin with: "" or, once a barrier has failed, what ends a transfer that
- * the line has cut in two. `kitty`: a chunked one too. Asking does not change anything. */
-const char *flow_recovery(const struct flow *f, bool kitty);
 
 #endif

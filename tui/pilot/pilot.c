@@ -43,7 +43,7 @@ struct flight {
 
 static struct pilot_wish wish_of(const struct flight *f)
 {
-    struct pilot_wish wish = {.words = f->facts->graphics > GRAPHICS_BLOCKS,
+    struct pilot_wish wish = {.words = f->facts->graphics->kind == GRAPHICS_PIXELS,
                               .marks_tree = f->state.mode == PILOT_CONFIRMING,
                               .marks_pixel = f->state.mode == PILOT_PICKING,
                               .pane =
@@ -62,7 +62,7 @@ static void add_picture(struct flight *f, struct buf *out)
     const size_t before = out->length;
     struct image_view view, shown;
     struct fault fault;
-    if (f->facts->graphics == GRAPHICS_NONE)
+    if (f->facts->graphics->kind == GRAPHICS_NOTHING)
         return;
     if (f->host->picture(f->host->context, &wish, &view, &fault)) {
         buf_clear(&f->message);
@@ -88,9 +88,10 @@ static enum err draw(struct flight *f, struct fault *fault)
         f->is_over = true;
         return OK;
     }
-    const char *recovery = flow_recovery(&f->flow, f->facts->graphics == GRAPHICS_KITTY);
-    buf_add_text(&out, recovery);
-    f->is_blank |= *recovery != '\0'; /* nobody knows what has arrived */
+    if (f->flow.failed) { /* nobody knows what has arrived */
+        probe_add_recovery(f->facts, &out);
+        f->is_blank = true;
+    }
     if (f->facts->synchronizes)
         buf_add_text(&out, "\033[?2026h");
     if (f->is_blank) {
@@ -303,11 +304,9 @@ static enum err do_deed(struct flight *f, enum pilot_deed deed, struct fault *fa
 static bool pixel_of(const struct flight *f, const struct mouse *mouse, uint32_t *column,
                      uint32_t *row)
 {
-    const bool in_cells = f->facts->graphics == GRAPHICS_BLOCKS;
     uint32_t width, height;
     painter_size(&f->painter, &width, &height);
-    const uint32_t across = in_cells ? width / f->painter.columns : f->facts->cell_width;
-    const uint32_t down = in_cells ? height / f->painter.rows : f->facts->cell_height;
+    const uint32_t across = width / f->painter.columns, down = height / f->painter.rows;
     *column = mouse->column * across + across / 2;
     *row = mouse->row * down + down / 2;
     return mouse->row < f->painter.rows && *column < width && *row < height;

@@ -10,7 +10,7 @@
 
 #include "tui/prompt/caret.h"
 #include "tui/prompt/line_edit.h"
-#include "tui/picture/show.h"
+#include "tui/picture/graphics.h"
 #include "tui/term.h"
 #include "tui/prompt/wrap.h"
 
@@ -136,13 +136,13 @@ static void add_picture(struct prompt *p, struct buf *out)
     if (!p->host->picture || !p->host->picture(p->host->context, &view))
         return;
     if (e->answers_due > 0 && probe_await(e->answers_due, BARRIER_MS, &e->input) == 0)
-        buf_add_text(out, probe_recovery(&p->facts));
+        probe_add_recovery(&p->facts, out);
     e->answers_due = 0;
     const struct term_size size = term_size();
     size_t before = out->length;
     probe_resize(&p->facts, &size);
     show_inline(&p->facts, &view, size.columns, size.rows, out);
-    if (p->facts.answers && p->facts.graphics > GRAPHICS_BLOCKS && out->length > before &&
+    if (p->facts.answers && p->facts.graphics->kind == GRAPHICS_PIXELS && out->length > before &&
         !out->failed) {
         buf_add_text(out, "\033[c");
         e->answers_due = 1;
@@ -276,7 +276,7 @@ static enum err run_prompt(struct prompt *p, struct fault *fault)
     return err;
 }
 
-static enum err open_terminal(int in, enum graphics wish, struct terminal_facts *facts,
+static enum err open_terminal(int in, struct graphics_wish wish, struct terminal_facts *facts,
                               struct buf *typed, const char *begin, const char *end,
                               struct fault *fault)
 {
@@ -286,7 +286,7 @@ static enum err open_terminal(int in, enum graphics wish, struct terminal_facts 
     term_set_greetings(begin, end);
     err = term_set_mode(TERM_RAW, fault);
     if (!err)
-        err = probe_terminal(wish, facts, typed, fault);
+        err = probe_terminal(wish.count ? wish : graphics_auto, facts, typed, fault);
     return err;
 }
 
@@ -330,7 +330,7 @@ enum err repl_run(const struct repl_host *host, const struct repl_options *optio
 
 /* ---- one picture ---- */
 
-bool show_picture_once(enum graphics wish, const struct image_view *view)
+bool show_picture_once(struct graphics_wish wish, const struct image_view *view)
 {
     struct terminal_facts facts;
     struct buf out = {0}, typed = {0};
@@ -344,7 +344,7 @@ bool show_picture_once(enum graphics wish, const struct image_view *view)
         const struct term_size size = term_size();
         show_inline(&facts, view, size.columns, size.rows, &out);
         shown = out.length > 0 && !out.failed && term_write(out.data, out.length, NULL) == OK;
-        facts.reports |= shown && facts.graphics > GRAPHICS_BLOCKS;
+        facts.reports |= shown && facts.graphics->kind == GRAPHICS_PIXELS;
         probe_leave(&facts, 0);
     }
     term_close();

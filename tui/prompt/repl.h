@@ -54,8 +54,8 @@ struct repl_host {
 };
 
 struct repl_options {
-    enum graphics graphics;   /* GRAPHICS_AUTO, or what to use whatever the terminal says */
-    const char *history_path; /* NULL: no history file */
+    struct graphics_wish graphics; /* one, whatever the terminal says; {0}: it decides */
+    const char *history_path;      /* NULL: no history file */
 };
 
 /* Runs until the host is finished or the input ends. Errors of commands are printed in one line
@@ -67,6 +67,6 @@ enum err repl_run(const struct repl_host *host, const struct repl_options *optio
 /* Outside repl_run: asks the terminal what it can, shows the picture at the cursor, which must be
  * at the start of a line, and restores everything. False, with nothing written, where standard
  * output is no terminal or cannot show it, or this is a background job. */
-bool show_picture_once(enum graphics wish, const struct image_view *view);
+bool show_picture_once(struct graphics_wish wish, const struct image_view *view);
 
 #endif

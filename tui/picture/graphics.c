@@ -1,0 +1,137 @@
+#include "tui/picture/graphics.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "tui/picture/colour_table.h"
+#include "tui/picture/painter.h"
+
+const struct graphics graphics_none = {
+    .name = "none", .title = "nothing", .kind = GRAPHICS_NOTHING};
+
+static const struct graphics *const table[] = {&graphics_kitty, &graphics_iterm, &graphics_sixel,
+                                               &graphics_blocks, &graphics_none};
+enum { PROTOCOLS = sizeof table / sizeof table[0] };
+
+static const char any[] = "auto";
+const struct graphics_wish graphics_auto = {table, PROTOCOLS};
+
+bool graphics_from_name(const char *name, struct graphics_wish *wish)
+{
+    *wish = graphics_auto;
+    if (strcmp(name, any) == 0)
+        return true;
+    wish->count = 1;
+    for (; wish->of < table + PROTOCOLS; wish->of++)
+        if (strcmp(name, wish->of[0]->name) == 0)
+            return true;
+    return false;
+}
+
+void graphics_add_names(struct buf *out, const char *between, const char *before_last)
+{
+    buf_add_text(out, any);
+    for (size_t i = 0; i < PROTOCOLS; i++)
+        buf_printf(out, "%s%s", i + 1 < PROTOCOLS ? between : before_last, table[i]->name);
+}
+
+/* ---- a picture at the prompt ---- */
+
+/* False without memory, which few colours do not need. */
+static bool take_palette(struct painter *p, const struct image_view *view)
+{
+    p->has_palette = shades_needed(view, p->facts.graphics->palette_always);
+    if (p->has_palette && view->hue)
+        return shades_choose(&p->shades, view);
+    p->has_palette |= shades_take_exact(&p->shades, view);
+    return true;
+}
+
+/* Memory for the pixels, and their palette: a picture that is sent once, and of whose colours
+ * nothing is known, gets those that suit it best. False without memory. */
+static bool take_pixels(struct painter *p, const struct image_view *view,
+                        struct colour_table *sought, struct raster *raster)
+{
+    size_t bytes;
+    *raster = (struct raster){.width = view->width,
+                              .height = view->height,
+                              .stride = (size_t)view->width * (p->has_palette ? 1 : 3)};
+    if (!size_multiply(raster->stride, view->height, &bytes) ||
+        !mem_grow(&p->of[0].bytes, &p->of[0].capacity, bytes, 1))
+        return false;
+    raster->bytes = p->of[0].bytes;
+    if (p->has_palette && !view->hue && !p->shades.is_exact) {
+        raster->colour = sought->colour;
+        if (!colour_table_reduce(sought, view, SHADES_MOST, p->of[0].bytes))
+            return false;
+        raster->colours = sought->count;
+        return true;
+    }
+    raster->colour = p->has_palette ? p->shades.colour : NULL;
+    raster->colours = p->shades.count;
+    return shades_fill(&p->shades, p->has_palette, view, p->of[0].bytes, view->width, view->height);
+}
+
+void graphics_encode(const struct graphics *graphics, const struct image_view *view,
+                     struct buf *out)
+{
+    struct painter p = {.facts.graphics = graphics};
+    struct colour_table sought;
+    struct raster raster;
+    if (take_palette(&p, view) && take_pixels(&p, view, &sought, &raster))
+        graphics->once(&p, &raster, out);
+    else
+        out->failed = true;
+    painter_release(&p);
+}
+
+static void add_framed(const struct terminal_facts *facts, const struct image_view *view,
+                       struct buf *out)
+{
+    const uint32_t rows = (view->height + facts->cell_height - 1) / facts->cell_height;
+    buf_add_char(out, '\r');
+    for (uint32_t i = 0; i < rows; i++)
+        buf_add_char(out, '\n');
+    buf_printf(out, "\033[%uA\0337", rows);
+    graphics_encode(facts->graphics, view, out);
+    buf_printf(out, "\0338\033[%uB\r", rows);
+}
+
+static uint32_t least(uint64_t a, uint64_t b)
+{
+    return (uint32_t)(a < b ? a : b);
+}
+
+static void show_pixels(const struct terminal_facts *facts, const struct image_view *view,
+                        uint32_t columns, uint32_t rows, struct buf *out)
+{
+    struct image_view fitting = *view;
+    const uint32_t side = facts->image_side_most;
+    image_view_fit(view, least((uint64_t)columns * facts->cell_width, side),
+                   least((uint64_t)rows * facts->cell_height, side), &fitting.width,
+                   &fitting.height);
+    if (fitting.width == view->width && fitting.height == view->height) {
+        add_framed(facts, view, out);
+        return;
+    }
+    uint8_t *rgba = image_view_shrink(view, fitting.width, fitting.height);
+    fitting.rgba = rgba;
+    if (rgba)
+        add_framed(facts, &fitting, out);
+    else
+        out->failed = true;
+    free(rgba);
+}
+
+void show_inline(const struct terminal_facts *facts, const struct image_view *view,
+                 uint32_t columns, uint32_t rows, struct buf *out)
+{
+    const uint32_t picture_rows = rows > 1 ? rows - 1 : 1;
+    if (view->width == 0 || view->height == 0)
+        return;
+    if (facts->graphics->kind == GRAPHICS_TEXT)
+        facts->graphics->lines(facts, view, columns, picture_rows, out);
+    else if (facts->graphics->kind == GRAPHICS_PIXELS)
+        show_pixels(facts, view, columns, picture_rows, out);
+}
