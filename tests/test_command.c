@@ -48,9 +48,7 @@ STORY(the_table_is_in_order)
             }
             CHECK(q->optional || !q->keyed);
             CHECK(q->least <= q->most);
-            CHECK((q->type == PARAMETER_CHOICE || q->type == PARAMETER_NAMED_DECIMAL ||
-                   q->type == PARAMETER_NAMED_FILE || q->type == PARAMETER_NAMED_POSITION) ==
-                  (q->choices != NULL));
+            CHECK(q->type != VALUE_CHOICE || q->choices);
         }
     }
 }
@@ -111,27 +109,16 @@ STORY(every_example_parses_and_its_canonical_form_is_its_own)
 static const char *form_of(const struct parameter *p)
 {
     static char form[80];
-    switch (p->type) {
-    case PARAMETER_POSITION:
-        return "X,Y,Z";
-    case PARAMETER_CHOICE:
-        return p->choices;
-    case PARAMETER_RANGE:
-        return "A-B";
-    case PARAMETER_COLOUR:
-        return "#rrggbb";
-    case PARAMETER_VIEW:
-        return "left|right|top|bottom|YAW";
-    case PARAMETER_NAMED_POSITION:
-        snprintf(form, sizeof form, "%s|X,Y,Z", p->choices);
-        return form;
-    case PARAMETER_NAMED_DECIMAL:
-    case PARAMETER_NAMED_FILE:
-        snprintf(form, sizeof form, "%s|%s", p->choices, p->keyed ? "" : p->name);
-        return form;
-    default:
-        return p->name;
-    }
+    const char *type = p->type == VALUE_POSITION ? "X,Y,Z"
+                       : p->type == VALUE_RANGE  ? "A-B"
+                       : p->type == VALUE_COLOUR ? "#rrggbb"
+                                                 : p->name;
+    if (!p->choices)
+        return type;
+    const bool alone = p->type == VALUE_CHOICE;
+    snprintf(form, sizeof form, "%s%s%s", p->choices, alone ? "" : "|",
+             alone || (p->keyed && p->type == VALUE_DECIMAL) ? "" : type);
+    return form;
 }
 
 STORY(help_names_every_command_and_parameter)
@@ -255,57 +242,34 @@ static void add_range(struct buf *out, const struct parameter *p)
 
 static void add_value(struct buf *out, const struct parameter *p)
 {
+    if (p->choices && (p->type == VALUE_CHOICE || below(3) == 0)) {
+        add_choice(out, p->choices);
+        return;
+    }
     switch (p->type) {
-    case PARAMETER_POSITION:
+    case VALUE_POSITION:
         add_position(out);
         break;
-    case PARAMETER_LABEL:
+    case VALUE_LABEL:
         if (below(4) == 0)
             buf_add_text(out, "cerebellum");
         else
             buf_printf(out, "%u", (uint32_t)p->least + below(256 - (uint32_t)p->least));
         break;
-    case PARAMETER_NUMBER:
+    case VALUE_NUMBER:
         buf_printf(out, "%lld",
                    (long long)p->least + (long long)below((uint32_t)(p->most - p->least + 1)));
         break;
-    case PARAMETER_RANGE:
+    case VALUE_RANGE:
         add_range(out, p);
         break;
-    case PARAMETER_DECIMAL:
+    case VALUE_DECIMAL:
         add_decimal(out, p);
         break;
-    case PARAMETER_CHOICE:
-        add_choice(out, p->choices);
-        break;
-    case PARAMETER_VIEW:
-        if (below(2))
-            add_choice(out, "front|back|left|right|top|bottom");
-        else
-            add_decimal(out, p);
-        break;
-    case PARAMETER_NAMED_DECIMAL:
-        if (below(4) == 0)
-            add_choice(out, p->choices);
-        else
-            add_decimal(out, p);
-        break;
-    case PARAMETER_NAMED_POSITION:
-        if (below(4) == 0)
-            add_choice(out, p->choices);
-        else
-            add_position(out);
-        break;
-    case PARAMETER_NAMED_FILE:
-        if (below(2))
-            add_choice(out, p->choices);
-        else
-            add_word(out);
-        break;
-    case PARAMETER_COLOUR:
+    case VALUE_COLOUR:
         buf_printf(out, "#%06x", below(1u << 24));
         break;
-    case PARAMETER_COMMAND:
+    case VALUE_COMMAND:
         buf_add_text(out, command_table[below(command_count)].name);
         break;
     default:
@@ -512,15 +476,15 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"seed 1,1,1 1 radius=-1", "radius: expected a number 0..32, not -1"},
         {"seed 1,1,1 1 radius=99999999999999999999", "expected a number 0..32"},
         {"seed 1,1,1 1 radius=1 radius=2", "given twice: radius=2"},
-        {"zoom 64.001", "FACTOR: expected a number 0.01..64 with at most three decimals"},
-        {"zoom 0.009", "FACTOR: expected a number 0.01..64"},
-        {"zoom nan", "FACTOR: expected a number"},
-        {"zoom 1e3", "FACTOR: expected a number"},
+        {"zoom 64.001", "FACTOR: expected fit or a number 0.01..64 with at most three decimals"},
+        {"zoom 0.009", "FACTOR: expected fit or a number 0.01..64"},
+        {"zoom nan", "FACTOR: expected fit or a number"},
+        {"zoom 1e3", "FACTOR: expected fit or a number"},
         {"size 0 5", "WIDTH: expected a number 1..8192, not 0"},
         {"size 5 8193", "HEIGHT: expected a number 1..8192"},
         {"turn 3600.001", "YAW: expected a number -3600..3600"},
         {"turn 1.2345", "at most three decimals"},
-        {"view sideways", "YAW: expected a number"},
+        {"view sideways", "YAW: expected front|back|left|right|top|bottom or a number"},
         {"seed 1.5,1,1 1", "expected whole voxel indices, or mm at the end"},
         {"seed 1,1 1", "X,Y,Z (voxel indices) or X,Y,Zmm (world)"},
         {"seed 1,1,1,1 1", "X,Y,Z (voxel indices)"},
@@ -548,12 +512,13 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"clip none 1-2", "none takes no slices; the view is unchanged"},
         {"plane", "missing: PLACE; usage: plane none|X,Y,Z"},
         {"plane 12,0,0", "lies outside the scene"},
-        {"plane all", "PLACE: expected none, X,Y,Z (voxel indices) or X,Y,Zmm (world), not all"},
+        {"plane all", "PLACE: expected none or X,Y,Z (voxel indices) or X,Y,Zmm (world), not all"},
         {"cut 1,1,1", "expected two corners X,Y,Z X,Y,Z, or none alone; the view is unchanged"},
         {"cut none 1,1,1", "expected two corners"},
         {"cut 1,1,1 2,2,10", "lies outside the scene"},
         {"cut 1,1,1 2,2,x", "OPPOSITE: expected X,Y,Z (voxel indices)"},
-        {"focus here", "PLACE: expected scene, X,Y,Z (voxel indices) or X,Y,Zmm (world), not here"},
+        {"focus here",
+         "PLACE: expected scene or X,Y,Z (voxel indices) or X,Y,Zmm (world), not here"},
         {"focus 12,0,0", "lies outside the scene, whose voxels are 0,0,0 to 11,10,9"},
         {"golden ../front", "small letters"},
         {"pick 0 0", "`render` first"},
@@ -564,7 +529,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"window 5", "expected LOW and HIGH, or auto alone; nothing has changed"},
         {"window auto 5", "expected LOW and HIGH, or auto alone"},
         {"window 5 5", "HIGH is not above LOW; nothing has changed"},
-        {"window wide 5", "LOW: expected a number -1000000000..1000000000"},
+        {"window wide 5", "LOW: expected auto or a number -1000000000..1000000000"},
         {"overlay", "expected what to change, as in `overlay tint`"},
         {"overlay paint", "LABELS: expected none|tint|contour, not paint"},
         {"overlay words=maybe", "words: expected on|off, not maybe"},
@@ -576,7 +541,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"slice axial -1", "N: expected a number 0..65533, not -1"},
         {"slice axial left", "N: expected a number 0..65533, not left"},
         {"slice axial 1 2", "its name says no format; expected for instance .png"},
-        {"slice axial zoom=0", "zoom: expected a number 0.01..64"},
+        {"slice axial zoom=0", "zoom: expected fit or a number 0.01..64"},
         {"slice axial missing-folder/x.exr", "there is no folder"},
         {"mosaic missing-folder/x.exr", "there is no folder"},
         {"golden x of=oblique",
@@ -1736,7 +1701,7 @@ STORY(a_roi_or_weights_that_are_wrong_change_nothing)
         {"range 5", "expected LOW and HIGH, or none alone"},
         {"range none 5", "expected LOW and HIGH, or none alone"},
         {"range 5 4.999", "HIGH is below LOW"},
-        {"range low 5", "LOW: expected a number -1000000000..1000000000"},
+        {"range low 5", "LOW: expected none or a number -1000000000..1000000000"},
         {"range 1.2345 5", "at most three decimals"},
     };
     struct interpreter interp;

@@ -19,41 +19,37 @@
 struct interpreter;
 struct session;
 
-enum parameter_type {
-    PARAMETER_END,            /* no parameter: the end of the list */
-    PARAMETER_POSITION,       /* X,Y,Z as indices, or X,Y,Zmm in the world */
-    PARAMETER_LABEL,          /* a label's number or name */
-    PARAMETER_NUMBER,         /* an integer, least..most */
-    PARAMETER_RANGE,          /* "A-B", or "A" for "A-A", least..most */
-    PARAMETER_DECIMAL,        /* thousandths, least..most: 12.5 is 12500 */
-    PARAMETER_CHOICE,         /* one of `choices`, "a|b|c" */
-    PARAMETER_NAMED_DECIMAL,  /* one of `choices`, or thousandths */
-    PARAMETER_NAMED_FILE,     /* one of `choices`, or a path */
-    PARAMETER_NAMED_POSITION, /* one of `choices`, or a position */
-    PARAMETER_VIEW,           /* the name of a view, or a yaw in degrees */
-    PARAMETER_COLOUR,         /* #rrggbb */
-    PARAMETER_FILE,           /* a path */
-    PARAMETER_COMMAND,        /* the name of a command */
-    PARAMETER_GOLDEN,         /* the name of a golden image */
-    PARAMETER_POINT,          /* the number of a record, or the name of a branch */
-    PARAMETER_WORD,           /* any word */
+/* What a parameter takes, besides the words in its `choices`. */
+enum value_type {
+    VALUE_END,      /* no parameter: the end of the list */
+    VALUE_POSITION, /* X,Y,Z as indices, or X,Y,Zmm in the world */
+    VALUE_LABEL,    /* a label's number or name; least..255 */
+    VALUE_NUMBER,   /* an integer, least..most */
+    VALUE_RANGE,    /* "A-B", or "A" for "A-A", least..most */
+    VALUE_DECIMAL,  /* thousandths, least..most: 12.5 is 12500 */
+    VALUE_CHOICE,   /* nothing else */
+    VALUE_COLOUR,   /* #rrggbb */
+    VALUE_FILE,     /* a path */
+    VALUE_COMMAND,  /* the name of a command */
+    VALUE_GOLDEN,   /* the name of a golden image */
+    VALUE_POINT,    /* the number of a record, or the name of a branch */
+    VALUE_WORD,     /* any word */
 };
 
 struct parameter {
     const char *name;
-    enum parameter_type type;
-    bool optional, keyed;
+    enum value_type type;
+    bool optional, keyed; /* a keyed one is optional */
     int64_t least, most;
-    const char *choices;
+    const char *choices; /* words that it may be instead, "a|b|c", or NULL */
 };
 
 /* What a parameter was given as. */
 struct value {
     bool given;
-    int64_t number; /* LABEL, NUMBER, DECIMAL; CHOICE: which, -1 for another word of a NAMED_FILE;
-                       COLOUR: 0xrrggbb; VIEW: yaw */
-    const char
-        *text; /* FILE, WORD, CHOICE; VIEW, NAMED_DECIMAL, NAMED_POSITION: the name, or NULL */
+    int64_t number;    /* of one of the choices: which; LABEL, NUMBER; DECIMAL: thousandths;
+                          COLOUR: 0xrrggbb; -1 for what is a word alone */
+    const char *text;  /* the word, where it was one of the choices, or its type is a word's */
     uint32_t place[3]; /* POSITION, in the scene; RANGE: first and last */
 };
 
@@ -75,7 +71,7 @@ struct reply {
 /* A command that is being carried out: by whom, with which values, and where its answer goes. */
 struct act {
     struct interpreter *interp;
-    struct session *session; /* the interpreter's */
+    struct session *session;   /* the interpreter's */
     const struct value *value; /* in the order of the table's parameters */
     struct reply *reply;
     struct fault *fault;
@@ -97,13 +93,13 @@ enum command_group {
 
 struct command {
     const char *name;
+    enum err (*act)(const struct act *act);
     enum command_group group;
-    unsigned flags; /* enum command_flag */
-    struct parameter parameter[PARAMETERS_MOST];
-    const char *summary; /* one line */
+    unsigned flags;                                  /* enum command_flag */
+    struct parameter parameter[PARAMETERS_MOST + 1]; /* the last one is VALUE_END */
+    const char *summary;                             /* one line */
     const char *detail;  /* further paragraphs of help, between line feeds, or NULL */
     const char *example; /* a line that parses */
-    enum err (*act)(const struct act *act);
 };
 
 struct call {

@@ -14,7 +14,6 @@
 #include "command/listing.h"
 #include "command/partial.h"
 #include "journal/golden.h"
-#include "render/view.h"
 
 enum { POINTS_OFFERED = 20 }; /* the latest, to who has typed no digit */
 
@@ -148,23 +147,19 @@ static void offer_values(const struct offers *o, const struct parameter *p)
     if (p->choices)
         offer_choices(o, p->choices);
     switch (p->type) {
-    case PARAMETER_VIEW:
-        offer_choices(o, VIEW_NAMES);
-        break;
-    case PARAMETER_COMMAND:
+    case VALUE_COMMAND:
         offer_commands(o);
         break;
-    case PARAMETER_LABEL:
+    case VALUE_LABEL:
         offer_labels(o, p);
         break;
-    case PARAMETER_FILE:
-    case PARAMETER_NAMED_FILE:
+    case VALUE_FILE:
         offer_files(o);
         break;
-    case PARAMETER_GOLDEN:
+    case VALUE_GOLDEN:
         offer_goldens(o);
         break;
-    case PARAMETER_POINT:
+    case VALUE_POINT:
         offer_points(o);
         break;
     default:
@@ -175,7 +170,7 @@ static void offer_values(const struct offers *o, const struct parameter *p)
 static void offer_keys(const struct offers *o, const struct partial *partial)
 {
     const struct parameter *p = partial->command->parameter;
-    for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++) {
+    for (int i = 0; p[i].type; i++) {
         struct buf key = {0};
         buf_printf(&key, "%s=", p[i].name);
         if (p[i].keyed && !partial->value[i].given)
@@ -191,8 +186,8 @@ static void offer_parameters(const struct offers *o, const struct partial *parti
     const struct parameter *p = partial->command->parameter;
     if (i >= 0)
         offer_values(o, &p[i]);
-    if (i >= 0 && partial->key == 0 && p[i].type == PARAMETER_NUMBER && p[i].optional &&
-        p[i + 1].type == PARAMETER_FILE)
+    if (i >= 0 && partial->key == 0 && p[i].type == VALUE_NUMBER && p[i].optional &&
+        p[i + 1].type == VALUE_FILE)
         offer_values(o, &p[i + 1]);
     if (partial->key == 0 && !partial->quoted)
         offer_keys(o, partial);

@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-#include "render/view.h"
-
 /* Columns; summaries have the 50 that are left. */
 enum { INDENT = 4, SUMMARY_COLUMN = 30, USAGE_MOST = 76, LINE_MOST = 80 };
 
@@ -11,47 +9,22 @@ enum { INDENT = 4, SUMMARY_COLUMN = 30, USAGE_MOST = 76, LINE_MOST = 80 };
 
 void usage_form(struct buf *out, const struct parameter *p)
 {
-    switch (p->type) {
-    case PARAMETER_POSITION:
+    const double unit = p->type == VALUE_DECIMAL ? 1000 : 1;
+    const bool is_number = p->type == VALUE_DECIMAL || p->type == VALUE_NUMBER;
+    if (p->choices)
+        buf_printf(out, "%s%s", p->choices, p->type == VALUE_CHOICE ? "" : "|");
+    if (p->type == VALUE_POSITION)
         buf_add_text(out, "X,Y,Z");
-        break;
-    case PARAMETER_CHOICE:
-        buf_add_text(out, p->choices);
-        break;
-    case PARAMETER_NUMBER:
-        if (p->keyed)
-            buf_printf(out, "%lld..%lld", (long long)p->least, (long long)p->most);
-        else
-            buf_add_text(out, p->name);
-        break;
-    case PARAMETER_VIEW:
-        buf_add_text(out, VIEW_NAMES "|YAW");
-        break;
-    case PARAMETER_NAMED_POSITION:
-        buf_printf(out, "%s|X,Y,Z", p->choices);
-        break;
-    case PARAMETER_NAMED_DECIMAL:
-        if (p->keyed) {
-            buf_printf(out, "%s|%g..%g", p->choices, (double)p->least / 1000,
-                       (double)p->most / 1000);
-            break;
-        }
-        /* fall through */
-    case PARAMETER_NAMED_FILE:
-        buf_printf(out, "%s|%s", p->choices, p->name);
-        break;
-    case PARAMETER_RANGE:
+    else if (p->type == VALUE_RANGE)
         buf_add_text(out, "A-B");
-        break;
-    case PARAMETER_LABEL:
+    else if (p->type == VALUE_LABEL)
         buf_add_text(out, "LABEL");
-        break;
-    case PARAMETER_COLOUR:
+    else if (p->type == VALUE_COLOUR)
         buf_add_text(out, "#rrggbb");
-        break;
-    default:
+    else if (is_number && p->keyed)
+        buf_printf(out, "%g..%g", (double)p->least / unit, (double)p->most / unit);
+    else if (p->type != VALUE_CHOICE)
         buf_add_text(out, p->name);
-    }
 }
 
 void usage_parameter(struct buf *out, const struct parameter *p)
@@ -69,7 +42,7 @@ void command_usage(struct buf *out, const struct command *command)
 {
     const struct parameter *p = command->parameter;
     buf_add_text(out, command->name);
-    for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++) {
+    for (int i = 0; p[i].type; i++) {
         buf_add_char(out, ' ');
         usage_parameter(out, &p[i]);
     }

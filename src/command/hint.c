@@ -7,7 +7,7 @@ static void add_rest(struct buf *out, const struct partial *p)
 {
     const struct parameter *parameter = p->command->parameter;
     for (int keyed = 0; keyed < 2; keyed++)
-        for (int i = 0; i < PARAMETERS_MOST && parameter[i].type; i++)
+        for (int i = 0; parameter[i].type; i++)
             if (parameter[i].keyed == keyed && !p->value[i].given) {
                 buf_add_char(out, ' ');
                 usage_parameter(out, &parameter[i]);

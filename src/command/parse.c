@@ -1,5 +1,6 @@
 #include "command/command.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,7 +8,6 @@
 #include "base/safe.h"
 #include "base/scan.h"
 #include "command/near.h"
-#include "render/view.h"
 #include "session/session.h"
 
 enum { LINE_BYTES_MOST = 4096 };
@@ -98,32 +98,22 @@ static enum err split(struct buf *out, unsigned *count, const char *line, struct
 
 /* ---- values ---- */
 
+/* "LABELS: expected none|tint or a number 1..3, not tnit; did you mean tint?" */
 static enum err expect(struct fault *fault, const struct parameter *p, const char *word,
                        const char *expected)
 {
-    return fault_set(fault, ERR_USAGE, "%s: expected %s, not %s", p->name, expected,
-                     *word ? word : "nothing");
-}
-
-static enum err expect_choice(struct fault *fault, const struct parameter *p, const char *word)
-{
+    const char *choices = p->choices ? p->choices : "";
     struct near near = near_to(word);
-    near_try_choices(&near, p->choices);
-    expect(fault, p, word, p->choices);
+    fault_set(fault, ERR_USAGE, "%s: expected %s%s%s, not %s", p->name, choices,
+              *choices && *expected ? " or " : "", expected, *word ? word : "nothing");
+    near_try_choices(&near, choices);
     near_append(&near, "", fault);
     return ERR_USAGE;
 }
 
 static enum err expect_position(struct fault *fault, const struct parameter *p, const char *word)
 {
-    const bool named = p->type == PARAMETER_NAMED_POSITION;
-    struct near near = near_to(word);
-    fault_set(fault, ERR_USAGE, "%s: expected %s%sX,Y,Z (voxel indices) or X,Y,Zmm (world), not %s",
-              p->name, named ? p->choices : "", named ? ", " : "", *word ? word : "nothing");
-    if (named)
-        near_try_choices(&near, p->choices);
-    near_append(&near, "", fault);
-    return ERR_USAGE;
+    return expect(fault, p, word, "X,Y,Z (voxel indices) or X,Y,Zmm (world)");
 }
 
 static enum err read_position(struct value *value, const struct parameter *p, const char *word,
@@ -182,18 +172,12 @@ static enum err read_label(struct value *value, const struct parameter *p, const
 /* Thousandths without needless digits: 12500 is 12.5, -500 is -0.5. */
 static void write_decimal(struct buf *out, int64_t thousandths)
 {
-    int64_t whole = llabs(thousandths) / 1000, rest = llabs(thousandths) % 1000;
-    buf_printf(out, "%s%lld", thousandths < 0 ? "-" : "", (long long)whole);
-    if (rest == 0)
-        return;
-    char digits[8];
-    size_t n = 0;
-    for (int64_t unit = 100; rest; unit /= 10, n++) {
-        digits[n] = (char)('0' + rest / unit);
-        rest %= unit;
-    }
-    buf_add_char(out, '.');
-    buf_add(out, digits, n);
+    const long long whole = llabs(thousandths) / 1000, rest = llabs(thousandths) % 1000;
+    char text[32];
+    int n = snprintf(text, sizeof text, "%s%lld.%03lld", thousandths < 0 ? "-" : "", whole, rest);
+    while (text[n - 1] == '0')
+        n--;
+    buf_add(out, text, (size_t)(text[n - 1] == '.' ? n - 1 : n));
 }
 
 static enum err read_number(struct value *value, const struct parameter *p, const char *word,
@@ -202,21 +186,16 @@ static enum err read_number(struct value *value, const struct parameter *p, cons
     const char *at = word;
     if (scan_decimal(&at, places, p->least, p->most, &value->number) && *at == '\0')
         return OK;
-    struct buf range = {0};
+    struct buf expected = {0};
     const int64_t unit = places ? 1 : 1000;
-    write_decimal(&range, p->least * unit);
-    buf_add_text(&range, "..");
-    write_decimal(&range, p->most * unit);
-    struct near near = near_to(word);
-    fault_set(fault, ERR_USAGE, "%s: expected a number %s%s, not %s", p->name, buf_text(&range),
-              places ? " with at most three decimals" : "", word);
-    if (p->choices)
-        near_try_choices(&near, p->choices);
-    if (p->type == PARAMETER_VIEW)
-        near_try_choices(&near, VIEW_NAMES);
-    near_append(&near, "", fault);
-    buf_release(&range);
-    return ERR_USAGE;
+    buf_add_text(&expected, "a number ");
+    write_decimal(&expected, p->least * unit);
+    buf_add_text(&expected, "..");
+    write_decimal(&expected, p->most * unit);
+    buf_add_text(&expected, places ? " with at most three decimals" : "");
+    const enum err err = expect(fault, p, word, buf_text(&expected));
+    buf_release(&expected);
+    return err;
 }
 
 static enum err read_range(struct value *value, const struct parameter *p, const char *word,
@@ -238,58 +217,48 @@ static enum err read_range(struct value *value, const struct parameter *p, const
     return OK;
 }
 
+static enum err read_colour(struct value *value, const struct parameter *p, const char *word,
+                            struct fault *fault)
+{
+    const char *at = word + 1;
+    uint64_t colour;
+    if (*word != '#' || !scan_hex(&at, 6, &colour) || *at)
+        return expect(fault, p, word, "#rrggbb, six lower-case hexadecimal digits");
+    value->number = (int64_t)colour;
+    return OK;
+}
+
 static enum err read_value(struct value *value, const struct parameter *p, const char *word,
                            const struct session *session, struct fault *fault)
 {
-    int32_t angle[3];
-    uint64_t colour;
-    const char *at = word + 1;
+    const int choice = p->choices ? choice_find(p->choices, word) : -1;
     value->given = true;
-    switch (p->type) {
-    case PARAMETER_POSITION:
-        return read_position(value, p, word, session, fault);
-    case PARAMETER_LABEL:
-        return read_label(value, p, word, session, fault);
-    case PARAMETER_NUMBER:
-        return read_number(value, p, word, 0, fault);
-    case PARAMETER_RANGE:
-        return read_range(value, p, word, fault);
-    case PARAMETER_DECIMAL:
-        return read_number(value, p, word, 3, fault);
-    case PARAMETER_CHOICE:
-        value->text = word;
-        value->number = choice_find(p->choices, word);
-        return value->number < 0 ? expect_choice(fault, p, word) : OK;
-    case PARAMETER_VIEW:
-        value->text = view_by_name(word, angle) ? word : NULL;
-        return value->text ? OK : read_number(value, p, word, 3, fault);
-    case PARAMETER_NAMED_DECIMAL:
-        value->text = choice_find(p->choices, word) < 0 ? NULL : word;
-        return value->text ? OK : read_number(value, p, word, 3, fault);
-    case PARAMETER_NAMED_POSITION:
-        value->text = choice_find(p->choices, word) < 0 ? NULL : word;
-        return value->text ? OK : read_position(value, p, word, session, fault);
-    case PARAMETER_NAMED_FILE:
-        value->text = word;
-        value->number = choice_find(p->choices, word);
-        return *word ? OK : expect(fault, p, word, "a word");
-    case PARAMETER_COLOUR:
-        if (*word != '#' || !scan_hex(&at, 6, &colour) || *at)
-            return expect(fault, p, word, "#rrggbb, six lower-case hexadecimal digits");
-        value->number = (int64_t)colour;
-        return OK;
-    case PARAMETER_COMMAND:
-        value->text = word;
-        return command_find(word) ? OK
-                                  : command_unknown(fault, "there is no command", "`help`", word);
-    case PARAMETER_FILE:
-    case PARAMETER_GOLDEN:
-    case PARAMETER_POINT:
-    case PARAMETER_WORD:
-    case PARAMETER_END:
-        value->text = word;
-        return *word ? OK : expect(fault, p, word, "a word");
-    }
+    if (choice < 0)
+        switch (p->type) {
+        case VALUE_POSITION:
+            return read_position(value, p, word, session, fault);
+        case VALUE_LABEL:
+            return read_label(value, p, word, session, fault);
+        case VALUE_NUMBER:
+            return read_number(value, p, word, 0, fault);
+        case VALUE_RANGE:
+            return read_range(value, p, word, fault);
+        case VALUE_DECIMAL:
+            return read_number(value, p, word, 3, fault);
+        case VALUE_COLOUR:
+            return read_colour(value, p, word, fault);
+        case VALUE_CHOICE:
+            return expect(fault, p, word, "");
+        case VALUE_COMMAND:
+            if (!command_find(word))
+                return command_unknown(fault, "there is no command", "`help`", word);
+            break;
+        default:
+            if (!*word)
+                return expect(fault, p, word, "a word");
+        }
+    value->text = word;
+    value->number = choice;
     return OK;
 }
 
@@ -298,7 +267,7 @@ static enum err read_value(struct value *value, const struct parameter *p, const
 /* An optional number before an optional file is left out where a word is a file: has a dot. */
 static bool is_passed_over(const struct parameter *p, const char *word)
 {
-    return p->type == PARAMETER_NUMBER && p->optional && !p->keyed && p[1].type == PARAMETER_FILE &&
+    return p->type == VALUE_NUMBER && p->optional && !p->keyed && p[1].type == VALUE_FILE &&
            strchr(word, '.');
 }
 
@@ -306,14 +275,14 @@ int command_parameter_for(const struct command *command, const struct value *val
                           const char **word)
 {
     const struct parameter *p = command->parameter;
-    for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++) {
+    for (int i = 0; p[i].type; i++) {
         size_t n = strlen(p[i].name);
         if (p[i].keyed && strncmp(*word, p[i].name, n) == 0 && (*word)[n] == '=') {
             *word += n + 1;
             return i;
         }
     }
-    for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++)
+    for (int i = 0; p[i].type; i++)
         if (!p[i].keyed && !value[i].given && !is_passed_over(&p[i], *word))
             return i;
     return -1;
@@ -340,7 +309,7 @@ static bool is_near_a_key(const struct command *command, const char *word, struc
     memcpy(key, word, length);
     key[length] = '\0';
     struct near near = near_to(key);
-    for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++)
+    for (int i = 0; p[i].type; i++)
         if (p[i].keyed && strcmp(p[i].name, key) != 0)
             near_try(&near, p[i].name, strlen(p[i].name));
     if (near.count == 0 || near.count > NEAR_TOLD)
@@ -383,7 +352,7 @@ static enum err read_words(struct call *call, unsigned count, const struct sessi
             return err;
     }
     const struct parameter *p = call->command->parameter;
-    for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++)
+    for (int i = 0; p[i].type; i++)
         if (!p[i].optional && !call->value[i].given)
             return usage_fault(fault, call->command, "missing: ", p[i].name);
     return OK;
@@ -438,7 +407,7 @@ void command_point_at(const struct call *call, const char *line, struct fault *f
     const struct parameter *p = call->command->parameter;
     const char *wrong = NULL, *at = line;
     struct buf word = {0};
-    for (int i = 0; i < PARAMETERS_MOST && p[i].type && !wrong; i++)
+    for (int i = 0; p[i].type && !wrong; i++)
         if (call->value[i].text && names(fault->text, call->value[i].text))
             wrong = call->value[i].text;
     for (scan_blanks(&at); wrong && *at; scan_blanks(&at)) {
@@ -478,52 +447,27 @@ void command_write_word(struct buf *out, const char *word)
 
 static void write_value(struct buf *out, const struct parameter *p, const struct value *value)
 {
-    switch (p->type) {
-    case PARAMETER_POSITION:
-    case PARAMETER_NAMED_POSITION:
-        if (value->text)
-            command_write_word(out, value->text);
-        else
-            buf_printf(out, "%u,%u,%u", value->place[0], value->place[1], value->place[2]);
-        break;
-    case PARAMETER_LABEL:
-    case PARAMETER_NUMBER:
-        buf_printf(out, "%lld", (long long)value->number);
-        break;
-    case PARAMETER_RANGE:
-        buf_printf(out, "%u", value->place[0]);
-        if (value->place[1] != value->place[0])
-            buf_printf(out, "-%u", value->place[1]);
-        break;
-    case PARAMETER_COLOUR:
-        buf_printf(out, "#%06llx", (unsigned long long)value->number);
-        break;
-    case PARAMETER_DECIMAL:
-    case PARAMETER_VIEW:
-    case PARAMETER_NAMED_DECIMAL:
-        if (!value->text) {
-            write_decimal(out, value->number);
-            break;
-        }
-        /* fall through */
-    case PARAMETER_CHOICE:
-    case PARAMETER_NAMED_FILE:
-    case PARAMETER_FILE:
-    case PARAMETER_COMMAND:
-    case PARAMETER_GOLDEN:
-    case PARAMETER_POINT:
-    case PARAMETER_WORD:
-    case PARAMETER_END:
+    if (value->text)
         command_write_word(out, value->text);
-        break;
-    }
+    else if (p->type == VALUE_POSITION)
+        buf_printf(out, "%u,%u,%u", value->place[0], value->place[1], value->place[2]);
+    else if (p->type == VALUE_RANGE && value->place[0] == value->place[1])
+        buf_printf(out, "%u", value->place[0]);
+    else if (p->type == VALUE_RANGE)
+        buf_printf(out, "%u-%u", value->place[0], value->place[1]);
+    else if (p->type == VALUE_COLOUR)
+        buf_printf(out, "#%06llx", (unsigned long long)value->number);
+    else if (p->type == VALUE_DECIMAL)
+        write_decimal(out, value->number);
+    else
+        buf_printf(out, "%lld", (long long)value->number);
 }
 
 void command_write(struct buf *out, const struct call *call)
 {
     const struct parameter *p = call->command->parameter;
     buf_add_text(out, call->command->name);
-    for (int i = 0; i < PARAMETERS_MOST && p[i].type; i++) {
+    for (int i = 0; p[i].type; i++) {
         if (!call->value[i].given)
             continue;
         buf_add_char(out, ' ');

@@ -17,8 +17,7 @@ void anonymiser_release(struct anonymiser *anonymiser)
 static bool takes_file(const struct command *command)
 {
     for (unsigned p = 0; command && p < PARAMETERS_MOST; p++)
-        if (command->parameter[p].type == PARAMETER_FILE ||
-            command->parameter[p].type == PARAMETER_NAMED_FILE)
+        if (command->parameter[p].type == VALUE_FILE)
             return true;
     return false;
 }
@@ -39,10 +38,11 @@ static bool is_file(const struct command *command, const char *word)
     if (!takes_file(command) || strncmp(word, "synth:", 6) == 0)
         return false;
     const bool is_number = word[strspn(word, "0123456789.-")] == '\0';
-    if (is_number && command->parameter[0].type != PARAMETER_FILE)
+    const struct parameter *p = command->parameter;
+    if (is_number && (p->type != VALUE_FILE || p->choices))
         return false;
-    for (unsigned p = 0; p < PARAMETERS_MOST && command->parameter[p].type; p++)
-        if (is_word_of(&command->parameter[p], word))
+    for (; p->type; p++)
+        if (is_word_of(p, word))
             return false;
     return true;
 }
