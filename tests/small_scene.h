@@ -119,7 +119,8 @@ struct snapshot {
     struct edit pending[64];
     uint32_t eliminator[64];
     size_t eliminators, waiting;
-    struct settings settings;
+    struct kept kept; /* borrowed: what maps were is compared, not looked at */
+    struct outlook outlook;
     bool has_scene, rendered;
     size_t points, branches, numbered;
     uint32_t present, on;
@@ -145,8 +146,9 @@ static inline void take_snapshot(struct snapshot *s, const struct interpreter *i
     memset(s, 0, sizeof *s);
     s->has_scene = session->has_scene;
     s->rendered = session->rendered;
-    memcpy(&s->settings, &session->settings, sizeof s->settings);
-    s->pendings = session->pendings;
+    s->kept = session->now.kept;
+    s->outlook = session->now.outlook;
+    s->pendings = session_pendings(session);
     s->acknowledged = interp->acknowledged;
     s->records = interp->journal ? journal_count(interp->journal) : 0;
     s->points = interp->history.points;
@@ -154,15 +156,15 @@ static inline void take_snapshot(struct snapshot *s, const struct interpreter *i
     s->numbered = interp->history.records;
     s->present = interp->history.present;
     s->on = interp->history.on;
-    for (size_t i = 0; i < session->pendings && i < 64; i++) {
-        s->pending[i].cell = session->pending[i].cell;
-        s->pending[i].label = session->pending[i].label;
+    for (size_t i = 0; i < session_pendings(session) && i < 64; i++) {
+        s->pending[i].cell = edits_first(&session->now.pending)[i].cell;
+        s->pending[i].label = edits_first(&session->now.pending)[i].label;
     }
-    const struct eliminators *e = &session->eliminators;
-    s->eliminators = e->end - e->first;
-    s->waiting = e->end - e->waiting;
+    const struct edits *e = &session->now.eliminators;
+    s->eliminators = edits_count(e);
+    s->waiting = s->eliminators - session->now.applied;
     for (size_t i = 0; i < s->eliminators && i < 64; i++)
-        s->eliminator[i] = e->cell[e->first + i];
+        s->eliminator[i] = edits_first(e)[i].cell;
     if (!session->has_scene)
         return;
     s->scene = session->scene_digest;
@@ -180,6 +182,16 @@ static inline void take_snapshot(struct snapshot *s, const struct interpreter *i
     CHECK(border_check(&session->border, NULL));
 }
 
+/* Maps of two sessions are not one and the same; digests say whether they hold the same. */
+static inline bool is_same_kept(const struct kept *a, const struct kept *b)
+{
+    struct kept x = *a, y = *b;
+    if (!x.mask != !y.mask || !x.weight_map != !y.weight_map)
+        return false;
+    x.mask = y.mask = x.weight_map = y.weight_map = NULL;
+    return kept_equals(&x, &y);
+}
+
 /* The segmentation is the same; where one looks from, and how one came, may be others. */
 static inline void is_same_segmentation(const struct snapshot *a, const struct snapshot *b)
 {
@@ -193,9 +205,7 @@ static inline void is_same_segmentation(const struct snapshot *a, const struct s
     CHECK(memcmp(a->pending, b->pending, sizeof a->pending) == 0);
     CHECK(a->eliminators == b->eliminators && a->waiting == b->waiting);
     CHECK(memcmp(a->eliminator, b->eliminator, sizeof a->eliminator) == 0);
-    CHECK(memcmp((const char *)&a->settings + SETTINGS_KEPT,
-                 (const char *)&b->settings + SETTINGS_KEPT,
-                 sizeof a->settings - SETTINGS_KEPT) == 0);
+    CHECK(is_same_kept(&a->kept, &b->kept));
 }
 
 static inline void is_as_before(const struct snapshot *before, const struct interpreter *interp,
@@ -211,7 +221,7 @@ static inline void is_as_before(const struct snapshot *before, const struct inte
     CHECK(now.picture == before->picture);
     CHECK(now.acknowledged == before->acknowledged);
     CHECK(now.records == before->records);
-    CHECK(memcmp(&now.settings, &before->settings, sizeof now.settings) == 0);
+    CHECK(outlook_equals(&now.outlook, &before->outlook));
     CHECK(now.points == before->points && now.present == before->present);
     CHECK(now.branches == before->branches && now.on == before->on);
     CHECK(now.numbered == before->numbered);

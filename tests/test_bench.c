@@ -220,7 +220,7 @@ static bool spoil_colours(void *context, unsigned step, unsigned round)
 {
     struct session *session = context;
     for (int label = 1; step == 1 && round == 0 && label < 256; label++)
-        session->settings.palette.rgb[label][1] ^= 0x40;
+        session->now.kept.palette.rgb[label][1] ^= 0x40;
     return true;
 }
 static bool spoil_weights(void *context, unsigned step, unsigned round)
@@ -234,7 +234,7 @@ static bool spoil_weights(void *context, unsigned step, unsigned round)
 static bool spoil_view(void *context, unsigned step, unsigned round)
 {
     struct session *session = context;
-    struct view view = session->settings.view;
+    struct view view = session->now.outlook.view;
     view.angle[0] += 90000;
     if (step == 1 && round == 0)
         CHECK(session_set_view(session, &view, NULL) == OK);

@@ -1020,7 +1020,7 @@ STORY(a_stroke_is_balls_along_a_line)
     CHECK_INT(forest_seeds(interp.session.forest), 47);
     CHECK(has_seed(&interp, 5, 3, 2) && has_seed(&interp, 10, 5, 1) && !has_seed(&interp, 5, 3, 3));
     must(&interp, "seed 3,3,3 2 to=3,3,3");
-    CHECK_INT(interp.session.pendings, 1);
+    CHECK_INT(session_pendings(&interp.session), 1);
     CHECK(execute(&interp, "seed 1,1,1 1 to=99,1,1") == ERR_INPUT);
     interpreter_release(&interp);
 }
@@ -1526,7 +1526,7 @@ STORY(random_edits_fail_at_random)
             snprintf(line, sizeof line, "seed %u,%u,%u %u radius=%u", x, y, z, below(5),
                      below(8) ? 0 : 1);
         }
-        if (interp.session.pendings > 48)
+        if (session_pendings(&interp.session) > 48)
             snprintf(line, sizeof line, "run");
         take_snapshot(&before, &interp);
         failing_step = below(2) ? FILE_STEP_WRITE : FILE_STEP_SYNC;

@@ -461,8 +461,8 @@ STORY(a_cut_scene_is_not_interpolated)
     must(&interp, "clip none");
     must(&interp, "focus 3,4,5");
     must(&interp, "interpolate 2 1 2");
-    CHECK_INT(interp.session.settings.view.focus[0], (2 * 6 - 38) * (1 << 15));
-    CHECK_INT(interp.session.settings.view.focus[1], (2 * 4 - 19) * (1 << 15));
+    CHECK_INT(interp.session.now.outlook.view.focus[0], (2 * 6 - 38) * (1 << 15));
+    CHECK_INT(interp.session.now.outlook.view.focus[1], (2 * 4 - 19) * (1 << 15));
     interpreter_release(&interp);
 }
 
@@ -544,26 +544,28 @@ STORY(cuts_are_taken_back_and_replayed_exactly)
     CHECK(interpreter_create_journal(&interp, path, NULL) == OK);
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
         const struct session *session = &interp.session;
-        const struct settings before = session->settings;
+        const struct state before = session->now;
         const bool rendered = session->rendered;
         const uint64_t seen = rendered ? rendition_digest(&session->rendition) : 0;
         file_step_hook = no_space;
         CHECK_INT(execute(&interp, line[i]), ERR_IO);
         file_step_hook = NULL;
-        CHECK(memcmp(&before.cut, &session->settings.cut, sizeof before.cut) == 0);
-        CHECK(memcmp(&before.view, &session->settings.view, sizeof before.view) == 0);
+        CHECK(memcmp(&before.kept.cut, &session->now.kept.cut, sizeof before.kept.cut) == 0);
+        CHECK(memcmp(&before.outlook.view, &session->now.outlook.view,
+                     sizeof before.outlook.view) == 0);
         CHECK(session->rendered == rendered);
         CHECK(!rendered || rendition_digest(&session->rendition) == seen);
         CHECK(!session->has_scene || border_check(&session->border, NULL));
         must(&interp, line[i]);
     }
-    const struct settings end = interp.session.settings;
+    const struct state end = interp.session.now;
     const uint64_t seen = rendition_digest(&interp.session.rendition);
     interpreter_release(&interp);
     CHECK(interpreter_init(&interp, NULL) == OK);
     CHECK(interpreter_resume_journal(&interp, path, &told, &fault) == OK);
-    CHECK(memcmp(&end.cut, &interp.session.settings.cut, sizeof end.cut) == 0);
-    CHECK(memcmp(&end.view, &interp.session.settings.view, sizeof end.view) == 0);
+    CHECK(memcmp(&end.kept.cut, &interp.session.now.kept.cut, sizeof end.kept.cut) == 0);
+    CHECK(memcmp(&end.outlook.view, &interp.session.now.outlook.view, sizeof end.outlook.view) ==
+          0);
     CHECK(picture(&interp) == seen);
     interpreter_release(&interp);
     buf_release(&told);

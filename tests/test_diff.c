@@ -285,7 +285,7 @@ STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
     draw(&picture, &a, label, other);
     CHECK_INT(picture.width, 7);
     picture_release(&picture);
-    a.session.settings.view.width = 8192;
+    a.session.now.outlook.view.width = 8192;
     static struct overlap overlap;
     overlap_count(&overlap, label, other, a.session.scene->grid.voxels);
     const struct difference_picture difference_picture = {

@@ -236,10 +236,11 @@ STORY(no_tree_passes_a_roi)
     const uint64_t before = forest_digest(w.forest);
     put_up(&w, &none);
     CHECK_TEXT(row_labels(&w), "1111111");
-    mask.mask = mask_new(&w.scene->grid);
-    for (uint32_t x = 0; mask.mask && x < 5; x++) {
+    uint64_t *bits = mask_new(&w.scene->grid);
+    mask.mask = bits;
+    for (uint32_t x = 0; bits && x < 5; x++) {
         const uint32_t c = grid_cell(&w.scene->grid, x, 0, 0);
-        mask.mask[c >> 6] |= UINT64_C(1) << (c & 63);
+        bits[c >> 6] |= UINT64_C(1) << (c & 63);
     }
     put_up(&w, &mask); /* the mask ends before 5, the range before 4 */
     CHECK_TEXT(row_labels(&w), "1111000");
@@ -252,7 +253,7 @@ STORY(no_tree_passes_a_roi)
     CHECK_INT(roi_tally(&mask, w.scene).seeds_outside, 0);
     plant_at(&w, 4, 0, 0, 1);
     CHECK_INT(roi_tally(&mask, w.scene).seeds_outside, 1);
-    free(mask.mask);
+    free(bits);
     world_free(&w);
 }
 
@@ -553,11 +554,11 @@ static void random_roi(struct world *w, struct edit *batch, uint64_t *random)
     const uint32_t part = 1 + check_below(random, 10);
     struct roi roi = roi_none();
     size_t count = 0;
-    if (check_below(random, 3))
-        roi.mask = mask_new(g);
-    for (size_t i = 0; roi.mask && i < g->cells; i++)
+    uint64_t *bits = check_below(random, 3) ? mask_new(g) : NULL;
+    roi.mask = bits;
+    for (size_t i = 0; bits && i < g->cells; i++)
         if (check_below(random, 11) < part)
-            roi.mask[i >> 6] |= UINT64_C(1) << (i & 63);
+            bits[i >> 6] |= UINT64_C(1) << (i & 63);
     if (check_below(random, 3) == 0) {
         roi.low = w->scene->cell[random_voxel(g, random)].intensity;
         roi.high = w->scene->cell[random_voxel(g, random)].intensity;
@@ -568,7 +569,7 @@ static void random_roi(struct world *w, struct edit *batch, uint64_t *random)
     CHECK_INT(roi_tally(&roi, w->scene).seeds_outside, count);
     CHECK(forest_edit(w->forest, batch, count, NULL, NULL) == OK);
     roi_apply(&roi, w->scene);
-    free(roi.mask);
+    free(bits);
 }
 
 /* Arcs of every kind, behind regions of interest that come and go: after each edit and each rebuild, keys and

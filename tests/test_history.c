@@ -127,10 +127,10 @@ STORY(where_one_looks_from_is_not_undone)
     must(&interp, "undo");
     CHECK_TEXT(buf_text(&reply.text), "undone: 4 seed 1,1,1 1\nafter 3 label 0 background\n");
     CHECK_HAS(buf_text(&reply.words), "at=3 on=main forest=");
-    CHECK_INT(interp.session.pendings, 0);
-    CHECK_INT(interp.session.settings.slices.cross[0], 3);
-    CHECK(interp.session.settings.look.mode != look_default().mode);
-    CHECK(interp.session.settings.view.angle[0] != 0);
+    CHECK_INT(session_pendings(&interp.session), 0);
+    CHECK_INT(interp.session.now.outlook.slices.cross[0], 3);
+    CHECK(interp.session.now.outlook.look.mode != look_default().mode);
+    CHECK(interp.session.now.outlook.view.angle[0] != 0);
     interpreter_release(&interp);
 }
 
@@ -172,7 +172,7 @@ STORY(branches_have_names_and_are_left_and_found_again)
     must(&interp, "goto main");
     CHECK_INT(forest_seeds(interp.session.forest), 1);
     must(&interp, "redo"); /* along the branch one is on */
-    CHECK(!interp.session.settings.visible[1]);
+    CHECK(!interp.session.now.kept.visible[1]);
     must(&interp, "goto other");
     CHECK_INT(forest_seeds(interp.session.forest), 3);
     must(&interp, "history 3");
@@ -251,7 +251,7 @@ static void walk_about(struct interpreter *interp, unsigned steps)
     for (unsigned i = 0; i < steps && check_failures < 5; i++) {
         struct snapshot now;
         random_line(line, sizeof line);
-        if (interp->session.pendings > 40)
+        if (session_pendings(&interp->session) > 40)
             snprintf(line, sizeof line, "run");
         const size_t points = interp->history.points;
         if (execute(interp, line) != OK || interp->history.records >= 400)
@@ -483,7 +483,7 @@ static void resumes_as(const char *path, const struct interpreter *interp, bool 
     take_snapshot(&expected, interp);
     take_snapshot(&now, &again);
     is_same_segmentation(&expected, &now);
-    CHECK(memcmp(&expected.settings, &now.settings, sizeof now.settings) == 0);
+    CHECK(outlook_equals(&expected.outlook, &now.outlook));
     has_same_history(&interp->history, &again.history);
     for (unsigned i = 0; i < 12; i++) { /* wherever one goes from there */
         const uint32_t at = below((uint32_t)again.history.points);

@@ -127,7 +127,8 @@ STORY(geom_interpolated_is_what_opening_it_so_gives)
         CHECK(session_interpolate(&session, doubled[i], NULL) == OK);
         CHECK(session.scene_digest == opened.scene_digest);
         CHECK(session.weight_digest == opened.weight_digest);
-        CHECK(memcmp(&session.settings.view, &opened.settings.view, sizeof(struct view)) == 0);
+        CHECK(memcmp(&session.now.outlook.view, &opened.now.outlook.view, sizeof(struct view)) ==
+              0);
         CHECK(memcmp(session.geometry.to_mm, opened.geometry.to_mm, sizeof opened.geometry.to_mm) ==
               0);
         session_settle(&session);
@@ -170,7 +171,7 @@ struct trace {
 static struct trace trace_of(const struct session *session)
 {
     struct trace trace;
-    const struct arc_rule arcs = {.kind = weight_arcs(session->settings.weight.kind)};
+    const struct arc_rule arcs = {.kind = weight_arcs(session->now.kept.weight.kind)};
     memset(&trace, 0, sizeof trace);
     trace.scene = scene_digest(session->scene);
     trace.weights = weight_digest(session->scene, &arcs, NULL);
@@ -180,7 +181,7 @@ static struct trace trace_of(const struct session *session)
     memcpy(trace.geometry.to_mm, session->geometry.to_mm, sizeof trace.geometry.to_mm);
     memcpy(trace.geometry.spacing_nm, session->geometry.spacing_nm,
            sizeof trace.geometry.spacing_nm);
-    memcpy(&trace.view, &session->settings.view, sizeof trace.view);
+    memcpy(&trace.view, &session->now.outlook.view, sizeof trace.view);
     trace.rendered = session->rendered;
     trace.picture = session->rendered ? rendition_digest(&session->rendition) : 0;
     return trace;
@@ -192,8 +193,8 @@ STORY(a_rollback_gives_the_former_scene_back)
         const bool rendered = i % 2;
         struct session session;
         begin(&session);
-        session_set_visible(&session, 3, false);
-        struct view view = session.settings.view;
+        CHECK(session_set_visible(&session, 3, false, NULL) == OK);
+        struct view view = session.now.outlook.view;
         view.width = view.height = i < 2 ? 64 : 1024; /* the latter without another zoom */
         CHECK(session_set_view(&session, &view, NULL) == OK);
         if (rendered)
@@ -206,7 +207,7 @@ STORY(a_rollback_gives_the_former_scene_back)
         session_rollback(&session);
         const struct trace after = trace_of(&session);
         CHECK(memcmp(&before, &after, sizeof before) == 0);
-        CHECK(session.former.scene == NULL && session.camera.scene == session.scene);
+        CHECK(session.former_scene.scene == NULL && session.camera.scene == session.scene);
         CHECK(session_plant(&session, grid_cell(&session.scene->grid, 66, 84, 50), 1, NULL) == OK);
         CHECK(session_run(&session, NULL) == OK);
         CHECK(forest_check(session.forest, NULL) && border_check(&session.border, NULL));
@@ -226,7 +227,7 @@ STORY(once_seeds_are_there_it_is_refused)
     CHECK(session_run(&session, NULL) == OK);
     CHECK(session_interpolate(&session, 7, &fault) == ERR_USAGE);
     CHECK_HAS(fault.text, "1 seeds are planted and 0 edits wait; a scene is interpolated before");
-    CHECK(session.scene_digest == digest && session.former.scene == NULL);
+    CHECK(session.scene_digest == digest && session.former_scene.scene == NULL);
     CHECK(session_eliminate(&session, (uint32_t[]){grid_cell(&session.scene->grid, 5, 5, 5)}, 1,
                             NULL) == OK);
     CHECK(session_run(&session, NULL) == OK);
@@ -272,6 +273,7 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
         CHECK(session_interpolate(&session, 1, &fault) == ERR_USAGE);
         CHECK_HAS(fault.text, "a mask or weights out of a file lie on the scene as it is");
     }
+    free(mask);
     session_release(&session);
 
     begin(&session);
@@ -326,7 +328,7 @@ STORY(an_axis_of_one_voxel_stays)
     CHECK(forest_new(&session.forest, session.scene, 6, NULL) == OK);
     CHECK(border_init(&session.border, session.scene, NULL) == OK);
     CHECK(session_interpolate(&session, 6, NULL) == OK);
-    CHECK(session.former.scene == NULL);
+    CHECK(session.former_scene.scene == NULL);
     CHECK(session_interpolate(&session, 7, NULL) == OK);
     CHECK_INT(session.scene->grid.size[0], 7);
     CHECK_INT(session.scene->grid.voxels, 7);

@@ -158,7 +158,7 @@ STORY(a_turntable_shows_what_turning_shows)
     must(&interp, "spin 4 turn%02d.exr");
     CHECK_TEXT(buf_text(&reply.text), "wrote turn00.exr to turn03.exr\n");
     CHECK_HAS(buf_text(&reply.words), "spin=");
-    CHECK(interp.session.rendered && interp.session.settings.view.angle[0] == 350000);
+    CHECK(interp.session.rendered && interp.session.now.outlook.view.angle[0] == 350000);
     CHECK(rendition_digest(session_frame(&interp.session)) == before);
     for (unsigned i = 0; i < 4; i++) {
         must(&interp, turned[i]);
@@ -249,7 +249,7 @@ STORY(a_turntable_is_all_or_nothing)
     CHECK_INT(file_write("all2.png", "mine", 4, FILE_KEEP, NULL), OK);
     is_refused(&interp, "spin 4 all%d.png", ERR_IO, "all2.png exists already and was left alone");
     CHECK_INT(count_files("all"), 1);
-    CHECK(interp.session.rendered && interp.session.settings.view.angle[0] == 0);
+    CHECK(interp.session.rendered && interp.session.now.outlook.view.angle[0] == 0);
     must(&interp, "spin 4 all%d.png replace=yes");
     CHECK_INT(count_files("all"), 4);
     CHECK_INT(file_read(&kept, "all2.png", 1 << 20, NULL), OK);
@@ -288,7 +288,7 @@ STORY(a_turntable_that_is_cancelled_leaves_nothing)
             if (!CHECK(err == ERR_CANCELLED))
                 continue;
             CHECK_INT(count_files("gone") + count_files(".tmp"), 0);
-            CHECK(interp.session.settings.view.angle[0] == 0);
+            CHECK(interp.session.now.outlook.view.angle[0] == 0);
         }
     must(&interp, "render");
     CHECK(rendition_digest(session_frame(&interp.session)) == digest);

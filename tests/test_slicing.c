@@ -364,7 +364,7 @@ STORY(slices_move_the_cross_hair)
 {
     struct interpreter interp;
     begin_values(&interp, 1, 0);
-    CHECK_INT(interp.session.settings.slices.cross[2], 5); /* the middle */
+    CHECK_INT(interp.session.now.outlook.slices.cross[2], 5); /* the middle */
     must(&interp, "cross 1,2,3");
     must(&interp, "slice axial");
     CHECK(interp.shows_picture && interp.shown.width == 10 && interp.shown.height == 10);
@@ -379,7 +379,7 @@ STORY(slices_move_the_cross_hair)
     must(&interp, "cross 2.2,4,5mm");
     CHECK_TEXT(buf_text(&reply.canonical), "cross 2,4,5");
     refused(&interp, "slice axial 10", "N: expected one of the axial slices 0..9, not 10");
-    CHECK_INT(interp.session.settings.slices.cross[2], 5);
+    CHECK_INT(interp.session.now.outlook.slices.cross[2], 5);
     must(&interp, "render");
     CHECK(interp.shows_picture && !interp.shown.rgba); /* the session's rendition */
     interpreter_release(&interp);
@@ -455,7 +455,7 @@ STORY(what_waits_and_what_was_eliminated_is_marked)
     marks_are(&interp, false, false, false);
     must(&interp, "overlay marks=on");
     must(&interp, "interpolate 2 2 1"); /* of the scene before */
-    CHECK(interp.session.eliminators.first == interp.session.eliminators.end);
+    CHECK_INT(edits_count(&interp.session.now.eliminators), 0);
     must(&interp, "cross 0,0,4");
     marks_are(&interp, false, false, false);
     interpreter_release(&interp);
@@ -489,10 +489,10 @@ STORY(mosaics_have_the_size_of_the_view)
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         must(&interp, sizes[i]);
         must(&interp, "mosaic");
-        CHECK(interp.shown.width == interp.session.settings.view.width);
-        CHECK(interp.shown.height == interp.session.settings.view.height);
+        CHECK(interp.shown.width == interp.session.now.outlook.view.width);
+        CHECK(interp.shown.height == interp.session.now.outlook.view.height);
     }
-    CHECK_INT(interp.session.pendings, 1); /* showing it runs nothing */
+    CHECK_INT(session_pendings(&interp.session), 1); /* showing it runs nothing */
     must(&interp, "size 1 1");
     refused(&interp, "mosaic",
             "a mosaic takes 16x16 pixels or more, and the view has 1x1; give it more by `size`");
@@ -551,7 +551,7 @@ STORY(a_pixel_of_a_slice_tells_its_voxel)
     CHECK_HAS(buf_text(&reply.text), "reached by no seed\n");
     picks(&interp, "pick 9 0 of=coronal", "voxel 0,2,9 ");
     picks(&interp, "pick 0 9 of=sagittal", "voxel 1,9,0 ");
-    CHECK_INT(interp.session.pendings, 1); /* asking runs nothing */
+    CHECK_INT(session_pendings(&interp.session), 1); /* asking runs nothing */
     must(&interp, "run");
     picks(&interp, "pick 9 9 of=axial", "on the border of label 3\n");
     must(&interp, "slice axial zoom=5");

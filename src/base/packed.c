@@ -74,27 +74,72 @@ void packed_release(struct packed *packed)
     free(packed);
 }
 
+/* Where inflating keeps its tables and its window of 32 kB: some 40 kB with zlib. */
+struct room {
+    size_t used;
+    _Alignas(64) unsigned char bytes[96 << 10];
+};
+
+static void *take_room(void *context, uInt items, uInt size)
+{
+    struct room *room = context;
+    const size_t bytes = ((size_t)items * size + 63) / 64 * 64;
+    if (bytes > sizeof room->bytes - room->used)
+        return NULL;
+    room->used += bytes;
+    return room->bytes + room->used - bytes;
+}
+
+static void leave_room(void *context, void *bytes)
+{
+    (void)context, (void)bytes;
+}
+
+/* Fills `out` with the next `length` bytes. */
+static bool inflate_part(const struct packed *packed, z_stream *stream, unsigned char *out,
+                         size_t length)
+{
+    int state = Z_OK;
+    while (length > 0 && state == Z_OK) {
+        const uInt room = part_of(length);
+        const size_t read = (size_t)(stream->next_in - packed->bytes);
+        stream->avail_in = part_of(packed->packed_length - read);
+        stream->next_out = out;
+        stream->avail_out = room;
+        state = inflate(stream, Z_NO_FLUSH);
+        out += room - stream->avail_out;
+        length -= room - stream->avail_out;
+    }
+    return length == 0;
+}
+
+enum err packed_read(const struct packed *packed, void *piece, size_t length,
+                     void (*take)(void *context, const void *piece, size_t length), void *context,
+                     struct fault *fault)
+{
+    struct room room = {.used = 0};
+    z_stream stream = {.zalloc = take_room, .zfree = leave_room, .opaque = &room};
+    bool reads = inflateInit(&stream) == Z_OK;
+    size_t left = packed->length;
+    stream.next_in = packed->bytes;
+    while (reads && left > 0) {
+        const size_t part = left < length ? left : length;
+        reads = inflate_part(packed, &stream, piece, part);
+        if (reads)
+            take(context, piece, part);
+        left -= part;
+    }
+    return reads ? OK : fault_memory(fault, "a map of a former state");
+}
+
+static void take_nothing(void *context, const void *piece, size_t length)
+{
+    (void)context, (void)piece, (void)length;
+}
+
 enum err packed_take_out(const struct packed *packed, void *out, struct fault *fault)
 {
-    z_stream stream = {0};
-    if (inflateInit(&stream) != Z_OK)
-        return fault_memory(fault, "what was put away");
-    unsigned char *to = out;
-    size_t read = 0, written = 0;
-    int state = Z_OK;
-    while (state == Z_OK) {
-        const uInt from = part_of(packed->packed_length - read);
-        const uInt room = part_of(packed->length - written);
-        stream.next_in = packed->bytes + read;
-        stream.avail_in = from;
-        stream.next_out = to + written;
-        stream.avail_out = room;
-        state = inflate(&stream, Z_NO_FLUSH);
-        read += from - stream.avail_in;
-        written += room - stream.avail_out;
-    }
-    inflateEnd(&stream);
-    return state == Z_STREAM_END ? OK : fault_memory(fault, "what was put away");
+    return packed_read(packed, out, packed->length, take_nothing, NULL, fault);
 }
 
 size_t packed_length(const struct packed *packed)

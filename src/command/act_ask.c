@@ -8,7 +8,7 @@
 
 void act_write_label(struct buf *out, const struct session *session, unsigned label)
 {
-    const char *name = session->settings.label_name[label];
+    const char *name = session->now.kept.label_name[label];
     buf_printf(out, "%u%s%s", label, *name ? " " : "", name);
 }
 
@@ -84,13 +84,13 @@ enum err act_why(const struct act *act)
 }
 
 /* "gauss 1.5", "polarity 1:50 2:-20", "of edges.nii" */
-static void tell_weight(struct buf *out, const struct settings *settings)
+static void tell_weight(struct buf *out, const struct kept *kept)
 {
-    const struct weight_choice *choice = &settings->weight;
+    const struct weight_choice *choice = &kept->weight;
     const struct choice kind = choice_at(WEIGHT_KINDS, choice->kind);
     if (choice->kind == WEIGHT_FILE) {
         buf_add_text(out, "of ");
-        buf_add_safe(out, settings->weight_file, strlen(settings->weight_file));
+        buf_add_safe(out, kept->weight_file, strlen(kept->weight_file));
         return;
     }
     buf_add(out, kind.word, kind.length);
@@ -99,8 +99,8 @@ static void tell_weight(struct buf *out, const struct settings *settings)
     if (choice->sigma_thousandths)
         buf_printf(out, " %g", choice->sigma_thousandths / 1000.0);
     for (unsigned label = 0; choice->kind == WEIGHT_POLARITY && label < 256; label++)
-        if (settings->polarity[label])
-            buf_printf(out, " %u:%d", label, settings->polarity[label]);
+        if (kept->polarity[label])
+            buf_printf(out, " %u:%d", label, kept->polarity[label]);
 }
 
 static void tell_roi(struct buf *out, const struct session *session)
@@ -144,12 +144,13 @@ enum err act_info(const struct act *act)
     buf_printf(out, "values    %g * intensity %+g\n", session->geometry.slope,
                session->geometry.intercept);
     buf_printf(out, "forest    %zu seeds, %zu edits waiting, adjacency %u, weight ",
-               forest_seeds(session->forest), session->pendings, session->settings.adjacency);
-    tell_weight(out, &session->settings);
+               forest_seeds(session->forest), session_pendings(session),
+               session->now.kept.adjacency);
+    tell_weight(out, &session->now.kept);
     buf_add_char(out, '\n');
     tell_roi(out, session);
     act_tell_view(out, session);
-    tell_look(out, &session->settings.look);
+    tell_look(out, &session->now.outlook.look);
     struct buf cut = {0};
     if (act_write_cut(&cut, session))
         buf_printf(out, "cut away  %s\n", buf_text(&cut));
@@ -189,10 +190,10 @@ enum err act_stats(const struct act *act)
         act_write_label(&act->reply->text, session, label);
         buf_printf(&act->reply->text, ": %zu seeds, %zu voxels, %.1f ml%s\n", seeds[label],
                    voxels[label], (double)voxels[label] * ml,
-                   label && !session->settings.visible[label] ? ", hidden" : "");
+                   label && !session->now.kept.visible[label] ? ", hidden" : "");
     }
     buf_add_text(&act->reply->text, "weight ");
-    tell_weight(&act->reply->text, &session->settings);
+    tell_weight(&act->reply->text, &session->now.kept);
     buf_add_char(&act->reply->text, '\n');
     tell_roi(&act->reply->text, session);
     buf_printf(&act->reply->text, "%zu border voxels; forest %016llx, labels %016llx\n",

@@ -33,7 +33,7 @@ static void keep_slab(struct cut *cut, const struct scene *scene, enum slice_pla
 enum err act_clip(const struct act *act)
 {
     struct session *session = act->session;
-    struct cut cut = session->settings.cut;
+    struct cut cut = session->now.kept.cut;
     const int64_t plane = act->value[0].number;
     if (plane == SLAB_NONE) {
         const struct cut whole = cut_none();
@@ -61,7 +61,7 @@ enum err act_clip(const struct act *act)
 enum err act_plane(const struct act *act)
 {
     struct session *session = act->session;
-    struct cut cut = session->settings.cut;
+    struct cut cut = session->now.kept.cut;
     if (act->value[0].text) {
         memset(cut.plane, 0, sizeof cut.plane);
         cut.planes = 0;
@@ -90,7 +90,7 @@ static struct cut_box box_between(const uint32_t corner[3], const uint32_t oppos
 enum err act_cut(const struct act *act)
 {
     struct session *session = act->session;
-    struct cut cut = session->settings.cut;
+    struct cut cut = session->now.kept.cut;
     if ((act->value[0].text != NULL) == act->value[1].given)
         return fault_set(act->fault, ERR_USAGE,
                          "expected two corners X,Y,Z X,Y,Z, or none alone; the view is unchanged");
@@ -111,7 +111,7 @@ enum err act_cut(const struct act *act)
 
 bool act_write_cut(struct buf *out, const struct session *session)
 {
-    const struct cut *cut = &session->settings.cut;
+    const struct cut *cut = &session->now.kept.cut;
     const struct scene *scene = session->scene;
     const char *between = "";
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {

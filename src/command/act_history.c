@@ -22,7 +22,7 @@ static void write_arrival(const struct act *act, uint32_t to, uint32_t branch)
                history->branch[branch].name);
     buf_add_text(&reply->text, "after ");
     tell_point(&reply->text, history, to);
-    const size_t waits = act->session->pendings;
+    const size_t waits = session_pendings(act->session);
     if (waits > 0)
         buf_printf(&reply->text, ", %zu edit%s waiting for `run`", waits, waits > 1 ? "s" : "");
     buf_add_char(&reply->text, '\n');

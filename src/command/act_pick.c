@@ -23,7 +23,7 @@ static enum err voxel_of_rendition(const struct session *session, uint32_t colum
 static enum err voxel_of_slices(struct session *session, enum slice_kind kind, uint32_t column,
                                 uint32_t row, uint32_t *cell, struct fault *fault)
 {
-    const struct view *view = &session->settings.view;
+    const struct view *view = &session->now.outlook.view;
     if (column >= view->width || row >= view->height)
         return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column,
                          row, view->width, view->height);

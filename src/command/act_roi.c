@@ -1,6 +1,7 @@
 /* Commands that region of interest the forest in, and what others say of the region of interest. */
 #include "command/act.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "session/map.h"
@@ -33,17 +34,17 @@ enum err act_write_outside(const struct act *act, size_t inside, size_t outside)
 
 bool act_write_roi(struct buf *out, const struct session *session)
 {
-    const struct settings *settings = &session->settings;
-    if (session->roi.mask) {
+    const struct kept *kept = &session->now.kept;
+    if (kept->mask) {
         buf_add_text(out, "mask ");
-        buf_add_safe(out, settings->mask_file, strlen(settings->mask_file));
-        buf_printf(out, " regions %u-%u", settings->mask_regions[0], settings->mask_regions[1]);
+        buf_add_safe(out, kept->mask_file, strlen(kept->mask_file));
+        buf_printf(out, " regions %u-%u", kept->mask_regions[0], kept->mask_regions[1]);
     }
-    if (settings->has_range)
-        buf_printf(out, "%srange %g..%g", session->roi.mask ? ", " : "",
-                   (double)settings->range_thousandths[0] / 1000,
-                   (double)settings->range_thousandths[1] / 1000);
-    return session->roi.mask || settings->has_range;
+    if (kept->has_range)
+        buf_printf(out, "%srange %g..%g", kept->mask ? ", " : "",
+                   (double)kept->range_thousandths[0] / 1000,
+                   (double)kept->range_thousandths[1] / 1000);
+    return kept->mask || kept->has_range;
 }
 
 /* After a command that may have changed it: what is inside now. */
@@ -62,7 +63,7 @@ static enum err add_roi(const struct act *act, enum err err)
 }
 
 /* Of the mask alone: the digest of the region of interest does not see what the range leaves out. */
-static uint64_t mask_digest(uint64_t *mask, const struct scene *scene)
+static uint64_t mask_digest(const uint64_t *mask, const struct scene *scene)
 {
     const struct roi alone = {mask, 0, UINT16_MAX};
     return roi_tally(&alone, scene).digest;
@@ -114,7 +115,9 @@ static enum err mask_by_file(const struct act *act)
         return err;
     buf_printf(&act->reply->words, "file=%016llx",
                (unsigned long long)mask_digest(mask, session->scene));
-    return act_naming(name, session_set_mask(session, mask, name, regions, act->fault), act->fault);
+    err = act_naming(name, session_set_mask(session, mask, name, regions, act->fault), act->fault);
+    free(mask);
+    return err;
 }
 
 enum err act_mask(const struct act *act)

@@ -110,7 +110,7 @@ enum err act_polarity(const struct act *act)
     struct session *session = act->session;
     enum err err = session_set_polarity(session, (uint8_t)act->value[0].number,
                                         (int8_t)act->value[1].number, act->fault);
-    if (!err && session->settings.weight.kind != WEIGHT_POLARITY)
+    if (!err && session->now.kept.weight.kind != WEIGHT_POLARITY)
         buf_add_text(&act->reply->text, "heeded under `weight polarity`\n");
     return add_weights(act, err);
 }
@@ -139,7 +139,7 @@ bool act_name_is_fit(const char *name, size_t room)
 
 enum err act_label(const struct act *act)
 {
-    struct settings *settings = &act->session->settings;
+    struct state next = act->session->now;
     size_t label = (size_t)act->value[0].number;
     if (!act_name_is_fit(act->value[1].text, LABEL_NAME_BYTES))
         return fault_set(act->fault, ERR_USAGE,
@@ -147,16 +147,13 @@ enum err act_label(const struct act *act)
                          "not %s",
                          LABEL_NAME_BYTES - 1, act->value[1].text);
     for (size_t other = 0; other < 256; other++)
-        if (other != label && strcmp(settings->label_name[other], act->value[1].text) == 0)
+        if (other != label && strcmp(next.kept.label_name[other], act->value[1].text) == 0)
             return fault_set(act->fault, ERR_USAGE, "label %zu is already called %s", other,
                              act->value[1].text);
-    memcpy(settings->label_name[label], act->value[1].text, strlen(act->value[1].text) + 1);
-    if (act->value[2].given) {
-        for (int k = 0; k < 3; k++)
-            settings->palette.rgb[label][k] = (uint8_t)(act->value[2].number >> (16 - 8 * k));
-        act->session->rendered = false;
-    }
-    return OK;
+    memcpy(next.kept.label_name[label], act->value[1].text, strlen(act->value[1].text) + 1);
+    for (int k = 0; act->value[2].given && k < 3; k++)
+        next.kept.palette.rgb[label][k] = (uint8_t)(act->value[2].number >> (16 - 8 * k));
+    return session_go(act->session, &next, NULL, 0, act->fault);
 }
 
 /* Voxels, as a list that grows. */
@@ -249,11 +246,13 @@ enum err act_seed(const struct act *act)
  * should hold are not told. */
 static void add_taken(const struct session *session, struct reply *reply)
 {
+    const struct edit *edit = edits_first(&session->now.pending);
+    const size_t before = edits_count(&session->former.pending), now = session_pendings(session);
     const char *between = "took=";
-    if (session->pendings - session->mark_pendings > TAKEN_MOST)
+    if (now - before > TAKEN_MOST)
         return;
-    for (size_t i = session->mark_pendings; i < session->pendings; i++) {
-        const struct place p = grid_place(&session->scene->grid, session->pending[i].cell);
+    for (size_t i = before; i < now; i++) {
+        const struct place p = grid_place(&session->scene->grid, edit[i].cell);
         buf_printf(&reply->words, "%s%u,%u,%u", between, p.x, p.y, p.z);
         between = ";";
     }
@@ -313,8 +312,8 @@ enum err act_remove(const struct act *act)
         return err;
     add_taken(session, act->reply);
     const uint32_t *p = act->value[0].place;
-    return eliminators_add(&session->eliminators,
-                           grid_cell(&session->scene->grid, p[0], p[1], p[2]), act->fault);
+    const uint32_t cell = grid_cell(&session->scene->grid, p[0], p[1], p[2]);
+    return session_note_eliminator(session, cell, act->fault);
 }
 
 enum err act_run(const struct act *act)
@@ -324,6 +323,7 @@ enum err act_run(const struct act *act)
 
 enum err act_auto(const struct act *act)
 {
-    act->session->settings.runs_by_itself = act->value[0].number == 0;
-    return OK;
+    struct state next = act->session->now;
+    next.outlook.runs_by_itself = act->value[0].number == 0;
+    return session_go(act->session, &next, NULL, 0, act->fault);
 }

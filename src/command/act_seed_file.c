@@ -31,7 +31,7 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
     if (!err)
         err = act_naming(value[FILE_NAME].text,
                          seeds_from_list(seeds, buf_text(&text), text.length, &session->scene->grid,
-                                         session->settings.label_name, label_of(value), fault),
+                                         session->now.kept.label_name, label_of(value), fault),
                          fault);
     buf_release(&text);
     return err;

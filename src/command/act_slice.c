@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "session/slicing.h"
+#include "session/window.h"
 
 /* The places of the parameters in the table. */
 enum { SLICE_PLANE, SLICE_NUMBER, SLICE_FILE, SLICE_ZOOM, SLICE_REPLACE };
@@ -16,9 +17,9 @@ enum { OVERLAY_LABELS, OVERLAY_CROSS, OVERLAY_MARKS, OVERLAY_WORDS };
 void act_write_slices(struct buf *out, struct session *session)
 {
     static const char *const overlay[] = {"none", "tint", "contour"};
-    const struct slice_settings *s = &session->settings.slices;
+    const struct slice_settings *s = &session->now.outlook.slices;
     char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES];
-    slicing_window_words(least, most, session);
+    window_words(least, most, session);
     buf_printf(out, "through %u,%u,%u: axial %u, coronal %u, sagittal %u; window %s%s %s, ",
                s->cross[0], s->cross[1], s->cross[2],
                slice_index(session->scene, SLICE_AXIAL, s->cross),
@@ -29,17 +30,33 @@ void act_write_slices(struct buf *out, struct session *session)
                s->marks ? "" : " marks=off", s->words ? "" : " words=off");
 }
 
+static enum err set_slices(const struct act *act, const struct slice_settings *slices)
+{
+    struct state next = act->session->now;
+    next.outlook.slices = *slices;
+    return session_go(act->session, &next, NULL, 0, act->fault);
+}
+
+/* The same, and says how slices are shown now. */
+static enum err answer_slices(const struct act *act, const struct slice_settings *slices)
+{
+    enum err err = set_slices(act, slices);
+    if (!err)
+        act_write_slices(&act->reply->text, act->session);
+    return err;
+}
+
 enum err act_cross(const struct act *act)
 {
-    uint32_t *cross = act->session->settings.slices.cross;
+    struct slice_settings slices = act->session->now.outlook.slices;
     for (int a = 0; a < 3; a++)
-        cross[a] = act->value[0].place[a];
-    act_write_slices(&act->reply->text, act->session);
-    return OK;
+        slices.cross[a] = act->value[0].place[a];
+    return answer_slices(act, &slices);
 }
 
 enum err act_window(const struct act *act)
 {
+    struct slice_settings slices = act->session->now.outlook.slices;
     const bool is_auto = act->value[WINDOW_LOW].text != NULL;
     const int64_t window[2] = {act->value[WINDOW_LOW].number, act->value[WINDOW_HIGH].number};
     if (is_auto == act->value[WINDOW_HIGH].given)
@@ -47,16 +64,18 @@ enum err act_window(const struct act *act)
                          "expected LOW and HIGH, or auto alone; nothing has changed");
     if (!is_auto && window[1] <= window[0])
         return fault_set(act->fault, ERR_USAGE, "HIGH is not above LOW; nothing has changed");
-    session_set_window(act->session, is_auto ? NULL : window);
-    act_write_slices(&act->reply->text, act->session);
-    return OK;
+    slices.has_window = !is_auto;
+    for (int i = 0; i < 2; i++)
+        slices.window_thousandths[i] = is_auto ? 0 : window[i];
+    return answer_slices(act, &slices);
 }
 
 enum err act_overlay(const struct act *act)
 {
-    struct slice_settings *s = &act->session->settings.slices;
-    bool *const what[] = {
-        [OVERLAY_CROSS] = &s->crosses, [OVERLAY_MARKS] = &s->marks, [OVERLAY_WORDS] = &s->words};
+    struct slice_settings slices = act->session->now.outlook.slices;
+    bool *const what[] = {[OVERLAY_CROSS] = &slices.crosses,
+                          [OVERLAY_MARKS] = &slices.marks,
+                          [OVERLAY_WORDS] = &slices.words};
     bool any = act->value[OVERLAY_LABELS].given;
     for (int i = OVERLAY_CROSS; i <= OVERLAY_WORDS; i++) {
         if (act->value[i].given)
@@ -66,9 +85,8 @@ enum err act_overlay(const struct act *act)
     if (!any)
         return fault_set(act->fault, ERR_USAGE, "expected what to change, as in `overlay tint`");
     if (act->value[OVERLAY_LABELS].given)
-        s->overlay = (enum slice_overlay)act->value[OVERLAY_LABELS].number;
-    act_write_slices(&act->reply->text, act->session);
-    return OK;
+        slices.overlay = (enum slice_overlay)act->value[OVERLAY_LABELS].number;
+    return answer_slices(act, &slices);
 }
 
 /* ---- pictures ---- */
@@ -134,7 +152,7 @@ static enum err bring_out(const struct act *act, enum slice_kind kind, const str
 enum err act_slice(const struct act *act)
 {
     struct session *session = act->session;
-    struct slice_settings *s = &session->settings.slices;
+    struct slice_settings slices = session->now.outlook.slices;
     const enum slice_plane plane = (enum slice_plane)act->value[SLICE_PLANE].number;
     const uint32_t count = slice_count(session->scene, plane);
     if (act->value[SLICE_NUMBER].given && act->value[SLICE_NUMBER].number >= count)
@@ -143,11 +161,13 @@ enum err act_slice(const struct act *act)
                          act->value[SLICE_PLANE].text, count - 1,
                          (long long)act->value[SLICE_NUMBER].number);
     if (act->value[SLICE_NUMBER].given)
-        slice_move(session->scene, plane, (uint32_t)act->value[SLICE_NUMBER].number, s->cross);
+        slice_move(session->scene, plane, (uint32_t)act->value[SLICE_NUMBER].number, slices.cross);
     if (act->value[SLICE_ZOOM].given)
-        s->zoom = act->value[SLICE_ZOOM].text ? 0 : (uint32_t)act->value[SLICE_ZOOM].number;
-    return bring_out(act, (enum slice_kind)plane, &act->value[SLICE_FILE],
-                     &act->value[SLICE_REPLACE]);
+        slices.zoom = act->value[SLICE_ZOOM].text ? 0 : (uint32_t)act->value[SLICE_ZOOM].number;
+    enum err err = set_slices(act, &slices);
+    return err ? err
+               : bring_out(act, (enum slice_kind)plane, &act->value[SLICE_FILE],
+                           &act->value[SLICE_REPLACE]);
 }
 
 enum err act_mosaic(const struct act *act)

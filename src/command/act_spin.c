@@ -126,7 +126,7 @@ static enum err turn_around(struct spin *spin)
 {
     struct session *session = spin->act->session;
     struct fault *fault = spin->act->fault;
-    const struct view from = session->settings.view;
+    const struct view from = session->now.outlook.view;
     const bool rendered = session->rendered;
     enum err err = OK;
     for (unsigned i = 0; i < spin->count && !err; i++) {

@@ -11,7 +11,7 @@ static int32_t whole_turn(int64_t angle)
 
 enum err act_view(const struct act *act)
 {
-    struct view view = act->session->settings.view;
+    struct view view = act->session->now.outlook.view;
     if (act->value[0].text) {
         if (act->value[1].given || act->value[2].given)
             return fault_set(act->fault, ERR_USAGE, "a named view takes no angles");
@@ -25,7 +25,7 @@ enum err act_view(const struct act *act)
 
 enum err act_turn(const struct act *act)
 {
-    struct view view = act->session->settings.view;
+    struct view view = act->session->now.outlook.view;
     for (int i = 0; i < 3; i++)
         if (act->value[i].given)
             view.angle[i] = whole_turn(view.angle[i] + act->value[i].number);
@@ -35,11 +35,11 @@ enum err act_turn(const struct act *act)
 enum err act_zoom(const struct act *act)
 {
     struct session *session = act->session;
-    struct view view = session->settings.view;
+    struct view view = session->now.outlook.view;
     view.zoom = (uint32_t)act->value[0].number;
     if (act->value[0].text) {
         view.zoom = view_fitting_zoom(session->scene, view.width, view.height,
-                                      session->settings.look.samples);
+                                      session->now.outlook.look.samples);
         memset(view.focus, 0, sizeof view.focus);
     }
     return session_set_view(session, &view, act->fault);
@@ -48,7 +48,7 @@ enum err act_zoom(const struct act *act)
 enum err act_pan(const struct act *act)
 {
     struct session *session = act->session;
-    struct view view = session->settings.view;
+    struct view view = session->now.outlook.view;
     view_pan(&view, &session->camera, act->value[0].number, act->value[1].number);
     return session_set_view(session, &view, act->fault);
 }
@@ -56,7 +56,7 @@ enum err act_pan(const struct act *act)
 enum err act_focus(const struct act *act)
 {
     struct session *session = act->session;
-    struct view view = session->settings.view;
+    struct view view = session->now.outlook.view;
     memset(view.focus, 0, sizeof view.focus);
     if (!act->value[0].text)
         view_focus_on(&view, session->scene, act->value[0].place);
@@ -65,7 +65,7 @@ enum err act_focus(const struct act *act)
 
 enum err act_size(const struct act *act)
 {
-    struct view view = act->session->settings.view;
+    struct view view = act->session->now.outlook.view;
     view.width = (uint32_t)act->value[0].number;
     view.height = (uint32_t)act->value[1].number;
     return session_set_view(act->session, &view, act->fault);
@@ -92,7 +92,7 @@ static void write_sides(struct buf *out, const int32_t direction[3])
 
 void act_tell_view(struct buf *out, const struct session *session)
 {
-    const struct view *view = &session->settings.view;
+    const struct view *view = &session->now.outlook.view;
     const char *name = view_name(view->angle);
     int32_t right[3], up[3], ahead[3], towards[3];
     double middle[3];
@@ -119,12 +119,10 @@ void act_tell_view(struct buf *out, const struct session *session)
 
 enum err act_hide(const struct act *act)
 {
-    session_set_visible(act->session, (uint8_t)act->value[0].number, false);
-    return OK;
+    return session_set_visible(act->session, (uint8_t)act->value[0].number, false, act->fault);
 }
 
 enum err act_show(const struct act *act)
 {
-    session_set_visible(act->session, (uint8_t)act->value[0].number, true);
-    return OK;
+    return session_set_visible(act->session, (uint8_t)act->value[0].number, true, act->fault);
 }

@@ -62,7 +62,7 @@ static void offer_commands(const struct offers *o)
 static void offer_labels(const struct offers *o, const struct parameter *p)
 {
     for (int label = (int)p->least; label < 256; label++) {
-        const char *name = o->interp->session.settings.label_name[label];
+        const char *name = o->interp->session.now.kept.label_name[label];
         offer(o, name, strlen(name));
     }
 }

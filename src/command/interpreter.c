@@ -75,8 +75,8 @@ static void add_digests(struct reply *reply, const struct session *session)
                reply->words.length ? " " : "", (unsigned long long)forest_digest(session->forest),
                (unsigned long long)forest_label_digest(session->forest),
                forest_seeds(session->forest));
-    if (session->pendings)
-        buf_printf(&reply->words, " pending=%zu", session->pendings);
+    if (session_pendings(session))
+        buf_printf(&reply->words, " pending=%zu", session_pendings(session));
 }
 
 static enum err act(struct interpreter *interp, const struct call *call, struct reply *reply,
@@ -91,12 +91,13 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
     enum err err = tells ? session_count_labels(session, fault) : OK;
     if (!err)
         err = command->act(&(struct act){interp, session, call->value, reply, fault});
-    const bool waits = !session->settings.runs_by_itself || interp->history.goes_to != POINT_NONE;
+    const bool waits =
+        !session->now.outlook.runs_by_itself || interp->history.goes_to != POINT_NONE;
     if (!err && command->flags & COMMAND_EDITS && !waits)
         err = session_run(session, fault);
     if (!err && command->flags & COMMAND_EDITS)
         add_digests(reply, session);
-    const bool edited = tells && (session->edited_forest || session->rebuilt_forest);
+    const bool edited = tells && (session->edited || session->regrown);
     if (!err && edited)
         err = session_count_labels(session, fault);
     if (!err && edited)

@@ -155,14 +155,14 @@ static enum err read_label(struct value *value, const struct parameter *p, const
     if (scan_integer(&at, p->least, 255, &value->number) && *at == '\0')
         return OK;
     for (int label = 0; label < 256; label++)
-        if (*word && strcmp(session->settings.label_name[label], word) == 0 && label >= p->least) {
+        if (*word && strcmp(session->now.kept.label_name[label], word) == 0 && label >= p->least) {
             value->number = label;
             return OK;
         }
     struct near near = near_to(word);
     for (int label = (int)p->least; label < 256; label++)
-        near_try(&near, session->settings.label_name[label],
-                 strlen(session->settings.label_name[label]));
+        near_try(&near, session->now.kept.label_name[label],
+                 strlen(session->now.kept.label_name[label]));
     fault_set(fault, ERR_USAGE, "%s: expected a label %d..255 or the name of one, not %s%s",
               p->name, (int)p->least, word, near.count ? "" : "; name one with `label N NAME`");
     near_append(&near, "", fault);

@@ -14,8 +14,8 @@
 #include "engine/scene.h"
 
 struct roi {
-    uint64_t *mask;     /* bit c % 64 of word c / 64: it holds cell c; NULL: it holds every voxel */
-    uint16_t low, high; /* the range, both ends included; 0 and 65535 where there is none */
+    const uint64_t *mask; /* bit c % 64 of word c / 64: it holds cell c; NULL: every voxel */
+    uint16_t low, high;   /* the range, both ends included; 0 and 65535 where there is none */
 };
 
 /* Nothing is outside. */

@@ -202,28 +202,6 @@ void weight_compute(struct scene *scene, const struct adjacency *adjacency,
         team_run(work->team, weigh_part, &weighing);
 }
 
-void weight_fill(struct scene *scene, const uint16_t *weight)
-{
-    const struct grid *grid = &scene->grid;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                scene->cell[c].weight = *weight++;
-        }
-}
-
-void weight_copy(uint16_t *weight, const struct scene *scene)
-{
-    const struct grid *grid = &scene->grid;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                *weight++ = scene->cell[c].weight;
-        }
-}
-
 /* ---- digest ---- */
 
 static uint64_t rule_digest(const struct arc_rule *arcs)

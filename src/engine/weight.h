@@ -70,10 +70,6 @@ void weight_compute(struct scene *scene, const struct adjacency *adjacency,
  */
 void weight_morph(struct scene *scene, const struct adjacency *adjacency);
 
-/* Weights out of a file and back into one: [z][y][x], x fastest. */
-void weight_fill(struct scene *scene, const uint16_t *weight);
-void weight_copy(uint16_t *weight, const struct scene *scene);
-
 /* A digest of what arcs weigh, given the intensities: for ARC_TARGET a sum over voxels of their
  * weights, which a thread team shares, else of the kind, and under ARC_POLARITY of every label's. */
 uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs, struct team *team);

@@ -171,7 +171,7 @@ static enum err time_edits(struct session *session, struct figures *figures, str
 
 static enum err time_frames(struct session *session, struct figures *figures, struct fault *fault)
 {
-    struct view view = session->settings.view;
+    struct view view = session->now.outlook.view;
     enum err err = OK;
     for (int i = 0; !err && i < FRAMES; i++) {
         view.angle[0] = i * 15000;

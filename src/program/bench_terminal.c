@@ -95,7 +95,7 @@ static enum err find_journal(struct interpreter *interp, struct buf *path, struc
 /* Its rendition, over black, of its own size. */
 static enum err copy_rendition(struct canvas *canvas, struct session *session, struct fault *fault)
 {
-    struct view of_side = session->settings.view;
+    struct view of_side = session->now.outlook.view;
     of_side.width = of_side.height = RENDITION_SIDE;
     enum err err = session_set_view(session, &of_side, fault);
     if (!err)

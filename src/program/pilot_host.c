@@ -6,6 +6,7 @@
 #include "command/act.h"
 #include "render/mosaic.h"
 #include "session/slicing.h"
+#include "session/window.h"
 
 static const uint8_t marked_tree[3] = {255, 255, 255}, marked_pane[3] = {230, 200, 90},
                      marked_pixel[3] = {255, 255, 255};
@@ -31,7 +32,7 @@ static enum mosaic_pane mosaic_of(enum pilot_pane pane)
 
 static uint32_t cell_at_cross(const struct session *session)
 {
-    const uint32_t *p = session->settings.slices.cross;
+    const uint32_t *p = session->now.outlook.slices.cross;
     return grid_cell(&session->scene->grid, p[0], p[1], p[2]);
 }
 
@@ -51,7 +52,7 @@ static void write_where(struct buf *out, const struct session *session)
     const struct cell *cell = session->scene->cell + cell_at_cross(session);
     const struct geometry *geometry = &session->geometry;
     double mm[3];
-    geometry_point(geometry, session->settings.slices.cross, mm);
+    geometry_point(geometry, session->now.outlook.slices.cross, mm);
     if (cell->flags & CELL_OUTSIDE) {
         buf_add_text(out, "outside the fence");
     } else if (cell_is_reached(cell)) {
@@ -71,17 +72,17 @@ static bool facts(void *context, struct pilot_facts *out)
     int32_t window[2];
     if (!session->has_scene)
         return false;
-    const struct slice_settings *s = &session->settings.slices;
-    *out = (struct pilot_facts){.waiting = session->pendings,
-                                .zoom = session->settings.view.zoom,
-                                .frame_width = session->settings.view.width,
-                                .frame_height = session->settings.view.height};
+    const struct slice_settings *s = &session->now.outlook.slices;
+    *out = (struct pilot_facts){.waiting = session_pendings(session),
+                                .zoom = session->now.outlook.view.zoom,
+                                .frame_width = session->now.outlook.view.width,
+                                .frame_height = session->now.outlook.view.height};
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
         out->place[pane] = s->cross[pane];
         out->index[pane] = slice_index(session->scene, plane_of(pane), s->cross);
         out->count[pane] = slice_count(session->scene, plane_of(pane));
     }
-    slicing_window(window, session);
+    window_of(window, session);
     for (int i = 0; i < 2; i++)
         out->window[i] = s->has_window
                              ? (double)s->window_thousandths[i] / 1000
@@ -96,7 +97,7 @@ static bool facts(void *context, struct pilot_facts *out)
 static void move(void *context, const int64_t by[3], uint32_t place[3])
 {
     const struct session *session = &((struct pilot_interpreter *)context)->interp->session;
-    memcpy(place, session->settings.slices.cross, 3 * sizeof *place);
+    memcpy(place, session->now.outlook.slices.cross, 3 * sizeof *place);
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
         const enum slice_plane plane = plane_of(pane);
         const int64_t count = slice_count(session->scene, plane);
@@ -245,8 +246,8 @@ unsigned pilot_hues(uint32_t hue[256], const struct session *session)
 {
     unsigned count = 0;
     for (unsigned label = 1; label < 256; label++) {
-        const uint8_t *rgb = session->settings.palette.rgb[label];
-        if (session->settings.visible[label] && session_label_voxels(session, (uint8_t)label))
+        const uint8_t *rgb = session->now.kept.palette.rgb[label];
+        if (session->now.kept.visible[label] && session_label_voxels(session, (uint8_t)label))
             hue[count++] = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
     }
     return count;

@@ -48,14 +48,14 @@ static void write_cut(struct buf *out, const struct cut *cut, const struct grid 
 static enum err add_view_notes(struct picture *picture, const struct session *session,
                                struct fault *fault)
 {
-    const struct settings *settings = &session->settings;
+    const struct cut *away = &session->now.kept.cut;
     struct buf seen = {0}, cut = {0};
-    write_view(&seen, &settings->view);
-    write_cut(&cut, &settings->cut, &session->scene->grid);
+    write_view(&seen, &session->now.outlook.view);
+    write_cut(&cut, away, &session->scene->grid);
     enum err err = seen.failed || cut.failed ? fault_memory(fault, "a note on a picture") : OK;
     if (!err)
         err = picture_note(picture, "iftty:view", buf_text(&seen), fault);
-    if (!err && !cut_is_none(&settings->cut))
+    if (!err && !cut_is_none(away))
         err = picture_note(picture, "iftty:cut", buf_text(&cut), fault);
     buf_release(&seen);
     buf_release(&cut);
@@ -67,13 +67,13 @@ enum err export_notes(struct picture *picture, const struct session *session, st
     char scene[32], shaded[96];
     snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session->scene_digest);
     static const char *const mode[] = {"surface", "scene", "depth"};
-    const struct look *look = &session->settings.look;
+    const struct look *look = &session->now.outlook.look;
     snprintf(shaded, sizeof shaded, "%s light %d %d cue %u edges %s samples %u", mode[look->mode],
              look->light[0], look->light[1], look->cue_percent, look->edges ? "on" : "off",
              look->samples);
     enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
     if (!err)
-        err = picture_note(picture, "iftty:scene-name", session->settings.scene_file, fault);
+        err = picture_note(picture, "iftty:scene-name", session->scene_file, fault);
     if (!err)
         err = picture_note(picture, "iftty:scene", scene, fault);
     if (!err)

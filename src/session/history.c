@@ -11,20 +11,20 @@
 
 static void settings_drop(struct kept_settings *kept)
 {
-    if (kept && --kept->holders == 0)
-        free(kept);
+    if (!kept || --kept->holders > 0)
+        return;
+    kept_release(&kept->kept);
+    free(kept);
 }
 
 static void point_release(struct point *point)
 {
     free(point->command);
-    free(point->appended);
     free(point->after);
     free(point->before);
-    free(point->eliminator);
     settings_drop(point->settings);
-    packed_release(point->mask);
-    packed_release(point->weights);
+    edits_release(&point->pending);
+    edits_release(&point->eliminators);
     *point = (struct point){0};
 }
 
@@ -50,11 +50,17 @@ void history_release(struct history *history)
     *history = (struct history){0};
 }
 
-static size_t point_memory(const struct point *point)
+/* A map is counted where it came, and what is held by many points in parts. */
+static size_t point_memory(const struct point *point, const struct kept *before)
 {
-    size_t bytes = (point->appendeds + 2 * point->seeds) * sizeof(struct edit) +
-                   point->eliminators * sizeof(uint32_t) + strlen(point->command) + 1;
-    bytes += point->settings->holders ? sizeof *point->settings / point->settings->holders : 0;
+    const struct kept *kept = &point->settings->kept;
+    size_t bytes = 2 * point->seeds * sizeof(struct edit) + strlen(point->command) + 1;
+    bytes += sizeof *point->settings / point->settings->holders;
+    bytes += edits_memory(&point->pending) + edits_memory(&point->eliminators);
+    if (kept->mask && (!before || before->mask != kept->mask))
+        bytes += packed_memory(kept->mask);
+    if (kept->weight_map && (!before || before->weight_map != kept->weight_map))
+        bytes += packed_memory(kept->weight_map);
     return bytes;
 }
 
@@ -66,11 +72,7 @@ size_t history_memory(const struct history *history)
     for (size_t i = 0; i < history->points; i++) {
         const struct point *point = history->point + i;
         const struct point *parent = i ? history->point + point->parent : NULL;
-        bytes += point_memory(point);
-        if (point->mask && (!parent || parent->mask != point->mask))
-            bytes += packed_memory(point->mask);
-        if (point->weights && (!parent || parent->weights != point->weights))
-            bytes += packed_memory(point->weights);
+        bytes += point_memory(point, parent ? &parent->settings->kept : NULL);
     }
     return bytes;
 }
@@ -206,115 +208,22 @@ static struct edit *edits_of_way(const struct history *history, uint32_t to, siz
     return edit;
 }
 
-/* The edits that wait at a point: of all commands since the last run. */
-static enum err list_pending(const struct history *history, uint32_t at, struct state *state,
-                             struct fault *fault)
-{
-    size_t count = 0;
-    uint32_t p;
-    for (p = at; p != POINT_NONE && !history->point[p].ran; p = history->point[p].parent)
-        count += history->point[p].appendeds;
-    state->pendings = count;
-    state->pending = mem_array(count + 1, sizeof *state->pending);
-    if (!state->pending)
-        return fault_memory(fault, "the edits that waited");
-    for (p = at; p != POINT_NONE && !history->point[p].ran; p = history->point[p].parent) {
-        const struct point *point = history->point + p;
-        count -= point->appendeds;
-        for (size_t i = 0; i < point->appendeds; i++)
-            state->pending[count + i] = point->appended[i];
-    }
-    return OK;
-}
-
-/* The eliminators from `at` up to and with the last run, or to `top`; counts them where `out` is
- * NULL, else fills what ends at `end`. Where that run was. */
-static uint32_t eliminators_since(const struct history *history, uint32_t at, bool with_run,
-                                  uint32_t *out, size_t *count)
-{
-    size_t end = *count;
-    if (!out)
-        *count = 0;
-    for (; at != POINT_NONE; at = history->point[at].parent) {
-        const struct point *point = history->point + at;
-        if (point->ran && !with_run)
-            break;
-        with_run = false;
-        for (size_t i = point->eliminators; i-- > 0 && out;)
-            out[--end] = point->eliminator[i];
-        *count += out ? 0 : point->eliminators;
-    }
-    return at;
-}
-
-static enum err list_eliminators(const struct history *history, uint32_t at, struct state *state,
-                                 struct fault *fault)
-{
-    size_t waits = 0, applied = 0;
-    const uint32_t run = eliminators_since(history, at, false, NULL, &waits);
-    if (run != POINT_NONE)
-        eliminators_since(history, run, true, NULL, &applied);
-    state->waiting = applied;
-    state->eliminators = applied + waits;
-    state->eliminator = mem_array(state->eliminators + 1, sizeof *state->eliminator);
-    if (!state->eliminator)
-        return fault_memory(fault, "eliminators");
-    eliminators_since(history, at, false, state->eliminator + applied, &waits);
-    if (run != POINT_NONE)
-        eliminators_since(history, run, true, state->eliminator, &applied);
-    return OK;
-}
-
-static enum err take_out_mask(const struct point *point, const struct session *session,
-                              struct state *state, struct fault *fault)
-{
-    state->has_mask = true;
-    if (!point->mask)
-        return OK;
-    state->mask = mask_new(&session->scene->grid);
-    if (!state->mask)
-        return fault_memory(fault, "a mask");
-    return packed_take_out(point->mask, state->mask, fault);
-}
-
-static enum err take_out_weights(const struct point *point, uint16_t **weight, struct state *state,
-                                 struct fault *fault)
-{
-    *weight = mem_array(packed_length(point->weights), 1);
-    if (!*weight)
-        return fault_memory(fault, "weights");
-    state->has_weights = true;
-    state->weight = *weight;
-    return packed_take_out(point->weights, *weight, fault);
-}
-
 enum err history_go(struct history *history, struct session *session, uint32_t to, uint32_t branch,
                     struct fault *fault)
 {
-    const struct point *here = history->point + history->present, *there = history->point + to;
-    struct state state = {.settings = &there->settings->settings};
-    uint16_t *weight = NULL;
-    struct edit *edit = edits_of_way(history, to, &state.seeds);
-    state.seed = edit;
-    enum err err = edit ? OK : fault_memory(fault, "a way through the history");
-    if (!err)
-        err = list_pending(history, to, &state, fault);
-    if (!err)
-        err = list_eliminators(history, to, &state, fault);
-    if (!err && there->mask != here->mask)
-        err = take_out_mask(there, session, &state, fault);
-    if (!err && there->weights && there->weights != here->weights)
-        err = take_out_weights(there, &weight, &state, fault);
-    if (!err) {
-        err = session_restore(session, &state, fault);
-        history->goes_to = to;
-        history->goes_on = branch;
-    } else {
-        free(state.pending);
-        free(state.eliminator);
-        free(state.mask);
-    }
-    free(weight);
+    const struct point *there = history->point + to;
+    struct state state = session->now;
+    size_t seeds;
+    struct edit *edit = edits_of_way(history, to, &seeds);
+    if (!edit)
+        return fault_memory(fault, "a way through the history");
+    state.kept = there->settings->kept;
+    state.pending = there->pending;
+    state.eliminators = there->eliminators;
+    state.applied = there->applied;
+    enum err err = session_go(session, &state, edit, seeds, fault);
+    history->goes_to = to;
+    history->goes_on = branch;
     free(edit);
     return err;
 }
@@ -348,87 +257,34 @@ static void *copy_of(const void *items, size_t count, size_t size, bool *lacks)
     return copy;
 }
 
-static bool changed_settings(const struct session *session)
-{
-    return memcmp((const char *)&session->settings + SETTINGS_KEPT,
-                  (const char *)&session->mark + SETTINGS_KEPT,
-                  sizeof session->settings - SETTINGS_KEPT) != 0;
-}
-
 static struct kept_settings *keep_settings(const struct session *session, bool *lacks)
 {
-    struct kept_settings *kept = mem_new(sizeof *kept);
-    *lacks |= !kept;
-    if (kept) {
-        kept->holders = 1;
-        kept->settings = session->settings;
+    struct kept_settings *settings = mem_new(sizeof *settings);
+    *lacks |= !settings;
+    if (settings) {
+        settings->holders = 1;
+        settings->kept = session->now.kept;
+        kept_hold(&settings->kept);
     }
-    return kept;
+    return settings;
 }
 
-static struct packed *keep_mask(const struct session *session, bool *lacks)
+static void keep_lists(struct point *point, const struct state *state)
 {
-    if (!session->roi.mask)
-        return NULL;
-    struct packed *mask = packed_new(session->roi.mask, mask_bytes(&session->scene->grid));
-    *lacks |= !mask;
-    return mask;
+    point->pending = state->pending;
+    point->eliminators = state->eliminators;
+    point->applied = state->applied;
+    edits_hold(&point->pending);
+    edits_hold(&point->eliminators);
 }
 
-static struct packed *keep_weights(const struct session *session, bool *lacks)
+static void keep_seeds(struct point *point, const struct session *session, bool *lacks)
 {
-    const size_t voxels = session->scene->grid.voxels;
-    uint16_t *weight = mem_array(voxels, sizeof *weight);
-    struct packed *weights = NULL;
-    if (weight) {
-        weight_copy(weight, session->scene);
-        weights = packed_new(weight, voxels * sizeof *weight);
-    }
-    free(weight);
-    *lacks |= !weights;
-    return weights;
-}
-
-/* What the command did, in `point`. Whether it did anything. */
-static bool describe(struct point *point, const struct session *session, bool *lacks)
-{
-    const size_t end = session->applied ? session->applied : session->pendings;
-    const struct eliminators *e = &session->eliminators;
-    point->ran = session->applied > 0;
-    point->appendeds = end - session->mark_pendings;
-    point->appended = copy_of(session->pending + session->mark_pendings, point->appendeds,
-                              sizeof *point->appended, lacks);
-    point->eliminators = e->end - e->mark[2];
-    point->eliminator =
-        copy_of(e->cell + e->mark[2], point->eliminators, sizeof *point->eliminator, lacks);
-    if (point->ran) {
-        const struct seed_changes seeds = forest_seed_changes(session->forest);
-        point->seeds = seeds.count;
-        point->after = copy_of(seeds.after, seeds.count, sizeof *seeds.after, lacks);
-        point->before = copy_of(seeds.before, seeds.count, sizeof *seeds.before, lacks);
-    }
-    return point->ran || point->appendeds || point->eliminators;
-}
-
-/* The state that the command led to, where it is another than that of the point before. */
-static bool describe_state(struct point *point, const struct point *before,
-                           const struct session *session, bool *lacks)
-{
-    const bool sets = changed_settings(session);
-    const bool excludes = session->roi_changed && session->roi.mask != session->mark_roi.mask;
-    const bool reads = session->read_weights;
-    if (sets || excludes || reads)
-        point->settings = keep_settings(session, lacks);
-    else {
-        point->settings = before->settings;
-        point->settings->holders++;
-    }
-    point->mask = excludes ? keep_mask(session, lacks) : packed_hold(before->mask);
-    if (reads)
-        point->weights = keep_weights(session, lacks);
-    else if (session->settings.weight.kind == WEIGHT_FILE)
-        point->weights = packed_hold(before->weights);
-    return sets || excludes || reads;
+    const struct seed_changes seeds = forest_seed_changes(session->forest);
+    point->ran = true;
+    point->seeds = seeds.count;
+    point->after = copy_of(seeds.after, seeds.count, sizeof *seeds.after, lacks);
+    point->before = copy_of(seeds.before, seeds.count, sizeof *seeds.before, lacks);
 }
 
 static enum err note_root(struct history *history, const struct session *session,
@@ -439,20 +295,30 @@ static enum err note_root(struct history *history, const struct session *session
     history->is_root = true;
     root->parent = POINT_NONE;
     root->settings = keep_settings(session, &lacks);
+    keep_lists(root, &session->now);
     return lacks ? fault_memory(fault, "the history") : OK;
 }
 
+/* No point, where the command has left the segmentation as it was. */
 static enum err note_point(struct history *history, const struct session *session,
                            struct fault *fault)
 {
+    struct kept_settings *before = history->point[history->present].settings;
+    const struct state *now = &session->now, *former = &session->former;
     struct point *point = &history->noted;
+    const bool sets = !kept_equals(&now->kept, &before->kept);
     bool lacks = false;
+    if (!sets && !session->edited && edits_is_copy(&now->pending, &former->pending) &&
+        edits_is_copy(&now->eliminators, &former->eliminators))
+        return OK;
     point->parent = history->present;
     point->branch = history->on;
-    const bool did = describe(point, session, &lacks);
-    const bool led = describe_state(point, history->point + history->present, session, &lacks);
-    if (!did && !led)
-        point_release(point);
+    point->settings = sets ? keep_settings(session, &lacks) : before;
+    if (!sets)
+        before->holders++;
+    keep_lists(point, now);
+    if (session->edited)
+        keep_seeds(point, session, &lacks);
     return lacks ? fault_memory(fault, "the history") : OK;
 }
 
@@ -463,7 +329,7 @@ enum err history_note(struct history *history, const struct session *session, co
     history->is_noted = true;
     if (!session->has_scene)
         return OK;
-    if (!session->mark_has_scene || session->former.scene)
+    if (!session->former_has_scene || session->former_scene.scene)
         err = note_root(history, session, fault);
     else if (history->goes_to == POINT_NONE)
         err = note_point(history, session, fault);

@@ -30,10 +30,10 @@
 
 enum { BRANCH_NAME_BYTES = 64 };
 
-/* What is held by all points at which it is the same; `holders` many. */
+/* Held by all points at which it is the same; `holders` many. */
 struct kept_settings {
     size_t holders;
-    struct settings settings; /* from SETTINGS_KEPT on */
+    struct kept kept;
 };
 
 struct point {
@@ -43,19 +43,15 @@ struct point {
     size_t record; /* number of the command's record */
     char *command; /* in canonical form */
 
-    /* What the command did: edits that came to wait; whether it ran, and what that did to seeds,
-     * each voxel once; an eliminator that was put. */
-    struct edit *appended;
-    size_t appendeds;
+    /* What the command did to seeds, each voxel once; nothing unless it ran. */
     bool ran;
     struct edit *after, *before;
     size_t seeds;
-    uint32_t *eliminator;
-    size_t eliminators;
 
-    /* The state here, of what is not told by the way to it. */
+    /* The rest of the state here, but for the outlook. */
     struct kept_settings *settings;
-    struct packed *mask, *weights; /* of the region of interest; out of a file; NULL for none */
+    struct edits pending, eliminators;
+    size_t applied;
 };
 
 struct branch {

@@ -134,16 +134,34 @@ static enum err open_file(struct session *session, const char *path, struct faul
 static enum err equip(struct session *session, struct scene *scene, struct forest **forest,
                       struct border *border, struct fault *fault)
 {
-    enum err err = forest_new(forest, scene, session->settings.adjacency, fault);
+    enum err err = forest_new(forest, scene, session->now.kept.adjacency, fault);
     if (!err && (session->team || team_new(&session->team, team_size_wanted(), NULL) == OK))
         err = forest_set_team(*forest, session->team, fault);
     session->weight_work.team = session->team;
     if (!err)
         err = border_init(border, scene, fault);
     if (!err)
-        memcpy(border->visible, session->settings.visible, sizeof border->visible);
+        memcpy(border->visible, session->now.kept.visible, sizeof border->visible);
     if (!err)
-        border->cut = session->settings.cut;
+        border->cut = session->now.kept.cut;
+    return err;
+}
+
+/* Weighs the scene and looks at its middle. */
+static enum err show_first(struct session *session, struct fault *fault)
+{
+    const uint32_t *nm = session->scene->spacing_nm;
+    struct state next = session->now;
+    next.outlook.view = view_default(session->scene);
+    for (int a = 0; a < 3; a++)
+        next.outlook.slices.cross[a] = session->scene->grid.size[a] / 2;
+    session->stale = MADE_WEIGHTS | MADE_ROI;
+    enum err err = session_go(session, &next, NULL, 0, fault);
+    if (err == ERR_LIMIT)
+        fault_set(fault, err,
+                  "voxels of %gx%gx%g mm are too long for their width: no picture could show "
+                  "them; nothing was opened",
+                  nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6);
     return err;
 }
 
@@ -158,31 +176,16 @@ enum err session_open(struct session *session, const char *path, struct fault *f
         err = open_file(session, path, fault);
     if (!err)
         err = equip(session, session->scene, &session->forest, &session->border, fault);
-    if (!err)
-        err = weight_work_reserve(&session->weight_work, &session->scene->grid,
-                                  &session->settings.weight, fault);
     if (err) {
         session_close_scene(session);
         return err;
     }
     session->has_scene = true;
     session->tally = tally_of_none(session->scene);
-    snprintf(session->settings.scene_file, sizeof session->settings.scene_file, "%s",
-             file_name(path));
-    for (int a = 0; a < 3; a++)
-        session->settings.slices.cross[a] = session->scene->grid.size[a] / 2;
-    session->roi_tally = roi_tally(&session->roi, session->scene);
+    snprintf(session->scene_file, sizeof session->scene_file, "%s", file_name(path));
     session->scene_digest = scene_digest(session->scene);
     scene_proof(session->proof, session->scene);
-    err = session_weigh(session, fault);
-    struct view view = view_default(session->scene);
-    if (!err && session_set_view(session, &view, NULL)) {
-        const uint32_t *nm = session->scene->spacing_nm;
-        err = fault_set(fault, ERR_LIMIT,
-                        "voxels of %gx%gx%g mm are too long for their width: no picture could show "
-                        "them; nothing was opened",
-                        nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6);
-    }
+    err = show_first(session, fault);
     if (err)
         session_close_scene(session);
     return err;
@@ -195,14 +198,11 @@ enum err session_open(struct session *session, const char *path, struct fault *f
 static enum err replace_scene(struct session *session, unsigned doubled, struct fault *fault)
 {
     struct former_scene next = {0};
-    assert(!session->former.scene); /* once in a command */
+    assert(!session->former_scene.scene); /* once in a command */
     enum err err =
         scene_new_interpolated(&next.scene, session->scene, doubled, session->watch, fault);
     if (!err)
         err = equip(session, next.scene, &next.forest, &next.border, fault);
-    if (!err)
-        err = weight_work_reserve(&session->weight_work, &next.scene->grid,
-                                  &session->settings.weight, fault);
     if (err) {
         border_release(&next.border);
         forest_free(next.forest);
@@ -210,44 +210,52 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
         return err;
     }
     shader_release(&session->shader);
-    session->former =
-        (struct former_scene){session->scene,         session->geometry, session->scene_digest,
-                              session->weight_digest, session->forest,   session->border};
+    session->former_scene = (struct former_scene){
+        session->scene,  session->geometry, session->scene_digest, session->weight_digest,
+        session->forest, session->border,   session->roi_tally,    session->stale};
     session->scene = next.scene;
     session->forest = next.forest;
     session->border = next.border;
     session->tally = tally_of_none(next.scene);
     session->knows_window = false;
+    session->stale = MADE_WEIGHTS | MADE_ROI;
     if (session->skims)
-        forest_suspend(session->forest);
+        session_skim(session);
     return OK;
 }
 
-/* The same place in the middle of the picture, seen as a scene of this size is at first. */
-static enum err set_default_zoom(struct session *session, unsigned doubled, struct fault *fault)
+/* The same places in the finer scene, seen as a scene of this size is at first: 2n - 1 voxels, so
+ * that the middle stays the middle. Eliminators are those of another scene. */
+static struct state refined(const struct session *session, unsigned doubled)
 {
-    struct view view = session->settings.view;
-    view.zoom =
-        view_fitting_zoom(session->scene, view.width, view.height, session->settings.look.samples);
-    view.zoom = view.zoom < VIEW_ZOOM_ONE ? view.zoom : VIEW_ZOOM_ONE;
-    for (unsigned a = 0; a < 3; a++)
-        view.focus[a] *= 1 + (doubled >> a & 1); /* 2n - 1 voxels: the middle stays the middle */
-    return session_set_view(session, &view, fault);
+    struct state next = session->now;
+    struct view *view = &next.outlook.view;
+    view->zoom =
+        view_fitting_zoom(session->scene, view->width, view->height, next.outlook.look.samples);
+    view->zoom = view->zoom < VIEW_ZOOM_ONE ? view->zoom : VIEW_ZOOM_ONE;
+    for (unsigned a = 0; a < 3; a++) {
+        view->focus[a] *= 1 + (doubled >> a & 1);
+        next.outlook.slices.cross[a] *= 1 + (doubled >> a & 1);
+    }
+    next.eliminators = (struct edits){0};
+    next.applied = 0;
+    return next;
 }
 
 enum err session_interpolate(struct session *session, unsigned doubled, struct fault *fault)
 {
     uint32_t size[3];
-    if (forest_seeds(session->forest) || session->pendings)
+    const size_t pendings = edits_count(&session->now.pending);
+    if (forest_seeds(session->forest) || pendings)
         return fault_set(fault, ERR_USAGE,
                          "%zu seeds are planted and %zu edits wait; a scene is interpolated before "
                          "the first seed; nothing has changed",
-                         forest_seeds(session->forest), session->pendings);
-    if (session->roi.mask || session->settings.weight.kind == WEIGHT_FILE)
+                         forest_seeds(session->forest), pendings);
+    if (session->now.kept.mask || session->now.kept.weight_map)
         return fault_set(fault, ERR_USAGE,
                          "a mask or weights out of a file lie on the scene as it is; interpolate "
                          "first, then take them on the finer grid; nothing has changed");
-    if (!cut_is_none(&session->settings.cut))
+    if (!cut_is_none(&session->now.kept.cut))
         return fault_set(fault, ERR_USAGE,
                          "what is cut away lies on the scene as it is; interpolate first, or say "
                          "`clip none`, `plane none`, `cut none`; nothing has changed");
@@ -267,31 +275,7 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
         for (unsigned w = 0; w < 3 && doubled >> a & 1; w++)
             session->geometry.to_mm[w][a] /= 2;
     }
-    for (unsigned a = 0; a < 3; a++)
-        session->settings.slices.cross[a] *= 1 + (doubled >> a & 1);
-    eliminators_forget(&session->eliminators);
-    roi_apply(&session->roi, session->scene);
-    session->roi_tally = roi_tally(&session->roi, session->scene);
     session->scene_digest = scene_digest(session->scene);
-    err = session_weigh(session, fault);
-    return err ? err : set_default_zoom(session, doubled, fault);
-}
-
-/* The former scene again, with its forest; the caller sets the view. */
-void session_take_back_scene(struct session *session)
-{
-    const struct former_scene former = session->former;
-    shader_release(&session->shader);
-    border_release(&session->border);
-    forest_free(session->forest);
-    scene_free(session->scene);
-    session->scene = former.scene;
-    session->geometry = former.geometry;
-    session->scene_digest = former.scene_digest;
-    session->weight_digest = former.weight_digest;
-    session->forest = former.forest;
-    session->border = former.border;
-    session->knows_window = false;
-    session->roi_tally = session->mark_roi_tally; /* the region of interest itself is the same */
-    session->former = (struct former_scene){0};
+    const struct state next = refined(session, doubled);
+    return session_go(session, &next, NULL, 0, fault);
 }

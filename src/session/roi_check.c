@@ -35,21 +35,21 @@ static enum err count_waiting(const struct roi *roi, const struct scene *scene,
 }
 
 enum err roi_check(const struct roi *roi, const struct scene *scene, const struct edit *pending,
-                   size_t pendings, struct roi_tally *tally, struct fault *fault)
+                   size_t pendings, struct fault *fault)
 {
     size_t waiting = 0;
     enum err err = count_waiting(roi, scene, pending, pendings, &waiting, fault);
     if (err)
         return err;
-    *tally = roi_tally(roi, scene);
-    if (!tally->inside)
+    const struct roi_tally tally = roi_tally(roi, scene);
+    if (!tally.inside)
         return fault_set(fault, ERR_INPUT,
                          "no voxel of the scene would be inside; nothing has changed");
-    if (tally->seeds_outside || waiting)
+    if (tally.seeds_outside || waiting)
         return fault_set(fault, ERR_INPUT,
                          "%zu planted and %zu waiting seeds would be outside; remove them and run "
                          "first; nothing has changed",
-                         tally->seeds_outside, waiting);
+                         tally.seeds_outside, waiting);
     return OK;
 }
 

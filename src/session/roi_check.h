@@ -12,7 +12,7 @@
 /* ERR_INPUT where nothing would be inside, or where seeds would be outside: those planted in the
  * scene, and those that a run of the pending edits, in their order, would plant. */
 enum err roi_check(const struct roi *roi, const struct scene *scene, const struct edit *pending,
-                   size_t pendings, struct roi_tally *tally, struct fault *fault);
+                   size_t pendings, struct fault *fault);
 
 /* Makes region of interest->low..high the intensities whose real values lie in a range, in thousandths; low is
  * above high where there are none. */

@@ -9,94 +9,7 @@
 #include "base/mem.h"
 #include "render/mosaic.h"
 #include "session/export.h"
-
-/* Voxels that are looked at for the window: enough for its percentiles, and few enough to take no
- * time in a large scene. */
-static const size_t WINDOW_VOXELS = 1u << 22;
-
-/* ---- the window ---- */
-
-/* Every n-th row of voxels. */
-static size_t count_intensities(uint32_t *count, const struct scene *scene)
-{
-    const struct grid *grid = &scene->grid;
-    const size_t rows = (size_t)grid->size[1] * grid->size[2];
-    const size_t each = (grid->voxels + WINDOW_VOXELS - 1) / WINDOW_VOXELS;
-    size_t counted = 0;
-    for (size_t r = 0; r < rows; r += each) {
-        const struct span row =
-            grid_row(grid, (uint32_t)(r % grid->size[1]), (uint32_t)(r / grid->size[1]));
-        for (uint32_t c = row.first; c < row.end; c++)
-            count[scene->cell[c].intensity]++;
-        counted += row.end - row.first;
-    }
-    return counted;
-}
-
-/* The 1st and the 99.5th percentile: few voxels are as bright as vessels and fat. */
-static void find_window(struct session *session)
-{
-    static uint32_t count[UINT16_MAX + 1];
-    for (size_t i = 0; i <= UINT16_MAX; i++)
-        count[i] = 0;
-    const uint64_t all = count_intensities(count, session->scene);
-    uint64_t below = 0;
-    session->window[0] = session->window[1] = 0;
-    for (int32_t i = 0; i <= UINT16_MAX; i++) {
-        if (below * 100 <= all)
-            session->window[0] = i;
-        if (below * 1000 < all * 995)
-            session->window[1] = i;
-        below += count[i];
-    }
-    session->knows_window = true;
-}
-
-/* A real value as an intensity. */
-static int32_t intensity_of(const struct geometry *geometry, int64_t thousandths)
-{
-    static const double most = 1 << 30;
-    const double slope = geometry->slope != 0 ? geometry->slope : 1;
-    const double value = ((double)thousandths / 1000 - geometry->intercept) / slope;
-    const double whole = floor(value + 0.5);
-    return (int32_t)(whole < -most ? -most : whole > most ? most : whole);
-}
-
-void slicing_window(int32_t window[2], struct session *session)
-{
-    const struct slice_settings *s = &session->settings.slices;
-    const bool falls = session->geometry.slope < 0;
-    if (!s->has_window && !session->knows_window)
-        find_window(session);
-    for (int i = 0; i < 2; i++)
-        window[i] = s->has_window ? intensity_of(&session->geometry, s->window_thousandths[i])
-                                  : session->window[falls ? 1 - i : i];
-    if (window[0] == window[1])
-        window[1] += falls ? -1 : 1;
-}
-
-/* "12.5", or four digits of what is smaller than thousandths tell. */
-static void write_value(char out[WINDOW_WORDS_BYTES], double value)
-{
-    const double thousandths = value * 1000;
-    if (value == 0 || fabs(value) >= 1)
-        snprintf(out, WINDOW_WORDS_BYTES, "%.10g", floor(thousandths + 0.5) / 1000);
-    else
-        snprintf(out, WINDOW_WORDS_BYTES, "%.4g", value);
-}
-
-void slicing_window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS_BYTES],
-                          struct session *session)
-{
-    const struct slice_settings *s = &session->settings.slices;
-    const struct geometry *geometry = &session->geometry;
-    char *const words[2] = {least, most};
-    int32_t window[2];
-    slicing_window(window, session);
-    for (int i = 0; i < 2; i++)
-        write_value(words[i], s->has_window ? (double)s->window_thousandths[i] / 1000
-                                            : geometry->slope * window[i] + geometry->intercept);
-}
+#include "session/window.h"
 
 /* ---- what is drawn ---- */
 
@@ -111,18 +24,17 @@ struct sketch {
 /* Seeds that wait, and eliminators. */
 static bool list_marks(struct sketch *sketch, const struct session *session)
 {
-    const struct eliminators *e = &session->eliminators;
-    const size_t most = session->pendings + (e->end - e->first);
-    struct slice_mark *mark = sketch->mark = mem_array(most, sizeof *mark);
+    const struct state *now = &session->now;
+    const struct edit *seed = edits_first(&now->pending), *put = edits_first(&now->eliminators);
+    const size_t seeds = edits_count(&now->pending), puts = edits_count(&now->eliminators);
+    struct slice_mark *mark = sketch->mark = mem_array(seeds + puts, sizeof *mark);
     if (!mark)
         return false;
-    for (size_t i = 0; i < session->pendings; i++) {
-        const struct edit *edit = &session->pending[i];
-        if (edit->label != EDIT_ERASE)
-            *mark++ = (struct slice_mark){edit->cell, (uint8_t)edit->label, false, true};
-    }
-    for (size_t i = e->first; i < e->end; i++)
-        *mark++ = (struct slice_mark){e->cell[i], 0, true, i >= e->waiting};
+    for (size_t i = 0; i < seeds; i++)
+        if (seed[i].label != EDIT_ERASE)
+            *mark++ = (struct slice_mark){seed[i].cell, (uint8_t)seed[i].label, false, true};
+    for (size_t i = 0; i < puts; i++)
+        *mark++ = (struct slice_mark){put[i].cell, 0, true, i >= now->applied};
     sketch->style.mark = sketch->mark;
     sketch->style.marks = (size_t)(mark - sketch->mark);
     return true;
@@ -139,7 +51,7 @@ static void write_kind(char out[16], enum slice_kind kind)
 static void write_title(char out[64], const struct session *session, enum slice_plane plane)
 {
     static const char side[3][2] = {{'I', 'S'}, {'P', 'A'}, {'L', 'R'}};
-    const uint32_t *cross = session->settings.slices.cross;
+    const uint32_t *cross = session->now.outlook.slices.cross;
     double point_mm[3];
     geometry_point(&session->geometry, cross, point_mm);
     const double mm = point_mm[2 - plane];
@@ -157,21 +69,21 @@ static void write_title(char out[64], const struct session *session, enum slice_
 
 static enum err sketch_init(struct sketch *sketch, struct session *session, struct fault *fault)
 {
-    const struct slice_settings *s = &session->settings.slices;
+    const struct slice_settings *s = &session->now.outlook.slices;
     int32_t window[2];
     sketch->mark = NULL;
     sketch->style.overlay = s->overlay;
-    sketch->style.palette = &session->settings.palette;
-    sketch->style.visible = session->settings.visible;
+    sketch->style.palette = &session->now.kept.palette;
+    sketch->style.visible = session->now.kept.visible;
     sketch->style.crosses = s->crosses;
     sketch->style.marks_seeds = s->marks;
     sketch->style.mark = NULL;
     sketch->style.marks = 0;
     if (s->marks && !list_marks(sketch, session))
         return fault_memory(fault, "the marks of a slice");
-    slicing_window(window, session);
+    window_of(window, session);
     slice_window(sketch->style.grey, window[0], window[1]);
-    slicing_window_words(sketch->least, sketch->most, session);
+    window_words(sketch->least, sketch->most, session);
     sketch->style.least = sketch->least;
     sketch->style.most = sketch->most;
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++)
@@ -183,7 +95,7 @@ static enum err sketch_init(struct sketch *sketch, struct session *session, stru
 static struct slice_choice slice_of(const struct session *session, enum slice_kind kind,
                                     const struct sketch *sketch)
 {
-    const struct slice_settings *s = &session->settings.slices;
+    const struct slice_settings *s = &session->now.outlook.slices;
     struct slice_choice choice = {.plane = (enum slice_plane)kind, .smooth = s->zoom == 0};
     for (int a = 0; a < 3; a++)
         choice.place[a] = s->cross[a];
@@ -198,7 +110,7 @@ static struct slice_choice slice_of(const struct session *session, enum slice_ki
 
 static struct mosaic_choice mosaic_of(const struct session *session, const struct sketch *sketch)
 {
-    const struct slice_settings *s = &session->settings.slices;
+    const struct slice_settings *s = &session->now.outlook.slices;
     struct mosaic_choice choice = {.notes = s->words, .team = session->team};
     for (int i = 0; i < 3; i++) {
         choice.place[i] = s->cross[i];
@@ -209,7 +121,7 @@ static struct mosaic_choice mosaic_of(const struct session *session, const struc
 
 static enum err prepare(struct session *session, enum slice_kind kind, struct fault *fault)
 {
-    const struct view *view = &session->settings.view;
+    const struct view *view = &session->now.outlook.view;
     if (kind != SLICE_KIND_MOSAIC)
         return OK;
     if (view->width < MOSAIC_SIDE_LEAST || view->height < MOSAIC_SIDE_LEAST)
@@ -223,7 +135,7 @@ static enum err prepare(struct session *session, enum slice_kind kind, struct fa
 enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
                       bool tells_cells, struct fault *fault)
 {
-    const struct view *view = &session->settings.view;
+    const struct view *view = &session->now.outlook.view;
     struct sketch sketch;
     *canvas = (struct canvas){0};
     enum err err = prepare(session, kind, fault);
@@ -249,7 +161,7 @@ enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice
 enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kind kind,
                          uint32_t column, uint32_t row, struct fault *fault)
 {
-    const struct view *view = &session->settings.view;
+    const struct view *view = &session->now.outlook.view;
     enum err err = prepare(session, kind, fault);
     if (err)
         return err;
@@ -304,7 +216,7 @@ enum err slicing_panel(struct canvas *canvas, struct session *session, uint32_t 
 static enum err note_kind(struct picture *picture, const struct session *session,
                           enum slice_kind kind, struct fault *fault)
 {
-    const struct slice_settings *s = &session->settings.slices;
+    const struct slice_settings *s = &session->now.outlook.slices;
     char name[16], words[128];
     write_kind(name, kind);
     int n = snprintf(words, sizeof words, "%s through %u,%u,%u", name, s->cross[0], s->cross[1],

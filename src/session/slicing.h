@@ -38,13 +38,4 @@ enum err slicing_panel(struct canvas *canvas, struct session *session, uint32_t 
 enum err slicing_export(struct picture *picture, const struct session *session,
                         enum slice_kind kind, const struct canvas *canvas, struct fault *fault);
 
-/* Intensities of black and white; they differ. A scene whose values fall as intensities rise has
- * the greater one first. */
-void slicing_window(int32_t window[2], struct session *session);
-
-/* The real values that are black and white: "0" and "142.5". */
-enum { WINDOW_WORDS_BYTES = 32 };
-void slicing_window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS_BYTES],
-                          struct session *session);
-
 #endif

@@ -73,23 +73,22 @@ static void note_facts(struct facts *facts, const struct session *session)
 {
     memcpy(facts->size, session->scene->grid.size, sizeof facts->size);
     memcpy(facts->proof, session->proof, sizeof facts->proof);
-    memcpy(facts->label_name, session->settings.label_name, sizeof facts->label_name);
-    facts->palette = session->settings.palette;
+    memcpy(facts->label_name, session->now.kept.label_name, sizeof facts->label_name);
+    facts->palette = session->now.kept.palette;
     facts->scene_digest = session->scene_digest;
     facts->voxels = session->scene->grid.voxels;
-    facts->pending = session->pendings;
+    facts->pending = session_pendings(session);
 }
 
 /* Names and colours of labels that A has none of are B's. */
-static void borrow(struct settings *settings, const struct facts *other,
-                   const struct overlap *overlap)
+static void borrow(struct kept *kept, const struct facts *other, const struct overlap *overlap)
 {
     for (int label = 1; label < 256; label++) {
         if (overlap->a[label])
             continue;
-        memcpy(settings->palette.rgb[label], other->palette.rgb[label], 3);
-        if (!settings->label_name[label][0])
-            memcpy(settings->label_name[label], other->label_name[label], LABEL_NAME_BYTES);
+        memcpy(kept->palette.rgb[label], other->palette.rgb[label], 3);
+        if (!kept->label_name[label][0])
+            memcpy(kept->label_name[label], other->label_name[label], LABEL_NAME_BYTES);
     }
 }
 
@@ -104,7 +103,7 @@ static enum err draw(struct picture *picture, struct session *session, const str
         .name = {file_name(side->options->path[0]), file_name(side->options->path[1])},
         .label = {label, side->other_label},
         .overlap = overlap};
-    borrow(&session->settings, side->other, overlap);
+    borrow(&session->now.kept, side->other, overlap);
     const enum err err = difference_picture_draw(picture, session, &difference_picture, fault);
     free(overlap);
     return err;

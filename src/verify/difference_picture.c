@@ -140,7 +140,7 @@ static enum err draw_difference(const struct sheet *sheet, struct session *sessi
 {
     const size_t pixels = (size_t)sheet->width * sheet->height;
     int64_t *depth = mem_array(pixels, sizeof *depth);
-    struct palette *palette = &session->settings.palette;
+    struct palette *palette = &session->now.kept.palette;
     if (!depth)
         return fault_memory(fault, "a picture");
     memcpy(palette->rgb[SAME_OBJECT], ghost_rgb, 3);
@@ -216,7 +216,7 @@ static void write_labels(const struct sheet *sheet, const struct session *sessio
     uint32_t row = 0;
     for (int label = 1; label < 256; label++) {
         char words[LABEL_NAME_BYTES + 32];
-        const char *name = session->settings.label_name[label];
+        const char *name = session->now.kept.label_name[label];
         const unsigned dice = overlap_dice(overlap, (uint8_t)label);
         if (!overlap->a[label] && !overlap->b[label])
             continue;
@@ -225,7 +225,7 @@ static void write_labels(const struct sheet *sheet, const struct session *sessio
         if (left + 10 * (int64_t)sheet->scale + text_width(words, sheet->scale) > end)
             return;
         const int64_t right =
-            write_entry(sheet, left, row, session->settings.palette.rgb[label], words);
+            write_entry(sheet, left, row, session->now.kept.palette.rgb[label], words);
         widest = right > widest ? right : widest;
         if (++row == ROWS) {
             row = 0;
@@ -250,7 +250,7 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
                                  const struct difference_picture *difference_picture,
                                  struct fault *fault)
 {
-    struct sheet sheet = plan_sheet(&session->settings.view);
+    struct sheet sheet = plan_sheet(&session->now.outlook.view);
     const uint32_t width = pane_left(&sheet, 3) - SEAM;
     const uint32_t height = sheet.top + sheet.height + sheet.bottom;
     enum err err = picture_init(picture, width, height, false, fault);

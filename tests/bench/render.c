@@ -81,14 +81,14 @@ static double quantile(struct row *row, double share)
 
 static enum err colour(struct session *session, struct fault *fault)
 {
-    const struct settings *settings = &session->settings;
-    return shade(&session->rendition, &session->camera, &session->border, &settings->palette,
-                 &settings->look, &session->shader, fault);
+    const struct state *now = &session->now;
+    return shade(&session->rendition, &session->camera, &session->border, &now->kept.palette,
+                 &now->outlook.look, &session->shader, fault);
 }
 
 static enum err turn_to(struct session *session, int frame, uint32_t zoom, struct fault *fault)
 {
-    struct view view = session->settings.view;
+    struct view view = session->now.outlook.view;
     view.angle[0] = frame * (VIEW_TURN / FRAMES);
     view.angle[1] = 15000;
     view.width = view.height = SIDE;
@@ -145,7 +145,7 @@ static enum err time_turn(struct session *session, struct table *table, uint32_t
 static enum err time_look(struct session *session, struct table *table, const char *what,
                           const struct look *look, struct fault *fault)
 {
-    const struct look former = session->settings.look;
+    const struct look former = session->now.outlook.look;
     struct row *row = add_row(table, what);
     enum err err = session_set_look(session, look, fault);
     if (!err)
@@ -220,7 +220,7 @@ static enum err follow_edit(struct session *session, const struct edit *edit, si
     out->labels = is_wanted ? changes.count : 0;
     const uint64_t begin = clock_ns();
     incremental_image(&session->rendition, &session->camera, &session->border, &changes,
-                      shade_reach(&session->settings.look, &session->camera));
+                      shade_reach(&session->now.outlook.look, &session->camera));
     err = err ? err : colour(session, fault);
     out->ms = times_since(begin);
     return err;
@@ -280,7 +280,7 @@ static enum err time_slices(struct session *session, struct table *table, const 
     for (uint32_t i = 0; !err && i < FRAMES; i++) {
         struct canvas canvas = {0};
         for (int a = 0; a < 3; a++)
-            session->settings.slices.cross[a] = size[a] * (FRAMES + 2 * i) / (4 * FRAMES);
+            session->now.outlook.slices.cross[a] = size[a] * (FRAMES + 2 * i) / (4 * FRAMES);
         const uint64_t begin = clock_ns();
         err = slicing_draw(&canvas, session, kind, false, fault);
         add_since(row, begin);

@@ -103,7 +103,7 @@ static enum err colour(struct work *work, struct rendition *rendition, bool of_k
 {
     const struct session *session = work->session;
     return shade(rendition, &session->camera, of_kept ? &session->border : &work->sought,
-                 &session->settings.palette, &session->settings.look, &work->shader[of_kept],
+                 &session->now.kept.palette, &session->now.outlook.look, &work->shader[of_kept],
                  fault);
 }
 
@@ -118,7 +118,7 @@ static enum err render(struct work *work, enum experiment e, struct fault *fault
         splat_scene(&work->made, camera, border);
     } else if (e == DIFT_II) {
         incremental_image(&work->made, camera, border, &changes,
-                          shade_reach(&session->settings.look, camera));
+                          shade_reach(&session->now.outlook.look, camera));
     } else {
         splat_border(&work->made, camera, border);
     }

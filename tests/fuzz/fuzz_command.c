@@ -18,7 +18,7 @@ static void prepare(void)
     session_init(session);
     history_init(&interp.history);
     HOLDS(session_open(session, "synth:geom:9x8x7", &fault) == OK);
-    strcpy(session->settings.label_name[2], "cerebellum");
+    strcpy(session->now.kept.label_name[2], "cerebellum");
 }
 
 static void parse(const char *line)

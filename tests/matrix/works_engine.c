@@ -98,12 +98,13 @@ static void excludes(struct team *team)
     struct forest *forest = NULL;
     struct edit edit[WORKS_SEEDS];
     struct fault fault;
-    struct roi roi = {mask_new(&scene->grid), 20, 210};
+    uint64_t *bits = mask_new(&scene->grid);
+    struct roi roi = {bits, 20, 210};
     size_t count = 0;
-    must_hold(roi.mask != NULL, "room for a mask");
+    must_hold(bits != NULL, "room for a mask");
     for (uint32_t c = 0; c < scene->grid.cells; c++)
         if (!(scene->cell[c].flags & CELL_RIM) && c / 37 % 3)
-            roi.mask[c >> 6] |= UINT64_C(1) << (c & 63);
+            bits[c >> 6] |= UINT64_C(1) << (c & 63);
     must(forest_new(&forest, scene, 6, &fault), &fault, "a forest");
     must(forest_set_team(forest, team, &fault), &fault, "a forest's crew");
     const struct roi_tally tally = roi_tally(&roi, scene);
@@ -117,7 +118,7 @@ static void excludes(struct team *team)
             edit[count++] = edit[i];
     must(forest_edit(forest, edit, count, NULL, &fault), &fault, "the seeds");
     tell_forest(forest, "fenced", 6, "planted");
-    free(roi.mask);
+    free(bits);
     forest_free(forest);
     scene_free(scene);
 }

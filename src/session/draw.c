@@ -1,0 +1,103 @@
+/* Pictures of a session: its camera and its rendition. */
+#include "session/session_parts.h"
+
+#include "render/rendition.h"
+#include "session/window.h"
+
+/* ---- the camera ---- */
+
+/* The view with `samples` pixels for each of its own, along both sides. */
+static struct view sampled(const struct view *view, uint32_t samples)
+{
+    struct view fine = *view;
+    fine.width *= samples;
+    fine.height *= samples;
+    fine.zoom *= samples;
+    return fine;
+}
+
+enum err session_aim(const struct session *session, const struct outlook *outlook,
+                     struct camera *camera, struct fault *fault)
+{
+    const struct view *view = &outlook->view;
+    const uint32_t samples = outlook->look.samples;
+    const struct view fine = sampled(view, samples);
+    if (fine.width > VIEW_SIDE_MOST || fine.height > VIEW_SIDE_MOST)
+        return fault_set(fault, ERR_LIMIT,
+                         "a picture of %ux%u pixels of %ux%u samples: at most %d samples a side; "
+                         "nothing has changed",
+                         view->width, view->height, samples, samples, VIEW_SIDE_MOST);
+    return camera_init(camera, session->scene, &fine, fault);
+}
+
+void session_take_camera(struct session *session, const struct camera *camera)
+{
+    const struct view *view = &session->now.outlook.view, *fine = &camera->view;
+    const struct rendition *frame = session_frame(session);
+    if (fine->width != session->rendition.width || fine->height != session->rendition.height ||
+        view->width != frame->width || view->height != frame->height)
+        session_release_rendition(session);
+    session->camera = *camera;
+    session->rendered = false;
+}
+
+/* ---- the rendition ---- */
+
+const struct rendition *session_frame(const struct session *session)
+{
+    return session->now.outlook.look.samples > 1 ? &session->reduced : &session->rendition;
+}
+
+enum err session_colour(struct session *session, struct fault *fault)
+{
+    const struct kept *kept = &session->now.kept;
+    const struct look *look = &session->now.outlook.look;
+    if (!cut_is_none(&kept->cut))
+        window_of(session->shader.window, session);
+    enum err err = shade(&session->rendition, &session->camera, &session->border, &kept->palette,
+                         look, &session->shader, fault);
+    if (!err && look->samples > 1)
+        rendition_reduce(&session->reduced, &session->rendition, look->samples);
+    return err;
+}
+
+/* Memory for the rendition, of camera.view's size. */
+static enum err make_room(struct session *session, struct fault *fault)
+{
+    const struct view *view = &session->now.outlook.view, *fine = &session->camera.view;
+    if (session->has_rendition)
+        return OK;
+    session->rendered = false;
+    enum err err = rendition_init(&session->rendition, fine->width, fine->height, fault);
+    if (!err && fine->width != view->width)
+        err = rendition_init(&session->reduced, view->width, view->height, fault);
+    session->has_rendition = err == OK;
+    if (err)
+        session_release_rendition(session);
+    return err;
+}
+
+enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault)
+{
+    if (session->skims)
+        return OK;
+    enum err err = make_room(session, fault);
+    if (err || (session->rendered && (mode == RENDER_AS_KEPT || mode == RENDER_INCREMENTAL)))
+        return err;
+    session->rendered = false;
+    if (mode == RENDER_SCENE)
+        splat_scene(&session->rendition, &session->camera, &session->border);
+    else if (mode == RENDER_RAY)
+        raycast(&session->rendition, &session->camera, &session->border);
+    else
+        splat_border(&session->rendition, &session->camera, &session->border);
+    err = session_colour(session, fault);
+    session->rendered = err == OK;
+    return err ? err : watch_fault(session->watch, fault);
+}
+
+enum err session_render(struct session *session, enum render_mode mode, struct fault *fault)
+{
+    enum err err = session_run(session, fault);
+    return err ? err : session_draw(session, mode, fault);
+}

@@ -1,0 +1,250 @@
+/* The one way to change a session: going to a state, and making anew what does not fit it. */
+#include "session/session_parts.h"
+
+#include "base/mem.h"
+#include "session/roi_check.h"
+
+/* ---- weights ---- */
+
+/* Where the next weight of a map goes. */
+struct filling {
+    struct scene *scene;
+    uint64_t rows; /* begun so far */
+    struct span left;
+};
+
+static void fill(void *context, const void *piece, size_t length)
+{
+    struct filling *filling = context;
+    const struct grid *grid = &filling->scene->grid;
+    const uint16_t *weight = piece;
+    for (size_t i = 0; i < length / sizeof *weight; i++) {
+        if (filling->left.first == filling->left.end) {
+            filling->left = grid_row(grid, (uint32_t)(filling->rows % grid->size[1]),
+                                     (uint32_t)(filling->rows / grid->size[1]));
+            filling->rows++;
+        }
+        filling->scene->cell[filling->left.first++].weight = weight[i];
+    }
+}
+
+static enum err fill_weights(struct session *session, struct fault *fault)
+{
+    struct filling filling = {.scene = session->scene};
+    uint16_t piece[4096];
+    return packed_read(session->now.kept.weight_map, piece, sizeof piece, fill, &filling, fault);
+}
+
+static enum err weigh(struct session *session, struct fault *fault)
+{
+    const struct kept *kept = &session->now.kept;
+    struct arc_rule arcs = {.kind = weight_arcs(kept->weight.kind)};
+    enum err err = OK;
+    for (int label = 0; label < 256; label++)
+        arcs.polarity[label] = kept->polarity[label];
+    forest_set_adjacency(session->forest, kept->adjacency);
+    forest_set_arcs(session->forest, &arcs);
+    if (kept->weight_map)
+        err = fill_weights(session, fault);
+    else
+        weight_compute(session->scene, forest_adjacency(session->forest), &kept->weight,
+                       &session->weight_work);
+    session->weight_digest = weight_digest(session->scene, &arcs, session->team);
+    return err ? err : watch_fault(session->watch, fault);
+}
+
+/* ---- the region of interest ---- */
+
+/* Seeds that come or go may lie outside the former region, or the coming one: they are changed
+ * while there is none. */
+static void open_region(struct session *session)
+{
+    const struct roi open = roi_none();
+    if (!roi_is_none(&session->roi))
+        roi_apply(&open, session->scene);
+}
+
+static enum err apply_region(struct session *session, struct fault *fault)
+{
+    const struct kept *kept = &session->now.kept;
+    const bool was_none = roi_is_none(&session->roi);
+    enum err err = OK;
+    session->roi = roi_none();
+    if (kept->mask) {
+        session->roi.mask = session->mask_room;
+        err = packed_take_out(kept->mask, session->mask_room, fault);
+    }
+    if (kept->has_range)
+        roi_range(&session->roi, &session->geometry, kept->range_thousandths);
+    session->roi_tally = roi_tally(&session->roi, session->scene);
+    if (!was_none || !roi_is_none(&session->roi))
+        roi_apply(&session->roi, session->scene);
+    return err;
+}
+
+/* ---- the forest ---- */
+
+/* How the forest's passes are watched. */
+struct progress {
+    struct watch *watch;
+    uint64_t voxels; /* to be served; 0 where nobody knows */
+};
+
+static bool poll_forest(void *context, uint64_t served)
+{
+    const struct progress *progress = context;
+    return watch_poll(progress->watch, "forest", served, progress->voxels);
+}
+
+/* Tally, border and rendition after a change of the forest (S2). What cannot be coloured is drawn
+ * when it is asked for. */
+static void follow_forest(struct session *session)
+{
+    const struct changes changes = forest_changes(session->forest);
+    tally_follow(&session->tally, &changes);
+    border_update(&session->border, &changes);
+    if (watch_stops(session->watch))
+        session->stale |= MADE_BORDER;
+    if (!session->rendered)
+        return;
+    incremental_image(&session->rendition, &session->camera, &session->border, &changes,
+                      shade_reach(&session->now.outlook.look, &session->camera));
+    session->rendered = session_colour(session, NULL) == OK;
+}
+
+/* A forest that is to grow anew, or is not wanted yet, has its seeds changed and no more. */
+static enum err edit_seeds(struct session *session, const struct edit *seed, size_t seeds,
+                           struct fault *fault)
+{
+    const bool from_nothing = forest_seeds(session->forest) == 0;
+    struct progress progress = {session->watch, from_nothing ? session->scene->grid.voxels : 0};
+    const struct forest_watch watch = {poll_forest, &progress};
+    enum err err = forest_edit(session->forest, seed, seeds, &watch, fault);
+    if (err)
+        return err;
+    session->edited = true;
+    if (forest_is_suspended(session->forest))
+        session->tally.stale = true;
+    else
+        follow_forest(session);
+    return OK;
+}
+
+static enum err grow(struct session *session, struct fault *fault)
+{
+    struct progress progress = {session->watch, session->scene->grid.voxels};
+    const struct forest_watch watch = {poll_forest, &progress};
+    session->regrown = true;
+    session->tally.stale = true;
+    session->stale &= ~(unsigned)MADE_BORDER; /* all of it is made anew with the forest */
+    enum err err = forest_catch_up(session->forest, &watch, fault);
+    if (err)
+        session->stale |= MADE_BORDER;
+    else
+        follow_forest(session);
+    return err;
+}
+
+/* ---- going ---- */
+
+/* One part after the other, in the order in which they follow from each other. */
+static enum err make(struct session *session, unsigned part,
+                     enum err (*how)(struct session *, struct fault *), struct fault *fault)
+{
+    if (!(session->stale & part))
+        return OK;
+    session->stale &= ~part;
+    enum err err = how(session, fault);
+    err = err ? err : watch_fault(session->watch, fault);
+    session->stale |= err ? part : 0;
+    return err;
+}
+
+static enum err count_border(struct session *session, struct fault *fault)
+{
+    (void)fault;
+    border_recount(&session->border);
+    return OK;
+}
+
+/* Makes anew what is stale; seeds are changed on the way. */
+static enum err follow(struct session *session, const struct edit *seed, size_t seeds,
+                       struct fault *fault)
+{
+    enum err err = OK;
+    if (session->stale & (MADE_WEIGHTS | MADE_ROI) && (seeds || forest_seeds(session->forest)))
+        session->stale |= MADE_FOREST;
+    if (session->stale & MADE_FOREST)
+        forest_suspend(session->forest);
+    if (session->stale & MADE_ROI && seeds)
+        open_region(session);
+    if (seeds)
+        err = edit_seeds(session, seed, seeds, fault);
+    if (!err)
+        err = make(session, MADE_ROI, apply_region, fault);
+    if (err || session->skims)
+        return err;
+    err = make(session, MADE_WEIGHTS, weigh, fault);
+    if (!err)
+        err = make(session, MADE_FOREST, grow, fault);
+    if (!err)
+        err = make(session, MADE_BORDER, count_border, fault);
+    return err ? err : watch_fault(session->watch, fault);
+}
+
+/* All that can fail for want of room. */
+static enum err make_room(struct session *session, const struct kept *kept, unsigned parts,
+                          struct fault *fault)
+{
+    const struct grid *grid = &session->scene->grid;
+    if (kept->mask && !session->mask_room) {
+        session->mask_room = mem_array(mask_bytes(grid), 1);
+        if (!session->mask_room)
+            return fault_memory(fault, "a mask");
+    }
+    if (parts & MADE_WEIGHTS && !kept->weight_map)
+        return weight_work_reserve(&session->weight_work, grid, &kept->weight, fault);
+    return OK;
+}
+
+enum err session_go(struct session *session, const struct state *state, const struct edit *seed,
+                    size_t seeds, struct fault *fault)
+{
+    const unsigned parts = session->stale | state_difference(&session->now, state);
+    const bool aims =
+        session->has_scene && (parts & MADE_CAMERA || session->camera.scene != session->scene);
+    struct camera camera;
+    enum err err = aims ? session_aim(session, &state->outlook, &camera, fault) : OK;
+    if (!err && session->has_scene)
+        err = make_room(session, &state->kept, parts, fault);
+    if (err)
+        return err;
+    state_assign(&session->now, state);
+    if (!session->has_scene)
+        return OK;
+    if (aims)
+        session_take_camera(session, &camera);
+    if (parts & (MADE_BORDER | MADE_COLOURS))
+        session->rendered = false;
+    if (parts & MADE_BORDER) {
+        for (int label = 0; label < 256; label++)
+            session->border.visible[label] = state->kept.visible[label];
+        session->border.cut = state->kept.cut;
+    }
+    session->stale = parts & ~(unsigned)(MADE_CAMERA | MADE_COLOURS);
+    return follow(session, seed, seeds, fault);
+}
+
+void session_skim(struct session *session)
+{
+    session->skims = true;
+    session->rendered = false;
+    session->stale |= MADE_FOREST;
+    forest_suspend(session->forest);
+}
+
+enum err session_catch_up(struct session *session, struct fault *fault)
+{
+    session->skims = false;
+    return follow(session, NULL, 0, fault);
+}

@@ -1,0 +1,135 @@
+/* Settings of a session: each changes a copy of the state and goes there. A copy borrows what it
+ * shares with the present state; what is new in it is released once the session holds it. */
+#include "session/session.h"
+
+#include <string.h>
+
+#include "session/roi_check.h"
+
+static void set_words(char words[FILE_WORDS_BYTES], const char *name)
+{
+    memset(words, 0, FILE_WORDS_BYTES);
+    memcpy(words, name, strnlen(name, FILE_WORDS_BYTES - 1));
+}
+
+static enum err go(struct session *session, const struct state *state, struct fault *fault)
+{
+    return session_go(session, state, NULL, 0, fault);
+}
+
+/* ---- weights ---- */
+
+enum err session_set_adjacency(struct session *session, unsigned count, struct fault *fault)
+{
+    struct state next = session->now;
+    next.kept.adjacency = count;
+    return go(session, &next, fault);
+}
+
+enum err session_set_weight(struct session *session, const struct weight_choice *choice,
+                            struct fault *fault)
+{
+    struct state next = session->now;
+    next.kept.weight = *choice;
+    next.kept.weight_map = NULL;
+    set_words(next.kept.weight_file, "");
+    return go(session, &next, fault);
+}
+
+enum err session_set_weight_map(struct session *session, const char *name, const uint16_t *weight,
+                                struct fault *fault)
+{
+    struct state next = session->now;
+    struct packed *map = packed_new(weight, session->scene->grid.voxels * sizeof *weight);
+    if (!map)
+        return fault_memory(fault, "weights");
+    next.kept.weight = (struct weight_choice){.kind = WEIGHT_FILE};
+    next.kept.weight_map = map;
+    set_words(next.kept.weight_file, name);
+    enum err err = go(session, &next, fault);
+    packed_release(map);
+    return err;
+}
+
+enum err session_set_polarity(struct session *session, uint8_t label, int8_t percent,
+                              struct fault *fault)
+{
+    struct state next = session->now;
+    next.kept.polarity[label] = percent;
+    return go(session, &next, fault);
+}
+
+/* ---- the region of interest ---- */
+
+static enum err check(const struct session *session, const struct roi *roi, struct fault *fault)
+{
+    return roi_check(roi, session->scene, edits_first(&session->now.pending),
+                     edits_count(&session->now.pending), fault);
+}
+
+enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,
+                          const uint32_t regions[2], struct fault *fault)
+{
+    const struct roi roi = {mask, session->roi.low, session->roi.high};
+    struct state next = session->now;
+    enum err err = check(session, &roi, fault);
+    if (err)
+        return err;
+    struct packed *packed = mask ? packed_new(mask, mask_bytes(&session->scene->grid)) : NULL;
+    if (mask && !packed)
+        return fault_memory(fault, "a mask");
+    next.kept.mask = packed;
+    set_words(next.kept.mask_file, mask ? name : "");
+    for (int i = 0; i < 2; i++)
+        next.kept.mask_regions[i] = mask ? regions[i] : 0;
+    err = go(session, &next, fault);
+    packed_release(packed);
+    return err;
+}
+
+enum err session_set_range(struct session *session, const int64_t thousandths[2],
+                           struct fault *fault)
+{
+    struct roi roi = {session->roi.mask, 0, UINT16_MAX};
+    struct state next = session->now;
+    if (thousandths)
+        roi_range(&roi, &session->geometry, thousandths);
+    enum err err = check(session, &roi, fault);
+    if (err)
+        return err;
+    next.kept.has_range = thousandths != NULL;
+    for (int i = 0; i < 2; i++)
+        next.kept.range_thousandths[i] = thousandths ? thousandths[i] : 0;
+    return go(session, &next, fault);
+}
+
+/* ---- what is seen ---- */
+
+enum err session_set_view(struct session *session, const struct view *view, struct fault *fault)
+{
+    struct state next = session->now;
+    next.outlook.view = *view;
+    return go(session, &next, fault);
+}
+
+enum err session_set_look(struct session *session, const struct look *look, struct fault *fault)
+{
+    struct state next = session->now;
+    next.outlook.look = *look;
+    return go(session, &next, fault);
+}
+
+enum err session_set_visible(struct session *session, uint8_t label, bool visible,
+                             struct fault *fault)
+{
+    struct state next = session->now;
+    next.kept.visible[label] = visible;
+    return go(session, &next, fault);
+}
+
+enum err session_set_cut(struct session *session, const struct cut *cut, struct fault *fault)
+{
+    struct state next = session->now;
+    next.kept.cut = *cut;
+    return go(session, &next, fault);
+}

@@ -1,0 +1,103 @@
+/*
+ * A state: all of a session that a command can change, as a plain value.
+ *
+ *     kept      what belongs to the segmentation: undo, redo and goto lead back to it
+ *     outlook   where one looks from: it stays when one goes through the history
+ *     pending   the edits of seeds that wait for a run
+ *     eliminators  where the user has put them, to be marked in slices: those of the last run, and
+ *               after them those that wait. What they do is among the pending edits
+ *
+ * The seeds that are planted belong to it too, but are known as a difference alone: the edits that
+ * lead from one state to another (session_go). Everything else of a session follows from its state.
+ *
+ * A state is copied by assignment and costs some 11 kB; what is as large as the scene is shared,
+ * immutable and counted. A copy borrows, until state_hold makes it an owner.
+ */
+#ifndef SESSION_STATE_H
+#define SESSION_STATE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/packed.h"
+#include "engine/weight.h"
+#include "render/cut.h"
+#include "render/shade.h"
+#include "render/slice.h"
+#include "render/view.h"
+#include "session/edits.h"
+
+enum { LABEL_NAME_BYTES = 32, FILE_WORDS_BYTES = 128 };
+
+struct kept {
+    struct palette palette;
+    char label_name[256][LABEL_NAME_BYTES]; /* "" for none */
+    bool visible[256];
+    struct cut cut;     /* what is cut away of what is visible */
+    unsigned adjacency; /* 6 or 26 */
+    struct weight_choice weight;
+    int8_t polarity[256]; /* of each label, in percent; heeded while the weight is `polarity` */
+
+    struct packed *weight_map;          /* uint16 [z][y][x]; NULL unless the weight is a file's */
+    struct packed *mask;                /* bits (engine/roi.h); NULL for none */
+    char weight_file[FILE_WORDS_BYTES]; /* what to call both; a long name is cut; "" for none */
+    char mask_file[FILE_WORDS_BYTES];
+    uint32_t mask_regions[2];     /* first and last */
+    bool has_range;               /* and if so, in real values: */
+    int64_t range_thousandths[2]; /* lowest and highest inside */
+};
+
+/* How slices and mosaics are shown. */
+struct slice_settings {
+    uint32_t cross[3]; /* the voxel that they go through */
+    uint32_t zoom;     /* of slices, thousandths of a pixel per smallest spacing; 0 for what fits */
+    bool has_window;   /* else it follows from the scene */
+    int64_t window_thousandths[2]; /* real values: black and white */
+    enum slice_overlay overlay;
+    bool crosses, marks, words; /* the cross-hair; seeds and eliminators; letters and bars */
+};
+
+struct outlook {
+    struct view view;
+    struct look look;
+    struct slice_settings slices;
+    bool runs_by_itself; /* "auto": each edit is run at once */
+};
+
+struct state {
+    struct kept kept;
+    struct outlook outlook;
+    struct edits pending; /* in order; a later edit of a voxel wins */
+    struct edits eliminators;
+    size_t applied; /* how many of them, from the first one on, were of the last run */
+};
+
+/* As a session begins. */
+struct state state_default(void);
+
+/* Two are the same where every field is; maps are, where they are one and the same. */
+bool kept_equals(const struct kept *a, const struct kept *b);
+bool outlook_equals(const struct outlook *a, const struct outlook *b);
+
+/* Of what is shared: one holder more, or fewer. */
+void kept_hold(const struct kept *kept);
+void kept_release(struct kept *kept);
+void state_hold(const struct state *state);
+void state_release(struct state *state);
+
+/* Makes *to a copy that owns, in place of one that did. Cannot fail. */
+void state_assign(struct state *to, const struct state *from);
+
+/* What of a session follows from a part of its state, and is made anew where that part differs. */
+enum {
+    MADE_WEIGHTS = 1,
+    MADE_ROI = 2,
+    MADE_FOREST = 4, /* follows from both, and from the seeds */
+    MADE_BORDER = 8,
+    MADE_CAMERA = 16,
+    MADE_COLOURS = 32,
+};
+unsigned state_difference(const struct state *a, const struct state *b);
+
+#endif

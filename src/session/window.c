@@ -1,0 +1,90 @@
+#include "session/window.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Voxels that are looked at for the window: enough for its percentiles, and few enough to take no
+ * time in a large scene. */
+static const size_t WINDOW_VOXELS = 1u << 22;
+
+/* Every n-th row of voxels. */
+static size_t count_intensities(uint32_t *count, const struct scene *scene)
+{
+    const struct grid *grid = &scene->grid;
+    const size_t rows = (size_t)grid->size[1] * grid->size[2];
+    const size_t each = (grid->voxels + WINDOW_VOXELS - 1) / WINDOW_VOXELS;
+    size_t counted = 0;
+    for (size_t r = 0; r < rows; r += each) {
+        const struct span row =
+            grid_row(grid, (uint32_t)(r % grid->size[1]), (uint32_t)(r / grid->size[1]));
+        for (uint32_t c = row.first; c < row.end; c++)
+            count[scene->cell[c].intensity]++;
+        counted += row.end - row.first;
+    }
+    return counted;
+}
+
+/* The 1st and the 99.5th percentile: few voxels are as bright as vessels and fat. */
+static void find_window(struct session *session)
+{
+    static uint32_t count[UINT16_MAX + 1];
+    for (size_t i = 0; i <= UINT16_MAX; i++)
+        count[i] = 0;
+    const uint64_t all = count_intensities(count, session->scene);
+    uint64_t below = 0;
+    session->window[0] = session->window[1] = 0;
+    for (int32_t i = 0; i <= UINT16_MAX; i++) {
+        if (below * 100 <= all)
+            session->window[0] = i;
+        if (below * 1000 < all * 995)
+            session->window[1] = i;
+        below += count[i];
+    }
+    session->knows_window = true;
+}
+
+/* A real value as an intensity. */
+static int32_t intensity_of(const struct geometry *geometry, int64_t thousandths)
+{
+    static const double most = 1 << 30;
+    const double slope = geometry->slope != 0 ? geometry->slope : 1;
+    const double value = ((double)thousandths / 1000 - geometry->intercept) / slope;
+    const double whole = floor(value + 0.5);
+    return (int32_t)(whole < -most ? -most : whole > most ? most : whole);
+}
+
+void window_of(int32_t window[2], struct session *session)
+{
+    const struct slice_settings *s = &session->now.outlook.slices;
+    const bool falls = session->geometry.slope < 0;
+    if (!s->has_window && !session->knows_window)
+        find_window(session);
+    for (int i = 0; i < 2; i++)
+        window[i] = s->has_window ? intensity_of(&session->geometry, s->window_thousandths[i])
+                                  : session->window[falls ? 1 - i : i];
+    if (window[0] == window[1])
+        window[1] += falls ? -1 : 1;
+}
+
+/* "12.5", or four digits of what is smaller than thousandths tell. */
+static void write_value(char out[WINDOW_WORDS_BYTES], double value)
+{
+    const double thousandths = value * 1000;
+    if (value == 0 || fabs(value) >= 1)
+        snprintf(out, WINDOW_WORDS_BYTES, "%.10g", floor(thousandths + 0.5) / 1000);
+    else
+        snprintf(out, WINDOW_WORDS_BYTES, "%.4g", value);
+}
+
+void window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS_BYTES],
+                  struct session *session)
+{
+    const struct slice_settings *s = &session->now.outlook.slices;
+    const struct geometry *geometry = &session->geometry;
+    char *const words[2] = {least, most};
+    int32_t window[2];
+    window_of(window, session);
+    for (int i = 0; i < 2; i++)
+        write_value(words[i], s->has_window ? (double)s->window_thousandths[i] / 1000
+                                            : geometry->slope * window[i] + geometry->intercept);
+}
