@@ -10,6 +10,9 @@ BUILD    := $(if $(filter release,$(VARIANT)),build,build/$(VARIANT))
 PACKAGES := g++ pkg-config libopenimageio-dev libopenexr-dev libmd-dev zlib1g-dev libdeflate-dev \
             openexr openimageio-tools
 SCENES   := mricron-data
+# What tests use; what is after this in a list of packages, is left out where it cannot be had.
+TEST_PACKAGES := tmux screen procps python3
+FORMATTER     := clang-format-14
 
 # Vectors go between static functions alone, so no ABI is at stake where a machine has none.
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wvla -Werror -Wno-psabi
@@ -84,13 +87,14 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 ## all: build build/iftty and its image helper (the default)
 all: $(BUILD)/iftty $(BUILD)/iftty-image
 
-## test: install what is missing, build, run every test; ends with "N passed, N failed"
-test: all tests
+## test: install what is missing, build, run every test; ends with "N passed, N failed,
+##     N skipped"; JOBS=2 at once, as many as there are cores
+test: all tests build/.packages-test
 	@tests/run.sh $(BUILD)
 
 ## test-long: the property tests of forest, threads, rendition and cuts, ten times over (a million
 ##     edits); 500 sessions killed at random moments; the mutation test in full
-test-long: all tests
+test-long: all tests build/.packages-test
 	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render test_cut test_team \
 	    test_team_racing test_kill test_mutation.sh
 
@@ -167,6 +171,10 @@ $(BUILD)/libfuzzer/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/tests/fuzz/file
 	@mkdir -p $(@D)
 	$(say) "link      $@"
 	$(Q)$(CC) -fsanitize=fuzzer $(ALL_LDFLAGS) -o $@ $^ $(LIBS)
+
+build/.packages-test: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages $(TEST_PACKAGES) -- $(FORMATTER)
+	@touch $@
 
 build/.packages-matrix: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(MATRIX_PACKAGES) --

@@ -3,8 +3,13 @@
 #
 #     begin "name of the story"       starts a story
 #     fail "what is wrong"            notes a failure of it
-#     close_story                     prints "ok N - name" or "not ok N - name"
+#     needs TOOL && ...               a part of it that cannot be without a tool
+#     close_story                     prints "ok N - name" or "not ok N - name", or, where a part of
+#                                     it could not be done, "ok N - name # SKIP why"
 #     finish                          prints the plan and exits
+#
+# No function here or in a test has the name of a tool that a test uses: the function would be run
+# instead of the tool (tests/test_layout.sh sees to it).
 
 LC_ALL=C
 IFTTY_HISTORY= # what is typed here is none of the user's
@@ -18,10 +23,10 @@ work=$(mktemp -d "${TMPDIR:-/tmp}/iftty-test-XXXXXX") || exit 1
 trap 'chmod -R u+rwx "$work" 2>/dev/null; rm -rf "$work"' EXIT
 trap 'exit 1' HUP INT TERM
 
-story='' stories=0 bad_stories=0 failures=0
+story='' stories=0 bad_stories=0 failures=0 lacks=''
 
 begin() {
-    story=$1 failures=0
+    story=$1 failures=0 lacks=''
 }
 fail() {
     failures=$((failures + 1))
@@ -30,20 +35,48 @@ fail() {
 close_story() {
     stories=$((stories + 1))
     if [ "$failures" = 0 ]; then
-        printf 'ok %d - %s\n' "$stories" "$story"
+        printf 'ok %d - %s%s\n' "$stories" "$story" "${lacks:+ # SKIP $lacks}"
     else
         bad_stories=$((bad_stories + 1))
         printf 'not ok %d - %s\n' "$stories" "$story"
     fi
 }
-skip_story() { # name, why
-    stories=$((stories + 1))
-    printf 'ok %d - %s # SKIP %s\n' "$stories" "$1" "$2"
+skip() { # WHY: the story, or a part of it, cannot be done here
+    lacks=${lacks:-$1}
+}
+needs() { # TOOL...: programs in PATH; else the story is skipped. A fresh shell has none of our functions
+    for tool; do
+        sh -c 'command -v "$0"' "$tool" >/dev/null 2>&1 || { skip "$tool is not installed"; return 1; }
+    done
+}
+needs_landlock() {
+    "$iftty" info | grep -q '^landlock  version' || { skip "the kernel has no Landlock"; return 1; }
 }
 finish() {
     printf '1..%d\n' "$stories"
     [ "$bad_stories" = 0 ]
     exit
+}
+
+# For scripts that mount a disk: starts the script over where mounting concerns nobody else.
+# private_mounts SCRIPT; then can_mount holds, or the kernel does not let us.
+private_mounts() {
+    [ -z "$IFTTY_MOUNTS" ] || return
+    [ "$(id -u)" = 0 ] && private=-m || private=-rm
+    unshare $private true 2>/dev/null || return
+    rmdir "$work"
+    IFTTY_MOUNTS=yes exec unshare $private "$1"
+}
+can_mount() {
+    [ -n "$IFTTY_MOUNTS" ] || { skip "the kernel gives no mounts of our own"; return 1; }
+}
+# Runs a command for which the permissions of files hold, whoever runs the test.
+with_permissions() {
+    if [ "$(id -u)" = 0 ]; then
+        setpriv --bounding-set=-dac_override,-dac_read_search,-fowner "$@"
+    else
+        "$@"
+    fi
 }
 
 # expect STATUS COMMAND...: runs it with standard output in $work/out, standard error in $work/err.

@@ -1,38 +1,118 @@
 #!/bin/sh
-# Runs every test program and script and adds up their TAP: run.sh BUILD [NAME...]
-# Closes with "N passed, N failed"; status 1 when anything failed.
-build=$1
-shift
-export IFTTY_BUILD="$build"
+# Runs test programs and scripts side by side and adds up their TAP: run.sh BUILD [NAME...]
+#
+#     JOBS=N      so many at once; as many as there are cores where it is not set
+#     LIMIT=S     a program that takes longer than S seconds has failed; 1200
+#     TMPDIR=...  where all of them work. Where it is not set, they work in memory if there is such
+#                 a place with room enough, and those that test what a disk keeps, in /tmp.
+#
+# Each has a fresh folder as its TMPDIR, which is gone afterwards. Closes with the line
+# "N passed, N failed, N skipped"; status 1 when anything failed or nothing was run. A story that
+# ends in "# SKIP why" is named and counted as skipped, never as passed.
 cd "$(dirname "$0")/.." || exit 1
-passed=0 failed=0
-if [ $# -gt 0 ]; then
-    names=$*
-else
-    names="$(ls "$build"/tests | grep '^test_[a-z_0-9]*$') $(ls tests | grep '^test_.*\.sh$')"
-fi
-for name in $names; do
+
+# Those that take longest begin first, so that the last one to end is a short one.
+longest='test_trust.sh test_forest test_verify.sh test_team_racing test_large.sh test_bench.sh
+test_mutation.sh test_durable.sh test_interpolate test_pictures.sh test_team test_fuzz.sh test_tui_repl
+test_bad_input.sh test_command test_crash.sh test_prompt_pty test_leaving.sh'
+# What is on the disk after a crash is their subject.
+on_disk=' test_kill test_durable test_durable.sh test_crash.sh '
+
+# ---- one program, as xargs starts it ----
+
+say() { # all of it in one piece, whatever else runs
+    flock "$results/lock" cat "$1"
+}
+run_one() { # NAME
+    name=$1 result=$results/$1
     case $name in
     *.sh) command=tests/$name ;;
-    *) command=$build/tests/$name ;;
+    *) command=$IFTTY_BUILD/tests/$name ;;
     esac
-    begin=$(date +%s.%N)
-    output=$("$command" </dev/null 2>&1)
+    case $on_disk in
+    *" $name "*) TMPDIR=$disk/$name ;;
+    *) TMPDIR=$memory/$name ;;
+    esac
+    export TMPDIR
+    mkdir "$TMPDIR" || exit 1
+    begin=$(date +%s%N)
+    timeout --foreground -k 10 "${LIMIT:-1200}" "$command" </dev/null >"$result.out" 2>&1
     status=$?
-    end=$(date +%s.%N)
-    good=$(printf '%s\n' "$output" | grep -c '^ok ')
-    bad=$(printf '%s\n' "$output" | grep -c '^not ok ')
-    # A program that dies before its plan has failed, whatever it printed.
-    if ! printf '%s\n' "$output" | grep -q '^1\.\.' || { [ $status -ne 0 ] && [ "$bad" = 0 ]; }; then
-        bad=$((bad + 1))
-        output="$output
-# $name ended with status $status before it was done"
+    seconds=$((($(date +%s%N) - begin) / 100000000))
+    skipped=$(grep -c '^ok .* # SKIP' "$result.out")
+    passed=$(($(grep -c '^ok ' "$result.out") - skipped))
+    failed=$(grep -c '^not ok ' "$result.out")
+    planned=$(sed -n 's/^1\.\.\([0-9]*\)$/\1/p' "$result.out")
+    # A program that dies before its plan, or whose plan is another, has failed, whatever it printed.
+    if [ "$planned" != $((passed + failed + skipped)) ] || { [ $status -ne 0 ] && [ "$failed" = 0 ]; }; then
+        failed=$((failed + 1))
+        echo "# $name ended with status $status after $((passed + skipped)) of ${planned:-?} stories" >>"$result.out"
     fi
-    printf '%-28s %4d passed %4d failed  %6.1f s\n' "$name" "$good" "$bad" \
-        "$(echo "$end $begin" | awk '{print $1 - $2}')"
-    [ "$bad" = 0 ] || printf '%s\n' "$output" | grep -v '^ok '
-    passed=$((passed + good))
-    failed=$((failed + bad))
-done
-echo "$passed passed, $failed failed"
-[ "$failed" = 0 ]
+    echo "$passed $failed $skipped" >"$result.counts"
+    {
+        printf '%-28s %4d passed %4d failed %4d skipped  %4d.%d s\n' "$name" "$passed" "$failed" \
+            "$skipped" $((seconds / 10)) $((seconds % 10))
+        [ "$failed" = 0 ] || grep -v '^ok ' "$result.out"
+        sed -n "s/^ok [0-9]* - \(.*\) # SKIP \(.*\)/skipped: $name: \1: \2/p" "$result.out"
+        left=$(ls -A "$TMPDIR")
+        [ -z "$left" ] || echo "# $name leaves in its folder: $left"
+    } >"$result.said"
+    say "$result.said"
+    chmod -R u+rwx "$TMPDIR"
+    rm -rf "$TMPDIR"
+}
+
+if [ "$1" = one ]; then
+    run_one "$2"
+    exit 0
+fi
+
+# ---- all of them ----
+
+# /dev/shm may be read-only, small, or, in a container, without the right to run what lies there.
+is_roomy() { # FOLDER
+    [ -w "$1" ] && [ "$(df -Pk "$1" | awk 'NR == 2 { print $4 }')" -gt 2000000 ] || return 1
+    tried=$(mktemp "$1/iftty-XXXXXX") || return 1
+    printf '#!/bin/sh\n' >"$tried"
+    chmod +x "$tried"
+    "$tried" 2>/dev/null
+    set -- $?
+    rm -f "$tried"
+    return "$1"
+}
+
+ordered() { # NAMES, the longest first
+    for name in $longest; do
+        printf '%s\n' "$@" | grep -qx "$name" && echo "$name"
+    done
+    printf '%s\n' "$@" | grep -vxF "$longest"
+}
+
+IFTTY_BUILD=$1
+shift
+if [ $# = 0 ]; then
+    # shellcheck disable=SC2046
+    set -- $(cd tests && ls test_*.sh && ls test_*.c | sed 's/\.c$//') \
+        $(ls "$IFTTY_BUILD/tests" | grep '_racing$')
+fi
+longest=$(printf '%s\n' $longest)
+here=${TMPDIR:-/tmp}
+if [ -z "$TMPDIR" ] && is_roomy /dev/shm; then
+    memory=/dev/shm
+else
+    memory=$here
+fi
+memory=$(mktemp -d "$memory/iftty-XXXXXX") && disk=$(mktemp -d "$here/iftty-XXXXXX") || exit 1
+results=$disk/results
+mkdir "$results"
+export IFTTY_BUILD memory disk results
+trap 'rm -rf "$memory" "$disk"' EXIT
+trap 'kill $! 2>/dev/null; exit 1' HUP INT TERM
+
+ordered "$@" | xargs -n 1 -P "${JOBS:-$(nproc)}" tests/run.sh one &
+wait $!
+cat "$results"/*.counts 2>/dev/null | awk -v programs=$# '
+    { passed += $1; failed += $2; skipped += $3 }
+    END { if (NR < programs) { print "# " programs - NR " programs were not run"; failed += programs - NR }
+          printf "%d passed, %d failed, %d skipped\n", passed, failed, skipped
+          exit failed > 0 || passed == 0 }'

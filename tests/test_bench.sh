@@ -23,7 +23,7 @@ out_has '"identical": true'
 out_has '"ift_to_dift"'
 same "$(grep -c '"experiment":' "$work/out")" 10
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
-if command -v python3 >/dev/null 2>&1 && python3 -c 'import json' 2>/dev/null; then
+if needs python3; then
     python3 -m json.tool "$work/out" >/dev/null 2>"$work/err" || fail "$(cat "$work/err")"
 fi
 close_story

@@ -50,7 +50,7 @@ close_story
 
 begin "the same for programs"
 expect 1 "$iftty" diff --json a.iftty b.iftty
-if command -v python3 >/dev/null; then
+if needs python3; then
     python3 - <<'EOS' >"$work/figures" || fail "no JSON: $(cat out)"
 import json
 d = json.load(open('out'))

@@ -54,8 +54,8 @@ expect 3 "$iftty" log --graph missing.iftty
 expect 2 "$iftty" log --graph
 close_story
 
-if command -v script >/dev/null 2>&1; then
-    begin "at a terminal lines are cut at its edge, and drawn where the locale is UTF-8"
+begin "at a terminal lines are cut at its edge, and drawn where the locale is UTF-8"
+if needs script; then
     script -qec "stty cols 24 && LC_ALL=C.UTF-8 '$iftty' log --graph g.iftty" /dev/null </dev/null |
         tr -d '\r' >seen
     same "$(cat seen)" "● 1 open s.nii
@@ -67,9 +67,7 @@ if command -v script >/dev/null 2>&1; then
     script -qec "stty cols 24 && LC_ALL=C '$iftty' log --graph g.iftty" /dev/null </dev/null |
         tr -d '\r' >seen
     same "$(cat seen)" "$(cut -c 1-24 expected)"
-    close_story
-else
-    skip_story "at a terminal" "script is not installed"
 fi
+close_story
 
 finish

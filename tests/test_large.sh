@@ -25,6 +25,8 @@ if [ "${free_gb:-0}" -gt 0 ] && [ "$free_gb" -lt 75 ]; then
     expect 3 "$iftty" -c "open synth:geom:1600x1600x1600"
     err_has "a scene of 1600x1600x1600 voxels needs 77.1 GB of memory and"
     err_has "GB are free; nothing was opened"
+else
+    skip "this machine has memory for every scene"
 fi
 close_story
 
@@ -37,7 +39,9 @@ out_has "label 1: 1 seeds, 105 voxels"
 close_story
 
 begin "a large scene says what it needs, on standard error, and nothing else stands there"
-if [ "${free_gb:-0}" -gt 2 ]; then
+if [ "${free_gb:-0}" -le 2 ]; then
+    skip "this machine has less than 2 GB of memory free"
+else
     expect 0 "$iftty" -c "open synth:geom:400x400x340"
     same "$(sed 's/, [0-9.]* GB/, N GB/' err)" \
         "iftty: 400x400x340 voxels: needs 1.0 GB of memory, N GB are free"
@@ -45,7 +49,7 @@ fi
 close_story
 
 begin "how far things are stands on a terminal, and is gone afterwards"
-if command -v script >/dev/null 2>&1; then
+if needs script; then
     line="$iftty -c 'open synth:geom:360x360x360; seed 180,180,180 1; seed 1,1,1 0; run'"
     script -qec "$line" /dev/null </dev/null >seen
     tr '\r' '\n' <seen >lines

@@ -131,6 +131,20 @@ for file in $(find tests -type f ! -path '*/corpus/*' | sort); do
 done
 close_story
 
+begin "no function of a test hides a tool, and a tool is looked for by needs"
+tools=$(sed -n 's/^tools: //p' "$law")
+for file in tests/*.sh tests/*/*.sh; do
+    for tool in $(sed -n 's/^\( *if\)\{0,1\} *needs \([a-z0-9 -]*\).*/\2/p' "$file"); do
+        case " $tools " in *" $tool "*) ;; *) fail "$file needs $tool, which tests/layout.txt does not list" ;; esac
+    done
+    grep -q 'command -v' "$file" && [ "${file##*/}" != lib.sh ] && [ "${file##*/}" != test_layout.sh ] &&
+        fail "$file: command -v finds functions too; needs does not"
+    for name in $(sed -n 's/^ *\([a-z_][a-z_0-9]*\)() *{.*/\1/p' "$file"); do
+        case " $tools " in *" $name "*) fail "$file: the function $name hides a tool" ;; esac
+    done
+done
+close_story
+
 begin "the top level holds what it may hold"
 allowed=" $(sed -n 's/^top: //p' "$law") "
 if [ -e .git ] && git ls-files >/dev/null 2>&1; then

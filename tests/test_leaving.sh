@@ -95,7 +95,7 @@ close_story
 begin "in tmux that passes everything through: blocks, and nothing else"
 tmux_here set-option -g allow-passthrough on 2>/dev/null
 start_session four.iftty s.nii
-screen >before
+screen_text >before
 ! grep -q 'Gi=31\|AAAA\|2026' before || fail "garbage:" "$(cat before)"
 enter "slice axial"
 see "$half_block"
@@ -104,23 +104,21 @@ see '^journal: four'
 sane
 close_story
 
-if command -v screen >/dev/null 2>&1; then
-    begin "in GNU screen: blocks, and nothing else"
+begin "in GNU screen: blocks, and nothing else"
+if needs screen; then
     SCREENDIR=$work/screens
     mkdir -m 700 "$SCREENDIR"
-    enter "clear; SCREENDIR=$SCREENDIR $(command -v screen) -U -c /dev/null sh -c 'exec $iftty --journal five.iftty s.nii'"
+    enter "clear; SCREENDIR=$SCREENDIR screen -U -c /dev/null sh -c 'exec $iftty --journal five.iftty s.nii'"
     see '^[a-z]+>$'
-    screen >before
+    screen_text >before
     ! grep -q 'Gi=31\|AAAA\|2026' before || fail "garbage:" "$(cat before)"
     enter "slice axial"
     see "$half_block"
     enter "quit"
     see 'screen is terminating'
     sane
-    close_story
-else
-    skip_story "in GNU screen: blocks, and nothing else" "screen is not installed"
 fi
+close_story
 
 begin "the line is gone: the process too, and the journal is whole"
 start_session six.iftty s.nii

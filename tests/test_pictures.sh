@@ -4,12 +4,8 @@
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 
-for tool in exrheader oiiotool idiff; do
-    if ! command -v $tool >/dev/null 2>&1; then
-        skip_story "pictures as other programs see them" "$tool is not installed"
-        finish
-    fi
-done
+begin "pictures as other programs see them"
+needs exrheader oiiotool idiff || { close_story; finish; }
 
 make_scene s.nii 24 20 16
 formats="png tif tiff bmp tga ppm sgi iff rla dpx fits ico jp2 gif jpg webp hdr heic"
@@ -162,7 +158,7 @@ same "$(sed -n 's/^records *//p' out)" "$(grep -c '^= ' session.iftty)"
 for file in s.nii session.iftty lines.exr a.png a.tif a.gif; do
     expect 0 "$iftty" info $file --json
     same "$(wc -l <out | tr -d ' ')" 1
-    if command -v python3 >/dev/null 2>&1; then
+    if needs python3; then
         python3 -c 'import json, sys; json.load(sys.stdin)' <out 2>err || fail "$file: $(cat out err)"
     fi
 done

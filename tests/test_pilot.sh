@@ -29,7 +29,7 @@ see '^24x20x16 voxels'
 enter "pilot"
 see '^axial 8 at 12,10,8  brush 1  no label  intensity '
 see '0-9 seed  x eliminate  u undo  : command  \? keys  q back'
-screen | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen)"
+screen_text | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen_text)"
 close_story
 
 begin "keys move, seed, undo and turn, each as the command it is"
@@ -101,7 +101,7 @@ type_letters ":"
 enter "help"
 see '^The scene'
 for page in 1 2 3 4 5 6; do
-    screen | grep -q '^quit ' || press Space
+    screen_text | grep -q '^quit ' || press Space
     sleep 0.2
 done
 see '^quit  *leave'
@@ -144,7 +144,7 @@ close_story
 begin "another size of the window is another picture"
 tmux_here resize-window -t prompt -x 100 -y 30
 see '^coronal 13 '
-same "$(screen | grep -n '^coronal' | cut -d: -f1)" 29
+same "$(screen_text | grep -n '^coronal' | cut -d: -f1)" 29
 tmux_here resize-window -t prompt -x 80 -y 24
 see '^coronal 13 '
 close_story

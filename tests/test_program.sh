@@ -110,11 +110,9 @@ done
 close_story
 
 begin "what standard output does not take is an error"
-if [ -w /dev/full ]; then
-    "$iftty" run plain >/dev/full 2>err
-    same "$?" 3
-    err_has "standard output"
-fi
+"$iftty" run plain >/dev/full 2>err
+same "$?" 3
+err_has "standard output"
 close_story
 
 begin "a fresh journal replays and verifies"
@@ -431,15 +429,14 @@ same "$(last_word picture g2.iftty)" "$(last_word picture g1.iftty)"
 close_story
 
 ch2=/usr/share/mricron/templates/ch2.nii.gz
+begin "a brain: found by its name alone, replayed from elsewhere"
 if [ -r "$ch2" ]; then
-    begin "a brain: found by its name alone, replayed from elsewhere"
     expect 0 "$iftty" -c 'open ch2.nii.gz; seed 90,108,90 1; seed 2,2,2 0; run' --journal ch2.iftty
     mkdir far && cp ch2.iftty far
     expect 0 "$iftty" verify far/ch2.iftty
-    close_story
 else
-    skip_story "a brain: found by its name alone, replayed from elsewhere" \
-        "mricron-data is not installed"
+    skip "mricron-data is not installed"
 fi
+close_story
 
 finish

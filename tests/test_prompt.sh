@@ -9,7 +9,7 @@ half_block=$(printf '\342\226\200')
 make_scene s.nii 24 20 16
 # What stands below the last line that is $1.
 below() {
-    screen | grep . | awk -v line="$1" '{ text = text $0 "\n" } $0 == line { text = "" }
+    screen_text | grep . | awk -v line="$1" '{ text = text $0 "\n" } $0 == line { text = "" }
                                         END { printf "%s", text }'
 }
 begin_terminal
@@ -19,7 +19,7 @@ enter "clear; $iftty s.nii"
 enter "label 2 early"
 see '^s> label 2 early$'
 see '^s>$'
-screen | grep -q '^24x20x16 voxels' || fail "the scene is not told:" "$(screen)"
+screen_text | grep -q '^24x20x16 voxels' || fail "the scene is not told:" "$(screen_text)"
 same "$(below 's> label 2 early')" "s>"
 close_story
 
@@ -160,7 +160,7 @@ for try in 1 2 3 4 5; do # on a busy machine the key may come when the scene is 
     see 'needs 1\.1 GB of memory|error: '
     press C-c
     see '^error: (cancelled; nothing has changed|a scene of)|^420x420x340 voxels'
-    screen | grep -q '^420x420x340 voxels' || break
+    screen_text | grep -q '^420x420x340 voxels' || break
     press C-u
     enter "quit"
     see '^journal: big' # what is typed before is the prompt's, and goes with it

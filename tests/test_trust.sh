@@ -99,8 +99,8 @@ expect 0 "$iftty" run "old.iftty" --journal anew.iftty
 same_files anew.iftty proof.iftty
 close_story
 
-if command -v python3 >/dev/null; then
-    begin "the proof is SHA-256 as anyone computes it"
+begin "the proof is SHA-256 as anyone computes it"
+if needs python3; then
     same "$(last_word sha256 proof.iftty)" "$(python3 - <<'EOP'
 import hashlib, struct
 voxels = open("s.nii", "rb").read()[352:]
@@ -108,8 +108,8 @@ head = struct.pack("<6I4B", 24, 20, 16, 1000000, 1000000, 1000000, 0, 2, 4, 0)
 print(hashlib.sha256(head + b"".join(struct.pack("<H", v) for v in voxels)).hexdigest())
 EOP
 )"
-    close_story
 fi
+close_story
 
 begin "a golden image is read in the journal's folder"
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 30 30; golden g' --journal g.iftty
@@ -258,7 +258,7 @@ while read -r escaped; do
         # shellcheck disable=SC2086
         shown "$program" "$iftty" $program lines.iftty
     done
-    if command -v oiiotool >/dev/null && [ ! -e noted.png ]; then
+    if needs oiiotool && [ ! -e noted.png ]; then
         oiiotool --create 4x4 3 --attrib "ImageDescription" "$bad" -o noted.png 2>/dev/null
         shown "a picture's note" "$iftty" info noted.png
         oiiotool --create 4x4 3 --attrib "owner" "$bad" -o noted.exr 2>/dev/null
@@ -326,8 +326,8 @@ expect 0 "$iftty" log brown.iftty --anonymise --export -
 ! grep -q "$work" "$work/out" && ! grep -q 's.nii\|brown.iftty' "$work/out" || fail "a name is told: $(cat "$work/out")"
 close_story
 
-if command -v python3 >/dev/null; then
-    begin "log --export is PROV-JSON, in which every relation leads to a thing"
+begin "log --export is PROV-JSON, in which every relation leads to a thing"
+if needs python3; then
     expect 0 "$iftty" log brown.iftty --export prov.json
     expect 3 "$iftty" log brown.iftty --export prov.json
     err_has "prov.json exists already and was left alone"
@@ -353,8 +353,8 @@ EOP
     grep -q '"iftty:is-sound": false' "$work/out" || fail "the edited record passes for sound"
     expect 1 "$iftty" log named --export -
     err_has "is a script"
-    close_story
 fi
+close_story
 
 # ---- the kernel's walls ----
 
@@ -365,8 +365,8 @@ expect 0 "$iftty" info --json
 out_has '"landlock": '
 close_story
 
-if "$iftty" info | grep -q '^landlock  version' && [ -r /proc/self/status ]; then
-    begin "replay and verify stand behind them, the user's own commands do not"
+begin "replay and verify stand behind them, the user's own commands do not"
+if needs_landlock; then
     family() { # PROCESS: it and its children, of which verify has one for each journal
         echo "$1 $(cat "/proc/$1/task/$1/children" 2>/dev/null)"
     }
@@ -391,9 +391,7 @@ if "$iftty" info | grep -q '^landlock  version' && [ -r /proc/self/status ]; the
         kill $(family "$process") 2>/dev/null
         wait "$process" 2>/dev/null
     done
-    close_story
-else
-    skip_story "replay and verify stand behind them" "this kernel has none"
 fi
+close_story
 
 finish

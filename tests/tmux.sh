@@ -1,9 +1,7 @@
 # A real terminal for stories: tmux, 80x24, with a shell in it. To be sourced after lib.sh, in the
 # folder $work; ends the script where there is no tmux.
-if ! command -v tmux >/dev/null 2>&1; then
-    skip_story "at a terminal" "tmux is not installed"
-    finish
-fi
+begin "at a terminal"
+needs tmux || { close_story; finish; }
 
 # A server of our own, whatever the user has; -u since LC_ALL=C says nothing of UTF-8.
 unset TMUX NO_COLOR
@@ -13,7 +11,7 @@ tmux_here() {
 trap 'tmux_here kill-server 2>/dev/null; rm -rf "$work"' EXIT
 
 checks=0
-screen() {
+screen_text() {
     tmux_here capture-pane -p -t prompt | sed 's/ *$//'
 }
 press() { # keys by the names that tmux gives them
@@ -29,9 +27,9 @@ enter() { # a line
 # Waits (60 s, for a machine that is busy with other things) until a line of the screen matches.
 see() {
     tries=0
-    until screen | grep -qE -e "$1"; do
+    until screen_text | grep -qE -e "$1"; do
         if [ $((tries += 1)) -gt 1200 ]; then
-            fail "nothing like '$1' on the screen:" "$(screen | grep .)"
+            fail "nothing like '$1' on the screen:" "$(screen_text | grep .)"
             return 1
         fi
         sleep 0.05

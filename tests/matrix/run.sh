@@ -150,5 +150,5 @@ all)
     ;;
 esac
 echo "1..$number"
-echo "$((number - bad)) passed, $bad failed"
+echo "$((number - bad)) passed, $bad failed, 0 skipped"
 [ $bad = 0 ]

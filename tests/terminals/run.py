@@ -3,7 +3,7 @@
 
     tests/terminals/run.py BUILD [WORD...]    only stories with one of these words in their names
 
-Ends with "N passed, N failed" as tests/run.sh does; nothing is skipped: a terminal that does not
+Ends with "N passed, N failed, 0 skipped" as tests/run.sh does; nothing is skipped: a terminal that does not
 start has failed. `make test-terminals` installs what this needs.
 
 What ought to be seen is never another screenshot of the same bytes. A picture is compared with the
@@ -587,7 +587,7 @@ def run_beside(build):
             report.failed += bad
             if good or bad:
                 line = re.sub("[0-9]+", str(report.passed + report.failed), line, count=1)
-            if not re.fullmatch("[0-9]+ passed, [0-9]+ failed", line):
+            if not re.fullmatch("[0-9]+ passed, [0-9]+ failed, 0 skipped", line):
                 print(line, flush=True)
         if process.returncode not in (0, 1):
             report.failed += 1
@@ -602,7 +602,7 @@ def main():
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         signal.signal(number, lambda *_: sys.exit(2))
     report = run_here(build, sys.argv[2:]) if sys.argv[2:] else run_beside(build)
-    print("%d passed, %d failed" % (report.passed, report.failed))
+    print("%d passed, %d failed, 0 skipped" % (report.passed, report.failed))
     return 1 if report.failed or not report.passed else 0
 
 
