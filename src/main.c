@@ -553,7 +553,7 @@ static enum err program_verify(const struct options *o, struct fault *fault)
         return find_first(o, fault);
     enum err err = need_files(o, 1, 1 << 20, fault);
     if (!err)
-        err = read_number("-j", o->processes, VERIFY_PROCESSES_MOST, 1, &processes, fault);
+        err = read_number("-j", o->processes, PROCESSES_MOST, 1, &processes, fault);
     if (!err)
         err = read_number("--from", o->from, RECORDS_MOST, 0, &how.first, fault);
     if (!err)

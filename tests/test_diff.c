@@ -1,12 +1,10 @@
 /*
  * The pure parts of a comparison of two journals: where their commands part, how far labels differ,
- * the picture of it, and workers, which other processes run.
+ * and the picture of it.
  */
-#include <signal.h>
 #include <stdlib.h>
 
 #include "verify/difference_picture.h"
-#include "verify/worker_process.h"
 #include "verify/first_difference.h"
 #include "tests/interpreting.h"
 
@@ -297,74 +295,6 @@ STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
     interpreter_release(&a);
 }
 
-/* ---- workers ---- */
-
-static void say_much(void *context, struct buf *out)
-{
-    const size_t *bytes = context;
-    for (size_t i = 0; i < *bytes; i++)
-        buf_add_char(out, (char)(i * 7));
-}
-
-static void die(void *context, struct buf *out)
-{
-    (void)context;
-    buf_add_text(out, "half");
-    raise(SIGKILL);
-}
-
-static void wait_for_ever(void *context, struct buf *out)
-{
-    (void)context;
-    (void)out;
-    for (;;)
-        pause();
-}
-
-static bool poll_and_stop(void *context, const char *what, uint64_t done, uint64_t total)
-{
-    (void)what;
-    (void)done;
-    (void)total;
-    return ++*(int *)context > 2;
-}
-
-STORY(an_errand_hands_back_what_was_made_elsewhere)
-{
-    size_t bytes = 3000000;
-    struct buf out = {0}, expected = {0};
-    const struct worker_process worker = {.work = say_much, .context = &bytes, .most = 4000000};
-    CHECK(worker_process_run(&out, &worker, NULL) == OK);
-    say_much(&bytes, &expected);
-    CHECK(out.length == expected.length && memcmp(out.data, expected.data, out.length) == 0);
-    buf_release(&out);
-    bytes = 0;
-    CHECK(worker_process_run(&out, &worker, NULL) == OK);
-    CHECK_INT(out.length, 0);
-    buf_release(&out);
-    buf_release(&expected);
-}
-
-STORY(an_errand_that_dies_or_says_too_much_or_never_ends_is_an_error)
-{
-    size_t bytes = 3000000;
-    int looks = 0;
-    struct watch watch = {.context = &looks, .poll = poll_and_stop};
-    struct buf out = {0};
-    struct fault why = {0};
-    CHECK(worker_process_run(&out, &(struct worker_process){.work = die, .most = 100}, &why) ==
-          ERR_INPUT);
-    CHECK_HAS(why.text, "ended by signal 9 (Killed)");
-    CHECK(worker_process_run(
-              &out, &(struct worker_process){.work = say_much, .context = &bytes, .most = 2000000},
-              &why) == ERR_INPUT);
-    CHECK_HAS(why.text, "more than it may");
-    CHECK(worker_process_run(
-              &out, &(struct worker_process){.work = wait_for_ever, .most = 1, .watch = &watch},
-              &why) == ERR_CANCELLED);
-    buf_release(&out);
-}
-
 int main(void)
 {
     const int status = RUN_STORIES(
@@ -372,9 +302,7 @@ int main(void)
         TELL(the_first_other_command_is_named_in_both), TELL(what_cannot_be_read_is_named),
         TELL(voxels_are_counted_and_dice_is_exact), TELL(dice_is_rounded_to_the_nearest_halves_up),
         TELL(the_picture_shows_both_and_where_they_differ), TELL(where_nothing_differs_all_is_grey),
-        TELL(what_is_hidden_does_not_differ_and_sizes_are_judged),
-        TELL(an_errand_hands_back_what_was_made_elsewhere),
-        TELL(an_errand_that_dies_or_says_too_much_or_never_ends_is_an_error));
+        TELL(what_is_hidden_does_not_differ_and_sizes_are_judged));
     reply_release(&reply);
     return status;
 }

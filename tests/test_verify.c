@@ -1,5 +1,5 @@
 /*
- * The pure parts of a verification: what a difference means, verdicts on their way through a pipe,
+ * The pure parts of a verification: what a difference means, results on their way through a pipe,
  * text in markup, and pictures as PNG.
  */
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 #include "verify/bisect.h"
 #include "verify/divergence.h"
 #include "verify/markup.h"
-#include "verify/verdict.h"
+#include "verify/verify_result.h"
 #include "verify/verify_report.h"
 #include "image/png.h"
 #include "journal/record.h"
@@ -114,25 +114,26 @@ STORY(the_first_record_that_differs_is_found_by_few_chains)
     buf_release(two + 1);
 }
 
-/* ---- verdicts ---- */
+/* ---- results on their way through a pipe ---- */
 
-static void make_verdict(struct verdict *v)
+static void make_result(struct verify_result *r)
 {
     static const uint8_t pixel[8] = {255, 0, 0, 255, 0, 255, 0, 255};
-    *v = (struct verdict){.err = ERR_CHECK, .executed = 12, .compared = 7, .took_ms = 1234};
-    buf_add_text(&v->why, "it differs");
-    buf_add_text(&v->lines, "# one\n# two\n");
-    evidence_add(&v->evidence, "expected", 2, 1, pixel);
-    evidence_add(&v->evidence, "actual", 1, 2, pixel);
+    *r = (struct verify_result){.err = ERR_CHECK, .executed = 12, .compared = 7, .took_ms = 1234};
+    buf_add_text(&r->why, "it differs");
+    buf_add_text(&r->lines, "# one\n# two\n");
+    evidence_add(&r->evidence, "expected", 2, 1, pixel);
+    evidence_add(&r->evidence, "actual", 1, 2, pixel);
 }
 
-STORY(a_verdict_comes_back_as_it_was_sent)
+STORY(a_result_comes_back_as_it_was_sent)
 {
-    struct verdict sent, got = {0};
+    struct verify_result sent, got = {.path = "a"};
     struct buf bytes = {0};
-    make_verdict(&sent);
-    verdict_write(&bytes, &sent);
-    CHECK(verdict_read(&got, bytes.data, bytes.length, NULL) == OK);
+    make_result(&sent);
+    verify_result_write(&bytes, &sent);
+    CHECK(verify_result_read(&got, &bytes, NULL) == OK);
+    CHECK_TEXT(got.path, "a");
     CHECK(got.err == ERR_CHECK);
     CHECK_INT(got.executed, 12);
     CHECK_INT(got.compared, 7);
@@ -140,35 +141,46 @@ STORY(a_verdict_comes_back_as_it_was_sent)
     CHECK_TEXT(buf_text(&got.why), "it differs");
     CHECK_TEXT(buf_text(&got.lines), "# one\n# two\n");
     CHECK_INT(got.evidence.pictures, 2);
-    CHECK_TEXT(buf_text(&got.evidence.picture[1].caption), "actual");
-    CHECK_INT(got.evidence.picture[0].png.length, sent.evidence.picture[0].png.length);
-    verdict_release(&sent);
-    verdict_release(&got);
+    for (int i = 0; i < 2; i++) {
+        const struct buf *a = &got.evidence.picture[i].png, *b = &sent.evidence.picture[i].png;
+        CHECK_TEXT(buf_text(&got.evidence.picture[i].caption), i ? "actual" : "expected");
+        CHECK(a->length == b->length && memcmp(a->data, b->data, a->length) == 0);
+    }
+    verify_result_release(&sent);
+    verify_result_release(&got);
     buf_release(&bytes);
 }
 
-STORY(half_a_verdict_is_none)
+static void check_refused(const char *bytes, size_t length)
 {
-    struct verdict sent, got = {0};
-    struct buf bytes = {0};
-    make_verdict(&sent);
-    verdict_write(&bytes, &sent);
-    for (size_t length = 0; length < bytes.length; length++) {
-        CHECK(verdict_read(&got, bytes.data, length, NULL) == ERR_INPUT);
-        verdict_release(&got);
-        got = (struct verdict){0};
-    }
+    struct verify_result got = {.path = NULL};
+    struct buf text = {0};
+    buf_add(&text, bytes, length);
+    CHECK(verify_result_read(&got, &text, NULL) == ERR_INPUT);
+    verify_result_release(&got);
+    buf_release(&text);
+}
+
+STORY(half_a_result_is_none)
+{
     static const char *const wrong[] = {
-        "verdict 99 0 0 0 0 0 0\n",  "verdict 1 0 0 0 9999999999999 0 0\n",
-        "verdict 1 0 0 0 0 0 4\n",   "verdict -1 0 0 0 0 0 0\n",
-        "verdict 0 0 0 0 0 0 0\n\n", "verdict 0 0 0 0 0 0 1\npicture 1 -1\n",
+        "result 99 0 0 0 0\npart 0\npart 0\n",
+        "result 1 0 0 0 0\npart 9999999999999\npart 0\n",
+        "result 1 0 0 0 4\npart 0\npart 0\n",
+        "result -1 0 0 0 0\npart 0\npart 0\n",
+        "result 0 0 0 0 0\npart 0\npart 0\n\n",
+        "result 0 0 0 0 1\npart 0\npart 0\npart 1\n",
+        "result 0 0 0 0 1\npart 0\npart 0\npart -1\n",
     };
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        CHECK(verdict_read(&got, wrong[i], strlen(wrong[i]), NULL) == ERR_INPUT);
-        verdict_release(&got);
-        got = (struct verdict){0};
-    }
-    verdict_release(&sent);
+    struct verify_result sent;
+    struct buf bytes = {0};
+    make_result(&sent);
+    verify_result_write(&bytes, &sent);
+    for (size_t length = 0; length < bytes.length; length++)
+        check_refused(bytes.data, length);
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
+        check_refused(wrong[i], strlen(wrong[i]));
+    verify_result_release(&sent);
     buf_release(&bytes);
 }
 
@@ -206,21 +218,37 @@ STORY(bytes_as_base64)
 
 STORY(a_report_names_what_failed_and_how)
 {
-    struct verdict v[2] = {{.executed = 5, .compared = 5, .took_ms = 1005}};
-    char *path[] = {(char[]){"fine.iftty"}, (char[]){"<script>.iftty"}};
+    struct verify_result r[2] = {{.executed = 5, .compared = 5, .took_ms = 1005}};
     struct buf out = {0};
-    make_verdict(v + 1);
-    verify_report_text(&out, VERIFY_JUNIT, path, v, 2);
+    make_result(r + 1);
+    r[0].path = "fine.iftty";
+    r[1].path = "<script>.iftty";
+    verify_report_text(&out, VERIFY_JUNIT, r, 2);
     CHECK_HAS(buf_text(&out), "tests=\"2\" failures=\"1\" errors=\"0\" time=\"2.239\"");
     CHECK_HAS(buf_text(&out), "name=\"fine.iftty\" time=\"1.005\"/>");
     CHECK_HAS(buf_text(&out), "message=\"it differs\"># one\n# two\n</failure>");
     buf_clear(&out);
-    verify_report_text(&out, VERIFY_HTML, path, v, 2);
+    verify_report_text(&out, VERIFY_HTML, r, 2);
     CHECK_HAS(buf_text(&out), "<h1>1 verified, <span class=\"failed\">1 failed</span></h1>");
     CHECK_HAS(buf_text(&out), "<h2>&lt;script&gt;.iftty</h2>");
     CHECK(!strstr(buf_text(&out), "<script"));
     CHECK_HAS(buf_text(&out), "src=\"data:image/png;base64,iVBORw0KGgo");
-    verdict_release(v + 1);
+    buf_clear(&out);
+    verify_report_text(&out, VERIFY_JSON, r, 2);
+    CHECK_TEXT(buf_text(&out),
+               "{\n"
+               "  \"verified\": 1,\n"
+               "  \"failed\": 1,\n"
+               "  \"ms\": 2239,\n"
+               "  \"journals\": [\n"
+               "    {\"journal\": \"fine.iftty\", \"verified\": true, \"commands\": 5, "
+               "\"results_the_same\": 5, \"ms\": 1005},\n"
+               "    {\"journal\": \"<script>.iftty\", \"verified\": false, \"commands\": 12, "
+               "\"results_the_same\": 7, \"ms\": 1234, \"kind\": \"check failed\", "
+               "\"why\": \"it differs\", \"lines\": [\"# one\", \"# two\"]}\n"
+               "  ]\n"
+               "}\n");
+    verify_result_release(r + 1);
     buf_release(&out);
 }
 
@@ -264,7 +292,7 @@ int main(void)
     return RUN_STORIES(
         TELL(a_difference_is_told_by_what_it_means), TELL(counts_tell_how_many_more_or_less),
         TELL(the_first_record_that_differs_is_found_by_few_chains),
-        TELL(a_verdict_comes_back_as_it_was_sent), TELL(half_a_verdict_is_none),
+        TELL(a_result_comes_back_as_it_was_sent), TELL(half_a_result_is_none),
         TELL(text_from_outside_cannot_be_markup), TELL(bytes_as_base64),
         TELL(a_report_names_what_failed_and_how), TELL(a_picture_as_png_holds_its_pixels));
 }

@@ -141,7 +141,7 @@ kill -SEGV "$child"
 wait "$verifier"
 same "$?" 1
 out_has "not ok 1 - large.iftty"
-out_has "# the process that replayed it was ended by signal 11 (Segmentation fault)"
+out_has "# its process was ended by signal 11 (Segmentation fault)"
 out_has "ok 2 - j4.iftty"
 close_story
 

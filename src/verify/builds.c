@@ -1,24 +1,20 @@
 #include "verify/builds.h"
 
-#include <errno.h>
 #include <fcntl.h>
 #include <ftw.h>
 #include <limits.h>
-#include <poll.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/file.h"
 #include "base/folder.h"
-#include "base/mem.h"
+#include "base/process.h"
 #include "sandbox/limits.h"
 
-enum { LOOK_MS = 20, ERRORS_MOST = 1 << 20 };
+enum { ERRORS_MOST = 1 << 20 };
 
 /* The path from the root, since each build works where the journal lies. */
 static enum err whole_path(struct buf *out, const char *path, struct fault *fault)
@@ -36,55 +32,56 @@ static enum err prepare(struct builds *b, struct side *side, const char *name, c
     enum err err = whole_path(&side->program, program, fault);
     buf_printf(&side->folder, "%s/%s", buf_text(&b->folder), name);
     buf_printf(&side->journal, "%s/commands.iftty", buf_text(&side->folder));
-    buf_printf(&side->errors, "%s/errors", buf_text(&side->folder));
-    if (!err && (side->folder.failed || side->journal.failed || side->errors.failed))
+    if (!err && (side->folder.failed || side->journal.failed))
         err = fault_memory(fault, "a path");
     return err ? err : file_make_folder(buf_text(&side->folder), fault);
 }
 
-/* In the process that becomes the program: nothing but what may be done there. */
-static _Noreturn void become(const struct side *side, const char *place, char *const *argument)
-{
-    const int nothing = open("/dev/null", O_RDWR),
-              errors = open(buf_text(&side->errors), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (nothing < 0 || errors < 0 || dup2(nothing, 0) < 0 || dup2(nothing, 1) < 0 ||
-        dup2(errors, 2) < 0 || chdir(place) != 0)
-        _exit(127);
-    execv(argument[0], argument);
-    _exit(127);
-}
+/* ---- the two processes ---- */
 
-static enum err begin(struct side *side, const char *word, const char *commands, const char *scene,
-                      struct fault *fault)
+/* What both are given. */
+struct run {
+    struct builds *builds;
+    const char *word, *commands, *scene;
+};
+
+/* Where the journal lies, and with nothing to read. */
+static bool enter(const char *commands)
 {
     struct buf place = {0};
+    const int nothing = open("/dev/null", O_RDWR);
     file_folder(&place, commands);
+    return nothing >= 0 && dup2(nothing, 0) >= 0 && dup2(nothing, 1) >= 0 && !place.failed &&
+           chdir(buf_text(&place)) == 0;
+}
+
+static void become(void *context, size_t number, struct buf *out)
+{
+    const struct run *run = context;
+    const struct side *side = &run->builds->side[number];
     const char *argument[] = {buf_text(&side->program),
-                              word,
-                              commands,
+                              run->word,
+                              run->commands,
                               "--journal",
                               buf_text(&side->journal),
                               "--out",
                               buf_text(&side->folder),
-                              scene ? "--scene" : NULL,
-                              scene,
+                              run->scene ? "--scene" : NULL,
+                              run->scene,
                               NULL};
-    side->process = place.failed ? -1 : fork();
-    if (side->process == 0)
-        become(side, buf_text(&place), (char *const *)(uintptr_t)argument);
-    buf_release(&place);
-    if (side->process > 0)
-        return OK;
-    side->process = 0;
-    return fault_errno(fault, "start", buf_text(&side->program));
+    (void)out; /* what it prints to standard error is handed back */
+    if (enter(run->commands))
+        execv(argument[0], (char *const *)(uintptr_t)argument);
+    _exit(127);
 }
 
-/* Where whoever started us has nobody wait for processes, one that is gone left no status. */
-static bool has_ended(struct side *side)
+static void note_end(void *context, size_t number, struct process_end *end)
 {
-    const pid_t process = waitpid(side->process, &side->status, WNOHANG);
-    return process == side->process || (process < 0 && errno == ECHILD);
+    const struct run *run = context;
+    struct side *side = &run->builds->side[number];
+    side->status = end->status;
+    side->errors = end->bytes;
+    end->bytes = (struct buf){0};
 }
 
 static uint64_t written_bytes;
@@ -96,36 +93,20 @@ static int add_written(const char *path, const struct stat *status, int type, st
     return 0;
 }
 
-/* What the builds hold now, and have written by now. */
-static void count(struct builds *b)
+/* What the builds hold now, and have written so far. */
+static void count(void *context, uint64_t held_bytes)
 {
-    uint64_t held = 0;
-    for (int i = 0; i < 2; i++)
-        held += b->side[i].process ? mem_held_by(b->side[i].process) : 0;
+    const struct run *run = context;
     written_bytes = 0;
-    nftw(buf_text(&b->folder), add_written, 8, FTW_PHYS);
-    limits_count(held, written_bytes);
+    nftw(buf_text(&run->builds->folder), add_written, 8, FTW_PHYS);
+    limits_count(held_bytes, written_bytes);
 }
 
-/* Until both have ended; the watch ends them. */
-static enum err wait_for_both(struct builds *b, struct watch *watch, struct fault *fault)
-{
-    while (b->side[0].process || b->side[1].process) {
-        for (int i = 0; i < 2; i++)
-            if (b->side[i].process && has_ended(b->side + i))
-                b->side[i].process = 0;
-        count(b);
-        if (watch_fault(watch, NULL))
-            return fault_set(fault, ERR_CANCELLED, "cancelled; the two builds were ended");
-        poll(NULL, 0, LOOK_MS);
-    }
-    return OK;
-}
+/* ---- both ---- */
 
 /* What became of one that did not carry everything out. */
 static enum err judge(struct side *side, const char *name, struct fault *fault)
 {
-    struct buf errors = {0};
     if (!file_exists(buf_text(&side->journal)))
         return fault_set(fault, ERR_IO, "%s could not be started, or wrote no journal", name);
     if (WIFEXITED(side->status) && WEXITSTATUS(side->status) == 0)
@@ -137,12 +118,11 @@ static enum err judge(struct side *side, const char *name, struct fault *fault)
                    strsignal(WTERMSIG(side->status)));
     else
         buf_printf(&side->words, " with status %d", WEXITSTATUS(side->status));
-    if (!file_read(&errors, buf_text(&side->errors), ERRORS_MOST, NULL) && errors.length) {
+    if (side->errors.length) {
         buf_add_text(&side->words, ": ");
-        buf_add_safe(&side->words, buf_text(&errors), strcspn(buf_text(&errors), "\n"));
+        buf_add_safe(&side->words, buf_text(&side->errors), strcspn(buf_text(&side->errors), "\n"));
     }
     buf_add_char(&side->words, '\n');
-    buf_release(&errors);
     return side->words.failed ? fault_memory(fault, "a report") : OK;
 }
 
@@ -150,6 +130,16 @@ static enum err run_both(struct builds *b, const struct bisect_builds *how, cons
                          const char *scene, struct fault *fault)
 {
     const struct buf nothing = {0};
+    struct run run = {b, how->word, commands, scene};
+    const struct processes both = {.count = 2,
+                                   .at_once = 2,
+                                   .most = ERRORS_MOST,
+                                   .takes_errors = true,
+                                   .context = &run,
+                                   .work = become,
+                                   .done = note_end,
+                                   .tick = count,
+                                   .watch = how->watch};
     const char *const program[] = {buf_text(&b->side[0].program), buf_text(&b->side[1].program),
                                    NULL};
     enum err err = OK;
@@ -158,10 +148,9 @@ static enum err run_both(struct builds *b, const struct bisect_builds *how, cons
     if (err)
         return err;
     limits_will_write();
-    for (int i = 0; !err && i < 2; i++)
-        err = begin(b->side + i, how->word, commands, scene, fault);
-    if (!err)
-        err = wait_for_both(b, how->watch, fault);
+    err = processes_run(&both, fault);
+    if (err == ERR_CANCELLED)
+        fault_set(fault, err, "cancelled; the two builds were ended");
     return limits_judge(err, &nothing, fault);
 }
 
@@ -190,7 +179,7 @@ enum err builds_run(struct builds *b, const struct bisect_builds *how, struct fa
     return err;
 }
 
-/* Walls that let an empty folder be removed let no file be tried there. */
+/* Where this process may only remove empty folders, it may not even try to unlink one. */
 static int remove_one(const char *path, const struct stat *status, int type, struct FTW *where)
 {
     (void)status, (void)where;
@@ -201,11 +190,6 @@ void builds_release(struct builds *b)
 {
     for (int i = 0; i < 2; i++) {
         struct side *side = b->side + i;
-        if (side->process) {
-            kill(side->process, SIGKILL);
-            while (waitpid(side->process, NULL, 0) < 0 && errno == EINTR)
-                ;
-        }
         buf_release(&side->program);
         buf_release(&side->folder);
         buf_release(&side->journal);

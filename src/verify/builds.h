@@ -2,21 +2,19 @@
  * Two builds of the program carry the commands of one journal out, at the same time, each into a
  * journal of its own in a temporary folder that goes away with struct builds.
  *
- * The commands may be a stranger's: whoever wants the builds confined and limited does it to this
- * process in how->begin, which they inherit. What both take is counted together as its own.
+ * The commands may be a stranger's: how->begin confines and limits this process, which the builds
+ * inherit. The memory and files of both are counted together as its own.
  */
 #ifndef VERIFY_BUILDS_H
 #define VERIFY_BUILDS_H
 
-#include <sys/types.h>
-
 #include "verify/bisect.h"
 
 struct side {
-    pid_t process; /* 0 once it has ended */
-    int status;
-    struct buf program, folder, journal, errors;
-    struct buf words; /* why it ended early: "# ..." lines, or "" */
+    struct buf program, folder, journal;
+    int status;        /* with which it ended, as of waitpid; */
+    struct buf errors; /* what it printed to standard error */
+    struct buf words;  /* why it ended early: "# ..." lines, or "" */
 };
 
 struct builds {

@@ -7,8 +7,8 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/mem.h"
+#include "base/process.h"
 #include "verify/difference_picture.h"
-#include "verify/worker_process.h"
 #include "verify/first_difference.h"
 #include "verify/replay_file.h"
 #include "journal/journal.h"
@@ -133,8 +133,9 @@ static enum err hand_back(struct buf *out, struct session *session, const struct
     return err;
 }
 
-static void work(void *context, struct buf *out)
+static void work(void *context, size_t number, struct buf *out)
 {
+    (void)number;
     const struct side *side = context;
     const struct diff_options *o = side->options;
     struct interpreter interp;
@@ -215,12 +216,11 @@ static enum err send_for(struct journals *j, int which, struct fault *fault)
                         .which = which,
                         .other = draws ? j->facts[1] : NULL,
                         .other_label = draws ? labels_of(j, 1) : NULL};
-    const struct worker_process worker = {.work = work,
-                                          .context = &side,
-                                          .most = (uint64_t)sizeof(struct facts) + UINT32_MAX +
-                                                  FRAME_MOST,
-                                          .watch = o->watch};
-    enum err err = worker_process_run(j->bytes + which, &worker, fault);
+    const struct processes how = {.work = work,
+                                  .context = &side,
+                                  .most = (uint64_t)sizeof(struct facts) + UINT32_MAX + FRAME_MOST,
+                                  .watch = o->watch};
+    enum err err = process_run(j->bytes + which, &how, fault);
     if (!err)
         err = take_facts(j, which, fault);
     return err && err != ERR_CANCELLED ? fault_prefix(fault, err, "%s", o->path[which]) : err;

@@ -1,32 +1,24 @@
 #include "verify/verify.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <poll.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "base/clock.h"
 #include "base/file.h"
 #include "command/act.h"
+#include "session/export.h"
 #include "verify/orphan.h"
 #include "verify/replay_file.h"
 #include "verify/verify_report.h"
-#include "session/export.h"
 
 enum {
-    LOOK_MS = 100,                           /* between looks whether to stop */
-    PICTURES_MOST = 64 << 20,                /* bytes of pictures that a report holds */
-    VERDICT_MOST = PICTURES_MOST + (8 << 20) /* bytes that a process may send */
+    PICTURES_MOST = 64 << 20,               /* bytes of pictures that a report holds */
+    RESULT_MOST = PICTURES_MOST + (8 << 20) /* bytes that a process may hand back */
 };
 
 /* ---- one journal ---- */
 
-/* What is seen now, for whoever asks what a command has come to. */
+/* What is seen now, for a person who asks what a command has come to. */
 static void show_present(struct interpreter *interp, struct evidence *evidence)
 {
     struct picture picture = {0};
@@ -85,13 +77,25 @@ static void place_evidence(struct buf *folder, const struct verify_options *opti
         buf_printf(folder, "/%zu", number);
 }
 
-void verify_one(const struct verify_options *options, const char *path, struct verdict *verdict)
+static void note_failure(struct verify_result *result, enum err err, const struct fault *fault)
+{
+    result->err = err;
+    if (!err)
+        return;
+    buf_add_text(&result->why, fault->text);
+    if (!result->lines.length)
+        buf_printf(&result->lines, "# %s\n", fault->text);
+}
+
+/* In its own process. */
+static void verify_one(const struct verify_options *options, const char *path,
+                       struct verify_result *result)
 {
     struct interpreter interp;
     struct replay_report report = {0};
     struct buf folder = {0};
     struct fault fault = {0};
-    struct evidence_collector collector = {.evidence = options->html ? &verdict->evidence : NULL};
+    struct evidence_collector collector = {.evidence = options->html ? &result->evidence : NULL};
     const struct golden_judge judge = evidence_judge(&collector);
     const uint64_t begin = clock_ns();
     enum err err = interpreter_init(&interp, &fault);
@@ -106,258 +110,127 @@ void verify_one(const struct verify_options *options, const char *path, struct v
         err = replay_file(&interp, path, options->first, options->last, NULL, &report, &fault);
     if (!err)
         err = judge_whole(options, &interp, path, &report, &fault);
-    replay_describe(&verdict->lines, &report, &fault);
+    replay_describe(&result->lines, &report, &fault);
     if (report.outcome == REPLAY_DIVERGED) {
-        tell_voxels(&interp, &verdict->lines);
+        tell_voxels(&interp, &result->lines);
         if (collector.evidence)
             show_present(&interp, collector.evidence);
     }
-    if (err && !verdict->lines.length)
-        buf_printf(&verdict->lines, "# %s\n", fault.text);
-    if (err)
-        buf_add_text(&verdict->why, fault.text);
-    verdict->err = err;
-    verdict->executed = report.executed;
-    verdict->compared = report.compared;
-    verdict->took_ms = (clock_ns() - begin) / 1000000;
+    note_failure(result, err, &fault);
+    result->executed = report.executed;
+    result->compared = report.compared;
+    result->took_ms = (clock_ns() - begin) / 1000000;
     replay_report_release(&report);
     interpreter_release(&interp);
     buf_release(&folder);
 }
 
-/* ---- processes ---- */
+/* ---- all of them ---- */
 
-struct worker_process {
-    pid_t process; /* 0: free */
-    int descriptor;
-    size_t journal;
-    struct buf bytes;
-};
-
-struct pool {
+struct verification {
     const struct verify_options *options;
     const struct teller *teller;
-    struct worker_process worker[VERIFY_PROCESSES_MOST];
-    struct verdict *verdict; /* [options->count] */
-    bool *is_known;          /* likewise */
-    size_t begun, told;      /* journals */
+    struct verify_result *result; /* [options->count] */
+    size_t printed;               /* journals */
     size_t picture_bytes;
 };
 
-static void send(int descriptor, const struct buf *bytes)
+static void work(void *context, size_t number, struct buf *out)
 {
-    for (size_t sent = 0; sent < bytes->length;) {
-        const ssize_t n = write(descriptor, bytes->data + sent, bytes->length - sent);
-        if (n < 0 && errno != EINTR)
-            return; /* the reader sees that something is missing */
-        sent += n > 0 ? (size_t)n : 0;
-    }
+    const struct verification *v = context;
+    struct verify_result result = {.path = NULL};
+    verify_one(v->options, v->options->path[number], &result);
+    verify_result_write(out, &result);
 }
 
-/* The process that verifies one journal. It ends with whoever started it, and by Ctrl-C as any
- * program. */
-static _Noreturn void work(const struct verify_options *options, const char *path, int descriptor,
-                           pid_t parent)
-{
-    struct verdict verdict = {0};
-    struct buf bytes = {0};
-    if (signal(SIGINT, SIG_DFL) == SIG_IGN)
-        signal(SIGINT, SIG_IGN);
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent)
-        _exit(1);
-    verify_one(options, path, &verdict);
-    verdict_write(&bytes, &verdict);
-    if (!bytes.failed)
-        send(descriptor, &bytes);
-    _exit(0);
-}
-
-static enum err begin_worker(struct pool *pool, struct worker_process *worker, struct fault *fault)
-{
-    int end[2];
-    const pid_t parent = getpid();
-    if (pipe2(end, O_CLOEXEC) != 0)
-        return fault_errno(fault, "make", "a pipe");
-    const pid_t process = fork();
-    if (process == 0)
-        work(pool->options, pool->options->path[pool->begun], end[1], parent);
-    close(end[1]);
-    if (process < 0) {
-        close(end[0]);
-        return fault_errno(fault, "start", "a process");
-    }
-    *worker = (struct worker_process){process, end[0], pool->begun++, worker->bytes};
-    buf_clear(&worker->bytes);
-    return OK;
-}
-
-static int wait_for(pid_t process)
-{
-    int status = 0;
-    while (waitpid(process, &status, 0) < 0 && errno == EINTR)
-        ;
-    return status;
-}
-
-/* A process that gave no verdict is a failure of its journal. */
-static void blame(struct verdict *verdict, int status, const struct fault *fault)
-{
-    struct buf why = {0};
-    if (WIFSIGNALED(status))
-        buf_printf(&why, "the process that replayed it was ended by signal %d (%s)",
-                   WTERMSIG(status), strsignal(WTERMSIG(status)));
-    else
-        buf_printf(&why, "the process that replayed it gave no verdict: %s", fault->text);
-    verdict_release(verdict);
-    *verdict = (struct verdict){.err = ERR_CHECK, .why = why};
-    buf_printf(&verdict->lines, "# %s\n", buf_text(&why));
-}
-
-/* Pictures beyond what a report holds are let go. */
-static void limit_pictures(struct pool *pool, struct verdict *verdict)
+/* Pictures beyond what a report holds are left out. */
+static void limit_pictures(struct verification *v, struct verify_result *result)
 {
     size_t bytes = 0;
-    for (size_t i = 0; i < verdict->evidence.pictures; i++)
-        bytes += verdict->evidence.picture[i].png.length;
-    if (bytes > PICTURES_MOST - pool->picture_bytes) {
-        evidence_release(&verdict->evidence);
-        buf_add_text(&verdict->lines, "# its pictures are left out: the report holds 64 MiB\n");
+    for (size_t i = 0; i < result->evidence.pictures; i++)
+        bytes += result->evidence.picture[i].png.length;
+    if (bytes > PICTURES_MOST - v->picture_bytes) {
+        evidence_release(&result->evidence);
+        buf_add_text(&result->lines, "# its pictures are left out: the report holds 64 MiB\n");
     } else {
-        pool->picture_bytes += bytes;
+        v->picture_bytes += bytes;
     }
 }
 
-static void end_worker(struct pool *pool, struct worker_process *worker)
+static void print_result(const struct verification *v, size_t number)
 {
-    struct verdict *verdict = pool->verdict + worker->journal;
-    struct fault fault = {0};
-    close(worker->descriptor);
-    const int status = wait_for(worker->process);
-    const enum err err =
-        verdict_read(verdict, buf_text(&worker->bytes), worker->bytes.length, &fault);
-    if (err || WIFSIGNALED(status))
-        blame(verdict, status, &fault);
-    limit_pictures(pool, verdict);
-    pool->is_known[worker->journal] = true;
-    buf_release(&worker->bytes);
-    *worker = (struct worker_process){0};
-}
-
-/* Reads what has come; at the end of it, or beyond all measure, the process is done with. */
-static void read_worker(struct pool *pool, struct worker_process *worker)
-{
-    char piece[65536];
-    const ssize_t n = read(worker->descriptor, piece, sizeof piece);
-    if (n < 0 && (errno == EINTR || errno == EAGAIN))
-        return;
-    if (n > 0)
-        buf_add(&worker->bytes, piece, (size_t)n);
-    const bool is_too_much = worker->bytes.failed || worker->bytes.length > VERDICT_MOST;
-    if (is_too_much)
-        kill(worker->process, SIGKILL);
-    if (n <= 0 || is_too_much)
-        end_worker(pool, worker);
-}
-
-static void tell_verdict(struct pool *pool, size_t journal)
-{
-    const struct verdict *v = pool->verdict + journal;
-    const char *path = pool->options->path[journal];
+    const struct verify_result *r = v->result + number;
     struct buf text = {0};
-    buf_printf(&text, "%s %zu - ", v->err ? "not ok" : "ok", journal + 1);
-    buf_add_safe(&text, path, strlen(path));
-    if (v->err)
+    buf_printf(&text, "%s %zu - ", r->err ? "not ok" : "ok", number + 1);
+    buf_add_safe(&text, r->path, strlen(r->path));
+    if (r->err)
         buf_add_char(&text, '\n');
     else
-        buf_printf(&text, " (%llu commands, %llu results)\n", (unsigned long long)v->executed,
-                   (unsigned long long)v->compared);
-    buf_add_text(&text, buf_text(&v->lines));
-    pool->teller->say(pool->teller->context, buf_text(&text));
+        buf_printf(&text, " (%llu commands, %llu results)\n", (unsigned long long)r->executed,
+                   (unsigned long long)r->compared);
+    buf_add_text(&text, buf_text(&r->lines));
+    v->teller->say(v->teller->context, buf_text(&text));
     buf_release(&text);
 }
 
-/* Starts processes as long as there are journals and fewer than may be. */
-static enum err fill(struct pool *pool, struct fault *fault)
+/* A process that gave no result is a failure of its journal. */
+static void take_result(void *context, size_t number, struct process_end *end)
 {
-    enum err err = OK;
-    for (unsigned i = 0; !err && i < pool->options->processes; i++)
-        if (!pool->worker[i].process && pool->begun < pool->options->count)
-            err = begin_worker(pool, pool->worker + i, fault);
-    return err;
-}
-
-/* Waits for any of them, a little while. */
-static void listen_to_all(struct pool *pool)
-{
-    struct pollfd waits[VERIFY_PROCESSES_MOST];
-    struct worker_process *whose[VERIFY_PROCESSES_MOST];
-    nfds_t count = 0;
-    for (unsigned i = 0; i < pool->options->processes; i++)
-        if (pool->worker[i].process) {
-            whose[count] = pool->worker + i;
-            waits[count++] = (struct pollfd){pool->worker[i].descriptor, POLLIN, 0};
-        }
-    if (poll(waits, count, LOOK_MS) <= 0)
-        return;
-    for (nfds_t i = 0; i < count; i++)
-        if (waits[i].revents)
-            read_worker(pool, whose[i]);
-}
-
-static void end_all(struct pool *pool)
-{
-    for (unsigned i = 0; i < VERIFY_PROCESSES_MOST; i++) {
-        struct worker_process *worker = pool->worker + i;
-        if (!worker->process)
-            continue;
-        kill(worker->process, SIGKILL);
-        close(worker->descriptor);
-        wait_for(worker->process);
-        buf_release(&worker->bytes);
+    struct verification *v = context;
+    struct verify_result *result = v->result + number;
+    struct fault fault = {0};
+    enum err err = process_judge(end, &fault);
+    if (!err)
+        err = verify_result_read(result, &end->bytes, &fault);
+    if (err) {
+        verify_result_release(result);
+        *result = (struct verify_result){.path = result->path};
+        note_failure(result, ERR_CHECK, &fault);
     }
+    limit_pictures(v, result);
+    result->is_known = true;
+    for (; v->printed < v->options->count && v->result[v->printed].is_known; v->printed++)
+        if (!v->options->json)
+            print_result(v, v->printed);
 }
 
-static enum err run_pool(struct pool *pool, struct fault *fault)
+static enum err run_all(struct verification *v, struct fault *fault)
 {
-    enum err err = OK;
-    while (!err && pool->told < pool->options->count) {
-        err = fill(pool, fault);
-        if (!err)
-            listen_to_all(pool);
-        while (!err && pool->told < pool->options->count && pool->is_known[pool->told])
-            tell_verdict(pool, pool->told++);
-        if (!err && watch_fault(pool->options->watch, NULL))
-            err = fault_set(fault, ERR_CANCELLED, "cancelled; %zu of %zu journals were verified",
-                            pool->told, pool->options->count);
-    }
-    end_all(pool);
-    return err;
+    const struct verify_options *o = v->options;
+    const struct processes how = {.count = o->count,
+                                  .at_once = o->processes,
+                                  .most = RESULT_MOST,
+                                  .context = v,
+                                  .work = work,
+                                  .done = take_result,
+                                  .watch = o->watch};
+    const enum err err = processes_run(&how, fault);
+    return err == ERR_CANCELLED
+               ? fault_set(fault, err, "cancelled; %zu of %zu journals were verified", v->printed,
+                           o->count)
+               : err;
 }
 
-/* ---- all of them ---- */
-
-/* The worst of the verdicts: anything is worse than a check that failed. */
-static enum err sum_up(const struct pool *pool, struct fault *fault)
+static enum err sum_up(const struct verification *v, struct fault *fault)
 {
+    const struct verify_sum sum = verify_sum(v->result, v->options->count);
+    const size_t failed = sum.differing + sum.unreadable;
     struct buf text = {0};
-    const size_t count = pool->options->count;
-    size_t passed = 0;
-    enum err worst = OK;
-    for (size_t i = 0; i < count; i++) {
-        const enum err err = pool->verdict[i].err;
-        passed += err == OK;
-        if (err && (!worst || worst == ERR_CHECK))
-            worst = err;
-    }
-    buf_printf(&text, "1..%zu\n# %zu verified, %zu failed\n", count, passed, count - passed);
-    pool->teller->say(pool->teller->context, buf_text(&text));
+    if (v->options->json)
+        verify_report_text(&text, VERIFY_JSON, v->result, sum.count);
+    else
+        buf_printf(&text, "1..%zu\n# %zu verified, %zu failed\n", sum.count, sum.count - failed,
+                   failed);
+    v->teller->say(v->teller->context, buf_text(&text));
+    const bool is_whole = !text.failed;
     buf_release(&text);
-    return worst ? fault_set(fault, worst, "%zu of %zu journals failed", count - passed, count)
-                 : OK;
+    if (!is_whole)
+        return fault_memory(fault, "a report");
+    return sum.worst ? fault_set(fault, sum.worst, "%zu of %zu journals failed", failed, sum.count)
+                     : OK;
 }
 
-/* Reports are written when all is over; what is in the way is to be known before. */
+/* Reports are written at the end; what is in the way is said before. */
 static enum err check_report(const char *path, struct fault *fault)
 {
     struct buf draft = {0};
@@ -371,41 +244,43 @@ static enum err check_report(const char *path, struct fault *fault)
     return err;
 }
 
-static enum err write_reports(const struct pool *pool, struct fault *fault)
+static enum err write_reports(const struct verification *v, struct fault *fault)
 {
-    const struct verify_options *o = pool->options;
+    const struct verify_options *o = v->options;
     enum err err = OK;
     if (o->junit)
-        err = verify_report(o->junit, VERIFY_JUNIT, o->path, pool->verdict, o->count, fault);
+        err = verify_report(o->junit, VERIFY_JUNIT, v->result, o->count, fault);
     if (!err && o->html)
-        err = verify_report(o->html, VERIFY_HTML, o->path, pool->verdict, o->count, fault);
+        err = verify_report(o->html, VERIFY_HTML, v->result, o->count, fault);
     return err;
+}
+
+/* A report that cannot be written is worse than a journal that failed. */
+static enum err report(const struct verification *v, struct fault *fault)
+{
+    struct fault words = {0};
+    const enum err err = sum_up(v, fault), unwritten = write_reports(v, &words);
+    return unwritten ? fault_set(fault, unwritten, "%s", words.text) : err;
 }
 
 enum err verify_files(const struct verify_options *options, const struct teller *teller,
                       struct fault *fault)
 {
-    struct pool pool = {.options = options,
-                        .teller = teller,
-                        .verdict = calloc(options->count, sizeof *pool.verdict),
-                        .is_known = calloc(options->count, sizeof *pool.is_known)};
-    struct fault words = {0};
-    enum err err = check_report(options->junit, fault);
+    struct verification v = {
+        .options = options, .teller = teller, .result = calloc(options->count, sizeof *v.result)};
+    enum err err = v.result ? OK : fault_memory(fault, "the results");
+    for (size_t i = 0; !err && i < options->count; i++)
+        v.result[i].path = options->path[i];
+    if (!err)
+        err = check_report(options->junit, fault);
     if (!err)
         err = check_report(options->html, fault);
-    if (!err && (!pool.verdict || !pool.is_known))
-        err = fault_memory(fault, "the verdicts");
     if (!err)
-        err = run_pool(&pool, fault);
-    if (!err) {
-        err = sum_up(&pool, fault);
-        const enum err unwritten = write_reports(&pool, &words);
-        if (unwritten)
-            err = fault_set(fault, unwritten, "%s", words.text);
-    }
-    for (size_t i = 0; pool.verdict && i < options->count; i++)
-        verdict_release(pool.verdict + i);
-    free(pool.verdict);
-    free(pool.is_known);
+        err = run_all(&v, fault);
+    if (!err)
+        err = report(&v, fault);
+    for (size_t i = 0; v.result && i < options->count; i++)
+        verify_result_release(v.result + i);
+    free(v.result);
     return err;
 }

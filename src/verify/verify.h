@@ -1,18 +1,17 @@
 /*
  * The verification of journals: each is replayed in a process of its own, every result and golden
- * image compared, and the outcome told as TAP, in the order of the files whatever ends first.
+ * image compared, and the outcome printed as TAP, in the order of the files whatever ends first.
  *
  * A process each, because a journal is a program that is not trusted: one that crashes, or is
- * killed for its memory, is one failure with its signal named, and the others are verified. The
- * verdict comes back through a pipe (verdict.h). No process outlives the one that started it.
+ * killed for its memory, is one failure with its signal named, and the others are verified. What
+ * was found comes back through a pipe (verify_result.h); all reports read the same array of it.
  */
 #ifndef VERIFY_VERIFY_H
 #define VERIFY_VERIFY_H
 
+#include "base/process.h"
 #include "command/script.h"
-#include "verify/verdict.h"
-
-enum { VERIFY_PROCESSES_MOST = 64 };
+#include "verify/verify_result.h"
 
 struct verify_options {
     char *const *path; /* of the journals */
@@ -20,11 +19,12 @@ struct verify_options {
     const char *scene_path;      /* a scene to open whatever name `open` gives, or NULL */
     const char *evidence_folder; /* for what golden images differ by, or NULL; that of journals of
                                     one name goes below, into N/ for the Nth of `path` */
-    const char *junit, *html;    /* reports, written anew; or NULL */
+    const char *junit, *html;    /* reports, replacing what is there; or NULL */
+    bool json;                   /* one JSON object is printed instead of TAP */
     size_t first, last;          /* records to compare; 0 for all */
-    unsigned processes;          /* at most so many at once, 1..VERIFY_PROCESSES_MOST */
+    unsigned processes;          /* at most so many at once, 1..PROCESSES_MOST */
     /* Called in the process of each journal before it is carried out; or NULL. An error is the
-     * verdict. */
+     * result. */
     enum err (*begin)(void *context, const char *journal, struct fault *fault);
     void *context;
     struct watch *watch; /* when it stops, all processes are ended: ERR_CANCELLED */
@@ -35,8 +35,5 @@ struct verify_options {
  * worst error. */
 enum err verify_files(const struct verify_options *options, const struct teller *teller,
                       struct fault *fault);
-
-/* The verdict on one journal, in this process. */
-void verify_one(const struct verify_options *options, const char *path, struct verdict *verdict);
 
 #endif

@@ -4,27 +4,12 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/json.h"
 #include "verify/markup.h"
 
 static void add(struct buf *out, const char *text)
 {
     markup_add(out, text, strlen(text));
-}
-
-struct tally {
-    size_t failures, errors; /* checks that failed; journals that could not be verified */
-    uint64_t took_ms;
-};
-
-static struct tally tally(const struct verdict *verdict, size_t count)
-{
-    struct tally t = {0};
-    for (size_t i = 0; i < count; i++) {
-        t.failures += verdict[i].err == ERR_CHECK;
-        t.errors += verdict[i].err && verdict[i].err != ERR_CHECK;
-        t.took_ms += verdict[i].took_ms;
-    }
-    return t;
 }
 
 /* ---- JUnit ---- */
@@ -34,42 +19,41 @@ static void add_seconds(struct buf *out, uint64_t ms)
     buf_printf(out, " time=\"%" PRIu64 ".%03u\"", ms / 1000, (unsigned)(ms % 1000));
 }
 
-static void add_case(struct buf *out, const char *path, const struct verdict *v)
+static void add_case(struct buf *out, const struct verify_result *r)
 {
-    const char *element = v->err == ERR_CHECK ? "failure" : "error";
+    const char *element = r->err == ERR_CHECK ? "failure" : "error";
     buf_add_text(out, "    <testcase classname=\"iftty\" name=\"");
-    add(out, path);
+    add(out, r->path);
     buf_add_char(out, '"');
-    add_seconds(out, v->took_ms);
-    if (!v->err) {
+    add_seconds(out, r->took_ms);
+    if (!r->err) {
         buf_add_text(out, "/>\n");
         return;
     }
-    buf_printf(out, ">\n      <%s type=\"%s\" message=\"", element, err_name(v->err));
-    markup_add(out, buf_text(&v->why), v->why.length);
+    buf_printf(out, ">\n      <%s type=\"%s\" message=\"", element, err_name(r->err));
+    markup_add(out, buf_text(&r->why), r->why.length);
     buf_add_text(out, "\">");
-    markup_add(out, buf_text(&v->lines), v->lines.length);
+    markup_add(out, buf_text(&r->lines), r->lines.length);
     buf_printf(out, "</%s>\n    </testcase>\n", element);
 }
 
-static void add_suite(struct buf *out, const struct tally *t, size_t count)
+static void add_suite(struct buf *out, const struct verify_sum *sum)
 {
-    buf_printf(out, " tests=\"%zu\" failures=\"%zu\" errors=\"%zu\"", count, t->failures,
-               t->errors);
-    add_seconds(out, t->took_ms);
+    buf_printf(out, " tests=\"%zu\" failures=\"%zu\" errors=\"%zu\"", sum->count, sum->differing,
+               sum->unreadable);
+    add_seconds(out, sum->took_ms);
     buf_add_text(out, ">\n");
 }
 
-static void add_junit(struct buf *out, char *const *path, const struct verdict *verdict,
-                      size_t count)
+static void add_junit(struct buf *out, const struct verify_result *result, size_t count)
 {
-    const struct tally t = tally(verdict, count);
+    const struct verify_sum sum = verify_sum(result, count);
     buf_add_text(out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites");
-    add_suite(out, &t, count);
+    add_suite(out, &sum);
     buf_add_text(out, "  <testsuite name=\"iftty verify\"");
-    add_suite(out, &t, count);
+    add_suite(out, &sum);
     for (size_t i = 0; i < count; i++)
-        add_case(out, path[i], verdict + i);
+        add_case(out, result + i);
     buf_add_text(out, "  </testsuite>\n</testsuites>\n");
 }
 
@@ -98,18 +82,18 @@ static const char page_head[] =
     "</head>\n"
     "<body>\n";
 
-static void add_row(struct buf *out, size_t number, const char *path, const struct verdict *v)
+static void add_row(struct buf *out, size_t number, const struct verify_result *r)
 {
     buf_printf(out, "<tr><td class=\"n\">%zu</td><td>", number);
-    if (v->err)
+    if (r->err)
         buf_printf(out, "<a href=\"#j%zu\">", number);
-    add(out, path);
-    buf_printf(out, "%s</td><td class=\"%s\">%s</td>", v->err ? "</a>" : "",
-               v->err ? "failed" : "fine", v->err ? "failed" : "verified");
+    add(out, r->path);
+    buf_printf(out, "%s</td><td class=\"%s\">%s</td>", r->err ? "</a>" : "",
+               r->err ? "failed" : "fine", r->err ? "failed" : "verified");
     buf_printf(out,
                "<td class=\"n\">%" PRIu64 "</td><td class=\"n\">%" PRIu64
                "</td><td class=\"n\">%" PRIu64 "</td></tr>\n",
-               v->executed, v->compared, v->took_ms);
+               r->executed, r->compared, r->took_ms);
 }
 
 static void add_pictures(struct buf *out, const struct evidence *evidence)
@@ -130,52 +114,90 @@ static void add_pictures(struct buf *out, const struct evidence *evidence)
         buf_add_text(out, "</div>\n");
 }
 
-static void add_failure(struct buf *out, size_t number, const char *path, const struct verdict *v)
+static void add_failure(struct buf *out, size_t number, const struct verify_result *r)
 {
     buf_printf(out, "<section id=\"j%zu\">\n<h2>", number);
-    add(out, path);
+    add(out, r->path);
     buf_add_text(out, "</h2>\n<p class=\"failed\">");
-    markup_add(out, buf_text(&v->why), v->why.length);
+    markup_add(out, buf_text(&r->why), r->why.length);
     buf_add_text(out, "</p>\n<pre>");
-    markup_add(out, buf_text(&v->lines), v->lines.length);
+    markup_add(out, buf_text(&r->lines), r->lines.length);
     buf_add_text(out, "</pre>\n");
-    add_pictures(out, &v->evidence);
+    add_pictures(out, &r->evidence);
     buf_add_text(out, "</section>\n");
 }
 
-static void add_page(struct buf *out, char *const *path, const struct verdict *verdict,
-                     size_t count)
+static void add_page(struct buf *out, const struct verify_result *result, size_t count)
 {
-    const struct tally t = tally(verdict, count);
-    const size_t failed = t.failures + t.errors;
+    const struct verify_sum sum = verify_sum(result, count);
+    const size_t failed = sum.differing + sum.unreadable;
     buf_add_text(out, page_head);
     buf_printf(out, "<h1>%zu verified, <span class=\"%s\">%zu failed</span></h1>\n", count - failed,
                failed ? "failed" : "fine", failed);
     buf_add_text(out, "<table>\n<tr><th></th><th>journal</th><th></th><th>commands</th>"
                       "<th>results the same</th><th>ms</th></tr>\n");
     for (size_t i = 0; i < count; i++)
-        add_row(out, i + 1, path[i], verdict + i);
+        add_row(out, i + 1, result + i);
     buf_add_text(out, "</table>\n");
     for (size_t i = 0; i < count; i++)
-        if (verdict[i].err)
-            add_failure(out, i + 1, path[i], verdict + i);
+        if (result[i].err)
+            add_failure(out, i + 1, result + i);
     buf_add_text(out, "</body>\n</html>\n");
 }
 
-void verify_report_text(struct buf *out, enum verify_form form, char *const *path,
-                        const struct verdict *verdict, size_t count)
+/* ---- JSON ---- */
+
+static void add_object(struct json *json, const struct verify_result *r)
 {
-    if (form == VERIFY_JUNIT)
-        add_junit(out, path, verdict, count);
-    else
-        add_page(out, path, verdict, count);
+    json_object(json, NULL);
+    json_text(json, "journal", r->path);
+    json_boolean(json, "verified", !r->err);
+    json_count(json, "commands", r->executed);
+    json_count(json, "results_the_same", r->compared);
+    json_count(json, "ms", r->took_ms);
+    if (r->err) {
+        json_text(json, "kind", err_name(r->err));
+        json_bytes(json, "why", buf_text(&r->why), r->why.length);
+        json_array(json, "lines");
+        for (const char *at = buf_text(&r->lines); *at; at += strcspn(at, "\n"), at += *at == '\n')
+            json_bytes(json, NULL, at, strcspn(at, "\n"));
+        json_end(json);
+    }
+    json_end(json);
 }
 
-enum err verify_report(const char *file, enum verify_form form, char *const *path,
-                       const struct verdict *verdict, size_t count, struct fault *fault)
+static void add_json(struct buf *out, const struct verify_result *result, size_t count)
+{
+    const struct verify_sum sum = verify_sum(result, count);
+    const size_t failed = sum.differing + sum.unreadable;
+    struct json json = {.out = out, .lines = 2};
+    json_object(&json, NULL);
+    json_count(&json, "verified", count - failed);
+    json_count(&json, "failed", failed);
+    json_count(&json, "ms", sum.took_ms);
+    json_array(&json, "journals");
+    for (size_t i = 0; i < count; i++)
+        add_object(&json, result + i);
+    json_end(&json);
+    json_end(&json);
+}
+
+/* ---- all forms ---- */
+
+void verify_report_text(struct buf *out, enum verify_form form, const struct verify_result *result,
+                        size_t count)
+{
+    static void (*const add_form[])(struct buf * out, const struct verify_result *result,
+                                    size_t count) = {
+        [VERIFY_JUNIT] = add_junit, [VERIFY_HTML] = add_page, [VERIFY_JSON] = add_json};
+    add_form[form](out, result, count);
+}
+
+enum err verify_report(const char *file, enum verify_form form, const struct verify_result *result,
+                       size_t count, struct fault *fault)
 {
     struct buf text = {0};
-    verify_report_text(&text, form, path, verdict, count);
+    verify_report_text(&text, form, result, count);
     const enum err err = text.failed
                              ? fault_memory(fault, "a report")
                              : file_write(file, buf_text(&text), text.length, FILE_REPLACE, fault);

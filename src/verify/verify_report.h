@@ -1,21 +1,21 @@
 /*
- * What a verification found, for programs that read JUnit's XML, and as one HTML page: with the
- * pictures of each failure side by side, without a script, and with nothing to be fetched from
+ * What a verification found: for programs that read JUnit's XML or JSON, and as one HTML page, with
+ * the pictures of each failure side by side, without a script, and with nothing to be fetched from
  * anywhere, which the page itself forbids.
  */
 #ifndef VERIFY_VERIFY_REPORT_H
 #define VERIFY_VERIFY_REPORT_H
 
-#include "verify/verdict.h"
+#include "verify/verify_result.h"
 
-enum verify_form { VERIFY_JUNIT, VERIFY_HTML };
+enum verify_form { VERIFY_JUNIT, VERIFY_HTML, VERIFY_JSON };
 
 /* The report on `count` journals as text. */
-void verify_report_text(struct buf *out, enum verify_form form, char *const *path,
-                        const struct verdict *verdict, size_t count);
+void verify_report_text(struct buf *out, enum verify_form form, const struct verify_result *result,
+                        size_t count);
 
 /* Writes it as `file`, whole or not at all, over what is there. */
-enum err verify_report(const char *file, enum verify_form form, char *const *path,
-                       const struct verdict *verdict, size_t count, struct fault *fault);
+enum err verify_report(const char *file, enum verify_form form, const struct verify_result *result,
+                       size_t count, struct fault *fault);
 
 #endif

@@ -1,0 +1,96 @@
+#include "verify/verify_result.h"
+
+#include <inttypes.h>
+
+#include "base/scan.h"
+
+void verify_result_release(struct verify_result *result)
+{
+    buf_release(&result->why);
+    buf_release(&result->lines);
+    evidence_release(&result->evidence);
+}
+
+/* The parts that differ in length, in the order in which they are sent; NULL behind the last. */
+static struct buf *part_of(const struct verify_result *result, size_t number)
+{
+    struct verify_result *r = (struct verify_result *)(uintptr_t)result;
+    const size_t picture = number < 2 ? 0 : (number - 2) / 2;
+    if (number < 2)
+        return number ? &r->lines : &r->why;
+    if (picture >= r->evidence.pictures)
+        return NULL;
+    return number % 2 ? &r->evidence.picture[picture].png : &r->evidence.picture[picture].caption;
+}
+
+void verify_result_write(struct buf *out, const struct verify_result *r)
+{
+    const struct buf *part;
+    buf_printf(out, "result %d %" PRIu64 " %" PRIu64 " %" PRIu64 " %zu\n", (int)r->err, r->executed,
+               r->compared, r->took_ms, r->evidence.pictures);
+    for (size_t i = 0; (part = part_of(r, i)); i++) {
+        buf_printf(out, "part %zu\n", part->length);
+        buf_add(out, buf_text(part), part->length);
+    }
+}
+
+/* "NAME N N ...\n". The bytes are ended by a NUL, so that no number is read beyond it. */
+static bool read_numbers(const char **at, const char *name, int64_t *number, size_t count)
+{
+    if (!scan_text(at, name))
+        return false;
+    for (size_t i = 0; i < count; i++)
+        if (!scan_text(at, " ") || !scan_integer(at, 0, INT64_MAX, number + i))
+            return false;
+    return scan_text(at, "\n");
+}
+
+static bool read_part(const char **at, const char *end, struct buf *part)
+{
+    int64_t length;
+    if (!read_numbers(at, "part", &length, 1) || length > end - *at)
+        return false;
+    buf_add(part, *at, (size_t)length);
+    *at += length;
+    return !part->failed;
+}
+
+static bool read_all(struct verify_result *r, const char *at, const char *end)
+{
+    struct buf *part;
+    int64_t number[5];
+    if (!read_numbers(&at, "result", number, 5) || number[0] > ERR_CANCELLED ||
+        number[4] > EVIDENCE_MOST)
+        return false;
+    r->err = (enum err)number[0];
+    r->executed = (uint64_t)number[1];
+    r->compared = (uint64_t)number[2];
+    r->took_ms = (uint64_t)number[3];
+    r->evidence.pictures = (size_t)number[4];
+    for (size_t i = 0; (part = part_of(r, i)); i++)
+        if (!read_part(&at, end, part))
+            return false;
+    return at == end;
+}
+
+enum err verify_result_read(struct verify_result *result, const struct buf *bytes,
+                            struct fault *fault)
+{
+    return read_all(result, buf_text(bytes), buf_text(bytes) + bytes->length)
+               ? OK
+               : fault_set(fault, ERR_INPUT, "no result, or half of one: %zu bytes", bytes->length);
+}
+
+struct verify_sum verify_sum(const struct verify_result *result, size_t count)
+{
+    struct verify_sum sum = {.count = count};
+    for (size_t i = 0; i < count; i++) {
+        const enum err err = result[i].err;
+        sum.differing += err == ERR_CHECK;
+        sum.unreadable += err && err != ERR_CHECK;
+        sum.took_ms += result[i].took_ms;
+        if (err && (!sum.worst || sum.worst == ERR_CHECK))
+            sum.worst = err;
+    }
+    return sum;
+}

@@ -1,0 +1,42 @@
+/*
+ * What the verification of one journal found. It is made in a process of its own and comes back
+ * through a pipe, in a form where everything is counted:
+ *
+ *     result ERR EXECUTED COMPARED TOOK_MS PICTURES\n
+ *     part BYTES\n...     why, lines, and for each picture its caption and its PNG
+ *
+ * with ERR the number of an enum err. A process that dies leaves less than that, which is refused.
+ */
+#ifndef VERIFY_VERIFY_RESULT_H
+#define VERIFY_VERIFY_RESULT_H
+
+#include "verify/evidence.h"
+
+struct verify_result {
+    const char *path; /* of the journal; borrowed, and not sent */
+    bool is_known;    /* its verification is over; not sent either */
+    enum err err;     /* OK, ERR_CHECK where something differs, else why it could not be verified */
+    uint64_t executed, compared, took_ms; /* commands; results the same; milliseconds */
+    struct buf why;   /* of a failure: one line, without line feed, safe to print */
+    struct buf lines; /* more about it: lines that begin with "# " */
+    struct evidence evidence;
+};
+
+void verify_result_release(struct verify_result *result);
+
+void verify_result_write(struct buf *out, const struct verify_result *result);
+
+/* Fills in what was sent. To be released, whatever is returned. ERR_INPUT for bytes of another
+ * form. */
+enum err verify_result_read(struct verify_result *result, const struct buf *bytes,
+                            struct fault *fault);
+
+/* Of several. */
+struct verify_sum {
+    size_t count, differing, unreadable; /* journals: ERR_CHECK; any other error */
+    uint64_t took_ms;
+    enum err worst; /* any other error is worse than ERR_CHECK */
+};
+struct verify_sum verify_sum(const struct verify_result *result, size_t count);
+
+#endif

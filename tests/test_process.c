@@ -1,0 +1,224 @@
+/*
+ * Work in processes of its own: what comes back, in which order, and what becomes of processes that
+ * die, say too much, or do not end.
+ */
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/process.h"
+#include "tests/check.h"
+
+/* ---- what the processes do ---- */
+
+static void say_much(void *context, size_t number, struct buf *out)
+{
+    const size_t *bytes = context;
+    (void)number;
+    for (size_t i = 0; i < *bytes; i++)
+        buf_add_char(out, (char)(i * 7));
+}
+
+static void die(void *context, size_t number, struct buf *out)
+{
+    (void)context;
+    (void)number;
+    buf_add_text(out, "half");
+    raise(SIGKILL);
+}
+
+static void wait_without_end(void *context, size_t number, struct buf *out)
+{
+    (void)context;
+    (void)number;
+    (void)out;
+    for (;;)
+        pause();
+}
+
+/* Nothing is left open, though the process goes on. */
+static void close_all_and_wait(void *context, size_t number, struct buf *out)
+{
+    for (int i = 3; i < 256; i++)
+        close(i);
+    wait_without_end(context, number, out);
+}
+
+/* Another process holds the pipe, and outlives this one for a while. */
+static void leave_heir(void *context, size_t number, struct buf *out)
+{
+    (void)context;
+    (void)number;
+    buf_add_text(out, "will");
+    if (fork() == 0) {
+        for (int i = 0; i < 3; i++)
+            close(i);
+        alarm(5);
+        pause();
+    }
+}
+
+/* Later pieces end earlier. */
+static void say_number(void *context, size_t number, struct buf *out)
+{
+    (void)context;
+    usleep(number < 4 ? 1000 * (unsigned)(40 - 10 * number) : 0);
+    buf_printf(out, "piece %zu", number);
+    if (number == 2)
+        abort();
+}
+
+static void complain(void *context, size_t number, struct buf *out)
+{
+    (void)context;
+    (void)number;
+    (void)out;
+    execl("/bin/sh", "sh", "-c", "echo no >&2; head -c 100000 /dev/zero >&2; exit 7", (char *)NULL);
+    _exit(127);
+}
+
+static bool poll_and_stop(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    (void)what;
+    (void)done;
+    (void)total;
+    return ++*(int *)context > 2;
+}
+
+/* ---- one ---- */
+
+STORY(a_process_hands_back_what_was_made_elsewhere)
+{
+    size_t bytes = 3000000;
+    struct buf out = {0}, expected = {0};
+    const struct processes how = {.work = say_much, .context = &bytes, .most = 4000000};
+    CHECK(process_run(&out, &how, NULL) == OK);
+    say_much(&bytes, 0, &expected);
+    CHECK(out.length == expected.length && memcmp(out.data, expected.data, out.length) == 0);
+    bytes = 0;
+    CHECK(process_run(&out, &how, NULL) == OK);
+    CHECK_INT(out.length, 0);
+    buf_release(&out);
+    buf_release(&expected);
+}
+
+STORY(a_process_that_dies_or_says_too_much_is_an_error)
+{
+    size_t bytes = 3000000;
+    struct buf out = {0};
+    struct fault why = {0};
+    CHECK(process_run(&out, &(struct processes){.work = die, .most = 100}, &why) == ERR_INPUT);
+    CHECK_HAS(why.text, "ended by signal 9 (Killed)");
+    const struct processes much = {.work = say_much, .context = &bytes, .most = 2000000};
+    CHECK(process_run(&out, &much, &why) == ERR_INPUT);
+    CHECK_HAS(why.text, "more than it may");
+    buf_release(&out);
+}
+
+STORY(a_process_that_does_not_end_is_ended_by_the_watch)
+{
+    int polls = 0;
+    struct watch watch = {.context = &polls, .poll = poll_and_stop};
+    struct buf out = {0};
+    struct processes how = {.work = wait_without_end, .most = 1, .watch = &watch};
+    CHECK(process_run(&out, &how, NULL) == ERR_CANCELLED);
+    polls = 0;
+    watch_begin(&watch);
+    how.work = close_all_and_wait;
+    CHECK(process_run(&out, &how, NULL) == ERR_CANCELLED);
+    CHECK(waitpid(-1, NULL, WNOHANG) == -1 && errno == ECHILD); /* P3 */
+    buf_release(&out);
+}
+
+STORY(the_end_of_a_process_counts_whoever_holds_its_pipe)
+{
+    struct buf out = {0};
+    alarm(4);
+    CHECK(process_run(&out, &(struct processes){.work = leave_heir, .most = 100}, NULL) == OK);
+    alarm(0);
+    CHECK_TEXT(buf_text(&out), "will");
+    buf_release(&out);
+}
+
+/* ---- several ---- */
+
+struct log {
+    struct buf text;
+    int status[16];
+    size_t count;
+    unsigned ticks;
+};
+
+static void note(void *context, size_t number, struct process_end *end)
+{
+    struct log *log = context;
+    buf_add_text(&log->text, buf_text(&end->bytes));
+    buf_add_text(&log->text, "\n");
+    log->status[number] = end->status;
+    log->count++;
+}
+
+static void count_tick(void *context, uint64_t held_bytes)
+{
+    struct log *log = context;
+    (void)held_bytes;
+    log->ticks++;
+}
+
+STORY(each_piece_of_work_is_done_once)
+{
+    for (unsigned at_once = 1; at_once <= PROCESSES_MOST; at_once *= 4) {
+        struct log log = {.count = 0};
+        const struct processes how = {.count = 16,
+                                      .at_once = at_once,
+                                      .most = 100,
+                                      .context = &log,
+                                      .work = say_number,
+                                      .done = note,
+                                      .tick = count_tick};
+        CHECK(processes_run(&how, NULL) == OK);
+        CHECK_INT(log.count, 16);
+        CHECK(log.ticks > 0);
+        for (int i = 0; i < 16; i++) {
+            char piece[16];
+            snprintf(piece, sizeof piece, "piece %d\n", i);
+            if (i == 2)
+                CHECK(WIFSIGNALED(log.status[i]) && WTERMSIG(log.status[i]) == SIGABRT);
+            else
+                CHECK_HAS(buf_text(&log.text), piece);
+        }
+        if (at_once == 1)
+            CHECK_HAS(buf_text(&log.text), "piece 0\npiece 1\n\npiece 3\npiece 4\n");
+        buf_release(&log.text);
+    }
+}
+
+STORY(errors_of_another_program_are_taken_up_to_a_length)
+{
+    struct log log = {.count = 0};
+    const struct processes how = {.count = 1,
+                                  .at_once = 1,
+                                  .most = 1000,
+                                  .takes_errors = true,
+                                  .context = &log,
+                                  .work = complain,
+                                  .done = note};
+    CHECK(processes_run(&how, NULL) == OK);
+    CHECK(WIFEXITED(log.status[0]));
+    CHECK_INT(WEXITSTATUS(log.status[0]), 7);
+    CHECK(strncmp(buf_text(&log.text), "no\n", 3) == 0);
+    buf_release(&log.text);
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(a_process_hands_back_what_was_made_elsewhere),
+                       TELL(a_process_that_dies_or_says_too_much_is_an_error),
+                       TELL(a_process_that_does_not_end_is_ended_by_the_watch),
+                       TELL(the_end_of_a_process_counts_whoever_holds_its_pipe),
+                       TELL(each_piece_of_work_is_done_once),
+                       TELL(errors_of_another_program_are_taken_up_to_a_length));
+}
