@@ -805,6 +805,7 @@ static enum err program_help(const struct options *o, struct fault *fault)
 
 struct prompt {
     struct pilot_interpreter pilot; /* first: the pilot's host has this whole as its context */
+    struct pilot_host host;
     struct interpreter interp;
     struct reply reply;
     char name[24];     /* before the "> " */
@@ -887,12 +888,19 @@ static bool prompt_finished(void *context)
     return prompt->interp.finished;
 }
 
-static bool prompt_flies(void *context)
+static bool prompt_wants_screen(void *context)
 {
     struct prompt *prompt = context;
     const bool flies = prompt->interp.flies;
     prompt->interp.flies = false;
     return flies;
+}
+
+static enum err prompt_screen(void *context, struct terminal_facts *facts,
+                              struct line_editor *editor, bool *ended, struct fault *fault)
+{
+    const struct prompt *prompt = context;
+    return pilot_run(&prompt->host, facts, editor, ended, fault);
 }
 
 static void prompt_news(void *context, struct buf *output)
@@ -953,16 +961,16 @@ static enum err program_prompt(const struct options *o, struct fault *fault)
     if (!err && isatty(STDIN_FILENO) && isatty(STDOUT_FILENO))
         interpreter_write_beside(&prompt.interp, NULL);
     struct picture_writer *writer = prompt.interp.writer;
-    struct pilot_host pilot = {
+    prompt.host = (struct pilot_host){
         .context = &prompt, .execute = prompt_execute, .finished = prompt_finished};
-    pilot_host_fill(&pilot);
+    pilot_host_fill(&prompt.host);
     prompt.pilot.interp = &prompt.interp;
     prompt.pilot.smooth = o->smooth;
     prompt.interp.has_cockpit = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     const struct repl_host host = {.context = &prompt,
-                                   .pilot = &pilot,
-                                   .flies = prompt_flies,
-                                   .pilot_line = "pilot",
+                                   .wants_screen = prompt_wants_screen,
+                                   .screen = prompt_screen,
+                                   .screen_line = "pilot",
                                    .begin = prompt_begin,
                                    .prompt = prompt_text,
                                    .execute = prompt_execute,

@@ -3,6 +3,7 @@
  */
 #include <stdlib.h>
 
+#include "base/file.h"
 #include "tests/check.h"
 #include "tui/pilot/pilot_keys.h"
 #include "tui/pilot/refine.h"
@@ -78,7 +79,7 @@ static void begin(void)
     pilot_state_init(&state);
 }
 
-static void writer(enum key key, unsigned modifiers, char c)
+static void press(enum key key, unsigned modifiers, char c)
 {
     const struct key_event event = {
         .key = key, .modifiers = modifiers, .point = (uint8_t)c, .text = {c}, .length = 1};
@@ -91,13 +92,13 @@ static void writer(enum key key, unsigned modifiers, char c)
 static const char *type(const char *letters)
 {
     for (; *letters; letters++)
-        writer(KEY_CHARACTER, 0, *letters);
+        press(KEY_CHARACTER, 0, *letters);
     return buf_text(&line);
 }
 
 static const char *arrow(enum key key, unsigned modifiers)
 {
-    writer(key, modifiers, 0);
+    press(key, modifiers, 0);
     return buf_text(&line);
 }
 
@@ -111,14 +112,14 @@ STORY(arrows_and_letters_move_in_the_plane_that_is_marked)
     CHECK_TEXT(arrow(KEY_DOWN, 0), "cross 20,24,30\n");
     CHECK_TEXT(type("J"), "cross 20,25,29\n");
     CHECK_TEXT(arrow(KEY_PAGE_UP, 0), "cross 20,25,31\n");
-    writer(KEY_TAB, 0, 0); /* coronal */
+    press(KEY_TAB, 0, 0); /* coronal */
     CHECK_TEXT(type("k"), "cross 20,25,31\n");
     CHECK_TEXT(type("K"), "cross 20,26,30\n");
-    writer(KEY_TAB, 0, 0); /* sagittal: his front is on the left */
+    press(KEY_TAB, 0, 0); /* sagittal: his front is on the left */
     CHECK_TEXT(type("h"), "cross 20,26,30\n");
     CHECK_TEXT(type("k"), "cross 20,25,31\n");
     CHECK_TEXT(type("K"), "cross 21,25,30\n");
-    writer(KEY_TAB, 0, 0);
+    press(KEY_TAB, 0, 0);
     CHECK_TEXT(type("l"), "cross 19,25,30\n");
 }
 
@@ -135,7 +136,7 @@ STORY(jumps_counts_and_edges)
     CHECK_TEXT(type("h"), ""); /* nowhere to go is no command */
     CHECK_TEXT(type("#5u"), "undo 5\n");
     CHECK_TEXT(type("u"), "undo\n");
-    writer(KEY_CHARACTER, KEY_CONTROL, 'r');
+    press(KEY_CHARACTER, KEY_CONTROL, 'r');
     CHECK_TEXT(buf_text(&line), "redo\n");
 }
 
@@ -160,7 +161,7 @@ STORY(seeds_brushes_and_strokes)
     type("v");
     CHECK_HAS(buf_text(&message), "pen down");
     CHECK_TEXT(type("l"), "cross 19,40,30\nseed 19,40,30 2 to=20,40,30\n");
-    writer(KEY_ESCAPE, 0, 0);
+    press(KEY_ESCAPE, 0, 0);
     CHECK_TEXT(type("l"), "cross 19,40,30\n");
 }
 
@@ -171,17 +172,17 @@ STORY(an_eliminator_shows_its_tree_first)
     CHECK_HAS(buf_text(&message), "x again eliminates the tree of 5 voxels");
     CHECK(state.mode == PILOT_CONFIRMING);
     CHECK_TEXT(type("x"), "remove 20,25,30\n");
-    CHECK(state.mode == PILOT_FLYING);
+    CHECK(state.mode == PILOT_MOVING);
     type("x");
     CHECK_TEXT(type("l"), "cross 19,25,30\n"); /* another key does what it does, and nothing goes */
     type("x");
-    writer(KEY_ESCAPE, 0, 0);
+    press(KEY_ESCAPE, 0, 0);
     CHECK_TEXT(buf_text(&line), "");
-    CHECK(state.mode == PILOT_FLYING);
+    CHECK(state.mode == PILOT_MOVING);
     has_tree = false;
     type("x");
     CHECK_HAS(buf_text(&message), "no tree holds this voxel");
-    CHECK(state.mode == PILOT_FLYING);
+    CHECK(state.mode == PILOT_MOVING);
 }
 
 STORY(the_view_and_the_window)
@@ -199,8 +200,8 @@ STORY(the_view_and_the_window)
     CHECK_TEXT(arrow(KEY_RIGHT, 0), "window -2 102\n"); /* wider */
     CHECK_TEXT(arrow(KEY_UP, 0), "window -2 98\n");     /* brighter */
     CHECK_TEXT(arrow(KEY_LEFT, KEY_CONTROL), "window 20 80\n");
-    writer(KEY_ENTER, 0, 0);
-    CHECK(state.mode == PILOT_FLYING);
+    press(KEY_ENTER, 0, 0);
+    CHECK(state.mode == PILOT_MOVING);
     CHECK_TEXT(type("wa"), "window auto\n");
     CHECK_TEXT(type(" "), "run\n");
 }
@@ -211,20 +212,20 @@ STORY(a_pixel_of_the_rendition_leads_to_its_voxel)
     type("p");
     CHECK(state.mode == PILOT_PICKING && state.pixel[0] == 32 && state.pixel[1] == 24);
     CHECK_TEXT(type("llj"), "");
-    writer(KEY_ENTER, 0, 0);
+    press(KEY_ENTER, 0, 0);
     CHECK_TEXT(buf_text(&line), "cross 34,25,9\n");
-    CHECK(state.mode == PILOT_FLYING);
+    CHECK(state.mode == PILOT_MOVING);
     type("p");
     for (int i = 0; i < 20; i++)
         type("L"); /* as far as the picture goes */
     CHECK_INT(state.pixel[0], 63);
     shows = false;
-    writer(KEY_ENTER, 0, 0);
+    press(KEY_ENTER, 0, 0);
     CHECK_TEXT(buf_text(&line), "");
     CHECK_HAS(buf_text(&message), "no object is seen at that pixel");
     type("p");
-    writer(KEY_ESCAPE, 0, 0);
-    CHECK(state.mode == PILOT_FLYING);
+    press(KEY_ESCAPE, 0, 0);
+    CHECK(state.mode == PILOT_MOVING);
 }
 
 STORY(what_is_no_command)
@@ -234,17 +235,17 @@ STORY(what_is_no_command)
     CHECK(deed == PILOT_PROMPT);
     type("q");
     CHECK(deed == PILOT_LEAVE);
-    writer(KEY_CHARACTER, KEY_CONTROL, 'l');
+    press(KEY_CHARACTER, KEY_CONTROL, 'l');
     CHECK(deed == PILOT_REDRAW);
-    writer(KEY_CHARACTER, KEY_CONTROL, 'z');
+    press(KEY_CHARACTER, KEY_CONTROL, 'z');
     CHECK(deed == PILOT_SUSPEND);
     type("?");
     CHECK(state.mode == PILOT_HELPING);
     CHECK_TEXT(type("1"), ""); /* any key goes on, and does nothing else */
-    CHECK(state.mode == PILOT_FLYING);
+    CHECK(state.mode == PILOT_MOVING);
     CHECK_TEXT(type("y"), "");
-    CHECK_HAS(buf_text(&message), "? tells them");
-    writer(KEY_OTHER, 0, 0);
+    CHECK_HAS(buf_text(&message), "? shows the keys");
+    press(KEY_OTHER, 0, 0);
     CHECK_TEXT(buf_text(&line), "");
 }
 
@@ -291,7 +292,7 @@ STORY(the_wheel_takes_the_question_about_a_tree_away)
     type("x");
     CHECK(state.mode == PILOT_CONFIRMING);
     CHECK_TEXT(click(MOUSE_WHEEL_UP, 1, 1), "cross 20,25,31\n"); /* where another tree may be */
-    CHECK(state.mode == PILOT_FLYING);
+    CHECK(state.mode == PILOT_MOVING);
     CHECK_TEXT(type("x"), "");
     CHECK_HAS(buf_text(&message), "x again eliminates");
     CHECK_TEXT(type("x"), "remove 20,25,30\n");
@@ -311,6 +312,26 @@ STORY(what_a_click_says_takes_the_place_of_what_was_said)
     CHECK_TEXT(buf_text(&message), "nothing is seen there");
 }
 
+/* tui/README.md has it between two marks. */
+STORY(the_page_of_keys_fits_and_is_the_card_in_the_readme)
+{
+    static const char mark[] = "<!-- keys: the page that `?` shows -->\n\n```\n";
+    struct buf page = {0}, readme = {0};
+    pilot_keys_page(&page);
+    for (const char *at = buf_text(&page); *at; at += strcspn(at, "\n") + 1)
+        CHECK(strcspn(at, "\n") <= 78);
+    CHECK(file_read(&readme, "tui/README.md", 1 << 20, NULL) == OK);
+    const char *card = strstr(buf_text(&readme), mark);
+    CHECK(card != NULL);
+    if (card) {
+        card += strlen(mark);
+        CHECK(strncmp(card, buf_text(&page), page.length) == 0);
+        CHECK(strncmp(card + page.length, "```\n", 4) == 0);
+    }
+    buf_release(&page);
+    buf_release(&readme);
+}
+
 STORY(any_keys_make_lines_that_are_whole)
 {
     uint64_t seed = 4;
@@ -319,8 +340,8 @@ STORY(any_keys_make_lines_that_are_whole)
         static const enum key keys[] = {KEY_CHARACTER, KEY_CHARACTER, KEY_CHARACTER, KEY_UP,
                                         KEY_LEFT,      KEY_ENTER,     KEY_ESCAPE,    KEY_TAB};
         const enum key key = keys[check_below(&seed, 8)];
-        writer(key, check_below(&seed, 6) ? 0 : check_below(&seed, 8),
-               (char)(' ' + check_below(&seed, 95)));
+        press(key, check_below(&seed, 6) ? 0 : check_below(&seed, 8),
+              (char)(' ' + check_below(&seed, 95)));
         CHECK(line.length == 0 || line.data[line.length - 1] == '\n');
         CHECK(!line.failed && !message.failed);
         CHECK(state.label < 256 && state.radius <= 32 && state.pane < PILOT_RENDITION);
@@ -416,6 +437,7 @@ int main(void)
         TELL(what_is_no_command), TELL(a_click_takes_the_cross_hair_there_and_the_pen_draws),
         TELL(the_wheel_takes_the_question_about_a_tree_away),
         TELL(what_a_click_says_takes_the_place_of_what_was_said),
+        TELL(the_page_of_keys_fits_and_is_the_card_in_the_readme),
         TELL(any_keys_make_lines_that_are_whole), TELL(with_room_enough_all_is_fine_at_once),
         TELL(with_little_room_it_is_coarse_first_and_fine_in_the_end),
         TELL(what_tiles_cost_is_learnt));

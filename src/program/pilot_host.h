@@ -1,6 +1,6 @@
 /*
- * The pilot's host: an interpreter, seen from the cockpit (tui/pilot.h). It turns what the pilot asks into
- * looks at the session; whatever changes goes through the interpreter's one door, as a line.
+ * The pilot's host (tui/pilot/pilot.h): answers what the pilot asks from the interpreter's session.
+ * What changes anything goes to the interpreter as a line.
  */
 #ifndef PROGRAM_PILOT_HOST_H
 #define PROGRAM_PILOT_HOST_H
@@ -15,8 +15,8 @@ struct pilot_interpreter {
     uint32_t hue[256];
 };
 
-/* Fills in all of a host but its context, execute and finished. The context that
- * these functions are given begins with a struct pilot_desk. */
+/* Fills in all of a host but its context, execute and finished. The context that these functions
+ * are given begins with a struct pilot_interpreter. */
 void pilot_host_fill(struct pilot_host *host);
 
 /* The colours of the labels that can show, for a palette; how many. */

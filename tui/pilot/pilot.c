@@ -13,19 +13,15 @@
 #include "tui/term.h"
 #include "tui/prompt/wrap.h"
 
-/* Smaller screens than this cannot be flown on. */
+/* The smallest screen. */
 enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10 };
-
-/* An answer that takes longer has been lost, or the line is; the next frame goes out all the same.
- */
-#define PATIENCE_NS  UINT64_C(2000000000)
 
 #define ENTER_SCREEN "\033[?1049h\033[?25l" TERM_PROMPT_BEGINS
 #define LEAVE_SCREEN TERM_PROMPT_ENDS "\033[?25h\033[?1049l"
 #define MOUSE_ON     "\033[?1002h\033[?1006h"
 #define MOUSE_OFF    "\033[?1006l\033[?1002l"
 
-struct flight {
+struct pilot {
     const struct pilot_host *host;
     struct terminal_facts *facts;
     struct line_editor *editor; /* whose input and keys are ours as well */
@@ -41,100 +37,100 @@ struct flight {
 
 /* ---- the screen ---- */
 
-static struct pilot_wish wish_of(const struct flight *f)
+static struct pilot_wish wish_of(const struct pilot *p)
 {
-    struct pilot_wish wish = {.words = f->facts->graphics->kind == GRAPHICS_PIXELS,
-                              .marks_tree = f->state.mode == PILOT_CONFIRMING,
-                              .marks_pixel = f->state.mode == PILOT_PICKING,
+    struct pilot_wish wish = {.words = p->facts->graphics->kind == GRAPHICS_PIXELS,
+                              .marks_tree = p->state.mode == PILOT_CONFIRMING,
+                              .marks_pixel = p->state.mode == PILOT_PICKING,
                               .pane =
-                                  f->state.mode == PILOT_PICKING ? PILOT_RENDITION : f->state.pane};
-    painter_size(&f->painter, &wish.width, &wish.height);
+                                  p->state.mode == PILOT_PICKING ? PILOT_RENDITION : p->state.pane};
+    painter_size(&p->painter, &wish.width, &wish.height);
     for (int i = 0; i < 2; i++)
-        wish.pixel[i] = f->state.pixel[i];
+        wish.pixel[i] = p->state.pixel[i];
     return wish;
 }
 
 /* A frame is to be there 60 ms after the key, what the line takes for the way apart; the flow
  * counts with 100, and making a frame takes its share. */
-static void add_picture(struct flight *f, struct buf *out)
+static void add_picture(struct pilot *p, struct buf *out)
 {
-    const struct pilot_wish wish = wish_of(f);
+    const struct pilot_wish wish = wish_of(p);
     const size_t before = out->length;
     struct image_view view, shown;
     struct fault fault;
-    if (f->facts->graphics->kind == GRAPHICS_NOTHING)
+    if (p->facts->graphics->kind == GRAPHICS_NOTHING)
         return;
-    if (f->host->picture(f->host->context, &wish, &view, &fault)) {
-        buf_clear(&f->message);
-        buf_printf(&f->message, "error: %s", fault.text);
+    if (p->host->picture(p->host->context, &wish, &view, &fault)) {
+        buf_clear(&p->message);
+        buf_printf(&p->message, "error: %s", fault.text);
         return;
     }
-    if (!refine_begin(&f->refine, &view, f->is_stale, flow_budget(&f->flow) / 3, &shown)) {
+    if (!refine_begin(&p->refine, &view, p->is_stale, flow_budget(&p->flow) / 3, &shown)) {
         out->failed = true;
         return;
     }
-    painter_show(&f->painter, &shown, out);
-    refine_sent(&f->refine, out->length - before);
+    painter_show(&p->painter, &shown, out);
+    refine_sent(&p->refine, out->length - before);
 }
 
 /* The whole of the present state in one write, and a question whose answer says that it is there.
  */
-static enum err draw(struct flight *f, struct fault *fault)
+static enum err draw(struct pilot *p, struct fault *fault)
 {
     const struct term_size size = term_size();
     struct buf out = {0};
     struct pilot_facts facts;
-    if (!f->host->facts(f->host->context, &facts)) {
-        f->is_over = true;
+    if (!p->host->facts(p->host->context, &facts)) {
+        p->is_over = true;
         return OK;
     }
-    if (f->flow.failed) { /* nobody knows what has arrived */
-        probe_add_recovery(f->facts, &out);
-        f->is_blank = true;
+    if (p->flow.failed) { /* nobody knows what has arrived */
+        probe_add_recovery(p->facts, &out);
+        p->is_blank = true;
     }
-    if (f->facts->synchronizes)
+    if (p->facts->synchronizes)
         buf_add_text(&out, "\033[?2026h");
-    if (f->is_blank) {
+    if (p->is_blank) {
         buf_add_text(&out, "\033[m\033[H\033[2J");
-        painter_forget(&f->painter);
-        refine_forget(&f->refine);
+        painter_forget(&p->painter);
+        refine_forget(&p->refine);
     }
-    if (f->state.mode == PILOT_HELPING)
+    if (p->state.mode == PILOT_HELPING)
         pilot_rows_add_help(&out);
     else
-        add_picture(f, &out);
-    pilot_rows_add(&out, &f->state, f->host, &facts, &f->message, &size);
-    if (f->facts->synchronizes)
+        add_picture(p, &out);
+    pilot_rows_add(&out, &p->state, p->host, &facts, &p->message, &size);
+    if (p->facts->synchronizes)
         buf_add_text(&out, "\033[?2026l");
-    if (f->facts->answers)
+    if (p->facts->answers)
         buf_add_text(&out, "\033[c");
-    f->is_stale = f->is_blank = false;
+    p->is_stale = p->is_blank = false;
     const uint64_t now_ns = clock_ns();
     enum err err =
         out.failed ? fault_memory(fault, "a frame") : term_write(buf_text(&out), out.length, fault);
-    flow_sent(&f->flow, out.length, now_ns);
+    flow_sent(&p->flow, out.length, now_ns);
     buf_release(&out);
     return err;
 }
 
 /* Where the picture goes, by the size of the screen. */
-static void lay_out(struct flight *f)
+static void lay_out(struct pilot *p)
 {
     const struct term_size size = term_size();
-    probe_resize(f->facts, &size);
-    painter_place(&f->painter, f->facts, 0, 0, size.columns,
+    probe_resize(p->facts, &size);
+    painter_place(&p->painter, p->facts, 0, 0, size.columns,
                   size.rows > PILOT_ROWS + 1 ? size.rows - PILOT_ROWS : 1);
-    f->is_stale = f->is_blank = true;
+    p->is_stale = p->is_blank = true;
 }
 
-static enum err clear_picture(struct flight *f, struct fault *fault)
+static enum err clear_picture(struct pilot *p, struct fault *fault)
 {
     struct buf out = {0};
-    painter_remove(&f->painter, &out);
+    painter_remove(&p->painter, &out);
     buf_add_text(&out, "\033[m\033[H\033[2J");
     const enum err err = term_write(buf_text(&out), out.length, fault);
     buf_release(&out);
-    f->is_stale = f->is_blank = true;
+    p->is_stale = p->is_blank = true;
     return err;
 }
 
@@ -154,7 +150,7 @@ static void keep_last_line(struct buf *message, const char *text)
 }
 
 /* Carries out one line. While it works, the cursor is where progress may be told. */
-static enum err carry_out(struct flight *f, const char *line, struct buf *output,
+static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
                           enum err *of_command, struct fault *fault)
 {
     struct buf place = {0};
@@ -166,25 +162,19 @@ static enum err carry_out(struct flight *f, const char *line, struct buf *output
         err = term_set_mode(TERM_QUIET, fault);
     if (err)
         return err;
-    *of_command = f->host->execute(f->host->context, line, output, &why);
+    *of_command = p->host->execute(p->host->context, line, output, &why);
     err = term_set_mode(TERM_RAW, fault);
     if (*of_command) {
-        buf_clear(&f->message);
-        buf_printf(&f->message, "error: %s", why.text);
+        buf_clear(&p->message);
+        buf_printf(&p->message, "error: %s", why.text);
     }
-    f->is_stale = true;
-    f->is_over = f->host->finished(f->host->context);
+    p->is_stale = true;
+    p->is_over = p->host->finished(p->host->context);
     return err;
 }
 
-/* The rows below the picture tell the cross-hair and the window as they are now. */
-static bool is_told_anyway(const char *line)
-{
-    return strncmp(line, "cross ", 6) == 0 || strncmp(line, "window ", 7) == 0;
-}
-
 /* The lines that a key stands for, until one fails. */
-static enum err carry_out_all(struct flight *f, const char *lines, struct fault *fault)
+static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *fault)
 {
     struct buf line = {0}, output = {0};
     enum err err = OK, of_command = OK;
@@ -195,10 +185,10 @@ static enum err carry_out_all(struct flight *f, const char *lines, struct fault 
         buf_add(&line, lines, n);
         lines += n + (lines[n] == '\n');
         err = line.failed ? fault_memory(fault, "a command")
-                          : carry_out(f, buf_text(&line), &output, &of_command, fault);
-        if (!err && !of_command && !is_told_anyway(buf_text(&line)))
-            keep_last_line(&f->message, buf_text(&output));
+                          : carry_out(p, buf_text(&line), &output, &of_command, fault);
     }
+    if (!err && !of_command && line.length && !p->state.is_silent)
+        keep_last_line(&p->message, buf_text(&output));
     buf_release(&line);
     buf_release(&output);
     return err;
@@ -206,7 +196,7 @@ static enum err carry_out_all(struct flight *f, const char *lines, struct fault 
 
 /* ---- the prompt below ---- */
 
-static enum err await_key(struct flight *f, struct key_event *event);
+static enum err await_key(struct pilot *p, struct key_event *event);
 
 static unsigned count_lines(const char *text)
 {
@@ -222,17 +212,17 @@ static bool is_enough(const struct key_event *event)
 }
 
 /* What has more than a line has the screen for itself, page by page, each until a key. */
-static enum err show_pages(struct flight *f, struct buf *text, struct fault *fault)
+static enum err show_pages(struct pilot *p, struct buf *text, struct fault *fault)
 {
     struct buf wrapped = {0};
     struct key_event event = {0};
     if (count_lines(buf_text(text)) < 2) {
-        keep_last_line(&f->message, buf_text(text));
+        keep_last_line(&p->message, buf_text(text));
         return OK;
     }
-    enum err err = clear_picture(f, fault);
+    enum err err = clear_picture(p, fault);
     wrap_text(&wrapped, text, term_size().columns);
-    for (size_t at = 0; !err && !f->is_over && !is_enough(&event) && at < wrapped.length;) {
+    for (size_t at = 0; !err && !p->is_over && !is_enough(&event) && at < wrapped.length;) {
         const struct term_size size = term_size();
         struct buf page = {0};
         pilot_rows_add_page(&page, &wrapped, &at, &size);
@@ -240,13 +230,13 @@ static enum err show_pages(struct flight *f, struct buf *text, struct fault *fau
                                             : term_write(buf_text(&page), page.length, fault);
         buf_release(&page);
         if (!err)
-            err = await_key(f, &event);
+            err = await_key(p, &event);
     }
     buf_release(&wrapped);
     return err;
 }
 
-static enum err ask_for_command(struct flight *f, struct fault *fault)
+static enum err ask_for_command(struct pilot *p, struct fault *fault)
 {
     struct buf output = {0}, place = {0};
     enum err of_command = OK;
@@ -254,15 +244,15 @@ static enum err ask_for_command(struct flight *f, struct fault *fault)
     buf_printf(&place, "\033[%u;1H\033[K\033[?25h", term_size().rows);
     enum err err = term_write(buf_text(&place), place.length, fault);
     if (!err)
-        err = line_edit(f->editor, ":", &ended, fault);
+        err = line_edit(p->editor, ":", &ended, fault);
     if (!err)
         err = term_write("\033[?25l", 6, fault);
-    f->is_stale = f->is_blank = true; /* long lines may have scrolled it away */
-    const char *line = buf_text(&f->editor->line.text);
+    p->is_stale = p->is_blank = true; /* long lines may have scrolled it away */
+    const char *line = buf_text(&p->editor->line.text);
     if (!err && !ended && line[strspn(line, " \t")]) {
-        err = carry_out(f, line, &output, &of_command, fault);
+        err = carry_out(p, line, &output, &of_command, fault);
         if (!err && !of_command)
-            err = show_pages(f, &output, fault);
+            err = show_pages(p, &output, fault);
     }
     buf_release(&place);
     buf_release(&output);
@@ -271,28 +261,28 @@ static enum err ask_for_command(struct flight *f, struct fault *fault)
 
 /* ---- keys ---- */
 
-static enum err suspend(struct flight *f, struct fault *fault)
+static enum err suspend(struct pilot *p, struct fault *fault)
 {
-    enum err err = clear_picture(f, fault);
-    if (f->flow.due) /* or the shell gets the answer as input */
-        probe_await(1, 2000, &f->editor->input);
-    f->flow.due = false;
+    enum err err = clear_picture(p, fault);
+    if (p->flow.due) /* or the shell gets the answer as input */
+        probe_await(1, 2000, &p->editor->input);
+    p->flow.due = false;
     term_suspend();
-    lay_out(f);
+    lay_out(p);
     return err;
 }
 
-static enum err do_deed(struct flight *f, enum pilot_deed deed, struct fault *fault)
+static enum err do_deed(struct pilot *p, enum pilot_deed deed, struct fault *fault)
 {
     switch (deed) {
     case PILOT_PROMPT:
-        return ask_for_command(f, fault);
+        return ask_for_command(p, fault);
     case PILOT_REDRAW:
-        return clear_picture(f, fault);
+        return clear_picture(p, fault);
     case PILOT_SUSPEND:
-        return suspend(f, fault);
+        return suspend(p, fault);
     case PILOT_LEAVE:
-        f->is_over = true;
+        p->is_over = true;
         return OK;
     case PILOT_NOTHING:
         break;
@@ -301,18 +291,18 @@ static enum err do_deed(struct flight *f, enum pilot_deed deed, struct fault *fa
 }
 
 /* The pixel of the picture under the middle of a cell. False beside the picture. */
-static bool pixel_of(const struct flight *f, const struct mouse *mouse, uint32_t *column,
+static bool pixel_of(const struct pilot *p, const struct mouse *mouse, uint32_t *column,
                      uint32_t *row)
 {
     uint32_t width, height;
-    painter_size(&f->painter, &width, &height);
-    const uint32_t across = width / f->painter.columns, down = height / f->painter.rows;
+    painter_size(&p->painter, &width, &height);
+    const uint32_t across = width / p->painter.columns, down = height / p->painter.rows;
     *column = mouse->column * across + across / 2;
     *row = mouse->row * down + down / 2;
-    return mouse->row < f->painter.rows && *column < width && *row < height;
+    return mouse->row < p->painter.rows && *column < width && *row < height;
 }
 
-static enum err take_key(struct flight *f, const struct key_event *event, struct fault *fault)
+static enum err take_key(struct pilot *p, const struct key_event *event, struct fault *fault)
 {
     struct pilot_facts facts;
     struct buf lines = {0};
@@ -320,23 +310,23 @@ static enum err take_key(struct flight *f, const struct key_event *event, struct
     uint32_t column, row;
     if (event->key == KEY_REPLY || event->key == KEY_OTHER)
         return OK;
-    const bool was_helping = f->state.mode == PILOT_HELPING;
-    if (!f->host->facts(f->host->context, &facts)) {
-        f->is_over = true;
+    const bool was_helping = p->state.mode == PILOT_HELPING;
+    if (!p->host->facts(p->host->context, &facts)) {
+        p->is_over = true;
         return OK;
     }
     if (event->key != KEY_MOUSE) {
-        buf_clear(&f->message);
-        deed = pilot_press(&f->state, event, f->host, &facts, &lines, &f->message);
-    } else if (pixel_of(f, &event->mouse, &column, &row)) {
-        pilot_click(&f->state, event, column, row, f->host, &facts, &lines, &f->message);
+        buf_clear(&p->message);
+        deed = pilot_press(&p->state, event, p->host, &facts, &lines, &p->message);
+    } else if (pixel_of(p, &event->mouse, &column, &row)) {
+        pilot_click(&p->state, event, column, row, p->host, &facts, &lines, &p->message);
     }
-    f->is_stale = true;
-    f->is_blank |= was_helping || f->state.mode == PILOT_HELPING;
+    p->is_stale = true;
+    p->is_blank |= was_helping || p->state.mode == PILOT_HELPING;
     enum err err =
-        lines.failed ? fault_memory(fault, "a command") : carry_out_all(f, buf_text(&lines), fault);
+        lines.failed ? fault_memory(fault, "a command") : carry_out_all(p, buf_text(&lines), fault);
     buf_release(&lines);
-    return err ? err : do_deed(f, deed, fault);
+    return err ? err : do_deed(p, deed, fault);
 }
 
 static bool is_answer(const struct keys *keys)
@@ -347,114 +337,113 @@ static bool is_answer(const struct keys *keys)
 
 /* The next key of what has been read; answers of the terminal are seen to. False when there is no
  * more of it. */
-static bool next_key(struct flight *f, struct key_event *event)
+static bool next_key(struct pilot *p, struct key_event *event)
 {
-    struct line_editor *e = f->editor;
+    struct line_editor *e = p->editor;
     while (e->taken < e->input.length) {
         const uint8_t byte = (uint8_t)e->input.data[e->taken++];
         if (!keys_feed(&e->keys, byte, event))
             continue;
         if (event->key != KEY_REPLY)
             return true;
-        if (is_answer(&e->keys)) {
-            flow_answered(&f->flow, clock_ns());
-        }
+        if (is_answer(&e->keys))
+            flow_answered(&p->flow, clock_ns());
     }
     buf_clear(&e->input);
     e->taken = 0;
     return false;
 }
 
-static bool has_more(const struct flight *f)
+static bool has_more(const struct pilot *p)
 {
-    return f->is_stale || f->refine.is_coarse;
+    return p->is_stale || p->refine.is_coarse;
 }
 
 /* How long to wait for input: for the rest of a sequence, or until a frame may go. */
-static int patience_ms(const struct flight *f)
+static int patience_ms(const struct pilot *p)
 {
-    if (keys_waiting(&f->editor->keys))
+    if (keys_waiting(&p->editor->keys))
         return KEYS_TIMEOUT_MS;
-    return has_more(f) ? flow_wait_ms(&f->flow, clock_ns()) : -1;
+    return has_more(p) ? flow_wait_ms(&p->flow, clock_ns()) : -1;
 }
 
 /* Waits once: bytes, news, a signal, or nothing for as long as that makes sense. True with a key
  * that was only complete because nothing followed. */
-static bool wait_once(struct flight *f, struct key_event *event)
+static bool wait_once(struct pilot *p, struct key_event *event)
 {
-    struct line_editor *e = f->editor;
-    const enum term_input input = term_read_or(&e->input, patience_ms(f), e->news_descriptor);
+    struct line_editor *e = p->editor;
+    const enum term_input input = term_read_or(&e->input, patience_ms(p), e->news_descriptor);
     if (input == TERM_CLOSED) {
-        f->is_over = f->has_ended = true;
+        p->is_over = p->has_ended = true;
     } else if (input == TERM_OTHER && e->news) {
         struct buf news = {0};
         e->news(e->context, &news);
         if (news.length)
-            keep_last_line(&f->message, buf_text(&news));
+            keep_last_line(&p->message, buf_text(&news));
         buf_release(&news);
-        f->is_stale = true;
+        p->is_stale = true;
     } else if (input == TERM_TIMEOUT) {
         if (keys_waiting(&e->keys))
             return keys_time_out(&e->keys, event);
     }
     if (term_was_resized() || term_was_continued())
-        lay_out(f);
+        lay_out(p);
     return false;
 }
 
 /* For a page of text: any key, with nothing else going on. */
-static enum err await_key(struct flight *f, struct key_event *event)
+static enum err await_key(struct pilot *p, struct key_event *event)
 {
-    while (!f->is_over) {
-        if (next_key(f, event) || wait_once(f, event))
+    while (!p->is_over) {
+        if (next_key(p, event) || wait_once(p, event))
             return OK;
     }
     return OK;
 }
 
-static enum err fly(struct flight *f, struct fault *fault)
+static enum err run(struct pilot *p, struct fault *fault)
 {
     struct key_event event;
     enum err err = OK;
-    while (!err && !f->is_over) {
-        while (!err && !f->is_over && next_key(f, &event))
-            err = take_key(f, &event, fault);
-        if (!err && !f->is_over && has_more(f) && flow_may_send(&f->flow, clock_ns()))
-            err = draw(f, fault);
-        if (!err && !f->is_over && wait_once(f, &event))
-            err = take_key(f, &event, fault);
+    while (!err && !p->is_over) {
+        while (!err && !p->is_over && next_key(p, &event))
+            err = take_key(p, &event, fault);
+        if (!err && !p->is_over && has_more(p) && flow_may_send(&p->flow, clock_ns()))
+            err = draw(p, fault);
+        if (!err && !p->is_over && wait_once(p, &event))
+            err = take_key(p, &event, fault);
     }
     return err;
 }
 
-enum err pilot_fly(const struct pilot_host *host, struct terminal_facts *facts,
+enum err pilot_run(const struct pilot_host *host, struct terminal_facts *facts,
                    struct line_editor *editor, bool *ended, struct fault *fault)
 {
     const struct term_size size = term_size();
-    struct flight f = {.host = host, .facts = facts, .editor = editor};
-    f.flow.silent = !facts->answers;
-    f.flow.round_trip_ns = facts->round_trip_ns;
+    struct pilot p = {.host = host, .facts = facts, .editor = editor};
+    p.flow.silent = !facts->answers;
+    p.flow.round_trip_ns = facts->round_trip_ns;
     struct buf out = {0};
     *ended = false;
     if (size.columns < COLUMNS_LEAST || size.rows < ROWS_LEAST)
         return fault_set(fault, ERR_USAGE, "the pilot takes a screen of %dx%d characters or more",
                          COLUMNS_LEAST, ROWS_LEAST);
-    pilot_state_init(&f.state);
+    pilot_state_init(&p.state);
     facts->reports |= facts->mouse;
     enum err err =
         term_change_greetings(facts->mouse ? ENTER_SCREEN MOUSE_ON : ENTER_SCREEN,
                               facts->mouse ? MOUSE_OFF LEAVE_SCREEN : LEAVE_SCREEN, fault);
-    lay_out(&f);
+    lay_out(&p);
     if (!err)
-        err = fly(&f, fault);
-    painter_remove(&f.painter, &out);
+        err = run(&p, fault);
+    painter_remove(&p.painter, &out);
     term_write(buf_text(&out), out.length, NULL);
     term_change_greetings(TERM_PROMPT_BEGINS, TERM_PROMPT_ENDS, NULL);
-    editor->answers_due += f.flow.due;
-    *ended = f.has_ended;
-    painter_release(&f.painter);
-    refine_release(&f.refine);
-    buf_release(&f.message);
+    editor->answers_due += p.flow.due;
+    *ended = p.has_ended;
+    painter_release(&p.painter);
+    refine_release(&p.refine);
+    buf_release(&p.message);
     buf_release(&out);
     return err;
 }

@@ -1,26 +1,11 @@
 /*
- * The pilot: the whole screen, flown by keys. Three slices, the rendition, a cross-hair.
+ * The pilot: the whole screen, driven by keys. Three slices, the rendition, a cross-hair.
  *
- * The pilot knows no scene: a host tells it where the cross-hair is and draws the picture. Each key
+ * The pilot knows no scene: a host says where the cross-hair is and draws the picture. Each key
  * that changes something becomes the line of a command that a user could have typed, which the host
- * carries out and records: so a flight replays like any other session.
- *
- *     arrows h j k l       the cross-hair, in the plane of the pane that is marked
- *     Ctrl-arrows H L      ten voxels at once            # and digits   a count for what follows
- *     J K, Page keys       the slice: towards the patient's feet, back, left, and away from them
- *     Tab                  the next pane
- *     0 .. 9               a seed of that label          s   of the label at hand;  n N   choose it
- *     + -                  the brush's radius            v   pen down or up: moving draws
- *     m                    marks one end of a stroke; the next seed is a line from there
- *     x                    shows the tree under the cross-hair; x again eliminates it
- *     space                run                           u Ctrl-R   undo, redo
- *     r R, Shift-arrows    turn the view                 z Z   nearer, farther
- *     w                    window: arrows change it, a has it follow from the scene, Enter ends
- *     p                    a pixel of the rendition: Enter takes the cross-hair to its voxel
- *     mouse                a click takes the cross-hair there; dragging draws while the pen is down
- *     :                    a command                     ?   the keys
- *     Ctrl-L               draws everything anew         Ctrl-Z   stops, as job control does
- *     q                    back to the prompt            Ctrl-C   cancels a command
+ * carries out and records: so what was done here replays like any other session. The keys are the
+ * table in tui/pilot/pilot_keys.c. A click takes the cross-hair there; dragging draws while the pen
+ * is down. Ctrl-C cancels a command.
  *
  * Invariants
  *   P1 what is on screen is made of what the host says after the last command, never of what a key
@@ -69,11 +54,11 @@ struct pilot_wish {
 
 struct pilot_host {
     void *context;
-    /* As of repl_host; completion and news are the line editor's. */
+    /* As of struct repl_host; completion and news are the line editor's. */
     enum err (*execute)(void *context, const char *line, struct buf *output, struct fault *fault);
     bool (*finished)(void *context);
 
-    /* False where there is no scene to fly in. */
+    /* False where there is no scene. */
     bool (*facts)(void *context, struct pilot_facts *facts);
     /* The place that lies so many slices along each plane's count; as far as the scene goes. */
     void (*move)(void *context, const int64_t by[3], uint32_t place[3]);
@@ -93,9 +78,9 @@ struct pilot_host {
     bool (*tree)(void *context, struct buf *out);
 };
 
-/* Flies until q, `finished`, or the end of the input, which *ended says then. The terminal is open
+/* Runs until q, `finished`, or the end of the input, which *ended says then. The terminal is open
  * and raw, and is so afterwards; what was typed ahead stays in editor->input. */
-enum err pilot_fly(const struct pilot_host *host, struct terminal_facts *facts,
+enum err pilot_run(const struct pilot_host *host, struct terminal_facts *facts,
                    struct line_editor *editor, bool *ended, struct fault *fault);
 
 #endif

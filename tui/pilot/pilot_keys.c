@@ -14,25 +14,28 @@ enum {
     ZOOM_MOST = 64000
 };
 
-const char pilot_keys_help[] =
-    "  arrows, h j k l   move the cross-hair       Ctrl-arrows, H L   by ten voxels\n"
-    "  J K, Page keys    the slice                 # and a number     a count: #25l\n"
-    "  Tab               the next slice's plane    mouse              a click: there\n"
-    "\n"
-    "  0 .. 9            a seed of that label      s    of the label at hand\n"
-    "  n N               choose the label          + -  the brush's radius\n"
-    "  v                 pen down: moving draws    m    one end of a stroke: the next\n"
-    "  x x               eliminate the tree             seed draws a line from there\n"
-    "  space             run what waits            u    undo, Ctrl-R  redo\n"
-    "\n"
-    "  r R, Shift-arrows turn the view             z Z  nearer, farther\n"
-    "  w                 the window of the greys   p    a pixel of the rendition\n"
-    "  :                 a command                 ?    these keys\n"
-    "  Ctrl-L            draw anew                 q    back to the prompt\n";
-
 void pilot_state_init(struct pilot_state *state)
 {
     *state = (struct pilot_state){.pane = PILOT_AXIAL, .label = 1};
+}
+
+/* A key, and what it is pressed upon. */
+struct press {
+    struct pilot_state *state;
+    const struct key_event *event;
+    const struct pilot_host *host;
+    const struct pilot_facts *facts;
+    struct buf *line, *message;
+    unsigned which; /* of the keys of a row, from 0 */
+    enum pilot_deed deed;
+};
+
+static void dispatch(struct press *p);
+
+/* The count typed before the key. */
+static int64_t times(const struct press *p)
+{
+    return p->state->count ? p->state->count : 1;
 }
 
 /* ---- lines ---- */
@@ -42,8 +45,8 @@ static void add_place(struct buf *line, const char *before, const uint32_t place
     buf_printf(line, "%s%u,%u,%u", before, place[0], place[1], place[2]);
 }
 
-static void add_seed(const struct pilot_state *state, const uint32_t place[3],
-                     const uint32_t *other_end, struct buf *line)
+static void add_seed(struct pilot_state *state, const uint32_t place[3], const uint32_t *other_end,
+                     struct buf *line)
 {
     add_place(line, "seed ", place);
     buf_printf(line, " %u", state->label);
@@ -52,24 +55,56 @@ static void add_seed(const struct pilot_state *state, const uint32_t place[3],
     if (other_end)
         add_place(line, " to=", other_end);
     buf_add_char(line, '\n');
+    state->is_silent = false;
 }
 
 /* Takes the cross-hair to a place, unless it is there. Whether it moves. */
-static bool add_cross(const struct pilot_facts *facts, const uint32_t place[3], struct buf *line)
+static bool add_cross(struct pilot_state *state, const struct pilot_facts *facts,
+                      const uint32_t place[3], struct buf *line)
 {
     if (memcmp(place, facts->place, sizeof facts->place) == 0)
         return false;
     add_place(line, "cross ", place);
     buf_add_char(line, '\n');
+    state->is_silent = true;
     return true;
 }
 
 /* The same; with the pen down, a stroke leads there. */
-static void go_to(const struct pilot_state *state, const struct pilot_facts *facts,
+static void go_to(struct pilot_state *state, const struct pilot_facts *facts,
                   const uint32_t place[3], struct buf *line)
 {
-    if (add_cross(facts, place, line) && state->pen_is_down)
+    if (add_cross(state, facts, place, line) && state->pen_is_down)
         add_seed(state, place, facts->place, line);
+}
+
+static double magnitude(double value)
+{
+    return value < 0 ? -value : value;
+}
+
+/* A decimal as commands take it: three places at most, no zeros at its end. */
+static void add_decimal(struct buf *line, double value)
+{
+    const long long thousandths = (long long)(magnitude(value) * 1000 + 0.5);
+    buf_printf(line, "%s%lld", value < 0 && thousandths ? "-" : "", thousandths / 1000);
+    unsigned places = (unsigned)(thousandths % 1000);
+    if (places) {
+        char digits[8];
+        int n = snprintf(digits, sizeof digits, ".%03u", places);
+        while (digits[n - 1] == '0')
+            n--;
+        buf_add(line, digits, (size_t)n);
+    }
+}
+
+static void zoom(uint32_t now, bool nearer, struct buf *line)
+{
+    uint32_t next = nearer ? now + now / 4 + 1 : now - now / 5;
+    next = next < ZOOM_LEAST ? ZOOM_LEAST : next > ZOOM_MOST ? ZOOM_MOST : next;
+    buf_add_text(line, "zoom ");
+    add_decimal(line, next / 1000.0);
+    buf_add_char(line, '\n');
 }
 
 /* ---- moving ---- */
@@ -85,116 +120,207 @@ static const struct {
     [PILOT_SAGITTAL] = {PILOT_CORONAL, PILOT_AXIAL},
 };
 
-static void move(const struct pilot_state *state, const struct pilot_host *host,
-                 const struct pilot_facts *facts, int64_t right, int64_t up, int64_t through,
-                 struct buf *line)
+static void move(struct press *p, int64_t right, int64_t up, int64_t through)
 {
+    const enum pilot_pane pane = p->state->pane;
     int64_t by[3] = {0, 0, 0};
     uint32_t place[3];
-    by[screen_of[state->pane].across] = -right;
-    by[screen_of[state->pane].along] = up;
-    by[state->pane] = through;
-    host->move(host->context, by, place);
-    go_to(state, facts, place, line);
+    by[screen_of[pane].across] = -right;
+    by[screen_of[pane].along] = up;
+    by[pane] = through;
+    p->host->move(p->host->context, by, place);
+    go_to(p->state, p->facts, place, p->line);
 }
 
-/* The direction of an arrow or of one of h j k l, and how far it goes by itself. */
-static bool read_direction(const struct key_event *event, int *right, int *up, int *far)
+/* The direction of an arrow or of one of h j k l H L; whether it goes far. */
+static bool direction(const struct key_event *event, int *right, int *up)
 {
-    *right = *up = 0;
-    *far = event->modifiers & KEY_CONTROL ? JUMP : 1;
-    switch (event->key) {
-    case KEY_LEFT:
-        *right = -1;
-        return true;
-    case KEY_RIGHT:
-        *right = 1;
-        return true;
-    case KEY_UP:
-        *up = 1;
-        return true;
-    case KEY_DOWN:
-        *up = -1;
-        return true;
-    case KEY_CHARACTER:
-        break;
-    default:
-        return false;
-    }
-    if (event->modifiers)
-        return false;
-    switch (event->point) {
-    case 'H':
-        *far = JUMP;
-        *right = -1;
-        return true;
-    case 'h':
-        *right = -1;
-        return true;
-    case 'L':
-        *far = JUMP;
-        *right = 1;
-        return true;
-    case 'l':
-        *right = 1;
-        return true;
-    case 'k':
-        *up = 1;
-        return true;
-    case 'j':
-        *up = -1;
-        return true;
-    default:
-        return false;
-    }
+    const bool is_letter = event->key == KEY_CHARACTER;
+    const uint32_t c = is_letter ? event->point : 0;
+    *right = (event->key == KEY_RIGHT || c == 'l' || c == 'L') -
+             (event->key == KEY_LEFT || c == 'h' || c == 'H');
+    *up = (event->key == KEY_UP || c == 'k') - (event->key == KEY_DOWN || c == 'j');
+    return is_letter ? c == 'H' || c == 'L' : event->modifiers & KEY_CONTROL;
 }
 
-/* ---- the modes ---- */
-
-static double magnitude(double value)
+static void move_in_plane(struct press *p)
 {
-    return value < 0 ? -value : value;
+    int right, up;
+    const int64_t far = direction(p->event, &right, &up) ? JUMP : 1, steps = times(p) * far;
+    move(p, right * steps, up * steps, 0);
 }
 
-/* A decimal as commands take it: three places at most, no zeros behind. */
-static void add_decimal(struct buf *line, double value)
+/* J and Page down go back, K and Page up on. */
+static void change_slice(struct press *p)
 {
-    const long long thousandths = (long long)(magnitude(value) * 1000 + 0.5);
-    buf_printf(line, "%s%lld", value < 0 && thousandths ? "-" : "", thousandths / 1000);
-    unsigned places = (unsigned)(thousandths % 1000);
-    if (places) {
-        char digits[8];
-        int n = snprintf(digits, sizeof digits, ".%03u", places);
-        while (digits[n - 1] == '0')
-            n--;
-        buf_add(line, digits, (size_t)n);
-    }
+    const bool back = p->event->key == KEY_PAGE_DOWN || p->event->point == 'J';
+    move(p, 0, 0, back ? -times(p) : times(p));
 }
 
-static enum pilot_deed change_window(struct pilot_state *state, const struct key_event *event,
-                                     const struct pilot_facts *facts, struct buf *line)
+static void next_pane(struct press *p)
 {
-    int right, up, far;
-    const double width = facts->window[1] - facts->window[0];
-    const double least = magnitude(width) / 50 > 0.001 ? width / 50 : 0.001;
-    if (event->key == KEY_CHARACTER && event->point == 'a' && !event->modifiers) {
-        buf_add_text(line, "window auto\n");
-        state->mode = PILOT_FLYING;
-        return PILOT_NOTHING;
+    p->state->pane = (enum pilot_pane)((p->state->pane + 1) % PILOT_RENDITION);
+}
+
+/* ---- seeds ---- */
+
+static void plant(struct press *p)
+{
+    struct pilot_state *state = p->state;
+    add_seed(state, p->facts->place, state->has_mark ? state->mark : NULL, p->line);
+    state->has_mark = false;
+}
+
+static void plant_label(struct press *p)
+{
+    p->state->label = p->event->point - '0';
+    plant(p);
+}
+
+static void say_brush(struct press *p)
+{
+    buf_add_text(p->message, "the brush: label ");
+    p->host->label(p->host->context, p->state->label, p->message);
+    buf_printf(p->message, ", radius %u%s", p->state->radius,
+               p->state->pen_is_down ? ", pen down" : "");
+}
+
+static void choose_label(struct press *p)
+{
+    p->state->label = (p->state->label + (p->which == 0 ? 1 : LABELS - 1)) % LABELS;
+    say_brush(p);
+}
+
+static void change_radius(struct press *p)
+{
+    unsigned *radius = &p->state->radius;
+    if (p->which % 2 == 0)
+        *radius += *radius < RADIUS_MOST;
+    else
+        *radius -= *radius > 0;
+    say_brush(p);
+}
+
+static void lower_pen(struct press *p)
+{
+    p->state->pen_is_down = !p->state->pen_is_down;
+    say_brush(p);
+}
+
+static void mark_end(struct press *p)
+{
+    memcpy(p->state->mark, p->facts->place, sizeof p->state->mark);
+    p->state->has_mark = true;
+    buf_add_text(p->message, "one end of a stroke; a seed where the other is draws it");
+}
+
+static void drop_stroke(struct press *p)
+{
+    p->state->has_mark = p->state->pen_is_down = false;
+}
+
+static void show_tree(struct press *p)
+{
+    struct buf tree = {0};
+    if (p->host->tree(p->host->context, &tree)) {
+        p->state->mode = PILOT_CONFIRMING;
+        buf_printf(p->message, "x again eliminates %s", buf_text(&tree));
+    } else {
+        buf_add_text(p->message, "no tree holds this voxel");
     }
-    if (!read_direction(event, &right, &up, &far)) {
-        state->mode = PILOT_FLYING;
-        return PILOT_NOTHING;
-    }
-    /* To the right wider, up brighter. */
-    const double low = facts->window[0] - least * (right + up) * far;
-    const double high = facts->window[1] + least * (right - up) * far;
-    buf_add_text(line, "window ");
-    add_decimal(line, low);
-    buf_add_char(line, ' ');
-    add_decimal(line, high);
-    buf_add_char(line, '\n');
-    return PILOT_NOTHING;
+    p->message->failed |= tree.failed;
+    buf_release(&tree);
+}
+
+static void back_to_moving(struct press *p)
+{
+    p->state->mode = PILOT_MOVING;
+}
+
+static void eliminate(struct press *p)
+{
+    back_to_moving(p);
+    add_place(p->line, "remove ", p->facts->place);
+    buf_add_char(p->line, '\n');
+}
+
+/* A key that says nothing about the tree does what it does otherwise. */
+static void move_on(struct press *p)
+{
+    back_to_moving(p);
+    dispatch(p);
+}
+
+static void undo(struct press *p)
+{
+    buf_add_text(p->line, "undo");
+    if (p->state->count)
+        buf_printf(p->line, " %u", p->state->count);
+    buf_add_char(p->line, '\n');
+}
+
+/* ---- the view and the window ---- */
+
+static void add_turn(struct press *p, int yaw, int pitch)
+{
+    const int by = TURN * (int)(times(p) < 24 ? times(p) : 24);
+    buf_printf(p->line, "turn %d", yaw * by);
+    if (pitch)
+        buf_printf(p->line, " %d", pitch * by);
+    buf_add_char(p->line, '\n');
+}
+
+static void turn(struct press *p)
+{
+    add_turn(p, p->which == 0 ? 1 : -1, 0);
+}
+
+static void turn_by_arrow(struct press *p)
+{
+    int right, up;
+    direction(p->event, &right, &up);
+    add_turn(p, right, up);
+}
+
+static void change_zoom(struct press *p)
+{
+    zoom(p->facts->zoom, p->which == 0, p->line);
+}
+
+static void begin_windowing(struct press *p)
+{
+    p->state->mode = PILOT_WINDOWING;
+}
+
+/* To the right wider, up brighter. */
+static void change_window(struct press *p)
+{
+    int right, up;
+    const int far = direction(p->event, &right, &up) ? JUMP : 1;
+    const double *window = p->facts->window, width = window[1] - window[0];
+    const double step = magnitude(width) / 50 > 0.001 ? width / 50 : 0.001;
+    buf_add_text(p->line, "window ");
+    add_decimal(p->line, window[0] - step * (right + up) * far);
+    buf_add_char(p->line, ' ');
+    add_decimal(p->line, window[1] + step * (right - up) * far);
+    buf_add_char(p->line, '\n');
+    p->state->is_silent = true;
+}
+
+static void find_window(struct press *p)
+{
+    back_to_moving(p);
+    buf_add_text(p->line, "window auto\n");
+    p->state->is_silent = true;
+}
+
+/* ---- a pixel of the rendition ---- */
+
+static void begin_picking(struct press *p)
+{
+    p->state->mode = PILOT_PICKING;
+    p->state->pixel[0] = p->facts->frame_width / 2;
+    p->state->pixel[1] = p->facts->frame_height / 2;
 }
 
 static uint32_t shifted(uint32_t at, int64_t by, uint32_t most)
@@ -203,228 +329,176 @@ static uint32_t shifted(uint32_t at, int64_t by, uint32_t most)
     return to < 0 ? 0 : to >= (int64_t)most ? most - 1 : (uint32_t)to;
 }
 
-static enum pilot_deed pick(struct pilot_state *state, const struct key_event *event,
-                            const struct pilot_host *host, const struct pilot_facts *facts,
-                            struct buf *line, struct buf *message)
+static void move_pixel(struct press *p)
 {
-    int right, up, far;
+    int right, up;
+    const int64_t step = direction(p->event, &right, &up) ? PIXEL_JUMP : times(p);
+    uint32_t *pixel = p->state->pixel;
+    pixel[0] = shifted(pixel[0], right * step, p->facts->frame_width);
+    pixel[1] = shifted(pixel[1], -up * step, p->facts->frame_height);
+}
+
+static void go_to_pixel(struct press *p)
+{
+    const uint32_t *pixel = p->state->pixel;
     uint32_t place[3];
-    if (read_direction(event, &right, &up, &far)) {
-        const int64_t step = far > 1 ? PIXEL_JUMP : state->count ? (int64_t)state->count : 1;
-        state->pixel[0] = shifted(state->pixel[0], right * step, facts->frame_width);
-        state->pixel[1] = shifted(state->pixel[1], -up * step, facts->frame_height);
-        return PILOT_NOTHING;
-    }
-    state->mode = PILOT_FLYING;
-    if (event->key != KEY_ENTER)
-        return PILOT_NOTHING;
-    if (host->voxel_of_frame(host->context, state->pixel[0], state->pixel[1], place))
-        go_to(state, facts, place, line);
+    back_to_moving(p);
+    if (p->host->voxel_of_frame(p->host->context, pixel[0], pixel[1], place))
+        go_to(p->state, p->facts, place, p->line);
     else
-        buf_add_text(message, "no object is seen at that pixel");
-    return PILOT_NOTHING;
+        buf_add_text(p->message, "no object is seen at that pixel");
 }
 
-/* ---- flying ---- */
+/* ---- the table ---- */
 
-static void say_hand(const struct pilot_state *state, const struct pilot_host *host,
-                     struct buf *message)
+static void begin_helping(struct press *p)
 {
-    buf_add_text(message, "the brush: label ");
-    host->label(host->context, state->label, message);
-    buf_printf(message, ", radius %u%s", state->radius, state->pen_is_down ? ", pen down" : "");
+    p->state->mode = PILOT_HELPING;
 }
 
-static void plant(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line)
+#define IN(mode) (1u << (mode))
+#define MOVING   IN(PILOT_MOVING)
+
+/* Keys are parted by blanks: a character, a name, "arrows", "0-9", "any", with Ctrl- or Shift-. The
+ * first row that fits is taken. Those of `also` do the same and are not told. Without keys a row
+ * begins another part of the page. */
+static const struct row {
+    const char *keys, *also;
+    unsigned modes;
+    const char *command; /* what it does: this line, */
+    void (*act)(struct press *);
+    enum pilot_deed deed; /* this, or that */
+    const char *help;     /* on the page of keys, NULL for not there */
+    const char *hint;     /* below the picture as long as one of its modes lasts, or NULL */
+} table[] = {
+    {"arrows h j k l", .modes = MOVING, .act = move_in_plane, .help = "move the cross-hair"},
+    {"Ctrl-arrows H L", .modes = MOVING, .act = move_in_plane, .help = "by ten voxels"},
+    {"J K Page-keys", .modes = MOVING, .act = change_slice, .help = "the slice"},
+    {"#", .help = "a count: #25l"},
+    {"Tab", .modes = MOVING, .act = next_pane, .help = "the next slice's plane"},
+    {"mouse", .help = "a click: there"},
+    {.keys = ""},
+    {"0-9", .modes = MOVING, .act = plant_label, .help = "a seed of that label",
+     .hint = "0-9 seed"},
+    {"s", .modes = MOVING, .act = plant, .help = "of the chosen label"},
+    {"n N", .modes = MOVING, .act = choose_label, .help = "choose the label"},
+    {"+ -", .also = "= _", .modes = MOVING, .act = change_radius, .help = "the brush's radius"},
+    {"v", .modes = MOVING, .act = lower_pen, .help = "pen down: moving draws"},
+    {"m", .modes = MOVING, .act = mark_end, .help = "one end of a stroke"},
+    {"x", .modes = MOVING, .act = show_tree, .help = "x x eliminates a tree",
+     .hint = "x eliminate"},
+    {"Escape", .modes = MOVING, .act = drop_stroke, .help = "no pen, no stroke"},
+    {"space", .modes = MOVING, .command = "run\n", .help = "run what waits"},
+    {"u", .modes = MOVING, .act = undo, .help = "undo", .hint = "u undo"},
+    {"Ctrl-R", .modes = MOVING, .command = "redo\n", .help = "redo"},
+    {.keys = ""},
+    {"r R", .modes = MOVING, .act = turn, .help = "turn the view"},
+    {"Shift-arrows", .modes = MOVING, .act = turn_by_arrow, .help = "to any side"},
+    {"z Z", .modes = MOVING, .act = change_zoom, .help = "nearer, farther"},
+    {"w", .modes = MOVING, .act = begin_windowing, .help = "the window of greys"},
+    {"p", .modes = MOVING, .act = begin_picking, .help = "pick in the rendition"},
+    {":", .modes = MOVING, .deed = PILOT_PROMPT, .help = "a command", .hint = ": command"},
+    {"?", .modes = MOVING, .act = begin_helping, .help = "these keys", .hint = "? keys"},
+    {"Ctrl-L", .modes = MOVING, .deed = PILOT_REDRAW, .help = "draw anew"},
+    {"Ctrl-Z", .modes = MOVING, .deed = PILOT_SUSPEND, .help = "stop, as a job"},
+    {"q", .also = "Ctrl-D", .modes = MOVING, .deed = PILOT_LEAVE, .help = "back to the prompt",
+     .hint = "q back"},
+
+    {"x Enter", .modes = IN(PILOT_CONFIRMING), .act = eliminate,
+     .hint = "x or Enter eliminates the hatched tree"},
+    {"Escape", .modes = IN(PILOT_CONFIRMING), .act = back_to_moving, .hint = "Escape keeps it"},
+    {"any", .modes = IN(PILOT_CONFIRMING), .act = move_on},
+
+    {"arrows h j k l", .also = "H L Ctrl-arrows Shift-arrows", .modes = IN(PILOT_WINDOWING),
+     .act = change_window, .hint = "left right width  up down brightness"},
+    {"a", .modes = IN(PILOT_WINDOWING), .act = find_window, .hint = "a auto"},
+    {"any", .modes = IN(PILOT_WINDOWING), .act = back_to_moving, .hint = "Enter done"},
+
+    {"arrows h j k l", .also = "H L Ctrl-arrows Shift-arrows", .modes = IN(PILOT_PICKING),
+     .act = move_pixel, .hint = "arrows move it"},
+    {"Enter", .modes = IN(PILOT_PICKING), .act = go_to_pixel, .hint = "Enter goes to its voxel"},
+    {"any", .modes = IN(PILOT_PICKING) | IN(PILOT_HELPING), .act = back_to_moving},
+};
+enum { ROWS = sizeof table / sizeof table[0] };
+
+/* ---- finding the row ---- */
+
+static bool is_word(const char *word, size_t length, const char *name)
 {
-    add_seed(state, facts->place, state->has_mark ? state->mark : NULL, line);
-    state->has_mark = false;
+    return strlen(name) == length && memcmp(word, name, length) == 0;
 }
 
-static void turn(int yaw, int pitch, uint32_t count, struct buf *line)
+static bool is_arrow(enum key key)
 {
-    const int times = count ? (int)(count < 24 ? count : 24) : 1;
-    buf_printf(line, "turn %d", yaw * times * TURN);
-    if (pitch)
-        buf_printf(line, " %d", pitch * times * TURN);
-    buf_add_char(line, '\n');
+    return key == KEY_UP || key == KEY_DOWN || key == KEY_RIGHT || key == KEY_LEFT;
 }
 
-static void zoom(uint32_t now, bool nearer, struct buf *line)
+/* Shift is a part of the character. */
+static bool fits_word(const char *word, size_t length, const struct key_event *event)
 {
-    uint32_t next = nearer ? now + now / 4 + 1 : now - now / 5;
-    next = next < ZOOM_LEAST ? ZOOM_LEAST : next > ZOOM_MOST ? ZOOM_MOST : next;
-    buf_add_text(line, "zoom ");
-    add_decimal(line, next / 1000.0);
-    buf_add_char(line, '\n');
+    static const struct {
+        const char *name;
+        enum key key;
+    } named[] = {{"Tab", KEY_TAB},
+                 {"Enter", KEY_ENTER},
+                 {"Escape", KEY_ESCAPE},
+                 {"Page-keys", KEY_PAGE_UP},
+                 {"Page-keys", KEY_PAGE_DOWN}};
+    const bool is_character = event->key == KEY_CHARACTER;
+    unsigned modifiers = 0;
+    if (is_word(word, length, "any"))
+        return true;
+    if (length > 6 && memcmp(word, "Shift-", 6) == 0)
+        modifiers = KEY_SHIFT;
+    else if (length > 5 && memcmp(word, "Ctrl-", 5) == 0)
+        modifiers = KEY_CONTROL;
+    word += modifiers == KEY_SHIFT ? 6 : modifiers ? 5 : 0;
+    length -= modifiers == KEY_SHIFT ? 6 : modifiers ? 5 : 0;
+    if (is_word(word, length, "arrows"))
+        return is_arrow(event->key) &&
+               (modifiers == KEY_SHIFT
+                    ? event->modifiers & KEY_SHIFT
+                    : (event->modifiers & (KEY_SHIFT | KEY_CONTROL)) == modifiers);
+    for (size_t i = 0; i < sizeof named / sizeof named[0]; i++)
+        if (event->key == named[i].key && is_word(word, length, named[i].name))
+            return true;
+    if (!is_character || (event->modifiers & KEY_CONTROL) != modifiers)
+        return false;
+    if (is_word(word, length, "0-9"))
+        return event->point >= '0' && event->point <= '9';
+    if (is_word(word, length, "space"))
+        return event->point == ' ';
+    return length == 1 && event->point == (uint32_t)(modifiers ? *word | 32 : *word);
 }
 
-static enum pilot_deed picture_writer_control(const struct key_event *event, struct buf *line)
+/* Whether one of the words fits; counts them in *which up to that. */
+static bool fits_any(const char *words, const struct key_event *event, unsigned *which)
 {
-    switch (event->point) {
-    case 'r':
-        buf_add_text(line, "redo\n");
-        return PILOT_NOTHING;
-    case 'l':
-        return PILOT_REDRAW;
-    case 'z':
-        return PILOT_SUSPEND;
-    case 'd':
-        return PILOT_LEAVE;
-    default:
-        return PILOT_NOTHING;
+    for (const char *at = words; at && *at; ++*which) {
+        const size_t length = strcspn(at, " ");
+        if (fits_word(at, length, event))
+            return true;
+        at += length + (at[length] == ' ');
     }
+    return false;
 }
 
-static void choose(struct pilot_state *state, uint32_t point)
+static void dispatch(struct press *p)
 {
-    if (point == 'n')
-        state->label = (state->label + 1) % LABELS;
-    else if (point == 'N')
-        state->label = (state->label + LABELS - 1) % LABELS;
-    else if (point == '+' || point == '=')
-        state->radius += state->radius < RADIUS_MOST;
-    else if (point == '-' || point == '_')
-        state->radius -= state->radius > 0;
-    else
-        state->pen_is_down = !state->pen_is_down;
-}
-
-static void begin_confirming(struct pilot_state *state, const struct pilot_host *host,
-                             struct buf *message)
-{
-    struct buf tree = {0};
-    if (host->tree(host->context, &tree)) {
-        state->mode = PILOT_CONFIRMING;
-        buf_printf(message, "x again eliminates %s", buf_text(&tree));
-    } else {
-        buf_add_text(message, "no tree holds this voxel");
+    for (size_t i = 0; i < ROWS; i++) {
+        const struct row *row = &table[i];
+        p->which = 0;
+        if (!(row->modes & IN(p->state->mode)) || (!fits_any(row->keys, p->event, &p->which) &&
+                                                   !fits_any(row->also, p->event, &p->which)))
+            continue;
+        buf_add_text(p->line, row->command ? row->command : "");
+        p->deed = row->deed;
+        if (row->act)
+            row->act(p);
+        return;
     }
-    message->failed |= tree.failed;
-    buf_release(&tree);
-}
-
-static void begin_picking(struct pilot_state *state, const struct pilot_facts *facts)
-{
-    state->mode = PILOT_PICKING;
-    state->pixel[0] = facts->frame_width / 2;
-    state->pixel[1] = facts->frame_height / 2;
-}
-
-static enum pilot_deed picture_writer_letter(struct pilot_state *state,
-                                             const struct key_event *event,
-                                             const struct pilot_host *host,
-                                             const struct pilot_facts *facts, struct buf *line,
-                                             struct buf *message)
-{
-    const uint32_t count = state->count ? state->count : 1;
-    if (event->point >= '0' && event->point <= '9') {
-        state->label = event->point - '0';
-        plant(state, facts, line);
-        return PILOT_NOTHING;
-    }
-    switch (event->point) {
-    case 's':
-        plant(state, facts, line);
-        break;
-    case 'J':
-        move(state, host, facts, 0, 0, -(int64_t)count, line);
-        break;
-    case 'K':
-        move(state, host, facts, 0, 0, count, line);
-        break;
-    case 'n':
-    case 'N':
-    case '+':
-    case '=':
-    case '-':
-    case '_':
-    case 'v':
-        choose(state, event->point);
-        say_hand(state, host, message);
-        break;
-    case 'm':
-        memcpy(state->mark, facts->place, sizeof state->mark);
-        state->has_mark = true;
-        buf_add_text(message, "one end of a stroke; a seed where the other is draws it");
-        break;
-    case 'x':
-        begin_confirming(state, host, message);
-        break;
-    case ' ':
-        buf_add_text(line, "run\n");
-        break;
-    case 'u':
-        buf_add_text(line, "undo");
-        if (state->count)
-            buf_printf(line, " %u", count);
-        buf_add_char(line, '\n');
-        break;
-    case 'r':
-        turn(1, 0, state->count, line);
-        break;
-    case 'R':
-        turn(-1, 0, state->count, line);
-        break;
-    case 'z':
-        zoom(facts->zoom, true, line);
-        break;
-    case 'Z':
-        zoom(facts->zoom, false, line);
-        break;
-    case 'w':
-        state->mode = PILOT_WINDOWING;
-        break;
-    case 'p':
-        begin_picking(state, facts);
-        break;
-    case '?':
-        state->mode = PILOT_HELPING;
-        break;
-    case ':':
-        return PILOT_PROMPT;
-    case 'q':
-        return PILOT_LEAVE;
-    default:
-        buf_add_text(message, "no key of the pilot's; ? tells them");
-    }
-    return PILOT_NOTHING;
-}
-
-static enum pilot_deed fly(struct pilot_state *state, const struct key_event *event,
-                           const struct pilot_host *host, const struct pilot_facts *facts,
-                           struct buf *line, struct buf *message)
-{
-    int right, up, far;
-    const bool is_arrow = event->key != KEY_CHARACTER;
-    if (read_direction(event, &right, &up, &far)) {
-        const int64_t steps = state->count ? (int64_t)state->count * far : far;
-        if (is_arrow && event->modifiers & KEY_SHIFT)
-            turn(right, up, state->count, line);
-        else
-            move(state, host, facts, right * steps, up * steps, 0, line);
-        return PILOT_NOTHING;
-    }
-    switch (event->key) {
-    case KEY_PAGE_UP:
-    case KEY_PAGE_DOWN:
-        move(state, host, facts, 0, 0,
-             (int64_t)(state->count ? state->count : 1) * (event->key == KEY_PAGE_UP ? 1 : -1),
-             line);
-        return PILOT_NOTHING;
-    case KEY_TAB:
-        state->pane = (enum pilot_pane)((state->pane + 1) % PILOT_RENDITION);
-        return PILOT_NOTHING;
-    case KEY_ESCAPE:
-        state->has_mark = state->pen_is_down = false;
-        return PILOT_NOTHING;
-    case KEY_CHARACTER:
-        if (event->modifiers & KEY_CONTROL)
-            return picture_writer_control(event, line);
-        return picture_writer_letter(state, event, host, facts, line, message);
-    default:
-        return PILOT_NOTHING;
-    }
+    if (p->event->key == KEY_CHARACTER && !(p->event->modifiers & KEY_CONTROL))
+        buf_add_text(p->message, "this key does nothing; ? shows the keys");
 }
 
 /* True where the key is a part of a count. */
@@ -450,61 +524,60 @@ enum pilot_deed pilot_press(struct pilot_state *state, const struct key_event *e
                             const struct pilot_host *host, const struct pilot_facts *facts,
                             struct buf *line, struct buf *message)
 {
-    enum pilot_deed deed = PILOT_NOTHING;
+    struct press press = {state, event, host, facts, line, message, 0, PILOT_NOTHING};
+    state->is_silent = false;
     if (count_on(state, event, message))
         return PILOT_NOTHING;
     state->counts = false;
-    const bool is_x = event->key == KEY_CHARACTER && event->point == 'x' && !event->modifiers;
-    switch (state->mode) {
-    case PILOT_HELPING:
-        state->mode = PILOT_FLYING;
-        break;
-    case PILOT_CONFIRMING:
-        state->mode = PILOT_FLYING;
-        if (is_x || event->key == KEY_ENTER) {
-            add_place(line, "remove ", facts->place);
-            buf_add_char(line, '\n');
-        } else if (event->key != KEY_ESCAPE) {
-            deed = fly(state, event, host, facts, line, message);
-        }
-        break;
-    case PILOT_WINDOWING:
-        deed = change_window(state, event, facts, line);
-        break;
-    case PILOT_PICKING:
-        deed = pick(state, event, host, facts, line, message);
-        break;
-    case PILOT_FLYING:
-        deed = fly(state, event, host, facts, line, message);
-    }
+    dispatch(&press);
     state->count = 0;
-    return deed;
+    return press.deed;
 }
 
-/* ---- what the keys do now ---- */
+/* ---- what the keys do ---- */
 
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
                      struct buf *out)
 {
-    switch (state->mode) {
-    case PILOT_FLYING:
-    case PILOT_HELPING:
-        buf_add_text(out, "0-9 seed  x eliminate  u undo  : command  ? keys  q back");
-        break;
-    case PILOT_CONFIRMING:
-        buf_add_text(out, "x or Enter eliminates the hatched tree  Escape keeps it");
-        break;
-    case PILOT_WINDOWING:
+    const enum pilot_mode mode = state->mode == PILOT_HELPING ? PILOT_MOVING : state->mode;
+    const char *gap = "";
+    if (mode == PILOT_WINDOWING) {
         buf_add_text(out, "window ");
         add_decimal(out, facts->window[0]);
         buf_add_char(out, ' ');
         add_decimal(out, facts->window[1]);
-        buf_add_text(out, "  left right width  up down brightness  a auto  Enter done");
-        break;
-    case PILOT_PICKING:
-        buf_printf(out, "pixel %u,%u of the rendition  arrows move it  Enter goes to its voxel",
-                   state->pixel[0], state->pixel[1]);
+        gap = "  ";
+    } else if (mode == PILOT_PICKING) {
+        buf_printf(out, "pixel %u,%u of the rendition", state->pixel[0], state->pixel[1]);
+        gap = "  ";
     }
+    for (size_t i = 0; i < ROWS; i++) {
+        if (!table[i].hint || !(table[i].modes & IN(mode)))
+            continue;
+        buf_printf(out, "%s%s", gap, table[i].hint);
+        gap = "  ";
+    }
+}
+
+/* Two rows of the table on a line; an empty one between parts. */
+void pilot_keys_page(struct buf *out)
+{
+    const struct row *left = NULL;
+    for (const struct row *row = table; row < table + ROWS; row++) {
+        const bool ends_part = !*row->keys;
+        if (left && row->help)
+            buf_printf(out, "%*s%-15s %s", 24 - (int)strlen(left->help), "", row->keys, row->help);
+        if (left && (row->help || ends_part))
+            buf_add_char(out, '\n');
+        if (!left && row->help)
+            buf_printf(out, "  %-16s %s", row->keys, row->help);
+        if (ends_part)
+            buf_add_char(out, '\n');
+        if (row->help || ends_part)
+            left = left || ends_part ? NULL : row;
+    }
+    if (left)
+        buf_add_char(out, '\n');
 }
 
 /* ---- the mouse ---- */
@@ -518,6 +591,7 @@ void pilot_click(struct pilot_state *state, const struct key_event *event, uint3
     enum pilot_pane pane;
     const bool shows = host->voxel_at(host->context, column, row, place, &pane);
     state->drags &= mouse->action == MOUSE_MOVED;
+    state->is_silent = false;
     if (mouse->action == MOUSE_WHEEL_UP || mouse->action == MOUSE_WHEEL_DOWN) {
         const bool up = mouse->action == MOUSE_WHEEL_UP;
         int64_t by[3] = {0, 0, 0};
@@ -527,22 +601,22 @@ void pilot_click(struct pilot_state *state, const struct key_event *event, uint3
         }
         by[pane] = up ? 1 : -1;
         host->move(host->context, by, place);
-        if (state->mode == PILOT_CONFIRMING) { /* the tree that was told is not under it any more */
-            state->mode = PILOT_FLYING;
+        if (state->mode == PILOT_CONFIRMING) { /* the tree shown is not under it any more */
+            state->mode = PILOT_MOVING;
             buf_clear(message);
         }
-        add_cross(facts, place, line);
+        add_cross(state, facts, place, line);
     } else if (mouse->button == MOUSE_LEFT && mouse->action == MOUSE_PRESSED) {
         if (!shows) {
             buf_clear(message);
             buf_add_text(message, "nothing is seen there");
             return;
         }
-        state->mode = PILOT_FLYING;
+        state->mode = PILOT_MOVING;
         state->drags = true;
         if (pane != PILOT_RENDITION)
             state->pane = pane;
-        add_cross(facts, place, line);
+        add_cross(state, facts, place, line);
     } else if (state->drags && shows && pane == state->pane) {
         go_to(state, facts, place, line);
     }

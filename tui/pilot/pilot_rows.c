@@ -57,14 +57,18 @@ void pilot_rows_add(struct buf *out, const struct pilot_state *state, const stru
 
 void pilot_rows_add_help(struct buf *out)
 {
+    struct buf page = {0};
     unsigned row = 1;
-    for (const char *at = pilot_keys_help; *at; row++) {
+    pilot_keys_page(&page);
+    for (const char *at = buf_text(&page); *at; row++) {
         const size_t n = strcspn(at, "\n");
         buf_printf(out, "\033[%u;1H\033[K", row + 1);
         buf_add(out, at, n);
         at += n + (at[n] == '\n');
     }
     buf_printf(out, "\033[%u;1H  any key goes on", row + 2);
+    out->failed |= page.failed;
+    buf_release(&page);
 }
 
 void pilot_rows_add_page(struct buf *out, const struct buf *text, size_t *at,

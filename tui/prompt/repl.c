@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "tui/prompt/caret.h"
-#include "tui/prompt/line_edit.h"
 #include "tui/picture/graphics.h"
 #include "tui/term.h"
 #include "tui/prompt/wrap.h"
@@ -215,12 +214,12 @@ static enum err begin(struct prompt *p, struct fault *fault)
     return err;
 }
 
-/* What cannot be flown is told, and the prompt goes on. */
-static enum err fly(struct prompt *p, bool *ended, struct fault *fault)
+/* An error of what takes the whole screen is printed, and the prompt goes on. */
+static enum err give_screen(struct prompt *p, bool *ended, struct fault *fault)
 {
     struct buf words = {0};
     struct fault why;
-    enum err err = pilot_fly(p->host->pilot, &p->facts, &p->editor, ended, &why);
+    enum err err = p->host->screen(p->host->context, &p->facts, &p->editor, ended, &why);
     if (err == ERR_IO) { /* the terminal has gone */
         if (fault)
             *fault = why;
@@ -267,8 +266,8 @@ static enum err run_prompt(struct prompt *p, struct fault *fault)
         keep_line(p);
         if (!is_blank(buf_text(&p->editor.line.text)))
             err = execute(p, buf_text(&prompt), buf_text(&p->editor.line.text), fault);
-        if (!err && p->host->pilot && p->host->flies(p->host->context))
-            err = fly(p, &ended, fault);
+        if (!err && p->host->screen && p->host->wants_screen(p->host->context))
+            err = give_screen(p, &ended, fault);
         if (ended)
             break;
     }
@@ -299,7 +298,7 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     line_editor_init(&p.editor, host->complete, host->context);
     p.editor.news = host->news;
     p.editor.news_descriptor = host->news_descriptor;
-    p.editor.line_of_ctrl_o = host->pilot ? host->pilot_line : NULL;
+    p.editor.line_of_ctrl_o = host->screen_line;
     if (options->history_path)
         loaded = line_history_load(&p.editor.history, options->history_path, &of_history);
     enum err err = open_terminal(STDIN_FILENO, options->graphics, &p.facts, &p.editor.input,

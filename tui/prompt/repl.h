@@ -17,8 +17,8 @@
 #include "base/buf.h"
 #include "base/err.h"
 #include "tui/picture/image_view.h"
-#include "tui/pilot/pilot.h"
 #include "tui/probe.h"
+#include "tui/prompt/line_edit.h"
 
 /* Output text is printed as it is: names in it have been escaped by the host. */
 struct repl_host {
@@ -44,11 +44,13 @@ struct repl_host {
      * while a line is edited, and before a plain prompt. May be NULL. */
     void (*news)(void *context, struct buf *output);
     int news_descriptor;
-    /* The pilot's host, or NULL for none; and true once after a command that asked for the pilot,
-     * which Ctrl-O does by this line. */
-    const struct pilot_host *pilot;
-    bool (*flies)(void *context);
-    const char *pilot_line;
+    /* True once after a command that asked for the whole screen, and what runs there, with the
+     * terminal open and raw: until it gives the prompt back, or *ended. Ctrl-O does the command
+     * `screen_line`. NULL where there is no such thing. */
+    bool (*wants_screen)(void *context);
+    enum err (*screen)(void *context, struct terminal_facts *facts, struct line_editor *editor,
+                       bool *ended, struct fault *fault);
+    const char *screen_line;
     /* Whether the session is over; asked after every command. */
     bool (*finished)(void *context);
 };
