@@ -6,12 +6,13 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "engine/gradient.h"
 #include "engine/weight.h"
 #include "tests/check.h"
 
-static const struct weight_choice morph1 = {WEIGHT_MORPH, 1, 0}, morph2 = {WEIGHT_MORPH, 2, 0},
-                                  morph3 = {WEIGHT_MORPH, 3, 0}, sobel = {WEIGHT_SOBEL, 0, 0},
-                                  gauss1 = {WEIGHT_GAUSS, 0, 1000};
+static const struct weight_choice morph1 = {WEIGHT_MORPH, 1}, morph2 = {WEIGHT_MORPH, 2},
+                                  morph3 = {WEIGHT_MORPH, 3}, sobel = {WEIGHT_SOBEL, 0},
+                                  gauss1 = {WEIGHT_GAUSS, 1000};
 
 /* A scene of [z][y][x] intensities; freed by scene_free. */
 static struct scene *scene_of(uint32_t x, uint32_t y, uint32_t z, const uint16_t *intensity)
@@ -67,7 +68,7 @@ STORY(what_is_flat_weighs_nothing)
 {
     static const uint16_t level[] = {0, 1, 40000, 65535};
     const struct weight_choice choices[] = {
-        morph1, morph2, morph3, sobel, gauss1, {WEIGHT_GAUSS, 0, 500}, {WEIGHT_GAUSS, 0, 8000}};
+        morph1, morph2, morph3, sobel, gauss1, {WEIGHT_GAUSS, 500}, {WEIGHT_GAUSS, 8000}};
     for (size_t l = 0; l < 4; l++)
         for (size_t c = 0; c < 7; c++) {
             uint16_t intensity[5 * 4 * 3];
@@ -106,7 +107,7 @@ STORY(a_step_weighs_its_height_under_every_sigma)
         for (size_t h = 0; h < 3; h++) {
             for (size_t i = 0; i < 64; i++)
                 step[i] = i < 32 ? 0 : height[h];
-            const struct weight_choice by = {WEIGHT_GAUSS, 0, sigma};
+            const struct weight_choice by = {WEIGHT_GAUSS, sigma};
             struct scene *scene = scene_of(1, 64, 1, step);
             weigh(scene, 6, &by);
             CHECK_INT(weight_at(scene, 0, 31, 0), height[h]);
@@ -148,7 +149,7 @@ STORY(a_corner_counts_for_sobel_by_its_square_root)
 STORY(a_single_voxel_weighs_nothing)
 {
     static const uint16_t one[] = {65535}, none[] = {0};
-    const struct weight_choice gauss8 = {WEIGHT_GAUSS, 0, 8000};
+    const struct weight_choice gauss8 = {WEIGHT_GAUSS, 8000};
     row_weighs(one, 1, &morph1, none);
     row_weighs(one, 1, &morph3, none);
     row_weighs(one, 1, &sobel, none);
@@ -163,7 +164,7 @@ STORY(the_largest_intensities_do_not_overflow)
     for (size_t i = 0; i < 512; i++)
         intensity[i] = (i & 7) + (i >> 3 & 7) + (i >> 6) > 10 ? 65535 : 0;
     struct scene *scene = scene_of(8, 8, 8, intensity);
-    const struct weight_choice sharp = {WEIGHT_GAUSS, 0, 500}, choices[] = {sobel, sharp, gauss1};
+    const struct weight_choice sharp = {WEIGHT_GAUSS, 500}, choices[] = {sobel, sharp, gauss1};
     for (size_t c = 0; c < 3; c++) {
         uint16_t most = 0;
         weigh(scene, 6, &choices[c]);
@@ -404,8 +405,8 @@ STORY(morph_is_what_rounds_over_the_adjacency_give)
         struct scene *scene = scene_of_volume(&v);
         for (uint32_t n = 0; n < 6; n++) {
             const unsigned neighbours = n % 2 ? 26 : 6;
-            const struct weight_choice by = {WEIGHT_MORPH, 1 + n / 2, 0};
-            const struct volume expected = slow_morph(&v, neighbours, by.radius);
+            const struct weight_choice by = {WEIGHT_MORPH, 1 + n / 2};
+            const struct volume expected = slow_morph(&v, neighbours, by.argument);
             weigh(scene, neighbours, &by);
             CHECK(weighs_as(scene, &expected));
         }
@@ -467,10 +468,10 @@ STORY(gauss_is_what_whole_volumes_give)
 {
     for (unsigned i = 0; i < 300 && check_failures < 3; i++) {
         const uint32_t most = check_below(&seed, 2) ? 1500 : SIGMA_MOST;
-        const struct weight_choice by = {WEIGHT_GAUSS, 0,
+        const struct weight_choice by = {WEIGHT_GAUSS,
                                          SIGMA_LEAST + check_below(&seed, most - SIGMA_LEAST + 1)};
         const struct volume v = random_volume();
-        const struct volume expected = slow_gauss(&v, by.sigma_thousandths);
+        const struct volume expected = slow_gauss(&v, by.argument);
         struct scene *scene = scene_of_volume(&v);
         weigh(scene, 6, &by);
         CHECK(weighs_as(scene, &expected));
@@ -494,7 +495,7 @@ static struct volume mirrored(const struct volume *v, unsigned axes)
 STORY(a_mirrored_scene_has_mirrored_weights)
 {
     const struct weight_choice choices[] = {morph1, morph2, morph3,
-                                            sobel,  gauss1, {WEIGHT_GAUSS, 0, 3333}};
+                                            sobel,  gauss1, {WEIGHT_GAUSS, 3333}};
     for (unsigned i = 0; i < 48; i++) {
         const struct weight_choice *by = &choices[i % 6];
         const struct volume v = random_volume(), m = mirrored(&v, i / 6);
@@ -518,7 +519,7 @@ STORY(every_team_gives_the_same_weights)
 {
     const struct arc_rule arcs = {0};
     const struct weight_choice choices[] = {morph1, morph2, morph3,
-                                            sobel,  gauss1, {WEIGHT_GAUSS, 0, 4200}};
+                                            sobel,  gauss1, {WEIGHT_GAUSS, 4200}};
     for (unsigned workers = 1; workers < SIDE_MOST + 3; workers++) { /* more than planes, too */
         struct team *team;
         CHECK(team_new(&team, workers, NULL) == OK);

@@ -83,21 +83,34 @@ enum err act_why(const struct act *act)
     return OK;
 }
 
+#define UNIT_NUMBER  1.0
+#define UNIT_DECIMAL 1000.0
+#define PLAIN_ARGUMENT(name, type, least, most)                                                    \
+    {                                                                                              \
+        " ", UNIT_##type                                                                           \
+    }
+#define KEYED_ARGUMENT(name, type, least, most)                                                    \
+    {                                                                                              \
+        " " name "=", UNIT_##type                                                                  \
+    }
+
 /* "gauss 1.5", "polarity 1:50 2:-20", "of edges.nii" */
 static void tell_weight(struct buf *out, const struct kept *kept)
 {
     const struct weight_choice *choice = &kept->weight;
-    const struct choice kind = choice_at(WEIGHT_KINDS, choice->kind);
+    const struct weight_row *row = &weight_table[choice->kind];
+    static const struct {
+        const char *before;
+        double unit;
+    } form[] = {WEIGHT_ARGUMENTS(PLAIN_ARGUMENT, KEYED_ARGUMENT)};
     if (choice->kind == WEIGHT_FILE) {
         buf_add_text(out, "of ");
         buf_add_safe(out, kept->weight_file, strlen(kept->weight_file));
         return;
     }
-    buf_add(out, kind.word, kind.length);
-    if (choice->radius > 1)
-        buf_printf(out, " radius=%u", choice->radius);
-    if (choice->sigma_thousandths)
-        buf_printf(out, " %g", choice->sigma_thousandths / 1000.0);
+    buf_add_text(out, row->name);
+    if (choice->argument != row->usual)
+        buf_printf(out, "%s%g", form[row->takes].before, choice->argument / form[row->takes].unit);
     for (unsigned label = 0; choice->kind == WEIGHT_POLARITY && label < 256; label++)
         if (kept->polarity[label])
             buf_printf(out, " %u:%d", label, kept->polarity[label]);

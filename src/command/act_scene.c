@@ -88,19 +88,35 @@ static enum err weigh_by_file(const struct act *act, const char *name)
     return err;
 }
 
+#define ARGUMENT_NAME(name, type, least, most) name
+
+/* What is given beside the name: what the row takes, and nothing else. */
+static enum err take_argument(struct weight_choice *choice, const struct value *value,
+                              struct fault *fault)
+{
+    static const char *const name[] = {WEIGHT_ARGUMENTS(ARGUMENT_NAME, ARGUMENT_NAME)};
+    const struct weight_row *row = &weight_table[choice->kind];
+    for (unsigned i = 0; i < WEIGHT_ARGUMENT_COUNT; i++)
+        if (value[i].given && row->takes != i)
+            return fault_set(fault, ERR_USAGE, "%s: `weight %s` has none", name[i], row->name);
+    if (row->takes == WEIGHT_TAKES_NOTHING)
+        return OK;
+    const struct value *given = &value[row->takes];
+    if (!given->given && !row->usual)
+        return fault_set(fault, ERR_USAGE, "%s: `weight %s` needs one", name[row->takes],
+                         row->name);
+    choice->argument = given->given ? (uint32_t)given->number : row->usual;
+    return OK;
+}
+
 enum err act_weight(const struct act *act)
 {
-    const struct value *sigma = &act->value[1], *radius = &act->value[2];
     const bool is_file = act->value[0].number < 0;
-    struct weight_choice choice = {.kind = is_file ? WEIGHT_FILE
-                                                   : (enum weight_kind)act->value[0].number};
-    if (sigma->given != (choice.kind == WEIGHT_GAUSS))
-        return fault_set(act->fault, ERR_USAGE, "SIGMA: gauss is to have one, the others none");
-    if (radius->given && choice.kind != WEIGHT_MORPH)
-        return fault_set(act->fault, ERR_USAGE, "radius: only morph has one");
-    if (choice.kind == WEIGHT_MORPH)
-        choice.radius = radius->given ? (uint32_t)radius->number : 1;
-    choice.sigma_thousandths = sigma->given ? (uint32_t)sigma->number : 0;
+    struct weight_choice choice = {is_file ? WEIGHT_FILE : (enum weight_kind)act->value[0].number,
+                                   0};
+    const enum err err = take_argument(&choice, act->value + 1, act->fault);
+    if (err)
+        return err;
     return add_weights(act, is_file ? weigh_by_file(act, act->value[0].text)
                                     : session_set_weight(act->session, &choice, act->fault));
 }

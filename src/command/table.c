@@ -7,7 +7,9 @@
 #include "session/seed_file.h"
 #include "session/slicing.h"
 
-#define VOLUME_NOTE(format, note) note
+/* What rows of other tables say of themselves. */
+#define VOLUME_NOTE(format, note)                      note
+#define WEIGHT_NOTE(kind, name, argument, usual, help) help
 #define SYNTHETIC_NOTE                                                                             \
     "synth:geom has 200x200x100 voxels; X, Y, Z of 2 interpolate that axis to 2n-1, as in "        \
     "synth:geom:221. A SIZE in voxels, as in synth:geom:1024x1024x1024, draws the same solids in " \
@@ -30,6 +32,9 @@
     {                                                                                              \
         __VA_ARGS__, .optional = true, .keyed = true                                               \
     }
+
+#define MAY_WEIGH(name, type, low, high)   MAY(name, VALUE_##type, .least = low, .most = high)
+#define KEYED_WEIGH(name, type, low, high) KEYED(name, VALUE_##type, .least = low, .most = high)
 
 enum {
     R = COMMAND_RECORDED,
@@ -70,19 +75,12 @@ const struct command command_table[] = {
      "rounded up; spacing halves, and voxel 0,0,0 stays where it is in the world.",
      "interpolate 2 2 1"},
     {COMMAND("weight", act_weight, GROUP_WEIGHT, R | S | E),
-     {NEED("FILE", VALUE_FILE, .choices = WEIGHT_KINDS),
-      MAY("SIGMA", VALUE_DECIMAL, .least = SIGMA_LEAST, .most = SIGMA_MOST),
-      KEYED("radius", VALUE_NUMBER, .least = 1, .most = MORPH_RADIUS_MOST)},
-     "arc weights: how dear a step is",
+     {NEED("FILE", VALUE_FILE, .choices = WEIGHT_KINDS), WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH)},
+     "arc weights: the cost of a step",
      "A step of height h weighs h under each gradient. Lengths are in voxels, whatever the "
-     "spacing.\n"
-     "morph, as at first: dilation minus erosion, over a voxel and its neighbours, or over what "
-     "`radius` steps reach.\n"
-     "sobel: the 3-D Sobel operator.\n"
-     "gauss: the gradient of the scene smoothed by a Gaussian of SIGMA 0.5..8 voxels.\n"
-     "difference: the difference of intensity between both ends of the step.\n"
-     "polarity: the same, with steps to brighter and to darker weighed apart (`help polarity`).\n"
-     "FILE: a NIfTI on the scene's grid with the weight of each voxel, whole numbers 0..65535.",
+     "spacing.\n" WEIGHT_LIST(WEIGHT_NOTE,
+                              WEIGHT_NOTE) "FILE: a map on the scene's grid with the weight of "
+                                           "each voxel, whole numbers 0..65535.",
      "weight gauss 1.5"},
     {COMMAND("polarity", act_polarity, GROUP_WEIGHT, R | S | E),
      {NEED("LABEL", VALUE_LABEL, .most = 255),

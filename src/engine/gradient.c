@@ -2,7 +2,7 @@
 
 #include <assert.h>
 
-#include "engine/arc.h"
+#include "engine/weight.h"
 
 /*
  * Scaled to 63 bits or more, each line doubles the number of bits that are right; the last may be
@@ -28,7 +28,7 @@ static uint32_t before(uint32_t i)
     return i > 0 ? i - 1 : 0;
 }
 
-static uint32_t behind(uint32_t i, uint32_t size)
+static uint32_t after(uint32_t i, uint32_t size)
 {
     return i + 1 < size ? i + 1 : i;
 }
@@ -41,16 +41,17 @@ struct slopes {
     int32_t *level, *along_y, *along_z;
 };
 
-uint64_t sobel_bytes(const struct grid *grid)
+static uint64_t sobel_bytes(const struct grid *grid, uint32_t argument)
 {
+    (void)argument;
     return 3 * ((uint64_t)grid->size[0] + 2) * sizeof(int32_t);
 }
 
 static void slopes_of_row(struct slopes *s, const struct scene *scene, uint32_t y, uint32_t z)
 {
     const struct grid *grid = &scene->grid;
-    const uint32_t ys[3] = {before(y), y, behind(y, grid->size[1])};
-    const uint32_t zs[3] = {before(z), z, behind(z, grid->size[2])};
+    const uint32_t ys[3] = {before(y), y, after(y, grid->size[1])};
+    const uint32_t zs[3] = {before(z), z, after(z, grid->size[2])};
     const uint32_t width = grid->size[0];
     const struct cell *row[3][3]; /* [z][y] */
     for (int k = 0; k < 3; k++)
@@ -86,8 +87,10 @@ static uint16_t sobel_at(const struct slopes *s, uint32_t x)
     return (uint16_t)(length < WEIGHT_MOST ? length : WEIGHT_MOST);
 }
 
-void sobel_weigh(struct scene *scene, struct slab slab, void *work)
+static void sobel_weigh(struct scene *scene, const struct adjacency *adjacency, uint32_t argument,
+                        struct slab slab, void *work)
 {
+    (void)adjacency, (void)argument;
     const struct grid *grid = &scene->grid;
     const size_t length = (size_t)grid->size[0] + 2;
     int32_t *rows = work;
@@ -104,6 +107,8 @@ void sobel_weigh(struct scene *scene, struct slab slab, void *work)
                 return;
         }
 }
+
+const struct weight_method sobel_weight = {ARC_TARGET, sobel_bytes, sobel_weigh};
 
 /* ---- the Gaussian ---- */
 
@@ -165,7 +170,7 @@ static void smoother_init(struct smoother *s, const struct grid *grid, uint32_t 
 }
 
 /* A plane has less than 2^31 voxels (G1), so this is less than 2^38. */
-uint64_t gauss_bytes(const struct grid *grid, uint32_t sigma_thousandths)
+static uint64_t gauss_bytes(const struct grid *grid, uint32_t sigma_thousandths)
 {
     struct smoother s;
     smoother_init(&s, grid, sigma_thousandths);
@@ -293,20 +298,22 @@ static uint64_t half_squared(uint32_t a, uint32_t b)
 static void weigh_row(const struct smoother *s, struct scene *scene, uint32_t y, uint32_t z)
 {
     const uint32_t *here = smoothed(s, y, z);
-    const uint32_t *y0 = smoothed(s, before(y), z), *y1 = smoothed(s, behind(y, s->height), z);
-    const uint32_t *z0 = smoothed(s, y, before(z)), *z1 = smoothed(s, y, behind(z, s->depth));
+    const uint32_t *y0 = smoothed(s, before(y), z), *y1 = smoothed(s, after(y, s->height), z);
+    const uint32_t *z0 = smoothed(s, y, before(z)), *z1 = smoothed(s, y, after(z, s->depth));
     const uint64_t step = s->gauss.weight[0] + s->gauss.weight[1];
     struct cell *cell = scene->cell + grid_row(&scene->grid, y, z).first;
     for (uint32_t x = 0; x < s->width; x++) {
-        const uint64_t sum = half_squared(here[before(x)], here[behind(x, s->width)]) +
+        const uint64_t sum = half_squared(here[before(x)], here[after(x, s->width)]) +
                              half_squared(y0[x], y1[x]) + half_squared(z0[x], z1[x]);
         const uint64_t length = (2 * (uint64_t)square_root(sum) + step / 2) / step;
         cell[x].weight = (uint16_t)(length < WEIGHT_MOST ? length : WEIGHT_MOST);
     }
 }
 
-void gauss_weigh(struct scene *scene, uint32_t sigma_thousandths, struct slab slab, void *work)
+static void gauss_weigh(struct scene *scene, const struct adjacency *adjacency,
+                        uint32_t sigma_thousandths, struct slab slab, void *work)
 {
+    (void)adjacency;
     struct smoother s;
     smoother_init(&s, &scene->grid, sigma_thousandths);
     smoother_place(&s, work);
@@ -326,3 +333,5 @@ void gauss_weigh(struct scene *scene, uint32_t sigma_thousandths, struct slab sl
         }
     }
 }
+
+const struct weight_method gauss_weight = {ARC_TARGET, gauss_bytes, gauss_weigh};

@@ -4,10 +4,18 @@
  * Both work in voxel units, whatever the spacing, and replicate voxels of the edge to the outside.
  * Both are scaled so that a step of height h between two flat halves gives h at the two voxels
  * beside it, along each axis; more than 65535 is 65535. A ramp that rises by g a voxel thus gives
- * 2 g under `sobel`, and more under `gauss`, where a wide ramp is as dear as a step that the
- * smoothing has made as wide. Neither writes anything but cell.weight of a slab of planes, nor can
- * fail; the caller brings work memory of the size asked for, aligned for any type. Slabs may be
- * weighed side by side.
+ * 2 g under `sobel`, and more under `gauss`, where a wide ramp costs as much as a
+ * step that the smoothing has made as wide.
+ *
+ * sobel: along each axis the central difference I(+1) - I(-1), smoothed by 1-2-1 along the two
+ * other axes. The weight is floor(sqrt(gx^2 + gy^2 + gz^2) / 16). Work memory: three rows.
+ *
+ * gauss: the central differences S(+1) - S(-1) of the scene S smoothed by a Gaussian. S has 16
+ * binary places: exact along z; then along y, then along x, to the nearest after each. With the
+ * halves d = floor(|S(+1) - S(-1)| / 2) in 2^-16 and m = floor(sqrt(dx^2 + dy^2 + dz^2)), the weight
+ * is 2 m / (weight[0] + weight[1]) to the nearest: a step reaches the largest difference there is.
+ * Work memory: four planes of 32 bits, and of 16 bits as many as the Gaussian is wide or the scene
+ * deep, and some rows.
  *
  * Promises
  *   D1 the weights are a function of size and intensities alone, the same on every machine and
@@ -17,20 +25,12 @@
 #ifndef ENGINE_GRADIENT_H
 #define ENGINE_GRADIENT_H
 
-#include "engine/scene.h"
+#include <stdint.h>
 
 /* floor(sqrt(n)), for n up to (2^32 - 1)^2. */
 uint32_t square_root(uint64_t n);
 
-/*
- * Sobel in three dimensions: along each axis the central difference I(+1) - I(-1), smoothed by
- * 1-2-1 along the two other axes. The weight is floor(sqrt(gx^2 + gy^2 + gz^2) / 16). Work memory:
- * three rows.
- */
-uint64_t sobel_bytes(const struct grid *grid);
-void sobel_weigh(struct scene *scene, struct slab slab, void *work);
-
-enum { SIGMA_LEAST = 500, SIGMA_MOST = 8000, GAUSS_RADIUS_MOST = 24 };
+enum { GAUSS_RADIUS_MOST = 24 };
 
 /*
  * A Gaussian of whole weights: weight[k] at distance k up to `radius` = sigma times 3, rounded up;
@@ -48,17 +48,6 @@ struct gauss {
     uint32_t radius;
     uint32_t weight[GAUSS_RADIUS_MOST + 1];
 };
-void gauss_init(struct gauss *gauss, uint32_t sigma_thousandths);
-
-/*
- * The central differences S(+1) - S(-1) of the scene S smoothed by a Gaussian. S has 16 binary
- * places: exact along z; then along y, then along x, to the nearest after each. With the halves
- * d = floor(|S(+1) - S(-1)| / 2) in 2^-16 and m = floor(sqrt(dx^2 + dy^2 + dz^2)), the weight is
- * 2 m / (weight[0] + weight[1]) to the nearest: a step reaches the largest difference there is.
- * Work memory: four planes of 32 bits, and of 16 bits as many as the Gaussian is wide or the scene
- * deep, and some rows.
- */
-uint64_t gauss_bytes(const struct grid *grid, uint32_t sigma_thousandths);
-void gauss_weigh(struct scene *scene, uint32_t sigma_thousandths, struct slab slab, void *work);
+void gauss_init(struct gauss *gauss, uint32_t sigma_thousandths); /* SIGMA_LEAST..SIGMA_MOST */
 
 #endif

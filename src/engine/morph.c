@@ -1,4 +1,8 @@
 /*
+ * The morphological gradient: dilation minus erosion over the voxel and its neighbours (6 or 26),
+ * where what lies outside the scene is ignored. Of radius R: over what R steps reach inside the
+ * scene, which is what R rounds of dilation and erosion give.
+ *
  * Intensities lie 16 bytes apart in the cells, where no vector instruction can take several. So
  * each is copied once into a tile of rows of plain values, three planes deep, which wanders along z
  * and stays in the nearest cache; what is worked out there goes back to the cells row by row. Ch2
@@ -6,7 +10,10 @@
  *
  * A row or column beyond the scene is that of its edge once more: it adds nothing to an extremum.
  */
-#include "engine/morph.h"
+#include <stdlib.h>
+#include <string.h>
+
+#include "engine/weight.h"
 
 enum {
     BLOCK = 32,  /* values worked out at a time: a count that the compiler knows */
@@ -52,7 +59,7 @@ static void take_plane(struct tile *tile, uint32_t z)
                  nearest(before(z), grid->size[2]));
 }
 
-static inline uint16_t larger(uint16_t a, uint16_t b)
+static uint16_t larger(uint16_t a, uint16_t b)
 {
     return a > b ? a : b;
 }
@@ -110,7 +117,8 @@ static bool weigh_tile(struct scene *scene, struct tile *tile, const struct adja
     return true;
 }
 
-void morph_weigh(struct scene *scene, const struct adjacency *adjacency, struct slab slab)
+/* Of radius 1. */
+static void weigh_near(struct scene *scene, const struct adjacency *adjacency, struct slab slab)
 {
     const uint32_t *size = scene->grid.size;
     struct tile tile = {.scene = scene};
@@ -124,3 +132,90 @@ void morph_weigh(struct scene *scene, const struct adjacency *adjacency, struct 
                 return;
         }
 }
+
+/* ---- a wider one ---- */
+
+/*
+ * Row by row. What R steps reach is, in each row of voxels nearby, an interval about
+ * this voxel: of half-length R - |dy| - |dz| by faces, of R by corners too. Rows of equal
+ * half-length are merged voxel by voxel into lane[half-length]; then lane R is widened by one voxel
+ * and merged with lane R - 1, and so on down to lane 0. (Inside a box, steps need no detour.) The
+ * erosion is the dilation of 65535 - intensity.
+ */
+struct lanes {
+    size_t width;
+    uint16_t *high, *low; /* [radius + 1][width]; nothing merged yet is 0 */
+};
+
+static uint64_t bytes(const struct grid *grid, uint32_t radius)
+{
+    return radius == 1 ? 0 : 2 * ((uint64_t)radius + 1) * grid->size[0] * sizeof(uint16_t);
+}
+
+static void merge_row(struct lanes *lanes, uint32_t lane, const struct cell *cell)
+{
+    uint16_t *high = lanes->high + lane * lanes->width, *low = lanes->low + lane * lanes->width;
+    for (size_t x = 0; x < lanes->width; x++) {
+        high[x] = larger(high[x], cell[x].intensity);
+        low[x] = larger(low[x], (uint16_t)(65535 - cell[x].intensity));
+    }
+}
+
+/* inner[x] = max(inner[x], outer[x - 1], outer[x], outer[x + 1]) */
+static void widen_into(uint16_t *inner, const uint16_t *outer, size_t width)
+{
+    for (size_t x = 0; x < width; x++) {
+        const uint16_t left = outer[x > 0 ? x - 1 : x], right = outer[x + 1 < width ? x + 1 : x];
+        inner[x] = larger(larger(inner[x], outer[x]), larger(left, right));
+    }
+}
+
+static void merge_around(struct lanes *lanes, const struct scene *scene, bool by_faces,
+                         int32_t radius, uint32_t y, uint32_t z)
+{
+    for (int32_t dz = -radius; dz <= radius; dz++)
+        for (int32_t dy = -radius; dy <= radius; dy++) {
+            const int64_t at[2] = {(int64_t)y + dy, (int64_t)z + dz};
+            const int32_t reach = by_faces ? radius - abs(dy) - abs(dz) : radius;
+            if (reach < 0 || !grid_contains(&scene->grid, 0, at[0], at[1]))
+                continue;
+            const struct span row = grid_row(&scene->grid, (uint32_t)at[0], (uint32_t)at[1]);
+            merge_row(lanes, (uint32_t)reach, scene->cell + row.first);
+        }
+}
+
+static void weigh_wide(struct scene *scene, const struct adjacency *adjacency, uint32_t radius,
+                       struct slab slab, void *work)
+{
+    const struct grid *grid = &scene->grid;
+    const size_t width = grid->size[0], lane_values = (radius + 1) * width;
+    struct lanes lanes = {width, work, (uint16_t *)work + lane_values};
+    struct task task =
+        task_begin_part(scene->watch, "weights", slab_voxels(grid, slab), slab.first);
+    for (uint32_t z = slab.first; z < slab.end; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            memset(work, 0, 2 * lane_values * sizeof(uint16_t));
+            merge_around(&lanes, scene, adjacency->count == 6, (int32_t)radius, y, z);
+            for (size_t lane = radius; lane > 0; lane--) {
+                const size_t outer = lane * width, inner = outer - width;
+                widen_into(lanes.high + inner, lanes.high + outer, width);
+                widen_into(lanes.low + inner, lanes.low + outer, width);
+            }
+            struct cell *cell = scene->cell + grid_row(grid, y, z).first;
+            for (size_t x = 0; x < width; x++)
+                cell[x].weight = (uint16_t)(lanes.high[x] + lanes.low[x] - 65535);
+            if (!task_advance(&task, width))
+                return;
+        }
+}
+
+static void weigh(struct scene *scene, const struct adjacency *adjacency, uint32_t radius,
+                  struct slab slab, void *work)
+{
+    if (radius == 1)
+        weigh_near(scene, adjacency, slab);
+    else
+        weigh_wide(scene, adjacency, radius, slab, work);
+}
+
+const struct weight_method morph_weight = {ARC_TARGET, bytes, weigh};

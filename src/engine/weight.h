@@ -1,5 +1,5 @@
 /*
- * Arc weights: how dear it is to step into a voxel.
+ * Arc weights: the cost of a step into a voxel.
  *
  * Under most kinds the weight of an arc (s, t) is a gradient at t, or what a file says of t, so it
  * is held once per voxel (ARC_TARGET of engine/arc.h). `difference` and `polarity` follow from both
@@ -11,38 +11,84 @@
 
 #include "base/team.h"
 #include "engine/arc.h"
-#include "engine/gradient.h"
 #include "engine/scene.h"
 
-/* The names of the kinds, in their order; what comes out of a file has no name of its own. */
-#define WEIGHT_KINDS "morph|sobel|gauss|difference|polarity"
-enum weight_kind {
-    WEIGHT_MORPH,
-    WEIGHT_SOBEL,
-    WEIGHT_GAUSS,
-    WEIGHT_DIFFERENCE,
-    WEIGHT_POLARITY,
-    WEIGHT_FILE,
+enum { SIGMA_LEAST = 500, SIGMA_MOST = 8000, RADIUS_MOST = 3 };
+
+/* What a weight may be given beside its name, as parameters of a command: NAME, TYPE (thousandths
+ * where DECIMAL), least and most. */
+#define WEIGHT_ARGUMENTS(PLAIN, KEYED)                                                             \
+    PLAIN("SIGMA", DECIMAL, SIGMA_LEAST, SIGMA_MOST), KEYED("radius", NUMBER, 1, RADIUS_MOST)
+enum weight_argument {
+    WEIGHT_TAKES_SIGMA,
+    WEIGHT_TAKES_RADIUS,
+    WEIGHT_ARGUMENT_COUNT,
+    WEIGHT_TAKES_NOTHING = WEIGHT_ARGUMENT_COUNT,
 };
+
+/*
+ * The weights, one row each: KIND, name, what it takes, that where none is given (0: it must be),
+ * and a line of help. A row names a `struct weight_method`, which one file defines: NAME_weight.
+ */
+#define WEIGHT_LIST(FIRST, NEXT)                                                                   \
+    FIRST(MORPH, morph, RADIUS, 1,                                                                 \
+          "morph, as at first: dilation minus erosion, over a voxel and its neighbours, or over "  \
+          "what `radius` steps reach.\n")                                                          \
+    NEXT(SOBEL, sobel, NOTHING, 0, "sobel: the 3-D Sobel operator.\n")                             \
+    NEXT(GAUSS, gauss, SIGMA, 0,                                                                   \
+         "gauss: the gradient of the scene smoothed by a Gaussian of SIGMA 0.5..8 voxels.\n")      \
+    NEXT(DIFFERENCE, difference, NOTHING, 0,                                                       \
+         "difference: the difference of intensity between both ends of the step.\n")               \
+    NEXT(POLARITY, polarity, NOTHING, 0,                                                           \
+         "polarity: the same, with steps to brighter and to darker weighed apart (`help "          \
+         "polarity`).\n")
+
+/* The names, in their order; what comes out of a file has no name of its own. */
+#define WEIGHT_FIRST_NAME(kind, name, argument, usual, help) #name
+#define WEIGHT_NEXT_NAME(kind, name, argument, usual, help)  "|" #name
+#define WEIGHT_KINDS                                         WEIGHT_LIST(WEIGHT_FIRST_NAME, WEIGHT_NEXT_NAME)
+
+enum weight_kind {
+#define WEIGHT_KIND(kind, name, argument, usual, help) WEIGHT_##kind,
+    WEIGHT_LIST(WEIGHT_KIND, WEIGHT_KIND) WEIGHT_FILE,
+};
+
+struct weight_method {
+    enum arc_kind arcs;
+    /* Memory that `weigh` works in, in bytes; NULL for none. */
+    uint64_t (*bytes)(const struct grid *grid, uint32_t argument);
+    /* Writes cell.weight of a slab of planes and nothing else, under the scene's watch; slabs may be
+     * weighed side by side. NULL where weights are not held in cells, or came out of a file. */
+    void (*weigh)(struct scene *scene, const struct adjacency *adjacency, uint32_t argument,
+                  struct slab slab, void *work);
+};
+#define WEIGHT_METHOD(kind, name, argument, usual, help)                                           \
+    extern const struct weight_method name##_weight;
+WEIGHT_LIST(WEIGHT_METHOD, WEIGHT_METHOD)
+
+struct weight_row {
+    const char *name;
+    enum weight_argument takes;
+    uint32_t usual; /* 0: one must be given */
+    const struct weight_method *method;
+};
+extern const struct weight_row weight_table[]; /* by enum weight_kind */
+
+struct weight_choice {
+    enum weight_kind kind;
+    uint32_t argument; /* within the range of what its row takes; 0 for nothing */
+};
+
+bool weight_choice_equals(const struct weight_choice *a, const struct weight_choice *b);
 
 enum arc_kind weight_arcs(enum weight_kind kind);
 
 /* Whether weight_compute writes cell.weight. */
 bool weight_is_gradient(enum weight_kind kind);
 
-enum { MORPH_RADIUS_MOST = 3 };
-
-struct weight_choice {
-    enum weight_kind kind;
-    uint32_t radius;            /* of morph, 1..3; else 0 */
-    uint32_t sigma_thousandths; /* of gauss, 500..8000, in voxels; else 0 */
-};
-
-bool weight_choice_equals(const struct weight_choice *a, const struct weight_choice *b);
-
 /* Memory that computing weights takes; it only grows, so that what was computed once can be
  * computed again. Begins as {0}. The team is not owned, and is set before room is reserved: all
- * crews give the same weights. */
+ * teams give the same weights. */
 struct weight_work {
     void *bytes;
     size_t capacity;
@@ -63,11 +109,7 @@ enum err weight_work_reserve(struct weight_work *work, const struct grid *grid,
 void weight_compute(struct scene *scene, const struct adjacency *adjacency,
                     const struct weight_choice *choice, struct weight_work *work);
 
-/*
- * The morphological gradient of radius 1: dilation minus erosion over the voxel and its neighbours
- * (6 or 26), where what lies outside the scene is ignored. Takes no memory. Of radius R: over what
- * R steps reach inside the scene, which is what R rounds of dilation and erosion give.
- */
+/* The morphological gradient of radius 1 (engine/morph.c), by the caller alone. */
 void weight_morph(struct scene *scene, const struct adjacency *adjacency);
 
 /* A digest of what arcs weigh, given the intensities: for ARC_TARGET a sum over voxels of their

@@ -5,7 +5,7 @@
 struct state state_default(void)
 {
     struct state state = {
-        .kept = {.cut = cut_none(), .adjacency = 6, .weight = {.kind = WEIGHT_MORPH, .radius = 1}},
+        .kept = {.cut = cut_none(), .adjacency = 6, .weight = {WEIGHT_MORPH, 1}},
         .outlook = {
             .look = look_default(),
             .slices = {.overlay = SLICE_CONTOUR, .crosses = true, .marks = true, .words = true}}};

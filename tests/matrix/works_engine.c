@@ -9,10 +9,10 @@
 static const struct {
     const char *name;
     struct weight_choice choice;
-} weights[] = {{"morph-1", {WEIGHT_MORPH, 1, 0}},         {"morph-3", {WEIGHT_MORPH, 3, 0}},
-               {"sobel", {WEIGHT_SOBEL, 0, 0}},           {"gauss-0.5", {WEIGHT_GAUSS, 0, 500}},
-               {"gauss-1.7", {WEIGHT_GAUSS, 0, 1700}},    {"gauss-8", {WEIGHT_GAUSS, 0, 8000}},
-               {"difference", {WEIGHT_DIFFERENCE, 0, 0}}, {"polarity", {WEIGHT_POLARITY, 0, 0}}};
+} weights[] = {{"morph-1", {WEIGHT_MORPH, 1}},         {"morph-3", {WEIGHT_MORPH, 3}},
+               {"sobel", {WEIGHT_SOBEL, 0}},           {"gauss-0.5", {WEIGHT_GAUSS, 500}},
+               {"gauss-1.7", {WEIGHT_GAUSS, 1700}},    {"gauss-8", {WEIGHT_GAUSS, 8000}},
+               {"difference", {WEIGHT_DIFFERENCE, 0}}, {"polarity", {WEIGHT_POLARITY, 0}}};
 
 /* What the digests of a forest do not cover: who is before whom. */
 static uint64_t predecessors_digest(const struct forest *forest)
@@ -93,7 +93,7 @@ static void forests(struct team *team, unsigned adjacency)
 /* A mask of two voxels in three, in runs, and a range; the forest again inside. */
 static void excludes(struct team *team)
 {
-    static const struct weight_choice morph = {WEIGHT_MORPH, 1, 0};
+    static const struct weight_choice morph = {WEIGHT_MORPH, 1};
     struct scene *scene = works_scene();
     struct forest *forest = NULL;
     struct edit edit[WORKS_SEEDS];

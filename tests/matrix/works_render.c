@@ -14,7 +14,7 @@ enum { WIDTH = 90, HEIGHT = 70 };
 
 static void stage_set(struct stage *s)
 {
-    static const struct weight_choice morph = {WEIGHT_MORPH, 1, 0};
+    static const struct weight_choice morph = {WEIGHT_MORPH, 1};
     struct weight_work work = {0};
     struct edit edit[WORKS_SEEDS];
     struct fault fault;
