@@ -1,5 +1,5 @@
 /*
- * The pure parts of a comparison of two journals: where their commands part, how far labels differ,
+ * The pure parts of a comparison of two journals: the first command in which they differ, how far labels differ,
  * and the picture of it.
  */
 #include <stdlib.h>
@@ -26,7 +26,7 @@ static struct first_difference find(const char *a, const char *b, size_t last)
 static void check_same(const char *a, const char *b, size_t same)
 {
     struct first_difference p = find(a, b, 0);
-    CHECK(!p.parts);
+    CHECK(!p.is_there);
     CHECK_INT(p.same, same);
     first_difference_release(&p);
 }
@@ -57,7 +57,7 @@ STORY(the_first_other_command_is_named_in_both)
 {
     struct first_difference p =
         find("open s\n\nseed 1,1,1 1\nrun\n", "open s\nstats\nseed 1,1,2 1\n", 0);
-    CHECK(p.parts && p.side[0].goes_on && p.side[1].goes_on);
+    CHECK(p.is_there && p.side[0].goes_on && p.side[1].goes_on);
     CHECK_INT(p.same, 1);
     CHECK_INT(p.side[0].number, 2);
     CHECK_INT(p.side[0].line, 3);
@@ -67,17 +67,17 @@ STORY(the_first_other_command_is_named_in_both)
     CHECK_TEXT(buf_text(&p.side[1].command), "seed 1,1,2 1");
     first_difference_release(&p);
     p = find("open s\nrun\n", "open s\n", 0);
-    CHECK(p.parts && p.side[0].goes_on && !p.side[1].goes_on);
+    CHECK(p.is_there && p.side[0].goes_on && !p.side[1].goes_on);
     CHECK_TEXT(buf_text(&p.side[0].command), "run");
     first_difference_release(&p);
     p = find("open s\nrun\n", "open s\nauto on\n", 1);
-    CHECK(!p.parts);
+    CHECK(!p.is_there);
     first_difference_release(&p);
     p = find("label 1 a\n", "label 1a\n", 0); /* words, not letters */
-    CHECK(p.parts);
+    CHECK(p.is_there);
     first_difference_release(&p);
     p = find("open \"s\n", "open \"s \n", 0); /* which do not end */
-    CHECK(p.parts);
+    CHECK(p.is_there);
     first_difference_release(&p);
 }
 

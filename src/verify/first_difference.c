@@ -6,7 +6,7 @@
 #include "command/command.h"
 #include "journal/walk.h"
 
-/* One of the two, and the command it has come to. */
+/* A walk through one of the two, and the command it has come to. */
 struct follower {
     struct walk walk;
     struct record record;
@@ -14,7 +14,7 @@ struct follower {
     struct buf words; /* each ended by NUL */
 };
 
-/* The words of a command; what cannot be taken apart is one word. */
+/* The words of a command; one that cannot be parsed is one word. */
 static void take_words(struct buf *words, const char *command)
 {
     buf_clear(words);
@@ -54,38 +54,38 @@ static bool are_same(const struct follower f[2])
            memcmp(buf_text(&f[0].words), buf_text(&f[1].words), f[0].words.length) == 0;
 }
 
-static enum err note(struct first_difference *first_difference, const struct follower f[2],
+static enum err note(struct first_difference *first, const struct follower f[2],
                      struct fault *fault)
 {
-    first_difference->parts = f[0].goes_on || f[1].goes_on;
+    first->is_there = f[0].goes_on || f[1].goes_on;
     for (int i = 0; i < 2; i++) {
-        first_difference->side[i].goes_on = f[i].goes_on;
+        first->side[i].goes_on = f[i].goes_on;
         if (!f[i].goes_on)
             continue;
-        first_difference->side[i].number = f[i].record.number;
-        first_difference->side[i].line = f[i].record.line;
-        buf_add_text(&first_difference->side[i].command, f[i].record.command);
-        if (first_difference->side[i].command.failed)
+        first->side[i].number = f[i].record.number;
+        first->side[i].line = f[i].record.line;
+        buf_add_text(&first->side[i].command, f[i].record.command);
+        if (first->side[i].command.failed)
             return fault_memory(fault, "a command");
     }
     return OK;
 }
 
-static enum err follow(struct first_difference *first_difference, struct follower f[2],
+static enum err follow(struct first_difference *first, struct follower f[2],
                        const char *const name[2], size_t last, struct fault *fault)
 {
-    for (;; first_difference->same++) {
+    for (;; first->same++) {
         enum err err = step(f, name[0], last, fault);
         if (!err)
             err = step(f + 1, name[1], last, fault);
         if (err)
             return err;
         if (!are_same(f))
-            return note(first_difference, f, fault);
+            return note(first, f, fault);
     }
 }
 
-enum err first_difference_find(struct first_difference *first_difference, const char *const name[2],
+enum err first_difference_find(struct first_difference *first, const char *const name[2],
                                const struct buf bytes[2], size_t last, struct fault *fault)
 {
     struct follower f[2] = {{.goes_on = false}, {.goes_on = false}};
@@ -98,7 +98,7 @@ enum err first_difference_find(struct first_difference *first_difference, const 
             fault_prefix(fault, err, "%s", name[begun]);
     }
     if (!err)
-        err = follow(first_difference, f, name, last, fault);
+        err = follow(first, f, name, last, fault);
     for (int i = 0; i < begun; i++)
         walk_release(&f[i].walk);
     buf_release(&f[0].words);
@@ -106,8 +106,8 @@ enum err first_difference_find(struct first_difference *first_difference, const 
     return err;
 }
 
-void first_difference_release(struct first_difference *first_difference)
+void first_difference_release(struct first_difference *first)
 {
-    buf_release(&first_difference->side[0].command);
-    buf_release(&first_difference->side[1].command);
+    buf_release(&first->side[0].command);
+    buf_release(&first->side[1].command);
 }

@@ -1,10 +1,10 @@
 /*
- * Where two journals part: the first command that is another one. Nothing is carried out.
+ * The first command in which two journals differ. Nothing is carried out.
  *
- * Commands alone are compared: comments, results and digests may differ as they like (for those
- * there is `verify --bisect`). A journal holds them in canonical form. Those of a script are
- * compared word by word, however they are spaced and quoted, and those that no journal records (a
- * question, say) are passed over, so that a script and the journal it made are the same.
+ * Commands alone are compared: comments, results and digests may differ (for those there is
+ * `verify --bisect`). A journal holds commands in canonical form. Those of a script are compared
+ * word by word, however they are spaced and quoted, and those that no journal records (a question,
+ * say) are skipped, so that a script and the journal it made are the same.
  */
 #ifndef VERIFY_FIRST_DIFFERENCE_H
 #define VERIFY_FIRST_DIFFERENCE_H
@@ -16,7 +16,7 @@
 #include "base/err.h"
 
 struct first_difference {
-    bool parts;
+    bool is_there;
     size_t same; /* commands before it that are the same, or all */
     struct {
         bool goes_on;        /* it has a command there: */
@@ -25,11 +25,11 @@ struct first_difference {
     } side[2];
 };
 
-/* `parting` begins as {0}, and is to be released whatever is returned. Commands behind number
- * `last` are not looked at; 0 for all. ERR_INPUT for what cannot be read, with the name of its
- * file, ERR_MEMORY. A torn tail is left alone. */
-enum err first_difference_find(struct first_difference *first_difference, const char *const name[2],
+/* `first` begins as {0}, and is to be released whatever is returned. Commands after number `last`
+ * are not compared; 0 for all. ERR_INPUT for what cannot be read, with the name of its file,
+ * ERR_MEMORY. A torn tail is left alone. */
+enum err first_difference_find(struct first_difference *first, const char *const name[2],
                                const struct buf bytes[2], size_t last, struct fault *fault);
-void first_difference_release(struct first_difference *first_difference);
+void first_difference_release(struct first_difference *first);
 
 #endif
