@@ -2,7 +2,7 @@
 
 #include <stdbool.h>
 
-#include "base/utf8.h"
+#include "base/safe.h"
 
 struct range {
     uint32_t first, last;

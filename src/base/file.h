@@ -59,8 +59,11 @@ bool file_is_named(const char *path, const char *endings);
 /* The folder of the running program. */
 enum err file_program_folder(struct buf *out, struct fault *fault);
 
-/* For tests: called before every step that can fail; a non-zero answer is the errno the step then
- * fails with. NULL (the default) asks nobody. */
+/*
+ * The steps that can fail, for the files of the file layer (file_*.c, folder.c) and those that have
+ * a library write a draft. Each asks the hook first, so that tests reach every one of them: a
+ * non-zero answer is the errno the step then fails with. NULL (the default) asks nobody.
+ */
 enum file_step {
     FILE_STEP_OPEN,
     FILE_STEP_WRITE,
@@ -73,5 +76,21 @@ extern int (*file_step_hook)(enum file_step step, const char *path);
 
 /* Asks the hook, and sets errno where the step is to fail. */
 bool file_step_fails(enum file_step step, const char *path);
+
+/* A descriptor that no child inherits, or -1 and errno. */
+int file_step_open(const char *path, int flags);
+
+/* All of `length` bytes, or false and errno; then some of them may have been written. */
+bool file_step_write(int fd, const char *path, const char *bytes, size_t length);
+
+/* What was written to `fd` is on the disk, or false and errno. */
+bool file_step_sync(int fd, const char *path);
+
+/* Syncs the folder that holds `path`, so that a new name in it survives. File systems that cannot
+ * sync a folder answer EINVAL; there is nothing more to do on those. */
+bool file_step_sync_folder(const char *path);
+
+/* Cuts the file to `length` bytes, or false and errno. */
+bool file_step_cut(int fd, const char *path, uint64_t length);
 
 #endif

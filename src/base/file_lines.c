@@ -11,7 +11,6 @@
 
 #include "base/clock.h"
 #include "base/file.h"
-#include "base/file_steps.h"
 
 unsigned file_lines_patience_ms = 3000;
 

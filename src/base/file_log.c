@@ -1,19 +1,22 @@
 #include "base/file_log.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "base/buf.h"
 #include "base/file.h"
-#include "base/file_steps.h"
-#include "base/holder.h"
 
 struct file_log {
     int fd;
@@ -32,7 +35,7 @@ struct file_log {
     pthread_t thread;
 };
 
-/* ---- syncing --------------------------------------------------------------------------------- */
+/* ---- syncing ---- */
 
 /* Syncs and notes how far that went. The lock is held at call and return, not while it lasts. */
 static bool sync_now(struct file_log *log)
@@ -140,12 +143,93 @@ enum err file_log_set_sync(struct file_log *log, enum file_sync sync, struct fau
     return OK;
 }
 
-/* ---- opening --------------------------------------------------------------------------------- */
+/* ---- opening ---- */
+
+/*
+ * Who holds the lock is asked of the kernel at the moment it matters, so that a crash leaves
+ * nothing stale: a note in a file beside it would outlive its writer.
+ */
+
+/* One line of /proc/locks: "1: FLOCK  ADVISORY  WRITE 4711 08:02:131187 0 EOF". False for a lock of
+ * another kind. */
+static bool parse_lock(const char *line, long *process, struct stat *file)
+{
+    unsigned major_number, minor_number;
+    unsigned long inode;
+    if (sscanf(line, "%*d: FLOCK ADVISORY WRITE %ld %x:%x:%lu", process, &major_number,
+               &minor_number, &inode) != 4)
+        return false;
+    file->st_dev = makedev(major_number, minor_number);
+    file->st_ino = (ino_t)inode;
+    return *process > 0;
+}
+
+static bool is_same_file(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+/* Layered file systems show other numbers in /proc/locks than stat does; the descriptors of the
+ * process, where we may look at them, show the same. */
+static bool process_has_open(long process, const struct stat *status)
+{
+    char path[64 + NAME_MAX];
+    bool has = false;
+    snprintf(path, sizeof path, "/proc/%ld/fd", process);
+    DIR *folder = opendir(path);
+    if (!folder)
+        return false;
+    const size_t length = strlen(path);
+    for (struct dirent *entry; !has && (entry = readdir(folder));) {
+        struct stat found;
+        snprintf(path + length, sizeof path - length, "/%s", entry->d_name);
+        has = stat(path, &found) == 0 && is_same_file(&found, status);
+    }
+    closedir(folder);
+    return has;
+}
+
+static void add_process(struct buf *out, long process)
+{
+    char path[64], name[64];
+    buf_printf(out, "process %ld", process);
+    snprintf(path, sizeof path, "/proc/%ld/comm", process);
+    FILE *file = fopen(path, "re");
+    if (!file)
+        return;
+    if (fgets(name, sizeof name, file)) {
+        buf_add_text(out, " (");
+        buf_add_safe(out, name, strcspn(name, "\n"));
+        buf_add_char(out, ')');
+    }
+    fclose(file);
+}
+
+/* Adds "process 4711 (iftty)" where a process of this machine holds an exclusive flock on the file.
+ * False where none can be found: another machine on a shared disk, another container, a system
+ * without /proc/locks. */
+static bool find_holder(struct buf *out, const struct stat *status)
+{
+    char line[256];
+    bool found = false;
+    FILE *locks = fopen("/proc/locks", "re");
+    while (locks && !found && fgets(line, sizeof line, locks)) {
+        struct stat file = {0};
+        long process;
+        found = parse_lock(line, &process, &file) &&
+                (is_same_file(&file, status) || process_has_open(process, status));
+        if (found)
+            add_process(out, process);
+    }
+    if (locks)
+        fclose(locks);
+    return found;
+}
 
 static enum err fault_held(const struct stat *status, const char *path, struct fault *fault)
 {
     struct buf words = {0};
-    const bool known = holder_find(&words, status);
+    const bool known = find_holder(&words, status);
     enum err err = fault_set(fault, ERR_IO,
                              "%s is being written by another session%s%s; it is unchanged, and "
                              "--read-only opens it for looking",
@@ -227,7 +311,7 @@ enum err file_log_sync_folder(const struct file_log *log, struct fault *fault)
                                             : fault_errno(fault, "sync the folder of", log->path);
 }
 
-/* ---- writing --------------------------------------------------------------------------------- */
+/* ---- writing ---- */
 
 /* G2. Only a name that leads to the file makes it worth writing to. */
 static enum err find_in_place(const struct file_log *log, struct fault *fault)

@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/file_steps.h"
 
 enum { COPY_BYTES_MOST = 1 << 30 };
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/choice.h"
+#include "base/least.h"
 
 /* Mistakes that a word of this length may have. */
 static unsigned limit_for(size_t length)
@@ -20,11 +21,6 @@ struct near near_to(const char *word)
 static char small(char c)
 {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
-}
-
-static unsigned least(unsigned a, unsigned b)
-{
-    return a < b ? a : b;
 }
 
 /* The mistakes that lead from `a` to `b`, by the table of those that lead from the first i bytes to

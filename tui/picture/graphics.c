@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/least.h"
 #include "base/mem.h"
 #include "tui/picture/colour_table.h"
 #include "tui/picture/painter.h"
@@ -98,18 +99,13 @@ static void add_framed(const struct terminal_facts *facts, const struct image_vi
     buf_printf(out, "\0338\033[%uB\r", rows);
 }
 
-static uint32_t least(uint64_t a, uint64_t b)
-{
-    return (uint32_t)(a < b ? a : b);
-}
-
 static void show_pixels(const struct terminal_facts *facts, const struct image_view *view,
                         uint32_t columns, uint32_t rows, struct buf *out)
 {
     struct image_view fitting = *view;
     const uint32_t side = facts->image_side_most;
-    image_view_fit(view, least((uint64_t)columns * facts->cell_width, side),
-                   least((uint64_t)rows * facts->cell_height, side), &fitting.width,
+    image_view_fit(view, (uint32_t)least_64((uint64_t)columns * facts->cell_width, side),
+                   (uint32_t)least_64((uint64_t)rows * facts->cell_height, side), &fitting.width,
                    &fitting.height);
     if (fitting.width == view->width && fitting.height == view->height) {
         add_framed(facts, view, out);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/least.h"
 #include "base/mem.h"
 
 enum {
@@ -84,11 +85,6 @@ static void turn_over(struct painter *p)
     p->of[0] = p->of[1];
     p->of[1] = former;
     p->is_shown = true;
-}
-
-static uint32_t least(uint32_t a, uint32_t b)
-{
-    return a < b ? a : b;
 }
 
 /* ---- what has changed ---- */

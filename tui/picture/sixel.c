@@ -15,6 +15,7 @@
  */
 #include <string.h>
 
+#include "base/least.h"
 #include "base/mem.h"
 #include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
@@ -214,11 +215,6 @@ static uint32_t side_most(const struct painter *p, uint32_t cell)
 {
     const uint32_t cells = p->facts.image_side_most / cell;
     return cells > 0 ? cells * cell : UINT32_MAX;
-}
-
-static uint32_t least(uint32_t a, uint32_t b)
-{
-    return a < b ? a : b;
 }
 
 /* In as many pictures as the terminal's limit asks for: beyond it xterm draws nothing. */

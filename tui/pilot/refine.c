@@ -3,17 +3,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/least.h"
 #include "base/mem.h"
 
 enum { GAP_MOST = 6 }; /* tiles */
 
 /* Bytes a tile before anything is known: about what palette pictures take. */
 static const double cost_at_first[REFINE_LEVELS] = {160, 70, 35, 22, 10};
-
-static uint32_t least(uint32_t a, uint32_t b)
-{
-    return a < b ? a : b;
-}
 
 void refine_forget(struct refine *r)
 {
