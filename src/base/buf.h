@@ -2,7 +2,7 @@
  * A growable buffer of bytes, always ended by a NUL that is not counted.
  *
  * Failure is sticky: after an allocation has failed, adding does nothing and `failed` stays set, so
- * a writer may add as it likes and ask once at the end. `struct buf b = {0}` is a valid empty
+ * a writer may add as it likes and check once at the end. `struct buf b = {0}` is a valid empty
  * buffer; buf_release gives the memory back and makes it empty again.
  */
 #ifndef BASE_BUF_H
@@ -37,7 +37,7 @@ void buf_add_base64(struct buf *b, const void *bytes, size_t length);
  * NULL on failure. */
 void *buf_reserve(struct buf *b, size_t length);
 
-/* Forgets the content, keeps the memory. */
+/* Empties it; the memory stays for what is added next. */
 void buf_clear(struct buf *b);
 void buf_release(struct buf *b);
 

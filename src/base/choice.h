@@ -1,6 +1,6 @@
 /*
- * Choices: a few words in one text, "a|b|c", as a table or an error line has them. Each is told by
- * its number, from 0.
+ * Choices: a few words in one text, "a|b|c", as a table or an error line has them. Each has
+ * a number, from 0.
  */
 #ifndef BASE_CHOICE_H
 #define BASE_CHOICE_H

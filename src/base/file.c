@@ -169,9 +169,9 @@ enum err file_publish(const char *draft, const char *path, enum file_mode mode, 
 
 void file_discard(const char *draft)
 {
-    int kept = errno;
+    const int number = errno;
     unlink(draft);
-    errno = kept;
+    errno = number;
 }
 
 enum err file_write(const char *path, const void *bytes, size_t length, enum file_mode mode,

@@ -28,7 +28,7 @@ enum err file_read(struct buf *out, const char *path, size_t limit, struct fault
 enum err file_write(const char *path, const void *bytes, size_t length, enum file_mode mode,
                     struct fault *fault);
 
-/* The two halves of file_write, for content that somebody else writes (the image helper, OpenEXR):
+/* The two halves of file_write, for content that another library or program writes (the image helper, OpenEXR):
  * file_draft fills `draft` with a free temporary name beside `path` that keeps its extension, after
  * checking that `path` may be written; file_publish syncs the draft and gives it its final name;
  * file_discard removes a draft that failed. */

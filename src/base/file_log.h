@@ -10,11 +10,11 @@
  * Invariants
  *   G1 a failed append is cut off again, so that the file never holds half of it. Nothing is
  *      appended until that cut is on the disk: else bytes that were refused could be back after a
- *      loss of power, or stand behind a shorter append;
+ *      loss of power, or stand after a shorter append;
  *   G2 nothing is appended to a file that is not at its path any more (deleted, moved, replaced),
- *      nor to one that somebody else has made longer or shorter;
- *   G3 a sync that has failed is never asked again and believed: systems forget what they could
- *      not write. What stands behind `synced` is written anew (file_log_rewrite) before anything
+ *      nor to one that another process has made longer or shorter;
+ *   G3 a sync that has failed is never repeated and believed: systems forget what they could
+ *      not write. What stands after `synced` is written anew (file_log_rewrite) before anything
  *      else is appended;
  *   G4 one writer at a time, by a lock of the system that ends with the process.
  *
@@ -70,7 +70,7 @@ enum err file_log_set_sync(struct file_log *log, enum file_sync sync, struct fau
 uint64_t file_log_length(const struct file_log *log);
 uint64_t file_log_synced(struct file_log *log); /* bytes that are known to be on the disk */
 
-/* Syncs what waits, as far as that is possible: ask file_log_sync before to know. NULL is fine. */
+/* Syncs what waits, as far as that is possible; call file_log_sync first to know whether it was. NULL is fine. */
 void file_log_close(struct file_log *log);
 
 #endif

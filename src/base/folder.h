@@ -20,7 +20,7 @@ void folder_discard(const char *path);
 enum err folder_make_private(const char *path, struct fault *fault);
 
 /* path = a new folder below `below`, or where that is NULL, below $TMPDIR or else /tmp, which
- * nobody else can look into. On failure `path` is empty. */
+ * no other user can open. On failure `path` is empty. */
 enum err folder_fresh(struct buf *path, const char *below, struct fault *fault);
 
 #endif

@@ -8,7 +8,7 @@
 
 enum {
     HUGE_FROM = 8 << 20,    /* below, clearing a huge page costs more than it saves */
-    LARGE_FROM = 256 << 20, /* below, nobody asks whether the machine has the memory */
+    LARGE_FROM = 256 << 20, /* below, it is not checked whether the machine has the memory */
 };
 
 bool (*mem_allows)(size_t bytes);
@@ -18,7 +18,7 @@ static bool is_allowed(size_t bytes)
     return !mem_allows || mem_allows(bytes);
 }
 
-/* The kernel gives out addresses that it has no memory for, and kills whoever uses them. */
+/* The kernel gives out addresses that it has no memory for, and kills the process that uses them. */
 static bool is_there(size_t bytes)
 {
     return bytes < LARGE_FROM || bytes <= mem_available();

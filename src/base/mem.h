@@ -13,7 +13,7 @@
 /* out = a * b; false (and out untouched) where the product does not fit. */
 bool size_multiply(size_t a, size_t b, size_t *out);
 
-/* For tests: asked before every allocation of this file; false makes it fail. NULL asks nobody. */
+/* For tests: asked before every allocation of this file; false makes it fail. NULL allows all. */
 extern bool (*mem_allows)(size_t bytes);
 
 /* One zeroed object of `bytes`, or NULL. Freed by free(). */

@@ -74,7 +74,7 @@ void packed_release(struct packed *packed)
     free(packed);
 }
 
-/* Where inflating keeps its tables and its window of 32 kB: some 40 kB with zlib. */
+/* The room for the tables of inflating and its window of 32 kB: some 40 kB with zlib. */
 struct room {
     size_t used;
     _Alignas(64) unsigned char bytes[96 << 10];

@@ -1,5 +1,5 @@
 /*
- * Packed bytes: an immutable value as large as a scene, deflated and shared by all who hold it.
+ * Packed bytes: an immutable value as large as a scene, deflated and shared by all its holders.
  * For what is large and rarely read again: the masks and the weights out of files of every state.
  *
  * Reading takes no memory of its own, so that a state can be gone back to when there is none left.
@@ -21,7 +21,7 @@ struct packed *packed_hold(struct packed *packed);
 void packed_release(struct packed *packed);
 
 /* Reads the bytes in order, `piece` at a time (the last piece may be shorter), each handed to
- * `take` once. ERR_MEMORY where the inflater asks for more room than zlib is known to need. */
+ * `take` once. ERR_MEMORY where the inflater needs more room than zlib is known to need. */
 enum err packed_read(const struct packed *packed, void *piece, size_t length,
                      void (*take)(void *context, const void *piece, size_t length), void *context,
                      struct fault *fault);

@@ -115,7 +115,7 @@ static bool has_bytes(const struct process *process)
     return process->descriptor >= 0 && poll(&wait, 1, 0) > 0;
 }
 
-/* Where the caller of this program has nobody wait for processes, one that is gone left no status. */
+/* Where the parent of this program ignores SIGCHLD, a process that has ended left no status. */
 static bool has_ended(struct process *process)
 {
     const pid_t id = waitpid(process->id, &process->end.status, WNOHANG);

@@ -28,7 +28,7 @@ struct team {
     /* team_wait: the last to arrive opens the gate by counting `meeting` up. */
     atomic_uint arrived, meeting;
 
-    /* Work is handed out, and its end told, under the lock. */
+    /* Work is handed out, and its end reported, under the lock. */
     pthread_mutex_t lock;
     pthread_cond_t begins, ended;
     team_work *work;

@@ -27,8 +27,8 @@
 
 struct watch {
     void *context;
-    /* What is being done ("weights"; NULL: nothing to show), `done` of `total` units (0: nobody
-     * knows how many). True: stop. */
+    /* What is being done ("weights"; NULL: nothing to show), `done` of `total` units (0: not
+     * known). True: stop. */
     bool (*poll)(void *context, const char *what, uint64_t done, uint64_t total);
     /* A line, without its line feed, that the user is to read before something large begins. May
      * be NULL. */
