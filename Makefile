@@ -39,10 +39,12 @@ endif
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
 
 PARTS   := src/base src/engine src/image src/session src/sandbox src/command src/verify src/program \
-           journal render tui tui/picture tui/prompt tui/pilot tests/bench
+           journal render tui tui/picture tui/prompt tui/pilot
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
 LIBRARY := $(BUILD)/libiftty.a
+BENCHES := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/bench.c,$(wildcard tests/bench/*.c)))
+BENCH   := $(BUILD)/tests/bench/bench
 TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c))
 RACING  := $(patsubst %.c,$(BUILD)/racing/%.o,\
              $(wildcard src/base/*.c src/engine/*.c src/image/*.c))
@@ -80,7 +82,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 
 .DEFAULT_GOAL := all
 .PHONY: all tests test test-long test-matrix test-matrix-short test-terminals fuzz \
-        fuzzers demo bench-peers help clean packages
+        fuzzers demo bench-peers bench-paper bench-growth bench-render bench-journal help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -119,7 +121,7 @@ fuzz: build/.packages-matrix
 	        build/fuzz/corpus/$$name tests/fuzz/corpus/$$name || exit 1; done
 
 ## tests: build the test programs, and those of bench-peers that need no other package
-tests: $(TESTS) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_IN_C) $(STAGED)
+tests: $(TESTS) $(BENCH) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_IN_C) $(STAGED)
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: all
@@ -128,6 +130,10 @@ demo: all
 ## bench-peers: the same work by iftty, ITK, vigra, scipy and scikit-image; ROUNDS=5, JSON=FILE
 bench-peers: $(PEERS)
 	@$(PYTHON) tests/peers/run.py --rounds $(ROUNDS) $(if $(JSON),--json $(JSON)) $(BUILD)
+
+## bench-paper, bench-growth, bench-render, bench-journal: a benchmark; ARGS=--help says which options
+bench-paper bench-growth bench-render bench-journal: $(BENCH)
+	@$(BENCH) $(@:bench-%=%) $(ARGS)
 
 ## clean: remove the build folder
 clean:
@@ -158,9 +164,10 @@ $(LIBRARY): $(OBJECTS)
 	@rm -f $@
 	$(Q)$(AR) rcs $@ $^
 
+$(BENCH) $(BUILD)/tests/test_bench: $(BENCHES)
 $(BUILD)/tests/%: $(BUILD)/tests/%.o $(LIBRARY)
 	$(say) "link      $@"
-	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $(filter %.o,$^) $(LIBRARY) $(LIBS)
 
 fuzzers: $(FUZZERS)
 $(BUILD)/tests/fuzz/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/tests/fuzz/replay.o \
@@ -215,4 +222,4 @@ $(BUILD)/racing/%.o: %.c | $(PACKAGES_STAMP)
 
 -include $(RACING:.o=.d) $(wildcard $(BUILD)/racing/tests/*.d)
 -include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(BUILD)/iftty-image.d \
-         $(STAGED:=.d)
+         $(STAGED:=.d) $(BENCH).d $(BENCHES:.o=.d)

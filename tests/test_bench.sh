@@ -1,9 +1,10 @@
 #!/bin/sh
-# The benchmark as a program: what it prints in each form, what it refuses. No time is looked at.
+# The benchmarks as programs: what they print in each form, what they refuse. No time is looked at.
 . "$(dirname "$0")/lib.sh"
+bench=$build/tests/bench/bench
 
 begin "the paper's experiments agree on geom, and are told as text"
-expect 0 "$iftty" bench paper geom --quick --rounds 1 --plots "$work/plots" </dev/null
+expect 0 "$bench" paper geom --quick --rounds 1 --plots "$work/plots" </dev/null
 out_has "geom: 200x200x100, 4000000 voxels; median of 1 round, "
 out_has "(5) DIFT + scan + BP"
 out_has "identical labels, keys and pictures in all experiments: 8 comparisons"
@@ -17,7 +18,7 @@ done
 close_story
 
 begin "JSON is JSON"
-expect 0 "$iftty" bench paper geom --quick --rounds 1 --json </dev/null
+expect 0 "$bench" paper geom --quick --rounds 1 --json </dev/null
 out_has '"scene": "geom"'
 out_has '"identical": true'
 out_has '"ift_to_dift"'
@@ -29,7 +30,7 @@ fi
 close_story
 
 begin "one edit touches the same voxels in a scene eight times as large"
-expect 0 "$iftty" bench growth --quick --json </dev/null
+expect 0 "$bench" growth --quick --json </dev/null
 same "$(grep -o '"touched": [^]]*' "$work/out" | sort -u | wc -l)" 1
 same "$(grep -o '"voxels"' "$work/out" | wc -l)" 2
 close_story
@@ -37,21 +38,21 @@ close_story
 begin "what a journal costs, part by part"
 expect 0 "$iftty" -c 'open synth:geom:20x20x20; seed 5,5,5 1; seed 15,15,15 2; size 64 64; render; golden one' \
     --journal "$work/small.iftty" </dev/null
-expect 0 "$iftty" bench journal "$work/small.iftty" </dev/null
+expect 0 "$bench" journal "$work/small.iftty" </dev/null
 out_has "100000 records of "
 out_has "small.iftty, 6 records"
 out_has "of forests and renditions"
 out_has "with a sync each"
-expect 0 "$iftty" bench journal "$work/small.iftty" --json </dev/null
+expect 0 "$bench" journal "$work/small.iftty" --json </dev/null
 out_has '"journal": {"records": 6, '
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
 sed 's/^seed 5,5,5 1/seed 5,5,5 3/' "$work/small.iftty" >"$work/other.iftty"
-expect 1 "$iftty" bench journal "$work/other.iftty" </dev/null
+expect 1 "$bench" journal "$work/other.iftty" </dev/null
 err_has "record 2"
 : >"$work/empty.iftty"
-expect 1 "$iftty" bench journal "$work/empty.iftty" </dev/null
+expect 1 "$bench" journal "$work/empty.iftty" </dev/null
 err_has "there are no records to verify"
-expect 3 "$iftty" bench journal "$work/none.iftty" </dev/null
+expect 3 "$bench" journal "$work/none.iftty" </dev/null
 close_story
 
 # Without ch2 on the small scene; with `local` alone, for a slow line takes its time.
@@ -73,28 +74,40 @@ close_story
 
 begin "what is wrong is told at once"
 expect 2 "$iftty" bench liver
-err_has "bench: expected brain, paper, growth, render, journal or terminal, not liver"
+err_has "bench: expected brain or terminal, not liver"
+expect 2 "$iftty" bench brain --quick
+err_has '`iftty bench` has no option --quick; it belongs to `iftty bench terminal`'
+expect 2 "$bench" liver
+err_has "bench: there is no program liver; see"
+expect 2 "$bench"
+err_has "bench: name a program; see"
+expect 2 "$bench" growth --rounds 3
+err_has '`bench growth` has no option --rounds; it belongs to `bench paper`'
+expect 0 "$bench" --help
+out_has "bench journal [JOURNAL]"
+expect 0 "$bench" paper --help
+out_has "--plots DIR"
 for scene in liver brain2 brain213 brain2111 ch2better211 geom-211 ""; do
-    expect 2 "$iftty" bench paper geom "$scene"
+    expect 2 "$bench" paper geom "$scene"
     err_has "expected brain or geom, as they are or interpolated as in brain211, or ch2better, or all"
 done
 for rounds in 0 100 x 3x -1 ""; do
-    expect 2 "$iftty" bench paper geom --rounds "$rounds"
+    expect 2 "$bench" paper geom --rounds "$rounds"
     err_has "--rounds: expected a number 1..99"
 done
-expect 2 "$iftty" bench paper geom --json --csv
+expect 2 "$bench" paper geom --json --csv
 err_has "not both"
 mkdir -p "$work/full"
 : >"$work/full/rendition.svg"
-expect 3 "$iftty" bench paper geom --plots "$work/full"
+expect 3 "$bench" paper geom --plots "$work/full"
 err_has "rendition.svg is there already; nothing is overwritten"
-expect 3 "$iftty" bench paper geom --plots "$work/full/rendition.svg"
+expect 3 "$bench" paper geom --plots "$work/full/rendition.svg"
 same "$(file_bytes "$work/full/rendition.svg")" 0
 close_story
 
 begin "brain is not there: the words say which file"
 mkdir -p "$work/none"
-IFTTY_SCENES=$work/none expect 3 "$iftty" bench paper brain
+IFTTY_SCENES=$work/none expect 3 "$bench" paper brain
 err_has "brain: there is no scene ch2.nii.gz here"
 close_story
 

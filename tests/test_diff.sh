@@ -133,7 +133,7 @@ close_story
 begin "what cannot be compared is one line, that names the file"
 expect 3 "$iftty" diff a.iftty missing.iftty
 expect 2 "$iftty" diff a.iftty
-err_has "diff: expected two journals or scripts"
+err_has 'expected `iftty diff A B`, and there is 1 operand'
 expect 2 "$iftty" diff a.iftty a.iftty a.iftty
 echo '# nothing' >empty.txt
 expect 3 "$iftty" diff a.iftty empty.txt

@@ -21,6 +21,12 @@ sed -n '/^<!-- commands/,/^<!-- end of commands/p' README.md | sed '1,2d;$d' | s
     diff - "$work/help" >"$work/diff" || fail "$(cat "$work/diff")"
 close_story
 
+begin "the README lists the programs as --help does"
+"$iftty" --help | sed -n '/^    iftty/,/^$/p' >"$work/help"
+sed -n '/^<!-- programs/,/^<!-- end of programs/p' README.md | sed '1,2d;$d' |
+    diff - "$work/help" >"$work/diff" || fail "$(cat "$work/diff")"
+close_story
+
 # The commands of the README's sections, each of which ends with a pick.
 for section in views slices; do
     begin "the $section of the README"

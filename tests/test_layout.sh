@@ -38,8 +38,7 @@ violations() {
                 n = split(line, w, /[ :]+/)
                 for (i = 2; i <= n; i++) may[w[1], w[i]] = 1 } }
     { part = $1; sub(/^src\//, "", part)
-      if (part == "main.c") next
-      if (!sub(/\/[^\/]*$/, "", part)) { print $1 " lies in no part"; next }
+      if (part != "main.c" && !sub(/\/[^\/]*$/, "", part)) { print $1 " lies in no part"; next }
       of = $2
       if (!sub(/\/[^\/]*$/, "", of)) { print $1 " includes " $2 " without its part"; next }
       if (!((part, of) in may)) print $1 " includes " $2 }'
@@ -54,7 +53,7 @@ begin "the law is seen to be broken where it is"
 fake=$work/fake
 mkdir -p "$fake/src/engine" "$fake/src/base" "$fake/journal" "$fake/render" "$fake/tui" "$fake/src/odd"
 printf '#include "base/err.h"\n/* #include "tui/term.h" */\n' >"$fake/src/engine/fine.c"
-printf '#include "command/script.h"\n#include "tui/repl.h"\n' >"$fake/src/main.c"
+printf '#include "base/err.h"\n#include "program/program.h"\n' >"$fake/src/main.c"
 found=$(violations "$fake")
 [ -z "$found" ] || fail "a lawful tree is blamed: $found"
 printf '#include "journal/journal.h"\n' >"$fake/src/engine/one.c"
@@ -64,8 +63,9 @@ printf '#include "engine/grid.h"\n' >"$fake/src/base/four.h"
 printf '#include "command/interpreter.h"\n' >"$fake/tui/five.c"
 printf '#include "base/err.h"\n' >"$fake/src/odd/six.c"
 printf '#include "err.h"\n' >"$fake/src/base/seven.cc"
+printf '#include "verify/verify.h"\n' >"$fake/src/main.c"
 same "$(violations "$fake" | sed 's/ .*//' | sort | tr '\n' ' ')" \
-    "journal/two.c render/three.h src/base/four.h src/base/seven.cc src/engine/one.c src/odd/six.c tui/five.c "
+    "journal/two.c render/three.h src/base/four.h src/base/seven.cc src/engine/one.c src/main.c src/odd/six.c tui/five.c "
 close_story
 
 begin "every header compiles alone"

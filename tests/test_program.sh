@@ -109,6 +109,46 @@ for missing in "run nothing" "replay nothing" "verify nothing" "log nothing" "lo
 done
 close_story
 
+begin "every program has help, by --help and by its name"
+"$iftty" --help | sed -n 's/^    iftty \([a-z][a-z]*\).*/\1/p' | sort -u >programs
+[ "$(wc -l <programs)" -ge 9 ] || fail "too few programs: $(cat programs)"
+while read -r name; do
+    expect 0 "$iftty" "$name" --help </dev/null
+    cp out own
+    same "$(head -n 1 own | cut -d' ' -f1-2)" "iftty $name"
+    expect 0 "$iftty" help "$name"
+    tail -n "$(wc -l <own)" out | cmp -s - own || fail "help $name: $(cat out)"
+done <programs
+expect 0 "$iftty" help run # a command as well
+same "$(sed -n 1p out)" run
+out_has "iftty run FILE|-"
+expect 2 "$iftty" help verfy
+err_has "there is no command or program verfy"
+close_story
+
+# Every option that some program has, given to every program that does not.
+begin "an option that a program does not take is bad usage"
+while read -r name; do "$iftty" "$name" --help; done <programs >help
+"$iftty" --help >>help
+sed -n 's/^    \(--*[a-z-]*\).*/\1/p' help | sort -u >options
+sed -n 's/^iftty \([a-z].*\)/\1/p' help | tr -d "'[]" | tr '|' ' ' >usages
+tried=0
+while read -r usage; do
+    "$iftty" ${usage%% *} --help </dev/null | tr -d "'[]" | tr '|' ' ' |
+        sed -n "/^iftty $usage\$/,/^\$/p" >own
+    while read -r option; do
+        grep -q "^    $option\>" own && continue
+        grep -q "^${usage%% *} $option" usages && continue # another form
+        # shellcheck disable=SC2086
+        expect 2 "$iftty" $usage "$option" 1 </dev/null
+        err_has "has no option"
+        [ ! -s out ] || fail "$usage $option printed something"
+        tried=$((tried + 1))
+    done <options
+done <usages
+[ "$tried" -gt 300 ] || fail "only $tried were tried"
+close_story
+
 begin "what standard output does not take is an error"
 "$iftty" run plain >/dev/full 2>err
 same "$?" 3

@@ -1,25 +1,21 @@
 #include "program/bench_pilot.h"
 
-#include <fcntl.h>
 #include <poll.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/buf.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/folder.h"
+#include "program/bench_pty.h"
 #include "program/bench_times.h"
 
 enum {
     PACKET = 1400,
     PACKETS = 4096, /* on their way at most; what comes then waits in the pseudo-terminal */
     REPLIES = 64,
-    SEQUENCE = 96, /* bytes that are kept of an escape sequence */
+    SEQUENCE = 96, /* bytes that are remembered of an escape sequence */
     KEYS_MOST = 100,
     JOURNAL_MOST = 64 << 20,
 };
@@ -52,7 +48,7 @@ struct far_end {
     size_t length;
     char before; /* the last plain character but one */
     bool prompts;
-    uint64_t last_ns, barrier_ns; /* when the last byte came; the first barrier since it was 0 */
+    uint64_t pressed_ns, last_ns, barrier_ns; /* the keys; the last byte; the first barrier after */
     size_t bytes;
 };
 
@@ -88,7 +84,7 @@ static void answer(struct far_end *e, uint64_t now_ns)
             send(e, now_ns, kitty ? known[i].kitty : known[i].sixel);
 }
 
-static void keep(struct far_end *e, char c)
+static void remember(struct far_end *e, char c)
 {
     if (e->length < SEQUENCE)
         e->sequence[e->length++] = c;
@@ -104,11 +100,11 @@ static void take(struct far_end *e, char c, uint64_t now_ns)
         e->state = c == '\033' ? ESCAPE : PLAIN;
         break;
     case ESCAPE:
-        keep(e, c);
+        remember(e, c);
         e->state = c == '[' ? CSI : strchr("P_]^X", c) ? STRING : PLAIN;
         break;
     case CSI:
-        keep(e, c);
+        remember(e, c);
         if (c >= 0x40 && c <= 0x7e) {
             answer(e, now_ns);
             e->state = PLAIN;
@@ -118,7 +114,7 @@ static void take(struct far_end *e, char c, uint64_t now_ns)
         if (c == '\033')
             e->state = STRING_ESCAPE;
         else
-            keep(e, c);
+            remember(e, c);
         break;
     case STRING_ESCAPE:
         answer(e, now_ns);
@@ -189,142 +185,120 @@ static bool pass(struct far_end *e, uint64_t limit_ns)
     return write_replies(e, clock_ns());
 }
 
-/* Presses keys, and waits until what they have brought about has come to rest: a prompt or, where
- * the pilot flies, a frame, and nothing after it. */
-static bool writer(struct far_end *e, const char *keys, bool flies, struct bench_key *key,
-                   double *shown_ms, double *last_ms, double *bytes)
+/* Presses keys, and waits until what they have brought about has come to rest: a prompt or, in the
+ * pilot, a frame, and nothing after it. */
+static bool press(struct far_end *e, const char *keys, bool in_pilot)
 {
     const uint64_t begin_ns = clock_ns(), still_ns = STILL_NS + 2 * e->one_way_ns;
     e->barrier_ns = e->last_ns = 0;
     e->prompts = false;
     e->bytes = 0;
+    e->pressed_ns = begin_ns;
     send(e, begin_ns, keys);
     for (;;) {
         const uint64_t now_ns = clock_ns();
-        const bool came = flies ? e->barrier_ns > 0 : e->prompts;
+        const bool came = in_pilot ? e->barrier_ns > 0 : e->prompts;
         if (came && e->packets == 0 && now_ns > e->last_ns + still_ns)
-            break;
+            return true;
         const uint64_t since_ns = e->last_ns > begin_ns ? e->last_ns : begin_ns;
         if (now_ns > since_ns + PATIENCE_NS || !pass(e, now_ns + 5000000))
             return false;
     }
-    if (key && key->keys < KEYS_MOST) {
-        shown_ms[key->keys] = times_between(begin_ns, e->barrier_ns);
-        last_ms[key->keys] = times_between(begin_ns, e->last_ns);
-        bytes[key->keys++] = (double)e->bytes;
-    }
-    return true;
 }
 
-/* ---- flights ---- */
+/* ---- the pilot's keys ---- */
 
 struct times {
     double shown_ms[KEYS_MOST], last_ms[KEYS_MOST], bytes[KEYS_MOST];
+    unsigned keys;
 };
 
-static void conclude(struct bench_key *key, struct times *t)
+static bool timed_press(struct far_end *e, const char *keys, struct times *t)
 {
-    key->shown_ms = times_median(t->shown_ms, key->keys);
-    key->last_ms = times_median(t->last_ms, key->keys);
-    key->bytes = times_median(t->bytes, key->keys);
+    if (!press(e, keys, true))
+        return false;
+    t->shown_ms[t->keys] = times_between(e->pressed_ns, e->barrier_ns);
+    t->last_ms[t->keys] = times_between(e->pressed_ns, e->last_ns);
+    t->bytes[t->keys++] = (double)e->bytes;
+    return true;
 }
 
-static bool timed_press(struct far_end *e, const char *keys, struct bench_key *key, struct times *t)
+static struct bench_key medians(struct times *t)
 {
-    return writer(e, keys, true, key, t->shown_ms, t->last_ms, t->bytes);
+    return (struct bench_key){t->keys, times_median(t->shown_ms, t->keys),
+                              times_median(t->last_ms, t->keys), times_median(t->bytes, t->keys)};
 }
 
-static bool quiet_writer(struct far_end *e, const char *keys, bool flies)
-{
-    return writer(e, keys, flies, NULL, NULL, NULL, NULL);
-}
-
-static bool fly(struct far_end *e, unsigned keys, struct bench_flight *flight)
+static bool press_all(struct far_end *e, unsigned keys, struct bench_keys *out)
 {
     static const char *const ways[] = {"7l", "6k", "9h", "5K", "8j", "7J", "4h", "9k"};
-    struct times moves, seeds;
-    bool good = quiet_writer(e, "", false) && quiet_writer(e, "auto on\r", false) &&
-                quiet_writer(e, "pilot\r", true) && quiet_writer(e, "5l", true);
+    struct times moves = {.keys = 0}, seeds = {.keys = 0};
+    bool good = press(e, "", false) && press(e, "auto on\r", false) && press(e, "pilot\r", true) &&
+                press(e, "5l", true);
     for (unsigned i = 0; good && i < keys; i++)
-        good = timed_press(e, i % 8 < 4 ? "l" : "k", &flight->move, &moves);
+        good = timed_press(e, i % 8 < 4 ? "l" : "k", &moves);
     for (unsigned i = 0; good && i < keys / 2; i++)
-        good = quiet_writer(e, ways[i % 8], true) &&
-               timed_press(e, i % 2 ? "2" : "3", &flight->seed, &seeds) &&
-               quiet_writer(e, "u", true);
-    conclude(&flight->move, &moves);
-    conclude(&flight->seed, &seeds);
+        good = press(e, ways[i % 8], true) && timed_press(e, i % 2 ? "2" : "3", &seeds) &&
+               press(e, "u", true);
+    *out = (struct bench_keys){medians(&moves), medians(&seeds)};
     return good;
 }
 
-static void become_program(int terminal, const char *home, const char *journal, bool kitty)
+/* A copy of the journal in a folder of its own, which becomes the program's home. */
+static enum err copy_journal(struct buf *folder, struct buf *path, const char *journal,
+                             struct fault *fault)
 {
-    setsid();
-    ioctl(terminal, TIOCSCTTY, 0);
-    for (int fd = 0; fd < 3; fd++)
-        dup2(terminal, fd);
-    setenv("TERM", kitty ? "xterm-kitty" : "xterm-256color", 1);
-    setenv("HOME", home, 1);
-    unsetenv("NO_COLOR");
-    unsetenv("TMUX");
-    execl("/proc/self/exe", "iftty", journal, (char *)NULL);
-    _exit(127);
+    struct buf bytes = {0};
+    enum err err = folder_fresh(folder, NULL, fault);
+    if (!err)
+        err = file_read(&bytes, journal, JOURNAL_MOST, fault);
+    buf_printf(path, "%s/%s", buf_text(folder), file_name(journal));
+    if (!err && path->failed)
+        err = fault_memory(fault, "a path");
+    if (!err)
+        err = file_write(buf_text(path), bytes.data, bytes.length, FILE_KEEP, fault);
+    buf_release(&bytes);
+    return err;
 }
 
-static enum err fly_in(const char *folder, const char *journal, struct far_end *e, unsigned keys,
-                       struct bench_flight *flight, struct fault *fault)
+static enum err run_pilot(struct far_end *e, const char *home, char *journal, unsigned keys,
+                          struct bench_keys *out, struct fault *fault)
 {
     const struct winsize size = {PILOT_ROWS, PILOT_COLUMNS, PILOT_COLUMNS * PILOT_CELL_WIDTH,
                                  PILOT_ROWS * PILOT_CELL_HEIGHT};
-    int inner = -1;
-    if (grantpt(e->terminal) == 0 && unlockpt(e->terminal) == 0)
-        inner = open(ptsname(e->terminal), O_RDWR | O_NOCTTY | O_CLOEXEC);
-    if (inner < 0 || ioctl(inner, TIOCSWINSZ, &size) != 0)
-        return fault_set(fault, ERR_IO, "there is no pseudo-terminal for the pilot");
-    const pid_t child = fork();
-    if (child == 0)
-        become_program(inner, folder, journal, e->graphics == &graphics_kitty);
-    close(inner);
-    const bool good = child > 0 && fly(e, keys, flight);
-    if (child > 0) {
-        kill(child, SIGKILL);
-        waitpid(child, NULL, 0);
-    }
-    return good ? OK : fault_set(fault, ERR_IO, "the pilot showed nothing for ten seconds");
+    char *const argument[] = {"iftty", journal, NULL};
+    const char *term = e->graphics == &graphics_kitty ? "xterm-kitty" : "xterm-256color";
+    struct bench_pty pty;
+    enum err err = OK;
+    if (!bench_pty_open(&pty, &size) || !bench_pty_start(&pty, argument, term, home))
+        err = fault_set(fault, ERR_IO, "there is no pseudo-terminal for the pilot");
+    e->terminal = pty.terminal;
+    if (!err && !press_all(e, keys, out))
+        err = fault_set(fault, ERR_IO, "the pilot showed nothing for ten seconds");
+    bench_pty_close(&pty);
+    return err;
 }
 
 enum err bench_pilot(const char *journal, const struct graphics *graphics,
-                     const struct bench_line *line, unsigned keys, struct bench_flight *flight,
+                     const struct bench_line *line, unsigned keys, struct bench_keys *out,
                      struct fault *fault)
 {
-    struct buf folder = {0}, path = {0}, bytes = {0};
-    struct far_end e = {.terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC),
-                        .graphics = graphics,
-                        .one_way_ns = (uint64_t)(line->one_way_ms * 1e6)};
-    *flight = (struct bench_flight){0};
+    struct buf folder = {0}, path = {0};
+    struct far_end e = {.graphics = graphics, .one_way_ns = (uint64_t)(line->one_way_ms * 1e6)};
     if (line->bits_per_second > 0)
         e.ns_per_byte = 8e9 / line->bits_per_second;
+    *out = (struct bench_keys){.move = {0}};
     e.packet = calloc(PACKETS, sizeof *e.packet);
     enum err err = e.packet ? OK : fault_memory(fault, "a line");
-    if (!err && e.terminal < 0)
-        err = fault_set(fault, ERR_IO, "there is no pseudo-terminal for the pilot");
     if (!err)
-        err = folder_fresh(&folder, NULL, fault);
+        err = copy_journal(&folder, &path, journal, fault);
     if (!err)
-        err = file_read(&bytes, journal, JOURNAL_MOST, fault);
-    if (!err) {
-        buf_printf(&path, "%s/%s", buf_text(&folder), file_name(journal));
-        err = path.failed ? fault_memory(fault, "a path")
-                          : file_write(buf_text(&path), bytes.data, bytes.length, FILE_KEEP, fault);
-    }
-    if (!err)
-        err = fly_in(buf_text(&folder), buf_text(&path), &e, keys, flight, fault);
+        err = run_pilot(&e, buf_text(&folder), path.data, keys < KEYS_MOST ? keys : KEYS_MOST, out,
+                        fault);
     if (folder.length)
         folder_discard(buf_text(&folder));
-    if (e.terminal >= 0)
-        close(e.terminal);
     free(e.packet);
     buf_release(&folder);
     buf_release(&path);
-    buf_release(&bytes);
     return err;
 }

@@ -9,7 +9,7 @@
  * back. The terminal at the far end takes no time to draw, and answers what kitty, or a terminal
  * with sixel graphics, answers.
  *
- * A key counts from when it is pressed there until the barrier behind a frame has arrived there.
+ * A key counts from when it is pressed there until the barrier after a frame has arrived there.
  */
 #ifndef PROGRAM_BENCH_PILOT_H
 #define PROGRAM_BENCH_PILOT_H
@@ -34,14 +34,14 @@ struct bench_key {
     double shown_ms, last_ms, bytes;
 };
 
-struct bench_flight {
+struct bench_keys {
     struct bench_key move, seed; /* the cross-hair by a voxel; a seed with its run */
 };
 
 /* `graphics` is kitty or sixel. ERR_IO where there is no pseudo-terminal, or
  * nothing is shown for ten seconds. */
 enum err bench_pilot(const char *journal, const struct graphics *graphics,
-                     const struct bench_line *line, unsigned keys, struct bench_flight *flight,
+                     const struct bench_line *line, unsigned keys, struct bench_keys *out,
                      struct fault *fault);
 
 #endif

@@ -1,21 +1,35 @@
-#include "program/bench_terminal.h"
-
-#include <errno.h>
-#include <fcntl.h>
+/*
+ * `iftty bench terminal`: what pictures cost on their way to a terminal, bytes and time, and how long it
+ * takes from a key to the picture.
+ *
+ * The pictures are those at the end of examples/brain.iftty (of geom.iftty where the scene ch2 is
+ * not here): its rendition of 512x512 pixels, a mosaic of 640x640, and patches of 40x40 that change
+ * in the rendition, as an edit changes them: into what is seen a few pixels beside. The painter
+ * sends them to a terminal with cells of 8x16 pixels, by every means that it knows.
+ *
+ * Beside it chafa, where that is installed: a program of its own, given the same pictures as PNG
+ * and made to show them in the same size. Its time is from its start to its last byte, less what
+ * the same takes for a picture of one pixel.
+ *
+ * Then the pilot, in a terminal of the benchmark's own (bench_pilot.h), at once and through a
+ * line of 2 Mbit/s and 120 ms round trip.
+ *
+ * Medians; no time is compared with a limit.
+ */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "base/clock.h"
 #include "base/folder.h"
+#include "base/json.h"
 #include "base/mem.h"
-#include "program/bench.h"
-#include "program/bench_times.h"
-#include "command/interpreter.h"
+#include "program/bench_chafa.h"
 #include "program/bench_pilot.h"
-#include "program/pilot_host.h"
-#include "image/helper.h"
+#include "program/bench_times.h"
+#include "program/bench_tree.h"
+#include "program/programs.h"
+#include "program/shown.h"
 #include "session/slicing.h"
 #include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
@@ -27,7 +41,6 @@ enum {
     CELL_WIDTH = 8,
     CELL_HEIGHT = 16,
     ROUNDS = 21,
-    CHAFA_ROUNDS = 7,
     PATCHES = 12,
 };
 
@@ -53,15 +66,15 @@ static const struct line_kind {
     unsigned keys;
 } lines[] = {{"local", "no line", {0, 0}, 24},
              {"slow", "2 Mbit/s, 120 ms round trip", {2e6, 60}, 10}};
-enum { LINES = sizeof lines / sizeof lines[0], FLOWN = 2 };
-static const struct graphics *const flown[FLOWN] = {&graphics_kitty, &graphics_sixel};
+enum { LINES = sizeof lines / sizeof lines[0], PILOTED = 2 };
+static const struct graphics *const piloted[PILOTED] = {&graphics_kitty, &graphics_sixel};
 
 struct figures {
     char journal[64];
     struct cost cost[PICTURES][MEANS_MOST], chafa[CHAFA_PICTURES][MEANS_MOST];
     bool has_chafa;
-    int lines; /* that were flown over */
-    struct bench_flight flight[LINES][FLOWN];
+    int lines; /* that were timed */
+    struct bench_keys keys[LINES][PILOTED];
 };
 
 /* ---- pictures ---- */
@@ -79,17 +92,6 @@ static struct image_view view_of(const struct pictures *p, const struct canvas *
                                .rgba = canvas->rgba,
                                .hue = p->hue,
                                .hues = p->hues};
-}
-
-static enum err find_journal(struct interpreter *interp, struct buf *path, struct fault *fault)
-{
-    struct buf scene = {0};
-    const bool has_brain = interpreter_find_scene(interp, "ch2.nii.gz", &scene, NULL) == OK;
-    const char *name = has_brain ? "examples/brain.iftty" : "examples/geom.iftty";
-    buf_release(&scene);
-    if (bench_find_in_tree(path, name))
-        return OK;
-    return fault_set(fault, ERR_IO, "%s does not lie beside the program", name);
 }
 
 /* Its rendition, over black, of its own size. */
@@ -129,7 +131,7 @@ static enum err make_pictures(struct pictures *p, struct interpreter *interp, co
     if (!err)
         err = slicing_panel(&p->mosaic, session, MOSAIC_SIDE, MOSAIC_SIDE, true, fault);
     if (!err)
-        p->hues = pilot_hues(p->hue, session);
+        p->hues = shown_hues(p->hue, session);
     return err;
 }
 
@@ -267,50 +269,6 @@ static enum err time_painter(const struct pictures *p, struct figures *f, struct
 
 /* ---- chafa ---- */
 
-/* Runs it with its output in a pipe; returns the bytes, 0 where it cannot be run. */
-static size_t run_chafa(const struct graphics *by, uint32_t side, const char *path)
-{
-    char size[32], taken[4096];
-    int ends[2], status = 1;
-    size_t bytes = 0;
-    ssize_t n;
-    /* where there are pixels, chafa takes cells for squares of 8x8 */
-    snprintf(size, sizeof size, "%ux%u", side / 8,
-             by->kind == GRAPHICS_TEXT ? side / 16 : side / 8);
-    if (pipe2(ends, O_CLOEXEC) != 0)
-        return 0;
-    const pid_t child = fork();
-    if (child == 0) {
-        const int nowhere = open("/dev/null", O_RDWR);
-        dup2(nowhere, 0);
-        dup2(ends[1], 1);
-        dup2(nowhere, 2);
-        execlp("chafa", "chafa", "-f", by->chafa, "-c", "full", "--font-ratio",
-               by->kind == GRAPHICS_TEXT ? "1/2" : "1/1", "-s", size, path, (char *)NULL);
-        _exit(127);
-    }
-    close(ends[1]);
-    while ((n = read(ends[0], taken, sizeof taken)) > 0 || (n < 0 && errno == EINTR))
-        bytes += n > 0 ? (size_t)n : 0;
-    close(ends[0]);
-    if (child > 0)
-        waitpid(child, &status, 0);
-    return status == 0 ? bytes : 0;
-}
-
-static bool time_chafa(const struct graphics *by, uint32_t side, const char *path,
-                       struct cost *cost)
-{
-    double ms[CHAFA_ROUNDS];
-    for (int i = 0; i < CHAFA_ROUNDS; i++) {
-        const uint64_t begin = clock_ns();
-        cost->bytes = (double)run_chafa(by, side, path);
-        ms[i] = times_since(begin);
-    }
-    cost->ms = times_median(ms, CHAFA_ROUNDS);
-    return cost->bytes > 0;
-}
-
 static enum err write_png(struct buf *path, const struct buf *folder, const char *name,
                           struct interpreter *interp, const struct canvas *canvas, uint32_t width,
                           uint32_t height, struct fault *fault)
@@ -340,8 +298,10 @@ static enum err time_chafas(const struct pictures *p, struct interpreter *interp
                         shown[i]->height, fault);
         for (int m = 0; !err && m < MEANS; m++) {
             struct cost start = {0}, *cost = &f->chafa[i][m];
-            if (!time_chafa(graphics_auto.of[m], shown[i]->width, buf_text(&path), cost) ||
-                !time_chafa(graphics_auto.of[m], 8, buf_text(&dot), &start))
+            if (!bench_chafa(graphics_auto.of[m]->chafa, shown[i]->width, buf_text(&path),
+                             &cost->bytes, &cost->ms) ||
+                !bench_chafa(graphics_auto.of[m]->chafa, 8, buf_text(&dot), &start.bytes,
+                             &start.ms))
                 continue;
             f->has_chafa = true;
             cost->ms = cost->ms > start.ms ? cost->ms - start.ms : 0;
@@ -362,9 +322,9 @@ static enum err time_pilot(const char *journal, bool quick, struct figures *f, s
     enum err err = OK;
     f->lines = quick ? 1 : LINES;
     for (int l = 0; !err && l < f->lines; l++)
-        for (int m = 0; !err && m < FLOWN; m++)
-            err = bench_pilot(journal, flown[m], &lines[l].line, quick ? 4 : lines[l].keys,
-                              &f->flight[l][m], fault);
+        for (int m = 0; !err && m < PILOTED; m++)
+            err = bench_pilot(journal, piloted[m], &lines[l].line, quick ? 4 : lines[l].keys,
+                              &f->keys[l][m], fault);
     return err;
 }
 
@@ -407,85 +367,105 @@ static void print_table(FILE *out, const struct figures *f)
             PILOT_COLUMNS, PILOT_ROWS, PILOT_CELL_WIDTH, PILOT_CELL_HEIGHT, "", "shown",
             "last byte", "kB");
     for (int l = 0; l < f->lines; l++) {
-        for (int m = 0; m < FLOWN; m++) {
-            fprintf(out, "    %s, %s\n", flown[m]->title, lines[l].words);
-            print_key(out, "the cross-hair by a voxel, ms", &f->flight[l][m].move);
-            print_key(out, "a seed and its run, ms", &f->flight[l][m].seed);
+        for (int m = 0; m < PILOTED; m++) {
+            fprintf(out, "    %s, %s\n", piloted[m]->title, lines[l].words);
+            print_key(out, "the cross-hair by a voxel, ms", &f->keys[l][m].move);
+            print_key(out, "a seed and its run, ms", &f->keys[l][m].seed);
         }
     }
 }
 
-static void print_costs(FILE *out, const char *name, const struct cost cost[MEANS_MOST])
+static void add_costs(struct json *json, const char *name, const struct cost cost[MEANS_MOST])
 {
-    const char *comma = "";
-    fprintf(out, "\"%s\": {", name);
+    json_object(json, name);
     for (int m = 0; m < MEANS; m++) {
         if (cost[m].bytes <= 0)
             continue;
-        fprintf(out, "%s\"%s\": {\"bytes\": %.0f, \"ms\": %.3f}", comma, graphics_auto.of[m]->name,
-                cost[m].bytes, cost[m].ms);
-        comma = ", ";
+        json_object(json, graphics_auto.of[m]->name);
+        json_fixed(json, "bytes", cost[m].bytes, 0);
+        json_fixed(json, "ms", cost[m].ms, 3);
+        json_end(json);
     }
-    fputc('}', out);
+    json_end(json);
 }
 
-static void print_json_key(FILE *out, const char *name, const struct bench_key *key)
+static void add_key(struct json *json, const char *name, const struct bench_key *key)
 {
-    fprintf(out, "\"%s\": {\"keys\": %u, \"shown_ms\": %.3f, \"last_ms\": %.3f, \"bytes\": %.0f}",
-            name, key->keys, key->shown_ms, key->last_ms, key->bytes);
+    json_object(json, name);
+    json_count(json, "keys", key->keys);
+    json_fixed(json, "shown_ms", key->shown_ms, 3);
+    json_fixed(json, "last_ms", key->last_ms, 3);
+    json_fixed(json, "bytes", key->bytes, 0);
+    json_end(json);
+}
+
+static void add_line(struct json *json, const char *line, const struct bench_keys keys[PILOTED])
+{
+    char name[32];
+    for (int m = 0; m < PILOTED; m++) {
+        snprintf(name, sizeof name, "%s_%s", piloted[m]->name, line);
+        json_object(json, name);
+        add_key(json, "move", &keys[m].move);
+        add_key(json, "seed", &keys[m].seed);
+        json_end(json);
+    }
 }
 
 static void print_json(FILE *out, const struct figures *f)
 {
-    fprintf(out, "{\"journal\": \"%s\"", f->journal);
-    for (int i = 0; i < PICTURES; i++) {
-        fputs(", ", out);
-        print_costs(out, picture_names[i], f->cost[i]);
-    }
-    fputs(", \"chafa\": {", out);
-    for (int i = 0; f->has_chafa && i < CHAFA_PICTURES; i++) {
-        fputs(i ? ", " : "", out);
-        print_costs(out, picture_names[i], f->chafa[i]);
-    }
-    fputs("}, \"pilot\": {", out);
-    for (int l = 0; l < f->lines; l++) {
-        for (int m = 0; m < FLOWN; m++) {
-            fprintf(out, "%s\"%s_%s\": {", l + m ? ", " : "", flown[m]->name, lines[l].name);
-            print_json_key(out, "move", &f->flight[l][m].move);
-            fputs(", ", out);
-            print_json_key(out, "seed", &f->flight[l][m].seed);
-            fputc('}', out);
-        }
-    }
-    fputs("}}\n", out);
+    struct buf text = {0};
+    struct json json = {.out = &text};
+    json_object(&json, NULL);
+    json_text(&json, "journal", f->journal);
+    for (int i = 0; i < PICTURES; i++)
+        add_costs(&json, picture_names[i], f->cost[i]);
+    json_object(&json, "chafa");
+    for (int i = 0; f->has_chafa && i < CHAFA_PICTURES; i++)
+        add_costs(&json, picture_names[i], f->chafa[i]);
+    json_end(&json);
+    json_object(&json, "pilot");
+    for (int l = 0; l < f->lines; l++)
+        add_line(&json, lines[l].name, f->keys[l]);
+    json_end(&json);
+    json_end(&json);
+    fputs(buf_text(&text), out);
+    buf_release(&text);
 }
 
-enum err bench_terminal(bool json, bool quick, FILE *out, struct fault *fault)
+/* ---- the whole ---- */
+
+static enum err time_pictures(struct figures *f, struct buf *journal, struct fault *fault)
 {
     struct interpreter interp;
     struct pictures pictures = {0};
-    struct buf journal = {0};
-    struct figures *f = mem_new(sizeof *f);
     enum err err = interpreter_init(&interp, fault);
-    if (!err && !f)
-        err = fault_memory(fault, "a benchmark");
     if (!err)
-        err = find_journal(&interp, &journal, fault);
+        err = bench_find_example(journal, &interp, fault);
     if (!err)
-        err = make_pictures(&pictures, &interp, buf_text(&journal), fault);
+        err = make_pictures(&pictures, &interp, buf_text(journal), fault);
     if (!err)
         err = time_painter(&pictures, f, fault);
     if (!err)
         err = time_chafas(&pictures, &interp, f, fault);
-    interpreter_release(&interp); /* the pilot gets the memory */
-    if (!err)
-        err = time_pilot(buf_text(&journal), quick, f, fault);
-    if (!err) {
-        snprintf(f->journal, sizeof f->journal, "%s", file_name(buf_text(&journal)));
-        (json ? print_json : print_table)(out, f);
-    }
+    interpreter_release(&interp);
     canvas_release(&pictures.rendition);
     canvas_release(&pictures.mosaic);
+    return err;
+}
+
+enum err run_bench_terminal(const struct options *o, struct fault *fault)
+{
+    struct buf journal = {0};
+    struct figures *f = mem_new(sizeof *f);
+    if (!f)
+        return fault_memory(fault, "a benchmark");
+    enum err err = time_pictures(f, &journal, fault);
+    if (!err)
+        err = time_pilot(buf_text(&journal), o->quick, f, fault);
+    if (!err) {
+        snprintf(f->journal, sizeof f->journal, "%s", file_name(buf_text(&journal)));
+        (o->json ? print_json : print_table)(stdout, f);
+    }
     buf_release(&journal);
     free(f);
     return err;

@@ -4,12 +4,18 @@
 #include <string.h>
 
 #include "command/act.h"
+#include "program/shown.h"
 #include "render/mosaic.h"
 #include "session/slicing.h"
 #include "session/window.h"
 
 static const uint8_t marked_tree[3] = {255, 255, 255}, marked_pane[3] = {230, 200, 90},
                      marked_pixel[3] = {255, 255, 255};
+
+static struct session *session_of(void *context)
+{
+    return &((struct pilot_interpreter *)context)->interp->session;
+}
 
 /* The plane of a pane of slices. */
 static enum slice_plane plane_of(enum pilot_pane pane)
@@ -67,7 +73,7 @@ static void write_where(struct buf *out, const struct session *session)
 
 static bool facts(void *context, struct pilot_facts *out)
 {
-    struct session *session = &((struct pilot_interpreter *)context)->interp->session;
+    struct session *session = session_of(context);
     struct buf where = {0};
     int32_t window[2];
     if (!session->has_scene)
@@ -96,7 +102,7 @@ static bool facts(void *context, struct pilot_facts *out)
 
 static void move(void *context, const int64_t by[3], uint32_t place[3])
 {
-    const struct session *session = &((struct pilot_interpreter *)context)->interp->session;
+    const struct session *session = session_of(context);
     memcpy(place, session->now.outlook.slices.cross, 3 * sizeof *place);
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
         const enum slice_plane plane = plane_of(pane);
@@ -109,7 +115,7 @@ static void move(void *context, const int64_t by[3], uint32_t place[3])
 
 static void label(void *context, unsigned number, struct buf *out)
 {
-    act_write_label(out, &((struct pilot_interpreter *)context)->interp->session, number);
+    act_write_label(out, session_of(context), number);
 }
 
 /* ---- the tree under the cross-hair ---- */
@@ -117,7 +123,7 @@ static void label(void *context, unsigned number, struct buf *out)
 /* Looks at every voxel of the scene: some milliseconds for a head. */
 static bool tree(void *context, struct buf *out)
 {
-    const struct session *session = &((struct pilot_interpreter *)context)->interp->session;
+    const struct session *session = session_of(context);
     const struct scene *scene = session->scene;
     const struct cell *here = scene->cell + cell_at_cross(session);
     if (!cell_is_reached(here))
@@ -186,7 +192,7 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
                         struct fault *fault)
 {
     struct pilot_interpreter *pilot = context;
-    struct session *session = &pilot->interp->session;
+    struct session *session = session_of(pilot);
     canvas_release(&pilot->canvas);
     pilot->canvas = (struct canvas){0};
     enum err err = session_count_labels(session, fault); /* for the hues */
@@ -205,7 +211,7 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
                                 .rgba = pilot->canvas.rgba,
                                 .smooth = pilot->smooth,
                                 .hue = pilot->hue,
-                                .hues = pilot_hues(pilot->hue, session)};
+                                .hues = shown_hues(pilot->hue, session)};
     return OK;
 }
 
@@ -230,7 +236,7 @@ static bool voxel_at(void *context, uint32_t column, uint32_t row, uint32_t plac
 
 static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_t place[3])
 {
-    const struct session *session = &((struct pilot_interpreter *)context)->interp->session;
+    const struct session *session = session_of(context);
     const struct rendition *r = session_frame(session);
     if (!session->rendered || column >= r->width || row >= r->height)
         return false;
@@ -241,17 +247,6 @@ static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_
 }
 
 /* ---- the whole ---- */
-
-unsigned pilot_hues(uint32_t hue[256], const struct session *session)
-{
-    unsigned count = 0;
-    for (unsigned label = 1; label < 256; label++) {
-        const uint8_t *rgb = session->now.kept.palette.rgb[label];
-        if (session->now.kept.visible[label] && session_label_voxels(session, (uint8_t)label))
-            hue[count++] = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
-    }
-    return count;
-}
 
 void pilot_host_fill(struct pilot_host *host)
 {

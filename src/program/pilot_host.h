@@ -19,9 +19,6 @@ struct pilot_interpreter {
  * are given begins with a struct pilot_interpreter. */
 void pilot_host_fill(struct pilot_host *host);
 
-/* The colours of the labels that can show, for a palette; how many. */
-unsigned pilot_hues(uint32_t hue[256], const struct session *session);
-
 void pilot_interpreter_release(struct pilot_interpreter *pilot);
 
 #endif

@@ -1,11 +1,13 @@
-/* The cost of one edit as the scene around it grows. See command/bench.h. */
-#include "program/bench.h"
+/* The cost of one edit as the scene around it grows. */
+#include "tests/bench/bench.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "base/clock.h"
 #include "base/mem.h"
 #include "program/bench_times.h"
+#include "program/console.h"
 #include "render/border.h"
 #include "engine/forest.h"
 #include "engine/weight.h"
@@ -186,11 +188,13 @@ static size_t scenes_that_fit(size_t most)
     return scenes;
 }
 
-enum err bench_growth(bool json, bool quick, FILE *out, struct watch *watch, struct fault *fault)
+enum err run_growth(const struct options *o, struct fault *fault)
 {
-    const size_t scenes = scenes_that_fit(quick ? 2 : SCENES);
+    const size_t scenes = scenes_that_fit(o->quick ? 2 : SCENES);
+    struct watch *watch = console_watch();
     struct growth *growth = mem_array(SCENES, sizeof *growth);
     struct scene *tile = NULL;
+    console_handle_interrupts();
     enum err err =
         growth ? scene_new_geom(&tile, 0, watch, fault) : fault_memory(fault, "a benchmark");
     for (size_t i = 0; growth && i < SCENES; i++)
@@ -211,7 +215,7 @@ enum err bench_growth(bool json, bool quick, FILE *out, struct watch *watch, str
             err = time_edit(growth + i / 2, i % 2, round < 0 ? 0 : round, fault);
     }
     if (!err)
-        (json ? print_json : print_table)(out, growth, scenes);
+        (o->json ? print_json : print_table)(stdout, growth, scenes);
     for (size_t i = 0; growth && i < SCENES; i++)
         release(growth + i);
     free(growth);

@@ -1,6 +1,7 @@
-/* What a journal costs: records alone, recording a session, verifying it. See bench.h. */
-#include "program/bench.h"
+/* What a journal costs: records alone, recording a session, verifying it. */
+#include "tests/bench/bench.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -9,6 +10,7 @@
 #include "base/file.h"
 #include "base/folder.h"
 #include "program/bench_times.h"
+#include "program/bench_tree.h"
 #include "command/interpreter.h"
 #include "journal/journal.h"
 #include "journal/replay.h"
@@ -279,25 +281,20 @@ static void print_json(FILE *out, const struct figures *f)
 static enum err find_journal(struct buf *path, struct fault *fault)
 {
     struct interpreter interp;
-    struct buf scene = {0};
     enum err err = interpreter_init(&interp, fault);
-    const bool has_brain =
-        !err && interpreter_find_scene(&interp, "ch2.nii.gz", &scene, NULL) == OK;
-    const char *name = has_brain ? "examples/brain.iftty" : "examples/geom.iftty";
-    buf_release(&scene);
+    if (!err)
+        err = bench_find_example(path, &interp, fault);
     interpreter_release(&interp);
-    if (!err && !bench_find_in_tree(path, name))
-        err = fault_set(fault, ERR_IO, "%s does not lie beside the program; name a journal", name);
     return err;
 }
 
-enum err bench_journal(const char *journal, bool json, FILE *out, struct fault *fault)
+enum err run_journal(const struct options *o, struct fault *fault)
 {
     struct figures f = {.records = 0};
     struct buf path = {0}, bytes = {0}, name = {0};
     enum err err = OK;
-    if (journal)
-        buf_add_text(&path, journal);
+    if (o->words)
+        buf_add_text(&path, o->word[0]);
     else
         err = find_journal(&path, fault);
     if (!err)
@@ -308,13 +305,13 @@ enum err bench_journal(const char *journal, bool json, FILE *out, struct fault *
         err = time_verifying(buf_text(&path), &bytes, &f, fault);
     if (!err)
         err = time_recordings(&bytes, &f, fault);
-    if (!err && !journal)
+    if (!err && !o->words)
         err = bench_resuming(&f.resume, fault);
     const char *last = file_name(buf_text(&path));
     buf_add_safe(&name, last, strlen(last));
     snprintf(f.name, sizeof f.name, "%s", buf_text(&name));
     if (!err)
-        (json ? print_json : print_table)(out, &f);
+        (o->json ? print_json : print_table)(stdout, &f);
     buf_release(&name);
     buf_release(&bytes);
     buf_release(&path);

@@ -1,10 +1,12 @@
 /* The paper's scenes, one after the other, and what is printed of them. */
-#include "program/bench.h"
+#include "tests/bench/bench.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"
+#include "program/console.h"
 #include "tests/bench/report.h"
 #include "command/interpreter.h"
 
@@ -69,7 +71,7 @@ static uint64_t megavoxels(const struct scene_choice *choice)
 }
 
 struct run {
-    const struct bench_paper_options *options;
+    const struct bench_options *options;
     struct scene_choice choice[SCENES_MOST];
     struct trial trial[SCENES_MOST];
     size_t scenes, at;
@@ -79,15 +81,13 @@ struct run {
 
 static enum err choose_scenes(struct run *run, struct fault *fault)
 {
-    const struct bench_paper_options *o = run->options;
-    const bool all = o->scenes == 1 && strcmp(o->scene[0], "all") == 0;
-    const char *const *name = all ? every : o->scenes ? (const char *const *)o->scene : usual;
-    run->scenes = all         ? sizeof every / sizeof every[0]
-                  : o->scenes ? (size_t)o->scenes
-                              : sizeof usual / sizeof usual[0];
+    const struct options *o = &run->options->common;
+    const bool all = o->words == 1 && strcmp(o->word[0], "all") == 0;
+    const char *const *name = all ? every : o->words ? (const char *const *)o->word : usual;
+    run->scenes = all        ? sizeof every / sizeof every[0]
+                  : o->words ? (size_t)o->words
+                             : sizeof usual / sizeof usual[0];
     run->steps = o->quick ? QUICK_STEPS : PROCEDURE_STEPS;
-    if (run->scenes > SCENES_MOST)
-        return fault_set(fault, ERR_USAGE, "at most %d scenes at a time", SCENES_MOST);
     for (size_t i = 0; i < run->scenes; i++) {
         struct trial *trial = &run->trial[i];
         if (!scan_scene(&run->choice[i], name[i]))
@@ -97,7 +97,7 @@ static enum err choose_scenes(struct run *run, struct fault *fault)
                              name[i]);
         snprintf(trial->name, sizeof trial->name, "%s", name[i]);
         trial->in_paper = is_in_paper(&run->choice[i]);
-        run->total += megavoxels(&run->choice[i]) * run->steps * o->rounds;
+        run->total += megavoxels(&run->choice[i]) * run->steps * run->options->rounds;
     }
     return OK;
 }
@@ -113,7 +113,7 @@ static bool goes_on(struct run *run, const char *doing, unsigned step)
                  run->steps);
     else
         snprintf(what, sizeof what, "%s, %s", run->trial[run->at].name, doing);
-    return !watch_poll(run->options->watch, what, run->done, run->total);
+    return !watch_poll(console_watch(), what, run->done, run->total);
 }
 
 static bool advanced(void *context, unsigned step, unsigned round)
@@ -158,8 +158,8 @@ static enum err run_scene(struct run *run, struct fault *fault)
     if (!err)
         err = prepare(&interp, &seeds, &run->choice[run->at], fault);
     if (!err)
-        err = trial_run(trial, &interp.session, &seeds, run->steps, run->options->rounds, &watch,
-                        fault);
+        err = trial_run(trial, &interp.session, &seeds, run->steps, (unsigned)run->options->rounds,
+                        &watch, fault);
     else
         fault_prefix(fault, err, "%s", trial->name);
     seeds_release(&seeds);
@@ -169,53 +169,58 @@ static enum err run_scene(struct run *run, struct fault *fault)
 
 /* ---- all of them ---- */
 
-/* What the reports print, all at once. */
-static enum err say(const struct run *run,
-                    void (*print)(FILE *out, const struct trial *trial, size_t count),
-                    const struct trial *trial, size_t count, struct fault *fault)
+/* What a report writes, printed all at once. */
+static enum err print(void (*report)(FILE *out, const struct trial *trial, size_t count),
+                      const struct trial *trial, size_t count, struct fault *fault)
 {
     char *text = NULL;
     size_t length = 0;
     FILE *out = open_memstream(&text, &length);
     if (!out)
         return fault_memory(fault, "a report");
-    print(out, trial, count);
+    report(out, trial, count);
     bool failed = ferror(out) != 0;
     failed = fclose(out) != 0 || failed;
     if (!failed)
-        run->options->say(run->options->context, text);
+        console_say(NULL, text);
     free(text);
     return failed ? fault_memory(fault, "a report") : OK;
 }
 
 static enum err run_scenes(struct run *run, struct fault *fault)
 {
+    const struct bench_options *o = run->options;
     enum err err = OK;
     for (; !err && run->at < run->scenes; run->at++) {
         err = run_scene(run, fault);
-        if (!err && run->options->form == BENCH_TEXT)
-            err = say(run, report_scenes, &run->trial[run->at], 1, fault);
+        if (!err && !o->csv && !o->common.json)
+            err = print(report_scenes, &run->trial[run->at], 1, fault);
     }
     return err;
 }
 
-enum err bench_paper(const struct bench_paper_options *options, struct fault *fault)
+enum err run_paper(const struct options *common, struct fault *fault)
 {
-    static void (*const report[])(FILE *, const struct trial *, size_t) = {
-        [BENCH_TEXT] = report_summary, [BENCH_JSON] = report_json, [BENCH_CSV] = report_csv};
+    const struct bench_options *o = (const struct bench_options *)(const void *)common;
     struct run *run = mem_new(sizeof *run);
     if (!run)
         return fault_memory(fault, "a benchmark");
-    run->options = options;
+    console_handle_interrupts();
+    run->options = o;
     enum err err = choose_scenes(run, fault);
-    if (!err && options->plots)
-        err = report_plots_check(options->plots, run->trial, run->scenes, fault);
+    if (!err && o->csv && common->json)
+        err = fault_set(fault, ERR_USAGE, "--json or --csv, not both");
+    if (!err && o->plots)
+        err = report_plots_check(o->plots, run->trial, run->scenes, fault);
     if (!err)
         err = run_scenes(run, fault);
     if (!err)
-        err = say(run, report[options->form], run->trial, run->scenes, fault);
-    if (!err && options->plots)
-        err = report_plots(options->plots, run->trial, run->scenes, fault);
+        err = print(common->json ? report_json
+                    : o->csv     ? report_csv
+                                 : report_summary,
+                    run->trial, run->scenes, fault);
+    if (!err && o->plots)
+        err = report_plots(o->plots, run->trial, run->scenes, fault);
     free(run);
     return err;
 }

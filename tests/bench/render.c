@@ -1,8 +1,9 @@
-/* What a picture takes: whole frames, parts of them, edits, and VTK beside it. See bench.h. */
-#include "program/bench.h"
+/* What a picture takes: whole frames, parts of them, edits, and VTK beside it. */
+#include "tests/bench/bench.h"
 
 #include <errno.h>
 #include <sched.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -12,6 +13,8 @@
 #include "base/folder.h"
 #include "base/mem.h"
 #include "program/bench_times.h"
+#include "program/bench_tree.h"
+#include "program/console.h"
 #include "command/interpreter.h"
 #include "session/export.h"
 #include "session/slicing.h"
@@ -27,14 +30,6 @@ enum {
     BALL_MOST = 9,
     ROWS_MOST = 24,
 };
-
-bool bench_find_in_tree(struct buf *out, const char *name)
-{
-    if (file_program_folder(out, NULL))
-        return false;
-    buf_printf(out, "/../%s", name);
-    return !out->failed && file_exists(buf_text(out));
-}
 
 struct row {
     char what[128];
@@ -451,10 +446,12 @@ static enum err segment(struct interpreter *interp, struct fault *fault)
     return err ? err : session_run(&interp->session, fault);
 }
 
-enum err bench_render(bool json, FILE *out, struct watch *watch, struct fault *fault)
+enum err run_render(const struct options *o, struct fault *fault)
 {
     struct interpreter interp;
+    struct watch *watch = console_watch();
     struct table *table = mem_new(sizeof *table);
+    console_handle_interrupts();
     enum err err = interpreter_init(&interp, fault);
     struct session *session = &interp.session;
     if (!err && !table)
@@ -480,7 +477,7 @@ enum err bench_render(bool json, FILE *out, struct watch *watch, struct fault *f
         snprintf(head->what, sizeof head->what, "%s", table->vtk);
     }
     if (!err)
-        (json ? print_json : print_table)(out, table, session);
+        (o->json ? print_json : print_table)(stdout, table, session);
     interpreter_release(&interp);
     free(table);
     return err;

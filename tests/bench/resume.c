@@ -1,5 +1,5 @@
-/* What going on with a long journal takes. See bench.h. */
-#include "program/bench.h"
+/* What going on with a long journal takes. */
+#include "tests/bench/bench.h"
 
 #include <string.h>
 

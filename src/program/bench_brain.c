@@ -1,14 +1,21 @@
-#include "program/bench.h"
-
+/*
+ * `iftty bench`: the whole way on the scene ch2 of Debian's mricron-data, or on synth:geom where
+ * that is not there: run from scratch, single edits with their picture, full pictures, memory, and
+ * the time from the start of the program to its prompt. Medians; no time is compared with a limit.
+ */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
 #include "base/hash.h"
+#include "base/json.h"
 #include "base/mem.h"
-#include "program/bench_times.h"
 #include "command/interpreter.h"
 #include "image/volume.h"
+#include "program/bench_start.h"
+#include "program/bench_times.h"
+#include "program/programs.h"
 
 enum { SEEDS = 660, SCRATCH_RUNS = 5, EDITS = 60, FRAMES = 24, STARTS = 9, MOST_TIMES = 128 };
 
@@ -227,64 +234,102 @@ static void print_json(FILE *out, const char *scene, struct figures *f)
                {"eliminator_ms", &f->eliminate},   {"border_projection_ms", &f->border},
                {"scene_projection_ms", &f->scene}, {"start_to_prompt_ms", &f->start},
                {"start_to_loaded_ms", &f->loaded}};
-    fprintf(out, "{\"scene\": \"%s\", \"voxels\": %zu, \"seeds\": %d", scene, f->voxels, SEEDS);
-    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
-        fprintf(out, ", \"%s\": {\"median\": %.3f, \"most\": %.3f}", row[i].name,
-                median(row[i].times), quantile(row[i].times, 1));
-    fprintf(out, ", \"bytes_per_voxel\": %.2f}\n", f->bytes_per_voxel);
+    struct buf text = {0};
+    struct json json = {.out = &text};
+    json_object(&json, NULL);
+    json_text(&json, "scene", scene);
+    json_count(&json, "voxels", f->voxels);
+    json_count(&json, "seeds", SEEDS);
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        json_object(&json, row[i].name);
+        json_fixed(&json, "median", median(row[i].times), 3);
+        json_fixed(&json, "most", quantile(row[i].times, 1), 3);
+        json_end(&json);
+    }
+    json_fixed(&json, "bytes_per_voxel", f->bytes_per_voxel, 2);
+    json_end(&json);
+    fputs(buf_text(&text), out);
+    buf_release(&text);
 }
 
-enum err bench_brain(const char *scene, bool json, FILE *out, struct fault *fault)
+/* ---- the whole ---- */
+
+/* Opens that scene, or if `wish` is NULL, the usual one; `name` is what the figures call it. */
+static enum err open_scene(struct interpreter *interp, const char *wish, const char **name,
+                           struct buf *path, struct fault *fault)
+{
+    *name = wish ? wish : "ch2.nii.gz";
+    enum err err = interpreter_find_scene(interp, *name, path, fault);
+    if (err && !wish) {
+        *name = "synth:geom";
+        err = interpreter_find_scene(interp, *name, path, fault);
+    }
+    return err ? err : session_open(&interp->session, buf_text(path), fault);
+}
+
+/* By the atlas where it is here and fits the scene. */
+static enum err plant_by_atlas(struct interpreter *interp, struct fault *fault)
+{
+    struct session *session = &interp->session;
+    struct volume atlas = {0};
+    struct buf path = {0};
+    if (interpreter_find_scene(interp, "aal.nii.gz", &path, NULL) == OK &&
+        volume_read(&atlas, buf_text(&path), NULL, NULL) == OK &&
+        memcmp(atlas.size, session->scene->grid.size, sizeof atlas.size) != 0)
+        volume_release(&atlas);
+    const enum err err = plant_seeds(session, &atlas, fault);
+    volume_release(&atlas);
+    buf_release(&path);
+    return err ? err : session_run(session, fault);
+}
+
+static void time_starts(struct figures *figures, const char *path)
+{
+    double prompt_ms, loaded_ms;
+    for (int i = 0; i < STARTS && bench_start(path, &prompt_ms, &loaded_ms); i++) {
+        figures->start.ms[figures->start.count++] = prompt_ms;
+        figures->loaded.ms[figures->loaded.count++] = loaded_ms;
+    }
+}
+
+static enum err time_session(struct session *session, struct figures *figures, struct fault *fault)
+{
+    figures->threads = team_size(session->team);
+    enum err err = time_scratch(session, figures, fault);
+    if (err)
+        return err;
+    border_recount(&session->border);
+    err = time_edits(session, figures, fault);
+    if (!err)
+        err = time_frames(session, figures, fault);
+    figures->voxels = session->scene->grid.voxels;
+    figures->border_voxels = border_count(&session->border);
+    figures->bytes_per_voxel = (double)session_memory(session) / (double)figures->voxels;
+    return err;
+}
+
+enum err run_bench_brain(const struct options *o, struct fault *fault)
 {
     struct interpreter interp;
-    struct volume atlas = {0};
-    struct buf path = {0}, atlas_path = {0};
-    struct figures *figures = calloc(1, sizeof *figures);
-    const char *name = scene ? scene : "ch2.nii.gz";
+    struct buf path = {0};
+    const char *name;
+    if (o->words && strcmp(o->word[0], "brain") != 0)
+        return fault_set(fault, ERR_USAGE, "bench: expected brain or terminal, not %s", o->word[0]);
+    struct figures *figures = mem_new(sizeof *figures);
     enum err err = interpreter_init(&interp, fault);
     if (!err && !figures)
         err = fault_memory(fault, "a benchmark");
-    if (!err && interpreter_find_scene(&interp, name, &path, fault) != OK) {
-        name = "synth:geom";
-        err = interpreter_find_scene(&interp, name, &path, fault);
-    }
-    struct session *session = &interp.session;
     if (!err)
-        err = session_open(session, buf_text(&path), fault);
-    if (!err && interpreter_find_scene(&interp, "aal.nii.gz", &atlas_path, NULL) == OK &&
-        volume_read(&atlas, buf_text(&atlas_path), NULL, NULL) == OK &&
-        memcmp(atlas.size, session->scene->grid.size, sizeof atlas.size) != 0)
-        volume_release(&atlas);
+        err = open_scene(&interp, o->scene, &name, &path, fault);
     if (!err)
-        err = plant_seeds(session, &atlas, fault);
-    volume_release(&atlas);
+        err = plant_by_atlas(&interp, fault);
     if (!err)
-        err = session_run(session, fault);
-    if (!err)
-        figures->threads = team_size(session->team);
-    if (!err)
-        err = time_scratch(session, figures, fault);
-    if (!err)
-        border_recount(&session->border);
-    if (!err)
-        err = time_edits(session, figures, fault);
-    if (!err)
-        err = time_frames(session, figures, fault);
+        err = time_session(&interp.session, figures, fault);
     if (!err) {
-        figures->voxels = session->scene->grid.voxels;
-        figures->border_voxels = border_count(&session->border);
-        figures->bytes_per_voxel = (double)session_memory(session) / (double)figures->voxels;
-        for (int i = 0; i < STARTS; i++) {
-            double prompt_ms, loaded_ms;
-            if (!bench_prompt(buf_text(&path), &prompt_ms, &loaded_ms))
-                break;
-            figures->start.ms[figures->start.count++] = prompt_ms;
-            figures->loaded.ms[figures->loaded.count++] = loaded_ms;
-        }
-        (json ? print_json : print_table)(out, name, figures);
+        time_starts(figures, buf_text(&path));
+        (o->json ? print_json : print_table)(stdout, name, figures);
     }
     buf_release(&path);
-    buf_release(&atlas_path);
     free(figures);
     interpreter_release(&interp);
     return err;

@@ -1,0 +1,70 @@
+#include "program/begin.h"
+
+#include <stdio.h>
+
+#include "program/console.h"
+#include "sandbox/limits.h"
+#include "sandbox/trust.h"
+
+enum err begin_interpreter(struct interpreter *interp, const struct options *o, struct fault *fault)
+{
+    struct buf lines = {0};
+    enum err err = interpreter_init(interp, fault);
+    interp->session.watch = console_watch();
+    interp->scene_path = o->scene;
+    interp->out_folder = o->out;
+    interp->looks = o->read_only;
+    if (!err && o->out)
+        err = file_make_folder(o->out, fault);
+    if (!err && o->journal && file_exists(o->journal))
+        err = interpreter_resume_journal(interp, o->journal, &lines, fault);
+    else if (!err && o->journal && o->read_only)
+        err = fault_set(fault, ERR_IO, "--read-only: there is no journal %s", o->journal);
+    else if (!err && o->journal)
+        err = interpreter_create_journal(interp, o->journal, fault);
+    console_erase_progress();
+    if (lines.length)
+        fprintf(stderr, "iftty: %s", buf_text(&lines));
+    buf_release(&lines);
+    return err;
+}
+
+enum err end_journal(struct interpreter *interp, enum err err, struct fault *fault)
+{
+    struct fault words;
+    const enum err synced = interp->journal ? journal_sync(interp->journal, &words) : OK;
+    if (synced && !err)
+        *fault = words;
+    return err ? err : synced;
+}
+
+enum err begin_confined(const struct options *o, const char *journal, const char *written,
+                        const char *const *run, struct fault *fault)
+{
+    struct buf helper = {0};
+    struct limits limits;
+    enum err err = limits_read(&limits, o->limit_memory, o->limit_time, o->limit_output, fault);
+    if (!err)
+        err = image_helper_default_program(&helper, fault);
+    char *path = (char *)(uintptr_t)journal;
+    const char *const folders[] = {written, NULL};
+    const struct trust_places places = {.journal = &path,
+                                        .journals = 1,
+                                        .scene = o->scene,
+                                        .scenes = interpreter_scenes(),
+                                        .helper = buf_text(&helper),
+                                        .written = folders,
+                                        .run = run};
+    if (!err) {
+        trust_confine(&places);
+        limits_begin(&limits);
+    }
+    buf_release(&helper);
+    return err;
+}
+
+enum err begin_one(void *context, const char *journal, struct fault *fault)
+{
+    const struct options *o = context;
+    return begin_confined(o, journal, o->out, NULL, fault);
+}

@@ -1,0 +1,26 @@
+/* What programs begin and end with: an interpreter as the options want it, and the walls around a
+ * journal that may be a stranger's. */
+#ifndef PROGRAM_BEGIN_H
+#define PROGRAM_BEGIN_H
+
+#include "command/interpreter.h"
+#include "program/program.h"
+
+/* With the scene, folder and journal of the options. Lines about a journal that is resumed go to
+ * standard error. To be released, whatever is returned. */
+enum err begin_interpreter(struct interpreter *interp, const struct options *o,
+                           struct fault *fault);
+
+/* Syncs what the journal has not synced yet, when a session ends that ends with `err`. */
+enum err end_journal(struct interpreter *interp, enum err err, struct fault *fault);
+
+/* Before anything is carried out that a journal says: the limits of the options, and the kernel's
+ * walls. `written` is a folder that may be written, `run` are programs that may be run, ended by
+ * NULL; either may be NULL. */
+enum err begin_confined(const struct options *o, const char *journal, const char *written,
+                        const char *const *run, struct fault *fault);
+
+/* The same in the process that verifies one journal, where `context` is the options. */
+enum err begin_one(void *context, const char *journal, struct fault *fault);
+
+#endif

@@ -1,0 +1,115 @@
+#include "program/console.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "sandbox/limits.h"
+#include "tui/progress.h"
+
+static volatile sig_atomic_t interrupted, idle;
+static struct progress progress;
+static const char *name = "iftty";
+
+void console_init(const char *program)
+{
+    name = program;
+    signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error that a write returns */
+    progress_init(&progress, STDERR_FILENO);
+}
+
+/* ---- Ctrl-C ---- */
+
+static void interrupt(int number)
+{
+    interrupted = 1;
+    if (idle) {
+        signal(number, SIG_DFL);
+        raise(number); /* once the handler has returned */
+    }
+}
+
+void console_handle_interrupts(void)
+{
+    if (signal(SIGINT, interrupt) == SIG_IGN)
+        signal(SIGINT, SIG_IGN);
+}
+
+void console_forget_interrupt(void)
+{
+    interrupted = 0;
+}
+
+void console_wait(void *context, bool waits)
+{
+    (void)context;
+    idle = waits;
+}
+
+/* ---- progress ---- */
+
+static bool poll_watch(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    static bool taking_back;
+    const bool stop = interrupted;
+    char words[40];
+    (void)context;
+    if (stop && !taking_back)
+        progress.drawn_ns = 0;
+    taking_back = stop;
+    if (stop)
+        snprintf(words, sizeof words, "taking it back%s%s", what ? ": " : "", what ? what : "");
+    if (stop || what)
+        progress_show(&progress, stop ? words : what, done, total, clock_ns());
+    return stop || limits_stop();
+}
+
+static void announce(void *context, const char *line)
+{
+    (void)context;
+    progress_erase(&progress);
+    fprintf(stderr, "%s%s: %s\n", progress.shows ? "\r" : "", name, line);
+}
+
+struct watch *console_watch(void)
+{
+    static struct watch watch = {.poll = poll_watch, .announce = announce};
+    return &watch;
+}
+
+void console_erase_progress(void)
+{
+    progress_erase(&progress);
+}
+
+/* ---- printing ---- */
+
+void console_say(void *context, const char *text)
+{
+    (void)context;
+    progress_erase(&progress);
+    fputs(text, stdout);
+    fflush(stdout);
+}
+
+void console_complain(void *context, const char *text)
+{
+    (void)context;
+    progress_erase(&progress);
+    fputs(text, stderr);
+}
+
+const struct teller console_teller = {.say = console_say, .complain = console_complain};
+
+int console_finish(enum err err, const struct fault *fault)
+{
+    progress_erase(&progress);
+    if (err && fault->text[0])
+        fprintf(stderr, "%s: %s\n", name, fault->text);
+    if ((fflush(stdout) != 0 || ferror(stdout)) && !err) {
+        fprintf(stderr, "%s: cannot write to standard output\n", name);
+        return err_exit_status(ERR_IO);
+    }
+    return err_exit_status(err);
+}

@@ -1,0 +1,134 @@
+/* `iftty log`: a journal as text, in several forms, and its repair. */
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "command/interpreter.h"
+#include "journal/graph.h"
+#include "journal/log.h"
+#include "program/anonymise.h"
+#include "program/programs.h"
+#include "program/provenance.h"
+#include "session/export.h"
+#include "tui/crop.h"
+
+static enum err read_journal(struct buf *bytes, const struct options *o, struct fault *fault)
+{
+    return file_read(bytes, o->word[0], JOURNAL_BYTES_MAX, fault);
+}
+
+/* Line by line, without what a terminal would obey. */
+static void print_safe(const struct buf *text)
+{
+    struct buf line = {0};
+    for (const char *at = buf_text(text), *end = at + text->length; at < end;) {
+        const char *feed = memchr(at, '\n', (size_t)(end - at));
+        const size_t n = feed ? (size_t)(feed - at) : (size_t)(end - at);
+        buf_clear(&line);
+        buf_add_safe(&line, at, n);
+        puts(buf_text(&line));
+        at += n + 1;
+    }
+    buf_release(&line);
+}
+
+enum err run_log(const struct options *o, struct fault *fault)
+{
+    struct buf bytes = {0};
+    const enum err err = read_journal(&bytes, o, fault);
+    if (!err)
+        print_safe(&bytes);
+    buf_release(&bytes);
+    return err;
+}
+
+/* What `write` makes of a journal, printed also where it ends with an error. */
+static enum err print_written(enum err (*write)(struct buf *out, const char *bytes, size_t length,
+                                                struct fault *fault),
+                              const struct options *o, struct fault *fault)
+{
+    struct buf bytes = {0}, text = {0};
+    enum err err = read_journal(&bytes, o, fault);
+    if (!err)
+        err = write(&text, buf_text(&bytes), bytes.length, fault);
+    print_safe(&text);
+    buf_release(&text);
+    buf_release(&bytes);
+    return err;
+}
+
+enum err run_log_script(const struct options *o, struct fault *fault)
+{
+    return print_written(journal_script, o, fault);
+}
+
+enum err run_log_anonymise(const struct options *o, struct fault *fault)
+{
+    return print_written(anonymise_script, o, fault);
+}
+
+enum err run_log_check(const struct options *o, struct fault *fault)
+{
+    struct buf bytes = {0};
+    struct journal_condition condition;
+    enum err err = read_journal(&bytes, o, fault);
+    if (!err)
+        err = journal_check(&condition, buf_text(&bytes), bytes.length, fault);
+    if (!err)
+        puts(condition.text);
+    buf_release(&bytes);
+    return err;
+}
+
+/* At a terminal no wider than it is, with lines where the locale has them. */
+static enum err draw_graph(struct buf *out, const struct buf *bytes, struct fault *fault)
+{
+    const bool is_terminal = isatty(STDOUT_FILENO);
+    struct buf drawn = {0};
+    const enum err err = graph_draw(&drawn, buf_text(bytes), bytes->length,
+                                    is_terminal && crop_locale_is_utf8(), fault);
+    if (!err)
+        crop_lines(out, buf_text(&drawn), is_terminal ? crop_columns(STDOUT_FILENO) : 0);
+    buf_release(&drawn);
+    return !err && out->failed ? fault_memory(fault, "the graph of a journal") : err;
+}
+
+enum err run_log_graph(const struct options *o, struct fault *fault)
+{
+    struct buf bytes = {0}, text = {0};
+    enum err err = read_journal(&bytes, o, fault);
+    if (!err)
+        err = draw_graph(&text, &bytes, fault);
+    if (!err)
+        fputs(buf_text(&text), stdout);
+    buf_release(&text);
+    buf_release(&bytes);
+    return err;
+}
+
+enum err run_log_export(const struct options *o, struct fault *fault)
+{
+    struct buf bytes = {0}, text = {0};
+    enum err err = read_journal(&bytes, o, fault);
+    if (!err)
+        err = provenance_write(&text, file_name(o->word[0]), buf_text(&bytes), bytes.length,
+                               o->anonymise, fault);
+    if (!err && strcmp(o->export, "-") == 0)
+        fputs(buf_text(&text), stdout);
+    else if (!err)
+        err = file_write(o->export, text.data, text.length, FILE_KEEP, fault);
+    buf_release(&text);
+    buf_release(&bytes);
+    return err;
+}
+
+enum err run_log_repair(const struct options *o, struct fault *fault)
+{
+    struct buf lines = {0};
+    const enum err err = journal_repair(o->word[0], SEMANTICS, &lines, fault);
+    if (!err)
+        puts(buf_text(&lines));
+    buf_release(&lines);
+    return err;
+}

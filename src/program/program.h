@@ -1,0 +1,82 @@
+/*
+ * Programs: what can be done from a command line, one row of a table each.
+ *
+ *     iftty verify --bisect A B        name, form, operands
+ *
+ * A row says what the program is called, which operands and options it takes, what it does, and
+ * which function that is. Usage, help, what is refused as bad usage, and the README's list come
+ * from it. A program that does several things has a row for each, its forms: they share the name,
+ * and an option or the first operand says which is meant. What a form ignored would be an option
+ * that it does not take, and that is refused.
+ *
+ * A new program is a row in table.c and its function in a file of its own.
+ */
+#ifndef PROGRAM_PROGRAM_H
+#define PROGRAM_PROGRAM_H
+
+#include "base/buf.h"
+#include "program/option.h"
+#include "tui/picture/graphics.h"
+
+/* What a command line gave, for the program that it names. Another binary with programs of its own
+ * has a struct that begins with this one. */
+struct options {
+    const struct program *program;
+    char **word; /* operands, without the program's name and form */
+    int words;
+    const char *commands, *journal, *scene, *out;
+    const char *junit, *html, *accept, *with, *export, *picture;
+    const char *limit_memory, *limit_time, *limit_output;
+    size_t processes, from, until; /* 0: not given */
+    struct graphics_wish graphics; /* {0}: the terminal decides */
+    bool help, read_only, keep_going, smooth, json, quick, anonymise;
+    bool is_form; /* one that only says which form is meant */
+};
+
+enum { PROGRAM_OPTIONS_MOST = 16 };
+
+struct program {
+    const char *name;  /* NULL: of a command line that names none */
+    const char *form;  /* "--bisect" or "terminal", which its command line holds; NULL: none */
+    const char *words; /* operands, as in "JOURNAL...", and how many they are */
+    int least, most;
+    uint8_t option[PROGRAM_OPTIONS_MOST]; /* rows of the options' table, ended by 0 */
+    const char *summary;                  /* one line */
+    const char *detail;                   /* more, a paragraph a line; or NULL */
+    enum err (*run)(const struct options *options, struct fault *fault);
+};
+
+struct program_table {
+    const char *called;  /* "iftty" */
+    const char *about;   /* what it is: one line */
+    const char *closing; /* what else there is to know, lines */
+    const struct program *row;
+    unsigned rows;
+    struct option_table option;
+};
+
+/* What iftty can do. */
+extern const struct program_table program_table;
+
+/* Finds the program and reads its operands and options into `options`, which begins as {0}, or with
+ * what stands for options that are not given. With --help nothing is read but the name. ERR_USAGE.
+ */
+enum err program_read(const struct program_table *table, int count, char **word,
+                      struct options *options, struct fault *fault);
+
+/* The whole of main: reads, runs or prints help; returns the exit status. */
+int program_main(const struct program_table *table, int count, char **word,
+                 struct options *options);
+
+/* Adds "iftty verify --bisect"; the same with its operands. */
+void program_add_name(struct buf *out, const struct program_table *table,
+                      const struct program *program);
+void program_add_usage(struct buf *out, const struct program_table *table,
+                       const struct program *program);
+
+/* Adds the list of all programs, with the options of the nameless one; and all there is to know
+ * about the program of that name, NULL for the nameless one. False for a name that is none. */
+void program_add_overview(struct buf *out, const struct program_table *table);
+bool program_add_help(struct buf *out, const struct program_table *table, const char *name);
+
+#endif

@@ -1,0 +1,31 @@
+/* The functions of the programs, for the table (table.c). What each does is said there. */
+#ifndef PROGRAM_PROGRAMS_H
+#define PROGRAM_PROGRAMS_H
+
+#include "program/program.h"
+
+enum err run_prompt(const struct options *options, struct fault *fault);
+enum err run_version(const struct options *options, struct fault *fault);
+enum err run_script(const struct options *options, struct fault *fault);
+enum err run_commands(const struct options *options, struct fault *fault);
+enum err run_replay(const struct options *options, struct fault *fault);
+enum err run_verify(const struct options *options, struct fault *fault);
+enum err run_verify_builds(const struct options *options, struct fault *fault);
+enum err run_verify_bisect(const struct options *options, struct fault *fault);
+enum err run_verify_accept(const struct options *options, struct fault *fault);
+enum err run_diff(const struct options *options, struct fault *fault);
+enum err run_log(const struct options *options, struct fault *fault);
+enum err run_log_script(const struct options *options, struct fault *fault);
+enum err run_log_check(const struct options *options, struct fault *fault);
+enum err run_log_graph(const struct options *options, struct fault *fault);
+enum err run_log_export(const struct options *options, struct fault *fault);
+enum err run_log_anonymise(const struct options *options, struct fault *fault);
+enum err run_log_repair(const struct options *options, struct fault *fault);
+enum err run_log_reseal(const struct options *options, struct fault *fault);
+enum err run_show(const struct options *options, struct fault *fault);
+enum err run_info(const struct options *options, struct fault *fault);
+enum err run_bench_brain(const struct options *options, struct fault *fault);
+enum err run_bench_terminal(const struct options *options, struct fault *fault);
+enum err run_help(const struct options *options, struct fault *fault);
+
+#endif

@@ -1,0 +1,239 @@
+/* `iftty` at a terminal, or in a pipe: the prompt and, from there, the pilot. */
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "program/begin.h"
+#include "program/console.h"
+#include "program/pilot_host.h"
+#include "program/programs.h"
+#include "program/shown.h"
+#include "tui/prompt/line_history.h"
+#include "tui/prompt/repl.h"
+
+struct prompt {
+    struct pilot_interpreter pilot; /* first: the pilot's host has this whole as its context */
+    struct pilot_host host;
+    struct interpreter interp;
+    struct reply reply;
+    char name[24];     /* before the "> " */
+    const char *first; /* opened once the prompt is there, so that the prompt is there at once */
+    bool resumes;
+};
+
+/* ---- the host of prompt and pilot ---- */
+
+static void prompt_text(void *context, struct buf *out)
+{
+    const struct prompt *prompt = context;
+    buf_add_safe(out, prompt->name, strlen(prompt->name));
+    buf_add_text(out, "> ");
+}
+
+static enum err prompt_execute(void *context, const char *line, struct buf *output,
+                               struct fault *fault)
+{
+    struct prompt *prompt = context;
+    console_forget_interrupt();
+    enum err err = interpreter_execute(&prompt->interp, line, &prompt->reply, fault);
+    console_erase_progress();
+    if (!err)
+        buf_add_text(output, buf_text(&prompt->reply.text));
+    return err;
+}
+
+static enum err resume_first(struct prompt *prompt, struct buf *output, struct fault *fault)
+{
+    enum err err = interpreter_resume_journal(&prompt->interp, prompt->first, output, fault);
+    console_erase_progress();
+    if (!err)
+        buf_printf(output, "%zu records, resumed as they left it\n",
+                   journal_count(prompt->interp.journal));
+    if (err == ERR_CANCELLED)
+        fault_set(fault, err, "cannot resume %s: cancelled; it is as it was", prompt->first);
+    return err;
+}
+
+/* The scene or journal named on the command line, and what a new session begins with. */
+static enum err prompt_begin(void *context, struct buf *output, struct fault *fault)
+{
+    struct prompt *prompt = context;
+    struct buf line = {0};
+    enum err err = OK;
+    if (prompt->resumes)
+        return resume_first(prompt, output, fault);
+    if (prompt->first) {
+        buf_add_text(&line, "open ");
+        command_write_word(&line, prompt->first);
+        err = prompt_execute(prompt, buf_text(&line), output, fault);
+    }
+    if (!err)
+        err = prompt_execute(prompt, "auto on", output, fault);
+    buf_release(&line);
+    return err;
+}
+
+static void prompt_complete(void *context, const char *line, size_t cursor, struct buf *candidates,
+                            size_t *word_start)
+{
+    const struct prompt *prompt = context;
+    command_complete(candidates, word_start, line, cursor, &prompt->interp);
+}
+
+static void prompt_hint(void *context, const char *line, size_t length, struct buf *out)
+{
+    (void)context;
+    command_hint(out, line, length);
+}
+
+static bool prompt_picture(void *context, struct image_view *out)
+{
+    struct prompt *prompt = context;
+    const bool shows = prompt->interp.shows_picture;
+    prompt->interp.shows_picture = false;
+    *out = shown_picture(&prompt->interp, prompt->pilot.smooth);
+    return shows;
+}
+
+static bool prompt_finished(void *context)
+{
+    const struct prompt *prompt = context;
+    return prompt->interp.finished;
+}
+
+static bool prompt_wants_screen(void *context)
+{
+    struct prompt *prompt = context;
+    const bool flies = prompt->interp.flies;
+    prompt->interp.flies = false;
+    return flies;
+}
+
+static enum err prompt_screen(void *context, struct terminal_facts *facts,
+                              struct line_editor *editor, bool *ended, struct fault *fault)
+{
+    const struct prompt *prompt = context;
+    return pilot_run(&prompt->host, facts, editor, ended, fault);
+}
+
+static void prompt_news(void *context, struct buf *output)
+{
+    struct prompt *prompt = context;
+    picture_writer_news(prompt->interp.writer, output);
+}
+
+static enum err run_repl(struct prompt *prompt, const struct options *o, struct fault *fault)
+{
+    struct picture_writer *writer = prompt->interp.writer;
+    const struct repl_host host = {.context = prompt,
+                                   .wants_screen = prompt_wants_screen,
+                                   .screen = prompt_screen,
+                                   .screen_line = "pilot",
+                                   .begin = prompt_begin,
+                                   .prompt = prompt_text,
+                                   .execute = prompt_execute,
+                                   .complete = prompt_complete,
+                                   .hint = prompt_hint,
+                                   .picture = prompt_picture,
+                                   .news = writer ? prompt_news : NULL,
+                                   .news_descriptor =
+                                       writer ? picture_writer_descriptor(writer) : -1,
+                                   .finished = prompt_finished};
+    struct buf history = {0};
+    const bool has_history = line_history_path(&history);
+    const struct repl_options how = {o->graphics, has_history ? buf_text(&history) : NULL};
+    const enum err err = repl_run(&host, &how, fault);
+    buf_release(&history);
+    return err;
+}
+
+/* ---- beginning and end ---- */
+
+/* "ch2" for /data/ch2.nii.gz; NAME-N.iftty for the first N that is free here. */
+static void name_session(struct prompt *prompt, struct buf *journal)
+{
+    const char *name = prompt->first ? file_name(prompt->first) : "session";
+    size_t n = strcspn(name, ".:");
+    n = n ? n : strlen(name);
+    snprintf(prompt->name, sizeof prompt->name, "%.*s", (int)(n < 20 ? n : 20), name);
+    for (unsigned i = 1; i < 100000; i++) {
+        buf_clear(journal);
+        buf_add(journal, name, n);
+        buf_printf(journal, "-%u.iftty", i);
+        if (!file_exists(buf_text(journal)))
+            break;
+    }
+}
+
+/* The session is over when what it wrote is on the disk; Ctrl-C gives up what is not begun. */
+static void finish_pictures(struct prompt *prompt)
+{
+    struct buf text = {0};
+    console_forget_interrupt();
+    watch_begin(console_watch());
+    picture_writer_wait(prompt->interp.writer, console_watch(), NULL);
+    console_erase_progress();
+    picture_writer_news(prompt->interp.writer, &text);
+    fputs(buf_text(&text), stdout);
+    buf_release(&text);
+}
+
+/* Where the session's record lies. */
+static void print_journal(const struct journal *journal)
+{
+    struct buf text = {0};
+    const char *path = journal_path(journal);
+    buf_add_safe(&text, path, strlen(path));
+    printf("journal: %s (%zu records%s)\n", buf_text(&text), journal_count(journal),
+           journal_only_looks(journal) ? ", not written to" : "");
+    buf_release(&text);
+}
+
+static enum err check(const struct options *o, const struct prompt *prompt, struct fault *fault)
+{
+    if (o->read_only && !o->journal && !prompt->resumes)
+        return fault_set(fault, ERR_USAGE, "--read-only: name the journal to look at");
+    if (prompt->resumes && o->journal)
+        return fault_set(fault, ERR_USAGE, "%s is a journal itself and goes on in its own file",
+                         prompt->first);
+    return OK;
+}
+
+enum err run_prompt(const struct options *o, struct fault *fault)
+{
+    static struct prompt prompt; /* large */
+    struct buf journal = {0};
+    const bool is_terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
+    prompt.first = o->words ? o->word[0] : NULL;
+    prompt.resumes = prompt.first && interpreter_is_journal(prompt.first);
+    enum err err = check(o, &prompt, fault);
+    if (err)
+        return err;
+    name_session(&prompt, &journal);
+    if (isatty(STDIN_FILENO)) /* else nobody is there to go on */
+        console_handle_interrupts();
+    err = begin_interpreter(&prompt.interp, o, fault);
+    if (!o->journal && !prompt.resumes)
+        prompt.interp.new_journal = buf_text(&journal);
+    /* Without it, which is no reason to stop, pictures are waited for. */
+    if (!err && is_terminal)
+        interpreter_write_beside(&prompt.interp, NULL);
+    prompt.host = (struct pilot_host){
+        .context = &prompt, .execute = prompt_execute, .finished = prompt_finished};
+    pilot_host_fill(&prompt.host);
+    prompt.pilot.interp = &prompt.interp;
+    prompt.pilot.smooth = o->smooth;
+    prompt.interp.has_cockpit = is_terminal;
+    if (!err)
+        err = run_repl(&prompt, o, fault);
+    if (prompt.interp.writer)
+        finish_pictures(&prompt);
+    err = end_journal(&prompt.interp, err, fault);
+    if (prompt.interp.journal && isatty(STDOUT_FILENO))
+        print_journal(prompt.interp.journal);
+    reply_release(&prompt.reply);
+    pilot_interpreter_release(&prompt.pilot);
+    interpreter_release(&prompt.interp);
+    buf_release(&journal);
+    return err;
+}

@@ -1,0 +1,29 @@
+#include "program/shown.h"
+
+unsigned shown_hues(uint32_t hue[256], const struct session *session)
+{
+    unsigned count = 0;
+    for (unsigned label = 1; label < 256; label++) {
+        const uint8_t *rgb = session->now.kept.palette.rgb[label];
+        if (session->now.kept.visible[label] && session_label_voxels(session, (uint8_t)label))
+            hue[count++] = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
+    }
+    return count;
+}
+
+struct image_view shown_picture(struct interpreter *interp, bool smooth)
+{
+    static uint32_t hue[256];
+    const struct canvas *shown = &interp->shown;
+    const struct rendition *r = session_frame(&interp->session);
+    struct image_view view = {.width = r->width, .height = r->height, .rgba = r->rgba};
+    if (shown->rgba)
+        view = (struct image_view){
+            .width = shown->width, .height = shown->height, .rgba = shown->rgba};
+    if (interp->session.has_scene && session_count_labels(&interp->session, NULL) == OK) {
+        view.hue = hue;
+        view.hues = shown_hues(hue, &interp->session);
+    }
+    view.smooth = smooth;
+    return view;
+}

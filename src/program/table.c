@@ -1,0 +1,285 @@
+/* The table of programs, and that of their options. */
+#include "program/programs.h"
+#include "verify/verify.h"
+
+/* ---- options ---- */
+
+enum { RECORDS_MOST = 999999999 };
+
+enum {
+    JOURNAL = 1,
+    READ_ONLY,
+    SCENE,
+    OUT,
+    REPLAY_OUT,
+    EVIDENCE_OUT,
+    KEEP_GOING,
+    GRAPHICS,
+    SMOOTH,
+    PROCESSES,
+    FROM,
+    UNTIL,
+    DIFF_UNTIL,
+    JUNIT,
+    HTML,
+    JSON,
+    PICTURE,
+    LIMIT_MEMORY,
+    LIMIT_TIME,
+    LIMIT_OUTPUT,
+    QUICK,
+    NO_NAMES,
+    /* what says which form is meant */
+    COMMANDS,
+    VERSION,
+    BISECT,
+    WITH,
+    ACCEPT,
+    SCRIPT,
+    CHECK,
+    GRAPH,
+    EXPORT,
+    ANONYMISE,
+    REPAIR,
+    RESEAL,
+};
+
+static enum err read_graphics(const struct option *option, const char *text, void *out,
+                              struct fault *fault)
+{
+    struct options *o = out;
+    if (graphics_from_name(text, &o->graphics))
+        return OK;
+    struct buf names = {0};
+    option->add_choices(&names, ", ", " or ");
+    fault_set(fault, ERR_USAGE, "%s: expected %s, not %s", option->name, buf_text(&names), text);
+    buf_release(&names);
+    return ERR_USAGE;
+}
+
+#define FLAG(member) option_read_flag, offsetof(struct options, member), 0, 0, NULL
+#define TEXT(member) option_read_text, offsetof(struct options, member), 0, 0, NULL
+#define NUMBER(member, least, most)                                                                \
+    option_read_number, offsetof(struct options, member), least, most, NULL
+#define FORM NULL, "", FLAG(is_form)
+
+static const struct option option[] = {
+    {0},
+    [JOURNAL] = {"--journal", "FILE", "record there; an existing journal is resumed",
+                 TEXT(journal)},
+    [READ_ONLY] = {"--read-only", NULL,
+                   "resume the journal for looking: it is neither written to nor locked",
+                   FLAG(read_only)},
+    [SCENE] = {"--scene", "FILE", "open this scene, whatever name `open` gives", TEXT(scene)},
+    [OUT] = {"--out", "DIR", "write files into this folder", TEXT(out)},
+    [REPLAY_OUT] = {"--out", "DIR", "write files into this folder, else into a new temporary one",
+                    TEXT(out)},
+    [EVIDENCE_OUT] = {"--out", "DIR",
+                      "leave there what a golden image differs by, in N/ for the Nth journal where "
+                      "several have one name",
+                      TEXT(out)},
+    [KEEP_GOING] = {"--keep-going", NULL, "do not stop at the first error", FLAG(keep_going)},
+    [GRAPHICS] = {"--graphics", "HOW",
+                  "how pictures are shown, whatever the terminal says of itself", read_graphics, 0,
+                  0, 0, graphics_add_names},
+    [SMOOTH] = {"--smooth", NULL,
+                "pictures at the terminal in 24 bits, where it can, for four times the bytes",
+                FLAG(smooth)},
+    [PROCESSES] = {"-j", "N", "verify N journals at once (1..64; 1)",
+                   NUMBER(processes, 1, PROCESSES_MOST)},
+    [FROM] = {"--from", "N", "compare no record before this one", NUMBER(from, 1, RECORDS_MOST)},
+    [UNTIL] = {"--until", "N", "compare no record after this one", NUMBER(until, 1, RECORDS_MOST)},
+    [DIFF_UNTIL] = {"--until", "N", "carry out no record after this one",
+                    NUMBER(until, 1, RECORDS_MOST)},
+    [JUNIT] = {"--junit", "FILE", "a report for other programs, written anew", TEXT(junit)},
+    [HTML] = {"--html", "FILE",
+              "a report as a page with the pictures of each failure, written anew", TEXT(html)},
+    [JSON] = {"--json", NULL, "print JSON", FLAG(json)},
+    [PICTURE] = {"--picture", "FILE.png",
+                 "draw both renditions, and where they differ, side by side", TEXT(picture)},
+    [LIMIT_MEMORY] = {"--limit-memory", "SIZE",
+                      "the most memory that a journal may take, as 2G (3/4 of what is free)",
+                      TEXT(limit_memory)},
+    [LIMIT_TIME] = {"--limit-time", "TIME", "the most time, as 90s, 20m or 1.5h (1h)",
+                    TEXT(limit_time)},
+    [LIMIT_OUTPUT] = {"--limit-output", "SIZE", "the most bytes of files written, as 500M (4G)",
+                      TEXT(limit_output)},
+    [QUICK] = {"--quick", NULL, "few keys, and no slow line", FLAG(quick)},
+    [NO_NAMES] = {"--anonymise", NULL, "without comments and the names of files", FLAG(anonymise)},
+
+    [COMMANDS] = {"-c", "'COMMAND; COMMAND'", "", TEXT(commands)},
+    [VERSION] = {"--version", FORM},
+    [BISECT] = {"--bisect", FORM},
+    [WITH] = {"--with", "PROGRAM", "", TEXT(with)},
+    [ACCEPT] = {"--accept", "WHY", "", TEXT(accept)},
+    [SCRIPT] = {"--script", FORM},
+    [CHECK] = {"--check", FORM},
+    [GRAPH] = {"--graph", FORM},
+    [EXPORT] = {"--export", "FILE", "", TEXT(export)},
+    [ANONYMISE] = {"--anonymise", FORM},
+    [REPAIR] = {"--repair", FORM},
+    [RESEAL] = {"--reseal", FORM},
+};
+
+/* ---- programs ---- */
+
+enum { FILES_MOST = 1 << 20 };
+
+#define ONE(what)       .words = what, .least = 1, .most = 1
+#define TWO(what)       .words = what, .least = 2, .most = 2
+#define AT_MOST_1(what) .words = what, .least = 0, .most = 1
+#define SESSION_OPTIONS JOURNAL, READ_ONLY, SCENE, OUT, GRAPHICS, SMOOTH
+#define LIMIT_OPTIONS   LIMIT_MEMORY, LIMIT_TIME, LIMIT_OUTPUT
+
+static const struct program program[] = {
+    {AT_MOST_1("[SCENE|JOURNAL]"), .option = {SESSION_OPTIONS},
+     .summary = "the prompt, on a new scene or a journal", .run = run_prompt},
+    {.form = "-c",
+     .words = "",
+     .option = {COMMANDS, SESSION_OPTIONS, KEEP_GOING},
+     .summary = "carry out these commands",
+     .run = run_commands},
+    {.name = "run",
+     ONE("FILE|-"),
+     .option = {SESSION_OPTIONS, KEEP_GOING},
+     .summary = "carry out the commands of a script or journal",
+     .detail = "Each command is acknowledged, once its record is on the disk, by a line that "
+               "begins `ok N` and repeats the command. The first error ends the run.",
+     .run = run_script},
+    {.name = "replay",
+     ONE("JOURNAL"),
+     .option = {SCENE, REPLAY_OUT, LIMIT_OPTIONS},
+     .summary = "carry a journal out again, compare results",
+     .detail = "The journal may be a stranger's: it reads the scene that it names, writes below "
+               "one folder, and takes no more than the limits allow.",
+     .run = run_replay},
+    {.name = "verify",
+     .words = "JOURNAL...",
+     .least = 1,
+     .most = FILES_MOST,
+     .option = {PROCESSES, FROM, UNTIL, JUNIT, HTML, EVIDENCE_OUT, SCENE, LIMIT_OPTIONS},
+     .summary = "the same quietly, with golden images; TAP",
+     .detail = "Each journal is carried out in a process of its own, by the rules of `replay`. "
+               "Nothing is written but what these options name.",
+     .run = run_verify},
+    {.name = "verify",
+     .form = "--bisect",
+     TWO("A B"),
+     .option = {BISECT},
+     .summary = "the first record that differs in two journals",
+     .run = run_verify_bisect},
+    {.name = "verify",
+     .form = "--with",
+     ONE("JOURNAL"),
+     .option = {WITH, BISECT, SCENE, LIMIT_OPTIONS},
+     .summary = "the first record another build differs in",
+     .detail = "Both builds carry out the commands of the journal, by the rules of `replay`.",
+     .run = run_verify_builds},
+    {.name = "verify",
+     .form = "--accept",
+     ONE("JOURNAL"),
+     .option = {ACCEPT, SCENE},
+     .summary = "make golden images anew, and record why",
+     .detail = "Those that differ or are missing. Refused where CI is set: this is a person's "
+               "decision. The former journal is kept "
+               "beside the new one.",
+     .run = run_verify_accept},
+    {.name = "diff",
+     TWO("A B"),
+     .option = {DIFF_UNTIL, JSON, PICTURE, SCENE, LIMIT_OPTIONS},
+     .summary = "where two journals part; how labels differ",
+     .detail = "The first command that differs and, for each label, the voxels in both and "
+               "Dice's coefficient. A and B may be scripts as well.",
+     .run = run_diff},
+    {.name = "log", ONE("JOURNAL"), .summary = "print a journal", .run = run_log},
+    {.name = "log",
+     .form = "--script",
+     ONE("JOURNAL"),
+     .option = {SCRIPT},
+     .summary = "its commands alone",
+     .run = run_log_script},
+    {.name = "log",
+     .form = "--anonymise",
+     ONE("JOURNAL"),
+     .option = {ANONYMISE, SCRIPT},
+     .summary = "the same without comments and file names",
+     .run = run_log_anonymise},
+    {.name = "log",
+     .form = "--check",
+     ONE("JOURNAL"),
+     .option = {CHECK},
+     .summary = "whether it is intact, torn or edited",
+     .detail = "By the chain of its records alone: nothing is carried out.",
+     .run = run_log_check},
+    {.name = "log",
+     .form = "--graph",
+     ONE("JOURNAL"),
+     .option = {GRAPH},
+     .summary = "draw its alternatives and the present one",
+     .run = run_log_graph},
+    {.name = "log",
+     .form = "--export",
+     ONE("JOURNAL"),
+     .option = {EXPORT, NO_NAMES},
+     .summary = "its provenance as W3C PROV-JSON, into FILE",
+     .detail = "Where FILE is -, it is printed. Nothing is overwritten.",
+     .run = run_log_export},
+    {.name = "log",
+     .form = "--repair",
+     ONE("JOURNAL"),
+     .option = {REPAIR},
+     .summary = "keep what is sound, and the rest beside it",
+     .run = run_log_repair},
+    {.name = "log",
+     .form = "--reseal",
+     ONE("JOURNAL"),
+     .option = {RESEAL, SCENE},
+     .summary = "give an edited journal its results anew",
+     .run = run_log_reseal},
+    {.name = "show",
+     ONE("PICTURE"),
+     .option = {GRAPHICS, SMOOTH},
+     .summary = "show a picture inline, if the terminal can",
+     .detail = "Prints nothing where standard output is no terminal.",
+     .run = run_show},
+    {.name = "info",
+     AT_MOST_1("[FILE]"),
+     .option = {JSON},
+     .summary = "what a picture, scene, journal or iftty is",
+     .detail = "Without FILE: the version, and how the kernel confines `replay` and `verify`.",
+     .run = run_info},
+    {.name = "bench",
+     AT_MOST_1("[brain]"),
+     .option = {SCENE, JSON},
+     .summary = "measure runs, edits, pictures and the start",
+     .run = run_bench_brain},
+    {.name = "bench",
+     .form = "terminal",
+     .words = "",
+     .option = {QUICK, JSON},
+     .summary = "measure pictures for terminals, and keys",
+     .detail = "Bytes and time of a picture, and the time from a key to its picture. By every "
+               "graphics protocol; chafa beside it, where it is installed.",
+     .run = run_bench_terminal},
+    {.name = "help",
+     AT_MOST_1("[COMMAND|PROGRAM]"),
+     .summary = "the commands of prompt, script and journal",
+     .run = run_help},
+    {.form = "--version",
+     .words = "",
+     .option = {VERSION},
+     .summary = "print the version",
+     .run = run_version},
+};
+
+const struct program_table program_table = {
+    .called = "iftty",
+    .about = "iftty: segment 3-D scenes by seeds, in a terminal",
+    .closing = "`iftty PROGRAM --help` has the options of a program.\n"
+               "Ctrl-C cancels the command at hand; run, -c and replay end with it.\n"
+               "Exit status: 0 fine, 1 a check failed, 2 bad usage, 3 bad input or I/O,\n"
+               "130 Ctrl-C.\n",
+    .row = program,
+    .rows = sizeof program / sizeof program[0],
+    .option = {option, sizeof option / sizeof option[0]},
+};

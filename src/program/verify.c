@@ -1,0 +1,104 @@
+/* `iftty verify` and its forms; `iftty log --reseal`, which is like accepting; `iftty diff`. */
+#include "verify/verify.h"
+
+#include "program/begin.h"
+#include "program/console.h"
+#include "program/programs.h"
+#include "verify/bisect.h"
+#include "verify/diff.h"
+#include "verify/reseal.h"
+
+enum err run_verify(const struct options *o, struct fault *fault)
+{
+    const struct verify_options how = {.path = o->word,
+                                       .count = (size_t)o->words,
+                                       .scene_path = o->scene,
+                                       .evidence_folder = o->out,
+                                       .junit = o->junit,
+                                       .html = o->html,
+                                       .first = o->from,
+                                       .last = o->until,
+                                       .processes = o->processes ? (unsigned)o->processes : 1,
+                                       .begin = begin_one,
+                                       .context = (void *)(uintptr_t)o,
+                                       .watch = console_watch()};
+    if (how.last && how.first > how.last)
+        return fault_set(fault, ERR_USAGE, "--from %zu --until %zu: nothing lies between",
+                         how.first, how.last);
+    const enum err err = o->out ? file_make_folder(o->out, fault) : OK;
+    if (err)
+        return err;
+    console_handle_interrupts();
+    return verify_files(&how, &console_teller, fault);
+}
+
+/* ---- the first record that differs ---- */
+
+enum err run_verify_bisect(const struct options *o, struct fault *fault)
+{
+    console_handle_interrupts();
+    return bisect_journals(o->word[0], o->word[1], &console_teller, fault);
+}
+
+/* Both builds are confined as a replay is. */
+static enum err begin_builds(void *context, const char *folder, const char *const *program,
+                             struct fault *fault)
+{
+    const struct options *o = context;
+    return begin_confined(o, o->word[0], folder, program, fault);
+}
+
+enum err run_verify_builds(const struct options *o, struct fault *fault)
+{
+    const struct bisect_builds how = {.journal = o->word[0],
+                                      .other = o->with,
+                                      .scene_path = o->scene,
+                                      .word = "run",
+                                      .watch = console_watch(),
+                                      .begin = begin_builds,
+                                      .context = (void *)(uintptr_t)o};
+    console_handle_interrupts();
+    return bisect_builds(&how, &console_teller, fault);
+}
+
+enum err run_diff(const struct options *o, struct fault *fault)
+{
+    const struct diff_options how = {.path = {o->word[0], o->word[1]},
+                                     .scene_path = o->scene,
+                                     .picture = o->picture,
+                                     .json = o->json,
+                                     .last = o->until,
+                                     .begin = begin_one,
+                                     .context = (void *)(uintptr_t)o,
+                                     .watch = console_watch()};
+    console_handle_interrupts();
+    return diff_journals(&how, &console_teller, fault);
+}
+
+/* ---- sealing anew ---- */
+
+static enum err begin_own(struct interpreter *interp, const struct options *o, struct fault *fault)
+{
+    console_handle_interrupts();
+    return begin_interpreter(interp, o, fault);
+}
+
+enum err run_verify_accept(const struct options *o, struct fault *fault)
+{
+    struct interpreter interp;
+    enum err err = begin_own(&interp, o, fault);
+    if (!err)
+        err = reseal_accept(&interp, o->word[0], o->accept, &console_teller, fault);
+    interpreter_release(&interp);
+    return err;
+}
+
+enum err run_log_reseal(const struct options *o, struct fault *fault)
+{
+    struct interpreter interp;
+    enum err err = begin_own(&interp, o, fault);
+    if (!err)
+        err = reseal_edited(&interp, o->word[0], &console_teller, fault);
+    interpreter_release(&interp);
+    return err;
+}

@@ -1,0 +1,66 @@
+/* The benchmarks as a program: its table, and its main. */
+#include "tests/bench/bench.h"
+
+enum { JSON = 1, CSV, QUICK_PAPER, QUICK_GROWTH, ROUNDS, PLOTS };
+
+#define FLAG(member) option_read_flag, offsetof(struct bench_options, member), 0, 0, NULL
+#define TEXT(member) option_read_text, offsetof(struct bench_options, member), 0, 0, NULL
+
+static const struct option option[] = {
+    {0},
+    [JSON] = {"--json", NULL, "print JSON", FLAG(common.json)},
+    [CSV] = {"--csv", NULL, "print a row for each scene, step and experiment", FLAG(csv)},
+    [QUICK_PAPER] = {"--quick", NULL, "only the first two steps", FLAG(common.quick)},
+    [QUICK_GROWTH] = {"--quick", NULL, "only the first two scenes", FLAG(common.quick)},
+    [ROUNDS] = {"--rounds", "N", "time each experiment N times (3), take the median",
+                option_read_number, offsetof(struct bench_options, rounds), 1, 99, NULL},
+    [PLOTS] = {"--plots", "DIR", "charts as SVG, into this folder", TEXT(plots)},
+};
+
+static const struct program program[] = {
+    {.name = "paper",
+     .words = "[SCENE...]",
+     .most = 24,
+     .option = {ROUNDS, QUICK_PAPER, JSON, CSV, PLOTS},
+     .summary = "the paper's five experiments",
+     .detail = "On brain and geom, as they are or with the axes interpolated that have a 2 in "
+               "brain211, or ch2better, or all: the same seeds in the same eight steps as in the "
+               "paper, beside its figures.",
+     .run = run_paper},
+    {.name = "growth",
+     .words = "",
+     .option = {QUICK_GROWTH, JSON},
+     .summary = "one edit, in scenes of 4 to 300 million voxels",
+     .detail = "As many scenes as memory holds together. The edit touches the same voxels in each.",
+     .run = run_growth},
+    {.name = "render",
+     .words = "",
+     .option = {JSON},
+     .summary = "frames and incremental images; VTK beside them",
+     .detail = "Whole frames of ch2 with brain and cerebellum, their parts, and incremental "
+               "images; VTK where it is installed.",
+     .run = run_render},
+    {.name = "journal",
+     .words = "[JOURNAL]",
+     .most = 1,
+     .option = {JSON},
+     .summary = "what recording, reading and verifying cost",
+     .detail = "100000 records encoded and read; recording beside the session that is recorded; "
+               "verifying beside the forests and renditions that are made on the way.",
+     .run = run_journal},
+};
+
+static const struct program_table table = {
+    .called = "bench",
+    .about = "bench: what iftty costs, as the paper measures it and in its parts",
+    .closing = "`make bench-paper ARGS=--json` builds and runs one of them.\n",
+    .row = program,
+    .rows = sizeof program / sizeof program[0],
+    .option = {option, sizeof option / sizeof option[0]},
+};
+
+int main(int count, char **word)
+{
+    struct bench_options options = {.rounds = 3};
+    return program_main(&table, count, word, &options.common);
+}

@@ -1,0 +1,32 @@
+/*
+ * The benchmarks that are no part of iftty: a program of its own, built/tests/bench/bench, whose
+ * table is in bench.c. Medians; no time is compared with a limit.
+ */
+#ifndef TESTS_BENCH_BENCH_H
+#define TESTS_BENCH_BENCH_H
+
+#include "program/program.h"
+
+/* What their command lines give. */
+struct bench_options {
+    struct options common; /* first: a benchmark is run with a pointer to this */
+    size_t rounds;
+    const char *plots;
+    bool csv;
+};
+
+enum err run_paper(const struct options *options, struct fault *fault);
+enum err run_growth(const struct options *options, struct fault *fault);
+enum err run_render(const struct options *options, struct fault *fault);
+enum err run_journal(const struct options *options, struct fault *fault);
+
+/* A session of many commands on 7 million voxels, and how long going on with its journal takes: the
+ * least of three times. ERR_CHECK where what is resumed is not what was left. */
+struct bench_resume {
+    unsigned commands;
+    uint64_t voxels;
+    double session_ms, resume_ms;
+};
+enum err bench_resuming(struct bench_resume *figures, struct fault *fault);
+
+#endif

@@ -1,0 +1,230 @@
+/* The table of programs: its rows are whole, and a command line is read as it says. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "program/program.h"
+#include "tests/check.h"
+
+enum { SUMMARY_MOST = 45 }; /* a line of the overview */
+
+static const struct option *row(unsigned number)
+{
+    return program_table.option.row + number;
+}
+
+/* ---- the tables ---- */
+
+STORY(every_program_has_what_its_help_needs)
+{
+    for (unsigned i = 0; i < program_table.rows; i++) {
+        const struct program *p = program_table.row + i;
+        CHECK(p->words && p->summary && *p->summary && p->run);
+        CHECK(strlen(p->summary) <= SUMMARY_MOST && !strchr(p->summary, '\n'));
+        CHECK(p->least >= 0 && p->least <= p->most);
+        CHECK((p->most > 0) == (*p->words != '\0'));
+        CHECK(p->name || p->form || !i); /* the first is what no name stands for */
+    }
+}
+
+STORY(every_option_that_a_program_takes_is_there)
+{
+    for (unsigned i = 0; i < program_table.rows; i++) {
+        const struct program *p = program_table.row + i;
+        unsigned taken = 0;
+        for (; taken < PROGRAM_OPTIONS_MOST && p->option[taken]; taken++) {
+            const struct option *option = row(p->option[taken]);
+            CHECK(p->option[taken] < program_table.option.rows);
+            CHECK(option->name && option->name[0] == '-' && option->read && option->help);
+            for (unsigned j = 0; j < taken; j++)
+                CHECK(strcmp(row(p->option[j])->name, option->name) != 0);
+        }
+        CHECK(taken < PROGRAM_OPTIONS_MOST);
+        if (p->form && *p->form == '-')
+            CHECK(option_find(&program_table.option, p->option, p->form) != 0);
+    }
+}
+
+/* An option without help of its own is one by which a form is called. */
+static bool is_form(const char *name)
+{
+    for (unsigned i = 0; i < program_table.rows; i++)
+        if (program_table.row[i].form && strcmp(program_table.row[i].form, name) == 0)
+            return true;
+    return false;
+}
+
+static bool is_taken(unsigned number)
+{
+    for (unsigned i = 0; i < program_table.rows; i++)
+        for (const uint8_t *o = program_table.row[i].option; *o; o++)
+            if (*o == number)
+                return true;
+    return false;
+}
+
+STORY(every_option_is_taken_and_explained)
+{
+    for (unsigned i = 1; i < program_table.option.rows; i++) {
+        CHECK(is_taken(i));
+        CHECK(*row(i)->help || is_form(row(i)->name));
+        for (unsigned j = 1; j < i; j++)
+            if (strcmp(row(i)->name, row(j)->name) == 0)
+                CHECK(!row(i)->value == !row(j)->value);
+    }
+}
+
+/* ---- command lines ---- */
+
+static struct options o;
+static struct fault fault;
+
+/* Reads a line of words, split at blanks; "_" stands for an empty word. */
+static enum err take(const char *line)
+{
+    static char text[256], *word[32];
+    int count = 0;
+    snprintf(text, sizeof text, "%s", line);
+    for (char *at = strtok(text, " "); at && count < 32; at = strtok(NULL, " "))
+        word[count++] = strcmp(at, "_") == 0 ? at + 1 : at;
+    o = (struct options){.words = 0};
+    fault = (struct fault){.text = ""};
+    return program_read(&program_table, count, word, &o, &fault);
+}
+
+/* The program that a line names, as its usage has it. */
+static const char *name_of(const char *line)
+{
+    static char text[128];
+    struct buf name = {0};
+    CHECK(take(line) == OK);
+    if (o.program)
+        program_add_name(&name, &program_table, o.program);
+    snprintf(text, sizeof text, "%s", buf_text(&name));
+    buf_release(&name);
+    return text;
+}
+
+STORY(the_program_is_found_wherever_its_name_stands)
+{
+    CHECK_TEXT(name_of(""), "iftty");
+    CHECK_TEXT(name_of("ch2.nii.gz"), "iftty");
+    CHECK_TEXT(name_of("run s"), "iftty run");
+    CHECK_TEXT(name_of("--journal run run s"), "iftty run");
+    CHECK_TEXT(o.journal, "run");
+    CHECK_TEXT(name_of("--keep-going run s"), "iftty run");
+    CHECK_TEXT(name_of("-c run --keep-going"), "iftty -c");
+    CHECK_TEXT(o.commands, "run");
+    CHECK_TEXT(name_of("--journal -c"), "iftty");
+    CHECK_TEXT(name_of("--version"), "iftty --version");
+}
+
+STORY(a_form_is_found_by_its_option_or_operand)
+{
+    CHECK_TEXT(name_of("verify a b"), "iftty verify");
+    CHECK_INT(o.words, 2);
+    CHECK_TEXT(name_of("verify a --bisect b"), "iftty verify --bisect");
+    CHECK_TEXT(name_of("verify --bisect a --with p"), "iftty verify --with");
+    CHECK_TEXT(o.with, "p");
+    CHECK_TEXT(name_of("log --anonymise a --export -"), "iftty log --export");
+    CHECK(o.anonymise);
+    CHECK_TEXT(name_of("log --script --anonymise a"), "iftty log --anonymise");
+    CHECK_TEXT(name_of("verify --accept --bisect a"), "iftty verify --accept");
+    CHECK_TEXT(o.accept, "--bisect");
+    CHECK_TEXT(name_of("bench terminal --json"), "iftty bench terminal");
+    CHECK_INT(o.words, 0);
+    CHECK_TEXT(name_of("bench brain"), "iftty bench");
+    CHECK_INT(o.words, 1);
+}
+
+STORY(two_hyphens_end_the_options)
+{
+    CHECK(take("run -- --json") == OK);
+    CHECK_TEXT(o.word[0], "--json");
+    CHECK(take("-- run s") == OK);
+    CHECK_TEXT(o.program->name, "run");
+    CHECK(take("log -- --graph") == OK);
+    CHECK(!o.program->form);
+    CHECK_TEXT(o.word[0], "--graph");
+    CHECK(take("log -- --") == OK);
+    CHECK_TEXT(o.word[0], "--");
+    CHECK(take("--out -- run s") == OK);
+    CHECK_TEXT(o.out, "--");
+    CHECK(take("run -") == OK);
+    CHECK_TEXT(o.word[0], "-");
+    CHECK(take("run -- --help") == OK);
+    CHECK(!o.help);
+}
+
+STORY(help_may_be_asked_for_anywhere)
+{
+    static const char *const line[] = {"verify --help", "-h verify", "verify --nonsense -h a",
+                                       "verify a b --json 1 --help"};
+    for (size_t i = 0; i < sizeof line / sizeof line[0]; i++) {
+        CHECK(take(line[i]) == OK);
+        CHECK(o.help);
+        CHECK_TEXT(o.program->name, "verify");
+    }
+}
+
+static void is_refused(const char *line, const char *words)
+{
+    CHECK(take(line) == ERR_USAGE);
+    CHECK_TEXT(fault.text, words);
+}
+
+STORY(what_is_refused_says_what_to_type)
+{
+    is_refused("run s --junit x.xml --bisect",
+               "`iftty run` has no option --junit; it belongs to `iftty verify`");
+    is_refused("run s --rounds 9", "`iftty run` has no option --rounds; see `iftty run --help`");
+    is_refused("log --check j --graph",
+               "`iftty log --check` has no option --graph; it belongs to `iftty log --graph`");
+    is_refused("info a -c b", "`iftty info` has no option -c; it belongs to `iftty -c`");
+    is_refused("verify a --picture p.png",
+               "`iftty verify` has no option --picture; it belongs to `iftty diff`");
+    is_refused("verify a --juint x", "`iftty verify` has no option --juint; did you mean --junit?");
+    is_refused("verify a -j", "-j needs a value; see `iftty verify --help`");
+    is_refused("verify a -j 0", "-j: expected a number 1..64, not 0");
+    is_refused("verify a -j 3x", "-j: expected a number 1..64, not 3x");
+    is_refused("run s --graphics loud", "--graphics: expected auto, kitty, iterm, sixel, blocks or "
+                                        "none, not loud");
+    is_refused("run", "expected `iftty run FILE|-`, and there are 0 operands");
+    is_refused("diff a", "expected `iftty diff A B`, and there is 1 operand");
+    is_refused("verify --accept why a b",
+               "expected `iftty verify --accept WHY JOURNAL`, and there are 2 operands");
+    is_refused("verfy a",
+               "expected `iftty [SCENE|JOURNAL]`, and there are 2 operands; did you mean verify?");
+}
+
+/* ---- help ---- */
+
+STORY(help_is_narrow_and_has_every_option)
+{
+    struct buf text = {0};
+    program_add_overview(&text, &program_table);
+    for (unsigned i = 0; i < program_table.rows; i++)
+        if (program_table.row[i].name)
+            CHECK(program_add_help(&text, &program_table, program_table.row[i].name));
+    for (const char *at = buf_text(&text); *at;) {
+        const size_t n = strcspn(at, "\n");
+        CHECK(n <= 80);
+        CHECK(n == 0 || at[n - 1] != ' ');
+        at += n + (at[n] == '\n');
+    }
+    for (unsigned i = 1; i < program_table.option.rows; i++)
+        CHECK_HAS(buf_text(&text), row(i)->name);
+    CHECK(!program_add_help(&text, &program_table, "nothing"));
+    CHECK(!text.failed);
+    buf_release(&text);
+}
+
+int main(void)
+{
+    return RUN_STORIES(
+        TELL(every_program_has_what_its_help_needs),
+        TELL(every_option_that_a_program_takes_is_there), TELL(every_option_is_taken_and_explained),
+        TELL(the_program_is_found_wherever_its_name_stands),
+        TELL(a_form_is_found_by_its_option_or_operand), TELL(two_hyphens_end_the_options),
+        TELL(help_may_be_asked_for_anywhere), TELL(what_is_refused_says_what_to_type),
+        TELL(help_is_narrow_and_has_every_option));
+}
