@@ -158,7 +158,7 @@ void golden_tell(struct buf *out, const struct golden_difference *difference)
                    difference->column, difference->row, golden_plane_name(difference->plane),
                    difference->actual, difference->expected);
         if (difference->expected_voxel != difference->actual_voxel)
-            buf_printf(out, "; voxel %" PRIu32 " shows instead of %" PRIu32,
+            buf_printf(out, "; it shows voxel %" PRIu32 " instead of %" PRIu32,
                        difference->actual_voxel, difference->expected_voxel);
     }
 }

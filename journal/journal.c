@@ -57,7 +57,7 @@ static enum err mend_failures(struct journal *journal, struct fault *fault)
         err = file_log_cut(journal->log, journal->kept.length, fault);
     if (!err && file_log_is_in_doubt(journal->log))
         err = file_log_rewrite(journal->log, buf_text(&journal->kept), fault);
-    return err ? fault_prefix(fault, err, "an earlier failure is not mended yet") : OK;
+    return err ? fault_prefix(fault, err, "an earlier failure is not repaired yet") : OK;
 }
 
 static enum err append_to_file(struct journal *journal, const struct buf *bytes,
@@ -211,9 +211,10 @@ static enum err mend(struct journal *journal, const struct buf *bytes,
     if (!err)
         err = file_log_cut(journal->log, finding->sound, fault);
     if (!err && notice) {
-        buf_printf(notice, "%s; %zu bytes were kept in ", finding->fault.text, lost);
+        buf_printf(notice, "%s; %zu byte%s stored in ", finding->fault.text, lost, plural(lost));
         buf_add_safe(notice, buf_text(&name), name.length);
-        buf_printf(notice, " and cut off; %zu records remain", finding->count);
+        buf_printf(notice, " and cut off; %zu record%s left", finding->count,
+                   plural(finding->count));
     }
     buf_release(&name);
     return err;
@@ -297,7 +298,8 @@ enum err journal_repair(const char *path, unsigned semantics, struct buf *told, 
     if (err)
         return err;
     if (told->length == 0)
-        buf_printf(told, "intact, %zu records; nothing was changed", journal_count(journal));
+        buf_printf(told, "intact, %zu record%s; nothing was changed", journal_count(journal),
+                   plural(journal_count(journal)));
     journal_close(journal);
     return OK;
 }
@@ -438,10 +440,9 @@ enum err journal_audit(const struct journal *journal, struct fault *fault)
                                  walk.records == journal->count &&
                                  strcmp(walk.chain.hex, journal->chain.hex) == 0; /* J3 */
     if (!tail_is_fine || !content_is_ours)
-        err = fault_set(fault, ERR_CHECK,
-                        "%s holds %zu records in %zu bytes where %zu in %zu were acknowledged",
-                        journal_path(journal), walk.records, walk.offset, journal->count,
-                        journal->kept.length);
+        err = fault_set(
+            fault, ERR_CHECK, "%s holds %zu records in %zu bytes; acknowledged were %zu in %zu",
+            journal_path(journal), walk.records, walk.offset, journal->count, journal->kept.length);
     walk_release(&walk);
 done:
     buf_release(&bytes);

@@ -93,9 +93,9 @@ enum err journal_check(struct journal_condition *condition, const char *bytes, s
         err = condition_set(condition, JOURNAL_DAMAGED, &record, walk.fault.text, fault);
     if (!err) {
         condition->state = walk.is_journal ? JOURNAL_INTACT : JOURNAL_SCRIPT;
-        snprintf(condition->text, sizeof condition->text, "%s, %zu %s",
+        snprintf(condition->text, sizeof condition->text, "%s, %zu %s%s",
                  walk.is_journal ? "intact" : "a script", condition->records,
-                 walk.is_journal ? "records" : "commands");
+                 walk.is_journal ? "record" : "command", plural(condition->records));
     }
     walk_release(&walk);
     return err;

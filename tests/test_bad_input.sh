@@ -220,7 +220,7 @@ close_story
 
 begin "lines that are too long, zero bytes, bytes of no language"
 { printf 'open good.nii\n'; head -c 100000 /dev/zero | tr '\0' a; printf '\nseed 1,1,1 1\n'; } >script
-refused 2 "script:2: a command of more than 4096 bytes" "$iftty" run script
+refused 2 "script:2: the command is longer than 4096 bytes" "$iftty" run script
 { printf 'open good.nii\nseed 1,1,1 1\000 2\n'; } >script
 refused 2 "script:2: " "$iftty" run script
 printf 'open good.nii\n\000\000\000\n' >script

@@ -509,7 +509,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"clip sagittal 5-12", "there are sagittal slices 0-11, left to right, not 12"},
         {"clip coronal 5-4", "SLICES: expected A-B, or A, within 0-65533, not 5-4"},
         {"clip oblique 1-2", "PLANE: expected axial|coronal|sagittal|none, not oblique"},
-        {"clip none 1-2", "none takes no slices; the view is unchanged"},
+        {"clip none 1-2", "`clip none` takes no slices; the view is unchanged"},
         {"plane", "missing: PLACE; usage: plane none|X,Y,Z"},
         {"plane 12,0,0", "lies outside the scene"},
         {"plane all", "PLACE: expected none or X,Y,Z (voxel indices) or X,Y,Zmm (world), not all"},
@@ -520,7 +520,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"focus here",
          "PLACE: expected scene or X,Y,Z (voxel indices) or X,Y,Zmm (world), not here"},
         {"focus 12,0,0", "lies outside the scene, whose voxels are 0,0,0 to 11,10,9"},
-        {"golden ../front", "small letters"},
+        {"golden ../front", "lower-case letters"},
         {"pick 0 0", "`render` first"},
         {"remove 1,1,1", "no seed reaches it"},
         {"cross 12,0,0", "lies outside the scene, whose voxels are 0,0,0 to 11,10,9"},
@@ -559,7 +559,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
     if (CHECK(lengthy != NULL)) {
         memset(lengthy, 'a', 100000);
         lengthy[100000] = '\0';
-        is_refused(&interp, lengthy, "more than 4096 bytes");
+        is_refused(&interp, lengthy, "longer than 4096 bytes");
         lengthy[4000] = '\0';
         is_refused(&interp, lengthy, "unknown command aaaa");
     }
@@ -1595,12 +1595,12 @@ STORY(weights_of_steps_go_by_both_ends)
     must(&interp, "why 5,0,0");
     CHECK_HAS(buf_text(&reply.text), "intensity 15, a step of weight 3, label 1");
     must(&interp, "polarity 1 50");
-    CHECK_HAS(buf_text(&reply.text), "heeded under `weight polarity`");
+    CHECK_HAS(buf_text(&reply.text), "used only under `weight polarity`");
     CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 63);
     must(&interp, "weight polarity");
     CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 31); /* up to brighter: half */
     must(&interp, "polarity 1 -50");
-    CHECK(strstr(buf_text(&reply.text), "heeded") == NULL);
+    CHECK(strstr(buf_text(&reply.text), "used only") == NULL);
     CHECK_INT(key_cost(cell_at(&interp, 6, 0, 0)->key), 94);
     must(&interp, "stats");
     CHECK_HAS(buf_text(&reply.text), "weight polarity 1:-50\n");
@@ -1623,28 +1623,28 @@ STORY(a_roi_keeps_the_forest_in)
     CHECK(!cell_is_reached(cell_at(&interp, 4, 5, 5)) &&
           !cell_is_reached(cell_at(&interp, 8, 5, 5)));
     must(&interp, "info");
-    CHECK_HAS(buf_text(&reply.text), "fence     mask regions.nii regions 1-65533: 880 of 1320");
+    CHECK_HAS(buf_text(&reply.text), "region    mask regions.nii regions 1-65533: 880 of 1320");
     must(&interp, "why 4,5,5");
-    CHECK_HAS(buf_text(&reply.text), "outside the fence");
+    CHECK_HAS(buf_text(&reply.text), "outside the region of interest");
     must(&interp, "range 0 20");
     CHECK_HAS(buf_text(&reply.words), "fence=");
     CHECK(!cell_is_reached(cell_at(&interp, 3, 10, 5)));
     must(&interp, "stats");
     CHECK_HAS(buf_text(&reply.text), "mask regions.nii regions 1-65533, range 0..20: ");
     must(&interp, "seed 3,1,1 1 radius=2");
-    CHECK_HAS(buf_text(&reply.text), "left out, being outside the fence: ");
-    is_refused(&interp, "seed 5,5,5 2", "outside the fence, where no tree grows");
+    CHECK_HAS(buf_text(&reply.text), "left out, outside the region of interest: ");
+    is_refused(&interp, "seed 5,5,5 2", "outside the region of interest, where no tree grows");
     is_refused(&interp, "seed-file bright.csv", "nothing was planted");
     must(&interp, "seed-file seeds.csv");
     CHECK_HAS(buf_text(&reply.words), "added=1 ");
-    CHECK_HAS(buf_text(&reply.text), "left out, being outside the fence: 1\n");
+    CHECK_HAS(buf_text(&reply.text), "left out, outside the region of interest: 1 voxel\n");
     is_refused(&interp, "remove 5,5,5", "no seed reaches it");
     must(&interp, "range none");
     must(&interp, "mask none");
     CHECK_HAS(buf_text(&reply.words), "fence=0000000000000000 inside=1320 ");
     CHECK_INT(cell_at(&interp, 11, 10, 9)->label, 1);
     must(&interp, "info");
-    CHECK(strstr(buf_text(&reply.text), "fence") == NULL);
+    CHECK(strstr(buf_text(&reply.text), "region") == NULL);
     interpreter_release(&interp);
 }
 
@@ -1683,7 +1683,7 @@ STORY(a_roi_or_weights_that_are_wrong_change_nothing)
         {"mask narrow.nii", "narrow.nii: the map has 9x11x10 voxels and the scene 12x11x10"},
         {"mask seeds.csv", "seeds.csv: "},
         {"mask", "missing: FILE; usage: mask none|FILE [regions=A-B]"},
-        {"mask none regions=1", "regions: no mask has none"},
+        {"mask none regions=1", "regions: `mask none` has no regions"},
         {"weight narrow.nii", "narrow.nii: the map has 9x11x10 voxels"},
         {"weight wide.nii",
          "wide.nii: voxel 0,0,0 of the map holds 65536; weights are whole numbers"},

@@ -263,7 +263,7 @@ STORY(what_a_failed_sync_may_have_lost_is_written_again)
     }
     fclose(file);
     CHECK(append(journal, 7, &fault) == ERR_IO); /* the second bad sync */
-    CHECK_HAS(fault.text, "not mended yet");
+    CHECK_HAS(fault.text, "not repaired yet");
     CHECK_INT(journal_count(journal), 6);
     CHECK(append(journal, 7, NULL) == OK);
     file_step_hook = NULL;

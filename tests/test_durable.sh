@@ -41,7 +41,7 @@ err_has "--read-only"
 cp a.iftty a.kept
 expect 0 "$iftty" -c 'stats; seed 9,9,9 2; journal; journal mine.iftty; seed 8,8,8 3' --read-only \
     --journal a.iftty
-out_has "3 records, looked at: nothing is written"
+out_has "3 records, read-only: nothing is written"
 err_has "a.iftty is only looked at"
 same_files a.iftty a.kept
 expect 0 "$iftty" verify mine.iftty
@@ -123,7 +123,7 @@ close_story
 
 begin "journal FILE where there is something, or nothing to go on from"
 expect 0 "$iftty" -c 'open s.nii; journal; journal d.iftty; seed 1,2,3 1; journal' --journal e.iftty
-out_has "e.iftty, 1 records"
+out_has "e.iftty, 1 record"
 out_has "d.iftty, 2 records"
 cp d.iftty d.kept
 expect 3 "$iftty" -c 'journal d.iftty' --journal e.iftty
@@ -173,13 +173,13 @@ err_has "iftty log --repair"
 expect 0 "$iftty" log --repair r.iftty
 out_has "record 3"
 out_has "r.iftty.torn-1"
-out_has "2 records remain"
+out_has "2 records left"
 cat r.iftty r.iftty.torn-1 | cmp -s - r.harmed || fail "bytes are lost"
 expect 0 "$iftty" verify r.iftty
 sed 's/semantics [0-9]*/semantics 999/' r.kept >v.iftty
 cp v.iftty v.kept
 expect 0 "$iftty" log --repair v.iftty # record 1 covers the header
-out_has "0 records remain"
+out_has "0 records left"
 cat v.iftty v.iftty.torn-1 | cmp -s - v.kept || fail "bytes are lost"
 echo 'open s.nii' >script
 expect 3 "$iftty" log --repair script

@@ -278,7 +278,7 @@ STORY(damage_is_refused_and_cut_only_on_request)
     resume.cuts_damage = true;
     CHECK(journal_open(&journal, path, &resume, &notice, &fault) == OK);
     CHECK_INT(count, 2);
-    CHECK_HAS(buf_text(&notice), "2 records remain");
+    CHECK_HAS(buf_text(&notice), "2 records left");
     CHECK(is_file_of(place("damaged.iftty.torn-1"), third,
                      bytes.length - (size_t)(third - bytes.data)));
     CHECK(append(journal, 3, NULL) == OK);
@@ -477,7 +477,7 @@ STORY(nothing_follows_an_append_that_could_not_be_taken_back)
     fail_after(1, true, EIO); /* the write succeeds, its sync and that of the cut fail */
     CHECK(append(journal, 2, &fault) == ERR_IO);
     CHECK(append(journal, 2, &fault) == ERR_IO);
-    CHECK_HAS(fault.text, "not mended yet");
+    CHECK_HAS(fault.text, "not repaired yet");
     CHECK_INT(journal_count(journal), 1);
     file_step_hook = NULL;
     CHECK(append(journal, 2, &fault) == OK);

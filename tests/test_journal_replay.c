@@ -378,7 +378,7 @@ STORY(the_first_difference_is_told_in_words)
     golden_tell(&words, &d);
     CHECK_TEXT(buf_text(&words),
                "2 of 6 pixels differ, first column 1, row 0: depth is 12.5 (0x41480000), "
-               "2.5 (0x40200000) was expected; voxel 201 shows instead of 200");
+               "2.5 (0x40200000) was expected; it shows voxel 201 instead of 200");
     golden_difference_release(&d);
     other = plain;
     other.rgba[0][3] = 0;

@@ -35,7 +35,7 @@ expect 0 "$iftty" -c "open synth:geom:200x200x100" --journal sized.iftty
 expect 0 "$iftty" -c "open synth:geom" --journal plain.iftty
 same "$(last_word scene sized.iftty)" "$(last_word scene plain.iftty)"
 expect 0 "$iftty" -c "open synth:geom:7x5x3; seed 3,2,1 1; run; stats"
-out_has "label 1: 1 seeds, 105 voxels"
+out_has "label 1: 1 seed, 105 voxels"
 close_story
 
 begin "a large scene says what it needs, on standard error, and nothing else stands there"

@@ -176,7 +176,7 @@ close_story
 
 begin "in a script there is no pilot"
 expect 2 "$iftty" -c "open s.nii; pilot"
-grep -q "the pilot flies at a terminal's prompt alone" err || fail "$(cat err)"
+grep -q "the pilot needs the prompt of a terminal" err || fail "$(cat err)"
 close_story
 
 finish

@@ -38,7 +38,7 @@ same "$(sed -n 's/^ok \([0-9]*\) .*/\1/p' out | tr '\n' ' ')" "1 2 3 4 5 6 7 8 9
 [ ! -s err ] || fail "$(cat err)"
 expect 0 "$iftty" run script --journal j.iftty
 acks | cmp -s - canonical || fail "$(acks | diff - canonical)"
-out_has "kept as j.golden/first.exr"
+out_has "stored as j.golden/first.exr"
 same "$(grep -c '^= ' j.iftty)" 13
 expect 0 "$iftty" log --script j.iftty
 grep '^[a-z]' out | cmp -s - canonical || fail "log --script: $(diff out canonical)"

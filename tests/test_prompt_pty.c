@@ -223,7 +223,7 @@ STORY(a_line_is_typed_mended_and_carried_out)
     SEE_LINE(&t, "synth> seed 20,20,15 1");
     CHECK_INT(t.screen.column, 7 + 3);
     type(&t, "\r");
-    SEE_BEGIN(&t, "48000 voxels changed, 1 48 ml, ");
+    SEE_BEGIN(&t, "48000 voxels changed, label 1: 48 ml, ");
     SEE_LINE(&t, "synth>");
     type(&t, "label 1 \346\234\254x");
     SEE_LINE(&t, "synth> label 1 \346\234\254x [#rrggbb]");
@@ -237,7 +237,7 @@ STORY(a_line_is_typed_mended_and_carried_out)
     bool tells = false;
     for (unsigned y = 0; y < t.screen.rows; y++)
         tells |= strstr(screen_row(&t.screen, y), " voxels changed, ") &&
-                 strstr(screen_row(&t.screen, y), "1 kidney ");
+                 strstr(screen_row(&t.screen, y), "label 1 kidney: ");
     CHECK(tells);
     quit(&t);
     CHECK_HAS(journal(1), "\nlabel 1 kidney\n");
@@ -580,7 +580,7 @@ STORY(a_dumb_terminal_gets_no_escape_at_all)
     start(&t, &setting);
     SEE_LINE(&t, "synth>");
     type(&t, "seed 20,20,15 1\r");
-    SEE_BEGIN(&t, "48000 voxels changed, 1 48 ml, ");
+    SEE_BEGIN(&t, "48000 voxels changed, label 1: 48 ml, ");
     type(&t, "sede\r");
     SEE(&t, "error: unknown command sede; did you mean seed?");
     type(&t, "quit\r");

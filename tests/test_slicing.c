@@ -548,7 +548,7 @@ STORY(a_pixel_of_a_slice_tells_its_voxel)
     must(&interp, "cross 1,2,3");
     picks(&interp, "pick 0 0 of=axial", "voxel 9,9,3 at 9.0,9.0,3.0 mm: intensity 399,");
     picks(&interp, "pick 9 9 of=axial", "voxel 0,0,3 ");
-    CHECK_HAS(buf_text(&reply.text), "reached by no seed\n");
+    CHECK_HAS(buf_text(&reply.text), "no seed reaches it\n");
     picks(&interp, "pick 9 0 of=coronal", "voxel 0,2,9 ");
     picks(&interp, "pick 0 9 of=sagittal", "voxel 1,9,0 ");
     CHECK_INT(session_pendings(&interp.session), 1); /* asking runs nothing */

@@ -214,18 +214,19 @@ STORY(an_edit_is_answered_with_what_it_changed)
     begin_with_scene(&interp);
     must(&interp, "auto on");
     must(&interp, "seed 9,9,8 1"); /* 12 x 11 x 10 voxels of 1 x 1.5 x 2 mm, oblique */
-    CHECK_TEXT(answer(), "1320 voxels changed, 1 3.96 ml");
+    CHECK_TEXT(answer(), "1320 voxels changed, label 1: 3.96 ml");
     must(&interp, "seed 1,1,1 2");
     const uint64_t one = session_label_voxels(&interp.session, 1);
     const uint64_t two = session_label_voxels(&interp.session, 2);
     CHECK_INT(one + two, 1320);
-    CHECK_HAS(answer(), one > two ? " voxels changed, 1 " : " voxels changed, 2 cerebellum ");
-    CHECK_HAS(answer(), ", 2 cerebellum ");
+    CHECK_HAS(answer(),
+              one > two ? " voxels changed, label 1: " : " voxels changed, label 2 cerebellum: ");
+    CHECK_HAS(answer(), ", label 2 cerebellum: ");
     CHECK_HAS(buf_text(&reply.text), " ms\n");
     must(&interp, "remove 1,1,1");
-    CHECK_HAS(answer(), ", 1 3.96 ml, 2 cerebellum 0 ml");
+    CHECK_HAS(answer(), ", label 1: 3.96 ml, label 2 cerebellum: 0 ml");
     must(&interp, "undo");
-    CHECK_HAS(answer(), ", 2 cerebellum ");
+    CHECK_HAS(answer(), ", label 2 cerebellum: ");
     must(&interp, "seed 1,1,1 2"); /* is there already */
     CHECK(strstr(answer(), "cerebellum") == NULL);
     must(&interp, "hide 2");

@@ -27,6 +27,12 @@ void buf_printf(struct buf *b, const char *format, ...) __attribute__((format(pr
 void buf_vprintf(struct buf *b, const char *format, va_list words)
     __attribute__((format(printf, 2, 0)));
 
+/* What follows a noun after a count: buf_printf(b, "%zu voxel%s", n, plural(n)). */
+static inline const char *plural(uint64_t count)
+{
+    return count == 1 ? "" : "s";
+}
+
 /* Adds `length` bytes of `text` with everything a terminal would obey escaped (base/safe.h). */
 void buf_add_safe(struct buf *b, const char *text, size_t length);
 

@@ -132,10 +132,10 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
                            struct picture *picture);
 
 /* A line: where a voxel is, its intensity, its label and the seed it has that from. */
-void act_tell_voxel(struct buf *out, const struct session *session, uint32_t cell);
+void act_write_voxel(struct buf *out, const struct session *session, uint32_t cell);
 
 /* Lines: the view, and how the patient lies in the picture. */
-void act_tell_view(struct buf *out, const struct session *session);
+void act_write_view(struct buf *out, const struct session *session);
 
 /* What slices show: "through 90,108,90: axial 90, ...; window 0 142, overlay contour". */
 void act_write_slices(struct buf *out, struct session *session);

@@ -6,6 +6,8 @@
 #include "base/choice.h"
 #include "journal/journal.h"
 
+enum { RISES_MOST = 8 }; /* places where the cost rose that `why` lists */
+
 void act_write_label(struct buf *out, const struct session *session, unsigned label)
 {
     const char *name = session->now.kept.label_name[label];
@@ -17,9 +19,9 @@ static double real_value(const struct session *session, uint16_t intensity)
     return session->geometry.slope * intensity + session->geometry.intercept;
 }
 
-/* Of the voxel, or of the step from its predecessor, where weights are of steps. */
-static void tell_voxel_weight(struct buf *out, const struct session *session,
-                              const struct cell *cell)
+/* The weight of the voxel; where weights are those of steps, of the step from its predecessor. */
+static void write_voxel_weight(struct buf *out, const struct session *session,
+                               const struct cell *cell)
 {
     const struct arc_rule *arcs = forest_arcs(session->forest);
     if (arcs->kind == ARC_TARGET) {
@@ -34,7 +36,7 @@ static void tell_voxel_weight(struct buf *out, const struct session *session,
         buf_printf(out, "a step of weight %u, ", arc_weight_now(arcs, cells + before, cell));
 }
 
-void act_tell_voxel(struct buf *out, const struct session *session, uint32_t at)
+void act_write_voxel(struct buf *out, const struct session *session, uint32_t at)
 {
     const struct grid *grid = &session->scene->grid;
     const struct cell *cell = session->scene->cell + at;
@@ -43,10 +45,10 @@ void act_tell_voxel(struct buf *out, const struct session *session, uint32_t at)
     geometry_point(&session->geometry, (const uint32_t[]){p.x, p.y, p.z}, mm);
     buf_printf(out, "voxel %u,%u,%u at %.1f,%.1f,%.1f mm: intensity %g, ", p.x, p.y, p.z, mm[0],
                mm[1], mm[2], real_value(session, cell->intensity));
-    tell_voxel_weight(out, session, cell);
+    write_voxel_weight(out, session, cell);
     if (!cell_is_reached(cell)) {
-        buf_add_text(out,
-                     cell->flags & CELL_OUTSIDE ? "outside the fence\n" : "reached by no seed\n");
+        buf_add_text(out, cell->flags & CELL_OUTSIDE ? "outside the region of interest\n"
+                                                     : "no seed reaches it\n");
         return;
     }
     struct place root = grid_place(grid, key_root(cell->key));
@@ -55,7 +57,7 @@ void act_tell_voxel(struct buf *out, const struct session *session, uint32_t at)
     buf_printf(out, ", of the seed at %u,%u,%u\n", root.x, root.y, root.z);
 }
 
-/* How a voxel came to its label: the path back to the seed, where the cost rose. */
+/* How a voxel came to its label: its path back to the seed, and where on it the cost rose. */
 enum err act_why(const struct act *act)
 {
     const struct session *session = act->session;
@@ -63,23 +65,23 @@ enum err act_why(const struct act *act)
     const uint32_t *p = act->value[0].place;
     uint32_t at = grid_cell(grid, p[0], p[1], p[2]);
     const struct cell *cell = session->scene->cell + at;
-    size_t steps = 0, told = 0;
+    size_t steps = 0, rises = 0;
     uint32_t before;
-    act_tell_voxel(&act->reply->text, session, at);
+    act_write_voxel(&act->reply->text, session, at);
     if (!cell_is_reached(cell))
         return OK;
-    buf_printf(&act->reply->text, "cost %u, %u steps since it last rose\n", key_cost(cell->key),
-               key_hops(cell->key));
+    buf_printf(&act->reply->text, "cost %u, %u step%s since it last rose\n", key_cost(cell->key),
+               key_hops(cell->key), plural(key_hops(cell->key)));
     for (; (before = forest_predecessor(session->forest, at)) != CELL_NONE; steps++) {
-        if (key_hops(cell->key) == 0 && told++ < 8) {
+        if (key_hops(cell->key) == 0 && rises++ < RISES_MOST) {
             struct place rise = grid_place(grid, at);
-            buf_printf(&act->reply->text, "    the path climbs to %u at %u,%u,%u\n",
+            buf_printf(&act->reply->text, "    the cost rises to %u at %u,%u,%u\n",
                        key_cost(cell->key), rise.x, rise.y, rise.z);
         }
         at = before;
         cell = session->scene->cell + at;
     }
-    buf_printf(&act->reply->text, "%zu steps from the seed in all\n", steps);
+    buf_printf(&act->reply->text, "%zu step%s from the seed in all\n", steps, plural(steps));
     return OK;
 }
 
@@ -95,7 +97,7 @@ enum err act_why(const struct act *act)
     }
 
 /* "gauss 1.5", "polarity 1:50 2:-20", "of edges.nii" */
-static void tell_weight(struct buf *out, const struct kept *kept)
+static void write_weight(struct buf *out, const struct kept *kept)
 {
     const struct weight_choice *choice = &kept->weight;
     const struct weight_row *row = &weight_table[choice->kind];
@@ -116,16 +118,16 @@ static void tell_weight(struct buf *out, const struct kept *kept)
             buf_printf(out, " %u:%d", label, kept->polarity[label]);
 }
 
-static void tell_roi(struct buf *out, const struct session *session)
+static void write_roi(struct buf *out, const struct session *session)
 {
     struct buf roi = {0};
     if (act_write_roi(&roi, session))
-        buf_printf(out, "fence     %s: %zu of %zu voxels inside\n", buf_text(&roi),
+        buf_printf(out, "region    %s: %zu of %zu voxels inside\n", buf_text(&roi),
                    session->roi_tally.inside, session->scene->grid.voxels);
     buf_release(&roi);
 }
 
-static void tell_look(struct buf *out, const struct look *look)
+static void write_look(struct buf *out, const struct look *look)
 {
     static const char *const normals[] = {"surface", "scene", "depth"};
     buf_printf(out, "look      shade %s, light %g %g, cue %u, edges %s, samples %u\n",
@@ -141,7 +143,8 @@ enum err act_info(const struct act *act)
         buf_add_text(out, "journal   ");
         buf_add_safe(out, journal_path(act->interp->journal),
                      strlen(journal_path(act->interp->journal)));
-        buf_printf(out, ", %zu records\n", journal_count(act->interp->journal));
+        buf_printf(out, ", %zu record%s\n", journal_count(act->interp->journal),
+                   plural(journal_count(act->interp->journal)));
     }
     if (!session->has_scene) {
         buf_add_text(out, "no scene is open\n");
@@ -156,14 +159,15 @@ enum err act_info(const struct act *act)
                towards, (unsigned long long)session->scene_digest);
     buf_printf(out, "values    %g * intensity %+g\n", session->geometry.slope,
                session->geometry.intercept);
-    buf_printf(out, "forest    %zu seeds, %zu edits waiting, adjacency %u, weight ",
-               forest_seeds(session->forest), session_pendings(session),
+    buf_printf(out, "forest    %zu seed%s, %zu edit%s waiting, adjacency %u, weight ",
+               forest_seeds(session->forest), plural(forest_seeds(session->forest)),
+               session_pendings(session), plural(session_pendings(session)),
                session->now.kept.adjacency);
-    tell_weight(out, &session->now.kept);
+    write_weight(out, &session->now.kept);
     buf_add_char(out, '\n');
-    tell_roi(out, session);
-    act_tell_view(out, session);
-    tell_look(out, &session->now.outlook.look);
+    write_roi(out, session);
+    act_write_view(out, session);
+    write_look(out, &session->now.outlook.look);
     struct buf cut = {0};
     if (act_write_cut(&cut, session))
         buf_printf(out, "cut away  %s\n", buf_text(&cut));
@@ -201,16 +205,18 @@ enum err act_stats(const struct act *act)
             continue;
         buf_add_text(&act->reply->text, "label ");
         act_write_label(&act->reply->text, session, label);
-        buf_printf(&act->reply->text, ": %zu seeds, %zu voxels, %.1f ml%s\n", seeds[label],
-                   voxels[label], (double)voxels[label] * ml,
+        buf_printf(&act->reply->text, ": %zu seed%s, %zu voxel%s, %.1f ml%s\n", seeds[label],
+                   plural(seeds[label]), voxels[label], plural(voxels[label]),
+                   (double)voxels[label] * ml,
                    label && !session->now.kept.visible[label] ? ", hidden" : "");
     }
     buf_add_text(&act->reply->text, "weight ");
-    tell_weight(&act->reply->text, &session->now.kept);
+    write_weight(&act->reply->text, &session->now.kept);
     buf_add_char(&act->reply->text, '\n');
-    tell_roi(&act->reply->text, session);
-    buf_printf(&act->reply->text, "%zu border voxels; forest %016llx, labels %016llx\n",
-               border_count(&session->border), (unsigned long long)forest_digest(session->forest),
+    write_roi(&act->reply->text, session);
+    buf_printf(&act->reply->text, "%zu border voxel%s; forest %016llx, labels %016llx\n",
+               border_count(&session->border), plural(border_count(&session->border)),
+               (unsigned long long)forest_digest(session->forest),
                (unsigned long long)forest_label_digest(session->forest));
     return OK;
 }
@@ -224,7 +230,7 @@ enum err act_help(const struct act *act)
 enum err act_pilot(const struct act *act)
 {
     if (!act->interp->has_cockpit)
-        return fault_set(act->fault, ERR_USAGE, "the pilot flies at a terminal's prompt alone");
+        return fault_set(act->fault, ERR_USAGE, "the pilot needs the prompt of a terminal");
     act->interp->flies = true;
     return OK;
 }

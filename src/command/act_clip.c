@@ -17,8 +17,8 @@ static const struct {
 };
 enum { SLAB_NONE = 3 }; /* the choice after these */
 
-static void keep_slab(struct cut *cut, const struct scene *scene, enum slice_plane plane,
-                      const uint32_t range[2])
+static void set_slab(struct cut *cut, const struct scene *scene, enum slice_plane plane,
+                     const uint32_t range[2])
 {
     const int axis = slice_axis(scene, plane);
     uint32_t a[3] = {0}, b[3] = {0};
@@ -38,7 +38,8 @@ enum err act_clip(const struct act *act)
     if (plane == SLAB_NONE) {
         const struct cut whole = cut_none();
         if (act->value[1].given)
-            return fault_set(act->fault, ERR_USAGE, "none takes no slices; the view is unchanged");
+            return fault_set(act->fault, ERR_USAGE,
+                             "`clip none` takes no slices; the view is unchanged");
         memcpy(cut.first, whole.first, sizeof cut.first);
         memcpy(cut.last, whole.last, sizeof cut.last);
         return session_set_cut(session, &cut, act->fault);
@@ -52,7 +53,7 @@ enum err act_clip(const struct act *act)
                          "there are %s slices 0-%u, %s to %s, not %u; the view is unchanged",
                          slab[plane].name, count - 1, slab[plane].from, slab[plane].to,
                          act->value[1].place[1]);
-    keep_slab(&cut, session->scene, (enum slice_plane)plane, act->value[1].place);
+    set_slab(&cut, session->scene, (enum slice_plane)plane, act->value[1].place);
     return session_set_cut(session, &cut, act->fault);
 }
 
@@ -67,8 +68,8 @@ enum err act_plane(const struct act *act)
         cut.planes = 0;
     } else if (cut.planes == CUT_PLANES_MOST) {
         return fault_set(act->fault, ERR_LIMIT,
-                         "%d planes are the most; `plane none` takes them off; the view is "
-                         "unchanged",
+                         "there are %d planes already, the most; `plane none` removes them; the "
+                         "view is unchanged",
                          CUT_PLANES_MOST);
     } else {
         cut.plane[cut.planes++] =
@@ -98,9 +99,10 @@ enum err act_cut(const struct act *act)
         memset(cut.box, 0, sizeof cut.box);
         cut.boxes = 0;
     } else if (cut.boxes == CUT_BOXES_MOST) {
-        return fault_set(act->fault, ERR_LIMIT,
-                         "%d boxes are the most; `cut none` puts them back; the view is unchanged",
-                         CUT_BOXES_MOST);
+        return fault_set(
+            act->fault, ERR_LIMIT,
+            "there are %d boxes already, the most; `cut none` removes them; the view is unchanged",
+            CUT_BOXES_MOST);
     } else {
         cut.box[cut.boxes++] = box_between(act->value[0].place, act->value[1].place);
     }
@@ -123,15 +125,15 @@ bool act_write_cut(struct buf *out, const struct session *session)
         last[axis] = cut->last[axis] < end ? cut->last[axis] : end;
         const uint32_t a = slice_index(scene, plane, cut->first),
                        b = slice_index(scene, plane, last);
-        buf_printf(out, "%s%s slices %u-%u kept", between, slab[plane].name, a < b ? a : b,
+        buf_printf(out, "%sall but %s slices %u-%u", between, slab[plane].name, a < b ? a : b,
                    a < b ? b : a);
         between = ", ";
     }
     if (cut->planes) {
-        buf_printf(out, "%s%u plane%s", between, cut->planes, cut->planes > 1 ? "s" : "");
+        buf_printf(out, "%s%u plane%s", between, cut->planes, plural(cut->planes));
         between = ", ";
     }
     if (cut->boxes)
-        buf_printf(out, "%s%u box%s taken out", between, cut->boxes, cut->boxes > 1 ? "es" : "");
+        buf_printf(out, "%s%u %s", between, cut->boxes, cut->boxes == 1 ? "box" : "boxes");
     return !cut_is_none(cut);
 }

@@ -118,7 +118,7 @@ static enum err settle_golden(const struct act *act, const char *name, struct pi
     else if (!err)
         err = write_golden(interp, name, buf_text(&path), picture, act->fault);
     if (!err && !interp->replays)
-        act_write_file_line("kept as ", buf_text(&path), act->reply);
+        act_write_file_line("stored as ", buf_text(&path), act->reply);
     buf_release(&path);
     return err;
 }
@@ -141,19 +141,21 @@ enum err act_golden(const struct act *act)
     const char *name = act->value[0].text;
     if (!golden_name_is_valid(name))
         return fault_set(act->fault, ERR_USAGE,
-                         "NAME: expected small letters, digits, - and _ (at most 64), not %s",
+                         "NAME: expected at most 64 lower-case letters, digits, - and _, not %s",
                          name);
     if (interp->looks && interp->journal && journal_only_looks(interp->journal))
-        return fault_set(act->fault, ERR_USAGE,
-                         "the journal is only looked at, and its golden images with it; `journal "
-                         "FILE` goes on in a file of your own");
+        return fault_set(
+            act->fault, ERR_USAGE,
+            "the journal was opened read-only, and so were its golden images; `journal "
+            "FILE` goes on in a file of your own");
     enum err err = note_name(act->interp, name, act->fault);
     if (!err)
         err = take_golden(act, &act->value[1], &picture);
     if (err)
         return err;
     if (!interp->home.length && !interp->replays)
-        buf_add_text(&act->reply->text, "not kept: there is no journal that it could belong to\n");
+        buf_add_text(&act->reply->text,
+                     "not stored: there is no journal that it could belong to\n");
     else if (!interp->replays || interp->judge)
         err = settle_golden(act, name, &picture);
     picture_release(&picture);

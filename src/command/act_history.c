@@ -1,4 +1,4 @@
-/* Commands that lead back to former states of the segmentation, and on to others. */
+/* Commands that go to other states of the segmentation: undo, redo, goto, branch, history. */
 #include "command/act.h"
 
 #include <string.h>
@@ -6,7 +6,7 @@
 enum { LISTED = 20 };
 
 /* The number and the words of the command that led to a point. */
-static void tell_point(struct buf *out, const struct history *history, uint32_t at)
+static void write_point(struct buf *out, const struct history *history, uint32_t at)
 {
     const struct point *point = history->point + at;
     buf_printf(out, "%zu ", point->record);
@@ -21,10 +21,10 @@ static void write_arrival(const struct act *act, uint32_t to, uint32_t branch)
     buf_printf(&reply->words, "at=%zu on=%s", history->point[to].record,
                history->branch[branch].name);
     buf_add_text(&reply->text, "after ");
-    tell_point(&reply->text, history, to);
+    write_point(&reply->text, history, to);
     const size_t waits = session_pendings(act->session);
     if (waits > 0)
-        buf_printf(&reply->text, ", %zu edit%s waiting for `run`", waits, waits > 1 ? "s" : "");
+        buf_printf(&reply->text, ", %zu edit%s waiting for `run`", waits, plural(waits));
     buf_add_char(&reply->text, '\n');
 }
 
@@ -37,18 +37,18 @@ static enum err go(const struct act *act, uint32_t to, uint32_t branch)
 }
 
 /* "undone: 12 seed 90,33,60 2", the latest of them first, of at most some. */
-static void tell_undone(const struct history *history, uint32_t to, struct reply *reply)
+static void write_undone(const struct history *history, uint32_t to, struct reply *reply)
 {
-    unsigned told = 0;
+    unsigned count = 0;
     for (uint32_t at = history->present; at != to; at = history->point[at].parent) {
-        if (++told > LISTED)
+        if (++count > LISTED)
             continue;
         buf_add_text(&reply->text, "undone: ");
-        tell_point(&reply->text, history, at);
+        write_point(&reply->text, history, at);
         buf_add_char(&reply->text, '\n');
     }
-    if (told > LISTED)
-        buf_printf(&reply->text, "and %u before these\n", told - LISTED);
+    if (count > LISTED)
+        buf_printf(&reply->text, "and %u before these\n", count - LISTED);
 }
 
 enum err act_undo(const struct act *act)
@@ -58,7 +58,7 @@ enum err act_undo(const struct act *act)
     enum err err = history_before(&act->interp->history, count, &to, act->fault);
     if (err)
         return err;
-    tell_undone(&act->interp->history, to, act->reply);
+    write_undone(&act->interp->history, to, act->reply);
     return go(act, to, act->interp->history.on);
 }
 
@@ -101,7 +101,7 @@ enum err act_history(const struct act *act)
     for (size_t i = first; i < history->points; i++) {
         const struct point *point = history->point + i;
         buf_add_text(&act->reply->text, i == history->present ? "* " : "  ");
-        tell_point(&act->reply->text, history, (uint32_t)i);
+        write_point(&act->reply->text, history, (uint32_t)i);
         if (i > 0 && point->parent + 1 != i)
             buf_printf(&act->reply->text, "   (from %zu)", history->point[point->parent].record);
         for (size_t b = 0; b < history->branches; b++)

@@ -1,5 +1,5 @@
-/* Commands about the record itself: in which file it is, and when it is synced. None of them is
- * recorded: a journal says what was done, not where it was kept. */
+/* Commands about the journal: in which file it is, and when it is synced. None of them is
+ * recorded: a journal says what was done, not where it is stored. */
 #include "command/act.h"
 
 #include <string.h>
@@ -53,20 +53,20 @@ static enum err continue_in(const struct act *act, const char *path)
 }
 
 /* The whole record so far in a new file, and its golden images beside it. */
-static enum err go_on_in(const struct act *act, const char *path)
+static enum err record_in(const struct act *act, const char *path)
 {
     struct interpreter *interp = act->interp;
     if (interp->journal)
         return continue_in(act, path);
     if (interp->unrecorded > 0)
         return fault_set(act->fault, ERR_USAGE,
-                         "%zu commands were carried out without a journal; --journal FILE records "
+                         "%zu command%s came before, without a journal; --journal FILE records "
                          "from the beginning",
-                         interp->unrecorded);
+                         interp->unrecorded, plural(interp->unrecorded));
     return interpreter_create_journal(interp, path, act->fault);
 }
 
-static void tell_journal(const struct interpreter *interp, struct reply *reply)
+static void write_journal(const struct interpreter *interp, struct reply *reply)
 {
     if (!interp->journal) {
         buf_add_text(&reply->text, "nothing is recorded yet\n");
@@ -74,22 +74,25 @@ static void tell_journal(const struct interpreter *interp, struct reply *reply)
     }
     const char *path = journal_path(interp->journal);
     buf_add_safe(&reply->text, path, strlen(path));
-    buf_printf(&reply->text, ", %zu records%s\n", journal_count(interp->journal),
-               journal_only_looks(interp->journal) ? ", looked at: nothing is written" : "");
+    buf_printf(&reply->text, ", %zu record%s%s\n", journal_count(interp->journal),
+               plural(journal_count(interp->journal)),
+               journal_only_looks(interp->journal) ? ", read-only: nothing is written" : "");
 }
 
 enum err act_journal(const struct act *act)
 {
     enum err err = OK;
     if (act->interp->replays)
-        return fault_set(act->fault, ERR_INPUT, "a journal may not say where it is kept");
+        return fault_set(
+            act->fault, ERR_INPUT,
+            "`journal` is not for scripts of a journal: where it is stored is no part of it");
     if (act->value[0].given)
-        err = go_on_in(act, act->value[0].text);
+        err = record_in(act, act->value[0].text);
     if (err)
         return fault_prefix(act->fault, err, "the journal stays where it was");
     if (act->value[0].given)
         act->interp->new_journal = NULL;
-    tell_journal(act->interp, act->reply);
+    write_journal(act->interp, act->reply);
     return OK;
 }
 
@@ -108,7 +111,7 @@ enum err act_sync(const struct act *act)
         err = act->value[0].given ? journal_set_sync(act->interp->journal, sync, act->fault)
                                   : journal_sync(act->interp->journal, act->fault);
     if (err)
-        return fault_prefix(act->fault, err, "`journal FILE` goes on in another file");
+        return fault_prefix(act->fault, err, "`journal FILE` continues in another file");
     act->interp->sync = sync;
     buf_printf(&act->reply->text, "%s\n", words[sync]);
     return OK;

@@ -31,13 +31,13 @@ static enum err voxel_of_slices(struct session *session, enum slice_kind kind, u
 }
 
 /* "3.61 mm from the border of label 1 brain, at 70,101,95" */
-static void tell_distance(struct buf *out, const struct session *session, uint32_t cell)
+static void write_distance(struct buf *out, const struct session *session, uint32_t cell)
 {
     const struct scene *scene = session->scene;
     const struct border_distance border = measure_border_distance(scene, cell);
     const struct place at = grid_place(&scene->grid, border.cell);
     if (!border.found && border.reach_nm == UINT64_MAX)
-        buf_add_text(out, "nowhere a border of label ");
+        buf_add_text(out, "the scene holds no border of label ");
     else if (!border.found)
         buf_printf(out, "more than %g mm from the border of label ", (double)border.reach_nm / 1e6);
     else if (border.squared == 0)
@@ -66,8 +66,8 @@ enum err act_pick(const struct act *act)
                    is_slice ? "voxel" : "object");
         return OK;
     }
-    act_tell_voxel(&act->reply->text, session, cell);
+    act_write_voxel(&act->reply->text, session, cell);
     if (cell_is_reached(session->scene->cell + cell))
-        tell_distance(&act->reply->text, session, cell);
+        write_distance(&act->reply->text, session, cell);
     return watch_fault(session->watch, act->fault);
 }

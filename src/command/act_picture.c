@@ -54,7 +54,7 @@ static void write_seen(const struct rendition *r, struct reply *reply)
     size_t seen = 0, pixels = (size_t)r->width * r->height;
     for (size_t i = 0; i < pixels; i++)
         seen += r->cell[i] != CELL_NONE;
-    buf_printf(&reply->text, "%ux%u pixels, of which %zu show an object\n", r->width, r->height,
+    buf_printf(&reply->text, "%ux%u pixels, %zu of them with an object\n", r->width, r->height,
                seen);
 }
 

@@ -1,4 +1,4 @@
-/* Commands that region of interest the forest in, and what others say of the region of interest. */
+/* Commands that restrict the forest to a region of interest, and what others say of it. */
 #include "command/act.h"
 
 #include <stdlib.h>
@@ -25,10 +25,12 @@ enum err act_write_outside(const struct act *act, size_t inside, size_t outside)
     if (outside && !inside)
         return fault_set(
             act->fault, ERR_INPUT,
-            "all of it lies outside the fence, where no tree grows; plant elsewhere, or widen "
-            "the fence with `mask` or `range` (`info` tells it); nothing was planted");
+            "all of it lies outside the region of interest, where no tree grows; plant elsewhere, "
+            "or "
+            "widen the region with `mask` or `range` (`info` shows it); nothing was planted");
     if (outside)
-        buf_printf(&act->reply->text, "left out, being outside the fence: %zu\n", outside);
+        buf_printf(&act->reply->text, "left out, outside the region of interest: %zu voxel%s\n",
+                   outside, plural(outside));
     return OK;
 }
 
@@ -57,12 +59,12 @@ static enum err add_roi(const struct act *act, enum err err)
         return err;
     buf_printf(&reply->words, "%sfence=%016llx inside=%zu", reply->words.length ? " " : "",
                (unsigned long long)tally->digest, tally->inside);
-    buf_printf(&reply->text, "%zu of %zu voxels are inside the fence\n", tally->inside,
+    buf_printf(&reply->text, "%zu of %zu voxels are inside the region of interest\n", tally->inside,
                session->scene->grid.voxels);
     return OK;
 }
 
-/* Of the mask alone: the digest of the region of interest does not see what the range leaves out. */
+/* Of the mask alone: the region of interest is what mask and range both leave. */
 static uint64_t mask_digest(const uint64_t *mask, const struct scene *scene)
 {
     const struct roi alone = {mask, 0, UINT16_MAX};
@@ -124,7 +126,8 @@ enum err act_mask(const struct act *act)
 {
     const bool is_file = act->value[MASK_FILE].number < 0;
     if (!is_file && act->value[MASK_REGIONS].given)
-        return fault_set(act->fault, ERR_USAGE, "regions: no mask has none; nothing has changed");
+        return fault_set(act->fault, ERR_USAGE,
+                         "regions: `mask none` has no regions; nothing has changed");
     return add_roi(act, is_file ? mask_by_file(act)
                                 : session_set_mask(act->session, NULL, NULL, NULL, act->fault));
 }

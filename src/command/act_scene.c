@@ -12,9 +12,9 @@
 #include "journal/record.h"
 #include "session/map.h"
 
-enum { TAKEN_MOST = 256 }; /* seeds that one record says were taken away */
+enum { TAKEN_MOST = 256 }; /* seeds that one record says were removed */
 
-/* What a command says that has given the session its scene. */
+/* The answer of a command that gave the session its scene. */
 static void write_scene(const struct act *act)
 {
     const struct session *session = act->session;
@@ -127,7 +127,7 @@ enum err act_polarity(const struct act *act)
     enum err err = session_set_polarity(session, (uint8_t)act->value[0].number,
                                         (int8_t)act->value[1].number, act->fault);
     if (!err && session->now.kept.weight.kind != WEIGHT_POLARITY)
-        buf_add_text(&act->reply->text, "heeded under `weight polarity`\n");
+        buf_add_text(&act->reply->text, "used only under `weight polarity`\n");
     return add_weights(act, err);
 }
 
@@ -258,8 +258,8 @@ enum err act_seed(const struct act *act)
     return err ? err : act_write_outside(act, inside, v.count - inside);
 }
 
-/* Which seeds an eliminator takes away, for the journal: "took=X,Y,Z;X,Y,Z". More than a line
- * should hold are not told. */
+/* Which seeds an eliminator removed, for the journal: "took=X,Y,Z;X,Y,Z". Nothing where they are
+ * more than a line should hold. */
 static void add_taken(const struct session *session, struct reply *reply)
 {
     const struct edit *edit = edits_first(&session->now.pending);
@@ -274,7 +274,7 @@ static void add_taken(const struct session *session, struct reply *reply)
     }
 }
 
-/* The seeds that a record says were taken away; ERR_CHECK where it says nonsense. */
+/* The seeds that a record says were removed; ERR_CHECK where it does not say it so. */
 static enum err read_taken(const struct grid *grid, const struct record_word *word, uint32_t *seed,
                            size_t *count, struct fault *fault)
 {
@@ -292,9 +292,9 @@ static enum err read_taken(const struct grid *grid, const struct record_word *wo
     return at == end ? OK : fault_set(fault, ERR_CHECK, "took: expected X,Y,Z;X,Y,Z");
 }
 
-/* Of a ball, voxels that no tree holds are passed over, unless that is all of them. Which tree
- * holds a voxel is known only to a forest that is up to date; whoever skims a journal finds in it
- * which seeds went, and else has to catch up. */
+/* In a ball, voxels that no tree holds are ignored, unless that is all of them. Only a forest that is
+ * up to date knows which tree holds a voxel; a session that skims a journal reads there which seeds
+ * were removed, and where that is not recorded has to catch up. */
 static enum err eliminate(const struct act *act)
 {
     struct session *session = act->session;

@@ -62,10 +62,10 @@ static enum err read_map(struct seeds *seeds, const struct act *act, const char 
                          fault);
     volume_release(&map);
     if (!err)
-        buf_printf(out, "%u regions\n", tally.regions);
+        buf_printf(out, "%u region%s\n", tally.regions, plural(tally.regions));
     if (!err && tally.eroded_away)
-        buf_printf(out, "%u more have no voxel left after erosion, the first is %u\n",
-                   tally.eroded_away, tally.first_eroded_away);
+        buf_printf(out, "%u more region%s with no voxel left after erosion; the first is %u\n",
+                   tally.eroded_away, plural(tally.eroded_away), tally.first_eroded_away);
     return err;
 }
 
@@ -90,7 +90,7 @@ enum err act_seed_file(const struct act *act)
     }
     buf_printf(&act->reply->words, "file=%016llx added=%zu",
                (unsigned long long)seeds_digest(&seeds), inside);
-    buf_printf(&act->reply->text, "%zu seeds\n", inside);
+    buf_printf(&act->reply->text, "%zu seed%s\n", inside, plural(inside));
     if (!err)
         err = act_naming(name, act_write_outside(act, inside, seeds.count - inside), act->fault);
     seeds_release(&seeds);

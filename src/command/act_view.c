@@ -90,7 +90,7 @@ static void write_sides(struct buf *out, const int32_t direction[3])
     }
 }
 
-void act_tell_view(struct buf *out, const struct session *session)
+void act_write_view(struct buf *out, const struct session *session)
 {
     const struct view *view = &session->now.outlook.view;
     const char *name = view_name(view->angle);

@@ -101,7 +101,7 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
     if (!err && edited)
         err = session_count_labels(session, fault);
     if (!err && edited)
-        volumes_tell(&reply->text, session, clock_ns() - begin);
+        volumes_write(&reply->text, session, clock_ns() - begin);
     if (!err && (reply->text.failed || reply->words.failed || reply->canonical.failed))
         err = fault_memory(fault, "an answer");
     return err;

@@ -77,7 +77,7 @@ static enum err split(struct buf *out, unsigned *count, const char *line, struct
     const char *at = line, *text_end;
     *count = 0;
     if (strlen(line) > LINE_BYTES_MOST)
-        return fault_set(fault, ERR_USAGE, "a command of more than %d bytes", LINE_BYTES_MOST);
+        return fault_set(fault, ERR_USAGE, "the command is longer than %d bytes", LINE_BYTES_MOST);
     text_end = end_of_text(line);
     if (*text_end)
         return at_place(fault_set(fault, ERR_USAGE,

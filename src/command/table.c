@@ -10,6 +10,11 @@
 /* What rows of other tables say of themselves. */
 #define VOLUME_NOTE(format, note)                      note
 #define WEIGHT_NOTE(kind, name, argument, usual, help) help
+#define WEIGHT_NOTES                                   WEIGHT_LIST(WEIGHT_NOTE, WEIGHT_NOTE)
+#define WEIGHT_DETAIL                                                                              \
+    "Each gradient gives an edge of height h the weight h. Lengths are in voxels, whatever the "   \
+    "spacing.\n" WEIGHT_NOTES                                                                      \
+    "FILE: a map on the scene's grid with the weight of each voxel, whole numbers 0..65535."
 #define SYNTHETIC_NOTE                                                                             \
     "synth:geom has 200x200x100 voxels; X, Y, Z of 2 interpolate that axis to 2n-1, as in "        \
     "synth:geom:221. A SIZE in voxels, as in synth:geom:1024x1024x1024, draws the same solids in " \
@@ -49,15 +54,15 @@ enum {
 
 const char *const command_group_name[] = {
     [GROUP_SCENE] = "The scene",
-    [GROUP_WEIGHT] = "What a step weighs, and where trees may grow",
+    [GROUP_WEIGHT] = "Arc weights and the region of interest",
     [GROUP_SEEDS] = "Objects and their seeds",
     [GROUP_VIEW] = "The view",
-    [GROUP_LOOK] = "How surfaces look",
+    [GROUP_LOOK] = "Shading",
     [GROUP_CUTS] = "Cuts",
     [GROUP_RENDITION] = "Renditions",
     [GROUP_SLICES] = "Slices",
-    [GROUP_KEPT] = "What is kept",
-    [GROUP_QUESTIONS] = "Questions, and the end",
+    [GROUP_KEPT] = "Golden images, maps and the journal",
+    [GROUP_QUESTIONS] = "Questions, help, leaving",
 };
 
 const struct command command_table[] = {
@@ -70,46 +75,43 @@ const struct command command_table[] = {
      {NEED("X", VALUE_NUMBER, .least = 1, .most = 2),
       NEED("Y", VALUE_NUMBER, .least = 1, .most = 2),
       NEED("Z", VALUE_NUMBER, .least = 1, .most = 2)},
-     "interpolate each axis with a 2 to 2n-1 voxels",
-     "Right after `open`, before the first seed. Between two voxels comes their mean, halves "
-     "rounded up; spacing halves, and voxel 0,0,0 stays where it is in the world.",
+     "interpolate to 2n-1 voxels each axis that has a 2",
+     "Right after `open`, before the first seed. A new voxel between two is their mean, halves "
+     "rounded up. The spacing halves, and voxel 0,0,0 stays where it is in the world.",
      "interpolate 2 2 1"},
     {COMMAND("weight", act_weight, GROUP_WEIGHT, R | S | E),
      {NEED("FILE", VALUE_FILE, .choices = WEIGHT_KINDS), WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH)},
      "arc weights: the cost of a step",
-     "A step of height h weighs h under each gradient. Lengths are in voxels, whatever the "
-     "spacing.\n" WEIGHT_LIST(WEIGHT_NOTE,
-                              WEIGHT_NOTE) "FILE: a map on the scene's grid with the weight of "
-                                           "each voxel, whole numbers 0..65535.",
+     WEIGHT_DETAIL,
      "weight gauss 1.5"},
     {COMMAND("polarity", act_polarity, GROUP_WEIGHT, R | S | E),
      {NEED("LABEL", VALUE_LABEL, .most = 255),
       NEED("PERCENT", VALUE_NUMBER, .least = -POLARITY_MOST, .most = POLARITY_MOST)},
-     "how an object is told from what is around it",
-     "Under `weight polarity`, paths from the seeds of the label pay PERCENT more for a step to "
-     "darker and PERCENT less for one to brighter. So above 0 suits an object brighter than what "
-     "is around it, below 0 a darker one; 0, which all labels begin with, neither.",
+     "prefer edges to darker or to brighter voxels",
+     "Under `weight polarity`, paths from the seeds of the label pay PERCENT more for a step to a "
+     "darker voxel and PERCENT less for one to a brighter voxel. Above 0 suits an object that is "
+     "brighter than what is around it, below 0 one that is darker. All labels begin with 0.",
      "polarity 1 50"},
     {COMMAND("adjacency", act_adjacency, GROUP_WEIGHT, R | S | E),
      {NEED("COUNT", VALUE_CHOICE, .choices = "6|26")},
      "neighbours of a voxel: by faces, or by corners too",
 
-     "6, as at first, or 26.",
+     "6 is the default.",
 
      "adjacency 26"},
     {COMMAND("mask", act_mask, GROUP_WEIGHT, R | S | E),
      {NEED("FILE", VALUE_FILE, .choices = "none"),
       KEYED("regions", VALUE_RANGE, .most = REGION_MOST)},
-     "fence the forest in: the voxels of a map",
+     "restrict trees to the voxels of a map",
      "FILE is a NIfTI on the scene's grid. No tree grows where its value is not in `regions`, 1 "
-     "and above unless given; with a `range` both hold. Weights do not look at it.",
+     "and above unless given. With a `range`, both hold. Weights do not depend on it.",
      "mask brain.nii.gz regions=1-90"},
     {COMMAND("range", act_range, GROUP_WEIGHT, R | S | E),
      {NEED("LOW", VALUE_DECIMAL, .choices = "none", .least = -REAL_MOST, .most = REAL_MOST),
       MAY("HIGH", VALUE_DECIMAL, .least = -REAL_MOST, .most = REAL_MOST)},
-     "fence the forest in: intensities",
-     "No tree grows where the intensity, as `why` tells it, is below LOW or above HIGH; with a "
-     "`mask` both hold.",
+     "restrict trees to a range of intensities",
+     "No tree grows where the intensity, as `why` prints it, is below LOW or above HIGH. With a "
+     "`mask`, both hold.",
      "range 40 1200.5"},
     {COMMAND("label", act_label, GROUP_SEEDS, R),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("NAME", VALUE_WORD),
@@ -131,54 +133,54 @@ const struct command command_table[] = {
       KEYED("generator", VALUE_NUMBER, .most = 99999)},
      "plant the seeds of a .csv list or a label map",
      "A list has lines x,y,z,label: voxel indices, a label's number or name. A label map is a "
-     "NIfTI on the scene's grid, whose regions (voxels of one value) become seeds of the label "
-     "of that number, or all of `label`.\n"
+     "NIfTI on the scene's grid, whose regions (voxels of one value) become seeds of the label of "
+     "that number, or all of `label`.\n"
      "regions: the values, 1 and above unless given.\n"
-     "erode: rounds in which voxels go that have a face neighbour outside their region.\n"
-     "each: how many seeds are drawn of what is left of a region; all unless given.\n"
-     "generator: another number draws others; 1 unless given.",
+     "erode: rounds; each removes the voxels that have a face neighbour outside their region.\n"
+     "each: how many seeds are drawn at random from what is left of a region; all unless given.\n"
+     "generator: the number that the drawing starts from; 1 unless given.",
      "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3"},
     {COMMAND("remove", act_remove, GROUP_SEEDS, R | S | E),
      {NEED("PLACE", VALUE_POSITION), KEYED("radius", VALUE_NUMBER, .most = 32)},
-     "eliminator: the tree that holds this voxel goes",
-     "The seed of that tree is taken away, and the tree falls to the seeds around it. Trees are "
-     "those of the last run.\n"
-     "With a radius: the seeds of all trees that reach into the ball.",
+     "eliminator: remove the tree that holds this voxel",
+     "The seed of that tree is removed, and its voxels go to the trees around it. Trees are those "
+     "of the last run.\n"
+     "With a radius: the seeds of all trees that have a voxel in the ball.",
      "remove 100,100,50"},
     {COMMAND("run", act_run, GROUP_SEEDS, R | S | E),
      {{0}},
-     "apply the edits that wait, as one",
+     "apply the waiting edits as one",
      "Edits wait while `auto` is off, as it is in scripts. `render`, `spin`, `save` and `golden` "
-     "of a rendition apply them too; slices show them as they wait.",
+     "of a rendition apply them too; slices show waiting edits.",
      "run"},
     {COMMAND("undo", act_undo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
-     "take back what changed the segmentation last",
-     "Seeds and eliminators, runs, weights, fences, labels, `hide`, `show` and cuts; where you "
-     "look from stays. The last COUNT of them, 1 unless given, as far back as `open`, whatever "
-     "the session was left in between. Exact, and itself recorded: `redo` leads there again, "
-     "`history` tells what there is.",
+     "take back the last change of the segmentation",
+     "Seeds and eliminators, runs, weights, regions of interest, labels, `hide`, `show` and cuts; "
+     "the view stays. The last COUNT of them, 1 unless given, as far back as `open`, in earlier "
+     "sessions too. Exact, and recorded itself. `redo` is the way back, `history` lists the "
+     "commands.",
      "undo"},
     {COMMAND("redo", act_redo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
-     "do again what was undone last",
-     "The way one came. What is undone and followed by another command is not lost: `goto` leads "
-     "there.",
+     "do again the change that was undone last",
+     "What was undone before another command followed is not lost: `goto` leads there.",
      "redo"},
     {COMMAND("goto", act_goto, GROUP_SEEDS, R | S | E),
      {NEED("PLACE", VALUE_POINT)},
-     "the segmentation as a record or a branch left it",
-     "The number of a record, which `history` and `iftty log` tell, or the name of a branch: "
-     "where one was on it last. The first branch is main.",
+     "go to the segmentation of a record or a branch",
+     "The number of a record, which `history` and `iftty log` print, or the name of a branch: its "
+     "last record. The first branch is main.",
      "goto main"},
     {COMMAND("branch", act_branch, GROUP_SEEDS, R | S),
      {NEED("NAME", VALUE_WORD)},
-     "begin an alternative here, by name",
-     "What follows belongs to it; `goto` leads to the others. `iftty log --graph` draws them.",
+     "begin an alternative here, under a name",
+     "Later commands belong to it; `goto` leads to the other branches. `iftty log --graph` draws "
+     "them.",
      "branch with-brainstem"},
     {COMMAND("auto", act_auto, GROUP_SEEDS, R),
      {NEED("STATE", VALUE_CHOICE, .choices = "on|off")},
-     "whether each edit is run by itself",
+     "whether each edit runs at once",
      "off in scripts, on at the prompt.",
      "auto on"},
     {COMMAND("view", act_view, GROUP_VIEW, R | S),
@@ -186,12 +188,11 @@ const struct command command_table[] = {
       MAY("PITCH", VALUE_DECIMAL, .least = -TURNS, .most = TURNS),
       MAY("ROLL", VALUE_DECIMAL, .least = -TURNS, .most = TURNS)},
      "look from a side, or from angles in degrees",
-     "0 0 0 is the front: the patient faces you, his left on your right. Yaw takes you around "
-     "him towards his left side, pitch above him; roll turns the picture counter-clockwise. "
-     "front, back, left and right have his head up; top and bottom his face. As radiologists "
-     "have it, his left is on your right from the front, as in coronal slices, and from the "
-     "bottom, as in axial ones; from the back and the top it is on your left. `info` tells it "
-     "for every view.",
+     "0 0 0 is the front: the patient faces you, his left on your right. Yaw takes you around him "
+     "towards his left side, pitch above him; roll turns the picture counter-clockwise. front, "
+     "back, left and right have his head up; top and bottom his face. As radiologists have it, his "
+     "left is on your right from the front, as in coronal slices, and from the bottom, as in axial "
+     "ones; from the back and the top it is on your left. `info` prints it for every view.",
      "view 30 15 0"},
     {COMMAND("turn", act_turn, GROUP_VIEW, R | S),
      {NEED("YAW", VALUE_DECIMAL, .least = -TURNS, .most = TURNS),
@@ -199,41 +200,41 @@ const struct command command_table[] = {
       MAY("ROLL", VALUE_DECIMAL, .least = -TURNS, .most = TURNS)},
      "turn the view by degrees",
 
-     "Added to those of the view, which `info` tells.",
+     "Added to the angles of the view, which `info` prints.",
 
      "turn 15 -5"},
     {COMMAND("zoom", act_zoom, GROUP_VIEW, R | S),
      {NEED("FACTOR", VALUE_DECIMAL, .choices = "fit", .least = VIEW_ZOOM_LEAST,
            .most = VIEW_ZOOM_MOST)},
-     "pixels per voxel, or what fits",
-     "Per voxel of the smallest spacing; others are larger in proportion. `fit` shows the whole "
-     "scene, whatever way it is turned, its middle in the middle.",
+     "pixels per voxel, or fit",
+     "A voxel of the smallest spacing; with larger spacing, more pixels. `fit` shows the whole "
+     "scene, however it is turned, with its centre in the centre.",
      "zoom 1.5"},
     {COMMAND("pan", act_pan, GROUP_VIEW, R | S),
      {NEED("RIGHT", VALUE_DECIMAL, .least = -PANS, .most = PANS),
       NEED("DOWN", VALUE_DECIMAL, .least = -PANS, .most = PANS)},
-     "move what is seen, in pixels",
-     "Fractions of a pixel count too. What comes to the middle of the picture stays there under "
-     "`view`, `turn`, `zoom FACTOR` and `size`; `focus scene` takes it back.",
+     "move the picture, in pixels",
+     "Fractions of a pixel count too. The place that comes to the centre stays there under `view`, "
+     "`turn`, `zoom FACTOR` and `size`; `focus scene` undoes it.",
      "pan 40 -12.5"},
     {COMMAND("focus", act_focus, GROUP_VIEW, R | S),
      {NEED("PLACE", VALUE_POSITION, .choices = "scene")},
-     "the place in the middle of the picture",
-     "A voxel, or the middle of the scene. Views turn around it.",
+     "the place in the centre of the picture",
+     "A voxel, or the centre of the scene. Views turn around it.",
      "focus 100,100,50"},
     {COMMAND("size", act_size, GROUP_VIEW, R | S),
      {NEED("WIDTH", VALUE_NUMBER, .least = 1, .most = VIEW_SIDE_MOST),
       NEED("HEIGHT", VALUE_NUMBER, .least = 1, .most = VIEW_SIDE_MOST)},
-     "the picture, in pixels",
+     "the size of pictures, in pixels",
 
-     "Of renditions, slices and mosaics alike; 512 512 at first.",
+     "Of renditions, slices and mosaics alike; 512 512 by default.",
 
      "size 512 512"},
     {COMMAND("hide", act_hide, GROUP_VIEW, R | S),
      {NEED("LABEL", VALUE_LABEL, .least = 1, .most = 255)},
      "do not show an object",
 
-     "In pictures and in `save border`; labels stay what they are.",
+     "In pictures and in `save border`; the labels themselves do not change.",
 
      "hide 2"},
     {COMMAND("show", act_show, GROUP_VIEW, R | S),
@@ -243,102 +244,102 @@ const struct command command_table[] = {
      "show 2"},
     {COMMAND("shade", act_shade, GROUP_LOOK, R | S),
      {NEED("NORMALS", VALUE_CHOICE, .choices = "surface|scene|depth")},
-     "what tells which way a surface faces",
-     "surface, as at first: the shown objects, smoothed.\n"
-     "scene: the gradient of the intensities, which has finer detail where objects end at an "
-     "edge in the scene.\n"
+     "where the normals of a surface come from",
+     "surface, the default: the shown objects, smoothed.\n"
+     "scene: the gradient of the intensities, with finer detail where objects end at an edge of "
+     "the scene.\n"
      "depth: the depths around a pixel.",
      "shade scene"},
     {COMMAND("light", act_light, GROUP_LOOK, R | S),
      {NEED("YAW", VALUE_DECIMAL, .least = -VIEW_TURN / 2, .most = VIEW_TURN / 2),
       NEED("PITCH", VALUE_DECIMAL, .least = -LIGHT_PITCH_MOST, .most = LIGHT_PITCH_MOST)},
      "where the light comes from, in degrees",
-     "It moves with you: 0 0 is from behind you, YAW to your right, PITCH above. -25 30 at "
-     "first, over your left shoulder.",
+     "It moves with you: 0 0 comes from behind you, YAW turns it to your right, PITCH upwards. The "
+     "default is -25 30, over your left shoulder.",
      "light -25 30"},
     {COMMAND("cue", act_cue, GROUP_LOOK, R | S),
      {NEED("PERCENT", VALUE_NUMBER, .most = 100)},
-     "how much darker what lies far is",
-     "The far end of the scene loses so much; 30 at first.",
+     "how much darker distant surfaces are",
+     "So much at the far end of the scene; 30 by default.",
      "cue 50"},
     {COMMAND("edges", act_edges, GROUP_LOOK, R | S),
      {NEED("STATE", VALUE_CHOICE, .choices = "on|off")},
-     "darken where an object lies before another",
+     "draw dark edges where one object hides another",
 
-     "off at first.",
+     "off by default.",
 
      "edges on"},
     {COMMAND("samples", act_samples, GROUP_LOOK, R | S),
      {NEED("COUNT", VALUE_CHOICE, .choices = "1|2|4")},
      "smooth outlines: COUNT x COUNT samples a pixel",
-     "Each pixel is the mean of its samples; depth, label and voxel are the nearest one's. 1 at "
-     "first.",
+     "Each pixel is the mean of its samples; depth, label and voxel are those of the nearest one. "
+     "1 by default.",
      "samples 2"},
     {COMMAND("clip", act_clip, GROUP_CUTS, R | S),
      {NEED("PLANE", VALUE_CHOICE, .choices = "axial|coronal|sagittal|none"),
       MAY("SLICES", VALUE_RANGE, .most = 65533)},
-     "show only what lies between two slices",
+     "show only the slices from A to B",
      "Slices are counted as `slice` counts them: axial ones from the feet, coronal ones from the "
-     "back, sagittal ones from the patient's left. Both ends are kept. Each PLANE may be clipped "
-     "at once; `none` shows the whole again. Borders, pictures and `save border` follow; labels "
-     "stay what they are.",
+     "back, sagittal ones from the patient's left. A and B are shown too. Each PLANE has a range "
+     "of its own; `none` shows the whole again. Borders, pictures and `save border` follow; the "
+     "labels do not change.",
      "clip axial 40-120"},
     {COMMAND("plane", act_plane, GROUP_CUTS, R | S),
      {NEED("PLACE", VALUE_POSITION, .choices = "none")},
-     "cut away what lies before a voxel as it is seen",
-     "A plane across the present view, through the voxel, which stays. The plane stays with the "
-     "patient when the view turns. Up to 8; `none` takes them off.",
+     "cut away all that is in front of a voxel",
+     "A plane at right angles to the present view, through the voxel, which stays. The plane stays "
+     "with the patient when the view turns. Up to 8; `none` removes them.",
      "plane 100,100,50"},
     {COMMAND("cut", act_cut, GROUP_CUTS, R | S),
      {NEED("CORNER", VALUE_POSITION, .choices = "none"), MAY("OPPOSITE", VALUE_POSITION)},
-     "take a box out of what is shown",
-     "Between two corners, both taken out too. Up to 8 boxes; `none` puts them back.",
+     "cut a box out of what is shown",
+     "Between two corners, both included. Up to 8 boxes; `none` removes them.",
      "cut 100,100,50 199,199,99"},
     {COMMAND("render", act_render, GROUP_RENDITION, R | S | E),
      {MAY("FILE", VALUE_FILE), KEYED("mode", VALUE_CHOICE, .choices = "sp|bp|ii|ray"),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"),
       KEYED("layout", VALUE_CHOICE, .choices = "lines|tiled")},
-     "make the rendition, to FILE or inline",
-     ".exr holds colour, depth, label, voxel and normal of each pixel, in lines or tiled; .png "
-     "and whatever else OpenImageIO writes hold the colours. At the prompt a file is written "
-     "beside the session: what became of it is told when it is known. `iftty info FILE` tells "
-     "what a picture is of.\n"
+     "make the rendition, in FILE or inline",
+     ".exr holds colour, depth, label, voxel and normal of each pixel, in lines or tiled; .png and "
+     "whatever else OpenImageIO writes hold the colours. At the prompt a file is written in the "
+     "background; a line says when it is there. `iftty info FILE` prints what a picture shows.\n"
      "All modes give the same pixels: sp splats every object voxel, bp border voxels, ray walks "
-     "the rays, ii repairs what is there.",
+     "the rays, ii repairs the last rendition.",
      "render brain.png"},
     {COMMAND("spin", act_spin, GROUP_RENDITION, R | S | E),
      {NEED("N", VALUE_NUMBER, .least = 2, .most = IMAGE_FRAMES_MOST), NEED("FILE", VALUE_FILE),
       KEYED("delay", VALUE_NUMBER, .least = 20, .most = 60000),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
-     "a turntable: N pictures, all the way around",
-     "From the present view on, which stays. A %03d in FILE is the number of the picture, with "
-     "as many digits, from 000. Without it a .gif is animated, each picture seen for `delay` "
-     "milliseconds, 100 unless given, in 256 colours; a .tif has pages, in all of them.",
+     "a turntable: N pictures of one full turn",
+     "The first picture is the present view, which does not change. %03d in FILE stands for the "
+     "number of the picture, here with three digits, from 000. Without it, a .gif is animated, in "
+     "256 colours, with `delay` milliseconds for each picture, 100 unless given; a .tif has one "
+     "page for each picture.",
      "spin 36 turn%03d.png"},
     {COMMAND("cross", act_cross, GROUP_SLICES, R | S),
      {NEED("PLACE", VALUE_POSITION)},
-     "the cross-hair: the voxel that slices go through",
-     "After `open`, the middle of the scene.",
+     "the cross-hair: the voxel where the slices meet",
+     "After `open`, the centre of the scene.",
      "cross 90,108,90"},
     {COMMAND("window", act_window, GROUP_SLICES, R | S),
      {NEED("LOW", VALUE_DECIMAL, .choices = "auto", .least = -REAL_MOST, .most = REAL_MOST),
       MAY("HIGH", VALUE_DECIMAL, .least = -REAL_MOST, .most = REAL_MOST)},
-     "what is black in slices, and what is white",
-     "Intensities, as `why` tells them: a window of width W at level L is from L - W/2 to L + "
+     "which intensities are black and white in slices",
+     "Intensities, as `why` prints them: a window of width W at level L is from L - W/2 to L + "
      "W/2.\n"
-     "auto, as at first: all but the darkest 1 % and the brightest 0.5 % of the scene.",
+     "auto, the default: all but the darkest 1 % and the brightest 0.5 % of the scene.",
      "window 20 90.5"},
     {COMMAND("overlay", act_overlay, GROUP_SLICES, R | S),
      {MAY("LABELS", VALUE_CHOICE, .choices = "none|tint|contour"),
       KEYED("cross", VALUE_CHOICE, .choices = "on|off"),
       KEYED("marks", VALUE_CHOICE, .choices = "on|off"),
       KEYED("words", VALUE_CHOICE, .choices = "on|off")},
-     "what lies over the grey of slices",
-     "none, tint or contour, as at first: of the labels that are shown.\n"
+     "what is drawn over the grey of slices",
+     "none, tint or contour of the labels that are shown; contour by default.\n"
      "cross: the cross-hair.\n"
-     "marks: a dot for a seed in the slice, an x for an eliminator of the last run, with a white "
-     "rim where it waits for a run.\n"
-     "words: title, letters for the patient's sides, the scale, the greys.",
+     "marks: a dot for a seed in the slice, an x for an eliminator of the last run; a white rim "
+     "means that it waits for a run.\n"
+     "words: the title, letters for the patient's sides, the scale bar, the grey bar.",
      "overlay tint cross=off"},
     {COMMAND("slice", act_slice, GROUP_SLICES, R | S),
      {NEED("PLANE", VALUE_CHOICE, .choices = SLICE_WORDS), MAY("N", VALUE_NUMBER, .most = 65533),
@@ -346,55 +347,54 @@ const struct command command_table[] = {
       KEYED("zoom", VALUE_DECIMAL, .choices = "fit", .least = VIEW_ZOOM_LEAST,
             .most = VIEW_ZOOM_MOST),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
-     "a slice through the cross-hair, to FILE or inline",
-     "As radiologists look at it, at the size of the view. N takes the cross-hair to that slice, "
+     "a slice through the cross-hair, in FILE or inline",
+     "As radiologists look at it, at the size of the view. N moves the cross-hair to that slice, "
      "counted from 0 towards superior, anterior, or the patient's right.\n"
      "A FILE has a dot in its name; .exr holds the label and voxel of each pixel too.\n"
-     "zoom: pixels per voxel of the smallest spacing, around the cross-hair; voxels are squares "
-     "then. It stays so until zoom=fit, which shows all of the slice, in smooth greys.",
+     "zoom: pixels per voxel of the smallest spacing, around the cross-hair, with voxels as "
+     "squares. It stays until zoom=fit, which shows the whole slice in smooth greys.",
      "slice axial 90 axial.png"},
     {COMMAND("mosaic", act_mosaic, GROUP_SLICES, R | S),
      {MAY("FILE", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
-     "three slices and the rendition, as one picture",
+     "three slices and the rendition in one picture",
      "Coronal, sagittal and axial through the cross-hair at one scale, and the rendition of the "
      "view at half its size.",
      "mosaic brain.png"},
     {COMMAND("golden", act_golden, GROUP_KEPT, R | S | E),
      {NEED("NAME", VALUE_GOLDEN), KEYED("of", VALUE_CHOICE, .choices = "rendition|" SLICE_KINDS)},
-     "keep a picture as a golden image",
+     "store a picture as a golden image",
      "The rendition, or a slice or mosaic as it would be shown now. `iftty verify` compares it "
-     "pixel for pixel. It lies in a folder beside the journal.",
+     "pixel for pixel. It is stored in a folder beside the journal.",
      "golden front-1"},
     {COMMAND("save", act_save, GROUP_KEPT, R | S | E),
      {NEED("MAP", VALUE_CHOICE, .choices = "labels|cost|root|border"), NEED("FILE", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
      "write a map as .nii or .nii.gz",
      "In the geometry of the scene: labels and border as uint8, cost as uint16, root as uint32 "
-     "(voxel index of the seed, 4294967295 where none reaches).",
+     "(voxel index of the seed; 4294967295 in a voxel that no seed reaches).",
      "save labels brain-labels.nii.gz"},
     {COMMAND("journal", act_journal, GROUP_KEPT, 0),
      {MAY("FILE", VALUE_FILE)},
-     "where the record is, or go on in another file",
-     "    The whole record so far is written to FILE first, with its golden images\n"
-     "    beside it, so that it replays alone; what follows is recorded there. The\n"
-     "    former file stays as it was when it was last right. For a disk that is\n"
-     "    full or failing, a journal that was deleted or replaced, or one opened\n"
-     "    with --read-only. Not recorded.\n",
+     "which file the journal is, or continue in another",
+     "The whole journal so far is written to FILE first, with its golden images beside it, so that "
+     "it replays alone; later commands are recorded there. The former file stays as it was when it "
+     "was last intact. For a disk that is full or failing, a journal that was deleted or replaced, "
+     "or one opened with --read-only. Not recorded.",
      "journal"},
     {COMMAND("sync", act_sync, GROUP_KEPT, 0),
      {MAY("WHEN", VALUE_CHOICE, .choices = FILE_SYNC_WORDS)},
-     "when records reach the disk; now, without a word",
-     "    always, unless told: each before its command is acknowledged. everysec: a\n"
-     "    second later at most; a loss of power may take the commands of that\n"
-     "    second. off: whenever the system does, with `sync`, and at the end; a loss\n"
-     "    of power may take all since then, and leave damage behind what was synced,\n"
-     "    which `iftty log --repair` cuts off. A program that is killed loses\n"
-     "    nothing under any of them. Not recorded.\n",
+     "when records are synced; without WHEN, now",
+     "always, the default: each record before its command is acknowledged.\n"
+     "everysec: at most a second later; a loss of power may take the commands of that second.\n"
+     "off: whenever the system does, with `sync`, and at the end; a loss of power may take all "
+     "commands since then, and leave damage after what was synced, which `iftty log --repair` cuts "
+     "off.\n"
+     "A program that is killed loses nothing under any of them. Not recorded.",
      "sync always"},
     {COMMAND("history", act_history, GROUP_QUESTIONS, S),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
-     "the commands that can be undone, and branches",
-     "The last COUNT, 20 unless given, with the numbers of their records; * is where you are.",
+     "the commands that can be undone, and the branches",
+     "The last COUNT, 20 unless given, with the numbers of their records. * marks the present one.",
      "history"},
     {COMMAND("pick", act_pick, GROUP_QUESTIONS, S),
      {NEED("COLUMN", VALUE_NUMBER, .most = VIEW_SIDE_MOST),
@@ -403,10 +403,10 @@ const struct command command_table[] = {
      "the voxel under a pixel of a picture",
      "Of the rendition as `render` made it, or of a slice or mosaic as it would be shown now. "
      "Columns from the left, rows from the top, both from 0.\n"
-     "Tells where the voxel is, in voxels and millimetres, its intensity, its label and seed, "
-     "and how far it is from the border of its object: from the nearest voxel of its label with "
-     "a face on another label or on the edge of the scene, whatever is shown. It looks 100 mm "
-     "far, and no farther than 100 voxels.",
+     "Prints where the voxel is, in voxels and millimetres, its intensity, its label and seed, and "
+     "the distance to the border of its object: to the nearest voxel of its label with a face on "
+     "another label or on the edge of the scene, whatever is shown. It searches up to 100 mm and "
+     "up to 100 voxels.",
      "pick 256 256"},
     {COMMAND("why", act_why, GROUP_QUESTIONS, S),
      {NEED("PLACE", VALUE_POSITION)},
@@ -427,14 +427,14 @@ const struct command command_table[] = {
      "stats"},
     {COMMAND("pilot", act_pilot, GROUP_QUESTIONS, S),
      {{0}},
-     "fly through the scene by keys, on the whole screen",
-     "Slices, the rendition and a cross-hair; ? tells the keys, q comes back. Each key that "
-     "changes "
-     "something is a command, and recorded as such. At a terminal only; Ctrl-O is the same.",
+     "segment by single keys, on the whole screen",
+     "Slices, the rendition and a cross-hair. ? lists the keys, q returns to the prompt. Each key "
+     "that changes something is a command, and recorded as such. At a terminal only; Ctrl-O at the "
+     "prompt does the same.",
      "pilot"},
     {COMMAND("help", act_help, GROUP_QUESTIONS, 0),
      {MAY("COMMAND", VALUE_COMMAND)},
-     "this list, or one command in full",
+     "this list, or all about one command",
      NULL,
      "help seed"},
     {COMMAND("quit", act_quit, GROUP_QUESTIONS, 0),

@@ -2,14 +2,14 @@
 
 #include "command/act.h"
 
-enum { TOLD_MOST = 6 };
+enum { LISTED_MOST = 6 };
 
-static void tell_label(struct buf *out, const struct session *session, unsigned label)
+static void write_volume(struct buf *out, const struct session *session, unsigned label)
 {
     const uint64_t voxels = session_label_voxels(session, (uint8_t)label);
-    buf_add_text(out, ", ");
+    buf_add_text(out, ", label ");
     act_write_label(out, session, label);
-    buf_add_char(out, ' ');
+    buf_add_text(out, ": ");
     if (voxels)
         tally_write_volume(out, session->scene->spacing_nm, voxels);
     else
@@ -32,17 +32,17 @@ static unsigned changed_labels(const struct session *session, uint8_t label[255]
     return count;
 }
 
-void volumes_tell(struct buf *out, const struct session *session, uint64_t took_ns)
+void volumes_write(struct buf *out, const struct session *session, uint64_t took_ns)
 {
     uint8_t label[255];
     const unsigned count = changed_labels(session, label);
     const double ms = (double)took_ns / 1e6;
-    buf_printf(out, "%llu voxels changed",
-               (unsigned long long)forest_stats(session->forest).touched);
-    for (unsigned i = 0; i < count && i < TOLD_MOST; i++)
-        tell_label(out, session, label[i]);
-    if (count > TOLD_MOST)
-        buf_printf(out, ", %u more labels", count - TOLD_MOST);
+    const unsigned long long touched = forest_stats(session->forest).touched;
+    buf_printf(out, "%llu voxel%s changed", touched, plural(touched));
+    for (unsigned i = 0; i < count && i < LISTED_MOST; i++)
+        write_volume(out, session, label[i]);
+    if (count > LISTED_MOST)
+        buf_printf(out, ", %u more label%s", count - LISTED_MOST, plural(count - LISTED_MOST));
     if (ms < 10000)
         buf_printf(out, ", %.1f ms\n", ms);
     else

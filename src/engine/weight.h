@@ -32,16 +32,16 @@ enum weight_argument {
  */
 #define WEIGHT_LIST(FIRST, NEXT)                                                                   \
     FIRST(MORPH, morph, RADIUS, 1,                                                                 \
-          "morph, as at first: dilation minus erosion, over a voxel and its neighbours, or over "  \
-          "what `radius` steps reach.\n")                                                          \
+          "morph, the default: dilation minus erosion, over a voxel and its neighbours, or over "  \
+          "all within `radius` steps.\n")                                                          \
     NEXT(SOBEL, sobel, NOTHING, 0, "sobel: the 3-D Sobel operator.\n")                             \
     NEXT(GAUSS, gauss, SIGMA, 0,                                                                   \
          "gauss: the gradient of the scene smoothed by a Gaussian of SIGMA 0.5..8 voxels.\n")      \
     NEXT(DIFFERENCE, difference, NOTHING, 0,                                                       \
          "difference: the difference of intensity between both ends of the step.\n")               \
     NEXT(POLARITY, polarity, NOTHING, 0,                                                           \
-         "polarity: the same, with steps to brighter and to darker weighed apart (`help "          \
-         "polarity`).\n")
+         "polarity: the same, with other weights for steps to brighter and to darker voxels "      \
+         "(`help polarity`).\n")
 
 /* The names, in their order; what comes out of a file has no name of its own. */
 #define WEIGHT_FIRST_NAME(kind, name, argument, usual, help) #name
