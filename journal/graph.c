@@ -53,7 +53,7 @@ static void tree_release(struct tree *tree)
     buf_release(&tree->texts);
 }
 
-static size_t keep_text(struct tree *tree, const char *text, size_t length)
+static size_t store_text(struct tree *tree, const char *text, size_t length)
 {
     const size_t place = tree->texts.length;
     buf_add(&tree->texts, text, length);
@@ -89,7 +89,7 @@ static bool add_branch(struct tree *tree, const char *name, size_t length)
         !mem_grow(&tree->branch, &tree->branch_capacity, tree->branches + 1, sizeof *tree->branch))
         return false;
     tree->on = tree->branches;
-    tree->branch[tree->branches++] = (struct branch){.name = keep_text(tree, name, length)};
+    tree->branch[tree->branches++] = (struct branch){.name = store_text(tree, name, length)};
     return true;
 }
 
@@ -141,7 +141,7 @@ static enum err add_record(struct tree *tree, const struct record *record, struc
         return err;
     node.state = node.is_note ? node.parent : number;
     node.branch = begins ? tree->branches : tree->on;
-    node.command = keep_text(tree, record->command, strlen(record->command));
+    node.command = store_text(tree, record->command, strlen(record->command));
     if ((begins && !add_branch(tree, name.value, name.value_length)) ||
         !mem_grow(&tree->node, &tree->node_capacity, number + 1, sizeof node) || tree->texts.failed)
         return fault_memory(fault, "the graph of a journal");
@@ -197,7 +197,7 @@ struct drawing {
     const struct strokes *strokes;
     struct tree *tree;
     bool is_held[GRAPH_LANES]; /* a node waits in this lane */
-    size_t lanes;              /* behind the last that is held */
+    size_t lanes;              /* after the last that is held */
 };
 
 static void end_line(struct drawing *d)
@@ -207,7 +207,7 @@ static void end_line(struct drawing *d)
     buf_add_char(d->out, '\n');
 }
 
-/* Lanes first..end-1, each with the gap behind it. */
+/* Lanes first..end-1, each with the gap after it. */
 static void draw_rails(struct drawing *d, size_t first, size_t end)
 {
     for (size_t i = first; i < end; i++) {

@@ -20,11 +20,11 @@
  * alternative in the journal. Both words may stand in one record: it then hangs on N itself.
  *
  * Invariants
- *   G1 a record that others follow keeps its lane until the last of them is drawn, which takes the
- *      lane over; the ones before branch off to the right. So what was given up hangs aside, and
- * the line that goes on is straight; G2 there are at most GRAPH_LANES lanes. A record that no lane
- * is left for says in words which one it follows. So the drawing takes time and room in proportion
- * to the journal.
+ *     (G1) a record that others follow stays in its lane until the last of them is drawn, which
+ *          takes the lane over; the ones before branch off to the right. So what was given up is
+ *          drawn beside, and the line that goes on is straight;
+ *     (G2) there are at most GRAPH_LANES lanes. A record that no lane is left for says in words
+ *          which one it follows. So the drawing takes time and room in proportion to the journal.
  */
 #ifndef JOURNAL_GRAPH_H
 #define JOURNAL_GRAPH_H
@@ -39,7 +39,7 @@ enum { GRAPH_LANES = 24 };
 
 /* Adds the drawing to `out`, lines that are safe to print, in ASCII or with the box-drawing
  * characters of Unicode. ERR_INPUT for a script (which has no such words), for damage, and where
- * at=N names nothing that came before; nothing was added then. ERR_MEMORY. */
+ * at=N names no record before; nothing was added then. ERR_MEMORY. */
 enum err graph_draw(struct buf *out, const char *bytes, size_t length, bool unicode,
                     struct fault *fault);
 

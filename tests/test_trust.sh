@@ -166,7 +166,7 @@ err_has "longer than the 0.05 s of --limit-time"
 expect 3 "$iftty" verify big --limit-time 0.05s
 out_has "longer than the 0.05 s of --limit-time"
 expect 3 "$iftty" replay big --limit-output 1M --out bounded
-err_has "more than the 1 MB of --limit-output; this file was not kept"
+err_has "more than the 1 MB of --limit-output; this file was removed"
 same "$(ls bounded | tr '\n' ' ')" "a.exr " # what fitted in is kept
 expect 0 "$iftty" replay big --limit-output 20M --limit-time 5m --limit-memory 2G --out bounded2
 rm -r bounded bounded2

@@ -19,7 +19,7 @@
 static void check_meaning(const char *expected, const char *actual, const char *part)
 {
     struct buf lines = {0};
-    divergence_tell(&lines, expected, actual, DIVERGENCE_OF_REPLAY);
+    divergence_describe(&lines, expected, actual, DIVERGENCE_OF_REPLAY);
     CHECK_HAS(buf_text(&lines), part);
     for (const char *at = buf_text(&lines); *at; at = strchr(at, '\n') + 1)
         CHECK(strncmp(at, "#   ", 4) == 0); /* TAP takes them as comments */
@@ -49,11 +49,11 @@ STORY(counts_tell_how_many_more_or_less)
     check_meaning("seeds=12", "", "seeds: 12 was recorded, nothing now\n");
     check_meaning("a=1 b=2 c=3", "c=3 b=9 a=1", "the same a, c\n");
     struct buf lines = {0};
-    divergence_tell(&lines, "forest=1234567890123456 size=1,2,3",
-                    "forest=1234567890123457 size=1,2,4", DIVERGENCE_OF_JOURNALS);
+    divergence_describe(&lines, "forest=1234567890123456 size=1,2,3",
+                        "forest=1234567890123457 size=1,2,4", DIVERGENCE_OF_JOURNALS);
     CHECK(!strstr(buf_text(&lines), "more")); /* a digest of digits is no count */
     buf_clear(&lines);
-    divergence_tell(&lines, "a=\x1b[31m", "a=2", DIVERGENCE_OF_REPLAY);
+    divergence_describe(&lines, "a=\x1b[31m", "a=2", DIVERGENCE_OF_REPLAY);
     CHECK(!strchr(buf_text(&lines), '\x1b'));
     buf_release(&lines);
 }

@@ -237,7 +237,7 @@ unlike k.iftty 7
 cp k.iftty k.before
 expect 1 "$iftty" verify k.iftty
 expect 0 "$iftty" verify k.iftty --accept 'softer light'
-out_has "# 1 golden images accepted, 1 of 10 records of k.iftty marked; the former journal is kept as k.iftty.before-1"
+out_has "# 1 golden image accepted, 1 of 10 records of k.iftty marked; the former journal is stored as k.iftty.before-1"
 same_files k.iftty.before-1 k.before
 expect 0 "$iftty" verify k.iftty
 expect 0 "$iftty" log --check k.iftty
@@ -345,7 +345,7 @@ sed 's/^seed 20,10,8 3$/seed 20,10,7 3/' e.iftty >edited.iftty
 cp edited.iftty edited.kept
 expect 1 "$iftty" log --check edited.iftty
 expect 0 "$iftty" log --reseal edited.iftty
-out_has "# 3 of 10 records of edited.iftty marked; the former journal is kept as edited.iftty.before-1"
+out_has "# 3 of 10 records of edited.iftty marked; the former journal is stored as edited.iftty.before-1"
 same_files edited.iftty.before-1 edited.kept
 expect 0 "$iftty" log --check edited.iftty
 expect 0 "$iftty" replay edited.iftty

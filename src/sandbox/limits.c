@@ -11,16 +11,18 @@
 #include "base/scan.h"
 #include "image/helper.h"
 
-enum { LOOK_EVERY_NS = 20000000 };
+enum { POLL_EVERY_NS = 20000000 };
 static const uint64_t DEFAULT_TIME_MS = 3600000, DEFAULT_OUTPUT = 4000000000;
 static const uint64_t HELPER_LEAST = 512000000; /* with less it could not write every picture */
+
+enum state { WITHIN, TOO_LONG, TOO_MUCH_MEMORY, TOO_MUCH_OUTPUT };
 
 static struct {
     bool hold;
     struct limits limits;
-    uint64_t begun_ns, looked_ns, output_bytes;
+    uint64_t begun_ns, polled_ns, output_bytes;
     uint64_t others_held_bytes, others_written_bytes;
-    enum { WITHIN, TOO_LONG, TOO_MUCH_MEMORY, TOO_MUCH_OUTPUT } state;
+    enum state state;
     struct rlimit file_size; /* as it was */
     bool is_file_size_set;
 } now;
@@ -75,7 +77,7 @@ void limits_begin(const struct limits *limits)
     now.hold = true;
     now.limits = *limits;
     now.begun_ns = clock_ns();
-    now.looked_ns = 0;
+    now.polled_ns = 0;
     now.output_bytes = now.others_held_bytes = now.others_written_bytes = 0;
     now.state = WITHIN;
     const size_t free_bytes = mem_available();
@@ -94,9 +96,9 @@ void limits_begin(const struct limits *limits)
 bool limits_stop(void)
 {
     const uint64_t ns = clock_ns();
-    if (!now.hold || now.state != WITHIN || ns - now.looked_ns < LOOK_EVERY_NS)
+    if (!now.hold || now.state != WITHIN || ns - now.polled_ns < POLL_EVERY_NS)
         return now.state != WITHIN;
-    now.looked_ns = ns;
+    now.polled_ns = ns;
     if (ns - now.begun_ns > now.limits.time_ms * 1000000)
         now.state = TOO_LONG;
     else if (mem_held() + now.others_held_bytes > now.limits.memory_bytes)
@@ -135,6 +137,24 @@ void limits_will_write(void)
     now.is_file_size_set = setrlimit(RLIMIT_FSIZE, &wanted) == 0;
 }
 
+/* ---- after a command ---- */
+
+/* What the journal does beyond a limit, and what became of that. */
+static enum err refuse(enum state state, const char *end, struct fault *fault)
+{
+    const struct {
+        const char *does, *unit, *option;
+        double most;
+    } limit[] = {
+        [TOO_LONG] = {"takes longer", "s", "time", (double)now.limits.time_ms / 1e3},
+        [TOO_MUCH_MEMORY] = {"takes more", "MB", "memory", (double)now.limits.memory_bytes / 1e6},
+        [TOO_MUCH_OUTPUT] = {"writes more", "MB", "output", (double)now.limits.output_bytes / 1e6},
+    };
+    return fault_set(fault, ERR_LIMIT, "the journal %s than the %g %s of --limit-%s; %s",
+                     limit[state].does, limit[state].most, limit[state].unit, limit[state].option,
+                     end);
+}
+
 static uint64_t bytes_of(const struct buf *written)
 {
     const char *at = buf_text(written), *end = at + written->length;
@@ -149,47 +169,42 @@ static uint64_t bytes_of(const struct buf *written)
     return bytes;
 }
 
-static enum err too_much_output(struct fault *fault)
+/* Files may be as large as before. True where they were limited. */
+static bool restore_file_size(void)
 {
-    return fault_set(fault, ERR_LIMIT,
-                     "the journal writes more than the %g MB of --limit-output; this file was not "
-                     "kept",
-                     (double)now.limits.output_bytes / 1e6);
+    const bool was_set = now.is_file_size_set;
+    if (was_set)
+        setrlimit(RLIMIT_FSIZE, &now.file_size);
+    now.is_file_size_set = false;
+    return was_set;
+}
+
+/* An error that a limit has caused names its option. */
+static enum err explain(enum err err, bool files_were_limited, struct fault *fault)
+{
+    if ((err == ERR_LIMIT || err == ERR_MEMORY) && fault && strstr(fault->text, "memory"))
+        fault_prefix(fault, err, "--limit-memory allows %g MB",
+                     (double)now.limits.memory_bytes / 1e6);
+    if (err == ERR_IO && files_were_limited && fault &&
+        (strstr(fault->text, strerror(EFBIG)) || strstr(fault->text, strsignal(SIGXFSZ))))
+        return refuse(TOO_MUCH_OUTPUT, "this file was removed", fault);
+    return err;
 }
 
 enum err limits_judge(enum err err, const struct buf *written, struct fault *fault)
 {
     if (!now.hold)
         return err;
-    if (now.is_file_size_set)
-        setrlimit(RLIMIT_FSIZE, &now.file_size);
-    const bool may_be_large = now.is_file_size_set;
-    now.is_file_size_set = false;
-    now.looked_ns = 0;
+    const bool files_were_limited = restore_file_size();
+    now.polled_ns = 0;
     limits_stop();
-    if (now.state == TOO_LONG)
-        return fault_set(fault, ERR_LIMIT,
-                         "the journal takes longer than the %g s of --limit-time; it was stopped",
-                         (double)now.limits.time_ms / 1e3);
-    if (now.state == TOO_MUCH_MEMORY)
-        return fault_set(fault, ERR_LIMIT,
-                         "the journal takes more than the %g MB of --limit-memory; it was stopped",
-                         (double)now.limits.memory_bytes / 1e6);
-    if (now.state == TOO_MUCH_OUTPUT)
-        return fault_set(fault, ERR_LIMIT,
-                         "the journal writes more than the %g MB of --limit-output; it was stopped",
-                         (double)now.limits.output_bytes / 1e6);
-    if ((err == ERR_LIMIT || err == ERR_MEMORY) && fault && strstr(fault->text, "memory"))
-        fault_prefix(fault, err, "--limit-memory allows %g MB",
-                     (double)now.limits.memory_bytes / 1e6);
-    if (err == ERR_IO && may_be_large && fault &&
-        (strstr(fault->text, strerror(EFBIG)) || strstr(fault->text, strsignal(SIGXFSZ))))
-        return too_much_output(fault);
+    if (now.state != WITHIN)
+        return refuse(now.state, "it was stopped", fault);
     if (err)
-        return err;
+        return explain(err, files_were_limited, fault);
     const uint64_t bytes = bytes_of(written);
     if (bytes > now.limits.output_bytes - now.output_bytes)
-        return too_much_output(fault);
+        return refuse(TOO_MUCH_OUTPUT, "this file was removed", fault);
     now.output_bytes += bytes;
     return OK;
 }

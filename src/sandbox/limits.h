@@ -1,14 +1,17 @@
 /*
  * Limits of a replay: how much memory, time and output the journal of somebody else may take.
  *
- * One set for the process, because memory and time are the process's. Memory is looked at before
- * a scene is loaded (mem_available) and again while commands work; time while they work and behind
- * each; output before a file grows too large and behind each command, whose files go again. What is
- * beyond a limit ends the replay with ERR_LIMIT and one line that names the option. Where other
- * processes do the work, what they take is counted.
+ * Protects against: a journal that fills the memory or the disk, or never ends.
  *
- * The image helper is a process of its own, and may hold as much memory again, or 512 MB where that
- * is more.
+ * One set for the process, because memory and time are the process's.
+ *     (L1) memory is checked before a scene is loaded (mem_available), and again while commands
+ *          work;
+ *     (L2) time is checked while commands work and after each;
+ *     (L3) output is checked before a file grows too large, by the kernel (RLIMIT_FSIZE), and after
+ *          each command, whose files are removed again;
+ *     (L4) what is beyond a limit ends the replay with ERR_LIMIT and one line that names the option.
+ * Where other processes do the work, what they hold and write is counted (limits_count). The image
+ * helper is a process of its own, and may hold as much memory again, or 512 MB where that is more.
  */
 #ifndef SANDBOX_LIMITS_H
 #define SANDBOX_LIMITS_H
@@ -33,8 +36,8 @@ enum err limits_read(struct limits *limits, const char *memory, const char *time
 /* From now on they hold. */
 void limits_begin(const struct limits *limits);
 
-/* Whether the work is to stop, for a watch that looks; limits_watch is one that does nothing else,
- * or NULL where no limits hold. */
+/* Whether the work is to stop, for the poll of a watch; limits_watch is a watch that polls nothing
+ * else, or NULL where no limits hold. */
 bool limits_stop(void);
 struct watch *limits_watch(void);
 

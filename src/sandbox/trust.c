@@ -115,8 +115,8 @@ static enum trust_answer look_in(struct buf *path, const char *folder, size_t le
     return answer;
 }
 
-/* The first place that has something of this name decides: a link that leads out is not passed
- * over, or else a folder of scenes would answer for it. */
+/* The first place that has something of this name decides: a link that leads out is an error, and
+ * no reason to search a folder of scenes. */
 static enum trust_answer look_everywhere(struct buf *path, const char *home, const char *scenes,
                                          const char *name)
 {
@@ -165,7 +165,7 @@ bool trust_keep_folder(const char *path)
     return rmdir(path) != 0 && (errno == ENOTEMPTY || errno == EEXIST);
 }
 
-/* ---- the second wall ---- */
+/* ---- confinement ---- */
 
 /* Places as they are gathered; paths that had to be made are in `made`. */
 struct gathering {
@@ -228,8 +228,7 @@ static void gather_journals(struct gathering *g, const struct trust_places *plac
     }
 }
 
-/* What any program needs: its libraries, what they look at as they start, and where nothing is
- * kept. */
+/* What any program needs: its libraries, what they read as they start, and /dev/null. */
 static void gather_system(struct gathering *g)
 {
     static const char *const read[] = {

@@ -1,19 +1,20 @@
 /*
  * Trust: what the journal of somebody else may reach while it is replayed or verified.
  *
- * A journal is a program that we did not write. Its own words lead nowhere but to
- *   T1 reading: the scene that was given by --scene, and regular files below the folder of the
- *      journal or a folder of scenes ($IFTTY_SCENES): no absolute names, no "..", no links that
- *      lead out of that folder, no devices, pipes or sockets;
- *   T2 writing: the folder of --out, or a fresh temporary one; nothing there is overwritten but
- *      what the same replay has written;
- *   T3 so much memory, time and output (command/limits.h).
- * Names are resolved by openat2 with RESOLVE_BENEATH, or step by step without following any link
- * where the kernel has not got it; what is checked is the folder and file themselves, not their
- * names. Where the kernel has Landlock, T1 and T2 hold for the process and the image helper as
- * well, whatever a decoder may be talked into.
+ * Protects against: a journal, which is a program that we did not write, that reads or overwrites
+ * the user's files. It reaches no more than
+ *     (T1) for reading, the scene that was given by --scene, and regular files below the folder of
+ *          the journal or a folder of scenes ($IFTTY_SCENES): no absolute names, no "..", no links
+ *          that lead out of that folder, no devices, pipes or sockets;
+ *     (T2) for writing, the folder of --out, or a fresh temporary one; nothing there is overwritten
+ *          but what the same replay has written;
+ *     (T3) so much memory, time and output (limits.h).
+ * Names are resolved by openat2 with RESOLVE_BENEATH, or, where the kernel does not have it, step by
+ * step without following any link; what is checked is the folder and file themselves, not their
+ * names. Where the kernel has Landlock, T1 and T2 hold for the process and the image helper as well
+ * (confine.h), even if a hostile file takes a decoder over.
  *
- * One's own journal, which a session goes on with, is not measured by this.
+ * The user's own journal, with which a session continues, is not restricted.
  */
 #ifndef SANDBOX_TRUST_H
 #define SANDBOX_TRUST_H
@@ -43,7 +44,7 @@ enum trust_answer trust_look(const char *folder, const char *name);
 enum err trust_find(struct buf *path, const char *home, const char *scenes, const char *name,
                     const char *kind, const char *undone, struct fault *fault);
 
-/* What becomes of a fresh folder for files: removed, or, where it holds something, kept: true. */
+/* Removes a fresh folder, or, where it holds something, leaves it: true. */
 bool trust_keep_folder(const char *path);
 
 /* What a replay needs: NULL for what there is not. */
@@ -53,12 +54,12 @@ struct trust_places {
     const char *scene, *scenes; /* --scene; folders, separated by colons */
     const char *helper;         /* the image helper's program */
     const char *const *written; /* folders, ended by NULL, that the user wants written */
-    const char *const *run;     /* programs, ended by NULL, that the user wants run: with what lies
-                                   in their folders, and with the system's, if they are scripts */
+    const char *const *run;     /* programs, ended by NULL, that the user wants run: they may read
+                                   their folders, and run the system's programs, being scripts */
 };
 
-/* Confines the process to these places, for ever. False, and nothing is confined, where the kernel
- * cannot, or where they are more than some 250 folders. */
+/* Confines the process to these places until it ends. False, and nothing is confined, where the
+ * kernel cannot, or where they are more than some 250 folders. */
 bool trust_confine(const struct trust_places *places);
 
 /* For tests: true goes step by step though the kernel has openat2. */

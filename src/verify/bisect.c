@@ -92,7 +92,7 @@ static bool records_are_same(const struct listed l[2], size_t i)
            strcmp(result_of(l, i), result_of(l + 1, i)) == 0;
 }
 
-static void tell_place(struct buf *lines, const struct listed *l, size_t i)
+static void write_place(struct buf *lines, const struct listed *l, size_t i)
 {
     buf_add_text(lines, "#   in       ");
     buf_add_safe(lines, l->name, strlen(l->name));
@@ -105,7 +105,7 @@ static void tell_place(struct buf *lines, const struct listed *l, size_t i)
     buf_add_char(lines, '\n');
 }
 
-static void tell(struct buf *lines, const struct listed l[2], size_t i)
+static void describe(struct buf *lines, const struct listed l[2], size_t i)
 {
     const bool are_there = i < l[0].count && i < l[1].count;
     const bool is_result = are_there && strcmp(command_of(l, i), command_of(l + 1, i)) == 0;
@@ -113,10 +113,10 @@ static void tell(struct buf *lines, const struct listed l[2], size_t i)
                is_result    ? "the same command gives another result"
                : !are_there ? "only one of the two goes on"
                             : "another command stands there");
-    tell_place(lines, l, i);
-    tell_place(lines, l + 1, i);
+    write_place(lines, l, i);
+    write_place(lines, l + 1, i);
     if (is_result)
-        divergence_tell(lines, result_of(l, i), result_of(l + 1, i), DIVERGENCE_OF_JOURNALS);
+        divergence_describe(lines, result_of(l, i), result_of(l + 1, i), DIVERGENCE_OF_JOURNALS);
 }
 
 enum err bisect_bytes(struct bisection *out, const char *const name[2], const struct buf bytes[2],
@@ -136,7 +136,7 @@ enum err bisect_bytes(struct bisection *out, const char *const name[2], const st
         out->records = both;
         out->number = i < most ? i + 1 : 0;
         if (out->number)
-            tell(&out->lines, l, i);
+            describe(&out->lines, l, i);
         if (out->lines.failed)
             err = fault_memory(fault, "a report");
     }
@@ -150,10 +150,10 @@ void bisection_release(struct bisection *bisection)
     buf_release(&bisection->lines);
 }
 
-/* ---- telling ---- */
+/* ---- the report ---- */
 
-static enum err tell_outcome(const struct bisection *found, const char *const name[2],
-                             const struct teller *teller, struct fault *fault)
+static enum err print_outcome(const struct bisection *found, const char *const name[2],
+                              const struct teller *teller, struct fault *fault)
 {
     struct buf text = {0};
     buf_printf(&text, "%s 1 - ", found->number ? "not ok" : "ok");
@@ -189,7 +189,7 @@ static enum err compare(const char *const path[2], const char *const name[2],
     for (int i = 0; !err && i < 2; i++)
         buf_add_text(&found.lines, more[i]);
     if (!err)
-        err = tell_outcome(&found, name, teller, fault);
+        err = print_outcome(&found, name, teller, fault);
     bisection_release(&found);
     buf_release(bytes);
     buf_release(bytes + 1);

@@ -22,8 +22,8 @@ struct builds {
     struct side side[2]; /* this program, and the other */
 };
 
-/* Both have ended, each with a journal of what it carried out; words tell of a command that failed
- * and of a signal. ERR_IO where one could not be started or left no journal, ERR_CANCELLED. To be
+/* Both have ended, each with a journal of what it carried out; words name a command that failed,
+ * or a signal. ERR_IO where one could not be started or left no journal, ERR_CANCELLED. To be
  * released, whatever is returned. */
 enum err builds_run(struct builds *builds, const struct bisect_builds *how, struct fault *fault);
 void builds_release(struct builds *builds);

@@ -1,11 +1,11 @@
 /*
- * Two journals or scripts compared: the first command at which they part, and how far the labels
+ * Two journals or scripts compared: the first command in which they differ, and how far the labels
  * differ that they end with.
  *
- * Each is carried out in a process of its own, by the rules for the journals of others, B first: of
- * what it comes to only labels, names and colours stay, a byte a voxel, while A is carried out. The
- * picture is drawn where A's scene is. Nothing is written but that picture, and that by the process
- * that asked for it.
+ * Each is carried out in a process of its own (diff_side.h), by the rules for the journals of
+ * others, B first: only its labels, names and colours stay, a byte a voxel, while A is carried out.
+ * The picture is drawn by A's process, which has the scene. Nothing is written but that picture,
+ * and that by the process that asked for it.
  */
 #ifndef VERIFY_DIFF_H
 #define VERIFY_DIFF_H
@@ -17,14 +17,14 @@ struct diff_options {
     const char *scene_path; /* a scene to open whatever name `open` gives, or NULL */
     const char *picture;    /* a file that is not there yet, or NULL */
     bool json;
-    size_t last; /* no command behind this record is carried out; 0 for all */
+    size_t last; /* no command after this record is carried out; 0 for all */
     /* Called in each process before the journal is carried out; or NULL. */
     enum err (*begin)(void *context, const char *journal, struct fault *fault);
     void *context;
     struct watch *watch; /* when it stops, the process is ended: ERR_CANCELLED */
 };
 
-/* Tells what differs. OK where the labels are the same, ERR_CHECK where not. ERR_INPUT for what
+/* Prints what differs. OK where the labels are the same, ERR_CHECK where not. ERR_INPUT for what
  * cannot be read or carried out, gives other results than it says, opens no scene, or one of
  * another size than the other's. */
 enum err diff_journals(const struct diff_options *options, const struct teller *teller,

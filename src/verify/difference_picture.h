@@ -11,8 +11,8 @@
  * View, look, cuts, colours and what is hidden are those of A's session for all three. On the right
  * all objects of either are a grey shade, and the voxels whose labels differ shine through it:
  * orange what A alone has for an object, blue what B alone has, purple what is another object in
- * each. These are colours that people who cannot tell red from green tell apart. One that lies
- * behind something is paler than one that is seen.
+ * each. People who cannot distinguish red from green can distinguish these. A voxel that lies
+ * behind something is paler than one that is visible.
  */
 #ifndef VERIFY_DIFFERENCE_PICTURE_H
 #define VERIFY_DIFFERENCE_PICTURE_H

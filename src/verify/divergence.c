@@ -72,8 +72,8 @@ static void add_difference(struct buf *lines, const struct record_word *e,
                now > before ? "more" : "less");
 }
 
-static void tell_word(struct buf *lines, const struct record_word *e, const struct record_word *a,
-                      enum divergence_of of)
+static void write_word(struct buf *lines, const struct record_word *e, const struct record_word *a,
+                       enum divergence_of of)
 {
     const bool is_replay = of == DIVERGENCE_OF_REPLAY;
     add_line(lines, "word");
@@ -91,8 +91,8 @@ static void tell_word(struct buf *lines, const struct record_word *e, const stru
     buf_add_char(lines, '\n');
 }
 
-void divergence_tell(struct buf *lines, const char *expected, const char *actual,
-                     enum divergence_of of)
+void divergence_describe(struct buf *lines, const char *expected, const char *actual,
+                         enum divergence_of of)
 {
     const char *words = meaning(expected, actual);
     const char *at = expected, *end = expected + strlen(expected);
@@ -105,7 +105,7 @@ void divergence_tell(struct buf *lines, const char *expected, const char *actual
     while (record_word_next(&at, end, &e)) {
         const bool is_there = find(actual, &e, &a);
         if (!is_there || !values_are_same(&e, &a)) {
-            tell_word(lines, &e, is_there ? &a : NULL, of);
+            write_word(lines, &e, is_there ? &a : NULL, of);
             continue;
         }
         buf_add_text(&same, same.length ? ", " : "");

@@ -8,7 +8,7 @@
 
 #include "base/buf.h"
 
-/* What the two are called. */
+/* Which two results differ, and so what they are called. */
 enum divergence_of {
     DIVERGENCE_OF_REPLAY,  /* "7 was recorded, 9 now" */
     DIVERGENCE_OF_JOURNALS /* "7 in the first, 9 in the second" */
@@ -17,7 +17,7 @@ enum divergence_of {
 /* Adds lines "#   meaning   ..." : whether labels or only keys differ, or a picture, or what the
  * command read; then a line for each word that differs, counts with how many more or less, and one
  * for those that are the same. Safe to print. */
-void divergence_tell(struct buf *lines, const char *expected, const char *actual,
-                     enum divergence_of of);
+void divergence_describe(struct buf *lines, const char *expected, const char *actual,
+                         enum divergence_of of);
 
 #endif

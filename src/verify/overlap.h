@@ -2,9 +2,9 @@
  * How far two sets of labels of the same voxels differ.
  *
  * Dice's coefficient of a label is 2 |A and B| / (|A| + |B|), where |A| is how many voxels have it:
- * 1 where both have the same, 0 where none is common. It is kept in ten-thousandths, rounded to the
+ * 1 where both have the same, 0 where none is common. It is in ten-thousandths, rounded to the
  * nearest, halves up, from the integers themselves; so 10000 may stand where very few of very many
- * differ, and `differing` tells of each.
+ * differ; `differing` counts each.
  */
 #ifndef VERIFY_OVERLAP_H
 #define VERIFY_OVERLAP_H

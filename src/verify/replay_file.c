@@ -79,8 +79,8 @@ void replay_describe(struct buf *text, const struct replay_report *report,
     add_detail(text, "differs", &report->word);
     add_detail(text, "expected", &report->expected);
     add_detail(text, "actual", &report->actual);
-    divergence_tell(text, buf_text(&report->expected_words), buf_text(&report->actual_words),
-                    DIVERGENCE_OF_REPLAY);
+    divergence_describe(text, buf_text(&report->expected_words), buf_text(&report->actual_words),
+                        DIVERGENCE_OF_REPLAY);
 }
 
 enum err replay_aloud(struct interpreter *interp, const char *path, const struct teller *teller,

@@ -14,7 +14,7 @@
 enum {
     WHY_MOST = 1000,         /* bytes of a reason */
     WORDS_SHOWN_MOST = 4000, /* bytes of former results that a comment repeats */
-    FORMER_MOST = 9999       /* journals kept beside one */
+    FORMER_MOST = 9999       /* journals stored beside one */
 };
 
 static const char unchanged[] = "nothing has changed";
@@ -87,7 +87,7 @@ static void add_comments(struct buf *out, const char *bytes, const struct record
     }
 }
 
-/* Why it has changed, and what it was. */
+/* Why it has changed, and what it was before. */
 static void add_mark(const struct resealing *r, struct buf *out, const struct record *record)
 {
     buf_printf(out, "# %s", buf_text(&r->mark));
@@ -191,8 +191,8 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
 }
 
 /* R3: under the first name that is free. */
-static enum err keep_former(struct buf *name, const char *path, const struct buf *bytes,
-                            struct fault *fault)
+static enum err store_former(struct buf *name, const char *path, const struct buf *bytes,
+                             struct fault *fault)
 {
     for (unsigned n = 1; n <= FORMER_MOST; n++) {
         buf_clear(name);
@@ -208,7 +208,7 @@ static enum err keep_former(struct buf *name, const char *path, const struct buf
 
 /* R1, R2: all of it, or nothing. */
 static enum err publish(struct resealing *r, const char *path, const struct buf *former,
-                        struct buf *kept, struct fault *fault)
+                        struct buf *name, struct fault *fault)
 {
     struct journal_condition condition;
     enum err err = journal_check(&condition, buf_text(&r->out), r->out.length, fault);
@@ -216,34 +216,34 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
         err = fault_set(fault, ERR_LIMIT, "%s would hold more than %zu bytes; %s", path,
                         JOURNAL_BYTES_MAX, unchanged);
     if (!err)
-        err = keep_former(kept, path, former, fault);
+        err = store_former(name, path, former, fault);
     if (err)
         return err;
-    r->interp->replays = false; /* it is over: what is replaced now is what the user asked for */
+    r->interp->replays = false; /* it is over: the user asked for what is replaced now */
     if (r->accept)
         err = golden_accept_publish(r->accept, r->interp, fault);
     if (!err)
         err = file_write(path, buf_text(&r->out), r->out.length, FILE_REPLACE, fault);
     interpreter_settle_files(r->interp, err == OK);
     if (err)
-        file_discard(buf_text(kept));
+        file_discard(buf_text(name));
     return err;
 }
 
-static void report(const struct resealing *r, const char *path, const struct buf *kept,
+static void report(const struct resealing *r, const char *path, const struct buf *former,
                    const struct teller *teller)
 {
     struct buf text = {0};
+    buf_add_text(&text, "# ");
     if (r->accept)
-        buf_printf(&text, "# %zu golden images accepted, ", r->accept->images);
-    else
-        buf_add_text(&text, "# ");
+        buf_printf(&text, "%zu golden image%s accepted, ", r->accept->images,
+                   r->accept->images == 1 ? "" : "s");
     buf_printf(&text, "%zu of %zu records of ", r->marked, r->count);
     buf_add_safe(&text, path, strlen(path));
     buf_add_text(&text, " marked");
-    if (kept->length) {
-        buf_add_text(&text, "; the former journal is kept as ");
-        buf_add_safe(&text, buf_text(kept), kept->length);
+    if (former->length) {
+        buf_add_text(&text, "; the former journal is stored as ");
+        buf_add_safe(&text, buf_text(former), former->length);
     } else {
         buf_add_text(&text, "; nothing has changed");
     }
@@ -256,7 +256,7 @@ static enum err reseal(struct resealing *r, const char *path, const struct telle
                        struct fault *fault)
 {
     struct file_log *lock = NULL;
-    struct buf bytes = {0}, kept = {0};
+    struct buf bytes = {0}, former = {0};
     struct interpreter *interp = r->interp;
     const struct golden_judge judge = golden_accept_judge(r->accept);
     r->chain = record_chain_zero;
@@ -272,11 +272,11 @@ static enum err reseal(struct resealing *r, const char *path, const struct telle
     if (!err && r->accept)
         err = orphan_check(path, &interp->goldens, fault);
     if (!err && (r->marked || r->changes_header))
-        err = publish(r, path, &bytes, &kept, fault);
+        err = publish(r, path, &bytes, &former, fault);
     if (!err)
-        report(r, path, &kept, teller);
+        report(r, path, &former, teller);
     file_log_close(lock);
-    buf_release(&kept);
+    buf_release(&former);
     buf_release(&bytes);
     buf_release(&r->mark);
     buf_release(&r->header);
@@ -285,7 +285,7 @@ static enum err reseal(struct resealing *r, const char *path, const struct telle
     return err;
 }
 
-/* ---- the two doors ---- */
+/* ---- accepting and resealing ---- */
 
 static enum err check_reason(const char *why, struct fault *fault)
 {

@@ -1,7 +1,7 @@
 /*
- * Sealing a journal anew, which is the honest way to change what stands in one: it is carried out
- * again, every record that gives something else gets the results of today and a comment that says
- * why, with what it said before, and the former journal is kept beside it. Nothing else changes.
+ * Resealing a journal: the honest way to change one. It is carried out again, every record that
+ * gives another result gets that of today and a comment that says why, with what it said before,
+ * and the former journal is stored beside it. Nothing else changes.
  *
  *     # accepted: softer light (golden image left: 512 pixels differ, first column 3, row 4: ...)
  *     # it was: chain=<32 digits> picture=0123456789abcdef
@@ -9,18 +9,20 @@
  *     = 12 picture=fedcba9876543210 chain=<32 digits>
  *
  * A journal names its golden images, so accepting one is a change of the journal, even where only
- * the file is drawn up anew: the reason is part of the chain from then on.
+ * the file is drawn again: the reason is part of the chain from then on.
  *
- * Promises: (R1) whole or not at all: golden images and journal are all as they were, or all new;
- * (R2) what is written verifies, here and now; (R3) the bytes of the former journal stay, as
- * FILE.before-N; (R4) nobody else writes the journal meanwhile.
+ * Promises
+ *     (R1) whole or not at all: golden images and journal are all as they were, or all new;
+ *     (R2) what is written verifies, here and now;
+ *     (R3) the bytes of the former journal stay, as FILE.before-N;
+ *     (R4) nobody else writes the journal meanwhile.
  */
 #ifndef VERIFY_RESEAL_H
 #define VERIFY_RESEAL_H
 
 #include "command/script.h"
 
-/* `iftty verify --accept WHY`: golden images that differ or are missing are drawn up anew, and
+/* `iftty verify --accept WHY`: golden images that differ or are missing are drawn again, and
  * records of pictures get today's digests. Refused where a record gives another result that is no
  * picture's, where the journal was edited, where an orphan lies in its folder (ERR_CHECK), and
  * where the environment variable CI is set (ERR_USAGE): accepting is a person's decision. */

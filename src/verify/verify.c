@@ -32,7 +32,7 @@ static void show_present(struct interpreter *interp, struct evidence *evidence)
 }
 
 /* The voxels of each label now, as comment lines. */
-static void tell_voxels(struct interpreter *interp, struct buf *lines)
+static void write_voxels(struct interpreter *interp, struct buf *lines)
 {
     struct reply reply = {0};
     if (interp->session.has_scene &&
@@ -112,7 +112,7 @@ static void verify_one(const struct verify_options *options, const char *path,
         err = judge_whole(options, &interp, path, &report, &fault);
     replay_describe(&result->lines, &report, &fault);
     if (report.outcome == REPLAY_DIVERGED) {
-        tell_voxels(&interp, &result->lines);
+        write_voxels(&interp, &result->lines);
         if (collector.evidence)
             show_present(&interp, collector.evidence);
     }

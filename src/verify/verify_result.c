@@ -11,7 +11,7 @@ void verify_result_release(struct verify_result *result)
     evidence_release(&result->evidence);
 }
 
-/* The parts that differ in length, in the order in which they are sent; NULL behind the last. */
+/* The parts that differ in length, in the order in which they are sent; NULL after the last. */
 static struct buf *part_of(const struct verify_result *result, size_t number)
 {
     struct verify_result *r = (struct verify_result *)(uintptr_t)result;
