@@ -229,6 +229,20 @@ out_has "differs  forest"
 changed "another label" 's/^label 2 ball/label 2 bell/' "record 2, line 5: its chain"
 close_story
 
+begin "verify --json prints one object with what TAP says"
+expect 1 "$iftty" verify j.iftty t.iftty --json
+if needs python3; then
+    python3 -B - out >found 2>&1 <<'EOP' || fail "$(cat found)"
+import json, sys
+report = json.load(open(sys.argv[1]))
+assert (report["verified"], report["failed"]) == (1, 1), report
+good, bad = report["journals"]
+assert good["journal"] == "j.iftty" and good["verified"] and good["commands"] == 13, good
+assert bad["journal"] == "t.iftty" and not bad["verified"] and bad["kind"] == "check failed", bad
+EOP
+fi
+close_story
+
 begin "a changed digit of a digest is found"
 digest=$(sed -n 's/^= 6 forest=\([0-9a-f]*\) .*/\1/p' j.iftty)
 digit=$(printf %s "$digest" | cut -c 1 | tr 0-9a-f 1-9a-f0)

@@ -157,7 +157,7 @@ static const struct program program[] = {
      .words = "JOURNAL...",
      .least = 1,
      .most = FILES_MOST,
-     .option = {PROCESSES, FROM, UNTIL, JUNIT, HTML, EVIDENCE_OUT, SCENE, LIMIT_OPTIONS},
+     .option = {PROCESSES, FROM, UNTIL, JSON, JUNIT, HTML, EVIDENCE_OUT, SCENE, LIMIT_OPTIONS},
      .summary = "the same quietly, with golden images; TAP",
      .detail = "Each journal is carried out in a process of its own, by the rules of `replay`. "
                "Nothing is written but what these options name.",

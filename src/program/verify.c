@@ -16,6 +16,7 @@ enum err run_verify(const struct options *o, struct fault *fault)
                                        .evidence_folder = o->out,
                                        .junit = o->junit,
                                        .html = o->html,
+                                       .json = o->json,
                                        .first = o->from,
                                        .last = o->until,
                                        .processes = o->processes ? (unsigned)o->processes : 1,
