@@ -79,6 +79,21 @@ with_permissions() {
     fi
 }
 
+# Waits until a command succeeds: a minute, since a machine may be busy with other things.
+comes_true() {
+    tries=0
+    until "$@"; do
+        if [ $((tries += 1)) -gt 2400 ]; then
+            fail "never comes true: $*"
+            return 1
+        fi
+        sleep 0.025
+    done
+}
+has_line() { # FILE PATTERN
+    grep -q "$2" "$1"
+}
+
 # expect STATUS COMMAND...: runs it with standard output in $work/out, standard error in $work/err.
 # Standard input is that of the caller.
 expect() {

@@ -163,8 +163,8 @@ mkdir folder.nii folder.png
 mkfifo pipe.nii
 scene_refused "missing.nii" missing.nii
 refused 3 "folder.nii" "$iftty" -c 'open folder.nii'
-refused 3 "pipe.nii" timeout 5 "$iftty" -c 'open pipe.nii'
-refused 3 "/dev/zero" timeout 5 "$iftty" -c 'open /dev/zero'
+refused 3 "pipe.nii" timeout 60 "$iftty" -c 'open pipe.nii'
+refused 3 "/dev/zero" timeout 60 "$iftty" -c 'open /dev/zero'
 printf 'hello\n' >text.nii
 scene_refused "text.nii" text.nii
 head -c 50000 "$iftty" >program.nii
@@ -195,7 +195,7 @@ for command in mask weight; do
     refused 3 "cut.nii" "$iftty" -c "$start; $command cut.nii"
     refused 3 "text.nii" "$iftty" -c "$start; $command text.nii"
     refused 3 "folder.nii" "$iftty" -c "$start; $command folder.nii"
-    refused 3 "pipe.nii" timeout 5 "$iftty" -c "$start; $command pipe.nii"
+    refused 3 "pipe.nii" timeout 60 "$iftty" -c "$start; $command pipe.nii"
     refused 3 "vast.nii.gz: 32767x32767x32767 voxels" bounded "$iftty" -c "$start; $command vast.nii.gz"
     refused 3 "other axes of the world" "$iftty" -c "open placed.nii; $command other-way.nii"
     expect 0 "$iftty" -c "$start; $command good.nii"
@@ -268,8 +268,8 @@ refused 3 "f.iftty" "$iftty" run - --journal f.iftty </dev/null
 sed 's/seed 1,1,1 1/seed 2,1,1 1/' j.iftty >f.iftty
 refused 3 "record 2" "$iftty" run - --journal f.iftty </dev/null
 refused 3 "folder.nii" "$iftty" run - --journal folder.nii </dev/null
-refused 3 "/dev/zero" timeout 5 "$iftty" run - --journal /dev/zero </dev/null
-refused 3 "/dev/zero" timeout 5 "$iftty" replay /dev/zero
+refused 3 "/dev/zero" timeout 60 "$iftty" run - --journal /dev/zero </dev/null
+refused 3 "/dev/zero" timeout 60 "$iftty" replay /dev/zero
 refused 3 "folder.nii" "$iftty" log folder.nii
 close_story
 

@@ -61,14 +61,14 @@ for after in 1 2 5 11 23 47 80 120 150 190 0.02 0.05 0.08 0.13; do
     victim=$!
     { # a line at a time, as somebody types
         while read -r line; do echo "$line" || exit; done <script
-        sleep 5
+        exec sleep 120
     } >pipe 2>/dev/null &
     feeder=$!
     case $after in
     *.*) sleep "$after" ;;
     *)
-        tries=0
-        until [ "$(grep -c '^ok' acks)" -ge "$after" ] || [ $((tries += 1)) -gt 2000 ]; do :; done
+        tries=0 # at full speed, a minute at most
+        until [ "$(grep -c '^ok' acks)" -ge "$after" ] || [ $((tries += 1)) -gt 40000 ]; do :; done
         ;;
     esac
     kill -9 "$victim" 2>/dev/null

@@ -158,12 +158,12 @@ echo 'run' >>large.txt
 for n in 1 2 3 4 5 6 7 8; do echo 'adjacency 26'; echo 'adjacency 6'; done >>large.txt
 # catch_child PROGRAM: its process, once there
 catch_child() {
+    comes_true has_child "$1"
+}
+has_child() {
     child=
-    tries=0
-    until [ -n "$child" ] || [ $((tries += 1)) -gt 200 ]; do
-        sleep 0.02
-        read -r child _ <"/proc/$1/task/$1/children"
-    done
+    read -r child _ <"/proc/$1/task/$1/children"
+    [ -n "$child" ]
 }
 env --default-signal=INT "$iftty" diff large.txt large.txt >out 2>err &
 program=$!

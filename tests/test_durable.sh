@@ -11,6 +11,8 @@ make_scene s.nii 24 20 16
 begin_session() {
     rm -f line
     mkfifo line
+    : >acks # now, since the session begins a little later
+    : >errors
     "$iftty" run - --keep-going "$@" <line >acks 2>errors &
     session=$!
     exec 3>line
@@ -18,10 +20,10 @@ begin_session() {
 tell() { # and wait until it is answered
     before=$(cat acks errors | wc -l)
     echo "$1" >&3
-    tries=0
-    until [ "$(cat acks errors | wc -l)" -gt "$before" ] || [ $((tries += 1)) -gt 1000 ]; do
-        sleep 0.01
-    done
+    comes_true has_answered "$before"
+}
+has_answered() { # MORE than so many lines
+    [ "$(cat acks errors | wc -l)" -gt "$1" ]
 }
 end_session() {
     exec 3>&-

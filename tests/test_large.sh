@@ -144,8 +144,7 @@ env --default-signal=INT "$iftty" run - --journal fifo.iftty <pipe >out 2>err &
 pid=$!
 exec 3>pipe
 echo "open synth:geom:20x20x20" >&3
-tries=0
-until grep -q '^ok 1' out || [ $((tries += 1)) -gt 100 ]; do sleep 0.05; done
+comes_true has_line out '^ok 1'
 kill -INT $pid
 wait $pid
 got=$?

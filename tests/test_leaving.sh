@@ -14,17 +14,6 @@ state() { # of the terminal: alternate screen, mouse, cursor
 processes() { # of ours at the terminal
     ps -t "$(tmux_here display-message -p -t prompt '#{pane_tty}')" -o comm= | grep iftty
 }
-# Waits (60 s) until a command succeeds.
-comes_true() {
-    tries=0
-    until "$@"; do
-        if [ $((tries += 1)) -gt 1200 ]; then
-            fail "never comes true: $*"
-            return 1
-        fi
-        sleep 0.05
-    done
-}
 start_session() { # JOURNAL [WORDS...]
     enter "clear; sh -c 'echo \$\$ >pid; exec $iftty --journal $*'"
     see '^[a-z]+>$'

@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <stdlib.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/buf.h"
@@ -166,12 +167,13 @@ STORY(a_helper_that_dies_costs_one_picture)
     picture_writer_free(writer);
 }
 
-/* The helper stays silent, so everything waits; the fifth that waits would have to wait outside. */
+/* The helper stays silent until a file is there, so everything waits; the fifth that waits has to
+ * wait outside. */
 STORY(a_known_number_of_pictures_waits)
 {
-    struct picture_writer *writer = scripted("exec sleep 30");
-    char name[16];
-    image_helper_patience_ms = 500;
+    char script[2 * FILE_LENGTH], name[16];
+    snprintf(script, sizeof script, "until [ -e %s ]; do sleep 0.02; done", in_folder("go"));
+    struct picture_writer *writer = scripted(script);
     for (unsigned i = 0; i < PICTURE_WRITER_WAITING_MOST + 1; i++) {
         snprintf(name, sizeof name, "wait%u.png", i);
         give(writer, name, FILE_KEEP, 1);
@@ -180,14 +182,21 @@ STORY(a_known_number_of_pictures_waits)
     CHECK(picture_writer_holds(writer, in_folder("wait0.png")) &&
           picture_writer_holds(writer, in_folder("wait4.png")));
     CHECK(!picture_writer_holds(writer, in_folder("wait5.png")));
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0) {
+        usleep(200000);
+        _exit(file_write(in_folder("go"), "", 0, FILE_KEEP, NULL) == OK ? 0 : 1);
+    }
     give(writer, "wait5.png", FILE_KEEP, 1);
-    CHECK(!picture_writer_holds(writer, in_folder("wait0.png"))); /* it has been given up by then */
+    CHECK(file_exists(in_folder("go")));                          /* it had to wait for that */
+    CHECK(!picture_writer_holds(writer, in_folder("wait0.png"))); /* the helper has ended by then */
+    CHECK(waitpid(child, NULL, 0) == child);
     const char *text = news(writer);
     unsigned lines = 0;
-    for (const char *at = text; (at = strstr(at, "did not answer")) != NULL; at++)
+    for (const char *at = text; (at = strstr(at, "error: cannot write ")) != NULL; at++)
         lines++;
     CHECK_INT(lines, PICTURE_WRITER_WAITING_MOST + 2);
-    image_helper_patience_ms = 60000;
     picture_writer_free(writer);
 }
 
@@ -202,7 +211,7 @@ STORY(waiting_can_be_given_up)
     struct picture_writer *writer = scripted("exec sleep 30");
     struct watch watch = {.poll = stop};
     struct buf text = {0};
-    image_helper_patience_ms = 1000;
+    image_helper_patience_ms = 1500;
     for (unsigned i = 0; i < 3; i++)
         give(writer, i == 0 ? "up0.png" : i == 1 ? "up1.png" : "up2.png", FILE_KEEP, 1);
     CHECK_INT(picture_writer_wait(writer, &watch, NULL), ERR_CANCELLED);

@@ -10,16 +10,12 @@ half_block=$(printf '\342\226\200')
 last_record() {
     grep -v '^[=#]' s-1.iftty | tail -n 1
 }
-# Waits (10 s) until the last command of the journal is this one.
+# Waits until the last command of the journal is this one.
+is_last_record() {
+    [ "$(last_record)" = "$1" ]
+}
 recorded() {
-    tries=0
-    until [ "$(last_record)" = "$1" ]; do
-        if [ $((tries += 1)) -gt 200 ]; then
-            fail "the last command is '$(last_record)', not '$1'"
-            return 1
-        fi
-        sleep 0.05
-    done
+    comes_true is_last_record "$1" || fail "the last command is '$(last_record)', not '$1'"
 }
 begin_terminal
 

@@ -56,7 +56,7 @@ static void leave_heir(void *context, size_t number, struct buf *out)
     if (fork() == 0) {
         for (int i = 0; i < 3; i++)
             close(i);
-        alarm(5);
+        alarm(61);
         pause();
     }
 }
@@ -136,7 +136,7 @@ STORY(a_process_that_does_not_end_is_ended_by_the_watch)
 STORY(the_end_of_a_process_counts_whoever_holds_its_pipe)
 {
     struct buf out = {0};
-    alarm(4);
+    alarm(60); /* the heir lives longer */
     CHECK(process_run(&out, &(struct processes){.work = leave_heir, .most = 100}, NULL) == OK);
     alarm(0);
     CHECK_TEXT(buf_text(&out), "will");

@@ -197,8 +197,7 @@ mkfifo pipe
 writer=$!
 exec 3>pipe
 echo info >&3
-tries=0
-until grep -q '^ok' writer.out || [ $((tries += 1)) -gt 100 ]; do sleep 0.05; done
+comes_true has_line writer.out '^ok'
 expect 3 "$iftty" run - --journal j.iftty </dev/null
 err_has "being written by another session"
 exec 3>&-

@@ -127,17 +127,22 @@ expect 1 "$iftty" verify j3.iftty
 out_has "meaning  labels differ"
 close_story
 
+# has_children N PROGRAM: so many processes, in $children
+has_children() {
+    read -r children <"/proc/$2/task/$2/children"
+    [ "$(echo "$children" | wc -w)" -ge "$1" ]
+}
+has_ended() { # a zombie has
+    [ ! -e "/proc/$1" ] || grep -q '^State:.*Z' "/proc/$1/status" 2>/dev/null || [ ! -e "/proc/$1" ]
+}
+
 begin "a process that dies is one failure, with its signal"
 "$iftty" -c 'open synth:geom:222; seed 100,100,50 1; seed 10,10,10 2; run; adjacency 26' \
     --journal large.iftty >/dev/null
 "$iftty" verify large.iftty j4.iftty >out 2>err &
 verifier=$!
-child=
-for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do
-    read -r child _ <"/proc/$verifier/task/$verifier/children" && [ -n "$child" ] && break
-    sleep 0.05
-done
-kill -SEGV "$child"
+comes_true has_children 1 "$verifier"
+kill -SEGV "${children%% *}"
 wait "$verifier"
 same "$?" 1
 out_has "not ok 1 - large.iftty"
@@ -148,21 +153,15 @@ close_story
 begin "Ctrl-C ends all of them"
 "$iftty" verify -j 2 large.iftty large.iftty large.iftty >out 2>err &
 verifier=$!
-sleep 0.4
-children=$(cat "/proc/$verifier/task/$verifier/children")
-[ "$(echo "$children" | wc -w)" -ge 2 ] || fail "children: $children"
+comes_true has_children 2 "$verifier"
 # They end with the one that started them, however that ends.
 kill -9 "$verifier"
 wait "$verifier" 2>/dev/null
-sleep 0.3
-for child in $children; do
-    [ ! -e "/proc/$child" ] || grep -q '^State:.*Z' "/proc/$child/status" || fail "$child outlives its parent"
-done
+for child in $children; do comes_true has_ended "$child"; done
 # A background job ignores SIGINT unless it is told otherwise.
 env --default-signal=INT "$iftty" verify -j 2 large.iftty large.iftty large.iftty >out 2>err &
 verifier=$!
-sleep 0.4
-children=$(cat "/proc/$verifier/task/$verifier/children")
+comes_true has_children 2 "$verifier"
 kill -INT "$verifier"
 wait "$verifier"
 same "$?" 130
@@ -324,8 +323,7 @@ mkfifo held
 writer=$!
 exec 9>held
 echo info >&9 # answered by whoever holds the journal, and not recorded
-tries=0
-until grep -q '^ok .* info' held.out || [ $((tries += 1)) -gt 200 ]; do sleep 0.05; done
+comes_true has_line held.out '^ok .* info'
 refused k.iftty "is being written by another session" 3 env
 exec 9>&-
 wait "$writer"

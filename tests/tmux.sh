@@ -24,16 +24,12 @@ enter() { # a line
     type_letters "$1"
     press Enter
 }
-# Waits (60 s, for a machine that is busy with other things) until a line of the screen matches.
+# Waits until a line of the screen matches.
+shows() {
+    screen_text | grep -qE -e "$1"
+}
 see() {
-    tries=0
-    until screen_text | grep -qE -e "$1"; do
-        if [ $((tries += 1)) -gt 1200 ]; then
-            fail "nothing like '$1' on the screen:" "$(screen_text | grep .)"
-            return 1
-        fi
-        sleep 0.05
-    done
+    comes_true shows "$1" || fail "the screen is:" "$(screen_text | grep .)"
 }
 # A program has left the terminal as a shell wants it.
 sane() {
