@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tui/char_width.h"
+#include "tui/cells.h"
 
 enum { SCREEN_ROWS = 60, SCREEN_COLUMNS = 200 };
 

@@ -10,16 +10,15 @@
 #include "tests/kitty_decode.h"
 #include "tests/sixel_decode.h"
 #include "tui/picture/blocks.h"
-#include "tui/char_width.h"
+#include "tui/cells.h"
 #include "tui/picture/colour_table.h"
 #include "tui/keys.h"
 #include "tui/prompt/line.h"
-#include "tui/line_draw.h"
+#include "tui/prompt/line_draw.h"
 #include "tui/prompt/line_edit.h"
 #include "tui/probe.h"
 #include "tui/picture/shades.h"
 #include "tui/picture/graphics.h"
-#include "tui/prompt/wrap.h"
 
 /* ---- pictures ---- */
 
@@ -1094,7 +1093,7 @@ STORY(wide_characters_and_marks_take_the_cells_they_take)
     CHECK_TEXT(screen_text(&s), "> abcdefge\u0301/|x");
     draw(&s, &d, "a\x1b[2J\u202e", 5);
     CHECK_TEXT(screen_text(&s), "> a\\x1b[2J/|\\xe2\\x80\\x/ae");
-    CHECK_INT(line_width("a\u8166e\u0301", 7), 4);
+    CHECK_INT(cells_width("a\u8166e\u0301", 7), 4);
 }
 
 STORY(a_line_taller_than_the_screen_shows_what_is_around_the_cursor)
@@ -1158,7 +1157,7 @@ static void wraps(const char *text, unsigned columns, const char *expected)
 {
     struct buf in = {0}, out = {0};
     buf_add_text(&in, text);
-    wrap_text(&out, &in, columns);
+    cells_wrap(&out, &in, columns);
     CHECK_TEXT(buf_text(&out), expected);
     buf_release(&in);
     buf_release(&out);

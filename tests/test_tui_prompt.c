@@ -1,8 +1,7 @@
 /* What the prompt draws besides the line itself, without a terminal: bytes in, bytes out. */
 #include "tests/check.h"
-#include "tui/prompt/candidates.h"
-#include "tui/prompt/caret.h"
-#include "tui/line_draw.h"
+#include "tui/prompt/below.h"
+#include "tui/prompt/line_draw.h"
 
 /* ---- the caret ---- */
 

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "tui/char_width.h"
+#include "tui/cells.h"
 
 enum { ESC = 0x1B, BEL = 0x07, BACKSPACE = 0x08, DELETE = 0x7F };
 

@@ -2,11 +2,9 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "tui/crop.h"
-#include "tui/line_draw.h"
+#include "tui/cells.h"
 #include "tui/term.h"
 
 enum { BAR = 24, TELLS_LEFT_AFTER_MS = 200 };
@@ -14,7 +12,7 @@ enum { BAR = 24, TELLS_LEFT_AFTER_MS = 200 };
 void progress_init(struct progress *progress, int fd)
 {
     *progress = (struct progress){
-        .fd = fd, .shows = isatty(fd) == 1, .has_blocks = crop_locale_is_utf8(), .columns = 80};
+        .fd = fd, .shows = isatty(fd) == 1, .has_blocks = locale_is_utf8(), .columns = 80};
 }
 
 static void add_bar(struct buf *out, unsigned percent)
@@ -60,7 +58,7 @@ void progress_line(struct buf *out, const struct progress_step *step, bool has_b
     else
         buf_printf(&line, "%llu s", (unsigned long long)step->seconds);
     if (columns > 0)
-        crop_lines(out, buf_text(&line), columns);
+        cells_crop(out, buf_text(&line), columns);
     out->failed |= line.failed;
     buf_release(&line);
 }
@@ -69,7 +67,7 @@ void progress_line(struct buf *out, const struct progress_step *step, bool has_b
 static void put(struct progress *progress, const struct buf *line)
 {
     struct buf out = {0};
-    const unsigned width = (unsigned)line_width(buf_text(line), line->length);
+    const unsigned width = (unsigned)cells_width(buf_text(line), line->length);
     buf_add_char(&out, '\r');
     buf_add(&out, buf_text(line), line->length);
     for (unsigned i = width; i < progress->drawn; i++)
@@ -85,9 +83,9 @@ static void put(struct progress *progress, const struct buf *line)
 /* In the background a line would run into what others write. */
 static bool is_in_front(struct progress *progress)
 {
-    struct winsize size;
-    if (ioctl(progress->fd, TIOCGWINSZ, &size) == 0 && size.ws_col > 1)
-        progress->columns = size.ws_col;
+    const unsigned columns = term_columns(progress->fd);
+    if (columns > 1)
+        progress->columns = columns;
     const pid_t front = tcgetpgrp(progress->fd);
     return front < 0 || front == getpgrp();
 }

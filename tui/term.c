@@ -382,6 +382,12 @@ struct term_size term_size(void)
     return (struct term_size){w.ws_col, w.ws_row, w.ws_xpixel, w.ws_ypixel};
 }
 
+unsigned term_columns(int fd)
+{
+    struct winsize size = {0};
+    return ioctl(fd, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
+
 enum err term_write_to(int fd, const void *bytes, size_t length, struct fault *fault)
 {
     const char *at = bytes;

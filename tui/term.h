@@ -68,6 +68,9 @@ enum err term_set_mode(enum term_mode mode, struct fault *fault);
 /* The size as of now. */
 struct term_size term_size(void);
 
+/* The columns of the terminal that `fd` is; 0 where it is none, or does not say. */
+unsigned term_columns(int fd);
+
 /* Writes everything, through interruptions and short writes; a frame is one call. */
 enum err term_write(const void *bytes, size_t length, struct fault *fault);
 

@@ -11,7 +11,8 @@
 #include "program/programs.h"
 #include "program/provenance.h"
 #include "session/export.h"
-#include "tui/crop.h"
+#include "tui/cells.h"
+#include "tui/term.h"
 
 static enum err read_journal(struct buf *bytes, const struct options *o, struct fault *fault)
 {
@@ -86,10 +87,10 @@ static enum err draw_graph(struct buf *out, const struct buf *bytes, struct faul
 {
     const bool is_terminal = isatty(STDOUT_FILENO);
     struct buf drawn = {0};
-    const enum err err = graph_draw(&drawn, buf_text(bytes), bytes->length,
-                                    is_terminal && crop_locale_is_utf8(), fault);
+    const enum err err =
+        graph_draw(&drawn, buf_text(bytes), bytes->length, is_terminal && locale_is_utf8(), fault);
     if (!err)
-        crop_lines(out, buf_text(&drawn), is_terminal ? crop_columns(STDOUT_FILENO) : 0);
+        cells_crop(out, buf_text(&drawn), is_terminal ? term_columns(STDOUT_FILENO) : 0);
     buf_release(&drawn);
     return !err && out->failed ? fault_memory(fault, "the graph of a journal") : err;
 }

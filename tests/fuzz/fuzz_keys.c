@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-#include "tui/char_width.h"
+#include "tui/cells.h"
 #include "tui/picture/graphics.h"
 
 enum { READS = 16 };

@@ -11,7 +11,7 @@
 #include "tui/pilot/pilot_rows.h"
 #include "tui/pilot/refine.h"
 #include "tui/term.h"
-#include "tui/prompt/wrap.h"
+#include "tui/cells.h"
 
 /* The smallest screen. */
 enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10 };
@@ -221,7 +221,7 @@ static enum err show_pages(struct pilot *p, struct buf *text, struct fault *faul
         return OK;
     }
     enum err err = clear_picture(p, fault);
-    wrap_text(&wrapped, text, term_size().columns);
+    cells_wrap(&wrapped, text, term_size().columns);
     for (size_t at = 0; !err && !p->is_over && !is_enough(&event) && at < wrapped.length;) {
         const struct term_size size = term_size();
         struct buf page = {0};

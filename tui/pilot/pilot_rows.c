@@ -2,14 +2,13 @@
 
 #include <string.h>
 
-#include "tui/crop.h"
-#include "tui/prompt/wrap.h"
+#include "tui/cells.h"
 
 /* A row of text, cut to the screen, without a line feed. */
 static void add_row(struct buf *out, unsigned row, unsigned columns, const char *text)
 {
     struct buf cut = {0};
-    crop_lines(&cut, text, columns);
+    cells_crop(&cut, text, columns);
     buf_printf(out, "\033[%u;1H\033[m\033[K", row + 1);
     buf_add(out, buf_text(&cut), strcspn(buf_text(&cut), "\r\n"));
     out->failed |= cut.failed;
@@ -40,7 +39,7 @@ void pilot_rows_add(struct buf *out, const struct pilot_state *state, const stru
 {
     struct buf upper = {0}, lower = {0};
     if (message->length)
-        wrap_text(&lower, message, size->columns);
+        cells_wrap(&lower, message, size->columns);
     else
         pilot_keys_hint(state, facts, &lower);
     const char *second = strchr(buf_text(&lower), '\n');

@@ -21,7 +21,7 @@ void pilot_rows_add(struct buf *out, const struct pilot_state *state, const stru
 /* Adds the keys, from the top of the screen. */
 void pilot_rows_add_help(struct buf *out);
 
-/* Adds what one screen of this size shows of a text that wrap_text has broken, from byte *at on,
+/* Adds what one screen of this size shows of a text that cells_wrap has broken, from byte *at on,
  * and below it which key goes on; *at is then where the next screen begins. */
 void pilot_rows_add_page(struct buf *out, const struct buf *text, size_t *at,
                          const struct term_size *size);

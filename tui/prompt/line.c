@@ -3,7 +3,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "tui/char_width.h"
+#include "tui/cells.h"
 
 void line_init(struct line *l, const struct line_history *history)
 {

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "tui/prompt/candidates.h"
+#include "tui/prompt/below.h"
 #include "tui/probe.h"
 #include "tui/term.h"
 

@@ -27,7 +27,7 @@
 #include "base/err.h"
 #include "tui/keys.h"
 #include "tui/prompt/line.h"
-#include "tui/line_draw.h"
+#include "tui/prompt/line_draw.h"
 
 /* Fills `candidates` with whole words, one a line, for the word that begins at *word_start and ends
  * at the cursor. */

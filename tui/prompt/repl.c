@@ -8,10 +8,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tui/prompt/caret.h"
+#include "tui/prompt/below.h"
 #include "tui/picture/graphics.h"
 #include "tui/term.h"
-#include "tui/prompt/wrap.h"
+#include "tui/cells.h"
 
 enum { BARRIER_MS = 2000 };
 
@@ -172,14 +172,14 @@ static enum err execute(struct prompt *p, const char *prompt, const char *line, 
     end_line(&text);
     if (failed)
         add_error_below(&text, prompt, line, failed, &of_command, coloured);
-    wrap_text(&out, &text, term_size().columns);
+    cells_wrap(&out, &text, term_size().columns);
     if (!err)
         add_picture(p, &out);
     if (out.failed) {
         buf_release(&text);
         buf_release(&out);
         add_error(&text, fault_memory(&of_command, "the output"), &of_command, coloured);
-        wrap_text(&out, &text, term_size().columns);
+        cells_wrap(&out, &text, term_size().columns);
     }
     if (!err)
         err = term_write(buf_text(&out), out.length, fault);
@@ -205,7 +205,7 @@ static enum err begin(struct prompt *p, struct fault *fault)
     buf_clear(&out);
     buf_add_text(&out, "\r\033[K");
     end_line(&text);
-    wrap_text(&out, &text, term_size().columns);
+    cells_wrap(&out, &text, term_size().columns);
     if (out.failed && !err)
         err = fault_memory(fault, "the output");
     term_write(buf_text(&out), out.length, NULL);

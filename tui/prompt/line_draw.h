@@ -9,8 +9,8 @@
  * What is no printable UTF-8 is drawn as \xNN. A hint goes no further than the row of the cursor.
  * Pure: bytes out.
  */
-#ifndef TUI_LINE_DRAW_H
-#define TUI_LINE_DRAW_H
+#ifndef TUI_PROMPT_LINE_DRAW_H
+#define TUI_PROMPT_LINE_DRAW_H
 
 #include <stddef.h>
 
@@ -32,8 +32,5 @@ struct line_content {
 
 void line_draw(struct line_drawing *drawing, const struct line_content *content, unsigned columns,
                unsigned rows, struct buf *out);
-
-/* How many columns `length` bytes of text take when drawn. */
-size_t line_width(const char *text, size_t length);
 
 #endif

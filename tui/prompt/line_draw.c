@@ -1,11 +1,11 @@
-#include "tui/line_draw.h"
+#include "tui/prompt/line_draw.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
 #include "base/safe.h"
-#include "tui/char_width.h"
+#include "tui/cells.h"
 
 /* Walks along cells, and writes those in rows first <= row < end. */
 struct walk {
@@ -59,13 +59,6 @@ static void walk_wrap(struct walk *w)
         buf_add_text(w->out, "\r\n");
     w->row++;
     w->column = 0;
-}
-
-size_t line_width(const char *text, size_t length)
-{
-    struct walk w = {.columns = UINT32_MAX / 2};
-    walk_text(&w, text, length);
-    return w.column;
 }
 
 /* Up to the first row of what stands there. After a change of width the terminal may have wrapped

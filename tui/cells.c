@@ -1,8 +1,11 @@
-#include "tui/char_width.h"
+#include "tui/cells.h"
 
-#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "base/safe.h"
+
+/* ---- characters ---- */
 
 struct range {
     uint32_t first, last;
@@ -139,4 +142,122 @@ size_t char_read(const char *text, size_t length, uint32_t *point)
     if (n == 0)
         *point = CHAR_BROKEN;
     return n ? n : 1;
+}
+
+size_t cells_width(const char *text, size_t length)
+{
+    size_t cells = 0;
+    uint32_t point;
+    for (size_t i = 0; i < length;) {
+        const size_t bytes = safe_character(text + i, length - i);
+        if (bytes)
+            char_read(text + i, bytes, &point);
+        cells += bytes ? char_width(point) : 4;
+        i += bytes ? bytes : 1;
+    }
+    return cells;
+}
+
+bool locale_is_utf8(void)
+{
+    static const char *const name[] = {"LC_ALL", "LC_CTYPE", "LANG"};
+    for (size_t i = 0; i < sizeof name / sizeof name[0]; i++) {
+        const char *locale = getenv(name[i]);
+        if (locale && *locale)
+            return strcasestr(locale, "utf-8") || strcasestr(locale, "utf8");
+    }
+    return false;
+}
+
+/* ---- lines that fit ---- */
+
+/* The bytes and cells of the character, or colour, at `text`. */
+static size_t read_one(const char *text, size_t length, size_t *cells)
+{
+    uint32_t point;
+    const char *end = *text == '\033' ? memchr(text, 'm', length) : NULL;
+    *cells = 0;
+    if (end)
+        return (size_t)(end - text) + 1;
+    const size_t bytes = char_read(text, length, &point);
+    *cells = point == CHAR_BROKEN ? 1 : char_width(point);
+    return bytes;
+}
+
+void cells_crop(struct buf *out, const char *text, unsigned columns)
+{
+    while (*text) {
+        const size_t length = strcspn(text, "\n");
+        size_t bytes = columns ? 0 : length, cells;
+        for (size_t used = 0; bytes < length;) {
+            const size_t n = read_one(text + bytes, length - bytes, &cells);
+            used += cells;
+            if (used > columns)
+                break;
+            bytes += n;
+        }
+        buf_add(out, text, bytes);
+        if (text[length] == '\n')
+            buf_add_char(out, '\n');
+        text += length + (text[length] == '\n');
+    }
+}
+
+/* How many bytes of the line to print in so many cells: up to a blank, or its end. */
+static size_t wrap_at(const char *line, size_t length, size_t room)
+{
+    size_t at = strspn(line, " "), used = at, gap = 0, cells;
+    while (at < length) {
+        if (line[at] == ' ' && used > room)
+            return at;
+        if (line[at] == ' ' && line[at - 1] != ' ')
+            gap = at;
+        at += read_one(line + at, length - at, &cells);
+        used += cells;
+        if (gap && used > room)
+            return gap;
+    }
+    return length;
+}
+
+/* Where a line's text begins, if that is in its first half: there it goes on. */
+static size_t text_column(const char *line, size_t length, size_t columns)
+{
+    for (size_t at = 0; at + 1 < length && at < columns / 2; at++)
+        if (line[at] == ' ' && line[at + 1] == ' ') {
+            at += strspn(line + at, " ");
+            return at < columns / 2 ? at : 0;
+        }
+    return 0;
+}
+
+static void wrap_line(struct buf *out, const char *line, size_t length, size_t columns)
+{
+    const size_t column = text_column(line, length, columns);
+    size_t n = wrap_at(line, length, columns);
+    buf_add(out, line, n);
+    while (n < length) {
+        n += strspn(line + n, " ");
+        if (n == length)
+            return;
+        line += n;
+        length -= n;
+        n = wrap_at(line, length, columns - column);
+        buf_printf(out, "\r\n%*s", (int)column, "");
+        buf_add(out, line, n);
+    }
+}
+
+void cells_wrap(struct buf *out, const struct buf *text, unsigned columns)
+{
+    const char *at = buf_text(text), *end = at + text->length;
+    while (at < end) {
+        const char *feed = memchr(at, '\n', (size_t)(end - at));
+        const char *stop = feed ? feed : end;
+        wrap_line(out, at, (size_t)(stop - at), columns);
+        if (feed)
+            buf_add_text(out, "\r\n");
+        at = stop + (feed ? 1 : 0);
+    }
+    out->failed |= text->failed;
 }

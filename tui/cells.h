@@ -1,0 +1,46 @@
+/*
+ * Text as a terminal shows it, in cells: how many it takes, and lines that fit.
+ *
+ * A character takes 0 cells where it is a mark that sits on the one before, 2 where it is East Asian
+ * wide or an emoji, else 1. By tables of our own, because wcwidth asks the locale, and a session over
+ * SSH often has none. From Unicode 14 (UnicodeData: Mn and Me; EastAsianWidth: W and F), which the
+ * terminals in use agree on for all but sequences of emoji.
+ */
+#ifndef TUI_CELLS_H
+#define TUI_CELLS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/buf.h"
+
+unsigned char_width(uint32_t point);
+
+/* Reads the UTF-8 character at `text` (`length` > 0) into *point and returns its bytes; for what is
+ * not well formed, one byte and CHAR_BROKEN. */
+#define CHAR_BROKEN UINT32_MAX
+size_t char_read(const char *text, size_t length, uint32_t *point);
+
+/* The cells that `length` bytes take where what is not safe to print is drawn as \xNN. */
+size_t cells_width(const char *text, size_t length);
+
+/* Whether the environment says that text is UTF-8: LC_ALL, else LC_CTYPE, else LANG. */
+bool locale_is_utf8(void);
+
+/* Adds `text`, which is safe to print, with each line cut to `columns` cells, 0 for none cut: for
+ * drawings, which a terminal would break in the middle. */
+void cells_crop(struct buf *out, const char *text, unsigned columns);
+
+/* Adds `text` for a raw terminal, with lines of at most `columns` cells, each ended by CR LF; colours
+ * (CSI ... m) take no room. A long line is broken at a blank, where a terminal breaks words, and goes
+ * on below where its text began: after its first run of two blanks or more, as in lists of names and
+ * values, else at the left. In a window of 30 columns:
+ *
+ *     view      90 0 0 degrees, left,
+ *               zoom 1
+ *
+ * A word that is wider than the room it has stays whole, so that a path can be copied. */
+void cells_wrap(struct buf *out, const struct buf *text, unsigned columns);
+
+#endif

@@ -1,0 +1,53 @@
+/*
+ * What stands below a line that is typed: the candidates for a word, and a caret under what is wrong.
+ * Pure. Columns are those of the terminal: a wide character takes two, and what is drawn as \xNN
+ * takes four.
+ */
+#ifndef TUI_PROMPT_BELOW_H
+#define TUI_PROMPT_BELOW_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/buf.h"
+
+/* ---- candidates ---- */
+
+/* Whole words, each ended by a line feed, and what all of them begin with. */
+struct candidates {
+    const char *words;
+    size_t count;
+    const char *first; /* the first of them, */
+    size_t common;     /* and how many bytes of it all begin with, whole characters */
+};
+
+struct candidates candidates_of(const char *words);
+
+/* Adds the list in lines that end in CR LF, for a terminal of so many columns and rows, of which
+ * the list leaves three. Candidates stand in columns, read downwards, without what is the same in all
+ * of them up to a slash, and without quotes:
+ *
+ *     scans/a b.nii  ->  a b.nii   masks/
+ *     scans/ch2.nii      ch2.nii
+ *
+ * For what does not fit the screen there is one line: "and 214 more". */
+void candidates_list(const struct candidates *c, unsigned columns, unsigned rows, struct buf *out);
+
+/* ---- the caret ---- */
+
+/*     ch2> sede 1,1,1 2                 ch2> a line that did not fit, and so was wrapped ..
+ *          ^                            ...seed 100,100,50 liver radius=2...
+ *                                                          ^
+ */
+struct caret {
+    const char *prompt, *text; /* the line as it was typed */
+    size_t at;                 /* the byte of `text` that is wrong, or one after its end */
+    bool below;                /* what is added stands right below it */
+    bool coloured;
+};
+
+/* Adds a line with a caret, below as much of the line as fits where that is needed. In less than 8
+ * columns nothing is added. */
+void caret_add(struct buf *out, const struct caret *caret, unsigned columns);
+
+#endif
