@@ -8,7 +8,7 @@
 
 #include "base/safe.h"
 
-void json_add_text(struct buf *out, const char *text, size_t length)
+static void add_text(struct buf *out, const char *text, size_t length)
 {
     buf_add_char(out, '"');
     while (length > 0) {
@@ -48,7 +48,7 @@ static void begin_member(struct json *json, const char *key)
     else if (json->has_member)
         buf_add_char(json->out, ' ');
     if (key) {
-        json_add_text(json->out, key, strlen(key));
+        add_text(json->out, key, strlen(key));
         buf_add_text(json->out, ": ");
     }
 }
@@ -88,12 +88,20 @@ void json_end(struct json *json)
     end_member(json);
 }
 
+struct json json_beside(const struct json *json, struct buf *out)
+{
+    struct json beside = *json;
+    beside.out = out;
+    beside.has_member = true;
+    return beside;
+}
+
 /* ---- values ---- */
 
 void json_bytes(struct json *json, const char *key, const void *bytes, size_t length)
 {
     begin_member(json, key);
-    json_add_text(json->out, bytes, length);
+    add_text(json->out, bytes, length);
     end_member(json);
 }
 

@@ -1,5 +1,6 @@
 #include "program/provenance.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "base/json.h"
@@ -9,72 +10,74 @@
 #include "journal/walk.h"
 #include "session/export.h"
 
-/* The members of the document, each the inside of an object, as they grow. */
+/* The members of the document, which grow side by side as the journal is read. */
 enum member { ENTITY, ACTIVITY, USED, GENERATED, DERIVED, ASSOCIATED, MEMBERS };
 
 struct provenance {
-    struct buf member[MEMBERS];
+    struct buf text[MEMBERS];
+    struct json member[MEMBERS];
     struct anonymiser anonymiser;
     bool is_anonymous, has_scene;
 };
 
-static void add_text(struct buf *out, const char *text)
+/* Begins a thing, "iftty:KIND-N": {. */
+static struct json *begin(struct provenance *p, enum member member, const char *kind, size_t number)
 {
-    json_add_text(out, text, strlen(text));
+    char key[64];
+    snprintf(key, sizeof key, "iftty:%s-%zu", kind, number);
+    json_object(&p->member[member], key);
+    return &p->member[member];
 }
 
-/* Begins a thing: "iftty:kind-N": { */
-static struct buf *begin(struct provenance *p, enum member member, const char *kind, size_t number)
-{
-    struct buf *out = &p->member[member];
-    buf_printf(out, "%s\n    \"%s-%zu\": {", out->length ? "," : "", kind, number);
-    return out;
-}
-
-/* A whole relation between two things, "ROLE": "iftty:KIND-N". */
+/* A whole relation between two things, "prov:ROLE": "iftty:KIND-N". */
 static void relate(struct provenance *p, enum member member, const char *from,
                    const char *from_kind, size_t from_number, const char *to, const char *to_kind,
                    size_t to_number)
 {
-    struct buf *out = &p->member[member];
-    const char letter = "eaugds"[member];
-    buf_printf(out, "%s\n    \"_:%c-%s-%zu-%s\": {", out->length ? "," : "", letter, from_kind,
-               from_number, to_kind);
-    buf_printf(out, "\"prov:%s\": \"iftty:%s-%zu\", \"prov:%s\": \"iftty:%s-%zu\"}", from,
-               from_kind, from_number, to, to_kind, to_number);
+    struct json *json = &p->member[member];
+    char key[96];
+    snprintf(key, sizeof key, "_:%c-%s-%zu-%s", "eaugds"[member], from_kind, from_number, to_kind);
+    json_object(json, key);
+    snprintf(key, sizeof key, "prov:%s", from);
+    json_format(json, key, "iftty:%s-%zu", from_kind, from_number);
+    snprintf(key, sizeof key, "prov:%s", to);
+    json_format(json, key, "iftty:%s-%zu", to_kind, to_number);
+    json_end(json);
 }
 
-/* The result words as members of an object, each behind a comma. */
-static void add_words(struct buf *out, const char *words)
+static void add_words(struct json *json, const char *words)
 {
     struct record_word word;
+    struct buf key = {0};
     const char *end = words + strlen(words);
     while (record_word_next(&words, end, &word)) {
-        buf_add_text(out, ", \"iftty:");
-        buf_add(out, word.key, word.key_length);
-        buf_add_text(out, "\": ");
-        json_add_text(out, word.value, word.value_length);
+        buf_clear(&key);
+        buf_add_text(&key, "iftty:");
+        buf_add(&key, word.key, word.key_length);
+        json_bytes(json, buf_text(&key), word.value, word.value_length);
     }
+    json->out->failed |= key.failed;
+    buf_release(&key);
 }
 
 static void add_command(struct provenance *p, const struct record *record, const char *command)
 {
-    struct buf *out = begin(p, ACTIVITY, "iftty:command", record->number);
-    buf_add_text(out, "\"prov:label\": ");
-    add_text(out, command);
-    buf_add_char(out, '}');
+    struct json *json = begin(p, ACTIVITY, "command", record->number);
+    json_text(json, "prov:label", command);
+    json_end(json);
     relate(p, ASSOCIATED, "activity", "command", record->number, "agent", "program", 1);
 }
 
 static void add_state(struct provenance *p, const struct record *record)
 {
     const size_t n = record->number;
-    struct buf *out = begin(p, ENTITY, "iftty:state", n);
-    buf_printf(out, "\"prov:type\": \"iftty:state\", \"iftty:chain\": \"%s\"", record->chain.hex);
+    struct json *json = begin(p, ENTITY, "state", n);
+    json_text(json, "prov:type", "iftty:state");
+    json_text(json, "iftty:chain", record->chain.hex);
     if (record_judge(record, NULL))
-        buf_add_text(out, ", \"iftty:is-sound\": false");
-    add_words(out, record->result);
-    buf_add_char(out, '}');
+        json_boolean(json, "iftty:is-sound", false);
+    add_words(json, record->result);
+    json_end(json);
     relate(p, GENERATED, "entity", "state", n, "activity", "command", n);
     if (n > 1) {
         relate(p, USED, "activity", "command", n, "entity", "state", n - 1);
@@ -82,7 +85,7 @@ static void add_state(struct provenance *p, const struct record *record)
     }
 }
 
-/* The word behind the command's name. */
+/* The word after the command's name. */
 static void first_argument(struct buf *out, const char *command)
 {
     const char *at = command + strcspn(command, " \t");
@@ -95,17 +98,15 @@ static void first_argument(struct buf *out, const char *command)
 static void add_named(struct provenance *p, const char *kind, const struct record *record,
                       const char *command)
 {
-    struct buf argument = {0}, id = {0};
+    struct buf argument = {0};
     first_argument(&argument, command);
-    buf_printf(&id, "iftty:%s", kind);
-    struct buf *out = begin(p, ENTITY, buf_text(&id), record->number);
-    buf_printf(out, "\"prov:type\": \"iftty:%s\", \"prov:label\": ", kind);
-    add_text(out, buf_text(&argument));
-    add_words(out, record->result);
-    buf_add_char(out, '}');
-    out->failed |= argument.failed | id.failed;
+    struct json *json = begin(p, ENTITY, kind, record->number);
+    json_format(json, "prov:type", "iftty:%s", kind);
+    json_text(json, "prov:label", buf_text(&argument));
+    add_words(json, record->result);
+    json_end(json);
+    json->out->failed |= argument.failed;
     buf_release(&argument);
-    buf_release(&id);
 }
 
 /* NULL for one that this version does not know. */
@@ -138,44 +139,57 @@ static void add_record(struct provenance *p, const struct record *record)
         relate(p, GENERATED, "entity", "golden-image", record->number, "activity", "command",
                record->number);
     }
-    p->member[ENTITY].failed |= command.failed;
+    p->text[ENTITY].failed |= command.failed;
     buf_release(&command);
 }
 
 static void add_journal(struct provenance *p, const char *name,
                         const struct journal_condition *condition)
 {
-    struct buf *out = begin(p, ENTITY, "iftty:journal", 1);
-    buf_add_text(out, "\"prov:type\": \"iftty:journal\", \"prov:label\": ");
-    add_text(out, p->is_anonymous ? "a journal" : name);
-    buf_printf(out, ", \"iftty:records\": %zu, \"iftty:chain\": \"%s\", \"iftty:condition\": ",
-               condition->records, condition->chain.hex);
-    add_text(out, condition->text);
-    buf_add_char(out, '}');
+    struct json *json = begin(p, ENTITY, "journal", 1);
+    json_text(json, "prov:type", "iftty:journal");
+    json_text(json, "prov:label", p->is_anonymous ? "a journal" : name);
+    json_count(json, "iftty:records", condition->records);
+    json_text(json, "iftty:chain", condition->chain.hex);
+    json_text(json, "iftty:condition", condition->text);
+    json_end(json);
 }
 
-static void put_together(struct buf *out, struct provenance *p, unsigned semantics)
+static void begin_document(struct provenance *p, struct json *json, unsigned semantics)
 {
     static const char *const name[MEMBERS] = {
         "entity", "activity", "used", "wasGeneratedBy", "wasDerivedFrom", "wasAssociatedWith"};
-    buf_add_text(out, "{\n  \"prefix\": {\"iftty\": \"urn:iftty:\"},\n");
-    buf_printf(out,
-               "  \"agent\": {\"iftty:program-1\": {\"prov:type\": \"prov:SoftwareAgent\", "
-               "\"prov:label\": \"iftty " PROGRAM_VERSION "\", \"iftty:semantics\": %u}}",
-               semantics);
+    json_object(json, NULL);
+    json_object(json, "prefix");
+    json_text(json, "iftty", "urn:iftty:");
+    json_end(json);
+    json_object(json, "agent");
+    json_object(json, "iftty:program-1");
+    json_text(json, "prov:type", "prov:SoftwareAgent");
+    json_text(json, "prov:label", "iftty " PROGRAM_VERSION);
+    json_count(json, "iftty:semantics", semantics);
+    json_end(json);
+    json_end(json);
     for (unsigned m = 0; m < MEMBERS; m++) {
-        buf_printf(out, ",\n  \"%s\": {", name[m]);
-        buf_add_text(out, buf_text(&p->member[m]));
-        buf_add_text(out, "\n  }");
-        out->failed |= p->member[m].failed;
+        p->member[m] = json_beside(json, &p->text[m]);
+        json_object(&p->member[m], name[m]);
     }
-    buf_add_text(out, "\n}\n");
+}
+
+static void end_document(struct provenance *p, struct json *json)
+{
+    for (unsigned m = 0; m < MEMBERS; m++) {
+        json_end(&p->member[m]);
+        buf_add(json->out, buf_text(&p->text[m]), p->text[m].length);
+        json->out->failed |= p->text[m].failed;
+    }
+    json_end(json);
 }
 
 static void release(struct provenance *p)
 {
     for (unsigned m = 0; m < MEMBERS; m++)
-        buf_release(&p->member[m]);
+        buf_release(&p->text[m]);
     anonymiser_release(&p->anonymiser);
 }
 
@@ -183,6 +197,7 @@ enum err provenance_write(struct buf *out, const char *name, const char *bytes, 
                           bool is_anonymous, struct fault *fault)
 {
     struct provenance p = {.is_anonymous = is_anonymous};
+    struct json json = {.out = out, .lines = 2};
     struct journal_condition condition;
     struct walk walk;
     struct record record;
@@ -194,10 +209,11 @@ enum err provenance_write(struct buf *out, const char *name, const char *bytes, 
     err = walk_begin(&walk, bytes, length, WALK_AS_FOUND, fault);
     if (err)
         return err;
+    begin_document(&p, &json, walk.semantics);
     add_journal(&p, name, &condition);
     while (walk_next(&walk, &record) == WALK_RECORD)
         add_record(&p, &record);
-    put_together(out, &p, walk.semantics);
+    end_document(&p, &json);
     if (out->failed)
         err = fault_memory(fault, "the provenance of a journal");
     walk_release(&walk);

@@ -4,64 +4,90 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/json.h"
 #include "tests/bench/plot.h"
 
 static const char *const phase_name[PHASES] = {"segmentation_ms", "border_ms", "rendition_ms"};
 
 /* ---- JSON ---- */
 
-static void json_experiment(FILE *out, const struct trial_step *step, enum experiment e)
+static void add_experiment(struct json *json, const struct trial_step *step, enum experiment e)
 {
-    fprintf(out, "%s\n        {\"experiment\": %u, \"method\": \"%s\"", e ? "," : "", e + 1,
-            experiment_name[e]);
+    json_object(json, NULL);
+    json_count(json, "experiment", e + 1);
+    json_text(json, "method", experiment_name[e]);
     for (enum phase p = 0; p < PHASES; p++)
-        fprintf(out, ", \"%s\": %.4f", phase_name[p], step->cost[e].ms[p]);
-    fprintf(out, ", \"total_ms\": %.4f, \"voxels\": %llu, \"ns_per_voxel\": %.2f, \"whole\": %s}",
-            trial_total(step, e), (unsigned long long)step->cost[e].served,
-            trial_ns_per_voxel(step, e), step->cost[e].is_whole ? "true" : "false");
+        json_fixed(json, phase_name[p], step->cost[e].ms[p], 4);
+    json_fixed(json, "total_ms", trial_total(step, e), 4);
+    json_count(json, "voxels", step->cost[e].served);
+    json_fixed(json, "ns_per_voxel", trial_ns_per_voxel(step, e), 2);
+    json_boolean(json, "whole", step->cost[e].is_whole);
+    json_end(json);
 }
 
-static void json_step(FILE *out, const struct trial *trial, unsigned s)
+static void add_step(struct json *json, const struct trial *trial, unsigned s)
 {
     const struct trial_step *step = &trial->step[s];
-    fprintf(out,
-            "%s\n      {\"step\": %u, \"seeds\": %u, \"border_voxels\": %zu, "
-            "\"forest\": \"%016llx\", \"labels\": \"%016llx\", \"picture\": \"%016llx\", "
-            "\"experiments\": [",
-            s ? "," : "", s + 1, step->seeds, step->border_voxels, (unsigned long long)step->keys,
-            (unsigned long long)step->labels, (unsigned long long)step->picture);
+    json_object(json, NULL);
+    json_count(json, "step", s + 1);
+    json_count(json, "seeds", step->seeds);
+    json_count(json, "border_voxels", step->border_voxels);
+    json_format(json, "forest", "%016llx", (unsigned long long)step->keys);
+    json_format(json, "labels", "%016llx", (unsigned long long)step->labels);
+    json_format(json, "picture", "%016llx", (unsigned long long)step->picture);
+    json_array(json, "experiments");
     for (enum experiment e = 0; e < EXPERIMENTS; e++)
-        json_experiment(out, step, e);
-    fputs("]}", out);
+        add_experiment(json, step, e);
+    json_end(json);
+    json_end(json);
 }
 
-static void json_scene(FILE *out, const struct trial *trial, size_t i)
+static void add_scene(struct json *json, const struct trial *t)
 {
-    const struct trial *t = &trial[i];
-    fprintf(out,
-            "%s\n    {\"scene\": \"%s\", \"in_paper\": %s, \"size\": [%u, %u, %u], "
-            "\"voxels\": %zu, \"identical\": true, \"comparisons\": %llu,\n     \"ratios\": {",
-            i ? "," : "", t->name, t->in_paper ? "true" : "false", t->size[0], t->size[1],
-            t->size[2], t->voxels, (unsigned long long)t->compared);
+    json_object(json, NULL);
+    json_text(json, "scene", t->name);
+    json_boolean(json, "in_paper", t->in_paper);
+    json_array(json, "size");
+    for (int a = 0; a < 3; a++)
+        json_count(json, NULL, t->size[a]);
+    json_end(json);
+    json_count(json, "voxels", t->voxels);
+    json_boolean(json, "identical", true);
+    json_count(json, "comparisons", t->compared);
+    json_object(json, "ratios");
     for (enum ratio r = 0; r < RATIOS; r++)
-        fprintf(out, "%s\"%s\": %.4f", r ? ", " : "", ratio_told[r].name, report_ratio(t, r));
-    fputs("},\n     \"steps\": [", out);
+        json_fixed(json, ratio_told[r].name, report_ratio(t, r), 4);
+    json_end(json);
+    json_array(json, "steps");
     for (unsigned s = 0; s < t->steps; s++)
-        json_step(out, t, s);
-    fputs("]}", out);
+        add_step(json, t, s);
+    json_end(json);
+    json_end(json);
 }
 
 void report_json(FILE *out, const struct trial *trial, size_t count)
 {
-    fprintf(out, "{\"rounds\": %u, \"threads\": %u, \"picture\": [%d, %d], \"scenes\": [",
-            count ? trial[0].rounds : 0, count ? trial[0].threads : 0, TRIAL_SIDE, TRIAL_SIDE);
+    struct buf text = {0};
+    struct json json = {.out = &text, .lines = 6};
+    json_object(&json, NULL);
+    json_count(&json, "rounds", count ? trial[0].rounds : 0);
+    json_count(&json, "threads", count ? trial[0].threads : 0);
+    json_array(&json, "picture");
+    json_count(&json, NULL, TRIAL_SIDE);
+    json_count(&json, NULL, TRIAL_SIDE);
+    json_end(&json);
+    json_array(&json, "scenes");
     for (size_t i = 0; i < count; i++)
-        json_scene(out, trial, i);
-    fputs("],\n  \"paper\": {", out);
+        add_scene(&json, trial + i);
+    json_end(&json);
+    json_object(&json, "paper");
     for (enum ratio r = 0; r < RATIOS; r++)
         if (ratio_told[r].paper > 0)
-            fprintf(out, "%s\"%s\": %.2f", r ? ", " : "", ratio_told[r].name, ratio_told[r].paper);
-    fputs("}}\n", out);
+            json_fixed(&json, ratio_told[r].name, ratio_told[r].paper, 2);
+    json_end(&json);
+    json_end(&json);
+    fputs(buf_text(&text), out);
+    buf_release(&text);
 }
 
 /* ---- CSV ---- */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "base/json.h"
 #include "base/mem.h"
 #include "program/bench_times.h"
 #include "program/console.h"
@@ -161,16 +162,29 @@ static void print_table(FILE *out, struct growth *growth, size_t scenes)
 
 static void print_json(FILE *out, struct growth *growth, size_t scenes)
 {
-    fprintf(out, "{\"rounds\": %d, \"seeds\": %d, \"scenes\": [", ROUNDS, BALL_VOXELS);
+    struct buf text = {0};
+    struct json json = {.out = &text};
+    json_object(&json, NULL);
+    json_count(&json, "rounds", ROUNDS);
+    json_count(&json, "seeds", BALL_VOXELS);
+    json_array(&json, "scenes");
     for (size_t i = 0; i < scenes; i++) {
         struct growth *g = growth + i;
-        fprintf(out,
-                "%s{\"voxels\": %zu, \"touched\": [%zu, %zu], \"plant_ms\": %.4f, "
-                "\"erase_ms\": %.4f, \"scratch_ns\": %.2f}",
-                i ? ", " : "", g->scene->grid.voxels, g->touched[0], g->touched[1],
-                median(g->ms[0]), median(g->ms[1]), g->scratch_ns);
+        json_object(&json, NULL);
+        json_count(&json, "voxels", g->scene->grid.voxels);
+        json_array(&json, "touched");
+        json_count(&json, NULL, g->touched[0]);
+        json_count(&json, NULL, g->touched[1]);
+        json_end(&json);
+        json_fixed(&json, "plant_ms", median(g->ms[0]), 4);
+        json_fixed(&json, "erase_ms", median(g->ms[1]), 4);
+        json_fixed(&json, "scratch_ns", g->scratch_ns, 2);
+        json_end(&json);
     }
-    fprintf(out, "]}\n");
+    json_end(&json);
+    json_end(&json);
+    fputs(buf_text(&text), out);
+    buf_release(&text);
 }
 
 /* As many of the scenes as memory holds together, one at least. */

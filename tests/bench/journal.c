@@ -9,6 +9,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/folder.h"
+#include "base/json.h"
 #include "program/bench_times.h"
 #include "program/bench_tree.h"
 #include "command/interpreter.h"
@@ -262,19 +263,32 @@ static void print_table(FILE *out, const struct figures *f)
 
 static void print_json(FILE *out, const struct figures *f)
 {
-    fprintf(out,
-            "{\"records\": %d, \"encode_ms\": %.3f, \"read_ms\": %.3f, \"journal\": "
-            "{\"records\": %zu, \"scene_ms\": %.3f, \"forest_ms\": %.3f, \"rendition_ms\": %.3f, "
-            "\"verify_ms\": %.3f, \"synced_ms\": %.3f",
-            RECORDS, f->encode_ms, f->read_ms, f->records, f->scene_ms, f->forest_ms,
-            f->rendition_ms, f->verify_ms, f->synced_ms);
+    struct buf text = {0};
+    struct json json = {.out = &text};
+    json_object(&json, NULL);
+    json_count(&json, "records", RECORDS);
+    json_fixed(&json, "encode_ms", f->encode_ms, 3);
+    json_fixed(&json, "read_ms", f->read_ms, 3);
+    json_object(&json, "journal");
+    json_count(&json, "records", f->records);
+    json_fixed(&json, "scene_ms", f->scene_ms, 3);
+    json_fixed(&json, "forest_ms", f->forest_ms, 3);
+    json_fixed(&json, "rendition_ms", f->rendition_ms, 3);
+    json_fixed(&json, "verify_ms", f->verify_ms, 3);
+    json_fixed(&json, "synced_ms", f->synced_ms, 3);
     if (f->is_unsynced)
-        fprintf(out, ", \"record_ms\": %.3f", f->record_ms);
-    fprintf(out, "}");
-    if (f->resume.commands)
-        fprintf(out, ", \"resume\": {\"commands\": %u, \"session_ms\": %.3f, \"resume_ms\": %.3f}",
-                f->resume.commands, f->resume.session_ms, f->resume.resume_ms);
-    fprintf(out, "}\n");
+        json_fixed(&json, "record_ms", f->record_ms, 3);
+    json_end(&json);
+    if (f->resume.commands) {
+        json_object(&json, "resume");
+        json_count(&json, "commands", f->resume.commands);
+        json_fixed(&json, "session_ms", f->resume.session_ms, 3);
+        json_fixed(&json, "resume_ms", f->resume.resume_ms, 3);
+        json_end(&json);
+    }
+    json_end(&json);
+    fputs(buf_text(&text), out);
+    buf_release(&text);
 }
 
 /* The journal of the demo, where its scene is here. */

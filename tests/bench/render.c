@@ -11,6 +11,7 @@
 
 #include "base/clock.h"
 #include "base/folder.h"
+#include "base/json.h"
 #include "base/mem.h"
 #include "program/bench_times.h"
 #include "program/bench_tree.h"
@@ -392,19 +393,27 @@ static void print_table(FILE *out, struct table *t, const struct session *sessio
 
 static void print_json(FILE *out, struct table *t, const struct session *session)
 {
-    fprintf(out,
-            "{\"scene\": \"ch2\", \"border_voxels\": %zu, \"labels_changed\": %.0f, \"rows\": [",
-            border_count(&session->border), labels_changed(t));
-    const char *between = "";
+    struct buf text = {0};
+    struct json json = {.out = &text};
+    json_object(&json, NULL);
+    json_text(&json, "scene", "ch2");
+    json_count(&json, "border_voxels", border_count(&session->border));
+    json_fixed(&json, "labels_changed", labels_changed(t), 0);
+    json_array(&json, "rows");
     for (int i = 0; i < t->rows; i++) {
         struct row *row = &t->row[i];
         if (row->count == 0 && row->only_ms <= 0)
             continue;
-        fprintf(out, "%s{\"what\": \"%s\", \"median_ms\": %.3f, \"most_ms\": %.3f}", between,
-                row->what + strspn(row->what, " "), median(row), quantile(row, 1));
-        between = ", ";
+        json_object(&json, NULL);
+        json_text(&json, "what", row->what + strspn(row->what, " "));
+        json_fixed(&json, "median_ms", median(row), 3);
+        json_fixed(&json, "most_ms", quantile(row, 1), 3);
+        json_end(&json);
     }
-    fprintf(out, "]}\n");
+    json_end(&json);
+    json_end(&json);
+    fputs(buf_text(&text), out);
+    buf_release(&text);
 }
 
 /* ---- the labels ---- */
