@@ -20,11 +20,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/clock.h"
-#include "base/folder.h"
 #include "base/json.h"
 #include "base/mem.h"
 #include "program/bench_chafa.h"
+#include "program/bench_painter.h"
 #include "program/bench_pilot.h"
 #include "program/bench_times.h"
 #include "program/bench_tree.h"
@@ -32,17 +31,8 @@
 #include "program/shown.h"
 #include "session/slicing.h"
 #include "tui/picture/graphics.h"
-#include "tui/picture/painter.h"
 
-enum {
-    RENDITION_SIDE = 512,
-    MOSAIC_SIDE = 640,
-    PATCH_SIDE = 40,
-    CELL_WIDTH = 8,
-    CELL_HEIGHT = 16,
-    ROUNDS = 21,
-    PATCHES = 12,
-};
+enum { RENDITION_SIDE = 512, MOSAIC_SIDE = 640 };
 
 enum { RENDITION, MOSAIC, PATCH, PICTURES };
 enum { CHAFA_RENDITION, CHAFA_MOSAIC, CHAFA_PICTURES };
@@ -56,10 +46,6 @@ static const char *const chafa_words[CHAFA_PICTURES] = {"chafa: rendition", "cha
 enum { MEANS_MOST = 8 };
 #define MEANS ((int)graphics_auto.count - 1)
 
-struct cost {
-    double bytes, ms; /* no bytes: not measured */
-};
-
 static const struct line_kind {
     const char *name, *words;
     struct bench_line line;
@@ -71,7 +57,7 @@ static const struct graphics *const piloted[PILOTED] = {&graphics_kitty, &graphi
 
 struct figures {
     char journal[64];
-    struct cost cost[PICTURES][MEANS_MOST], chafa[CHAFA_PICTURES][MEANS_MOST];
+    struct bench_cost cost[PICTURES][MEANS_MOST], chafa[CHAFA_PICTURES][MEANS_MOST];
     bool has_chafa;
     int lines; /* that were timed */
     struct bench_keys keys[LINES][PILOTED];
@@ -80,7 +66,7 @@ struct figures {
 /* ---- pictures ---- */
 
 struct pictures {
-    struct canvas rendition, mosaic; /* canvases of their own */
+    struct canvas rendition, mosaic;
     uint32_t hue[256];
     unsigned hues;
 };
@@ -135,183 +121,33 @@ static enum err make_pictures(struct pictures *p, struct interpreter *interp, co
     return err;
 }
 
-/* ---- the painter ---- */
-
-static void place_painter(struct painter *painter, const struct graphics *by, uint32_t side)
-{
-    const struct terminal_facts facts = {.graphics = by,
-                                         .colours = COLOURS_24BIT,
-                                         .cell_width = CELL_WIDTH,
-                                         .cell_height = CELL_HEIGHT,
-                                         .image_side_most = 10000,
-                                         .shape = BLOCK_HALF,
-                                         .answers = true,
-                                         .edits = true};
-    painter_place(painter, &facts, 0, 0, side / CELL_WIDTH, side / CELL_HEIGHT);
-}
-
-/* Adds the time and bytes of one frame. */
-static bool time_frame(struct painter *painter, const struct image_view *view, struct buf *out,
-                       double *ms, double *bytes)
-{
-    buf_clear(out);
-    const uint64_t begin = clock_ns();
-    painter_show(painter, view, out);
-    *ms = times_since(begin);
-    *bytes = (double)out->length;
-    return !out->failed;
-}
-
-/* A picture as large as the painter wants it; *owned is to be freed. */
-static bool fit(struct painter *painter, const struct image_view *view, struct image_view *fitting,
-                uint8_t **owned)
-{
-    uint32_t width, height;
-    painter_size(painter, &width, &height);
-    *fitting = *view;
-    *owned = NULL;
-    if (width >= view->width && height >= view->height)
-        return true;
-    *owned = image_view_shrink(view, width, height);
-    fitting->width = width;
-    fitting->height = height;
-    fitting->rgba = *owned;
-    return *owned != NULL;
-}
-
-static bool time_whole(const struct image_view *view, const struct graphics *by, struct cost *cost)
-{
-    struct painter painter = {0};
-    struct image_view fitting;
-    struct buf out = {0};
-    double ms[ROUNDS], bytes[ROUNDS];
-    uint8_t *owned;
-    place_painter(&painter, by, view->width);
-    bool good = fit(&painter, view, &fitting, &owned);
-    for (int i = 0; good && i < ROUNDS; i++) {
-        painter_forget(&painter);
-        good = time_frame(&painter, &fitting, &out, ms + i, bytes + i);
-    }
-    if (good)
-        *cost = (struct cost){times_median(bytes, ROUNDS), times_median(ms, ROUNDS)};
-    painter_release(&painter);
-    buf_release(&out);
-    free(owned);
-    return good;
-}
-
-/* Nine tenths of the patch show an object, before and after. */
-static bool is_full(const struct image_view *view, uint32_t left, uint32_t top)
-{
-    unsigned shown = 0;
-    for (uint32_t y = 0; y < PATCH_SIDE; y++)
-        for (uint32_t x = 0; x < PATCH_SIDE; x++)
-            shown += image_view_colour(view, (size_t)(top + y) * view->width + left + x) != 0;
-    return shown >= PATCH_SIDE * PATCH_SIDE * 9 / 10;
-}
-
-/* The patch, and what is seen 5 pixels to the right of it and 3 below. */
-static void change_patch(uint8_t *rgba, const struct image_view *view, uint32_t left, uint32_t top)
-{
-    for (uint32_t y = 0; y < PATCH_SIDE; y++)
-        memcpy(rgba + 4 * ((size_t)(top + y) * view->width + left),
-               view->rgba + 4 * ((size_t)(top + y + 3) * view->width + left + 5), 4 * PATCH_SIDE);
-}
-
-/* Patches all over the object; each is changed and comes back. */
-static bool time_patches(const struct image_view *view, const struct graphics *by,
-                         struct cost *cost)
-{
-    const size_t all = 4 * (size_t)view->width * view->height;
-    struct painter painter = {0};
-    struct buf out = {0};
-    uint8_t *rgba = malloc(all);
-    double ms[2 * PATCHES], bytes[2 * PATCHES];
-    size_t count = 0;
-    bool good = rgba != NULL;
-    struct image_view changed = *view;
-    changed.rgba = rgba;
-    place_painter(&painter, by, view->width);
-    if (good)
-        good = painter_show(&painter, view, &out);
-    for (uint32_t top = 11; good && top + PATCH_SIDE + 3 < view->height; top += 53) {
-        for (uint32_t left = 17; good && left + PATCH_SIDE + 5 < view->width; left += 67) {
-            if (count + 2 > 2 * PATCHES || !is_full(view, left, top))
-                continue;
-            memcpy(rgba, view->rgba, all);
-            change_patch(rgba, view, left, top);
-            good = time_frame(&painter, &changed, &out, ms + count, bytes + count) &&
-                   time_frame(&painter, view, &out, ms + count + 1, bytes + count + 1);
-            count += 2;
-        }
-    }
-    if (good)
-        *cost = (struct cost){times_median(bytes, count), times_median(ms, count)};
-    painter_release(&painter);
-    buf_release(&out);
-    free(rgba);
-    return good;
-}
+/* ---- the painter, and chafa ---- */
 
 static enum err time_painter(const struct pictures *p, struct figures *f, struct fault *fault)
 {
     const struct image_view rendition = view_of(p, &p->rendition), mosaic = view_of(p, &p->mosaic);
     bool good = true;
     for (int m = 0; good && m < MEANS; m++) {
-        good = time_whole(&rendition, graphics_auto.of[m], &f->cost[RENDITION][m]) &&
-               time_whole(&mosaic, graphics_auto.of[m], &f->cost[MOSAIC][m]);
+        const struct graphics *by = graphics_auto.of[m];
+        good = bench_painter_whole(&f->cost[RENDITION][m], by, &rendition) &&
+               bench_painter_whole(&f->cost[MOSAIC][m], by, &mosaic);
         /* an edit in blocks is a few cells: as coarse as that, there is no patch of 40x40 */
-        if (good && graphics_auto.of[m]->kind == GRAPHICS_PIXELS)
-            good = time_patches(&rendition, graphics_auto.of[m], &f->cost[PATCH][m]);
+        if (good && by->kind == GRAPHICS_PIXELS)
+            good = bench_painter_patches(&f->cost[PATCH][m], by, &rendition);
     }
     return good ? OK : fault_memory(fault, "a picture for the terminal");
 }
 
-/* ---- chafa ---- */
-
-static enum err write_png(struct buf *path, const struct buf *folder, const char *name,
-                          struct interpreter *interp, const struct canvas *canvas, uint32_t width,
-                          uint32_t height, struct fault *fault)
+static enum err time_chafa(const struct pictures *p, struct figures *f, struct fault *fault)
 {
-    struct picture picture = {0};
-    buf_clear(path);
-    buf_printf(path, "%s/%s.png", buf_text(folder), name);
-    enum err err = picture_init(&picture, width, height, false, fault);
-    if (!err)
-        memcpy(picture.rgba, canvas->rgba, 4 * (size_t)width * height);
-    if (!err)
-        err = image_write(interp->helper, buf_text(path), FILE_KEEP, &picture, fault);
-    picture_release(&picture);
-    return err;
-}
-
-static enum err time_chafas(const struct pictures *p, struct interpreter *interp, struct figures *f,
-                            struct fault *fault)
-{
-    const struct canvas *shown[CHAFA_PICTURES] = {&p->rendition, &p->mosaic};
-    struct buf folder = {0}, path = {0}, dot = {0};
-    enum err err = folder_fresh(&folder, NULL, fault);
-    if (!err)
-        err = write_png(&dot, &folder, "dot", interp, &p->rendition, 1, 1, fault);
-    for (int i = 0; !err && i < CHAFA_PICTURES; i++) {
-        err = write_png(&path, &folder, picture_names[i], interp, shown[i], shown[i]->width,
-                        shown[i]->height, fault);
+    const struct image_view shown[CHAFA_PICTURES] = {view_of(p, &p->rendition),
+                                                     view_of(p, &p->mosaic)};
+    enum err err = OK;
+    for (int i = 0; !err && i < CHAFA_PICTURES; i++)
         for (int m = 0; !err && m < MEANS; m++) {
-            struct cost start = {0}, *cost = &f->chafa[i][m];
-            if (!bench_chafa(graphics_auto.of[m]->chafa, shown[i]->width, buf_text(&path),
-                             &cost->bytes, &cost->ms) ||
-                !bench_chafa(graphics_auto.of[m]->chafa, 8, buf_text(&dot), &start.bytes,
-                             &start.ms))
-                continue;
-            f->has_chafa = true;
-            cost->ms = cost->ms > start.ms ? cost->ms - start.ms : 0;
+            err = bench_chafa(&f->chafa[i][m], graphics_auto.of[m], &shown[i], fault);
+            f->has_chafa |= f->chafa[i][m].bytes > 0;
         }
-    }
-    if (folder.length)
-        folder_discard(buf_text(&folder));
-    buf_release(&folder);
-    buf_release(&path);
-    buf_release(&dot);
     return err;
 }
 
@@ -330,7 +166,7 @@ static enum err time_pilot(const char *journal, bool quick, struct figures *f, s
 
 /* ---- what comes out ---- */
 
-static void print_row(FILE *out, const char *words, const struct cost cost[MEANS_MOST])
+static void print_row(FILE *out, const char *words, const struct bench_cost cost[MEANS_MOST])
 {
     fprintf(out, "    %-36s", words);
     for (int m = 0; m < MEANS; m++) {
@@ -375,7 +211,7 @@ static void print_table(FILE *out, const struct figures *f)
     }
 }
 
-static void add_costs(struct json *json, const char *name, const struct cost cost[MEANS_MOST])
+static void add_costs(struct json *json, const char *name, const struct bench_cost cost[MEANS_MOST])
 {
     json_object(json, name);
     for (int m = 0; m < MEANS; m++) {
@@ -446,7 +282,7 @@ static enum err time_pictures(struct figures *f, struct buf *journal, struct fau
     if (!err)
         err = time_painter(&pictures, f, fault);
     if (!err)
-        err = time_chafas(&pictures, &interp, f, fault);
+        err = time_chafa(&pictures, f, fault);
     interpreter_release(&interp);
     canvas_release(&pictures.rendition);
     canvas_release(&pictures.mosaic);

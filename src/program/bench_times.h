@@ -14,4 +14,9 @@ double times_since(uint64_t begin);
 double times_quantile(double *ms, size_t count, double share);
 double times_median(double *ms, size_t count);
 
+/* What a picture takes: medians. No bytes where nothing was measured. */
+struct bench_cost {
+    double bytes, ms;
+};
+
 #endif

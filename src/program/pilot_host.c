@@ -60,7 +60,7 @@ static void write_where(struct buf *out, const struct session *session)
     double mm[3];
     geometry_point(geometry, session->now.outlook.slices.cross, mm);
     if (cell->flags & CELL_OUTSIDE) {
-        buf_add_text(out, "outside the fence");
+        buf_add_text(out, "outside the region of interest");
     } else if (cell_is_reached(cell)) {
         buf_add_text(out, "label ");
         act_write_label(out, session, cell->label);
