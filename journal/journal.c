@@ -12,6 +12,7 @@ enum { COMMENTS_MAX = 1 << 20, TORN_NAMES_MAX = 9999 };
 struct journal {
     struct file_log *log; /* NULL where it is only looked at */
     struct buf path;      /* of the file */
+    unsigned semantics;   /* the number in it */
     struct buf header;    /* line 1, part of the first record's chain */
     struct buf comments;  /* whole lines, for the next record */
     struct buf kept;      /* J7: the valid part; the file is longer only while it is ragged */
@@ -39,6 +40,7 @@ static enum err journal_new(struct journal **journal, const char *path, unsigned
     if (!*journal)
         return fault_memory(fault, "a journal");
     buf_add_text(&(*journal)->path, path);
+    (*journal)->semantics = semantics;
     record_header(&(*journal)->header, semantics);
     (*journal)->chain = record_chain_zero;
     if (!(*journal)->header.failed && !(*journal)->path.failed)
@@ -112,23 +114,25 @@ enum err journal_create(struct journal **out, const char *path, unsigned semanti
 
 /* What the first walk found. */
 struct finding {
-    uint64_t sound; /* bytes of header and sound records; 0 where even the header is missing */
+    unsigned semantics; /* of the header; 0 where there is none */
+    uint64_t sound;     /* bytes of header and sound records; 0 where even the header is missing */
     size_t count;
     struct record_chain chain;
     bool is_torn; /* what follows is torn, or damaged where the caller wants it cut */
     struct fault fault;
 };
 
-/* `semantics` 0: any will do. */
+/* Up to `semantics`; 0: any will do. */
 static enum err judge_semantics(const struct walk *walk, unsigned semantics, struct fault *fault)
 {
     if (!walk->is_journal && walk->length > 0)
         return fault_set(fault, ERR_INPUT,
                          "it has no header: this is a script, not a journal; run it instead");
-    if (walk->semantics != 0 && semantics != 0 && walk->semantics != semantics)
+    if (semantics != 0 && walk->semantics > semantics)
         return fault_set(fault, ERR_INPUT,
-                         "its commands have the meaning of version %u, here they have that of "
-                         "version %u; run it as a script into a new journal",
+                         "its commands have the meaning of version %u, and this program knows "
+                         "those up to version %u; go on with it in a newer one, or run it as a "
+                         "script into a new journal",
                          walk->semantics, semantics);
     return OK;
 }
@@ -143,6 +147,8 @@ static enum err survey(const struct buf *bytes, const struct journal_resume *res
     if (err)
         return err;
     err = judge_semantics(&walk, resume->any_semantics ? 0 : resume->semantics, fault);
+    if (!err && walk.semantics && resume->on_semantics)
+        resume->on_semantics(resume->context, walk.semantics);
     enum walk_step step = WALK_RECORD;
     while (!err && step == WALK_RECORD) {
         step = walk_next_sound(&walk, &record);
@@ -154,7 +160,8 @@ static enum err survey(const struct buf *bytes, const struct journal_resume *res
             fault_set(fault, ERR_INPUT,
                       "%s; nothing was changed (`iftty log --repair` keeps the records before it)",
                       walk.fault.text);
-    *finding = (struct finding){.sound = walk.offset,
+    *finding = (struct finding){.semantics = walk.semantics,
+                                .sound = walk.offset,
                                 .count = walk.records,
                                 .chain = walk.chain,
                                 .is_torn = step != WALK_END,
@@ -220,6 +227,15 @@ static enum err mend(struct journal *journal, const struct buf *bytes,
     return err;
 }
 
+/* Line 1 is as it stands in the file, for the chain of the first record. */
+static enum err keep_header(struct journal *journal, unsigned semantics, struct fault *fault)
+{
+    journal->semantics = semantics;
+    buf_clear(&journal->header);
+    record_header(&journal->header, semantics);
+    return journal->header.failed ? fault_memory(fault, "the journal") : OK;
+}
+
 /* Takes the sound part over. What follows it is mended, unless we only look. */
 static enum err take_over(struct journal *journal, const struct buf *bytes,
                           const struct finding *finding, struct buf *notice, struct fault *fault)
@@ -237,7 +253,7 @@ static enum err take_over(struct journal *journal, const struct buf *bytes,
     journal->count = finding->count;
     journal->chain = finding->chain;
     if (finding->sound > 0)
-        return OK;
+        return keep_header(journal, finding->semantics, fault);
     /* Whoever began it may not have come to that. */
     err = journal->log ? file_log_sync_folder(journal->log, fault) : OK;
     return err ? err : append_bytes(journal, &journal->header, fault);
@@ -402,6 +418,11 @@ enum err journal_sync(struct journal *journal, struct fault *fault)
 bool journal_only_looks(const struct journal *journal)
 {
     return journal->log == NULL;
+}
+
+unsigned journal_semantics(const struct journal *journal)
+{
+    return journal->semantics;
 }
 
 const char *journal_path(const struct journal *journal)

@@ -36,8 +36,12 @@ enum err journal_create(struct journal **journal, const char *path, unsigned sem
                         struct fault *fault);
 
 struct journal_resume {
-    unsigned semantics; /* a journal of another one is refused: it could not be continued */
-    bool any_semantics; /* unless this is set: for repair, where nothing is carried out */
+    unsigned semantics; /* the highest that is known: a journal of a higher one is refused. One of
+                           a lower one keeps its own; a file without a header gets this one */
+    bool any_semantics; /* none is refused: for repair, where nothing is carried out */
+    /* Called with the number of the header before any record; not for a file without one. NULL
+     * calls nobody. */
+    void (*on_semantics)(void *context, unsigned semantics);
     /* Called for every sound record in order while the file is looked through, before anything is
      * carried out or changed. NULL calls nobody. */
     void (*on_sight)(void *context, const struct record *record);
@@ -90,6 +94,7 @@ enum err journal_sync(struct journal *journal, struct fault *fault);
 bool journal_only_looks(const struct journal *journal);
 
 const char *journal_path(const struct journal *journal);
+unsigned journal_semantics(const struct journal *journal);
 size_t journal_count(const struct journal *journal);      /* records */
 const char *journal_chain(const struct journal *journal); /* 32 digits; zeros without a record */
 

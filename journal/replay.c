@@ -64,12 +64,16 @@ static enum err tell_failure(const struct record *record, enum err err,
                         record->line, SHOWN_MAX, record->command);
 }
 
-static enum err compare(const struct record *record, const char *words,
-                        struct replay_report *report, struct fault *fault)
+static enum err compare(const struct record *record, const struct replay_host *host,
+                        const char *words, struct replay_report *report, struct fault *fault)
 {
     const char *at = record->result, *end = at + strlen(at);
     struct record_word expected, actual;
     while (record_word_next(&at, end, &expected)) {
+        if (host->is_lost && host->is_lost(host->context, expected.key, expected.key_length)) {
+            report->lost_words++;
+            continue;
+        }
         const bool is_there = record_word_find(words, expected.key, expected.key_length, &actual);
         if (!is_there || actual.value_length != expected.value_length ||
             memcmp(actual.value, expected.value, expected.value_length) != 0)
@@ -92,7 +96,7 @@ enum err replay_record(const struct record *record, const struct replay_host *ho
         if (fault)
             *fault = why;
     } else if (record->has_result) {
-        err = compare(record, buf_text(&words), report, fault);
+        err = compare(record, host, buf_text(&words), report, fault);
         report->compared += err == OK;
     }
     report->executed += err == OK;
@@ -128,11 +132,9 @@ static enum err note_end(struct replay_report *report, const struct walk *walk, 
 static enum err explain(enum err err, const struct replay_report *report,
                         const struct replay_options *options, struct fault *fault)
 {
-    const bool is_other =
-        options->semantics && report->semantics && report->semantics != options->semantics;
-    if (err && is_other)
-        fault_prefix(fault, err, "written with semantics %u, replayed with %u", report->semantics,
-                     options->semantics);
+    if (err && options->semantics && report->semantics > options->semantics)
+        fault_prefix(fault, err, "written with semantics %u, which this program does not know",
+                     report->semantics);
     if (report->is_intact)
         return err;
     if (err)
@@ -159,6 +161,8 @@ enum err replay_run(const char *bytes, size_t length, const struct replay_host *
     }
     report->is_journal = walk.is_journal;
     report->semantics = walk.semantics;
+    if (host->begin && walk.semantics)
+        host->begin(host->context, walk.semantics);
     while (!err && walk_next(&walk, &record) == WALK_RECORD) {
         if (record.number >= options->first)
             note_edit(report, &walk, &record);

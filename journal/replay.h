@@ -22,10 +22,16 @@ struct replay_host {
     /* Carries `command` out and adds its result words to `words` (empty at the call): "" or
      * "key=value key=value". */
     enum err (*execute)(void *context, const char *command, struct buf *words, struct fault *fault);
+    /* Called by replay_run before the first command, with the number of a journal's header. NULL
+     * calls nobody. */
+    void (*begin)(void *context, unsigned semantics);
+    /* Whether the word of this key has a meaning that cannot be had any more: then it is counted as
+     * not compared. NULL: none has. */
+    bool (*is_lost)(void *context, const char *key, size_t length);
 };
 
 struct replay_options {
-    unsigned semantics; /* of this program; told where it is not the journal's. 0: do not ask */
+    unsigned semantics; /* the highest that is known; a failure names a higher one. 0: no matter */
     size_t first;       /* records before it are carried out, and neither compared nor judged */
     size_t last;        /* stop behind this record; 0: go to the end */
 };
@@ -43,6 +49,7 @@ struct replay_report {
     unsigned semantics; /* of the journal; 0 for a script */
     size_t executed;    /* commands carried out, and given what is recorded */
     size_t compared;    /* those among them with a result to compare with */
+    size_t lost_words;  /* of their words, those that could not be compared */
 
     bool is_intact;       /* every record seen was sound */
     size_t edited_number; /* where not: the first that was not, */

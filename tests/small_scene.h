@@ -12,6 +12,7 @@
 
 #include "base/file.h"
 #include "image/volume.h"
+#include "session/roi_check.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"
 
@@ -140,6 +141,29 @@ static inline void roi_stands(const struct session *session)
     CHECK_INT(tally.inside, session->roi_tally.inside);
 }
 
+/* What follows from the state was made of it, and of nothing older. */
+static inline void fits_its_state(const struct session *session)
+{
+    const struct kept *kept = &session->now.kept;
+    struct roi roi = roi_none();
+    CHECK_INT(session->stale, 0);
+    CHECK(memcmp(session->border.visible, kept->visible, sizeof kept->visible) == 0);
+    CHECK(memcmp(&session->border.cut, &kept->cut, sizeof kept->cut) == 0);
+    CHECK_INT(forest_adjacency(session->forest)->count, kept->adjacency);
+    CHECK(forest_arcs(session->forest)->kind == weight_arcs(kept->weight.kind));
+    CHECK(!kept->weight_map == (kept->weight.kind != WEIGHT_FILE));
+    if (kept->has_range)
+        roi_range(&roi, &session->geometry, kept->range_thousandths);
+    CHECK(session->roi.low == roi.low && session->roi.high == roi.high);
+    CHECK(!session->roi.mask == !kept->mask);
+    uint64_t *bits = kept->mask ? malloc(packed_length(kept->mask)) : NULL;
+    if (bits) {
+        CHECK(packed_take_out(kept->mask, bits, NULL) == OK);
+        CHECK(memcmp(bits, session->roi.mask, packed_length(kept->mask)) == 0);
+    }
+    free(bits);
+}
+
 static inline void take_snapshot(struct snapshot *s, const struct interpreter *interp)
 {
     const struct session *session = &interp->session;
@@ -172,6 +196,7 @@ static inline void take_snapshot(struct snapshot *s, const struct interpreter *i
     s->roi = session->roi_tally.digest;
     CHECK(s->weights == weight_digest(session->scene, forest_arcs(session->forest), NULL));
     roi_stands(session);
+    fits_its_state(session);
     CHECK(tally_check(&session->tally, session->scene));
     s->forest = forest_digest(session->forest);
     s->labels = forest_label_digest(session->forest);

@@ -217,7 +217,7 @@ enum err act_stats(const struct act *act)
     buf_printf(&act->reply->text, "%zu border voxel%s; forest %016llx, labels %016llx\n",
                border_count(&session->border), plural(border_count(&session->border)),
                (unsigned long long)forest_digest(session->forest),
-               (unsigned long long)forest_label_digest(session->forest));
+               (unsigned long long)semantics_label_digest(session->semantics, session->forest));
     return OK;
 }
 

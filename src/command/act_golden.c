@@ -139,6 +139,7 @@ enum err act_golden(const struct act *act)
     const struct interpreter *interp = act->interp;
     struct picture picture = {0};
     const char *name = act->value[0].text;
+    const bool can_be_drawn = semantics_has(act->session->semantics, MEANING_SMOOTH_SURFACES);
     if (!golden_name_is_valid(name))
         return fault_set(act->fault, ERR_USAGE,
                          "NAME: expected at most 64 lower-case letters, digits, - and _, not %s",
@@ -148,6 +149,11 @@ enum err act_golden(const struct act *act)
             act->fault, ERR_USAGE,
             "the journal was opened read-only, and so were its golden images; `journal "
             "FILE` goes on in a file of your own");
+    if (!can_be_drawn && !interp->replays)
+        return fault_set(act->fault, ERR_USAGE,
+                         "the journal has semantics %u, whose pictures this program no longer "
+                         "draws; `iftty log --reseal` brings it to semantics %d",
+                         act->session->semantics, SEMANTICS);
     enum err err = note_name(act->interp, name, act->fault);
     if (!err)
         err = take_golden(act, &act->value[1], &picture);
@@ -156,7 +162,7 @@ enum err act_golden(const struct act *act)
     if (!interp->home.length && !interp->replays)
         buf_add_text(&act->reply->text,
                      "not stored: there is no journal that it could belong to\n");
-    else if (!interp->replays || interp->judge)
+    else if (!interp->replays || (interp->judge && can_be_drawn))
         err = settle_golden(act, name, &picture);
     picture_release(&picture);
     return err;

@@ -33,8 +33,9 @@ enum err act_take_picture(const struct act *act, const char *name, struct pictur
 
 void act_add_picture_digest(const struct act *act)
 {
-    buf_printf(&act->reply->words, "picture=%016llx",
-               (unsigned long long)rendition_digest(session_frame(act->session)));
+    if (semantics_has(act->session->semantics, MEANING_SMOOTH_SURFACES))
+        buf_printf(&act->reply->words, "picture=%016llx",
+                   (unsigned long long)rendition_digest(session_frame(act->session)));
 }
 
 enum file_mode act_file_mode(const struct value *replace)

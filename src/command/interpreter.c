@@ -73,7 +73,7 @@ static void add_digests(struct reply *reply, const struct session *session)
 {
     buf_printf(&reply->words, "%sforest=%016llx labels=%016llx seeds=%zu",
                reply->words.length ? " " : "", (unsigned long long)forest_digest(session->forest),
-               (unsigned long long)forest_label_digest(session->forest),
+               (unsigned long long)semantics_label_digest(session->semantics, session->forest),
                forest_seeds(session->forest));
     if (session_pendings(session))
         buf_printf(&reply->words, " pending=%zu", session_pendings(session));
@@ -253,7 +253,7 @@ enum err interpreter_create_journal(struct interpreter *interp, const char *path
 {
     enum err err = interpreter_set_home(interp, path, fault);
     if (!err)
-        err = journal_create(&interp->journal, path, SEMANTICS, fault);
+        err = journal_create(&interp->journal, path, interp->session.semantics, fault);
     if (err)
         return err;
     err = journal_set_sync(interp->journal, interp->sync, fault);
@@ -288,6 +288,12 @@ static bool tells_of_forest(const char *words, struct buf *out)
     return tells;
 }
 
+static void take_semantics(void *context, unsigned semantics)
+{
+    struct resume *resume = context;
+    resume->interp->session.semantics = semantics;
+}
+
 static void look_for_last(void *context, const struct record *record)
 {
     struct resume *resume = context;
@@ -305,10 +311,17 @@ static enum err execute_again(void *context, const char *command, struct buf *wo
     return err;
 }
 
+static bool is_lost(void *context, const char *key, size_t length)
+{
+    const struct interpreter *interp = context;
+    return semantics_lost(interp->session.semantics, key, length) != NULL;
+}
+
 static enum err compare_record(struct resume *resume, const struct record *record,
                                struct fault *fault)
 {
-    const struct replay_host host = {resume->interp, execute_again};
+    const struct replay_host host = {
+        .context = resume->interp, .execute = execute_again, .is_lost = is_lost};
     return replay_record(record, &host, &resume->report, fault);
 }
 
@@ -332,7 +345,7 @@ static enum err execute_and_catch_up(void *context, const char *command, struct 
 static enum err compare_forest(struct resume *resume, const struct record *record,
                                struct fault *fault)
 {
-    const struct replay_host host = {resume->interp, execute_and_catch_up};
+    const struct replay_host host = {.context = resume->interp, .execute = execute_and_catch_up};
     struct record judged = *record;
     struct buf words = {0};
     tells_of_forest(record->result, &words);
@@ -374,6 +387,7 @@ static enum err carry_out_again(struct interpreter *interp, const char *path, st
 {
     struct resume resume = {.interp = interp};
     struct journal_resume how = {.semantics = SEMANTICS,
+                                 .on_semantics = take_semantics,
                                  .on_sight = look_for_last,
                                  .on_record = resume_record,
                                  .context = &resume,
@@ -412,6 +426,8 @@ enum err interpreter_resume_journal(struct interpreter *interp, const char *path
         err = journal_set_sync(interp->journal, interp->sync, fault);
     if (told && told->length)
         buf_add_char(told, '\n');
+    if (!err && told)
+        semantics_tell_lost(told, interp->session.semantics);
     if (!err && told && interp->looks) {
         buf_add_safe(told, path, strlen(path));
         buf_add_text(told, " is only looked at: what is done here is not written to it\n");

@@ -10,8 +10,6 @@
 #include "image/picture.h"
 #include "session/session.h"
 
-/* The version of what commands mean. A journal written under another is not silently replayed. */
-enum { SEMANTICS = 3 };
 #define PROGRAM_VERSION "0.1"
 
 /* What every picture says of itself: program, scene, view. */

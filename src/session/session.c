@@ -6,7 +6,7 @@
 
 void session_init(struct session *session)
 {
-    *session = (struct session){.now = state_default(), .roi = roi_none()};
+    *session = (struct session){.semantics = SEMANTICS, .now = state_default(), .roi = roi_none()};
     session_mark(session);
 }
 

@@ -33,6 +33,7 @@
 #include "image/geometry.h"
 #include "render/border.h"
 #include "render/rendition.h"
+#include "session/semantics.h"
 #include "session/state.h"
 #include "session/tally.h"
 
@@ -48,6 +49,7 @@ struct former_scene {
 };
 
 struct session {
+    unsigned semantics; /* of the journal at hand (session/semantics.h) */
     struct state now;
 
     bool has_scene;

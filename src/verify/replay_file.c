@@ -26,13 +26,25 @@ static enum err execute(void *context, const char *command, struct buf *words, s
     return err;
 }
 
+static void begin(void *context, unsigned semantics)
+{
+    struct replaying *replaying = context;
+    replaying->interp->session.semantics = semantics;
+}
+
+static bool is_lost(void *context, const char *key, size_t length)
+{
+    const struct replaying *replaying = context;
+    return semantics_lost(replaying->interp->session.semantics, key, length) != NULL;
+}
+
 enum err replay_file(struct interpreter *interp, const char *path, size_t first, size_t last,
                      const struct teller *teller, struct replay_report *report, struct fault *fault)
 {
     struct buf bytes = {0};
     struct replaying replaying = {
         .interp = interp, .teller = teller, .judge = interp->judge, .first = first};
-    const struct replay_host host = {&replaying, execute};
+    const struct replay_host host = {&replaying, execute, begin, is_lost};
     const struct replay_options options = {SEMANTICS, first, last};
     enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
     interp->replays = true;
@@ -65,6 +77,11 @@ void replay_describe(struct buf *text, const struct replay_report *report,
     if (report->is_torn)
         buf_printf(text, "# an unfinished record at byte %llu was left alone\n",
                    (unsigned long long)report->torn_offset);
+    if (report->lost_words) {
+        buf_printf(text, "# %zu result%s not compared: ", report->lost_words,
+                   report->lost_words > 1 ? "s were" : " was");
+        semantics_tell_lost(text, report->semantics);
+    }
     if (report->outcome == REPLAY_SAME)
         return;
     buf_printf(text, "# record %zu, line %zu: ", report->number, report->line);

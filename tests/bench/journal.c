@@ -115,7 +115,7 @@ static bool gives(const struct record *record, const char *key)
 static enum err verify_record(struct interpreter *interp, const struct record *record,
                               struct figures *f, struct fault *fault)
 {
-    const struct replay_host host = {interp, execute};
+    const struct replay_host host = {.context = interp, .execute = execute};
     struct replay_report report = {0};
     uint64_t begin = clock_ns();
     enum err err = OK;

@@ -70,7 +70,7 @@ static void replay(const struct buf *bytes)
 {
     static const struct replay_options options = {.semantics = 7};
     unsigned executed = 0;
-    const struct replay_host host = {&executed, echo};
+    const struct replay_host host = {.context = &executed, .execute = echo};
     struct replay_report report = {0};
     struct fault fault = {0};
     const enum err err = replay_run(bytes->data, bytes->length, &host, &options, &report, &fault);

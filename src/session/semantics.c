@@ -1,0 +1,64 @@
+#include "session/semantics.h"
+
+#include <string.h>
+
+#include "base/hash.h"
+
+const struct meaning_row meaning_table[MEANINGS] = {
+    [MEANING_LABEL_SUM] = {"label-sum", 2, "`labels` was a sum of mixes of place and label",
+                           "`labels` is a sum of mixed places times labels", NULL},
+    [MEANING_SMOOTH_SURFACES] = {"smooth-surfaces", 3,
+                                 "pictures were shaded by the faces of voxels",
+                                 "pictures are shaded by a smoothed field", "picture"},
+};
+
+bool semantics_has(unsigned semantics, enum meaning meaning)
+{
+    return semantics >= meaning_table[meaning].since;
+}
+
+const struct meaning_row *semantics_lost(unsigned semantics, const char *word, size_t length)
+{
+    for (int m = 0; m < MEANINGS; m++) {
+        const char *lost = meaning_table[m].lost;
+        if (lost && semantics < meaning_table[m].since && strlen(lost) == length &&
+            memcmp(lost, word, length) == 0)
+            return &meaning_table[m];
+    }
+    return NULL;
+}
+
+void semantics_tell_lost(struct buf *out, unsigned semantics)
+{
+    for (int m = 0; m < MEANINGS; m++) {
+        const struct meaning_row *row = &meaning_table[m];
+        if (row->lost && semantics < row->since)
+            buf_printf(out,
+                       "semantics %u: %s, a look that this program no longer has: `%s` is "
+                       "neither compared nor recorded (`iftty log --reseal` draws them anew)\n",
+                       semantics, row->was, row->lost);
+    }
+}
+
+/* Counted from every voxel, each time. */
+static uint64_t sum_of_mixes(const struct scene *scene)
+{
+    const struct grid *grid = &scene->grid;
+    uint64_t sum = 0;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++) {
+                const uint8_t label = scene->cell[c].label;
+                if (label && cell_is_reached(scene->cell + c))
+                    sum += hash_mix_at(c, label);
+            }
+        }
+    return sum;
+}
+
+uint64_t semantics_label_digest(unsigned semantics, const struct forest *forest)
+{
+    return semantics_has(semantics, MEANING_LABEL_SUM) ? forest_label_digest(forest)
+                                                       : sum_of_mixes(forest_scene(forest));
+}

@@ -1,0 +1,47 @@
+/*
+ * Semantics: which meaning commands and their results have.
+ *
+ * A journal says in line 1 under which number it was made (journal/FORMAT.md); a session carries
+ * the number of its journal, and new journals have the present one. What has changed its meaning
+ * since is a row of one table. Code that has a row asks semantics_has, and does as it was before
+ * for older journals: they are verified, and gone on with, under their own meaning, for good.
+ *
+ * Where the former meaning cannot be had any more, the row names the word of the records that is
+ * lost with it: that word is neither compared nor written under such a number, and reports say so.
+ */
+#ifndef SESSION_SEMANTICS_H
+#define SESSION_SEMANTICS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/buf.h"
+#include "engine/forest.h"
+
+/* The number of new journals, and the highest that can be gone on with. */
+enum { SEMANTICS = 3 };
+
+/* One row each. */
+enum meaning { MEANING_LABEL_SUM, MEANING_SMOOTH_SURFACES, MEANINGS };
+
+struct meaning_row {
+    const char *name;
+    unsigned since;        /* the first number that has the new meaning */
+    const char *was, *now; /* what means what */
+    const char *lost;      /* the word that has no meaning before; NULL where it can be had */
+};
+extern const struct meaning_row meaning_table[MEANINGS];
+
+bool semantics_has(unsigned semantics, enum meaning meaning);
+
+/* The row by which the word of a record cannot be compared under this number; NULL: it can. */
+const struct meaning_row *semantics_lost(unsigned semantics, const char *word, size_t length);
+
+/* Adds a line for each word that is lost under this number; none where nothing is. */
+void semantics_tell_lost(struct buf *out, unsigned semantics);
+
+/* What records say of labels, as this number has it. */
+uint64_t semantics_label_digest(unsigned semantics, const struct forest *forest);
+
+#endif

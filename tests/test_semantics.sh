@@ -1,0 +1,108 @@
+#!/bin/sh
+# Meanings are versioned: tests/journals has a journal of every number that there has been, made by
+# a program of its time. Each is verified and gone on with under its own meaning. They stay for good.
+. "$(dirname "$0")/lib.sh"
+journals=$top/tests/journals
+cd "$work" || exit 1
+cp "$journals/scene.nii.gz" .
+current=$("$iftty" info | sed -n 's/^semantics //p')
+
+take() { # NUMBER: a copy, with its golden images
+    rm -rf j.iftty j.golden
+    cp "$journals/semantics-$1.iftty" j.iftty
+    cp -r "$journals/semantics-$1.golden" j.golden
+}
+
+begin "there is a journal of every number up to the present one"
+[ -n "$current" ] || fail "no number"
+number=1
+while [ "$number" -le "$current" ]; do
+    expect 0 head -1 "$journals/semantics-$number.iftty"
+    out_has "# iftty journal 1 semantics $number"
+    number=$((number + 1))
+done
+close_story
+
+begin "each is verified under its own meaning, and what cannot be compared is named"
+for number in 1 2 3; do
+    take $number
+    expect 0 "$iftty" verify j.iftty
+    if [ $number -lt 3 ]; then
+        out_has "# 3 results were not compared: semantics $number: pictures were shaded by the faces"
+    else
+        ! grep -q "not compared" "$work/out" || fail "$(cat "$work/out")"
+    fi
+done
+close_story
+
+begin "each is gone on with under its own meaning, and is a journal of its number still"
+cat >more <<'EOF'
+label 5 new
+seed 4,4,3 5 radius=1
+undo
+redo
+weight morph
+remove 4,4,3
+render
+EOF
+for number in 1 2 3; do
+    take $number
+    cp j.iftty former
+    expect 0 "$iftty" run more --journal j.iftty
+    cmp -s -n "$(wc -c <former)" former j.iftty || fail "$number: what was there has changed"
+    [ "$(grep -c '^= ' j.iftty)" = $(($(grep -c '^= ' former) + 7)) ] || fail "$number: $(tail -3 j.iftty)"
+    expect 0 "$iftty" verify j.iftty
+    with_picture=$(tail -1 j.iftty | grep -c 'picture=')
+    [ "$with_picture" = $((number >= 3)) ] || fail "$number: $(tail -1 j.iftty)"
+done
+close_story
+
+begin "the digest of labels is that of the number"
+for number in 1 2 3; do
+    take $number
+    sed -n 's/^= 9 .*\(labels=[0-9a-f]*\).*/\1/p' j.iftty
+done >labels
+[ "$(sed -n 2p labels)" = "$(sed -n 3p labels)" ] || fail "2 and 3: $(cat labels)"
+[ "$(sed -n 1p labels)" != "$(sed -n 2p labels)" ] || fail "1 and 2: $(cat labels)"
+for number in 1 2; do # under another number it does not fit
+    take $number
+    sed "1s/semantics .*/semantics $((3 - number))/" j.iftty >other.iftty
+    expect 1 "$iftty" replay other.iftty
+    err_has "labels"
+done
+close_story
+
+begin "golden images of a look that is gone are neither compared nor made"
+take 2
+expect 0 "$iftty" verify j.iftty
+cp j.golden/front.png j.golden/front.exr
+expect 0 "$iftty" verify j.iftty
+take 2
+echo 'golden again' >one
+expect 2 "$iftty" run one --journal j.iftty
+err_has "the journal has semantics 2, whose pictures this program no longer draws"
+err_has "iftty log --reseal"
+take 3
+cp j.golden/inside.exr j.golden/front.exr
+expect 1 "$iftty" verify j.iftty
+close_story
+
+begin "resealed, a journal has the present meaning"
+take 1
+expect 0 "$iftty" log --reseal j.iftty
+[ "$(head -1 j.iftty)" = "# iftty journal 1 semantics $current" ] || fail "$(head -1 j.iftty)"
+expect 1 "$iftty" verify j.iftty # its golden image shows another look
+out_has "golden image front"
+close_story
+
+begin "a number that is not known yet is refused, and the journal left alone"
+take 3
+sed "1s/semantics .*/semantics $((current + 1))/" j.iftty >next.iftty
+cp next.iftty kept
+expect 3 "$iftty" run more --journal next.iftty
+err_has "version $((current + 1))"
+err_has "version $current"
+cmp -s next.iftty kept || fail "it was written to"
+close_story
+
+finish
