@@ -970,9 +970,9 @@ static void journal_verifies(const char *path)
 {
     struct buf told = {0};
     struct interpreter interp;
-    const struct teller teller = {&told, say_nothing, say_nothing, NULL, NULL};
+    const struct printer printer = {&told, say_nothing, say_nothing, NULL, NULL};
     begin_interpreter(&interp);
-    enum err err = replay_aloud(&interp, path, &teller, &fault);
+    enum err err = replay_aloud(&interp, path, &printer, &fault);
     if (!CHECK(err == OK))
         printf("#   %s\n", fault.text);
     interpreter_release(&interp);
@@ -1093,10 +1093,10 @@ static void replay_tells(const char *path, const char *words)
 {
     struct buf told = {0};
     struct interpreter interp;
-    const struct teller teller = {&told, say_nothing, say_nothing, NULL, NULL};
+    const struct printer printer = {&told, say_nothing, say_nothing, NULL, NULL};
     begin_interpreter(&interp);
     fault = (struct fault){.text = ""};
-    CHECK(replay_aloud(&interp, path, &teller, &fault) != OK);
+    CHECK(replay_aloud(&interp, path, &printer, &fault) != OK);
     buf_add_text(&told, fault.text);
     CHECK_HAS(buf_text(&told), words);
     interpreter_release(&interp);

@@ -621,11 +621,11 @@ static void replay(const char *path, const char *words)
     static const struct golden_judge strict_judge = {.differs = NULL};
     struct buf told = {0};
     struct interpreter interp;
-    const struct teller teller = {&told, say_nothing, say_nothing, NULL, NULL};
+    const struct printer printer = {&told, say_nothing, say_nothing, NULL, NULL};
     begin_interpreter(&interp);
     interp.judge = &strict_judge;
     fault = (struct fault){.text = ""};
-    const enum err err = replay_aloud(&interp, path, &teller, &fault);
+    const enum err err = replay_aloud(&interp, path, &printer, &fault);
     if (!words && !CHECK(err == OK))
         printf("#   %s\n", fault.text);
     buf_add_text(&told, fault.text);

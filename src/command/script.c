@@ -19,7 +19,7 @@ static bool read_line(FILE *input, struct buf *line)
 }
 
 void script_acknowledge(const struct interpreter *interp, const struct reply *reply,
-                        const struct teller *teller)
+                        const struct printer *printer)
 {
     struct buf text = {0};
     buf_printf(&text, "ok %zu ", interp->acknowledged);
@@ -32,17 +32,17 @@ void script_acknowledge(const struct interpreter *interp, const struct reply *re
         buf_add_char(&text, '\n');
         at += n + (at[n] == '\n');
     }
-    teller->say(teller->context, buf_text(&text));
+    printer->print(printer->context, buf_text(&text));
     buf_release(&text);
 }
 
-static void complain(const struct teller *teller, const char *name, size_t line,
-                     const struct fault *fault)
+static void warn(const struct printer *printer, const char *name, size_t line,
+                 const struct fault *fault)
 {
     struct buf text = {0};
     buf_add_safe(&text, name, strlen(name));
     buf_printf(&text, ":%zu: %s\n", line, fault->text);
-    teller->complain(teller->context, buf_text(&text));
+    printer->warn(printer->context, buf_text(&text));
     buf_release(&text);
 }
 
@@ -58,45 +58,45 @@ static enum err store_comment(struct interpreter *interp, const char *line, stru
 
 /* The next line; false at the end, or where the watch stops. */
 static bool next_line(const struct interpreter *interp, FILE *input, struct buf *line,
-                      const struct teller *teller)
+                      const struct printer *printer)
 {
-    if (teller->waits)
-        teller->waits(teller->context, true);
+    if (printer->waits)
+        printer->waits(printer->context, true);
     const bool is_there = !watch_stops(interp->session.watch) && read_line(input, line);
-    if (teller->waits)
-        teller->waits(teller->context, false);
+    if (printer->waits)
+        printer->waits(printer->context, false);
     return is_there;
 }
 
 enum err script_run(struct interpreter *interp, FILE *input, const char *name, bool keep_going,
-                    const struct teller *teller, struct fault *fault)
+                    const struct printer *printer, struct fault *fault)
 {
     struct buf line = {0};
     struct reply reply = {0};
     enum err first = OK;
     size_t number;
-    for (number = 1; !interp->finished && next_line(interp, input, &line, teller); number++) {
+    for (number = 1; !interp->finished && next_line(interp, input, &line, printer); number++) {
         if (*buf_text(&line) == '=')
             continue;
         enum err err = store_comment(interp, buf_text(&line), fault);
         if (!err)
             err = interpreter_execute(interp, buf_text(&line), &reply, fault);
         if (err) {
-            complain(teller, name, number, fault);
+            warn(printer, name, number, fault);
             first = first ? first : err;
             if (!keep_going || err == ERR_CANCELLED)
                 break;
         } else if (reply.canonical.length) {
-            script_acknowledge(interp, &reply, teller);
-            if (interp->shows_picture && teller->picture)
-                teller->picture(teller->context, interp);
+            script_acknowledge(interp, &reply, printer);
+            if (interp->shows_picture && printer->show)
+                printer->show(printer->context, interp);
         }
     }
     reply_release(&reply);
     buf_release(&line);
     if (!first && !interp->finished && watch_fault(interp->session.watch, fault)) {
         first = fault_set(fault, ERR_CANCELLED, "cancelled before this line");
-        complain(teller, name, number, fault);
+        warn(printer, name, number, fault);
     }
     if (!first && ferror(input))
         return fault_set(fault, ERR_IO, "cannot read %s", name);

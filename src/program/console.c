@@ -85,7 +85,7 @@ void console_erase_progress(void)
 
 /* ---- printing ---- */
 
-void console_say(void *context, const char *text)
+void console_print(void *context, const char *text)
 {
     (void)context;
     progress_erase(&progress);
@@ -93,14 +93,14 @@ void console_say(void *context, const char *text)
     fflush(stdout);
 }
 
-void console_complain(void *context, const char *text)
+void console_warn(void *context, const char *text)
 {
     (void)context;
     progress_erase(&progress);
     fputs(text, stderr);
 }
 
-const struct teller console_teller = {.say = console_say, .complain = console_complain};
+const struct printer console_printer = {.print = console_print, .warn = console_warn};
 
 int console_finish(enum err err, const struct fault *fault)
 {

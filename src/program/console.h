@@ -23,11 +23,11 @@ void console_forget_interrupt(void);
 struct watch *console_watch(void);
 void console_erase_progress(void);
 
-/* To standard output and standard error, as a teller does; and that teller. */
-void console_say(void *context, const char *text);
-void console_complain(void *context, const char *text);
-extern const struct teller console_teller;
-/* For a teller whose lines may take their time: whether one is waited for. */
+/* To standard output and standard error, as a printer does; and that printer. */
+void console_print(void *context, const char *text);
+void console_warn(void *context, const char *text);
+extern const struct printer console_printer;
+/* For a printer whose lines may take their time: whether one is waited for. */
 void console_wait(void *context, bool waits);
 
 /* Prints the words of an error; returns the exit status. */

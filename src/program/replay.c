@@ -16,7 +16,7 @@ static enum err replay_into(const struct options *o, const char *folder, struct 
     here.out = folder;
     enum err err = begin_interpreter(&interp, &here, fault);
     if (!err)
-        err = replay_aloud(&interp, o->word[0], &console_teller, fault);
+        err = replay_aloud(&interp, o->word[0], &console_printer, fault);
     interpreter_release(&interp);
     return err;
 }

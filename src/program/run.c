@@ -24,15 +24,15 @@ static enum err run_lines(const struct options *o, FILE *input, const char *name
                           struct fault *fault)
 {
     struct interpreter interp;
-    const struct teller teller = {.context = (void *)(uintptr_t)o,
-                                  .say = console_say,
-                                  .complain = console_complain,
-                                  .picture = show_picture,
-                                  .waits = console_wait};
+    const struct printer printer = {.context = (void *)(uintptr_t)o,
+                                    .print = console_print,
+                                    .warn = console_warn,
+                                    .show = show_picture,
+                                    .waits = console_wait};
     console_handle_interrupts();
     enum err err = begin_interpreter(&interp, o, fault);
     if (!err) {
-        err = script_run(&interp, input, name, o->keep_going, &teller, fault);
+        err = script_run(&interp, input, name, o->keep_going, &printer, fault);
         fault->text[0] = '\0'; /* printed with its line */
     }
     err = end_journal(&interp, err, fault);

@@ -30,7 +30,7 @@ enum err run_verify(const struct options *o, struct fault *fault)
     if (err)
         return err;
     console_handle_interrupts();
-    return verify_files(&how, &console_teller, fault);
+    return verify_files(&how, &console_printer, fault);
 }
 
 /* ---- the first record that differs ---- */
@@ -38,7 +38,7 @@ enum err run_verify(const struct options *o, struct fault *fault)
 enum err run_verify_bisect(const struct options *o, struct fault *fault)
 {
     console_handle_interrupts();
-    return bisect_journals(o->word[0], o->word[1], &console_teller, fault);
+    return bisect_journals(o->word[0], o->word[1], &console_printer, fault);
 }
 
 /* Both builds are confined as a replay is. */
@@ -59,7 +59,7 @@ enum err run_verify_builds(const struct options *o, struct fault *fault)
                                       .begin = begin_builds,
                                       .context = (void *)(uintptr_t)o};
     console_handle_interrupts();
-    return bisect_builds(&how, &console_teller, fault);
+    return bisect_builds(&how, &console_printer, fault);
 }
 
 enum err run_diff(const struct options *o, struct fault *fault)
@@ -73,7 +73,7 @@ enum err run_diff(const struct options *o, struct fault *fault)
                                      .context = (void *)(uintptr_t)o,
                                      .watch = console_watch()};
     console_handle_interrupts();
-    return diff_journals(&how, &console_teller, fault);
+    return diff_journals(&how, &console_printer, fault);
 }
 
 /* ---- sealing anew ---- */
@@ -89,7 +89,7 @@ enum err run_verify_accept(const struct options *o, struct fault *fault)
     struct interpreter interp;
     enum err err = begin_own(&interp, o, fault);
     if (!err)
-        err = reseal_accept(&interp, o->word[0], o->accept, &console_teller, fault);
+        err = reseal_accept(&interp, o->word[0], o->accept, &console_printer, fault);
     interpreter_release(&interp);
     return err;
 }
@@ -99,7 +99,7 @@ enum err run_log_reseal(const struct options *o, struct fault *fault)
     struct interpreter interp;
     enum err err = begin_own(&interp, o, fault);
     if (!err)
-        err = reseal_edited(&interp, o->word[0], &console_teller, fault);
+        err = reseal_edited(&interp, o->word[0], &console_printer, fault);
     interpreter_release(&interp);
     return err;
 }

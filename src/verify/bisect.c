@@ -153,7 +153,7 @@ void bisection_release(struct bisection *bisection)
 /* ---- the report ---- */
 
 static enum err print_outcome(const struct bisection *found, const char *const name[2],
-                              const struct teller *teller, struct fault *fault)
+                              const struct printer *printer, struct fault *fault)
 {
     struct buf text = {0};
     buf_printf(&text, "%s 1 - ", found->number ? "not ok" : "ok");
@@ -163,7 +163,7 @@ static enum err print_outcome(const struct bisection *found, const char *const n
     buf_printf(&text, " (%zu chains of %zu compared)\n", found->compared, found->records);
     buf_add_text(&text, buf_text(&found->lines));
     buf_add_text(&text, "1..1\n");
-    teller->say(teller->context, buf_text(&text));
+    printer->print(printer->context, buf_text(&text));
     buf_release(&text);
     return found->number
                ? fault_set(fault, ERR_CHECK, "record %zu is the first that differs", found->number)
@@ -171,7 +171,8 @@ static enum err print_outcome(const struct bisection *found, const char *const n
 }
 
 static enum err compare(const char *const path[2], const char *const name[2],
-                        const char *const more[2], const struct teller *teller, struct fault *fault)
+                        const char *const more[2], const struct printer *printer,
+                        struct fault *fault)
 {
     struct buf bytes[2] = {{0}, {0}};
     struct bisection found = {0};
@@ -181,29 +182,29 @@ static enum err compare(const char *const path[2], const char *const name[2],
     if (!err)
         err = bisect_bytes(&found, name, bytes, fault);
     if (!err && !found.number && *more[0] && *more[1]) {
-        teller->say(teller->context, more[0]);
-        teller->say(teller->context, more[1]);
+        printer->print(printer->context, more[0]);
+        printer->print(printer->context, more[1]);
         err = fault_set(fault, ERR_INPUT, "neither build carries out what follows record %zu",
                         found.records);
     }
     for (int i = 0; !err && i < 2; i++)
         buf_add_text(&found.lines, more[i]);
     if (!err)
-        err = print_outcome(&found, name, teller, fault);
+        err = print_outcome(&found, name, printer, fault);
     bisection_release(&found);
     buf_release(bytes);
     buf_release(bytes + 1);
     return err;
 }
 
-enum err bisect_journals(const char *a, const char *b, const struct teller *teller,
+enum err bisect_journals(const char *a, const char *b, const struct printer *printer,
                          struct fault *fault)
 {
     const char *const path[2] = {a, b}, *const more[2] = {"", ""};
-    return compare(path, path, more, teller, fault);
+    return compare(path, path, more, printer, fault);
 }
 
-enum err bisect_builds(const struct bisect_builds *how, const struct teller *teller,
+enum err bisect_builds(const struct bisect_builds *how, const struct printer *printer,
                        struct fault *fault)
 {
     struct builds builds;
@@ -214,7 +215,7 @@ enum err bisect_builds(const struct bisect_builds *how, const struct teller *tel
         const char *const name[2] = {"this build", how->other};
         const char *const more[2] = {buf_text(&builds.side[0].words),
                                      buf_text(&builds.side[1].words)};
-        err = compare(path, name, more, teller, fault);
+        err = compare(path, name, more, printer, fault);
     }
     builds_release(&builds);
     return err;

@@ -18,7 +18,7 @@
 
 /* Prints TAP of one test. OK when both give the same, ERR_CHECK with the first that differs when
  * not, ERR_INPUT for a journal that is not sound. */
-enum err bisect_journals(const char *a, const char *b, const struct teller *teller,
+enum err bisect_journals(const char *a, const char *b, const struct printer *printer,
                          struct fault *fault);
 
 struct bisect_builds {
@@ -36,7 +36,7 @@ struct bisect_builds {
 /* The same for this program and another. Scenes are found where the journal lies. ERR_INPUT where
  * both end at the same record, which neither can carry out: that they differ nowhere is not known
  * then; ERR_LIMIT. */
-enum err bisect_builds(const struct bisect_builds *builds, const struct teller *teller,
+enum err bisect_builds(const struct bisect_builds *builds, const struct printer *printer,
                        struct fault *fault);
 
 /* ---- for tests ---- */

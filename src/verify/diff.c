@@ -252,35 +252,35 @@ static void write_json(struct buf *out, const struct journals *j)
     json_end(&json);
 }
 
-/* Gives the text to the reader and releases it. */
-static enum err say(struct buf *text, void (*to)(void *context, const char *text),
-                    const struct teller *teller, struct fault *fault)
+/* To standard output or standard error; releases it. */
+static enum err give(struct buf *text, void (*to)(void *context, const char *text),
+                     const struct printer *printer, struct fault *fault)
 {
     const enum err err = text->failed ? fault_memory(fault, "a report") : OK;
     if (!err && text->length)
-        to(teller->context, buf_text(text));
+        to(printer->context, buf_text(text));
     buf_release(text);
     return err;
 }
 
-static enum err report(const struct journals *j, const struct teller *teller, struct fault *fault)
+static enum err report(const struct journals *j, const struct printer *printer, struct fault *fault)
 {
     struct buf text = {0}, warnings = {0};
     write_warnings(&warnings, j);
-    enum err err = say(&warnings, teller->complain, teller, fault);
+    enum err err = give(&warnings, printer->warn, printer, fault);
     if (j->options->json) {
         write_json(&text, j);
     } else {
         write_scenes(&text, j);
         write_labels(&text, j);
     }
-    const enum err said = say(&text, teller->say, teller, fault);
+    const enum err said = give(&text, printer->print, printer, fault);
     return err ? err : said;
 }
 
 /* ---- all of it ---- */
 
-static enum err compare(struct journals *j, const struct teller *teller, struct fault *fault)
+static enum err compare(struct journals *j, const struct printer *printer, struct fault *fault)
 {
     struct buf text = {0};
     enum err err = check_picture(j->options->picture, fault);
@@ -288,7 +288,7 @@ static enum err compare(struct journals *j, const struct teller *teller, struct 
         err = find_first_difference(j, fault);
     if (!err && !j->options->json) {
         write_first_difference(&text, j);
-        err = say(&text, teller->say, teller, fault);
+        err = give(&text, printer->print, printer, fault);
     }
     if (!err)
         err = diff_side_carry_out(j->side + 1, j->options, 1, NULL, fault);
@@ -298,7 +298,7 @@ static enum err compare(struct journals *j, const struct teller *teller, struct 
     if (!err)
         err = compare_labels(j, fault);
     if (!err)
-        err = report(j, teller, fault);
+        err = report(j, printer, fault);
     if (!err)
         err = write_picture(j, fault);
     if (!err && j->overlap->differing)
@@ -308,12 +308,12 @@ static enum err compare(struct journals *j, const struct teller *teller, struct 
     return err;
 }
 
-enum err diff_journals(const struct diff_options *options, const struct teller *teller,
+enum err diff_journals(const struct diff_options *options, const struct printer *printer,
                        struct fault *fault)
 {
     struct journals j = {.options = options, .overlap = mem_new(sizeof(struct overlap))};
     const enum err err =
-        j.overlap ? compare(&j, teller, fault) : fault_memory(fault, "a comparison");
+        j.overlap ? compare(&j, printer, fault) : fault_memory(fault, "a comparison");
     diff_side_release(j.side);
     diff_side_release(j.side + 1);
     first_difference_release(&j.first_difference);

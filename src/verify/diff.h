@@ -27,7 +27,7 @@ struct diff_options {
 /* Prints what differs. OK where the labels are the same, ERR_CHECK where not. ERR_INPUT for what
  * cannot be read or carried out, gives other results than it says, opens no scene, or one of
  * another size than the other's. */
-enum err diff_journals(const struct diff_options *options, const struct teller *teller,
+enum err diff_journals(const struct diff_options *options, const struct printer *printer,
                        struct fault *fault);
 
 #endif

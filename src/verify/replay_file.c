@@ -7,7 +7,7 @@
 
 struct replaying {
     struct interpreter *interp;
-    const struct teller *teller;      /* NULL: quietly */
+    const struct printer *printer;    /* NULL: quietly */
     const struct golden_judge *judge; /* from record `first` on */
     size_t number, first;
 };
@@ -19,8 +19,8 @@ static enum err execute(void *context, const char *command, struct buf *words, s
     const bool is_judged = ++replaying->number >= replaying->first;
     replaying->interp->judge = is_judged ? replaying->judge : NULL;
     enum err err = interpreter_execute(replaying->interp, command, &reply, fault);
-    if (!err && replaying->teller && reply.canonical.length)
-        script_acknowledge(replaying->interp, &reply, replaying->teller);
+    if (!err && replaying->printer && reply.canonical.length)
+        script_acknowledge(replaying->interp, &reply, replaying->printer);
     buf_add_text(words, buf_text(&reply.words));
     reply_release(&reply);
     return err;
@@ -39,11 +39,12 @@ static bool is_lost(void *context, const char *key, size_t length)
 }
 
 enum err replay_file(struct interpreter *interp, const char *path, size_t first, size_t last,
-                     const struct teller *teller, struct replay_report *report, struct fault *fault)
+                     const struct printer *printer, struct replay_report *report,
+                     struct fault *fault)
 {
     struct buf bytes = {0};
     struct replaying replaying = {
-        .interp = interp, .teller = teller, .judge = interp->judge, .first = first};
+        .interp = interp, .printer = printer, .judge = interp->judge, .first = first};
     const struct replay_host host = {&replaying, execute, begin, is_lost};
     const struct replay_options options = {SEMANTICS, first, last};
     enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
@@ -100,20 +101,20 @@ void replay_describe(struct buf *text, const struct replay_report *report,
                         DIVERGENCE_OF_REPLAY);
 }
 
-enum err replay_aloud(struct interpreter *interp, const char *path, const struct teller *teller,
+enum err replay_aloud(struct interpreter *interp, const char *path, const struct printer *printer,
                       struct fault *fault)
 {
     struct replay_report report = {0};
     struct buf text = {0};
-    enum err err = replay_file(interp, path, 0, 0, teller, &report, fault);
+    enum err err = replay_file(interp, path, 0, 0, printer, &report, fault);
     replay_describe(&text, &report, fault);
     if (text.length)
-        teller->complain(teller->context, buf_text(&text));
+        printer->warn(printer->context, buf_text(&text));
     if (!err)
         buf_printf(&text, "# %zu commands replayed, %zu results the same\n", report.executed,
                    report.compared);
     if (!err)
-        teller->say(teller->context, buf_text(&text));
+        printer->print(printer->context, buf_text(&text));
     replay_report_release(&report);
     buf_release(&text);
     return err;

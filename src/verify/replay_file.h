@@ -9,10 +9,10 @@
 #include "journal/replay.h"
 
 /* Carries the journal out and compares the results, and by the interpreter's judge golden images,
- * of records `first` to `last`; 0 for all. Each command is acknowledged, unless `teller` is NULL.
+ * of records `first` to `last`; 0 for all. Each command is acknowledged, unless `printer` is NULL.
  * `report` begins as {0}, and is to be released whatever is returned. */
 enum err replay_file(struct interpreter *interp, const char *path, size_t first, size_t last,
-                     const struct teller *teller, struct replay_report *report,
+                     const struct printer *printer, struct replay_report *report,
                      struct fault *fault);
 
 /* Adds what is wrong as lines that begin with "# ", safe to print; none where all is well. `fault`
@@ -21,7 +21,7 @@ void replay_describe(struct buf *text, const struct replay_report *report,
                      const struct fault *fault);
 
 /* The program `replay`: acknowledges every command, compares every result, and sums up. */
-enum err replay_aloud(struct interpreter *interp, const char *path, const struct teller *teller,
+enum err replay_aloud(struct interpreter *interp, const char *path, const struct printer *printer,
                       struct fault *fault);
 
 #endif

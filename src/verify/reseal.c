@@ -231,7 +231,7 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
 }
 
 static void report(const struct resealing *r, const char *path, const struct buf *former,
-                   const struct teller *teller)
+                   const struct printer *printer)
 {
     struct buf text = {0};
     buf_add_text(&text, "# ");
@@ -248,11 +248,11 @@ static void report(const struct resealing *r, const char *path, const struct buf
         buf_add_text(&text, "; nothing has changed");
     }
     buf_add_char(&text, '\n');
-    teller->say(teller->context, buf_text(&text));
+    printer->print(printer->context, buf_text(&text));
     buf_release(&text);
 }
 
-static enum err reseal(struct resealing *r, const char *path, const struct teller *teller,
+static enum err reseal(struct resealing *r, const char *path, const struct printer *printer,
                        struct fault *fault)
 {
     struct file_log *lock = NULL;
@@ -274,7 +274,7 @@ static enum err reseal(struct resealing *r, const char *path, const struct telle
     if (!err && (r->marked || r->changes_header))
         err = publish(r, path, &bytes, &former, fault);
     if (!err)
-        report(r, path, &former, teller);
+        report(r, path, &former, printer);
     file_log_close(lock);
     buf_release(&former);
     buf_release(&bytes);
@@ -307,7 +307,7 @@ static enum err check_reason(const char *why, struct fault *fault)
 }
 
 enum err reseal_accept(struct interpreter *interp, const char *path, const char *why,
-                       const struct teller *teller, struct fault *fault)
+                       const struct printer *printer, struct fault *fault)
 {
     struct golden_accept accept = {0};
     struct resealing r = {.interp = interp, .accept = &accept};
@@ -315,15 +315,15 @@ enum err reseal_accept(struct interpreter *interp, const char *path, const char 
     if (err)
         return err;
     buf_printf(&r.mark, "accepted: %s", why);
-    err = reseal(&r, path, teller, fault);
+    err = reseal(&r, path, printer, fault);
     golden_accept_release(&accept);
     return err;
 }
 
-enum err reseal_edited(struct interpreter *interp, const char *path, const struct teller *teller,
+enum err reseal_edited(struct interpreter *interp, const char *path, const struct printer *printer,
                        struct fault *fault)
 {
     struct resealing r = {.interp = interp};
     buf_add_text(&r.mark, "resealed: its results are those of iftty " PROGRAM_VERSION);
-    return reseal(&r, path, teller, fault);
+    return reseal(&r, path, printer, fault);
 }

@@ -27,11 +27,11 @@
  * picture's, where the journal was edited, where an orphan lies in its folder (ERR_CHECK), and
  * where the environment variable CI is set (ERR_USAGE): accepting is a person's decision. */
 enum err reseal_accept(struct interpreter *interp, const char *path, const char *why,
-                       const struct teller *teller, struct fault *fault);
+                       const struct printer *printer, struct fault *fault);
 
 /* `iftty log --reseal`: a journal that was edited by hand, or that another version wrote, gets the
  * results that its commands give here. Golden images are left alone. */
-enum err reseal_edited(struct interpreter *interp, const char *path, const struct teller *teller,
+enum err reseal_edited(struct interpreter *interp, const char *path, const struct printer *printer,
                        struct fault *fault);
 
 #endif

@@ -129,7 +129,7 @@ static void verify_one(const struct verify_options *options, const char *path,
 
 struct verification {
     const struct verify_options *options;
-    const struct teller *teller;
+    const struct printer *printer;
     struct verify_result *result; /* [options->count] */
     size_t printed;               /* journals */
     size_t picture_bytes;
@@ -169,7 +169,7 @@ static void print_result(const struct verification *v, size_t number)
         buf_printf(&text, " (%llu commands, %llu results)\n", (unsigned long long)r->executed,
                    (unsigned long long)r->compared);
     buf_add_text(&text, buf_text(&r->lines));
-    v->teller->say(v->teller->context, buf_text(&text));
+    v->printer->print(v->printer->context, buf_text(&text));
     buf_release(&text);
 }
 
@@ -221,7 +221,7 @@ static enum err sum_up(const struct verification *v, struct fault *fault)
     else
         buf_printf(&text, "1..%zu\n# %zu verified, %zu failed\n", sum.count, sum.count - failed,
                    failed);
-    v->teller->say(v->teller->context, buf_text(&text));
+    v->printer->print(v->printer->context, buf_text(&text));
     const bool is_whole = !text.failed;
     buf_release(&text);
     if (!is_whole)
@@ -263,11 +263,11 @@ static enum err report(const struct verification *v, struct fault *fault)
     return unwritten ? fault_set(fault, unwritten, "%s", words.text) : err;
 }
 
-enum err verify_files(const struct verify_options *options, const struct teller *teller,
+enum err verify_files(const struct verify_options *options, const struct printer *printer,
                       struct fault *fault)
 {
     struct verification v = {
-        .options = options, .teller = teller, .result = calloc(options->count, sizeof *v.result)};
+        .options = options, .printer = printer, .result = calloc(options->count, sizeof *v.result)};
     enum err err = v.result ? OK : fault_memory(fault, "the results");
     for (size_t i = 0; !err && i < options->count; i++)
         v.result[i].path = options->path[i];

@@ -33,7 +33,7 @@ struct verify_options {
 /* ERR_CHECK when anything differs, a golden image is missing, or one is there that no command of
  * the journal names (which is only known when it was replayed to its end, without `last`); else the
  * worst error. */
-enum err verify_files(const struct verify_options *options, const struct teller *teller,
+enum err verify_files(const struct verify_options *options, const struct printer *printer,
                       struct fault *fault);
 
 #endif

@@ -182,7 +182,7 @@ static enum err print(void (*report)(FILE *out, const struct trial *trial, size_
     bool failed = ferror(out) != 0;
     failed = fclose(out) != 0 || failed;
     if (!failed)
-        console_say(NULL, text);
+        console_print(NULL, text);
     free(text);
     return failed ? fault_memory(fault, "a report") : OK;
 }
