@@ -13,6 +13,11 @@ SCENES   := mricron-data
 # What tests use; what is after this in a list of packages, is left out where it cannot be had.
 TEST_PACKAGES := tmux screen procps python3
 FORMATTER     := clang-format-14
+BARE_PACKAGES := debootstrap
+
+# Other versions of clang-format put lines otherwise.
+FORMAT    = $(firstword $(shell which $(FORMATTER) 2>/dev/null) clang-format)
+FORMATTED = $(shell find src journal render tui tests examples -name '*.[ch]' -o -name '*.cc')
 
 # Vectors go between static functions alone, so no ABI is at stake where a machine has none.
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wvla -Werror -Wno-psabi
@@ -81,7 +86,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
                      grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
 
 .DEFAULT_GOAL := all
-.PHONY: all tests test test-long test-matrix test-matrix-short test-terminals fuzz \
+.PHONY: all tests test test-long test-stress test-bare check-format format variants test-matrix test-matrix-short test-terminals fuzz \
         fuzzers demo bench-peers bench-paper bench-growth bench-render bench-journal help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -119,6 +124,32 @@ fuzz: build/.packages-matrix
 	    build/fuzz/libfuzzer/fuzz_$$name -max_total_time=$(FUZZ_SECONDS) -timeout=20 -max_len=8192 \
 	        -rss_limit_mb=4096 -print_final_stats=1 -artifact_prefix=build/fuzz/$$name- \
 	        build/fuzz/corpus/$$name tests/fuzz/corpus/$$name || exit 1; done
+
+## test-stress: the programs that depend on time, 20 times under a load of 12 busy processes
+test-stress: all tests build/.packages-test
+	@tests/stress.sh $(BUILD)
+
+## test-bare: `make demo` and `make test` in a bare Debian 12 with git, make and gcc alone; asks for
+##     root, and some GB in build/bare
+test-bare: build/.packages-bare
+	@tests/bare.sh
+
+## check-format: is every file as .clang-format has it?  format: make it so
+check-format: build/.packages-test
+	@$(FORMAT) --dry-run -Werror $(FORMATTED)
+format: build/.packages-test
+	@$(FORMAT) -i $(FORMATTED)
+
+## compile_commands.json: how every file is compiled, for editors and analysers
+compile_commands.json: Makefile | $(PACKAGES_STAMP)
+	@{ for file in $(filter %.c,$(FORMATTED)); do printf '%s {"directory": "%s", "file": "%s",\n' \
+	    "$${comma-[}" "$(CURDIR)" "$$file"; comma=,; printf '  "command": "%s"}\n' \
+	    "$(CC) $(ALL_CFLAGS) -c $$file"; done; echo ']'; } >$@
+
+## variants: build and test in a folder of their own, such as
+##     make VARIANT=asan OPTIMISE=-O1 SANITISE="-fsanitize=address,undefined" test
+##     make VARIANT=tsan OPTIMISE=-O1 SANITISE=-fsanitize=thread test
+##     make VARIANT=debug OPTIMISE="-Og -g3" && gdb --args build/debug/iftty
 
 ## tests: build the test programs, and those of bench-peers that need no other package
 tests: $(TESTS) $(BENCH) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_IN_C) $(STAGED)
@@ -181,6 +212,10 @@ $(BUILD)/libfuzzer/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/tests/fuzz/file
 
 build/.packages-test: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(TEST_PACKAGES) -- $(FORMATTER)
+	@touch $@
+
+build/.packages-bare: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages $(BARE_PACKAGES) --
 	@touch $@
 
 build/.packages-matrix: Makefile | $(PACKAGES_STAMP)

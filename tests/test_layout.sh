@@ -131,6 +131,70 @@ for file in $(find tests -type f ! -path '*/corpus/*' | sort); do
 done
 close_story
 
+# The first in PATH that is version 14: others put lines otherwise.
+formatter() {
+    for formatter in clang-format-14 clang-format; do
+        $formatter --version 2>/dev/null | grep -q 'version 14\.' && return
+    done
+    skip "clang-format 14 is not installed"
+    return 1
+}
+
+begin "every file is as .clang-format has it"
+if formatter; then
+    # shellcheck disable=SC2046
+    $formatter --dry-run $(sources src journal render tui tests) 2>"$work/err"
+    [ ! -s "$work/err" ] || fail "make format: $(grep -c warning: "$work/err") places:" "$(grep warning: "$work/err" | sed 5q)"
+fi
+close_story
+
+# A promise "S3 text" in the middle of a line of a comment, though "S2" begins one: what a formatter
+# makes of a list.
+glued() {
+    awk '
+    function report() {
+        for (label in within) {
+            former = substr(label, 1, 1) (substr(label, 2) - 1)
+            if (former in begun && !(label in begun)) print file ": " label " has no line of its own"
+        }
+        split("", within); split("", begun)
+    }
+    FNR == 1 { report(); file = FILENAME }
+    sub(/^[ \t]*(\/\*+|\*|\/\/)[ \t]*/, "") {
+        n = split($0, word, /[ ,;:.()]+/)
+        for (i = 1; i <= n; i++)
+            if (word[i] ~ /^[A-Z][0-9]+$/) { if (i == 1) begun[word[i]]
+                                           else if (word[i - 1] !~ /^[A-Z][0-9]+$/) within[word[i]] }
+    }
+    END { report() }' "$@"
+}
+begin "every numbered promise has a line of its own"
+# shellcheck disable=SC2046
+found=$(glued $(sources src journal render tui tests))
+[ -z "$found" ] || fail "$found"
+printf '/*\n * Q1 one; as in Q3\n * Q2 two; see\n * Q3 three\n */\n' >"$work/fine.h"
+printf '/*\n * Q1 one\n * that holds; Q2 two\n */\n' >"$work/glued.h"
+same "$(glued "$work/fine.h" "$work/glued.h" | wc -l | tr -d ' ')" 1
+close_story
+
+# Rooms: the folders that may include something by tests/layout.txt.
+rooms() {
+    sed -n 's/^\(base\|engine\|image\|sandbox\|session\|command\|verify\|program\): .*/src\/\1/p' "$law"
+    sed -n 's/^\(render\|journal\|tui[a-z/]*\): .*/\1/p' "$law"
+}
+lines_of() { # ROOM, without those below it
+    find "$@" -maxdepth 1 -type f \( -name '*.[ch]' -o -name '*.cc' \) -exec cat {} + | wc -l
+}
+begin "no room has more than a fifth of the lines, and all have less than $(sed -n 's/^lines: //p' "$law")"
+all=$(lines_of src)
+for room in $(rooms); do all=$((all + $(lines_of "$room"))); done
+for room in $(rooms); do
+    [ $((5 * $(lines_of "$room"))) -le "$all" ] || fail "$room has $(lines_of "$room") of $all lines"
+done
+[ "$all" -lt "$(sed -n 's/^lines: //p' "$law")" ] || fail "there are $all lines"
+same "$all" "$(sources src journal render tui | xargs cat | wc -l)"
+close_story
+
 begin "no function of a test hides a tool, and a tool is looked for by needs"
 tools=$(sed -n 's/^tools: //p' "$law")
 for file in tests/*.sh tests/*/*.sh; do
@@ -150,7 +214,7 @@ allowed=" $(sed -n 's/^top: //p' "$law") "
 if [ -e .git ] && git ls-files >/dev/null 2>&1; then
     entries=$({ git ls-files; git ls-files -o --exclude-standard; } | sed 's|/.*||' | sort -u)
 else
-    entries=$(ls -A | grep -v '^build$')
+    entries=$(ls -A | grep -vx 'build\|compile_commands.json')
 fi
 [ -n "$entries" ] || fail "nothing was found"
 for entry in $entries; do

@@ -6,10 +6,11 @@
  *      child of the parent may hold the pipe open;
  *   G2 it does nothing unless `on` says that modes are to be given back, and nothing when the
  *      terminal belongs to another job by then: only to ours, or to the shell that started it,
- * whose own modes, if it has set some already, it leaves alone; G3 it holds the terminal, the pipe
- * and nothing else: no file, no lock, no folder; G4 it is a process group of its own and ignores
- * all signals but SIGKILL, so that neither Ctrl-C nor what kills the job ends it; G5 it does not
- * outlive guardian_end, and no zombie stays.
+ *      whose own modes, if it has set some already, it leaves alone;
+ *   G3 it holds the terminal, the pipe and nothing else: no file, no lock, no folder;
+ *   G4 it is a process group of its own and ignores all signals but SIGKILL, so that neither Ctrl-C
+ *      nor what kills the job ends it;
+ *   G5 it does not outlive guardian_end, and no zombie stays.
  *
  * It is a fork, not a program of its own: started before there is a scene, it shares with its
  * parent what that had then, and touches a few pages. What it needs to know lies in memory that
