@@ -1,5 +1,5 @@
 #!/bin/sh
-# Every example journal verifies, digest for digest and pixel for pixel; what README says of commands
+# Every example journal verifies, digest for digest and pixel for pixel; what the READMEs say of commands
 # is what the program says, and the commands of its sections work.
 . "$(dirname "$0")/lib.sh"
 
@@ -15,9 +15,9 @@ for journal in examples/*.iftty; do
     close_story
 done
 
-begin "the README lists the commands as help does"
+begin "journal/README.md lists the commands as help does"
 "$iftty" help | sed 's/^./    &/' >"$work/help"
-sed -n '/^<!-- commands/,/^<!-- end of commands/p' README.md | sed '1,2d;$d' | sed '$d' |
+sed -n '/^<!-- commands/,/^<!-- end of commands/p' journal/README.md | sed '1,2d;$d' | sed '$d' |
     diff - "$work/help" >"$work/diff" || fail "$(cat "$work/diff")"
 close_story
 
