@@ -123,7 +123,7 @@ expect 0 "$iftty" help run # a command as well
 same "$(sed -n 1p out)" run
 out_has "iftty run FILE|-"
 expect 2 "$iftty" help verfy
-err_has "there is no command or program verfy"
+err_has "there is no command or program verfy; did you mean verify?"
 close_story
 
 # Every option that some program has, given to every program that does not.

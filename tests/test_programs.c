@@ -182,8 +182,12 @@ STORY(what_is_refused_says_what_to_type)
     is_refused("info a -c b", "`iftty info` has no option -c; it belongs to `iftty -c`");
     is_refused("verify a --picture p.png",
                "`iftty verify` has no option --picture; it belongs to `iftty diff`");
-    is_refused("verify a --juint x", "`iftty verify` has no option --juint; did you mean --junit?");
-    is_refused("verify a -j", "-j needs a value; see `iftty verify --help`");
+    is_refused(
+        "verify a --juint x",
+        "`iftty verify` has no option --juint; see `iftty verify --help`; did you mean --junit?");
+    is_refused("log --chekc a",
+               "`iftty log` has no option --chekc; see `iftty log --help`; did you mean --check?");
+    is_refused("verify a -j", "-j needs a value, N");
     is_refused("verify a -j 0", "-j: expected a number 1..64, not 0");
     is_refused("verify a -j 3x", "-j: expected a number 1..64, not 3x");
     is_refused("run s --graphics loud", "--graphics: expected auto, kitty, iterm, sixel, blocks or "

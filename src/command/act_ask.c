@@ -229,9 +229,9 @@ enum err act_help(const struct act *act)
 
 enum err act_pilot(const struct act *act)
 {
-    if (!act->interp->has_cockpit)
+    if (!act->interp->has_pilot)
         return fault_set(act->fault, ERR_USAGE, "the pilot needs the prompt of a terminal");
-    act->interp->flies = true;
+    act->interp->wants_pilot = true;
     return OK;
 }
 

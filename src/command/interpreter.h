@@ -49,8 +49,8 @@ struct interpreter {
                            new), each ended by NUL */
     size_t acknowledged;
     bool finished;       /* `quit` */
-    bool has_cockpit;    /* `pilot` can be had here; if so, */
-    bool flies;          /* it was asked for */
+    bool has_pilot;      /* `pilot` can be had here; if so, */
+    bool wants_pilot;    /* it was asked for */
     bool shows_picture;  /* the last command made a picture to be shown inline: */
     struct canvas shown; /* it; no pixels stand for the session's rendition */
 };

@@ -68,6 +68,9 @@ void near_try(struct near *near, const char *known, size_t length)
     if (near->count == 0 || mistakes < near->mistakes)
         near->count = 0;
     near->mistakes = mistakes;
+    for (size_t i = 0; i < near->count; i++)
+        if (near->found[i].length == length && memcmp(near->found[i].word, known, length) == 0)
+            return;
     if (near->count <= NEAR_TOLD) {
         near->found[near->count].word = known;
         near->found[near->count++].length = length;

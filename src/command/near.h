@@ -30,7 +30,7 @@ struct near {
     } found[NEAR_TOLD + 1]; /* where there is one more, none are told: too many are as near */
 };
 
-/* What is tried is borrowed, as the word is. */
+/* What is tried is borrowed, as the word is; twice the same counts once. */
 struct near near_to(const char *word);
 void near_try(struct near *near, const char *known, size_t length);
 void near_try_choices(struct near *near, const char *choices); /* "a|b|c" */

@@ -139,20 +139,29 @@ void program_add_overview(struct buf *out, const struct program_table *table)
 
 /* ---- iftty help ---- */
 
+static enum err refuse_name(const char *name, struct fault *fault)
+{
+    struct near near = near_to(name);
+    for (unsigned i = 0; i < command_count; i++)
+        near_try(&near, command_table[i].name, strlen(command_table[i].name));
+    program_try_names(&program_table, &near);
+    fault_set(fault, ERR_USAGE, "there is no command or program %s%s", name,
+              near.count ? "" : "; see `iftty help` and `iftty --help`");
+    return near_append(&near, "", fault);
+}
+
 enum err run_help(const struct options *o, struct fault *fault)
 {
-    struct buf text = {0};
     const char *name = o->words ? o->word[0] : NULL;
     const struct command *command = name ? command_find(name) : NULL;
+    struct buf of_command = {0}, of_program = {0};
     if (!name || command)
-        command_help(&text, command);
-    const size_t of_commands = text.length;
-    if (name && !program_add_help(&text, &program_table, name) && !command)
-        return command_unknown(fault, "there is no command or program", "`iftty help`", name);
-    fputs(name ? "" : buf_text(&text), stdout);
-    if (name)
-        printf("%.*s%s%s", (int)of_commands, buf_text(&text),
-               of_commands && text.length > of_commands ? "\n" : "", buf_text(&text) + of_commands);
-    buf_release(&text);
+        command_help(&of_command, command);
+    if (name && !program_add_help(&of_program, &program_table, name) && !command)
+        return refuse_name(name, fault);
+    printf("%s%s%s", buf_text(&of_command), of_command.length && of_program.length ? "\n" : "",
+           buf_text(&of_program));
+    buf_release(&of_command);
+    buf_release(&of_program);
     return OK;
 }

@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "command/near.h"
 #include "program/console.h"
 
 /* ---- which program ---- */
@@ -91,14 +90,11 @@ static const struct program *choose(const struct program_table *table, const cha
 
 /* ---- what is refused ---- */
 
-static enum err refuse(const struct program_table *table, const struct program *program,
-                       struct fault *fault, const char *what, const char *word, const char *end)
+void program_try_names(const struct program_table *table, struct near *near)
 {
-    struct buf name = {0};
-    program_add_name(&name, table, program);
-    fault_set(fault, ERR_USAGE, "%s%s; see `%s --help`%s", what, word, buf_text(&name), end);
-    buf_release(&name);
-    return ERR_USAGE;
+    for (unsigned i = 0; i < table->rows; i++)
+        if (table->row[i].name)
+            near_try(near, table->row[i].name, strlen(table->row[i].name));
 }
 
 /* Which programs take an option of that name: "`iftty verify` and `iftty diff`"; "" for none. */
@@ -118,25 +114,34 @@ static void add_takers(struct buf *out, const struct program_table *table, const
     }
 }
 
+/* An option that no program has may be a misspelt one of this program, in any of its forms. */
+static struct near options_near(const struct program_table *table, const struct program *program,
+                                const char *option)
+{
+    struct near near = near_to(option);
+    for (unsigned i = 0; i < table->rows; i++) {
+        const struct program *p = table->row + i;
+        for (const uint8_t *o = p->option; *o && is_named(p, program->name); o++)
+            near_try(&near, table->option.row[*o].name, strlen(table->option.row[*o].name));
+    }
+    return near;
+}
+
 static enum err refuse_option(const struct program_table *table, const struct program *program,
                               const char *option, struct fault *fault)
 {
     struct buf takers = {0}, name = {0};
-    struct near near = near_to(option);
     program_add_name(&name, table, program);
     add_takers(&takers, table, option);
-    for (const uint8_t *o = program->option; *o; o++)
-        near_try(&near, table->option.row[*o].name, strlen(table->option.row[*o].name));
-    if (takers.length)
+    if (takers.length) {
         fault_set(fault, ERR_USAGE, "`%s` has no option %s; it belongs to %s", buf_text(&name),
                   option, buf_text(&takers));
-    else if (near.count > 0)
-        fault_set(fault, ERR_USAGE, "`%s` has no option %s", buf_text(&name), option);
-    else
+    } else {
+        const struct near near = options_near(table, program, option);
         fault_set(fault, ERR_USAGE, "`%s` has no option %s; see `%s --help`", buf_text(&name),
                   option, buf_text(&name));
-    if (!takers.length)
         near_append(&near, "", fault);
+    }
     buf_release(&takers);
     buf_release(&name);
     return ERR_USAGE;
@@ -156,9 +161,7 @@ static enum err check_operands(const struct program_table *table, const struct o
     if (p->name || o->words == 0)
         return ERR_USAGE;
     struct near near = near_to(o->word[0]); /* perhaps a program was meant */
-    for (unsigned i = 0; i < table->rows; i++)
-        if (table->row[i].name && (i == 0 || table->row[i].name != table->row[i - 1].name))
-            near_try(&near, table->row[i].name, strlen(table->row[i].name));
+    program_try_names(table, &near);
     return near_append(&near, "", fault);
 }
 
@@ -174,8 +177,29 @@ static enum err read_option(const struct program_table *table, const char *name,
     if (!row->name)
         return refuse_option(table, program, name, fault);
     if (row->value && !value)
-        return refuse(table, program, fault, name, " needs a value", "");
+        return fault_set(fault, ERR_USAGE, "%s needs a value, %s", name, row->value);
     return row->read(row, value, o, fault);
+}
+
+/* Operands and options, without the first `skip` operands, which said which program is meant. */
+static enum err read_words(const struct program_table *table, struct option_words words, int skip,
+                           struct options *o, struct fault *fault)
+{
+    enum option_kind kind;
+    enum err err = OK;
+    const char *value;
+    char *at;
+    o->word = words.word;
+    o->words = 0;
+    while (!err && (kind = option_next(&words, &at, &value)) != OPTION_END) {
+        if (kind == OPTION_OPTION)
+            err = read_option(table, at, value, o, fault);
+        else if (skip > 0)
+            skip--;
+        else
+            o->word[o->words++] = at;
+    }
+    return err;
 }
 
 enum err program_read(const struct program_table *table, int count, char **word,
@@ -183,48 +207,40 @@ enum err program_read(const struct program_table *table, int count, char **word,
 {
     const struct hints hints = take_hints(table, count, word);
     const char *name = knows_name(table, hints.operand[0]) ? hints.operand[0] : NULL;
-    struct option_words words = hints.words;
-    enum option_kind kind;
-    enum err err = OK;
-    const char *value;
-    char *at;
-    options->program = choose(table, name, &hints);
+    const struct program *program = choose(table, name, &hints);
+    options->program = program;
     options->help = hints.wants_help;
     if (options->help)
         return OK;
-    if (!options->program && hints.operand[0])
+    if (!program && hints.operand[0])
         return fault_set(fault, ERR_USAGE, "there is no program %s; see `%s --help`",
                          hints.operand[0], table->called);
-    if (!options->program)
+    if (!program)
         return fault_set(fault, ERR_USAGE, "name a program; see `%s --help`", table->called);
-    const char *form = options->program->form;
-    int skip = (name != NULL) + (form && *form != '-'); /* operands that said which program */
-    options->word = word;
-    options->words = 0;
-    while (!err && (kind = option_next(&words, &at, &value)) != OPTION_END) {
-        if (kind == OPTION_OPTION)
-            err = read_option(table, at, value, options, fault);
-        else if (skip > 0)
-            skip--;
-        else
-            word[options->words++] = at;
-    }
+    const bool is_operand = program->form && *program->form != '-';
+    enum err err = read_words(table, hints.words, (name != NULL) + is_operand, options, fault);
     return err ? err : check_operands(table, options, fault);
+}
+
+static void print_help(const struct program_table *table, const struct program *program)
+{
+    struct buf text = {0};
+    if (program && program->name)
+        program_add_help(&text, table, program->name);
+    else
+        program_add_overview(&text, table);
+    fputs(buf_text(&text), stdout);
+    buf_release(&text);
 }
 
 int program_main(const struct program_table *table, int count, char **word, struct options *options)
 {
     struct fault fault = {0};
-    struct buf help = {0};
     console_init(table->called);
     enum err err = program_read(table, count - 1, word + 1, options, &fault);
-    if (!err && !options->help)
-        return console_finish(options->program->run(options, &fault), &fault);
-    if (!err && (!options->program || !options->program->name))
-        program_add_overview(&help, table);
+    if (!err && options->help)
+        print_help(table, options->program);
     else if (!err)
-        program_add_help(&help, table, options->program->name);
-    fputs(buf_text(&help), stdout);
-    buf_release(&help);
+        err = options->program->run(options, &fault);
     return console_finish(err, &fault);
 }

@@ -15,6 +15,7 @@
 #define PROGRAM_PROGRAM_H
 
 #include "base/buf.h"
+#include "command/near.h"
 #include "program/option.h"
 #include "tui/picture/graphics.h"
 
@@ -73,6 +74,9 @@ void program_add_name(struct buf *out, const struct program_table *table,
                       const struct program *program);
 void program_add_usage(struct buf *out, const struct program_table *table,
                        const struct program *program);
+
+/* Tries the programs' names as what a misspelt one was meant to be. */
+void program_try_names(const struct program_table *table, struct near *near);
 
 /* Adds the list of all programs, with the options of the nameless one; and all there is to know
  * about the program of that name, NULL for the nameless one. False for a name that is none. */

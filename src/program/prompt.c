@@ -104,9 +104,9 @@ static bool prompt_finished(void *context)
 static bool prompt_wants_screen(void *context)
 {
     struct prompt *prompt = context;
-    const bool flies = prompt->interp.flies;
-    prompt->interp.flies = false;
-    return flies;
+    const bool wants = prompt->interp.wants_pilot;
+    prompt->interp.wants_pilot = false;
+    return wants;
 }
 
 static enum err prompt_screen(void *context, struct terminal_facts *facts,
@@ -223,7 +223,7 @@ enum err run_prompt(const struct options *o, struct fault *fault)
     pilot_host_fill(&prompt.host);
     prompt.pilot.interp = &prompt.interp;
     prompt.pilot.smooth = o->smooth;
-    prompt.interp.has_cockpit = is_terminal;
+    prompt.interp.has_pilot = is_terminal;
     if (!err)
         err = run_repl(&prompt, o, fault);
     if (prompt.interp.writer)

@@ -1,6 +1,6 @@
 /*
- * Provenance: a journal as W3C PROV-JSON (https://www.w3.org/submissions/prov-json/), for whoever
- * gathers how data came to be.
+ * Provenance: a journal as W3C PROV-JSON (https://www.w3.org/submissions/prov-json/), for those who
+ * record how data came to be.
  *
  * Entities are the scene (with its SHA-256), the state after each record (with its chain digest and
  * result words), each golden image, and the journal; activities are the commands; the agent is this
@@ -17,8 +17,8 @@
 #include "base/err.h"
 
 /* Adds the document to `out`. `name` is what to call the journal; `is_anonymous` leaves it out and
- * names files as command/anonymise.h does. ERR_CHECK for a script, which has no results, ERR_INPUT
- * for what cannot be read. A journal that is torn or edited is told as far as it can be read, with
+ * names files as anonymise.h does. ERR_CHECK for a script, which has no results, ERR_INPUT
+ * for what cannot be read. A journal that is torn or edited is described as far as it can be read, with
  * its condition. */
 enum err provenance_write(struct buf *out, const char *name, const char *bytes, size_t length,
                           bool is_anonymous, struct fault *fault);

@@ -1,5 +1,5 @@
 /*
- * The benchmarks that are no part of iftty: a program of its own, built/tests/bench/bench, whose
+ * The benchmarks that are no part of iftty: a program of its own, build/tests/bench/bench, whose
  * table is in bench.c. Medians; no time is compared with a limit.
  */
 #ifndef TESTS_BENCH_BENCH_H
