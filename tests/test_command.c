@@ -628,7 +628,7 @@ STORY(without_a_scene_only_what_needs_none_works)
     must(&interp, "help seed");
     CHECK_HAS(buf_text(&reply.text), "radius=0..32");
     must(&interp, "quit");
-    CHECK(interp.finished);
+    CHECK(interp.wish == WISH_QUIT);
     interpreter_release(&interp);
 }
 

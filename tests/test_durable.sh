@@ -44,13 +44,13 @@ cp a.iftty a.kept
 expect 0 "$iftty" -c 'stats; seed 9,9,9 2; journal; journal mine.iftty; seed 8,8,8 3' --read-only \
     --journal a.iftty
 out_has "3 records, read-only: nothing is written"
-err_has "a.iftty is only looked at"
+err_has "a.iftty is open read-only"
 same_files a.iftty a.kept
 expect 0 "$iftty" verify mine.iftty
 out_has "4 commands, 4 results"
 echo 'golden g' >script
 expect 2 "$iftty" run script --read-only --journal a.iftty
-err_has "only looked at"
+err_has "open read-only"
 tell 'seed 6,6,6 2'
 end_session
 expect 0 "$iftty" verify a.iftty

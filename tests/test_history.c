@@ -416,10 +416,10 @@ STORY(who_is_stopped_on_the_way_is_where_he_was)
 static enum err resume(struct interpreter *interp, const char *path, bool slowly)
 {
     begin_interpreter(interp);
-    interp->resumes_slowly = slowly;
-    interp->looks = true;
+    interp->is_read_only = true;
     fault = (struct fault){.text = ""};
-    return interpreter_resume_journal(interp, path, NULL, &fault);
+    return slowly ? interpreter_resume_in_full(interp, path, NULL, &fault)
+                  : interpreter_resume_journal(interp, path, NULL, &fault);
 }
 
 static void has_same_history(const struct history *a, const struct history *b)

@@ -231,12 +231,12 @@ enum err act_pilot(const struct act *act)
 {
     if (!act->interp->has_pilot)
         return fault_set(act->fault, ERR_USAGE, "the pilot needs the prompt of a terminal");
-    act->interp->wants_pilot = true;
+    act->interp->wish = WISH_PILOT;
     return OK;
 }
 
 enum err act_quit(const struct act *act)
 {
-    act->interp->finished = true;
+    act->interp->wish = WISH_QUIT;
     return OK;
 }

@@ -96,7 +96,7 @@ static enum err write_golden(struct interpreter *interp, const char *name, const
 static enum err take_golden(const struct act *act, const struct value *of, struct picture *picture)
 {
     const bool is_slice = of->given && of->number > 0;
-    if (act->interp->skims)
+    if (act->interp->mode == MODE_SKIM)
         return is_slice ? OK : session_run(act->session, act->fault);
     if (is_slice)
         return act_take_slices(act, (enum slice_kind)(of->number - 1), picture);
@@ -113,11 +113,11 @@ static enum err settle_golden(const struct act *act, const char *name, struct pi
     struct interpreter *interp = act->interp;
     struct buf path = {0};
     enum err err = golden_path(&path, buf_text(&interp->home), name, act->fault);
-    if (!err && interp->replays)
+    if (!err && interp->mode != MODE_LIVE)
         err = compare_golden(interp, name, buf_text(&path), picture, act->fault);
     else if (!err)
         err = write_golden(interp, name, buf_text(&path), picture, act->fault);
-    if (!err && !interp->replays)
+    if (!err && interp->mode == MODE_LIVE)
         act_write_file_line("stored as ", buf_text(&path), act->reply);
     buf_release(&path);
     return err;
@@ -144,12 +144,12 @@ enum err act_golden(const struct act *act)
         return fault_set(act->fault, ERR_USAGE,
                          "NAME: expected at most 64 lower-case letters, digits, - and _, not %s",
                          name);
-    if (interp->looks && interp->journal && journal_only_looks(interp->journal))
+    if (interp->is_read_only && interp->journal && journal_only_looks(interp->journal))
         return fault_set(
             act->fault, ERR_USAGE,
             "the journal was opened read-only, and so were its golden images; `journal "
             "FILE` goes on in a file of your own");
-    if (!can_be_drawn && !interp->replays)
+    if (!can_be_drawn && interp->mode == MODE_LIVE)
         return fault_set(act->fault, ERR_USAGE,
                          "the journal has semantics %u, whose pictures this program no longer "
                          "draws; `iftty log --reseal` brings it to semantics %d",
@@ -159,10 +159,10 @@ enum err act_golden(const struct act *act)
         err = take_golden(act, &act->value[1], &picture);
     if (err)
         return err;
-    if (!interp->home.length && !interp->replays)
+    if (!interp->home.length && interp->mode == MODE_LIVE)
         buf_add_text(&act->reply->text,
                      "not stored: there is no journal that it could belong to\n");
-    else if (!interp->replays || (interp->judge && can_be_drawn))
+    else if (interp->mode == MODE_LIVE || (interp->judge && can_be_drawn))
         err = settle_golden(act, name, &picture);
     picture_release(&picture);
     return err;

@@ -82,7 +82,7 @@ static void write_journal(const struct interpreter *interp, struct reply *reply)
 enum err act_journal(const struct act *act)
 {
     enum err err = OK;
-    if (act->interp->replays)
+    if (act->interp->mode != MODE_LIVE)
         return fault_set(
             act->fault, ERR_INPUT,
             "`journal` is not for scripts of a journal: where it is stored is no part of it");
@@ -103,7 +103,7 @@ enum err act_sync(const struct act *act)
         "a loss of power may take the commands of the last second",
         "a loss of power may take what was done since the last `sync`"};
     enum err err = OK;
-    if (act->interp->replays)
+    if (act->interp->mode != MODE_LIVE)
         return OK; /* nothing is written */
     const enum file_sync sync =
         act->value[0].given ? (enum file_sync)act->value[0].number : act->interp->sync;

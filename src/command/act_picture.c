@@ -84,7 +84,7 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
 {
     struct interpreter *interp = act->interp;
     enum err err;
-    if (interp->writer && !interp->replays && picture_writer_takes(path)) {
+    if (interp->writer && interp->mode == MODE_LIVE && picture_writer_takes(path)) {
         err = order_picture(act, path, mode, picture);
     } else {
         err = act_write_now(interp, path, mode, picture, act->fault);
@@ -121,7 +121,7 @@ enum err act_render(const struct act *act)
     enum err err = session_render(act->session,
                                   act->value[1].given ? mode[act->value[1].number] : RENDER_AS_KEPT,
                                   act->fault);
-    if (err || act->interp->skims)
+    if (err || act->interp->mode == MODE_SKIM)
         return err;
     act_add_picture_digest(act);
     if (act->value[0].given)

@@ -133,7 +133,7 @@ static enum err bring_out(const struct act *act, enum slice_kind kind, const str
 {
     struct picture picture = {0};
     struct buf path = {0};
-    if (act->interp->skims)
+    if (act->interp->mode == MODE_SKIM)
         return OK;
     act_write_slices(&act->reply->text, act->session);
     if (!file->given)

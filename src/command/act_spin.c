@@ -169,7 +169,7 @@ enum err act_spin(const struct act *act)
                          "FILE: expected one %%d or %%0Nd in its name, as in turn%%03d.png, or a "
                          "name that ends in .gif or .tif; not %s",
                          act->value[1].text);
-    if (act->interp->skims)
+    if (act->interp->mode == MODE_SKIM)
         return session_run(act->session, act->fault);
     enum err err = turn_around(&spin);
     if (!err)

@@ -18,39 +18,48 @@
 #include "render/canvas.h"
 #include "session/history.h"
 
+/* What is done with commands. A replay by a judge of golden images is a verification. */
+enum interpreter_mode {
+    MODE_LIVE,   /* they are new: recorded, and the files that they name are written */
+    MODE_REPLAY, /* of a journal that somebody else may have written: nothing is recorded, files are
+                    written only below out_folder */
+    MODE_RESUME, /* of the user's own journal: nothing is written, it was when they were new */
+    MODE_SKIM,   /* the same, where only what becomes of the session matters: no picture */
+};
+
+/* What a command asks of the program. */
+enum interpreter_wish { WISH_NONE, WISH_QUIT, WISH_PILOT };
+
 struct interpreter {
     struct session session;
     struct history history;
-    struct journal *journal; /* where commands are recorded; NULL records nothing */
-    const char *new_journal; /* created with the first command that is recorded, or NULL */
-    enum file_sync sync;     /* when what is recorded is synced */
-    bool looks; /* a journal is opened for looking: nothing is written to it, J7 of journal.h */
-    size_t unrecorded;           /* commands that are no part of any journal, for the lack of one */
-    struct image_helper *helper; /* started on first use */
-    struct picture_writer
-        *writer; /* writes pictures beside the session; NULL: a command is acknowledged when
-                            its picture is written */
-    struct picture_job
-        *job; /* of the command at hand, for the picture writer once it is recorded, or NULL */
+    enum interpreter_mode mode;
+
+    struct journal *journal;    /* where commands are recorded; NULL records nothing */
+    const char *new_journal;    /* created with the first command that is recorded, or NULL */
+    enum file_sync sync;        /* when what is recorded is synced */
+    bool is_read_only;          /* a journal is resumed without being written to: J7 of journal.h */
+    size_t unrecorded;          /* commands that are in no journal, for the lack of one */
+    const char *recorded_words; /* of the record that is resumed at hand, or NULL */
+    const struct golden_judge *judge; /* of golden images in a replay; NULL compares none */
 
     struct buf home;        /* path of the journal at hand: goldens and scenes lie beside it */
     const char *scene_path; /* a scene to open whatever name `open` gives, or NULL */
     const char *out_folder; /* files go there, under their last name; NULL: where they say */
-    struct buf goldens;     /* names of golden images so far, each ended by NUL */
-    const struct golden_judge *judge; /* of golden images in a replay; NULL compares none */
-    bool replays;                     /* files are written only with an out_folder */
-    bool resumes;                     /* replays the user's own journal: nothing is written */
-    bool skims;                 /* then: only what becomes of the session matters, no picture */
-    bool resumes_slowly;        /* every command of a journal that is resumed is compared */
-    const char *recorded_words; /* what the record at hand says the command gave, or NULL */
-    struct buf made; /* files that this replay has written, and so may replace, each ended by NUL */
 
-    struct buf written; /* by the command at hand: pairs of a path and its backup ("" where it is
-                           new), each ended by NUL */
+    /* Lists of names, each ended by NUL: of golden images so far; of files that this replay has
+     * written, and so may replace; of files that the command at hand has written, each followed by
+     * its backup ("" where it is new). */
+    struct buf goldens, made, written;
+
+    struct image_helper *helper;   /* started on first use */
+    struct picture_writer *writer; /* writes pictures beside the session; NULL: a command is
+                                      acknowledged when its picture is written */
+    struct picture_job *job;       /* of the command at hand, for the writer once it is recorded */
+
     size_t acknowledged;
-    bool finished;       /* `quit` */
-    bool has_pilot;      /* `pilot` can be had here; if so, */
-    bool wants_pilot;    /* it was asked for */
+    bool has_pilot; /* `pilot` can be had here */
+    enum interpreter_wish wish;
     bool shows_picture;  /* the last command made a picture to be shown inline: */
     struct canvas shown; /* it; no pixels stand for the session's rendition */
 };
@@ -62,6 +71,8 @@ void interpreter_release(struct interpreter *interp);
  * picture_writer_news; a picture that could not be written changes nothing else: the command stands. */
 enum err interpreter_write_beside(struct interpreter *interp, struct fault *fault);
 
+/* ---- the one door (execute.c) ---- */
+
 /* Carries one line out. `reply` is cleared first. An empty line or a comment does nothing, and
  * leaves reply->canonical empty. On error nothing has changed. */
 enum err interpreter_execute(struct interpreter *interp, const char *line, struct reply *reply,
@@ -70,6 +81,8 @@ void reply_release(struct reply *reply);
 
 /* Has a picture shown inline, which is the interpreter's from now on, until the next command. */
 void interpreter_show(struct interpreter *interp, const struct canvas *picture);
+
+/* ---- journals (resume.c) ---- */
 
 /* Starts a journal at `path`, or resumes it and goes on recording there. Resuming skims: every
  * command changes seeds and settings, the forest is computed once, and compared with what the last
@@ -80,6 +93,12 @@ enum err interpreter_create_journal(struct interpreter *interp, const char *path
 enum err interpreter_resume_journal(struct interpreter *interp, const char *path, struct buf *told,
                                     struct fault *fault);
 
+/* The same with every command carried out and compared. */
+enum err interpreter_resume_in_full(struct interpreter *interp, const char *path, struct buf *told,
+                                    struct fault *fault);
+
+/* ---- where files are (paths.c) ---- */
+
 /* Says which journal is at hand, without opening it: goldens and scenes are looked for beside it.
  */
 enum err interpreter_set_home(struct interpreter *interp, const char *path, struct fault *fault);
@@ -89,7 +108,10 @@ bool interpreter_is_journal(const char *path);
 
 /* Whether the commands are those of a journal that somebody else may have written: then names are
  * looked up, and files written, by the rules of command/trust.h. */
-bool interpreter_is_wary(const struct interpreter *interp);
+static inline bool interpreter_is_wary(const struct interpreter *interp)
+{
+    return interp->mode == MODE_REPLAY;
+}
 
 /* $IFTTY_SCENES: folders separated by colons; Debian's mricron-data by default. */
 const char *interpreter_scenes(void);
@@ -112,6 +134,8 @@ enum err interpreter_may_read(const struct interpreter *interp, const char *path
 /* Where a file that a command names is to be written; an empty path where it is not. */
 enum err interpreter_output_path(const struct interpreter *interp, const char *name,
                                  struct buf *path, struct fault *fault);
+
+/* ---- files that go with a command (outputs.c) ---- */
 
 /* Says that the command at hand is about to write `path`: where the command fails or cannot be
  * recorded, a file that was not there goes again, and one that is replaced comes back. */

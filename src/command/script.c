@@ -75,7 +75,8 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
     struct reply reply = {0};
     enum err first = OK;
     size_t number;
-    for (number = 1; !interp->finished && next_line(interp, input, &line, printer); number++) {
+    for (number = 1; interp->wish != WISH_QUIT && next_line(interp, input, &line, printer);
+         number++) {
         if (*buf_text(&line) == '=')
             continue;
         enum err err = store_comment(interp, buf_text(&line), fault);
@@ -94,7 +95,7 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
     }
     reply_release(&reply);
     buf_release(&line);
-    if (!first && !interp->finished && watch_fault(interp->session.watch, fault)) {
+    if (!first && interp->wish != WISH_QUIT && watch_fault(interp->session.watch, fault)) {
         first = fault_set(fault, ERR_CANCELLED, "cancelled before this line");
         warn(printer, name, number, fault);
     }

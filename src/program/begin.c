@@ -13,7 +13,7 @@ enum err begin_interpreter(struct interpreter *interp, const struct options *o, 
     interp->session.watch = console_watch();
     interp->scene_path = o->scene;
     interp->out_folder = o->out;
-    interp->looks = o->read_only;
+    interp->is_read_only = o->read_only;
     if (!err && o->out)
         err = file_make_folder(o->out, fault);
     if (!err && o->journal && file_exists(o->journal))

@@ -107,7 +107,7 @@ static enum err make_pictures(struct pictures *p, struct interpreter *interp, co
 {
     struct buf told = {0};
     struct session *session = &interp->session;
-    interp->looks = true; /* it stays as it is */
+    interp->is_read_only = true; /* it stays as it is */
     enum err err = interpreter_resume_journal(interp, journal, &told, fault);
     buf_release(&told);
     if (!err)

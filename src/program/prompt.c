@@ -98,14 +98,15 @@ static bool prompt_picture(void *context, struct image_view *out)
 static bool prompt_finished(void *context)
 {
     const struct prompt *prompt = context;
-    return prompt->interp.finished;
+    return prompt->interp.wish == WISH_QUIT;
 }
 
 static bool prompt_wants_screen(void *context)
 {
     struct prompt *prompt = context;
-    const bool wants = prompt->interp.wants_pilot;
-    prompt->interp.wants_pilot = false;
+    const bool wants = prompt->interp.wish == WISH_PILOT;
+    if (wants)
+        prompt->interp.wish = WISH_NONE;
     return wants;
 }
 

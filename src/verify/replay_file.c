@@ -48,7 +48,7 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
     const struct replay_host host = {&replaying, execute, begin, is_lost};
     const struct replay_options options = {SEMANTICS, first, last};
     enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
-    interp->replays = true;
+    interp->mode = MODE_REPLAY;
     if (!interp->session.watch) /* one of a program at a terminal looks at the limits as well */
         interp->session.watch = limits_watch();
     if (!err)

@@ -219,7 +219,7 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
         err = store_former(name, path, former, fault);
     if (err)
         return err;
-    r->interp->replays = false; /* it is over: the user asked for what is replaced now */
+    r->interp->mode = MODE_LIVE; /* it is over: the user asked for what is replaced now */
     if (r->accept)
         err = golden_accept_publish(r->accept, r->interp, fault);
     if (!err)
@@ -260,7 +260,7 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
     struct interpreter *interp = r->interp;
     const struct golden_judge judge = golden_accept_judge(r->accept);
     r->chain = record_chain_zero;
-    interp->replays = true;
+    interp->mode = MODE_REPLAY;
     interp->judge = r->accept ? &judge : NULL;
     enum err err = file_log_open(&lock, path, false, fault); /* R4 */
     if (!err)

@@ -158,7 +158,7 @@ static enum err verify_once(const char *path, const struct buf *bytes, struct fi
     const uint64_t begin = clock_ns();
     f->scene_ms = f->forest_ms = f->rendition_ms = 0;
     enum err err = interpreter_init(&interp, fault);
-    interp.replays = true;
+    interp.mode = MODE_REPLAY;
     interp.judge = &strict_judge;
     if (!err)
         err = interpreter_set_home(&interp, path, fault);

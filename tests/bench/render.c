@@ -428,7 +428,7 @@ static enum err carry_out(struct interpreter *interp, const char *path, struct f
     FILE *journal = fopen(path, "r");
     if (!journal)
         return fault_errno(fault, "read", path);
-    interp->replays = true;
+    interp->mode = MODE_REPLAY;
     while (!err && getline(&line, &room, journal) >= 0) {
         line[strcspn(line, "\n")] = '\0';
         if (*line != '=')

@@ -60,7 +60,7 @@ static enum err time_resuming(const char *path, uint64_t labels, double *ms, str
 {
     struct interpreter interp;
     enum err err = interpreter_init(&interp, fault);
-    interp.looks = true;
+    interp.is_read_only = true;
     const uint64_t begin = clock_ns();
     if (!err)
         err = interpreter_resume_journal(&interp, path, NULL, fault);

@@ -43,7 +43,7 @@ int main(int count, char **word)
                                     .pane = (enum pilot_pane)atoi(word[4])};
     pilot_host_fill(&host);
     enum err err = interpreter_init(&interp, &fault);
-    interp.looks = true;
+    interp.is_read_only = true;
     if (!err)
         err = interpreter_resume_journal(&interp, word[1], &told, &fault);
     if (!err)

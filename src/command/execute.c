@@ -1,0 +1,159 @@
+#include "command/execute.h"
+
+#include "base/clock.h"
+#include "command/volumes.h"
+#include "sandbox/limits.h"
+
+void reply_release(struct reply *reply)
+{
+    buf_release(&reply->text);
+    buf_release(&reply->words);
+    buf_release(&reply->canonical);
+}
+
+static void reply_clear(struct reply *reply)
+{
+    buf_clear(&reply->text);
+    buf_clear(&reply->words);
+    buf_clear(&reply->canonical);
+}
+
+/* ---- carried out ---- */
+
+void execute_add_digests(struct reply *reply, const struct session *session)
+{
+    buf_printf(&reply->words, "%sforest=%016llx labels=%016llx seeds=%zu",
+               reply->words.length ? " " : "", (unsigned long long)forest_digest(session->forest),
+               (unsigned long long)semantics_label_digest(session->semantics, session->forest),
+               forest_seeds(session->forest));
+    if (session_pendings(session))
+        buf_printf(&reply->words, " pending=%zu", session_pendings(session));
+}
+
+static enum err act(struct interpreter *interp, const struct call *call, struct reply *reply,
+                    struct fault *fault)
+{
+    const struct command *command = call->command;
+    struct session *session = &interp->session;
+    uint64_t begin = clock_ns();
+    if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
+        return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
+    const bool edits = command->flags & COMMAND_EDITS,
+               tells = edits && interp->mode == MODE_LIVE && !session->skims;
+    enum err err = tells ? session_count_labels(session, fault) : OK;
+    if (!err)
+        err = command->act(&(struct act){interp, session, call->value, reply, fault});
+    const bool waits =
+        !session->now.outlook.runs_by_itself || interp->history.goes_to != POINT_NONE;
+    if (!err && edits && !waits)
+        err = session_run(session, fault);
+    if (!err && edits)
+        execute_add_digests(reply, session);
+    const bool edited = tells && (session->edited || session->regrown);
+    if (!err && edited)
+        err = session_count_labels(session, fault);
+    if (!err && edited)
+        volumes_write(&reply->text, session, clock_ns() - begin);
+    if (!err && (reply->text.failed || reply->words.failed || reply->canonical.failed))
+        err = fault_memory(fault, "an answer");
+    return err;
+}
+
+static enum err carry_out(struct interpreter *interp, const struct call *call, const char *line,
+                          struct reply *reply, struct fault *fault)
+{
+    struct watch *watch = interp->session.watch;
+    enum err err = watch_fault(watch, fault);
+    if (!err)
+        err = act(interp, call, reply, fault);
+    if (err && fault)
+        command_point_at(call, line, fault);
+    if (!err) /* what was cut short, wherever that was, is not recorded */
+        err = watch_fault(watch, fault);
+    if (interpreter_is_wary(interp))
+        err = limits_judge(err, &interp->written, fault);
+    if (err == ERR_CANCELLED) /* it does not matter where that was noticed */
+        fault_set(fault, err, "cancelled; nothing has changed");
+    return err;
+}
+
+/* ---- recorded ---- */
+
+static enum err begin_journal(struct interpreter *interp, struct fault *fault)
+{
+    if (!interp->new_journal)
+        return OK;
+    const enum err err = interpreter_create_journal(interp, interp->new_journal, fault);
+    if (err)
+        return fault_prefix(fault, err,
+                            "no journal can be begun here (--journal FILE begins it elsewhere)");
+    interp->new_journal = NULL;
+    return OK;
+}
+
+static enum err append(struct interpreter *interp, const struct reply *reply, struct fault *fault)
+{
+    const enum err err = interp->journal
+                             ? journal_append(interp->journal, buf_text(&reply->canonical),
+                                              buf_text(&reply->words), fault)
+                             : OK;
+    return err ? fault_prefix(fault, err,
+                              "the command is undone, because it could not be recorded "
+                              "(`journal FILE` goes on in another file)")
+               : OK;
+}
+
+/* In the history, and in the journal where commands are new. */
+static enum err record(struct interpreter *interp, const struct reply *reply, struct fault *fault)
+{
+    enum err err =
+        history_note(&interp->history, &interp->session, buf_text(&reply->canonical), fault);
+    if (err || interp->mode != MODE_LIVE)
+        return err;
+    err = begin_journal(interp, fault);
+    return err ? err : append(interp, reply, fault);
+}
+
+/* ---- settled ---- */
+
+/* All that the command has done stands, or nothing of it. */
+static void settle(struct interpreter *interp, bool stands)
+{
+    interpreter_settle_files(interp, stands);
+    if (stands && interp->job)
+        picture_writer_give(interp->writer, interp->job);
+    else
+        picture_job_free(interp->job);
+    interp->job = NULL;
+    history_settle(&interp->history, stands);
+    if (stands) {
+        session_settle(&interp->session);
+        interp->acknowledged++;
+        return;
+    }
+    session_rollback(&interp->session);
+    interp->shows_picture = false;
+    interp->wish = WISH_NONE;
+}
+
+enum err interpreter_execute(struct interpreter *interp, const char *line, struct reply *reply,
+                             struct fault *fault)
+{
+    struct call call;
+    reply_clear(reply);
+    interp->shows_picture = false;
+    canvas_release(&interp->shown);
+    enum err err = command_parse(&call, line, &interp->session, fault);
+    if (err || !call.command)
+        return err;
+    const bool recorded = call.command->flags & COMMAND_RECORDED;
+    command_write(&reply->canonical, &call);
+    session_mark(&interp->session);
+    err = carry_out(interp, &call, line, reply, fault);
+    if (!err && recorded)
+        err = record(interp, reply, fault);
+    settle(interp, err == OK);
+    interp->unrecorded += !err && recorded && !interp->journal;
+    call_release(&call);
+    return err;
+}

@@ -1,0 +1,124 @@
+/* Where the interpreter finds files, and where it may write them. */
+#include "command/interpreter.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "sandbox/trust.h"
+
+static const char default_scenes[] = "/usr/share/mricron/templates";
+
+enum err interpreter_set_home(struct interpreter *interp, const char *path, struct fault *fault)
+{
+    buf_clear(&interp->home);
+    buf_add_text(&interp->home, path);
+    return interp->home.failed ? fault_memory(fault, "a path") : OK;
+}
+
+const char *interpreter_scenes(void)
+{
+    const char *list = getenv("IFTTY_SCENES");
+    return list ? list : default_scenes;
+}
+
+static bool try_folder(struct buf *path, const char *folder, size_t length, const char *name)
+{
+    buf_clear(path);
+    buf_add(path, folder, length);
+    buf_printf(path, "/%s", name);
+    return file_exists(buf_text(path));
+}
+
+/* `kind` and `undone` are for the words: "scene", "was opened". */
+static enum err find(const struct interpreter *interp, const char *name, struct buf *path,
+                     const char *kind, const char *undone, struct fault *fault)
+{
+    struct buf folder = {0};
+    bool found = false;
+    if (interpreter_is_wary(interp))
+        return trust_find(path, buf_text(&interp->home), interpreter_scenes(), name, kind, undone,
+                          fault);
+    buf_clear(path);
+    if (interp->home.length && *name != '/') {
+        file_folder(&folder, buf_text(&interp->home));
+        found = try_folder(path, buf_text(&folder), folder.length, name);
+    }
+    if (!found && file_exists(name)) {
+        buf_clear(path);
+        buf_add_text(path, name);
+        found = true;
+    }
+    for (const char *list = interpreter_scenes(); !found && trust_is_inside(name) && *list;) {
+        size_t length = strcspn(list, ":");
+        found = length && try_folder(path, list, length, name);
+        list += length + (list[length] == ':');
+    }
+    buf_release(&folder);
+    if (path->failed)
+        return fault_memory(fault, "a path");
+    if (!found)
+        return fault_set(fault, ERR_IO, "there is no %s %s here%s; nothing %s", kind, name,
+                         interp->home.length ? " nor beside the journal" : "", undone);
+    return OK;
+}
+
+enum err interpreter_find_scene(const struct interpreter *interp, const char *name,
+                                struct buf *path, struct fault *fault)
+{
+    const bool synthetic = strncmp(name, "synth:", 6) == 0;
+    if (!synthetic && !interp->scene_path) {
+        const bool is_elsewhere = interpreter_is_wary(interp) && !trust_is_inside(name);
+        const enum err err =
+            find(interp, is_elsewhere ? file_name(name) : name, path, "scene", "was opened", fault);
+        if (err && is_elsewhere)
+            fault_prefix(fault, err, "the journal may not open %s; expected --scene FILE", name);
+        return err;
+    }
+    buf_clear(path);
+    buf_add_text(path, synthetic ? name : interp->scene_path);
+    return path->failed ? fault_memory(fault, "a path") : OK;
+}
+
+enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
+                               struct fault *fault)
+{
+    return find(interp, name, path, "file", "has changed", fault);
+}
+
+enum err interpreter_may_read(const struct interpreter *interp, const char *path,
+                              struct fault *fault)
+{
+    struct buf folder = {0};
+    if (!interpreter_is_wary(interp))
+        return OK;
+    const char *home = buf_text(&interp->home);
+    const char *name = path + (file_name(home) - home); /* both lie in one folder */
+    file_folder(&folder, home);
+    const enum trust_answer answer = trust_look(buf_text(&folder), name);
+    buf_release(&folder);
+    if (answer == TRUST_FINE || answer == TRUST_MISSING)
+        return OK; /* whoever reads it says that it is missing */
+    return fault_set(fault, ERR_INPUT, "the journal may not read %s, which %s", path,
+                     answer == TRUST_OUTSIDE ? "leads out of its folder" : "is not a regular file");
+}
+
+enum err interpreter_output_path(const struct interpreter *interp, const char *name,
+                                 struct buf *path, struct fault *fault)
+{
+    buf_clear(path);
+    if (interp->mode == MODE_RESUME || interp->mode == MODE_SKIM)
+        return OK; /* it was written when the command was new */
+    if (interpreter_is_wary(interp) && !trust_is_inside(name))
+        return fault_set(
+            fault, ERR_INPUT,
+            "a journal may not write to %s, but to names in its own folder; nothing was "
+            "written",
+            name);
+    if (interp->out_folder)
+        buf_printf(path, "%s/%s", interp->out_folder, file_name(name));
+    else if (interp->mode == MODE_LIVE)
+        buf_add_text(path, name);
+    if (path->failed)
+        return fault_memory(fault, "a path");
+    return OK;
+}

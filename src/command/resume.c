@@ -1,0 +1,220 @@
+/* The interpreter's journals: begun, and resumed. */
+#include "command/interpreter.h"
+
+#include <string.h>
+
+#include "command/execute.h"
+#include "journal/replay.h"
+
+bool interpreter_is_journal(const char *path)
+{
+    return file_begins_with(path, RECORD_HEADER);
+}
+
+enum err interpreter_create_journal(struct interpreter *interp, const char *path,
+                                    struct fault *fault)
+{
+    enum err err = interpreter_set_home(interp, path, fault);
+    if (!err)
+        err = journal_create(&interp->journal, path, interp->session.semantics, fault);
+    if (err)
+        return err;
+    err = journal_set_sync(interp->journal, interp->sync, fault);
+    if (err) { /* no thread can be had: as if it had not been begun */
+        journal_close(interp->journal);
+        interp->journal = NULL;
+        file_discard(path);
+    }
+    return err;
+}
+
+struct resume {
+    struct interpreter *interp;
+    size_t last; /* number of the last record that tells of the forest; 0 for none */
+    struct replay_report report;
+};
+
+/* What records tell of the forest. */
+static const char *const forest_words[] = {"forest", "labels", "seeds", "pending"};
+
+static bool tells_of_forest(const char *words, struct buf *out)
+{
+    struct record_word word;
+    bool tells = false;
+    for (size_t i = 0; i < sizeof forest_words / sizeof *forest_words; i++)
+        if (record_word_find(words, forest_words[i], strlen(forest_words[i]), &word)) {
+            tells = true;
+            if (out)
+                buf_printf(out, "%s%s=%.*s", out->length ? " " : "", forest_words[i],
+                           (int)word.value_length, word.value);
+        }
+    return tells;
+}
+
+static void take_semantics(void *context, unsigned semantics)
+{
+    struct resume *resume = context;
+    resume->interp->session.semantics = semantics;
+}
+
+static void look_for_last(void *context, const struct record *record)
+{
+    struct resume *resume = context;
+    if (tells_of_forest(record->result, NULL))
+        resume->last = record->number;
+}
+
+static enum err execute_again(void *context, const char *command, struct buf *words,
+                              struct fault *fault)
+{
+    struct reply reply = {0};
+    enum err err = interpreter_execute(context, command, &reply, fault);
+    buf_add_text(words, buf_text(&reply.words));
+    reply_release(&reply);
+    return err;
+}
+
+static bool is_lost(void *context, const char *key, size_t length)
+{
+    const struct interpreter *interp = context;
+    return semantics_lost(interp->session.semantics, key, length) != NULL;
+}
+
+static enum err compare_record(struct resume *resume, const struct record *record,
+                               struct fault *fault)
+{
+    const struct replay_host host = {
+        .context = resume->interp, .execute = execute_again, .is_lost = is_lost};
+    return replay_record(record, &host, &resume->report, fault);
+}
+
+/* The same, and then what it and all before have led to is computed. */
+static enum err execute_and_catch_up(void *context, const char *command, struct buf *words,
+                                     struct fault *fault)
+{
+    struct interpreter *interp = context;
+    struct reply reply = {0};
+    enum err err = interpreter_execute(interp, command, &reply, fault);
+    if (!err)
+        err = session_catch_up(&interp->session, fault);
+    buf_clear(&reply.words);
+    if (!err)
+        execute_add_digests(&reply, &interp->session);
+    buf_add_text(words, buf_text(&reply.words));
+    reply_release(&reply);
+    return err;
+}
+
+static enum err compare_forest(struct resume *resume, const struct record *record,
+                               struct fault *fault)
+{
+    const struct replay_host host = {.context = resume->interp, .execute = execute_and_catch_up};
+    struct record judged = *record;
+    struct buf words = {0};
+    tells_of_forest(record->result, &words);
+    judged.result = buf_text(&words);
+    enum err err = words.failed ? fault_memory(fault, "a record")
+                                : replay_record(&judged, &host, &resume->report, fault);
+    buf_release(&words);
+    return err;
+}
+
+/* Up to the last record that tells of the forest nothing is computed; behind it nothing is left to
+ * be. What opens a scene is carried out in full either way. */
+static enum err skim_record(struct resume *resume, const struct record *record, struct fault *fault)
+{
+    struct session *session = &resume->interp->session;
+    struct record unjudged = *record;
+    if (!session->has_scene)
+        return compare_record(resume, record, fault);
+    if (record->number <= resume->last && !session->skims)
+        session_skim(session);
+    if (record->number == resume->last)
+        return compare_forest(resume, record, fault);
+    unjudged.has_result = false;
+    return compare_record(resume, &unjudged, fault);
+}
+
+static enum err resume_record(void *context, const struct record *record, struct fault *fault)
+{
+    struct resume *resume = context;
+    resume->interp->recorded_words = record->result;
+    enum err err = resume->interp->mode == MODE_SKIM ? skim_record(resume, record, fault)
+                                                     : compare_record(resume, record, fault);
+    resume->interp->recorded_words = NULL;
+    return err;
+}
+
+static enum err carry_out_again(struct interpreter *interp, const char *path, struct buf *told,
+                                struct fault *fault)
+{
+    struct resume resume = {.interp = interp};
+    struct journal_resume how = {.semantics = SEMANTICS,
+                                 .on_semantics = take_semantics,
+                                 .on_sight = look_for_last,
+                                 .on_record = resume_record,
+                                 .context = &resume,
+                                 .only_looks = interp->is_read_only};
+    enum err err = journal_open(&interp->journal, path, &how, told, fault);
+    replay_report_release(&resume.report);
+    return err;
+}
+
+/* As if no command had been carried out. */
+static void begin_again(struct interpreter *interp)
+{
+    struct watch *watch = interp->session.watch;
+    history_release(&interp->history);
+    session_release(&interp->session);
+    session_init(&interp->session);
+    history_init(&interp->history);
+    interp->session.watch = watch;
+    buf_clear(&interp->goldens);
+}
+
+/* What the user is to know of the journal that was opened. */
+static void tell_opened(const struct interpreter *interp, const char *path, struct buf *told)
+{
+    semantics_tell_lost(told, interp->session.semantics);
+    if (!interp->is_read_only)
+        return;
+    buf_add_safe(told, path, strlen(path));
+    buf_add_text(told, " is open read-only: what is done here is not written to it\n");
+}
+
+static enum err resume(struct interpreter *interp, const char *path, enum interpreter_mode mode,
+                       struct buf *told, struct fault *fault)
+{
+    enum err err = interpreter_set_home(interp, path, fault);
+    interp->mode = mode;
+    if (!err)
+        err = carry_out_again(interp, path, told, fault);
+    if (err == ERR_CHECK && mode == MODE_SKIM) {
+        interp->mode = MODE_RESUME;
+        begin_again(interp);
+        err = carry_out_again(interp, path, told, fault);
+    }
+    if (!err)
+        err = journal_set_sync(interp->journal, interp->sync, fault);
+    if (told && told->length)
+        buf_add_char(told, '\n');
+    if (!err && told)
+        tell_opened(interp, path, told);
+    interp->mode = MODE_LIVE;
+    interp->wish = WISH_NONE;
+    interp->shows_picture = false;
+    interp->acknowledged = err ? 0 : journal_count(interp->journal);
+    return err ? fault_prefix(fault, err, "cannot resume %s", path) : OK;
+}
+
+enum err interpreter_resume_journal(struct interpreter *interp, const char *path, struct buf *told,
+                                    struct fault *fault)
+{
+    return resume(interp, path, MODE_SKIM, told, fault);
+}
+
+enum err interpreter_resume_in_full(struct interpreter *interp, const char *path, struct buf *told,
+                                    struct fault *fault)
+{
+    return resume(interp, path, MODE_RESUME, told, fault);
+}
