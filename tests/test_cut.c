@@ -213,7 +213,7 @@ static struct changes random_edit(struct stage *s, uint64_t *random)
         if (batch[i].label == EDIT_ERASE && cell_is_reached(&s->scene->cell[cell]))
             batch[i].cell = key_root(s->scene->cell[cell].key);
     }
-    CHECK(forest_edit(s->forest, batch, 3, NULL, NULL) == OK);
+    CHECK(forest_edit(s->forest, batch, 3, NULL) == OK);
     const struct changes changes = forest_changes(s->forest);
     border_update(&s->border, &changes);
     return changes;

@@ -36,7 +36,7 @@ static struct cell *voxel(struct world *w, uint32_t x, uint32_t y, uint32_t z)
 static void plant_at(struct world *w, uint32_t x, uint32_t y, uint32_t z, int label)
 {
     struct edit edit = {grid_cell(&w->scene->grid, x, y, z), (int16_t)label};
-    CHECK(forest_edit(w->forest, &edit, 1, NULL, NULL) == OK);
+    CHECK(forest_edit(w->forest, &edit, 1, NULL) == OK);
 }
 
 static void set_row_weights(struct world *w, const char *digits)
@@ -123,7 +123,7 @@ STORY(the_last_edit_of_a_voxel_in_a_batch_wins)
     struct world w = world_new(3, 1, 1, 6);
     uint32_t at = grid_cell(&w.scene->grid, 1, 0, 0);
     struct edit batch[] = {{at, 4}, {at, EDIT_ERASE}, {at, 5}};
-    CHECK(forest_edit(w.forest, batch, 3, NULL, NULL) == OK);
+    CHECK(forest_edit(w.forest, batch, 3, NULL) == OK);
     CHECK_TEXT(row_labels(&w), "555");
     CHECK(forest_revert(w.forest, NULL) == OK);
     CHECK_TEXT(row_labels(&w), "000");
@@ -152,7 +152,7 @@ static void set_arcs(struct world *w, enum arc_kind kind, int of_1, int of_2)
     rule.polarity[1] = (int8_t)of_1;
     rule.polarity[2] = (int8_t)of_2;
     forest_set_arcs(w->forest, &rule);
-    CHECK(forest_rebuild(w->forest, NULL, NULL) == OK);
+    CHECK(forest_rebuild(w->forest, NULL) == OK);
     CHECK(forest_check(w->forest, NULL));
 }
 
@@ -217,7 +217,7 @@ static void put_up(struct world *w, const struct roi *roi)
 {
     CHECK_INT(roi_tally(roi, w->scene).seeds_outside, 0);
     roi_apply(roi, w->scene);
-    CHECK(forest_rebuild(w->forest, NULL, NULL) == OK);
+    CHECK(forest_rebuild(w->forest, NULL) == OK);
     CHECK(forest_check(w->forest, NULL));
 }
 
@@ -302,7 +302,7 @@ STORY(a_plateau_longer_than_hops_can_count_is_refused_and_undone)
     CHECK(forest_check(w.forest, NULL));
     struct edit far[] = {{grid_cell(&w.scene->grid, 20000, 2, 0), EDIT_ERASE},
                          {grid_cell(&w.scene->grid, 0, 0, 0), 2}};
-    CHECK_INT(forest_edit(w.forest, far, 2, NULL, &fault), ERR_LIMIT);
+    CHECK_INT(forest_edit(w.forest, far, 2, &fault), ERR_LIMIT);
     CHECK_HAS(fault.text, "plateau");
     CHECK(forest_digest(w.forest) == before);
     CHECK(forest_check(w.forest, NULL));
@@ -370,7 +370,7 @@ static bool equals_scratch(struct world *w)
     for (size_t i = 0; i < g->cells; i++)
         if (w->scene->cell[i].flags & CELL_SEED)
             seed[seeds++] = (struct edit){(uint32_t)i, w->scene->cell[i].label};
-    CHECK(forest_edit(fresh.forest, seed, seeds, NULL, NULL) == OK);
+    CHECK(forest_edit(fresh.forest, seed, seeds, NULL) == OK);
     bool same = same_forest(w, &fresh);
     free(seed);
     world_free(&fresh);
@@ -567,7 +567,7 @@ static void random_roi(struct world *w, struct edit *batch, uint64_t *random)
         if (w->scene->cell[i].flags & CELL_SEED && !roi_holds(&roi, w->scene, (uint32_t)i))
             batch[count++] = (struct edit){(uint32_t)i, EDIT_ERASE};
     CHECK_INT(roi_tally(&roi, w->scene).seeds_outside, count);
-    CHECK(forest_edit(w->forest, batch, count, NULL, NULL) == OK);
+    CHECK(forest_edit(w->forest, batch, count, NULL) == OK);
     roi_apply(&roi, w->scene);
     free(bits);
 }
@@ -594,8 +594,8 @@ static void random_roi_session(uint64_t seed, unsigned steps)
         else if (rebuilds)
             random_roi(&w, batch, &random);
         const bool polar = forest_arcs(w.forest)->kind == ARC_POLARITY;
-        if (!CHECK((rebuilds ? forest_rebuild(w.forest, NULL, NULL)
-                             : forest_edit(w.forest, batch, count, NULL, NULL)) == OK) ||
+        if (!CHECK((rebuilds ? forest_rebuild(w.forest, NULL)
+                             : forest_edit(w.forest, batch, count, NULL)) == OK) ||
             !CHECK(keys_equal_fixed_point(&w)) || !CHECK(equals_scratch(&w)) ||
             !CHECK(forest_check(w.forest, &fault)) || !CHECK(polar || costs_equal_textbook(&w))) {
             printf("# seed %" PRIu64 " step %u %s\n", seed, step, fault.text);
@@ -622,7 +622,7 @@ static void random_session(uint64_t seed, unsigned steps)
         size_t count = random_batch(&w, batch, &random);
         const bool reverts = step > 0 && check_below(&random, 6) == 0; /* undone, redone, ... */
         bool fine = CHECK((reverts ? forest_revert(w.forest, NULL)
-                                   : forest_edit(w.forest, batch, count, NULL, NULL)) == OK) &&
+                                   : forest_edit(w.forest, batch, count, NULL)) == OK) &&
                     CHECK(equals_scratch(&w)) && CHECK(forest_check(w.forest, &fault));
         struct changes changes = forest_changes(w.forest);
         border_update(&border, &changes);
@@ -692,14 +692,14 @@ static struct world random_world(uint64_t *random, unsigned seeds)
     random_arcs(&w, random);
     for (unsigned i = 0; i < seeds; i++) {
         struct edit edit = {random_voxel(&w.scene->grid, random), (int16_t)(i % 3)};
-        CHECK(forest_edit(w.forest, &edit, 1, NULL, NULL) == OK);
+        CHECK(forest_edit(w.forest, &edit, 1, NULL) == OK);
     }
     return w;
 }
 
-static bool after_some_looks(void *context, uint64_t served)
+static bool after_some_polls(void *context, const char *what, uint64_t served, uint64_t total)
 {
-    (void)served;
+    (void)what, (void)served, (void)total;
     return --*(int *)context < 0;
 }
 
@@ -719,8 +719,10 @@ STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
     unsigned looks = 0;
     for (; err && check_failures == 0; looks++) {
         int left = (int)looks;
-        const struct forest_watch watch = {after_some_looks, &left};
-        err = forest_edit(w.forest, edit, 2, &watch, &fault);
+        struct watch watch = {.context = &left, .poll = after_some_polls};
+        w.scene->watch = &watch;
+        err = forest_edit(w.forest, edit, 2, &fault);
+        w.scene->watch = NULL;
         if (err)
             is_as_before(&w, before);
     }
@@ -744,8 +746,10 @@ STORY(an_edit_cancelled_at_every_level_leaves_the_forest_as_it_was)
         enum err err = ERR_CANCELLED;
         for (int looks = 0; err && check_failures == 0; looks++) {
             int left = looks;
-            const struct forest_watch watch = {after_some_looks, &left};
-            err = forest_edit(w.forest, batch, count, &watch, &fault);
+            struct watch watch = {.context = &left, .poll = after_some_polls};
+            w.scene->watch = &watch;
+            err = forest_edit(w.forest, batch, count, &fault);
+            w.scene->watch = NULL;
             if (err) {
                 CHECK_INT(err, ERR_CANCELLED);
                 CHECK_HAS(fault.text, "nothing has changed");
@@ -785,7 +789,7 @@ static bool live_once(uint64_t seed)
         const struct state before = state_of(&w);
         for (int i = 0; i < 40; i++)
             batch[i] = (struct edit){random_voxel(&w.scene->grid, &random), (int16_t)(i % 4 - 1)};
-        if (forest_edit(w.forest, batch, 40, NULL, &fault)) {
+        if (forest_edit(w.forest, batch, 40, &fault)) {
             CHECK_INT(fault.code, ERR_MEMORY);
             is_as_before(&w, before);
             goto end;

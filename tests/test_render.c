@@ -99,7 +99,7 @@ static void random_edit(struct stage *s, uint64_t *random)
     for (int i = 0; i < 3; i++)
         if (batch[i].label == EDIT_ERASE && s->scene->cell[batch[i].cell].key != KEY_NONE)
             batch[i].cell = key_root(s->scene->cell[batch[i].cell].key);
-    CHECK(forest_edit(s->forest, batch, 3, NULL, NULL) == OK);
+    CHECK(forest_edit(s->forest, batch, 3, NULL) == OK);
     struct changes changes = forest_changes(s->forest);
     border_update(&s->border, &changes);
 }
@@ -249,7 +249,7 @@ STORY(a_long_row_of_voxels_is_seen_whole)
         struct rendition splatted, walked;
         CHECK(stage_init(&s, (uint32_t[]){length[i], 1, 1}, 6, NULL) == OK);
         struct edit seed = {grid_cell(&s.scene->grid, length[i] / 2, 0, 0), 1};
-        CHECK(forest_edit(s.forest, &seed, 1, NULL, NULL) == OK);
+        CHECK(forest_edit(s.forest, &seed, 1, NULL) == OK);
         border_recount(&s.border);
         s.view.zoom = zoom[i];
         for (int side = 0; side < 2; side++) {

@@ -137,10 +137,10 @@ static void grow(struct world *w, uint64_t number)
 {
     uint64_t random = number * 31;
     struct edit batch[BATCH];
-    CHECK(forest_edit(w->forest, batch, random_batch(w, batch, &random), NULL, NULL) == OK);
-    CHECK(forest_edit(w->forest, batch, random_batch(w, batch, &random), NULL, NULL) == OK);
+    CHECK(forest_edit(w->forest, batch, random_batch(w, batch, &random), NULL) == OK);
+    CHECK(forest_edit(w->forest, batch, random_batch(w, batch, &random), NULL) == OK);
     if (number % 2)
-        CHECK(forest_rebuild(w->forest, NULL, NULL) == OK);
+        CHECK(forest_rebuild(w->forest, NULL) == OK);
 }
 
 STORY(one_to_eight_workers_grow_the_same_forest)
@@ -166,9 +166,9 @@ STORY(one_to_eight_workers_grow_the_same_forest)
         team_free(team[workers]);
 }
 
-static bool after_some_looks(void *context, uint64_t served)
+static bool after_some_polls(void *context, const char *what, uint64_t served, uint64_t total)
 {
-    (void)served;
+    (void)what, (void)served, (void)total;
     return --*(int *)context < 0;
 }
 
@@ -184,8 +184,10 @@ STORY(a_shared_pass_cancelled_at_any_level_leaves_an_empty_forest)
         enum err err = ERR_CANCELLED;
         for (int looks = 0; err && check_failures == 0; looks++) {
             int left = looks;
-            const struct forest_watch watch = {after_some_looks, &left};
-            err = forest_edit(w.forest, batch, count, &watch, NULL);
+            struct watch watch = {.context = &left, .poll = after_some_polls};
+            w.scene->watch = &watch;
+            err = forest_edit(w.forest, batch, count, NULL);
+            w.scene->watch = NULL;
             if (!err)
                 break;
             CHECK_INT(err, ERR_CANCELLED);
@@ -225,10 +227,10 @@ STORY(workers_out_of_memory_leave_an_empty_forest)
         }
         allocations_left = 0;
         mem_allows = counts_down;
-        CHECK_INT(forest_edit(w.forest, batch, count, NULL, NULL), ERR_MEMORY);
+        CHECK_INT(forest_edit(w.forest, batch, count, NULL), ERR_MEMORY);
         mem_allows = NULL;
         CHECK(forest_seeds(w.forest) == 0 && forest_check(w.forest, NULL));
-        CHECK(forest_edit(w.forest, batch, count, NULL, NULL) == OK);
+        CHECK(forest_edit(w.forest, batch, count, NULL) == OK);
         CHECK(forest_check(w.forest, NULL));
         world_free(&w);
     }

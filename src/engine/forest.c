@@ -179,13 +179,7 @@ static void set_seeds(struct forest *forest, const struct edit *edit, size_t cou
 
 static void clear_all(struct forest *forest, bool planted);
 
-/* Tells a watch, and does not listen. */
-static bool go_on(void *context, uint64_t served)
-{
-    const struct forest_watch *watch = context;
-    watch->cancelled(watch->context, served);
-    return false;
-}
+static enum err grow_anew(struct forest *forest, bool may_stop, struct fault *fault);
 
 /*
  * Back to before the edit at hand, in the middle of its pass (T5). What began with nothing goes
@@ -193,9 +187,8 @@ static bool go_on(void *context, uint64_t served)
  * the former seeds are put back and everything is computed again.
  */
 static void take_back(struct forest *forest, bool from_nothing, enum err reason,
-                      const struct forest_watch *watch, struct fault *fault)
+                      struct fault *fault)
 {
-    const struct forest_watch shown = {go_on, (void *)(uintptr_t)watch};
     if (from_nothing) {
         set_seeds(forest, forest->inverse, forest->edits);
         clear_all(forest, false);
@@ -206,7 +199,7 @@ static void take_back(struct forest *forest, bool from_nothing, enum err reason,
     if (reason != ERR_MEMORY && !forest->from_scratch) {
         queue_rewind(forest->worker[0].queue);
         change_seeds(forest, forest->inverse, forest->edits);
-        if (!forest->lost_too_much && forest_pass(forest, watch ? &shown : NULL) == OK) {
+        if (!forest->lost_too_much && forest_pass(forest, false) == OK) {
             finish_changes(forest);
             begin(forest, false);
             return;
@@ -214,12 +207,12 @@ static void take_back(struct forest *forest, bool from_nothing, enum err reason,
     }
     set_seeds(forest, forest->inverse, forest->edits);
     struct fault again;
-    if (forest_rebuild(forest, watch ? &shown : NULL, &again) != OK)
+    if (grow_anew(forest, false, &again) != OK)
         fault_set(fault, ERR_MEMORY, "out of memory; the seeds are as before, run again");
 }
 
 enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,
-                     const struct forest_watch *watch, struct fault *fault)
+                     struct fault *fault)
 {
     enum err err = prepare(forest, edit, count, fault);
     if (err)
@@ -235,10 +228,10 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
         set_seeds(forest, forest->batch, forest->edits);
         clear_all(forest, true);
     }
-    err = forest_pass(forest, watch);
+    err = forest_pass(forest, true);
     if (err) {
         pass_fault(fault, err);
-        take_back(forest, from_nothing, err, watch, fault);
+        take_back(forest, from_nothing, err, fault);
         return err;
     }
     finish_changes(forest);
@@ -252,7 +245,7 @@ enum err forest_revert(struct forest *forest, struct fault *fault)
         return fault_memory(fault, "taking an edit back");
     for (size_t i = 0; i < forest->edits; i++)
         inverse[i] = forest->inverse[i];
-    enum err err = forest_edit(forest, inverse, forest->edits, NULL, fault);
+    enum err err = forest_edit(forest, inverse, forest->edits, fault);
     free(inverse);
     return err;
 }
@@ -306,13 +299,10 @@ static void clear_all(struct forest *forest, bool planted)
         forest->seeds += clearing.seeds[i];
 }
 
-enum err forest_rebuild(struct forest *forest, const struct forest_watch *watch,
-                        struct fault *fault)
+static enum err grow_anew(struct forest *forest, bool may_stop, struct fault *fault)
 {
-    if (forest->suspended)
-        return OK;
     clear_all(forest, true);
-    enum err err = forest_pass(forest, watch);
+    enum err err = forest_pass(forest, may_stop);
     if (err) {
         pass_fault(fault, err);
         fault_prefix(fault, err, "the forest has its seeds, but is not computed");
@@ -320,6 +310,11 @@ enum err forest_rebuild(struct forest *forest, const struct forest_watch *watch,
     }
     finish_changes(forest);
     return err;
+}
+
+enum err forest_rebuild(struct forest *forest, struct fault *fault)
+{
+    return forest->suspended ? OK : grow_anew(forest, true, fault);
 }
 
 struct seed_changes forest_seed_changes(const struct forest *forest)
@@ -337,11 +332,10 @@ bool forest_is_suspended(const struct forest *forest)
     return forest->suspended;
 }
 
-enum err forest_catch_up(struct forest *forest, const struct forest_watch *watch,
-                         struct fault *fault)
+enum err forest_catch_up(struct forest *forest, struct fault *fault)
 {
     forest->suspended = false;
-    return forest_rebuild(forest, watch, fault);
+    return forest_rebuild(forest, fault);
 }
 
 /* ---- life ---- */

@@ -70,13 +70,6 @@ struct forest_stats {
     uint64_t touched; /* voxels whose key or label was looked at anew; all, from nothing */
 };
 
-/* Asked after every level of a pass; a true answer cancels the edit. `served` voxels so far. While
- * an edit is taken back it is asked as well, so that it can tell, and its answers are not heard. */
-struct forest_watch {
-    bool (*cancelled)(void *context, uint64_t served);
-    void *context;
-};
-
 /* A forest without seeds over a scene with weights; the scene outlives it. Adjacency 6 or 26. */
 enum err forest_new(struct forest **forest, struct scene *scene, unsigned adjacency,
                     struct fault *fault);
@@ -84,12 +77,12 @@ void forest_free(struct forest *forest);
 
 /*
  * Applies `count` edits as one. A later edit of the same voxel wins. Planting what is planted or
- * erasing what is not is allowed and does nothing. On any error the forest is as before, and
- * forest_changes is of no use: ERR_CANCELLED (watch said so), ERR_LIMIT (T3), ERR_MEMORY. `watch`
- * may be NULL.
+ * erasing what is not is allowed and does nothing. The scene's watch is polled after
+ * every level of the pass, while an edit is taken back too. On any error the forest is as before,
+ * and forest_changes is of no use: ERR_CANCELLED (the watch stopped it), ERR_LIMIT (T3), ERR_MEMORY.
  */
 enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,
-                     const struct forest_watch *watch, struct fault *fault);
+                     struct fault *fault);
 
 /* Takes the last successful edit back, as an edit of its own. */
 enum err forest_revert(struct forest *forest, struct fault *fault);
@@ -97,8 +90,7 @@ enum err forest_revert(struct forest *forest, struct fault *fault);
 /* Computes the whole forest again from its seeds: after weights, adjacency or region of interest have changed,
  * or as the yardstick for an update. On error the forest is as before, or, where even that could
  * not be computed again, it has its seeds and no keys; the words say which. */
-enum err forest_rebuild(struct forest *forest, const struct forest_watch *watch,
-                        struct fault *fault);
+enum err forest_rebuild(struct forest *forest, struct fault *fault);
 
 /* What the last edit did to seeds: of each of `count` voxels, once, what it has now and had before.
  * Until the next edit. */
@@ -114,8 +106,7 @@ struct seed_changes forest_seed_changes(const struct forest *forest);
  * forest_rebuild. */
 void forest_suspend(struct forest *forest);
 bool forest_is_suspended(const struct forest *forest);
-enum err forest_catch_up(struct forest *forest, const struct forest_watch *watch,
-                         struct fault *fault);
+enum err forest_catch_up(struct forest *forest, struct fault *fault);
 
 /* 6 or 26 neighbours from now on; forest_rebuild must follow. */
 void forest_set_adjacency(struct forest *forest, unsigned count);

@@ -187,8 +187,9 @@ void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned d
 /* ---- pass.c ---- */
 
 /* Serves every level from the lowest up, until nothing waits or something is wrong: ERR_MEMORY,
- * ERR_LIMIT (T3), ERR_CANCELLED. Nobody has words yet. */
-enum err forest_pass(struct forest *forest, const struct forest_watch *watch);
+ * ERR_LIMIT (T3), or ERR_CANCELLED, where the scene's watch stops it and it `may_stop`. The caller
+ * finds the words. */
+enum err forest_pass(struct forest *forest, bool may_stop);
 
 /* Workers for the team, and which cells are whose. ERR_MEMORY: as it was. */
 enum err forest_enlist(struct forest *forest, struct team *team, struct fault *fault);

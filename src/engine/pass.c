@@ -275,7 +275,7 @@ static void take_posted_offers(struct forest *forest, struct worker *worker, uin
 
 struct pass {
     struct forest *forest;
-    const struct forest_watch *watch;
+    bool may_stop;                /* where the scene's watch says so */
     uint64_t begin_ns, waited_ns; /* of the first worker */
     bool alone;                   /* the first worker acts for all; told like the rest */
 };
@@ -335,6 +335,13 @@ static void serve_own(struct forest *forest, struct worker *worker, uint32_t lev
         worker->too_far = true;
 }
 
+static bool is_cancelled(const struct pass *pass, uint64_t served)
+{
+    const struct scene *scene = pass->forest->scene;
+    const uint64_t total = pass->forest->from_scratch ? scene->grid.voxels : 0;
+    return watch_poll(scene->watch, "forest", served, total) && pass->may_stop;
+}
+
 /* What one worker does in a pass. */
 static void work(void *context, unsigned number)
 {
@@ -360,8 +367,7 @@ static void work(void *context, unsigned number)
         meet(pass, team, number);
         if (number == 0 && team)
             pass->alone = is_kept_waiting(pass);
-        const bool cancelled =
-            number == 0 && pass->watch && pass->watch->cancelled(pass->watch->context, all.served);
+        const bool cancelled = number == 0 && is_cancelled(pass, all.served);
         for (unsigned i = number; i < end; i++) {
             if (forest->shared)
                 take_posted_offers(forest, forest->worker + i, level);
@@ -379,9 +385,9 @@ static void empty_outboxes(struct forest *forest, struct worker *worker)
     }
 }
 
-enum err forest_pass(struct forest *forest, const struct forest_watch *watch)
+enum err forest_pass(struct forest *forest, bool may_stop)
 {
-    struct pass pass = {.forest = forest, .watch = watch, .begin_ns = clock_ns()};
+    struct pass pass = {.forest = forest, .may_stop = may_stop, .begin_ns = clock_ns()};
     team_run(forest->shared ? forest->team : NULL, work, &pass);
     const struct status all = gather_status(forest);
     for (unsigned i = 0; i < forest->workers; i++) {

@@ -126,9 +126,9 @@ static enum err time_growing(struct session *session, struct team *team, struct 
     for (size_t i = 0; !err && i < seeds; i++)
         none[i] = (struct edit){seed[i].cell, EDIT_ERASE};
     for (int i = 0; !err && i < SCRATCH_RUNS; i++) {
-        err = forest_edit(session->forest, none, seeds, NULL, fault);
+        err = forest_edit(session->forest, none, seeds, fault);
         const uint64_t begin = clock_ns();
-        err = err ? err : forest_edit(session->forest, seed, seeds, NULL, fault);
+        err = err ? err : forest_edit(session->forest, seed, seeds, fault);
         add_since(times, begin);
     }
     free(seed);
@@ -139,11 +139,11 @@ static enum err time_growing(struct session *session, struct team *team, struct 
 static enum err time_corners(struct session *session, struct figures *figures, struct fault *fault)
 {
     forest_set_adjacency(session->forest, 26);
-    enum err err = forest_rebuild(session->forest, NULL, fault);
+    enum err err = forest_rebuild(session->forest, fault);
     if (!err)
         err = time_growing(session, NULL, &figures->corners, fault);
     forest_set_adjacency(session->forest, 6);
-    return err ? err : forest_rebuild(session->forest, NULL, fault);
+    return err ? err : forest_rebuild(session->forest, fault);
 }
 
 static enum err time_scratch(struct session *session, struct figures *figures, struct fault *fault)

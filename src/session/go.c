@@ -84,18 +84,6 @@ static enum err apply_region(struct session *session, struct fault *fault)
 
 /* ---- the forest ---- */
 
-/* How the forest's passes are watched. */
-struct progress {
-    struct watch *watch;
-    uint64_t voxels; /* to be served; 0 where nobody knows */
-};
-
-static bool poll_forest(void *context, uint64_t served)
-{
-    const struct progress *progress = context;
-    return watch_poll(progress->watch, "forest", served, progress->voxels);
-}
-
 /* Tally, border and rendition after a change of the forest (S2). What cannot be coloured is drawn
  * when it is asked for. */
 static void follow_forest(struct session *session)
@@ -116,10 +104,7 @@ static void follow_forest(struct session *session)
 static enum err edit_seeds(struct session *session, const struct edit *seed, size_t seeds,
                            struct fault *fault)
 {
-    const bool from_nothing = forest_seeds(session->forest) == 0;
-    struct progress progress = {session->watch, from_nothing ? session->scene->grid.voxels : 0};
-    const struct forest_watch watch = {poll_forest, &progress};
-    enum err err = forest_edit(session->forest, seed, seeds, &watch, fault);
+    enum err err = forest_edit(session->forest, seed, seeds, fault);
     if (err)
         return err;
     session->edited = true;
@@ -132,12 +117,10 @@ static enum err edit_seeds(struct session *session, const struct edit *seed, siz
 
 static enum err grow(struct session *session, struct fault *fault)
 {
-    struct progress progress = {session->watch, session->scene->grid.voxels};
-    const struct forest_watch watch = {poll_forest, &progress};
     session->regrown = true;
     session->tally.stale = true;
     session->stale &= ~(unsigned)MADE_BORDER; /* all of it is made anew with the forest */
-    enum err err = forest_catch_up(session->forest, &watch, fault);
+    enum err err = forest_catch_up(session->forest, fault);
     if (err)
         session->stale |= MADE_BORDER;
     else

@@ -71,7 +71,7 @@ static enum err plant_lattice(struct growth *growth, struct fault *fault)
                 seed[seeds++] = (struct edit){grid_cell(grid, x, y, z),
                                               (int16_t)(1 + (x + y + z) / LATTICE % 3)};
     const uint64_t begin = clock_ns();
-    enum err err = forest_edit(growth->forest, seed, seeds, NULL, fault);
+    enum err err = forest_edit(growth->forest, seed, seeds, fault);
     growth->scratch_ns = (double)(clock_ns() - begin) / (double)grid->voxels;
     free(seed);
     return err;
@@ -127,7 +127,7 @@ static enum err time_edit(struct growth *growth, int erases, int round, struct f
 {
     const uint64_t begin = clock_ns();
     enum err err =
-        forest_edit(growth->forest, erases ? growth->undo : growth->ball, BALL_VOXELS, NULL, fault);
+        forest_edit(growth->forest, erases ? growth->undo : growth->ball, BALL_VOXELS, fault);
     const struct changes changes = forest_changes(growth->forest);
     border_update(&growth->border, &changes);
     growth->ms[erases][round] = times_since(begin);

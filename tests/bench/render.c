@@ -208,7 +208,7 @@ struct followed {
 static enum err follow_edit(struct session *session, const struct edit *edit, size_t count,
                             struct followed *out, struct fault *fault)
 {
-    enum err err = forest_edit(session->forest, edit, count, NULL, fault);
+    enum err err = forest_edit(session->forest, edit, count, fault);
     const struct changes changes = forest_changes(session->forest);
     border_update(&session->border, &changes);
     const bool is_wanted =

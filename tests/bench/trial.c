@@ -79,10 +79,10 @@ static enum err segment(struct work *work, enum experiment e, const struct edit 
 {
     struct forest *forest = work->session->forest;
     uint64_t begin = clock_ns();
-    enum err err = forest_edit(forest, edit, count, NULL, fault);
+    enum err err = forest_edit(forest, edit, count, fault);
     if (!err && e == IFT_SP) {
         begin = clock_ns();
-        err = forest_rebuild(forest, NULL, fault);
+        err = forest_rebuild(forest, fault);
     }
     *ms = times_since(begin);
     return err;
@@ -148,7 +148,7 @@ static enum err take_back(struct work *work, enum experiment e, const struct edi
 {
     for (size_t i = 0; i < count; i++)
         work->erase[i] = (struct edit){edit[i].cell, EDIT_ERASE};
-    enum err err = forest_edit(work->session->forest, work->erase, count, NULL, fault);
+    enum err err = forest_edit(work->session->forest, work->erase, count, fault);
     const struct changes changes = forest_changes(work->session->forest);
     if (!err && keeps_border(e))
         border_update(&work->session->border, &changes);

@@ -48,7 +48,7 @@ static void weigh(struct forest *forest, struct scene *scene, const struct weigh
         weight_compute(scene, forest_adjacency(forest), choice, &work);
     }
     forest_set_arcs(forest, &arcs);
-    must(forest_rebuild(forest, NULL, &fault), &fault, "a forest from nothing");
+    must(forest_rebuild(forest, &fault), &fault, "a forest from nothing");
     weight_work_release(&work);
 }
 
@@ -58,18 +58,18 @@ static void edit_forest(struct forest *forest, const char *name, unsigned adjace
     struct edit edit[WORKS_SEEDS], other;
     struct fault fault;
     works_edits(edit, forest_scene(forest), 7);
-    must(forest_edit(forest, edit, WORKS_SEEDS, NULL, &fault), &fault, "the seeds");
+    must(forest_edit(forest, edit, WORKS_SEEDS, &fault), &fault, "the seeds");
     tell_forest(forest, name, adjacency, "planted");
     for (int i = 0; i < WORKS_SEEDS; i += 3) {
         other = (struct edit){edit[i].cell, (int16_t)(i % 2 ? EDIT_ERASE : (i + 1) % 6)};
-        must(forest_edit(forest, &other, 1, NULL, &fault), &fault, "an edit");
+        must(forest_edit(forest, &other, 1, &fault), &fault, "an edit");
         const struct changes changes = forest_changes(forest);
         tell(changes.everything ? 0 : changes.count, "forest/%s/%u/changes-%d", name, adjacency, i);
     }
     tell_forest(forest, name, adjacency, "edited");
     must(forest_revert(forest, &fault), &fault, "taking back");
     tell_forest(forest, name, adjacency, "reverted");
-    must(forest_rebuild(forest, NULL, &fault), &fault, "a forest from nothing");
+    must(forest_rebuild(forest, &fault), &fault, "a forest from nothing");
     tell_forest(forest, name, adjacency, "rebuilt");
 }
 
@@ -116,7 +116,7 @@ static void excludes(struct team *team)
     for (int i = 0; i < WORKS_SEEDS; i++)
         if (roi_holds(&roi, scene, edit[i].cell))
             edit[count++] = edit[i];
-    must(forest_edit(forest, edit, count, NULL, &fault), &fault, "the seeds");
+    must(forest_edit(forest, edit, count, &fault), &fault, "the seeds");
     tell_forest(forest, "fenced", 6, "planted");
     free(bits);
     forest_free(forest);

@@ -23,7 +23,7 @@ static void stage_set(struct stage *s)
     weight_compute(s->scene, forest_adjacency(s->forest), &morph, &work);
     weight_work_release(&work);
     works_edits(edit, s->scene, 3);
-    must(forest_edit(s->forest, edit, WORKS_SEEDS, NULL, &fault), &fault, "the seeds");
+    must(forest_edit(s->forest, edit, WORKS_SEEDS, &fault), &fault, "the seeds");
     s->border.visible[1] = false;
     border_recount(&s->border);
     s->view.width = WIDTH;
@@ -164,7 +164,7 @@ static void incremental(struct stage *s)
     splat_border(&s->rendition, &s->camera, &s->border);
     colour(s);
     for (int i = 0; i < 20; i++) {
-        must(forest_edit(s->forest, &edit[i], 1, NULL, &fault), &fault, "an edit");
+        must(forest_edit(s->forest, &edit[i], 1, &fault), &fault, "an edit");
         const struct changes changes = forest_changes(s->forest);
         border_update(&s->border, &changes);
         incremental_image(&s->rendition, &s->camera, &s->border, &changes,

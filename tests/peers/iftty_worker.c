@@ -88,7 +88,7 @@ static bool run(struct worker *worker)
     edits = 0;
     each_voxel(worker, list_edit);
     const double begin = worker_clock_ms();
-    err = forest_edit(forest, edit, edits, NULL, &fault);
+    err = forest_edit(forest, edit, edits, &fault);
     const double edited = worker_clock_ms();
     if (err)
         goto failed;
