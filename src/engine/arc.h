@@ -8,7 +8,7 @@
  *
  * Polarity is the oriented IFT (Miranda, Mansilla: Oriented image foresting transform segmentation
  * by seed competition, IEEE TIP 23(1), 2014): an object whose boundary is known to lead from bright
- * to dark has a > 0, so that such steps are dearer to its paths than those back, and its seeds stop
+ * to dark has a > 0, so that such steps cost its paths more than those back, and its seeds stop
  * there. a, in percent, belongs to the label of the path's root. What exceeds 65535 is 65535.
  *
  * A weight may depend on the arc's direction and on the label of its root because the forest is

@@ -1,4 +1,4 @@
-/* The checks of engine/forest.h: every invariant, by looking at every voxel. */
+/* The checks of engine/forest.h: every invariant, checked at every voxel. */
 #include "engine/forest.h"
 
 /* What the equation of the forest gives for one voxel, from its neighbours' keys. */
@@ -25,7 +25,7 @@ static const char *voxel_wrong(const struct forest *forest, uint32_t at)
     if (cell->flags & CELL_OUTSIDE)
         return cell->key || cell->label || cell->direction != DIRECTION_NONE ||
                        cell->flags != CELL_OUTSIDE
-                   ? "S2: outside the fence, but not as the rim"
+                   ? "S2: outside the region of interest, but not as the rim"
                    : NULL;
     if (cell->key != solve_at(forest, at))
         return "T1: its key does not solve the equation of the forest";

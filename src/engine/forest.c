@@ -7,7 +7,7 @@
 
 enum {
     CHANGES_SHARE = 16,     /* beyond this part of the scene the list becomes "everything" */
-    CLEARED_KEPT = 1 << 20, /* entries of the list that are not given back after an edit */
+    CLEARED_HELD = 1 << 20, /* entries of the list that are not freed after an edit */
     CLEARED_SHARE = 3,      /* a scene that loses more than this part of itself grows anew ... */
     CLEARED_FEW = 1 << 16,  /* ... if that is more than this */
 };
@@ -44,7 +44,7 @@ static void finish_changes(struct forest *forest)
     if (forest->from_scratch)
         forest->stats.touched = forest->scene->grid.voxels;
     cleared->count = forest->reoffered = 0;
-    if (cleared->capacity > CLEARED_KEPT) {
+    if (cleared->capacity > CLEARED_HELD) {
         free(cleared->item);
         *cleared = (struct cells){0};
     }
@@ -72,8 +72,8 @@ static void plant(struct forest *forest, uint32_t at, uint8_t label)
 }
 
 /*
- * Changes the seeds and queues what follows from it; the pass does the rest. First every tree that
- * goes is cleared, then what was cleared takes its offers, then seeds are planted. A seed that
+ * Changes the seeds and queues what follows; the pass does the rest. First every tree that
+ * goes is cleared, then the cleared voxels take their offers, then seeds are planted. A seed that
  * gets another label is removed and planted. Where so much is lost that growing everything anew is
  * faster, `lost_too_much` says so, and the forest is of no use.
  */
@@ -162,7 +162,7 @@ static void begin(struct forest *forest, bool from_scratch)
     forest->stats = (struct forest_stats){0};
 }
 
-/* Puts the seeds of `edit` in the place of those that are there; nothing follows from it yet. */
+/* Puts the seeds of `edit` in the place of those that are there, and computes nothing. */
 static void set_seeds(struct forest *forest, const struct edit *edit, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -372,9 +372,9 @@ void forest_set_adjacency(struct forest *forest, unsigned count)
         forest->bytes_to[i] = forest->adjacency.offset[i] * (ptrdiff_t)sizeof(struct cell);
         forest->state[i] = cell_state(0, (uint8_t)i, CELL_QUEUED);
     }
-    const struct cell kept = {.flags = CELL_TOUCHED | CELL_RAISED, .former_label = 255};
-    forest->kept_state = kept.state;
-    forest->settled_state = cell_state(255, 255, (uint8_t) ~(CELL_QUEUED | CELL_TOUCHED));
+    const struct cell taken = {.flags = CELL_TOUCHED | CELL_RAISED, .former_label = 255};
+    forest->taken_mask = taken.state;
+    forest->settled_mask = cell_state(255, 255, (uint8_t) ~(CELL_QUEUED | CELL_TOUCHED));
 }
 
 enum err forest_set_team(struct forest *forest, struct team *team, struct fault *fault)
@@ -450,7 +450,7 @@ size_t forest_memory(const struct forest *forest)
         const struct worker *worker = forest->worker + i;
         bytes += sizeof *worker + queue_memory(worker->queue);
         for (unsigned to = 0; to < forest->workers; to++)
-            bytes += worker->to[to].capacity * sizeof(struct posted_offer);
+            bytes += worker->outbox[to].capacity * sizeof(struct posted_offer);
     }
     return bytes;
 }

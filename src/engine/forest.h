@@ -15,6 +15,19 @@
  *
  * An edit changes the set of seeds and repairs the solution in time proportional to what changes.
  *
+ * Words here and in the literature
+ *   seed         marker voxel of the image foresting transform; a seed is the root of its tree
+ *   eliminator   a deletion marker of the differential transform: its tree is cleared
+ *   root         the seed at the end of the path of predecessors, P* in the papers
+ *   predecessor  P(t), the voxel whose offer t has taken; its offers are how paths are extended
+ *   cost         C(t), the f_max cost of the best path: the largest weight on it
+ *   hops         plateau distance: steps along the path since its cost last rose; the literature's
+ *                FIFO order within a cost decides by it, and lexicographic costs are (cost, hops)
+ *   level        (cost, hops), a bucket of the priority queue
+ *   cleared, frontier   voxels that have lost their tree, and those around them that have not
+ *   region of interest (roi)   voxels outside it take no part
+ *   outbox       offers that one worker has for cells that another worker owns
+ *
  * Invariants between calls
  *   T1 every key solves the equation above; forest_check asserts it;
  *   T2 label and root of a voxel are those of its predecessor, to which cell.direction leads; a
@@ -41,7 +54,7 @@
 struct forest;
 
 /* What an edit does to one voxel: plant a seed of a label (in place of one that may be there; not
- * outside the region of interest), or take the seed away. */
+ * outside the region of interest), or remove the seed. */
 enum { EDIT_ERASE = -1 };
 struct edit {
     uint32_t cell;
@@ -54,7 +67,7 @@ struct change {
     uint8_t former_label, label;
 };
 
-/* What the last edit has given another label: each voxel once, in no order. Where the forest grew
+/* The voxels to which the last edit gave another label, each once, in no order. Where the forest grew
  * from nothing, or that is more than a sixteenth of the scene, `everything` is set and the list is
  * empty: readers scan the scene once instead. */
 struct changes {
@@ -66,8 +79,8 @@ struct changes {
 struct forest_stats {
     uint64_t served;  /* voxels whose final key was passed on to the neighbours */
     uint64_t cleared; /* voxels that lost their tree on the way */
-    uint64_t raised;  /* voxels whose root went elsewhere, and that found another at their level */
-    uint64_t touched; /* voxels whose key or label was looked at anew; all, from nothing */
+    uint64_t raised;  /* voxels that took another root at their level, for theirs had gone */
+    uint64_t touched; /* voxels whose key or label was computed again; all, from nothing */
 };
 
 /* A forest without seeds over a scene with weights; the scene outlives it. Adjacency 6 or 26. */
@@ -87,9 +100,9 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
 /* Takes the last successful edit back, as an edit of its own. */
 enum err forest_revert(struct forest *forest, struct fault *fault);
 
-/* Computes the whole forest again from its seeds: after weights, adjacency or region of interest have changed,
- * or as the yardstick for an update. On error the forest is as before, or, where even that could
- * not be computed again, it has its seeds and no keys; the words say which. */
+/* Computes the whole forest again from its seeds: after weights, adjacency or region of interest
+ * have changed, or to compare an update with. On error the forest is as before, or, where even that
+ * could not be computed again, it has its seeds and no keys; the words say which. */
 enum err forest_rebuild(struct forest *forest, struct fault *fault);
 
 /* What the last edit did to seeds: of each of `count` voxels, once, what it has now and had before.
@@ -101,7 +114,7 @@ struct seed_changes {
 struct seed_changes forest_seed_changes(const struct forest *forest);
 
 /* Since the forest is a function of the set of seeds, many edits need it only after the last: a
- * suspended forest keeps its seeds alone, T1, T2 and T4 do not hold, and edits and rebuilds compute
+ * suspended forest has seeds only, T1, T2 and T4 do not hold, and edits and rebuilds compute
  * nothing, until forest_catch_up computes what they would have led to. On its errors, see
  * forest_rebuild. */
 void forest_suspend(struct forest *forest);
@@ -114,9 +127,9 @@ void forest_set_adjacency(struct forest *forest, unsigned count);
 /* Arcs weigh by this rule from now on, instead of by ARC_TARGET; forest_rebuild must follow. */
 void forest_set_arcs(struct forest *forest, const struct arc_rule *arcs);
 
-/* Who grows a forest from nothing, every thread of the team at once; NULL, as at first, is the
- * caller alone. All crews give the same bits. The team outlives the forest. On ERR_MEMORY the
- * former one stays. */
+/* The team whose threads grow a forest from nothing together; NULL, as at first, is the caller
+ * alone. All teams give the same bits. The team outlives the forest. On ERR_MEMORY the former one
+ * stays. */
 enum err forest_set_team(struct forest *forest, struct team *team, struct fault *fault);
 
 struct changes forest_changes(const struct forest *forest);
@@ -140,7 +153,7 @@ uint64_t forest_label_digest(const struct forest *forest);
 /* Both, counted again from every voxel. */
 void forest_recount(const struct forest *forest, uint64_t *keys, uint64_t *labels);
 
-/* Asserts T1, T2, T3 and T4 by looking at every voxel. False, with words, where one fails. */
+/* Checks T1, T2, T3 and T4 at every voxel. False, with words, where one fails. */
 bool forest_check(const struct forest *forest, struct fault *fault);
 
 #endif

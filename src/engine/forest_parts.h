@@ -1,6 +1,6 @@
 /*
- * The inside of a forest, shared by forest.c (edits), support.c (what loses its predecessor) and
- * pass.c (the levels, one after another). Nobody else includes it.
+ * The inside of a forest, shared by forest.c (edits), support.c (voxels that lose their predecessor)
+ * and pass.c (the levels, one after another), and by no other file.
  */
 #ifndef ENGINE_FOREST_PARTS_H
 #define ENGINE_FOREST_PARTS_H
@@ -16,7 +16,7 @@ struct cells {
     size_t count, capacity;
 };
 
-/* An offer to a cell of another worker, and a growing list of them. */
+/* An offer to a cell that another worker owns, and a growing list of them. */
 struct posted_offer {
     uint64_t key;
     uint32_t cell, state;
@@ -26,22 +26,21 @@ struct outbox {
     size_t count, capacity;
 };
 
-/* One thread of a pass. What it tells the others it writes before they meet (engine/pass.c). */
+/* One thread of a pass. It writes its status for the others before they meet (engine/pass.c). */
 struct worker {
     struct forest *forest;
     unsigned number;
     struct queue *queue;
-    struct outbox to[TEAM_MOST];
+    struct outbox outbox[TEAM_MOST];   /* to each other worker */
     uint64_t key_digest, label_digest; /* what it added in this pass */
     uint64_t served;
     bool starved; /* memory ran out */
-    bool too_far; /* a path is as long as keys can tell (T3) */
-
-    struct {
+    bool too_far; /* a path has as many hops as a key can hold (T3) */
+    struct status {
         uint64_t lowest; /* level that waits, or QUEUE_EMPTY */
         uint64_t served;
         enum err err;
-    } told;
+    } status;
 };
 
 struct forest {
@@ -51,8 +50,8 @@ struct forest {
     struct arc_rule arcs;
     ptrdiff_t bytes_to[26]; /* the adjacency's offsets, in bytes */
     uint32_t state[26];     /* of a voxel with label 0 that waits, reached along each direction */
-    uint32_t kept_state;    /* what of a state stays when an offer is taken, as a mask */
-    uint32_t settled_state; /* and when a voxel has been served */
+    uint32_t taken_mask;    /* what of a state stays when an offer is taken */
+    uint32_t settled_mask;  /* and when a voxel has been served */
     size_t seeds;
 
     struct change *change; /* [change_limit] */
@@ -61,15 +60,15 @@ struct forest {
     bool everything;
 
     struct edit *batch;   /* the edit at hand, in the order of cells, each voxel once */
-    struct edit *inverse; /* what takes it back, likewise */
+    struct edit *inverse; /* the edit that takes it back, likewise */
     size_t edits, batch_capacity, inverse_capacity;
-    bool suspended; /* seeds alone are kept */
+    bool suspended; /* there are seeds only */
 
     struct cells cleared; /* voxels that have lost their tree in this edit */
     size_t reoffered;     /* the first of these, that wait for no offer any more */
     size_t clear_limit;   /* beyond so many everything grows anew instead: */
     bool lost_too_much;
-    bool from_scratch; /* the pass began with seeds alone: no key will ever rise */
+    bool from_scratch; /* the pass began with seeds only: no key will rise */
     struct forest_stats stats;
     uint64_t key_digest, label_digest;
 
@@ -95,9 +94,9 @@ static inline uint64_t label_share(uint32_t cell, uint8_t label)
 
 /* ---- changes ---- */
 
-/* To be called before an edit changes a voxel: the first time its share leaves the digest of keys,
- * and its label is noted. When the voxel has its final key, settle takes note of that, once. Where
- * the forest grows from nothing there is nothing to note. */
+/* To be called before an edit changes a voxel: the first time, its share leaves the digest of keys
+ * and its former label is stored. When the voxel has its final key, settle is called once. Where the
+ * forest grows from nothing there is nothing to store. */
 static inline void touch(struct forest *forest, uint32_t at)
 {
     struct cell *cell = forest->cell + at;
@@ -121,7 +120,7 @@ static inline void settle(struct forest *forest, uint32_t at)
     forest->changes += (cell->label != cell->former_label) & !forest->everything;
     forest->label_digest += label_share(at, cell->label) - label_share(at, cell->former_label);
     forest->unsettled--;
-    cell->state &= forest->settled_state;
+    cell->state &= forest->settled_mask;
 }
 
 /* ---- offers ---- */
@@ -174,14 +173,14 @@ static inline __attribute__((always_inline)) struct offer best_offer(const struc
 
 /* ---- support.c ---- */
 
-/* Takes a seed away: its tree is cleared, and waits for reoffer_cleared. */
+/* Removes a seed: its tree is cleared, and waits for reoffer_cleared. */
 void uproot(struct forest *forest, uint32_t at);
 
-/* Every cleared voxel takes the best offer of its neighbours that kept their tree, and waits. */
+/* Every cleared voxel takes the best offer of the frontier around it, and waits in the queue. */
 void reoffer_cleared(struct forest *forest);
 
 /* A voxel whose predecessor, in `direction`, has just been served and no longer offers it the key
- * it has, but a dearer one. */
+ * it has, but a greater one. */
 void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned direction);
 
 /* ---- pass.c ---- */
@@ -191,11 +190,11 @@ void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned d
  * finds the words. */
 enum err forest_pass(struct forest *forest, bool may_stop);
 
-/* Workers for the team, and which cells are whose. ERR_MEMORY: as it was. */
+/* One worker for each thread of the team, and which cells each owns. ERR_MEMORY: as it was. */
 enum err forest_enlist(struct forest *forest, struct team *team, struct fault *fault);
 void forest_dismiss(struct forest *forest);
 
-/* Forgets all that waits. */
+/* Empties the queues. */
 void forest_forget_queues(struct forest *forest);
 
 #endif

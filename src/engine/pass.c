@@ -3,19 +3,19 @@
  * key, final by then, on to its neighbours. Keys of one level never offer within it, so the voxels
  * of a level may be served in any order, and by several workers.
  *
- * Voxels are served in windows. First each makes its offers: the neighbours that should hear of one
- * are written down without a branch, since nobody can foretell which will. Then the offers are
- * looked at again, and taken where they still are the best. Cells are fetched two windows before
- * they are served, their neighbours one window before. On a scene of 7 million voxels this takes
- * half the time of serving voxel by voxel.
+ * Voxels are served in windows. First each makes its offers: the neighbours that may take one are
+ * written down without a branch, since which will is hard to predict. Then the offers are compared
+ * again, and taken where they still are the best. Cells are fetched two windows before they are
+ * served, their neighbours one window before. On a scene of 7 million voxels this takes half the
+ * time of serving voxel by voxel.
  *
- * Workers. Where a forest grows from nothing, a thread team shares the pass. Each cell has one owner,
- * who alone changes it and in whose queue it waits; offers to another's cell are sent as posted offers
- * and read when all have served the level. A worker reads keys of others' cells while their owners
- * may lower them: an offer made in vain is turned down by the owner, and no key ever rises. So each
- * level ends in the same keys as if one worker had served it. Where the others keep the first
- * worker waiting, because the machine has other things to do, it goes on alone, in everyone's
- * place.
+ * Workers. Where a forest grows from nothing, a thread team shares the pass. Each cell has one
+ * owner, which alone changes it and in whose queue it waits. An offer to a cell of another worker
+ * goes to the outbox for that worker, which takes it when all have served the level. A worker reads
+ * keys of cells that it does not own while their owners may lower them: an offer made in vain is
+ * declined by the owner, and no key ever rises. So each level ends in the same keys as if one
+ * worker had served it. Where the first worker has to wait for the others, because the machine has
+ * other things to do, it goes on alone, in place of all of them.
  */
 #include "engine/forest_parts.h"
 
@@ -29,8 +29,8 @@ enum {
     WINDOW = 16,  /* voxels served together */
     BATCH = 1024, /* queue entries taken at once */
     OFFERS = WINDOW * 26 + 1,
-    OWNED_PARTS = 16, /* of the scene, for each worker */
-    PATIENCE_NS = 15000000,
+    OWNED_PARTS = 16,       /* of the scene, for each worker */
+    PATIENCE_NS = 15000000, /* that the first worker waits before it goes on alone */
 };
 
 /* Code that is compiled once for each of these, as constants: loops unroll and tests vanish. */
@@ -38,11 +38,11 @@ struct kind {
     unsigned neighbours;
     enum arc_kind arcs;
     bool mends;  /* keys may have changed under their children */
-    bool shares; /* some cells are others' */
+    bool shares; /* some cells are owned by other workers */
 };
 #define PER_KIND static inline __attribute__((always_inline))
 
-/* Offers, side by side so that the next one costs three stores and an addition. */
+/* Offers, in three arrays, so that the next one takes three stores and an addition. */
 struct offers {
     uint64_t key[OFFERS];
     uint32_t cell[OFFERS];
@@ -66,7 +66,7 @@ static inline const struct cell *neighbour_of(const struct forest *forest, const
 
 /* A voxel that had to take the offer of another root takes the best it can have: the neighbours on
  * lower levels have their final keys by now. */
-PER_KIND void look_around(struct forest *forest, uint32_t s, const struct kind kind)
+PER_KIND void take_best_offer(struct forest *forest, uint32_t s, const struct kind kind)
 {
     struct cell *here = forest->cell + s;
     const uint64_t limit = key_level_begin(key_level(here->key));
@@ -79,14 +79,14 @@ PER_KIND void look_around(struct forest *forest, uint32_t s, const struct kind k
     }
 }
 
-/* Serves one voxel: writes down who should hear of its key. That is each neighbour with a higher
- * key than it is offered, and each child with another key than it is offered. */
+/* Serves one voxel: writes down its offers. One goes to each neighbour with a higher key than it is
+ * offered, and to each child with another key than it is offered. */
 PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t s,
                           struct offers *offers, const struct kind kind)
 {
     struct cell *here = forest->cell + s;
     if (kind.mends && here->flags & CELL_RAISED)
-        look_around(forest, s, kind);
+        take_best_offer(forest, s, kind);
     const uint64_t key = here->key, hop = key_hop(key);
     const uint32_t root = key_root(key), state = cell_state(here->label, 0, 0);
     size_t count = offers->count;
@@ -96,7 +96,7 @@ PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t
         settle(forest, s);
     } else {
         worker->label_digest += label_share(s, here->label);
-        here->state &= forest->settled_state;
+        here->state &= forest->settled_mask;
     }
 #pragma GCC unroll 6
     for (unsigned i = 0; i < kind.neighbours; i++) {
@@ -104,13 +104,13 @@ PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t
         const uint32_t weight = arc_weight(&forest->arcs, kind.arcs, here, t, here->label);
         const uint64_t offer = key_greater(key_rise(weight, root), hop);
         const uint64_t present = kind.shares ? key_seen(t) : t->key;
-        bool hears = offer < present;
+        bool matters = offer < present;
         if (kind.mends)
-            hears |= (t->direction == i) & (offer != present);
+            matters |= (t->direction == i) & (offer != present);
         offers->key[count] = offer;
         offers->cell[count] = s + (uint32_t)forest->adjacency.offset[i];
         offers->state[count] = state | forest->state[i];
-        count += hears;
+        count += matters;
     }
     offers->count = count;
 }
@@ -118,7 +118,7 @@ PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t
 static void post_offer(struct worker *worker, unsigned to, uint64_t key, uint32_t cell,
                        uint32_t state)
 {
-    struct outbox *outbox = worker->to + to;
+    struct outbox *outbox = worker->outbox + to;
     if (mem_grow(&outbox->item, &outbox->capacity, outbox->count + 1, sizeof *outbox->item))
         outbox->item[outbox->count++] = (struct posted_offer){key, cell, state};
     else
@@ -126,9 +126,9 @@ static void post_offer(struct worker *worker, unsigned to, uint64_t key, uint32_
 }
 
 /*
- * Cells take the offers that are below their keys. Which do is hard to foretell, as three voxels of
- * a front often offer the same to one: so keys and states are written by masks, whoever wins, and
- * cells are appended to what is to wait without a branch.
+ * Cells take the offers that are below their keys. Which do is hard to predict, as three voxels
+ * often offer the same to one: so keys and states are written through masks in any case, and cells
+ * are appended to what is to wait without a branch.
  */
 PER_KIND void take_offers(struct forest *forest, struct worker *worker, uint32_t level,
                           const struct offers *offers, const struct kind kind)
@@ -160,7 +160,7 @@ PER_KIND void take_offers(struct forest *forest, struct worker *worker, uint32_t
             ((cell->flags & CELL_QUEUED) != 0) & (key_level(former) == key_level(offer));
         const bool hopped = key_level(offer) == level + 1;
         const uint64_t key_mask = -(uint64_t)takes;
-        const uint32_t state = offers->state[i] | (cell->state & forest->kept_state);
+        const uint32_t state = offers->state[i] | (cell->state & forest->taken_mask);
         __atomic_store_n(&cell->key, former ^ ((former ^ offer) & key_mask), __ATOMIC_RELAXED);
         cell->state ^= (cell->state ^ state) & (uint32_t)key_mask;
         hop[hops] = at;
@@ -254,12 +254,12 @@ static void serve(struct forest *forest, struct worker *worker, uint32_t level)
     }
 }
 
-/* Takes the offers that others have sent to this worker's cells. */
+/* Takes the offers that the other workers have posted to this one. */
 static void take_posted_offers(struct forest *forest, struct worker *worker, uint32_t level)
 {
     struct offers offers;
     for (unsigned from = 0; from < forest->workers; from++) {
-        const struct outbox *outbox = forest->worker[from].to + worker->number;
+        const struct outbox *outbox = forest->worker[from].outbox + worker->number;
         for (size_t i = 0; i < outbox->count;) {
             for (offers.count = 0; offers.count < OFFERS && i < outbox->count; i++) {
                 offers.key[offers.count] = outbox->item[i].key;
@@ -277,39 +277,34 @@ struct pass {
     struct forest *forest;
     bool may_stop;                /* where the scene's watch says so */
     uint64_t begin_ns, waited_ns; /* of the first worker */
-    bool alone;                   /* the first worker acts for all; told like the rest */
+    bool alone;                   /* the first worker acts for all; set before all meet */
 };
 
-static void tell(struct worker *worker, enum err err)
+static void post_status(struct worker *worker, enum err err)
 {
     if (!err && (worker->starved || queue_failed(worker->queue)))
         err = ERR_MEMORY;
     if (!err && worker->too_far)
         err = ERR_LIMIT;
-    worker->told.lowest = queue_lowest(worker->queue);
-    worker->told.served = worker->served;
-    worker->told.err = err;
+    worker->status.lowest = queue_lowest(worker->queue);
+    worker->status.served = worker->served;
+    worker->status.err = err;
 }
 
-/* What all have told, the same to everyone. */
-struct status {
-    uint64_t lowest, served;
-    enum err err;
-};
-
+/* Of all workers together; each worker gathers the same. */
 static struct status gather_status(const struct forest *forest)
 {
     struct status all = {QUEUE_EMPTY, 0, OK};
     for (unsigned i = 0; i < (forest->shared ? forest->workers : 1); i++) {
         const struct worker *worker = forest->worker + i;
-        all.lowest = worker->told.lowest < all.lowest ? worker->told.lowest : all.lowest;
-        all.served += worker->told.served;
-        all.err = all.err ? all.err : worker->told.err;
+        all.lowest = worker->status.lowest < all.lowest ? worker->status.lowest : all.lowest;
+        all.served += worker->status.served;
+        all.err = all.err ? all.err : worker->status.err;
     }
     return all;
 }
 
-/* Has the first worker meet the others, and count how long it waits for them. */
+/* Waits for the other workers; the first one counts how long that takes. */
 static void meet(struct pass *pass, struct team *team, unsigned number)
 {
     const uint64_t begin = team && number == 0 ? clock_ns() : 0;
@@ -318,8 +313,8 @@ static void meet(struct pass *pass, struct team *team, unsigned number)
         pass->waited_ns += clock_ns() - begin;
 }
 
-/* Whether the first worker has waited for most of its time, and long. */
-static bool is_kept_waiting(const struct pass *pass)
+/* Whether the first worker has waited for long, and for most of its time. */
+static bool waits_too_long(const struct pass *pass)
 {
     return pass->waited_ns > PATIENCE_NS && pass->waited_ns > (clock_ns() - pass->begin_ns) / 2;
 }
@@ -328,7 +323,7 @@ static void serve_own(struct forest *forest, struct worker *worker, uint32_t lev
 {
     queue_serve(worker->queue, level);
     for (unsigned i = 0; i < forest->workers; i++)
-        worker->to[i].count = 0;
+        worker->outbox[i].count = 0;
     const uint64_t before = worker->served;
     serve(forest, worker, level);
     if ((level & 0xFFFF) == KEY_HOPS_LIMIT && worker->served > before)
@@ -349,7 +344,7 @@ static void work(void *context, unsigned number)
     struct forest *forest = pass->forest;
     struct team *team = forest->shared ? forest->team : NULL;
     unsigned end = number + 1; /* acts for the workers number..end-1 */
-    tell(forest->worker + number, OK);
+    post_status(forest->worker + number, OK);
     meet(pass, team, number);
     for (;;) {
         if (pass->alone && number > 0)
@@ -366,12 +361,12 @@ static void work(void *context, unsigned number)
             serve_own(forest, forest->worker + i, level);
         meet(pass, team, number);
         if (number == 0 && team)
-            pass->alone = is_kept_waiting(pass);
+            pass->alone = waits_too_long(pass);
         const bool cancelled = number == 0 && is_cancelled(pass, all.served);
         for (unsigned i = number; i < end; i++) {
             if (forest->shared)
                 take_posted_offers(forest, forest->worker + i, level);
-            tell(forest->worker + i, cancelled ? ERR_CANCELLED : OK);
+            post_status(forest->worker + i, cancelled ? ERR_CANCELLED : OK);
         }
         meet(pass, team, number);
     }
@@ -380,8 +375,8 @@ static void work(void *context, unsigned number)
 static void empty_outboxes(struct forest *forest, struct worker *worker)
 {
     for (unsigned to = 0; to < forest->workers; to++) {
-        free(worker->to[to].item);
-        worker->to[to] = (struct outbox){0};
+        free(worker->outbox[to].item);
+        worker->outbox[to] = (struct outbox){0};
     }
 }
 
@@ -415,7 +410,7 @@ static void release_workers(struct worker *worker, unsigned workers)
     for (unsigned i = 0; worker && i < workers; i++) {
         queue_free(worker[i].queue);
         for (unsigned to = 0; to < workers; to++)
-            free(worker[i].to[to].item);
+            free(worker[i].outbox[to].item);
     }
     free(worker);
 }
@@ -427,7 +422,7 @@ void forest_dismiss(struct forest *forest)
     forest->workers = 0;
 }
 
-/* Parts of the scene, several for each worker, in turn: fronts are everywhere at times. */
+/* Parts of the scene, several for each worker, in turn: so that all have work wherever the trees grow. */
 static void share_cells(struct forest *forest)
 {
     const size_t cells = forest->scene->grid.cells;

@@ -4,7 +4,7 @@
  * Within a level there is no order, and none is needed: keys of one level never offer within it.
  * A bucket per cost holds what waits there; when a cost comes up, its bucket is dealt out over
  * the hops. Entries are never taken out early: one whose cell has moved to another level is
- * stale, and whoever serves the level skips it (the cell's own key and CELL_QUEUED decide).
+ * stale, and is skipped when the level is served (the cell's own key and CELL_QUEUED decide).
  *
  * Buckets are lists of small chunks from a pool. Where that runs out, entries are dropped and
  * `failed` is set: the result of the pass is then worthless.
@@ -19,7 +19,7 @@
 struct queue;
 
 /* For a scene of `cells`: room for eight entries a cell, as addresses only; memory is taken as it
- * is needed, and `kept_bytes` of it stay with an empty queue. NULL when out of memory. */
+ * is needed, and an empty queue still holds `kept_bytes` of it. NULL when out of memory. */
 struct queue *queue_new(size_t cells, size_t kept_bytes);
 void queue_free(struct queue *queue);
 

@@ -3,9 +3,9 @@
  *
  * A voxel is inside where the mask holds it and its intensity lies within the range. One outside is
  * to the forest as a cell of the rim (S2 of engine/scene.h): it takes no tree, lets none through,
- * and is background. Weights do not look at the region of interest: they are a function of all intensities.
+ * and is background. Weights do not depend on it: they are a function of all intensities.
  *
- * Invariant: between calls of the session, a voxel has CELL_FENCED exactly where it is outside the
+ * Invariant: between calls of the session, a voxel has CELL_OUTSIDE exactly where it is outside the
  * region of interest that was applied last; no seed is.
  */
 #ifndef ENGINE_ROI_H
@@ -40,7 +40,7 @@ static inline bool roi_holds(const struct roi *roi, const struct scene *scene, u
 uint64_t *mask_new(const struct grid *grid);
 size_t mask_bytes(const struct grid *grid);
 
-/* What a region of interest would do to a scene, whatever region of interest it has. */
+/* What it would do to a scene, whatever region of interest the scene has now. */
 struct roi_tally {
     size_t inside;        /* voxels */
     size_t seeds_outside; /* of those planted */
@@ -48,8 +48,8 @@ struct roi_tally {
 };
 struct roi_tally roi_tally(const struct roi *roi, const struct scene *scene);
 
-/* Puts the region of interest up in place of the one that was; every seed is inside. forest_rebuild must follow
- * where there are seeds. */
+/* Applies it in place of the former one; every seed is inside. forest_rebuild must follow where
+ * there are seeds. */
 void roi_apply(const struct roi *roi, struct scene *scene);
 
 #endif

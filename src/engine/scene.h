@@ -5,10 +5,10 @@
  * separate arrays this made a run from scratch two and a half times as fast.
  *
  * Invariants
- *   S1 a cell of the rim has key 0, label 0, weight 0, and the flag CELL_RIM, for ever: it declines
- *      every offer (none is below 0), makes none, and is background to everyone;
- *   S2 a voxel outside the region of interest (engine/region of interest.h) has key 0, label 0, no predecessor, and the flag
- *      CELL_FENCED: to the forest it is as the rim;
+ *   S1 a cell of the rim has key 0, label 0, weight 0, and the flag CELL_RIM, always: it declines every
+ *      offer (none is below 0), makes none, and counts as background;
+ *   S2 a voxel outside the region of interest (engine/roi.h) has key 0, label 0, no predecessor,
+ *      and the flag CELL_OUTSIDE: to the forest it is as the rim;
  *   S3 intensity belongs to the scene, weight to engine/weight.h, the rest to engine/forest.h.
  */
 #ifndef ENGINE_SCENE_H
@@ -41,7 +41,8 @@ struct cell {
     uint16_t intensity;
     union {
         struct {
-            uint8_t label;        /* of the root; 0 is the background, and what no seed reaches */
+            uint8_t
+                label; /* of the root; 0 is the background, and of voxels that no seed reaches */
             uint8_t direction;    /* of the adjacency, from predecessor to here; DIRECTION_NONE */
             uint8_t flags;        /* enum cell_flag */
             uint8_t former_label; /* of a touched voxel, before the edit; else 0 */
@@ -74,8 +75,8 @@ struct scene {
     uint32_t spacing_nm[3]; /* between voxel centres along x, y, z */
     int8_t world_axis[3];   /* which world axis each voxel axis runs along, and which way: */
     int8_t world_sign[3];   /* world 0 is to the patient's Right, 1 Anterior, 2 Superior */
-    struct watch *watch;    /* of all that goes through the whole scene, which leaves off where it
-                               says so: who asked for it looks at watch_stops. Or NULL */
+    struct watch *watch;    /* of all work on the whole scene, which ends early where it says so:
+                               the caller checks watch_stops. Or NULL */
 };
 
 /* A scene of unreached voxels with intensity 0, spacing 1 mm, axes as the world's. */
@@ -84,7 +85,7 @@ enum err scene_new(struct scene **scene, const uint32_t size[3], struct fault *f
 enum err scene_new_watched(struct scene **scene, const uint32_t size[3], struct watch *watch,
                            struct fault *fault);
 /* The same with these intensities [z][y][x], put in while the cells are made: ch2 takes 10 ms less
- * than by scene_fill behind it. */
+ * than by scene_fill after it. */
 enum err scene_new_filled(struct scene **scene, const uint32_t size[3], const uint16_t *intensity,
                           struct watch *watch, struct fault *fault);
 void scene_free(struct scene *scene);
@@ -136,7 +137,7 @@ uint64_t scene_digest(const struct scene *scene);
 enum { SCENE_PROOF_HEX = 65 };
 
 /*
- * SHA-256 over the same, which nobody can find a second scene for, as 64 digits and a NUL: three
+ * SHA-256 over the same, for which no second scene can be found, as 64 digits and a NUL: three
  * sizes and three spacings in nanometres as 32 bits each, then a byte for each axis (2 * world axis
  * + 1 where it runs the other way) and one zero byte, then the intensities, x fastest, as 16 bits;
  * all little-endian. "" where the watch says so.

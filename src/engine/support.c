@@ -1,12 +1,12 @@
 /*
  * Support: every key but a seed's is what the predecessor offers. This file is about voxels that
- * lose that, because a seed was taken away or because their predecessor's own key has changed.
+ * lose that, because a seed was removed or because the key of their predecessor has changed.
  */
 #include "engine/forest_parts.h"
 
 #include "base/mem.h"
 
-enum { AHEAD = 6 }; /* voxels between fetching and looking at */
+enum { AHEAD = 6 }; /* voxels between fetching one and using it */
 
 /* ---- the best offer ---- */
 
@@ -35,8 +35,8 @@ static void clear_voxel(struct forest *forest, uint32_t at)
     cell->flags = (uint8_t)((cell->flags & ~(CELL_QUEUED | CELL_RAISED)) | CELL_CLEARED);
 }
 
-/* Clears a voxel and all its descendants, appending them to `cleared`; gives up where that is to
- * grow beyond `limit`. */
+/* Clears a voxel and all its descendants, appending them to `cleared`; stops where that is to grow
+ * beyond `limit`. */
 static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
 {
     const struct adjacency *adjacency = &forest->adjacency;
@@ -54,7 +54,7 @@ static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
         }
         if (!mem_grow(&cleared->item, &cleared->capacity, cleared->count + adjacency->count,
                       sizeof *cleared->item)) {
-            cleared->count = next; /* what is not cleared keeps its keys; the pass is lost */
+            cleared->count = next; /* the rest has its former keys; the pass is lost */
             forest->worker[0].starved = true;
             return;
         }
@@ -64,7 +64,7 @@ static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
         size_t count = cleared->count;
         for (unsigned i = 0; i < adjacency->count; i++) {
             const uint32_t child = at + (uint32_t)adjacency->offset[i];
-            cleared->item[count] = child; /* for good, if it is one */
+            cleared->item[count] = child; /* stays, if it is one */
             count += forest->cell[child].direction == i;
         }
         cleared->count = count;
@@ -99,13 +99,13 @@ void reoffer_cleared(struct forest *forest)
 }
 
 /*
- * extend keeps the order of levels, though not that of keys: where its maker's level falls, an
- * offer's level does not rise. So while weights do not depend on labels, a voxel whose predecessor
- * got another key is still offered its own level, only by another root. Whoever offers it that
- * level has a lower one, and is no descendant of the voxel, whose levels are all above. So it waits
- * at its level like any other, looks around when it is served, and its children follow: nothing is
- * cleared. Where weights depend on labels its level may rise; then what hangs on the voxel cannot
- * be told from what might support it, and is cleared.
+ * extend preserves the order of levels, though not that of keys: where the level of a voxel falls,
+ * those of its offers do not rise. So while weights do not depend on labels, a voxel whose
+ * predecessor got another key is still offered its own level, only by another root. The voxel that
+ * offers it that level has a lower one, and is no descendant, for all their levels are above. So it
+ * waits at its level like any other, takes the best offer when it is served, and its children
+ * follow: nothing is cleared. Where weights depend on labels its level may rise; then its
+ * descendants cannot be distinguished from voxels that might support it, and are cleared.
  */
 void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned direction)
 {
