@@ -147,13 +147,3 @@ size_t flow_budget(const struct flow *f)
     bytes = bytes < FLOW_BYTES_LEAST ? FLOW_BYTES_LEAST : bytes;
     return bytes > FLOW_BYTES_MOST ? FLOW_BYTES_MOST : (size_t)bytes;
 }
-
-unsigned flow_divisor(const struct flow *f, size_t bytes)
-{
-    static const unsigned divisor[] = {1, 2, 3, 4, 6};
-    const size_t budget = flow_budget(f);
-    for (unsigned i = 0; i < sizeof divisor / sizeof divisor[0]; i++)
-        if (bytes / (divisor[i] * divisor[i]) <= budget)
-            return divisor[i];
-    return 8;
-}

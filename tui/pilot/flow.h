@@ -11,9 +11,10 @@
  *   L1 a frame is sent only when the barrier before it has been answered: what came up meanwhile is
  *      dropped, not queued, and the newest state is what goes next;
  *   L2 after FLOW_LIMIT_NS without an answer it goes on anyway, one frame at a time; the transfer
- *      may have been cut on the way, so a frame after a failed barrier begins with what ends it (`failed`);
+ *      may have been cut on the way, so a frame after a failed barrier begins with what ends it
+ *      (`failed`, probe_add_recovery);
  *   L3 a frame has as many bytes as the line carries in FLOW_TARGET_NS: a picture that needs more
- *      is sent smaller (flow_divisor), for quality is to drop before latency does. When nothing
+ *      is sent coarser (tui/pilot/refine.h), for quality is to drop before latency does. When nothing
  *      moves any more the caller sends the full picture.
  *
  * The line is taken for one that needs `round_trip + bytes x per_byte`. Both come from what has
@@ -29,7 +30,7 @@
  *
  *     struct flow flow = {.round_trip_ns = facts.round_trip_ns, .silent = !facts.answers};
  *     if (flow_may_send(&flow, now)) {
- *         .. at 1/flow_divisor(&flow, bytes of the last full picture) of the size ..
+ *         .. as fine as flow_budget(&flow) allows ..
  *         .. term_write(frame, ESC[c) ..
  *         flow_sent(&flow, bytes, now);
  *     } else {
@@ -81,9 +82,5 @@ void flow_answered(struct flow *f, uint64_t now_ns);
 
 /* Bytes that the next frame may have; FLOW_BYTES_LEAST..FLOW_BYTES_MOST. */
 size_t flow_budget(const struct flow *f);
-
-/* The least divisor (1, 2, 3, 4, 6 or 8) of both sides at which a picture that takes `bytes` in
- * full keeps the budget; 8 where none does. Bytes go with the area. */
-unsigned flow_divisor(const struct flow *f, size_t bytes);
 
 #endif

@@ -8,13 +8,12 @@
 #include "tui/keys.h"
 #include "tui/picture/painter.h"
 #include "tui/pilot/pilot_keys.h"
-#include "tui/pilot/pilot_rows.h"
 #include "tui/pilot/refine.h"
 #include "tui/term.h"
 #include "tui/cells.h"
 
 /* The smallest screen. */
-enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10 };
+enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10, ROWS_OF_TEXT = 2 };
 
 #define ENTER_SCREEN "\033[?1049h\033[?25l" TERM_PROMPT_BEGINS
 #define LEAVE_SCREEN TERM_PROMPT_ENDS "\033[?25h\033[?1049l"
@@ -34,6 +33,94 @@ struct pilot {
     bool is_blank; /* nor anything at all */
     bool is_over, has_ended;
 };
+
+/* ---- text ---- */
+
+/* A row of text, cut to the screen, without a line feed. */
+static void add_row(struct buf *out, unsigned row, unsigned columns, const char *text)
+{
+    struct buf cut = {0};
+    cells_crop(&cut, text, columns);
+    buf_printf(out, "\033[%u;1H\033[m\033[K", row + 1);
+    buf_add(out, buf_text(&cut), strcspn(buf_text(&cut), "\r\n"));
+    out->failed |= cut.failed;
+    buf_release(&cut);
+}
+
+/* "axial 90 at 90,108,90  brush 2 pons r3 drawing  1 waits for space  label 1 head  ..." */
+static void add_status(struct buf *row, const struct pilot_state *state,
+                       const struct pilot_host *host, const struct pilot_facts *facts)
+{
+    static const char *const pane[] = {"axial", "coronal", "sagittal"};
+    const uint32_t *at = facts->place;
+    buf_printf(row, "%s %u at %u,%u,%u  brush ", pane[state->pane], facts->index[state->pane],
+               at[0], at[1], at[2]);
+    host->label(host->context, state->label, row);
+    if (state->radius)
+        buf_printf(row, " r%u", state->radius);
+    buf_add_text(row, state->pen_is_down ? " drawing" : "");
+    buf_add_text(row, state->has_mark ? " stroke" : "");
+    if (facts->waiting)
+        buf_printf(row, "  %zu wait%s for space", facts->waiting, facts->waiting == 1 ? "s" : "");
+    buf_printf(row, "  %s", facts->where);
+}
+
+/* Two rows at the foot of the screen. The upper one shows where the cross-hair is, what a key would
+ * plant and what waits, then the voxel: a narrow screen cuts off what can be missed first. The lower
+ * one has the last message, or what the keys do now. A message of more than a row takes both, until
+ * the next key. */
+static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_facts *facts,
+                     const struct term_size *size)
+{
+    struct buf upper = {0}, lower = {0};
+    if (p->message.length)
+        cells_wrap(&lower, &p->message, size->columns);
+    else
+        pilot_keys_hint(&p->state, facts, &lower);
+    const char *second = strchr(buf_text(&lower), '\n');
+    if (second)
+        buf_add(&upper, buf_text(&lower), (size_t)(second - buf_text(&lower)));
+    else
+        add_status(&upper, &p->state, p->host, facts);
+    add_row(out, size->rows - 2, size->columns, buf_text(&upper));
+    add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower));
+    out->failed |= upper.failed || lower.failed;
+    buf_release(&upper);
+    buf_release(&lower);
+}
+
+/* The page of keys, from the top of the screen. */
+static void add_help(struct buf *out)
+{
+    struct buf page = {0};
+    unsigned row = 1;
+    pilot_keys_page(&page);
+    for (const char *at = buf_text(&page); *at; row++) {
+        const size_t n = strcspn(at, "\n");
+        buf_printf(out, "\033[%u;1H\033[K", row + 1);
+        buf_add(out, at, n);
+        at += n + (at[n] == '\n');
+    }
+    buf_printf(out, "\033[%u;1H  any key goes on", row + 2);
+    out->failed |= page.failed;
+    buf_release(&page);
+}
+
+/* What one screen shows of a text that cells_wrap has broken, from byte *at on, and below it which
+ * key goes on; *at is then where the next screen begins. */
+static void add_page(struct buf *out, const struct buf *text, size_t *at,
+                     const struct term_size *size)
+{
+    const size_t first = *at;
+    for (unsigned row = 1; row < size->rows && *at < text->length; row++) {
+        const char *feed = memchr(text->data + *at, '\n', text->length - *at);
+        *at = feed ? (size_t)(feed - (const char *)text->data) + 1 : text->length;
+    }
+    buf_add_text(out, "\033[m\033[H\033[2J");
+    buf_add(out, buf_text(text) + first, *at - first);
+    buf_printf(out, "\033[%u;1H%s", size->rows,
+               *at < text->length ? "(any key: more; q: enough)" : "(any key)");
+}
 
 /* ---- the screen ---- */
 
@@ -96,10 +183,10 @@ static enum err draw(struct pilot *p, struct fault *fault)
         refine_forget(&p->refine);
     }
     if (p->state.mode == PILOT_HELPING)
-        pilot_rows_add_help(&out);
+        add_help(&out);
     else
         add_picture(p, &out);
-    pilot_rows_add(&out, &p->state, p->host, &facts, &p->message, &size);
+    add_rows(&out, p, &facts, &size);
     if (p->facts->synchronizes)
         buf_add_text(&out, "\033[?2026l");
     if (p->facts->answers)
@@ -119,7 +206,7 @@ static void lay_out(struct pilot *p)
     const struct term_size size = term_size();
     probe_resize(p->facts, &size);
     painter_place(&p->painter, p->facts, 0, 0, size.columns,
-                  size.rows > PILOT_ROWS + 1 ? size.rows - PILOT_ROWS : 1);
+                  size.rows > ROWS_OF_TEXT + 1 ? size.rows - ROWS_OF_TEXT : 1);
     p->is_stale = p->is_blank = true;
 }
 
@@ -225,7 +312,7 @@ static enum err show_pages(struct pilot *p, struct buf *text, struct fault *faul
     for (size_t at = 0; !err && !p->is_over && !is_enough(&event) && at < wrapped.length;) {
         const struct term_size size = term_size();
         struct buf page = {0};
-        pilot_rows_add_page(&page, &wrapped, &at, &size);
+        add_page(&page, &wrapped, &at, &size);
         err = page.failed || wrapped.failed ? fault_memory(fault, "a page")
                                             : term_write(buf_text(&page), page.length, fault);
         buf_release(&page);

@@ -232,25 +232,6 @@ static void show_tree(struct press *p)
     buf_release(&tree);
 }
 
-static void back_to_moving(struct press *p)
-{
-    p->state->mode = PILOT_MOVING;
-}
-
-static void eliminate(struct press *p)
-{
-    back_to_moving(p);
-    add_place(p->line, "remove ", p->facts->place);
-    buf_add_char(p->line, '\n');
-}
-
-/* A key that says nothing about the tree does what it does otherwise. */
-static void move_on(struct press *p)
-{
-    back_to_moving(p);
-    dispatch(p);
-}
-
 static void undo(struct press *p)
 {
     buf_add_text(p->line, "undo");
@@ -287,11 +268,6 @@ static void change_zoom(struct press *p)
     zoom(p->facts->zoom, p->which == 0, p->line);
 }
 
-static void begin_windowing(struct press *p)
-{
-    p->state->mode = PILOT_WINDOWING;
-}
-
 /* To the right wider, up brighter. */
 static void change_window(struct press *p)
 {
@@ -304,21 +280,12 @@ static void change_window(struct press *p)
     buf_add_char(p->line, ' ');
     add_decimal(p->line, window[1] + step * (right - up) * far);
     buf_add_char(p->line, '\n');
-    p->state->is_silent = true;
-}
-
-static void find_window(struct press *p)
-{
-    back_to_moving(p);
-    buf_add_text(p->line, "window auto\n");
-    p->state->is_silent = true;
 }
 
 /* ---- a pixel of the rendition ---- */
 
 static void begin_picking(struct press *p)
 {
-    p->state->mode = PILOT_PICKING;
     p->state->pixel[0] = p->facts->frame_width / 2;
     p->state->pixel[1] = p->facts->frame_height / 2;
 }
@@ -342,7 +309,6 @@ static void go_to_pixel(struct press *p)
 {
     const uint32_t *pixel = p->state->pixel;
     uint32_t place[3];
-    back_to_moving(p);
     if (p->host->voxel_of_frame(p->host->context, pixel[0], pixel[1], place))
         go_to(p->state, p->facts, place, p->line);
     else
@@ -351,73 +317,73 @@ static void go_to_pixel(struct press *p)
 
 /* ---- the table ---- */
 
-static void begin_helping(struct press *p)
-{
-    p->state->mode = PILOT_HELPING;
-}
-
-#define IN(mode) (1u << (mode))
-#define MOVING   IN(PILOT_MOVING)
+#define IN(mode)   (1u << (mode))
+#define MOVING     IN(PILOT_MOVING)
+#define CONFIRMING IN(PILOT_CONFIRMING)
+#define WINDOWING  IN(PILOT_WINDOWING)
+#define PICKING    IN(PILOT_PICKING)
 
 /* Keys are parted by blanks: a character, a name, "arrows", "0-9", "any", with Ctrl- or Shift-. The
  * first row that fits is taken. Those of `also` do the same and are not told. Without keys a row
  * begins another part of the page. */
 static const struct row {
     const char *keys, *also;
-    unsigned modes;
-    const char *command; /* what it does: this line, */
+    unsigned in;         /* these modes */
+    const char *command; /* what it does: this line, with the cross-hair's place for '@', */
     void (*act)(struct press *);
     enum pilot_deed deed; /* this, or that */
+    enum pilot_mode then; /* the mode afterwards; PILOT_MOVING where none is named */
+    bool is_silent;       /* what the line does is seen below the picture anyway */
     const char *help;     /* on the page of keys, NULL for not there */
     const char *hint;     /* below the picture as long as one of its modes lasts, or NULL */
 } table[] = {
-    {"arrows h j k l", .modes = MOVING, .act = move_in_plane, .help = "move the cross-hair"},
-    {"Ctrl-arrows H L", .modes = MOVING, .act = move_in_plane, .help = "by ten voxels"},
-    {"J K Page-keys", .modes = MOVING, .act = change_slice, .help = "the slice"},
+    {"arrows h j k l", .in = MOVING, .act = move_in_plane, .help = "move the cross-hair"},
+    {"Ctrl-arrows H L", .in = MOVING, .act = move_in_plane, .help = "by ten voxels"},
+    {"J K Page-keys", .in = MOVING, .act = change_slice, .help = "the slice"},
     {"#", .help = "a count: #25l"},
-    {"Tab", .modes = MOVING, .act = next_pane, .help = "the next slice's plane"},
+    {"Tab", .in = MOVING, .act = next_pane, .help = "the next slice's plane"},
     {"mouse", .help = "a click: there"},
     {.keys = ""},
-    {"0-9", .modes = MOVING, .act = plant_label, .help = "a seed of that label",
-     .hint = "0-9 seed"},
-    {"s", .modes = MOVING, .act = plant, .help = "of the chosen label"},
-    {"n N", .modes = MOVING, .act = choose_label, .help = "choose the label"},
-    {"+ -", .also = "= _", .modes = MOVING, .act = change_radius, .help = "the brush's radius"},
-    {"v", .modes = MOVING, .act = lower_pen, .help = "pen down: moving draws"},
-    {"m", .modes = MOVING, .act = mark_end, .help = "one end of a stroke"},
-    {"x", .modes = MOVING, .act = show_tree, .help = "x x eliminates a tree",
-     .hint = "x eliminate"},
-    {"Escape", .modes = MOVING, .act = drop_stroke, .help = "no pen, no stroke"},
-    {"space", .modes = MOVING, .command = "run\n", .help = "run what waits"},
-    {"u", .modes = MOVING, .act = undo, .help = "undo", .hint = "u undo"},
-    {"Ctrl-R", .modes = MOVING, .command = "redo\n", .help = "redo"},
+    {"0-9", .in = MOVING, .act = plant_label, .help = "a seed of that label", .hint = "0-9 seed"},
+    {"s", .in = MOVING, .act = plant, .help = "of the chosen label"},
+    {"n N", .in = MOVING, .act = choose_label, .help = "choose the label"},
+    {"+ -", .also = "= _", .in = MOVING, .act = change_radius, .help = "the brush's radius"},
+    {"v", .in = MOVING, .act = lower_pen, .help = "pen down: moving draws"},
+    {"m", .in = MOVING, .act = mark_end, .help = "one end of a stroke"},
+    {"x", .in = MOVING, .act = show_tree, .help = "x x eliminates a tree", .hint = "x eliminate"},
+    {"Escape", .in = MOVING, .act = drop_stroke, .help = "no pen, no stroke"},
+    {"space", .in = MOVING, .command = "run\n", .help = "run what waits"},
+    {"u", .in = MOVING, .act = undo, .help = "undo", .hint = "u undo"},
+    {"Ctrl-R", .in = MOVING, .command = "redo\n", .help = "redo"},
     {.keys = ""},
-    {"r R", .modes = MOVING, .act = turn, .help = "turn the view"},
-    {"Shift-arrows", .modes = MOVING, .act = turn_by_arrow, .help = "to any side"},
-    {"z Z", .modes = MOVING, .act = change_zoom, .help = "nearer, farther"},
-    {"w", .modes = MOVING, .act = begin_windowing, .help = "the window of greys"},
-    {"p", .modes = MOVING, .act = begin_picking, .help = "pick in the rendition"},
-    {":", .modes = MOVING, .deed = PILOT_PROMPT, .help = "a command", .hint = ": command"},
-    {"?", .modes = MOVING, .act = begin_helping, .help = "these keys", .hint = "? keys"},
-    {"Ctrl-L", .modes = MOVING, .deed = PILOT_REDRAW, .help = "draw anew"},
-    {"Ctrl-Z", .modes = MOVING, .deed = PILOT_SUSPEND, .help = "stop, as a job"},
-    {"q", .also = "Ctrl-D", .modes = MOVING, .deed = PILOT_LEAVE, .help = "back to the prompt",
+    {"r R", .in = MOVING, .act = turn, .help = "turn the view"},
+    {"Shift-arrows", .in = MOVING, .act = turn_by_arrow, .help = "to any side"},
+    {"z Z", .in = MOVING, .act = change_zoom, .help = "nearer, farther"},
+    {"w", .in = MOVING, .then = PILOT_WINDOWING, .help = "the window of greys"},
+    {"p", .in = MOVING, .act = begin_picking, .then = PILOT_PICKING,
+     .help = "pick in the rendition"},
+    {":", .in = MOVING, .deed = PILOT_PROMPT, .help = "a command", .hint = ": command"},
+    {"?", .in = MOVING, .then = PILOT_HELPING, .help = "these keys", .hint = "? keys"},
+    {"Ctrl-L", .in = MOVING, .deed = PILOT_REDRAW, .help = "draw anew"},
+    {"Ctrl-Z", .in = MOVING, .deed = PILOT_SUSPEND, .help = "stop, as a job"},
+    {"q", .also = "Ctrl-D", .in = MOVING, .deed = PILOT_LEAVE, .help = "back to the prompt",
      .hint = "q back"},
 
-    {"x Enter", .modes = IN(PILOT_CONFIRMING), .act = eliminate,
+    {"x Enter", .in = CONFIRMING, .command = "remove @\n",
      .hint = "x or Enter eliminates the hatched tree"},
-    {"Escape", .modes = IN(PILOT_CONFIRMING), .act = back_to_moving, .hint = "Escape keeps it"},
-    {"any", .modes = IN(PILOT_CONFIRMING), .act = move_on},
+    {"Escape", .in = CONFIRMING, .hint = "Escape keeps it"},
+    {"any", .in = CONFIRMING, .act = dispatch},
 
-    {"arrows h j k l", .also = "H L Ctrl-arrows Shift-arrows", .modes = IN(PILOT_WINDOWING),
-     .act = change_window, .hint = "left right width  up down brightness"},
-    {"a", .modes = IN(PILOT_WINDOWING), .act = find_window, .hint = "a auto"},
-    {"any", .modes = IN(PILOT_WINDOWING), .act = back_to_moving, .hint = "Enter done"},
+    {"arrows h j k l", .also = "H L Ctrl-arrows Shift-arrows", .in = WINDOWING,
+     .act = change_window, .then = PILOT_WINDOWING, .is_silent = true,
+     .hint = "left right width  up down brightness"},
+    {"a", .in = WINDOWING, .command = "window auto\n", .is_silent = true, .hint = "a auto"},
+    {"any", .in = WINDOWING, .hint = "Enter done"},
 
-    {"arrows h j k l", .also = "H L Ctrl-arrows Shift-arrows", .modes = IN(PILOT_PICKING),
-     .act = move_pixel, .hint = "arrows move it"},
-    {"Enter", .modes = IN(PILOT_PICKING), .act = go_to_pixel, .hint = "Enter goes to its voxel"},
-    {"any", .modes = IN(PILOT_PICKING) | IN(PILOT_HELPING), .act = back_to_moving},
+    {"arrows h j k l", .also = "H L Ctrl-arrows Shift-arrows", .in = PICKING, .act = move_pixel,
+     .then = PILOT_PICKING, .hint = "arrows move it"},
+    {"Enter", .in = PICKING, .act = go_to_pixel, .hint = "Enter goes to its voxel"},
+    {"any", .in = PICKING | IN(PILOT_HELPING)},
 };
 enum { ROWS = sizeof table / sizeof table[0] };
 
@@ -433,42 +399,57 @@ static bool is_arrow(enum key key)
     return key == KEY_UP || key == KEY_DOWN || key == KEY_RIGHT || key == KEY_LEFT;
 }
 
+/* Takes "Ctrl-" or "Shift-" off a word. */
+static unsigned take_modifier(const char **word, size_t *length)
+{
+    const bool control = *length > 5 && memcmp(*word, "Ctrl-", 5) == 0;
+    const bool shift = *length > 6 && memcmp(*word, "Shift-", 6) == 0;
+    const size_t taken = control ? 5 : shift ? 6 : 0;
+    *word += taken;
+    *length -= taken;
+    return control ? KEY_CONTROL : shift ? KEY_SHIFT : 0;
+}
+
+static bool fits_arrow(unsigned modifier, const struct key_event *event)
+{
+    const unsigned pressed = event->modifiers & (KEY_SHIFT | KEY_CONTROL);
+    return is_arrow(event->key) &&
+           (modifier == KEY_SHIFT ? pressed & KEY_SHIFT : pressed == modifier);
+}
+
 /* Shift is a part of the character. */
+static bool fits_character(const char *word, size_t length, unsigned modifier,
+                           const struct key_event *event)
+{
+    const uint32_t point = event->point;
+    if (event->key != KEY_CHARACTER || (event->modifiers & KEY_CONTROL) != modifier)
+        return false;
+    if (is_word(word, length, "0-9"))
+        return point >= '0' && point <= '9';
+    if (is_word(word, length, "space"))
+        return point == ' ';
+    return length == 1 && point == (uint32_t)(modifier ? *word | 32 : *word);
+}
+
 static bool fits_word(const char *word, size_t length, const struct key_event *event)
 {
     static const struct {
-        const char *name;
         enum key key;
-    } named[] = {{"Tab", KEY_TAB},
-                 {"Enter", KEY_ENTER},
-                 {"Escape", KEY_ESCAPE},
-                 {"Page-keys", KEY_PAGE_UP},
-                 {"Page-keys", KEY_PAGE_DOWN}};
-    const bool is_character = event->key == KEY_CHARACTER;
-    unsigned modifiers = 0;
-    if (is_word(word, length, "any"))
-        return true;
-    if (length > 6 && memcmp(word, "Shift-", 6) == 0)
-        modifiers = KEY_SHIFT;
-    else if (length > 5 && memcmp(word, "Ctrl-", 5) == 0)
-        modifiers = KEY_CONTROL;
-    word += modifiers == KEY_SHIFT ? 6 : modifiers ? 5 : 0;
-    length -= modifiers == KEY_SHIFT ? 6 : modifiers ? 5 : 0;
-    if (is_word(word, length, "arrows"))
-        return is_arrow(event->key) &&
-               (modifiers == KEY_SHIFT
-                    ? event->modifiers & KEY_SHIFT
-                    : (event->modifiers & (KEY_SHIFT | KEY_CONTROL)) == modifiers);
+        const char *name;
+    } named[] = {{KEY_TAB, "Tab"},
+                 {KEY_ENTER, "Enter"},
+                 {KEY_ESCAPE, "Escape"},
+                 {KEY_PAGE_UP, "Page-keys"},
+                 {KEY_PAGE_DOWN, "Page-keys"}};
     for (size_t i = 0; i < sizeof named / sizeof named[0]; i++)
         if (event->key == named[i].key && is_word(word, length, named[i].name))
             return true;
-    if (!is_character || (event->modifiers & KEY_CONTROL) != modifiers)
-        return false;
-    if (is_word(word, length, "0-9"))
-        return event->point >= '0' && event->point <= '9';
-    if (is_word(word, length, "space"))
-        return event->point == ' ';
-    return length == 1 && event->point == (uint32_t)(modifiers ? *word | 32 : *word);
+    if (is_word(word, length, "any"))
+        return true;
+    const unsigned modifier = take_modifier(&word, &length);
+    if (is_word(word, length, "arrows"))
+        return fits_arrow(modifier, event);
+    return fits_character(word, length, modifier, event);
 }
 
 /* Whether one of the words fits; counts them in *which up to that. */
@@ -483,16 +464,27 @@ static bool fits_any(const char *words, const struct key_event *event, unsigned 
     return false;
 }
 
+static void add_command(struct press *p, const char *command)
+{
+    const size_t place = strcspn(command, "@");
+    buf_add(p->line, command, place);
+    if (command[place])
+        add_place(p->line, "", p->facts->place);
+    buf_add_text(p->line, command + place + (command[place] != '\0'));
+}
+
 static void dispatch(struct press *p)
 {
-    for (size_t i = 0; i < ROWS; i++) {
-        const struct row *row = &table[i];
+    for (const struct row *row = table; row < table + ROWS; row++) {
         p->which = 0;
-        if (!(row->modes & IN(p->state->mode)) || (!fits_any(row->keys, p->event, &p->which) &&
-                                                   !fits_any(row->also, p->event, &p->which)))
+        if (!(row->in & IN(p->state->mode)) || (!fits_any(row->keys, p->event, &p->which) &&
+                                                !fits_any(row->also, p->event, &p->which)))
             continue;
-        buf_add_text(p->line, row->command ? row->command : "");
         p->deed = row->deed;
+        p->state->mode = row->then;
+        p->state->is_silent = row->is_silent;
+        if (row->command)
+            add_command(p, row->command);
         if (row->act)
             row->act(p);
         return;
@@ -552,7 +544,7 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
         gap = "  ";
     }
     for (size_t i = 0; i < ROWS; i++) {
-        if (!table[i].hint || !(table[i].modes & IN(mode)))
+        if (!table[i].hint || !(table[i].in & IN(mode)))
             continue;
         buf_printf(out, "%s%s", gap, table[i].hint);
         gap = "  ";

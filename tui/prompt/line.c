@@ -104,6 +104,19 @@ static size_t blank_left(const struct line *l, size_t at)
     return at;
 }
 
+static size_t start(const struct line *l, size_t at)
+{
+    (void)l;
+    (void)at;
+    return 0;
+}
+
+static size_t end(const struct line *l, size_t at)
+{
+    (void)at;
+    return l->text.length;
+}
+
 /* ---- edits ---- */
 
 void line_replace(struct line *l, size_t from, size_t to, const char *bytes, size_t length)
@@ -134,7 +147,7 @@ static void remove_range(struct line *l, size_t from, size_t to)
 }
 
 /* Removes a range and adds it to the kill buffer, before what the last kill put there when it lies
- * before the cursor, behind it otherwise. */
+ * before the cursor, after it otherwise. */
 static void kill_range(struct line *l, size_t from, size_t to, bool join)
 {
     struct buf kept = {0};
@@ -198,77 +211,44 @@ static void show_entry(struct line *l, size_t place)
         set_text(l, l->history->line[place], strlen(l->history->line[place]));
 }
 
+/* Where an action leads the cursor, or up to where it takes text away. */
+static size_t (*const target_of[])(const struct line *, size_t) = {
+    [LINE_LEFT] = previous,
+    [LINE_RIGHT] = next,
+    [LINE_WORD_LEFT] = word_left,
+    [LINE_WORD_RIGHT] = word_right,
+    [LINE_HOME] = start,
+    [LINE_END] = end,
+    [LINE_ERASE] = previous,
+    [LINE_DELETE] = next,
+    [LINE_KILL_TO_END] = end,
+    [LINE_KILL_TO_START] = start,
+    [LINE_KILL_BLANK_LEFT] = blank_left,
+    [LINE_KILL_WORD_LEFT] = word_left,
+    [LINE_KILL_WORD_RIGHT] = word_right,
+};
+
 void line_act(struct line *l, enum line_action action)
 {
-    size_t at = l->cursor, end = l->text.length;
-    bool join = l->killing;
-    l->killing = false;
-    switch (action) {
-    case LINE_LEFT:
-        l->cursor = previous(l, at);
-        break;
-    case LINE_RIGHT:
-        l->cursor = next(l, at);
-        break;
-    case LINE_WORD_LEFT:
-        l->cursor = word_left(l, at);
-        break;
-    case LINE_WORD_RIGHT:
-        l->cursor = word_right(l, at);
-        break;
-    case LINE_HOME:
-        l->cursor = 0;
-        break;
-    case LINE_END:
-        l->cursor = end;
-        break;
-    case LINE_ERASE:
-        remove_range(l, previous(l, at), at);
-        break;
-    case LINE_DELETE:
-        remove_range(l, at, next(l, at));
-        l->cursor = at < l->text.length ? at : l->text.length;
-        break;
-    case LINE_KILL_TO_END:
-        kill_range(l, at, end, join);
-        l->killing = true;
-        break;
-    case LINE_KILL_TO_START:
-        kill_range(l, 0, at, join);
-        l->killing = true;
-        break;
-    case LINE_KILL_BLANK_LEFT:
-        kill_range(l, blank_left(l, at), at, join);
-        l->killing = true;
-        break;
-    case LINE_KILL_WORD_LEFT:
-        kill_range(l, word_left(l, at), at, join);
-        l->killing = true;
-        break;
-    case LINE_KILL_WORD_RIGHT:
-        kill_range(l, at, word_right(l, at), join);
-        l->killing = true;
-        break;
-    case LINE_YANK:
+    const size_t at = l->cursor, newest = l->history->count;
+    const size_t to = action <= LINE_KILL_WORD_RIGHT ? target_of[action](l, at) : at;
+    const size_t low = to < at ? to : at, high = to < at ? at : to;
+    const bool join = l->killing;
+    l->killing = action >= LINE_KILL_TO_END && action <= LINE_KILL_WORD_RIGHT;
+    if (action <= LINE_END)
+        l->cursor = to;
+    else if (action <= LINE_DELETE)
+        remove_range(l, low, high);
+    else if (action <= LINE_KILL_WORD_RIGHT)
+        kill_range(l, low, high, join);
+    else if (action == LINE_YANK)
         line_insert(l, buf_text(&l->killed), l->killed.length);
-        break;
-    case LINE_TRANSPOSE:
+    else if (action == LINE_TRANSPOSE)
         transpose(l);
-        break;
-    case LINE_OLDER:
-        if (l->place > 0)
-            show_entry(l, l->place - 1);
-        break;
-    case LINE_NEWER:
-        show_entry(l, l->place + 1);
-        break;
-    case LINE_OLDEST:
-        show_entry(l, 0);
-        break;
-    case LINE_NEWEST:
-        show_entry(l, l->history->count);
-        break;
-    }
+    else if (action == LINE_OLDER)
+        show_entry(l, l->place > 0 ? l->place - 1 : 0);
+    else
+        show_entry(l, action == LINE_NEWER ? l->place + 1 : action == LINE_OLDEST ? 0 : newest);
 }
 
 /* ---- search ---- */

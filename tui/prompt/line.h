@@ -29,6 +29,7 @@ struct line {
     struct buf wanted; /* what is searched for */
 };
 
+/* In this order: moves, removals, kills, the rest. */
 enum line_action {
     LINE_LEFT,
     LINE_RIGHT,
@@ -58,10 +59,10 @@ void line_release(struct line *l);
 /* Empty again, back from the history; the kill buffer stays. */
 void line_clear(struct line *l);
 
-/* Inserts at the cursor, which moves behind it. */
+/* Inserts at the cursor, which moves after it. */
 void line_insert(struct line *l, const char *bytes, size_t length);
 
-/* Puts `bytes` in the place of text[from..to); the cursor goes behind them. */
+/* Puts `bytes` in the place of text[from..to); the cursor goes after them. */
 void line_replace(struct line *l, size_t from, size_t to, const char *bytes, size_t length);
 
 void line_act(struct line *l, enum line_action action);

@@ -149,118 +149,101 @@ static enum err complete_word(struct line_editor *e, const char *prompt, struct 
 
 /* ---- keys ---- */
 
-static enum outcome act(struct line_editor *e, enum line_action action)
+#define CONTROL(letter) KEY_CHARACTER, KEY_CONTROL, letter
+#define ALT(letter)     KEY_CHARACTER, KEY_ALT, letter
+#define BY_WORD         (KEY_CONTROL | KEY_ALT)
+
+/* The first row that fits: any of its modifiers, or none asked for; letters of either case. */
+static const struct {
+    enum key key;
+    unsigned modifiers;
+    uint32_t letter;
+    enum line_action action;
+} bindings[] = {
+    {CONTROL('a'), LINE_HOME},
+    {CONTROL('b'), LINE_LEFT},
+    {CONTROL('d'), LINE_DELETE},
+    {CONTROL('e'), LINE_END},
+    {CONTROL('f'), LINE_RIGHT},
+    {CONTROL('k'), LINE_KILL_TO_END},
+    {CONTROL('n'), LINE_NEWER},
+    {CONTROL('p'), LINE_OLDER},
+    {CONTROL('t'), LINE_TRANSPOSE},
+    {CONTROL('u'), LINE_KILL_TO_START},
+    {CONTROL('w'), LINE_KILL_BLANK_LEFT},
+    {CONTROL('y'), LINE_YANK},
+    {ALT('b'), LINE_WORD_LEFT},
+    {ALT('f'), LINE_WORD_RIGHT},
+    {ALT('d'), LINE_KILL_WORD_RIGHT},
+    {ALT('<'), LINE_OLDEST},
+    {ALT('>'), LINE_NEWEST},
+    {KEY_BACKSPACE, BY_WORD, 0, LINE_KILL_WORD_LEFT},
+    {KEY_BACKSPACE, 0, 0, LINE_ERASE},
+    {KEY_DELETE, BY_WORD, 0, LINE_KILL_WORD_RIGHT},
+    {KEY_DELETE, 0, 0, LINE_DELETE},
+    {KEY_LEFT, BY_WORD, 0, LINE_WORD_LEFT},
+    {KEY_LEFT, 0, 0, LINE_LEFT},
+    {KEY_RIGHT, BY_WORD, 0, LINE_WORD_RIGHT},
+    {KEY_RIGHT, 0, 0, LINE_RIGHT},
+    {KEY_HOME, 0, 0, LINE_HOME},
+    {KEY_END, 0, 0, LINE_END},
+    {KEY_UP, 0, 0, LINE_OLDER},
+    {KEY_DOWN, 0, 0, LINE_NEWER},
+    {KEY_PAGE_UP, 0, 0, LINE_OLDEST},
+    {KEY_PAGE_DOWN, 0, 0, LINE_NEWEST},
+};
+
+static enum outcome act_by_table(struct line_editor *e, const struct key_event *event)
 {
-    line_act(&e->line, action);
+    for (size_t i = 0; i < sizeof bindings / sizeof bindings[0]; i++) {
+        const unsigned modifiers = bindings[i].modifiers;
+        if (event->key != bindings[i].key || (modifiers && !(event->modifiers & modifiers)) ||
+            (event->key == KEY_CHARACTER && (event->point | 32) != bindings[i].letter))
+            continue;
+        line_act(&e->line, bindings[i].action);
+        break;
+    }
     return GO_ON;
 }
 
-static enum outcome control_key(struct line_editor *e, uint32_t letter)
+/* What leads to more than a change of the line, or to nothing in the table. */
+static enum outcome control_key(struct line_editor *e, const struct key_event *event)
 {
-    switch (letter) {
-    case 'a':
-        return act(e, LINE_HOME);
-    case 'b':
-        return act(e, LINE_LEFT);
+    switch (event->point) {
     case 'c':
         return ABANDON;
     case 'd':
-        return e->line.text.length == 0 ? END : act(e, LINE_DELETE);
-    case 'e':
-        return act(e, LINE_END);
-    case 'f':
-        return act(e, LINE_RIGHT);
-    case 'k':
-        return act(e, LINE_KILL_TO_END);
+        return e->line.text.length == 0 ? END : act_by_table(e, event);
     case 'l':
         return CLEAR;
-    case 'n':
-        return act(e, LINE_NEWER);
     case 'o':
         if (!e->line_of_ctrl_o)
             return GO_ON;
         line_clear(&e->line);
         line_insert(&e->line, e->line_of_ctrl_o, strlen(e->line_of_ctrl_o));
         return SUBMIT;
-    case 'p':
-        return act(e, LINE_OLDER);
     case 'r':
         line_search_begin(&e->line);
         return GO_ON;
-    case 't':
-        return act(e, LINE_TRANSPOSE);
-    case 'u':
-        return act(e, LINE_KILL_TO_START);
-    case 'w':
-        return act(e, LINE_KILL_BLANK_LEFT);
-    case 'y':
-        return act(e, LINE_YANK);
     case 'z':
         return SUSPEND;
     default:
-        return GO_ON;
-    }
-}
-
-static enum outcome alt_key(struct line_editor *e, uint32_t point)
-{
-    switch (point) {
-    case 'b':
-    case 'B':
-        return act(e, LINE_WORD_LEFT);
-    case 'f':
-    case 'F':
-        return act(e, LINE_WORD_RIGHT);
-    case 'd':
-    case 'D':
-        return act(e, LINE_KILL_WORD_RIGHT);
-    case '<':
-        return act(e, LINE_OLDEST);
-    case '>':
-        return act(e, LINE_NEWEST);
-    default:
-        return GO_ON;
+        return act_by_table(e, event);
     }
 }
 
 static enum outcome plain_key(struct line_editor *e, const struct key_event *event)
 {
-    bool by_word = event->modifiers & (KEY_CONTROL | KEY_ALT);
-    switch (event->key) {
-    case KEY_CHARACTER:
-        if (event->modifiers & KEY_CONTROL)
-            return control_key(e, event->point);
-        if (event->modifiers & KEY_ALT)
-            return alt_key(e, event->point);
-        line_insert(&e->line, event->text, event->length);
-        return GO_ON;
-    case KEY_ENTER:
+    if (event->key == KEY_ENTER)
         return SUBMIT;
-    case KEY_TAB:
+    if (event->key == KEY_TAB)
         return event->modifiers == 0 ? COMPLETE : GO_ON;
-    case KEY_BACKSPACE:
-        return act(e, by_word ? LINE_KILL_WORD_LEFT : LINE_ERASE);
-    case KEY_DELETE:
-        return act(e, by_word ? LINE_KILL_WORD_RIGHT : LINE_DELETE);
-    case KEY_LEFT:
-        return act(e, by_word ? LINE_WORD_LEFT : LINE_LEFT);
-    case KEY_RIGHT:
-        return act(e, by_word ? LINE_WORD_RIGHT : LINE_RIGHT);
-    case KEY_HOME:
-        return act(e, LINE_HOME);
-    case KEY_END:
-        return act(e, LINE_END);
-    case KEY_UP:
-        return act(e, LINE_OLDER);
-    case KEY_DOWN:
-        return act(e, LINE_NEWER);
-    case KEY_PAGE_UP:
-        return act(e, LINE_OLDEST);
-    case KEY_PAGE_DOWN:
-        return act(e, LINE_NEWEST);
-    default:
-        return GO_ON;
-    }
+    if (event->key == KEY_CHARACTER && event->modifiers & KEY_CONTROL)
+        return control_key(e, event);
+    if (event->key != KEY_CHARACTER || event->modifiers & KEY_ALT)
+        return act_by_table(e, event);
+    line_insert(&e->line, event->text, event->length);
+    return GO_ON;
 }
 
 static enum outcome search_key(struct line_editor *e, const struct key_event *event)
