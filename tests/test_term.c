@@ -23,7 +23,7 @@
 #define END     "\033[?2026l\033[?1006l\033[?1000l\033[?2004l\033[?25h\033[?1049l"
 #define RECOVER "\033_Gm=0,q=2;\033\\"
 /* What brings back any terminal in any of our states. */
-#define FAREWELL "\033\\" RECOVER END "\033[m\033[?25h\r\n"
+#define ENDING "\033\\" RECOVER END "\033[m\033[?25h\r\n"
 
 /* ---- the job: parts to play ---- */
 
@@ -43,7 +43,7 @@ static void go_full_screen(enum term_mode mode)
     if (term_open(0, 1, &fault))
         _exit(90);
     term_set_answers(known_to_answer);
-    term_set_greetings(BEGIN, END);
+    term_set_sequences(BEGIN, END);
     term_set_recovery(RECOVER);
     if (term_set_mode(mode, &fault) || term_write("ready", 5, &fault))
         _exit(91);
@@ -123,16 +123,16 @@ static void writes_a_frame(void)
     _exit(interrupted ? 6 : 5);
 }
 
-static void changes_greetings(void)
+static void changes_sequences(void)
 {
     struct fault fault;
     if (term_open(0, 1, &fault))
         _exit(90);
-    term_set_greetings("<prompt>", "</prompt>");
+    term_set_sequences("<prompt>", "</prompt>");
     term_set_mode(TERM_RAW, &fault);
-    term_change_greetings("<pilot>", "</pilot>", &fault);
-    term_change_greetings("<prompt>", "</prompt>", &fault);
-    term_say_farewell(&fault);
+    term_change_sequences("<pilot>", "</pilot>", &fault);
+    term_change_sequences("<prompt>", "</prompt>", &fault);
+    term_write_end(&fault);
     term_write("bye", 3, &fault);
     term_close();
 }
@@ -350,7 +350,7 @@ static void check_restored(struct stage *s)
     CHECK(as_found(s));
     see(s, NULL, 20);
     /* modes first: the terminal may have made CR CR LF of it */
-    CHECK(ends_with(s, FAREWELL) || ends_with(s, "\033\\" RECOVER END "\033[m\033[?25h\r\r\n"));
+    CHECK(ends_with(s, ENDING) || ends_with(s, "\033\\" RECOVER END "\033[m\033[?25h\r\r\n"));
 }
 
 STORY(killed_in_full_screen_the_guardian_restores_the_terminal)
@@ -573,10 +573,10 @@ STORY(an_answer_that_is_due_at_sigterm_is_not_left_to_the_shell)
     end(&s);
 }
 
-STORY(greetings_change_in_order_and_farewell_is_said_once)
+STORY(sequences_change_in_order_and_the_end_is_written_once)
 {
     struct stage s;
-    start(&s, changes_greetings);
+    start(&s, changes_sequences);
     CHECK_INT(report_of(&s), 0);
     see(&s, "bye", 60000);
     CHECK_TEXT(buf_text(&s.seen), "<prompt></prompt><pilot></pilot><prompt></prompt>bye");
@@ -597,5 +597,5 @@ int main(void)
         TELL(stopped_and_continued_it_is_guarded_again), TELL(ctrl_c_cuts_no_frame_in_two),
         TELL(stopping_waits_for_the_end_of_a_frame),
         TELL(an_answer_that_is_due_at_sigterm_is_not_left_to_the_shell),
-        TELL(greetings_change_in_order_and_farewell_is_said_once));
+        TELL(sequences_change_in_order_and_the_end_is_written_once));
 }

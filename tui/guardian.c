@@ -73,7 +73,7 @@ static bool same_modes(const struct termios *a, const struct termios *b)
            (a->c_lflag & ~passing) == (b->c_lflag & ~passing);
 }
 
-/* Where nobody can tell whose turn it is, the modes tell. */
+/* Where the foreground job is not known, the modes decide. */
 static void give_back(const struct watch *w)
 {
     const struct guarded *g = w->guarded;
@@ -87,7 +87,7 @@ static void give_back(const struct watch *w)
         tcflush(IN, TCIFLUSH); /* answers that nobody awaits any more, reports of the mouse */
     }
     ssize_t ignored = write(OUT, g->words[g->which].text, g->words[g->which].length);
-    (void)ignored; /* nobody is left to tell */
+    (void)ignored; /* nothing can be done about it */
 }
 
 static _Noreturn void guard(const struct watch *w, int from[DESCRIPTORS])

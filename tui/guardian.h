@@ -34,7 +34,7 @@ struct guarded {
     struct {
         char text[GUARDIAN_WORDS];
         size_t length;
-    } words[2]; /* what the terminal is told; at the end of a line */
+    } words[2]; /* written to the terminal; at the end of a line */
 };
 
 struct guardian {
@@ -43,7 +43,7 @@ struct guardian {
     int pipe;
 };
 
-/* Watches over the terminal that `in` reads and `out` writes. Where no child can be had there is no
+/* Starts the child for the terminal that `in` reads and `out` writes. Where no child can be had there is no
  * guardian, and all else works. */
 void guardian_start(struct guardian *g, int in, int out);
 

@@ -14,7 +14,7 @@ static bool begin(struct keys *k, unsigned state)
     return false;
 }
 
-static void keep(struct keys *k, uint8_t byte)
+static void store(struct keys *k, uint8_t byte)
 {
     if (k->length + 1 < sizeof k->body) {
         k->body[k->length++] = (char)byte;
@@ -73,7 +73,7 @@ static bool feed_ground(struct keys *k, uint8_t byte, struct key_event *event)
     if (byte < 0xC2 || byte > 0xF4)
         return false; /* no character begins like this */
     begin(k, KEYS_UTF8);
-    keep(k, byte);
+    store(k, byte);
     k->needed = byte < 0xE0 ? 1 : byte < 0xF0 ? 2 : 3;
     return false;
 }
@@ -85,7 +85,7 @@ static bool feed_utf8(struct keys *k, uint8_t byte, struct key_event *event)
         k->alt = false;
         return feed_ground(k, byte, event); /* what came before is dropped */
     }
-    keep(k, byte);
+    store(k, byte);
     if (--k->needed > 0)
         return false;
     char_read(k->body, k->length, &point);
@@ -128,7 +128,7 @@ static bool feed_escape(struct keys *k, uint8_t byte, struct key_event *event)
         k->alt = true;
         return feed_ground(k, byte, event);
     }
-    keep(k, byte);
+    store(k, byte);
     return false;
 }
 
@@ -207,10 +207,10 @@ static bool end_sgr_mouse(struct keys *k, uint8_t final, struct key_event *event
     return emit_mouse(k, code, column, row, final == 'm', event);
 }
 
-/* Three bytes, each 32 more than it says; which button was let go is not told. */
+/* Three bytes, each 32 more than it says; which button was let go is not said. */
 static bool feed_csi_mouse(struct keys *k, uint8_t byte, struct key_event *event)
 {
-    keep(k, byte);
+    store(k, byte);
     if (k->length < 5)
         return false;
     const unsigned code = (uint8_t)k->body[2] - 32u;
@@ -245,7 +245,7 @@ static bool end_csi(struct keys *k, uint8_t final, struct key_event *event)
 
 static bool feed_csi(struct keys *k, uint8_t byte, struct key_event *event)
 {
-    keep(k, byte);
+    store(k, byte);
     if (byte < 0x40)
         return false;
     return end_csi(k, byte, event);
@@ -275,7 +275,7 @@ static bool feed_string(struct keys *k, uint8_t byte, struct key_event *event)
     if (byte == ESC)
         k->state = KEYS_STRING_ESC;
     else
-        keep(k, byte);
+        store(k, byte);
     return false;
 }
 

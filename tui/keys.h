@@ -16,7 +16,7 @@
  * reply cannot swallow Enter or Ctrl-C.
  *
  * ESC alone is a key too, and so are Alt-[, Alt-O, Alt-P and the like, whose bytes begin sequences.
- * Only time tells: while keys_waiting says yes, and nothing came for KEYS_TIMEOUT_MS, the caller
+ * Only time decides: while keys_waiting says yes, and nothing came for KEYS_TIMEOUT_MS, the caller
  * calls keys_time_out.
  */
 #ifndef TUI_KEYS_H
@@ -93,8 +93,8 @@ struct keys {
     bool alt;        /* ESC ESC: the next key has Alt */
     unsigned needed; /* bytes of a character still to come */
     bool complete;   /* the last byte ended an event */
-    size_t taken;    /* bytes since the event before: with a KEY_REPLY, it and what was cut short */
-    size_t length;   /* bytes in body; a longer sequence keeps its beginning */
+    size_t taken;    /* bytes since the event before: with a KEY_REPLY, it and an unfinished one */
+    size_t length;   /* bytes in body; of a longer sequence the beginning */
     char body[256];  /* without the first ESC, ended by NUL */
 };
 

@@ -157,7 +157,7 @@ static bool in_tmux(const struct probe_replies *replies, const struct probe_envi
            (starts_with(e->term, "tmux") && replies->kind != KIND_SCREEN);
 }
 
-/* TERM=screen is what tmux says too, if told so. */
+/* TERM=screen may be tmux too, by its settings. */
 static bool in_screen(const struct probe_replies *replies, const struct probe_environment *e)
 {
     return replies->kind == KIND_SCREEN || (starts_with(e->term, "screen") && !in_tmux(replies, e));
@@ -215,7 +215,7 @@ void probe_questions(unsigned round, const struct probe_replies *replies,
         buf_add_text(out, CLEAR_UP);
 }
 
-/* iTerm2 has told its name only since 3.4; LC_TERMINAL is what it sends through ssh. A terminal
+/* iTerm2 gives its name only since 3.4; LC_TERMINAL is what it sends through ssh. A terminal
  * with a name of its own has been started by one in iTerm2, and both variables are stale. */
 bool probe_is_iterm(const struct probe_replies *replies, const struct probe_environment *e)
 {
@@ -259,7 +259,7 @@ static enum colours decide_colours(const struct probe_replies *replies,
                                       "xterm(",  "tmux",    "alacritty", "iterm2",  "mintty",
                                       "contour", "vte",     "xterm.js",  "direct",  NULL};
     static const char *const few[] = {"rxvt", "xterm-color", "ansi", "pcansi", "cygwin", NULL};
-    static const char *const told[] = {"truecolor", "24bit", NULL};
+    static const char *const says_all[] = {"truecolor", "24bit", NULL};
     if (e->no_color || probe_is_plain(e->term) || starts_with(e->term, "vt"))
         return COLOURS_NONE;
     if (in_screen(replies, e))
@@ -268,7 +268,8 @@ static enum colours decide_colours(const struct probe_replies *replies,
         return COLOURS_24BIT;
     if (is_console(e) || is_any(e->term, few) || ends_with(e->term, "-16color"))
         return COLOURS_16;
-    return is_any(e->colorterm, told) || probe_is_iterm(replies, e) ? COLOURS_24BIT : COLOURS_256;
+    return is_any(e->colorterm, says_all) || probe_is_iterm(replies, e) ? COLOURS_24BIT
+                                                                        : COLOURS_256;
 }
 
 /* Terminals that draw these characters themselves have them whatever the font; half blocks are in
@@ -384,7 +385,7 @@ void probe_add_recovery(const struct terminal_facts *facts, struct buf *out)
 void probe_leave(const struct terminal_facts *facts, unsigned due)
 {
     struct buf typed = {0};
-    if (term_say_farewell(NULL) == OK) {
+    if (term_write_end(NULL) == OK) {
         const bool expects = due > 0 || facts->reports;
         if (expects && facts->answers && term_write(BARRIER, sizeof BARRIER - 1, NULL) == OK)
             probe_await(due + 1, LIMIT_MS, &typed);
@@ -395,7 +396,7 @@ void probe_leave(const struct terminal_facts *facts, unsigned due)
 }
 
 /* ESC \ has been written before; what is harmless where it was not needed. */
-static void prepare_farewell(const struct terminal_facts *facts)
+static void prepare_ending(const struct terminal_facts *facts)
 {
     char words[TERM_WORDS];
     snprintf(words, sizeof words, "%s%s",
@@ -432,7 +433,7 @@ enum err probe_terminal(struct graphics_wish wish, struct terminal_facts *facts,
     probe_decide(&replies, &e, &size, wish, facts);
     facts->round_trip_ns = round_trip_ns;
     facts->owes = owes;
-    prepare_farewell(facts);
+    prepare_ending(facts);
     buf_release(&questions);
     return err;
 }

@@ -13,17 +13,17 @@
  * print is asked in a second write, and only of those that have named themselves:
  *
  *     ESC[?2026$p ESC[c        synchronized output; Apple's Terminal prints the p
- *     ESC_Gi=31,..,a=q;.. ESC\ ESC[c CR ESC[K      kitty graphics, of its family alone: PuTTY,
- * urxvt and screen print it all
+ *     ESC_Gi=31,..,a=q;.. ESC\ ESC[c CR ESC[K      kitty graphics, of its family alone; PuTTY,
+ *                                                  urxvt and screen print it all
  *
  * Inside tmux and screen the outer terminal does not matter, nor what the environment says of it:
- * the multiplexer's own DA1 does, and screen passes no graphics at all. Its secondary DA tells
+ * the multiplexer's own DA1 does, and screen passes no graphics at all. Its secondary DA names
  * either of them whatever TERM says: ESC[>83;.. screen, ESC[>84;.. tmux.
  *
  * The Linux console and the like are asked nothing. Who asks for blocks, or for no colours, gets
  * the one question ESC[c, since the frames of a slow line need its answers; for "none" nothing.
  *
- * Whatever is typed meanwhile is kept. The parts that decide are pure: replies and environment in,
+ * Whatever is typed meanwhile is not lost. The parts that decide are pure: replies and environment in,
  * facts out.
  */
 #ifndef TUI_PROBE_H
@@ -90,7 +90,7 @@ bool probe_is_plain(const char *term);
 bool probe_is_multiplexed(const struct probe_replies *replies,
                           const struct probe_environment *environment);
 
-/* Whether the terminal's name, or TERM where it has told none, holds one of `names`, which NULL
+/* Whether the terminal's name, or TERM where it has given none, holds one of `names`, which NULL
  * ends. */
 bool probe_is_named(const struct probe_replies *replies,
                     const struct probe_environment *environment, const char *const *names);
@@ -153,7 +153,7 @@ struct graphics_wish {
 bool probe_is_silent(const struct probe_environment *environment, struct graphics_wish wish);
 
 /* Adds what is to be written in this round, 0 or 1, after the replies to the one before; nothing
- * where nothing is to be asked. It ends with a DA1 question, and what clears up behind it. */
+ * where nothing is to be asked. It ends with a DA1 question, and what clears up after it. */
 void probe_questions(unsigned round, const struct probe_replies *replies,
                      const struct probe_environment *environment, struct graphics_wish wish,
                      struct buf *out);
@@ -169,8 +169,8 @@ void probe_resize(struct terminal_facts *facts, const struct term_size *size);
 
 struct probe_environment probe_environment_now(void);
 
-/* Asks (at most 2 s without an answer) and decides; tells the terminal what a farewell needs to
- * know. What was typed meanwhile is added to `typed`. */
+/* Asks (at most 2 s without an answer) and decides; gives tui/term.h what ends
+ * our modes. What was typed meanwhile is added to `typed`. */
 enum err probe_terminal(struct graphics_wish wish, struct terminal_facts *facts, struct buf *typed,
                         struct fault *fault);
 

@@ -7,7 +7,7 @@
 #include "tui/cells.h"
 #include "tui/term.h"
 
-enum { BAR = 24, TELLS_LEFT_AFTER_MS = 200 };
+enum { BAR = 24, LEFT_AFTER_MS = 200 };
 
 void progress_init(struct progress *progress, int fd)
 {
@@ -102,12 +102,13 @@ static void follow_step(struct progress *progress, const char *what, uint64_t do
     progress->step_done = done;
 }
 
-/* Whether it can be told how long the step will go on. */
-static bool tell_left(const struct progress *progress, uint64_t now_ns, struct progress_step *step)
+/* Whether it can be estimated how long the step will go on. */
+static bool estimate_left(const struct progress *progress, uint64_t now_ns,
+                          struct progress_step *step)
 {
     const uint64_t took_ns = now_ns - progress->step_ns;
     if (step->total <= step->done || step->done <= progress->step_done ||
-        took_ns < TELLS_LEFT_AFTER_MS * UINT64_C(1000000))
+        took_ns < LEFT_AFTER_MS * UINT64_C(1000000))
         return false;
     const double rate = (double)(step->done - progress->step_done) / (double)took_ns;
     const double left_s = (double)(step->total - step->done) / rate / 1e9;
@@ -133,7 +134,7 @@ void progress_show(struct progress *progress, const char *what, uint64_t done, u
         return;
     struct progress_step step = {.what = what, .done = done, .total = total};
     step.seconds = (now_ns - progress->begun_ns) / (1000 * ms);
-    step.knows_left = tell_left(progress, now_ns, &step);
+    step.knows_left = estimate_left(progress, now_ns, &step);
     progress_line(&line, &step, progress->has_blocks, progress->columns - 1);
     put(progress, &line);
     buf_release(&line);

@@ -6,10 +6,10 @@
  *     forest                3250000 voxels, 2 s
  *
  * It appears when something takes longer than PROGRESS_AFTER_MS, is drawn PROGRESS_A_SECOND times a
- * second at most, always over itself, and is gone before anything else is written: whoever
- * writes erases it first. Without escape sequences or colours, so that any terminal will do.
+ * second at most, always over itself, and is gone before anything else is written: the
+ * writer erases it first. Without escape sequences or colours, so that any terminal will do.
  *
- * Time left is what the present step will take if it goes on as it began; until that can be told,
+ * Time left is what the present step will take if it goes on as it began; until that can be estimated,
  * and where nobody knows how much there is to do, the time that has passed stands there.
  */
 #ifndef TUI_PROGRESS_H

@@ -22,8 +22,8 @@ static struct {
     volatile sig_atomic_t open;
     volatile sig_atomic_t mode; /* enum term_mode */
     volatile sig_atomic_t answers;
-    bool farewell_said;
-    pid_t owner; /* the process that opened it: a child of ours is none of its business */
+    bool end_written;
+    pid_t owner; /* the process that opened it: children of it do not touch it */
     struct termios found;
     struct text begin, end, recover;
     volatile sig_atomic_t resized, continued;
@@ -75,12 +75,12 @@ static size_t put(char *place, const struct text *text)
     return (size_t)text->length;
 }
 
-enum { FAREWELL = 3 * TERM_WORDS + 32 };
-_Static_assert((int)FAREWELL <= (int)GUARDIAN_WORDS, "the guardian may have to say all of it");
+enum { ENDING = 3 * TERM_WORDS + 32 };
+_Static_assert((int)ENDING <= (int)GUARDIAN_WORDS, "the guardian may have to say all of it");
 
 /* `for_good` also shows the cursor and begins a line, since who comes next knows nothing of our
  * prompt; `ask` adds a question, before the words that restore. */
-static size_t put_farewell(char words[FAREWELL], bool for_good, bool ask)
+static size_t put_ending(char words[ENDING], bool for_good, bool ask)
 {
     size_t length = 0;
     if (ask) {
@@ -98,10 +98,10 @@ static size_t put_farewell(char words[FAREWELL], bool for_good, bool ask)
     return length;
 }
 
-static void tell_guardian(void)
+static void update_guardian(void)
 {
-    char words[FAREWELL];
-    guardian_set_words(&term.guardian, words, put_farewell(words, true, false));
+    char words[ENDING];
+    guardian_set_words(&term.guardian, words, put_ending(words, true, false));
 }
 
 static bool is_ours(void)
@@ -109,7 +109,7 @@ static bool is_ours(void)
     return term.open && term.mode != TERM_AS_FOUND && getpid() == term.owner;
 }
 
-/* Reads on until what looks like the end of an answer, and nothing behind it for a moment: at most
+/* Reads on until what looks like the end of an answer, and nothing after it for a moment: at most
  * 0.2 s. A read from the background would stop us. */
 static void eat_answers(void)
 {
@@ -134,29 +134,29 @@ static void eat_answers(void)
 /* For signal handlers: gives the terminal back, with one write. */
 static void give_back(bool for_good, bool ask)
 {
-    char words[FAREWELL];
+    char words[ENDING];
     if (!is_ours())
         return;
     ask &= term.answers;
-    ssize_t ignored = write(term.out, words, put_farewell(words, for_good, ask));
-    (void)ignored; /* nobody is left to tell */
+    ssize_t ignored = write(term.out, words, put_ending(words, for_good, ask));
+    (void)ignored; /* nothing can be done about it */
     if (ask)
         eat_answers();
     tcsetattr(term.in, TCSANOW, &term.found);
     term.guardian.guarded->on = 0;
 }
 
-void term_set_greetings(const char *begin, const char *end)
+void term_set_sequences(const char *begin, const char *end)
 {
     set_text(&term.begin, begin);
     set_text(&term.end, end);
-    tell_guardian();
+    update_guardian();
 }
 
 void term_set_recovery(const char *recover)
 {
     set_text(&term.recover, recover);
-    tell_guardian();
+    update_guardian();
 }
 
 void term_set_answers(bool answers)
@@ -164,38 +164,38 @@ void term_set_answers(bool answers)
     term.answers = answers;
 }
 
-/* From here on the new farewell holds, though its greeting comes only now. */
-enum err term_change_greetings(const char *begin, const char *end, struct fault *fault)
+/* From here on the new end is written, though its beginning is written only now. */
+enum err term_change_sequences(const char *begin, const char *end, struct fault *fault)
 {
     const struct text earlier = term.end;
     sigset_t all, before;
     if (strlen(begin) >= TERM_WORDS || strlen(end) >= TERM_WORDS)
-        return fault_set(fault, ERR_USAGE, "greetings of the terminal: more than %d bytes",
+        return fault_set(fault, ERR_USAGE, "the sequences for the terminal have more than %d bytes",
                          TERM_WORDS - 1);
     sigfillset(&all);
     sigprocmask(SIG_SETMASK, &all, &before);
-    term_set_greetings(begin, end);
+    term_set_sequences(begin, end);
     sigprocmask(SIG_SETMASK, &before, NULL);
-    term.farewell_said = false;
+    term.end_written = false;
     if (term.mode == TERM_AS_FOUND)
         return OK;
     enum err err = term_write(earlier.bytes, (size_t)earlier.length, fault);
     return err ? err : term_write(term.begin.bytes, (size_t)term.begin.length, fault);
 }
 
-enum err term_say_farewell(struct fault *fault)
+enum err term_write_end(struct fault *fault)
 {
-    if (term.mode == TERM_AS_FOUND || term.farewell_said)
+    if (term.mode == TERM_AS_FOUND || term.end_written)
         return OK;
-    term.farewell_said = true;
+    term.end_written = true;
     return term_write(term.end.bytes, (size_t)term.end.length, fault);
 }
 
-static enum err greet(enum term_mode before, enum term_mode mode, struct fault *fault)
+static enum err write_sequence(enum term_mode before, enum term_mode mode, struct fault *fault)
 {
-    if (mode == TERM_AS_FOUND && !term.farewell_said)
+    if (mode == TERM_AS_FOUND && !term.end_written)
         return term_write(term.end.bytes, (size_t)term.end.length, fault);
-    term.farewell_said = false;
+    term.end_written = false;
     if (mode != TERM_AS_FOUND && before == TERM_AS_FOUND)
         return term_write(term.begin.bytes, (size_t)term.begin.length, fault);
     return OK;
@@ -220,7 +220,7 @@ enum err term_set_mode(enum term_mode mode, struct fault *fault)
         guarded->on = before != TERM_AS_FOUND;
         return fault_errno(fault, "set the modes of", "the terminal");
     }
-    enum err err = greet(before, mode, fault);
+    enum err err = write_sequence(before, mode, fault);
     guarded->on = mode != TERM_AS_FOUND;
     return err;
 }
@@ -347,7 +347,7 @@ enum err term_open(int in, int out, struct fault *fault)
     term.out = out;
     term.mode = TERM_AS_FOUND;
     term.resized = term.continued = term.answers = 0;
-    term.farewell_said = false;
+    term.end_written = false;
     term.owner = getpid();
     guardian_start(&term.guardian, in, out);
     term.guardian.guarded->on = 0;
@@ -406,7 +406,7 @@ enum err term_write_to(int fd, const void *bytes, size_t length, struct fault *f
     return OK;
 }
 
-/* Stopping in the middle would write our farewell into a picture, and the rest of that as text. */
+/* Stopping in the middle would write the end of our modes into a picture, and the rest of that as text. */
 enum err term_write(const void *bytes, size_t length, struct fault *fault)
 {
     sigset_t stops, before;

@@ -45,20 +45,20 @@ void term_close(void);
  * than TERM_WORDS bytes each, or none is; needed before the first term_set_mode. `recover` goes
  * after the ESC \ of T5. */
 enum { TERM_WORDS = 128 };
-void term_set_greetings(const char *begin, const char *end);
+void term_set_sequences(const char *begin, const char *end);
 void term_set_recovery(const char *recover);
 
 /* The same while our modes are on, as for a full screen: what ends the former is written, then what
  * begins the new. */
-enum err term_change_greetings(const char *begin, const char *end, struct fault *fault);
+enum err term_change_sequences(const char *begin, const char *end, struct fault *fault);
 
-/* Those of a prompt: bracketed paste. */
+/* The sequences of a prompt: bracketed paste. */
 #define TERM_PROMPT_BEGINS "\033[?2004h"
 #define TERM_PROMPT_ENDS   "\033[?2004l"
 
-/* Writes what ends our modes while they are on still, so that answers to what is asked behind it
+/* Writes what ends our modes while they are on still, so that answers to what is asked after it
  * are read and not echoed. The next term_set_mode or term_close does not write it again. */
-enum err term_say_farewell(struct fault *fault);
+enum err term_write_end(struct fault *fault);
 
 /* Whether the terminal is known to answer ESC[c: for T8. No at first. */
 void term_set_answers(bool answers);
@@ -77,7 +77,7 @@ enum err term_write(const void *bytes, size_t length, struct fault *fault);
 /* The same to any descriptor. */
 enum err term_write_to(int fd, const void *bytes, size_t length, struct fault *fault);
 
-/* Waits for input, at most `timeout_ms` (-1: for ever), and adds what is there to `out`. */
+/* Waits for input, at most `timeout_ms` (-1: without limit), and adds what is there to `out`. */
 enum term_input { TERM_BYTES, TERM_TIMEOUT, TERM_SIGNAL, TERM_CLOSED, TERM_OTHER };
 enum term_input term_read(struct buf *out, int timeout_ms);
 

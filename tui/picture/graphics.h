@@ -37,7 +37,7 @@ void show_inline(const struct terminal_facts *facts, const struct image_view *vi
                  uint32_t columns, uint32_t rows, struct buf *out);
 
 /* Adds the picture itself, at the cursor, by a protocol of pixels: with a palette that suits it, or
- * in 24 bits where it is smooth, or tells no hues. */
+ * in 24 bits where it is smooth, or has no hues. */
 void graphics_encode(const struct graphics *graphics, const struct image_view *view,
                      struct buf *out);
 

@@ -1,7 +1,7 @@
 /*
- * A picture as the encoders see it: pixels in memory, borrowed from whoever made them.
+ * A picture as the encoders see it: pixels in memory, borrowed from their maker.
  *
- * rgba[y][x][4], x fastest, rows without padding, 8 bits each. Alpha tells how much of the pixel
+ * rgba[y][x][4], x fastest, rows without padding, 8 bits each. Alpha is how much of the pixel
  * covers the black background: 0 is black whatever the colour says, 255 the colour itself. All
  * encoders look at pixels through image_view_colour, so they agree.
  */
@@ -17,9 +17,9 @@ struct image_view {
     const uint8_t *rgba;
     const uint32_t *hue; /* 0xRRGGBB of the labels that may show, in any order, twice or not; the
                             same from picture to picture, for another set is another palette, and
-                            the picture goes whole. NULL where it is not told */
+                            the picture goes whole. NULL where they are not known */
     unsigned hues;       /* 0 where no label shows: greys alone */
-    bool is_coarse; /* what has changed comes in blocks of pixels, in a hurry: bytes are dearer than
+    bool is_coarse; /* what has changed comes in blocks of pixels, in a hurry: bytes cost more than
                        time */
     bool smooth; /* all 24 bits of every colour go out where the terminal can, at several times the
                  bytes; otherwise shades are rounded to a palette (tui/shades.h) */

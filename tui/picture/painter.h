@@ -21,8 +21,8 @@
  * where one costs no more than two: each has a fixed cost, as that of so many pixels. They may
  * overlap.
  *
- * Pictures keep their palette (tui/picture/shades.h) until one goes whole, so patches agree with what they
- * are put on. A picture goes whole when it is the first, or of another size, when its hues or
+ * Pictures keep their palette (tui/picture/shades.h) until one goes whole, so patches agree with
+ * what they are put on. A picture goes whole when it is the first, or of another size, when its hues or
  * smooth change, and when half of its pixels have changed.
  *
  * One painter at a time shows a picture on a terminal. Cells count from 0. The last row of the
@@ -59,13 +59,13 @@ struct painter {
     /* for the protocol's own use */
     struct png_writer png;
     enum png_effort effort;  /* of the patch at hand */
-    void *scratch;           /* memory kept from picture to picture, */
+    void *scratch;           /* memory, from picture to picture, */
     size_t scratch_capacity; /* in bytes */
     uint32_t image;          /* the number of the picture that the terminal has, 0 for none */
 };
 
 /* Where the picture goes from now on, at least 1x1 cells, and by what means. Forgets what is on the
- * screen where either changes; whoever moves a picture that is shown removes it first. */
+ * screen where either changes; to move a picture that is shown, remove it first. */
 void painter_place(struct painter *p, const struct terminal_facts *facts, unsigned column,
                    unsigned row, unsigned columns, unsigned rows);
 

@@ -117,7 +117,7 @@ static void forget_places(struct shades *s)
         s->place[cell_of(s->colour[i])] = (uint8_t)(i + 1);
 }
 
-/* Pixels that cover what is behind them, which nearly all do, are looked up as they are. */
+/* Opaque pixels, which nearly all do, are looked up as they are. */
 static void apply_nearest(struct shades *s, const struct image_view *view, uint8_t *index,
                           size_t stride)
 {
@@ -227,15 +227,15 @@ static bool is_shaded(uint32_t colour, const uint32_t *hue, unsigned hues)
 /* Brighter hues first; what is but another's shade is left out. Returns whether any is new. */
 static bool take_hues(struct shades *s, const struct image_view *view)
 {
-    const unsigned told = view->hues < SHADES_HUES_MOST ? view->hues : SHADES_HUES_MOST;
-    if (s->tolds == told && memcmp(s->told, view->hue, told * sizeof *s->told) == 0)
+    const unsigned given = view->hues < SHADES_HUES_MOST ? view->hues : SHADES_HUES_MOST;
+    if (s->givens == given && memcmp(s->given, view->hue, given * sizeof *s->given) == 0)
         return false;
-    memcpy(s->told, view->hue, told * sizeof *s->told);
-    s->tolds = told;
+    memcpy(s->given, view->hue, given * sizeof *s->given);
+    s->givens = given;
     s->hues = 0;
     for (unsigned level = 256; level-- > 8;)
-        for (unsigned i = 0; i < told; i++) {
-            const uint32_t hue = s->told[i] & 0xFFFFFF;
+        for (unsigned i = 0; i < given; i++) {
+            const uint32_t hue = s->given[i] & 0xFFFFFF;
             bool is_new = brightest(hue) == level && !is_grey(hue);
             for (unsigned k = 0; is_new && k < s->hues; k++)
                 is_new = off_the_way(hue, 0, s->hue[k]) >= HUE_OF_ANOTHER;
@@ -266,7 +266,7 @@ static void look_around(const struct image_view *view, const uint32_t *hue, unsi
     *has_tints = tints * 32 > seen;
 }
 
-/* More than 64 greys, or much the same of any hue, the table could not tell apart. */
+/* More than 64 greys, or much the same of any hue, the table could not distinguish. */
 enum { ACCENTS = 3, GREYS_LEAST = 8, RUNGS_MOST = 56 };
 
 /* Cross-hair and eliminator (render/slice_notes.c), the pane that keys go to (pilot_host.c). */
@@ -295,7 +295,7 @@ static void fill_palette(struct shades *s)
     forget_places(s);
 }
 
-/* ---- no hues are told ---- */
+/* ---- no hues are known ---- */
 
 static bool take_sample(struct shades *s, const struct image_view *view)
 {
@@ -369,13 +369,13 @@ bool shades_choose(struct shades *s, const struct image_view *view)
 
 bool shades_serve(const struct shades *s, const struct image_view *view)
 {
-    const unsigned told = view->hues < SHADES_HUES_MOST ? view->hues : SHADES_HUES_MOST;
+    const unsigned given = view->hues < SHADES_HUES_MOST ? view->hues : SHADES_HUES_MOST;
     if (s->is_exact)
         return true;
     if (s->count == 0 || s->is_laddered != (view->hue != NULL))
         return false;
     return !view->hue ||
-           (told == s->tolds && memcmp(s->told, view->hue, told * sizeof *s->told) == 0);
+           (given == s->givens && memcmp(s->given, view->hue, given * sizeof *s->given) == 0);
 }
 
 bool shades_lack(const struct shades *s, const struct image_view *view)

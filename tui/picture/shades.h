@@ -17,7 +17,7 @@
  *
  * Many hues share what entries there are: those that are but darker versions of another have its
  * levels. Tints get levels only where a look at every so manieth pixel finds some. Where no hues
- * are told, the colours come from that look (tui/picture/colour_table.h).
+ * are known, the colours come from that look (tui/picture/colour_table.h).
  */
 #ifndef TUI_PICTURE_SHADES_H
 #define TUI_PICTURE_SHADES_H
@@ -36,9 +36,9 @@ struct shades {
     uint16_t slot[1024]; /* exact: a place + 1, by a hash of the colour */
     uint8_t *place;      /* otherwise: a place + 1, by colour; 0 where it was not sought yet */
 
-    /* what the palette was made for, and the hues that are left of those told */
-    uint32_t told[SHADES_HUES_MOST], hue[SHADES_HUES_MOST];
-    unsigned tolds, hues;
+    /* what the palette was made for, and the hues that are left of those given */
+    uint32_t given[SHADES_HUES_MOST], hue[SHADES_HUES_MOST];
+    unsigned givens, hues;
     bool has_greys, has_tints;
 };
 
@@ -53,7 +53,7 @@ bool shades_take_exact(struct shades *shades, const struct image_view *view);
  * without memory. */
 bool shades_choose(struct shades *shades, const struct image_view *view);
 
-/* Whether the palette is for the hues that a view tells. */
+/* Whether the palette is for the hues of a view. */
 bool shades_serve(const struct shades *shades, const struct image_view *view);
 
 /* Whether a view has greys or tints, and the palette, which serves it, few or none. */
@@ -65,7 +65,7 @@ bool shades_apply(struct shades *shades, const struct image_view *view, uint8_t 
                   size_t stride);
 
 /* Whether a view has a palette, however many colours it has: always in some protocols; in the others
- * not where it is smooth, or tells no hues. */
+ * not where it is smooth, or has no hues. */
 bool shades_needed(const struct image_view *view, bool always);
 
 /* Puts the view into `bytes`, `width` x `height` pixels, which may be more than it has and are black

@@ -22,7 +22,7 @@ static uint64_t ready_ns(const struct flow *f)
 
 /* ---- the line ---- */
 
-/* Points of one size tell no slope; then the round trip is the one end, or a guess of it. */
+/* Points of one size have no slope; then the round trip is the one end, or a guess of it. */
 static double ns_per_byte(const struct flow *f)
 {
     const double spread = f->weight * f->xx - f->x * f->x;
@@ -51,8 +51,8 @@ static void forget(struct flow *f)
     f->weight = f->x = f->y = f->xx = f->xy = 0;
 }
 
-/* A frame that took far longer than what is known says: the line has changed, and old frames tell
- * nothing of it. */
+/* A frame that took far longer than what is known says: the line has changed, and old frames say
+ * nothing about it. */
 static void learn(struct flow *f, size_t bytes, uint64_t took_ns)
 {
     const double x = (double)bytes, y = (double)took_ns;

@@ -4,8 +4,8 @@
  *
  *     frame ESC[c   ............   ESC[?62;4c      the answer says that the frame has been drawn
  *
- * write() returns when the kernel has the bytes, long before a slow line has carried them. Whoever
- * sends frame after frame fills every queue on the way, and then looks at the past. So each frame
+ * write() returns when the kernel has the bytes, long before a slow line has carried them. A sender of
+ * frame after frame fills every queue on the way, and the screen shows the past. So each frame
  * ends with a question, a barrier, and
  *
  *   L1 a frame is sent only when the barrier before it has been answered: what came up meanwhile is
@@ -20,7 +20,7 @@
  * The line is taken for one that needs `round_trip + bytes x per_byte`. Both come from what has
  * been measured, by least squares in which older frames count less and less; what the terminal
  * needs to draw is in it. A budget grows at most fourfold a frame, and doubles at least where a
- * frame was soon enough, since small frames tell little of a line.
+ * frame was soon enough, since small frames say little about a line.
  *
  * Answers come in order but bear no number. After a barrier that failed, the next answer may be its
  * own, come late, or that of the frame after it: the latter follows within the time that its bytes

@@ -236,7 +236,7 @@ static void keep_last_line(struct buf *message, const char *text)
     buf_add(message, text + first, length - first);
 }
 
-/* Carries out one line. While it works, the cursor is where progress may be told. */
+/* Carries out one line. While it works, the cursor is where progress may be shown. */
 static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
                           enum err *of_command, struct fault *fault)
 {
@@ -518,14 +518,14 @@ enum err pilot_run(const struct pilot_host *host, struct terminal_facts *facts,
     pilot_state_init(&p.state);
     facts->reports |= facts->mouse;
     enum err err =
-        term_change_greetings(facts->mouse ? ENTER_SCREEN MOUSE_ON : ENTER_SCREEN,
+        term_change_sequences(facts->mouse ? ENTER_SCREEN MOUSE_ON : ENTER_SCREEN,
                               facts->mouse ? MOUSE_OFF LEAVE_SCREEN : LEAVE_SCREEN, fault);
     lay_out(&p);
     if (!err)
         err = run(&p, fault);
     painter_remove(&p.painter, &out);
     term_write(buf_text(&out), out.length, NULL);
-    term_change_greetings(TERM_PROMPT_BEGINS, TERM_PROMPT_ENDS, NULL);
+    term_change_sequences(TERM_PROMPT_BEGINS, TERM_PROMPT_ENDS, NULL);
     editor->answers_due += p.flow.due;
     *ended = p.has_ended;
     painter_release(&p.painter);

@@ -324,7 +324,7 @@ static void go_to_pixel(struct press *p)
 #define PICKING    IN(PILOT_PICKING)
 
 /* Keys are parted by blanks: a character, a name, "arrows", "0-9", "any", with Ctrl- or Shift-. The
- * first row that fits is taken. Those of `also` do the same and are not told. Without keys a row
+ * first row that fits is taken. Those of `also` do the same and are not shown. Without keys a row
  * begins another part of the page. */
 static const struct row {
     const char *keys, *also;

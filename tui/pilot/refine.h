@@ -47,7 +47,7 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
 /* What the painter made of it took so many bytes. */
 void refine_sent(struct refine *r, size_t bytes);
 
-/* The screen was cleared: nothing of it is kept. */
+/* The screen was cleared: nothing of it is there any more. */
 void refine_forget(struct refine *r);
 void refine_release(struct refine *r);
 

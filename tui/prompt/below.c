@@ -9,7 +9,7 @@
 
 enum { GAP = 2, ROWS_LEFT = 3 };
 
-/* The next word, from *at on, which moves behind it; NULL at the end. */
+/* The next word, from *at on, which moves after it; NULL at the end. */
 static const char *take(const char **at, size_t *length)
 {
     while (**at == '\n')
@@ -162,8 +162,8 @@ void caret_add(struct buf *out, const struct caret *caret, unsigned columns)
 {
     const size_t length = strlen(caret->text), at = caret->at < length ? caret->at : length;
     const size_t prompt = cells_width(caret->prompt, strlen(caret->prompt));
-    const size_t behind = caret->at > length ? 1 : 0;
-    const size_t column = prompt + cells_width(caret->text, at) + behind;
+    const size_t after = caret->at > length ? 1 : 0;
+    const size_t column = prompt + cells_width(caret->text, at) + after;
     if (columns < COLUMNS_LEAST)
         return;
     if (caret->below && prompt + cells_width(caret->text, length) < columns && column < columns)

@@ -4,7 +4,7 @@
  *
  * Invariants
  *   L1 the text has no control characters, and is UTF-8 as far as what was inserted is;
- *   L2 the cursor is 0..length and stands between characters, marks kept with their base;
+ *   L2 the cursor is 0..length and stands between characters, marks stay with their base;
  *   L3 without memory an edit does nothing and text.failed stays set.
  */
 #ifndef TUI_PROMPT_LINE_H
@@ -72,6 +72,6 @@ void line_search_begin(struct line *l);
 void line_search_add(struct line *l, const char *bytes, size_t length);
 void line_search_erase(struct line *l);
 void line_search_again(struct line *l);          /* an older match */
-void line_search_end(struct line *l, bool keep); /* keep the entry, or have the old line back */
+void line_search_end(struct line *l, bool keep); /* the entry stays, or the old line comes back */
 
 #endif

@@ -26,7 +26,7 @@ struct line_content {
     const char *prompt;
     const char *text;
     size_t length, cursor; /* in bytes of text */
-    const char *hint;      /* behind the text, where the cursor is; safe to print, or NULL */
+    const char *hint;      /* after the text, where the cursor is; safe to print, or NULL */
     const char *grey;      /* CSI .. m that makes it so */
 };
 

@@ -26,7 +26,7 @@ enum outcome { GO_ON, SUBMIT, ABANDON, END, GONE, SUSPEND, CLEAR, COMPLETE, NEWS
 
 /* ---- drawing ---- */
 
-/* What may follow, behind a line that is typed at its end. */
+/* What may follow a line that is typed at its end. */
 static void add_hint(const struct line_editor *e, struct buf *hint)
 {
     const struct line *l = &e->line;
@@ -88,7 +88,7 @@ static enum err leave_line(struct line_editor *e, const char *prompt, const char
 }
 
 /* The line goes, the news take its place, and it comes again below them. */
-static enum err tell_news(struct line_editor *e, const char *prompt, struct fault *fault)
+static enum err show_news(struct line_editor *e, const char *prompt, struct fault *fault)
 {
     struct buf text = {0}, out = {0};
     e->news(e->context, &text);
@@ -305,7 +305,7 @@ static enum outcome take_key(struct line_editor *e, const struct key_event *even
     return e->line.searching ? search_key(e, event) : plain_key(e, event);
 }
 
-/* A slow connection may tear a reply right behind its ESC. Nobody types a bracket behind the Escape
+/* A slow connection may cut a reply right after its ESC. Nobody types a bracket after the Escape
  * key, which means nothing here; the letters that begin a string, one may. */
 static void mend_torn_reply(struct line_editor *e, uint8_t byte)
 {
@@ -346,7 +346,7 @@ static enum outcome take_input(struct line_editor *e)
 /* What stands on the screen against what should. */
 enum screen { DRAWN, STALE, STALE_IN_PASTE };
 
-/* Waits for bytes, and tells in *screen whether the line has to be drawn again. */
+/* Waits for bytes, and says in *screen whether the line has to be drawn again. */
 static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
 {
     struct key_event event;
@@ -405,7 +405,7 @@ static enum err follow(struct line_editor *e, const char *prompt, enum outcome o
     case COMPLETE:
         return complete_word(e, prompt, fault);
     case NEWS:
-        return tell_news(e, prompt, fault);
+        return show_news(e, prompt, fault);
     default:
         return OK;
     }
@@ -446,8 +446,8 @@ enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struc
     enum err err = edit(e, prompt, &outcome, fault);
     if (!err && outcome != GONE)
         err = leave_line(e, prompt, "\r\n", fault);
-    e->kept = !err && outcome == SUBMIT &&
-              line_history_add(&e->history, buf_text(&e->line.text), e->line.text.length);
+    e->stored = !err && outcome == SUBMIT &&
+                line_history_add(&e->history, buf_text(&e->line.text), e->line.text.length);
     *ended = outcome == END || outcome == GONE;
     return err;
 }

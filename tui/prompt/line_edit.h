@@ -12,7 +12,7 @@
  *     Ctrl-D                    delete; on an empty line, the end
  *     Ctrl-O                    a line of the host's, such as a command that is often wanted
  *
- * Behind a line that is typed at its end stands in grey what may follow; it is no part of the line.
+ * After a line that is typed at its end stands in grey what may follow; it is no part of the line.
  *
  * All that has arrived is taken in before the line is drawn, and a bracketed paste to its end, so
  * that a large paste costs one redraw. A line feed in it submits, the rest stays for the next line.
@@ -37,12 +37,12 @@ typedef void line_complete_function(void *context, const char *line, size_t curs
 /* Adds what may follow the line, safe to print. */
 typedef void line_hint_function(void *context, const char *line, size_t length, struct buf *out);
 
-/* Adds lines that are to be told now, safe to print, each ended by a line feed. */
+/* Adds lines that are to be shown now, safe to print, each ended by a line feed. */
 typedef void line_news_function(void *context, struct buf *out);
 
 struct line_editor {
     struct line_history history;
-    bool kept; /* the last line is in the history now */
+    bool stored; /* the last line is in the history now */
     struct line line;
     struct keys keys;
     struct buf input; /* bytes read; those before `taken` are done with */

@@ -103,7 +103,7 @@ static enum err run_plain(const struct repl_host *host, bool prompts, struct fau
             wait_for_line(host);
         ssize_t length = getline(&line, &capacity, stdin);
         if (length < 0) {
-            if (prompts) /* whoever comes next begins a line */
+            if (prompts) /* what is printed next begins a line */
                 term_write_to(STDOUT_FILENO, "\n", 1, &ignored);
             break;
         }
@@ -148,7 +148,7 @@ static void add_picture(struct prompt *p, struct buf *out)
     }
 }
 
-/* The error below the line that it is about, which was typed behind `prompt`. */
+/* The error below the line that it is about, which was typed after `prompt`. */
 static void add_error_below(struct buf *text, const char *prompt, const char *line, enum err err,
                             const struct fault *fault, bool coloured)
 {
@@ -232,14 +232,14 @@ static enum err give_screen(struct prompt *p, bool *ended, struct fault *fault)
     return err;
 }
 
-/* A history that cannot be kept is no reason to stop: it is told once. */
-static void tell_of_history(struct prompt *p, enum err err, const struct fault *fault)
+/* A history that cannot be stored is no reason to stop: one warning. */
+static void warn_of_history(struct prompt *p, enum err err, const struct fault *fault)
 {
     struct buf words = {0};
     if (!err)
         return;
     p->history_path = NULL;
-    buf_printf(&words, "history: %s; IFTTY_HISTORY= (empty) keeps none\r\n", fault->text);
+    buf_printf(&words, "history: %s; IFTTY_HISTORY= (empty) stores none\r\n", fault->text);
     term_write(buf_text(&words), words.length, NULL);
     buf_release(&words);
 }
@@ -247,8 +247,8 @@ static void tell_of_history(struct prompt *p, enum err err, const struct fault *
 static void keep_line(struct prompt *p)
 {
     struct fault fault;
-    if (p->history_path && p->editor.kept)
-        tell_of_history(p, line_history_append(&p->editor.history, p->history_path, &fault),
+    if (p->history_path && p->editor.stored)
+        warn_of_history(p, line_history_append(&p->editor.history, p->history_path, &fault),
                         &fault);
 }
 
@@ -282,7 +282,7 @@ static enum err open_terminal(int in, struct graphics_wish wish, struct terminal
     enum err err = term_open(in, STDOUT_FILENO, fault);
     if (err)
         return err;
-    term_set_greetings(begin, end);
+    term_set_sequences(begin, end);
     err = term_set_mode(TERM_RAW, fault);
     if (!err)
         err = probe_terminal(wish.count ? wish : graphics_auto, facts, typed, fault);
@@ -304,7 +304,7 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     enum err err = open_terminal(STDIN_FILENO, options->graphics, &p.facts, &p.editor.input,
                                  TERM_PROMPT_BEGINS, TERM_PROMPT_ENDS, fault);
     if (!err)
-        tell_of_history(&p, loaded, &of_history);
+        warn_of_history(&p, loaded, &of_history);
     if (p.facts.colours != COLOURS_NONE)
         p.editor.hint = host->hint;
     p.editor.unanswered = !p.facts.answers;

@@ -34,7 +34,7 @@ struct repl_host {
     /* Adds whole words, one a line, for the word from *word_start to the cursor. May be NULL. */
     void (*complete)(void *context, const char *line, size_t cursor, struct buf *candidates,
                      size_t *word_start);
-    /* Adds what may follow the line, safe to print: shown in grey behind it, at a terminal with
+    /* Adds what may follow the line, safe to print: shown in grey after it, at a terminal with
      * colours. May be NULL. */
     void (*hint)(void *context, const char *line, size_t length, struct buf *out);
     /* True once after a command made a picture to show; its pixels stay until the next execute.
