@@ -27,10 +27,10 @@ sed -n '/^<!-- programs/,/^<!-- end of programs/p' README.md | sed '1,2d;$d' |
     diff - "$work/help" >"$work/diff" || fail "$(cat "$work/diff")"
 close_story
 
-# The commands of the README's sections, each of which ends with a pick.
+# The commands of its sections, each of which ends with a pick.
 for section in views slices; do
-    begin "the $section of the README"
-    commands=$(sed -n "/^<!-- $section/,/^<!-- end of $section/s/^    \\([^#]*\\).*/\\1/p" README.md |
+    begin "the $section of render/README.md"
+    commands=$(sed -n "/^<!-- $section/,/^<!-- end of $section/s/^    \\([^#]*\\).*/\\1/p" render/README.md |
         tr '\n' ';')
     if can_open ch2.nii.gz; then
         expect 0 "$iftty" -c "open ch2.nii.gz; seed 90,120,90 1; $commands" --out "$work" </dev/null

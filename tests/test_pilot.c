@@ -312,24 +312,31 @@ STORY(what_a_click_says_takes_the_place_of_what_was_said)
     CHECK_TEXT(buf_text(&message), "nothing is seen there");
 }
 
-/* tui/README.md has it between two marks. */
-STORY(the_page_of_keys_fits_and_is_the_card_in_the_readme)
+/* Two files have it, each after a mark. */
+static void is_card_of(const char *path, const struct buf *page)
 {
     static const char mark[] = "<!-- keys: the page that `?` shows -->\n\n```\n";
-    struct buf page = {0}, readme = {0};
-    pilot_keys_page(&page);
-    for (const char *at = buf_text(&page); *at; at += strcspn(at, "\n") + 1)
-        CHECK(strcspn(at, "\n") <= 78);
-    CHECK(file_read(&readme, "tui/README.md", 1 << 20, NULL) == OK);
+    struct buf readme = {0};
+    CHECK(file_read(&readme, path, 1 << 20, NULL) == OK);
     const char *card = strstr(buf_text(&readme), mark);
     CHECK(card != NULL);
     if (card) {
         card += strlen(mark);
-        CHECK(strncmp(card, buf_text(&page), page.length) == 0);
-        CHECK(strncmp(card + page.length, "```\n", 4) == 0);
+        CHECK(strncmp(card, buf_text(page), page->length) == 0);
+        CHECK(strncmp(card + page->length, "```\n", 4) == 0);
     }
-    buf_release(&page);
     buf_release(&readme);
+}
+
+STORY(the_page_of_keys_fits_and_is_the_card_in_the_readmes)
+{
+    struct buf page = {0};
+    pilot_keys_page(&page);
+    for (const char *at = buf_text(&page); *at; at += strcspn(at, "\n") + 1)
+        CHECK(strcspn(at, "\n") <= 78);
+    is_card_of("README.md", &page);
+    is_card_of("tui/README.md", &page);
+    buf_release(&page);
 }
 
 STORY(any_keys_make_lines_that_are_whole)
@@ -437,7 +444,7 @@ int main(void)
         TELL(what_is_no_command), TELL(a_click_takes_the_cross_hair_there_and_the_pen_draws),
         TELL(the_wheel_takes_the_question_about_a_tree_away),
         TELL(what_a_click_says_takes_the_place_of_what_was_said),
-        TELL(the_page_of_keys_fits_and_is_the_card_in_the_readme),
+        TELL(the_page_of_keys_fits_and_is_the_card_in_the_readmes),
         TELL(any_keys_make_lines_that_are_whole), TELL(with_room_enough_all_is_fine_at_once),
         TELL(with_little_room_it_is_coarse_first_and_fine_in_the_end),
         TELL(what_tiles_cost_is_learnt));

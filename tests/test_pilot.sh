@@ -170,6 +170,34 @@ sane
 expect 0 "$iftty" verify s-1.iftty
 close_story
 
+begin "the ten keys of README.md segment a brain"
+cat >reference <<END
+open ch2.nii.gz
+mask ch2bet.nii.gz
+seed 60,108,90 1
+run
+END
+if "$iftty" run reference >/dev/null 2>&1; then
+    enter "clear; $iftty ch2.nii.gz"
+    see '^ch2>$'
+    press C-o
+    see '^axial 90 at 90,108,90'
+    keys=$(sed -n '/^<!-- organ/,/^<!-- end of organ/s/^    \([^ ]*\) .*/\1/p' "$top/README.md")
+    same "$(printf '%s\n' "$keys" | wc -l)" 10
+    for key in $keys; do type_letters "$key"; done
+    see '^axial 10 at 20,108,10  brush 0 r6  label 0'
+    see 'voxels changed, label 1: 1.64 l,'
+    type_letters "q"
+    see '^ch2>$'
+    enter "quit"
+    sane
+    "$iftty" diff reference ch2-1.iftty >out 2>err
+    grep -q '^1 *0\.9[5-9]\|^1 *0\.949' out || fail "$(cat out err)"
+else
+    skip "there is no ch2.nii.gz here"
+fi
+close_story
+
 begin "in a script there is no pilot"
 expect 2 "$iftty" -c "open s.nii; pilot"
 grep -q "the pilot needs the prompt of a terminal" err || fail "$(cat err)"
