@@ -87,7 +87,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 
 .DEFAULT_GOAL := all
 .PHONY: all tests test test-long test-stress test-bare check-format format variants test-matrix test-matrix-short test-terminals fuzz \
-        fuzzers demo bench-peers bench-paper bench-growth bench-render bench-journal help clean packages
+        fuzzers demo bench-peers bench-paper bench-growth bench-render bench-journal help clean \
+        packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
