@@ -215,6 +215,7 @@ STORY(errors_of_another_program_are_taken_up_to_a_length)
 
 int main(void)
 {
+    alarm(60); /* a pool that waits without end fails */
     return RUN_STORIES(TELL(a_process_hands_back_what_was_made_elsewhere),
                        TELL(a_process_that_dies_or_says_too_much_is_an_error),
                        TELL(a_process_that_does_not_end_is_ended_by_the_watch),

@@ -276,6 +276,12 @@ expect 1 "$iftty" verify r.iftty
 expect 0 "$iftty" verify r.iftty --accept 'the shader rounds'
 out_has "0 golden images accepted, 1 of 5"
 expect 0 "$iftty" verify r.iftty
+# One name may stand twice for one picture, and is accepted once.
+expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; golden one; golden one' --journal twice.iftty
+rm -r twice.golden
+expect 0 "$iftty" verify twice.iftty --accept 'a disk was full'
+out_has "1 golden image accepted, 1 of 5"
+expect 0 "$iftty" verify twice.iftty
 close_story
 
 # refused JOURNAL WORDS STATUS [OPTION...]: accepting says so, and nothing has changed
@@ -315,6 +321,11 @@ grep -v '^#' out >a-script
 refused a-script "this is a script, not a journal" 1 env
 cp kept k.iftty
 expect 0 "$iftty" verify k.iftty --accept 'now'
+# One name for two pictures is nothing that a session records.
+expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; golden one; turn 20; golden two' --journal t.iftty
+sed 's/^golden two$/golden one/' t.iftty >twins.iftty
+expect 0 "$iftty" log --reseal twins.iftty
+refused twins.iftty "golden image one is given twice, and the pictures are not the same" 1 env
 close_story
 
 begin "accepting is refused while somebody writes the journal"

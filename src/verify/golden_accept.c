@@ -1,6 +1,7 @@
 #include "verify/golden_accept.h"
 
 #include <string.h>
+#include <unistd.h>
 
 #include "journal/golden.h"
 
@@ -53,6 +54,17 @@ static enum err note_origin(const struct golden_accept *accept, const struct int
     return err ? err : picture_note(picture, "iftty:chain", accept->chain.hex, fault);
 }
 
+/* The folder for golden images, which goes again where it was made in vain. */
+static enum err make_folder(struct golden_accept *accept, const struct buf *folder,
+                            struct fault *fault)
+{
+    if (!file_is_folder(buf_text(folder))) {
+        buf_clear(&accept->folder);
+        buf_add_text(&accept->folder, buf_text(folder));
+    }
+    return file_make_folder(buf_text(folder), fault);
+}
+
 /* The image, and the PNG beside it. */
 static enum err write_drafts(struct golden_accept *accept, struct interpreter *interp,
                              const struct golden_finding *finding, struct fault *fault)
@@ -60,7 +72,7 @@ static enum err write_drafts(struct golden_accept *accept, struct interpreter *i
     struct buf folder = {0};
     enum err err = golden_folder(&folder, buf_text(&interp->home), fault);
     if (!err)
-        err = file_make_folder(buf_text(&folder), fault);
+        err = make_folder(accept, &folder, fault);
     if (!err)
         err = note_origin(accept, interp, finding->actual, fault);
     if (!err)
@@ -115,6 +127,9 @@ void golden_accept_release(struct golden_accept *accept)
     const char *at = NULL, *draft, *place;
     while (next_draft(accept, &at, &draft, &place))
         file_discard(draft); /* it is gone already where it was published */
+    if (accept->folder.length)
+        rmdir(buf_text(&accept->folder)); /* stays where it holds anything */
+    buf_release(&accept->folder);
     buf_release(&accept->drafts);
     buf_release(&accept->note);
 }

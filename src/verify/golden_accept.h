@@ -4,7 +4,8 @@
  * them.
  *
  * Who owns: struct golden_accept lives as long as the replay that fills it; its drafts are files,
- * which golden_accept_release removes where they were not published.
+ * which golden_accept_release removes where they were not published, with their folder where it was
+ * made for them.
  */
 #ifndef VERIFY_GOLDEN_ACCEPT_H
 #define VERIFY_GOLDEN_ACCEPT_H
@@ -14,6 +15,7 @@
 
 struct golden_accept {
     struct buf drafts;         /* pairs of a draft and its place, each ended by NUL */
+    struct buf folder;         /* of the golden images, where it was made for them; or "" */
     struct buf note;           /* what was wrong with that of the command at hand, "" for nothing */
     struct record_chain chain; /* of the record before it, for the notes in the picture */
     size_t images;
