@@ -43,7 +43,7 @@ struct golden_difference {
     uint32_t width, height; /* of `image` */
 };
 
-/* OK whatever the comparison says, told in *difference, which is to be released; ERR_CHECK never.
+/* OK whatever the comparison says, which is in *difference, to be released; ERR_CHECK never.
  * ERR_MEMORY when there is no room for the image. */
 enum err golden_compare(const struct golden_planes *expected, const struct golden_planes *actual,
                         struct golden_difference *difference, struct fault *fault);

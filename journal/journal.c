@@ -254,7 +254,7 @@ static enum err take_over(struct journal *journal, const struct buf *bytes,
     journal->chain = finding->chain;
     if (finding->sound > 0)
         return keep_header(journal, finding->semantics, fault);
-    /* Whoever began it may not have come to that. */
+    /* The program that began it may have ended before that. */
     err = journal->log ? file_log_sync_folder(journal->log, fault) : OK;
     return err ? err : append_bytes(journal, &journal->header, fault);
 }

@@ -3,7 +3,7 @@
  *
  * Promises, by numbers that the tests use too:
  *   J1 a command is acknowledged only after its record is synced: when journal_append returns OK,
- *      the record is on the disk. Whoever asks for less (journal_set_sync) gets less, told there;
+ *      the record is on the disk. A caller can ask for less by journal_set_sync;
  *   J2 the file is always header + valid records + at most one torn record;
  *   J3 bytes before the end of the valid part never change;
  *   J4 replay reproduces every recorded word, or stops at the first that differs and says which
@@ -13,11 +13,11 @@
  *      record which was refused cannot come back;
  *   J6 one writer at a time: the file is locked from journal_create or journal_open to
  *      journal_close. Readers (replay, journal_check) take no lock;
- *   J7 the session outlives the file: every byte is kept in memory too, so that the record can go
- * on in another file (journal_continue) when this one is full, gone or failing.
+ *   J7 the session outlives the file: every byte is in memory too, so that the record can go on
+ *      in another file (journal_continue) when this one is full, gone or failing.
  *
- * The bytes are told in journal/FORMAT.md, and encoded and walked by record.h and walk.h. A
- * journal holds at most JOURNAL_BYTES_MAX bytes, so that whoever reads it knows what it takes.
+ * journal/FORMAT.md describes the bytes; they are encoded and walked by record.h and walk.h. A
+ * journal holds at most JOURNAL_BYTES_MAX bytes, so that a reader knows what memory it takes.
  */
 #ifndef JOURNAL_JOURNAL_H
 #define JOURNAL_JOURNAL_H
@@ -27,7 +27,7 @@
 
 #define JOURNAL_BYTES_MAX ((size_t)256 << 20)
 
-/* Opaque, because of J1 to J3. Owned by whoever created or opened it. */
+/* Opaque, because of J1 to J3. Owned by the caller who created or opened it. */
 struct journal;
 
 /* Creates `path`, which must not exist, with its header synced. `semantics` is the version of what

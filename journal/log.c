@@ -15,7 +15,7 @@ static void add_commands(struct buf *out, const char *bytes, const struct record
         if (begin[length - 1] == '\n')
             length--;
         const char *feed = memrchr(begin, '\n', length);
-        assert(feed); /* behind the command */
+        assert(feed); /* after the command */
         length = (size_t)(feed - begin) + 1;
     }
     buf_add(out, begin, length);

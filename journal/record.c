@@ -90,7 +90,7 @@ bool record_header_parse(const char *line, size_t length, unsigned *format, unsi
         return false;
     header_print(again, (unsigned)f, (unsigned)s);
     if (strlen(again) != length || memcmp(again, text, length) != 0)
-        return false; /* leading zeros, or something behind: one header has one spelling */
+        return false; /* leading zeros, or something after it: one header has one spelling */
     *format = (unsigned)f;
     *semantics = (unsigned)s;
     return true;
@@ -189,7 +189,7 @@ bool record_word_next(const char **cursor, const char *end, struct record_word *
     word->value_length = (size_t)(at - word->value);
     if (word->value_length == 0 || (at < end && *at != ' '))
         return false;
-    if (at < end && ++at == end) /* a space stands between words, not behind the last */
+    if (at < end && ++at == end) /* a space stands between words, not after the last */
         return false;
     *cursor = at;
     return true;

@@ -5,7 +5,7 @@
  *     seed 20,30,40 2
  *     = 3 forest=0123456789abcdef seeds=3 chain=<32 hexadecimal digits>
  *
- * journal/FORMAT.md tells the bytes. This file encodes a record and takes one apart; it neither
+ * journal/FORMAT.md describes the bytes. This file encodes a record and takes one apart; it neither
  * reads nor writes files, and knows nothing of what a command means.
  *
  * Why a chain in a text: the journal stays a script that anyone may read and edit, and whoever

@@ -33,7 +33,7 @@ struct replay_host {
 struct replay_options {
     unsigned semantics; /* the highest that is known; a failure names a higher one. 0: no matter */
     size_t first;       /* records before it are carried out, and neither compared nor judged */
-    size_t last;        /* stop behind this record; 0: go to the end */
+    size_t last;        /* stop after this record; 0: go to the end */
 };
 
 enum replay_outcome {

@@ -166,7 +166,8 @@ enum err act_label(const struct act *act)
         if (other != label && strcmp(next.kept.label_name[other], act->value[1].text) == 0)
             return fault_set(act->fault, ERR_USAGE, "label %zu is already called %s", other,
                              act->value[1].text);
-    memcpy(next.kept.label_name[label], act->value[1].text, strlen(act->value[1].text) + 1);
+    memset(next.kept.label_name[label], 0, LABEL_NAME_BYTES);
+    memcpy(next.kept.label_name[label], act->value[1].text, strlen(act->value[1].text));
     for (int k = 0; act->value[2].given && k < 3; k++)
         next.kept.palette.rgb[label][k] = (uint8_t)(act->value[2].number >> (16 - 8 * k));
     return session_go(act->session, &next, NULL, 0, act->fault);

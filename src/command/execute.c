@@ -39,8 +39,8 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
     if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
         return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
     const bool edits = command->flags & COMMAND_EDITS,
-               tells = edits && interp->mode == MODE_LIVE && !session->skims;
-    enum err err = tells ? session_count_labels(session, fault) : OK;
+               reports = edits && interp->mode == MODE_LIVE && !session->skims;
+    enum err err = reports ? session_count_labels(session, fault) : OK;
     if (!err)
         err = command->act(&(struct act){interp, session, call->value, reply, fault});
     const bool waits =
@@ -49,7 +49,7 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
         err = session_run(session, fault);
     if (!err && edits)
         execute_add_digests(reply, session);
-    const bool edited = tells && (session->edited || session->regrown);
+    const bool edited = reports && (session->edited || session->regrown);
     if (!err && edited)
         err = session_count_labels(session, fault);
     if (!err && edited)
@@ -68,7 +68,7 @@ static enum err carry_out(struct interpreter *interp, const struct call *call, c
         err = act(interp, call, reply, fault);
     if (err && fault)
         command_point_at(call, line, fault);
-    if (!err) /* what was cut short, wherever that was, is not recorded */
+    if (!err) /* what was cancelled, wherever that was, is not recorded */
         err = watch_fault(watch, fault);
     if (interpreter_is_wary(interp))
         err = limits_judge(err, &interp->written, fault);

@@ -1,5 +1,4 @@
-/* The one door: a command is carried out, recorded, and stands, or none of it (interpreter_execute).
- */
+/* The one door is interpreter_execute: a command is carried out and recorded, or none of it. */
 #ifndef COMMAND_EXECUTE_H
 #define COMMAND_EXECUTE_H
 

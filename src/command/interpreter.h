@@ -1,10 +1,10 @@
 /*
  * The interpreter: a session with its journal, and the one door through which commands come.
  *
- * Keyboard, script and replay all call interpreter_execute. A command is carried out, recorded (if it
- * changes something), and only then acknowledged; when the record cannot be written, the session
- * is taken back to before it, and so it is where session.watch stops it. Replaying only turns
- * writing off and comparing on.
+ * Keyboard, script and replay all call interpreter_execute. A command is carried out, recorded (if
+ * it changes something), and only then acknowledged; when the record cannot be written, the session
+ * is taken back to before it, and so it is where session.watch stops it. The mode says what is
+ * written and what is compared.
  */
 #ifndef COMMAND_INTERPRETER_H
 #define COMMAND_INTERPRETER_H
@@ -67,8 +67,8 @@ struct interpreter {
 enum err interpreter_init(struct interpreter *interp, struct fault *fault);
 void interpreter_release(struct interpreter *interp);
 
-/* From now on pictures are written beside the session, at a prompt. What became of each is told by
- * picture_writer_news; a picture that could not be written changes nothing else: the command stands. */
+/* From now on pictures are written beside the session, at a prompt. picture_writer_news says what
+ * became of each; one that could not be written changes nothing else: the command stands. */
 enum err interpreter_write_beside(struct interpreter *interp, struct fault *fault);
 
 /* ---- the one door (execute.c) ---- */
@@ -116,9 +116,10 @@ static inline bool interpreter_is_wary(const struct interpreter *interp)
 /* $IFTTY_SCENES: folders separated by colons; Debian's mricron-data by default. */
 const char *interpreter_scenes(void);
 
-/* The path under which the scene `name` is found: interpreter->scene_path; beside the journal; as it
- * stands; in a folder of interpreter_scenes(). Of a wary interpreter: interpreter->scene_path; below the folder of the
- * journal or of interpreter_scenes(), where a name that leads elsewhere is looked for by its last part. */
+/* The path under which the scene `name` is found: scene_path; beside the journal; as it stands; in
+ * a folder of interpreter_scenes(). Of a wary interpreter: scene_path; below the folder of the
+ * journal or of interpreter_scenes(), where a name that leads elsewhere is looked for by its last
+ * part. */
 enum err interpreter_find_scene(const struct interpreter *interp, const char *name,
                                 struct buf *path, struct fault *fault);
 
@@ -126,8 +127,8 @@ enum err interpreter_find_scene(const struct interpreter *interp, const char *na
 enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
                                struct fault *fault);
 
-/* Whether a file beside the journal, by its path, may be read: a wary interpreter follows no link that
- * leads out of the journal's folder. ERR_INPUT. */
+/* Whether a file beside the journal, by its path, may be read: a wary interpreter follows no link
+ * that leads out of the journal's folder. ERR_INPUT. */
 enum err interpreter_may_read(const struct interpreter *interp, const char *path,
                               struct fault *fault);
 

@@ -97,7 +97,7 @@ enum err interpreter_may_read(const struct interpreter *interp, const char *path
     const enum trust_answer answer = trust_look(buf_text(&folder), name);
     buf_release(&folder);
     if (answer == TRUST_FINE || answer == TRUST_MISSING)
-        return OK; /* whoever reads it says that it is missing */
+        return OK; /* the reader says that it is missing */
     return fault_set(fault, ERR_INPUT, "the journal may not read %s, which %s", path,
                      answer == TRUST_OUTSIDE ? "leads out of its folder" : "is not a regular file");
 }

@@ -30,25 +30,25 @@ enum err interpreter_create_journal(struct interpreter *interp, const char *path
 
 struct resume {
     struct interpreter *interp;
-    size_t last; /* number of the last record that tells of the forest; 0 for none */
+    size_t last; /* number of the last record that has words of the forest; 0 for none */
     struct replay_report report;
 };
 
-/* What records tell of the forest. */
+/* What records say of the forest. */
 static const char *const forest_words[] = {"forest", "labels", "seeds", "pending"};
 
-static bool tells_of_forest(const char *words, struct buf *out)
+static bool has_forest_words(const char *words, struct buf *out)
 {
     struct record_word word;
-    bool tells = false;
+    bool has = false;
     for (size_t i = 0; i < sizeof forest_words / sizeof *forest_words; i++)
         if (record_word_find(words, forest_words[i], strlen(forest_words[i]), &word)) {
-            tells = true;
+            has = true;
             if (out)
                 buf_printf(out, "%s%s=%.*s", out->length ? " " : "", forest_words[i],
                            (int)word.value_length, word.value);
         }
-    return tells;
+    return has;
 }
 
 static void take_semantics(void *context, unsigned semantics)
@@ -60,7 +60,7 @@ static void take_semantics(void *context, unsigned semantics)
 static void look_for_last(void *context, const struct record *record)
 {
     struct resume *resume = context;
-    if (tells_of_forest(record->result, NULL))
+    if (has_forest_words(record->result, NULL))
         resume->last = record->number;
 }
 
@@ -111,7 +111,7 @@ static enum err compare_forest(struct resume *resume, const struct record *recor
     const struct replay_host host = {.context = resume->interp, .execute = execute_and_catch_up};
     struct record judged = *record;
     struct buf words = {0};
-    tells_of_forest(record->result, &words);
+    has_forest_words(record->result, &words);
     judged.result = buf_text(&words);
     enum err err = words.failed ? fault_memory(fault, "a record")
                                 : replay_record(&judged, &host, &resume->report, fault);
@@ -119,8 +119,8 @@ static enum err compare_forest(struct resume *resume, const struct record *recor
     return err;
 }
 
-/* Up to the last record that tells of the forest nothing is computed; behind it nothing is left to
- * be. What opens a scene is carried out in full either way. */
+/* Up to the last record that has words of the forest nothing is computed; after it nothing is left
+ * to compute. What opens a scene is carried out in full either way. */
 static enum err skim_record(struct resume *resume, const struct record *record, struct fault *fault)
 {
     struct session *session = &resume->interp->session;

@@ -140,11 +140,11 @@ enum err history_find(const struct history *history, const char *name, uint32_t 
     if (!scan_integer(&rest, 0, INT64_MAX, &number) || *rest)
         return fault_set(fault, ERR_INPUT,
                          "there is no branch %s: expected the number of a record or a branch, "
-                         "which `history` tells",
+                         "which `history` lists",
                          name);
     if ((uint64_t)number < history->first || (uint64_t)number > history->records)
         return fault_set(fault, ERR_INPUT,
-                         "expected a record %zu..%zu, or a branch, not %s; `history` tells them",
+                         "expected a record %zu..%zu, or a branch, not %s; `history` lists them",
                          history->first, history->records, name);
     *point = history->at[(size_t)number - history->first];
     *branch = history->point[*point].branch;

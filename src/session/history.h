@@ -1,12 +1,12 @@
 /*
  * The history of a session: a tree of the states that its commands have led to.
  *
- * A *point* is a state of the segmentation: seeds, edits and eliminators that wait, weights, region of interest,
- * labels, what is hidden and cut away. Where one looks from is no part of it. Each command that
- * changes the segmentation leads from the present point to a new one, which remembers what the
- * command did; so the way between any two points is known, and because the forest is a function of
- * the set of seeds, going there takes one edit, whatever lies between. What was undone is not lost:
- * the next command only begins another alternative.
+ * A *point* is a state of the segmentation: seeds, edits and eliminators that wait, weights, region
+ * of interest, labels, what is hidden and cut away. Where one looks from is no part of it. Each
+ * command that changes the segmentation leads from the present point to a new one, which remembers
+ * what the command did; so the way between any two points is known, and because the forest is a
+ * function of the set of seeds, going there takes one edit, whatever lies between. What was undone
+ * is not lost: the next command only begins another alternative.
  *
  *      open --- seed 1 --- seed 2              main
  *                    \---- seed 3 --- seed 4    other, where we are

@@ -21,7 +21,7 @@ static enum err count_waiting(const struct roi *roi, const struct scene *scene,
     const struct edit **edit = mem_array(pendings, sizeof *edit);
     size_t count = 0;
     if (!edit)
-        return fault_memory(fault, "a fence");
+        return fault_memory(fault, "a region of interest");
     for (size_t i = 0; i < pendings; i++)
         if (!roi_holds(roi, scene, pending[i].cell))
             edit[count++] = &pending[i];

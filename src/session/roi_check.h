@@ -1,6 +1,6 @@
 /*
- * What a region of interest must fulfil before a session puts it up, and what a range of real values is in
- * intensities. Nothing is changed here.
+ * What a region of interest must fulfil before a session takes it on, and what a range of real
+ * values is in intensities. Nothing is changed here.
  */
 #ifndef SESSION_ROI_CHECK_H
 #define SESSION_ROI_CHECK_H
@@ -14,7 +14,7 @@
 enum err roi_check(const struct roi *roi, const struct scene *scene, const struct edit *pending,
                    size_t pendings, struct fault *fault);
 
-/* Makes region of interest->low..high the intensities whose real values lie in a range, in thousandths; low is
+/* Makes roi->low..high the intensities whose real values lie in a range, in thousandths; low is
  * above high where there are none. */
 void roi_range(struct roi *roi, const struct geometry *geometry, const int64_t thousandths[2]);
 

@@ -19,7 +19,7 @@
  *   S3 without a scene only session_open does anything, and settings can be made; all else asks
  *      has_scene first;
  *   S4 a scene that was interpolated is kept, with what hangs on it, until the command stands;
- *   S5 what does not fit the state, because a command was cut short or the session skims, is in
+ *   S5 what does not fit the state, because a command was cancelled or the session skims, is in
  *      `stale`, and made anew by the next session_go.
  */
 #ifndef SESSION_SESSION_H

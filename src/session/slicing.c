@@ -91,7 +91,7 @@ static enum err sketch_init(struct sketch *sketch, struct session *session, stru
     return OK;
 }
 
-/* One that was zoomed shows voxels as they are, to be told one from another. */
+/* One that was zoomed shows each voxel as it is, without smoothing. */
 static struct slice_choice slice_of(const struct session *session, enum slice_kind kind,
                                     const struct sketch *sketch)
 {

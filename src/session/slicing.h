@@ -28,12 +28,13 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
                          uint32_t column, uint32_t row, struct fault *fault);
 
 /* A mosaic of another size than the view's, for a screen: the rendition is fitted in. The canvas
- * tells its cells; the caller releases it. Without `words` there are no letters, titles and bars.
+ * has its cells; the caller releases it. Without `words` there are no patient letters, titles and
+ * scale bars.
  * ERR_LIMIT for less than MOSAIC_SIDE_LEAST pixels a side. */
 enum err slicing_panel(struct canvas *canvas, struct session *session, uint32_t width,
                        uint32_t height, bool words, struct fault *fault);
 
-/* The canvas, which tells its cells, as a picture with labels, voxels and notes. Labels are those
+/* The canvas, which has its cells, as a picture with labels, voxels and notes. Labels are those
  * of the voxels, be they overlaid or not. The caller releases it. */
 enum err slicing_export(struct picture *picture, const struct session *session,
                         enum slice_kind kind, const struct canvas *canvas, struct fault *fault);

@@ -17,104 +17,99 @@ struct state state_default(void)
 
 /* ---- equality ---- */
 
-static bool pair_equals(const int64_t a[2], const int64_t b[2])
+/* Two that only matter while something else is so, and what is true of every field. */
+enum { MADE_BY_POLARITY = 64, MADE_BY_WINDOW = 128, DIFFERS = 256 };
+
+/* A field, which has no padding within, and what follows from it. */
+struct state_field {
+    size_t at, bytes;
+    unsigned made;
+};
+#define FIELD(owner, member, made)                                                                 \
+    {                                                                                              \
+        offsetof(struct owner, member), sizeof(((struct owner *)0)->member), made                  \
+    }
+
+static const struct state_field kept_field[] = {
+    FIELD(kept, palette, MADE_COLOURS),
+    FIELD(kept, label_name, 0),
+    FIELD(kept, visible, MADE_BORDER),
+    FIELD(kept, cut, MADE_BORDER),
+    FIELD(kept, adjacency, MADE_WEIGHTS),
+    FIELD(kept, weight, MADE_WEIGHTS),
+    FIELD(kept, polarity, MADE_BY_POLARITY),
+    FIELD(kept, weight_map, MADE_WEIGHTS),
+    FIELD(kept, mask, MADE_ROI),
+    FIELD(kept, weight_file, 0),
+    FIELD(kept, mask_file, 0),
+    FIELD(kept, mask_regions, 0),
+    FIELD(kept, has_range, MADE_ROI),
+    FIELD(kept, range_thousandths, MADE_ROI),
+};
+
+static const struct state_field outlook_field[] = {
+    FIELD(outlook, view, MADE_CAMERA),
+    FIELD(outlook, look, MADE_CAMERA),
+    FIELD(outlook, slices.cross, 0),
+    FIELD(outlook, slices.zoom, 0),
+    FIELD(outlook, slices.has_window, MADE_BY_WINDOW),
+    FIELD(outlook, slices.window_thousandths, MADE_BY_WINDOW),
+    FIELD(outlook, slices.overlay, 0),
+    FIELD(outlook, slices.crosses, 0),
+    FIELD(outlook, slices.marks, 0),
+    FIELD(outlook, slices.words, 0),
+    FIELD(outlook, runs_by_itself, 0),
+};
+
+_Static_assert(sizeof(struct weight_choice) == 2 * sizeof(uint32_t), "no padding");
+_Static_assert(sizeof(struct look) == 6 * sizeof(uint32_t), "no padding");
+_Static_assert(sizeof(struct view) == 6 * sizeof(uint32_t) + 3 * sizeof(int64_t), "no padding");
+_Static_assert(sizeof(struct cut) == 8 * sizeof(uint32_t) +
+                                         CUT_PLANES_MOST * sizeof(struct cut_plane) +
+                                         CUT_BOXES_MOST * sizeof(struct cut_box),
+               "no padding");
+
+/* DIFFERS and what follows from the fields that do, or 0. */
+static unsigned compare(const struct state_field *field, size_t fields, const void *a,
+                        const void *b)
 {
-    return a[0] == b[0] && a[1] == b[1];
+    const char *x = a, *y = b;
+    unsigned made = 0;
+    for (const struct state_field *f = field; f < field + fields; f++)
+        if (memcmp(x + f->at, y + f->at, f->bytes) != 0)
+            made |= DIFFERS | f->made;
+    return made;
 }
 
-static bool names_equal(const struct kept *a, const struct kept *b)
+static unsigned compare_kept(const struct kept *a, const struct kept *b)
 {
-    for (int label = 0; label < 256; label++)
-        if (strcmp(a->label_name[label], b->label_name[label]) != 0)
-            return false;
-    return strcmp(a->weight_file, b->weight_file) == 0 && strcmp(a->mask_file, b->mask_file) == 0;
+    return compare(kept_field, sizeof kept_field / sizeof *kept_field, a, b);
 }
 
-static bool palette_equals(const struct palette *a, const struct palette *b)
+static unsigned compare_outlooks(const struct outlook *a, const struct outlook *b)
 {
-    return memcmp(a->rgb, b->rgb, sizeof a->rgb) == 0;
-}
-
-static bool polarity_equals(const struct kept *a, const struct kept *b)
-{
-    return memcmp(a->polarity, b->polarity, sizeof a->polarity) == 0;
-}
-
-/* A cut has no padding (render/cut.h). */
-static bool shows_the_same(const struct kept *a, const struct kept *b)
-{
-    return memcmp(a->visible, b->visible, sizeof a->visible) == 0 &&
-           memcmp(&a->cut, &b->cut, sizeof a->cut) == 0;
-}
-
-/* Arcs weigh the same. */
-static bool weighs_the_same(const struct kept *a, const struct kept *b)
-{
-    return a->adjacency == b->adjacency && weight_choice_equals(&a->weight, &b->weight) &&
-           a->weight_map == b->weight_map &&
-           (a->weight.kind != WEIGHT_POLARITY || polarity_equals(a, b));
-}
-
-static bool same_region_of_interest(const struct kept *a, const struct kept *b)
-{
-    return a->mask == b->mask && a->has_range == b->has_range &&
-           pair_equals(a->range_thousandths, b->range_thousandths);
+    return compare(outlook_field, sizeof outlook_field / sizeof *outlook_field, a, b);
 }
 
 bool kept_equals(const struct kept *a, const struct kept *b)
 {
-    return palette_equals(&a->palette, &b->palette) && names_equal(a, b) && shows_the_same(a, b) &&
-           weighs_the_same(a, b) && polarity_equals(a, b) && same_region_of_interest(a, b) &&
-           a->mask_regions[0] == b->mask_regions[0] && a->mask_regions[1] == b->mask_regions[1];
-}
-
-static bool view_equals(const struct view *a, const struct view *b)
-{
-    return memcmp(a->angle, b->angle, sizeof a->angle) == 0 && a->zoom == b->zoom &&
-           a->width == b->width && a->height == b->height &&
-           memcmp(a->focus, b->focus, sizeof a->focus) == 0;
-}
-
-static bool look_equals(const struct look *a, const struct look *b)
-{
-    return a->mode == b->mode && a->light[0] == b->light[0] && a->light[1] == b->light[1] &&
-           a->cue_percent == b->cue_percent && a->edges == b->edges && a->samples == b->samples;
-}
-
-static bool window_equals(const struct slice_settings *a, const struct slice_settings *b)
-{
-    return a->has_window == b->has_window &&
-           pair_equals(a->window_thousandths, b->window_thousandths);
-}
-
-static bool slices_equal(const struct slice_settings *a, const struct slice_settings *b)
-{
-    return memcmp(a->cross, b->cross, sizeof a->cross) == 0 && a->zoom == b->zoom &&
-           window_equals(a, b) && a->overlay == b->overlay && a->crosses == b->crosses &&
-           a->marks == b->marks && a->words == b->words;
+    return compare_kept(a, b) == 0;
 }
 
 bool outlook_equals(const struct outlook *a, const struct outlook *b)
 {
-    return view_equals(&a->view, &b->view) && look_equals(&a->look, &b->look) &&
-           slices_equal(&a->slices, &b->slices) && a->runs_by_itself == b->runs_by_itself;
+    return compare_outlooks(a, b) == 0;
 }
 
-/* Faces that are cut open show the scene, as slices do. */
-static bool same_colours(const struct state *a, const struct state *b)
-{
-    return palette_equals(&a->kept.palette, &b->kept.palette) &&
-           (cut_is_none(&b->kept.cut) || window_equals(&a->outlook.slices, &b->outlook.slices));
-}
-
+/* Polarities are heeded by one weight alone; the window of slices colours what is cut open. */
 unsigned state_difference(const struct state *a, const struct state *b)
 {
-    const struct outlook *x = &a->outlook, *y = &b->outlook;
-    const bool same_view = view_equals(&x->view, &y->view) && look_equals(&x->look, &y->look);
-    return (weighs_the_same(&a->kept, &b->kept) ? 0u : MADE_WEIGHTS) |
-           (same_region_of_interest(&a->kept, &b->kept) ? 0u : MADE_ROI) |
-           (shows_the_same(&a->kept, &b->kept) ? 0u : MADE_BORDER) |
-           (same_view ? 0u : MADE_CAMERA) | (same_colours(a, b) ? 0u : MADE_COLOURS);
+    unsigned made = compare_kept(&a->kept, &b->kept) | compare_outlooks(&a->outlook, &b->outlook);
+    if (made & MADE_BY_POLARITY && b->kept.weight.kind == WEIGHT_POLARITY)
+        made |= MADE_WEIGHTS;
+    if (made & MADE_BY_WINDOW && !cut_is_none(&b->kept.cut))
+        made |= MADE_COLOURS;
+    return made & ~(unsigned)(MADE_BY_POLARITY | MADE_BY_WINDOW | DIFFERS);
 }
 
 /* ---- ownership ---- */

@@ -32,7 +32,7 @@ enum { LABEL_NAME_BYTES = 32, FILE_WORDS_BYTES = 128 };
 
 struct kept {
     struct palette palette;
-    char label_name[256][LABEL_NAME_BYTES]; /* "" for none */
+    char label_name[256][LABEL_NAME_BYTES]; /* "" for none; zeros after the end */
     bool visible[256];
     struct cut cut;     /* what is cut away of what is visible */
     unsigned adjacency; /* 6 or 26 */
@@ -76,7 +76,8 @@ struct state {
 /* As a session begins. */
 struct state state_default(void);
 
-/* Two are the same where every field is; maps are, where they are one and the same. */
+/* Two are the same where every field is (a table of state.c: a new field is a row there); maps are,
+ * where they are one and the same. */
 bool kept_equals(const struct kept *a, const struct kept *b);
 bool outlook_equals(const struct outlook *a, const struct outlook *b);
 

@@ -3,8 +3,8 @@
  *
  * An edit changes the counts of the voxels that it gave another label, which takes no time worth
  * mentioning in a scene of any size. Where a forest grows from nothing, or so much of it that
- * nobody has a list, the tally is stale: it is counted again by whoever asks first, every thread
- * of the team at once, and a replay that never asks never pays.
+ * there is no list, the tally is stale: it is counted again by the first caller who asks, every
+ * thread of the team at once, and a replay that never asks never pays.
  *
  * Label 0 has the background and all that no seed reaches. The counts of all labels make the scene.
  *

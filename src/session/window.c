@@ -66,7 +66,7 @@ void window_of(int32_t window[2], struct session *session)
         window[1] += falls ? -1 : 1;
 }
 
-/* "12.5", or four digits of what is smaller than thousandths tell. */
+/* "12.5", or four digits of a value too small for thousandths. */
 static void write_value(char out[WINDOW_WORDS_BYTES], double value)
 {
     const double thousandths = value * 1000;
