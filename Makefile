@@ -81,7 +81,7 @@ MATRIX_PACKAGES := clang libclang-rt-dev gcc-i686-linux-gnu libc6-dev-i386-cross
                    libc6-dev-s390x-cross qemu-user-static
 
 # Terminals, what they are shown on without a screen, and what looks at them and types.
-STAGED            := $(BUILD)/tests/terminals/paint $(BUILD)/tests/terminals/cockpit
+STAGED            := $(BUILD)/tests/terminals/paint $(BUILD)/tests/terminals/panel
 TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-dejavu-core foot sway \
                      grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
 

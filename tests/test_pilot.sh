@@ -154,7 +154,7 @@ see '^journal: '
 sane
 close_story
 
-begin "the flight replays like any other session"
+begin "what was done in the pilot replays like any other session"
 expect 0 "$iftty" verify s-1.iftty
 grep -qx 'cross 11,13,8' s-1.iftty || fail "a move is not in the journal"
 close_story

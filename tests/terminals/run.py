@@ -67,7 +67,7 @@ class Stage:
         self.room, self.report = room, report
         self.programs = os.path.join(room.folder, "bin")
         os.makedirs(self.programs)
-        for name in ("iftty", "iftty-image", "tests/terminals/paint", "tests/terminals/cockpit"):
+        for name in ("iftty", "iftty-image", "tests/terminals/paint", "tests/terminals/panel"):
             shutil.copy(os.path.join(build, name), self.programs)
         self.iftty = os.path.join(self.programs, "iftty")
         self.kept = os.path.join(build, "terminals")  # screenshots of what failed
@@ -288,24 +288,24 @@ def prompt_stories(stage):
 # ---- the pilot ----
 
 # keys as typed, or by name; the last leaves the coronal pane marked
-FLIGHT = ("l", "l", "9k", "3", "Tab", "6j", "4", "x", "Escape", "u", "shift+Right", "r", "+", "2",
+KEYS = ("l", "l", "9k", "3", "Tab", "6j", "4", "x", "Escape", "u", "shift+Right", "r", "+", "2",
           "Z", "h")
 ROUNDED_MEAN = 3  # of 255,
 ROUNDED_MOST = 0.002  # and the share of pixels further off than COLOURS_APART: of cross-hairs, say
 
 
-def cockpit(stage, cells, journal):
+def panel(stage, cells, journal):
     """What the pilot's picture ought to be, from the journal alone."""
-    folder = fresh_folder(stage.room, "cockpit")
+    folder = fresh_folder(stage.room, "panel")
     path = os.path.join(folder, "expected.ppm")
-    subprocess.run([os.path.join(stage.programs, "cockpit"), journal,
+    subprocess.run([os.path.join(stage.programs, "panel"), journal,
                     str(cells.columns * cells.width), str((cells.rows - 2) * cells.height), "1",
                     path], check=True)
     with Image.open(path) as picture:
         return picture.convert("RGB")
 
 
-def same_cockpit(cells, shot, expected):
+def same_panel(cells, shot, expected):
     """The picture, up to how its colours are rounded; nothing beside it but two rows of text."""
     right = cells.left + expected.width
     bottom = cells.top + expected.height
@@ -320,8 +320,8 @@ def same_cockpit(cells, shot, expected):
     return same_pixels(rest, Image.new("RGB", rest.size))
 
 
-def fly(stage, name):
-    story = name + ": a flight shows what its journal says"
+def drive(stage, name):
+    story = name + ": the pilot shows what its journal says"
     if not stage.report.wants(story):
         return
     with stage.report.story(story):
@@ -330,21 +330,21 @@ def fly(stage, name):
             prompt.open_scene()
             prompt.terminal.type("pilot\n")
             prompt.terminal.settled()
-            for key in FLIGHT:
+            for key in KEYS:
                 if len(key) > 2:
                     prompt.terminal.press(key)
                 else:
                     prompt.terminal.type(key)
             prompt.terminal.settled(0.6)
-            expected = cockpit(stage, cells, prompt.journal)
+            expected = panel(stage, cells, prompt.journal)
             stage.need_screen(prompt.terminal, story,
-                              lambda shot: same_cockpit(cells, shot, expected))
-            flown = prompt.terminal.settled()
+                              lambda shot: same_panel(cells, shot, expected))
+            shown = prompt.terminal.settled()
             prompt.terminal.press("ctrl+l")
             anew = prompt.terminal.settled(0.6)
-            words = same_pixels(flown, anew)
+            words = same_pixels(shown, anew)
             if words:
-                stage.keep(story, flown=flown, anew=anew)
+                stage.keep(story, shown=shown, anew=anew)
                 raise Failure("drawn anew, it differs: " + words)
             prompt.terminal.type("q")
             prompt.terminal.settled()
@@ -361,7 +361,7 @@ def fly(stage, name):
 
 def pilot_stories(stage):
     for name in GRAPHICAL:
-        fly(stage, name)
+        drive(stage, name)
 
 
 # ---- blocks, where there are no graphics ----

@@ -1,5 +1,5 @@
 /*
- * What the pilot ought to show: cockpit JOURNAL WIDTH HEIGHT PANE OUT
+ * What the pilot ought to show: panel JOURNAL WIDTH HEIGHT PANE OUT
  *
  * Carries the journal out in a process of its own, without a terminal, and draws the state that it
  * leaves, as the pilot would with PANE marked (0 axial, 1 coronal, 2 sagittal), into OUT, a PPM.
@@ -34,7 +34,7 @@ int main(int count, char **word)
     struct buf told = {0};
     struct fault fault = {0};
     if (count != 6) {
-        fputs("cockpit JOURNAL WIDTH HEIGHT PANE OUT\n", stderr);
+        fputs("panel JOURNAL WIDTH HEIGHT PANE OUT\n", stderr);
         return 2;
     }
     const struct pilot_wish wish = {.width = (uint32_t)atoi(word[2]),
