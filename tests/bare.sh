@@ -11,37 +11,34 @@
 # fails, or is skipped for a reason that is not in may_skip.txt.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-bare=${1:-build/bare}
 suite=bookworm
-[ "$(id -u)" = 0 ] || { echo "bare.sh: ask as root: debootstrap and chroot need it" >&2; exit 2; }
+[ "$(id -u)" = 0 ] || { echo "bare.sh: debootstrap and mounting ask for root" >&2; exit 2; }
+# All is mounted where nobody else sees it, and is gone with the last process, however that ends.
+[ -n "${IFTTY_BARE:-}" ] || IFTTY_BARE=yes exec unshare -m tests/bare.sh "$@"
+bare=${1:-build/bare}
 mkdir -p "$bare" && bare=$(cd "$bare" && pwd) || exit 1
-root=$bare/root log=$bare/log
-
-unmount() { # all that is mounted below it, the last first
-    awk -v root="$root/" 'index($2, root) == 1 { print $2 }' /proc/mounts | sort -r |
-        while read -r place; do umount "$place" || umount -l "$place"; done
-}
+root=$bare/root log=$bare/log said=$bare/said
 clear_up() {
-    unmount
-    if awk -v root="$root/" 'index($2, root) == 1 { found = 1 } END { exit !found }' /proc/mounts; then
-        echo "bare.sh: something is still mounted below $root; it is left" >&2
-    elif [ -z "${KEEP:-}" ]; then
-        rm -rf "$root"
-    fi
+    awk -v root="$root" '$2 == root || index($2, root "/") == 1 { print $2 }' /proc/mounts | sort -r |
+        while read -r place; do umount -l "$place"; done
+    # where something should still be mounted, nothing of it is removed
+    [ -n "${KEEP:-}" ] || rm -rf --one-file-system "$root"
 }
 trap clear_up EXIT
 trap 'exit 1' HUP INT TERM
 
-# The first mirror of the machine's own sources that has the suite, in either way of writing them.
+# ---- the machine ----
+
+# The mirrors of this machine's own sources, in either way of writing them.
 mirrors() {
     {
         sed -n 's/^deb \(\[[^]]*\] *\)\{0,1\}\([^ ]*\) .*/\2/p' /etc/apt/sources.list /etc/apt/sources.list.d/*.list
         sed -n 's/^URIs: *//p' /etc/apt/sources.list.d/*.sources | tr ' ' '\n'
     } 2>/dev/null | awk 'length && !seen[$0]++'
 }
-make_root() {
+make_root() { # from the first mirror that has the suite
     for mirror in $(mirrors); do
-        rm -rf "$root"
+        rm -rf --one-file-system "$root"
         packages=git,make,gcc
         case $mirror in https:*) packages=$packages,ca-certificates ;; esac
         debootstrap --variant=minbase --include=$packages "$suite" "$root" "$mirror" \
@@ -56,7 +53,8 @@ share_network() {
     for file in resolv.conf hosts; do cp -L "/etc/$file" "$root/etc/$file" || return; done
 }
 mount_places() {
-    mount -t proc proc "$root/proc" && mount -t tmpfs -o mode=755 dev "$root/dev" &&
+    mount --bind "$root" "$root" && mount -t proc proc "$root/proc" &&
+        mount -t sysfs -o ro sys "$root/sys" && mount -t tmpfs -o mode=755 dev "$root/dev" &&
         mkdir "$root/dev/pts" "$root/dev/shm" || return
     for device in null zero full random urandom tty; do
         touch "$root/dev/$device" && mount --bind "/dev/$device" "$root/dev/$device" || return
@@ -66,37 +64,40 @@ mount_places() {
     mount -t devpts -o newinstance,ptmxmode=666,mode=620,gid=5 devpts "$root/dev/pts" &&
         mount -t tmpfs -o mode=1777 shm "$root/dev/shm"
 }
-inside() { # USER COMMAND, with nothing of this environment but the way out to the network
-    chroot "$root" env -i HOME="$(awk -F: -v user="$1" '$1 == user { print $6 }' "$root/etc/passwd")" \
-        PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb \
+# USER COMMAND: there, with nothing of this environment but the way out to the network. The root is a
+# real one, not that of chroot, in which the kernel makes no namespaces.
+inside() {
+    set -- "$1" "$2" "$(awk -F: -v user="$1" '$1 == user { print $6 }' "$root/etc/passwd")"
+    # shellcheck disable=SC2016
+    unshare -m sh -c 'cd "$1" && shift && pivot_root . mnt && umount -l /mnt && exec env -i "$@"' sh \
+        "$root" HOME="$3" PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb \
         ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
-        setpriv --reuid="$1" --regid="$1" --init-groups sh -c "$2" </dev/null
-}
-failures=0
-run() { # USER COMMAND
-    echo "# $1: $2"
-    inside "$1" "cd ~/iftty && $2" 2>&1 | tee -a "$log" "$bare/said"
-    # the closing line of the tests, or the demo's, is what says that it went well
-    case $2 in
-    *test) tail -n 1 "$bare/said" | grep -qE '^[0-9]+ passed, 0 failed, [0-9]+ skipped$' ;;
-    *demo) grep -q '^  # [0-9]* verified, 0 failed' "$bare/said" && ! grep -q 'stands in' "$bare/said" ;;
-    esac || { failures=$((failures + 1)); echo "# that failed"; }
-    : >"$bare/said"
+        setpriv --reuid="$1" --regid="$1" --init-groups sh -c "cd && $2" </dev/null
 }
 
-unmount
+# ---- the newcomer ----
+
+failures=0
+try() { # USER COMMAND, "what is printed when all is well"
+    echo "# $1: $2"
+    inside "$1" "cd iftty && $2" 2>&1 | tee -a "$log" "$said"
+    grep -qE "$3" "$said" || { failures=$((failures + 1)); echo "# $1: $2: that failed"; }
+    : >"$said"
+}
+visit() { # USER
+    inside "$1" "git clone -q /src iftty" || exit 1
+    try "$1" "make demo" '^  # [0-9]+ verified, 0 failed'
+    try "$1" "make test" '^[0-9]+ passed, 0 failed, [0-9]+ skipped$'
+}
+
 : >"$log"
-: >"$bare/said"
+: >"$said"
 echo "# Debian $suite in $root"
-make_root && share_network && mount_places || { echo "bare.sh: the machine could not be made" >&2; exit 1; }
-git clone -q --no-hardlinks . "$root/root/iftty" || exit 1
-chroot "$root" useradd -m somebody || exit 1
-run root "make demo"
-run root "make test"
-# The user's clone lies on another folder, with nothing built.
-git clone -q --no-hardlinks . "$root/home/somebody/iftty" &&
-    chroot "$root" chown -R somebody: /home/somebody/iftty || exit 1
-run somebody "make demo"
-run somebody "make test"
+make_root && share_network && mount_places ||
+    { echo "bare.sh: the machine could not be made" >&2; exit 1; }
+git clone -q --bare . "$root/src" && inside root "useradd -m somebody" || exit 1
+visit root
+visit somebody
+grep 'stands in' "$log" && failures=$((failures + 1)) # the scene of the demo could not be installed
 .ci/close "$log" || failures=$((failures + 1))
 [ "$failures" = 0 ]

@@ -177,6 +177,24 @@ printf '/*\n * Q1 one\n * that holds; Q2 two\n */\n' >"$work/glued.h"
 same "$(glued "$work/fine.h" "$work/glued.h" | wc -l | tr -d ' ')" 1
 close_story
 
+begin "a command, program, weight, format or protocol is one file and one row"
+apart=" $(sed -n 's/^apart: //p' "$law") "
+sed -n 's/^place \([a-z]*\): \(.*\)/\1 \2/p' "$law" >"$work/places"
+while read -r kind script table header; do
+    found=$(sed 's/, *&/,\n\&/g' "$table" | sed -nE "$script" | sort -u | paste -sd '|' -)
+    [ -n "$found" ] || { fail "no $kind in $table"; continue; }
+    grep -rowE --include='*.[ch]' "$found" src journal render tui |
+        awk -F: -v table="$table" -v header="$header" -v apart="$apart" '
+        $1 != table && $1 != header && !seen[$0]++ && !index(apart, " " $2 " ") { where[$2] = where[$2] " " $1; n[$2]++ }
+        END { for (name in n) if (n[name] > 1) print name " is also in" where[name] }' >"$work/more"
+    [ ! -s "$work/more" ] || fail "$(cat "$work/more")"
+    grep -q "$table" src/README.md || fail "src/README.md does not say that a $kind goes into $table"
+done <"$work/places"
+for path in $(sed -n '/^## Where to add/,/^## /s/`\([a-z_/]*\.[ch]\)`/\n\1\n/gp' src/README.md | grep '^[a-z_/]*\.[ch]$'); do
+    [ -e "$path" ] || [ -e "src/command/$path" ] || [ -e "src/program/$path" ] || fail "src/README.md: there is no $path"
+done
+close_story
+
 # Rooms: the folders that may include something by tests/layout.txt.
 rooms() {
     sed -n 's/^\(base\|engine\|image\|sandbox\|session\|command\|verify\|program\): .*/src\/\1/p' "$law"
