@@ -193,7 +193,9 @@ STORY(a_rollback_gives_the_former_scene_back)
         const bool rendered = i % 2;
         struct session session;
         begin(&session);
-        CHECK(session_set_visible(&session, 3, false, NULL) == OK);
+        struct state next = session.now;
+        next.kept.visible[3] = false;
+        CHECK(session_go(&session, &next, NULL, 0, NULL) == OK);
         struct view view = session.now.outlook.view;
         view.width = view.height = i < 2 ? 64 : 1024; /* the latter without another zoom */
         CHECK(session_set_view(&session, &view, NULL) == OK);

@@ -85,6 +85,9 @@ enum err act_pilot(const struct act *act);
 enum err act_help(const struct act *act);
 enum err act_quit(const struct act *act);
 
+/* Goes to the state that act->next was made. */
+enum err act_go(const struct act *act);
+
 /* `err`, with the name of a file before its words. */
 enum err act_naming(const char *file, enum err err, struct fault *fault);
 

@@ -32,19 +32,19 @@ static void set_slab(struct cut *cut, const struct scene *scene, enum slice_plan
 
 enum err act_clip(const struct act *act)
 {
-    struct session *session = act->session;
-    struct cut cut = session->now.kept.cut;
+    struct cut *cut = &act->next->kept.cut;
+    const struct scene *scene = act->session->scene;
     const int64_t plane = act->value[0].number;
     if (plane == SLAB_NONE) {
         const struct cut whole = cut_none();
         if (act->value[1].given)
             return fault_set(act->fault, ERR_USAGE,
                              "`clip none` takes no slices; the view is unchanged");
-        memcpy(cut.first, whole.first, sizeof cut.first);
-        memcpy(cut.last, whole.last, sizeof cut.last);
-        return session_set_cut(session, &cut, act->fault);
+        memcpy(cut->first, whole.first, sizeof cut->first);
+        memcpy(cut->last, whole.last, sizeof cut->last);
+        return act_go(act);
     }
-    const uint32_t count = slice_count(session->scene, (enum slice_plane)plane);
+    const uint32_t count = slice_count(scene, (enum slice_plane)plane);
     if (!act->value[1].given)
         return fault_set(act->fault, ERR_USAGE, "expected %s slices A-B within 0-%u, %s to %s",
                          slab[plane].name, count - 1, slab[plane].from, slab[plane].to);
@@ -53,29 +53,28 @@ enum err act_clip(const struct act *act)
                          "there are %s slices 0-%u, %s to %s, not %u; the view is unchanged",
                          slab[plane].name, count - 1, slab[plane].from, slab[plane].to,
                          act->value[1].place[1]);
-    set_slab(&cut, session->scene, (enum slice_plane)plane, act->value[1].place);
-    return session_set_cut(session, &cut, act->fault);
+    set_slab(cut, scene, (enum slice_plane)plane, act->value[1].place);
+    return act_go(act);
 }
 
 /* ---- planes and boxes ---- */
 
 enum err act_plane(const struct act *act)
 {
-    struct session *session = act->session;
-    struct cut cut = session->now.kept.cut;
+    struct cut *cut = &act->next->kept.cut;
     if (act->value[0].text) {
-        memset(cut.plane, 0, sizeof cut.plane);
-        cut.planes = 0;
-    } else if (cut.planes == CUT_PLANES_MOST) {
+        memset(cut->plane, 0, sizeof cut->plane);
+        cut->planes = 0;
+    } else if (cut->planes == CUT_PLANES_MOST) {
         return fault_set(act->fault, ERR_LIMIT,
                          "there are %d planes already, the most; `plane none` removes them; the "
                          "view is unchanged",
                          CUT_PLANES_MOST);
     } else {
-        cut.plane[cut.planes++] =
-            cut_plane_through(session->scene, act->value[0].place, session->camera.ahead);
+        cut->plane[cut->planes++] =
+            cut_plane_through(act->session->scene, act->value[0].place, act->session->camera.ahead);
     }
-    return session_set_cut(session, &cut, act->fault);
+    return act_go(act);
 }
 
 static struct cut_box box_between(const uint32_t corner[3], const uint32_t opposite[3])
@@ -90,23 +89,22 @@ static struct cut_box box_between(const uint32_t corner[3], const uint32_t oppos
 
 enum err act_cut(const struct act *act)
 {
-    struct session *session = act->session;
-    struct cut cut = session->now.kept.cut;
+    struct cut *cut = &act->next->kept.cut;
     if ((act->value[0].text != NULL) == act->value[1].given)
         return fault_set(act->fault, ERR_USAGE,
                          "expected two corners X,Y,Z X,Y,Z, or none alone; the view is unchanged");
     if (act->value[0].text) {
-        memset(cut.box, 0, sizeof cut.box);
-        cut.boxes = 0;
-    } else if (cut.boxes == CUT_BOXES_MOST) {
+        memset(cut->box, 0, sizeof cut->box);
+        cut->boxes = 0;
+    } else if (cut->boxes == CUT_BOXES_MOST) {
         return fault_set(
             act->fault, ERR_LIMIT,
             "there are %d boxes already, the most; `cut none` removes them; the view is unchanged",
             CUT_BOXES_MOST);
     } else {
-        cut.box[cut.boxes++] = box_between(act->value[0].place, act->value[1].place);
+        cut->box[cut->boxes++] = box_between(act->value[0].place, act->value[1].place);
     }
-    return session_set_cut(session, &cut, act->fault);
+    return act_go(act);
 }
 
 /* ---- in words ---- */

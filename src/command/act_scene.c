@@ -112,30 +112,31 @@ static enum err take_argument(struct weight_choice *choice, const struct value *
 enum err act_weight(const struct act *act)
 {
     const bool is_file = act->value[0].number < 0;
-    struct weight_choice choice = {is_file ? WEIGHT_FILE : (enum weight_kind)act->value[0].number,
-                                   0};
-    const enum err err = take_argument(&choice, act->value + 1, act->fault);
+    struct kept *kept = &act->next->kept;
+    kept->weight =
+        (struct weight_choice){is_file ? WEIGHT_FILE : (enum weight_kind)act->value[0].number, 0};
+    const enum err err = take_argument(&kept->weight, act->value + 1, act->fault);
     if (err)
         return err;
-    return add_weights(act, is_file ? weigh_by_file(act, act->value[0].text)
-                                    : session_set_weight(act->session, &choice, act->fault));
+    if (is_file)
+        return add_weights(act, weigh_by_file(act, act->value[0].text));
+    kept->weight_map = NULL;
+    memset(kept->weight_file, 0, sizeof kept->weight_file);
+    return add_weights(act, act_go(act));
 }
 
 enum err act_polarity(const struct act *act)
 {
-    struct session *session = act->session;
-    enum err err = session_set_polarity(session, (uint8_t)act->value[0].number,
-                                        (int8_t)act->value[1].number, act->fault);
-    if (!err && session->now.kept.weight.kind != WEIGHT_POLARITY)
+    act->next->kept.polarity[act->value[0].number] = (int8_t)act->value[1].number;
+    if (act->next->kept.weight.kind != WEIGHT_POLARITY)
         buf_add_text(&act->reply->text, "used only under `weight polarity`\n");
-    return add_weights(act, err);
+    return add_weights(act, act_go(act));
 }
 
 enum err act_adjacency(const struct act *act)
 {
-    enum err err =
-        session_set_adjacency(act->session, act->value[0].number == 0 ? 6 : 26, act->fault);
-    return add_weights(act, err);
+    act->next->kept.adjacency = act->value[0].number == 0 ? 6 : 26;
+    return add_weights(act, act_go(act));
 }
 
 bool act_name_is_fit(const char *name, size_t room)
@@ -155,22 +156,22 @@ bool act_name_is_fit(const char *name, size_t room)
 
 enum err act_label(const struct act *act)
 {
-    struct state next = act->session->now;
-    size_t label = (size_t)act->value[0].number;
+    struct kept *kept = &act->next->kept;
+    const size_t label = (size_t)act->value[0].number;
     if (!act_name_is_fit(act->value[1].text, LABEL_NAME_BYTES))
         return fault_set(act->fault, ERR_USAGE,
                          "NAME: expected a word of at most %d bytes that begins with a letter, "
                          "not %s",
                          LABEL_NAME_BYTES - 1, act->value[1].text);
     for (size_t other = 0; other < 256; other++)
-        if (other != label && strcmp(next.kept.label_name[other], act->value[1].text) == 0)
+        if (other != label && strcmp(kept->label_name[other], act->value[1].text) == 0)
             return fault_set(act->fault, ERR_USAGE, "label %zu is already called %s", other,
                              act->value[1].text);
-    memset(next.kept.label_name[label], 0, LABEL_NAME_BYTES);
-    memcpy(next.kept.label_name[label], act->value[1].text, strlen(act->value[1].text));
+    memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
+    memcpy(kept->label_name[label], act->value[1].text, strlen(act->value[1].text));
     for (int k = 0; act->value[2].given && k < 3; k++)
-        next.kept.palette.rgb[label][k] = (uint8_t)(act->value[2].number >> (16 - 8 * k));
-    return session_go(act->session, &next, NULL, 0, act->fault);
+        kept->palette.rgb[label][k] = (uint8_t)(act->value[2].number >> (16 - 8 * k));
+    return act_go(act);
 }
 
 /* Voxels, as a list that grows. */
@@ -340,7 +341,6 @@ enum err act_run(const struct act *act)
 
 enum err act_auto(const struct act *act)
 {
-    struct state next = act->session->now;
-    next.outlook.runs_by_itself = act->value[0].number == 0;
-    return session_go(act->session, &next, NULL, 0, act->fault);
+    act->next->outlook.runs_by_itself = act->value[0].number == 0;
+    return act_go(act);
 }

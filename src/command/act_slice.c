@@ -30,17 +30,10 @@ void act_write_slices(struct buf *out, struct session *session)
                s->marks ? "" : " marks=off", s->words ? "" : " words=off");
 }
 
-static enum err set_slices(const struct act *act, const struct slice_settings *slices)
+/* Goes to the next state, and says how slices are shown now. */
+static enum err go_and_say(const struct act *act)
 {
-    struct state next = act->session->now;
-    next.outlook.slices = *slices;
-    return session_go(act->session, &next, NULL, 0, act->fault);
-}
-
-/* The same, and says how slices are shown now. */
-static enum err answer_slices(const struct act *act, const struct slice_settings *slices)
-{
-    enum err err = set_slices(act, slices);
+    enum err err = act_go(act);
     if (!err)
         act_write_slices(&act->reply->text, act->session);
     return err;
@@ -48,15 +41,14 @@ static enum err answer_slices(const struct act *act, const struct slice_settings
 
 enum err act_cross(const struct act *act)
 {
-    struct slice_settings slices = act->session->now.outlook.slices;
     for (int a = 0; a < 3; a++)
-        slices.cross[a] = act->value[0].place[a];
-    return answer_slices(act, &slices);
+        act->next->outlook.slices.cross[a] = act->value[0].place[a];
+    return go_and_say(act);
 }
 
 enum err act_window(const struct act *act)
 {
-    struct slice_settings slices = act->session->now.outlook.slices;
+    struct slice_settings *slices = &act->next->outlook.slices;
     const bool is_auto = act->value[WINDOW_LOW].text != NULL;
     const int64_t window[2] = {act->value[WINDOW_LOW].number, act->value[WINDOW_HIGH].number};
     if (is_auto == act->value[WINDOW_HIGH].given)
@@ -64,18 +56,18 @@ enum err act_window(const struct act *act)
                          "expected LOW and HIGH, or auto alone; nothing has changed");
     if (!is_auto && window[1] <= window[0])
         return fault_set(act->fault, ERR_USAGE, "HIGH is not above LOW; nothing has changed");
-    slices.has_window = !is_auto;
+    slices->has_window = !is_auto;
     for (int i = 0; i < 2; i++)
-        slices.window_thousandths[i] = is_auto ? 0 : window[i];
-    return answer_slices(act, &slices);
+        slices->window_thousandths[i] = is_auto ? 0 : window[i];
+    return go_and_say(act);
 }
 
 enum err act_overlay(const struct act *act)
 {
-    struct slice_settings slices = act->session->now.outlook.slices;
-    bool *const what[] = {[OVERLAY_CROSS] = &slices.crosses,
-                          [OVERLAY_MARKS] = &slices.marks,
-                          [OVERLAY_WORDS] = &slices.words};
+    struct slice_settings *slices = &act->next->outlook.slices;
+    bool *const what[] = {[OVERLAY_CROSS] = &slices->crosses,
+                          [OVERLAY_MARKS] = &slices->marks,
+                          [OVERLAY_WORDS] = &slices->words};
     bool any = act->value[OVERLAY_LABELS].given;
     for (int i = OVERLAY_CROSS; i <= OVERLAY_WORDS; i++) {
         if (act->value[i].given)
@@ -85,8 +77,8 @@ enum err act_overlay(const struct act *act)
     if (!any)
         return fault_set(act->fault, ERR_USAGE, "expected what to change, as in `overlay tint`");
     if (act->value[OVERLAY_LABELS].given)
-        slices.overlay = (enum slice_overlay)act->value[OVERLAY_LABELS].number;
-    return answer_slices(act, &slices);
+        slices->overlay = (enum slice_overlay)act->value[OVERLAY_LABELS].number;
+    return go_and_say(act);
 }
 
 /* ---- pictures ---- */
@@ -151,20 +143,20 @@ static enum err bring_out(const struct act *act, enum slice_kind kind, const str
 
 enum err act_slice(const struct act *act)
 {
-    struct session *session = act->session;
-    struct slice_settings slices = session->now.outlook.slices;
+    const struct scene *scene = act->session->scene;
+    struct slice_settings *slices = &act->next->outlook.slices;
     const enum slice_plane plane = (enum slice_plane)act->value[SLICE_PLANE].number;
-    const uint32_t count = slice_count(session->scene, plane);
+    const uint32_t count = slice_count(scene, plane);
     if (act->value[SLICE_NUMBER].given && act->value[SLICE_NUMBER].number >= count)
         return fault_set(act->fault, ERR_INPUT,
                          "N: expected one of the %s slices 0..%u, not %lld; nothing has changed",
                          act->value[SLICE_PLANE].text, count - 1,
                          (long long)act->value[SLICE_NUMBER].number);
     if (act->value[SLICE_NUMBER].given)
-        slice_move(session->scene, plane, (uint32_t)act->value[SLICE_NUMBER].number, slices.cross);
+        slice_move(scene, plane, (uint32_t)act->value[SLICE_NUMBER].number, slices->cross);
     if (act->value[SLICE_ZOOM].given)
-        slices.zoom = act->value[SLICE_ZOOM].text ? 0 : (uint32_t)act->value[SLICE_ZOOM].number;
-    enum err err = set_slices(act, &slices);
+        slices->zoom = act->value[SLICE_ZOOM].text ? 0 : (uint32_t)act->value[SLICE_ZOOM].number;
+    enum err err = act_go(act);
     return err ? err
                : bring_out(act, (enum slice_kind)plane, &act->value[SLICE_FILE],
                            &act->value[SLICE_REPLACE]);

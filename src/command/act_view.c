@@ -11,64 +11,60 @@ static int32_t whole_turn(int64_t angle)
 
 enum err act_view(const struct act *act)
 {
-    struct view view = act->session->now.outlook.view;
+    struct view *view = &act->next->outlook.view;
     if (act->value[0].text) {
         if (act->value[1].given || act->value[2].given)
             return fault_set(act->fault, ERR_USAGE, "a named view takes no angles");
-        view_by_name(act->value[0].text, view.angle);
+        view_by_name(act->value[0].text, view->angle);
     } else {
         for (int i = 0; i < 3; i++)
-            view.angle[i] = whole_turn(act->value[i].given ? act->value[i].number : 0);
+            view->angle[i] = whole_turn(act->value[i].given ? act->value[i].number : 0);
     }
-    return session_set_view(act->session, &view, act->fault);
+    return act_go(act);
 }
 
 enum err act_turn(const struct act *act)
 {
-    struct view view = act->session->now.outlook.view;
+    int32_t *angle = act->next->outlook.view.angle;
     for (int i = 0; i < 3; i++)
         if (act->value[i].given)
-            view.angle[i] = whole_turn(view.angle[i] + act->value[i].number);
-    return session_set_view(act->session, &view, act->fault);
+            angle[i] = whole_turn(angle[i] + act->value[i].number);
+    return act_go(act);
 }
 
 enum err act_zoom(const struct act *act)
 {
-    struct session *session = act->session;
-    struct view view = session->now.outlook.view;
-    view.zoom = (uint32_t)act->value[0].number;
+    struct view *view = &act->next->outlook.view;
+    view->zoom = (uint32_t)act->value[0].number;
     if (act->value[0].text) {
-        view.zoom = view_fitting_zoom(session->scene, view.width, view.height,
-                                      session->now.outlook.look.samples);
-        memset(view.focus, 0, sizeof view.focus);
+        view->zoom = view_fitting_zoom(act->session->scene, view->width, view->height,
+                                       act->next->outlook.look.samples);
+        memset(view->focus, 0, sizeof view->focus);
     }
-    return session_set_view(session, &view, act->fault);
+    return act_go(act);
 }
 
 enum err act_pan(const struct act *act)
 {
-    struct session *session = act->session;
-    struct view view = session->now.outlook.view;
-    view_pan(&view, &session->camera, act->value[0].number, act->value[1].number);
-    return session_set_view(session, &view, act->fault);
+    view_pan(&act->next->outlook.view, &act->session->camera, act->value[0].number,
+             act->value[1].number);
+    return act_go(act);
 }
 
 enum err act_focus(const struct act *act)
 {
-    struct session *session = act->session;
-    struct view view = session->now.outlook.view;
-    memset(view.focus, 0, sizeof view.focus);
+    struct view *view = &act->next->outlook.view;
+    memset(view->focus, 0, sizeof view->focus);
     if (!act->value[0].text)
-        view_focus_on(&view, session->scene, act->value[0].place);
-    return session_set_view(session, &view, act->fault);
+        view_focus_on(view, act->session->scene, act->value[0].place);
+    return act_go(act);
 }
 
 enum err act_size(const struct act *act)
 {
-    struct view view = act->session->now.outlook.view;
-    view.width = (uint32_t)act->value[0].number;
-    view.height = (uint32_t)act->value[1].number;
-    return session_set_view(act->session, &view, act->fault);
+    act->next->outlook.view.width = (uint32_t)act->value[0].number;
+    act->next->outlook.view.height = (uint32_t)act->value[1].number;
+    return act_go(act);
 }
 
 /* The patient's sides that a direction of the picture leads to, "front and left": those within
@@ -119,10 +115,12 @@ void act_write_view(struct buf *out, const struct session *session)
 
 enum err act_hide(const struct act *act)
 {
-    return session_set_visible(act->session, (uint8_t)act->value[0].number, false, act->fault);
+    act->next->kept.visible[act->value[0].number] = false;
+    return act_go(act);
 }
 
 enum err act_show(const struct act *act)
 {
-    return session_set_visible(act->session, (uint8_t)act->value[0].number, true, act->fault);
+    act->next->kept.visible[act->value[0].number] = true;
+    return act_go(act);
 }

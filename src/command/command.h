@@ -18,6 +18,7 @@
 
 struct interpreter;
 struct session;
+struct state;
 
 /* What a parameter takes, besides the words in its `choices`. */
 enum value_type {
@@ -73,6 +74,7 @@ struct act {
     struct interpreter *interp;
     struct session *session;   /* the interpreter's */
     const struct value *value; /* in the order of the table's parameters */
+    struct state *next;        /* a copy of the session's state, to be changed; act_go goes there */
     struct reply *reply;
     struct fault *fault;
 };

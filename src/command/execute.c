@@ -1,6 +1,7 @@
 #include "command/execute.h"
 
 #include "base/clock.h"
+#include "command/act.h"
 #include "command/volumes.h"
 #include "sandbox/limits.h"
 
@@ -30,11 +31,17 @@ void execute_add_digests(struct reply *reply, const struct session *session)
         buf_printf(&reply->words, " pending=%zu", session_pendings(session));
 }
 
+enum err act_go(const struct act *act)
+{
+    return session_go(act->session, act->next, NULL, 0, act->fault);
+}
+
 static enum err act(struct interpreter *interp, const struct call *call, struct reply *reply,
                     struct fault *fault)
 {
     const struct command *command = call->command;
     struct session *session = &interp->session;
+    struct state next = session->now;
     uint64_t begin = clock_ns();
     if (command->flags & COMMAND_NEEDS_SCENE && !session->has_scene)
         return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
@@ -42,7 +49,7 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
                reports = edits && interp->mode == MODE_LIVE && !session->skims;
     enum err err = reports ? session_count_labels(session, fault) : OK;
     if (!err)
-        err = command->act(&(struct act){interp, session, call->value, reply, fault});
+        err = command->act(&(struct act){interp, session, call->value, &next, reply, fault});
     const bool waits =
         !session->now.outlook.runs_by_itself || interp->history.goes_to != POINT_NONE;
     if (!err && edits && !waits)

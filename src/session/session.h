@@ -179,17 +179,11 @@ enum err session_count_labels(struct session *session, struct fault *fault);
 uint64_t session_label_voxels(const struct session *session, uint8_t label);
 uint64_t session_label_former_voxels(const struct session *session, uint8_t label);
 
-/* ---- settings (settings.c): each changes a copy of the state and goes there ---- */
+/* ---- settings that take more than a change of the state (settings.c) ---- */
 
-enum err session_set_adjacency(struct session *session, unsigned count, struct fault *fault);
-enum err session_set_weight(struct session *session, const struct weight_choice *choice,
-                            struct fault *fault);
 /* Weights [z][y][x] out of a file called `name`. */
 enum err session_set_weight_map(struct session *session, const char *name, const uint16_t *weight,
                                 struct fault *fault);
-/* -100..100 percent; heeded while the weight is `polarity`. */
-enum err session_set_polarity(struct session *session, uint8_t label, int8_t percent,
-                              struct fault *fault);
 
 /* The two parts of the region of interest; NULL for none. ERR_INPUT, and nothing has changed, where
  * no voxel would be inside, or a seed that is planted or waits would be outside. */
@@ -199,11 +193,6 @@ enum err session_set_range(struct session *session, const int64_t thousandths[2]
                            struct fault *fault);
 
 enum err session_set_view(struct session *session, const struct view *view, struct fault *fault);
-enum err session_set_look(struct session *session, const struct look *look, struct fault *fault);
-enum err session_set_visible(struct session *session, uint8_t label, bool visible,
-                             struct fault *fault);
-/* The boxes and slabs of the cut lie in the scene. */
-enum err session_set_cut(struct session *session, const struct cut *cut, struct fault *fault);
 
 /* ---- pictures (draw.c) ---- */
 

@@ -1,5 +1,5 @@
-/* Settings of a session: each changes a copy of the state and goes there. A copy borrows what it
- * shares with the present state; what is new in it is released once the session holds it. */
+/* Settings that take more than a change of the state. A copy of it borrows what it shares with the
+ * present state; what is new in it is released once the session holds it. */
 #include "session/session.h"
 
 #include <string.h>
@@ -19,23 +19,6 @@ static enum err go(struct session *session, const struct state *state, struct fa
 
 /* ---- weights ---- */
 
-enum err session_set_adjacency(struct session *session, unsigned count, struct fault *fault)
-{
-    struct state next = session->now;
-    next.kept.adjacency = count;
-    return go(session, &next, fault);
-}
-
-enum err session_set_weight(struct session *session, const struct weight_choice *choice,
-                            struct fault *fault)
-{
-    struct state next = session->now;
-    next.kept.weight = *choice;
-    next.kept.weight_map = NULL;
-    set_words(next.kept.weight_file, "");
-    return go(session, &next, fault);
-}
-
 enum err session_set_weight_map(struct session *session, const char *name, const uint16_t *weight,
                                 struct fault *fault)
 {
@@ -49,14 +32,6 @@ enum err session_set_weight_map(struct session *session, const char *name, const
     enum err err = go(session, &next, fault);
     packed_release(map);
     return err;
-}
-
-enum err session_set_polarity(struct session *session, uint8_t label, int8_t percent,
-                              struct fault *fault)
-{
-    struct state next = session->now;
-    next.kept.polarity[label] = percent;
-    return go(session, &next, fault);
 }
 
 /* ---- the region of interest ---- */
@@ -109,27 +84,5 @@ enum err session_set_view(struct session *session, const struct view *view, stru
 {
     struct state next = session->now;
     next.outlook.view = *view;
-    return go(session, &next, fault);
-}
-
-enum err session_set_look(struct session *session, const struct look *look, struct fault *fault)
-{
-    struct state next = session->now;
-    next.outlook.look = *look;
-    return go(session, &next, fault);
-}
-
-enum err session_set_visible(struct session *session, uint8_t label, bool visible,
-                             struct fault *fault)
-{
-    struct state next = session->now;
-    next.kept.visible[label] = visible;
-    return go(session, &next, fault);
-}
-
-enum err session_set_cut(struct session *session, const struct cut *cut, struct fault *fault)
-{
-    struct state next = session->now;
-    next.kept.cut = *cut;
     return go(session, &next, fault);
 }

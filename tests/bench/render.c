@@ -137,13 +137,20 @@ static enum err time_turn(struct session *session, struct table *table, uint32_t
     return err;
 }
 
+static enum err go_to_look(struct session *session, const struct look *look, struct fault *fault)
+{
+    struct state next = session->now;
+    next.outlook.look = *look;
+    return session_go(session, &next, NULL, 0, fault);
+}
+
 /* The same with one look, at zoom 1. */
 static enum err time_look(struct session *session, struct table *table, const char *what,
                           const struct look *look, struct fault *fault)
 {
     const struct look former = session->now.outlook.look;
     struct row *row = add_row(table, what);
-    enum err err = session_set_look(session, look, fault);
+    enum err err = go_to_look(session, look, fault);
     if (!err)
         err = turn_to(session, FRAMES - 1, VIEW_ZOOM_ONE, fault);
     for (int frame = 0; !err && frame < FRAMES; frame += 3) {
@@ -152,7 +159,7 @@ static enum err time_look(struct session *session, struct table *table, const ch
         err = err ? err : session_render(session, RENDER_BORDER, fault);
         add_since(row, begin);
     }
-    const enum err again = session_set_look(session, &former, err ? NULL : fault);
+    const enum err again = go_to_look(session, &former, err ? NULL : fault);
     return err ? err : again;
 }
 
