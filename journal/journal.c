@@ -12,7 +12,6 @@ enum { COMMENTS_MAX = 1 << 20, TORN_NAMES_MAX = 9999 };
 struct journal {
     struct file_log *log; /* NULL where it is only looked at */
     struct buf path;      /* of the file */
-    unsigned semantics;   /* the number in it */
     struct buf header;    /* line 1, part of the first record's chain */
     struct buf comments;  /* whole lines, for the next record */
     struct buf kept;      /* J7: the valid part; the file is longer only while it is ragged */
@@ -40,7 +39,6 @@ static enum err journal_new(struct journal **journal, const char *path, unsigned
     if (!*journal)
         return fault_memory(fault, "a journal");
     buf_add_text(&(*journal)->path, path);
-    (*journal)->semantics = semantics;
     record_header(&(*journal)->header, semantics);
     (*journal)->chain = record_chain_zero;
     if (!(*journal)->header.failed && !(*journal)->path.failed)
@@ -230,7 +228,6 @@ static enum err mend(struct journal *journal, const struct buf *bytes,
 /* Line 1 is as it stands in the file, for the chain of the first record. */
 static enum err keep_header(struct journal *journal, unsigned semantics, struct fault *fault)
 {
-    journal->semantics = semantics;
     buf_clear(&journal->header);
     record_header(&journal->header, semantics);
     return journal->header.failed ? fault_memory(fault, "the journal") : OK;
@@ -418,11 +415,6 @@ enum err journal_sync(struct journal *journal, struct fault *fault)
 bool journal_only_looks(const struct journal *journal)
 {
     return journal->log == NULL;
-}
-
-unsigned journal_semantics(const struct journal *journal)
-{
-    return journal->semantics;
 }
 
 const char *journal_path(const struct journal *journal)

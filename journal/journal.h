@@ -94,7 +94,6 @@ enum err journal_sync(struct journal *journal, struct fault *fault);
 bool journal_only_looks(const struct journal *journal);
 
 const char *journal_path(const struct journal *journal);
-unsigned journal_semantics(const struct journal *journal);
 size_t journal_count(const struct journal *journal);      /* records */
 const char *journal_chain(const struct journal *journal); /* 32 digits; zeros without a record */
 

@@ -37,6 +37,7 @@ close_story
 
 begin "each is gone on with under its own meaning, and is a journal of its number still"
 cat >more <<'EOF'
+info
 label 5 new
 seed 4,4,3 5 radius=1
 undo
@@ -49,6 +50,7 @@ for number in 1 2 3; do
     take $number
     cp j.iftty former
     expect 0 "$iftty" run more --journal j.iftty
+    [ "$(grep -c ", semantics $number" "$work/out")" = $((number < 3)) ] || fail "$number: $(cat "$work/out")"
     cmp -s -n "$(wc -c <former)" former j.iftty || fail "$number: what was there has changed"
     [ "$(grep -c '^= ' j.iftty)" = $(($(grep -c '^= ' former) + 7)) ] || fail "$number: $(tail -3 j.iftty)"
     expect 0 "$iftty" verify j.iftty

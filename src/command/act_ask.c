@@ -143,8 +143,11 @@ enum err act_info(const struct act *act)
         buf_add_text(out, "journal   ");
         buf_add_safe(out, journal_path(act->interp->journal),
                      strlen(journal_path(act->interp->journal)));
-        buf_printf(out, ", %zu record%s\n", journal_count(act->interp->journal),
+        buf_printf(out, ", %zu record%s", journal_count(act->interp->journal),
                    plural(journal_count(act->interp->journal)));
+        if (session->semantics != SEMANTICS)
+            buf_printf(out, ", semantics %u", session->semantics);
+        buf_add_char(out, '\n');
     }
     if (!session->has_scene) {
         buf_add_text(out, "no scene is open\n");
