@@ -142,28 +142,11 @@ static enum key letter_key(uint8_t final)
 
 static enum key tilde_key(unsigned number)
 {
-    switch (number) {
-    case 1:
-    case 7:
-        return KEY_HOME;
-    case 2:
-        return KEY_INSERT;
-    case 3:
-        return KEY_DELETE;
-    case 4:
-    case 8:
-        return KEY_END;
-    case 5:
-        return KEY_PAGE_UP;
-    case 6:
-        return KEY_PAGE_DOWN;
-    case 200:
-        return KEY_PASTE_BEGIN;
-    case 201:
-        return KEY_PASTE_END;
-    default:
-        return KEY_OTHER;
-    }
+    static const enum key key[] = {KEY_OTHER,   KEY_HOME,      KEY_INSERT, KEY_DELETE, KEY_END,
+                                   KEY_PAGE_UP, KEY_PAGE_DOWN, KEY_HOME,   KEY_END};
+    if (number == 200 || number == 201)
+        return number == 200 ? KEY_PASTE_BEGIN : KEY_PASTE_END;
+    return number < sizeof key / sizeof key[0] ? key[number] : KEY_OTHER;
 }
 
 /* The number at *text, which moves past it and a semicolon. */
@@ -336,4 +319,9 @@ bool keys_time_out(struct keys *k, struct key_event *event)
     if (k->state == KEYS_ESC)
         return emit(k, KEY_ESCAPE, 0, event);
     return emit_point(k, (uint8_t)k->body[0], KEY_ALT, event);
+}
+
+bool keys_body_is_answer(const struct keys *k)
+{
+    return strncmp(k->body, "[?", 2) == 0 && k->body[strlen(k->body) - 1] == 'c';
 }

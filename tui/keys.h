@@ -104,6 +104,9 @@ bool keys_feed(struct keys *k, uint8_t byte, struct key_event *event);
 /* Whether what came so far is a key of its own unless more follows at once. */
 bool keys_waiting(const struct keys *k);
 
+/* Whether the KEY_REPLY at hand answers ESC[c. */
+bool keys_body_is_answer(const struct keys *k);
+
 /* Nothing followed. True with the event that the bytes make on their own. */
 bool keys_time_out(struct keys *k, struct key_event *event);
 

@@ -44,9 +44,9 @@ static unsigned read_numbers(const char *text, uint32_t number[], unsigned most,
     return count;
 }
 
-static bool is_end(const char *text, const char *final)
+static bool equals(const char *text, const char *other)
 {
-    return strcmp(text, final) == 0;
+    return strcmp(text, other) == 0;
 }
 
 void probe_reply(struct probe_replies *replies, const char *body)
@@ -55,19 +55,19 @@ void probe_reply(struct probe_replies *replies, const char *body)
     const char *end;
     if (starts_with(body, "[?")) {
         unsigned count = read_numbers(body + 2, n, 32, &end);
-        if (is_end(end, "c")) {
+        if (equals(end, "c")) {
             replies->da1 = true;
             for (unsigned i = 0; i < count; i++)
                 replies->attributes |= n[i] < 64 ? UINT64_C(1) << n[i] : 0;
-        } else if (is_end(end, "S") && count == 4 && n[0] == 2 && n[1] == 0) {
+        } else if (equals(end, "S") && count == 4 && n[0] == 2 && n[1] == 0) {
             replies->image_width = n[2];
             replies->image_height = n[3];
-        } else if (is_end(end, "$y") && count == 2 && n[0] == 2026) {
+        } else if (equals(end, "$y") && count == 2 && n[0] == 2026) {
             replies->synchronizes = n[1] == 1 || n[1] == 2;
         }
     } else if (starts_with(body, "[>")) {
         read_numbers(body + 2, n, 32, &end);
-        if (is_end(end, "c"))
+        if (equals(end, "c"))
             replies->kind = n[0];
     } else if (starts_with(body, "P>|")) {
         size_t length = strnlen(body + 3, sizeof replies->name - 1);
@@ -78,7 +78,7 @@ void probe_reply(struct probe_replies *replies, const char *body)
         snprintf(replies->answers + used, room, "%s\n", body);
     } else if (body[0] == '[') {
         unsigned count = read_numbers(body + 1, n, 32, &end);
-        if (!is_end(end, "t") || count != 3)
+        if (!equals(end, "t") || count != 3)
             return;
         if (n[0] == 6) {
             replies->cell_height = n[1];
@@ -114,26 +114,22 @@ bool probe_take(struct probe_replies *replies, struct keys *keys, const char *by
 
 /* ---- deciding ---- */
 
-static bool names_any(const char *text, const char *const *name)
+static bool holds(const char *text, const char *part)
 {
-    for (; text && *name; name++)
-        if (strcasestr(text, *name))
-            return true;
-    return false;
+    return strcasestr(text, part) != NULL;
 }
 
-static bool begins_with_any(const char *text, const char *const *start)
+static bool ends_with(const char *text, const char *end)
 {
-    for (; *start; start++)
-        if (starts_with(text, *start))
-            return true;
-    return false;
+    const size_t length = strlen(text), least = strlen(end);
+    return length >= least && strcmp(text + length - least, end) == 0;
 }
 
-static bool is_any(const char *text, const char *const *word)
+/* Whether one of the words, which NULL ends, fits. */
+static bool any(bool fits(const char *, const char *), const char *text, const char *const *word)
 {
     for (; text && *word; word++)
-        if (strcmp(text, *word) == 0)
+        if (fits(text, *word))
             return true;
     return false;
 }
@@ -141,14 +137,14 @@ static bool is_any(const char *text, const char *const *word)
 bool probe_is_plain(const char *term)
 {
     static const char *const plain[] = {"", "dumb", "unknown", "network", "vt52", NULL};
-    return is_any(term, plain);
+    return any(equals, term, plain);
 }
 
 /* Terminals that draw text in colours and print questions, or answer as if somebody typed. */
 static bool is_console(const struct probe_environment *e)
 {
     static const char *const console[] = {"linux", "eterm", "cons25", "sun", NULL};
-    return begins_with_any(e->term, console);
+    return any(starts_with, e->term, console);
 }
 
 static bool in_tmux(const struct probe_replies *replies, const struct probe_environment *e)
@@ -182,14 +178,14 @@ static bool wants_text(const struct probe_environment *e, struct graphics_wish w
 bool probe_is_named(const struct probe_replies *replies, const struct probe_environment *e,
                     const char *const *names)
 {
-    return names_any(replies->name[0] ? replies->name : e->term, names);
+    return any(holds, replies->name[0] ? replies->name : e->term, names);
 }
 
 bool probe_may_ask_modes(const struct probe_replies *replies, const struct probe_environment *e)
 {
     static const char *const careful[] = {"alacritty", "foot",    "contour", "kitty",
                                           "ghostty",   "wezterm", NULL};
-    return replies->name[0] || (names_any(e->term, careful) && !probe_is_multiplexed(replies, e));
+    return replies->name[0] || (any(holds, e->term, careful) && !probe_is_multiplexed(replies, e));
 }
 
 void probe_questions(unsigned round, const struct probe_replies *replies,
@@ -223,10 +219,10 @@ bool probe_is_iterm(const struct probe_replies *replies, const struct probe_envi
     if (probe_is_multiplexed(replies, e))
         return false;
     if (replies->name[0])
-        return names_any(replies->name, name);
+        return any(holds, replies->name, name);
     if (!replies->da1 || replies->kind == KIND_XTERM)
         return false;
-    return is_any(e->term_program, program) || is_any(e->lc_terminal, name);
+    return any(equals, e->term_program, program) || any(equals, e->lc_terminal, name);
 }
 
 /* Pixels are for a terminal of our own: screen passes none of them on. */
@@ -244,12 +240,6 @@ static const struct graphics *decide_graphics(const struct probe_replies *replie
     return wish.of[wish.count - 1];
 }
 
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t length = strlen(text), least = strlen(end);
-    return length >= least && strcmp(text + length - least, end) == 0;
-}
-
 /* COLORTERM does not survive ssh and is stale inside screen; tmux knows 24-bit colours itself and
  * converts them to what is outside. */
 static enum colours decide_colours(const struct probe_replies *replies,
@@ -264,12 +254,12 @@ static enum colours decide_colours(const struct probe_replies *replies,
         return COLOURS_NONE;
     if (in_screen(replies, e))
         return COLOURS_256;
-    if (names_any(replies->name, all) || names_any(e->term, all) || replies->kind == KIND_VTE)
+    if (any(holds, replies->name, all) || any(holds, e->term, all) || replies->kind == KIND_VTE)
         return COLOURS_24BIT;
-    if (is_console(e) || is_any(e->term, few) || ends_with(e->term, "-16color"))
+    if (is_console(e) || any(equals, e->term, few) || ends_with(e->term, "-16color"))
         return COLOURS_16;
-    return is_any(e->colorterm, says_all) || probe_is_iterm(replies, e) ? COLOURS_24BIT
-                                                                        : COLOURS_256;
+    return any(equals, e->colorterm, says_all) || probe_is_iterm(replies, e) ? COLOURS_24BIT
+                                                                             : COLOURS_256;
 }
 
 /* Terminals that draw these characters themselves have them whatever the font; half blocks are in

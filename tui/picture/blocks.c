@@ -2,6 +2,7 @@
 
 #include <limits.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/mem.h"
 #include "tui/picture/graphics.h"
@@ -99,54 +100,43 @@ static uint32_t part_colour(const struct image_view *view, uint32_t left, uint32
            (blue + count / 2) / count;
 }
 
-struct sum {
-    uint32_t channel[3], count;
-};
-
-static struct sum sum_of(const uint32_t *colour, unsigned count, unsigned parts)
+/* The sums of each set's channels, by its bits: a set is its first part and the rest. */
+static void sum_sets(uint32_t sum[][3], const uint32_t *colour, unsigned count)
 {
-    struct sum sum = {{0}, 0};
-    for (unsigned i = 0; i < count; i++) {
-        if (!(parts >> i & 1))
-            continue;
-        sum.count++;
+    memset(sum[0], 0, sizeof sum[0]);
+    for (unsigned set = 1; set < 1u << count; set++)
         for (unsigned k = 0; k < 3; k++)
-            sum.channel[k] += colour[i] >> (16 - 8 * k) & 255;
-    }
-    return sum;
+            sum[set][k] =
+                sum[set & (set - 1)][k] + (colour[__builtin_ctz(set)] >> (16 - 8 * k) & 255);
 }
 
-static uint32_t mean_of(const struct sum *sum)
+static uint32_t mean_of(const uint32_t sum[3], unsigned set)
 {
+    const unsigned count = (unsigned)__builtin_popcount(set);
     uint32_t mean = 0;
     for (unsigned k = 0; k < 3; k++)
-        mean = mean << 8 | (sum->channel[k] + sum->count / 2) / sum->count;
+        mean = mean << 8 | (sum[k] + count / 2) / count;
     return mean;
 }
 
 /* The squared error of a set to its mean is the sum of squares less this, in sixtieths, which are
  * whole for sets of 1 .. 6. */
-static uint32_t kept(const uint32_t sum[3], unsigned parts)
+static uint32_t explained(const uint32_t sum[3], unsigned set)
 {
     return (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) *
-           (60 / (unsigned)__builtin_popcount(parts));
+           (60 / (unsigned)__builtin_popcount(set));
 }
 
 /* The best set of parts for the ink, of more than two; the first part is the paper's. */
-static unsigned best_parts(const uint32_t *colour, unsigned count)
+static unsigned best_parts(uint32_t sum[][3], unsigned all)
 {
-    const unsigned all = (1u << count) - 1;
-    uint32_t sum[1 << PARTS_MOST][3] = {{0}}, most = 0; /* of every set's channels */
+    uint32_t most = 0;
     unsigned best = 2;
-    for (unsigned parts = 1; parts <= all; parts++)
-        for (unsigned k = 0; k < 3; k++)
-            sum[parts][k] =
-                sum[parts & (parts - 1)][k] + (colour[__builtin_ctz(parts)] >> (16 - 8 * k) & 255);
-    for (unsigned parts = 2; parts < all; parts += 2) {
-        const uint32_t k = kept(sum[parts], parts) + kept(sum[all ^ parts], all ^ parts);
-        if (k > most) {
-            most = k;
-            best = parts;
+    for (unsigned set = 2; set < all; set += 2) {
+        const uint32_t e = explained(sum[set], set) + explained(sum[all ^ set], all ^ set);
+        if (e > most) {
+            most = e;
+            best = set;
         }
     }
     return best;
@@ -162,22 +152,20 @@ static int32_t number_of(uint32_t colour, enum colours colours)
 static struct block coloured(const uint32_t *colour, unsigned count, enum colours colours)
 {
     const unsigned all = (1u << count) - 1;
+    uint32_t sum[1 << PARTS_MOST][3];
     unsigned parts = 0;
     for (unsigned i = 1; i < count; i++)
         parts |= (unsigned)(colour[i] != colour[0]) << i;
-    if (count > 2 && parts)
-        parts = best_parts(colour, count);
-    const struct sum paper = sum_of(colour, count, all & ~parts);
-    struct block block = {BLOCK_DEFAULT, number_of(mean_of(&paper), colours), (uint8_t)parts};
-    if (parts) {
-        const struct sum ink = sum_of(colour, count, parts);
-        block.ink = number_of(mean_of(&ink), colours);
-    }
-    if (block.ink == block.paper || !parts) {
-        block.ink = BLOCK_DEFAULT;
-        block.parts = 0;
-    }
-    return block;
+    if (!parts) /* most are of one colour */
+        return (struct block){BLOCK_DEFAULT, number_of(colour[0], colours), 0};
+    sum_sets(sum, colour, count);
+    if (count > 2)
+        parts = best_parts(sum, all);
+    const int32_t ink = number_of(mean_of(sum[parts], parts), colours);
+    const int32_t paper = number_of(mean_of(sum[all ^ parts], all ^ parts), colours);
+    if (ink == paper)
+        return (struct block){BLOCK_DEFAULT, paper, 0};
+    return (struct block){ink, paper, (uint8_t)parts};
 }
 
 static uint32_t luminance(uint32_t colour)

@@ -416,12 +416,6 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
     return err ? err : do_deed(p, deed, fault);
 }
 
-static bool is_answer(const struct keys *keys)
-{
-    const size_t length = strlen(keys->body);
-    return strncmp(keys->body, "[?", 2) == 0 && keys->body[length - 1] == 'c';
-}
-
 /* The next key of what has been read; answers of the terminal are seen to. False when there is no
  * more of it. */
 static bool next_key(struct pilot *p, struct key_event *event)
@@ -433,7 +427,7 @@ static bool next_key(struct pilot *p, struct key_event *event)
             continue;
         if (event->key != KEY_REPLY)
             return true;
-        if (is_answer(&e->keys))
+        if (keys_body_is_answer(&e->keys))
             flow_answered(&p->flow, clock_ns());
     }
     buf_clear(&e->input);

@@ -283,16 +283,10 @@ static enum outcome paste_key(struct line_editor *e, const struct key_event *eve
     return GO_ON;
 }
 
-static bool is_answer(const char *body)
-{
-    size_t length = strlen(body);
-    return strncmp(body, "[?", 2) == 0 && body[length - 1] == 'c';
-}
-
 static enum outcome take_key(struct line_editor *e, const struct key_event *event)
 {
     if (event->key == KEY_REPLY) {
-        if (e->answers_due > 0 && is_answer(e->keys.body))
+        if (e->answers_due > 0 && keys_body_is_answer(&e->keys))
             e->answers_due--;
         return GO_ON;
     }
