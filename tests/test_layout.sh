@@ -177,6 +177,15 @@ printf '/*\n * Q1 one\n * that holds; Q2 two\n */\n' >"$work/glued.h"
 same "$(glued "$work/fine.h" "$work/glued.h" | wc -l | tr -d ' ')" 1
 close_story
 
+# Help apart, which every program has (src/program/program.c).
+begin "an option is looked for in the table of programs alone"
+for file in $(sources src journal render tui | grep -v '^src/program/table\.c$'); do
+    found=$(without_comments "$file" | sed 's/"--help"//; s/"-h"//' |
+        grep -nE '(cmp|getopt(_long)?)\([^;]*"-{1,2}[a-z]')
+    [ -z "$found" ] || fail "$file:$found"
+done
+close_story
+
 begin "a command, program, weight, format or protocol is one file and one row"
 apart=" $(sed -n 's/^apart: //p' "$law") "
 sed -n 's/^place \([a-z]*\): \(.*\)/\1 \2/p' "$law" >"$work/places"
