@@ -10,7 +10,7 @@
  *     * 5 branch second
  *     @ 6 (second, present) seed 6,10,7 2
  *
- * The tree follows from three result words; commands are not looked at, and nothing is carried out.
+ * The tree follows from three result words; commands are not read, and nothing is carried out.
  *   at=N         the state after this record is that after record N, 0 for the beginning: a note
  *                between parentheses, and what comes next hangs on N;
  *   on=NAME      and belongs to this alternative, or, where nothing is said, to that of N;

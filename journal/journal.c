@@ -10,7 +10,7 @@
 enum { COMMENTS_MAX = 1 << 20, TORN_NAMES_MAX = 9999 };
 
 struct journal {
-    struct file_log *log; /* NULL where it is only looked at */
+    struct file_log *log; /* NULL where it is open read-only */
     struct buf path;      /* of the file */
     struct buf header;    /* line 1, part of the first record's chain */
     struct buf comments;  /* whole lines, for the next record */
@@ -50,7 +50,7 @@ static enum err journal_new(struct journal **journal, const char *path, unsigned
 
 /* Ends what earlier failures have left: bytes that were refused are cut off, bytes whose sync
  * failed are written again. */
-static enum err mend_failures(struct journal *journal, struct fault *fault)
+static enum err repair_failures(struct journal *journal, struct fault *fault)
 {
     enum err err = OK;
     if (file_log_is_ragged(journal->log))
@@ -63,7 +63,7 @@ static enum err mend_failures(struct journal *journal, struct fault *fault)
 static enum err append_to_file(struct journal *journal, const struct buf *bytes,
                                struct fault *fault)
 {
-    enum err err = mend_failures(journal, fault);
+    enum err err = repair_failures(journal, fault);
     if (err)
         return err;
     assert(file_log_length(journal->log) == journal->kept.length); /* J3 */
@@ -78,7 +78,7 @@ static enum err append_bytes(struct journal *journal, const struct buf *bytes, s
         return fault_set(fault, ERR_LIMIT, "%s would hold more than %zu bytes; nothing was written",
                          journal_path(journal), JOURNAL_BYTES_MAX);
     if (!buf_reserve(kept, bytes->length)) {
-        kept->failed = false; /* what was kept before is whole */
+        kept->failed = false; /* what it held before is whole */
         return fault_memory(fault, "the journal");
     }
     enum err err = journal->log ? append_to_file(journal, bytes, fault) : OK;
@@ -129,7 +129,7 @@ static enum err judge_semantics(const struct walk *walk, unsigned semantics, str
     if (semantics != 0 && walk->semantics > semantics)
         return fault_set(fault, ERR_INPUT,
                          "its commands have the meaning of version %u, and this program knows "
-                         "those up to version %u; go on with it in a newer one, or run it as a "
+                         "those up to version %u; continue it in a newer one, or run it as a "
                          "script into a new journal",
                          walk->semantics, semantics);
     return OK;
@@ -206,8 +206,8 @@ static enum err save_torn(struct buf *name, const char *path, const char *bytes,
 
 /* Saves what follows the sound part, cuts it off and says so. The order matters: at every moment
  * the bytes are in one of the two files. */
-static enum err mend(struct journal *journal, const struct buf *bytes,
-                     const struct finding *finding, struct buf *notice, struct fault *fault)
+static enum err cut_tail(struct journal *journal, const struct buf *bytes,
+                         const struct finding *finding, struct buf *notice, struct fault *fault)
 {
     struct buf name = {0};
     const size_t lost = bytes->length - (size_t)finding->sound;
@@ -233,7 +233,7 @@ static enum err keep_header(struct journal *journal, unsigned semantics, struct 
     return journal->header.failed ? fault_memory(fault, "the journal") : OK;
 }
 
-/* Takes the sound part over. What follows it is mended, unless we only look. */
+/* Takes the sound part over. What follows it is cut off, unless the journal is open read-only. */
 static enum err take_over(struct journal *journal, const struct buf *bytes,
                           const struct finding *finding, struct buf *notice, struct fault *fault)
 {
@@ -242,7 +242,7 @@ static enum err take_over(struct journal *journal, const struct buf *bytes,
     if (journal->kept.failed)
         return fault_memory(fault, "the journal");
     if (finding->is_torn && journal->log)
-        err = mend(journal, bytes, finding, notice, fault);
+        err = cut_tail(journal, bytes, finding, notice, fault);
     else if (finding->is_torn && notice)
         buf_printf(notice, "%s; it was left where it is", finding->fault.text);
     if (err)
@@ -351,7 +351,7 @@ enum err journal_comment(struct journal *journal, const char *comment, struct fa
         return fault_set(fault, ERR_LIMIT,
                          "the comments before one command are limited to %d bytes", COMMENTS_MAX);
     if (!buf_reserve(comments, strlen(comment) + 1)) {
-        comments->failed = false; /* what was kept before is whole */
+        comments->failed = false; /* what it held before is whole */
         return fault_memory(fault, "a comment");
     }
     buf_printf(comments, "%s\n", comment);
@@ -396,7 +396,7 @@ enum err journal_set_sync(struct journal *journal, enum file_sync sync, struct f
 {
     enum err err = OK;
     if (journal->log && sync == FILE_SYNC_ALWAYS)
-        err = mend_failures(journal, fault);
+        err = repair_failures(journal, fault);
     if (!err && journal->log)
         err = file_log_set_sync(journal->log, sync, fault);
     if (!err)
@@ -408,7 +408,7 @@ enum err journal_sync(struct journal *journal, struct fault *fault)
 {
     if (!journal->log)
         return OK;
-    enum err err = mend_failures(journal, fault);
+    enum err err = repair_failures(journal, fault);
     return err ? err : file_log_sync(journal->log, fault);
 }
 

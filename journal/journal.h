@@ -13,7 +13,7 @@
  *      record which was refused cannot come back;
  *   J6 one writer at a time: the file is locked from journal_create or journal_open to
  *      journal_close. Readers (replay, journal_check) take no lock;
- *   J7 the session outlives the file: every byte is in memory too, so that the record can go on
+ *   J7 the session outlives the file: every byte is in memory too, so that the record can continue
  *      in another file (journal_continue) when this one is full, gone or failing.
  *
  * journal/FORMAT.md describes the bytes; they are encoded and walked by record.h and walk.h. A
@@ -50,7 +50,7 @@ struct journal_resume {
     enum err (*on_record)(void *context, const struct record *record, struct fault *fault);
     void *context;
     bool cuts_damage; /* repair on request: what follows the last sound record is cut off */
-    bool only_looks;  /* takes no lock and never writes: what is appended is kept in memory alone,
+    bool only_looks;  /* takes no lock and never writes: what is appended is held in memory alone,
                          from where journal_continue takes it; a torn tail is left where it is */
 };
 
@@ -63,7 +63,7 @@ enum err journal_open(struct journal **journal, const char *path,
                       const struct journal_resume *resume, struct buf *notice, struct fault *fault);
 
 /* Keeps what is sound of the journal at `path`, whatever its semantics, saves the rest beside it as
- * journal_open does, and adds a line to `told`: how many records were kept, what was cut off, from
+ * journal_open does, and adds a line to `told`: how many records are left, what was cut off, from
  * which byte, and where it is now; or that there was nothing to do. ERR_INPUT where not even line 1
  * can be read. `semantics` is for a file that has no header yet. */
 enum err journal_repair(const char *path, unsigned semantics, struct buf *told,

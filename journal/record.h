@@ -8,8 +8,8 @@
  * journal/FORMAT.md describes the bytes. This file encodes a record and takes one apart; it neither
  * reads nor writes files, and knows nothing of what a command means.
  *
- * Why a chain in a text: the journal stays a script that anyone may read and edit, and whoever
- * edits it cannot help leaving a trace. It is a seal against accidents and quiet edits, not a
+ * Why a chain in a text: the journal stays a script that anyone may read and edit, and an
+ * edit always leaves a trace. It is a seal against accidents and quiet edits, not a
  * signature: it holds no secret.
  */
 #ifndef JOURNAL_RECORD_H

@@ -152,7 +152,7 @@ static enum walk_step end_torn(struct walk *walk)
 enum { SECTOR = 512 };
 
 /* Zeros stand only where whole sectors were not written: between sectors' ends, or the ends of what
- * follows the last record. Single zero bytes are nobody's write. */
+ * follows the last record. No writer writes single zero bytes. */
 static bool zeros_are_sectors(const struct walk *walk)
 {
     for (size_t at = walk->offset; at < walk->length; at++) {
@@ -168,7 +168,7 @@ static bool zeros_are_sectors(const struct walk *walk)
 }
 
 /* A disk may write the sectors of an append in any order, and lose power between two: zeros then
- * stand where one was not written, and bytes behind them. Such a record is the last: behind its
+ * stand where one was not written, and bytes after them. Such a record is the last: after its
  * result line, if that is there, nothing follows. */
 static bool is_torn_by_zeros(const struct walk *walk, const struct line *line)
 {

@@ -4,7 +4,7 @@
  * One walker reads both, so that a journal is a script and a script is a journal without proof.
  * Bytes that begin with a header line are a journal; all others are a script.
  *
- * What a walk tells apart, in a journal:
+ * What a walk distinguishes in a journal:
  *   sound     record_judge(&record) is OK;
  *   unsound   a record that can be read, but whose result is missing or whose number or chain does
  *             not fit: edited or damaged. The walk goes on. The next record is chained to what this
@@ -12,7 +12,7 @@
  *   torn      what follows the last record is a beginning of one: a write that did not finish.
  *             Every prefix of a journal is sound records and at most one torn record. Zeros at the
  *             end count as not written: that is what file systems leave after a loss of power;
- *   damaged   bytes that no writer of ours leaves behind and no reader can use: a result line that
+ *   damaged   bytes that no writer of ours leaves and no reader can use: a result line that
  *             is malformed or has lost its command, a line too long, a zero byte. The walk ends.
  *
  * In a script nothing is torn: the last line may lack its line feed, commands may be indented, and

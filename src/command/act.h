@@ -1,4 +1,4 @@
-/* What each command does. The table (command/table.c) names them; nobody else calls them. */
+/* What each command does: act_NAME carries it out. The table (command/table.c) names them. */
 #ifndef COMMAND_ACT_H
 #define COMMAND_ACT_H
 
@@ -85,7 +85,7 @@ enum err act_pilot(const struct act *act);
 enum err act_help(const struct act *act);
 enum err act_quit(const struct act *act);
 
-/* Goes to the state that act->next was made. */
+/* Has the session take on the state act->next. */
 enum err act_go(const struct act *act);
 
 /* `err`, with the name of a file before its words. */
@@ -98,18 +98,18 @@ bool act_name_is_fit(const char *name, size_t room);
 /* Whether no seed may be planted here. */
 bool act_is_outside(const struct session *session, uint32_t cell);
 
-/* Of seeds to be planted, how many were, and how many were left out by the region of interest: says so, and
- * refuses where all were. */
+/* How many seeds were planted, and how many not, being outside the region of interest: says so, and
+ * refuses where that was all of them. */
 enum err act_write_outside(const struct act *act, size_t inside, size_t outside);
 
-/* What the region of interest is: "mask brain.nii regions 1-90, range 40..1200"; false where there is none. */
+/* The region of interest: "mask brain.nii regions 1-90, range 40..1200"; false where there is none.
+ */
 bool act_write_roi(struct buf *out, const struct session *session);
 
-/* What is cut away: "axial slices 10-60 kept, 1 plane, 2 boxes taken out"; false where nothing is.
- */
+/* What is cut away: "all but axial slices 10-60, 1 plane, 2 boxes"; false where nothing is. */
 bool act_write_cut(struct buf *out, const struct session *session);
 
-/* Adds to the notes of a picture what the interpreter knows: the journal and where its chain stands. */
+/* Adds to the notes of a picture the journal, and where its chain stands. */
 enum err act_note_picture(const struct act *act, struct picture *picture);
 
 /* The rendition as a picture with all notes, for a file of that name (or NULL), which says whether
@@ -129,12 +129,12 @@ enum file_mode act_file_mode(const struct value *replace);
 enum err act_write_now(struct interpreter *interp, const char *path, enum file_mode mode,
                        const struct picture *picture, struct fault *fault);
 
-/* Writes a picture to `path`, which interpreter_output_path gave, or has the picture writer do it, and says so. The
- * picture is released, whatever comes of it. */
+/* Writes a picture to `path`, which interpreter_output_path gave, or has the picture writer do it,
+ * and says so. The picture is released, also on error. */
 enum err act_write_picture(const struct act *act, const char *path, enum file_mode mode,
                            struct picture *picture);
 
-/* A line: where a voxel is, its intensity, its label and the seed it has that from. */
+/* A line: where a voxel is, its intensity, its label, and the seed of its tree. */
 void act_write_voxel(struct buf *out, const struct session *session, uint32_t cell);
 
 /* Lines: the view, and how the patient lies in the picture. */

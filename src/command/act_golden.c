@@ -1,4 +1,4 @@
-/* The command `golden`: a picture is stored beside the journal, and compared when it is replayed. */
+/* The command `golden`: stores a picture beside the journal, and compares it in a replay. */
 #include "command/act.h"
 
 #include <string.h>
@@ -148,7 +148,7 @@ enum err act_golden(const struct act *act)
         return fault_set(
             act->fault, ERR_USAGE,
             "the journal was opened read-only, and so were its golden images; `journal "
-            "FILE` goes on in a file of your own");
+            "FILE` continues in a file of your own");
     if (!can_be_drawn && interp->mode == MODE_LIVE)
         return fault_set(act->fault, ERR_USAGE,
                          "the journal has semantics %u, whose pictures this program no longer "

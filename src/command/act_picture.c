@@ -1,4 +1,4 @@
-/* Commands that bring pictures and maps out. */
+/* Commands that show or write pictures, and write maps. */
 #include "command/act.h"
 
 #include <string.h>

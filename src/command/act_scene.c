@@ -294,9 +294,9 @@ static enum err read_taken(const struct grid *grid, const struct record_word *wo
     return at == end ? OK : fault_set(fault, ERR_CHECK, "took: expected X,Y,Z;X,Y,Z");
 }
 
-/* In a ball, voxels that no tree holds are ignored, unless that is all of them. Only a forest that is
- * up to date knows which tree holds a voxel; a session that skims a journal reads there which seeds
- * were removed, and where that is not recorded has to catch up. */
+/* In a ball, voxels that no tree holds are ignored, unless that is all of them. Only a forest that
+ * is up to date knows which tree holds a voxel; a session that skims a journal reads there which
+ * seeds were removed, and where that is not recorded has to catch up. */
 static enum err eliminate(const struct act *act)
 {
     struct session *session = act->session;

@@ -120,8 +120,8 @@ static enum err show_inline(const struct act *act, enum slice_kind kind)
 }
 
 /* To the file that is named, or inline. */
-static enum err bring_out(const struct act *act, enum slice_kind kind, const struct value *file,
-                          const struct value *replace)
+static enum err show_or_write(const struct act *act, enum slice_kind kind, const struct value *file,
+                              const struct value *replace)
 {
     struct picture picture = {0};
     struct buf path = {0};
@@ -158,11 +158,12 @@ enum err act_slice(const struct act *act)
         slices->zoom = act->value[SLICE_ZOOM].text ? 0 : (uint32_t)act->value[SLICE_ZOOM].number;
     enum err err = act_go(act);
     return err ? err
-               : bring_out(act, (enum slice_kind)plane, &act->value[SLICE_FILE],
-                           &act->value[SLICE_REPLACE]);
+               : show_or_write(act, (enum slice_kind)plane, &act->value[SLICE_FILE],
+                               &act->value[SLICE_REPLACE]);
 }
 
 enum err act_mosaic(const struct act *act)
 {
-    return bring_out(act, SLICE_KIND_MOSAIC, &act->value[MOSAIC_FILE], &act->value[MOSAIC_REPLACE]);
+    return show_or_write(act, SLICE_KIND_MOSAIC, &act->value[MOSAIC_FILE],
+                         &act->value[MOSAIC_REPLACE]);
 }

@@ -9,7 +9,7 @@
 #include "session/export.h"
 
 /* "turn%03d.png": what stands before the number of a picture, how many digits it has at least, and
- * what stands behind. */
+ * what follows it. */
 struct pattern {
     const char *name, *rest;
     size_t before;

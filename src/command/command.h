@@ -124,7 +124,7 @@ enum err command_unknown(struct fault *fault, const char *what, const char *list
 /* Parses a line against the table. Positions and labels are looked up in `session` (which may have
  * no scene: then positions are refused, and label names too). The words of an error say what was
  * expected, and fault->at, where the word begins that is wrong; for one that is missing, a place
- * behind the end. The caller releases `call`. */
+ * after the end. The caller releases `call`. */
 enum err command_parse(struct call *call, const char *line, const struct session *session,
                        struct fault *fault);
 void call_release(struct call *call);
@@ -133,7 +133,7 @@ void call_release(struct call *call);
  * fault->at says where that begins. */
 void command_point_at(const struct call *call, const char *line, struct fault *fault);
 
-/* Adds the word at *cursor to `out`, ended by NUL, without its quotes, and moves on behind it.
+/* Adds the word at *cursor to `out`, ended by NUL, without its quotes, and moves on past it.
  * False for a quote that does not end. */
 bool command_take_word(const char **cursor, struct buf *out);
 
@@ -154,13 +154,13 @@ void command_help(struct buf *out, const struct command *command);
 int command_parameter_for(const struct command *command, const struct value *value,
                           const char **word);
 
-/* Words that may stand at the end of line[0..cursor), as they are to be typed: each ended by a line
- * feed, with where they begin. Of a folder, what ends in / and may go on. Files are those on the
- * disk now; names that a command cannot hold are left out. */
+/* Words that may stand at the end of line[0..cursor), as they are to be typed, each ended by a line
+ * feed, and where they begin. A folder ends in /, so that its files can follow. Files are those on
+ * the disk now; names that a command cannot hold are left out. */
 void command_complete(struct buf *out, size_t *word_start, const char *line, size_t cursor,
                       const struct interpreter *interp);
 
-/* What may follow line[0..length), as usage has it: "X,Y,Z LABEL [radius=0..32]" behind the name
+/* What may follow line[0..length), as usage has it: "X,Y,Z LABEL [radius=0..32]" after the name
  * of a command; nothing where that is not known. */
 void command_hint(struct buf *out, const char *line, size_t length);
 

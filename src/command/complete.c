@@ -15,7 +15,7 @@
 #include "command/partial.h"
 #include "journal/golden.h"
 
-enum { POINTS_OFFERED = 20 }; /* the latest, to who has typed no digit */
+enum { POINTS_OFFERED = 20 }; /* the latest, where no digit was typed */
 
 struct offers {
     struct buf *out;
@@ -108,7 +108,7 @@ static void offer_files(const struct offers *o)
     buf_release(&path);
 }
 
-/* Those of the journal at hand that are there. */
+/* Those of the present journal that are there. */
 static void offer_goldens(const struct offers *o)
 {
     static const char ending[] = ".exr";

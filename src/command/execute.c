@@ -106,7 +106,7 @@ static enum err append(struct interpreter *interp, const struct reply *reply, st
                              : OK;
     return err ? fault_prefix(fault, err,
                               "the command is undone, because it could not be recorded "
-                              "(`journal FILE` goes on in another file)")
+                              "(`journal FILE` continues in another file)")
                : OK;
 }
 

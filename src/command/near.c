@@ -71,7 +71,7 @@ void near_try(struct near *near, const char *known, size_t length)
     for (size_t i = 0; i < near->count; i++)
         if (near->found[i].length == length && memcmp(near->found[i].word, known, length) == 0)
             return;
-    if (near->count <= NEAR_TOLD) {
+    if (near->count <= NEAR_MOST) {
         near->found[near->count].word = known;
         near->found[near->count++].length = length;
     }
@@ -86,7 +86,7 @@ void near_try_choices(struct near *near, const char *choices)
 
 void near_add(const struct near *near, const char *ending, struct buf *out)
 {
-    if (near->count == 0 || near->count > NEAR_TOLD)
+    if (near->count == 0 || near->count > NEAR_MOST)
         return;
     for (size_t i = 0; i < near->count; i++) {
         const bool last = i + 1 == near->count;

@@ -18,7 +18,7 @@
 #include "base/buf.h"
 #include "base/err.h"
 
-enum { NEAR_TOLD = 3, NEAR_BYTES_MOST = 63 };
+enum { NEAR_MOST = 3, NEAR_BYTES_MOST = 63 };
 
 struct near {
     const char *word;
@@ -27,7 +27,7 @@ struct near {
     struct {
         const char *word;
         size_t length;
-    } found[NEAR_TOLD + 1]; /* where there is one more, none are told: too many are as near */
+    } found[NEAR_MOST + 1]; /* where there is one more, none is offered: too many are as near */
 };
 
 /* What is tried is borrowed, as the word is; twice the same counts once. */
@@ -35,9 +35,9 @@ struct near near_to(const char *word);
 void near_try(struct near *near, const char *known, size_t length);
 void near_try_choices(struct near *near, const char *choices); /* "a|b|c" */
 
-/* Adds "; did you mean a, b or c?", behind what the words end with: "=" for keys. */
+/* Adds "; did you mean a, b or c?", each word followed by `ending`: "=" for keys. */
 void near_add(const struct near *near, const char *ending, struct buf *out);
-/* The same behind the words of a fault. Returns its code. */
+/* The same after the words of a fault. Returns its code. */
 enum err near_append(const struct near *near, const char *ending, struct fault *fault);
 
 #endif

@@ -25,7 +25,7 @@ enum err command_unknown(struct fault *fault, const char *what, const char *list
     struct near near = near_to(word);
     for (unsigned i = 0; i < command_count; i++)
         near_try(&near, command_table[i].name, strlen(command_table[i].name));
-    if (near.count == 0 || near.count > NEAR_TOLD)
+    if (near.count == 0 || near.count > NEAR_MOST)
         return fault_set(fault, ERR_USAGE, "%s %s; %s lists them", what, word, list);
     fault_set(fault, ERR_USAGE, "%s %s", what, word);
     near_append(&near, "", fault);
@@ -312,7 +312,7 @@ static bool is_near_a_key(const struct command *command, const char *word, struc
     for (int i = 0; p[i].type; i++)
         if (p[i].keyed && strcmp(p[i].name, key) != 0)
             near_try(&near, p[i].name, strlen(p[i].name));
-    if (near.count == 0 || near.count > NEAR_TOLD)
+    if (near.count == 0 || near.count > NEAR_MOST)
         return false;
     fault_set(fault, ERR_USAGE, "%s has no %s=", command->name, key);
     near_append(&near, "=", fault);
@@ -358,7 +358,7 @@ static enum err read_words(struct call *call, unsigned count, const struct sessi
     return OK;
 }
 
-/* Where the word of this number begins; behind the last one, a blank later. */
+/* Where the word of this number begins; after the last one, a blank later. */
 static const char *place_of_word(const char *line, unsigned number)
 {
     struct buf word = {0};
@@ -394,10 +394,10 @@ enum err command_parse(struct call *call, const char *line, const struct session
 /* Whether words of an error name this one: not as a part of another. */
 static bool names(const char *text, const char *word)
 {
-    static const char behind[] = " ,;:?";
+    static const char after[] = " ,;:?";
     const size_t length = strlen(word);
     for (const char *at = text; length > 1 && (at = strstr(at, word)); at++)
-        if ((at == text || at[-1] == ' ') && (!at[length] || strchr(behind, at[length])))
+        if ((at == text || at[-1] == ' ') && (!at[length] || strchr(after, at[length])))
             return true;
     return false;
 }

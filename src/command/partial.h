@@ -10,9 +10,9 @@
 struct partial {
     const struct command *command;       /* that the first word names, where it is whole; or NULL */
     unsigned words;                      /* whole ones before the cursor */
-    struct value value[PARAMETERS_MOST]; /* only `given` is told: by whole words */
+    struct value value[PARAMETERS_MOST]; /* only `given` is set: by whole words */
 
-    struct buf word; /* at the cursor, without its quotes; empty behind a blank */
+    struct buf word; /* at the cursor, without its quotes; empty after a blank */
     size_t start;    /* the byte of the line where it begins, with the quote that it may have */
     bool quoted;     /* it begins with a quote, */
     bool closed;     /* which has ended: nothing can be added to the word */
@@ -20,7 +20,7 @@ struct partial {
     size_t key;      /* bytes of `word` that are "radius=" */
 };
 
-/* Reads line[0..cursor). False without memory, in a comment, and behind a quote that something else
+/* Reads line[0..cursor). False without memory, in a comment, and after a quote that something else
  * than a blank follows. The caller releases `partial`, whatever comes of it. */
 bool partial_read(struct partial *partial, const char *line, size_t cursor);
 void partial_release(struct partial *partial);
