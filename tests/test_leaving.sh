@@ -95,9 +95,8 @@ close_story
 
 begin "in GNU screen: blocks, and nothing else"
 if needs screen; then
-    SCREENDIR=$work/screens
-    mkdir -m 700 "$SCREENDIR"
-    enter "clear; SCREENDIR=$SCREENDIR screen -U -c /dev/null sh -c 'exec $iftty --journal five.iftty s.nii'"
+    mkdir -m 700 screens
+    enter "clear; SCREENDIR=./screens screen -U -c /dev/null sh -c 'exec $iftty --journal five.iftty s.nii'"
     see '^[a-z]+>$'
     screen_text >before
     ! grep -q 'Gi=31\|AAAA\|2026' before || fail "garbage:" "$(cat before)"

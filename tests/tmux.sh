@@ -6,7 +6,7 @@ needs tmux || { close_story; finish; }
 # A server of our own, whatever the user has; -u since LC_ALL=C says nothing of UTF-8.
 unset TMUX NO_COLOR
 tmux_here() {
-    tmux -u -S "$work/tmux" "$@"
+    (cd "$work" && exec tmux -u -S ./tmux "$@") # the whole path may be too long for a socket
 }
 trap 'tmux_here kill-server 2>/dev/null; rm -rf "$work"' EXIT
 
