@@ -2,9 +2,9 @@
  * The border: which voxels can be seen at all.
  *
  * A voxel is *shown* where its label is one that the view shows (never 0) and it is not cut away
- * (engine/cut.h). A border voxel is a shown voxel with a face neighbour that is not: background,
+ * (render/cut.h). A border voxel is a shown voxel with a face neighbour that is not: background,
  * hidden, cut away, or outside the scene, whatever the adjacency of the forest. Both sets are held
- * as one bit per cell and kept up to date from the changes of the forest (BDIFT), in time
+ * as one bit per cell and updated from the changes of the forest (BDIFT), in time
  * proportional to them; reading the border is one sequential scan. It answers the scattered border
  * lists of the paper with ordered access.
  *
@@ -17,8 +17,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "render/cut.h"
 #include "engine/forest.h"
+#include "render/cut.h"
 
 struct border {
     const struct scene *scene;
@@ -26,8 +26,8 @@ struct border {
     uint64_t *border; /* likewise: cell c is a border voxel */
     size_t words;     /* of each, with one spare word at the end that stays 0 */
 
-    /* For whoever keeps what was made of `shown` (render/field.h): every update and recount has a
-     * number, and each word that of the last one in which it changed. */
+    /* For results that were made of `shown` and stored (render/field.h): every update and recount
+     * has a number, and each word that of the last one in which it changed. */
     uint32_t version;
     uint32_t *changed; /* [words] */
     bool visible[256]; /* which labels the view shows; [0] is false */
@@ -62,7 +62,7 @@ static inline bool border_holds(const struct border *border, uint32_t cell)
     return border->border[cell >> 6] >> (cell & 63) & 1;
 }
 
-/* The 64 bits from bit `at` on; bits before the first and behind the last are 0. */
+/* The 64 bits from bit `at` on; bits before the first and after the last are 0. */
 static inline uint64_t border_bits_from(const uint64_t *words, size_t count, ptrdiff_t at)
 {
     if (at < 0)
@@ -75,14 +75,14 @@ static inline uint64_t border_bits_from(const uint64_t *words, size_t count, ptr
 }
 
 /* Which of the 64 cells from `at` on are shown, bit 0 the first. `at` may lie up to a row and a
- * plane before the first cell or behind the last: none of those cells is shown. */
+ * plane before the first cell or after the last: none of those cells is shown. */
 static inline uint64_t border_shown_from(const struct border *border, ptrdiff_t at)
 {
     return border_bits_from(border->shown, border->words, at);
 }
 
 /* Whether the cell would be shown, were it not cut away: beside such a cell the scene has been cut
- * open. One look at its label and its bit, both right while B1 holds. */
+ * open. Reads its label and its bit, both right while B1 holds. */
 static inline bool border_is_cut(const struct border *border, uint32_t cell)
 {
     return !border_shows(border, cell) && border->visible[border->scene->cell[cell].label];

@@ -9,19 +9,19 @@
 
 static const uint8_t black[3];
 
-enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, bool tells_cells,
+enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, bool with_cells,
                      struct fault *fault)
 {
     const size_t pixels = (size_t)width * height;
     *canvas = (struct canvas){.width = width, .height = height, .stride = width};
     canvas->rgba = mem_array(pixels, 4);
-    if (tells_cells)
+    if (with_cells)
         canvas->cell = mem_array(pixels, sizeof *canvas->cell);
-    if (!canvas->rgba || (tells_cells && !canvas->cell)) {
+    if (!canvas->rgba || (with_cells && !canvas->cell)) {
         canvas_release(canvas);
         return fault_memory(fault, "a picture");
     }
-    for (size_t i = 0; tells_cells && i < pixels; i++)
+    for (size_t i = 0; with_cells && i < pixels; i++)
         canvas->cell[i] = CELL_NONE;
     canvas_box(canvas, 0, 0, width, height, black);
     return OK;

@@ -1,10 +1,10 @@
 /*
  * A canvas: the pixels that slices, mosaics and words are drawn into, or a part of them.
  *
- * Pixels are opaque sRGB, rows from the top, columns from the left. Whoever draws may aim beyond
- * the edges: what falls outside is not drawn. A part borrows the pixels of the whole.
+ * Pixels are opaque sRGB, rows from the top, columns from the left. Drawing may go beyond
+ * the edges: pixels outside are not drawn. A part borrows the pixels of the whole.
  *
- * Where `cell` is not NULL it tells which voxel each pixel shows, CELL_NONE for none.
+ * Where `cell` is not NULL it says which voxel each pixel shows, CELL_NONE for none.
  */
 #ifndef RENDER_CANVAS_H
 #define RENDER_CANVAS_H
@@ -23,7 +23,7 @@ struct canvas {
 };
 
 /* Black, of 1..VIEW_SIDE_MOST pixels a side, which the caller releases; nothing on error. */
-enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, bool tells_cells,
+enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, bool with_cells,
                      struct fault *fault);
 void canvas_release(struct canvas *canvas);
 

@@ -76,8 +76,8 @@ static int64_t divided_up(int64_t a, int64_t b)
     return a / b + (a % b > 0);
 }
 
-/* What a plane keeps of the row of voxels 0..size-1. */
-static struct stretch kept_by_plane(const struct cut_plane *plane, int64_t size, uint32_t y,
+/* What a plane leaves of the row of voxels 0..size-1. */
+static struct stretch left_by_plane(const struct cut_plane *plane, int64_t size, uint32_t y,
                                     uint32_t z)
 {
     const int64_t along = plane->normal[0];
@@ -89,20 +89,20 @@ static struct stretch kept_by_plane(const struct cut_plane *plane, int64_t size,
     return (struct stretch){0, missing > 0 ? 0 : missing / along + 1};
 }
 
-/* What slabs and planes keep of a row: intervals have one interval in common. */
-static struct stretch kept_of_row(const struct cut *cut, const struct grid *grid, uint32_t y,
+/* What slabs and planes leave of a row: intervals have one interval in common. */
+static struct stretch left_of_row(const struct cut *cut, const struct grid *grid, uint32_t y,
                                   uint32_t z)
 {
     const int64_t size = grid->size[0];
-    struct stretch kept = {cut->first[0], cut->last[0] < size ? cut->last[0] + INT64_C(1) : size};
+    struct stretch left = {cut->first[0], cut->last[0] < size ? cut->last[0] + INT64_C(1) : size};
     if (y < cut->first[1] || y > cut->last[1] || z < cut->first[2] || z > cut->last[2])
-        kept.end = 0;
+        left.end = 0;
     for (uint32_t i = 0; i < cut->planes; i++) {
-        const struct stretch by = kept_by_plane(&cut->plane[i], size, y, z);
-        kept.first = by.first > kept.first ? by.first : kept.first;
-        kept.end = by.end < kept.end ? by.end : kept.end;
+        const struct stretch by = left_by_plane(&cut->plane[i], size, y, z);
+        left.first = by.first > left.first ? by.first : left.first;
+        left.end = by.end < left.end ? by.end : left.end;
     }
-    return kept.first < kept.end ? kept : (struct stretch){0, 0};
+    return left.first < left.end ? left : (struct stretch){0, 0};
 }
 
 static void clear_bits(uint64_t *bits, uint64_t first, uint64_t end)
@@ -121,9 +121,9 @@ static void clear_row(const struct cut *cut, const struct grid *grid, uint64_t *
                       uint32_t z)
 {
     const struct span row = grid_row(grid, y, z);
-    const struct stretch kept = kept_of_row(cut, grid, y, z);
-    clear_bits(bits, row.first, row.first + (uint64_t)kept.first);
-    clear_bits(bits, row.first + (uint64_t)kept.end, row.end);
+    const struct stretch left = left_of_row(cut, grid, y, z);
+    clear_bits(bits, row.first, row.first + (uint64_t)left.first);
+    clear_bits(bits, row.first + (uint64_t)left.end, row.end);
     for (uint32_t i = 0; i < cut->boxes; i++) {
         const struct cut_box *box = &cut->box[i];
         if (y >= box->first[1] && y <= box->last[1] && z >= box->first[2] && z <= box->last[2])

@@ -1,13 +1,13 @@
 /*
  * The cut: what of the scene is cut away, so that the inside can be seen.
  *
- * Three means, and a voxel is cut away where any of them says so: slabs keep the voxels between two
- * slices of an axis, planes keep what lies behind them, boxes are taken out. All are held in voxels
+ * Three means, and a voxel is cut away where any of them says so: slabs leave the voxels between two
+ * slices of an axis, planes what lies after them, boxes are taken out. All are held in voxels
  * of the scene, so they stay with the patient however the view turns; a voxel is cut whole, by its
- * centre. Nothing here looks at labels: a cut is a function of place alone.
+ * centre. Labels do not matter: a cut is a function of place alone.
  *
  * Along one row of voxels each means is an interval, so that cutting a scene takes time by its
- * rows; only single voxels are asked one by one.
+ * rows; only single voxels are tested one by one.
  *
  * Integers, without padding: two cuts are the same where their bytes are.
  */
@@ -26,8 +26,8 @@ enum {
 };
 
 struct cut_plane {
-    int64_t normal[3]; /* along voxel axes, in any unit: into what is kept */
-    int64_t least;     /* kept: normal times (x, y, z) is this or more */
+    int64_t normal[3]; /* along voxel axes, in any unit: into what is left */
+    int64_t least;     /* left: normal times (x, y, z) is this or more */
 };
 
 struct cut_box {
@@ -35,7 +35,7 @@ struct cut_box {
 };
 
 struct cut {
-    uint32_t first[3], last[3]; /* kept, both ends included; 0 and UINT32_MAX along a whole axis */
+    uint32_t first[3], last[3]; /* left, both ends included; 0 and UINT32_MAX along a whole axis */
     uint32_t planes, boxes;
     struct cut_plane plane[CUT_PLANES_MOST];
     struct cut_box box[CUT_BOXES_MOST];
@@ -48,7 +48,7 @@ bool cut_is_none(const struct cut *cut);
 /* Whether the cell of a voxel is cut away. */
 bool cut_takes(const struct cut *cut, const struct grid *grid, uint32_t cell);
 
-/* The plane through the centre of a voxel that keeps what lies `ahead` of it: a direction along
+/* The plane through the centre of a voxel that leaves what lies `ahead` of it: a direction along
  * voxel axes, of any length below 2^31, in a scene of this spacing. */
 struct cut_plane cut_plane_through(const struct scene *scene, const uint32_t place[3],
                                    const int32_t ahead[3]);

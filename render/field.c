@@ -138,7 +138,7 @@ static struct input input_of(const struct grid *grid, const uint32_t number[3])
 }
 
 /* The cell of the first voxel of row (y, z) of the input; that voxel may lie outside the row, but
- * never before the array or behind it, because of the rim. */
+ * never before the array or after it, because of the rim. */
 static size_t row_cell(const struct grid *grid, const struct input *input, int y, int z)
 {
     return (size_t)(1 + input->first[0] + (1 + input->first[1] + y) * grid->step[1] +

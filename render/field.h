@@ -6,11 +6,11 @@
  * centres is interpolated. The direction in which the field falls is the normal of the surface.
  * The field of the scene itself (FIELD_SCENE) is the same of its intensities, smoothed less.
  *
- * It is made where it is asked for, in blocks of FIELD_BLOCK voxels a side, of which a bounded
- * number is kept: making one costs some 3 us, a picture needs some hundreds, and the next picture
- * from another side needs mostly the same. A kept block is made again where a word of the border's
+ * It is made where it is needed, in blocks of FIELD_BLOCK voxels a side, of which a bounded
+ * number is stored: making one costs some 3 us, a picture needs some hundreds, and the next picture
+ * from another side needs mostly the same. A stored block is made again where a word of the border's
  * `shown` that it was made of has changed since (border->changed). So the field is a pure function
- * of what is shown, whatever was asked before.
+ * of what is shown, in whatever order points are asked for.
  *
  * Points are in 1/256 voxels along the scene's axes from the centre of voxel 0,0,0, and lie on or
  * in the cube of a voxel of the scene.

@@ -4,9 +4,8 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "render/shade.h"
 
-/* Pixels whose voxel has disappeared, with the depth from which to look on. */
+/* Pixels whose voxel has disappeared, with the depth from which the ray goes on. */
 struct holes {
     struct hole {
         uint32_t column, row;
@@ -52,7 +51,7 @@ static bool open_holes(struct holes *holes, struct rendition *r, const struct ca
     return true;
 }
 
-/* Looks on behind what has disappeared; what has appeared before it stays. */
+/* Continues the ray after the voxel that has disappeared; one that has appeared nearer stays. */
 static void fill_hole(struct rendition *r, const struct camera *camera, const struct border *border,
                       const struct hole *hole)
 {

@@ -175,7 +175,7 @@ static void step(struct steps *s)
     }
 }
 
-/* One row of the pane; source_of tells each pixel's source. */
+/* One row of the pane; source_of has each pixel's source. */
 static void draw_row(const struct canvas *pane, const struct fitting *f, const struct rendition *r,
                      uint32_t y)
 {

@@ -46,7 +46,7 @@ size_t rendition_bytes(const struct rendition *rendition);
 void rendition_clear(struct rendition *rendition);
 
 /* Scene projection and border projection; the rendition has the camera's size. These, the ray walk
- * and shading are done under the scene's watch: what is cut short is of no use. */
+ * and shading are done under the scene's watch: what ends early is of no use. */
 void splat_scene(struct rendition *rendition, const struct camera *camera,
                  const struct border *border);
 void splat_border(struct rendition *rendition, const struct camera *camera,

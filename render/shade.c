@@ -12,7 +12,7 @@ enum {
     SPECULAR = 70, /* of 255, where the light is mirrored into the eye */
     SHINE = 5,     /* squarings: the exponent is 2^5 */
     GLOSS_BITS = 10,
-    GLOSSES = 1 << GLOSS_BITS, /* cosines that are told apart */
+    GLOSSES = 1 << GLOSS_BITS, /* different cosines */
     CUE_BITS = 20,
     FIT_STEPS = 3,
     CROSSING_PIXEL_BITS = 26, /* of a depth: 4 * 2^24 to a pixel */
@@ -482,7 +482,7 @@ struct shade_reach shade_reach(const struct look *look, const struct camera *cam
 
 void palette_default(struct palette *palette)
 {
-    /* Sky, amber, green, rose, violet, sand, teal, brick: told apart by lightness as well. */
+    /* Sky, amber, green, rose, violet, sand, teal, brick: of different lightness too. */
     static const uint8_t hue[8][3] = {{214, 178, 150}, {86, 180, 233},  {240, 200, 66},
                                       {0, 158, 115},   {204, 121, 167}, {230, 130, 40},
                                       {130, 130, 220}, {190, 190, 190}};

@@ -53,7 +53,7 @@ static void add_spot(struct spots *spots, const struct slice_plan *plan, int64_t
                                                 mark->label, mark->eliminates, mark->waits};
 }
 
-/* Every voxel of the slice is looked at, also those that no pixel shows. */
+/* Every voxel of the slice counts, also those that no pixel shows. */
 static void add_seeds(struct spots *spots, const struct scene *scene, const struct slice_plan *plan)
 {
     for (int64_t y = 0; y < plan->side[1].voxels; y++) {

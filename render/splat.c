@@ -1,6 +1,5 @@
 #include "render/rendition.h"
 
-#include "render/fixed.h"
 
 /* A cube as the camera sees it: where its three near planes are crossed by the ray of pixel 0,0,
  * and where its centre falls, in pixels times 2^30. Linear in the cube's position. */
@@ -125,7 +124,7 @@ static struct face_set face_set_of(const struct camera *camera, unsigned faces)
 struct sweep {
     const struct camera *camera;
     struct face_set set[FACE_SETS];
-    uint32_t first, end;    /* cells of the row at hand, from voxel 0 to behind its last, */
+    uint32_t first, end;    /* cells of the row at hand, from voxel 0 to after its last, */
     struct projection seen; /* and what is seen of its voxel 0 */
     struct projection along_x, along_y; /* what one voxel along x or y adds */
 };

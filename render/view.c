@@ -29,7 +29,7 @@ static const int64_t cordic_angle[CORDIC_STEPS] = {
 static const int64_t cordic_gain = 652032874;
 
 /* Sine of an angle within the first quarter turn, by rotating (gain, 0) step by step (Volder 1959).
- * 16 guard bits keep the shifts from showing in 30. */
+ * 16 guard bits make the shifts invisible in 30. */
 static int32_t sine_first_quarter(int32_t angle)
 {
     int64_t x = cordic_gain << 16, y = 0, left = (int64_t)angle << 20;
@@ -245,7 +245,7 @@ static void set_projection(struct camera *camera, const struct basis *b)
     }
 }
 
-/* How far the focus lies behind the scene's middle, as crossings count. */
+/* How far the focus lies beyond the scene's middle, as crossings count. */
 static int64_t focus_depth(const struct basis *b)
 {
     int64_t depth = 0;

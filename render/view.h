@@ -1,5 +1,5 @@
 /*
- * The view: from where a scene is looked at, and the exact arithmetic of its rays.
+ * The view: from where a scene is seen, and the exact arithmetic of its rays.
  *
  * Angles. (0, 0, 0) is the front: the patient faces us, with his left on our right. Yaw takes us
  * around him towards his left side, pitch lifts us above him, roll turns the picture
@@ -7,7 +7,7 @@
  *
  * The focus is the place of the scene that falls in the middle of the picture, whatever the angles,
  * the zoom and the size: views turn around it. It is held in the scene, not in the picture, so that
- * none of the others need know of it. At first it is the scene's middle.
+ * none of the others depends on it. At first it is the scene's middle.
  *
  * Rays. Projection is orthogonal. The ray of pixel (px, py) crosses the plane n of axis a at
  *
@@ -17,7 +17,7 @@
  * plane of the scene's middle, wherever the focus is. Axes are flipped so that T_a > 0, and a
  * direction cosine near zero is replaced by a tiny one. Two crossings are compared as (t, axis),
  * which decides every tie as one and the same infinitely small shift of the ray would: hence the
- * value kept is 4 * t + axis, and no two crossings of different axes are ever equal. A voxel is its
+ * value stored is 4 * t + axis, and no two crossings of different axes are ever equal. A voxel is its
  * cube; a ray is in it where the last of its three near crossings comes before the first of its
  * three far crossings. The depth of a pixel is that last near crossing, axis bits and all.
  *

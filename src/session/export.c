@@ -23,7 +23,7 @@ static void write_view(struct buf *out, const struct view *view)
                    (long long)view->focus[1], (long long)view->focus[2]);
 }
 
-/* In voxels, as it is held (engine/cut.h): "kept x 0-180 y 0-216 z 40-120 plane ... box ...". */
+/* In voxels, as it is held (render/cut.h): "kept x 0-180 y 0-216 z 40-120 plane ... box ...". */
 static void write_cut(struct buf *out, const struct cut *cut, const struct grid *grid)
 {
     buf_add_text(out, "kept");
