@@ -3,73 +3,44 @@
 #include <math.h>
 #include <string.h>
 
-/* Where each field lies, and how many bytes a number of its kind takes. */
-struct layout {
+/* The two versions of the header, and where each has its magic. */
+static const struct version {
     uint16_t bytes, magic, magic_bytes;
-    uint16_t dim, dim_width;
-    uint16_t datatype, bitpix; /* 2 bytes in both */
-    uint16_t pixdim, real_width;
-    uint16_t vox_offset;
-    uint16_t scl_slope, scl_inter;
-    uint16_t xyzt_units, units_width;
-    uint16_t qform_code, sform_code, code_width;
-    uint16_t quatern, qoffset, srow;
-    uint16_t descrip;
     char text[9];
+} version[2] = {{348, 344, 4, "n+1\0"}, {540, 4, 8, "n+2\0\r\n\032\n"}};
+
+/* Where a version has a field, and how many bytes each of its numbers takes. */
+struct place_in_file {
+    uint16_t at, width;
 };
 
-static const struct layout LAYOUT_1 = {
-    .bytes = 348,
-    .magic = 344,
-    .magic_bytes = 4,
-    .dim = 40,
-    .dim_width = 2,
-    .datatype = 70,
-    .bitpix = 72,
-    .pixdim = 76,
-    .real_width = 4,
-    .vox_offset = 108,
-    .scl_slope = 112,
-    .scl_inter = 116,
-    .xyzt_units = 123,
-    .units_width = 1,
-    .qform_code = 252,
-    .sform_code = 254,
-    .code_width = 2,
-    .quatern = 256,
-    .qoffset = 268,
-    .srow = 280,
-    .descrip = 148,
-    .text = "n+1\0",
+/* The fields that are read and written, as int64_t or double in struct nifti_header. */
+static const struct field {
+    size_t member;
+    unsigned count;
+    enum { INTEGER, REAL, REAL_OR_INTEGER } kind; /* the last: an integer where it has 8 bytes */
+    struct place_in_file in[2];                   /* by version */
+} field[] = {
+    {offsetof(struct nifti_header, dim), 8, INTEGER, {{40, 2}, {16, 8}}},
+    {offsetof(struct nifti_header, datatype), 1, INTEGER, {{70, 2}, {12, 2}}},
+    {offsetof(struct nifti_header, bitpix), 1, INTEGER, {{72, 2}, {14, 2}}},
+    {offsetof(struct nifti_header, pixdim), 8, REAL, {{76, 4}, {104, 8}}},
+    {offsetof(struct nifti_header, vox_offset), 1, REAL_OR_INTEGER, {{108, 4}, {168, 8}}},
+    {offsetof(struct nifti_header, scl_slope), 1, REAL, {{112, 4}, {176, 8}}},
+    {offsetof(struct nifti_header, scl_inter), 1, REAL, {{116, 4}, {184, 8}}},
+    {offsetof(struct nifti_header, xyzt_units), 1, INTEGER, {{123, 1}, {500, 4}}},
+    {offsetof(struct nifti_header, qform_code), 1, INTEGER, {{252, 2}, {344, 4}}},
+    {offsetof(struct nifti_header, sform_code), 1, INTEGER, {{254, 2}, {348, 4}}},
+    {offsetof(struct nifti_header, quatern), 3, REAL, {{256, 4}, {352, 8}}},
+    {offsetof(struct nifti_header, qoffset), 3, REAL, {{268, 4}, {376, 8}}},
+    {offsetof(struct nifti_header, srow), 12, REAL, {{280, 4}, {400, 8}}},
 };
-static const struct layout LAYOUT_2 = {
-    .bytes = 540,
-    .magic = 4,
-    .magic_bytes = 8,
-    .dim = 16,
-    .dim_width = 8,
-    .datatype = 12,
-    .bitpix = 14,
-    .pixdim = 104,
-    .real_width = 8,
-    .vox_offset = 168,
-    .scl_slope = 176,
-    .scl_inter = 184,
-    .xyzt_units = 500,
-    .units_width = 4,
-    .qform_code = 344,
-    .sform_code = 348,
-    .code_width = 4,
-    .quatern = 352,
-    .qoffset = 376,
-    .srow = 400,
-    .descrip = 240,
-    .text = "n+2\0\r\n\032\n",
-};
+enum { FIELDS = sizeof field / sizeof field[0] };
+static const uint16_t description_at[2] = {148, 240};
 
-static const struct layout *layout_of(const struct nifti_header *header)
+static unsigned version_of(const struct nifti_header *header)
 {
-    return header->bytes == LAYOUT_1.bytes ? &LAYOUT_1 : &LAYOUT_2;
+    return header->bytes == version[0].bytes ? 0 : 1;
 }
 
 static uint64_t get_bits(const uint8_t *at, unsigned width, bool big_endian)
@@ -121,22 +92,21 @@ static void put_real(uint8_t *at, unsigned width, double value)
     put_integer(at, width, (int64_t)(width == sizeof value ? bits : narrow));
 }
 
-static bool has_magic(const struct layout *layout, const uint8_t *bytes, char kind)
+static bool has_magic(const struct version *v, const uint8_t *bytes, char kind)
 {
-    char text[sizeof layout->text];
-    memcpy(text, layout->text, sizeof text);
+    char text[sizeof v->text];
+    memcpy(text, v->text, sizeof text);
     text[1] = kind;
-    return memcmp(bytes + layout->magic, text, layout->magic_bytes) == 0;
+    return memcmp(bytes + v->magic, text, v->magic_bytes) == 0;
 }
 
 /* By sizeof_hdr; NULL where it is that of neither. */
-static const struct layout *layout_in(const uint8_t *bytes, bool *big_endian)
+static const struct version *version_in(const uint8_t *bytes, bool *big_endian)
 {
-    for (int big = 0; big < 2; big++) {
-        const uint64_t size = get_bits(bytes, 4, big);
-        *big_endian = big;
-        if (size == LAYOUT_1.bytes || size == LAYOUT_2.bytes)
-            return size == LAYOUT_1.bytes ? &LAYOUT_1 : &LAYOUT_2;
+    for (int i = 0; i < 4; i++) {
+        *big_endian = i / 2;
+        if (get_bits(bytes, 4, *big_endian) == version[i % 2].bytes)
+            return &version[i % 2];
     }
     return NULL;
 }
@@ -144,83 +114,70 @@ static const struct layout *layout_in(const uint8_t *bytes, bool *big_endian)
 bool nifti_header_is_one(const uint8_t *begin, size_t length)
 {
     bool big_endian;
-    return length >= NIFTI_LEAST_BYTES && layout_in(begin, &big_endian);
+    return length >= NIFTI_LEAST_BYTES && version_in(begin, &big_endian);
 }
 
 enum err nifti_header_recognise(struct nifti_header *header, const uint8_t *bytes,
                                 struct fault *fault)
 {
-    const struct layout *layout = layout_in(bytes, &header->big_endian);
-    if (!layout)
+    const struct version *v = version_in(bytes, &header->big_endian);
+    if (!v)
         return fault_set(fault, ERR_INPUT,
                          "not a NIfTI file: sizeof_hdr is %lld; expected 348 or 540",
                          (long long)get_integer(bytes, 4, false));
-    if (has_magic(layout, bytes, 'i'))
+    if (has_magic(v, bytes, 'i'))
         return fault_set(fault, ERR_INPUT,
                          "the header of a .hdr/.img pair; expected a single .nii or .nii.gz file");
-    if (!has_magic(layout, bytes, '+'))
+    if (!has_magic(v, bytes, '+'))
         return fault_set(fault, ERR_INPUT,
                          "not a NIfTI file: its magic is neither \"n+1\" nor \"n+2\" (an ANALYZE "
                          "header has none)");
-    header->bytes = layout->bytes;
+    header->bytes = v->bytes;
     return OK;
+}
+
+static bool is_integer(const struct field *f, unsigned width)
+{
+    return f->kind == INTEGER || (f->kind == REAL_OR_INTEGER && width == 8);
 }
 
 void nifti_header_decode(struct nifti_header *header, const uint8_t *bytes)
 {
-    const struct layout *at = layout_of(header);
     const bool big = header->big_endian;
-    const unsigned real = at->real_width;
-    for (unsigned i = 0; i < 8; i++) {
-        header->dim[i] = get_integer(bytes + at->dim + i * at->dim_width, at->dim_width, big);
-        header->pixdim[i] = get_real(bytes + at->pixdim + i * real, real, big);
-    }
-    header->datatype = get_integer(bytes + at->datatype, 2, big);
-    header->bitpix = get_integer(bytes + at->bitpix, 2, big);
-    header->vox_offset = at == &LAYOUT_1 ? get_real(bytes + at->vox_offset, 4, big)
-                                         : (double)get_integer(bytes + at->vox_offset, 8, big);
-    header->scl_slope = get_real(bytes + at->scl_slope, real, big);
-    header->scl_inter = get_real(bytes + at->scl_inter, real, big);
-    header->xyzt_units = get_integer(bytes + at->xyzt_units, at->units_width, big);
-    header->qform_code = get_integer(bytes + at->qform_code, at->code_width, big);
-    header->sform_code = get_integer(bytes + at->sform_code, at->code_width, big);
-    for (unsigned a = 0; a < 3; a++) {
-        header->quatern[a] = get_real(bytes + at->quatern + a * real, real, big);
-        header->qoffset[a] = get_real(bytes + at->qoffset + a * real, real, big);
-        for (unsigned i = 0; i < 4; i++)
-            header->srow[a][i] = get_real(bytes + at->srow + (4 * a + i) * real, real, big);
-    }
+    for (const struct field *f = field; f < field + FIELDS; f++)
+        for (unsigned i = 0; i < f->count; i++) {
+            const struct place_in_file in = f->in[version_of(header)];
+            const uint8_t *at = bytes + in.at + i * in.width;
+            char *member = (char *)header + f->member + 8 * i;
+            const int64_t whole = is_integer(f, in.width) ? get_integer(at, in.width, big) : 0;
+            const double real =
+                is_integer(f, in.width) ? (double)whole : get_real(at, in.width, big);
+            memcpy(member, f->kind == INTEGER ? (const void *)&whole : &real, 8);
+        }
 }
 
 void nifti_header_encode(const struct nifti_header *header, uint8_t *bytes)
 {
-    const struct layout *at = layout_of(header);
-    const unsigned real = at->real_width;
-    memset(bytes, 0, at->bytes);
-    put_integer(bytes, 4, at->bytes);
-    memcpy(bytes + at->magic, at->text, at->magic_bytes);
-    for (unsigned i = 0; i < 8; i++) {
-        put_integer(bytes + at->dim + i * at->dim_width, at->dim_width, header->dim[i]);
-        put_real(bytes + at->pixdim + i * real, real, header->pixdim[i]);
-    }
-    put_integer(bytes + at->datatype, 2, header->datatype);
-    put_integer(bytes + at->bitpix, 2, header->bitpix);
-    if (at == &LAYOUT_1)
-        put_real(bytes + at->vox_offset, 4, header->vox_offset);
-    else
-        put_integer(bytes + at->vox_offset, 8, (int64_t)header->vox_offset);
-    put_real(bytes + at->scl_slope, real, header->scl_slope);
-    put_real(bytes + at->scl_inter, real, header->scl_inter);
-    put_integer(bytes + at->xyzt_units, at->units_width, header->xyzt_units);
-    put_integer(bytes + at->qform_code, at->code_width, header->qform_code);
-    put_integer(bytes + at->sform_code, at->code_width, header->sform_code);
-    for (unsigned a = 0; a < 3; a++) {
-        put_real(bytes + at->quatern + a * real, real, header->quatern[a]);
-        put_real(bytes + at->qoffset + a * real, real, header->qoffset[a]);
-        for (unsigned i = 0; i < 4; i++)
-            put_real(bytes + at->srow + (4 * a + i) * real, real, header->srow[a][i]);
-    }
-    memcpy(bytes + at->descrip, header->descrip, NIFTI_DESCRIPTION - 1);
+    const unsigned number = version_of(header);
+    const struct version *v = &version[number];
+    memset(bytes, 0, v->bytes);
+    put_integer(bytes, 4, v->bytes);
+    memcpy(bytes + v->magic, v->text, v->magic_bytes);
+    for (const struct field *f = field; f < field + FIELDS; f++)
+        for (unsigned i = 0; i < f->count; i++) {
+            const struct place_in_file in = f->in[number];
+            uint8_t *at = bytes + in.at + i * in.width;
+            const char *member = (const char *)header + f->member + 8 * i;
+            int64_t whole;
+            double real;
+            memcpy(&whole, member, 8);
+            memcpy(&real, member, 8);
+            if (!is_integer(f, in.width))
+                put_real(at, in.width, real);
+            else
+                put_integer(at, in.width, f->kind == INTEGER ? whole : (int64_t)real);
+        }
+    memcpy(bytes + description_at[number], header->descrip, NIFTI_DESCRIPTION - 1);
 }
 
 /* Millimetres in the header's unit of length. */
@@ -237,14 +194,14 @@ static double unit_mm(const struct nifti_header *header)
 }
 
 /* The matrix of the quaternion (a, b, c, d), whose a >= 0 the file leaves out; nifti1.h, method 2.
- * What cannot be a rotation comes out as NaN or singular and is refused by geometry_place. */
+ * Numbers that are no rotation come out as NaN or singular and is refused by geometry_place. */
 static void matrix_of_qform(double to_mm[3][4], const struct nifti_header *header,
                             const double spacing_mm[3], double unit)
 {
     double b = header->quatern[0], c = header->quatern[1], d = header->quatern[2];
     double rest = 1 - (b * b + c * c + d * d);
     double a = rest > 0 ? sqrt(rest) : 0;
-    if (rest < 1e-7) { /* half a turn, told in single precision: make b, c, d a unit vector */
+    if (rest < 1e-7) { /* half a turn, written in single precision: make b, c, d a unit vector */
         double length = sqrt(b * b + c * c + d * d);
         a = 0;
         b /= length;
@@ -264,7 +221,7 @@ static void matrix_of_qform(double to_mm[3][4], const struct nifti_header *heade
     }
 }
 
-/* Spacing in whole nanometres and in millimetres; see nifti.h for what is let pass. */
+/* Spacing in whole nanometres and in millimetres; see nifti.c for what is accepted. */
 static enum err read_spacing(struct geometry *geometry, double spacing_mm[3],
                              const struct nifti_header *header, struct fault *fault)
 {
@@ -283,7 +240,7 @@ static enum err read_spacing(struct geometry *geometry, double spacing_mm[3],
     return OK;
 }
 
-static int16_t kept_code(int64_t code)
+static int16_t usable_code(int64_t code)
 {
     return code > 0 && code <= INT16_MAX ? (int16_t)code : 0;
 }
@@ -297,8 +254,8 @@ enum err nifti_header_geometry(struct geometry *geometry, const struct nifti_hea
     enum err err = read_spacing(geometry, spacing_mm, header, fault);
     if (err)
         return err;
-    geometry->sform_code = kept_code(header->sform_code);
-    geometry->qform_code = kept_code(header->qform_code);
+    geometry->sform_code = usable_code(header->sform_code);
+    geometry->qform_code = usable_code(header->qform_code);
     for (int w = 0; w < 3; w++)
         for (int i = 0; i < 4; i++)
             sform[w][i] = header->srow[w][i] * unit;
@@ -338,7 +295,7 @@ static void quaternion_of(double quatern[3], double r[3][3])
 }
 
 /* Fills the qform where it can say what the matrix says: axes at right angles, as long as the
- * spacing, within what single precision tells apart. */
+ * spacing, within single precision. */
 static bool place_qform(struct nifti_header *header, const struct geometry *geometry)
 {
     const double close = 1e-4;
