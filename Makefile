@@ -258,4 +258,4 @@ $(BUILD)/racing/%.o: %.c | $(PACKAGES_STAMP)
 
 -include $(RACING:.o=.d) $(wildcard $(BUILD)/racing/tests/*.d)
 -include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(BUILD)/iftty-image.d \
-         $(STAGED:=.d) $(BENCH).d $(BENCHES:.o=.d)
+         $(STAGED:=.d) $(BENCH).d $(BENCHES:.o=.d) $(wildcard $(BUILD)/tests/*/*.d)

@@ -2,7 +2,6 @@
 
 #include <assert.h>
 
-
 /* The patient's axes of each plane. In the picture, both of them run downwards: columns from the
  * right (or the front) of the patient on, rows from his front (or top) on. */
 enum { COLUMN, ROW, ACROSS };

@@ -1,6 +1,5 @@
 #include "render/rendition.h"
 
-
 /* A cube as the camera sees it: where its three near planes are crossed by the ray of pixel 0,0,
  * and where its centre falls, in pixels times 2^30. Linear in the cube's position. */
 struct projection {
