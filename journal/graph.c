@@ -270,7 +270,7 @@ static size_t choose_lane(struct drawing *d, const struct node *node)
 static void add_text(struct drawing *d, size_t place)
 {
     const char *text = buf_text(&d->tree->texts) + place;
-    buf_add_safe(d->out, text, strlen(text));
+    buf_add_safe_text(d->out, text);
 }
 
 /* "(main, present) " before the command, where there is something to say. */

@@ -16,8 +16,8 @@ static struct first_difference find(const char *a, const char *b, size_t last)
     struct buf bytes[2] = {{0}, {0}};
     buf_add_text(bytes, a);
     buf_add_text(bytes + 1, b);
-    CHECK(first_difference_find(&first_difference, (const char *const[]){"a", "b"}, bytes, last,
-                                NULL) == OK);
+    CHECK(first_difference_find(&first_difference, FIRST_COMMAND, (const char *const[]){"a", "b"},
+                                bytes, last, NULL) == OK);
     buf_release(bytes);
     buf_release(bytes + 1);
     return first_difference;
@@ -88,11 +88,13 @@ STORY(what_cannot_be_read_is_named)
     struct fault why = {0};
     buf_add_text(bytes, "run\n");
     buf_add_text(bytes + 1, "# iftty journal 1 semantics 3\n= 1 x\n");
-    CHECK(first_difference_find(&p, (const char *const[]){"a", "b"}, bytes, 0, &why) == ERR_INPUT);
+    CHECK(first_difference_find(&p, FIRST_COMMAND, (const char *const[]){"a", "b"}, bytes, 0,
+                                &why) == ERR_INPUT);
     CHECK(strncmp(why.text, "b: ", 3) == 0);
     buf_clear(bytes + 1);
     buf_add_text(bytes + 1, "# iftty journal 77 semantics 3\n");
-    CHECK(first_difference_find(&p, (const char *const[]){"a", "b"}, bytes, 0, &why) == ERR_INPUT);
+    CHECK(first_difference_find(&p, FIRST_COMMAND, (const char *const[]){"a", "b"}, bytes, 0,
+                                &why) == ERR_INPUT);
     CHECK(strncmp(why.text, "b: ", 3) == 0);
     first_difference_release(&p);
     buf_release(bytes);

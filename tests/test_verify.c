@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <zlib.h>
 
-#include "verify/bisect.h"
 #include "verify/divergence.h"
+#include "verify/first_difference.h"
 #include "verify/markup.h"
 #include "verify/verify_result.h"
 #include "verify/verify_report.h"
@@ -77,39 +77,49 @@ static void make_journal(struct buf *out, size_t count, size_t other, size_t com
     buf_release(&header);
 }
 
-static void check_first(const struct buf two[2], size_t number, size_t chains)
+static enum err find_first(struct first_difference *first, const struct buf two[2])
 {
     static const char *const name[2] = {"a", "b"};
-    struct bisection found;
-    CHECK(bisect_bytes(&found, name, two, NULL) == OK);
-    CHECK_INT(found.number, number);
-    CHECK(found.compared <= chains);
-    CHECK(!number == !found.lines.length);
-    bisection_release(&found);
+    *first = (struct first_difference){0};
+    return first_difference_find(first, FIRST_RECORD, name, two, 0, NULL);
 }
 
-STORY(the_first_record_that_differs_is_found_by_few_chains)
+static void check_first(const struct buf two[2], size_t number)
+{
+    struct first_difference first;
+    CHECK(find_first(&first, two) == OK);
+    CHECK_INT(first.is_there ? first.same + 1 : 0, number);
+    for (int i = 0; i < 2; i++)
+        if (first.side[i].goes_on)
+            CHECK_INT(first.side[i].number, number);
+    first_difference_release(&first);
+}
+
+STORY(the_first_record_that_differs_is_found)
 {
     struct buf two[2] = {{0}, {0}};
+    struct first_difference first;
     for (size_t count = 0; count < 20; count++)
         for (size_t other = 0; other <= count; other++) {
             make_journal(two, count, 0, 0);
             make_journal(two + 1, count, other, 0);
-            check_first(two, other, 5);
+            check_first(two, other);
             make_journal(two, count, other, 0);
             make_journal(two + 1, count, other, other / 2);
-            check_first(two, 0, 5); /* comments are no results */
+            check_first(two, 0); /* comments are no results */
         }
     make_journal(two, 1000, 0, 3);
     make_journal(two + 1, 1000, 900, 0);
-    check_first(two, 900, 10);
+    check_first(two, 900);
     make_journal(two + 1, 998, 0, 0);
-    check_first(two, 999, 10);
+    check_first(two, 999);
     two[1].data[two[1].length / 2] ^= 1;
-    struct bisection found;
-    static const char *const name[2] = {"a", "b"};
-    CHECK(bisect_bytes(&found, name, two, NULL) == ERR_INPUT);
-    bisection_release(&found);
+    CHECK(find_first(&first, two) == ERR_INPUT);
+    first_difference_release(&first);
+    make_journal(two + 1, 1000, 2, 0);
+    two[1].data[two[1].length / 2] ^= 1; /* after the first that differs */
+    CHECK(find_first(&first, two) == ERR_INPUT);
+    first_difference_release(&first);
     buf_release(two);
     buf_release(two + 1);
 }
@@ -291,8 +301,8 @@ int main(void)
 {
     return RUN_STORIES(
         TELL(a_difference_is_told_by_what_it_means), TELL(counts_tell_how_many_more_or_less),
-        TELL(the_first_record_that_differs_is_found_by_few_chains),
-        TELL(a_result_comes_back_as_it_was_sent), TELL(half_a_result_is_none),
-        TELL(text_from_outside_cannot_be_markup), TELL(bytes_as_base64),
-        TELL(a_report_names_what_failed_and_how), TELL(a_picture_as_png_holds_its_pixels));
+        TELL(the_first_record_that_differs_is_found), TELL(a_result_comes_back_as_it_was_sent),
+        TELL(half_a_result_is_none), TELL(text_from_outside_cannot_be_markup),
+        TELL(bytes_as_base64), TELL(a_report_names_what_failed_and_how),
+        TELL(a_picture_as_png_holds_its_pixels));
 }

@@ -372,11 +372,11 @@ close_story
 
 # ---- the first that differs ----
 
-begin "bisecting two journals names the first record that differs, by their chains"
+begin "bisecting two journals names the first record that differs"
 record b1.iftty
 cp b1.iftty b2.iftty
 expect 0 "$iftty" verify --bisect b1.iftty b2.iftty
-out_has "ok 1 - b1.iftty and b2.iftty (3 chains of 10 compared)"
+out_has "ok 1 - b1.iftty and b2.iftty (10 records the same)"
 rewrite b2.iftty 9 "$(words_of b1.iftty 9 | sed 's/forest=[0-9a-f]*/forest=0000000000000001/')"
 expect 1 "$iftty" verify --bisect b1.iftty b2.iftty
 out_has "# record 9 is the first that differs: the same command gives another result"
@@ -402,14 +402,14 @@ expect 2 "$iftty" verify --bisect b1.iftty b2.iftty b3.iftty
 expect 3 "$iftty" verify --bisect b1.iftty missing
 close_story
 
-begin "a thousand records are told apart by ten chains"
+begin "the first of a thousand records that differs is found"
 { echo 'open s.nii'; awk 'BEGIN { for (i = 1; i < 1000; i++) print "turn 1" }'; } >many
 expect 0 "$iftty" run many --journal m1.iftty
 sed 's/^turn 1$/&/; 700s/turn 1/turn 2/' many >many2
 expect 0 "$iftty" run many2 --journal m2.iftty
 expect 1 "$iftty" verify --bisect m1.iftty m2.iftty
 out_has "# record 700 is the first that differs: another command stands there"
-grep -qE '\((9|10) chains of 1000 compared\)' out || fail "$(head -n 1 out)"
+out_has "not ok 1 - m1.iftty and m2.iftty (699 records the same)"
 close_story
 
 begin "bisecting two builds"
@@ -444,7 +444,7 @@ TMPDIR=$work/tmp
 export TMPDIR
 listing . | grep -vE ' ./(out|err|before|d)$' >before
 expect 0 "$iftty" verify --bisect b1.iftty --with ./same-build
-out_has "ok 1 - this build and ./same-build (3 chains of 10 compared)"
+out_has "ok 1 - this build and ./same-build (10 records the same)"
 expect_in / 0 "$iftty" verify --bisect "$work/b1.iftty" --with "$work/same-build"
 expect 1 "$iftty" verify --bisect b1.iftty --with ./broken-build
 out_has "# record 7 is the first that differs: only one of the two goes on"

@@ -70,6 +70,11 @@ void buf_add_safe(struct buf *b, const char *text, size_t length)
         b->length += safe_copy(place, 4 * length + 4, text, length);
 }
 
+void buf_add_safe_text(struct buf *b, const char *text)
+{
+    buf_add_safe(b, text, strlen(text));
+}
+
 static char *put_base64(char *place, uint32_t bits)
 {
     static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

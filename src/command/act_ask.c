@@ -107,7 +107,7 @@ static void write_weight(struct buf *out, const struct kept *kept)
     } form[] = {WEIGHT_ARGUMENTS(PLAIN_ARGUMENT, KEYED_ARGUMENT)};
     if (choice->kind == WEIGHT_FILE) {
         buf_add_text(out, "of ");
-        buf_add_safe(out, kept->weight_file, strlen(kept->weight_file));
+        buf_add_safe_text(out, kept->weight_file);
         return;
     }
     buf_add_text(out, row->name);

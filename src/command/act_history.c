@@ -10,7 +10,7 @@ static void write_point(struct buf *out, const struct history *history, uint32_t
 {
     const struct point *point = history->point + at;
     buf_printf(out, "%zu ", point->record);
-    buf_add_safe(out, point->command, strlen(point->command));
+    buf_add_safe_text(out, point->command);
 }
 
 /* Where the session is now, for user and journal. */

@@ -73,7 +73,7 @@ static void write_journal(const struct interpreter *interp, struct reply *reply)
         return;
     }
     const char *path = journal_path(interp->journal);
-    buf_add_safe(&reply->text, path, strlen(path));
+    buf_add_safe_text(&reply->text, path);
     buf_printf(&reply->text, ", %zu record%s%s\n", journal_count(interp->journal),
                plural(journal_count(interp->journal)),
                journal_only_looks(interp->journal) ? ", read-only: nothing is written" : "");

@@ -46,7 +46,7 @@ enum file_mode act_file_mode(const struct value *replace)
 void act_write_file_line(const char *doing, const char *path, struct reply *reply)
 {
     buf_add_text(&reply->text, doing);
-    buf_add_safe(&reply->text, path, strlen(path));
+    buf_add_safe_text(&reply->text, path);
     buf_add_char(&reply->text, '\n');
 }
 

@@ -39,7 +39,7 @@ bool act_write_roi(struct buf *out, const struct session *session)
     const struct kept *kept = &session->now.kept;
     if (kept->mask) {
         buf_add_text(out, "mask ");
-        buf_add_safe(out, kept->mask_file, strlen(kept->mask_file));
+        buf_add_safe_text(out, kept->mask_file);
         buf_printf(out, " regions %u-%u", kept->mask_regions[0], kept->mask_regions[1]);
     }
     if (kept->has_range)

@@ -178,7 +178,7 @@ static void tell_opened(const struct interpreter *interp, const char *path, stru
     semantics_tell_lost(told, interp->session.semantics);
     if (!interp->is_read_only)
         return;
-    buf_add_safe(told, path, strlen(path));
+    buf_add_safe_text(told, path);
     buf_add_text(told, " is open read-only: what is done here is not written to it\n");
 }
 

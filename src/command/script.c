@@ -40,7 +40,7 @@ static void warn(const struct printer *printer, const char *name, size_t line,
                  const struct fault *fault)
 {
     struct buf text = {0};
-    buf_add_safe(&text, name, strlen(name));
+    buf_add_safe_text(&text, name);
     buf_printf(&text, ":%zu: %s\n", line, fault->text);
     printer->warn(printer->context, buf_text(&text));
     buf_release(&text);

@@ -84,7 +84,7 @@ static void tell(struct picture_writer *writer, enum err err, const char *path,
         buf_printf(&writer->news, "error: %s\n", fault->text);
     } else {
         buf_add_text(&writer->news, "wrote ");
-        buf_add_safe(&writer->news, path, strlen(path));
+        buf_add_safe_text(&writer->news, path);
         buf_add_char(&writer->news, '\n');
     }
     if (write(writer->descriptor, &one, sizeof one) < 0)

@@ -41,7 +41,7 @@ static void add_text(struct facts *f, const char *name, const char *value)
         return;
     }
     begin_line(f, name);
-    buf_add_safe(f->out, value, strlen(value));
+    buf_add_safe_text(f->out, value);
 }
 
 static void add_count(struct facts *f, const char *name, uint64_t value)
@@ -130,9 +130,9 @@ static void add_note(struct facts *f, const struct attribute *note, bool is_firs
         return;
     }
     buf_add_text(f->out, is_first ? "" : "\n          ");
-    buf_add_safe(f->out, note->name, strlen(note->name));
+    buf_add_safe_text(f->out, note->name);
     buf_add_text(f->out, ": ");
-    buf_add_safe(f->out, note->value, strlen(note->value));
+    buf_add_safe_text(f->out, note->value);
 }
 
 static void add_notes(struct facts *f, const struct picture *p)

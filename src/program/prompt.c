@@ -26,7 +26,7 @@ struct prompt {
 static void prompt_text(void *context, struct buf *out)
 {
     const struct prompt *prompt = context;
-    buf_add_safe(out, prompt->name, strlen(prompt->name));
+    buf_add_safe_text(out, prompt->name);
     buf_add_text(out, "> ");
 }
 
@@ -184,7 +184,7 @@ static void print_journal(const struct journal *journal)
 {
     struct buf text = {0};
     const char *path = journal_path(journal);
-    buf_add_safe(&text, path, strlen(path));
+    buf_add_safe_text(&text, path);
     printf("journal: %s (%zu records%s)\n", buf_text(&text), journal_count(journal),
            journal_only_looks(journal) ? ", not written to" : "");
     buf_release(&text);

@@ -27,7 +27,7 @@ static void settle_folder(const char *folder)
     struct buf text = {0};
     if (!trust_keep_folder(folder))
         return;
-    buf_add_safe(&text, folder, strlen(folder));
+    buf_add_safe_text(&text, folder);
     console_erase_progress();
     fprintf(stderr, "# files are in %s\n", buf_text(&text));
     buf_release(&text);

@@ -1,11 +1,6 @@
 /*
  * The first record in which two journals, or two builds of the program, differ.
  *
- * Journals are compared by their chains. A chain covers everything before it, so that two journals
- * with the same chain at record N are the same up to N: a binary search finds the first record that
- * is not, and nothing is carried out. From there on commands and results are compared, since after a
- * comment that differs all chains do.
- *
  * Builds are compared by the journals that they write: both carry out the commands once, at the
  * same time, each into a folder of its own that is removed, and stop at the first that fails. A
  * search that replays up to one record after another would take as long again for every step; and
@@ -38,17 +33,5 @@ struct bisect_builds {
  * then; ERR_LIMIT. */
 enum err bisect_builds(const struct bisect_builds *builds, const struct printer *printer,
                        struct fault *fault);
-
-/* ---- for tests ---- */
-
-/* Two journals in memory: `number` of the first record that differs, 0 for none; `compared` chains.
- * `lines` describe it. */
-struct bisection {
-    size_t number, records, compared;
-    struct buf lines; /* begin with "# ", safe to print */
-};
-enum err bisect_bytes(struct bisection *out, const char *const name[2], const struct buf bytes[2],
-                      struct fault *fault);
-void bisection_release(struct bisection *bisection);
 
 #endif

@@ -112,7 +112,7 @@ static enum err judge(struct side *side, const char *name, struct fault *fault)
     if (WIFEXITED(side->status) && WEXITSTATUS(side->status) == 0)
         return OK;
     buf_add_text(&side->words, "#   ended    ");
-    buf_add_safe(&side->words, name, strlen(name));
+    buf_add_safe_text(&side->words, name);
     if (WIFSIGNALED(side->status))
         buf_printf(&side->words, " by signal %d (%s)", WTERMSIG(side->status),
                    strsignal(WTERMSIG(side->status)));

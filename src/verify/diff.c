@@ -36,20 +36,6 @@ static enum err compare_labels(struct journals *j, struct fault *fault)
     return OK;
 }
 
-static enum err find_first_difference(struct journals *j, struct fault *fault)
-{
-    const struct diff_options *o = j->options;
-    struct buf bytes[2] = {{0}, {0}};
-    enum err err = file_read(bytes, o->path[0], JOURNAL_BYTES_MAX, fault);
-    if (!err)
-        err = file_read(bytes + 1, o->path[1], JOURNAL_BYTES_MAX, fault);
-    if (!err)
-        err = first_difference_find(&j->first_difference, o->path, bytes, o->last, fault);
-    buf_release(bytes);
-    buf_release(bytes + 1);
-    return err;
-}
-
 /* ---- the picture ---- */
 
 /* Before anything is carried out, which may take long. */
@@ -105,11 +91,6 @@ static enum err write_picture(const struct journals *j, struct fault *fault)
 
 /* ---- the report ---- */
 
-static void add_safe(struct buf *out, const char *text)
-{
-    buf_add_safe(out, text, strlen(text));
-}
-
 static bool scenes_are_same(const struct journals *j)
 {
     return strcmp(facts_of(j, 0)->proof, facts_of(j, 1)->proof) == 0 &&
@@ -137,7 +118,7 @@ static void write_first_difference(struct buf *out, const struct journals *j)
     buf_printf(out, "commands  %zu the same, then they differ\n", p->same);
     for (int i = 0; i < 2; i++) {
         buf_printf(out, "    %s  ", i ? "B" : "A");
-        add_safe(out, j->options->path[i]);
+        buf_add_safe_text(out, j->options->path[i]);
         if (p->side[i].goes_on) {
             buf_printf(out, ", command %zu, line %zu: ", p->side[i].number, p->side[i].line);
             buf_add_safe(out, buf_text(&p->side[i].command), p->side[i].command.length);
@@ -169,7 +150,7 @@ static void write_labels(struct buf *out, const struct journals *j)
         if (!is_listed(o, label))
             continue;
         buf_printf(&name, "%d ", label);
-        add_safe(&name, name_of(j, label));
+        buf_add_safe_text(&name, name_of(j, label));
         buf_printf(out, "%-22s %2u.%04u %12" PRIu64 " %12" PRIu64 " %12" PRIu64 "\n",
                    buf_text(&name), dice / DICE_ONE, dice % DICE_ONE, o->a[label], o->b[label],
                    o->both[label]);
@@ -193,7 +174,7 @@ static void write_warnings(struct buf *out, const struct journals *j)
         for (size_t k = 0; k < sizeof warning / sizeof warning[0]; k++)
             if (warning[k].holds) {
                 buf_add_text(out, "# ");
-                add_safe(out, j->options->path[i]);
+                buf_add_safe_text(out, j->options->path[i]);
                 buf_printf(out, " %s\n", warning[k].words);
             }
     }
@@ -282,19 +263,20 @@ static enum err report(const struct journals *j, const struct printer *printer, 
 
 static enum err compare(struct journals *j, const struct printer *printer, struct fault *fault)
 {
+    const struct diff_options *o = j->options;
     struct buf text = {0};
-    enum err err = check_picture(j->options->picture, fault);
+    enum err err = check_picture(o->picture, fault);
     if (!err)
-        err = find_first_difference(j, fault);
-    if (!err && !j->options->json) {
+        err = first_difference_of_files(&j->first_difference, FIRST_COMMAND, o->path, o->path,
+                                        o->last, fault);
+    if (!err && !o->json) {
         write_first_difference(&text, j);
         err = give(&text, printer->print, printer, fault);
     }
     if (!err)
-        err = diff_side_carry_out(j->side + 1, j->options, 1, NULL, fault);
+        err = diff_side_carry_out(j->side + 1, o, 1, NULL, fault);
     if (!err)
-        err = diff_side_carry_out(j->side, j->options, 0, j->options->picture ? j->side + 1 : NULL,
-                                  fault);
+        err = diff_side_carry_out(j->side, o, 0, o->picture ? j->side + 1 : NULL, fault);
     if (!err)
         err = compare_labels(j, fault);
     if (!err)

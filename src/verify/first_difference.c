@@ -2,16 +2,20 @@
 
 #include <string.h>
 
+#include "base/file.h"
 #include "base/scan.h"
 #include "command/command.h"
+#include "journal/journal.h"
 #include "journal/walk.h"
 
 /* A walk through one of the two, and the command it has come to. */
 struct follower {
+    const char *name;
+    enum first_of of;
     struct walk walk;
     struct record record;
     bool goes_on;
-    struct buf words; /* each ended by NUL */
+    struct buf words; /* what is compared: texts, each ended by NUL */
 };
 
 /* The words of a command; one that cannot be parsed is one word. */
@@ -33,7 +37,7 @@ static bool is_recorded(const struct follower *f)
     return !command || (command->flags & COMMAND_RECORDED);
 }
 
-static enum err step(struct follower *f, const char *name, size_t last, struct fault *fault)
+static void step_to_command(struct follower *f, size_t last)
 {
     do {
         f->goes_on =
@@ -41,11 +45,40 @@ static enum err step(struct follower *f, const char *name, size_t last, struct f
         if (f->goes_on)
             take_words(&f->words, f->record.command);
     } while (f->goes_on && !is_recorded(f));
+}
+
+static void step_to_record(struct follower *f)
+{
+    f->goes_on = walk_next_sound(&f->walk, &f->record) == WALK_RECORD;
+    if (!f->goes_on)
+        return;
+    buf_clear(&f->words);
+    buf_add(&f->words, f->record.command, strlen(f->record.command) + 1);
+    buf_add(&f->words, f->record.result, strlen(f->record.result) + 1);
+}
+
+static enum err step(struct follower *f, size_t last, struct fault *fault)
+{
+    if (f->of == FIRST_RECORD)
+        step_to_record(f);
+    else
+        step_to_command(f, last);
     if (f->words.failed)
         return fault_memory(fault, "a command");
     return f->walk.over == WALK_DAMAGED
-               ? fault_set(fault, ERR_INPUT, "%s: %s", name, f->walk.fault.text)
+               ? fault_set(fault, ERR_INPUT, "%s: %s", f->name, f->walk.fault.text)
                : OK;
+}
+
+static enum err begin(struct follower *f, const struct buf *bytes, struct fault *fault)
+{
+    const enum err err = walk_begin(&f->walk, buf_text(bytes), bytes->length, WALK_AS_FOUND, fault);
+    if (err)
+        return fault_prefix(fault, err, "%s", f->name);
+    if (f->of == FIRST_RECORD && !f->walk.is_journal)
+        return fault_set(fault, ERR_INPUT, "%s is a script, not a journal: it has no results",
+                         f->name);
+    return OK;
 }
 
 static bool are_same(const struct follower f[2])
@@ -65,19 +98,20 @@ static enum err note(struct first_difference *first, const struct follower f[2],
         first->side[i].number = f[i].record.number;
         first->side[i].line = f[i].record.line;
         buf_add_text(&first->side[i].command, f[i].record.command);
-        if (first->side[i].command.failed)
+        buf_add_text(&first->side[i].result, f[i].record.result);
+        if (first->side[i].command.failed || first->side[i].result.failed)
             return fault_memory(fault, "a command");
     }
     return OK;
 }
 
-static enum err follow(struct first_difference *first, struct follower f[2],
-                       const char *const name[2], size_t last, struct fault *fault)
+static enum err follow(struct first_difference *first, struct follower f[2], size_t last,
+                       struct fault *fault)
 {
     for (;; first->same++) {
-        enum err err = step(f, name[0], last, fault);
+        enum err err = step(f, last, fault);
         if (!err)
-            err = step(f + 1, name[1], last, fault);
+            err = step(f + 1, last, fault);
         if (err)
             return err;
         if (!are_same(f))
@@ -85,29 +119,53 @@ static enum err follow(struct first_difference *first, struct follower f[2],
     }
 }
 
-enum err first_difference_find(struct first_difference *first, const char *const name[2],
-                               const struct buf bytes[2], size_t last, struct fault *fault)
+/* Whether the rest can be read, and is sound. */
+static enum err follow_to_end(struct follower *f, size_t last, struct fault *fault)
 {
-    struct follower f[2] = {{.goes_on = false}, {.goes_on = false}};
-    int begun = 0;
     enum err err = OK;
-    for (; !err && begun < 2; begun += !err) {
-        err = walk_begin(&f[begun].walk, buf_text(bytes + begun), bytes[begun].length,
-                         WALK_AS_FOUND, fault);
-        if (err)
-            fault_prefix(fault, err, "%s", name[begun]);
-    }
+    while (!err && f->goes_on)
+        err = step(f, last, fault);
+    return err;
+}
+
+enum err first_difference_find(struct first_difference *first, enum first_of of,
+                               const char *const name[2], const struct buf bytes[2], size_t last,
+                               struct fault *fault)
+{
+    struct follower f[2] = {{.name = name[0], .of = of}, {.name = name[1], .of = of}};
+    enum err err = begin(f, bytes, fault);
     if (!err)
-        err = follow(first, f, name, last, fault);
-    for (int i = 0; i < begun; i++)
+        err = begin(f + 1, bytes + 1, fault);
+    if (!err)
+        err = follow(first, f, last, fault);
+    for (int i = 0; i < 2; i++) {
+        if (!err && of == FIRST_RECORD)
+            err = follow_to_end(f + i, last, fault);
         walk_release(&f[i].walk);
-    buf_release(&f[0].words);
-    buf_release(&f[1].words);
+        buf_release(&f[i].words);
+    }
+    return err;
+}
+
+enum err first_difference_of_files(struct first_difference *first, enum first_of of,
+                                   const char *const name[2], const char *const path[2],
+                                   size_t last, struct fault *fault)
+{
+    struct buf bytes[2] = {{0}, {0}};
+    enum err err = file_read(bytes, path[0], JOURNAL_BYTES_MAX, fault);
+    if (!err)
+        err = file_read(bytes + 1, path[1], JOURNAL_BYTES_MAX, fault);
+    if (!err)
+        err = first_difference_find(first, of, name, bytes, last, fault);
+    buf_release(bytes);
+    buf_release(bytes + 1);
     return err;
 }
 
 void first_difference_release(struct first_difference *first)
 {
-    buf_release(&first->side[0].command);
-    buf_release(&first->side[1].command);
+    for (int i = 0; i < 2; i++) {
+        buf_release(&first->side[i].command);
+        buf_release(&first->side[i].result);
+    }
 }

@@ -239,7 +239,7 @@ static void report(const struct resealing *r, const char *path, const struct buf
         buf_printf(&text, "%zu golden image%s accepted, ", r->accept->images,
                    r->accept->images == 1 ? "" : "s");
     buf_printf(&text, "%zu of %zu records of ", r->marked, r->count);
-    buf_add_safe(&text, path, strlen(path));
+    buf_add_safe_text(&text, path);
     buf_add_text(&text, " marked");
     if (former->length) {
         buf_add_text(&text, "; the former journal is stored as ");

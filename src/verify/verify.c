@@ -162,7 +162,7 @@ static void print_result(const struct verification *v, size_t number)
     const struct verify_result *r = v->result + number;
     struct buf text = {0};
     buf_printf(&text, "%s %zu - ", r->err ? "not ok" : "ok", number + 1);
-    buf_add_safe(&text, r->path, strlen(r->path));
+    buf_add_safe_text(&text, r->path);
     if (r->err)
         buf_add_char(&text, '\n');
     else
