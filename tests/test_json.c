@@ -124,13 +124,10 @@ STORY(numbers_are_whole_at_the_ends_of_their_range)
 {
     struct json json = begin(0);
     json_array(&json, NULL);
-    json_integer(&json, NULL, INT64_MIN);
-    json_integer(&json, NULL, INT64_MAX);
     json_count(&json, NULL, UINT64_MAX);
     json_count(&json, NULL, 0);
     json_end(&json);
-    CHECK_TEXT(buf_text(&text),
-               "[-9223372036854775808, 9223372036854775807, 18446744073709551615, 0]\n");
+    CHECK_TEXT(buf_text(&text), "[18446744073709551615, 0]\n");
 }
 
 STORY(reals_have_a_point_and_are_finite)

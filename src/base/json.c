@@ -3,7 +3,6 @@
 #include <assert.h>
 #include <inttypes.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "base/safe.h"
@@ -123,49 +122,39 @@ void json_format(struct json *json, const char *key, const char *format, ...)
 }
 
 /* A number, or another word of JSON. */
-static void add_word(struct json *json, const char *key, const char *word)
+__attribute__((format(printf, 3, 4))) static void add_word(struct json *json, const char *key,
+                                                           const char *format, ...)
 {
+    va_list words;
     begin_member(json, key);
-    buf_add_text(json->out, word);
+    va_start(words, format);
+    buf_vprintf(json->out, format, words);
+    va_end(words);
     end_member(json);
-}
-
-void json_integer(struct json *json, const char *key, int64_t value)
-{
-    char word[24];
-    snprintf(word, sizeof word, "%" PRId64, value);
-    add_word(json, key, word);
 }
 
 void json_count(struct json *json, const char *key, uint64_t value)
 {
-    char word[24];
-    snprintf(word, sizeof word, "%" PRIu64, value);
-    add_word(json, key, word);
+    add_word(json, key, "%" PRIu64, value);
 }
 
 void json_boolean(struct json *json, const char *key, bool value)
 {
-    add_word(json, key, value ? "true" : "false");
-}
-
-static void add_real(struct json *json, const char *key, double value, const char *format,
-                     int precision)
-{
-    char word[400]; /* the largest double has 309 digits before the point */
-    snprintf(word, sizeof word, format, precision, value);
-    char *comma = strchr(word, ',');
-    if (comma)
-        *comma = '.';
-    add_word(json, key, isfinite(value) ? word : "null");
+    add_word(json, key, "%s", value ? "true" : "false");
 }
 
 void json_fixed(struct json *json, const char *key, double value, int decimals)
 {
-    add_real(json, key, value, "%.*f", decimals);
+    if (isfinite(value))
+        add_word(json, key, "%.*f", decimals, value);
+    else
+        add_word(json, key, "null");
 }
 
 void json_real(struct json *json, const char *key, double value, int digits)
 {
-    add_real(json, key, value, "%.*g", digits);
+    if (isfinite(value))
+        add_word(json, key, "%.*g", digits, value);
+    else
+        add_word(json, key, "null");
 }

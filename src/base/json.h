@@ -13,7 +13,8 @@
  * adds {"file": "a.nii", "size": [3, 4, 5]} and a line feed, which ends every outermost value. Each
  * value is given with the key it has in its object, or with NULL in an array and outermost. A text
  * of any bytes comes out as valid JSON that is safe to print: what safe_character (base/safe.h)
- * does not let pass becomes \u00NN, byte by byte. Numbers have a point, whatever the locale.
+ * does not let pass becomes \u00NN, byte by byte. Numbers have a point, since no program of ours
+ * sets a locale.
  *
  * The writer owns nothing; a failure stands in `out`.
  */
@@ -42,7 +43,6 @@ void json_text(struct json *json, const char *key, const char *text);
 void json_bytes(struct json *json, const char *key, const void *bytes, size_t length);
 void json_format(struct json *json, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4))); /* a text too */
-void json_integer(struct json *json, const char *key, int64_t value);
 void json_count(struct json *json, const char *key, uint64_t value);
 void json_boolean(struct json *json, const char *key, bool value);
 

@@ -2,25 +2,15 @@
 
 enum err interpreter_init(struct interpreter *interp, struct fault *fault)
 {
-    struct buf program = {0};
     *interp = (struct interpreter){0};
     session_init(&interp->session);
     history_init(&interp->history);
-    enum err err = image_helper_default_program(&program, fault);
-    if (!err)
-        err = image_helper_new(&interp->helper, buf_text(&program), fault);
-    buf_release(&program);
-    return err;
+    return image_helper_new(&interp->helper, NULL, fault);
 }
 
 enum err interpreter_write_beside(struct interpreter *interp, struct fault *fault)
 {
-    struct buf program = {0};
-    enum err err = image_helper_default_program(&program, fault);
-    if (!err)
-        err = picture_writer_new(&interp->writer, buf_text(&program), fault);
-    buf_release(&program);
-    return err;
+    return picture_writer_new(&interp->writer, NULL, fault);
 }
 
 void interpreter_release(struct interpreter *interp)

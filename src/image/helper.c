@@ -40,17 +40,20 @@ struct image_helper {
 
 enum err image_helper_new(struct image_helper **out, const char *program, struct fault *fault)
 {
-    struct image_helper *helper = calloc(1, sizeof *helper);
+    struct buf beside = {0};
     *out = NULL;
-    if (helper)
-        helper->program = strdup(program);
-    if (!helper || !helper->program) {
-        free(helper);
-        return fault_memory(fault, "the image helper");
+    enum err err = program ? OK : image_helper_default_program(&beside, fault);
+    struct image_helper *helper = err ? NULL : calloc(1, sizeof *helper);
+    if (helper) {
+        helper->fd = -1;
+        helper->program = strdup(program ? program : buf_text(&beside));
     }
-    helper->fd = -1;
-    *out = helper;
-    return OK;
+    buf_release(&beside);
+    if (helper && helper->program)
+        *out = helper;
+    else
+        free(helper);
+    return err || *out ? err : fault_memory(fault, "the image helper");
 }
 
 /* Ends the helper and tells how it ended, as waitpid does; -1 where nobody knows. Closing our end

@@ -40,7 +40,8 @@
 
 struct image_helper;
 
-/* A client of the helper at the path `program`, which is not started yet. */
+/* A client of the helper at the path `program`, or where that is NULL, of iftty-image beside the
+ * running program; which is not started yet. */
 enum err image_helper_new(struct image_helper **helper, const char *program, struct fault *fault);
 
 /* Ends the helper, if it runs, and waits for it. */

@@ -32,7 +32,7 @@ struct picture_writer;
 /* One picture to be written; made by picture_writer_order, and the picture writer's once it is given. */
 struct picture_job;
 
-/* `program` is the image helper's; it is started with the first job that needs it. */
+/* `program` as for image_helper_new; it is started with the first job that needs it. */
 enum err picture_writer_new(struct picture_writer **writer, const char *program,
                             struct fault *fault);
 

@@ -187,15 +187,11 @@ static enum err add_own_exr(struct facts *f, const char *path, struct fault *fau
 
 static enum err ask_helper(struct image_facts *facts, const char *path, struct fault *fault)
 {
-    struct buf program = {0};
-    struct image_helper *helper = NULL;
-    enum err err = image_helper_default_program(&program, fault);
-    if (!err)
-        err = image_helper_new(&helper, buf_text(&program), fault);
+    struct image_helper *helper;
+    enum err err = image_helper_new(&helper, NULL, fault);
     if (!err)
         err = image_helper_about(helper, path, facts, fault);
     image_helper_free(helper);
-    buf_release(&program);
     return err;
 }
 

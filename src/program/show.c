@@ -7,12 +7,9 @@
 /* Fine, and silent, where standard output is no terminal. */
 enum err run_show(const struct options *o, struct fault *fault)
 {
-    struct buf program = {0};
-    struct image_helper *helper = NULL;
+    struct image_helper *helper;
     struct picture picture = {0};
-    enum err err = image_helper_default_program(&program, fault);
-    if (!err)
-        err = image_helper_new(&helper, buf_text(&program), fault);
+    enum err err = image_helper_new(&helper, NULL, fault);
     if (!err)
         err = image_helper_read(helper, o->word[0], &picture, fault);
     if (!err) {
@@ -24,6 +21,5 @@ enum err run_show(const struct options *o, struct fault *fault)
     }
     picture_release(&picture);
     image_helper_free(helper);
-    buf_release(&program);
     return err;
 }

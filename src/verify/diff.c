@@ -69,7 +69,6 @@ static enum err write_picture(const struct journals *j, struct fault *fault)
     const struct diff_facts *a = facts_of(j, 0);
     struct picture picture = {0};
     struct image_helper *helper = NULL;
-    struct buf program = {0};
     if (!j->options->picture)
         return OK;
     enum err err = picture_init(&picture, a->picture_width, a->picture_height, false, fault);
@@ -78,13 +77,10 @@ static enum err write_picture(const struct journals *j, struct fault *fault)
         err = note_picture(&picture, j, fault);
     }
     if (!err)
-        err = image_helper_default_program(&program, fault);
-    if (!err)
-        err = image_helper_new(&helper, buf_text(&program), fault);
+        err = image_helper_new(&helper, NULL, fault);
     if (!err)
         err = image_write(helper, j->options->picture, FILE_KEEP, &picture, fault);
     image_helper_free(helper);
-    buf_release(&program);
     picture_release(&picture);
     return err;
 }
