@@ -87,8 +87,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 
 .DEFAULT_GOAL := all
 .PHONY: all tests test test-long test-stress test-bare check-format format variants test-matrix test-matrix-short test-terminals fuzz \
-        fuzzers demo bench-peers bench-paper bench-growth bench-render bench-journal help clean \
-        packages
+        fuzzers demo bench-peers bench-chafa bench-paper bench-growth bench-render bench-journal \
+        help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -167,6 +167,10 @@ bench-peers: $(PEERS)
 bench-paper bench-growth bench-render bench-journal: $(BENCH)
 	@$(BENCH) $(@:bench-%=%) $(ARGS)
 
+## bench-chafa: the pictures of `iftty bench terminal` by chafa; ARGS=--json
+bench-chafa: all build/.packages-chafa
+	@$(PYTHON) -B tests/bench/chafa.py $(ARGS) $(BUILD)
+
 ## clean: remove the build folder
 clean:
 	rm -rf build
@@ -213,6 +217,10 @@ $(BUILD)/libfuzzer/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/tests/fuzz/file
 
 build/.packages-test: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(TEST_PACKAGES) -- $(FORMATTER)
+	@touch $@
+
+build/.packages-chafa: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages chafa --
 	@touch $@
 
 build/.packages-bare: Makefile | $(PACKAGES_STAMP)

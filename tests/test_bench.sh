@@ -57,23 +57,33 @@ close_story
 
 # Without ch2 on the small scene; with `local` alone, for a slow line takes its time.
 begin "what goes to a terminal, and how soon a key shows"
-mkdir "$work/bin" # a chafa that shows a picture by the bytes of its file
-printf '#!/bin/sh\nfor last; do :; done\ncat "$last"\n' >"$work/bin/chafa"
-chmod +x "$work/bin/chafa"
-expect 0 env PATH="$work/bin:$PATH" "$iftty" bench terminal --quick --json </dev/null
-for words in '"rendition": {"kitty": {"bytes": ' '"mosaic": {"kitty": ' '"patch": {"kitty": ' '"chafa": {"rendition": {"kitty": {"bytes": ' \
+expect 0 "$iftty" bench terminal --quick --json </dev/null
+for words in '"rendition": {"kitty": {"bytes": ' '"mosaic": {"kitty": ' '"patch": {"kitty": ' \
     '"kitty_local": {"move": {"keys": ' '"sixel_local": {"move": '; do
     out_has "$words"
 done
 # a patch is a small part of a picture, whatever the encoding
-sed 's/"chafa".*//' "$work/out" >"$work/ours"
 for by in kitty sixel; do
-    whole=$(sed "s/.*\"rendition\": {.*\"$by\": {\"bytes\": \([0-9]*\).*\"mosaic\".*/\1/" "$work/ours")
-    patch=$(sed "s/.*\"patch\": {.*\"$by\": {\"bytes\": \([0-9]*\).*/\1/" "$work/ours")
+    whole=$(sed "s/.*\"rendition\": {.*\"$by\": {\"bytes\": \([0-9]*\).*\"mosaic\".*/\1/" "$work/out")
+    patch=$(sed "s/.*\"patch\": {.*\"$by\": {\"bytes\": \([0-9]*\).*/\1/" "$work/out")
     [ "$patch" -gt 0 ] && [ $((patch * 4)) -lt "$whole" ] ||
         fail "$by: a patch takes $patch bytes, the picture $whole"
 done
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
+close_story
+
+begin "the same pictures by chafa"
+if needs python3; then
+    mkdir "$work/bin" # a chafa that shows a picture by the bytes of its file
+    printf '#!/bin/sh\nfor last; do :; done\ncat "$last"\n' >"$work/bin/chafa"
+    chmod +x "$work/bin/chafa"
+    PATH="$work/bin:$PATH" expect 0 python3 -B tests/bench/chafa.py --json "$build"
+    for words in '"rendition": {"kitty": {"bytes": ' '"mosaic": {"kitty": {"bytes": ' '"sixel": ' '"blocks": '; do
+        out_has "$words"
+    done
+    PATH=$work/bin:$PATH expect 0 python3 -B tests/bench/chafa.py "$build"
+    same "$(grep -c '^chafa: ' "$work/out")" 2
+fi
 close_story
 
 begin "what is wrong is told at once"

@@ -116,7 +116,6 @@ enum graphics_kind { GRAPHICS_NOTHING, GRAPHICS_TEXT, GRAPHICS_PIXELS };
 struct graphics {
     const char *name;  /* a word of --graphics */
     const char *title; /* the same for people */
-    const char *chafa; /* the same for chafa, which `iftty bench terminal` measures beside it */
     enum graphics_kind kind;
 
     /* -- finding it: NULL is nothing, or always -- */

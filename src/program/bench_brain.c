@@ -8,13 +8,14 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/folder.h"
 #include "base/hash.h"
 #include "base/json.h"
 #include "base/mem.h"
 #include "command/interpreter.h"
 #include "image/volume.h"
-#include "program/bench_start.h"
-#include "program/bench_times.h"
+#include "program/bench.h"
+#include "program/bench_far_end.h"
 #include "program/programs.h"
 
 enum { SEEDS = 660, SCRATCH_RUNS = 5, EDITS = 60, FRAMES = 24, STARTS = 9, MOST_TIMES = 128 };
@@ -29,15 +30,35 @@ static void add_since(struct times *times, uint64_t begin)
     times->ms[times->count++] = times_since(begin);
 }
 
-static double median(struct times *times)
-{
-    return times_median(times->ms, times->count);
-}
+/* What is timed. The first three: the forest from nothing. */
+enum what { ALONE, TOGETHER, CORNERS, PLANT, ELIMINATE, BORDER, SCENE, START, LOADED, TIMED };
 
-static double quantile(struct times *times, double share)
-{
-    return times_quantile(times->ms, times->count, share);
-}
+/* A row of the table, and what JSON calls it, which has every time once and in ms. */
+static const struct row {
+    enum what what;
+    const char *name, *text;
+    bool is_by_voxel; /* in ns */
+} table_rows[] = {
+    {ALONE, "scratch_ms", "forest from nothing, one thread", false},
+    {ALONE, NULL, "    a voxel", true},
+    {TOGETHER, "scratch_all_threads_ms", "    all threads, a voxel", true},
+    {CORNERS, "scratch_26_ms", "    one thread, 26 neighbours, a voxel", true},
+    {PLANT, "seed_ms", "a seed: update and incremental image", false},
+    {ELIMINATE, "eliminator_ms", "an eliminator: update and incremental image", false},
+    {BORDER, "border_projection_ms", "border projection, 512x512", false},
+    {SCENE, "scene_projection_ms", "scene projection, 512x512", false},
+    {START, "start_to_prompt_ms", "start to prompt", false},
+    {LOADED, "start_to_loaded_ms", "start to scene loaded", false},
+};
+enum { ROWS = sizeof table_rows / sizeof table_rows[0] };
+
+struct figures {
+    const char *scene;
+    struct times times[TIMED];
+    double bytes_per_voxel;
+    size_t voxels, border_voxels;
+    unsigned threads;
+};
 
 /* ---- the procedure ---- */
 
@@ -95,14 +116,6 @@ static uint32_t middle_cell(const struct grid *grid, uint64_t *state)
     return grid_cell(grid, at[0], at[1], at[2]);
 }
 
-struct figures {
-    struct times alone, together, corners; /* from nothing: one thread, all, 26 neighbours */
-    struct times plant, eliminate, border, scene, turn, start, loaded;
-    double bytes_per_voxel;
-    size_t voxels, border_voxels;
-    unsigned threads;
-};
-
 /* The seeds that are planted, as edits; NULL when out of memory. */
 static struct edit *list_seeds(const struct session *session)
 {
@@ -141,7 +154,7 @@ static enum err time_corners(struct session *session, struct figures *figures, s
     forest_set_adjacency(session->forest, 26);
     enum err err = forest_rebuild(session->forest, fault);
     if (!err)
-        err = time_growing(session, NULL, &figures->corners, fault);
+        err = time_growing(session, NULL, &figures->times[CORNERS], fault);
     forest_set_adjacency(session->forest, 6);
     return err ? err : forest_rebuild(session->forest, fault);
 }
@@ -150,9 +163,9 @@ static enum err time_scratch(struct session *session, struct figures *figures, s
 {
     enum err err = time_corners(session, figures, fault);
     if (!err)
-        err = time_growing(session, NULL, &figures->alone, fault);
+        err = time_growing(session, NULL, &figures->times[ALONE], fault);
     if (!err && figures->threads > 1)
-        err = time_growing(session, session->team, &figures->together, fault);
+        err = time_growing(session, session->team, &figures->times[TOGETHER], fault);
     return err ? err : forest_set_team(session->forest, session->team, fault);
 }
 
@@ -167,11 +180,11 @@ static enum err time_edits(struct session *session, struct figures *figures, str
         uint64_t begin = clock_ns();
         err = session_plant(session, cell, (uint8_t)(i % 3), fault);
         err = err ? err : session_run(session, fault);
-        add_since(&figures->plant, begin);
+        add_since(&figures->times[PLANT], begin);
         begin = clock_ns();
         err = err ? err : session_eliminate(session, &cell, 1, fault);
         err = err ? err : session_run(session, fault);
-        add_since(&figures->eliminate, begin);
+        add_since(&figures->times[ELIMINATE], begin);
     }
     return err;
 }
@@ -186,64 +199,87 @@ static enum err time_frames(struct session *session, struct figures *figures, st
         err = session_set_view(session, &view, fault);
         uint64_t begin = clock_ns();
         err = err ? err : session_render(session, RENDER_BORDER, fault);
-        add_since(&figures->border, begin);
+        add_since(&figures->times[BORDER], begin);
         begin = clock_ns();
         err = err ? err : session_render(session, RENDER_SCENE, fault);
-        add_since(&figures->scene, begin);
+        add_since(&figures->times[SCENE], begin);
     }
     return err;
 }
 
-/* ---- tables ---- */
+/* ---- the start ---- */
 
-static void print_row(FILE *out, const char *what, struct times *times, double scale,
-                      const char *unit)
+/* The journal of this session goes with the folder. */
+static enum err time_start(const char *folder, const char *scene, struct figures *figures)
 {
-    if (times->count == 0)
-        return;
-    fprintf(out, "%-44s %9.2f %9.2f %9.2f  %s\n", what, median(times) * scale,
-            quantile(times, 0.9) * scale, quantile(times, 1) * scale, unit);
+    static const char *const awaited[] = {"> ", "voxels of", "> ", NULL};
+    static const struct bench_line line = {0, 0};
+    char journal[4096];
+    struct far_end *e = NULL;
+    struct far_result result;
+    snprintf(journal, sizeof journal, "%s/bench.iftty", folder);
+    char *const argument[] = {"iftty", "--journal", journal, (char *)(uintptr_t)scene, NULL};
+    enum err err = far_end_new(&e, argument, folder, &graphics_blocks, &line, NULL);
+    if (!err)
+        err = far_end_press(e, "", awaited, &result, NULL);
+    for (int i = 0; !err && i < 2; i++) {
+        struct times *times = &figures->times[i ? LOADED : START];
+        times->ms[times->count++] = times_between(result.pressed_ns, result.came_ns[2 * i]);
+    }
+    far_end_free(e);
+    return err;
 }
 
-static void print_table(FILE *out, const char *scene, struct figures *f)
+/* Not where there is no pseudo-terminal. */
+static void time_starts(const char *scene, struct figures *figures)
 {
-    double ns_per_voxel = 1e6 / (double)f->voxels;
-    fprintf(out, "%s: %zu voxels, %d seeds, %zu border voxels; %u threads\n\n", scene, f->voxels,
+    enum err err = OK;
+    for (int i = 0; !err && i < STARTS; i++) {
+        struct buf folder = {0};
+        err = folder_fresh(&folder, NULL, NULL);
+        if (!err)
+            err = time_start(buf_text(&folder), scene, figures);
+        if (folder.length)
+            folder_discard(buf_text(&folder));
+        buf_release(&folder);
+    }
+}
+
+/* ---- what is printed ---- */
+
+static void print_table(FILE *out, struct figures *f)
+{
+    fprintf(out, "%s: %zu voxels, %d seeds, %zu border voxels; %u threads\n\n", f->scene, f->voxels,
             SEEDS, f->border_voxels, f->threads);
     fprintf(out, "%-44s %9s %9s %9s\n", "", "median", "9 of 10", "most");
-    print_row(out, "forest from nothing, one thread", &f->alone, 1, "ms");
-    print_row(out, "    a voxel", &f->alone, ns_per_voxel, "ns");
-    print_row(out, "    all threads, a voxel", &f->together, ns_per_voxel, "ns");
-    print_row(out, "    one thread, 26 neighbours, a voxel", &f->corners, ns_per_voxel, "ns");
-    print_row(out, "a seed: update and incremental image", &f->plant, 1, "ms");
-    print_row(out, "an eliminator: update and incremental image", &f->eliminate, 1, "ms");
-    print_row(out, "border projection, 512x512", &f->border, 1, "ms");
-    print_row(out, "scene projection, 512x512", &f->scene, 1, "ms");
-    print_row(out, "start to prompt", &f->start, 1, "ms");
-    print_row(out, "start to scene loaded", &f->loaded, 1, "ms");
+    for (int i = 0; i < ROWS; i++) {
+        struct times *t = &f->times[table_rows[i].what];
+        const double scale = table_rows[i].is_by_voxel ? 1e6 / (double)f->voxels : 1;
+        if (t->count > 0)
+            fprintf(out, "%-44s %9.2f %9.2f %9.2f  %s\n", table_rows[i].text,
+                    times_median(t->ms, t->count) * scale,
+                    times_quantile(t->ms, t->count, 0.9) * scale,
+                    times_quantile(t->ms, t->count, 1) * scale,
+                    table_rows[i].is_by_voxel ? "ns" : "ms");
+    }
     fprintf(out, "%-44s %9.2f %9s %9s  bytes a voxel\n", "memory", f->bytes_per_voxel, "", "");
 }
 
-static void print_json(FILE *out, const char *scene, struct figures *f)
+static void print_json(FILE *out, struct figures *f)
 {
-    const struct {
-        const char *name;
-        struct times *times;
-    } row[] = {{"scratch_ms", &f->alone},          {"scratch_all_threads_ms", &f->together},
-               {"scratch_26_ms", &f->corners},     {"seed_ms", &f->plant},
-               {"eliminator_ms", &f->eliminate},   {"border_projection_ms", &f->border},
-               {"scene_projection_ms", &f->scene}, {"start_to_prompt_ms", &f->start},
-               {"start_to_loaded_ms", &f->loaded}};
     struct buf text = {0};
     struct json json = {.out = &text};
     json_object(&json, NULL);
-    json_text(&json, "scene", scene);
+    json_text(&json, "scene", f->scene);
     json_count(&json, "voxels", f->voxels);
     json_count(&json, "seeds", SEEDS);
-    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        json_object(&json, row[i].name);
-        json_fixed(&json, "median", median(row[i].times), 3);
-        json_fixed(&json, "most", quantile(row[i].times, 1), 3);
+    for (int i = 0; i < ROWS; i++) {
+        struct times *t = &f->times[table_rows[i].what];
+        if (!table_rows[i].name)
+            continue;
+        json_object(&json, table_rows[i].name);
+        json_fixed(&json, "median", times_median(t->ms, t->count), 3);
+        json_fixed(&json, "most", times_quantile(t->ms, t->count, 1), 3);
         json_end(&json);
     }
     json_fixed(&json, "bytes_per_voxel", f->bytes_per_voxel, 2);
@@ -283,15 +319,6 @@ static enum err plant_by_atlas(struct interpreter *interp, struct fault *fault)
     return err ? err : session_run(session, fault);
 }
 
-static void time_starts(struct figures *figures, const char *path)
-{
-    double prompt_ms, loaded_ms;
-    for (int i = 0; i < STARTS && bench_start(path, &prompt_ms, &loaded_ms); i++) {
-        figures->start.ms[figures->start.count++] = prompt_ms;
-        figures->loaded.ms[figures->loaded.count++] = loaded_ms;
-    }
-}
-
 static enum err time_session(struct session *session, struct figures *figures, struct fault *fault)
 {
     figures->threads = team_size(session->team);
@@ -312,7 +339,6 @@ enum err run_bench_brain(const struct options *o, struct fault *fault)
 {
     struct interpreter interp;
     struct buf path = {0};
-    const char *name;
     if (o->words && strcmp(o->word[0], "brain") != 0)
         return fault_set(fault, ERR_USAGE, "bench: expected brain or terminal, not %s", o->word[0]);
     struct figures *figures = mem_new(sizeof *figures);
@@ -320,14 +346,14 @@ enum err run_bench_brain(const struct options *o, struct fault *fault)
     if (!err && !figures)
         err = fault_memory(fault, "a benchmark");
     if (!err)
-        err = open_scene(&interp, o->scene, &name, &path, fault);
+        err = open_scene(&interp, o->scene, &figures->scene, &path, fault);
     if (!err)
         err = plant_by_atlas(&interp, fault);
     if (!err)
         err = time_session(&interp.session, figures, fault);
     if (!err) {
-        time_starts(figures, buf_text(&path));
-        (o->json ? print_json : print_table)(stdout, name, figures);
+        time_starts(buf_text(&path), figures);
+        (o->json ? print_json : print_table)(stdout, figures);
     }
     buf_release(&path);
     free(figures);

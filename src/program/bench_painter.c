@@ -1,14 +1,23 @@
-#include "program/bench_painter.h"
+/* What pictures cost on their way to a terminal by the painter. */
+#include "program/bench_terminal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
+#include "program/bench.h"
 #include "tui/picture/painter.h"
 
-enum { PATCH_SIDE = 40, CELL_WIDTH = 8, CELL_HEIGHT = 16, ROUNDS = 21, PATCHES = 12 };
+enum { PATCH_SIDE = 40, CELL_WIDTH = 8, CELL_HEIGHT = 16, ROUNDS = 21, FRAMES_MOST = 24 };
 
-static void place_painter(struct painter *painter, const struct graphics *by, uint32_t side)
+struct frames {
+    struct painter painter;
+    struct buf out;
+    double ms[FRAMES_MOST], bytes[FRAMES_MOST];
+    size_t count;
+};
+
+static void begin_frames(struct frames *f, const struct graphics *by, uint32_t side)
 {
     const struct terminal_facts facts = {.graphics = by,
                                          .colours = COLOURS_24BIT,
@@ -18,57 +27,46 @@ static void place_painter(struct painter *painter, const struct graphics *by, ui
                                          .shape = BLOCK_HALF,
                                          .answers = true,
                                          .edits = true};
-    painter_place(painter, &facts, 0, 0, side / CELL_WIDTH, side / CELL_HEIGHT);
+    *f = (struct frames){.count = 0};
+    painter_place(&f->painter, &facts, 0, 0, side / CELL_WIDTH, side / CELL_HEIGHT);
 }
 
-/* Adds the time and bytes of one frame. */
-static bool time_frame(struct painter *painter, const struct image_view *view, struct buf *out,
-                       double *ms, double *bytes)
+static bool time_frame(struct frames *f, const struct image_view *view)
 {
-    buf_clear(out);
+    buf_clear(&f->out);
     const uint64_t begin = clock_ns();
-    painter_show(painter, view, out);
-    *ms = times_since(begin);
-    *bytes = (double)out->length;
-    return !out->failed;
+    painter_show(&f->painter, view, &f->out);
+    f->ms[f->count] = times_since(begin);
+    f->bytes[f->count++] = (double)f->out.length;
+    return !f->out.failed;
 }
 
-/* A picture as large as the painter wants it; *owned is to be freed. */
-static bool fit(struct painter *painter, const struct image_view *view, struct image_view *fitting,
-                uint8_t **owned)
+static void end_frames(struct frames *f, bool good, struct bench_cost *cost)
 {
-    uint32_t width, height;
-    painter_size(painter, &width, &height);
-    *fitting = *view;
-    *owned = NULL;
-    if (width >= view->width && height >= view->height)
-        return true;
-    *owned = image_view_shrink(view, width, height);
-    fitting->width = width;
-    fitting->height = height;
-    fitting->rgba = *owned;
-    return *owned != NULL;
+    if (good)
+        *cost =
+            (struct bench_cost){times_median(f->bytes, f->count), times_median(f->ms, f->count)};
+    painter_release(&f->painter);
+    buf_release(&f->out);
 }
 
 bool bench_painter_whole(struct bench_cost *cost, const struct graphics *by,
                          const struct image_view *view)
 {
-    struct painter painter = {0};
-    struct image_view fitting;
-    struct buf out = {0};
-    double ms[ROUNDS], bytes[ROUNDS];
-    uint8_t *owned;
-    place_painter(&painter, by, view->width);
-    bool good = fit(&painter, view, &fitting, &owned);
+    struct frames f;
+    struct image_view fitting = *view;
+    uint8_t *small = NULL;
+    begin_frames(&f, by, view->width);
+    painter_size(&f.painter, &fitting.width, &fitting.height);
+    if (fitting.width < view->width)
+        fitting.rgba = small = image_view_shrink(view, fitting.width, fitting.height);
+    bool good = fitting.rgba != NULL;
     for (int i = 0; good && i < ROUNDS; i++) {
-        painter_forget(&painter);
-        good = time_frame(&painter, &fitting, &out, ms + i, bytes + i);
+        painter_forget(&f.painter);
+        good = time_frame(&f, &fitting);
     }
-    if (good)
-        *cost = (struct bench_cost){times_median(bytes, ROUNDS), times_median(ms, ROUNDS)};
-    painter_release(&painter);
-    buf_release(&out);
-    free(owned);
+    end_frames(&f, good, cost);
+    free(small);
     return good;
 }
 
@@ -95,32 +93,21 @@ bool bench_painter_patches(struct bench_cost *cost, const struct graphics *by,
                            const struct image_view *view)
 {
     const size_t all = 4 * (size_t)view->width * view->height;
-    struct painter painter = {0};
-    struct buf out = {0};
     uint8_t *rgba = malloc(all);
-    double ms[2 * PATCHES], bytes[2 * PATCHES];
-    size_t count = 0;
-    bool good = rgba != NULL;
     struct image_view changed = *view;
+    struct frames f;
     changed.rgba = rgba;
-    place_painter(&painter, by, view->width);
-    if (good)
-        good = painter_show(&painter, view, &out);
-    for (uint32_t top = 11; good && top + PATCH_SIDE + 3 < view->height; top += 53) {
+    begin_frames(&f, by, view->width);
+    bool good = rgba && painter_show(&f.painter, view, &f.out);
+    for (uint32_t top = 11; good && top + PATCH_SIDE + 3 < view->height; top += 53)
         for (uint32_t left = 17; good && left + PATCH_SIDE + 5 < view->width; left += 67) {
-            if (count + 2 > 2 * PATCHES || !is_full(view, left, top))
+            if (f.count + 2 > FRAMES_MOST || !is_full(view, left, top))
                 continue;
             memcpy(rgba, view->rgba, all);
             change_patch(rgba, view, left, top);
-            good = time_frame(&painter, &changed, &out, ms + count, bytes + count) &&
-                   time_frame(&painter, view, &out, ms + count + 1, bytes + count + 1);
-            count += 2;
+            good = time_frame(&f, &changed) && time_frame(&f, view);
         }
-    }
-    if (good)
-        *cost = (struct bench_cost){times_median(bytes, count), times_median(ms, count)};
-    painter_release(&painter);
-    buf_release(&out);
+    end_frames(&f, good, cost);
     free(rgba);
     return good;
 }

@@ -259,7 +259,7 @@ static const struct program program[] = {
      .option = {QUICK, JSON},
      .summary = "measure pictures for terminals, and keys",
      .detail = "Bytes and time of a picture, and the time from a key to its picture. By every "
-               "graphics protocol; chafa beside it, where it is installed.",
+               "graphics protocol.",
      .run = run_bench_terminal},
     {.name = "help",
      AT_MOST_1("[COMMAND|PROGRAM]"),

@@ -6,7 +6,7 @@
 
 #include "base/clock.h"
 #include "base/mem.h"
-#include "program/bench_times.h"
+#include "program/bench.h"
 
 const char *const experiment_name[EXPERIMENTS] = {"IFT + SP", "DIFT + SP", "BDIFT + BP",
                                                   "DIFT + II", "DIFT + scan + BP"};

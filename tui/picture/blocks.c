@@ -379,7 +379,6 @@ static bool show(struct painter *p, const struct image_view *view, struct buf *o
 const struct graphics graphics_blocks = {
     .name = "blocks",
     .title = "half blocks",
-    .chafa = "symbols",
     .kind = GRAPHICS_TEXT,
     .cell_pixels = cell_pixels,
     .show = show,

@@ -47,7 +47,6 @@ static void patch(struct painter *p, const struct raster *raster, const struct r
 const struct graphics graphics_iterm = {
     .name = "iterm",
     .title = "iTerm2",
-    .chafa = "iterm",
     .kind = GRAPHICS_PIXELS,
     .fits = probe_is_iterm,
     .over_cells = true,

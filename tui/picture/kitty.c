@@ -121,7 +121,6 @@ static void take_away(struct painter *p, struct buf *out)
 const struct graphics graphics_kitty = {
     .name = "kitty",
     .title = "kitty",
-    .chafa = "kitty",
     .kind = GRAPHICS_PIXELS,
     .fits = fits,
     .question = "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\",

@@ -244,7 +244,6 @@ static bool fits(const struct probe_replies *replies, const struct probe_environ
 const struct graphics graphics_sixel = {
     .name = "sixel",
     .title = "sixel",
-    .chafa = "sixels",
     .kind = GRAPHICS_PIXELS,
     .fits = fits,
     .over_cells = true,

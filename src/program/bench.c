@@ -1,9 +1,41 @@
-#include "program/bench_tree.h"
+#include "program/bench.h"
 
-enum { FOLDERS_ABOVE = 4 };
+#include <stdlib.h>
+
+#include "base/clock.h"
+#include "base/file.h"
+
+double times_between(uint64_t begin, uint64_t end)
+{
+    return (double)(end - begin) / 1e6;
+}
+
+double times_since(uint64_t begin)
+{
+    return times_between(begin, clock_ns());
+}
+
+static int compare_ms(const void *a, const void *b)
+{
+    const double *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+double times_quantile(double *ms, size_t count, double share)
+{
+    qsort(ms, count, sizeof *ms, compare_ms);
+    return count ? ms[(size_t)(share * (double)(count - 1) + 0.5)] : 0;
+}
+
+double times_median(double *ms, size_t count)
+{
+    qsort(ms, count, sizeof *ms, compare_ms);
+    return count ? (ms[(count - 1) / 2] + ms[count / 2]) / 2 : 0;
+}
 
 bool bench_find_in_tree(struct buf *path, const char *name)
 {
+    enum { FOLDERS_ABOVE = 4 };
     struct buf folder = {0};
     bool found = false;
     if (file_program_folder(&folder, NULL))

@@ -1,0 +1,263 @@
+#include "program/bench_far_end.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "base/mem.h"
+
+enum {
+    PACKET = 1400,
+    PACKETS = 1024, /* on their way at most; what comes then waits in the pseudo-terminal */
+    SEQUENCE = 96,  /* bytes that are remembered of an escape sequence */
+};
+
+#define PATIENCE_NS UINT64_C(10000000000) /* without a byte */
+#define STILL_NS    UINT64_C(80000000)    /* nothing came for so long, and the line's round trip */
+#define POLL_NS     UINT64_C(5000000)
+
+/* One direction of the line: packets in the order in which they arrive. */
+struct lane {
+    struct packet {
+        uint64_t due_ns;
+        size_t length;
+        char bytes[PACKET];
+    } packet[PACKETS]; /* a ring */
+    size_t first, packets;
+};
+
+struct far_end {
+    int terminal; /* or -1 */
+    pid_t child;  /* or 0 */
+    uint64_t started_ns;
+    const struct graphics *graphics;
+    double ns_per_byte;
+    uint64_t one_way_ns, free_ns; /* when all that was put on the line has left */
+    struct lane here, there;      /* to the terminal; to the program */
+    char sequence[SEQUENCE];      /* since the last escape */
+    size_t length;
+    const char *const *awaited; /* those that have not come yet; of the first */
+    size_t matched;             /* so many bytes have */
+    uint64_t *came_ns;          /* its moment */
+    struct far_result *result;
+};
+
+/* ---- the line ---- */
+
+/* Where the next packet goes; NULL where the line is full. */
+static struct packet *lane_end(struct lane *lane)
+{
+    return lane->packets < PACKETS ? &lane->packet[(lane->first + lane->packets) % PACKETS] : NULL;
+}
+
+/* Takes the next packet that has arrived; NULL where none has. It stays until another is added. */
+static const struct packet *lane_take(struct lane *lane, uint64_t now_ns)
+{
+    const struct packet *packet = &lane->packet[lane->first];
+    if (lane->packets == 0 || packet->due_ns > now_ns)
+        return NULL;
+    lane->first = (lane->first + 1) % PACKETS;
+    lane->packets--;
+    return packet;
+}
+
+static uint64_t lane_due_ns(const struct lane *lane)
+{
+    return lane->packets > 0 ? lane->packet[lane->first].due_ns : UINT64_MAX;
+}
+
+/* Keys and answers, which are short. */
+static void send(struct far_end *e, uint64_t now_ns, const char *text)
+{
+    struct packet *packet = lane_end(&e->there);
+    if (!packet)
+        return;
+    packet->due_ns = now_ns + e->one_way_ns;
+    packet->length = strlen(text);
+    memcpy(packet->bytes, text, packet->length);
+    e->there.packets++;
+}
+
+/* Takes what the program has written, and puts it on the line. */
+static bool load(struct far_end *e)
+{
+    struct packet *packet = lane_end(&e->here);
+    const ssize_t n = read(e->terminal, packet->bytes, PACKET);
+    if (n <= 0)
+        return false;
+    const uint64_t now_ns = clock_ns();
+    e->free_ns = e->free_ns > now_ns ? e->free_ns : now_ns;
+    e->free_ns += (uint64_t)((double)n * e->ns_per_byte);
+    packet->length = (size_t)n;
+    packet->due_ns = e->free_ns + e->one_way_ns;
+    e->here.packets++;
+    return true;
+}
+
+/* ---- the terminal at the far end ---- */
+
+/* The escape sequence so far may be a question. */
+static void answer(struct far_end *e, uint64_t now_ns)
+{
+    static const struct {
+        const char *question, *kitty, *sixel, *plain;
+    } known[] = {{"[>q", "\033P>|kitty(0.26.5)\033\\", "\033P>|XTerm(379)\033\\", ""},
+                 {"[>c", "\033[>1;4000;26c", "\033[>41;379;0c", ""},
+                 {"[16t", "\033[6;16;8t", "\033[6;16;8t", ""},
+                 {"[?2026$p", "\033[?2026;2$y", "\033[?2026;0$y", ""},
+                 {"[c", "\033[?62;c", "\033[?63;1;2;4;6;9;15;22c", "\033[?64;1;2c"}};
+    const bool is_kitty = e->graphics == &graphics_kitty, is_sixel = e->graphics == &graphics_sixel;
+    const size_t n = e->length;
+    if (is_kitty && n > 4 && memcmp(e->sequence, "_G", 2) == 0 &&
+        memcmp(e->sequence + n - 3, "a=q", 3) == 0)
+        send(e, now_ns, "\033_Gi=31;OK\033\\");
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if (strcmp(e->sequence, known[i].question) == 0)
+            send(e, now_ns, is_kitty ? known[i].kitty : is_sixel ? known[i].sixel : known[i].plain);
+}
+
+/* No text that is awaited begins again within itself. */
+static void match(struct far_end *e, char c, uint64_t now_ns)
+{
+    const char *text = *e->awaited;
+    if (!text)
+        return;
+    e->matched = c == text[e->matched] ? e->matched + 1 : c == text[0];
+    if (text[e->matched])
+        return;
+    *e->came_ns++ = now_ns;
+    e->awaited++;
+    e->matched = 0;
+}
+
+static void take(struct far_end *e, char c, uint64_t now_ns)
+{
+    match(e, c, now_ns);
+    if (c == '\033') {
+        e->length = 0;
+    } else if (e->length + 1 < SEQUENCE) {
+        e->sequence[e->length++] = c;
+        e->sequence[e->length] = '\0';
+        answer(e, now_ns);
+    }
+}
+
+/* What has arrived at either end. False where the program is gone. */
+static bool deliver(struct far_end *e, uint64_t now_ns)
+{
+    const struct packet *packet;
+    while ((packet = lane_take(&e->here, now_ns))) {
+        for (size_t i = 0; i < packet->length; i++)
+            take(e, packet->bytes[i], packet->due_ns);
+        e->result->last_ns = packet->due_ns;
+        e->result->bytes += packet->length;
+    }
+    while ((packet = lane_take(&e->there, now_ns)))
+        if (write(e->terminal, packet->bytes, packet->length) < 0)
+            return false;
+    return true;
+}
+
+/* Lets time pass until something happens, `limit_ns` at the latest. False where the program is
+ * gone. */
+static bool pass(struct far_end *e, uint64_t limit_ns)
+{
+    const uint64_t here_ns = lane_due_ns(&e->here), there_ns = lane_due_ns(&e->there);
+    uint64_t next_ns = here_ns < there_ns ? here_ns : there_ns;
+    next_ns = next_ns < limit_ns ? next_ns : limit_ns;
+    const uint64_t now_ns = clock_ns(), wait_ns = next_ns > now_ns ? next_ns - now_ns : 0;
+    struct pollfd ready = {e->terminal, lane_end(&e->here) ? POLLIN : 0, 0};
+    const struct timespec wait = {(time_t)(wait_ns / 1000000000), (long)(wait_ns % 1000000000)};
+    if (ppoll(&ready, 1, &wait, NULL) > 0 && (!(ready.revents & POLLIN) || !load(e)))
+        return false;
+    return deliver(e, clock_ns());
+}
+
+enum err far_end_press(struct far_end *e, const char *keys, const char *const *awaited,
+                       struct far_result *out, struct fault *fault)
+{
+    const uint64_t begin_ns = clock_ns(), still_ns = STILL_NS + 2 * e->one_way_ns;
+    *out = (struct far_result){e->started_ns ? e->started_ns : begin_ns, .last_ns = begin_ns};
+    e->started_ns = 0;
+    e->result = out;
+    e->came_ns = out->came_ns;
+    e->awaited = awaited;
+    e->matched = 0;
+    send(e, begin_ns, keys);
+    for (;;) {
+        const uint64_t now_ns = clock_ns();
+        if (!*e->awaited && e->here.packets == 0 && now_ns > out->last_ns + still_ns)
+            return OK;
+        if (now_ns > out->last_ns + PATIENCE_NS || !pass(e, now_ns + POLL_NS))
+            return fault_set(fault, ERR_IO, "the program showed nothing for ten seconds");
+    }
+}
+
+/* ---- beginning and end ---- */
+
+static _Noreturn void become_program(int inner, char *const *argument, const char *term,
+                                     const char *home)
+{
+    setsid();
+    ioctl(inner, TIOCSCTTY, 0);
+    for (int fd = 0; fd < 3; fd++)
+        dup2(inner, fd);
+    setenv("TERM", term, 1);
+    setenv("HOME", home, 1);
+    setenv("IFTTY_HISTORY", "", 1);
+    unsetenv("NO_COLOR");
+    unsetenv("TMUX");
+    execv("/proc/self/exe", argument);
+    _exit(127);
+}
+
+static bool start(struct far_end *e, char *const *argument, const char *home)
+{
+    const struct winsize size = {FAR_ROWS, FAR_COLUMNS, FAR_COLUMNS * FAR_CELL_WIDTH,
+                                 FAR_ROWS * FAR_CELL_HEIGHT};
+    e->terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+    if (e->terminal < 0 || grantpt(e->terminal) != 0 || unlockpt(e->terminal) != 0 ||
+        ioctl(e->terminal, TIOCSWINSZ, &size) != 0)
+        return false;
+    const int inner = open(ptsname(e->terminal), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    if (inner < 0)
+        return false;
+    e->started_ns = clock_ns();
+    e->child = fork();
+    if (e->child == 0)
+        become_program(inner, argument,
+                       e->graphics == &graphics_kitty ? "xterm-kitty" : "xterm-256color", home);
+    close(inner);
+    return e->child > 0;
+}
+
+enum err far_end_new(struct far_end **out, char *const *argument, const char *home,
+                     const struct graphics *graphics, const struct bench_line *line,
+                     struct fault *fault)
+{
+    struct far_end *e = *out = mem_new(sizeof *e);
+    if (!e)
+        return fault_memory(fault, "a line");
+    e->graphics = graphics;
+    e->one_way_ns = (uint64_t)(line->one_way_ms * 1e6);
+    if (line->bits_per_second > 0)
+        e->ns_per_byte = 8e9 / line->bits_per_second;
+    return start(e, argument, home) ? OK : fault_set(fault, ERR_IO, "there is no pseudo-terminal");
+}
+
+void far_end_free(struct far_end *e)
+{
+    if (e && e->child > 0) {
+        kill(e->child, SIGKILL);
+        waitpid(e->child, NULL, 0);
+    }
+    if (e && e->terminal >= 0)
+        close(e->terminal);
+    free(e);
+}

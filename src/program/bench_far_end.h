@@ -1,0 +1,51 @@
+/*
+ * This program once more, in a terminal of the benchmark's own at the far end of a line.
+ *
+ *     this program -- pty -- line -- a terminal that answers
+ *
+ * The pseudo-terminal has 80x42 cells of 8x16 pixels. What the program writes travels as packets of
+ * 1400 bytes: each leaves when those before it have left, at the line's rate, and arrives
+ * `one_way_ms` later; so do keys and answers on their way back. The terminal at the far end takes
+ * no time to draw, and answers as kitty does, as a terminal with sixel graphics, or as a plain one.
+ */
+#ifndef PROGRAM_BENCH_FAR_END_H
+#define PROGRAM_BENCH_FAR_END_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/err.h"
+#include "tui/picture/graphics.h"
+
+enum { FAR_COLUMNS = 80, FAR_ROWS = 42, FAR_CELL_WIDTH = 8, FAR_CELL_HEIGHT = 16 };
+enum { FAR_AWAITED_MOST = 4 };
+
+struct bench_line {
+    double bits_per_second; /* 0: no limit */
+    double one_way_ms;
+};
+
+struct far_end;
+
+/* Starts the program with `argument`, ended by NULL, with `home` as its home and without a history
+ * of lines. `graphics` is kitty, sixel or text. ERR_IO where there is no pseudo-terminal. */
+enum err far_end_new(struct far_end **out, char *const *argument, const char *home,
+                     const struct graphics *graphics, const struct bench_line *line,
+                     struct fault *fault);
+
+/* Ends the program, as nothing can prevent. */
+void far_end_free(struct far_end *e);
+
+/* What pressing keys has brought about. The first ones count from the start of the program. */
+struct far_result {
+    uint64_t pressed_ns, last_ns;       /* the keys; the last byte */
+    uint64_t came_ns[FAR_AWAITED_MOST]; /* the texts that were awaited */
+    size_t bytes;
+};
+
+/* Presses keys, and waits until the texts of `awaited`, ended by NULL, have arrived one after the
+ * other, and what follows them has come to rest. ERR_IO after ten seconds without a byte. */
+enum err far_end_press(struct far_end *e, const char *keys, const char *const *awaited,
+                       struct far_result *out, struct fault *fault);
+
+#endif
