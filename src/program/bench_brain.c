@@ -219,7 +219,7 @@ static enum err time_start(const char *folder, const char *scene, struct figures
     struct far_result result;
     snprintf(journal, sizeof journal, "%s/bench.iftty", folder);
     char *const argument[] = {"iftty", "--journal", journal, (char *)(uintptr_t)scene, NULL};
-    enum err err = far_end_new(&e, argument, folder, &graphics_blocks, &line, NULL);
+    enum err err = far_end_new(&e, argument, folder, NULL, &line, NULL);
     if (!err)
         err = far_end_press(e, "", awaited, &result, NULL);
     for (int i = 0; !err && i < 2; i++) {

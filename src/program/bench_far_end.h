@@ -28,7 +28,7 @@ struct bench_line {
 struct far_end;
 
 /* Starts the program with `argument`, ended by NULL, with `home` as its home and without a history
- * of lines. `graphics` is kitty, sixel or text. ERR_IO where there is no pseudo-terminal. */
+ * of lines. `graphics` is kitty, sixel or NULL. ERR_IO where there is no pseudo-terminal. */
 enum err far_end_new(struct far_end **out, char *const *argument, const char *home,
                      const struct graphics *graphics, const struct bench_line *line,
                      struct fault *fault);
