@@ -212,17 +212,17 @@ static const char *write_frames(const char *name, unsigned frames, unsigned dela
 {
     static struct fault fault;
     struct picture p = sample(40, 30);
-    const char *path = in_folder(name);
-    struct image_writing writing = {helper, path, path};
+    struct image_movie movie;
     fault = (struct fault){0};
-    enum err err = image_helper_begin(&writing, &p, frames, delay_ms, &fault);
+    enum err err = image_movie_begin(&movie, helper, in_folder(name), FILE_REPLACE, &p, frames,
+                                     delay_ms, &fault);
     for (unsigned i = 0; i < frames && !err; i++) {
         for (size_t k = 0; k < (size_t)40 * 30 * 4; k++)
             p.rgba[k] = k % 4 == 3 ? 255 : (uint8_t)(40 * (i + 1));
-        err = image_helper_frame(&writing, &p, &fault);
+        err = image_movie_add(&movie, &p, &fault);
     }
     if (!err)
-        image_helper_end(&writing, &fault);
+        image_movie_end(&movie, &fault);
     picture_release(&p);
     return fault.text;
 }
@@ -254,11 +254,11 @@ STORY(a_format_of_one_picture_refuses_several)
 STORY(frames_that_never_come_cost_one_helper)
 {
     struct picture p = sample(40, 30), q;
-    const char *path = in_folder("a.gif");
-    struct image_writing writing = {helper, path, path};
-    CHECK_INT(image_helper_begin(&writing, &p, 3, 0, NULL), OK);
-    CHECK_INT(image_helper_frame(&writing, &p, NULL), OK);
-    image_helper_abandon(&writing);
+    struct image_movie movie;
+    CHECK_INT(image_movie_begin(&movie, helper, in_folder("a.gif"), FILE_REPLACE, &p, 3, 0, NULL),
+              OK);
+    CHECK_INT(image_movie_add(&movie, &p, NULL), OK);
+    image_movie_abandon(&movie);
     CHECK_TEXT(there_and_back(&p, "a.png", &q), "");
     picture_release(&p);
     picture_release(&q);
@@ -307,7 +307,7 @@ static const char *failure(const char *script, bool writing)
     struct image_helper *odd = scripted(script);
     struct picture p = sample(writing ? 1500 : 4, 1000), q = {0};
     fault = (struct fault){0};
-    enum err err = writing ? image_helper_write(odd, in_folder("x.png"), &p, &fault)
+    enum err err = writing ? image_write(odd, in_folder("x.png"), FILE_REPLACE, &p, &fault)
                            : image_helper_read(odd, in_folder("x.png"), &q, &fault);
     CHECK(err != OK && q.rgba == NULL);
     image_helper_free(odd);

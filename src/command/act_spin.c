@@ -5,7 +5,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "image/movie.h"
+#include "image/helper.h"
 #include "session/export.h"
 
 /* "turn%03d.png": what stands before the number of a picture, how many digits it has at least, and

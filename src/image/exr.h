@@ -29,7 +29,7 @@
 bool exr_is_named(const char *path);
 
 /* Writes `picture` as `path`, whole or not at all. ERR_INPUT for an attribute whose name OpenEXR
- * keeps for itself (such as "channels") or that is empty or longer than 255 bytes. */
+ * uses itself (such as "channels") or that is empty or longer than 255 bytes. */
 enum err exr_write(const char *path, enum file_mode mode, const struct picture *picture,
                    struct fault *fault);
 

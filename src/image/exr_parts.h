@@ -1,6 +1,6 @@
 /*
  * What writing and reading OpenEXR share: the channels, the bytes of the file, the blocks in which
- * pixels are packed. Only exr_write.c, exr_read.c and exr_parts.c look in here.
+ * pixels are packed. For exr_write.c, exr_read.c and exr_parts.c alone.
  */
 #ifndef IMAGE_EXR_PARTS_H
 #define IMAGE_EXR_PARTS_H
@@ -47,7 +47,7 @@ struct block {
 void exr_point(exr_coding_channel_info_t *info, const struct channel *channel,
                const struct picture *picture, const struct block *block, uint16_t *halves);
 
-/* Bytes in and out: the library's own file layer neither keeps errno nor checks what it opens. */
+/* Bytes in and out: the library's own file layer neither returns errno nor checks what it opens. */
 struct stream {
     int fd;
     int64_t bytes;

@@ -57,7 +57,7 @@ static enum err find_channels(bool has[EXR_CHANNELS], exr_context_t context, siz
     return OK;
 }
 
-/* Also tells whether it is tiled, and in what tiles. */
+/* Finds whether it is tiled, and in what tiles. */
 static enum err check_form(struct form *form, exr_context_t context, struct fault *fault)
 {
     int parts = 0;

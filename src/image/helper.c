@@ -56,9 +56,9 @@ enum err image_helper_new(struct image_helper **out, const char *program, struct
     return err || *out ? err : fault_memory(fault, "the image helper");
 }
 
-/* Ends the helper and tells how it ended, as waitpid does; -1 where nobody knows. Closing our end
- * is a helper's signal to leave; one in the middle of something is not waited for. */
-static int stop(struct image_helper *helper, bool kindly)
+/* Ends the helper and returns how it ended, as waitpid does; -1 where that is not known. Closing our
+ * end tells a helper to exit; one in the middle of a request is killed. */
+static int stop(struct image_helper *helper, bool may_finish)
 {
     int status = -1;
     pid_t ended;
@@ -67,7 +67,7 @@ static int stop(struct image_helper *helper, bool kindly)
     helper->fd = -1;
     if (helper->process <= 0)
         return status;
-    if (!kindly)
+    if (!may_finish)
         kill(helper->process, SIGKILL);
     do
         ended = waitpid(helper->process, &status, 0);
@@ -169,7 +169,7 @@ static enum err start(struct image_helper *helper, struct fault *fault)
     return OK;
 }
 
-/* After trouble on the wire: ends the helper and tells what it did and over what. */
+/* After trouble on the wire: ends the helper and says what it did, and with which file. */
 static enum err trouble_fault(struct image_helper *helper, const char *doing, const char *path,
                               struct fault *fault)
 {
@@ -191,7 +191,7 @@ static enum err trouble_fault(struct image_helper *helper, const char *doing, co
 
 /* ---- bytes to and from the helper; false sets helper->trouble ---- */
 
-static bool tell(struct image_helper *helper, const void *bytes, size_t length)
+static bool transmit(struct image_helper *helper, const void *bytes, size_t length)
 {
     const char *at = bytes;
     while (length > 0) {
@@ -208,7 +208,7 @@ static bool tell(struct image_helper *helper, const void *bytes, size_t length)
     return true;
 }
 
-static bool hear(struct image_helper *helper, void *bytes, size_t length)
+static bool receive(struct image_helper *helper, void *bytes, size_t length)
 {
     char *at = bytes;
     bool reset = false;
@@ -216,7 +216,8 @@ static bool hear(struct image_helper *helper, void *bytes, size_t length)
         ssize_t n = recv(helper->fd, at, length, 0);
         if (n < 0 && errno == EINTR)
             continue;
-        if (n < 0 && errno == ECONNRESET && !reset) { /* told once; what it said is behind that */
+        if (n < 0 && errno == ECONNRESET &&
+            !reset) { /* reported once; what it sent comes after that */
             reset = true;
             continue;
         }
@@ -238,10 +239,10 @@ static bool odd(struct image_helper *helper)
 
 /* A line without its line feed. Byte by byte: lines are few and short, and nothing that follows
  * may be taken along. */
-static bool hear_line(struct image_helper *helper, char line[LINE_MOST])
+static bool receive_line(struct image_helper *helper, char line[LINE_MOST])
 {
     for (size_t i = 0; i < LINE_MOST; i++) {
-        if (!hear(helper, &line[i], 1))
+        if (!receive(helper, &line[i], 1))
             return false;
         if (line[i] == '\n') {
             line[i] = '\0';
@@ -260,24 +261,25 @@ static bool scan_numbers(const char *line, unsigned count, const int64_t most[],
     return *line == '\0';
 }
 
-/* ---- requests ---- */
+/* ---- writing ---- */
 
-static bool tell_notes(struct image_helper *helper, const struct picture *picture)
+static bool transmit_notes(struct image_helper *helper, const struct picture *picture)
 {
     char line[LINE_MOST];
     for (size_t i = 0; i < picture->attributes; i++) {
         const struct attribute *note = &picture->attribute[i];
         size_t name = strlen(note->name), value = strlen(note->value);
         int length = snprintf(line, sizeof line, "%zu %zu\n", name, value);
-        if (!tell(helper, line, (size_t)length) || !tell(helper, note->name, name) ||
-            !tell(helper, note->value, value))
+        if (!transmit(helper, line, (size_t)length) || !transmit(helper, note->name, name) ||
+            !transmit(helper, note->value, value))
             return false;
     }
     return true;
 }
 
 /* RGB over black: what is transparent fades. */
-static bool tell_pixels(struct image_helper *helper, const struct picture *picture, uint8_t *piece)
+static bool transmit_pixels(struct image_helper *helper, const struct picture *picture,
+                            uint8_t *piece)
 {
     const size_t pixels = (size_t)picture->width * picture->height;
     for (size_t done = 0; done < pixels;) {
@@ -286,7 +288,7 @@ static bool tell_pixels(struct image_helper *helper, const struct picture *pictu
         for (size_t i = 0; i < n; i++)
             for (size_t c = 0; c < 3; c++)
                 piece[3 * i + c] = (uint8_t)((rgba[4 * i + c] * rgba[4 * i + 3] + 127) / 255);
-        if (!tell(helper, piece, 3 * n))
+        if (!transmit(helper, piece, 3 * n))
             return false;
         done += n;
     }
@@ -294,12 +296,12 @@ static bool tell_pixels(struct image_helper *helper, const struct picture *pictu
 }
 
 /* Takes an answer of words, or leaves the line of another answer in `line`. */
-static enum err hear_answer(struct image_helper *helper, char line[LINE_MOST], const char *doing,
-                            const char *path, struct fault *fault)
+static enum err receive_answer(struct image_helper *helper, char line[LINE_MOST], const char *doing,
+                               const char *path, struct fault *fault)
 {
     char words[400];
     int64_t length;
-    if (!hear_line(helper, line))
+    if (!receive_line(helper, line))
         return trouble_fault(helper, doing, path, fault);
     const char *at = line;
     if (!scan_text(&at, "error "))
@@ -307,7 +309,7 @@ static enum err hear_answer(struct image_helper *helper, char line[LINE_MOST], c
     const int64_t most = sizeof words - 1;
     if (!scan_numbers(at, 1, &most, &length))
         odd(helper);
-    else if (hear(helper, words, (size_t)length)) {
+    else if (receive(helper, words, (size_t)length)) {
         words[length] = '\0';
         return fault_set(fault, ERR_INPUT, "cannot %s %s: %s", doing, path, words);
     }
@@ -333,11 +335,24 @@ static enum err check_request(const char *doing, const char *path, const struct 
     return OK;
 }
 
-enum err image_helper_begin(struct image_writing *writing, const struct picture *like,
-                            unsigned frames, unsigned delay_ms, struct fault *fault)
+bool image_movie_is_named(const char *path)
 {
-    struct image_helper *helper = writing->helper;
-    const char *path = writing->path;
+    return file_is_named(path, ".gif|.tif|.tiff");
+}
+
+static void forget(struct image_movie *movie)
+{
+    if (movie->draft.length)
+        file_discard(buf_text(&movie->draft));
+    buf_release(&movie->draft);
+    *movie = (struct image_movie){0};
+}
+
+static enum err request_writing(const struct image_movie *movie, const struct picture *like,
+                                unsigned frames, unsigned delay_ms, struct fault *fault)
+{
+    struct image_helper *helper = movie->helper;
+    const char *path = buf_text(&movie->draft);
     char line[LINE_MOST];
     enum err err = check_request("write", path, like, fault);
     if (!err)
@@ -346,67 +361,87 @@ enum err image_helper_begin(struct image_writing *writing, const struct picture 
         return err;
     int length = snprintf(line, sizeof line, "write %zu %u %u %zu %u %u\n", strlen(path),
                           like->width, like->height, like->attributes, frames, delay_ms);
-    if (!tell(helper, line, (size_t)length) || !tell(helper, path, strlen(path)) ||
-        !tell_notes(helper, like))
-        return trouble_fault(helper, "write", writing->shown, fault);
+    if (!transmit(helper, line, (size_t)length) || !transmit(helper, path, strlen(path)) ||
+        !transmit_notes(helper, like))
+        return trouble_fault(helper, "write", movie->path, fault);
     return OK;
 }
 
-enum err image_helper_frame(struct image_writing *writing, const struct picture *picture,
-                            struct fault *fault)
+enum err image_movie_begin(struct image_movie *movie, struct image_helper *helper, const char *path,
+                           enum file_mode mode, const struct picture *like, unsigned frames,
+                           unsigned delay_ms, struct fault *fault)
 {
-    uint8_t *piece = mem_array(SEND_PIECE, 1);
-    if (!piece)
-        return fault_memory(fault, writing->shown);
-    const bool told = tell_pixels(writing->helper, picture, piece);
-    free(piece);
-    return told ? OK : trouble_fault(writing->helper, "write", writing->shown, fault);
-}
-
-enum err image_helper_end(struct image_writing *writing, struct fault *fault)
-{
-    char line[LINE_MOST];
-    enum err err = hear_answer(writing->helper, line, "write", writing->shown, fault);
-    if (!err && strcmp(line, "ok") != 0) {
-        odd(writing->helper);
-        err = trouble_fault(writing->helper, "write", writing->shown, fault);
-    }
+    *movie = (struct image_movie){.helper = helper, .path = path, .mode = mode};
+    enum err err = file_draft(&movie->draft, path, mode, fault);
+    if (!err)
+        err = request_writing(movie, like, frames, delay_ms, fault);
+    if (err)
+        forget(movie);
     return err;
 }
 
-void image_helper_abandon(struct image_writing *writing)
+enum err image_movie_add(struct image_movie *movie, const struct picture *picture,
+                         struct fault *fault)
 {
-    stop(writing->helper, false); /* it may be waiting for the rest of a frame */
-}
-
-/* Writes to `path`, and speaks of it as `shown`. */
-static enum err write_picture(struct image_helper *helper, const char *path, const char *shown,
-                              const struct picture *picture, struct fault *fault)
-{
-    struct image_writing writing = {helper, path, shown};
-    enum err err = image_helper_begin(&writing, picture, 1, 0, fault);
+    uint8_t *piece = mem_array(SEND_PIECE, 1);
+    enum err err = piece ? OK : fault_memory(fault, movie->path);
+    if (!err && !transmit_pixels(movie->helper, picture, piece))
+        err = trouble_fault(movie->helper, "write", movie->path, fault);
+    free(piece);
     if (err)
-        return err;
-    err = image_helper_frame(&writing, picture, fault);
-    if (err) {
-        image_helper_abandon(&writing);
-        return err;
-    }
-    return image_helper_end(&writing, fault);
+        image_movie_abandon(movie);
+    return err;
 }
 
-enum err image_helper_write(struct image_helper *helper, const char *path,
-                            const struct picture *picture, struct fault *fault)
+enum err image_movie_end(struct image_movie *movie, struct fault *fault)
 {
-    return write_picture(helper, path, path, picture, fault);
+    char line[LINE_MOST];
+    enum err err = receive_answer(movie->helper, line, "write", movie->path, fault);
+    if (!err && strcmp(line, "ok") != 0) {
+        odd(movie->helper);
+        err = trouble_fault(movie->helper, "write", movie->path, fault);
+    }
+    if (!err) {
+        err = file_publish(buf_text(&movie->draft), movie->path, movie->mode, fault);
+        buf_clear(&movie->draft); /* it has another name now, or is gone */
+    }
+    forget(movie);
+    return err;
 }
 
-static enum err hear_note(struct image_helper *helper, struct picture *out, struct fault *fault)
+void image_movie_abandon(struct image_movie *movie)
+{
+    if (movie->helper)
+        stop(movie->helper, false); /* it may be waiting for the rest of a frame */
+    forget(movie);
+}
+
+enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
+                     const struct picture *picture, struct fault *fault)
+{
+    const char *dot = strrchr(file_name(path), '.');
+    struct image_movie movie;
+    if (exr_is_named(path))
+        return exr_write(path, mode, picture, fault);
+    if (!dot || dot == file_name(path) || dot[1] == '\0')
+        return fault_set(fault, ERR_USAGE,
+                         "cannot write %s: its name says no format; expected for instance .png, "
+                         ".exr, .tif or .jpg",
+                         path);
+    enum err err = image_movie_begin(&movie, helper, path, mode, picture, 1, 0, fault);
+    if (!err)
+        err = image_movie_add(&movie, picture, fault);
+    return err ? err : image_movie_end(&movie, fault);
+}
+
+/* ---- reading ---- */
+
+static enum err receive_note(struct image_helper *helper, struct picture *out, struct fault *fault)
 {
     static const int64_t most[2] = {NAME_MOST, VALUE_MOST};
     char line[LINE_MOST];
     int64_t length[2];
-    if (!hear_line(helper, line))
+    if (!receive_line(helper, line))
         return ERR_IO;
     if (!scan_numbers(line, 2, most, length)) {
         odd(helper);
@@ -417,15 +452,15 @@ static enum err hear_note(struct image_helper *helper, struct picture *out, stru
     if (!text)
         return fault_memory(fault, "a note on a picture");
     enum err err = ERR_IO;
-    if (hear(helper, text, name) && hear(helper, text + name + 1, value))
+    if (receive(helper, text, name) && receive(helper, text + name + 1, value))
         err = picture_note(out, text, text + name + 1, fault);
     free(text);
     return err;
 }
 
 /* The rest of a "picture" answer. ERR_IO with helper->trouble set, or what `fault` says. */
-static enum err hear_picture(struct image_helper *helper, const char *line, struct picture *out,
-                             struct fault *fault)
+static enum err receive_picture(struct image_helper *helper, const char *line, struct picture *out,
+                                struct fault *fault)
 {
     static const int64_t most[3] = {SIDE_MOST, SIDE_MOST, NOTES_MOST};
     int64_t number[3];
@@ -436,8 +471,8 @@ static enum err hear_picture(struct image_helper *helper, const char *line, stru
     }
     enum err err = picture_init(out, (uint32_t)number[0], (uint32_t)number[1], false, fault);
     for (int64_t i = 0; i < number[2] && !err; i++)
-        err = hear_note(helper, out, fault);
-    if (!err && !hear(helper, out->rgba, 4 * (size_t)out->width * out->height))
+        err = receive_note(helper, out, fault);
+    if (!err && !receive(helper, out->rgba, 4 * (size_t)out->width * out->height))
         err = ERR_IO;
     return err;
 }
@@ -452,9 +487,9 @@ static enum err ask(struct image_helper *helper, const char *request, const char
     if (err)
         return err;
     int length = snprintf(line, LINE_MOST, "%s %zu\n", request, strlen(path));
-    if (!tell(helper, line, (size_t)length) || !tell(helper, path, strlen(path)))
+    if (!transmit(helper, line, (size_t)length) || !transmit(helper, path, strlen(path)))
         return trouble_fault(helper, "read", path, fault);
-    return hear_answer(helper, line, "read", path, fault);
+    return receive_answer(helper, line, "read", path, fault);
 }
 
 /* An answer could not be taken to its end: what `err` or helper->trouble says. */
@@ -475,7 +510,7 @@ enum err image_helper_read(struct image_helper *helper, const char *path, struct
     enum err err = ask(helper, "read", path, line, fault);
     if (err)
         return err;
-    err = hear_picture(helper, line, out, fault);
+    err = receive_picture(helper, line, out, fault);
     if (err) {
         picture_release(out);
         return give_up(helper, err, path, fault);
@@ -483,18 +518,18 @@ enum err image_helper_read(struct image_helper *helper, const char *path, struct
     return OK;
 }
 
-static enum err hear_word(struct image_helper *helper, char **out, size_t length,
-                          struct fault *fault)
+static enum err receive_word(struct image_helper *helper, char **out, size_t length,
+                             struct fault *fault)
 {
     *out = calloc(length + 1, 1);
     if (!*out)
         return fault_memory(fault, "what a picture is");
-    return hear(helper, *out, length) ? OK : ERR_IO;
+    return receive(helper, *out, length) ? OK : ERR_IO;
 }
 
-/* The rest of an "about" answer, as hear_picture does it. */
-static enum err hear_facts(struct image_helper *helper, const char *line, struct image_facts *out,
-                           struct fault *fault)
+/* The rest of an "about" answer, as receive_picture does it. */
+static enum err receive_facts(struct image_helper *helper, const char *line,
+                              struct image_facts *out, struct fault *fault)
 {
     static const int64_t most[7] = {SIDE_MOST,  SIDE_MOST,  INT32_MAX, NOTES_MOST,
                                     WORDS_MOST, WORDS_MOST, WORDS_MOST};
@@ -510,9 +545,9 @@ static enum err hear_facts(struct image_helper *helper, const char *line, struct
     char **const word[3] = {&out->format, &out->type, &out->channels};
     enum err err = OK;
     for (int i = 0; i < 3 && !err; i++)
-        err = hear_word(helper, word[i], (size_t)number[4 + i], fault);
+        err = receive_word(helper, word[i], (size_t)number[4 + i], fault);
     for (int64_t i = 0; i < number[3] && !err; i++)
-        err = hear_note(helper, &out->picture, fault);
+        err = receive_note(helper, &out->picture, fault);
     return err;
 }
 
@@ -524,7 +559,7 @@ enum err image_helper_about(struct image_helper *helper, const char *path, struc
     enum err err = ask(helper, "about", path, line, fault);
     if (err)
         return err;
-    err = hear_facts(helper, line, out, fault);
+    err = receive_facts(helper, line, out, fault);
     if (err) {
         image_facts_release(out);
         return give_up(helper, err, path, fault);
@@ -539,30 +574,6 @@ void image_facts_release(struct image_facts *facts)
     free(facts->type);
     free(facts->channels);
     *facts = (struct image_facts){0};
-}
-
-enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
-                     const struct picture *picture, struct fault *fault)
-{
-    const char *dot = strrchr(file_name(path), '.');
-    struct buf draft = {0};
-    if (exr_is_named(path))
-        return exr_write(path, mode, picture, fault);
-    if (!dot || dot == file_name(path) || dot[1] == '\0')
-        return fault_set(fault, ERR_USAGE,
-                         "cannot write %s: its name says no format; expected for instance .png, "
-                         ".exr, .tif or .jpg",
-                         path);
-    enum err err = file_draft(&draft, path, mode, fault);
-    if (!err) {
-        err = write_picture(helper, buf_text(&draft), path, picture, fault);
-        if (err)
-            file_discard(buf_text(&draft));
-        else
-            err = file_publish(buf_text(&draft), path, mode, fault);
-    }
-    buf_release(&draft);
-    return err;
 }
 
 enum err image_helper_default_program(struct buf *out, struct fault *fault)

@@ -2,7 +2,7 @@
  * The image helper: every image format but OpenEXR, by OpenImageIO in a process of its own.
  *
  * OpenImageIO has no C interface and loads some 260 shared libraries, so it lives in the program
- * iftty-image, started on first use and kept. A decoder that dies on a hostile file costs one error
+ * iftty-image, started on first use. A decoder that dies on a hostile file costs one error
  * message; the next request starts a new helper.
  *
  * The protocol, on the helper's standard input and output (a socket pair), one request and one
@@ -27,7 +27,7 @@
  *     write 5 1 1 1 1 0\na.png4 3\nviewtop\xff\x00\x00    ->  ok\n
  *     read 5\na.png      ->  picture 1 1 1\n4 3\nviewtop\xff\x00\x00\xff
  *
- * Nothing here ever raises SIGPIPE or waits for ever: a helper that neither reads nor writes a byte
+ * Nothing here ever raises SIGPIPE or waits without end: a helper that neither reads nor writes a byte
  * for image_helper_patience_ms is ended.
  */
 #ifndef IMAGE_HELPER_H
@@ -47,28 +47,43 @@ enum err image_helper_new(struct image_helper **helper, const char *program, str
 /* Ends the helper, if it runs, and waits for it. */
 void image_helper_free(struct image_helper *helper);
 
-/* Writes the colours of `picture`, over black where they are transparent, and its notes to `path`,
- * in the format of its extension. Not whole or not at all: see image_write for that. PNG keeps each
+/* Writes `picture` as `path`, whole or not at all: .exr by exr_write with all planes, any other
+ * extension by the helper: colours, over black where they are transparent, and notes. PNG holds each
  * note as a text chunk; formats without such have them as lines "name: value" of their image
  * description, where they have one. The same picture gives the same bytes. */
-enum err image_helper_write(struct image_helper *helper, const char *path,
-                            const struct picture *picture, struct fault *fault);
+enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
+                     const struct picture *picture, struct fault *fault);
 
+/*
+ * An animated picture: several pictures of one size in one file, in turn.
+ *
+ * Frames go to the image helper as they are made, so no more than one is held. The file appears
+ * whole, with all its frames, or not at all. Every viewer shows GIF, which has 256 colours for each
+ * frame; TIFF has every colour, as pages.
+ */
 enum { IMAGE_FRAMES_MOST = 1000 };
-
-/* The same in three steps, for several pictures of one size in one file: begin, as many frames as
- * were promised, end. `like` gives the size and the notes. Speaks of the path as `shown`. After an
- * error, image_helper_abandon ends the helper, which the next request starts again. */
-struct image_writing {
+struct image_movie {
     struct image_helper *helper;
-    const char *path, *shown; /* the caller's */
+    const char *path; /* the caller's */
+    enum file_mode mode;
+    struct buf draft;
 };
-enum err image_helper_begin(struct image_writing *writing, const struct picture *like,
-                            unsigned frames, unsigned delay_ms, struct fault *fault);
-enum err image_helper_frame(struct image_writing *writing, const struct picture *picture,
-                            struct fault *fault);
-enum err image_helper_end(struct image_writing *writing, struct fault *fault);
-void image_helper_abandon(struct image_writing *writing);
+
+/* Whether the name is of a format that holds several pictures. */
+bool image_movie_is_named(const char *path);
+
+/* Begins a file of `frames` pictures, 1..IMAGE_FRAMES_MOST, each seen for `delay_ms`; `like` gives
+ * their size, and the notes. After an error of this and the next two nothing is left of it. */
+enum err image_movie_begin(struct image_movie *movie, struct image_helper *helper, const char *path,
+                           enum file_mode mode, const struct picture *like, unsigned frames,
+                           unsigned delay_ms, struct fault *fault);
+enum err image_movie_add(struct image_movie *movie, const struct picture *picture,
+                         struct fault *fault);
+enum err image_movie_end(struct image_movie *movie, struct fault *fault); /* after all frames */
+
+/* Ends a movie that will not be finished, and the helper, which the next request starts again. One
+ * that is ended, or zeroed, is left alone. */
+void image_movie_abandon(struct image_movie *movie);
 
 /* Reads the first image of `path`, in any format, into 8 bits per channel. On failure *out is
  * empty. */
@@ -86,15 +101,10 @@ enum err image_helper_about(struct image_helper *helper, const char *path, struc
                             struct fault *fault);
 void image_facts_release(struct image_facts *facts);
 
-/* Writes `picture` as `path`, whole or not at all: .exr by exr_write with all planes, any other
- * extension by the helper. */
-enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
-                     const struct picture *picture, struct fault *fault);
-
 /* The path of iftty-image beside the running program. */
 enum err image_helper_default_program(struct buf *out, struct fault *fault);
 
-/* How long a helper may stay silent; tests are less patient. */
+/* How long a helper may stay silent; tests wait less. */
 extern int image_helper_patience_ms;
 
 /* Bytes that a helper started from now on may hold for itself, its program and libraries not

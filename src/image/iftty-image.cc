@@ -1,7 +1,7 @@
 /*
  * iftty-image: reads and writes images by OpenImageIO for the program that started it.
  *
- * Requests come on standard input, answers go to standard output; helper.h tells the protocol byte
+ * Requests come on standard input, answers go to standard output; helper.h has the protocol byte
  * for byte. The end of input, or a request that breaks the protocol, ends the program. Whatever
  * OpenImageIO cannot do is an answer "error". A decoder that crashes takes only this process along.
  */
@@ -64,7 +64,7 @@ int wire = -1;
     _exit(status); /* no destructors: plugins have been seen to hang in theirs */
 }
 
-void hear(void *bytes, size_t length)
+void receive(void *bytes, size_t length)
 {
     auto *at = static_cast<char *>(bytes);
     while (length > 0) {
@@ -78,7 +78,7 @@ void hear(void *bytes, size_t length)
     }
 }
 
-void tell(const void *bytes, size_t length)
+void transmit(const void *bytes, size_t length)
 {
     auto *at = static_cast<const char *>(bytes);
     while (length > 0) {
@@ -92,16 +92,16 @@ void tell(const void *bytes, size_t length)
     }
 }
 
-void tell(const std::string &text)
+void transmit(const std::string &text)
 {
-    tell(text.data(), text.size());
+    transmit(text.data(), text.size());
 }
 
-std::string hear_line()
+std::string receive_line()
 {
     std::string line;
     for (char c = 0;;) {
-        hear(&c, 1);
+        receive(&c, 1);
         if (c == '\n')
             return line;
         line += c;
@@ -110,10 +110,10 @@ std::string hear_line()
     }
 }
 
-std::string hear_text(uint64_t length)
+std::string receive_text(uint64_t length)
 {
     std::string text(length, '\0');
-    hear(&text[0], length);
+    receive(&text[0], length);
     return text;
 }
 
@@ -134,30 +134,30 @@ uint64_t take_number(const std::string &line, size_t &at, uint64_t most)
     return value;
 }
 
-std::vector<Note> hear_notes(uint64_t count)
+std::vector<Note> receive_notes(uint64_t count)
 {
     std::vector<Note> notes;
     for (uint64_t i = 0; i < count; i++) {
-        std::string line = hear_line();
+        std::string line = receive_line();
         size_t at = 0;
         uint64_t name = take_number(line, at, kNameMost);
         uint64_t value = take_number(line, at, kValueMost);
         Note note;
-        note.name = hear_text(name);
-        note.value = hear_text(value);
+        note.name = receive_text(name);
+        note.value = receive_text(value);
         notes.push_back(std::move(note));
     }
     return notes;
 }
 
 /* An answer "error": one line, of what fits the client's. */
-void tell_error(std::string words)
+void answer_error(std::string words)
 {
     std::replace(words.begin(), words.end(), '\n', ' ');
     if (words.empty())
         words = "OpenImageIO gives no reason";
     words.resize(std::min(words.size(), kWordsMost));
-    tell("error " + std::to_string(words.size()) + "\n" + words);
+    transmit("error " + std::to_string(words.size()) + "\n" + words);
 }
 
 /* ---- writing ---- */
@@ -174,7 +174,7 @@ std::string extension_of(const std::string &path)
     return dot == std::string::npos ? std::string() : path.substr(dot);
 }
 
-/* Notes as the format keeps them; nothing that differs from one run to the next. */
+/* Notes as the format has them; nothing that differs from one run to the next. */
 void add_notes(OIIO::ImageSpec &spec, const std::string &format, const std::vector<Note> &notes)
 {
     if (format == "png") {
@@ -195,7 +195,7 @@ struct Order {
     std::vector<Note> notes;
 };
 
-Order hear_order(const std::string &line)
+Order receive_order(const std::string &line)
 {
     Order order;
     size_t at = 6; /* past "write " */
@@ -207,8 +207,8 @@ Order hear_order(const std::string &line)
     order.delay_ms = take_number(line, at, kDelayMost);
     if (order.width == 0 || order.height == 0 || order.frames == 0)
         leave(2);
-    order.path = hear_text(length);
-    order.notes = hear_notes(count);
+    order.path = receive_text(length);
+    order.notes = receive_notes(count);
     return order;
 }
 
@@ -230,7 +230,7 @@ OIIO::ImageSpec spec_of(const Order &order, const std::string &format)
     if (format == "webp")
         spec.attribute("Compression", "lossless");
     /* These put the time of writing in where none is given. PNG leaves out what is no time; the
-     * others, which would keep even that, get the beginning of all of them. */
+     * others, which would store even that, get the beginning of all of them. */
     if (format == "png")
         spec.attribute("DateTime", "none");
     if (format == "tiff" || format == "dpx" || format == "rla")
@@ -259,7 +259,7 @@ bool write_frame(OIIO::ImageOutput &out, const std::vector<uint8_t> &pixels)
     return out.write_image(OIIO::TypeFloat, light.data());
 }
 
-/* Opens for the frame `number`; some formats want to hear of all of them first. */
+/* Opens for the frame `number`; some formats need to know all of them first. */
 bool open_frame(OIIO::ImageOutput &out, const Order &order, const OIIO::ImageSpec &spec,
                 uint64_t number)
 {
@@ -279,7 +279,7 @@ std::string reason(OIIO::ImageOutput &out)
 }
 
 /* Writes what the order says as its frames arrive; the words of a failure, or none. Whatever
- * happens, all frames are heard. */
+ * happens, all frames are received. */
 std::string write_frames(const Order &order, OIIO::ImageOutput *out, std::string words)
 {
     std::vector<uint8_t> pixels(3 * order.width * order.height);
@@ -287,7 +287,7 @@ std::string write_frames(const Order &order, OIIO::ImageOutput *out, std::string
     if (words.empty())
         spec = spec_of(order, out->format_name());
     for (uint64_t i = 0; i < order.frames; i++) {
-        hear(pixels.data(), pixels.size());
+        receive(pixels.data(), pixels.size());
         if (!words.empty())
             continue;
         try {
@@ -306,7 +306,7 @@ std::string write_frames(const Order &order, OIIO::ImageOutput *out, std::string
 
 void write_image(const std::string &line)
 {
-    const Order order = hear_order(line);
+    const Order order = receive_order(line);
     std::string words;
     std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(order.path);
     if (!out || is_no_file(out->format_name())) {
@@ -318,8 +318,8 @@ void write_image(const std::string &line)
         words = extension_of(order.path) + " holds one picture; expected for instance .gif or .tif";
         out.reset();
     }
-    /* The library does not look at what closing a file says, and so would not see that the disk was
-     * full; where it lets us hold the file, we look. (Its TIFF writer reports the failure by
+    /* The library does not check what closing a file returns, and so would not see that the disk was
+     * full; where it lets us hold the file, we check. (Its TIFF writer reports the failure by
      * itself, and loses its directory when held.) */
     std::unique_ptr<OIIO::Filesystem::IOFile> file;
     if (out && std::strcmp(out->format_name(), "tiff") != 0 && out->supports("ioproxy")) {
@@ -331,9 +331,9 @@ void write_image(const std::string &line)
     if (words.empty() && file && (std::fflush(file->handle()) != 0 || std::ferror(file->handle())))
         words = std::strerror(errno);
     if (words.empty())
-        tell("ok\n");
+        transmit("ok\n");
     else
-        tell_error(words);
+        answer_error(words);
 }
 
 /* ---- reading ---- */
@@ -366,28 +366,28 @@ void widen(std::vector<uint8_t> &pixels, size_t channels, size_t count)
     }
 }
 
-/* Colours as the file holds them, not multiplied by alpha; what is none, or too large, is told. */
+/* Colours as the file holds them, not multiplied by alpha; an error is answered for what is none, or too large. */
 std::unique_ptr<OIIO::ImageInput> open_image(const std::string &path)
 {
     OIIO::ImageSpec wish;
     wish.attribute("oiio:UnassociatedAlpha", 1);
     std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(path, &wish);
     if (!in) {
-        tell_error(OIIO::geterror());
+        answer_error(OIIO::geterror());
         return in;
     }
     const OIIO::ImageSpec &spec = in->spec();
     if (spec.width < 1 || spec.height < 1 || spec.width > static_cast<int>(kSideMost) ||
         spec.height > static_cast<int>(kSideMost) || spec.depth > 1 || spec.deep ||
         spec.nchannels < 1 || is_no_file(in->format_name())) {
-        tell_error("it is " + std::to_string(spec.width) + "x" + std::to_string(spec.height) +
-                   " pixels, deep or of no file; expected a flat image of 1 to 16384 a side");
+        answer_error("it is " + std::to_string(spec.width) + "x" + std::to_string(spec.height) +
+                     " pixels, deep or of no file; expected a flat image of 1 to 16384 a side");
         in.reset();
     }
     return in;
 }
 
-/* The first four channels at most; nothing, and told, where they cannot be had. */
+/* The first four channels at most; nothing, and an answer "error", where they cannot be had. */
 std::vector<uint8_t> pixels_of(OIIO::ImageInput &in)
 {
     const OIIO::ImageSpec &spec = in.spec();
@@ -395,7 +395,7 @@ std::vector<uint8_t> pixels_of(OIIO::ImageInput &in)
     const int channels = std::min(spec.nchannels, 4);
     std::vector<uint8_t> pixels(4 * count);
     if (!in.read_image(0, 0, 0, channels, OIIO::TypeUInt8, pixels.data())) {
-        tell_error(in.geterror());
+        answer_error(in.geterror());
         pixels.clear();
         return pixels;
     }
@@ -403,21 +403,21 @@ std::vector<uint8_t> pixels_of(OIIO::ImageInput &in)
     return pixels;
 }
 
-void tell_notes(const std::vector<Note> &notes)
+void transmit_notes(const std::vector<Note> &notes)
 {
     for (const Note &note : notes)
-        tell(std::to_string(note.name.size()) + " " + std::to_string(note.value.size()) + "\n" +
-             note.name + note.value);
+        transmit(std::to_string(note.name.size()) + " " + std::to_string(note.value.size()) + "\n" +
+                 note.name + note.value);
 }
 
-std::string hear_path(const std::string &line, size_t at)
+std::string receive_path(const std::string &line, size_t at)
 {
-    return hear_text(take_number(line, at, kPathMost));
+    return receive_text(take_number(line, at, kPathMost));
 }
 
 void read_image(const std::string &line)
 {
-    std::unique_ptr<OIIO::ImageInput> in = open_image(hear_path(line, 5)); /* past "read " */
+    std::unique_ptr<OIIO::ImageInput> in = open_image(receive_path(line, 5)); /* past "read " */
     if (!in)
         return;
     const std::vector<uint8_t> pixels = pixels_of(*in);
@@ -425,13 +425,13 @@ void read_image(const std::string &line)
         return;
     const OIIO::ImageSpec &spec = in->spec();
     const std::vector<Note> notes = notes_of(spec);
-    tell("picture " + std::to_string(spec.width) + " " + std::to_string(spec.height) + " " +
-         std::to_string(notes.size()) + "\n");
-    tell_notes(notes);
-    tell(pixels.data(), pixels.size());
+    transmit("picture " + std::to_string(spec.width) + " " + std::to_string(spec.height) + " " +
+             std::to_string(notes.size()) + "\n");
+    transmit_notes(notes);
+    transmit(pixels.data(), pixels.size());
 }
 
-/* "R,G,B", cut where it is too long to be told. */
+/* "R,G,B", cut where it is too long. */
 std::string channels_of(const OIIO::ImageSpec &spec)
 {
     std::string names;
@@ -440,9 +440,9 @@ std::string channels_of(const OIIO::ImageSpec &spec)
     return names.substr(0, kFactMost);
 }
 
-void tell_about(const std::string &line)
+void about_image(const std::string &line)
 {
-    std::unique_ptr<OIIO::ImageInput> in = open_image(hear_path(line, 6)); /* past "about " */
+    std::unique_ptr<OIIO::ImageInput> in = open_image(receive_path(line, 6)); /* past "about " */
     if (!in || pixels_of(*in).empty())
         return;
     const OIIO::ImageSpec spec = in->spec();
@@ -452,11 +452,11 @@ void tell_about(const std::string &line)
     uint64_t frames = 1;
     while (frames < kFramesMost && in->seek_subimage(static_cast<int>(frames), 0))
         frames++;
-    tell("about " + std::to_string(spec.width) + " " + std::to_string(spec.height) + " " +
-         std::to_string(frames) + " " + std::to_string(notes.size()) + " " +
-         std::to_string(format.size()) + " " + std::to_string(type.size()) + " " +
-         std::to_string(channels.size()) + "\n" + format + type + channels);
-    tell_notes(notes);
+    transmit("about " + std::to_string(spec.width) + " " + std::to_string(spec.height) + " " +
+             std::to_string(frames) + " " + std::to_string(notes.size()) + " " +
+             std::to_string(format.size()) + " " + std::to_string(type.size()) + " " +
+             std::to_string(channels.size()) + "\n" + format + type + channels);
+    transmit_notes(notes);
 }
 
 /* ---- */
@@ -480,23 +480,23 @@ void prepare()
 }
 
 /* One request. What is thrown before the first byte of the answer becomes an error; a request must
- * have been heard out by then, so only libraries may throw. */
+ * have been received by then, so only libraries may throw. */
 void serve()
 {
-    std::string line = hear_line();
+    std::string line = receive_line();
     try {
         if (line.compare(0, 6, "write ") == 0)
             write_image(line);
         else if (line.compare(0, 5, "read ") == 0)
             read_image(line);
         else if (line.compare(0, 6, "about ") == 0)
-            tell_about(line);
+            about_image(line);
         else
             leave(2);
     } catch (const std::bad_alloc &) {
-        leave(3); /* perhaps in the middle of a request: the client tells it from the status */
+        leave(3); /* perhaps in the middle of a request: the client sees it from the status */
     } catch (const std::exception &error) {
-        tell_error(error.what());
+        answer_error(error.what());
     }
 }
 

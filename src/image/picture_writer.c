@@ -11,7 +11,7 @@
 #include "base/mem.h"
 #include "image/helper.h"
 
-enum { LOOK_MS = 100 };
+enum { POLL_MS = 100 };
 
 struct picture_job {
     struct picture_job *next;
@@ -75,9 +75,9 @@ void picture_job_free(struct picture_job *job)
 
 /* ---- the thread ---- */
 
-/* Under the lock. A press without memory for its news says so with what it has left. */
-static void tell(struct picture_writer *writer, enum err err, const char *path,
-                 const struct fault *fault)
+/* Under the lock. */
+static void report(struct picture_writer *writer, enum err err, const char *path,
+                   const struct fault *fault)
 {
     const uint64_t one = 1;
     if (err) {
@@ -88,7 +88,7 @@ static void tell(struct picture_writer *writer, enum err err, const char *path,
         buf_add_char(&writer->news, '\n');
     }
     if (write(writer->descriptor, &one, sizeof one) < 0)
-        return; /* it counts to 2^64: whoever reads it has been told already */
+        return; /* it counts to 2^64, and is readable already */
 }
 
 /* Takes the next job off the queue; NULL where none waits. Under the lock. */
@@ -120,7 +120,7 @@ static void *work(void *argument)
         struct fault fault = {0};
         enum err err = image_write(writer->helper, job->path, job->mode, &job->picture, &fault);
         pthread_mutex_lock(&writer->lock);
-        tell(writer, err, job->path, &fault);
+        report(writer, err, job->path, &fault);
         writer->current = NULL;
         picture_job_free(job);
         pthread_cond_broadcast(&writer->done);
@@ -217,13 +217,13 @@ bool picture_writer_holds(struct picture_writer *writer, const char *path)
     return holds;
 }
 
-/* What waits will not be written. Under the lock. */
-static void give_up(struct picture_writer *writer)
+/* Jobs that wait will not be written. Under the lock. */
+static void cancel_waiting(struct picture_writer *writer)
 {
     struct fault fault;
     for (struct picture_job *job; (job = take(writer)) != NULL; picture_job_free(job)) {
         fault_set(&fault, ERR_CANCELLED, "cancelled: %s was not written", job->path);
-        tell(writer, ERR_CANCELLED, job->path, &fault);
+        report(writer, ERR_CANCELLED, job->path, &fault);
     }
 }
 
@@ -231,7 +231,7 @@ static void wait_a_moment(struct picture_writer *writer)
 {
     struct timespec until;
     clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_nsec += LOOK_MS * 1000000L;
+    until.tv_nsec += POLL_MS * 1000000L;
     until.tv_sec += until.tv_nsec / 1000000000L;
     until.tv_nsec %= 1000000000L;
     pthread_cond_timedwait(&writer->done, &writer->lock, &until);
@@ -248,7 +248,7 @@ enum err picture_writer_wait(struct picture_writer *writer, struct watch *watch,
         stopped = stopped || watch_poll(watch, "writing pictures", 0, 0);
         pthread_mutex_lock(&writer->lock);
         if (stopped)
-            give_up(writer);
+            cancel_waiting(writer);
     }
     pthread_mutex_unlock(&writer->lock);
     return stopped ? watch_fault(watch, fault) : OK;

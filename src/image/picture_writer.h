@@ -1,18 +1,20 @@
 /*
- * The picture writer: writes pictures beside the session, so that nobody waits while one is compressed.
+ * The picture writer: compresses and writes pictures while the session goes on.
  *
- * A thread of its own takes one job after the other and has an image helper of its own. What
- * came of each is kept as a line until somebody asks for the news; a descriptor tells that there
- * are some.
+ * A thread of its own takes one job after the other and has an image helper of its own. The outcome
+ * of each is stored as a line until picture_writer_news takes it; a descriptor says that there are
+ * some.
  *
  * Invariants
  *   P1 jobs are carried out one at a time, in the order in which they were given;
- *   P2 each has one outcome, told once, in that order, and a file is there, whole, before it is
- *      said to be;
- *   P3 at most PICTURE_WRITER_WAITING_MOST jobs wait: picture_writer_give waits for room, so memory is bounded;
- *   P4 whatever was given is done when picture_writer_free returns, unless picture_writer_wait gave it up.
+ *   P2 each has one outcome, reported once, in that order, and a file is there, whole, before its
+ *      outcome says so;
+ *   P3 at most PICTURE_WRITER_WAITING_MOST jobs wait: picture_writer_give waits for room, so memory
+ *      is bounded;
+ *   P4 every job that was given is done when picture_writer_free returns, unless
+ *      picture_writer_wait cancelled it.
  *
- * Apart from the thread inside, a press belongs to one thread.
+ * Apart from the thread inside, a picture writer belongs to one thread.
  */
 #ifndef IMAGE_PICTURE_WRITER_H
 #define IMAGE_PICTURE_WRITER_H
@@ -29,7 +31,7 @@ enum { PICTURE_WRITER_WAITING_MOST = 4 };
 
 struct picture_writer;
 
-/* One picture to be written; made by picture_writer_order, and the picture writer's once it is given. */
+/* One picture to be written; made by picture_job_new, and owned by the writer once it is given. */
 struct picture_job;
 
 /* `program` as for image_helper_new; it is started with the first job that needs it. */
@@ -39,32 +41,32 @@ enum err picture_writer_new(struct picture_writer **writer, const char *program,
 /* Waits for everything that was given. NULL is fine. */
 void picture_writer_free(struct picture_writer *writer);
 
-/* Whether the picture writer takes a file of this name: its extension says that it can be written. What is
- * not known that well is better written by whoever waits for the outcome. */
+/* Whether it takes a file of this name: its extension says that it can be written. A picture of
+ * another name is better written while the caller waits for the outcome. */
 bool picture_writer_takes(const char *path);
 
 /* Checks what can be checked now (that the folder is there, and the file not, under FILE_KEEP), and
- * makes an job, into which the picture goes. On error the picture stays the caller's. */
+ * makes a job, into which the picture goes. On error the picture stays the caller's. */
 enum err picture_job_new(struct picture_job **job, const char *path, enum file_mode mode,
                          struct picture *picture, struct fault *fault);
 void picture_job_free(struct picture_job *job); /* one that is not given; NULL is fine */
 
-/* Gives an job, which cannot fail; waits while PICTURE_WRITER_WAITING_MOST are before it. */
+/* Gives a job, which cannot fail; waits while PICTURE_WRITER_WAITING_MOST are before it. */
 void picture_writer_give(struct picture_writer *writer, struct picture_job *job);
 
-/* Whether an job for this path is not done yet. */
+/* Whether a job for this path is not done yet. */
 bool picture_writer_holds(struct picture_writer *writer, const char *path);
 
-/* Waits until all is done. Where the watch (or NULL) stops it, what has not been begun is given up,
- * which its outcome says, and ERR_CANCELLED. */
+/* Waits until all is done. Where the watch (or NULL) stops it, jobs not yet begun are cancelled,
+ * which their outcomes say, and ERR_CANCELLED. */
 enum err picture_writer_wait(struct picture_writer *writer, struct watch *watch,
                              struct fault *fault);
 
-/* Adds a line for every outcome that was not told yet: "wrote a.png", or "error: " and the words.
+/* Adds a line for every outcome that was not reported yet: "wrote a.png", or "error: " and the words.
  */
 void picture_writer_news(struct picture_writer *writer, struct buf *out);
 
-/* Becomes readable when there are news, until they are told. */
+/* Becomes readable when there are news, until they are taken. */
 int picture_writer_descriptor(const struct picture_writer *writer);
 
 #endif

@@ -19,7 +19,7 @@
  * 6 for files. */
 enum png_effort { PNG_FAST, PNG_SMALL, PNG_FILE, PNG_EFFORTS };
 
-/* Compressors and memory, kept from picture to picture. `struct png_writer w = {0}` is ready. */
+/* Compressors and memory, used again for the next picture. `struct png_writer w = {0}` is ready. */
 struct png_writer {
     struct libdeflate_compressor *compressor[PNG_EFFORTS]; /* NULL until needed */
     uint8_t *raw, *packed;
