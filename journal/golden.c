@@ -11,7 +11,7 @@ enum { NAME_MAX_BYTES = 64 };
 
 static const char journal_ending[] = ".iftty";
 
-const char *golden_plane_name(enum golden_plane plane)
+static const char *plane_name(enum golden_plane plane)
 {
     static const char *const name[] = {"colour", "depth", "label", "voxel"};
     return plane < GOLDEN_PLANES ? name[plane] : "none";
@@ -155,7 +155,7 @@ void golden_tell(struct buf *out, const struct golden_difference *difference)
                    "%" PRIu64 " of %" PRIu64 " pixels differ, first column %" PRIu32
                    ", row %" PRIu32 ": %s is %s, %s was expected",
                    difference->pixels, (uint64_t)difference->width * difference->height,
-                   difference->column, difference->row, golden_plane_name(difference->plane),
+                   difference->column, difference->row, plane_name(difference->plane),
                    difference->actual, difference->expected);
         if (difference->expected_voxel != difference->actual_voxel)
             buf_printf(out, "; it shows voxel %" PRIu32 " instead of %" PRIu32,

@@ -117,10 +117,6 @@ extern const unsigned command_count;
 
 const struct command *command_find(const char *name);
 
-/* The error for a name that command_find does not know: "WHAT sede; did you mean seed?", or "WHAT
- * xyz; LIST lists them". */
-enum err command_unknown(struct fault *fault, const char *what, const char *list, const char *word);
-
 /* Parses a line against the table. Positions and labels are looked up in `session` (which may have
  * no scene: then positions are refused, and label names too). The words of an error say what was
  * expected, and fault->at, where the word begins that is wrong; for one that is missing, a place
@@ -142,6 +138,12 @@ void command_write_word(struct buf *out, const char *word);
 
 /* The canonical form of a call. */
 void command_write(struct buf *out, const struct call *call);
+
+/* What stands for a value: "X,Y,Z", "on|off", "0..32". */
+void usage_form(struct buf *out, const struct parameter *p);
+
+/* The same with its key and brackets: "LABEL", "[radius=0..32]". */
+void usage_parameter(struct buf *out, const struct parameter *p);
 
 /* "seed X,Y,Z LABEL [radius=0..32]": how a command is used. */
 void command_usage(struct buf *out, const struct command *command);

@@ -1,6 +1,5 @@
 /* What may follow in a line that is being typed. */
 #include "command/partial.h"
-#include "command/usage.h"
 
 /* The parameters that are not given yet: those in order, then those with keys. */
 static void add_rest(struct buf *out, const struct partial *p)

@@ -84,7 +84,7 @@ void near_try_choices(struct near *near, const char *choices)
         near_try(near, choice.word, choice.length);
 }
 
-void near_add(const struct near *near, const char *ending, struct buf *out)
+static void near_add(const struct near *near, const char *ending, struct buf *out)
 {
     if (near->count == 0 || near->count > NEAR_MOST)
         return;

@@ -8,7 +8,7 @@
  *
  *     struct near near = near_to("sede");
  *     near_try(&near, "seed", 4);        each that is known
- *     near_add(&near, "", out);          "; did you mean seed?", or nothing
+ *     near_append(&near, "", fault);     "; did you mean seed?", or nothing
  */
 #ifndef COMMAND_NEAR_H
 #define COMMAND_NEAR_H
@@ -35,9 +35,8 @@ struct near near_to(const char *word);
 void near_try(struct near *near, const char *known, size_t length);
 void near_try_choices(struct near *near, const char *choices); /* "a|b|c" */
 
-/* Adds "; did you mean a, b or c?", each word followed by `ending`: "=" for keys. */
-void near_add(const struct near *near, const char *ending, struct buf *out);
-/* The same after the words of a fault. Returns its code. */
+/* Adds "; did you mean a, b or c?" to the words of a fault, each word followed by `ending`: "=" for
+ * keys; nothing where no word is near, or too many. Returns its code. */
 enum err near_append(const struct near *near, const char *ending, struct fault *fault);
 
 #endif

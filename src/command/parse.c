@@ -20,13 +20,15 @@ const struct command *command_find(const char *name)
     return NULL;
 }
 
-enum err command_unknown(struct fault *fault, const char *what, const char *list, const char *word)
+/* The error for a name that command_find does not know: "WHAT sede; did you mean seed?", or "WHAT
+ * xyz; `help` lists them". */
+static enum err unknown(struct fault *fault, const char *what, const char *word)
 {
     struct near near = near_to(word);
     for (unsigned i = 0; i < command_count; i++)
         near_try(&near, command_table[i].name, strlen(command_table[i].name));
     if (near.count == 0 || near.count > NEAR_MOST)
-        return fault_set(fault, ERR_USAGE, "%s %s; %s lists them", what, word, list);
+        return fault_set(fault, ERR_USAGE, "%s %s; `help` lists them", what, word);
     fault_set(fault, ERR_USAGE, "%s %s", what, word);
     near_append(&near, "", fault);
     return ERR_USAGE;
@@ -251,7 +253,7 @@ static enum err read_value(struct value *value, const struct parameter *p, const
             return expect(fault, p, word, "");
         case VALUE_COMMAND:
             if (!command_find(word))
-                return command_unknown(fault, "there is no command", "`help`", word);
+                return unknown(fault, "there is no command", word);
             break;
         default:
             if (!*word)
@@ -344,7 +346,7 @@ static enum err read_words(struct call *call, unsigned count, const struct sessi
     *wrong = 0;
     call->command = command_find(word);
     if (!call->command)
-        return command_unknown(fault, "unknown command", "`help`", word);
+        return unknown(fault, "unknown command", word);
     for (*wrong = 1; *wrong < count; ++*wrong) {
         word += strlen(word) + 1;
         enum err err = fill(call, word, session, fault);
