@@ -168,7 +168,7 @@ static enum err read_tree(struct tree *tree, const char *bytes, size_t length, s
 {
     struct walk walk;
     struct record record;
-    enum err err = walk_begin(&walk, bytes, length, WALK_AS_FOUND, fault);
+    enum err err = walk_begin(&walk, bytes, length, fault);
     if (err)
         return err;
     if (!walk.is_journal)

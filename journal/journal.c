@@ -141,7 +141,7 @@ static enum err survey(const struct buf *bytes, const struct journal_resume *res
 {
     struct walk walk;
     struct record record;
-    enum err err = walk_begin(&walk, bytes->data, bytes->length, WALK_AS_FOUND, fault);
+    enum err err = walk_begin(&walk, bytes->data, bytes->length, fault);
     if (err)
         return err;
     err = judge_semantics(&walk, resume->any_semantics ? 0 : resume->semantics, fault);
@@ -176,7 +176,7 @@ static enum err resume_records(const struct buf *bytes, const struct finding *fi
     struct record record;
     if (!resume->on_record || finding->count == 0)
         return OK;
-    enum err err = walk_begin(&walk, bytes->data, (size_t)finding->sound, WALK_AS_FOUND, fault);
+    enum err err = walk_begin(&walk, bytes->data, (size_t)finding->sound, fault);
     if (err)
         return err;
     while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
@@ -440,7 +440,7 @@ enum err journal_audit(const struct journal *journal, struct fault *fault)
     enum err err = file_read(&bytes, journal_path(journal), JOURNAL_BYTES_MAX, fault);
     if (err)
         goto done;
-    err = walk_begin(&walk, bytes.data, bytes.length, WALK_AS_FOUND, fault);
+    err = walk_begin(&walk, bytes.data, bytes.length, fault);
     if (err)
         goto done;
     enum walk_step step;

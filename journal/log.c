@@ -1,42 +1,24 @@
 #include "journal/log.h"
 
-#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "journal/walk.h"
 
-/* Adds the lines of a record but for its result line, which is its last. */
-static void add_commands(struct buf *out, const char *bytes, const struct record *record)
-{
-    const char *begin = bytes + record->offset;
-    size_t length = (size_t)(record->end - record->offset);
-    if (record->has_result) {
-        if (begin[length - 1] == '\n')
-            length--;
-        const char *feed = memrchr(begin, '\n', length);
-        assert(feed); /* after the command */
-        length = (size_t)(feed - begin) + 1;
-    }
-    buf_add(out, begin, length);
-    if (begin[length - 1] != '\n')
-        buf_add_char(out, '\n');
-}
-
 enum err journal_script(struct buf *out, const char *bytes, size_t length, struct fault *fault)
 {
     struct walk walk;
     struct record record;
-    enum err err = walk_begin(&walk, bytes, length, WALK_AS_FOUND, fault);
-    if (err)
-        return err;
-    while (walk_next(&walk, &record) == WALK_RECORD)
-        add_commands(out, walk.bytes, &record);
-    if (walk.over == WALK_END)
-        buf_add(out, walk.bytes + walk.offset,
-                walk.length - walk.offset); /* last comments of a script */
-    if (walk.over == WALK_DAMAGED)
-        err = fault_set(fault, ERR_INPUT, "%s", walk.fault.text);
+    enum err err = walk_begin(&walk, bytes, length, fault);
+    while (!err && walk_next(&walk, &record) == WALK_RECORD) {
+        buf_add(out, walk.bytes + record.offset, (size_t)(record.result_offset - record.offset));
+        if (out->length && out->data[out->length - 1] != '\n')
+            buf_add_char(out, '\n');
+    }
+    if (walk.over == WALK_END) /* last comments of a script */
+        buf_add(out, walk.bytes + walk.offset, walk.length - walk.offset);
+    if (!err)
+        err = walk_judge(&walk, fault);
     if (out->failed)
         err = fault_memory(fault, "the commands of a journal");
     walk_release(&walk);
@@ -79,7 +61,7 @@ enum err journal_check(struct journal_condition *condition, const char *bytes, s
     struct record record;
     struct fault words;
     *condition = (struct journal_condition){.chain = record_chain_zero};
-    enum err err = walk_begin(&walk, bytes, length, WALK_AS_FOUND, &words);
+    enum err err = walk_begin(&walk, bytes, length, &words);
     if (err == ERR_INPUT)
         return condition_set(condition, JOURNAL_DAMAGED, &line_1, words.text, fault);
     if (err)

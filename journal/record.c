@@ -15,6 +15,7 @@ static const char chain_mark[] = " chain=";
 enum {
     HEADER_MAX = 64,
     VERSION_MAX = 999999999,
+    VERSION_DIGITS = 9,
     MARK_LENGTH = sizeof chain_mark - 1,
     SEAL_LENGTH = MARK_LENGTH + RECORD_CHAIN_DIGITS,
     NUMBER_DIGITS_MAX = 15
@@ -102,33 +103,18 @@ bool record_header_is_meant(const char *text, size_t length)
     return length >= begin && memcmp(text, header_begin, begin) == 0;
 }
 
-/* Advances over `text` as far as both go; false where they differ. */
-static bool pass_text(const char **at, const char *text)
-{
-    for (; **at && *text; ++*at, ++text)
-        if (**at != *text)
-            return false;
-    return true;
-}
-
-static bool pass_version(const char **at)
-{
-    const char *begin = *at;
-    while (is_digit(**at) && *at - begin < 9)
-        ++*at;
-    return *begin == '\0' || (*at > begin && *begin != '0');
-}
-
 bool record_header_is_begun(const char *text, size_t length)
 {
-    char line[HEADER_MAX];
-    const char *at = line;
-    if (length == 0 || length >= sizeof line)
+    char begin[HEADER_MAX];
+    const size_t whole =
+        (size_t)snprintf(begin, sizeof begin, "%s%d%s", header_begin, RECORD_FORMAT, header_middle);
+    const size_t both = length < whole ? length : whole;
+    if (length == 0 || length > whole + VERSION_DIGITS || memcmp(text, begin, both) != 0)
         return false;
-    memcpy(line, text, length);
-    line[length] = '\0';
-    return pass_text(&at, header_begin) && pass_version(&at) && pass_text(&at, header_middle) &&
-           pass_version(&at) && at == line + length;
+    for (size_t i = both; i < length; i++)
+        if (!is_digit(text[i]) || text[both] == '0')
+            return false;
+    return true;
 }
 
 /* ---- what may stand in a record -------------------------------------------------------------- */
@@ -195,9 +181,9 @@ bool record_word_next(const char **cursor, const char *end, struct record_word *
     return true;
 }
 
-static bool key_is(const struct record_word *word, const char *key, size_t length)
+bool record_key_is(const struct record_word *word, const char *key, size_t key_length)
 {
-    return word->key_length == length && memcmp(word->key, key, length) == 0;
+    return word->key_length == key_length && memcmp(word->key, key, key_length) == 0;
 }
 
 bool record_word_find(const char *words, const char *key, size_t key_length,
@@ -205,9 +191,20 @@ bool record_word_find(const char *words, const char *key, size_t key_length,
 {
     const char *at = words, *end = words + strlen(words);
     while (record_word_next(&at, end, word))
-        if (key_is(word, key, key_length))
+        if (record_key_is(word, key, key_length))
             return true;
     return false;
+}
+
+bool record_word_is_among(const char *words, const struct record_word *like,
+                          struct record_word *found)
+{
+    if (!record_word_find(words, like->key, like->key_length, found)) {
+        *found = (struct record_word){0};
+        return false;
+    }
+    return found->value_length == like->value_length &&
+           memcmp(found->value, like->value, like->value_length) == 0;
 }
 
 static bool words_are_valid(const char *words, size_t length)
@@ -217,10 +214,10 @@ static bool words_are_valid(const char *words, size_t length)
     unsigned count = 0;
     while (at < end) {
         if (count == RECORD_WORDS_MAX || !record_word_next(&at, end, &word[count]) ||
-            key_is(&word[count], "chain", 5))
+            record_key_is(&word[count], "chain", 5))
             return false;
         for (unsigned i = 0; i < count; i++)
-            if (key_is(&word[i], word[count].key, word[count].key_length))
+            if (record_key_is(&word[i], word[count].key, word[count].key_length))
                 return false;
         count++;
     }

@@ -41,10 +41,11 @@ struct record_chain {
 extern const struct record_chain record_chain_zero;
 
 struct record {
-    size_t number;       /* of the command in its file, from 1 */
-    size_t line;         /* where the command stands, from 1 */
-    uint64_t offset;     /* of the record's first byte, comments included */
-    uint64_t end;        /* of the first byte after it */
+    size_t number; /* of the command in its file, from 1 */
+    size_t line;   /* where the command stands, from 1 */
+    /* Places in the file: the record's first byte, comments included; that of its command line, and
+     * of its result line, or the end where there is none; the first byte after the record. */
+    uint64_t offset, command_offset, result_offset, end;
     const char *command; /* without its line feed, ended by NUL */
 
     bool has_result;           /* a script has none; the rest is then empty and nothing fits */
@@ -68,7 +69,7 @@ bool record_header_parse(const char *line, size_t length, unsigned *format, unsi
 /* `text` begins as headers do, and so may be one that cannot be read. */
 bool record_header_is_meant(const char *text, size_t length);
 
-/* `text` is one byte or more of the beginning of a header, its line feed not among them. */
+/* `text` is one byte or more of the beginning of a header of ours, its line feed not among them. */
 bool record_header_is_begun(const char *text, size_t length);
 
 /* ERR_INPUT or ERR_LIMIT and words where `command` cannot stand in a record: empty, too long, a
@@ -123,8 +124,15 @@ struct record_word {
  * well-formed word stands (*cursor is then not at the end). */
 bool record_word_next(const char **cursor, const char *end, struct record_word *word);
 
+bool record_key_is(const struct record_word *word, const char *key, size_t key_length);
+
 /* Finds the word with this key in `words`, ended by NUL. */
 bool record_word_find(const char *words, const char *key, size_t key_length,
                       struct record_word *word);
+
+/* Whether `words` hold `like`, key and value. *found is the word that they have of that key, or {0}
+ * where they have none. */
+bool record_word_is_among(const char *words, const struct record_word *like,
+                          struct record_word *found);
 
 #endif

@@ -37,8 +37,7 @@ static enum err tell_divergence(const struct record *record, const char *words,
     buf_add_text(&report->actual_words, words);
     buf_add(&report->word, expected->key, expected->key_length);
     buf_add(&report->expected, expected->value, expected->value_length);
-    if (actual)
-        buf_add(&report->actual, actual->value, actual->value_length);
+    buf_add(&report->actual, actual->value, actual->value_length);
     if (report->command.failed || report->word.failed || report->expected.failed ||
         report->actual.failed || report->expected_words.failed || report->actual_words.failed)
         return fault_memory(fault, "the report of a replay");
@@ -46,8 +45,8 @@ static enum err tell_divergence(const struct record *record, const char *words,
                      "record %zu (line %zu) diverges: %.*s is %s%.*s, %.*s was recorded; "
                      "command: %.*s",
                      record->number, record->line, SHOWN_MAX, buf_text(&report->word),
-                     actual ? "" : "missing", SHOWN_MAX, buf_text(&report->actual), SHOWN_MAX,
-                     buf_text(&report->expected), SHOWN_MAX, record->command);
+                     actual->value ? "" : "missing", SHOWN_MAX, buf_text(&report->actual),
+                     SHOWN_MAX, buf_text(&report->expected), SHOWN_MAX, record->command);
 }
 
 static enum err tell_failure(const struct record *record, enum err err,
@@ -74,11 +73,8 @@ static enum err compare(const struct record *record, const struct replay_host *h
             report->lost_words++;
             continue;
         }
-        const bool is_there = record_word_find(words, expected.key, expected.key_length, &actual);
-        if (!is_there || actual.value_length != expected.value_length ||
-            memcmp(actual.value, expected.value, expected.value_length) != 0)
-            return tell_divergence(record, words, &expected, is_there ? &actual : NULL, report,
-                                   fault);
+        if (!record_word_is_among(words, &expected, &actual))
+            return tell_divergence(record, words, &expected, &actual, report, fault);
     }
     return OK;
 }
@@ -154,7 +150,7 @@ enum err replay_run(const char *bytes, size_t length, const struct replay_host *
     struct walk walk;
     struct record record;
     report->is_intact = true;
-    enum err err = walk_begin(&walk, bytes, length, WALK_AS_FOUND, fault);
+    enum err err = walk_begin(&walk, bytes, length, fault);
     if (err) {
         report->outcome = REPLAY_UNREADABLE;
         return err;

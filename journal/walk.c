@@ -48,10 +48,9 @@ static bool line_is_result(const struct line *line)
     return line->length > 0 && *line->text == '=';
 }
 
-static bool line_is_comment(const struct walk *walk, const struct line *line)
+static bool line_is_comment(const struct line *line)
 {
-    return line->length == 0 || *line->text == '#' ||
-           (walk->as == WALK_AS_SCRIPT && line_is_result(line));
+    return line->length == 0 || *line->text == '#';
 }
 
 /* ---- the beginning --------------------------------------------------------------------------- */
@@ -94,29 +93,28 @@ static enum err read_header(struct walk *walk, struct fault *fault)
     return OK;
 }
 
-enum err walk_begin(struct walk *walk, const char *bytes, size_t length, enum walk_as as,
-                    struct fault *fault)
+enum err walk_begin(struct walk *walk, const char *bytes, size_t length, struct fault *fault)
 {
-    *walk = (struct walk){.bytes = bytes ? bytes : "", .length = length, .as = as, .line = 1};
+    *walk = (struct walk){.bytes = bytes ? bytes : "", .length = length, .line = 1};
     walk->chain = record_chain_zero;
-    if (as == WALK_AS_FOUND) {
-        enum err err = read_header(walk, fault);
-        if (err)
-            return err;
-    }
+    const enum err err = read_header(walk, fault);
     /* All memory that the walk will need: walk_next cannot fail for the lack of it. */
-    if (!buf_reserve(&walk->command, RECORD_LINE_MAX) ||
-        !buf_reserve(&walk->result, RECORD_LINE_MAX)) {
-        walk_release(walk);
-        return fault_memory(fault, "reading a journal");
-    }
-    return OK;
+    if (err || (buf_reserve(&walk->command, RECORD_LINE_MAX) &&
+                buf_reserve(&walk->result, RECORD_LINE_MAX)))
+        return err;
+    walk_release(walk);
+    return fault_memory(fault, "reading a journal");
 }
 
 void walk_release(struct walk *walk)
 {
     buf_release(&walk->command);
     buf_release(&walk->result);
+}
+
+enum err walk_judge(const struct walk *walk, struct fault *fault)
+{
+    return walk->over == WALK_DAMAGED ? fault_set(fault, ERR_INPUT, "%s", walk->fault.text) : OK;
 }
 
 /* ---- the ends -------------------------------------------------------------------------------- */
@@ -254,7 +252,7 @@ static enum walk_step find_command(struct walk *walk, struct position *at, struc
         if (walk->is_journal && !line->is_complete)
             return end_torn(walk);
         skip_indent(walk, line);
-    } while (line_is_comment(walk, line));
+    } while (line_is_comment(line));
     if ((wrong = command_fault(walk, line)))
         return end_damaged(walk, line, wrong);
     return WALK_RECORD;
@@ -269,7 +267,7 @@ static enum walk_step find_result(struct walk *walk, struct position *at, bool *
     *has_result = false;
     if (!take_line(walk, &after, line))
         return walk->is_journal ? end_torn(walk) : WALK_RECORD;
-    if (walk->as == WALK_AS_SCRIPT || !line_is_result(line))
+    if (!line_is_result(line))
         return WALK_RECORD;
     if ((wrong = line_fault(line)))
         return is_torn_by_zeros(walk, line) ? end_torn(walk) : end_damaged(walk, line, wrong);
@@ -298,6 +296,8 @@ enum walk_step walk_next(struct walk *walk, struct record *record)
     *record = (struct record){.number = walk->records + 1,
                               .line = line.number,
                               .offset = walk->offset,
+                              .command_offset = line.offset,
+                              .result_offset = has_result ? result_line.offset : at.offset,
                               .end = at.offset,
                               .command = buf_text(&walk->command),
                               .result = ""};
@@ -311,18 +311,15 @@ enum walk_step walk_next(struct walk *walk, struct record *record)
 
 enum walk_step walk_next_sound(struct walk *walk, struct record *record)
 {
-    const size_t offset = walk->offset, line = walk->line;
-    const uint64_t noted = walk->noted;
-    const struct record_chain chain = walk->chain;
-    enum walk_step step = walk_next(walk, record);
-    if (step != WALK_RECORD || !walk->is_journal || !record_judge(record, &walk->fault))
+    const struct walk before = *walk;
+    const enum walk_step step = walk_next(walk, record);
+    struct fault why;
+    if (step != WALK_RECORD || !walk->is_journal || !record_judge(record, &why))
         return step;
-    walk->offset = offset; /* take the record back */
-    walk->line = line;
-    walk->noted = noted;
-    walk->chain = chain;
-    walk->records--;
-    end_walk(walk, WALK_DAMAGED, offset, record->line);
+    const size_t line = record->line;
+    *walk = before; /* take the record back */
+    walk->fault = why;
+    end_walk(walk, WALK_DAMAGED, walk->offset, line);
     *record = walk->place;
     return WALK_DAMAGED;
 }

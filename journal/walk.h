@@ -25,17 +25,11 @@
 
 #include "journal/record.h"
 
-enum walk_as {
-    WALK_AS_FOUND,
-    WALK_AS_SCRIPT /* the commands of anything: header and result lines are skipped as comments */
-};
-
 enum walk_step { WALK_RECORD, WALK_END, WALK_TORN, WALK_DAMAGED };
 
 struct walk {
     const char *bytes;
     size_t length;
-    enum walk_as as;
     bool is_journal;
     bool ends_in_zeros;        /* after `length`, in a journal */
     unsigned semantics;        /* of the header; 0 where there is none */
@@ -52,9 +46,9 @@ struct walk {
 };
 
 /* Begins a walk over `length` bytes, which must stay until walk_release. ERR_INPUT for a header
- * that is malformed or of a format we do not know, ERR_MEMORY; nothing to release then. */
-enum err walk_begin(struct walk *walk, const char *bytes, size_t length, enum walk_as as,
-                    struct fault *fault);
+ * that is malformed or of a format we do not know, ERR_MEMORY; then there is nothing to
+ * release, and walk_release is fine too. */
+enum err walk_begin(struct walk *walk, const char *bytes, size_t length, struct fault *fault);
 
 /* The next record; its texts stay until the next call. At WALK_TORN and WALK_DAMAGED `record`
  * holds the number, line and offset of what was found, and walk->fault the words; a torn record
@@ -64,6 +58,9 @@ enum walk_step walk_next(struct walk *walk, struct record *record);
 
 /* The same, but an unsound record of a journal ends the walk as WALK_DAMAGED. */
 enum walk_step walk_next_sound(struct walk *walk, struct record *record);
+
+/* ERR_INPUT and the words of it where the walk ended in damage, else OK. */
+enum err walk_judge(const struct walk *walk, struct fault *fault);
 
 void walk_release(struct walk *walk);
 

@@ -445,7 +445,7 @@ static void forge_taken(const char *from, const char *to, const char *taken)
     struct record record;
     struct record_chain chain = record_chain_zero;
     CHECK(file_read(&bytes, from, JOURNAL_BYTES_MAX, NULL) == OK);
-    CHECK(walk_begin(&walk, bytes.data, bytes.length, WALK_AS_FOUND, NULL) == OK);
+    CHECK(walk_begin(&walk, bytes.data, bytes.length, NULL) == OK);
     buf_add(&out, bytes.data, walk.header_length);
     buf_add(&header, bytes.data, walk.header_length);
     while (walk_next_sound(&walk, &record) == WALK_RECORD) {

@@ -58,7 +58,7 @@ static struct outcome walk_all(const char *bytes, size_t length, bool only_sound
     char *copy = malloc(length ? length : 1);
     if (length)
         memcpy(copy, bytes, length);
-    out.err = walk_begin(&walk, copy, length, WALK_AS_FOUND, &out.fault);
+    out.err = walk_begin(&walk, copy, length, &out.fault);
     if (!out.err) {
         while ((only_sound ? walk_next_sound : walk_next)(&walk, &record) == WALK_RECORD)
             CHECK(record.end > record.offset && record.end <= length);
@@ -80,7 +80,7 @@ STORY(what_is_encoded_is_walked)
     struct walk walk;
     struct record record;
     make_journal(&bytes, where);
-    CHECK(walk_begin(&walk, bytes.data, bytes.length, WALK_AS_FOUND, NULL) == OK);
+    CHECK(walk_begin(&walk, bytes.data, bytes.length, NULL) == OK);
     CHECK(walk.is_journal);
     CHECK_INT(walk.semantics, SEMANTICS);
     const size_t line[RECORDS] = {3, 5, 10, 12, 15};
@@ -131,7 +131,7 @@ STORY(the_example_in_FORMAT_is_decoded)
     struct record record;
     if (!read_example(&bytes))
         return;
-    CHECK(walk_begin(&walk, bytes.data, bytes.length, WALK_AS_FOUND, NULL) == OK);
+    CHECK(walk_begin(&walk, bytes.data, bytes.length, NULL) == OK);
     CHECK(walk_next_sound(&walk, &record) == WALK_RECORD);
     CHECK_TEXT(record.command, "open synth:geom:222");
     CHECK_TEXT(record.result, "scene=8c1f0e52a7b3d946 size=222,222,222");
@@ -326,7 +326,7 @@ STORY(only_the_record_that_was_edited_is_unsound)
     struct record record;
     make_journal(&bytes, where);
     *strstr(bytes.data, "20,30,40") = '1';
-    CHECK(walk_begin(&walk, bytes.data, bytes.length, WALK_AS_FOUND, NULL) == OK);
+    CHECK(walk_begin(&walk, bytes.data, bytes.length, NULL) == OK);
     for (size_t i = 1; i <= RECORDS; i++) {
         struct fault fault = {.text = ""};
         CHECK(walk_next(&walk, &record) == WALK_RECORD);
@@ -377,7 +377,7 @@ STORY(a_script_is_walked_too)
         const char *command;
         size_t line, offset;
     } expected[] = {{"open ch2.nii", 3, 0}, {"seed 1,2,3 4", 4, 25}, {"run", 7, 40}};
-    CHECK(walk_begin(&walk, text, sizeof text - 1, WALK_AS_FOUND, NULL) == OK);
+    CHECK(walk_begin(&walk, text, sizeof text - 1, NULL) == OK);
     CHECK(!walk.is_journal);
     for (size_t i = 0; i < 3; i++) {
         CHECK(walk_next_sound(&walk, &record) == WALK_RECORD);
@@ -390,29 +390,6 @@ STORY(a_script_is_walked_too)
     }
     CHECK(walk_next(&walk, &record) == WALK_END);
     walk_release(&walk);
-}
-
-STORY(an_edited_journal_runs_as_a_script)
-{
-    struct buf bytes = {0};
-    size_t where[RECORDS + 1];
-    struct walk walk;
-    struct record record;
-    make_journal(&bytes, where);
-    buf_add_text(&bytes, "stats\n= something odd\n# and a command without a line feed\nquit");
-    CHECK(walk_begin(&walk, bytes.data, bytes.length, WALK_AS_SCRIPT, NULL) == OK);
-    for (size_t i = 0; i < RECORDS; i++) {
-        CHECK(walk_next(&walk, &record) == WALK_RECORD);
-        CHECK_TEXT(record.command, story[i].command);
-        CHECK(!record.has_result);
-    }
-    CHECK(walk_next(&walk, &record) == WALK_RECORD);
-    CHECK_TEXT(record.command, "stats");
-    CHECK(walk_next(&walk, &record) == WALK_RECORD);
-    CHECK_TEXT(record.command, "quit");
-    CHECK(walk_next(&walk, &record) == WALK_END);
-    walk_release(&walk);
-    buf_release(&bytes);
 }
 
 STORY(the_log_prints_the_commands_alone)
@@ -678,11 +655,11 @@ int main(void)
     return RUN_STORIES(
         TELL(what_is_encoded_is_walked), TELL(the_example_in_FORMAT_is_decoded),
         TELL(the_chain_in_FORMAT_is_what_its_words_say), TELL(headers_have_one_spelling),
-        TELL(a_script_is_walked_too), TELL(an_edited_journal_runs_as_a_script),
-        TELL(the_log_prints_the_commands_alone), TELL(the_log_says_whether_a_journal_is_intact),
-        TELL(what_would_break_a_record_is_refused), TELL(a_seal_does_not_make_a_line_valid),
-        TELL(lines_have_a_limit_on_both_sides), TELL(only_the_record_that_was_edited_is_unsound),
-        TELL(records_moved_about_are_noticed), TELL(every_prefix_is_sound_records_and_a_torn_tail),
-        TELL(zeros_at_the_end_are_torn), TELL(every_flip_of_a_byte_is_noticed_in_its_record),
+        TELL(a_script_is_walked_too), TELL(the_log_prints_the_commands_alone),
+        TELL(the_log_says_whether_a_journal_is_intact), TELL(what_would_break_a_record_is_refused),
+        TELL(a_seal_does_not_make_a_line_valid), TELL(lines_have_a_limit_on_both_sides),
+        TELL(only_the_record_that_was_edited_is_unsound), TELL(records_moved_about_are_noticed),
+        TELL(every_prefix_is_sound_records_and_a_torn_tail), TELL(zeros_at_the_end_are_torn),
+        TELL(every_flip_of_a_byte_is_noticed_in_its_record),
         TELL(every_byte_left_out_or_doubled_is_noticed), TELL(random_bytes_end_in_order));
 }

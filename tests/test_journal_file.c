@@ -366,7 +366,7 @@ static size_t records_in(const char *path)
     struct walk walk;
     struct record record;
     content(&bytes, path);
-    CHECK(walk_begin(&walk, bytes.data, bytes.length, WALK_AS_FOUND, NULL) == OK);
+    CHECK(walk_begin(&walk, bytes.data, bytes.length, NULL) == OK);
     while (walk_next_sound(&walk, &record) == WALK_RECORD)
         ;
     const size_t records = walk.records;
@@ -570,7 +570,7 @@ STORY(a_process_that_dies_at_any_step_leaves_at_most_a_torn_record)
             struct record record;
             struct buf left = {0};
             content(&left, path);
-            CHECK(walk_begin(&walk, left.data, left.length, WALK_AS_FOUND, NULL) == OK);
+            CHECK(walk_begin(&walk, left.data, left.length, NULL) == OK);
             while (walk_next_sound(&walk, &record) == WALK_RECORD)
                 ;
             CHECK(walk.over == WALK_END || walk.over == WALK_TORN);

@@ -148,7 +148,7 @@ static size_t compare(const struct victim *v, size_t *acknowledged)
         return 0;
     }
     CHECK(file_read(&bytes, v->journal, JOURNAL_BYTES_MAX, NULL) == OK);
-    if (!CHECK(walk_begin(&walk, buf_text(&bytes), bytes.length, WALK_AS_FOUND, NULL) == OK))
+    if (!CHECK(walk_begin(&walk, buf_text(&bytes), bytes.length, NULL) == OK))
         return 0;
     while (records < v->before && walk_next_sound(&walk, &record) == WALK_RECORD)
         records++;

@@ -397,6 +397,8 @@ expect 0 "$iftty" verify --bisect b1.iftty b5.iftty
 sed 's/^run$/auto on/' b1.iftty >b6.iftty
 expect 3 "$iftty" verify --bisect b1.iftty b6.iftty
 err_has "b6.iftty: "
+expect 0 "$iftty" run b6.iftty --journal b7.iftty # an edited journal is a script
+expect 0 "$iftty" log --check b7.iftty
 expect 2 "$iftty" verify --bisect b1.iftty
 expect 2 "$iftty" verify --bisect b1.iftty b2.iftty b3.iftty
 expect 3 "$iftty" verify --bisect b1.iftty missing

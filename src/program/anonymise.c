@@ -125,15 +125,13 @@ enum err anonymise_script(struct buf *out, const char *bytes, size_t length, str
     struct anonymiser anonymiser = {0};
     struct walk walk;
     struct record record;
-    enum err err = walk_begin(&walk, bytes, length, WALK_AS_FOUND, fault);
-    if (err)
-        return err;
-    while (walk_next(&walk, &record) == WALK_RECORD) {
+    enum err err = walk_begin(&walk, bytes, length, fault);
+    while (!err && walk_next(&walk, &record) == WALK_RECORD) {
         anonymise_command(&anonymiser, out, record.command);
         buf_add_char(out, '\n');
     }
-    if (walk.over == WALK_DAMAGED)
-        err = fault_set(fault, ERR_INPUT, "%s", walk.fault.text);
+    if (!err)
+        err = walk_judge(&walk, fault);
     if (out->failed)
         err = fault_memory(fault, "the commands of a journal");
     walk_release(&walk);

@@ -206,7 +206,7 @@ enum err provenance_write(struct buf *out, const char *name, const char *bytes, 
         return err;
     if (condition.state == JOURNAL_SCRIPT)
         return fault_set(fault, ERR_CHECK, "%s is a script: it has commands, and no results", name);
-    err = walk_begin(&walk, bytes, length, WALK_AS_FOUND, fault);
+    err = walk_begin(&walk, bytes, length, fault);
     if (err)
         return err;
     begin_document(&p, &json, walk.semantics);

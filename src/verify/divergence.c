@@ -8,45 +8,31 @@
 
 enum likeness { ABSENT, SAME, OTHER }; /* ABSENT: one of the two does not have the word */
 
-static bool find(const char *words, const struct record_word *like, struct record_word *out)
-{
-    return record_word_find(words, like->key, like->key_length, out);
-}
-
-static bool values_are_same(const struct record_word *a, const struct record_word *b)
-{
-    return a->value_length == b->value_length && memcmp(a->value, b->value, a->value_length) == 0;
-}
-
-/* `word` is a key with its "=". */
-static enum likeness compare(const char *expected, const char *actual, const char *word)
+static enum likeness compare(const char *expected, const char *actual, const char *key)
 {
     struct record_word e, a;
-    const char *key = word;
-    const size_t length = strlen(word) - 1;
-    if (!record_word_find(expected, key, length, &e) || !record_word_find(actual, key, length, &a))
+    if (!record_word_find(expected, key, strlen(key), &e))
         return ABSENT;
-    return values_are_same(&e, &a) ? SAME : OTHER;
+    const bool is_same = record_word_is_among(actual, &e, &a);
+    return is_same ? SAME : a.value ? OTHER : ABSENT;
 }
 
-/* The first line that holds says what the difference is; what a command read comes before what it
- * made of it. */
+/* What the difference is; what a command read comes before what it made of it. */
 static const char *meaning(const char *expected, const char *actual)
 {
-    const enum likeness labels = compare(expected, actual, "labels="),
-                        forest = compare(expected, actual, "forest=");
-    if (compare(expected, actual, "scene=") == OTHER)
+    const enum likeness labels = compare(expected, actual, "labels"),
+                        forest = compare(expected, actual, "forest");
+    if (compare(expected, actual, "scene") == OTHER)
         return "the scene is another one: other voxels were read";
-    if (compare(expected, actual, "file=") == OTHER)
+    if (compare(expected, actual, "file") == OTHER)
         return "a file that the command read holds something else";
-    if (compare(expected, actual, "weights=") == OTHER)
+    if (compare(expected, actual, "weights") == OTHER)
         return "the arc weights differ, and what grows by them may";
     if (labels == OTHER)
         return "labels differ: voxels belong to other objects";
     if (labels == SAME && forest == OTHER)
         return "only keys differ: every voxel has the same label, by another cost, hops or root";
-    if (compare(expected, actual, "picture=") == OTHER ||
-        compare(expected, actual, "spin=") == OTHER)
+    if (compare(expected, actual, "picture") == OTHER || compare(expected, actual, "spin") == OTHER)
         return forest == SAME ? "only the picture differs: the forest and its labels are the same"
                               : "the picture differs; the command says nothing of the forest";
     return NULL;
@@ -81,12 +67,12 @@ static void write_word(struct buf *lines, const struct record_word *e, const str
     buf_add_text(lines, ": ");
     buf_add_safe(lines, e->value, e->value_length);
     buf_add_text(lines, is_replay ? " was recorded, " : " in the first, ");
-    if (a)
+    if (a->value)
         buf_add_safe(lines, a->value, a->value_length);
     else
         buf_add_text(lines, "nothing");
     buf_add_text(lines, is_replay ? " now" : " in the second");
-    if (a)
+    if (a->value)
         add_difference(lines, e, a);
     buf_add_char(lines, '\n');
 }
@@ -103,9 +89,8 @@ void divergence_describe(struct buf *lines, const char *expected, const char *ac
         buf_printf(lines, "%s\n", words);
     }
     while (record_word_next(&at, end, &e)) {
-        const bool is_there = find(actual, &e, &a);
-        if (!is_there || !values_are_same(&e, &a)) {
-            write_word(lines, &e, is_there ? &a : NULL, of);
+        if (!record_word_is_among(actual, &e, &a)) {
+            write_word(lines, &e, &a, of);
             continue;
         }
         buf_add_text(&same, same.length ? ", " : "");

@@ -72,7 +72,7 @@ static enum err step(struct follower *f, size_t last, struct fault *fault)
 
 static enum err begin(struct follower *f, const struct buf *bytes, struct fault *fault)
 {
-    const enum err err = walk_begin(&f->walk, buf_text(bytes), bytes->length, WALK_AS_FOUND, fault);
+    const enum err err = walk_begin(&f->walk, buf_text(bytes), bytes->length, fault);
     if (err)
         return fault_prefix(fault, err, "%s", f->name);
     if (f->of == FIRST_RECORD && !f->walk.is_journal)

@@ -31,60 +31,35 @@ struct resealing {
 
 /* ---- one record ---- */
 
-static bool is_given(const struct record_word *recorded, const char *words)
-{
-    struct record_word now;
-    return record_word_find(words, recorded->key, recorded->key_length, &now) &&
-           now.value_length == recorded->value_length &&
-           memcmp(now.value, recorded->value, now.value_length) == 0;
-}
-
 /* Whether every recorded word is given now. */
 static bool all_are_given(const char *recorded, const char *words)
 {
     const char *at = recorded, *end = recorded + strlen(recorded);
-    struct record_word word;
+    struct record_word word, now;
     while (record_word_next(&at, end, &word))
-        if (!is_given(&word, words))
+        if (!record_word_is_among(words, &word, &now))
             return false;
     return true;
 }
 
 static bool is_of_picture(const struct record_word *word)
 {
-    static const char *const key[] = {"picture=", "spin="};
-    for (size_t i = 0; i < sizeof key / sizeof key[0]; i++)
-        if (word->key_length == strlen(key[i]) - 1 &&
-            memcmp(word->key, key[i], word->key_length) == 0)
-            return true;
-    return false;
+    return record_key_is(word, "picture", 7) || record_key_is(word, "spin", 4);
 }
 
 /* Accepting is for pictures: any other result that has changed is refused. */
 static enum err refuse_results(const struct record *record, const char *words, struct fault *fault)
 {
-    struct record_word word;
+    struct record_word word, now;
     const char *at = record->result, *end = at + strlen(at);
     while (record_word_next(&at, end, &word))
-        if (!is_given(&word, words) && !is_of_picture(&word))
+        if (!record_word_is_among(words, &word, &now) && !is_of_picture(&word))
             return fault_set(fault, ERR_CHECK,
                              "record %zu (line %zu) gives another %.*s: no picture, but a result, "
                              "which is not accepted; iftty log --reseal takes it in; %s",
                              record->number, record->line, (int)word.key_length, word.key,
                              unchanged);
     return OK;
-}
-
-/* The comments before a record's command, as they stand. */
-static void add_comments(struct buf *out, const char *bytes, const struct record *record)
-{
-    const char *at = bytes + record->offset, *end = bytes + record->end;
-    while (at < end && (*at == '#' || *at == '\n')) {
-        const char *feed = memchr(at, '\n', (size_t)(end - at));
-        const size_t n = feed ? (size_t)(feed - at) + 1 : (size_t)(end - at);
-        buf_add(out, at, n);
-        at += n;
-    }
 }
 
 /* Why it has changed, and what it was before. */
@@ -109,7 +84,7 @@ static enum err write_record(struct resealing *r, const char *bytes, const struc
     const bool is_same =
         record->has_result && all_are_given(record->result, buf_text(&reply->words));
     const bool has_note = r->accept && r->accept->note.length;
-    add_comments(&comments, bytes, record);
+    buf_add(&comments, bytes + record->offset, record->command_offset - record->offset);
     if (!is_sound || !is_same || has_note) {
         add_mark(r, &comments, record);
         r->marked++;
@@ -175,7 +150,7 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
 {
     struct walk walk;
     struct record record;
-    enum err err = walk_begin(&walk, buf_text(bytes), bytes->length, WALK_AS_FOUND, fault);
+    enum err err = walk_begin(&walk, buf_text(bytes), bytes->length, fault);
     if (err)
         return err;
     err = judge_header(r, &walk, fault);

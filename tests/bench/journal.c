@@ -58,7 +58,7 @@ static enum err read_many(const struct buf *bytes, struct fault *fault)
 {
     struct walk walk;
     struct record record;
-    enum err err = walk_begin(&walk, bytes->data, bytes->length, WALK_AS_FOUND, fault);
+    enum err err = walk_begin(&walk, bytes->data, bytes->length, fault);
     if (err)
         return err;
     while (walk_next_sound(&walk, &record) == WALK_RECORD)
@@ -136,7 +136,7 @@ static enum err verify_records(struct interpreter *interp, const struct buf *byt
 {
     struct walk walk;
     struct record record;
-    enum err err = walk_begin(&walk, bytes->data, bytes->length, WALK_AS_FOUND, fault);
+    enum err err = walk_begin(&walk, bytes->data, bytes->length, fault);
     if (err)
         return err;
     while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
@@ -190,7 +190,7 @@ static enum err append_all(struct journal *journal, const struct buf *bytes, str
 {
     struct walk walk;
     struct record record;
-    enum err err = walk_begin(&walk, bytes->data, bytes->length, WALK_AS_FOUND, fault);
+    enum err err = walk_begin(&walk, bytes->data, bytes->length, fault);
     if (err)
         return err;
     while (!err && walk_next(&walk, &record) == WALK_RECORD)

@@ -26,16 +26,18 @@ static void encode_again(const struct walk *walk, const struct record *record,
     buf_release(&out);
 }
 
-static void walk_through(const char *bytes, size_t length, enum walk_as as)
+static void walk_through(const char *bytes, size_t length)
 {
     struct walk walk;
     struct record record;
     struct record_chain before = record_chain_zero;
     uint64_t end = 0;
-    if (walk_begin(&walk, bytes, length, as, NULL))
+    if (walk_begin(&walk, bytes, length, NULL))
         return;
     while (walk_next(&walk, &record) == WALK_RECORD) {
         HOLDS(record.offset >= end && record.end > record.offset && record.end <= length);
+        HOLDS(record.command_offset >= record.offset &&
+              record.result_offset > record.command_offset && record.end >= record.result_offset);
         HOLDS(strlen(record.command) <= RECORD_LINE_MAX &&
               strlen(record.result) <= RECORD_LINE_MAX);
         if (walk.is_journal)
@@ -54,12 +56,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t length)
     struct journal_condition condition;
     struct buf script = {0};
     struct fault fault;
-    walk_through(bytes, length, WALK_AS_FOUND);
-    walk_through(bytes, length, WALK_AS_SCRIPT);
+    walk_through(bytes, length);
     const enum err err = journal_check(&condition, bytes, length, &fault);
     HOLDS(!err == (condition.state == JOURNAL_INTACT || condition.state == JOURNAL_SCRIPT));
     if (!journal_script(&script, bytes, length, NULL) && script.length)
-        walk_through(script.data, script.length, WALK_AS_FOUND);
+        walk_through(script.data, script.length);
     buf_release(&script);
     return 0;
 }
