@@ -11,30 +11,22 @@ enum { NAME_MAX_BYTES = 64 };
 
 static const char journal_ending[] = ".iftty";
 
-static const char *plane_name(enum golden_plane plane)
-{
-    static const char *const name[] = {"colour", "depth", "label", "voxel"};
-    return plane < GOLDEN_PLANES ? name[plane] : "none";
-}
+static const char *const plane_name[] = {"colour", "depth", "label", "voxel"};
 
 /* ---- comparing ------------------------------------------------------------------------------- */
 
-/* A plane as bytes; every sample of every plane has four. */
-static const uint8_t *plane_bytes(const struct golden_planes *planes, enum golden_plane plane)
+/* The sample at a pixel, or NULL where there is no such plane. */
+static const uint8_t *sample(const struct golden_planes *planes, enum golden_plane plane,
+                             size_t pixel)
 {
-    switch (plane) {
-    case GOLDEN_RGBA:
-        return planes->rgba;
-    case GOLDEN_DEPTH:
-        return (const uint8_t *)planes->depth;
-    case GOLDEN_LABEL:
-        return (const uint8_t *)planes->label;
-    case GOLDEN_VOXEL:
-        return (const uint8_t *)planes->voxel;
-    case GOLDEN_PLANES:
-        break;
-    }
-    return NULL;
+    const uint8_t *bytes = planes->plane[plane];
+    return bytes ? bytes + 4 * pixel : NULL;
+}
+
+static uint32_t voxel_at(const struct golden_planes *planes, size_t pixel)
+{
+    const uint32_t *voxel = planes->plane[GOLDEN_VOXEL];
+    return voxel ? voxel[pixel] : 0;
 }
 
 static bool shapes_differ(const struct golden_planes *a, const struct golden_planes *b)
@@ -42,7 +34,7 @@ static bool shapes_differ(const struct golden_planes *a, const struct golden_pla
     if (a->width != b->width || a->height != b->height)
         return true;
     for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++)
-        if (!plane_bytes(a, plane) != !plane_bytes(b, plane))
+        if (!a->plane[plane] != !b->plane[plane])
             return true;
     return false;
 }
@@ -50,7 +42,7 @@ static bool shapes_differ(const struct golden_planes *a, const struct golden_pla
 static void print_sample(char out[64], const struct golden_planes *planes, enum golden_plane plane,
                          size_t pixel)
 {
-    const uint8_t *byte = plane_bytes(planes, plane) + 4 * pixel;
+    const uint8_t *byte = sample(planes, plane, pixel);
     uint32_t bits;
     float depth;
     memcpy(&bits, byte, 4);
@@ -71,8 +63,8 @@ static void note_first(struct golden_difference *out, const struct golden_planes
     out->plane = plane;
     print_sample(out->expected, expected, plane, pixel);
     print_sample(out->actual, actual, plane, pixel);
-    out->expected_voxel = expected->voxel ? expected->voxel[pixel] : 0;
-    out->actual_voxel = actual->voxel ? actual->voxel[pixel] : 0;
+    out->expected_voxel = voxel_at(expected, pixel);
+    out->actual_voxel = voxel_at(actual, pixel);
 }
 
 /* Whether a pixel differs in any plane; counts and notes it. */
@@ -81,8 +73,8 @@ static bool compare_pixel(struct golden_difference *out, const struct golden_pla
 {
     bool differs = false;
     for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++) {
-        const uint8_t *a = plane_bytes(expected, plane), *b = plane_bytes(actual, plane);
-        if (!a || memcmp(a + 4 * pixel, b + 4 * pixel, 4) == 0)
+        const uint8_t *a = sample(expected, plane, pixel), *b = sample(actual, plane, pixel);
+        if (!a || memcmp(a, b, 4) == 0)
             continue;
         if (out->pixels == 0 && !differs)
             note_first(out, expected, actual, plane, pixel);
@@ -107,11 +99,10 @@ static void paint(uint8_t out[4], const uint8_t *rgba, bool differs)
 static bool planes_are_same(const struct golden_planes *expected,
                             const struct golden_planes *actual, size_t bytes)
 {
-    for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++) {
-        const uint8_t *a = plane_bytes(expected, plane), *b = plane_bytes(actual, plane);
-        if (a && memcmp(a, b, bytes) != 0)
+    for (enum golden_plane plane = 0; plane < GOLDEN_PLANES; plane++)
+        if (expected->plane[plane] &&
+            memcmp(expected->plane[plane], actual->plane[plane], bytes) != 0)
             return false;
-    }
     return true;
 }
 
@@ -133,7 +124,7 @@ enum err golden_compare(const struct golden_planes *expected, const struct golde
     if (!out->image)
         return fault_memory(fault, "a difference image");
     for (size_t i = 0; i < pixels; i++)
-        paint(out->image + 4 * i, expected->rgba ? expected->rgba + 4 * i : NULL,
+        paint(out->image + 4 * i, sample(expected, GOLDEN_RGBA, i),
               compare_pixel(out, expected, actual, i));
     return OK;
 }
@@ -155,7 +146,7 @@ void golden_tell(struct buf *out, const struct golden_difference *difference)
                    "%" PRIu64 " of %" PRIu64 " pixels differ, first column %" PRIu32
                    ", row %" PRIu32 ": %s is %s, %s was expected",
                    difference->pixels, (uint64_t)difference->width * difference->height,
-                   difference->column, difference->row, plane_name(difference->plane),
+                   difference->column, difference->row, plane_name[difference->plane],
                    difference->actual, difference->expected);
         if (difference->expected_voxel != difference->actual_voxel)
             buf_printf(out, "; it shows voxel %" PRIu32 " instead of %" PRIu32,

@@ -15,23 +15,20 @@
 #include "base/buf.h"
 #include "base/err.h"
 
+/* In the order in which a pixel is compared. Each has four bytes for a pixel: R G B A; a float; a
+ * uint32_t; a uint32_t. */
+enum golden_plane { GOLDEN_RGBA, GOLDEN_DEPTH, GOLDEN_LABEL, GOLDEN_VOXEL, GOLDEN_PLANES };
+
 /* A decoded picture: rows from the top, columns from the left, column fastest. A plane that is not
  * there is NULL. Borrowed. */
 struct golden_planes {
     uint32_t width, height;
-    const uint8_t *rgba;   /* [height][width][4] */
-    const float *depth;    /* [height][width] */
-    const uint32_t *label; /* [height][width] */
-    const uint32_t *voxel; /* [height][width] */
+    const void *plane[GOLDEN_PLANES];
 };
-
-/* In the order in which a pixel is compared. */
-enum golden_plane { GOLDEN_RGBA, GOLDEN_DEPTH, GOLDEN_LABEL, GOLDEN_VOXEL, GOLDEN_PLANES };
 
 struct golden_difference {
     bool is_same;
-    bool shape_differs; /* another size, or a plane that only one has; nothing else is
-                           told then */
+    bool shape_differs; /* another size, or a plane that only one has; nothing else is known then */
     uint64_t pixels;    /* that differ in any plane */
     uint64_t pixels_of[GOLDEN_PLANES];
     uint32_t column, row;                  /* the first of them in reading order, from 0 */

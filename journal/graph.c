@@ -1,7 +1,7 @@
 #include "journal/graph.h"
 
-#include <stdlib.h>
 #include <search.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"
@@ -12,102 +12,77 @@
 
 /* ---- the tree ---- */
 
+/* An alternative. In a search tree (tsearch), since a journal may have as many as records. */
+struct branch {
+    size_t tip; /* the last record that belongs to it; 0 for none */
+    char name[];
+};
+
 /* A record, or at 0 the beginning. */
 struct node {
     size_t state;    /* the node whose state is the present one after it: itself, but for at=N */
     size_t parent;   /* the node it follows */
     size_t children; /* that follow it and are still to be drawn */
-    size_t branch;   /* it belongs to */
-    size_t command;  /* place in tree->texts */
     size_t lane;     /* once drawn, where it waits for those that follow it */
-    bool is_note;    /* at=N */
-};
-
-struct branch {
-    size_t name; /* place in tree->texts */
-    size_t tip;  /* the last record that belongs to it; 0 for none */
-};
-
-/* In a search tree (tsearch), since a journal may have as many branches as records. */
-struct named {
-    size_t branch;
-    char name[];
+    struct branch *branch;  /* it belongs to */
+    uint64_t command;       /* place in the journal */
+    uint32_t command_bytes; /* how many */
+    bool is_note;           /* at=N */
 };
 
 struct tree {
+    const char *bytes; /* of the journal; borrowed */
     struct node *node; /* [nodes] by the number of the record */
-    size_t nodes, node_capacity;
-    struct branch *branch;
-    size_t branches, branch_capacity;
-    void *names;      /* of struct named */
-    struct buf texts; /* each ended by NUL */
-    size_t present;   /* node */
-    size_t on;        /* the branch that what follows belongs to */
+    size_t nodes, capacity;
+    void *branches;
+    size_t present;    /* node */
+    struct branch *on; /* that what follows belongs to */
 };
 
 static void tree_release(struct tree *tree)
 {
-    tdestroy(tree->names, free);
+    tdestroy(tree->branches, free);
     free(tree->node);
-    free(tree->branch);
-    buf_release(&tree->texts);
-}
-
-static size_t store_text(struct tree *tree, const char *text, size_t length)
-{
-    const size_t place = tree->texts.length;
-    buf_add(&tree->texts, text, length);
-    buf_add_char(&tree->texts, '\0');
-    return place;
 }
 
 static int compare_names(const void *a, const void *b)
 {
-    const struct named *x = a, *y = b;
+    const struct branch *x = a, *y = b;
     return strcmp(x->name, y->name);
 }
 
-/* A search tree's entry for a name, or NULL when out of memory. */
-static struct named *new_name(const char *name, size_t length, size_t branch)
+static struct branch *new_branch(const char *name, size_t length)
 {
-    struct named *named = mem_new(sizeof *named + length + 1);
-    if (!named)
-        return NULL;
-    named->branch = branch;
-    memcpy(named->name, name, length);
-    return named;
+    struct branch *branch = mem_new(sizeof *branch + length + 1);
+    if (branch)
+        memcpy(branch->name, name, length);
+    return branch;
 }
 
-/* Of two branches of one name, which no session makes, the first is the one that is found. */
-static bool add_branch(struct tree *tree, const char *name, size_t length)
+/* What follows belongs to a new branch; to the first of that name where there are two, which no
+ * session makes. */
+static bool begin_branch(struct tree *tree, const char *name, size_t length)
 {
-    struct named *named = new_name(name, length, tree->branches);
-    struct named **found = named ? tsearch(named, &tree->names, compare_names) : NULL;
-    if (!found || *found != named)
-        free(named);
-    if (!found ||
-        !mem_grow(&tree->branch, &tree->branch_capacity, tree->branches + 1, sizeof *tree->branch))
-        return false;
-    tree->on = tree->branches;
-    tree->branch[tree->branches++] = (struct branch){.name = store_text(tree, name, length)};
-    return true;
+    struct branch *branch = new_branch(name, length);
+    struct branch **found = branch ? tsearch(branch, &tree->branches, compare_names) : NULL;
+    if (!found || *found != branch)
+        free(branch);
+    tree->on = found ? *found : NULL;
+    return tree->on;
 }
 
 /* The branch that a record with at=N says one is on; that of N where it says nothing. */
-static enum err read_on(struct tree *tree, const struct record *record, size_t state,
-                        struct fault *fault)
+static bool read_on(struct tree *tree, const struct record *record, size_t state)
 {
     struct record_word word;
     tree->on = tree->node[state].branch;
-    if (!record_word_find(record->result, "on=", 2, &word))
-        return OK;
-    struct named *named = new_name(word.value, word.value_length, 0);
-    if (!named)
-        return fault_memory(fault, "the graph of a journal");
-    struct named **found = tfind(named, &tree->names, compare_names);
-    tree->on = found ? (*found)->branch : tree->on;
-    free(named);
-    return OK;
+    if (!record_word_find(record->result, "on", 2, &word))
+        return true;
+    struct branch *like = new_branch(word.value, word.value_length);
+    struct branch **found = like ? tfind(like, &tree->branches, compare_names) : NULL;
+    tree->on = found ? *found : tree->on;
+    free(like);
+    return like;
 }
 
 /* Where at=N goes: to a node before this record. */
@@ -127,57 +102,56 @@ static enum err read_at(const struct tree *tree, const struct record *record,
     return OK;
 }
 
+static bool add_node(struct tree *tree, const struct node *node)
+{
+    if (!mem_grow(&tree->node, &tree->capacity, tree->nodes + 1, sizeof *node))
+        return false;
+    tree->node[tree->nodes] = *node;
+    tree->present = node->state;
+    if (!node->is_note && tree->nodes) {
+        tree->node[node->parent].children++;
+        node->branch->tip = tree->nodes;
+    }
+    tree->nodes++;
+    return true;
+}
+
 static enum err add_record(struct tree *tree, const struct record *record, struct fault *fault)
 {
     struct record_word at, name;
-    const bool moves = record_word_find(record->result, "at=", 2, &at);
-    const bool begins = record_word_find(record->result, "branch=", 6, &name);
-    const size_t number = tree->nodes;
-    struct node node = {.is_note = moves && !begins, .parent = tree->present, .lane = NO_LANE};
-    enum err err = moves ? read_at(tree, record, &at, &node.parent, fault) : OK;
-    if (!err && moves)
-        err = read_on(tree, record, node.parent, fault);
+    const bool moves = record_word_find(record->result, "at", 2, &at);
+    const bool begins = record_word_find(record->result, "branch", 6, &name);
+    struct node node = {.is_note = moves && !begins,
+                        .parent = tree->present,
+                        .command = record->command_offset,
+                        .command_bytes = (uint32_t)strlen(record->command),
+                        .lane = NO_LANE};
+    const enum err err = moves ? read_at(tree, record, &at, &node.parent, fault) : OK;
     if (err)
         return err;
-    node.state = node.is_note ? node.parent : number;
-    node.branch = begins ? tree->branches : tree->on;
-    node.command = store_text(tree, record->command, strlen(record->command));
-    if ((begins && !add_branch(tree, name.value, name.value_length)) ||
-        !mem_grow(&tree->node, &tree->node_capacity, number + 1, sizeof node) || tree->texts.failed)
-        return fault_memory(fault, "the graph of a journal");
-    tree->node[tree->nodes++] = node;
-    tree->present = node.state;
-    if (!node.is_note) {
-        tree->node[node.parent].children++;
-        tree->branch[node.branch].tip = number;
-    }
-    return OK;
+    bool has_room = !moves || read_on(tree, record, node.parent);
+    if (has_room && begins)
+        has_room = begin_branch(tree, name.value, name.value_length);
+    node.state = node.is_note ? node.parent : tree->nodes;
+    node.branch = tree->on;
+    return has_room && add_node(tree, &node) ? OK : fault_memory(fault, "the graph of a journal");
 }
 
-static enum err begin_tree(struct tree *tree, struct fault *fault)
-{
-    *tree = (struct tree){0};
-    if (!add_branch(tree, "main", 4) ||
-        !mem_grow(&tree->node, &tree->node_capacity, 1, sizeof *tree->node) || tree->texts.failed)
-        return fault_memory(fault, "the graph of a journal");
-    tree->node[tree->nodes++] = (struct node){.lane = NO_LANE};
-    return OK;
-}
-
-static enum err read_tree(struct tree *tree, const char *bytes, size_t length, struct fault *fault)
+static enum err read_tree(struct tree *tree, size_t length, struct fault *fault)
 {
     struct walk walk;
     struct record record;
-    enum err err = walk_begin(&walk, bytes, length, fault);
-    if (err)
-        return err;
-    if (!walk.is_journal)
+    enum err err = walk_begin(&walk, tree->bytes, length, fault);
+    if (!err && !walk.is_journal)
         err = fault_set(fault, ERR_INPUT,
                         "this is a script, not a journal: no result says what follows what");
+    if (!err && (!begin_branch(tree, "main", 4) ||
+                 !add_node(tree, &(struct node){.branch = tree->on, .lane = NO_LANE})))
+        err = fault_memory(fault, "the graph of a journal");
     while (!err && walk_next(&walk, &record) == WALK_RECORD)
         err = add_record(tree, &record, fault);
-    if (!err && walk.over == WALK_DAMAGED)
-        err = fault_set(fault, ERR_INPUT, "%s", walk.fault.text);
+    if (!err)
+        err = walk_judge(&walk, fault);
     walk_release(&walk);
     return err;
 }
@@ -267,10 +241,9 @@ static size_t choose_lane(struct drawing *d, const struct node *node)
     return to;
 }
 
-static void add_text(struct drawing *d, size_t place)
+static void add_command(struct drawing *d, const struct node *node)
 {
-    const char *text = buf_text(&d->tree->texts) + place;
-    buf_add_safe_text(d->out, text);
+    buf_add_safe(d->out, d->tree->bytes + node->command, node->command_bytes);
 }
 
 /* "(main, present) " before the command, where there is something to say. */
@@ -282,14 +255,13 @@ static void add_names(struct drawing *d, size_t number, bool follows_unseen)
         buf_printf(d->out, "(after %zu", node->parent);
         between = ", ";
     }
-    if (number && d->tree->branch[node->branch].tip == number) {
+    if (number && node->branch->tip == number) {
         buf_add_text(d->out, between);
-        add_text(d, d->tree->branch[node->branch].name);
+        buf_add_safe_text(d->out, node->branch->name);
         between = ", ";
     }
     if (number == d->tree->present) {
-        buf_add_text(d->out, between);
-        buf_add_text(d->out, "present");
+        buf_printf(d->out, "%spresent", between);
         between = ", ";
     }
     if (*between == ',')
@@ -308,7 +280,7 @@ static void draw_node(struct drawing *d, size_t number, size_t lane, bool follow
     buf_printf(d->out, "%zu ", number);
     add_names(d, number, follows_unseen);
     if (number)
-        add_text(d, d->tree->node[number].command);
+        add_command(d, d->tree->node + number);
     else
         buf_add_text(d->out, "the beginning");
     end_line(d);
@@ -318,7 +290,7 @@ static void draw_note(struct drawing *d, size_t number)
 {
     draw_rails(d, 0, d->lanes);
     buf_printf(d->out, "(%zu ", number);
-    add_text(d, d->tree->node[number].command);
+    add_command(d, d->tree->node + number);
     buf_printf(d->out, ": at %zu)\n", d->tree->node[number].state);
 }
 
@@ -351,11 +323,9 @@ static void draw_tree(struct drawing *d)
 enum err graph_draw(struct buf *out, const char *bytes, size_t length, bool unicode,
                     struct fault *fault)
 {
-    struct tree tree;
+    struct tree tree = {.bytes = bytes};
     struct drawing drawing = {.out = out, .strokes = unicode ? &box : &ascii, .tree = &tree};
-    enum err err = begin_tree(&tree, fault);
-    if (!err)
-        err = read_tree(&tree, bytes, length, fault);
+    enum err err = read_tree(&tree, length, fault);
     if (!err)
         draw_tree(&drawing);
     if (!err && out->failed)

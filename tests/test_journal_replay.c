@@ -313,7 +313,7 @@ static const struct picture plain = {
 
 static struct golden_planes planes(const struct picture *p)
 {
-    return (struct golden_planes){WIDTH, HEIGHT, &p->rgba[0][0], p->depth, p->label, p->voxel};
+    return (struct golden_planes){WIDTH, HEIGHT, {p->rgba, p->depth, p->label, p->voxel}};
 }
 
 static void compare(const struct picture *actual, struct golden_difference *out)
@@ -418,10 +418,10 @@ STORY(another_size_or_a_missing_plane_is_told)
     CHECK_HAS(buf_text(&words), "sizes");
     golden_difference_release(&d);
     b = planes(&plain);
-    b.voxel = NULL;
+    b.plane[GOLDEN_VOXEL] = NULL;
     CHECK(golden_compare(&a, &b, &d, NULL) == OK);
     CHECK(d.shape_differs);
-    a.voxel = NULL; /* missing in both is fine */
+    a.plane[GOLDEN_VOXEL] = NULL; /* missing in both is fine */
     CHECK(golden_compare(&a, &b, &d, NULL) == OK);
     CHECK(d.is_same);
     a = b = (struct golden_planes){.width = UINT32_MAX, .height = UINT32_MAX};

@@ -10,7 +10,7 @@
 
 static struct golden_planes planes_of(const struct picture *p)
 {
-    return (struct golden_planes){p->width, p->height, p->rgba, p->depth_mm, p->label, p->voxel};
+    return (struct golden_planes){p->width, p->height, {p->rgba, p->depth_mm, p->label, p->voxel}};
 }
 
 static enum err read_golden(struct interpreter *interp, struct picture *expected, const char *name,

@@ -101,8 +101,8 @@ static void golden(void)
     depth[1][77] += 0.5f;
     voxel[1][90]++;
     rgba[1][1001] ^= 1;
-    const struct golden_planes a = {SIDE, SIDE, rgba[0], depth[0], NULL, voxel[0]},
-                               b = {SIDE, SIDE, rgba[1], depth[1], NULL, voxel[1]};
+    const struct golden_planes a = {SIDE, SIDE, {rgba[0], depth[0], NULL, voxel[0]}},
+                               b = {SIDE, SIDE, {rgba[1], depth[1], NULL, voxel[1]}};
     must(golden_compare(&a, &b, &difference, &fault), &fault, "a comparison");
     golden_tell(&text, &difference);
     tell(bytes_digest(buf_text(&text), text.length), "golden/words");
