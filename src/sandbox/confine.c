@@ -36,44 +36,10 @@ struct beneath {
     int32_t fd;
 } __attribute__((packed));
 
-#if defined SYS_landlock_create_ruleset
-
 static int create(const struct ruleset *ruleset, size_t size, unsigned flags)
 {
     return (int)syscall(SYS_landlock_create_ruleset, ruleset, size, flags);
 }
-
-static int add(int set, const struct beneath *rule)
-{
-    return (int)syscall(SYS_landlock_add_rule, set, RULE_PATH_BENEATH, rule, 0);
-}
-
-static int restrict_self(int set)
-{
-    return (int)syscall(SYS_landlock_restrict_self, set, 0);
-}
-
-#else
-
-static int create(const struct ruleset *ruleset, size_t size, unsigned flags)
-{
-    (void)ruleset, (void)size, (void)flags;
-    return -1;
-}
-
-static int add(int set, const struct beneath *rule)
-{
-    (void)set, (void)rule;
-    return -1;
-}
-
-static int restrict_self(int set)
-{
-    (void)set;
-    return -1;
-}
-
-#endif
 
 int confine_version(void)
 {
@@ -111,7 +77,7 @@ static void allow(int set, const struct confine_place *place, uint64_t handled)
     if (fstat(fd, &status) == 0 && !S_ISDIR(status.st_mode))
         rule.allowed &= FS_OF_FILES;
     if (rule.allowed)
-        add(set, &rule);
+        syscall(SYS_landlock_add_rule, set, RULE_PATH_BENEATH, &rule, 0);
     close(fd);
 }
 
@@ -121,14 +87,13 @@ bool confine_to(const struct confine_place *place, size_t places)
     const struct ruleset ruleset = {fs_handled(version), NET_BIND_AND_CONNECT,
                                     SCOPE_SOCKETS_AND_SIGNALS};
     const size_t words = version >= 6 ? 3 : version >= 4 ? 2 : 1;
-    if (!version)
-        return false;
-    const int set = create(&ruleset, words * sizeof ruleset.fs, 0);
+    const int set = version ? create(&ruleset, words * sizeof ruleset.fs, 0) : -1;
     if (set < 0)
         return false;
     for (size_t i = 0; i < places; i++)
         allow(set, &place[i], ruleset.fs);
-    const bool is_confined = prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && restrict_self(set) == 0;
+    const bool is_confined = prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
+                             syscall(SYS_landlock_restrict_self, set, 0) == 0;
     close(set);
     return is_confined;
 }

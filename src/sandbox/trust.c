@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/openat2.h>
-#include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -158,42 +158,36 @@ enum err trust_find(struct buf *path, const char *home, const char *scenes, cons
                      kind, name, undone);
 }
 
-/* ---- where files go ---- */
-
-bool trust_keep_folder(const char *path)
-{
-    return rmdir(path) != 0 && (errno == ENOTEMPTY || errno == EEXIST);
-}
-
 /* ---- confinement ---- */
 
-/* Places as they are gathered; paths that had to be made are in `made`. */
+enum { PLACES_MOST = 256 };
+
+/* Places as they are gathered, each once; their paths are its own. */
 struct gathering {
-    struct confine_place place[256];
+    struct confine_place place[PLACES_MOST];
+    char *path[PLACES_MOST];
     size_t places;
-    struct buf made[256];
-    size_t mades;
-    unsigned made_rights; /* of the last of them */
-    bool is_full;
+    bool is_full; /* or there was no memory */
 };
+
+static void gather_part(struct gathering *g, const char *path, size_t length, unsigned rights)
+{
+    for (size_t i = 0; i < g->places; i++)
+        if (g->place[i].rights == rights && strlen(g->path[i]) == length &&
+            memcmp(g->path[i], path, length) == 0)
+            return;
+    char *own = length && g->places < PLACES_MOST ? strndup(path, length) : NULL;
+    g->is_full |= length && !own;
+    if (!own)
+        return;
+    g->path[g->places] = own;
+    g->place[g->places++] = (struct confine_place){own, rights};
+}
 
 static void gather(struct gathering *g, const char *path, unsigned rights)
 {
-    g->is_full |= g->places == sizeof g->place / sizeof *g->place;
-    if (path && !g->is_full)
-        g->place[g->places++] = (struct confine_place){path, rights};
-}
-
-static void gather_made(struct gathering *g, const char *text, size_t length, unsigned rights)
-{
-    g->is_full |= g->mades == sizeof g->made / sizeof *g->made;
-    if (!length || g->is_full)
-        return;
-    struct buf *made = &g->made[g->mades++];
-    buf_add(made, text, length);
-    g->made_rights = rights;
-    g->is_full |= made->failed;
-    gather(g, buf_text(made), rights);
+    if (path)
+        gather_part(g, path, strlen(path), rights);
 }
 
 static void gather_folder_of(struct gathering *g, const char *path, unsigned rights)
@@ -201,10 +195,7 @@ static void gather_folder_of(struct gathering *g, const char *path, unsigned rig
     struct buf folder = {0};
     file_folder(&folder, path);
     g->is_full |= folder.failed;
-    const bool is_known = g->mades && g->made_rights == rights &&
-                          strcmp(buf_text(&g->made[g->mades - 1]), buf_text(&folder)) == 0;
-    if (!is_known) /* many journals lie in one folder */
-        gather_made(g, buf_text(&folder), folder.length, rights);
+    gather(g, buf_text(&folder), rights);
     buf_release(&folder);
 }
 
@@ -212,7 +203,7 @@ static void gather_list(struct gathering *g, const char *list)
 {
     while (*list) {
         const size_t length = strcspn(list, ":");
-        gather_made(g, list, length, CONFINE_READ);
+        gather_part(g, list, length, CONFINE_READ);
         list += length + (list[length] == ':');
     }
 }
@@ -253,8 +244,7 @@ static void gather_programs(struct gathering *g, const char *const *program)
 
 bool trust_confine(const struct trust_places *places)
 {
-    static struct gathering g; /* large */
-    g.is_full = false;
+    struct gathering g = {.places = 0};
     gather_system(&g);
     gather(&g, places->helper, CONFINE_READ | CONFINE_RUN);
     gather(&g, places->scene, CONFINE_READ);
@@ -266,8 +256,7 @@ bool trust_confine(const struct trust_places *places)
     gather_programs(&g, places->run);
     gather_journals(&g, places);
     const bool is_confined = !g.is_full && confine_to(g.place, g.places);
-    while (g.mades > 0)
-        buf_release(&g.made[--g.mades]);
-    g.places = 0;
+    while (g.places > 0)
+        free(g.path[--g.places]);
     return is_confined;
 }

@@ -44,9 +44,6 @@ enum trust_answer trust_look(const char *folder, const char *name);
 enum err trust_find(struct buf *path, const char *home, const char *scenes, const char *name,
                     const char *kind, const char *undone, struct fault *fault);
 
-/* Removes a fresh folder, or, where it holds something, leaves it: true. */
-bool trust_keep_folder(const char *path);
-
 /* What a replay needs: NULL for what there is not. */
 struct trust_places {
     char *const *journal;
