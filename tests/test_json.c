@@ -66,33 +66,6 @@ STORY(outer_levels_have_a_line_for_each_member)
                                 "}\n");
 }
 
-STORY(members_that_grow_side_by_side_come_one_after_the_other)
-{
-    struct buf used = {0}, made = {0};
-    struct json json = begin(1);
-    json_object(&json, NULL);
-    json_count(&json, "version", 1);
-    struct json one = json_beside(&json, &used), two = json_beside(&json, &made);
-    json_array(&one, "used");
-    json_array(&two, "made");
-    for (uint64_t i = 0; i < 3; i++) {
-        json_count(&one, NULL, i);
-        json_count(&two, NULL, i * i);
-    }
-    json_end(&one);
-    json_end(&two);
-    buf_add_text(&text, buf_text(&used));
-    buf_add_text(&text, buf_text(&made));
-    json_end(&json);
-    CHECK_TEXT(buf_text(&text), "{\n"
-                                "  \"version\": 1,\n"
-                                "  \"used\": [0, 1, 2],\n"
-                                "  \"made\": [0, 1, 4]\n"
-                                "}\n");
-    buf_release(&used);
-    buf_release(&made);
-}
-
 STORY(each_outermost_value_is_a_line)
 {
     struct json json = begin(0);
@@ -165,7 +138,7 @@ int main(void)
     const int status = RUN_STORIES(
         TELL(members_are_parted_by_commas), TELL(what_is_empty_is_closed_at_once),
         TELL(outer_levels_have_a_line_for_each_member),
-        TELL(members_that_grow_side_by_side_come_one_after_the_other),
+
         TELL(each_outermost_value_is_a_line), TELL(texts_are_escaped_wherever_they_stand),
         TELL(numbers_are_whole_at_the_ends_of_their_range), TELL(reals_have_a_point_and_are_finite),
         TELL(a_failed_buffer_stays_failed));

@@ -87,14 +87,6 @@ void json_end(struct json *json)
     end_member(json);
 }
 
-struct json json_beside(const struct json *json, struct buf *out)
-{
-    struct json beside = *json;
-    beside.out = out;
-    beside.has_member = true;
-    return beside;
-}
-
 /* ---- values ---- */
 
 void json_bytes(struct json *json, const char *key, const void *bytes, size_t length)

@@ -51,9 +51,4 @@ void json_boolean(struct json *json, const char *key, bool value);
 void json_fixed(struct json *json, const char *key, double value, int decimals);
 void json_real(struct json *json, const char *key, double value, int digits);
 
-/* A writer of more members of the object that `json` has open, which has one already, in a buffer
- * of their own: for members that grow side by side. The caller adds the buffer to json->out before
- * the object ends. */
-struct json json_beside(const struct json *json, struct buf *out);
-
 #endif

@@ -34,16 +34,6 @@ static void print_safe(const struct buf *text)
     buf_release(&line);
 }
 
-enum err run_log(const struct options *o, struct fault *fault)
-{
-    struct buf bytes = {0};
-    const enum err err = read_journal(&bytes, o, fault);
-    if (!err)
-        print_safe(&bytes);
-    buf_release(&bytes);
-    return err;
-}
-
 /* What `write` makes of a journal, printed also where it ends with an error. */
 static enum err print_written(enum err (*write)(struct buf *out, const char *bytes, size_t length,
                                                 struct fault *fault),
@@ -53,10 +43,24 @@ static enum err print_written(enum err (*write)(struct buf *out, const char *byt
     enum err err = read_journal(&bytes, o, fault);
     if (!err)
         err = write(&text, buf_text(&bytes), bytes.length, fault);
+    if (!err && text.failed)
+        err = fault_memory(fault, "what a journal says");
     print_safe(&text);
     buf_release(&text);
     buf_release(&bytes);
     return err;
+}
+
+static enum err copy(struct buf *out, const char *bytes, size_t length, struct fault *fault)
+{
+    (void)fault;
+    buf_add(out, bytes, length);
+    return OK;
+}
+
+enum err run_log(const struct options *o, struct fault *fault)
+{
+    return print_written(copy, o, fault);
 }
 
 enum err run_log_script(const struct options *o, struct fault *fault)
@@ -69,43 +73,35 @@ enum err run_log_anonymise(const struct options *o, struct fault *fault)
     return print_written(anonymise_script, o, fault);
 }
 
-enum err run_log_check(const struct options *o, struct fault *fault)
+static enum err check(struct buf *out, const char *bytes, size_t length, struct fault *fault)
 {
-    struct buf bytes = {0};
     struct journal_condition condition;
-    enum err err = read_journal(&bytes, o, fault);
+    const enum err err = journal_check(&condition, bytes, length, fault);
     if (!err)
-        err = journal_check(&condition, buf_text(&bytes), bytes.length, fault);
-    if (!err)
-        puts(condition.text);
-    buf_release(&bytes);
+        buf_printf(out, "%s\n", condition.text);
     return err;
 }
 
+enum err run_log_check(const struct options *o, struct fault *fault)
+{
+    return print_written(check, o, fault);
+}
+
 /* At a terminal no wider than it is, with lines where the locale has them. */
-static enum err draw_graph(struct buf *out, const struct buf *bytes, struct fault *fault)
+static enum err draw_graph(struct buf *out, const char *bytes, size_t length, struct fault *fault)
 {
     const bool is_terminal = isatty(STDOUT_FILENO);
     struct buf drawn = {0};
-    const enum err err =
-        graph_draw(&drawn, buf_text(bytes), bytes->length, is_terminal && locale_is_utf8(), fault);
+    const enum err err = graph_draw(&drawn, bytes, length, is_terminal && locale_is_utf8(), fault);
     if (!err)
         cells_crop(out, buf_text(&drawn), is_terminal ? term_columns(STDOUT_FILENO) : 0);
     buf_release(&drawn);
-    return !err && out->failed ? fault_memory(fault, "the graph of a journal") : err;
+    return err;
 }
 
 enum err run_log_graph(const struct options *o, struct fault *fault)
 {
-    struct buf bytes = {0}, text = {0};
-    enum err err = read_journal(&bytes, o, fault);
-    if (!err)
-        err = draw_graph(&text, &bytes, fault);
-    if (!err)
-        fputs(buf_text(&text), stdout);
-    buf_release(&text);
-    buf_release(&bytes);
-    return err;
+    return print_written(draw_graph, o, fault);
 }
 
 enum err run_log_export(const struct options *o, struct fault *fault)

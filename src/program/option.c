@@ -48,19 +48,20 @@ static bool has_value(const struct option_table *table, const char *name)
     return false;
 }
 
-enum option_kind option_next(struct option_words *words, char **word, const char **value)
+bool option_next(struct option_words *w)
 {
-    *value = NULL;
-    while (words->at < words->count) {
-        *word = words->word[words->at++];
-        if (words->over || (*word)[0] != '-' || (*word)[1] == '\0')
-            return OPTION_OPERAND;
-        words->over = strcmp(*word, "--") == 0;
-        if (words->over)
+    while (w->at < w->count) {
+        w->text = w->word[w->at++];
+        w->value = NULL;
+        w->is_option = !w->over && w->text[0] == '-' && w->text[1];
+        if (!w->is_option)
+            return true;
+        w->over = strcmp(w->text, "--") == 0;
+        if (w->over)
             continue;
-        if (has_value(words->table, *word) && words->at < words->count)
-            *value = words->word[words->at++];
-        return OPTION_OPTION;
+        if (has_value(w->table, w->text) && w->at < w->count)
+            w->value = w->word[w->at++];
+        return true;
     }
-    return OPTION_END;
+    return false;
 }

@@ -41,17 +41,21 @@ struct option_table {
 /* The number of the row with that name among those `taken`, a list ended by 0; 0 for none. */
 uint8_t option_find(const struct option_table *table, const uint8_t *taken, const char *name);
 
-/* Goes through a command line, word by word. Begins with `word` and `count`. */
+/* Goes through a command line, word by word. Begins with `table`, `word` and `count`; a copy goes
+ * through it once more. */
 struct option_words {
     const struct option_table *table;
     char **word;
     int count;
     int at;    /* the next one */
     bool over; /* "--" was met */
+    /* what option_next has found: an option or an operand, */
+    char *text;
+    bool is_option;
+    const char *value; /* and its value; NULL where it has none, or none is left */
 };
-enum option_kind { OPTION_END, OPTION_OPERAND, OPTION_OPTION };
 
-/* The next operand, or option with its value (NULL where it has none, or none is left). */
-enum option_kind option_next(struct option_words *words, char **word, const char **value);
+/* The next operand or option; false at the end. */
+bool option_next(struct option_words *words);
 
 #endif

@@ -30,14 +30,10 @@ struct hints {
 static struct hints take_hints(const struct program_table *table, int count, char **word)
 {
     struct hints hints = {.words = {.table = &table->option, .word = word, .count = count}};
-    struct option_words words = hints.words;
-    enum option_kind kind;
     int operands = 0;
-    const char *value;
-    char *at;
-    while ((kind = option_next(&words, &at, &value)) != OPTION_END)
-        if (kind == OPTION_OPERAND && operands < 2)
-            hints.operand[operands++] = at;
+    for (struct option_words w = hints.words; operands < 2 && option_next(&w);)
+        if (!w.is_option)
+            hints.operand[operands++] = w.text;
     for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++)
         hints.wants_help |= strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0;
     return hints;
@@ -46,26 +42,18 @@ static struct hints take_hints(const struct program_table *table, int count, cha
 /* Whether the command line holds the option, or the second operand, that a form is called by. */
 static bool gives_form(const struct hints *hints, const char *form)
 {
-    struct option_words words = hints->words;
-    enum option_kind kind;
-    const char *value;
-    char *at;
     if (*form != '-')
         return hints->operand[1] && strcmp(hints->operand[1], form) == 0;
-    while ((kind = option_next(&words, &at, &value)) != OPTION_END)
-        if (kind == OPTION_OPTION && strcmp(at, form) == 0)
+    for (struct option_words w = hints->words; option_next(&w);)
+        if (w.is_option && strcmp(w.text, form) == 0)
             return true;
     return false;
 }
 
 static bool takes_all(const struct program *program, const struct hints *hints)
 {
-    struct option_words words = hints->words;
-    enum option_kind kind;
-    const char *value;
-    char *at;
-    while ((kind = option_next(&words, &at, &value)) != OPTION_END)
-        if (kind == OPTION_OPTION && !option_find(words.table, program->option, at))
+    for (struct option_words w = hints->words; option_next(&w);)
+        if (w.is_option && !option_find(w.table, program->option, w.text))
             return false;
     return true;
 }
@@ -168,36 +156,32 @@ static enum err check_operands(const struct program_table *table, const struct o
 /* ---- reading ---- */
 
 /* An option that the program takes or does not. */
-static enum err read_option(const struct program_table *table, const char *name, const char *value,
+static enum err read_option(const struct program_table *table, const struct option_words *w,
                             struct options *o, struct fault *fault)
 {
-    const struct program *program = o->program;
     const struct option *row =
-        table->option.row + option_find(&table->option, program->option, name);
+        table->option.row + option_find(&table->option, o->program->option, w->text);
     if (!row->name)
-        return refuse_option(table, program, name, fault);
-    if (row->value && !value)
-        return fault_set(fault, ERR_USAGE, "%s needs a value, %s", name, row->value);
-    return row->read(row, value, o, fault);
+        return refuse_option(table, o->program, w->text, fault);
+    if (row->value && !w->value)
+        return fault_set(fault, ERR_USAGE, "%s needs a value, %s", w->text, row->value);
+    return row->read(row, w->value, o, fault);
 }
 
 /* Operands and options, without the first `skip` operands, which said which program is meant. */
-static enum err read_words(const struct program_table *table, struct option_words words, int skip,
+static enum err read_words(const struct program_table *table, struct option_words w, int skip,
                            struct options *o, struct fault *fault)
 {
-    enum option_kind kind;
     enum err err = OK;
-    const char *value;
-    char *at;
-    o->word = words.word;
+    o->word = w.word;
     o->words = 0;
-    while (!err && (kind = option_next(&words, &at, &value)) != OPTION_END) {
-        if (kind == OPTION_OPTION)
-            err = read_option(table, at, value, o, fault);
+    while (!err && option_next(&w)) {
+        if (w.is_option)
+            err = read_option(table, &w, o, fault);
         else if (skip > 0)
             skip--;
         else
-            o->word[o->words++] = at;
+            o->word[o->words++] = w.text;
     }
     return err;
 }
