@@ -1448,7 +1448,7 @@ STORY(an_interpolated_scene_is_the_same_when_replayed)
     begin_interpreter(&interp);
     CHECK(interpreter_create_journal(&interp, path, &fault) == OK);
     all_fail_then_work(&interp, deeds, sizeof deeds / sizeof deeds[0]);
-    is_refused(&interp, "interpolate 2 2 2", "a scene is interpolated before the first seed");
+    is_refused(&interp, "interpolate 2 2 2", "a scene is interpolated before its first seed");
     interpreter_release(&interp);
     journal_verifies(path);
 }

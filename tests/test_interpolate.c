@@ -225,10 +225,10 @@ STORY(once_seeds_are_there_it_is_refused)
     const uint64_t digest = session.scene_digest;
     CHECK(session_plant(&session, grid_cell(&session.scene->grid, 5, 5, 5), 1, NULL) == OK);
     CHECK(session_interpolate(&session, 7, &fault) == ERR_USAGE);
-    CHECK_HAS(fault.text, "0 seeds are planted and 1 edits wait");
+    CHECK_HAS(fault.text, "this one has 0 seeds and 1 waiting edit;");
     CHECK(session_run(&session, NULL) == OK);
     CHECK(session_interpolate(&session, 7, &fault) == ERR_USAGE);
-    CHECK_HAS(fault.text, "1 seeds are planted and 0 edits wait; a scene is interpolated before");
+    CHECK_HAS(fault.text, "before its first seed, and this one has 1 seed and 0 waiting edits;");
     CHECK(session.scene_digest == digest && session.former_scene.scene == NULL);
     CHECK(session_eliminate(&session, (uint32_t[]){grid_cell(&session.scene->grid, 5, 5, 5)}, 1,
                             NULL) == OK);

@@ -165,7 +165,7 @@ comes_true has_children 2 "$verifier"
 kill -INT "$verifier"
 wait "$verifier"
 same "$?" 130
-err_has "cancelled; 0 of 3 journals were verified"
+err_has "cancelled; 0 of 3 journals verified"
 for child in $children; do
     [ ! -e "/proc/$child" ] || fail "$child is still there"
 done

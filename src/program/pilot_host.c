@@ -139,7 +139,7 @@ static bool tree(void *context, struct buf *out)
     uint32_t seed[3];
     place_of(session, root, seed);
     buf_printf(out, "the tree of the seed at %u,%u,%u: %zu voxel%s, label ", seed[0], seed[1],
-               seed[2], voxels, voxels == 1 ? "" : "s");
+               seed[2], voxels, plural(voxels));
     act_write_label(out, session, here->label);
     return true;
 }

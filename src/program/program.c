@@ -144,7 +144,7 @@ static enum err check_operands(const struct program_table *table, const struct o
         return OK;
     program_add_usage(&usage, table, p);
     fault_set(fault, ERR_USAGE, "expected `%s`, and there %s %d operand%s", buf_text(&usage),
-              o->words == 1 ? "is" : "are", o->words, o->words == 1 ? "" : "s");
+              o->words == 1 ? "is" : "are", o->words, plural((uint64_t)o->words));
     buf_release(&usage);
     if (p->name || o->words == 0)
         return ERR_USAGE;

@@ -47,8 +47,9 @@ static enum err resume_first(struct prompt *prompt, struct buf *output, struct f
     enum err err = interpreter_resume_journal(&prompt->interp, prompt->first, output, fault);
     console_erase_progress();
     if (!err)
-        buf_printf(output, "%zu records, resumed as they left it\n",
-                   journal_count(prompt->interp.journal));
+        buf_printf(output, "%zu record%s, resumed as they left it\n",
+                   journal_count(prompt->interp.journal),
+                   plural(journal_count(prompt->interp.journal)));
     if (err == ERR_CANCELLED)
         fault_set(fault, err, "cannot resume %s: cancelled; it is as it was", prompt->first);
     return err;
@@ -185,8 +186,8 @@ static void print_journal(const struct journal *journal)
     struct buf text = {0};
     const char *path = journal_path(journal);
     buf_add_safe_text(&text, path);
-    printf("journal: %s (%zu records%s)\n", buf_text(&text), journal_count(journal),
-           journal_only_looks(journal) ? ", not written to" : "");
+    printf("journal: %s (%zu record%s%s)\n", buf_text(&text), journal_count(journal),
+           plural(journal_count(journal)), journal_only_looks(journal) ? ", not written to" : "");
     buf_release(&text);
 }
 

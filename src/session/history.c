@@ -90,8 +90,8 @@ enum err history_before(const struct history *history, size_t count, uint32_t *p
                              "there is nothing to undo since the scene was opened");
         if (parent == POINT_NONE)
             return fault_set(fault, ERR_INPUT,
-                             "only %zu commands can be undone, not %zu; nothing has changed", i,
-                             count);
+                             "only %zu command%s can be undone, not %zu; nothing has changed", i,
+                             plural(i), count);
         *point = parent;
     }
     return OK;
@@ -119,8 +119,8 @@ enum err history_after(const struct history *history, size_t count, uint32_t *po
             return fault_set(fault, ERR_INPUT, "there is nothing to do again");
         if (child == POINT_NONE)
             return fault_set(fault, ERR_INPUT,
-                             "only %zu commands can be done again, not %zu; nothing has changed", i,
-                             count);
+                             "only %zu command%s can be done again, not %zu; nothing has changed",
+                             i, plural(i), count);
         *point = child;
     }
     return OK;

@@ -247,10 +247,12 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
     uint32_t size[3];
     const size_t pendings = edits_count(&session->now.pending);
     if (forest_seeds(session->forest) || pendings)
-        return fault_set(fault, ERR_USAGE,
-                         "%zu seeds are planted and %zu edits wait; a scene is interpolated before "
-                         "the first seed; nothing has changed",
-                         forest_seeds(session->forest), pendings);
+        return fault_set(
+            fault, ERR_USAGE,
+            "a scene is interpolated before its first seed, and this one has %zu seed%s "
+            "and %zu waiting edit%s; nothing has changed",
+            forest_seeds(session->forest), plural(forest_seeds(session->forest)), pendings,
+            plural(pendings));
     if (session->now.kept.mask || session->now.kept.weight_map)
         return fault_set(fault, ERR_USAGE,
                          "a mask or weights out of a file lie on the scene as it is; interpolate "

@@ -111,8 +111,8 @@ enum err replay_aloud(struct interpreter *interp, const char *path, const struct
     if (text.length)
         printer->warn(printer->context, buf_text(&text));
     if (!err)
-        buf_printf(&text, "# %zu commands replayed, %zu results the same\n", report.executed,
-                   report.compared);
+        buf_printf(&text, "# %zu command%s replayed, %zu result%s the same\n", report.executed,
+                   plural(report.executed), report.compared, plural(report.compared));
     if (!err)
         printer->print(printer->context, buf_text(&text));
     replay_report_release(&report);

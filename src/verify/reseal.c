@@ -212,8 +212,8 @@ static void report(const struct resealing *r, const char *path, const struct buf
     buf_add_text(&text, "# ");
     if (r->accept)
         buf_printf(&text, "%zu golden image%s accepted, ", r->accept->images,
-                   r->accept->images == 1 ? "" : "s");
-    buf_printf(&text, "%zu of %zu records of ", r->marked, r->count);
+                   plural(r->accept->images));
+    buf_printf(&text, "%zu of %zu record%s of ", r->marked, r->count, plural(r->count));
     buf_add_safe_text(&text, path);
     buf_add_text(&text, " marked");
     if (former->length) {

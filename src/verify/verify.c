@@ -166,8 +166,8 @@ static void print_result(const struct verification *v, size_t number)
     if (r->err)
         buf_add_char(&text, '\n');
     else
-        buf_printf(&text, " (%llu commands, %llu results)\n", (unsigned long long)r->executed,
-                   (unsigned long long)r->compared);
+        buf_printf(&text, " (%llu command%s, %llu result%s)\n", (unsigned long long)r->executed,
+                   plural(r->executed), (unsigned long long)r->compared, plural(r->compared));
     buf_add_text(&text, buf_text(&r->lines));
     v->printer->print(v->printer->context, buf_text(&text));
     buf_release(&text);
@@ -205,10 +205,9 @@ static enum err run_all(struct verification *v, struct fault *fault)
                                   .done = take_result,
                                   .watch = o->watch};
     const enum err err = processes_run(&how, fault);
-    return err == ERR_CANCELLED
-               ? fault_set(fault, err, "cancelled; %zu of %zu journals were verified", v->printed,
-                           o->count)
-               : err;
+    return err == ERR_CANCELLED ? fault_set(fault, err, "cancelled; %zu of %zu journal%s verified",
+                                            v->printed, o->count, plural(o->count))
+                                : err;
 }
 
 static enum err sum_up(const struct verification *v, struct fault *fault)
@@ -226,7 +225,8 @@ static enum err sum_up(const struct verification *v, struct fault *fault)
     buf_release(&text);
     if (!is_whole)
         return fault_memory(fault, "a report");
-    return sum.worst ? fault_set(fault, sum.worst, "%zu of %zu journals failed", failed, sum.count)
+    return sum.worst ? fault_set(fault, sum.worst, "%zu of %zu journal%s failed", failed, sum.count,
+                                 plural(sum.count))
                      : OK;
 }
 
