@@ -7,7 +7,7 @@
 #include "base/file.h"
 #include "journal/walk.h"
 
-enum { COMMENTS_MAX = 1 << 20, TORN_NAMES_MAX = 9999 };
+enum { COMMENTS_MAX = 1 << 20 };
 
 struct journal {
     struct file_log *log; /* NULL where it is open read-only */
@@ -110,16 +110,6 @@ enum err journal_create(struct journal **out, const char *path, unsigned semanti
 
 /* ---- opening what is there ------------------------------------------------------------------- */
 
-/* What the first walk found. */
-struct finding {
-    unsigned semantics; /* of the header; 0 where there is none */
-    uint64_t sound;     /* bytes of header and sound records; 0 where even the header is missing */
-    size_t count;
-    struct record_chain chain;
-    bool is_torn; /* what follows is torn, or damaged where the caller wants it cut */
-    struct fault fault;
-};
-
 /* Up to `semantics`; 0: any will do. */
 static enum err judge_semantics(const struct walk *walk, unsigned semantics, struct fault *fault)
 {
@@ -135,91 +125,60 @@ static enum err judge_semantics(const struct walk *walk, unsigned semantics, str
     return OK;
 }
 
-/* Walks the bytes and changes nothing: whatever would be refused is refused here. */
-static enum err survey(const struct buf *bytes, const struct journal_resume *resume,
-                       struct finding *finding, struct fault *fault)
+/* Walks the sound part and changes nothing: whatever would be refused is refused here. The walk has
+ * the memory of it, and is released by the caller. */
+static enum err survey(struct walk *walk, const struct buf *bytes,
+                       const struct journal_resume *resume, struct fault *fault)
 {
-    struct walk walk;
     struct record record;
-    enum err err = walk_begin(&walk, bytes->data, bytes->length, fault);
-    if (err)
-        return err;
-    err = judge_semantics(&walk, resume->any_semantics ? 0 : resume->semantics, fault);
-    if (!err && walk.semantics && resume->on_semantics)
-        resume->on_semantics(resume->context, walk.semantics);
-    enum walk_step step = WALK_RECORD;
-    while (!err && step == WALK_RECORD) {
-        step = walk_next_sound(&walk, &record);
-        if (step == WALK_RECORD && resume->on_sight)
+    enum err err = walk_begin(walk, bytes->data, bytes->length, fault);
+    if (!err)
+        err = judge_semantics(walk, resume->any_semantics ? 0 : resume->semantics, fault);
+    if (!err && walk->semantics && resume->on_semantics)
+        resume->on_semantics(resume->context, walk->semantics);
+    while (!err && walk_next_sound(walk, &record) == WALK_RECORD)
+        if (resume->on_sight)
             resume->on_sight(resume->context, &record);
-    }
-    if (!err && step == WALK_DAMAGED && !resume->cuts_damage)
+    if (!err && walk->over == WALK_DAMAGED && !resume->cuts_damage)
         err =
             fault_set(fault, ERR_INPUT,
                       "%s; nothing was changed (`iftty log --repair` keeps the records before it)",
-                      walk.fault.text);
-    *finding = (struct finding){.semantics = walk.semantics,
-                                .sound = walk.offset,
-                                .count = walk.records,
-                                .chain = walk.chain,
-                                .is_torn = step != WALK_END,
-                                .fault = walk.fault};
-    walk_release(&walk);
+                      walk->fault.text);
     return err;
 }
 
 /* Hands the sound records to the caller. */
-static enum err resume_records(const struct buf *bytes, const struct finding *finding,
+static enum err resume_records(const struct buf *bytes, const struct walk *sound,
                                const struct journal_resume *resume, struct fault *fault)
 {
     struct walk walk;
     struct record record;
-    if (!resume->on_record || finding->count == 0)
+    if (!resume->on_record || sound->records == 0)
         return OK;
-    enum err err = walk_begin(&walk, bytes->data, (size_t)finding->sound, fault);
-    if (err)
-        return err;
+    enum err err = walk_begin(&walk, bytes->data, sound->offset, fault);
     while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
         err = resume->on_record(resume->context, &record, fault);
-    assert(err || walk.records == finding->count);
+    assert(err || walk.records == sound->records);
     walk_release(&walk);
     return err;
 }
 
-/* Saves `length` bytes as PATH.torn-N under the first free N; `name` gets that name. */
-static enum err save_torn(struct buf *name, const char *path, const char *bytes, size_t length,
-                          struct fault *fault)
-{
-    for (unsigned n = 1; n <= TORN_NAMES_MAX; n++) {
-        buf_clear(name);
-        buf_printf(name, "%s.torn-%u", path, n);
-        if (name->failed)
-            return fault_memory(fault, "a file name");
-        if (!file_exists(buf_text(name)))
-            return file_write(buf_text(name), bytes, length, FILE_KEEP, fault);
-    }
-    return fault_set(fault, ERR_IO,
-                     "there are %d files %s.torn-N already; the torn record was "
-                     "left where it is",
-                     TORN_NAMES_MAX, path);
-}
-
 /* Saves what follows the sound part, cuts it off and says so. The order matters: at every moment
  * the bytes are in one of the two files. */
-static enum err cut_tail(struct journal *journal, const struct buf *bytes,
-                         const struct finding *finding, struct buf *notice, struct fault *fault)
+static enum err cut_tail(struct journal *journal, const struct buf *bytes, const struct walk *sound,
+                         struct buf *notice, struct fault *fault)
 {
     struct buf name = {0};
-    const size_t lost = bytes->length - (size_t)finding->sound;
-    enum err err =
-        save_torn(&name, journal_path(journal), bytes->data + finding->sound, lost, fault);
+    const size_t lost = bytes->length - sound->offset;
+    enum err err = file_write_beside(&name, journal_path(journal), "torn",
+                                     bytes->data + sound->offset, lost, fault);
     if (!err)
-        err = file_log_cut(journal->log, finding->sound, fault);
+        err = file_log_cut(journal->log, sound->offset, fault);
     if (!err && notice) {
-        buf_printf(notice, "%s; %zu byte%s stored in ", finding->fault.text, lost, plural(lost));
-        buf_add_safe(notice, buf_text(&name), name.length);
-        buf_printf(notice, " and cut off; %zu record%s left", finding->count,
-                   plural(finding->count));
+        buf_printf(notice, "%s; %zu byte%s stored in ", sound->fault.text, lost, plural(lost));
+        buf_add_safe_text(notice, buf_text(&name));
+        buf_printf(notice, " and cut off; %zu record%s left", sound->records,
+                   plural(sound->records));
     }
     buf_release(&name);
     return err;
@@ -235,49 +194,41 @@ static enum err keep_header(struct journal *journal, unsigned semantics, struct 
 
 /* Takes the sound part over. What follows it is cut off, unless the journal is open read-only. */
 static enum err take_over(struct journal *journal, const struct buf *bytes,
-                          const struct finding *finding, struct buf *notice, struct fault *fault)
+                          const struct walk *sound, struct buf *notice, struct fault *fault)
 {
+    const bool has_tail = sound->over != WALK_END;
     enum err err = OK;
-    buf_add(&journal->kept, buf_text(bytes), (size_t)finding->sound);
+    buf_add(&journal->kept, buf_text(bytes), sound->offset);
     if (journal->kept.failed)
         return fault_memory(fault, "the journal");
-    if (finding->is_torn && journal->log)
-        err = cut_tail(journal, bytes, finding, notice, fault);
-    else if (finding->is_torn && notice)
-        buf_printf(notice, "%s; it was left where it is", finding->fault.text);
+    if (has_tail && journal->log)
+        err = cut_tail(journal, bytes, sound, notice, fault);
+    else if (has_tail && notice)
+        buf_printf(notice, "%s; it was left where it is", sound->fault.text);
     if (err)
         return err;
-    journal->count = finding->count;
-    journal->chain = finding->chain;
-    if (finding->sound > 0)
-        return keep_header(journal, finding->semantics, fault);
+    journal->count = sound->records;
+    journal->chain = sound->chain;
+    if (sound->offset > 0)
+        return keep_header(journal, sound->semantics, fault);
     /* The program that began it may have ended before that. */
     err = journal->log ? file_log_sync_folder(journal->log, fault) : OK;
     return err ? err : append_bytes(journal, &journal->header, fault);
 }
 
-static enum err open_held(struct journal *journal, const char *path,
-                          const struct journal_resume *resume, struct buf *notice,
-                          struct fault *fault)
+static enum err take_bytes(struct journal *journal, const struct buf *bytes,
+                           const struct journal_resume *resume, struct buf *notice,
+                           struct fault *fault)
 {
-    struct buf bytes = {0};
-    struct finding finding;
-    enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
-    if (err)
-        goto done;
-    if (journal->log && bytes.length != file_log_length(journal->log)) {
-        err = fault_set(fault, ERR_IO, "%s changed while it was opened", path);
-        goto done;
-    }
-    err = survey(&bytes, resume, &finding, fault);
+    struct walk sound;
+    enum err err = survey(&sound, bytes, resume, fault);
     if (!err)
-        err = resume_records(&bytes, &finding, resume, fault);
+        err = resume_records(bytes, &sound, resume, fault);
     if (err)
-        fault_prefix(fault, err, "cannot continue %s", path);
+        fault_prefix(fault, err, "cannot continue %s", journal_path(journal));
     else
-        err = take_over(journal, &bytes, &finding, notice, fault);
-done:
-    buf_release(&bytes);
+        err = take_over(journal, bytes, &sound, notice, fault);
+    walk_release(&sound);
     return err;
 }
 
@@ -285,6 +236,7 @@ enum err journal_open(struct journal **out, const char *path, const struct journ
                       struct buf *notice, struct fault *fault)
 {
     struct journal *journal;
+    struct buf bytes = {0};
     *out = NULL;
     if (notice)
         buf_clear(notice);
@@ -294,7 +246,12 @@ enum err journal_open(struct journal **out, const char *path, const struct journ
     if (!resume->only_looks)
         err = file_log_open(&journal->log, path, false, fault); /* J6 */
     if (!err)
-        err = open_held(journal, path, resume, notice, fault);
+        err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
+    if (!err && journal->log && bytes.length != file_log_length(journal->log))
+        err = fault_set(fault, ERR_IO, "%s changed while it was opened", path);
+    if (!err)
+        err = take_bytes(journal, &bytes, resume, notice, fault);
+    buf_release(&bytes);
     if (err)
         journal_close(journal);
     else
@@ -362,24 +319,20 @@ enum err journal_comment(struct journal *journal, const char *comment, struct fa
 
 enum err journal_continue(struct journal *journal, const char *path, struct fault *fault)
 {
-    struct file_log *log;
+    struct file_log *log = NULL;
     struct buf name = {0};
     buf_add_text(&name, path);
-    if (name.failed) {
-        buf_release(&name);
-        return fault_memory(fault, "a path");
-    }
-    enum err err = file_log_open(&log, path, true, fault);
-    if (!err) {
+    enum err err = name.failed ? fault_memory(fault, "a path") : OK;
+    if (!err)
+        err = file_log_open(&log, path, true, fault);
+    if (!err)
         err = file_log_append(log, journal->kept.data, journal->kept.length, fault);
-        if (!err)
-            err = file_log_set_sync(log, journal->sync, fault);
-        if (err) {
-            file_discard(path); /* ours, made a moment ago */
-            file_log_close(log);
-        }
-    }
+    if (!err)
+        err = file_log_set_sync(log, journal->sync, fault);
     if (err) {
+        if (log)
+            file_discard(path); /* ours, made a moment ago */
+        file_log_close(log);
         buf_release(&name);
         return err;
     }
@@ -435,29 +388,23 @@ const char *journal_chain(const struct journal *journal)
 enum err journal_audit(const struct journal *journal, struct fault *fault)
 {
     struct buf bytes = {0};
-    struct walk walk;
+    struct walk walk = {0};
     struct record record;
     enum err err = file_read(&bytes, journal_path(journal), JOURNAL_BYTES_MAX, fault);
-    if (err)
-        goto done;
-    err = walk_begin(&walk, bytes.data, bytes.length, fault);
-    if (err)
-        goto done;
-    enum walk_step step;
-    do
-        step = walk_next_sound(&walk, &record);
-    while (step == WALK_RECORD);
-    const bool tail_is_fine = step == WALK_END || (step == WALK_TORN && journal->log &&
-                                                   file_log_is_ragged(journal->log)); /* J2 */
+    if (!err)
+        err = walk_begin(&walk, bytes.data, bytes.length, fault);
+    while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
+        ;
+    const bool tail_is_fine = walk.over == WALK_END || (walk.over == WALK_TORN && journal->log &&
+                                                        file_log_is_ragged(journal->log)); /* J2 */
     const bool content_is_ours = walk.offset == journal->kept.length &&
                                  walk.records == journal->count &&
                                  strcmp(walk.chain.hex, journal->chain.hex) == 0; /* J3 */
-    if (!tail_is_fine || !content_is_ours)
+    if (!err && (!tail_is_fine || !content_is_ours))
         err = fault_set(
             fault, ERR_CHECK, "%s holds %zu records in %zu bytes; acknowledged were %zu in %zu",
             journal_path(journal), walk.records, walk.offset, journal->count, journal->kept.length);
     walk_release(&walk);
-done:
     buf_release(&bytes);
     return err;
 }

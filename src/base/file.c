@@ -14,6 +14,8 @@
 
 /* ---- steps ---- */
 
+enum { NUMBERED_MOST = 9999 }; /* files PATH.KIND-N */
+
 int (*file_step_hook)(enum file_step step, const char *path);
 
 bool file_step_fails(enum file_step step, const char *path)
@@ -200,6 +202,21 @@ enum err file_write(const char *path, const void *bytes, size_t length, enum fil
 done:
     buf_release(&draft);
     return err;
+}
+
+enum err file_write_beside(struct buf *name, const char *path, const char *kind, const void *bytes,
+                           size_t length, struct fault *fault)
+{
+    for (int n = 1; n <= NUMBERED_MOST; n++) {
+        buf_clear(name);
+        buf_printf(name, "%s.%s-%d", path, kind, n);
+        if (name->failed)
+            return fault_memory(fault, "a file name");
+        if (!file_exists(buf_text(name)))
+            return file_write(buf_text(name), bytes, length, FILE_KEEP, fault);
+    }
+    return fault_set(fault, ERR_IO, "there are %d files %s.%s-N already; %s is as it was",
+                     NUMBERED_MOST, path, kind, path);
 }
 
 enum err file_backup(struct buf *backup, const char *path, struct fault *fault)

@@ -28,6 +28,11 @@ enum err file_read(struct buf *out, const char *path, size_t limit, struct fault
 enum err file_write(const char *path, const void *bytes, size_t length, enum file_mode mode,
                     struct fault *fault);
 
+/* Writes them as PATH.KIND-N, under the first such name that is free, which `name` is then: what
+ * `path` held before something was cut off or replaced. */
+enum err file_write_beside(struct buf *name, const char *path, const char *kind, const void *bytes,
+                           size_t length, struct fault *fault);
+
 /* The two halves of file_write, for content that another library or program writes (the image helper, OpenEXR):
  * file_draft fills `draft` with a free temporary name beside `path` that keeps its extension, after
  * checking that `path` may be written; file_publish syncs the draft and gives it its final name;

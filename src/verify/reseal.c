@@ -14,7 +14,6 @@
 enum {
     WHY_MOST = 1000,         /* bytes of a reason */
     WORDS_SHOWN_MOST = 4000, /* bytes of former results that a comment repeats */
-    FORMER_MOST = 9999       /* journals stored beside one */
 };
 
 static const char unchanged[] = "nothing has changed";
@@ -165,22 +164,6 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
     return err;
 }
 
-/* R3: under the first name that is free. */
-static enum err store_former(struct buf *name, const char *path, const struct buf *bytes,
-                             struct fault *fault)
-{
-    for (unsigned n = 1; n <= FORMER_MOST; n++) {
-        buf_clear(name);
-        buf_printf(name, "%s.before-%u", path, n);
-        if (name->failed)
-            return fault_memory(fault, "a file name");
-        if (!file_exists(buf_text(name)))
-            return file_write(buf_text(name), buf_text(bytes), bytes->length, FILE_KEEP, fault);
-    }
-    return fault_set(fault, ERR_IO, "there are %d files %s.before-N already; %s", FORMER_MOST, path,
-                     unchanged);
-}
-
 /* R1, R2: all of it, or nothing. */
 static enum err publish(struct resealing *r, const char *path, const struct buf *former,
                         struct buf *name, struct fault *fault)
@@ -191,7 +174,8 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
         err = fault_set(fault, ERR_LIMIT, "%s would hold more than %zu bytes; %s", path,
                         JOURNAL_BYTES_MAX, unchanged);
     if (!err)
-        err = store_former(name, path, former, fault);
+        err = file_write_beside(name, path, "before", buf_text(former), former->length,
+                                fault); /* R3 */
     if (err)
         return err;
     r->interp->mode = MODE_LIVE; /* it is over: the user asked for what is replaced now */
