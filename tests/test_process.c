@@ -152,7 +152,7 @@ struct log {
     unsigned ticks;
 };
 
-static void note(void *context, size_t number, struct process_end *end)
+static void note(void *context, size_t number, const struct process_end *end)
 {
     struct log *log = context;
     buf_add_text(&log->text, buf_text(&end->bytes));

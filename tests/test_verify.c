@@ -199,10 +199,10 @@ STORY(half_a_result_is_none)
 STORY(text_from_outside_cannot_be_markup)
 {
     struct buf out = {0};
-    markup_add(&out, "a<b>&\"c'\x1b\n\xff", 11);
+    markup_add(&out, "a<b>&\"c'\x1b\n\xff");
     CHECK_TEXT(buf_text(&out), "a&lt;b&gt;&amp;&quot;c&#39;\\x1b\n\\xff");
     buf_clear(&out);
-    markup_add(&out, "\xEF\xBF\xBE!\xEF\xBF\xBF", 7); /* XML has no such characters */
+    markup_add(&out, "\xEF\xBF\xBE!\xEF\xBF\xBF"); /* XML has no such characters */
     CHECK_TEXT(buf_text(&out), "\\xef\\xbf\\xbe!\\xef\\xbf\\xbf");
     buf_release(&out);
 }

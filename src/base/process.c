@@ -129,8 +129,12 @@ static void end(struct pool *pool, struct process *process)
     while (has_bytes(process) && process->end.bytes.length < pool->how->most)
         take(pool, process);
     close_pipe(process);
-    pool->how->done(pool->how->context, process->number, &process->end);
-    buf_release(&process->end.bytes);
+    if (pool->how->end) {
+        pool->how->end[process->number] = process->end;
+    } else {
+        pool->how->done(pool->how->context, process->number, &process->end);
+        buf_release(&process->end.bytes);
+    }
     *process = (struct process){0};
     pool->ended++;
 }
@@ -224,39 +228,16 @@ enum err process_judge(const struct process_end *end, struct fault *fault)
     return status ? fault_set(fault, ERR_INPUT, "its process ended with status %d", status) : OK;
 }
 
-struct one {
-    const struct processes *how;
-    struct process_end end;
-};
-
-static void work_one(void *context, size_t number, struct buf *out)
-{
-    const struct one *one = context;
-    one->how->work(one->how->context, number, out);
-}
-
-static void keep_end(void *context, size_t number, struct process_end *end)
-{
-    struct one *one = context;
-    (void)number;
-    one->end = *end;
-    end->bytes = (struct buf){0};
-}
-
 enum err process_run(struct buf *out, const struct processes *how, struct fault *fault)
 {
-    struct one one = {.how = how};
-    const struct processes alone = {.count = 1,
-                                    .at_once = 1,
-                                    .most = how->most,
-                                    .context = &one,
-                                    .work = work_one,
-                                    .done = keep_end,
-                                    .watch = how->watch};
+    struct processes alone = *how;
+    struct process_end end = {0};
+    alone.count = alone.at_once = 1;
+    alone.end = &end;
     enum err err = processes_run(&alone, fault);
     if (!err)
-        err = process_judge(&one.end, fault);
+        err = process_judge(&end, fault);
     buf_release(out);
-    *out = one.end.bytes;
+    *out = end.bytes;
     return err;
 }

@@ -5,7 +5,7 @@
  * what it hands back comes through a pipe. No process outlives the one that started it, nor the
  * call that did.
  *
- *     (P1) each piece of work that was begun is ended by one call of `done`, unless the whole ends
+ *     (P1) of each piece of work that was begun the end is reported once, unless the whole ends
  *          early;
  *     (P2) the end of a process is waited for, whatever it leaves open, and its pipe is not waited
  *          for beyond its end;
@@ -24,7 +24,7 @@ enum { PROCESSES_MOST = 64 };
 struct process_end {
     int status;       /* as of waitpid; 0 where the kernel did not say */
     bool is_too_much; /* it was killed, because it handed more back than it may */
-    struct buf bytes; /* what it handed back; `done` may take it and leave {0} */
+    struct buf bytes; /* what it handed back */
 };
 
 struct processes {
@@ -37,7 +37,10 @@ struct processes {
     void *context;
     /* In the new process: adds to `out` what is to be handed back, or becomes another program. */
     void (*work)(void *context, size_t number, struct buf *out);
-    void (*done)(void *context, size_t number, struct process_end *end);
+    /* Where the ends of all pieces of work go, for the caller to release what they handed back; or
+     * NULL, and `done` is called with each. */
+    struct process_end *end;
+    void (*done)(void *context, size_t number, const struct process_end *end);
     /* Some fifty times a second, with the memory that the processes hold; or NULL. */
     void (*tick)(void *context, uint64_t held_bytes);
     struct watch *watch; /* when it stops, all are killed; or NULL */

@@ -11,7 +11,6 @@
 
 #include "base/file.h"
 #include "base/folder.h"
-#include "base/process.h"
 #include "sandbox/limits.h"
 
 enum { ERRORS_MOST = 1 << 20 };
@@ -75,15 +74,6 @@ static void become(void *context, size_t number, struct buf *out)
     _exit(127);
 }
 
-static void note_end(void *context, size_t number, struct process_end *end)
-{
-    const struct run *run = context;
-    struct side *side = &run->builds->side[number];
-    side->status = end->status;
-    side->errors = end->bytes;
-    end->bytes = (struct buf){0};
-}
-
 static uint64_t written_bytes;
 
 static int add_written(const char *path, const struct stat *status, int type, struct FTW *where)
@@ -105,22 +95,23 @@ static void count(void *context, uint64_t held_bytes)
 /* ---- both ---- */
 
 /* What became of one that did not carry everything out. */
-static enum err judge(struct side *side, const char *name, struct fault *fault)
+static enum err judge(struct side *side, const struct process_end *end, const char *name,
+                      struct fault *fault)
 {
     if (!file_exists(buf_text(&side->journal)))
         return fault_set(fault, ERR_IO, "%s could not be started, or wrote no journal", name);
-    if (WIFEXITED(side->status) && WEXITSTATUS(side->status) == 0)
+    if (WIFEXITED(end->status) && WEXITSTATUS(end->status) == 0)
         return OK;
     buf_add_text(&side->words, "#   ended    ");
     buf_add_safe_text(&side->words, name);
-    if (WIFSIGNALED(side->status))
-        buf_printf(&side->words, " by signal %d (%s)", WTERMSIG(side->status),
-                   strsignal(WTERMSIG(side->status)));
+    if (WIFSIGNALED(end->status))
+        buf_printf(&side->words, " by signal %d (%s)", WTERMSIG(end->status),
+                   strsignal(WTERMSIG(end->status)));
     else
-        buf_printf(&side->words, " with status %d", WEXITSTATUS(side->status));
-    if (side->errors.length) {
+        buf_printf(&side->words, " with status %d", WEXITSTATUS(end->status));
+    if (end->bytes.length) {
         buf_add_text(&side->words, ": ");
-        buf_add_safe(&side->words, buf_text(&side->errors), strcspn(buf_text(&side->errors), "\n"));
+        buf_add_safe(&side->words, buf_text(&end->bytes), strcspn(buf_text(&end->bytes), "\n"));
     }
     buf_add_char(&side->words, '\n');
     return side->words.failed ? fault_memory(fault, "a report") : OK;
@@ -137,7 +128,7 @@ static enum err run_both(struct builds *b, const struct bisect_builds *how, cons
                                    .takes_errors = true,
                                    .context = &run,
                                    .work = become,
-                                   .done = note_end,
+                                   .end = b->end,
                                    .tick = count,
                                    .watch = how->watch};
     const char *const program[] = {buf_text(&b->side[0].program), buf_text(&b->side[1].program),
@@ -171,9 +162,9 @@ enum err builds_run(struct builds *b, const struct bisect_builds *how, struct fa
     if (!err)
         err = run_both(b, how, buf_text(&commands), at, fault);
     if (!err)
-        err = judge(b->side, "this build", fault);
+        err = judge(b->side, b->end, "this build", fault);
     if (!err)
-        err = judge(b->side + 1, how->other, fault);
+        err = judge(b->side + 1, b->end + 1, how->other, fault);
     buf_release(&scene);
     buf_release(&commands);
     return err;
@@ -193,7 +184,7 @@ void builds_release(struct builds *b)
         buf_release(&side->program);
         buf_release(&side->folder);
         buf_release(&side->journal);
-        buf_release(&side->errors);
+        buf_release(&b->end[i].bytes);
         buf_release(&side->words);
     }
     if (b->folder.length)

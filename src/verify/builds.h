@@ -8,18 +8,18 @@
 #ifndef VERIFY_BUILDS_H
 #define VERIFY_BUILDS_H
 
+#include "base/process.h"
 #include "verify/bisect.h"
 
 struct side {
     struct buf program, folder, journal;
-    int status;        /* with which it ended, as of waitpid; */
-    struct buf errors; /* what it printed to standard error */
-    struct buf words;  /* why it ended early: "# ..." lines, or "" */
+    struct buf words; /* why it ended early: "# ..." lines, or "" */
 };
 
 struct builds {
     struct buf folder;
-    struct side side[2]; /* this program, and the other */
+    struct side side[2];       /* this program, and the other */
+    struct process_end end[2]; /* with what they printed to standard error */
 };
 
 /* Both have ended, each with a journal of what it carried out; words name a command that failed,

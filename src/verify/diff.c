@@ -19,20 +19,15 @@ struct journals {
     struct overlap *overlap;
 };
 
-static const struct diff_facts *facts_of(const struct journals *j, int which)
-{
-    return diff_side_facts(&j->side[which]);
-}
-
 static enum err compare_labels(struct journals *j, struct fault *fault)
 {
-    const struct diff_facts *a = facts_of(j, 0), *b = facts_of(j, 1);
+    const struct diff_facts *a = j->side[0].facts, *b = j->side[1].facts;
     if (memcmp(a->size, b->size, sizeof a->size) != 0)
         return fault_set(fault, ERR_INPUT,
                          "scenes of %ux%ux%u and %ux%ux%u voxels: expected two of one size, whose "
                          "labels can be compared",
                          a->size[0], a->size[1], a->size[2], b->size[0], b->size[1], b->size[2]);
-    overlap_count(j->overlap, diff_side_labels(j->side), diff_side_labels(j->side + 1), a->voxels);
+    overlap_count(j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
     return OK;
 }
 
@@ -66,14 +61,14 @@ static enum err note_picture(struct picture *picture, const struct journals *j, 
 
 static enum err write_picture(const struct journals *j, struct fault *fault)
 {
-    const struct diff_facts *a = facts_of(j, 0);
+    const struct diff_facts *a = j->side[0].facts;
     struct picture picture = {0};
     struct image_helper *helper = NULL;
     if (!j->options->picture)
         return OK;
     enum err err = picture_init(&picture, a->picture_width, a->picture_height, false, fault);
     if (!err) {
-        memcpy(picture.rgba, diff_side_pixels(j->side), (size_t)4 * picture.width * picture.height);
+        memcpy(picture.rgba, j->side[0].pixels, (size_t)4 * picture.width * picture.height);
         err = note_picture(&picture, j, fault);
     }
     if (!err)
@@ -89,14 +84,14 @@ static enum err write_picture(const struct journals *j, struct fault *fault)
 
 static bool scenes_are_same(const struct journals *j)
 {
-    return strcmp(facts_of(j, 0)->proof, facts_of(j, 1)->proof) == 0 &&
-           facts_of(j, 0)->scene_digest == facts_of(j, 1)->scene_digest;
+    return strcmp(j->side[0].facts->proof, j->side[1].facts->proof) == 0 &&
+           j->side[0].facts->scene_digest == j->side[1].facts->scene_digest;
 }
 
 static const char *name_of(const struct journals *j, int label)
 {
-    const char *name = facts_of(j, 0)->label_name[label];
-    return *name ? name : facts_of(j, 1)->label_name[label];
+    const char *name = j->side[0].facts->label_name[label];
+    return *name ? name : j->side[1].facts->label_name[label];
 }
 
 static bool is_listed(const struct overlap *overlap, int label)
@@ -127,7 +122,7 @@ static void write_first_difference(struct buf *out, const struct journals *j)
 
 static void write_scenes(struct buf *out, const struct journals *j)
 {
-    const struct diff_facts *f = facts_of(j, 0);
+    const struct diff_facts *f = j->side[0].facts;
     if (scenes_are_same(j))
         buf_printf(out, "scenes    the same: %ux%ux%u voxels, SHA-256 %s\n", f->size[0], f->size[1],
                    f->size[2], f->proof);
@@ -158,7 +153,7 @@ static void write_labels(struct buf *out, const struct journals *j)
 static void write_warnings(struct buf *out, const struct journals *j)
 {
     for (int i = 0; i < 2; i++) {
-        const struct diff_facts *f = facts_of(j, i);
+        const struct diff_facts *f = j->side[i].facts;
         const struct {
             bool holds;
             const char *words;
@@ -189,7 +184,7 @@ static void add_json_side(struct json *json, const struct journals *j, int which
         json_count(json, "line", p->side[which].line);
         json_bytes(json, "command", buf_text(command), command->length);
     }
-    json_text(json, "scene", facts_of(j, which)->proof);
+    json_text(json, "scene", j->side[which].facts->proof);
     json_end(json);
 }
 
@@ -217,7 +212,7 @@ static void write_json(struct buf *out, const struct journals *j)
     json_boolean(&json, "same_scene", scenes_are_same(j));
     json_array(&json, "size");
     for (int a = 0; a < 3; a++)
-        json_count(&json, NULL, facts_of(j, 0)->size[a]);
+        json_count(&json, NULL, j->side[0].facts->size[a]);
     json_end(&json);
     json_count(&json, "voxels", j->overlap->voxels);
     json_count(&json, "differing", j->overlap->differing);

@@ -11,21 +11,6 @@
 
 enum { SIDE_MOST = 16384, /* of a picture */ FRAME_MOST = 4 * SIDE_MOST * SIDE_MOST };
 
-const struct diff_facts *diff_side_facts(const struct diff_side *side)
-{
-    return (const struct diff_facts *)(const void *)side->bytes.data;
-}
-
-const uint8_t *diff_side_labels(const struct diff_side *side)
-{
-    return (const uint8_t *)side->bytes.data + sizeof(struct diff_facts);
-}
-
-const uint8_t *diff_side_pixels(const struct diff_side *side)
-{
-    return diff_side_labels(side) + diff_side_facts(side)->voxels;
-}
-
 /* ---- in its process ---- */
 
 struct work {
@@ -94,12 +79,12 @@ static enum err draw(struct picture *picture, struct session *session, const str
     struct overlap *overlap = mem_new(sizeof *overlap);
     if (!overlap)
         return fault_memory(fault, "a picture");
-    overlap_count(overlap, label, diff_side_labels(work->other), session->scene->grid.voxels);
+    overlap_count(overlap, label, work->other->labels, session->scene->grid.voxels);
     const struct difference_picture difference_picture = {
         .name = {file_name(work->options->path[0]), file_name(work->options->path[1])},
-        .label = {label, diff_side_labels(work->other)},
+        .label = {label, work->other->labels},
         .overlap = overlap};
-    borrow(&session->now.kept, diff_side_facts(work->other), overlap);
+    borrow(&session->now.kept, work->other->facts, overlap);
     const enum err err = difference_picture_draw(picture, session, &difference_picture, fault);
     free(overlap);
     return err;
@@ -117,8 +102,7 @@ static enum err hand_back(struct buf *out, struct session *session, const struct
     copy_labels(label, session->scene);
     out->length += voxels;
     note_facts(facts, session);
-    if (!work->other ||
-        memcmp(diff_side_facts(work->other)->size, facts->size, sizeof facts->size) != 0)
+    if (!work->other || memcmp(work->other->facts->size, facts->size, sizeof facts->size) != 0)
         return OK;
     const enum err err = draw(&picture, session, work, label, fault);
     if (!err) {
@@ -181,13 +165,15 @@ static enum err judge(struct diff_side *side, struct fault *fault)
     if (side->bytes.length < sizeof *f)
         return fault_memory(fault, "labels");
     end_texts(f);
-    if (f->err > OK && f->err <= ERR_CANCELLED) {
-        /* Status 1 stands for a difference between the two, and for nothing else. */
+    /* Status 1 stands for a difference between the two, and for nothing else. */
+    if (f->err > OK && f->err <= ERR_CANCELLED)
         return fault_set(fault, f->err == ERR_CHECK ? ERR_INPUT : f->err, "%s", f->why);
-    }
-    return f->err || !is_whole(f, side->bytes.length)
-               ? fault_set(fault, ERR_INPUT, "its process hands back what makes no sense")
-               : OK;
+    if (f->err || !is_whole(f, side->bytes.length))
+        return fault_set(fault, ERR_INPUT, "its process hands back what makes no sense");
+    side->facts = f;
+    side->labels = (const uint8_t *)(f + 1);
+    side->pixels = side->labels + f->voxels;
+    return OK;
 }
 
 enum err diff_side_carry_out(struct diff_side *side, const struct diff_options *options, int which,

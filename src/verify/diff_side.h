@@ -24,16 +24,16 @@ struct diff_facts {
 
 struct diff_side {
     struct buf bytes;
+    /* Places in them, once it was carried out well. */
+    const struct diff_facts *facts;
+    const uint8_t *labels; /* [z][y][x] */
+    const uint8_t *pixels; /* [height][width][4] */
 };
 
 /* Carries out options->path[which]; with `other`, the side of B, draws the picture of both. To be
- * released, whatever is returned; the rest may be asked after OK only. */
+ * released, whatever is returned. */
 enum err diff_side_carry_out(struct diff_side *side, const struct diff_options *options, int which,
                              const struct diff_side *other, struct fault *fault);
 void diff_side_release(struct diff_side *side);
-
-const struct diff_facts *diff_side_facts(const struct diff_side *side);
-const uint8_t *diff_side_labels(const struct diff_side *side); /* [z][y][x] */
-const uint8_t *diff_side_pixels(const struct diff_side *side); /* [height][width][4] */
 
 #endif

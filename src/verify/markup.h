@@ -9,6 +9,6 @@
 /* Adds text that stands between tags or in an attribute between double or single quotes: what is
  * not printable UTF-8 as \xNN, as on a terminal (base/safe.h), so that XML allows what is left;
  * then & < > " ' as entities. A line feed stays one. */
-void markup_add(struct buf *out, const char *text, size_t length);
+void markup_add(struct buf *out, const char *text);
 
 #endif

@@ -174,7 +174,7 @@ static void print_result(const struct verification *v, size_t number)
 }
 
 /* A process that gave no result is a failure of its journal. */
-static void take_result(void *context, size_t number, struct process_end *end)
+static void take_result(void *context, size_t number, const struct process_end *end)
 {
     struct verification *v = context;
     struct verify_result *result = v->result + number;

@@ -7,11 +7,6 @@
 #include "base/json.h"
 #include "verify/markup.h"
 
-static void add(struct buf *out, const char *text)
-{
-    markup_add(out, text, strlen(text));
-}
-
 /* ---- JUnit ---- */
 
 static void add_seconds(struct buf *out, uint64_t ms)
@@ -23,7 +18,7 @@ static void add_case(struct buf *out, const struct verify_result *r)
 {
     const char *element = r->err == ERR_CHECK ? "failure" : "error";
     buf_add_text(out, "    <testcase classname=\"iftty\" name=\"");
-    add(out, r->path);
+    markup_add(out, r->path);
     buf_add_char(out, '"');
     add_seconds(out, r->took_ms);
     if (!r->err) {
@@ -31,9 +26,9 @@ static void add_case(struct buf *out, const struct verify_result *r)
         return;
     }
     buf_printf(out, ">\n      <%s type=\"%s\" message=\"", element, err_name(r->err));
-    markup_add(out, buf_text(&r->why), r->why.length);
+    markup_add(out, buf_text(&r->why));
     buf_add_text(out, "\">");
-    markup_add(out, buf_text(&r->lines), r->lines.length);
+    markup_add(out, buf_text(&r->lines));
     buf_printf(out, "</%s>\n    </testcase>\n", element);
 }
 
@@ -87,7 +82,7 @@ static void add_row(struct buf *out, size_t number, const struct verify_result *
     buf_printf(out, "<tr><td class=\"n\">%zu</td><td>", number);
     if (r->err)
         buf_printf(out, "<a href=\"#j%zu\">", number);
-    add(out, r->path);
+    markup_add(out, r->path);
     buf_printf(out, "%s</td><td class=\"%s\">%s</td>", r->err ? "</a>" : "",
                r->err ? "failed" : "fine", r->err ? "failed" : "verified");
     buf_printf(out,
@@ -103,11 +98,11 @@ static void add_pictures(struct buf *out, const struct evidence *evidence)
     for (size_t i = 0; i < evidence->pictures; i++) {
         const struct buf *caption = &evidence->picture[i].caption, *png = &evidence->picture[i].png;
         buf_add_text(out, "<figure><img alt=\"");
-        markup_add(out, buf_text(caption), caption->length);
+        markup_add(out, buf_text(caption));
         buf_add_text(out, "\" src=\"data:image/png;base64,");
         buf_add_base64(out, buf_text(png), png->length);
         buf_add_text(out, "\"><figcaption>");
-        markup_add(out, buf_text(caption), caption->length);
+        markup_add(out, buf_text(caption));
         buf_add_text(out, "</figcaption></figure>\n");
     }
     if (evidence->pictures)
@@ -117,11 +112,11 @@ static void add_pictures(struct buf *out, const struct evidence *evidence)
 static void add_failure(struct buf *out, size_t number, const struct verify_result *r)
 {
     buf_printf(out, "<section id=\"j%zu\">\n<h2>", number);
-    add(out, r->path);
+    markup_add(out, r->path);
     buf_add_text(out, "</h2>\n<p class=\"failed\">");
-    markup_add(out, buf_text(&r->why), r->why.length);
+    markup_add(out, buf_text(&r->why));
     buf_add_text(out, "</p>\n<pre>");
-    markup_add(out, buf_text(&r->lines), r->lines.length);
+    markup_add(out, buf_text(&r->lines));
     buf_add_text(out, "</pre>\n");
     add_pictures(out, &r->evidence);
     buf_add_text(out, "</section>\n");
