@@ -21,6 +21,18 @@ sed -n '/^<!-- commands/,/^<!-- end of commands/p' journal/README.md | sed '1,2d
     diff - "$work/help" >"$work/diff" || fail "$(cat "$work/diff")"
 close_story
 
+begin "what the READMEs name is there"
+find . -path ./build -prune -o -type f -print | sed 's|.*/||' | sort -u >"$work/files"
+for readme in $(find . -path ./build -prune -o -name README.md -print); do
+    for name in $(grep -oE '\b[a-z_]+\.(c|h|cc|sh|md|txt|py)\b' "$readme" | sort -u); do
+        grep -qxF -e "$name" "$work/files" || fail "$readme: there is no $name"
+    done
+    for name in $(grep -oE '\btest_[a-z_]+\b' "$readme" | sort -u); do
+        grep -qxE -e "$name\.(c|sh)|${name%_racing}\.c" "$work/files" || fail "$readme: there is no $name"
+    done
+done
+close_story
+
 begin "the README lists the programs as --help does"
 "$iftty" --help | sed -n '/^    iftty/,/^$/p' >"$work/help"
 sed -n '/^<!-- programs/,/^<!-- end of programs/p' README.md | sed '1,2d;$d' |
