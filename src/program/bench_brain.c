@@ -149,23 +149,24 @@ static enum err time_growing(struct session *session, struct team *team, struct 
     return err;
 }
 
-static enum err time_corners(struct session *session, struct figures *figures, struct fault *fault)
+static enum err set_adjacency(struct session *session, unsigned neighbours, struct fault *fault)
 {
-    forest_set_adjacency(session->forest, 26);
-    enum err err = forest_rebuild(session->forest, fault);
-    if (!err)
-        err = time_growing(session, NULL, &figures->times[CORNERS], fault);
-    forest_set_adjacency(session->forest, 6);
-    return err ? err : forest_rebuild(session->forest, fault);
+    forest_set_adjacency(session->forest, neighbours);
+    return forest_rebuild(session->forest, fault);
 }
 
 static enum err time_scratch(struct session *session, struct figures *figures, struct fault *fault)
 {
-    enum err err = time_corners(session, figures, fault);
+    struct times *times = figures->times;
+    enum err err = set_adjacency(session, 26, fault);
     if (!err)
-        err = time_growing(session, NULL, &figures->times[ALONE], fault);
+        err = time_growing(session, NULL, &times[CORNERS], fault);
+    if (!err)
+        err = set_adjacency(session, 6, fault);
+    if (!err)
+        err = time_growing(session, NULL, &times[ALONE], fault);
     if (!err && figures->threads > 1)
-        err = time_growing(session, session->team, &figures->times[TOGETHER], fault);
+        err = time_growing(session, session->team, &times[TOGETHER], fault);
     return err ? err : forest_set_team(session->forest, session->team, fault);
 }
 

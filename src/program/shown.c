@@ -1,5 +1,9 @@
 #include "program/shown.h"
 
+#include "image/helper.h"
+#include "program/programs.h"
+#include "tui/prompt/repl.h"
+
 unsigned shown_hues(uint32_t hue[256], const struct session *session)
 {
     unsigned count = 0;
@@ -26,4 +30,26 @@ struct image_view shown_picture(struct interpreter *interp, bool smooth)
     }
     view.smooth = smooth;
     return view;
+}
+
+/* ---- iftty show ---- */
+
+/* Fine, and silent, where standard output is no terminal. */
+enum err run_show(const struct options *o, struct fault *fault)
+{
+    struct image_helper *helper;
+    struct picture picture = {0};
+    enum err err = image_helper_new(&helper, NULL, fault);
+    if (!err)
+        err = image_helper_read(helper, o->word[0], &picture, fault);
+    if (!err) {
+        const struct image_view view = {.width = picture.width,
+                                        .height = picture.height,
+                                        .rgba = picture.rgba,
+                                        .smooth = o->smooth};
+        show_picture_once(o->graphics, &view);
+    }
+    picture_release(&picture);
+    image_helper_free(helper);
+    return err;
 }

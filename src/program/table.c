@@ -183,7 +183,7 @@ static const struct program program[] = {
      .detail = "Those that differ or are missing. Refused where CI is set: this is a person's "
                "decision. The former journal is kept "
                "beside the new one.",
-     .run = run_verify_accept},
+     .run = run_reseal},
     {.name = "diff",
      TWO("A B"),
      .option = {DIFF_UNTIL, JSON, PICTURE, SCENE, LIMIT_OPTIONS},
@@ -235,7 +235,7 @@ static const struct program program[] = {
      ONE("JOURNAL"),
      .option = {RESEAL, SCENE},
      .summary = "give an edited journal its results anew",
-     .run = run_log_reseal},
+     .run = run_reseal},
     {.name = "show",
      ONE("PICTURE"),
      .option = {GRAPHICS, SMOOTH},

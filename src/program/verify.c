@@ -78,28 +78,15 @@ enum err run_diff(const struct options *o, struct fault *fault)
 
 /* ---- sealing anew ---- */
 
-static enum err begin_own(struct interpreter *interp, const struct options *o, struct fault *fault)
+/* With a reason, golden images are accepted; else an edited journal gets its results. */
+enum err run_reseal(const struct options *o, struct fault *fault)
 {
+    struct interpreter interp;
     console_handle_interrupts();
-    return begin_interpreter(interp, o, fault);
-}
-
-enum err run_verify_accept(const struct options *o, struct fault *fault)
-{
-    struct interpreter interp;
-    enum err err = begin_own(&interp, o, fault);
+    enum err err = begin_interpreter(&interp, o, fault);
     if (!err)
-        err = reseal_accept(&interp, o->word[0], o->accept, &console_printer, fault);
-    interpreter_release(&interp);
-    return err;
-}
-
-enum err run_log_reseal(const struct options *o, struct fault *fault)
-{
-    struct interpreter interp;
-    enum err err = begin_own(&interp, o, fault);
-    if (!err)
-        err = reseal_edited(&interp, o->word[0], &console_printer, fault);
+        err = o->accept ? reseal_accept(&interp, o->word[0], o->accept, &console_printer, fault)
+                        : reseal_edited(&interp, o->word[0], &console_printer, fault);
     interpreter_release(&interp);
     return err;
 }
