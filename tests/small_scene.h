@@ -164,6 +164,23 @@ static inline void fits_its_state(const struct session *session)
     free(bits);
 }
 
+/* S6: seeds as they are, changed by the edits that wait, are those of the markers that stand. */
+static inline void markers_stand(const struct session *session)
+{
+    const struct scene *scene = session->scene;
+    const struct edit *pending = edits_first(&session->now.pending);
+    int16_t *seed = malloc(scene->grid.cells * sizeof *seed);
+    bool same = true;
+    for (uint32_t c = 0; c < scene->grid.cells; c++)
+        seed[c] = scene->cell[c].flags & CELL_SEED ? scene->cell[c].label : EDIT_ERASE;
+    for (size_t i = 0; i < session_pendings(session); i++)
+        seed[pending[i].cell] = pending[i].label;
+    for (uint32_t c = 0; c < scene->grid.cells; c++)
+        same &= seed[c] == markers_seed(&session->markers, c);
+    free(seed);
+    CHECK(same);
+}
+
 static inline void take_snapshot(struct snapshot *s, const struct interpreter *interp)
 {
     const struct session *session = &interp->session;
@@ -197,6 +214,7 @@ static inline void take_snapshot(struct snapshot *s, const struct interpreter *i
     CHECK(s->weights == weight_digest(session->scene, forest_arcs(session->forest), NULL));
     roi_stands(session);
     fits_its_state(session);
+    markers_stand(session);
     CHECK(tally_check(&session->tally, session->scene));
     s->forest = forest_digest(session->forest);
     s->labels = forest_label_digest(session->forest);

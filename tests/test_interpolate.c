@@ -210,7 +210,8 @@ STORY(a_rollback_gives_the_former_scene_back)
         const struct trace after = trace_of(&session);
         CHECK(memcmp(&before, &after, sizeof before) == 0);
         CHECK(session.former_scene.scene == NULL && session.camera.scene == session.scene);
-        CHECK(session_plant(&session, grid_cell(&session.scene->grid, 66, 84, 50), 1, NULL) == OK);
+        CHECK(session_plant(&session, (uint32_t[]){grid_cell(&session.scene->grid, 66, 84, 50)}, 1,
+                            1, NULL) == OK);
         CHECK(session_run(&session, NULL) == OK);
         CHECK(forest_check(session.forest, NULL) && border_check(&session.border, NULL));
         session_release(&session);
@@ -223,15 +224,16 @@ STORY(once_seeds_are_there_it_is_refused)
     struct fault fault = {0};
     begin(&session);
     const uint64_t digest = session.scene_digest;
-    CHECK(session_plant(&session, grid_cell(&session.scene->grid, 5, 5, 5), 1, NULL) == OK);
+    CHECK(session_plant(&session, (uint32_t[]){grid_cell(&session.scene->grid, 5, 5, 5)}, 1, 1,
+                        NULL) == OK);
     CHECK(session_interpolate(&session, 7, &fault) == ERR_USAGE);
     CHECK_HAS(fault.text, "this one has 0 seeds and 1 waiting edit;");
     CHECK(session_run(&session, NULL) == OK);
     CHECK(session_interpolate(&session, 7, &fault) == ERR_USAGE);
     CHECK_HAS(fault.text, "before its first seed, and this one has 1 seed and 0 waiting edits;");
     CHECK(session.scene_digest == digest && session.former_scene.scene == NULL);
-    CHECK(session_eliminate(&session, (uint32_t[]){grid_cell(&session.scene->grid, 5, 5, 5)}, 1,
-                            NULL) == OK);
+    CHECK(session_erase_trees(&session, (uint32_t[]){grid_cell(&session.scene->grid, 5, 5, 5)}, 1,
+                              NULL) == OK);
     CHECK(session_run(&session, NULL) == OK);
     CHECK(session_interpolate(&session, 1, &fault) == OK);
     session_release(&session);
@@ -250,12 +252,13 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     const struct roi_tally finer = roi_tally(&session.roi, session.scene);
     CHECK(finer.inside > tally.inside && finer.inside == session.roi_tally.inside);
     const uint32_t dark = grid_cell(&session.scene->grid, 0, 0, 0);
-    CHECK(session_plant(&session, grid_cell(&session.scene->grid, 66, 110, 100), 1, NULL) == OK);
+    CHECK(session_plant(&session, (uint32_t[]){grid_cell(&session.scene->grid, 66, 110, 100)}, 1, 1,
+                        NULL) == OK);
     CHECK(session_run(&session, NULL) == OK);
     CHECK(session.scene->cell[dark].label == 0 && forest_check(session.forest, NULL));
     session_mark(&session);
-    CHECK(session_eliminate(&session, (uint32_t[]){grid_cell(&session.scene->grid, 66, 110, 100)},
-                            1, NULL) == OK);
+    CHECK(session_erase_trees(&session, (uint32_t[]){grid_cell(&session.scene->grid, 66, 110, 100)},
+                              1, NULL) == OK);
     CHECK(session_run(&session, NULL) == OK);
     session_release(&session);
 

@@ -402,14 +402,14 @@ STORY(out_of_memory_gives_no_seeds)
         mem_allows = allow_some;
         enum err err = seeds_from_map(&seeds, &tally, &map, &grid, &plain, &choice, NULL, &fault);
         mem_allows = NULL;
-        CHECK_INT(err, n < 4 ? ERR_MEMORY : OK);
-        CHECK_INT(seeds.count, n < 4 ? 0 : 1);
+        CHECK_INT(err, n < 5 ? ERR_MEMORY : OK);
+        CHECK_INT(seeds.count, n < 5 ? 0 : 1);
         seeds_release(&seeds);
         allowed = n;
         mem_allows = allow_some;
         err = list("1,1,1,1\n", LABEL_OWN);
         mem_allows = NULL;
-        CHECK_INT(err, n < 2 ? ERR_MEMORY : OK);
+        CHECK_INT(err, n < 3 ? ERR_MEMORY : OK);
         seeds_release(&seeds);
     }
 }

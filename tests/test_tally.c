@@ -133,7 +133,8 @@ STORY(counts_follow_whatever_is_done)
     session_mark(&interp.session);
     CHECK(session_count_labels(&interp.session, NULL) == OK);
     for (uint32_t i = 0; i < 5; i++)
-        CHECK(session_plant(&interp.session, grid_cell(&interp.session.scene->grid, 3 + i, 7, 9), 9,
+        CHECK(session_plant(&interp.session,
+                            (uint32_t[]){grid_cell(&interp.session.scene->grid, 3 + i, 7, 9)}, 1, 9,
                             NULL) == OK);
     CHECK(session_run(&interp.session, NULL) == OK);
     stands(&interp.session);

@@ -250,12 +250,11 @@ enum err act_seed(const struct act *act)
     enum err err = add_stroke(&v, grid, act->value[0].place, to, act->value[2].number)
                        ? OK
                        : fault_memory(act->fault, "a stroke of seeds");
-    for (size_t i = 0; !err && i < v.count; i++) {
-        if (act_is_outside(session, v.cell[i]))
-            continue;
-        err = session_plant(session, v.cell[i], (uint8_t)act->value[1].number, act->fault);
-        inside++;
-    }
+    for (size_t i = 0; !err && i < v.count; i++)
+        if (!act_is_outside(session, v.cell[i]))
+            v.cell[inside++] = v.cell[i];
+    if (!err && inside)
+        err = session_plant(session, v.cell, inside, (uint8_t)act->value[1].number, act->fault);
     free(v.cell);
     return err ? err : act_write_outside(act, inside, v.count - inside);
 }
@@ -308,7 +307,7 @@ static enum err eliminate(const struct act *act)
     enum err err = OK;
     if (session->skims && recorded && record_word_find(recorded, "took", 4, &word)) {
         err = read_taken(&session->scene->grid, &word, taken, &count, fault);
-        return err ? err : session_eliminate_seeds(session, taken, count, fault);
+        return err ? err : session_erase_seeds(session, taken, count, fault);
     }
     if (session->skims)
         err = session_catch_up(session, fault);
@@ -317,7 +316,7 @@ static enum err eliminate(const struct act *act)
     const struct voxels v =
         ball(&session->scene->grid, act->value[0].place, act->value[1].number, &err, fault);
     if (!err)
-        err = session_eliminate(session, v.cell, v.count, fault);
+        err = session_erase_trees(session, v.cell, v.count, fault);
     free(v.cell);
     return err;
 }

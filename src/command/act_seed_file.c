@@ -1,8 +1,10 @@
 /* Seeds out of a file. */
 #include "command/act.h"
 
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "session/seed_file.h"
 
 enum { LIST_BYTES_MOST = 64 << 20 };
@@ -69,9 +71,31 @@ static enum err read_map(struct seeds *seeds, const struct act *act, const char 
     return err;
 }
 
+/* Each region is a marker. Of `inside`, how many were not left out. */
+static enum err plant(const struct act *act, const struct seeds *seeds, size_t *inside)
+{
+    uint32_t *cell = NULL;
+    const int given = label_of(act->value);
+    size_t *end = mem_array(REGION_MOST + 1, sizeof *end), begin = 0;
+    enum err err = end ? seeds_by_region(seeds, &cell, end, act->fault)
+                       : fault_memory(act->fault, "the seeds of regions");
+    for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++]) {
+        size_t kept = begin;
+        for (size_t i = begin; i < end[r]; i++)
+            if (!act_is_outside(act->session, cell[i]))
+                cell[kept++] = cell[i];
+        if (kept > begin)
+            err = session_plant(act->session, cell + begin, kept - begin,
+                                (uint8_t)(given == LABEL_OWN ? (int)r : given), act->fault);
+        *inside += kept - begin;
+    }
+    free(end);
+    free(cell);
+    return err;
+}
+
 enum err act_seed_file(const struct act *act)
 {
-    struct session *session = act->session;
     struct buf path = {0};
     struct seeds seeds = {0};
     const char *name = act->value[FILE_NAME].text;
@@ -82,12 +106,8 @@ enum err act_seed_file(const struct act *act)
     else if (!err)
         err = read_map(&seeds, act, buf_text(&path));
     size_t inside = 0;
-    for (size_t i = 0; !err && i < seeds.count; i++) {
-        if (act_is_outside(session, seeds.edit[i].cell))
-            continue;
-        err = session_plant(session, seeds.edit[i].cell, (uint8_t)seeds.edit[i].label, act->fault);
-        inside++;
-    }
+    if (!err)
+        err = plant(act, &seeds, &inside);
     buf_printf(&act->reply->words, "file=%016llx added=%zu",
                (unsigned long long)seeds_digest(&seeds), inside);
     buf_printf(&act->reply->text, "%zu seed%s\n", inside, plural(inside));

@@ -101,7 +101,7 @@ static enum err plant_seeds(struct session *session, const struct volume *atlas,
         int label = label_at(session, atlas, voxel, cell);
         if (label < 0)
             continue;
-        err = session_plant(session, cell, (uint8_t)label, fault);
+        err = session_plant(session, &cell, 1, (uint8_t)label, fault);
         planted++;
     }
     return err;
@@ -179,11 +179,11 @@ static enum err time_edits(struct session *session, struct figures *figures, str
     for (int i = 0; !err && i < EDITS; i++) {
         uint32_t cell = middle_cell(&session->scene->grid, &state);
         uint64_t begin = clock_ns();
-        err = session_plant(session, cell, (uint8_t)(i % 3), fault);
+        err = session_plant(session, &cell, 1, (uint8_t)(i % 3), fault);
         err = err ? err : session_run(session, fault);
         add_since(&figures->times[PLANT], begin);
         begin = clock_ns();
-        err = err ? err : session_eliminate(session, &cell, 1, fault);
+        err = err ? err : session_erase_trees(session, &cell, 1, fault);
         err = err ? err : session_run(session, fault);
         add_since(&figures->times[ELIMINATE], begin);
     }

@@ -190,6 +190,19 @@ static enum err make_room(struct session *session, const struct kept *kept, unsi
     return OK;
 }
 
+/* Those stand that the state says: what was added to the list since, or all of it anew where the
+ * state is not one that follows the present one. */
+static void stand(struct session *session, const struct edits *to)
+{
+    const struct edits *from = &session->now.markers;
+    const bool goes_on = from->room == to->room && from->first == to->first && from->end <= to->end;
+    const struct edit *toggle = edits_first(to);
+    for (size_t i = 0; !goes_on && i < session->markers.count; i++)
+        session->markers.marker[i].stands = false;
+    for (size_t i = goes_on ? edits_count(from) : 0; i < edits_count(to); i++)
+        session->markers.marker[toggle[i].cell - 1].stands = toggle[i].label != EDIT_ERASE;
+}
+
 enum err session_go(struct session *session, const struct state *state, const struct edit *seed,
                     size_t seeds, struct fault *fault)
 {
@@ -202,6 +215,7 @@ enum err session_go(struct session *session, const struct state *state, const st
         err = make_room(session, &state->kept, parts, fault);
     if (err)
         return err;
+    stand(session, &state->markers);
     state_assign(&session->now, state);
     if (!session->has_scene)
         return OK;

@@ -24,6 +24,7 @@ static void point_release(struct point *point)
     free(point->before);
     settings_drop(point->settings);
     edits_release(&point->pending);
+    edits_release(&point->markers);
     edits_release(&point->eliminators);
     *point = (struct point){0};
 }
@@ -56,7 +57,8 @@ static size_t point_memory(const struct point *point, const struct kept *before)
     const struct kept *kept = &point->settings->kept;
     size_t bytes = 2 * point->seeds * sizeof(struct edit) + strlen(point->command) + 1;
     bytes += sizeof *point->settings / point->settings->holders;
-    bytes += edits_memory(&point->pending) + edits_memory(&point->eliminators);
+    bytes += edits_memory(&point->pending) + edits_memory(&point->markers) +
+             edits_memory(&point->eliminators);
     if (kept->mask && (!before || before->mask != kept->mask))
         bytes += packed_memory(kept->mask);
     if (kept->weight_map && (!before || before->weight_map != kept->weight_map))
@@ -219,6 +221,7 @@ enum err history_go(struct history *history, struct session *session, uint32_t t
         return fault_memory(fault, "a way through the history");
     state.kept = there->settings->kept;
     state.pending = there->pending;
+    state.markers = there->markers;
     state.eliminators = there->eliminators;
     state.applied = there->applied;
     enum err err = session_go(session, &state, edit, seeds, fault);
@@ -272,9 +275,11 @@ static struct kept_settings *keep_settings(const struct session *session, bool *
 static void keep_lists(struct point *point, const struct state *state)
 {
     point->pending = state->pending;
+    point->markers = state->markers;
     point->eliminators = state->eliminators;
     point->applied = state->applied;
     edits_hold(&point->pending);
+    edits_hold(&point->markers);
     edits_hold(&point->eliminators);
 }
 
@@ -309,6 +314,7 @@ static enum err note_point(struct history *history, const struct session *sessio
     const bool sets = !kept_equals(&now->kept, &before->kept);
     bool lacks = false;
     if (!sets && !session->edited && edits_is_copy(&now->pending, &former->pending) &&
+        edits_is_copy(&now->markers, &former->markers) &&
         edits_is_copy(&now->eliminators, &former->eliminators))
         return OK;
     point->parent = history->present;

@@ -50,7 +50,7 @@ struct point {
 
     /* The rest of the state here, but for the outlook. */
     struct kept_settings *settings;
-    struct edits pending, eliminators;
+    struct edits pending, markers, eliminators;
     size_t applied;
 };
 

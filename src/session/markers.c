@@ -1,6 +1,5 @@
 #include "session/markers.h"
 
-#include <assert.h>
 #include <stdlib.h>
 
 #include "base/mem.h"
@@ -8,7 +7,7 @@
 void markers_release(struct markers *markers)
 {
     free(markers->marker);
-    free(markers->covered);
+    free(markers->cover);
     free(markers->bucket);
     *markers = (struct markers){0};
 }
@@ -16,7 +15,7 @@ void markers_release(struct markers *markers)
 size_t markers_memory(const struct markers *markers)
 {
     return markers->capacity * sizeof *markers->marker +
-           markers->cover_capacity * sizeof *markers->covered +
+           markers->cover_capacity * sizeof *markers->cover +
            markers->buckets * sizeof *markers->bucket;
 }
 
@@ -32,8 +31,8 @@ static uint32_t *bucket_of(const struct markers *markers, uint32_t cell)
 static void fill_buckets(struct markers *markers, size_t from)
 {
     for (size_t i = from; i < markers->covers; i++) {
-        uint32_t *bucket = bucket_of(markers, markers->covered[i].cell);
-        markers->covered[i].below = *bucket;
+        uint32_t *bucket = bucket_of(markers, markers->cover[i].cell);
+        markers->cover[i].below = *bucket;
         *bucket = (uint32_t)i;
     }
 }
@@ -69,105 +68,44 @@ enum err markers_add(struct markers *markers, int16_t label, const uint32_t *cel
                          COVER_NONE);
     if (!mem_grow(&markers->marker, &markers->capacity, markers->count + 1,
                   sizeof *markers->marker) ||
-        !mem_grow(&markers->covered, &markers->cover_capacity, first + count,
-                  sizeof *markers->covered) ||
+        !mem_grow(&markers->cover, &markers->cover_capacity, first + count,
+                  sizeof *markers->cover) ||
         !grow_buckets(markers, first + count))
         return fault_memory(fault, "a marker");
     markers->marker[markers->count++] =
-        (struct marker){.first = first, .voxels = count, .label = label, .stands = true};
+        (struct marker){.first = first, .voxels = count, .label = label};
     for (size_t i = 0; i < count; i++)
-        markers->covered[first + i] =
+        markers->cover[first + i] =
             (struct cover){.cell = cell[i], .marker = (uint32_t)markers->count};
     markers->covers = first + count;
     fill_buckets(markers, first);
     return OK;
 }
 
-void markers_drop(struct markers *markers)
+void markers_drop(struct markers *markers, size_t count)
 {
-    const struct marker *last = markers->marker + --markers->count;
-    assert(!last->planted && !last->planned);
-    while (markers->covers > last->first) {
-        const struct cover *cover = markers->covered + --markers->covers;
-        *bucket_of(markers, cover->cell) = cover->below;
+    for (; markers->count > count; markers->count--) {
+        const struct marker *last = markers->marker + markers->count - 1;
+        while (markers->covers > last->first) {
+            const struct cover *cover = markers->cover + --markers->covers;
+            *bucket_of(markers, cover->cell) = cover->below;
+        }
     }
 }
 
-static bool is_in(const struct markers *markers, enum marker_set set, uint32_t number)
-{
-    const struct marker *marker = markers->marker + number - 1;
-    return set == MARKERS_STANDING  ? marker->stands
-           : set == MARKERS_PLANTED ? marker->planted
-                                    : marker->planned;
-}
-
-uint32_t markers_at(const struct markers *markers, enum marker_set set, uint32_t cell)
+uint32_t markers_at(const struct markers *markers, uint32_t cell)
 {
     uint32_t at = markers->buckets ? *bucket_of(markers, cell) : COVER_NONE;
-    for (; at != COVER_NONE; at = markers->covered[at].below) {
-        const struct cover *cover = markers->covered + at;
-        if (cover->cell == cell && is_in(markers, set, cover->marker))
+    for (; at != COVER_NONE; at = markers->cover[at].below) {
+        const struct cover *cover = markers->cover + at;
+        if (cover->cell == cell && markers->marker[cover->marker - 1].stands)
             return cover->marker;
     }
     return 0;
 }
 
-int16_t markers_seed(const struct markers *markers, enum marker_set set, uint32_t cell)
+int16_t markers_seed(const struct markers *markers, uint32_t cell)
 {
-    const uint32_t number = markers_at(markers, set, cell);
+    const uint32_t number = markers_at(markers, cell);
     return number ? markers->marker[number - 1].label : EDIT_ERASE;
-}
-
-/* ---- from one set to another ---- */
-
-void markers_plan_standing(struct markers *markers)
-{
-    for (size_t i = 0; i < markers->count; i++)
-        markers->marker[i].planned = markers->marker[i].stands;
-}
-
-void markers_plant(struct markers *markers)
-{
-    for (size_t i = 0; i < markers->count; i++)
-        markers->marker[i].planted = markers->marker[i].planned;
-}
-
-static bool changes(const struct marker *marker)
-{
-    return marker->planted != marker->planned;
-}
-
-/* Whether this cover is the latest one of its voxel whose marker changes: that one speaks for the
- * voxel. */
-static bool speaks(const struct markers *markers, size_t of)
-{
-    const uint32_t cell = markers->covered[of].cell;
-    for (uint32_t at = *bucket_of(markers, cell); at != of; at = markers->covered[at].below) {
-        const struct cover *cover = markers->covered + at;
-        if (cover->cell == cell && changes(markers->marker + cover->marker - 1))
-            return false;
-    }
-    return true;
-}
-
-enum err markers_edits(const struct markers *markers, struct edit **edit, size_t *count,
-                       struct fault *fault)
-{
-    size_t most = 0;
-    for (size_t i = 0; i < markers->count; i++)
-        most += changes(markers->marker + i) ? markers->marker[i].voxels : 0;
-    *count = 0;
-    *edit = mem_array(most + 1, sizeof **edit);
-    if (!*edit)
-        return fault_memory(fault, "seeds");
-    for (size_t i = 0; i < markers->count; i++) {
-        const struct marker *marker = markers->marker + i;
-        for (size_t c = marker->first; changes(marker) && c < marker->first + marker->voxels; c++) {
-            const uint32_t cell = markers->covered[c].cell;
-            const int16_t now = markers_seed(markers, MARKERS_PLANNED, cell);
-            if (speaks(markers, c) && now != markers_seed(markers, MARKERS_PLANTED, cell))
-                (*edit)[(*count)++] = (struct edit){cell, now};
-        }
-    }
-    return OK;
 }

@@ -237,7 +237,7 @@ static struct state refined(const struct session *session, unsigned doubled)
         view->focus[a] *= 1 + (doubled >> a & 1);
         next.outlook.slices.cross[a] *= 1 + (doubled >> a & 1);
     }
-    next.eliminators = (struct edits){0};
+    next.markers = next.eliminators = (struct edits){0};
     next.applied = 0;
     return next;
 }

@@ -10,6 +10,7 @@
 void seeds_release(struct seeds *seeds)
 {
     free(seeds->edit);
+    free(seeds->region);
     *seeds = (struct seeds){0};
 }
 
@@ -19,6 +20,39 @@ uint64_t seeds_digest(const struct seeds *seeds)
     for (size_t i = 0; i < seeds->count; i++)
         sum += hash_mix_at(seeds->edit[i].cell, (uint64_t)seeds->edit[i].label);
     return sum;
+}
+
+static bool make_room(struct seeds *seeds, size_t count)
+{
+    seeds->edit = mem_array(count, sizeof *seeds->edit);
+    seeds->region = mem_array(count, sizeof *seeds->region);
+    return seeds->edit && seeds->region;
+}
+
+static void add(struct seeds *seeds, uint32_t cell, int label, uint16_t region)
+{
+    seeds->edit[seeds->count] = (struct edit){cell, (int16_t)label};
+    seeds->region[seeds->count++] = region;
+}
+
+/* A sort by counting. */
+enum err seeds_by_region(const struct seeds *seeds, uint32_t **cell, size_t *end,
+                         struct fault *fault)
+{
+    *cell = mem_array(seeds->count, sizeof **cell);
+    if (!*cell)
+        return fault_memory(fault, "the seeds of regions");
+    memset(end, 0, (REGION_MOST + 1) * sizeof *end);
+    for (size_t i = 0; i < seeds->count; i++)
+        end[seeds->region[i]]++;
+    for (size_t r = 0, before = 0; r <= REGION_MOST; r++) {
+        const size_t here = end[r];
+        end[r] = before; /* where it begins, and while it is filled, goes on */
+        before += here;
+    }
+    for (size_t i = 0; i < seeds->count; i++)
+        (*cell)[end[seeds->region[i]]++] = seeds->edit[i].cell;
+    return OK;
 }
 
 /* ---- a list ---- */
@@ -153,14 +187,13 @@ static enum err settle_rows(struct seeds *seeds, struct list *list, struct fault
     if (list->rows == 0)
         return fault_set(fault, ERR_INPUT,
                          "there is no seed in it; expected lines x,y,z,label; nothing was planted");
-    seeds->edit = mem_array(list->rows, sizeof *seeds->edit);
-    if (!seeds->edit)
+    if (!make_room(seeds, list->rows))
         return fault_memory(fault, "a list of seeds");
     qsort(list->row, list->rows, sizeof *list->row, compare_rows);
     for (size_t i = 0; i < list->rows; i++) {
         const struct row *row = &list->row[i];
         if (i == 0 || row->cell != row[-1].cell)
-            seeds->edit[seeds->count++] = (struct edit){row->cell, row->label};
+            add(seeds, row->cell, row->label, (uint16_t)row->label);
         else if (row->label != row[-1].label)
             return fault_set(fault, ERR_INPUT,
                              "line %u: the voxel of line %u again, with label %d instead of %d; "
@@ -288,8 +321,7 @@ static enum err draw_all(struct seeds *seeds, struct stock *stock, const struct 
         stock[r].wanted = all ? stock[r].left : choice->each;
         total += stock[r].wanted;
     }
-    seeds->edit = mem_array(total, sizeof *seeds->edit);
-    if (!seeds->edit)
+    if (!make_room(seeds, total))
         return fault_memory(fault, "the seeds of a label map");
     const uint16_t *at = map->intensity;
     struct task task = task_begin(watch, "drawing seeds", grid->voxels);
@@ -297,9 +329,8 @@ static enum err draw_all(struct seeds *seeds, struct stock *stock, const struct 
         for (uint32_t y = 0; y < map->size[1] && task_advance(&task, map->size[0]); y++)
             for (uint32_t x = 0; x < map->size[0]; x++, at++)
                 if (*at != REGION_NONE && draw(&stock[*at], *at, choice->generator))
-                    seeds->edit[seeds->count++] =
-                        (struct edit){grid_cell(grid, x, y, z),
-                                      (int16_t)(choice->label == LABEL_OWN ? *at : choice->label)};
+                    add(seeds, grid_cell(grid, x, y, z),
+                        choice->label == LABEL_OWN ? *at : choice->label, *at);
     return watch_fault(watch, fault);
 }
 

@@ -12,9 +12,57 @@ static enum err wait_for_run(struct session *session, uint32_t cell, int16_t lab
     return edits_add(&session->now.pending, (struct edit){cell, label}, fault);
 }
 
-enum err session_plant(struct session *session, uint32_t cell, uint8_t label, struct fault *fault)
+/* ---- markers ---- */
+
+static enum err put_up(struct session *session, const uint32_t *cell, size_t count, int16_t label,
+                       struct fault *fault)
 {
-    return wait_for_run(session, cell, label, fault);
+    enum err err = markers_add(&session->markers, label, cell, count, fault);
+    if (err)
+        return err;
+    const size_t number = session->markers.count;
+    err = edits_add(&session->now.markers, (struct edit){(uint32_t)number, 1}, fault);
+    session->markers.marker[number - 1].stands = err == OK;
+    for (size_t i = 0; !err && i < count; i++)
+        err = wait_for_run(session, cell[i], label, fault);
+    return err;
+}
+
+enum err session_plant(struct session *session, const uint32_t *cell, size_t count, uint8_t label,
+                       struct fault *fault)
+{
+    return put_up(session, cell, count, label, fault);
+}
+
+/* Where it decides about a voxel, what lies below decides from now on. */
+static enum err take_away(struct session *session, uint32_t number, struct fault *fault)
+{
+    struct markers *markers = &session->markers;
+    struct marker *marker = markers->marker + number - 1;
+    enum err err = edits_add(&session->now.markers, (struct edit){number, EDIT_ERASE}, fault);
+    for (size_t i = 0; !err && i < marker->voxels; i++) {
+        const uint32_t cell = markers->cover[marker->first + i].cell;
+        const bool decides = markers_at(markers, cell) == number;
+        marker->stands = false;
+        if (decides)
+            err = wait_for_run(session, cell, markers_seed(markers, cell), fault);
+        marker->stands = true;
+    }
+    marker->stands = false;
+    return err;
+}
+
+enum err session_take_away(struct session *session, const uint32_t *number, size_t count,
+                           struct fault *fault)
+{
+    const struct markers *markers = &session->markers;
+    enum err err = OK;
+    for (size_t i = 0; !err && i < count; i++)
+        if (number[i] < 1 || number[i] > markers->count || !markers->marker[number[i] - 1].stands)
+            err = fault_set(fault, ERR_CHECK, "no marker %u stands", number[i]);
+        else
+            err = take_away(session, number[i], fault);
+    return err;
 }
 
 static int compare_cells(const void *a, const void *b)
@@ -39,42 +87,86 @@ static uint32_t *waiting_seeds(const struct session *session, size_t *count)
     return cell;
 }
 
-enum err session_eliminate(struct session *session, const uint32_t *cell, size_t count,
-                           struct fault *fault)
+/* The marker to which a voxel belongs now; 0 for none, or where it waits to be taken away. */
+static uint32_t marker_of(const struct session *session, uint32_t cell, const uint32_t *waiting,
+                          size_t waits)
 {
-    const size_t before = edits_count(&session->now.pending);
-    size_t seeds;
-    uint32_t *seed = waiting_seeds(session, &seeds);
-    enum err err = seed ? OK : fault_memory(fault, "eliminators");
+    const struct cell *at = session->scene->cell + cell;
+    uint32_t number = 0;
+    if (bsearch(&cell, waiting, waits, sizeof cell, compare_cells))
+        number = markers_at(&session->markers, cell);
+    else if (cell_is_reached(at))
+        number = markers_at(&session->markers, key_root(at->key));
+    return number && session->markers.marker[number - 1].label != EDIT_ERASE ? number : 0;
+}
+
+static enum err holds_nothing(const struct session *session, struct fault *fault)
+{
+    if (forest_seeds(session->forest) == 0 && session_pendings(session) > 0)
+        return fault_set(fault, ERR_INPUT,
+                         "no tree holds this voxel yet: seeds wait for `run`; nothing has changed");
+    return fault_set(fault, ERR_INPUT,
+                     "no tree holds this voxel: no seed reaches it; nothing has changed");
+}
+
+enum err session_find_markers(const struct session *session, const uint32_t *cell, size_t count,
+                              uint32_t **number, size_t *numbers, struct fault *fault)
+{
+    size_t waits, found = 0;
+    uint32_t *waiting = waiting_seeds(session, &waits), *all = mem_array(count, sizeof *all);
+    for (size_t i = 0; waiting && all && i < count; i++) {
+        const uint32_t one = marker_of(session, cell[i], waiting, waits);
+        all[found] = one;
+        found += one != 0;
+    }
+    const bool lacks = !waiting || !all;
+    free(waiting);
+    *number = all;
+    *numbers = 0;
+    if (lacks)
+        return fault_memory(fault, "eliminators");
+    qsort(all, found, sizeof *all, compare_cells);
+    for (size_t i = 0; i < found; i++)
+        if (i == 0 || all[i] != all[i - 1])
+            all[(*numbers)++] = all[i];
+    return *numbers ? OK : holds_nothing(session, fault);
+}
+
+/* ---- single trees ---- */
+
+enum err session_erase_trees(struct session *session, const uint32_t *cell, size_t count,
+                             struct fault *fault)
+{
+    size_t waits, seeds = 0;
+    uint32_t *waiting = waiting_seeds(session, &waits), *seed = mem_array(count, sizeof *seed);
+    enum err err = waiting && seed ? OK : fault_memory(fault, "eliminators");
     for (size_t i = 0; !err && i < count; i++) {
         const struct cell *at = session->scene->cell + cell[i];
-        if (bsearch(&cell[i], seed, seeds, sizeof *seed, compare_cells))
-            err = wait_for_run(session, cell[i], EDIT_ERASE, fault);
+        if (bsearch(&cell[i], waiting, waits, sizeof *waiting, compare_cells))
+            seed[seeds++] = cell[i];
         else if (cell_is_reached(at))
-            err = wait_for_run(session, key_root(at->key), EDIT_ERASE, fault);
+            seed[seeds++] = key_root(at->key);
     }
+    if (!err)
+        err =
+            seeds ? put_up(session, seed, seeds, EDIT_ERASE, fault) : holds_nothing(session, fault);
+    free(waiting);
     free(seed);
-    if (!err && edits_count(&session->now.pending) == before)
-        err = fault_set(fault, ERR_INPUT,
-                        "no tree holds this voxel: no seed reaches it; nothing has changed");
     return err;
 }
 
-enum err session_eliminate_seeds(struct session *session, const uint32_t *seed, size_t count,
-                                 struct fault *fault)
+enum err session_erase_seeds(struct session *session, const uint32_t *seed, size_t count,
+                             struct fault *fault)
 {
     size_t waits;
     uint32_t *waiting = waiting_seeds(session, &waits);
     enum err err = waiting ? OK : fault_memory(fault, "eliminators");
-    for (size_t i = 0; !err && i < count; i++) {
-        const bool is_planted = session->scene->cell[seed[i]].flags & CELL_SEED;
-        if (is_planted || bsearch(&seed[i], waiting, waits, sizeof *seed, compare_cells))
-            err = wait_for_run(session, seed[i], EDIT_ERASE, fault);
-        else
+    for (size_t i = 0; !err && i < count; i++)
+        if (!(session->scene->cell[seed[i]].flags & CELL_SEED) &&
+            !bsearch(&seed[i], waiting, waits, sizeof *seed, compare_cells))
             err = fault_set(fault, ERR_CHECK, "no seed is planted where one was taken away");
-    }
     free(waiting);
-    return err;
+    return err ? err : put_up(session, seed, count, EDIT_ERASE, fault);
 }
 
 enum err session_note_eliminator(struct session *session, uint32_t cell, struct fault *fault)

@@ -35,6 +35,7 @@ void session_release(struct session *session)
     team_free(session->team);
     state_release(&session->now);
     state_release(&session->former);
+    markers_release(&session->markers);
     *session = (struct session){0};
 }
 
@@ -49,7 +50,8 @@ size_t session_memory(const struct session *session)
 {
     const struct kept *kept = &session->now.kept;
     size_t bytes = sizeof *session + edits_memory(&session->now.pending) +
-                   edits_memory(&session->now.eliminators);
+                   edits_memory(&session->now.markers) + edits_memory(&session->now.eliminators) +
+                   markers_memory(&session->markers);
     if (!session->has_scene)
         return bytes;
     bytes += session->scene->grid.cells * sizeof(struct cell);
@@ -71,6 +73,7 @@ void session_mark(struct session *session)
     if (session->has_scene)
         session->scene->watch = session->watch;
     state_assign(&session->former, &session->now);
+    session->former_markers = session->markers.count;
     session->former_tally = session->tally;
     session->former_has_scene = session->has_scene;
     session->former_rendered = session->rendered;
@@ -141,6 +144,7 @@ void session_rollback(struct session *session)
         go_back(session);
     else
         state_assign(&session->now, &session->former);
+    markers_drop(&session->markers, session->former_markers);
     session->edited = session->regrown = false;
     watch_begin(session->watch);
     if (session->has_scene)

@@ -20,7 +20,9 @@
  *      has_scene first;
  *   S4 a scene that was interpolated is kept, with what hangs on it, until the command stands;
  *   S5 what does not fit the state, because a command was cancelled or the session skims, is in
- *      `stale`, and made anew by the next session_go.
+ *      `stale`, and made anew by the next session_go;
+ *   S6 the seeds that are planted, once the edits that wait have been made, are those of the markers
+ *      that stand.
  */
 #ifndef SESSION_SESSION_H
 #define SESSION_SESSION_H
@@ -33,6 +35,7 @@
 #include "image/geometry.h"
 #include "render/border.h"
 #include "render/rendition.h"
+#include "session/markers.h"
 #include "session/semantics.h"
 #include "session/state.h"
 #include "session/tally.h"
@@ -51,6 +54,7 @@ struct former_scene {
 struct session {
     unsigned semantics; /* of the journal at hand (session/semantics.h) */
     struct state now;
+    struct markers markers; /* of all states; those of `now` are the ones that stand */
 
     bool has_scene;
     struct scene *scene;
@@ -87,6 +91,7 @@ struct session {
     /* What the command at hand began with, and whether it has edited the seeds (then
      * forest_seed_changes says how) or had the forest computed again. */
     struct state former;
+    size_t former_markers;
     struct former_scene former_scene;
     struct tally former_tally;
     bool former_has_scene, former_rendered;
@@ -149,18 +154,29 @@ static inline size_t session_pendings(const struct session *session)
     return edits_count(&session->now.pending);
 }
 
-/* Adds an edit to those that wait. */
-enum err session_plant(struct session *session, uint32_t cell, uint8_t label, struct fault *fault);
+/* Puts up a marker: seeds of a label, that wait for a run. */
+enum err session_plant(struct session *session, const uint32_t *cell, size_t count, uint8_t label,
+                       struct fault *fault);
 
-/* Eliminators: each takes away the seed whose tree holds the voxel (as of the last run), or the
- * seed that waits to be planted there. ERR_INPUT where neither is for any of them. */
-enum err session_eliminate(struct session *session, const uint32_t *cell, size_t count,
+/* Takes markers away, by their numbers: their seeds, and the seeds of the markers below come back.
+ * ERR_CHECK for a number that no marker which stands has. */
+enum err session_take_away(struct session *session, const uint32_t *number, size_t count,
                            struct fault *fault);
+
+/* The markers, each once, whose trees hold one of the voxels (as of the last run), or that wait to
+ * be planted there; the caller frees *number. ERR_INPUT where there are none. */
+enum err session_find_markers(const struct session *session, const uint32_t *cell, size_t count,
+                              uint32_t **number, size_t *numbers, struct fault *fault);
+
+/* An eraser of single trees: it takes away the seed whose tree holds the voxel (as of the last
+ * run), or the seed that waits to be planted there. ERR_INPUT where neither is for any of them. */
+enum err session_erase_trees(struct session *session, const uint32_t *cell, size_t count,
+                             struct fault *fault);
 
 /* The same where it is known which seeds go: those that are not planted and do not wait are
  * ERR_CHECK. */
-enum err session_eliminate_seeds(struct session *session, const uint32_t *seed, size_t count,
-                                 struct fault *fault);
+enum err session_erase_seeds(struct session *session, const uint32_t *seed, size_t count,
+                             struct fault *fault);
 
 /* Remembers where the user has put an eliminator, until the run after the next: for slices. */
 enum err session_note_eliminator(struct session *session, uint32_t cell, struct fault *fault);

@@ -131,6 +131,7 @@ void state_hold(const struct state *state)
 {
     kept_hold(&state->kept);
     edits_hold(&state->pending);
+    edits_hold(&state->markers);
     edits_hold(&state->eliminators);
 }
 
@@ -138,6 +139,7 @@ void state_release(struct state *state)
 {
     kept_release(&state->kept);
     edits_release(&state->pending);
+    edits_release(&state->markers);
     edits_release(&state->eliminators);
 }
 

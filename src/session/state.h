@@ -4,6 +4,7 @@
  *     kept      what belongs to the segmentation: undo, redo and goto lead back to it
  *     outlook   where one looks from: it stays when one goes through the history
  *     pending   the edits of seeds that wait for a run
+ *     markers   which of the markers stand (session/markers.h)
  *     eliminators  where the user has put them, to be marked in slices: those of the last run, and
  *               after them those that wait. What they do is among the pending edits
  *
@@ -69,6 +70,8 @@ struct state {
     struct kept kept;
     struct outlook outlook;
     struct edits pending; /* in order; a later edit of a voxel wins */
+    struct edits markers; /* {number, 1} for one that is put up, {number, EDIT_ERASE} for one that
+                             is taken away, in order; the last of a number decides */
     struct edits eliminators;
     size_t applied; /* how many of them, from the first one on, were of the last run */
 };
