@@ -1031,7 +1031,7 @@ STORY(seeds_come_out_of_files)
     begin_with_scene(&interp);
     make_seed_files();
     must(&interp, "seed-file seeds.csv");
-    CHECK_HAS(buf_text(&reply.words), "added=2 forest=");
+    CHECK_HAS(buf_text(&reply.words), "added=2 marker=1-2 forest=");
     CHECK_HAS(buf_text(&reply.words), " pending=2");
     must(&interp, "run");
     CHECK_INT(forest_seeds(interp.session.forest), 2);
@@ -1041,12 +1041,12 @@ STORY(seeds_come_out_of_files)
     must(&interp, "run");
     CHECK_INT(interp.session.scene->cell[cell].label, 7);
     must(&interp, "seed-file regions.nii"); /* four of twelve columns each */
-    CHECK_HAS(buf_text(&reply.words), "added=880 forest=");
+    CHECK_HAS(buf_text(&reply.words), "added=880 marker=4-5 forest=");
     must(&interp, "seed-file regions.nii erode=1 regions=2");
     CHECK_TEXT(buf_text(&reply.canonical), "seed-file regions.nii regions=2 erode=1");
-    CHECK_HAS(buf_text(&reply.words), "added=144 forest="); /* 2 x 9 x 8 */
+    CHECK_HAS(buf_text(&reply.words), "added=144 marker=6 forest="); /* 2 x 9 x 8 */
     must(&interp, "seed-file regions.nii each=5 label=cerebellum");
-    CHECK_HAS(buf_text(&reply.words), "added=10 forest=");
+    CHECK_HAS(buf_text(&reply.words), "added=10 marker=7-8 forest=");
     must(&interp, "run");
     CHECK(forest_check(interp.session.forest, NULL));
     interpreter_release(&interp);

@@ -229,7 +229,8 @@ static void random_line(char *line, size_t room)
         break;
     case 3:
         if (below(4))
-            snprintf(line, room, "remove %u,%u,%u radius=%u", x, y, z, below(2));
+            snprintf(line, room, "remove %u,%u,%u radius=%u%s", x, y, z, below(2),
+                     below(2) ? " of=tree" : "");
         else
             snprintf(line, room, "%s %c", below(2) ? "branch" : "goto", (int)('a' + below(5)));
         break;
@@ -238,7 +239,7 @@ static void random_line(char *line, size_t room)
         snprintf(line, room, "%s", plain[below(sizeof plain / sizeof plain[0])]);
         break;
     default:
-        snprintf(line, room, "seed %u,%u,%u %u", x, y, z, below(4));
+        snprintf(line, room, "seed %u,%u,%u %u radius=%u", x, y, z, below(4), below(5) / 3);
     }
 }
 
@@ -437,7 +438,7 @@ static void has_same_history(const struct history *a, const struct history *b)
     }
 }
 
-/* A copy of a journal whose eliminators say another thing of what they took, or (NULL) nothing. */
+/* A copy of a journal whose eliminators say another thing of what they removed, or (NULL) nothing. */
 static void forge_taken(const char *from, const char *to, const char *taken)
 {
     struct buf bytes = {0}, out = {0}, words = {0}, header = {0};
@@ -453,7 +454,8 @@ static void forge_taken(const char *from, const char *to, const char *taken)
         buf_clear(&words);
         const char *at = record.result, *end = at + strlen(at);
         while (record_word_next(&at, end, &word)) {
-            const bool took = word.key_length == 4 && memcmp(word.key, "took", 4) == 0;
+            const bool took = (word.key_length == 4 && memcmp(word.key, "took", 4) == 0) ||
+                              (word.key_length == 7 && memcmp(word.key, "removed", 7) == 0);
             if (took && !taken)
                 continue;
             buf_printf(&words, "%s%.*s=", words.length ? " " : "", (int)word.key_length, word.key);
@@ -522,30 +524,42 @@ STORY(what_is_skimmed_is_what_was_carried_out)
     }
 }
 
-STORY(a_journal_that_lies_is_not_resumed)
+static void lies_are_found(const char *line, const char *truth, const char *const *lie, size_t lies)
 {
     struct interpreter interp, again;
-    char path[PATH_MAX], forged[PATH_MAX];
+    char path[PATH_MAX], forged[PATH_MAX], found[80];
     snprintf(path, sizeof path, "%s", place("lies.iftty"));
     snprintf(forged, sizeof forged, "%s", place("forged.iftty"));
+    unlink(path);
     begin_at_root(&interp, path);
     must(&interp, "auto on");
     must(&interp, "seed 1,1,1 1");
     must(&interp, "seed 10,9,8 2");
-    must(&interp, "remove 1,2,1");
-    CHECK_HAS(buf_text(&reply.words), "took=1,1,1 ");
+    must(&interp, line);
+    CHECK_HAS(buf_text(&reply.words), truth);
     interpreter_release(&interp);
-    static const char *const lies[] = {"10,9,8",  "3,3,3",  "1,1", "99,1,1",
-                                       "1,1,1;;", "-1,0,0", "x"};
-    for (size_t i = 0; i < sizeof lies / sizeof lies[0]; i++) {
-        forge_taken(path, forged, lies[i]);
+    const char *value = strchr(truth, '=');
+    snprintf(found, sizeof found, "record 6 (line 12) diverges: %.*s is %s", (int)(value - truth),
+             truth, value + 1);
+    for (size_t i = 0; i < lies; i++) {
+        forge_taken(path, forged, lie[i]);
         CHECK(resume(&again, forged, false) == ERR_CHECK);
-        CHECK_HAS(fault.text, "record 6 (line 12) diverges: took is 1,1,1");
+        CHECK_HAS(fault.text, found);
         interpreter_release(&again);
     }
-    forge_taken(path, forged, "1,1,1");
+    forge_taken(path, forged, value + 1);
     CHECK(resume(&again, forged, false) == OK);
     interpreter_release(&again);
+}
+
+STORY(a_journal_that_lies_is_not_resumed)
+{
+    static const char *const of_seeds[] = {"10,9,8",  "3,3,3",  "1,1", "99,1,1",
+                                           "1,1,1;;", "-1,0,0", "x"};
+    static const char *const of_markers[] = {"2", "1-2", "3", "0", "1,1", "2-1", "1-", "x", "1,,1"};
+    lies_are_found("remove 1,2,1 of=tree", "took=1,1,1", of_seeds,
+                   sizeof of_seeds / sizeof *of_seeds);
+    lies_are_found("remove 1,2,1", "removed=1", of_markers, sizeof of_markers / sizeof *of_markers);
 }
 
 /* ---- what is put away ---- */

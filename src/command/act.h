@@ -12,6 +12,8 @@ enum err act_weight(const struct act *act);
 enum err act_polarity(const struct act *act);
 enum err act_adjacency(const struct act *act);
 enum err act_label(const struct act *act);
+
+/* act_seed.c */
 enum err act_seed(const struct act *act);
 enum err act_remove(const struct act *act);
 enum err act_run(const struct act *act);
@@ -97,6 +99,9 @@ bool act_name_is_fit(const char *name, size_t room);
 
 /* Whether no seed may be planted here. */
 bool act_is_outside(const struct session *session, uint32_t cell);
+
+/* Adds to the words of the record the numbers of the markers that the command has put up. */
+void act_add_markers(const struct act *act);
 
 /* How many seeds were planted, and how many not, being outside the region of interest: says so, and
  * refuses where that was all of them. */

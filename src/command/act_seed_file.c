@@ -110,6 +110,7 @@ enum err act_seed_file(const struct act *act)
         err = plant(act, &seeds, &inside);
     buf_printf(&act->reply->words, "file=%016llx added=%zu",
                (unsigned long long)seeds_digest(&seeds), inside);
+    act_add_markers(act);
     buf_printf(&act->reply->text, "%zu seed%s\n", inside, plural(inside));
     if (!err)
         err = act_naming(name, act_write_outside(act, inside, seeds.count - inside), act->fault);

@@ -141,11 +141,16 @@ const struct command command_table[] = {
      "generator: the number that the drawing starts from; 1 unless given.",
      "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3"},
     {COMMAND("remove", act_remove, GROUP_SEEDS, R | S | E),
-     {NEED("PLACE", VALUE_POSITION), KEYED("radius", VALUE_NUMBER, .most = 32)},
-     "eliminator: remove the tree that holds this voxel",
-     "The seed of that tree is removed, and its voxels go to the trees around it. Trees are those "
-     "of the last run.\n"
-     "With a radius: the seeds of all trees that have a voxel in the ball.",
+     {NEED("PLACE", VALUE_POSITION), KEYED("radius", VALUE_NUMBER, .most = 32),
+      KEYED("of", VALUE_CHOICE, .choices = "marker|tree")},
+     "eliminator: remove the marker of this voxel",
+     "A marker is all that one command has planted: a ball, a stroke, a region of a file. Its "
+     "seeds "
+     "are removed, and its voxels go to the trees around it; where it lay over an older marker, "
+     "the seeds of that one are there again. Trees are those of the last run.\n"
+     "of=tree: the seed of the single tree that holds the voxel is removed, and no older one comes "
+     "back. This is what `remove` does in journals of semantics 3 and less.\n"
+     "With a radius: all markers, or trees, that have a voxel in the ball.",
      "remove 100,100,50"},
     {COMMAND("run", act_run, GROUP_SEEDS, R | S | E),
      {{0}},

@@ -10,6 +10,8 @@ const struct meaning_row meaning_table[MEANINGS] = {
     [MEANING_SMOOTH_SURFACES] = {"smooth-surfaces", 3,
                                  "pictures were shaded by the faces of voxels",
                                  "pictures are shaded by a smoothed field", "picture"},
+    [MEANING_MARKERS] = {"markers", 4, "`remove` removed single trees",
+                         "`remove` removes markers, unless of=tree", NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

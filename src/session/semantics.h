@@ -20,10 +20,10 @@
 #include "engine/forest.h"
 
 /* The number of new journals, and the highest that can be gone on with. */
-enum { SEMANTICS = 3 };
+enum { SEMANTICS = 4 };
 
 /* One row each. */
-enum meaning { MEANING_LABEL_SUM, MEANING_SMOOTH_SURFACES, MEANINGS };
+enum meaning { MEANING_LABEL_SUM, MEANING_SMOOTH_SURFACES, MEANING_MARKERS, MEANINGS };
 
 struct meaning_row {
     const char *name;

@@ -1,0 +1,295 @@
+/* Commands that plant and remove seeds, and run. */
+#include "command/act.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "base/scan.h"
+#include "journal/record.h"
+
+enum { TAKEN_MOST = 256 }; /* seeds that one record says were removed */
+
+/* Voxels, as a list that grows. */
+struct voxels {
+    uint32_t *cell;
+    size_t count, capacity;
+};
+
+/* Adds the voxels of the scene within `radius` of a place, plane by plane, without those within as
+ * much of `but` (NULL for none), which are there already. False when out of memory. */
+static bool add_ball(struct voxels *v, const struct grid *grid, const int64_t place[3],
+                     const int64_t *but, int64_t radius)
+{
+    const size_t side = (size_t)(2 * radius + 1);
+    if (!mem_grow(&v->cell, &v->capacity, v->count + side * side * side, sizeof *v->cell))
+        return false;
+    for (int64_t z = -radius; z <= radius; z++)
+        for (int64_t y = -radius; y <= radius; y++)
+            for (int64_t x = -radius; x <= radius; x++) {
+                const int64_t at[3] = {place[0] + x, place[1] + y, place[2] + z};
+                int64_t far = radius * radius + 1;
+                for (int a = 0; but && a < 3; a++)
+                    far = (a ? far : 0) + (at[a] - but[a]) * (at[a] - but[a]);
+                if (x * x + y * y + z * z <= radius * radius && far > radius * radius &&
+                    grid_contains(grid, at[0], at[1], at[2]))
+                    v->cell[v->count++] =
+                        grid_cell(grid, (uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]);
+            }
+    return true;
+}
+
+/* `from` plus `part` of `parts` of the way to `to`, to the nearest voxel. */
+static void step_to(int64_t at[3], const uint32_t from[3], const uint32_t to[3], int64_t part,
+                    int64_t parts)
+{
+    for (int a = 0; a < 3; a++) {
+        const int64_t way = (int64_t)to[a] - from[a], twice = 2 * way * part;
+        at[a] = from[a] + (parts ? (twice + (twice < 0 ? -parts : parts)) / (2 * parts) : 0);
+    }
+}
+
+/* A ball at each step of the straight line between two places. */
+static bool add_stroke(struct voxels *v, const struct grid *grid, const uint32_t from[3],
+                       const uint32_t to[3], int64_t radius)
+{
+    int64_t steps = 0, at[3], before[3];
+    for (int a = 0; a < 3; a++) {
+        const int64_t way = from[a] < to[a] ? to[a] - from[a] : from[a] - to[a];
+        steps = way > steps ? way : steps;
+    }
+    bool fits = true;
+    for (int64_t i = 0; fits && i <= steps; i++) {
+        step_to(at, from, to, i, steps);
+        fits = add_ball(v, grid, at, i ? before : NULL, radius);
+        memcpy(before, at, sizeof at);
+    }
+    return fits;
+}
+
+static struct voxels ball(const struct grid *grid, const uint32_t place[3], int64_t radius,
+                          enum err *err, struct fault *fault)
+{
+    struct voxels v = {0};
+    if (!add_stroke(&v, grid, place, place, radius))
+        *err = fault_memory(fault, "a ball of voxels");
+    return v;
+}
+
+void act_add_markers(const struct act *act)
+{
+    const struct session *session = act->session;
+    struct buf *words = &act->reply->words;
+    const size_t first = session->former_markers + 1, last = session->markers.count;
+    if (!semantics_has(session->semantics, MEANING_MARKERS) || last < first)
+        return;
+    buf_printf(words, words->length ? " marker=%zu" : "marker=%zu", first);
+    if (last > first)
+        buf_printf(words, "-%zu", last);
+}
+
+enum err act_seed(const struct act *act)
+{
+    struct session *session = act->session;
+    const struct grid *grid = &session->scene->grid;
+    const uint32_t *to = act->value[3].given ? act->value[3].place : act->value[0].place;
+    struct voxels v = {0};
+    size_t inside = 0;
+    enum err err = add_stroke(&v, grid, act->value[0].place, to, act->value[2].number)
+                       ? OK
+                       : fault_memory(act->fault, "a stroke of seeds");
+    for (size_t i = 0; !err && i < v.count; i++)
+        if (!act_is_outside(session, v.cell[i]))
+            v.cell[inside++] = v.cell[i];
+    if (!err && inside)
+        err = session_plant(session, v.cell, inside, (uint8_t)act->value[1].number, act->fault);
+    free(v.cell);
+    if (!err)
+        act_add_markers(act);
+    return err ? err : act_write_outside(act, inside, v.count - inside);
+}
+
+/* ---- eliminators ---- */
+
+/* The word of a record that says what an eliminator removed, so that whoever continues the journal
+ * needs no forest to know it. */
+static bool find_recorded(const struct act *act, const char *key, struct record_word *word)
+{
+    const char *recorded = act->interp->recorded_words;
+    return act->session->skims && recorded && record_word_find(recorded, key, strlen(key), word);
+}
+
+/* Only a forest that is up to date knows which tree holds a voxel. */
+static enum err find_voxels(const struct act *act, struct voxels *v)
+{
+    enum err err = act->session->skims ? session_catch_up(act->session, act->fault) : OK;
+    if (!err)
+        *v = ball(&act->session->scene->grid, act->value[0].place, act->value[1].number, &err,
+                  act->fault);
+    return err;
+}
+
+/* ---- single trees ---- */
+
+/* Which seeds were removed, for the journal: "took=X,Y,Z;X,Y,Z". Nothing where they are more than a
+ * line should hold. */
+static void add_taken(const struct session *session, struct reply *reply)
+{
+    const struct edit *edit = edits_first(&session->now.pending);
+    const size_t before = edits_count(&session->former.pending), now = session_pendings(session);
+    const char *between = "took=";
+    if (now - before > TAKEN_MOST)
+        return;
+    for (size_t i = before; i < now; i++) {
+        const struct place p = grid_place(&session->scene->grid, edit[i].cell);
+        buf_printf(&reply->words, "%s%u,%u,%u", between, p.x, p.y, p.z);
+        between = ";";
+    }
+}
+
+/* The seeds that a record says were removed; ERR_CHECK where it does not say it so. */
+static enum err read_taken(const struct grid *grid, const struct record_word *word, uint32_t *seed,
+                           size_t *count, struct fault *fault)
+{
+    const char *at = word->value, *end = word->value + word->value_length;
+    bool goes_on = true;
+    for (*count = 0; goes_on && *count < TAKEN_MOST; goes_on = scan_text(&at, ";")) {
+        int64_t place[3];
+        if (!scan_integer(&at, 0, grid->size[0] - 1, &place[0]) || !scan_text(&at, ",") ||
+            !scan_integer(&at, 0, grid->size[1] - 1, &place[1]) || !scan_text(&at, ",") ||
+            !scan_integer(&at, 0, grid->size[2] - 1, &place[2]))
+            break;
+        seed[(*count)++] =
+            grid_cell(grid, (uint32_t)place[0], (uint32_t)place[1], (uint32_t)place[2]);
+    }
+    return at == end ? OK : fault_set(fault, ERR_CHECK, "took: expected X,Y,Z;X,Y,Z");
+}
+
+static enum err remove_trees(const struct act *act)
+{
+    struct session *session = act->session;
+    uint32_t taken[TAKEN_MOST];
+    struct record_word word;
+    struct voxels v = {0};
+    size_t count;
+    enum err err;
+    if (find_recorded(act, "took", &word)) {
+        err = read_taken(&session->scene->grid, &word, taken, &count, act->fault);
+        err = err ? err : session_erase_seeds(session, taken, count, act->fault);
+    } else {
+        err = find_voxels(act, &v);
+        err = err ? err : session_erase_trees(session, v.cell, v.count, act->fault);
+    }
+    free(v.cell);
+    if (!err)
+        add_taken(session, act->reply);
+    return err;
+}
+
+/* ---- markers ---- */
+
+/* Which markers were removed: "removed=3,7-9", in order. */
+static void add_removed(struct buf *words, const uint32_t *number, size_t count)
+{
+    buf_add_text(words, words->length ? " removed=" : "removed=");
+    for (size_t i = 0, last; i < count; i = last + 1) {
+        for (last = i; last + 1 < count && number[last + 1] == number[last] + 1;)
+            last++;
+        buf_printf(words, i ? ",%u" : "%u", number[i]);
+        if (last > i)
+            buf_printf(words, "-%u", number[last]);
+    }
+}
+
+/* The numbers that a record says were removed: an array that the caller frees. */
+static enum err read_removed(const struct markers *markers, const struct record_word *word,
+                             uint32_t **number, size_t *count, struct fault *fault)
+{
+    const char *at = word->value, *end = word->value + word->value_length;
+    bool goes_on = true;
+    *count = 0;
+    *number = mem_array(markers->count + 1, sizeof **number);
+    if (!*number)
+        return fault_memory(fault, "markers");
+    while (goes_on) {
+        int64_t first, last;
+        if (!scan_integer(&at, 1, (int64_t)markers->count, &first))
+            break;
+        last = first;
+        if (scan_text(&at, "-") && !scan_integer(&at, first, (int64_t)markers->count, &last))
+            break;
+        for (; first <= last && *count <= markers->count; first++)
+            (*number)[(*count)++] = (uint32_t)first;
+        goes_on = scan_text(&at, ",") && *count <= markers->count;
+    }
+    return at == end ? OK : fault_set(fault, ERR_CHECK, "removed: expected N,N-N");
+}
+
+static void write_removed(const struct act *act, const uint32_t *number, size_t count)
+{
+    const struct marker *first = act->session->markers.marker + number[0] - 1;
+    struct buf *out = &act->reply->text;
+    if (count > 1) {
+        buf_printf(out, "%zu markers removed\n", count);
+        return;
+    }
+    buf_printf(out, "marker %u removed: %zu seed%s of label ", number[0], first->voxels,
+               plural(first->voxels));
+    act_write_label(out, act->session, (unsigned)first->label);
+    buf_add_char(out, '\n');
+}
+
+static enum err remove_markers(const struct act *act)
+{
+    struct session *session = act->session;
+    struct record_word word;
+    struct voxels v = {0};
+    uint32_t *number = NULL;
+    size_t count;
+    enum err err;
+    if (find_recorded(act, "removed", &word)) {
+        err = read_removed(&session->markers, &word, &number, &count, act->fault);
+    } else {
+        err = find_voxels(act, &v);
+        if (!err)
+            err = session_find_markers(session, v.cell, v.count, &number, &count, act->fault);
+    }
+    if (!err)
+        err = session_take_away(session, number, count, act->fault);
+    if (!err) {
+        add_removed(&act->reply->words, number, count);
+        write_removed(act, number, count);
+    }
+    free(number);
+    free(v.cell);
+    return err;
+}
+
+/* In a ball, voxels that no tree holds are ignored, unless that is all of them. */
+enum err act_remove(const struct act *act)
+{
+    enum { MARKER, TREE };
+    struct session *session = act->session;
+    const struct value *of = &act->value[2];
+    const int64_t usual = semantics_has(session->semantics, MEANING_MARKERS) ? MARKER : TREE;
+    const enum err err =
+        (of->given ? of->number : usual) == MARKER ? remove_markers(act) : remove_trees(act);
+    if (err)
+        return err;
+    const uint32_t *p = act->value[0].place;
+    const uint32_t cell = grid_cell(&session->scene->grid, p[0], p[1], p[2]);
+    return session_note_eliminator(session, cell, act->fault);
+}
+
+/* ---- runs ---- */
+
+enum err act_run(const struct act *act)
+{
+    return session_run(act->session, act->fault);
+}
+
+enum err act_auto(const struct act *act)
+{
+    act->next->outlook.runs_by_itself = act->value[0].number == 0;
+    return act_go(act);
+}
