@@ -201,28 +201,33 @@ static void add_removed(struct buf *words, const uint32_t *number, size_t count)
     }
 }
 
+/* "N" or "N-M", none above `most`. */
+static bool scan_numbers(const char **at, int64_t most, int64_t *first, int64_t *last)
+{
+    if (!scan_integer(at, 1, most, first))
+        return false;
+    *last = *first;
+    return !scan_text(at, "-") || scan_integer(at, *first, most, last);
+}
+
 /* The numbers that a record says were removed: an array that the caller frees. */
 static enum err read_removed(const struct markers *markers, const struct record_word *word,
                              uint32_t **number, size_t *count, struct fault *fault)
 {
     const char *at = word->value, *end = word->value + word->value_length;
-    bool goes_on = true;
+    bool fits = true;
     *count = 0;
     *number = mem_array(markers->count + 1, sizeof **number);
     if (!*number)
         return fault_memory(fault, "markers");
-    while (goes_on) {
+    do {
         int64_t first, last;
-        if (!scan_integer(&at, 1, (int64_t)markers->count, &first))
-            break;
-        last = first;
-        if (scan_text(&at, "-") && !scan_integer(&at, first, (int64_t)markers->count, &last))
-            break;
-        for (; first <= last && *count <= markers->count; first++)
-            (*number)[(*count)++] = (uint32_t)first;
-        goes_on = scan_text(&at, ",") && *count <= markers->count;
-    }
-    return at == end ? OK : fault_set(fault, ERR_CHECK, "removed: expected N,N-N");
+        fits = scan_numbers(&at, (int64_t)markers->count, &first, &last) &&
+               *count + (size_t)(last - first) < markers->count;
+        for (int64_t n = first; fits && n <= last; n++)
+            (*number)[(*count)++] = (uint32_t)n;
+    } while (fits && scan_text(&at, ","));
+    return fits && at == end ? OK : fault_set(fault, ERR_CHECK, "removed: expected N,N-N");
 }
 
 static void write_removed(const struct act *act, const uint32_t *number, size_t count)
