@@ -108,10 +108,12 @@ STORY(every_kind_of_command_is_undone_and_done_again)
         take_snapshot(&now, &interp);
         is_same_segmentation(&first, &now);
         must(&interp, "redo 20");
-        CHECK(execute(&interp, "redo 1000") == ERR_INPUT);
-        CHECK_HAS(fault.text, "commands can be done again, not 1000; nothing has changed");
-        while (execute(&interp, "redo 2") == OK)
-            continue;
+        must(&interp, "redo 1000"); /* as many as there are */
+        CHECK_HAS(buf_text(&reply.text), "commands could be done again, not 1000\n");
+        CHECK(execute(&interp, "redo 2") == ERR_INPUT);
+        must(&interp, "undo 1000");
+        CHECK_HAS(buf_text(&reply.text), "commands could be undone, not 1000\n");
+        CHECK(execute(&interp, "undo") == ERR_INPUT);
         interpreter_release(&interp);
     }
 }
@@ -154,6 +156,39 @@ STORY(an_edit_after_undo_begins_an_alternative)
     CHECK(execute(&interp, "goto 11") == ERR_INPUT);
     CHECK(execute(&interp, "goto somewhere") == ERR_INPUT);
     CHECK_HAS(fault.text, "there is no branch somewhere");
+    interpreter_release(&interp);
+}
+
+STORY(looking_back_moves_no_branch)
+{
+    struct interpreter interp;
+    begin_with_scene(&interp); /* records 1 to 3 */
+    must(&interp, "auto on");
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "seed 10,9,8 2");
+    must(&interp, "seed 9,2,2 3");
+    must(&interp, "goto 5");
+    CHECK_HAS(buf_text(&reply.text), "main stays at record 7: `goto main` leads back\n");
+    must(&interp, "undo"); /* one looks further back */
+    must(&interp, "redo 2");
+    CHECK_INT(forest_seeds(interp.session.forest), 2);
+    must(&interp, "goto main");
+    CHECK_INT(forest_seeds(interp.session.forest), 3);
+    must(&interp, "undo"); /* from the tip: that is a change */
+    must(&interp, "goto 4");
+    must(&interp, "goto main");
+    CHECK_INT(forest_seeds(interp.session.forest), 2);
+    must(&interp, "goto 5");
+    must(&interp, "seed 3,3,3 1"); /* and so is a command */
+    must(&interp, "goto 7");
+    must(&interp, "goto main");
+    CHECK_INT(forest_seeds(interp.session.forest), 2);
+    CHECK(interp.session.scene->cell[grid_cell(&interp.session.scene->grid, 3, 3, 3)].flags &
+          CELL_SEED);
+    interp.session.semantics = 3; /* whose meaning was another */
+    must(&interp, "goto 5");
+    must(&interp, "goto main");
+    CHECK_INT(forest_seeds(interp.session.forest), 1);
     interpreter_release(&interp);
 }
 
@@ -596,7 +631,7 @@ int main(void)
     int status = RUN_STORIES(
         TELL(every_kind_of_command_is_undone_and_done_again),
         TELL(where_one_looks_from_is_not_undone), TELL(an_edit_after_undo_begins_an_alternative),
-        TELL(branches_have_names_and_are_left_and_found_again),
+        TELL(looking_back_moves_no_branch), TELL(branches_have_names_and_are_left_and_found_again),
         TELL(random_walks_come_back_to_the_very_same_states),
         TELL(without_memory_one_stays_where_one_is),
         TELL(who_is_stopped_on_the_way_is_where_he_was),

@@ -28,12 +28,28 @@ static void write_arrival(const struct act *act, uint32_t to, uint32_t branch)
     buf_add_char(&reply->text, '\n');
 }
 
-static enum err go(const struct act *act, uint32_t to, uint32_t branch)
+/* Where the tip of the branch stays ahead, or behind. */
+static void write_tip(const struct act *act, uint32_t to, uint32_t branch)
 {
-    enum err err = history_go(&act->interp->history, act->session, to, branch, act->fault);
-    if (!err)
-        write_arrival(act, to, branch);
-    return err;
+    const struct history *history = &act->interp->history;
+    const struct branch *on = history->branch + branch;
+    if (history->moves_tip || on->point == to)
+        return;
+    buf_printf(&act->reply->text, "%s stays at record %zu: `goto %s` leads back\n", on->name,
+               history->point[on->point].record, on->name);
+}
+
+static enum err go(const struct act *act, uint32_t to, uint32_t branch, bool moves_tip)
+{
+    struct history *history = &act->interp->history;
+    const bool has_tips = semantics_has(act->session->semantics, MEANING_BRANCH_TIPS);
+    enum err err =
+        history_go(history, act->session, to, branch, moves_tip || !has_tips, act->fault);
+    if (err)
+        return err;
+    write_arrival(act, to, branch);
+    write_tip(act, to, branch);
+    return OK;
 }
 
 /* "undone: 12 seed 90,33,60 2", the latest of them first, of at most some. */
@@ -51,23 +67,41 @@ static void write_undone(const struct history *history, uint32_t to, struct repl
         buf_printf(&reply->text, "and %u before these\n", count - LISTED);
 }
 
+static size_t wanted(const struct act *act)
+{
+    return act->value[0].given ? (size_t)act->value[0].number : 1;
+}
+
+static void write_fewer(const struct act *act, size_t count, const char *what)
+{
+    if (count < wanted(act))
+        buf_printf(&act->reply->text, "only %zu command%s could be %s, not %zu\n", count,
+                   plural(count), what, wanted(act));
+}
+
 enum err act_undo(const struct act *act)
 {
+    const struct history *history = &act->interp->history;
     uint32_t to;
-    const size_t count = act->value[0].given ? (size_t)act->value[0].number : 1;
-    enum err err = history_before(&act->interp->history, count, &to, act->fault);
+    size_t count = wanted(act);
+    enum err err = history_before(history, &count, &to, act->fault);
     if (err)
         return err;
-    write_undone(&act->interp->history, to, act->reply);
-    return go(act, to, act->interp->history.on);
+    write_fewer(act, count, "undone");
+    write_undone(history, to, act->reply);
+    return go(act, to, history->on, history_is_at_tip(history));
 }
 
 enum err act_redo(const struct act *act)
 {
+    const struct history *history = &act->interp->history;
     uint32_t to;
-    const size_t count = act->value[0].given ? (size_t)act->value[0].number : 1;
-    enum err err = history_after(&act->interp->history, count, &to, act->fault);
-    return err ? err : go(act, to, act->interp->history.on);
+    size_t count = wanted(act);
+    enum err err = history_after(history, &count, &to, act->fault);
+    if (err)
+        return err;
+    write_fewer(act, count, "done again");
+    return go(act, to, history->on, history_is_at_tip(history));
 }
 
 enum err act_goto(const struct act *act)
@@ -75,7 +109,7 @@ enum err act_goto(const struct act *act)
     uint32_t to, branch;
     enum err err =
         history_find(&act->interp->history, act->value[0].text, &to, &branch, act->fault);
-    return err ? err : go(act, to, branch);
+    return err ? err : go(act, to, branch, false);
 }
 
 enum err act_branch(const struct act *act)

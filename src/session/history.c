@@ -81,22 +81,20 @@ size_t history_memory(const struct history *history)
 
 /* ---- ways ---- */
 
-enum err history_before(const struct history *history, size_t count, uint32_t *point,
+enum err history_before(const struct history *history, size_t *count, uint32_t *point,
                         struct fault *fault)
 {
+    const size_t wanted = *count;
     *point = history->present;
-    for (size_t i = 0; i < count; i++) {
+    for (*count = 0; *count < wanted; ++*count) {
         const uint32_t parent = history->point[*point].parent;
-        if (parent == POINT_NONE && i == 0)
-            return fault_set(fault, ERR_INPUT,
-                             "there is nothing to undo since the scene was opened");
         if (parent == POINT_NONE)
-            return fault_set(fault, ERR_INPUT,
-                             "only %zu command%s can be undone, not %zu; nothing has changed", i,
-                             plural(i), count);
+            break;
         *point = parent;
     }
-    return OK;
+    return *count
+               ? OK
+               : fault_set(fault, ERR_INPUT, "there is nothing to undo since the scene was opened");
 }
 
 /* Where redo leads from a point: along the branch one is on, and else the way one came. */
@@ -111,21 +109,18 @@ static uint32_t child_of(const struct history *history, uint32_t at)
     return child;
 }
 
-enum err history_after(const struct history *history, size_t count, uint32_t *point,
+enum err history_after(const struct history *history, size_t *count, uint32_t *point,
                        struct fault *fault)
 {
+    const size_t wanted = *count;
     *point = history->present;
-    for (size_t i = 0; i < count; i++) {
+    for (*count = 0; *count < wanted; ++*count) {
         const uint32_t child = child_of(history, *point);
-        if (child == POINT_NONE && i == 0)
-            return fault_set(fault, ERR_INPUT, "there is nothing to do again");
         if (child == POINT_NONE)
-            return fault_set(fault, ERR_INPUT,
-                             "only %zu command%s can be done again, not %zu; nothing has changed",
-                             i, plural(i), count);
+            break;
         *point = child;
     }
-    return OK;
+    return *count ? OK : fault_set(fault, ERR_INPUT, "there is nothing to do again");
 }
 
 enum err history_find(const struct history *history, const char *name, uint32_t *point,
@@ -210,8 +205,13 @@ static struct edit *edits_of_way(const struct history *history, uint32_t to, siz
     return edit;
 }
 
+bool history_is_at_tip(const struct history *history)
+{
+    return history->branch[history->on].point == history->present;
+}
+
 enum err history_go(struct history *history, struct session *session, uint32_t to, uint32_t branch,
-                    struct fault *fault)
+                    bool moves_tip, struct fault *fault)
 {
     const struct point *there = history->point + to;
     struct state state = session->now;
@@ -227,6 +227,7 @@ enum err history_go(struct history *history, struct session *session, uint32_t t
     enum err err = session_go(session, &state, edit, seeds, fault);
     history->goes_to = to;
     history->goes_on = branch;
+    history->moves_tip = moves_tip;
     free(edit);
     return err;
 }
@@ -245,6 +246,7 @@ enum err history_branch(struct history *history, const char *name, struct fault 
     memcpy(branch->name, name, strnlen(name, BRANCH_NAME_BYTES - 1));
     history->goes_to = history->present;
     history->goes_on = (uint32_t)history->branches;
+    history->moves_tip = true;
     return OK;
 }
 
@@ -367,8 +369,9 @@ static void begin_anew(struct history *history)
 }
 
 /* Redo leads to `point` from wherever it has left the way to the present one. */
-static void arrive(struct history *history, uint32_t point, uint32_t branch)
+static void arrive(struct history *history)
 {
+    const uint32_t point = history->goes_to, branch = history->goes_on;
     const uint32_t top = fork_of(history, history->present, point);
     for (uint32_t p = point; p != top; p = history->point[p].parent)
         history->point[history->point[p].parent].latest = p;
@@ -376,7 +379,8 @@ static void arrive(struct history *history, uint32_t point, uint32_t branch)
     history->on = branch;
     if (branch == history->branches)
         history->branches++; /* a new one */
-    history->branch[branch].point = point;
+    if (history->moves_tip)
+        history->branch[branch].point = point;
 }
 
 /* What was noted is the present point from now on. */
@@ -399,7 +403,7 @@ static void stand(struct history *history)
     if (history->noted.settings)
         advance(history);
     else if (history->goes_to != POINT_NONE)
-        arrive(history, history->goes_to, history->goes_on);
+        arrive(history);
     if (history->points)
         history->at[history->ats++] = history->present;
 }

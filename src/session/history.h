@@ -56,7 +56,7 @@ struct point {
 
 struct branch {
     char name[BRANCH_NAME_BYTES];
-    uint32_t point; /* where one was on it last */
+    uint32_t point; /* its tip: where the next command on it goes on from, unless one looks back */
 };
 
 struct history {
@@ -75,6 +75,7 @@ struct history {
     /* Of the command at hand: where it goes, by history_go, or POINT_NONE; and what history_note
      * has got ready. */
     uint32_t goes_to, goes_on;
+    bool moves_tip; /* of the branch that it goes on */
     bool is_noted, is_root;
     struct point noted; /* a new point, where its settings are not NULL */
 };
@@ -85,11 +86,11 @@ size_t history_memory(const struct history *history);
 
 /* ---- ways ---- */
 
-/* The point `count` commands before the present one, or after it, the way one came. ERR_INPUT where
- * there are not so many. */
-enum err history_before(const struct history *history, size_t count, uint32_t *point,
+/* The point *count commands before the present one, or after it, the way one came: as many as there
+ * are, if these are fewer, which *count says then. ERR_INPUT where there are none. */
+enum err history_before(const struct history *history, size_t *count, uint32_t *point,
                         struct fault *fault);
-enum err history_after(const struct history *history, size_t count, uint32_t *point,
+enum err history_after(const struct history *history, size_t *count, uint32_t *point,
                        struct fault *fault);
 
 /* The point where record `number` left the session, or where one was last on the branch `name`,
@@ -97,10 +98,14 @@ enum err history_after(const struct history *history, size_t count, uint32_t *po
 enum err history_find(const struct history *history, const char *name, uint32_t *point,
                       uint32_t *branch, struct fault *fault);
 
-/* Has the session be what it was at `point`. On error, session_rollback gives back what it was. The
+/* Whether the present point is the tip of its branch. */
+bool history_is_at_tip(const struct history *history);
+
+/* Has the session be what it was at `point`, which becomes the tip of the branch where `moves_tip`
+ * is set: undo does so, and looking back does not. On error, session_rollback gives back what it was. The
  * history itself moves when the command stands. */
 enum err history_go(struct history *history, struct session *session, uint32_t point,
-                    uint32_t branch, struct fault *fault);
+                    uint32_t branch, bool moves_tip, struct fault *fault);
 
 /* From now on the present point is on a branch `name`, which is new: when the command stands.
  * ERR_USAGE for a name that is taken. */

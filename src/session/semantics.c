@@ -12,6 +12,8 @@ const struct meaning_row meaning_table[MEANINGS] = {
                                  "pictures are shaded by a smoothed field", "picture"},
     [MEANING_MARKERS] = {"markers", 4, "`remove` removed single trees",
                          "`remove` removes markers, unless of=tree", NULL},
+    [MEANING_BRANCH_TIPS] = {"branch-tips", 4, "`goto` moved the branch that it went to",
+                             "a branch stays where its last command or undo left it", NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

@@ -23,7 +23,13 @@
 enum { SEMANTICS = 4 };
 
 /* One row each. */
-enum meaning { MEANING_LABEL_SUM, MEANING_SMOOTH_SURFACES, MEANING_MARKERS, MEANINGS };
+enum meaning {
+    MEANING_LABEL_SUM,
+    MEANING_SMOOTH_SURFACES,
+    MEANING_MARKERS,
+    MEANING_BRANCH_TIPS,
+    MEANINGS
+};
 
 struct meaning_row {
     const char *name;
