@@ -7,13 +7,20 @@ enum { LISTED_MOST = 6 };
 static void write_volume(struct buf *out, const struct session *session, unsigned label)
 {
     const uint64_t voxels = session_label_voxels(session, (uint8_t)label);
+    const uint64_t former = session_label_former_voxels(session, (uint8_t)label);
+    const uint32_t *spacing_nm = session->scene->spacing_nm;
     buf_add_text(out, ", label ");
     act_write_label(out, session, label);
     buf_add_text(out, ": ");
     if (voxels)
-        tally_write_volume(out, session->scene->spacing_nm, voxels);
+        tally_write_volume(out, spacing_nm, voxels);
     else
         buf_add_text(out, "0 ml");
+    if (former == 0)
+        return;
+    buf_add_text(out, voxels > former ? " (+" : " (-");
+    tally_write_volume(out, spacing_nm, voxels > former ? voxels - former : former - voxels);
+    buf_add_char(out, ')');
 }
 
 /* The labels whose number of voxels has changed, the largest first; of equals, the lower number. */
@@ -37,8 +44,13 @@ void volumes_write(struct buf *out, const struct session *session, uint64_t took
     uint8_t label[255];
     const unsigned count = changed_labels(session, label);
     const double ms = (double)took_ns / 1e6;
-    const unsigned long long touched = forest_stats(session->forest).touched;
-    buf_printf(out, "%llu voxel%s changed", touched, plural(touched));
+    const uint64_t changed = session_changed_voxels(session);
+    if (changed == CHANGES_UNKNOWN)
+        buf_add_text(out, "computed anew");
+    else if (changed == 0)
+        buf_add_text(out, "no label has changed");
+    else
+        buf_printf(out, "%llu voxel%s changed", (unsigned long long)changed, plural(changed));
     for (unsigned i = 0; i < count && i < LISTED_MOST; i++)
         write_volume(out, session, label[i]);
     if (count > LISTED_MOST)

@@ -41,8 +41,13 @@ static void finish_changes(struct forest *forest)
     assert(forest->unsettled == 0);
     if (forest->everything)
         forest->changes = 0;
-    if (forest->from_scratch)
+    if (forest->from_scratch) {
         forest->stats.touched = forest->scene->grid.voxels;
+        forest->relabelled = forest->former.taken
+                                 ? label_runs_differences(&forest->former, forest->scene)
+                                 : CHANGES_UNKNOWN;
+        label_runs_release(&forest->former);
+    }
     cleared->count = forest->reoffered = 0;
     if (cleared->capacity > CLEARED_HELD) {
         free(cleared->item);
@@ -155,11 +160,23 @@ static enum err prepare(struct forest *forest, const struct edit *edit, size_t c
 /* A pass over nothing but seeds is the whole team's. */
 static void begin(struct forest *forest, bool from_scratch)
 {
-    forest->changes = 0;
+    forest->changes = forest->relabelled = 0;
     forest->everything = from_scratch;
     forest->from_scratch = from_scratch;
     forest->shared = from_scratch && forest->workers > 1;
     forest->stats = (struct forest_stats){0};
+}
+
+/* Labels as they are before all grows anew, once: of a forest that was suspended, when that was. */
+static void take_former(struct forest *forest)
+{
+    if (forest->counts_anew && !forest->former.taken && !forest->suspended)
+        label_runs_take(&forest->former, forest->scene);
+}
+
+void forest_count_anew(struct forest *forest, bool counts)
+{
+    forest->counts_anew = counts;
 }
 
 /* Puts the seeds of `edit` in the place of those that are there, and computes nothing. */
@@ -225,6 +242,7 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
     begin(forest, from_nothing);
     change_seeds(forest, forest->batch, forest->edits);
     if (forest->lost_too_much) {
+        take_former(forest);
         set_seeds(forest, forest->batch, forest->edits);
         clear_all(forest, true);
     }
@@ -314,7 +332,10 @@ static enum err grow_anew(struct forest *forest, bool may_stop, struct fault *fa
 
 enum err forest_rebuild(struct forest *forest, struct fault *fault)
 {
-    return forest->suspended ? OK : grow_anew(forest, true, fault);
+    if (forest->suspended)
+        return OK;
+    take_former(forest);
+    return grow_anew(forest, true, fault);
 }
 
 struct seed_changes forest_seed_changes(const struct forest *forest)
@@ -324,6 +345,7 @@ struct seed_changes forest_seed_changes(const struct forest *forest)
 
 void forest_suspend(struct forest *forest)
 {
+    take_former(forest);
     forest->suspended = true;
 }
 
@@ -391,6 +413,7 @@ void forest_free(struct forest *forest)
 {
     if (!forest)
         return;
+    label_runs_release(&forest->former);
     mem_pages_free(forest->change, forest->change_limit * sizeof *forest->change);
     forest_dismiss(forest);
     free(forest->batch);
@@ -413,7 +436,8 @@ uint32_t forest_predecessor(const struct forest *forest, uint32_t cell)
 
 struct changes forest_changes(const struct forest *forest)
 {
-    return (struct changes){forest->everything, forest->changes, forest->change};
+    return (struct changes){forest->everything, forest->changes, forest->change,
+                            forest->relabelled};
 }
 
 struct forest_stats forest_stats(const struct forest *forest)

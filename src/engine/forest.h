@@ -74,7 +74,13 @@ struct changes {
     bool everything;
     size_t count;
     const struct change *item;
+    uint64_t voxels; /* how many got another label; CHANGES_UNKNOWN where all grew anew uncounted */
 };
+#define CHANGES_UNKNOWN UINT64_MAX
+
+/* Whether labels of before are noted where all grows anew, so that changes are counted there too,
+ * for a scan of the scene before and after. At first they are not. */
+void forest_count_anew(struct forest *forest, bool counts);
 
 struct forest_stats {
     uint64_t served;  /* voxels whose final key was passed on to the neighbours */

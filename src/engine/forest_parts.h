@@ -8,6 +8,7 @@
 #include "base/team.h"
 #include "base/hash.h"
 #include "engine/forest.h"
+#include "engine/label_runs.h"
 #include "engine/queue.h"
 
 /* A list of cells that grows. */
@@ -58,6 +59,9 @@ struct forest {
     size_t changes, change_limit;
     size_t unsettled; /* touched voxels without their final key */
     bool everything;
+    uint64_t relabelled;      /* voxels of the edit so far that have another label */
+    struct label_runs former; /* labels of before all grows anew, where they are counted */
+    bool counts_anew;         /* forest_count_anew */
 
     struct edit *batch;   /* the edit at hand, in the order of cells, each voxel once */
     struct edit *inverse; /* the edit that takes it back, likewise */
@@ -113,11 +117,13 @@ static inline void touch(struct forest *forest, uint32_t at)
 static inline void settle(struct forest *forest, uint32_t at)
 {
     struct cell *cell = forest->cell + at;
+    const bool relabelled = cell->label != cell->former_label;
     if (forest->changes == forest->change_limit)
         forest->everything = true;
     else
         forest->change[forest->changes] = (struct change){at, cell->former_label, cell->label};
-    forest->changes += (cell->label != cell->former_label) & !forest->everything;
+    forest->changes += relabelled & !forest->everything;
+    forest->relabelled += relabelled;
     forest->label_digest += label_share(at, cell->label) - label_share(at, cell->former_label);
     forest->unsettled--;
     cell->state &= forest->settled_mask;

@@ -195,11 +195,21 @@ enum err session_run(struct session *session, struct fault *fault)
 
 enum err session_count_labels(struct session *session, struct fault *fault)
 {
+    forest_count_anew(session->forest, true);
     if (!tally_refresh(&session->tally, session->scene, session->team))
         return watch_fault(session->scene->watch, fault);
     if (!session->edited && !session->regrown)
         session->former_tally = session->tally;
     return OK;
+}
+
+/* A forest that grew from nothing had label 0 everywhere. */
+uint64_t session_changed_voxels(const struct session *session)
+{
+    const uint64_t background = session->tally.voxels[0], all = session->scene->grid.voxels;
+    const uint64_t changed = forest_changes(session->forest).voxels;
+    const bool had_none = session->former_tally.voxels[0] == all;
+    return changed == CHANGES_UNKNOWN && had_none ? all - background : changed;
 }
 
 uint64_t session_label_voxels(const struct session *session, uint8_t label)

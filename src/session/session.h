@@ -189,6 +189,11 @@ enum err session_run(struct session *session, struct fault *fault);
  * else no time. ERR_CANCELLED. Not for a session that skims. */
 enum err session_count_labels(struct session *session, struct fault *fault);
 
+/* To be asked for after the command: voxels that it has given another label; CHANGES_UNKNOWN where
+ * memory did not suffice to count them. session_count_labels comes before the command, and after
+ * it. */
+uint64_t session_changed_voxels(const struct session *session);
+
 /* How many voxels have the label now; `former`, when the command at hand began. Label 0 has the
  * background and the voxels that no seed reaches. session_count_labels comes before; for `former`,
  * before the command did anything. */
