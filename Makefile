@@ -104,7 +104,7 @@ test: all tests build/.packages-test
 ##     edits); 500 sessions killed at random moments; the mutation test in full
 test-long: all tests build/.packages-test
 	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render test_cut test_team \
-	    test_team_racing test_kill test_mutation.sh
+	    test_team_racing test_marker_sessions test_kill test_mutation.sh
 
 ## test-matrix: the same bits from gcc and clang, -O0 to -O3, sanitisers, threads, i386, ARM, s390x
 test-matrix: all build/.packages-matrix
