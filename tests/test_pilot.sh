@@ -186,7 +186,7 @@ if "$iftty" run reference >/dev/null 2>&1; then
     same "$(printf '%s\n' "$keys" | wc -l)" 10
     for key in $keys; do type_letters "$key"; done
     see '^axial 10 at 20,108,10  brush 0 r6  label 0'
-    see 'voxels changed, label 1: 1.64 l,'
+    see 'voxels changed, label 1: 1.64 l '
     type_letters "q"
     see '^ch2>$'
     enter "quit"
