@@ -31,7 +31,6 @@ struct difference_picture {
  * afterwards: its scene has had its labels replaced, and its forest no longer fits them. ERR_LIMIT
  * where three views are wider than a picture may be, ERR_MEMORY, ERR_CANCELLED. */
 enum err difference_picture_draw(struct picture *picture, struct session *session,
-                                 const struct difference_picture *difference_picture,
-                                 struct fault *fault);
+                                 const struct difference_picture *of, struct fault *fault);
 
 #endif
