@@ -297,34 +297,27 @@ enum err record_encode(struct buf *out, struct record_chain *after,
                        const char *comments, const char *command, const char *words,
                        struct fault *fault)
 {
-    const size_t begin = out->length;
+    struct buf text = {0};
+    struct record_chain chain;
     enum err err = record_command_check(command, fault);
     if (!err)
         err = record_words_check(words, fault);
     if (err)
         return err;
     assert(*comments == '\0' || comments[strlen(comments) - 1] == '\n');
-    buf_printf(out, "%s%s\n", comments, command);
-    const size_t result = out->length;
-    buf_printf(out, "= %zu%s%s", number, *words ? " " : "", words);
-    if (!out->failed && out->length - result + SEAL_LENGTH > RECORD_LINE_MAX) {
+    buf_printf(&text, "%s%s\n", comments, command);
+    const size_t result = text.length;
+    buf_printf(&text, "= %zu%s%s", number, *words ? " " : "", words);
+    if (text.length - result + SEAL_LENGTH > RECORD_LINE_MAX)
         err = fault_set(fault, ERR_LIMIT, "a result line is longer than %d bytes", RECORD_LINE_MAX);
-        goto back;
-    }
-    struct record_chain chain = {""};
-    if (!out->failed)
-        record_chain_compute(&chain, before, header, strlen(header), out->data + begin,
-                             out->length - begin);
-    buf_printf(out, "%s%s\n", chain_mark, chain.hex);
-    if (out->failed) {
+    record_chain_compute(&chain, before, header, strlen(header), buf_text(&text), text.length);
+    buf_printf(&text, "%s%s\n", chain_mark, chain.hex);
+    if (!err && (text.failed || !buf_reserve(out, text.length)))
         err = fault_memory(fault, "a record of the journal");
-        goto back;
+    if (!err) {
+        buf_add(out, text.data, text.length);
+        *after = chain;
     }
-    *after = chain;
-    return OK;
-back:
-    out->length = begin;
-    if (out->data)
-        out->data[begin] = '\0';
+    buf_release(&text);
     return err;
 }

@@ -1,13 +1,10 @@
 #include "verify/diff.h"
 
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
 #include "base/json.h"
-#include "base/mem.h"
-#include "journal/journal.h"
 #include "verify/diff_side.h"
 #include "verify/first_difference.h"
 #include "verify/overlap.h"
@@ -16,7 +13,7 @@ struct journals {
     const struct diff_options *options;
     struct diff_side side[2]; /* A, B */
     struct first_difference first_difference;
-    struct overlap *overlap;
+    struct overlap overlap;
 };
 
 static enum err compare_labels(struct journals *j, struct fault *fault)
@@ -27,7 +24,7 @@ static enum err compare_labels(struct journals *j, struct fault *fault)
                          "scenes of %ux%ux%u and %ux%ux%u voxels: expected two of one size, whose "
                          "labels can be compared",
                          a->size[0], a->size[1], a->size[2], b->size[0], b->size[1], b->size[2]);
-    overlap_count(j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
+    overlap_count(&j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
     return OK;
 }
 
@@ -50,8 +47,8 @@ static enum err check_picture(const char *path, struct fault *fault)
 static enum err note_picture(struct picture *picture, const struct journals *j, struct fault *fault)
 {
     struct buf words = {0};
-    buf_printf(&words, "%" PRIu64 " of %" PRIu64 " voxels", j->overlap->differing,
-               j->overlap->voxels);
+    buf_printf(&words, "%" PRIu64 " of %" PRIu64 " voxels", j->overlap.differing,
+               j->overlap.voxels);
     enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
     if (!err)
         err = picture_note(picture, "iftty:differ", buf_text(&words), fault);
@@ -133,7 +130,7 @@ static void write_scenes(struct buf *out, const struct journals *j)
 
 static void write_labels(struct buf *out, const struct journals *j)
 {
-    const struct overlap *o = j->overlap;
+    const struct overlap *o = &j->overlap;
     buf_printf(out, "%-22s %7s %12s %12s %12s\n", "labels", "Dice", "in A", "in B", "in both");
     for (int label = 1; label < 256; label++) {
         struct buf name = {0};
@@ -190,7 +187,7 @@ static void add_json_side(struct json *json, const struct journals *j, int which
 
 static void add_json_label(struct json *json, const struct journals *j, uint8_t label)
 {
-    const struct overlap *o = j->overlap;
+    const struct overlap *o = &j->overlap;
     json_object(json, NULL);
     json_count(json, "label", label);
     json_text(json, "name", name_of(j, label));
@@ -214,11 +211,11 @@ static void write_json(struct buf *out, const struct journals *j)
     for (int a = 0; a < 3; a++)
         json_count(&json, NULL, j->side[0].facts->size[a]);
     json_end(&json);
-    json_count(&json, "voxels", j->overlap->voxels);
-    json_count(&json, "differing", j->overlap->differing);
+    json_count(&json, "voxels", j->overlap.voxels);
+    json_count(&json, "differing", j->overlap.differing);
     json_array(&json, "labels");
     for (int label = 1; label < 256; label++)
-        if (is_listed(j->overlap, label))
+        if (is_listed(&j->overlap, label))
             add_json_label(&json, j, (uint8_t)label);
     json_end(&json);
     json_end(&json);
@@ -274,22 +271,20 @@ static enum err compare(struct journals *j, const struct printer *printer, struc
         err = report(j, printer, fault);
     if (!err)
         err = write_picture(j, fault);
-    if (!err && j->overlap->differing)
+    if (!err && j->overlap.differing)
         err = fault_set(fault, ERR_CHECK, "%" PRIu64 " of %" PRIu64 " voxels %s another label",
-                        j->overlap->differing, j->overlap->voxels,
-                        j->overlap->differing == 1 ? "has" : "have");
+                        j->overlap.differing, j->overlap.voxels,
+                        j->overlap.differing == 1 ? "has" : "have");
     return err;
 }
 
 enum err diff_journals(const struct diff_options *options, const struct printer *printer,
                        struct fault *fault)
 {
-    struct journals j = {.options = options, .overlap = mem_new(sizeof(struct overlap))};
-    const enum err err =
-        j.overlap ? compare(&j, printer, fault) : fault_memory(fault, "a comparison");
+    struct journals j = {.options = options};
+    const enum err err = compare(&j, printer, fault);
     diff_side_release(j.side);
     diff_side_release(j.side + 1);
     first_difference_release(&j.first_difference);
-    free(j.overlap);
     return err;
 }

@@ -76,18 +76,14 @@ static void borrow(struct kept *kept, const struct diff_facts *other, const stru
 static enum err draw(struct picture *picture, struct session *session, const struct work *work,
                      const uint8_t *label, struct fault *fault)
 {
-    struct overlap *overlap = mem_new(sizeof *overlap);
-    if (!overlap)
-        return fault_memory(fault, "a picture");
-    overlap_count(overlap, label, work->other->labels, session->scene->grid.voxels);
+    struct overlap overlap;
+    overlap_count(&overlap, label, work->other->labels, session->scene->grid.voxels);
     const struct difference_picture difference_picture = {
         .name = {file_name(work->options->path[0]), file_name(work->options->path[1])},
         .label = {label, work->other->labels},
-        .overlap = overlap};
-    borrow(&session->now.kept, work->other->facts, overlap);
-    const enum err err = difference_picture_draw(picture, session, &difference_picture, fault);
-    free(overlap);
-    return err;
+        .overlap = &overlap};
+    borrow(&session->now.kept, work->other->facts, &overlap);
+    return difference_picture_draw(picture, session, &difference_picture, fault);
 }
 
 /* Labels and picture to `out`, after the facts. */

@@ -86,11 +86,12 @@ struct verify_sum verify_sum(const struct verify_result *result, size_t count)
     struct verify_sum sum = {.count = count};
     for (size_t i = 0; i < count; i++) {
         const enum err err = result[i].err;
-        sum.differing += err == ERR_CHECK;
+        sum.verified += !err;
         sum.unreadable += err && err != ERR_CHECK;
         sum.took_ms += result[i].took_ms;
         if (err && (!sum.worst || sum.worst == ERR_CHECK))
             sum.worst = err;
     }
+    sum.failed = count - sum.verified;
     return sum;
 }

@@ -33,7 +33,8 @@ enum err verify_result_read(struct verify_result *result, const struct buf *byte
 
 /* Of several. */
 struct verify_sum {
-    size_t count, differing, unreadable; /* journals: ERR_CHECK; any other error */
+    size_t count, verified, failed; /* journals */
+    size_t unreadable;              /* that failed by another error than ERR_CHECK */
     uint64_t took_ms;
     enum err worst; /* any other error is worse than ERR_CHECK */
 };
