@@ -74,8 +74,8 @@ close_story
 
 begin "the same pictures by chafa"
 if needs python3; then
-    mkdir "$work/bin" # a chafa that shows a picture by the bytes of its file
-    printf '#!/bin/sh\nfor last; do :; done\ncat "$last"\n' >"$work/bin/chafa"
+    mkdir "$work/bin" # a chafa that shows a picture by the bytes of its file, in a cell or more
+    printf '#!/bin/sh\ncase "$*" in *"-s 0x"*|*x0\ *) exit 1 ;; esac\nfor last; do :; done\ncat "$last"\n' >"$work/bin/chafa"
     chmod +x "$work/bin/chafa"
     PATH="$work/bin:$PATH" expect 0 python3 -B tests/bench/chafa.py --json "$build"
     for words in '"rendition": {"kitty": {"bytes": ' '"mosaic": {"kitty": {"bytes": ' '"sixel": ' '"blocks": '; do

@@ -71,7 +71,7 @@ def write_dot(path):
 def show(folder, picture, by, side):
     """Bytes and milliseconds. Where there are pixels, chafa takes cells for squares of 8x8."""
     is_text = by == "symbols"
-    size = f"{side // 8}x{side // 16 if is_text else side // 8}"
+    size = f"{side // 8}x{max(side // 16, 1) if is_text else side // 8}"
     command = ["chafa", "-f", by, "-c", "full", "--font-ratio", "1/2" if is_text else "1/1",
                "-s", size, picture]
     times = []
