@@ -152,6 +152,10 @@ STORY(seeds_brushes_and_strokes)
     for (int i = 0; i < 50; i++)
         type("+");
     CHECK_TEXT(type("1"), "seed 20,25,30 1 radius=32\n");
+    type("#9999-");
+    CHECK_TEXT(type("#6+1"), "seed 20,25,30 1 radius=6\n");
+    CHECK_TEXT(type("#4-+1"), "seed 20,25,30 1 radius=3\n"); /* a count holds once */
+    CHECK_TEXT(type("#99+1"), "seed 20,25,30 1 radius=32\n");
     for (int i = 0; i < 50; i++)
         type("-");
     type("m");

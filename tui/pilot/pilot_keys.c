@@ -38,6 +38,13 @@ static int64_t times(const struct press *p)
     return p->state->count ? p->state->count : 1;
 }
 
+/* `at` moved by so many, and no further than 0 .. end - 1. */
+static uint32_t shifted(uint32_t at, int64_t by, uint32_t end)
+{
+    const int64_t to = (int64_t)at + by;
+    return to < 0 ? 0 : to >= (int64_t)end ? end - 1 : (uint32_t)to;
+}
+
 /* ---- lines ---- */
 
 static void add_place(struct buf *line, const char *before, const uint32_t place[3])
@@ -193,11 +200,8 @@ static void choose_label(struct press *p)
 
 static void change_radius(struct press *p)
 {
-    unsigned *radius = &p->state->radius;
-    if (p->which % 2 == 0)
-        *radius += *radius < RADIUS_MOST;
-    else
-        *radius -= *radius > 0;
+    const int64_t by = p->which % 2 == 0 ? times(p) : -times(p);
+    p->state->radius = shifted(p->state->radius, by, RADIUS_MOST + 1);
     say_brush(p);
 }
 
@@ -288,12 +292,6 @@ static void begin_picking(struct press *p)
 {
     p->state->pixel[0] = p->facts->frame_width / 2;
     p->state->pixel[1] = p->facts->frame_height / 2;
-}
-
-static uint32_t shifted(uint32_t at, int64_t by, uint32_t most)
-{
-    const int64_t to = (int64_t)at + by;
-    return to < 0 ? 0 : to >= (int64_t)most ? most - 1 : (uint32_t)to;
 }
 
 static void move_pixel(struct press *p)
