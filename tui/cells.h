@@ -1,10 +1,10 @@
 /*
  * Text as a terminal shows it, in cells: how many it takes, and lines that fit.
  *
- * A character takes 0 cells where it is a mark that sits on the one before, 2 where it is East Asian
- * wide or an emoji, else 1. By tables of our own, because wcwidth asks the locale, and a session over
- * SSH often has none. From Unicode 14 (UnicodeData: Mn and Me; EastAsianWidth: W and F), which the
- * terminals in use agree on for all but sequences of emoji.
+ * A character takes 0 cells where it is a mark that sits on the one before, or joins or directs
+ * text; 2 where it is East Asian wide or an emoji; else 1. The widths are those of libc in the locale
+ * C.UTF-8, whatever the environment says: a session over SSH often has no locale. Terminals in use
+ * agree on them for all but sequences of emoji.
  */
 #ifndef TUI_CELLS_H
 #define TUI_CELLS_H
