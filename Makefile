@@ -7,7 +7,7 @@ OPTIMISE ?= -O2
 SANITISE ?=
 BUILD    := $(if $(filter release,$(VARIANT)),build,build/$(VARIANT))
 
-PACKAGES := g++ pkg-config libopenimageio-dev libopenexr-dev libmd-dev zlib1g-dev libdeflate-dev \
+PACKAGES := g++ pkg-config libopenimageio-dev libopenexr-dev nettle-dev zlib1g-dev libdeflate-dev \
             openexr openimageio-tools
 SCENES   := mricron-data
 # What tests use; what is after this in a list of packages, is left out where it cannot be had.
@@ -31,7 +31,7 @@ ALL_LDFLAGS  = $(SANITISE) $(LDFLAGS)
 EXR_CFLAGS   = $(shell pkg-config --cflags OpenEXR 2>/dev/null)
 OIIO_INCLUDE = $(shell pkg-config --variable=includedir OpenImageIO 2>/dev/null || echo /usr/include)
 OIIO_LIBS    = $(shell pkg-config --libs OpenImageIO 2>/dev/null)
-LIBS         = -lOpenEXRCore -lz -ldeflate -lmd -lm
+LIBS         = -lOpenEXRCore -lz -ldeflate -lnettle -lm
 
 # One line a file, unless V=1; as many files at once as there are cores.
 ifeq ($(V),1)

@@ -2,6 +2,7 @@
 
 #include <assert.h>
 #include <inttypes.h>
+#include <nettle/sha2.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -240,14 +241,12 @@ void record_chain_compute(struct record_chain *out, const struct record_chain *b
                           const char *header, size_t header_length, const char *bytes,
                           size_t length)
 {
-    struct sha256 sha;
-    uint8_t digest[SHA256_BYTES];
+    struct sha256_ctx sha;
     sha256_init(&sha);
-    sha256_add(&sha, before->hex, RECORD_CHAIN_DIGITS);
-    sha256_add(&sha, header, header_length);
-    sha256_add(&sha, bytes, length);
-    sha256_end(&sha, digest);
-    hash_hex(out->hex, digest, RECORD_CHAIN_DIGITS / 2);
+    sha256_update(&sha, RECORD_CHAIN_DIGITS, (const uint8_t *)before->hex);
+    sha256_update(&sha, header_length, (const uint8_t *)header);
+    sha256_update(&sha, length, (const uint8_t *)bytes);
+    sha256_hex(out->hex, &sha, RECORD_CHAIN_DIGITS / 2);
 }
 
 /* Takes the 32 digits that end a sealed line; false where it does not end so. */

@@ -1,6 +1,7 @@
 /*
  * Records and walks in memory: what FORMAT.md says, what a cut, a flip and hostile bytes do.
  */
+#include <nettle/sha2.h>
 #include <stdlib.h>
 
 #include "base/buf.h"
@@ -160,15 +161,13 @@ STORY(the_chain_in_FORMAT_is_what_its_words_say)
     const char *header_end = strchr(bytes.data, '\n') + 1;
     const char *begin = header_end;
     for (const char *mark; (mark = strstr(begin, " chain=")); records++) {
-        struct sha256 sha;
-        uint8_t digest[SHA256_BYTES];
+        struct sha256_ctx sha;
         sha256_init(&sha);
-        sha256_add(&sha, chain, 32);
+        sha256_update(&sha, 32, (const uint8_t *)chain);
         if (records == 0)
-            sha256_add(&sha, bytes.data, (size_t)(header_end - bytes.data));
-        sha256_add(&sha, begin, (size_t)(mark - begin));
-        sha256_end(&sha, digest);
-        hash_hex(chain, digest, 16);
+            sha256_update(&sha, (size_t)(header_end - bytes.data), (const uint8_t *)bytes.data);
+        sha256_update(&sha, (size_t)(mark - begin), (const uint8_t *)begin);
+        sha256_hex(chain, &sha, 16);
         CHECK(strncmp(mark + 7, chain, 32) == 0 && mark[39] == '\n');
         begin = mark + 40;
     }

@@ -1,6 +1,7 @@
 #include "engine/scene.h"
 
 #include <endian.h>
+#include <nettle/sha2.h>
 #include <stdlib.h>
 
 #include "base/hash.h"
@@ -138,7 +139,7 @@ static void put_le32(uint8_t *out, uint32_t value)
         out[i] = (uint8_t)(value >> 8 * i);
 }
 
-static void prove_geometry(struct sha256 *sha, const struct scene *scene)
+static void prove_geometry(struct sha256_ctx *sha, const struct scene *scene)
 {
     uint8_t head[28] = {0};
     for (unsigned a = 0; a < 3; a++) {
@@ -146,7 +147,7 @@ static void prove_geometry(struct sha256 *sha, const struct scene *scene)
         put_le32(head + 12 + 4 * a, scene->spacing_nm[a]);
         head[24 + a] = (uint8_t)(scene->world_axis[a] * 2 + (scene->world_sign[a] < 0));
     }
-    sha256_add(sha, head, sizeof head);
+    sha256_update(sha, sizeof head, head);
 }
 
 /* Intensities on their way to SHA-256. What follows the head makes it up to a whole block; from
@@ -154,7 +155,7 @@ static void prove_geometry(struct sha256 *sha, const struct scene *scene)
 enum { PROOF_PIECE = 2048, PROOF_FIRST = (64 - 28) / 2 };
 
 struct proof {
-    struct sha256 sha;
+    struct sha256_ctx sha;
     uint16_t piece[PROOF_PIECE];
     uint32_t held, most;
 };
@@ -170,7 +171,8 @@ static void prove_row(struct proof *proof, const struct cell *cell, uint32_t cou
         cell += n;
         count -= n;
         if (proof->held == proof->most) {
-            sha256_add(&proof->sha, proof->piece, proof->held * sizeof *proof->piece);
+            sha256_update(&proof->sha, proof->held * sizeof *proof->piece,
+                          (const uint8_t *)proof->piece);
             proof->held = 0;
             proof->most = PROOF_PIECE;
         }
@@ -181,7 +183,6 @@ void scene_proof(char out[SCENE_PROOF_HEX], const struct scene *scene)
 {
     const struct grid *grid = &scene->grid;
     struct proof proof = {.most = PROOF_FIRST};
-    uint8_t digest[SHA256_BYTES];
     struct task task = task_begin(scene->watch, "proof of the scene", grid->voxels);
     *out = '\0';
     sha256_init(&proof.sha);
@@ -192,9 +193,8 @@ void scene_proof(char out[SCENE_PROOF_HEX], const struct scene *scene)
             if (!task_advance(&task, grid->size[0]))
                 return;
         }
-    sha256_add(&proof.sha, proof.piece, proof.held * sizeof *proof.piece);
-    sha256_end(&proof.sha, digest);
-    hash_hex(out, digest, sizeof digest);
+    sha256_update(&proof.sha, proof.held * sizeof *proof.piece, (const uint8_t *)proof.piece);
+    sha256_hex(out, &proof.sha, SHA256_DIGEST_SIZE);
 }
 
 /* ---- interpolation ---- */

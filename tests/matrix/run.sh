@@ -12,14 +12,14 @@ set -u
 cd "$(dirname "$0")/../.." || exit 1
 
 # name | compiler | options | what runs it | more libraries
-works='gcc-O2             |gcc  |-O2||-lmd
-gcc-O0                    |gcc  |-O0||-lmd
-gcc-O3-native             |gcc  |-O3 -march=native||-lmd
-clang-O0                  |clang|-O0||-lmd
-clang-O2                  |clang|-O2||-lmd
-clang-O3-native           |clang|-O3 -march=native||-lmd
-gcc-address-undefined     |gcc  |-O1 -fsanitize=address,undefined -fno-sanitize-recover=all||-lmd
-clang-address-undefined   |clang|-O1 -fsanitize=address,undefined -fno-sanitize-recover=all||-lmd
+works='gcc-O2             |gcc  |-O2||-lnettle
+gcc-O0                    |gcc  |-O0||-lnettle
+gcc-O3-native             |gcc  |-O3 -march=native||-lnettle
+clang-O0                  |clang|-O0||-lnettle
+clang-O2                  |clang|-O2||-lnettle
+clang-O3-native           |clang|-O3 -march=native||-lnettle
+gcc-address-undefined     |gcc  |-O1 -fsanitize=address,undefined -fno-sanitize-recover=all||-lnettle
+clang-address-undefined   |clang|-O1 -fsanitize=address,undefined -fno-sanitize-recover=all||-lnettle
 i386                      |i686-linux-gnu-gcc   |-O2 -msse2|qemu-i386-static|own
 i386-O0                   |i686-linux-gnu-gcc   |-O0 -msse2|qemu-i386-static|own
 aarch64                   |aarch64-linux-gnu-gcc|-O2|qemu-aarch64-static|own
@@ -43,8 +43,8 @@ field() { # N LINE, without the blanks around it
 
 # ---- the works ----
 
-# Builds one line of the table and makes its list: BUILD/matrix/NAME.list. SHA-256 is libmd's, or
-# the test's own where libmd is not there; what packs by zlib, which is not there either, no work
+# Builds one line of the table and makes its list: BUILD/matrix/NAME.list. SHA-256 is nettle's, or
+# the test's own where nettle is not there; what packs by zlib, which is not there either, no work
 # asks for.
 make_list() {
     name=$(field 1 "$1") libraries=$(field 5 "$1") machine=$(field 4 "$1")

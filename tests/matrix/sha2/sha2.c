@@ -1,4 +1,4 @@
-#include "sha2.h"
+#include <nettle/sha2.h>
 
 #include <string.h>
 
@@ -18,16 +18,16 @@ static uint32_t turn(uint32_t x, int bits)
     return x >> bits | x << (32 - bits);
 }
 
-static void take_block(SHA2_CTX *state)
+static void take_block(struct sha256_ctx *ctx)
 {
     uint32_t w[64], v[8];
     for (int i = 0; i < 16; i++)
-        w[i] = (uint32_t)state->block[4 * i] << 24 | (uint32_t)state->block[4 * i + 1] << 16 |
-               (uint32_t)state->block[4 * i + 2] << 8 | state->block[4 * i + 3];
+        w[i] = (uint32_t)ctx->block[4 * i] << 24 | (uint32_t)ctx->block[4 * i + 1] << 16 |
+               (uint32_t)ctx->block[4 * i + 2] << 8 | ctx->block[4 * i + 3];
     for (int i = 16; i < 64; i++)
         w[i] = (turn(w[i - 2], 17) ^ turn(w[i - 2], 19) ^ w[i - 2] >> 10) + w[i - 7] +
                (turn(w[i - 15], 7) ^ turn(w[i - 15], 18) ^ w[i - 15] >> 3) + w[i - 16];
-    memcpy(v, state->state.st32, sizeof v);
+    memcpy(v, ctx->state, sizeof v);
     for (int i = 0; i < 64; i++) {
         const uint32_t one = v[7] + (turn(v[4], 6) ^ turn(v[4], 11) ^ turn(v[4], 25)) +
                              ((v[4] & v[5]) ^ (~v[4] & v[6])) + K[i] + w[i];
@@ -38,38 +38,38 @@ static void take_block(SHA2_CTX *state)
         v[0] = one + two;
     }
     for (int i = 0; i < 8; i++)
-        state->state.st32[i] += v[i];
+        ctx->state[i] += v[i];
 }
 
-void SHA256Init(SHA2_CTX *state)
+void sha256_init(struct sha256_ctx *ctx)
 {
     static const uint32_t first[8] = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
                                       0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
-    memset(state, 0, sizeof *state);
-    memcpy(state->state.st32, first, sizeof first);
+    memset(ctx, 0, sizeof *ctx);
+    memcpy(ctx->state, first, sizeof first);
 }
 
-void SHA256Update(SHA2_CTX *state, const uint8_t *bytes, size_t length)
+void sha256_update(struct sha256_ctx *ctx, size_t length, const uint8_t *bytes)
 {
     for (size_t i = 0; i < length; i++) {
-        state->block[state->bitcount[0] / 8 % 64] = bytes[i];
-        state->bitcount[0] += 8;
-        if (state->bitcount[0] / 8 % 64 == 0)
-            take_block(state);
+        ctx->block[ctx->bits / 8 % 64] = bytes[i];
+        ctx->bits += 8;
+        if (ctx->bits / 8 % 64 == 0)
+            take_block(ctx);
     }
 }
 
-void SHA256Final(uint8_t digest[32], SHA2_CTX *state)
+void sha256_digest(struct sha256_ctx *ctx, size_t length, uint8_t *digest)
 {
-    const uint64_t bits = state->bitcount[0];
+    const uint64_t bits = ctx->bits;
     static const uint8_t end = 0x80, nothing = 0;
-    SHA256Update(state, &end, 1);
-    while (state->bitcount[0] / 8 % 64 != 56)
-        SHA256Update(state, &nothing, 1);
+    sha256_update(ctx, 1, &end);
+    while (ctx->bits / 8 % 64 != 56)
+        sha256_update(ctx, 1, &nothing);
     for (int i = 0; i < 8; i++) {
         const uint8_t byte = (uint8_t)(bits >> (56 - 8 * i));
-        SHA256Update(state, &byte, 1);
+        sha256_update(ctx, 1, &byte);
     }
-    for (int i = 0; i < 32; i++)
-        digest[i] = (uint8_t)(state->state.st32[i / 4] >> (24 - 8 * (i % 4)));
+    for (size_t i = 0; i < length; i++)
+        digest[i] = (uint8_t)(ctx->state[i / 4] >> (24 - 8 * (i % 4)));
 }
