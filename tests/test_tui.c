@@ -251,14 +251,13 @@ STORY(two_nearly_equal_colours_among_many_do_not_stall_the_reduction)
 {
     struct image_view view = noise(64, 64, 9);
     struct colour_table table;
-    static uint8_t index[64 * 64];
     set_pixel(&view, 0, 0, 0x000000);
     set_pixel(&view, 1, 0, 0x000100);
     struct shades shades = {0};
     CHECK(!shades_take_exact(&shades, &view)); /* there are more */
-    CHECK(colour_table_reduce(&table, &view, 250, index));
+    CHECK(colour_table_reduce(&table, &view, 250));
     CHECK_INT(table.count, 250);
-    CHECK(colour_table_reduce(&table, &view, 2, index));
+    CHECK(colour_table_reduce(&table, &view, 2));
     CHECK_INT(table.count, 2);
 }
 

@@ -181,7 +181,7 @@ bool probe_is_named(const struct probe_replies *replies, const struct probe_envi
     return any(holds, replies->name[0] ? replies->name : e->term, names);
 }
 
-bool probe_may_ask_modes(const struct probe_replies *replies, const struct probe_environment *e)
+static bool may_ask_modes(const struct probe_replies *replies, const struct probe_environment *e)
 {
     static const char *const careful[] = {"alacritty", "foot",    "contour", "kitty",
                                           "ghostty",   "wezterm", NULL};
@@ -198,7 +198,7 @@ void probe_questions(unsigned round, const struct probe_replies *replies,
         return;
     if (first && !text)
         buf_add_text(out, CSI_QUESTIONS);
-    if (!first && probe_may_ask_modes(replies, e))
+    if (!first && may_ask_modes(replies, e))
         buf_add_text(out, MODE_QUESTION);
     for (size_t i = 0; !first && wish.count > 1 && i < wish.count; i++)
         if (wish.of[i]->question && wish.of[i]->may_ask(replies, e)) {
@@ -345,7 +345,7 @@ static unsigned await_replies(struct probe_replies *replies, unsigned count, int
         uint64_t now = clock_ns();
         if (now >= end)
             break;
-        enum term_input input = term_read(&bytes, (int)((end - now) / 1000000) + 1);
+        enum term_input input = term_read(&bytes, (int)((end - now) / 1000000) + 1, -1);
         if (input == TERM_CLOSED)
             break;
         if (input == TERM_SIGNAL) { /* nothing is drawn yet that could need drawing again */

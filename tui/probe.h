@@ -98,10 +98,6 @@ bool probe_is_named(const struct probe_replies *replies,
 bool probe_is_iterm(const struct probe_replies *replies,
                     const struct probe_environment *environment);
 
-/* Whether the question for a mode may be asked. */
-bool probe_may_ask_modes(const struct probe_replies *replies,
-                         const struct probe_environment *environment);
-
 /* ---- graphics protocols ---- */
 
 struct painter;

@@ -441,7 +441,7 @@ static int wait_for_input(int timeout_ms, int other, bool *only_other)
     return n;
 }
 
-enum term_input term_read_or(struct buf *out, int timeout_ms, int other)
+enum term_input term_read(struct buf *out, int timeout_ms, int other)
 {
     bool only_other;
     int ready = wait_for_input(timeout_ms, other, &only_other);
@@ -463,11 +463,6 @@ enum term_input term_read_or(struct buf *out, int timeout_ms, int other)
     if (n < 0 && (errno == EINTR || errno == EAGAIN))
         return TERM_SIGNAL;
     return TERM_CLOSED;
-}
-
-enum term_input term_read(struct buf *out, int timeout_ms)
-{
-    return term_read_or(out, timeout_ms, -1);
 }
 
 bool term_was_resized(void)

@@ -77,13 +77,11 @@ enum err term_write(const void *bytes, size_t length, struct fault *fault);
 /* The same to any descriptor. */
 enum err term_write_to(int fd, const void *bytes, size_t length, struct fault *fault);
 
-/* Waits for input, at most `timeout_ms` (-1: without limit), and adds what is there to `out`. */
+/* Waits for input, at most `timeout_ms` (-1: without limit), and adds what is there to `out`; or
+ * until the descriptor `other` (-1: none) is readable, of which nothing is read: TERM_OTHER, where
+ * the terminal has nothing. */
 enum term_input { TERM_BYTES, TERM_TIMEOUT, TERM_SIGNAL, TERM_CLOSED, TERM_OTHER };
-enum term_input term_read(struct buf *out, int timeout_ms);
-
-/* The same, or until the descriptor `other` (-1: none) is readable, of which nothing is read:
- * TERM_OTHER, where the terminal has nothing. */
-enum term_input term_read_or(struct buf *out, int timeout_ms, int other);
+enum term_input term_read(struct buf *out, int timeout_ms, int other);
 
 /* True once after the window changed size; true once after the process was stopped and went on. */
 bool term_was_resized(void);

@@ -163,7 +163,7 @@ static void write_facts(const char *path, const struct terminal_facts *facts,
 static void wait_key(void)
 {
     struct buf typed = {0};
-    term_read(&typed, -1);
+    term_read(&typed, -1, -1);
     buf_release(&typed);
 }
 

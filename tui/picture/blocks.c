@@ -44,7 +44,8 @@ uint8_t blocks_nearest_256(uint32_t colour)
     return (uint8_t)(16 + 36 * r + 6 * g + b);
 }
 
-uint8_t blocks_nearest_16(uint32_t colour)
+/* The nearest of the 16 colours as xterm has them. */
+static uint8_t nearest_16(uint32_t colour)
 {
     static const uint32_t xterm[16] = {0x000000, 0xCD0000, 0x00CD00, 0xCDCD00, 0x0000EE, 0xCD00CD,
                                        0x00CDCD, 0xE5E5E5, 0x7F7F7F, 0xFF0000, 0x00FF00, 0xFFFF00,
@@ -76,7 +77,7 @@ void blocks_pixels(enum block_shape shape, uint32_t *width, uint32_t *height)
     *height = 2 * *width;
 }
 
-bool blocks_equal(const struct block *a, const struct block *b)
+static bool is_same(const struct block *a, const struct block *b)
 {
     return a->parts == b->parts && a->ink == b->ink && a->paper == b->paper;
 }
@@ -145,7 +146,7 @@ static unsigned best_parts(uint32_t sum[][3], unsigned all)
 static int32_t number_of(uint32_t colour, enum colours colours)
 {
     return colours == COLOURS_256  ? blocks_nearest_256(colour)
-           : colours == COLOURS_16 ? blocks_nearest_16(colour)
+           : colours == COLOURS_16 ? nearest_16(colour)
                                    : (int32_t)colour;
 }
 
@@ -205,7 +206,14 @@ void blocks_fill(struct block *cell, size_t stride, const struct image_view *vie
 
 /* ---- bytes ---- */
 
-static void add_colour(const struct block_pen *pen, int32_t colour, bool paper, struct buf *out)
+/* What the terminal's next character would look like. */
+struct pen {
+    enum colours colours;
+    enum block_shape shape;
+    int32_t ink, paper;
+};
+
+static void add_colour(const struct pen *pen, int32_t colour, bool paper, struct buf *out)
 {
     const unsigned c = (unsigned)colour;
     if (colour == BLOCK_DEFAULT)
@@ -218,7 +226,7 @@ static void add_colour(const struct block_pen *pen, int32_t colour, bool paper, 
         buf_printf(out, "%c8;2;%u;%u;%u", paper ? '4' : '3', c >> 16, c >> 8 & 255, c & 255);
 }
 
-static void set_colours(struct block_pen *pen, int32_t ink, int32_t paper, struct buf *out)
+static void set_colours(struct pen *pen, int32_t ink, int32_t paper, struct buf *out)
 {
     const bool inks = ink != pen->ink, papers = paper != pen->paper;
     if (!inks && !papers)
@@ -263,7 +271,8 @@ static void add_character(uint32_t point, struct buf *out)
         buf_add(out, four, sizeof four);
 }
 
-void blocks_put(struct block_pen *pen, const struct block *cell, struct buf *out)
+/* Adds a cell, and moves the cursor by one. */
+static void put(struct pen *pen, const struct block *cell, struct buf *out)
 {
     const unsigned all = (1u << columns_of(pen->shape) * rows_of(pen->shape)) - 1;
     if (pen->colours == COLOURS_NONE) {
@@ -283,14 +292,13 @@ void blocks_put(struct block_pen *pen, const struct block *cell, struct buf *out
 
 /* ---- lines ---- */
 
-static void put_line(const struct block *cell, uint32_t columns, struct block_pen pen,
-                     struct buf *out)
+static void put_line(const struct block *cell, uint32_t columns, struct pen pen, struct buf *out)
 {
     if (pen.colours == COLOURS_NONE)
         while (columns > 0 && cell[columns - 1].parts == ' ')
             columns--;
     for (uint32_t i = 0; i < columns; i++)
-        blocks_put(&pen, &cell[i], out);
+        put(&pen, &cell[i], out);
     buf_add_text(out, pen.colours == COLOURS_NONE ? "\r\n" : "\033[m\r\n");
 }
 
@@ -302,7 +310,7 @@ static uint32_t times(uint32_t a, uint32_t b)
 void blocks_encode(const struct image_view *view, enum colours colours, enum block_shape shape,
                    uint32_t columns, uint32_t rows, struct buf *out)
 {
-    const struct block_pen pen = {colours, shape, BLOCK_DEFAULT, BLOCK_DEFAULT};
+    const struct pen pen = {colours, shape, BLOCK_DEFAULT, BLOCK_DEFAULT};
     struct image_view small = *view;
     uint32_t width, height;
     blocks_pixels(shape, &width, &height);
@@ -338,13 +346,13 @@ static void lines(const struct terminal_facts *facts, const struct image_view *v
 static void write_changes(const struct painter *p, const struct block *then,
                           const struct block *now, struct buf *out)
 {
-    struct block_pen pen = {p->facts.colours, p->facts.shape, BLOCK_DEFAULT, BLOCK_DEFAULT};
+    struct pen pen = {p->facts.colours, p->facts.shape, BLOCK_DEFAULT, BLOCK_DEFAULT};
     const size_t before = out->length;
     for (unsigned row = 0; row < p->rows; row++) {
         unsigned at = UINT_MAX; /* where the cursor is in this row */
         for (unsigned column = 0; column < p->columns; column++) {
             const size_t i = (size_t)row * p->columns + column;
-            if (p->is_shown && blocks_equal(&then[i], &now[i]))
+            if (p->is_shown && is_same(&then[i], &now[i]))
                 continue;
             if (out->length == before && pen.colours != COLOURS_NONE)
                 buf_add_text(out, "\033[m");
@@ -352,7 +360,7 @@ static void write_changes(const struct painter *p, const struct block *then,
                 painter_move_to(p, column, row, out);
             else if (at < column)
                 buf_printf(out, "\033[%uC", column - at);
-            blocks_put(&pen, &now[i], out);
+            put(&pen, &now[i], out);
             at = column + 1;
         }
     }

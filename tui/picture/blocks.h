@@ -46,23 +46,8 @@ enum { BLOCK_DEFAULT = -1 };
 void blocks_fill(struct block *cell, size_t stride, const struct image_view *view,
                  enum colours colours, enum block_shape shape);
 
-/* What the terminal's next character would look like. */
-struct block_pen {
-    enum colours colours;
-    enum block_shape shape;
-    int32_t ink, paper;
-};
-
-/* Adds a cell, and moves the cursor by one. */
-void blocks_put(struct block_pen *pen, const struct block *cell, struct buf *out);
-
-bool blocks_equal(const struct block *a, const struct block *b);
-
 /* The nearest of the 240 fixed entries (16..255) of the 256-colour palette: a 6x6x6 cube and a
  * ramp of 24 greys. */
 uint8_t blocks_nearest_256(uint32_t colour);
-
-/* The nearest of the 16 colours as xterm has them. */
-uint8_t blocks_nearest_16(uint32_t colour);
 
 #endif

@@ -5,13 +5,7 @@
 
 #include "base/mem.h"
 
-/* Six bits a channel: no shade moves by more than 3 of 255 before the boxes are cut. */
 enum { CELLS = 1 << 18 };
-
-static uint32_t cell_of(uint32_t colour)
-{
-    return (colour >> 18 & 63) << 12 | (colour >> 10 & 63) << 6 | (colour >> 2 & 63);
-}
 
 struct sample {
     uint8_t channel[3];
@@ -102,7 +96,7 @@ static size_t gather(const struct image_view *view, uint32_t *weight, struct sam
 {
     size_t pixels = (size_t)view->width * view->height, count = 0, capacity = 0;
     for (size_t i = 0; i < pixels; i++) {
-        uint32_t colour = image_view_colour(view, i), cell = cell_of(colour);
+        uint32_t colour = image_view_colour(view, i), cell = colour_cell(colour);
         if (weight[cell]++ > 0)
             continue;
         if (!mem_grow(sample, &capacity, count + 1, sizeof **sample))
@@ -116,24 +110,18 @@ static size_t gather(const struct image_view *view, uint32_t *weight, struct sam
     return count;
 }
 
-bool colour_table_reduce(struct colour_table *table, const struct image_view *view, unsigned most,
-                         uint8_t *index)
+bool colour_table_reduce(struct colour_table *table, const struct image_view *view, unsigned most)
 {
     struct box box[COLOUR_TABLE_MOST];
     struct sample *sample = NULL;
-    uint32_t *cell = calloc(CELLS, sizeof *cell); /* pixels in it; later its place in the table */
-    size_t pixels = (size_t)view->width * view->height;
-    size_t samples = cell ? gather(view, cell, &sample) : 0;
+    uint32_t *weight = calloc(CELLS, sizeof *weight);
+    const size_t samples = weight ? gather(view, weight, &sample) : 0;
     table->count = samples ? cut_boxes(box, most, sample, samples) : 0;
     for (unsigned b = 0; b < table->count; b++) {
         const uint8_t *mean = box[b].mean;
         table->colour[b] = (uint32_t)mean[0] << 16 | (uint32_t)mean[1] << 8 | mean[2];
-        for (size_t i = box[b].first; i < box[b].first + box[b].count; i++)
-            cell[sample[i].cell] = b;
     }
-    for (size_t i = 0; samples && i < pixels; i++)
-        index[i] = (uint8_t)cell[cell_of(image_view_colour(view, i))];
-    free(cell);
+    free(weight);
     free(sample);
-    return samples > 0 || pixels == 0;
+    return samples > 0 || (size_t)view->width * view->height == 0;
 }

@@ -1,5 +1,5 @@
 /*
- * Few colours for a picture of many, of which nothing is known, and which of them each pixel has.
+ * Few colours for a picture of many, of which nothing is known.
  *
  * The colours are cut into boxes: begin with one box that holds all, and again and again halve at
  * its mean the box and axis with the largest squared error (Wan, Prusinkiewicz and Wong, "Variance-
@@ -21,8 +21,13 @@ struct colour_table {
 };
 
 /* Fills the table with at most `most` (1 .. COLOUR_TABLE_MOST) colours that stand for all of the
- * view's, and index[i] with the place of pixel i's. False without memory. */
-bool colour_table_reduce(struct colour_table *table, const struct image_view *view, unsigned most,
-                         uint8_t *index);
+ * view's. False without memory. */
+bool colour_table_reduce(struct colour_table *table, const struct image_view *view, unsigned most);
+
+/* Colours that are as good as one: six bits a channel, so that none moves by more than 3 of 255. */
+static inline uint32_t colour_cell(uint32_t colour)
+{
+    return (colour >> 18 & 63) << 12 | (colour >> 10 & 63) << 6 | (colour >> 2 & 63);
+}
 
 #endif

@@ -5,7 +5,6 @@
 
 #include "base/least.h"
 #include "base/mem.h"
-#include "tui/picture/colour_table.h"
 #include "tui/picture/painter.h"
 
 const struct graphics graphics_none = {
@@ -39,38 +38,23 @@ void graphics_add_names(struct buf *out, const char *between, const char *before
 
 /* ---- a picture at the prompt ---- */
 
-/* False without memory, which few colours do not need. */
-static bool take_palette(struct painter *p, const struct image_view *view)
+/* The pixels, and their palette if they have one; false without memory. */
+static bool take_pixels(struct painter *p, const struct image_view *view, struct raster *raster)
 {
-    p->has_palette = shades_needed(view, p->facts.graphics->palette_always);
-    if (p->has_palette && view->hue)
-        return shades_choose(&p->shades, view);
-    p->has_palette |= shades_take_exact(&p->shades, view);
-    return true;
-}
-
-/* Memory for the pixels, and their palette: a picture that is sent once, and of whose colours
- * nothing is known, gets those that suit it best. False without memory. */
-static bool take_pixels(struct painter *p, const struct image_view *view,
-                        struct colour_table *sought, struct raster *raster)
-{
+    const bool needs_palette = shades_needed(view, p->facts.graphics->palette_always);
     size_t bytes;
+    if (needs_palette && !shades_choose(&p->shades, view))
+        return false;
+    p->has_palette = needs_palette || shades_take_exact(&p->shades, view);
     *raster = (struct raster){.width = view->width,
                               .height = view->height,
-                              .stride = (size_t)view->width * (p->has_palette ? 1 : 3)};
+                              .stride = (size_t)view->width * (p->has_palette ? 1 : 3),
+                              .colour = p->has_palette ? p->shades.colour : NULL,
+                              .colours = p->shades.count};
     if (!size_multiply(raster->stride, view->height, &bytes) ||
         !mem_grow(&p->of[0].bytes, &p->of[0].capacity, bytes, 1))
         return false;
     raster->bytes = p->of[0].bytes;
-    if (p->has_palette && !view->hue && !p->shades.is_exact) {
-        raster->colour = sought->colour;
-        if (!colour_table_reduce(sought, view, SHADES_MOST, p->of[0].bytes))
-            return false;
-        raster->colours = sought->count;
-        return true;
-    }
-    raster->colour = p->has_palette ? p->shades.colour : NULL;
-    raster->colours = p->shades.count;
     return shades_fill(&p->shades, p->has_palette, view, p->of[0].bytes, view->width, view->height);
 }
 
@@ -78,9 +62,8 @@ void graphics_encode(const struct graphics *graphics, const struct image_view *v
                      struct buf *out)
 {
     struct painter p = {.facts.graphics = graphics};
-    struct colour_table sought;
     struct raster raster;
-    if (take_palette(&p, view) && take_pixels(&p, view, &sought, &raster))
+    if (take_pixels(&p, view, &raster))
         graphics->once(&p, &raster, out);
     else
         out->failed = true;

@@ -22,7 +22,7 @@ struct image_view {
     bool is_coarse; /* what has changed comes in blocks of pixels, in a hurry: bytes cost more than
                        time */
     bool smooth; /* all 24 bits of every colour go out where the terminal can, at several times the
-                 bytes; otherwise shades are rounded to a palette (tui/shades.h) */
+                 bytes; otherwise shades are rounded to a palette (tui/picture/shades.h) */
 };
 
 /* Pixel number `i` (row by row) over black, as 0xRRGGBB. */

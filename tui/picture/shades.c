@@ -64,11 +64,6 @@ static bool apply_exact(struct shades *s, const struct image_view *view, uint8_t
 
 /* ---- the nearest entry ---- */
 
-static uint32_t cell_of(uint32_t colour)
-{
-    return (colour >> 18 & 63) << 12 | (colour >> 10 & 63) << 6 | (colour >> 2 & 63);
-}
-
 /* Squares of differences, weighted as eyes see them. */
 static uint32_t distance(uint32_t a, uint32_t b)
 {
@@ -104,7 +99,7 @@ static uint8_t seek(struct shades *s, uint32_t cell)
 
 static uint8_t place_of(struct shades *s, uint32_t colour)
 {
-    const uint32_t cell = cell_of(colour);
+    const uint32_t cell = colour_cell(colour);
     const uint8_t place = s->place[cell];
     return (uint8_t)((place ? place : seek(s, cell)) - 1);
 }
@@ -114,7 +109,7 @@ static void forget_places(struct shades *s)
 {
     memset(s->place, 0, PLACES);
     for (unsigned i = s->count; i-- > 0;)
-        s->place[cell_of(s->colour[i])] = (uint8_t)(i + 1);
+        s->place[colour_cell(s->colour[i])] = (uint8_t)(i + 1);
 }
 
 /* Opaque pixels, which nearly all do, are looked up as they are. */
@@ -297,25 +292,10 @@ static void fill_palette(struct shades *s)
 
 /* ---- no hues are known ---- */
 
-static bool take_sample(struct shades *s, const struct image_view *view)
+static bool take_colours(struct shades *s, const struct image_view *view)
 {
-    enum { SIDE = 256 };
-    const uint32_t across = (view->width + SIDE - 1) / SIDE;
-    const uint32_t down = (view->height + SIDE - 1) / SIDE;
-    struct image_view few = {.width = view->width / across, .height = view->height / down};
     struct colour_table table;
-    uint8_t *pixels = mem_array((size_t)few.width * few.height, 5);
-    if (!pixels)
-        return false;
-    for (uint32_t y = 0; y < few.height; y++)
-        for (uint32_t x = 0; x < few.width; x++)
-            memcpy(pixels + 4 * ((size_t)y * few.width + x),
-                   view->rgba + 4 * ((size_t)y * down * view->width + (size_t)x * across), 4);
-    few.rgba = pixels;
-    uint8_t *index = pixels + (size_t)few.width * few.height * 4;
-    const bool fine = colour_table_reduce(&table, &few, SHADES_MOST - 2, index);
-    free(pixels);
-    if (!fine)
+    if (!colour_table_reduce(&table, view, SHADES_MOST - 2))
         return false;
     s->count = 0;
     s->is_laddered = false;
@@ -364,7 +344,7 @@ bool shades_choose(struct shades *s, const struct image_view *view)
         return false;
     if (shades_take_exact(s, view))
         return true;
-    return view->hue ? choose_ladders(s, view) : take_sample(s, view);
+    return view->hue ? choose_ladders(s, view) : take_colours(s, view);
 }
 
 bool shades_serve(const struct shades *s, const struct image_view *view)
@@ -385,14 +365,6 @@ bool shades_lack(const struct shades *s, const struct image_view *view)
         return false;
     look_around(view, s->hue, s->hues, &has_greys, &has_tints);
     return (has_greys && !s->has_greys) || (has_tints && !s->has_tints);
-}
-
-bool shades_apply(struct shades *s, const struct image_view *view, uint8_t *index, size_t stride)
-{
-    if (s->is_exact)
-        return apply_exact(s, view, index, stride);
-    apply_nearest(s, view, index, stride);
-    return true;
 }
 
 /* ---- for the wire ---- */
@@ -422,9 +394,12 @@ bool shades_fill(struct shades *s, bool has_palette, const struct image_view *vi
     for (uint32_t y = 0; width > view->width && y < view->height; y++)
         memset(bytes + y * stride + view->width * each, 0, (width - view->width) * each);
     memset(bytes + view->height * stride, 0, (height - view->height) * stride);
+    if (has_palette && s->is_exact)
+        return apply_exact(s, view, bytes, stride);
     if (has_palette)
-        return shades_apply(s, view, bytes, stride);
-    fill_colours(bytes, view, stride);
+        apply_nearest(s, view, bytes, stride);
+    else
+        fill_colours(bytes, view, stride);
     return true;
 }
 

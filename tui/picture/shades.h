@@ -17,7 +17,7 @@
  *
  * Many hues share what entries there are: those that are but darker versions of another have its
  * levels. Tints get levels only where a look at every so manieth pixel finds some. Where no hues
- * are known, the colours come from that look (tui/picture/colour_table.h).
+ * are known, the colours are those that suit the picture best (tui/picture/colour_table.h).
  */
 #ifndef TUI_PICTURE_SHADES_H
 #define TUI_PICTURE_SHADES_H
@@ -59,17 +59,13 @@ bool shades_serve(const struct shades *shades, const struct image_view *view);
 /* Whether a view has greys or tints, and the palette, which serves it, few or none. */
 bool shades_lack(const struct shades *shades, const struct image_view *view);
 
-/* index[y * stride + x] becomes the place of pixel x, y. False where the palette is exact and has
- * no room for another colour: choose again, and send the picture whole. Needs shades_choose. */
-bool shades_apply(struct shades *shades, const struct image_view *view, uint8_t *index,
-                  size_t stride);
-
 /* Whether a view has a palette, however many colours it has: always in some protocols; in the others
  * not where it is smooth, or has no hues. */
 bool shades_needed(const struct image_view *view, bool always);
 
 /* Puts the view into `bytes`, `width` x `height` pixels, which may be more than it has and are black
- * then: as shades_apply does, or as 24-bit colours. */
+ * then: as places in the palette, or as 24-bit colours. False where the palette is exact and has no
+ * room for another colour: choose again, and send the picture whole. */
 bool shades_fill(struct shades *shades, bool has_palette, const struct image_view *view,
                  uint8_t *bytes, uint32_t width, uint32_t height);
 

@@ -453,7 +453,7 @@ static int patience_ms(const struct pilot *p)
 static bool wait_once(struct pilot *p, struct key_event *event)
 {
     struct line_editor *e = p->editor;
-    const enum term_input input = term_read_or(&e->input, patience_ms(p), e->news_descriptor);
+    const enum term_input input = term_read(&e->input, patience_ms(p), e->news_descriptor);
     if (input == TERM_CLOSED) {
         p->is_over = p->has_ended = true;
     } else if (input == TERM_OTHER && e->news) {

@@ -10,7 +10,7 @@
  *     refine_begin(&r, &wanted, moves, budget, &shown)    shown: what to have on the screen
  *     .. painter_show(&p, &shown, &out) ..
  *     refine_sent(&r, bytes)
- *     if (refine_is_coarse(&r)) .. a further frame makes it finer ..
+ *     if (r.is_coarse) .. a further frame makes it finer ..
  */
 #ifndef TUI_PILOT_REFINE_H
 #define TUI_PILOT_REFINE_H

@@ -2,6 +2,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/safe.h"
@@ -29,7 +30,7 @@ static void walk_cell(struct walk *w, const char *bytes, size_t length, unsigned
 /* Draws one character of text and returns its bytes. */
 static size_t walk_character(struct walk *w, const char *text, size_t length)
 {
-    static const char digit[] = "0123456789abcdef";
+    char hex[5];
     uint32_t point;
     size_t bytes = safe_character(text, length);
     if (bytes > 0) {
@@ -37,10 +38,9 @@ static size_t walk_character(struct walk *w, const char *text, size_t length)
         walk_cell(w, text, bytes, char_width(point));
         return bytes;
     }
-    walk_cell(w, "\\", 1, 1);
-    walk_cell(w, "x", 1, 1);
-    walk_cell(w, &digit[(unsigned char)*text >> 4], 1, 1);
-    walk_cell(w, &digit[(unsigned char)*text & 15], 1, 1);
+    snprintf(hex, sizeof hex, "\\x%02x", (unsigned char)*text);
+    for (unsigned i = 0; i < 4; i++)
+        walk_cell(w, hex + i, 1, 1);
     return 1;
 }
 

@@ -348,7 +348,7 @@ static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
     bool stalled = *screen == STALE_IN_PASTE;
     enum outcome outcome;
     const int patience = waiting ? KEYS_TIMEOUT_MS : stalled ? PASTE_PATIENCE_MS : -1;
-    switch (term_read_or(&e->input, patience, e->news ? e->news_descriptor : -1)) {
+    switch (term_read(&e->input, patience, e->news ? e->news_descriptor : -1)) {
     case TERM_OTHER:
         return NEWS;
     case TERM_BYTES:
