@@ -26,15 +26,20 @@ bool file_step_fails(enum file_step step, const char *path)
     return number != 0;
 }
 
-int file_step_open(const char *path, int flags)
+static int open_step(const char *path, int flags, mode_t mode)
 {
     if (file_step_fails(FILE_STEP_OPEN, path))
         return -1;
     int fd;
     do
-        fd = open(path, flags | O_CLOEXEC | O_NOCTTY, 0666);
+        fd = open(path, flags | O_CLOEXEC | O_NOCTTY, mode);
     while (fd < 0 && errno == EINTR);
     return fd;
+}
+
+int file_step_open(const char *path, int flags)
+{
+    return open_step(path, flags, 0666);
 }
 
 bool file_step_write(int fd, const char *path, const char *bytes, size_t length)
@@ -82,46 +87,61 @@ bool file_step_cut(int fd, const char *path, uint64_t length)
 
 /* ---- whole files ---- */
 
-enum err file_read(struct buf *out, const char *path, size_t limit, struct fault *fault)
+enum err file_open(int *fd, uint64_t *bytes, const char *path, int flags, struct fault *fault)
 {
     struct stat status;
-    enum err err = OK;
-    buf_clear(out);
-    int fd = file_step_open(path, O_RDONLY | O_NONBLOCK);
-    if (fd < 0 || fstat(fd, &status) != 0) {
-        err = fault_errno(fault, "open", path);
-        goto done;
+    *fd = open_step(path, flags | O_NONBLOCK, 0600);
+    if (*fd < 0)
+        return fault_errno(fault, "open", path);
+    if (fstat(*fd, &status) == 0 && S_ISREG(status.st_mode)) {
+        *bytes = (uint64_t)status.st_size;
+        return OK;
     }
-    if (!S_ISREG(status.st_mode)) {
-        err = fault_set(fault, ERR_INPUT, "%s is not a regular file", path);
-        goto done;
-    }
-    for (;;) {
-        size_t piece = 65536;
-        char *place = buf_reserve(out, piece);
-        if (!place) {
-            err = fault_memory(fault, path);
-            goto done;
-        }
-        ssize_t n = read(fd, place, piece);
+    close(*fd);
+    *fd = -1;
+    return fault_set(fault, ERR_INPUT, "%s is not a regular file", path);
+}
+
+ssize_t file_read_at(int fd, void *to, size_t length, uint64_t from)
+{
+    size_t done = 0;
+    while (done < length) {
+        const ssize_t n = pread(fd, (char *)to + done, length - done, (off_t)(from + done));
         if (n < 0 && errno == EINTR)
             continue;
-        if (n < 0) {
-            err = fault_errno(fault, "read", path);
-            goto done;
-        }
+        if (n < 0)
+            return -1;
         if (n == 0)
             break;
-        out->length += (size_t)n;
-        if (out->length > limit) {
-            err = fault_set(fault, ERR_LIMIT, "%s holds more than %zu bytes", path, limit);
-            goto done;
-        }
+        done += (size_t)n;
     }
-    buf_add(out, "", 0);
-done:
-    if (fd >= 0)
-        close(fd);
+    return (ssize_t)done;
+}
+
+enum err file_read(struct buf *out, const char *path, size_t limit, struct fault *fault)
+{
+    const size_t piece = 65536;
+    uint64_t bytes;
+    int fd;
+    buf_clear(out);
+    enum err err = file_open(&fd, &bytes, path, O_RDONLY, fault);
+    if (err)
+        return err;
+    for (ssize_t n = (ssize_t)piece; !err && n == (ssize_t)piece;) {
+        char *place = buf_reserve(out, piece);
+        n = place ? file_read_at(fd, place, piece, out->length) : 0;
+        if (!place)
+            err = fault_memory(fault, path);
+        else if (n < 0)
+            err = fault_errno(fault, "read", path);
+        else
+            out->length += (size_t)n;
+        if (!err && out->length > limit)
+            err = fault_set(fault, ERR_LIMIT, "%s holds more than %zu bytes", path, limit);
+    }
+    if (!err)
+        buf_add(out, "", 0);
+    close(fd);
     return err;
 }
 
@@ -176,30 +196,30 @@ void file_discard(const char *draft)
     errno = number;
 }
 
+static enum err write_draft(const char *draft, const char *path, const void *bytes, size_t length,
+                            struct fault *fault)
+{
+    const int fd = file_step_open(draft, O_WRONLY | O_CREAT | O_EXCL);
+    if (fd < 0)
+        return fault_errno(fault, "write", path);
+    const bool written = file_step_write(fd, path, bytes, length);
+    const int number = errno;
+    if (close(fd) == 0 && written)
+        return OK;
+    errno = written ? errno : number;
+    file_discard(draft);
+    return fault_errno(fault, "write", path);
+}
+
 enum err file_write(const char *path, const void *bytes, size_t length, enum file_mode mode,
                     struct fault *fault)
 {
     struct buf draft = {0};
     enum err err = file_draft(&draft, path, mode, fault);
-    if (err)
-        goto done;
-    int fd = file_step_open(buf_text(&draft), O_WRONLY | O_CREAT | O_EXCL);
-    if (fd < 0) {
-        err = fault_errno(fault, "write", path);
-        goto done;
-    }
-    bool written = file_step_write(fd, path, bytes, length);
-    if (!written) {
-        err = fault_errno(fault, "write", path);
-        close(fd);
-    } else if (close(fd) != 0) {
-        err = fault_errno(fault, "write", path);
-    }
-    if (err)
-        file_discard(buf_text(&draft));
-    else
+    if (!err)
+        err = write_draft(buf_text(&draft), path, bytes, length, fault);
+    if (!err)
         err = file_publish(buf_text(&draft), path, mode, fault);
-done:
     buf_release(&draft);
     return err;
 }
@@ -243,15 +263,15 @@ bool file_exists(const char *path)
 
 bool file_begins_with(const char *path, const char *text)
 {
-    struct stat status;
     char start[64];
     const size_t length = strlen(text);
-    bool begins = false;
-    int fd = file_step_open(path, O_RDONLY | O_NONBLOCK);
-    if (fd >= 0 && length <= sizeof start && fstat(fd, &status) == 0 && S_ISREG(status.st_mode))
-        begins = pread(fd, start, length, 0) == (ssize_t)length && memcmp(start, text, length) == 0;
-    if (fd >= 0)
-        close(fd);
+    uint64_t bytes;
+    int fd;
+    if (length > sizeof start || file_open(&fd, &bytes, path, O_RDONLY, NULL) != OK)
+        return false;
+    const bool begins =
+        file_read_at(fd, start, length, 0) == (ssize_t)length && memcmp(start, text, length) == 0;
+    close(fd);
     return begins;
 }
 

@@ -14,6 +14,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <sys/types.h>
 
 #include "base/buf.h"
 #include "base/err.h"
@@ -23,6 +24,13 @@ enum file_mode { FILE_KEEP, FILE_REPLACE };
 /* Reads the whole of `path` into `out` (cleared first). More than `limit` bytes, a folder or a
  * device is refused. */
 enum err file_read(struct buf *out, const char *path, size_t limit, struct fault *fault);
+
+/* Opens a regular file, of so many bytes; one that `flags` make is for its owner alone. Does not wait
+ * for the other end of a pipe, as one may lie there. */
+enum err file_open(int *fd, uint64_t *bytes, const char *path, int flags, struct fault *fault);
+
+/* Reads `length` bytes from `from` on: how many there were, or -1 and errno. */
+ssize_t file_read_at(int fd, void *to, size_t length, uint64_t from);
 
 /* Writes `length` bytes as `path`, whole or not at all. FILE_KEEP refuses an existing path. */
 enum err file_write(const char *path, const void *bytes, size_t length, enum file_mode mode,

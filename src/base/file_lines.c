@@ -16,21 +16,6 @@ unsigned file_lines_patience_ms = 3000;
 
 enum { LOCK_PAUSE_US = 1000, REPLACED_MOST = 100 };
 
-/* Does not wait for the other end of a pipe, as one may lie there. */
-static enum err open_regular(int *fd, const char *path, int flags, struct fault *fault)
-{
-    struct stat status;
-    if (file_step_fails(FILE_STEP_OPEN, path))
-        return fault_errno(fault, "open", path);
-    *fd = open(path, flags | O_CLOEXEC | O_NOCTTY | O_NONBLOCK, 0600);
-    if (*fd < 0)
-        return fault_errno(fault, "open", path);
-    if (fstat(*fd, &status) == 0 && S_ISREG(status.st_mode))
-        return OK;
-    close(*fd);
-    return fault_set(fault, ERR_INPUT, "%s is no regular file", path);
-}
-
 /* A process that was stopped may hold the lock for any time, so this gives up at `deadline`. */
 static bool lock(int fd, uint64_t deadline)
 {
@@ -53,8 +38,9 @@ static bool is_at_path(int fd, const char *path)
 static enum err open_locked(int *fd, bool *is_locked, const char *path, int flags,
                             uint64_t deadline, struct fault *fault)
 {
+    uint64_t bytes;
     for (;;) {
-        enum err err = open_regular(fd, path, flags, fault);
+        enum err err = file_open(fd, &bytes, path, flags, fault);
         if (err)
             return err;
         *is_locked = lock(*fd, deadline);
@@ -120,18 +106,10 @@ static enum err read_from(struct buf *out, int fd, off_t from, size_t most, cons
     char *room = buf_reserve(out, most + 1);
     if (!room)
         return fault_memory(fault, "lines");
-    size_t length = 0;
-    while (length < most) {
-        const ssize_t n = pread(fd, room + length, most - length, from + (off_t)length);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n < 0)
-            return fault_errno(fault, "read", path);
-        if (n == 0)
-            break;
-        length += (size_t)n;
-    }
-    out->length += length;
+    const ssize_t length = file_read_at(fd, room, most, (uint64_t)from);
+    if (length < 0)
+        return fault_errno(fault, "read", path);
+    out->length += (size_t)length;
     out->data[out->length] = '\0';
     return OK;
 }
@@ -158,14 +136,15 @@ static enum err read_tail(struct buf *out, int fd, off_t end, size_t bytes_most,
 
 enum err file_lines_read(struct buf *out, const char *path, size_t bytes_most, struct fault *fault)
 {
-    int fd = -1;
+    uint64_t bytes;
+    int fd;
     buf_clear(out);
     if (!file_exists(path))
         return OK;
-    enum err err = open_regular(&fd, path, O_RDONLY, fault);
+    enum err err = file_open(&fd, &bytes, path, O_RDONLY, fault);
     if (err)
         return err;
-    err = read_tail(out, fd, lseek(fd, 0, SEEK_END), bytes_most, path, fault);
+    err = read_tail(out, fd, (off_t)bytes, bytes_most, path, fault);
     close(fd);
     return err;
 }

@@ -1,7 +1,6 @@
 #include "base/packed.h"
 
 #include <limits.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <zlib.h>
 
@@ -12,35 +11,16 @@ struct packed {
     unsigned char *bytes;
 };
 
-/* zlib counts in 32 bits: what is longer goes through it part by part. */
-static uInt part_of(size_t left)
-{
-    return left > UINT_MAX ? UINT_MAX : (uInt)left;
-}
-
 /* Deflates into room that surely is enough. False when out of memory. */
 static bool deflate_all(struct packed *packed, const unsigned char *bytes)
 {
-    z_stream stream = {0};
-    if (deflateInit(&stream, Z_BEST_SPEED) != Z_OK)
-        return false;
-    const size_t room = packed->length + packed->length / 1000 + 1024;
-    size_t read = 0, written = 0;
-    int state = Z_OK;
+    uLong room = compressBound(packed->length);
     packed->bytes = mem_array(room, 1);
-    while (packed->bytes && state == Z_OK) {
-        const uInt in = part_of(packed->length - read), out = part_of(room - written);
-        stream.next_in = (unsigned char *)(uintptr_t)(bytes + read);
-        stream.avail_in = in;
-        stream.next_out = packed->bytes + written;
-        stream.avail_out = out;
-        state = deflate(&stream, read + in == packed->length ? Z_FINISH : Z_NO_FLUSH);
-        read += in - stream.avail_in;
-        written += out - stream.avail_out;
-    }
-    deflateEnd(&stream);
-    packed->packed_length = written;
-    return state == Z_STREAM_END;
+    if (!packed->bytes ||
+        compress2(packed->bytes, &room, bytes, packed->length, Z_BEST_SPEED) != Z_OK)
+        return false;
+    packed->packed_length = room;
+    return true;
 }
 
 struct packed *packed_new(const void *bytes, size_t length)
@@ -93,6 +73,12 @@ static void *take_room(void *context, uInt items, uInt size)
 static void leave_room(void *context, void *bytes)
 {
     (void)context, (void)bytes;
+}
+
+/* zlib counts in 32 bits: what is longer goes through it part by part. */
+static uInt part_of(size_t left)
+{
+    return left > UINT_MAX ? UINT_MAX : (uInt)left;
 }
 
 /* Fills `out` with the next `length` bytes. */

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/least.h"
 #include "image/exr.h"
 
 /* ---- the channels, one table for both ways ---- */
@@ -58,6 +59,20 @@ void exr_point(exr_coding_channel_info_t *info, const struct channel *channel,
     info->user_data_type = (uint16_t)channel->type;
 }
 
+exr_result_t exr_each_block(const struct picture *picture, const uint32_t step[2],
+                            exr_result_t (*each)(void *context, const struct block *block),
+                            void *context)
+{
+    exr_result_t result = EXR_ERR_SUCCESS;
+    for (uint32_t y = 0; y < picture->height; y += step[1])
+        for (uint32_t x = 0; x < picture->width && !result; x += step[0]) {
+            const struct block block = {x, y, least(picture->width - x, step[0]),
+                                        least(picture->height - y, step[1])};
+            result = each(context, &block);
+        }
+    return result;
+}
+
 bool exr_name_is_reserved(const char *name)
 {
     static const char *const reserved[] = {
@@ -78,63 +93,40 @@ bool exr_is_named(const char *path)
 
 /* ---- bytes in and out ---- */
 
-static struct stream *stream_of(void *user)
+static int64_t stream_failed(struct stream *stream)
 {
-    return user;
+    stream->number = stream->number ? stream->number : errno;
+    return -1;
 }
 
 static int64_t stream_read(exr_const_context_t context, void *user, void *to, uint64_t length,
                            uint64_t offset, exr_stream_error_func_ptr_t report)
 {
-    struct stream *stream = stream_of(user);
-    uint64_t done = 0;
+    struct stream *stream = user;
     (void)context;
     (void)report;
-    if (offset > (uint64_t)stream->bytes)
+    if (offset > stream->bytes)
         return 0;
-    while (done < length) {
-        ssize_t n = pread(stream->fd, (uint8_t *)to + done, (size_t)(length - done),
-                          (off_t)(offset + done));
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n < 0) {
-            stream->number = stream->number ? stream->number : errno;
-            return -1;
-        }
-        if (n == 0)
-            break;
-        done += (uint64_t)n;
-    }
-    return (int64_t)done;
+    const ssize_t n = file_read_at(stream->fd, to, (size_t)length, offset);
+    return n < 0 ? stream_failed(stream) : n;
 }
 
 static int64_t stream_write(exr_const_context_t context, void *user, const void *from,
                             uint64_t length, uint64_t offset, exr_stream_error_func_ptr_t report)
 {
-    struct stream *stream = stream_of(user);
-    uint64_t done = 0;
+    struct stream *stream = user;
     (void)context;
     (void)report;
-    while (done < length) {
-        int number = file_step_hook ? file_step_hook(FILE_STEP_WRITE, stream->path) : 0;
-        ssize_t n = number ? (errno = number, -1)
-                           : pwrite(stream->fd, (const uint8_t *)from + done,
-                                    (size_t)(length - done), (off_t)(offset + done));
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n < 0) {
-            stream->number = stream->number ? stream->number : errno;
-            return -1;
-        }
-        done += (uint64_t)n;
-    }
-    return (int64_t)done;
+    const bool written = lseek(stream->fd, (off_t)offset, SEEK_SET) >= 0 &&
+                         file_step_write(stream->fd, stream->path, from, (size_t)length);
+    return written ? (int64_t)length : stream_failed(stream);
 }
 
 static int64_t stream_size(exr_const_context_t context, void *user)
 {
     (void)context;
-    return stream_of(user)->bytes;
+    const struct stream *stream = user;
+    return (int64_t)stream->bytes;
 }
 
 /* The library would print. Its result codes say enough. */

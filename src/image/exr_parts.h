@@ -47,10 +47,16 @@ struct block {
 void exr_point(exr_coding_channel_info_t *info, const struct channel *channel,
                const struct picture *picture, const struct block *block, uint16_t *halves);
 
+/* Calls `each` for the blocks of `step` pixels (lines are as wide as the picture), in the order of
+ * the file, until one fails. */
+exr_result_t exr_each_block(const struct picture *picture, const uint32_t step[2],
+                            exr_result_t (*each)(void *context, const struct block *block),
+                            void *context);
+
 /* Bytes in and out: the library's own file layer neither returns errno nor checks what it opens. */
 struct stream {
     int fd;
-    int64_t bytes;
+    uint64_t bytes;
     int number; /* errno of the first failure, or 0 */
     const char *path;
 };

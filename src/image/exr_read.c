@@ -4,9 +4,10 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/file.h"
+#include "base/least.h"
 #include "base/mem.h"
 #include "image/exr_parts.h"
 #include "image/linear.h"
@@ -18,10 +19,10 @@ enum {
 
 static const char *const type_name[] = {"uint", "half", "float"};
 
-/* How the pixels are packed: blocks of `lines`, or tiles of tile[0] x tile[1]. */
+/* How the pixels are packed: tiles of step[0] x step[1], or blocks of step[1] lines. */
 struct form {
     bool tiled;
-    uint32_t lines, tile[2];
+    uint32_t step[2];
 };
 
 /* Which of our channels the file has; refuses one of another type or sampling, and a lack of
@@ -76,9 +77,9 @@ static enum err check_form(struct form *form, exr_context_t context, struct faul
         return fault_set(fault, ERR_INPUT, "its compression is not the ZIP that iftty writes");
     form->tiled = storage == EXR_STORAGE_TILED;
     if (form->tiled &&
-        (exr_get_tile_descriptor(context, 0, &form->tile[0], &form->tile[1], &level, &round) ||
-         level != EXR_TILE_ONE_LEVEL || form->tile[0] < 1 || form->tile[1] < 1 ||
-         form->tile[0] > EXR_TILE_MOST || form->tile[1] > EXR_TILE_MOST))
+        (exr_get_tile_descriptor(context, 0, &form->step[0], &form->step[1], &level, &round) ||
+         level != EXR_TILE_ONE_LEVEL || form->step[0] < 1 || form->step[1] < 1 ||
+         form->step[0] > EXR_TILE_MOST || form->step[1] > EXR_TILE_MOST))
         return fault_set(fault, ERR_INPUT, "its tiles have several levels, or sides beyond %d",
                          EXR_TILE_MOST);
     return OK;
@@ -86,7 +87,7 @@ static enum err check_form(struct form *form, exr_context_t context, struct faul
 
 /* Width and height, that they are within limits, and that so small a file can hold them. */
 static enum err find_window(exr_context_t context, exr_attr_box2i_t *window, size_t pixel_bytes,
-                            int64_t file_bytes, struct fault *fault)
+                            uint64_t file_bytes, struct fault *fault)
 {
     if (exr_get_data_window(context, 0, window))
         return fault_set(fault, ERR_INPUT, "it has no data window");
@@ -96,9 +97,9 @@ static enum err find_window(exr_context_t context, exr_attr_box2i_t *window, siz
         return fault_set(fault, ERR_LIMIT,
                          "it is %" PRId64 "x%" PRId64 " pixels; expected 1 to %d a side", width,
                          height, EXR_SIDE_MOST);
-    if ((uint64_t)width * (uint64_t)height * pixel_bytes / ZIP_MOST > (uint64_t)file_bytes)
+    if ((uint64_t)width * (uint64_t)height * pixel_bytes / ZIP_MOST > file_bytes)
         return fault_set(fault, ERR_INPUT,
-                         "cut short: %" PRId64 " bytes cannot hold %" PRId64 "x%" PRId64 " pixels",
+                         "cut short: %" PRIu64 " bytes cannot hold %" PRId64 "x%" PRId64 " pixels",
                          file_bytes, width, height);
     return OK;
 }
@@ -180,12 +181,32 @@ static void take_halves(struct reader *r, const struct block *block)
     }
 }
 
-static exr_result_t get_block(struct reader *r, const exr_chunk_info_t *chunk,
-                              const struct block *block)
+/* Where a block stands in the file; refuses one of another place or size than it has. */
+static exr_result_t find_chunk(struct reader *r, exr_chunk_info_t *chunk, const struct block *block)
 {
+    const uint32_t *step = r->form.step;
+    const int32_t top = r->window.min.y + (int32_t)block->y;
+    const exr_result_t result =
+        r->form.tiled ? exr_read_tile_chunk_info(r->context, 0, (int)(block->x / step[0]),
+                                                 (int)(block->y / step[1]), 0, 0, chunk)
+                      : exr_read_scanline_chunk_info(r->context, 0, top, chunk);
+    if (result)
+        return result;
+    const bool fits = chunk->height == (int32_t)block->height &&
+                      chunk->width == (int32_t)block->width &&
+                      (r->form.tiled || chunk->start_y == top);
+    return fits ? EXR_ERR_SUCCESS : EXR_ERR_BAD_CHUNK_LEADER;
+}
+
+static exr_result_t get_block(void *context, const struct block *block)
+{
+    struct reader *r = context;
     exr_decode_pipeline_t *pipeline = &r->pipeline;
-    exr_result_t result = r->begun ? exr_decoding_update(r->context, 0, chunk, pipeline)
-                                   : exr_decoding_initialize(r->context, 0, chunk, pipeline);
+    exr_chunk_info_t chunk;
+    exr_result_t result = find_chunk(r, &chunk, block);
+    if (!result)
+        result = r->begun ? exr_decoding_update(r->context, 0, &chunk, pipeline)
+                          : exr_decoding_initialize(r->context, 0, &chunk, pipeline);
     if (result)
         return result;
     for (int i = 0; i < pipeline->channel_count; i++) {
@@ -203,60 +224,19 @@ static exr_result_t get_block(struct reader *r, const exr_chunk_info_t *chunk,
     return result;
 }
 
-static uint32_t at_most(uint32_t left, uint32_t most)
-{
-    return left < most ? left : most;
-}
-
-static exr_result_t get_lines(struct reader *r)
-{
-    const uint32_t width = r->out->width, height = r->out->height, step = r->form.lines;
-    const int32_t top = r->window.min.y;
-    exr_result_t result = EXR_ERR_SUCCESS;
-    for (uint32_t y = 0; y < height && !result; y += step) {
-        const struct block block = {0, y, width, at_most(height - y, step)};
-        exr_chunk_info_t chunk;
-        result = exr_read_scanline_chunk_info(r->context, 0, top + (int32_t)y, &chunk);
-        if (!result && (chunk.start_y != top + (int32_t)y ||
-                        chunk.height != (int32_t)block.height || chunk.width != (int32_t)width))
-            result = EXR_ERR_BAD_CHUNK_LEADER;
-        if (!result)
-            result = get_block(r, &chunk, &block);
-    }
-    return result;
-}
-
-static exr_result_t get_tiles(struct reader *r)
-{
-    const uint32_t *tile = r->form.tile;
-    exr_result_t result = EXR_ERR_SUCCESS;
-    for (uint32_t y = 0; y < r->out->height; y += tile[1])
-        for (uint32_t x = 0; x < r->out->width && !result; x += tile[0]) {
-            const struct block block = {x, y, at_most(r->out->width - x, tile[0]),
-                                        at_most(r->out->height - y, tile[1])};
-            exr_chunk_info_t chunk;
-            result = exr_read_tile_chunk_info(r->context, 0, (int)(x / tile[0]), (int)(y / tile[1]),
-                                              0, 0, &chunk);
-            if (!result &&
-                (chunk.height != (int32_t)block.height || chunk.width != (int32_t)block.width))
-                result = EXR_ERR_BAD_CHUNK_LEADER;
-            if (!result)
-                result = get_block(r, &chunk, &block);
-        }
-    return result;
-}
-
 /* Pixels that a block of lines or a tile holds at most; 0 where the file says what cannot be. */
 static size_t largest_block(struct reader *r)
 {
+    uint32_t *step = r->form.step;
     int32_t lines = 0;
-    if (r->form.tiled)
-        return (size_t)at_most(r->out->width, r->form.tile[0]) *
-               at_most(r->out->height, r->form.tile[1]);
-    if (exr_get_scanlines_per_chunk(r->context, 0, &lines) || lines < 1 || lines > EXR_BLOCK_LINES)
-        return 0;
-    r->form.lines = (uint32_t)lines;
-    return (size_t)r->out->width * r->form.lines;
+    if (!r->form.tiled) {
+        if (exr_get_scanlines_per_chunk(r->context, 0, &lines) || lines < 1 ||
+            lines > EXR_BLOCK_LINES)
+            return 0;
+        step[0] = r->out->width;
+        step[1] = (uint32_t)lines;
+    }
+    return (size_t)least(r->out->width, step[0]) * least(r->out->height, step[1]);
 }
 
 static enum err get_pixels(struct reader *r, const struct stream *stream, struct fault *fault)
@@ -272,7 +252,7 @@ static enum err get_pixels(struct reader *r, const struct stream *stream, struct
     linear_invert(r->level[0], linear_half);
     linear_invert(r->level[1], alpha);
     r->pipeline = (exr_decode_pipeline_t)EXR_DECODE_PIPELINE_INITIALIZER;
-    const exr_result_t result = r->form.tiled ? get_tiles(r) : get_lines(r);
+    const exr_result_t result = exr_each_block(r->out, r->form.step, get_block, r);
     exr_decoding_destroy(r->context, &r->pipeline);
     free(r->halves);
     return result ? exr_library_fault("read", stream, result, fault) : OK;
@@ -309,19 +289,12 @@ static enum err read_context(struct picture *out, exr_context_t context,
 enum err exr_read(struct picture *out, const char *path, struct fault *fault)
 {
     struct stream stream = {.path = path};
-    struct stat status;
     exr_context_initializer_t setup = exr_stream_setup(&stream);
     exr_context_t context;
-    enum err err = OK;
     *out = (struct picture){0};
-    stream.fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-    if (stream.fd < 0)
-        return fault_errno(fault, "open", path);
-    if (fstat(stream.fd, &status) != 0 || !S_ISREG(status.st_mode)) {
-        close(stream.fd);
-        return fault_set(fault, ERR_INPUT, "%s is not a regular file", path);
-    }
-    stream.bytes = status.st_size;
+    enum err err = file_open(&stream.fd, &stream.bytes, path, O_RDONLY, fault);
+    if (err)
+        return err;
     setup.max_image_width = setup.max_image_height = EXR_SIDE_MOST;
     setup.flags =
         EXR_CONTEXT_FLAG_SILENT_HEADER_PARSE | EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;

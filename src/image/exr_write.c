@@ -87,13 +87,20 @@ struct writer {
     uint16_t *halves; /* 4 a pixel of the largest block */
 };
 
-static exr_result_t put_block(struct writer *w, const exr_chunk_info_t *chunk,
-                              const struct block *block)
+static exr_result_t put_block(void *context, const struct block *block)
 {
-    const bool first = block->x == 0 && block->y == 0;
+    struct writer *w = context;
+    const int x = (int)block->x, y = (int)block->y;
+    exr_chunk_info_t chunk;
+    const bool first = x == 0 && y == 0;
     exr_encode_pipeline_t *pipeline = &w->pipeline;
-    exr_result_t result = first ? exr_encoding_initialize(w->context, 0, chunk, pipeline)
-                                : exr_encoding_update(w->context, 0, chunk, pipeline);
+    exr_result_t result = w->picture->tiled
+                              ? exr_write_tile_chunk_info(w->context, 0, x / EXR_TILE_SIDE,
+                                                          y / EXR_TILE_SIDE, 0, 0, &chunk)
+                              : exr_write_scanline_chunk_info(w->context, 0, y, &chunk);
+    if (!result)
+        result = first ? exr_encoding_initialize(w->context, 0, &chunk, pipeline)
+                       : exr_encoding_update(w->context, 0, &chunk, pipeline);
     if (result)
         return result;
     fill_halves(w->halves, w->picture, block);
@@ -109,48 +116,12 @@ static exr_result_t put_block(struct writer *w, const exr_chunk_info_t *chunk,
     return result ? result : exr_encoding_run(w->context, 0, pipeline);
 }
 
-static uint32_t at_most(uint32_t left, uint32_t most)
-{
-    return left < most ? left : most;
-}
-
-static exr_result_t put_lines(struct writer *w)
-{
-    const struct picture *p = w->picture;
-    exr_result_t result = EXR_ERR_SUCCESS;
-    for (uint32_t y = 0; y < p->height && !result; y += EXR_BLOCK_LINES) {
-        const struct block block = {0, y, p->width, at_most(p->height - y, EXR_BLOCK_LINES)};
-        exr_chunk_info_t chunk;
-        result = exr_write_scanline_chunk_info(w->context, 0, (int)y, &chunk);
-        if (!result)
-            result = put_block(w, &chunk, &block);
-    }
-    return result;
-}
-
-static exr_result_t put_tiles(struct writer *w)
-{
-    const struct picture *p = w->picture;
-    exr_result_t result = EXR_ERR_SUCCESS;
-    for (uint32_t y = 0; y < p->height; y += EXR_TILE_SIDE)
-        for (uint32_t x = 0; x < p->width && !result; x += EXR_TILE_SIDE) {
-            const struct block block = {x, y, at_most(p->width - x, EXR_TILE_SIDE),
-                                        at_most(p->height - y, EXR_TILE_SIDE)};
-            exr_chunk_info_t chunk;
-            result = exr_write_tile_chunk_info(w->context, 0, (int)(x / EXR_TILE_SIDE),
-                                               (int)(y / EXR_TILE_SIDE), 0, 0, &chunk);
-            if (!result)
-                result = put_block(w, &chunk, &block);
-        }
-    return result;
-}
-
 static exr_result_t put_pixels(exr_context_t context, const struct picture *picture,
-                               uint16_t *halves)
+                               const uint32_t step[2], uint16_t *halves)
 {
     struct writer w = {.context = context, .picture = picture, .halves = halves, .compress = NULL};
     w.pipeline = (exr_encode_pipeline_t)EXR_ENCODE_PIPELINE_INITIALIZER;
-    const exr_result_t result = picture->tiled ? put_tiles(&w) : put_lines(&w);
+    const exr_result_t result = exr_each_block(picture, step, put_block, &w);
     exr_encoding_destroy(context, &w.pipeline);
     return result;
 }
@@ -171,7 +142,7 @@ static enum err check_names(const char *path, const struct picture *picture, boo
 }
 
 static exr_result_t write_stream(struct stream *stream, const struct picture *picture,
-                                 bool any_long, uint16_t *halves)
+                                 bool any_long, const uint32_t step[2], uint16_t *halves)
 {
     const exr_context_initializer_t setup = exr_stream_setup(stream);
     exr_context_t context;
@@ -182,7 +153,7 @@ static exr_result_t write_stream(struct stream *stream, const struct picture *pi
     if (!result)
         result = put_header(context, picture);
     if (!result)
-        result = put_pixels(context, picture, halves);
+        result = put_pixels(context, picture, step, halves);
     exr_result_t closed = exr_finish(&context); /* writes the table of chunks */
     return result ? result : closed;
 }
@@ -191,17 +162,15 @@ static enum err write_draft(const char *draft, const char *path, const struct pi
                             bool any_long, struct fault *fault)
 {
     struct stream stream = {.path = path};
-    const size_t largest = picture->tiled ? (size_t)EXR_TILE_SIDE * EXR_TILE_SIDE
-                                          : (size_t)picture->width * EXR_BLOCK_LINES;
-    uint16_t *halves = mem_array(largest * 4, sizeof *halves);
+    const uint32_t step[2] = {picture->tiled ? EXR_TILE_SIDE : picture->width,
+                              picture->tiled ? EXR_TILE_SIDE : EXR_BLOCK_LINES};
+    uint16_t *halves = mem_array((size_t)step[0] * step[1] * 4, sizeof *halves);
     if (!halves)
         return fault_memory(fault, path);
-    int number = file_step_hook ? file_step_hook(FILE_STEP_OPEN, path) : 0;
-    stream.fd =
-        number ? (errno = number, -1) : open(draft, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    stream.fd = file_step_open(draft, O_RDWR | O_CREAT | O_EXCL);
     enum err err = stream.fd < 0 ? fault_errno(fault, "write", path) : OK;
     if (!err) {
-        exr_result_t result = write_stream(&stream, picture, any_long, halves);
+        exr_result_t result = write_stream(&stream, picture, any_long, step, halves);
         if (close(stream.fd) != 0 && !stream.number)
             stream.number = errno;
         if (result || stream.number) {

@@ -6,10 +6,10 @@
 #include <libdeflate.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
+#include "base/file.h"
 #include "base/mem.h"
 
 enum {
@@ -24,26 +24,18 @@ enum {
 
 enum err source_open(struct volume_source *source, const char *path, struct fault *fault)
 {
-    struct stat status;
+    int fd;
     *source = (struct volume_source){.path = path};
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-    if (fd < 0 || fstat(fd, &status) != 0) {
-        enum err err = fault_errno(fault, "open", path);
-        if (fd >= 0)
-            close(fd);
+    const enum err err = file_open(&fd, &source->bytes, path, O_RDONLY, fault);
+    if (err)
         return err;
-    }
-    if (!S_ISREG(status.st_mode)) {
-        close(fd);
-        return fault_set(fault, ERR_INPUT, "%s is not a regular file", path);
-    }
     source->gz = gzdopen(fd, "rb");
     if (!source->gz) {
         close(fd);
         return fault_memory(fault, path);
     }
     source->fd = fd;
-    source->bytes = source->most = (uint64_t)status.st_size;
+    source->most = source->bytes;
     gzbuffer(source->gz, source->bytes > PACKED_MOST ? PACKED_CHUNK : HEADER_CHUNK);
     source->packed = !gzdirect(source->gz);
     if (source->packed && __builtin_mul_overflow(source->bytes, DEFLATE_MOST, &source->most))
@@ -125,18 +117,6 @@ enum err source_finish(struct volume_source *source, struct fault *fault)
 
 /* ---- at once ---- */
 
-static bool read_all(uint8_t *out, size_t length, int fd)
-{
-    size_t done = 0;
-    while (done < length) {
-        const ssize_t n = pread(fd, out + done, length - done, (off_t)done);
-        if (n == 0 || (n < 0 && errno != EINTR))
-            return false;
-        done += n > 0 ? (size_t)n : 0;
-    }
-    return true;
-}
-
 /* Whether the file claims this length at its end; most files that do not fit differ here. */
 static bool claims(const struct volume_source *source, size_t length)
 {
@@ -172,8 +152,10 @@ bool source_inflate(struct volume_source *source, void *out, size_t length)
     if (!source_inflates(source, length) || !claims(source, length))
         return false;
     uint8_t *bytes = mem_array((size_t)source->bytes, 1);
-    const bool inflated = bytes && read_all(bytes, (size_t)source->bytes, source->fd) &&
-                          inflate_bytes(out, length, bytes, (size_t)source->bytes);
+    const bool inflated =
+        bytes &&
+        file_read_at(source->fd, bytes, (size_t)source->bytes, 0) == (ssize_t)source->bytes &&
+        inflate_bytes(out, length, bytes, (size_t)source->bytes);
     free(bytes);
     return inflated;
 }

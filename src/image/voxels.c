@@ -240,9 +240,7 @@ static bool put_rows(gzFile gz, const char *path, const struct volume_map *map, 
 /* A new file `draft`, as gzip where `path` is to be one. */
 static enum err create(gzFile *gz, const char *draft, const char *path, struct fault *fault)
 {
-    int fd = file_step_fails(FILE_STEP_OPEN, path)
-                 ? -1
-                 : open(draft, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    const int fd = file_step_open(draft, O_WRONLY | O_CREAT | O_EXCL);
     if (fd < 0)
         return fault_errno(fault, "write", path);
     *gz = gzdopen(fd, file_is_named(path, ".gz") ? "wb1" : "wbT");
