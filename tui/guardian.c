@@ -6,7 +6,6 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -34,17 +33,6 @@ static void ignore_signals(void)
     sigprocmask(SIG_SETMASK, &none, NULL);
 }
 
-static void close_from(unsigned first)
-{
-    struct rlimit limit = {.rlim_cur = 1024};
-    if (syscall(SYS_close_range, first, ~0U, 0) == 0)
-        return;
-    getrlimit(RLIMIT_NOFILE, &limit);
-    const rlim_t most = limit.rlim_cur < 65536 ? limit.rlim_cur : 65536;
-    for (rlim_t fd = first; fd < most; fd++)
-        close((int)fd);
-}
-
 /* Puts what is to stay in its places, by way of places that nothing needs. */
 static void keep_descriptors(int from[DESCRIPTORS])
 {
@@ -55,7 +43,7 @@ static void keep_descriptors(int from[DESCRIPTORS])
         if (from[i] >= 0)
             dup2(from[i], i);
     }
-    close_from(DESCRIPTORS);
+    closefrom(DESCRIPTORS);
 }
 
 static void await_end(bool has_parent)

@@ -86,7 +86,6 @@ static bool facts(void *context, struct pilot_facts *out)
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
         out->place[pane] = s->cross[pane];
         out->index[pane] = slice_index(session->scene, plane_of(pane), s->cross);
-        out->count[pane] = slice_count(session->scene, plane_of(pane));
     }
     window_of(window, session);
     for (int i = 0; i < 2; i++)

@@ -309,17 +309,16 @@ static bool take_colours(struct shades *s, const struct image_view *view)
 
 /* ---- the palette ---- */
 
-static bool choose_ladders(struct shades *s, const struct image_view *view)
+static void choose_ladders(struct shades *s, const struct image_view *view)
 {
     bool has_greys, has_tints;
     const bool is_new = take_hues(s, view);
     look_around(view, s->hue, s->hues, &has_greys, &has_tints);
     if (!is_new && s->is_laddered && s->has_greys == has_greys && s->has_tints == has_tints)
-        return true;
+        return;
     s->has_greys = has_greys;
     s->has_tints = has_tints;
     fill_palette(s);
-    return true;
 }
 
 bool shades_take_exact(struct shades *s, const struct image_view *view)
@@ -344,7 +343,10 @@ bool shades_choose(struct shades *s, const struct image_view *view)
         return false;
     if (shades_take_exact(s, view))
         return true;
-    return view->hue ? choose_ladders(s, view) : take_colours(s, view);
+    if (!view->hue)
+        return take_colours(s, view);
+    choose_ladders(s, view);
+    return true;
 }
 
 bool shades_serve(const struct shades *s, const struct image_view *view)

@@ -283,7 +283,7 @@ static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *
 
 /* ---- the prompt below ---- */
 
-static enum err await_key(struct pilot *p, struct key_event *event);
+static void await_key(struct pilot *p, struct key_event *event);
 
 static unsigned count_lines(const char *text)
 {
@@ -317,7 +317,7 @@ static enum err show_pages(struct pilot *p, struct buf *text, struct fault *faul
                                             : term_write(buf_text(&page), page.length, fault);
         buf_release(&page);
         if (!err)
-            err = await_key(p, &event);
+            await_key(p, &event);
     }
     buf_release(&wrapped);
     return err;
@@ -473,13 +473,10 @@ static bool wait_once(struct pilot *p, struct key_event *event)
 }
 
 /* For a page of text: any key, with nothing else going on. */
-static enum err await_key(struct pilot *p, struct key_event *event)
+static void await_key(struct pilot *p, struct key_event *event)
 {
-    while (!p->is_over) {
-        if (next_key(p, event) || wait_once(p, event))
-            return OK;
-    }
-    return OK;
+    while (!p->is_over && !next_key(p, event) && !wait_once(p, event))
+        ;
 }
 
 static enum err run(struct pilot *p, struct fault *fault)

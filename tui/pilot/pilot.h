@@ -33,7 +33,6 @@ enum pilot_pane { PILOT_AXIAL, PILOT_CORONAL, PILOT_SAGITTAL, PILOT_RENDITION, P
 struct pilot_facts {
     uint32_t place[3];    /* of the cross-hair: a voxel */
     uint32_t index[3];    /* its slice, by plane */
-    uint32_t count[3];    /* slices */
     size_t waiting;       /* edits that wait for a run */
     char where[160];      /* of the voxel there: label, intensity, millimetres */
     double window[2];     /* black and white, in real values */
