@@ -7,18 +7,24 @@
 
 #include "base/safe.h"
 
+/* Puts the words in place of those that were there, safe to print. */
+static void set_words(struct fault *fault, const char *format, va_list words)
+{
+    char raw[sizeof fault->text];
+    vsnprintf(raw, sizeof raw, format, words);
+    safe_copy(fault->text, sizeof fault->text, raw, strlen(raw));
+}
+
 enum err fault_set(struct fault *fault, enum err code, const char *format, ...)
 {
     if (!fault)
         return code;
-    char raw[sizeof fault->text];
     va_list words;
     va_start(words, format);
-    vsnprintf(raw, sizeof raw, format, words);
+    set_words(fault, format, words);
     va_end(words);
     fault->code = code;
     fault->at = 0;
-    safe_copy(fault->text, sizeof fault->text, raw, strlen(raw));
     return code;
 }
 
@@ -26,14 +32,12 @@ enum err fault_prefix(struct fault *fault, enum err code, const char *format, ..
 {
     if (!fault)
         return code;
-    char raw[sizeof fault->text];
     char former[sizeof fault->text];
     va_list words;
-    va_start(words, format);
-    vsnprintf(raw, sizeof raw, format, words);
-    va_end(words);
     memcpy(former, fault->text, sizeof former);
-    safe_copy(fault->text, sizeof fault->text, raw, strlen(raw));
+    va_start(words, format);
+    set_words(fault, format, words);
+    va_end(words);
     size_t used = strlen(fault->text);
     snprintf(fault->text + used, sizeof fault->text - used, ": %s", former);
     return fault->code;

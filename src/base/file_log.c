@@ -5,7 +5,6 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +16,7 @@
 
 #include "base/buf.h"
 #include "base/file.h"
+#include "base/team.h"
 
 struct file_log {
     int fd;
@@ -83,17 +83,9 @@ static void *sync_every_second(void *argument)
 
 static enum err start_thread(struct file_log *log, struct fault *fault)
 {
-    sigset_t all, before;
     log->leaves = false;
-    sigfillset(&all); /* signals are the caller's */
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int number = pthread_create(&log->thread, NULL, sync_every_second, log);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    log->has_thread = number == 0;
-    if (number == 0)
-        return OK;
-    errno = number;
-    return fault_errno(fault, "start a thread that syncs", log->path);
+    log->has_thread = thread_start(&log->thread, sync_every_second, log);
+    return log->has_thread ? OK : fault_errno(fault, "start a thread that syncs", log->path);
 }
 
 static void stop_thread(struct file_log *log)

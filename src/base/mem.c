@@ -103,10 +103,12 @@ void mem_limit(size_t bytes)
     limit = bytes;
 }
 
-static size_t held_by(const char *statm)
+size_t mem_held_by(int process)
 {
-    FILE *file = fopen(statm, "re");
+    char statm[40];
     unsigned long all, resident = 0;
+    snprintf(statm, sizeof statm, "/proc/%d/statm", process);
+    FILE *file = fopen(statm, "re");
     if (file && fscanf(file, "%lu %lu", &all, &resident) != 2)
         resident = 0;
     if (file)
@@ -116,14 +118,7 @@ static size_t held_by(const char *statm)
 
 size_t mem_held(void)
 {
-    return held_by("/proc/self/statm");
-}
-
-size_t mem_held_by(int process)
-{
-    char statm[40];
-    snprintf(statm, sizeof statm, "/proc/%d/statm", process);
-    return held_by(statm);
+    return mem_held_by(getpid());
 }
 
 static size_t within_limit(size_t bytes)

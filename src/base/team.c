@@ -1,10 +1,9 @@
 #include "base/team.h"
 
-#include <pthread.h>
+#include <errno.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdatomic.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -79,6 +78,17 @@ static void *live(void *argument)
     return NULL;
 }
 
+bool thread_start(pthread_t *thread, void *(*work)(void *), void *argument)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int number = pthread_create(thread, NULL, work, argument);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    errno = number;
+    return number == 0;
+}
+
 enum err team_new(struct team **out, unsigned workers, struct fault *fault)
 {
     struct team *team = mem_new(sizeof *team);
@@ -88,16 +98,12 @@ enum err team_new(struct team **out, unsigned workers, struct fault *fault)
     pthread_mutex_init(&team->lock, NULL);
     pthread_cond_init(&team->begins, NULL);
     pthread_cond_init(&team->ended, NULL);
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
     for (team->size = 1; team->size < workers && team->size < TEAM_MOST; team->size++) {
         struct worker *worker = team->worker + team->size;
         *worker = (struct worker){.team = team, .number = team->size};
-        if (pthread_create(&worker->thread, NULL, live, worker) != 0)
+        if (!thread_start(&worker->thread, live, worker))
             break;
     }
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
     return OK;
 }
 

@@ -11,9 +11,15 @@
 #ifndef BASE_TEAM_H
 #define BASE_TEAM_H
 
+#include <pthread.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/err.h"
+
+/* A thread that takes no signals: those are for the thread that starts it. False, and errno, where
+ * none can be had. */
+bool thread_start(pthread_t *thread, void *(*work)(void *), void *argument);
 
 struct team;
 

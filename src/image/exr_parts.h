@@ -15,7 +15,6 @@
 #include "image/picture.h"
 
 enum {
-    EXR_SIDE_MOST = 16384,
     EXR_BLOCK_LINES = 16, /* scan lines that ZIP packs together */
     EXR_TILE_SIDE = 64,   /* of the tiles that are written */
     EXR_TILE_MOST = 4096, /* of those that are read */

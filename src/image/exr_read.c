@@ -93,10 +93,10 @@ static enum err find_window(exr_context_t context, exr_attr_box2i_t *window, siz
         return fault_set(fault, ERR_INPUT, "it has no data window");
     const int64_t width = (int64_t)window->max.x - window->min.x + 1;
     const int64_t height = (int64_t)window->max.y - window->min.y + 1;
-    if (width < 1 || height < 1 || width > EXR_SIDE_MOST || height > EXR_SIDE_MOST)
+    if (width < 1 || height < 1 || width > PICTURE_SIDE_MOST || height > PICTURE_SIDE_MOST)
         return fault_set(fault, ERR_LIMIT,
                          "it is %" PRId64 "x%" PRId64 " pixels; expected 1 to %d a side", width,
-                         height, EXR_SIDE_MOST);
+                         height, PICTURE_SIDE_MOST);
     if ((uint64_t)width * (uint64_t)height * pixel_bytes / ZIP_MOST > file_bytes)
         return fault_set(fault, ERR_INPUT,
                          "cut short: %" PRIu64 " bytes cannot hold %" PRId64 "x%" PRId64 " pixels",
@@ -295,7 +295,7 @@ enum err exr_read(struct picture *out, const char *path, struct fault *fault)
     enum err err = file_open(&stream.fd, &stream.bytes, path, O_RDONLY, fault);
     if (err)
         return err;
-    setup.max_image_width = setup.max_image_height = EXR_SIDE_MOST;
+    setup.max_image_width = setup.max_image_height = PICTURE_SIDE_MOST;
     setup.flags =
         EXR_CONTEXT_FLAG_SILENT_HEADER_PARSE | EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     exr_result_t result = exr_start_read(&context, path, &setup);

@@ -18,7 +18,6 @@
 #include "image/exr.h"
 
 enum {
-    SIDE_MOST = 16384,
     PATH_MOST = 4096,
     NAME_MOST = 4096,
     VALUE_MOST = 1 << 20,
@@ -95,14 +94,8 @@ static int spawn(pid_t *process, const char *program, int fd)
     sigset_t none, all;
     sigemptyset(&none);
     sigfillset(&all);
-    int number = posix_spawn_file_actions_init(&actions);
-    if (number)
-        return number;
-    number = posix_spawnattr_init(&attributes);
-    if (number) {
-        posix_spawn_file_actions_destroy(&actions);
-        return number;
-    }
+    posix_spawn_file_actions_init(&actions); /* neither fails: they clear what they are given */
+    posix_spawnattr_init(&attributes);
     posix_spawn_file_actions_adddup2(&actions, fd, STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&actions, fd, STDOUT_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
@@ -110,7 +103,7 @@ static int spawn(pid_t *process, const char *program, int fd)
     posix_spawnattr_setsigdefault(&attributes, &all);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK |
                                               POSIX_SPAWN_SETSIGDEF);
-    number = posix_spawn(process, program, &actions, &attributes, arguments, environ);
+    const int number = posix_spawn(process, program, &actions, &attributes, arguments, environ);
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     return number;
@@ -458,11 +451,15 @@ static enum err receive_note(struct image_helper *helper, struct picture *out, s
     return err;
 }
 
-/* The rest of a "picture" answer. ERR_IO with helper->trouble set, or what `fault` says. */
-static enum err receive_picture(struct image_helper *helper, const char *line, struct picture *out,
+/* Takes the rest of an answer into `out`. ERR_IO with helper->trouble set, or what `fault` says. */
+typedef enum err take_answer(struct image_helper *helper, const char *line, void *out,
+                             struct fault *fault);
+
+static enum err receive_picture(struct image_helper *helper, const char *line, void *picture,
                                 struct fault *fault)
 {
-    static const int64_t most[3] = {SIDE_MOST, SIDE_MOST, NOTES_MOST};
+    struct picture *out = picture;
+    static const int64_t most[3] = {PICTURE_SIDE_MOST, PICTURE_SIDE_MOST, NOTES_MOST};
     int64_t number[3];
     if (!scan_text(&line, "picture ") || !scan_numbers(line, 3, most, number) || number[0] < 1 ||
         number[1] < 1) {
@@ -477,10 +474,11 @@ static enum err receive_picture(struct image_helper *helper, const char *line, s
     return err;
 }
 
-/* Asks `request` of a path, and takes the first line of the answer. */
+/* Asks `request` of a path and takes the answer. */
 static enum err ask(struct image_helper *helper, const char *request, const char *path,
-                    char line[LINE_MOST], struct fault *fault)
+                    take_answer *take, void *out, struct fault *fault)
 {
+    char line[LINE_MOST];
     enum err err = check_request("read", path, NULL, fault);
     if (!err)
         err = start(helper, fault);
@@ -489,33 +487,25 @@ static enum err ask(struct image_helper *helper, const char *request, const char
     int length = snprintf(line, LINE_MOST, "%s %zu\n", request, strlen(path));
     if (!transmit(helper, line, (size_t)length) || !transmit(helper, path, strlen(path)))
         return trouble_fault(helper, "read", path, fault);
-    return receive_answer(helper, line, "read", path, fault);
-}
-
-/* An answer could not be taken to its end: what `err` or helper->trouble says. */
-static enum err give_up(struct image_helper *helper, enum err err, const char *path,
-                        struct fault *fault)
-{
-    if (helper->trouble != FINE)
+    err = receive_answer(helper, line, "read", path, fault);
+    if (err)
+        return err;
+    err = take(helper, line, out, fault);
+    if (err && helper->trouble != FINE)
         return trouble_fault(helper, "read", path, fault);
-    stop(helper, false); /* the rest of its answer is of no use */
+    if (err)
+        stop(helper, false); /* the rest of its answer is of no use */
     return err;
 }
 
 enum err image_helper_read(struct image_helper *helper, const char *path, struct picture *out,
                            struct fault *fault)
 {
-    char line[LINE_MOST];
     *out = (struct picture){0};
-    enum err err = ask(helper, "read", path, line, fault);
+    const enum err err = ask(helper, "read", path, receive_picture, out, fault);
     if (err)
-        return err;
-    err = receive_picture(helper, line, out, fault);
-    if (err) {
         picture_release(out);
-        return give_up(helper, err, path, fault);
-    }
-    return OK;
+    return err;
 }
 
 static enum err receive_word(struct image_helper *helper, char **out, size_t length,
@@ -527,12 +517,12 @@ static enum err receive_word(struct image_helper *helper, char **out, size_t len
     return receive(helper, *out, length) ? OK : ERR_IO;
 }
 
-/* The rest of an "about" answer, as receive_picture does it. */
-static enum err receive_facts(struct image_helper *helper, const char *line,
-                              struct image_facts *out, struct fault *fault)
+static enum err receive_facts(struct image_helper *helper, const char *line, void *facts,
+                              struct fault *fault)
 {
-    static const int64_t most[7] = {SIDE_MOST,  SIDE_MOST,  INT32_MAX, NOTES_MOST,
-                                    WORDS_MOST, WORDS_MOST, WORDS_MOST};
+    struct image_facts *out = facts;
+    static const int64_t most[7] = {PICTURE_SIDE_MOST, PICTURE_SIDE_MOST, INT32_MAX, NOTES_MOST,
+                                    WORDS_MOST,        WORDS_MOST,        WORDS_MOST};
     int64_t number[7];
     if (!scan_text(&line, "about ") || !scan_numbers(line, 7, most, number) || number[0] < 1 ||
         number[1] < 1) {
@@ -554,17 +544,11 @@ static enum err receive_facts(struct image_helper *helper, const char *line,
 enum err image_helper_about(struct image_helper *helper, const char *path, struct image_facts *out,
                             struct fault *fault)
 {
-    char line[LINE_MOST];
     *out = (struct image_facts){0};
-    enum err err = ask(helper, "about", path, line, fault);
+    const enum err err = ask(helper, "about", path, receive_facts, out, fault);
     if (err)
-        return err;
-    err = receive_facts(helper, line, out, fault);
-    if (err) {
         image_facts_release(out);
-        return give_up(helper, err, path, fault);
-    }
-    return OK;
+    return err;
 }
 
 void image_facts_release(struct image_facts *facts)

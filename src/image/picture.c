@@ -5,17 +5,15 @@
 
 #include "base/mem.h"
 
-enum { SIDE_MOST = 16384 };
-
 enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, bool all_planes,
                       struct fault *fault)
 {
     *picture = (struct picture){0};
     if (width == 0 || height == 0)
         return fault_set(fault, ERR_INPUT, "a picture needs at least one pixel on every side");
-    if (width > SIDE_MOST || height > SIDE_MOST)
+    if (width > PICTURE_SIDE_MOST || height > PICTURE_SIDE_MOST)
         return fault_set(fault, ERR_LIMIT, "a picture of %ux%u pixels; at most %d a side are held",
-                         width, height, SIDE_MOST);
+                         width, height, PICTURE_SIDE_MOST);
     size_t pixels = (size_t)width * height; /* at most 2^28 */
     picture->width = width;
     picture->height = height;

@@ -13,6 +13,8 @@
 
 #include "base/err.h"
 
+enum { PICTURE_SIDE_MOST = 16384 };
+
 /* One piece of metadata: text under a name (PNG text chunk, EXR string attribute). */
 struct attribute {
     char *name;

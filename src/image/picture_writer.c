@@ -1,14 +1,13 @@
 #include "image/picture_writer.h"
 
 #include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
 #include <time.h>
 #include <unistd.h>
 
-#include "base/mem.h"
+#include "base/team.h"
 #include "image/helper.h"
 
 enum { POLL_MS = 100 };
@@ -129,17 +128,6 @@ static void *work(void *argument)
     return NULL;
 }
 
-/* Signals are for the thread that began the picture writer. */
-static int begin_thread(struct picture_writer *writer)
-{
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int number = pthread_create(&writer->thread, NULL, work, writer);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return number;
-}
-
 static void discard(struct picture_writer *writer)
 {
     if (writer->descriptor >= 0)
@@ -169,7 +157,7 @@ enum err picture_writer_new(struct picture_writer **out, const char *program, st
     pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     pthread_cond_init(&writer->done, &monotonic);
     pthread_condattr_destroy(&monotonic);
-    if (begin_thread(writer) != 0) {
+    if (!thread_start(&writer->thread, work, writer)) {
         discard(writer);
         return fault_set(fault, ERR_IO, "no thread can be had to write beside the session");
     }

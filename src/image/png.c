@@ -5,8 +5,9 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "image/picture.h"
 
-enum { SIDE_MOST = 16384, HEADER = 13 };
+enum { HEADER = 13 };
 enum { COLOURED = 2, INDEXED = 3, WITH_ALPHA = 6 }; /* kinds of pixels, as the header names them */
 
 void png_release(struct png_writer *writer)
@@ -177,9 +178,9 @@ enum err png_encode(struct buf *out, uint32_t width, uint32_t height, const uint
                                   .bytes = rgba,
                                   .has_alpha = true};
     struct png_writer writer = {0};
-    if (width == 0 || height == 0 || width > SIDE_MOST || height > SIDE_MOST)
+    if (width == 0 || height == 0 || width > PICTURE_SIDE_MOST || height > PICTURE_SIDE_MOST)
         return fault_set(fault, ERR_LIMIT, "a picture has sides of 1 to %d pixels, not %ux%u",
-                         SIDE_MOST, width, height);
+                         PICTURE_SIDE_MOST, width, height);
     png_add(&writer, &raster, PNG_FILE, out);
     png_release(&writer);
     return out->failed ? fault_memory(fault, "a picture") : OK;
