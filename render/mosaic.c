@@ -20,20 +20,6 @@ struct mosaic_box mosaic_box(uint32_t width, uint32_t height, enum mosaic_pane p
 
 /* ---- slices ---- */
 
-static enum mosaic_pane pane_of(enum slice_plane plane)
-{
-    return plane == SLICE_AXIAL     ? MOSAIC_AXIAL
-           : plane == SLICE_CORONAL ? MOSAIC_CORONAL
-                                    : MOSAIC_SAGITTAL;
-}
-
-static enum slice_plane plane_of(enum mosaic_pane pane)
-{
-    return pane == MOSAIC_AXIAL     ? SLICE_AXIAL
-           : pane == MOSAIC_CORONAL ? SLICE_CORONAL
-                                    : SLICE_SAGITTAL;
-}
-
 /* At the largest scale at which all three fit. */
 static struct slice_choice slice_of(const struct scene *scene, const struct mosaic_choice *choice,
                                     uint32_t width, uint32_t height, enum slice_plane plane)
@@ -42,7 +28,7 @@ static struct slice_choice slice_of(const struct scene *scene, const struct mosa
     for (int a = 0; a < 3; a++)
         slice.place[a] = choice->place[a];
     for (enum slice_plane p = SLICE_AXIAL; p <= SLICE_SAGITTAL; p++) {
-        const struct mosaic_box box = mosaic_box(width, height, pane_of(p));
+        const struct mosaic_box box = mosaic_box(width, height, (enum mosaic_pane)p);
         const uint64_t pixel_pm = slice_fitting_pixel(scene, p, box.width, box.height);
         slice.pixel_pm = pixel_pm > slice.pixel_pm ? pixel_pm : slice.pixel_pm;
     }
@@ -64,10 +50,11 @@ struct fitting {
 
 /* At half the size where the rendition is as large as the whole mosaic; else in its own shape, as
  * large as it fits, and enlarged by a whole number alone. */
-static struct fitting fit(const struct rendition *r, const struct mosaic_box *box, bool halves)
+static struct fitting fit(const struct rendition *r, uint32_t width, uint32_t height)
 {
+    const struct mosaic_box whole = mosaic_box(width, height, MOSAIC_RENDITION), *box = &whole;
     struct fitting f = {.width = r->width, .height = r->height};
-    if (halves) {
+    if (width == r->width && height == r->height) {
         f.width = 2 * box->width;
         f.height = 2 * box->height;
         f.from_left = (r->width - f.width) / 2;
@@ -199,13 +186,6 @@ static void draw_row(const struct canvas *pane, const struct fitting *f, const s
     }
 }
 
-static void draw_rendition(const struct canvas *pane, const struct fitting *f,
-                           const struct rendition *r)
-{
-    for (uint32_t y = 0; y < f->shown_height; y++)
-        draw_row(pane, f, r, y);
-}
-
 /* ---- the whole ---- */
 
 static void draw_seams(const struct canvas *canvas)
@@ -232,13 +212,13 @@ static void draw_pane(struct drawing *d, enum mosaic_pane pane)
     const struct mosaic_box box = mosaic_box(width, height, pane);
     const struct canvas part = canvas_part(d->canvas, box.left, box.top, box.width, box.height);
     if (pane == MOSAIC_RENDITION) {
-        const struct fitting f =
-            fit(d->rendition, &box, width == d->rendition->width && height == d->rendition->height);
-        draw_rendition(&part, &f, d->rendition);
+        const struct fitting f = fit(d->rendition, width, height);
+        for (uint32_t y = 0; y < f.shown_height; y++)
+            draw_row(&part, &f, d->rendition, y);
         return;
     }
-    const enum slice_plane plane = plane_of(pane);
-    const struct slice_choice slice = slice_of(d->scene, d->choice, width, height, plane);
+    const struct slice_choice slice =
+        slice_of(d->scene, d->choice, width, height, (enum slice_plane)pane);
     d->err[pane] = slice_draw(&part, d->scene, &slice, d->style, NULL);
 }
 
@@ -268,8 +248,7 @@ struct mosaic_point mosaic_point_of(uint32_t width, uint32_t height,
                                     uint32_t row)
 {
     const struct mosaic_box box = mosaic_box(width, height, MOSAIC_RENDITION);
-    const struct fitting f =
-        fit(rendition, &box, width == rendition->width && height == rendition->height);
+    const struct fitting f = fit(rendition, width, height);
     const uint32_t x = column < f.from_left ? 0 : column - f.from_left;
     const uint32_t y = row < f.from_top ? 0 : row - f.from_top;
     return (struct mosaic_point){
@@ -297,11 +276,11 @@ uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t heig
         if (x >= box.width || y >= box.height)
             continue;
         if (pane == MOSAIC_RENDITION) {
-            const struct fitting f =
-                fit(rendition, &box, width == rendition->width && height == rendition->height);
+            const struct fitting f = fit(rendition, width, height);
             return rendition_cell_at(rendition, &f, x, y);
         }
-        const struct slice_choice slice = slice_of(scene, choice, width, height, plane_of(pane));
+        const struct slice_choice slice =
+            slice_of(scene, choice, width, height, (enum slice_plane)pane);
         return slice_cell_at(scene, &slice, box.width, box.height, x, y);
     }
     return CELL_NONE;

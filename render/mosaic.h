@@ -19,7 +19,8 @@
 
 enum { MOSAIC_SIDE_LEAST = 16, MOSAIC_PANES = 4 };
 
-enum mosaic_pane { MOSAIC_CORONAL, MOSAIC_SAGITTAL, MOSAIC_AXIAL, MOSAIC_RENDITION };
+/* The first three are the planes of render/slice.h. */
+enum mosaic_pane { MOSAIC_AXIAL, MOSAIC_CORONAL, MOSAIC_SAGITTAL, MOSAIC_RENDITION };
 
 struct mosaic_choice {
     uint32_t place[3];

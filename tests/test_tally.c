@@ -61,7 +61,7 @@ static bool stands(struct session *session)
     CHECK(session_count_labels(session, NULL) == OK);
     uint64_t sum = 0;
     for (unsigned label = 0; label < 256; label++)
-        sum += session_label_voxels(session, (uint8_t)label);
+        sum += session->tally.voxels[label];
     CHECK_INT(sum, session->scene->grid.voxels);
     return fresh;
 }
@@ -158,8 +158,8 @@ STORY(counts_follow_whatever_is_done)
                             NULL) == OK);
     CHECK(session_run(&interp.session, NULL) == OK);
     stands(&interp.session);
-    CHECK(session_label_voxels(&interp.session, 9) >= 5);
-    CHECK_INT(session_label_former_voxels(&interp.session, 9), 0);
+    CHECK(interp.session.tally.voxels[9] >= 5);
+    CHECK_INT(interp.session.former_tally.voxels[9], 0);
     session_rollback(&interp.session);
     CHECK(stands(&interp.session));
     CHECK(memcmp(&before, &interp.session.tally, sizeof before) == 0);
@@ -204,13 +204,13 @@ STORY(a_journal_that_is_resumed_is_counted_when_somebody_asks)
     must(&interp, "seed 20,20,15 3");
     must(&interp, "seed 2,2,2 0");
     must(&interp, "run");
-    const uint64_t voxels = session_label_voxels(&interp.session, 3);
+    const uint64_t voxels = interp.session.tally.voxels[3];
     CHECK(voxels > 0 && voxels < 48000);
     interpreter_release(&interp);
     begin_interpreter(&interp);
     CHECK(interpreter_resume_journal(&interp, place("tally.iftty"), &told, NULL) == OK);
     stands(&interp.session);
-    CHECK_INT(session_label_voxels(&interp.session, 3), voxels);
+    CHECK_INT(interp.session.tally.voxels[3], voxels);
     interpreter_release(&interp);
     buf_release(&told);
 }
@@ -237,8 +237,8 @@ STORY(an_edit_is_answered_with_what_it_changed)
     must(&interp, "seed 9,9,8 1"); /* 12 x 11 x 10 voxels of 1 x 1.5 x 2 mm, oblique */
     CHECK_TEXT(answer(), "1320 voxels changed, label 1: 3.96 ml");
     must(&interp, "seed 1,1,1 2");
-    const uint64_t one = session_label_voxels(&interp.session, 1);
-    const uint64_t two = session_label_voxels(&interp.session, 2);
+    const uint64_t one = interp.session.tally.voxels[1];
+    const uint64_t two = interp.session.tally.voxels[2];
     CHECK_INT(one + two, 1320);
     CHECK_HAS(answer(),
               one > two ? " voxels changed, label 1: " : " voxels changed, label 2 cerebellum: ");

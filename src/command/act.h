@@ -87,15 +87,21 @@ enum err act_pilot(const struct act *act);
 enum err act_help(const struct act *act);
 enum err act_quit(const struct act *act);
 
+/* Adds "1234 voxels changed, label 3 brain: 1.24 l (+12 ml), label 2: 142 ml, 12.3 ms": the voxels
+ * that have another label; the volumes of the labels that became larger or smaller, the largest first,
+ * at most six of them and never that of label 0; and the time. For a command that has edited
+ * the forest, between a session_count_labels before it and one after. */
+void volumes_write(struct buf *out, const struct session *session, uint64_t took_ns);
+
 /* Has the session take on the state act->next. */
 enum err act_go(const struct act *act);
 
 /* `err`, with the name of a file before its words. */
 enum err act_naming(const char *file, enum err err, struct fault *fault);
 
-/* A name is a word of less than `room` bytes that no number, colour or option can be mistaken for.
- */
-bool act_name_is_fit(const char *name, size_t room);
+/* A name is a word of less than `room` bytes that no number, colour or option can be mistaken for;
+ * ERR_USAGE for another. */
+enum err act_check_name(const char *name, size_t room, struct fault *fault);
 
 /* Whether no seed may be planted here. */
 bool act_is_outside(const struct session *session, uint32_t cell);

@@ -115,12 +115,9 @@ enum err act_goto(const struct act *act)
 enum err act_branch(const struct act *act)
 {
     const char *name = act->value[0].text;
-    if (!act_name_is_fit(name, BRANCH_NAME_BYTES))
-        return fault_set(act->fault, ERR_USAGE,
-                         "NAME: expected a word of at most %d bytes that begins with a letter, "
-                         "not %s",
-                         BRANCH_NAME_BYTES - 1, name);
-    enum err err = history_branch(&act->interp->history, name, act->fault);
+    enum err err = act_check_name(name, BRANCH_NAME_BYTES, act->fault);
+    if (!err)
+        err = history_branch(&act->interp->history, name, act->fault);
     if (!err)
         buf_printf(&act->reply->words, "branch=%s", name);
     return err;

@@ -136,7 +136,7 @@ enum err act_adjacency(const struct act *act)
     return add_weights(act, act_go(act));
 }
 
-bool act_name_is_fit(const char *name, size_t room)
+static bool is_fit(const char *name, size_t room)
 {
     const unsigned char first = (unsigned char)*name;
     if (strlen(name) >= room || (first < 0x80 && !isalpha(first)))
@@ -151,21 +151,28 @@ bool act_name_is_fit(const char *name, size_t room)
     return true;
 }
 
+enum err act_check_name(const char *name, size_t room, struct fault *fault)
+{
+    return is_fit(name, room) ? OK
+                              : fault_set(fault, ERR_USAGE,
+                                          "NAME: expected a word of at most %zu bytes that begins "
+                                          "with a letter, not %s",
+                                          room - 1, name);
+}
+
 enum err act_label(const struct act *act)
 {
     struct kept *kept = &act->next->kept;
     const size_t label = (size_t)act->value[0].number;
-    if (!act_name_is_fit(act->value[1].text, LABEL_NAME_BYTES))
-        return fault_set(act->fault, ERR_USAGE,
-                         "NAME: expected a word of at most %d bytes that begins with a letter, "
-                         "not %s",
-                         LABEL_NAME_BYTES - 1, act->value[1].text);
+    const char *name = act->value[1].text;
+    const enum err err = act_check_name(name, LABEL_NAME_BYTES, act->fault);
+    if (err)
+        return err;
     for (size_t other = 0; other < 256; other++)
-        if (other != label && strcmp(kept->label_name[other], act->value[1].text) == 0)
-            return fault_set(act->fault, ERR_USAGE, "label %zu is already called %s", other,
-                             act->value[1].text);
+        if (other != label && strcmp(kept->label_name[other], name) == 0)
+            return fault_set(act->fault, ERR_USAGE, "label %zu is already called %s", other, name);
     memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
-    memcpy(kept->label_name[label], act->value[1].text, strlen(act->value[1].text));
+    memcpy(kept->label_name[label], name, strlen(name));
     for (int k = 0; act->value[2].given && k < 3; k++)
         kept->palette.rgb[label][k] = (uint8_t)(act->value[2].number >> (16 - 8 * k));
     return act_go(act);

@@ -67,15 +67,6 @@ static bool add_stroke(struct voxels *v, const struct grid *grid, const uint32_t
     return fits;
 }
 
-static struct voxels ball(const struct grid *grid, const uint32_t place[3], int64_t radius,
-                          enum err *err, struct fault *fault)
-{
-    struct voxels v = {0};
-    if (!add_stroke(&v, grid, place, place, radius))
-        *err = fault_memory(fault, "a ball of voxels");
-    return v;
-}
-
 void act_add_markers(const struct act *act)
 {
     const struct session *session = act->session;
@@ -122,10 +113,10 @@ static bool find_recorded(const struct act *act, const char *key, struct record_
 /* Only a forest that is up to date knows which tree holds a voxel. */
 static enum err find_voxels(const struct act *act, struct voxels *v)
 {
+    const uint32_t *place = act->value[0].place;
     enum err err = act->session->skims ? session_catch_up(act->session, act->fault) : OK;
-    if (!err)
-        *v = ball(&act->session->scene->grid, act->value[0].place, act->value[1].number, &err,
-                  act->fault);
+    if (!err && !add_stroke(v, &act->session->scene->grid, place, place, act->value[1].number))
+        err = fault_memory(act->fault, "a ball of voxels");
     return err;
 }
 

@@ -54,15 +54,6 @@ struct spin {
     uint64_t digest;
 };
 
-static enum err write_still(struct spin *spin, const struct picture *picture)
-{
-    const char *path = buf_text(&spin->path);
-    struct interpreter *interp = spin->act->interp;
-    struct fault *fault = spin->act->fault;
-    enum err err = interpreter_will_write(interp, path, spin->mode, fault);
-    return err ? err : image_write(interp->helper, path, spin->mode, picture, fault);
-}
-
 static enum err write_frame(struct spin *spin, unsigned number, const struct picture *picture)
 {
     const char *path = buf_text(&spin->path);
@@ -97,7 +88,7 @@ static enum err write_picture(struct spin *spin, unsigned number)
         buf_add_text(&spin->first, buf_text(&spin->path));
     err = act_take_picture(act, name, &picture);
     if (!err && spin->pattern.counts)
-        err = write_still(spin, &picture);
+        err = act_write_now(act->interp, buf_text(&spin->path), spin->mode, &picture, act->fault);
     else if (!err)
         err = write_frame(spin, number, &picture);
     picture_release(&picture);

@@ -1,8 +1,6 @@
-#include "command/execute.h"
-
+/* The one door: a command is carried out and recorded, or none of it. */
 #include "base/clock.h"
 #include "command/act.h"
-#include "command/volumes.h"
 #include "sandbox/limits.h"
 
 void reply_release(struct reply *reply)

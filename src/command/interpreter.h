@@ -79,6 +79,9 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
                              struct fault *fault);
 void reply_release(struct reply *reply);
 
+/* Adds what a record says of the forest, after a command that edits it. */
+void execute_add_digests(struct reply *reply, const struct session *session);
+
 /* Has a picture shown inline, which is the interpreter's from now on, until the next command. */
 void interpreter_show(struct interpreter *interp, const struct canvas *picture);
 

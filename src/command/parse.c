@@ -1,7 +1,5 @@
 #include "command/command.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/choice.h"
@@ -171,15 +169,10 @@ static enum err read_label(struct value *value, const struct parameter *p, const
     return ERR_USAGE;
 }
 
-/* Thousandths without needless digits: 12500 is 12.5, -500 is -0.5. */
+/* Thousandths without needless digits: 12500 is 12.5, -500 is -0.5. Exact, having less than 15. */
 static void write_decimal(struct buf *out, int64_t thousandths)
 {
-    const long long whole = llabs(thousandths) / 1000, rest = llabs(thousandths) % 1000;
-    char text[32];
-    int n = snprintf(text, sizeof text, "%s%lld.%03lld", thousandths < 0 ? "-" : "", whole, rest);
-    while (text[n - 1] == '0')
-        n--;
-    buf_add(out, text, (size_t)(text[n - 1] == '.' ? n - 1 : n));
+    buf_printf(out, "%.15g", (double)thousandths / 1000);
 }
 
 static enum err read_number(struct value *value, const struct parameter *p, const char *word,

@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-#include "command/execute.h"
 #include "journal/replay.h"
 
 bool interpreter_is_journal(const char *path)
@@ -30,7 +29,8 @@ enum err interpreter_create_journal(struct interpreter *interp, const char *path
 
 struct resume {
     struct interpreter *interp;
-    size_t last; /* number of the last record that has words of the forest; 0 for none */
+    size_t last;     /* number of the last record that has words of the forest; 0 for none */
+    bool catches_up; /* the record at hand is that one */
     struct replay_report report;
 };
 
@@ -64,11 +64,20 @@ static void look_for_last(void *context, const struct record *record)
         resume->last = record->number;
 }
 
+/* Where the session catches up, the words are of the forest that this and all before have led to. */
 static enum err execute_again(void *context, const char *command, struct buf *words,
                               struct fault *fault)
 {
+    const struct resume *resume = context;
+    struct session *session = &resume->interp->session;
     struct reply reply = {0};
-    enum err err = interpreter_execute(context, command, &reply, fault);
+    enum err err = interpreter_execute(resume->interp, command, &reply, fault);
+    if (!err && resume->catches_up) {
+        err = session_catch_up(session, fault);
+        buf_clear(&reply.words);
+        if (!err)
+            execute_add_digests(&reply, session);
+    }
     buf_add_text(words, buf_text(&reply.words));
     reply_release(&reply);
     return err;
@@ -76,45 +85,29 @@ static enum err execute_again(void *context, const char *command, struct buf *wo
 
 static bool is_lost(void *context, const char *key, size_t length)
 {
-    const struct interpreter *interp = context;
-    return semantics_lost(interp->session.semantics, key, length) != NULL;
+    const struct resume *resume = context;
+    return semantics_lost(resume->interp->session.semantics, key, length) != NULL;
 }
 
 static enum err compare_record(struct resume *resume, const struct record *record,
                                struct fault *fault)
 {
     const struct replay_host host = {
-        .context = resume->interp, .execute = execute_again, .is_lost = is_lost};
+        .context = resume, .execute = execute_again, .is_lost = is_lost};
     return replay_record(record, &host, &resume->report, fault);
-}
-
-/* The same, and then what it and all before have led to is computed. */
-static enum err execute_and_catch_up(void *context, const char *command, struct buf *words,
-                                     struct fault *fault)
-{
-    struct interpreter *interp = context;
-    struct reply reply = {0};
-    enum err err = interpreter_execute(interp, command, &reply, fault);
-    if (!err)
-        err = session_catch_up(&interp->session, fault);
-    buf_clear(&reply.words);
-    if (!err)
-        execute_add_digests(&reply, &interp->session);
-    buf_add_text(words, buf_text(&reply.words));
-    reply_release(&reply);
-    return err;
 }
 
 static enum err compare_forest(struct resume *resume, const struct record *record,
                                struct fault *fault)
 {
-    const struct replay_host host = {.context = resume->interp, .execute = execute_and_catch_up};
     struct record judged = *record;
     struct buf words = {0};
     has_forest_words(record->result, &words);
     judged.result = buf_text(&words);
-    enum err err = words.failed ? fault_memory(fault, "a record")
-                                : replay_record(&judged, &host, &resume->report, fault);
+    resume->catches_up = true;
+    enum err err =
+        words.failed ? fault_memory(fault, "a record") : compare_record(resume, &judged, fault);
+    resume->catches_up = false;
     buf_release(&words);
     return err;
 }

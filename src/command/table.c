@@ -95,9 +95,7 @@ const struct command command_table[] = {
     {COMMAND("adjacency", act_adjacency, GROUP_WEIGHT, R | S | E),
      {NEED("COUNT", VALUE_CHOICE, .choices = "6|26")},
      "neighbours of a voxel: by faces, or by corners too",
-
      "6 is the default.",
-
      "adjacency 26"},
     {COMMAND("mask", act_mask, GROUP_WEIGHT, R | S | E),
      {NEED("FILE", VALUE_FILE, .choices = "none"),

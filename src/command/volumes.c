@@ -1,13 +1,12 @@
-#include "command/volumes.h"
-
+/* What an edit has done to the labels, in a line for the user. */
 #include "command/act.h"
 
 enum { LISTED_MOST = 6 };
 
 static void write_volume(struct buf *out, const struct session *session, unsigned label)
 {
-    const uint64_t voxels = session_label_voxels(session, (uint8_t)label);
-    const uint64_t former = session_label_former_voxels(session, (uint8_t)label);
+    const uint64_t voxels = session->tally.voxels[label];
+    const uint64_t former = session->former_tally.voxels[label];
     const uint32_t *spacing_nm = session->scene->spacing_nm;
     buf_add_text(out, ", label ");
     act_write_label(out, session, label);
@@ -28,11 +27,11 @@ static unsigned changed_labels(const struct session *session, uint8_t label[255]
 {
     unsigned count = 0;
     for (unsigned l = 1; l < 256; l++) {
-        const uint64_t voxels = session_label_voxels(session, (uint8_t)l);
-        if (voxels == session_label_former_voxels(session, (uint8_t)l))
+        const uint64_t voxels = session->tally.voxels[l];
+        if (voxels == session->former_tally.voxels[l])
             continue;
         unsigned at = count++;
-        for (; at > 0 && session_label_voxels(session, label[at - 1]) < voxels; at--)
+        for (; at > 0 && session->tally.voxels[label[at - 1]] < voxels; at--)
             label[at] = label[at - 1];
         label[at] = (uint8_t)l;
     }

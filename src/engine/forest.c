@@ -256,18 +256,6 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
     return OK;
 }
 
-enum err forest_revert(struct forest *forest, struct fault *fault)
-{
-    struct edit *inverse = mem_array(forest->edits, sizeof *inverse);
-    if (!inverse)
-        return fault_memory(fault, "taking an edit back");
-    for (size_t i = 0; i < forest->edits; i++)
-        inverse[i] = forest->inverse[i];
-    enum err err = forest_edit(forest, inverse, forest->edits, fault);
-    free(inverse);
-    return err;
-}
-
 /* Leaves a cell unreached; a seed stays, with its label, and waits where it is to be `planted`.
  * Whether it is one. */
 static bool clear_cell(struct forest *forest, uint32_t at, bool planted)

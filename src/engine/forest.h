@@ -103,9 +103,6 @@ void forest_free(struct forest *forest);
 enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,
                      struct fault *fault);
 
-/* Takes the last successful edit back, as an edit of its own. */
-enum err forest_revert(struct forest *forest, struct fault *fault);
-
 /* Computes the whole forest again from its seeds: after weights, adjacency or region of interest
  * have changed, or to compare an update with. On error the forest is as before, or, where even that
  * could not be computed again, it has its seeds and no keys; the words say which. */

@@ -44,15 +44,21 @@ static void scene_clear(struct scene *scene, const uint16_t *intensity)
         }
 }
 
-enum err scene_new(struct scene **out, const uint32_t size[3], struct fault *fault)
+/* A scene that is made is the caller's; one that was cancelled or cannot be made goes. */
+static enum err hand_over(struct scene **out, struct scene *scene, enum err err,
+                          struct fault *fault)
 {
-    return scene_new_watched(out, size, NULL, fault);
+    err = err ? err : watch_fault(scene->watch, fault);
+    if (err)
+        scene_free(scene);
+    else
+        *out = scene;
+    return err;
 }
 
-enum err scene_new_watched(struct scene **out, const uint32_t size[3], struct watch *watch,
-                           struct fault *fault)
+enum err scene_new(struct scene **out, const uint32_t size[3], struct fault *fault)
 {
-    return scene_new_filled(out, size, NULL, watch, fault);
+    return scene_new_filled(out, size, NULL, NULL, fault);
 }
 
 enum err scene_new_filled(struct scene **out, const uint32_t size[3], const uint16_t *intensity,
@@ -79,12 +85,7 @@ enum err scene_new_filled(struct scene **out, const uint32_t size[3], const uint
     }
     scene->watch = watch;
     scene_clear(scene, intensity);
-    err = watch_fault(watch, fault);
-    if (err)
-        scene_free(scene);
-    else
-        *out = scene;
-    return err;
+    return hand_over(out, scene, OK, fault);
 }
 
 void scene_free(struct scene *scene)
@@ -229,7 +230,7 @@ enum err scene_new_interpolated(struct scene **out, const struct scene *base, un
     struct scene *scene;
     *out = NULL;
     scene_interpolated_size(size, base->grid.size, doubled);
-    enum err err = scene_new_watched(&scene, size, watch, fault);
+    enum err err = scene_new_filled(&scene, size, NULL, watch, fault);
     if (err)
         return err;
     struct task task = task_begin(watch, "interpolation", scene->grid.voxels);
@@ -245,12 +246,7 @@ enum err scene_new_interpolated(struct scene **out, const struct scene *base, un
         scene->world_axis[a] = base->world_axis[a];
         scene->world_sign[a] = base->world_sign[a];
     }
-    err = watch_fault(watch, fault);
-    if (err)
-        scene_free(scene);
-    else
-        *out = scene;
-    return err;
+    return hand_over(out, scene, OK, fault);
 }
 
 /* ---- the synthetic scene ---- */
@@ -391,7 +387,7 @@ enum err scene_new_geom_of(struct scene **out, const uint32_t size[3], struct wa
     struct geom_rows rows;
     struct scene *scene;
     *out = NULL;
-    enum err err = scene_new_watched(&scene, size, watch, fault);
+    enum err err = scene_new_filled(&scene, size, NULL, watch, fault);
     if (err)
         return err;
     err = geom_rows_init(&rows, size, fault);
@@ -401,13 +397,7 @@ enum err scene_new_geom_of(struct scene **out, const uint32_t size[3], struct wa
             geom_row(&rows, y, z, &scene->cell[grid_row(&scene->grid, y, z).first].intensity,
                      sizeof *scene->cell);
     geom_rows_release(&rows);
-    if (!err)
-        err = watch_fault(watch, fault);
-    if (err)
-        scene_free(scene);
-    else
-        *out = scene;
-    return err;
+    return hand_over(out, scene, err, fault);
 }
 
 enum err scene_new_geom(struct scene **out, unsigned doubled, struct watch *watch,

@@ -81,11 +81,8 @@ struct scene {
 
 /* A scene of unreached voxels with intensity 0, spacing 1 mm, axes as the world's. */
 enum err scene_new(struct scene **scene, const uint32_t size[3], struct fault *fault);
-/* The same under a watch; ERR_CANCELLED. */
-enum err scene_new_watched(struct scene **scene, const uint32_t size[3], struct watch *watch,
-                           struct fault *fault);
-/* The same with these intensities [z][y][x], put in while the cells are made: ch2 takes 10 ms less
- * than by scene_fill after it. */
+/* The same under a watch (ERR_CANCELLED), with these intensities [z][y][x] (NULL: 0), put in while
+ * the cells are made: ch2 takes 10 ms less than by scene_fill after it. */
 enum err scene_new_filled(struct scene **scene, const uint32_t size[3], const uint16_t *intensity,
                           struct watch *watch, struct fault *fault);
 void scene_free(struct scene *scene);

@@ -17,11 +17,6 @@ const struct weight_row weight_table[] = {
     WEIGHT_LIST(ROW, ROW)[WEIGHT_FILE] = {"FILE", WEIGHT_TAKES_NOTHING, 0, &file_weight},
 };
 
-bool weight_choice_equals(const struct weight_choice *a, const struct weight_choice *b)
-{
-    return a->kind == b->kind && a->argument == b->argument;
-}
-
 enum arc_kind weight_arcs(enum weight_kind kind)
 {
     return weight_table[kind].method->arcs;

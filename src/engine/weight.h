@@ -79,8 +79,6 @@ struct weight_choice {
     uint32_t argument; /* within the range of what its row takes; 0 for nothing */
 };
 
-bool weight_choice_equals(const struct weight_choice *a, const struct weight_choice *b);
-
 enum arc_kind weight_arcs(enum weight_kind kind);
 
 /* Whether weight_compute writes cell.weight. */

@@ -9,7 +9,7 @@ unsigned shown_hues(uint32_t hue[256], const struct session *session)
     unsigned count = 0;
     for (unsigned label = 1; label < 256; label++) {
         const uint8_t *rgb = session->now.kept.palette.rgb[label];
-        if (session->now.kept.visible[label] && session_label_voxels(session, (uint8_t)label))
+        if (session->now.kept.visible[label] && session->tally.voxels[label])
             hue[count++] = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
     }
     return count;

@@ -81,17 +81,26 @@ size_t history_memory(const struct history *history)
 
 /* ---- ways ---- */
 
+static uint32_t parent_of(const struct history *history, uint32_t at)
+{
+    return history->point[at].parent;
+}
+
+/* Up to *count steps from the present point, of which it makes how many there were. */
+static uint32_t walk(const struct history *history, size_t *count,
+                     uint32_t (*step)(const struct history *history, uint32_t at))
+{
+    const size_t wanted = *count;
+    uint32_t at = history->present, next;
+    for (*count = 0; *count < wanted && (next = step(history, at)) != POINT_NONE; ++*count)
+        at = next;
+    return at;
+}
+
 enum err history_before(const struct history *history, size_t *count, uint32_t *point,
                         struct fault *fault)
 {
-    const size_t wanted = *count;
-    *point = history->present;
-    for (*count = 0; *count < wanted; ++*count) {
-        const uint32_t parent = history->point[*point].parent;
-        if (parent == POINT_NONE)
-            break;
-        *point = parent;
-    }
+    *point = walk(history, count, parent_of);
     return *count
                ? OK
                : fault_set(fault, ERR_INPUT, "there is nothing to undo since the scene was opened");
@@ -112,14 +121,7 @@ static uint32_t child_of(const struct history *history, uint32_t at)
 enum err history_after(const struct history *history, size_t *count, uint32_t *point,
                        struct fault *fault)
 {
-    const size_t wanted = *count;
-    *point = history->present;
-    for (*count = 0; *count < wanted; ++*count) {
-        const uint32_t child = child_of(history, *point);
-        if (child == POINT_NONE)
-            break;
-        *point = child;
-    }
+    *point = walk(history, count, child_of);
     return *count ? OK : fault_set(fault, ERR_INPUT, "there is nothing to do again");
 }
 

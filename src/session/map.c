@@ -81,38 +81,30 @@ static enum err translate(struct volume *map, const uint32_t *table, const char 
     return OK;
 }
 
-static enum err new_table(uint32_t **table, struct fault *fault)
+/* Makes intensities the whole numbers that they stand for: those in first..last as they are, others
+ * `beyond`, which may be ODD. */
+static enum err convert(struct volume *map, uint32_t first, uint32_t last, uint32_t beyond,
+                        const char *holds, struct fault *fault)
 {
-    *table = mem_array(VALUES, sizeof **table);
-    return *table ? OK : fault_memory(fault, "a map");
+    uint32_t *table = mem_array(VALUES, sizeof *table);
+    if (!table)
+        return fault_memory(fault, "a map");
+    for (uint32_t i = 0; i < VALUES; i++) {
+        double n;
+        const bool whole = whole_number(&map->geometry, (uint16_t)i, &n);
+        table[i] = !whole ? (uint32_t)ODD : n >= first && n <= last ? (uint32_t)n : beyond;
+    }
+    const enum err err = translate(map, table, holds, fault);
+    free(table);
+    return err;
 }
 
 enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct fault *fault)
 {
-    uint32_t *table;
-    enum err err = new_table(&table, fault);
-    for (uint32_t i = 0; !err && i < VALUES; i++) {
-        double n;
-        const bool whole = whole_number(&map->geometry, (uint16_t)i, &n);
-        table[i] = !whole ? (uint32_t)ODD : n >= first && n <= last ? (uint32_t)n : REGION_NONE;
-    }
-    if (!err)
-        err = translate(map, table, "regions are whole numbers", fault);
-    free(table);
-    return err;
+    return convert(map, first, last, REGION_NONE, "regions are whole numbers", fault);
 }
 
 enum err map_to_weights(struct volume *map, struct fault *fault)
 {
-    uint32_t *table;
-    enum err err = new_table(&table, fault);
-    for (uint32_t i = 0; !err && i < VALUES; i++) {
-        double n;
-        const bool whole = whole_number(&map->geometry, (uint16_t)i, &n);
-        table[i] = whole && n >= 0 && n <= UINT16_MAX ? (uint32_t)n : (uint32_t)ODD;
-    }
-    if (!err)
-        err = translate(map, table, "weights are whole numbers 0..65535", fault);
-    free(table);
-    return err;
+    return convert(map, 0, UINT16_MAX, ODD, "weights are whole numbers 0..65535", fault);
 }

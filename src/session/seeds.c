@@ -14,7 +14,7 @@ static enum err wait_for_run(struct session *session, uint32_t cell, int16_t lab
 
 /* ---- markers ---- */
 
-static enum err put_up(struct session *session, const uint32_t *cell, size_t count, int16_t label,
+enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        struct fault *fault)
 {
     enum err err = markers_add(&session->markers, label, cell, count, fault);
@@ -26,12 +26,6 @@ static enum err put_up(struct session *session, const uint32_t *cell, size_t cou
     for (size_t i = 0; !err && i < count; i++)
         err = wait_for_run(session, cell[i], label, fault);
     return err;
-}
-
-enum err session_plant(struct session *session, const uint32_t *cell, size_t count, uint8_t label,
-                       struct fault *fault)
-{
-    return put_up(session, cell, count, label, fault);
 }
 
 /* Where it decides about a voxel, what lies below decides from now on. */
@@ -148,8 +142,8 @@ enum err session_erase_trees(struct session *session, const uint32_t *cell, size
             seed[seeds++] = key_root(at->key);
     }
     if (!err)
-        err =
-            seeds ? put_up(session, seed, seeds, EDIT_ERASE, fault) : holds_nothing(session, fault);
+        err = seeds ? session_plant(session, seed, seeds, EDIT_ERASE, fault)
+                    : holds_nothing(session, fault);
     free(waiting);
     free(seed);
     return err;
@@ -166,7 +160,7 @@ enum err session_erase_seeds(struct session *session, const uint32_t *seed, size
             !bsearch(&seed[i], waiting, waits, sizeof *seed, compare_cells))
             err = fault_set(fault, ERR_CHECK, "no seed is planted where one was taken away");
     free(waiting);
-    return err ? err : put_up(session, seed, count, EDIT_ERASE, fault);
+    return err ? err : session_plant(session, seed, count, EDIT_ERASE, fault);
 }
 
 enum err session_note_eliminator(struct session *session, uint32_t cell, struct fault *fault)
@@ -210,14 +204,4 @@ uint64_t session_changed_voxels(const struct session *session)
     const uint64_t changed = forest_changes(session->forest).voxels;
     const bool had_none = session->former_tally.voxels[0] == all;
     return changed == CHANGES_UNKNOWN && had_none ? all - background : changed;
-}
-
-uint64_t session_label_voxels(const struct session *session, uint8_t label)
-{
-    return session->tally.voxels[label];
-}
-
-uint64_t session_label_former_voxels(const struct session *session, uint8_t label)
-{
-    return session->former_tally.voxels[label];
 }

@@ -72,7 +72,7 @@ struct session {
     struct roi roi;
     struct roi_tally roi_tally;
     struct border border;
-    struct tally tally;   /* voxels of each label: session_label_voxels */
+    struct tally tally;   /* voxels of each label, once session_count_labels has been called */
     struct camera camera; /* of the view, `look.samples` times as large */
     struct rendition rendition;
     bool has_rendition;       /* the rendition has memory, of camera.view's size */
@@ -93,7 +93,7 @@ struct session {
     struct state former;
     size_t former_markers;
     struct former_scene former_scene;
-    struct tally former_tally;
+    struct tally former_tally; /* where session_count_labels came before the command */
     bool former_has_scene, former_rendered;
     bool edited, regrown;
 };
@@ -154,8 +154,8 @@ static inline size_t session_pendings(const struct session *session)
     return edits_count(&session->now.pending);
 }
 
-/* Puts up a marker: seeds of a label, that wait for a run. */
-enum err session_plant(struct session *session, const uint32_t *cell, size_t count, uint8_t label,
+/* Puts up a marker: seeds of a label, that wait for a run; or, for EDIT_ERASE, that are to go. */
+enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        struct fault *fault);
 
 /* Takes markers away, by their numbers: their seeds, and the seeds of the markers below come back.
@@ -185,7 +185,7 @@ enum err session_note_eliminator(struct session *session, uint32_t cell, struct 
  * incremental image). Fine when none wait. */
 enum err session_run(struct session *session, struct fault *fault);
 
-/* Has session_label_voxels know, which takes a walk through the scene after a run from nothing and
+/* Brings `tally` and `former_tally` up to date, which takes a walk through the scene after a run from nothing and
  * else no time. ERR_CANCELLED. Not for a session that skims. */
 enum err session_count_labels(struct session *session, struct fault *fault);
 
@@ -193,12 +193,6 @@ enum err session_count_labels(struct session *session, struct fault *fault);
  * memory did not suffice to count them. session_count_labels comes before the command, and after
  * it. */
 uint64_t session_changed_voxels(const struct session *session);
-
-/* How many voxels have the label now; `former`, when the command at hand began. Label 0 has the
- * background and the voxels that no seed reaches. session_count_labels comes before; for `former`,
- * before the command did anything. */
-uint64_t session_label_voxels(const struct session *session, uint8_t label);
-uint64_t session_label_former_voxels(const struct session *session, uint8_t label);
 
 /* ---- settings that take more than a change of the state (settings.c) ---- */
 

@@ -111,10 +111,11 @@ static struct slice_choice slice_of(const struct session *session, enum slice_ki
 static struct mosaic_choice mosaic_of(const struct session *session, const struct sketch *sketch)
 {
     const struct slice_settings *s = &session->now.outlook.slices;
-    struct mosaic_choice choice = {.notes = s->words, .team = session->team};
+    const bool says = s->words && sketch;
+    struct mosaic_choice choice = {.notes = says, .team = session->team};
     for (int i = 0; i < 3; i++) {
         choice.place[i] = s->cross[i];
-        choice.title[i] = s->words && sketch ? sketch->title[i] : NULL;
+        choice.title[i] = says ? sketch->title[i] : NULL;
     }
     return choice;
 }
@@ -132,30 +133,48 @@ static enum err prepare(struct session *session, enum slice_kind kind, struct fa
     return session_draw(session, RENDER_AS_KEPT, fault);
 }
 
-enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
-                      bool tells_cells, struct fault *fault)
+/* Fills a canvas, which is released on error. Without `words` nothing is said of where it is. */
+static enum err draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
+                     bool words, struct fault *fault)
 {
-    const struct view *view = &session->now.outlook.view;
     struct sketch sketch;
-    *canvas = (struct canvas){0};
-    enum err err = prepare(session, kind, fault);
-    if (err)
-        return err;
-    err = sketch_init(&sketch, session, fault);
-    if (!err)
-        err = canvas_init(canvas, view->width, view->height, tells_cells, fault);
+    enum err err = sketch_init(&sketch, session, fault);
     if (!err && kind == SLICE_KIND_MOSAIC) {
-        const struct mosaic_choice choice = mosaic_of(session, &sketch);
+        const struct mosaic_choice choice = mosaic_of(session, words ? &sketch : NULL);
         err = mosaic_draw(canvas, session->scene, session_frame(session), &choice, &sketch.style,
                           fault);
     } else if (!err) {
-        const struct slice_choice choice = slice_of(session, kind, &sketch);
+        const struct slice_choice choice = slice_of(session, kind, words ? &sketch : NULL);
         err = slice_draw(canvas, session->scene, &choice, &sketch.style, fault);
     }
     free(sketch.mark);
     if (err)
         canvas_release(canvas);
     return err;
+}
+
+enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
+                      bool tells_cells, struct fault *fault)
+{
+    const struct view *view = &session->now.outlook.view;
+    *canvas = (struct canvas){0};
+    enum err err = prepare(session, kind, fault);
+    if (!err)
+        err = canvas_init(canvas, view->width, view->height, tells_cells, fault);
+    return err ? err : draw(canvas, session, kind, true, fault);
+}
+
+enum err slicing_panel(struct canvas *canvas, struct session *session, uint32_t width,
+                       uint32_t height, bool words, struct fault *fault)
+{
+    *canvas = (struct canvas){0};
+    if (width < MOSAIC_SIDE_LEAST || height < MOSAIC_SIDE_LEAST)
+        return fault_set(fault, ERR_LIMIT, "a panel takes %dx%d pixels or more", MOSAIC_SIDE_LEAST,
+                         MOSAIC_SIDE_LEAST);
+    enum err err = session_draw(session, RENDER_AS_KEPT, fault);
+    if (!err)
+        err = canvas_init(canvas, width, height, true, fault);
+    return err ? err : draw(canvas, session, SLICE_KIND_MOSAIC, words, fault);
 }
 
 enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kind kind,
@@ -174,40 +193,6 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
         *cell = slice_cell_at(session->scene, &choice, view->width, view->height, column, row);
     }
     return OK;
-}
-
-/* ---- the panel ---- */
-
-static enum err prepare_panel(struct session *session, uint32_t width, uint32_t height,
-                              struct fault *fault)
-{
-    if (width < MOSAIC_SIDE_LEAST || height < MOSAIC_SIDE_LEAST)
-        return fault_set(fault, ERR_LIMIT, "a panel takes %dx%d pixels or more", MOSAIC_SIDE_LEAST,
-                         MOSAIC_SIDE_LEAST);
-    return session_draw(session, RENDER_AS_KEPT, fault);
-}
-
-enum err slicing_panel(struct canvas *canvas, struct session *session, uint32_t width,
-                       uint32_t height, bool words, struct fault *fault)
-{
-    struct sketch sketch;
-    *canvas = (struct canvas){0};
-    enum err err = prepare_panel(session, width, height, fault);
-    if (err)
-        return err;
-    err = sketch_init(&sketch, session, fault);
-    if (!err)
-        err = canvas_init(canvas, width, height, true, fault);
-    if (!err) {
-        struct mosaic_choice choice = mosaic_of(session, words ? &sketch : NULL);
-        choice.notes &= words;
-        err = mosaic_draw(canvas, session->scene, session_frame(session), &choice, &sketch.style,
-                          fault);
-    }
-    free(sketch.mark);
-    if (err)
-        canvas_release(canvas);
-    return err;
 }
 
 /* ---- out of the session ---- */

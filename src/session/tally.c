@@ -1,5 +1,6 @@
 #include "session/tally.h"
 
+#include <math.h>
 #include <string.h>
 
 struct tally tally_of_none(const struct scene *scene)
@@ -83,44 +84,20 @@ bool tally_check(const struct tally *tally, const struct scene *scene)
 
 /* ---- volumes ---- */
 
-/* voxels * nm * nm * nm / 10^9, halves rounded up, or 2^64 - 1 for more: the product has up to 160
- * bits, in limbs of 32. */
+/* The volume of voxels of nm[0] x nm[1] x nm[2], to the nearest um3; 10^19 for more. */
 static uint64_t cubic_um(const uint32_t nm[3], uint64_t voxels)
 {
-    enum { LIMBS = 5, HALF = 500000000 };
-    uint32_t limb[LIMBS] = {(uint32_t)voxels, (uint32_t)(voxels >> 32)};
-    uint64_t rest = 0;
-    for (int a = 0; a < 3; a++) {
-        uint64_t carry = 0;
-        for (int i = 0; i < LIMBS; i++) {
-            carry += (uint64_t)limb[i] * nm[a];
-            limb[i] = (uint32_t)carry;
-            carry >>= 32;
-        }
-    }
-    for (int i = LIMBS - 1; i >= 0; i--) {
-        rest = rest << 32 | limb[i];
-        limb[i] = (uint32_t)(rest / HALF);
-        rest %= HALF;
-    }
-    const uint64_t halves = (uint64_t)limb[1] << 32 | limb[0];
-    return limb[2] || limb[3] || limb[4] ? UINT64_MAX : halves / 2 + halves % 2;
+    const double um3 = floor((double)voxels * nm[0] * nm[1] * nm[2] / 1e9 + 0.5);
+    return um3 < 1e19 ? (uint64_t)um3 : UINT64_C(10000000000000000000);
 }
 
 /* Three digits: hundredths below 10 of the unit, tenths below 100. */
 static void write_rounded(struct buf *out, uint64_t value, uint64_t unit)
 {
     uint64_t step = unit / 100;
-    unsigned decimals = 2;
-    for (; decimals > 0 && (value + step / 2) / step >= 1000; decimals--)
+    while (step < unit && (value + step / 2) / step >= 1000)
         step *= 10;
-    const uint64_t steps = (value + step / 2) / step, whole = unit / step;
-    const uint64_t fraction = steps % whole;
-    buf_printf(out, "%llu", (unsigned long long)(steps / whole));
-    if (fraction && decimals == 2 && fraction % 10)
-        buf_printf(out, ".%02llu", (unsigned long long)fraction);
-    else if (fraction)
-        buf_printf(out, ".%llu", (unsigned long long)(decimals == 2 ? fraction / 10 : fraction));
+    buf_printf(out, "%g", (double)((value + step / 2) / step) / (double)(unit / step));
 }
 
 void tally_write_volume(struct buf *out, const uint32_t spacing_nm[3], uint64_t voxels)
@@ -133,10 +110,10 @@ void tally_write_volume(struct buf *out, const uint32_t spacing_nm[3], uint64_t 
         {UINT64_C(1000000000000), UINT64_C(1000000000000), "ml"},
         {10000000, 1000000000, "mm3"},
     };
-    const uint64_t most = UINT64_C(10000000000000000000), um3 = cubic_um(spacing_nm, voxels);
+    const uint64_t um3 = cubic_um(spacing_nm, voxels);
     for (size_t i = 0; i < sizeof unit / sizeof *unit; i++)
         if (um3 >= unit[i].least_um3) {
-            write_rounded(out, um3 < most ? um3 : most, unit[i].um3);
+            write_rounded(out, um3, unit[i].um3);
             buf_printf(out, " %s", unit[i].name);
             return;
         }

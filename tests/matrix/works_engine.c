@@ -67,7 +67,8 @@ static void edit_forest(struct forest *forest, const char *name, unsigned adjace
         tell(changes.everything ? 0 : changes.count, "forest/%s/%u/changes-%d", name, adjacency, i);
     }
     tell_forest(forest, name, adjacency, "edited");
-    must(forest_revert(forest, &fault), &fault, "taking back");
+    const struct seed_changes seeds = forest_seed_changes(forest);
+    must(forest_edit(forest, seeds.before, seeds.count, &fault), &fault, "taking back");
     tell_forest(forest, name, adjacency, "reverted");
     must(forest_rebuild(forest, &fault), &fault, "a forest from nothing");
     tell_forest(forest, name, adjacency, "rebuilt");
