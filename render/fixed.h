@@ -4,22 +4,6 @@
 
 #include <stdint.h>
 
-/* The largest integer whose square is at most v. */
-static inline uint32_t fixed_root(uint64_t v)
-{
-    uint64_t root = 0;
-    uint64_t bit = v ? UINT64_C(1) << ((63 - (unsigned)__builtin_clzll(v)) & ~1u) : 0;
-    for (; bit; bit >>= 2) {
-        uint64_t with = root + bit;
-        root >>= 1;
-        if (v >= with) {
-            v -= with;
-            root += bit;
-        }
-    }
-    return (uint32_t)root;
-}
-
 /* 2^45 over the square root of v, for v of 2^28..2^32 - 1, right to 18 bits: a chord of the curve
  * and two steps of Newton's. */
 static inline int64_t fixed_inverse_root(uint64_t v)

@@ -5,7 +5,7 @@
 
 #include "base/hash.h"
 #include "base/mem.h"
-#include "render/fixed.h"
+#include "engine/gradient.h"
 
 enum err rendition_init(struct rendition *r, uint32_t width, uint32_t height, struct fault *fault)
 {
@@ -92,7 +92,7 @@ void rendition_reduce(struct rendition *out, const struct rendition *fine, uint3
             memcpy(out->normal + 4 * to, fine->normal + 4 * mean.nearest, 4 * sizeof *out->normal);
             for (int k = 0; k < 3; k++)
                 out->rgba[4 * to + (size_t)k] =
-                    (uint8_t)fixed_root(mean.seen ? mean.squares[k] / mean.seen : 0);
+                    (uint8_t)square_root(mean.seen ? mean.squares[k] / mean.seen : 0);
             out->rgba[4 * to + 3] = (uint8_t)((mean.seen * 255 + all / 2) / all);
         }
 }

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "engine/gradient.h"
 #include "render/fixed.h"
 
 enum {
@@ -121,7 +122,7 @@ static void aim(struct lamp *lamp, const struct camera *camera, const struct loo
         squares += (uint64_t)(half[a] * half[a]);
     }
     /* Light from straight ahead has no half-way vector, and is mirrored by nothing that is seen. */
-    const int64_t length = squares ? fixed_root(squares) : 1;
+    const int64_t length = squares ? square_root(squares) : 1;
     for (int a = 0; a < 3; a++)
         lamp->half[a] = (int32_t)(half[a] * (1 << NORMAL_BITS) / length);
     for (int i = 0; i <= GLOSSES; i++)

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "engine/gradient.h"
 #include "render/fixed.h"
 
 enum {
@@ -132,7 +133,7 @@ uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t h
         side = side > UINT32_MAX / 2 ? UINT32_MAX / 2 : side;
         squares += side * side;
     }
-    uint64_t diagonal = fixed_root(squares) + UINT64_C(1);
+    uint64_t diagonal = square_root(squares) + UINT64_C(1);
     uint64_t zoom = UINT64_C(1000) * (width < height ? width : height) / diagonal;
     zoom = zoom > most ? most : zoom;
     return (uint32_t)(zoom < VIEW_ZOOM_LEAST ? VIEW_ZOOM_LEAST : zoom);

@@ -6,22 +6,15 @@
 
 /* ---- the camera ---- */
 
-/* The view with `samples` pixels for each of its own, along both sides. */
-static struct view sampled(const struct view *view, uint32_t samples)
-{
-    struct view fine = *view;
-    fine.width *= samples;
-    fine.height *= samples;
-    fine.zoom *= samples;
-    return fine;
-}
-
 enum err session_aim(const struct session *session, const struct outlook *outlook,
                      struct camera *camera, struct fault *fault)
 {
     const struct view *view = &outlook->view;
     const uint32_t samples = outlook->look.samples;
-    const struct view fine = sampled(view, samples);
+    struct view fine = *view; /* with `samples` pixels for each of its own, along both sides */
+    fine.width *= samples;
+    fine.height *= samples;
+    fine.zoom *= samples;
     if (fine.width > VIEW_SIDE_MOST || fine.height > VIEW_SIDE_MOST)
         return fault_set(fault, ERR_LIMIT,
                          "a picture of %ux%u pixels of %ux%u samples: at most %d samples a side; "

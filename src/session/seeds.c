@@ -5,13 +5,6 @@
 
 #include "base/mem.h"
 
-/* Nothing is made of what only waits. */
-static enum err wait_for_run(struct session *session, uint32_t cell, int16_t label,
-                             struct fault *fault)
-{
-    return edits_add(&session->now.pending, (struct edit){cell, label}, fault);
-}
-
 /* ---- markers ---- */
 
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
@@ -24,7 +17,7 @@ enum err session_plant(struct session *session, const uint32_t *cell, size_t cou
     err = edits_add(&session->now.markers, (struct edit){(uint32_t)number, 1}, fault);
     session->markers.marker[number - 1].stands = err == OK;
     for (size_t i = 0; !err && i < count; i++)
-        err = wait_for_run(session, cell[i], label, fault);
+        err = edits_add(&session->now.pending, (struct edit){cell[i], label}, fault);
     return err;
 }
 
@@ -33,13 +26,14 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
 {
     struct markers *markers = &session->markers;
     struct marker *marker = markers->marker + number - 1;
+    struct edits *pending = &session->now.pending;
     enum err err = edits_add(&session->now.markers, (struct edit){number, EDIT_ERASE}, fault);
     for (size_t i = 0; !err && i < marker->voxels; i++) {
         const uint32_t cell = markers->cover[marker->first + i].cell;
         const bool decides = markers_at(markers, cell) == number;
         marker->stands = false;
         if (decides)
-            err = wait_for_run(session, cell, markers_seed(markers, cell), fault);
+            err = edits_add(pending, (struct edit){cell, markers_seed(markers, cell)}, fault);
         marker->stands = true;
     }
     marker->stands = false;

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* Voxels that are looked at for the window: enough for its percentiles, and few enough to take no
  * time in a large scene. */
@@ -28,8 +29,7 @@ static size_t count_intensities(uint32_t *count, const struct scene *scene)
 static void find_window(struct session *session)
 {
     static uint32_t count[UINT16_MAX + 1];
-    for (size_t i = 0; i <= UINT16_MAX; i++)
-        count[i] = 0;
+    memset(count, 0, sizeof count);
     const uint64_t all = count_intensities(count, session->scene);
     uint64_t below = 0;
     session->window[0] = session->window[1] = 0;
