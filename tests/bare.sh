@@ -53,9 +53,8 @@ share_network() {
     for file in resolv.conf hosts; do cp -L "/etc/$file" "$root/etc/$file" || return; done
 }
 mount_places() {
-    mount --bind "$root" "$root" && mount -t proc proc "$root/proc" &&
-        mount -t sysfs -o ro sys "$root/sys" && mount -t tmpfs -o mode=755 dev "$root/dev" &&
-        mkdir "$root/dev/pts" "$root/dev/shm" || return
+    mount --bind "$root" "$root" && mount -t sysfs -o ro sys "$root/sys" &&
+        mount -t tmpfs -o mode=755 dev "$root/dev" && mkdir "$root/dev/pts" "$root/dev/shm" || return
     for device in null zero full random urandom tty; do
         touch "$root/dev/$device" && mount --bind "/dev/$device" "$root/dev/$device" || return
     done
@@ -65,11 +64,13 @@ mount_places() {
         mount -t tmpfs -o mode=1777 shm "$root/dev/shm"
 }
 # USER COMMAND: there, with nothing of this environment but the way out to the network. The root is a
-# real one, not that of chroot, in which the kernel makes no namespaces.
+# real one, not that of chroot, in which the kernel makes no namespaces; and so are its processes,
+# which end with the command.
 inside() {
     set -- "$1" "$2" "$(awk -F: -v user="$1" '$1 == user { print $6 }' "$root/etc/passwd")"
     # shellcheck disable=SC2016
-    unshare -m sh -c 'cd "$1" && shift && pivot_root . mnt && umount -l /mnt && exec env -i "$@"' sh \
+    unshare --mount --pid --fork --kill-child sh -c 'mount -t proc proc "$1/proc" && cd "$1" && shift &&
+            pivot_root . mnt && umount -l /mnt && exec env -i "$@"' sh \
         "$root" HOME="$3" PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb \
         ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
         setpriv --reuid="$1" --regid="$1" --init-groups sh -c "cd && $2" </dev/null
@@ -85,7 +86,7 @@ try() { # USER COMMAND, "what is printed when all is well"
     : >"$said"
 }
 visit() { # USER
-    inside "$1" "git clone -q /src iftty" || exit 1
+    inside root "chown -R $1: /src" && inside "$1" "git clone -q /src iftty" || exit 1
     try "$1" "make demo" '^  # [0-9]+ verified, 0 failed'
     try "$1" "make test" '^[0-9]+ passed, 0 failed, [0-9]+ skipped$'
 }
