@@ -160,7 +160,8 @@ static enum err prepare(struct forest *forest, const struct edit *edit, size_t c
 /* A pass over nothing but seeds is the whole team's. */
 static void begin(struct forest *forest, bool from_scratch)
 {
-    forest->changes = forest->relabelled = 0;
+    forest->changes = 0;
+    forest->relabelled = 0;
     forest->everything = from_scratch;
     forest->from_scratch = from_scratch;
     forest->shared = from_scratch && forest->workers > 1;
