@@ -3,9 +3,9 @@
 #
 #     ROUNDS=20   so often
 #     LOAD=12     so many processes that do nothing but take time
+#     JOBS=3      so many programs at once beside them
 #
-# One after the other, so that each has the load to itself. Closes as tests/run.sh does, with the sum
-# of all rounds.
+# Closes as tests/run.sh does, with the sum of all rounds.
 cd "$(dirname "$0")/.." || exit 1
 build=$1
 shift
@@ -25,6 +25,6 @@ for _ in $(seq "${LOAD:-12}"); do
 done
 for round in $(seq "${ROUNDS:-20}"); do
     echo "# round $round"
-    JOBS=1 tests/run.sh "$build" "$@" | tee -a "$log"
+    JOBS=${JOBS:-3} tests/run.sh "$build" "$@" | tee -a "$log"
 done
 .ci/close "$log"
