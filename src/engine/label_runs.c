@@ -13,10 +13,9 @@ static bool take_row(struct label_runs *runs, const struct scene *scene, struct 
 {
     for (uint32_t c = row.first; c < row.end; c++) {
         const uint8_t label = label_before(scene->cell + c);
-        struct label_run *last = runs->run + runs->count - 1;
         scene_fetch_ahead(scene, c);
-        if (runs->count && last->label == label) {
-            last->end = c + 1;
+        if (runs->count && runs->run[runs->count - 1].label == label) {
+            runs->run[runs->count - 1].end = c + 1;
             continue;
         }
         if (!mem_grow(&runs->run, &runs->capacity, runs->count + 1, sizeof *runs->run))
