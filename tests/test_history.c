@@ -424,6 +424,37 @@ STORY(without_memory_one_stays_where_one_is)
     interpreter_release(&interp);
 }
 
+STORY(without_memory_a_marker_stands_as_it_did)
+{
+    static const char *const lines[] = {"seed 5,5,5 3 radius=1", "remove 1,1,1", "remove 5,5,5",
+                                        "remove 9,9,8 of=tree", "run"};
+    struct interpreter interp;
+    struct snapshot before;
+    unsigned refused = 0;
+    begin_with_scene(&interp);
+    must(&interp, "seed 1,1,1 1 radius=2");
+    must(&interp, "seed 9,9,8 2 radius=2");
+    must(&interp, "run");
+    take_snapshot(&before, &interp);
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+        for (unsigned few = 0; few < 80; few++) {
+            allowed = few;
+            mem_allows = allow_some;
+            const enum err err = execute(&interp, lines[i]);
+            mem_allows = NULL;
+            if (err == OK) {
+                take_snapshot(&before, &interp);
+                break;
+            }
+            CHECK(err == ERR_MEMORY);
+            refused++;
+            is_as_before(&before, &interp, lines[i]);
+        }
+    CHECK(refused > 10);
+    CHECK_INT(session_pendings(&interp.session), 0);
+    interpreter_release(&interp);
+}
+
 STORY(who_is_stopped_on_the_way_is_where_he_was)
 {
     struct interpreter interp;
@@ -637,7 +668,7 @@ int main(void)
         TELL(where_one_looks_from_is_not_undone), TELL(an_edit_after_undo_begins_an_alternative),
         TELL(looking_back_moves_no_branch), TELL(branches_have_names_and_are_left_and_found_again),
         TELL(random_walks_come_back_to_the_very_same_states),
-        TELL(without_memory_one_stays_where_one_is),
+        TELL(without_memory_one_stays_where_one_is), TELL(without_memory_a_marker_stands_as_it_did),
         TELL(who_is_stopped_on_the_way_is_where_he_was),
         TELL(what_is_skimmed_is_what_was_carried_out), TELL(a_journal_that_lies_is_not_resumed),
         TELL(what_is_put_away_comes_back));

@@ -21,22 +21,21 @@ enum err session_plant(struct session *session, const uint32_t *cell, size_t cou
     return err;
 }
 
-/* Where it decides about a voxel, what lies below decides from now on. */
+/* Where no later marker covers a voxel, those below decide from now on. */
 static enum err take_away(struct session *session, uint32_t number, struct fault *fault)
 {
-    struct markers *markers = &session->markers;
+    const struct markers *markers = &session->markers;
     struct marker *marker = markers->marker + number - 1;
-    struct edits *pending = &session->now.pending;
     enum err err = edits_add(&session->now.markers, (struct edit){number, EDIT_ERASE}, fault);
+    if (err)
+        return err;
+    marker->stands = false;
     for (size_t i = 0; !err && i < marker->voxels; i++) {
         const uint32_t cell = markers->cover[marker->first + i].cell;
-        const bool decides = markers_at(markers, cell) == number;
-        marker->stands = false;
-        if (decides)
-            err = edits_add(pending, (struct edit){cell, markers_seed(markers, cell)}, fault);
-        marker->stands = true;
+        if (markers_at(markers, cell) < number)
+            err = edits_add(&session->now.pending, (struct edit){cell, markers_seed(markers, cell)},
+                            fault);
     }
-    marker->stands = false;
     return err;
 }
 
@@ -75,19 +74,6 @@ static uint32_t *waiting_seeds(const struct session *session, size_t *count)
     return cell;
 }
 
-/* The marker to which a voxel belongs now; 0 for none, or where it waits to be taken away. */
-static uint32_t marker_of(const struct session *session, uint32_t cell, const uint32_t *waiting,
-                          size_t waits)
-{
-    const struct cell *at = session->scene->cell + cell;
-    uint32_t number = 0;
-    if (bsearch(&cell, waiting, waits, sizeof cell, compare_cells))
-        number = markers_at(&session->markers, cell);
-    else if (cell_is_reached(at))
-        number = markers_at(&session->markers, key_root(at->key));
-    return number && session->markers.marker[number - 1].label != EDIT_ERASE ? number : 0;
-}
-
 static enum err holds_nothing(const struct session *session, struct fault *fault)
 {
     if (forest_seeds(session->forest) == 0 && session_pendings(session) > 0)
@@ -97,22 +83,45 @@ static enum err holds_nothing(const struct session *session, struct fault *fault
                      "no tree holds this voxel: no seed reaches it; nothing has changed");
 }
 
+/* The seeds that some voxels belong to: the voxel itself where one waits to be planted there, else
+ * the root of its tree. One that several belong to is there as often. An array that the caller
+ * frees; it may be empty. */
+static enum err find_seeds(const struct session *session, const uint32_t *cell, size_t count,
+                           uint32_t **seed, size_t *seeds, struct fault *fault)
+{
+    size_t waits;
+    uint32_t *waiting = waiting_seeds(session, &waits);
+    *seed = mem_array(count, sizeof **seed);
+    *seeds = 0;
+    for (size_t i = 0; waiting && *seed && i < count; i++) {
+        const struct cell *at = session->scene->cell + cell[i];
+        if (bsearch(&cell[i], waiting, waits, sizeof *waiting, compare_cells))
+            (*seed)[(*seeds)++] = cell[i];
+        else if (cell_is_reached(at))
+            (*seed)[(*seeds)++] = key_root(at->key);
+    }
+    const bool lacks = !waiting || !*seed;
+    free(waiting);
+    return lacks ? fault_memory(fault, "eliminators") : OK;
+}
+
+/* An eraser decides where a seed waits to be taken away: that one belongs to no marker any more. */
 enum err session_find_markers(const struct session *session, const uint32_t *cell, size_t count,
                               uint32_t **number, size_t *numbers, struct fault *fault)
 {
-    size_t waits, found = 0;
-    uint32_t *waiting = waiting_seeds(session, &waits), *all = mem_array(count, sizeof *all);
-    for (size_t i = 0; waiting && all && i < count; i++) {
-        const uint32_t one = marker_of(session, cell[i], waiting, waits);
-        all[found] = one;
-        found += one != 0;
+    const struct markers *markers = &session->markers;
+    uint32_t *all; /* seeds, and in their places the numbers of their markers */
+    size_t seeds, found = 0;
+    enum err err = find_seeds(session, cell, count, &all, &seeds, fault);
+    for (size_t i = 0; i < seeds; i++) {
+        const uint32_t one = markers_at(markers, all[i]);
+        if (one && markers->marker[one - 1].label != EDIT_ERASE)
+            all[found++] = one;
     }
-    const bool lacks = !waiting || !all;
-    free(waiting);
     *number = all;
     *numbers = 0;
-    if (lacks)
-        return fault_memory(fault, "eliminators");
+    if (err)
+        return err;
     qsort(all, found, sizeof *all, compare_cells);
     for (size_t i = 0; i < found; i++)
         if (i == 0 || all[i] != all[i - 1])
@@ -125,20 +134,12 @@ enum err session_find_markers(const struct session *session, const uint32_t *cel
 enum err session_erase_trees(struct session *session, const uint32_t *cell, size_t count,
                              struct fault *fault)
 {
-    size_t waits, seeds = 0;
-    uint32_t *waiting = waiting_seeds(session, &waits), *seed = mem_array(count, sizeof *seed);
-    enum err err = waiting && seed ? OK : fault_memory(fault, "eliminators");
-    for (size_t i = 0; !err && i < count; i++) {
-        const struct cell *at = session->scene->cell + cell[i];
-        if (bsearch(&cell[i], waiting, waits, sizeof *waiting, compare_cells))
-            seed[seeds++] = cell[i];
-        else if (cell_is_reached(at))
-            seed[seeds++] = key_root(at->key);
-    }
+    uint32_t *seed;
+    size_t seeds;
+    enum err err = find_seeds(session, cell, count, &seed, &seeds, fault);
     if (!err)
         err = seeds ? session_plant(session, seed, seeds, EDIT_ERASE, fault)
                     : holds_nothing(session, fault);
-    free(waiting);
     free(seed);
     return err;
 }
