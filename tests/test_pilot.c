@@ -5,7 +5,8 @@
 
 #include "base/file.h"
 #include "tests/check.h"
-#include "tui/pilot/pilot_keys.h"
+#include "tui/pilot/chord.h"
+#include "tui/pilot/pilot_press.h"
 #include "tui/pilot/refine.h"
 
 /* ---- a host that is a box of voxels ---- */
@@ -27,11 +28,32 @@ static void move(void *context, const int64_t by[3], uint32_t place[3])
 }
 
 static bool has_tree = true;
-static bool tree(void *context, struct buf *out)
+static bool tree(void *context, const uint32_t place[3], struct buf *out)
 {
     (void)context;
-    buf_add_text(out, "the tree of 5 voxels");
+    buf_printf(out, "the tree of 5 voxels at %u", place[0]);
     return has_tree;
+}
+
+static bool has_seed = true, hidden[256];
+static bool seed_of(void *context, unsigned of, int64_t by, uint32_t place[3])
+{
+    (void)context;
+    memcpy(place, (uint32_t[]){of, (uint32_t)(10 + by), 5}, 3 * sizeof *place);
+    return has_seed;
+}
+
+static bool centre(void *context, unsigned of, uint32_t place[3])
+{
+    (void)context;
+    memcpy(place, (uint32_t[]){of, 1, 2}, 3 * sizeof *place);
+    return has_seed;
+}
+
+static bool is_hidden(void *context, unsigned of)
+{
+    (void)context;
+    return hidden[of];
 }
 
 static void label(void *context, unsigned number, struct buf *out)
@@ -60,6 +82,9 @@ static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_
 
 static const struct pilot_host host = {.move = move,
                                        .tree = tree,
+                                       .seed = seed_of,
+                                       .centre = centre,
+                                       .is_hidden = is_hidden,
                                        .label = label,
                                        .voxel_at = voxel_at,
                                        .voxel_of_frame = voxel_of_frame};
@@ -71,11 +96,13 @@ static enum pilot_deed deed;
 static void begin(void)
 {
     facts = (struct pilot_facts){.place = {20, 25, 30},
+                                 .index = {30, 25, 20},
                                  .window = {0, 100},
                                  .zoom = 1000,
                                  .frame_width = 64,
                                  .frame_height = 48};
-    has_tree = shows = true;
+    has_tree = has_seed = shows = true;
+    memset(hidden, 0, sizeof hidden);
     pilot_state_init(&state);
 }
 
@@ -123,45 +150,114 @@ STORY(arrows_and_letters_move_in_the_plane_that_is_marked)
     CHECK_TEXT(type("l"), "cross 19,25,30\n");
 }
 
-STORY(jumps_counts_and_edges)
+STORY(counts_are_those_of_vim)
 {
     begin();
     CHECK_TEXT(type("H"), "cross 30,25,30\n");
     CHECK_TEXT(arrow(KEY_UP, KEY_CONTROL), "cross 20,35,30\n");
-    CHECK_TEXT(type("#7h"), "cross 27,25,30\n");
+    type("1");
+    CHECK_TEXT(buf_text(&message), "1");
+    CHECK_TEXT(type("0"), ""); /* a digit alone plants nothing */
+    CHECK_TEXT(buf_text(&message), "10");
+    CHECK_TEXT(type("l"), "cross 10,25,30\n");
+    CHECK_TEXT(type("7h"), "cross 27,25,30\n");
     CHECK_TEXT(type("h"), "cross 21,25,30\n"); /* a count holds once */
-    CHECK_TEXT(type("#12K"), "cross 20,25,42\n");
-    CHECK_TEXT(type("#99999h"), "cross 39,25,30\n"); /* as far as the scene goes */
+    CHECK_TEXT(type("12K"), "cross 20,25,42\n");
+    CHECK_TEXT(type("99999h"), "cross 39,25,30\n"); /* as far as the scene goes */
     facts.place[0] = 39;
     CHECK_TEXT(type("h"), ""); /* nowhere to go is no command */
-    CHECK_TEXT(type("#5u"), "undo 5\n");
+    CHECK_TEXT(type("5u"), "undo 5\n");
+    CHECK(state.tells_all);
     CHECK_TEXT(type("u"), "undo\n");
     press(KEY_CHARACTER, KEY_CONTROL, 'r');
     CHECK_TEXT(buf_text(&line), "redo\n");
+    CHECK_TEXT(type("0"), "");
+    CHECK_HAS(buf_text(&message), "a count begins with 1-9; s0 plants");
+    type("12");
+    press(KEY_ESCAPE, 0, 0); /* takes it back, and no more */
+    CHECK_INT(state.count, 0);
+    CHECK_TEXT(type("l"), "cross 38,25,30\n");
+}
+
+STORY(a_key_that_takes_no_count_does_nothing_with_one)
+{
+    begin();
+    CHECK_TEXT(type("3i"), "");
+    CHECK_HAS(buf_text(&message), "i Enter takes no count; nothing was done");
+    CHECK_TEXT(type("2s1"), "");
+    CHECK_HAS(buf_text(&message), "takes no count");
+    CHECK_TEXT(type("i"), "seed 20,25,30 1\n"); /* and it is forgotten */
+    CHECK_TEXT(type("4q"), "");
+    CHECK(deed == PILOT_NOTHING);
+}
+
+STORY(some_keys_wait_for_a_second)
+{
+    begin();
+    type("s");
+    CHECK_HAS(buf_text(&message), "s0-9 plant-label");
+    CHECK_TEXT(type("3"), "seed 20,25,30 3\n");
+    CHECK_TEXT(type("sl"), "");
+    CHECK_HAS(buf_text(&message), "does nothing here");
+    CHECK_TEXT(type("l"), "cross 19,25,30\n"); /* it is over */
+    type("s");
+    press(KEY_ESCAPE, 0, 0);
+    CHECK_TEXT(type("5l"), "cross 15,25,30\n");
+}
+
+STORY(slices_marks_and_seeds_to_go_to)
+{
+    begin();
+    CHECK_TEXT(type("gg"), "cross 20,25,0\n");
+    CHECK_TEXT(type("G"), "cross 20,25,59\n");
+    CHECK_TEXT(type("12G"), "cross 20,25,12\n");
+    CHECK_TEXT(type("42gg"), "cross 20,25,42\n");
+    type("ma");
+    CHECK_TEXT(type("'b"), "");
+    CHECK_HAS(buf_text(&message), "there is no mark b; mb sets it");
+    memcpy(facts.place, (uint32_t[]){1, 2, 3}, sizeof facts.place);
+    CHECK_TEXT(type("'a"), "cross 20,25,30\n");
+    memcpy(facts.place, (uint32_t[]){20, 25, 30}, sizeof facts.place);
+    CHECK_TEXT(type("''"), "cross 1,2,3\n"); /* where the jump came from */
+    CHECK_TEXT(type("n"), "cross 1,11,5\n");
+    CHECK_TEXT(type("3N"), "cross 1,7,5\n");
+    CHECK_TEXT(type("bgc"), "cross 2,1,2\n");
+    has_seed = false;
+    CHECK_TEXT(type("n"), "");
+    CHECK_HAS(buf_text(&message), "label 2 has no seed");
+    CHECK_TEXT(type("gc"), "");
+    CHECK_HAS(buf_text(&message), "label 2 has no voxel");
+    type("v");
+    CHECK_TEXT(type("gg"), "cross 20,25,0\n"); /* a jump draws nothing */
 }
 
 STORY(seeds_brushes_and_strokes)
 {
     begin();
-    CHECK_TEXT(type("3"), "seed 20,25,30 3\n");
-    CHECK_TEXT(type("s"), "seed 20,25,30 3\n"); /* of the label at hand */
-    CHECK_TEXT(type("ns"), "seed 20,25,30 4\n");
-    CHECK_TEXT(type("++s"), "seed 20,25,30 4 radius=2\n");
-    CHECK_TEXT(type("-0"), "seed 20,25,30 0 radius=1\n");
-    CHECK_TEXT(type("Ns"), "seed 20,25,30 255 radius=1\n"); /* they go round */
+    CHECK_TEXT(type("i"), "seed 20,25,30 1\n"); /* of the label at hand */
+    CHECK_TEXT(type("s3"), "seed 20,25,30 3\n");
+    press(KEY_ENTER, 0, 0);
+    CHECK_TEXT(buf_text(&line), "seed 20,25,30 3\n");
+    CHECK_TEXT(type("bi"), "seed 20,25,30 4\n");
+    CHECK_TEXT(type("++i"), "seed 20,25,30 4 radius=2\n");
+    CHECK_TEXT(type("-s0"), "seed 20,25,30 0 radius=1\n");
+    CHECK_TEXT(type("Bi"), "seed 20,25,30 255 radius=1\n"); /* they go round */
+    CHECK_TEXT(type("12bi"), "seed 20,25,30 12 radius=1\n");
+    type("256b");
+    CHECK_HAS(buf_text(&message), "labels are 0 to 255, not 256");
     for (int i = 0; i < 50; i++)
         type("+");
-    CHECK_TEXT(type("1"), "seed 20,25,30 1 radius=32\n");
-    type("#9999-");
-    CHECK_TEXT(type("#6+1"), "seed 20,25,30 1 radius=6\n");
-    CHECK_TEXT(type("#4-+1"), "seed 20,25,30 1 radius=3\n"); /* a count holds once */
-    CHECK_TEXT(type("#99+1"), "seed 20,25,30 1 radius=32\n");
+    CHECK_TEXT(type("s1"), "seed 20,25,30 1 radius=32\n");
+    type("9999-");
+    CHECK_TEXT(type("6+i"), "seed 20,25,30 1 radius=6\n");
+    CHECK_TEXT(type("4-+i"), "seed 20,25,30 1 radius=3\n"); /* a count holds once */
+    CHECK_TEXT(type("99+i"), "seed 20,25,30 1 radius=32\n");
     for (int i = 0; i < 50; i++)
         type("-");
-    type("m");
+    type("I");
     facts.place[1] = 40;
-    CHECK_TEXT(type("2"), "seed 20,40,30 2 to=20,25,30\n");
-    CHECK_TEXT(type("2"), "seed 20,40,30 2\n"); /* one stroke a mark */
+    CHECK_TEXT(type("s2"), "seed 20,40,30 2 to=20,25,30\n");
+    CHECK_TEXT(type("i"), "seed 20,40,30 2\n"); /* one stroke an end */
     type("v");
     CHECK_HAS(buf_text(&message), "pen down");
     CHECK_TEXT(type("l"), "cross 19,40,30\nseed 19,40,30 2 to=20,40,30\n");
@@ -173,12 +269,16 @@ STORY(an_eliminator_shows_its_tree_first)
 {
     begin();
     CHECK_TEXT(type("x"), "");
-    CHECK_HAS(buf_text(&message), "x again eliminates the tree of 5 voxels");
+    CHECK_HAS(buf_text(&message), "x again eliminates the tree of 5 voxels at 20");
     CHECK(state.mode == PILOT_CONFIRMING);
     CHECK_TEXT(type("x"), "remove 20,25,30\n");
     CHECK(state.mode == PILOT_MOVING);
     type("x");
     CHECK_TEXT(type("l"), "cross 19,25,30\n"); /* another key does what it does, and nothing goes */
+    type("x");
+    CHECK_TEXT(type("10l"), "cross 10,25,30\n");
+    type("x");
+    CHECK_TEXT(type("s2"), "seed 20,25,30 2\n");
     type("x");
     press(KEY_ESCAPE, 0, 0);
     CHECK_TEXT(buf_text(&line), "");
@@ -189,13 +289,62 @@ STORY(an_eliminator_shows_its_tree_first)
     CHECK(state.mode == PILOT_MOVING);
 }
 
+STORY(a_change_is_repeated)
+{
+    begin();
+    CHECK_TEXT(type("."), "");
+    CHECK_HAS(buf_text(&message), "nothing has been changed yet");
+    type("++s4");
+    type("5l");
+    facts.place[0] = 15;
+    CHECK_TEXT(type("."), "seed 15,25,30 4 radius=2\n"); /* here, whatever was moved meanwhile */
+    type("xx");
+    CHECK_TEXT(type("."), "remove 15,25,30\n");
+    CHECK_TEXT(type("c"), "plane 15,25,30\n");
+    CHECK_TEXT(type("C"), "plane none\n");
+    CHECK_TEXT(type("."), "plane 15,25,30\n");
+    CHECK_TEXT(type("12e"), "hide 12\n");
+    hidden[12] = true;
+    CHECK_TEXT(type("."), "show 12\n");
+}
+
+STORY(what_is_shown)
+{
+    begin();
+    CHECK_TEXT(type("e"), "hide 1\n");
+    hidden[1] = hidden[7] = true;
+    CHECK_TEXT(type("e"), "show 1\n");
+    CHECK_TEXT(type("E"), "show 1\nshow 7\n");
+    memset(hidden, 0, sizeof hidden);
+    CHECK_TEXT(type("E"), "");
+    CHECK_TEXT(type("s0e"), ""); /* the background is in no picture */
+    CHECK_HAS(buf_text(&message), "never shown");
+    CHECK_TEXT(type("300e"), "");
+    CHECK_TEXT(type("o"), "overlay tint\n");
+    facts.overlay = 1;
+    CHECK_TEXT(type("o"), "overlay contour\n");
+    facts.overlay = 2;
+    CHECK_TEXT(type("o"), "overlay none\n");
+}
+
 STORY(the_view_and_the_window)
 {
     begin();
     CHECK_TEXT(type("r"), "turn 15\n");
-    CHECK_TEXT(type("#3R"), "turn -45\n");
+    CHECK_TEXT(type("3R"), "turn -45\n");
     CHECK_TEXT(arrow(KEY_UP, KEY_SHIFT), "turn 0 15\n");
     CHECK_TEXT(arrow(KEY_LEFT, KEY_SHIFT), "turn -15\n");
+    CHECK_TEXT(type(">"), "turn 0 0 15\n");
+    CHECK_TEXT(type("2<"), "turn 0 0 -30\n");
+    CHECK_TEXT(arrow(KEY_DOWN, KEY_ALT), "pan 0 16\n");
+    press(KEY_CHARACTER, KEY_ALT, 'l');
+    CHECK_TEXT(buf_text(&line), "pan 16 0\n");
+    CHECK_TEXT(type("Va"), "view front\n");
+    CHECK_TEXT(type("Vp"), "view back\n");
+    CHECK_TEXT(type("Vl"), "view left\n");
+    CHECK_TEXT(type("Vr"), "view right\n");
+    CHECK_TEXT(type("Vs"), "view top\n");
+    CHECK_TEXT(type("Vi"), "view bottom\n");
     CHECK_TEXT(type("z"), "zoom 1.251\n");
     CHECK_TEXT(type("Z"), "zoom 0.8\n");
     facts.zoom = 64000;
@@ -207,19 +356,39 @@ STORY(the_view_and_the_window)
     press(KEY_ENTER, 0, 0);
     CHECK(state.mode == PILOT_MOVING);
     CHECK_TEXT(type("wa"), "window auto\n");
+    type("w");
+    CHECK_TEXT(type("s2"), "seed 20,25,30 2\n"); /* another key does what it does */
     CHECK_TEXT(type(" "), "run\n");
 }
 
-STORY(a_pixel_of_the_rendition_leads_to_its_voxel)
+STORY(corrections_are_made_on_the_rendition)
 {
     begin();
     type("p");
     CHECK(state.mode == PILOT_PICKING && state.pixel[0] == 32 && state.pixel[1] == 24);
     CHECK_TEXT(type("llj"), "");
+    CHECK_TEXT(type("2"), "cross 34,25,9\nseed 34,25,9 2\n"); /* a digit plants there, */
+    CHECK(state.mode == PILOT_PICKING);                       /* and the pixel stays */
+    facts.place[0] = 34, facts.place[2] = 9;
     press(KEY_ENTER, 0, 0);
-    CHECK_TEXT(buf_text(&line), "cross 34,25,9\n");
+    CHECK_TEXT(buf_text(&line), "seed 34,25,9 2\n");
+    CHECK_TEXT(type("K"), "");
+    CHECK_INT(state.pixel[1], 9);
+    CHECK_TEXT(type("s0"), "cross 34,9,9\nseed 34,9,9 0\n");
+    CHECK_TEXT(type("u"), "undo\n");
+    CHECK_TEXT(type("r"), "turn 15\n");
+    type("x");
+    CHECK_HAS(buf_text(&message), "the tree of 5 voxels at 34"); /* the one that is seen there */
+    CHECK_TEXT(buf_text(&line), "cross 34,9,9\n");
+    facts.place[1] = 9;
+    CHECK_TEXT(type("x"), "remove 34,9,9\n");
+    CHECK(state.mode == PILOT_PICKING);
+    CHECK_TEXT(type("G"), ""); /* no key is dropped without a word */
+    CHECK_HAS(buf_text(&message), "this key does nothing here");
+    CHECK_TEXT(type("hp"), "cross 33,9,9\n"); /* to its voxel */
     CHECK(state.mode == PILOT_MOVING);
     type("p");
+    CHECK_INT(state.pixel[0], 33); /* where it was */
     for (int i = 0; i < 20; i++)
         type("L"); /* as far as the picture goes */
     CHECK_INT(state.pixel[0], 63);
@@ -227,7 +396,8 @@ STORY(a_pixel_of_the_rendition_leads_to_its_voxel)
     press(KEY_ENTER, 0, 0);
     CHECK_TEXT(buf_text(&line), "");
     CHECK_HAS(buf_text(&message), "no object is seen at that pixel");
-    type("p");
+    CHECK_TEXT(type("x"), "");
+    CHECK(state.mode == PILOT_PICKING);
     press(KEY_ESCAPE, 0, 0);
     CHECK(state.mode == PILOT_MOVING);
 }
@@ -251,6 +421,21 @@ STORY(what_is_no_command)
     CHECK_HAS(buf_text(&message), "? shows the keys");
     press(KEY_OTHER, 0, 0);
     CHECK_TEXT(buf_text(&line), "");
+    CHECK_TEXT(buf_text(&message), "");
+}
+
+STORY(what_was_chosen_stays_from_one_time_to_the_next)
+{
+    begin();
+    type("7b3+");
+    press(KEY_TAB, 0, 0);
+    type("mkIv12");
+    pilot_state_enter(&state);
+    CHECK(state.mode == PILOT_MOVING && !state.pen_is_down && state.count == 0);
+    CHECK(state.label == 7 && state.radius == 3 && state.pane == PILOT_CORONAL);
+    CHECK_TEXT(type("i"), "seed 20,25,30 7 radius=3\n");
+    memset(facts.place, 0, sizeof facts.place);
+    CHECK_TEXT(type("'k"), "cross 20,25,30\n");
 }
 
 /* ---- the mouse ---- */
@@ -275,7 +460,7 @@ STORY(a_click_takes_the_cross_hair_there_and_the_pen_draws)
     CHECK_TEXT(click(MOUSE_MOVED, 5, 4), "cross 5,4,7\n");
     CHECK_TEXT(click(MOUSE_RELEASED, 5, 4), "");
     CHECK_TEXT(click(MOUSE_MOVED, 6, 4), ""); /* not held */
-    type("v2");
+    type("v2bi");
     click(MOUSE_PRESSED, 3, 4);
     CHECK_TEXT(click(MOUSE_MOVED, 5, 4), "cross 5,4,7\nseed 5,4,7 2 to=3,4,7\n");
     shown_pane = PILOT_AXIAL; /* not from pane to pane */
@@ -316,6 +501,28 @@ STORY(what_a_click_says_takes_the_place_of_what_was_said)
     CHECK_TEXT(buf_text(&message), "nothing is seen there");
 }
 
+/* All keys of a row, one after the other, each read. */
+static size_t chords_of(const struct pilot_row *row, struct chord chords[8])
+{
+    const char *words[2] = {row->keys, row->also ? row->also : ""}, *word;
+    size_t count = 0, length;
+    for (int i = 0; i < 2; i++)
+        while (row->name && chord_next(&words[i], &word, &length))
+            CHECK(count < 8 && chord_read(word, length, &chords[count++]));
+    return count;
+}
+
+static bool clash(const struct pilot_row *one, const struct pilot_row *other)
+{
+    struct chord a[8], b[8];
+    const size_t as = chords_of(one, a), bs = chords_of(other, b);
+    for (size_t i = 0; i < as; i++)
+        for (size_t j = 0; j < bs; j++)
+            if (chord_clashes(&a[i], &b[j]))
+                return true;
+    return false;
+}
+
 /* Two files have it, each after a mark. */
 static void is_card_of(const char *path, const struct buf *page)
 {
@@ -335,12 +542,21 @@ static void is_card_of(const char *path, const struct buf *page)
 STORY(the_page_of_keys_fits_and_is_the_card_in_the_readmes)
 {
     struct buf page = {0};
-    pilot_keys_page(&page);
+    pilot_keys_page(&page, false);
     for (const char *at = buf_text(&page); *at; at += strcspn(at, "\n") + 1)
         CHECK(strcspn(at, "\n") <= 78);
     is_card_of("README.md", &page);
     is_card_of("tui/README.md", &page);
     buf_release(&page);
+}
+
+/* Of two rows, in a mode that both are for; and a key that waits for a second one does nothing. */
+STORY(no_key_has_two_meanings)
+{
+    for (size_t i = 0; i < pilot_rows; i++)
+        for (size_t j = 0; j < i; j++)
+            if (pilot_table[i].in & pilot_table[j].in && clash(pilot_table + i, pilot_table + j))
+                CHECK_TEXT(pilot_table[i].name, pilot_table[j].name);
 }
 
 STORY(any_keys_make_lines_that_are_whole)
@@ -442,9 +658,12 @@ STORY(what_tiles_cost_is_learnt)
 int main(void)
 {
     return RUN_STORIES(
-        TELL(arrows_and_letters_move_in_the_plane_that_is_marked), TELL(jumps_counts_and_edges),
+        TELL(arrows_and_letters_move_in_the_plane_that_is_marked), TELL(counts_are_those_of_vim),
+        TELL(a_key_that_takes_no_count_does_nothing_with_one), TELL(some_keys_wait_for_a_second),
+        TELL(slices_marks_and_seeds_to_go_to), TELL(a_change_is_repeated), TELL(what_is_shown),
+        TELL(what_was_chosen_stays_from_one_time_to_the_next), TELL(no_key_has_two_meanings),
         TELL(seeds_brushes_and_strokes), TELL(an_eliminator_shows_its_tree_first),
-        TELL(the_view_and_the_window), TELL(a_pixel_of_the_rendition_leads_to_its_voxel),
+        TELL(the_view_and_the_window), TELL(corrections_are_made_on_the_rendition),
         TELL(what_is_no_command), TELL(a_click_takes_the_cross_hair_there_and_the_pen_draws),
         TELL(the_wheel_takes_the_question_about_a_tree_away),
         TELL(what_a_click_says_takes_the_place_of_what_was_said),

@@ -24,22 +24,22 @@ enter "clear; $iftty s.nii"
 see '^24x20x16 voxels'
 enter "pilot"
 see '^axial 8 at 12,10,8  brush 1  no label  intensity '
-see '0-9 seed  x eliminate  u undo  : command  \? keys  q back'
+see 'i seed  b label  x eliminate  u undo  : command  \? keys  q back'
 screen_text | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen_text)"
 close_story
 
 begin "keys move, seed, undo and turn, each as the command it is"
 press Right
 recorded "cross 11,10,8"
-type_letters "#3k"
+type_letters "3k"
 recorded "cross 11,13,8"
-type_letters "2"
+type_letters "s2"
 recorded "seed 11,13,8 2"
 see 'voxels changed'
 see '^axial 8 at 11,13,8  brush 2  label 2  intensity '
 press Tab
 see '^coronal 13 '
-type_letters "++1"
+type_letters "++s1"
 recorded "seed 11,13,8 1 radius=2"
 type_letters "u"
 recorded "undo"
@@ -47,9 +47,9 @@ press C-r
 recorded "redo"
 press S-Right
 recorded "turn 15"
-type_letters "m"
+type_letters "I"
 press Up
-type_letters "-3"
+type_letters "-s3"
 recorded "seed 11,13,9 3 radius=1 to=11,13,8"
 close_story
 
@@ -62,8 +62,8 @@ close_story
 
 begin "? tells the keys, and any key goes back"
 type_letters "?"
-see 'a seed of that label'
-type_letters "0"
+see 'a seed of the label'
+type_letters "i"
 see '^coronal 13 '
 recorded "remove 11,13,9"
 close_story
@@ -122,12 +122,12 @@ type_letters "w"
 press Left
 see '^window [-0-9.]+ [-0-9.]+  left right width  up down brightness  a auto  Enter done$'
 press Enter
-see '^0-9 seed '
+see '^i seed '
 type_letters "p"
 press Left
-see '^pixel [0-9]+,[0-9]+ of the rendition  arrows move it  Enter goes to its voxel$'
+see '^CORRECT at pixel [0-9]+,[0-9]+  0-9 Enter: a seed there  p to its voxel  Escape ends$'
 press Escape
-see '^0-9 seed '
+see '^i seed '
 close_story
 
 begin "stopped and continued, the screen comes back"

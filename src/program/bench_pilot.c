@@ -60,7 +60,7 @@ static enum err press_all(struct far_end *e, unsigned keys, struct bench_key out
     for (unsigned i = 0; !err && i < keys / 2; i++) {
         err = press(e, ways[i % 8], frame, fault);
         if (!err)
-            err = timed_press(e, i % 2 ? "2" : "3", &seeds, fault);
+            err = timed_press(e, i % 2 ? "s2" : "s3", &seeds, fault);
         if (!err)
             err = press(e, "u", frame, fault);
     }

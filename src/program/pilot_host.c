@@ -1,8 +1,10 @@
 #include "program/pilot_host.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "command/act.h"
 #include "program/shown.h"
 #include "render/mosaic.h"
@@ -82,7 +84,8 @@ static bool facts(void *context, struct pilot_facts *out)
     *out = (struct pilot_facts){.waiting = session_pendings(session),
                                 .zoom = session->now.outlook.view.zoom,
                                 .frame_width = session->now.outlook.view.width,
-                                .frame_height = session->now.outlook.view.height};
+                                .frame_height = session->now.outlook.view.height,
+                                .overlay = s->overlay};
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
         out->place[pane] = s->cross[pane];
         out->index[pane] = slice_index(session->scene, plane_of(pane), s->cross);
@@ -117,14 +120,111 @@ static void label(void *context, unsigned number, struct buf *out)
     act_write_label(out, session_of(context), number);
 }
 
-/* ---- the tree under the cross-hair ---- */
+/* ---- seeds and labels ---- */
+
+static bool is_hidden(void *context, unsigned label)
+{
+    return !session_of(context)->now.kept.visible[label];
+}
+
+/* A voxel that stands for a marker: of those that it decides about, one in the middle. CELL_NONE
+ * where others cover it. */
+static uint32_t middle_of(const struct markers *markers, uint32_t number)
+{
+    const struct marker *marker = markers->marker + number - 1;
+    for (size_t i = 0; i < marker->voxels; i++) {
+        const size_t at = (marker->voxels / 2 + i) % marker->voxels;
+        const uint32_t cell = markers->cover[marker->first + at].cell;
+        if (markers_at(markers, cell) == number)
+            return cell;
+    }
+    return CELL_NONE;
+}
+
+/* In the order in which they were planted. */
+static bool seed(void *context, unsigned label, int64_t by, uint32_t place[3])
+{
+    const struct session *session = session_of(context);
+    const struct markers *markers = &session->markers;
+    const uint32_t here = cell_at_cross(session);
+    int64_t count = 0, at = by > 0 ? -1 : 0;
+    uint32_t *cell = mem_array(markers->count + 1, sizeof *cell);
+    for (uint32_t n = 1; cell && n <= markers->count; n++) {
+        const struct marker *marker = markers->marker + n - 1;
+        if (!marker->stands || marker->label != (int)label)
+            continue;
+        const uint32_t middle = middle_of(markers, n);
+        if (middle == here && (by > 0 || at == 0)) /* of two at one place, the further one */
+            at = count;
+        if (middle != CELL_NONE)
+            cell[count++] = middle;
+    }
+    if (count > 0)
+        place_of(session, cell[((at + by) % count + count) % count], place);
+    free(cell);
+    return count > 0;
+}
+
+/* Sums of the places of a label's voxels, or the voxel that is nearest to `mean`. */
+struct centre {
+    unsigned label;
+    uint64_t voxels, sum[3], nearest; /* squared distance */
+    const uint32_t *mean;
+    uint32_t place[3];
+};
+
+static void look_at_voxel(struct centre *centre, uint32_t x, uint32_t y, uint32_t z)
+{
+    const uint32_t at[3] = {x, y, z};
+    uint64_t distance = 0;
+    centre->voxels++;
+    for (int a = 0; a < 3; a++) {
+        const int64_t apart = centre->mean ? (int64_t)at[a] - centre->mean[a] : 0;
+        centre->sum[a] += at[a];
+        distance += (uint64_t)(apart * apart);
+    }
+    if (!centre->mean || distance >= centre->nearest)
+        return;
+    centre->nearest = distance;
+    memcpy(centre->place, at, sizeof at);
+}
 
 /* Looks at every voxel of the scene: some milliseconds for a head. */
-static bool tree(void *context, struct buf *out)
+static void look_at_label(struct centre *centre, const struct scene *scene)
+{
+    for (uint32_t z = 0; z < scene->grid.size[2]; z++)
+        for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
+            const struct span row = grid_row(&scene->grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                if (cell_is_reached(scene->cell + c) && scene->cell[c].label == centre->label)
+                    look_at_voxel(centre, c - row.first, y, z);
+        }
+}
+
+static bool centre(void *context, unsigned label, uint32_t place[3])
+{
+    const struct session *session = session_of(context);
+    struct centre sums = {.label = label};
+    uint32_t mean[3];
+    look_at_label(&sums, session->scene);
+    if (sums.voxels == 0)
+        return false;
+    for (int a = 0; a < 3; a++)
+        mean[a] = (uint32_t)(sums.sum[a] / sums.voxels);
+    struct centre found = {.label = label, .mean = mean, .nearest = UINT64_MAX};
+    look_at_label(&found, session->scene);
+    memcpy(place, found.place, sizeof found.place);
+    return true;
+}
+
+/* ---- the tree of a voxel ---- */
+
+/* Looks at every voxel of the scene: some milliseconds for a head. */
+static bool tree(void *context, const uint32_t place[3], struct buf *out)
 {
     const struct session *session = session_of(context);
     const struct scene *scene = session->scene;
-    const struct cell *here = scene->cell + cell_at_cross(session);
+    const struct cell *here = scene->cell + grid_cell(&scene->grid, place[0], place[1], place[2]);
     if (!cell_is_reached(here))
         return false;
     const uint32_t root = key_root(here->key);
@@ -256,6 +356,9 @@ void pilot_host_fill(struct pilot_host *host)
     host->voxel_of_frame = voxel_of_frame;
     host->label = label;
     host->tree = tree;
+    host->seed = seed;
+    host->centre = centre;
+    host->is_hidden = is_hidden;
 }
 
 void pilot_interpreter_release(struct pilot_interpreter *pilot)

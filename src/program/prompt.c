@@ -8,12 +8,14 @@
 #include "program/pilot_host.h"
 #include "program/programs.h"
 #include "program/shown.h"
+#include "tui/pilot/pilot_keys.h"
 #include "tui/prompt/line_history.h"
 #include "tui/prompt/repl.h"
 
 struct prompt {
     struct pilot_interpreter pilot; /* first: the pilot's host has this whole as its context */
     struct pilot_host host;
+    struct pilot_state state; /* of the pilot, from one time to the next */
     struct interpreter interp;
     struct reply reply;
     char name[24];     /* before the "> " */
@@ -114,8 +116,8 @@ static bool prompt_wants_screen(void *context)
 static enum err prompt_screen(void *context, struct terminal_facts *facts,
                               struct line_editor *editor, bool *ended, struct fault *fault)
 {
-    const struct prompt *prompt = context;
-    return pilot_run(&prompt->host, facts, editor, ended, fault);
+    struct prompt *prompt = context;
+    return pilot_run(&prompt->host, &prompt->state, facts, editor, ended, fault);
 }
 
 static void prompt_news(void *context, struct buf *output)
@@ -223,6 +225,7 @@ enum err run_prompt(const struct options *o, struct fault *fault)
     prompt.host = (struct pilot_host){
         .context = &prompt, .execute = prompt_execute, .finished = prompt_finished};
     pilot_host_fill(&prompt.host);
+    pilot_state_init(&prompt.state);
     prompt.pilot.interp = &prompt.interp;
     prompt.pilot.smooth = o->smooth;
     prompt.interp.has_pilot = is_terminal;

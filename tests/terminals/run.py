@@ -288,7 +288,7 @@ def prompt_stories(stage):
 # ---- the pilot ----
 
 # keys as typed, or by name; the last leaves the coronal pane marked
-KEYS = ("l", "l", "9k", "3", "Tab", "6j", "4", "x", "Escape", "u", "shift+Right", "r", "+", "2",
+KEYS = ("l", "l", "9k", "s3", "Tab", "6j", "s4", "x", "Escape", "u", "shift+Right", "r", "+", "s2",
           "Z", "h")
 ROUNDED_MEAN = 3  # of 255,
 ROUNDED_MOST = 0.002  # and the share of pixels further off than COLOURS_APART: of cross-hairs, say

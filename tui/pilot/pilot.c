@@ -24,7 +24,7 @@ struct pilot {
     const struct pilot_host *host;
     struct terminal_facts *facts;
     struct line_editor *editor; /* whose input and keys are ours as well */
-    struct pilot_state state;
+    struct pilot_state *state;
     struct painter painter;
     struct buf message; /* of the last key or command, until the next */
     bool is_stale;      /* the screen does not show the present state */
@@ -59,7 +59,7 @@ static void add_status(struct buf *row, const struct pilot_state *state,
     if (state->radius)
         buf_printf(row, " r%u", state->radius);
     buf_add_text(row, state->pen_is_down ? " drawing" : "");
-    buf_add_text(row, state->has_mark ? " stroke" : "");
+    buf_add_text(row, state->stroke.is_set ? " stroke" : "");
     if (facts->waiting)
         buf_printf(row, "  %zu wait%s for space", facts->waiting, facts->waiting == 1 ? "s" : "");
     buf_printf(row, "  %s", facts->where);
@@ -76,12 +76,12 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
     if (p->message.length)
         cells_wrap(&lower, &p->message, size->columns);
     else
-        pilot_keys_hint(&p->state, facts, &lower);
+        pilot_keys_hint(p->state, facts, &lower);
     const char *second = strchr(buf_text(&lower), '\n');
     if (second)
         buf_add(&upper, buf_text(&lower), (size_t)(second - buf_text(&lower)));
     else
-        add_status(&upper, &p->state, p->host, facts);
+        add_status(&upper, p->state, p->host, facts);
     add_row(out, size->rows - 2, size->columns, buf_text(&upper));
     add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower));
     out->failed |= upper.failed || lower.failed;
@@ -94,7 +94,7 @@ static void add_help(struct buf *out)
 {
     struct buf page = {0};
     unsigned row = 1;
-    pilot_keys_page(&page);
+    pilot_keys_page(&page, false);
     for (const char *at = buf_text(&page); *at; row++) {
         const size_t n = strcspn(at, "\n");
         buf_printf(out, "\033[%u;1H\033[K", row + 1);
@@ -127,13 +127,13 @@ static void add_page(struct buf *out, const struct buf *text, size_t *at,
 static struct pilot_wish wish_of(const struct pilot *p)
 {
     struct pilot_wish wish = {.words = p->facts->graphics->kind == GRAPHICS_PIXELS,
-                              .marks_tree = p->state.mode == PILOT_CONFIRMING,
-                              .marks_pixel = p->state.mode == PILOT_PICKING,
-                              .pane =
-                                  p->state.mode == PILOT_PICKING ? PILOT_RENDITION : p->state.pane};
+                              .marks_tree = p->state->mode == PILOT_CONFIRMING,
+                              .marks_pixel = p->state->mode == PILOT_PICKING,
+                              .pane = p->state->mode == PILOT_PICKING ? PILOT_RENDITION
+                                                                      : p->state->pane};
     painter_size(&p->painter, &wish.width, &wish.height);
     for (int i = 0; i < 2; i++)
-        wish.pixel[i] = p->state.pixel[i];
+        wish.pixel[i] = p->state->pixel[i];
     return wish;
 }
 
@@ -182,7 +182,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         painter_forget(&p->painter);
         refine_forget(&p->refine);
     }
-    if (p->state.mode == PILOT_HELPING)
+    if (p->state->mode == PILOT_HELPING)
         add_help(&out);
     else
         add_picture(p, &out);
@@ -236,6 +236,18 @@ static void keep_last_line(struct buf *message, const char *text)
     buf_add(message, text + first, length - first);
 }
 
+/* What a command said, below the picture: its last line, or all of them as one. */
+static void keep_answer(struct pilot *p, struct buf *output)
+{
+    if (!p->state->tells_all) {
+        keep_last_line(&p->message, buf_text(output));
+        return;
+    }
+    buf_clear(&p->message);
+    for (const char *at = buf_text(output); *at; at++)
+        buf_add_text(&p->message, *at == '\n' ? at[1] ? "; " : "" : (char[]){*at, '\0'});
+}
+
 /* Carries out one line. While it works, the cursor is where progress may be shown. */
 static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
                           enum err *of_command, struct fault *fault)
@@ -274,8 +286,8 @@ static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *
         err = line.failed ? fault_memory(fault, "a command")
                           : carry_out(p, buf_text(&line), &output, &of_command, fault);
     }
-    if (!err && !of_command && line.length && !p->state.is_silent)
-        keep_last_line(&p->message, buf_text(&output));
+    if (!err && !of_command && output.length && !p->state->is_silent)
+        keep_answer(p, &output);
     buf_release(&line);
     buf_release(&output);
     return err;
@@ -397,19 +409,19 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
     uint32_t column, row;
     if (event->key == KEY_REPLY || event->key == KEY_OTHER)
         return OK;
-    const bool was_helping = p->state.mode == PILOT_HELPING;
+    const bool was_helping = p->state->mode == PILOT_HELPING;
     if (!p->host->facts(p->host->context, &facts)) {
         p->is_over = true;
         return OK;
     }
     if (event->key != KEY_MOUSE) {
         buf_clear(&p->message);
-        deed = pilot_press(&p->state, event, p->host, &facts, &lines, &p->message);
+        deed = pilot_press(p->state, event, p->host, &facts, &lines, &p->message);
     } else if (pixel_of(p, &event->mouse, &column, &row)) {
-        pilot_click(&p->state, event, column, row, p->host, &facts, &lines, &p->message);
+        pilot_click(p->state, event, column, row, p->host, &facts, &lines, &p->message);
     }
     p->is_stale = true;
-    p->is_blank |= was_helping || p->state.mode == PILOT_HELPING;
+    p->is_blank |= was_helping || p->state->mode == PILOT_HELPING;
     enum err err =
         lines.failed ? fault_memory(fault, "a command") : carry_out_all(p, buf_text(&lines), fault);
     buf_release(&lines);
@@ -494,11 +506,12 @@ static enum err run(struct pilot *p, struct fault *fault)
     return err;
 }
 
-enum err pilot_run(const struct pilot_host *host, struct terminal_facts *facts,
-                   struct line_editor *editor, bool *ended, struct fault *fault)
+enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
+                   struct terminal_facts *facts, struct line_editor *editor, bool *ended,
+                   struct fault *fault)
 {
     const struct term_size size = term_size();
-    struct pilot p = {.host = host, .facts = facts, .editor = editor};
+    struct pilot p = {.host = host, .state = state, .facts = facts, .editor = editor};
     p.flow.silent = !facts->answers;
     p.flow.round_trip_ns = facts->round_trip_ns;
     struct buf out = {0};
@@ -506,7 +519,7 @@ enum err pilot_run(const struct pilot_host *host, struct terminal_facts *facts,
     if (size.columns < COLUMNS_LEAST || size.rows < ROWS_LEAST)
         return fault_set(fault, ERR_USAGE, "the pilot takes a screen of %dx%d characters or more",
                          COLUMNS_LEAST, ROWS_LEAST);
-    pilot_state_init(&p.state);
+    pilot_state_enter(state);
     facts->reports |= facts->mouse;
     enum err err =
         term_change_sequences(facts->mouse ? ENTER_SCREEN MOUSE_ON : ENTER_SCREEN,

@@ -4,7 +4,7 @@
  * The pilot knows no scene: a host says where the cross-hair is and draws the picture. Each key
  * that changes something becomes the line of a command that a user could have typed, which the host
  * carries out and records: so what was done here replays like any other session. The keys are the
- * table in tui/pilot/pilot_keys.c. A click takes the cross-hair there; dragging draws while the pen
+ * table in tui/pilot/pilot_table.c. A click takes the cross-hair there; dragging draws while the pen
  * is down. Ctrl-C cancels a command.
  *
  * Invariants
@@ -39,6 +39,7 @@ struct pilot_facts {
     uint32_t zoom;        /* of the view, thousandths */
     uint32_t frame_width; /* of the rendition, in pixels */
     uint32_t frame_height;
+    unsigned overlay; /* of labels in slices: 0 none, 1 tint, 2 contour */
 };
 
 /* How the picture is wanted. */
@@ -72,14 +73,24 @@ struct pilot_host {
     bool (*voxel_of_frame)(void *context, uint32_t column, uint32_t row, uint32_t place[3]);
     /* Adds what a label is called: "2 cerebellum". */
     void (*label)(void *context, unsigned label, struct buf *out);
-    /* Adds what tree is under the cross-hair: "the tree of the seed at 1,2,3: 9 voxels, label 2".
-     * False where none is. */
-    bool (*tree)(void *context, struct buf *out);
+    /* Adds what tree holds a voxel: "the tree of the seed at 1,2,3: 9 voxels, label 2". False where
+     * none does. */
+    bool (*tree)(void *context, const uint32_t place[3], struct buf *out);
+    /* Where the label's seeds are, those of a command once: the one that is `by` further than that
+     * at the cross-hair, round and round. False where it has none. */
+    bool (*seed)(void *context, unsigned label, int64_t by, uint32_t place[3]);
+    /* The voxel of the label that is nearest to the mean of all of them. False where it has none. */
+    bool (*centre)(void *context, unsigned label, uint32_t place[3]);
+    bool (*is_hidden)(void *context, unsigned label);
 };
 
-/* Runs until q, `finished`, or the end of the input, which *ended says then. The terminal is open
+/* What is chosen in the pilot, from one time to the next: tui/pilot/pilot_keys.h. */
+struct pilot_state;
+
+/* Begins as the state says, which stays as it is left. Runs until q, `finished`, or the end of the input, which *ended says then. The terminal is open
  * and raw, and is so afterwards; what was typed ahead stays in editor->input. */
-enum err pilot_run(const struct pilot_host *host, struct terminal_facts *facts,
-                   struct line_editor *editor, bool *ended, struct fault *fault);
+enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
+                   struct terminal_facts *facts, struct line_editor *editor, bool *ended,
+                   struct fault *fault);
 
 #endif

@@ -1,9 +1,13 @@
 /*
  * What keys mean to the pilot: a state, a key and the facts in, the line of a command out. Pure.
  *
- * All keys stand in one table (pilot_keys.c), a row for each thing that they do: in which modes it
- * is done, by what line or function, and the words for it on the page of keys and below the picture.
- * The page, which `?` shows, is also the card in tui/README.md.
+ * All keys stand in one table (pilot_table.c), a row for each thing that they do: its name, its
+ * keys, in which modes it is done, by what line or function, and the words for it on the page of
+ * keys and below the picture. The page, which `?` shows, is also the card in tui/README.md.
+ *
+ * As in vim, digits are a count for the key after them, a key that takes none says so, some keys
+ * wait for a second one, and Escape takes back what was begun. No digit alone plants anything but in
+ * PILOT_PICKING, where one corrects what the rendition shows.
  */
 #ifndef TUI_PILOT_PILOT_KEYS_H
 #define TUI_PILOT_PILOT_KEYS_H
@@ -13,30 +17,51 @@
 
 enum pilot_mode {
     PILOT_MOVING,     /* keys move the cross-hair, plant, turn .. */
+    PILOT_PICKING,    /* they move a pixel in the rendition, and plant in the voxel that it shows */
     PILOT_CONFIRMING, /* the tree under the cross-hair is shown: x or Enter eliminates it */
     PILOT_WINDOWING,  /* arrows change the window */
-    PILOT_PICKING,    /* arrows move a pixel in the rendition */
     PILOT_HELPING,    /* the page of keys is shown */
 };
 
 /* What the loop is to do beside carrying out the line. */
 enum pilot_deed { PILOT_NOTHING, PILOT_PROMPT, PILOT_REDRAW, PILOT_SUSPEND, PILOT_LEAVE };
 
+struct pilot_mark {
+    bool is_set;
+    uint32_t place[3];
+};
+
+enum { PILOT_MARKS = 26 }; /* a-z */
+
+/* What was changed last, for `.`: a row of the table, its key and its count. */
+struct pilot_change {
+    const struct pilot_row *row; /* NULL for nothing yet */
+    struct key_event key;
+    uint32_t count;
+};
+
 struct pilot_state {
-    enum pilot_mode mode;
-    enum pilot_pane pane; /* of the three slices: arrows move in it */
-    unsigned label;       /* that s plants */
-    unsigned radius;      /* of the brush */
-    bool pen_is_down, has_mark;
-    uint32_t mark[3];
-    uint32_t count; /* typed so far; 0 for none */
-    bool counts;    /* digits belong to it */
+    enum pilot_mode mode, base; /* where others lead back to: moving or picking */
+    enum pilot_pane pane;       /* of the three slices: arrows move in it */
+    unsigned label;             /* that is planted */
+    unsigned radius;            /* of the brush */
+    bool pen_is_down;
+    struct pilot_mark stroke;                    /* one end of a stroke */
+    struct pilot_mark mark[PILOT_MARKS], former; /* and the place before the last jump */
+    uint32_t count;                              /* typed so far; 0 for none */
+    uint32_t leader;                             /* the key whose second is awaited, or 0 */
     uint32_t pixel[2];
+    bool has_pixel;
     bool drags;     /* the mouse draws */
     bool is_silent; /* what the last line does is seen below the picture anyway */
+    bool tells_all; /* all lines of what it says are of use, not the last alone */
+    struct pilot_change change;
 };
 
 void pilot_state_init(struct pilot_state *state);
+
+/* The pilot is entered once more: what was chosen is as it was, what was begun is not. */
+void pilot_state_enter(struct pilot_state *state);
 
 /* Adds the line of the command that the key stands for to `line`, if any; several, parted by line
  * feeds, are carried out one after the other until one fails. `message` gets a word for the user
@@ -54,7 +79,8 @@ void pilot_click(struct pilot_state *state, const struct key_event *event, uint3
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
                      struct buf *out);
 
-/* Adds the page of keys, as lines of at most 78 columns. */
-void pilot_keys_page(struct buf *out);
+/* Adds the page of keys, as lines of at most 78 columns; or, in `narrow` windows, an entry a line,
+ * to be broken by cells_wrap. */
+void pilot_keys_page(struct buf *out, bool narrow);
 
 #endif

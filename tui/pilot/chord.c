@@ -1,0 +1,139 @@
+#include "tui/pilot/chord.h"
+
+#include <string.h>
+
+#include "tui/cells.h"
+
+static const struct {
+    const char *name;
+    enum key key;
+} named[] = {{"Tab", KEY_TAB},
+             {"Enter", KEY_ENTER},
+             {"Escape", KEY_ESCAPE},
+             {"Up", KEY_UP},
+             {"Down", KEY_DOWN},
+             {"Right", KEY_RIGHT},
+             {"Left", KEY_LEFT},
+             {"Home", KEY_HOME},
+             {"End", KEY_END},
+             {"Insert", KEY_INSERT},
+             {"Delete", KEY_DELETE},
+             {"Page-up", KEY_PAGE_UP},
+             {"Page-down", KEY_PAGE_DOWN},
+             {"Backspace", KEY_BACKSPACE},
+             {"any", KEY_PENDING}};
+
+static const struct {
+    const char *name;
+    unsigned modifier;
+} modifiers[] = {{"Ctrl-", KEY_CONTROL}, {"Shift-", KEY_SHIFT}, {"Alt-", KEY_ALT}};
+
+static bool is_word(const char *word, size_t length, const char *name)
+{
+    return strlen(name) == length && memcmp(word, name, length) == 0;
+}
+
+/* Takes "Ctrl-" and its like off a word. */
+static unsigned take_modifiers(const char **word, size_t *length)
+{
+    unsigned taken = 0;
+    for (size_t i = 0; i < sizeof modifiers / sizeof modifiers[0]; i++) {
+        const size_t n = strlen(modifiers[i].name);
+        if (*length <= n || memcmp(*word, modifiers[i].name, n) != 0)
+            continue;
+        taken |= modifiers[i].modifier;
+        *word += n;
+        *length -= n;
+    }
+    return taken;
+}
+
+/* A character, or one of several: "x", "0-9". Control characters cannot be typed as themselves. */
+static bool read_characters(const char *word, size_t length, struct chord *chord)
+{
+    chord->key = KEY_CHARACTER;
+    if (length == 3 && word[1] == '-' && *word > ' ' && *word < word[2]) {
+        chord->first = (uint8_t)word[0];
+        chord->last = (uint8_t)word[2];
+        return chord->last < 0x7F;
+    }
+    const bool is_one = length > 0 && char_read(word, length, &chord->first) == length;
+    chord->last = chord->first;
+    return is_one && chord->first != CHAR_BROKEN && chord->first > ' ' && chord->first != 0x7F;
+}
+
+static bool read_key(const char *word, size_t length, struct chord *chord)
+{
+    *chord = (struct chord){.modifiers = take_modifiers(&word, &length)};
+    for (size_t i = 0; i < sizeof named / sizeof named[0]; i++)
+        if (is_word(word, length, named[i].name)) {
+            chord->key = named[i].key;
+            return true;
+        }
+    if (is_word(word, length, "Space")) {
+        chord->key = KEY_CHARACTER;
+        chord->first = chord->last = ' ';
+        return true;
+    }
+    if (!read_characters(word, length, chord) || chord->modifiers & KEY_SHIFT)
+        return false;
+    if (chord->modifiers & KEY_CONTROL) /* as keys.h has them */
+        chord->last = chord->first |= 32;
+    return true;
+}
+
+bool chord_read(const char *word, size_t length, struct chord *chord)
+{
+    uint32_t leader;
+    if (read_key(word, length, chord))
+        return true;
+    const size_t n = length ? char_read(word, length, &leader) : 0;
+    if (n == 0 || n == length || leader == CHAR_BROKEN || leader <= ' ')
+        return false;
+    if (!read_characters(word + n, length - n, chord))
+        return false;
+    chord->modifiers = 0;
+    chord->leader = leader;
+    return true;
+}
+
+bool chord_fits(const struct chord *chord, uint32_t leader, const struct key_event *event)
+{
+    unsigned pressed = event->modifiers & (KEY_SHIFT | KEY_CONTROL | KEY_ALT);
+    if (chord->key == KEY_PENDING)
+        return leader == 0;
+    if (chord->leader != leader || chord->key != event->key)
+        return false;
+    if (event->key == KEY_ENTER || event->key == KEY_ESCAPE)
+        return true;
+    if (event->key == KEY_CHARACTER)
+        return (pressed & ~(unsigned)KEY_SHIFT) == chord->modifiers &&
+               event->point >= chord->first && event->point <= chord->last;
+    if (pressed & KEY_SHIFT)
+        pressed = KEY_SHIFT;
+    return pressed == chord->modifiers;
+}
+
+/* Whether one is the leader of the other. */
+static bool leads(const struct chord *one, const struct chord *other)
+{
+    return !one->leader && other->leader && one->key == KEY_CHARACTER && !one->modifiers &&
+           other->leader >= one->first && other->leader <= one->last;
+}
+
+bool chord_clashes(const struct chord *a, const struct chord *b)
+{
+    if (leads(a, b) || leads(b, a))
+        return true;
+    return a->leader == b->leader && a->key == b->key && a->modifiers == b->modifiers &&
+           a->first <= b->last && b->first <= a->last;
+}
+
+bool chord_next(const char **at, const char **word, size_t *length)
+{
+    *at += strspn(*at, " ");
+    *word = *at;
+    *length = strcspn(*at, " ");
+    *at += *length;
+    return *length > 0;
+}

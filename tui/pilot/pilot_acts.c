@@ -1,0 +1,438 @@
+/* What keys do: each function writes the line of a command, or changes the pilot's own state. */
+#include "tui/pilot/pilot_press.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    JUMP = 10, /* voxels */
+    PIXEL_JUMP = 16,
+    RADIUS_MOST = 32,
+    LABELS = 256,
+    TURN = 15, /* degrees */
+    TURNS_MOST = 24,
+    ZOOM_LEAST = 10,
+    ZOOM_MOST = 64000
+};
+
+/* The count typed before the key. */
+static int64_t times(const struct press *p)
+{
+    return p->state->count ? p->state->count : 1;
+}
+
+/* `at` moved by so many, and no further than 0 .. end - 1. */
+static uint32_t shifted(uint32_t at, int64_t by, uint32_t end)
+{
+    const int64_t to = (int64_t)at + by;
+    return to < 0 ? 0 : to >= (int64_t)end ? end - 1 : (uint32_t)to;
+}
+
+static int right_of(int way)
+{
+    return (way % PILOT_WAYS == PILOT_RIGHT) - (way % PILOT_WAYS == PILOT_LEFT);
+}
+
+static int up_of(int way)
+{
+    return (way % PILOT_WAYS == PILOT_UP) - (way % PILOT_WAYS == PILOT_DOWN);
+}
+
+/* ---- lines ---- */
+
+static void add_place(struct buf *line, const char *before, const uint32_t place[3])
+{
+    buf_printf(line, "%s%u,%u,%u", before, place[0], place[1], place[2]);
+}
+
+static void add_seed(struct pilot_state *state, const uint32_t place[3], const uint32_t *other_end,
+                     struct buf *line)
+{
+    add_place(line, "seed ", place);
+    buf_printf(line, " %u", state->label);
+    if (state->radius)
+        buf_printf(line, " radius=%u", state->radius);
+    if (other_end)
+        add_place(line, " to=", other_end);
+    buf_add_char(line, '\n');
+    state->is_silent = false;
+}
+
+bool pilot_cross(struct pilot_state *state, const struct pilot_facts *facts,
+                 const uint32_t place[3], struct buf *line)
+{
+    if (memcmp(place, facts->place, sizeof facts->place) == 0)
+        return false;
+    add_place(line, "cross ", place);
+    buf_add_char(line, '\n');
+    state->is_silent = true;
+    return true;
+}
+
+void pilot_go_to(struct pilot_state *state, const struct pilot_facts *facts,
+                 const uint32_t place[3], struct buf *line)
+{
+    if (pilot_cross(state, facts, place, line) && state->pen_is_down)
+        add_seed(state, place, facts->place, line);
+}
+
+static double magnitude(double value)
+{
+    return value < 0 ? -value : value;
+}
+
+/* A decimal as commands take it: three places at most, no zeros at its end. */
+void pilot_add_decimal(struct buf *line, double value)
+{
+    const long long thousandths = (long long)(magnitude(value) * 1000 + 0.5);
+    buf_printf(line, "%s%lld", value < 0 && thousandths ? "-" : "", thousandths / 1000);
+    unsigned places = (unsigned)(thousandths % 1000);
+    if (places) {
+        char digits[8];
+        int n = snprintf(digits, sizeof digits, ".%03u", places);
+        while (digits[n - 1] == '0')
+            n--;
+        buf_add(line, digits, (size_t)n);
+    }
+}
+
+void pilot_zoom(uint32_t now, bool nearer, struct buf *line)
+{
+    uint32_t next = nearer ? now + now / 4 + 1 : now - now / 5;
+    next = next < ZOOM_LEAST ? ZOOM_LEAST : next > ZOOM_MOST ? ZOOM_MOST : next;
+    buf_add_text(line, "zoom ");
+    pilot_add_decimal(line, next / 1000.0);
+    buf_add_char(line, '\n');
+}
+
+/* ---- moving ---- */
+
+/* Which plane's slices are counted along the screen in a pane, and which way: to the right, and
+ * up. The patient's left is on the right, his front in sagittal slices on the left; slices are
+ * counted towards his head, his front and his right. */
+static const struct {
+    enum pilot_pane across, along;
+} screen_of[3] = {
+    [PILOT_AXIAL] = {PILOT_SAGITTAL, PILOT_CORONAL},
+    [PILOT_CORONAL] = {PILOT_SAGITTAL, PILOT_AXIAL},
+    [PILOT_SAGITTAL] = {PILOT_CORONAL, PILOT_AXIAL},
+};
+
+static void move_cross(struct press *p, int64_t right, int64_t up)
+{
+    const enum pilot_pane pane = p->state->pane;
+    int64_t by[3] = {0, 0, 0};
+    uint32_t place[3];
+    by[screen_of[pane].across] = -right;
+    by[screen_of[pane].along] = up;
+    p->host->move(p->host->context, by, place);
+    pilot_go_to(p->state, p->facts, place, p->line);
+}
+
+static void move_pixel(struct press *p, int64_t right, int64_t up)
+{
+    uint32_t *pixel = p->state->pixel;
+    pixel[0] = shifted(pixel[0], right, p->facts->frame_width);
+    pixel[1] = shifted(pixel[1], -up, p->facts->frame_height);
+}
+
+/* To the right wider, up brighter. */
+static void change_window(struct press *p, int right, int up, int far)
+{
+    const double *window = p->facts->window, width = window[1] - window[0];
+    const double step = magnitude(width) / 50 > 0.001 ? width / 50 : 0.001;
+    buf_add_text(p->line, "window ");
+    pilot_add_decimal(p->line, window[0] - step * (right + up) * far);
+    buf_add_char(p->line, ' ');
+    pilot_add_decimal(p->line, window[1] + step * (right - up) * far);
+    buf_add_char(p->line, '\n');
+    p->state->is_silent = true;
+}
+
+void pilot_move(struct press *p)
+{
+    const int right = right_of(p->by), up = up_of(p->by);
+    const bool far = p->by >= PILOT_FAR;
+    if (p->state->mode == PILOT_WINDOWING)
+        change_window(p, right, up, far ? JUMP : 1);
+    else if (p->state->mode == PILOT_PICKING)
+        move_pixel(p, right * (far ? PIXEL_JUMP : 1), up * (far ? PIXEL_JUMP : 1));
+    else
+        move_cross(p, right * times(p) * (far ? JUMP : 1), up * times(p) * (far ? JUMP : 1));
+}
+
+/* By so many slices; a jump draws nothing, whereas J and K do with the pen down. */
+static void move_through(struct press *p, int64_t slices, bool is_jump)
+{
+    int64_t by[3] = {0, 0, 0};
+    uint32_t place[3];
+    by[p->state->pane] = slices;
+    p->host->move(p->host->context, by, place);
+    if (is_jump)
+        pilot_cross(p->state, p->facts, place, p->line);
+    else
+        pilot_go_to(p->state, p->facts, place, p->line);
+}
+
+void pilot_change_slice(struct press *p)
+{
+    if (p->state->mode == PILOT_PICKING)
+        move_pixel(p, 0, p->by * PIXEL_JUMP);
+    else
+        move_through(p, p->by * times(p), false);
+}
+
+/* ---- jumps: they draw nothing, and can be taken back ---- */
+
+static void jump(struct press *p, const uint32_t place[3])
+{
+    if (!pilot_cross(p->state, p->facts, place, p->line))
+        return;
+    p->state->former.is_set = true;
+    memcpy(p->state->former.place, p->facts->place, sizeof p->facts->place);
+}
+
+void pilot_to_slice(struct press *p)
+{
+    const int64_t here = p->facts->index[p->state->pane], count = p->state->count;
+    p->state->former.is_set = true;
+    memcpy(p->state->former.place, p->facts->place, sizeof p->facts->place);
+    move_through(p, count ? count - here : p->by < 0 ? -here : INT32_MAX, true);
+}
+
+void pilot_next_pane(struct press *p)
+{
+    const unsigned step = p->by < 0 ? PILOT_RENDITION - 1 : 1;
+    p->state->pane = (enum pilot_pane)((p->state->pane + step) % PILOT_RENDITION);
+}
+
+void pilot_set_mark(struct press *p)
+{
+    struct pilot_mark *mark = &p->state->mark[p->event->point - 'a'];
+    mark->is_set = true;
+    memcpy(mark->place, p->facts->place, sizeof mark->place);
+    buf_printf(p->message, "'%c leads back here", (char)p->event->point);
+}
+
+void pilot_go_to_mark(struct press *p)
+{
+    const char letter = (char)p->event->point;
+    const struct pilot_mark *mark = &p->state->mark[letter - 'a'];
+    if (mark->is_set)
+        jump(p, mark->place);
+    else
+        buf_printf(p->message, "there is no mark %c; m%c sets it", letter, letter);
+}
+
+void pilot_go_back(struct press *p)
+{
+    const struct pilot_mark former = p->state->former;
+    if (former.is_set)
+        jump(p, former.place);
+    else
+        buf_add_text(p->message, "there was no jump to go back from");
+}
+
+static void say_no_label(struct press *p, const char *has)
+{
+    buf_add_text(p->message, "label ");
+    p->host->label(p->host->context, p->state->label, p->message);
+    buf_add_text(p->message, has);
+}
+
+void pilot_next_seed(struct press *p)
+{
+    uint32_t place[3];
+    if (p->host->seed(p->host->context, p->state->label, p->by * times(p), place))
+        jump(p, place);
+    else
+        say_no_label(p, " has no seed");
+}
+
+void pilot_go_to_centre(struct press *p)
+{
+    uint32_t place[3];
+    if (p->host->centre(p->host->context, p->state->label, place))
+        jump(p, place);
+    else
+        say_no_label(p, " has no voxel");
+}
+
+/* ---- seeds ---- */
+
+/* The voxel that is meant: under the cross-hair, or the one that the pixel of the rendition shows,
+ * and then the cross-hair goes there. False where that shows none. */
+static bool take_voxel(struct press *p, uint32_t place[3])
+{
+    const uint32_t *pixel = p->state->pixel;
+    memcpy(place, p->facts->place, sizeof p->facts->place);
+    if (p->state->mode != PILOT_PICKING)
+        return true;
+    if (!p->host->voxel_of_frame(p->host->context, pixel[0], pixel[1], place)) {
+        buf_add_text(p->message, "no object is seen at that pixel");
+        return false;
+    }
+    pilot_cross(p->state, p->facts, place, p->line);
+    return true;
+}
+
+void pilot_plant(struct press *p)
+{
+    struct pilot_state *state = p->state;
+    uint32_t place[3];
+    if (!take_voxel(p, place))
+        return;
+    add_seed(state, place, state->stroke.is_set ? state->stroke.place : NULL, p->line);
+    state->stroke.is_set = false;
+}
+
+void pilot_plant_label(struct press *p)
+{
+    p->state->label = p->event->point - '0';
+    pilot_plant(p);
+}
+
+static void say_brush(struct press *p)
+{
+    buf_add_text(p->message, "the brush: label ");
+    p->host->label(p->host->context, p->state->label, p->message);
+    buf_printf(p->message, ", radius %u%s", p->state->radius,
+               p->state->pen_is_down ? ", pen down" : "");
+}
+
+void pilot_choose_label(struct press *p)
+{
+    const uint32_t count = p->state->count;
+    if (count >= LABELS) {
+        buf_printf(p->message, "labels are 0 to %d, not %u", LABELS - 1, count);
+        return;
+    }
+    p->state->label = count ? count : (p->state->label + (p->by < 0 ? LABELS - 1 : 1)) % LABELS;
+    say_brush(p);
+}
+
+void pilot_change_radius(struct press *p)
+{
+    p->state->radius = shifted(p->state->radius, p->by * times(p), RADIUS_MOST + 1);
+    say_brush(p);
+}
+
+void pilot_lower_pen(struct press *p)
+{
+    p->state->pen_is_down = !p->state->pen_is_down;
+    say_brush(p);
+}
+
+void pilot_begin_stroke(struct press *p)
+{
+    memcpy(p->state->stroke.place, p->facts->place, sizeof p->state->stroke.place);
+    p->state->stroke.is_set = true;
+    buf_add_text(p->message, "one end of a stroke; a seed where the other is draws it");
+}
+
+void pilot_drop_stroke(struct press *p)
+{
+    p->state->stroke.is_set = p->state->pen_is_down = false;
+}
+
+void pilot_show_tree(struct press *p)
+{
+    struct buf tree = {0};
+    uint32_t place[3];
+    if (!take_voxel(p, place))
+        return;
+    if (p->host->tree(p->host->context, place, &tree)) {
+        p->state->mode = PILOT_CONFIRMING;
+        buf_printf(p->message, "x again eliminates %s", buf_text(&tree));
+    } else {
+        buf_add_text(p->message, "no tree holds this voxel");
+    }
+    p->message->failed |= tree.failed;
+    buf_release(&tree);
+}
+
+void pilot_undo(struct press *p)
+{
+    buf_add_text(p->line, p->by < 0 ? "undo" : "redo");
+    if (p->state->count)
+        buf_printf(p->line, " %u", p->state->count);
+    buf_add_char(p->line, '\n');
+}
+
+/* ---- what is shown ---- */
+
+/* The chosen label, or that of the count. */
+void pilot_hide(struct press *p)
+{
+    const unsigned label = p->state->count ? p->state->count : p->state->label;
+    if (label == 0 || label >= LABELS) {
+        buf_add_text(p->message, label ? "labels are 1 to 255" : "the background is never shown");
+        return;
+    }
+    const bool is_hidden = p->host->is_hidden(p->host->context, label);
+    buf_printf(p->line, "%s %u\n", is_hidden ? "show" : "hide", label);
+    buf_printf(p->message, "%s label ", is_hidden ? "shown:" : "hidden:");
+    p->host->label(p->host->context, label, p->message);
+}
+
+void pilot_show_all(struct press *p)
+{
+    for (unsigned label = 1; label < LABELS; label++)
+        if (p->host->is_hidden(p->host->context, label))
+            buf_printf(p->line, "show %u\n", label);
+    buf_add_text(p->message, p->line->length ? "all labels are shown" : "no label is hidden");
+}
+
+void pilot_turn(struct press *p)
+{
+    const int by = TURN * (int)(times(p) < TURNS_MOST ? times(p) : TURNS_MOST);
+    buf_printf(p->line, "turn %d", right_of(p->by) * by);
+    if (up_of(p->by))
+        buf_printf(p->line, " %d", up_of(p->by) * by);
+    buf_add_char(p->line, '\n');
+}
+
+void pilot_roll(struct press *p)
+{
+    const int by = TURN * (int)(times(p) < TURNS_MOST ? times(p) : TURNS_MOST);
+    buf_printf(p->line, "turn 0 0 %d\n", p->by * by);
+}
+
+void pilot_pan(struct press *p)
+{
+    const int by = PIXEL_JUMP * (int)(times(p) < PIXEL_JUMP ? times(p) : PIXEL_JUMP);
+    buf_printf(p->line, "pan %d %d\n", right_of(p->by) * by, -up_of(p->by) * by);
+}
+
+void pilot_change_zoom(struct press *p)
+{
+    pilot_zoom(p->facts->zoom, p->by > 0, p->line);
+}
+
+void pilot_change_overlay(struct press *p)
+{
+    static const char *const overlay[] = {"none", "tint", "contour"};
+    buf_printf(p->line, "overlay %s\n", overlay[(p->facts->overlay + 1) % 3]);
+}
+
+/* ---- a pixel of the rendition ---- */
+
+/* It stays where it was, as long as the picture goes there. */
+void pilot_begin_picking(struct press *p)
+{
+    struct pilot_state *state = p->state;
+    const uint32_t size[2] = {p->facts->frame_width, p->facts->frame_height};
+    for (int i = 0; i < 2; i++)
+        if (!state->has_pixel || state->pixel[i] >= size[i])
+            state->pixel[i] = size[i] / 2;
+    state->has_pixel = true;
+    state->mode = state->base = PILOT_PICKING;
+}
+
+void pilot_end_picking(struct press *p)
+{
+    uint32_t place[3];
+    if (p->by && !take_voxel(p, place))
+        return;
+    p->state->mode = p->state->base = PILOT_MOVING;
+}

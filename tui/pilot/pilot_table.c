@@ -1,0 +1,211 @@
+/* THE table of keys, and what can be read off it: the page of keys, the hints below the picture. */
+#include "tui/pilot/pilot_press.h"
+
+#include <string.h>
+
+#define MOVING     PILOT_IN(PILOT_MOVING)
+#define PICKING    PILOT_IN(PILOT_PICKING)
+#define BOTH       (MOVING | PICKING)
+#define CONFIRMING PILOT_IN(PILOT_CONFIRMING)
+#define WINDOWING  PILOT_IN(PILOT_WINDOWING)
+#define ARROWS     (BOTH | WINDOWING)
+
+/* What every row of a thing to do begins with, on one line. */
+#define KEY(NAME, KEYS, ALSO, IN) NAME, KEYS, ALSO, .in = IN
+#define DO(FUNCTION, BY)          .act = FUNCTION, .by = BY
+#define PAGE(SHOWN, HELP)         .shown = SHOWN, .help = HELP
+#define PART                                                                                       \
+    {                                                                                              \
+        .keys = ""                                                                                 \
+    }
+
+enum {
+    COUNTS = PILOT_COUNTS,
+    CHANGES = PILOT_CHANGES,
+    STAYS = PILOT_STAYS,
+    SILENT = PILOT_IS_SILENT,
+    MOVES = COUNTS | STAYS
+};
+
+const struct pilot_row pilot_table[] = {
+    {KEY("left", "h", "Left", ARROWS), DO(pilot_move, PILOT_LEFT), .flags = MOVES,
+     PAGE("h j k l arrows", "move the cross-hair")},
+    {KEY("down", "j", "Down", ARROWS), DO(pilot_move, PILOT_DOWN), .flags = MOVES, .help = ""},
+    {KEY("up", "k", "Up", ARROWS), DO(pilot_move, PILOT_UP), .flags = MOVES, .help = ""},
+    {KEY("right", "l", "Right", ARROWS), DO(pilot_move, PILOT_RIGHT), .flags = MOVES, .help = ""},
+    {KEY("far-left", "H", "Ctrl-Left", ARROWS), DO(pilot_move, PILOT_FAR + PILOT_LEFT),
+     .flags = MOVES, PAGE("H L Ctrl-arrows", "by ten voxels")},
+    {KEY("far-down", "Ctrl-Down", "", ARROWS), DO(pilot_move, PILOT_FAR + PILOT_DOWN),
+     .flags = MOVES, .help = ""},
+    {KEY("far-up", "Ctrl-Up", "", ARROWS), DO(pilot_move, PILOT_FAR + PILOT_UP), .flags = MOVES,
+     .help = ""},
+    {KEY("far-right", "L", "Ctrl-Right", ARROWS), DO(pilot_move, PILOT_FAR + PILOT_RIGHT),
+     .flags = MOVES, .help = ""},
+    {KEY("slice-back", "J", "Page-down", BOTH), DO(pilot_change_slice, -1), .flags = COUNTS,
+     PAGE("J K Page-keys", "the slice")},
+    {KEY("slice-on", "K", "Page-up", BOTH), DO(pilot_change_slice, 1), .flags = COUNTS, .help = ""},
+    {KEY("first-slice", "gg", "", MOVING), DO(pilot_to_slice, -1), .flags = COUNTS,
+     .help = "first, last, 90G"},
+    {KEY("last-slice", "G", "", MOVING), DO(pilot_to_slice, 1), .flags = COUNTS, .help = ""},
+    {.keys = "1-9", .help = "a count: 25l moves 25"},
+    {KEY("next-plane", "Tab", "", MOVING), DO(pilot_next_pane, 1), .help = "the next plane"},
+    {KEY("previous-plane", "Shift-Tab", "", MOVING), DO(pilot_next_pane, -1)},
+    {KEY("next-seed", "n", "", MOVING), DO(pilot_next_seed, 1), .flags = COUNTS,
+     .help = "the label's seeds"},
+    {KEY("previous-seed", "N", "", MOVING), DO(pilot_next_seed, -1), .flags = COUNTS, .help = ""},
+    {KEY("centre", "gc", "", MOVING), DO(pilot_go_to_centre, 0), .help = "the label's centre"},
+    {KEY("go-back", "''", "", MOVING), DO(pilot_go_back, 0)},
+    {KEY("mark", "ma-z", "", MOVING), DO(pilot_set_mark, 0),
+     PAGE("ma-z 'a-z ''", "mark, go there, back")},
+    {KEY("go-to-mark", "'a-z", "", MOVING), DO(pilot_go_to_mark, 0), .help = ""},
+    {.keys = "mouse", .help = "a click: there"},
+    PART,
+    {KEY("plant", "i Enter", "", BOTH), DO(pilot_plant, 0), .flags = CHANGES,
+     .help = "a seed of the label", .hint = "i seed"},
+    {KEY("plant-picked", "0-9", "", PICKING), DO(pilot_plant_label, 0), .flags = CHANGES,
+     .hint = "0-9 Enter: a seed there"},
+    {KEY("plant-label", "s0-9", "", BOTH), DO(pilot_plant_label, 0), .flags = CHANGES,
+     .help = "a seed of 0-9"},
+    {KEY("next-label", "b", "", BOTH), DO(pilot_choose_label, 1), .flags = COUNTS,
+     .help = "the label: 12b is 12", .hint = "b label"},
+    {KEY("previous-label", "B", "", BOTH), DO(pilot_choose_label, -1), .flags = COUNTS, .help = ""},
+    {KEY("larger", "+", "=", BOTH), DO(pilot_change_radius, 1), .flags = COUNTS,
+     .help = "the brush's radius"},
+    {KEY("smaller", "-", "_", BOTH), DO(pilot_change_radius, -1), .flags = COUNTS, .help = ""},
+    {KEY("pen", "v", "", MOVING), DO(pilot_lower_pen, 0), .help = "pen down: moving draws"},
+    {KEY("stroke", "I", "", MOVING), DO(pilot_begin_stroke, 0), .help = "one end of a stroke"},
+    {KEY("eliminate", "x", "", BOTH), DO(pilot_show_tree, 0), .help = "x x eliminates a tree",
+     .hint = "x eliminate"},
+    {KEY("repeat", ".", "", BOTH), DO(pilot_repeat, 0), .help = "the change again"},
+    {KEY("hide", "e", "", BOTH), DO(pilot_hide, 0), .flags = COUNTS | CHANGES,
+     .help = "hide, show; show all"},
+    {KEY("show-all", "E", "", BOTH), DO(pilot_show_all, 0), .help = ""},
+    {KEY("cut", "c", "", BOTH), .command = "plane @\n", .flags = CHANGES,
+     .help = "cut here; whole"},
+    {KEY("whole", "C", "", BOTH), .command = "plane none\n", .help = ""},
+    {KEY("drop", "Escape", "", MOVING), DO(pilot_drop_stroke, 0), .help = "no pen, no stroke"},
+    {KEY("run", "Space", "", BOTH), .command = "run\n", .help = "run what waits"},
+    {KEY("undo", "u", "", BOTH), DO(pilot_undo, -1), .flags = COUNTS | PILOT_TELLS_ALL,
+     .help = "undo", .hint = "u undo"},
+    {KEY("redo", "Ctrl-R", "", BOTH), DO(pilot_undo, 1), .flags = COUNTS, .help = "redo"},
+    PART,
+    {KEY("turn-right", "r", "Shift-Right", BOTH), DO(pilot_turn, PILOT_RIGHT), .flags = COUNTS,
+     PAGE("r R Shift-arrows", "turn the view")},
+    {KEY("turn-left", "R", "Shift-Left", BOTH), DO(pilot_turn, PILOT_LEFT), .flags = COUNTS,
+     .help = ""},
+    {KEY("turn-up", "Shift-Up", "", BOTH), DO(pilot_turn, PILOT_UP), .flags = COUNTS, .help = ""},
+    {KEY("turn-down", "Shift-Down", "", BOTH), DO(pilot_turn, PILOT_DOWN), .flags = COUNTS,
+     .help = ""},
+    {KEY("roll", ">", "", BOTH), DO(pilot_roll, 1), .flags = COUNTS, PAGE("< >", "roll it")},
+    {KEY("roll-back", "<", "", BOTH), DO(pilot_roll, -1), .flags = COUNTS, .help = ""},
+    {KEY("front", "Va", "", BOTH), .command = "view front\n",
+     PAGE("Va p l r s i", "view from a side")},
+    {KEY("back", "Vp", "", BOTH), .command = "view back\n", .help = ""},
+    {KEY("left-side", "Vl", "", BOTH), .command = "view left\n", .help = ""},
+    {KEY("right-side", "Vr", "", BOTH), .command = "view right\n", .help = ""},
+    {KEY("top", "Vs", "", BOTH), .command = "view top\n", .help = ""},
+    {KEY("bottom", "Vi", "", BOTH), .command = "view bottom\n", .help = ""},
+    {KEY("nearer", "z", "", BOTH), DO(pilot_change_zoom, 1), .help = "nearer, farther"},
+    {KEY("farther", "Z", "", BOTH), DO(pilot_change_zoom, -1), .help = ""},
+    {KEY("correct", "p", "", MOVING), DO(pilot_begin_picking, 0), .help = "correct the rendition"},
+    {KEY("to-voxel", "p", "", PICKING), DO(pilot_end_picking, 1), .hint = "p to its voxel"},
+    {KEY("stop-correcting", "Escape", "", PICKING), DO(pilot_end_picking, 0),
+     .hint = "Escape ends"},
+    {KEY("pan-left", "Alt-Left", "Alt-h", BOTH), DO(pilot_pan, PILOT_LEFT), .flags = COUNTS,
+     PAGE("Alt-arrows", "move the rendition")},
+    {KEY("pan-down", "Alt-Down", "Alt-j", BOTH), DO(pilot_pan, PILOT_DOWN), .flags = COUNTS,
+     .help = ""},
+    {KEY("pan-up", "Alt-Up", "Alt-k", BOTH), DO(pilot_pan, PILOT_UP), .flags = COUNTS, .help = ""},
+    {KEY("pan-right", "Alt-Right", "Alt-l", BOTH), DO(pilot_pan, PILOT_RIGHT), .flags = COUNTS,
+     .help = ""},
+    {KEY("overlay", "o", "", BOTH), DO(pilot_change_overlay, 0), .help = "none, tint, contour"},
+    {KEY("window", "w", "", BOTH), .then = PILOT_WINDOWING, .help = "the window of greys"},
+    {KEY("command", ":", "", BOTH), .deed = PILOT_PROMPT, .help = "a command", .hint = ": command"},
+    {KEY("keys", "?", "", BOTH), .then = PILOT_HELPING, .help = "these keys", .hint = "? keys"},
+    {KEY("redraw", "Ctrl-L", "", BOTH), .deed = PILOT_REDRAW, .help = "draw anew"},
+    {KEY("suspend", "Ctrl-Z", "", BOTH), .deed = PILOT_SUSPEND, .help = "stop, as a job"},
+    {KEY("leave", "q", "Ctrl-D", BOTH), .deed = PILOT_LEAVE, .help = "back to the prompt",
+     .hint = "q back"},
+
+    {KEY("eliminate-it", "x Enter", "", CONFIRMING), .command = "remove @\n", .flags = CHANGES,
+     .hint = "x or Enter eliminates the hatched tree"},
+    {KEY("keep-it", "Escape", "", CONFIRMING), .hint = "Escape keeps it"},
+
+    {KEY("window-auto", "a", "", WINDOWING), .command = "window auto\n", .flags = SILENT,
+     .hint = "left right width  up down brightness  a auto"},
+    {KEY("end-window", "Enter", "Escape w", WINDOWING), .hint = "Enter done"},
+    {KEY("end-help", "any", "", PILOT_IN(PILOT_HELPING))},
+};
+const size_t pilot_rows = sizeof pilot_table / sizeof pilot_table[0];
+
+/* ---- what the keys do ---- */
+
+void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
+                     struct buf *out)
+{
+    const enum pilot_mode mode = state->mode == PILOT_HELPING ? PILOT_MOVING : state->mode;
+    const char *gap = "";
+    if (mode == PILOT_WINDOWING) {
+        buf_add_text(out, "window ");
+        pilot_add_decimal(out, facts->window[0]);
+        buf_add_char(out, ' ');
+        pilot_add_decimal(out, facts->window[1]);
+        gap = "  ";
+    } else if (mode == PILOT_PICKING) {
+        buf_printf(out, "CORRECT at pixel %u,%u", state->pixel[0], state->pixel[1]);
+        gap = "  ";
+    }
+    for (size_t i = 0; i < pilot_rows; i++) {
+        const unsigned in = pilot_table[i].in;
+        if (!pilot_table[i].hint || !(in & (in & MOVING ? MOVING : in) & PILOT_IN(mode)))
+            continue;
+        buf_printf(out, "%s%s", gap, pilot_table[i].hint);
+        gap = "  ";
+    }
+}
+
+/* The keys of an entry: those of its row and of the rows that join it. */
+static void add_keys(struct buf *out, const struct pilot_row *row)
+{
+    if (row->shown) {
+        buf_add_text(out, row->shown);
+        return;
+    }
+    buf_add_text(out, row->keys);
+    while (++row < pilot_table + pilot_rows && row->help && !*row->help)
+        buf_printf(out, " %s", row->keys);
+}
+
+static bool begins_entry(const struct pilot_row *row)
+{
+    return row->help && *row->help;
+}
+
+/* Two entries on a line, or one; an empty line between parts. */
+void pilot_keys_page(struct buf *out, bool narrow)
+{
+    enum { HELP = 24 };
+    const struct pilot_row *left = NULL;
+    struct buf keys = {0};
+    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
+        const bool ends_part = !row->name && !row->help;
+        buf_clear(&keys);
+        if (begins_entry(row))
+            add_keys(&keys, row);
+        if (left && begins_entry(row))
+            buf_printf(out, "%*s%-15s %s", HELP - (int)strlen(left->help), "", buf_text(&keys),
+                       row->help);
+        if (left && (begins_entry(row) || ends_part))
+            buf_add_char(out, '\n');
+        if (!left && begins_entry(row))
+            buf_printf(out, narrow ? "%s  %s\n" : "  %-16s %s", buf_text(&keys), row->help);
+        if (ends_part)
+            buf_add_char(out, '\n');
+        if (begins_entry(row) || ends_part)
+            left = left || ends_part || narrow ? NULL : row;
+    }
+    if (left)
+        buf_add_char(out, '\n');
+    out->failed |= keys.failed;
+    buf_release(&keys);
+}
