@@ -57,11 +57,10 @@ err_has "there are no records to verify"
 expect 3 "$bench" journal "$work/none.iftty" </dev/null
 close_story
 
-# Without ch2 on the small scene; with `local` alone, for a slow line takes its time.
-begin "what goes to a terminal, and how soon a key shows"
-expect 0 "$iftty" bench terminal --quick --json </dev/null
-for words in '"rendition": {"kitty": {"bytes": ' '"mosaic": {"kitty": ' '"patch": {"kitty": ' \
-    '"kitty_local": {"move": {"keys": ' '"sixel_local": {"move": '; do
+# Without ch2 on the small scene.
+begin "what goes to a terminal"
+expect 0 "$iftty" bench terminal --json </dev/null
+for words in '"rendition": {"kitty": {"bytes": ' '"mosaic": {"kitty": ' '"patch": {"kitty": '; do
     out_has "$words"
 done
 # a patch is a small part of a picture, whatever the encoding
@@ -70,6 +69,16 @@ for by in kitty sixel; do
     patch=$(sed "s/.*\"patch\": {.*\"$by\": {\"bytes\": \([0-9]*\).*/\1/" "$work/out")
     [ "$patch" -gt 0 ] && [ $((patch * 4)) -lt "$whole" ] ||
         fail "$by: a patch takes $patch bytes, the picture $whole"
+done
+same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
+close_story
+
+# With `local` alone, for a slow line takes its time.
+begin "how soon a key shows"
+expect 0 "$bench" keys --quick --json </dev/null
+for words in '"start_to_prompt_ms": {"median": ' '"start_to_loaded_ms": {"median": ' \
+    '"kitty_local": {"move": {"keys": ' '"sixel_local": {"move": '; do
+    out_has "$words"
 done
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
 close_story
@@ -91,8 +100,12 @@ close_story
 begin "what is wrong is told at once"
 expect 2 "$iftty" bench liver
 err_has "bench: expected brain or terminal, not liver"
+expect 2 "$iftty" bench terminal --scene ch2.nii.gz
+err_has '`iftty bench terminal` has no option --scene; it belongs to '
 expect 2 "$iftty" bench brain --quick
-err_has '`iftty bench` has no option --quick; it belongs to `iftty bench terminal`'
+err_has '`iftty bench` has no option --quick; see `iftty bench --help`'
+expect 2 "$bench" journal --quick
+err_has '`bench journal` has no option --quick; it belongs to `bench paper`, `bench growth` and `bench keys`'
 expect 2 "$bench" liver
 err_has "bench: there is no program liver; see"
 expect 2 "$bench"

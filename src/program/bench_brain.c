@@ -1,24 +1,22 @@
 /*
  * `iftty bench`: the whole way on the scene ch2 of Debian's mricron-data, or on synth:geom where
- * that is not there: run from scratch, single edits with their picture, full pictures, memory, and
- * the time from the start of the program to its prompt. Medians; no time is compared with a limit.
+ * that is not there: run from scratch, single edits with their picture, full pictures, and memory.
+ * Medians; no time is compared with a limit.
  */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
-#include "base/folder.h"
 #include "base/hash.h"
 #include "base/json.h"
 #include "base/mem.h"
 #include "command/interpreter.h"
 #include "image/volume.h"
 #include "program/bench.h"
-#include "program/bench_far_end.h"
 #include "program/programs.h"
 
-enum { SEEDS = 660, SCRATCH_RUNS = 5, EDITS = 60, FRAMES = 24, STARTS = 9, MOST_TIMES = 128 };
+enum { SEEDS = 660, SCRATCH_RUNS = 5, EDITS = 60, FRAMES = 24, MOST_TIMES = 128 };
 
 struct times {
     double ms[MOST_TIMES];
@@ -31,7 +29,7 @@ static void add_since(struct times *times, uint64_t begin)
 }
 
 /* What is timed. The first three: the forest from nothing. */
-enum what { ALONE, TOGETHER, CORNERS, PLANT, ELIMINATE, BORDER, SCENE, START, LOADED, TIMED };
+enum what { ALONE, TOGETHER, CORNERS, PLANT, ELIMINATE, BORDER, SCENE, TIMED };
 
 /* A row of the table, and what JSON calls it, which has every time once and in ms. */
 static const struct row {
@@ -47,8 +45,6 @@ static const struct row {
     {ELIMINATE, "eliminator_ms", "an eliminator: update and incremental image", false},
     {BORDER, "border_projection_ms", "border projection, 512x512", false},
     {SCENE, "scene_projection_ms", "scene projection, 512x512", false},
-    {START, "start_to_prompt_ms", "start to prompt", false},
-    {LOADED, "start_to_loaded_ms", "start to scene loaded", false},
 };
 enum { ROWS = sizeof table_rows / sizeof table_rows[0] };
 
@@ -208,44 +204,6 @@ static enum err time_frames(struct session *session, struct figures *figures, st
     return err;
 }
 
-/* ---- the start ---- */
-
-/* The journal of this session goes with the folder. */
-static enum err time_start(const char *folder, const char *scene, struct figures *figures)
-{
-    static const char *const awaited[] = {"> ", "voxels of", "> ", NULL};
-    static const struct bench_line line = {0, 0};
-    char journal[4096];
-    struct far_end *e = NULL;
-    struct far_result result;
-    snprintf(journal, sizeof journal, "%s/bench.iftty", folder);
-    char *const argument[] = {"iftty", "--journal", journal, (char *)(uintptr_t)scene, NULL};
-    enum err err = far_end_new(&e, argument, folder, NULL, &line, NULL);
-    if (!err)
-        err = far_end_press(e, "", awaited, &result, NULL);
-    for (int i = 0; !err && i < 2; i++) {
-        struct times *times = &figures->times[i ? LOADED : START];
-        times->ms[times->count++] = times_between(result.pressed_ns, result.came_ns[2 * i]);
-    }
-    far_end_free(e);
-    return err;
-}
-
-/* Not where there is no pseudo-terminal. */
-static void time_starts(const char *scene, struct figures *figures)
-{
-    enum err err = OK;
-    for (int i = 0; !err && i < STARTS; i++) {
-        struct buf folder = {0};
-        err = folder_fresh(&folder, NULL, NULL);
-        if (!err)
-            err = time_start(buf_text(&folder), scene, figures);
-        if (folder.length)
-            folder_discard(buf_text(&folder));
-        buf_release(&folder);
-    }
-}
-
 /* ---- what is printed ---- */
 
 static void print_table(FILE *out, struct figures *f)
@@ -293,15 +251,19 @@ static void print_json(FILE *out, struct figures *f)
 
 /* Opens that scene, or if `wish` is NULL, the usual one; `name` is what the figures call it. */
 static enum err open_scene(struct interpreter *interp, const char *wish, const char **name,
-                           struct buf *path, struct fault *fault)
+                           struct fault *fault)
 {
+    struct buf path = {0};
     *name = wish ? wish : "ch2.nii.gz";
-    enum err err = interpreter_find_scene(interp, *name, path, fault);
+    enum err err = interpreter_find_scene(interp, *name, &path, fault);
     if (err && !wish) {
         *name = "synth:geom";
-        err = interpreter_find_scene(interp, *name, path, fault);
+        err = interpreter_find_scene(interp, *name, &path, fault);
     }
-    return err ? err : session_open(&interp->session, buf_text(path), fault);
+    if (!err)
+        err = session_open(&interp->session, buf_text(&path), fault);
+    buf_release(&path);
+    return err;
 }
 
 /* By the atlas where it is here and fits the scene. */
@@ -339,7 +301,6 @@ static enum err time_session(struct session *session, struct figures *figures, s
 enum err run_bench_brain(const struct options *o, struct fault *fault)
 {
     struct interpreter interp;
-    struct buf path = {0};
     if (o->words && strcmp(o->word[0], "brain") != 0)
         return fault_set(fault, ERR_USAGE, "bench: expected brain or terminal, not %s", o->word[0]);
     struct figures *figures = mem_new(sizeof *figures);
@@ -347,16 +308,13 @@ enum err run_bench_brain(const struct options *o, struct fault *fault)
     if (!err && !figures)
         err = fault_memory(fault, "a benchmark");
     if (!err)
-        err = open_scene(&interp, o->scene, &figures->scene, &path, fault);
+        err = open_scene(&interp, o->scene, &figures->scene, fault);
     if (!err)
         err = plant_by_atlas(&interp, fault);
     if (!err)
         err = time_session(&interp.session, figures, fault);
-    if (!err) {
-        time_starts(buf_text(&path), figures);
+    if (!err)
         (o->json ? print_json : print_table)(stdout, figures);
-    }
-    buf_release(&path);
     free(figures);
     interpreter_release(&interp);
     return err;

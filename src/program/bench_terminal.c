@@ -1,68 +1,162 @@
 /*
- * `iftty bench terminal`: what pictures cost on their way to a terminal, bytes and time, and how long
- * it takes from a key to the picture.
+ * `iftty bench terminal`: what pictures cost on their way to a terminal, bytes and time.
  *
  * The pictures are those at the end of examples/brain.iftty (of geom.iftty where the scene ch2 is
  * not here): its rendition of 512x512 pixels, a mosaic of 640x640, and patches of 40x40 that change
  * in the rendition, as an edit changes them: into what is seen a few pixels beside. The painter
- * sends them to a terminal with cells of 8x16 pixels, by every means that it knows. Then the pilot,
- * in a terminal of the benchmark's own (bench_far_end.h), at once and through a line of 2 Mbit/s
- * and 120 ms round trip.
+ * sends them to a terminal with cells of 8x16 pixels, by every means that it knows.
  *
- * Medians; no time is compared with a limit. tests/bench/chafa.py has another program beside it.
+ * Medians; no time is compared with a limit. tests/bench/chafa.py has another program beside it,
+ * `make bench-keys` the time from a key to the picture.
  */
-#include "program/bench_terminal.h"
-
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/json.h"
-#include "base/mem.h"
 #include "program/bench.h"
 #include "program/programs.h"
 #include "program/shown.h"
 #include "session/slicing.h"
+#include "tui/picture/painter.h"
 
-enum { RENDITION_SIDE = 512, MOSAIC_SIDE = 640 };
-
-/* ---- the rows and columns of both tables ---- */
-
-struct words {
-    const char *name, *text; /* in JSON and in the table */
+enum {
+    RENDITION_SIDE = 512,
+    MOSAIC_SIDE = 640,
+    PATCH_SIDE = 40,
+    CELL_WIDTH = 8,
+    CELL_HEIGHT = 16,
+    ROUNDS = 21,
+    FRAMES_MOST = 24
 };
 
 enum { RENDITION, MOSAIC, PATCH, PICTURES };
-static const struct words picture_words[PICTURES] = {
-    {"rendition", "rendition, 512x512"},
-    {"mosaic", "mosaic, 640x640"},
-    {"patch", "40x40 pixels of the rendition change"}};
-
-static const struct words key_words[BENCH_KEYS] = {
-    [BENCH_MOVE] = {"move", "the cross-hair by a voxel, ms"},
-    [BENCH_SEED] = {"seed", "a seed and its run, ms"}};
+static const struct words {
+    const char *name, *text; /* in JSON and in the table */
+} picture_words[PICTURES] = {{"rendition", "rendition, 512x512"},
+                             {"mosaic", "mosaic, 640x640"},
+                             {"patch", "40x40 pixels of the rendition change"}};
 
 /* All protocols but the last, which shows nothing. Blocks are half a cell high, in 24-bit colours. */
 enum { MEANS_MOST = 8 };
 #define MEANS ((int)graphics_auto.count - 1)
 
-static const struct line_kind {
-    const char *name, *text;
-    struct bench_line line;
-    unsigned keys;
-} lines[] = {{"local", "no line", {0, 0}, 24},
-             {"slow", "2 Mbit/s, 120 ms round trip", {2e6, 60}, 10}};
-enum { LINES = sizeof lines / sizeof lines[0], PILOTED = 2 };
-static const struct graphics *const piloted[PILOTED] = {&graphics_kitty, &graphics_sixel};
+/* Medians; no bytes where nothing was measured. */
+struct cost {
+    double bytes, ms;
+};
 
 struct figures {
     const char *journal;
-    struct bench_cost cost[PICTURES][MEANS_MOST];
-    int lines; /* that were timed */
-    struct bench_key key[LINES][PILOTED][BENCH_KEYS];
+    struct cost cost[PICTURES][MEANS_MOST];
 };
 
-/* ---- pictures ---- */
+/* ---- the painter ---- */
+
+struct frames {
+    struct painter painter;
+    struct buf out;
+    double ms[FRAMES_MOST], bytes[FRAMES_MOST];
+    size_t count;
+};
+
+static void begin_frames(struct frames *f, const struct graphics *by, uint32_t side)
+{
+    const struct terminal_facts facts = {.graphics = by,
+                                         .colours = COLOURS_24BIT,
+                                         .cell_width = CELL_WIDTH,
+                                         .cell_height = CELL_HEIGHT,
+                                         .image_side_most = 10000,
+                                         .shape = BLOCK_HALF,
+                                         .answers = true,
+                                         .edits = true};
+    *f = (struct frames){.count = 0};
+    painter_place(&f->painter, &facts, 0, 0, side / CELL_WIDTH, side / CELL_HEIGHT);
+}
+
+static bool time_frame(struct frames *f, const struct image_view *view)
+{
+    buf_clear(&f->out);
+    const uint64_t begin = clock_ns();
+    painter_show(&f->painter, view, &f->out);
+    f->ms[f->count] = times_since(begin);
+    f->bytes[f->count++] = (double)f->out.length;
+    return !f->out.failed;
+}
+
+static void end_frames(struct frames *f, bool good, struct cost *cost)
+{
+    if (good)
+        *cost = (struct cost){times_median(f->bytes, f->count), times_median(f->ms, f->count)};
+    painter_release(&f->painter);
+    buf_release(&f->out);
+}
+
+/* A whole picture, square; in blocks as large as the cells allow. False without memory. */
+static bool time_whole(struct cost *cost, const struct graphics *by, const struct image_view *view)
+{
+    struct frames f;
+    struct image_view fitting = *view;
+    uint8_t *small = NULL;
+    begin_frames(&f, by, view->width);
+    painter_size(&f.painter, &fitting.width, &fitting.height);
+    if (fitting.width < view->width)
+        fitting.rgba = small = image_view_shrink(view, fitting.width, fitting.height);
+    bool good = fitting.rgba != NULL;
+    for (int i = 0; good && i < ROUNDS; i++) {
+        painter_forget(&f.painter);
+        good = time_frame(&f, &fitting);
+    }
+    end_frames(&f, good, cost);
+    free(small);
+    return good;
+}
+
+/* Nine tenths of the patch show an object, before and after. */
+static bool is_full(const struct image_view *view, uint32_t left, uint32_t top)
+{
+    unsigned shown = 0;
+    for (uint32_t y = 0; y < PATCH_SIDE; y++)
+        for (uint32_t x = 0; x < PATCH_SIDE; x++)
+            shown += image_view_colour(view, (size_t)(top + y) * view->width + left + x) != 0;
+    return shown >= PATCH_SIDE * PATCH_SIDE * 9 / 10;
+}
+
+/* The patch, and what is seen 5 pixels to the right of it and 3 below. */
+static void change_patch(uint8_t *rgba, const struct image_view *view, uint32_t left, uint32_t top)
+{
+    for (uint32_t y = 0; y < PATCH_SIDE; y++)
+        memcpy(rgba + 4 * ((size_t)(top + y) * view->width + left),
+               view->rgba + 4 * ((size_t)(top + y + 3) * view->width + left + 5), 4 * PATCH_SIDE);
+}
+
+/* Patches all over the object; each is changed and comes back. */
+static bool time_patches(struct cost *cost, const struct graphics *by,
+                         const struct image_view *view)
+{
+    const size_t all = 4 * (size_t)view->width * view->height;
+    uint8_t *rgba = malloc(all);
+    struct image_view changed = *view;
+    struct frames f;
+    changed.rgba = rgba;
+    begin_frames(&f, by, view->width);
+    bool good = rgba && painter_show(&f.painter, view, &f.out);
+    for (uint32_t top = 11; good && top + PATCH_SIDE + 3 < view->height; top += 53)
+        for (uint32_t left = 17; good && left + PATCH_SIDE + 5 < view->width; left += 67) {
+            if (f.count + 2 > FRAMES_MOST || !is_full(view, left, top))
+                continue;
+            memcpy(rgba, view->rgba, all);
+            change_patch(rgba, view, left, top);
+            good = time_frame(&f, &changed) && time_frame(&f, view);
+        }
+    end_frames(&f, good, cost);
+    free(rgba);
+    return good;
+}
+
+/* ---- pictures at the end of a journal ---- */
 
 static enum err resume(struct interpreter *interp, const char *journal, struct fault *fault)
 {
@@ -81,16 +175,16 @@ static enum err resume(struct interpreter *interp, const char *journal, struct f
     return err ? err : session_count_labels(session, fault);
 }
 
-static bool time_picture(const struct image_view *view, bool changes, struct bench_cost *whole,
-                         struct bench_cost *patch)
+static bool time_picture(const struct image_view *view, bool changes, struct cost *whole,
+                         struct cost *patch)
 {
     bool good = true;
     for (int m = 0; good && m < MEANS; m++) {
         const struct graphics *by = graphics_auto.of[m];
-        good = bench_painter_whole(&whole[m], by, view);
+        good = time_whole(&whole[m], by, view);
         /* an edit in blocks is a few cells: as coarse as that, there is no patch of 40x40 */
         if (good && changes && by->kind == GRAPHICS_PIXELS)
-            good = bench_painter_patches(&patch[m], by, view);
+            good = time_patches(&patch[m], by, view);
     }
     return good;
 }
@@ -128,22 +222,9 @@ static enum err time_pictures(struct figures *f, struct buf *journal, struct fau
     return err;
 }
 
-/* ---- the pilot ---- */
-
-static enum err time_pilot(const char *journal, bool quick, struct figures *f, struct fault *fault)
-{
-    enum err err = OK;
-    f->lines = quick ? 1 : LINES;
-    for (int l = 0; !err && l < f->lines; l++)
-        for (int m = 0; !err && m < PILOTED; m++)
-            err = bench_pilot(journal, piloted[m], &lines[l].line, quick ? 4 : lines[l].keys,
-                              f->key[l][m], fault);
-    return err;
-}
-
 /* ---- what is printed ---- */
 
-static void print_picture(FILE *out, const char *words, const struct bench_cost cost[MEANS_MOST])
+static void print_picture(FILE *out, const char *words, const struct cost cost[MEANS_MOST])
 {
     fprintf(out, "    %-36s", words);
     for (int m = 0; m < MEANS; m++) {
@@ -153,13 +234,6 @@ static void print_picture(FILE *out, const char *words, const struct bench_cost 
             fprintf(out, " %7s %5s", "", "");
     }
     fputc('\n', out);
-}
-
-static void print_keys(FILE *out, const struct bench_key key[BENCH_KEYS])
-{
-    for (int k = 0; k < BENCH_KEYS; k++)
-        fprintf(out, "        %-32s %9.2f %9.2f %9.2f\n", key_words[k].text, key[k].shown_ms,
-                key[k].last_ms, key[k].bytes / 1000);
 }
 
 static void print_table(FILE *out, const struct figures *f)
@@ -173,16 +247,9 @@ static void print_table(FILE *out, const struct figures *f)
     fputc('\n', out);
     for (int i = 0; i < PICTURES; i++)
         print_picture(out, picture_words[i].text, f->cost[i]);
-    fprintf(out, "the pilot, %dx%d cells of %dx%d pixels: a key, until\n%-41s %9s %9s %9s\n",
-            FAR_COLUMNS, FAR_ROWS, FAR_CELL_WIDTH, FAR_CELL_HEIGHT, "", "shown", "last byte", "kB");
-    for (int l = 0; l < f->lines; l++)
-        for (int m = 0; m < PILOTED; m++) {
-            fprintf(out, "    %s, %s\n", piloted[m]->title, lines[l].text);
-            print_keys(out, f->key[l][m]);
-        }
 }
 
-static void add_picture(struct json *json, const char *name, const struct bench_cost *cost)
+static void add_picture(struct json *json, const char *name, const struct cost *cost)
 {
     json_object(json, name);
     for (int m = 0; m < MEANS; m++) {
@@ -196,36 +263,14 @@ static void add_picture(struct json *json, const char *name, const struct bench_
     json_end(json);
 }
 
-static void add_keys(struct json *json, const char *name, const struct bench_key key[BENCH_KEYS])
-{
-    json_object(json, name);
-    for (int k = 0; k < BENCH_KEYS; k++) {
-        json_object(json, key_words[k].name);
-        json_count(json, "keys", key[k].keys);
-        json_fixed(json, "shown_ms", key[k].shown_ms, 3);
-        json_fixed(json, "last_ms", key[k].last_ms, 3);
-        json_fixed(json, "bytes", key[k].bytes, 0);
-        json_end(json);
-    }
-    json_end(json);
-}
-
 static void print_json(FILE *out, const struct figures *f)
 {
     struct buf text = {0};
     struct json json = {.out = &text};
-    char name[32];
     json_object(&json, NULL);
     json_text(&json, "journal", f->journal);
     for (int i = 0; i < PICTURES; i++)
         add_picture(&json, picture_words[i].name, f->cost[i]);
-    json_object(&json, "pilot");
-    for (int l = 0; l < f->lines; l++)
-        for (int m = 0; m < PILOTED; m++) {
-            snprintf(name, sizeof name, "%s_%s", piloted[m]->name, lines[l].name);
-            add_keys(&json, name, f->key[l][m]);
-        }
-    json_end(&json);
     json_end(&json);
     fputs(buf_text(&text), out);
     buf_release(&text);
@@ -234,10 +279,8 @@ static void print_json(FILE *out, const struct figures *f)
 enum err run_bench_terminal(const struct options *o, struct fault *fault)
 {
     struct buf journal = {0};
-    struct figures f = {.lines = 0};
+    struct figures f = {.journal = NULL};
     enum err err = time_pictures(&f, &journal, fault);
-    if (!err)
-        err = time_pilot(buf_text(&journal), o->quick, &f, fault);
     f.journal = file_name(buf_text(&journal));
     if (!err)
         (o->json ? print_json : print_table)(stdout, &f);

@@ -27,7 +27,6 @@ enum {
     LIMIT_MEMORY,
     LIMIT_TIME,
     LIMIT_OUTPUT,
-    QUICK,
     NO_NAMES,
     /* what says which form is meant */
     COMMANDS,
@@ -104,7 +103,6 @@ static const struct option option[] = {
                     TEXT(limit_time)},
     [LIMIT_OUTPUT] = {"--limit-output", "SIZE", "the most bytes of files written, as 500M (4G)",
                       TEXT(limit_output)},
-    [QUICK] = {"--quick", NULL, "few keys, and no slow line", FLAG(quick)},
     [NO_NAMES] = {"--anonymise", NULL, "without comments and the names of files", FLAG(anonymise)},
 
     [COMMANDS] = {"-c", "'COMMAND; COMMAND'", "", TEXT(commands)},
@@ -251,15 +249,15 @@ static const struct program program[] = {
     {.name = "bench",
      AT_MOST_1("[brain]"),
      .option = {SCENE, JSON},
-     .summary = "measure runs, edits, pictures and the start",
+     .summary = "measure runs, edits, pictures and memory",
      .run = run_bench_brain},
     {.name = "bench",
      .form = "terminal",
      .words = "",
-     .option = {QUICK, JSON},
-     .summary = "measure pictures for terminals, and keys",
-     .detail = "Bytes and time of a picture, and the time from a key to its picture. By every "
-               "graphics protocol.",
+     .option = {JSON},
+     .summary = "measure pictures for terminals",
+     .detail = "Bytes and time of a picture, and of a part of it that changes, by every graphics "
+               "protocol.",
      .run = run_bench_terminal},
     {.name = "help",
      AT_MOST_1("[COMMAND|PROGRAM]"),

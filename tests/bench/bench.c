@@ -1,7 +1,7 @@
 /* The benchmarks as a program: its table, and its main. */
 #include "tests/bench/bench.h"
 
-enum { JSON = 1, CSV, QUICK_PAPER, QUICK_GROWTH, ROUNDS, PLOTS };
+enum { JSON = 1, CSV, QUICK_PAPER, QUICK_GROWTH, QUICK_KEYS, ROUNDS, PLOTS };
 
 #define FLAG(member) option_read_flag, offsetof(struct bench_options, member), 0, 0, NULL
 #define TEXT(member) option_read_text, offsetof(struct bench_options, member), 0, 0, NULL
@@ -10,8 +10,9 @@ static const struct option option[] = {
     {0},
     [JSON] = {"--json", NULL, "print JSON", FLAG(common.json)},
     [CSV] = {"--csv", NULL, "print a row for each scene, step and experiment", FLAG(csv)},
-    [QUICK_PAPER] = {"--quick", NULL, "only the first two steps", FLAG(common.quick)},
-    [QUICK_GROWTH] = {"--quick", NULL, "only the first two scenes", FLAG(common.quick)},
+    [QUICK_PAPER] = {"--quick", NULL, "only the first two steps", FLAG(quick)},
+    [QUICK_GROWTH] = {"--quick", NULL, "only the first two scenes", FLAG(quick)},
+    [QUICK_KEYS] = {"--quick", NULL, "one start, few keys, and no slow line", FLAG(quick)},
     [ROUNDS] = {"--rounds", "N", "time each experiment N times (3), take the median",
                 option_read_number, offsetof(struct bench_options, rounds), 1, 99, NULL},
     [PLOTS] = {"--plots", "DIR", "charts as SVG, into this folder", TEXT(plots)},
@@ -48,6 +49,14 @@ static const struct program program[] = {
      .detail = "100000 records encoded and read; recording beside the session that is recorded; "
                "verifying beside the forests and renditions that are made on the way.",
      .run = run_journal},
+    {.name = "keys",
+     .words = "",
+     .option = {QUICK_KEYS, JSON},
+     .summary = "from the start to the prompt, from a key to its picture",
+     .detail =
+         "iftty in a terminal that the benchmark plays, with kitty's graphics and with sixel, "
+         "at once and through a line of 2 Mbit/s and 120 ms.",
+     .run = run_keys},
 };
 
 static const struct program_table table = {

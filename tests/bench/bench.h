@@ -9,16 +9,23 @@
 
 /* What their command lines give. */
 struct bench_options {
-    struct options common; /* first: a benchmark is run with a pointer to this */
+    struct options common; /* first: a benchmark is run with a pointer to this, */
     size_t rounds;
     const char *plots;
-    bool csv;
+    bool csv, quick;
 };
+
+/* and finds the others by it. */
+static inline const struct bench_options *bench_options(const struct options *common)
+{
+    return (const struct bench_options *)(const void *)common;
+}
 
 enum err run_paper(const struct options *options, struct fault *fault);
 enum err run_growth(const struct options *options, struct fault *fault);
 enum err run_render(const struct options *options, struct fault *fault);
 enum err run_journal(const struct options *options, struct fault *fault);
+enum err run_keys(const struct options *options, struct fault *fault);
 
 /* A session of many commands on 7 million voxels, and how long going on with its journal takes: the
  * least of three times. ERR_CHECK where what is resumed is not what was left. */

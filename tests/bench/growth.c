@@ -204,7 +204,7 @@ static size_t scenes_that_fit(size_t most)
 
 enum err run_growth(const struct options *o, struct fault *fault)
 {
-    const size_t scenes = scenes_that_fit(o->quick ? 2 : SCENES);
+    const size_t scenes = scenes_that_fit(bench_options(o)->quick ? 2 : SCENES);
     struct watch *watch = console_watch();
     struct growth *growth = mem_array(SCENES, sizeof *growth);
     struct scene *tile = NULL;

@@ -87,7 +87,7 @@ static enum err choose_scenes(struct run *run, struct fault *fault)
     run->scenes = all        ? sizeof every / sizeof every[0]
                   : o->words ? (size_t)o->words
                              : sizeof usual / sizeof usual[0];
-    run->steps = o->quick ? QUICK_STEPS : PROCEDURE_STEPS;
+    run->steps = run->options->quick ? QUICK_STEPS : PROCEDURE_STEPS;
     for (size_t i = 0; i < run->scenes; i++) {
         struct trial *trial = &run->trial[i];
         if (!scan_scene(&run->choice[i], name[i]))
@@ -201,7 +201,7 @@ static enum err run_scenes(struct run *run, struct fault *fault)
 
 enum err run_paper(const struct options *common, struct fault *fault)
 {
-    const struct bench_options *o = (const struct bench_options *)(const void *)common;
+    const struct bench_options *o = bench_options(common);
     struct run *run = mem_new(sizeof *run);
     if (!run)
         return fault_memory(fault, "a benchmark");

@@ -1,15 +1,15 @@
 /*
- * This program once more, in a terminal of the benchmark's own at the far end of a line.
+ * iftty in a terminal of the benchmark's own, at the far end of a line.
  *
- *     this program -- pty -- line -- a terminal that answers
+ *     iftty -- pty -- line -- a terminal that answers
  *
  * The pseudo-terminal has 80x42 cells of 8x16 pixels. What the program writes travels as packets of
  * 1400 bytes: each leaves when those before it have left, at the line's rate, and arrives
  * `one_way_ms` later; so do keys and answers on their way back. The terminal at the far end takes
  * no time to draw, and answers as kitty does, as a terminal with sixel graphics, or as a plain one.
  */
-#ifndef PROGRAM_BENCH_FAR_END_H
-#define PROGRAM_BENCH_FAR_END_H
+#ifndef TESTS_BENCH_FAR_END_H
+#define TESTS_BENCH_FAR_END_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -20,17 +20,18 @@
 enum { FAR_COLUMNS = 80, FAR_ROWS = 42, FAR_CELL_WIDTH = 8, FAR_CELL_HEIGHT = 16 };
 enum { FAR_AWAITED_MOST = 4 };
 
-struct bench_line {
+struct far_line {
     double bits_per_second; /* 0: no limit */
     double one_way_ms;
 };
 
 struct far_end;
 
-/* Starts the program with `argument`, ended by NULL, with `home` as its home and without a history
- * of lines. `graphics` is kitty, sixel or NULL. ERR_IO where there is no pseudo-terminal. */
+/* Starts build/iftty of the tree that this program lies in, with `argument`, ended by NULL, with
+ * `home` as its home and without a history of lines. `graphics` is kitty, sixel or NULL. ERR_IO
+ * where iftty does not lie there, or there is no pseudo-terminal. */
 enum err far_end_new(struct far_end **out, char *const *argument, const char *home,
-                     const struct graphics *graphics, const struct bench_line *line,
+                     const struct graphics *graphics, const struct far_line *line,
                      struct fault *fault);
 
 /* Ends the program, as nothing can prevent. */

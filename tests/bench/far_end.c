@@ -1,4 +1,4 @@
-#include "program/bench_far_end.h"
+#include "tests/bench/far_end.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -11,6 +11,7 @@
 
 #include "base/clock.h"
 #include "base/mem.h"
+#include "program/bench.h"
 
 enum {
     PACKET = 1400,
@@ -201,8 +202,8 @@ enum err far_end_press(struct far_end *e, const char *keys, const char *const *a
 
 /* ---- beginning and end ---- */
 
-static _Noreturn void become_program(int inner, char *const *argument, const char *term,
-                                     const char *home)
+static _Noreturn void become_program(int inner, const char *program, char *const *argument,
+                                     const char *term, const char *home)
 {
     setsid();
     ioctl(inner, TIOCSCTTY, 0);
@@ -213,11 +214,11 @@ static _Noreturn void become_program(int inner, char *const *argument, const cha
     setenv("IFTTY_HISTORY", "", 1);
     unsetenv("NO_COLOR");
     unsetenv("TMUX");
-    execv("/proc/self/exe", argument);
+    execv(program, argument);
     _exit(127);
 }
 
-static bool start(struct far_end *e, char *const *argument, const char *home)
+static bool start(struct far_end *e, const char *program, char *const *argument, const char *home)
 {
     const struct winsize size = {FAR_ROWS, FAR_COLUMNS, FAR_COLUMNS * FAR_CELL_WIDTH,
                                  FAR_ROWS * FAR_CELL_HEIGHT};
@@ -231,24 +232,32 @@ static bool start(struct far_end *e, char *const *argument, const char *home)
     e->started_ns = clock_ns();
     e->child = fork();
     if (e->child == 0)
-        become_program(inner, argument,
+        become_program(inner, program, argument,
                        e->graphics == &graphics_kitty ? "xterm-kitty" : "xterm-256color", home);
     close(inner);
     return e->child > 0;
 }
 
 enum err far_end_new(struct far_end **out, char *const *argument, const char *home,
-                     const struct graphics *graphics, const struct bench_line *line,
+                     const struct graphics *graphics, const struct far_line *line,
                      struct fault *fault)
 {
+    struct buf program = {0};
+    enum err err = OK;
     struct far_end *e = *out = mem_new(sizeof *e);
     if (!e)
         return fault_memory(fault, "a line");
+    e->terminal = -1;
     e->graphics = graphics;
     e->one_way_ns = (uint64_t)(line->one_way_ms * 1e6);
     if (line->bits_per_second > 0)
         e->ns_per_byte = 8e9 / line->bits_per_second;
-    return start(e, argument, home) ? OK : fault_set(fault, ERR_IO, "there is no pseudo-terminal");
+    if (!bench_find_in_tree(&program, "iftty"))
+        err = fault_set(fault, ERR_IO, "iftty does not lie beside the benchmarks; build it first");
+    else if (!start(e, buf_text(&program), argument, home))
+        err = fault_set(fault, ERR_IO, "there is no pseudo-terminal");
+    buf_release(&program);
+    return err;
 }
 
 void far_end_free(struct far_end *e)
