@@ -46,6 +46,21 @@ bool scan_integer(const char **cursor, int64_t least, int64_t most, int64_t *out
     return scan_decimal(cursor, 0, least, most, out);
 }
 
+bool scan_range(const char **cursor, int64_t least, int64_t most, int64_t *first, int64_t *last)
+{
+    const char *at = *cursor;
+    int64_t a, b;
+    if (!scan_integer(&at, least, most, &a))
+        return false;
+    b = a;
+    if (scan_text(&at, "-") && !scan_integer(&at, a, most, &b))
+        return false;
+    *first = a;
+    *last = b;
+    *cursor = at;
+    return true;
+}
+
 bool scan_hex(const char **cursor, unsigned digits, uint64_t *out)
 {
     static const char hex[] = "0123456789abcdef";

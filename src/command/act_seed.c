@@ -192,15 +192,6 @@ static void add_removed(struct buf *words, const uint32_t *number, size_t count)
     }
 }
 
-/* "N" or "N-M", none above `most`. */
-static bool scan_numbers(const char **at, int64_t most, int64_t *first, int64_t *last)
-{
-    if (!scan_integer(at, 1, most, first))
-        return false;
-    *last = *first;
-    return !scan_text(at, "-") || scan_integer(at, *first, most, last);
-}
-
 /* The numbers that a record says were removed: an array that the caller frees. */
 static enum err read_removed(const struct markers *markers, const struct record_word *word,
                              uint32_t **number, size_t *count, struct fault *fault)
@@ -213,7 +204,7 @@ static enum err read_removed(const struct markers *markers, const struct record_
         return fault_memory(fault, "markers");
     do {
         int64_t first, last;
-        fits = scan_numbers(&at, (int64_t)markers->count, &first, &last) &&
+        fits = scan_range(&at, 1, (int64_t)markers->count, &first, &last) &&
                *count + (size_t)(last - first) < markers->count;
         for (int64_t n = first; fits && n <= last; n++)
             (*number)[(*count)++] = (uint32_t)n;

@@ -198,12 +198,7 @@ static enum err read_range(struct value *value, const struct parameter *p, const
 {
     const char *at = word;
     int64_t first, last;
-    bool fine = scan_integer(&at, p->least, p->most, &first);
-    if (fine && *at == '\0')
-        last = first;
-    else
-        fine = fine && scan_text(&at, "-") && scan_integer(&at, first, p->most, &last) && !*at;
-    if (!fine)
+    if (!scan_range(&at, p->least, p->most, &first, &last) || *at)
         return fault_set(fault, ERR_USAGE, "%s: expected A-B, or A, within %lld-%lld, not %s",
                          p->name, (long long)p->least, (long long)p->most,
                          *word ? word : "nothing");
