@@ -38,6 +38,12 @@ void buf_add_char(struct buf *b, char c)
     buf_add(b, &c, 1);
 }
 
+void buf_add_blank(struct buf *b)
+{
+    if (b->length)
+        buf_add_char(b, ' ');
+}
+
 void buf_vprintf(struct buf *b, const char *format, va_list words)
 {
     va_list again;

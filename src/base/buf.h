@@ -23,6 +23,7 @@ struct buf {
 void buf_add(struct buf *b, const void *bytes, size_t length);
 void buf_add_text(struct buf *b, const char *text);
 void buf_add_char(struct buf *b, char c);
+void buf_add_blank(struct buf *b); /* unless it is empty: before each of several words */
 void buf_printf(struct buf *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void buf_vprintf(struct buf *b, const char *format, va_list words)
     __attribute__((format(printf, 2, 0)));

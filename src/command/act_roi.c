@@ -57,8 +57,9 @@ static enum err add_roi(const struct act *act, enum err err)
     struct reply *reply = act->reply;
     if (err)
         return err;
-    buf_printf(&reply->words, "%sfence=%016llx inside=%zu", reply->words.length ? " " : "",
-               (unsigned long long)tally->digest, tally->inside);
+    buf_add_blank(&reply->words);
+    buf_printf(&reply->words, "fence=%016llx inside=%zu", (unsigned long long)tally->digest,
+               tally->inside);
     buf_printf(&reply->text, "%zu of %zu voxels are inside the region of interest\n", tally->inside,
                session->scene->grid.voxels);
     return OK;

@@ -74,7 +74,8 @@ void act_add_markers(const struct act *act)
     const size_t first = session->former_markers + 1, last = session->markers.count;
     if (!semantics_has(session->semantics, MEANING_MARKERS) || last < first)
         return;
-    buf_printf(words, words->length ? " marker=%zu" : "marker=%zu", first);
+    buf_add_blank(words);
+    buf_printf(words, "marker=%zu", first);
     if (last > first)
         buf_printf(words, "-%zu", last);
 }
@@ -182,7 +183,8 @@ static enum err remove_trees(const struct act *act)
 /* Which markers were removed: "removed=3,7-9", in order. */
 static void add_removed(struct buf *words, const uint32_t *number, size_t count)
 {
-    buf_add_text(words, words->length ? " removed=" : "removed=");
+    buf_add_blank(words);
+    buf_add_text(words, "removed=");
     for (size_t i = 0, last; i < count; i = last + 1) {
         for (last = i; last + 1 < count && number[last + 1] == number[last] + 1;)
             last++;

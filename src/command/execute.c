@@ -21,8 +21,9 @@ static void reply_clear(struct reply *reply)
 
 void execute_add_digests(struct reply *reply, const struct session *session)
 {
-    buf_printf(&reply->words, "%sforest=%016llx labels=%016llx seeds=%zu",
-               reply->words.length ? " " : "", (unsigned long long)forest_digest(session->forest),
+    buf_add_blank(&reply->words);
+    buf_printf(&reply->words, "forest=%016llx labels=%016llx seeds=%zu",
+               (unsigned long long)forest_digest(session->forest),
                (unsigned long long)semantics_label_digest(session->semantics, session->forest),
                forest_seeds(session->forest));
     if (session_pendings(session))

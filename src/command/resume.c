@@ -44,9 +44,10 @@ static bool has_forest_words(const char *words, struct buf *out)
     for (size_t i = 0; i < sizeof forest_words / sizeof *forest_words; i++)
         if (record_word_find(words, forest_words[i], strlen(forest_words[i]), &word)) {
             has = true;
-            if (out)
-                buf_printf(out, "%s%s=%.*s", out->length ? " " : "", forest_words[i],
-                           (int)word.value_length, word.value);
+            if (!out)
+                continue;
+            buf_add_blank(out);
+            buf_printf(out, "%s=%.*s", forest_words[i], (int)word.value_length, word.value);
         }
     return has;
 }
