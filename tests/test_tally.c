@@ -151,7 +151,7 @@ STORY(counts_follow_whatever_is_done)
         do_anything(&interp, false);
     const struct tally before = interp.session.tally;
     session_mark(&interp.session);
-    CHECK(session_count_labels(&interp.session, NULL) == OK);
+    CHECK(session_count_before(&interp.session, NULL) == OK);
     for (uint32_t i = 0; i < 5; i++)
         CHECK(session_plant(&interp.session,
                             (uint32_t[]){grid_cell(&interp.session.scene->grid, 3 + i, 7, 9)}, 1, 9,

@@ -175,9 +175,9 @@ static void take_former(struct forest *forest)
         label_runs_take(&forest->former, forest->scene);
 }
 
-void forest_count_anew(struct forest *forest, bool counts)
+void forest_count_anew(struct forest *forest)
 {
-    forest->counts_anew = counts;
+    forest->counts_anew = true;
 }
 
 /* Puts the seeds of `edit` in the place of those that are there, and computes nothing. */

@@ -78,9 +78,9 @@ struct changes {
 };
 #define CHANGES_UNKNOWN UINT64_MAX
 
-/* Whether labels of before are noted where all grows anew, so that changes are counted there too,
- * for a scan of the scene before and after. At first they are not. */
-void forest_count_anew(struct forest *forest, bool counts);
+/* From now on the labels of before are noted where all grows anew, so that changes are counted there
+ * too, for a scan of the scene before and after. */
+void forest_count_anew(struct forest *forest);
 
 struct forest_stats {
     uint64_t served;  /* voxels whose final key was passed on to the neighbours */

@@ -184,12 +184,17 @@ enum err session_run(struct session *session, struct fault *fault)
 
 enum err session_count_labels(struct session *session, struct fault *fault)
 {
-    forest_count_anew(session->forest, true);
-    if (!tally_refresh(&session->tally, session->scene, session->team))
-        return watch_fault(session->scene->watch, fault);
-    if (!session->edited && !session->regrown)
-        session->former_tally = session->tally;
-    return OK;
+    return tally_refresh(&session->tally, session->scene, session->team)
+               ? OK
+               : watch_fault(session->scene->watch, fault);
+}
+
+enum err session_count_before(struct session *session, struct fault *fault)
+{
+    forest_count_anew(session->forest);
+    enum err err = session_count_labels(session, fault);
+    session->former_tally = session->tally;
+    return err;
 }
 
 /* A forest that grew from nothing had label 0 everywhere. */

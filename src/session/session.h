@@ -93,7 +93,7 @@ struct session {
     struct state former;
     size_t former_markers;
     struct former_scene former_scene;
-    struct tally former_tally; /* where session_count_labels came before the command */
+    struct tally former_tally; /* where session_count_before came before the command */
     bool former_has_scene, former_rendered;
     bool edited, regrown;
 };
@@ -185,13 +185,17 @@ enum err session_note_eliminator(struct session *session, uint32_t cell, struct 
  * incremental image). Fine when none wait. */
 enum err session_run(struct session *session, struct fault *fault);
 
-/* Brings `tally` and `former_tally` up to date, which takes a walk through the scene after a run from nothing and
- * else no time. ERR_CANCELLED. Not for a session that skims. */
+/* Brings `tally` up to date, which takes a walk through the scene after a run from nothing and else
+ * no time. ERR_CANCELLED. Not for a session that skims. */
 enum err session_count_labels(struct session *session, struct fault *fault);
 
+/* The same before a command whose changes are to be counted: `tally` is the former one too, and from
+ * now on a forest that grows anew notes the labels that it had, for a walk through the scene. */
+enum err session_count_before(struct session *session, struct fault *fault);
+
 /* To be asked for after the command: voxels that it has given another label; CHANGES_UNKNOWN where
- * memory did not suffice to count them. session_count_labels comes before the command, and after
- * it. */
+ * memory did not suffice to count them. session_count_before comes before the command, and
+ * session_count_labels after it. */
 uint64_t session_changed_voxels(const struct session *session);
 
 /* ---- settings that take more than a change of the state (settings.c) ---- */
