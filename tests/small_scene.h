@@ -168,7 +168,7 @@ static inline void fits_its_state(const struct session *session)
 static inline void markers_stand(const struct session *session)
 {
     const struct scene *scene = session->scene;
-    const struct edit *pending = edits_first(&session->now.pending);
+    const struct edit *pending = edits_first(&session->now.lists.pending);
     int16_t *seed = malloc(scene->grid.cells * sizeof *seed);
     bool same = true;
     for (uint32_t c = 0; c < scene->grid.cells; c++)
@@ -198,12 +198,12 @@ static inline void take_snapshot(struct snapshot *s, const struct interpreter *i
     s->present = interp->history.present;
     s->on = interp->history.on;
     for (size_t i = 0; i < session_pendings(session) && i < 64; i++) {
-        s->pending[i].cell = edits_first(&session->now.pending)[i].cell;
-        s->pending[i].label = edits_first(&session->now.pending)[i].label;
+        s->pending[i].cell = edits_first(&session->now.lists.pending)[i].cell;
+        s->pending[i].label = edits_first(&session->now.lists.pending)[i].label;
     }
-    const struct edits *e = &session->now.eliminators;
+    const struct edits *e = &session->now.lists.eliminators;
     s->eliminators = edits_count(e);
-    s->waiting = s->eliminators - session->now.applied;
+    s->waiting = s->eliminators - session->now.lists.applied;
     for (size_t i = 0; i < s->eliminators && i < 64; i++)
         s->eliminator[i] = edits_first(e)[i].cell;
     if (!session->has_scene)

@@ -324,7 +324,7 @@ static void walk_straight_to(struct interpreter *interp, const struct history *h
         return;
     walk_straight_to(interp, history, point->parent);
     must(interp, point->command);
-    if (point->ran)
+    if (point->seeds)
         must(interp, "run");
 }
 

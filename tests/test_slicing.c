@@ -455,7 +455,7 @@ STORY(what_waits_and_what_was_eliminated_is_marked)
     marks_are(&interp, false, false, false);
     must(&interp, "overlay marks=on");
     must(&interp, "interpolate 2 2 1"); /* of the scene before */
-    CHECK_INT(edits_count(&interp.session.now.eliminators), 0);
+    CHECK_INT(edits_count(&interp.session.now.lists.eliminators), 0);
     must(&interp, "cross 0,0,4");
     marks_are(&interp, false, false, false);
     interpreter_release(&interp);

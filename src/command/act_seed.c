@@ -127,8 +127,9 @@ static enum err find_voxels(const struct act *act, struct voxels *v)
  * line should hold. */
 static void add_taken(const struct session *session, struct reply *reply)
 {
-    const struct edit *edit = edits_first(&session->now.pending);
-    const size_t before = edits_count(&session->former.pending), now = session_pendings(session);
+    const struct edit *edit = edits_first(&session->now.lists.pending);
+    const size_t before = edits_count(&session->former.lists.pending),
+                 now = session_pendings(session);
     const char *between = "took=";
     if (now - before > TAKEN_MOST)
         return;

@@ -65,15 +65,42 @@ const struct edit *edits_first(const struct edits *edits)
     return edits_count(edits) ? edits->room->item + edits->first : NULL;
 }
 
-bool edits_is_copy(const struct edits *a, const struct edits *b)
+/* ---- the lists of a state ---- */
+
+static bool is_copy(const struct edits *a, const struct edits *b)
 {
     if (edits_count(a) == 0 || edits_count(b) == 0)
         return edits_count(a) == edits_count(b);
     return a->room == b->room && a->first == b->first && a->end == b->end;
 }
 
-size_t edits_memory(const struct edits *edits)
+static size_t memory_of(const struct edits *edits)
 {
     const struct edit_room *room = edits->room;
     return room ? (sizeof *room + room->capacity * sizeof *room->item) / room->holders : 0;
+}
+
+void edit_lists_hold(const struct edit_lists *lists)
+{
+    edits_hold(&lists->pending);
+    edits_hold(&lists->markers);
+    edits_hold(&lists->eliminators);
+}
+
+void edit_lists_release(struct edit_lists *lists)
+{
+    edits_release(&lists->pending);
+    edits_release(&lists->markers);
+    edits_release(&lists->eliminators);
+}
+
+bool edit_lists_are_copies(const struct edit_lists *a, const struct edit_lists *b)
+{
+    return is_copy(&a->pending, &b->pending) && is_copy(&a->markers, &b->markers) &&
+           is_copy(&a->eliminators, &b->eliminators);
+}
+
+size_t edit_lists_memory(const struct edit_lists *lists)
+{
+    return memory_of(&lists->pending) + memory_of(&lists->markers) + memory_of(&lists->eliminators);
 }

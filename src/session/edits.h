@@ -38,10 +38,27 @@ static inline size_t edits_count(const struct edits *edits)
     return edits->end - edits->first;
 }
 
-/* Whether one list is a copy of the other; lists made apart differ unless both are empty. */
-bool edits_is_copy(const struct edits *a, const struct edits *b);
+/*
+ * The lists of a state, held, released, compared and measured together.
+ *
+ *     pending      edits of seeds that wait for a run; a later one of a voxel wins
+ *     markers      {number, 1} for a marker that is put up, {number, EDIT_ERASE} for one that is taken
+ *                  away; the last of a number decides whether it stands (session/markers.h)
+ *     eliminators  where the user has put them, to be marked in slices: those of the last run, and
+ *                  after them those that wait. What they do is among the pending edits
+ */
+struct edit_lists {
+    struct edits pending, markers, eliminators;
+    size_t applied; /* how many eliminators, from the first one on, were of the last run */
+};
 
-/* Bytes that the list takes, its memory divided among those that hold it. */
-size_t edits_memory(const struct edits *edits);
+void edit_lists_hold(const struct edit_lists *lists);
+void edit_lists_release(struct edit_lists *lists);
+
+/* Whether each list is a copy of the other's; lists made apart differ unless both are empty. */
+bool edit_lists_are_copies(const struct edit_lists *a, const struct edit_lists *b);
+
+/* Bytes that they take, the memory of each divided among those that hold it. */
+size_t edit_lists_memory(const struct edit_lists *lists);
 
 #endif

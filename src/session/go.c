@@ -194,7 +194,7 @@ static enum err make_room(struct session *session, const struct kept *kept, unsi
  * state is not one that follows the present one. */
 static void stand(struct session *session, const struct edits *to)
 {
-    const struct edits *from = &session->now.markers;
+    const struct edits *from = &session->now.lists.markers;
     const bool goes_on = from->room == to->room && from->first == to->first && from->end <= to->end;
     const struct edit *toggle = edits_first(to);
     for (size_t i = 0; !goes_on && i < session->markers.count; i++)
@@ -215,7 +215,7 @@ enum err session_go(struct session *session, const struct state *state, const st
         err = make_room(session, &state->kept, parts, fault);
     if (err)
         return err;
-    stand(session, &state->markers);
+    stand(session, &state->lists.markers);
     state_assign(&session->now, state);
     if (!session->has_scene)
         return OK;

@@ -23,9 +23,7 @@ static void point_release(struct point *point)
     free(point->after);
     free(point->before);
     settings_drop(point->settings);
-    edits_release(&point->pending);
-    edits_release(&point->markers);
-    edits_release(&point->eliminators);
+    edit_lists_release(&point->lists);
     *point = (struct point){0};
 }
 
@@ -56,9 +54,7 @@ static size_t point_memory(const struct point *point, const struct kept *before)
 {
     const struct kept *kept = &point->settings->kept;
     size_t bytes = 2 * point->seeds * sizeof(struct edit) + strlen(point->command) + 1;
-    bytes += sizeof *point->settings / point->settings->holders;
-    bytes += edits_memory(&point->pending) + edits_memory(&point->markers) +
-             edits_memory(&point->eliminators);
+    bytes += sizeof *point->settings / point->settings->holders + edit_lists_memory(&point->lists);
     if (kept->mask && (!before || before->mask != kept->mask))
         bytes += packed_memory(kept->mask);
     if (kept->weight_map && (!before || before->weight_map != kept->weight_map))
@@ -222,10 +218,7 @@ enum err history_go(struct history *history, struct session *session, uint32_t t
     if (!edit)
         return fault_memory(fault, "a way through the history");
     state.kept = there->settings->kept;
-    state.pending = there->pending;
-    state.markers = there->markers;
-    state.eliminators = there->eliminators;
-    state.applied = there->applied;
+    state.lists = there->lists;
     enum err err = session_go(session, &state, edit, seeds, fault);
     history->goes_to = to;
     history->goes_on = branch;
@@ -276,21 +269,9 @@ static struct kept_settings *keep_settings(const struct session *session, bool *
     return settings;
 }
 
-static void keep_lists(struct point *point, const struct state *state)
-{
-    point->pending = state->pending;
-    point->markers = state->markers;
-    point->eliminators = state->eliminators;
-    point->applied = state->applied;
-    edits_hold(&point->pending);
-    edits_hold(&point->markers);
-    edits_hold(&point->eliminators);
-}
-
 static void keep_seeds(struct point *point, const struct session *session, bool *lacks)
 {
     const struct seed_changes seeds = forest_seed_changes(session->forest);
-    point->ran = true;
     point->seeds = seeds.count;
     point->after = copy_of(seeds.after, seeds.count, sizeof *seeds.after, lacks);
     point->before = copy_of(seeds.before, seeds.count, sizeof *seeds.before, lacks);
@@ -304,7 +285,8 @@ static enum err note_root(struct history *history, const struct session *session
     history->is_root = true;
     root->parent = POINT_NONE;
     root->settings = keep_settings(session, &lacks);
-    keep_lists(root, &session->now);
+    root->lists = session->now.lists;
+    edit_lists_hold(&root->lists);
     return lacks ? fault_memory(fault, "the history") : OK;
 }
 
@@ -313,20 +295,19 @@ static enum err note_point(struct history *history, const struct session *sessio
                            struct fault *fault)
 {
     struct kept_settings *before = history->point[history->present].settings;
-    const struct state *now = &session->now, *former = &session->former;
+    const struct state *now = &session->now;
     struct point *point = &history->noted;
     const bool sets = !kept_equals(&now->kept, &before->kept);
     bool lacks = false;
-    if (!sets && !session->edited && edits_is_copy(&now->pending, &former->pending) &&
-        edits_is_copy(&now->markers, &former->markers) &&
-        edits_is_copy(&now->eliminators, &former->eliminators))
+    if (!sets && !session->edited && edit_lists_are_copies(&now->lists, &session->former.lists))
         return OK;
     point->parent = history->present;
     point->branch = history->on;
     point->settings = sets ? keep_settings(session, &lacks) : before;
     if (!sets)
         before->holders++;
-    keep_lists(point, now);
+    point->lists = now->lists;
+    edit_lists_hold(&point->lists);
     if (session->edited)
         keep_seeds(point, session, &lacks);
     return lacks ? fault_memory(fault, "the history") : OK;

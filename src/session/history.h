@@ -44,14 +44,12 @@ struct point {
     char *command; /* in canonical form */
 
     /* What the command did to seeds, each voxel once; nothing unless it ran. */
-    bool ran;
     struct edit *after, *before;
     size_t seeds;
 
     /* The rest of the state here, but for the outlook. */
     struct kept_settings *settings;
-    struct edits pending, markers, eliminators;
-    size_t applied;
+    struct edit_lists lists;
 };
 
 struct branch {

@@ -237,15 +237,15 @@ static struct state refined(const struct session *session, unsigned doubled)
         view->focus[a] *= 1 + (doubled >> a & 1);
         next.outlook.slices.cross[a] *= 1 + (doubled >> a & 1);
     }
-    next.markers = next.eliminators = (struct edits){0};
-    next.applied = 0;
+    next.lists.markers = next.lists.eliminators = (struct edits){0};
+    next.lists.applied = 0;
     return next;
 }
 
 enum err session_interpolate(struct session *session, unsigned doubled, struct fault *fault)
 {
     uint32_t size[3];
-    const size_t pendings = edits_count(&session->now.pending);
+    const size_t pendings = session_pendings(session);
     if (forest_seeds(session->forest) || pendings)
         return fault_set(
             fault, ERR_USAGE,

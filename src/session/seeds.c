@@ -14,10 +14,10 @@ enum err session_plant(struct session *session, const uint32_t *cell, size_t cou
     if (err)
         return err;
     const size_t number = session->markers.count;
-    err = edits_add(&session->now.markers, (struct edit){(uint32_t)number, 1}, fault);
+    err = edits_add(&session->now.lists.markers, (struct edit){(uint32_t)number, 1}, fault);
     session->markers.marker[number - 1].stands = err == OK;
     for (size_t i = 0; !err && i < count; i++)
-        err = edits_add(&session->now.pending, (struct edit){cell[i], label}, fault);
+        err = edits_add(&session->now.lists.pending, (struct edit){cell[i], label}, fault);
     return err;
 }
 
@@ -26,15 +26,15 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
 {
     const struct markers *markers = &session->markers;
     struct marker *marker = markers->marker + number - 1;
-    enum err err = edits_add(&session->now.markers, (struct edit){number, EDIT_ERASE}, fault);
+    enum err err = edits_add(&session->now.lists.markers, (struct edit){number, EDIT_ERASE}, fault);
     if (err)
         return err;
     marker->stands = false;
     for (size_t i = 0; !err && i < marker->voxels; i++) {
         const uint32_t cell = markers->cover[marker->first + i].cell;
         if (markers_at(markers, cell) < number)
-            err = edits_add(&session->now.pending, (struct edit){cell, markers_seed(markers, cell)},
-                            fault);
+            err = edits_add(&session->now.lists.pending,
+                            (struct edit){cell, markers_seed(markers, cell)}, fault);
     }
     return err;
 }
@@ -62,8 +62,8 @@ static int compare_cells(const void *a, const void *b)
  * seeds takes no time worth mentioning. NULL when out of memory. */
 static uint32_t *waiting_seeds(const struct session *session, size_t *count)
 {
-    const struct edit *pending = edits_first(&session->now.pending);
-    const size_t pendings = edits_count(&session->now.pending);
+    const struct edit *pending = edits_first(&session->now.lists.pending);
+    const size_t pendings = session_pendings(session);
     uint32_t *cell = mem_array(pendings, sizeof *cell);
     *count = 0;
     for (size_t i = 0; cell && i < pendings; i++)
@@ -160,20 +160,21 @@ enum err session_erase_seeds(struct session *session, const uint32_t *seed, size
 
 enum err session_note_eliminator(struct session *session, uint32_t cell, struct fault *fault)
 {
-    return edits_add(&session->now.eliminators, (struct edit){cell, EDIT_ERASE}, fault);
+    return edits_add(&session->now.lists.eliminators, (struct edit){cell, EDIT_ERASE}, fault);
 }
 
 /* ---- runs ---- */
 
 enum err session_run(struct session *session, struct fault *fault)
 {
-    struct edits batch = session->now.pending;
     struct state next = session->now;
+    struct edit_lists *lists = &next.lists;
+    struct edits batch = lists->pending;
     if (edits_count(&batch) == 0)
         return OK;
-    next.pending = (struct edits){0};
-    next.eliminators.first += next.applied;
-    next.applied = edits_count(&next.eliminators);
+    lists->pending = (struct edits){0};
+    lists->eliminators.first += lists->applied;
+    lists->applied = edits_count(&lists->eliminators);
     edits_hold(&batch);
     enum err err = session_go(session, &next, edits_first(&batch), edits_count(&batch), fault);
     edits_release(&batch);

@@ -49,8 +49,7 @@ void session_release_rendition(struct session *session)
 size_t session_memory(const struct session *session)
 {
     const struct kept *kept = &session->now.kept;
-    size_t bytes = sizeof *session + edits_memory(&session->now.pending) +
-                   edits_memory(&session->now.markers) + edits_memory(&session->now.eliminators) +
+    size_t bytes = sizeof *session + edit_lists_memory(&session->now.lists) +
                    markers_memory(&session->markers);
     if (!session->has_scene)
         return bytes;

@@ -151,7 +151,7 @@ uint64_t session_bytes_for(const uint32_t size[3]);
 /* How many edits wait for a run. */
 static inline size_t session_pendings(const struct session *session)
 {
-    return edits_count(&session->now.pending);
+    return edits_count(&session->now.lists.pending);
 }
 
 /* Puts up a marker: seeds of a label, that wait for a run; or, for EDIT_ERASE, that are to go. */

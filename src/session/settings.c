@@ -38,8 +38,8 @@ enum err session_set_weight_map(struct session *session, const char *name, const
 
 static enum err check(const struct session *session, const struct roi *roi, struct fault *fault)
 {
-    return roi_check(roi, session->scene, edits_first(&session->now.pending),
-                     edits_count(&session->now.pending), fault);
+    return roi_check(roi, session->scene, edits_first(&session->now.lists.pending),
+                     session_pendings(session), fault);
 }
 
 enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,

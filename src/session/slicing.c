@@ -24,9 +24,9 @@ struct sketch {
 /* Seeds that wait, and eliminators. */
 static bool list_marks(struct sketch *sketch, const struct session *session)
 {
-    const struct state *now = &session->now;
-    const struct edit *seed = edits_first(&now->pending), *put = edits_first(&now->eliminators);
-    const size_t seeds = edits_count(&now->pending), puts = edits_count(&now->eliminators);
+    const struct edit_lists *lists = &session->now.lists;
+    const struct edit *seed = edits_first(&lists->pending), *put = edits_first(&lists->eliminators);
+    const size_t seeds = edits_count(&lists->pending), puts = edits_count(&lists->eliminators);
     struct slice_mark *mark = sketch->mark = mem_array(seeds + puts, sizeof *mark);
     if (!mark)
         return false;
@@ -34,7 +34,7 @@ static bool list_marks(struct sketch *sketch, const struct session *session)
         if (seed[i].label != EDIT_ERASE)
             *mark++ = (struct slice_mark){seed[i].cell, (uint8_t)seed[i].label, false, true};
     for (size_t i = 0; i < puts; i++)
-        *mark++ = (struct slice_mark){put[i].cell, 0, true, i >= now->applied};
+        *mark++ = (struct slice_mark){put[i].cell, 0, true, i >= lists->applied};
     sketch->style.mark = sketch->mark;
     sketch->style.marks = (size_t)(mark - sketch->mark);
     return true;

@@ -127,26 +127,17 @@ void kept_release(struct kept *kept)
     kept->weight_map = kept->mask = NULL;
 }
 
-void state_hold(const struct state *state)
-{
-    kept_hold(&state->kept);
-    edits_hold(&state->pending);
-    edits_hold(&state->markers);
-    edits_hold(&state->eliminators);
-}
-
 void state_release(struct state *state)
 {
     kept_release(&state->kept);
-    edits_release(&state->pending);
-    edits_release(&state->markers);
-    edits_release(&state->eliminators);
+    edit_lists_release(&state->lists);
 }
 
 void state_assign(struct state *to, const struct state *from)
 {
     struct state former = *to;
-    state_hold(from);
+    kept_hold(&from->kept);
+    edit_lists_hold(&from->lists);
     *to = *from;
     state_release(&former);
 }

@@ -3,16 +3,13 @@
  *
  *     kept      what belongs to the segmentation: undo, redo and goto lead back to it
  *     outlook   where one looks from: it stays when one goes through the history
- *     pending   the edits of seeds that wait for a run
- *     markers   which of the markers stand (session/markers.h)
- *     eliminators  where the user has put them, to be marked in slices: those of the last run, and
- *               after them those that wait. What they do is among the pending edits
+ *     lists     edits that wait for a run, which markers stand, where eliminators were put
  *
  * The seeds that are planted belong to it too, but are known as a difference alone: the edits that
  * lead from one state to another (session_go). Everything else of a session follows from its state.
  *
  * A state is copied by assignment and costs some 11 kB; what is as large as the scene is shared,
- * immutable and counted. A copy borrows, until state_hold makes it an owner.
+ * immutable and counted. A copy borrows, until state_assign makes an owner of it.
  */
 #ifndef SESSION_STATE_H
 #define SESSION_STATE_H
@@ -69,11 +66,7 @@ struct outlook {
 struct state {
     struct kept kept;
     struct outlook outlook;
-    struct edits pending; /* in order; a later edit of a voxel wins */
-    struct edits markers; /* {number, 1} for one that is put up, {number, EDIT_ERASE} for one that
-                             is taken away, in order; the last of a number decides */
-    struct edits eliminators;
-    size_t applied; /* how many of them, from the first one on, were of the last run */
+    struct edit_lists lists;
 };
 
 /* As a session begins. */
@@ -87,7 +80,6 @@ bool outlook_equals(const struct outlook *a, const struct outlook *b);
 /* Of what is shared: one holder more, or fewer. */
 void kept_hold(const struct kept *kept);
 void kept_release(struct kept *kept);
-void state_hold(const struct state *state);
 void state_release(struct state *state);
 
 /* Makes *to a copy that owns, in place of one that did. Cannot fail. */
