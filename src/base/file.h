@@ -25,8 +25,8 @@ enum file_mode { FILE_KEEP, FILE_REPLACE };
  * device is refused. */
 enum err file_read(struct buf *out, const char *path, size_t limit, struct fault *fault);
 
-/* Opens a regular file, of so many bytes; one that `flags` make is for its owner alone. Does not wait
- * for the other end of a pipe, as one may lie there. */
+/* Opens a regular file, of so many bytes; one that `flags` make is for its owner alone. Does not
+ * wait for the other end of a pipe, as one may lie there. */
 enum err file_open(int *fd, uint64_t *bytes, const char *path, int flags, struct fault *fault);
 
 /* Reads `length` bytes from `from` on: how many there were, or -1 and errno. */
@@ -41,10 +41,10 @@ enum err file_write(const char *path, const void *bytes, size_t length, enum fil
 enum err file_write_beside(struct buf *name, const char *path, const char *kind, const void *bytes,
                            size_t length, struct fault *fault);
 
-/* The two halves of file_write, for content that another library or program writes (the image helper, OpenEXR):
- * file_draft fills `draft` with a free temporary name beside `path` that keeps its extension, after
- * checking that `path` may be written; file_publish syncs the draft and gives it its final name;
- * file_discard removes a draft that failed. */
+/* The two halves of file_write, for content that another library or program writes (the image
+ * helper, OpenEXR): file_draft fills `draft` with a free temporary name beside `path` that keeps
+ * its extension, after checking that `path` may be written; file_publish syncs the draft and gives
+ * it its final name; file_discard removes a draft that failed. */
 enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, struct fault *fault);
 enum err file_publish(const char *draft, const char *path, enum file_mode mode,
                       struct fault *fault);

@@ -32,8 +32,8 @@ enum err file_lines_append(const char *path, const char *line, size_t length, st
 /* The whole lines among the last `bytes_most` bytes; none where there is no file. */
 enum err file_lines_read(struct buf *out, const char *path, size_t bytes_most, struct fault *fault);
 
-/* Removes all but the last `lines_most` lines, of at most `bytes_most` bytes; a smaller file is left
- * as it is, and so is one whose lock cannot be had. */
+/* Removes all but the last `lines_most` lines, of at most `bytes_most` bytes; a smaller file is
+ * left as it is, and so is one whose lock cannot be had. */
 enum err file_lines_trim(const char *path, size_t lines_most, size_t bytes_most,
                          struct fault *fault);
 

@@ -37,7 +37,7 @@ static inline uint64_t hash_mix_at(uint64_t place, uint64_t content)
 
 enum { SHA256_HEX = 65 };
 
-/* Ends a SHA-256: the first `bytes` bytes of its digest, 1..32, in lower-case hexadecimal, and NUL. */
+/* Ends a SHA-256: the first 1..32 `bytes` of its digest, in lower-case hexadecimal, and NUL. */
 struct sha256_ctx;
 void sha256_hex(char *out, struct sha256_ctx *sha, size_t bytes);
 

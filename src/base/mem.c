@@ -18,7 +18,7 @@ static bool is_allowed(size_t bytes)
     return !mem_allows || mem_allows(bytes);
 }
 
-/* The kernel gives out addresses that it has no memory for, and kills the process that uses them. */
+/* The kernel gives out addresses that it has no memory for, and kills processes that use them. */
 static bool is_there(size_t bytes)
 {
     return bytes < LARGE_FROM || bytes <= mem_available();

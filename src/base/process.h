@@ -46,7 +46,7 @@ struct processes {
     struct watch *watch; /* when it stops, all are killed; or NULL */
 };
 
-/* OK when all have ended, however they did; ERR_IO where one could not be started, ERR_CANCELLED. */
+/* OK when all have ended, however they did; ERR_IO: one could not be started; ERR_CANCELLED. */
 enum err processes_run(const struct processes *how, struct fault *fault);
 
 /* OK for a process that handed back all it had; ERR_INPUT, naming the signal, for one that was

@@ -22,9 +22,9 @@ size_t safe_copy(char *out, size_t capacity, const char *text, size_t length);
  * the next byte must be escaped. `length` > 0. */
 size_t safe_character(const char *text, size_t length);
 
-/* The number of bytes (1..4) of the well-formed UTF-8 character at `text`, printable or not, and its
- * code point; 0 where there is none: no overlong forms, surrogates, or anything beyond U+10FFFF.
- * `length` > 0. */
+/* The number of bytes (1..4) of the well-formed UTF-8 character at `text`, printable or not, and
+ * its code point; 0 where there is none: no overlong forms, surrogates, or anything beyond
+ * U+10FFFF. `length` > 0. */
 size_t utf8_read(const char *text, size_t length, uint32_t *point);
 
 #endif

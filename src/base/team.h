@@ -2,9 +2,9 @@
  * The team: a few threads that do one piece of work together.
  *
  * Work is a function that every worker runs at the same time, each knowing its number; it divides
- * the work by that number, so that which worker does what never depends on timing. Between pieces of work
- * the threads sleep; inside one they meet at team_wait, which spins for a moment before it yields,
- * since a pass over the levels of a forest meets thousands of times.
+ * the work by that number, so that which worker does what never depends on timing. Between pieces
+ * of work the threads sleep; inside one they meet at team_wait, which spins for a moment before it
+ * yields, since a pass over the levels of a forest meets thousands of times.
  *
  * Everywhere NULL is a thread team of one: the caller alone.
  */

@@ -88,9 +88,9 @@ enum err act_help(const struct act *act);
 enum err act_quit(const struct act *act);
 
 /* Adds "1234 voxels changed, label 3 brain: 1.24 l (+12 ml), label 2: 142 ml, 12.3 ms": the voxels
- * that have another label; the volumes of the labels that became larger or smaller, the largest first,
- * at most six of them and never that of label 0; and the time. For a command that has edited the
- * forest, after session_count_before and session_count_labels. */
+ * that have another label; the volumes of the labels that became larger or smaller, the largest
+ * first, at most six of them and never that of label 0; and the time. For a command that has edited
+ * the forest, after session_count_before and session_count_labels. */
 void volumes_write(struct buf *out, const struct session *session, uint64_t took_ns);
 
 /* Has the session take on the state act->next. */

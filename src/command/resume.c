@@ -65,7 +65,7 @@ static void look_for_last(void *context, const struct record *record)
         resume->last = record->number;
 }
 
-/* Where the session catches up, the words are of the forest that this and all before have led to. */
+/* Where the session catches up, the words are of the forest that all commands so far have made. */
 static enum err execute_again(void *context, const char *command, struct buf *words,
                               struct fault *fault)
 {

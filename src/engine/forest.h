@@ -67,9 +67,9 @@ struct change {
     uint8_t former_label, label;
 };
 
-/* The voxels to which the last edit gave another label, each once, in no order. Where the forest grew
- * from nothing, or that is more than a sixteenth of the scene, `everything` is set and the list is
- * empty: readers scan the scene once instead. */
+/* The voxels to which the last edit gave another label, each once, in no order. Where the forest
+ * grew from nothing, or that is more than a sixteenth of the scene, `everything` is set and the
+ * list is empty: readers scan the scene once instead. */
 struct changes {
     bool everything;
     size_t count;
@@ -78,8 +78,8 @@ struct changes {
 };
 #define CHANGES_UNKNOWN UINT64_MAX
 
-/* From now on the labels of before are noted where all grows anew, so that changes are counted there
- * too, for a scan of the scene before and after. */
+/* From now on the labels are noted before all grows anew, so that changes are counted there too,
+ * for a scan of the scene before and after. */
 void forest_count_anew(struct forest *forest);
 
 struct forest_stats {
@@ -96,9 +96,9 @@ void forest_free(struct forest *forest);
 
 /*
  * Applies `count` edits as one. A later edit of the same voxel wins. Planting what is planted or
- * erasing what is not is allowed and does nothing. The scene's watch is polled after
- * every level of the pass, while an edit is taken back too. On any error the forest is as before,
- * and forest_changes is of no use: ERR_CANCELLED (the watch stopped it), ERR_LIMIT (T3), ERR_MEMORY.
+ * erasing what is not is allowed and does nothing. The scene's watch is polled after every level of
+ * the pass, while an edit is taken back too. On any error the forest is as before, and
+ * forest_changes is of no use: ERR_CANCELLED (the watch stopped it), ERR_LIMIT (T3), ERR_MEMORY.
  */
 enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,
                      struct fault *fault);

@@ -1,6 +1,6 @@
 /*
- * The inside of a forest, shared by forest.c (edits), support.c (voxels that lose their predecessor)
- * and pass.c (the levels, one after another), and by no other file.
+ * The inside of a forest, shared by forest.c (edits), support.c (voxels that lose their
+ * predecessor) and pass.c (the levels, one after another), and by no other file.
  */
 #ifndef ENGINE_FOREST_PARTS_H
 #define ENGINE_FOREST_PARTS_H
@@ -99,8 +99,8 @@ static inline uint64_t label_share(uint32_t cell, uint8_t label)
 /* ---- changes ---- */
 
 /* To be called before an edit changes a voxel: the first time, its share leaves the digest of keys
- * and its former label is stored. When the voxel has its final key, settle is called once. Where the
- * forest grows from nothing there is nothing to store. */
+ * and its former label is stored. When the voxel has its final key, settle is called once. Where
+ * the forest grows from nothing there is nothing to store. */
 static inline void touch(struct forest *forest, uint32_t at)
 {
     struct cell *cell = forest->cell + at;

@@ -12,10 +12,10 @@
  *
  * gauss: the central differences S(+1) - S(-1) of the scene S smoothed by a Gaussian. S has 16
  * binary places: exact along z; then along y, then along x, to the nearest after each. With the
- * halves d = floor(|S(+1) - S(-1)| / 2) in 2^-16 and m = floor(sqrt(dx^2 + dy^2 + dz^2)), the weight
- * is 2 m / (weight[0] + weight[1]) to the nearest: a step reaches the largest difference there is.
- * Work memory: four planes of 32 bits, and of 16 bits as many as the Gaussian is wide or the scene
- * deep, and some rows.
+ * halves d = floor(|S(+1) - S(-1)| / 2) in 2^-16 and m = floor(sqrt(dx^2 + dy^2 + dz^2)), the
+ * weight is 2 m / (weight[0] + weight[1]) to the nearest: a step reaches the largest difference
+ * there is. Work memory: four planes of 32 bits, and of 16 bits as many as the Gaussian is wide or
+ * the scene deep, and some rows.
  *
  * Promises
  *   D1 the weights are a function of size and intensities alone, the same on every machine and

@@ -422,7 +422,7 @@ void forest_dismiss(struct forest *forest)
     forest->workers = 0;
 }
 
-/* Parts of the scene, several for each worker, in turn: so that all have work wherever the trees grow. */
+/* Parts of the scene, several for each worker in turn: all have work wherever the trees grow. */
 static void share_cells(struct forest *forest)
 {
     const size_t cells = forest->scene->grid.cells;

@@ -5,8 +5,8 @@
  * separate arrays this made a run from scratch two and a half times as fast.
  *
  * Invariants
- *   S1 a cell of the rim has key 0, label 0, weight 0, and the flag CELL_RIM, always: it declines every
- *      offer (none is below 0), makes none, and counts as background;
+ *   S1 a cell of the rim has key 0, label 0, weight 0, and the flag CELL_RIM, always: it declines
+ *      every offer (none is below 0), makes none, and counts as background;
  *   S2 a voxel outside the region of interest (engine/roi.h) has key 0, label 0, no predecessor,
  *      and the flag CELL_OUTSIDE: to the forest it is as the rim;
  *   S3 intensity belongs to the scene, weight to engine/weight.h, the rest to engine/forest.h.
@@ -63,7 +63,7 @@ static inline uint8_t cell_state_direction(uint32_t state)
     return cell.direction;
 }
 
-/* Whether a tree holds the cell: its key is neither KEY_NONE nor the 0 of rim and region of interest. */
+/* Whether a tree holds the cell: its key is neither KEY_NONE nor the 0 of S1 and S2. */
 static inline bool cell_is_reached(const struct cell *cell)
 {
     return cell->key + 1 > 1;

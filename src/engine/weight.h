@@ -46,6 +46,7 @@ enum weight_argument {
 /* The names, in their order; what comes out of a file has no name of its own. */
 #define WEIGHT_FIRST_NAME(kind, name, argument, usual, help) #name
 #define WEIGHT_NEXT_NAME(kind, name, argument, usual, help)  "|" #name
+
 #define WEIGHT_KINDS                                         WEIGHT_LIST(WEIGHT_FIRST_NAME, WEIGHT_NEXT_NAME)
 
 enum weight_kind {
@@ -57,8 +58,8 @@ struct weight_method {
     enum arc_kind arcs;
     /* Memory that `weigh` works in, in bytes; NULL for none. */
     uint64_t (*bytes)(const struct grid *grid, uint32_t argument);
-    /* Writes cell.weight of a slab of planes and nothing else, under the scene's watch; slabs may be
-     * weighed side by side. NULL where weights are not held in cells, or came out of a file. */
+    /* Writes cell.weight of a slab of planes and nothing else, under the scene's watch; slabs may
+     * be weighed side by side. NULL where weights are not held in cells, or came out of a file. */
     void (*weigh)(struct scene *scene, const struct adjacency *adjacency, uint32_t argument,
                   struct slab slab, void *work);
 };
@@ -111,7 +112,7 @@ void weight_compute(struct scene *scene, const struct adjacency *adjacency,
 void weight_morph(struct scene *scene, const struct adjacency *adjacency);
 
 /* A digest of what arcs weigh, given the intensities: for ARC_TARGET a sum over voxels of their
- * weights, which a thread team shares, else of the kind, and under ARC_POLARITY of every label's. */
+ * weights, shared by a thread team; else of the kind, and under ARC_POLARITY of every label's. */
 uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs, struct team *team);
 
 #endif

@@ -42,8 +42,8 @@ static inline size_t edits_count(const struct edits *edits)
  * The lists of a state, held, released, compared and measured together.
  *
  *     pending      edits of seeds that wait for a run; a later one of a voxel wins
- *     markers      {number, 1} for a marker that is put up, {number, EDIT_ERASE} for one that is taken
- *                  away; the last of a number decides whether it stands (session/markers.h)
+ *     markers      {number, 1} for a marker that is put up, {number, EDIT_ERASE} for one that is
+ *                  taken away; the last of a number decides whether it stands (session/markers.h)
  *     eliminators  where the user has put them, to be marked in slices: those of the last run, and
  *                  after them those that wait. What they do is among the pending edits
  */

@@ -100,8 +100,8 @@ enum err history_find(const struct history *history, const char *name, uint32_t 
 bool history_is_at_tip(const struct history *history);
 
 /* Has the session be what it was at `point`, which becomes the tip of the branch where `moves_tip`
- * is set: undo does so, and looking back does not. On error, session_rollback gives back what it was. The
- * history itself moves when the command stands. */
+ * is set: undo does so, and looking back does not. On error, session_rollback gives back what it
+ * was. The history itself moves when the command stands. */
 enum err history_go(struct history *history, struct session *session, uint32_t point,
                     uint32_t branch, bool moves_tip, struct fault *fault);
 

@@ -21,8 +21,8 @@
  *   S4 a scene that was interpolated is kept, with what hangs on it, until the command stands;
  *   S5 what does not fit the state, because a command was cancelled or the session skims, is in
  *      `stale`, and made anew by the next session_go;
- *   S6 the seeds that are planted, once the edits that wait have been made, are those of the markers
- *      that stand.
+ *   S6 the seeds that are planted, once the edits that wait have been made, are those of the
+ *      markers that stand.
  */
 #ifndef SESSION_SESSION_H
 #define SESSION_SESSION_H
@@ -189,8 +189,8 @@ enum err session_run(struct session *session, struct fault *fault);
  * no time. ERR_CANCELLED. Not for a session that skims. */
 enum err session_count_labels(struct session *session, struct fault *fault);
 
-/* The same before a command whose changes are to be counted: `tally` is the former one too, and from
- * now on a forest that grows anew notes the labels that it had, for a walk through the scene. */
+/* The same before a command whose changes are to be counted: it sets `former_tally` too, and from
+ * now on a forest that grows anew notes its labels before, by a walk through the scene. */
 enum err session_count_before(struct session *session, struct fault *fault);
 
 /* To be asked for after the command: voxels that it has given another label; CHANGES_UNKNOWN where
