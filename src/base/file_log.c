@@ -398,7 +398,9 @@ bool file_log_is_ragged(const struct file_log *log)
 enum err file_log_rewrite(struct file_log *log, const char *bytes, struct fault *fault)
 {
     enum err err = find_in_place(log, fault);
-    const uint64_t from = file_log_synced(log);
+    pthread_mutex_lock(&log->lock);
+    const uint64_t from = log->synced;
+    pthread_mutex_unlock(&log->lock);
     if (err)
         return err;
     if (lseek(log->fd, (off_t)from, SEEK_SET) < 0 ||
@@ -412,14 +414,6 @@ enum err file_log_rewrite(struct file_log *log, const char *bytes, struct fault 
 uint64_t file_log_length(const struct file_log *log)
 {
     return log->length;
-}
-
-uint64_t file_log_synced(struct file_log *log)
-{
-    pthread_mutex_lock(&log->lock);
-    const uint64_t synced = log->synced;
-    pthread_mutex_unlock(&log->lock);
-    return synced;
 }
 
 void file_log_close(struct file_log *log)

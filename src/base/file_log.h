@@ -68,7 +68,6 @@ enum err file_log_rewrite(struct file_log *log, const char *bytes, struct fault 
 enum err file_log_set_sync(struct file_log *log, enum file_sync sync, struct fault *fault);
 
 uint64_t file_log_length(const struct file_log *log);
-uint64_t file_log_synced(struct file_log *log); /* bytes that are known to be on the disk */
 
 /* Syncs what waits, as far as that is possible; call file_log_sync first to know whether it was.
  * NULL is fine. */

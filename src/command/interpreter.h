@@ -110,7 +110,7 @@ enum err interpreter_set_home(struct interpreter *interp, const char *path, stru
 bool interpreter_is_journal(const char *path);
 
 /* Whether the commands are those of a journal that somebody else may have written: then names are
- * looked up, and files written, by the rules of command/trust.h. */
+ * looked up, and files written, by the rules of sandbox/trust.h. */
 static inline bool interpreter_is_wary(const struct interpreter *interp)
 {
     return interp->mode == MODE_REPLAY;

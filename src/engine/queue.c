@@ -160,13 +160,8 @@ void queue_push(struct queue *queue, uint32_t level, uint32_t cell)
 
 void queue_push_many(struct queue *queue, const struct waiting *item, size_t count)
 {
-    for (size_t i = 0; i < count; i++) {
-        const uint32_t cost = item[i].level >> 16, hops = item[i].level & 0xFFFF;
-        if (queue->open && cost == queue->level >> 16)
-            add_at_hops(queue, hops, item[i].cell);
-        else
-            add_at_cost(queue, cost, hops, item[i].cell);
-    }
+    for (size_t i = 0; i < count; i++)
+        queue_push(queue, item[i].level, item[i].cell);
 }
 
 void queue_push_hops(struct queue *queue, uint32_t level, const uint32_t *cell, size_t count)

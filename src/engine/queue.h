@@ -50,10 +50,6 @@ size_t queue_take(struct queue *queue, uint32_t *cells, size_t capacity);
  * The next pass starts at the lowest. */
 void queue_rewind(struct queue *queue);
 
-/* Visits every entry, stale ones too; not while a level is being served. */
-void queue_each(const struct queue *queue, void (*visit)(void *context, uint32_t cell),
-                void *context);
-
 /* Gives memory back that an empty queue holds, beyond a little. */
 void queue_trim(struct queue *queue);
 
