@@ -56,7 +56,7 @@ unsigned team_size(const struct team *team)
     return team ? team->size : 1;
 }
 
-static void *live(void *argument)
+static void *work_on(void *argument)
 {
     const struct worker *worker = argument;
     struct team *team = worker->team;
@@ -101,7 +101,7 @@ enum err team_new(struct team **out, unsigned workers, struct fault *fault)
     for (team->size = 1; team->size < workers && team->size < TEAM_MOST; team->size++) {
         struct worker *worker = team->worker + team->size;
         *worker = (struct worker){.team = team, .number = team->size};
-        if (!thread_start(&worker->thread, live, worker))
+        if (!thread_start(&worker->thread, work_on, worker))
             break;
     }
     return OK;
@@ -143,7 +143,7 @@ void team_run(struct team *team, team_work *work, void *context)
     pthread_mutex_unlock(&team->lock);
 }
 
-static inline void breathe(void)
+static inline void pause_briefly(void)
 {
 #if defined(__x86_64__) || defined(__i386__)
     __builtin_ia32_pause();
@@ -163,7 +163,7 @@ void team_wait(struct team *team)
     for (unsigned spins = 0; atomic_load_explicit(&team->meeting, memory_order_acquire) == meeting;
          spins++)
         if (spins < SPINS)
-            breathe();
+            pause_briefly();
         else
             sched_yield();
 }

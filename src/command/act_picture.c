@@ -59,9 +59,9 @@ static void write_seen(const struct rendition *r, struct reply *reply)
                seen);
 }
 
-/* An order for the picture writer, which gets it once the command is recorded. */
-static enum err order_picture(const struct act *act, const char *path, enum file_mode mode,
-                              struct picture *picture)
+/* A job for the picture writer, which gets it once the command is recorded. */
+static enum err prepare_job(const struct act *act, const char *path, enum file_mode mode,
+                            struct picture *picture)
 {
     struct interpreter *interp = act->interp;
     if (picture_writer_holds(interp->writer, path))
@@ -85,7 +85,7 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
     struct interpreter *interp = act->interp;
     enum err err;
     if (interp->writer && interp->mode == MODE_LIVE && picture_writer_takes(path)) {
-        err = order_picture(act, path, mode, picture);
+        err = prepare_job(act, path, mode, picture);
     } else {
         err = act_write_now(interp, path, mode, picture, act->fault);
         if (!err)

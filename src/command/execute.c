@@ -1,4 +1,4 @@
-/* The one door: a command is carried out and recorded, or none of it. */
+/* The one way in: a command is carried out and recorded, or none of it. */
 #include "base/clock.h"
 #include "command/act.h"
 #include "sandbox/limits.h"

@@ -1,5 +1,5 @@
 /*
- * The interpreter: a session with its journal, and the one door through which commands come.
+ * The interpreter: a session with its journal, and the one way in for commands.
  *
  * Keyboard, script and replay all call interpreter_execute. A command is carried out, recorded (if
  * it changes something), and only then acknowledged; when the record cannot be written, the session
@@ -71,7 +71,7 @@ void interpreter_release(struct interpreter *interp);
  * became of each; one that could not be written changes nothing else: the command stands. */
 enum err interpreter_write_beside(struct interpreter *interp, struct fault *fault);
 
-/* ---- the one door (execute.c) ---- */
+/* ---- the one way in (execute.c) ---- */
 
 /* Carries one line out. `reply` is cleared first. An empty line or a comment does nothing, and
  * leaves reply->canonical empty. On error nothing has changed. */

@@ -366,7 +366,7 @@ enum err forest_new(struct forest **out, struct scene *scene, unsigned adjacency
         forest->clear_limit = scene->grid.voxels;
     forest->change = mem_pages(forest->change_limit * sizeof *forest->change);
     enum err err =
-        forest->change ? forest_enlist(forest, NULL, fault) : fault_memory(fault, "a forest");
+        forest->change ? forest_set_team(forest, NULL, fault) : fault_memory(fault, "a forest");
     if (err) {
         forest_free(forest);
         return err;
@@ -388,11 +388,6 @@ void forest_set_adjacency(struct forest *forest, unsigned count)
     forest->settled_mask = cell_state(255, 255, (uint8_t) ~(CELL_QUEUED | CELL_TOUCHED));
 }
 
-enum err forest_set_team(struct forest *forest, struct team *team, struct fault *fault)
-{
-    return forest_enlist(forest, team, fault);
-}
-
 void forest_set_arcs(struct forest *forest, const struct arc_rule *arcs)
 {
     forest->arcs = *arcs;
@@ -404,7 +399,7 @@ void forest_free(struct forest *forest)
         return;
     label_runs_release(&forest->former);
     mem_pages_free(forest->change, forest->change_limit * sizeof *forest->change);
-    forest_dismiss(forest);
+    forest_free_workers(forest);
     free(forest->batch);
     free(forest->inverse);
     free(forest->cleared.item);

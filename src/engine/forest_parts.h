@@ -196,9 +196,7 @@ void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned d
  * finds the words. */
 enum err forest_pass(struct forest *forest, bool may_stop);
 
-/* One worker for each thread of the team, and which cells each owns. ERR_MEMORY: as it was. */
-enum err forest_enlist(struct forest *forest, struct team *team, struct fault *fault);
-void forest_dismiss(struct forest *forest);
+void forest_free_workers(struct forest *forest);
 
 /* Empties the queues. */
 void forest_forget_queues(struct forest *forest);

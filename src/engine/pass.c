@@ -415,7 +415,7 @@ static void release_workers(struct worker *worker, unsigned workers)
     free(worker);
 }
 
-void forest_dismiss(struct forest *forest)
+void forest_free_workers(struct forest *forest)
 {
     release_workers(forest->worker, forest->workers);
     forest->worker = NULL;
@@ -433,7 +433,8 @@ static void share_cells(struct forest *forest)
         forest->owner[part] = (uint8_t)(part % forest->workers);
 }
 
-enum err forest_enlist(struct forest *forest, struct team *team, struct fault *fault)
+/* One worker for each thread. */
+enum err forest_set_team(struct forest *forest, struct team *team, struct fault *fault)
 {
     const unsigned workers = team_size(team);
     struct worker *worker = mem_array(workers, sizeof *worker);
@@ -449,7 +450,7 @@ enum err forest_enlist(struct forest *forest, struct team *team, struct fault *f
             return fault_memory(fault, "a forest");
         }
     }
-    forest_dismiss(forest);
+    forest_free_workers(forest);
     forest->team = team;
     forest->worker = worker;
     forest->workers = workers;

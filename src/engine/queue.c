@@ -35,7 +35,7 @@ struct queue {
     bool failed;
     /* Heads of lists, each the index of its first chunk. What waits at (cost, 0), nearly all
      * in practice, moves to the hops wholesale when the cost comes up; the rest waits as pairs
-     * (hops, cell) and is dealt out one by one. */
+     * (hops, cell) and is distributed one by one. */
     uint32_t at_rise[COSTS];
     uint32_t later[COSTS];
     uint32_t by_hops[HOPS]; /* of the cost being served */
@@ -193,7 +193,7 @@ static uint32_t take_chunk(struct queue *queue, uint32_t *head)
     return handle;
 }
 
-/* Deals what waits at `cost` out over the hops. */
+/* Distributes what waits at `cost` over the hops. */
 static void open_cost(struct queue *queue, uint32_t cost)
 {
     marks_unset(&queue->costs, cost);

@@ -2,7 +2,7 @@
  * The queue: cells waiting at levels (cost, hops), served in the order of levels.
  *
  * Within a level there is no order, and none is needed: keys of one level never offer within it.
- * A bucket per cost holds what waits there; when a cost comes up, its bucket is dealt out over
+ * A bucket per cost holds what waits there; when a cost comes up, its bucket is distributed over
  * the hops. Entries are never taken out early: one whose cell has moved to another level is
  * stale, and is skipped when the level is served (the cell's own key and CELL_QUEUED decide).
  *

@@ -43,16 +43,16 @@ enum weight_argument {
          "polarity: the same, with other weights for steps to brighter and to darker voxels "      \
          "(`help polarity`).\n")
 
-/* The names, in their order; what comes out of a file has no name of its own. */
 #define WEIGHT_FIRST_NAME(kind, name, argument, usual, help) #name
 #define WEIGHT_NEXT_NAME(kind, name, argument, usual, help)  "|" #name
-
-#define WEIGHT_KINDS                                         WEIGHT_LIST(WEIGHT_FIRST_NAME, WEIGHT_NEXT_NAME)
 
 enum weight_kind {
 #define WEIGHT_KIND(kind, name, argument, usual, help) WEIGHT_##kind,
     WEIGHT_LIST(WEIGHT_KIND, WEIGHT_KIND) WEIGHT_FILE,
 };
+
+/* The names, in their order; what comes out of a file has no name of its own. */
+#define WEIGHT_KINDS WEIGHT_LIST(WEIGHT_FIRST_NAME, WEIGHT_NEXT_NAME)
 
 struct weight_method {
     enum arc_kind arcs;

@@ -21,8 +21,8 @@ uint64_t session_bytes_for(const uint32_t size[3])
     for (int a = 0; a < 3; a++)
         if (__builtin_mul_overflow(cells, (uint64_t)size[a] + 2, &cells) || cells > UINT64_MAX / 32)
             return UINT64_MAX;
-    /* Cells; two bits; a sixteenth of the scene as changes; the queue's crest, at most two voxels
-     * of three bytes in practice; two bytes while a file is read. */
+    /* Cells; two bits; a sixteenth of the scene as changes; the queue at its longest, at most two
+     * voxels of three bytes in practice; two bytes while a file is read. */
     return cells * sizeof(struct cell) + cells / 4 + cells / 2 + cells * 2;
 }
 

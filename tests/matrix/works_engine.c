@@ -81,7 +81,7 @@ static void forests(struct team *team, unsigned adjacency)
         struct forest *forest = NULL;
         struct fault fault;
         must(forest_new(&forest, scene, adjacency, &fault), &fault, "a forest");
-        must(forest_set_team(forest, team, &fault), &fault, "a forest's crew");
+        must(forest_set_team(forest, team, &fault), &fault, "a forest's team");
         weigh(forest, scene, &weights[i].choice, team);
         tell(weight_digest(scene, forest_arcs(forest), team), "weight/%s/%u", weights[i].name,
              adjacency);
@@ -107,7 +107,7 @@ static void excludes(struct team *team)
         if (!(scene->cell[c].flags & CELL_RIM) && c / 37 % 3)
             bits[c >> 6] |= UINT64_C(1) << (c & 63);
     must(forest_new(&forest, scene, 6, &fault), &fault, "a forest");
-    must(forest_set_team(forest, team, &fault), &fault, "a forest's crew");
+    must(forest_set_team(forest, team, &fault), &fault, "a forest's team");
     const struct roi_tally tally = roi_tally(&roi, scene);
     tell(tally.digest, "fence/outside");
     tell(tally.inside, "fence/inside");
