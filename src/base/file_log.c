@@ -16,6 +16,7 @@
 
 #include "base/buf.h"
 #include "base/file.h"
+#include "base/mem.h"
 #include "base/team.h"
 
 struct file_log {
@@ -263,8 +264,7 @@ static enum err take(struct file_log *log, bool create, struct fault *fault)
 
 static struct file_log *log_new(const char *path)
 {
-    struct file_log *log = calloc(1, sizeof *log);
-    pthread_condattr_t attributes;
+    struct file_log *log = mem_new(sizeof *log);
     if (!log)
         return NULL;
     log->fd = -1;
@@ -274,10 +274,7 @@ static struct file_log *log_new(const char *path)
         return NULL;
     }
     pthread_mutex_init(&log->lock, NULL);
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_cond_init(&log->stirs, &attributes);
-    pthread_condattr_destroy(&attributes);
+    thread_condition_init(&log->stirs);
     return log;
 }
 

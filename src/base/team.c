@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/mem.h"
@@ -87,6 +88,15 @@ bool thread_start(pthread_t *thread, void *(*work)(void *), void *argument)
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     errno = number;
     return number == 0;
+}
+
+void thread_condition_init(pthread_cond_t *condition)
+{
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_cond_init(condition, &attributes);
+    pthread_condattr_destroy(&attributes);
 }
 
 enum err team_new(struct team **out, unsigned workers, struct fault *fault)

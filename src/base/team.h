@@ -21,6 +21,9 @@
  * none can be had. */
 bool thread_start(pthread_t *thread, void *(*work)(void *), void *argument);
 
+/* A condition whose time limits are of CLOCK_MONOTONIC, which nobody sets. */
+void thread_condition_init(pthread_cond_t *condition);
+
 struct team;
 
 enum { TEAM_MOST = 64 };

@@ -139,7 +139,6 @@ static void discard(struct picture_writer *writer)
 
 enum err picture_writer_new(struct picture_writer **out, const char *program, struct fault *fault)
 {
-    pthread_condattr_t monotonic;
     struct picture_writer *writer = calloc(1, sizeof *writer);
     *out = NULL;
     if (!writer)
@@ -153,10 +152,7 @@ enum err picture_writer_new(struct picture_writer **out, const char *program, st
     }
     pthread_mutex_init(&writer->lock, NULL);
     pthread_cond_init(&writer->given, NULL);
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-    pthread_cond_init(&writer->done, &monotonic);
-    pthread_condattr_destroy(&monotonic);
+    thread_condition_init(&writer->done);
     if (!thread_start(&writer->thread, work, writer)) {
         discard(writer);
         return fault_set(fault, ERR_IO, "no thread can be had to write beside the session");
