@@ -60,6 +60,14 @@ size_t safe_character(const char *text, size_t length)
     return n && !is_formatting(point) ? n : 0;
 }
 
+const char *safe_end(const char *text)
+{
+    size_t n = 1;
+    for (size_t left = strlen(text); left > 0 && n > 0; left -= n, text += n)
+        n = safe_character(text, left);
+    return text;
+}
+
 size_t safe_copy(char *out, size_t capacity, const char *text, size_t length)
 {
     static const char hex[] = "0123456789abcdef";

@@ -22,6 +22,9 @@ size_t safe_copy(char *out, size_t capacity, const char *text, size_t length);
  * the next byte must be escaped. `length` > 0. */
 size_t safe_character(const char *text, size_t length);
 
+/* The first byte of a text that must be escaped, or its end. */
+const char *safe_end(const char *text);
+
 /* The number of bytes (1..4) of the well-formed UTF-8 character at `text`, printable or not, and
  * its code point; 0 where there is none: no overlong forms, surrogates, or anything beyond
  * U+10FFFF. `length` > 0. */

@@ -139,16 +139,8 @@ enum err act_adjacency(const struct act *act)
 static bool is_fit(const char *name, size_t room)
 {
     const unsigned char first = (unsigned char)*name;
-    if (strlen(name) >= room || (first < 0x80 && !isalpha(first)))
-        return false;
-    for (size_t left = strlen(name); left > 0;) {
-        size_t n = safe_character(name, left);
-        if (n == 0 || *name == ' ' || *name == '=' || *name == '"' || *name == '\\')
-            return false;
-        name += n;
-        left -= n;
-    }
-    return true;
+    return strlen(name) < room && (first >= 0x80 || isalpha(first)) && *safe_end(name) == '\0' &&
+           !strpbrk(name, " =\"\\");
 }
 
 enum err act_check_name(const char *name, size_t room, struct fault *fault)

@@ -86,15 +86,8 @@ struct listing {
  * with a dot only where the dot was typed. */
 static bool is_fit(const char *name, const char *begin)
 {
-    size_t n = 1;
-    if (strncmp(name, begin, strlen(begin)) != 0 || (name[0] == '.' && begin[0] != '.') ||
-        strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
-        return false;
-    for (size_t left = strlen(name); left > 0 && n > 0; left -= n) {
-        n = safe_character(name, left);
-        name += n;
-    }
-    return n > 0;
+    return strncmp(name, begin, strlen(begin)) == 0 && (name[0] != '.' || begin[0] == '.') &&
+           strcmp(name, ".") != 0 && strcmp(name, "..") != 0 && *safe_end(name) == '\0';
 }
 
 /* Also through a link. */

@@ -38,11 +38,8 @@ static enum err unknown(struct fault *fault, const char *what, const char *word)
  * first byte that is not so, or the end. */
 static const char *end_of_text(const char *line)
 {
-    size_t n = 1;
-    for (size_t left = strlen(line); left > 0 && n > 0; left -= n) {
-        n = *line == '\t' ? 1 : safe_character(line, left);
-        line += n;
-    }
+    for (line = safe_end(line); *line == '\t'; line = safe_end(line + 1))
+        ;
     return line;
 }
 
