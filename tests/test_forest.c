@@ -14,6 +14,8 @@ struct world {
     struct forest *forest;
 };
 
+static const struct weight_choice morph = {WEIGHT_MORPH, 1};
+
 static struct world world_new(uint32_t x, uint32_t y, uint32_t z, unsigned adjacency)
 {
     struct world w = {0};
@@ -336,7 +338,7 @@ static void paint(struct world *w, enum texture texture, uint64_t *random)
                                                               : r);
             }
     if (texture == GRADIENT)
-        weight_morph(w->scene, forest_adjacency(w->forest));
+        weight_compute(w->scene, forest_adjacency(w->forest), &morph, &(struct weight_work){0});
 }
 
 /* What the forest follows from, seeds apart. */
@@ -844,7 +846,7 @@ STORY(the_synthetic_scene_is_the_same_everywhere)
     CHECK_INT(scene->grid.voxels, 4000000);
     struct adjacency six;
     adjacency_init(&six, 6, &scene->grid);
-    weight_morph(scene, &six);
+    weight_compute(scene, &six, &morph, &(struct weight_work){0});
     printf("# geom %016" PRIx64 " morph %016" PRIx64 "\n", scene_digest(scene),
            weight_digest(scene, &(struct arc_rule){0}, NULL));
     scene_free(scene);

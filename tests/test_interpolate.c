@@ -59,8 +59,7 @@ STORY(between_two_voxels_comes_their_mean)
         uint32_t size[3] = {1, 1, 1};
         struct scene *base, *scene;
         size[a] = 3;
-        CHECK(scene_new(&base, size, NULL) == OK);
-        scene_fill(base, row);
+        CHECK(scene_new_filled(&base, size, row, NULL, NULL) == OK);
         base->spacing_nm[a] = 333;
         base->world_axis[a] = 2, base->world_sign[a] = -1;
         CHECK(scene_new_interpolated(&scene, base, 1U << a, NULL, NULL) == OK);

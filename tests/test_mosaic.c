@@ -23,11 +23,10 @@ static struct scene *graded_scene(void)
     static const uint32_t spacing[3] = {1000000, 1500000, 2000000};
     struct scene *scene = NULL;
     uint16_t intensity[14 * 10 * 6];
-    CHECK(scene_new(&scene, size, NULL) == OK);
-    memcpy(scene->spacing_nm, spacing, sizeof spacing);
     for (uint16_t i = 0; i < 14 * 10 * 6; i++)
         intensity[i] = (uint16_t)(i * 37 % 251);
-    scene_fill(scene, intensity);
+    CHECK(scene_new_filled(&scene, size, intensity, NULL, NULL) == OK);
+    memcpy(scene->spacing_nm, spacing, sizeof spacing);
     return scene;
 }
 

@@ -320,10 +320,9 @@ STORY(smooth_grey_lies_between_the_four_voxels_around)
     static const uint32_t size[3] = {2, 2, 1};
     static const int along[8] = {0, 0, 13, 38, 63, 88, 100, 100}; /* 12.5, 37.5, 62.5, 87.5 */
     struct scene *scene = NULL;
-    CHECK(scene_new(&scene, size, NULL) == OK);
+    CHECK(scene_new_filled(&scene, size, (const uint16_t[]){0, 100, 100, 200}, NULL, NULL) == OK);
     for (int i = 0; i < 2; i++)
         scene->world_sign[i] = -1;
-    scene_fill(scene, (const uint16_t[4]){0, 100, 100, 200});
     const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     struct slice_choice choice = {.plane = SLICE_AXIAL, .pixel_pm = MM / 4, .smooth = true};
     struct canvas s = take(scene, &choice, &style, 8, 8);
@@ -337,7 +336,8 @@ STORY(smooth_grey_lies_between_the_four_voxels_around)
     CHECK_INT(s.cell[3 * 8 + 3], grid_cell(&scene->grid, 0, 0, 0));
     CHECK_INT(s.cell[3 * 8 + 4], grid_cell(&scene->grid, 1, 0, 0));
     canvas_release(&s);
-    scene_fill(scene, (const uint16_t[4]){65535, 65535, 65535, 65535}); /* no sum overflows */
+    for (uint32_t i = 0; i < 4; i++) /* no sum overflows */
+        scene->cell[grid_cell(&scene->grid, i % 2, i / 2, 0)].intensity = 65535;
     s = take(scene, &choice, &style, 8, 8);
     CHECK_INT(grey_at(&s, 3, 4), 255);
     canvas_release(&s);

@@ -18,9 +18,8 @@ static const struct weight_choice morph1 = {WEIGHT_MORPH, 1}, morph2 = {WEIGHT_M
 static struct scene *scene_of(uint32_t x, uint32_t y, uint32_t z, const uint16_t *intensity)
 {
     struct scene *scene;
-    if (scene_new(&scene, (uint32_t[3]){x, y, z}, NULL) != OK)
+    if (scene_new_filled(&scene, (uint32_t[3]){x, y, z}, intensity, NULL, NULL) != OK)
         abort();
-    scene_fill(scene, intensity);
     return scene;
 }
 

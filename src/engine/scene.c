@@ -96,19 +96,6 @@ void scene_free(struct scene *scene)
     free(scene);
 }
 
-void scene_fill(struct scene *scene, const uint16_t *intensity)
-{
-    const struct grid *grid = &scene->grid;
-    struct task task = task_begin(scene->watch, "intensities", grid->voxels);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            intensity =
-                fill_row(scene->cell + grid_row(grid, y, z).first, grid->size[0], intensity);
-            if (!task_advance(&task, grid->size[0]))
-                return;
-        }
-}
-
 uint64_t scene_digest(const struct scene *scene)
 {
     const struct grid *grid = &scene->grid;

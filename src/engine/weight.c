@@ -22,16 +22,6 @@ enum arc_kind weight_arcs(enum weight_kind kind)
     return weight_table[kind].method->arcs;
 }
 
-bool weight_is_gradient(enum weight_kind kind)
-{
-    return weight_table[kind].method->weigh != NULL;
-}
-
-void weight_morph(struct scene *scene, const struct adjacency *adjacency)
-{
-    morph_weight.weigh(scene, adjacency, 1, grid_slab(&scene->grid, 0, 1), NULL);
-}
-
 /* ---- computing ---- */
 
 void weight_work_release(struct weight_work *work)
@@ -86,7 +76,7 @@ void weight_compute(struct scene *scene, const struct adjacency *adjacency,
 {
     struct weighing weighing = {scene, adjacency, choice, work};
     assert(bytes_for_part(&scene->grid, choice) * team_size(work->team) <= work->capacity);
-    if (weight_is_gradient(choice->kind))
+    if (weight_table[choice->kind].method->weigh)
         team_run(work->team, weigh_part, &weighing);
 }
 

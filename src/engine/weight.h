@@ -82,9 +82,6 @@ struct weight_choice {
 
 enum arc_kind weight_arcs(enum weight_kind kind);
 
-/* Whether weight_compute writes cell.weight. */
-bool weight_is_gradient(enum weight_kind kind);
-
 /* Memory that computing weights takes; it only grows, so that what was computed once can be
  * computed again. Begins as {0}. The team is not owned, and is set before room is reserved: all
  * teams give the same weights. */
@@ -107,9 +104,6 @@ enum err weight_work_reserve(struct weight_work *work, const struct grid *grid,
  */
 void weight_compute(struct scene *scene, const struct adjacency *adjacency,
                     const struct weight_choice *choice, struct weight_work *work);
-
-/* The morphological gradient of radius 1 (engine/morph.c), by the caller alone. */
-void weight_morph(struct scene *scene, const struct adjacency *adjacency);
 
 /* A digest of what arcs weigh, given the intensities: for ARC_TARGET a sum over voxels of their
  * weights, shared by a thread team; else of the kind, and under ARC_POLARITY of every label's. */

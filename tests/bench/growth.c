@@ -216,7 +216,8 @@ enum err run_growth(const struct options *o, struct fault *fault)
     if (!err) {
         struct adjacency adjacency;
         adjacency_init(&adjacency, 6, &tile->grid);
-        weight_morph(tile, &adjacency);
+        weight_compute(tile, &adjacency, &(struct weight_choice){WEIGHT_MORPH, 1},
+                       &(struct weight_work){0});
     }
     for (size_t i = 0; !err && i < scenes; i++) {
         watch_poll(watch, "making scenes", i, scenes);

@@ -43,10 +43,8 @@ static void weigh(struct forest *forest, struct scene *scene, const struct weigh
     struct fault fault;
     for (int label = 0; label < 6; label++)
         arcs.polarity[label] = (int8_t)(40 * label - 100);
-    if (weight_is_gradient(choice->kind)) {
-        must(weight_work_reserve(&work, &scene->grid, choice, &fault), &fault, "room for weights");
-        weight_compute(scene, forest_adjacency(forest), choice, &work);
-    }
+    must(weight_work_reserve(&work, &scene->grid, choice, &fault), &fault, "room for weights");
+    weight_compute(scene, forest_adjacency(forest), choice, &work);
     forest_set_arcs(forest, &arcs);
     must(forest_rebuild(forest, &fault), &fault, "a forest from nothing");
     weight_work_release(&work);

@@ -178,7 +178,7 @@ static enum err make_scene(struct workload *work, const char *image, const char 
     if (!err)
         err = volume_read(&work->atlas, atlas, NULL, fault);
     if (!err)
-        err = scene_new(&work->scene, work->image.size, fault);
+        err = scene_new_filled(&work->scene, work->image.size, work->image.intensity, NULL, fault);
     if (!err)
         err = map_check_size(work->atlas.size, &work->scene->grid, fault);
     if (err)
@@ -194,8 +194,8 @@ static enum err make_scene(struct workload *work, const char *image, const char 
         work->dark[i] = work->image.intensity[i] < DARK;
     struct adjacency adjacency;
     adjacency_init(&adjacency, 6, &work->scene->grid);
-    scene_fill(work->scene, work->image.intensity);
-    weight_morph(work->scene, &adjacency);
+    weight_compute(work->scene, &adjacency, &(struct weight_choice){WEIGHT_MORPH, 1},
+                   &(struct weight_work){0});
     return OK;
 }
 
