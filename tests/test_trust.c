@@ -114,7 +114,7 @@ static void plain_proof(char hex[SHA256_HEX], const struct scene *scene)
 STORY(the_proof_is_what_its_header_says)
 {
     struct scene *scene = small_scene();
-    char proof[SCENE_PROOF_HEX], expected[SHA256_HEX];
+    char proof[SHA256_HEX], expected[SHA256_HEX];
     if (!scene)
         return;
     scene->spacing_nm[1] = 1234567;
@@ -130,7 +130,7 @@ STORY(the_proof_is_what_its_header_says)
 STORY(whatever_changes_in_a_scene_changes_its_proof)
 {
     struct scene *scene = small_scene();
-    char before[SCENE_PROOF_HEX], after[SCENE_PROOF_HEX];
+    char before[SHA256_HEX], after[SHA256_HEX];
     if (!scene)
         return;
     scene_proof(before, scene);

@@ -167,7 +167,7 @@ static void prove_row(struct proof *proof, const struct cell *cell, uint32_t cou
     }
 }
 
-void scene_proof(char out[SCENE_PROOF_HEX], const struct scene *scene)
+void scene_proof(char out[SHA256_HEX], const struct scene *scene)
 {
     const struct grid *grid = &scene->grid;
     struct proof proof = {.most = PROOF_FIRST};

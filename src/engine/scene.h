@@ -19,6 +19,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "base/hash.h"
 #include "base/watch.h"
 #include "engine/grid.h"
 #include "engine/key.h"
@@ -128,14 +129,12 @@ enum err scene_new_geom_of(struct scene **scene, const uint32_t size[3], struct 
  * mistakes. */
 uint64_t scene_digest(const struct scene *scene);
 
-enum { SCENE_PROOF_HEX = 65 };
-
 /*
  * SHA-256 over the same, for which no second scene can be found, as 64 digits and a NUL: three
  * sizes and three spacings in nanometres as 32 bits each, then a byte for each axis (2 * world axis
  * + 1 where it runs the other way) and one zero byte, then the intensities, x fastest, as 16 bits;
  * all little-endian. "" where the watch says so.
  */
-void scene_proof(char out[SCENE_PROOF_HEX], const struct scene *scene);
+void scene_proof(char out[SHA256_HEX], const struct scene *scene);
 
 #endif

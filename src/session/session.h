@@ -61,8 +61,8 @@ struct session {
     char scene_file[FILE_WORDS_BYTES]; /* what to call it: without its folder; a long name is cut */
     struct geometry geometry;
     uint64_t scene_digest;
-    char proof[SCENE_PROOF_HEX]; /* of the scene as it was opened (scene_proof) */
-    struct team *team;           /* the threads that compute; NULL for one */
+    char proof[SHA256_HEX]; /* of the scene as it was opened (scene_proof) */
+    struct team *team;      /* the threads that compute; NULL for one */
 
     /* What follows from the state; MADE_... of what does not fit it (S5). */
     unsigned stale;

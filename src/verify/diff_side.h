@@ -15,7 +15,7 @@ struct diff_facts {
     char why[sizeof((struct fault *)0)->text];
     uint32_t size[3], picture_width, picture_height; /* 0, 0: none */
     uint64_t scene_digest;
-    char proof[SCENE_PROOF_HEX];
+    char proof[SHA256_HEX];
     size_t voxels, pending;
     uint8_t is_edited, is_torn; /* booleans */
     char label_name[256][LABEL_NAME_BYTES];
