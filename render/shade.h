@@ -29,6 +29,8 @@ struct palette {
 /* Distinct colours, also for people who do not distinguish red from green, in turn. */
 void palette_default(struct palette *palette);
 
+/* Where normals come from, and what commands call it. */
+#define SHADE_MODES "surface|scene|depth"
 enum shade_mode { SHADE_SURFACE, SHADE_SCENE, SHADE_DEPTH };
 
 enum { SHADE_SAMPLES_MOST = 4, LIGHT_PITCH_MOST = 90000 };

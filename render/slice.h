@@ -52,6 +52,7 @@ struct slice_mark {
     bool eliminates, waits;
 };
 
+#define SLICE_OVERLAYS "none|tint|contour"
 enum slice_overlay {
     SLICE_PLAIN,   /* grey alone */
     SLICE_TINT,    /* a third of the label's colour, two thirds of the grey */

@@ -14,11 +14,6 @@ void act_write_label(struct buf *out, const struct session *session, unsigned la
     buf_printf(out, "%u%s%s", label, *name ? " " : "", name);
 }
 
-static double real_value(const struct session *session, uint16_t intensity)
-{
-    return session->geometry.slope * intensity + session->geometry.intercept;
-}
-
 /* The weight of the voxel; where weights are those of steps, of the step from its predecessor. */
 static void write_voxel_weight(struct buf *out, const struct session *session,
                                const struct cell *cell)
@@ -44,7 +39,7 @@ void act_write_voxel(struct buf *out, const struct session *session, uint32_t at
     double mm[3];
     geometry_point(&session->geometry, (const uint32_t[]){p.x, p.y, p.z}, mm);
     buf_printf(out, "voxel %u,%u,%u at %.1f,%.1f,%.1f mm: intensity %g, ", p.x, p.y, p.z, mm[0],
-               mm[1], mm[2], real_value(session, cell->intensity));
+               mm[1], mm[2], geometry_value(&session->geometry, cell->intensity));
     write_voxel_weight(out, session, cell);
     if (!cell_is_reached(cell)) {
         buf_add_text(out, cell->flags & CELL_OUTSIDE ? "outside the region of interest\n"
@@ -129,9 +124,9 @@ static void write_roi(struct buf *out, const struct session *session)
 
 static void write_look(struct buf *out, const struct look *look)
 {
-    static const char *const normals[] = {"surface", "scene", "depth"};
-    buf_printf(out, "look      shade %s, light %g %g, cue %u, edges %s, samples %u\n",
-               normals[look->mode], look->light[0] / 1000.0, look->light[1] / 1000.0,
+    const struct choice mode = choice_at(SHADE_MODES, look->mode);
+    buf_printf(out, "look      shade %.*s, light %g %g, cue %u, edges %s, samples %u\n",
+               (int)mode.length, mode.word, look->light[0] / 1000.0, look->light[1] / 1000.0,
                look->cue_percent, look->edges ? "on" : "off", look->samples);
 }
 

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/choice.h"
 #include "session/slicing.h"
 #include "session/window.h"
 
@@ -16,8 +17,8 @@ enum { OVERLAY_LABELS, OVERLAY_CROSS, OVERLAY_MARKS, OVERLAY_WORDS };
 
 void act_write_slices(struct buf *out, struct session *session)
 {
-    static const char *const overlay[] = {"none", "tint", "contour"};
     const struct slice_settings *s = &session->now.outlook.slices;
+    const struct choice overlay = choice_at(SLICE_OVERLAYS, s->overlay);
     char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES];
     window_words(least, most, session);
     buf_printf(out, "through %u,%u,%u: axial %u, coronal %u, sagittal %u; window %s%s %s, ",
@@ -26,8 +27,9 @@ void act_write_slices(struct buf *out, struct session *session)
                slice_index(session->scene, SLICE_CORONAL, s->cross),
                slice_index(session->scene, SLICE_SAGITTAL, s->cross),
                s->has_window ? "" : "auto: ", least, most);
-    buf_printf(out, "overlay %s%s%s%s\n", overlay[s->overlay], s->crosses ? "" : " cross=off",
-               s->marks ? "" : " marks=off", s->words ? "" : " words=off");
+    buf_printf(out, "overlay %.*s%s%s%s\n", (int)overlay.length, overlay.word,
+               s->crosses ? "" : " cross=off", s->marks ? "" : " marks=off",
+               s->words ? "" : " words=off");
 }
 
 /* Goes to the next state, and says how slices are shown now. */

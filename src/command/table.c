@@ -246,7 +246,7 @@ const struct command command_table[] = {
      NULL,
      "show 2"},
     {COMMAND("shade", act_shade, GROUP_LOOK, R | S),
-     {NEED("NORMALS", VALUE_CHOICE, .choices = "surface|scene|depth")},
+     {NEED("NORMALS", VALUE_CHOICE, .choices = SHADE_MODES)},
      "where the normals of a surface come from",
      "surface, the default: the shown objects, smoothed.\n"
      "scene: the gradient of the intensities, with finer detail where objects end at an edge of "
@@ -333,7 +333,7 @@ const struct command command_table[] = {
      "auto, the default: all but the darkest 1 % and the brightest 0.5 % of the scene.",
      "window 20 90.5"},
     {COMMAND("overlay", act_overlay, GROUP_SLICES, R | S),
-     {MAY("LABELS", VALUE_CHOICE, .choices = "none|tint|contour"),
+     {MAY("LABELS", VALUE_CHOICE, .choices = SLICE_OVERLAYS),
       KEYED("cross", VALUE_CHOICE, .choices = "on|off"),
       KEYED("marks", VALUE_CHOICE, .choices = "on|off"),
       KEYED("words", VALUE_CHOICE, .choices = "on|off")},

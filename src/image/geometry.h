@@ -23,6 +23,12 @@ struct geometry {
     int16_t sform_code, qform_code; /* as read; 0 where the file gave none that can be used */
 };
 
+/* The real value of an intensity. */
+static inline double geometry_value(const struct geometry *geometry, int32_t intensity)
+{
+    return geometry->slope * intensity + geometry->intercept;
+}
+
 /* Takes `to_mm` as the way to the world and works out world_axis and world_sign: the permutation of
  * the axes that lies nearest to the matrix (the first one in order, where several are). Returns
  * false, and leaves the geometry alone, where the matrix is not finite or cannot be inverted. */

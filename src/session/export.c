@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/choice.h"
 #include "image/volume.h"
 
 /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
@@ -66,11 +67,11 @@ enum err export_notes(struct picture *picture, const struct session *session, st
 {
     char scene[32], shaded[96];
     snprintf(scene, sizeof scene, "%016llx", (unsigned long long)session->scene_digest);
-    static const char *const mode[] = {"surface", "scene", "depth"};
     const struct look *look = &session->now.outlook.look;
-    snprintf(shaded, sizeof shaded, "%s light %d %d cue %u edges %s samples %u", mode[look->mode],
-             look->light[0], look->light[1], look->cue_percent, look->edges ? "on" : "off",
-             look->samples);
+    const struct choice mode = choice_at(SHADE_MODES, look->mode);
+    snprintf(shaded, sizeof shaded, "%.*s light %d %d cue %u edges %s samples %u", (int)mode.length,
+             mode.word, look->light[0], look->light[1], look->cue_percent,
+             look->edges ? "on" : "off", look->samples);
     enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
     if (!err)
         err = picture_note(picture, "iftty:scene-name", session->scene_file, fault);

@@ -58,7 +58,7 @@ enum { VALUES = 65536, ODD = VALUES };
  * half a step. */
 static bool whole_number(const struct geometry *geometry, uint16_t intensity, double *whole)
 {
-    const double value = geometry->slope * intensity + geometry->intercept;
+    const double value = geometry_value(geometry, intensity);
     const double step = fabs(geometry->slope);
     *whole = floor(value + 0.5);
     return fabs(value - *whole) <= (step < 0.2 ? step / 2 : 0.1) + 1e-6;
@@ -72,10 +72,9 @@ static enum err translate(struct volume *map, const uint32_t *table, const char 
     for (size_t i = 0; i < voxels; i++) {
         const uint16_t is = map->intensity[i];
         if (table[is] == ODD)
-            return fault_set(fault, ERR_INPUT,
-                             "voxel %zu,%zu,%zu of the map holds %g; %s; nothing has changed",
-                             i % row, i % plane / row, i / plane,
-                             map->geometry.slope * is + map->geometry.intercept, holds);
+            return fault_set(
+                fault, ERR_INPUT, "voxel %zu,%zu,%zu of the map holds %g; %s; nothing has changed",
+                i % row, i % plane / row, i / plane, geometry_value(&map->geometry, is), holds);
         map->intensity[i] = (uint16_t)table[is];
     }
     return OK;

@@ -57,8 +57,8 @@ void roi_range(struct roi *roi, const struct geometry *geometry, const int64_t t
 {
     roi->low = UINT16_MAX;
     roi->high = 0;
-    for (uint32_t i = 0; i <= UINT16_MAX; i++) {
-        const double value = geometry->slope * i + geometry->intercept;
+    for (int32_t i = 0; i <= UINT16_MAX; i++) {
+        const double value = geometry_value(geometry, i);
         if (value < (double)thousandths[0] / 1000 || value > (double)thousandths[1] / 1000)
             continue;
         roi->low = i < roi->low ? (uint16_t)i : roi->low;

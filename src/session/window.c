@@ -86,5 +86,5 @@ void window_words(char least[WINDOW_WORDS_BYTES], char most[WINDOW_WORDS_BYTES],
     window_of(window, session);
     for (int i = 0; i < 2; i++)
         write_value(words[i], s->has_window ? (double)s->window_thousandths[i] / 1000
-                                            : geometry->slope * window[i] + geometry->intercept);
+                                            : geometry_value(geometry, window[i]));
 }
