@@ -1,8 +1,6 @@
 /* Commands that go to other states of the segmentation: undo, redo, goto, branch, history. */
 #include "command/act.h"
 
-#include <string.h>
-
 enum { LISTED = 20 };
 
 /* The number and the words of the command that led to a point. */

@@ -2,8 +2,6 @@
  * recorded: a journal says what was done, not where it is stored. */
 #include "command/act.h"
 
-#include <string.h>
-
 #include "base/folder.h"
 #include "journal/golden.h"
 

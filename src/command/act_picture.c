@@ -1,8 +1,6 @@
 /* Commands that show or write pictures, and write maps. */
 #include "command/act.h"
 
-#include <string.h>
-
 #include "base/file.h"
 #include "image/exr.h"
 #include "session/export.h"

@@ -3,12 +3,9 @@
 #include "command/near.h"
 
 #include <ctype.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "base/mem.h"
 #include "base/safe.h"
-#include "base/scan.h"
 #include "session/map.h"
 
 /* The answer of a command that gave the session its scene. */

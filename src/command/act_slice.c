@@ -1,8 +1,6 @@
 /* Commands that show slices and mosaics, and say how. */
 #include "command/act.h"
 
-#include <string.h>
-
 #include "base/choice.h"
 #include "session/slicing.h"
 #include "session/window.h"

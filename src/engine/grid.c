@@ -1,7 +1,5 @@
 #include "engine/grid.h"
 
-#include "base/mem.h"
-
 enum { SIDE_MOST = 65534 };
 
 enum err grid_init(struct grid *grid, const uint32_t size[3], struct fault *fault)
