@@ -1,10 +1,24 @@
 #include "verify/bisect.h"
 
+#include <fcntl.h>
+#include <ftw.h>
+#include <limits.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
-#include "verify/builds.h"
+#include "base/file.h"
+#include "base/folder.h"
+#include "base/process.h"
+#include "sandbox/limits.h"
 #include "verify/divergence.h"
 #include "verify/first_difference.h"
+
+enum { ERRORS_MOST = 1 << 20 };
+
+/* ---- what is printed ---- */
 
 static void write_place(struct buf *text, const struct first_difference *first, int which,
                         const char *name)
@@ -79,6 +93,8 @@ static enum err compare(const char *const path[2], const char *const name[2],
     return err;
 }
 
+/* ---- two journals ---- */
+
 enum err bisect_journals(const char *a, const char *b, const struct printer *printer,
                          struct fault *fault)
 {
@@ -86,19 +102,187 @@ enum err bisect_journals(const char *a, const char *b, const struct printer *pri
     return compare(path, path, more, printer, fault);
 }
 
+/* ---- two builds ---- */
+
+/* This program, and the other: each writes a journal of its own below a folder that goes away with
+ * both. */
+struct builds {
+    const struct bisect_builds *how;
+    struct buf commands, scene; /* paths from the root; a scene that is no path, or "" */
+    struct buf folder;
+    struct side {
+        const char *name;
+        struct buf program, folder, journal;
+        struct buf words; /* why it ended early: "# ..." lines, or "" */
+    } side[2];
+    struct process_end end[2]; /* with what they printed to standard error */
+};
+
+/* From the root, since each build works where the journal lies. */
+static enum err whole_path(struct buf *out, const char *path, struct fault *fault)
+{
+    char whole[PATH_MAX];
+    if (!realpath(path, whole))
+        return fault_errno(fault, "find", path);
+    buf_add_text(out, whole);
+    return out->failed ? fault_memory(fault, "a path") : OK;
+}
+
+static enum err prepare_side(struct builds *b, struct side *side, const char *name,
+                             const char *program, struct fault *fault)
+{
+    enum err err = whole_path(&side->program, program, fault);
+    buf_printf(&side->folder, "%s/%s", buf_text(&b->folder), name);
+    buf_printf(&side->journal, "%s/commands.iftty", buf_text(&side->folder));
+    if (!err && (side->folder.failed || side->journal.failed))
+        err = fault_memory(fault, "a path");
+    return err ? err : file_make_folder(buf_text(&side->folder), fault);
+}
+
+static enum err prepare(struct builds *b, struct fault *fault)
+{
+    const char *scene = b->how->scene_path;
+    enum err err = whole_path(&b->commands, b->how->journal, fault);
+    if (!err && scene && file_exists(scene))
+        err = whole_path(&b->scene, scene, fault);
+    else if (scene)
+        buf_add_text(&b->scene, scene);
+    if (!err)
+        err = folder_fresh(&b->folder, NULL, fault);
+    if (!err)
+        err = prepare_side(b, b->side, "this", "/proc/self/exe", fault);
+    return err ? err : prepare_side(b, b->side + 1, "other", b->how->other, fault);
+}
+
+/* Where the journal lies, and with nothing to read. */
+static bool enter(const char *commands)
+{
+    struct buf place = {0};
+    const int nothing = open("/dev/null", O_RDWR);
+    file_folder(&place, commands);
+    return nothing >= 0 && dup2(nothing, 0) >= 0 && dup2(nothing, 1) >= 0 && !place.failed &&
+           chdir(buf_text(&place)) == 0;
+}
+
+static void become(void *context, size_t number, struct buf *out)
+{
+    const struct builds *b = context;
+    const struct side *side = &b->side[number];
+    const char *argument[] = {buf_text(&side->program), b->how->word,
+                              buf_text(&b->commands),   "--journal",
+                              buf_text(&side->journal), "--out",
+                              buf_text(&side->folder),  b->how->scene_path ? "--scene" : NULL,
+                              buf_text(&b->scene),      NULL};
+    (void)out; /* what it prints to standard error is handed back */
+    if (!b->scene.failed && enter(buf_text(&b->commands)))
+        execv(argument[0], (char *const *)(uintptr_t)argument);
+    _exit(127);
+}
+
+static uint64_t written_bytes;
+
+static int add_written(const char *path, const struct stat *status, int type, struct FTW *where)
+{
+    (void)path, (void)where;
+    written_bytes += type == FTW_F ? (uint64_t)status->st_size : 0;
+    return 0;
+}
+
+/* What both hold now, and have written so far, counts as this process's own. */
+static void count(void *context, uint64_t held_bytes)
+{
+    const struct builds *b = context;
+    written_bytes = 0;
+    nftw(buf_text(&b->folder), add_written, 8, FTW_PHYS);
+    limits_count(held_bytes, written_bytes);
+}
+
+static enum err run_both(struct builds *b, struct fault *fault)
+{
+    const struct buf nothing = {0};
+    const struct processes both = {.count = 2,
+                                   .at_once = 2,
+                                   .most = ERRORS_MOST,
+                                   .takes_errors = true,
+                                   .context = b,
+                                   .work = become,
+                                   .end = b->end,
+                                   .tick = count,
+                                   .watch = b->how->watch};
+    const char *const program[] = {buf_text(&b->side[0].program), buf_text(&b->side[1].program),
+                                   NULL};
+    enum err err = b->how->begin(b->how->context, buf_text(&b->folder), program, fault);
+    if (err)
+        return err;
+    limits_will_write();
+    err = processes_run(&both, fault);
+    if (err == ERR_CANCELLED)
+        fault_set(fault, err, "cancelled; the two builds were ended");
+    return limits_judge(err, &nothing, fault);
+}
+
+/* What became of one that did not carry everything out. */
+static enum err judge(struct side *side, const struct process_end *end, struct fault *fault)
+{
+    struct buf *words = &side->words;
+    if (!file_exists(buf_text(&side->journal)))
+        return fault_set(fault, ERR_IO, "%s could not be started, or wrote no journal", side->name);
+    if (WIFEXITED(end->status) && WEXITSTATUS(end->status) == 0)
+        return OK;
+    buf_add_text(words, "#   ended    ");
+    buf_add_safe_text(words, side->name);
+    if (WIFSIGNALED(end->status))
+        buf_printf(words, " by signal %d (%s)", WTERMSIG(end->status),
+                   strsignal(WTERMSIG(end->status)));
+    else
+        buf_printf(words, " with status %d", WEXITSTATUS(end->status));
+    if (end->bytes.length) {
+        buf_add_text(words, ": ");
+        buf_add_safe(words, buf_text(&end->bytes), strcspn(buf_text(&end->bytes), "\n"));
+    }
+    buf_add_char(words, '\n');
+    return words->failed ? fault_memory(fault, "a report") : OK;
+}
+
+/* Where this process may only remove empty folders, it may not even try to unlink one. */
+static int remove_one(const char *path, const struct stat *status, int type, struct FTW *where)
+{
+    (void)status, (void)where;
+    return type == FTW_DP ? rmdir(path) : unlink(path);
+}
+
+static void builds_release(struct builds *b)
+{
+    for (int i = 0; i < 2; i++) {
+        struct side *side = b->side + i;
+        buf_release(&side->program);
+        buf_release(&side->folder);
+        buf_release(&side->journal);
+        buf_release(&side->words);
+        buf_release(&b->end[i].bytes);
+    }
+    if (b->folder.length)
+        nftw(buf_text(&b->folder), remove_one, 8, FTW_DEPTH | FTW_PHYS);
+    buf_release(&b->folder);
+    buf_release(&b->commands);
+    buf_release(&b->scene);
+}
+
 enum err bisect_builds(const struct bisect_builds *how, const struct printer *printer,
                        struct fault *fault)
 {
-    struct builds builds;
-    enum err err = builds_run(&builds, how, fault);
+    struct builds b = {.how = how, .side = {{.name = "this build"}, {.name = how->other}}};
+    enum err err = prepare(&b, fault);
+    if (!err)
+        err = run_both(&b, fault);
+    for (int i = 0; !err && i < 2; i++)
+        err = judge(b.side + i, b.end + i, fault);
     if (!err) {
-        const char *const path[2] = {buf_text(&builds.side[0].journal),
-                                     buf_text(&builds.side[1].journal)};
-        const char *const name[2] = {"this build", how->other};
-        const char *const more[2] = {buf_text(&builds.side[0].words),
-                                     buf_text(&builds.side[1].words)};
+        const char *const path[2] = {buf_text(&b.side[0].journal), buf_text(&b.side[1].journal)};
+        const char *const name[2] = {b.side[0].name, b.side[1].name};
+        const char *const more[2] = {buf_text(&b.side[0].words), buf_text(&b.side[1].words)};
         err = compare(path, name, more, printer, fault);
     }
-    builds_release(&builds);
+    builds_release(&b);
     return err;
 }
