@@ -1,7 +1,11 @@
 /*
- * What a kitty terminal makes of our graphics: pictures by number, shown at cells, changed in place
- * and deleted. Stricter than any terminal: what the protocol or kitty 0.26.5 needs (q=2 and at most
- * 4096 bytes a chunk, a=f,i=,r=1 on every chunk of a patch) is insisted on.
+ * What a terminal of kitty's family makes of our graphics: pictures by number, placed at cells, as
+ * they are or scaled, in layers, changed in place and deleted. Stricter than any terminal: what the
+ * protocol or kitty 0.26.5 needs (q= and at most 4096 bytes a chunk, a=f,i=,r=1 on every chunk of a
+ * patch) is insisted on, and so is that no number is used twice while its picture is there.
+ *
+ * A terminal may have no frame edits (Ghostty, WezTerm, Konsole), and may hold only so much: what is
+ * shown nowhere goes at once then, and silently, and after that the oldest.
  */
 #ifndef TESTS_KITTY_DECODE_H
 #define TESTS_KITTY_DECODE_H
@@ -10,21 +14,36 @@
 
 #include "tests/png_decode.h"
 
-enum { KITTY_PICTURES = 4 };
+enum { KITTY_PICTURES = 1024, KITTY_PLACEMENTS = 2048 };
 
 struct kitty_picture {
     bool is_there;
     uint32_t number; /* 0: none was told */
+    uint64_t age;
     struct decoded_png png;
+};
+
+struct kitty_placement {
+    bool is_there;
+    uint32_t number, name; /* of the picture, and its own (p=) */
     unsigned column, row;
+    uint32_t across, down;             /* X=, Y=: pixels within the cell */
+    uint32_t left, top, width, height; /* the part of the picture */
+    uint32_t columns, rows;            /* scaled to so many cells; 0: as it is */
+    int32_t z;
 };
 
 struct kitty_screen {
+    bool lacks_edits; /* a=f is not known */
+    uint64_t quota;   /* bytes, 4 a pixel; 0: without end */
     struct kitty_picture picture[KITTY_PICTURES];
-    unsigned chunks; /* all there were */
-    bool waits;      /* more chunks are to come, for: */
-    char keys[200];  /* the keys of the first one */
+    struct kitty_placement placement[KITTY_PLACEMENTS];
+    uint64_t pictures; /* that there ever were */
+    unsigned chunks;   /* all there were */
+    bool waits;        /* more chunks are to come, for: */
+    char keys[200];    /* the keys of the first one */
     struct buf data;
+    struct buf replies; /* what it says under q=1: ESC _ G i=7,p=1;ENOENT ESC \ */
 };
 
 static inline void kitty_release(struct kitty_screen *k)
@@ -32,8 +51,11 @@ static inline void kitty_release(struct kitty_screen *k)
     for (unsigned i = 0; i < KITTY_PICTURES; i++)
         free(k->picture[i].png.pixel);
     buf_release(&k->data);
+    buf_release(&k->replies);
     *k = (struct kitty_screen){0};
 }
+
+/* ---- keys ---- */
 
 /* The value of "name=value" among keys parted by commas. */
 static inline const char *kitty_key(const char *keys, const char *name)
@@ -54,6 +76,8 @@ static inline uint32_t kitty_value(const char *keys, const char *name)
     return (uint32_t)strtoul(kitty_key(keys, name), NULL, 10);
 }
 
+/* ---- pictures and where they are shown ---- */
+
 static inline struct kitty_picture *kitty_find(struct kitty_screen *k, uint32_t number)
 {
     for (unsigned i = 0; i < KITTY_PICTURES; i++)
@@ -62,17 +86,124 @@ static inline struct kitty_picture *kitty_find(struct kitty_screen *k, uint32_t 
     return NULL;
 }
 
+static inline unsigned kitty_pictures(const struct kitty_screen *k)
+{
+    unsigned count = 0;
+    for (unsigned i = 0; i < KITTY_PICTURES; i++)
+        count += k->picture[i].is_there;
+    return count;
+}
+
+static inline bool kitty_is_placed(const struct kitty_screen *k, uint32_t number)
+{
+    for (unsigned i = 0; i < KITTY_PLACEMENTS; i++)
+        if (k->placement[i].is_there && k->placement[i].number == number)
+            return true;
+    return false;
+}
+
+/* Takes a picture's placements away, or only the one of that name. */
+static inline void kitty_take_off(struct kitty_screen *k, uint32_t number, uint32_t name)
+{
+    for (unsigned i = 0; i < KITTY_PLACEMENTS; i++)
+        if (k->placement[i].number == number && (name == 0 || k->placement[i].name == name))
+            k->placement[i].is_there = false;
+}
+
+static inline void kitty_drop(struct kitty_screen *k, struct kitty_picture *p)
+{
+    kitty_take_off(k, p->number, 0);
+    free(p->png.pixel);
+    *p = (struct kitty_picture){0};
+}
+
+/* Everything goes, as by ESC[2J or d=A. */
+static inline void kitty_clear(struct kitty_screen *k)
+{
+    for (unsigned i = 0; i < KITTY_PICTURES; i++)
+        if (k->picture[i].is_there)
+            kitty_drop(k, &k->picture[i]);
+}
+
+static inline uint64_t kitty_bytes(const struct kitty_screen *k)
+{
+    uint64_t bytes = 0;
+    for (unsigned i = 0; i < KITTY_PICTURES; i++)
+        bytes += (uint64_t)4 * k->picture[i].png.width * k->picture[i].png.height;
+    return bytes;
+}
+
+static inline void kitty_keep_quota(struct kitty_screen *k)
+{
+    if (k->quota == 0 || kitty_bytes(k) <= k->quota)
+        return;
+    for (unsigned i = 0; i < KITTY_PICTURES; i++)
+        if (k->picture[i].is_there && !kitty_is_placed(k, k->picture[i].number))
+            kitty_drop(k, &k->picture[i]);
+    while (kitty_bytes(k) > k->quota) {
+        struct kitty_picture *oldest = NULL;
+        for (unsigned i = 0; i < KITTY_PICTURES; i++)
+            if (k->picture[i].is_there && (!oldest || k->picture[i].age < oldest->age))
+                oldest = &k->picture[i];
+        kitty_drop(k, oldest);
+    }
+}
+
+/* a=p, or the second half of a=T; the same name again moves. */
+static inline bool kitty_place(struct kitty_screen *k, const char *keys, unsigned column,
+                               unsigned row)
+{
+    const uint32_t number = kitty_value(keys, "i"), name = kitty_value(keys, "p");
+    const struct kitty_picture *picture = kitty_find(k, number);
+    if (!picture) {
+        if (kitty_value(keys, "q") == 1)
+            buf_printf(&k->replies, "\033_Gi=%u,p=%u;ENOENT:no such picture\033\\", number, name);
+        return *kitty_key(keys, "a") == 'p';
+    }
+    struct kitty_placement p = {.is_there = true,
+                                .number = number,
+                                .name = name,
+                                .column = column,
+                                .row = row,
+                                .across = kitty_value(keys, "X"),
+                                .down = kitty_value(keys, "Y"),
+                                .left = kitty_value(keys, "x"),
+                                .top = kitty_value(keys, "y"),
+                                .width = kitty_value(keys, "w"),
+                                .height = kitty_value(keys, "h"),
+                                .columns = kitty_value(keys, "c"),
+                                .rows = kitty_value(keys, "r"),
+                                .z = (int32_t)strtol(kitty_key(keys, "z"), NULL, 10)};
+    p.width = p.width ? p.width : picture->png.width - p.left;
+    p.height = p.height ? p.height : picture->png.height - p.top;
+    if (strcmp(kitty_key(keys, "C"), "1") != 0 || p.left + p.width > picture->png.width ||
+        p.top + p.height > picture->png.height || (p.columns == 0) != (p.rows == 0) ||
+        (p.columns > 0 && p.across + p.down > 0))
+        return false;
+    if (name > 0)
+        kitty_take_off(k, number, name);
+    for (unsigned i = 0; i < KITTY_PLACEMENTS; i++)
+        if (!k->placement[i].is_there) {
+            k->placement[i] = p;
+            return true;
+        }
+    return false;
+}
+
 static inline bool kitty_take(struct kitty_screen *k, struct decoded_png *png, unsigned column,
                               unsigned row)
 {
-    uint32_t number = kitty_value(k->keys, "i");
-    if (strcmp(kitty_key(k->keys, "C"), "1") != 0 || (number > 0 && kitty_find(k, number)))
+    const uint32_t number = kitty_value(k->keys, "i");
+    if (number > 0 && kitty_find(k, number))
         return false;
     for (unsigned i = 0; i < KITTY_PICTURES; i++)
         if (!k->picture[i].is_there) {
-            k->picture[i] = (struct kitty_picture){true, number, *png, column, row};
+            k->picture[i] = (struct kitty_picture){true, number, k->pictures++, *png};
             *png = (struct decoded_png){0};
-            return true;
+            const bool fine =
+                *kitty_key(k->keys, "a") == 't' || kitty_place(k, k->keys, column, row);
+            kitty_keep_quota(k);
+            return fine;
         }
     return false;
 }
@@ -81,15 +212,17 @@ static inline bool kitty_change(struct kitty_screen *k, const struct decoded_png
 {
     struct kitty_picture *p = kitty_find(k, kitty_value(k->keys, "i"));
     uint32_t left = kitty_value(k->keys, "x"), top = kitty_value(k->keys, "y");
-    if (!p || kitty_value(k->keys, "s") != png->width || kitty_value(k->keys, "v") != png->height ||
-        kitty_value(k->keys, "X") != 1 || left + png->width > p->png.width ||
-        top + png->height > p->png.height)
+    if (k->lacks_edits || !p || kitty_value(k->keys, "s") != png->width ||
+        kitty_value(k->keys, "v") != png->height || kitty_value(k->keys, "X") != 1 ||
+        left + png->width > p->png.width || top + png->height > p->png.height)
         return false;
     for (uint32_t y = 0; y < png->height; y++)
         memcpy(p->png.pixel + (size_t)(top + y) * p->png.width + left,
                png->pixel + (size_t)y * png->width, png->width * sizeof *png->pixel);
     return true;
 }
+
+/* ---- transmissions ---- */
 
 static inline bool kitty_pixels(const struct kitty_screen *k, struct decoded_png *png)
 {
@@ -117,7 +250,7 @@ static inline bool kitty_complete(struct kitty_screen *k, unsigned column, unsig
         fine = png_decode(&png, (const uint8_t *)buf_text(&k->data), k->data.length);
     else if (strcmp(kitty_key(k->keys, "f"), "24") == 0)
         fine = kitty_pixels(k, &png);
-    if (fine && *kitty_key(k->keys, "a") == 'T')
+    if (fine && (*kitty_key(k->keys, "a") == 'T' || *kitty_key(k->keys, "a") == 't'))
         fine = kitty_take(k, &png, column, row);
     else
         fine = fine && *kitty_key(k->keys, "a") == 'f' && kitty_change(k, &png);
@@ -126,14 +259,18 @@ static inline bool kitty_complete(struct kitty_screen *k, unsigned column, unsig
     return fine;
 }
 
+/* d=I frees a picture, d=i takes a placement off, d=A clears the screen. */
 static inline bool kitty_delete_one(struct kitty_screen *k, const char *keys)
 {
+    const char what = *kitty_key(keys, "d");
     struct kitty_picture *p = kitty_find(k, kitty_value(keys, "i"));
-    if (!p || strcmp(kitty_key(keys, "d"), "I") != 0)
-        return false;
-    free(p->png.pixel);
-    *p = (struct kitty_picture){0};
-    return true;
+    if (what == 'A')
+        kitty_clear(k);
+    else if (what == 'I' && p)
+        kitty_drop(k, p);
+    else if (what == 'i' && p)
+        kitty_take_off(k, p->number, kitty_value(keys, "p"));
+    return strchr("AIi", what) != NULL;
 }
 
 /* Takes one escape sequence, which begins at `text` with ESC _ G; the cursor is at column, row.
@@ -149,10 +286,12 @@ static inline const char *kitty_feed(struct kitty_screen *k, const char *text, u
     semicolon = memchr(text, ';', (size_t)(end - text));
     semicolon = semicolon ? semicolon : end;
     snprintf(keys, sizeof keys, "%.*s", (int)(semicolon - text), text);
-    if (strcmp(kitty_key(keys, "q"), "2") != 0)
+    if (kitty_value(keys, "q") != 2 && kitty_value(keys, "q") != 1)
         return NULL;
     if (*kitty_key(keys, "a") == 'd')
         return !k->waits && kitty_delete_one(k, keys) ? end + 2 : NULL;
+    if (*kitty_key(keys, "a") == 'p')
+        return !k->waits && kitty_place(k, keys, column, row) ? end + 2 : NULL;
     if (k->waits && *kitty_key(k->keys, "a") == 'f' &&
         (*kitty_key(keys, "a") != 'f' || kitty_value(keys, "r") != 1 ||
          kitty_value(keys, "i") != kitty_value(k->keys, "i")))
@@ -165,6 +304,51 @@ static inline const char *kitty_feed(struct kitty_screen *k, const char *text, u
     if (length == 0 || length > 4096 || !base64_decode(&k->data, semicolon + 1, length))
         return NULL;
     return k->waits || kitty_complete(k, column, row) ? end + 2 : NULL;
+}
+
+/* ---- what is to be seen ---- */
+
+/* A picture of width x height pixels, row by row. */
+struct kitty_view {
+    uint32_t cell_width, cell_height, width, height;
+    uint32_t *pixel;
+};
+
+static inline void kitty_draw(const struct kitty_view *view, const struct kitty_placement *p,
+                              const struct decoded_png *png)
+{
+    const uint32_t width = p->columns ? p->columns * view->cell_width : p->width;
+    const uint32_t height = p->rows ? p->rows * view->cell_height : p->height;
+    const uint32_t left = p->column * view->cell_width + p->across;
+    const uint32_t top = p->row * view->cell_height + p->down;
+    for (uint32_t y = 0; y < height && top + y < view->height; y++)
+        for (uint32_t x = 0; x < width && left + x < view->width; x++) {
+            const uint32_t from_x = p->left + (2 * x + 1) * p->width / (2 * width);
+            const uint32_t from_y = p->top + (2 * y + 1) * p->height / (2 * height);
+            const uint32_t colour = png->pixel[(size_t)from_y * png->width + from_x];
+            if (colour != PNG_CLEAR)
+                view->pixel[(size_t)(top + y) * view->width + left + x] = colour;
+        }
+}
+
+/* Draws all placements over what is there: by z, and by number where that is the same. */
+static inline void kitty_compose(struct kitty_screen *k, const struct kitty_view *view)
+{
+    int64_t done_z = INT64_MIN, done_number = -1;
+    for (;;) {
+        const struct kitty_placement *next = NULL;
+        for (unsigned i = 0; i < KITTY_PLACEMENTS; i++) {
+            const struct kitty_placement *p = &k->placement[i];
+            if (p->is_there && (p->z > done_z || (p->z == done_z && p->number > done_number)) &&
+                (!next || p->z < next->z || (p->z == next->z && p->number < next->number)))
+                next = p;
+        }
+        if (!next)
+            return;
+        done_z = next->z;
+        done_number = next->number;
+        kitty_draw(view, next, &kitty_find(k, next->number)->png);
+    }
 }
 
 #endif

@@ -1,6 +1,7 @@
 /*
- * A decoder of base64 and of PNG as we write it: one IDAT, filter 0, a palette of 1 to 8 bits or 24
- * bit colours. All else is refused, and so is what is cut short. By zlib, which did not write it.
+ * A decoder of base64 and of PNG as we write it: one IDAT, filter 0 or 3, a palette of 1 to 8 bits,
+ * of which the first colour may be clear, or 24 bit colours. All else is refused, and so is what is
+ * cut short. By zlib, which did not write it.
  */
 #ifndef TESTS_PNG_DECODE_H
 #define TESTS_PNG_DECODE_H
@@ -13,10 +14,13 @@
 
 #include "base/buf.h"
 
+#define PNG_CLEAR UINT32_MAX
+
 struct decoded_png {
     uint32_t width, height;
     unsigned bits, colours; /* 0 colours: no palette */
-    uint32_t *pixel;        /* [height][width] 0xRRGGBB, for the caller to free */
+    bool has_clear;         /* the palette's first */
+    uint32_t *pixel;        /* [height][width] 0xRRGGBB, or PNG_CLEAR; for the caller to free */
 };
 
 static inline int base64_value(char c)
@@ -50,6 +54,17 @@ static inline uint32_t png_number(const uint8_t *p)
     return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
 }
 
+/* Takes the filter of a row back: 3 adds the mean of what lies left and above. */
+static inline bool png_unfilter(uint8_t *line, size_t row, const uint8_t *above, size_t each)
+{
+    if (line[0] != 0 && line[0] != 3)
+        return false;
+    for (size_t i = 1; line[0] == 3 && i < row; i++)
+        line[i] =
+            (uint8_t)(line[i] + ((i > each ? line[i - each] : 0u) + (above ? above[i] : 0u)) / 2);
+    return true;
+}
+
 static inline bool png_unpack(struct decoded_png *png, const uint8_t *packed, size_t length,
                               const uint8_t *palette)
 {
@@ -60,7 +75,7 @@ static inline bool png_unpack(struct decoded_png *png, const uint8_t *packed, si
     bool fine = uncompress(raw, &raw_length, packed, (uLong)length) == Z_OK &&
                 raw_length == row * png->height;
     for (uint32_t y = 0; fine && y < png->height; y++, line += row) {
-        fine = line[0] == 0;
+        fine = png_unfilter(line, row, y > 0 ? line - row : NULL, png->colours ? 1 : 3);
         for (uint32_t x = 0; fine && x < png->width; x++) {
             const uint8_t *c = line + 1 + 3 * x;
             if (png->colours) {
@@ -71,7 +86,8 @@ static inline bool png_unpack(struct decoded_png *png, const uint8_t *packed, si
                 c = palette + 3 * i;
             }
             png->pixel[(size_t)y * png->width + x] =
-                (uint32_t)c[0] << 16 | (uint32_t)c[1] << 8 | c[2];
+                png->has_clear && c == palette ? PNG_CLEAR
+                                               : (uint32_t)c[0] << 16 | (uint32_t)c[1] << 8 | c[2];
         }
     }
     free(raw);
@@ -97,6 +113,10 @@ static inline bool png_decode(struct decoded_png *png, const uint8_t *p, size_t 
         } else if (memcmp(p + 4, "PLTE", 4) == 0 && n <= sizeof palette) {
             memcpy(palette, p + 8, n);
             png->colours = n / 3;
+        } else if (memcmp(p + 4, "tRNS", 4) == 0) {
+            png->has_clear = png->colours > 0 && n == 1 && p[8] == 0;
+            if (!png->has_clear)
+                return false;
         } else if (memcmp(p + 4, "IDAT", 4) == 0) {
             fine = !png->pixel && png_unpack(png, p + 8, n, palette);
         } else if (memcmp(p + 4, "IEND", 4) == 0) {

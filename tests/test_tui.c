@@ -113,7 +113,7 @@ struct png {
 /* Decodes into `decoded`. */
 static bool kitty_decode(const char *text, struct png *png, unsigned *chunks)
 {
-    struct kitty_screen screen = {0};
+    static struct kitty_screen screen;
     while (text && *text)
         text = kitty_feed(&screen, text, 0, 0);
     const struct decoded_png *shown = &screen.picture[0].png;
@@ -717,7 +717,10 @@ STORY(each_terminal_gets_the_graphics_it_has)
 STORY(a_wish_overrides_and_no_color_means_shades)
 {
     static const char vt340[] = "\033[?63;1;2;4c";
-    CHECK(decide("xterm", vt340, "kitty", false).graphics == &graphics_kitty);
+    CHECK(decide("xterm", vt340, "kitty", false).graphics == &graphics_tiles);
+    CHECK(decide("xterm", "\033P>|kitty(0.31)\033\\\033[?62c", "kitty", false).graphics ==
+          &graphics_kitty);
+    CHECK(decide("xterm", vt340, "tiles", false).graphics == &graphics_tiles);
     CHECK(decide("xterm", vt340, "none", false).graphics == &graphics_none);
     CHECK(decide("xterm", vt340, "auto", true).graphics == &graphics_blocks);
     CHECK_INT(decide("xterm", vt340, "auto", true).colours, COLOURS_NONE);

@@ -225,6 +225,14 @@ bool probe_is_iterm(const struct probe_replies *replies, const struct probe_envi
     return any(equals, e->term_program, program) || any(equals, e->lc_terminal, name);
 }
 
+/* A row, or what stands for it in a terminal that has only the common part of its protocol. */
+static const struct graphics *all_of(const struct graphics *g, const struct probe_replies *replies,
+                                     const struct probe_environment *e)
+{
+    const char *const maker[] = {g->made_by, NULL};
+    return !g->made_by || probe_is_named(replies, e, maker) ? g : g->instead;
+}
+
 /* Pixels are for a terminal of our own: screen passes none of them on. */
 static const struct graphics *decide_graphics(const struct probe_replies *replies,
                                               const struct probe_environment *e,
@@ -235,9 +243,9 @@ static const struct graphics *decide_graphics(const struct probe_replies *replie
         const bool refused = probe_is_plain(e->term) ||
                              (g->kind == GRAPHICS_PIXELS && (e->no_color || in_screen(replies, e)));
         if (!refused && (!g->fits || g->fits(replies, e)))
-            return g;
+            return all_of(g, replies, e);
     }
-    return wish.of[wish.count - 1];
+    return all_of(wish.of[wish.count - 1], replies, e);
 }
 
 /* COLORTERM does not survive ssh and is stale inside screen; tmux knows 24-bit colours itself and
@@ -303,8 +311,6 @@ void probe_decide(const struct probe_replies *replies, const struct probe_enviro
                                      .image_side_most = SIDE_UNTOLD,
                                      .shape = decide_shape(replies, e),
                                      .answers = replies->da1,
-                                     .edits = graphics->edited_by &&
-                                              starts_with(replies->name, graphics->edited_by),
                                      .synchronizes = replies->synchronizes,
                                      .mouse = replies->da1};
     if (!use_cell(facts, replies->cell_width, replies->cell_height))

@@ -51,7 +51,6 @@ struct terminal_facts {
     enum block_shape shape;           /* the finest that its font is known to have */
     bool answers;                     /* it answered DA1: barriers work */
     bool owes;                        /* it was asked and has not answered yet: perhaps it will */
-    bool edits;                       /* it changes a picture in place (graphics->edited_by) */
     bool synchronizes;                /* ESC[?2026h .. l: what is between appears at once */
     uint64_t round_trip_ns;           /* from a question to its answer; 0 where nothing answers */
     bool reports; /* something may still come or be drawn: mouse asked for, picture sent */
@@ -118,8 +117,9 @@ struct graphics {
     bool (*fits)(const struct probe_replies *, const struct probe_environment *);
     const char *question; /* in the second round, of those that may be asked */
     bool (*may_ask)(const struct probe_replies *, const struct probe_environment *);
-    const char *recovery;  /* after ESC \, ends a transmission that was cut in two */
-    const char *edited_by; /* the terminal that changes a picture in place; NULL: all of them */
+    const char *recovery; /* after ESC \, ends a transmission that was cut in two */
+    const char *made_by;  /* the terminal that has all of the protocol; NULL: all that fit, */
+    const struct graphics *instead; /* and what the others that fit are shown by */
 
     /* -- pixels -- */
     bool over_cells;     /* drawn over cells, so patches are whole cells; else pixels are changed */

@@ -87,7 +87,8 @@ static void check_facts(const struct probe_replies *replies)
         HOLDS(facts.graphics && facts.cell_width >= 4 && facts.cell_width <= 64);
         HOLDS(facts.cell_height >= 4 && facts.cell_height <= 64 && facts.image_side_most > 0);
         HOLDS(facts.graphics != &graphics_sixel || replies->attributes >> 4 & 1);
-        HOLDS(facts.graphics != &graphics_kitty || strstr(replies->answers, "_G"));
+        HOLDS((facts.graphics != &graphics_kitty && facts.graphics != &graphics_tiles) ||
+              strstr(replies->answers, "_G"));
         buf_release(&asked);
     }
 }

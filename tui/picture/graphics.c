@@ -10,8 +10,8 @@
 const struct graphics graphics_none = {
     .name = "none", .title = "nothing", .kind = GRAPHICS_NOTHING};
 
-static const struct graphics *const table[] = {&graphics_kitty, &graphics_iterm, &graphics_sixel,
-                                               &graphics_blocks, &graphics_none};
+static const struct graphics *const table[] = {&graphics_kitty, &graphics_tiles,  &graphics_iterm,
+                                               &graphics_sixel, &graphics_blocks, &graphics_none};
 enum { PROTOCOLS = sizeof table / sizeof table[0] };
 
 static const char any[] = "auto";

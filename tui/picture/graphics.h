@@ -17,8 +17,8 @@
 #include "tui/picture/image_view.h"
 #include "tui/probe.h"
 
-extern const struct graphics graphics_kitty, graphics_iterm, graphics_sixel, graphics_blocks,
-    graphics_none;
+extern const struct graphics graphics_kitty, graphics_tiles, graphics_iterm, graphics_sixel,
+    graphics_blocks, graphics_none;
 
 /* All of them, for the terminal to decide. */
 extern const struct graphics_wish graphics_auto;
@@ -26,7 +26,7 @@ extern const struct graphics_wish graphics_auto;
 /* "auto", or the name of one; false for another word. */
 bool graphics_from_name(const char *name, struct graphics_wish *wish);
 
-/* Adds "auto, kitty, iterm, sixel, blocks or none", with these words between them. */
+/* Adds "auto, kitty, tiles, iterm, sixel, blocks or none", with these words between them. */
 void graphics_add_names(struct buf *out, const char *between, const char *before_last);
 
 /* Adds what shows `view` to `out`. The cursor must be at the start of a line and is at the start

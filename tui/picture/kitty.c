@@ -5,8 +5,8 @@
  *     ESC _ G q=2,m=1 ; <4096 base64 bytes> ESC \
  *     ESC _ G q=2,m=0 ; <the rest> ESC \
  *
- *     ESC _ G a=f,i=7,r=1,X=1,f=100,x=40,y=8,s=20,v=10,q=2,m=0 ; <base64> ESC \     a patch
- *     ESC _ G a=f,i=7,r=1,X=1,f=24,o=z,x=40,y=8,s=3,v=3,q=2,m=0 ; <base64> ESC \    a small one
+ *     ESC _ G a=f,i=7,r=1,X=1,x=40,y=8,f=100,s=20,v=10,q=2,m=0 ; <base64> ESC \     a patch
+ *     ESC _ G a=f,i=7,r=1,X=1,x=40,y=8,f=24,o=z,s=3,v=3,q=2,m=0 ; <base64> ESC \    a small one
  *     ESC _ G a=d,d=I,i=7,q=2 ESC \                                     takes it away
  *
  * a=T transmits and shows at the cursor, C=1 leaves the cursor where it is, q=2 (on every chunk)
@@ -19,10 +19,9 @@
 #include <string.h>
 
 #include "tui/picture/graphics.h"
-#include "tui/picture/painter.h"
+#include "tui/picture/kitty.h"
 
 enum { CHUNK = 4096, FEW_PIXELS = 1024 };
-enum { IMAGE = 26982 }; /* and the next: numbers of pictures that others hardly use */
 
 /* ---- finding it ---- */
 
@@ -45,7 +44,6 @@ static bool may_ask(const struct probe_replies *replies,
 
 /* ---- drawing ---- */
 
-/* `first` and `next` are keys of the first chunk and of those that follow, each with its comma. */
 static void add_chunks(const struct buf *png, const char *first, const char *next, struct buf *out)
 {
     const size_t piece = CHUNK / 4 * 3;
@@ -58,7 +56,7 @@ static void add_chunks(const struct buf *png, const char *first, const char *nex
     }
 }
 
-static void show(struct painter *p, const struct raster *raster, const char *keys, struct buf *out)
+void kitty_show(struct painter *p, const struct raster *raster, const char *keys, struct buf *out)
 {
     struct buf png = {0};
     png_add(&p->png, raster, PNG_FAST, &png);
@@ -66,28 +64,45 @@ static void show(struct painter *p, const struct raster *raster, const char *key
     buf_release(&png);
 }
 
+void kitty_send(struct painter *p, const struct raster *part, const char *first, const char *next,
+                struct buf *out)
+{
+    struct buf png = {0}, pixels = {0};
+    char keys[128];
+    png_add(&p->png, part, p->effort, &png);
+    if ((uint64_t)part->width * part->height <= FEW_PIXELS)
+        png_add_pixels(&p->png, part, p->effort, &pixels);
+    const bool is_png = pixels.length == 0 || png.length <= pixels.length;
+    snprintf(keys, sizeof keys, "%s%s,s=%u,v=%u,", first, is_png ? "f=100" : "f=24,o=z",
+             part->width, part->height);
+    out->failed |= png.failed || pixels.failed;
+    add_chunks(is_png ? &png : &pixels, keys, next, out);
+    buf_release(&png);
+    buf_release(&pixels);
+}
+
+void kitty_delete(uint32_t image, struct buf *out)
+{
+    buf_printf(out, "\033_Ga=d,d=I,i=%u,q=2\033\\", image);
+}
+
 /* A picture without a number, which stays where it is shown. */
 static void once(struct painter *p, const struct raster *raster, struct buf *out)
 {
-    show(p, raster, "a=T,C=1,f=100,", out);
-}
-
-static void delete (uint32_t image, struct buf *out)
-{
-    buf_printf(out, "\033_Ga=d,d=I,i=%u,q=2\033\\", image);
+    kitty_show(p, raster, "a=T,C=1,f=100,", out);
 }
 
 /* A whole picture has another number than the one before, which goes when the new one is there, so
  * that nothing flickers. */
 static void whole(struct painter *p, const struct raster *raster, struct buf *out)
 {
-    const uint32_t former = p->image, image = former == IMAGE ? IMAGE + 1 : IMAGE;
+    const uint32_t former = p->image, image = former == KITTY_FIRST ? KITTY_FIRST + 1 : KITTY_FIRST;
     char keys[48];
     snprintf(keys, sizeof keys, "a=T,C=1,f=100,i=%u,", image);
     painter_move_to(p, 0, 0, out);
-    show(p, raster, keys, out);
+    kitty_show(p, raster, keys, out);
     if (former > 0)
-        delete (former, out);
+        kitty_delete(former, out);
     if (!out->failed)
         p->image = image;
 }
@@ -96,25 +111,16 @@ static void patch(struct painter *p, const struct raster *raster, const struct r
                   struct buf *out)
 {
     const struct raster part = raster_part(raster, *box);
-    struct buf png = {0}, pixels = {0};
-    char next[32], first[128];
-    png_add(&p->png, &part, p->effort, &png);
-    if ((uint64_t)part.width * part.height <= FEW_PIXELS)
-        png_add_pixels(&p->png, &part, p->effort, &pixels);
-    const bool is_png = pixels.length == 0 || png.length <= pixels.length;
+    char next[32], first[80];
     snprintf(next, sizeof next, "a=f,i=%u,r=1,", p->image);
-    snprintf(first, sizeof first, "%sX=1,%s,x=%u,y=%u,s=%u,v=%u,", next,
-             is_png ? "f=100" : "f=24,o=z", box->left, box->top, box->width, box->height);
-    out->failed |= png.failed || pixels.failed;
-    add_chunks(is_png ? &png : &pixels, first, next, out);
-    buf_release(&png);
-    buf_release(&pixels);
+    snprintf(first, sizeof first, "%sX=1,x=%u,y=%u,", next, box->left, box->top);
+    kitty_send(p, &part, first, next, out);
 }
 
 static void take_away(struct painter *p, struct buf *out)
 {
     if (p->image > 0)
-        delete (p->image, out);
+        kitty_delete(p->image, out);
     p->image = 0;
 }
 
@@ -126,7 +132,8 @@ const struct graphics graphics_kitty = {
     .question = "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\",
     .may_ask = may_ask,
     .recovery = "\033_Gm=0,q=2;\033\\", /* ends a transmission between two chunks */
-    .edited_by = "kitty",
+    .made_by = "kitty",
+    .instead = &graphics_tiles,
     .patch_cost = 250,
     .once = once,
     .whole = whole,

@@ -25,8 +25,8 @@ void painter_place(struct painter *p, const struct terminal_facts *facts, unsign
     const struct terminal_facts *f = &p->facts;
     if (f->graphics != facts->graphics || f->colours != facts->colours ||
         f->cell_width != facts->cell_width || f->cell_height != facts->cell_height ||
-        f->shape != facts->shape || f->edits != facts->edits || p->column != column ||
-        p->row != row || p->columns != columns || p->rows != rows)
+        f->shape != facts->shape || p->column != column || p->row != row || p->columns != columns ||
+        p->rows != rows)
         painter_forget(p);
     p->facts = *facts;
     p->column = column;
@@ -73,6 +73,7 @@ void painter_release(struct painter *p)
     for (unsigned i = 0; i < 2; i++)
         free(p->of[i].bytes);
     free(p->scratch);
+    free(p->held);
     shades_release(&p->shades);
     png_release(&p->png);
     *p = (struct painter){0};
@@ -267,6 +268,7 @@ static void show_whole(struct painter *p, struct buf *out)
     const struct raster_box all = {0, 0, p->width, p->height};
     const struct graphics *g = p->facts.graphics;
     p->effort = PNG_FAST;
+    p->is_worn = false;
     if (g->whole)
         g->whole(p, &raster, out);
     else
@@ -283,7 +285,8 @@ static void take_size(struct painter *p, const struct image_view *view, struct b
         width = whole_units(width, p->facts.cell_width);
         height = whole_units(height, p->facts.cell_height);
     }
-    if (p->is_shown && p->facts.graphics->over_cells && (width < p->width || height < p->height))
+    if (p->is_shown && p->facts.graphics->over_cells && !p->facts.graphics->remove &&
+        (width < p->width || height < p->height))
         erase(p, out);
     if (width != p->width || height != p->height)
         painter_forget(p);
@@ -305,7 +308,7 @@ static enum palette_need need_of(const struct painter *p, const struct image_vie
 static bool can_compare(const struct painter *p, const struct image_view *view)
 {
     const enum palette_need need = need_of(p, view);
-    if (!p->is_shown || (need == PALETTE_NEVER && p->has_palette) ||
+    if (!p->is_shown || p->is_worn || (need == PALETTE_NEVER && p->has_palette) ||
         (need == PALETTE_ALWAYS && !p->has_palette) ||
         (need == PALETTE_EXACT && p->has_palette && !p->shades.is_exact))
         return false;
@@ -322,8 +325,6 @@ static bool can_patch(struct painter *p, const struct image_view *view, struct s
     find_stale(stale, &now, &then, &rule);
     if (stale->count == 0)
         return true;
-    if (p->facts.graphics->edited_by && !p->facts.edits)
-        return false;
     const uint64_t all = (uint64_t)p->width * p->height;
     if (p->has_palette && stale->cost > all / 32 && shades_lack(&p->shades, view))
         return false;
@@ -388,6 +389,8 @@ bool painter_show(struct painter *p, const struct image_view *view, struct buf *
     if (view->width == 0 || view->height == 0 || width == 0 || height == 0 ||
         g->kind == GRAPHICS_NOTHING)
         return true;
+    if (p->holder && p->holder != g)
+        painter_remove(p, out);
     const bool fine = cut(&fitting, width, height, &copy) &&
                       (g->show ? g->show(p, &fitting, out) : show_pixels(p, &fitting, out));
     free(copy);

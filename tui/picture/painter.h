@@ -12,7 +12,8 @@
  * painter_forget.
  *
  * By what means is said by the terminal's row in the table of graphics (tui/picture/graphics.h):
- *   pixels over cells      boxes of whole cells are drawn over, none larger than the terminal draws
+ *   pixels over cells      boxes of whole cells are drawn over, none larger than the terminal draws;
+ *                          in kitty's protocol each is a picture that stays above those before
  *   pixels of a picture    boxes of pixels are changed in place
  *   text                   cells that differ are written
  *
@@ -23,7 +24,7 @@
  *
  * Pictures keep their palette (tui/picture/shades.h) until one goes whole, so patches agree with
  * what they are put on. A picture goes whole when it is the first, or of another size, when its hues or
- * smooth change, and when half of its pixels have changed.
+ * smooth change, when half of its pixels have changed, and when a protocol holds too many parts.
  *
  * One painter at a time shows a picture on a terminal. Cells count from 0. The last row of the
  * screen is not for pictures: several terminals scroll when a sixel ends there.
@@ -59,8 +60,11 @@ struct painter {
     /* for the protocol's own use */
     struct png_writer png;
     enum png_effort effort;  /* of the patch at hand */
+    bool is_worn;            /* the next picture is to go whole */
     void *scratch;           /* memory, from picture to picture, */
     size_t scratch_capacity; /* in bytes */
+    void *held;              /* what it keeps of parts that the terminal has, */
+    size_t held_capacity;    /* in bytes */
     uint32_t image;          /* the number of the picture that the terminal has, 0 for none */
 };
 
