@@ -27,10 +27,17 @@ enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, boo
     return OK;
 }
 
+enum err canvas_mark_words(struct canvas *canvas, struct fault *fault)
+{
+    canvas->words = mem_new(canvas->stride * canvas->height);
+    return canvas->words ? OK : fault_memory(fault, "a picture");
+}
+
 void canvas_release(struct canvas *canvas)
 {
     free(canvas->rgba);
     free(canvas->cell);
+    free(canvas->words);
     *canvas = (struct canvas){0};
 }
 
@@ -38,8 +45,12 @@ struct canvas canvas_part(const struct canvas *canvas, uint32_t left, uint32_t t
                           uint32_t height)
 {
     const size_t first = (size_t)top * canvas->stride + left;
-    return (struct canvas){width, height, canvas->stride, canvas->rgba + 4 * first,
-                           canvas->cell ? canvas->cell + first : NULL};
+    return (struct canvas){width,
+                           height,
+                           canvas->stride,
+                           canvas->rgba + 4 * first,
+                           canvas->cell ? canvas->cell + first : NULL,
+                           canvas->words ? canvas->words + first : NULL};
 }
 
 void canvas_box(const struct canvas *canvas, int64_t left, int64_t top, int64_t width,

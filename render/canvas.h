@@ -20,11 +20,15 @@ struct canvas {
     size_t stride;  /* pixels from one row to the next */
     uint8_t *rgba;  /* [height][stride][4], alpha 255 */
     uint32_t *cell; /* [height][stride], or NULL */
+    uint8_t *words; /* the same: not 0 where words were drawn, with their outline */
 };
 
 /* Black, of 1..VIEW_SIDE_MOST pixels a side, which the caller releases; nothing on error. */
 enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, bool with_cells,
                      struct fault *fault);
+
+/* Has the canvas remember where words are drawn from now on. ERR_MEMORY. */
+enum err canvas_mark_words(struct canvas *canvas, struct fault *fault);
 void canvas_release(struct canvas *canvas);
 
 /* The part from column `left` and row `top` on, which lies within the canvas. */

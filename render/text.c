@@ -110,6 +110,13 @@ static const char *row_of(unsigned char letter, int row)
     return sheet[number / BAND][row] + number % BAND * (COLUMNS + 1);
 }
 
+static void mark(const struct canvas *canvas, int64_t left, int64_t top, int64_t side)
+{
+    for (int64_t y = top > 0 ? top : 0; y < top + side && y < canvas->height; y++)
+        for (int64_t x = left > 0 ? left : 0; x < left + side && x < canvas->width; x++)
+            canvas->words[(size_t)y * canvas->stride + (size_t)x] = 1;
+}
+
 /* Every inked pixel as a square, `around` wider on each side. */
 static void ink(const struct canvas *canvas, int64_t left, int64_t top, int64_t scale,
                 int64_t around, const char *words, const uint8_t rgb[3])
@@ -123,10 +130,15 @@ static void ink(const struct canvas *canvas, int64_t left, int64_t top, int64_t 
         }
         for (int row = 0; row < ROWS; row++) {
             const char *inked = row_of((unsigned char)*words, row);
-            for (int column = 0; column < COLUMNS; column++)
-                if (inked[column] == '#')
-                    canvas_box(canvas, left + column * scale - around, top + row * scale - around,
-                               side, side, rgb);
+            const int64_t y = top + row * scale - around;
+            for (int column = 0; column < COLUMNS; column++) {
+                const int64_t x = left + column * scale - around;
+                if (inked[column] != '#')
+                    continue;
+                canvas_box(canvas, x, y, side, side, rgb);
+                if (canvas->words)
+                    mark(canvas, x, y, side);
+            }
         }
     }
 }

@@ -655,6 +655,56 @@ STORY(what_tiles_cost_is_learnt)
     refine_release(&r);
 }
 
+/* The middle of each block is a word's pixel, which no other pixel of the block takes. */
+STORY(words_stay_sharp)
+{
+    static uint8_t words[WIDTH * HEIGHT];
+    struct image_view with_words = view, shown;
+    struct refine r = {0};
+    uint64_t seed = 7;
+    memset(words, 0, sizeof words);
+    paint(&seed, 0, 0, WIDTH, HEIGHT);
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
+        words[i] = i % WIDTH % 4 == 2 || i / WIDTH % 4 == 2;
+        for (unsigned k = 0; k < 3 && !words[i]; k++)
+            wanted[4 * i + k] &= 127;
+        for (unsigned k = 0; k < 3 && words[i]; k++)
+            wanted[4 * i + k] |= 128;
+    }
+    with_words.words = words;
+    CHECK(refine_begin(&r, &with_words, true, 300, &shown));
+    CHECK(r.level >= 2);
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++)
+        if (words[i])
+            CHECK(memcmp(shown.rgba + 4 * i, wanted + 4 * i, 4) == 0);
+        else
+            CHECK(shown.rgba[4 * i] < 128);
+    refine_release(&r);
+}
+
+STORY(where_one_looks_gets_fine_first)
+{
+    struct image_view focused = view, shown;
+    struct refine r = {0};
+    uint64_t seed = 8;
+    size_t left = 1;
+    focused.focus = (struct raster_box){40, 20, 20, 20};
+    paint(&seed, 0, 0, WIDTH, HEIGHT);
+    CHECK(refine_begin(&r, &focused, true, 300, &shown));
+    refine_sent(&r, 300);
+    for (unsigned frame = 0; left > 0 && frame < 20; frame++) {
+        CHECK(refine_begin(&r, &focused, false, 600, &shown));
+        refine_sent(&r, 600);
+        left = 0;
+        for (uint32_t y = 20; y < 40; y++)
+            left += memcmp(shown.rgba + 4 * (y * WIDTH + 40), wanted + 4 * (y * WIDTH + 40),
+                           (size_t)4 * 20) != 0;
+    }
+    CHECK_INT(left, 0);
+    CHECK(r.is_coarse && differing(&shown) > WIDTH * HEIGHT / 3);
+    refine_release(&r);
+}
+
 int main(void)
 {
     return RUN_STORIES(
@@ -670,5 +720,6 @@ int main(void)
         TELL(the_page_of_keys_fits_and_is_the_card_in_the_readmes),
         TELL(any_keys_make_lines_that_are_whole), TELL(with_room_enough_all_is_fine_at_once),
         TELL(with_little_room_it_is_coarse_first_and_fine_in_the_end),
-        TELL(what_tiles_cost_is_learnt));
+        TELL(what_tiles_cost_is_learnt), TELL(words_stay_sharp),
+        TELL(where_one_looks_gets_fine_first));
 }

@@ -135,6 +135,22 @@ STORY(what_falls_beyond_the_edges_is_not_drawn)
     canvas_release(&untouched);
 }
 
+/* On a ground of neither ink nor outline, so that all that a word changes shows. */
+STORY(a_canvas_remembers_where_its_words_are)
+{
+    static const uint8_t ground[3] = {9, 9, 9};
+    struct canvas canvas = canvas_of(60, 60);
+    struct fault why;
+    CHECK(!canvas_mark_words(&canvas, &why));
+    canvas_box(&canvas, 0, 0, 60, 60, ground);
+    const struct canvas part = canvas_part(&canvas, 20, 30, 40, 30);
+    text_draw(&part, -5, -5, 2, "W@j", ink);
+    text_draw(&part, 15, 20, 1, "edge", ink);
+    for (uint32_t i = 0; i < 60 * 60; i++)
+        CHECK_INT(canvas.words[i], memcmp(canvas.rgba + 4 * i, ground, 3) != 0);
+    canvas_release(&canvas);
+}
+
 STORY(a_digest_knows_every_pixel)
 {
     static const uint32_t sides[3][2] = {{4, 3}, {3, 4}, {5, 3}};
@@ -160,5 +176,6 @@ int main(void)
                        TELL(no_two_letters_are_the_same), TELL(letters_stand_apart),
                        TELL(an_outline_tells_ink_from_any_ground), TELL(a_line_feed_begins_a_line),
                        TELL(what_falls_beyond_the_edges_is_not_drawn),
+                       TELL(a_canvas_remembers_where_its_words_are),
                        TELL(a_digest_knows_every_pixel));
 }

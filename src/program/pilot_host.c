@@ -308,6 +308,8 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
     *view = (struct image_view){.width = wish->width,
                                 .height = wish->height,
                                 .rgba = pilot->canvas.rgba,
+                                .focus = {box.left, box.top, box.width, box.height},
+                                .words = pilot->canvas.words,
                                 .smooth = pilot->smooth,
                                 .hue = pilot->hue,
                                 .hues = shown_hues(pilot->hue, session)};

@@ -173,6 +173,10 @@ enum err slicing_panel(struct canvas *canvas, struct session *session, uint32_t 
     enum err err = session_draw(session, RENDER_AS_KEPT, fault);
     if (!err)
         err = canvas_init(canvas, width, height, true, fault);
+    if (!err)
+        err = canvas_mark_words(canvas, fault);
+    if (err)
+        canvas_release(canvas);
     return err ? err : draw(canvas, session, SLICE_KIND_MOSAIC, words, fault);
 }
 

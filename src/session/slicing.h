@@ -28,7 +28,7 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
                          uint32_t column, uint32_t row, struct fault *fault);
 
 /* A mosaic of another size than the view's, for a screen: the rendition is fitted in. The canvas
- * has its cells; the caller releases it. Without `words` there are no patient letters, titles and
+ * has its cells and where words are; the caller releases it. Without `words` there are no patient letters, titles and
  * scale bars.
  * ERR_LIMIT for less than MOSAIC_SIDE_LEAST pixels a side. */
 enum err slicing_panel(struct canvas *canvas, struct session *session, uint32_t width,

@@ -12,6 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "image/raster.h"
+
 struct image_view {
     uint32_t width, height;
     const uint8_t *rgba;
@@ -19,6 +21,8 @@ struct image_view {
                             same from picture to picture, for another set is another palette, and
                             the picture goes whole. NULL where they are not known */
     unsigned hues;       /* 0 where no label shows: greys alone */
+    struct raster_box focus; /* where one looks: it gets fine before the rest; empty: nowhere */
+    const uint8_t *words; /* [height][width]: not 0 where words stand, which stay sharp; or NULL */
     bool is_coarse; /* what has changed comes in blocks of pixels, in a hurry: bytes cost more than
                        time */
     bool smooth; /* all 24 bits of every colour go out where the terminal can, at several times the

@@ -1,97 +1,170 @@
 #include "tui/pilot/flow.h"
 
-/* What a frame counts when the next has come: the line of ten frames ago hardly matters. */
-#define FADE     0.8
-#define SLACK_NS UINT64_C(50000000)
+#include "base/least.h"
+
+enum { TELLS_FROM = 2000 }; /* bytes */
+
+#define SLACK_NS UINT64_C(50000000)  /* answers are later than expected by so much */
+#define PAUSE_NS UINT64_C(200000000) /* and by so much where a terminal pauses */
 
 static uint64_t since(uint64_t then_ns, uint64_t now_ns)
 {
     return now_ns > then_ns ? now_ns - then_ns : 0;
 }
 
-/* When the next frame may go, if nothing comes until then. */
-static uint64_t ready_ns(const struct flow *f)
+static uint64_t later(uint64_t a_ns, uint64_t b_ns)
 {
-    const uint64_t limit = f->sent_ns + FLOW_LIMIT_NS;
-    if (f->silent)
-        return f->sent_ns ? f->sent_ns + FLOW_PAUSE_NS : 0;
-    if (!f->due)
-        return 0;
-    return f->settled_ns && f->settled_ns < limit ? f->settled_ns : limit;
+    return a_ns > b_ns ? a_ns : b_ns;
 }
 
 /* ---- the line ---- */
 
-/* Points of one size have no slope; then the round trip is the one end, or a guess of it. */
-static double ns_per_byte(const struct flow *f)
-{
-    const double spread = f->weight * f->xx - f->x * f->x;
-    const double soonest = (double)f->least_ns, known = (double)f->round_trip_ns;
-    const double trip = known > 0 && known < soonest ? known : soonest / 2;
-    double slope;
-    if (f->weight <= 0 || f->x <= 0)
-        return 0;
-    if (spread > 0.02 * f->x * f->x)
-        slope = (f->weight * f->xy - f->x * f->y) / spread;
-    else
-        slope = (f->y - f->weight * trip) / f->x;
-    return slope > 0 ? slope : 0;
-}
-
-/* What even no bytes at all would take. */
+/* What even no bytes at all would take; half of the soonest answer where nothing says. */
 static uint64_t round_trip(const struct flow *f)
 {
-    if (f->round_trip_ns && (f->least_ns == 0 || f->round_trip_ns < f->least_ns))
-        return f->round_trip_ns;
-    return f->least_ns;
+    if (f->round_trip_ns == 0)
+        return f->least_ns / 2;
+    return f->least_ns == 0 ? f->round_trip_ns : least_64(f->round_trip_ns, f->least_ns);
+}
+
+struct slope {
+    double ns, weight; /* a byte; bytes */
+};
+
+enum { SLOPES_MOST = FLOW_SAMPLES * (FLOW_SAMPLES + 1) / 2 };
+
+/* Where samples are much of one size their noise is larger than what they differ in. */
+static unsigned add_slope(struct slope *slope, unsigned count, struct flow_sample a,
+                          struct flow_sample b)
+{
+    const double apart = b.bytes - a.bytes, larger = a.bytes > b.bytes ? a.bytes : b.bytes;
+    const double weight = apart < 0 ? -apart : apart;
+    struct slope new = {(b.ns - a.ns) / apart, weight};
+    if (weight < 1 || weight < larger / 4)
+        return count;
+    for (unsigned i = 0; i < count; i++)
+        if (new.ns < slope[i].ns) {
+            const struct slope moved = slope[i];
+            slope[i] = new;
+            new = moved;
+        }
+    slope[count] = new;
+    return count + 1;
+}
+
+static double median(const struct slope *slope, unsigned count)
+{
+    double half = 0;
+    for (unsigned i = 0; i < count; i++)
+        half += slope[i].weight / 2;
+    for (unsigned i = 0; i < count; i++)
+        if ((half -= slope[i].weight) <= 0)
+            return slope[i].ns > 0 ? slope[i].ns : 0;
+    return 0;
+}
+
+static double per_byte_ns(const struct flow *f)
+{
+    struct slope slope[SLOPES_MOST];
+    const struct flow_sample empty = {0, (double)round_trip(f)};
+    unsigned count = 0;
+    for (unsigned i = 0; i < f->samples; i++) {
+        count = add_slope(slope, count, empty, f->sample[i]);
+        for (unsigned k = 0; k < i; k++)
+            count = add_slope(slope, count, f->sample[k], f->sample[i]);
+    }
+    return median(slope, count);
+}
+
+static void add_sample(struct flow *f, double bytes, double ns)
+{
+    f->sample[f->next] = (struct flow_sample){bytes, ns};
+    f->next = (f->next + 1) % FLOW_SAMPLES;
+    f->samples += f->samples < FLOW_SAMPLES;
+    f->per_byte_ns = per_byte_ns(f);
 }
 
 static void forget(struct flow *f)
 {
-    f->weight = f->x = f->y = f->xx = f->xy = 0;
+    f->samples = f->next = 0;
 }
 
-/* A frame that took far longer than what is known says: the line has changed, and old frames say
- * nothing about it. */
-static void learn(struct flow *f, size_t bytes, uint64_t took_ns)
+/* A frame that took far longer than expected is a pause of the terminal; two of them are another
+ * line, and the frames before them say nothing about it. */
+static void learn(struct flow *f, const struct flow_frame *frame, uint64_t took_ns)
 {
-    const double x = (double)bytes, y = (double)took_ns;
-    const double expected = (double)round_trip(f) + ns_per_byte(f) * x;
-    if (y > 2 * expected + SLACK_NS)
+    const double bytes = (double)frame->bytes, ns = (double)took_ns;
+    const double expected = (double)round_trip(f) + f->per_byte_ns * bytes;
+    f->surprises = ns > 4 * expected + PAUSE_NS ? f->surprises + 1 : 0;
+    if (f->surprises == 2)
         forget(f);
-    f->weight = f->weight * FADE + 1;
-    f->x = f->x * FADE + x;
-    f->y = f->y * FADE + y;
-    f->xx = f->xx * FADE + x * x;
-    f->xy = f->xy * FADE + x * y;
-    f->most_bytes = x > f->most_bytes * FADE ? x : f->most_bytes * FADE;
+    if (frame->tells || f->samples == 0 || f->surprises > 1)
+        add_sample(f, bytes, ns);
 }
 
-/* Of a barrier that failed it is only known that it took too long: all earlier is forgotten. */
+/* ---- what is on the line ---- */
+
+static const struct flow_frame *due_frame(const struct flow *f, unsigned i)
+{
+    return &f->frame[(f->first + i) % FLOW_FRAMES];
+}
+
+/* When the line will have carried the first `count` frames that are due. */
+static uint64_t carried_ns(const struct flow *f, unsigned count)
+{
+    uint64_t free_ns = since(round_trip(f), f->answered_ns);
+    for (unsigned i = 0; i < count; i++)
+        free_ns = later(free_ns, due_frame(f, i)->sent_ns) +
+                  (uint64_t)(f->per_byte_ns * (double)due_frame(f, i)->bytes);
+    return free_ns;
+}
+
+static uint64_t limit_ns(const struct flow *f)
+{
+    const uint64_t limit = due_frame(f, 0)->sent_ns + FLOW_LIMIT_NS;
+    return f->settled_ns && f->settled_ns < limit ? f->settled_ns : limit;
+}
+
+/* When the next frame may go, if nothing comes until then. */
+static uint64_t ready_ns(const struct flow *f, uint64_t now_ns)
+{
+    if (f->silent)
+        return f->sent_ns ? f->sent_ns + FLOW_PAUSE_NS : 0;
+    if (f->due == 0)
+        return 0;
+    const uint64_t ready = since(FLOW_LEAD_NS, carried_ns(f, f->due));
+    const uint64_t overdue = carried_ns(f, 1) + round_trip(f) + SLACK_NS;
+    if (f->late > 0 || f->settled_ns || f->samples == 0 || f->due == FLOW_FRAMES ||
+        later(now_ns, ready) > overdue)
+        return limit_ns(f);
+    return ready;
+}
+
+/* Of frames whose barriers failed it is only known that all of them took too long: what was known
+ * before is forgotten. */
 static void give_up(struct flow *f)
 {
-    const double byte_ns = 2 * ns_per_byte(f);
-    const double at_least = (double)FLOW_LIMIT_NS / (double)(f->sent_bytes ? f->sent_bytes : 1);
-    const double now = byte_ns > at_least ? byte_ns : at_least;
+    double bytes = 0;
+    for (unsigned i = 0; i < f->due; i++)
+        bytes += (double)due_frame(f, i)->bytes;
     forget(f);
-    f->most_bytes = 0;
-    learn(f, FLOW_BYTES_START, (uint64_t)(now * FLOW_BYTES_START));
+    add_sample(f, bytes, (double)round_trip(f) + (double)FLOW_LIMIT_NS);
     f->soon = false;
     f->failed = true;
-    f->due = false;
-    f->late++;
+    f->late += f->due;
+    f->due = 0;
 }
 
 /* ---- sending and hearing ---- */
 
 bool flow_may_send(struct flow *f, uint64_t now_ns)
 {
-    if (now_ns < ready_ns(f))
+    if (now_ns < ready_ns(f, now_ns))
         return false;
-    if (f->due && f->settled_ns) {
-        f->due = false;
+    if (f->due > 0 && f->settled_ns && now_ns >= f->settled_ns) {
+        f->due = 0;
         f->late = 0;
-    } else if (f->due) {
+    } else if (f->due > 0 && now_ns >= limit_ns(f)) {
         give_up(f);
     }
     f->settled_ns = 0;
@@ -100,49 +173,70 @@ bool flow_may_send(struct flow *f, uint64_t now_ns)
 
 int flow_wait_ms(const struct flow *f, uint64_t now_ns)
 {
-    return (int)((since(now_ns, ready_ns(f)) + 999999) / 1000000);
+    return (int)((since(now_ns, ready_ns(f, now_ns)) + 999999) / 1000000);
 }
 
 void flow_sent(struct flow *f, size_t bytes, uint64_t now_ns)
 {
     f->sent_ns = now_ns;
-    f->sent_bytes = bytes;
     f->failed = false;
     f->settled_ns = 0;
-    f->due = !f->silent;
+    if (f->silent || f->due == FLOW_FRAMES)
+        return;
+    const bool tells = bytes >= TELLS_FROM || bytes >= flow_budget(f) / 2;
+    f->frame[(f->first + f->due++) % FLOW_FRAMES] = (struct flow_frame){now_ns, bytes, tells};
+}
+
+/* Whose is it? Where many are late, they may come as slowly as it took to give them up. */
+static void hear_late(struct flow *f, uint64_t now_ns)
+{
+    const uint64_t follows_ns = f->least_ns / 2 + SLACK_NS +
+                                (uint64_t)(2 * f->per_byte_ns * (double)due_frame(f, 0)->bytes);
+    f->late--;
+    if (f->due > 0)
+        f->settled_ns = now_ns + (f->late > 0 ? later(follows_ns, FLOW_LIMIT_NS / 2) : follows_ns);
 }
 
 void flow_answered(struct flow *f, uint64_t now_ns)
 {
-    const uint64_t took = since(f->sent_ns, now_ns);
+    const struct flow_frame frame = *due_frame(f, 0);
     if (f->late > 0) {
-        f->late--;
-        if (f->due) /* whose is it? */
-            f->settled_ns = now_ns + f->least_ns / 2 + SLACK_NS +
-                            (uint64_t)(2 * ns_per_byte(f) * (double)f->sent_bytes);
+        hear_late(f, now_ns);
         return;
     }
-    if (!f->due)
+    if (f->due == 0)
         return;
-    f->due = false;
+    const uint64_t free_ns = later(frame.sent_ns, since(round_trip(f), f->answered_ns));
+    const uint64_t took_ns = since(frame.sent_ns, now_ns), alone_ns = since(free_ns, now_ns);
+    f->first = (f->first + 1) % FLOW_FRAMES;
+    f->due--;
     f->settled_ns = 0;
-    f->soon = took <= round_trip(f) + FLOW_TARGET_NS;
-    if (f->least_ns == 0 || took < f->least_ns)
-        f->least_ns = took;
-    learn(f, f->sent_bytes, took);
+    f->answered_ns = now_ns;
+    if (f->least_ns == 0 || took_ns < f->least_ns)
+        f->least_ns = took_ns;
+    learn(f, &frame, alone_ns);
+    f->soon = alone_ns <= round_trip(f) + FLOW_TARGET_NS * 3 / 4;
+    f->sent_bytes = frame.bytes;
 }
 
 /* ---- what to send ---- */
 
+uint64_t flow_carries_ns(const struct flow *f, size_t bytes)
+{
+    return (uint64_t)(f->per_byte_ns * (double)bytes);
+}
+
 size_t flow_budget(const struct flow *f)
 {
-    const double per_byte = ns_per_byte(f), grown = 4 * f->most_bytes;
-    const double most = grown > FLOW_BYTES_START ? grown : FLOW_BYTES_START;
+    double most = FLOW_BYTES_START;
     const double at_least = f->soon ? 2 * (double)f->sent_bytes : FLOW_BYTES_LEAST;
-    if (f->weight <= 0)
+    if (f->samples == 0)
         return FLOW_BYTES_START;
-    double bytes =
-        per_byte * most <= (double)FLOW_TARGET_NS ? most : (double)FLOW_TARGET_NS / per_byte;
+    for (unsigned i = 0; i < f->samples; i++)
+        most = 4 * f->sample[i].bytes > most ? 4 * f->sample[i].bytes : most;
+    double bytes = f->per_byte_ns * most <= (double)FLOW_TARGET_NS
+                       ? most
+                       : (double)FLOW_TARGET_NS / f->per_byte_ns;
     bytes = bytes < at_least ? at_least : bytes;
     bytes = bytes < FLOW_BYTES_LEAST ? FLOW_BYTES_LEAST : bytes;
     return bytes > FLOW_BYTES_MOST ? FLOW_BYTES_MOST : (size_t)bytes;

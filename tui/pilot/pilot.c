@@ -137,8 +137,6 @@ static struct pilot_wish wish_of(const struct pilot *p)
     return wish;
 }
 
-/* A frame is to be there 60 ms after the key, what the line takes for the way apart; the flow
- * counts with 100, and making a frame takes its share. */
 static void add_picture(struct pilot *p, struct buf *out)
 {
     const struct pilot_wish wish = wish_of(p);
@@ -152,7 +150,7 @@ static void add_picture(struct pilot *p, struct buf *out)
         buf_printf(&p->message, "error: %s", fault.text);
         return;
     }
-    if (!refine_begin(&p->refine, &view, p->is_stale, flow_budget(&p->flow) / 3, &shown)) {
+    if (!refine_begin(&p->refine, &view, p->is_stale, flow_budget(&p->flow), &shown)) {
         out->failed = true;
         return;
     }
@@ -363,9 +361,9 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
 static enum err suspend(struct pilot *p, struct fault *fault)
 {
     enum err err = clear_picture(p, fault);
-    if (p->flow.due) /* or the shell gets the answer as input */
-        probe_await(1, 2000, &p->editor->input);
-    p->flow.due = false;
+    if (p->flow.due) /* or the shell gets the answers as input */
+        probe_await(p->flow.due, 2000, &p->editor->input);
+    p->flow.due = 0;
     term_suspend();
     lay_out(p);
     return err;

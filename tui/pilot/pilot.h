@@ -11,7 +11,7 @@
  *   P1 what is on screen is made of what the host says after the last command, never of what a key
  *      was meant to do;
  *   P2 all keys that have arrived are carried out before anything is drawn, and nothing is drawn
- *      while the terminal has not said that the frame before is there: frames are dropped, never
+ *      before the line has carried the frames before (tui/pilot/flow.h): frames are dropped, never
  *      queued, and the newest state always comes.
  */
 #ifndef TUI_PILOT_PILOT_H

@@ -47,32 +47,60 @@ static bool tile_differs(const struct refine *r, const uint8_t *wanted, const st
     return false;
 }
 
-/* Blocks of `coarse` pixels a side, each of the colour in its middle: no mean, so that a palette
- * stays what it was. */
-static void copy_tile(struct refine *r, const uint8_t *wanted, const struct tile *t,
+/* The pixel in the middle of a block of `coarse` pixels a side; beside words, if there are some. */
+static size_t middle_of(const struct refine *r, const struct image_view *wanted, uint32_t left,
+                        uint32_t top, uint32_t coarse)
+{
+    const uint32_t x = least(left + coarse / 2, r->width - 1);
+    const uint32_t y = least(top + coarse / 2, r->height - 1);
+    const size_t middle = (size_t)y * r->width + x, first = (size_t)top * r->width + left;
+    for (uint32_t i = 0; wanted->words && wanted->words[middle] && i < coarse * coarse; i++) {
+        const size_t at = first + (size_t)(i / coarse) * r->width + i % coarse;
+        if (left + i % coarse < r->width && top + i / coarse < r->height && !wanted->words[at])
+            return at;
+    }
+    return middle;
+}
+
+/* A block of the colour in its middle: no mean, so that a palette stays what it was. */
+static void copy_block(struct refine *r, const struct image_view *wanted, uint32_t left,
+                       uint32_t top, uint32_t coarse)
+{
+    const size_t middle = middle_of(r, wanted, left, top, coarse);
+    for (uint32_t y = top; y < top + coarse && y < r->height; y++)
+        for (uint32_t x = left; x < left + coarse && x < r->width; x++) {
+            const size_t at = (size_t)y * r->width + x;
+            const size_t from = wanted->words && wanted->words[at] ? at : middle;
+            memcpy(r->rgba + 4 * at, wanted->rgba + 4 * from, 4);
+        }
+}
+
+static void copy_tile(struct refine *r, const struct image_view *wanted, const struct tile *t,
                       uint32_t coarse)
 {
     for (uint32_t y = t->top; coarse == 1 && y < t->top + t->height; y++) {
         const size_t at = 4 * ((size_t)y * r->width + t->left);
-        memcpy(r->rgba + at, wanted + at, (size_t)4 * t->width);
+        memcpy(r->rgba + at, wanted->rgba + at, (size_t)4 * t->width);
     }
-    for (uint32_t y = t->top; coarse > 1 && y < t->top + t->height; y++)
-        for (uint32_t x = t->left; x < t->left + t->width; x++) {
-            const uint32_t from_x = least(x / coarse * coarse + coarse / 2, r->width - 1);
-            const uint32_t from_y = least(y / coarse * coarse + coarse / 2, r->height - 1);
-            memcpy(r->rgba + 4 * ((size_t)y * r->width + x),
-                   wanted + 4 * ((size_t)from_y * r->width + from_x), 4);
-        }
+    for (uint32_t y = t->top; coarse > 1 && y < t->top + t->height; y += coarse)
+        for (uint32_t x = t->left; x < t->left + t->width; x += coarse)
+            copy_block(r, wanted, x, y, coarse);
 }
 
-/* Lists the tiles that differ from what is wanted. False without memory. */
-static bool list_stale(struct refine *r, const uint8_t *wanted)
+static bool is_within(const struct raster_box *box, const struct tile *t)
 {
-    r->stales = 0;
+    return t->left + t->width > box->left && t->left < box->left + box->width &&
+           t->top + t->height > box->top && t->top < box->top + box->height;
+}
+
+/* Lists the tiles that differ from what is wanted, where one looks or elsewhere. False without
+ * memory. */
+static bool list_stale(struct refine *r, const struct image_view *wanted, bool in_focus)
+{
     for (uint32_t top = 0; top < r->height; top += REFINE_TILE)
         for (uint32_t left = 0; left < r->width; left += REFINE_TILE) {
             const struct tile t = tile_at(r, left, top);
-            if (!tile_differs(r, wanted, &t))
+            if (is_within(&wanted->focus, &t) != in_focus || !tile_differs(r, wanted->rgba, &t))
                 continue;
             if (!mem_grow(&r->stale, &r->stale_capacity, r->stales + 1, sizeof *r->stale))
                 return false;
@@ -83,10 +111,12 @@ static bool list_stale(struct refine *r, const uint8_t *wanted)
 
 /* In a hurry, fine tiles between coarse ones go coarse as well: they would be sent again with what
  * is around them, and cost more than all of that. */
-static void coarsen_between(struct refine *r, const uint8_t *wanted, size_t i, uint32_t coarse)
+static void coarsen_between(struct refine *r, const struct image_view *wanted, size_t i,
+                            uint32_t coarse)
 {
     const struct refine_place *here = r->stale + i, *before = here - 1;
-    if (i == 0 || before->top != here->top || here->left - before->left > GAP_MOST * REFINE_TILE)
+    if (i == 0 || before->top != here->top || here->left < before->left ||
+        here->left - before->left > GAP_MOST * REFINE_TILE)
         return;
     for (uint32_t left = before->left + REFINE_TILE; left < here->left; left += REFINE_TILE) {
         const struct tile t = tile_at(r, left, here->top);
@@ -110,7 +140,8 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
 {
     if (r->cost[0] <= 0)
         memcpy(r->cost, cost_at_first, sizeof r->cost);
-    if (!begin_size(r, wanted) || !list_stale(r, wanted->rgba))
+    r->stales = 0;
+    if (!begin_size(r, wanted) || !list_stale(r, wanted, true) || !list_stale(r, wanted, false))
         return false;
     const size_t stale = r->stales;
     const double may = (double)budget;
@@ -126,9 +157,9 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
     r->tiles = most < stale ? most : stale;
     for (size_t i = 0; i < r->tiles; i++) {
         const struct tile t = tile_at(r, r->stale[i].left, r->stale[i].top);
-        copy_tile(r, wanted->rgba, &t, 1U << level);
+        copy_tile(r, wanted, &t, 1U << level);
         if (level > 0)
-            coarsen_between(r, wanted->rgba, i, 1U << level);
+            coarsen_between(r, wanted, i, 1U << level);
     }
     r->is_coarse = level > 0 || most < stale;
     *shown = *wanted;

@@ -4,7 +4,8 @@
  *
  * A picture is cut into tiles. Those that are on the screen as they should be stay; of the others
  * as many are sent as a frame's budget of bytes allows, all of them in coarser pixels if need be.
- * What tiles cost is learnt from the frames that were sent. Pure.
+ * Words stay sharp in coarse tiles, and where one looks gets fine first. What tiles cost is learnt
+ * from the frames that were sent. Pure.
  *
  *     struct refine r = {0};
  *     refine_begin(&r, &wanted, moves, budget, &shown)    shown: what to have on the screen
