@@ -70,8 +70,7 @@ static void begin_frames(struct frames *f, const struct graphics *by, uint32_t s
                                          .cell_height = CELL_HEIGHT,
                                          .image_side_most = 10000,
                                          .shape = BLOCK_HALF,
-                                         .answers = true,
-                                         .edits = true};
+                                         .answers = true};
     *f = (struct frames){.count = 0};
     painter_place(&f->painter, &facts, 0, 0, side / CELL_WIDTH, side / CELL_HEIGHT);
 }
