@@ -319,8 +319,8 @@ void write_image(const std::string &line)
             extension_of(request.path) + " holds one picture; expected for instance .gif or .tif";
         out.reset();
     }
-    /* The library does not check what closing a file returns, and so would not see that the disk was
-     * full; where it lets us hold the file, we check. (Its TIFF writer reports the failure by
+    /* The library does not check what closing a file returns, and so would not see that the disk
+     * was full; where it lets us hold the file, we check. (Its TIFF writer reports the failure by
      * itself, and loses its directory when held.) */
     std::unique_ptr<OIIO::Filesystem::IOFile> file;
     if (out && std::strcmp(out->format_name(), "tiff") != 0 && out->supports("ioproxy")) {
@@ -367,8 +367,8 @@ void widen(std::vector<uint8_t> &pixels, size_t channels, size_t count)
     }
 }
 
-/* Colours as the file holds them, not multiplied by alpha; an error is answered for what is none, or
- * too large. */
+/* Colours as the file holds them, not multiplied by alpha; an error is answered for what is none,
+ * or too large. */
 std::unique_ptr<OIIO::ImageInput> open_image(const std::string &path)
 {
     OIIO::ImageSpec wish;
