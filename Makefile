@@ -88,7 +88,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 .DEFAULT_GOAL := all
 .PHONY: all tests test test-long test-stress test-bare check-format format variants test-matrix test-matrix-short test-terminals fuzz \
         fuzzers demo bench-peers bench-chafa bench-paper bench-growth bench-render bench-journal \
-        bench-keys help clean packages
+        bench-keys bench-looks help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -163,10 +163,10 @@ demo: all
 bench-peers: $(PEERS)
 	@$(PYTHON) tests/peers/run.py --rounds $(ROUNDS) $(if $(JSON),--json $(JSON)) $(BUILD)
 
-## bench-paper, bench-growth, bench-render, bench-journal, bench-keys: a benchmark; ARGS=--help says
-##     which options
+## bench-paper, bench-growth, bench-render, bench-journal, bench-keys, bench-looks: a benchmark;
+##     ARGS=--help says which options
 bench-keys: all
-bench-paper bench-growth bench-render bench-journal bench-keys: $(BENCH)
+bench-paper bench-growth bench-render bench-journal bench-keys bench-looks: $(BENCH)
 	@$(BENCH) $(@:bench-%=%) $(ARGS)
 
 ## bench-chafa: the pictures of `iftty bench terminal` by chafa; ARGS=--json

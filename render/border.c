@@ -64,12 +64,12 @@ static bool count_shown(struct border *border, struct task *task)
     if (!cut_clear(&border->cut, border->scene, next))
         return false;
     border->version++;
-    for (size_t w = 0; w + 1 < border->words; w++) {
+    for (size_t w = 0; w + 1 < border->words && task_advance(task, 8); w++) {
         if (next[w] != border->shown[w])
             border->changed[w] = border->version;
         border->shown[w] = next[w];
     }
-    return true;
+    return task_advance(task, 0);
 }
 
 void border_recount_shown(struct border *border)
@@ -109,8 +109,9 @@ void border_update(struct border *border, const struct changes *changes)
     }
     const struct grid *grid = &border->scene->grid;
     const ptrdiff_t *step = grid->step;
+    struct task task = task_begin(border->scene->watch, "border", changes->count);
     border->version++;
-    for (size_t i = 0; i < changes->count; i++) {
+    for (size_t i = 0; i < changes->count && task_advance(&task, 1); i++) {
         const struct change *change = changes->item + i;
         const uint32_t at = change->cell;
         if (border->visible[change->label] == border->visible[change->former_label] ||
@@ -128,6 +129,7 @@ void border_update(struct border *border, const struct changes *changes)
         const uint32_t w = border->stale[--border->stales];
         border->marked[w >> 6] &= ~(UINT64_C(1) << (w & 63));
         border->border[w] = border_word(border, w);
+        task_advance(&task, 1);
     }
 }
 
@@ -137,4 +139,34 @@ size_t border_count(const struct border *border)
     for (size_t w = 0; w < border->words; w++)
         count += (size_t)__builtin_popcountll(border->border[w]);
     return count;
+}
+
+/* By the words of border.h, voxel by voxel. */
+static bool should_show(const struct border *border, uint32_t cell)
+{
+    const struct scene *scene = border->scene;
+    return border->visible[scene->cell[cell].label] && /* no cell of the rim */
+           !cut_takes(&border->cut, &scene->grid, cell);
+}
+
+bool border_check(const struct border *border, struct fault *fault)
+{
+    const struct grid *grid = &border->scene->grid;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++)
+            for (uint32_t x = 0; x < grid->size[0]; x++) {
+                uint32_t at = grid_cell(grid, x, y, z);
+                bool shown = should_show(border, at);
+                bool inside = shown;
+                for (int a = 0; a < 3; a++)
+                    inside = inside && should_show(border, at - (uint32_t)grid->step[a]) &&
+                             should_show(border, at + (uint32_t)grid->step[a]);
+                if (border_shows(border, at) != shown ||
+                    border_holds(border, at) != (shown && !inside)) {
+                    fault_set(fault, ERR_CHECK, "voxel %u,%u,%u: B1: the border is not a recount",
+                              x, y, z);
+                    return false;
+                }
+            }
+    return true;
 }

@@ -74,11 +74,13 @@ static uint32_t slots_for(const struct grid *grid)
     return slots;
 }
 
-/* By how much intensities are shifted left, so that the largest has SCENE_BITS. */
+/* By how much intensities are shifted left, so that the largest has SCENE_BITS. Of no use where the
+ * scene's watch has stopped it. */
 static int brighter_by(const struct scene *scene)
 {
+    struct task task = task_begin(scene->watch, "intensities", scene->grid.cells);
     unsigned all = 1;
-    for (size_t c = 0; c < scene->grid.cells; c++)
+    for (size_t c = 0; c < scene->grid.cells && task_advance(&task, 1); c++)
         all |= scene->cell[c].intensity;
     return SCENE_BITS - (32 - __builtin_clz(all));
 }
@@ -98,7 +100,10 @@ enum err field_init(struct field *field, const struct border *border, enum field
     fill_tables(field->tables);
     if (kind == FIELD_SCENE)
         field->brighter = brighter_by(border->scene);
-    return OK;
+    const enum err err = watch_fault(border->scene->watch, fault);
+    if (err)
+        field_release(field);
+    return err;
 }
 
 void field_release(struct field *field)

@@ -71,7 +71,8 @@ void incremental_image(struct rendition *r, const struct camera *camera,
 {
     struct holes holes = {0};
     bool fits = !changes->everything;
-    for (size_t i = 0; fits && i < changes->count; i++) {
+    struct task task = task_begin(camera->scene->watch, "rendition", changes->count);
+    for (size_t i = 0; fits && i < changes->count && task_advance(&task, 1); i++) {
         const struct change *c = changes->item + i;
         const bool before = border->visible[c->former_label];
         const bool now = border->visible[c->label];
@@ -82,7 +83,7 @@ void incremental_image(struct rendition *r, const struct camera *camera,
         else if (now && !before && border_holds(border, c->cell))
             splat_voxel(r, camera, c->cell);
     }
-    for (size_t i = 0; fits && i < holes.count; i++)
+    for (size_t i = 0; fits && i < holes.count && task_advance(&task, 1); i++)
         fill_hole(r, camera, border, &holes.item[i]);
     if (!fits)
         splat_border(r, camera, border);

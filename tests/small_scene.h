@@ -13,7 +13,6 @@
 #include "base/file.h"
 #include "image/volume.h"
 #include "session/roi_check.h"
-#include "tests/border_check.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"
 
@@ -159,7 +158,7 @@ static inline void fits_its_state(const struct session *session)
     CHECK(!session->roi.mask == !kept->mask);
     uint64_t *bits = kept->mask ? malloc(packed_length(kept->mask)) : NULL;
     if (bits) {
-        CHECK(packed_take_out(kept->mask, bits, NULL) == OK);
+        CHECK(packed_take_out(kept->mask, bits, NULL, NULL) == OK);
         CHECK(memcmp(bits, session->roi.mask, packed_length(kept->mask)) == 0);
     }
     free(bits);

@@ -11,7 +11,6 @@
 
 #include "base/file.h"
 #include "image/exr.h"
-#include "tests/border_check.h"
 #include "tests/folder.h"
 #include "tests/stage.h"
 

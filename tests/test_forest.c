@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "tests/border_check.h"
+#include "render/border.h"
 #include "engine/roi.h"
 #include "engine/forest.h"
 #include "engine/weight.h"
@@ -728,7 +728,7 @@ STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
     unsigned looks = 0;
     for (; err && check_failures == 0; looks++) {
         int left = (int)looks;
-        struct watch watch = {.context = &left, .poll = after_some_polls};
+        struct watch watch = {.context = &left, .poll = after_some_polls, .step = 1 << 13};
         w.scene->watch = &watch;
         err = forest_edit(w.forest, edit, 2, &fault);
         w.scene->watch = NULL;
@@ -743,7 +743,8 @@ STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
     world_free(&w);
 }
 
-STORY(an_edit_cancelled_at_every_level_leaves_the_forest_as_it_was)
+/* After every level, and in every third round within each loop too, at more and more voxels. */
+STORY(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was)
 {
     struct fault fault = {0};
     uint64_t random = 5;
@@ -753,9 +754,10 @@ STORY(an_edit_cancelled_at_every_level_leaves_the_forest_as_it_was)
         size_t count = random_batch(&w, batch, &random);
         const struct state before = state_of(&w);
         enum err err = ERR_CANCELLED;
-        for (int looks = 0; err && check_failures == 0; looks++) {
+        const bool within = round % 3 == 0;
+        for (int looks = 0; err && check_failures == 0; looks += within ? 1 + looks / 8 : 1) {
             int left = looks;
-            struct watch watch = {.context = &left, .poll = after_some_polls};
+            struct watch watch = {.context = &left, .poll = after_some_polls, .step = within};
             w.scene->watch = &watch;
             err = forest_edit(w.forest, batch, count, &fault);
             w.scene->watch = NULL;
@@ -871,7 +873,7 @@ int main(void)
                        TELL(a_hundred_thousand_random_edits_each_equal_a_run_from_scratch),
                        TELL(under_every_kind_of_arc_and_roi_edits_equal_the_fixed_point),
                        TELL(a_large_tree_that_falls_is_as_if_it_had_never_been),
-                       TELL(an_edit_cancelled_at_every_level_leaves_the_forest_as_it_was),
+                       TELL(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was),
                        TELL(an_allocation_that_fails_leaves_the_forest_as_it_was),
                        TELL(the_synthetic_scene_is_the_same_everywhere));
 }

@@ -482,6 +482,102 @@ STORY(who_is_stopped_on_the_way_is_where_he_was)
     interpreter_release(&interp);
 }
 
+/* All that looks at the scene, or at as many voxels as it may have. */
+static const char *const works[] = {
+    "seed 6,5,5 3 radius=4", /* on a forest that grows by what changes */
+    "seed 1,1,1 1 radius=2 to=10,9,8",
+    "remove 6,5,5 radius=3",
+    "remove 6,5,5 of=tree",
+    "run",
+    "undo 2",
+    "redo",
+    "goto 4",
+    "weight morph radius=2",
+    "weight sobel",
+    "weight gauss 0.5",
+    "weight difference",
+    "weight polarity",
+    "polarity 2 40",
+    "seed 3,3,3 4 radius=1",
+    "weight weights.nii",
+    "adjacency 26",
+    "range 0 120",
+    "seed 2,2,2 5 radius=2",
+    "range none",
+    "mask regions.nii regions=0-2",
+    "mask none",
+    "seed-file regions.nii label=1 erode=1",
+    "seed-file seeds.csv",
+    "render mode=sp",
+    "render mode=ray",
+    "hide 1",
+    "clip axial 2-7",
+    "render",
+    "plane 6,4,3",
+    "stats",
+    "clip none",
+    "save labels labels.nii",
+    "save root root.nii.gz",
+};
+
+/* Carries a command out as often as it looks at the watch, each time stopped one look later, or
+ * some later where there are many; and at last lets it be. How often it was stopped. */
+static unsigned stop_everywhere(struct interpreter *interp, const char *line)
+{
+    struct snapshot before;
+    unsigned left, stopped = 0;
+    struct watch watch = {.context = &left, .poll = not_now, .step = 1};
+    take_snapshot(&before, interp);
+    for (unsigned looks = 0;; looks += 1 + looks / 24, stopped++) {
+        left = looks;
+        interp->session.watch = &watch;
+        const enum err err = execute(interp, line);
+        interp->session.watch = NULL;
+        if (err == OK)
+            break;
+        if (!CHECK(err == ERR_CANCELLED))
+            printf("#   %s, after %u looks: %s\n", line, looks, fault.text);
+        if (check_failures > 20)
+            return stopped;
+        is_as_before(&before, interp, line);
+    }
+    if (interp->session.has_scene)
+        interp->session.scene->watch = NULL;
+    return stopped;
+}
+
+STORY(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was)
+{
+    struct interpreter interp;
+    for (int by_itself = 0; by_itself < 2; by_itself++) {
+        begin_with_scene(&interp);
+        must(&interp, "size 24 24");
+        must(&interp, by_itself ? "auto on" : "auto off");
+        must(&interp, "seed 1,1,1 1");
+        must(&interp, "seed 10,9,8 2 radius=1");
+        must(&interp, "render");
+        for (size_t i = 0; i < sizeof works / sizeof *works; i++)
+            if (!CHECK(stop_everywhere(&interp, works[i]) > 1))
+                printf("#   %s\n", works[i]);
+        CHECK(unlink(place("labels.nii")) == 0 && unlink(place("root.nii.gz")) == 0);
+        interpreter_release(&interp);
+    }
+}
+
+STORY(a_scene_is_opened_and_interpolated_or_is_not)
+{
+    static const char *const scenes[] = {"scene.nii", "synth:geom:5x4x3"};
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        struct interpreter interp;
+        char line[64];
+        begin_interpreter(&interp);
+        snprintf(line, sizeof line, "open %s", scenes[i]);
+        CHECK(stop_everywhere(&interp, line) > 20);
+        CHECK(stop_everywhere(&interp, "interpolate 2 1 2") > 20);
+        interpreter_release(&interp);
+    }
+}
+
 /* ---- resuming ---- */
 
 static enum err resume(struct interpreter *interp, const char *path, bool slowly)
@@ -641,18 +737,20 @@ STORY(what_is_put_away_comes_back)
     for (size_t length = 0; length <= BYTES; length = length * 5 + 1) {
         for (size_t i = 0; i < length; i++)
             bytes[i] = (unsigned char)(i % 7 ? below(4) : below(256));
-        struct packed *packed = packed_new(bytes, length);
+        struct packed *packed;
+        CHECK(packed_new(&packed, bytes, length, NULL, NULL) == OK);
         CHECK(packed && packed_length(packed) == length);
         packed_release(packed_hold(packed));
         memset(back, 0, sizeof back);
-        CHECK(packed_take_out(packed, back, NULL) == OK);
+        CHECK(packed_take_out(packed, back, NULL, NULL) == OK);
         CHECK(memcmp(bytes, back, length) == 0);
         packed_release(packed);
     }
     for (unsigned few = 0; few < 2; few++) {
+        struct packed *packed;
         allowed = few;
         mem_allows = allow_some;
-        CHECK(packed_new(bytes, 10) == NULL);
+        CHECK(packed_new(&packed, bytes, 10, NULL, NULL) == ERR_MEMORY && !packed);
         mem_allows = NULL;
     }
 }
@@ -670,6 +768,8 @@ int main(void)
         TELL(random_walks_come_back_to_the_very_same_states),
         TELL(without_memory_one_stays_where_one_is), TELL(without_memory_a_marker_stands_as_it_did),
         TELL(who_is_stopped_on_the_way_is_where_he_was),
+        TELL(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was),
+        TELL(a_scene_is_opened_and_interpolated_or_is_not),
         TELL(what_is_skimmed_is_what_was_carried_out), TELL(a_journal_that_lies_is_not_resumed),
         TELL(what_is_put_away_comes_back));
     return status | end_folder();

@@ -50,7 +50,7 @@ static void add(struct markers *markers, struct plain *plain, uint64_t *random)
             plain->covers[v] = true;
             cell[count++] = cell_of(v);
         }
-    CHECK(markers_add(markers, plain->label, cell, count, NULL) == OK);
+    CHECK(markers_add(markers, plain->label, cell, count, NULL, NULL) == OK);
 }
 
 STORY(any_set_of_markers_is_what_carrying_them_out_in_order_gives)
@@ -64,7 +64,7 @@ STORY(any_set_of_markers_is_what_carrying_them_out_in_order_gives)
             if (what < 3 || !count) {
                 add(&markers, plain + count, &random);
             } else if (what == 3) {
-                markers_drop(&markers, check_below(&random, count));
+                markers_drop(&markers, check_below(&random, count), NULL);
             } else {
                 const size_t i = check_below(&random, count);
                 plain[i].stands = markers.marker[i].stands = !plain[i].stands;
@@ -87,15 +87,15 @@ STORY(what_memory_cannot_hold_changes_nothing)
     uint32_t cell[300];
     for (uint32_t i = 0; i < 300; i++)
         cell[i] = i;
-    CHECK(markers_add(&markers, 1, cell, 10, NULL) == OK);
+    CHECK(markers_add(&markers, 1, cell, 10, NULL, NULL) == OK);
     markers.marker[0].stands = true;
     mem_allows = refuses;
-    CHECK_INT(markers_add(&markers, 2, cell, 300, NULL), ERR_MEMORY);
+    CHECK_INT(markers_add(&markers, 2, cell, 300, NULL, NULL), ERR_MEMORY);
     mem_allows = NULL;
     CHECK_INT(markers.count, 1);
     CHECK_INT(markers_at(&markers, 3), 1);
     CHECK_INT(markers_at(&markers, 10), 0);
-    CHECK(markers_add(&markers, 2, cell, 300, NULL) == OK);
+    CHECK(markers_add(&markers, 2, cell, 300, NULL, NULL) == OK);
     CHECK_INT(markers_at(&markers, 3), 1);
     markers.marker[1].stands = true;
     CHECK_INT(markers_at(&markers, 3), 2);

@@ -10,24 +10,29 @@
 #include <stddef.h>
 
 #include "base/err.h"
+#include "base/watch.h"
 
 struct packed;
 
-/* A copy of `length` bytes, held once. NULL when out of memory. */
-struct packed *packed_new(const void *bytes, size_t length);
+/* A copy of `length` bytes, held once. ERR_MEMORY; ERR_CANCELLED by the watch, or NULL. */
+enum err packed_new(struct packed **packed, const void *bytes, size_t length, struct watch *watch,
+                    struct fault *fault);
 
 /* One holder more, or fewer: the last one frees it. Both take NULL. */
 struct packed *packed_hold(struct packed *packed);
 void packed_release(struct packed *packed);
 
-/* Reads the bytes in order, `piece` at a time (the last piece may be shorter), each handed to
- * `take` once. ERR_MEMORY where the inflater needs more room than zlib is known to need. */
-enum err packed_read(const struct packed *packed, void *piece, size_t length,
+/* Reads the bytes in order, a piece at a time, PACKED_PIECE bytes or at the end fewer, each handed
+ * to `take` once. ERR_MEMORY where the inflater needs more room than zlib is known to need;
+ * ERR_CANCELLED by the watch, or NULL. */
+enum { PACKED_PIECE = 16384 };
+enum err packed_read(const struct packed *packed,
                      void (*take)(void *context, const void *piece, size_t length), void *context,
-                     struct fault *fault);
+                     struct watch *watch, struct fault *fault);
 
-/* Writes all the bytes, packed_length of them, to `out`. ERR_MEMORY as above. */
-enum err packed_take_out(const struct packed *packed, void *out, struct fault *fault);
+/* Writes all the bytes, packed_length of them, to `out`. Errors as above. */
+enum err packed_take_out(const struct packed *packed, void *out, struct watch *watch,
+                         struct fault *fault);
 
 /* How many bytes were packed, and how many they take now. */
 size_t packed_length(const struct packed *packed);

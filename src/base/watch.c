@@ -58,7 +58,8 @@ struct task task_begin(struct watch *watch, const char *what, uint64_t total)
 
 struct task task_begin_part(struct watch *watch, const char *what, uint64_t total, uint64_t part)
 {
-    return (struct task){watch, what, 0, total, watch ? TASK_STEP : UINT64_MAX, part > 0};
+    const uint64_t step = watch && watch->step ? watch->step : TASK_STEP;
+    return (struct task){watch, what, 0, total, watch ? step : UINT64_MAX, step, part > 0};
 }
 
 bool task_poll(struct task *task)
@@ -66,6 +67,6 @@ bool task_poll(struct task *task)
     const bool stop = task->only_stops
                           ? task->watch->stopped
                           : watch_poll(task->watch, task->what, task->done, task->total);
-    task->next = stop ? 0 : task->done + TASK_STEP;
+    task->next = stop ? 0 : task->done + task->step;
     return !stop;
 }

@@ -4,7 +4,8 @@
  * A long loop makes a task of its work and advances it by the units done. Now and then (never more
  * often than every TASK_STEP units) the task polls the watch: it says what is being done and how
  * far it is, and learns whether to go on. The watch knows clock, terminal and signals; the loop
- * knows none of them.
+ * knows none of them. A unit is a voxel looked at, or some 100 ns of other work, so that nobody
+ * waits for more than 50 ms until a stop is heard (`bench looks` of tests/bench measures it).
  *
  *     struct task task = task_begin(scene->watch, "weights", grid->voxels);
  *     for (each row)
@@ -35,6 +36,7 @@ struct watch {
     void (*announce)(void *context, const char *line);
     _Atomic bool stopped; /* W1 */
     bool ignores_stop;    /* W2 */
+    uint64_t step;        /* units between two polls of a task; 0: TASK_STEP */
 };
 
 /* Any of these may be given NULL: a watch that never stops and shows nothing. */
@@ -54,7 +56,7 @@ enum { TASK_STEP = 1 << 18 };
 struct task {
     struct watch *watch;
     const char *what;
-    uint64_t done, total, next;
+    uint64_t done, total, next, step;
     bool only_stops; /* never polls */
 };
 
@@ -71,6 +73,13 @@ static inline bool task_advance(struct task *task, uint64_t units)
 {
     task->done += units;
     return task->done < task->next || task_poll(task);
+}
+
+/* The same for work that is not ended early: it is looked at, and goes on. */
+static inline void task_show(struct task *task, uint64_t units)
+{
+    if (!task_advance(task, units))
+        task->next = task->done + task->step;
 }
 
 #endif

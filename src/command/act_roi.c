@@ -71,14 +71,18 @@ static uint64_t mask_digest(const uint64_t *mask, const struct scene *scene)
     return roi_tally(&alone, scene).digest;
 }
 
-static void fill_mask(uint64_t *mask, const struct volume *map, const struct grid *grid)
+static void fill_mask(uint64_t *mask, const struct volume *map, const struct scene *scene)
 {
+    const struct grid *grid = &scene->grid;
+    struct task task = task_begin(scene->watch, "voxels of the mask", grid->voxels);
     const uint16_t *region = map->intensity;
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++)
                 mask[c >> 6] |= (uint64_t)(*region++ != REGION_NONE) << (c & 63);
+            if (!task_advance(&task, grid->size[0]))
+                return;
         }
 }
 
@@ -91,11 +95,12 @@ static enum err read_mask(uint64_t **mask, const struct session *session, const 
     *mask = NULL;
     enum err err = map_read(&map, path, grid, &session->geometry, session->watch, fault);
     if (!err)
-        err = act_naming(name, map_to_regions(&map, regions[0], regions[1], fault), fault);
+        err = act_naming(name, map_to_regions(&map, regions[0], regions[1], session->watch, fault),
+                         fault);
     if (!err && !(*mask = mask_new(grid)))
         err = fault_memory(fault, "a mask");
     if (!err)
-        fill_mask(*mask, &map, grid);
+        fill_mask(*mask, &map, session->scene);
     volume_release(&map);
     return err;
 }

@@ -74,7 +74,7 @@ static enum err weigh_by_file(const struct act *act, const char *name)
         err = map_read(&map, buf_text(&path), &session->scene->grid, &session->geometry,
                        session->watch, fault);
     if (!err)
-        err = act_naming(name, map_to_weights(&map, fault), fault);
+        err = act_naming(name, map_to_weights(&map, session->watch, fault), fault);
     if (!err)
         err = session_set_weight_map(session, name, map.intensity, fault);
     volume_release(&map);

@@ -14,6 +14,7 @@ enum { TAKEN_MOST = 256 }; /* seeds that one record says were removed */
 struct voxels {
     uint32_t *cell;
     size_t count, capacity;
+    struct task task;
 };
 
 /* Adds the voxels of the scene within `radius` of a place, plane by plane, without those within as
@@ -24,7 +25,7 @@ static bool add_ball(struct voxels *v, const struct grid *grid, const int64_t pl
     const size_t side = (size_t)(2 * radius + 1);
     if (!mem_grow(&v->cell, &v->capacity, v->count + side * side * side, sizeof *v->cell))
         return false;
-    for (int64_t z = -radius; z <= radius; z++)
+    for (int64_t z = -radius; z <= radius && task_advance(&v->task, side * side); z++)
         for (int64_t y = -radius; y <= radius; y++)
             for (int64_t x = -radius; x <= radius; x++) {
                 const int64_t at[3] = {place[0] + x, place[1] + y, place[2] + z};
@@ -85,7 +86,7 @@ enum err act_seed(const struct act *act)
     struct session *session = act->session;
     const struct grid *grid = &session->scene->grid;
     const uint32_t *to = act->value[3].given ? act->value[3].place : act->value[0].place;
-    struct voxels v = {0};
+    struct voxels v = {.task = task_begin(session->watch, "seeds", 0)};
     size_t inside = 0;
     enum err err = add_stroke(&v, grid, act->value[0].place, to, act->value[2].number)
                        ? OK
@@ -163,7 +164,7 @@ static enum err remove_trees(const struct act *act)
     struct session *session = act->session;
     uint32_t taken[TAKEN_MOST];
     struct record_word word;
-    struct voxels v = {0};
+    struct voxels v = {.task = task_begin(session->watch, "eliminators", 0)};
     size_t count;
     enum err err;
     if (find_recorded(act, "took", &word)) {
@@ -233,7 +234,7 @@ static enum err remove_markers(const struct act *act)
 {
     struct session *session = act->session;
     struct record_word word;
-    struct voxels v = {0};
+    struct voxels v = {.task = task_begin(session->watch, "eliminators", 0)};
     uint32_t *number = NULL;
     size_t count;
     enum err err;

@@ -77,7 +77,7 @@ static enum err plant(const struct act *act, const struct seeds *seeds, size_t *
     uint32_t *cell = NULL;
     const int given = label_of(act->value);
     size_t *end = mem_array(REGION_MOST + 1, sizeof *end), begin = 0;
-    enum err err = end ? seeds_by_region(seeds, &cell, end, act->fault)
+    enum err err = end ? seeds_by_region(seeds, &cell, end, act->session->watch, act->fault)
                        : fault_memory(act->fault, "the seeds of regions");
     for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++]) {
         size_t kept = begin;

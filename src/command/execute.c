@@ -74,7 +74,7 @@ static enum err carry_out(struct interpreter *interp, const struct call *call, c
         err = act(interp, call, reply, fault);
     if (err && fault)
         command_point_at(call, line, fault);
-    if (!err) /* what was cancelled, wherever that was, is not recorded */
+    if (!err || (watch && watch->stopped)) /* what ended early may have found fault with anything */
         err = watch_fault(watch, fault);
     if (interpreter_is_wary(interp))
         err = limits_judge(err, &interp->written, fault);

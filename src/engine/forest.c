@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "base/sort.h"
 
 enum {
     CHANGES_SHARE = 16,     /* beyond this part of the scene the list becomes "everything" */
@@ -17,6 +18,7 @@ enum {
 void forest_recount(const struct forest *forest, uint64_t *keys, uint64_t *labels)
 {
     const struct grid *grid = &forest->scene->grid;
+    struct task task = task_begin(forest->scene->watch, "digests", grid->voxels);
     *keys = *labels = 0;
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
@@ -28,16 +30,27 @@ void forest_recount(const struct forest *forest, uint64_t *keys, uint64_t *label
                 *keys += key_share(c, cell->key);
                 *labels += label_share(c, cell->label);
             }
+            if (!task_advance(&task, grid->size[0]))
+                return;
         }
 }
 
-/* After a pass only voxels that no seed reaches are left unsettled; they were cleared. */
-static void finish_changes(struct forest *forest)
+static void forget_cleared(struct forest *forest)
+{
+    forest->cleared.count = forest->offered = forest->reoffered = 0;
+}
+
+/* After a pass only voxels that no seed reaches are left unsettled; they were cleared. False where
+ * that was stopped. */
+static bool finish_changes(struct forest *forest)
 {
     struct cells *cleared = &forest->cleared;
-    for (size_t i = 0; forest->unsettled > 0 && i < cleared->count; i++)
+    for (size_t i = 0; forest->unsettled > 0 && i < cleared->count; i++) {
+        if (!goes_on(forest, 1))
+            return false;
         if (forest->cell[cleared->item[i]].flags & CELL_TOUCHED)
             settle(forest, cleared->item[i]);
+    }
     assert(forest->unsettled == 0);
     if (forest->everything)
         forest->changes = 0;
@@ -48,11 +61,12 @@ static void finish_changes(struct forest *forest)
                                  : CHANGES_UNKNOWN;
         label_runs_release(&forest->former);
     }
-    cleared->count = forest->reoffered = 0;
+    forget_cleared(forest);
     if (cleared->capacity > CLEARED_HELD) {
         free(cleared->item);
         *cleared = (struct cells){0};
     }
+    return true;
 }
 
 /* ---- edits ---- */
@@ -80,28 +94,25 @@ static void plant(struct forest *forest, uint32_t at, uint8_t label)
  * Changes the seeds and queues what follows; the pass does the rest. First every tree that
  * goes is cleared, then the cleared voxels take their offers, then seeds are planted. A seed that
  * gets another label is removed and planted. Where so much is lost that growing everything anew is
- * faster, `lost_too_much` says so, and the forest is of no use.
+ * faster, `lost_too_much` says so, and the forest is of no use. It may be stopped anywhere: keys of
+ * before are right again once the seeds of before are there.
  */
 static void change_seeds(struct forest *forest, const struct edit *edit, size_t count)
 {
     forest->lost_too_much = false;
     for (size_t i = 0; forest->seeds > 0 && i < count && !forest->lost_too_much; i++) {
         const struct cell *cell = forest->cell + edit[i].cell;
+        if (!goes_on(forest, 1))
+            return;
         if (cell->flags & CELL_SEED && cell->label != edit[i].label)
             uproot(forest, edit[i].cell);
     }
-    if (forest->lost_too_much)
+    if (forest->lost_too_much || is_stopped(forest))
         return;
     reoffer_cleared(forest);
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; !is_stopped(forest) && i < count && goes_on(forest, 1); i++)
         if (edit[i].label != EDIT_ERASE && !(forest->cell[edit[i].cell].flags & CELL_SEED))
             plant(forest, edit[i].cell, (uint8_t)edit[i].label);
-}
-
-static int compare_ranks(const void *a, const void *b)
-{
-    const uint64_t *x = a, *y = b;
-    return (*x > *y) - (*x < *y);
 }
 
 static bool is_in_order(const struct edit *edit, size_t count)
@@ -112,22 +123,23 @@ static bool is_in_order(const struct edit *edit, size_t count)
     return true;
 }
 
-/* Fills batch with the last edit of each voxel, in the order of cells. False when out of memory. */
-static bool put_in_order(struct forest *forest, const struct edit *edit, size_t count)
+/* Fills batch with the last edit of each voxel, in the order of cells. */
+static enum err put_in_order(struct forest *forest, const struct edit *edit, size_t count,
+                             struct fault *fault)
 {
     uint64_t *rank =
         mem_array(count, sizeof *rank); /* cell and place in the batch, as one number */
     if (!rank)
-        return false;
+        return fault_memory(fault, "an edit");
     for (size_t i = 0; i < count; i++)
         rank[i] = (uint64_t)edit[i].cell << 32 | i;
-    qsort(rank, count, sizeof *rank, compare_ranks);
+    enum err err = sort_by_upper_half(rank, count, forest->scene->watch, fault);
     forest->edits = 0;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; !err && i < count; i++)
         if (i + 1 == count || rank[i + 1] >> 32 != rank[i] >> 32)
             forest->batch[forest->edits++] = edit[(uint32_t)rank[i]];
     free(rank);
-    return true;
+    return err;
 }
 
 /* Fills batch, and inverse with what is there now. */
@@ -143,10 +155,15 @@ static enum err prepare(struct forest *forest, const struct edit *edit, size_t c
         forest->edits = count;
         for (size_t i = 0; i < count; i++)
             forest->batch[i] = edit[i];
-    } else if (!put_in_order(forest, edit, count)) {
-        return fault_memory(fault, "an edit");
+    } else {
+        const enum err err = put_in_order(forest, edit, count, fault);
+        if (err)
+            return err;
     }
+    struct task task = task_begin(forest->scene->watch, "forest", forest->edits);
     for (size_t i = 0; i < forest->edits; i++) {
+        if (!task_advance(&task, 1))
+            return watch_fault(task.watch, fault);
         const struct edit *e = forest->batch + i;
         const struct cell *cell = forest->cell + e->cell;
         assert(!(cell->flags & CELL_RIM));
@@ -160,6 +177,9 @@ static enum err prepare(struct forest *forest, const struct edit *edit, size_t c
 /* A pass over nothing but seeds is the whole team's. */
 static void begin(struct forest *forest, bool from_scratch)
 {
+    forest->task =
+        task_begin(forest->scene->watch, "forest", from_scratch ? forest->scene->grid.voxels : 0);
+    forest->torn = false;
     forest->changes = 0;
     forest->relabelled = 0;
     forest->everything = from_scratch;
@@ -197,16 +217,17 @@ static void set_seeds(struct forest *forest, const struct edit *edit, size_t cou
 
 static void clear_all(struct forest *forest, bool planted);
 
-static enum err grow_anew(struct forest *forest, bool may_stop, struct fault *fault);
+static enum err grow_anew(struct forest *forest, struct fault *fault);
 
 /*
  * Back to before the edit at hand, in the middle of its pass (T5). What began with nothing goes
  * back to nothing. Where memory has run out and entries were lost, or everything was growing anew,
- * the former seeds are put back and everything is computed again.
+ * or the forest is torn, the former seeds are put back and everything is computed again.
  */
 static void take_back(struct forest *forest, bool from_nothing, enum err reason,
                       struct fault *fault)
 {
+    forest->may_stop = false;
     if (from_nothing) {
         set_seeds(forest, forest->inverse, forest->edits);
         clear_all(forest, false);
@@ -214,10 +235,10 @@ static void take_back(struct forest *forest, bool from_nothing, enum err reason,
         begin(forest, false);
         return;
     }
-    if (reason != ERR_MEMORY && !forest->from_scratch) {
+    if (reason != ERR_MEMORY && !forest->from_scratch && !forest->torn) {
         queue_rewind(forest->worker[0].queue);
         change_seeds(forest, forest->inverse, forest->edits);
-        if (!forest->lost_too_much && forest_pass(forest, false) == OK) {
+        if (!forest->lost_too_much && forest_pass(forest) == OK) {
             finish_changes(forest);
             begin(forest, false);
             return;
@@ -225,7 +246,7 @@ static void take_back(struct forest *forest, bool from_nothing, enum err reason,
     }
     set_seeds(forest, forest->inverse, forest->edits);
     struct fault again;
-    if (grow_anew(forest, false, &again) != OK)
+    if (grow_anew(forest, &again) != OK)
         fault_set(fault, ERR_MEMORY, "out of memory; the seeds are as before, run again");
 }
 
@@ -241,20 +262,21 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
         return OK;
     }
     begin(forest, from_nothing);
+    forest->may_stop = true;
     change_seeds(forest, forest->batch, forest->edits);
     if (forest->lost_too_much) {
         take_former(forest);
         set_seeds(forest, forest->batch, forest->edits);
         clear_all(forest, true);
     }
-    err = forest_pass(forest, true);
+    err = is_stopped(forest) ? ERR_CANCELLED : forest_pass(forest);
+    if (!err && !finish_changes(forest))
+        err = ERR_CANCELLED;
     if (err) {
         pass_fault(fault, err);
         take_back(forest, from_nothing, err, fault);
-        return err;
     }
-    finish_changes(forest);
-    return OK;
+    return err;
 }
 
 /* Leaves a cell unreached; a seed stays, with its label, and waits where it is to be `planted`.
@@ -278,18 +300,36 @@ struct clearing {
     size_t seeds[TEAM_MOST]; /* each worker's */
 };
 
+enum { CLEARED_AT_ONCE = 1 << 14 };
+
+/* The cells first..end-1; how many of them are seeds. */
+static size_t clear_cells(const struct clearing *clearing, size_t first, size_t end)
+{
+    size_t seeds = 0;
+    for (size_t at = first; at < end; at++)
+        seeds += clear_cell(clearing->forest, (uint32_t)at, clearing->planted);
+    return seeds;
+}
+
 static void clear_owned(void *context, unsigned number)
 {
     struct clearing *clearing = context;
     struct forest *forest = clearing->forest;
     const size_t cells = forest->scene->grid.cells, part = (size_t)1 << forest->owner_shift;
-    size_t seeds = 0;
+    struct task task =
+        task_begin_part(forest->scene->watch, "forest", cells / forest->workers, number);
+    size_t *seeds = clearing->seeds + number;
     for (size_t first = number * part; first < cells; first += forest->workers * part) {
         const size_t end = first + part < cells ? first + part : cells;
-        for (size_t at = first; at < end; at++)
-            seeds += clear_cell(forest, (uint32_t)at, clearing->planted);
+        for (size_t at = first; at < end; at += CLEARED_AT_ONCE) {
+            const size_t least = at + CLEARED_AT_ONCE < end ? at + CLEARED_AT_ONCE : end;
+            *seeds += clear_cells(clearing, at, least);
+            if (!forest->may_stop)
+                task_show(&task, least - at);
+            else if (!task_advance(&task, least - at))
+                return;
+        }
     }
-    clearing->seeds[number] = seeds;
 }
 
 static void clear_all(struct forest *forest, bool planted)
@@ -297,7 +337,7 @@ static void clear_all(struct forest *forest, bool planted)
     struct clearing clearing = {.forest = forest, .planted = planted};
     forest_forget_queues(forest);
     begin(forest, true);
-    forest->cleared.count = forest->reoffered = 0;
+    forget_cleared(forest);
     forest->unsettled = 0;
     forest->seeds = 0;
     forest->key_digest = forest->label_digest = 0;
@@ -306,13 +346,14 @@ static void clear_all(struct forest *forest, bool planted)
         forest->seeds += clearing.seeds[i];
 }
 
-static enum err grow_anew(struct forest *forest, bool may_stop, struct fault *fault)
+static enum err grow_anew(struct forest *forest, struct fault *fault)
 {
     clear_all(forest, true);
-    enum err err = forest_pass(forest, may_stop);
+    enum err err = is_stopped(forest) ? ERR_CANCELLED : forest_pass(forest);
     if (err) {
         pass_fault(fault, err);
         fault_prefix(fault, err, "the forest has its seeds, but is not computed");
+        forest->may_stop = false;
         clear_all(forest, false);
     }
     finish_changes(forest);
@@ -324,7 +365,8 @@ enum err forest_rebuild(struct forest *forest, struct fault *fault)
     if (forest->suspended)
         return OK;
     take_former(forest);
-    return grow_anew(forest, true, fault);
+    forest->may_stop = true;
+    return grow_anew(forest, fault);
 }
 
 struct seed_changes forest_seed_changes(const struct forest *forest)

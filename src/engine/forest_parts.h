@@ -68,10 +68,20 @@ struct forest {
     size_t edits, batch_capacity, inverse_capacity;
     bool suspended; /* there are seeds only */
 
-    struct cells cleared; /* voxels that have lost their tree in this edit */
-    size_t reoffered;     /* the first of these, that wait for no offer any more */
+    struct cells cleared; /* voxels that have lost their tree in this edit; the first of these */
+    size_t offered;       /* have taken an offer, */
+    size_t reoffered;     /* and wait for none any more */
     size_t clear_limit;   /* beyond so many everything grows anew instead: */
     bool lost_too_much;
+
+    /* The watch of the edit at hand, which may end it early; not while it is taken back. Where it
+     * ends a pass among voxels that lose their support, the forest is torn: no inverse edit leads
+     * back. */
+    struct task task;
+    bool may_stop, torn;
+    _Atomic bool cut_short; /* the pass: all workers leave their level */
+    bool alone;             /* the first worker acts for all; set before all meet */
+
     bool from_scratch; /* the pass began with seeds only: no key will rise */
     struct forest_stats stats;
     uint64_t key_digest, label_digest;
@@ -83,6 +93,24 @@ struct forest {
     unsigned workers;
     struct worker *worker; /* [workers] */
 };
+
+/* ---- the watch ---- */
+
+/* `units` more are done. False, for the caller's own thread: end early, and leave what there is to
+ * the inverse edit (T5). */
+static inline bool goes_on(struct forest *forest, uint64_t units)
+{
+    if (forest->may_stop)
+        return task_advance(&forest->task, units);
+    task_show(&forest->task, units);
+    return true;
+}
+
+static inline bool is_stopped(const struct forest *forest)
+{
+    const struct watch *watch = forest->scene->watch;
+    return forest->may_stop && watch && watch->stopped;
+}
 
 /* ---- digests ---- */
 
@@ -182,7 +210,8 @@ static inline __attribute__((always_inline)) struct offer best_offer(const struc
 /* Removes a seed: its tree is cleared, and waits for reoffer_cleared. */
 void uproot(struct forest *forest, uint32_t at);
 
-/* Every cleared voxel takes the best offer of the frontier around it, and waits in the queue. */
+/* Every cleared voxel takes the best offer of the frontier around it, and waits in the queue. Where
+ * it is stopped, the next call goes on. */
 void reoffer_cleared(struct forest *forest);
 
 /* A voxel whose predecessor, in `direction`, has just been served and no longer offers it the key
@@ -192,9 +221,9 @@ void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned d
 /* ---- pass.c ---- */
 
 /* Serves every level from the lowest up, until nothing waits or something is wrong: ERR_MEMORY,
- * ERR_LIMIT (T3), or ERR_CANCELLED, where the scene's watch stops it and it `may_stop`. The caller
- * finds the words. */
-enum err forest_pass(struct forest *forest, bool may_stop);
+ * ERR_LIMIT (T3), or ERR_CANCELLED, where the scene's watch stops it and the forest `may_stop`. The
+ * caller finds the words. */
+enum err forest_pass(struct forest *forest);
 
 void forest_free_workers(struct forest *forest);
 

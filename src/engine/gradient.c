@@ -159,6 +159,7 @@ struct smoother {
     uint32_t *smoothed;  /* [3][plane] */
     uint32_t *padded;    /* [radius + width + radius] */
     uint16_t *intensity; /* [deep][plane] */
+    struct task task;    /* in values multiplied */
 };
 
 static void smoother_init(struct smoother *s, const struct grid *grid, uint32_t sigma_thousandths)
@@ -188,6 +189,12 @@ static void smoother_place(struct smoother *s, void *work)
     s->intensity = (uint16_t *)(s->padded + s->width + 2 * s->gauss.radius);
 }
 
+/* A row whose voxels take `each` units. */
+static bool row_is_done(struct smoother *s, uint32_t each)
+{
+    return task_advance(&s->task, (uint64_t)each * s->width);
+}
+
 /* Position i + k or i - k, held inside. */
 static uint32_t held_above(uint32_t i, uint32_t k, uint32_t size)
 {
@@ -212,7 +219,7 @@ static void load_plane(struct smoother *s)
 {
     const uint32_t z = s->loaded++;
     uint16_t *to = s->intensity + z % s->deep * s->plane;
-    for (uint32_t y = 0; y < s->height; y++) {
+    for (uint32_t y = 0; y < s->height && row_is_done(s, 1); y++) {
         const struct cell *cell = s->scene->cell + grid_row(&s->scene->grid, y, z).first;
         for (uint32_t x = 0; x < s->width; x++)
             *to++ = cell[x].intensity;
@@ -276,11 +283,12 @@ static void smooth_along_x(struct smoother *s, uint32_t *to)
 
 static void smooth_plane(struct smoother *s, uint32_t z)
 {
+    const uint32_t terms = s->gauss.radius + 1;
     while (s->loaded <= held_above(z, s->gauss.radius, s->depth))
         load_plane(s);
-    for (uint32_t y = 0; y < s->height; y++)
+    for (uint32_t y = 0; y < s->height && row_is_done(s, terms); y++)
         smooth_along_z(s, y, z);
-    for (uint32_t y = 0; y < s->height; y++) {
+    for (uint32_t y = 0; y < s->height && row_is_done(s, 2 * terms); y++) {
         smooth_along_y(s, y);
         smooth_along_x(s, smoothed(s, y, z));
     }
@@ -318,8 +326,9 @@ static void gauss_weigh(struct scene *scene, const struct adjacency *adjacency,
     smoother_init(&s, &scene->grid, sigma_thousandths);
     smoother_place(&s, work);
     s.scene = scene;
-    struct task task =
-        task_begin_part(scene->watch, "weights", slab_voxels(&scene->grid, slab), slab.first);
+    s.task = task_begin_part(scene->watch, "weights",
+                             (3 * (uint64_t)s.gauss.radius + 5) * slab_voxels(&scene->grid, slab),
+                             slab.first);
     s.loaded = held_below(before(slab.first), s.gauss.radius);
     for (uint32_t z = before(slab.first); z <= slab.first; z++)
         smooth_plane(&s, z);
@@ -328,7 +337,7 @@ static void gauss_weigh(struct scene *scene, const struct adjacency *adjacency,
             smooth_plane(&s, z + 1);
         for (uint32_t y = 0; y < s.height; y++) {
             weigh_row(&s, scene, y, z);
-            if (!task_advance(&task, s.width))
+            if (!row_is_done(&s, 1))
                 return;
         }
     }

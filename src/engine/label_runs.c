@@ -29,10 +29,12 @@ void label_runs_take(struct label_runs *runs, const struct scene *scene)
 {
     const struct grid *grid = &scene->grid;
     bool fits = true;
+    struct task task = task_begin(scene->watch, "labels of before", grid->voxels);
     runs->count = 0;
     for (uint32_t z = 0; fits && z < grid->size[2]; z++)
         for (uint32_t y = 0; fits && y < grid->size[1]; y++)
-            fits = take_row(runs, scene, grid_row(grid, y, z));
+            fits =
+                take_row(runs, scene, grid_row(grid, y, z)) && task_advance(&task, grid->size[0]);
     runs->taken = fits;
 }
 
@@ -41,6 +43,7 @@ uint64_t label_runs_differences(const struct label_runs *runs, const struct scen
     const struct grid *grid = &scene->grid;
     const struct label_run *run = runs->run;
     uint64_t differences = 0;
+    struct task task = task_begin(scene->watch, "labels that changed", grid->voxels);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             const struct span row = grid_row(grid, y, z);
@@ -49,6 +52,8 @@ uint64_t label_runs_differences(const struct label_runs *runs, const struct scen
                 run += c >= run->end;
                 differences += scene->cell[c].label != run->label;
             }
+            if (!task_advance(&task, grid->size[0]))
+                return 0;
         }
     return differences;
 }

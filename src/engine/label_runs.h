@@ -24,11 +24,11 @@ struct label_runs {
     bool taken;
 };
 
-/* As labels are now, or, in the middle of an edit, were before it. Where memory runs out nothing is
- * `taken`. */
+/* As labels are now, or, in the middle of an edit, were before it. Where memory runs out, or
+ * the scene's watch stops it, nothing is `taken`. */
 void label_runs_take(struct label_runs *runs, const struct scene *scene);
 
-/* How many voxels have another label now. */
+/* How many voxels have another label now. Of no use where the scene's watch has stopped it. */
 uint64_t label_runs_differences(const struct label_runs *runs, const struct scene *scene);
 
 void label_runs_release(struct label_runs *runs);

@@ -190,8 +190,9 @@ static void weigh_wide(struct scene *scene, const struct adjacency *adjacency, u
     const struct grid *grid = &scene->grid;
     const size_t width = grid->size[0], lane_values = (radius + 1) * width;
     struct lanes lanes = {width, work, (uint16_t *)work + lane_values};
+    const uint64_t side = 2 * (uint64_t)radius + 1, merged = side * side; /* rows, at the most */
     struct task task =
-        task_begin_part(scene->watch, "weights", slab_voxels(grid, slab), slab.first);
+        task_begin_part(scene->watch, "weights", merged * slab_voxels(grid, slab), slab.first);
     for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             memset(work, 0, 2 * lane_values * sizeof(uint16_t));
@@ -204,7 +205,7 @@ static void weigh_wide(struct scene *scene, const struct adjacency *adjacency, u
             struct cell *cell = scene->cell + grid_row(grid, y, z).first;
             for (size_t x = 0; x < width; x++)
                 cell[x].weight = (uint16_t)(lanes.high[x] + lanes.low[x] - 65535);
-            if (!task_advance(&task, width))
+            if (!task_advance(&task, merged * width))
                 return;
         }
 }

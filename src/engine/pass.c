@@ -210,12 +210,22 @@ PER_KIND void serve_batch(struct forest *forest, struct worker *worker, uint32_t
     }
 }
 
+/* The first worker's thread asks the watch within a level too: on a plateau it may be as large as the
+ * scene. Voxels of the level that were not served yet stay in the queue (T5). */
+static void look(struct forest *forest, const struct worker *worker, uint64_t units)
+{
+    if ((worker->number == 0 || forest->alone) && !goes_on(forest, units))
+        forest->cut_short = true;
+}
+
 PER_KIND void serve_level(struct forest *forest, struct worker *worker, uint32_t level,
                           const struct kind kind)
 {
     uint32_t at[BATCH];
-    for (size_t count; (count = queue_take(worker->queue, at, BATCH)) > 0;)
+    for (size_t count; !forest->cut_short && (count = queue_take(worker->queue, at, BATCH)) > 0;) {
         serve_batch(forest, worker, level, at, count, kind);
+        look(forest, worker, count * kind.neighbours / 6);
+    }
 }
 
 PER_KIND void serve_level_by(struct forest *forest, struct worker *worker, uint32_t level,
@@ -275,9 +285,7 @@ static void take_posted_offers(struct forest *forest, struct worker *worker, uin
 
 struct pass {
     struct forest *forest;
-    bool may_stop;                /* where the scene's watch says so */
     uint64_t begin_ns, waited_ns; /* of the first worker */
-    bool alone;                   /* the first worker acts for all; set before all meet */
 };
 
 static void post_status(struct worker *worker, enum err err)
@@ -330,11 +338,13 @@ static void serve_own(struct forest *forest, struct worker *worker, uint32_t lev
         worker->too_far = true;
 }
 
-static bool is_cancelled(const struct pass *pass, uint64_t served)
+/* After a level: `served` voxels in all. */
+static bool is_cancelled(struct forest *forest, uint64_t served)
 {
-    const struct scene *scene = pass->forest->scene;
-    const uint64_t total = pass->forest->from_scratch ? scene->grid.voxels : 0;
-    return watch_poll(scene->watch, "forest", served, total) && pass->may_stop;
+    if (!forest->task.watch)
+        return false;
+    forest->task.done = served;
+    return (!task_poll(&forest->task) && forest->may_stop) || forest->cut_short;
 }
 
 /* What one worker does in a pass. */
@@ -347,9 +357,9 @@ static void work(void *context, unsigned number)
     post_status(forest->worker + number, OK);
     meet(pass, team, number);
     for (;;) {
-        if (pass->alone && number > 0)
+        if (forest->alone && number > 0)
             break;
-        if (pass->alone) {
+        if (forest->alone) {
             end = forest->workers;
             team = NULL;
         }
@@ -361,8 +371,8 @@ static void work(void *context, unsigned number)
             serve_own(forest, forest->worker + i, level);
         meet(pass, team, number);
         if (number == 0 && team)
-            pass->alone = waits_too_long(pass);
-        const bool cancelled = number == 0 && is_cancelled(pass, all.served);
+            forest->alone = waits_too_long(pass);
+        const bool cancelled = number == 0 && is_cancelled(forest, all.served);
         for (unsigned i = number; i < end; i++) {
             if (forest->shared)
                 take_posted_offers(forest, forest->worker + i, level);
@@ -380,9 +390,10 @@ static void empty_outboxes(struct forest *forest, struct worker *worker)
     }
 }
 
-enum err forest_pass(struct forest *forest, bool may_stop)
+enum err forest_pass(struct forest *forest)
 {
-    struct pass pass = {.forest = forest, .may_stop = may_stop, .begin_ns = clock_ns()};
+    struct pass pass = {.forest = forest, .begin_ns = clock_ns()};
+    forest->cut_short = forest->alone = false;
     team_run(forest->shared ? forest->team : NULL, work, &pass);
     const struct status all = gather_status(forest);
     for (unsigned i = 0; i < forest->workers; i++) {

@@ -27,6 +27,7 @@ struct roi_tally roi_tally(const struct roi *roi, const struct scene *scene)
     uint64_t voxel = 0;
     if (roi_is_none(roi))
         return (struct roi_tally){.inside = grid->voxels};
+    struct task task = task_begin(scene->watch, "region of interest", grid->voxels);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             const struct span row = grid_row(grid, y, z);
@@ -36,6 +37,8 @@ struct roi_tally roi_tally(const struct roi *roi, const struct scene *scene)
                 tally.seeds_outside += !inside && scene->cell[c].flags & CELL_SEED;
                 tally.digest += inside ? 0 : hash_mix_at(voxel, 0);
             }
+            if (!task_advance(&task, grid->size[0]))
+                return tally;
         }
     return tally;
 }
@@ -55,10 +58,13 @@ static void apply_at(struct cell *cell, bool inside)
 void roi_apply(const struct roi *roi, struct scene *scene)
 {
     const struct grid *grid = &scene->grid;
+    struct task task = task_begin(scene->watch, "region of interest", grid->voxels);
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++)
                 apply_at(scene->cell + c, roi_holds(roi, scene, c));
+            if (!task_advance(&task, grid->size[0]))
+                return;
         }
 }

@@ -40,7 +40,8 @@ static inline bool roi_holds(const struct roi *roi, const struct scene *scene, u
 uint64_t *mask_new(const struct grid *grid);
 size_t mask_bytes(const struct grid *grid);
 
-/* What it would do to a scene, whatever region of interest the scene has now. */
+/* What it would do to a scene, whatever region of interest the scene has now. Of no use where the
+ * scene's watch has stopped it. */
 struct roi_tally {
     size_t inside;        /* voxels */
     size_t seeds_outside; /* of those planted */
@@ -49,7 +50,7 @@ struct roi_tally {
 struct roi_tally roi_tally(const struct roi *roi, const struct scene *scene);
 
 /* Applies it in place of the former one; every seed is inside. forest_rebuild must follow where
- * there are seeds. */
+ * there are seeds. Where the scene's watch has stopped it, a part of the scene has the former one. */
 void roi_apply(const struct roi *roi, struct scene *scene);
 
 #endif

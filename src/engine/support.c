@@ -36,7 +36,8 @@ static void clear_voxel(struct forest *forest, uint32_t at)
 }
 
 /* Clears a voxel and all its descendants, appending them to `cleared`; stops where that is to grow
- * beyond `limit`. */
+ * beyond `limit`, and where the watch says so. Descendants that are left then have the keys of
+ * before, which the inverse edit will find to be right. */
 static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
 {
     const struct adjacency *adjacency = &forest->adjacency;
@@ -56,6 +57,10 @@ static void clear_subtree(struct forest *forest, uint32_t top, size_t limit)
                       sizeof *cleared->item)) {
             cleared->count = next; /* the rest has its former keys; the pass is lost */
             forest->worker[0].starved = true;
+            return;
+        }
+        if (!goes_on(forest, 1)) {
+            cleared->count = next;
             return;
         }
         const uint32_t at = cleared->item[next];
@@ -84,7 +89,8 @@ void reoffer_cleared(struct forest *forest)
 {
     const struct adjacency *adjacency = &forest->adjacency;
     const struct cells *cleared = &forest->cleared;
-    for (size_t i = forest->reoffered; i < cleared->count; i++) {
+    for (; forest->offered < cleared->count && goes_on(forest, 1); forest->offered++) {
+        const size_t i = forest->offered;
         if (i + AHEAD < cleared->count)
             fetch_around(forest, cleared->item[i + AHEAD]);
         const struct offer offer =
@@ -92,10 +98,12 @@ void reoffer_cleared(struct forest *forest)
         if (offer.key != KEY_NONE)
             take(forest, cleared->item[i], offer);
     }
-    for (size_t i = forest->reoffered; i < cleared->count; i++)
-        forest->cell[cleared->item[i]].flags &= (uint8_t)~CELL_CLEARED;
-    forest->stats.cleared += cleared->count - forest->reoffered;
-    forest->reoffered = cleared->count;
+    if (forest->offered < cleared->count)
+        return;
+    const size_t before = forest->reoffered;
+    for (; forest->reoffered < cleared->count && goes_on(forest, 1); forest->reoffered++)
+        forest->cell[cleared->item[forest->reoffered]].flags &= (uint8_t)~CELL_CLEARED;
+    forest->stats.cleared += forest->reoffered - before;
 }
 
 /*
@@ -117,5 +125,6 @@ void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned d
     } else {
         clear_subtree(forest, at, SIZE_MAX);
         reoffer_cleared(forest);
+        forest->torn |= is_stopped(forest);
     }
 }

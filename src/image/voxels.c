@@ -12,7 +12,10 @@
 #include "base/mem.h"
 #include "engine/grid.h"
 
-enum { PACKED_CHUNK = 256 << 10 }; /* bytes that zlib writes at a time */
+enum {
+    PACKED_CHUNK = 256 << 10, /* bytes that zlib writes at a time */
+    PIECE = 1 << 16,          /* values between two looks at the watch */
+};
 
 unsigned voxel_bytes(enum voxel_type type)
 {
@@ -58,7 +61,7 @@ static void put_in_order(void *value, size_t count, enum voxel_type type, bool b
 
 /* Spreads `count` bytes from the upper half of an array over the whole of it. Piecewise through a
  * small buffer: the compiler cannot see that reading stays ahead of writing. */
-static void widen_bytes(uint16_t *value, size_t count)
+static void widen_bytes(uint16_t *value, size_t count, struct task *task)
 {
     const uint8_t *from = (const uint8_t *)value + count;
     uint8_t piece[4096];
@@ -68,31 +71,35 @@ static void widen_bytes(uint16_t *value, size_t count)
         for (size_t i = 0; i < n; i++)
             value[done + i] = piece[i];
         done += n;
+        if (!task_advance(task, n))
+            return;
     }
 }
 
 /* Signed to unsigned by the least value; returns what was added to every voxel's value. */
-static int shift_signed(uint16_t *value, size_t count)
+static int shift_signed(uint16_t *value, size_t count, struct task *task)
 {
     int least = 0;
-    for (size_t i = 0; i < count; i++) {
-        int v = (int16_t)value[i];
-        least = v < least ? v : least;
-    }
-    for (size_t i = 0; i < count; i++)
-        value[i] = (uint16_t)((int16_t)value[i] - least);
+    for (size_t i = 0, end; i < count && task_advance(task, PIECE); i = end)
+        for (end = i + PIECE < count ? i + PIECE : count; i < end; i++) {
+            int v = (int16_t)value[i];
+            least = v < least ? v : least;
+        }
+    for (size_t i = 0, end; i < count && task_advance(task, PIECE); i = end)
+        for (end = i + PIECE < count ? i + PIECE : count; i < end; i++)
+            value[i] = (uint16_t)((int16_t)value[i] - least);
     return least;
 }
 
 /* Floats to 16 bits, in place: a voxel's two bytes never lie after its four. */
 static enum err quantise(void *voxels, const uint32_t size[3], double *factor, double *least,
-                         struct fault *fault)
+                         struct task *task, struct fault *fault)
 {
     const unsigned char *from = voxels;
     unsigned char *to = voxels;
     const size_t count = voxels_in(size), row = size[0], plane = row * size[1];
     float low = INFINITY, high = -INFINITY, value;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count && task_advance(task, 1); i++) {
         memcpy(&value, from + 4 * i, sizeof value);
         if (!isfinite(value))
             return fault_set(fault, ERR_INPUT, "voxel %zu,%zu,%zu is %s; expected finite numbers",
@@ -103,7 +110,7 @@ static enum err quantise(void *voxels, const uint32_t size[3], double *factor, d
     }
     const double base = (double)low;
     const double range = (double)high - base;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count && task_advance(task, 1); i++) {
         memcpy(&value, from + 4 * i, sizeof value);
         double part = range > 0 ? ((double)value - base) / range : 0;
         uint16_t intensity = (uint16_t)(part * 65535 + 0.5);
@@ -116,18 +123,23 @@ static enum err quantise(void *voxels, const uint32_t size[3], double *factor, d
 
 /* Turns the numbers of a file into intensities, and says the way back. */
 static enum err convert(void *voxels, const struct volume_header *header, struct geometry *geometry,
-                        struct fault *fault)
+                        struct watch *watch, struct fault *fault)
 {
     const size_t count = voxels_in(header->size);
+    struct task task = task_begin(watch, "intensities", 3 * (uint64_t)count);
+    uint8_t *at = voxels;
     double factor = 1, least = 0;
     enum err err = OK;
-    put_in_order(voxels, count, header->type, header->big_endian);
+    for (size_t i = 0, n; i < count && task_advance(&task, PIECE); i += n) {
+        n = count - i < PIECE ? count - i : PIECE;
+        put_in_order(at + i * voxel_bytes(header->type), n, header->type, header->big_endian);
+    }
     if (header->type == VOXEL_UINT8)
-        widen_bytes(voxels, count);
+        widen_bytes(voxels, count, &task);
     else if (header->type == VOXEL_INT16)
-        least = shift_signed(voxels, count);
+        least = shift_signed(voxels, count, &task);
     else if (header->type == VOXEL_FLOAT32)
-        err = quantise(voxels, header->size, &factor, &least, fault);
+        err = quantise(voxels, header->size, &factor, &least, &task, fault);
     geometry->intercept = header->geometry.slope * least + header->geometry.intercept;
     geometry->slope = header->geometry.slope * factor;
     return err;
@@ -193,7 +205,7 @@ enum err voxels_read(struct volume *volume, const struct volume_header *header,
     if (!at_once || !inflate_voxels(voxels, lead, needed, offset, source))
         err = stream_voxels(voxels + lead, needed, offset, source, watch, fault);
     if (!err)
-        err = convert(voxels, header, &volume->geometry, fault);
+        err = convert(voxels, header, &volume->geometry, watch, fault);
     if (!err)
         err = watch_fault(watch, fault);
     if (!err && room > held) {
@@ -226,12 +238,12 @@ static bool put_rows(gzFile gz, const char *path, const struct volume_map *map, 
                      struct watch *watch)
 {
     const size_t bytes = (size_t)map->size[0] * voxel_bytes(map->type);
-    struct task task = task_begin(watch, "writing", voxels_in(map->size));
+    struct task task = task_begin(watch, "writing", voxels_in(map->size) * voxel_bytes(map->type));
     for (uint32_t z = 0; z < map->size[2]; z++)
         for (uint32_t y = 0; y < map->size[1]; y++) {
             map->row(map->context, y, z, values);
             put_in_order(values, map->size[0], map->type, false);
-            if (!put(gz, path, values, bytes) || !task_advance(&task, map->size[0]))
+            if (!put(gz, path, values, bytes) || !task_advance(&task, bytes))
                 return false;
         }
     return true;

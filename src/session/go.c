@@ -31,8 +31,7 @@ static void fill(void *context, const void *piece, size_t length)
 static enum err fill_weights(struct session *session, struct fault *fault)
 {
     struct filling filling = {.scene = session->scene};
-    uint16_t piece[4096];
-    return packed_read(session->now.kept.weight_map, piece, sizeof piece, fill, &filling, fault);
+    return packed_read(session->now.kept.weight_map, fill, &filling, session->watch, fault);
 }
 
 static enum err weigh(struct session *session, struct fault *fault)
@@ -72,7 +71,7 @@ static enum err apply_region(struct session *session, struct fault *fault)
     session->roi = roi_none();
     if (kept->mask) {
         session->roi.mask = session->mask_room;
-        err = packed_take_out(kept->mask, session->mask_room, fault);
+        err = packed_take_out(kept->mask, session->mask_room, session->watch, fault);
     }
     if (kept->has_range)
         roi_range(&session->roi, &session->geometry, kept->range_thousandths);
@@ -89,7 +88,7 @@ static enum err apply_region(struct session *session, struct fault *fault)
 static void follow_forest(struct session *session)
 {
     const struct changes changes = forest_changes(session->forest);
-    tally_follow(&session->tally, &changes);
+    tally_follow(&session->tally, &changes, session->watch);
     border_update(&session->border, &changes);
     if (watch_stops(session->watch))
         session->stale |= MADE_BORDER;

@@ -66,10 +66,11 @@ static bool whole_number(const struct geometry *geometry, uint16_t intensity, do
 
 /* Replaces intensities by what the table says, where that is not ODD; `holds` is for the words. */
 static enum err translate(struct volume *map, const uint32_t *table, const char *holds,
-                          struct fault *fault)
+                          struct watch *watch, struct fault *fault)
 {
     const size_t row = map->size[0], plane = row * map->size[1], voxels = plane * map->size[2];
-    for (size_t i = 0; i < voxels; i++) {
+    struct task task = task_begin(watch, "numbers of the map", voxels);
+    for (size_t i = 0; i < voxels && task_advance(&task, 1); i++) {
         const uint16_t is = map->intensity[i];
         if (table[is] == ODD)
             return fault_set(
@@ -77,13 +78,13 @@ static enum err translate(struct volume *map, const uint32_t *table, const char 
                 i % row, i % plane / row, i / plane, geometry_value(&map->geometry, is), holds);
         map->intensity[i] = (uint16_t)table[is];
     }
-    return OK;
+    return watch_fault(watch, fault);
 }
 
 /* Makes intensities the whole numbers that they stand for: those in first..last as they are, others
  * `beyond`, which may be ODD. */
 static enum err convert(struct volume *map, uint32_t first, uint32_t last, uint32_t beyond,
-                        const char *holds, struct fault *fault)
+                        const char *holds, struct watch *watch, struct fault *fault)
 {
     uint32_t *table = mem_array(VALUES, sizeof *table);
     if (!table)
@@ -93,17 +94,18 @@ static enum err convert(struct volume *map, uint32_t first, uint32_t last, uint3
         const bool whole = whole_number(&map->geometry, (uint16_t)i, &n);
         table[i] = !whole ? (uint32_t)ODD : n >= first && n <= last ? (uint32_t)n : beyond;
     }
-    const enum err err = translate(map, table, holds, fault);
+    const enum err err = translate(map, table, holds, watch, fault);
     free(table);
     return err;
 }
 
-enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct fault *fault)
+enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct watch *watch,
+                        struct fault *fault)
 {
-    return convert(map, first, last, REGION_NONE, "regions are whole numbers", fault);
+    return convert(map, first, last, REGION_NONE, "regions are whole numbers", watch, fault);
 }
 
-enum err map_to_weights(struct volume *map, struct fault *fault)
+enum err map_to_weights(struct volume *map, struct watch *watch, struct fault *fault)
 {
-    return convert(map, 0, UINT16_MAX, ODD, "weights are whole numbers 0..65535", fault);
+    return convert(map, 0, UINT16_MAX, ODD, "weights are whole numbers 0..65535", watch, fault);
 }

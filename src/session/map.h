@@ -25,11 +25,12 @@ enum err map_read(struct volume *map, const char *path, const struct grid *grid,
 enum { REGION_MOST = 65533, REGION_NONE = 65535 };
 
 /* Replaces intensities by the numbers they stand for, in place: those of first..last, at most
- * REGION_MOST, and REGION_NONE for others. ERR_INPUT, with the map of no use any more, where one is
- * not whole. */
-enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct fault *fault);
+ * REGION_MOST, and REGION_NONE for others. With the map of no use any more: ERR_INPUT where one is
+ * not whole, ERR_CANCELLED by the watch, or NULL. */
+enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct watch *watch,
+                        struct fault *fault);
 
 /* Likewise; ERR_INPUT where one is not a whole number 0..65535. */
-enum err map_to_weights(struct volume *map, struct fault *fault);
+enum err map_to_weights(struct volume *map, struct watch *watch, struct fault *fault);
 
 #endif

@@ -27,18 +27,24 @@ static uint32_t *bucket_of(const struct markers *markers, uint32_t cell)
     return markers->bucket + ((mixed >> 32) & (markers->buckets - 1));
 }
 
-/* The latest first: covers are put in as they were added. */
-static void fill_buckets(struct markers *markers, size_t from)
+static void put_in(struct markers *markers, size_t i)
 {
-    for (size_t i = from; i < markers->covers; i++) {
-        uint32_t *bucket = bucket_of(markers, markers->cover[i].cell);
-        markers->cover[i].below = *bucket;
-        *bucket = (uint32_t)i;
-    }
+    uint32_t *bucket = bucket_of(markers, markers->cover[i].cell);
+    markers->cover[i].below = *bucket;
+    *bucket = (uint32_t)i;
+}
+
+/* The latest first: covers are put in as they were added. */
+static void fill_buckets(struct markers *markers, struct task *task)
+{
+    for (size_t i = 0; i < markers->buckets; i++)
+        markers->bucket[i] = COVER_NONE;
+    for (size_t i = 0; i < markers->covers; i++, task_show(task, 1))
+        put_in(markers, i);
 }
 
 /* At least as many buckets as covers. False when out of memory; nothing has changed then. */
-static bool grow_buckets(struct markers *markers, size_t covers)
+static bool grow_buckets(struct markers *markers, size_t covers, struct task *task)
 {
     size_t buckets = markers->buckets ? markers->buckets : 64;
     while (buckets < covers)
@@ -48,21 +54,20 @@ static bool grow_buckets(struct markers *markers, size_t covers)
     uint32_t *bucket = mem_array(buckets, sizeof *bucket);
     if (!bucket)
         return false;
-    for (size_t i = 0; i < buckets; i++)
-        bucket[i] = COVER_NONE;
     free(markers->bucket);
     markers->bucket = bucket;
     markers->buckets = buckets;
-    fill_buckets(markers, 0);
+    fill_buckets(markers, task);
     return true;
 }
 
 /* ---- markers ---- */
 
 enum err markers_add(struct markers *markers, int16_t label, const uint32_t *cell, size_t count,
-                     struct fault *fault)
+                     struct watch *watch, struct fault *fault)
 {
     const size_t first = markers->covers;
+    struct task task = task_begin(watch, "markers", count);
     if (count >= COVER_NONE - first)
         return fault_set(fault, ERR_LIMIT, "more than %u seeds in one history; nothing has changed",
                          COVER_NONE);
@@ -70,23 +75,27 @@ enum err markers_add(struct markers *markers, int16_t label, const uint32_t *cel
                   sizeof *markers->marker) ||
         !mem_grow(&markers->cover, &markers->cover_capacity, first + count,
                   sizeof *markers->cover) ||
-        !grow_buckets(markers, first + count))
+        !grow_buckets(markers, first + count, &task))
         return fault_memory(fault, "a marker");
     markers->marker[markers->count++] =
         (struct marker){.first = first, .voxels = count, .label = label};
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count && task_advance(&task, 1); i++) {
         markers->cover[first + i] =
             (struct cover){.cell = cell[i], .marker = (uint32_t)markers->count};
-    markers->covers = first + count;
-    fill_buckets(markers, first);
-    return OK;
+        put_in(markers, markers->covers++);
+    }
+    const enum err err = watch_fault(watch, fault);
+    if (err)
+        markers_drop(markers, markers->count - 1, watch);
+    return err;
 }
 
-void markers_drop(struct markers *markers, size_t count)
+void markers_drop(struct markers *markers, size_t count, struct watch *watch)
 {
+    struct task task = task_begin(watch, "markers", 0);
     for (; markers->count > count; markers->count--) {
         const struct marker *last = markers->marker + markers->count - 1;
-        while (markers->covers > last->first) {
+        for (; markers->covers > last->first; task_show(&task, 1)) {
             const struct cover *cover = markers->cover + --markers->covers;
             *bucket_of(markers, cover->cell) = cover->below;
         }

@@ -29,6 +29,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "base/watch.h"
 #include "engine/forest.h"
 
 struct marker {
@@ -59,12 +60,12 @@ void markers_release(struct markers *markers);
 size_t markers_memory(const struct markers *markers);
 
 /* A marker that does not stand yet, over some voxels. Its number is markers->count
- * then. ERR_MEMORY, ERR_LIMIT leave all as it was. */
+ * then. ERR_MEMORY, ERR_LIMIT and ERR_CANCELLED, by the watch, or NULL, leave all as it was. */
 enum err markers_add(struct markers *markers, int16_t label, const uint32_t *cell, size_t count,
-                     struct fault *fault);
+                     struct watch *watch, struct fault *fault);
 
-/* Those above number `count` were never added. */
-void markers_drop(struct markers *markers, size_t count);
+/* Those above number `count` were never added. Watched, and not to be stopped. */
+void markers_drop(struct markers *markers, size_t count, struct watch *watch);
 
 /* The number of the marker that decides about a voxel; 0 where none that stands covers it. It may
  * be an eraser. */

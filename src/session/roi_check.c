@@ -3,35 +3,27 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "base/sort.h"
 
-/* Orders pointers to edits by cell, and those of one cell by their place in the list. */
-static int compare_edits(const void *a, const void *b)
-{
-    const struct edit *const *x = a, *const *y = b;
-    if ((*x)->cell != (*y)->cell)
-        return (*x)->cell < (*y)->cell ? -1 : 1;
-    return *x < *y ? -1 : *x > *y;
-}
-
-/* Voxels outside where a run would plant a seed. */
+/* Voxels outside where a run would plant a seed: the last edit of each decides. */
 static enum err count_waiting(const struct roi *roi, const struct scene *scene,
                               const struct edit *pending, size_t pendings, size_t *waiting,
                               struct fault *fault)
 {
-    const struct edit **edit = mem_array(pendings, sizeof *edit);
+    uint64_t *rank = mem_array(pendings, sizeof *rank); /* cell and place among the edits */
     size_t count = 0;
-    if (!edit)
+    if (!rank)
         return fault_memory(fault, "a region of interest");
     for (size_t i = 0; i < pendings; i++)
         if (!roi_holds(roi, scene, pending[i].cell))
-            edit[count++] = &pending[i];
-    qsort(edit, count, sizeof *edit, compare_edits);
+            rank[count++] = (uint64_t)pending[i].cell << 32 | i;
+    const enum err err = sort_by_upper_half(rank, count, scene->watch, fault);
     *waiting = 0;
-    for (size_t i = 0; i < count; i++)
-        *waiting +=
-            edit[i]->label != EDIT_ERASE && (i + 1 == count || edit[i + 1]->cell != edit[i]->cell);
-    free(edit);
-    return OK;
+    for (size_t i = 0; !err && i < count; i++)
+        *waiting += pending[(uint32_t)rank[i]].label != EDIT_ERASE &&
+                    (i + 1 == count || rank[i + 1] >> 32 != rank[i] >> 32);
+    free(rank);
+    return err;
 }
 
 enum err roi_check(const struct roi *roi, const struct scene *scene, const struct edit *pending,
@@ -42,6 +34,9 @@ enum err roi_check(const struct roi *roi, const struct scene *scene, const struc
     if (err)
         return err;
     const struct roi_tally tally = roi_tally(roi, scene);
+    err = watch_fault(scene->watch, fault);
+    if (err)
+        return err;
     if (!tally.inside)
         return fault_set(fault, ERR_INPUT,
                          "no voxel of the scene would be inside; nothing has changed");

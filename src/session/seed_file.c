@@ -37,22 +37,23 @@ static void add(struct seeds *seeds, uint32_t cell, int label, uint16_t region)
 
 /* A sort by counting. */
 enum err seeds_by_region(const struct seeds *seeds, uint32_t **cell, size_t *end,
-                         struct fault *fault)
+                         struct watch *watch, struct fault *fault)
 {
+    struct task task = task_begin(watch, "seeds of regions", 2 * (uint64_t)seeds->count);
     *cell = mem_array(seeds->count, sizeof **cell);
     if (!*cell)
         return fault_memory(fault, "the seeds of regions");
     memset(end, 0, (REGION_MOST + 1) * sizeof *end);
-    for (size_t i = 0; i < seeds->count; i++)
+    for (size_t i = 0; i < seeds->count && task_advance(&task, 1); i++)
         end[seeds->region[i]]++;
     for (size_t r = 0, before = 0; r <= REGION_MOST; r++) {
         const size_t here = end[r];
         end[r] = before; /* where it begins, and while it is filled, goes on */
         before += here;
     }
-    for (size_t i = 0; i < seeds->count; i++)
+    for (size_t i = 0; i < seeds->count && task_advance(&task, 1); i++)
         (*cell)[end[seeds->region[i]]++] = seeds->edit[i].cell;
-    return OK;
+    return watch_fault(watch, fault);
 }
 
 /* ---- a list ---- */
@@ -347,13 +348,15 @@ enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct 
     if (!err)
         err = map_check_axes(map, place, fault);
     if (!err)
-        err = map_to_regions(map, choice->first, choice->last, fault);
-    for (size_t i = 0; !err && i < grid->voxels; i++)
+        err = map_to_regions(map, choice->first, choice->last, watch, fault);
+    struct task task = task_begin(watch, "counting regions", 2 * (uint64_t)grid->voxels);
+    for (size_t i = 0; !err && i < grid->voxels && task_advance(&task, 1); i++)
         stock[map->intensity[i]].before++;
     if (!err)
         err = erode(map, choice->erode, watch, fault);
-    for (size_t i = 0; !err && i < grid->voxels; i++)
+    for (size_t i = 0; !err && i < grid->voxels && task_advance(&task, 1); i++)
         stock[map->intensity[i]].left++;
+    err = err ? err : watch_fault(watch, fault);
     if (!err)
         err = check_stock(stock, choice, tally, fault);
     if (!err)

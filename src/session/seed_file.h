@@ -38,9 +38,9 @@ void seeds_release(struct seeds *seeds);
 
 /* The seeds of one region after the other, each in order of cells: *cell is an array of `count`
  * that the caller frees, and end[r] is where region r ends in it; `end` has REGION_MOST + 1.
- * ERR_MEMORY. */
+ * ERR_MEMORY; ERR_CANCELLED by the watch, or NULL. */
 enum err seeds_by_region(const struct seeds *seeds, uint32_t **cell, size_t *end,
-                         struct fault *fault);
+                         struct watch *watch, struct fault *fault);
 
 /* A sum mod 2^64 over the seeds of a mix of (cell, label). */
 uint64_t seeds_digest(const struct seeds *seeds);

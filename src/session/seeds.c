@@ -4,21 +4,23 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "base/sort.h"
 
 /* ---- markers ---- */
 
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        struct fault *fault)
 {
-    enum err err = markers_add(&session->markers, label, cell, count, fault);
+    struct task task = task_begin(session->watch, "edits", count);
+    enum err err = markers_add(&session->markers, label, cell, count, session->watch, fault);
     if (err)
         return err;
     const size_t number = session->markers.count;
     err = edits_add(&session->now.lists.markers, (struct edit){(uint32_t)number, 1}, fault);
     session->markers.marker[number - 1].stands = err == OK;
-    for (size_t i = 0; !err && i < count; i++)
+    for (size_t i = 0; !err && i < count && task_advance(&task, 1); i++)
         err = edits_add(&session->now.lists.pending, (struct edit){cell[i], label}, fault);
-    return err;
+    return err ? err : watch_fault(session->watch, fault);
 }
 
 /* Where no later marker covers a voxel, those below decide from now on. */
@@ -30,13 +32,14 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
     if (err)
         return err;
     marker->stands = false;
-    for (size_t i = 0; !err && i < marker->voxels; i++) {
+    struct task task = task_begin(session->watch, "markers", marker->voxels);
+    for (size_t i = 0; !err && i < marker->voxels && task_advance(&task, 1); i++) {
         const uint32_t cell = markers->cover[marker->first + i].cell;
         if (markers_at(markers, cell) < number)
             err = edits_add(&session->now.lists.pending,
                             (struct edit){cell, markers_seed(markers, cell)}, fault);
     }
-    return err;
+    return err ? err : watch_fault(session->watch, fault);
 }
 
 enum err session_take_away(struct session *session, const uint32_t *number, size_t count,
@@ -52,26 +55,37 @@ enum err session_take_away(struct session *session, const uint32_t *number, size
     return err;
 }
 
-static int compare_cells(const void *a, const void *b)
-{
-    const uint32_t *x = a, *y = b;
-    return *x < *y ? -1 : *x > *y;
-}
-
 /* The cells where seeds wait to be planted, in order, so that a ball of eliminators among a ball of
- * seeds takes no time worth mentioning. NULL when out of memory. */
-static uint32_t *waiting_seeds(const struct session *session, size_t *count)
+ * seeds takes no time worth mentioning: in the upper halves of numbers. */
+struct waiting_cells {
+    uint64_t *at;
+    size_t count;
+};
+
+static enum err find_waiting(struct waiting_cells *waiting, const struct session *session,
+                             struct fault *fault)
 {
     const struct edit *pending = edits_first(&session->now.lists.pending);
-    const size_t pendings = session_pendings(session);
-    uint32_t *cell = mem_array(pendings, sizeof *cell);
-    *count = 0;
-    for (size_t i = 0; cell && i < pendings; i++)
+    const size_t pendings = edits_count(&session->now.lists.pending);
+    *waiting = (struct waiting_cells){mem_array(pendings, sizeof *waiting->at), 0};
+    if (!waiting->at)
+        return fault_memory(fault, "eliminators");
+    for (size_t i = 0; i < pendings; i++)
         if (pending[i].label != EDIT_ERASE)
-            cell[(*count)++] = pending[i].cell;
-    if (cell)
-        qsort(cell, *count, sizeof *cell, compare_cells);
-    return cell;
+            waiting->at[waiting->count++] = (uint64_t)pending[i].cell << 32;
+    return sort_by_upper_half(waiting->at, waiting->count, session->watch, fault);
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    const uint64_t *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+static bool seed_waits(const struct waiting_cells *waiting, uint32_t cell)
+{
+    const uint64_t at = (uint64_t)cell << 32;
+    return bsearch(&at, waiting->at, waiting->count, sizeof at, compare_numbers) != NULL;
 }
 
 static enum err holds_nothing(const struct session *session, struct fault *fault)
@@ -89,20 +103,22 @@ static enum err holds_nothing(const struct session *session, struct fault *fault
 static enum err find_seeds(const struct session *session, const uint32_t *cell, size_t count,
                            uint32_t **seed, size_t *seeds, struct fault *fault)
 {
-    size_t waits;
-    uint32_t *waiting = waiting_seeds(session, &waits);
+    struct waiting_cells waiting;
+    struct task task = task_begin(session->watch, "eliminators", count);
+    enum err err = find_waiting(&waiting, session, fault);
     *seed = mem_array(count, sizeof **seed);
     *seeds = 0;
-    for (size_t i = 0; waiting && *seed && i < count; i++) {
+    if (!err && !*seed)
+        err = fault_memory(fault, "eliminators");
+    for (size_t i = 0; !err && i < count && task_advance(&task, 1); i++) {
         const struct cell *at = session->scene->cell + cell[i];
-        if (bsearch(&cell[i], waiting, waits, sizeof *waiting, compare_cells))
+        if (seed_waits(&waiting, cell[i]))
             (*seed)[(*seeds)++] = cell[i];
         else if (cell_is_reached(at))
             (*seed)[(*seeds)++] = key_root(at->key);
     }
-    const bool lacks = !waiting || !*seed;
-    free(waiting);
-    return lacks ? fault_memory(fault, "eliminators") : OK;
+    free(waiting.at);
+    return err ? err : watch_fault(session->watch, fault);
 }
 
 /* An eraser decides where a seed waits to be taken away: that one belongs to no marker any more. */
@@ -110,23 +126,21 @@ enum err session_find_markers(const struct session *session, const uint32_t *cel
                               uint32_t **number, size_t *numbers, struct fault *fault)
 {
     const struct markers *markers = &session->markers;
-    uint32_t *all; /* seeds, and in their places the numbers of their markers */
-    size_t seeds, found = 0;
-    enum err err = find_seeds(session, cell, count, &all, &seeds, fault);
-    for (size_t i = 0; i < seeds; i++) {
-        const uint32_t one = markers_at(markers, all[i]);
-        if (one && markers->marker[one - 1].label != EDIT_ERASE)
-            all[found++] = one;
-    }
-    *number = all;
+    struct task task = task_begin(session->watch, "eliminators", count);
+    size_t seeds;
     *numbers = 0;
-    if (err)
-        return err;
-    qsort(all, found, sizeof *all, compare_cells);
-    for (size_t i = 0; i < found; i++)
-        if (i == 0 || all[i] != all[i - 1])
-            all[(*numbers)++] = all[i];
-    return *numbers ? OK : holds_nothing(session, fault);
+    enum err err = find_seeds(session, cell, count, number, &seeds, fault); /* at first, seeds */
+    bool *holds = mem_new(markers->count + 1); /* each marker, whether one of them */
+    if (!err && !holds)
+        err = fault_memory(fault, "eliminators");
+    for (size_t i = 0; !err && i < seeds && task_advance(&task, 1); i++)
+        holds[markers_at(markers, (*number)[i])] = true;
+    for (size_t n = 1; !err && n <= markers->count; n++)
+        if (holds[n] && markers->marker[n - 1].label != EDIT_ERASE)
+            (*number)[(*numbers)++] = (uint32_t)n;
+    free(holds);
+    err = err ? err : watch_fault(session->watch, fault);
+    return err || *numbers ? err : holds_nothing(session, fault);
 }
 
 /* ---- single trees ---- */
@@ -147,14 +161,12 @@ enum err session_erase_trees(struct session *session, const uint32_t *cell, size
 enum err session_erase_seeds(struct session *session, const uint32_t *seed, size_t count,
                              struct fault *fault)
 {
-    size_t waits;
-    uint32_t *waiting = waiting_seeds(session, &waits);
-    enum err err = waiting ? OK : fault_memory(fault, "eliminators");
+    struct waiting_cells waiting;
+    enum err err = find_waiting(&waiting, session, fault);
     for (size_t i = 0; !err && i < count; i++)
-        if (!(session->scene->cell[seed[i]].flags & CELL_SEED) &&
-            !bsearch(&seed[i], waiting, waits, sizeof *seed, compare_cells))
+        if (!(session->scene->cell[seed[i]].flags & CELL_SEED) && !seed_waits(&waiting, seed[i]))
             err = fault_set(fault, ERR_CHECK, "no seed is planted where one was taken away");
-    free(waiting);
+    free(waiting.at);
     return err ? err : session_plant(session, seed, count, EDIT_ERASE, fault);
 }
 

@@ -48,6 +48,7 @@ void semantics_tell_lost(struct buf *out, unsigned semantics)
 static uint64_t sum_of_mixes(const struct scene *scene)
 {
     const struct grid *grid = &scene->grid;
+    struct task task = task_begin(scene->watch, "digest of the labels", grid->voxels);
     uint64_t sum = 0;
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
@@ -57,6 +58,8 @@ static uint64_t sum_of_mixes(const struct scene *scene)
                 if (label && cell_is_reached(scene->cell + c))
                     sum += hash_mix_at(c, label);
             }
+            if (!task_advance(&task, grid->size[0]))
+                return 0;
         }
     return sum;
 }

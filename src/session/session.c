@@ -143,7 +143,7 @@ void session_rollback(struct session *session)
         go_back(session);
     else
         state_assign(&session->now, &session->former);
-    markers_drop(&session->markers, session->former_markers);
+    markers_drop(&session->markers, session->former_markers, session->watch);
     session->edited = session->regrown = false;
     watch_begin(session->watch);
     if (session->has_scene)

@@ -23,13 +23,15 @@ enum err session_set_weight_map(struct session *session, const char *name, const
                                 struct fault *fault)
 {
     struct state next = session->now;
-    struct packed *map = packed_new(weight, session->scene->grid.voxels * sizeof *weight);
-    if (!map)
-        return fault_memory(fault, "weights");
+    struct packed *map;
+    enum err err = packed_new(&map, weight, session->scene->grid.voxels * sizeof *weight,
+                              session->watch, fault);
+    if (err)
+        return err;
     next.kept.weight = (struct weight_choice){.kind = WEIGHT_FILE};
     next.kept.weight_map = map;
     set_words(next.kept.weight_file, name);
-    enum err err = go(session, &next, fault);
+    err = go(session, &next, fault);
     packed_release(map);
     return err;
 }
@@ -47,12 +49,12 @@ enum err session_set_mask(struct session *session, const uint64_t *mask, const c
 {
     const struct roi roi = {mask, session->roi.low, session->roi.high};
     struct state next = session->now;
+    struct packed *packed = NULL;
     enum err err = check(session, &roi, fault);
+    if (!err && mask)
+        err = packed_new(&packed, mask, mask_bytes(&session->scene->grid), session->watch, fault);
     if (err)
         return err;
-    struct packed *packed = mask ? packed_new(mask, mask_bytes(&session->scene->grid)) : NULL;
-    if (mask && !packed)
-        return fault_memory(fault, "a mask");
     next.kept.mask = packed;
     set_words(next.kept.mask_file, mask ? name : "");
     for (int i = 0; i < 2; i++)

@@ -8,10 +8,11 @@ struct tally tally_of_none(const struct scene *scene)
     return (struct tally){.voxels = {scene->grid.voxels}};
 }
 
-void tally_follow(struct tally *tally, const struct changes *changes)
+void tally_follow(struct tally *tally, const struct changes *changes, struct watch *watch)
 {
+    struct task task = task_begin(watch, "counting labels", changes->count);
     tally->stale |= changes->everything;
-    for (size_t i = 0; !tally->stale && i < changes->count; i++) {
+    for (size_t i = 0; !tally->stale && i < changes->count && task_advance(&task, 1); i++) {
         tally->voxels[changes->item[i].former_label]--;
         tally->voxels[changes->item[i].label]++;
     }

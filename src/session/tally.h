@@ -29,7 +29,8 @@ struct tally {
 /* Of a forest without seeds. */
 struct tally tally_of_none(const struct scene *scene);
 
-void tally_follow(struct tally *tally, const struct changes *changes);
+/* Of no use where the watch, or NULL, has stopped it. */
+void tally_follow(struct tally *tally, const struct changes *changes, struct watch *watch);
 
 /* Counts where that is needed. False where the scene's watch has stopped it: still stale then. */
 bool tally_refresh(struct tally *tally, const struct scene *scene, struct team *team);

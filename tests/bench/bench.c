@@ -57,6 +57,14 @@ static const struct program program[] = {
          "iftty in a terminal that the benchmark plays, with kitty's graphics and with sixel, "
          "at once and through a line of 2 Mbit/s and 120 ms.",
      .run = run_keys},
+    {.name = "looks",
+     .words = "[SIZE]",
+     .most = 1,
+     .option = {JSON},
+     .summary = "how soon a stop is heard while one works",
+     .detail = "Each kind of command on synth:geom:SIZE (256x256x256; 1024x1024x1024 takes 20 GB): "
+               "its time, how often it looks at the watch, and the longest time between two looks.",
+     .run = run_looks},
 };
 
 static const struct program_table table = {

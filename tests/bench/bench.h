@@ -26,6 +26,7 @@ enum err run_growth(const struct options *options, struct fault *fault);
 enum err run_render(const struct options *options, struct fault *fault);
 enum err run_journal(const struct options *options, struct fault *fault);
 enum err run_keys(const struct options *options, struct fault *fault);
+enum err run_looks(const struct options *options, struct fault *fault);
 
 /* A session of many commands on 7 million voxels, and how long going on with its journal takes: the
  * least of three times. ERR_CHECK where what is resumed is not what was left. */

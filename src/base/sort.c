@@ -1,0 +1,63 @@
+#include "base/sort.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+
+enum { DIGITS = 1 << 16 };
+
+static unsigned digit_of(uint64_t number, unsigned shift)
+{
+    return number >> shift & (DIGITS - 1);
+}
+
+/* From one array into the other, in the order of 16 bits; `begin` has DIGITS places. False where it
+ * was stopped. */
+static bool deal_out(const uint64_t *from, uint64_t *to, size_t count, unsigned shift,
+                     size_t *begin, struct watch *watch)
+{
+    struct task task = task_begin(watch, "putting in order", 2 * (uint64_t)count);
+    size_t before = 0;
+    memset(begin, 0, DIGITS * sizeof *begin);
+    for (size_t i = 0; i < count && task_advance(&task, 1); i++)
+        begin[digit_of(from[i], shift)]++;
+    for (unsigned d = 0; d < DIGITS; d++) {
+        const size_t here = begin[d];
+        begin[d] = before;
+        before += here;
+    }
+    for (size_t i = 0; i < count && task_advance(&task, 1); i++)
+        to[begin[digit_of(from[i], shift)]++] = from[i];
+    return !watch || !watch->stopped;
+}
+
+/* An insertion sort: of few, in place and at once. */
+static void sort_few(uint64_t *number, size_t count)
+{
+    for (size_t i = 1; i < count; i++) {
+        const uint64_t one = number[i];
+        size_t at = i;
+        for (; at > 0 && number[at - 1] >> 32 > one >> 32; at--)
+            number[at] = number[at - 1];
+        number[at] = one;
+    }
+}
+
+enum err sort_by_upper_half(uint64_t *number, size_t count, struct watch *watch,
+                            struct fault *fault)
+{
+    enum { FEW = 64 };
+    if (count <= FEW) {
+        sort_few(number, count);
+        return OK;
+    }
+    uint64_t *room = mem_array(count, sizeof *room);
+    size_t *begin = mem_array(DIGITS, sizeof *begin);
+    const bool fits = room && begin;
+    if (fits && deal_out(number, room, count, 32, begin, watch))
+        deal_out(room, number, count, 48, begin, watch);
+    free(room);
+    free(begin);
+    return fits ? watch_fault(watch, fault) : fault_memory(fault, "putting seeds in order");
+}
