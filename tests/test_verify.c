@@ -7,7 +7,6 @@
 
 #include "verify/divergence.h"
 #include "verify/first_difference.h"
-#include "verify/markup.h"
 #include "verify/verify_result.h"
 #include "verify/verify_report.h"
 #include "image/png.h"

@@ -8,6 +8,12 @@
 
 #include "verify/verify_result.h"
 
+/* Adds text that stands between tags or in an attribute between quotes: the one way by which bytes
+ * from outside reach a report. What is not printable UTF-8 becomes \xNN, as on a terminal
+ * (base/safe.h), so that XML allows what is left; then & < > " ' become entities. A line feed stays
+ * one. */
+void markup_add(struct buf *out, const char *text);
+
 enum verify_form { VERIFY_JUNIT, VERIFY_HTML, VERIFY_JSON };
 
 /* The report on `count` journals as text. */
