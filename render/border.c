@@ -1,6 +1,5 @@
 #include "render/border.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"

@@ -1,6 +1,5 @@
 #include "render/text.h"
 
-#include <stdbool.h>
 #include <string.h>
 
 enum { COLUMNS = 5, ROWS = 9, BAND = 12, FIRST = ' ', LAST = '~' };

@@ -3,8 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/mem.h"
-
 enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, bool all_planes,
                       struct fault *fault)
 {

@@ -4,13 +4,13 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "command/interpreter.h"
 #include "journal/graph.h"
+#include "journal/journal.h"
 #include "journal/log.h"
 #include "program/anonymise.h"
 #include "program/programs.h"
 #include "program/provenance.h"
-#include "session/export.h"
+#include "session/semantics.h"
 #include "tui/cells.h"
 #include "tui/term.h"
 

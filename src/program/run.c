@@ -1,5 +1,4 @@
 /* `iftty run` and `iftty -c`: commands without a prompt. */
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>

@@ -2,7 +2,6 @@
 
 #include "base/file.h"
 #include "sandbox/limits.h"
-#include "session/export.h"
 #include "verify/divergence.h"
 
 struct replaying {

@@ -11,7 +11,6 @@
 
 #include "base/process.h"
 #include "command/script.h"
-#include "verify/verify_result.h"
 
 struct verify_options {
     char *const *path; /* of the journals */
