@@ -28,10 +28,10 @@ static void move(void *context, const int64_t by[3], uint32_t place[3])
 }
 
 static bool has_tree = true;
-static bool tree(void *context, const uint32_t place[3], struct buf *out)
+static bool held(void *context, const uint32_t place[3], bool alone, struct buf *out)
 {
     (void)context;
-    buf_printf(out, "the tree of 5 voxels at %u", place[0]);
+    buf_printf(out, "%s of 5 voxels at %u", alone ? "the tree" : "marker 7", place[0]);
     return has_tree;
 }
 
@@ -81,7 +81,7 @@ static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_
 }
 
 static const struct pilot_host host = {.move = move,
-                                       .tree = tree,
+                                       .held = held,
                                        .seed = seed_of,
                                        .centre = centre,
                                        .is_hidden = is_hidden,
@@ -265,13 +265,20 @@ STORY(seeds_brushes_and_strokes)
     CHECK_TEXT(type("l"), "cross 19,40,30\n");
 }
 
-STORY(an_eliminator_shows_its_tree_first)
+STORY(an_eliminator_shows_first_what_it_takes)
 {
     begin();
     CHECK_TEXT(type("x"), "");
-    CHECK_HAS(buf_text(&message), "x again eliminates the tree of 5 voxels at 20");
+    CHECK_TEXT(buf_text(&message), "marker 7 of 5 voxels at 20; x again removes it");
     CHECK(state.mode == PILOT_CONFIRMING);
     CHECK_TEXT(type("x"), "remove 20,25,30\n");
+    CHECK(state.mode == PILOT_MOVING);
+    CHECK_TEXT(type("xX"), ""); /* the marker, and then its tree instead */
+    CHECK_TEXT(buf_text(&message), "the tree of 5 voxels at 20; X again removes it");
+    CHECK(state.mode == PILOT_CONFIRMING_TREE);
+    CHECK_TEXT(type("x"), ""); /* and back */
+    CHECK(state.mode == PILOT_CONFIRMING);
+    CHECK_TEXT(type("XX"), "remove 20,25,30 of=tree\n");
     CHECK(state.mode == PILOT_MOVING);
     type("x");
     CHECK_TEXT(type("l"), "cross 19,25,30\n"); /* another key does what it does, and nothing goes */
@@ -378,7 +385,7 @@ STORY(corrections_are_made_on_the_rendition)
     CHECK_TEXT(type("u"), "undo\n");
     CHECK_TEXT(type("r"), "turn 15\n");
     type("x");
-    CHECK_HAS(buf_text(&message), "the tree of 5 voxels at 34"); /* the one that is seen there */
+    CHECK_HAS(buf_text(&message), "marker 7 of 5 voxels at 34"); /* the one that is seen there */
     CHECK_TEXT(buf_text(&line), "cross 34,9,9\n");
     facts.place[1] = 9;
     CHECK_TEXT(type("x"), "remove 34,9,9\n");
@@ -483,7 +490,7 @@ STORY(the_wheel_takes_the_question_about_a_tree_away)
     CHECK_TEXT(click(MOUSE_WHEEL_UP, 1, 1), "cross 20,25,31\n"); /* where another tree may be */
     CHECK(state.mode == PILOT_MOVING);
     CHECK_TEXT(type("x"), "");
-    CHECK_HAS(buf_text(&message), "x again eliminates");
+    CHECK_HAS(buf_text(&message), "x again removes it");
     CHECK_TEXT(type("x"), "remove 20,25,30\n");
     facts.place[2] = size[2] - 1;
     CHECK_TEXT(click(MOUSE_WHEEL_UP, 1, 1), ""); /* at the edge there is nothing to record */
@@ -712,7 +719,7 @@ int main(void)
         TELL(a_key_that_takes_no_count_does_nothing_with_one), TELL(some_keys_wait_for_a_second),
         TELL(slices_marks_and_seeds_to_go_to), TELL(a_change_is_repeated), TELL(what_is_shown),
         TELL(what_was_chosen_stays_from_one_time_to_the_next), TELL(no_key_has_two_meanings),
-        TELL(seeds_brushes_and_strokes), TELL(an_eliminator_shows_its_tree_first),
+        TELL(seeds_brushes_and_strokes), TELL(an_eliminator_shows_first_what_it_takes),
         TELL(the_view_and_the_window), TELL(corrections_are_made_on_the_rendition),
         TELL(what_is_no_command), TELL(a_click_takes_the_cross_hair_there_and_the_pen_draws),
         TELL(the_wheel_takes_the_question_about_a_tree_away),

@@ -24,7 +24,7 @@ enter "clear; $iftty s.nii"
 see '^24x20x16 voxels'
 enter "pilot"
 see '^axial 8 at 12,10,8  brush 1  no label  intensity '
-see 'i seed  b label  x eliminate  u undo  : command  \? keys  q back'
+see 'i seed  b label  x remove  u undo  : command  \? keys  q back'
 screen_text | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen_text)"
 close_story
 
@@ -53,9 +53,9 @@ type_letters "-s3"
 recorded "seed 11,13,9 3 radius=1 to=11,13,8"
 close_story
 
-begin "x shows the tree first, and eliminates it then"
+begin "x shows the marker first, and removes it then"
 type_letters "x"
-see '^x again eliminates the tree of the seed at 11,13,[89]: [0-9]+ voxels?, label [0-9]'
+see '^marker [0-9]+: [0-9]+ trees?, [0-9]+ voxels?, label [0-9].*; x again removes it'
 type_letters "x"
 recorded "remove 11,13,9"
 close_story

@@ -217,46 +217,49 @@ static bool centre(void *context, unsigned label, uint32_t place[3])
     return true;
 }
 
-/* ---- the tree of a voxel ---- */
+/* ---- what an eliminator takes ---- */
 
-/* Looks at every voxel of the scene: some milliseconds for a head. */
-static bool tree(void *context, const uint32_t place[3], struct buf *out)
+/* "marker 7: 3 trees, 123 voxels, 5 seeds wait"; "the tree of the seed at 1,2,3: 9 voxels". */
+static void write_held(struct buf *out, const struct session *session, const struct held *held)
 {
-    const struct session *session = session_of(context);
-    const struct scene *scene = session->scene;
-    const struct cell *here = scene->cell + grid_cell(&scene->grid, place[0], place[1], place[2]);
-    if (!cell_is_reached(here))
-        return false;
-    const uint32_t root = key_root(here->key);
-    size_t voxels = 0;
-    for (uint32_t z = 0; z < scene->grid.size[2]; z++)
-        for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
-            const struct span row = grid_row(&scene->grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                voxels += cell_is_reached(scene->cell + c) && key_root(scene->cell[c].key) == root;
-        }
     uint32_t seed[3];
-    place_of(session, root, seed);
-    buf_printf(out, "the tree of the seed at %u,%u,%u: %zu voxel%s, label ", seed[0], seed[1],
-               seed[2], voxels, plural(voxels));
-    act_write_label(out, session, here->label);
-    return true;
+    if (held->marker) {
+        buf_printf(out, "marker %u: %s%zu tree%s, ", held->marker,
+                   held->has_more ? "at least " : "", held->trees, plural(held->trees));
+    } else {
+        place_of(session, held->seed, seed);
+        buf_printf(out, "the tree of the seed at %u,%u,%u: ", seed[0], seed[1], seed[2]);
+    }
+    if (held->has_more)
+        buf_printf(out, "more than %d voxels", HELD_MOST);
+    else
+        buf_printf(out, "%zu voxel%s", held->voxels, plural(held->voxels));
+    if (held->waits)
+        buf_printf(out, ", %zu seed%s wait%s", held->waits, plural(held->waits),
+                   held->waits == 1 ? "s" : "");
+    buf_add_text(out, ", label ");
+    act_write_label(out, session, held->label);
 }
 
-static void mark_tree(const struct canvas *canvas, const struct session *session)
+static bool held(void *context, const uint32_t place[3], bool tree, struct buf *out)
 {
-    const struct cell *cell = session->scene->cell, *here = cell + cell_at_cross(session);
-    if (!cell_is_reached(here))
-        return;
+    struct pilot_interpreter *pilot = context;
+    const struct session *session = session_of(pilot);
+    const uint32_t cell = grid_cell(&session->scene->grid, place[0], place[1], place[2]);
+    const bool found = session_find_held(&pilot->held, session, cell, tree, NULL) == OK;
+    if (found)
+        write_held(out, session, &pilot->held);
+    return found;
+}
+
+static void mark_held(const struct canvas *canvas, const struct session *session,
+                      const struct held *held)
+{
     for (uint32_t y = 0; y < canvas->height; y++)
-        for (uint32_t x = 0; x < canvas->width; x++) {
+        for (uint32_t x = y % 2; x < canvas->width; x += 2) { /* hatched: seen without colours */
             const uint32_t at = canvas->cell[y * canvas->stride + x];
-            uint8_t *pixel = canvas_pixel(canvas, x, y);
-            if (at == CELL_NONE || !cell_is_reached(cell + at) ||
-                key_root(cell[at].key) != key_root(here->key))
-                continue;
-            for (int k = 0; k < 3 && (x + y) % 2 == 0; k++) /* hatched: seen without colours */
-                pixel[k] = marked_tree[k];
+            if (at != CELL_NONE && session_is_held(session, held, at))
+                memcpy(canvas_pixel(canvas, x, y), marked_tree, sizeof marked_tree);
         }
 }
 
@@ -301,8 +304,8 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
         return err;
     const struct mosaic_box box = mosaic_box(wish->width, wish->height, mosaic_of(wish->pane));
     draw_frame(&pilot->canvas, &box);
-    if (wish->marks_tree)
-        mark_tree(&pilot->canvas, session);
+    if (wish->marks_held)
+        mark_held(&pilot->canvas, session, &pilot->held);
     if (wish->marks_pixel)
         mark_pixel(&pilot->canvas, session_frame(session), wish->pixel);
     *view = (struct image_view){.width = wish->width,
@@ -357,7 +360,7 @@ void pilot_host_fill(struct pilot_host *host)
     host->voxel_at = voxel_at;
     host->voxel_of_frame = voxel_of_frame;
     host->label = label;
-    host->tree = tree;
+    host->held = held;
     host->seed = seed;
     host->centre = centre;
     host->is_hidden = is_hidden;

@@ -1,5 +1,5 @@
 /* Seeds of a session: planted, eliminated, run; and what labels come to have. */
-#include "session/session.h"
+#include "session/session_parts.h"
 
 #include <stdlib.h>
 
@@ -97,11 +97,8 @@ static enum err holds_nothing(const struct session *session, struct fault *fault
                      "no tree holds this voxel: no seed reaches it; nothing has changed");
 }
 
-/* The seeds that some voxels belong to: the voxel itself where one waits to be planted there, else
- * the root of its tree. One that several belong to is there as often. An array that the caller
- * frees; it may be empty. */
-static enum err find_seeds(const struct session *session, const uint32_t *cell, size_t count,
-                           uint32_t **seed, size_t *seeds, struct fault *fault)
+enum err session_find_seeds(const struct session *session, const uint32_t *cell, size_t count,
+                            uint32_t **seed, size_t *seeds, struct fault *fault)
 {
     struct waiting_cells waiting;
     struct task task = task_begin(session->watch, "eliminators", count);
@@ -129,7 +126,8 @@ enum err session_find_markers(const struct session *session, const uint32_t *cel
     struct task task = task_begin(session->watch, "eliminators", count);
     size_t seeds;
     *numbers = 0;
-    enum err err = find_seeds(session, cell, count, number, &seeds, fault); /* at first, seeds */
+    enum err err =
+        session_find_seeds(session, cell, count, number, &seeds, fault); /* at first, seeds */
     bool *holds = mem_new(markers->count + 1); /* each marker, whether one of them */
     if (!err && !holds)
         err = fault_memory(fault, "eliminators");
@@ -150,7 +148,7 @@ enum err session_erase_trees(struct session *session, const uint32_t *cell, size
 {
     uint32_t *seed;
     size_t seeds;
-    enum err err = find_seeds(session, cell, count, &seed, &seeds, fault);
+    enum err err = session_find_seeds(session, cell, count, &seed, &seeds, fault);
     if (!err)
         err = seeds ? session_plant(session, seed, seeds, EDIT_ERASE, fault)
                     : holds_nothing(session, fault);

@@ -1,5 +1,5 @@
 /* What the files of a session share: session.c (its life), go.c (the one way to change it), open.c
- * (scenes), draw.c (pictures). */
+ * (scenes), seeds.c (seeds and markers), draw.c (pictures). */
 #ifndef SESSION_SESSION_PARTS_H
 #define SESSION_SESSION_PARTS_H
 
@@ -14,6 +14,12 @@ void session_release_rendition(struct session *session);
 enum err session_aim(const struct session *session, const struct outlook *outlook,
                      struct camera *camera, struct fault *fault);
 void session_take_camera(struct session *session, const struct camera *camera);
+
+/* The seeds that some voxels belong to: the voxel itself where one waits to be planted there, else
+ * the root of its tree. One that several belong to is there as often. An array that the caller
+ * frees, after errors too; it may be empty. */
+enum err session_find_seeds(const struct session *session, const uint32_t *cell, size_t count,
+                            uint32_t **seed, size_t *seeds, struct fault *fault);
 
 /* Colours of what the maps of the rendition show, and the picture at the size of the view. */
 enum err session_colour(struct session *session, struct fault *fault);

@@ -127,7 +127,7 @@ static void add_page(struct buf *out, const struct buf *text, size_t *at,
 static struct pilot_wish wish_of(const struct pilot *p)
 {
     struct pilot_wish wish = {.words = p->facts->graphics->kind == GRAPHICS_PIXELS,
-                              .marks_tree = p->state->mode == PILOT_CONFIRMING,
+                              .marks_held = pilot_confirms(p->state->mode),
                               .marks_pixel = p->state->mode == PILOT_PICKING,
                               .pane = p->state->mode == PILOT_PICKING ? PILOT_RENDITION
                                                                       : p->state->pane};

@@ -46,7 +46,7 @@ struct pilot_facts {
 struct pilot_wish {
     uint32_t width, height; /* pixels */
     bool words;             /* letters and titles in the slices can be read at this size */
-    bool marks_tree;        /* the tree under the cross-hair is marked */
+    bool marks_held;        /* what `held` has found is marked */
     bool marks_pixel;       /* a pixel of the rendition, by column and row of its own, is marked */
     uint32_t pixel[2];
     enum pilot_pane pane; /* that is marked */
@@ -73,9 +73,9 @@ struct pilot_host {
     bool (*voxel_of_frame)(void *context, uint32_t column, uint32_t row, uint32_t place[3]);
     /* Adds what a label is called: "2 cerebellum". */
     void (*label)(void *context, unsigned label, struct buf *out);
-    /* Adds what tree holds a voxel: "the tree of the seed at 1,2,3: 9 voxels, label 2". False where
-     * none does. */
-    bool (*tree)(void *context, const uint32_t place[3], struct buf *out);
+    /* Adds what an eliminator at a voxel would take away, a marker or the single tree: "marker 7: 3
+     * trees, 123 voxels, label 2". False where there is nothing. */
+    bool (*held)(void *context, const uint32_t place[3], bool tree, struct buf *out);
     /* Where the label's seeds are, those of a command once: the one that is `by` further than that
      * at the cross-hair, round and round. False where it has none. */
     bool (*seed)(void *context, unsigned label, int64_t by, uint32_t place[3]);

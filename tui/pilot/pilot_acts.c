@@ -335,20 +335,20 @@ void pilot_drop_stroke(struct press *p)
     p->state->stroke.is_set = p->state->pen_is_down = false;
 }
 
-void pilot_show_tree(struct press *p)
+void pilot_show_held(struct press *p)
 {
-    struct buf tree = {0};
+    struct buf held = {0};
     uint32_t place[3];
     if (!take_voxel(p, place))
         return;
-    if (p->host->tree(p->host->context, place, &tree)) {
-        p->state->mode = PILOT_CONFIRMING;
-        buf_printf(p->message, "x again eliminates %s", buf_text(&tree));
+    if (p->host->held(p->host->context, place, p->by, &held)) {
+        p->state->mode = p->by ? PILOT_CONFIRMING_TREE : PILOT_CONFIRMING;
+        buf_printf(p->message, "%s; %c again removes it", buf_text(&held), p->by ? 'X' : 'x');
     } else {
         buf_add_text(p->message, "no tree holds this voxel");
     }
-    p->message->failed |= tree.failed;
-    buf_release(&tree);
+    p->message->failed |= held.failed;
+    buf_release(&held);
 }
 
 void pilot_undo(struct press *p)

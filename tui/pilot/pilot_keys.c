@@ -174,7 +174,7 @@ static bool lead_on(struct press *p)
 /* Modes that a key of another one ends, and does what it does there. */
 static bool is_passing(enum pilot_mode mode)
 {
-    return mode == PILOT_CONFIRMING || mode == PILOT_WINDOWING;
+    return pilot_confirms(mode) || mode == PILOT_WINDOWING;
 }
 
 enum pilot_deed pilot_press(struct pilot_state *state, const struct key_event *event,
@@ -206,7 +206,7 @@ static void turn_wheel(struct pilot_state *state, bool up, enum pilot_pane pane,
     }
     by[pane] = up ? 1 : -1;
     host->move(host->context, by, place);
-    if (state->mode == PILOT_CONFIRMING) { /* the tree shown is not under it any more */
+    if (pilot_confirms(state->mode)) { /* what is shown is not under it any more */
         state->mode = state->base;
         buf_clear(message);
     }

@@ -18,10 +18,16 @@
 enum pilot_mode {
     PILOT_MOVING,     /* keys move the cross-hair, plant, turn .. */
     PILOT_PICKING,    /* they move a pixel in the rendition, and plant in the voxel that it shows */
-    PILOT_CONFIRMING, /* the tree under the cross-hair is shown: x or Enter eliminates it */
-    PILOT_WINDOWING,  /* arrows change the window */
-    PILOT_HELPING,    /* the page of keys is shown */
+    PILOT_CONFIRMING, /* the marker whose trees hold the voxel is shown: x or Enter removes it */
+    PILOT_CONFIRMING_TREE, /* the single tree is: X or Enter removes it */
+    PILOT_WINDOWING,       /* arrows change the window */
+    PILOT_HELPING,         /* the page of keys is shown */
 };
+
+static inline bool pilot_confirms(enum pilot_mode mode)
+{
+    return mode == PILOT_CONFIRMING || mode == PILOT_CONFIRMING_TREE;
+}
 
 /* What the loop is to do beside carrying out the line. */
 enum pilot_deed { PILOT_NOTHING, PILOT_PROMPT, PILOT_REDRAW, PILOT_SUSPEND, PILOT_LEAVE };

@@ -80,7 +80,7 @@ void pilot_change_radius(struct press *p);
 void pilot_lower_pen(struct press *p);
 void pilot_begin_stroke(struct press *p);
 void pilot_drop_stroke(struct press *p);
-void pilot_show_tree(struct press *p);
+void pilot_show_held(struct press *p); /* 1: the single tree; 0: its marker */
 void pilot_repeat(struct press *p);
 void pilot_hide(struct press *p);
 void pilot_show_all(struct press *p);

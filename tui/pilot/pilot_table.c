@@ -3,12 +3,13 @@
 
 #include <string.h>
 
-#define MOVING     PILOT_IN(PILOT_MOVING)
-#define PICKING    PILOT_IN(PILOT_PICKING)
-#define BOTH       (MOVING | PICKING)
-#define CONFIRMING PILOT_IN(PILOT_CONFIRMING)
-#define WINDOWING  PILOT_IN(PILOT_WINDOWING)
-#define ARROWS     (BOTH | WINDOWING)
+#define MOVING          PILOT_IN(PILOT_MOVING)
+#define PICKING         PILOT_IN(PILOT_PICKING)
+#define BOTH            (MOVING | PICKING)
+#define CONFIRMING      PILOT_IN(PILOT_CONFIRMING)
+#define CONFIRMING_TREE PILOT_IN(PILOT_CONFIRMING_TREE)
+#define WINDOWING       PILOT_IN(PILOT_WINDOWING)
+#define ARROWS          (BOTH | WINDOWING)
 
 /* What every row of a thing to do begins with, on one line. */
 #define KEY(NAME, KEYS, ALSO, IN) NAME, KEYS, ALSO, .in = IN
@@ -74,8 +75,9 @@ const struct pilot_row pilot_table[] = {
     {KEY("smaller", "-", "_", BOTH), DO(pilot_change_radius, -1), .flags = COUNTS, .help = ""},
     {KEY("pen", "v", "", MOVING), DO(pilot_lower_pen, 0), .help = "pen down: moving draws"},
     {KEY("stroke", "I", "", MOVING), DO(pilot_begin_stroke, 0), .help = "one end of a stroke"},
-    {KEY("eliminate", "x", "", BOTH), DO(pilot_show_tree, 0), .help = "x x eliminates a tree",
-     .hint = "x eliminate"},
+    {KEY("eliminate", "x", "", BOTH), DO(pilot_show_held, 0), PAGE("x X", "remove marker, tree"),
+     .hint = "x remove"},
+    {KEY("eliminate-tree", "X", "", BOTH), DO(pilot_show_held, 1), .help = ""},
     {KEY("repeat", ".", "", BOTH), DO(pilot_repeat, 0), .help = "the change again"},
     {KEY("hide", "e", "", BOTH), DO(pilot_hide, 0), .flags = COUNTS | CHANGES,
      .help = "hide, show; show all"},
@@ -128,8 +130,10 @@ const struct pilot_row pilot_table[] = {
      .hint = "q back"},
 
     {KEY("eliminate-it", "x Enter", "", CONFIRMING), .command = "remove @\n", .flags = CHANGES,
-     .hint = "x or Enter eliminates the hatched tree"},
-    {KEY("keep-it", "Escape", "", CONFIRMING), .hint = "Escape keeps it"},
+     .hint = "x or Enter removes the hatched marker"},
+    {KEY("eliminate-that-tree", "X Enter", "", CONFIRMING_TREE), .command = "remove @ of=tree\n",
+     .flags = CHANGES, .hint = "X or Enter removes the hatched tree"},
+    {KEY("keep-it", "Escape", "", CONFIRMING | CONFIRMING_TREE), .hint = "Escape keeps it"},
 
     {KEY("window-auto", "a", "", WINDOWING), .command = "window auto\n", .flags = SILENT,
      .hint = "left right width  up down brightness  a auto"},
