@@ -46,6 +46,8 @@ struct far_end {
     const char *const *awaited; /* those that have not come yet; of the first */
     size_t matched;             /* so many bytes have */
     uint64_t *came_ns;          /* its moment */
+    bool is_ahead;              /* what comes is not shown yet, */
+    uint64_t before_ns;         /* and what is shown had come by then */
     struct far_result *result;
 };
 
@@ -106,21 +108,42 @@ static bool load(struct far_end *e)
 /* The escape sequence so far may be a question. */
 static void answer(struct far_end *e, uint64_t now_ns)
 {
+    enum { AS_KITTY, AS_GHOSTTY, AS_SIXEL, AS_PLAIN, KINDS };
     static const struct {
-        const char *question, *kitty, *sixel, *plain;
-    } known[] = {{"[>q", "\033P>|kitty(0.26.5)\033\\", "\033P>|XTerm(379)\033\\", ""},
-                 {"[>c", "\033[>1;4000;26c", "\033[>41;379;0c", ""},
-                 {"[16t", "\033[6;16;8t", "\033[6;16;8t", ""},
-                 {"[?2026$p", "\033[?2026;2$y", "\033[?2026;0$y", ""},
-                 {"[c", "\033[?62;c", "\033[?63;1;2;4;6;9;15;22c", "\033[?64;1;2c"}};
-    const bool is_kitty = e->graphics == &graphics_kitty, is_sixel = e->graphics == &graphics_sixel;
+        const char *question, *answer[KINDS];
+    } known[] = {
+        {"[>q",
+         {"\033P>|kitty(0.26.5)\033\\", "\033P>|ghostty 1.0.0\033\\", "\033P>|XTerm(379)\033\\",
+          ""}},
+        {"[>c", {"\033[>1;4000;26c", "\033[>1;10;0c", "\033[>41;379;0c", ""}},
+        {"[16t", {"\033[6;16;8t", "\033[6;16;8t", "\033[6;16;8t", ""}},
+        {"[?2026$p", {"\033[?2026;2$y", "\033[?2026;2$y", "\033[?2026;0$y", ""}},
+        {"[c", {"\033[?62;c", "\033[?62;22c", "\033[?63;1;2;4;6;9;15;22c", "\033[?64;1;2c"}}};
+    const int kind = e->graphics == &graphics_kitty   ? AS_KITTY
+                     : e->graphics == &graphics_tiles ? AS_GHOSTTY
+                     : e->graphics == &graphics_sixel ? AS_SIXEL
+                                                      : AS_PLAIN;
     const size_t n = e->length;
-    if (is_kitty && n > 4 && memcmp(e->sequence, "_G", 2) == 0 &&
+    if (kind <= AS_GHOSTTY && n > 4 && memcmp(e->sequence, "_G", 2) == 0 &&
         memcmp(e->sequence + n - 3, "a=q", 3) == 0)
         send(e, now_ns, "\033_Gi=31;OK\033\\");
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if (strcmp(e->sequence, known[i].question) == 0)
-            send(e, now_ns, is_kitty ? known[i].kitty : is_sixel ? known[i].sixel : known[i].plain);
+            send(e, now_ns, known[i].answer[kind]);
+}
+
+/* A picture that is sent ahead begins, or a frame ends. */
+static void note(struct far_end *e)
+{
+    const size_t n = e->length;
+    if (strcmp(e->sequence, "[c") == 0) {
+        e->is_ahead = false;
+        e->result->frames++;
+    } else if (!e->is_ahead && n > 2 && e->sequence[0] == '_' && e->sequence[n - 1] == ';' &&
+               strstr(e->sequence, "a=t")) {
+        e->is_ahead = true;
+        e->result->last_ns = e->before_ns;
+    }
 }
 
 /* No text that is awaited begins again within itself. */
@@ -142,11 +165,15 @@ static void take(struct far_end *e, char c, uint64_t now_ns)
     match(e, c, now_ns);
     if (c == '\033') {
         e->length = 0;
+        e->before_ns = e->result->last_ns;
     } else if (e->length + 1 < SEQUENCE) {
         e->sequence[e->length++] = c;
         e->sequence[e->length] = '\0';
         answer(e, now_ns);
+        note(e);
     }
+    if (!e->is_ahead)
+        e->result->last_ns = now_ns;
 }
 
 /* What has arrived at either end. False where the program is gone. */
@@ -156,7 +183,6 @@ static bool deliver(struct far_end *e, uint64_t now_ns)
     while ((packet = lane_take(&e->here, now_ns))) {
         for (size_t i = 0; i < packet->length; i++)
             take(e, packet->bytes[i], packet->due_ns);
-        e->result->last_ns = packet->due_ns;
         e->result->bytes += packet->length;
     }
     while ((packet = lane_take(&e->there, now_ns)))
@@ -180,10 +206,10 @@ static bool pass(struct far_end *e, uint64_t limit_ns)
     return deliver(e, clock_ns());
 }
 
-enum err far_end_press(struct far_end *e, const char *keys, const char *const *awaited,
-                       struct far_result *out, struct fault *fault)
+static void begin(struct far_end *e, const char *keys, const char *const *awaited,
+                  struct far_result *out)
 {
-    const uint64_t begin_ns = clock_ns(), still_ns = STILL_NS + 2 * e->one_way_ns;
+    const uint64_t begin_ns = clock_ns();
     *out = (struct far_result){e->started_ns ? e->started_ns : begin_ns, .last_ns = begin_ns};
     e->started_ns = 0;
     e->result = out;
@@ -191,13 +217,44 @@ enum err far_end_press(struct far_end *e, const char *keys, const char *const *a
     e->awaited = awaited;
     e->matched = 0;
     send(e, begin_ns, keys);
+}
+
+static enum err rest(struct far_end *e, struct fault *fault)
+{
+    const uint64_t still_ns = STILL_NS + 2 * e->one_way_ns;
     for (;;) {
-        const uint64_t now_ns = clock_ns();
-        if (!*e->awaited && e->here.packets == 0 && now_ns > out->last_ns + still_ns)
+        const uint64_t now_ns = clock_ns(), last_ns = e->result->last_ns;
+        if (!*e->awaited && (e->here.packets == 0 || e->is_ahead) && now_ns > last_ns + still_ns)
             return OK;
-        if (now_ns > out->last_ns + PATIENCE_NS || !pass(e, now_ns + POLL_NS))
+        if (now_ns > last_ns + PATIENCE_NS || !pass(e, now_ns + POLL_NS))
             return fault_set(fault, ERR_IO, "the program showed nothing for ten seconds");
     }
+}
+
+enum err far_end_press(struct far_end *e, const char *keys, const char *const *awaited,
+                       struct far_result *out, struct fault *fault)
+{
+    begin(e, keys, awaited, out);
+    return rest(e, fault);
+}
+
+enum err far_end_hold(struct far_end *e, const char *key, unsigned times, double every_ms,
+                      struct far_result *out, struct fault *fault)
+{
+    static const char *const nothing[] = {NULL};
+    begin(e, key, nothing, out);
+    const uint64_t begin_ns = out->pressed_ns;
+    for (unsigned i = 1; i < times; i++) {
+        out->pressed_ns = begin_ns + (uint64_t)(i * every_ms * 1e6);
+        while (clock_ns() < out->pressed_ns)
+            if (!pass(e, out->pressed_ns))
+                return fault_set(fault, ERR_IO, "the program is gone");
+        send(e, out->pressed_ns, key);
+    }
+    const unsigned frames = out->frames;
+    const enum err err = rest(e, fault);
+    out->frames = frames;
+    return err;
 }
 
 /* ---- beginning and end ---- */

@@ -6,7 +6,10 @@
  * The pseudo-terminal has 80x42 cells of 8x16 pixels. What the program writes travels as packets of
  * 1400 bytes: each leaves when those before it have left, at the line's rate, and arrives
  * `one_way_ms` later; so do keys and answers on their way back. The terminal at the far end takes
- * no time to draw, and answers as kitty does, as a terminal with sixel graphics, or as a plain one.
+ * no time to draw, and answers as kitty does, as Ghostty (kitty's graphics without frame edits), as
+ * a terminal with sixel graphics, or as a plain one.
+ *
+ * What the program sends ahead, pictures that are not shown yet (a=t), counts as rest.
  */
 #ifndef TESTS_BENCH_FAR_END_H
 #define TESTS_BENCH_FAR_END_H
@@ -28,7 +31,7 @@ struct far_line {
 struct far_end;
 
 /* Starts build/iftty of the tree that this program lies in, with `argument`, ended by NULL, with
- * `home` as its home and without a history of lines. `graphics` is kitty, sixel or NULL. ERR_IO
+ * `home` as its home and without a history of lines. `graphics` is kitty, tiles, sixel or NULL. ERR_IO
  * where iftty does not lie there, or there is no pseudo-terminal. */
 enum err far_end_new(struct far_end **out, char *const *argument, const char *home,
                      const struct graphics *graphics, const struct far_line *line,
@@ -42,11 +45,17 @@ struct far_result {
     uint64_t pressed_ns, last_ns;       /* the keys; the last byte */
     uint64_t came_ns[FAR_AWAITED_MOST]; /* the texts that were awaited */
     size_t bytes;
+    unsigned frames; /* while a key was held */
 };
 
 /* Presses keys, and waits until the texts of `awaited`, ended by NULL, have arrived one after the
  * other, and what follows them has come to rest. ERR_IO after ten seconds without a byte. */
 enum err far_end_press(struct far_end *e, const char *keys, const char *const *awaited,
                        struct far_result *out, struct fault *fault);
+
+/* Holds a key: presses it `times` times at that distance. Counts the frames that come meanwhile, and
+ * waits as above; pressed_ns is the last one. */
+enum err far_end_hold(struct far_end *e, const char *key, unsigned times, double every_ms,
+                      struct far_result *out, struct fault *fault);
 
 #endif

@@ -3,9 +3,10 @@
  *
  * First its start: to the prompt, and to the scene ch2 loaded (synth:geom where that is not here).
  * Then the pilot, on the journal examples/brain.iftty (geom.iftty), at once and through a line of
- * 2 Mbit/s and 120 ms round trip, in a terminal that answers as kitty does and in one with sixel
- * graphics. A key is shown when the barrier after the first frame of what it did has arrived; the
- * last byte is that of the finest frame.
+ * 2 Mbit/s and 120 ms round trip, in terminals that answer as kitty does, as Ghostty does, and with
+ * sixel graphics. A key is shown when the barrier after the first frame of what it did has arrived;
+ * the last byte is that of the finest frame. A key that is held comes 30 times a second: the frames
+ * that came a second, and how long after the last key the last byte did.
  */
 #include "tests/bench/bench.h"
 
@@ -34,9 +35,12 @@ static const struct words moment_words[MOMENTS] = {
     [TO_PROMPT] = {"start_to_prompt_ms", "start to prompt"},
     [TO_LOADED] = {"start_to_loaded_ms", "start to scene loaded"}};
 
-enum { MOVE, SEED, KINDS };
-static const struct words key_words[KINDS] = {[MOVE] = {"move", "the cross-hair by a voxel, ms"},
-                                              [SEED] = {"seed", "a seed and its run, ms"}};
+enum { ENTER, MOVE, SEEN, SEED, HELD, KINDS };
+static const struct words key_words[KINDS] = {[ENTER] = {"enter", "the pilot begins"},
+                                              [MOVE] = {"move", "the cross-hair by a voxel"},
+                                              [SEEN] = {"seen", "back to a slice seen before"},
+                                              [SEED] = {"seed", "a seed and its run"},
+                                              [HELD] = {"held", "a key held: frames a second"}};
 
 static const struct line_kind {
     const char *name, *text;
@@ -44,10 +48,12 @@ static const struct line_kind {
     unsigned keys; /* at most KEYS_MOST */
 } lines[] = {{"local", "no line", {0, 0}, KEYS_MOST},
              {"slow", "2 Mbit/s, 120 ms round trip", {2e6, 60}, 10}};
-enum { LINES = sizeof lines / sizeof lines[0], PILOTED = 2, QUICK_KEYS = 4 };
-static const struct graphics *const piloted[PILOTED] = {&graphics_kitty, &graphics_sixel};
+enum { LINES = sizeof lines / sizeof lines[0], PILOTED = 3, QUICK_KEYS = 4 };
+static const struct graphics *const piloted[PILOTED] = {&graphics_kitty, &graphics_tiles,
+                                                        &graphics_sixel};
+enum { HELD_MS = 33 };
 
-/* Medians over the keys. */
+/* Medians over the keys; in the place of shown_ms, of a key that is held, frames a second. */
 struct key_figures {
     unsigned keys;
     double shown_ms, last_ms, bytes;
@@ -131,14 +137,24 @@ static struct key_figures medians(struct times *t)
                                 times_median(t->last_ms, t->keys), times_median(t->bytes, t->keys)};
 }
 
-static enum err enter_pilot(struct far_end *e, struct fault *fault)
+static enum err enter_pilot(struct far_end *e, struct times *enter, struct fault *fault)
 {
     enum err err = press(e, "", prompt, fault);
     if (!err)
         err = press(e, "auto on\r", prompt, fault);
     if (!err)
-        err = press(e, "pilot\r", frame, fault);
+        err = timed_press(e, "pilot\r", enter, fault);
     return err ? err : press(e, "5l", frame, fault);
+}
+
+static enum err hold(struct far_end *e, unsigned keys, struct key_figures *out, struct fault *fault)
+{
+    struct far_result result;
+    const enum err err = far_end_hold(e, "j", 3 * keys, HELD_MS, &result, fault);
+    *out = (struct key_figures){3 * keys, result.frames / (3 * keys * HELD_MS / 1000.0),
+                                times_between(result.pressed_ns, result.last_ns),
+                                (double)result.bytes};
+    return err;
 }
 
 /* Each seed at another place, and taken back. */
@@ -146,10 +162,12 @@ static enum err press_all(struct far_end *e, unsigned keys, struct key_figures o
                           struct fault *fault)
 {
     static const char *const ways[] = {"7l", "6k", "9h", "5K", "8j", "7J", "4h", "9k"};
-    struct times moves = {.keys = 0}, seeds = {.keys = 0};
-    enum err err = enter_pilot(e, fault);
+    struct times enter = {.keys = 0}, moves = {.keys = 0}, seen = {.keys = 0}, seeds = {.keys = 0};
+    enum err err = enter_pilot(e, &enter, fault);
     for (unsigned i = 0; !err && i < keys; i++)
         err = timed_press(e, i % 8 < 4 ? "l" : "k", &moves, fault);
+    for (unsigned i = 0; !err && i < keys; i++)
+        err = timed_press(e, i % 2 ? "J" : "K", &seen, fault);
     for (unsigned i = 0; !err && i < keys / 2; i++) {
         err = press(e, ways[i % 8], frame, fault);
         if (!err)
@@ -157,9 +175,11 @@ static enum err press_all(struct far_end *e, unsigned keys, struct key_figures o
         if (!err)
             err = press(e, "u", frame, fault);
     }
+    out[ENTER] = medians(&enter);
     out[MOVE] = medians(&moves);
+    out[SEEN] = medians(&seen);
     out[SEED] = medians(&seeds);
-    return err;
+    return err ? err : hold(e, keys, &out[HELD], fault);
 }
 
 /* A copy of the journal in a folder of its own, which becomes the program's home. */
