@@ -329,6 +329,8 @@ STORY(after_thousands_of_edits_the_screen_shows_the_picture)
             for (uint32_t n = 1 + check_below(&seed, 4); n > 0; n--)
                 fill_box(&view, check_below(&seed, 180), check_below(&seed, 190),
                          1 + check_below(&seed, 30), 1 + check_below(&seed, 30), &seed);
+            view.is_slow = i % 3 == 0;
+            view.is_coarse = i % 5 == 0;
             wholes += show(&p, &view) >= whole;
             if (i % 10 == 0)
                 CHECK_INT(wrong_pixels(&p, &view), 0);
@@ -352,6 +354,7 @@ STORY(pictures_of_every_size_and_kind_follow_each_other)
             uint32_t width = 1 + check_below(&seed, 84), height = 1 + check_below(&seed, 90);
             struct image_view view = picture(width, height);
             view.smooth = check_below(&seed, 4) == 0;
+            view.is_slow = check_below(&seed, 2);
             view.hues = check_below(&seed, 4);
             view.hue = check_below(&seed, 4) ? hues : NULL;
             if (check_below(&seed, 3) == 0)
@@ -846,6 +849,30 @@ STORY(what_is_drawn_over_slices_keeps_its_colour)
     shades_release(&s);
 }
 
+/* Greys, and a line over them that every look at every so manieth pixel meets. */
+STORY(a_cross_hair_over_a_slice_is_no_tint)
+{
+    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
+    struct painter p = {0};
+    struct image_view view = picture(320, 320);
+    screen_begin(8, 16);
+    painter_place(&p, &facts, 0, 0, 40, 20);
+    for (size_t i = 0; i < 320 * 320; i++) {
+        const uint8_t light = (uint8_t)(i * 7 % 251 | (i / 320 < 160 ? 1 : 0));
+        memcpy(pixels + 4 * i, (uint8_t[4]){light, light, light, 255}, 4);
+    }
+    const size_t whole = show(&p, &view);
+    for (unsigned line = 0; line < 22; line++)
+        for (size_t y = 0; y < 320; y++) {
+            uint8_t *pixel = pixels + 4 * (y * 320 + 5 + line);
+            for (unsigned k = 0; k < 3; k++)
+                pixel[k] = (uint8_t)((pixel[k] + 2u * (k == 0 ? 255 : k == 1 ? 220 : 0) + 1) / 3);
+        }
+    CHECK(show(&p, &view) < whole / 2);
+    CHECK(!p.shades.has_tints);
+    painter_release(&p);
+}
+
 STORY(tints_that_come_with_an_edit_get_their_colours)
 {
     struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
@@ -912,6 +939,7 @@ int main(void)
                        TELL(a_stream_cut_short_is_not_taken_for_a_picture),
                        TELL(shades_of_told_hues_are_near_what_was_asked_for),
                        TELL(what_is_drawn_over_slices_keeps_its_colour),
+                       TELL(a_cross_hair_over_a_slice_is_no_tint),
                        TELL(tints_that_come_with_an_edit_get_their_colours),
                        TELL(a_hundred_hues_share_the_palette));
 }

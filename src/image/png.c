@@ -97,26 +97,45 @@ static void fill_rows(uint8_t *out, const struct raster *raster, const uint8_t *
     }
 }
 
+/* Each byte less the mean of those left and above it (filter 3), from the end on, so that both are
+ * still as they were. */
+static void filter_rows(uint8_t *raw, size_t row_bytes, uint32_t rows, size_t each)
+{
+    const size_t stride = row_bytes + 1;
+    for (uint32_t y = rows; y-- > 0;) {
+        uint8_t *row = raw + y * stride;
+        row[0] = 3;
+        for (size_t i = row_bytes; i > 0; i--)
+            row[i] = (uint8_t)(row[i] - ((i > each ? row[i - each] : 0u) +
+                                         (y > 0 ? *(row + i - stride) : 0u)) /
+                                            2);
+    }
+}
+
 /* Memory for `rows` rows of `row_bytes` and for them deflated; the bytes of all, 0 without. */
 static size_t prepare(struct png_writer *w, enum png_effort effort, size_t row_bytes, size_t rows)
 {
     size_t raw_length;
-    static const int level[PNG_EFFORTS] = {[PNG_FAST] = 1, [PNG_SMALL] = 10, [PNG_FILE] = 6};
+    static const int level[PNG_EFFORTS] = {
+        [PNG_FAST] = 1, [PNG_SMALL] = 10, [PNG_FILE] = 6, [PNG_SLOW_LINE] = 6};
     if (!size_multiply(row_bytes, rows, &raw_length) || raw_length > UINT32_MAX / 2)
         return 0;
     if (!w->compressor[effort])
         w->compressor[effort] = libdeflate_alloc_compressor(level[effort]);
     if (!w->compressor[effort] || !mem_grow(&w->raw, &w->raw_capacity, raw_length, 1) ||
         !mem_grow(&w->packed, &w->packed_capacity,
-                  libdeflate_zlib_compress_bound(w->compressor[effort], raw_length), 1))
+                  2 * libdeflate_zlib_compress_bound(w->compressor[effort], raw_length), 1))
         return 0;
     return raw_length;
 }
 
-static size_t deflate_rows(struct png_writer *w, enum png_effort effort, size_t raw_length)
+/* Into one half of the memory or the other. */
+static size_t deflate_rows(struct png_writer *w, enum png_effort effort, size_t raw_length,
+                           unsigned half)
 {
-    return libdeflate_zlib_compress(w->compressor[effort], w->raw, raw_length, w->packed,
-                                    w->packed_capacity);
+    const size_t room = w->packed_capacity / 2;
+    return libdeflate_zlib_compress(w->compressor[effort], w->raw, raw_length,
+                                    w->packed + half * room, room);
 }
 
 static unsigned bits_for(unsigned colours)
@@ -139,11 +158,18 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
         return;
     }
     fill_rows(w->raw, raster, place, bits, row_bytes);
-    const size_t packed_length = deflate_rows(w, effort, raw_length);
+    size_t packed_length = deflate_rows(w, effort, raw_length, 0);
+    const uint8_t *packed = w->packed;
+    if (effort == PNG_SLOW_LINE && bits == 8) {
+        filter_rows(w->raw, row_bytes, raster->height, raster_pixel_bytes(raster));
+        const size_t length = deflate_rows(w, effort, raw_length, 1);
+        packed = length < packed_length ? packed + w->packed_capacity / 2 : packed;
+        packed_length = length < packed_length ? length : packed_length;
+    }
     add_header(png, raster, bits);
     if (raster->colour)
         add_palette(png, used, colours);
-    add_chunk(png, "IDAT", w->packed, packed_length);
+    add_chunk(png, "IDAT", packed, packed_length);
     add_chunk(png, "IEND", "", 0);
 }
 
@@ -165,7 +191,7 @@ void png_add_pixels(struct png_writer *w, const struct raster *raster, enum png_
         if (!raster->colour)
             memcpy(raw, row, row_bytes);
     }
-    const size_t packed_length = deflate_rows(w, effort, raw_length);
+    const size_t packed_length = deflate_rows(w, effort, raw_length, 0);
     buf_add(out, w->packed, packed_length);
 }
 

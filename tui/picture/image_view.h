@@ -25,6 +25,7 @@ struct image_view {
     const uint8_t *words; /* [height][width]: not 0 where words stand, which stay sharp; or NULL */
     bool is_coarse; /* what has changed comes in blocks of pixels, in a hurry: bytes cost more than
                        time */
+    bool is_slow;   /* the line is: bytes cost more than time */
     bool smooth; /* all 24 bits of every colour go out where the terminal can, at several times the
                  bytes; otherwise shades are rounded to a palette (tui/picture/shades.h) */
 };

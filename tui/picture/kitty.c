@@ -59,7 +59,7 @@ static void add_chunks(const struct buf *png, const char *first, const char *nex
 void kitty_show(struct painter *p, const struct raster *raster, const char *keys, struct buf *out)
 {
     struct buf png = {0};
-    png_add(&p->png, raster, PNG_FAST, &png);
+    png_add(&p->png, raster, p->effort, &png);
     add_chunks(&png, keys, "", out);
     buf_release(&png);
 }

@@ -8,7 +8,7 @@
 
 enum { KITTY_FIRST = 26982 }; /* numbers of pictures from here on, which others hardly use */
 
-/* Adds pixels as PNG, in chunks; `keys` are those of the first, each with its comma. */
+/* Adds pixels as PNG by p->effort, in chunks; `keys` are those of the first, each with its comma. */
 void kitty_show(struct painter *p, const struct raster *raster, const char *keys, struct buf *out);
 
 /* The same as PNG or as deflated pixels, whichever is less, by p->effort; `next` are the keys of the

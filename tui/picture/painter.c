@@ -253,21 +253,23 @@ static struct stale_rule rule_of(const struct painter *p)
     return (struct stale_rule){p->facts.cell_width, p->facts.cell_height, true, g->patch_cost};
 }
 
-static void show_patches(struct painter *p, const struct stale *stale, bool is_coarse,
-                         struct buf *out)
+static void show_patches(struct painter *p, const struct stale *stale,
+                         const struct image_view *view, struct buf *out)
 {
     const struct raster raster = raster_of(p, 1);
-    p->effort = stale->cost < FAST_FROM || is_coarse ? PNG_SMALL : PNG_FAST;
+    p->effort = view->is_slow                                ? PNG_SLOW_LINE
+                : stale->cost < FAST_FROM || view->is_coarse ? PNG_SMALL
+                                                             : PNG_FAST;
     for (unsigned i = 0; i < stale->count; i++)
         p->facts.graphics->patch(p, &raster, &stale->box[i], out);
 }
 
-static void show_whole(struct painter *p, struct buf *out)
+static void show_whole(struct painter *p, const struct image_view *view, struct buf *out)
 {
     const struct raster raster = raster_of(p, 1);
     const struct raster_box all = {0, 0, p->width, p->height};
     const struct graphics *g = p->facts.graphics;
-    p->effort = PNG_FAST;
+    p->effort = view->is_slow ? PNG_SLOW_LINE : PNG_FAST;
     p->is_worn = false;
     if (g->whole)
         g->whole(p, &raster, out);
@@ -349,13 +351,13 @@ static bool show_pixels(struct painter *p, const struct image_view *view, struct
     struct stale stale;
     take_size(p, view, out);
     if (can_patch(p, view, &stale)) {
-        show_patches(p, &stale, view->is_coarse, out);
+        show_patches(p, &stale, view, out);
         return !out->failed;
     }
     if (!begin_whole(p, view))
         return false;
     fill(p, view);
-    show_whole(p, out);
+    show_whole(p, view, out);
     return !out->failed;
 }
 

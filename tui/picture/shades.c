@@ -203,11 +203,28 @@ static uint32_t brightest(uint32_t colour)
 
 /* ---- which ladders ---- */
 
+/* Cross-hair and eliminator (render/slice_notes.c), the pane that keys go to (pilot_host.c). */
+enum { ACCENTS = 3 };
+static const uint32_t accent[ACCENTS] = {0xFFDC00, 0xFF4838, 0xE6C85A};
+
 enum { NEAR = 9 * 12 * 12, HUE_OF_ANOTHER = 9 * 4 * 4 };
 
 static bool is_grey(uint32_t colour)
 {
     return distance(colour, (colour >> 8 & 255) * UINT32_C(0x010101)) < 9 * 3 * 3;
+}
+
+/* A line of the cross-hair over a slice, two thirds of its colour and one of a grey, is no tint. */
+static bool is_crossed(uint32_t colour)
+{
+    const uint32_t cross = accent[0];
+    int32_t least = INT32_MAX, most = INT32_MIN;
+    for (unsigned k = 0; k < 3; k++) {
+        const int32_t grey = 3 * (int32_t)channel(colour, k) - 2 * (int32_t)channel(cross, k);
+        least = grey < least ? grey : least;
+        most = grey > most ? grey : most;
+    }
+    return most - least <= 6;
 }
 
 static bool is_shaded(uint32_t colour, const uint32_t *hue, unsigned hues)
@@ -254,7 +271,7 @@ static void look_around(const struct image_view *view, const uint32_t *hue, unsi
             seen++;
             if (is_grey(colour))
                 greys++;
-            else if (!is_shaded(colour, hue, hues < 32 ? hues : 32))
+            else if (!is_crossed(colour) && !is_shaded(colour, hue, hues < 32 ? hues : 32))
                 tints++;
         }
     *has_greys = greys * 32 > seen;
@@ -262,10 +279,7 @@ static void look_around(const struct image_view *view, const uint32_t *hue, unsi
 }
 
 /* More than 64 greys, or much the same of any hue, the table could not distinguish. */
-enum { ACCENTS = 3, GREYS_LEAST = 8, RUNGS_MOST = 56 };
-
-/* Cross-hair and eliminator (render/slice_notes.c), the pane that keys go to (pilot_host.c). */
-static const uint32_t accent[ACCENTS] = {0xFFDC00, 0xFF4838, 0xE6C85A};
+enum { GREYS_LEAST = 8, RUNGS_MOST = 56 };
 
 static void fill_palette(struct shades *s)
 {

@@ -15,6 +15,10 @@
 /* The smallest screen. */
 enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10, ROWS_OF_TEXT = 2 };
 
+/* On a line that takes so long for so much, bytes cost more than the time to make them less. */
+enum { SLOW_BYTES = 10000 };
+#define SLOW_NS      UINT64_C(5000000)
+
 #define ENTER_SCREEN "\033[?1049h\033[?25l" TERM_PROMPT_BEGINS
 #define LEAVE_SCREEN TERM_PROMPT_ENDS "\033[?25h\033[?1049l"
 #define MOUSE_ON     "\033[?1002h\033[?1006h"
@@ -154,6 +158,7 @@ static void add_picture(struct pilot *p, struct buf *out)
         out->failed = true;
         return;
     }
+    shown.is_slow = flow_carries_ns(&p->flow, SLOW_BYTES) > SLOW_NS;
     painter_show(&p->painter, &shown, out);
     refine_sent(&p->refine, out->length - before);
 }

@@ -6,7 +6,8 @@
 #include "base/least.h"
 #include "base/mem.h"
 
-enum { GAP_MOST = 6 }; /* tiles */
+enum { GAP_MOST = 6 };   /* tiles */
+enum { LEVEL_BITS = 5 }; /* of a channel, in coarse tiles */
 
 /* Bytes a tile before anything is known: about what palette pictures take. */
 static const double cost_at_first[REFINE_LEVELS] = {160, 70, 35, 22, 10};
@@ -62,16 +63,22 @@ static size_t middle_of(const struct refine *r, const struct image_view *wanted,
     return middle;
 }
 
-/* A block of the colour in its middle: no mean, so that a palette stays what it was. */
+/* A block of the colour in its middle, in fewer levels: no mean, so that a palette stays what it
+ * was. */
 static void copy_block(struct refine *r, const struct image_view *wanted, uint32_t left,
                        uint32_t top, uint32_t coarse)
 {
     const size_t middle = middle_of(r, wanted, left, top, coarse);
+    uint8_t block[4];
+    for (unsigned k = 0; k < 4; k++) {
+        const unsigned level = wanted->rgba[4 * middle + k] >> (8 - LEVEL_BITS);
+        block[k] = (uint8_t)(level << (8 - LEVEL_BITS) | level >> (2 * LEVEL_BITS - 8));
+    }
     for (uint32_t y = top; y < top + coarse && y < r->height; y++)
         for (uint32_t x = left; x < left + coarse && x < r->width; x++) {
             const size_t at = (size_t)y * r->width + x;
-            const size_t from = wanted->words && wanted->words[at] ? at : middle;
-            memcpy(r->rgba + 4 * at, wanted->rgba + 4 * from, 4);
+            const bool is_word = wanted->words && wanted->words[at];
+            memcpy(r->rgba + 4 * at, is_word ? wanted->rgba + 4 * at : block, 4);
         }
 }
 
