@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "tests/check.h"
+#include "tui/cells.h"
 #include "tui/pilot/chord.h"
 #include "tui/pilot/pilot_press.h"
 #include "tui/pilot/refine.h"
@@ -80,6 +81,13 @@ static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_
     return shows;
 }
 
+static void frame_pixel(void *context, uint32_t column, uint32_t row, uint32_t pixel[2])
+{
+    (void)context;
+    pixel[0] = column / 2;
+    pixel[1] = row / 2;
+}
+
 static const struct pilot_host host = {.move = move,
                                        .held = held,
                                        .seed = seed_of,
@@ -87,7 +95,8 @@ static const struct pilot_host host = {.move = move,
                                        .is_hidden = is_hidden,
                                        .label = label,
                                        .voxel_at = voxel_at,
-                                       .voxel_of_frame = voxel_of_frame};
+                                       .voxel_of_frame = voxel_of_frame,
+                                       .frame_pixel = frame_pixel};
 
 static struct pilot_state state;
 static struct buf line, message;
@@ -259,7 +268,7 @@ STORY(seeds_brushes_and_strokes)
     CHECK_TEXT(type("s2"), "seed 20,40,30 2 to=20,25,30\n");
     CHECK_TEXT(type("i"), "seed 20,40,30 2\n"); /* one stroke an end */
     type("v");
-    CHECK_HAS(buf_text(&message), "pen down");
+    CHECK(state.pen_is_down && message.length == 0);
     CHECK_TEXT(type("l"), "cross 19,40,30\nseed 19,40,30 2 to=20,40,30\n");
     press(KEY_ESCAPE, 0, 0);
     CHECK_TEXT(type("l"), "cross 19,40,30\n");
@@ -421,9 +430,7 @@ STORY(what_is_no_command)
     press(KEY_CHARACTER, KEY_CONTROL, 'z');
     CHECK(deed == PILOT_SUSPEND);
     type("?");
-    CHECK(state.mode == PILOT_HELPING);
-    CHECK_TEXT(type("1"), ""); /* any key goes on, and does nothing else */
-    CHECK(state.mode == PILOT_MOVING);
+    CHECK(deed == PILOT_SHOW_KEYS);
     CHECK_TEXT(type("y"), "");
     CHECK_HAS(buf_text(&message), "? shows the keys");
     press(KEY_OTHER, 0, 0);
@@ -479,6 +486,19 @@ STORY(a_click_takes_the_cross_hair_there_and_the_pen_draws)
     shows = false;
     CHECK_TEXT(click(MOUSE_PRESSED, 8, 9), "");
     CHECK_HAS(buf_text(&message), "nothing is seen there");
+}
+
+STORY(where_one_corrects_a_click_takes_the_pixel_there)
+{
+    begin();
+    type("p");
+    shown_pane = PILOT_RENDITION;
+    CHECK_TEXT(click(MOUSE_PRESSED, 20, 30), "");
+    CHECK(state.mode == PILOT_PICKING && state.pixel[0] == 10 && state.pixel[1] == 15);
+    CHECK_TEXT(type("2"), "cross 10,15,9\nseed 10,15,9 2\n");
+    shown_pane = PILOT_AXIAL;
+    CHECK_TEXT(click(MOUSE_PRESSED, 20, 31), "cross 20,31,7\n");
+    CHECK(state.mode == PILOT_MOVING); /* a slice is somewhere else */
 }
 
 STORY(the_wheel_takes_the_question_about_a_tree_away)
@@ -549,12 +569,42 @@ static void is_card_of(const char *path, const struct buf *page)
 STORY(the_page_of_keys_fits_and_is_the_card_in_the_readmes)
 {
     struct buf page = {0};
-    pilot_keys_page(&page, false);
+    pilot_keys_page(&page, 80);
     for (const char *at = buf_text(&page); *at; at += strcspn(at, "\n") + 1)
         CHECK(strcspn(at, "\n") <= 78);
     is_card_of("README.md", &page);
     is_card_of("tui/README.md", &page);
     buf_release(&page);
+}
+
+STORY(the_page_of_keys_fits_any_window)
+{
+    for (unsigned columns = 20; columns < 100; columns++) {
+        struct buf page = {0}, wrapped = {0};
+        pilot_keys_page(&page, columns);
+        cells_wrap(&wrapped, &page, columns);
+        for (const char *at = buf_text(&wrapped); *at; at += strcspn(at, "\n") + 1)
+            CHECK(cells_width(at, strcspn(at, "\r\n")) <= columns);
+        buf_release(&page);
+        buf_release(&wrapped);
+    }
+}
+
+STORY(what_is_dangerous_and_how_to_begin_are_said)
+{
+    struct buf hint = {0};
+    begin();
+    pilot_keys_hint(&state, &facts, &hint);
+    CHECK_HAS(buf_text(&hint), "nothing to show yet: i plants a seed here");
+    facts.has_object = true;
+    buf_clear(&hint);
+    pilot_keys_hint(&state, &facts, &hint);
+    CHECK_HAS(buf_text(&hint), "i seed  b label");
+    type("v");
+    buf_clear(&hint);
+    pilot_keys_hint(&state, &facts, &hint);
+    CHECK_HAS(buf_text(&hint), "moving draws; v or Escape lifts the pen");
+    buf_release(&hint);
 }
 
 /* Of two rows, in a mode that both are for; and a key that waits for a second one does nothing. */
@@ -719,9 +769,11 @@ int main(void)
         TELL(a_key_that_takes_no_count_does_nothing_with_one), TELL(some_keys_wait_for_a_second),
         TELL(slices_marks_and_seeds_to_go_to), TELL(a_change_is_repeated), TELL(what_is_shown),
         TELL(what_was_chosen_stays_from_one_time_to_the_next), TELL(no_key_has_two_meanings),
+        TELL(the_page_of_keys_fits_any_window), TELL(what_is_dangerous_and_how_to_begin_are_said),
         TELL(seeds_brushes_and_strokes), TELL(an_eliminator_shows_first_what_it_takes),
         TELL(the_view_and_the_window), TELL(corrections_are_made_on_the_rendition),
         TELL(what_is_no_command), TELL(a_click_takes_the_cross_hair_there_and_the_pen_draws),
+        TELL(where_one_corrects_a_click_takes_the_pixel_there),
         TELL(the_wheel_takes_the_question_about_a_tree_away),
         TELL(what_a_click_says_takes_the_place_of_what_was_said),
         TELL(the_page_of_keys_fits_and_is_the_card_in_the_readmes),

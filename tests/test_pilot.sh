@@ -22,10 +22,14 @@ begin_terminal
 begin "pilot takes the whole screen: slices, and where the cross-hair is"
 enter "clear; $iftty s.nii"
 see '^24x20x16 voxels'
+see '^Ctrl-O: the pilot, to segment by keys; `help`: the commands$'
 enter "pilot"
 see '^axial 8 at 12,10,8  brush 1  no label  intensity '
-see 'i seed  b label  x remove  u undo  : command  \? keys  q back'
 screen_text | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen_text)"
+close_story
+
+begin "what has nothing to show says how to begin"
+see '^nothing to show yet: i plants a seed here'
 close_story
 
 begin "keys move, seed, undo and turn, each as the command it is"
@@ -39,10 +43,12 @@ see 'voxels changed'
 see '^axial 8 at 11,13,8  brush 2  label 2  intensity '
 press Tab
 see '^coronal 13 '
+see '^i seed  b label  x remove  u undo  : command  \? keys  q back'
 type_letters "++s1"
 recorded "seed 11,13,8 1 radius=2"
 type_letters "u"
 recorded "undo"
+see '^undone: [0-9]+ seed 11,13,8 1 radius=2; after [0-9]+ seed 11,13,8 2'
 press C-r
 recorded "redo"
 press S-Right
@@ -51,6 +57,40 @@ type_letters "I"
 press Up
 type_letters "-s3"
 recorded "seed 11,13,9 3 radius=1 to=11,13,8"
+close_story
+
+begin "the pen that is down is told in colour, and by what the keys do"
+type_letters "v"
+press Tab
+see '^PEN DOWN  sagittal '
+see '^moving draws; v or Escape lifts the pen$'
+tmux_here capture-pane -e -p -t prompt | grep -q '41m.*PEN DOWN' || fail "it is not in colour"
+press Escape
+see '^sagittal '
+press Tab Tab
+see '^coronal '
+close_story
+
+begin "what is pasted acts nowhere: it stands in the line of the colon"
+tmux_here set-buffer -b paste "$(printf 'box 10 xx u\nseed 1,1,1 2\nq ')"
+before=$(last_record)
+tmux_here paste-buffer -p -b paste -t prompt
+see '^:box 10 xx u seed 1,1,1 2 q$'
+press Escape
+see '^i seed '
+type_letters ":label 5 "
+tmux_here paste-buffer -p -b paste -t prompt
+see '^:label 5 box 10 xx u seed 1,1,1 2 q$'
+press Enter
+see '^error: '
+type_letters "?"
+see 'a seed of the label'
+tmux_here paste-buffer -p -b paste -t prompt
+sleep 0.3
+see 'a seed of the label' # a page of text takes none
+press Space
+see '^coronal '
+same "$(last_record)" "$before"
 close_story
 
 begin "x shows the marker first, and removes it then"
@@ -143,6 +183,29 @@ see '^coronal 13 '
 same "$(screen_text | grep -n '^coronal' | cut -d: -f1)" 29
 tmux_here resize-window -t prompt -x 80 -y 24
 see '^coronal 13 '
+close_story
+
+begin "the smallest window: the keys page by page, and the pen is loud"
+tmux_here resize-window -t prompt -x 20 -y 10
+see '^coronal 13 '
+type_letters "?"
+see '^h j k l arrows$'
+see '^  move the$'
+see '^\(any key; q: enough\)$'
+tmux_here resize-window -t prompt -x 80 -y 24
+see 'h j k l arrows   move the cross-hair     H L Ctrl-arrows'
+tmux_here resize-window -t prompt -x 20 -y 10
+see '^h j k l arrows$'
+press Space
+see '^1-9$'
+type_letters "q"
+see '^coronal 13 '
+type_letters "v"
+see '^PEN DOWN  coronal 13'
+press Escape
+see '^coronal 13 '
+tmux_here resize-window -t prompt -x 80 -y 24
+see '^coronal 13 at'
 close_story
 
 begin "q goes back to the prompt, with the screen as it was before"

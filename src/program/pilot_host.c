@@ -8,11 +8,12 @@
 #include "command/act.h"
 #include "program/shown.h"
 #include "render/mosaic.h"
+#include "render/text.h"
 #include "session/slicing.h"
 #include "session/window.h"
 
 static const uint8_t marked_tree[3] = {255, 255, 255}, marked_pane[3] = {230, 200, 90},
-                     marked_pixel[3] = {255, 255, 255};
+                     marked_pixel[3] = {255, 255, 255}, words_rgb[3] = {200, 200, 200};
 
 static struct session *session_of(void *context)
 {
@@ -73,6 +74,18 @@ static void write_where(struct buf *out, const struct session *session)
                geometry->slope * cell->intensity + geometry->intercept, mm[0], mm[1], mm[2]);
 }
 
+/* A seed of an object waits, or a voxel has its label; where nobody has counted yet, so it is. */
+static bool has_object(const struct session *session)
+{
+    const struct edit *seed = edits_first(&session->now.lists.pending);
+    bool has = session->tally.stale;
+    for (size_t i = 0; i < session_pendings(session); i++)
+        has |= seed[i].label > 0;
+    for (unsigned label = 1; label < 256; label++)
+        has |= session->tally.voxels[label] > 0;
+    return has;
+}
+
 static bool facts(void *context, struct pilot_facts *out)
 {
     struct session *session = session_of(context);
@@ -85,7 +98,8 @@ static bool facts(void *context, struct pilot_facts *out)
                                 .zoom = session->now.outlook.view.zoom,
                                 .frame_width = session->now.outlook.view.width,
                                 .frame_height = session->now.outlook.view.height,
-                                .overlay = s->overlay};
+                                .overlay = s->overlay,
+                                .has_object = has_object(session)};
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
         out->place[pane] = s->cross[pane];
         out->index[pane] = slice_index(session->scene, plane_of(pane), s->cross);
@@ -290,6 +304,20 @@ static void mark_pixel(const struct canvas *canvas, const struct rendition *r,
     }
 }
 
+/* An empty rendition says how to begin. */
+static void say_how_to_begin(const struct canvas *canvas)
+{
+    static const char *const words[] = {"nothing to show yet", "i plants a seed of the label",
+                                        "s0 one of the background", "? shows the keys"};
+    const struct mosaic_box box = mosaic_box(canvas->width, canvas->height, MOSAIC_RENDITION);
+    const int64_t lines = sizeof words / sizeof words[0];
+    const uint32_t scale = text_width(words[1], 2) < (int64_t)box.width ? 2 : 1;
+    for (int64_t i = 0; i < lines; i++)
+        text_draw(canvas, box.left + (box.width - text_width(words[i], scale)) / 2,
+                  box.top + box.height / 2 + (2 * i - lines) * TEXT_LINE * scale * 3 / 4, scale,
+                  words[i], words_rgb);
+}
+
 static enum err picture(void *context, const struct pilot_wish *wish, struct image_view *view,
                         struct fault *fault)
 {
@@ -304,6 +332,8 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
         return err;
     const struct mosaic_box box = mosaic_box(wish->width, wish->height, mosaic_of(wish->pane));
     draw_frame(&pilot->canvas, &box);
+    if (wish->words && !has_object(session))
+        say_how_to_begin(&pilot->canvas);
     if (wish->marks_held)
         mark_held(&pilot->canvas, session, &pilot->held);
     if (wish->marks_pixel)
@@ -338,6 +368,35 @@ static bool voxel_at(void *context, uint32_t column, uint32_t row, uint32_t plac
     return cell != CELL_NONE;
 }
 
+static uint32_t point_along(const struct canvas *canvas, const struct rendition *r, bool down,
+                            uint32_t pixel)
+{
+    const struct mosaic_point at =
+        mosaic_point_of(canvas->width, canvas->height, r, down ? 0 : pixel, down ? pixel : 0);
+    return down ? at.row : at.column;
+}
+
+/* The last pixel that is shown no further than where one points. */
+static void frame_pixel(void *context, uint32_t column, uint32_t row, uint32_t pixel[2])
+{
+    const struct pilot_interpreter *pilot = context;
+    const struct rendition *r = session_frame(session_of(context));
+    const uint32_t size[2] = {r->width, r->height}, wanted[2] = {column, row};
+    if (!pilot->canvas.rgba || !session_of(context)->rendered)
+        return;
+    for (int i = 0; i < 2; i++) {
+        uint32_t low = 0, high = size[i];
+        while (high - low > 1) {
+            const uint32_t middle = low + (high - low) / 2;
+            if (point_along(&pilot->canvas, r, i == 1, middle) <= wanted[i])
+                low = middle;
+            else
+                high = middle;
+        }
+        pixel[i] = low;
+    }
+}
+
 static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_t place[3])
 {
     const struct session *session = session_of(context);
@@ -359,6 +418,7 @@ void pilot_host_fill(struct pilot_host *host)
     host->picture = picture;
     host->voxel_at = voxel_at;
     host->voxel_of_frame = voxel_of_frame;
+    host->frame_pixel = frame_pixel;
     host->label = label;
     host->held = held;
     host->seed = seed;

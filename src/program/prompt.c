@@ -72,6 +72,8 @@ static enum err prompt_begin(void *context, struct buf *output, struct fault *fa
     }
     if (!err)
         err = prompt_execute(prompt, "auto on", output, fault);
+    if (!err && prompt->interp.has_pilot)
+        buf_add_text(output, "Ctrl-O: the pilot, to segment by keys; `help`: the commands\n");
     buf_release(&line);
     return err;
 }

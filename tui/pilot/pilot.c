@@ -13,7 +13,7 @@
 #include "tui/cells.h"
 
 /* The smallest screen. */
-enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10, ROWS_OF_TEXT = 2 };
+enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10, ROWS_OF_TEXT = 2, PASTE_MOST = 4096 };
 
 /* On a line that takes so long for so much, bytes cost more than the time to make them less. */
 enum { SLOW_BYTES = 10000 };
@@ -34,39 +34,51 @@ struct pilot {
     bool is_stale;      /* the screen does not show the present state */
     struct refine refine;
     struct flow flow;
+    bool is_resized;
     bool is_blank; /* nor anything at all */
+    bool is_pasting;
+    struct buf pasted; /* since it began, or until it is taken */
     bool is_over, has_ended;
 };
 
 /* ---- text ---- */
 
-/* A row of text, cut to the screen, without a line feed. */
-static void add_row(struct buf *out, unsigned row, unsigned columns, const char *text)
+/* A row of text in these colours, CSI .. m, cut to the screen, without a line feed. */
+static void add_row(struct buf *out, unsigned row, unsigned columns, const char *text,
+                    const char *colours)
 {
     struct buf cut = {0};
     cells_crop(&cut, text, columns);
-    buf_printf(out, "\033[%u;1H\033[m\033[K", row + 1);
+    buf_printf(out, "\033[%u;1H\033[m%s\033[K", row + 1, colours);
     buf_add(out, buf_text(&cut), strcspn(buf_text(&cut), "\r\n"));
+    buf_add_text(out, *colours ? "\033[m" : "");
     out->failed |= cut.failed;
     buf_release(&cut);
 }
 
-/* "axial 90 at 90,108,90  brush 2 pons r3 drawing  1 waits for space  label 1 head  ..." */
+/* "axial 90 at 90,108,90  brush 2 pons r3 stroke  1 waits for space  label 1 head  ...", which
+ * "PEN DOWN" comes before. */
 static void add_status(struct buf *row, const struct pilot_state *state,
                        const struct pilot_host *host, const struct pilot_facts *facts)
 {
     static const char *const pane[] = {"axial", "coronal", "sagittal"};
     const uint32_t *at = facts->place;
+    buf_add_text(row, state->pen_is_down ? "PEN DOWN  " : "");
     buf_printf(row, "%s %u at %u,%u,%u  brush ", pane[state->pane], facts->index[state->pane],
                at[0], at[1], at[2]);
     host->label(host->context, state->label, row);
     if (state->radius)
         buf_printf(row, " r%u", state->radius);
-    buf_add_text(row, state->pen_is_down ? " drawing" : "");
     buf_add_text(row, state->stroke.is_set ? " stroke" : "");
     if (facts->waiting)
         buf_printf(row, "  %zu wait%s for space", facts->waiting, facts->waiting == 1 ? "s" : "");
     buf_printf(row, "  %s", facts->where);
+}
+
+/* What is not to be overlooked. */
+static const char *alarm_of(const struct terminal_facts *facts)
+{
+    return facts->colours == COLOURS_NONE ? "\033[7m" : "\033[1;97;41m";
 }
 
 /* Two rows at the foot of the screen. The upper one shows where the cross-hair is, what a key would
@@ -77,7 +89,10 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
                      const struct term_size *size)
 {
     struct buf upper = {0}, lower = {0};
-    if (p->message.length)
+    if (p->is_pasting)
+        buf_add_text(&lower,
+                     "what is pasted goes to the line of : when it is here; Ctrl-C drops it");
+    else if (p->message.length)
         cells_wrap(&lower, &p->message, size->columns);
     else
         pilot_keys_hint(p->state, facts, &lower);
@@ -86,28 +101,12 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
         buf_add(&upper, buf_text(&lower), (size_t)(second - buf_text(&lower)));
     else
         add_status(&upper, p->state, p->host, facts);
-    add_row(out, size->rows - 2, size->columns, buf_text(&upper));
-    add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower));
+    add_row(out, size->rows - 2, size->columns, buf_text(&upper),
+            p->state->pen_is_down ? alarm_of(p->facts) : "");
+    add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower), "");
     out->failed |= upper.failed || lower.failed;
     buf_release(&upper);
     buf_release(&lower);
-}
-
-/* The page of keys, from the top of the screen. */
-static void add_help(struct buf *out)
-{
-    struct buf page = {0};
-    unsigned row = 1;
-    pilot_keys_page(&page, false);
-    for (const char *at = buf_text(&page); *at; row++) {
-        const size_t n = strcspn(at, "\n");
-        buf_printf(out, "\033[%u;1H\033[K", row + 1);
-        buf_add(out, at, n);
-        at += n + (at[n] == '\n');
-    }
-    buf_printf(out, "\033[%u;1H  any key goes on", row + 2);
-    out->failed |= page.failed;
-    buf_release(&page);
 }
 
 /* What one screen shows of a text that cells_wrap has broken, from byte *at on, and below it which
@@ -122,8 +121,8 @@ static void add_page(struct buf *out, const struct buf *text, size_t *at,
     }
     buf_add_text(out, "\033[m\033[H\033[2J");
     buf_add(out, buf_text(text) + first, *at - first);
-    buf_printf(out, "\033[%u;1H%s", size->rows,
-               *at < text->length ? "(any key: more; q: enough)" : "(any key)");
+    const char *more = size->columns < 26 ? "(any key; q: enough)" : "(any key: more; q: enough)";
+    buf_printf(out, "\033[%u;1H%s", size->rows, *at < text->length ? more : "(any key)");
 }
 
 /* ---- the screen ---- */
@@ -185,10 +184,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         painter_forget(&p->painter);
         refine_forget(&p->refine);
     }
-    if (p->state->mode == PILOT_HELPING)
-        add_help(&out);
-    else
-        add_picture(p, &out);
+    add_picture(p, &out);
     add_rows(&out, p, &facts, &size);
     if (p->facts->synchronizes)
         buf_add_text(&out, "\033[?2026l");
@@ -300,12 +296,10 @@ static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *
 
 static void await_key(struct pilot *p, struct key_event *event);
 
-static unsigned count_lines(const char *text)
+static bool has_lines(const char *text)
 {
-    unsigned lines = 0;
-    for (; *text; text++)
-        lines += *text == '\n';
-    return lines;
+    const char *feed = strchr(text, '\n');
+    return feed && feed[1];
 }
 
 static bool is_enough(const struct key_event *event)
@@ -313,29 +307,49 @@ static bool is_enough(const struct key_event *event)
     return event->key == KEY_ESCAPE || (event->key == KEY_CHARACTER && event->point == 'q');
 }
 
+/* One screen of a text, NULL for the page of keys, from *at on, until a key. Another size of the
+ * screen begins anew. */
+static enum err show_page(struct pilot *p, struct buf *text, size_t *at, struct key_event *event,
+                          struct fault *fault)
+{
+    const struct term_size size = term_size();
+    struct buf keys = {0}, wrapped = {0}, page = {0};
+    if (!text)
+        pilot_keys_page(&keys, size.columns);
+    cells_wrap(&wrapped, text ? text : &keys, size.columns);
+    add_page(&page, &wrapped, at, &size);
+    const bool was_last = *at >= wrapped.length;
+    enum err err = page.failed || wrapped.failed ? fault_memory(fault, "a page")
+                                                 : term_write(buf_text(&page), page.length, fault);
+    buf_release(&keys);
+    buf_release(&wrapped);
+    buf_release(&page);
+    p->is_resized = false;
+    if (!err)
+        await_key(p, event);
+    if (p->is_resized)
+        *at = 0;
+    else if (was_last || is_enough(event))
+        *at = SIZE_MAX;
+    return err;
+}
+
 /* What has more than a line has the screen for itself, page by page, each until a key. */
 static enum err show_pages(struct pilot *p, struct buf *text, struct fault *fault)
 {
-    struct buf wrapped = {0};
     struct key_event event = {0};
-    if (count_lines(buf_text(text)) < 2) {
-        keep_last_line(&p->message, buf_text(text));
-        return OK;
-    }
     enum err err = clear_picture(p, fault);
-    cells_wrap(&wrapped, text, term_size().columns);
-    for (size_t at = 0; !err && !p->is_over && !is_enough(&event) && at < wrapped.length;) {
-        const struct term_size size = term_size();
-        struct buf page = {0};
-        add_page(&page, &wrapped, &at, &size);
-        err = page.failed || wrapped.failed ? fault_memory(fault, "a page")
-                                            : term_write(buf_text(&page), page.length, fault);
-        buf_release(&page);
-        if (!err)
-            await_key(p, &event);
-    }
-    buf_release(&wrapped);
+    for (size_t at = 0; !err && !p->is_over && at != SIZE_MAX;)
+        err = show_page(p, text, &at, &event, fault);
     return err;
+}
+
+static enum err show_answer(struct pilot *p, struct buf *text, struct fault *fault)
+{
+    if (has_lines(buf_text(text)))
+        return show_pages(p, text, fault);
+    keep_last_line(&p->message, buf_text(text));
+    return OK;
 }
 
 static enum err ask_for_command(struct pilot *p, struct fault *fault)
@@ -345,8 +359,10 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
     bool ended = false;
     buf_printf(&place, "\033[%u;1H\033[K\033[?25h", term_size().rows);
     enum err err = term_write(buf_text(&place), place.length, fault);
+    p->editor->is_one_line = true;
     if (!err)
         err = line_edit(p->editor, ":", &ended, fault);
+    p->editor->is_one_line = false;
     if (!err)
         err = term_write("\033[?25l", 6, fault);
     p->is_stale = p->is_blank = true; /* long lines may have scrolled it away */
@@ -354,11 +370,31 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
     if (!err && !ended && line[strspn(line, " \t")]) {
         err = carry_out(p, line, &output, &of_command, fault);
         if (!err && !of_command)
-            err = show_pages(p, &output, fault);
+            err = show_answer(p, &output, fault);
     }
     buf_release(&place);
     buf_release(&output);
     return err;
+}
+
+/* What was pasted is given to the line editor as what is pasted there, before all that came since. */
+static enum err ask_for_pasted(struct pilot *p, struct fault *fault)
+{
+    struct line_editor *e = p->editor;
+    struct buf input = {0};
+    buf_add_text(&input, "\033[200~");
+    buf_add(&input, buf_text(&p->pasted), p->pasted.length);
+    buf_add_text(&input, "\033[201~");
+    buf_add(&input, buf_text(&e->input) + e->taken, e->input.length - e->taken);
+    buf_clear(&p->pasted);
+    if (input.failed || p->pasted.failed) {
+        buf_release(&input);
+        return fault_memory(fault, "what was pasted");
+    }
+    buf_release(&e->input);
+    e->input = input;
+    e->taken = 0;
+    return ask_for_command(p, fault);
 }
 
 /* ---- keys ---- */
@@ -379,6 +415,8 @@ static enum err do_deed(struct pilot *p, enum pilot_deed deed, struct fault *fau
     switch (deed) {
     case PILOT_PROMPT:
         return ask_for_command(p, fault);
+    case PILOT_SHOW_KEYS:
+        return show_pages(p, NULL, fault);
     case PILOT_REDRAW:
         return clear_picture(p, fault);
     case PILOT_SUSPEND:
@@ -410,9 +448,10 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
     struct buf lines = {0};
     enum pilot_deed deed = PILOT_NOTHING;
     uint32_t column, row;
-    if (event->key == KEY_REPLY || event->key == KEY_OTHER)
+    if (event->key == KEY_PASTE_END && p->pasted.length)
+        return ask_for_pasted(p, fault);
+    if (event->key == KEY_PASTE_END || event->key == KEY_OTHER)
         return OK;
-    const bool was_helping = p->state->mode == PILOT_HELPING;
     if (!p->host->facts(p->host->context, &facts)) {
         p->is_over = true;
         return OK;
@@ -424,26 +463,57 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
         pilot_click(p->state, event, column, row, p->host, &facts, &lines, &p->message);
     }
     p->is_stale = true;
-    p->is_blank |= was_helping || p->state->mode == PILOT_HELPING;
     enum err err =
         lines.failed ? fault_memory(fault, "a command") : carry_out_all(p, buf_text(&lines), fault);
     buf_release(&lines);
     return err ? err : do_deed(p, deed, fault);
 }
 
-/* The next key of what has been read; answers of the terminal are seen to. False when there is no
- * more of it. */
+/* Keys of a paste are its text (P3). Ctrl-C ends one that does not end, unless it is a part of it:
+ * nobody has typed anything after it. True with the end of the paste. */
+static bool take_pasted(struct pilot *p, struct key_event *event)
+{
+    const struct line_editor *e = p->editor;
+    const bool control = event->modifiers & KEY_CONTROL;
+    p->is_stale = true;
+    if (event->key == KEY_CHARACTER && control && event->point == 'c' &&
+        e->taken == e->input.length) {
+        buf_clear(&p->pasted);
+        event->key = KEY_PASTE_END;
+    }
+    if (event->key == KEY_ENTER || event->key == KEY_TAB)
+        buf_add_char(&p->pasted, ' ');
+    else if (event->key == KEY_CHARACTER && !control && p->pasted.length < PASTE_MOST)
+        buf_add(&p->pasted, event->text, event->length);
+    p->is_pasting = event->key != KEY_PASTE_END;
+    return !p->is_pasting;
+}
+
+/* Whether the event is for the pilot: answers of the terminal and pastes are seen to here. */
+static bool is_for_pilot(struct pilot *p, struct key_event *event)
+{
+    if (event->key == KEY_REPLY) {
+        if (keys_body_is_answer(&p->editor->keys))
+            flow_answered(&p->flow, clock_ns());
+        return false;
+    }
+    if (event->key == KEY_PASTE_BEGIN && !p->is_pasting) {
+        buf_clear(&p->pasted);
+        p->is_pasting = p->is_stale = true;
+        return false;
+    }
+    return !p->is_pasting || take_pasted(p, event);
+}
+
+/* The next key of what has been read. False when there is no more of it. */
 static bool next_key(struct pilot *p, struct key_event *event)
 {
     struct line_editor *e = p->editor;
     while (e->taken < e->input.length) {
         const uint8_t byte = (uint8_t)e->input.data[e->taken++];
-        if (!keys_feed(&e->keys, byte, event))
-            continue;
-        if (event->key != KEY_REPLY)
+        line_editor_mend(e, byte);
+        if (keys_feed(&e->keys, byte, event) && is_for_pilot(p, event))
             return true;
-        if (keys_body_is_answer(&e->keys))
-            flow_answered(&p->flow, clock_ns());
     }
     buf_clear(&e->input);
     e->taken = 0;
@@ -479,19 +549,28 @@ static bool wait_once(struct pilot *p, struct key_event *event)
         buf_release(&news);
         p->is_stale = true;
     } else if (input == TERM_TIMEOUT) {
-        if (keys_waiting(&e->keys))
-            return keys_time_out(&e->keys, event);
+        if (!keys_waiting(&e->keys) || !keys_time_out(&e->keys, event))
+            return false;
+        e->lone_escape = event->key == KEY_ESCAPE;
+        return is_for_pilot(p, event);
     }
-    if (term_was_resized() || term_was_continued())
+    if (term_was_resized() || term_was_continued()) {
+        p->is_resized = true;
         lay_out(p);
+    }
     return false;
 }
 
-/* For a page of text: any key, with nothing else going on. */
+/* For a page of text: any key, with nothing else going on; or another size of the screen. */
 static void await_key(struct pilot *p, struct key_event *event)
 {
-    while (!p->is_over && !next_key(p, event) && !wait_once(p, event))
-        ;
+    bool has_key = false;
+    while (!p->is_over && !p->is_resized && !has_key) {
+        has_key = next_key(p, event) || wait_once(p, event);
+        has_key = has_key && event->key != KEY_PASTE_END && event->key != KEY_OTHER &&
+                  event->key != KEY_MOUSE;
+    }
+    buf_clear(&p->pasted);
 }
 
 static enum err run(struct pilot *p, struct fault *fault)
@@ -537,6 +616,7 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
     *ended = p.has_ended;
     painter_release(&p.painter);
     refine_release(&p.refine);
+    buf_release(&p.pasted);
     buf_release(&p.message);
     buf_release(&out);
     return err;

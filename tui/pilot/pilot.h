@@ -12,7 +12,9 @@
  *      was meant to do;
  *   P2 all keys that have arrived are carried out before anything is drawn, and nothing is drawn
  *      before the line has carried the frames before (tui/pilot/flow.h): frames are dropped, never
- *      queued, and the newest state always comes.
+ *      queued, and the newest state always comes;
+ *   P3 what is pasted is never keys: it goes to the line that `:` asks for, and waits there for
+ *      Enter. What is pasted while a page of text is shown goes nowhere.
  */
 #ifndef TUI_PILOT_PILOT_H
 #define TUI_PILOT_PILOT_H
@@ -40,6 +42,7 @@ struct pilot_facts {
     uint32_t frame_width; /* of the rendition, in pixels */
     uint32_t frame_height;
     unsigned overlay; /* of labels in slices: 0 none, 1 tint, 2 contour */
+    bool has_object;  /* a voxel has a label above 0, or a seed waits to give it one */
 };
 
 /* How the picture is wanted. */
@@ -71,6 +74,8 @@ struct pilot_host {
                      enum pilot_pane *pane);
     /* The voxel under a pixel of the rendition, by its own columns and rows. */
     bool (*voxel_of_frame)(void *context, uint32_t column, uint32_t row, uint32_t place[3]);
+    /* The rendition's own pixel that the last picture shows at one of its pixels, or the nearest. */
+    void (*frame_pixel)(void *context, uint32_t column, uint32_t row, uint32_t pixel[2]);
     /* Adds what a label is called: "2 cerebellum". */
     void (*label)(void *context, unsigned label, struct buf *out);
     /* Adds what an eliminator at a voxel would take away, a marker or the single tree: "marker 7: 3

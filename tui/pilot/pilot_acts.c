@@ -296,8 +296,7 @@ static void say_brush(struct press *p)
 {
     buf_add_text(p->message, "the brush: label ");
     p->host->label(p->host->context, p->state->label, p->message);
-    buf_printf(p->message, ", radius %u%s", p->state->radius,
-               p->state->pen_is_down ? ", pen down" : "");
+    buf_printf(p->message, ", radius %u", p->state->radius);
 }
 
 void pilot_choose_label(struct press *p)
@@ -320,7 +319,8 @@ void pilot_change_radius(struct press *p)
 void pilot_lower_pen(struct press *p)
 {
     p->state->pen_is_down = !p->state->pen_is_down;
-    say_brush(p);
+    if (!p->state->pen_is_down) /* else what stands below the picture says so as long as it is */
+        buf_add_text(p->message, "the pen is up");
 }
 
 void pilot_begin_stroke(struct press *p)

@@ -223,6 +223,11 @@ void pilot_click(struct pilot_state *state, const struct key_event *event, uint3
     const bool shows = host->voxel_at(host->context, column, row, place, &pane);
     state->drags &= mouse->action == MOUSE_MOVED;
     state->is_silent = state->tells_all = false;
+    if (state->mode == PILOT_PICKING && pane == PILOT_RENDITION && mouse->button == MOUSE_LEFT &&
+        mouse->action != MOUSE_RELEASED) {
+        host->frame_pixel(host->context, column, row, state->pixel);
+        return;
+    }
     if (mouse->action == MOUSE_WHEEL_UP || mouse->action == MOUSE_WHEEL_DOWN) {
         turn_wheel(state, mouse->action == MOUSE_WHEEL_UP, pane, host, facts, line, message);
     } else if (mouse->button == MOUSE_LEFT && mouse->action == MOUSE_PRESSED) {

@@ -21,7 +21,6 @@ enum pilot_mode {
     PILOT_CONFIRMING, /* the marker whose trees hold the voxel is shown: x or Enter removes it */
     PILOT_CONFIRMING_TREE, /* the single tree is: X or Enter removes it */
     PILOT_WINDOWING,       /* arrows change the window */
-    PILOT_HELPING,         /* the page of keys is shown */
 };
 
 static inline bool pilot_confirms(enum pilot_mode mode)
@@ -30,7 +29,14 @@ static inline bool pilot_confirms(enum pilot_mode mode)
 }
 
 /* What the loop is to do beside carrying out the line. */
-enum pilot_deed { PILOT_NOTHING, PILOT_PROMPT, PILOT_REDRAW, PILOT_SUSPEND, PILOT_LEAVE };
+enum pilot_deed {
+    PILOT_NOTHING,
+    PILOT_PROMPT,
+    PILOT_SHOW_KEYS,
+    PILOT_REDRAW,
+    PILOT_SUSPEND,
+    PILOT_LEAVE
+};
 
 struct pilot_mark {
     bool is_set;
@@ -85,8 +91,8 @@ void pilot_click(struct pilot_state *state, const struct key_event *event, uint3
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
                      struct buf *out);
 
-/* Adds the page of keys, as lines of at most 78 columns; or, in `narrow` windows, an entry a line,
- * to be broken by cells_wrap. */
-void pilot_keys_page(struct buf *out, bool narrow);
+/* Adds the page of keys for a window of so many columns: two entries on a line of at most 78, or
+ * one; or each in two lines, to be broken by cells_wrap. */
+void pilot_keys_page(struct buf *out, unsigned columns);
 
 #endif

@@ -123,7 +123,7 @@ const struct pilot_row pilot_table[] = {
     {KEY("overlay", "o", "", BOTH), DO(pilot_change_overlay, 0), .help = "none, tint, contour"},
     {KEY("window", "w", "", BOTH), .then = PILOT_WINDOWING, .help = "the window of greys"},
     {KEY("command", ":", "", BOTH), .deed = PILOT_PROMPT, .help = "a command", .hint = ": command"},
-    {KEY("keys", "?", "", BOTH), .then = PILOT_HELPING, .help = "these keys", .hint = "? keys"},
+    {KEY("keys", "?", "", BOTH), .deed = PILOT_SHOW_KEYS, .help = "these keys", .hint = "? keys"},
     {KEY("redraw", "Ctrl-L", "", BOTH), .deed = PILOT_REDRAW, .help = "draw anew"},
     {KEY("suspend", "Ctrl-Z", "", BOTH), .deed = PILOT_SUSPEND, .help = "stop, as a job"},
     {KEY("leave", "q", "Ctrl-D", BOTH), .deed = PILOT_LEAVE, .help = "back to the prompt",
@@ -138,7 +138,6 @@ const struct pilot_row pilot_table[] = {
     {KEY("window-auto", "a", "", WINDOWING), .command = "window auto\n", .flags = SILENT,
      .hint = "left right width  up down brightness  a auto"},
     {KEY("end-window", "Enter", "Escape w", WINDOWING), .hint = "Enter done"},
-    {KEY("end-help", "any", "", PILOT_IN(PILOT_HELPING))},
 };
 const size_t pilot_rows = sizeof pilot_table / sizeof pilot_table[0];
 
@@ -147,8 +146,17 @@ const size_t pilot_rows = sizeof pilot_table / sizeof pilot_table[0];
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
                      struct buf *out)
 {
-    const enum pilot_mode mode = state->mode == PILOT_HELPING ? PILOT_MOVING : state->mode;
+    const enum pilot_mode mode = state->mode;
     const char *gap = "";
+    if (mode == PILOT_MOVING && state->pen_is_down) {
+        buf_add_text(out, "moving draws; v or Escape lifts the pen");
+        return;
+    }
+    if (mode == PILOT_MOVING && !facts->has_object) {
+        buf_add_text(out,
+                     "nothing to show yet: i plants a seed here, s0 background; ? keys  q back");
+        return;
+    }
     if (mode == PILOT_WINDOWING) {
         buf_add_text(out, "window ");
         pilot_add_decimal(out, facts->window[0]);
@@ -185,31 +193,40 @@ static bool begins_entry(const struct pilot_row *row)
     return row->help && *row->help;
 }
 
-/* Two entries on a line, or one; an empty line between parts. */
-void pilot_keys_page(struct buf *out, bool narrow)
+enum { KEYS_WIDE = 16, HELP_WIDE = 24, NARROW = 2 + KEYS_WIDE + 1 + HELP_WIDE, WIDE = 78 };
+
+/* An entry, at the left of its line where that is not given. */
+static void add_entry(struct buf *out, const struct pilot_row *row, const struct pilot_row *left,
+                      unsigned columns)
 {
-    enum { HELP = 24 };
-    const struct pilot_row *left = NULL;
     struct buf keys = {0};
+    add_keys(&keys, row);
+    if (columns < NARROW)
+        buf_printf(out, "%s\n  %s", buf_text(&keys), row->help);
+    else if (left)
+        buf_printf(out, "%*s%-*s %s", HELP_WIDE - (int)strlen(left->help), "", KEYS_WIDE - 1,
+                   buf_text(&keys), row->help);
+    else
+        buf_printf(out, "  %-*s %s", KEYS_WIDE, buf_text(&keys), row->help);
+    out->failed |= keys.failed;
+    buf_release(&keys);
+}
+
+/* An empty line stands between parts. */
+void pilot_keys_page(struct buf *out, unsigned columns)
+{
+    const struct pilot_row *left = NULL;
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
         const bool ends_part = !row->name && !row->help;
-        buf_clear(&keys);
-        if (begins_entry(row))
-            add_keys(&keys, row);
-        if (left && begins_entry(row))
-            buf_printf(out, "%*s%-15s %s", HELP - (int)strlen(left->help), "", buf_text(&keys),
-                       row->help);
-        if (left && (begins_entry(row) || ends_part))
-            buf_add_char(out, '\n');
-        if (!left && begins_entry(row))
-            buf_printf(out, narrow ? "%s  %s\n" : "  %-16s %s", buf_text(&keys), row->help);
         if (ends_part)
+            buf_add_text(out, left ? "\n\n" : "\n");
+        else if (begins_entry(row))
+            add_entry(out, row, left, columns);
+        if (begins_entry(row) && (left || columns < WIDE))
             buf_add_char(out, '\n');
         if (begins_entry(row) || ends_part)
-            left = left || ends_part || narrow ? NULL : row;
+            left = left || ends_part || columns < WIDE ? NULL : row;
     }
     if (left)
         buf_add_char(out, '\n');
-    out->failed |= keys.failed;
-    buf_release(&keys);
 }

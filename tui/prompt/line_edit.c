@@ -236,6 +236,10 @@ static enum outcome plain_key(struct line_editor *e, const struct key_event *eve
 {
     if (event->key == KEY_ENTER)
         return SUBMIT;
+    if (event->key == KEY_ESCAPE && e->is_one_line) {
+        line_clear(&e->line);
+        return SUBMIT;
+    }
     if (event->key == KEY_TAB)
         return event->modifiers == 0 ? COMPLETE : GO_ON;
     if (event->key == KEY_CHARACTER && event->modifiers & KEY_CONTROL)
@@ -274,9 +278,9 @@ static enum outcome paste_key(struct line_editor *e, const struct key_event *eve
         e->pasting = false;
         return ABANDON;
     }
-    if (event->key == KEY_ENTER)
+    if (event->key == KEY_ENTER && !e->is_one_line)
         return SUBMIT;
-    if (event->key == KEY_TAB)
+    if (event->key == KEY_TAB || event->key == KEY_ENTER)
         line_insert(&e->line, " ", 1);
     else if (event->key == KEY_CHARACTER && !control)
         line_insert(&e->line, event->text, event->length);
@@ -299,9 +303,9 @@ static enum outcome take_key(struct line_editor *e, const struct key_event *even
     return e->line.searching ? search_key(e, event) : plain_key(e, event);
 }
 
-/* A slow connection may cut a reply right after its ESC. Nobody types a bracket after the Escape
- * key, which means nothing here; the letters that begin a string, one may. */
-static void mend_torn_reply(struct line_editor *e, uint8_t byte)
+/* Nobody types a bracket after the Escape key, which means nothing here; the letters that begin a
+ * string, one may. */
+void line_editor_mend(struct line_editor *e, uint8_t byte)
 {
     struct key_event event;
     const bool strings = e->unanswered || e->answers_due > 0;
@@ -314,7 +318,7 @@ static void mend_torn_reply(struct line_editor *e, uint8_t byte)
 static enum outcome take_byte(struct line_editor *e, uint8_t byte)
 {
     struct key_event event;
-    mend_torn_reply(e, byte);
+    line_editor_mend(e, byte);
     bool second = byte == '\n' && e->after_return;
     e->after_return = e->pasting && byte == '\r';
     if (second || !keys_feed(&e->keys, byte, &event))

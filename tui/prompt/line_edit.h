@@ -48,6 +48,7 @@ struct line_editor {
     struct buf input; /* bytes read; those before `taken` are done with */
     size_t taken;
     bool pasting;
+    bool is_one_line;  /* a line feed in a paste is a blank; Escape empties and submits it */
     bool lone_escape;  /* the last byte was an ESC that nothing followed for a while */
     bool unanswered;   /* the terminal was asked and has not answered: what it says may come yet */
     bool after_return; /* of CR LF in a paste, the LF says nothing new */
@@ -65,6 +66,10 @@ struct line_editor {
 
 void line_editor_init(struct line_editor *e, line_complete_function *complete, void *context);
 void line_editor_release(struct line_editor *e);
+
+/* To be told of each byte before keys_feed: a slow connection may cut an answer of the terminal
+ * right after its ESC, which was taken for the Escape key then. */
+void line_editor_mend(struct line_editor *e, uint8_t byte);
 
 /* Reads a line at the terminal, which is open and raw, and adds it to the history. News that come
  * meanwhile stand above the line. The line is then
