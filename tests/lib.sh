@@ -12,8 +12,9 @@
 # instead of the tool (tests/test_layout.sh sees to it).
 
 LC_ALL=C
-IFTTY_HISTORY= # what is typed here is none of the user's
-export LC_ALL IFTTY_HISTORY
+IFTTY_HISTORY= # what is typed here is none of the user's, and nothing of theirs counts
+IFTTY_CONFIG=
+export LC_ALL IFTTY_HISTORY IFTTY_CONFIG
 cd "$(dirname "$0")/.." || exit 1
 top=$(pwd)
 build=${IFTTY_BUILD:-build}

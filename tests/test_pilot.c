@@ -112,7 +112,7 @@ static void begin(void)
                                  .frame_height = 48};
     has_tree = has_seed = shows = true;
     memset(hidden, 0, sizeof hidden);
-    pilot_state_init(&state);
+    pilot_state_init(&state, &pilot_setup_default);
 }
 
 static void press(enum key key, unsigned modifiers, char c)
@@ -192,7 +192,7 @@ STORY(a_key_that_takes_no_count_does_nothing_with_one)
 {
     begin();
     CHECK_TEXT(type("3i"), "");
-    CHECK_HAS(buf_text(&message), "i Enter takes no count; nothing was done");
+    CHECK_HAS(buf_text(&message), "i takes no count; nothing was done");
     CHECK_TEXT(type("2s1"), "");
     CHECK_HAS(buf_text(&message), "takes no count");
     CHECK_TEXT(type("i"), "seed 20,25,30 1\n"); /* and it is forgotten */
@@ -569,7 +569,7 @@ static void is_card_of(const char *path, const struct buf *page)
 STORY(the_page_of_keys_fits_and_is_the_card_in_the_readmes)
 {
     struct buf page = {0};
-    pilot_keys_page(&page, 80);
+    pilot_keys_page(&page, &pilot_setup_default, 80);
     for (const char *at = buf_text(&page); *at; at += strcspn(at, "\n") + 1)
         CHECK(strcspn(at, "\n") <= 78);
     is_card_of("README.md", &page);
@@ -581,7 +581,7 @@ STORY(the_page_of_keys_fits_any_window)
 {
     for (unsigned columns = 20; columns < 100; columns++) {
         struct buf page = {0}, wrapped = {0};
-        pilot_keys_page(&page, columns);
+        pilot_keys_page(&page, &pilot_setup_default, columns);
         cells_wrap(&wrapped, &page, columns);
         for (const char *at = buf_text(&wrapped); *at; at += strcspn(at, "\n") + 1)
             CHECK(cells_width(at, strcspn(at, "\r\n")) <= columns);

@@ -160,12 +160,15 @@ close_story
 begin "what the keys do in a mode stands below as long as it lasts, and fits"
 type_letters "w"
 press Left
-see '^window [-0-9.]+ [-0-9.]+  left right width  up down brightness  a auto  Enter done$'
+see '^window [-0-9.]+ [-0-9.]+  arrows  a auto  Enter done  1 bone  2 brain  3 lung'
 press Enter
 see '^i seed '
+type_letters "w2"
+recorded "window 0 80"
+see '^the window of brain$'
 type_letters "p"
 press Left
-see '^CORRECT at pixel [0-9]+,[0-9]+  0-9 Enter: a seed there  p to its voxel  Escape ends$'
+see '^CORRECT at pixel [0-9]+,[0-9]+  0-9 a seed there  p to its voxel  Escape ends$'
 press Escape
 see '^i seed '
 close_story
@@ -259,6 +262,65 @@ if "$iftty" run reference >/dev/null 2>&1; then
 else
     skip "there is no ch2.nii.gz here"
 fi
+close_story
+
+begin "what a user has written down: keys, a brush, commands; and what of it is wrong"
+cat >config <<END
+theme light
+brush 7 2
+key plant P
+key undu U
+window liver 60 160
+start overlay tint
+start overlay red
+END
+rm -f s-*.iftty
+enter "clear; IFTTY_CONFIG=config $iftty s.nii"
+see '^config:4: there is no action undu; did you mean undo\?; left out$'
+see '^config:7: LABELS: expected '
+see '^s>$'
+press C-o
+see '^axial 8 at 12,10,8  brush 7 r2'
+type_letters "P"
+recorded "seed 12,10,8 7 radius=2"
+type_letters "?"
+see '^  P +a seed of the label'
+type_letters "q"
+type_letters "w5"
+recorded "window -20 140"
+type_letters "q"
+enter "quit"
+see '^journal: '
+grep -qx 'overlay tint' s-1.iftty || fail "the command is not recorded"
+enter "clear; IFTTY_CONFIG=config $iftty s-1.iftty"
+see 'resumed as they left it'
+enter "quit"
+see '^journal: '
+same "$(grep -cx 'overlay tint' s-1.iftty)" 1 # a session that goes on does not begin
+expect 0 "$iftty" verify s-1.iftty
+IFTTY_CONFIG=config expect 0 "$iftty" -c "open s.nii"
+! grep -q overlay out || fail "a script is not begun with it"
+echo "open s.nii" | IFTTY_CONFIG=config "$iftty" >out 2>err
+! grep -q 'config\|overlay' out err || fail "nor is what is no terminal"
+close_story
+
+begin "a theme without colours has none anywhere"
+echo "theme none" >config
+enter "clear; IFTTY_CONFIG=config $iftty s.nii"
+see '^s>$'
+type_letters "see"
+press C-u
+press C-o
+see '^axial'
+type_letters "v"
+see '^PEN DOWN'
+! tmux_here capture-pane -e -p -t prompt | grep -q "$(printf '\033')\[[0-9;]*[34][0-8][;m]" ||
+    fail "there are colours"
+type_letters "q"
+see '^s>$'
+enter "quit"
+see '^journal: '
+sane
 close_story
 
 begin "in a script there is no pilot"

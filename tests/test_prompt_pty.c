@@ -48,6 +48,7 @@ static void become_program(int slave, const struct setting *setting)
     unsetenv("NO_COLOR");
     setenv("LC_ALL", "C", 1);
     setenv("IFTTY_HISTORY", "history", 1);
+    setenv("IFTTY_CONFIG", "", 1);
     if (setting->no_color)
         setenv("NO_COLOR", setting->no_color, 1);
     execl(program, "iftty", setting->scene, (char *)NULL);

@@ -1,9 +1,11 @@
 /* `iftty` at a terminal, or in a pipe: the prompt and, from there, the pilot. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "program/begin.h"
+#include "program/config.h"
 #include "program/console.h"
 #include "program/pilot_host.h"
 #include "program/programs.h"
@@ -16,6 +18,8 @@ struct prompt {
     struct pilot_interpreter pilot; /* first: the pilot's host has this whole as its context */
     struct pilot_host host;
     struct pilot_state state; /* of the pilot, from one time to the next */
+    struct config config;
+    bool has_started; /* its commands have been carried out, or are not to be */
     struct interpreter interp;
     struct reply reply;
     char name[24];     /* before the "> " */
@@ -32,15 +36,46 @@ static void prompt_text(void *context, struct buf *out)
     buf_add_text(out, "> ");
 }
 
-static enum err prompt_execute(void *context, const char *line, struct buf *output,
-                               struct fault *fault)
+static enum err execute(struct prompt *prompt, const char *line, struct buf *output,
+                        struct fault *fault)
 {
-    struct prompt *prompt = context;
     console_forget_interrupt();
     enum err err = interpreter_execute(&prompt->interp, line, &prompt->reply, fault);
     console_erase_progress();
     if (!err)
         buf_add_text(output, buf_text(&prompt->reply.text));
+    return err;
+}
+
+/* The commands that a user begins with: as soon as there is a scene. One that fails is named. */
+static void start(struct prompt *prompt, struct buf *output)
+{
+    struct fault fault;
+    if (prompt->has_started || !prompt->interp.session.has_scene)
+        return;
+    prompt->has_started = true;
+    for (const char *at = buf_text(&prompt->config.start); *at;) {
+        struct buf line = {0};
+        char *command;
+        const size_t n = strcspn(at, "\n");
+        buf_add(&line, at, n);
+        const unsigned long number = strtoul(buf_text(&line), &command, 10);
+        if (execute(prompt, command, output, &fault)) {
+            buf_add_safe_text(output, buf_text(&prompt->config.path));
+            buf_printf(output, ":%lu: %s\n", number, fault.text);
+        }
+        buf_release(&line);
+        at += n + (at[n] == '\n');
+    }
+}
+
+static enum err prompt_execute(void *context, const char *line, struct buf *output,
+                               struct fault *fault)
+{
+    struct prompt *prompt = context;
+    const enum err err = execute(prompt, line, output, fault);
+    if (!err)
+        start(prompt, output);
     return err;
 }
 
@@ -63,15 +98,18 @@ static enum err prompt_begin(void *context, struct buf *output, struct fault *fa
     struct prompt *prompt = context;
     struct buf line = {0};
     enum err err = OK;
+    buf_add_text(output, buf_text(&prompt->config.words));
     if (prompt->resumes)
         return resume_first(prompt, output, fault);
     if (prompt->first) {
         buf_add_text(&line, "open ");
         command_write_word(&line, prompt->first);
-        err = prompt_execute(prompt, buf_text(&line), output, fault);
+        err = execute(prompt, buf_text(&line), output, fault);
     }
     if (!err)
-        err = prompt_execute(prompt, "auto on", output, fault);
+        err = execute(prompt, "auto on", output, fault);
+    if (!err)
+        start(prompt, output);
     if (!err && prompt->interp.has_pilot)
         buf_add_text(output, "Ctrl-O: the pilot, to segment by keys; `help`: the commands\n");
     buf_release(&line);
@@ -147,7 +185,8 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
                                    .finished = prompt_finished};
     struct buf history = {0};
     const bool has_history = line_history_path(&history);
-    const struct repl_options how = {o->graphics, has_history ? buf_text(&history) : NULL};
+    const struct repl_options how = {o->graphics, has_history ? buf_text(&history) : NULL,
+                                     prompt->config.setup.theme};
     const enum err err = repl_run(&host, &how, fault);
     buf_release(&history);
     return err;
@@ -227,7 +266,13 @@ enum err run_prompt(const struct options *o, struct fault *fault)
     prompt.host = (struct pilot_host){
         .context = &prompt, .execute = prompt_execute, .finished = prompt_finished};
     pilot_host_fill(&prompt.host);
-    pilot_state_init(&prompt.state);
+    config_init(&prompt.config);
+    if (is_terminal)
+        config_read(&prompt.config);
+    if (!prompt.config.setup.theme->has_colours)
+        setenv("NO_COLOR", "1", 1); /* which says just that, here and in the helpers */
+    prompt.has_started = prompt.resumes;
+    pilot_state_init(&prompt.state, &prompt.config.setup);
     prompt.pilot.interp = &prompt.interp;
     prompt.pilot.smooth = o->smooth;
     prompt.interp.has_pilot = is_terminal;
@@ -239,6 +284,7 @@ enum err run_prompt(const struct options *o, struct fault *fault)
     if (prompt.interp.journal && isatty(STDOUT_FILENO))
         print_journal(prompt.interp.journal);
     reply_release(&prompt.reply);
+    config_release(&prompt.config);
     pilot_interpreter_release(&prompt.pilot);
     interpreter_release(&prompt.interp);
     buf_release(&journal);

@@ -269,6 +269,7 @@ static _Noreturn void become_program(int inner, const char *program, char *const
     setenv("TERM", term, 1);
     setenv("HOME", home, 1);
     setenv("IFTTY_HISTORY", "", 1);
+    setenv("IFTTY_CONFIG", "", 1);
     unsetenv("NO_COLOR");
     unsetenv("TMUX");
     execv(program, argument);

@@ -75,10 +75,9 @@ static void add_status(struct buf *row, const struct pilot_state *state,
     buf_printf(row, "  %s", facts->where);
 }
 
-/* What is not to be overlooked. */
-static const char *alarm_of(const struct terminal_facts *facts)
+static const char *alarm_of(const struct pilot *p)
 {
-    return facts->colours == COLOURS_NONE ? "\033[7m" : "\033[1;97;41m";
+    return p->facts->colours == COLOURS_NONE ? "\033[7m" : p->state->setup->theme->alarm;
 }
 
 /* Two rows at the foot of the screen. The upper one shows where the cross-hair is, what a key would
@@ -102,7 +101,7 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
     else
         add_status(&upper, p->state, p->host, facts);
     add_row(out, size->rows - 2, size->columns, buf_text(&upper),
-            p->state->pen_is_down ? alarm_of(p->facts) : "");
+            p->state->pen_is_down ? alarm_of(p) : "");
     add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower), "");
     out->failed |= upper.failed || lower.failed;
     buf_release(&upper);
@@ -315,7 +314,7 @@ static enum err show_page(struct pilot *p, struct buf *text, size_t *at, struct 
     const struct term_size size = term_size();
     struct buf keys = {0}, wrapped = {0}, page = {0};
     if (!text)
-        pilot_keys_page(&keys, size.columns);
+        pilot_keys_page(&keys, p->state->setup, size.columns);
     cells_wrap(&wrapped, text ? text : &keys, size.columns);
     add_page(&page, &wrapped, at, &size);
     const bool was_last = *at >= wrapped.length;

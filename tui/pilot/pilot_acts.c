@@ -415,6 +415,24 @@ void pilot_change_overlay(struct press *p)
     buf_printf(p->line, "overlay %s\n", overlay[(p->facts->overlay + 1) % 3]);
 }
 
+void pilot_preset(struct press *p)
+{
+    const struct pilot_setup *setup = p->state->setup;
+    const size_t number = p->event->point - '1';
+    if (number >= setup->windows) {
+        buf_printf(p->message, "there are %zu windows", setup->windows);
+        return;
+    }
+    const struct setup_window *window = setup->window + number;
+    const int64_t low = window->centre - window->width / 2;
+    buf_add_text(p->line, "window ");
+    pilot_add_decimal(p->line, (double)low / 1000);
+    buf_add_char(p->line, ' ');
+    pilot_add_decimal(p->line, (double)(low + window->width) / 1000);
+    buf_add_char(p->line, '\n');
+    buf_printf(p->message, "the window of %s", window->name);
+}
+
 /* ---- a pixel of the rendition ---- */
 
 /* It stays where it was, as long as the picture goes there. */

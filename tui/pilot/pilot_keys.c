@@ -7,9 +7,10 @@
 
 enum { COUNT_MOST = 9999 };
 
-void pilot_state_init(struct pilot_state *state)
+void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup)
 {
-    *state = (struct pilot_state){.pane = PILOT_AXIAL, .label = 1};
+    *state = (struct pilot_state){
+        .setup = setup, .pane = PILOT_AXIAL, .label = setup->label, .radius = setup->radius};
 }
 
 void pilot_state_enter(struct pilot_state *state)
@@ -32,38 +33,60 @@ static bool fits_any(const char *words, uint32_t leader, const struct key_event 
     return false;
 }
 
+/* Of the rows that the user has given keys, or by the keys of the table. */
+static const struct pilot_row *find_among(const struct pilot_state *state,
+                                          const struct key_event *event, bool own)
+{
+    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
+        const char *words = row->name ? setup_own(state->setup, row) : NULL;
+        if (!row->name || !(row->in & PILOT_IN(state->mode)))
+            continue;
+        if (fits_any(own     ? words
+                     : words ? ""
+                             : row->keys,
+                     state->leader, event) ||
+            (!own && fits_any(row->also, state->leader, event)))
+            return row;
+    }
+    return NULL;
+}
+
 static const struct pilot_row *find_row(const struct pilot_state *state,
                                         const struct key_event *event)
 {
-    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++)
-        if (row->name && row->in & PILOT_IN(state->mode) &&
-            (fits_any(row->keys, state->leader, event) ||
-             fits_any(row->also, state->leader, event)))
-            return row;
-    return NULL;
+    const struct pilot_row *row = find_among(state, event, true);
+    return row ? row : find_among(state, event, false);
 }
 
 /* ---- a key that waits for a second one ---- */
 
-static bool is_led_by(const struct pilot_row *row, uint32_t leader)
+static bool has_led(const char *words, uint32_t leader)
 {
     struct chord chord;
-    const char *words = row->keys, *word;
+    const char *word;
     size_t length;
-    return row->name && chord_next(&words, &word, &length) && chord_read(word, length, &chord) &&
-           chord.leader == leader;
+    while (chord_next(&words, &word, &length))
+        if (chord_read(word, length, &chord) && chord.leader == leader)
+            return true;
+    return false;
 }
 
 /* What may follow the leader: "gg first-slice  gc centre"; whether anything may. */
 static bool tell_led(const struct pilot_state *state, uint32_t leader, struct buf *message)
 {
     const char *gap = "";
+    struct buf keys = {0};
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
-        if (!is_led_by(row, leader) || !(row->in & PILOT_IN(state->mode)))
+        buf_clear(&keys);
+        if (row->name && row->in & PILOT_IN(state->mode))
+            setup_add_keys(&keys, state->setup, row, SIZE_MAX);
+        if (!has_led(buf_text(&keys), leader))
             continue;
-        buf_printf(message, "%s%s %s", gap, row->keys, row->name);
+        buf_printf(message, "%s%s %s", gap, buf_text(&keys), row->name);
         gap = "  ";
     }
+    message->failed |= keys.failed;
+    buf_release(&keys);
     return *gap;
 }
 
@@ -99,7 +122,8 @@ static void carry_out(struct press *p, const struct pilot_row *row)
 
 static void refuse_count(struct press *p, const struct pilot_row *row)
 {
-    buf_printf(p->message, "%s takes no count; nothing was done", row->keys);
+    setup_add_keys(p->message, p->state->setup, row, 1);
+    buf_add_text(p->message, " takes no count; nothing was done");
 }
 
 static void dispatch(struct press *p)
@@ -137,7 +161,7 @@ static bool count_on(struct press *p)
     const struct key_event *event = p->event;
     const bool is_digit = event->key == KEY_CHARACTER && !event->modifiers && !state->leader &&
                           event->point >= '0' && event->point <= '9';
-    if (!is_digit || state->mode != PILOT_MOVING)
+    if (!is_digit || state->mode != PILOT_MOVING || find_among(state, event, true))
         return false;
     if (state->count == 0 && event->point == '0') {
         buf_add_text(p->message, "a count begins with 1-9; s0 plants a seed of label 0");
@@ -165,7 +189,7 @@ static bool lead_on(struct press *p)
     struct pilot_state *state = p->state;
     const struct key_event *event = p->event;
     if (state->leader || event->key != KEY_CHARACTER || event->modifiers ||
-        !tell_led(state, event->point, p->message))
+        find_among(state, event, true) || !tell_led(state, event->point, p->message))
         return false;
     state->leader = event->point;
     return true;

@@ -14,6 +14,7 @@
 
 #include "tui/keys.h"
 #include "tui/pilot/pilot.h"
+#include "tui/pilot/setup.h"
 
 enum pilot_mode {
     PILOT_MOVING,     /* keys move the cross-hair, plant, turn .. */
@@ -53,6 +54,7 @@ struct pilot_change {
 };
 
 struct pilot_state {
+    const struct pilot_setup *setup;
     enum pilot_mode mode, base; /* where others lead back to: moving or picking */
     enum pilot_pane pane;       /* of the three slices: arrows move in it */
     unsigned label;             /* that is planted */
@@ -70,7 +72,8 @@ struct pilot_state {
     struct pilot_change change;
 };
 
-void pilot_state_init(struct pilot_state *state);
+/* The setup is borrowed. */
+void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup);
 
 /* The pilot is entered once more: what was chosen is as it was, what was begun is not. */
 void pilot_state_enter(struct pilot_state *state);
@@ -93,6 +96,6 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
 
 /* Adds the page of keys for a window of so many columns: two entries on a line of at most 78, or
  * one; or each in two lines, to be broken by cells_wrap. */
-void pilot_keys_page(struct buf *out, unsigned columns);
+void pilot_keys_page(struct buf *out, const struct pilot_setup *setup, unsigned columns);
 
 #endif

@@ -45,7 +45,8 @@ struct pilot_row {
     unsigned flags;
     const char *help; /* on the page; "" joins the row before; NULL begins another part of the page
                          where the row has no keys, else it is not there */
-    const char *hint; /* below the picture as long as one of its modes lasts, or NULL */
+    const char
+        *hint; /* after its key, below the picture as long as one of its modes lasts; or NULL */
 };
 
 extern const struct pilot_row pilot_table[];
@@ -90,6 +91,7 @@ void pilot_roll(struct press *p);
 void pilot_pan(struct press *p); /* one of the ways */
 void pilot_change_zoom(struct press *p);
 void pilot_change_overlay(struct press *p);
+void pilot_preset(struct press *p); /* the window of that number */
 void pilot_begin_picking(struct press *p);
 void pilot_end_picking(struct press *p); /* 1: at the voxel; 0: where the cross-hair is */
 

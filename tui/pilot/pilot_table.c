@@ -62,13 +62,13 @@ const struct pilot_row pilot_table[] = {
     {.keys = "mouse", .help = "a click: there"},
     PART,
     {KEY("plant", "i Enter", "", BOTH), DO(pilot_plant, 0), .flags = CHANGES,
-     .help = "a seed of the label", .hint = "i seed"},
+     .help = "a seed of the label", .hint = "seed"},
     {KEY("plant-picked", "0-9", "", PICKING), DO(pilot_plant_label, 0), .flags = CHANGES,
-     .hint = "0-9 Enter: a seed there"},
+     .hint = "a seed there"},
     {KEY("plant-label", "s0-9", "", BOTH), DO(pilot_plant_label, 0), .flags = CHANGES,
      .help = "a seed of 0-9"},
     {KEY("next-label", "b", "", BOTH), DO(pilot_choose_label, 1), .flags = COUNTS,
-     .help = "the label: 12b is 12", .hint = "b label"},
+     .help = "the label: 12b is 12", .hint = "label"},
     {KEY("previous-label", "B", "", BOTH), DO(pilot_choose_label, -1), .flags = COUNTS, .help = ""},
     {KEY("larger", "+", "=", BOTH), DO(pilot_change_radius, 1), .flags = COUNTS,
      .help = "the brush's radius"},
@@ -76,7 +76,7 @@ const struct pilot_row pilot_table[] = {
     {KEY("pen", "v", "", MOVING), DO(pilot_lower_pen, 0), .help = "pen down: moving draws"},
     {KEY("stroke", "I", "", MOVING), DO(pilot_begin_stroke, 0), .help = "one end of a stroke"},
     {KEY("eliminate", "x", "", BOTH), DO(pilot_show_held, 0), PAGE("x X", "remove marker, tree"),
-     .hint = "x remove"},
+     .hint = "remove"},
     {KEY("eliminate-tree", "X", "", BOTH), DO(pilot_show_held, 1), .help = ""},
     {KEY("repeat", ".", "", BOTH), DO(pilot_repeat, 0), .help = "the change again"},
     {KEY("hide", "e", "", BOTH), DO(pilot_hide, 0), .flags = COUNTS | CHANGES,
@@ -88,7 +88,7 @@ const struct pilot_row pilot_table[] = {
     {KEY("drop", "Escape", "", MOVING), DO(pilot_drop_stroke, 0), .help = "no pen, no stroke"},
     {KEY("run", "Space", "", BOTH), .command = "run\n", .help = "run what waits"},
     {KEY("undo", "u", "", BOTH), DO(pilot_undo, -1), .flags = COUNTS | PILOT_TELLS_ALL,
-     .help = "undo", .hint = "u undo"},
+     .help = "undo", .hint = "undo"},
     {KEY("redo", "Ctrl-R", "", BOTH), DO(pilot_undo, 1), .flags = COUNTS, .help = "redo"},
     PART,
     {KEY("turn-right", "r", "Shift-Right", BOTH), DO(pilot_turn, PILOT_RIGHT), .flags = COUNTS,
@@ -110,9 +110,8 @@ const struct pilot_row pilot_table[] = {
     {KEY("nearer", "z", "", BOTH), DO(pilot_change_zoom, 1), .help = "nearer, farther"},
     {KEY("farther", "Z", "", BOTH), DO(pilot_change_zoom, -1), .help = ""},
     {KEY("correct", "p", "", MOVING), DO(pilot_begin_picking, 0), .help = "correct the rendition"},
-    {KEY("to-voxel", "p", "", PICKING), DO(pilot_end_picking, 1), .hint = "p to its voxel"},
-    {KEY("stop-correcting", "Escape", "", PICKING), DO(pilot_end_picking, 0),
-     .hint = "Escape ends"},
+    {KEY("to-voxel", "p", "", PICKING), DO(pilot_end_picking, 1), .hint = "to its voxel"},
+    {KEY("stop-correcting", "Escape", "", PICKING), DO(pilot_end_picking, 0), .hint = "ends"},
     {KEY("pan-left", "Alt-Left", "Alt-h", BOTH), DO(pilot_pan, PILOT_LEFT), .flags = COUNTS,
      PAGE("Alt-arrows", "move the rendition")},
     {KEY("pan-down", "Alt-Down", "Alt-j", BOTH), DO(pilot_pan, PILOT_DOWN), .flags = COUNTS,
@@ -122,70 +121,106 @@ const struct pilot_row pilot_table[] = {
      .help = ""},
     {KEY("overlay", "o", "", BOTH), DO(pilot_change_overlay, 0), .help = "none, tint, contour"},
     {KEY("window", "w", "", BOTH), .then = PILOT_WINDOWING, .help = "the window of greys"},
-    {KEY("command", ":", "", BOTH), .deed = PILOT_PROMPT, .help = "a command", .hint = ": command"},
-    {KEY("keys", "?", "", BOTH), .deed = PILOT_SHOW_KEYS, .help = "these keys", .hint = "? keys"},
+    {KEY("command", ":", "", BOTH), .deed = PILOT_PROMPT, .help = "a command", .hint = "command"},
+    {KEY("keys", "?", "", BOTH), .deed = PILOT_SHOW_KEYS, .help = "these keys", .hint = "keys"},
     {KEY("redraw", "Ctrl-L", "", BOTH), .deed = PILOT_REDRAW, .help = "draw anew"},
     {KEY("suspend", "Ctrl-Z", "", BOTH), .deed = PILOT_SUSPEND, .help = "stop, as a job"},
     {KEY("leave", "q", "Ctrl-D", BOTH), .deed = PILOT_LEAVE, .help = "back to the prompt",
-     .hint = "q back"},
+     .hint = "back"},
 
     {KEY("eliminate-it", "x Enter", "", CONFIRMING), .command = "remove @\n", .flags = CHANGES,
-     .hint = "x or Enter removes the hatched marker"},
+     .hint = "removes the hatched marker"},
     {KEY("eliminate-that-tree", "X Enter", "", CONFIRMING_TREE), .command = "remove @ of=tree\n",
-     .flags = CHANGES, .hint = "X or Enter removes the hatched tree"},
-    {KEY("keep-it", "Escape", "", CONFIRMING | CONFIRMING_TREE), .hint = "Escape keeps it"},
+     .flags = CHANGES, .hint = "removes the hatched tree"},
+    {KEY("keep-it", "Escape", "", CONFIRMING | CONFIRMING_TREE), .hint = "keeps it"},
 
+    {KEY("preset", "1-9", "", WINDOWING), DO(pilot_preset, 0), .flags = SILENT},
     {KEY("window-auto", "a", "", WINDOWING), .command = "window auto\n", .flags = SILENT,
-     .hint = "left right width  up down brightness  a auto"},
-    {KEY("end-window", "Enter", "Escape w", WINDOWING), .hint = "Enter done"},
+     .hint = "auto"},
+    {KEY("end-window", "Enter", "Escape w", WINDOWING), .hint = "done"},
 };
 const size_t pilot_rows = sizeof pilot_table / sizeof pilot_table[0];
 
 /* ---- what the keys do ---- */
 
-void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
-                     struct buf *out)
+static void add_first_key(struct buf *out, const struct pilot_setup *setup, const char *name)
 {
-    const enum pilot_mode mode = state->mode;
-    const char *gap = "";
-    if (mode == PILOT_MOVING && state->pen_is_down) {
-        buf_add_text(out, "moving draws; v or Escape lifts the pen");
-        return;
-    }
-    if (mode == PILOT_MOVING && !facts->has_object) {
-        buf_add_text(out,
-                     "nothing to show yet: i plants a seed here, s0 background; ? keys  q back");
-        return;
-    }
-    if (mode == PILOT_WINDOWING) {
-        buf_add_text(out, "window ");
-        pilot_add_decimal(out, facts->window[0]);
-        buf_add_char(out, ' ');
-        pilot_add_decimal(out, facts->window[1]);
-        gap = "  ";
-    } else if (mode == PILOT_PICKING) {
-        buf_printf(out, "CORRECT at pixel %u,%u", state->pixel[0], state->pixel[1]);
-        gap = "  ";
-    }
-    for (size_t i = 0; i < pilot_rows; i++) {
-        const unsigned in = pilot_table[i].in;
-        if (!pilot_table[i].hint || !(in & (in & MOVING ? MOVING : in) & PILOT_IN(mode)))
+    setup_add_keys(out, setup, pilot_table + setup_row(name), 1);
+}
+
+/* The hints of the rows of a mode alone; while one moves, of those for correcting too. */
+static void add_hints(struct buf *out, const struct pilot_state *state, const char *gap)
+{
+    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
+        const unsigned in = row->in & MOVING ? MOVING : row->in;
+        if (!row->hint || !(in & PILOT_IN(state->mode)))
             continue;
-        buf_printf(out, "%s%s", gap, pilot_table[i].hint);
+        buf_add_text(out, gap);
+        setup_add_keys(out, state->setup, row, 1);
+        buf_printf(out, " %s", row->hint);
         gap = "  ";
     }
 }
 
-/* The keys of an entry: those of its row and of the rows that join it. */
-static void add_keys(struct buf *out, const struct pilot_row *row)
+static void add_window_hint(struct buf *out, const struct pilot_state *state,
+                            const struct pilot_facts *facts)
 {
-    if (row->shown) {
+    const struct pilot_setup *setup = state->setup;
+    buf_add_text(out, "window ");
+    pilot_add_decimal(out, facts->window[0]);
+    buf_add_char(out, ' ');
+    pilot_add_decimal(out, facts->window[1]);
+    buf_add_text(out, "  arrows");
+    add_hints(out, state, "  ");
+    for (size_t i = 0; i < setup->windows; i++)
+        buf_printf(out, "  %zu %s", i + 1, setup->window[i].name);
+}
+
+void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
+                     struct buf *out)
+{
+    const bool moves = state->mode == PILOT_MOVING;
+    if (moves && state->pen_is_down) {
+        buf_add_text(out, "moving draws; ");
+        add_first_key(out, state->setup, "pen");
+        buf_add_text(out, " or Escape lifts the pen");
+    } else if (moves && !facts->has_object) {
+        buf_add_text(out, "nothing to show yet: ");
+        add_first_key(out, state->setup, "plant");
+        buf_add_text(out, " plants a seed here, s0 background; ? keys  q back");
+    } else if (state->mode == PILOT_WINDOWING) {
+        add_window_hint(out, state, facts);
+    } else if (state->mode == PILOT_PICKING) {
+        buf_printf(out, "CORRECT at pixel %u,%u", state->pixel[0], state->pixel[1]);
+        add_hints(out, state, "  ");
+    } else {
+        add_hints(out, state, "");
+    }
+}
+
+static bool joins(const struct pilot_row *row)
+{
+    return row < pilot_table + pilot_rows && row->help && !*row->help;
+}
+
+/* The keys of an entry: those of its row and of the rows that join it; none is "-". */
+static void add_keys(struct buf *out, const struct pilot_row *row, const struct pilot_setup *setup)
+{
+    const size_t before = out->length;
+    bool is_plain = setup_is_plain(setup, row);
+    for (const struct pilot_row *next = row + 1; joins(next); next++)
+        is_plain &= setup_is_plain(setup, next);
+    if (is_plain && row->shown) {
         buf_add_text(out, row->shown);
         return;
     }
-    buf_add_text(out, row->keys);
-    while (++row < pilot_table + pilot_rows && row->help && !*row->help)
-        buf_printf(out, " %s", row->keys);
+    do {
+        if (out->length > before && out->data[out->length - 1] != ' ')
+            buf_add_char(out, ' ');
+        setup_add_keys(out, setup, row, SIZE_MAX);
+    } while (joins(++row));
+    if (out->length == before)
+        buf_add_char(out, '-');
 }
 
 static bool begins_entry(const struct pilot_row *row)
@@ -197,10 +232,10 @@ enum { KEYS_WIDE = 16, HELP_WIDE = 24, NARROW = 2 + KEYS_WIDE + 1 + HELP_WIDE, W
 
 /* An entry, at the left of its line where that is not given. */
 static void add_entry(struct buf *out, const struct pilot_row *row, const struct pilot_row *left,
-                      unsigned columns)
+                      const struct pilot_setup *setup, unsigned columns)
 {
     struct buf keys = {0};
-    add_keys(&keys, row);
+    add_keys(&keys, row, setup);
     if (columns < NARROW)
         buf_printf(out, "%s\n  %s", buf_text(&keys), row->help);
     else if (left)
@@ -213,7 +248,7 @@ static void add_entry(struct buf *out, const struct pilot_row *row, const struct
 }
 
 /* An empty line stands between parts. */
-void pilot_keys_page(struct buf *out, unsigned columns)
+void pilot_keys_page(struct buf *out, const struct pilot_setup *setup, unsigned columns)
 {
     const struct pilot_row *left = NULL;
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
@@ -221,7 +256,7 @@ void pilot_keys_page(struct buf *out, unsigned columns)
         if (ends_part)
             buf_add_text(out, left ? "\n\n" : "\n");
         else if (begins_entry(row))
-            add_entry(out, row, left, columns);
+            add_entry(out, row, left, setup, columns);
         if (begins_entry(row) && (left || columns < WIDE))
             buf_add_char(out, '\n');
         if (begins_entry(row) || ends_part)

@@ -308,7 +308,8 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     if (p.facts.colours != COLOURS_NONE)
         p.editor.hint = host->hint;
     p.editor.unanswered = !p.facts.answers;
-    p.editor.grey = p.facts.colours == COLOURS_16 ? "\033[90m" : "\033[38;5;244m";
+    const struct theme *theme = options->theme ? options->theme : &theme_dark;
+    p.editor.grey = p.facts.colours == COLOURS_16 ? theme->hint_16 : theme->hint;
     if (!err)
         err = run_prompt(&p, fault);
     probe_leave(&p.facts, p.editor.answers_due);

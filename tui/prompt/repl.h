@@ -19,6 +19,7 @@
 #include "tui/picture/image_view.h"
 #include "tui/probe.h"
 #include "tui/prompt/line_edit.h"
+#include "tui/theme.h"
 
 /* Output text is printed as it is: names in it have been escaped by the host. */
 struct repl_host {
@@ -58,6 +59,7 @@ struct repl_host {
 struct repl_options {
     struct graphics_wish graphics; /* one, whatever the terminal says; {0}: it decides */
     const char *history_path;      /* NULL: no history file */
+    const struct theme *theme;     /* NULL: the one of dark terminals */
 };
 
 /* Runs until the host is finished or the input ends. Errors of commands are printed in one line

@@ -1,0 +1,258 @@
+#include "program/config.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/safe.h"
+#include "base/scan.h"
+#include "command/near.h"
+#include "tui/pilot/pilot_press.h"
+
+enum {
+    LABEL_MOST = 255,
+    RADIUS_MOST = 32,
+    TOLD_MOST = 10, /* lines that are wrong */
+};
+#define REAL_MOST INT64_C(1000000000) /* thousandths */
+
+void config_init(struct config *config)
+{
+    *config = (struct config){.setup = pilot_setup_default};
+}
+
+void config_release(struct config *config)
+{
+    buf_release(&config->path);
+    buf_release(&config->start);
+    buf_release(&config->words);
+}
+
+/* ---- a line, after its first word ---- */
+
+static bool is_end(const char *at)
+{
+    scan_blanks(&at);
+    return *at == '\0';
+}
+
+static bool take_number(const char **at, unsigned places, int64_t least, int64_t most, int64_t *out)
+{
+    scan_blanks(at);
+    const bool is_number =
+        places ? scan_decimal(at, places, least, most, out) : scan_integer(at, least, most, out);
+    return is_number && (**at == ' ' || **at == '\0');
+}
+
+static enum err take_theme(struct config *config, const char *words, struct fault *fault)
+{
+    const struct theme *theme = theme_find(words);
+    if (!theme)
+        return fault_set(fault, ERR_USAGE, "expected " THEME_NAMES ", not %s", words);
+    config->setup.theme = theme;
+    return OK;
+}
+
+static enum err take_brush(struct config *config, const char *words, struct fault *fault)
+{
+    int64_t label, radius = 0;
+    const bool has_label = take_number(&words, 0, 0, LABEL_MOST, &label);
+    if (!has_label || (!is_end(words) && !take_number(&words, 0, 0, RADIUS_MOST, &radius)) ||
+        !is_end(words))
+        return fault_set(fault, ERR_USAGE, "expected a label 0..%d, and a radius 0..%d", LABEL_MOST,
+                         RADIUS_MOST);
+    config->setup.label = (unsigned)label;
+    config->setup.radius = (unsigned)radius;
+    return OK;
+}
+
+/* Takes the first word off. */
+static void take_word(const char **words, struct buf *word)
+{
+    const size_t length = strcspn(*words, " ");
+    buf_add(word, *words, length);
+    *words += length;
+    scan_blanks(words);
+}
+
+static enum err take_window(struct config *config, const char *words, struct fault *fault)
+{
+    struct buf name = {0};
+    int64_t centre, width;
+    enum err err = OK;
+    take_word(&words, &name);
+    if (!take_number(&words, 3, -REAL_MOST, REAL_MOST, &centre) ||
+        !take_number(&words, 3, 2, REAL_MOST, &width) || !is_end(words))
+        err =
+            fault_set(fault, ERR_USAGE,
+                      "expected a name, a centre, and a width above 0, as in window liver 60 160");
+    if (!err)
+        err = setup_window(&config->setup, buf_text(&name), centre, width, fault);
+    buf_release(&name);
+    return err;
+}
+
+static enum err refuse_action(const char *name, struct fault *fault)
+{
+    struct near near = near_to(name);
+    for (size_t i = 0; i < pilot_rows; i++)
+        if (pilot_table[i].name)
+            near_try(&near, pilot_table[i].name, strlen(pilot_table[i].name));
+    fault_set(fault, ERR_USAGE, "there is no action %s", name);
+    return near_append(&near, "", fault);
+}
+
+static enum err take_keys(struct config *config, const char *words, struct fault *fault)
+{
+    struct buf name = {0};
+    take_word(&words, &name);
+    const size_t row = setup_row(buf_text(&name));
+    enum err err = row == SIZE_MAX ? refuse_action(buf_text(&name), fault)
+                   : *words
+                       ? setup_keys(&config->setup, row, words, fault)
+                       : fault_set(fault, ERR_USAGE, "expected keys after %s", buf_text(&name));
+    buf_release(&name);
+    return err;
+}
+
+static enum err take_start(struct config *config, const char *words, struct fault *fault)
+{
+    if (!*words)
+        return fault_set(fault, ERR_USAGE, "expected a command");
+    buf_printf(&config->start, "%zu %s\n", config->line, words);
+    return OK;
+}
+
+static const struct {
+    const char *name;
+    enum err (*take)(struct config *config, const char *words, struct fault *fault);
+} kinds[] = {{"theme", take_theme},
+             {"brush", take_brush},
+             {"window", take_window},
+             {"key", take_keys},
+             {"start", take_start}};
+enum { KINDS = sizeof kinds / sizeof kinds[0] };
+
+/* ---- lines ---- */
+
+static enum err refuse_kind(const char *word, struct fault *fault)
+{
+    struct near near = near_to(word);
+    fault_set(fault, ERR_USAGE, "expected theme, brush, window, key or start, not %s", word);
+    for (size_t i = 0; i < KINDS; i++)
+        near_try(&near, kinds[i].name, strlen(kinds[i].name));
+    return near_append(&near, "", fault);
+}
+
+static enum err take_line(struct config *config, const char *line, struct fault *fault)
+{
+    struct buf word = {0};
+    take_word(&line, &word);
+    size_t kind = 0;
+    while (kind < KINDS && strcmp(kinds[kind].name, buf_text(&word)) != 0)
+        kind++;
+    const enum err err =
+        kind < KINDS ? kinds[kind].take(config, line, fault) : refuse_kind(buf_text(&word), fault);
+    buf_release(&word);
+    return err;
+}
+
+/* Blanks alone part words, and none stands at an end. */
+static void tidy(struct buf *line, const char *text, size_t length)
+{
+    while (length > 0 && strchr(" \t\r", text[length - 1]))
+        length--;
+    while (length > 0 && strchr(" \t", *text))
+        text++, length--;
+    for (size_t i = 0; i < length; i++)
+        buf_add_char(line, text[i] == '\t' ? ' ' : text[i]);
+}
+
+/* Text that is no more than it looks: printable, in UTF-8. */
+static enum err check_bytes(const char *text, size_t length, struct fault *fault)
+{
+    if (length > CONFIG_LINE_MOST)
+        return fault_set(fault, ERR_LIMIT, "it has %zu bytes, and may have %d", length,
+                         CONFIG_LINE_MOST);
+    for (size_t at = 0, n; at < length; at += n) {
+        const bool is_blank = text[at] == '\t' || (text[at] == '\r' && at + 1 == length);
+        n = is_blank ? 1 : safe_character(text + at, length - at);
+        if (n == 0)
+            return fault_set(fault, ERR_INPUT, "byte %zu, %02x, is no text", at + 1,
+                             (unsigned char)text[at]);
+    }
+    return OK;
+}
+
+static enum err take_bytes(struct config *config, const char *text, size_t length,
+                           struct fault *fault)
+{
+    struct buf line = {0};
+    enum err err = check_bytes(text, length, fault);
+    if (!err)
+        tidy(&line, text, length);
+    if (!err && line.length && *line.data != '#')
+        err = take_line(config, buf_text(&line), fault);
+    if (!err && line.failed)
+        err = fault_memory(fault, "a line");
+    buf_release(&line);
+    return err;
+}
+
+/* The line that is being read is left out. */
+static void tell(struct config *config, const struct fault *fault)
+{
+    if (++config->wrong > TOLD_MOST)
+        return;
+    buf_add_safe_text(&config->words, buf_text(&config->path));
+    buf_printf(&config->words, ":%zu: %s; left out\n", config->line, fault->text);
+}
+
+void config_take(struct config *config, const char *text, size_t length)
+{
+    const char *at = text, *const end = text + length;
+    struct fault fault;
+    while (at < end) {
+        const char *feed = memchr(at, '\n', (size_t)(end - at));
+        const size_t n = (size_t)((feed ? feed : end) - at);
+        if (++config->line > CONFIG_LINES_MOST) {
+            fault_set(&fault, ERR_LIMIT, "it and those after it are more than %d lines",
+                      CONFIG_LINES_MOST);
+            tell(config, &fault);
+            break;
+        }
+        if (take_bytes(config, at, n, &fault))
+            tell(config, &fault);
+        at += n + (feed != NULL);
+    }
+    if (config->wrong > TOLD_MOST)
+        buf_printf(&config->words, "and %zu lines more\n", config->wrong - TOLD_MOST);
+}
+
+/* ---- the file ---- */
+
+static bool find_path(struct buf *path)
+{
+    const char *own = getenv("IFTTY_CONFIG"), *config = getenv("XDG_CONFIG_HOME");
+    const char *home = getenv("HOME");
+    if (own)
+        buf_add_text(path, own);
+    else if (config && *config == '/')
+        buf_printf(path, "%s/iftty/config", config);
+    else if (home && *home == '/')
+        buf_printf(path, "%s/.config/iftty/config", home);
+    return path->length > 0 && !path->failed;
+}
+
+void config_read(struct config *config)
+{
+    struct buf text = {0};
+    struct fault fault;
+    if (!find_path(&config->path) || !file_exists(buf_text(&config->path)))
+        return;
+    if (file_read(&text, buf_text(&config->path), CONFIG_BYTES_MOST, &fault))
+        buf_printf(&config->words, "%s; left out\n", fault.text);
+    else
+        config_take(config, buf_text(&text), text.length);
+    buf_release(&text);
+}

@@ -1,0 +1,270 @@
+/*
+ * The configuration: each kind of line, and what is said of those that are none.
+ */
+#include <stdlib.h>
+#include <sys/stat.h>
+
+#include "base/file.h"
+#include "program/config.h"
+#include "tests/check.h"
+#include "tests/folder.h"
+#include "tui/pilot/pilot_press.h"
+
+static struct config config;
+
+static void take(const char *text)
+{
+    config_release(&config);
+    config_init(&config);
+    buf_add_text(&config.path, "c");
+    config_take(&config, text, strlen(text));
+}
+
+static const char *words_of(const char *text)
+{
+    take(text);
+    return buf_text(&config.words);
+}
+
+static const char *keys_of(const char *name)
+{
+    static struct buf keys;
+    buf_clear(&keys);
+    setup_add_keys(&keys, &config.setup, pilot_table + setup_row(name), SIZE_MAX);
+    return buf_text(&keys);
+}
+
+STORY(every_kind_of_line)
+{
+    take(
+        "# a comment\n\n  theme\tlight \r\nbrush 3 2\nwindow liver 60 160\nwindow bone 700.5 3000\n"
+        "key undo U Ctrl-u\nkey plant p2 ä\nstart overlay tint\nstart  label 1 \"left hemi\"");
+    CHECK_TEXT(buf_text(&config.words), "");
+    CHECK_TEXT(config.setup.theme->name, "light");
+    CHECK(config.setup.label == 3 && config.setup.radius == 2);
+    CHECK_INT(config.setup.windows, 5);
+    CHECK_TEXT(config.setup.window[4].name, "liver");
+    CHECK(config.setup.window[4].centre == 60000 && config.setup.window[4].width == 160000);
+    CHECK(config.setup.window[0].centre == 700500 && config.setup.window[0].width == 3000000);
+    CHECK_TEXT(keys_of("undo"), "U Ctrl-u");
+    CHECK_TEXT(keys_of("plant"), "p2 ä");
+    CHECK_TEXT(buf_text(&config.start), "9 overlay tint\n10 label 1 \"left hemi\"\n");
+}
+
+STORY(nothing_is_fine_too)
+{
+    take("");
+    CHECK_TEXT(buf_text(&config.words), "");
+    CHECK_TEXT(config.setup.theme->name, "dark");
+    CHECK(config.setup.label == 1 && config.setup.radius == 0 && config.setup.windows == 4);
+    take("brush 7\ntheme none");
+    CHECK(config.setup.label == 7 && config.setup.radius == 0);
+    CHECK(!config.setup.theme->has_colours);
+}
+
+STORY(a_bad_line_is_named_with_its_number_and_left_out)
+{
+    static const char *const bad[][2] = {
+        {"theme blue", "c:1: expected dark|light|none, not blue; left out\n"},
+        {"\nthem dark", "c:2: expected theme, brush, window, key or start, not them; did you mean "
+                        "theme?; left out\n"},
+        {"brush 256", "c:1: expected a label 0..255, and a radius 0..32; left out\n"},
+        {"brush 1 33", "c:1: expected a label"},
+        {"brush 1 2 3", "c:1: expected a label"},
+        {"brush", "c:1: expected a label"},
+        {"window", "c:1: expected a name, a centre, and a width"},
+        {"window lung 5", "c:1: expected a name, a centre, and a width"},
+        {"window lung 5 0", "c:1: expected a name, a centre, and a width"},
+        {"window lung 5 -1", "c:1: expected a name, a centre, and a width"},
+        {"window lung 5 1e9", "c:1: expected a name, a centre, and a width"},
+        {"window a-very-long-name 5 9", "c:1: expected a name of at most 11 bytes, not a-very"},
+        {"key", "c:1: there is no action ;"},
+        {"key undu U", "c:1: there is no action undu; did you mean undo?; left out\n"},
+        {"key undo", "c:1: expected keys after undo; left out\n"},
+        {"key undo Ctrl-Foo", "c:1: there is no key Ctrl-Foo; left out\n"},
+        {"key undo any", "c:1: there is no key any"},
+        {"key undo a-z", "c:1: a-z: expected one key"},
+        {"key undo U\nkey redo U", "c:2: U was given to undo; left out\n"},
+        {"key undo U\nkey redo Ux", "c:2: Ux was given to undo; left out\n"},
+        {"start", "c:1: expected a command; left out\n"},
+        {"start \x1b[2J", "c:1: byte 7, 1b, is no text; left out\n"},
+        {"theme d\xff", "c:1: byte 8, ff, is no text; left out\n"},
+        {"start \xe2\x80\xae", "c:1: byte 7, e2, is no text"}, /* it turns text around */
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        CHECK_HAS(words_of(bad[i][0]), bad[i][1]);
+    take("brush 300\nbrush 5\nkey undu U\nkey undo U");
+    CHECK(config.setup.label == 5); /* the others count */
+    CHECK_TEXT(keys_of("undo"), "U");
+}
+
+STORY(there_is_an_end_to_what_is_read)
+{
+    struct buf text = {0};
+    for (int i = 0; i < 20; i++)
+        buf_add_text(&text, "no\n");
+    CHECK_HAS(words_of(buf_text(&text)), "c:10: expected");
+    CHECK_HAS(buf_text(&config.words), "left out\nand 10 lines more\n");
+    buf_clear(&text);
+    buf_add_text(&text, "start ");
+    for (int i = 0; i < CONFIG_LINE_MOST; i++)
+        buf_add_char(&text, 'x');
+    CHECK_HAS(words_of(buf_text(&text)), "c:1: it has 1006 bytes, and may have 1000");
+    buf_clear(&text);
+    for (int i = 0; i < CONFIG_LINES_MOST + 5; i++)
+        buf_add_text(&text, "start run\n");
+    CHECK_TEXT(words_of(buf_text(&text)),
+               "c:1001: it and those after it are more than 1000 lines; left out\n");
+    CHECK(strstr(buf_text(&config.start), "\n1000 run\n") &&
+          !strstr(buf_text(&config.start), "1001"));
+    take("window a 1 2\nwindow b 1 2\nwindow c 1 2\nwindow d 1 2\nwindow e 1 2\nwindow f 1 2\n");
+    CHECK_HAS(buf_text(&config.words), "c:6: there are 9 windows already, the most");
+    buf_release(&text);
+}
+
+STORY(the_file_is_where_the_environment_says)
+{
+    char folder[FOLDER_LENGTH];
+    struct buf path = {0};
+    CHECK(make_folder(folder, "config"));
+    buf_printf(&path, "%s/iftty", folder);
+    setenv("XDG_CONFIG_HOME", folder, 1);
+    unsetenv("IFTTY_CONFIG");
+    CHECK(mkdir(buf_text(&path), 0700) == 0);
+    config_init(&config);
+    config_read(&config); /* none */
+    CHECK_TEXT(buf_text(&config.words), "");
+    config_release(&config);
+    buf_add_text(&path, "/config");
+    CHECK(file_write(buf_text(&path), "brush 9\nx", 9, FILE_KEEP, NULL) == OK);
+    config_init(&config);
+    config_read(&config);
+    CHECK_INT(config.setup.label, 9);
+    CHECK_HAS(buf_text(&config.words), "/iftty/config:2: expected theme");
+    config_release(&config);
+    setenv("IFTTY_CONFIG", "", 1);
+    config_init(&config);
+    config_read(&config);
+    CHECK_INT(config.setup.label, 1);
+    config_release(&config);
+    setenv("IFTTY_CONFIG", folder, 1); /* a folder is none */
+    config_init(&config);
+    config_read(&config);
+    CHECK_HAS(buf_text(&config.words), "left out\n");
+    unsetenv("IFTTY_CONFIG");
+    CHECK_INT(remove_folder(folder), 0);
+    buf_release(&path);
+}
+
+/* ---- keys of one's own ---- */
+
+static struct pilot_state state;
+static const struct pilot_host host = {0};
+static const struct pilot_facts facts = {.place = {1, 2, 3}, .zoom = 1000};
+static struct buf line, message;
+
+static const char *type(const char *letters)
+{
+    for (; *letters; letters++) {
+        const struct key_event event = {.key = KEY_CHARACTER, .point = (uint8_t)*letters};
+        buf_clear(&line);
+        buf_clear(&message);
+        pilot_press(&state, &event, &host, &facts, &line, &message);
+    }
+    return buf_text(&line);
+}
+
+STORY(keys_of_ones_own_stand_before_those_of_the_table)
+{
+    struct buf page = {0};
+    take("key undo s\nkey plant-label 7 ,0-9\nkey roll gg");
+    CHECK_TEXT(buf_text(&config.words), "");
+    pilot_state_init(&state, &config.setup);
+    CHECK_TEXT(type("s"), "undo\n"); /* what waited for a second key waits no more */
+    CHECK_TEXT(type("u"), "");
+    CHECK_HAS(buf_text(&message), "this key does nothing here");
+    CHECK_TEXT(type("gg"), "turn 0 0 15\n");
+    CHECK_TEXT(type(",3"), "seed 1,2,3 3\n");
+    CHECK_TEXT(type("7"), "seed 1,2,3 7\n"); /* no part of a count any more */
+    pilot_keys_page(&page, &config.setup, 80);
+    CHECK_HAS(buf_text(&page), "  s                undo ");
+    CHECK_HAS(buf_text(&page), "7 ,0-9          a seed of 0-9");
+    CHECK_HAS(buf_text(&page), "G               first, last, 90G"); /* without gg */
+    buf_clear(&page);
+    take("key next-plane q");
+    pilot_keys_page(&page, &config.setup, 80);
+    CHECK_HAS(buf_text(&page), "  -                back to the prompt");
+    buf_release(&page);
+}
+
+STORY(every_action_is_in_the_readme)
+{
+    static const char mark[] = "<!-- actions: of the table of keys -->\n\n";
+    struct buf list = {0}, readme = {0};
+    size_t begin = 0;
+    for (size_t i = 0; i < pilot_rows; i++) {
+        struct buf item = {0};
+        if (!pilot_table[i].name)
+            continue;
+        buf_printf(&item, "%s (%s)", pilot_table[i].name, pilot_table[i].keys);
+        const bool fits = list.length - begin + 2 + item.length <= 4 + 74;
+        buf_add_text(&list, list.length == 0 ? "    " : fits ? ", " : ",\n    ");
+        begin = fits ? begin : list.length - 4;
+        buf_add_text(&list, buf_text(&item));
+        buf_release(&item);
+    }
+    buf_add_text(&list, "\n\n<!-- end");
+    CHECK(file_read(&readme, "tui/README.md", 1 << 20, NULL) == OK);
+    const char *card = strstr(buf_text(&readme), mark);
+    CHECK(card && strncmp(card + strlen(mark), buf_text(&list), list.length) == 0);
+    buf_release(&list);
+    buf_release(&readme);
+}
+
+static bool is_printable(const struct buf *text)
+{
+    for (size_t i = 0; i < text->length; i++)
+        if (((uint8_t)text->data[i] < ' ' && text->data[i] != '\n') || text->data[i] == 0x7F)
+            return false;
+    return true;
+}
+
+/* Any bytes, and lines of words that count for something, in any order. */
+STORY(any_text_leaves_a_setup_that_can_be_used)
+{
+    static const char *const word[] = {"theme", "brush", "window", "key",  "start", "dark", "undo",
+                                       "plant", "left",  "Ctrl-",  "Alt-", "s0-9",  "gg",   "x",
+                                       "0",     "9",     "255",    "-1.5", " ",     "\n",   "\t",
+                                       "#",     "\x1b",  "\xc3",   "ä",    "1-9",   "Tab",  "''"};
+    uint64_t seed = 7;
+    for (int round = 0; round < 3000; round++) {
+        struct buf text = {0}, page = {0};
+        for (uint64_t n = check_below(&seed, 60); n > 0; n--) {
+            buf_add_text(&text, word[check_below(&seed, sizeof word / sizeof word[0])]);
+            buf_add_text(&text, check_below(&seed, 3) ? " " : check_below(&seed, 2) ? "\n" : "");
+        }
+        take(buf_text(&text));
+        CHECK(config.setup.theme && config.setup.label < 256 && config.setup.radius <= 32);
+        CHECK(config.setup.windows <= SETUP_WINDOWS_MOST);
+        CHECK(is_printable(&config.words) && is_printable(&config.start));
+        pilot_keys_page(&page, &config.setup, 80);
+        CHECK(!page.failed && !config.words.failed);
+        pilot_state_init(&state, &config.setup);
+        pilot_keys_hint(&state, &facts, &page);
+        buf_release(&text);
+        buf_release(&page);
+    }
+    config_release(&config);
+    buf_release(&line);
+    buf_release(&message);
+}
+
+int main(void)
+{
+    return RUN_STORIES(
+        TELL(every_kind_of_line), TELL(nothing_is_fine_too),
+        TELL(a_bad_line_is_named_with_its_number_and_left_out),
+        TELL(there_is_an_end_to_what_is_read), TELL(the_file_is_where_the_environment_says),
+        TELL(keys_of_ones_own_stand_before_those_of_the_table), TELL(every_action_is_in_the_readme),
+        TELL(any_text_leaves_a_setup_that_can_be_used));
+}

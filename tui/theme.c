@@ -1,0 +1,25 @@
+#include "tui/theme.h"
+
+#include <string.h>
+
+const struct theme theme_dark = {.name = "dark",
+                                 .hint = "\033[38;5;244m",
+                                 .hint_16 = "\033[90m",
+                                 .alarm = "\033[1;97;41m",
+                                 .has_colours = true};
+static const struct theme theme_light = {.name = "light",
+                                         .hint = "\033[38;5;242m",
+                                         .hint_16 = "\033[90m",
+                                         .alarm = "\033[1;97;41m",
+                                         .has_colours = true};
+static const struct theme theme_none = {
+    .name = "none", .hint = "", .hint_16 = "", .alarm = "\033[7m"};
+
+const struct theme *theme_find(const char *name)
+{
+    static const struct theme *const all[] = {&theme_dark, &theme_light, &theme_none};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
+        if (strcmp(all[i]->name, name) == 0)
+            return all[i];
+    return NULL;
+}
