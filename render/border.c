@@ -139,33 +139,3 @@ size_t border_count(const struct border *border)
         count += (size_t)__builtin_popcountll(border->border[w]);
     return count;
 }
-
-/* By the words of border.h, voxel by voxel. */
-static bool should_show(const struct border *border, uint32_t cell)
-{
-    const struct scene *scene = border->scene;
-    return border->visible[scene->cell[cell].label] && /* no cell of the rim */
-           !cut_takes(&border->cut, &scene->grid, cell);
-}
-
-bool border_check(const struct border *border, struct fault *fault)
-{
-    const struct grid *grid = &border->scene->grid;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++)
-            for (uint32_t x = 0; x < grid->size[0]; x++) {
-                uint32_t at = grid_cell(grid, x, y, z);
-                bool shown = should_show(border, at);
-                bool inside = shown;
-                for (int a = 0; a < 3; a++)
-                    inside = inside && should_show(border, at - (uint32_t)grid->step[a]) &&
-                             should_show(border, at + (uint32_t)grid->step[a]);
-                if (border_shows(border, at) != shown ||
-                    border_holds(border, at) != (shown && !inside)) {
-                    fault_set(fault, ERR_CHECK, "voxel %u,%u,%u: B1: the border is not a recount",
-                              x, y, z);
-                    return false;
-                }
-            }
-    return true;
-}

@@ -8,8 +8,8 @@
  * proportional to them; reading the border is one sequential scan. It answers the scattered border
  * lists of the paper with ordered access.
  *
- * Invariant B1: between calls both sets equal a recount from labels and cut; border_check asserts
- * it.
+ * Invariant B1: between calls both sets equal a recount from labels and cut; tests/border_check.h
+ * checks it.
  */
 #ifndef RENDER_BORDER_H
 #define RENDER_BORDER_H
@@ -89,8 +89,5 @@ static inline bool border_is_cut(const struct border *border, uint32_t cell)
 }
 
 size_t border_count(const struct border *border); /* border voxels */
-
-/* Asserts B1. */
-bool border_check(const struct border *border, struct fault *fault);
 
 #endif

@@ -1,8 +1,8 @@
 /*
  * The cut: what of the scene is cut away, so that the inside can be seen.
  *
- * Three means, and a voxel is cut away where any of them says so: slabs leave the voxels between two
- * slices of an axis, planes what lies after them, boxes are taken out. All are held in voxels
+ * Three means, and a voxel is cut away where any of them says so: slabs leave the voxels between
+ * two slices of an axis, planes what lies after them, boxes are taken out. All are held in voxels
  * of the scene, so they stay with the patient however the view turns; a voxel is cut whole, by its
  * centre. Labels do not matter: a cut is a function of place alone.
  *

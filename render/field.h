@@ -6,9 +6,9 @@
  * centres is interpolated. The direction in which the field falls is the normal of the surface.
  * The field of the scene itself (FIELD_SCENE) is the same of its intensities, smoothed less.
  *
- * It is made where it is needed, in blocks of FIELD_BLOCK voxels a side, of which a bounded
- * number is stored: making one costs some 3 us, a picture needs some hundreds, and the next picture
- * from another side needs mostly the same. A stored block is made again where a word of the border's
+ * It is made where it is needed, in blocks of FIELD_BLOCK voxels a side, of which a bounded number
+ * is stored: making one costs some 3 us, a picture needs some hundreds, and the next picture from
+ * another side needs mostly the same. A stored block is made again where a word of the border's
  * `shown` that it was made of has changed since (border->changed). So the field is a pure function
  * of what is shown, in whatever order points are asked for.
  *
@@ -33,8 +33,7 @@ enum {
 
 enum field_kind { FIELD_SHOWN, FIELD_SCENE };
 
-/* Along x, y, z; the fourth is 0. Whole numbers of what is right for either kind, less than 2^13.
- */
+/* Along x, y, z; the fourth is 0. In a unit of their own for each kind, less than 2^13. */
 struct gradient {
     int16_t along[4];
 };

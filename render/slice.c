@@ -202,7 +202,8 @@ static bool on_contour(const struct work *work, int64_t x, int64_t y, uint8_t ow
     return false;
 }
 
-/* The same where all voxels read lie in the scene and all pixels in the picture, as nearly all does. */
+/* The same where all voxels read lie in the scene and all pixels in the picture, as nearly all
+ * does. */
 static bool on_contour_inside(const uint8_t *label, ptrdiff_t columns, int64_t reach)
 {
     unsigned differs = 0;

@@ -17,8 +17,8 @@
  * plane of the scene's middle, wherever the focus is. Axes are flipped so that T_a > 0, and a
  * direction cosine near zero is replaced by a tiny one. Two crossings are compared as (t, axis),
  * which decides every tie as one and the same infinitely small shift of the ray would: hence the
- * value stored is 4 * t + axis, and no two crossings of different axes are ever equal. A voxel is its
- * cube; a ray is in it where the last of its three near crossings comes before the first of its
+ * value stored is 4 * t + axis, and no two crossings of different axes are ever equal. A voxel is
+ * its cube; a ray is in it where the last of its three near crossings comes before the first of its
  * three far crossings. The depth of a pixel is that last near crossing, axis bits and all.
  *
  * No floating point: sines come from integer CORDIC, so a view is the same on every machine.

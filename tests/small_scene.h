@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "image/volume.h"
 #include "session/roi_check.h"
+#include "tests/border_check.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"
 

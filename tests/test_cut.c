@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "image/exr.h"
+#include "tests/border_check.h"
 #include "tests/folder.h"
 #include "tests/stage.h"
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "render/border.h"
+#include "tests/border_check.h"
 #include "engine/roi.h"
 #include "engine/forest.h"
 #include "engine/weight.h"

@@ -5,6 +5,7 @@
 
 #include "base/mem.h"
 #include "session/session.h"
+#include "tests/border_check.h"
 #include "tests/check.h"
 
 static struct scene *random_scene(uint64_t *random, uint32_t side_most, bool extreme)

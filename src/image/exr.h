@@ -34,8 +34,7 @@ enum err exr_write(const char *path, enum file_mode mode, const struct picture *
                    struct fault *fault);
 
 /* Reads a picture of the form above; channels it does not know are left out. A file of more than
- * 16384 pixels a side, of another form or damaged is refused in one line, and *out is empty then.
- */
+ * 16384 pixels a side, of another form or damaged is refused in one line, *out is empty then. */
 enum err exr_read(struct picture *out, const char *path, struct fault *fault);
 
 #endif

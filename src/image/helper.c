@@ -55,8 +55,8 @@ enum err image_helper_new(struct image_helper **out, const char *program, struct
     return err || *out ? err : fault_memory(fault, "the image helper");
 }
 
-/* Ends the helper and returns how it ended, as waitpid does; -1 where that is not known. Closing our
- * end tells a helper to exit; one in the middle of a request is killed. */
+/* Ends the helper and returns how it ended, as waitpid does; -1 where that is not known. Closing
+ * our end makes a helper exit; one in the middle of a request is killed. */
 static int stop(struct image_helper *helper, bool may_finish)
 {
     int status = -1;

@@ -27,8 +27,8 @@
  *     write 5 1 1 1 1 0\na.png4 3\nviewtop\xff\x00\x00    ->  ok\n
  *     read 5\na.png      ->  picture 1 1 1\n4 3\nviewtop\xff\x00\x00\xff
  *
- * Nothing here ever raises SIGPIPE or waits without end: a helper that neither reads nor writes a byte
- * for image_helper_patience_ms is ended.
+ * Nothing here ever raises SIGPIPE or waits without end: a helper that neither reads nor writes a
+ * byte for image_helper_patience_ms is ended.
  */
 #ifndef IMAGE_HELPER_H
 #define IMAGE_HELPER_H
@@ -48,8 +48,8 @@ enum err image_helper_new(struct image_helper **helper, const char *program, str
 void image_helper_free(struct image_helper *helper);
 
 /* Writes `picture` as `path`, whole or not at all: .exr by exr_write with all planes, any other
- * extension by the helper: colours, over black where they are transparent, and notes. PNG holds each
- * note as a text chunk; formats without such have them as lines "name: value" of their image
+ * extension by the helper: colours, over black where they are transparent, and notes. PNG holds
+ * each note as a text chunk; formats without such have them as lines "name: value" of their image
  * description, where they have one. The same picture gives the same bytes. */
 enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
                      const struct picture *picture, struct fault *fault);

@@ -189,32 +189,32 @@ void add_notes(OIIO::ImageSpec &spec, const std::string &format, const std::vect
         spec.attribute("ImageDescription", description);
 }
 
-struct Order {
+struct WriteRequest {
     std::string path;
     uint64_t width, height, frames, delay_ms;
     std::vector<Note> notes;
 };
 
-Order receive_order(const std::string &line)
+WriteRequest receive_write_request(const std::string &line)
 {
-    Order order;
+    WriteRequest request;
     size_t at = 6; /* past "write " */
     uint64_t length = take_number(line, at, kPathMost);
-    order.width = take_number(line, at, kSideMost);
-    order.height = take_number(line, at, kSideMost);
+    request.width = take_number(line, at, kSideMost);
+    request.height = take_number(line, at, kSideMost);
     uint64_t count = take_number(line, at, kNotesMost);
-    order.frames = take_number(line, at, kFramesMost);
-    order.delay_ms = take_number(line, at, kDelayMost);
-    if (order.width == 0 || order.height == 0 || order.frames == 0)
+    request.frames = take_number(line, at, kFramesMost);
+    request.delay_ms = take_number(line, at, kDelayMost);
+    if (request.width == 0 || request.height == 0 || request.frames == 0)
         leave(2);
-    order.path = receive_text(length);
-    order.notes = receive_notes(count);
-    return order;
+    request.path = receive_text(length);
+    request.notes = receive_notes(count);
+    return request;
 }
 
-OIIO::ImageSpec spec_of(const Order &order, const std::string &format)
+OIIO::ImageSpec spec_of(const WriteRequest &request, const std::string &format)
 {
-    OIIO::ImageSpec spec(static_cast<int>(order.width), static_cast<int>(order.height), 3,
+    OIIO::ImageSpec spec(static_cast<int>(request.width), static_cast<int>(request.height), 3,
                          OIIO::TypeUInt8);
     spec.attribute("oiio:ColorSpace", "sRGB");
     if (format == "hdr") { /* this one holds linear light */
@@ -235,11 +235,11 @@ OIIO::ImageSpec spec_of(const Order &order, const std::string &format)
         spec.attribute("DateTime", "none");
     if (format == "tiff" || format == "dpx" || format == "rla")
         spec.attribute("DateTime", "1970:01:01 00:00:00");
-    if (order.frames > 1 && order.delay_ms > 0) {
-        const int rate[2] = {1000, static_cast<int>(order.delay_ms)};
+    if (request.frames > 1 && request.delay_ms > 0) {
+        const int rate[2] = {1000, static_cast<int>(request.delay_ms)};
         spec.attribute("FramesPerSecond", OIIO::TypeRational, rate);
     }
-    add_notes(spec, format, order.notes);
+    add_notes(spec, format, request.notes);
     return spec;
 }
 
@@ -260,16 +260,16 @@ bool write_frame(OIIO::ImageOutput &out, const std::vector<uint8_t> &pixels)
 }
 
 /* Opens for the frame `number`; some formats need to know all of them first. */
-bool open_frame(OIIO::ImageOutput &out, const Order &order, const OIIO::ImageSpec &spec,
+bool open_frame(OIIO::ImageOutput &out, const WriteRequest &request, const OIIO::ImageSpec &spec,
                 uint64_t number)
 {
     if (number > 0)
-        return out.open(order.path, spec, OIIO::ImageOutput::AppendSubimage);
-    if (order.frames > 1 && !out.supports("appendsubimage")) {
-        const std::vector<OIIO::ImageSpec> all(order.frames, spec);
-        return out.open(order.path, static_cast<int>(order.frames), all.data());
+        return out.open(request.path, spec, OIIO::ImageOutput::AppendSubimage);
+    if (request.frames > 1 && !out.supports("appendsubimage")) {
+        const std::vector<OIIO::ImageSpec> all(request.frames, spec);
+        return out.open(request.path, static_cast<int>(request.frames), all.data());
     }
-    return out.open(order.path, spec);
+    return out.open(request.path, spec);
 }
 
 std::string reason(OIIO::ImageOutput &out)
@@ -278,20 +278,20 @@ std::string reason(OIIO::ImageOutput &out)
     return words.empty() ? "OpenImageIO gives no reason" : words;
 }
 
-/* Writes what the order says as its frames arrive; the words of a failure, or none. Whatever
+/* Writes what the request asks for as its frames arrive; the words of a failure, or none. Whatever
  * happens, all frames are received. */
-std::string write_frames(const Order &order, OIIO::ImageOutput *out, std::string words)
+std::string write_frames(const WriteRequest &request, OIIO::ImageOutput *out, std::string words)
 {
-    std::vector<uint8_t> pixels(3 * order.width * order.height);
+    std::vector<uint8_t> pixels(3 * request.width * request.height);
     OIIO::ImageSpec spec;
     if (words.empty())
-        spec = spec_of(order, out->format_name());
-    for (uint64_t i = 0; i < order.frames; i++) {
+        spec = spec_of(request, out->format_name());
+    for (uint64_t i = 0; i < request.frames; i++) {
         receive(pixels.data(), pixels.size());
         if (!words.empty())
             continue;
         try {
-            if (!open_frame(*out, order, spec, i) || !write_frame(*out, pixels))
+            if (!open_frame(*out, request, spec, i) || !write_frame(*out, pixels))
                 words = reason(*out);
         } catch (const std::bad_alloc &) {
             throw;
@@ -306,28 +306,29 @@ std::string write_frames(const Order &order, OIIO::ImageOutput *out, std::string
 
 void write_image(const std::string &line)
 {
-    const Order order = receive_order(line);
+    const WriteRequest request = receive_write_request(line);
     std::string words;
-    std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(order.path);
+    std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(request.path);
     if (!out || is_no_file(out->format_name())) {
         OIIO::geterror();
         out.reset();
-        words = "no known format writes " + extension_of(order.path) +
+        words = "no known format writes " + extension_of(request.path) +
                 "; expected for instance .png, .exr, .tif or .jpg";
-    } else if (order.frames > 1 && !out->supports("multiimage")) {
-        words = extension_of(order.path) + " holds one picture; expected for instance .gif or .tif";
+    } else if (request.frames > 1 && !out->supports("multiimage")) {
+        words =
+            extension_of(request.path) + " holds one picture; expected for instance .gif or .tif";
         out.reset();
     }
-    /* The library does not check what closing a file returns, and so would not see that the disk was
-     * full; where it lets us hold the file, we check. (Its TIFF writer reports the failure by
+    /* The library does not check what closing a file returns, and so would not see that the disk
+     * was full; where it lets us hold the file, we check. (Its TIFF writer reports the failure by
      * itself, and loses its directory when held.) */
     std::unique_ptr<OIIO::Filesystem::IOFile> file;
     if (out && std::strcmp(out->format_name(), "tiff") != 0 && out->supports("ioproxy")) {
-        file = std::make_unique<OIIO::Filesystem::IOFile>(order.path,
+        file = std::make_unique<OIIO::Filesystem::IOFile>(request.path,
                                                           OIIO::Filesystem::IOProxy::Write);
         out->set_ioproxy(file.get());
     }
-    words = write_frames(order, out.get(), words);
+    words = write_frames(request, out.get(), words);
     if (words.empty() && file && (std::fflush(file->handle()) != 0 || std::ferror(file->handle())))
         words = std::strerror(errno);
     if (words.empty())
@@ -366,7 +367,8 @@ void widen(std::vector<uint8_t> &pixels, size_t channels, size_t count)
     }
 }
 
-/* Colours as the file holds them, not multiplied by alpha; an error is answered for what is none, or too large. */
+/* Colours as the file holds them, not multiplied by alpha; an error is answered for what is none,
+ * or too large. */
 std::unique_ptr<OIIO::ImageInput> open_image(const std::string &path)
 {
     OIIO::ImageSpec wish;

@@ -194,7 +194,7 @@ static double unit_mm(const struct nifti_header *header)
 }
 
 /* The matrix of the quaternion (a, b, c, d), whose a >= 0 the file leaves out; nifti1.h, method 2.
- * Numbers that are no rotation come out as NaN or singular and is refused by geometry_place. */
+ * Numbers that are no rotation come out as NaN or singular and are refused by geometry_place. */
 static void matrix_of_qform(double to_mm[3][4], const struct nifti_header *header,
                             const double spacing_mm[3], double unit)
 {

@@ -62,8 +62,7 @@ bool picture_writer_holds(struct picture_writer *writer, const char *path);
 enum err picture_writer_wait(struct picture_writer *writer, struct watch *watch,
                              struct fault *fault);
 
-/* Adds a line for every outcome that was not reported yet: "wrote a.png", or "error: " and the words.
- */
+/* Adds a line for every outcome not yet reported: "wrote a.png", or "error: " and the words. */
 void picture_writer_news(struct picture_writer *writer, struct buf *out);
 
 /* Becomes readable when there are news, until they are taken. */

@@ -61,7 +61,7 @@ static void add_palette(struct buf *png, const uint32_t *colour, unsigned count)
     add_chunk(png, "PLTE", rgb, 3 * (size_t)count);
 }
 
-/* ---- rows: the number of a filter, 0 for none, and pixels, the leftmost in the highest bits ---- */
+/* ---- rows: the number of a filter, 0 for none, and pixels, the leftmost in the highest bits */
 
 static void pack_row(uint8_t *out, const uint8_t *row, uint32_t width, const uint8_t *place,
                      unsigned bits)

@@ -38,7 +38,7 @@ void png_add(struct png_writer *writer, const struct raster *raster, enum png_ef
 void png_add_pixels(struct png_writer *writer, const struct raster *raster, enum png_effort effort,
                     struct buf *out);
 
-/* Adds the file of one picture: rgba is [height][width][4], sides 1..16384; ERR_LIMIT for others. */
+/* Adds the file of one picture: rgba is [height][width][4], sides 1..16384, else ERR_LIMIT. */
 enum err png_encode(struct buf *out, uint32_t width, uint32_t height, const uint8_t *rgba,
                     struct fault *fault);
 

@@ -93,8 +93,7 @@ enum err volume_read(struct volume *out, const char *path, struct watch *watch,
 void volume_release(struct volume *volume);
 
 /* Writes a map as `path`, in the format that the name says; whole or not at all, as where the watch
- * (or NULL) stops it. The same values give the same bytes: a gzip file carries no time and no name.
- */
+ * (or NULL) stops it. The same values give the same bytes: a gzip file has no time and no name. */
 enum err volume_write(const char *path, enum file_mode mode, const struct volume_map *map,
                       struct watch *watch, struct fault *fault);
 

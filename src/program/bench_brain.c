@@ -166,8 +166,7 @@ static enum err time_scratch(struct session *session, struct figures *figures, s
     return err ? err : forest_set_team(session->forest, session->team, fault);
 }
 
-/* Each edit as the user feels it: forest, border, digests, picture. Planted and taken away again.
- */
+/* Each edit as the user feels it: forest, border, digests, picture. Planted and taken away. */
 static enum err time_edits(struct session *session, struct figures *figures, struct fault *fault)
 {
     uint64_t state = 1000;

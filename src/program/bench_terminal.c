@@ -39,7 +39,7 @@ static const struct words {
                              {"mosaic", "mosaic, 640x640"},
                              {"patch", "40x40 pixels of the rendition change"}};
 
-/* All protocols but the last, which shows nothing. Blocks are half a cell high, in 24-bit colours. */
+/* All protocols but the last, which shows nothing. Blocks are half a cell, in 24-bit colours. */
 enum { MEANS_MOST = 8 };
 #define MEANS ((int)graphics_auto.count - 1)
 

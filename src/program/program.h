@@ -60,8 +60,7 @@ struct program_table {
 extern const struct program_table program_table;
 
 /* Finds the program and reads its operands and options into `options`, which begins as {0}, or with
- * what stands for options that are not given. With --help nothing is read but the name. ERR_USAGE.
- */
+ * what stands for options that are not given. With --help only the name is read. ERR_USAGE. */
 enum err program_read(const struct program_table *table, int count, char **word,
                       struct options *options, struct fault *fault);
 

@@ -116,8 +116,8 @@ static void add_named(struct provenance *p, const char *kind, const struct recor
     json_end(&p->json);
 }
 
-/* The command at the beginning of a line, NULL for one that this version does not know, and the word
- * after it. */
+/* The command at the beginning of a line, NULL for one that this version does not know, and the
+ * word after it. */
 static const struct command *take_command(const char *line, struct buf *argument)
 {
     struct buf name = {0};

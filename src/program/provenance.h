@@ -17,9 +17,9 @@
 #include "base/err.h"
 
 /* Adds the document to `out`. `name` is what to call the journal; `is_anonymous` leaves it out and
- * names files as anonymise.h does. ERR_CHECK for a script, which has no results, ERR_INPUT
- * for what cannot be read. A journal that is torn or edited is described as far as it can be read, with
- * its condition. */
+ * names files as anonymise.h does. ERR_CHECK for a script, which has no results, ERR_INPUT for what
+ * cannot be read. A journal that is torn or edited is described as far as it can be read, with its
+ * condition. */
 enum err provenance_write(struct buf *out, const char *name, const char *bytes, size_t length,
                           bool is_anonymous, struct fault *fault);
 

@@ -7,7 +7,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-/* Told here, since Debian 12's linux/landlock.h knows but the first two versions. */
+/* Defined here, since Debian 12's linux/landlock.h has only the first two versions. */
 enum fs_right {
     FS_EXECUTE = 1 << 0,
     FS_WRITE_FILE = 1 << 1,

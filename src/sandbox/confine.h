@@ -4,8 +4,8 @@
  *
  * Protects against: an error in our own checks of names, and a decoder that a hostile file takes
  * over. By Landlock, where the kernel has it (Linux 5.13; versions 1 to 6 of its interface, each of
- * which restricts a little more). It is the second defence: the caller checks names as well, since a
- * kernel without Landlock confines nothing, and says so here. It cannot be taken back.
+ * which restricts a little more). It is the second defence: the caller checks names as well, since
+ * a kernel without Landlock confines nothing, and says so here. It cannot be taken back.
  */
 #ifndef SANDBOX_CONFINE_H
 #define SANDBOX_CONFINE_H

@@ -9,7 +9,7 @@
  *     (L2) time is checked while commands work and after each;
  *     (L3) output is checked before a file grows too large, by the kernel (RLIMIT_FSIZE), and after
  *          each command, whose files are removed again;
- *     (L4) what is beyond a limit ends the replay with ERR_LIMIT and one line that names the option.
+ *     (L4) what is beyond a limit ends the replay with ERR_LIMIT, and words that name the option.
  * Where other processes do the work, what they hold and write is counted (limits_count). The image
  * helper is a process of its own, and may hold as much memory again, or 512 MB where that is more.
  */

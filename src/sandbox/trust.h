@@ -9,8 +9,8 @@
  *     (T2) for writing, the folder of --out, or a fresh temporary one; nothing there is overwritten
  *          but what the same replay has written;
  *     (T3) so much memory, time and output (limits.h).
- * Names are resolved by openat2 with RESOLVE_BENEATH, or, where the kernel does not have it, step by
- * step without following any link; what is checked is the folder and file themselves, not their
+ * Names are resolved by openat2 with RESOLVE_BENEATH, or, where the kernel does not have it, step
+ * by step without following any link; what is checked is the folder and file themselves, not their
  * names. Where the kernel has Landlock, T1 and T2 hold for the process and the image helper as well
  * (confine.h), even if a hostile file takes a decoder over.
  *

@@ -22,8 +22,8 @@ struct bisect_builds {
     const char *word;            /* of the command line, for carrying a script out */
     struct watch *watch;
     /* Called before the two programs, ended by NULL, are started, which are to write below the
-     * folder: for confinement and limits, which hold for them as well, since their commands may be a
-     * stranger's. */
+     * folder: for confinement and limits, which hold for them as well, since their commands may be
+     * a stranger's. */
     enum err (*begin)(void *context, const char *folder, const char *const *program,
                       struct fault *fault);
     void *context;

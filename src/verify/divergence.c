@@ -43,8 +43,7 @@ static void add_line(struct buf *lines, const char *what)
     buf_printf(lines, "#   %-9s", what);
 }
 
-/* Counts, that is decimal numbers of up to 12 digits: how far they are apart. Digests are longer.
- */
+/* How far apart counts are, decimal numbers of up to 12 digits. Digests are longer. */
 static void add_difference(struct buf *lines, const struct record_word *e,
                            const struct record_word *a)
 {

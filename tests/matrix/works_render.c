@@ -8,6 +8,7 @@
 #include "render/mosaic.h"
 #include "render/slice.h"
 #include "render/text.h"
+#include "tests/border_check.h"
 #include "tests/stage.h"
 
 enum { WIDTH = 90, HEIGHT = 70 };

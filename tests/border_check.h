@@ -1,0 +1,37 @@
+/* B1 of render/border.h: the border equals a recount by the words of that header, voxel by voxel. */
+#ifndef TESTS_BORDER_CHECK_H
+#define TESTS_BORDER_CHECK_H
+
+#include "render/border.h"
+
+static inline bool border_should_show(const struct border *border, uint32_t cell)
+{
+    const struct scene *scene = border->scene;
+    return border->visible[scene->cell[cell].label] && /* no cell of the rim */
+           !cut_takes(&border->cut, &scene->grid, cell);
+}
+
+/* `why` names the first voxel where it does not hold. */
+static inline bool border_check(const struct border *border, struct fault *why)
+{
+    const struct grid *grid = &border->scene->grid;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++)
+            for (uint32_t x = 0; x < grid->size[0]; x++) {
+                uint32_t at = grid_cell(grid, x, y, z);
+                bool shown = border_should_show(border, at);
+                bool inside = shown;
+                for (int a = 0; a < 3; a++)
+                    inside = inside && border_should_show(border, at - (uint32_t)grid->step[a]) &&
+                             border_should_show(border, at + (uint32_t)grid->step[a]);
+                if (border_shows(border, at) != shown ||
+                    border_holds(border, at) != (shown && !inside)) {
+                    fault_set(why, ERR_CHECK, "voxel %u,%u,%u: B1: the border is not a recount", x,
+                              y, z);
+                    return false;
+                }
+            }
+    return true;
+}
+
+#endif
