@@ -737,7 +737,8 @@ STORY(completion_offers_what_may_stand_there)
     CHECK_TEXT(buf_text(&out), buf_text(&names));
     buf_clear(&out);
     command_complete(&out, &start, "help ", 5, &interp);
-    CHECK_TEXT(buf_text(&out), buf_text(&names));
+    CHECK(strncmp(buf_text(&out), "keys\n", 5) == 0);
+    CHECK_TEXT(buf_text(&out) + 5, buf_text(&names));
     completes(&interp, "see", "seed\nseed-file\n", 0);
     completes(&interp, "  see", "seed\nseed-file\n", 2);
     completes(&interp, "xyz", "", 0);

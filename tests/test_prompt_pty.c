@@ -110,6 +110,11 @@ static bool is_cursor_row(const struct terminal *t, const char *row)
     return strcmp(screen_row(&t->screen, t->screen.row), row) == 0;
 }
 
+static bool is_at_column(const struct terminal *t, const char *column)
+{
+    return t->screen.column == (unsigned)strtoul(column, NULL, 10);
+}
+
 /* The program reads keys as they are typed; before that the system would act on Ctrl-C. */
 static bool reads_keys(const struct terminal *t, const char *text)
 {
@@ -413,6 +418,113 @@ STORY(hostile_lines_of_a_history_are_not_obeyed)
     forget_journals();
 }
 
+static void store_history(const char *lines)
+{
+    CHECK(file_write("history", lines, strlen(lines), FILE_REPLACE, NULL) == OK);
+}
+
+STORY(what_was_entered_before_is_suggested_and_taken)
+{
+    struct terminal t;
+    store_history("zoom 2\nlabel 7 liver\nseed 1,1,1 liver\nseed 9,9,99 7\nsede 1\n");
+    start_at_prompt(&t);
+    type(&t,
+         "se"); /* neither a voxel beyond the scene, nor a label without a name, nor a mistake */
+    SEE_LINE(&t, "synth> se");
+    type(&t, "\025label 7 ");
+    SEE_LINE(&t, "synth> label 7 liver [#rrggbb]");
+    const struct screen_cell *cell = t.screen.cell[t.screen.row];
+    CHECK(cell[15].grey && cell[21].grey && !cell[8].grey && t.screen.column == 15);
+    type(&t, "\033[C");
+    SEE_LINE(&t, "synth> label 7 liver [#rrggbb]");
+    check_awaited(&t, is_at_column, "20", __LINE__);
+    type(&t, "\r");
+    SEE_LINE(&t, "synth>");
+    type(&t, "se");
+    SEE_LINE(&t, "synth> seed 1,1,1 liver [radius=0..32] [to=X,Y,Z]");
+    type(&t, "\033f\033f");
+    check_awaited(&t, is_at_column, "13", __LINE__);
+    type(&t, "\001"); /* not at the end: nothing */
+    SEE_LINE(&t, "synth> seed 1");
+    type(&t, "\005\005");
+    check_awaited(&t, is_at_column, "23", __LINE__);
+    type(&t, "\037\037"); /* undone: what was taken, and a word of it */
+    check_awaited(&t, is_at_column, "11", __LINE__);
+    type(&t, "\025la\033[A");
+    SEE_LINE(&t, "synth> label 7 liver [#rrggbb]");
+    type(&t, "\033[B");
+    check_awaited(&t, is_at_column, "9", __LINE__);
+    type(&t, "\025goto \033.\033.");
+    SEE_LINE(&t, "synth> goto 1");
+    type(&t, "\025zoom\001\033u");
+    SEE_LINE(&t, "synth> ZOOM");
+    quit(&t);
+    unlink("history");
+    forget_journals();
+}
+
+static const char editor_script[] = "ls -ld \"${1%/*}\" >seen; stty -a >modes; cat \"$1\" >before\n"
+                                    "printf 'seed 20,20,15\\n\\0331\\n\\n' >\"$1\"\n";
+
+static void edit_elsewhere(struct terminal *t)
+{
+    type(t, "seed 2");
+    SEE_BEGIN(t, "synth> seed 2");
+    type(t, "\030\005");
+}
+
+STORY(a_line_is_edited_in_another_editor_and_waits_for_enter)
+{
+    struct terminal t;
+    struct buf seen = {0};
+    CHECK(file_write("edit.sh", editor_script, sizeof editor_script - 1, FILE_REPLACE, NULL) == OK);
+    setenv("VISUAL", "sh ./edit.sh", 1);
+    start_at_prompt(&t);
+    unsetenv("VISUAL");
+    edit_elsewhere(&t);
+    SEE_LINE(&t, "synth> seed 20,20,15 1 [radius=0..32] [to=X,Y,Z]");
+    CHECK(reads_keys(&t, ""));
+    type(&t, "\037");
+    SEE_LINE(&t, "synth> seed 2 LABEL [radius=0..32] [to=X,Y,Z]");
+    CHECK(file_read(&seen, "seen", 1 << 12, NULL) == OK);
+    CHECK(strncmp(buf_text(&seen), "drwx------", 10) == 0);
+    CHECK(!file_exists(strchr(buf_text(&seen), '/')));
+    CHECK(file_read(&seen, "modes", 1 << 14, NULL) == OK);
+    CHECK(strstr(buf_text(&seen), " icanon") && !strstr(buf_text(&seen), "-icanon"));
+    CHECK(file_read(&seen, "before", 1 << 12, NULL) == OK);
+    CHECK_TEXT(buf_text(&seen), "seed 2\n");
+    quit(&t);
+    CHECK(strstr(journal(1), "seed") == NULL);
+    buf_release(&seen);
+    forget_journals();
+}
+
+STORY(without_an_editor_it_is_said_in_words)
+{
+    struct terminal t;
+    unsetenv("EDITOR");
+    start_at_prompt(&t);
+    edit_elsewhere(&t);
+    SEE_BEGIN(&t, "error: neither VISUAL nor EDITOR names an editor; ");
+    SEE_BEGIN(&t, "synth> seed 2");
+    quit(&t);
+    setenv("EDITOR", "no-such-editor", 1);
+    start_at_prompt(&t);
+    edit_elsewhere(&t);
+    SEE_BEGIN(&t, "error: there is no editor no-such-editor; ");
+    SEE_BEGIN(&t, "synth> seed 2");
+    quit(&t);
+    setenv("EDITOR", "false", 1);
+    start_at_prompt(&t);
+    edit_elsewhere(&t);
+    SEE(&t, "error: false ended with status 1; the line is as it was");
+    SEE_BEGIN(&t, "synth> seed 2");
+    quit(&t);
+    unsetenv("EDITOR");
+    unlink("history");
+    forget_journals();
+}
+
 /* The rows that a line of `text` after the prompt takes, with the cursor at its end. */
 static bool has_rows(const struct terminal *t, const char *text)
 {
@@ -630,6 +742,7 @@ STORY(a_dumb_terminal_gets_no_escape_at_all)
     SEE_LINE(&t, "synth>"); /* the terminal echoes by itself: not before the prompt */
     type(&t, "sede\r");
     SEE(&t, "error: unknown command sede; did you mean seed?");
+    SEE_LINE(&t, "synth>");
     type(&t, "quit\r");
     SEE_BEGIN(&t, "journal: synth-1.iftty");
     CHECK(strchr(buf_text(&t.written), '\033') == NULL);
@@ -647,18 +760,20 @@ int main(void)
     strcat(program, "/iftty");
     if (!make_folder(folder, "pty") || chdir(folder) != 0)
         return 1;
-    const int status =
-        RUN_STORIES(TELL(a_line_is_typed_mended_and_carried_out),
-                    TELL(a_hint_is_grey_moves_on_and_never_gets_into_the_line),
-                    TELL(tab_completes_and_lists_and_tells_how_many_more),
-                    TELL(a_caret_stands_under_what_is_wrong),
-                    TELL(a_hundred_pasted_lines_are_a_hundred_commands),
-                    TELL(history_outlives_a_session_that_is_killed),
-                    TELL(hostile_lines_of_a_history_are_not_obeyed),
-                    TELL(a_long_line_is_drawn_anew_at_every_width),
-                    TELL(whatever_a_terminal_says_the_line_stays_what_was_typed),
-                    TELL(a_reply_may_take_two_seconds), TELL(ctrl_c_takes_back_a_line_or_a_command),
-                    TELL(without_colours_there_is_none_and_no_hint),
-                    TELL(a_dumb_terminal_gets_no_escape_at_all));
+    const int status = RUN_STORIES(
+        TELL(a_line_is_typed_mended_and_carried_out),
+        TELL(a_hint_is_grey_moves_on_and_never_gets_into_the_line),
+        TELL(tab_completes_and_lists_and_tells_how_many_more),
+        TELL(a_caret_stands_under_what_is_wrong),
+        TELL(a_hundred_pasted_lines_are_a_hundred_commands),
+        TELL(history_outlives_a_session_that_is_killed),
+        TELL(hostile_lines_of_a_history_are_not_obeyed),
+        TELL(what_was_entered_before_is_suggested_and_taken),
+        TELL(a_line_is_edited_in_another_editor_and_waits_for_enter),
+        TELL(without_an_editor_it_is_said_in_words), TELL(a_long_line_is_drawn_anew_at_every_width),
+        TELL(whatever_a_terminal_says_the_line_stays_what_was_typed),
+        TELL(a_reply_may_take_two_seconds), TELL(ctrl_c_takes_back_a_line_or_a_command),
+        TELL(without_colours_there_is_none_and_no_hint),
+        TELL(a_dumb_terminal_gets_no_escape_at_all));
     return remove_folder(folder) | status;
 }

@@ -902,6 +902,7 @@ STORY(browsing_older_lines_keeps_the_one_begun)
     begin_line(entries, 5);
     CHECK_INT(old_lines.count, 3); /* no repetition, nothing after a blank */
     type("see");
+    act(LINE_HOME, 1); /* all lines begin with what is before the cursor */
     act(LINE_OLDER, 1);
     CHECK_TEXT(shown(), "render|");
     act(LINE_OLDER, 7);
@@ -941,6 +942,280 @@ STORY(searching_goes_back_and_can_be_given_up)
     CHECK_TEXT(shown(), "view |left");
     type("<");
     CHECK_TEXT(shown(), "view <|left");
+}
+
+static const char *const sessions[] = {"seed 1,1,1 a",          "view left",
+                                       "seed 2,2,2 b",          "run",
+                                       "seed 3,3,3 a radius=2", "label 2 \"left hemi\""};
+
+STORY(older_lines_begin_with_what_stands_before_the_cursor)
+{
+    begin_line(sessions, 6);
+    type("seed");
+    act(LINE_OLDER, 1);
+    CHECK_TEXT(shown(), "seed 3,3,3 a radius=2|");
+    act(LINE_OLDER, 1);
+    CHECK_TEXT(shown(), "seed 2,2,2 b|");
+    act(LINE_OLDER, 5);
+    CHECK_TEXT(shown(), "seed 1,1,1 a|");
+    act(LINE_NEWER, 1);
+    CHECK_TEXT(shown(), "seed 2,2,2 b|");
+    act(LINE_NEWER, 2);
+    CHECK_TEXT(shown(), "seed|");
+    act(LINE_NEWER, 1);
+    CHECK_TEXT(shown(), "seed|");
+    act(LINE_OLDEST, 1);
+    CHECK_TEXT(shown(), "seed 1,1,1 a|");
+    act(LINE_NEWEST, 1);
+    act(LINE_LEFT, 3); /* only what is before the cursor counts */
+    act(LINE_OLDER, 1);
+    CHECK_TEXT(shown(), "seed 3,3,3 a radius=2|");
+    act(LINE_HOME, 1);
+    act(LINE_OLDER, 1); /* on from there, whatever they begin with */
+    CHECK_TEXT(shown(), "run|");
+    type("x"); /* no older line any more: it is today's */
+    act(LINE_HOME, 1);
+    act(LINE_OLDER, 1);
+    CHECK_TEXT(shown(), "label 2 \"left hemi\"|");
+    act(LINE_NEWER, 1);
+    CHECK_TEXT(shown(), "runx|");
+    type("zzz");
+    act(LINE_OLDER, 1); /* nothing begins so */
+    CHECK_TEXT(shown(), "runxzzz|");
+}
+
+STORY(last_words_of_older_lines_are_cited)
+{
+    begin_line(sessions, 6);
+    type("x ");
+    act(LINE_CITE, 1);
+    CHECK_TEXT(shown(), "x \"left hemi\"|");
+    act(LINE_CITE, 1);
+    CHECK_TEXT(shown(), "x radius=2|");
+    act(LINE_CITE, 2);
+    CHECK_TEXT(shown(), "x b|");
+    act(LINE_CITE, 9);
+    CHECK_TEXT(shown(), "x a|");
+    act(LINE_UNDO, 1); /* all as one */
+    CHECK_TEXT(shown(), "x |");
+    act(LINE_LEFT, 1);
+    act(LINE_CITE, 1);
+    CHECK_TEXT(shown(), "x\"left hemi\"| ");
+}
+
+STORY(what_was_done_to_a_line_is_undone_step_by_step)
+{
+    begin_line(sessions, 6);
+    act(LINE_UNDO, 1);
+    type("see");
+    type("d");
+    type(" ");
+    type("1");
+    type(",2");
+    act(LINE_LEFT, 2);
+    act(LINE_ERASE, 2);
+    CHECK_TEXT(shown(), "seed|,2");
+    act(LINE_UNDO, 1); /* characters erased one after another are one step, */
+    CHECK_TEXT(shown(), "seed 1|,2");
+    act(LINE_UNDO, 1); /* and so is a word */
+    CHECK_TEXT(shown(), "seed |");
+    act(LINE_UNDO, 1);
+    CHECK_TEXT(shown(), "|");
+    act(LINE_UNDO, 3);
+    CHECK_TEXT(shown(), "|");
+    type("v");
+    act(LINE_OLDER, 2);
+    act(LINE_KILL_TO_START, 1);
+    act(LINE_YANK, 1);
+    act(LINE_UNDO, 2);
+    CHECK_TEXT(shown(), "view left|");
+    act(LINE_UNDO, 1);
+    CHECK_TEXT(shown(), "v|");
+    line_paste(&line, "a", 1);
+    line_paste(&line, " b", 2);
+    line_paste(&line, "c", 1);
+    CHECK_TEXT(shown(), "va bc|");
+    act(LINE_UNDO, 1);
+    CHECK_TEXT(shown(), "v|");
+}
+
+STORY(letters_of_a_word_change_with_their_bytes)
+{
+    begin_line(NULL, 0);
+    type("label 2 \u00e9tag\u00e8re \u0131x \xff stra\u00dfe");
+    act(LINE_HOME, 1);
+    act(LINE_UPPER, 1);
+    CHECK_TEXT(shown(), "LABEL| 2 \u00e9tag\u00e8re \u0131x \xff stra\u00dfe");
+    act(LINE_CAPITAL, 2);
+    CHECK_TEXT(shown(), "LABEL 2 \u00c9tag\u00e8re| \u0131x \xff stra\u00dfe");
+    act(LINE_UPPER, 3); /* two bytes become one, and what is no character stays */
+    CHECK_TEXT(shown(), "LABEL 2 \u00c9tag\u00e8re IX \xff STRA\u00dfE|");
+    act(LINE_UPPER, 1);
+    act(LINE_WORD_LEFT, 1);
+    act(LINE_LOWER, 1);
+    CHECK_TEXT(shown(), "LABEL 2 \u00c9tag\u00e8re IX \xff stra\u00dfe|");
+    act(LINE_UNDO, 1);
+    CHECK_TEXT(shown(), "LABEL 2 \u00c9tag\u00e8re IX \xff |STRA\u00dfE");
+}
+
+/* Labels of the name b are no more. */
+static bool knows(void *context, const char *text)
+{
+    ++*(int *)context;
+    return text[strlen(text) - 1] != 'b';
+}
+
+static const char *suggested(void)
+{
+    int asked = 0;
+    return line_suggestion(&line, knows, &asked);
+}
+
+STORY(the_newest_line_that_begins_so_and_is_known_is_suggested)
+{
+    static const char *const entries[] = {"seed 1,1,1 a radius=2", "se\u0301ed", "seed 2,2,2 b"};
+    begin_line(entries, 3);
+    CHECK_TEXT(suggested(), ""); /* nothing is typed */
+    type("se");
+    CHECK_TEXT(suggested(), "ed 1,1,1 a radius=2"); /* no mark upon what is typed, and no b */
+    act(LINE_LEFT, 1);
+    CHECK_TEXT(suggested(), "");
+    CHECK(!line_take_suggestion(&line, "", LINE_RIGHT));
+    act(LINE_RIGHT, 1);
+    CHECK(!line_take_suggestion(&line, suggested(), LINE_LEFT));
+    CHECK(line_take_suggestion(&line, suggested(), LINE_WORD_RIGHT));
+    CHECK_TEXT(shown(), "seed|");
+    CHECK(line_take_suggestion(&line, suggested(), LINE_WORD_RIGHT));
+    CHECK_TEXT(shown(), "seed 1|");
+    CHECK(line_take_suggestion(&line, suggested(), LINE_END));
+    CHECK_TEXT(shown(), "seed 1,1,1 a radius=2|");
+    CHECK_TEXT(suggested(), "");
+    act(LINE_UNDO, 1);
+    CHECK_TEXT(shown(), "seed 1|");
+}
+
+STORY(a_hundred_lines_that_are_no_more_known_are_not_all_tried)
+{
+    int asked = 0;
+    begin_line(NULL, 0);
+    for (int i = 0; i < 100; i++) {
+        char entry[32];
+        snprintf(entry, sizeof entry, "seed %d b", i);
+        line_history_add(&old_lines, entry, strlen(entry));
+    }
+    line_init(&line, &old_lines);
+    type("s");
+    CHECK_TEXT(line_suggestion(&line, knows, &asked), "");
+    CHECK(asked < 100);
+}
+
+/* The text of a line before each change, so that undo can be compared. */
+STORY(random_edits_are_undone_one_by_one)
+{
+    static const char *const piece[] = {"a", "\u00e4", "\u8166", " ", "x y", "e\u0301", "\xff"};
+    enum { EDITS = 60 };
+    uint64_t seed = 5;
+    for (int round = 0; round < 300; round++) {
+        static char before[EDITS + 1][4096];
+        size_t steps = 0, held[EDITS + 1];
+        begin_line(sessions, 6);
+        for (int i = 0; i < EDITS; i++) {
+            const uint32_t what = check_below(&seed, LINE_ACTIONS + 8);
+            const size_t had = line.undo.count;
+            char text[4096];
+            snprintf(text, sizeof text, "%s", buf_text(&line.text));
+            if (what == LINE_UNDO)
+                continue;
+            if (what < LINE_ACTIONS)
+                line_act(&line, (enum line_action)what);
+            else
+                type(piece[check_below(&seed, 7)]);
+            CHECK(line.cursor <= line.text.length && line.undo.count >= had);
+            if (line.undo.count > had) {
+                memcpy(before[steps], text, sizeof text);
+                held[steps++] = line.undo.count;
+            }
+        }
+        while (steps-- > 0) {
+            CHECK_INT(line.undo.count, held[steps]);
+            act(LINE_UNDO, 1);
+            CHECK_TEXT(buf_text(&line.text), before[steps]);
+            CHECK(line.cursor <= line.text.length);
+        }
+        CHECK_INT(line.text.length + line.undo.removed.length, 0);
+    }
+}
+
+STORY(undo_holds_no_more_than_it_may)
+{
+    struct buf large = {0};
+    begin_line(NULL, 0);
+    for (int i = 0; i < 3 * LINE_UNDO_MOST; i++) {
+        type("a ");
+        type("b ");
+    }
+    CHECK(line.undo.count <= LINE_UNDO_MOST);
+    act(LINE_UNDO, 2 * LINE_UNDO_MOST);
+    CHECK(line.text.length > 0 && line.undo.count == 0);
+    while (large.length <= LINE_UNDO_BYTES)
+        buf_add_text(&large, "0123456789abcdef");
+    line_paste(&line, large.data, large.length);
+    act(LINE_KILL_TO_START, 1); /* too much to hold */
+    act(LINE_UNDO, 1);
+    CHECK_INT(line.text.length, 0);
+    buf_release(&large);
+}
+
+STORY(the_table_of_keys_names_them_all)
+{
+    static const struct {
+        const char *bytes;
+        unsigned found;
+    } cases[] = {
+        {"\x01", LINE_HOME},
+        {"\033[H", LINE_HOME},
+        {"\x1f", LINE_UNDO},
+        {"\033.", LINE_CITE},
+        {"\033u", LINE_UPPER},
+        {"\033U", LINE_UPPER},
+        {"\033[1;2D", LINE_LEFT}, /* with Shift */
+        {"\033[1;3D", LINE_WORD_LEFT},
+        {"\033[1;6C", LINE_WORD_RIGHT}, /* Ctrl and Shift */
+        {"\033[3;5~", LINE_KILL_WORD_RIGHT},
+        {"\033<", LINE_OLDEST},
+        {"\x18", DUTY_MORE},
+        {"\x18\x05", DUTY_OTHER_EDITOR},
+        {"\x18\x18", DUTY_NONE},
+        {"\x18\x18\x05", LINE_END},
+        {"\x18x\x05", LINE_END},
+        {"\033[2~", DUTY_NONE},
+        {"\033q", DUTY_NONE},
+        {"\033\u00e9", DUTY_NONE},
+        {"\r", DUTY_SUBMIT},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct keys keys = {0};
+        struct key_event event;
+        char before[LINE_KEYS_MOST] = "";
+        unsigned found = DUTY_NONE;
+        for (const char *at = cases[i].bytes; *at; at++)
+            if (keys_feed(&keys, (uint8_t)*at, &event))
+                found = line_key_find(&event, before);
+        CHECK_INT(found, cases[i].found);
+        CHECK(*before == '\0' || found == DUTY_MORE);
+    }
+}
+
+STORY(the_page_of_keys_is_the_one_in_the_readme)
+{
+    struct buf page = {0}, readme = {0};
+    line_keys_page(&page);
+    for (const char *at = buf_text(&page); *at; at += strcspn(at, "\n") + 1)
+        CHECK(strcspn(at, "\n") <= 80);
+    CHECK(file_read(&readme, "tui/README.md", 1 << 20, NULL) == OK);
+    CHECK_HAS(buf_text(&readme), buf_text(&page));
+    buf_release(&page);
+    buf_release(&readme);
 }
 
 /* ---- drawing, on a small model of a screen ---- */
@@ -1126,10 +1401,10 @@ STORY(random_edits_always_draw_what_a_fresh_screen_would_show)
     struct line_drawing d = {0};
     begin_line(NULL, 0);
     for (int i = 0; i < 4000; i++) {
-        uint32_t what = check_below(&seed, 24);
+        uint32_t what = check_below(&seed, LINE_ACTIONS + 5);
         if (line.text.length > 40)
             line_clear(&line);
-        if (what <= LINE_NEWEST)
+        if (what < LINE_ACTIONS)
             line_act(&line, (enum line_action)what);
         type(piece[check_below(&seed, 8)]);
         struct screen fresh = {0};
@@ -1221,8 +1496,16 @@ int main(void)
         TELL(typing_moving_and_deleting), TELL(one_character_is_what_the_eye_sees_as_one),
         TELL(kills_gather_and_come_back), TELL(transposing_at_the_ends_and_within),
         TELL(browsing_older_lines_keeps_the_one_begun),
-        TELL(searching_goes_back_and_can_be_given_up), TELL(a_line_is_drawn_with_its_cursor),
-        TELL(a_line_wraps_at_the_right_margin_and_back),
+        TELL(searching_goes_back_and_can_be_given_up),
+        TELL(older_lines_begin_with_what_stands_before_the_cursor),
+        TELL(last_words_of_older_lines_are_cited),
+        TELL(what_was_done_to_a_line_is_undone_step_by_step),
+        TELL(letters_of_a_word_change_with_their_bytes),
+        TELL(the_newest_line_that_begins_so_and_is_known_is_suggested),
+        TELL(a_hundred_lines_that_are_no_more_known_are_not_all_tried),
+        TELL(random_edits_are_undone_one_by_one), TELL(undo_holds_no_more_than_it_may),
+        TELL(the_table_of_keys_names_them_all), TELL(the_page_of_keys_is_the_one_in_the_readme),
+        TELL(a_line_is_drawn_with_its_cursor), TELL(a_line_wraps_at_the_right_margin_and_back),
         TELL(wide_characters_and_marks_take_the_cells_they_take),
         TELL(a_line_taller_than_the_screen_shows_what_is_around_the_cursor),
         TELL(random_edits_always_draw_what_a_fresh_screen_would_show), TELL(widths_of_characters),

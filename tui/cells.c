@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <wchar.h>
+#include <wctype.h>
 
 #include "base/safe.h"
 
@@ -17,12 +18,17 @@ static void open_locale(void)
     utf8 = newlocale(LC_CTYPE_MASK, "C.UTF-8", (locale_t)0);
 }
 
-/* Negative for what has no width: a code point without a character. */
-static int width_by_libc(uint32_t point)
+static bool has_locale(void)
 {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
     pthread_once(&once, open_locale);
-    if (!utf8)
+    return utf8 != (locale_t)0;
+}
+
+/* Negative for what has no width: a code point without a character. */
+static int width_by_libc(uint32_t point)
+{
+    if (!has_locale())
         return 1;
     const locale_t former = uselocale(utf8);
     const int width = wcwidth((wchar_t)point);
@@ -43,6 +49,22 @@ size_t char_read(const char *text, size_t length, uint32_t *point)
     if (n == 0)
         *point = CHAR_BROKEN;
     return n ? n : 1;
+}
+
+size_t char_write(char out[CHAR_BYTES_MOST], uint32_t point)
+{
+    const size_t n = point < 0x80 ? 1 : point < 0x800 ? 2 : point < 0x10000 ? 3 : 4;
+    for (size_t i = n; i-- > 1; point >>= 6)
+        out[i] = (char)(0x80 | (point & 0x3F));
+    out[0] = (char)(n == 1 ? point : (0xF00u >> n & 0xFF) | point);
+    return n;
+}
+
+uint32_t char_letter(uint32_t point, bool upper)
+{
+    if (!has_locale())
+        return point;
+    return (uint32_t)(upper ? towupper_l((wint_t)point, utf8) : towlower_l((wint_t)point, utf8));
 }
 
 size_t cells_width(const char *text, size_t length)

@@ -22,6 +22,13 @@ unsigned char_width(uint32_t point);
 #define CHAR_BROKEN UINT32_MAX
 size_t char_read(const char *text, size_t length, uint32_t *point);
 
+/* Writes a character as UTF-8 and returns its bytes; it has no NUL. */
+enum { CHAR_BYTES_MOST = 4 };
+size_t char_write(char out[CHAR_BYTES_MOST], uint32_t point);
+
+/* The upper or lower case letter of a letter; what is none, or has no other, stays. */
+uint32_t char_letter(uint32_t point, bool upper);
+
 /* The cells that `length` bytes take where what is not safe to print is drawn as \xNN. */
 size_t cells_width(const char *text, size_t length);
 

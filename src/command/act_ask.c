@@ -221,7 +221,14 @@ enum err act_stats(const struct act *act)
 
 enum err act_help(const struct act *act)
 {
-    command_help(&act->reply->text, act->value[0].given ? command_find(act->value[0].text) : NULL);
+    const char *about = act->value[0].given ? act->value[0].text : NULL;
+    const struct command *command = about ? command_find(about) : NULL;
+    if (!about || command)
+        command_help(&act->reply->text, command);
+    else if (act->interp->add_keys)
+        act->interp->add_keys(&act->reply->text);
+    else
+        buf_add_text(&act->reply->text, "keys are those of the prompt: see `iftty help keys`\n");
     return OK;
 }
 

@@ -58,7 +58,8 @@ struct interpreter {
     struct picture_job *job;       /* of the command at hand, for the writer once it is recorded */
 
     size_t acknowledged;
-    bool has_pilot; /* `pilot` can be had here */
+    bool has_pilot;                    /* `pilot` can be had here */
+    void (*add_keys)(struct buf *out); /* what `help keys` says here, or NULL */
     enum interpreter_wish wish;
     bool shows_picture;  /* the last command made a picture to be shown inline: */
     struct canvas shown; /* it; no pixels stand for the session's rendition */

@@ -4,6 +4,7 @@
 
 #include "command/command.h"
 #include "program/programs.h"
+#include "tui/prompt/line_keys.h"
 
 /* Columns. Summaries are a line each: at most LINE_MOST - SUMMARY_COLUMN. */
 enum { INDENT = 4, SUMMARY_COLUMN = 35, OPTION_COLUMN = 25, LINE_MOST = 80 };
@@ -157,7 +158,9 @@ enum err run_help(const struct options *o, struct fault *fault)
     struct buf of_command = {0}, of_program = {0};
     if (!name || command)
         command_help(&of_command, command);
-    if (name && !program_add_help(&of_program, &program_table, name) && !command)
+    else if (strcmp(name, "keys") == 0)
+        line_keys_page(&of_command);
+    if (name && !program_add_help(&of_program, &program_table, name) && !of_command.length)
         return refuse_name(name, fault);
     printf("%s%s%s", buf_text(&of_command), of_command.length && of_program.length ? "\n" : "",
            buf_text(&of_program));

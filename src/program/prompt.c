@@ -12,6 +12,7 @@
 #include "program/shown.h"
 #include "tui/pilot/pilot_keys.h"
 #include "tui/prompt/line_history.h"
+#include "tui/prompt/line_keys.h"
 #include "tui/prompt/repl.h"
 
 struct prompt {
@@ -129,6 +130,16 @@ static void prompt_hint(void *context, const char *line, size_t length, struct b
     command_hint(out, line, length);
 }
 
+static bool prompt_knows(void *context, const char *line)
+{
+    const struct prompt *prompt = context;
+    struct call call = {0};
+    struct fault why;
+    const bool knows = command_parse(&call, line, &prompt->interp.session, &why) == OK;
+    call_release(&call);
+    return knows;
+}
+
 static bool prompt_picture(void *context, struct image_view *out)
 {
     struct prompt *prompt = context;
@@ -178,6 +189,7 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
                                    .execute = prompt_execute,
                                    .complete = prompt_complete,
                                    .hint = prompt_hint,
+                                   .knows = prompt_knows,
                                    .picture = prompt_picture,
                                    .news = writer ? prompt_news : NULL,
                                    .news_descriptor =
@@ -276,6 +288,7 @@ enum err run_prompt(const struct options *o, struct fault *fault)
     prompt.pilot.interp = &prompt.interp;
     prompt.pilot.smooth = o->smooth;
     prompt.interp.has_pilot = is_terminal;
+    prompt.interp.add_keys = line_keys_page;
     if (!err)
         err = run_repl(&prompt, o, fault);
     if (prompt.interp.writer)

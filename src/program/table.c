@@ -262,6 +262,7 @@ static const struct program program[] = {
     {.name = "help",
      AT_MOST_1("[COMMAND|PROGRAM]"),
      .summary = "the commands of prompt, script and journal",
+     .detail = "`iftty help keys` lists the keys of the prompt.",
      .run = run_help},
     {.form = "--version",
      .words = "",

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "tui/cells.h"
+#include "tui/prompt/line_recall.h"
 
 void line_init(struct line *l, const struct line_history *history)
 {
@@ -13,8 +14,10 @@ void line_init(struct line *l, const struct line_history *history)
 void line_release(struct line *l)
 {
     buf_release(&l->text);
+    line_undo_release(&l->undo);
     buf_release(&l->killed);
     buf_release(&l->draft);
+    buf_release(&l->prefix);
     buf_release(&l->wanted);
 }
 
@@ -25,8 +28,10 @@ void line_clear(struct line *l)
     buf_clear(&l->draft);
     buf_clear(&l->wanted);
     l->text.failed = failed;
+    line_undo_clear(&l->undo);
     l->cursor = 0;
-    l->killing = l->searching = l->search_failed = false;
+    l->last = LAST_OTHER;
+    l->searching = l->search_failed = false;
     l->place = l->history->count;
 }
 
@@ -40,7 +45,7 @@ static uint32_t point_at(const struct line *l, size_t at, size_t *bytes)
 }
 
 /* The end of the character at `at` with the marks upon it. */
-static size_t next(const struct line *l, size_t at)
+size_t line_next(const struct line *l, size_t at)
 {
     size_t bytes;
     if (at >= l->text.length)
@@ -86,7 +91,7 @@ static size_t word_left(const struct line *l, size_t at)
     return at;
 }
 
-static size_t word_right(const struct line *l, size_t at)
+size_t line_word_right(const struct line *l, size_t at)
 {
     while (at < l->text.length && !is_word(l, at))
         at++;
@@ -119,13 +124,16 @@ static size_t end(const struct line *l, size_t at)
 
 /* ---- edits ---- */
 
-void line_replace(struct line *l, size_t from, size_t to, const char *bytes, size_t length)
+void line_change(struct line *l, size_t from, size_t to, const char *bytes, size_t length,
+                 enum line_step step)
 {
-    size_t rest = l->text.length - to;
+    const size_t rest = l->text.length - to;
+    const struct line_change change = {from, to - from, length, l->cursor};
     if (length > to - from && !buf_reserve(&l->text, length - (to - from)))
         return;
-    if (!l->text.data)
+    if (!l->text.data || (from == to && length == 0))
         return;
+    line_undo_note(&l->undo, &change, l->text.data + from, step);
     memmove(l->text.data + from + length, l->text.data + to, rest);
     if (length > 0)
         memcpy(l->text.data + from, bytes, length);
@@ -134,16 +142,51 @@ void line_replace(struct line *l, size_t from, size_t to, const char *bytes, siz
     l->cursor = from + length;
 }
 
-void line_insert(struct line *l, const char *bytes, size_t length)
+void line_replace(struct line *l, size_t from, size_t to, const char *bytes, size_t length)
 {
-    l->killing = false;
-    line_replace(l, l->cursor, l->cursor, bytes, length);
+    l->last = LAST_OTHER;
+    line_change(l, from, to, bytes, length, STEP_NEW);
 }
 
-static void remove_range(struct line *l, size_t from, size_t to)
+static void insert(struct line *l, const char *bytes, size_t length, bool joins)
 {
-    if (from < to)
-        line_replace(l, from, to, "", 0);
+    joins &= l->last == LAST_TYPED;
+    l->last = LAST_TYPED;
+    line_change(l, l->cursor, l->cursor, bytes, length, joins ? STEP_TYPED : STEP_NEW);
+}
+
+/* A word is a step, with the blanks after it. */
+void line_insert(struct line *l, const char *bytes, size_t length)
+{
+    const bool begins_word =
+        l->cursor > 0 && l->text.data[l->cursor - 1] == ' ' && length > 0 && bytes[0] != ' ';
+    insert(l, bytes, length, !begins_word);
+}
+
+void line_paste(struct line *l, const char *bytes, size_t length)
+{
+    insert(l, bytes, length, true);
+}
+
+/* Once more is the same step. */
+static void erase(struct line *l, size_t from, size_t to, bool again)
+{
+    l->last = LAST_ERASED;
+    line_change(l, from, to, "", 0, again ? STEP_ERASED : STEP_NEW);
+}
+
+static void undo(struct line *l)
+{
+    struct line_change change;
+    const char *removed;
+    if (!line_undo_take(&l->undo, &change, &removed))
+        return;
+    struct line_undo kept = l->undo; /* what is taken back is no step */
+    l->undo = (struct line_undo){0};
+    line_change(l, change.at, change.at + change.added, removed, change.removed, STEP_NEW);
+    line_undo_release(&l->undo);
+    l->undo = kept;
+    l->cursor = change.cursor;
 }
 
 /* Removes a range and adds it to the kill buffer, before what the last kill put there when it lies
@@ -165,7 +208,7 @@ static void kill_range(struct line *l, size_t from, size_t to, bool join)
     } else {
         buf_release(&kept);
     }
-    remove_range(l, from, to);
+    line_change(l, from, to, "", 0, STEP_NEW);
 }
 
 static void transpose(struct line *l)
@@ -173,143 +216,84 @@ static void transpose(struct line *l)
     size_t middle = l->cursor;
     if (middle == l->text.length)
         middle = previous(l, middle);
-    size_t from = previous(l, middle), to = next(l, middle);
+    size_t from = previous(l, middle), to = line_next(l, middle);
     struct buf swapped = {0};
     if (from == middle || middle == to)
         return;
     buf_add(&swapped, l->text.data + middle, to - middle);
     buf_add(&swapped, l->text.data + from, middle - from);
     if (!swapped.failed)
-        line_replace(l, from, to, swapped.data, swapped.length);
+        line_change(l, from, to, swapped.data, swapped.length, STEP_NEW);
     buf_release(&swapped);
 }
 
-/* ---- history ---- */
-
-static void set_text(struct line *l, const char *text, size_t length)
+/* Other letters up to the end of the word; a letter that has no other stays. */
+static void change_letters(struct line *l, enum line_action action)
 {
-    line_replace(l, 0, l->text.length, text, length);
-}
-
-static void copy_buf(struct buf *to, const struct buf *from)
-{
-    buf_clear(to);
-    buf_add(to, buf_text(from), from->length);
-}
-
-/* Shows entry `place`; the line of today waits in the draft meanwhile. */
-static void show_entry(struct line *l, size_t place)
-{
-    if (place == l->place || place > l->history->count)
-        return;
-    if (l->place == l->history->count)
-        copy_buf(&l->draft, &l->text);
-    l->place = place;
-    if (place == l->history->count)
-        set_text(l, buf_text(&l->draft), l->draft.length);
-    else
-        set_text(l, l->history->line[place], strlen(l->history->line[place]));
+    const size_t end = line_word_right(l, l->cursor);
+    struct buf changed = {0};
+    bool is_first = true;
+    for (size_t at = l->cursor, bytes; at < end; at += bytes) {
+        char letter[CHAR_BYTES_MOST];
+        const uint32_t point = point_at(l, at, &bytes);
+        const bool upper = action == LINE_UPPER || (action == LINE_CAPITAL && is_first);
+        if (point == CHAR_BROKEN)
+            buf_add(&changed, l->text.data + at, bytes);
+        else
+            buf_add(&changed, letter, char_write(letter, char_letter(point, upper)));
+        is_first &= !is_word(l, at);
+    }
+    if (!changed.failed)
+        line_change(l, l->cursor, end, buf_text(&changed), changed.length, STEP_NEW);
+    buf_release(&changed);
 }
 
 /* Where an action leads the cursor, or up to where it takes text away. */
 static size_t (*const target_of[])(const struct line *, size_t) = {
     [LINE_LEFT] = previous,
-    [LINE_RIGHT] = next,
+    [LINE_RIGHT] = line_next,
     [LINE_WORD_LEFT] = word_left,
-    [LINE_WORD_RIGHT] = word_right,
+    [LINE_WORD_RIGHT] = line_word_right,
     [LINE_HOME] = start,
     [LINE_END] = end,
     [LINE_ERASE] = previous,
-    [LINE_DELETE] = next,
+    [LINE_DELETE] = line_next,
     [LINE_KILL_TO_END] = end,
     [LINE_KILL_TO_START] = start,
     [LINE_KILL_BLANK_LEFT] = blank_left,
     [LINE_KILL_WORD_LEFT] = word_left,
-    [LINE_KILL_WORD_RIGHT] = word_right,
+    [LINE_KILL_WORD_RIGHT] = line_word_right,
 };
+
+/* What changes the text or the cursor by where an action leads. */
+static void move(struct line *l, enum line_action action, enum line_last before)
+{
+    const size_t at = l->cursor, to = target_of[action](l, at);
+    const size_t low = to < at ? to : at, high = to < at ? at : to;
+    if (action <= LINE_END) {
+        l->cursor = to;
+    } else if (action <= LINE_DELETE) {
+        erase(l, low, high, before == LAST_ERASED);
+    } else {
+        l->last = LAST_KILLED;
+        kill_range(l, low, high, before == LAST_KILLED);
+    }
+}
 
 void line_act(struct line *l, enum line_action action)
 {
-    const size_t at = l->cursor, newest = l->history->count;
-    const size_t to = action <= LINE_KILL_WORD_RIGHT ? target_of[action](l, at) : at;
-    const size_t low = to < at ? to : at, high = to < at ? at : to;
-    const bool join = l->killing;
-    l->killing = action >= LINE_KILL_TO_END && action <= LINE_KILL_WORD_RIGHT;
-    if (action <= LINE_END)
-        l->cursor = to;
-    else if (action <= LINE_DELETE)
-        remove_range(l, low, high);
-    else if (action <= LINE_KILL_WORD_RIGHT)
-        kill_range(l, low, high, join);
+    const enum line_last before = l->last;
+    l->last = LAST_OTHER;
+    if (action <= LINE_KILL_WORD_RIGHT)
+        move(l, action, before);
+    else if (action <= LINE_CAPITAL)
+        change_letters(l, action);
     else if (action == LINE_YANK)
-        line_insert(l, buf_text(&l->killed), l->killed.length);
+        line_change(l, l->cursor, l->cursor, buf_text(&l->killed), l->killed.length, STEP_NEW);
     else if (action == LINE_TRANSPOSE)
         transpose(l);
-    else if (action == LINE_OLDER)
-        show_entry(l, l->place > 0 ? l->place - 1 : 0);
+    else if (action == LINE_UNDO)
+        undo(l);
     else
-        show_entry(l, action == LINE_NEWER ? l->place + 1 : action == LINE_OLDEST ? 0 : newest);
-}
-
-/* ---- search ---- */
-
-/* Looks for the wanted text from entry `place` on towards the oldest. */
-static void search_from(struct line *l, size_t place)
-{
-    const char *wanted = buf_text(&l->wanted);
-    for (size_t i = place + 1; i-- > 0;) {
-        const char *found = i < l->history->count ? strstr(l->history->line[i], wanted) : NULL;
-        if (found) {
-            show_entry(l, i);
-            l->cursor = (size_t)(found - l->history->line[i]);
-            l->search_failed = false;
-            return;
-        }
-    }
-    l->search_failed = true;
-}
-
-void line_search_begin(struct line *l)
-{
-    l->killing = false;
-    l->searching = true;
-    l->search_failed = false;
-    buf_clear(&l->wanted);
-}
-
-void line_search_add(struct line *l, const char *bytes, size_t length)
-{
-    buf_add(&l->wanted, bytes, length);
-    search_from(l, l->place);
-}
-
-/* A shorter text matches wherever the longer one did, or later; begin at the newest again. */
-void line_search_erase(struct line *l)
-{
-    size_t length = l->wanted.length;
-    if (length == 0)
-        return;
-    do
-        length--;
-    while (length > 0 && (l->wanted.data[length] & 0xC0) == 0x80);
-    l->wanted.length = length;
-    l->wanted.data[length] = '\0';
-    l->search_failed = false;
-    if (length > 0)
-        search_from(l, l->history->count);
-}
-
-void line_search_again(struct line *l)
-{
-    if (l->wanted.length > 0 && l->place > 0)
-        search_from(l, l->place - 1);
-    else
-        l->search_failed = l->wanted.length > 0;
-}
-
-void line_search_end(struct line *l, bool keep)
-{
-    l->searching = l->search_failed = false;
-    if (!keep)
-        show_entry(l, l->history->count);
+        line_recall(l, action, before);
 }

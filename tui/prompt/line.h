@@ -15,21 +15,29 @@
 
 #include "base/buf.h"
 #include "tui/prompt/line_history.h"
+#include "tui/prompt/line_undo.h"
+
+/* What was done last, which the same done again goes on with. */
+enum line_last { LAST_OTHER, LAST_TYPED, LAST_ERASED, LAST_KILLED, LAST_RECALLED, LAST_CITED };
 
 struct line {
     struct buf text;
     size_t cursor; /* in bytes */
+    struct line_undo undo;
+    enum line_last last;
     struct buf killed;
-    bool killing; /* the last action was a kill: the next one joins it */
     const struct line_history *history;
-    size_t place;     /* the history entry shown; history->count for the line of today */
-    struct buf draft; /* the line of today while an older one is shown */
+    size_t place;      /* the history entry shown; history->count for the line of today */
+    struct buf draft;  /* the line of today while an older one is shown */
+    struct buf prefix; /* what the lines looked through begin with */
+    size_t cited;      /* the history entry whose last word was inserted last, */
+    size_t cited_at;   /* and where in the text */
     bool searching;
     bool search_failed;
     struct buf wanted; /* what is searched for */
 };
 
-/* In this order: moves, removals, kills, the rest. */
+/* In this order: moves, removals, kills, letters of a word, the rest. */
 enum line_action {
     LINE_LEFT,
     LINE_RIGHT,
@@ -44,12 +52,18 @@ enum line_action {
     LINE_KILL_BLANK_LEFT, /* back to a blank (Ctrl-W) */
     LINE_KILL_WORD_LEFT,
     LINE_KILL_WORD_RIGHT,
+    LINE_UPPER, /* to the end of the word, where the cursor goes */
+    LINE_LOWER,
+    LINE_CAPITAL, /* its first letter upper, the rest lower */
     LINE_YANK,
     LINE_TRANSPOSE, /* the two characters around the cursor; at the end, the two before it */
-    LINE_OLDER,
+    LINE_UNDO,
+    LINE_OLDER, /* of the lines that begin with what stands before the cursor */
     LINE_NEWER,
     LINE_OLDEST,
-    LINE_NEWEST
+    LINE_NEWEST,
+    LINE_CITE, /* the last word of the line before; again, of the one before that */
+    LINE_ACTIONS
 };
 
 /* `history` (may be empty) outlives the line. */
@@ -59,19 +73,23 @@ void line_release(struct line *l);
 /* Empty again, back from the history; the kill buffer stays. */
 void line_clear(struct line *l);
 
-/* Inserts at the cursor, which moves after it. */
+/* Inserts what is typed at the cursor, which moves after it. */
 void line_insert(struct line *l, const char *bytes, size_t length);
+
+/* The same with what is pasted, all of which is undone as one. */
+void line_paste(struct line *l, const char *bytes, size_t length);
 
 /* Puts `bytes` in the place of text[from..to); the cursor goes after them. */
 void line_replace(struct line *l, size_t from, size_t to, const char *bytes, size_t length);
 
+/* The same as a part of a step of undo. All changes but line_clear come by here. */
+void line_change(struct line *l, size_t from, size_t to, const char *bytes, size_t length,
+                 enum line_step step);
+
 void line_act(struct line *l, enum line_action action);
 
-/* Incremental search backwards through the history. The entry found is shown as the text. */
-void line_search_begin(struct line *l);
-void line_search_add(struct line *l, const char *bytes, size_t length);
-void line_search_erase(struct line *l);
-void line_search_again(struct line *l);          /* an older match */
-void line_search_end(struct line *l, bool keep); /* the entry stays, or the old line comes back */
+/* The ends of the character and of the word after `at`. */
+size_t line_next(const struct line *l, size_t at);
+size_t line_word_right(const struct line *l, size_t at);
 
 #endif

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "tui/prompt/below.h"
+#include "tui/prompt/other_editor.h"
 #include "tui/probe.h"
 #include "tui/term.h"
 
@@ -22,17 +23,31 @@ void line_editor_release(struct line_editor *e)
 }
 
 /* What a key led to. */
-enum outcome { GO_ON, SUBMIT, ABANDON, END, GONE, SUSPEND, CLEAR, COMPLETE, NEWS };
+enum outcome { GO_ON, SUBMIT, ABANDON, END, GONE, SUSPEND, CLEAR, COMPLETE, EDIT, NEWS };
 
 /* ---- drawing ---- */
 
-/* What may follow a line that is typed at its end. */
+static const char *suggestion(const struct line_editor *e)
+{
+    const bool may = e->knows && !e->line.searching && !e->pasting;
+    return may ? line_suggestion(&e->line, e->knows, e->context) : "";
+}
+
+/* How a line that is typed may go on: as an older one did, and what may follow that. */
 static void add_hint(const struct line_editor *e, struct buf *hint)
 {
     const struct line *l = &e->line;
-    if (e->hint && l->text.length > 0 && l->cursor == l->text.length && !l->searching &&
-        !e->pasting && !e->submits)
-        e->hint(e->context, buf_text(&l->text), l->text.length, hint);
+    struct buf whole = {0};
+    if (!e->hint || l->text.length == 0 || l->cursor < l->text.length || l->searching ||
+        e->pasting || e->submits)
+        return;
+    const char *rest = suggestion(e);
+    buf_add(&whole, buf_text(&l->text), l->text.length);
+    buf_add_text(&whole, rest);
+    buf_add_safe_text(hint, rest);
+    if (!whole.failed)
+        e->hint(e->context, buf_text(&whole), whole.length, hint);
+    buf_release(&whole);
 }
 
 static void draw_line(struct line_editor *e, const char *prompt, struct buf *out)
@@ -87,35 +102,53 @@ static enum err leave_line(struct line_editor *e, const char *prompt, const char
     return write_out(&out, fault);
 }
 
-/* The line goes, the news take its place, and it comes again below them. */
-static enum err show_news(struct line_editor *e, const char *prompt, struct fault *fault)
+/* To the start of the line's rows, which go. */
+static void erase_line(struct line_editor *e, struct buf *out)
 {
-    struct buf text = {0}, out = {0};
-    e->news(e->context, &text);
     if (e->drawing.row > 0)
-        buf_printf(&out, "\033[%uA", e->drawing.row);
-    buf_add_text(&out, "\r\033[J");
-    for (const char *at = buf_text(&text); *at; at += strcspn(at, "\n"), at += *at == '\n') {
+        buf_printf(out, "\033[%uA", e->drawing.row);
+    buf_add_text(out, "\r\033[J");
+    e->drawing = (struct line_drawing){0};
+}
+
+/* The line goes, these lines take its place, and it comes again below them. */
+static enum err show_above(struct line_editor *e, const char *prompt, const struct buf *text,
+                           struct fault *fault)
+{
+    struct buf out = {0};
+    erase_line(e, &out);
+    for (const char *at = buf_text(text); *at; at += strcspn(at, "\n"), at += *at == '\n') {
         buf_add(&out, at, strcspn(at, "\n"));
         buf_add_text(&out, "\r\n");
     }
-    out.failed |= text.failed;
-    buf_release(&text);
-    e->drawing = (struct line_drawing){0};
+    out.failed |= text->failed;
     draw_line(e, prompt, &out);
     return write_out(&out, fault);
+}
+
+static enum err show_news(struct line_editor *e, const char *prompt, struct fault *fault)
+{
+    struct buf text = {0};
+    e->news(e->context, &text);
+    const enum err err = show_above(e, prompt, &text, fault);
+    buf_release(&text);
+    return err;
 }
 
 /* ---- completion ---- */
 
 static void accept_word(struct line *l, size_t start, const struct candidates *c)
 {
-    char last = c->first[c->common - 1];
-    line_replace(l, start, l->cursor, c->first, c->common);
-    if (c->count > 1 || last == '/' || last == '=' || last == ' ')
-        return;
-    if (l->cursor == l->text.length || l->text.data[l->cursor] != ' ')
-        line_insert(l, " ", 1);
+    const size_t end = l->cursor;
+    const char last = c->first[c->common - 1];
+    const bool is_whole = c->count == 1 && last != '/' && last != '=' && last != ' ';
+    struct buf word = {0};
+    buf_add(&word, c->first, c->common);
+    if (is_whole && (end == l->text.length || l->text.data[end] != ' '))
+        buf_add_char(&word, ' ');
+    if (!word.failed)
+        line_replace(l, start, end, buf_text(&word), word.length);
+    buf_release(&word);
 }
 
 static enum err complete_word(struct line_editor *e, const char *prompt, struct fault *fault)
@@ -149,103 +182,62 @@ static enum err complete_word(struct line_editor *e, const char *prompt, struct 
 
 /* ---- keys ---- */
 
-#define CONTROL(letter) KEY_CHARACTER, KEY_CONTROL, letter
-#define ALT(letter)     KEY_CHARACTER, KEY_ALT, letter
-#define BY_WORD         (KEY_CONTROL | KEY_ALT)
-
-/* The first row that fits: any of its modifiers, or none asked for; letters of either case. */
-static const struct {
-    enum key key;
-    unsigned modifiers;
-    uint32_t letter;
-    enum line_action action;
-} bindings[] = {
-    {CONTROL('a'), LINE_HOME},
-    {CONTROL('b'), LINE_LEFT},
-    {CONTROL('d'), LINE_DELETE},
-    {CONTROL('e'), LINE_END},
-    {CONTROL('f'), LINE_RIGHT},
-    {CONTROL('k'), LINE_KILL_TO_END},
-    {CONTROL('n'), LINE_NEWER},
-    {CONTROL('p'), LINE_OLDER},
-    {CONTROL('t'), LINE_TRANSPOSE},
-    {CONTROL('u'), LINE_KILL_TO_START},
-    {CONTROL('w'), LINE_KILL_BLANK_LEFT},
-    {CONTROL('y'), LINE_YANK},
-    {ALT('b'), LINE_WORD_LEFT},
-    {ALT('f'), LINE_WORD_RIGHT},
-    {ALT('d'), LINE_KILL_WORD_RIGHT},
-    {ALT('<'), LINE_OLDEST},
-    {ALT('>'), LINE_NEWEST},
-    {KEY_BACKSPACE, BY_WORD, 0, LINE_KILL_WORD_LEFT},
-    {KEY_BACKSPACE, 0, 0, LINE_ERASE},
-    {KEY_DELETE, BY_WORD, 0, LINE_KILL_WORD_RIGHT},
-    {KEY_DELETE, 0, 0, LINE_DELETE},
-    {KEY_LEFT, BY_WORD, 0, LINE_WORD_LEFT},
-    {KEY_LEFT, 0, 0, LINE_LEFT},
-    {KEY_RIGHT, BY_WORD, 0, LINE_WORD_RIGHT},
-    {KEY_RIGHT, 0, 0, LINE_RIGHT},
-    {KEY_HOME, 0, 0, LINE_HOME},
-    {KEY_END, 0, 0, LINE_END},
-    {KEY_UP, 0, 0, LINE_OLDER},
-    {KEY_DOWN, 0, 0, LINE_NEWER},
-    {KEY_PAGE_UP, 0, 0, LINE_OLDEST},
-    {KEY_PAGE_DOWN, 0, 0, LINE_NEWEST},
-};
-
-static enum outcome act_by_table(struct line_editor *e, const struct key_event *event)
+static enum outcome act(struct line_editor *e, enum line_action action)
 {
-    for (size_t i = 0; i < sizeof bindings / sizeof bindings[0]; i++) {
-        const unsigned modifiers = bindings[i].modifiers;
-        if (event->key != bindings[i].key || (modifiers && !(event->modifiers & modifiers)) ||
-            (event->key == KEY_CHARACTER && (event->point | 32) != bindings[i].letter))
-            continue;
-        line_act(&e->line, bindings[i].action);
-        break;
-    }
+    if (!line_take_suggestion(&e->line, e->hint ? suggestion(e) : "", action))
+        line_act(&e->line, action);
     return GO_ON;
 }
 
-/* What leads to more than a change of the line, or to nothing in the table. */
-static enum outcome control_key(struct line_editor *e, const struct key_event *event)
+static enum outcome submit_host_line(struct line_editor *e)
 {
-    switch (event->point) {
-    case 'c':
-        return ABANDON;
-    case 'd':
-        return e->line.text.length == 0 ? END : act_by_table(e, event);
-    case 'l':
-        return CLEAR;
-    case 'o':
-        if (!e->line_of_ctrl_o)
-            return GO_ON;
-        line_clear(&e->line);
-        line_insert(&e->line, e->line_of_ctrl_o, strlen(e->line_of_ctrl_o));
+    if (!e->line_of_ctrl_o)
+        return GO_ON;
+    line_clear(&e->line);
+    line_insert(&e->line, e->line_of_ctrl_o, strlen(e->line_of_ctrl_o));
+    return SUBMIT;
+}
+
+static enum outcome key_by_table(struct line_editor *e, const struct key_event *event)
+{
+    const unsigned found = line_key_find(event, e->keys_before);
+    switch (found) {
+    case DUTY_SUBMIT:
         return SUBMIT;
-    case 'r':
+    case DUTY_COMPLETE:
+        return event->modifiers == 0 ? COMPLETE : GO_ON;
+    case DUTY_SEARCH:
         line_search_begin(&e->line);
         return GO_ON;
-    case 'z':
+    case DUTY_DELETE_OR_END:
+        return e->line.text.length == 0 ? END : act(e, LINE_DELETE);
+    case DUTY_ABANDON:
+        return ABANDON;
+    case DUTY_CLEAR:
+        return CLEAR;
+    case DUTY_STOP:
         return SUSPEND;
+    case DUTY_OTHER_EDITOR:
+        return EDIT;
+    case DUTY_HOST_LINE:
+        return submit_host_line(e);
+    case DUTY_MORE:
+    case DUTY_NONE:
+        return GO_ON;
     default:
-        return act_by_table(e, event);
+        return act(e, (enum line_action)found);
     }
 }
 
 static enum outcome plain_key(struct line_editor *e, const struct key_event *event)
 {
-    if (event->key == KEY_ENTER)
-        return SUBMIT;
+    const bool held = event->modifiers & (KEY_CONTROL | KEY_ALT);
     if (event->key == KEY_ESCAPE && e->is_one_line) {
         line_clear(&e->line);
         return SUBMIT;
     }
-    if (event->key == KEY_TAB)
-        return event->modifiers == 0 ? COMPLETE : GO_ON;
-    if (event->key == KEY_CHARACTER && event->modifiers & KEY_CONTROL)
-        return control_key(e, event);
-    if (event->key != KEY_CHARACTER || event->modifiers & KEY_ALT)
-        return act_by_table(e, event);
+    if (event->key != KEY_CHARACTER || held || *e->keys_before)
+        return key_by_table(e, event);
     line_insert(&e->line, event->text, event->length);
     return GO_ON;
 }
@@ -281,9 +273,9 @@ static enum outcome paste_key(struct line_editor *e, const struct key_event *eve
     if (event->key == KEY_ENTER && !e->is_one_line)
         return SUBMIT;
     if (event->key == KEY_TAB || event->key == KEY_ENTER)
-        line_insert(&e->line, " ", 1);
+        line_paste(&e->line, " ", 1);
     else if (event->key == KEY_CHARACTER && !control)
-        line_insert(&e->line, event->text, event->length);
+        line_paste(&e->line, event->text, event->length);
     return GO_ON;
 }
 
@@ -296,6 +288,8 @@ static enum outcome take_key(struct line_editor *e, const struct key_event *even
     }
     if (event->key == KEY_PASTE_BEGIN || event->key == KEY_PASTE_END) {
         e->pasting = event->key == KEY_PASTE_BEGIN;
+        e->line.last = LAST_OTHER;
+        e->keys_before[0] = '\0';
         return GO_ON;
     }
     if (e->pasting)
@@ -377,6 +371,35 @@ static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
     return GONE;
 }
 
+/* Answers that are due come now: whoever has the terminal next would take them for keys. */
+static void take_answers(struct line_editor *e)
+{
+    if (e->answers_due > 0)
+        probe_await(e->answers_due, 2000, &e->input);
+    e->answers_due = 0;
+}
+
+/* The line is gone while another editor has it, and comes again at the same place. */
+static enum err edit_line_elsewhere(struct line_editor *e, const char *prompt, struct fault *fault)
+{
+    struct buf text = {0}, out = {0};
+    struct fault why;
+    take_answers(e);
+    erase_line(e, &out);
+    enum err err = write_out(&out, fault);
+    buf_add(&text, buf_text(&e->line.text), e->line.text.length);
+    const enum err failed = err ? OK : edit_elsewhere(&text, &why);
+    if (!err && !failed && strcmp(buf_text(&text), buf_text(&e->line.text)) != 0)
+        line_replace(&e->line, 0, e->line.text.length, buf_text(&text), text.length);
+    buf_clear(&text);
+    if (failed)
+        buf_printf(&text, "error: %s\n", why.text);
+    if (!err)
+        err = show_above(e, prompt, &text, fault);
+    buf_release(&text);
+    return err;
+}
+
 /* Does what a key led to, short of the end of the line. */
 static enum err follow(struct line_editor *e, const char *prompt, enum outcome outcome,
                        struct fault *fault)
@@ -391,9 +414,7 @@ static enum err follow(struct line_editor *e, const char *prompt, enum outcome o
         err = leave_line(e, prompt, "\r\n", fault);
         if (err)
             return err;
-        if (e->answers_due > 0) /* or the shell gets the answer as input */
-            probe_await(e->answers_due, 2000, &e->input);
-        e->answers_due = 0;
+        take_answers(e);
         term_suspend();
         return redraw(e, prompt, fault);
     case CLEAR:
@@ -402,6 +423,8 @@ static enum err follow(struct line_editor *e, const char *prompt, enum outcome o
         return err ? err : redraw(e, prompt, fault);
     case COMPLETE:
         return complete_word(e, prompt, fault);
+    case EDIT:
+        return edit_line_elsewhere(e, prompt, fault);
     case NEWS:
         return show_news(e, prompt, fault);
     default:
@@ -440,6 +463,7 @@ enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struc
     enum outcome outcome;
     line_clear(&e->line);
     e->line.text.failed = false;
+    e->keys_before[0] = '\0';
     e->drawing = (struct line_drawing){0};
     enum err err = edit(e, prompt, &outcome, fault);
     if (!err && outcome != GONE)

@@ -1,18 +1,11 @@
 /*
  * Reading a line at the terminal: keys in, line drawn, until Enter.
  *
- *     Ctrl-A Ctrl-E Home End    start, end           Ctrl-K Ctrl-U   kill to end, to start
- *     Ctrl-B Ctrl-F arrows      one character        Ctrl-W          kill back to a blank
- *     Alt-B Alt-F Ctrl-arrows   one word             Alt-D Alt-Backspace  kill a word
- *     Ctrl-P Ctrl-N arrows      older, newer         Ctrl-Y          yank
- *     Alt-< Alt->               oldest, newest       Ctrl-T          transpose characters
- *     Ctrl-R                    search; Ctrl-G gives up, Enter submits, other keys edit
- *     Tab                       complete, or list    Ctrl-L          clear the screen
- *     Ctrl-C                    empty the line       Ctrl-Z          stop, as job control does
- *     Ctrl-D                    delete; on an empty line, the end
- *     Ctrl-O                    a line of the host's, such as a command that is often wanted
+ * The keys are in line_keys.c.
  *
- * After a line that is typed at its end stands in grey what may follow; it is no part of the line.
+ * After a line with the cursor at its end stands in grey how it may go on; that is no part of the
+ * line. First comes what is suggested, the rest of an older line (line_recall.h), which Right, End
+ * and Alt-F there take; then what may follow all that, as the host says.
  *
  * All that has arrived is taken in before the line is drawn, and a bracketed paste to its end, so
  * that a large paste costs one redraw. A line feed in it submits, the rest stays for the next line.
@@ -28,6 +21,8 @@
 #include "tui/keys.h"
 #include "tui/prompt/line.h"
 #include "tui/prompt/line_draw.h"
+#include "tui/prompt/line_keys.h"
+#include "tui/prompt/line_recall.h"
 
 /* Fills `candidates` with whole words, one a line, for the word that begins at *word_start and ends
  * at the cursor. */
@@ -48,6 +43,7 @@ struct line_editor {
     struct buf input; /* bytes read; those before `taken` are done with */
     size_t taken;
     bool pasting;
+    char keys_before[LINE_KEYS_MOST]; /* that wait for another, as Ctrl-X does */
     bool is_one_line;  /* a line feed in a paste is a blank; Escape empties and submits it */
     bool lone_escape;  /* the last byte was an ESC that nothing followed for a while */
     bool unanswered;   /* the terminal was asked and has not answered: what it says may come yet */
@@ -56,6 +52,7 @@ struct line_editor {
     struct line_drawing drawing;
     line_complete_function *complete; /* may be NULL */
     line_hint_function *hint;         /* may be NULL: asked wherever the cursor is at the end */
+    line_knows_function *knows;       /* may be NULL: nothing is suggested */
     const char *grey;                 /* in which hints are drawn, CSI .. m */
     bool submits;                     /* the line is drawn for the last time: without a hint */
     line_news_function *news;         /* may be NULL; else asked when news_descriptor is readable */

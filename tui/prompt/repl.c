@@ -307,6 +307,7 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
         warn_of_history(&p, loaded, &of_history);
     if (p.facts.colours != COLOURS_NONE)
         p.editor.hint = host->hint;
+    p.editor.knows = host->knows;
     p.editor.unanswered = !p.facts.answers;
     const struct theme *theme = options->theme ? options->theme : &theme_dark;
     p.editor.grey = p.facts.colours == COLOURS_16 ? theme->hint_16 : theme->hint;

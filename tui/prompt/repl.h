@@ -38,6 +38,9 @@ struct repl_host {
     /* Adds what may follow the line, safe to print: shown in grey after it, at a terminal with
      * colours. May be NULL. */
     void (*hint)(void *context, const char *line, size_t length, struct buf *out);
+    /* Whether a line of the history would be understood now, and so may be suggested; with hints
+     * only. May be NULL. */
+    bool (*knows)(void *context, const char *line);
     /* True once after a command made a picture to show; its pixels stay until the next execute.
      * Asked only at a terminal. May be NULL. */
     bool (*picture)(void *context, struct image_view *out);
