@@ -2,14 +2,14 @@
 
 static const uint8_t seam_grey[3] = {56, 56, 56};
 
-static uint32_t seam_of(uint32_t width, uint32_t height)
+uint32_t mosaic_seam(uint32_t width, uint32_t height)
 {
     return width < 128 || height < 128 ? 1 : 2;
 }
 
 struct mosaic_box mosaic_box(uint32_t width, uint32_t height, enum mosaic_pane pane)
 {
-    const uint32_t seam = seam_of(width, height);
+    const uint32_t seam = mosaic_seam(width, height);
     const uint32_t left = (width - seam) / 2, top = (height - seam) / 2;
     const bool is_right = pane == MOSAIC_SAGITTAL || pane == MOSAIC_RENDITION;
     const bool is_low = pane == MOSAIC_AXIAL || pane == MOSAIC_RENDITION;
@@ -18,23 +18,44 @@ struct mosaic_box mosaic_box(uint32_t width, uint32_t height, enum mosaic_pane p
                                is_low ? height - seam - top : top};
 }
 
+struct mosaic_box mosaic_choice_box(const struct mosaic_choice *choice, uint32_t width,
+                                    uint32_t height, enum mosaic_pane pane)
+{
+    return choice->layout ? choice->layout->box[pane] : mosaic_box(width, height, pane);
+}
+
 /* ---- slices ---- */
 
-/* At the largest scale at which all three fit. */
-static struct slice_choice slice_of(const struct scene *scene, const struct mosaic_choice *choice,
-                                    uint32_t width, uint32_t height, enum slice_plane plane)
+/* At the largest scale at which all that are shown fit. */
+static uint64_t fitting_pm(const struct scene *scene, const struct mosaic_choice *choice,
+                           uint32_t width, uint32_t height)
 {
-    struct slice_choice slice = {.plane = plane, .smooth = true, .title = choice->title[plane]};
-    for (int a = 0; a < 3; a++)
-        slice.place[a] = choice->place[a];
+    uint64_t most = 0;
     for (enum slice_plane p = SLICE_AXIAL; p <= SLICE_SAGITTAL; p++) {
-        const struct mosaic_box box = mosaic_box(width, height, (enum mosaic_pane)p);
-        const uint64_t pixel_pm = slice_fitting_pixel(scene, p, box.width, box.height);
-        slice.pixel_pm = pixel_pm > slice.pixel_pm ? pixel_pm : slice.pixel_pm;
+        const struct mosaic_box box = mosaic_choice_box(choice, width, height, (enum mosaic_pane)p);
+        const uint64_t pixel_pm =
+            box.width ? slice_fitting_pixel(scene, p, box.width, box.height) : 0;
+        most = pixel_pm > most ? pixel_pm : most;
     }
+    return most;
+}
+
+struct slice_choice mosaic_slice(const struct scene *scene, const struct mosaic_choice *choice,
+                                 uint32_t width, uint32_t height, enum slice_plane plane)
+{
+    const bool has_axial = mosaic_choice_box(choice, width, height, MOSAIC_AXIAL).width > 0;
+    struct slice_choice slice = {
+        .plane = plane, .title = choice->title[plane], .has_middle = choice->has_middle};
+    for (int a = 0; a < 3; a++) {
+        slice.place[a] = choice->place[a];
+        slice.middle[a] = choice->middle[a];
+    }
+    slice_magnify(&slice, scene, fitting_pm(scene, choice, width, height),
+                  choice->times ? choice->times : SLICE_TIMES_ONE);
     if (choice->notes) /* the bars once: they hold for all three */
-        slice.notes =
-            plane == SLICE_AXIAL ? SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS : SLICE_LETTERS;
+        slice.notes = plane == SLICE_AXIAL || !has_axial
+                          ? SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS
+                          : SLICE_LETTERS;
     return slice;
 }
 
@@ -48,13 +69,15 @@ struct fitting {
     uint32_t left, top;
 };
 
-/* At half the size where the rendition is as large as the whole mosaic; else in its own shape, as
+/* At half the size where the rendition is as large as a mosaic of halves; else in its own shape, as
  * large as it fits, and enlarged by a whole number alone. */
-static struct fitting fit(const struct rendition *r, uint32_t width, uint32_t height)
+static struct fitting fit(const struct rendition *r, const struct mosaic_choice *choice,
+                          uint32_t width, uint32_t height)
 {
-    const struct mosaic_box whole = mosaic_box(width, height, MOSAIC_RENDITION), *box = &whole;
+    const struct mosaic_box whole = mosaic_choice_box(choice, width, height, MOSAIC_RENDITION);
+    const struct mosaic_box *box = &whole;
     struct fitting f = {.width = r->width, .height = r->height};
-    if (width == r->width && height == r->height) {
+    if (!choice->layout && width == r->width && height == r->height) {
         f.width = 2 * box->width;
         f.height = 2 * box->height;
         f.from_left = (r->width - f.width) / 2;
@@ -188,12 +211,13 @@ static void draw_row(const struct canvas *pane, const struct fitting *f, const s
 
 /* ---- the whole ---- */
 
-static void draw_seams(const struct canvas *canvas)
+/* To the right of a pane and below it, where the picture goes on. */
+static void draw_seams(const struct canvas *canvas, const struct mosaic_box *box)
 {
-    const struct mosaic_box first = mosaic_box(canvas->width, canvas->height, MOSAIC_CORONAL);
-    const uint32_t seam = seam_of(canvas->width, canvas->height);
-    canvas_box(canvas, first.width, 0, seam, canvas->height, seam_grey);
-    canvas_box(canvas, 0, first.height, canvas->width, seam, seam_grey);
+    const int64_t seam = mosaic_seam(canvas->width, canvas->height);
+    const int64_t right = (int64_t)box->left + box->width, bottom = (int64_t)box->top + box->height;
+    canvas_box(canvas, right, box->top, seam, box->height + seam, seam_grey);
+    canvas_box(canvas, box->left, bottom, box->width + seam, seam, seam_grey);
 }
 
 /* Panes share nothing but what is only read, so each may be drawn by another thread. */
@@ -209,16 +233,18 @@ struct drawing {
 static void draw_pane(struct drawing *d, enum mosaic_pane pane)
 {
     const uint32_t width = d->canvas->width, height = d->canvas->height;
-    const struct mosaic_box box = mosaic_box(width, height, pane);
+    const struct mosaic_box box = mosaic_choice_box(d->choice, width, height, pane);
+    if (box.width == 0)
+        return;
     const struct canvas part = canvas_part(d->canvas, box.left, box.top, box.width, box.height);
     if (pane == MOSAIC_RENDITION) {
-        const struct fitting f = fit(d->rendition, width, height);
+        const struct fitting f = fit(d->rendition, d->choice, width, height);
         for (uint32_t y = 0; y < f.shown_height; y++)
             draw_row(&part, &f, d->rendition, y);
         return;
     }
     const struct slice_choice slice =
-        slice_of(d->scene, d->choice, width, height, (enum slice_plane)pane);
+        mosaic_slice(d->scene, d->choice, width, height, (enum slice_plane)pane);
     d->err[pane] = slice_draw(&part, d->scene, &slice, d->style, NULL);
 }
 
@@ -235,7 +261,12 @@ enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,
                      const struct slice_style *style, struct fault *fault)
 {
     struct drawing d = {canvas, scene, rendition, choice, style, {OK}};
-    draw_seams(canvas);
+    for (int pane = 0; pane < MOSAIC_PANES; pane++) {
+        const struct mosaic_box box =
+            mosaic_choice_box(choice, canvas->width, canvas->height, (enum mosaic_pane)pane);
+        if (box.width)
+            draw_seams(canvas, &box);
+    }
     team_run(choice->team, draw_share, &d);
     for (int i = 0; i < MOSAIC_PANES; i++)
         if (d.err[i])
@@ -244,11 +275,12 @@ enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,
 }
 
 struct mosaic_point mosaic_point_of(uint32_t width, uint32_t height,
+                                    const struct mosaic_choice *choice,
                                     const struct rendition *rendition, uint32_t column,
                                     uint32_t row)
 {
-    const struct mosaic_box box = mosaic_box(width, height, MOSAIC_RENDITION);
-    const struct fitting f = fit(rendition, width, height);
+    const struct mosaic_box box = mosaic_choice_box(choice, width, height, MOSAIC_RENDITION);
+    const struct fitting f = fit(rendition, choice, width, height);
     const uint32_t x = column < f.from_left ? 0 : column - f.from_left;
     const uint32_t y = row < f.from_top ? 0 : row - f.from_top;
     return (struct mosaic_point){
@@ -271,16 +303,16 @@ uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t heig
 {
     for (int i = 0; i < MOSAIC_PANES; i++) {
         const enum mosaic_pane pane = (enum mosaic_pane)i;
-        const struct mosaic_box box = mosaic_box(width, height, pane);
+        const struct mosaic_box box = mosaic_choice_box(choice, width, height, pane);
         const uint32_t x = column - box.left, y = row - box.top; /* huge where left or above */
         if (x >= box.width || y >= box.height)
             continue;
         if (pane == MOSAIC_RENDITION) {
-            const struct fitting f = fit(rendition, width, height);
+            const struct fitting f = fit(rendition, choice, width, height);
             return rendition_cell_at(rendition, &f, x, y);
         }
         const struct slice_choice slice =
-            slice_of(scene, choice, width, height, (enum slice_plane)pane);
+            mosaic_slice(scene, choice, width, height, (enum slice_plane)pane);
         return slice_cell_at(scene, &slice, box.width, box.height, x, y);
     }
     return CELL_NONE;

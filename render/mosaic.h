@@ -5,10 +5,11 @@
  *     --------+---------        both upper ones, his left is on the right in both left ones, and
  *     axial   | rendition       the lines of the cross-hair meet at the seams.
  *
- * Each pane has half of the picture, less a thin seam. Where the rendition is as large as the
- * mosaic, its pane has every two by two pixels averaged over black, the picture at half its size. A
- * rendition of another size is fitted in: in its own shape, in the middle, averaged where it is
- * larger than the pane, and a whole number of times as large where it is smaller.
+ * Each pane has half of the picture, less a thin seam, or lies where a layout has it. Where the
+ * rendition is as large as the mosaic, its pane has every two by two pixels averaged over black, the
+ * picture at half its size. A rendition of another size is fitted in: in its own shape, in the
+ * middle, averaged where it is larger than the pane, and a whole number of times as large where it
+ * is smaller.
  */
 #ifndef RENDER_MOSAIC_H
 #define RENDER_MOSAIC_H
@@ -22,30 +23,51 @@ enum { MOSAIC_SIDE_LEAST = 16, MOSAIC_PANES = 4 };
 /* The first three are the planes of render/slice.h. */
 enum mosaic_pane { MOSAIC_AXIAL, MOSAIC_CORONAL, MOSAIC_SAGITTAL, MOSAIC_RENDITION };
 
+struct mosaic_box {
+    uint32_t left, top, width, height;
+};
+
+/* Where panes lie; one that is not shown has no width. */
+struct mosaic_layout {
+    struct mosaic_box box[MOSAIC_PANES];
+};
+
 struct mosaic_choice {
     uint32_t place[3];
     const char *title[3]; /* of the slices, by enum slice_plane; or NULL */
     bool notes;
     struct team *team; /* draws the panes side by side; NULL: the caller alone, the same pixels */
+    uint32_t times;    /* slices are magnified, in thousandths; 0 as SLICE_TIMES_ONE */
+    bool has_middle;   /* around this voxel, and else around `place` */
+    uint32_t middle[3];
+    const struct mosaic_layout *layout; /* NULL: halves */
 };
 
-struct mosaic_box {
-    uint32_t left, top, width, height;
-};
+/* How many pixels are free between panes. */
+uint32_t mosaic_seam(uint32_t width, uint32_t height);
 
-/* Where a pane lies in a picture of MOSAIC_SIDE_LEAST pixels a side or more. */
+/* Where a pane lies in a picture of halves, of MOSAIC_SIDE_LEAST pixels a side or more. */
 struct mosaic_box mosaic_box(uint32_t width, uint32_t height, enum mosaic_pane pane);
+
+/* The same of a choice; no width where it is not shown. */
+struct mosaic_box mosaic_choice_box(const struct mosaic_choice *choice, uint32_t width,
+                                    uint32_t height, enum mosaic_pane pane);
+
+/* What one of the slices is. */
+struct slice_choice mosaic_slice(const struct scene *scene, const struct mosaic_choice *choice,
+                                 uint32_t width, uint32_t height, enum slice_plane plane);
 
 /* Fills a canvas, and canvas->cell where it has that. ERR_MEMORY. */
 enum err mosaic_draw(const struct canvas *canvas, const struct scene *scene,
                      const struct rendition *rendition, const struct mosaic_choice *choice,
                      const struct slice_style *style, struct fault *fault);
 
-/* Where a pixel of the rendition lies in a mosaic of that size. */
+/* Where a pixel of the rendition lies in a mosaic of that size that shows it. */
 struct mosaic_point {
     uint32_t column, row;
 };
 struct mosaic_point mosaic_point_of(uint32_t width, uint32_t height,
+                                    const struct mosaic_choice *choice,
                                     const struct rendition *rendition, uint32_t column,
                                     uint32_t row);
 

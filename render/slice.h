@@ -27,8 +27,11 @@
 
 enum slice_plane { SLICE_AXIAL, SLICE_CORONAL, SLICE_SAGITTAL };
 
+enum { SLICE_TIMES_ONE = 1000, SLICE_TIMES_MOST = 4096 * SLICE_TIMES_ONE };
+
 /* Which slice, and how large: a pixel is `pixel_pm` picometres wide, and 0 stands for the least at
- * which the slice fits. One that does not fit is seen around `place`, as far as it goes. */
+ * which the slice fits. One that does not fit is seen around `middle`, as far as it goes and as
+ * `place` stays an eighth of the picture off its edge, or around `place`. */
 struct slice_choice {
     enum slice_plane plane;
     uint32_t place[3]; /* a voxel of the slice, where the lines of the cross-hair meet */
@@ -36,6 +39,8 @@ struct slice_choice {
     bool smooth;
     unsigned notes;    /* enum slice_note */
     const char *title; /* ASCII, or NULL */
+    bool has_middle;
+    uint32_t middle[3];
 };
 
 enum slice_note {
@@ -90,6 +95,19 @@ void slice_move(const struct scene *scene, enum slice_plane plane, uint32_t inde
 uint64_t slice_fitting_pixel(const struct scene *scene, enum slice_plane plane, uint32_t width,
                              uint32_t height);
 uint64_t slice_zoomed_pixel(const struct scene *scene, uint32_t zoom);
+
+/* Has a slice be `times` thousandths as large as at `fitting_pm`, at least that large. Once a voxel
+ * has four pixels along the smallest spacing, it is shown as it is, without smoothing. */
+void slice_magnify(struct slice_choice *choice, const struct scene *scene, uint64_t fitting_pm,
+                   uint32_t times);
+
+/* The patient's sides at the left, right, top and bottom of a picture: R L A P S I. */
+void slice_letters(const struct scene *scene, enum slice_plane plane, char letter[4]);
+
+/* The longest of 1, 2, 5, 10, 20, 50... that is at most `most`, which is 1 or more; and "20 mm",
+ * "0.05 mm" for as many picometres. */
+uint64_t slice_round_length(uint64_t most);
+void slice_length_words(char out[32], uint64_t pm);
 
 /* Fills the whole canvas, and canvas->cell where it has that. ERR_MEMORY, with the canvas half
  * drawn. */

@@ -182,6 +182,15 @@ static const char *letter_of(const struct scene *scene, const struct slice_side 
     return letter[scene->world_axis[side->axis]][towards_high_indices == axis_is_worlds];
 }
 
+void slice_letters(const struct scene *scene, enum slice_plane plane, char letter[4])
+{
+    const struct slice_choice choice = {.plane = plane};
+    struct slice_plan plan;
+    slice_plan_init(&plan, scene, &choice, 1, 1);
+    for (int i = 0; i < 4; i++)
+        letter[i] = *letter_of(scene, &plan.side[i / 2], i % 2 == 0);
+}
+
 static void draw_letters(const struct canvas *canvas, const struct scene *scene,
                          const struct slice_plan *plan)
 {
@@ -210,8 +219,7 @@ uint64_t slice_round_length(uint64_t most)
     return power;
 }
 
-/* "20 mm", "0.05 mm": picometres without needless digits. */
-static void write_length(char out[32], uint64_t pm)
+void slice_length_words(char out[32], uint64_t pm)
 {
     int n = snprintf(out, 32, "%llu.%09llu", (unsigned long long)(pm / 1000000000),
                      (unsigned long long)(pm % 1000000000));
@@ -229,7 +237,7 @@ static void draw_scale(const struct canvas *canvas, const struct slice_plan *pla
     const int64_t pixels = ((int64_t)length + pixel_pm / 2) / pixel_pm;
     const int64_t left = 4 * unit, bottom = canvas->height - 4 * unit, tick = 3 * unit;
     char words[32];
-    write_length(words, length);
+    slice_length_words(words, length);
     canvas_box(canvas, left - unit, bottom - 2 * unit, pixels + 2 * unit, 3 * unit, black);
     canvas_box(canvas, left - unit, bottom - unit - tick, 3 * unit, tick + 2 * unit, black);
     canvas_box(canvas, left + pixels - 2 * unit, bottom - unit - tick, 3 * unit, tick + 2 * unit,

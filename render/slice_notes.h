@@ -17,8 +17,4 @@ bool slice_notes_draw(const struct canvas *canvas, const struct scene *scene,
 
 /* How many pixels a thin line is wide. */
 uint32_t slice_notes_unit(const struct canvas *canvas);
-
-/* The longest of 1, 2, 5, 10, 20, 50... that is at most `most`, which is 1 or more. */
-uint64_t slice_round_length(uint64_t most);
-
 #endif

@@ -8,6 +8,8 @@ enum { COLUMN, ROW, ACROSS };
 static const int8_t world_axis_of[3][3] = {
     [SLICE_AXIAL] = {0, 1, 2}, [SLICE_CORONAL] = {0, 2, 1}, [SLICE_SAGITTAL] = {1, 2, 0}};
 
+enum { EDGE_PARTS = 8 }; /* of the picture, one on each side where its place does not come to lie */
+
 /* Wide enough for any scene that there is, and small enough for 64 bits in all that follows. */
 static const uint64_t PIXEL_PM_MOST = INT64_MAX / (8 * VIEW_SIDE_MOST);
 
@@ -76,13 +78,25 @@ uint64_t slice_fitting_pixel(const struct scene *scene, enum slice_plane plane, 
     return within_reach(most);
 }
 
-uint64_t slice_zoomed_pixel(const struct scene *scene, uint32_t zoom)
+static uint64_t finest_nm(const struct scene *scene)
 {
     uint64_t finest = scene->spacing_nm[0];
     for (int a = 1; a < 3; a++)
         if (scene->spacing_nm[a] < finest)
             finest = scene->spacing_nm[a];
-    return within_reach((finest * 1000000 + zoom / 2) / zoom);
+    return finest;
+}
+
+uint64_t slice_zoomed_pixel(const struct scene *scene, uint32_t zoom)
+{
+    return within_reach((finest_nm(scene) * 1000000 + zoom / 2) / zoom);
+}
+
+void slice_magnify(struct slice_choice *choice, const struct scene *scene, uint64_t fitting_pm,
+                   uint32_t times)
+{
+    choice->pixel_pm = within_reach(fitting_pm * SLICE_TIMES_ONE / times);
+    choice->smooth = times == SLICE_TIMES_ONE || choice->pixel_pm * 4 > finest_nm(scene) * 1000;
 }
 
 /* ---- pixels and voxels ---- */
@@ -116,10 +130,15 @@ int64_t slice_side_between(const struct slice_side *side, int64_t pixel, uint32_
     return voxel;
 }
 
-/* Where the picture begins: the slice in the middle where it fits, else the place, as near to the
- * middle as leaves nothing empty. What is thinner than a pixel has the middle of one, or no pixel
+static int64_t within(int64_t value, int64_t least, int64_t most)
+{
+    return value < least ? least : value > most ? most : value;
+}
+
+/* Where the picture begins: the slice in the middle where it fits, else the voxel that is wanted
+ * there, as near to it as keeps the place off the edge and leaves nothing empty. What is thinner than a pixel has the middle of one, or no pixel
  * would show it. */
-static int64_t origin2(const struct slice_side *side, int64_t voxel)
+static int64_t origin2(const struct slice_side *side, int64_t place, int64_t middle)
 {
     const int64_t length2 = 2 * side->voxels * side->spacing_pm;
     const int64_t picture2 = 2 * side->pixels * side->pixel_pm;
@@ -127,13 +146,17 @@ static int64_t origin2(const struct slice_side *side, int64_t voxel)
         return length2 / 2 - (2 * (side->pixels / 2) + 1) * side->pixel_pm;
     if (length2 <= picture2)
         return (length2 - picture2) / 2;
-    const int64_t wanted = (2 * voxel + 1) * side->spacing_pm - picture2 / 2;
-    return wanted < 0 ? 0 : wanted > length2 - picture2 ? length2 - picture2 : wanted;
+    const int64_t place2 = (2 * place + 1) * side->spacing_pm, rim2 = picture2 / EDGE_PARTS;
+    const int64_t wanted = (2 * middle + 1) * side->spacing_pm - picture2 / 2;
+    const int64_t seen = within(wanted, place2 + rim2 - picture2, place2 - rim2);
+    return within(seen, 0, length2 - picture2);
 }
 
-static void place_side(struct slice_side *side, const uint32_t place[3])
+static void place_side(struct slice_side *side, const struct slice_choice *choice)
 {
-    side->origin2 = origin2(side, slice_side_counted(side, place));
+    side->origin2 =
+        origin2(side, slice_side_counted(side, choice->place),
+                slice_side_counted(side, choice->has_middle ? choice->middle : choice->place));
     side->first = 0;
     side->end = side->pixels;
     while (side->first < side->end && slice_side_voxel(side, side->first) < 0)
@@ -151,6 +174,7 @@ void slice_plan_init(struct slice_plan *plan, const struct scene *scene,
     *plan = (struct slice_plan){.across = scene_axis(scene, world[ACROSS])};
     for (int a = 0; a < 3; a++) {
         assert(choice->place[a] < grid->size[a]);
+        assert(!choice->has_middle || choice->middle[a] < grid->size[a]);
         corner[a] = choice->place[a];
     }
     for (int i = 0; i < 2; i++) {
@@ -163,7 +187,7 @@ void slice_plan_init(struct slice_plan *plan, const struct scene *scene,
         side->pixel_pm =
             (int64_t)(choice->pixel_pm ? choice->pixel_pm
                                        : slice_fitting_pixel(scene, choice->plane, width, height));
-        place_side(side, choice->place);
+        place_side(side, choice);
         corner[side->axis] = side->backwards ? (uint32_t)side->voxels - 1 : 0;
         plan->step[i] = side->backwards ? -grid->step[side->axis] : grid->step[side->axis];
     }

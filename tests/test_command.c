@@ -1262,6 +1262,7 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"undo 40", NULL},
         {"render", NULL},
         {"redo 12", NULL},
+        {"magnify 2.5 at=3,4,5", NULL},
     };
     struct interpreter interp;
     struct snapshot end, again;

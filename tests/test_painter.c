@@ -582,7 +582,7 @@ static int64_t wrong_parts(const struct painter *p, const struct image_view *vie
     int64_t wrong = 0;
     blocks_pixels(shape, &width, &height);
     for (size_t i = 0; i < CELLS_MOST * CELLS_MOST; i++)
-        cell[i] = (struct block){-1, -1, 0};
+        cell[i] = (struct block){-1, -1, 0, 0};
     blocks_fill(cell, CELLS_MOST, view, p->facts.colours, shape);
     for (unsigned y = 0; y < p->rows; y++)
         for (unsigned x = 0; x < p->columns; x++) {
@@ -624,6 +624,36 @@ STORY(cells_show_what_they_should_after_every_edit)
         CHECK_INT(show(&p, &view), 0);
         view.width -= width / 20 + 1; /* a smaller one leaves nothing of the larger */
         view.height -= height / 3;
+        show(&p, &view);
+        CHECK_INT(wrong_parts(&p, &view), 0);
+        painter_release(&p);
+    }
+}
+
+/* Letters over a picture made of text: there as soon as it is, in any colours; gone with the next
+ * picture that has none. */
+STORY(notes_stand_in_cells_of_text)
+{
+    static const struct image_note note[] = {
+        {0, 0, 'R'}, {3, 1, 'L'}, {29, 14, 'A'}, {30, 2, 'x'}, {4, 15, 'x'}};
+    for (int colours = 0; colours < 4; colours++) {
+        struct terminal_facts facts = facts_of(&graphics_blocks, 8, 16);
+        struct painter p = {0};
+        uint64_t seed = 8;
+        facts.colours = (enum colours)colours;
+        screen_begin(8, 16);
+        painter_place(&p, &facts, 2, 1, 30, 15);
+        struct image_view view = picture(30, 30);
+        fill_all(&view, &seed);
+        view.note = note;
+        view.notes = 5;
+        show(&p, &view);
+        CHECK_INT(screen.cell[1][2].point, 'R');
+        CHECK_INT(screen.cell[2][5].point, 'L');
+        CHECK_INT(screen.cell[15][31].point, 'A');
+        CHECK(wrong_parts(&p, &view) <= 6); /* no other cell */
+        CHECK_INT(show(&p, &view), 0);
+        view.notes = 0;
         show(&p, &view);
         CHECK_INT(wrong_parts(&p, &view), 0);
         painter_release(&p);
@@ -923,25 +953,25 @@ STORY(a_hundred_hues_share_the_palette)
 
 int main(void)
 {
-    return RUN_STORIES(TELL(after_thousands_of_edits_the_screen_shows_the_picture),
-                       TELL(pictures_of_every_size_and_kind_follow_each_other),
-                       TELL(few_colours_come_exactly_and_more_may_join_them),
-                       TELL(a_cursor_move_costs_next_to_nothing),
-                       TELL(a_large_patch_for_kitty_goes_in_chunks),
-                       TELL(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone),
-                       TELL(one_means_after_another_leaves_nothing),
-                       TELL(sixels_beyond_the_limit_of_the_terminal_come_in_pieces),
-                       TELL(without_frame_edits_tiles_are_laid_over_tiles),
-                       TELL(a_picture_larger_than_its_place_is_cut),
-                       TELL(cells_show_what_they_should_after_every_edit),
-                       TELL(half_blocks_in_all_colours_show_every_pixel),
-                       TELL(a_cell_is_parted_where_the_error_is_least),
-                       TELL(a_picture_of_512x512_and_a_change_in_it_cost_what_was_promised),
-                       TELL(without_memory_nothing_is_shown_and_the_next_picture_goes_whole),
-                       TELL(a_stream_cut_short_is_not_taken_for_a_picture),
-                       TELL(shades_of_told_hues_are_near_what_was_asked_for),
-                       TELL(what_is_drawn_over_slices_keeps_its_colour),
-                       TELL(a_cross_hair_over_a_slice_is_no_tint),
-                       TELL(tints_that_come_with_an_edit_get_their_colours),
-                       TELL(a_hundred_hues_share_the_palette));
+    return RUN_STORIES(
+        TELL(after_thousands_of_edits_the_screen_shows_the_picture),
+        TELL(pictures_of_every_size_and_kind_follow_each_other),
+        TELL(few_colours_come_exactly_and_more_may_join_them),
+        TELL(a_cursor_move_costs_next_to_nothing), TELL(a_large_patch_for_kitty_goes_in_chunks),
+        TELL(what_moves_or_was_overwritten_goes_whole_and_what_is_removed_is_gone),
+        TELL(one_means_after_another_leaves_nothing),
+        TELL(sixels_beyond_the_limit_of_the_terminal_come_in_pieces),
+        TELL(without_frame_edits_tiles_are_laid_over_tiles),
+        TELL(a_picture_larger_than_its_place_is_cut),
+        TELL(cells_show_what_they_should_after_every_edit), TELL(notes_stand_in_cells_of_text),
+        TELL(half_blocks_in_all_colours_show_every_pixel),
+        TELL(a_cell_is_parted_where_the_error_is_least),
+        TELL(a_picture_of_512x512_and_a_change_in_it_cost_what_was_promised),
+        TELL(without_memory_nothing_is_shown_and_the_next_picture_goes_whole),
+        TELL(a_stream_cut_short_is_not_taken_for_a_picture),
+        TELL(shades_of_told_hues_are_near_what_was_asked_for),
+        TELL(what_is_drawn_over_slices_keeps_its_colour),
+        TELL(a_cross_hair_over_a_slice_is_no_tint),
+        TELL(tints_that_come_with_an_edit_get_their_colours),
+        TELL(a_hundred_hues_share_the_palette));
 }

@@ -285,6 +285,143 @@ STORY(a_pixel_knows_its_voxel)
     }
 }
 
+/* ---- magnified ---- */
+
+/* One side of a picture, worked out the other way round: from each voxel to its pixels. */
+struct inverse {
+    int64_t voxels, spacing_pm, pixels, pixel_pm;
+    int64_t place, middle; /* counted from where the picture's side begins */
+    int64_t voxel[64];     /* of each pixel, -1 for none */
+};
+
+/* The first pixel whose centre does not lie before a point, which is doubled as `begin2` is. */
+static int64_t first_pixel(const struct inverse *side, int64_t begin2, int64_t point2)
+{
+    int64_t pixel = 0;
+    while (pixel < side->pixels && begin2 + (2 * pixel + 1) * side->pixel_pm < point2)
+        pixel++;
+    return pixel;
+}
+
+/* Where the picture begins: what fits, in the middle; else as near to what is wanted as what may not
+ * be left empty, and then the place, allow. */
+static int64_t begin2_of(const struct inverse *side)
+{
+    const int64_t scene2 = 2 * side->voxels * side->spacing_pm;
+    const int64_t picture2 = 2 * side->pixels * side->pixel_pm;
+    if (scene2 <= picture2)
+        return -((picture2 - scene2) / 2);
+    int64_t begin2 = (2 * side->middle + 1) * side->spacing_pm - picture2 / 2;
+    const int64_t place2 = (2 * side->place + 1) * side->spacing_pm;
+    if (place2 - begin2 < picture2 / 8)
+        begin2 = place2 - picture2 / 8;
+    if (begin2 + picture2 - place2 < picture2 / 8)
+        begin2 = place2 + picture2 / 8 - picture2;
+    begin2 = begin2 < 0 ? 0 : begin2;
+    return begin2 + picture2 > scene2 ? scene2 - picture2 : begin2;
+}
+
+static void invert(struct inverse *side)
+{
+    const int64_t begin2 = begin2_of(side);
+    for (int64_t p = 0; p < side->pixels; p++)
+        side->voxel[p] = -1;
+    for (int64_t v = 0; v < side->voxels; v++) {
+        const int64_t end = first_pixel(side, begin2, 2 * (v + 1) * side->spacing_pm);
+        for (int64_t p = first_pixel(side, begin2, 2 * v * side->spacing_pm); p < end; p++)
+            side->voxel[p] = v;
+    }
+}
+
+/* The patient's axes of columns, rows, and across; and from where the picture begins, his right,
+ * front and top, to an index of the scene. */
+static const int8_t patient_axis[3][3] = {{0, 1, 2}, {0, 2, 1}, {1, 2, 0}};
+
+static uint32_t index_of(const struct scene *scene, int axis, int64_t counted)
+{
+    return (uint32_t)(scene->world_sign[axis] > 0 ? scene->grid.size[axis] - 1 - counted : counted);
+}
+
+STORY(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there)
+{
+    uint64_t seed = 29;
+    const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
+    for (unsigned i = 0; i < 3000; i++) {
+        struct scene *scene = NULL;
+        struct slice_choice choice = {.plane = (enum slice_plane)check_below(&seed, 3),
+                                      .has_middle = check_below(&seed, 3)};
+        const unsigned order = check_below(&seed, 3);
+        uint32_t size[3], wrong = 0;
+        for (int a = 0; a < 3; a++) {
+            size[a] = 1 + check_below(&seed, 30);
+            choice.place[a] = check_below(&seed, size[a]);
+            choice.middle[a] = check_below(&seed, size[a]);
+        }
+        CHECK(scene_new(&scene, size, NULL) == OK);
+        int axis_of[3]; /* of the scene, along the patient's */
+        for (int a = 0; a < 3; a++) {
+            scene->world_axis[a] = (int8_t)(((unsigned)a + order) % 3);
+            axis_of[scene->world_axis[a]] = a;
+            scene->world_sign[a] = check_below(&seed, 2) ? 1 : -1;
+            scene->spacing_nm[a] = 500000 + check_below(&seed, 2000000);
+        }
+        const uint32_t width = 8 + check_below(&seed, 56), height = 8 + check_below(&seed, 56);
+        slice_magnify(&choice, scene, slice_fitting_pixel(scene, choice.plane, width, height),
+                      SLICE_TIMES_ONE + check_below(&seed, 9) * check_below(&seed, 2000));
+        struct canvas s = take(scene, &choice, &style, width, height);
+        struct inverse side[2];
+        for (int k = 0; k < 2; k++) {
+            const int a = axis_of[patient_axis[choice.plane][k]];
+            side[k] = (struct inverse){.voxels = size[a],
+                                       .spacing_pm = (int64_t)scene->spacing_nm[a] * 1000,
+                                       .pixels = k == 0 ? width : height,
+                                       .pixel_pm = (int64_t)choice.pixel_pm,
+                                       .place = index_of(scene, a, choice.place[a])};
+            side[k].middle =
+                choice.has_middle ? index_of(scene, a, choice.middle[a]) : side[k].place;
+            if (side[k].spacing_pm * side[k].voxels < side[k].pixel_pm)
+                wrong = UINT32_MAX; /* thinner than a pixel: another story */
+            else
+                invert(&side[k]);
+        }
+        for (uint32_t p = 0; wrong != UINT32_MAX && p < width * height; p++) {
+            const int64_t column = side[0].voxel[p % width], row = side[1].voxel[p / width];
+            uint32_t at[3], expected = CELL_NONE;
+            memcpy(at, choice.place, sizeof at);
+            for (int k = 0; k < 2; k++) {
+                const int a = axis_of[patient_axis[choice.plane][k]];
+                at[a] = index_of(scene, a, k == 0 ? column : row);
+            }
+            if (column >= 0 && row >= 0)
+                expected = grid_cell(&scene->grid, at[0], at[1], at[2]);
+            wrong += s.cell[p] != expected;
+            wrong += slice_cell_at(scene, &choice, width, height, p % width, p / width) != expected;
+        }
+        CHECK(wrong == 0 || wrong == UINT32_MAX);
+        canvas_release(&s);
+        scene_free(scene);
+    }
+}
+
+/* A voxel has four pixels along the smallest spacing, or it is smoothed. */
+STORY(what_is_magnified_enough_shows_voxels_as_they_are)
+{
+    uint32_t cross;
+    struct scene *scene = body_scene(world_order, 0, &cross);
+    struct slice_choice choice = {.plane = SLICE_AXIAL};
+    slice_magnify(&choice, scene, MM, 1000);
+    CHECK(choice.pixel_pm == MM && choice.smooth);
+    slice_magnify(&choice, scene, MM, 3999);
+    CHECK(choice.smooth);
+    slice_magnify(&choice, scene, MM, 4000);
+    CHECK(choice.pixel_pm == MM / 4 && !choice.smooth);
+    slice_magnify(&choice, scene, MM / 8, 1000); /* whole: never squares */
+    CHECK(choice.smooth);
+    slice_magnify(&choice, scene, 1, SLICE_TIMES_MOST);
+    CHECK_INT(choice.pixel_pm, 1);
+    scene_free(scene);
+}
+
 /* ---- grey ---- */
 
 STORY(a_window_ramps_from_black_to_white)
@@ -451,8 +588,14 @@ STORY(contours_are_those_of_a_plain_search)
             scene->cell[c].label = (uint8_t)check_below(&seed, 40) < 30 ? 1 : 2;
     for (unsigned i = 0; i < 24; i++) {
         const uint32_t *picture = pictures[i % 4];
-        const struct slice_choice choice = {
-            (enum slice_plane)(i / 8), {20, 15, 10}, i % 8 < 4 ? 0 : MM / 3, i % 2, 0, NULL};
+        const struct slice_choice choice = {(enum slice_plane)(i / 8),
+                                            {20, 15, 10},
+                                            i % 8 < 4 ? 0 : MM / 3,
+                                            i % 2,
+                                            0,
+                                            NULL,
+                                            false,
+                                            {0}};
         struct canvas s = take(scene, &choice, &style, picture[0], picture[1]);
         uint32_t wrong = 0;
         for (uint32_t p = 0; p < s.width * s.height; p++) {
@@ -588,6 +731,23 @@ STORY(letters_say_where_the_patients_sides_are)
     }
 }
 
+/* The letters that are drawn, for those who write them themselves. */
+STORY(letters_are_told_as_they_are_drawn)
+{
+    static const char *const expected[3] = {"RLAP", "RLSI", "APSI"};
+    static const int8_t turned[3] = {2, 0, 1};
+    for (unsigned flips = 0; flips < 16; flips++) {
+        uint32_t cross;
+        char letter[5] = "";
+        struct scene *scene = body_scene(flips & 8 ? turned : world_order, flips & 7, &cross);
+        for (int plane = 0; plane < 3; plane++) {
+            slice_letters(scene, (enum slice_plane)plane, letter);
+            CHECK_TEXT(letter, expected[plane]);
+        }
+        scene_free(scene);
+    }
+}
+
 STORY(lengths_of_bars_are_round)
 {
     static const uint64_t row[][2] = {{1, 1},       {2, 2},
@@ -718,11 +878,13 @@ int main(void)
         TELL(slices_lie_as_radiologists_look_at_them),
         TELL(a_slice_lies_in_the_middle_or_around_its_place), TELL(what_fits_is_as_large_as_can_be),
         TELL(slices_of_any_size_and_spacing_fit), TELL(a_pixel_knows_its_voxel),
+        TELL(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there),
+        TELL(what_is_magnified_enough_shows_voxels_as_they_are),
         TELL(a_window_ramps_from_black_to_white),
         TELL(smooth_grey_lies_between_the_four_voxels_around), TELL(labels_tint_or_are_outlined),
         TELL(contours_are_thicker_in_larger_pictures), TELL(contours_are_those_of_a_plain_search),
         TELL(a_cross_leaves_its_voxel_free), TELL(seeds_are_dots_and_eliminators_crosses),
-        TELL(letters_say_where_the_patients_sides_are), TELL(lengths_of_bars_are_round),
-        TELL(bars_tell_lengths_and_greys), TELL(all_48_orientations_give_the_same_pictures),
-        TELL(without_memory_there_is_no_slice));
+        TELL(letters_say_where_the_patients_sides_are), TELL(letters_are_told_as_they_are_drawn),
+        TELL(lengths_of_bars_are_round), TELL(bars_tell_lengths_and_greys),
+        TELL(all_48_orientations_give_the_same_pictures), TELL(without_memory_there_is_no_slice));
 }

@@ -12,6 +12,7 @@
 #include "image/exr.h"
 #include "image/volume.h"
 #include "render/text.h"
+#include "session/slicing.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"
 
@@ -403,6 +404,46 @@ STORY(a_zoom_stays_until_it_fits_again)
     interpreter_release(&interp);
 }
 
+/* Slices and mosaics are magnified alike, until they are whole again. */
+STORY(what_is_magnified_stays_so_and_keeps_the_cross_hair_in_sight)
+{
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    must(&interp, "window 0 1000");
+    must(&interp, "cross 2,2,0");
+    must(&interp, "magnify 5");
+    CHECK_TEXT(buf_text(&reply.canonical), "magnify 5");
+    CHECK_HAS(buf_text(&reply.text), ", magnified 5, overlay ");
+    CHECK(!interp.shows_picture);
+    must(&interp, "slice axial");
+    CHECK_INT(grey_of(&interp, 7, 5), 6); /* as under zoom=5, for this scene fits at 1 */
+    CHECK_INT(grey_of(&interp, 2, 3), 5);
+    must(&interp, "magnify 5 at=3,4,9"); /* as far as 2,2 stays off the edge */
+    CHECK_TEXT(buf_text(&reply.canonical), "magnify 5 at=3,4,9");
+    CHECK_HAS(buf_text(&reply.text), "magnified 5, around 3,4,9, ");
+    must(&interp, "slice axial");
+    CHECK_INT(grey_of(&interp, 0, 0), 6); /* 2,2,0: 22 */
+    CHECK_INT(grey_of(&interp, 3, 3), 6);
+    CHECK_INT(grey_of(&interp, 4, 4), 8); /* 3,3,0 */
+    CHECK_INT(grey_of(&interp, 8, 8), 8);
+    CHECK_INT(grey_of(&interp, 9, 9), 11); /* 4,4,0 */
+    must(&interp, "slice axial zoom=5");
+    CHECK_INT(interp.session.now.outlook.slices.times, 1000);
+    CHECK(!interp.session.now.outlook.slices.has_middle);
+    must(&interp, "magnify 1.25 at=1,2,3");
+    CHECK_INT(interp.session.now.outlook.slices.zoom, 0);
+    must(&interp, "magnify fit");
+    CHECK(!interp.session.now.outlook.slices.has_middle);
+    must(&interp, "slice axial");
+    CHECK_INT(grey_of(&interp, 7, 5), 15);
+    refused(&interp, "magnify 0.5", "TIMES: expected");
+    refused(&interp, "magnify 4096.001", "TIMES: expected");
+    refused(&interp, "magnify 2 at=10,0,0", "10,0,0 lies outside the scene");
+    refused(&interp, "magnify fit at=1,1,1", "what is shown whole has no voxel in its middle");
+    refused(&interp, "magnify 1 at=1,1,1", "what is shown whole has no voxel in its middle");
+    interpreter_release(&interp);
+}
+
 static bool shows_colour(const struct interpreter *interp, int r, int g, int b)
 {
     const struct canvas *s = &interp->shown;
@@ -579,6 +620,36 @@ STORY(a_pixel_of_a_slice_tells_its_voxel)
     interpreter_release(&interp);
 }
 
+/* Whatever is shown, however magnified, by every pixel. */
+STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
+{
+    static const char *const how[] = {"magnify fit", "magnify 1.7 at=0,9,4", "magnify 3",
+                                      "magnify 12.5 at=8,1,1", "slice axial zoom=7"};
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    must(&interp, "cross 7,3,2");
+    must(&interp, "size 60 45");
+    for (size_t i = 0; i < sizeof how / sizeof how[0]; i++) {
+        must(&interp, how[i]);
+        for (int kind = 0; kind <= SLICE_KIND_MOSAIC; kind++) {
+            struct canvas canvas;
+            uint32_t wrong = 0, cell = 0;
+            CHECK(slicing_draw(&canvas, &interp.session, (enum slice_kind)kind, true, &fault) ==
+                  OK);
+            for (uint32_t p = 0; p < 60 * 45; p++)
+                wrong += slicing_cell_at(&cell, &interp.session, (enum slice_kind)kind, p % 60,
+                                         p / 60, &fault) != OK ||
+                         cell != canvas.cell[p];
+            CHECK_INT(wrong, 0);
+            canvas_release(&canvas);
+        }
+    }
+    must(&interp, "magnify 12.5");
+    picks(&interp, "pick 30 22 of=axial", "voxel 7,3,2 "); /* the cross-hair in the middle */
+    picks(&interp, "pick 14 10 of=mosaic", "voxel 7,");
+    interpreter_release(&interp);
+}
+
 /* ---- files and journals ---- */
 
 STORY(an_exr_of_a_slice_holds_labels_and_voxels)
@@ -690,9 +761,12 @@ int main(void)
         TELL(letters_are_right_under_qforms_and_negative_pixdim), TELL(windows_are_in_real_values),
         TELL(an_automatic_window_leaves_the_extremes_out),
         TELL(titles_say_where_a_scene_is_however_far_that_is), TELL(slices_move_the_cross_hair),
-        TELL(a_zoom_stays_until_it_fits_again), TELL(what_waits_and_what_was_eliminated_is_marked),
-        TELL(hidden_labels_are_not_overlaid), TELL(mosaics_have_the_size_of_the_view),
-        TELL(without_memory_nothing_is_shown), TELL(a_pixel_of_a_slice_tells_its_voxel),
+        TELL(a_zoom_stays_until_it_fits_again),
+        TELL(what_is_magnified_stays_so_and_keeps_the_cross_hair_in_sight),
+        TELL(what_waits_and_what_was_eliminated_is_marked), TELL(hidden_labels_are_not_overlaid),
+        TELL(mosaics_have_the_size_of_the_view), TELL(without_memory_nothing_is_shown),
+        TELL(a_pixel_of_a_slice_tells_its_voxel),
+        TELL(each_pixel_tells_the_voxel_that_it_was_drawn_of),
         TELL(an_exr_of_a_slice_holds_labels_and_voxels),
         TELL(golden_slices_are_compared_when_replayed));
     reply_release(&reply);

@@ -58,6 +58,7 @@ enum err act_cut(const struct act *act);
 /* act_slice.c */
 enum err act_cross(const struct act *act);
 enum err act_window(const struct act *act);
+enum err act_magnify(const struct act *act);
 enum err act_overlay(const struct act *act);
 enum err act_slice(const struct act *act);
 enum err act_mosaic(const struct act *act);

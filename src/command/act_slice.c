@@ -8,6 +8,7 @@
 /* The places of the parameters in the table. */
 enum { SLICE_PLANE, SLICE_NUMBER, SLICE_FILE, SLICE_ZOOM, SLICE_REPLACE };
 enum { MOSAIC_FILE, MOSAIC_REPLACE };
+enum { MAGNIFY_TIMES, MAGNIFY_AT };
 enum { WINDOW_LOW, WINDOW_HIGH };
 enum { OVERLAY_LABELS, OVERLAY_CROSS, OVERLAY_MARKS, OVERLAY_WORDS };
 
@@ -25,6 +26,10 @@ void act_write_slices(struct buf *out, struct session *session)
                slice_index(session->scene, SLICE_CORONAL, s->cross),
                slice_index(session->scene, SLICE_SAGITTAL, s->cross),
                s->has_window ? "" : "auto: ", least, most);
+    if (s->times != SLICE_TIMES_ONE)
+        buf_printf(out, "magnified %g, ", s->times / 1000.0);
+    if (s->has_middle)
+        buf_printf(out, "around %u,%u,%u, ", s->middle[0], s->middle[1], s->middle[2]);
     buf_printf(out, "overlay %.*s%s%s%s\n", (int)overlay.length, overlay.word,
                s->crosses ? "" : " cross=off", s->marks ? "" : " marks=off",
                s->words ? "" : " words=off");
@@ -43,6 +48,28 @@ enum err act_cross(const struct act *act)
 {
     for (int a = 0; a < 3; a++)
         act->next->outlook.slices.cross[a] = act->value[0].place[a];
+    return go_and_say(act);
+}
+
+/* In place of what `slice zoom=` had them be. */
+static void magnify(struct slice_settings *slices, uint32_t times, const uint32_t *middle)
+{
+    slices->zoom = 0;
+    slices->times = times;
+    slices->has_middle = middle != NULL;
+    for (int a = 0; a < 3; a++)
+        slices->middle[a] = middle ? middle[a] : 0;
+}
+
+enum err act_magnify(const struct act *act)
+{
+    const struct value *times = &act->value[MAGNIFY_TIMES], *at = &act->value[MAGNIFY_AT];
+    const bool is_whole = times->text || times->number == SLICE_TIMES_ONE;
+    if (is_whole && at->given)
+        return fault_set(act->fault, ERR_USAGE,
+                         "what is shown whole has no voxel in its middle; nothing has changed");
+    magnify(&act->next->outlook.slices, is_whole ? SLICE_TIMES_ONE : (uint32_t)times->number,
+            at->given ? at->place : NULL);
     return go_and_say(act);
 }
 
@@ -154,8 +181,10 @@ enum err act_slice(const struct act *act)
                          (long long)act->value[SLICE_NUMBER].number);
     if (act->value[SLICE_NUMBER].given)
         slice_move(scene, plane, (uint32_t)act->value[SLICE_NUMBER].number, slices->cross);
-    if (act->value[SLICE_ZOOM].given)
+    if (act->value[SLICE_ZOOM].given) {
+        magnify(slices, SLICE_TIMES_ONE, NULL);
         slices->zoom = act->value[SLICE_ZOOM].text ? 0 : (uint32_t)act->value[SLICE_ZOOM].number;
+    }
     enum err err = act_go(act);
     return err ? err
                : show_or_write(act, (enum slice_kind)plane, &act->value[SLICE_FILE],

@@ -332,6 +332,17 @@ const struct command command_table[] = {
      "W/2.\n"
      "auto, the default: all but the darkest 1 % and the brightest 0.5 % of the scene.",
      "window 20 90.5"},
+    {COMMAND("magnify", act_magnify, GROUP_SLICES, R | S),
+     {NEED("TIMES", VALUE_DECIMAL, .choices = "fit", .least = SLICE_TIMES_ONE,
+           .most = SLICE_TIMES_MOST),
+      KEYED("at", VALUE_POSITION)},
+     "how large slices are in their pictures",
+     "So many times as large as where they fit, around the cross-hair; fit shows them whole. "
+     "Slices "
+     "and mosaics alike, until the next `magnify` or `slice zoom=`.\n"
+     "at: this voxel stays in the middle, as long as the cross-hair is seen.\n"
+     "A voxel of four pixels or more is a square; smaller ones are smoothed.",
+     "magnify 2.5 at=90,108,90"},
     {COMMAND("overlay", act_overlay, GROUP_SLICES, R | S),
      {MAY("LABELS", VALUE_CHOICE, .choices = SLICE_OVERLAYS),
       KEYED("cross", VALUE_CHOICE, .choices = "on|off"),

@@ -199,7 +199,9 @@ static enum err time_painter(struct session *session, struct figures *f, struct 
                               .hue = hue,
                               .hues = shown_hues(hue, session)};
     bool good = time_picture(&view, true, f->cost[RENDITION], f->cost[PATCH]);
-    enum err err = slicing_panel(&canvas, session, MOSAIC_SIDE, MOSAIC_SIDE, true, fault);
+    struct slicing_panel panel = {.screen = {MOSAIC_SIDE, MOSAIC_SIDE, 8, 16, true, MOSAIC_AXIAL},
+                                  .words = true};
+    enum err err = slicing_draw_panel(&canvas, session, &panel, fault);
     view.width = view.height = MOSAIC_SIDE;
     view.rgba = canvas.rgba;
     good = good && !err && time_picture(&view, false, f->cost[MOSAIC], NULL);

@@ -96,6 +96,7 @@ static bool facts(void *context, struct pilot_facts *out)
     const struct slice_settings *s = &session->now.outlook.slices;
     *out = (struct pilot_facts){.waiting = session_pendings(session),
                                 .zoom = session->now.outlook.view.zoom,
+                                .times = s->times,
                                 .frame_width = session->now.outlook.view.width,
                                 .frame_height = session->now.outlook.view.height,
                                 .overlay = s->overlay,
@@ -290,11 +291,11 @@ static void draw_frame(const struct canvas *canvas, const struct mosaic_box *box
 }
 
 /* A cross of short lines around where the rendition's pixel is shown. */
-static void mark_pixel(const struct canvas *canvas, const struct rendition *r,
-                       const uint32_t pixel[2])
+static void mark_pixel(const struct canvas *canvas, const struct slicing_panel *panel,
+                       const struct rendition *r, const uint32_t pixel[2])
 {
     const struct mosaic_point at =
-        mosaic_point_of(canvas->width, canvas->height, r, pixel[0], pixel[1]);
+        mosaic_point_of(canvas->width, canvas->height, &panel->choice, r, pixel[0], pixel[1]);
     enum { GAP = 2, ARM = 6 };
     for (int i = GAP; i < GAP + ARM; i++) {
         canvas_dot(canvas, (int64_t)at.column - i, at.row, marked_pixel);
@@ -304,18 +305,19 @@ static void mark_pixel(const struct canvas *canvas, const struct rendition *r,
     }
 }
 
-/* An empty rendition says how to begin. */
-static void say_how_to_begin(const struct canvas *canvas)
+/* An empty rendition says how to begin, where it has room for that. */
+static void say_how_to_begin(const struct canvas *canvas, const struct mosaic_box *box)
 {
     static const char *const words[] = {"nothing to show yet", "i plants a seed of the label",
                                         "s0 one of the background", "? shows the keys"};
-    const struct mosaic_box box = mosaic_box(canvas->width, canvas->height, MOSAIC_RENDITION);
-    const int64_t lines = sizeof words / sizeof words[0];
-    const uint32_t scale = text_width(words[1], 2) < (int64_t)box.width ? 2 : 1;
+    const int64_t lines = sizeof words / sizeof words[0], width = box->width, height = box->height;
+    const uint32_t scale = text_width(words[1], 2) < width ? 2 : 1;
+    const int64_t line = TEXT_LINE * scale * 3 / 2;
+    if (text_width(words[1], scale) > width || lines * line > height)
+        return;
     for (int64_t i = 0; i < lines; i++)
-        text_draw(canvas, box.left + (box.width - text_width(words[i], scale)) / 2,
-                  box.top + box.height / 2 + (2 * i - lines) * TEXT_LINE * scale * 3 / 4, scale,
-                  words[i], words_rgb);
+        text_draw(canvas, box->left + (width - text_width(words[i], scale)) / 2,
+                  box->top + height / 2 + (2 * i - lines) * line / 2, scale, words[i], words_rgb);
 }
 
 static enum err picture(void *context, const struct pilot_wish *wish, struct image_view *view,
@@ -323,26 +325,36 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
 {
     struct pilot_interpreter *pilot = context;
     struct session *session = session_of(pilot);
+    struct slicing_panel *panel = &pilot->panel;
     canvas_release(&pilot->canvas);
     pilot->canvas = (struct canvas){0};
+    *panel = (struct slicing_panel){.screen = {wish->width, wish->height, wish->cell_width,
+                                               wish->cell_height, !wish->is_alone,
+                                               mosaic_of(wish->pane)},
+                                    .words = wish->words};
     enum err err = session_count_labels(session, fault); /* for the hues */
     if (!err)
-        err = slicing_panel(&pilot->canvas, session, wish->width, wish->height, wish->words, fault);
+        err = slicing_draw_panel(&pilot->canvas, session, panel, fault);
     if (err)
         return err;
-    const struct mosaic_box box = mosaic_box(wish->width, wish->height, mosaic_of(wish->pane));
-    draw_frame(&pilot->canvas, &box);
+    const struct mosaic_box *box = &panel->layout.box[mosaic_of(wish->pane)];
+    if (!wish->is_alone)
+        draw_frame(&pilot->canvas, box);
     if (wish->words && !has_object(session))
-        say_how_to_begin(&pilot->canvas);
+        say_how_to_begin(&pilot->canvas, &panel->layout.box[MOSAIC_RENDITION]);
     if (wish->marks_held)
         mark_held(&pilot->canvas, session, &pilot->held);
     if (wish->marks_pixel)
-        mark_pixel(&pilot->canvas, session_frame(session), wish->pixel);
+        mark_pixel(&pilot->canvas, panel, session_frame(session), wish->pixel);
+    const size_t notes =
+        wish->words ? 0 : pilot_notes_add(pilot->note, &pilot->canvas, session, panel);
     *view = (struct image_view){.width = wish->width,
                                 .height = wish->height,
                                 .rgba = pilot->canvas.rgba,
-                                .focus = {box.left, box.top, box.width, box.height},
+                                .focus = {box->left, box->top, box->width, box->height},
                                 .words = pilot->canvas.words,
+                                .note = pilot->note,
+                                .notes = notes,
                                 .smooth = pilot->smooth,
                                 .hue = pilot->hue,
                                 .hues = shown_hues(pilot->hue, session)};
@@ -356,8 +368,8 @@ static bool voxel_at(void *context, uint32_t column, uint32_t row, uint32_t plac
     const struct canvas *canvas = &pilot->canvas;
     *pane = PILOT_RENDITION;
     for (enum pilot_pane p = PILOT_AXIAL; p < PILOT_RENDITION && canvas->rgba; p++) {
-        const struct mosaic_box box = mosaic_box(canvas->width, canvas->height, mosaic_of(p));
-        if (column - box.left < box.width && row - box.top < box.height)
+        const struct mosaic_box *box = &pilot->panel.layout.box[mosaic_of(p)];
+        if (column - box->left < box->width && row - box->top < box->height)
             *pane = p;
     }
     if (!canvas->rgba || column >= canvas->width || row >= canvas->height)
@@ -368,11 +380,12 @@ static bool voxel_at(void *context, uint32_t column, uint32_t row, uint32_t plac
     return cell != CELL_NONE;
 }
 
-static uint32_t point_along(const struct canvas *canvas, const struct rendition *r, bool down,
-                            uint32_t pixel)
+static uint32_t point_along(const struct pilot_interpreter *pilot, const struct rendition *r,
+                            bool down, uint32_t pixel)
 {
     const struct mosaic_point at =
-        mosaic_point_of(canvas->width, canvas->height, r, down ? 0 : pixel, down ? pixel : 0);
+        mosaic_point_of(pilot->canvas.width, pilot->canvas.height, &pilot->panel.choice, r,
+                        down ? 0 : pixel, down ? pixel : 0);
     return down ? at.row : at.column;
 }
 
@@ -388,7 +401,7 @@ static void frame_pixel(void *context, uint32_t column, uint32_t row, uint32_t p
         uint32_t low = 0, high = size[i];
         while (high - low > 1) {
             const uint32_t middle = low + (high - low) / 2;
-            if (point_along(&pilot->canvas, r, i == 1, middle) <= wanted[i])
+            if (point_along(pilot, r, i == 1, middle) <= wanted[i])
                 low = middle;
             else
                 high = middle;

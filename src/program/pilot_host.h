@@ -6,14 +6,17 @@
 #define PROGRAM_PILOT_HOST_H
 
 #include "command/interpreter.h"
+#include "program/pilot_notes.h"
 #include "session/held.h"
 #include "tui/pilot/pilot.h"
 
 struct pilot_interpreter {
     struct interpreter *interp;
-    bool smooth;          /* all bits of every colour, where the terminal can */
-    struct canvas canvas; /* the last picture */
-    struct held held;     /* what was asked for last, until the next command */
+    bool smooth;                              /* all bits of every colour, where the terminal can */
+    struct canvas canvas;                     /* the last picture, */
+    struct slicing_panel panel;               /* what it is of, */
+    struct image_note note[PILOT_NOTES_MOST]; /* and what is written over it */
+    struct held held;                         /* what was asked for last, until the next command */
     uint32_t hue[256];
 };
 

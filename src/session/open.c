@@ -236,6 +236,7 @@ static struct state refined(const struct session *session, unsigned doubled)
     for (unsigned a = 0; a < 3; a++) {
         view->focus[a] *= 1 + (doubled >> a & 1);
         next.outlook.slices.cross[a] *= 1 + (doubled >> a & 1);
+        next.outlook.slices.middle[a] *= 1 + (doubled >> a & 1);
     }
     next.lists.markers = next.lists.eliminators = (struct edits){0};
     next.lists.applied = 0;

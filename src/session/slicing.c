@@ -95,11 +95,19 @@ static struct slice_choice slice_of(const struct session *session, enum slice_ki
                                     const struct sketch *sketch)
 {
     const struct slice_settings *s = &session->now.outlook.slices;
-    struct slice_choice choice = {.plane = (enum slice_plane)kind, .smooth = s->zoom == 0};
-    for (int a = 0; a < 3; a++)
+    const struct view *view = &session->now.outlook.view;
+    const enum slice_plane plane = (enum slice_plane)kind;
+    struct slice_choice choice = {.plane = plane, .has_middle = s->has_middle};
+    for (int a = 0; a < 3; a++) {
         choice.place[a] = s->cross[a];
+        choice.middle[a] = s->middle[a];
+    }
     if (s->zoom)
         choice.pixel_pm = slice_zoomed_pixel(session->scene, s->zoom);
+    else
+        slice_magnify(&choice, session->scene,
+                      slice_fitting_pixel(session->scene, plane, view->width, view->height),
+                      s->times);
     if (s->words && sketch) {
         choice.notes = SLICE_LETTERS | SLICE_SCALE | SLICE_COLOURS;
         choice.title = sketch->title[kind];
@@ -111,9 +119,11 @@ static struct mosaic_choice mosaic_of(const struct session *session, const struc
 {
     const struct slice_settings *s = &session->now.outlook.slices;
     const bool says = s->words && sketch;
-    struct mosaic_choice choice = {.notes = says, .team = session->team};
+    struct mosaic_choice choice = {
+        .notes = says, .team = session->team, .times = s->times, .has_middle = s->has_middle};
     for (int i = 0; i < 3; i++) {
         choice.place[i] = s->cross[i];
+        choice.middle[i] = s->middle[i];
         choice.title[i] = says ? sketch->title[i] : NULL;
     }
     return choice;
@@ -132,18 +142,23 @@ static enum err prepare(struct session *session, enum slice_kind kind, struct fa
     return session_draw(session, RENDER_AS_KEPT, fault);
 }
 
-/* Fills a canvas, which is released on error. Without `words` nothing is said of where it is. */
+/* Fills a canvas, which is released on error: a slice, or a mosaic, be it a panel's. */
 static enum err draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
-                     bool words, struct fault *fault)
+                     struct slicing_panel *panel, struct fault *fault)
 {
     struct sketch sketch;
     enum err err = sketch_init(&sketch, session, fault);
     if (!err && kind == SLICE_KIND_MOSAIC) {
-        const struct mosaic_choice choice = mosaic_of(session, words ? &sketch : NULL);
+        struct mosaic_choice choice = mosaic_of(session, panel && !panel->words ? NULL : &sketch);
+        choice.layout = panel ? &panel->layout : NULL;
         err = mosaic_draw(canvas, session->scene, session_frame(session), &choice, &sketch.style,
                           fault);
+        for (int i = 0; i < 3; i++)
+            choice.title[i] = NULL;
+        if (panel)
+            panel->choice = choice;
     } else if (!err) {
-        const struct slice_choice choice = slice_of(session, kind, words ? &sketch : NULL);
+        const struct slice_choice choice = slice_of(session, kind, &sketch);
         err = slice_draw(canvas, session->scene, &choice, &sketch.style, fault);
     }
     free(sketch.mark);
@@ -160,24 +175,26 @@ enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice
     enum err err = prepare(session, kind, fault);
     if (!err)
         err = canvas_init(canvas, view->width, view->height, tells_cells, fault);
-    return err ? err : draw(canvas, session, kind, true, fault);
+    return err ? err : draw(canvas, session, kind, NULL, fault);
 }
 
-enum err slicing_panel(struct canvas *canvas, struct session *session, uint32_t width,
-                       uint32_t height, bool words, struct fault *fault)
+enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
+                            struct slicing_panel *panel, struct fault *fault)
 {
+    const struct mosaic_screen *screen = &panel->screen;
     *canvas = (struct canvas){0};
-    if (width < MOSAIC_SIDE_LEAST || height < MOSAIC_SIDE_LEAST)
+    if (screen->width < MOSAIC_SIDE_LEAST || screen->height < MOSAIC_SIDE_LEAST)
         return fault_set(fault, ERR_LIMIT, "a panel takes %dx%d pixels or more", MOSAIC_SIDE_LEAST,
                          MOSAIC_SIDE_LEAST);
+    mosaic_lay_out(&panel->layout, session->scene, screen);
     enum err err = session_draw(session, RENDER_AS_KEPT, fault);
     if (!err)
-        err = canvas_init(canvas, width, height, true, fault);
+        err = canvas_init(canvas, screen->width, screen->height, true, fault);
     if (!err)
         err = canvas_mark_words(canvas, fault);
     if (err)
         canvas_release(canvas);
-    return err ? err : draw(canvas, session, SLICE_KIND_MOSAIC, words, fault);
+    return err ? err : draw(canvas, session, SLICE_KIND_MOSAIC, panel, fault);
 }
 
 enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kind kind,
@@ -210,7 +227,12 @@ static enum err note_kind(struct picture *picture, const struct session *session
     int n = snprintf(words, sizeof words, "%s through %u,%u,%u", name, s->cross[0], s->cross[1],
                      s->cross[2]);
     if (s->zoom && kind != SLICE_KIND_MOSAIC)
-        snprintf(words + n, sizeof words - (size_t)n, " zoom %u", s->zoom);
+        n += snprintf(words + n, sizeof words - (size_t)n, " zoom %u", s->zoom);
+    if (s->times != SLICE_TIMES_ONE)
+        n += snprintf(words + n, sizeof words - (size_t)n, " magnified %u", s->times);
+    if (s->has_middle)
+        snprintf(words + n, sizeof words - (size_t)n, " around %u,%u,%u", s->middle[0],
+                 s->middle[1], s->middle[2]);
     return picture_note(picture, "iftty:slice", words, fault);
 }
 

@@ -9,7 +9,7 @@
 #define SESSION_SLICING_H
 
 #include "image/picture.h"
-#include "render/canvas.h"
+#include "render/mosaic_screen.h"
 #include "session/session.h"
 
 /* What can be drawn. The first three are the planes of render/slice.h. */
@@ -27,12 +27,19 @@ enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice
 enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kind kind,
                          uint32_t column, uint32_t row, struct fault *fault);
 
-/* A mosaic of another size than the view's, for a screen: the rendition is fitted in. The canvas
- * has its cells and where words are; the caller releases it. Without `words` there are no patient letters, titles and
- * scale bars.
+/* A mosaic as panes of a screen (render/mosaic_screen.h): the rendition is fitted in. */
+struct slicing_panel {
+    struct mosaic_screen screen;
+    bool words; /* patient letters, titles and scale bars can be read in its pixels */
+    struct mosaic_layout layout;
+    struct mosaic_choice choice; /* borrows layout and the session's team; titles are gone */
+};
+
+/* Draws it, and fills in `layout` and `choice`. The canvas has its cells and where words are; the
+ * caller releases it.
  * ERR_LIMIT for less than MOSAIC_SIDE_LEAST pixels a side. */
-enum err slicing_panel(struct canvas *canvas, struct session *session, uint32_t width,
-                       uint32_t height, bool words, struct fault *fault);
+enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
+                            struct slicing_panel *panel, struct fault *fault);
 
 /* The canvas, which has its cells, as a picture with labels, voxels and notes. Labels are those
  * of the voxels, be they overlaid or not. The caller releases it. */

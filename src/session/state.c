@@ -4,11 +4,13 @@
 
 struct state state_default(void)
 {
-    struct state state = {
-        .kept = {.cut = cut_none(), .adjacency = 6, .weight = {WEIGHT_MORPH, 1}},
-        .outlook = {
-            .look = look_default(),
-            .slices = {.overlay = SLICE_CONTOUR, .crosses = true, .marks = true, .words = true}}};
+    struct state state = {.kept = {.cut = cut_none(), .adjacency = 6, .weight = {WEIGHT_MORPH, 1}},
+                          .outlook = {.look = look_default(),
+                                      .slices = {.times = SLICE_TIMES_ONE,
+                                                 .overlay = SLICE_CONTOUR,
+                                                 .crosses = true,
+                                                 .marks = true,
+                                                 .words = true}}};
     palette_default(&state.kept.palette);
     for (int label = 1; label < 256; label++)
         state.kept.visible[label] = true;
@@ -52,6 +54,9 @@ static const struct state_field outlook_field[] = {
     FIELD(outlook, look, MADE_CAMERA),
     FIELD(outlook, slices.cross, 0),
     FIELD(outlook, slices.zoom, 0),
+    FIELD(outlook, slices.times, 0),
+    FIELD(outlook, slices.has_middle, 0),
+    FIELD(outlook, slices.middle, 0),
     FIELD(outlook, slices.has_window, MADE_BY_WINDOW),
     FIELD(outlook, slices.window_thousandths, MADE_BY_WINDOW),
     FIELD(outlook, slices.overlay, 0),

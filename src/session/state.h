@@ -50,7 +50,10 @@ struct kept {
 struct slice_settings {
     uint32_t cross[3]; /* the voxel that they go through */
     uint32_t zoom;     /* of slices, thousandths of a pixel per smallest spacing; 0 for what fits */
-    bool has_window;   /* else it follows from the scene */
+    uint32_t times;  /* of slices and mosaics, thousandths of what fits; 1000 where zoom is not 0 */
+    bool has_middle; /* and then, of what is magnified, in the middle: */
+    uint32_t middle[3];            /* this voxel, else the cross-hair */
+    bool has_window;               /* else it follows from the scene */
     int64_t window_thousandths[2]; /* real values: black and white */
     enum slice_overlay overlay;
     bool crosses, marks, words; /* the cross-hair; seeds and eliminators; letters and bars */

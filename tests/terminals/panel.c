@@ -1,5 +1,5 @@
 /*
- * What the pilot ought to show: panel JOURNAL WIDTH HEIGHT PANE OUT
+ * What the pilot ought to show: panel JOURNAL COLUMNS ROWS CELL_WIDTH CELL_HEIGHT PANE OUT
  *
  * Carries the journal out in a process of its own, without a terminal, and draws the state that it
  * leaves, as the pilot would with PANE marked (0 axial, 1 coronal, 2 sagittal), into OUT, a PPM.
@@ -33,14 +33,17 @@ int main(int count, char **word)
     struct image_view view;
     struct buf told = {0};
     struct fault fault = {0};
-    if (count != 6) {
-        fputs("panel JOURNAL WIDTH HEIGHT PANE OUT\n", stderr);
+    if (count != 8) {
+        fputs("panel JOURNAL COLUMNS ROWS CELL_WIDTH CELL_HEIGHT PANE OUT\n", stderr);
         return 2;
     }
-    const struct pilot_wish wish = {.width = (uint32_t)atoi(word[2]),
-                                    .height = (uint32_t)atoi(word[3]),
+    const uint32_t cell_width = (uint32_t)atoi(word[4]), cell_height = (uint32_t)atoi(word[5]);
+    const struct pilot_wish wish = {.width = (uint32_t)atoi(word[2]) * cell_width,
+                                    .height = (uint32_t)atoi(word[3]) * cell_height,
+                                    .cell_width = cell_width,
+                                    .cell_height = cell_height,
                                     .words = true,
-                                    .pane = (enum pilot_pane)atoi(word[4])};
+                                    .pane = (enum pilot_pane)atoi(word[6])};
     pilot_host_fill(&host);
     enum err err = interpreter_init(&interp, &fault);
     interp.is_read_only = true;
@@ -50,7 +53,7 @@ int main(int count, char **word)
         err = host.picture(&pilot, &wish, &view, &fault);
     if (err)
         fprintf(stderr, "%s\n", fault.text);
-    const bool good = !err && write_picture(&view, word[5]);
+    const bool good = !err && write_picture(&view, word[7]);
     pilot_interpreter_release(&pilot);
     interpreter_release(&interp);
     buf_release(&told);

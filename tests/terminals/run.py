@@ -299,8 +299,8 @@ def panel(stage, cells, journal):
     folder = fresh_folder(stage.room, "panel")
     path = os.path.join(folder, "expected.ppm")
     subprocess.run([os.path.join(stage.programs, "panel"), journal,
-                    str(cells.columns * cells.width), str((cells.rows - 2) * cells.height), "1",
-                    path], check=True)
+                    str(cells.columns), str(cells.rows - 2), str(cells.width), str(cells.height),
+                    "1", path], check=True)
     with Image.open(path) as picture:
         return picture.convert("RGB")
 

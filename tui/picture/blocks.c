@@ -79,7 +79,7 @@ void blocks_pixels(enum block_shape shape, uint32_t *width, uint32_t *height)
 
 static bool is_same(const struct block *a, const struct block *b)
 {
-    return a->parts == b->parts && a->ink == b->ink && a->paper == b->paper;
+    return a->parts == b->parts && a->ink == b->ink && a->paper == b->paper && a->note == b->note;
 }
 
 /* The mean of a part's pixels; beyond the view they are black. */
@@ -158,15 +158,15 @@ static struct block coloured(const uint32_t *colour, unsigned count, enum colour
     for (unsigned i = 1; i < count; i++)
         parts |= (unsigned)(colour[i] != colour[0]) << i;
     if (!parts) /* most are of one colour */
-        return (struct block){BLOCK_DEFAULT, number_of(colour[0], colours), 0};
+        return (struct block){.ink = BLOCK_DEFAULT, .paper = number_of(colour[0], colours)};
     sum_sets(sum, colour, count);
     if (count > 2)
         parts = best_parts(sum, all);
     const int32_t ink = number_of(mean_of(sum[parts], parts), colours);
     const int32_t paper = number_of(mean_of(sum[all ^ parts], all ^ parts), colours);
     if (ink == paper)
-        return (struct block){BLOCK_DEFAULT, paper, 0};
-    return (struct block){ink, paper, (uint8_t)parts};
+        return (struct block){.ink = BLOCK_DEFAULT, .paper = paper};
+    return (struct block){ink, paper, (uint8_t)parts, 0};
 }
 
 static uint32_t luminance(uint32_t colour)
@@ -182,7 +182,23 @@ static struct block colourless(const uint32_t *colour, unsigned count)
         light += luminance(colour[i]);
     light /= count;
     return (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT,
-                          (uint8_t)ink[(light * (sizeof ink - 2) + 127) / 255]};
+                          (uint8_t)ink[(light * (sizeof ink - 2) + 127) / 255], 0};
+}
+
+static void add_notes(struct block *cell, uint32_t columns, uint32_t rows,
+                      const struct image_view *view, enum colours colours)
+{
+    static const uint32_t ink = 0xE8E8E8, paper = 0x000000;
+    for (size_t i = 0; i < view->notes; i++) {
+        const struct image_note *note = &view->note[i];
+        if (note->column >= columns || note->row >= rows)
+            continue;
+        struct block *at = &cell[(size_t)note->row * columns + note->column];
+        *at = colours == COLOURS_NONE
+                  ? (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT, (uint8_t)note->character, 0}
+                  : (struct block){number_of(ink, colours), number_of(paper, colours), 0,
+                                   note->character};
+    }
 }
 
 void blocks_fill(struct block *cell, size_t stride, const struct image_view *view,
@@ -277,6 +293,9 @@ static void put(struct pen *pen, const struct block *cell, struct buf *out)
     const unsigned all = (1u << columns_of(pen->shape) * rows_of(pen->shape)) - 1;
     if (pen->colours == COLOURS_NONE) {
         buf_add_char(out, (char)cell->parts);
+    } else if (cell->note) {
+        set_colours(pen, cell->ink, cell->paper, out);
+        buf_add_char(out, cell->note);
     } else if (!cell->parts) {
         set_colours(pen, pen->ink, cell->paper, out);
         buf_add_char(out, ' ');
@@ -378,8 +397,9 @@ static bool show(struct painter *p, const struct image_view *view, struct buf *o
             return false;
     struct block *then = (void *)p->of[0].bytes, *now = (void *)p->of[1].bytes;
     for (size_t i = 0; i < cells; i++)
-        now[i] = (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT, colourless ? ' ' : 0};
+        now[i] = (struct block){BLOCK_DEFAULT, BLOCK_DEFAULT, colourless ? ' ' : 0, 0};
     blocks_fill(now, p->columns, view, p->facts.colours, p->facts.shape);
+    add_notes(now, p->columns, p->rows, view, p->facts.colours);
     write_changes(p, then, now, out);
     return !out->failed;
 }

@@ -11,6 +11,8 @@
  * means. A colour is sent only where it changes; a cell of one colour is a space on it. Without
  * colours a cell is one character of a ramp from dark to bright.
  *
+ * A note of the view (tui/picture/image_view.h) is a cell of its own: a bright character on black.
+ *
  * A cell counts as half as wide as it is high, as nearly all are. So that pictures have square
  * pixels, a cell stands for 1x2, 2x4 or 6x12 of them, and a part has the mean of its own.
  */
@@ -37,6 +39,7 @@ struct block {
     int32_t ink, paper; /* 0xRRGGBB, or a number of the palette, or BLOCK_DEFAULT, the terminal's */
     uint8_t parts;      /* those that have the ink, bit by bit from the top left, which never has;
                            without colours the character */
+    char note;          /* stands there in place of parts, or 0 */
 };
 
 enum { BLOCK_DEFAULT = -1 };

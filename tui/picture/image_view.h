@@ -14,6 +14,13 @@
 
 #include "image/raster.h"
 
+/* An ASCII character in a cell of the screen, for pictures made of text, whose pixels are too few
+ * for letters. */
+struct image_note {
+    uint16_t column, row; /* of the picture's cells */
+    char character;
+};
+
 struct image_view {
     uint32_t width, height;
     const uint8_t *rgba;
@@ -23,6 +30,8 @@ struct image_view {
     unsigned hues;       /* 0 where no label shows: greys alone */
     struct raster_box focus; /* where one looks: it gets fine before the rest; empty: nowhere */
     const uint8_t *words; /* [height][width]: not 0 where words stand, which stay sharp; or NULL */
+    const struct image_note *note; /* [notes]; those outside the picture are passed over */
+    size_t notes;
     bool is_coarse; /* what has changed comes in blocks of pixels, in a hurry: bytes cost more than
                        time */
     bool is_slow;   /* the line is: bytes cost more than time */

@@ -134,6 +134,8 @@ static struct pilot_wish wish_of(const struct pilot *p)
                               .pane = p->state->mode == PILOT_PICKING ? PILOT_RENDITION
                                                                       : p->state->pane};
     painter_size(&p->painter, &wish.width, &wish.height);
+    wish.cell_width = wish.width / p->painter.columns;
+    wish.cell_height = wish.height / p->painter.rows;
     for (int i = 0; i < 2; i++)
         wish.pixel[i] = p->state->pixel[i];
     return wish;

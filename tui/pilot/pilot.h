@@ -43,16 +43,19 @@ struct pilot_facts {
     uint32_t frame_height;
     unsigned overlay; /* of labels in slices: 0 none, 1 tint, 2 contour */
     bool has_object;  /* a voxel has a label above 0, or a seed waits to give it one */
+    uint32_t times;   /* by which slices are magnified, thousandths */
 };
 
 /* How the picture is wanted. */
 struct pilot_wish {
-    uint32_t width, height; /* pixels */
-    bool words;             /* letters and titles in the slices can be read at this size */
-    bool marks_held;        /* what `held` has found is marked */
-    bool marks_pixel;       /* a pixel of the rendition, by column and row of its own, is marked */
+    uint32_t width, height;           /* pixels */
+    uint32_t cell_width, cell_height; /* those of a character's cell */
+    bool words;                       /* letters and titles in the slices can be read in pixels */
+    bool marks_held;                  /* what `held` has found is marked */
+    bool marks_pixel; /* a pixel of the rendition, by column and row of its own, is marked */
     uint32_t pixel[2];
-    enum pilot_pane pane; /* that is marked */
+    enum pilot_pane pane; /* that is marked, */
+    bool is_alone;        /* or has the whole screen */
 };
 
 struct pilot_host {
