@@ -243,7 +243,7 @@ static size_t choose_lane(struct drawing *d, const struct node *node)
 
 static void add_command(struct drawing *d, const struct node *node)
 {
-    buf_add_safe(d->out, d->tree->bytes + node->command, node->command_bytes);
+    buf_add_safe_excerpt(d->out, d->tree->bytes + node->command, node->command_bytes);
 }
 
 /* "(main, present) " before the command, where there is something to say. */

@@ -46,7 +46,8 @@ STORY(the_table_is_in_order)
                 CHECK(!may || q->optional); /* what may be left out stands last */
                 may |= q->optional;
             }
-            CHECK(q->optional || !q->keyed);
+            CHECK(!q->paired || (p > 0 && q[-1].choices && !q->keyed && q->optional));
+            CHECK(q->type != VALUE_LINE || (q->keyed && c->parameter[0].type == VALUE_POSITION));
             CHECK(q->least <= q->most);
             CHECK(q->type != VALUE_CHOICE || q->choices);
         }
@@ -109,12 +110,19 @@ STORY(every_example_parses_and_its_canonical_form_is_its_own)
 static const char *form_of(const struct parameter *p)
 {
     static char form[80];
-    const char *type = p->type == VALUE_POSITION ? "X,Y,Z"
-                       : p->type == VALUE_RANGE  ? "A-B"
-                       : p->type == VALUE_COLOUR ? "#rrggbb"
-                                                 : p->name;
+    const bool is_place = p->type == VALUE_POSITION || p->type == VALUE_LINE;
+    const char *type = is_place                    ? "X,Y,Z"
+                       : p->type == VALUE_RANGE    ? "A-B"
+                       : p->type == VALUE_INTERVAL ? "LOW..HIGH"
+                       : p->type == VALUE_RADIUS   ? "0..32|Rmm"
+                       : p->type == VALUE_COLOUR   ? "#rrggbb"
+                                                   : p->name;
     if (!p->choices)
         return type;
+    if (p[1].paired) { /* "LOW HIGH|none" */
+        snprintf(form, sizeof form, "%s %s|%s", type, is_place ? type : p[1].name, p->choices);
+        return form;
+    }
     const bool alone = p->type == VALUE_CHOICE;
     snprintf(form, sizeof form, "%s%s%s", p->choices, alone ? "" : "|",
              alone || (p->keyed && p->type == VALUE_DECIMAL) ? "" : type);
@@ -266,6 +274,15 @@ static void add_value(struct buf *out, const struct parameter *p)
     case VALUE_DECIMAL:
         add_decimal(out, p);
         break;
+    case VALUE_LINE:
+        add_position(out);
+        break;
+    case VALUE_RADIUS:
+        buf_printf(out, below(2) ? "%u" : "%u.%03umm", below(33), below(1000));
+        break;
+    case VALUE_INTERVAL:
+        buf_printf(out, "%d.%03u..%u.5", -(int)below(50), below(1000), below(300));
+        break;
     case VALUE_COLOUR:
         buf_printf(out, "#%06x", below(1u << 24));
         break;
@@ -288,8 +305,9 @@ static void random_line(struct buf *out, const struct command *command)
     for (int i = 0; i < PARAMETERS_MOST && command->parameter[i].type; i++) {
         const struct parameter *p = &command->parameter[i];
         bool given = !p->optional || below(2);
-        if (p->keyed && given) {
-            buf_printf(&keyed[i], "%s=", p->name);
+        for (uint32_t n = p->type == VALUE_LINE ? 1 + below(5) : 1; p->keyed && given && n > 0;
+             n--) {
+            buf_printf(&keyed[i], "%s%s=", keyed[i].length ? " " : "", p->name);
             add_value(&keyed[i], p);
         }
     }
@@ -321,9 +339,14 @@ static bool same_values(const struct call *a, const struct call *b)
     for (int i = 0; i < PARAMETERS_MOST; i++) {
         const struct value *x = &a->value[i], *y = &b->value[i];
         same &= x->given == y->given && x->number == y->number && !x->text == !y->text &&
+                x->high == y->high && x->in_mm == y->in_mm && !x->line == !y->line &&
                 memcmp(x->place, y->place, sizeof x->place) == 0;
         if (x->text && y->text)
             same &= strcmp(x->text, y->text) == 0;
+        if (x->line && y->line)
+            same &= x->line->count == y->line->count &&
+                    memcmp(x->line->corner, y->line->corner,
+                           x->line->count * sizeof x->line->corner[0]) == 0;
     }
     return same;
 }
@@ -459,7 +482,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"render mode=", "not nothing"},
         {"render mode=sp|bp", "expected sp|bp|ii|ray"},
         {"save maps x.nii", "labels|cost|root|border"},
-        {"seed 1,1,1", "missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..32]"},
+        {"seed 1,1,1", "missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..32|Rmm]"},
         {"seed", "missing: PLACE"},
         {"save labels", "missing: FILE"},
         {"run now", "one word too many: now; usage: run"},
@@ -472,8 +495,10 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"label 2 \"a\\\"", "a word in quotes does not end"},
         {"\"", "a word in quotes does not end"},
         {"label 2 \"\"", "NAME: expected a word, not nothing"},
-        {"seed 1,1,1 1 radius=33", "radius: expected a number 0..32, not 33"},
-        {"seed 1,1,1 1 radius=-1", "radius: expected a number 0..32, not -1"},
+        {"seed 1,1,1 1 radius=33",
+         "radius: expected a number 0..32, or millimetres as in 2.5mm, not 33"},
+        {"seed 1,1,1 1 radius=-1",
+         "radius: expected a number 0..32, or millimetres as in 2.5mm, not -1"},
         {"seed 1,1,1 1 radius=99999999999999999999", "expected a number 0..32"},
         {"seed 1,1,1 1 radius=1 radius=2", "given twice: radius=2"},
         {"zoom 64.001", "FACTOR: expected fit or a number 0.01..64 with at most three decimals"},
@@ -495,7 +520,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"label 2 x #1234567", "#rrggbb"},
         {"label 3 9lives", "begins with a letter"},
         {"label 3 a=b", "begins with a letter"},
-        {"label 3 \"a b\"", "begins with a letter"},
+        {"label 3 \"a b \"", "begins with a letter"},
         {"label 3 a\x1b[31m", "a\\x1b[31m"},
         {"label 3 abcdefghijklmnopqrstuvwxyzabcdef", "at most 31 bytes"},
         {"label 3 cerebellum", "label 2 is already called cerebellum"},
@@ -559,7 +584,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
     if (CHECK(lengthy != NULL)) {
         memset(lengthy, 'a', 100000);
         lengthy[100000] = '\0';
-        is_refused(&interp, lengthy, "longer than 4096 bytes");
+        is_refused(&interp, lengthy, "longer than 65535 bytes");
         lengthy[4000] = '\0';
         is_refused(&interp, lengthy, "unknown command aaaa");
     }
@@ -752,7 +777,7 @@ STORY(completion_offers_what_may_stand_there)
     completes(&interp, "render mode=b", "bp\n", 12);
     completes(&interp, "seed 1,1,1 ce", "cerebellum\n", 11);
     completes(&interp, "seed 1,1,1 c", "cerebellum\ncortex\n", 11);
-    completes(&interp, "seed 1,1,1 7 r", "radius=\n", 13);
+    completes(&interp, "seed 1,1,1 7 r", "radius=\nrange=\n", 13);
     completes(&interp, "seed-file x.nii label=c", "cerebellum\ncortex\n", 22);
     completes(&interp, "hide cor", "cortex\n", 5);
     completes(&interp, "view b", "back\nbottom\n", 5);
@@ -826,7 +851,8 @@ STORY(a_key_that_is_given_is_not_offered_again)
     begin_with_scene(&interp);
     completes(&interp, "overlay cross=on ", "none\ntint\ncontour\nmarks=\nwords=\n", 17);
     completes(&interp, "overlay cross=on m", "marks=\n", 17);
-    completes(&interp, "hide b", "", 5); /* label 0 cannot be hidden */
+    completes(&interp, "fill 1,1,1 2 to=3,1,1 t", "to=\n", 22); /* but for those of a line */
+    completes(&interp, "hide b", "", 5);                        /* label 0 cannot be hidden */
     completes(&interp, "# see", "", 5);
     interpreter_release(&interp);
 }
@@ -872,27 +898,34 @@ STORY(a_hint_is_the_rest_of_the_usage)
 {
     hints("", "");
     hints("see", "");
-    hints("seed", " X,Y,Z LABEL [radius=0..32] [to=X,Y,Z]");
-    hints("seed ", "X,Y,Z LABEL [radius=0..32] [to=X,Y,Z]");
-    hints("  seed   ", "X,Y,Z LABEL [radius=0..32] [to=X,Y,Z]");
-    hints("seed 1", " LABEL [radius=0..32] [to=X,Y,Z]");
-    hints("seed 1,1,1", " LABEL [radius=0..32] [to=X,Y,Z]");
-    hints("seed 1,1,1 ", "LABEL [radius=0..32] [to=X,Y,Z]");
-    hints("seed 1,1,1 2", " [radius=0..32] [to=X,Y,Z]");
-    hints("seed 1,1,1 2 ", "[radius=0..32] [to=X,Y,Z]");
+    hints("seed", " X,Y,Z LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed ", "X,Y,Z LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("  seed   ",
+          "X,Y,Z LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed 1", " LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed 1,1,1", " LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed 1,1,1 ", "LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed 1,1,1 2", " [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed 1,1,1 2 ", "[radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
     hints("seed 1,1,1 2 r", "");
-    hints("seed 1,1,1 2 radius=", "0..32 [to=X,Y,Z]");
-    hints("seed 1,1,1 2 radius=3", " [to=X,Y,Z]");
-    hints("seed radius=", "0..32 X,Y,Z LABEL [to=X,Y,Z]");
-    hints("seed radius=3 ", "X,Y,Z LABEL [to=X,Y,Z]");
-    hints("seed 1,1,1 2 radius=3 ", "[to=X,Y,Z]");
-    hints("seed 1,1,1 2 radius=3 to=2,2,2 ", "");
-    hints("seed 1,1,1 2 3 ", "[radius=0..32] [to=X,Y,Z]");
+    hints("seed 1,1,1 2 radius=", "0..32|Rmm [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed 1,1,1 2 radius=3", " [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed radius=", "0..32|Rmm X,Y,Z LABEL [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed radius=3 ", "X,Y,Z LABEL [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed 1,1,1 2 radius=3 ", "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed 1,1,1 2 radius=3 to=2,2,2 ", "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("range ", "LOW HIGH|none");
+    hints("range 20 ", "HIGH");
+    hints("range none", "");
+    hints("range none ", "");
+    hints("cut 1,1,1", " X,Y,Z");
+    hints("seed 1,1,1 2 3 ", "[radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
     hints("overlay words=off ", "[none|tint|contour] [cross=on|off] [marks=on|off]");
     hints("slice axial a.png ", "[N] [zoom=fit|0.01..64] [replace=yes|no]");
     hints("label 2 \"a", "");
     hints("label \"2\"", " NAME [#rrggbb]");
-    hints("\"seed\" ", "X,Y,Z LABEL [radius=0..32] [to=X,Y,Z]");
+    hints("\"seed\" ",
+          "X,Y,Z LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
     hints("\"seed", "");
     hints("run", "");
     hints("run ", "");
@@ -1254,12 +1287,17 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"redo 3", NULL},
         {"branch other", NULL},
         {"seed 4,4,4 2", NULL},
+        {"seed 5,5,5 2 radius=1.7mm range=20..190.5 to=6,6,6 to=6,8,6", NULL},
+        {"seed 6,8,6 2 to=2,2,2 to=7,2,9 joined=yes", NULL},
+        {"remove 7,2,9", NULL},
+        {"box 1,1,1 3,4,1 5 range=-10..9999", NULL},
+        {"fill 8,1,3 6 to=11,1,9 to=8,1,9", NULL},
         {"mask @/regions.nii regions=0-2", NULL},
         {"goto main", NULL},
         {"render", NULL},
         {"goto 30", NULL},
         {"goto other", NULL},
-        {"undo 40", NULL},
+        {"undo 44", NULL},
         {"render", NULL},
         {"redo 12", NULL},
         {"magnify 2.5 at=3,4,5", NULL},

@@ -1,17 +1,20 @@
 /*
- * Markers through whole sessions: overlaps, erasers, undo, redo, looking back, branches, restarts.
+ * Markers through whole sessions: balls, strokes and their parts, boxes, polygons; overlaps,
+ * erasers, undo, redo, looking back, branches, restarts, replays.
  *
  * The model knows nothing of how the program does it. It has a list of all that was ever put up,
  * each with its voxels and label; a state is the numbers of those that stand, one for each record.
  * The seeds of a state are what carrying those out, in order, gives. From the program it takes the
  * record that it went to (at=), and which seed's tree holds a voxel.
  */
+#include "tests/paint_model.h"
 #include "tests/small_scene.h"
 
-enum { CELLS = 14 * 13 * 12, PUT_MOST = 400, RECORDS_MOST = 600, COMMANDS = 10 };
+enum { CELLS = 14 * 13 * 12, PUT_MOST = 400, RECORDS_MOST = 600, COMMANDS = 10, LINE = 400 };
 
 static struct put {
     int16_t label; /* or EDIT_ERASE */
+    bool joined;   /* it goes on with the one before */
     bool covers[CELLS];
 } put[PUT_MOST];
 static size_t put_count;
@@ -67,22 +70,21 @@ static uint32_t cell_at(uint32_t x, uint32_t y, uint32_t z)
 static void put_up(int16_t label, struct standing *state)
 {
     put[put_count].label = label;
+    put[put_count].joined = false;
     memset(put[put_count].covers, 0, sizeof put[put_count].covers);
     state->has[put_count++] = true;
 }
 
-/* A ball, by the sum of squares, as help says. */
-static void plant(struct standing *state, const uint32_t at[3], int radius, int16_t label)
+/* Of the last one, what has no intensity from low to high goes. False where nothing is left. */
+static bool sift(uint32_t low, uint32_t high)
 {
-    put_up(label, state);
-    for (int z = -radius; z <= radius; z++)
-        for (int y = -radius; y <= radius; y++)
-            for (int x = -radius; x <= radius; x++)
-                if (x * x + y * y + z * z <= radius * radius &&
-                    grid_contains(&interp.session.scene->grid, (int)at[0] + x, (int)at[1] + y,
-                                  (int)at[2] + z))
-                    put[put_count - 1].covers[cell_at(at[0] + (uint32_t)x, at[1] + (uint32_t)y,
-                                                      at[2] + (uint32_t)z)] = true;
+    bool any = false;
+    for (size_t c = 0; c < CELLS; c++) {
+        const uint32_t value = interp.session.scene->cell[c].intensity;
+        put[put_count - 1].covers[c] &= value >= low && value <= high;
+        any |= put[put_count - 1].covers[c];
+    }
+    return any;
 }
 
 /* Which seed's tree holds a voxel, by the program; the rest by the model. */
@@ -96,48 +98,114 @@ static void take_away(struct standing *state, uint32_t cell, bool tree)
         put_up(EDIT_ERASE, state);
         put[put_count - 1].covers[root] = true;
     } else {
-        state->has[owner[root]] = false;
+        uint32_t first = owner[root], last = first;
+        while (put[first].joined)
+            first--;
+        while (last + 1 < put_count && put[last + 1].joined)
+            last++;
+        for (uint32_t i = first; i <= last; i++)
+            state->has[i] = false;
     }
 }
 
 /* ---- sessions ---- */
 
 static struct standing now;
+static bool has_just_planted; /* one marker, by the command before */
 
-static void do_one(char line[80])
+/* A way to plant, as a line and by the model. False where it would plant nothing. */
+static bool plant(char line[LINE], struct standing *state)
+{
+    static const uint32_t ones[3] = {1, 1, 1}, spacing_nm[3] = {1000000, 1500000, 2000000};
+    const struct grid *grid = &interp.session.scene->grid;
+    const unsigned way = below(6), label = below(4),
+                   corners = way == 5 ? 3 + below(5) : 1 + below(5);
+    const int axis = (int)below(3);
+    uint32_t at[8][3];
+    char *end = line;
+    put_up((int16_t)label, state);
+    bool *covers = put[put_count - 1].covers;
+    for (unsigned i = 0; i < corners; i++)
+        for (int a = 0; a < 3; a++)
+            at[i][a] = way == 5 && a == axis && i > 0 ? at[0][a] : below(size[a]);
+    const char *name = way < 4 ? "seed" : way == 4 ? "box" : "fill";
+    end += sprintf(end, "%s %u,%u,%u ", name, at[0][0], at[0][1], at[0][2]);
+    if (way == 4) {
+        model_box(covers, grid, at[0], at[corners - 1]);
+        end +=
+            sprintf(end, "%u,%u,%u ", at[corners - 1][0], at[corners - 1][1], at[corners - 1][2]);
+    }
+    end += sprintf(end, "%u", label);
+    if (way == 5) {
+        model_polygon(covers, grid, (corners_of)at, corners, axis);
+    } else if (way < 4) {
+        const unsigned radius = below(3), um = 1 + below(3200);
+        if (way == 0)
+            end += sprintf(end, " radius=%u.%03umm", um / 1000, um % 1000);
+        else
+            end += sprintf(end, " radius=%u", radius);
+        model_stroke(covers, grid, (corners_of)at, corners, way ? ones : spacing_nm,
+                     way ? radius : 1000 * um);
+    }
+    for (unsigned i = 1; i < corners && way != 4; i++)
+        end += sprintf(end, " to=%u,%u,%u", at[i][0], at[i][1], at[i][2]);
+    if (way < 4 && has_just_planted && put_count > 1 && put[put_count - 2].label == (int)label &&
+        below(2)) {
+        put[put_count - 1].joined = true;
+        end += sprintf(end, " joined=yes");
+    }
+    if (below(3))
+        return true;
+    const uint32_t low = below(150), high = low + below(100);
+    sprintf(end, " range=%u.0..%u", low, high);
+    return sift(low, high);
+}
+
+/* Corners that go nowhere but ahead are no polygon. */
+static bool is_refused(const char *line)
+{
+    return strncmp(line, "fill", 4) == 0 && strstr(fault.text, "three corners or more");
+}
+
+static void do_one(char line[LINE])
 {
     const uint32_t at[3] = {below(size[0]), below(size[1]), below(size[2])};
     const uint32_t cell = cell_at(at[0], at[1], at[2]);
     struct record_word word;
     const unsigned what = below(10);
+    const size_t before = put_count;
     struct standing next = now;
     if (what < 5) {
-        const int radius = (int)below(4);
-        const unsigned label = below(4);
-        snprintf(line, 80, "seed %u,%u,%u %u radius=%d", at[0], at[1], at[2], label, radius);
-        plant(&next, at, radius, (int16_t)label);
+        if (!plant(line, &next)) {
+            CHECK(execute(&interp, line) != OK);
+            put_count--;
+            return;
+        }
     } else if (what < 8) {
         if (!cell_is_reached(interp.session.scene->cell + cell))
             return;
         const bool tree = what == 7;
-        snprintf(line, 80, "remove %u,%u,%u%s", at[0], at[1], at[2], tree ? " of=tree" : "");
+        snprintf(line, LINE, "remove %u,%u,%u%s", at[0], at[1], at[2], tree ? " of=tree" : "");
         take_away(&next, cell, tree);
     } else {
         const char *const ways[] = {"undo", "undo 3", "redo", "redo 2", "goto main", "goto"};
         const char *way = ways[below(6)];
-        snprintf(line, 80, "%s", way);
+        snprintf(line, LINE, "%s", way);
         if (strcmp(way, "goto") == 0)
-            snprintf(line, 80, "goto %u", 5 + below((uint32_t)interp.history.records - 4));
+            snprintf(line, LINE, "goto %u", 5 + below((uint32_t)interp.history.records - 4));
     }
     const enum err err = execute(&interp, line);
-    if (err && what >= 8)
+    if (err && (what >= 8 || is_refused(line))) {
+        put_count = before;
         return; /* nothing to undo or to do again */
+    }
     if (!CHECK(err == OK))
         printf("#   %s: %s\n", line, fault.text);
     if (record_word_find(buf_text(&reply.words), "at", 2, &word))
         now = state_after[strtoul(word.value, NULL, 10)];
     else
         now = next;
+    has_just_planted = what < 5;
     state_after[interp.history.records] = now;
 }
 
@@ -163,27 +231,40 @@ static void begin(const char *journal)
 /* Whoever resumes the journal has the same seeds, and goes to the same states. */
 static void restart(const char *journal)
 {
-    char line[80];
+    char line[LINE];
     interpreter_release(&interp);
     begin_interpreter(&interp);
     if (!CHECK(interpreter_resume_journal(&interp, journal, NULL, &fault) == OK))
         printf("#   %s\n", fault.text);
     planted_as(&now, "a restart");
+    has_just_planted = false;
     for (int i = 0; i < 3; i++)
         do_one(line);
     planted_as(&now, line);
+}
+
+/* Every command carried out anew gives what is recorded. */
+static void verifies(const char *journal)
+{
+    struct replay_report report = {0};
+    begin_interpreter(&interp);
+    if (!CHECK(replay_file(&interp, journal, 0, 0, NULL, &report, &fault) == OK))
+        printf("#   %s\n", fault.text);
+    replay_report_release(&report);
+    interpreter_release(&interp);
 }
 
 STORY(seeds_are_what_the_commands_that_stand_give)
 {
     const char *factor = getenv("IFTTY_TEST_SCALE");
     const int rounds = 25 * (factor ? atoi(factor) : 1);
-    char journal[PATH_MAX], line[80] = "";
+    char journal[PATH_MAX], line[LINE] = "";
     snprintf(journal, sizeof journal, "%s", place("markers.iftty"));
     for (int i = 0; i < rounds && check_failures < 5; i++) { /* each of 40 sessions */
         begin(journal);
         for (int k = 0; k < 40 && check_failures < 5; k++) {
             must(&interp, "goto 5"); /* with no seed */
+            has_just_planted = false;
             now = state_after[5];
             state_after[interp.history.records] = now;
             for (int n = 0; n < COMMANDS && put_count < PUT_MOST - 2; n++) {
@@ -196,6 +277,8 @@ STORY(seeds_are_what_the_commands_that_stand_give)
         CHECK(forest_check(interp.session.forest, NULL));
         restart(journal);
         interpreter_release(&interp);
+        if (i % 5 == 0)
+            verifies(journal);
     }
 }
 

@@ -107,6 +107,23 @@ for missing in "run nothing" "replay nothing" "verify nothing" "log nothing" "lo
     eval "expect 3 \"\$iftty\" $missing </dev/null"
     same "$(wc -l <err | tr -d ' ')" 1
 done
+expect 3 "$iftty" nothing.iftty </dev/null
+same "$(cat err)" "iftty: there is no journal nothing.iftty; \`iftty SCENE --journal FILE\` begins one"
+expect 3 "$iftty" verify nothing
+out_has "# there is no journal nothing"
+close_story
+
+begin "a script that fails says what its journal has, and how to go on"
+printf '# one\nlabel 1 a\nlabel 2 b\nlabell 3 c\nlabel 4 d\n' >"it's half.txt"
+expect 2 "$iftty" run "it's half.txt" --journal half.iftty
+same "$(sed 1d err)" "half.iftty holds 2 records, up to what stands before line 4; to go on there:
+    tail -n +4 'it'\\''s half.txt' | iftty run - --journal half.iftty"
+sed s/labell/label/ "it's half.txt" >mended && mv mended "it's half.txt"
+eval "$(sed -n '$p' err | sed "s|iftty run|'$iftty' run|")" >out 2>err || fail "it does not go on: $(cat err)"
+same "$("$iftty" log --script half.iftty | tail -n 1)" "label 4 d"
+expect 2 "$iftty" -c "label 5 'a; b'; labell 6" --journal half.iftty
+same "$(sed -n '$p' err)" "    iftty run - --journal half.iftty"
+same "$("$iftty" log --script half.iftty | tail -n 1)" 'label 5 "a; b"'
 close_story
 
 begin "every program has help, by --help and by its name"

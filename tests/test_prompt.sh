@@ -32,7 +32,7 @@ press s Tab
 see '^seed +size +shade +spin +save +stats$'
 see '^seed-file +show +samples +slice +sync$'
 press e Tab
-see '^s> seed X,Y,Z LABEL \[radius=0\.\.32\] \[to=X,Y,Z\]$'
+see '^s> seed X,Y,Z LABEL \[radius=0\.\.32\|Rmm\] \[range=LOW\.\.HIGH\] '
 press C-u
 see '^s>$'
 type_letters "open s."
@@ -54,12 +54,12 @@ begin "a caret stands under the word that is wrong, also behind wide characters"
 enter 'label 2 "本x" colour'
 see '^error: COLOUR'
 same "$(below 's> label 2 "本x" colour')" "                 ^
-error: COLOUR: expected #rrggbb, six lower-case hexadecimal digits, not colour
+error: COLOUR: expected #rrggbb, six hexadecimal digits, not colour
 s>"
 enter "seed 1,1,1"
 see '^error: missing: LABEL'
 same "$(below 's> seed 1,1,1' | sed 2q)" "              ^
-error: missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..32] [to=X,Y,Z]"
+error: missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..32|Rmm]"
 press C-l
 close_story
 

@@ -81,6 +81,18 @@ void buf_add_safe_text(struct buf *b, const char *text)
     buf_add_safe(b, text, strlen(text));
 }
 
+void buf_add_safe_excerpt(struct buf *b, const char *text, size_t length)
+{
+    enum { SHOWN = 160 };
+    size_t shown = length;
+    if (length > SHOWN)
+        for (shown = SHOWN; shown > SHOWN / 2 && text[shown] != ' ';)
+            shown--;
+    buf_add_safe(b, text, shown);
+    if (shown < length)
+        buf_printf(b, " ... (%zu bytes more)", length - shown);
+}
+
 static char *put_base64(char *place, uint32_t bits)
 {
     static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

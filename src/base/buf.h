@@ -37,6 +37,8 @@ static inline const char *plural(uint64_t count)
 /* Adds `length` bytes of `text` with everything a terminal would obey escaped (base/safe.h). */
 void buf_add_safe(struct buf *b, const char *text, size_t length);
 void buf_add_safe_text(struct buf *b, const char *text); /* all of it */
+/* The same in a list of lines: what is longer than some 160 bytes ends with how much is left. */
+void buf_add_safe_excerpt(struct buf *b, const char *text, size_t length);
 
 /* Adds bytes as base64 (RFC 4648): four characters for three bytes, padded with '='. */
 void buf_add_base64(struct buf *b, const void *bytes, size_t length);

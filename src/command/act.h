@@ -3,6 +3,7 @@
 #define COMMAND_ACT_H
 
 #include "command/interpreter.h"
+#include "session/paint.h"
 #include "session/slicing.h"
 
 /* act_scene.c */
@@ -13,8 +14,12 @@ enum err act_polarity(const struct act *act);
 enum err act_adjacency(const struct act *act);
 enum err act_label(const struct act *act);
 
-/* act_seed.c */
+/* act_paint.c */
 enum err act_seed(const struct act *act);
+enum err act_box(const struct act *act);
+enum err act_fill(const struct act *act);
+
+/* act_seed.c */
 enum err act_remove(const struct act *act);
 enum err act_run(const struct act *act);
 enum err act_auto(const struct act *act);
@@ -100,19 +105,33 @@ enum err act_go(const struct act *act);
 /* `err`, with the name of a file before its words. */
 enum err act_naming(const char *file, enum err err, struct fault *fault);
 
-/* A name is a word of less than `room` bytes that no number, colour or option can be mistaken for;
- * ERR_USAGE for another. */
-enum err act_check_name(const char *name, size_t room, struct fault *fault);
-
-/* Whether no seed may be planted here. */
-bool act_is_outside(const struct session *session, uint32_t cell);
+/* A name is a word of less than `room` bytes that no number, colour or option can be mistaken for,
+ * or several where `blanks` are allowed; ERR_USAGE for another. */
+enum err act_check_name(const char *name, size_t room, bool blanks, struct fault *fault);
 
 /* Adds to the words of the record the numbers of the markers that the command has put up. */
 void act_add_markers(const struct act *act);
 
-/* How many seeds were planted, and how many not, being outside the region of interest: says so, and
- * refuses where that was all of them. */
-enum err act_write_outside(const struct act *act, size_t inside, size_t outside);
+/* What a command plants: how many voxels it was, and how many not, for being outside the region of
+ * interest, or beyond the intensities low..high. */
+struct planting {
+    uint16_t low, high;
+    size_t planted, outside, beyond;
+};
+
+/* `range` is the parameter of that name, given or not. */
+struct planting act_begin_planting(const struct session *session, const struct value *range);
+
+/* Plants one more marker, of those of the cells that may be planted, which come to the front. */
+enum err act_plant(const struct act *act, struct planting *planting, uint32_t *cell, size_t count,
+                   int16_t label);
+
+/* Says what was left out; ERR_INPUT where that was all. */
+enum err act_write_planting(const struct act *act, const struct planting *planting);
+
+/* The voxels of a ball of the radius, or, where `to` is not NULL and given, of a stroke. */
+enum err act_find_voxels(const struct act *act, const struct value *place,
+                         const struct value *radius, const struct value *to, struct voxels *voxels);
 
 /* The region of interest: "mask brain.nii regions 1-90, range 40..1200"; false where there is none.
  */

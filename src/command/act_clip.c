@@ -132,6 +132,6 @@ bool act_write_cut(struct buf *out, const struct session *session)
         between = ", ";
     }
     if (cut->boxes)
-        buf_printf(out, "%s%u %s", between, cut->boxes, cut->boxes == 1 ? "box" : "boxes");
+        buf_printf(out, "%s%u box%s", between, cut->boxes, cut->boxes == 1 ? "" : "es");
     return !cut_is_none(cut);
 }

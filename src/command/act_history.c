@@ -1,6 +1,8 @@
 /* Commands that go to other states of the segmentation: undo, redo, goto, branch, history. */
 #include "command/act.h"
 
+#include <string.h>
+
 enum { LISTED = 20 };
 
 /* The number and the words of the command that led to a point. */
@@ -8,7 +10,7 @@ static void write_point(struct buf *out, const struct history *history, uint32_t
 {
     const struct point *point = history->point + at;
     buf_printf(out, "%zu ", point->record);
-    buf_add_safe_text(out, point->command);
+    buf_add_safe_excerpt(out, point->command, strlen(point->command));
 }
 
 /* Where the session is now, for user and journal. */
@@ -22,7 +24,8 @@ static void write_arrival(const struct act *act, uint32_t to, uint32_t branch)
     write_point(&reply->text, history, to);
     const size_t waits = session_pendings(act->session);
     if (waits > 0)
-        buf_printf(&reply->text, ", %zu edit%s waiting for `run`", waits, plural(waits));
+        buf_printf(&reply->text, ", %zu edit%s waiting for `run`%s", waits, plural(waits),
+                   act->session->now.outlook.runs_by_itself ? " or the next edit" : "");
     buf_add_char(&reply->text, '\n');
 }
 
@@ -113,7 +116,7 @@ enum err act_goto(const struct act *act)
 enum err act_branch(const struct act *act)
 {
     const char *name = act->value[0].text;
-    enum err err = act_check_name(name, BRANCH_NAME_BYTES, act->fault);
+    enum err err = act_check_name(name, BRANCH_NAME_BYTES, false, act->fault);
     if (!err)
         err = history_branch(&act->interp->history, name, act->fault);
     if (!err)

@@ -9,28 +9,9 @@
 enum { MASK_FILE, MASK_REGIONS };
 enum { RANGE_LOW, RANGE_HIGH };
 
-bool act_is_outside(const struct session *session, uint32_t cell)
-{
-    return session->scene->cell[cell].flags & CELL_OUTSIDE;
-}
-
 enum err act_naming(const char *file, enum err err, struct fault *fault)
 {
     return err ? fault_prefix(fault, err, "%s", file) : OK;
-}
-
-enum err act_write_outside(const struct act *act, size_t inside, size_t outside)
-{
-    if (outside && !inside)
-        return fault_set(
-            act->fault, ERR_INPUT,
-            "all of it lies outside the region of interest, where no tree grows; plant elsewhere, "
-            "or "
-            "widen the region with `mask` or `range` (`info` shows it); nothing was planted");
-    if (outside)
-        buf_printf(&act->reply->text, "left out, outside the region of interest: %zu voxel%s\n",
-                   outside, plural(outside));
-    return OK;
 }
 
 bool act_write_roi(struct buf *out, const struct session *session)

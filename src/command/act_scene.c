@@ -133,20 +133,23 @@ enum err act_adjacency(const struct act *act)
     return add_weights(act, act_go(act));
 }
 
-static bool is_fit(const char *name, size_t room)
+/* Of several words where `blanks` are allowed, but for one at the end, which nobody would see. */
+static bool is_fit(const char *name, size_t room, bool blanks)
 {
     const unsigned char first = (unsigned char)*name;
-    return strlen(name) < room && (first >= 0x80 || isalpha(first)) && *safe_end(name) == '\0' &&
-           !strpbrk(name, " =\"\\");
+    const size_t length = strlen(name);
+    return length < room && (first >= 0x80 || isalpha(first)) && *safe_end(name) == '\0' &&
+           !strpbrk(name, blanks ? "=\"\\" : " =\"\\") && name[length - 1] != ' ';
 }
 
-enum err act_check_name(const char *name, size_t room, struct fault *fault)
+enum err act_check_name(const char *name, size_t room, bool blanks, struct fault *fault)
 {
-    return is_fit(name, room) ? OK
-                              : fault_set(fault, ERR_USAGE,
-                                          "NAME: expected a word of at most %zu bytes that begins "
-                                          "with a letter, not %s",
-                                          room - 1, name);
+    return is_fit(name, room, blanks)
+               ? OK
+               : fault_set(fault, ERR_USAGE,
+                           "NAME: expected %s of at most %zu bytes that begins "
+                           "with a letter, not %s",
+                           blanks ? "a name" : "a word", room - 1, name);
 }
 
 enum err act_label(const struct act *act)
@@ -154,7 +157,7 @@ enum err act_label(const struct act *act)
     struct kept *kept = &act->next->kept;
     const size_t label = (size_t)act->value[0].number;
     const char *name = act->value[1].text;
-    const enum err err = act_check_name(name, LABEL_NAME_BYTES, act->fault);
+    const enum err err = act_check_name(name, LABEL_NAME_BYTES, true, act->fault);
     if (err)
         return err;
     for (size_t other = 0; other < 256; other++)

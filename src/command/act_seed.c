@@ -1,4 +1,4 @@
-/* Commands that plant and remove seeds, and run. */
+/* Commands that remove seeds, and run. */
 #include "command/act.h"
 
 #include <stdlib.h>
@@ -9,98 +9,6 @@
 #include "journal/record.h"
 
 enum { TAKEN_MOST = 256 }; /* seeds that one record says were removed */
-
-/* Voxels, as a list that grows. */
-struct voxels {
-    uint32_t *cell;
-    size_t count, capacity;
-    struct task task;
-};
-
-/* Adds the voxels of the scene within `radius` of a place, plane by plane, without those within as
- * much of `but` (NULL for none), which are there already. False when out of memory. */
-static bool add_ball(struct voxels *v, const struct grid *grid, const int64_t place[3],
-                     const int64_t *but, int64_t radius)
-{
-    const size_t side = (size_t)(2 * radius + 1);
-    if (!mem_grow(&v->cell, &v->capacity, v->count + side * side * side, sizeof *v->cell))
-        return false;
-    for (int64_t z = -radius; z <= radius && task_advance(&v->task, side * side); z++)
-        for (int64_t y = -radius; y <= radius; y++)
-            for (int64_t x = -radius; x <= radius; x++) {
-                const int64_t at[3] = {place[0] + x, place[1] + y, place[2] + z};
-                int64_t far = radius * radius + 1;
-                for (int a = 0; but && a < 3; a++)
-                    far = (a ? far : 0) + (at[a] - but[a]) * (at[a] - but[a]);
-                if (x * x + y * y + z * z <= radius * radius && far > radius * radius &&
-                    grid_contains(grid, at[0], at[1], at[2]))
-                    v->cell[v->count++] =
-                        grid_cell(grid, (uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]);
-            }
-    return true;
-}
-
-/* `from` plus `part` of `parts` of the way to `to`, to the nearest voxel. */
-static void step_to(int64_t at[3], const uint32_t from[3], const uint32_t to[3], int64_t part,
-                    int64_t parts)
-{
-    for (int a = 0; a < 3; a++) {
-        const int64_t way = (int64_t)to[a] - from[a], twice = 2 * way * part;
-        at[a] = from[a] + (parts ? (twice + (twice < 0 ? -parts : parts)) / (2 * parts) : 0);
-    }
-}
-
-/* A ball at each step of the straight line between two places. */
-static bool add_stroke(struct voxels *v, const struct grid *grid, const uint32_t from[3],
-                       const uint32_t to[3], int64_t radius)
-{
-    int64_t steps = 0, at[3], before[3];
-    for (int a = 0; a < 3; a++) {
-        const int64_t way = from[a] < to[a] ? to[a] - from[a] : from[a] - to[a];
-        steps = way > steps ? way : steps;
-    }
-    bool fits = true;
-    for (int64_t i = 0; fits && i <= steps; i++) {
-        step_to(at, from, to, i, steps);
-        fits = add_ball(v, grid, at, i ? before : NULL, radius);
-        memcpy(before, at, sizeof at);
-    }
-    return fits;
-}
-
-void act_add_markers(const struct act *act)
-{
-    const struct session *session = act->session;
-    struct buf *words = &act->reply->words;
-    const size_t first = session->former_markers + 1, last = session->markers.count;
-    if (!semantics_has(session->semantics, MEANING_MARKERS) || last < first)
-        return;
-    buf_add_blank(words);
-    buf_printf(words, "marker=%zu", first);
-    if (last > first)
-        buf_printf(words, "-%zu", last);
-}
-
-enum err act_seed(const struct act *act)
-{
-    struct session *session = act->session;
-    const struct grid *grid = &session->scene->grid;
-    const uint32_t *to = act->value[3].given ? act->value[3].place : act->value[0].place;
-    struct voxels v = {.task = task_begin(session->watch, "seeds", 0)};
-    size_t inside = 0;
-    enum err err = add_stroke(&v, grid, act->value[0].place, to, act->value[2].number)
-                       ? OK
-                       : fault_memory(act->fault, "a stroke of seeds");
-    for (size_t i = 0; !err && i < v.count; i++)
-        if (!act_is_outside(session, v.cell[i]))
-            v.cell[inside++] = v.cell[i];
-    if (!err && inside)
-        err = session_plant(session, v.cell, inside, (uint8_t)act->value[1].number, act->fault);
-    free(v.cell);
-    if (!err)
-        act_add_markers(act);
-    return err ? err : act_write_outside(act, inside, v.count - inside);
-}
 
 /* ---- eliminators ---- */
 
@@ -115,11 +23,8 @@ static bool find_recorded(const struct act *act, const char *key, struct record_
 /* Only a forest that is up to date knows which tree holds a voxel. */
 static enum err find_voxels(const struct act *act, struct voxels *v)
 {
-    const uint32_t *place = act->value[0].place;
     enum err err = act->session->skims ? session_catch_up(act->session, act->fault) : OK;
-    if (!err && !add_stroke(v, &act->session->scene->grid, place, place, act->value[1].number))
-        err = fault_memory(act->fault, "a ball of voxels");
-    return err;
+    return err ? err : act_find_voxels(act, &act->value[0], &act->value[1], NULL, v);
 }
 
 /* ---- single trees ---- */
@@ -164,7 +69,7 @@ static enum err remove_trees(const struct act *act)
     struct session *session = act->session;
     uint32_t taken[TAKEN_MOST];
     struct record_word word;
-    struct voxels v = {.task = task_begin(session->watch, "eliminators", 0)};
+    struct voxels v = {0};
     size_t count;
     enum err err;
     if (find_recorded(act, "took", &word)) {
@@ -174,7 +79,7 @@ static enum err remove_trees(const struct act *act)
         err = find_voxels(act, &v);
         err = err ? err : session_erase_trees(session, v.cell, v.count, act->fault);
     }
-    free(v.cell);
+    voxels_release(&v);
     if (!err)
         add_taken(session, act->reply);
     return err;
@@ -216,17 +121,25 @@ static enum err read_removed(const struct markers *markers, const struct record_
     return fits && at == end ? OK : fault_set(fault, ERR_CHECK, "removed: expected N,N-N");
 }
 
-static void write_removed(const struct act *act, const uint32_t *number, size_t count)
+/* Of a whole stroke. */
+static size_t seeds_of(const struct markers *markers, uint32_t number)
 {
-    const struct marker *first = act->session->markers.marker + number[0] - 1;
+    size_t seeds = 0;
+    for (; number; number = markers_next(markers, number))
+        seeds += markers->marker[number - 1].voxels;
+    return seeds;
+}
+
+static void write_removed(const struct act *act, const uint32_t *number, size_t count, size_t seeds)
+{
+    const struct markers *markers = &act->session->markers;
     struct buf *out = &act->reply->text;
     if (count > 1) {
         buf_printf(out, "%zu markers removed\n", count);
         return;
     }
-    buf_printf(out, "marker %u removed: %zu seed%s of label ", number[0], first->voxels,
-               plural(first->voxels));
-    act_write_label(out, act->session, (unsigned)first->label);
+    buf_printf(out, "marker %u removed: %zu seed%s of label ", number[0], seeds, plural(seeds));
+    act_write_label(out, act->session, (unsigned)markers->marker[number[0] - 1].label);
     buf_add_char(out, '\n');
 }
 
@@ -234,7 +147,7 @@ static enum err remove_markers(const struct act *act)
 {
     struct session *session = act->session;
     struct record_word word;
-    struct voxels v = {.task = task_begin(session->watch, "eliminators", 0)};
+    struct voxels v = {0};
     uint32_t *number = NULL;
     size_t count;
     enum err err;
@@ -245,14 +158,15 @@ static enum err remove_markers(const struct act *act)
         if (!err)
             err = session_find_markers(session, v.cell, v.count, &number, &count, act->fault);
     }
+    const size_t seeds = !err && count == 1 ? seeds_of(&session->markers, number[0]) : 0;
     if (!err)
         err = session_take_away(session, number, count, act->fault);
     if (!err) {
         add_removed(&act->reply->words, number, count);
-        write_removed(act, number, count);
+        write_removed(act, number, count, seeds);
     }
     free(number);
-    free(v.cell);
+    voxels_release(&v);
     return err;
 }
 
@@ -281,6 +195,10 @@ enum err act_run(const struct act *act)
 
 enum err act_auto(const struct act *act)
 {
+    const size_t waits = session_pendings(act->session);
     act->next->outlook.runs_by_itself = act->value[0].number == 0;
+    if (waits && act->next->outlook.runs_by_itself)
+        buf_printf(&act->reply->text, "%zu edit%s waiting for `run` or the next edit\n", waits,
+                   plural(waits));
     return act_go(act);
 }

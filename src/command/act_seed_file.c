@@ -10,7 +10,7 @@
 enum { LIST_BYTES_MOST = 64 << 20 };
 
 /* The places of the parameters in the table. */
-enum { FILE_NAME, LABEL, REGIONS, ERODE, EACH, GENERATOR };
+enum { FILE_NAME, LABEL, RANGE, REGIONS, ERODE, EACH, GENERATOR };
 
 static int label_of(const struct value *value)
 {
@@ -71,24 +71,17 @@ static enum err read_map(struct seeds *seeds, const struct act *act, const char 
     return err;
 }
 
-/* Each region is a marker. Of `inside`, how many were not left out. */
-static enum err plant(const struct act *act, const struct seeds *seeds, size_t *inside)
+/* Each region is a marker. */
+static enum err plant(const struct act *act, const struct seeds *seeds, struct planting *planting)
 {
     uint32_t *cell = NULL;
     const int given = label_of(act->value);
     size_t *end = mem_array(REGION_MOST + 1, sizeof *end), begin = 0;
     enum err err = end ? seeds_by_region(seeds, &cell, end, act->session->watch, act->fault)
                        : fault_memory(act->fault, "the seeds of regions");
-    for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++]) {
-        size_t kept = begin;
-        for (size_t i = begin; i < end[r]; i++)
-            if (!act_is_outside(act->session, cell[i]))
-                cell[kept++] = cell[i];
-        if (kept > begin)
-            err = session_plant(act->session, cell + begin, kept - begin,
-                                (uint8_t)(given == LABEL_OWN ? (int)r : given), act->fault);
-        *inside += kept - begin;
-    }
+    for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++])
+        err = act_plant(act, planting, cell + begin, end[r] - begin,
+                        (uint8_t)(given == LABEL_OWN ? (int)r : given));
     free(end);
     free(cell);
     return err;
@@ -105,15 +98,15 @@ enum err act_seed_file(const struct act *act)
         err = read_list(&seeds, act, buf_text(&path));
     else if (!err)
         err = read_map(&seeds, act, buf_text(&path));
-    size_t inside = 0;
+    struct planting planting = act_begin_planting(act->session, &act->value[RANGE]);
     if (!err)
-        err = plant(act, &seeds, &inside);
+        err = plant(act, &seeds, &planting);
     buf_printf(&act->reply->words, "file=%016llx added=%zu",
-               (unsigned long long)seeds_digest(&seeds), inside);
+               (unsigned long long)seeds_digest(&seeds), planting.planted);
     act_add_markers(act);
-    buf_printf(&act->reply->text, "%zu seed%s\n", inside, plural(inside));
+    buf_printf(&act->reply->text, "%zu seed%s\n", planting.planted, plural(planting.planted));
     if (!err)
-        err = act_naming(name, act_write_outside(act, inside, seeds.count - inside), act->fault);
+        err = act_naming(name, act_write_planting(act, &planting), act->fault);
     seeds_release(&seeds);
     buf_release(&path);
     return err;

@@ -3,7 +3,8 @@
  * README's section and the tests of every example are read.
  *
  * A command is a line of words separated by blanks; a word with blanks in it is written between
- * double quotes, in which \" and \\ stand for " and \. Parameters come in the order of the table;
+ * double quotes, in which \" and \\ stand for " and \, or between single quotes, in which nothing
+ * stands for anything else (MEANING_QUOTES). Parameters come in the order of the table;
  * those marked `keyed` are written name=value, anywhere after the command's name. A line parsed
  * and written again in canonical form is the same command, and canonical already.
  */
@@ -15,6 +16,7 @@
 
 #include "base/buf.h"
 #include "base/err.h"
+#include "base/polyline.h"
 
 struct interpreter;
 struct session;
@@ -26,7 +28,11 @@ enum value_type {
     VALUE_POSITION, /* X,Y,Z as indices, or X,Y,Zmm in the world */
     VALUE_LABEL,    /* a label's number or name; least..255 */
     VALUE_NUMBER,   /* an integer, least..most */
+    VALUE_LINE,     /* places that a line goes on to from the first parameter's; keyed, and given as
+                       often as there are */
+    VALUE_RADIUS,   /* voxels, 0..most; or millimetres, "2.5mm", of 1 nm to 1 m */
     VALUE_RANGE,    /* "A-B", or "A" for "A-A", least..most */
+    VALUE_INTERVAL, /* "LOW..HIGH", real values, thousandths */
     VALUE_DECIMAL,  /* thousandths, least..most: 12.5 is 12500 */
     VALUE_CHOICE,   /* nothing else */
     VALUE_COLOUR,   /* #rrggbb */
@@ -40,7 +46,8 @@ enum value_type {
 struct parameter {
     const char *name;
     enum value_type type;
-    bool optional, keyed; /* a keyed one is optional */
+    bool optional, keyed;
+    bool paired; /* given where the one before it is none of its choices, and only there */
     int64_t least, most;
     const char *choices; /* words that it may be instead, "a|b|c", or NULL */
 };
@@ -49,12 +56,17 @@ struct parameter {
 struct value {
     bool given;
     int64_t number;    /* of one of the choices: which; LABEL, NUMBER; DECIMAL: thousandths;
-                          COLOUR: 0xrrggbb; -1 for what is a word alone */
+                          INTERVAL: the low end; COLOUR: 0xrrggbb; RADIUS: voxels, or nanometres;
+                          -1 for what is a word alone */
+    int64_t high;      /* INTERVAL: the high end */
+    bool in_mm;        /* RADIUS: it was given in millimetres */
     const char *text;  /* the word, where it was one of the choices, or its type is a word's */
     uint32_t place[3]; /* POSITION, in the scene; RANGE: first and last */
+    const struct polyline *line; /* LINE: all of it, with where it begins; not given where it stays
+                                    there */
 };
 
-enum { PARAMETERS_MOST = 6 };
+enum { PARAMETERS_MOST = 7 };
 
 enum command_flag {
     COMMAND_RECORDED = 1, /* goes into the journal */
@@ -107,7 +119,9 @@ struct command {
 struct call {
     const struct command *command; /* NULL for an empty line or a comment */
     struct value value[PARAMETERS_MOST];
-    struct buf store; /* the words that values point into */
+    const char *quotes;   /* that words may stand between */
+    struct buf store;     /* the words that values point into */
+    struct polyline line; /* the same for the corners of a line */
 };
 
 /* The table, in the order of help, and the headings of its groups. */
@@ -117,10 +131,10 @@ extern const unsigned command_count;
 
 const struct command *command_find(const char *name);
 
-/* Parses a line against the table. Positions and labels are looked up in `session` (which may have
- * no scene: then positions are refused, and label names too). The words of an error say what was
- * expected, and fault->at, where the word begins that is wrong; for one that is missing, a place
- * after the end. The caller releases `call`. */
+/* Parses a line against the table: ERR_USAGE for one longer than a journal holds. Positions and
+ * labels are looked up in `session` (which may have no scene: then positions are refused, and label
+ * names too). The words of an error say what was expected, and fault->at, where the word begins
+ * that is wrong; for one that is missing, a place after the end. The caller releases `call`. */
 enum err command_parse(struct call *call, const char *line, const struct session *session,
                        struct fault *fault);
 void call_release(struct call *call);
@@ -129,9 +143,10 @@ void call_release(struct call *call);
  * fault->at says where that begins. */
 void command_point_at(const struct call *call, const char *line, struct fault *fault);
 
-/* Adds the word at *cursor to `out`, ended by NUL, without its quotes, and moves on past it.
- * False for a quote that does not end. */
-bool command_take_word(const char **cursor, struct buf *out);
+/* Adds the word at *cursor to `out`, ended by NUL, without its quotes, which are one of `quotes`,
+ * and moves on past it. False for a quote that does not end. */
+bool command_take_word(const char **cursor, struct buf *out, const char *quotes);
+#define COMMAND_QUOTES "\"'"
 
 /* One word as a command holds it: between quotes where it needs them. */
 void command_write_word(struct buf *out, const char *word);
@@ -142,8 +157,9 @@ void command_write(struct buf *out, const struct call *call);
 /* What stands for a value: "X,Y,Z", "on|off", "0..32". */
 void usage_form(struct buf *out, const struct parameter *p);
 
-/* The same with its key and brackets: "LABEL", "[radius=0..32]". */
-void usage_parameter(struct buf *out, const struct parameter *p);
+/* Those not given yet (`value` NULL: all), each after a blank, with keys and brackets: " LABEL
+ * [radius=0..32]"; those in order come first. */
+void usage_rest(struct buf *out, const struct parameter *p, const struct value *value);
 
 /* "seed X,Y,Z LABEL [radius=0..32]": how a command is used. */
 void command_usage(struct buf *out, const struct command *command);

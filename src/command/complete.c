@@ -44,10 +44,15 @@ static void write_offer(struct buf *out, const char *word, size_t length, bool q
     buf_add_char(out, '\n');
 }
 
-static void offer(const struct offers *o, const char *word, size_t length)
+static bool starts_so(const struct offers *o, const char *word, size_t length)
 {
     const size_t typed = strlen(o->typed);
-    if (length > 0 && length >= typed && memcmp(word, o->typed, typed) == 0)
+    return length > 0 && length >= typed && memcmp(word, o->typed, typed) == 0;
+}
+
+static void offer(const struct offers *o, const char *word, size_t length)
+{
+    if (starts_so(o, word, length))
         write_offer(o->out, word, length, o->quoted, false);
 }
 
@@ -64,11 +69,19 @@ static void offer_commands(const struct offers *o)
         offer(o, command_table[i].name, strlen(command_table[i].name));
 }
 
+/* Names of several words stand between quotes, as do all beside them; a key's value has none. */
 static void offer_labels(const struct offers *o, const struct parameter *p)
 {
+    struct offers offers = *o;
     for (int label = (int)p->least; label < 256; label++) {
         const char *name = o->interp->session.now.kept.label_name[label];
-        offer(o, name, strlen(name));
+        offers.quoted |=
+            !p->keyed && *name && starts_so(o, name, strlen(name)) && strchr(name, ' ');
+    }
+    for (int label = (int)p->least; label < 256; label++) {
+        const char *name = o->interp->session.now.kept.label_name[label];
+        if (!p->keyed || !strchr(name, ' '))
+            offer(&offers, name, strlen(name));
     }
 }
 
@@ -244,7 +257,7 @@ static void offer_keys(const struct offers *o, const struct partial *partial)
     for (int i = 0; p[i].type; i++) {
         struct buf key = {0};
         buf_printf(&key, "%s=", p[i].name);
-        if (p[i].keyed && !partial->value[i].given)
+        if (p[i].keyed && (!partial->value[i].given || p[i].type == VALUE_LINE))
             offer(o, buf_text(&key), key.length);
         buf_release(&key);
     }

@@ -7,16 +7,18 @@ enum { INDENT = 4, SUMMARY_COLUMN = 30, USAGE_MOST = 76, LINE_MOST = 80 };
 
 /* ---- usage and help ---- */
 
-void usage_form(struct buf *out, const struct parameter *p)
+static void add_form(struct buf *out, const struct parameter *p)
 {
     const double unit = p->type == VALUE_DECIMAL ? 1000 : 1;
     const bool is_number = p->type == VALUE_DECIMAL || p->type == VALUE_NUMBER;
-    if (p->choices)
-        buf_printf(out, "%s%s", p->choices, p->type == VALUE_CHOICE ? "" : "|");
-    if (p->type == VALUE_POSITION)
+    if (p->type == VALUE_POSITION || p->type == VALUE_LINE)
         buf_add_text(out, "X,Y,Z");
     else if (p->type == VALUE_RANGE)
         buf_add_text(out, "A-B");
+    else if (p->type == VALUE_INTERVAL)
+        buf_add_text(out, "LOW..HIGH");
+    else if (p->type == VALUE_RADIUS)
+        buf_printf(out, "0..%lld|Rmm", (long long)p->most);
     else if (p->type == VALUE_LABEL)
         buf_add_text(out, "LABEL");
     else if (p->type == VALUE_COLOUR)
@@ -27,25 +29,46 @@ void usage_form(struct buf *out, const struct parameter *p)
         buf_add_text(out, p->name);
 }
 
-void usage_parameter(struct buf *out, const struct parameter *p)
+void usage_form(struct buf *out, const struct parameter *p)
 {
-    if (p->optional)
-        buf_add_char(out, '[');
+    if (p->choices)
+        buf_printf(out, "%s%s", p->choices, p->type == VALUE_CHOICE ? "" : "|");
+    add_form(out, p);
+}
+
+/* "LABEL", "[radius=0..32]"; "LOW HIGH|none" where the next one is paired with it. */
+static void add_parameter(struct buf *out, const struct parameter *p)
+{
+    const bool brackets = p->optional && !p->paired;
+    buf_add_text(out, brackets ? " [" : " ");
     if (p->keyed)
         buf_printf(out, "%s=", p->name);
-    usage_form(out, p);
-    if (p->optional)
-        buf_add_char(out, ']');
+    if (p[1].paired) {
+        add_form(out, p);
+        add_parameter(out, p + 1);
+        buf_printf(out, "|%s", p->choices);
+    } else {
+        usage_form(out, p);
+    }
+    buf_add_text(out, p->type == VALUE_LINE ? " ..." : "");
+    buf_add_text(out, brackets ? "]" : "");
+}
+
+void usage_rest(struct buf *out, const struct parameter *p, const struct value *value)
+{
+    for (int keyed = 0; keyed < 2; keyed++)
+        for (int i = 0; p[i].type; i++) {
+            const bool given = value && value[i].given && p[i].type != VALUE_LINE;
+            const bool has_shown = p[i].paired && !(value && value[i - 1].given);
+            if (p[i].keyed == keyed && !given && !has_shown)
+                add_parameter(out, &p[i]);
+        }
 }
 
 void command_usage(struct buf *out, const struct command *command)
 {
-    const struct parameter *p = command->parameter;
     buf_add_text(out, command->name);
-    for (int i = 0; p[i].type; i++) {
-        buf_add_char(out, ' ');
-        usage_parameter(out, &p[i]);
-    }
+    usage_rest(out, command->parameter, NULL);
 }
 
 /* Text in lines, each indented and at most `most` columns wide, that end where a gap does. */

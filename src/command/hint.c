@@ -1,18 +1,6 @@
 /* What may follow in a line that is being typed. */
 #include "command/partial.h"
 
-/* The parameters that are not given yet: those in order, then those with keys. */
-static void add_rest(struct buf *out, const struct partial *p)
-{
-    const struct parameter *parameter = p->command->parameter;
-    for (int keyed = 0; keyed < 2; keyed++)
-        for (int i = 0; parameter[i].type; i++)
-            if (parameter[i].keyed == keyed && !p->value[i].given) {
-                buf_add_char(out, ' ');
-                usage_parameter(out, &parameter[i]);
-            }
-}
-
 static void add_hint(struct buf *out, struct partial *p)
 {
     struct buf rest = {0};
@@ -24,8 +12,8 @@ static void add_hint(struct buf *out, struct partial *p)
     if (p->words > 0 && p->key > 0 && buf_text(&p->word)[p->key] == '\0')
         usage_form(&rest, &p->command->parameter[p->parameter]);
     if (p->words > 0 && !begins)
-        p->value[p->parameter].given = true;
-    add_rest(&rest, p);
+        partial_give(p, p->parameter, buf_text(&p->word) + p->key);
+    usage_rest(&rest, p->command->parameter, p->value);
     const char *text = buf_text(&rest);
     buf_add_text(out, begins && *text == ' ' ? text + 1 : text);
     out->failed |= rest.failed;

@@ -1,14 +1,14 @@
 #include "command/command.h"
 
+#include <ctype.h>
 #include <string.h>
 
 #include "base/choice.h"
 #include "base/safe.h"
 #include "base/scan.h"
 #include "command/near.h"
+#include "journal/record.h"
 #include "session/session.h"
-
-enum { LINE_BYTES_MOST = 4096 };
 
 const struct command *command_find(const char *name)
 {
@@ -51,30 +51,32 @@ static enum err at_place(enum err err, const char *line, const char *place, stru
     return err;
 }
 
-bool command_take_word(const char **cursor, struct buf *out)
+bool command_take_word(const char **cursor, struct buf *out, const char *quotes)
 {
     const char *at = *cursor;
-    bool quoted = *at == '"';
+    const char quote = *at && strchr(quotes, *at) ? *at : '\0';
+    const bool quoted = quote != '\0';
     at += quoted;
-    while (*at && (quoted ? *at != '"' : *at != ' ' && *at != '\t')) {
-        if (quoted && *at == '\\' && (at[1] == '"' || at[1] == '\\'))
+    while (*at && (quoted ? *at != quote : *at != ' ' && *at != '\t')) {
+        if (quote == '"' && *at == '\\' && (at[1] == '"' || at[1] == '\\'))
             at++;
         buf_add_char(out, *at++);
     }
     buf_add_char(out, '\0');
-    if (quoted && *at != '"')
+    if (quoted && *at != quote)
         return false;
     *cursor = at + quoted;
     return **cursor == '\0' || **cursor == ' ' || **cursor == '\t';
 }
 
 /* The words of a line, each ended by NUL, one after the other in `out`. */
-static enum err split(struct buf *out, unsigned *count, const char *line, struct fault *fault)
+static enum err split(struct buf *out, unsigned *count, const char *line, const char *quotes,
+                      struct fault *fault)
 {
     const char *at = line, *text_end;
     *count = 0;
-    if (strlen(line) > LINE_BYTES_MOST)
-        return fault_set(fault, ERR_USAGE, "the command is longer than %d bytes", LINE_BYTES_MOST);
+    if (strlen(line) > RECORD_LINE_MAX)
+        return fault_set(fault, ERR_USAGE, "the command is longer than %d bytes", RECORD_LINE_MAX);
     text_end = end_of_text(line);
     if (*text_end)
         return at_place(fault_set(fault, ERR_USAGE,
@@ -83,7 +85,7 @@ static enum err split(struct buf *out, unsigned *count, const char *line, struct
                         line, text_end, fault);
     for (scan_blanks(&at); *at; scan_blanks(&at)) {
         const char *word = at;
-        if (!command_take_word(&at, out))
+        if (!command_take_word(&at, out, quotes))
             return at_place(fault_set(fault, ERR_USAGE, "a word in quotes does not end: %s", word),
                             line, word, fault);
         ++*count;
@@ -204,13 +206,45 @@ static enum err read_range(struct value *value, const struct parameter *p, const
     return OK;
 }
 
+static enum err read_interval(struct value *value, const struct parameter *p, const char *word,
+                              struct fault *fault)
+{
+    const char *at = word;
+    if (scan_decimal(&at, 3, p->least, p->most, &value->number) && scan_text(&at, "..") &&
+        scan_decimal(&at, 3, value->number, p->most, &value->high) && *at == '\0')
+        return OK;
+    return expect(fault, p, word, "LOW..HIGH, as in 40..1200.5");
+}
+
+static enum err read_radius(struct value *value, const struct parameter *p, const char *word,
+                            struct fault *fault)
+{
+    static const int64_t nm_most = 1000000000;
+    const char *at = word;
+    if (scan_integer(&at, 0, p->most, &value->number) && *at == '\0')
+        return OK;
+    at = word;
+    value->in_mm =
+        scan_decimal(&at, 6, 1, nm_most, &value->number) && scan_text(&at, "mm") && *at == '\0';
+    if (value->in_mm)
+        return OK;
+    struct buf expected = {0};
+    buf_printf(&expected, "a number 0..%lld, or millimetres as in 2.5mm", (long long)p->most);
+    const enum err err = expect(fault, p, word, buf_text(&expected));
+    buf_release(&expected);
+    return err;
+}
+
 static enum err read_colour(struct value *value, const struct parameter *p, const char *word,
                             struct fault *fault)
 {
-    const char *at = word + 1;
+    char lower[8] = "";
+    const char *at = lower + 1;
     uint64_t colour;
-    if (*word != '#' || !scan_hex(&at, 6, &colour) || *at)
-        return expect(fault, p, word, "#rrggbb, six lower-case hexadecimal digits");
+    for (size_t i = 0; i < 7 && word[i]; i++)
+        lower[i] = (char)tolower((unsigned char)word[i]);
+    if (*word != '#' || !scan_hex(&at, 6, &colour) || word[7])
+        return expect(fault, p, word, "#rrggbb, six hexadecimal digits");
     value->number = (int64_t)colour;
     return OK;
 }
@@ -223,13 +257,18 @@ static enum err read_value(struct value *value, const struct parameter *p, const
     if (choice < 0)
         switch (p->type) {
         case VALUE_POSITION:
+        case VALUE_LINE:
             return read_position(value, p, word, session, fault);
         case VALUE_LABEL:
             return read_label(value, p, word, session, fault);
         case VALUE_NUMBER:
             return read_number(value, p, word, 0, fault);
+        case VALUE_RADIUS:
+            return read_radius(value, p, word, fault);
         case VALUE_RANGE:
             return read_range(value, p, word, fault);
+        case VALUE_INTERVAL:
+            return read_interval(value, p, word, fault);
         case VALUE_DECIMAL:
             return read_number(value, p, word, 3, fault);
         case VALUE_COLOUR:
@@ -311,16 +350,34 @@ static enum err fill(struct call *call, const char *word, const struct session *
 {
     const char *whole = word;
     int i = command_parameter_for(call->command, call->value, &word);
+    const struct parameter *p = &call->command->parameter[i < 0 ? 0 : i];
     enum err err = OK;
     if (i < 0)
         err = usage_fault(fault, call->command, "one word too many: ", whole);
-    else if (call->value[i].given)
+    else if (call->value[i].given && p->type != VALUE_LINE)
         return usage_fault(fault, call->command, "given twice: ", whole);
     else
-        err = read_value(&call->value[i], &call->command->parameter[i], word, session, fault);
+        err = read_value(&call->value[i], p, word, session, fault);
+    if (!err && i >= 0 && p->type == VALUE_LINE && !polyline_add(&call->line, call->value[i].place))
+        err = fault_memory(fault, "a line");
     if (err == ERR_USAGE && word == whole)
         is_near_a_key(call->command, word, fault);
     return err;
+}
+
+/* A line begins where the command does. */
+static enum err lead_line(struct call *call, struct value *value, struct fault *fault)
+{
+    struct polyline whole = {0};
+    bool fits = polyline_add(&whole, call->value[0].place);
+    for (size_t i = 0; fits && i < call->line.count; i++)
+        fits = polyline_add(&whole, call->line.corner[i]);
+    polyline_release(&call->line);
+    call->line = whole;
+    value->given = whole.count > 1;
+    value->line = value->given ? &call->line : NULL;
+    memset(value->place, 0, sizeof value->place);
+    return fits ? OK : fault_memory(fault, "a line");
 }
 
 /* The words of a line that has been split, from the first on. */
@@ -342,16 +399,19 @@ static enum err read_words(struct call *call, unsigned count, const struct sessi
     for (int i = 0; p[i].type; i++)
         if (!p[i].optional && !call->value[i].given)
             return usage_fault(fault, call->command, "missing: ", p[i].name);
+    for (int i = 0; p[i].type; i++)
+        if (p[i].type == VALUE_LINE && call->value[i].given)
+            return lead_line(call, &call->value[i], fault);
     return OK;
 }
 
 /* Where the word of this number begins; after the last one, a blank later. */
-static const char *place_of_word(const char *line, unsigned number)
+static const char *place_of_word(const char *line, unsigned number, const char *quotes)
 {
     struct buf word = {0};
     const char *end = line;
     for (scan_blanks(&line); *line && number > 0; scan_blanks(&line), number--) {
-        command_take_word(&line, &word);
+        command_take_word(&line, &word, quotes);
         end = line;
     }
     buf_release(&word);
@@ -363,15 +423,16 @@ enum err command_parse(struct call *call, const char *line, const struct session
 {
     unsigned count, wrong;
     const char *at = line;
-    *call = (struct call){0};
+    *call = (struct call){
+        .quotes = semantics_has(session->semantics, MEANING_QUOTES) ? COMMAND_QUOTES : "\""};
     scan_blanks(&at);
     if (*at == '#')
         return OK;
-    enum err err = split(&call->store, &count, line, fault);
+    enum err err = split(&call->store, &count, line, call->quotes, fault);
     if (!err && count > 0) {
         err = read_words(call, count, session, &wrong, fault);
         if (err)
-            at_place(err, line, place_of_word(line, wrong), fault);
+            at_place(err, line, place_of_word(line, wrong, call->quotes), fault);
     }
     if (err)
         call_release(call);
@@ -400,7 +461,7 @@ void command_point_at(const struct call *call, const char *line, struct fault *f
     for (scan_blanks(&at); wrong && *at; scan_blanks(&at)) {
         const char *start = at;
         buf_clear(&word);
-        command_take_word(&at, &word);
+        command_take_word(&at, &word, call->quotes);
         if (start != line && strcmp(buf_text(&word), wrong) == 0) {
             at_place(fault->code, line, start, fault);
             break;
@@ -412,6 +473,7 @@ void command_point_at(const struct call *call, const char *line, struct fault *f
 void call_release(struct call *call)
 {
     buf_release(&call->store);
+    polyline_release(&call->line);
     *call = (struct call){0};
 }
 
@@ -419,7 +481,7 @@ void call_release(struct call *call)
 
 void command_write_word(struct buf *out, const char *word)
 {
-    if (*word && !strpbrk(word, " \t\"\\") && *word != '#') {
+    if (*word && !strpbrk(word, " \t\"\\") && *word != '#' && *word != '\'') {
         buf_add_text(out, word);
         return;
     }
@@ -444,10 +506,24 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
         buf_printf(out, "%u-%u", value->place[0], value->place[1]);
     else if (p->type == VALUE_COLOUR)
         buf_printf(out, "#%06llx", (unsigned long long)value->number);
-    else if (p->type == VALUE_DECIMAL)
+    else if (value->in_mm)
+        buf_printf(out, "%.15gmm", (double)value->number / 1e6);
+    else if (p->type == VALUE_DECIMAL || p->type == VALUE_INTERVAL)
         write_decimal(out, value->number);
     else
         buf_printf(out, "%lld", (long long)value->number);
+    if (p->type == VALUE_INTERVAL) {
+        buf_add_text(out, "..");
+        write_decimal(out, value->high);
+    }
+}
+
+static void write_line(struct buf *out, const char *key, const struct polyline *line)
+{
+    for (size_t i = 1; i < line->count; i++) {
+        const uint32_t *at = line->corner[i];
+        buf_printf(out, " %s=%u,%u,%u", key, at[0], at[1], at[2]);
+    }
 }
 
 void command_write(struct buf *out, const struct call *call)
@@ -457,6 +533,10 @@ void command_write(struct buf *out, const struct call *call)
     for (int i = 0; p[i].type; i++) {
         if (!call->value[i].given)
             continue;
+        if (p[i].type == VALUE_LINE) {
+            write_line(out, p[i].name, call->value[i].line);
+            continue;
+        }
         buf_add_char(out, ' ');
         if (p[i].keyed)
             buf_printf(out, "%s=", p[i].name);

@@ -2,7 +2,16 @@
 
 #include <string.h>
 
+#include "base/choice.h"
 #include "base/scan.h"
+
+void partial_give(struct partial *p, int i, const char *word)
+{
+    const struct parameter *parameter = p->command->parameter + i;
+    p->value[i].given = true;
+    if (parameter[1].paired && choice_find(parameter->choices, word) >= 0)
+        p->value[i + 1].given = true;
+}
 
 static void take_whole_word(struct partial *p)
 {
@@ -13,7 +22,7 @@ static void take_whole_word(struct partial *p)
     }
     const int i = p->command ? command_parameter_for(p->command, p->value, &word) : -1;
     if (i >= 0)
-        p->value[i].given = true;
+        partial_give(p, i, word);
 }
 
 /* The words of `line`, up to the one at its end. */
@@ -24,8 +33,8 @@ static bool read_words(struct partial *p, const char *line)
         const char *word = at;
         buf_clear(&p->word);
         p->start = (size_t)(word - line);
-        p->quoted = *word == '"';
-        const bool ends = command_take_word(&at, &p->word);
+        p->quoted = strchr(COMMAND_QUOTES, *word) != NULL;
+        const bool ends = command_take_word(&at, &p->word, COMMAND_QUOTES);
         if (!ends && at != word)
             return false;
         p->closed = ends && p->quoted;

@@ -23,6 +23,10 @@ struct partial {
 /* Reads line[0..cursor). False without memory, in a comment, and after a quote that something else
  * than a blank follows. The caller releases `partial`, whatever comes of it. */
 bool partial_read(struct partial *partial, const char *line, size_t cursor);
+
+/* The parameter is given as this word; so nothing more is to be said of it, nor of one that is
+ * paired with it and goes without saying. */
+void partial_give(struct partial *partial, int parameter, const char *word);
 void partial_release(struct partial *partial);
 
 #endif

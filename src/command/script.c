@@ -69,12 +69,13 @@ static bool next_line(const struct interpreter *interp, FILE *input, struct buf 
 }
 
 enum err script_run(struct interpreter *interp, FILE *input, const char *name, bool keep_going,
-                    const struct printer *printer, struct fault *fault)
+                    const struct printer *printer, size_t *stopped, struct fault *fault)
 {
     struct buf line = {0};
     struct reply reply = {0};
     enum err first = OK;
     size_t number;
+    *stopped = 0;
     for (number = 1; interp->wish != WISH_QUIT && next_line(interp, input, &line, printer);
          number++) {
         if (*buf_text(&line) == '=')
@@ -85,8 +86,10 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
         if (err) {
             warn(printer, name, number, fault);
             first = first ? first : err;
-            if (!keep_going || err == ERR_CANCELLED)
+            if (!keep_going || err == ERR_CANCELLED) {
+                *stopped = number;
                 break;
+            }
         } else if (reply.canonical.length) {
             script_acknowledge(interp, &reply, printer);
             if (interp->shows_picture && printer->show)
@@ -96,6 +99,7 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
     reply_release(&reply);
     buf_release(&line);
     if (!first && interp->wish != WISH_QUIT && watch_fault(interp->session.watch, fault)) {
+        *stopped = number;
         first = fault_set(fault, ERR_CANCELLED, "cancelled before this line");
         warn(printer, name, number, fault);
     }

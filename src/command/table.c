@@ -37,7 +37,17 @@
     {                                                                                              \
         __VA_ARGS__, .optional = true, .keyed = true                                               \
     }
+#define PAIRED(...)                                                                                \
+    {                                                                                              \
+        __VA_ARGS__, .optional = true, .paired = true                                              \
+    }
 
+/* What all ways to plant have in common. */
+#define BRUSH       KEYED("radius", VALUE_RADIUS, .most = 32)
+#define WITHIN      KEYED("range", VALUE_INTERVAL, .least = -REAL_MOST, .most = REAL_MOST)
+#define WITHIN_NOTE "\nrange: only voxels whose intensity, as `why` prints it, is LOW to HIGH."
+
+/* What those of weights are made of. */
 #define MAY_WEIGH(name, type, low, high)   MAY(name, VALUE_##type, .least = low, .most = high)
 #define KEYED_WEIGH(name, type, low, high) KEYED(name, VALUE_##type, .least = low, .most = high)
 
@@ -106,7 +116,7 @@ const struct command command_table[] = {
      "mask brain.nii.gz regions=1-90"},
     {COMMAND("range", act_range, GROUP_WEIGHT, R | S | E),
      {NEED("LOW", VALUE_DECIMAL, .choices = "none", .least = -REAL_MOST, .most = REAL_MOST),
-      MAY("HIGH", VALUE_DECIMAL, .least = -REAL_MOST, .most = REAL_MOST)},
+      PAIRED("HIGH", VALUE_DECIMAL, .least = -REAL_MOST, .most = REAL_MOST)},
      "restrict trees to a range of intensities",
      "No tree grows where the intensity, as `why` prints it, is below LOW or above HIGH. With a "
      "`mask`, both hold.",
@@ -115,32 +125,50 @@ const struct command command_table[] = {
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("NAME", VALUE_WORD),
       MAY("COLOUR", VALUE_COLOUR)},
      "name a label, and give it a colour",
-     "Label 0 is the background.",
+     "Label 0 is the background. A name of several words stands between quotes, as \"left hemi\".",
      "label 2 cerebellum #40c060"},
     {COMMAND("seed", act_seed, GROUP_SEEDS, R | S | E),
-     {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255),
-      KEYED("radius", VALUE_NUMBER, .most = 32), KEYED("to", VALUE_POSITION)},
+     {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), BRUSH, WITHIN,
+      KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes")},
      "plant a seed, a ball of seeds, or a stroke",
      "A voxel that has a seed gets the new label.\n"
-     "to: the other end of a straight stroke, with a ball of the radius at each step.",
+     "radius: in voxels, or in millimetres as in 2.5mm, which is a ball in the world whatever the "
+     "spacing." WITHIN_NOTE "\n"
+     "to: where the stroke goes on to, once for each corner, with a ball of the radius at each "
+     "step.\n"
+     "joined=yes: one marker, and one undo, with the command before, which has planted seeds of "
+     "the same label: for a stroke that is too long for a line of the journal.",
      "seed 100,100,50 1 radius=2"},
+    {COMMAND("box", act_box, GROUP_SEEDS, R | S | E),
+     {NEED("CORNER", VALUE_POSITION), NEED("OPPOSITE", VALUE_POSITION),
+      NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN},
+     "plant a box, or a rectangle in a slice",
+     "Between two corners, both included." WITHIN_NOTE,
+     "box 80,90,50 120,110,50 2"},
+    {COMMAND("fill", act_fill, GROUP_SEEDS, R | S | E),
+     {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN,
+      NEED("to", VALUE_LINE, .keyed = true)},
+     "plant the inside of a polygon in a slice",
+     "The voxels that the outline from PLACE over the other corners and back winds around, with "
+     "those whose centre it goes through. All corners lie in one slice, of any plane." WITHIN_NOTE
+     "\nto: the other corners, two at least.",
+     "fill 80,90,50 2 to=120,90,50 to=100,110,50"},
     {COMMAND("seed-file", act_seed_file, GROUP_SEEDS, R | S | E),
-     {NEED("FILE", VALUE_FILE), KEYED("label", VALUE_LABEL, .most = 255),
+     {NEED("FILE", VALUE_FILE), KEYED("label", VALUE_LABEL, .most = 255), WITHIN,
       KEYED("regions", VALUE_RANGE, .most = REGION_MOST), KEYED("erode", VALUE_NUMBER, .most = 9),
       KEYED("each", VALUE_NUMBER, .least = 1, .most = 100000),
       KEYED("generator", VALUE_NUMBER, .most = 99999)},
      "plant the seeds of a .csv list or a label map",
      "A list has lines x,y,z,label: voxel indices, a label's number or name. A label map is a "
      "NIfTI on the scene's grid, whose regions (voxels of one value) become seeds of the label of "
-     "that number, or all of `label`.\n"
+     "that number, or all of `label`." WITHIN_NOTE "\n"
      "regions: the values, 1 and above unless given.\n"
      "erode: rounds; each removes the voxels that have a face neighbour outside their region.\n"
      "each: how many seeds are drawn at random from what is left of a region; all unless given.\n"
      "generator: the number that the drawing starts from; 1 unless given.",
      "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3"},
     {COMMAND("remove", act_remove, GROUP_SEEDS, R | S | E),
-     {NEED("PLACE", VALUE_POSITION), KEYED("radius", VALUE_NUMBER, .most = 32),
-      KEYED("of", VALUE_CHOICE, .choices = "marker|tree")},
+     {NEED("PLACE", VALUE_POSITION), BRUSH, KEYED("of", VALUE_CHOICE, .choices = "marker|tree")},
      "eliminator: remove the marker of this voxel",
      "A marker is all that one command has planted: a ball, a stroke, a region of a file. Its "
      "seeds "
@@ -184,7 +212,9 @@ const struct command command_table[] = {
     {COMMAND("auto", act_auto, GROUP_SEEDS, R),
      {NEED("STATE", VALUE_CHOICE, .choices = "on|off")},
      "whether each edit runs at once",
-     "off in scripts, on at the prompt.",
+     "off in scripts, on at the prompt. What waits is applied by the next command that edits, with "
+     "what that does, or by `run`. Turning it on applies nothing, nor do undo, redo and goto: the "
+     "edits that wait in the segmentation that they lead to still wait.",
      "auto on"},
     {COMMAND("view", act_view, GROUP_VIEW, R | S),
      {NEED("YAW", VALUE_DECIMAL, .choices = VIEW_NAMES, .least = -TURNS, .most = TURNS),
@@ -294,7 +324,7 @@ const struct command command_table[] = {
      "with the patient when the view turns. Up to 8; `none` removes them.",
      "plane 100,100,50"},
     {COMMAND("cut", act_cut, GROUP_CUTS, R | S),
-     {NEED("CORNER", VALUE_POSITION, .choices = "none"), MAY("OPPOSITE", VALUE_POSITION)},
+     {NEED("CORNER", VALUE_POSITION, .choices = "none"), PAIRED("OPPOSITE", VALUE_POSITION)},
      "cut a box out of what is shown",
      "Between two corners, both included. Up to 8 boxes; `none` removes them.",
      "cut 100,100,50 199,199,99"},
@@ -326,7 +356,7 @@ const struct command command_table[] = {
      "cross 90,108,90"},
     {COMMAND("window", act_window, GROUP_SLICES, R | S),
      {NEED("LOW", VALUE_DECIMAL, .choices = "auto", .least = -REAL_MOST, .most = REAL_MOST),
-      MAY("HIGH", VALUE_DECIMAL, .least = -REAL_MOST, .most = REAL_MOST)},
+      PAIRED("HIGH", VALUE_DECIMAL, .least = -REAL_MOST, .most = REAL_MOST)},
      "which intensities are black and white in slices",
      "Intensities, as `why` prints them: a window of width W at level L is from L - W/2 to L + "
      "W/2.\n"

@@ -352,7 +352,6 @@ static enum err grow_anew(struct forest *forest, struct fault *fault)
     enum err err = is_stopped(forest) ? ERR_CANCELLED : forest_pass(forest);
     if (err) {
         pass_fault(fault, err);
-        fault_prefix(fault, err, "the forest has its seeds, but is not computed");
         forest->may_stop = false;
         clear_all(forest, false);
     }

@@ -18,6 +18,7 @@ struct geometry {
     double to_mm[3][4];      /* world = to_mm * (i, j, k, 1), voxel centres at whole i, j, k */
     double slope, intercept; /* real value = slope * intensity + intercept, intensity 0..65535 */
     uint32_t spacing_nm[3];  /* distance of voxel centres along i, j, k, nanometres, 1.. */
+    bool spacing_assumed;    /* the file does not say it along every axis: 1 mm was taken for it */
     int8_t world_axis[3]; /* the world axis (0, 1, 2) nearest to each voxel axis; a permutation */
     int8_t world_sign[3]; /* +1 or -1: with or against it */
     int16_t sform_code, qform_code; /* as read; 0 where the file gave none that can be used */

@@ -227,8 +227,10 @@ static enum err read_spacing(struct geometry *geometry, double spacing_mm[3],
 {
     for (int a = 0; a < 3; a++) {
         double mm = fabs(header->pixdim[a + 1]) * unit_mm(header);
-        if (mm == 0)
+        if (mm == 0) {
             mm = 1;
+            geometry->spacing_assumed = true;
+        }
         double nm = floor(mm * 1e6 + 0.5);
         if (!(nm >= 1 && nm <= 4e9))
             return fault_set(fault, ERR_INPUT,

@@ -99,7 +99,8 @@ void anonymise_command(struct anonymiser *anonymiser, struct buf *out, const cha
     for (unsigned n = 0; *command; n++) {
         const char *rest = command;
         buf_clear(&word);
-        if (!command_take_word(&rest, &word)) { /* a quote that does not end: nothing is sure */
+        if (!command_take_word(&rest, &word,
+                               COMMAND_QUOTES)) { /* a quote that does not end: nothing is sure */
             buf_add_text(out, "...");
             break;
         }

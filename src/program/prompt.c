@@ -250,6 +250,10 @@ static enum err check(const struct options *o, const struct prompt *prompt, stru
 {
     if (o->read_only && !o->journal && !prompt->resumes)
         return fault_set(fault, ERR_USAGE, "--read-only: name the journal to look at");
+    if (prompt->first && file_is_named(prompt->first, ".iftty") && !file_exists(prompt->first))
+        return fault_set(fault, ERR_IO,
+                         "there is no journal %s; `iftty SCENE --journal FILE` begins one",
+                         prompt->first);
     if (prompt->resumes && o->journal)
         return fault_set(fault, ERR_USAGE, "%s is a journal itself and goes on in its own file",
                          prompt->first);

@@ -122,10 +122,10 @@ static const struct command *take_command(const char *line, struct buf *argument
 {
     struct buf name = {0};
     const struct command *command = NULL;
-    if (command_take_word(&line, &name))
+    if (command_take_word(&line, &name, COMMAND_QUOTES))
         command = command_find(buf_text(&name));
     line += strspn(line, " \t");
-    if (!command_take_word(&line, argument))
+    if (!command_take_word(&line, argument, COMMAND_QUOTES))
         buf_clear(argument);
     argument->failed |= name.failed;
     buf_release(&name);

@@ -19,6 +19,46 @@ static void show_picture(void *context, struct interpreter *interp)
         show_picture_once(o->graphics, &view);
 }
 
+/* A word as a shell takes it. */
+static void add_argument(struct buf *out, const char *word)
+{
+    const bool is_plain =
+        *word && !word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                    "abcdefghijklmnopqrstuvwxyz0123456789+,-./:_")];
+    buf_add_text(out, is_plain ? "" : "'");
+    for (const char *at = word; *at; at += strcspn(at, "'")) {
+        if (*at == '\'') {
+            buf_add_text(out, "'\\''");
+            at++;
+        }
+        buf_add_safe(out, at, strcspn(at, "'"));
+    }
+    buf_add_text(out, is_plain ? "" : "'");
+}
+
+/* After lines that were stopped: what the journal has, and what to type. */
+static void say_how_to_go_on(const struct options *o, const struct journal *journal, size_t line)
+{
+    struct buf text = {0};
+    if (!journal || !line || journal_only_looks(journal))
+        return;
+    buf_add_safe_text(&text, journal_path(journal));
+    buf_printf(&text,
+               " holds %zu record%s, up to what stands before line %zu; to go on there:\n    ",
+               journal_count(journal), plural(journal_count(journal)), line);
+    const bool is_file = !o->commands && strcmp(o->word[0], "-") != 0;
+    if (is_file) {
+        buf_printf(&text, "tail -n +%zu ", line);
+        add_argument(&text, o->word[0]);
+        buf_add_text(&text, " | ");
+    }
+    buf_add_text(&text, "iftty run - --journal ");
+    add_argument(&text, journal_path(journal));
+    buf_add_char(&text, '\n');
+    console_warn(NULL, buf_text(&text));
+    buf_release(&text);
+}
+
 static enum err run_lines(const struct options *o, FILE *input, const char *name,
                           struct fault *fault)
 {
@@ -31,8 +71,10 @@ static enum err run_lines(const struct options *o, FILE *input, const char *name
     console_handle_interrupts();
     enum err err = begin_interpreter(&interp, o, fault);
     if (!err) {
-        err = script_run(&interp, input, name, o->keep_going, &printer, fault);
+        size_t stopped;
+        err = script_run(&interp, input, name, o->keep_going, &printer, &stopped, fault);
         fault->text[0] = '\0'; /* printed with its line */
+        say_how_to_go_on(o, interp.journal, stopped);
     }
     err = end_journal(&interp, err, fault);
     interpreter_release(&interp);
@@ -55,16 +97,20 @@ enum err run_script(const struct options *o, struct fault *fault)
  * to the end of its line. */
 static void split_commands(struct buf *lines, const char *at)
 {
-    bool quoted = false, blank = true, comment = false;
+    bool blank = true, comment = false, begins = true; /* a line; a word */
+    char quote = '\0';                                 /* the one that is open */
     for (; *at; at++) {
         comment = *at != '\n' && (comment || (blank && *at == '#'));
-        if (!comment && *at == '"')
-            quoted = !quoted;
-        if (quoted && *at == '\\' && at[1])
+        if (!comment && *at == quote)
+            quote = '\0';
+        else if (!comment && !quote && (*at == '"' || (begins && *at == '\'')))
+            quote = *at;
+        if (quote == '"' && *at == '\\' && at[1])
             buf_add_char(lines, *at++);
-        bool parts = *at == '\n' || (*at == ';' && !quoted && !comment);
+        bool parts = *at == '\n' || (*at == ';' && !quote && !comment);
         buf_add_char(lines, parts ? '\n' : *at);
-        quoted = quoted && !parts;
+        quote = parts ? '\0' : quote;
+        begins = parts || *at == ' ' || *at == '\t';
         blank = parts || (blank && *at == ' ');
     }
     buf_add_char(lines, '\n');

@@ -17,15 +17,24 @@ static void count_seed(struct held *held, const struct session *session, uint32_
     held->has_more = held->voxels > HELD_MOST || held->waits > HELD_MOST;
 }
 
+/* Whether the marker decides about a voxel, or a part of the same stroke does. */
+static bool decides(const struct markers *markers, uint32_t number, uint32_t cell)
+{
+    const uint32_t one = markers_at(markers, cell);
+    return one && markers_stroke(markers, one) == number;
+}
+
 static void count_marker(struct held *held, const struct session *session)
 {
     const struct markers *markers = &session->markers;
-    const struct marker *marker = markers->marker + held->marker - 1;
-    held->label = (uint8_t)marker->label;
-    for (size_t i = 0; i < marker->voxels && !held->has_more; i++) {
-        const uint32_t cell = markers->cover[marker->first + i].cell;
-        if (markers_at(markers, cell) == held->marker)
-            count_seed(held, session, cell);
+    held->label = (uint8_t)markers->marker[held->marker - 1].label;
+    for (uint32_t n = held->marker; n; n = markers_next(markers, n)) {
+        const struct marker *marker = markers->marker + n - 1;
+        for (size_t i = 0; i < marker->voxels && !held->has_more; i++) {
+            const uint32_t cell = markers->cover[marker->first + i].cell;
+            if (markers_at(markers, cell) == n)
+                count_seed(held, session, cell);
+        }
     }
 }
 
@@ -76,6 +85,6 @@ bool session_is_held(const struct session *session, const struct held *held, uin
     const uint32_t root = cell_is_reached(at) ? key_root(at->key) : CELL_NONE;
     if (!held->marker)
         return root == held->seed || cell == held->seed;
-    return (root != CELL_NONE && markers_at(&session->markers, root) == held->marker) ||
-           markers_at(&session->markers, cell) == held->marker;
+    return (root != CELL_NONE && decides(&session->markers, held->marker, root)) ||
+           decides(&session->markers, held->marker, cell);
 }

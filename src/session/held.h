@@ -13,7 +13,7 @@
 enum { HELD_MOST = 2000000 }; /* voxels that are counted: some 80 ms */
 
 struct held {
-    uint32_t marker; /* its number; 0 for a single tree, */
+    uint32_t marker; /* its number, the first of a stroke's; 0 for a single tree, */
     uint32_t seed;   /* which is this one's */
     uint8_t label;
     size_t trees;  /* of seeds that are planted */

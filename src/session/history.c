@@ -77,8 +77,11 @@ size_t history_memory(const struct history *history)
 
 /* ---- ways ---- */
 
+/* Before all of a stroke. */
 static uint32_t parent_of(const struct history *history, uint32_t at)
 {
+    while (history->point[at].joins)
+        at = history->point[at].parent;
     return history->point[at].parent;
 }
 
@@ -114,10 +117,20 @@ static uint32_t child_of(const struct history *history, uint32_t at)
     return child;
 }
 
+/* After all of a stroke. */
+static uint32_t next_of(const struct history *history, uint32_t at)
+{
+    uint32_t next = child_of(history, at), on = next;
+    while (on != POINT_NONE && (on = child_of(history, on)) != POINT_NONE &&
+           history->point[on].joins)
+        next = on;
+    return next;
+}
+
 enum err history_after(const struct history *history, size_t *count, uint32_t *point,
                        struct fault *fault)
 {
-    *point = walk(history, count, child_of);
+    *point = walk(history, count, next_of);
     return *count ? OK : fault_set(fault, ERR_INPUT, "there is nothing to do again");
 }
 
@@ -308,6 +321,8 @@ static enum err note_point(struct history *history, const struct session *sessio
         before->holders++;
     point->lists = now->lists;
     edit_lists_hold(&point->lists);
+    point->plants = session->markers.count == session->former_markers + 1;
+    point->joins = point->plants && session->markers.marker[session->former_markers].joined;
     if (session->edited)
         keep_seeds(point, session, &lacks);
     return lacks ? fault_memory(fault, "the history") : OK;

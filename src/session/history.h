@@ -41,6 +41,8 @@ struct point {
     uint32_t latest; /* the child one was at last: where redo leads; POINT_NONE for none */
     uint32_t branch;
     size_t record; /* number of the command's record */
+    bool plants;   /* it put up one marker */
+    bool joins;    /* which goes on with that of the point before: the two are undone as one */
     char *command; /* in canonical form */
 
     /* What the command did to seeds, each voxel once; nothing unless it ran. */
@@ -84,8 +86,9 @@ size_t history_memory(const struct history *history);
 
 /* ---- ways ---- */
 
-/* The point *count commands before the present one, or after it, the way one came: as many as there
- * are, if these are fewer, which *count says then. ERR_INPUT where there are none. */
+/* The point *count commands (a stroke of several counts as one) before the present one, or after
+ * it, the way one came: as many as there are, if these are fewer, which *count says then. ERR_INPUT
+ * where there are none. */
 enum err history_before(const struct history *history, size_t *count, uint32_t *point,
                         struct fault *fault);
 enum err history_after(const struct history *history, size_t *count, uint32_t *point,

@@ -118,3 +118,16 @@ int16_t markers_seed(const struct markers *markers, uint32_t cell)
     const uint32_t number = markers_at(markers, cell);
     return number ? markers->marker[number - 1].label : EDIT_ERASE;
 }
+
+uint32_t markers_stroke(const struct markers *markers, uint32_t number)
+{
+    while (markers->marker[number - 1].joined)
+        number--;
+    return number;
+}
+
+uint32_t markers_next(const struct markers *markers, uint32_t number)
+{
+    const struct marker *next = markers->marker + number;
+    return number < markers->count && next->joined && next->stands ? number + 1 : 0;
+}

@@ -19,7 +19,8 @@
  *   M1 the seeds are a function of the set of markers that stand, whatever the order in which they
  *      were taken away and put back;
  *   M2 a marker never changes, and its number is never given to another, unless it was dropped: so
- *      a number in a record names the same voxels for good.
+ *      a number in a record names the same voxels for good;
+ *   M3 the parts of a stroke follow each other, and a part stands only where those before it do.
  */
 #ifndef SESSION_MARKERS_H
 #define SESSION_MARKERS_H
@@ -36,6 +37,7 @@ struct marker {
     size_t first, voxels; /* in `cover` */
     int16_t label;        /* 0..255, or EDIT_ERASE for an eraser */
     bool stands;
+    bool joined; /* to the marker before, as a part of one stroke (M3) */
 };
 
 /* That a marker covers a voxel. */
@@ -70,6 +72,10 @@ void markers_drop(struct markers *markers, size_t count, struct watch *watch);
 /* The number of the marker that decides about a voxel; 0 where none that stands covers it. It may
  * be an eraser. */
 uint32_t markers_at(const struct markers *markers, uint32_t cell);
+
+/* The first part of a marker's stroke; and the next one that stands, 0 for none. */
+uint32_t markers_stroke(const struct markers *markers, uint32_t number);
+uint32_t markers_next(const struct markers *markers, uint32_t number);
 
 /* The label of the seed that those that stand give a voxel; EDIT_ERASE for none. */
 int16_t markers_seed(const struct markers *markers, uint32_t cell);

@@ -101,11 +101,16 @@ static bool is_header(const char *at, const char *end)
 static bool scan_label(const char **at, const struct list *list, int64_t *label)
 {
     const char *number = *at;
-    const size_t length = strcspn(*at, " \t\r\n");
-    if (scan_integer(&number, 0, 255, label) && number == *at + length) {
+    if (scan_integer(&number, 0, 255, label) && number == *at + strcspn(*at, " \t\r\n")) {
         *at = number;
         return true;
     }
+    size_t length = strcspn(*at, "\r\n"); /* a name may have blanks in it; a comment follows one */
+    for (size_t i = 0; i < length; i++)
+        if ((*at)[i] == '#' && (i == 0 || (*at)[i - 1] == ' ' || (*at)[i - 1] == '\t'))
+            length = i;
+    while (length > 0 && ((*at)[length - 1] == ' ' || (*at)[length - 1] == '\t'))
+        length--;
     for (int i = 0; i < 256; i++)
         if (length && strlen(list->label_name[i]) == length &&
             memcmp(list->label_name[i], *at, length) == 0) {

@@ -23,6 +23,11 @@ enum err session_plant(struct session *session, const uint32_t *cell, size_t cou
     return err ? err : watch_fault(session->watch, fault);
 }
 
+void session_join(struct session *session)
+{
+    session->markers.marker[session->markers.count - 1].joined = true;
+}
+
 /* Where no later marker covers a voxel, those below decide from now on. */
 static enum err take_away(struct session *session, uint32_t number, struct fault *fault)
 {
@@ -51,7 +56,8 @@ enum err session_take_away(struct session *session, const uint32_t *number, size
         if (number[i] < 1 || number[i] > markers->count || !markers->marker[number[i] - 1].stands)
             err = fault_set(fault, ERR_CHECK, "no marker %u stands", number[i]);
         else
-            err = take_away(session, number[i], fault);
+            for (uint32_t n = number[i]; !err && n; n = markers_next(markers, n))
+                err = take_away(session, n, fault);
     return err;
 }
 
@@ -131,8 +137,10 @@ enum err session_find_markers(const struct session *session, const uint32_t *cel
     bool *holds = mem_new(markers->count + 1); /* each marker, whether one of them */
     if (!err && !holds)
         err = fault_memory(fault, "eliminators");
-    for (size_t i = 0; !err && i < seeds && task_advance(&task, 1); i++)
-        holds[markers_at(markers, (*number)[i])] = true;
+    for (size_t i = 0; !err && i < seeds && task_advance(&task, 1); i++) {
+        const uint32_t one = markers_at(markers, (*number)[i]);
+        holds[one ? markers_stroke(markers, one) : 0] = true;
+    }
     for (size_t n = 1; !err && n <= markers->count; n++)
         if (holds[n] && markers->marker[n - 1].label != EDIT_ERASE)
             (*number)[(*numbers)++] = (uint32_t)n;

@@ -14,6 +14,11 @@ const struct meaning_row meaning_table[MEANINGS] = {
                          "`remove` removes markers, unless of=tree", NULL},
     [MEANING_BRANCH_TIPS] = {"branch-tips", 4, "`goto` moved the branch that it went to",
                              "a branch stays where its last command or undo left it", NULL},
+    [MEANING_STROKES] = {"strokes", 4,
+                         "`pending` counts a voxel that balls of a stroke share more than once",
+                         "`pending` counts it once", NULL},
+    [MEANING_QUOTES] = {"quotes", 4, "' is a letter like any other",
+                        "a word may stand between ' and ' as between \" and \"", NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

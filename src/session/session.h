@@ -158,13 +158,17 @@ static inline size_t session_pendings(const struct session *session)
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        struct fault *fault);
 
-/* Takes markers away, by their numbers: their seeds, and the seeds of the markers below come back.
- * ERR_CHECK for a number that no marker which stands has. */
+/* The marker that was just put up goes on with the one before, which stands. */
+void session_join(struct session *session);
+
+/* Takes markers away, by their numbers, with those that are joined to them: their seeds, and the
+ * seeds of the markers below come back. ERR_CHECK for a number that no marker which stands has. */
 enum err session_take_away(struct session *session, const uint32_t *number, size_t count,
                            struct fault *fault);
 
 /* The markers, each once, whose trees hold one of the voxels (as of the last run), or that wait to
- * be planted there; the caller frees *number. ERR_INPUT where there are none. */
+ * be planted there, or the first ones of their strokes; the caller frees *number. ERR_INPUT where
+ * there are none. */
 enum err session_find_markers(const struct session *session, const uint32_t *cell, size_t count,
                               uint32_t **number, size_t *numbers, struct fault *fault);
 

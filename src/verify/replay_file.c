@@ -46,7 +46,8 @@ enum err replay_file(struct interpreter *interp, const char *path, size_t first,
         .interp = interp, .printer = printer, .judge = interp->judge, .first = first};
     const struct replay_host host = {&replaying, execute, begin, is_lost};
     const struct replay_options options = {SEMANTICS, first, last};
-    enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
+    enum err err = file_exists(path) ? file_read(&bytes, path, JOURNAL_BYTES_MAX, fault)
+                                     : fault_set(fault, ERR_IO, "there is no journal %s", path);
     interp->mode = MODE_REPLAY;
     if (!interp->session.watch) /* one of a program at a terminal looks at the limits as well */
         interp->session.watch = limits_watch();

@@ -1,0 +1,70 @@
+/*
+ * What a hand paints: which voxels a ball, a stroke, a box or a polygon covers. Integers alone, so
+ * that a command plants the same seeds wherever it is carried out.
+ *
+ *     ball     the voxels whose centre is no farther than the radius from that of the middle one,
+ *              in voxels, or in the world by the spacing of voxels
+ *     stroke   a ball at each step of the straight way from each corner to the next. A way takes as
+ *              many steps as its longest axis has voxels; step i of n goes to the voxel nearest to
+ *              i/n of the way, the farther one where two are as near. So leaving out a corner on a
+ *              straight way (base/polyline.h) leaves the voxels as they are
+ *     box      all between two corners, both included
+ *     polygon  in a slice, the voxels whose centre the outline through the centres of the corners,
+ *              and from the last one back to the first, winds around (the nonzero rule), and those
+ *              whose centre it goes through
+ *
+ * What lies beyond the scene is left out.
+ */
+#ifndef SESSION_PAINT_H
+#define SESSION_PAINT_H
+
+#include "base/err.h"
+#include "base/watch.h"
+#include "engine/grid.h"
+
+/* Each voxel once, in the order of cells; {0} holds none. */
+struct voxels {
+    uint32_t *cell;
+    size_t count, capacity;
+};
+void voxels_release(struct voxels *voxels);
+
+enum { BRUSH_REACH_MOST = 128 }; /* voxels from its middle, along each axis */
+
+/* A ball, as rows of voxels around its middle. */
+struct brush {
+    int reach[3];
+    struct brush_row *row;
+    size_t rows;
+};
+struct brush_row {
+    int16_t y, z, half; /* from x - half to x + half */
+};
+
+/* The ball (dx unit[0])^2 + (dy unit[1])^2 + (dz unit[2])^2 <= radius^2: in voxels with units of 1,
+ * in nanometres with the spacing as units. A radius of 0..10^9. ERR_LIMIT for one that reaches
+ * farther than BRUSH_REACH_MOST. */
+enum err brush_init(struct brush *brush, const uint32_t unit[3], int64_t radius,
+                    struct fault *fault);
+void brush_release(struct brush *brush);
+
+/* The voxels, into an empty list; on error it stays empty. Corners lie in the scene, and there is
+ * one at least. Memory is bounded by the scene, whatever the number of corners. ERR_MEMORY,
+ * ERR_CANCELLED. */
+enum err paint_stroke(struct voxels *out, const struct grid *grid, const struct brush *brush,
+                      const uint32_t (*corner)[3], size_t corners, struct watch *watch,
+                      struct fault *fault);
+enum err paint_box(struct voxels *out, const struct grid *grid, const uint32_t corner[3],
+                   const uint32_t opposite[3], struct watch *watch, struct fault *fault);
+
+/* ERR_INPUT where the corners do not all have one index in common. */
+enum err paint_polygon(struct voxels *out, const struct grid *grid, const uint32_t (*corner)[3],
+                       size_t corners, struct watch *watch, struct fault *fault);
+
+/* A stroke as semantics before MEANING_STROKES has it: a ball leaves out what the one before it
+ * covers, and no more, so that some voxels are there twice. */
+enum err paint_stroke_as_before(struct voxels *out, const struct grid *grid,
+                                const struct brush *brush, const uint32_t (*corner)[3],
+                                size_t corners, struct fault *fault);
+
+#endif

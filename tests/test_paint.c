@@ -1,0 +1,289 @@
+/*
+ * What a hand paints, against plain models that look at every voxel. Places are random, and grids
+ * small enough for their edges to matter.
+ */
+#include <stdlib.h>
+
+#include "base/mem.h"
+#include "base/polyline.h"
+#include "session/paint.h"
+#include "tests/check.h"
+#include "tests/paint_model.h"
+
+enum { SIDE = 17, CORNERS_MOST = 12 };
+
+static struct grid grid;
+static bool wanted[(SIDE + 2) * (SIDE + 2) * (SIDE + 2)]; /* by cell, by the model */
+static uint64_t seed = 14;
+
+static uint32_t below(uint32_t bound)
+{
+    return check_below(&seed, bound);
+}
+
+static void begin(void)
+{
+    const uint32_t size[3] = {1 + below(SIDE), 1 + below(SIDE), 1 + below(SIDE)};
+    CHECK(grid_init(&grid, size, NULL) == OK);
+    memset(wanted, 0, sizeof wanted);
+}
+
+static void random_place(uint32_t place[3])
+{
+    for (int a = 0; a < 3; a++)
+        place[a] = below(grid.size[a]);
+}
+
+/* Each voxel once, in order, and no other. */
+static bool are_wanted(struct voxels *voxels)
+{
+    size_t at = 0;
+    bool same = true;
+    for (uint32_t cell = 0; cell < grid.cells; cell++)
+        if (wanted[cell])
+            same &= at < voxels->count && voxels->cell[at++] == cell;
+    same &= at == voxels->count;
+    voxels_release(voxels);
+    return same;
+}
+
+/* ---- balls and strokes ---- */
+
+static const uint32_t units[][3] = {{1, 1, 1}, {1000000, 1500000, 2200000}, {700, 700, 300}};
+
+STORY(a_stroke_is_balls_at_the_voxels_nearest_to_each_step)
+{
+    for (int round = 0; round < 3000 && check_failures == 0; round++) {
+        const uint32_t *unit = units[below(3)];
+        const int64_t radius = (int64_t)below(5 * unit[0]);
+        const size_t corners = 1 + below(4);
+        uint32_t corner[4][3];
+        struct voxels voxels = {0};
+        struct brush brush;
+        begin();
+        for (size_t i = 0; i < corners; i++)
+            random_place(corner[i]);
+        model_stroke(wanted, &grid, (corners_of)corner, corners, unit, radius);
+        CHECK(brush_init(&brush, unit, radius, NULL) == OK);
+        CHECK(paint_stroke(&voxels, &grid, &brush, (corners_of)corner, corners, NULL, NULL) == OK);
+        CHECK(are_wanted(&voxels));
+        brush_release(&brush);
+    }
+}
+
+/* What the hand of somebody does who holds an arrow key, and now and then another. */
+static void next_place(uint32_t place[3], int step[3])
+{
+    for (int a = 0; a < 3; a++)
+        if (below(6) == 0)
+            step[a] = (int)below(3) - 1;
+    for (int a = 0; a < 3; a++) {
+        const int64_t to = (int64_t)place[a] + step[a] * (1 + (int)below(2));
+        place[a] = to < 0 || to >= grid.size[a] ? place[a] : (uint32_t)to;
+    }
+}
+
+STORY(places_on_a_straight_way_are_left_out_and_the_voxels_stay)
+{
+    size_t places = 0, corners = 0;
+    for (int round = 0; round < 3000 && check_failures == 0; round++) {
+        const int64_t radius = below(3);
+        uint32_t place[40][3];
+        int step[3] = {0};
+        const uint32_t count = 1 + below(40);
+        struct polyline line = {0};
+        struct voxels voxels = {0};
+        struct brush brush;
+        begin();
+        random_place(place[0]);
+        for (uint32_t i = 1; i < count; i++) {
+            memcpy(place[i], place[i - 1], sizeof place[0]);
+            next_place(place[i], step);
+        }
+        for (uint32_t i = 0; i < count; i++)
+            CHECK(polyline_add(&line, place[i]));
+        model_stroke(wanted, &grid, (corners_of)place, count, units[0], radius);
+        CHECK(brush_init(&brush, units[0], radius, NULL) == OK);
+        CHECK(paint_stroke(&voxels, &grid, &brush, (corners_of)line.corner, line.count, NULL,
+                           NULL) == OK);
+        CHECK(are_wanted(&voxels));
+        places += count;
+        corners += line.count;
+        brush_release(&brush);
+        polyline_release(&line);
+    }
+    CHECK(corners < places * 2 / 3);
+}
+
+STORY(only_what_lies_straight_ahead_is_no_corner)
+{
+    static const uint32_t place[][3] = {{1, 1, 1}, {1, 1, 1}, {2, 2, 2}, {4, 4, 4},
+                                        {3, 3, 3}, {9, 3, 3}, {9, 4, 3}, {9, 6, 3}};
+    struct polyline line = {0};
+    for (size_t i = 0; i < sizeof place / sizeof place[0]; i++)
+        CHECK(polyline_add(&line, place[i]));
+    CHECK_INT(line.count, 5); /* back from 4,4,4 to 3,3,3 is a corner */
+    CHECK(memcmp(line.corner[1], place[3], sizeof place[0]) == 0);
+    CHECK(memcmp(line.corner[4], place[7], sizeof place[0]) == 0);
+    polyline_release(&line);
+}
+
+STORY(a_ball_in_the_world_is_no_ellipsoid)
+{
+    static const uint32_t spacing_nm[3] = {500000, 500000, 2000000};
+    const uint32_t size[3] = {40, 40, 40}, middle[1][3] = {{20, 20, 20}};
+    struct voxels voxels = {0};
+    struct brush brush;
+    CHECK(grid_init(&grid, size, NULL) == OK);
+    CHECK(brush_init(&brush, spacing_nm, 4000000, NULL) == OK);
+    CHECK(brush.reach[0] == 8 && brush.reach[1] == 8 && brush.reach[2] == 2);
+    CHECK(paint_stroke(&voxels, &grid, &brush, middle, 1, NULL, NULL) == OK);
+    CHECK_INT(voxels.count, 197 + 2 * 145 + 2 * 1); /* circles of 8, sqrt(48) and 0 voxels */
+    voxels_release(&voxels);
+    brush_release(&brush);
+    struct fault fault = {0};
+    CHECK_INT(brush_init(&brush, (uint32_t[]){10, 9, 10}, 1161, &fault), ERR_LIMIT);
+    CHECK_HAS(fault.text, "129 voxels along y; at most 128");
+}
+
+/* ---- boxes and polygons ---- */
+
+STORY(a_box_is_all_between_two_corners)
+{
+    for (int round = 0; round < 300 && check_failures == 0; round++) {
+        uint32_t a[3], b[3];
+        struct voxels voxels = {0};
+        begin();
+        random_place(a);
+        random_place(b);
+        model_box(wanted, &grid, a, b);
+        CHECK(paint_box(&voxels, &grid, a, b, NULL, NULL) == OK);
+        CHECK(are_wanted(&voxels));
+    }
+}
+
+STORY(a_polygon_is_what_its_outline_winds_around_or_goes_through)
+{
+    size_t filled = 0;
+    for (int round = 0; round < 4000 && check_failures == 0; round++) {
+        const int axis = (int)below(3);
+        const size_t corners = 1 + below(CORNERS_MOST);
+        uint32_t corner[CORNERS_MOST][3];
+        struct voxels voxels = {0};
+        begin();
+        for (size_t i = 0; i < corners; i++) {
+            random_place(corner[i]);
+            corner[i][axis] = corner[0][axis];
+        }
+        model_polygon(wanted, &grid, (corners_of)corner, corners, axis);
+        CHECK(paint_polygon(&voxels, &grid, (corners_of)corner, corners, NULL, NULL) == OK);
+        filled += voxels.count;
+        CHECK(are_wanted(&voxels));
+    }
+    CHECK(filled > 50000);
+}
+
+STORY(corners_in_several_slices_are_refused)
+{
+    const uint32_t size[3] = {9, 9, 9};
+    const uint32_t corner[3][3] = {{1, 1, 1}, {5, 5, 1}, {1, 5, 2}};
+    struct voxels voxels = {0};
+    struct fault fault = {0};
+    CHECK(grid_init(&grid, size, NULL) == OK);
+    CHECK_INT(paint_polygon(&voxels, &grid, corner, 3, NULL, &fault), ERR_INPUT);
+    CHECK_HAS(fault.text, "the corners of a polygon lie in one slice");
+    CHECK(voxels.count == 0 && !voxels.cell);
+}
+
+/* ---- what is not there, or takes too long ---- */
+
+static size_t bytes_left;
+static bool allows(size_t bytes)
+{
+    const bool fits = bytes <= bytes_left;
+    bytes_left -= fits ? bytes : 0;
+    return fits;
+}
+
+/* Everything that is painted, with so much memory at most. */
+static unsigned paint_all(struct watch *watch, enum err expected)
+{
+    static const uint32_t corner[4][3] = {{1, 2, 3}, {90, 80, 3}, {40, 99, 3}, {3, 3, 3}};
+    struct voxels voxels = {0};
+    struct brush brush;
+    unsigned failed = 0;
+    enum err err = brush_init(&brush, units[0], 6, NULL);
+    if (!err)
+        err = paint_stroke(&voxels, &grid, &brush, corner, 4, watch, NULL);
+    brush_release(&brush);
+    for (int i = 0; i < 3; i++) {
+        CHECK(err == OK || err == expected);
+        CHECK((err == OK) == (voxels.count > 0));
+        failed += err != OK;
+        voxels_release(&voxels);
+        if (i == 0)
+            err = paint_box(&voxels, &grid, corner[0], (uint32_t[]){90, 80, 99}, watch, NULL);
+        else if (i == 1)
+            err = paint_polygon(&voxels, &grid, corner, 4, watch, NULL);
+    }
+    return failed;
+}
+
+static bool stops(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    (void)context, (void)what, (void)done, (void)total;
+    return true;
+}
+
+STORY(without_memory_or_time_nothing_is_painted)
+{
+    const uint32_t size[3] = {100, 100, 100};
+    unsigned failed = 0;
+    CHECK(grid_init(&grid, size, NULL) == OK);
+    mem_allows = allows;
+    for (size_t most = 0; most < 20000000; most += most / 2 + 100) {
+        bytes_left = most;
+        failed += paint_all(NULL, ERR_MEMORY);
+    }
+    mem_allows = NULL;
+    CHECK(failed > 20);
+    struct watch watch = {.poll = stops};
+    watch_begin(&watch);
+    CHECK(paint_all(&watch, ERR_CANCELLED) > 0);
+}
+
+/* Whoever writes a journal by hand may have a pen that never rests. */
+STORY(a_million_corners_take_no_more_memory_than_the_scene)
+{
+    enum { MANY = 1000000 };
+    const uint32_t size[3] = {64, 64, 64};
+    uint32_t(*corner)[3] = malloc(MANY * sizeof *corner);
+    struct voxels voxels = {0};
+    struct brush brush;
+    CHECK(grid_init(&grid, size, NULL) == OK);
+    CHECK(brush_init(&brush, units[0], 2, NULL) == OK);
+    for (size_t i = 0; corner && i < MANY; i++)
+        random_place(corner[i]);
+    bytes_left = (64 * 64 * 64) * 5;
+    mem_allows = allows;
+    CHECK(corner &&
+          paint_stroke(&voxels, &grid, &brush, (corners_of)corner, MANY, NULL, NULL) == OK);
+    mem_allows = NULL;
+    CHECK_INT(voxels.count, 64 * 64 * 64);
+    voxels_release(&voxels);
+    brush_release(&brush);
+    free(corner);
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(a_stroke_is_balls_at_the_voxels_nearest_to_each_step),
+                       TELL(places_on_a_straight_way_are_left_out_and_the_voxels_stay),
+                       TELL(only_what_lies_straight_ahead_is_no_corner),
+                       TELL(a_ball_in_the_world_is_no_ellipsoid),
+                       TELL(a_box_is_all_between_two_corners),
+                       TELL(a_polygon_is_what_its_outline_winds_around_or_goes_through),
+                       TELL(corners_in_several_slices_are_refused),
+                       TELL(without_memory_or_time_nothing_is_painted),
+                       TELL(a_million_corners_take_no_more_memory_than_the_scene));
+}

@@ -1,0 +1,339 @@
+/*
+ * Strokes and what else a hand paints, as commands: one record, one marker, one undo; what they
+ * say, what they refuse, and what a journal has of them. Which voxels they are, test_paint proves.
+ */
+#include <stdlib.h>
+
+#include "session/held.h"
+#include "tests/small_scene.h"
+
+static struct interpreter interp;
+
+static void begin(const char *journal)
+{
+    char line[PATH_MAX + 8];
+    begin_interpreter(&interp);
+    unlink(place(journal));
+    CHECK(interpreter_create_journal(&interp, place(journal), NULL) == OK);
+    snprintf(line, sizeof line, "open %s", place("scene.nii"));
+    must(&interp, line);
+}
+
+static void resume(const char *journal)
+{
+    interpreter_release(&interp);
+    begin_interpreter(&interp);
+    if (!CHECK(interpreter_resume_journal(&interp, place(journal), NULL, &fault) == OK))
+        printf("#   %s\n", fault.text);
+}
+
+/* The journal says this of the last command. */
+static void is_recorded_as(const char *line)
+{
+    CHECK_TEXT(buf_text(&reply.canonical), line);
+}
+
+static void is_refused(const char *line, const char *words)
+{
+    struct snapshot before;
+    take_snapshot(&before, &interp);
+    CHECK(execute(&interp, line) != OK);
+    CHECK_HAS(fault.text, words);
+    is_as_before(&before, &interp, line);
+}
+
+static size_t seeds(void)
+{
+    return forest_seeds(interp.session.forest);
+}
+
+/* ---- one stroke, one record ---- */
+
+STORY(a_stroke_is_one_record_one_marker_and_one_undo)
+{
+    begin("stroke.iftty");
+    must(&interp, "auto on");
+    must(&interp, "seed 9,9,9 3");
+    must(&interp, "seed 1,1,1 1 to=2,1,1 to=3,1,1 to=3,2,1 to=3,3,1 to=3,3,5");
+    is_recorded_as("seed 1,1,1 1 to=3,1,1 to=3,3,1 to=3,3,5");
+    CHECK_HAS(buf_text(&reply.words), "marker=2 ");
+    CHECK_INT(journal_count(interp.journal), 4);
+    CHECK_INT(seeds(), 10);
+    must(&interp, "undo");
+    CHECK_INT(seeds(), 1);
+    must(&interp, "redo");
+    must(&interp, "remove 3,3,3");
+    CHECK_HAS(buf_text(&reply.text), "marker 2 removed: 9 seeds of label 1");
+    CHECK_INT(seeds(), 1);
+    interpreter_release(&interp);
+}
+
+STORY(parts_of_a_stroke_are_undone_done_again_and_removed_as_one)
+{
+    begin("parts.iftty");
+    must(&interp, "auto on");
+    must(&interp, "seed 9,9,9 3");
+    must(&interp, "seed 1,1,1 1 to=3,1,1");
+    must(&interp, "seed 3,1,1 1 to=3,3,1 joined=yes");
+    must(&interp, "seed 3,3,1 1 to=3,3,5 joined=yes");
+    is_recorded_as("seed 3,3,1 1 to=3,3,5 joined=yes");
+    CHECK_INT(seeds(), 10);
+    resume("parts.iftty");
+    must(&interp, "undo");
+    CHECK_INT(seeds(), 1);
+    CHECK_HAS(buf_text(&reply.words), "at=3 ");
+    must(&interp, "redo");
+    CHECK_INT(seeds(), 10);
+    CHECK_HAS(buf_text(&reply.words), "at=6 ");
+    must(&interp, "undo 2"); /* the other seed too */
+    CHECK_INT(seeds(), 0);
+    must(&interp, "redo 2");
+    must(&interp, "goto 5");
+    CHECK_INT(seeds(), 6);
+    must(&interp, "undo"); /* from among the parts: all of it */
+    CHECK_INT(seeds(), 1);
+    must(&interp, "goto main");
+    struct held held;
+    const struct session *session = &interp.session;
+    const uint32_t cell = grid_cell(&session->scene->grid, 3, 2, 1);
+    CHECK(session_find_held(&held, session, cell, false, &fault) == OK);
+    CHECK(held.marker == 2 && held.trees == 9 && session_is_held(session, &held, cell));
+    must(&interp, "remove 3,2,1");
+    CHECK_HAS(buf_text(&reply.words), "removed=2 ");
+    CHECK_HAS(buf_text(&reply.text), "marker 2 removed: 11 seeds of label 1"); /* two ends twice */
+    CHECK_INT(seeds(), 1);
+    resume("parts.iftty");
+    CHECK_INT(seeds(), 1);
+    must(&interp, "undo");
+    CHECK_INT(seeds(), 10);
+    interpreter_release(&interp);
+}
+
+STORY(only_what_was_just_planted_is_gone_on_with)
+{
+    static const char words[] = "joined: the command before has not planted seeds of label 1";
+    begin("alone.iftty");
+    is_refused("seed 1,1,1 1 joined=yes", words);
+    must(&interp, "seed 1,1,1 2");
+    is_refused("seed 1,1,1 1 joined=yes", words);
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "run");
+    is_refused("seed 1,1,1 1 joined=yes", words);
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "view left"); /* is no change of the segmentation */
+    must(&interp, "seed 1,2,1 1 joined=yes");
+    must(&interp, "undo");
+    is_refused("seed 1,1,1 1 joined=yes", words);
+    interpreter_release(&interp);
+}
+
+STORY(a_line_of_the_journal_holds_thousands_of_corners)
+{
+    struct buf line = {0};
+    struct snapshot end, again;
+    uint64_t random = 5;
+    begin("long.iftty");
+    must(&interp, "auto on");
+    buf_add_text(&line, "seed 5,5,5 1");
+    while (line.length < 65000) {
+        const uint32_t x = check_below(&random, size[0]), y = check_below(&random, size[1]);
+        buf_printf(&line, " to=%u,%u,%u", x, y, check_below(&random, size[2]));
+    }
+    must(&interp, buf_text(&line));
+    must(&interp, "history");
+    CHECK_HAS(buf_text(&reply.text), " bytes more)");
+    CHECK(reply.text.length < 2000);
+    take_snapshot(&end, &interp);
+    resume("long.iftty");
+    take_snapshot(&again, &interp);
+    is_same_segmentation(&end, &again);
+    while (line.length < 65536)
+        buf_add_text(&line, " to=1,1,1");
+    is_refused(buf_text(&line), "the command is longer than 65535 bytes");
+    buf_release(&line);
+    interpreter_release(&interp);
+}
+
+/* ---- where, and how large ---- */
+
+STORY(millimetres_are_refused_where_nobody_knows_them)
+{
+    struct buf file = {0};
+    begin("unknown.iftty");
+    must(&interp, "seed 5,5,5 1 radius=2.50mm");
+    is_recorded_as("seed 5,5,5 1 radius=2.5mm");
+    must(&interp, "run");
+    must(&interp, "remove 1,1,1 radius=0.000001mm");
+    is_refused("seed 5,5,5 1 radius=400mm", "radius: it reaches 400 voxels along x; at most 128");
+    is_refused("seed 5,5,5 1 radius=1000.1mm", "radius: expected a number 0..32, or millimetres");
+    is_refused("seed 5,5,5 1 radius=2cm", "or millimetres as in 2.5mm, not 2cm");
+    interpreter_release(&interp);
+    CHECK(file_read(&file, place("scene.nii"), 1 << 20, NULL) == OK && file.length > 352);
+    memset(file.data + 76 + 4 * 3, 0, 4); /* pixdim[3] */
+    CHECK(file_write(place("sizeless.nii"), file.data, file.length, FILE_REPLACE, NULL) == OK);
+    buf_release(&file);
+    char line[PATH_MAX + 8];
+    begin_interpreter(&interp);
+    snprintf(line, sizeof line, "open %s", place("sizeless.nii"));
+    must(&interp, line);
+    is_refused("seed 5,5,5 1 radius=2mm", "does not say how large voxels are");
+    must(&interp, "seed 5,5,5 1 radius=2");
+    interpreter_release(&interp);
+}
+
+STORY(only_intensities_of_the_range_are_planted)
+{
+    begin("range.iftty");
+    must(&interp, "box 0,0,0 11,10,9 1 range=40..80.5");
+    is_recorded_as("box 0,0,0 11,10,9 1 range=40..80.5");
+    CHECK_HAS(buf_text(&reply.text), "left out, intensities beyond the range: ");
+    must(&interp, "run");
+    bool fits = true;
+    for (uint32_t c = 0; c < interp.session.scene->grid.cells; c++) {
+        const struct cell *cell = interp.session.scene->cell + c;
+        const bool inside = cell->intensity >= 40 && cell->intensity <= 80;
+        fits &= cell->flags & CELL_RIM || !(cell->flags & CELL_SEED) == !inside;
+    }
+    CHECK(fits);
+    must(&interp, "undo 2");
+    write_text("few.csv", "1,1,1,1\n9,9,8,1\n");
+    must(&interp, "seed-file few.csv range=0..20");
+    CHECK_HAS(buf_text(&reply.text), "1 seed\n");
+    is_refused("seed 1,1,1 1 range=200..300", "range: no voxel of it has such an intensity");
+    is_refused("seed 1,1,1 1 range=20", "range: expected LOW..HIGH, as in 40..1200.5, not 20");
+    is_refused("seed 1,1,1 1 range=20..10", "expected LOW..HIGH");
+    must(&interp, "range 0 90");
+    is_refused("seed 9,9,8 1 range=90..300", "lies outside the region of interest");
+    interpreter_release(&interp);
+}
+
+STORY(a_polygon_is_of_one_slice)
+{
+    begin("fill.iftty");
+    must(&interp, "fill 1,1,5 1 to=9,1,5 to=9,2,5 to=9,9,5 range=-5..9999");
+    is_recorded_as("fill 1,1,5 1 range=-5..9999 to=9,1,5 to=9,9,5");
+    must(&interp, "run");
+    CHECK_INT(seeds(), 45);
+    is_refused("fill 1,1,5 1 to=9,1,5 to=9,9,6", "the corners of a polygon lie in one slice");
+    is_refused("fill 1,1,5 1 to=2,1,5 to=9,1,5", "a polygon has three corners or more");
+    is_refused("fill 1,1,5 1", "missing: to; usage: fill X,Y,Z LABEL");
+    interpreter_release(&interp);
+}
+
+/* ---- names and quotes ---- */
+
+STORY(a_label_may_be_called_by_several_words)
+{
+    begin("names.iftty");
+    must(&interp, "label 1 'left hemi' #FF00Aa");
+    is_recorded_as("label 1 \"left hemi\" #ff00aa");
+    must(&interp, "label 2 \"right hemi\"");
+    must(&interp, "seed 1,1,1 'left hemi'");
+    is_recorded_as("seed 1,1,1 1");
+    must(&interp, "seed 9,9,9 \"right hemi\"");
+    must(&interp, "label 4 c#4");
+    write_text("named.csv", "5,5,5,right hemi # there\n6,6,6,c#4\n");
+    must(&interp, "seed-file named.csv");
+    must(&interp, "run");
+    is_refused("label 3 'a b '", "expected a name of at most 31 bytes");
+    is_refused("label 3 'a=b c'", "expected a name");
+    is_refused("branch 'a b'", "expected a word of at most 63 bytes");
+    is_refused("label 3 'a", "a word in quotes does not end");
+    is_refused("label 3 'a'b", "a word in quotes does not end");
+    must(&interp, "label 3 it's");
+    struct buf offers = {0};
+    size_t start;
+    command_complete(&offers, &start, "seed 1,1,1 le", 13, &interp);
+    CHECK_TEXT(buf_text(&offers), "\"left hemi\"\n");
+    buf_clear(&offers);
+    command_complete(&offers, &start, "seed 1,1,1 ", 11, &interp);
+    CHECK_HAS(buf_text(&offers), "\"left hemi\"\n\"right hemi\"\n\"it's\"\n");
+    buf_release(&offers);
+    resume("names.iftty");
+    CHECK_TEXT(interp.session.now.kept.label_name[1], "left hemi");
+    interpreter_release(&interp);
+}
+
+STORY(an_older_journal_has_single_quotes_as_letters)
+{
+    begin("older.iftty");
+    interp.session.semantics = 3;
+    is_refused("label 1 'left hemi'",
+               "COLOUR: expected #rrggbb, six hexadecimal digits, not hemi'");
+    must(&interp, "save labels 'old.nii replace=yes");
+    is_recorded_as("save labels \"'old.nii\" replace=yes"); /* which means the same in all */
+    interpreter_release(&interp);
+}
+
+STORY(an_older_journal_counts_what_waits_as_it_did)
+{
+    begin("counts.iftty");
+    must(&interp, "seed 1,1,1 1 radius=3 to=11,7,5");
+    const size_t once = session_pendings(&interp.session);
+    must(&interp, "run");
+    const size_t planted = seeds();
+    CHECK_INT(planted, once);
+    must(&interp, "undo 2");
+    interp.session.semantics = 3;
+    must(&interp, "seed 1,1,1 1 radius=3 to=11,7,5");
+    CHECK(session_pendings(&interp.session) > once);
+    must(&interp, "run");
+    CHECK_INT(seeds(), planted);
+    interpreter_release(&interp);
+}
+
+/* ---- what runs, and when ---- */
+
+STORY(what_waits_runs_with_the_next_edit_and_not_by_going_there)
+{
+    begin("waits.iftty");
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "seed 9,9,9 2");
+    must(&interp, "run");
+    must(&interp, "undo"); /* record 5: two edits wait */
+    must(&interp, "auto on");
+    CHECK_TEXT(buf_text(&reply.text), "2 edits waiting for `run` or the next edit\n");
+    CHECK_INT(session_pendings(&interp.session), 2);
+    must(&interp, "seed 5,5,5 3"); /* runs all three */
+    CHECK_INT(seeds(), 3);
+    CHECK_INT(session_pendings(&interp.session), 0);
+    must(&interp, "goto 2");
+    CHECK_HAS(buf_text(&reply.text),
+              "after 2 seed 1,1,1 1, 1 edit waiting for `run` or the next edit");
+    CHECK_INT(seeds(), 0);
+    CHECK_INT(session_pendings(&interp.session), 1);
+    must(&interp, "view left"); /* no edit */
+    CHECK_INT(session_pendings(&interp.session), 1);
+    must(&interp, "weight sobel");
+    CHECK_INT(seeds(), 1);
+    must(&interp, "undo");
+    CHECK_INT(session_pendings(&interp.session), 1);
+    CHECK_INT(seeds(), 0);
+    must(&interp, "redo");
+    CHECK_INT(seeds(), 1);
+    must(&interp, "undo");
+    resume("waits.iftty");
+    CHECK_INT(session_pendings(&interp.session), 1);
+    must(&interp, "run");
+    CHECK_INT(seeds(), 1);
+    interpreter_release(&interp);
+}
+
+int main(void)
+{
+    if (!begin_folder())
+        return 1;
+    make_scene();
+    const int status =
+        RUN_STORIES(TELL(a_stroke_is_one_record_one_marker_and_one_undo),
+                    TELL(parts_of_a_stroke_are_undone_done_again_and_removed_as_one),
+                    TELL(only_what_was_just_planted_is_gone_on_with),
+                    TELL(a_line_of_the_journal_holds_thousands_of_corners),
+                    TELL(millimetres_are_refused_where_nobody_knows_them),
+                    TELL(only_intensities_of_the_range_are_planted),
+                    TELL(a_polygon_is_of_one_slice), TELL(a_label_may_be_called_by_several_words),
+                    TELL(an_older_journal_has_single_quotes_as_letters),
+                    TELL(an_older_journal_counts_what_waits_as_it_did),
+                    TELL(what_waits_runs_with_the_next_edit_and_not_by_going_there));
+    return end_folder() | status;
+}
