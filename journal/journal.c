@@ -60,18 +60,19 @@ static enum err repair_failures(struct journal *journal, struct fault *fault)
     return err ? fault_prefix(fault, err, "an earlier failure is not repaired yet") : OK;
 }
 
-static enum err append_to_file(struct journal *journal, const struct buf *bytes,
+static enum err append_to_file(struct journal *journal, const struct buf *bytes, bool may_wait,
                                struct fault *fault)
 {
     enum err err = repair_failures(journal, fault);
     if (err)
         return err;
     assert(file_log_length(journal->log) == journal->kept.length); /* J3 */
-    return file_log_append(journal->log, bytes->data, bytes->length, fault);
+    return file_log_append(journal->log, bytes->data, bytes->length, may_wait, fault);
 }
 
 /* The one door by which bytes reach the file: J1, J2, J5, J7. */
-static enum err append_bytes(struct journal *journal, const struct buf *bytes, struct fault *fault)
+static enum err append_bytes(struct journal *journal, const struct buf *bytes, bool may_wait,
+                             struct fault *fault)
 {
     struct buf *kept = &journal->kept;
     if (bytes->length > JOURNAL_BYTES_MAX - kept->length)
@@ -81,7 +82,7 @@ static enum err append_bytes(struct journal *journal, const struct buf *bytes, s
         kept->failed = false; /* what it held before is whole */
         return fault_memory(fault, "the journal");
     }
-    enum err err = journal->log ? append_to_file(journal, bytes, fault) : OK;
+    enum err err = journal->log ? append_to_file(journal, bytes, may_wait, fault) : OK;
     if (!err)
         buf_add(kept, bytes->data, bytes->length);
     return err;
@@ -97,7 +98,7 @@ enum err journal_create(struct journal **out, const char *path, unsigned semanti
         return err;
     err = file_log_open(&journal->log, path, true, fault);
     if (!err) {
-        err = append_bytes(journal, &journal->header, fault);
+        err = append_bytes(journal, &journal->header, false, fault);
         if (err)
             file_discard(path); /* ours, made a moment ago */
     }
@@ -213,7 +214,7 @@ static enum err take_over(struct journal *journal, const struct buf *bytes,
         return keep_header(journal, sound->semantics, fault);
     /* The program that began it may have ended before that. */
     err = journal->log ? file_log_sync_folder(journal->log, fault) : OK;
-    return err ? err : append_bytes(journal, &journal->header, fault);
+    return err ? err : append_bytes(journal, &journal->header, false, fault);
 }
 
 static enum err take_bytes(struct journal *journal, const struct buf *bytes,
@@ -276,8 +277,8 @@ enum err journal_repair(const char *path, unsigned semantics, struct buf *told, 
 
 /* ---- writing --------------------------------------------------------------------------------- */
 
-enum err journal_append(struct journal *journal, const char *command, const char *words,
-                        struct fault *fault)
+static enum err append_record(struct journal *journal, const char *command, const char *words,
+                              bool may_wait, struct fault *fault)
 {
     struct buf bytes = {0};
     struct record_chain chain;
@@ -285,7 +286,7 @@ enum err journal_append(struct journal *journal, const char *command, const char
     enum err err = record_encode(&bytes, &chain, &journal->chain, header, journal->count + 1,
                                  buf_text(&journal->comments), command, words, fault);
     if (!err)
-        err = append_bytes(journal, &bytes, fault);
+        err = append_bytes(journal, &bytes, may_wait, fault);
     if (err)
         fault_prefix(fault, err, "not recorded");
     if (!err) {
@@ -295,6 +296,17 @@ enum err journal_append(struct journal *journal, const char *command, const char
     }
     buf_release(&bytes);
     return err;
+}
+
+enum err journal_append(struct journal *journal, const char *command, const char *words,
+                        struct fault *fault)
+{
+    return append_record(journal, command, words, false, fault);
+}
+
+enum err journal_note(struct journal *journal, const char *command, struct fault *fault)
+{
+    return append_record(journal, command, "", true, fault);
 }
 
 enum err journal_comment(struct journal *journal, const char *comment, struct fault *fault)
@@ -326,7 +338,7 @@ enum err journal_continue(struct journal *journal, const char *path, struct faul
     if (!err)
         err = file_log_open(&log, path, true, fault);
     if (!err)
-        err = file_log_append(log, journal->kept.data, journal->kept.length, fault);
+        err = file_log_append(log, journal->kept.data, journal->kept.length, false, fault);
     if (!err)
         err = file_log_set_sync(log, journal->sync, fault);
     if (err) {
@@ -363,6 +375,11 @@ enum err journal_sync(struct journal *journal, struct fault *fault)
         return OK;
     enum err err = repair_failures(journal, fault);
     return err ? err : file_log_sync(journal->log, fault);
+}
+
+enum err journal_catch_up(struct journal *journal, struct fault *fault)
+{
+    return journal->sync == FILE_SYNC_ALWAYS ? journal_sync(journal, fault) : OK;
 }
 
 bool journal_only_looks(const struct journal *journal)

@@ -3,7 +3,10 @@
  *
  * Promises, by numbers that the tests use too:
  *   J1 a command is acknowledged only after its record is synced: when journal_append returns OK,
- *      the record is on the disk. A caller can ask for less by journal_set_sync;
+ *      the record is on the disk, with all before it. A command that changes nothing of the
+ *      segmentation is acknowledged when its record is written (journal_note): a loss of power may
+ *      take such records of the last second, from the end, and never one that was appended. A
+ *      caller can ask for less by journal_set_sync;
  *   J2 the file is always header + valid records + at most one torn record;
  *   J3 bytes before the end of the valid part never change;
  *   J4 replay reproduces every recorded word, or stops at the first that differs and says which
@@ -73,6 +76,13 @@ enum err journal_repair(const char *path, unsigned semantics, struct buf *told,
  * "key=value key=value" or "". On failure the journal is what it was (J5). */
 enum err journal_append(struct journal *journal, const char *command, const char *words,
                         struct fault *fault);
+
+/* The same for a command that changes nothing of the segmentation, whose record has no words: its
+ * sync waits for a second at most, and for the next journal_append or journal_catch_up. */
+enum err journal_note(struct journal *journal, const char *command, struct fault *fault);
+
+/* What waits so is synced: before a file is published that it led to, or the process is stopped. */
+enum err journal_catch_up(struct journal *journal, struct fault *fault);
 
 /* Keeps one comment line ("# why" or "") for the next record, which it becomes part of. It is lost
  * if there is none. */

@@ -149,15 +149,15 @@ static enum walk_step end_torn(struct walk *walk)
 /* The smallest block that a disk writes whole. */
 enum { SECTOR = 512 };
 
-/* Zeros stand only where whole sectors were not written: between sectors' ends, or the ends of what
- * follows the last record. No writer writes single zero bytes. */
+/* Zeros stand only where sectors were not written: from a sector's beginning, or the end of what
+ * was written before, to a sector's end or the last byte. No writer writes single zero bytes. */
 static bool zeros_are_sectors(const struct walk *walk)
 {
     for (size_t at = walk->offset; at < walk->length; at++) {
         size_t end = at;
         while (end < walk->length && walk->bytes[end] == '\0')
             end++;
-        if (end > at && ((at != walk->offset && at % SECTOR != 0) ||
+        if (end > at && ((at > 0 && at % SECTOR != 0 && walk->bytes[at - 1] != '\n') ||
                          (end != walk->length && end % SECTOR != 0)))
             return false;
         at = end;
@@ -165,9 +165,23 @@ static bool zeros_are_sectors(const struct walk *walk)
     return true;
 }
 
-/* A disk may write the sectors of an append in any order, and lose power between two: zeros then
- * stand where one was not written, and bytes after them. Such a record is the last: after its
- * result line, if that is there, nothing follows. */
+/* What may have waited to be synced (J1) is the record of a command that changed nothing of the
+ * segmentation: it has no words. What is left of a result line shows it: "= 12 chain=...". */
+static bool may_have_waited(const struct line *line)
+{
+    static const char chain[] = " chain=";
+    const char *zero = memchr(line->text, '\0', line->length);
+    const char *at = line->text + 1, *end = zero ? zero : line->text + line->length;
+    at += at < end && *at == ' ';
+    while (at < end && *at >= '0' && *at <= '9')
+        at++;
+    const size_t left = (size_t)(end - at), most = sizeof chain - 1;
+    return at <= end && memcmp(at, chain, left < most ? left : most) == 0;
+}
+
+/* A disk may write the sectors of what was not synced in any order, and lose power between two:
+ * zeros then stand where one was not written, and bytes after them. Such a record is the last:
+ * after its result line, if that is there, nothing follows; or all that follows may have waited. */
 static bool is_torn_by_zeros(const struct walk *walk, const struct line *line)
 {
     struct position at = {walk->offset, walk->line};
@@ -175,7 +189,7 @@ static bool is_torn_by_zeros(const struct walk *walk, const struct line *line)
     if (!walk->is_journal || !memchr(line->text, '\0', line->length))
         return false;
     while (take_line(walk, &at, &later))
-        if (line_is_result(&later) && at.offset < walk->length)
+        if (line_is_result(&later) && !may_have_waited(&later) && at.offset < walk->length)
             return false;
     return zeros_are_sectors(walk);
 }

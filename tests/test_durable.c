@@ -273,6 +273,44 @@ STORY(what_a_failed_sync_may_have_lost_is_written_again)
     buf_release(&bytes);
 }
 
+STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
+{
+    char path[FILE_LENGTH];
+    strcpy(path, place("views.iftty"));
+    struct journal *journal = make(path, 1);
+    syncs = bad_syncs = 0;
+    file_step_hook = count_syncs;
+    for (size_t n = 2; n <= 6; n++)
+        CHECK(journal_note(journal, "turn 15", NULL) == OK);
+    CHECK(syncs <= 1); /* it may have taken long */
+    const uint64_t begin = clock_ns();
+    while (syncs < 1 && clock_ns() - begin < UINT64_C(60000000000))
+        usleep(10000);
+    CHECK_INT(syncs, 1); /* though nothing else was done */
+    CHECK(journal_note(journal, "turn 15", NULL) == OK);
+    CHECK(journal_catch_up(journal, NULL) == OK);
+    CHECK_INT(syncs, 2);
+    CHECK(journal_catch_up(journal, NULL) == OK && syncs == 2); /* nothing waits */
+    struct buf synced = {0}, bytes = {0};
+    content(&synced, path);
+    CHECK(journal_note(journal, "turn 15", NULL) == OK);
+    bad_syncs = 1; /* that of the next record, or of the thread: the page is gone */
+    append(journal, 9, NULL);
+    content(&bytes, path);
+    FILE *file = fopen(path, "r+e");
+    for (size_t at = synced.length; file && at < bytes.length; at++) {
+        fseek(file, (long)at, SEEK_SET);
+        fputc(0, file);
+    }
+    fclose(file);
+    CHECK(append(journal, 10, NULL) == OK);
+    file_step_hook = NULL;
+    CHECK(journal_audit(journal, NULL) == OK);
+    journal_close(journal);
+    buf_release(&synced);
+    buf_release(&bytes);
+}
+
 /* ---- others ---- */
 
 STORY(a_second_writer_is_told_who_has_it_and_may_look)
@@ -395,6 +433,7 @@ int main(void)
                              TELL(going_on_elsewhere_is_all_or_nothing),
                              TELL(records_are_synced_when_that_was_asked_for),
                              TELL(what_a_failed_sync_may_have_lost_is_written_again),
+                             TELL(what_may_wait_is_synced_soon_or_with_the_next_record),
                              TELL(a_second_writer_is_told_who_has_it_and_may_look),
                              TELL(looking_leaves_a_torn_tail_alone),
                              TELL(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken));

@@ -2,6 +2,9 @@
  * The history: whatever was done is undone exactly, and done again; alternatives keep apart; what
  * is resumed is what was left, whether its commands are carried out or only skimmed.
  */
+#include <pthread.h>
+
+#include "base/file.h"
 #include "base/mem.h"
 #include "base/packed.h"
 #include "journal/walk.h"
@@ -755,6 +758,54 @@ STORY(what_is_put_away_comes_back)
     }
 }
 
+/* ---- what waits to be synced ---- */
+
+static pthread_t own;
+static unsigned syncs; /* by this thread, not by the one that syncs what waits */
+
+static int count_syncs(enum file_step step, const char *path)
+{
+    (void)path;
+    syncs += step == FILE_STEP_SYNC && pthread_equal(pthread_self(), own);
+    return 0;
+}
+
+static unsigned syncs_of(struct interpreter *interp, const char *line)
+{
+    syncs = 0;
+    file_step_hook = count_syncs;
+    must(interp, line);
+    file_step_hook = NULL;
+    return syncs;
+}
+
+STORY(only_what_changes_how_one_looks_waits_to_be_synced)
+{
+    static const char *const looks[] = {"turn 3",      "cross 2,2,2", "zoom 2",     "window 1 90",
+                                        "shade depth", "auto off",    "size 20 20", "view left"};
+    static const char *const others[] = {
+        "label 1 head", "hide 1",   "seed 1,1,1 1",   "run",    "weight sobel",        "undo",
+        "goto 2",       "branch b", "clip axial 1-5", "render", "remove 1,1,1 of=tree"};
+    struct interpreter interp;
+    own = pthread_self();
+    begin_interpreter(&interp);
+    CHECK(interpreter_create_journal(&interp, place("syncs.iftty"), &fault) == OK);
+    must(&interp, "open scene.nii");
+    must(&interp, "seed 5,5,5 2");
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "run");
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        const char *look = looks[i % (sizeof looks / sizeof *looks)];
+        if (!CHECK(syncs_of(&interp, look) == 0))
+            printf("#   %s\n", look);
+        if (!CHECK(syncs_of(&interp, others[i]) >= 1))
+            printf("#   %s\n", others[i]);
+    }
+    CHECK_INT(syncs_of(&interp, "turn 4"), 0);
+    CHECK(syncs_of(&interp, "save labels labels.nii") >= 1);
+    interpreter_release(&interp);
+}
+
 int main(void)
 {
     if (!begin_folder())
@@ -771,6 +822,7 @@ int main(void)
         TELL(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was),
         TELL(a_scene_is_opened_and_interpolated_or_is_not),
         TELL(what_is_skimmed_is_what_was_carried_out), TELL(a_journal_that_lies_is_not_resumed),
-        TELL(what_is_put_away_comes_back));
+        TELL(what_is_put_away_comes_back),
+        TELL(only_what_changes_how_one_looks_waits_to_be_synced));
     return status | end_folder();
 }

@@ -51,6 +51,8 @@ static void write_command(struct buf *out, size_t n, size_t salt, bool has_scene
         buf_printf(out, "%s\n", first[n - 1]);
     else if (n % 17 == 0)
         buf_printf(out, "# comment %zu\nlabel %zu name%zu-%zu\n", n, 1 + n % 200, salt, n);
+    else if (n % 5 == 0) /* whose sync waits */
+        buf_printf(out, "cross %zu,%zu,%zu\n", n % 16, n / 16 % 16, (n + salt) % 16);
     else
         buf_printf(out, "seed %zu,%zu,%zu %zu\n", n % 16, n / 16 % 16, (n + salt) % 16, n % 9);
 }

@@ -13,6 +13,7 @@
  */
 #include <dirent.h>
 #include <errno.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -118,16 +119,20 @@ static size_t surviving_length(size_t synced, size_t written)
     return low + check_below(&dice, (uint32_t)(high - low) + 1);
 }
 
+/* What was written since the last sync, append by append: the system may have sent a block to the
+ * disk after any of them. */
+static struct buf version[FILES_MOST];
+static unsigned versions;
+
 static void survive(struct buf *out, const struct buf *synced, const struct buf *written)
 {
     const size_t length = surviving_length(synced->length, written->length);
     buf_clear(out);
     for (size_t at = 0; at < length; at += BLOCK) {
-        const bool is_new = coin();
-        for (size_t i = at; i < length && i < at + BLOCK; i++) {
-            const struct buf *from = is_new ? written : synced;
+        const unsigned which = check_below(&dice, versions + 2);
+        const struct buf *from = which == 0 ? written : which == 1 ? synced : version + which - 2;
+        for (size_t i = at; i < length && i < at + BLOCK; i++)
             buf_add_char(out, i < from->length ? from->data[i] : '\0');
-        }
     }
     losses_of_bytes += out->length != written->length ||
                        (out->length && memcmp(out->data, written->data, out->length) != 0);
@@ -450,6 +455,109 @@ STORY(without_syncs_what_was_synced_last_is_there)
     }
 }
 
+/* ---- views ---- */
+
+/* What record n is: an edit, with words, or a turn of the view, whose sync waits. */
+static bool is_edit[64];
+static size_t written, edits_acknowledged;
+
+static void command_of(size_t n, char out[64])
+{
+    snprintf(out, 64, is_edit[n] ? "seed %zu,2,3 1" : "turn %zu", n);
+}
+
+static enum err expect_record(void *context, const struct record *record, struct fault *why)
+{
+    char command[64];
+    size_t *count = context;
+    (void)why;
+    command_of(++*count, command);
+    CHECK_TEXT(record->command, command);
+    return OK;
+}
+
+/* Records from the first on, with every edit that was acknowledged; opened without a question. */
+static void lose_power_over_views(void)
+{
+    struct synced_name now[FILES_MOST];
+    const unsigned count = present_names(now);
+    int (*hook)(enum file_step step, const char *path) = file_step_hook;
+    file_step_hook = NULL;
+    for (unsigned trial = 0; trial < 4 * TRIALS; trial++) {
+        struct journal *journal;
+        char path[512];
+        size_t records = 0;
+        const struct journal_resume how = {
+            .semantics = 1, .on_record = expect_record, .context = &records};
+        clear(after);
+        leave("j.iftty", now, count);
+        path_in(path, after, "j.iftty");
+        struct fault why = {.text = ""};
+        if (CHECK(journal_open(&journal, path, &how, NULL, &why) == OK)) {
+            CHECK(records >= edits_acknowledged && records <= written + 1);
+            journal_close(journal);
+        } else {
+            printf("#   %zu records, %zu to be kept: %s\n", written, edits_acknowledged, why.text);
+        }
+    }
+    file_step_hook = hook;
+}
+
+/* Of the appends of edits alone: a thread syncs views at its own time, which takes nothing. */
+static pthread_t teller;
+static int watch_edit(enum file_step step, const char *path)
+{
+    if (!pthread_equal(pthread_self(), teller))
+        return 0;
+    lose_power_over_views();
+    if (step != FILE_STEP_SYNC)
+        return 0;
+    sync_file(path);
+    while (versions > 0)
+        buf_release(version + --versions);
+    return 0;
+}
+
+static void write_record(struct journal *journal, size_t n)
+{
+    char command[64], path[512], words[64];
+    is_edit[n] = check_below(&dice, 4) == 0;
+    command_of(n, command);
+    snprintf(words, sizeof words, "forest=%016zx seeds=%zu", n * 77, n);
+    if (is_edit[n]) {
+        file_step_hook = watch_edit;
+        CHECK(journal_append(journal, command, words, NULL) == OK);
+        file_step_hook = NULL;
+        edits_acknowledged = n;
+    } else {
+        CHECK(journal_note(journal, command, NULL) == OK);
+    }
+    written = n;
+    lose_power_over_views();
+    path_in(path, folder, "j.iftty");
+    if (!is_edit[n] && versions < FILES_MOST)
+        read_all(version + versions++, path);
+}
+
+STORY(a_loss_of_power_takes_views_of_the_last_second_and_no_edit)
+{
+    teller = pthread_self();
+    for (uint64_t seed = 41; seed <= 44; seed++) {
+        struct journal *journal;
+        const char *path = begin(seed);
+        written = edits_acknowledged = 0;
+        CHECK(journal_create(&journal, path, 1, NULL) == OK);
+        sync_file(path);
+        names_on_disk = present_names(names);
+        for (size_t n = 1; n < 60; n++)
+            write_record(journal, n);
+        CHECK(losses_of_bytes > 1000);
+        journal_close(journal);
+        while (versions > 0)
+            buf_release(version + --versions);
+    }
+}
+
 int main(void)
 {
     if (!make_folder(folder, "power"))
@@ -461,7 +569,8 @@ int main(void)
                              TELL(a_journal_that_was_only_begun_gets_its_name_synced),
                              TELL(a_loss_of_power_while_a_torn_tail_is_mended),
                              TELL(a_loss_of_power_while_the_journal_goes_on_elsewhere),
-                             TELL(without_syncs_what_was_synced_last_is_there));
+                             TELL(without_syncs_what_was_synced_last_is_there),
+                             TELL(a_loss_of_power_takes_views_of_the_last_second_and_no_edit));
     forget_everything();
     clear(folder);
     clear(after);

@@ -479,7 +479,18 @@ bool term_was_continued(void)
     return was;
 }
 
+static void (*before_suspending)(void *context);
+static void *suspending_context;
+
+void term_on_suspend(void (*before)(void *context), void *context)
+{
+    before_suspending = before;
+    suspending_context = context;
+}
+
 void term_suspend(void)
 {
+    if (before_suspending)
+        before_suspending(suspending_context);
     kill(0, SIGTSTP);
 }

@@ -87,7 +87,9 @@ enum term_input term_read(struct buf *out, int timeout_ms, int other);
 bool term_was_resized(void);
 bool term_was_continued(void);
 
-/* Stops the process group as Ctrl-Z does; returns when it goes on. */
+/* Stops the process group as Ctrl-Z does; returns when it goes on. `before` is called first: a
+ * process that is stopped keeps no promise that takes time. NULL calls nobody. */
+void term_on_suspend(void (*before)(void *context), void *context);
 void term_suspend(void);
 
 #endif

@@ -130,7 +130,7 @@ enum err file_log_set_sync(struct file_log *log, enum file_sync sync, struct fau
         err = start_thread(log, fault);
     if (err)
         return err;
-    if (sync != FILE_SYNC_EVERY_SECOND)
+    if (sync == FILE_SYNC_OFF)
         stop_thread(log);
     log->sync = sync;
     return OK;
@@ -358,30 +358,34 @@ enum err file_log_cut(struct file_log *log, uint64_t length, struct fault *fault
     return OK;
 }
 
-/* Bytes that were not there before: a sync that fails takes nothing with it but them. */
-static bool add(struct file_log *log, const void *bytes, size_t length)
+/* Bytes that were not there before: a sync that fails takes nothing with it but them and what waits. */
+static bool add(struct file_log *log, const void *bytes, size_t length, bool syncs)
 {
     return lseek(log->fd, (off_t)log->length, SEEK_SET) >= 0 &&
            file_step_write(log->fd, log->path, bytes, length) &&
-           (log->sync != FILE_SYNC_ALWAYS || file_step_sync(log->fd, log->path));
+           (!syncs || file_step_sync(log->fd, log->path));
 }
 
-enum err file_log_append(struct file_log *log, const void *bytes, size_t length,
+enum err file_log_append(struct file_log *log, const void *bytes, size_t length, bool may_wait,
                          struct fault *fault)
 {
+    const bool waits = may_wait && (log->has_thread || start_thread(log, NULL) == OK);
+    const bool syncs = log->sync == FILE_SYNC_ALWAYS && !waits;
     enum err err = find_in_place(log, fault);
     if (!err && (log->is_ragged || file_log_is_in_doubt(log)))
         err = fault_set(fault, ERR_IO, "%s is not mended after a failure", log->path);
     if (err)
         return err;
-    if (add(log, bytes, length)) {
+    if (add(log, bytes, length, syncs)) {
         set_length(log, log->length + length);
-        if (log->sync == FILE_SYNC_ALWAYS)
+        if (syncs)
             note_synced(log);
         return OK;
     }
     err = fault_errno(fault, "append to", log->path);
     log->is_ragged = true;
+    if (syncs)
+        doubt_what_waits(log);
     if (file_log_cut(log, log->length, NULL) != OK)
         fault_prefix(fault, err, "what was refused may still stand at its end");
     return err;

@@ -2,7 +2,8 @@
  * A file that grows, has one writer, and is synced as its owner wants it.
  *
  * What is promised of an append depends on when the file is synced:
- *   always  its bytes are on the disk when it returns;
+ *   always  its bytes are on the disk when it returns, with all before them; those of one that
+ *           `may_wait` are as of `second`;
  *   second  a thread syncs at most a second later: a loss of power may take the last second;
  *   off     whenever the system does, a `file_log_sync` asks for it, or the log is closed.
  * In all three a process that is killed loses nothing: the bytes are the system's by then.
@@ -44,9 +45,9 @@ enum err file_log_open(struct file_log **log, const char *path, bool create, str
 /* Syncs the folder that holds the file: it can be found after a loss of power. */
 enum err file_log_sync_folder(const struct file_log *log, struct fault *fault);
 
-/* Appends, and syncs as was asked for. On failure the file is cut back to its former length; where
+/* Appends, and syncs as was asked for; what `may_wait`, where there is a thread to sync it. On failure the file is cut back to its former length; where
  * even that fails it is ragged, and file_log_cut is to be tried again (G1). */
-enum err file_log_append(struct file_log *log, const void *bytes, size_t length,
+enum err file_log_append(struct file_log *log, const void *bytes, size_t length, bool may_wait,
                          struct fault *fault);
 
 bool file_log_is_ragged(const struct file_log *log);

@@ -99,10 +99,13 @@ static enum err begin_journal(struct interpreter *interp, struct fault *fault)
 
 static enum err append(struct interpreter *interp, const struct reply *reply, struct fault *fault)
 {
-    const enum err err = interp->journal
-                             ? journal_append(interp->journal, buf_text(&reply->canonical),
-                                              buf_text(&reply->words), fault)
-                             : OK;
+    const char *command = buf_text(&reply->canonical), *words = buf_text(&reply->words);
+    const bool may_wait = !*words && !interp->written.length && !history_moves(&interp->history);
+    enum err err = OK;
+    if (interp->journal && may_wait)
+        err = journal_note(interp->journal, command, fault);
+    else if (interp->journal)
+        err = journal_append(interp->journal, command, words, fault);
     return err ? fault_prefix(fault, err,
                               "the command is undone, because it could not be recorded "
                               "(`journal FILE` continues in another file)")

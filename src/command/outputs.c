@@ -22,6 +22,10 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
         limits_will_write();
     if (interp->writer && picture_writer_holds(interp->writer, path))
         picture_writer_wait(interp->writer, NULL, NULL); /* one after the other */
+    if (interp->journal && interp->mode == MODE_LIVE)
+        err = journal_catch_up(interp->journal, fault); /* what led to it is on the disk */
+    if (err)
+        return err;
     if (file_exists(path)) {
         if (mode == FILE_KEEP)
             return OK; /* the writer refuses */

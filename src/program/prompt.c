@@ -206,6 +206,14 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
 
 /* ---- beginning and end ---- */
 
+/* What fails is noticed again by the next edit. */
+static void before_suspending(void *context)
+{
+    struct prompt *prompt = context;
+    if (prompt->interp.journal)
+        journal_catch_up(prompt->interp.journal, NULL);
+}
+
 /* "ch2" for /data/ch2.nii.gz; NAME-N.iftty for the first N that is free here. */
 static void name_session(struct prompt *prompt, struct buf *journal)
 {
@@ -293,6 +301,7 @@ enum err run_prompt(const struct options *o, struct fault *fault)
     prompt.pilot.smooth = o->smooth;
     prompt.interp.has_pilot = is_terminal;
     prompt.interp.add_keys = line_keys_page;
+    term_on_suspend(before_suspending, &prompt);
     if (!err)
         err = run_repl(&prompt, o, fault);
     if (prompt.interp.writer)

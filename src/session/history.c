@@ -356,6 +356,11 @@ enum err history_note(struct history *history, const struct session *session, co
     return OK;
 }
 
+bool history_moves(const struct history *history)
+{
+    return history->is_root || history->noted.settings || history->goes_to != POINT_NONE;
+}
+
 /* The root takes the place of all that was. */
 static void begin_anew(struct history *history)
 {

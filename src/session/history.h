@@ -119,6 +119,9 @@ enum err history_branch(struct history *history, const char *name, struct fault 
 enum err history_note(struct history *history, const struct session *session, const char *command,
                       struct fault *fault);
 
+/* Whether what was noted changes the segmentation, or where one is in its history. */
+bool history_moves(const struct history *history);
+
 /* It stands, or is taken back. Called after each command, noted or not. */
 void history_settle(struct history *history, bool stands);
 
