@@ -775,6 +775,89 @@ STORY(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was)
     }
 }
 
+/* ---- shown while it goes on ---- */
+
+/* What was final when a run was shown. */
+struct showing {
+    const struct world *w;
+    struct watch watch;
+    uint64_t *key; /* of each cell, or 0 */
+    uint8_t *label;
+    unsigned shows, finals;
+    bool was_another; /* a final voxel that was final with another key or label */
+};
+
+static bool look_and_want(void *context, const char *what, uint64_t served, uint64_t total)
+{
+    struct showing *showing = context;
+    (void)what, (void)served, (void)total;
+    showing->watch.wants_show = true;
+    return false;
+}
+
+static void note_finals(void *context)
+{
+    struct showing *showing = context;
+    const struct scene *scene = showing->w->scene;
+    showing->shows++;
+    for (uint32_t c = 0; c < scene->grid.cells; c++) {
+        if (!forest_is_final(showing->w->forest, c))
+            continue;
+        const struct cell *cell = scene->cell + c;
+        showing->was_another |=
+            showing->key[c] && (showing->key[c] != cell->key || showing->label[c] != cell->label);
+        showing->finals += !showing->key[c];
+        showing->key[c] = cell->key;
+        showing->label[c] = cell->label;
+    }
+}
+
+/* Seeds have key (0, 0, root), which is never 0: no voxel is cell 0. */
+static void final_was_final(struct showing *showing)
+{
+    const struct scene *scene = showing->w->scene;
+    bool same = true;
+    for (uint32_t c = 0; c < scene->grid.cells; c++)
+        if (showing->key[c])
+            same &=
+                scene->cell[c].key == showing->key[c] && scene->cell[c].label == showing->label[c];
+    CHECK(same && !showing->was_another);
+    free(showing->key);
+    free(showing->label);
+}
+
+STORY(what_is_shown_as_final_has_its_label_for_good)
+{
+    uint64_t random = 11;
+    unsigned shows = 0, finals = 0;
+    struct team *team;
+    if (!CHECK(team_new(&team, 3, NULL) == OK))
+        return;
+    for (unsigned round = 0; round < scaled(120) && check_failures == 0; round++) {
+        struct world w = random_world(&random, round % 2 ? 6 : 0);
+        struct edit *batch = malloc((w.scene->grid.voxels + 4) * sizeof *batch);
+        const size_t count = random_batch(&w, batch, &random);
+        struct showing showing = {.w = &w};
+        if (round % 3 == 0)
+            CHECK(forest_set_team(w.forest, team, NULL) == OK);
+        showing.key = calloc(w.scene->grid.cells, sizeof *showing.key);
+        showing.label = calloc(w.scene->grid.cells, 1);
+        showing.watch = (struct watch){
+            .context = &showing, .poll = look_and_want, .show = note_finals, .step = 1};
+        w.scene->watch = &showing.watch;
+        CHECK(forest_edit(w.forest, batch, count, NULL) == OK);
+        w.scene->watch = NULL;
+        final_was_final(&showing);
+        shows += showing.shows;
+        finals += showing.finals;
+        CHECK(equals_scratch(&w));
+        free(batch);
+        world_free(&w);
+    }
+    CHECK(shows > scaled(1000) && finals > scaled(10000));
+    team_free(team);
+}
+
 static int allowed; /* allocations before one fails; all after it succeed again */
 
 static bool allow_some(size_t bytes)
@@ -874,6 +957,7 @@ int main(void)
                        TELL(under_every_kind_of_arc_and_roi_edits_equal_the_fixed_point),
                        TELL(a_large_tree_that_falls_is_as_if_it_had_never_been),
                        TELL(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was),
+                       TELL(what_is_shown_as_final_has_its_label_for_good),
                        TELL(an_allocation_that_fails_leaves_the_forest_as_it_was),
                        TELL(the_synthetic_scene_is_the_same_everywhere));
 }

@@ -8,6 +8,7 @@
 #include "base/mem.h"
 #include "base/packed.h"
 #include "journal/walk.h"
+#include "session/slicing.h"
 #include "tests/small_scene.h"
 
 static uint64_t seed = 7;
@@ -365,11 +366,35 @@ static bool allow_some(size_t bytes)
     return allowed-- > 0;
 }
 
+/* A watch that stops after so many looks, and may have each run shown as often as it can be. */
+struct stopping {
+    struct watch watch;
+    struct session *session;
+    unsigned left, shows;
+};
+
 static bool not_now(void *context, const char *what, uint64_t done, uint64_t all)
 {
-    unsigned *left = context;
+    struct stopping *stopping = context;
     (void)what, (void)done, (void)all;
-    return (*left)-- == 0;
+    stopping->watch.wants_show = true;
+    return stopping->left-- == 0;
+}
+
+static void draw_all(void *context)
+{
+    struct stopping *stopping = context;
+    struct canvas canvas;
+    session_count_labels(stopping->session, NULL);
+    if (slicing_draw(&canvas, stopping->session, SLICE_KIND_MOSAIC, true, NULL) == OK)
+        canvas_release(&canvas);
+    stopping->shows++;
+}
+
+static void show_all(void *context)
+{
+    struct stopping *stopping = context;
+    session_show(stopping->session, draw_all, stopping);
 }
 
 static void begin_with_history(struct interpreter *interp)
@@ -462,14 +487,14 @@ STORY(who_is_stopped_on_the_way_is_where_he_was)
 {
     struct interpreter interp;
     struct snapshot before;
-    unsigned left, stopped = 0;
-    struct watch watch = {.context = &left, .poll = not_now};
+    unsigned stopped = 0;
+    struct stopping stopping = {.watch = {.context = &stopping, .poll = not_now}};
     begin_with_history(&interp);
     take_snapshot(&before, &interp);
     for (size_t i = 0; i < TRAVELS; i++)
         for (unsigned looks = 0;; looks++) {
-            left = looks;
-            interp.session.watch = &watch;
+            stopping.left = looks;
+            interp.session.watch = &stopping.watch;
             const enum err err = execute(&interp, travels[i]);
             interp.session.watch = NULL;
             if (err == OK) {
@@ -525,15 +550,19 @@ static const char *const works[] = {
 
 /* Carries a command out as often as it looks at the watch, each time stopped one look later, or
  * some later where there are many; and at last lets it be. How often it was stopped. */
-static unsigned stop_everywhere(struct interpreter *interp, const char *line)
+static unsigned stop_everywhere(struct interpreter *interp, const char *line, bool shows)
 {
     struct snapshot before;
-    unsigned left, stopped = 0;
-    struct watch watch = {.context = &left, .poll = not_now, .step = 1};
+    unsigned stopped = 0;
+    struct stopping stopping = {.watch = {.context = &stopping,
+                                          .poll = not_now,
+                                          .show = shows ? show_all : NULL,
+                                          .step = 1},
+                                .session = &interp->session};
     take_snapshot(&before, interp);
-    for (unsigned looks = 0;; looks += 1 + looks / 24, stopped++) {
-        left = looks;
-        interp->session.watch = &watch;
+    for (unsigned looks = 0;; looks += 1 + looks / (shows ? 6 : 16), stopped++) {
+        stopping.left = looks;
+        interp->session.watch = &stopping.watch;
         const enum err err = execute(interp, line);
         interp->session.watch = NULL;
         if (err == OK)
@@ -560,11 +589,45 @@ STORY(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was)
         must(&interp, "seed 10,9,8 2 radius=1");
         must(&interp, "render");
         for (size_t i = 0; i < sizeof works / sizeof *works; i++)
-            if (!CHECK(stop_everywhere(&interp, works[i]) > 1))
+            if (!CHECK(stop_everywhere(&interp, works[i], by_itself) > 1))
                 printf("#   %s\n", works[i]);
         CHECK(unlink(place("labels.nii")) == 0 && unlink(place("root.nii.gz")) == 0);
         interpreter_release(&interp);
     }
+}
+
+/* Neither what is computed nor what is drawn of it afterwards. */
+STORY(what_is_shown_on_the_way_changes_nothing)
+{
+    struct interpreter interp, plain;
+    struct snapshot shown, expected;
+    struct stopping stopping = {.watch = {.context = &stopping, .poll = not_now, .show = show_all},
+                                .session = &interp.session};
+    begin_with_scene(&interp);
+    begin_with_scene(&plain);
+    must(&interp, "size 24 24");
+    must(&plain, "size 24 24");
+    for (size_t i = 0; i < 2 * DEEDS; i++) {
+        const char *line = i % 2 ? "render" : deeds[i / 2];
+        const unsigned failures = check_failures;
+        stopping.left = UINT_MAX;
+        interp.session.watch = &stopping.watch;
+        must(&interp, line);
+        interp.session.watch = interp.session.scene->watch = NULL;
+        must(&plain, line);
+        take_snapshot(&shown, &interp);
+        take_snapshot(&expected, &plain);
+        is_same_segmentation(&expected, &shown);
+        CHECK(interp.session.tally.stale || plain.session.tally.stale ||
+              memcmp(&interp.session.tally, &plain.session.tally, sizeof plain.session.tally) == 0);
+        if (i % 2)
+            CHECK(shown.picture == expected.picture);
+        if (check_failures > failures)
+            printf("#   %s\n", line);
+    }
+    CHECK(stopping.shows > 100);
+    interpreter_release(&interp);
+    interpreter_release(&plain);
 }
 
 STORY(a_scene_is_opened_and_interpolated_or_is_not)
@@ -575,8 +638,8 @@ STORY(a_scene_is_opened_and_interpolated_or_is_not)
         char line[64];
         begin_interpreter(&interp);
         snprintf(line, sizeof line, "open %s", scenes[i]);
-        CHECK(stop_everywhere(&interp, line) > 20);
-        CHECK(stop_everywhere(&interp, "interpolate 2 1 2") > 20);
+        CHECK(stop_everywhere(&interp, line, false) > 20);
+        CHECK(stop_everywhere(&interp, "interpolate 2 1 2", true) > 20);
         interpreter_release(&interp);
     }
 }
@@ -820,6 +883,7 @@ int main(void)
         TELL(without_memory_one_stays_where_one_is), TELL(without_memory_a_marker_stands_as_it_did),
         TELL(who_is_stopped_on_the_way_is_where_he_was),
         TELL(whatever_looks_at_the_scene_is_stopped_there_and_leaves_all_as_it_was),
+        TELL(what_is_shown_on_the_way_changes_nothing),
         TELL(a_scene_is_opened_and_interpolated_or_is_not),
         TELL(what_is_skimmed_is_what_was_carried_out), TELL(a_journal_that_lies_is_not_resumed),
         TELL(what_is_put_away_comes_back),

@@ -8,7 +8,7 @@ void watch_begin(struct watch *watch)
     if (!watch)
         return;
     watch->stopped = false;
-    watch->ignores_stop = false;
+    watch->ignores_stop = watch->wants_show = false;
 }
 
 void watch_ignore_stop(struct watch *watch)
@@ -37,6 +37,17 @@ bool watch_poll(struct watch *watch, const char *what, uint64_t done, uint64_t t
     const bool stop = watch->poll(watch->context, what, done, total);
     watch->stopped = watch->stopped || (stop && !watch->ignores_stop);
     return watch->stopped;
+}
+
+bool watch_wants_show(const struct watch *watch)
+{
+    return watch && watch->show && watch->wants_show;
+}
+
+void watch_show(struct watch *watch)
+{
+    watch->wants_show = false;
+    watch->show(watch->context);
 }
 
 bool watch_stops(struct watch *watch)

@@ -12,6 +12,11 @@
  *         if (!task_advance(&task, weigh(row)))
  *             return;
  *
+ * Some work can be shown while it goes on. A watch that `wants_show` is called back by `show` as
+ * soon as what is done so far can be read, by the thread that began the work, and nothing else goes
+ * on meanwhile; the work goes on when `show` returns. The forest does so between two levels
+ * (engine/forest.h), and not while a command is taken back.
+ *
  * Invariants
  *   W1 stopping is sticky: once the watch has said so, every task under it ends at its next step
  *      until watch_begin. So a loop that ends early may return nothing, and the caller of a whole
@@ -34,9 +39,11 @@ struct watch {
     /* A line, without its line feed, that the user is to read before something large begins. May
      * be NULL. */
     void (*announce)(void *context, const char *line);
-    _Atomic bool stopped; /* W1 */
-    bool ignores_stop;    /* W2 */
-    uint64_t step;        /* units between two polls of a task; 0: TASK_STEP */
+    void (*show)(void *context); /* may be NULL */
+    bool wants_show;             /* set by `poll`; `show` is called once for it */
+    _Atomic bool stopped;        /* W1 */
+    bool ignores_stop;           /* W2 */
+    uint64_t step;               /* units between two polls of a task; 0: TASK_STEP */
 };
 
 /* Any of these may be given NULL: a watch that never stops and shows nothing. */
@@ -45,6 +52,10 @@ void watch_ignore_stop(struct watch *watch);
 void watch_announce(struct watch *watch, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 bool watch_poll(struct watch *watch, const char *what, uint64_t done, uint64_t total);
+
+/* Whether what is done is to be shown; and shows it. */
+bool watch_wants_show(const struct watch *watch);
+void watch_show(struct watch *watch);
 
 /* Whether the work is to stop, or has ended early already. */
 bool watch_stops(struct watch *watch);

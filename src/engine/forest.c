@@ -401,6 +401,7 @@ enum err forest_new(struct forest **out, struct scene *scene, unsigned adjacency
         return fault_memory(fault, "a forest");
     forest->scene = scene;
     forest->cell = scene->cell;
+    forest->level = UINT32_MAX;
     forest->change_limit = scene->grid.voxels / CHANGES_SHARE + 1;
     forest->clear_limit = scene->grid.voxels / CLEARED_SHARE;
     if (forest->clear_limit < CLEARED_FEW)
@@ -457,6 +458,12 @@ uint32_t forest_predecessor(const struct forest *forest, uint32_t cell)
             return (uint32_t)(neighbour - forest->cell);
     }
     return CELL_NONE;
+}
+
+bool forest_is_final(const struct forest *forest, uint32_t cell)
+{
+    const struct cell *at = forest->cell + cell;
+    return cell_is_reached(at) && key_level(at->key) <= forest->level;
 }
 
 struct changes forest_changes(const struct forest *forest)

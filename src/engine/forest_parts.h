@@ -81,6 +81,8 @@ struct forest {
     bool may_stop, torn;
     _Atomic bool cut_short; /* the pass: all workers leave their level */
     bool alone;             /* the first worker acts for all; set before all meet */
+    bool pauses;            /* all workers leave the pass, to be shown; likewise */
+    uint32_t level;         /* up to which all is served; UINT32_MAX between passes */
 
     bool from_scratch; /* the pass began with seeds only: no key will rise */
     struct forest_stats stats;

@@ -364,7 +364,7 @@ static void work(void *context, unsigned number)
             team = NULL;
         }
         const struct status all = gather_status(forest);
-        if (all.err || all.lowest == QUEUE_EMPTY)
+        if (all.err || all.lowest == QUEUE_EMPTY || forest->pauses)
             break;
         const uint32_t level = (uint32_t)all.lowest;
         for (unsigned i = number; i < end; i++)
@@ -373,6 +373,10 @@ static void work(void *context, unsigned number)
         if (number == 0 && team)
             forest->alone = waits_too_long(pass);
         const bool cancelled = number == 0 && is_cancelled(forest, all.served);
+        if (number == 0) {
+            forest->level = level;
+            forest->pauses = forest->may_stop && watch_wants_show(forest->task.watch);
+        }
         for (unsigned i = number; i < end; i++) {
             if (forest->shared)
                 take_posted_offers(forest, forest->worker + i, level);
@@ -393,9 +397,16 @@ static void empty_outboxes(struct forest *forest, struct worker *worker)
 enum err forest_pass(struct forest *forest)
 {
     struct pass pass = {.forest = forest, .begin_ns = clock_ns()};
+    struct status all;
     forest->cut_short = forest->alone = false;
-    team_run(forest->shared ? forest->team : NULL, work, &pass);
-    const struct status all = gather_status(forest);
+    do {
+        forest->pauses = false;
+        team_run(forest->shared ? forest->team : NULL, work, &pass);
+        all = gather_status(forest);
+        if (forest->pauses && !all.err)
+            watch_show(forest->task.watch);
+    } while (forest->pauses && !all.err);
+    forest->level = UINT32_MAX;
     for (unsigned i = 0; i < forest->workers; i++) {
         struct worker *worker = forest->worker + i;
         forest->stats.served += worker->served;

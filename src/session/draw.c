@@ -94,3 +94,19 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
     enum err err = session_run(session, fault);
     return err ? err : session_draw(session, mode, fault);
 }
+
+/* ---- while a command is carried out ---- */
+
+/* The border is that of the labels as they are, and made anew once they are final. The counts are
+ * those from which the command's changes will be counted. */
+void session_show(struct session *session, void (*draw)(void *context), void *context)
+{
+    const struct tally tally = session->tally, former = session->former_tally;
+    border_recount(&session->border);
+    session->stale |= MADE_BORDER;
+    session->rendered = false;
+    draw(context);
+    session->rendered = false;
+    session->tally = tally;
+    session->former_tally = former;
+}

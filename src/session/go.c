@@ -89,7 +89,8 @@ static void follow_forest(struct session *session)
 {
     const struct changes changes = forest_changes(session->forest);
     tally_follow(&session->tally, &changes, session->watch);
-    border_update(&session->border, &changes);
+    if (!(session->stale & MADE_BORDER)) /* it was, where the run was shown */
+        border_update(&session->border, &changes);
     if (watch_stops(session->watch))
         session->stale |= MADE_BORDER;
     if (!session->rendered)

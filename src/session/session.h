@@ -228,6 +228,11 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
 /* The same with the forest as it stands, whatever edits wait. */
 enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault);
 
+/* To be called from `show` of the watch (base/watch.h), while a command is carried out: `draw` may
+ * read the session and make pictures of it, as they are so far, and must carry out no command. What
+ * the command itself goes by is put back afterwards. */
+void session_show(struct session *session, void (*draw)(void *context), void *context);
+
 /* What was rendered, at the size of the view. */
 const struct rendition *session_frame(const struct session *session);
 
