@@ -29,7 +29,8 @@ ALL_CXXFLAGS = -std=c++17 $(COMMON) -idirafter $(OIIO_INCLUDE) $(CXXFLAGS)
 ALL_LDFLAGS  = $(SANITISE) $(LDFLAGS)
 
 EXR_CFLAGS   = $(shell pkg-config --cflags OpenEXR 2>/dev/null)
-OIIO_INCLUDE = $(shell pkg-config --variable=includedir OpenImageIO 2>/dev/null || echo /usr/include)
+OIIO_INCLUDE = $(shell pkg-config --variable=includedir OpenImageIO 2>/dev/null || \
+                   echo /usr/include)
 OIIO_LIBS    = $(shell pkg-config --libs OpenImageIO 2>/dev/null)
 LIBS         = -lOpenEXRCore -lz -ldeflate -lnettle -lm
 
@@ -43,8 +44,8 @@ Q   = @
 endif
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
 
-PARTS   := src/base src/engine src/image src/session src/sandbox src/command src/verify src/program \
-           journal render tui tui/picture tui/prompt tui/pilot
+PARTS   := src/base src/engine src/image src/session src/sandbox src/command src/verify \
+           src/program journal render tui tui/picture tui/prompt tui/pilot
 SOURCES := $(sort $(foreach part,$(PARTS),$(wildcard $(part)/*.c)))
 OBJECTS := $(SOURCES:%.c=$(BUILD)/%.o)
 LIBRARY := $(BUILD)/libiftty.a
@@ -82,13 +83,13 @@ MATRIX_PACKAGES := clang libclang-rt-dev gcc-i686-linux-gnu libc6-dev-i386-cross
 
 # Terminals, what they are shown on without a screen, and what looks at them and types.
 STAGED            := $(BUILD)/tests/terminals/paint $(BUILD)/tests/terminals/panel
-TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-dejavu-core foot sway \
-                     grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
+TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-dejavu-core foot \
+                     sway grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
 
 .DEFAULT_GOAL := all
-.PHONY: all tests test test-long test-stress test-bare check-format format variants test-matrix test-matrix-short test-terminals fuzz \
-        fuzzers demo bench-peers bench-chafa bench-paper bench-growth bench-render bench-journal \
-        bench-keys bench-looks help clean packages
+.PHONY: all tests test test-long test-stress test-bare check-format format variants test-matrix \
+        test-matrix-short test-terminals fuzz fuzzers demo bench-peers bench-chafa bench-paper \
+        bench-growth bench-render bench-journal bench-keys bench-looks help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -118,7 +119,7 @@ test-matrix-short: all build/.packages-matrix
 test-terminals: all $(STAGED) build/.packages-terminals
 	@$(PYTHON) -B tests/terminals/run.py $(BUILD) $(WORD)
 
-## fuzz: have libFuzzer look for bytes that break a reader; FUZZ_SECONDS=60 each, FUZZ=journal for one
+## fuzz: have libFuzzer look for bytes that break a reader; FUZZ_SECONDS=60 each; FUZZ=journal: one
 fuzz: build/.packages-matrix
 	@$(MAKE) VARIANT=fuzz CC=clang OPTIMISE=-O1 SANITISE="$(FUZZ_SANITISE)" FUZZ="$(FUZZ)" fuzzers
 	@for name in $(FUZZ); do mkdir -p build/fuzz/corpus/$$name && \

@@ -9,7 +9,8 @@ out=$build/demo
 
 name=brain
 if ! "$iftty" -c 'open ch2.nii.gz' >/dev/null 2>&1; then
-    echo "The T1 scene ch2.nii.gz (Debian's mricron-data) is not here; the synthetic scene stands in."
+    echo "The T1 scene ch2.nii.gz (Debian's mricron-data) is not here;" \
+        "the synthetic scene stands in."
     name=geom
 fi
 rm -rf "$out"

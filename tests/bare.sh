@@ -1,14 +1,14 @@
 #!/bin/sh
 # A newcomer's machine: a bare Debian 12 with git, make and gcc, a fresh clone, and what README says
-# to type, `make demo` and `make test`; once as root, who gets what is missing installed, and once as
-# an ordinary user without sudo, who finds it there.
+# to type, `make demo` and `make test`; once as root, who gets what is missing installed, and once
+# as an ordinary user without sudo, who finds it there.
 #
 #     bare.sh [FOLDER]   the machine lies in FOLDER, or in build/bare; it is made anew
 #     KEEP=yes           and is left there afterwards
 #
 # What is cloned is HEAD: commit first. Packages come from where this machine has its own. Asks for
-# root. Closes with "N passed, N failed, N skipped" of both runs; status 1 where something is missing,
-# fails, or is skipped for a reason that is not in may_skip.txt.
+# root. Closes with "N passed, N failed, N skipped" of both runs; status 1 where something is
+# missing, fails, or is skipped for a reason that is not in may_skip.txt.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 suite=bookworm
@@ -19,8 +19,8 @@ bare=${1:-build/bare}
 mkdir -p "$bare" && bare=$(cd "$bare" && pwd) || exit 1
 root=$bare/root log=$bare/log said=$bare/said
 clear_up() {
-    awk -v root="$root" '$2 == root || index($2, root "/") == 1 { print $2 }' /proc/mounts | sort -r |
-        while read -r place; do umount -l "$place"; done
+    awk -v root="$root" '$2 == root || index($2, root "/") == 1 { print $2 }' /proc/mounts |
+        sort -r | while read -r place; do umount -l "$place"; done
     # where something should still be mounted, nothing of it is removed
     [ -n "${KEEP:-}" ] || rm -rf --one-file-system "$root"
 }
@@ -32,7 +32,8 @@ trap 'exit 1' HUP INT TERM
 # The mirrors of this machine's own sources, in either way of writing them.
 mirrors() {
     {
-        sed -n 's/^deb \(\[[^]]*\] *\)\{0,1\}\([^ ]*\) .*/\2/p' /etc/apt/sources.list /etc/apt/sources.list.d/*.list
+        sed -n 's/^deb \(\[[^]]*\] *\)\{0,1\}\([^ ]*\) .*/\2/p' \
+            /etc/apt/sources.list /etc/apt/sources.list.d/*.list
         sed -n 's/^URIs: *//p' /etc/apt/sources.list.d/*.sources | tr ' ' '\n'
     } 2>/dev/null | awk 'length && !seen[$0]++'
 }
@@ -54,7 +55,8 @@ share_network() {
 }
 mount_places() {
     mount --bind "$root" "$root" && mount -t sysfs -o ro sys "$root/sys" &&
-        mount -t tmpfs -o mode=755 dev "$root/dev" && mkdir "$root/dev/pts" "$root/dev/shm" || return
+        mount -t tmpfs -o mode=755 dev "$root/dev" &&
+        mkdir "$root/dev/pts" "$root/dev/shm" || return
     for device in null zero full random urandom tty; do
         touch "$root/dev/$device" && mount --bind "/dev/$device" "$root/dev/$device" || return
     done
@@ -63,15 +65,16 @@ mount_places() {
     mount -t devpts -o newinstance,ptmxmode=666,mode=620,gid=5 devpts "$root/dev/pts" &&
         mount -t tmpfs -o mode=1777 shm "$root/dev/shm"
 }
-# USER COMMAND: there, with nothing of this environment but the way out to the network. The root is a
-# real one, not that of chroot, in which the kernel makes no namespaces; and so are its processes,
+# USER COMMAND: there, with nothing of this environment but the way out to the network. The root is
+# a real one, not that of chroot, in which the kernel makes no namespaces; and so are its processes,
 # which end with the command.
 inside() {
     set -- "$1" "$2" "$(awk -F: -v user="$1" '$1 == user { print $6 }' "$root/etc/passwd")"
     # shellcheck disable=SC2016
-    unshare --mount --pid --fork --kill-child sh -c 'mount -t proc proc "$1/proc" && cd "$1" && shift &&
-            pivot_root . mnt && umount -l /mnt && exec env -i "$@"' sh \
-        "$root" HOME="$3" PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb \
+    unshare --mount --pid --fork --kill-child sh -c '
+            mount -t proc proc "$1/proc" && cd "$1" && shift &&
+            pivot_root . mnt && umount -l /mnt && exec env -i "$@"' sh "$root" \
+        HOME="$3" PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb \
         ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
         setpriv --reuid="$1" --regid="$1" --init-groups sh -c "cd && $2" </dev/null
 }

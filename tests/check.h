@@ -6,7 +6,8 @@
  *
  * A story goes on after a failed check; it counts once, as passed or failed. Output is TAP:
  * "ok 1 - name" or "not ok 1 - name" with the failed checks before it as comments. What this
- * machine cannot do is said by SKIP("why"): "ok 1 - name # SKIP why", which nobody counts as passed.
+ * machine cannot do is said by SKIP("why"): "ok 1 - name # SKIP why", which does not count as
+ * passed.
  */
 #ifndef TESTS_CHECK_H
 #define TESTS_CHECK_H

@@ -1,6 +1,6 @@
 /*
- * What stories at an interpreter share: lines go in by the one door, and the image helper is the one that
- * was built beside the test programs.
+ * What stories at an interpreter share: lines go in by the one door, and the image helper is the
+ * one that was built beside the test programs.
  *
  * `reply` and `fault` are those of the last line; whoever has a main releases `reply` at its end.
  */

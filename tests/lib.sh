@@ -45,9 +45,11 @@ close_story() {
 skip() { # WHY: the story, or a part of it, cannot be done here
     lacks=${lacks:-$1}
 }
-needs() { # TOOL...: programs in PATH; else the story is skipped. A fresh shell has none of our functions
+# TOOL...: programs in PATH; else the story is skipped. A fresh shell has none of our functions.
+needs() {
     for tool; do
-        sh -c 'command -v "$0"' "$tool" >/dev/null 2>&1 || { skip "$tool is not installed"; return 1; }
+        sh -c 'command -v "$0"' "$tool" >/dev/null 2>&1 ||
+            { skip "$tool is not installed"; return 1; }
     done
 }
 needs_landlock() {

@@ -13,8 +13,8 @@ cd "$(dirname "$0")/.." || exit 1
 
 # Those that take longest begin first, so that the last one to end is a short one.
 longest='test_trust.sh test_forest test_verify.sh test_team_racing test_large.sh test_bench.sh
-test_mutation.sh test_durable.sh test_interpolate test_pictures.sh test_team test_fuzz.sh test_tui_repl
-test_bad_input.sh test_command test_crash.sh test_prompt_pty test_leaving.sh'
+test_mutation.sh test_durable.sh test_interpolate test_pictures.sh test_team test_fuzz.sh
+test_tui_repl test_bad_input.sh test_command test_crash.sh test_prompt_pty test_leaving.sh'
 # What is on the disk after a crash is their subject.
 on_disk=' test_kill test_durable test_durable.sh test_crash.sh '
 
@@ -43,10 +43,12 @@ run_one() { # NAME
     passed=$(($(grep -c '^ok ' "$result.out") - skipped))
     failed=$(grep -c '^not ok ' "$result.out")
     planned=$(sed -n 's/^1\.\.\([0-9]*\)$/\1/p' "$result.out")
-    # A program that dies before its plan, or whose plan is another, has failed, whatever it printed.
-    if [ "$planned" != $((passed + failed + skipped)) ] || { [ $status -ne 0 ] && [ "$failed" = 0 ]; }; then
+    # A program that dies before its plan, or with another, has failed, whatever it printed.
+    if [ "$planned" != $((passed + failed + skipped)) ] ||
+        { [ $status -ne 0 ] && [ "$failed" = 0 ]; }; then
         failed=$((failed + 1))
-        echo "# $name ended with status $status after $((passed + skipped)) of ${planned:-?} stories" >>"$result.out"
+        ran=$((passed + skipped))
+        echo "# $name ended with status $status after $ran of ${planned:-?} stories" >>"$result.out"
     fi
     echo "$passed $failed $skipped" >"$result.counts"
     {
@@ -113,6 +115,7 @@ ordered "$@" | xargs -n 1 -P "${JOBS:-$(nproc)}" tests/run.sh one &
 wait $!
 cat "$results"/*.counts 2>/dev/null | awk -v programs=$# '
     { passed += $1; failed += $2; skipped += $3 }
-    END { if (NR < programs) { print "# " programs - NR " programs were not run"; failed += programs - NR }
+    END { left = programs - NR
+          if (left > 0) { print "# " left " programs were not run"; failed += left }
           printf "%d passed, %d failed, %d skipped\n", passed, failed, skipped
           exit failed > 0 || passed == 0 }'

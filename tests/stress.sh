@@ -1,5 +1,5 @@
 #!/bin/sh
-# The programs that depend on time, over and over while the machine is busy: stress.sh BUILD [NAME...]
+# The programs that depend on time, again and again on a busy machine: stress.sh BUILD [NAME...]
 #
 #     ROUNDS=20   so often
 #     LOAD=12     so many processes that do nothing but take time
@@ -9,10 +9,10 @@
 cd "$(dirname "$0")/.." || exit 1
 build=$1
 shift
-[ $# -gt 0 ] || set -- test_prompt_pty test_tui_repl test_term test_history_file test_picture_writer \
-    test_picture_writer_racing test_process test_flow test_kill test_durable test_image_helper \
-    test_leaving.sh test_prompt.sh test_pilot.sh test_verify.sh test_trust.sh test_durable.sh \
-    test_large.sh test_crash.sh test_diff.sh
+[ $# -gt 0 ] || set -- test_prompt_pty test_tui_repl test_term test_history_file \
+    test_picture_writer test_picture_writer_racing test_process test_flow test_kill test_durable \
+    test_image_helper test_leaving.sh test_prompt.sh test_pilot.sh test_verify.sh test_trust.sh \
+    test_durable.sh test_large.sh test_crash.sh test_diff.sh
 
 log=$(mktemp)
 busy=''

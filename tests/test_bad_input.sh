@@ -13,7 +13,8 @@ make_scene good.nii 24 20 16
 
 # No byte that a terminal obeys, line feeds apart.
 is_plain() {
-    [ "$(tr -cd '\000-\011\013-\037\177\233' <"$1" | wc -c)" -eq 0 ] || fail "control characters in $1: $(od -c "$1" | sed 4q)"
+    [ "$(tr -cd '\000-\011\013-\037\177\233' <"$1" | wc -c)" -eq 0 ] ||
+        fail "control characters in $1: $(od -c "$1" | sed 4q)"
 }
 
 # refused STATUS WORDS COMMAND...: exactly one line of complaint, which holds WORDS
@@ -27,7 +28,9 @@ refused() {
     cat "$work/err" "$work/out" >"$work/both"
     grep -qF -e "$words" "$work/both" || fail "no '$words' from $*:" "$(cat "$work/both")"
     is_plain "$work/both"
-    [ "$(awk 'BEGIN { n = 0 } { if (length > n) n = length } END { print n }' "$work/err")" -lt 800 ] || fail "a very long line from $*"
+    longest=$(awk '{ if (length > n) n = length } END { print n + 0 }' "$work/err")
+    [ "$longest" -lt 800 ] ||
+        fail "a very long line from $*"
     listing . | cmp -s - "$work/before" || fail "left by $*:" "$(listing . | diff "$work/before" -)"
 }
 scene_refused() { # WORDS FILE: by each way to open one
@@ -136,10 +139,11 @@ case $? in
 esac
 { nifti_header 32767 32767 32767; head -c 30000000 /dev/zero; } | gzip -1 -n >bomb.nii.gz
 refused 3 "bomb.nii.gz" bounded "$iftty" -c 'open bomb.nii.gz'
-{ nifti_header 700 700 700; head -c 3000000 /dev/zero; } | gzip -1 -n >bomb.nii.gz # some 343 MB claimed
+{ nifti_header 700 700 700; head -c 3000000 /dev/zero; } | gzip -1 -n >bomb.nii.gz # claims 343 MB
 refused 3 "bomb.nii.gz" bounded "$iftty" -c 'open bomb.nii.gz'
 le64() { # below 2^24
-    printf '\\%03o\\%03o\\%03o\\000\\000\\000\\000\\000' $(($1 & 255)) $(($1 >> 8 & 255)) $(($1 >> 16 & 255))
+    printf '\\%03o\\%03o\\%03o\\000\\000\\000\\000\\000' \
+        $(($1 & 255)) $(($1 >> 8 & 255)) $(($1 >> 16 & 255))
 }
 {
     printf '\034\002\000\000n+2\000\r\n\032\n\002\000\010\000'
@@ -190,13 +194,15 @@ put placed.nii 252 '\001\000'
 for command in mask weight; do
     start='open good.nii; auto on; seed 1,1,1 1'
     refused 3 "missing.nii" "$iftty" -c "$start; $command missing.nii"
-    refused 3 "small.nii: the map has 23x20x16 voxels and the scene 24x20x16" "$iftty" -c "$start; $command small.nii"
+    refused 3 "small.nii: the map has 23x20x16 voxels and the scene 24x20x16" \
+        "$iftty" -c "$start; $command small.nii"
     refused 3 "nan.nii" "$iftty" -c "$start; $command nan.nii"
     refused 3 "cut.nii" "$iftty" -c "$start; $command cut.nii"
     refused 3 "text.nii" "$iftty" -c "$start; $command text.nii"
     refused 3 "folder.nii" "$iftty" -c "$start; $command folder.nii"
     refused 3 "pipe.nii" timeout 60 "$iftty" -c "$start; $command pipe.nii"
-    refused 3 "vast.nii.gz: 32767x32767x32767 voxels" bounded "$iftty" -c "$start; $command vast.nii.gz"
+    refused 3 "vast.nii.gz: 32767x32767x32767 voxels" \
+        bounded "$iftty" -c "$start; $command vast.nii.gz"
     refused 3 "other axes of the world" "$iftty" -c "open placed.nii; $command other-way.nii"
     expect 0 "$iftty" -c "$start; $command good.nii"
 done
@@ -219,7 +225,11 @@ refused 3 "outside the picture" "$iftty" -c "$start; size 20 20; render; pick 20
 close_story
 
 begin "lines that are too long, zero bytes, bytes of no language"
-{ printf 'open good.nii\n'; head -c 100000 /dev/zero | tr '\0' a; printf '\nseed 1,1,1 1\n'; } >script
+{
+    echo 'open good.nii'
+    head -c 100000 /dev/zero | tr '\0' a
+    printf '\nseed 1,1,1 1\n'
+} >script
 refused 2 "script:2: the command is longer than 4096 bytes" "$iftty" run script
 { printf 'open good.nii\nseed 1,1,1 1\000 2\n'; } >script
 refused 2 "script:2: " "$iftty" run script
@@ -304,13 +314,15 @@ within() {
 }
 seeds() { # many of them
     echo 'open good.nii'
-    awk 'BEGIN { for (i = 0; i < 200; i++) print "seed " i % 24 "," i % 20 "," i % 16 " " i % 7; print "run" }'
+    awk 'BEGIN { for (i = 0; i < 200; i++) print "seed " i % 24 "," i % 20 "," i % 16 " " i % 7
+        ; print "run" }'
 }
 # What was acknowledged before the disk was full is in the journal, and more can follow.
 holds_what_was_said() { # JOURNAL
     sed -n 's/^ok [0-9]* //p' "$work/out" >"$work/said"
     "$iftty" log --script "$1" >"$work/kept" || fail "log --script"
-    cmp -s "$work/said" "$work/kept" || fail "said and recorded differ:" "$(diff "$work/said" "$work/kept" | sed 4q)"
+    cmp -s "$work/said" "$work/kept" ||
+        fail "said and recorded differ:" "$(diff "$work/said" "$work/kept" | sed 4q)"
     [ "$(wc -l <"$work/said")" -gt 5 ] || fail "only $(wc -l <"$work/said") commands were possible"
     expect 0 "$iftty" verify "$1"
     expect 0 "$iftty" -c 'seed 5,5,5 5; run' --journal "$1"
@@ -320,7 +332,8 @@ holds_what_was_said() { # JOURNAL
 begin "files that may not grow: nothing is left of them"
 refused 3 "l.nii" within 4 "$iftty" -c "$start; save root l.nii"
 refused 3 "p.exr" within 4 "$iftty" -c "$start; size 300 300; view 30 20; render p.exr"
-refused 3 "p.png" within 4 "$iftty" -c "$start; size 500 500; view 30 20; seed 20,10,10 2; zoom 9; render p.png"
+refused 3 "p.png" within 4 \
+    "$iftty" -c "$start; size 500 500; view 30 20; seed 20,10,10 2; zoom 9; render p.png"
 cp good.nii l.nii
 refused 3 "l.nii" within 4 "$iftty" -c "$start; save root l.nii replace=yes"
 same_files l.nii good.nii
@@ -368,7 +381,8 @@ plain() { # STATUS COMMAND...
     is_plain "$work/out"
     is_plain "$work/err"
 }
-plain 2 "$iftty" -c "open \"$bad.nii\"; info; stats; seed 1,1,1 1; run; why 1,1,1; save labels \"$bad.out.nii\"; render \"$bad.exr\"; render \"$bad.png\""
+plain 2 "$iftty" -c "open \"$bad.nii\"; info; stats; seed 1,1,1 1; run; why 1,1,1
+    save labels \"$bad.out.nii\"; render \"$bad.exr\"; render \"$bad.png\""
 plain 2 "$iftty" -c "open \"$bad\""
 plain 2 "$iftty" -c "$bad"
 plain 2 "$iftty" -c "open good.nii; label 2 $bad"
@@ -402,7 +416,11 @@ plain 3 "$iftty" run "$bad.script" --journal c.iftty
 plain 0 "$iftty" log --script "$bad.script"
 plain 0 "$iftty" log "$bad.script"
 for line in "seed 1,1,1 $bad" "$bad" "label 2 $bad" "open $bad"; do
-    { sed -n 1,3p j.iftty; printf '# %s\n%s\n= 2 a=%s chain=%s\n' "$bad" "$line" "$bad" 0123456789abcdef0123456789abcdef; } >e.iftty
+    {
+        sed -n 1,3p j.iftty
+        printf '# %s\n%s\n' "$bad" "$line"
+        printf '= 2 a=%s chain=0123456789abcdef0123456789abcdef\n' "$bad"
+    } >e.iftty
     for program in replay verify log "log --check" "log --script" "run - --journal"; do
         # shellcheck disable=SC2086
         "$iftty" $program e.iftty </dev/null >"$work/out" 2>"$work/err"
@@ -411,7 +429,8 @@ for line in "seed 1,1,1 $bad" "$bad" "label 2 $bad" "open $bad"; do
         is_plain "$work/err"
     done
     { sed -n 1,3p j.iftty; printf '%s' "$bad"; } >e.iftty # torn
-    "$iftty" run - --journal e.iftty </dev/null >"$work/out" 2>"$work/err" || fail "torn: $(cat "$work/err")"
+    "$iftty" run - --journal e.iftty </dev/null >"$work/out" 2>"$work/err" ||
+        fail "torn: $(cat "$work/err")"
     is_plain "$work/err"
 done
 close_story

@@ -10,7 +10,8 @@ out_has "(5) DIFT + scan + BP"
 out_has "identical labels, keys and pictures in all experiments: 8 comparisons"
 out_has "paper             > 4     1.14"
 same "$(wc -c <"$work/err" | tr -d ' ')" 0 # no progress where there is no terminal
-awk 'length > 100 { bad = 1 } END { exit bad }' "$work/out" || fail "a line of more than 100 columns"
+awk 'length > 100 { bad = 1 } END { exit bad }' "$work/out" ||
+    fail "a line of more than 100 columns"
 same "$(cd "$work/plots" && ls | tr '\n' ' ')" "rendition.svg segmentation.svg steps-geom.svg "
 for chart in "$work/plots"/*; do
     [ "$(tail -n 1 "$chart")" = "</svg>" ] || fail "$chart does not end"
@@ -36,7 +37,8 @@ same "$(grep -o '"voxels"' "$work/out" | wc -l)" 2
 close_story
 
 begin "what a journal costs, part by part"
-expect 0 "$iftty" -c 'open synth:geom:20x20x20; seed 5,5,5 1; seed 15,15,15 2; size 64 64; render; golden one' \
+expect 0 "$iftty" -c 'open synth:geom:20x20x20; seed 5,5,5 1; seed 15,15,15 2
+    size 64 64; render; golden one' \
     --journal "$work/small.iftty" </dev/null
 expect 0 "$bench" journal "$work/small.iftty" </dev/null
 out_has "100000 records of "
@@ -65,7 +67,8 @@ for words in '"rendition": {"kitty": {"bytes": ' '"mosaic": {"kitty": ' '"patch"
 done
 # a patch is a small part of a picture, whatever the encoding
 for by in kitty sixel; do
-    whole=$(sed "s/.*\"rendition\": {.*\"$by\": {\"bytes\": \([0-9]*\).*\"mosaic\".*/\1/" "$work/out")
+    whole=$(sed "s/.*\"rendition\": {.*\"$by\": {\"bytes\": \([0-9]*\).*\"mosaic\".*/\1/" \
+        "$work/out")
     patch=$(sed "s/.*\"patch\": {.*\"$by\": {\"bytes\": \([0-9]*\).*/\1/" "$work/out")
     [ "$patch" -gt 0 ] && [ $((patch * 4)) -lt "$whole" ] ||
         fail "$by: a patch takes $patch bytes, the picture $whole"
@@ -86,10 +89,16 @@ close_story
 begin "the same pictures by chafa"
 if needs python3; then
     mkdir "$work/bin" # a chafa that shows a picture by the bytes of its file, in a cell or more
-    printf '#!/bin/sh\ncase "$*" in *"-s 0x"*|*x0\ *) exit 1 ;; esac\nfor last; do :; done\ncat "$last"\n' >"$work/bin/chafa"
+    cat >"$work/bin/chafa" <<'EOS'
+#!/bin/sh
+case "$*" in *"-s 0x"* | *x0\ *) exit 1 ;; esac
+for last; do :; done
+cat "$last"
+EOS
     chmod +x "$work/bin/chafa"
     PATH="$work/bin:$PATH" expect 0 python3 -B tests/bench/chafa.py --json "$build"
-    for words in '"rendition": {"kitty": {"bytes": ' '"mosaic": {"kitty": {"bytes": ' '"sixel": ' '"blocks": '; do
+    for words in '"rendition": {"kitty": {"bytes": ' '"mosaic": {"kitty": {"bytes": ' \
+        '"sixel": ' '"blocks": '; do
         out_has "$words"
     done
     PATH=$work/bin:$PATH expect 0 python3 -B tests/bench/chafa.py "$build"
@@ -118,7 +127,8 @@ expect 0 "$bench" paper --help
 out_has "--plots DIR"
 for scene in liver brain2 brain213 brain2111 ch2better211 geom-211 ""; do
     expect 2 "$bench" paper geom "$scene"
-    err_has "expected brain or geom, as they are or interpolated as in brain211, or ch2better, or all"
+    err_has \
+        "expected brain or geom, as they are or interpolated as in brain211, or ch2better, or all"
 done
 for rounds in 0 100 x 3x -1 ""; do
     expect 2 "$bench" paper geom --rounds "$rounds"

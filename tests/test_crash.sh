@@ -9,14 +9,15 @@ commands() { # 200 of them
     echo 'open s.nii'
     echo '# a comment that belongs to the next command'
     echo 'size 16 16'
-    awk 'BEGIN {
+    awk 'function place(i) { return i * 7 % 24 "," i * 3 % 20 "," i * 5 % 16 }
+    BEGIN {
         for (i = 0; i < 198; i++) {
             if (i % 20 == 3) print "run"
             else if (i % 20 == 7) print "render mode=" (i % 40 == 7 ? "ii" : "bp")
             else if (i % 50 == 11) print "adjacency " (i % 100 == 11 ? 26 : 6)
             else if (i % 50 == 13) print "auto " (i % 100 == 13 ? "on" : "off")
-            else if (i % 20 == 17) print "remove " (i - 1) * 7 % 24 "," (i - 1) * 3 % 20 "," (i - 1) * 5 % 16
-            else print "seed " i * 7 % 24 "," i * 3 % 20 "," i * 5 % 16 " " i % 9
+            else if (i % 20 == 17) print "remove " place(i - 1)
+            else print "seed " place(i) " " i % 9
         } }'
 }
 commands >script
@@ -27,7 +28,8 @@ expect 0 "$iftty" run script --journal whole.iftty
 same "$(grep -c '^ok ' out)" 200
 expect 0 "$iftty" verify whole.iftty
 sed -n 's/^ok [0-9]* //p' out >said
-"$iftty" log --script whole.iftty | grep -v '^#' | cmp -s - canonical || fail "the journal holds other commands"
+"$iftty" log --script whole.iftty | grep -v '^#' | cmp -s - canonical ||
+    fail "the journal holds other commands"
 close_story
 
 # resumes JOURNAL: it goes on, verifies, and holds the beginning of the script
@@ -85,7 +87,8 @@ for after in 1 2 5 11 23 47 80 120 150 190 0.02 0.05 0.08 0.13; do
     fi
     said=$(wc -l <said | tr -d ' ')
     "$iftty" log --script "$journal" 2>/dev/null | grep '^[a-z]' >found
-    head -n "$said" found | cmp -s - said || fail "trial $trial: of $said acknowledged, $(wc -l <found) are there"
+    head -n "$said" found | cmp -s - said ||
+        fail "trial $trial: of $said acknowledged, $(wc -l <found) are there"
     resumes "$journal"
     [ "$kept" -ge "$said" ] || fail "trial $trial: $said acknowledged, $kept kept"
     # A command is recorded before the next is read: no more than one is not acknowledged yet.
@@ -99,7 +102,8 @@ close_story
 
 begin "cut at any byte, at most the last record is lost"
 bytes=$(file_bytes whole.iftty)
-seed=12345 cuts="1 10 28 29 30 31 60 $((bytes - 1)) $((bytes - 2)) $((bytes - 33)) $((bytes - 34)) $((bytes - 40)) $((bytes - 60))"
+seed=12345 cuts='1 10 28 29 30 31 60'
+for before in 1 2 33 34 40 60; do cuts="$cuts $((bytes - before))"; done
 for _ in 1 2 3 4 5 6 7 8 9 10 11 12; do
     seed=$(((seed * 1103 + 12345) % 1000003))
     cuts="$cuts $((30 + seed % (bytes - 30)))"
@@ -109,7 +113,8 @@ for cut in $cuts; do
     rm -f c.iftty.torn-*
     whole=$(grep -c '^= [0-9]* .*chain=[0-9a-f]\{32\}$' c.iftty)
     # The last result line is whole only with its line feed.
-    [ "$(tail -c 1 c.iftty | wc -l)" -eq 1 ] || ! tail -n 1 c.iftty | grep -q '^= .*chain=[0-9a-f]\{32\}$' || whole=$((whole - 1))
+    [ "$(tail -c 1 c.iftty | wc -l)" -eq 1 ] ||
+        ! tail -n 1 c.iftty | grep -q '^= .*chain=[0-9a-f]\{32\}$' || whole=$((whole - 1))
     resumes c.iftty
     same "$kept" "$whole"
     sound=$(file_bytes c.iftty)
@@ -118,7 +123,8 @@ for cut in $cuts; do
         cat c.iftty c.iftty.torn-1 >joined
         head -c "$cut" whole.iftty | cmp -s - joined || fail "cut at $cut: bytes are lost"
     fi
-    head -c "$sound" whole.iftty | cmp -s - c.iftty || [ "$cut" -lt 30 ] || fail "cut at $cut: what was sound has changed"
+    head -c "$sound" whole.iftty | cmp -s - c.iftty || [ "$cut" -lt 30 ] ||
+        fail "cut at $cut: what was sound has changed"
 done
 goes_on c.iftty
 close_story

@@ -42,8 +42,8 @@ paste a.labels b.labels | awk '
               s = a[l] + b[l]; d = int((40000 * both[l] + s) / (2 * s))
               printf "%d %d.%04d %d %d %d\n", l, d / 10000, d % 10000, a[l], b[l], both[l] }
           printf "voxels %d of %d differ\n", differ, NR }' >expected
-sed -n 's/^\([0-9]\) \(liver\|spleen\|\) *\([0-9.]*\) *\([0-9]*\) *\([0-9]*\) *\([0-9]*\)$/\1 \3 \4 \5 \6/p
-        s/^voxels *\(.* differ\)/voxels \1/p' told >figures
+sed -nE 's/^([0-9]) (liver|spleen|) *([0-9.]*) *([0-9]*) *([0-9]*) *([0-9]*)$/\1 \3 \4 \5 \6/p
+        s/^voxels *(.* differ)/voxels \1/p' told >figures
 same_files figures expected
 grep -q '^3 spleen' told || fail "no name that B alone has: $(cat told)"
 close_story
@@ -57,7 +57,8 @@ d = json.load(open('out'))
 assert d['parts'] and d['a']['command'] == 'seed 20,10,8 2' and d['b']['line'] == 10
 assert d['same_scene'] and d['size'] == [24, 20, 16]
 for l in d['labels']:
-    print(l['label'], '%d.%04d' % divmod(l['dice_ten_thousandths'], 10000), l['a'], l['b'], l['both'])
+    print(l['label'], '%d.%04d' % divmod(l['dice_ten_thousandths'], 10000),
+        l['a'], l['b'], l['both'])
 print('voxels', d['differing'], 'of', d['voxels'], 'differ')
 EOS
     same_files figures expected
@@ -103,7 +104,8 @@ begin "the picture: three panes, whole, over nothing"
 expect 1 "$iftty" diff a.iftty b.iftty --picture d.png
 "$iftty" info d.png >info
 grep -q '184x' info || fail "not three views of 60 and two seams: $(cat info)"
-grep -q "iftty:differ: $(sed -n 's/voxels *\(.*\) differ/\1/p' told) voxels" info || fail "$(cat info)"
+grep -q "iftty:differ: $(sed -n 's/voxels *\(.*\) differ/\1/p' told) voxels" info ||
+    fail "$(cat info)"
 cp d.png kept.png
 expect 3 "$iftty" diff a.iftty b.iftty --picture d.png
 err_has "d.png"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Every example journal verifies, digest for digest and pixel for pixel; what the READMEs say of commands
-# is what the program says, and the commands of its sections work.
+# Every example journal verifies, digest for digest and pixel for pixel; what the READMEs say of
+# commands is what the program says, and the commands of its sections work.
 . "$(dirname "$0")/lib.sh"
 
 can_open() { # SCENE
@@ -28,7 +28,8 @@ for readme in $(find . -path ./build -prune -o -name README.md -print); do
         grep -qxF -e "$name" "$work/files" || fail "$readme: there is no $name"
     done
     for name in $(grep -oE '\btest_[a-z_]+\b' "$readme" | sort -u); do
-        grep -qxE -e "$name\.(c|sh)|${name%_racing}\.c" "$work/files" || fail "$readme: there is no $name"
+        grep -qxE -e "$name\.(c|sh)|${name%_racing}\.c" "$work/files" ||
+            fail "$readme: there is no $name"
     done
 done
 close_story
@@ -42,8 +43,8 @@ close_story
 # The commands of its sections, each of which ends with a pick.
 for section in views slices; do
     begin "the $section of render/README.md"
-    commands=$(sed -n "/^<!-- $section/,/^<!-- end of $section/s/^    \\([^#]*\\).*/\\1/p" render/README.md |
-        tr '\n' ';')
+    commands=$(sed -n "/^<!-- $section/,/^<!-- end of $section/s/^    \\([^#]*\\).*/\\1/p" \
+        render/README.md | tr '\n' ';')
     if can_open ch2.nii.gz; then
         expect 0 "$iftty" -c "open ch2.nii.gz; seed 90,120,90 1; $commands" --out "$work" </dev/null
         grep -q 'ok 1[0-9] pick' "$work/out" || fail "$(cat "$work/out")"

@@ -581,8 +581,8 @@ static void random_roi(struct world *w, struct edit *batch, uint64_t *random)
     free(bits);
 }
 
-/* Arcs of every kind, behind regions of interest that come and go: after each edit and each rebuild, keys and
- * labels are those of the fixed point, and of a run from scratch. */
+/* Arcs of every kind, behind regions of interest that come and go: after each edit and each
+ * rebuild, keys and labels are those of the fixed point, and of a run from scratch. */
 static void random_roi_session(uint64_t seed, unsigned steps)
 {
     uint64_t random = seed;

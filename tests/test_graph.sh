@@ -7,7 +7,8 @@ cd "$work" || exit 1
 # by_hand JOURNAL: from lines "COMMAND|WORDS"; its chain fits nothing, which is not asked here
 by_hand() {
     { echo '# iftty journal 1 semantics 3'
-      awk -F '|' '{ print $1; print "= " NR ($2 == "" ? "" : " " $2) " chain=00000000000000000000000000000000" }'
+      awk -F '|' '{ print $1
+        print "= " NR ($2 == "" ? "" : " " $2) " chain=00000000000000000000000000000000" }'
     } >"$1"
 }
 by_hand g.iftty <<'EOS'

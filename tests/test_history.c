@@ -670,7 +670,7 @@ static void has_same_history(const struct history *a, const struct history *b)
     }
 }
 
-/* A copy of a journal whose eliminators say another thing of what they removed, or (NULL) nothing. */
+/* A copy of a journal whose eliminators say `taken` of what they removed, or (NULL) nothing. */
 static void forge_taken(const char *from, const char *to, const char *taken)
 {
     struct buf bytes = {0}, out = {0}, words = {0}, header = {0};

@@ -54,7 +54,8 @@ if needs script; then
     script -qec "$line" /dev/null </dev/null >seen
     tr '\r' '\n' <seen >lines
     grep -qE '\[#*-*\] +[0-9]+ %, [0-9]+ s' lines || fail "no bar: $(head -c 600 seen)"
-    sed -n '/^ok 1/,$p' lines | grep -q '^ok 4 run' || fail "acknowledgements are garbled: $(cat lines)"
+    sed -n '/^ok 1/,$p' lines | grep -q '^ok 4 run' ||
+        fail "acknowledgements are garbled: $(cat lines)"
     case $(tail -n 1 lines) in "" | "    "*) ;; *) fail "it stays: $(tail -n 1 lines)" ;; esac
 fi
 close_story

@@ -31,7 +31,8 @@ sources() { # every C and C++ file of the folders given
 # One line for every include in the tree at $1 that the law does not allow.
 violations() {
     (cd "$1" && sources src journal render tui | while read -r file; do
-        without_comments "$file" | sed -n 's/^[[:space:]]*#[[:space:]]*include[[:space:]]*"\([^"]*\)".*/\1/p' |
+        without_comments "$file" |
+            sed -n 's/^[[:space:]]*#[[:space:]]*include[[:space:]]*"\([^"]*\)".*/\1/p' |
             sed "s|^|$file |"
     done) | awk -v law="$law" '
     BEGIN { while ((getline line < law) > 0) {
@@ -51,7 +52,8 @@ close_story
 
 begin "the law is seen to be broken where it is"
 fake=$work/fake
-mkdir -p "$fake/src/engine" "$fake/src/base" "$fake/journal" "$fake/render" "$fake/tui" "$fake/src/odd"
+mkdir -p "$fake/src/engine" "$fake/src/base" "$fake/journal" "$fake/render" \
+    "$fake/tui" "$fake/src/odd"
 printf '#include "base/err.h"\n/* #include "tui/term.h" */\n' >"$fake/src/engine/fine.c"
 printf '#include "base/err.h"\n#include "program/program.h"\n' >"$fake/src/main.c"
 found=$(violations "$fake")
@@ -65,14 +67,16 @@ printf '#include "base/err.h"\n' >"$fake/src/odd/six.c"
 printf '#include "err.h"\n' >"$fake/src/base/seven.cc"
 printf '#include "verify/verify.h"\n' >"$fake/src/main.c"
 same "$(violations "$fake" | sed 's/ .*//' | sort | tr '\n' ' ')" \
-    "journal/two.c render/three.h src/base/four.h src/base/seven.cc src/engine/one.c src/main.c src/odd/six.c tui/five.c "
+    "journal/two.c render/three.h src/base/four.h src/base/seven.cc src/engine/one.c src/main.c \
+src/odd/six.c tui/five.c "
 close_story
 
 begin "every header compiles alone"
 flags=$(pkg-config --cflags OpenEXR 2>/dev/null)
 for header in $(sources src journal render tui tests | grep '\.h$'); do
     # shellcheck disable=SC2086
-    ${CC:-cc} -std=c17 -D_GNU_SOURCE -Wall -Wno-unused -fsyntax-only -x c -Isrc -I. $flags "$header" \
+    ${CC:-cc} -std=c17 -D_GNU_SOURCE -Wall -Wno-unused -fsyntax-only -x c \
+        -Isrc -I. $flags "$header" \
         >"$work/err" 2>&1 || fail "$header:" "$(sed 3q "$work/err")"
 done
 close_story
@@ -81,7 +85,8 @@ begin "no floating point in engine and render"
 floats() {
     for file in $(sources "$@"); do
         without_comments "$file" | sed 's/"[^"]*"//g' |
-            grep -nwE 'float|double|_Float[0-9]+|__float128|<?(t?g?math|complex|float)\.h>?|[0-9]+\.[0-9]*f?' |
+            grep -nwE -e 'float|double|_Float[0-9]+|__float128' \
+                -e '<?(t?g?math|complex|float)\.h>?|[0-9]+\.[0-9]*f?' |
             sed "s|^|$file:|"
     done
 }
@@ -121,7 +126,7 @@ for file in $(sources src journal tui | grep -v '/table\.c$'); do
 done
 close_story
 
-# Tests write below $TMPDIR, in a folder that goes away: make_folder (tests/folder.h), $work (lib.sh).
+# Tests write below $TMPDIR, in a folder that goes away: make_folder (folder.h), $work (lib.sh).
 begin "no test names a place for files of its own"
 apart=" $(sed -n 's/^places: //p' "$law") "
 for file in $(find tests -type f ! -path '*/corpus/*' | sort); do
@@ -144,7 +149,9 @@ begin "every file is as .clang-format has it"
 if formatter; then
     # shellcheck disable=SC2046
     $formatter --dry-run $(sources src journal render tui tests) 2>"$work/err"
-    [ ! -s "$work/err" ] || fail "make format: $(grep -c warning: "$work/err") places:" "$(grep warning: "$work/err" | sed 5q)"
+    [ ! -s "$work/err" ] ||
+        fail "make format: $(grep -c warning: "$work/err") places:" \
+            "$(grep warning: "$work/err" | sed 5q)"
 fi
 close_story
 
@@ -155,7 +162,8 @@ glued() {
     function report() {
         for (label in within) {
             former = substr(label, 1, 1) (substr(label, 2) - 1)
-            if (former in begun && !(label in begun)) print file ": " label " has no line of its own"
+            if (former in begun && !(label in begun))
+                print file ": " label " has no line of its own"
         }
         split("", within); split("", begun)
     }
@@ -163,8 +171,10 @@ glued() {
     sub(/^[ \t]*(\/\*+|\*|\/\/)[ \t]*/, "") {
         n = split($0, word, /[ ,;:.()]+/)
         for (i = 1; i <= n; i++)
-            if (word[i] ~ /^[A-Z][0-9]+$/) { if (i == 1) begun[word[i]]
-                                           else if (word[i - 1] !~ /^[A-Z][0-9]+$/) within[word[i]] }
+            if (word[i] ~ /^[A-Z][0-9]+$/) {
+                if (i == 1) begun[word[i]]
+                else if (word[i - 1] !~ /^[A-Z][0-9]+$/) within[word[i]]
+            }
     }
     END { report() }' "$@"
 }
@@ -194,31 +204,38 @@ while read -r kind script table header; do
     [ -n "$found" ] || { fail "no $kind in $table"; continue; }
     grep -rowE --include='*.[ch]' "$found" src journal render tui |
         awk -F: -v table="$table" -v header="$header" -v apart="$apart" '
-        $1 != table && $1 != header && !seen[$0]++ && !index(apart, " " $2 " ") { where[$2] = where[$2] " " $1; n[$2]++ }
+        $1 != table && $1 != header && !seen[$0]++ && !index(apart, " " $2 " ") {
+            where[$2] = where[$2] " " $1; n[$2]++ }
         END { for (name in n) if (n[name] > 1) print name " is also in" where[name] }' >"$work/more"
     [ ! -s "$work/more" ] || fail "$(cat "$work/more")"
-    grep -q "$table" src/README.md || fail "src/README.md does not say that a $kind goes into $table"
+    grep -q "$table" src/README.md ||
+        fail "src/README.md does not say that a $kind goes into $table"
 done <"$work/places"
-for path in $(sed -n '/^## Where to add/,/^## /s/`\([a-z_/]*\.[ch]\)`/\n\1\n/gp' src/README.md | grep '^[a-z_/]*\.[ch]$'); do
-    [ -e "$path" ] || [ -e "src/command/$path" ] || [ -e "src/program/$path" ] || fail "src/README.md: there is no $path"
+for path in $(sed -n '/^## Where to add/,/^## /s/`\([a-z_/]*\.[ch]\)`/\n\1\n/gp' src/README.md |
+    grep '^[a-z_/]*\.[ch]$'); do
+    [ -e "$path" ] || [ -e "src/command/$path" ] || [ -e "src/program/$path" ] ||
+        fail "src/README.md: there is no $path"
 done
 close_story
 
 # Rooms: the folders that may include something by tests/layout.txt.
 rooms() {
-    sed -n 's/^\(base\|engine\|image\|sandbox\|session\|command\|verify\|program\): .*/src\/\1/p' "$law"
+    sed -n 's/^\(base\|engine\|image\|sandbox\|session\|command\|verify\|program\): .*/src\/\1/p' \
+        "$law"
     sed -n 's/^\(render\|journal\|tui[a-z/]*\): .*/\1/p' "$law"
 }
 lines_of() { # ROOM, without those below it
     find "$@" -maxdepth 1 -type f \( -name '*.[ch]' -o -name '*.cc' \) -exec cat {} + | wc -l
 }
-begin "no room has more than a fifth of the lines, and all have less than $(sed -n 's/^lines: //p' "$law")"
+ceiling=$(sed -n 's/^lines: //p' "$law")
+begin "no room has more than a fifth of the lines, and all have less than $ceiling"
 all=$(lines_of src)
 for room in $(rooms); do all=$((all + $(lines_of "$room"))); done
 for room in $(rooms); do
-    [ $((5 * $(lines_of "$room"))) -le "$all" ] || fail "$room has $(lines_of "$room") of $all lines"
+    [ $((5 * $(lines_of "$room"))) -le "$all" ] ||
+        fail "$room has $(lines_of "$room") of $all lines"
 done
-[ "$all" -lt "$(sed -n 's/^lines: //p' "$law")" ] || fail "there are $all lines"
+[ "$all" -lt "$ceiling" ] || fail "there are $all lines"
 same "$all" "$(sources src journal render tui | xargs cat | wc -l)"
 close_story
 
@@ -226,9 +243,13 @@ begin "no function of a test hides a tool, and a tool is looked for by needs"
 tools=$(sed -n 's/^tools: //p' "$law")
 for file in tests/*.sh tests/*/*.sh; do
     for tool in $(sed -n 's/^\( *if\)\{0,1\} *needs \([a-z0-9 -]*\).*/\2/p' "$file"); do
-        case " $tools " in *" $tool "*) ;; *) fail "$file needs $tool, which tests/layout.txt does not list" ;; esac
+        case " $tools " in
+        *" $tool "*) ;;
+        *) fail "$file needs $tool, which tests/layout.txt does not list" ;;
+        esac
     done
-    grep -q 'command -v' "$file" && [ "${file##*/}" != lib.sh ] && [ "${file##*/}" != test_layout.sh ] &&
+    grep -q 'command -v' "$file" &&
+        [ "${file##*/}" != lib.sh ] && [ "${file##*/}" != test_layout.sh ] &&
         fail "$file: command -v finds functions too; needs does not"
     for name in $(sed -n 's/^ *\([a-z_][a-z_0-9]*\)() *{.*/\1/p' "$file"); do
         case " $tools " in *" $name "*) fail "$file: the function $name hides a tool" ;; esac

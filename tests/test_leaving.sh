@@ -1,6 +1,6 @@
 #!/bin/sh
-# How the program leaves a real terminal that it has not the time to say farewell to: killed outright,
-# the line gone. And what it draws inside of multiplexers: blocks, and no garbage.
+# How the program leaves a real terminal that it has not the time to say farewell to: killed
+# outright, the line gone. And what it draws inside of multiplexers: blocks, and no garbage.
 . "$(dirname "$0")/lib.sh"
 . "$top/tests/tmux.sh"
 cd "$work" || exit 1
@@ -96,7 +96,8 @@ close_story
 begin "in GNU screen: blocks, and nothing else"
 if needs screen; then
     mkdir -m 700 screens
-    enter "clear; SCREENDIR=./screens screen -U -c /dev/null sh -c 'exec $iftty --journal five.iftty s.nii'"
+    screen="SCREENDIR=./screens screen -U -c /dev/null"
+    enter "clear; $screen sh -c 'exec $iftty --journal five.iftty s.nii'"
     see '^[a-z]+>$'
     screen_text >before
     ! grep -q 'Gi=31\|AAAA\|2026' before || fail "garbage:" "$(cat before)"

@@ -45,13 +45,13 @@ close_story
 # ---- the program ----
 
 # what | file | sed script
-programs='one shade: the highlights        |render/shade.c      |s/SPECULAR = 70,/SPECULAR = 71,/
-one weight: steps of seven          |src/engine/morph.c  |s/weight = weight\[i\];/weight = (uint16_t)(weight[i] + (weight[i] == 7));/'
-more='one shade: the light that is everywhere |render/shade.c |s:AMBIENT = UNIT / 5,:AMBIENT = UNIT / 5 + 16,:
-one rule of ties: hops count for two |src/engine/key.h    |s/key + (UINT64_C(1) << 32)/key + (UINT64_C(2) << 32)/
-one multiplier of all digests       |src/base/hash.h     |s/0xc4ceb9fe1a85ec53/0xc4ceb9fe1a85ec55/
-one rounding of sines               |render/view.c       |s/(y + (1 << 15)) >> 16/y >> 16/
-one darkness of edges               |render/shade.c      |s:EDGE = UNIT \* 35 / 100:EDGE = UNIT * 36 / 100:'
+programs='one shade: the highlights |render/shade.c     |s/SPECULAR = 70,/SPECULAR = 71,/
+one weight: steps of seven   |src/engine/morph.c |s/= \(weight\[i\]\);/= \1 == 7 ? 8 : \1;/'
+more='one shade: even light        |render/shade.c     |s:\(AMBIENT = UNIT / 5\),:\1 + 16,:
+one rule of ties: hops       |src/engine/key.h   |s/key + (UINT64_C(1) <</key + (UINT64_C(2) <</
+one multiplier of all digests|src/base/hash.h    |s/0xc4ceb9fe1a85ec53/0xc4ceb9fe1a85ec55/
+one rounding of sines        |render/view.c      |s/(y + (1 << 15)) >> 16/y >> 16/
+one darkness of edges        |render/shade.c     |s:EDGE = UNIT \* 35 / 100:EDGE = UNIT * 36 / 100:'
 [ "${IFTTY_TEST_SCALE:-1}" -gt 1 ] && programs="$programs
 $more"
 
@@ -73,7 +73,8 @@ mutate() { # FILE SED-SCRIPT
     sed -i "$2" "$work/tree/$1"
     if cmp -s "$1" "$work/tree/$1"; then
         fail "nothing was changed in $1"
-    elif ! make -C "$work/tree" VARIANT=release SANITISE= build/iftty </dev/null >"$work/make" 2>&1; then
+    elif ! make -C "$work/tree" VARIANT=release SANITISE= build/iftty \
+        </dev/null >"$work/make" 2>&1; then
         fail "does not build: $(grep -m 2 error "$work/make")"
     else
         expect 1 "$work/tree/build/iftty" verify "$top/examples/geom.iftty" \
@@ -85,7 +86,8 @@ mutate() { # FILE SED-SCRIPT
 begin "the copy verifies as long as nothing is changed"
 [ "$build" = "$top/build" ] || { skip "only the release is copied"; close_story; finish; }
 copy_tree
-make -C "$work/tree" VARIANT=release build/iftty </dev/null >"$work/make" 2>&1 || fail "$(tail -n 3 "$work/make")"
+make -C "$work/tree" VARIANT=release build/iftty </dev/null >"$work/make" 2>&1 ||
+    fail "$(tail -n 3 "$work/make")"
 expect 0 "$work/tree/build/iftty" verify examples/geom.iftty examples/looks.iftty </dev/null
 close_story
 printf '%s\n' "$programs" >"$work/programs"

@@ -1,4 +1,5 @@
-/* The picture writer: orders in order, outcomes told once, memory bounded. Runs under ThreadSanitizer too.
+/* The picture writer: jobs in their order, outcomes reported once, memory bounded. Runs under
+ * ThreadSanitizer too.
  */
 #include "check.h"
 #include "folder.h"

@@ -67,7 +67,8 @@ begin "info says what exrheader and oiiotool say"
 for file in lines.exr tiled.exr a.png a.tif a.jpg; do
     expect 0 "$iftty" info $file
     oiiotool --info -v $file >theirs
-    for name in Software iftty:scene-name iftty:scene iftty:view iftty:look iftty:journal iftty:chain; do
+    for name in Software iftty:scene-name iftty:scene iftty:view iftty:look \
+        iftty:journal iftty:chain; do
         [ -n "$(note out $name)" ] || fail "$file: no $name"
         same "$file $name $(note out $name)" "$file $name $(oiio_note theirs $name)"
     done
@@ -82,7 +83,8 @@ close_story
 begin "tiles and lines hold the same pixels, in every channel"
 expect 0 idiff -q lines.exr tiled.exr
 for file in lines.exr tiled.exr; do
-    oiiotool $file --ch R,G,B,A,Z -o flat-$file >/dev/null 2>&1 || fail "oiiotool does not read $file"
+    oiiotool $file --ch R,G,B,A,Z -o flat-$file >/dev/null 2>&1 ||
+        fail "oiiotool does not read $file"
 done
 close_story
 
@@ -95,7 +97,8 @@ close_story
 
 begin "formats without loss agree with the PNG, pixel for pixel"
 for format in tif tiff bmp tga ppm sgi iff rla dpx fits ico jp2; do
-    oiiotool a.$format --ch 0,1,2 --chnames R,G,B -d uint8 -o back.tif 2>err || fail "$format: $(cat err)"
+    oiiotool a.$format --ch 0,1,2 --chnames R,G,B -d uint8 -o back.tif 2>err ||
+        fail "$format: $(cat err)"
     idiff -q back.tif a.png >out 2>&1 || fail "$format: $(sed 5q out)"
 done
 close_story
@@ -159,7 +162,8 @@ for file in s.nii session.iftty lines.exr a.png a.tif a.gif; do
     expect 0 "$iftty" info $file --json
     same "$(wc -l <out | tr -d ' ')" 1
     if needs python3; then
-        python3 -c 'import json, sys; json.load(sys.stdin)' <out 2>err || fail "$file: $(cat out err)"
+        python3 -c 'import json, sys; json.load(sys.stdin)' <out 2>err ||
+            fail "$file: $(cat out err)"
     fi
 done
 "$iftty" info a.tif --json >out

@@ -23,7 +23,8 @@ remove 20,10,8
 run
 golden second
 EOS
-sed -n 's/^  seed   20,10,8	3$/seed 20,10,8 3/; s/ ball radius/ 2 radius/; /^[a-z]/p' script >canonical
+sed -n 's/^  seed   20,10,8	3$/seed 20,10,8 3/; s/ ball radius/ 2 radius/; /^[a-z]/p' \
+    script >canonical
 
 acks() {
     sed -n 's/^ok [0-9]* //p' out
@@ -75,7 +76,8 @@ begin "the first error ends a script, or not with --keep-going"
 printf 'open s.nii\nseed 99,1,1 1\nseed 1,1,1 1\nsed\nrun\n' >bad
 expect 3 "$iftty" run bad
 same "$(acks | tr '\n' ';')" "open s.nii;"
-same "$(cat err)" "bad:2: 99,1,1 lies outside the scene, whose voxels are 0,0,0 to 23,19,15; nothing has changed"
+same "$(cat err)" \
+    "bad:2: 99,1,1 lies outside the scene, whose voxels are 0,0,0 to 23,19,15; nothing has changed"
 expect 3 "$iftty" run bad --keep-going
 same "$(acks | tr '\n' ';')" "open s.nii;seed 1,1,1 1;run;"
 same "$(cut -d: -f1-2 err | tr '\n' ' ')" "bad:2 bad:4 "
@@ -238,7 +240,8 @@ changed() {
 }
 
 begin "a changed coordinate is found, with its record"
-changed coordinate 's/^seed 2,3,4 1$/seed 3,3,4 1/' "record 3, line 8: its chain digest does not fit"
+changed coordinate 's/^seed 2,3,4 1$/seed 3,3,4 1/' \
+    "record 3, line 8: its chain digest does not fit"
 out_has "record 6, line 14: the first command that gives another result"
 out_has "command  run"
 out_has "differs  forest"
@@ -281,12 +284,14 @@ close_story
 
 begin "a golden image that differs is found, with the first pixel"
 cp -r j.golden kept.golden
-expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; seed 6,10,8 2 radius=1; seed 20,10,8 3; run; size 40 30; view 31 20; golden first' \
+expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; seed 6,10,8 2 radius=1; seed 20,10,8 3
+    run; size 40 30; view 31 20; golden first' \
     --journal other.iftty
 cp other.golden/first.exr j.golden/first.exr
 expect 1 "$iftty" verify j.iftty
 out_has "golden image first: "
-grep -qE 'first column [0-9]+, row [0-9]+: (colour|depth|label|voxel) is' out || fail "no pixel: $(cat out)"
+grep -qE 'first column [0-9]+, row [0-9]+: (colour|depth|label|voxel) is' out ||
+    fail "no pixel: $(cat out)"
 out_has "record 10, line"
 expect 0 "$iftty" replay j.iftty # which does not look at golden images
 close_story
@@ -337,7 +342,8 @@ expect 0 "$iftty" -c "$start; save labels l.nii.gz; render p.exr; render p.png"
 out_has "wrote l.nii.gz"
 cp l.nii.gz l.kept && cp p.exr p.kept && cp p.png q.kept
 other='open s.nii; seed 2,3,4 3; run'
-for command in "save labels l.nii.gz" "save labels l.nii.gz replace=no" "render p.exr" "render p.png"; do
+for command in "save labels l.nii.gz" "save labels l.nii.gz replace=no" \
+    "render p.exr" "render p.png"; do
     expect 3 "$iftty" -c "$other; $command"
     err_has "exists already and was left alone"
 done
@@ -361,7 +367,8 @@ close_story
 begin "a replay writes into --out alone, or into a new folder of its own"
 mkdir w
 cp s.nii w
-expect_in w 0 "$iftty" -c "$start; render p.exr; save labels l.nii; save cost sub.nii" --journal w.iftty
+expect_in w 0 "$iftty" -c "$start; render p.exr; save labels l.nii; save cost sub.nii" \
+    --journal w.iftty
 cp w/p.exr p.first && cp w/l.nii l.first
 rm w/p.exr w/l.nii w/sub.nii
 listing w >before
@@ -387,7 +394,8 @@ begin "a journal that names a file elsewhere is refused and writes nothing"
 for name in "$work/evil.png" ../evil.exr a/../../evil.exr /dev/null; do
     for command in "render $name" "save labels $name"; do
         printf 'open s.nii\nseed 1,1,1 1\n%s\n' "$command" >evil
-        for program in "replay evil --out made2" "verify evil --out made2" "replay evil" "verify evil"; do
+        for program in "replay evil --out made2" "verify evil --out made2" \
+            "replay evil" "verify evil"; do
             # shellcheck disable=SC2086
             expect 3 "$iftty" $program
             cat out err >both
@@ -436,7 +444,11 @@ mv elsewhere.nii s.nii
 close_story
 
 begin "comments go into the journal, and a line too long hides no command"
-{ printf 'open s.nii\n#'; head -c 65535 /dev/zero | tr '\0' ' '; printf 'seed 1,1,1 1\nrun\n'; } >lengthy
+{
+    printf 'open s.nii\n#'
+    head -c 65535 /dev/zero | tr '\0' ' '
+    printf 'seed 1,1,1 1\nrun\n'
+} >lengthy
 expect 0 "$iftty" run lengthy --keep-going
 same "$(acks | tr '\n' ';')" "open s.nii;run;"
 grep -q '^# two seeds in a small scene$' j.iftty || fail "the comment is lost"
@@ -454,11 +466,13 @@ for view in front "30 20 10" "45 45"; do
 done >views
 { echo "$start" | tr ';' '\n'; echo 'size 60 50'; cat views; } >modes
 expect 0 "$iftty" run modes --journal m.iftty
-same "$(sed -n 's/.*picture=\([0-9a-f]*\).*/\1/p' m.iftty | uniq -c | awk '{print $1}' | tr '\n' ' ')" "4 4 4 "
+same "$(sed -n 's/.*picture=\([0-9a-f]*\).*/\1/p' m.iftty |
+    uniq -c | awk '{print $1}' | tr '\n' ' ')" "4 4 4 "
 # an incremental image after an edit, and the others on the same
 { echo "seed 12,4,4 3"; for mode in ii sp bp ray; do echo "render mode=$mode"; done; } >edit
 expect 0 "$iftty" run edit --journal m.iftty
-same "$(sed -n 's/.*picture=\([0-9a-f]*\).*/\1/p' m.iftty | tail -n 4 | uniq -c | awk '{print $1}')" 4
+same "$(sed -n 's/.*picture=\([0-9a-f]*\).*/\1/p' m.iftty |
+    tail -n 4 | uniq -c | awk '{print $1}')" 4
 close_story
 
 digests() { # of the last edit of journal $1
@@ -470,7 +484,8 @@ one='seed 2,3,4 1' two='seed 6,10,8 2 radius=2' three='seed 20,10,8 3' four='see
 expect 0 "$iftty" -c "open s.nii; $one; $two; $three; $four; run" --journal a1.iftty
 expect 0 "$iftty" -c "open s.nii; $four; $two; $one; $three; run" --journal a2.iftty
 expect 0 "$iftty" -c "open s.nii; $three; run; $one; run; $two; $four; run" --journal a3.iftty
-expect 0 "$iftty" -c "open s.nii; auto on; $two; seed 9,9,9 7; $four; remove 9,9,9; $three; $one" --journal a4.iftty
+expect 0 "$iftty" -c "open s.nii; auto on; $two; seed 9,9,9 7; $four; remove 9,9,9; $three; $one" \
+    --journal a4.iftty
 same "$(digests a2.iftty)" "$(digests a1.iftty)"
 same "$(digests a3.iftty)" "$(digests a1.iftty)"
 same "$(digests a4.iftty)" "$(digests a1.iftty)"
@@ -479,7 +494,8 @@ expect 0 "$iftty" -c "open s.nii; $one; $two; $three; run" --journal a5.iftty
 close_story
 
 begin "26 neighbours, and back to 6"
-expect 0 "$iftty" -c "open s.nii; $one; $two; $three; $four; run; adjacency 26; render" --journal b.iftty
+expect 0 "$iftty" -c "open s.nii; $one; $two; $three; $four; run; adjacency 26; render" \
+    --journal b.iftty
 [ "$(digests b.iftty)" != "$(digests a1.iftty)" ] || fail "26 neighbours give what 6 give"
 expect 0 "$iftty" verify b.iftty
 expect 0 "$iftty" -c "open s.nii; adjacency 26; $one; $two; $three; $four; run" --journal b2.iftty
@@ -492,7 +508,8 @@ begin "the synthetic scene: one run, replayed, in another order"
 geom='seed 100,100,50 1 radius=2; seed 10,10,10 2'
 expect 0 "$iftty" -c "open synth:geom; $geom; run; size 200 200; golden g" --journal g1.iftty
 expect 0 "$iftty" verify g1.iftty
-expect 0 "$iftty" -c "open synth:geom; seed 10,10,10 2; auto on; seed 100,100,50 1 radius=2; size 200 200; render mode=ray" \
+expect 0 "$iftty" -c "open synth:geom; seed 10,10,10 2; auto on; seed 100,100,50 1 radius=2
+    size 200 200; render mode=ray" \
     --journal g2.iftty
 same "$(digests g2.iftty)" "$(digests g1.iftty)"
 same "$(last_word picture g2.iftty)" "$(last_word picture g1.iftty)"

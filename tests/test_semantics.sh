@@ -1,6 +1,6 @@
 #!/bin/sh
 # Meanings are versioned: tests/journals has a journal of every number that there has been, made by
-# a program of its time. Each is verified and gone on with under its own meaning. They stay for good.
+# a program of its time. Each is verified and gone on with under its own meaning. They stay.
 . "$(dirname "$0")/lib.sh"
 journals=$top/tests/journals
 cd "$work" || exit 1
@@ -28,7 +28,8 @@ for number in $(seq 1 "$current"); do
     take $number
     expect 0 "$iftty" verify j.iftty
     if [ $number -lt 3 ]; then
-        out_has "# 3 results were not compared: semantics $number: pictures were shaded by the faces"
+        out_has \
+            "# 3 results were not compared: semantics $number: pictures were shaded by the faces"
     else
         ! grep -q "not compared" "$work/out" || fail "$(cat "$work/out")"
     fi
@@ -50,9 +51,11 @@ for number in $(seq 1 "$current"); do
     take $number
     cp j.iftty former
     expect 0 "$iftty" run more --journal j.iftty
-    [ "$(grep -c ", semantics $number" "$work/out")" = $((number < current)) ] || fail "$number: $(cat "$work/out")"
+    [ "$(grep -c ", semantics $number" "$work/out")" = $((number < current)) ] ||
+        fail "$number: $(cat "$work/out")"
     cmp -s -n "$(wc -c <former)" former j.iftty || fail "$number: what was there has changed"
-    [ "$(grep -c '^= ' j.iftty)" = $(($(grep -c '^= ' former) + 7)) ] || fail "$number: $(tail -3 j.iftty)"
+    [ "$(grep -c '^= ' j.iftty)" = $(($(grep -c '^= ' former) + 7)) ] ||
+        fail "$number: $(tail -3 j.iftty)"
     expect 0 "$iftty" verify j.iftty
     with_picture=$(tail -1 j.iftty | grep -c 'picture=')
     [ "$with_picture" = $((number >= 3)) ] || fail "$number: $(tail -1 j.iftty)"

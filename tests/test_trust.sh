@@ -14,8 +14,8 @@ esc=$(printf '\033')
 journal() { # FILE COMMANDS: as somebody else may write one, a script without proof
     printf '%s\n' "$2" | tr ';' '\n' | sed 's/^ *//' >"$1"
 }
-# refused WORDS JOURNAL [OPTION...]: by replay and verify, in one line that is no surprise; nothing is
-# written anywhere
+# refused WORDS JOURNAL [OPTION...]: by replay and verify, in one line that is no surprise; nothing
+# is written anywhere
 refused() {
     words=$1
     shift
@@ -65,7 +65,8 @@ for name in pipe.nii below; do
     refused "$name is not a regular file" j
 done
 for command in mask weight seed-file; do
-    for name in "$work/secret/hidden.nii" ../secret/hidden.nii out.nii folder/hidden.nii zero.nii; do
+    for name in "$work/secret/hidden.nii" ../secret/hidden.nii \
+        out.nii folder/hidden.nii zero.nii; do
         journal j "open s.nii; $command $name"
         refused "the journal may not read $name" j
     done
@@ -79,13 +80,15 @@ mkdir elsewhere
 cp s.nii "$work/secret/near.nii"
 journal elsewhere/j 'open near.nii'
 expect_in "$work/secret" 3 "$iftty" replay "$work/there/elsewhere/j"
-expect_in "$work/secret" 0 env IFTTY_SCENES="$work/none:$work/secret" "$iftty" replay "$work/there/elsewhere/j"
+expect_in "$work/secret" 0 env IFTTY_SCENES="$work/none:$work/secret" \
+    "$iftty" replay "$work/there/elsewhere/j"
 expect_in "$work/secret" 0 "$iftty" -c 'open near.nii' # one's own commands are
 close_story
 
 begin "another scene under the same name is found out by its proof"
 expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run' --journal proof.iftty
-grep -qE '^= 1 .* sha256=[0-9a-f]{64} chain=' proof.iftty || fail "no proof: $(sed -n 3p proof.iftty)"
+grep -qE '^= 1 .* sha256=[0-9a-f]{64} chain=' proof.iftty ||
+    fail "no proof: $(sed -n 3p proof.iftty)"
 cp s.nii kept.nii
 flip_byte s.nii 1000
 expect 1 "$iftty" verify proof.iftty
@@ -158,7 +161,8 @@ close_story
 # ---- limits ----
 
 begin "memory, time and output are bounded, and the message names the option"
-journal big 'open synth:geom; seed 100,100,50 1; run; adjacency 26; run; render a.exr; save root r.nii'
+journal big \
+    'open synth:geom; seed 100,100,50 1; run; adjacency 26; run; render a.exr; save root r.nii'
 expect 3 "$iftty" replay big --limit-memory 50M
 err_has "--limit-memory allows 50 MB: a scene of 200x200x100 voxels needs"
 expect 3 "$iftty" replay big --limit-time 0.05
@@ -189,11 +193,13 @@ close_story
 
 # ---- what is shown ----
 
-# Well-formed UTF-8 without a control character, a mark that turns the direction of text, or one that
-# nobody sees; line feeds apart.
+# Well-formed UTF-8 without a control character, a mark that turns the direction of text, or one
+# that nobody sees; line feeds apart.
 is_plain() { # FILE WHAT
     iconv -f utf-8 -t utf-8 "$1" >/dev/null 2>&1 || fail "$2: no UTF-8: $(od -c "$1" | sed 4q)"
-    ! grep -qP '[\x00-\x09\x0b-\x1f\x7f]|\xc2[\x80-\x9f\xad]|\xd8\x9c|\xe2\x80[\x8b-\x8f\xa8-\xae]|\xe2\x81[\xa0-\xaf]|\xef\xbb\xbf|\xef\xb8[\x80-\x8f]|\xf3\xa0' "$1" ||
+    control='[\x00-\x09\x0b-\x1f\x7f]|\xc2[\x80-\x9f\xad]|\xd8\x9c'
+    hidden='\xe2\x80[\x8b-\x8f\xa8-\xae]|\xe2\x81[\xa0-\xaf]|\xef\xbb\xbf'
+    ! grep -qP "$control|$hidden|\xef\xb8[\x80-\x8f]|\xf3\xa0" "$1" ||
         fail "$2: it would obey $(od -c "$1" | sed 4q)"
 }
 shown() { # WHAT COMMAND...: whatever comes of it
@@ -321,9 +327,11 @@ expect 0 "$iftty" log named --anonymise
 diff "$work/out" unnamed >"$work/both" || fail "$(cat "$work/both")"
 expect 0 "$iftty" log named --anonymise --script
 diff "$work/out" unnamed >"$work/both" || fail "$(cat "$work/both")"
-expect 0 "$iftty" -c "open $work/there/s.nii; seed 2,3,4 1; run; golden brown-1" --journal brown.iftty
+expect 0 "$iftty" -c "open $work/there/s.nii; seed 2,3,4 1; run; golden brown-1" \
+    --journal brown.iftty
 expect 0 "$iftty" log brown.iftty --anonymise --export -
-! grep -q "$work" "$work/out" && ! grep -q 's.nii\|brown.iftty' "$work/out" || fail "a name is told: $(cat "$work/out")"
+! grep -q "$work" "$work/out" && ! grep -q 's.nii\|brown.iftty' "$work/out" ||
+    fail "a name is told: $(cat "$work/out")"
 close_story
 
 begin "log --export is PROV-JSON, in which every relation leads to a thing"
@@ -341,7 +349,8 @@ for relation in "used", "wasGeneratedBy", "wasDerivedFrom", "wasAssociatedWith":
     for ends in prov[relation].values():
         for role, thing in ends.items():
             assert thing in prov[kinds[role]], (relation, role, thing)
-assert [a["prov:label"] for a in prov["activity"].values()][1:] == ["seed 2,3,4 1", "run", "golden brown-1"]
+assert [a["prov:label"] for a in prov["activity"].values()][1:] \
+    == ["seed 2,3,4 1", "run", "golden brown-1"]
 assert len(prov["entity"]["iftty:scene-1"]["iftty:sha256"]) == 64
 assert prov["entity"]["iftty:golden-image-4"]["prov:label"] == "brown-1"
 assert prov["entity"]["iftty:journal-1"]["iftty:condition"] == "intact, 4 records"

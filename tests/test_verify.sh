@@ -6,12 +6,14 @@ make_scene s.nii 24 20 16
 
 # record JOURNAL: nine records, of which the seventh and the last are golden images
 record() {
-    "$iftty" -c 'open s.nii; seed 2,3,4 1; seed 6,10,8 2 radius=1; run; size 40 30; view 30 20; golden first
+    "$iftty" -c 'open s.nii; seed 2,3,4 1; seed 6,10,8 2 radius=1; run; size 40 30; view 30 20
+        golden first
         seed 20,10,8 3; run; golden second' --journal "$1" >/dev/null || fail "cannot record $1"
 }
 # rewrite JOURNAL NUMBER WORDS: its result words, with all chains right: an honest forgery
 rewrite() {
-    awk -v n="$2" -v words="$3" '/^= / && $2 == n { print "= " n " " words " chain=" substr($NF, 7); next }
+    awk -v n="$2" -v words="$3" '/^= / && $2 == n {
+        print "= " n " " words " chain=" substr($NF, 7); next }
         { print }' "$1" >rewritten
     chain=00000000000000000000000000000000 start=1 line=0
     : >"$1"
@@ -44,7 +46,8 @@ for processes in 1 2 5 64; do
 done
 same "$(head -n 1 one)" "ok 1 - j1.iftty (10 commands, 10 results)"
 same "$(tail -n 2 one | tr '\n' ' ')" "1..5 # 5 verified, 0 failed "
-for wrong in "-j 0" "-j 65" "-j x" "--from 0" "--until x" "--from 3 --until 2" "--junit" "--from"; do
+for wrong in "-j 0" "-j 65" "-j x" "--from 0" "--until x" "--from 3 --until 2" \
+    "--junit" "--from"; do
     # shellcheck disable=SC2086
     expect 2 "$iftty" verify j1.iftty $wrong
     [ ! -s out ] || fail "'$wrong' printed something"
@@ -52,7 +55,8 @@ done
 close_story
 
 begin "the first one may take longest"
-"$iftty" -c 'open synth:geom; seed 100,100,50 1; seed 10,10,10 2; run' --journal long.iftty >/dev/null
+"$iftty" -c 'open synth:geom; seed 100,100,50 1; seed 10,10,10 2; run' \
+    --journal long.iftty >/dev/null
 expect 0 "$iftty" verify -j 3 long.iftty j1.iftty j2.iftty
 same "$(sed -n 's/^ok [0-9]* - \([a-z0-9]*\).*/\1/p' out | tr '\n' ' ')" "long j1 j2 "
 close_story
@@ -85,7 +89,8 @@ cp only.golden/first.exr only.golden/second.exr
 expect 1 "$iftty" verify j2.iftty left/same.iftty right/same.iftty only.iftty --out proofs -j 3
 same "$(cd proofs && find . -type f | sort | tr '\n' ' ')" "./2/same.iftty.first.actual.exr \
 ./2/same.iftty.first.difference.png ./3/same.iftty.second.actual.exr \
-./3/same.iftty.second.difference.png ./only.iftty.second.actual.exr ./only.iftty.second.difference.png "
+./3/same.iftty.second.difference.png ./only.iftty.second.actual.exr \
+./only.iftty.second.difference.png "
 expect 1 "$iftty" verify left/same.iftty --out alone
 same "$(ls alone | tr '\n' ' ')" "same.iftty.first.actual.exr same.iftty.first.difference.png "
 expect 1 "$iftty" verify left/same.iftty left/../left/same.iftty --out twice
@@ -178,11 +183,14 @@ cp j5.golden/second.exr j5.golden/first.exr
 cp j4.iftty 'a<b>&"c'"'.iftty"
 cp -r j4.golden 'a<b>&"c'"'.golden"
 expect 1 "$iftty" verify j4.iftty j5.iftty 'a<b>&"c'"'.iftty" --junit report.xml
-grep -q '<testsuite name="iftty verify" tests="3" failures="1" errors="0"' report.xml || fail "$(cat report.xml)"
+grep -q '<testsuite name="iftty verify" tests="3" failures="1" errors="0"' report.xml ||
+    fail "$(cat report.xml)"
 grep -q 'name="a&lt;b&gt;&amp;&quot;c&#39;.iftty"' report.xml || fail "$(cat report.xml)"
-grep -q '<failure type="check failed" message="record 7 (line' report.xml || fail "$(cat report.xml)"
+grep -q '<failure type="check failed" message="record 7 (line' report.xml ||
+    fail "$(cat report.xml)"
 if needs python3; then
-    python3 -c 'import sys, xml.dom.minidom; xml.dom.minidom.parse(sys.argv[1])' report.xml 2>err || fail "$(cat err)"
+    python3 -c 'import sys, xml.dom.minidom; xml.dom.minidom.parse(sys.argv[1])' report.xml 2>err ||
+        fail "$(cat err)"
 fi
 cp report.xml before
 expect 0 "$iftty" verify j4.iftty --junit report.xml
@@ -195,14 +203,17 @@ begin "one page of HTML, that needs nothing else"
 expect 1 "$iftty" verify j4.iftty j5.iftty 'a<b>&"c'"'.iftty" --html report.html
 grep -q 'a&lt;b&gt;&amp;&quot;c&#39;.iftty' report.html || fail "a name is not escaped"
 same "$(grep -c '<img alt="[^"]*" src="data:image/png;base64,[A-Za-z0-9+/]*=*">' report.html)" 3
-same "$(grep -o 'expected: golden image first<\|>actual<\|>difference, in red<' report.html | wc -l | tr -d ' ')" 3
+same "$(grep -o 'expected: golden image first<\|>actual<\|>difference, in red<' report.html |
+    wc -l | tr -d ' ')" 3
 grep -qE 'https?:|<script|<link|url\(' report.html && fail "it refers to something else"
 grep -q "default-src 'none'" report.html || fail "it does not forbid to fetch"
 # The picture that is called the expected one is the golden image's.
-sed -n 's/.*alt="expected[^"]*" src="data:image\/png;base64,\([^"]*\)".*/\1/p' report.html | base64 -d >expected.png
+sed -n 's/.*alt="expected[^"]*" src="data:image\/png;base64,\([^"]*\)".*/\1/p' report.html |
+    base64 -d >expected.png
 same "$(head -c 4 expected.png | od -An -c | tr -d ' ')" '211PNG'
 if needs idiff oiiotool; then
-    oiiotool expected.png --ch R,G,B -o seen.png && idiff -q seen.png j5.golden/second.png || fail "it is another picture"
+    oiiotool expected.png --ch R,G,B -o seen.png && idiff -q seen.png j5.golden/second.png ||
+        fail "it is another picture"
 fi
 expect 1 "$iftty" verify j3.iftty --html report.html
 same "$(grep -c 'actual: the rendition after this command</figcaption>' report.html)" 1
@@ -236,11 +247,13 @@ unlike k.iftty 7
 cp k.iftty k.before
 expect 1 "$iftty" verify k.iftty
 expect 0 "$iftty" verify k.iftty --accept 'softer light'
-out_has "# 1 golden image accepted, 1 of 10 records of k.iftty marked; the former journal is stored as k.iftty.before-1"
+out_has "# 1 golden image accepted, 1 of 10 records of k.iftty marked; \
+the former journal is stored as k.iftty.before-1"
 same_files k.iftty.before-1 k.before
 expect 0 "$iftty" verify k.iftty
 expect 0 "$iftty" log --check k.iftty
-grep -q '^# accepted: softer light (golden image first: ' k.iftty || fail "no reason: $(cat k.iftty)"
+grep -q '^# accepted: softer light (golden image first: ' k.iftty ||
+    fail "no reason: $(cat k.iftty)"
 grep -q "^# it was: chain=[0-9a-f]* picture=00000000000000aa" k.iftty || fail "$(cat k.iftty)"
 same "$(words_of k.iftty 7)" "$(words_of j4.iftty 7)"
 "$iftty" info k.golden/first.exr >info
@@ -311,7 +324,8 @@ rewrite k.iftty 6 "forest=0123456789abcdef"
 refused k.iftty "nothing has changed" 1 env
 cp kept k.iftty
 rewrite k.iftty 9 "forest=0123456789abcdef"
-refused k.iftty "record 9 (line 22) gives another forest: no picture, but a result, which is not accepted" 1 env
+refused k.iftty "record 9 (line 22) gives another forest: no picture, but a result, \
+which is not accepted" 1 env
 sed 's/^seed 20,10,8 3$/seed 20,10,8 4/' kept >k.iftty
 refused k.iftty "record 8 (line 20) was edited: iftty log --reseal comes first" 1 env
 { cat kept; echo run; } >k.iftty
@@ -322,7 +336,8 @@ refused a-script "this is a script, not a journal" 1 env
 cp kept k.iftty
 expect 0 "$iftty" verify k.iftty --accept 'now'
 # One name for two pictures is nothing that a session records.
-expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; golden one; turn 20; golden two' --journal t.iftty
+expect 0 "$iftty" -c 'open s.nii; seed 2,3,4 1; run; golden one; turn 20; golden two' \
+    --journal t.iftty
 sed 's/^golden two$/golden one/' t.iftty >twins.iftty
 expect 0 "$iftty" log --reseal twins.iftty
 refused twins.iftty "golden image one is given twice, and the pictures are not the same" 1 env
@@ -354,7 +369,8 @@ sed 's/^seed 20,10,8 3$/seed 20,10,7 3/' e.iftty >edited.iftty
 cp edited.iftty edited.kept
 expect 1 "$iftty" log --check edited.iftty
 expect 0 "$iftty" log --reseal edited.iftty
-out_has "# 3 of 10 records of edited.iftty marked; the former journal is stored as edited.iftty.before-1"
+out_has "# 3 of 10 records of edited.iftty marked; \
+the former journal is stored as edited.iftty.before-1"
 same_files edited.iftty.before-1 edited.kept
 expect 0 "$iftty" log --check edited.iftty
 expect 0 "$iftty" replay edited.iftty
@@ -462,7 +478,8 @@ listing . | grep -vE ' ./(out|err|before|d)$' | diff before - >"$work/err" || fa
 close_story
 
 begin "builds are limited together, and neither stands for the other"
-big='open synth:geom; seed 100,100,50 1; run; adjacency 26; run; adjacency 6; run; adjacency 26; run'
+big='open synth:geom; seed 100,100,50 1; run
+    adjacency 26; run; adjacency 6; run; adjacency 26; run'
 "$iftty" -c "$big" --journal big.iftty >/dev/null || fail "cannot record"
 for limit in "time 0.2" "memory 60M"; do
     # shellcheck disable=SC2086

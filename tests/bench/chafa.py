@@ -1,10 +1,10 @@
 """chafa, another program that shows pictures in terminals, on those of `iftty bench terminal`:
 chafa.py [--json] BUILD; `make bench-chafa` runs it.
 
-iftty draws the pictures at the end of examples/brain.iftty (of geom.iftty where the scene ch2 is not
-here) as PNG: the rendition of 512x512 pixels, a mosaic of 640x640. chafa shows them in as many cells
-of 8x16 pixels. Its time is from its start to its last byte, less what the same takes for a picture
-of one pixel. Medians; no time is compared with a limit.
+iftty draws the pictures at the end of examples/brain.iftty (of geom.iftty where the scene ch2 is
+not here) as PNG: the rendition of 512x512 pixels, a mosaic of 640x640. chafa shows them in as many
+cells of 8x16 pixels. Its time is from its start to its last byte, less what the same takes for a
+picture of one pixel. Medians; no time is compared with a limit.
 
 Exit status: 0 fine, 3 a program could not be run."""
 
@@ -64,7 +64,8 @@ def write_dot(path):
         return struct.pack(">I", len(data)) + whole + struct.pack(">I", zlib.crc32(whole))
 
     with open(path, "wb") as out:
-        out.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0)))
+        out.write(b"\x89PNG\r\n\x1a\n")
+        out.write(chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0)))
         out.write(chunk(b"IDAT", zlib.compress(bytes(4))) + chunk(b"IEND", b""))
 
 
@@ -111,7 +112,8 @@ def main():
     print(" " * 20 + "".join(f"{protocol:>16}" for protocol in FORMATS))
     print(" " * 20 + f"{'kB':>9} {'ms':>6}" * len(FORMATS))
     for name, by in figures.items():
-        print(f"chafa: {name:<13}" + "".join(f"{f['bytes'] / 1000:9.2f} {f['ms']:6.2f}" for f in by.values()))
+        words = (f"{f['bytes'] / 1000:9.2f} {f['ms']:6.2f}" for f in by.values())
+        print(f"chafa: {name:<13}" + "".join(words))
     return 0
 
 

@@ -18,8 +18,8 @@ gcc-O3-native             |gcc  |-O3 -march=native||-lnettle
 clang-O0                  |clang|-O0||-lnettle
 clang-O2                  |clang|-O2||-lnettle
 clang-O3-native           |clang|-O3 -march=native||-lnettle
-gcc-address-undefined     |gcc  |-O1 -fsanitize=address,undefined -fno-sanitize-recover=all||-lnettle
-clang-address-undefined   |clang|-O1 -fsanitize=address,undefined -fno-sanitize-recover=all||-lnettle
+gcc-address-undefined|gcc|-O1 -fsanitize=address,undefined -fno-sanitize-recover=all||-lnettle
+clang-address-undefined|clang|-O1 -fsanitize=address,undefined -fno-sanitize-recover=all||-lnettle
 i386                      |i686-linux-gnu-gcc   |-O2 -msse2|qemu-i386-static|own
 i386-O0                   |i686-linux-gnu-gcc   |-O0 -msse2|qemu-i386-static|own
 aarch64                   |aarch64-linux-gnu-gcc|-O2|qemu-aarch64-static|own
@@ -49,7 +49,8 @@ field() { # N LINE, without the blanks around it
 make_list() {
     name=$(field 1 "$1") libraries=$(field 5 "$1") machine=$(field 4 "$1")
     own=''
-    [ "$libraries" != own ] || { own=tests/matrix/sha2/sha2.c libraries='-static -Itests/matrix/sha2'; }
+    [ "$libraries" != own ] ||
+        { own=tests/matrix/sha2/sha2.c libraries='-static -Itests/matrix/sha2'; }
     mkdir -p "$out/$name"
     # Lists of words on purpose.
     # shellcheck disable=SC2046,SC2086
@@ -117,7 +118,8 @@ run_programs() {
     while read -r line; do
         name=$(field 1 "$line")
         if make VARIANT="matrix/$name" CC="$(field 2 "$line")" OPTIMISE="$(field 3 "$line")" \
-            SANITISE="$(field 4 "$line")" "build/matrix/$name/iftty" </dev/null >"$out/$name.log" 2>&1; then
+            SANITISE="$(field 4 "$line")" "build/matrix/$name/iftty" \
+                </dev/null >"$out/$name.log" 2>&1; then
             # shellcheck disable=SC2086
             verify "every example by $name" "build/matrix/$name/iftty" $journals </dev/null
         else

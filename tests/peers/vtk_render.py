@@ -169,7 +169,7 @@ def colour_table(colours):
 
 
 def look_from(camera, angles):
-    """The angles of render/view.h: who looks ahead, and what is up, in right, anterior, superior."""
+    """The angles of render/view.h: what is ahead, and what is up, in right, anterior, superior."""
     yaw, pitch, roll = (math.radians(angle) for angle in angles)
     right = (-math.cos(yaw), -math.sin(yaw), 0)
     up = (math.sin(yaw) * math.sin(pitch), -math.cos(yaw) * math.sin(pitch), math.cos(pitch))

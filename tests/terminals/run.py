@@ -3,8 +3,8 @@
 
     tests/terminals/run.py BUILD [WORD...]    only stories with one of these words in their names
 
-Ends with "N passed, N failed, 0 skipped" as tests/run.sh does; nothing is skipped: a terminal that does not
-start has failed. `make test-terminals` installs what this needs.
+Ends with "N passed, N failed, 0 skipped" as tests/run.sh does; nothing is skipped: a terminal that
+does not start has failed. `make test-terminals` installs what this needs.
 
 What ought to be seen is never another screenshot of the same bytes. A picture is compared with the
 pixels that went into it, and the rest of its screen, to the pixel, with what the same session shows
@@ -129,7 +129,8 @@ def painter_stories(stage):
     for name in GRAPHICAL:
         paint(stage, name, "a full picture, down to the pixel", 0, "3 2 60 30")
         paint(stage, name, "the same after 60 edits", 60, "3 2 60 30")
-        paint(stage, name, "a picture that fills the window but its last row, and 60 edits", 60, "0 0 0 0")
+        paint(stage, name, "a picture that fills the window but its last row, and 60 edits",
+              60, "0 0 0 0")
 
 
 # ---- the prompt ----
@@ -150,7 +151,8 @@ class Prompt:
         self.records = 0
         self.terminal = stage.room.start(
             name, list(shell), self.folder,
-            IFTTY="%s --graphics %s --smooth --journal j.iftty" % (stage.iftty, graphics), **environment)
+            IFTTY="%s --graphics %s --smooth --journal j.iftty" % (stage.iftty, graphics),
+            **environment)
         self.terminal.settled()
 
     def __enter__(self):
@@ -434,7 +436,8 @@ def dumb(stage):
     with stage.report.story(story):
         shots = []
         for graphics in ("none", "auto"):
-            with Prompt(stage, "xterm", graphics, ("/usr/bin/env", "TERM=dumb", "/bin/sh")) as prompt:
+            dumb = ("/usr/bin/env", "TERM=dumb", "/bin/sh")
+            with Prompt(stage, "xterm", graphics, dumb) as prompt:
                 prompt.begin()
                 prompt.commands(["label 2 other", "size 100 100"])
                 shots.append(prompt.terminal.settled())
@@ -453,7 +456,8 @@ def multiplexed(stage):
     screen = write_file(stage, "screen.rc", "startup_message off\nautodetach off\nvbell off\n")
     os.makedirs(os.path.join(stage.room.folder, "screens"), mode=0o700, exist_ok=True)
     for passing in ("off", "on"):
-        write_file(stage, "tmux.conf." + passing, "set -g status off\nset -g destroy-unattached on\n"
+        write_file(stage, "tmux.conf." + passing,
+                   "set -g status off\nset -g destroy-unattached on\n"
                    "set -g allow-passthrough %s\nset -g default-shell /bin/sh\n" % passing)
     for name in ("xterm", "kitty"):
         for passing in ("off", "on"):

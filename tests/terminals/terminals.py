@@ -281,7 +281,8 @@ class Terminal:
             windows = self.tool("xdotool", "search", "--onlyvisible", "--class", ".").split()
             if windows:
                 window = windows[-1].decode()
-                self.tool("xdotool", "mousemove", "%d" % (WIDTH - 1), "%d" % (HEIGHT - 1), "windowfocus", "--sync", window)
+                self.tool("xdotool", "mousemove", "%d" % (WIDTH - 1), "%d" % (HEIGHT - 1),
+                          "windowfocus", "--sync", window)
                 return
             time.sleep(0.05)
         raise TerminalFailed("%s shows no window" % self.name)
