@@ -314,8 +314,9 @@ within() {
 }
 seeds() { # many of them
     echo 'open good.nii'
-    awk 'BEGIN { for (i = 0; i < 200; i++) print "seed " i % 24 "," i % 20 "," i % 16 " " i % 7
-        ; print "run" }'
+    awk 'BEGIN {
+        for (i = 0; i < 200; i++) print "seed " i % 24 "," i % 20 "," i % 16 " " i % 7
+        print "run" }'
 }
 # What was acknowledged before the disk was full is in the journal, and more can follow.
 holds_what_was_said() { # JOURNAL

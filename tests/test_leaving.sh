@@ -14,6 +14,9 @@ state() { # of the terminal: alternate screen, mouse, cursor
 processes() { # of ours at the terminal
     ps -t "$(tmux_here display-message -p -t prompt '#{pane_tty}')" -o comm= | grep iftty
 }
+is_guarded() { # by a process that has its name by now
+    [ "$(processes | sort | tr '\n' ' ')" = "iftty iftty-guardian " ]
+}
 start_session() { # JOURNAL [WORDS...]
     enter "clear; sh -c 'echo \$\$ >pid; exec $iftty --journal $*'"
     see '^[a-z]+>$'
@@ -27,7 +30,7 @@ state_is() {
 
 begin "killed at the prompt: a sane terminal, a whole journal, no process"
 start_session one.iftty s.nii
-same "$(processes | sort | tr '\n' ' ')" "iftty iftty-guardian "
+comes_true is_guarded || fail "there are: $(processes)"
 enter "seed 2,3,4 1"
 see '^[0-9]+ voxels changed'
 type_letters "half a li"
@@ -47,7 +50,7 @@ enter "seed 2,3,4 1"
 see '^[0-9]+ voxels changed'
 enter "pilot"
 comes_true state_is 110
-same "$(processes | sort | tr '\n' ' ')" "iftty iftty-guardian "
+comes_true is_guarded || fail "there are: $(processes)"
 kill -KILL "$(cat pid)"
 comes_true state_is 001 # what the shell says may have gone with that screen
 comes_true nothing_left

@@ -136,9 +136,15 @@ see '^coronal 13 '
 type_letters ":"
 enter "help"
 see '^The scene'
+is_another_page() {
+    screen_text >page
+    grep -q '^(any key' page && ! cmp -s page former
+}
 for page in 1 2 3 4 5 6; do
-    screen_text | grep -q '^quit ' || press Space
-    sleep 0.2
+    screen_text >former
+    grep -q '^quit ' former && break
+    press Space
+    comes_true is_another_page || fail "no page follows:" "$(cat former)"
 done
 see '^quit  *leave'
 see '^\(any key\)$'

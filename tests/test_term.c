@@ -316,12 +316,12 @@ static int descriptors_of(pid_t process)
     return count;
 }
 
+/* The guardian may not be ready when its job is. Nothing is read meanwhile. */
 static void start_ready(struct stage *s, void (*play)(void))
 {
     start(s, play);
     CHECK(see(s, BEGIN "ready", 60000));
-    for (int i = 0; i < 500 && !s->guardian;
-         i++) { /* it may not be ready; read nothing meanwhile */
+    for (int i = 0; i < 6000 && !s->guardian; i++) {
         usleep(i ? 10000 : 0);
         const pid_t found = process_of(s->shell, "iftty-guardian");
         s->guardian = found && descriptors_of(found) <= 4 ? found : 0;
@@ -344,13 +344,19 @@ static void end(struct stage *s)
 
 /* ---- stories ---- */
 
+/* The terminal may have made CR CR LF of the last line feed, since modes come first. */
+static bool has_ending(struct stage *s)
+{
+    return ends_with(s, ENDING) || ends_with(s, "\033\\" RECOVER END "\033[m\033[?25h\r\r\n");
+}
+
 static void check_restored(struct stage *s)
 {
     CHECK(comes_true(s, guardian_is_gone));
     CHECK(as_found(s));
+    CHECK(comes_true(s, has_ending)); /* what was written may still be on its way */
     see(s, NULL, 20);
-    /* modes first: the terminal may have made CR CR LF of it */
-    CHECK(ends_with(s, ENDING) || ends_with(s, "\033\\" RECOVER END "\033[m\033[?25h\r\r\n"));
+    CHECK(has_ending(s)); /* and nothing after it */
 }
 
 STORY(killed_in_full_screen_the_guardian_restores_the_terminal)
@@ -465,7 +471,7 @@ static void order(struct stage *s, pid_t group)
 static void another_job_has_the_terminal(struct stage *s)
 {
     order(s, s->guardian);
-    for (int i = 0; i < 500 && tcgetpgrp(s->master) != s->guardian; i++)
+    for (int i = 0; i < 6000 && tcgetpgrp(s->master) != s->guardian; i++)
         usleep(10000);
     CHECK_INT(tcgetpgrp(s->master), s->guardian);
 }
@@ -511,11 +517,18 @@ STORY(stopped_and_continued_it_is_guarded_again)
     end(&s);
 }
 
+/* Waits until the job is in the middle of its frame: some of it is there, and more than the line
+ * holds, since nobody reads. */
+static void start_frame(struct stage *s)
+{
+    start_ready(s, writes_a_frame);
+    CHECK(see(s, "readyp", 60000));
+}
+
 STORY(ctrl_c_cuts_no_frame_in_two)
 {
     struct stage s;
-    start_ready(&s, writes_a_frame);
-    usleep(200000); /* the line is full: nobody reads */
+    start_frame(&s);
     CHECK(write(s.master, "\003", 1) == 1);
     usleep(100000);
     const int status = report_of(&s);
@@ -533,8 +546,7 @@ STORY(ctrl_c_cuts_no_frame_in_two)
 STORY(stopping_waits_for_the_end_of_a_frame)
 {
     struct stage s;
-    start_ready(&s, writes_a_frame);
-    usleep(200000);
+    start_frame(&s);
     CHECK(write(s.master, "\032", 1) == 1);
     usleep(100000);
     CHECK(WIFSTOPPED(report_of(&s)));

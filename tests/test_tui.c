@@ -1,10 +1,10 @@
 /* The terminal side without a terminal: encoders against decoders of our own, keys, lines, replies,
  * drawing against a small model of a screen. */
 #include <stdlib.h>
+#include <time.h>
 #include <unistd.h>
 #include <zlib.h>
 
-#include "base/clock.h"
 #include "base/file.h"
 #include "tests/check.h"
 #include "tests/kitty_decode.h"
@@ -406,14 +406,14 @@ STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
         for (unsigned n = 0; n < 15; n++) {
             for (unsigned k = 0; k < 3; k++) {
                 buf_clear(&out);
-                uint64_t begin = clock_ns();
+                const clock_t begin = clock();
                 if (k == 0)
                     graphics_encode(&graphics_kitty, &view, &out);
                 else if (k == 1)
                     graphics_encode(&graphics_sixel, &view, &out);
                 else
                     blocks_encode(&view, COLOURS_24BIT, BLOCK_HALF, 120, 49, &out);
-                uint64_t took = clock_ns() - begin;
+                const uint64_t took = (uint64_t)(clock() - begin) * (1000000000 / CLOCKS_PER_SEC);
                 best[k] = took < best[k] ? took : best[k];
                 bytes[k] = out.length;
             }

@@ -20,10 +20,10 @@
 /* ---- the host: a handful of commands ---- */
 
 static uint8_t rendition[64 * 40 * 4];
+static int news_pipe[2]; /* a byte for each line of news, which the story writes */
 
 struct host {
     bool finished, has_picture;
-    int news[2]; /* a pipe: a byte for each line of news */
 };
 
 static void host_prompt(void *context, struct buf *out)
@@ -40,11 +40,6 @@ static enum err host_execute(void *context, const char *text, struct buf *output
         buf_printf(output, "[%s]\n", text + 5);
     } else if (strcmp(text, "picture") == 0) {
         host->has_picture = true;
-    } else if (strcmp(text, "later") == 0) {
-        if (fork() == 0) {
-            usleep(800000);
-            _exit(write(host->news[1], "n", 1) != 1);
-        }
     } else if (strcmp(text, "quit") == 0) {
         host->finished = true;
     } else if (strcmp(text, "wait") == 0) {
@@ -85,9 +80,9 @@ static bool host_picture(void *context, struct image_view *out)
 
 static void host_news(void *context, struct buf *output)
 {
-    struct host *host = context;
     char c;
-    if (read(host->news[0], &c, 1) == 1)
+    (void)context;
+    if (read(news_pipe[0], &c, 1) == 1)
         buf_add_text(output, "[news]\n");
 }
 
@@ -108,9 +103,7 @@ static int run_host(const struct repl_options *options, bool once)
                              .news = host_news,
                              .finished = host_finished};
     struct fault fault;
-    if (pipe2(state.news, O_NONBLOCK | O_CLOEXEC) != 0)
-        return 99;
-    host.news_descriptor = state.news[0];
+    host.news_descriptor = news_pipe[0];
     for (size_t i = 0; i < sizeof rendition; i++)
         rendition[i] = (uint8_t)(i % 4 == 3 ? 255 : 40 * (i / 600));
     if (once)
@@ -641,17 +634,31 @@ STORY(history_is_searched_and_kept_in_a_file)
     rmdir(folder);
 }
 
+/* Whether the b that follows an escape alone is a b; not where the program had no time to look
+ * between the two. */
+static bool is_lone_escape(struct terminal *t)
+{
+    type(t, "echo one two\033b");
+    see(t, NULL, 100);
+    type(t, "X\033");
+    see(t, NULL, 300); /* longer than the time-out */
+    type(t, "b\r");
+    SEE(t, "two]\r\n");
+    const bool is_letter = strstr(buf_text(&t->seen), "[one Xbtwo]") != NULL;
+    CHECK(is_letter || strstr(buf_text(&t->seen), "[one Xtwo]") != NULL);
+    SEE(t, "ch2> ");
+    return is_letter;
+}
+
 STORY(escape_alone_is_not_the_alt_key)
 {
     struct terminal t;
+    bool is_letter = false;
     start(&t, &xterm);
     SEE(&t, "ch2> ");
-    type(&t, "echo one two\033b");
-    see(&t, NULL, 100);
-    type(&t, "X\033");
-    see(&t, NULL, 300); /* longer than the time-out: the b is a b */
-    type(&t, "b\r");
-    SEE(&t, "[one Xbtwo]");
+    for (int tries = 0; tries < 20 && check_failures == 0 && !is_letter; tries++)
+        is_letter = is_lone_escape(&t);
+    CHECK(is_letter);
     type(&t, "quit\r");
     CHECK_INT(report_of(&t), 0);
     end(&t);
@@ -674,15 +681,19 @@ STORY(a_new_width_is_used_at_once)
     end(&t);
 }
 
+static void give_news(void)
+{
+    CHECK(write(news_pipe[1], "n", 1) == 1);
+}
+
 STORY(news_stand_above_the_line_that_is_typed)
 {
     struct terminal t;
     start(&t, &xterm);
     SEE(&t, "ch2> ");
-    type(&t, "later\r");
-    SEE(&t, "ch2> ");
     type(&t, "echo ha");
     SEE(&t, "echo ha");
+    give_news();
     SEE(&t, "\r\033[J[news]\r\n"); /* on its own: nothing was typed */
     SEE(&t, "ch2> echo ha");
     type(&t, "lf\r");
@@ -699,9 +710,9 @@ STORY(news_clear_every_row_of_a_long_line)
     start(&t, &xterm);
     SEE(&t, "ch2> ");
     ioctl(t.slave, TIOCSWINSZ, &size);
-    type(&t, "later\r");
-    SEE(&t, "ch2> ");
-    type(&t, "echo 0123456789012345678901234567890123456789"); /* rows 0 to 2 */
+    type(&t, "echo 012345678901234567890123456789012345678z"); /* rows 0 to 2 */
+    SEE(&t, "8z");
+    give_news();
     SEE(&t, "\033[2A\r\033[J[news]\r\n");
     SEE(&t, "ch2> ");
     type(&t, "\003quit\r");
@@ -856,6 +867,8 @@ STORY(plain_input_is_read_line_by_line_without_escapes)
 int main(void)
 {
     alarm(900);
+    if (pipe2(news_pipe, O_NONBLOCK | O_CLOEXEC) != 0)
+        return 1;
     return RUN_STORIES(
         TELL(a_line_is_edited_and_run_and_ctrl_d_restores_everything),
         TELL(replies_that_come_late_never_reach_the_line),
