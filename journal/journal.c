@@ -418,9 +418,10 @@ enum err journal_audit(const struct journal *journal, struct fault *fault)
                                  walk.records == journal->count &&
                                  strcmp(walk.chain.hex, journal->chain.hex) == 0; /* J3 */
     if (!err && (!tail_is_fine || !content_is_ours))
-        err = fault_set(
-            fault, ERR_CHECK, "%s holds %zu records in %zu bytes; acknowledged were %zu in %zu",
-            journal_path(journal), walk.records, walk.offset, journal->count, journal->kept.length);
+        err = fault_set(fault, ERR_CHECK,
+                        "%s holds %zu record%s in %zu bytes; acknowledged were %zu in %zu",
+                        journal_path(journal), walk.records, plural(walk.records), walk.offset,
+                        journal->count, journal->kept.length);
     walk_release(&walk);
     buf_release(&bytes);
     return err;

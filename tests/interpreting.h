@@ -1,8 +1,8 @@
 /*
- * What stories at an interpreter share: lines go in by the one door, and the image helper is the
- * one that was built beside the test programs.
+ * What stories at an interpreter share: lines go in as at the prompt, and the image helper is the
+ * one that was built with the test programs.
  *
- * `reply` and `fault` are those of the last line; whoever has a main releases `reply` at its end.
+ * `reply` and `fault` are those of the last line; main releases `reply` at its end.
  */
 #ifndef TESTS_INTERPRETING_H
 #define TESTS_INTERPRETING_H
@@ -40,7 +40,7 @@ static inline const char *helper_program(void)
     return strcat(program, "/iftty-image");
 }
 
-/* A interpreter with that helper; the caller releases it. */
+/* An interpreter with that helper; the caller releases it. */
 static inline void begin_interpreter(struct interpreter *interp)
 {
     CHECK(interpreter_init(interp, NULL) == OK);

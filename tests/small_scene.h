@@ -128,7 +128,7 @@ struct snapshot {
     uint32_t present, on;
 };
 
-/* Voxels are fenced exactly where the region of interest says so, and its tally is right. */
+/* Voxels are outside exactly where the region of interest says so, and its tally is right. */
 static inline void roi_stands(const struct session *session)
 {
     const struct roi_tally tally = roi_tally(&session->roi, session->scene);

@@ -10,9 +10,9 @@
 
 #include "base/choice.h"
 #include "base/file.h"
-#include "base/mem.h"
 #include "base/safe.h"
 #include "tests/small_scene.h"
+#include "tests/scarce_memory.h"
 
 /* One line, nothing that a terminal obeys. */
 static bool is_plain(const char *text)
@@ -1508,7 +1508,7 @@ STORY(random_edits_fail_at_random)
                                            "range none",
                                            "range 20 90",
                                            "range 40 300"};
-    static const char *const sights[] = {
+    static const char *const pictures[] = {
         "slice axial 3",  "slice coronal zoom=4", "slice sagittal 5 zoom=fit", "mosaic",
         "window 20 99.5", "overlay contour",      "overlay tint marks=on"};
     unsigned undone = 0;
@@ -1560,7 +1560,7 @@ STORY(random_edits_fail_at_random)
             snprintf(line, sizeof line, "%s", excludes[below(7)]);
             break;
         case 9:
-            snprintf(line, sizeof line, "%s", sights[below(7)]);
+            snprintf(line, sizeof line, "%s", pictures[below(7)]);
             break;
         default:
             snprintf(line, sizeof line, "seed %u,%u,%u %u radius=%u", x, y, z, below(5),
@@ -1937,12 +1937,6 @@ STORY(opening_that_is_cancelled_opens_nothing)
     }
 }
 
-static bool allow_nothing(size_t bytes)
-{
-    (void)bytes;
-    return false;
-}
-
 STORY(weights_are_named_and_stay_without_memory)
 {
     struct interpreter interp;
@@ -1954,7 +1948,7 @@ STORY(weights_are_named_and_stay_without_memory)
     must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "weight sobel\n");
     take_snapshot(&before, &interp);
-    mem_allows = allow_nothing;
+    allow_allocations(0);
     CHECK(execute(&interp, "weight gauss 1.5") == ERR_MEMORY);
     mem_allows = NULL;
     is_as_before(&before, &interp, "weight gauss 1.5");
@@ -1970,13 +1964,6 @@ STORY(weights_are_named_and_stay_without_memory)
 }
 
 /* ---- without memory ---- */
-
-static unsigned allocations_left;
-static bool allow_some(size_t bytes)
-{
-    (void)bytes;
-    return allocations_left > 0 && allocations_left--;
-}
 
 /* How many files the folder of a test holds, drafts and backups too. */
 static unsigned files_in(const char *path)
@@ -2001,8 +1988,7 @@ static void fails_at_every_allocation(struct interpreter *interp, const char *li
         struct snapshot before;
         const unsigned failures = check_failures;
         take_snapshot(&before, interp);
-        allocations_left = n;
-        mem_allows = allow_some;
+        allow_allocations(n);
         err = execute(interp, line);
         mem_allows = NULL;
         if (!err)

@@ -400,7 +400,7 @@ static uint32_t slow_weight(const struct world *w, size_t s, size_t t, uint8_t l
     return (uint32_t)(weight < 65535 ? weight : 65535);
 }
 
-/* The textbook: relax the cheapest unfinished voxel, searched for in plain sight. */
+/* The textbook: relax the cheapest unfinished voxel, searched for among all. */
 static bool costs_equal_textbook(struct world *w)
 {
     const struct grid *g = &w->scene->grid;
@@ -455,7 +455,7 @@ static bool is_below(const struct slow_key *a, const struct slow_key *b)
     return a->hops != b->hops ? a->hops < b->hops : a->root < b->root;
 }
 
-/* The fixed point: the least key that is not final yet is final, searched for in plain sight. */
+/* The fixed point: the least key that is not final yet is final, searched for among all. */
 static bool keys_equal_fixed_point(struct world *w)
 {
     const struct grid *g = &w->scene->grid;

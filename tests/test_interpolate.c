@@ -3,10 +3,10 @@
  */
 #include <stdlib.h>
 
-#include "base/mem.h"
 #include "session/session.h"
 #include "tests/border_check.h"
 #include "tests/check.h"
+#include "tests/scarce_memory.h"
 
 static struct scene *random_scene(uint64_t *random, uint32_t side_most, bool extreme)
 {
@@ -291,13 +291,6 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     session_release(&session);
 }
 
-static unsigned allowed;
-static bool allow_some(size_t bytes)
-{
-    (void)bytes;
-    return allowed > 0 && allowed-- > 0;
-}
-
 STORY(without_memory_nothing_has_changed)
 {
     struct session session;
@@ -306,8 +299,7 @@ STORY(without_memory_nothing_has_changed)
     enum err err = ERR_MEMORY;
     unsigned refused = 0;
     for (unsigned n = 0; err && n < 50; n++) {
-        allowed = n;
-        mem_allows = allow_some;
+        allow_allocations(n);
         err = session_interpolate(&session, 1, NULL);
         mem_allows = NULL;
         if (!err)

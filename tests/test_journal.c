@@ -103,8 +103,7 @@ STORY(what_is_encoded_is_walked)
     buf_release(&bytes);
 }
 
-/* ---- FORMAT.md --------------------------------------------------------------------------------
- */
+/* ---- FORMAT.md ---- */
 
 /* The bytes between the regions of interest of the example, from the page itself. */
 static bool read_example(struct buf *out)
@@ -176,8 +175,7 @@ STORY(the_chain_in_FORMAT_is_what_its_words_say)
     buf_release(&bytes);
 }
 
-/* ---- cuts and flips ---------------------------------------------------------------------------
- */
+/* ---- cuts and flips ---- */
 
 STORY(every_prefix_is_sound_records_and_a_torn_tail)
 {
@@ -337,8 +335,7 @@ STORY(only_the_record_that_was_edited_is_unsound)
     buf_release(&bytes);
 }
 
-/* ---- headers, scripts -------------------------------------------------------------------------
- */
+/* ---- headers, scripts ---- */
 
 STORY(headers_have_one_spelling)
 {
@@ -458,8 +455,7 @@ STORY(the_log_says_whether_a_journal_is_intact)
     buf_release(&bytes);
 }
 
-/* ---- lines that no writer of ours writes, sealed all the same -----------------------------------
- */
+/* ---- lines that no writer of ours writes, sealed all the same ---- */
 
 /* A journal of one record: these lines, and the seal that fits them. */
 static void seal(struct buf *out, const char *lines, size_t length)
@@ -522,8 +518,7 @@ STORY(a_seal_does_not_make_a_line_valid)
     buf_release(&bytes);
 }
 
-/* ---- what may be written, and what hostile bytes do --------------------------------------------
- */
+/* ---- what may be written, and what hostile bytes do ---- */
 
 STORY(what_would_break_a_record_is_refused)
 {

@@ -186,13 +186,12 @@ STORY(the_audit_sees_a_file_that_somebody_else_changed)
     content(&bytes, path);
     CHECK(truncate(path, (off_t)bytes.length - 1) == 0);
     CHECK(journal_audit(journal, &fault) == ERR_CHECK);
-    CHECK_HAS(fault.text, "holds 1 records");
+    CHECK_HAS(fault.text, "holds 1 record in");
     journal_close(journal);
     buf_release(&bytes);
 }
 
-/* ---- torn and damaged files --------------------------------------------------------------------
- */
+/* ---- torn and damaged files ---- */
 
 STORY(a_torn_tail_is_kept_aside_and_cut_for_every_cut)
 {
@@ -329,8 +328,7 @@ STORY(what_is_no_journal_of_ours_is_refused_untouched)
     buf_release(&bytes);
 }
 
-/* ---- failing steps -----------------------------------------------------------------------------
- */
+/* ---- failing steps ---- */
 
 static unsigned steps_left;    /* until one fails */
 static bool steps_stay_failed; /* and all after it */
@@ -516,8 +514,7 @@ STORY(a_short_write_is_taken_back)
     buf_release(&grown);
 }
 
-/* ---- processes ---------------------------------------------------------------------------------
- */
+/* ---- processes ---- */
 
 static int wait_for(pid_t child)
 {

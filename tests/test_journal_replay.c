@@ -8,8 +8,7 @@
 #include "journal/replay.h"
 #include "tests/check.h"
 
-/* ---- a host that adds numbers ------------------------------------------------------------------
- */
+/* ---- a host that adds numbers ---- */
 
 /* "add N" adds to a sum; the words tell sum and count. */
 struct adder {
@@ -293,8 +292,7 @@ STORY(hostile_commands_are_harmless_in_messages)
     buf_release(&script);
 }
 
-/* ---- golden images ------------------------------------------------------------------------------
- */
+/* ---- golden images ---- */
 
 enum { WIDTH = 3, HEIGHT = 2, PIXELS = WIDTH * HEIGHT };
 

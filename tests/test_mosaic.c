@@ -1,9 +1,9 @@
 /* Mosaics: four panes that share a scale, and the rendition at half its size. */
 #include "check.h"
+#include "scarce_memory.h"
 
 #include <stdlib.h>
 
-#include "base/mem.h"
 #include "render/mosaic.h"
 
 static struct palette palette;
@@ -260,13 +260,6 @@ STORY(a_rendition_of_another_size_is_fitted_in)
     scene_free(scene);
 }
 
-static unsigned allocations_left;
-static bool allow_some(size_t bytes)
-{
-    (void)bytes;
-    return allocations_left && allocations_left--;
-}
-
 STORY(without_memory_there_is_no_mosaic)
 {
     struct scene *scene = graded_scene();
@@ -278,8 +271,7 @@ STORY(without_memory_there_is_no_mosaic)
     enum err err = ERR_MEMORY;
     CHECK(canvas_init(&canvas, 40, 40, false, NULL) == OK);
     for (unsigned n = 0; err == ERR_MEMORY && n < 100; n++) {
-        allocations_left = n;
-        mem_allows = allow_some;
+        allow_allocations(n);
         err = mosaic_draw(&canvas, scene, &r, &choice, &style, NULL);
         mem_allows = NULL;
         refused += err == ERR_MEMORY;

@@ -2,10 +2,10 @@
  * the picture, however it came there. */
 #include <stdlib.h>
 
-#include "base/mem.h"
 #include "tests/check.h"
 #include "tests/kitty_decode.h"
 #include "tests/sixel_decode.h"
+#include "tests/scarce_memory.h"
 #include "tui/picture/blocks.h"
 #include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
@@ -762,14 +762,6 @@ STORY(a_picture_of_512x512_and_a_change_in_it_cost_what_was_promised)
     }
 }
 
-static unsigned allowed;
-
-static bool allow_some(size_t bytes)
-{
-    (void)bytes;
-    return allowed > 0 && allowed-- > 0;
-}
-
 STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
 {
     static const struct graphics *const all[] = {&graphics_kitty, &graphics_sixel, &graphics_iterm,
@@ -787,8 +779,7 @@ STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
             if (all[g] == &graphics_blocks)
                 view.width = view.height = 10;
             fill_all(&view, &seed);
-            allowed = limit;
-            mem_allows = allow_some;
+            allow_allocations(limit);
             shown = painter_show(&p, &view, &out);
             mem_allows = NULL;
             CHECK_INT(shown, !out.failed);

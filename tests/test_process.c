@@ -47,12 +47,12 @@ static void close_all_and_wait(void *context, size_t number, struct buf *out)
     wait_without_end(context, number, out);
 }
 
-/* Another process holds the pipe, and outlives this one for a while. */
-static void leave_heir(void *context, size_t number, struct buf *out)
+/* A child holds the pipe, and outlives this process for a while. */
+static void leave_child(void *context, size_t number, struct buf *out)
 {
     (void)context;
     (void)number;
-    buf_add_text(out, "will");
+    buf_add_text(out, "all");
     if (fork() == 0) {
         for (int i = 0; i < 3; i++)
             close(i);
@@ -133,13 +133,13 @@ STORY(a_process_that_does_not_end_is_ended_by_the_watch)
     buf_release(&out);
 }
 
-STORY(the_end_of_a_process_counts_whoever_holds_its_pipe)
+STORY(the_end_of_a_process_counts_though_another_holds_its_pipe)
 {
     struct buf out = {0};
-    alarm(60); /* the heir lives longer */
-    CHECK(process_run(&out, &(struct processes){.work = leave_heir, .most = 100}, NULL) == OK);
+    alarm(60); /* the child lives longer */
+    CHECK(process_run(&out, &(struct processes){.work = leave_child, .most = 100}, NULL) == OK);
     alarm(0);
-    CHECK_TEXT(buf_text(&out), "will");
+    CHECK_TEXT(buf_text(&out), "all");
     buf_release(&out);
 }
 
@@ -219,7 +219,7 @@ int main(void)
     return RUN_STORIES(TELL(a_process_hands_back_what_was_made_elsewhere),
                        TELL(a_process_that_dies_or_says_too_much_is_an_error),
                        TELL(a_process_that_does_not_end_is_ended_by_the_watch),
-                       TELL(the_end_of_a_process_counts_whoever_holds_its_pipe),
+                       TELL(the_end_of_a_process_counts_though_another_holds_its_pipe),
                        TELL(each_piece_of_work_is_done_once),
                        TELL(errors_of_another_program_are_taken_up_to_a_length));
 }

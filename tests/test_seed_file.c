@@ -7,6 +7,7 @@
 
 #include "base/mem.h"
 #include "tests/check.h"
+#include "tests/scarce_memory.h"
 
 static struct fault fault;
 static struct seeds seeds;
@@ -381,32 +382,23 @@ STORY(the_digest_sees_every_voxel_and_label)
     seeds_release(&seeds);
 }
 
-static int allowed;
-static bool allow_some(size_t bytes)
-{
-    (void)bytes;
-    return allowed-- > 0;
-}
-
 STORY(out_of_memory_gives_no_seeds)
 {
     const struct grid grid = grid_of(3, 3, 3);
     struct region_choice choice = everything;
     uint16_t value[27];
     choice.erode = 1;
-    for (int n = 0; n < 6; n++) {
+    for (size_t n = 0; n < 6; n++) {
         for (int i = 0; i < 27; i++)
             value[i] = 1;
         struct volume map = {{3, 3, 3}, value, plain};
-        allowed = n;
-        mem_allows = allow_some;
+        allow_allocations(n);
         enum err err = seeds_from_map(&seeds, &tally, &map, &grid, &plain, &choice, NULL, &fault);
         mem_allows = NULL;
         CHECK_INT(err, n < 5 ? ERR_MEMORY : OK);
         CHECK_INT(seeds.count, n < 5 ? 0 : 1);
         seeds_release(&seeds);
-        allowed = n;
-        mem_allows = allow_some;
+        allow_allocations(n);
         err = list("1,1,1,1\n", LABEL_OWN);
         mem_allows = NULL;
         CHECK_INT(err, n < 3 ? ERR_MEMORY : OK);

@@ -1,9 +1,9 @@
 /* Slices: the right way round under every orientation of the scene, worked by hand. */
 #include "check.h"
+#include "scarce_memory.h"
 
 #include <stdlib.h>
 
-#include "base/mem.h"
 #include "render/slice_plan.h"
 #include "render/slice_notes.h"
 #include "render/text.h"
@@ -833,13 +833,6 @@ STORY(all_48_orientations_give_the_same_pictures)
 
 /* ---- without memory ---- */
 
-static unsigned allocations_left;
-static bool allow_some(size_t bytes)
-{
-    (void)bytes;
-    return allocations_left && allocations_left--;
-}
-
 STORY(without_memory_there_is_no_slice)
 {
     struct scene *scene = dark_scene();
@@ -853,8 +846,7 @@ STORY(without_memory_there_is_no_slice)
     style.marks_seeds = true;
     CHECK(canvas_init(&canvas, 20, 20, true, NULL) == OK);
     for (unsigned n = 0; err == ERR_MEMORY && n < 100; n++) {
-        allocations_left = n;
-        mem_allows = allow_some;
+        allow_allocations(n);
         err = slice_draw(&canvas, scene, &choice, &style, &fault);
         mem_allows = NULL;
         refused += err == ERR_MEMORY;
@@ -864,8 +856,7 @@ STORY(without_memory_there_is_no_slice)
     CHECK_HAS(fault.text, "a slice");
     canvas_release(&canvas);
     for (unsigned n = 0; n < 2; n++) {
-        allocations_left = n;
-        mem_allows = allow_some;
+        allow_allocations(n);
         CHECK(canvas_init(&canvas, 20, 20, true, &fault) == ERR_MEMORY && !canvas.rgba);
         mem_allows = NULL;
     }

@@ -8,13 +8,13 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/mem.h"
 #include "image/exr.h"
 #include "image/volume.h"
 #include "render/text.h"
 #include "session/slicing.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"
+#include "tests/scarce_memory.h"
 
 static char folder[FOLDER_LENGTH];
 
@@ -545,13 +545,6 @@ STORY(mosaics_have_the_size_of_the_view)
     interpreter_release(&interp);
 }
 
-static unsigned allocations_left;
-static bool allow_some(size_t bytes)
-{
-    (void)bytes;
-    return allocations_left && allocations_left--;
-}
-
 STORY(without_memory_nothing_is_shown)
 {
     struct interpreter interp;
@@ -560,8 +553,7 @@ STORY(without_memory_nothing_is_shown)
     must(&interp, "size 50 50");
     must(&interp, "overlay marks=on");
     for (unsigned left = 0; left < 200; left++) {
-        allocations_left = left;
-        mem_allows = allow_some;
+        allow_allocations(left);
         const enum err err = execute(&interp, "mosaic");
         mem_allows = NULL;
         if (!err)
@@ -733,22 +725,22 @@ STORY(golden_slices_are_compared_when_replayed)
     struct picture picture;
     write_values("values.nii", 1, 0);
     begin_interpreter(&interp);
-    CHECK(interpreter_create_journal(&interp, "sights.iftty", &fault) == OK);
+    CHECK(interpreter_create_journal(&interp, "slices.iftty", &fault) == OK);
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++)
         must(&interp, line[i]);
     interpreter_release(&interp);
-    replay("sights.iftty", NULL);
-    CHECK(file_exists("sights.golden/near.png"));
-    if (CHECK(exr_read(&picture, "sights.golden/mosaic.exr", &fault) == OK)) {
+    replay("slices.iftty", NULL);
+    CHECK(file_exists("slices.golden/near.png"));
+    if (CHECK(exr_read(&picture, "slices.golden/mosaic.exr", &fault) == OK)) {
         CHECK(picture.label && picture.voxel && !picture.depth_mm);
         picture.rgba[4 * 5] ^= 1;
-        CHECK(exr_write("sights.golden/mosaic.exr", FILE_REPLACE, &picture, &fault) == OK);
+        CHECK(exr_write("slices.golden/mosaic.exr", FILE_REPLACE, &picture, &fault) == OK);
         picture_release(&picture);
-        replay("sights.iftty",
+        replay("slices.iftty",
                "golden image mosaic: 1 of 1600 pixels differ, first column 5, row 0");
     }
-    CHECK(unlink("sights.golden/mosaic.exr") == 0);
-    replay("sights.iftty", "golden image mosaic is missing");
+    CHECK(unlink("slices.golden/mosaic.exr") == 0);
+    replay("slices.iftty", "golden image mosaic is missing");
 }
 
 int main(void)

@@ -1,11 +1,11 @@
 /* The team: however many workers grow a forest, the same bits come out. Run under ThreadSanitizer
- * as well (test_crew_racing). */
+ * as well (test_team_racing). */
 #include "check.h"
+#include "scarce_memory.h"
 
 #include <stdlib.h>
 
 #include "base/team.h"
-#include "base/mem.h"
 #include "engine/forest.h"
 
 enum { WORKERS = 8 };
@@ -200,14 +200,6 @@ STORY(a_shared_pass_cancelled_at_any_level_leaves_an_empty_forest)
     team_free(team);
 }
 
-static size_t allocations_left;
-
-static bool counts_down(size_t bytes)
-{
-    (void)bytes;
-    return allocations_left > 0 && allocations_left--;
-}
-
 STORY(workers_out_of_memory_leave_an_empty_forest)
 {
     struct team *team;
@@ -219,14 +211,12 @@ STORY(workers_out_of_memory_leave_an_empty_forest)
         const size_t count = random_batch(&w, batch, &random);
         enum err err = ERR_MEMORY;
         for (size_t allowed = 0; err; allowed++) {
-            allocations_left = allowed;
-            mem_allows = counts_down;
+            allow_allocations(allowed);
             err = forest_set_team(w.forest, team, NULL);
             mem_allows = NULL;
             CHECK(err == OK || err == ERR_MEMORY);
         }
-        allocations_left = 0;
-        mem_allows = counts_down;
+        allow_allocations(0);
         CHECK_INT(forest_edit(w.forest, batch, count, NULL), ERR_MEMORY);
         mem_allows = NULL;
         CHECK(forest_seeds(w.forest) == 0 && forest_check(w.forest, NULL));

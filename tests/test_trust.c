@@ -1,5 +1,5 @@
 /* What others' journals are measured by: SHA-256 and the proof of a scene, names that stay below a
- * folder, and the kernel's walls. */
+ * folder, and what the kernel keeps out. */
 #include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -231,7 +231,7 @@ STORY(a_name_is_found_below_its_folder_and_nowhere_else)
     CHECK(remove_folder(top) == 0);
 }
 
-/* ---- the kernel's walls ---- */
+/* ---- what the kernel keeps out ---- */
 
 static bool may_open(const char *path, int flags)
 {
@@ -255,7 +255,7 @@ static bool may_connect(void)
 
 /* In a process of its own, since there is no way back: a bit for each thing that is not as it
  * should be. */
-static int wrongs_behind_walls(void)
+static int wrongs_while_confined(void)
 {
     const char *written[] = {below_top("out"), NULL};
     char journal[200];
@@ -275,7 +275,7 @@ static int wrongs_behind_walls(void)
     return wrong;
 }
 
-STORY(behind_walls_only_the_places_given_can_be_reached)
+STORY(confined_only_the_places_given_can_be_reached)
 {
     int status = 0;
     if (!confine_version()) {
@@ -286,7 +286,7 @@ STORY(behind_walls_only_the_places_given_can_be_reached)
     fflush(stdout);
     const pid_t child = fork();
     if (child == 0)
-        _exit(wrongs_behind_walls());
+        _exit(wrongs_while_confined());
     CHECK(child > 0 && waitpid(child, &status, 0) == child);
     CHECK(WIFEXITED(status));
     CHECK_INT(WEXITSTATUS(status), 0);
@@ -325,7 +325,7 @@ int main(void)
         TELL(the_proof_is_what_its_header_says),
         TELL(whatever_changes_in_a_scene_changes_its_proof),
         TELL(a_name_is_found_below_its_folder_and_nowhere_else),
-        TELL(behind_walls_only_the_places_given_can_be_reached),
+        TELL(confined_only_the_places_given_can_be_reached),
         TELL(limits_stop_commands_of_a_interpreter_that_was_there_before_them),
     };
     return check_run(story, sizeof story / sizeof *story);

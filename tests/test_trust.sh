@@ -365,16 +365,16 @@ EOP
 fi
 close_story
 
-# ---- the kernel's walls ----
+# ---- what the kernel keeps out ----
 
-begin "the program says whether the kernel has walls"
+begin "the program says whether the kernel has Landlock"
 expect 0 "$iftty" info
 grep -qE '^landlock  (version [0-9]+|none)' "$work/out" || fail "$(cat "$work/out")"
 expect 0 "$iftty" info --json
 out_has '"landlock": '
 close_story
 
-begin "replay and verify stand behind them, the user's own commands do not"
+begin "replay and verify are confined, the user's own commands are not"
 if needs_landlock; then
     family() { # PROCESS: it and its children, of which verify has one for each journal
         echo "$1 $(cat "/proc/$1/task/$1/children" 2>/dev/null)"

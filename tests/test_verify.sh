@@ -501,7 +501,7 @@ out_has "this build with status"
 same "$(ls tmp)" ""
 close_story
 
-begin "behind walls, builds read and write what a replay may, and no more"
+begin "confined, builds read and write what a replay may, and no more"
 if needs_landlock; then
     mkdir walled
     echo precious >secret

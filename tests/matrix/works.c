@@ -78,8 +78,8 @@ int main(int count, char **word)
     struct fault fault;
     const int threads = count > 2 ? atoi(word[2]) : 1;
     must_hold(count > 1 && threads >= 1 && threads <= TEAM_MOST, "works FOLDER [THREADS 1..64]");
-    must(team_new(&team, (unsigned)threads, &fault), &fault, "a crew");
-    must_hold(team_size(team) == (unsigned)threads, "a crew of as many threads");
+    must(team_new(&team, (unsigned)threads, &fault), &fault, "a team");
+    must_hold(team_size(team) == (unsigned)threads, "a team of as many threads");
     works_engine(team);
     works_render();
     works_journal(word[1]);

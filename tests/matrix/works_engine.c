@@ -107,8 +107,8 @@ static void excludes(struct team *team)
     must(forest_new(&forest, scene, 6, &fault), &fault, "a forest");
     must(forest_set_team(forest, team, &fault), &fault, "a forest's team");
     const struct roi_tally tally = roi_tally(&roi, scene);
-    tell(tally.digest, "fence/outside");
-    tell(tally.inside, "fence/inside");
+    tell(tally.digest, "roi/outside");
+    tell(tally.inside, "roi/inside");
     roi_apply(&roi, scene);
     weigh(forest, scene, &morph, team);
     works_edits(edit, scene, 11);
@@ -116,7 +116,7 @@ static void excludes(struct team *team)
         if (roi_holds(&roi, scene, edit[i].cell))
             edit[count++] = edit[i];
     must(forest_edit(forest, edit, count, &fault), &fault, "the seeds");
-    tell_forest(forest, "fenced", 6, "planted");
+    tell_forest(forest, "inside-roi", 6, "planted");
     free(bits);
     forest_free(forest);
     scene_free(scene);

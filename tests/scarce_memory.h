@@ -1,0 +1,25 @@
+/*
+ * Memory that runs out: allow_allocations(n) lets the next `n` allocations of base/mem succeed and
+ * all after them fail, until mem_allows is NULL again. Stories try n = 0, 1, 2, ... until what they
+ * are about succeeds.
+ */
+#ifndef TESTS_SCARCE_MEMORY_H
+#define TESTS_SCARCE_MEMORY_H
+
+#include "base/mem.h"
+
+static size_t allocations_left;
+
+static inline bool takes_one_allocation(size_t bytes)
+{
+    (void)bytes;
+    return allocations_left > 0 && allocations_left--;
+}
+
+static inline void allow_allocations(size_t count)
+{
+    allocations_left = count;
+    mem_allows = takes_one_allocation;
+}
+
+#endif
