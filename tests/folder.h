@@ -10,6 +10,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* A folder's name; the name of a file in it. */
@@ -26,6 +27,27 @@ static inline bool make_folder(char folder[FOLDER_LENGTH], const char *word)
         return true;
     printf("# no folder can be made below %s\n", below);
     return false;
+}
+
+/* The path of a file in a folder; good until the fourth call after. */
+static inline const char *file_in(const char *folder, const char *name)
+{
+    static char path[4][FILE_LENGTH];
+    static unsigned next;
+    char *at = path[next++ % 4];
+    snprintf(at, FILE_LENGTH, "%s/%s", folder, name);
+    return at;
+}
+
+/* Writes a shell script that can be run; its path, as of file_in. */
+static inline const char *make_script(const char *folder, const char *name, const char *text)
+{
+    const char *path = file_in(folder, name);
+    FILE *out = fopen(path, "we");
+    if (!out || fprintf(out, "#!/bin/sh\n%s\n", text) < 0 || fclose(out) != 0 ||
+        chmod(path, 0700) != 0)
+        printf("# %s cannot be written\n", path);
+    return path;
 }
 
 /* Removes a folder with all below it; 1, with a comment, where something is left. */

@@ -23,11 +23,7 @@ static const double to_mm[3][4] = {{-1, 0, 0, 5.5}, {0, 1.5, 0, -20}, {0, 0.25, 
 
 static inline const char *place(const char *name)
 {
-    static char path[4][PATH_MAX];
-    static unsigned next;
-    char *at = path[next++ % 4];
-    snprintf(at, PATH_MAX, "%s/%s", folder, name);
-    return at;
+    return file_in(folder, name);
 }
 
 /* Three blocks on a slope, so that trees have something to climb. */

@@ -20,11 +20,7 @@ static char folder[FOLDER_LENGTH];
 /* A path in the test's own folder; it stays until four others were asked for. */
 static const char *place(const char *name)
 {
-    static char path[4][FILE_LENGTH];
-    static unsigned next;
-    char *at = path[next++ % 4];
-    snprintf(at, FILE_LENGTH, "%s/%s", folder, name);
-    return at;
+    return file_in(folder, name);
 }
 
 static void content(struct buf *out, const char *path)

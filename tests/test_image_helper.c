@@ -5,7 +5,6 @@
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/buf.h"
@@ -16,16 +15,6 @@
 
 static char folder[FOLDER_LENGTH];
 static struct image_helper *helper;
-
-/* The path of a file in the folder; good until the fourth call after. */
-static const char *in_folder(const char *name)
-{
-    static char path[4][FILE_LENGTH];
-    static unsigned turn;
-    turn = (turn + 1) % 4;
-    snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
-    return path[turn];
-}
 
 static struct picture sample(uint32_t width, uint32_t height)
 {
@@ -47,8 +36,8 @@ static const char *there_and_back(const struct picture *p, const char *name, str
     static struct fault fault;
     fault = (struct fault){0};
     *q = (struct picture){0};
-    if (image_write(helper, in_folder(name), FILE_REPLACE, p, &fault) == OK)
-        image_helper_read(helper, in_folder(name), q, &fault);
+    if (image_write(helper, file_in(folder, name), FILE_REPLACE, p, &fault) == OK)
+        image_helper_read(helper, file_in(folder, name), q, &fault);
     return fault.text;
 }
 
@@ -118,8 +107,8 @@ STORY(the_same_picture_gives_the_same_bytes)
     for (int round = 0; round < 2; round++) {
         for (size_t i = 0; i < 4; i++) {
             struct buf *to = round ? &second : &first[i];
-            CHECK_INT(image_write(helper, in_folder(name[i]), FILE_REPLACE, &p, NULL), OK);
-            CHECK_INT(file_read(to, in_folder(name[i]), 1 << 20, NULL), OK);
+            CHECK_INT(image_write(helper, file_in(folder, name[i]), FILE_REPLACE, &p, NULL), OK);
+            CHECK_INT(file_read(to, file_in(folder, name[i]), 1 << 20, NULL), OK);
             if (round)
                 CHECK(second.length == first[i].length &&
                       memcmp(second.data, first[i].data, second.length) == 0);
@@ -138,8 +127,8 @@ STORY(exr_goes_without_the_helper)
     struct image_helper *none;
     struct picture p = sample(9, 9), q;
     CHECK_INT(image_helper_new(&none, "/nonexistent/iftty-image", NULL), OK);
-    CHECK_INT(image_write(none, in_folder("a.exr"), FILE_REPLACE, &p, NULL), OK);
-    CHECK_INT(exr_read(&q, in_folder("a.exr"), NULL), OK);
+    CHECK_INT(image_write(none, file_in(folder, "a.exr"), FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(exr_read(&q, file_in(folder, "a.exr"), NULL), OK);
     CHECK(q.voxel != NULL && memcmp(p.rgba, q.rgba, 9 * 9 * 4) == 0);
     image_helper_free(none);
     picture_release(&p);
@@ -152,10 +141,10 @@ STORY(a_name_without_a_known_format_is_told_off)
     struct picture p = sample(4, 4);
     for (size_t i = 0; i < sizeof name / sizeof name[0]; i++) {
         struct fault fault = {0};
-        CHECK(image_write(helper, in_folder(name[i]), FILE_KEEP, &p, &fault) != OK);
+        CHECK(image_write(helper, file_in(folder, name[i]), FILE_KEEP, &p, &fault) != OK);
         CHECK_HAS(fault.text, "expected for instance .png, .exr, .tif or .jpg");
-        CHECK_HAS(fault.text, in_folder(name[i]));
-        CHECK(!file_exists(in_folder(name[i])));
+        CHECK_HAS(fault.text, file_in(folder, name[i]));
+        CHECK(!file_exists(file_in(folder, name[i])));
     }
     picture_release(&p);
 }
@@ -164,8 +153,8 @@ STORY(an_existing_file_is_kept_unless_told)
 {
     struct picture p = sample(4, 4);
     struct fault fault = {0};
-    CHECK_INT(image_write(helper, in_folder("a.png"), FILE_REPLACE, &p, NULL), OK);
-    CHECK_INT(image_write(helper, in_folder("a.png"), FILE_KEEP, &p, &fault), ERR_IO);
+    CHECK_INT(image_write(helper, file_in(folder, "a.png"), FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(image_write(helper, file_in(folder, "a.png"), FILE_KEEP, &p, &fault), ERR_IO);
     CHECK_HAS(fault.text, "exists already");
     picture_release(&p);
 }
@@ -174,11 +163,12 @@ STORY(what_is_no_image_is_told_in_a_line)
 {
     struct picture q;
     struct fault fault = {0};
-    CHECK_INT(file_write(in_folder("bad.png"), "\x1b[2Jnot a png", 13, FILE_REPLACE, NULL), OK);
-    CHECK_INT(image_helper_read(helper, in_folder("bad.png"), &q, &fault), ERR_INPUT);
+    CHECK_INT(file_write(file_in(folder, "bad.png"), "\x1b[2Jnot a png", 13, FILE_REPLACE, NULL),
+              OK);
+    CHECK_INT(image_helper_read(helper, file_in(folder, "bad.png"), &q, &fault), ERR_INPUT);
     CHECK_HAS(fault.text, "cannot read");
     CHECK(strpbrk(fault.text, "\n\033") == NULL && q.rgba == NULL);
-    CHECK(image_helper_read(helper, in_folder("none.png"), &q, &fault) != OK);
+    CHECK(image_helper_read(helper, file_in(folder, "none.png"), &q, &fault) != OK);
     CHECK_HAS(fault.text, "none.png");
 }
 
@@ -187,18 +177,18 @@ STORY(damaged_images_never_end_the_session)
     struct picture p = sample(30, 30), q;
     struct buf file = {0};
     uint64_t chance = 7;
-    CHECK_INT(image_write(helper, in_folder("a.png"), FILE_REPLACE, &p, NULL), OK);
-    CHECK_INT(file_read(&file, in_folder("a.png"), 1 << 20, NULL), OK);
+    CHECK_INT(image_write(helper, file_in(folder, "a.png"), FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(file_read(&file, file_in(folder, "a.png"), 1 << 20, NULL), OK);
     for (int round = 0; round < 200; round++) {
         struct fault fault = {0};
         size_t at = check_below(&chance, (uint32_t)file.length);
         char kept = file.data[at];
         file.data[at] = (char)check_random(&chance);
         size_t length = round % 3 ? file.length : at;
-        FILE *out = fopen(in_folder("bad.png"), "wb");
+        FILE *out = fopen(file_in(folder, "bad.png"), "wb");
         fwrite(file.data, 1, length, out);
         fclose(out);
-        if (image_helper_read(helper, in_folder("bad.png"), &q, &fault) != OK)
+        if (image_helper_read(helper, file_in(folder, "bad.png"), &q, &fault) != OK)
             CHECK(fault.text[0] != '\0' && q.rgba == NULL);
         picture_release(&q);
         file.data[at] = kept;
@@ -214,8 +204,8 @@ static const char *write_frames(const char *name, unsigned frames, unsigned dela
     struct picture p = sample(40, 30);
     struct image_movie movie;
     fault = (struct fault){0};
-    enum err err = image_movie_begin(&movie, helper, in_folder(name), FILE_REPLACE, &p, frames,
-                                     delay_ms, &fault);
+    enum err err = image_movie_begin(&movie, helper, file_in(folder, name), FILE_REPLACE, &p,
+                                     frames, delay_ms, &fault);
     for (unsigned i = 0; i < frames && !err; i++) {
         for (size_t k = 0; k < (size_t)40 * 30 * 4; k++)
             p.rgba[k] = k % 4 == 3 ? 255 : (uint8_t)(40 * (i + 1));
@@ -233,7 +223,7 @@ STORY(a_file_of_several_frames_says_so)
     for (size_t i = 0; i < 2; i++) {
         struct image_facts facts;
         CHECK_TEXT(write_frames(name[i], 5, 80), "");
-        CHECK_INT(image_helper_about(helper, in_folder(name[i]), &facts, NULL), OK);
+        CHECK_INT(image_helper_about(helper, file_in(folder, name[i]), &facts, NULL), OK);
         CHECK_INT(facts.frames, 5);
         CHECK_INT(facts.picture.width, 40);
         CHECK_INT(facts.picture.height, 30);
@@ -255,8 +245,9 @@ STORY(frames_that_never_come_cost_one_helper)
 {
     struct picture p = sample(40, 30), q;
     struct image_movie movie;
-    CHECK_INT(image_movie_begin(&movie, helper, in_folder("a.gif"), FILE_REPLACE, &p, 3, 0, NULL),
-              OK);
+    CHECK_INT(
+        image_movie_begin(&movie, helper, file_in(folder, "a.gif"), FILE_REPLACE, &p, 3, 0, NULL),
+        OK);
     CHECK_INT(image_movie_add(&movie, &p, NULL), OK);
     image_movie_abandon(&movie);
     CHECK_TEXT(there_and_back(&p, "a.png", &q), "");
@@ -270,7 +261,7 @@ STORY(linear_formats_get_linear_light)
     struct buf file = {0};
     memcpy(p.rgba, (const uint8_t[]){188, 188, 188, 255}, 4); /* 0.503 of full light */
     CHECK_TEXT(there_and_back(&p, "a.hdr", &q), "");
-    CHECK_INT(file_read(&file, in_folder("a.hdr"), 1 << 20, NULL), OK);
+    CHECK_INT(file_read(&file, file_in(folder, "a.hdr"), 1 << 20, NULL), OK);
     const uint8_t *last = (const uint8_t *)file.data + file.length - 4;
     CHECK(file.length > 4 && last[3] == 128 && last[0] >= 127 && last[0] <= 129);
     buf_release(&file);
@@ -282,8 +273,9 @@ STORY(about_what_is_no_image_is_told_in_a_line)
 {
     struct image_facts facts;
     struct fault fault = {0};
-    CHECK_INT(file_write(in_folder("bad.png"), "\x1b[2Jnot a png", 13, FILE_REPLACE, NULL), OK);
-    CHECK_INT(image_helper_about(helper, in_folder("bad.png"), &facts, &fault), ERR_INPUT);
+    CHECK_INT(file_write(file_in(folder, "bad.png"), "\x1b[2Jnot a png", 13, FILE_REPLACE, NULL),
+              OK);
+    CHECK_INT(image_helper_about(helper, file_in(folder, "bad.png"), &facts, &fault), ERR_INPUT);
     CHECK(strpbrk(fault.text, "\n\033") == NULL && facts.format == NULL);
 }
 
@@ -291,11 +283,7 @@ STORY(about_what_is_no_image_is_told_in_a_line)
 static struct image_helper *scripted(const char *script)
 {
     struct image_helper *odd = NULL;
-    const char *path = in_folder("helper.sh");
-    FILE *out = fopen(path, "wb");
-    fprintf(out, "#!/bin/sh\n%s\n", script);
-    fclose(out);
-    CHECK_INT(chmod(path, 0700), 0);
+    const char *path = make_script(folder, "helper.sh", script);
     CHECK_INT(image_helper_new(&odd, path, NULL), OK);
     return odd;
 }
@@ -307,8 +295,8 @@ static const char *failure(const char *script, bool writing)
     struct image_helper *odd = scripted(script);
     struct picture p = sample(writing ? 1500 : 4, 1000), q = {0};
     fault = (struct fault){0};
-    enum err err = writing ? image_write(odd, in_folder("x.png"), FILE_REPLACE, &p, &fault)
-                           : image_helper_read(odd, in_folder("x.png"), &q, &fault);
+    enum err err = writing ? image_write(odd, file_in(folder, "x.png"), FILE_REPLACE, &p, &fault)
+                           : image_helper_read(odd, file_in(folder, "x.png"), &q, &fault);
     CHECK(err != OK && q.rgba == NULL);
     image_helper_free(odd);
     picture_release(&p);
@@ -370,7 +358,7 @@ STORY(facts_that_make_no_sense_are_told)
         struct image_facts facts;
         snprintf(script, sizeof script, "printf '%s'; sleep 9", answer[i]);
         struct image_helper *odd = scripted(script);
-        CHECK_INT(image_helper_about(odd, in_folder("x.png"), &facts, &fault), ERR_IO);
+        CHECK_INT(image_helper_about(odd, file_in(folder, "x.png"), &facts, &fault), ERR_IO);
         CHECK_HAS(fault.text, "gave an answer that makes no sense");
         CHECK(facts.format == NULL && facts.channels == NULL);
         image_helper_free(odd);
@@ -408,7 +396,7 @@ STORY(after_a_death_the_next_request_starts_anew)
     CHECK_INT(image_helper_read(twice, "a.png", &q, &fault), ERR_INPUT);
     CHECK_HAS(fault.text, "cannot read a.png: alive");
     image_helper_free(twice);
-    unlink(in_folder("died"));
+    unlink(file_in(folder, "died"));
 }
 
 /* The words of a helper that says how many kilobytes of memory it may hold. */
@@ -461,7 +449,7 @@ int main(void)
     image_helper_free(helper);
     buf_release(&program);
     for (size_t i = 0; i < sizeof leftover / sizeof leftover[0]; i++)
-        unlink(in_folder(leftover[i]));
+        unlink(file_in(folder, leftover[i]));
     if (rmdir(folder) != 0) {
         printf("not ok 24 - no_draft_is_left_behind\n");
         status = 1;

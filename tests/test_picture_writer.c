@@ -6,7 +6,6 @@
 
 #include <poll.h>
 #include <stdlib.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -18,15 +17,6 @@
 
 static char folder[FOLDER_LENGTH];
 static char program[4096];
-
-static const char *in_folder(const char *name)
-{
-    static char path[4][FILE_LENGTH];
-    static unsigned turn;
-    turn = (turn + 1) % 4;
-    snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
-    return path[turn];
-}
 
 static struct picture sample(uint8_t level)
 {
@@ -51,7 +41,7 @@ static void give(struct picture_writer *writer, const char *name, enum file_mode
     struct picture p = sample(level);
     struct picture_job *job = NULL;
     struct fault fault = {0};
-    if (!CHECK(picture_job_new(&job, in_folder(name), mode, &p, &fault) == OK))
+    if (!CHECK(picture_job_new(&job, file_in(folder, name), mode, &p, &fault) == OK))
         printf("#   %s\n", fault.text);
     else
         picture_writer_give(writer, job);
@@ -64,7 +54,7 @@ static const char *refusal(const char *name, enum file_mode mode)
     struct picture p = sample(1);
     struct picture_job *job;
     fault = (struct fault){0};
-    CHECK(picture_job_new(&job, in_folder(name), mode, &p, &fault) != OK && job == NULL);
+    CHECK(picture_job_new(&job, file_in(folder, name), mode, &p, &fault) != OK && job == NULL);
     CHECK(p.rgba != NULL);
     picture_release(&p);
     return fault.text;
@@ -90,11 +80,7 @@ static const char *news(struct picture_writer *writer)
 static struct picture_writer *scripted(const char *script)
 {
     struct picture_writer *writer = NULL;
-    const char *path = in_folder("helper.sh");
-    FILE *out = fopen(path, "wb");
-    fprintf(out, "#!/bin/sh\n%s\n", script);
-    fclose(out);
-    CHECK_INT(chmod(path, 0700), 0);
+    const char *path = make_script(folder, "helper.sh", script);
     CHECK_INT(picture_writer_new(&writer, path, NULL), OK);
     return writer;
 }
@@ -107,8 +93,8 @@ STORY(a_picture_is_there_when_the_news_say_so)
     CHECK(!has_news(writer, 0));
     give(writer, "a.png", FILE_KEEP, 9);
     CHECK(has_news(writer, 60000));
-    CHECK(file_exists(in_folder("a.png")));
-    snprintf(wrote, sizeof wrote, "wrote %s\n", in_folder("a.png"));
+    CHECK(file_exists(file_in(folder, "a.png")));
+    snprintf(wrote, sizeof wrote, "wrote %s\n", file_in(folder, "a.png"));
     picture_writer_news(writer, &text);
     CHECK_TEXT(buf_text(&text), wrote);
     CHECK(!has_news(writer, 0));
@@ -125,13 +111,13 @@ STORY(jobs_are_done_in_their_order)
     struct picture q;
     for (unsigned i = 0; i < 12; i++) {
         give(writer, "same.exr", FILE_REPLACE, (uint8_t)i);
-        snprintf(line, sizeof line, "wrote %s\n", in_folder("same.exr"));
+        snprintf(line, sizeof line, "wrote %s\n", file_in(folder, "same.exr"));
         strcat(expected, line);
     }
-    while (picture_writer_holds(writer, in_folder("same.exr")))
+    while (picture_writer_holds(writer, file_in(folder, "same.exr")))
         usleep(100); /* looks on while the thread is at work */
     CHECK_TEXT(news(writer), expected);
-    CHECK_INT(exr_read(&q, in_folder("same.exr"), NULL), OK);
+    CHECK_INT(exr_read(&q, file_in(folder, "same.exr"), NULL), OK);
     CHECK_INT(q.rgba[0], 11); /* the last one */
     picture_release(&q);
     picture_writer_free(writer);
@@ -164,7 +150,7 @@ STORY(a_helper_that_dies_costs_one_picture)
     CHECK_TEXT(news(writer), ""); /* told once */
     give(writer, "alive.exr", FILE_KEEP, 1);
     CHECK_HAS(news(writer), "wrote ");
-    CHECK(!file_exists(in_folder("dead.png")) && file_exists(in_folder("alive.exr")));
+    CHECK(!file_exists(file_in(folder, "dead.png")) && file_exists(file_in(folder, "alive.exr")));
     picture_writer_free(writer);
 }
 
@@ -173,25 +159,26 @@ STORY(a_helper_that_dies_costs_one_picture)
 STORY(a_known_number_of_pictures_waits)
 {
     char script[2 * FILE_LENGTH], name[16];
-    snprintf(script, sizeof script, "until [ -e %s ]; do sleep 0.02; done", in_folder("go"));
+    snprintf(script, sizeof script, "until [ -e %s ]; do sleep 0.02; done", file_in(folder, "go"));
     struct picture_writer *writer = scripted(script);
     for (unsigned i = 0; i < PICTURE_WRITER_WAITING_MOST + 1; i++) {
         snprintf(name, sizeof name, "wait%u.png", i);
         give(writer, name, FILE_KEEP, 1);
     }
     /* One is at work, four wait, and nobody has waited for any of them. */
-    CHECK(picture_writer_holds(writer, in_folder("wait0.png")) &&
-          picture_writer_holds(writer, in_folder("wait4.png")));
-    CHECK(!picture_writer_holds(writer, in_folder("wait5.png")));
+    CHECK(picture_writer_holds(writer, file_in(folder, "wait0.png")) &&
+          picture_writer_holds(writer, file_in(folder, "wait4.png")));
+    CHECK(!picture_writer_holds(writer, file_in(folder, "wait5.png")));
     fflush(stdout);
     const pid_t child = fork();
     if (child == 0) {
         usleep(200000);
-        _exit(file_write(in_folder("go"), "", 0, FILE_KEEP, NULL) == OK ? 0 : 1);
+        _exit(file_write(file_in(folder, "go"), "", 0, FILE_KEEP, NULL) == OK ? 0 : 1);
     }
     give(writer, "wait5.png", FILE_KEEP, 1);
-    CHECK(file_exists(in_folder("go")));                          /* it had to wait for that */
-    CHECK(!picture_writer_holds(writer, in_folder("wait0.png"))); /* the helper has ended by then */
+    CHECK(file_exists(file_in(folder, "go"))); /* it had to wait for that */
+    CHECK(!picture_writer_holds(writer,
+                                file_in(folder, "wait0.png"))); /* the helper has ended by then */
     CHECK(waitpid(child, NULL, 0) == child);
     const char *text = news(writer);
     unsigned lines = 0;
@@ -205,7 +192,7 @@ STORY(a_known_number_of_pictures_waits)
 static bool stop(void *context, const char *what, uint64_t done, uint64_t total)
 {
     (void)context, (void)what, (void)done, (void)total;
-    return file_exists(in_folder("busy"));
+    return file_exists(file_in(folder, "busy"));
 }
 
 STORY(waiting_can_be_given_up)
@@ -221,7 +208,7 @@ STORY(waiting_can_be_given_up)
     CHECK_HAS(buf_text(&text), "cancelled: ");
     CHECK_HAS(buf_text(&text), "up2.png was not written\n");
     CHECK_HAS(buf_text(&text), "did not answer"); /* the one at work had its time */
-    CHECK(!file_exists(in_folder("up0.png")) && !file_exists(in_folder("up2.png")));
+    CHECK(!file_exists(file_in(folder, "up0.png")) && !file_exists(file_in(folder, "up2.png")));
     image_helper_patience_ms = 60000;
     buf_release(&text);
     picture_writer_free(writer);
@@ -234,8 +221,8 @@ STORY(leaving_waits_for_everything)
     give(writer, "end2.exr", FILE_KEEP, 2);
     give(writer, "end3.tif", FILE_KEEP, 3);
     picture_writer_free(writer);
-    CHECK(file_exists(in_folder("end1.png")) && file_exists(in_folder("end2.exr")) &&
-          file_exists(in_folder("end3.tif")));
+    CHECK(file_exists(file_in(folder, "end1.png")) && file_exists(file_in(folder, "end2.exr")) &&
+          file_exists(file_in(folder, "end3.tif")));
     picture_writer_free(NULL);
     picture_job_free(NULL);
 }
