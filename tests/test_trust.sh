@@ -193,23 +193,26 @@ close_story
 
 # ---- what is shown ----
 
-# Well-formed UTF-8 without a control character, a mark that turns the direction of text, or one
-# that nobody sees; line feeds apart.
-is_plain() { # FILE WHAT
-    iconv -f utf-8 -t utf-8 "$1" >/dev/null 2>&1 || fail "$2: no UTF-8: $(od -c "$1" | sed 4q)"
-    control='[\x00-\x09\x0b-\x1f\x7f]|\xc2[\x80-\x9f\xad]|\xd8\x9c'
-    hidden='\xe2\x80[\x8b-\x8f\xa8-\xae]|\xe2\x81[\xa0-\xaf]|\xef\xbb\xbf'
-    ! grep -qP "$control|$hidden|\xef\xb8[\x80-\x8f]|\xf3\xa0" "$1" ||
-        fail "$2: it would obey $(od -c "$1" | sed 4q)"
-}
-shown() { # WHAT COMMAND...: whatever comes of it
+# shown WHAT COMMAND...: carried out, whatever comes of it. What it prints is gathered below a line
+# that says what it was.
+shown() {
+    echo "== $1" >>"$work/out"
+    echo "== $1" >>"$work/err"
     what=$1
     shift
-    "$@" >"$work/out" 2>"$work/err" </dev/null
+    "$@" >>"$work/out" 2>>"$work/err" </dev/null
     [ $? -lt 126 ] || fail "$what died"
-    is_plain "$work/out" "$what"
-    is_plain "$work/err" "$what"
-    cat "$work/out" "$work/err" >"$work/both"
+}
+# Well-formed UTF-8 without a control character, a mark that turns the direction of text, or one
+# that nobody sees; line feeds apart.
+is_plain() { # FILE
+    iconv -f utf-8 -t utf-8 "$1" >"$work/well-formed" 2>/dev/null ||
+        fail "$(grep -a '^== ' "$work/well-formed" | tail -n 1): no UTF-8"
+    control='[\x00-\x09\x0b-\x1f\x7f]|\xc2[\x80-\x9f\xad]|\xd8\x9c'
+    hidden='\xe2\x80[\x8b-\x8f\xa8-\xae]|\xe2\x81[\xa0-\xaf]|\xef\xbb\xbf'
+    obeyed=$(grep -anP "$control|$hidden|\xef\xb8[\x80-\x8f]|\xf3\xa0" "$1" | sed q)
+    [ -z "$obeyed" ] || fail "$(sed "${obeyed%%:*}q" "$1" | grep -a '^== ' | tail -n 1):" \
+        "a terminal would obey $(printf '%s' "$obeyed" | od -c | sed 4q)"
 }
 
 begin "what a terminal would obey, or a reader be deceived by, is shown as text at every door"
@@ -236,6 +239,8 @@ cp ../s.nii ../proof.iftty .
 while read -r escaped; do
     # shellcheck disable=SC2059
     bad=$(printf "$escaped")
+    : >"$work/out"
+    : >"$work/err"
     cp s.nii "$bad.nii"
     cp proof.iftty "$bad.iftty"
     shown "a scene's name" "$iftty" -c "open \"$bad.nii\"; info"
@@ -272,6 +277,8 @@ while read -r escaped; do
         shown "a picture's attribute, as JSON" "$iftty" info noted.exr --json
         rm -f noted.png noted.exr
     fi
+    is_plain "$work/out"
+    is_plain "$work/err"
     rm -rf -- ./*"$bad"*
 done <"$work/hostile"
 cd ..
