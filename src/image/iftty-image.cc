@@ -28,12 +28,12 @@
 namespace
 {
 
-/* The address sanitiser reserves terabytes, so no limit can be put on it; gcc and clang say
- * differently that it is there. */
-#if defined(__SANITIZE_ADDRESS__)
+/* The sanitisers of addresses and of threads reserve terabytes, so no limit can be put on them; gcc
+ * and clang say differently that one is there. */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kLimitMemory = false;
 #elif defined(__has_feature)
-constexpr bool kLimitMemory = !__has_feature(address_sanitizer);
+constexpr bool kLimitMemory = !__has_feature(address_sanitizer) && !__has_feature(thread_sanitizer);
 #else
 constexpr bool kLimitMemory = true;
 #endif
