@@ -4,6 +4,7 @@
 #     ROUNDS=20   so often
 #     LOAD=12     so many processes that do nothing but take time
 #     JOBS=3      so many programs at once beside them
+#     LIMIT=3600  seconds for a program, which has a seventh of a core or less
 #
 # Closes as tests/run.sh does, with the sum of all rounds.
 cd "$(dirname "$0")/.." || exit 1
@@ -25,6 +26,6 @@ for _ in $(seq "${LOAD:-12}"); do
 done
 for round in $(seq "${ROUNDS:-20}"); do
     echo "# round $round"
-    JOBS=${JOBS:-3} tests/run.sh "$build" "$@" | tee -a "$log"
+    JOBS=${JOBS:-3} LIMIT=${LIMIT:-3600} tests/run.sh "$build" "$@" | tee -a "$log"
 done
 .ci/close "$log"
