@@ -6,8 +6,8 @@
  *     axial   | rendition       the lines of the cross-hair meet at the seams.
  *
  * Each pane has half of the picture, less a thin seam, or lies where a layout has it. Where the
- * rendition is as large as the mosaic, its pane has every two by two pixels averaged over black, the
- * picture at half its size. A rendition of another size is fitted in: in its own shape, in the
+ * rendition is as large as the mosaic, its pane has every two by two pixels averaged over black,
+ * the picture at half its size. A rendition of another size is fitted in: in its own shape, in the
  * middle, averaged where it is larger than the pane, and a whole number of times as large where it
  * is smaller.
  */

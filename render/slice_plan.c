@@ -136,8 +136,8 @@ static int64_t within(int64_t value, int64_t least, int64_t most)
 }
 
 /* Where the picture begins: the slice in the middle where it fits, else the voxel that is wanted
- * there, as near to it as keeps the place off the edge and leaves nothing empty. What is thinner than a pixel has the middle of one, or no pixel
- * would show it. */
+ * there, as near to it as keeps the place off the edge and leaves nothing empty. What is thinner
+ * than a pixel has the middle of one, or no pixel would show it. */
 static int64_t origin2(const struct slice_side *side, int64_t place, int64_t middle)
 {
     const int64_t length2 = 2 * side->voxels * side->spacing_pm;

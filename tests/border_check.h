@@ -1,4 +1,4 @@
-/* B1 of render/border.h: the border equals a recount by the words of that header, voxel by voxel. */
+/* B1 of render/border.h: the border equals a recount by the words there, voxel by voxel. */
 #ifndef TESTS_BORDER_CHECK_H
 #define TESTS_BORDER_CHECK_H
 

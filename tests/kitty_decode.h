@@ -4,8 +4,8 @@
  * protocol or kitty 0.26.5 needs (q= and at most 4096 bytes a chunk, a=f,i=,r=1 on every chunk of a
  * patch) is insisted on, and so is that no number is used twice while its picture is there.
  *
- * A terminal may have no frame edits (Ghostty, WezTerm, Konsole), and may hold only so much: what is
- * shown nowhere goes at once then, and silently, and after that the oldest.
+ * A terminal may have no frame edits (Ghostty, WezTerm, Konsole), and may hold only so much: what
+ * is shown nowhere goes at once then, and silently, and after that the oldest.
  */
 #ifndef TESTS_KITTY_DECODE_H
 #define TESTS_KITTY_DECODE_H

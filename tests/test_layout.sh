@@ -155,6 +155,20 @@ if formatter; then
 fi
 close_story
 
+# Comments too, which no formatter touches. Columns are counted: letters in UTF-8, not their bytes.
+too_long() { # FILE...
+    awk '{ line = $0; gsub(/[\200-\277]/, "", line) }
+        length(line) > 100 { print FILENAME ":" FNR " has " length(line) " columns" }' "$@"
+}
+begin "no line of a source or a script has more than 100 columns"
+# shellcheck disable=SC2046
+found=$(too_long Makefile $(find .ci src journal render tui tests examples -type f \
+    \( -path '.ci/*' -o -name '*.[ch]' -o -name '*.cc' -o -name '*.sh' -o -name '*.py' \)))
+[ -z "$found" ] || fail "$found"
+printf '%0100d\n%0101d\n%099d\303\244\n' 0 0 0 >"$work/wide"
+same "$(too_long "$work/wide")" "$work/wide:2 has 101 columns"
+close_story
+
 # A promise "S3 text" in the middle of a line of a comment, though "S2" begins one: what a formatter
 # makes of a list.
 glued() {

@@ -110,7 +110,8 @@ for missing in "run nothing" "replay nothing" "verify nothing" "log nothing" "lo
     same "$(wc -l <err | tr -d ' ')" 1
 done
 expect 3 "$iftty" nothing.iftty </dev/null
-same "$(cat err)" "iftty: there is no journal nothing.iftty; \`iftty SCENE --journal FILE\` begins one"
+same "$(cat err)" \
+    "iftty: there is no journal nothing.iftty; \`iftty SCENE --journal FILE\` begins one"
 expect 3 "$iftty" verify nothing
 out_has "# there is no journal nothing"
 close_story
@@ -121,7 +122,8 @@ expect 2 "$iftty" run "it's half.txt" --journal half.iftty
 same "$(sed 1d err)" "half.iftty holds 2 records, up to what stands before line 4; to go on there:
     tail -n +4 'it'\\''s half.txt' | iftty run - --journal half.iftty"
 sed s/labell/label/ "it's half.txt" >mended && mv mended "it's half.txt"
-eval "$(sed -n '$p' err | sed "s|iftty run|'$iftty' run|")" >out 2>err || fail "it does not go on: $(cat err)"
+eval "$(sed -n '$p' err | sed "s|iftty run|'$iftty' run|")" >out 2>err ||
+    fail "it does not go on: $(cat err)"
 same "$("$iftty" log --script half.iftty | tail -n 1)" "label 4 d"
 expect 2 "$iftty" -c "label 5 'a; b'; labell 6" --journal half.iftty
 same "$(sed -n '$p' err)" "    iftty run - --journal half.iftty"

@@ -303,8 +303,8 @@ static int64_t first_pixel(const struct inverse *side, int64_t begin2, int64_t p
     return pixel;
 }
 
-/* Where the picture begins: what fits, in the middle; else as near to what is wanted as what may not
- * be left empty, and then the place, allow. */
+/* Where the picture begins: what fits, in the middle; else as near to what is wanted as what may
+ * not be left empty, and then the place, allow. */
 static int64_t begin2_of(const struct inverse *side)
 {
     const int64_t scene2 = 2 * side->voxels * side->spacing_pm;

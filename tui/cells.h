@@ -2,9 +2,9 @@
  * Text as a terminal shows it, in cells: how many it takes, and lines that fit.
  *
  * A character takes 0 cells where it is a mark that sits on the one before, or joins or directs
- * text; 2 where it is East Asian wide or an emoji; else 1. The widths are those of libc in the locale
- * C.UTF-8, whatever the environment says: a session over SSH often has no locale. Terminals in use
- * agree on them for all but sequences of emoji.
+ * text; 2 where it is East Asian wide or an emoji; else 1. The widths are those of libc in the
+ * locale C.UTF-8, whatever the environment says: a session over SSH often has no locale. Terminals
+ * in use agree on them for all but sequences of emoji.
  */
 #ifndef TUI_CELLS_H
 #define TUI_CELLS_H
@@ -39,10 +39,10 @@ bool locale_is_utf8(void);
  * drawings, which a terminal would break in the middle. */
 void cells_crop(struct buf *out, const char *text, unsigned columns);
 
-/* Adds `text` for a raw terminal, with lines of at most `columns` cells, each ended by CR LF; colours
- * (CSI ... m) take no room. A long line is broken at a blank, where a terminal breaks words, and goes
- * on below where its text began: after its first run of two blanks or more, as in lists of names and
- * values, else at the left. In a window of 30 columns:
+/* Adds `text` for a raw terminal, with lines of at most `columns` cells, each ended by CR LF;
+ * colours (CSI ... m) take no room. A long line is broken at a blank, where a terminal breaks
+ * words, and goes on below where its text began: after its first run of two blanks or more, as in
+ * lists of names and values, else at the left. In a window of 30 columns:
  *
  *     view      90 0 0 degrees, left,
  *               zoom 1

@@ -43,8 +43,8 @@ struct guardian {
     int pipe;
 };
 
-/* Starts the child for the terminal that `in` reads and `out` writes. Where no child can be had there is no
- * guardian, and all else works. */
+/* Starts the child for the terminal that `in` reads and `out` writes. Where no child can be had
+ * there is no guardian, and all else works. */
 void guardian_start(struct guardian *g, int in, int out);
 
 /* To be called when `on` is 0. */

@@ -23,8 +23,8 @@
  * The Linux console and the like are asked nothing. Who asks for blocks, or for no colours, gets
  * the one question ESC[c, since the frames of a slow line need its answers; for "none" nothing.
  *
- * Whatever is typed meanwhile is not lost. The parts that decide are pure: replies and environment in,
- * facts out.
+ * Whatever is typed meanwhile is not lost. The parts that decide are pure: replies and environment
+ * in, facts out.
  */
 #ifndef TUI_PROBE_H
 #define TUI_PROBE_H

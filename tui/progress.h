@@ -9,8 +9,8 @@
  * second at most, always over itself, and is gone before anything else is written: the
  * writer erases it first. Without escape sequences or colours, so that any terminal will do.
  *
- * Time left is what the present step will take if it goes on as it began; until that can be estimated,
- * and where nobody knows how much there is to do, the time that has passed stands there.
+ * Time left is what the present step will take if it goes on as it began; until that can be
+ * estimated, and where nobody knows how much there is to do, the time that has passed stands there.
  */
 #ifndef TUI_PROGRESS_H
 #define TUI_PROGRESS_H

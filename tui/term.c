@@ -406,7 +406,7 @@ enum err term_write_to(int fd, const void *bytes, size_t length, struct fault *f
     return OK;
 }
 
-/* Stopping in the middle would write the end of our modes into a picture, and the rest of that as text. */
+/* Stopped in the middle, the end of our modes would go into a picture, whose rest would be text. */
 enum err term_write(const void *bytes, size_t length, struct fault *fault)
 {
     sigset_t stops, before;

@@ -13,8 +13,8 @@
  *   T6 a child gives it back after SIGKILL (tui/guardian.h);
  *   T7 nothing that we do cuts what term_write writes in two: Ctrl-C does not make the terminal
  *      drop its output, and stopping waits until the write is done;
- *   T8 answers to our questions are not left to the shell: those that are due when a signal ends the
- *      process are read for up to 0.2 s. (When it ends by itself: probe_leave in tui/probe.h.)
+ *   T8 answers to our questions are not left to the shell: those that are due when a signal ends
+ *      the process are read for up to 0.2 s. (When it ends by itself: probe_leave in tui/probe.h.)
  */
 #ifndef TUI_TERM_H
 #define TUI_TERM_H

@@ -358,7 +358,8 @@ enum err file_log_cut(struct file_log *log, uint64_t length, struct fault *fault
     return OK;
 }
 
-/* Bytes that were not there before: a sync that fails takes nothing with it but them and what waits. */
+/* Bytes that were not there before: a sync that fails takes nothing with it but them and what
+ * waits. */
 static bool add(struct file_log *log, const void *bytes, size_t length, bool syncs)
 {
     return lseek(log->fd, (off_t)log->length, SEEK_SET) >= 0 &&

@@ -45,8 +45,9 @@ enum err file_log_open(struct file_log **log, const char *path, bool create, str
 /* Syncs the folder that holds the file: it can be found after a loss of power. */
 enum err file_log_sync_folder(const struct file_log *log, struct fault *fault);
 
-/* Appends, and syncs as was asked for; what `may_wait`, where there is a thread to sync it. On failure the file is cut back to its former length; where
- * even that fails it is ragged, and file_log_cut is to be tried again (G1). */
+/* Appends, and syncs as was asked for; what `may_wait`, where there is a thread to sync it. On
+ * failure the file is cut back to its former length; where even that fails it is ragged, and
+ * file_log_cut is to be tried again (G1). */
 enum err file_log_append(struct file_log *log, const void *bytes, size_t length, bool may_wait,
                          struct fault *fault);
 

@@ -1,6 +1,6 @@
 /*
- * Sorting of millions of numbers under a watch: by counting, 16 bits at a time, so that each pass is
- * a loop that can be stopped, which qsort is not.
+ * Sorting of millions of numbers under a watch: by counting, 16 bits at a time, so that each pass
+ * is a loop that can be stopped, which qsort is not.
  */
 #ifndef BASE_SORT_H
 #define BASE_SORT_H

@@ -210,8 +210,8 @@ PER_KIND void serve_batch(struct forest *forest, struct worker *worker, uint32_t
     }
 }
 
-/* The first worker's thread asks the watch within a level too: on a plateau it may be as large as the
- * scene. Voxels of the level that were not served yet stay in the queue (T5). */
+/* The first worker's thread asks the watch within a level too: on a plateau it may be as large as
+ * the scene. Voxels of the level that were not served yet stay in the queue (T5). */
 static void look(struct forest *forest, const struct worker *worker, uint64_t units)
 {
     if ((worker->number == 0 || forest->alone) && !goes_on(forest, units))

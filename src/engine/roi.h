@@ -50,7 +50,8 @@ struct roi_tally {
 struct roi_tally roi_tally(const struct roi *roi, const struct scene *scene);
 
 /* Applies it in place of the former one; every seed is inside. forest_rebuild must follow where
- * there are seeds. Where the scene's watch has stopped it, a part of the scene has the former one. */
+ * there are seeds. Where the scene's watch has stopped it, a part of the scene has the former
+ * one. */
 void roi_apply(const struct roi *roi, struct scene *scene);
 
 #endif

@@ -1,10 +1,11 @@
 /*
  * PNG (RFC 2083) in memory, without the image helper: for terminals, which want it small and at
- * once, and for pages that hold their own pictures. One IDAT; the same picture gives the same bytes.
+ * once, and for pages that hold their own pictures. One IDAT; the same picture gives the same
+ * bytes.
  *
  * A palette of up to 2, 4 or 16 colours packs 8, 4 or 2 pixels into a byte; only colours that occur
- * are in it. There is no filter, but where bytes cost more than time the average of what is left and
- * above is tried too: of greys in order, as slices have them, it takes a third away, of shaded
+ * are in it. There is no filter, but where bytes cost more than time the average of what is left
+ * and above is tried too: of greys in order, as slices have them, it takes a third away, of shaded
  * objects nothing.
  */
 #ifndef IMAGE_PNG_H

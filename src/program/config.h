@@ -15,8 +15,8 @@
  *
  * It is read where there is a terminal to sit at, and nowhere else: no script, replay or journal
  * depends on it. A line that is not understood is named with its number and left out; so is what
- * is beyond CONFIG_LINES_MOST lines or CONFIG_LINE_MOST bytes in one. Whatever it holds, it moves no
- * cursor and takes no more memory than that.
+ * is beyond CONFIG_LINES_MOST lines or CONFIG_LINE_MOST bytes in one. Whatever it holds, it moves
+ * no cursor and takes no more memory than that.
  */
 #ifndef PROGRAM_CONFIG_H
 #define PROGRAM_CONFIG_H

@@ -12,7 +12,8 @@
 
 enum { PILOT_NOTES_MOST = 64 };
 
-/* Draws the bar into the canvas, on which the panel is, and fills in the notes. Returns how many. */
+/* Draws the bar into the canvas, on which the panel is, and fills in the notes. Returns how
+ * many. */
 size_t pilot_notes_add(struct image_note note[PILOT_NOTES_MOST], const struct canvas *canvas,
                        const struct session *session, const struct slicing_panel *panel);
 

@@ -1,6 +1,6 @@
 /*
- * What an eliminator at a voxel would take away: the marker whose trees hold the voxel, or the single
- * tree. For front ends, which show it first; nothing is changed here.
+ * What an eliminator at a voxel would take away: the marker whose trees hold the voxel, or the
+ * single tree. For front ends, which show it first; nothing is changed here.
  *
  * It takes time by what is held, up to a bound, and never by the scene: trees are counted from
  * their roots, and which marker a voxel belongs to is asked of the root in its key.

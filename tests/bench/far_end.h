@@ -31,8 +31,8 @@ struct far_line {
 struct far_end;
 
 /* Starts build/iftty of the tree that this program lies in, with `argument`, ended by NULL, with
- * `home` as its home and without a history of lines. `graphics` is kitty, tiles, sixel or NULL. ERR_IO
- * where iftty does not lie there, or there is no pseudo-terminal. */
+ * `home` as its home and without a history of lines. `graphics` is kitty, tiles, sixel or NULL.
+ * ERR_IO where iftty does not lie there, or there is no pseudo-terminal. */
 enum err far_end_new(struct far_end **out, char *const *argument, const char *home,
                      const struct graphics *graphics, const struct far_line *line,
                      struct fault *fault);
@@ -53,8 +53,8 @@ struct far_result {
 enum err far_end_press(struct far_end *e, const char *keys, const char *const *awaited,
                        struct far_result *out, struct fault *fault);
 
-/* Holds a key: presses it `times` times at that distance. Counts the frames that come meanwhile, and
- * waits as above; pressed_ns is the last one. */
+/* Holds a key: presses it `times` times at that distance. Counts the frames that come meanwhile,
+ * and waits as above; pressed_ns is the last one. */
 enum err far_end_hold(struct far_end *e, const char *key, unsigned times, double every_ms,
                       struct far_result *out, struct fault *fault);
 

@@ -6,8 +6,8 @@
  *
  *     CR  R x LF  ESC[R A  ESC 7  picture  ESC 8  ESC[R B  CR        R = its height in cells
  *
- * is a picture of pixels at the prompt: the line feeds make room by scrolling, before the picture is
- * there; the cursor is saved and put back because every terminal leaves it elsewhere after a
+ * is a picture of pixels at the prompt: the line feeds make room by scrolling, before the picture
+ * is there; the cursor is saved and put back because every terminal leaves it elsewhere after a
  * picture. Text is lines, and needs none of this. Pure: facts and pixels in, bytes out.
  */
 #ifndef TUI_PICTURE_GRAPHICS_H

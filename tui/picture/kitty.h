@@ -8,11 +8,12 @@
 
 enum { KITTY_FIRST = 26982 }; /* numbers of pictures from here on, which others hardly use */
 
-/* Adds pixels as PNG by p->effort, in chunks; `keys` are those of the first, each with its comma. */
+/* Adds pixels as PNG by p->effort, in chunks; `keys` are those of the first, each with its
+ * comma. */
 void kitty_show(struct painter *p, const struct raster *raster, const char *keys, struct buf *out);
 
-/* The same as PNG or as deflated pixels, whichever is less, by p->effort; `next` are the keys of the
- * chunks that follow. The keys of the size are added. */
+/* The same as PNG or as deflated pixels, whichever is less, by p->effort; `next` are the keys of
+ * the chunks that follow. The keys of the size are added. */
 void kitty_send(struct painter *p, const struct raster *part, const char *first, const char *next,
                 struct buf *out);
 

@@ -12,19 +12,20 @@
  * painter_forget.
  *
  * By what means is said by the terminal's row in the table of graphics (tui/picture/graphics.h):
- *   pixels over cells      boxes of whole cells are drawn over, none larger than the terminal draws;
- *                          in kitty's protocol each is a picture that stays above those before
- *   pixels of a picture    boxes of pixels are changed in place
- *   text                   cells that differ are written
+ *   pixels over cells     boxes of whole cells are drawn over, none larger than the terminal draws;
+ *                         in kitty's protocol each is a picture that stays above those before
+ *   pixels of a picture   boxes of pixels are changed in place
+ *   text                  cells that differ are written
  *
- * What has changed is looked for tile by tile, and comes as a few boxes. Where pixels can be changed
- * one by one, boxes fit tightly; where cells are drawn over, they are whole cells. Boxes are joined
- * where one costs no more than two: each has a fixed cost, as that of so many pixels. They may
- * overlap.
+ * What has changed is looked for tile by tile, and comes as a few boxes. Where pixels can be
+ * changed one by one, boxes fit tightly; where cells are drawn over, they are whole cells. Boxes
+ * are joined where one costs no more than two: each has a fixed cost, as that of so many pixels.
+ * They may overlap.
  *
  * Pictures keep their palette (tui/picture/shades.h) until one goes whole, so patches agree with
- * what they are put on. A picture goes whole when it is the first, or of another size, when its hues or
- * smooth change, when half of its pixels have changed, and when a protocol holds too many parts.
+ * what they are put on. A picture goes whole when it is the first, or of another size, when its
+ * hues or smooth change, when half of its pixels have changed, and when a protocol holds too many
+ * parts.
  *
  * One painter at a time shows a picture on a terminal. Cells count from 0. The last row of the
  * screen is not for pictures: several terminals scroll when a sixel ends there.

@@ -59,13 +59,13 @@ bool shades_serve(const struct shades *shades, const struct image_view *view);
 /* Whether a view has greys or tints, and the palette, which serves it, few or none. */
 bool shades_lack(const struct shades *shades, const struct image_view *view);
 
-/* Whether a view has a palette, however many colours it has: always in some protocols; in the others
- * not where it is smooth, or has no hues. */
+/* Whether a view has a palette, however many colours it has: always in some protocols; in the
+ * others not where it is smooth, or has no hues. */
 bool shades_needed(const struct image_view *view, bool always);
 
-/* Puts the view into `bytes`, `width` x `height` pixels, which may be more than it has and are black
- * then: as places in the palette, or as 24-bit colours. False where the palette is exact and has no
- * room for another colour: choose again, and send the picture whole. */
+/* Puts the view into `bytes`, `width` x `height` pixels, which may be more than it has and are
+ * black then: as places in the palette, or as 24-bit colours. False where the palette is exact and
+ * has no room for another colour: choose again, and send the picture whole. */
 bool shades_fill(struct shades *shades, bool has_palette, const struct image_view *view,
                  uint8_t *bytes, uint32_t width, uint32_t height);
 

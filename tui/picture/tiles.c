@@ -1,6 +1,6 @@
 /*
- * Kitty's protocol without its frame edits (Ghostty, WezTerm, Konsole): whole cells are drawn over by
- * pictures of their own.
+ * Kitty's protocol without its frame edits (Ghostty, WezTerm, Konsole): whole cells are drawn over
+ * by pictures of their own.
  *
  *     ESC[row;columnH ESC _ G a=T,C=1,i=27007,z=25,f=100,s=64,v=32,q=2,m=0 ; <base64> ESC \
  *     ESC _ G a=d,d=I,i=26990,q=2 ESC \         a tile of which nothing is seen any more

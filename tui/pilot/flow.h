@@ -4,9 +4,9 @@
  *     frame ESC[c  frame ESC[c  ......   ESC[?62;4c  ESC[?62;4c     each answer says that a frame
  *                                                                   has been drawn
  *
- * write() returns when the kernel has the bytes, long before a slow line has carried them. A sender of
- * frame after frame fills every queue on the way, and the screen shows the past; one that waits for
- * each answer leaves a line with a long way idle most of the time. So each frame ends with a
+ * write() returns when the kernel has the bytes, long before a slow line has carried them. A sender
+ * of frame after frame fills every queue on the way, and the screen shows the past; one that waits
+ * for each answer leaves a line with a long way idle most of the time. So each frame ends with a
  * question, a barrier, and
  *
  *   L1 a frame is sent when the line, at the rate that has been learnt, has all but carried those
@@ -18,20 +18,20 @@
  *      frame begins with what ends it (`failed`, probe_add_recovery), and until the barriers have
  *      been sorted out again there is one frame at a time;
  *   L3 a frame has as many bytes as the line carries in FLOW_TARGET_NS: a picture that needs more
- *      is sent coarser (tui/pilot/refine.h), for quality is to drop before latency does. When nothing
- *      moves any more the caller sends the full picture.
+ *      is sent coarser (tui/pilot/refine.h), for quality is to drop before latency does. When
+ *      nothing moves any more the caller sends the full picture.
  *
  * The line is taken for one that needs `round_trip + bytes x per_byte` for a frame alone, counted
- * from when the line was free for it. What a byte costs is the median of the slopes between the last
- * FLOW_SAMPLES frames, each pair of which counts as much as the two differ in size (Theil and Sen),
- * with one of no bytes at all that takes the round trip: so a terminal that pauses now and then, or
- * draws once in 16 ms whatever comes, is not taken for a slow line. Small frames say nothing about a
- * line that may carry much more, and are no samples. A budget grows at most fourfold a frame, and
- * doubles at least where a frame was soon enough.
+ * from when the line was free for it. What a byte costs is the median of the slopes between the
+ * last FLOW_SAMPLES frames, each pair of which counts as much as the two differ in size (Theil and
+ * Sen), with one of no bytes at all that takes the round trip: so a terminal that pauses now and
+ * then, or draws once in 16 ms whatever comes, is not taken for a slow line. Small frames say
+ * nothing about a line that may carry much more, and are no samples. A budget grows at most
+ * fourfold a frame, and doubles at least where a frame was soon enough.
  *
- * Answers come in order but bear no number. After barriers that failed, the next answer may be one of
- * theirs, come late, or that of the frame after them: the latter follows within the time that its
- * bytes take, or else it was that.
+ * Answers come in order but bear no number. After barriers that failed, the next answer may be one
+ * of theirs, come late, or that of the frame after them: the latter follows within the time that
+ * its bytes take, or else it was that.
  *
  * Pure: the time is an argument, in ns of any clock that never goes back.
  *
@@ -54,7 +54,7 @@
 
 #define FLOW_LIMIT_NS  UINT64_C(2000000000)
 #define FLOW_TARGET_NS UINT64_C(33000000)
-#define FLOW_LEAD_NS   UINT64_C(10000000) /* what the line has still to carry when a frame is added */
+#define FLOW_LEAD_NS   UINT64_C(10000000)  /* what the line still has when a frame is added */
 #define FLOW_PAUSE_NS  UINT64_C(200000000) /* from frame to frame where nothing answers */
 
 enum { FLOW_BYTES_START = 24 << 10, FLOW_BYTES_LEAST = 512, FLOW_BYTES_MOST = 16 << 20 };

@@ -81,9 +81,9 @@ static const char *alarm_of(const struct pilot *p)
 }
 
 /* Two rows at the foot of the screen. The upper one shows where the cross-hair is, what a key would
- * plant and what waits, then the voxel: a narrow screen cuts off what can be missed first. The lower
- * one has the last message, or what the keys do now. A message of more than a row takes both, until
- * the next key. */
+ * plant and what waits, then the voxel: a narrow screen cuts off what can be missed first. The
+ * lower one has the last message, or what the keys do now. A message of more than a row takes both,
+ * until the next key. */
 static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_facts *facts,
                      const struct term_size *size)
 {
@@ -378,7 +378,8 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
     return err;
 }
 
-/* What was pasted is given to the line editor as what is pasted there, before all that came since. */
+/* What was pasted is given to the line editor as what is pasted there, before all that came
+ * since. */
 static enum err ask_for_pasted(struct pilot *p, struct fault *fault)
 {
     struct line_editor *e = p->editor;

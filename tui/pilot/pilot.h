@@ -4,8 +4,8 @@
  * The pilot knows no scene: a host says where the cross-hair is and draws the picture. Each key
  * that changes something becomes the line of a command that a user could have typed, which the host
  * carries out and records: so what was done here replays like any other session. The keys are the
- * table in tui/pilot/pilot_table.c. A click takes the cross-hair there; dragging draws while the pen
- * is down. Ctrl-C cancels a command.
+ * table in tui/pilot/pilot_table.c. A click takes the cross-hair there; dragging draws while the
+ * pen is down. Ctrl-C cancels a command.
  *
  * Invariants
  *   P1 what is on screen is made of what the host says after the last command, never of what a key
@@ -77,7 +77,8 @@ struct pilot_host {
                      enum pilot_pane *pane);
     /* The voxel under a pixel of the rendition, by its own columns and rows. */
     bool (*voxel_of_frame)(void *context, uint32_t column, uint32_t row, uint32_t place[3]);
-    /* The rendition's own pixel that the last picture shows at one of its pixels, or the nearest. */
+    /* The rendition's own pixel that the last picture shows at one of its pixels, or the
+     * nearest. */
     void (*frame_pixel)(void *context, uint32_t column, uint32_t row, uint32_t pixel[2]);
     /* Adds what a label is called: "2 cerebellum". */
     void (*label)(void *context, unsigned label, struct buf *out);
@@ -87,7 +88,8 @@ struct pilot_host {
     /* Where the label's seeds are, those of a command once: the one that is `by` further than that
      * at the cross-hair, round and round. False where it has none. */
     bool (*seed)(void *context, unsigned label, int64_t by, uint32_t place[3]);
-    /* The voxel of the label that is nearest to the mean of all of them. False where it has none. */
+    /* The voxel of the label that is nearest to the mean of all of them. False where it has
+     * none. */
     bool (*centre)(void *context, unsigned label, uint32_t place[3]);
     bool (*is_hidden)(void *context, unsigned label);
 };
@@ -95,8 +97,9 @@ struct pilot_host {
 /* What is chosen in the pilot, from one time to the next: tui/pilot/pilot_keys.h. */
 struct pilot_state;
 
-/* Begins as the state says, which stays as it is left. Runs until q, `finished`, or the end of the input, which *ended says then. The terminal is open
- * and raw, and is so afterwards; what was typed ahead stays in editor->input. */
+/* Begins as the state says, which stays as it is left. Runs until q, `finished`, or the end of the
+ * input, which *ended says then. The terminal is open and raw, and is so afterwards; what was typed
+ * ahead stays in editor->input. */
 enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
                    struct terminal_facts *facts, struct line_editor *editor, bool *ended,
                    struct fault *fault);

@@ -6,8 +6,8 @@
  * keys and below the picture. The page, which `?` shows, is also the card in tui/README.md.
  *
  * As in vim, digits are a count for the key after them, a key that takes none says so, some keys
- * wait for a second one, and Escape takes back what was begun. No digit alone plants anything but in
- * PILOT_PICKING, where one corrects what the rendition shows.
+ * wait for a second one, and Escape takes back what was begun. No digit alone plants anything but
+ * in PILOT_PICKING, where one corrects what the rendition shows.
  */
 #ifndef TUI_PILOT_PILOT_KEYS_H
 #define TUI_PILOT_PILOT_KEYS_H

@@ -1,7 +1,7 @@
 /*
- * What stands below a line that is typed: the candidates for a word, and a caret under what is wrong.
- * Pure. Columns are those of the terminal: a wide character takes two, and what is drawn as \xNN
- * takes four.
+ * What stands below a line that is typed: the candidates for a word, and a caret under what is
+ * wrong. Pure. Columns are those of the terminal: a wide character takes two, and what is drawn as
+ * \xNN takes four.
  */
 #ifndef TUI_PROMPT_BELOW_H
 #define TUI_PROMPT_BELOW_H
@@ -24,8 +24,8 @@ struct candidates {
 struct candidates candidates_of(const char *words);
 
 /* Adds the list in lines that end in CR LF, for a terminal of so many columns and rows, of which
- * the list leaves three. Candidates stand in columns, read downwards, without what is the same in all
- * of them up to a slash, and without quotes:
+ * the list leaves three. Candidates stand in columns, read downwards, without what is the same in
+ * all of them up to a slash, and without quotes:
  *
  *     scans/a b.nii  ->  a b.nii   masks/
  *     scans/ch2.nii      ch2.nii

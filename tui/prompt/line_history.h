@@ -43,7 +43,8 @@ bool line_history_path(struct buf *path);
 /* Reads the file into an empty history; one that is not there is empty. */
 enum err line_history_load(struct line_history *h, const char *path, struct fault *fault);
 
-/* Appends the latest line, which line_history_add has stored. Folders that are not there are made. */
+/* Appends the latest line, which line_history_add has stored. Folders that are not there are
+ * made. */
 enum err line_history_append(struct line_history *h, const char *path, struct fault *fault);
 
 #endif

@@ -4,7 +4,8 @@
  *
  * The words of the variable go to the shell, as `EDITOR="code --wait"` needs it. While the editor
  * runs the terminal is its own, as our caller found it; Ctrl-C and Ctrl-\ are for the editor alone.
- * Line feeds come back as blanks, other control characters not at all, so that nothing is submitted.
+ * Line feeds come back as blanks, other control characters not at all, so that nothing is
+ * submitted.
  */
 #ifndef TUI_PROMPT_OTHER_EDITOR_H
 #define TUI_PROMPT_OTHER_EDITOR_H
