@@ -264,6 +264,7 @@ if "$iftty" run reference >/dev/null 2>&1; then
     type_letters "q"
     see '^ch2>$'
     enter "quit"
+    see '^journal: ' # what is typed before is the prompt's, and goes with it
     sane
     "$iftty" diff reference ch2-1.iftty >out 2>err
     grep -q '^1 *0\.9[5-9]\|^1 *0\.949' out || fail "$(cat out err)"
