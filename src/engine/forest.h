@@ -110,10 +110,10 @@ enum err forest_rebuild(struct forest *forest, struct fault *fault);
 
 /*
  * While a run goes on, the scene's watch may have it shown (watch.h): forest and scene can then be
- * read, by no more than one thread at a time or by the forest's own team, and are not to be changed.
- * Levels are served from the lowest up, and a voxel that is served has its key and label for good:
- * this says of which voxels that is true. Others have what they had before, or what was offered to
- * them so far, or nothing. Between runs it is true of every voxel that a seed reaches.
+ * read, by no more than one thread at a time or by the forest's own team, and are not to be
+ * changed. Levels are served from the lowest up, and a voxel that is served has its key and label
+ * for good: this says of which voxels that is true. Others have what they had before, or what was
+ * offered to them so far, or nothing. Between runs it is true of every voxel that a seed reaches.
  */
 bool forest_is_final(const struct forest *forest, uint32_t cell);
 
