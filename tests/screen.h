@@ -3,7 +3,7 @@
  * story can look at what a person would see.
  *
  * It knows what the prompt may send: text with wide characters and marks, deferred wrap, CR, LF,
- * BEL, CSI A B C D G H J K m, modes, and strings (DCS, APC, OSC), which show nothing. A terminal of
+ * BEL, CSI A B C D G H J K m, the other screen (CSI ? 1049 h), modes, and strings (DCS, APC, OSC), which show nothing. A terminal of
  * another size keeps the cells that it has in common with the former one, as xterm does.
  */
 #ifndef TESTS_SCREEN_H
@@ -31,6 +31,9 @@ struct screen {
     unsigned questions;      /* DA1, asked so far */
     unsigned bells, colours; /* CSI .. m, other than the plain one */
     struct screen_cell cell[SCREEN_ROWS][SCREEN_COLUMNS];
+    struct screen_cell usual[SCREEN_ROWS][SCREEN_COLUMNS]; /* while the other screen shows, */
+    unsigned usual_row, usual_column;                      /* and its cursor */
+    bool is_other;
     char pending[256]; /* of a sequence or a character that is not complete */
     size_t pendings;
 };
@@ -92,6 +95,23 @@ static inline void screen_erase(struct screen *s, unsigned y, unsigned from)
         s->cell[y][x] = (struct screen_cell){0};
 }
 
+static inline void screen_change(struct screen *s, bool to_other)
+{
+    if (s->is_other == to_other)
+        return;
+    s->is_other = to_other;
+    if (to_other) {
+        memcpy(s->usual, s->cell, sizeof s->usual);
+        memset(s->cell, 0, sizeof s->cell);
+        s->usual_row = s->row;
+        s->usual_column = s->column;
+    } else {
+        memcpy(s->cell, s->usual, sizeof s->cell);
+        s->row = s->usual_row < s->rows ? s->usual_row : s->rows - 1;
+        s->column = s->usual_column < s->columns ? s->usual_column : s->columns - 1;
+    }
+}
+
 static inline void screen_csi(struct screen *s, const char *body, char final)
 {
     const unsigned given = (unsigned)strtoul(body, NULL, 10), n = given ? given : 1;
@@ -99,6 +119,8 @@ static inline void screen_csi(struct screen *s, const char *body, char final)
     const unsigned second = semicolon ? (unsigned)strtoul(semicolon + 1, NULL, 10) : 1;
     if (final == 'c' && (*body == '\0' || *body == '0'))
         s->questions++;
+    if (strcmp(body, "?1049") == 0)
+        screen_change(s, final == 'h');
     if (strchr("?><=", *body) && *body)
         return;
     s->wraps = s->wraps && final == 'm';

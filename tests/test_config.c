@@ -66,8 +66,9 @@ STORY(a_bad_line_is_named_with_its_number_and_left_out)
 {
     static const char *const bad[][2] = {
         {"theme blue", "c:1: expected dark|light|none, not blue; left out\n"},
-        {"\nthem dark", "c:2: expected theme, brush, window, key or start, not them; did you mean "
-                        "theme?; left out\n"},
+        {"\nthem dark",
+         "c:2: expected theme, brush, window, key, pager or start, not them; did you mean "
+         "theme?; left out\n"},
         {"brush 256", "c:1: expected a label 0..255, and a radius 0..32; left out\n"},
         {"brush 1 33", "c:1: expected a label"},
         {"brush 1 2 3", "c:1: expected a label"},

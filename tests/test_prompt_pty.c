@@ -20,6 +20,7 @@
 
 static char folder[FOLDER_LENGTH];
 static char program[PATH_MAX];
+static const char *config = ""; /* of the program that is started next: none */
 
 struct terminal {
     int master, slave;
@@ -48,7 +49,7 @@ static void become_program(int slave, const struct setting *setting)
     unsetenv("NO_COLOR");
     setenv("LC_ALL", "C", 1);
     setenv("IFTTY_HISTORY", "history", 1);
-    setenv("IFTTY_CONFIG", "", 1);
+    setenv("IFTTY_CONFIG", config, 1);
     if (setting->no_color)
         setenv("NO_COLOR", setting->no_color, 1);
     execl(program, "iftty", setting->scene, (char *)NULL);
@@ -441,7 +442,7 @@ STORY(what_was_entered_before_is_suggested_and_taken)
     type(&t, "\r");
     SEE_LINE(&t, "synth>");
     type(&t, "se");
-    SEE_LINE(&t, "synth> seed 1,1,1 liver [radius=0..32] [to=X,Y,Z]");
+    SEE_BEGIN(&t, "synth> seed 1,1,1 liver [radius=");
     type(&t, "\033f\033f");
     check_awaited(&t, is_at_column, "13", __LINE__);
     type(&t, "\001"); /* not at the end: nothing */
@@ -482,10 +483,10 @@ STORY(a_line_is_edited_in_another_editor_and_waits_for_enter)
     start_at_prompt(&t);
     unsetenv("VISUAL");
     edit_elsewhere(&t);
-    SEE_LINE(&t, "synth> seed 20,20,15 1 [radius=0..32] [to=X,Y,Z]");
+    SEE_BEGIN(&t, "synth> seed 20,20,15 1 [radius=");
     CHECK(reads_keys(&t, ""));
     type(&t, "\037");
-    SEE_LINE(&t, "synth> seed 2 LABEL [radius=0..32] [to=X,Y,Z]");
+    SEE_BEGIN(&t, "synth> seed 2 LABEL [radius=");
     CHECK(file_read(&seen, "seen", 1 << 12, NULL) == OK);
     CHECK(strncmp(buf_text(&seen), "drwx------", 10) == 0);
     CHECK(!file_exists(strchr(buf_text(&seen), '/')));
@@ -522,6 +523,90 @@ STORY(without_an_editor_it_is_said_in_words)
     quit(&t);
     unsetenv("EDITOR");
     unlink("history");
+    forget_journals();
+}
+
+/* The last row of the screen begins so. */
+static bool is_status(const struct terminal *t, const char *text)
+{
+    return t->screen.is_other &&
+           strncmp(screen_row(&t->screen, t->screen.rows - 1), text, strlen(text)) == 0;
+}
+#define SEE_STATUS(t, text) check_awaited(t, is_status, text, __LINE__)
+
+STORY(a_long_answer_is_paged_and_what_was_looked_at_stays)
+{
+    struct terminal t;
+    start_at_prompt(&t);
+    type(&t, "help\r");
+    SEE_STATUS(&t, "1-23 of ");
+    SEE(&t, "The scene");
+    type(&t, " ");
+    SEE_STATUS(&t, "24-46 of ");
+    type(&t, "g/Example\r");
+    SEE_STATUS(&t, "not found: Example");
+    type(&t, "/^");
+    SEE_STATUS(&t, "/^");
+    type(&t, "\177\177/render\r");
+    SEE_BEGIN(&t, "render [FILE]");
+    set_size(&t, 20, 5);
+    SEE_STATUS(&t, "");
+    SEE_BEGIN(&t, "render [FILE]");
+    set_size(&t, 80, 24);
+    SEE_BEGIN(&t, "render [FILE]");
+    type(&t, "\033");
+    SEE_LINE(&t, "synth>");
+    CHECK(!t.screen.is_other);
+    SEE_BEGIN(&t, "render [FILE]");
+    CHECK_INT(t.screen.row, 23); /* a page of 23, and the prompt below it */
+    type(&t, "info\r");          /* this fits */
+    SEE_BEGIN(&t, "memory ");
+    SEE_LINE(&t, "synth>");
+    quit(&t);
+    unlink("history");
+    forget_journals();
+}
+
+STORY(what_is_typed_or_pasted_on_is_for_the_prompt)
+{
+    struct terminal t;
+    start_at_prompt(&t);
+    type(&t, "help\rlabel 3 one\r"); /* somebody who does not look: nothing is paged */
+    SEE(&t, "synth> label 3 one");
+    SEE_LINE(&t, "synth>");
+    type(&t, "help\r");
+    SEE_STATUS(&t, "1-23 of ");
+    type(&t, "\033[200~label 4 two\rquit it"); /* a paste leaves, and is the prompt's */
+    SEE(&t, "synth> label 4 two");
+    type(&t, "\033[201~");
+    SEE_LINE(&t, "synth> quit it");
+    CHECK(!t.screen.is_other);
+    type(&t, "\025help\r");
+    SEE_STATUS(&t, "1-23 of ");
+    type(&t, "\033[?64;1;2;6;9c\003"); /* what a terminal says is no key */
+    SEE_LINE(&t, "synth>");
+    quit(&t);
+    CHECK_HAS(journal(1), "\nlabel 3 one\n");
+    CHECK_HAS(journal(1), "\nlabel 4 two\n");
+    unlink("history");
+    forget_journals();
+}
+
+STORY(a_pager_can_be_done_without)
+{
+    static const char off[] = "pager off\n";
+    struct terminal t;
+    CHECK(file_write("config", off, sizeof off - 1, FILE_REPLACE, NULL) == OK);
+    config = "config";
+    start_at_prompt(&t);
+    config = "";
+    type(&t, "help\r");
+    SEE_LINE(&t, "synth>");
+    SEE_BEGIN(&t, "quit ");
+    CHECK(strstr(buf_text(&t.written), "1049h") == NULL);
+    quit(&t);
+    unlink("history");
+    unlink("config");
     forget_journals();
 }
 
@@ -770,7 +855,10 @@ int main(void)
         TELL(hostile_lines_of_a_history_are_not_obeyed),
         TELL(what_was_entered_before_is_suggested_and_taken),
         TELL(a_line_is_edited_in_another_editor_and_waits_for_enter),
-        TELL(without_an_editor_it_is_said_in_words), TELL(a_long_line_is_drawn_anew_at_every_width),
+        TELL(without_an_editor_it_is_said_in_words),
+        TELL(a_long_answer_is_paged_and_what_was_looked_at_stays),
+        TELL(what_is_typed_or_pasted_on_is_for_the_prompt), TELL(a_pager_can_be_done_without),
+        TELL(a_long_line_is_drawn_anew_at_every_width),
         TELL(whatever_a_terminal_says_the_line_stays_what_was_typed),
         TELL(a_reply_may_take_two_seconds), TELL(ctrl_c_takes_back_a_line_or_a_command),
         TELL(without_colours_there_is_none_and_no_hint),

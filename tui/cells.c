@@ -94,8 +94,7 @@ bool locale_is_utf8(void)
 
 /* ---- lines that fit ---- */
 
-/* The bytes and cells of the character, or colour, at `text`. */
-static size_t read_one(const char *text, size_t length, size_t *cells)
+size_t cells_next(const char *text, size_t length, size_t *cells)
 {
     uint32_t point;
     const char *end = *text == '\033' ? memchr(text, 'm', length) : NULL;
@@ -113,7 +112,7 @@ void cells_crop(struct buf *out, const char *text, unsigned columns)
         const size_t length = strcspn(text, "\n");
         size_t bytes = columns ? 0 : length, cells;
         for (size_t used = 0; bytes < length;) {
-            const size_t n = read_one(text + bytes, length - bytes, &cells);
+            const size_t n = cells_next(text + bytes, length - bytes, &cells);
             used += cells;
             if (used > columns)
                 break;
@@ -135,7 +134,7 @@ static size_t wrap_at(const char *line, size_t length, size_t room)
             return at;
         if (line[at] == ' ' && line[at - 1] != ' ')
             gap = at;
-        at += read_one(line + at, length - at, &cells);
+        at += cells_next(line + at, length - at, &cells);
         used += cells;
         if (gap && used > room)
             return gap;

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/choice.h"
 #include "base/file.h"
 #include "base/safe.h"
 #include "base/scan.h"
@@ -115,6 +116,16 @@ static enum err take_keys(struct config *config, const char *words, struct fault
     return err;
 }
 
+static enum err take_pager(struct config *config, const char *words, struct fault *fault)
+{
+    const int state = choice_find("on|off", words);
+    if (state < 0)
+        return fault_set(fault, ERR_USAGE, "expected on or off, not %s",
+                         *words ? words : "nothing");
+    config->plain_answers = state == 1;
+    return OK;
+}
+
 static enum err take_start(struct config *config, const char *words, struct fault *fault)
 {
     if (!*words)
@@ -126,11 +137,8 @@ static enum err take_start(struct config *config, const char *words, struct faul
 static const struct {
     const char *name;
     enum err (*take)(struct config *config, const char *words, struct fault *fault);
-} kinds[] = {{"theme", take_theme},
-             {"brush", take_brush},
-             {"window", take_window},
-             {"key", take_keys},
-             {"start", take_start}};
+} kinds[] = {{"theme", take_theme}, {"brush", take_brush}, {"window", take_window},
+             {"key", take_keys},    {"pager", take_pager}, {"start", take_start}};
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
 /* ---- lines ---- */
@@ -138,7 +146,7 @@ enum { KINDS = sizeof kinds / sizeof kinds[0] };
 static enum err refuse_kind(const char *word, struct fault *fault)
 {
     struct near near = near_to(word);
-    fault_set(fault, ERR_USAGE, "expected theme, brush, window, key or start, not %s", word);
+    fault_set(fault, ERR_USAGE, "expected theme, brush, window, key, pager or start, not %s", word);
     for (size_t i = 0; i < KINDS; i++)
         near_try(&near, kinds[i].name, strlen(kinds[i].name));
     return near_append(&near, "", fault);

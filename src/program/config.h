@@ -10,6 +10,8 @@
  *     window liver 60 160
  *     # the keys of an action of the pilot (tui/pilot/chord.h)
  *     key undo U Ctrl-u
+ *     # long answers at the prompt run over the screen as they are
+ *     pager off
  *     # a command for each new session, once it has a scene
  *     start overlay tint
  *
@@ -21,6 +23,8 @@
 #ifndef PROGRAM_CONFIG_H
 #define PROGRAM_CONFIG_H
 
+#include <stdbool.h>
+
 #include "base/buf.h"
 #include "tui/pilot/setup.h"
 
@@ -28,6 +32,7 @@ enum { CONFIG_BYTES_MOST = 64 << 10, CONFIG_LINE_MOST = 1000, CONFIG_LINES_MOST 
 
 struct config {
     struct pilot_setup setup;
+    bool plain_answers; /* no pager */
     struct buf path;
     struct buf start; /* commands, one a line, each after the number of its line and a blank */
     struct buf words; /* lines on what was left out, safe to print */

@@ -197,8 +197,10 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
                                    .finished = prompt_finished};
     struct buf history = {0};
     const bool has_history = line_history_path(&history);
-    const struct repl_options how = {o->graphics, has_history ? buf_text(&history) : NULL,
-                                     prompt->config.setup.theme};
+    const struct repl_options how = {.graphics = o->graphics,
+                                     .history_path = has_history ? buf_text(&history) : NULL,
+                                     .pages = !prompt->config.plain_answers,
+                                     .theme = prompt->config.setup.theme};
     const enum err err = repl_run(&host, &how, fault);
     buf_release(&history);
     return err;

@@ -279,11 +279,16 @@ static enum outcome paste_key(struct line_editor *e, const struct key_event *eve
     return GO_ON;
 }
 
+void line_editor_reply(struct line_editor *e)
+{
+    if (e->answers_due > 0 && keys_body_is_answer(&e->keys))
+        e->answers_due--;
+}
+
 static enum outcome take_key(struct line_editor *e, const struct key_event *event)
 {
     if (event->key == KEY_REPLY) {
-        if (e->answers_due > 0 && keys_body_is_answer(&e->keys))
-            e->answers_due--;
+        line_editor_reply(e);
         return GO_ON;
     }
     if (event->key == KEY_PASTE_BEGIN || event->key == KEY_PASTE_END) {
@@ -308,30 +313,47 @@ void line_editor_mend(struct line_editor *e, uint8_t byte)
     e->lone_escape = false;
 }
 
-/* Takes the next byte in. */
-static enum outcome take_byte(struct line_editor *e, uint8_t byte)
+/* ---- the loop ---- */
+
+/* What has been taken in is forgotten when nothing is left. */
+static void tidy_input(struct line_editor *e)
 {
-    struct key_event event;
-    line_editor_mend(e, byte);
-    bool second = byte == '\n' && e->after_return;
-    e->after_return = e->pasting && byte == '\r';
-    if (second || !keys_feed(&e->keys, byte, &event))
-        return GO_ON;
-    return take_key(e, &event);
+    if (e->taken < e->input.length)
+        return;
+    buf_clear(&e->input);
+    e->taken = 0;
 }
 
-/* ---- the loop ---- */
+/* The LF of a CR LF in a paste says nothing new. */
+bool line_editor_next(struct line_editor *e, struct key_event *event)
+{
+    bool complete = false;
+    while (!complete && e->taken < e->input.length) {
+        const uint8_t byte = (uint8_t)e->input.data[e->taken++];
+        line_editor_mend(e, byte);
+        const bool second = byte == '\n' && e->after_return;
+        e->after_return = e->pasting && byte == '\r';
+        complete = !second && keys_feed(&e->keys, byte, event);
+    }
+    tidy_input(e);
+    return complete;
+}
+
+bool line_editor_time_out(struct line_editor *e, struct key_event *event)
+{
+    if (!keys_waiting(&e->keys) || !keys_time_out(&e->keys, event))
+        return false;
+    e->lone_escape = event->key == KEY_ESCAPE;
+    return true;
+}
 
 /* All bytes that have been read, up to one that leads to more than a redraw. */
 static enum outcome take_input(struct line_editor *e)
 {
+    struct key_event event;
     enum outcome outcome = GO_ON;
-    while (outcome == GO_ON && e->taken < e->input.length)
-        outcome = take_byte(e, (uint8_t)e->input.data[e->taken++]);
-    if (e->taken == e->input.length) {
-        buf_clear(&e->input);
-        e->taken = 0;
-    }
+    while (outcome == GO_ON && line_editor_next(e, &event))
+        outcome = take_key(e, &event);
     return outcome;
 }
 
@@ -355,10 +377,7 @@ static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
         return outcome;
     case TERM_TIMEOUT:
         *screen = STALE;
-        if (!waiting || !keys_time_out(&e->keys, &event))
-            return GO_ON;
-        e->lone_escape = event.key == KEY_ESCAPE;
-        return take_key(e, &event);
+        return line_editor_time_out(e, &event) ? take_key(e, &event) : GO_ON;
     case TERM_SIGNAL:
         if (term_was_continued())
             e->drawing = (struct line_drawing){0};
@@ -371,12 +390,17 @@ static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
     return GONE;
 }
 
-/* Answers that are due come now: whoever has the terminal next would take them for keys. */
-static void take_answers(struct line_editor *e)
+void line_editor_take_answers(struct line_editor *e)
 {
     if (e->answers_due > 0)
         probe_await(e->answers_due, 2000, &e->input);
     e->answers_due = 0;
+}
+
+void line_editor_suspend(struct line_editor *e)
+{
+    line_editor_take_answers(e);
+    term_suspend();
 }
 
 /* The line is gone while another editor has it, and comes again at the same place. */
@@ -384,7 +408,7 @@ static enum err edit_line_elsewhere(struct line_editor *e, const char *prompt, s
 {
     struct buf text = {0}, out = {0};
     struct fault why;
-    take_answers(e);
+    line_editor_take_answers(e);
     erase_line(e, &out);
     enum err err = write_out(&out, fault);
     buf_add(&text, buf_text(&e->line.text), e->line.text.length);
@@ -414,8 +438,7 @@ static enum err follow(struct line_editor *e, const char *prompt, enum outcome o
         err = leave_line(e, prompt, "\r\n", fault);
         if (err)
             return err;
-        take_answers(e);
-        term_suspend();
+        line_editor_suspend(e);
         return redraw(e, prompt, fault);
     case CLEAR:
         e->drawing = (struct line_drawing){0};

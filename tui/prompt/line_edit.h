@@ -68,6 +68,20 @@ void line_editor_release(struct line_editor *e);
  * right after its ESC, which was taken for the Escape key then. */
 void line_editor_mend(struct line_editor *e, uint8_t byte);
 
+/* For whoever else reads the editor's input, as a pager does: the next key of what has been read,
+ * and the one that bytes are which nothing followed in time; false where there is none. */
+bool line_editor_next(struct line_editor *e, struct key_event *event);
+bool line_editor_time_out(struct line_editor *e, struct key_event *event);
+
+/* The terminal has said something: perhaps an answer that was due. */
+void line_editor_reply(struct line_editor *e);
+
+/* Waits for the answers that are due: whoever has the terminal next would take them for keys. */
+void line_editor_take_answers(struct line_editor *e);
+
+/* Stops as Ctrl-Z does, when they have come; returns when it goes on. */
+void line_editor_suspend(struct line_editor *e);
+
 /* Reads a line at the terminal, which is open and raw, and adds it to the history. News that come
  * meanwhile stand above the line. The line is then
  * e->line.text, until the next call. *ended is set at Ctrl-D on an empty line or when the terminal

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "tui/prompt/below.h"
+#include "tui/prompt/paging.h"
 #include "tui/picture/graphics.h"
 #include "tui/term.h"
 #include "tui/cells.h"
@@ -122,6 +123,7 @@ static enum err run_plain(const struct repl_host *host, bool prompts, struct fau
 struct prompt {
     const struct repl_host *host;
     const char *history_path; /* or NULL */
+    bool pages;
     struct terminal_facts facts;
     struct line_editor editor;
 };
@@ -158,12 +160,36 @@ static void add_error_below(struct buf *text, const char *prompt, const char *li
     add_error(text, err, fault, coloured);
 }
 
-/* Runs a command and prints all it has to say in one write. */
+/* What a command had to say, in one write, or in a pager: no picture and no error is paged. */
+static enum err show(struct prompt *p, struct buf *text, bool failed, struct fault *fault)
+{
+    struct buf out = {0};
+    struct fault of_output;
+    bool paged = false;
+    enum err err = OK;
+    cells_wrap(&out, text, term_size().columns);
+    const size_t words = out.length;
+    add_picture(p, &out);
+    if (p->pages && !failed && out.length == words)
+        err = page_text(&p->editor, text, &paged, fault);
+    if (out.failed) {
+        buf_release(text);
+        buf_release(&out);
+        add_error(text, fault_memory(&of_output, "the output"), &of_output,
+                  p->facts.colours != COLOURS_NONE);
+        cells_wrap(&out, text, term_size().columns);
+    }
+    if (!err && !paged)
+        err = term_write(buf_text(&out), out.length, fault);
+    buf_release(&out);
+    return err;
+}
+
+/* Runs a command and shows what it has to say. */
 static enum err execute(struct prompt *p, const char *prompt, const char *line, struct fault *fault)
 {
-    struct buf text = {0}, out = {0};
+    struct buf text = {0};
     struct fault of_command = {0};
-    bool coloured = p->facts.colours != COLOURS_NONE;
     enum err err = term_set_mode(TERM_QUIET, fault);
     if (err)
         return err;
@@ -171,20 +197,10 @@ static enum err execute(struct prompt *p, const char *prompt, const char *line, 
     err = term_set_mode(TERM_RAW, fault);
     end_line(&text);
     if (failed)
-        add_error_below(&text, prompt, line, failed, &of_command, coloured);
-    cells_wrap(&out, &text, term_size().columns);
+        add_error_below(&text, prompt, line, failed, &of_command, p->facts.colours != COLOURS_NONE);
     if (!err)
-        add_picture(p, &out);
-    if (out.failed) {
-        buf_release(&text);
-        buf_release(&out);
-        add_error(&text, fault_memory(&of_command, "the output"), &of_command, coloured);
-        cells_wrap(&out, &text, term_size().columns);
-    }
-    if (!err)
-        err = term_write(buf_text(&out), out.length, fault);
+        err = show(p, &text, failed != OK, fault);
     buf_release(&text);
-    buf_release(&out);
     return err;
 }
 
@@ -292,7 +308,8 @@ static enum err open_terminal(int in, struct graphics_wish wish, struct terminal
 static enum err run_interactive(const struct repl_host *host, const struct repl_options *options,
                                 struct fault *fault)
 {
-    struct prompt p = {.host = host, .history_path = options->history_path};
+    struct prompt p = {
+        .host = host, .history_path = options->history_path, .pages = options->pages};
     struct fault of_history = {0};
     enum err loaded = OK;
     line_editor_init(&p.editor, host->complete, host->context);

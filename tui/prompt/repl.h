@@ -62,7 +62,8 @@ struct repl_host {
 struct repl_options {
     struct graphics_wish graphics; /* one, whatever the terminal says; {0}: it decides */
     const char *history_path;      /* NULL: no history file */
-    const struct theme *theme;     /* NULL: the one of dark terminals */
+    bool pages; /* at a terminal, what is longer than the screen has a pager (paging.h) */
+    const struct theme *theme; /* NULL: the one of dark terminals */
 };
 
 /* Runs until the host is finished or the input ends. Errors of commands are printed in one line
