@@ -194,6 +194,69 @@ void slice_plan_init(struct slice_plan *plan, const struct scene *scene,
     plan->corner = grid_cell(grid, corner[0], corner[1], corner[2]);
 }
 
+/* ---- going on ---- */
+
+static uint32_t index_of(const struct slice_side *side, int64_t counted)
+{
+    return (uint32_t)(side->backwards ? side->voxels - 1 - counted : counted);
+}
+
+static int64_t voxel_at2(const struct slice_side *side, int64_t point2)
+{
+    return within(divided_down(point2, 2 * side->spacing_pm), 0, side->voxels - 1);
+}
+
+/* The voxel that is in the middle after so many eighths. */
+static int64_t middle_after(const struct slice_side *side, int by)
+{
+    const int64_t half2 = side->pixels * side->pixel_pm;
+    const int64_t most2 = 2 * (side->voxels * side->spacing_pm - half2);
+    const int64_t to2 = within(side->origin2 + by * half2 / 4, 0, most2 < 0 ? 0 : most2);
+    const int64_t now = voxel_at2(side, side->origin2 + half2);
+    const int64_t next = voxel_at2(side, to2 + half2);
+    if (most2 <= 0 || to2 == side->origin2)
+        return now;
+    return next != now ? next : within(now + (by > 0) - (by < 0), 0, side->voxels - 1);
+}
+
+/* The voxel nearest to `place` that does not push the picture away from where it would begin. */
+static int64_t place_after(const struct slice_side *side, int64_t place, int64_t middle)
+{
+    const int64_t picture2 = 2 * side->pixels * side->pixel_pm, rim2 = picture2 / EDGE_PARTS;
+    const int64_t most2 = 2 * side->voxels * side->spacing_pm - picture2;
+    const int64_t begin2 = origin2(side, middle, middle);
+    const int64_t first = voxel_at2(side, begin2 + rim2 + side->spacing_pm - 1);
+    const int64_t last = voxel_at2(side, begin2 + picture2 - rim2 - side->spacing_pm);
+    if (most2 <= 0)
+        return place;
+    if (first > last)
+        return middle;
+    return begin2 > 0 && place < first ? first : begin2 < most2 && place > last ? last : place;
+}
+
+bool slice_pan(const struct scene *scene, const struct slice_choice *choice, uint32_t width,
+               uint32_t height, const int by[2], uint32_t middle[3], uint32_t place[3])
+{
+    struct slice_plan plan;
+    bool goes = false;
+    slice_plan_init(&plan, scene, choice, width, height);
+    for (int a = 0; a < 3; a++) {
+        middle[a] = choice->has_middle ? choice->middle[a] : choice->place[a];
+        place[a] = choice->place[a];
+    }
+    for (int i = 0; i < 2; i++) {
+        const struct slice_side *side = &plan.side[i];
+        const int64_t now = middle_after(side, 0), next = middle_after(side, by[i]);
+        if (next == now)
+            continue;
+        goes = true;
+        middle[side->axis] = index_of(side, next);
+        place[side->axis] =
+            index_of(side, place_after(side, slice_side_counted(side, choice->place), next));
+    }
+    return goes;
+}
+
 uint32_t slice_cell_at(const struct scene *scene, const struct slice_choice *choice, uint32_t width,
                        uint32_t height, uint32_t column, uint32_t row)
 {

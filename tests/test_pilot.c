@@ -88,7 +88,20 @@ static void frame_pixel(void *context, uint32_t column, uint32_t row, uint32_t p
     pixel[1] = row / 2;
 }
 
+static bool goes_on = true;
+static bool pan(void *context, enum pilot_pane pane, int right, int down, uint32_t middle[3],
+                uint32_t place[3])
+{
+    (void)context;
+    memcpy(place, facts.place, sizeof facts.place);
+    place[0] += right < 0; /* the cross-hair goes along */
+    memcpy(middle, (uint32_t[]){(uint32_t)(10 + right), (uint32_t)(10 + down), (uint32_t)pane},
+           3 * sizeof *middle);
+    return goes_on;
+}
+
 static const struct pilot_host host = {.move = move,
+                                       .pan = pan,
                                        .held = held,
                                        .seed = seed_of,
                                        .centre = centre,
@@ -108,6 +121,7 @@ static void begin(void)
                                  .index = {30, 25, 20},
                                  .window = {0, 100},
                                  .zoom = 1000,
+                                 .times = PILOT_TIMES_ONE,
                                  .frame_width = 64,
                                  .frame_height = 48};
     has_tree = has_seed = shows = true;
@@ -501,6 +515,87 @@ STORY(where_one_corrects_a_click_takes_the_pixel_there)
     CHECK(state.mode == PILOT_MOVING); /* a slice is somewhere else */
 }
 
+/* Presses a key so often, each time with the facts that the last one made. */
+static uint32_t magnified(const char *key, unsigned often)
+{
+    for (unsigned i = 0; i < often; i++) {
+        unsigned whole = 1, thousandths = 0;
+        char places[4] = "000";
+        if (!*type(key))
+            break;
+        if (sscanf(buf_text(&line), "magnify %u.%3[0-9]", &whole, places) == 2)
+            for (int k = 0; k < 3; k++)
+                thousandths = thousandths * 10 + (places[k] ? (unsigned)(places[k] - '0') : 0);
+        facts.times = 1000 * whole + thousandths * (places[1] ? places[2] ? 1 : 10 : 100);
+    }
+    return facts.times;
+}
+
+STORY(slices_are_magnified_around_the_cross_hair)
+{
+    begin();
+    CHECK_TEXT(type("]"), "magnify 1.25 at=20,25,30\n");
+    CHECK(state.is_silent);
+    CHECK_TEXT(type("4]"), "magnify 2.5 at=20,25,30\n");
+    CHECK_TEXT(type("["), "");
+    CHECK_HAS(buf_text(&message), "slices are shown whole");
+    CHECK_TEXT(type("W"), "");
+    CHECK_TEXT(type("gz"), "");
+    CHECK_HAS(buf_text(&message), "] shows them larger");
+    facts.times = 1250;
+    CHECK_TEXT(type("["), "magnify fit\n");
+    facts.times = 2345; /* typed at the prompt */
+    CHECK_TEXT(type("]"), "magnify 2.5 at=20,25,30\n");
+    CHECK_TEXT(type("["), "magnify 2 at=20,25,30\n");
+    CHECK_TEXT(type("gz"), "magnify 2.345 at=20,25,30\n");
+    CHECK_TEXT(type("W"), "magnify fit\n");
+    facts.times = PILOT_TIMES_ONE;
+    CHECK_INT(magnified("]", 100), PILOT_TIMES_MOST);
+    CHECK_HAS(buf_text(&message), "slices cannot be larger");
+    CHECK_TEXT(type("["), "magnify 3072 at=20,25,30\n");
+    shown_pane = PILOT_CORONAL;
+    facts.times = 2000;
+    const struct key_event wheel = {.key = KEY_MOUSE,
+                                    .modifiers = KEY_CONTROL,
+                                    .mouse = {MOUSE_WHEEL_UP, MOUSE_NO_BUTTON, 1, 1}};
+    buf_clear(&line);
+    pilot_click(&state, &wheel, 8, 8, &host, &facts, &line, &message);
+    CHECK_TEXT(buf_text(&line), "magnify 2.5 at=20,25,30\n");
+}
+
+STORY(what_is_magnified_can_be_moved)
+{
+    begin();
+    CHECK_TEXT(arrow(KEY_LEFT, KEY_ALT), "pan -16 0\n"); /* whole slices: the rendition */
+    facts.times = 3000;
+    CHECK_TEXT(arrow(KEY_RIGHT, KEY_ALT), "magnify 3 at=11,10,0\n");
+    CHECK_TEXT(type("v"), "");
+    CHECK_TEXT(arrow(KEY_LEFT, KEY_ALT), "cross 21,25,30\nmagnify 3 at=9,10,0\n"); /* no stroke */
+    type("v");
+    press(KEY_TAB, 0, 0);
+    CHECK_TEXT(type("2"), "");
+    CHECK_TEXT(arrow(KEY_DOWN, KEY_ALT), "magnify 3 at=10,12,1\n");
+    goes_on = false;
+    CHECK_TEXT(arrow(KEY_DOWN, KEY_ALT), "");
+    CHECK_HAS(buf_text(&message), "the slice ends there");
+    goes_on = true;
+    type("p");
+    CHECK_TEXT(arrow(KEY_DOWN, KEY_ALT), "pan 0 16\n"); /* where one corrects, the rendition */
+}
+
+STORY(one_pane_has_the_whole_screen_or_none)
+{
+    begin();
+    CHECK(!state.is_alone);
+    CHECK_TEXT(type("f"), "");
+    CHECK(state.is_alone && state.mode == PILOT_MOVING);
+    type("pf");
+    CHECK(!state.is_alone && state.mode == PILOT_PICKING);
+    type("f");
+    pilot_state_enter(&state); /* and so the next time */
+    CHECK(state.is_alone);
+}
+
 STORY(the_wheel_takes_the_question_about_a_tree_away)
 {
     begin();
@@ -774,6 +869,8 @@ int main(void)
         TELL(the_view_and_the_window), TELL(corrections_are_made_on_the_rendition),
         TELL(what_is_no_command), TELL(a_click_takes_the_cross_hair_there_and_the_pen_draws),
         TELL(where_one_corrects_a_click_takes_the_pixel_there),
+        TELL(slices_are_magnified_around_the_cross_hair), TELL(what_is_magnified_can_be_moved),
+        TELL(one_pane_has_the_whole_screen_or_none),
         TELL(the_wheel_takes_the_question_about_a_tree_away),
         TELL(what_a_click_says_takes_the_place_of_what_was_said),
         TELL(the_page_of_keys_fits_and_is_the_card_in_the_readmes),

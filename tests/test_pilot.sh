@@ -5,7 +5,9 @@
 cd "$work" || exit 1
 . "$top/tests/tmux.sh"
 
-make_scene s.nii 24 20 16
+make_scene u.nii 24 20 16 # which says nothing of the patient,
+cp u.nii s.nii
+printf '\001' | dd of=s.nii bs=1 seek=252 conv=notrunc 2>dd || fail "$(cat dd)" # and as his axes
 half_block=$(printf '\342\226\200')
 last_record() {
     grep -v '^[=#]' s-1.iftty | tail -n 1
@@ -16,6 +18,20 @@ is_last_record() {
 }
 recorded() {
     comes_true is_last_record "$1" || fail "the last command is '$(last_record)', not '$1'"
+}
+# Whether the magnified slices go on around another voxel than this.
+has_panned() {
+    case $(last_record) in *"at=$1") return 1 ;; "magnify "*) return 0 ;; *) return 1 ;; esac
+}
+# Whether the letters stand in this column, first above and then below.
+sides_are() {
+    screen_text | head -n 1 | grep -q "^.\{$3\}$1" && screen_text | sed -n 22p | grep -q "^.\{$3\}$2"
+}
+sides_are_not() {
+    ! sides_are "$@"
+}
+no_words() {
+    ! screen_text | head -n 22 | grep -q ' mm\|^[RLAPSI]'
 }
 begin_terminal
 
@@ -179,6 +195,37 @@ press Escape
 see '^i seed '
 close_story
 
+begin "slices are magnified and moved by commands; what has the screen is no command"
+type_letters "]]"
+recorded "magnify 1.5 at=11,13,9"
+see '^coronal 13 x1.5 at 11,13,9 '
+press M-Right
+comes_true has_panned 11,13,9 || fail "$(last_record)"
+type_letters "gz"
+recorded "magnify 1.5 at=11,13,9"
+before=$(grep -c . s-1.iftty)
+type_letters "f"
+comes_true sides_are 'S' 'I' 40 || fail "$(screen_text)"
+type_letters "f"
+comes_true sides_are_not 'S' 'I' 40 || fail "$(screen_text)"
+same "$(grep -c . s-1.iftty)" "$before"
+type_letters "W"
+recorded "magnify fit"
+see '^coronal 13 at 11,13,9 '
+close_story
+
+begin "the patient's sides and a scale bar stand in cells"
+see '^ *[0-9]+ mm'
+screen_text | head -n 22 | grep -q '^R' || fail "$(screen_text)"
+screen_text | head -n 22 | grep -q '^A' && fail "there is no A on the left of a coronal slice"
+type_letters ":"
+enter "overlay words=off"
+comes_true no_words || fail "$(screen_text)"
+type_letters ":"
+enter "overlay words=on"
+see '^ *[0-9]+ mm'
+close_story
+
 begin "stopped and continued, the screen comes back"
 press C-z
 see '[Ss]topped'
@@ -231,6 +278,18 @@ close_story
 begin "what was done in the pilot replays like any other session"
 expect 0 "$iftty" verify s-1.iftty
 grep -qx 'cross 11,13,8' s-1.iftty || fail "a move is not in the journal"
+close_story
+
+begin "no side is named where nobody knows it"
+enter "clear; $iftty u.nii"
+see '^u>$'
+press C-o
+see '^ *5 mm'
+screen_text | head -n 22 | grep -q '[RLAPSI]' && fail "$(screen_text)"
+type_letters "q"
+see '^u>$'
+enter "quit"
+sane
 close_story
 
 begin "Ctrl-O is the pilot too; killed there, the terminal is sane"

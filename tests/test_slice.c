@@ -403,6 +403,61 @@ STORY(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there)
     }
 }
 
+/* Whatever it shows: on by a voxel at the least or to the end, with the place in the picture. */
+STORY(a_magnified_slice_goes_on_and_takes_its_place_along)
+{
+    uint64_t seed = 31;
+    unsigned moved = 0, ended = 0, wrong = 0;
+    for (unsigned i = 0; i < 20000; i++) {
+        struct scene *scene = NULL;
+        struct slice_choice choice = {.plane = (enum slice_plane)check_below(&seed, 3),
+                                      .has_middle = check_below(&seed, 2)};
+        const uint32_t width = 8 + check_below(&seed, 90), height = 8 + check_below(&seed, 90);
+        const int by[2] = {(int)check_below(&seed, 9) - 4, (int)check_below(&seed, 9) - 4};
+        uint32_t size[3], middle[3], place[3];
+        struct slice_plan before, after;
+        for (int a = 0; a < 3; a++) {
+            size[a] = 1 + check_below(&seed, 12);
+            choice.place[a] = check_below(&seed, size[a]);
+            choice.middle[a] = check_below(&seed, size[a]);
+        }
+        CHECK(scene_new(&scene, size, NULL) == OK);
+        for (int a = 0; a < 3; a++) {
+            scene->world_sign[a] = check_below(&seed, 2) ? 1 : -1;
+            scene->spacing_nm[a] = 500000 + check_below(&seed, 2000000);
+        }
+        slice_magnify(&choice, scene, slice_fitting_pixel(scene, choice.plane, width, height),
+                      SLICE_TIMES_ONE + check_below(&seed, 20000));
+        slice_plan_init(&before, scene, &choice, width, height);
+        const bool goes = slice_pan(scene, &choice, width, height, by, middle, place);
+        moved += goes;
+        ended += !goes;
+        choice.has_middle = true;
+        for (int a = 0; a < 3; a++) {
+            wrong += middle[a] >= size[a] || place[a] >= size[a];
+            choice.middle[a] = middle[a];
+            choice.place[a] = place[a];
+        }
+        slice_plan_init(&after, scene, &choice, width, height);
+        for (int k = 0; k < 2; k++) {
+            const struct slice_side *from = &before.side[k], *to = &after.side[k];
+            const int64_t on = to->origin2 - from->origin2;
+            const int64_t at = slice_side_pixel(to, slice_side_counted(to, place));
+            const bool is_larger = to->voxels * to->spacing_pm > to->pixels * to->pixel_pm;
+            wrong += at < 0 || at >= to->pixels;
+            wrong += goes && (by[k] > 0 ? on < 0 : by[k] < 0 ? on > 0 : false);
+            wrong += !goes && by[k] && is_larger && from->origin2 > 0 &&
+                     from->origin2 + 2 * from->pixels * from->pixel_pm <
+                         2 * from->voxels * from->spacing_pm - 2 * from->spacing_pm &&
+                     from->origin2 > 2 * from->spacing_pm;
+        }
+        wrong += place[before.across] != choice.place[before.across];
+        scene_free(scene);
+    }
+    CHECK_INT(wrong, 0);
+    CHECK(moved > 1000 && ended > 100);
+}
+
 /* A voxel has four pixels along the smallest spacing, or it is smoothed. */
 STORY(what_is_magnified_enough_shows_voxels_as_they_are)
 {
@@ -870,6 +925,7 @@ int main(void)
         TELL(a_slice_lies_in_the_middle_or_around_its_place), TELL(what_fits_is_as_large_as_can_be),
         TELL(slices_of_any_size_and_spacing_fit), TELL(a_pixel_knows_its_voxel),
         TELL(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there),
+        TELL(a_magnified_slice_goes_on_and_takes_its_place_along),
         TELL(what_is_magnified_enough_shows_voxels_as_they_are),
         TELL(a_window_ramps_from_black_to_white),
         TELL(smooth_grey_lies_between_the_four_voxels_around), TELL(labels_tint_or_are_outlined),

@@ -380,6 +380,21 @@ static bool voxel_at(void *context, uint32_t column, uint32_t row, uint32_t plac
     return cell != CELL_NONE;
 }
 
+static bool pan(void *context, enum pilot_pane pane, int right, int down, uint32_t middle[3],
+                uint32_t place[3])
+{
+    const struct pilot_interpreter *pilot = context;
+    const struct mosaic_box *box = &pilot->panel.layout.box[mosaic_of(pane)];
+    const struct session *session = session_of(context);
+    if (!pilot->canvas.rgba || box->width == 0)
+        return false;
+    const struct slice_choice slice =
+        mosaic_slice(session->scene, &pilot->panel.choice, pilot->canvas.width,
+                     pilot->canvas.height, plane_of(pane));
+    return slice_pan(session->scene, &slice, box->width, box->height, (const int[]){right, down},
+                     middle, place);
+}
+
 static uint32_t point_along(const struct pilot_interpreter *pilot, const struct rendition *r,
                             bool down, uint32_t pixel)
 {
@@ -429,6 +444,7 @@ void pilot_host_fill(struct pilot_host *host)
     host->facts = facts;
     host->move = move;
     host->picture = picture;
+    host->pan = pan;
     host->voxel_at = voxel_at;
     host->voxel_of_frame = voxel_of_frame;
     host->frame_pixel = frame_pixel;

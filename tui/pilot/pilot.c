@@ -64,8 +64,12 @@ static void add_status(struct buf *row, const struct pilot_state *state,
     static const char *const pane[] = {"axial", "coronal", "sagittal"};
     const uint32_t *at = facts->place;
     buf_add_text(row, state->pen_is_down ? "PEN DOWN  " : "");
-    buf_printf(row, "%s %u at %u,%u,%u  brush ", pane[state->pane], facts->index[state->pane],
-               at[0], at[1], at[2]);
+    buf_printf(row, "%s %u", pane[state->pane], facts->index[state->pane]);
+    if (facts->times != PILOT_TIMES_ONE) {
+        buf_add_text(row, " x");
+        pilot_add_decimal(row, facts->times / 1000.0);
+    }
+    buf_printf(row, " at %u,%u,%u  brush ", at[0], at[1], at[2]);
     host->label(host->context, state->label, row);
     if (state->radius)
         buf_printf(row, " r%u", state->radius);
@@ -134,6 +138,7 @@ static struct pilot_wish wish_of(const struct pilot *p)
                               .pane = p->state->mode == PILOT_PICKING ? PILOT_RENDITION
                                                                       : p->state->pane};
     painter_size(&p->painter, &wish.width, &wish.height);
+    wish.is_alone = p->state->is_alone;
     wish.cell_width = wish.width / p->painter.columns;
     wish.cell_height = wish.height / p->painter.rows;
     for (int i = 0; i < 2; i++)

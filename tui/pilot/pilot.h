@@ -28,6 +28,8 @@
 #include "tui/prompt/line_edit.h"
 #include "tui/probe.h"
 
+enum { PILOT_TIMES_ONE = 1000, PILOT_TIMES_MOST = 4096000 }; /* of pilot_facts.times */
+
 /* Planes, and panes: they are shown as render/mosaic.h lays them out. */
 enum pilot_pane { PILOT_AXIAL, PILOT_CORONAL, PILOT_SAGITTAL, PILOT_RENDITION, PILOT_PANES };
 
@@ -71,6 +73,10 @@ struct pilot_host {
     /* Draws; the pixels stay until the next call. */
     enum err (*picture)(void *context, const struct pilot_wish *wish, struct image_view *view,
                         struct fault *fault);
+    /* The voxel in the middle of the slices of a pane, and the place of the cross-hair, once the
+     * picture has gone on by so many eighths of it. False where it is shown to its end. */
+    bool (*pan)(void *context, enum pilot_pane pane, int right, int down, uint32_t middle[3],
+                uint32_t place[3]);
     /* The voxel that the last picture shows at a pixel, and in which pane that is; false for none,
      * with the pane none the less. */
     bool (*voxel_at)(void *context, uint32_t column, uint32_t row, uint32_t place[3],

@@ -81,7 +81,6 @@ static double magnitude(double value)
     return value < 0 ? -value : value;
 }
 
-/* A decimal as commands take it: three places at most, no zeros at its end. */
 void pilot_add_decimal(struct buf *line, double value)
 {
     const long long thousandths = (long long)(magnitude(value) * 1000 + 0.5);
@@ -398,10 +397,91 @@ void pilot_roll(struct press *p)
     buf_printf(p->line, "turn 0 0 %d\n", p->by * by);
 }
 
+static void add_magnify(uint32_t by, const uint32_t middle[3], struct buf *line)
+{
+    buf_add_text(line, "magnify ");
+    pilot_add_decimal(line, by / 1000.0);
+    add_place(line, " at=", middle);
+    buf_add_char(line, '\n');
+}
+
+/* Slices go on, and the cross-hair with them where they would leave it; with no stroke, for nobody
+ * drew one. */
+static void pan_slices(struct press *p, int right, int down)
+{
+    uint32_t middle[3], place[3];
+    if (!p->host->pan(p->host->context, p->state->pane, right, down, middle, place)) {
+        buf_add_text(p->message, "the slice ends there");
+        return;
+    }
+    pilot_cross(p->state, p->facts, place, p->line);
+    add_magnify(p->facts->times, middle, p->line);
+    p->state->is_silent = true;
+}
+
+/* Of slices, where they are magnified and one does not correct; else of the rendition. */
 void pilot_pan(struct press *p)
 {
-    const int by = PIXEL_JUMP * (int)(times(p) < PIXEL_JUMP ? times(p) : PIXEL_JUMP);
-    buf_printf(p->line, "pan %d %d\n", right_of(p->by) * by, -up_of(p->by) * by);
+    const int by = (int)(times(p) < PIXEL_JUMP ? times(p) : PIXEL_JUMP);
+    const int right = right_of(p->by) * by, down = -up_of(p->by) * by;
+    if (p->facts->times > PILOT_TIMES_ONE && p->state->mode == PILOT_MOVING)
+        pan_slices(p, right, down);
+    else
+        buf_printf(p->line, "pan %d %d\n", right * PIXEL_JUMP, down * PIXEL_JUMP);
+}
+
+/* ---- slices, larger and smaller ---- */
+
+/* The next of 1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8 .. */
+static uint32_t next_times(uint32_t now, bool larger)
+{
+    static const uint32_t quarters[] = {4, 5, 6};
+    uint32_t before = PILOT_TIMES_ONE;
+    for (uint32_t unit = PILOT_TIMES_ONE / 4;; unit *= 2)
+        for (int i = 0; i < 3; i++) {
+            const uint32_t step = quarters[i] * unit;
+            if (step >= PILOT_TIMES_MOST || (larger ? step > now : step >= now))
+                return !larger ? before : step < PILOT_TIMES_MOST ? step : PILOT_TIMES_MOST;
+            before = step;
+        }
+}
+
+bool pilot_magnify_by(const struct pilot_facts *facts, int64_t steps, struct buf *line)
+{
+    uint32_t next = facts->times;
+    for (int64_t i = steps < 0 ? -steps : steps; i > 0; i--)
+        next = next_times(next, steps > 0);
+    if (next == facts->times)
+        return false;
+    if (next == PILOT_TIMES_ONE)
+        buf_add_text(line, "magnify fit\n");
+    else
+        add_magnify(next, facts->place, line);
+    return true;
+}
+
+/* More or less so, or not at all. */
+void pilot_magnify(struct press *p)
+{
+    const int64_t steps = p->by ? p->by * (times(p) < 64 ? times(p) : 64) : -64;
+    p->state->is_silent = true;
+    if (!pilot_magnify_by(p->facts, steps, p->line))
+        buf_add_text(p->message, steps < 0 ? "slices are shown whole" : "slices cannot be larger");
+}
+
+void pilot_recentre(struct press *p)
+{
+    if (p->facts->times == PILOT_TIMES_ONE) {
+        buf_add_text(p->message, "slices are shown whole; ] shows them larger");
+        return;
+    }
+    add_magnify(p->facts->times, p->facts->place, p->line);
+    p->state->is_silent = true;
+}
+
+void pilot_show_alone(struct press *p)
+{
+    p->state->is_alone = !p->state->is_alone;
 }
 
 void pilot_change_zoom(struct press *p)

@@ -218,7 +218,7 @@ enum pilot_deed pilot_press(struct pilot_state *state, const struct key_event *e
 
 /* ---- the mouse ---- */
 
-static void turn_wheel(struct pilot_state *state, bool up, enum pilot_pane pane,
+static void turn_wheel(struct pilot_state *state, bool up, unsigned modifiers, enum pilot_pane pane,
                        const struct pilot_host *host, const struct pilot_facts *facts,
                        struct buf *line, struct buf *message)
 {
@@ -226,6 +226,11 @@ static void turn_wheel(struct pilot_state *state, bool up, enum pilot_pane pane,
     uint32_t place[3];
     if (pane == PILOT_RENDITION) {
         pilot_zoom(facts->zoom, up, line);
+        return;
+    }
+    if (modifiers & KEY_CONTROL) {
+        state->is_silent = true;
+        pilot_magnify_by(facts, up ? 1 : -1, line);
         return;
     }
     by[pane] = up ? 1 : -1;
@@ -253,7 +258,8 @@ void pilot_click(struct pilot_state *state, const struct key_event *event, uint3
         return;
     }
     if (mouse->action == MOUSE_WHEEL_UP || mouse->action == MOUSE_WHEEL_DOWN) {
-        turn_wheel(state, mouse->action == MOUSE_WHEEL_UP, pane, host, facts, line, message);
+        turn_wheel(state, mouse->action == MOUSE_WHEEL_UP, event->modifiers, pane, host, facts,
+                   line, message);
     } else if (mouse->button == MOUSE_LEFT && mouse->action == MOUSE_PRESSED) {
         if (!shows) {
             buf_clear(message);

@@ -66,6 +66,7 @@ struct pilot_state {
     uint32_t leader;                             /* the key whose second is awaited, or 0 */
     uint32_t pixel[2];
     bool has_pixel;
+    bool is_alone;  /* one pane has the whole screen: that of the slices, or that one corrects in */
     bool drags;     /* the mouse draws */
     bool is_silent; /* what the last line does is seen below the picture anyway */
     bool tells_all; /* all lines of what it says are of use, not the last alone */
@@ -93,6 +94,9 @@ void pilot_click(struct pilot_state *state, const struct key_event *event, uint3
 /* Adds what the keys do in the present mode, in a line that fits 80 columns. */
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
                      struct buf *out);
+
+/* Adds a decimal as commands take it: three places at most, no zeros at its end. */
+void pilot_add_decimal(struct buf *line, double value);
 
 /* Adds the page of keys for a window of so many columns: two entries on a line of at most 78, or
  * one; or each in two lines, to be broken by cells_wrap. */

@@ -61,8 +61,10 @@ void pilot_go_to(struct pilot_state *state, const struct pilot_facts *facts,
                  const uint32_t place[3], struct buf *line);
 bool pilot_cross(struct pilot_state *state, const struct pilot_facts *facts,
                  const uint32_t place[3], struct buf *line);
+/* Magnifies slices by so many steps of a quarter or so, or less, around the cross-hair. False where
+ * they are as large, or as small, as can be. */
+bool pilot_magnify_by(const struct pilot_facts *facts, int64_t steps, struct buf *line);
 void pilot_zoom(uint32_t now, bool nearer, struct buf *line);
-void pilot_add_decimal(struct buf *line, double value);
 
 /* What rows do. `by` where it matters: 1 for the one, -1 for its counterpart. */
 void pilot_move(struct press *p);         /* one of the ways */
@@ -91,6 +93,9 @@ void pilot_roll(struct press *p);
 void pilot_pan(struct press *p); /* one of the ways */
 void pilot_change_zoom(struct press *p);
 void pilot_change_overlay(struct press *p);
+void pilot_magnify(struct press *p); /* more, less; 0 for whole slices */
+void pilot_recentre(struct press *p);
+void pilot_show_alone(struct press *p);
 void pilot_preset(struct press *p); /* the window of that number */
 void pilot_begin_picking(struct press *p);
 void pilot_end_picking(struct press *p); /* 1: at the voxel; 0: where the cross-hair is */
