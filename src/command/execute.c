@@ -97,10 +97,18 @@ static enum err begin_journal(struct interpreter *interp, struct fault *fault)
     return OK;
 }
 
+/* Whether a command has changed how one looks, and nothing else (J1). */
+static bool only_looks(const struct interpreter *interp, const struct reply *reply)
+{
+    const struct session *session = &interp->session;
+    return !reply->words.length && !interp->written.length && !history_moves(&interp->history) &&
+           kept_equals(&session->now.kept, &session->former.kept);
+}
+
 static enum err append(struct interpreter *interp, const struct reply *reply, struct fault *fault)
 {
     const char *command = buf_text(&reply->canonical), *words = buf_text(&reply->words);
-    const bool may_wait = !*words && !interp->written.length && !history_moves(&interp->history);
+    const bool may_wait = only_looks(interp, reply);
     enum err err = OK;
     if (interp->journal && may_wait)
         err = journal_note(interp->journal, command, fault);

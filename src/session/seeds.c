@@ -62,7 +62,8 @@ enum err session_take_away(struct session *session, const uint32_t *number, size
 }
 
 /* The cells where seeds wait to be planted, in order, so that a ball of eliminators among a ball of
- * seeds takes no time worth mentioning: in the upper halves of numbers. */
+ * seeds takes no time worth mentioning: in the upper halves of numbers. A seed that was erased
+ * before any run waits no more; in journals of semantics 3 and less it still does. */
 struct waiting_cells {
     uint64_t *at;
     size_t count;
@@ -71,13 +72,15 @@ struct waiting_cells {
 static enum err find_waiting(struct waiting_cells *waiting, const struct session *session,
                              struct fault *fault)
 {
+    const bool knows_markers = semantics_has(session->semantics, MEANING_MARKERS);
     const struct edit *pending = edits_first(&session->now.lists.pending);
     const size_t pendings = edits_count(&session->now.lists.pending);
     *waiting = (struct waiting_cells){mem_array(pendings, sizeof *waiting->at), 0};
     if (!waiting->at)
         return fault_memory(fault, "eliminators");
     for (size_t i = 0; i < pendings; i++)
-        if (pending[i].label != EDIT_ERASE)
+        if (pending[i].label != EDIT_ERASE &&
+            (!knows_markers || markers_seed(&session->markers, pending[i].cell) != EDIT_ERASE))
             waiting->at[waiting->count++] = (uint64_t)pending[i].cell << 32;
     return sort_by_upper_half(waiting->at, waiting->count, session->watch, fault);
 }
@@ -96,7 +99,12 @@ static bool seed_waits(const struct waiting_cells *waiting, uint32_t cell)
 
 static enum err holds_nothing(const struct session *session, struct fault *fault)
 {
-    if (forest_seeds(session->forest) == 0 && session_pendings(session) > 0)
+    struct waiting_cells waiting;
+    enum err err = find_waiting(&waiting, session, fault);
+    free(waiting.at);
+    if (err)
+        return err;
+    if (forest_seeds(session->forest) == 0 && waiting.count > 0)
         return fault_set(fault, ERR_INPUT,
                          "no tree holds this voxel yet: seeds wait for `run`; nothing has changed");
     return fault_set(fault, ERR_INPUT,
