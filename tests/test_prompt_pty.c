@@ -1,5 +1,6 @@
-/* The program's prompt in a pseudo-terminal of our own, and what stands on its screen: keys go in,
- * cells are looked at. The terminal answers, late, in pieces, or with nonsense. */
+/* The program's prompt, and its pilot, in a pseudo-terminal of our own, and what stands on its
+ * screen: keys go in, cells are looked at. The terminal answers, late, in pieces, or with nonsense.
+ */
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -26,6 +27,7 @@ struct terminal {
     int master, slave;
     pid_t job;
     unsigned answered;
+    bool is_mute;       /* it answers later: what it sends is not to be parted by an answer */
     struct buf written; /* by the program: all of it */
     struct screen screen;
 };
@@ -85,7 +87,7 @@ static bool take(struct terminal *t, int ms)
         return n < 0 && errno == EINTR;
     buf_add(&t->written, piece, (size_t)n);
     screen_write(&t->screen, piece, (size_t)n);
-    for (; t->answered < t->screen.questions; t->answered++)
+    for (; !t->is_mute && t->answered < t->screen.questions; t->answered++)
         type(t, "\033[?64;1;2;6;9c");
     return true;
 }
@@ -835,6 +837,242 @@ STORY(a_dumb_terminal_gets_no_escape_at_all)
     forget_journals();
 }
 
+/* ---- the pilot ---- */
+
+static bool is_in_pilot(const struct terminal *t, const char *text)
+{
+    const char *row = screen_row(&t->screen, t->screen.rows - 2);
+    (void)text;
+    return strncmp(row, "axial", 5) == 0 || strncmp(row, "coronal", 7) == 0 ||
+           strncmp(row, "sagittal", 8) == 0 || strncmp(row, "PEN DOWN", 8) == 0;
+}
+
+static void enter_pilot(struct terminal *t)
+{
+    start_at_prompt(t);
+    type(t, "\017");
+    check_awaited(t, is_in_pilot, "the pilot", __LINE__);
+}
+
+/* Commands of a journal, one a line. */
+static void commands_of(struct buf *out, const char *text)
+{
+    for (const char *at = text; *at; at += strcspn(at, "\n") + 1)
+        if (*at != '#' && *at != '=')
+            buf_add(out, at, strcspn(at, "\n") + 1);
+}
+
+STORY(an_answer_that_is_cut_after_its_escape_is_no_key_of_the_pilot)
+{
+    struct terminal t;
+    struct buf commands = {0};
+    enter_pilot(&t);
+    settle(&t, 200);
+    for (int i = 0; i < 3; i++) {
+        t.is_mute = true;
+        type(&t, "\033");
+        settle(&t, 200);
+        type(&t, i == 1 ? "[<0;4;4m" : "[?64;1;2;6;9c"); /* c cuts, 1 and 2 begin a count */
+        t.is_mute = false;
+        settle(&t, 200);
+    }
+    type(&t, "j"); /* one voxel */
+    settle(&t, 200);
+    type(&t, "q");
+    SEE_LINE(&t, "synth>");
+    quit(&t);
+    commands_of(&commands, journal(1));
+    CHECK_TEXT(buf_text(&commands), "open synth:geom:40x40x30\nauto on\ncross 20,19,15\n");
+    buf_release(&commands);
+    forget_journals();
+}
+
+STORY(a_paste_is_no_key_of_the_pilot_however_it_is_cut)
+{
+    static const char paste[] = "\033[200~i2s1vll\rq\nseed 1,1,1 2\tu\033[201~";
+    struct terminal t;
+    struct buf commands = {0};
+    for (size_t cut = 6; cut < sizeof paste - 1; cut += cut < 26 ? 7 : 1) {
+        enter_pilot(&t);
+        t.is_mute = true;
+        type_bytes(&t, paste, cut);
+        settle(&t, cut % 2 ? 5 : 120); /* longer than what makes a key of an ESC */
+        type(&t, paste + cut);
+        t.is_mute = false;
+        SEE_LINE(&t, ":i2s1vll q seed 1,1,1 2 u");
+        type(&t, "\033");
+        SEE_BEGIN(&t, "nothing to show yet: ");
+        type(&t, "?");
+        SEE_BEGIN(&t, "  h j k l arrows ");
+        type(&t, "\033[200~iii"); /* into a page; and it does not end */
+        settle(&t, 100);
+        type(&t, "\003");
+        settle(&t, 100);
+        type(&t, " ");
+        SEE_BEGIN(&t, "nothing to show yet: ");
+        type(&t, "q");
+        SEE_LINE(&t, "synth>");
+        quit(&t);
+        buf_clear(&commands);
+        commands_of(&commands, journal(1));
+        CHECK_TEXT(buf_text(&commands), "open synth:geom:40x40x30\nauto on\n");
+        forget_journals();
+    }
+    buf_release(&commands);
+}
+
+/* Something that a keyboard, a mouse, a paste or a terminal sends, or any bytes; nothing that
+ * leaves the pilot or stops it. */
+static void add_random(struct buf *out, uint64_t *seed)
+{
+    static const char *const whole[] = {
+        "\033[A",
+        "\033[B",
+        "\033[1;5C",
+        "\033[1;2D",
+        "\033[1;3A",
+        "\033OA",
+        "\033[5~",
+        "\033[6~",
+        "\033[Z",
+        "\033",
+        "\033h",
+        "\r",
+        "\t",
+        "\022",
+        "\014",
+        "\003",
+        "\033[?64;1;2c",
+        "\033[6;18;9t",
+        "\033P>|x",
+        "\033\\",
+        "\033[200~",
+        "\033[201~",
+        "\033[?2026;2$y",
+        "\033_Gi=31;OK\033\\",
+        "ma'a",
+        "s1",
+        "s0",
+        "xx",
+        "gg",
+        "99",
+        "V",
+        "p",
+        "v",
+        ":info\r",
+        ":label 3 n\r",
+        ":seed 1,1,1 1\033",
+    };
+    const uint64_t kind = check_below(seed, 12);
+    if (kind < 5)
+        buf_add_text(out, whole[check_below(seed, sizeof whole / sizeof whole[0])]);
+    else if (kind == 5)
+        buf_printf(out, "\033[<%u;%u;%u%c", (unsigned)check_below(seed, 100),
+                   (unsigned)check_below(seed, 90), (unsigned)check_below(seed, 30),
+                   check_below(seed, 2) ? 'M' : 'm');
+    else if (kind == 6)
+        buf_add_text(out, "\033[200~seed 2,2,2 9\rseed 2,2,2 9\ri\033[201~");
+    else if (kind == 7)
+        buf_add_char(out, (char)(0x80 + check_below(seed, 0x80)));
+    else {
+        const char key = (char)(' ' + check_below(seed, 95));
+        buf_add_char(out, key == 'q' ? 'i' : key);
+    }
+}
+
+/* Back to where keys move the cross-hair, whatever had begun: a paste, a page, a line, a mode. */
+static void come_back(struct terminal *t)
+{
+    type(t, "\033\\\033[201~");
+    for (int i = 0; i < 4; i++) {
+        settle(t, 120);
+        type(t, "\033");
+    }
+    check_awaited(t, is_in_pilot, "the pilot", __LINE__);
+}
+
+/* The rows of the screen, each ended by a line feed. An upper half in one colour on another is a
+ * lower half in that one on the first. */
+static void take_screen(const struct terminal *t, struct buf *out)
+{
+    buf_clear(out);
+    for (unsigned y = 0; y < t->screen.rows; y++) {
+        for (const char *at = screen_row(&t->screen, y); *at;) {
+            const bool is_half = !strncmp(at, "\u2580", 3) || !strncmp(at, "\u2584", 3);
+            buf_add_char(out, is_half ? '#' : *at);
+            at += is_half ? 3 : 1;
+        }
+        buf_add_char(out, '\n');
+    }
+}
+
+/* The screen once nothing has come for longer than a barrier is waited for. */
+static void take_last_screen(struct terminal *t, struct buf *out)
+{
+    for (size_t before = t->written.length + 1; before != t->written.length;) {
+        before = t->written.length;
+        settle(t, 2500);
+    }
+    take_screen(t, out);
+}
+
+/* What stands there is what is drawn anew. */
+static void check_screen(struct terminal *t)
+{
+    struct buf before = {0}, after = {0};
+    take_last_screen(t, &before);
+    type(t, "\014");
+    take_last_screen(t, &after);
+    CHECK_TEXT(buf_text(&before), buf_text(&after));
+    buf_release(&before);
+    buf_release(&after);
+}
+
+static void verify_journal(void)
+{
+    int status = -1;
+    const pid_t job = fork();
+    if (job == 0) {
+        freopen("/dev/null", "w", stdout);
+        execl(program, "iftty", "verify", "synth-1.iftty", (char *)NULL);
+        _exit(127);
+    }
+    waitpid(job, &status, 0);
+    CHECK(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+/* PILOT_ROUNDS=N rounds, 3 unless given. */
+STORY(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal)
+{
+    const char *given = getenv("PILOT_ROUNDS");
+    const unsigned long rounds = given ? strtoul(given, NULL, 10) : 3;
+    for (uint64_t round = 0, seed = 11; round < rounds; round++) {
+        struct terminal t;
+        struct buf bytes = {0};
+        const unsigned columns = 20 + (unsigned)check_below(&seed, 80);
+        enter_pilot(&t);
+        set_size(&t, columns, 10 + (unsigned)check_below(&seed, 30));
+        for (int burst = 0; burst < 25; burst++) {
+            buf_clear(&bytes);
+            for (uint64_t n = 1 + check_below(&seed, 12); n > 0; n--)
+                add_random(&bytes, &seed);
+            type_bytes(&t, bytes.data, bytes.length);
+            settle(&t, check_below(&seed, 3) ? 5 : 90);
+            if (check_below(&seed, 2)) /* out of lines, pages and modes */
+                type(&t, check_below(&seed, 4) ? "\033[201~\033" : "\033[201~\r");
+        }
+        come_back(&t);
+        check_screen(&t);
+        type(&t, "q");
+        SEE_LINE(&t, "synth>");
+        quit(&t);
+        verify_journal();
+        printf("# round %d: %zu bytes of journal\n", (int)round, strlen(journal(1)));
+        buf_release(&bytes);
+        forget_journals();
+    }
+}
+
 int main(void)
 {
     alarm(900);
@@ -862,6 +1100,9 @@ int main(void)
         TELL(whatever_a_terminal_says_the_line_stays_what_was_typed),
         TELL(a_reply_may_take_two_seconds), TELL(ctrl_c_takes_back_a_line_or_a_command),
         TELL(without_colours_there_is_none_and_no_hint),
-        TELL(a_dumb_terminal_gets_no_escape_at_all));
+        TELL(a_dumb_terminal_gets_no_escape_at_all),
+        TELL(an_answer_that_is_cut_after_its_escape_is_no_key_of_the_pilot),
+        TELL(a_paste_is_no_key_of_the_pilot_however_it_is_cut),
+        TELL(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal));
     return remove_folder(folder) | status;
 }

@@ -168,7 +168,9 @@ static enum err prompt_screen(void *context, struct terminal_facts *facts,
                               struct line_editor *editor, bool *ended, struct fault *fault)
 {
     struct prompt *prompt = context;
-    return pilot_run(&prompt->host, &prompt->state, facts, editor, ended, fault);
+    const enum err err = pilot_run(&prompt->host, &prompt->state, facts, editor, ended, fault);
+    prompt_wants_screen(prompt); /* `:pilot` in the pilot asks for what is there */
+    return err;
 }
 
 static void prompt_news(void *context, struct buf *output)

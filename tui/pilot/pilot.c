@@ -358,6 +358,13 @@ static enum err show_answer(struct pilot *p, struct buf *text, struct fault *fau
     return OK;
 }
 
+/* A frame has been drawn, while a line is edited below. */
+static void frame_answered(void *asker)
+{
+    struct pilot *p = asker;
+    flow_answered(&p->flow, clock_ns());
+}
+
 static enum err ask_for_command(struct pilot *p, struct fault *fault)
 {
     struct buf output = {0}, place = {0};
@@ -366,12 +373,15 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
     buf_printf(&place, "\033[%u;1H\033[K\033[?25h", term_size().rows);
     enum err err = term_write(buf_text(&place), place.length, fault);
     p->editor->is_one_line = true;
+    p->editor->answered = frame_answered;
+    p->editor->asker = p;
     if (!err)
         err = line_edit(p->editor, ":", &ended, fault);
     p->editor->is_one_line = false;
+    p->editor->answered = NULL;
     if (!err)
         err = term_write("\033[?25l", 6, fault);
-    p->is_stale = p->is_blank = true; /* long lines may have scrolled it away */
+    lay_out(p); /* long lines may have scrolled it away, and the screen may have another size */
     const char *line = buf_text(&p->editor->line.text);
     if (!err && !ended && line[strspn(line, " \t")]) {
         err = carry_out(p, line, &output, &of_command, fault);
@@ -532,10 +542,17 @@ static bool has_more(const struct pilot *p)
     return p->is_stale || p->refine.is_coarse;
 }
 
+/* Whether what came is a key of its own unless more follows. No key is in a paste, however slowly
+ * its end comes. */
+static bool awaits_rest(const struct pilot *p)
+{
+    return !p->is_pasting && keys_waiting(&p->editor->keys);
+}
+
 /* How long to wait for input: for the rest of a sequence, or until a frame may go. */
 static int patience_ms(const struct pilot *p)
 {
-    if (keys_waiting(&p->editor->keys))
+    if (awaits_rest(p))
         return KEYS_TIMEOUT_MS;
     return has_more(p) ? flow_wait_ms(&p->flow, clock_ns()) : -1;
 }
@@ -556,7 +573,7 @@ static bool wait_once(struct pilot *p, struct key_event *event)
         buf_release(&news);
         p->is_stale = true;
     } else if (input == TERM_TIMEOUT) {
-        if (!keys_waiting(&e->keys) || !keys_time_out(&e->keys, event))
+        if (!awaits_rest(p) || !keys_time_out(&e->keys, event))
             return false;
         e->lone_escape = event->key == KEY_ESCAPE;
         return is_for_pilot(p, event);

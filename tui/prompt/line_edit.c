@@ -262,11 +262,12 @@ static enum outcome search_key(struct line_editor *e, const struct key_event *ev
 }
 
 /* Pasted text is text: only the end of a line, and Ctrl-C against a paste that never ends, do
- * anything. */
+ * anything. Where a line feed is a blank, Ctrl-C is a key if nothing has come after it. */
 static enum outcome paste_key(struct line_editor *e, const struct key_event *event)
 {
     bool control = event->modifiers & KEY_CONTROL;
-    if (event->key == KEY_CHARACTER && control && event->point == 'c') {
+    const bool is_key = !e->is_one_line || e->taken == e->input.length;
+    if (event->key == KEY_CHARACTER && control && event->point == 'c' && is_key) {
         e->pasting = false;
         return ABANDON;
     }
@@ -281,8 +282,11 @@ static enum outcome paste_key(struct line_editor *e, const struct key_event *eve
 
 void line_editor_reply(struct line_editor *e)
 {
-    if (e->answers_due > 0 && keys_body_is_answer(&e->keys))
+    const bool is_answer = keys_body_is_answer(&e->keys);
+    if (is_answer && e->answers_due > 0)
         e->answers_due--;
+    else if (is_answer && e->answered)
+        e->answered(e->asker);
 }
 
 static enum outcome take_key(struct line_editor *e, const struct key_event *event)
@@ -364,7 +368,7 @@ enum screen { DRAWN, STALE, STALE_IN_PASTE };
 static enum outcome wait_for_input(struct line_editor *e, enum screen *screen)
 {
     struct key_event event;
-    bool waiting = keys_waiting(&e->keys);
+    bool waiting = !e->pasting && keys_waiting(&e->keys); /* no key is in a paste */
     bool stalled = *screen == STALE_IN_PASTE;
     enum outcome outcome;
     const int patience = waiting ? KEYS_TIMEOUT_MS : stalled ? PASTE_PATIENCE_MS : -1;

@@ -48,7 +48,9 @@ struct line_editor {
     bool lone_escape;  /* the last byte was an ESC that nothing followed for a while */
     bool unanswered;   /* the terminal was asked and has not answered: what it says may come yet */
     bool after_return; /* of CR LF in a paste, the LF says nothing new */
-    unsigned answers_due; /* DA1 questions sent, not answered yet */
+    unsigned answers_due;          /* DA1 questions sent, not answered yet */
+    void (*answered)(void *asker); /* told of other answers to DA1 that come meanwhile, or NULL */
+    void *asker;
     struct line_drawing drawing;
     line_complete_function *complete; /* may be NULL */
     line_hint_function *hint;         /* may be NULL: asked wherever the cursor is at the end */
