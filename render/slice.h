@@ -110,8 +110,8 @@ uint64_t slice_round_length(uint64_t most);
 void slice_length_words(char out[32], uint64_t pm);
 
 /* Where the middle and the place come to lie when what a picture of that size shows goes on by so
- * many eighths of it, to the right and down: a voxel at the least. The place goes along as far as it
- * has to. False, with all as it is, where the scene ends. */
+ * many eighths of it, to the right and down: a voxel at the least. The place goes along as far as
+ * it has to. False, with all as it is, where the scene ends. */
 bool slice_pan(const struct scene *scene, const struct slice_choice *choice, uint32_t width,
                uint32_t height, const int by[2], uint32_t middle[3], uint32_t place[3]);
 

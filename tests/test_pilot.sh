@@ -25,7 +25,8 @@ has_panned() {
 }
 # Whether the letters stand in this column, first above and then below.
 sides_are() {
-    screen_text | head -n 1 | grep -q "^.\{$3\}$1" && screen_text | sed -n 22p | grep -q "^.\{$3\}$2"
+    screen_text | sed -n 1p | grep -q "^.\{$3\}$1" &&
+        screen_text | sed -n 22p | grep -q "^.\{$3\}$2"
 }
 sides_are_not() {
     ! sides_are "$@"

@@ -11,7 +11,8 @@ struct notes {
     size_t count;
 };
 
-/* A pane in cells: the first ones and the last. */
+/* A pane in cells: the first ones, and the last that are no other pane's neighbours, so that no two
+ * letters stand together. */
 struct cells {
     uint32_t left, top, right, bottom;
 };
@@ -19,8 +20,8 @@ struct cells {
 static struct cells cells_of(const struct mosaic_screen *screen, const struct mosaic_box *box)
 {
     return (struct cells){box->left / screen->cell_width, box->top / screen->cell_height,
-                          (box->left + box->width - 1) / screen->cell_width,
-                          (box->top + box->height - 1) / screen->cell_height};
+                          (box->left + box->width) / screen->cell_width - 1,
+                          (box->top + box->height) / screen->cell_height - 1};
 }
 
 static void add_note(struct notes *notes, uint32_t column, uint32_t row, char character)
@@ -37,6 +38,8 @@ static void add_letters(struct notes *notes, const struct scene *scene, enum sli
     const uint32_t middle = (pane->top + pane->bottom + 1) / 2;
     char letter[4];
     slice_letters(scene, plane, letter);
+    if (pane->right < pane->left + 2 || pane->bottom < pane->top + 2)
+        return; /* no room for all of them, and one alone misleads */
     add_note(notes, pane->left, middle, letter[0]);
     add_note(notes, pane->right, middle, letter[1]);
     add_note(notes, centre, pane->top, letter[2]);
@@ -74,9 +77,9 @@ size_t pilot_notes_add(struct image_note note[PILOT_NOTES_MOST], const struct ca
     bool has_bar = false;
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         const struct mosaic_box *box = &panel->layout.box[plane];
-        const struct cells pane = cells_of(screen, box);
         if (box->width == 0 || !session->now.outlook.slices.words)
             continue;
+        const struct cells pane = cells_of(screen, box);
         if (is_oriented)
             add_letters(&notes, scene, plane, &pane);
         if (!has_bar && pane.right - pane.left >= BAR_FROM_COLUMNS - 1 &&

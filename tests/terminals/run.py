@@ -337,6 +337,8 @@ def drive(stage, name):
                     prompt.terminal.press(key)
                 else:
                     prompt.terminal.type(key)
+                if key == "Escape":  # with the next one at once, it would be Alt
+                    prompt.terminal.settled()
             prompt.terminal.settled(0.6)
             expected = panel(stage, cells, prompt.journal)
             stage.need_screen(prompt.terminal, story,
