@@ -876,6 +876,10 @@ STORY(an_answer_that_is_cut_after_its_escape_is_no_key_of_the_pilot)
         t.is_mute = false;
         settle(&t, 200);
     }
+    type(&t, "\033");
+    settle(&t, 200);
+    type(&t, "["); /* a key, after Escape too: what comes next is one as well */
+    settle(&t, 200);
     type(&t, "j"); /* one voxel */
     settle(&t, 200);
     type(&t, "q");

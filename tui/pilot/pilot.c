@@ -528,7 +528,9 @@ static bool next_key(struct pilot *p, struct key_event *event)
     struct line_editor *e = p->editor;
     while (e->taken < e->input.length) {
         const uint8_t byte = (uint8_t)e->input.data[e->taken++];
-        line_editor_mend(e, byte);
+        if (e->taken < e->input.length) /* a bracket alone is a key */
+            line_editor_mend(e, byte);
+        e->lone_escape = false;
         if (keys_feed(&e->keys, byte, event) && is_for_pilot(p, event))
             return true;
     }
