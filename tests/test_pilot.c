@@ -8,6 +8,7 @@
 #include "tui/cells.h"
 #include "tui/pilot/chord.h"
 #include "tui/pilot/pilot_press.h"
+#include "tui/pilot/typed_ahead.h"
 #include "tui/pilot/refine.h"
 
 /* ---- a host that is a box of voxels ---- */
@@ -34,6 +35,21 @@ static bool held(void *context, const uint32_t place[3], bool alone, struct buf 
     (void)context;
     buf_printf(out, "%s of 5 voxels at %u", alone ? "the tree" : "marker 7", place[0]);
     return has_tree;
+}
+
+static bool tell_facts(void *context, struct pilot_facts *out)
+{
+    (void)context;
+    *out = facts;
+    return true;
+}
+
+static unsigned peeks;
+static void peek(void *context, const uint32_t place[3])
+{
+    (void)context;
+    memcpy(facts.place, place, sizeof facts.place);
+    peeks++;
 }
 
 static bool has_seed = true, hidden[256];
@@ -103,6 +119,8 @@ static bool pan(void *context, enum pilot_pane pane, int right, int down, uint32
 static const struct pilot_host host = {.move = move,
                                        .pan = pan,
                                        .held = held,
+                                       .facts = tell_facts,
+                                       .peek = peek,
                                        .seed = seed_of,
                                        .centre = centre,
                                        .is_hidden = is_hidden,
@@ -857,6 +875,67 @@ STORY(where_one_looks_gets_fine_first)
     refine_release(&r);
 }
 
+/* ---- typed while a command is carried out ---- */
+
+static struct typed_ahead ahead;
+
+static void type_ahead(enum key key, char character)
+{
+    const struct key_event event = {.key = key, .point = (uint8_t)character};
+    if (typed_ahead_has_room(&ahead))
+        typed_ahead_add(&ahead, &event);
+}
+
+STORY(keys_typed_ahead_are_taken_in_their_order)
+{
+    struct key_event event;
+    ahead = (struct typed_ahead){.count = 0};
+    for (unsigned round = 0; round < 3; round++) {
+        for (char c = 'a'; c <= 'z'; c++)
+            type_ahead(KEY_CHARACTER, c);
+        for (char c = 'a'; c <= 'z'; c++)
+            CHECK(typed_ahead_take(&ahead, &event) && event.point == (uint8_t)c);
+        CHECK(!typed_ahead_take(&ahead, &event));
+    }
+    for (unsigned i = 0; i < 2 * TYPED_AHEAD_MOST; i++)
+        type_ahead(KEY_CHARACTER, 'x');
+    CHECK_INT(ahead.count, TYPED_AHEAD_MOST); /* the rest stays with the terminal */
+    ahead = (struct typed_ahead){.count = 0};
+    type_ahead(KEY_PASTE_END, 0);
+    CHECK(!typed_ahead_has_room(&ahead)); /* its text is kept once */
+}
+
+STORY(keys_typed_ahead_show_where_the_cross_hair_goes_and_no_more)
+{
+    begin();
+    ahead = (struct typed_ahead){.count = 0};
+    peeks = 0;
+    type_ahead(KEY_CHARACTER, '1');
+    type_ahead(KEY_CHARACTER, '0');
+    type_ahead(KEY_CHARACTER, 'l');
+    type_ahead(KEY_CHARACTER, 'l');
+    type_ahead(KEY_TAB, 0);
+    type_ahead(KEY_CHARACTER, 'K');
+    struct pilot_state shown = state;
+    typed_ahead_show(&ahead, &shown, &host);
+    CHECK(facts.place[0] == 9 && peeks == 3);
+    CHECK(shown.pane == PILOT_CORONAL && state.pane == PILOT_AXIAL);
+    CHECK_INT(ahead.count, 6); /* they are still to be taken */
+    type_ahead(KEY_CHARACTER, 'x');
+    type_ahead(KEY_CHARACTER, 'l');
+    begin();
+    shown = state;
+    typed_ahead_show(&ahead, &shown, &host);
+    CHECK(facts.place[0] == 9 && shown.mode == PILOT_MOVING); /* up to what does more */
+    state.pen_is_down = true;
+    begin();
+    state.pen_is_down = true;
+    shown = state;
+    peeks = 0;
+    typed_ahead_show(&ahead, &shown, &host);
+    CHECK_INT(peeks, 0); /* moving draws */
+}
+
 int main(void)
 {
     return RUN_STORIES(
@@ -871,6 +950,8 @@ int main(void)
         TELL(where_one_corrects_a_click_takes_the_pixel_there),
         TELL(slices_are_magnified_around_the_cross_hair), TELL(what_is_magnified_can_be_moved),
         TELL(one_pane_has_the_whole_screen_or_none),
+        TELL(keys_typed_ahead_are_taken_in_their_order),
+        TELL(keys_typed_ahead_show_where_the_cross_hair_goes_and_no_more),
         TELL(the_wheel_takes_the_question_about_a_tree_away),
         TELL(what_a_click_says_takes_the_place_of_what_was_said),
         TELL(the_page_of_keys_fits_and_is_the_card_in_the_readmes),

@@ -392,6 +392,22 @@ see '^journal: '
 sane
 close_story
 
+begin "keys typed while a command runs are taken after it, in their order"
+rm -f synth-*.iftty
+enter "clear; $iftty synth:geom:240x240x240"
+see '^Ctrl-O: the pilot'
+press C-o
+see '^axial 120 at 120,120,120'
+type_letters "ilK2ls2u"
+comes_true grep -q '^undo$' synth-1.iftty || fail "$(cat synth-1.iftty)"
+same "$(grep -v '^[=#]' synth-1.iftty | tail -n 6 | paste -s -d ' ')" \
+    "seed 120,120,120 1 cross 119,120,120 cross 119,120,121 cross 117,120,121 \
+seed 117,120,121 2 undo"
+type_letters "q"
+enter "quit"
+expect 0 "$iftty" verify synth-1.iftty
+close_story
+
 begin "in a script there is no pilot"
 expect 2 "$iftty" -c "open s.nii; pilot"
 grep -q "the pilot needs the prompt of a terminal" err || fail "$(cat err)"

@@ -49,6 +49,9 @@ void console_wait(void *context, bool waits)
 
 /* ---- progress ---- */
 
+static const struct console_onlooker *onlooker;
+static struct watch watch;
+
 static bool poll_watch(void *context, const char *what, uint64_t done, uint64_t total)
 {
     static bool taking_back;
@@ -62,6 +65,7 @@ static bool poll_watch(void *context, const char *what, uint64_t done, uint64_t 
         snprintf(words, sizeof words, "taking it back%s%s", what ? ": " : "", what ? what : "");
     if (stop || what)
         progress_show(&progress, stop ? words : what, done, total, clock_ns());
+    watch.wants_show = watch.wants_show || (onlooker && onlooker->wants(onlooker->context));
     return stop || limits_stop();
 }
 
@@ -72,10 +76,23 @@ static void announce(void *context, const char *line)
     fprintf(stderr, "%s%s: %s\n", progress.shows ? "\r" : "", name, line);
 }
 
+static void show_onlooker(void *context)
+{
+    (void)context;
+    if (onlooker)
+        onlooker->show(onlooker->context);
+}
+
+static struct watch watch = {.poll = poll_watch, .announce = announce, .show = show_onlooker};
+
 struct watch *console_watch(void)
 {
-    static struct watch watch = {.poll = poll_watch, .announce = announce};
     return &watch;
+}
+
+void console_look_on(const struct console_onlooker *looks)
+{
+    onlooker = looks;
 }
 
 void console_erase_progress(void)

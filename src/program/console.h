@@ -19,6 +19,15 @@ void console_handle_interrupts(void);
 /* A Ctrl-C that came before was for something else. */
 void console_forget_interrupt(void);
 
+/* Somebody who looks on: `wants` is asked each time the watch is, and `show` called then when the
+ * work can be shown (base/watch.h). NULL for nobody; it stays the caller's. */
+struct console_onlooker {
+    void *context;
+    bool (*wants)(void *context);
+    void (*show)(void *context);
+};
+void console_look_on(const struct console_onlooker *onlooker);
+
 /* Shows progress on standard error, and stops for Ctrl-C and for the limits of a replay. */
 struct watch *console_watch(void);
 void console_erase_progress(void);

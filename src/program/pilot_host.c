@@ -437,6 +437,44 @@ static bool voxel_of_frame(void *context, uint32_t column, uint32_t row, uint32_
     return cell != CELL_NONE;
 }
 
+/* ---- while a command is carried out ---- */
+
+static bool onlooker_wants(void *context)
+{
+    const struct pilot_interpreter *pilot = context;
+    return session_of(context)->has_scene && pilot->onlooker->wants(pilot->onlooker->context);
+}
+
+static void onlooker_draws(void *context)
+{
+    const struct pilot_interpreter *pilot = context;
+    pilot->onlooker->draw(pilot->onlooker->context);
+}
+
+static void show_to_onlooker(void *context)
+{
+    session_show(session_of(context), onlooker_draws, context);
+}
+
+static void look_on(void *context, const struct pilot_onlooker *onlooker)
+{
+    struct pilot_interpreter *pilot = context;
+    pilot->onlooker = onlooker;
+    pilot->looks_on = (struct console_onlooker){pilot, onlooker_wants, show_to_onlooker};
+    console_look_on(onlooker ? &pilot->looks_on : NULL);
+}
+
+static void peek(void *context, const uint32_t place[3])
+{
+    struct pilot_interpreter *pilot = context;
+    uint32_t *cross = session_of(context)->now.outlook.slices.cross;
+    if (place && !pilot->peeks)
+        memcpy(pilot->cross, cross, sizeof pilot->cross);
+    if (place || pilot->peeks)
+        memcpy(cross, place ? place : pilot->cross, sizeof pilot->cross);
+    pilot->peeks = place != NULL;
+}
+
 /* ---- the whole ---- */
 
 void pilot_host_fill(struct pilot_host *host)
@@ -450,6 +488,8 @@ void pilot_host_fill(struct pilot_host *host)
     host->frame_pixel = frame_pixel;
     host->label = label;
     host->held = held;
+    host->look_on = look_on;
+    host->peek = peek;
     host->seed = seed;
     host->centre = centre;
     host->is_hidden = is_hidden;

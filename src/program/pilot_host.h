@@ -6,6 +6,7 @@
 #define PROGRAM_PILOT_HOST_H
 
 #include "command/interpreter.h"
+#include "program/console.h"
 #include "program/pilot_notes.h"
 #include "session/held.h"
 #include "tui/pilot/pilot.h"
@@ -18,6 +19,11 @@ struct pilot_interpreter {
     struct image_note note[PILOT_NOTES_MOST]; /* and what is written over it */
     struct held held;                         /* what was asked for last, until the next command */
     uint32_t hue[256];
+
+    const struct pilot_onlooker *onlooker; /* while a command is carried out, or NULL */
+    struct console_onlooker looks_on;
+    uint32_t cross[3]; /* where the cross-hair is while it is shown elsewhere: */
+    bool peeks;
 };
 
 /* Fills in all of a host but its context, execute and finished. The context that these functions

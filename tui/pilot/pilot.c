@@ -9,6 +9,7 @@
 #include "tui/picture/painter.h"
 #include "tui/pilot/pilot_keys.h"
 #include "tui/pilot/refine.h"
+#include "tui/pilot/typed_ahead.h"
 #include "tui/term.h"
 #include "tui/cells.h"
 
@@ -39,6 +40,12 @@ struct pilot {
     bool is_pasting;
     struct buf pasted; /* since it began, or until it is taken */
     bool is_over, has_ended;
+
+    /* While a command is carried out. */
+    struct typed_ahead ahead;
+    uint64_t reads_ns, shows_ns, wanted_ns; /* when input is read next, and the work drawn; when it
+                                               was wanted last */
+    bool is_showing;
 };
 
 /* ---- text ---- */
@@ -253,20 +260,80 @@ static void keep_answer(struct pilot *p, struct buf *output)
         buf_add_text(&p->message, *at == '\n' ? at[1] ? "; " : "" : (char[]){*at, '\0'});
 }
 
+static bool read_key(struct pilot *p, struct key_event *event);
+
+/* A command that takes long is watched: what it has done so far is drawn, at the most a quarter of
+ * the time, and the cross-hair moves as is typed. Its record is made when it has ended. */
+enum { SHOWN_AFTER_MS = 250, SHOWN_EVERY_MS = 100, READ_EVERY_MS = 10 };
+
+static uint64_t after_ms(uint64_t now_ns, uint64_t ms)
+{
+    return now_ns + ms * 1000000;
+}
+
+static bool wants_show(void *context)
+{
+    struct pilot *p = context;
+    const uint64_t now_ns = clock_ns();
+    struct key_event event;
+    if (p->is_showing || now_ns < p->reads_ns)
+        return false;
+    p->reads_ns = after_ms(now_ns, READ_EVERY_MS);
+    if (typed_ahead_has_room(&p->ahead) && term_read(&p->editor->input, 0, -1) == TERM_BYTES)
+        while (typed_ahead_has_room(&p->ahead) && read_key(p, &event))
+            typed_ahead_add(&p->ahead, &event);
+    p->wanted_ns = now_ns;
+    return now_ns >= p->shows_ns && flow_may_send(&p->flow, now_ns);
+}
+
+/* The cursor goes where progress is shown. */
+static enum err go_to_foot(struct fault *fault)
+{
+    struct buf place = {0};
+    buf_printf(&place, "\033[%u;1H", term_size().rows);
+    const enum err err = term_write(buf_text(&place), place.length, fault);
+    buf_release(&place);
+    return err;
+}
+
+static void show_so_far(void *context)
+{
+    struct pilot *p = context;
+    struct pilot_state *state = p->state, ahead = *state;
+    p->is_showing = true;
+    typed_ahead_show(&p->ahead, &ahead, p->host);
+    p->state = &ahead;
+    p->is_stale = true;
+    draw(p, NULL);
+    p->state = state;
+    p->host->peek(p->host->context, NULL);
+    go_to_foot(NULL);
+    const uint64_t now_ns = clock_ns(), took_ns = now_ns - p->wanted_ns;
+    p->shows_ns = after_ms(now_ns, SHOWN_EVERY_MS) + 3 * took_ns;
+    p->is_showing = false;
+}
+
+static enum err execute(struct pilot *p, const char *line, struct buf *output, struct fault *why)
+{
+    const struct pilot_onlooker onlooker = {p, wants_show, show_so_far};
+    p->reads_ns = p->shows_ns = after_ms(clock_ns(), SHOWN_AFTER_MS);
+    p->host->look_on(p->host->context, &onlooker);
+    const enum err err = p->host->execute(p->host->context, line, output, why);
+    p->host->look_on(p->host->context, NULL);
+    return err;
+}
+
 /* Carries out one line. While it works, the cursor is where progress may be shown. */
 static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
                           enum err *of_command, struct fault *fault)
 {
-    struct buf place = {0};
     struct fault why = {0};
-    buf_printf(&place, "\033[%u;1H", term_size().rows);
-    enum err err = term_write(buf_text(&place), place.length, fault);
-    buf_release(&place);
+    enum err err = go_to_foot(fault);
     if (!err)
         err = term_set_mode(TERM_QUIET, fault);
     if (err)
         return err;
-    *of_command = p->host->execute(p->host->context, line, output, &why);
+    *of_command = execute(p, line, output, &why);
     err = term_set_mode(TERM_RAW, fault);
     if (*of_command) {
         buf_clear(&p->message);
@@ -522,8 +589,7 @@ static bool is_for_pilot(struct pilot *p, struct key_event *event)
     return !p->is_pasting || take_pasted(p, event);
 }
 
-/* The next key of what has been read. False when there is no more of it. */
-static bool next_key(struct pilot *p, struct key_event *event)
+static bool read_key(struct pilot *p, struct key_event *event)
 {
     struct line_editor *e = p->editor;
     while (e->taken < e->input.length) {
@@ -537,6 +603,12 @@ static bool next_key(struct pilot *p, struct key_event *event)
     buf_clear(&e->input);
     e->taken = 0;
     return false;
+}
+
+/* The next key of what has been read. False when there is no more of it. */
+static bool next_key(struct pilot *p, struct key_event *event)
+{
+    return typed_ahead_take(&p->ahead, event) || read_key(p, event);
 }
 
 static bool has_more(const struct pilot *p)

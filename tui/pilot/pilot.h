@@ -60,6 +60,13 @@ struct pilot_wish {
     bool is_alone;        /* or has the whole screen */
 };
 
+/* Who looks on while a command is carried out. */
+struct pilot_onlooker {
+    void *context;
+    bool (*wants)(void *context); /* asked often, at any moment of the work: whether to draw */
+    void (*draw)(void *context);  /* when what stands so far can be drawn: by `picture`, as ever */
+};
+
 struct pilot_host {
     void *context;
     /* As of struct repl_host; completion and news are the line editor's. */
@@ -98,6 +105,10 @@ struct pilot_host {
      * none. */
     bool (*centre)(void *context, unsigned label, uint32_t place[3]);
     bool (*is_hidden)(void *context, unsigned label);
+    /* From now on, or with NULL no more, somebody looks on. */
+    void (*look_on)(void *context, const struct pilot_onlooker *onlooker);
+    /* Within `draw`: the cross-hair is shown at a place, or with NULL where it is. */
+    void (*peek)(void *context, const uint32_t place[3]);
 };
 
 /* What is chosen in the pilot, from one time to the next: tui/pilot/pilot_keys.h. */

@@ -58,6 +58,12 @@ static const struct pilot_row *find_row(const struct pilot_state *state,
     return row ? row : find_among(state, event, false);
 }
 
+bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event)
+{
+    const struct pilot_row *row = find_row(state, event);
+    return !row || row->flags & PILOT_ONLY_MOVES;
+}
+
 /* ---- a key that waits for a second one ---- */
 
 static bool has_led(const char *words, uint32_t leader)

@@ -23,11 +23,12 @@ struct press {
 #define PILOT_IN(mode) (1u << (mode))
 
 enum pilot_flag {
-    PILOT_COUNTS = 1,    /* the row takes a count */
-    PILOT_CHANGES = 2,   /* `.` repeats it */
-    PILOT_STAYS = 4,     /* the mode does not change */
-    PILOT_IS_SILENT = 8, /* what the line does is seen below the picture anyway */
-    PILOT_TELLS_ALL = 16 /* each line of its answer is of use */
+    PILOT_COUNTS = 1,     /* the row takes a count */
+    PILOT_CHANGES = 2,    /* `.` repeats it */
+    PILOT_STAYS = 4,      /* the mode does not change */
+    PILOT_IS_SILENT = 8,  /* what the line does is seen below the picture anyway */
+    PILOT_TELLS_ALL = 16, /* each line of its answer is of use */
+    PILOT_ONLY_MOVES = 32 /* it asks nothing of the segmentation, and changes nothing of it */
 };
 
 /* Words of keys are those of tui/pilot/chord.h; the first row that fits is taken. */
