@@ -3,8 +3,9 @@
  * story can look at what a person would see.
  *
  * It knows what the prompt may send: text with wide characters and marks, deferred wrap, CR, LF,
- * BEL, CSI A B C D G H J K m, the other screen (CSI ? 1049 h), modes, and strings (DCS, APC, OSC), which show nothing. A terminal of
- * another size keeps the cells that it has in common with the former one, as xterm does.
+ * BEL, CSI A B C D G H J K m, the other screen (CSI ? 1049 h), modes, and strings (DCS, APC, OSC),
+ * which show nothing. A terminal of another size keeps the cells that it has in common with the
+ * former one, as xterm does.
  */
 #ifndef TESTS_SCREEN_H
 #define TESTS_SCREEN_H

@@ -738,12 +738,29 @@ STORY(garbage_is_parsed_or_refused_in_one_plain_line)
 
 /* ---- completion ---- */
 
+/* The words alone, without what they mean. */
+static void complete_words(struct buf *out, size_t *start, const char *line,
+                           const struct interpreter *interp)
+{
+    size_t kept = 0;
+    bool is_word = true;
+    buf_clear(out);
+    command_complete(out, start, line, strlen(line), interp);
+    for (size_t i = 0; i < out->length; i++) {
+        is_word = (is_word && out->data[i] != '\t') || out->data[i] == '\n';
+        if (is_word)
+            out->data[kept++] = out->data[i];
+    }
+    if (out->data)
+        out->data[out->length = kept] = '\0';
+}
+
 static void completes(const struct interpreter *interp, const char *line, const char *expected,
                       size_t expected_start)
 {
     struct buf out = {0};
     size_t start = 99;
-    command_complete(&out, &start, line, strlen(line), interp);
+    complete_words(&out, &start, line, interp);
     CHECK_TEXT(buf_text(&out), expected);
     CHECK_INT(start, expected_start);
     buf_release(&out);
@@ -756,12 +773,12 @@ STORY(completion_offers_what_may_stand_there)
     size_t start;
     begin_with_scene(&interp);
     must(&interp, "label 7 cortex");
-    command_complete(&out, &start, "", 0, &interp);
+    complete_words(&out, &start, "", &interp);
     for (unsigned i = 0; i < command_count; i++)
         buf_printf(&names, "%s\n", command_table[i].name);
     CHECK_TEXT(buf_text(&out), buf_text(&names));
     buf_clear(&out);
-    command_complete(&out, &start, "help ", 5, &interp);
+    complete_words(&out, &start, "help ", &interp);
     CHECK(strncmp(buf_text(&out), "keys\n", 5) == 0);
     CHECK_TEXT(buf_text(&out) + 5, buf_text(&names));
     completes(&interp, "see", "seed\nseed-file\n", 0);
@@ -785,6 +802,36 @@ STORY(completion_offers_what_may_stand_there)
     completes(&interp, "adjacency ", "6\n26\n", 10);
     buf_release(&out);
     buf_release(&names);
+    interpreter_release(&interp);
+}
+
+static void means(const struct interpreter *interp, const char *line, const char *part)
+{
+    struct buf out = {0};
+    size_t start;
+    command_complete(&out, &start, line, strlen(line), interp);
+    CHECK_HAS(buf_text(&out), part);
+    buf_release(&out);
+}
+
+STORY(completion_says_what_words_mean)
+{
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    must(&interp, "label 7 cortex");
+    must(&interp, "seed 1,1,1 7");
+    means(&interp, "un", "undo\ttake back the last change of the segmentation\n");
+    means(&interp, "help ", "keys\tthose of the prompt.\n");
+    means(&interp, "shade ", "depth\tthe depths around a pixel.\n");
+    means(&interp, "shade ", "surface\tthe shown objects, smoothed.\n"); /* surface, the default: */
+    means(&interp, "weight so", "sobel\tthe 3-D Sobel operator.\n");
+    means(&interp, "remove 1,1,1 of=t", "tree\tthe seed of the single tree that holds the voxel");
+    means(&interp, "seed-file x.nii er", "erode=\trounds; each removes the voxels");
+    means(&interp, "seed-file x.nii gen", "generator=\tthe number that the drawing starts");
+    means(&interp, "spin 9 x.gif del", "delay=\t20..60000\n");
+    means(&interp, "hide co", "cortex\tlabel 7\n");
+    means(&interp, "goto ", "\tseed 1,1,1 7\n");
+    means(&interp, "adjacency 2", "26\n");
     interpreter_release(&interp);
 }
 
@@ -2110,7 +2157,8 @@ int main(void)
         TELL(an_error_tells_where_in_the_line_it_is),
         TELL(without_a_scene_only_what_needs_none_works), TELL(comments_and_empty_lines_do_nothing),
         TELL(garbage_is_parsed_or_refused_in_one_plain_line),
-        TELL(completion_offers_what_may_stand_there), TELL(a_stroke_is_balls_along_a_line),
+        TELL(completion_offers_what_may_stand_there), TELL(completion_says_what_words_mean),
+        TELL(a_stroke_is_balls_along_a_line),
         TELL(a_seed_that_is_erased_before_a_run_waits_no_more),
         TELL(files_are_offered_where_a_file_may_stand),
         TELL(a_key_that_is_given_is_not_offered_again),

@@ -15,7 +15,7 @@ below() {
 begin_terminal
 
 begin "the prompt appears, and what was typed before it is not lost"
-enter "clear; $iftty s.nii"
+enter "clear; EDITOR='sh ./edit.sh' $iftty s.nii"
 enter "label 2 early"
 see '^s> label 2 early$'
 see '^s>$'
@@ -29,8 +29,8 @@ see '^s> zoom fit\|FACTOR$'
 enter "fit"
 see '^s> zoom fit$'
 press s Tab
-see '^seed +size +shade +spin +save +stats$'
-see '^seed-file +show +samples +slice +sync$'
+see '^seed +plant a seed'
+see '^sync +when records are synced'
 press e Tab
 see '^s> seed X,Y,Z LABEL \[radius=0\.\.32\|Rmm\] \[range=LOW\.\.HIGH\] '
 press C-u
@@ -39,6 +39,45 @@ type_letters "open s."
 press Tab
 see '^s> open s\.nii$'
 press C-u
+close_story
+
+begin "what was entered before is suggested, and taken by the arrow"
+type_letters "la"
+see '^s> label 2 early \[#rrggbb\]$'
+press Right x
+see '^s> label 2 earlyx \[#rrggbb\]$'
+press C-_ C-_
+see '^s> label 2 early'
+press C-u
+type_letters "l"
+press Up
+see '^s> label 2 early'
+press C-u
+close_story
+
+begin "a line is edited in another editor, which has a terminal as it should be"
+cat >edit.sh <<'END'
+stty -a >theirs
+printf 'zoom\n1' >"$1"
+END
+type_letters "zoo"
+press C-x C-e
+see '^s> zoom 1$'
+grep -q ' -icanon' theirs && fail "$(cat theirs)"
+press C-c
+close_story
+
+begin "a long answer is paged; what was looked at stays"
+press C-l
+enter "help"
+see '^1-23 of [0-9]+  q: leave'
+type_letters "/render ["
+press Enter
+see '^render \[FILE\]'
+type_letters "q"
+see '^s>$'
+see '^render \[FILE\]'
+press C-l
 close_story
 
 begin "a wrong command gets a caret and a line, and the prompt is back"

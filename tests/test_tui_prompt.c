@@ -114,6 +114,22 @@ STORY(candidates_that_do_not_fit_are_told_in_one_line)
     buf_release(&words);
 }
 
+STORY(words_that_mean_something_have_a_row_each_where_there_are_rows)
+{
+    static const char words[] = "seed\tplant a seed\nseed-file\tplant the seeds\nzoom\n";
+    CHECK_INT(candidates_of(words).count, 3);
+    CHECK_INT(candidates_of("seed\tplant\nsave\tspare\n").common, 1);
+    CHECK_INT(candidates_of("seed\tplant a seed\n").common, 4);
+    CHECK_TEXT(list(words, 80, 24),
+               "seed       plant a seed\r\nseed-file  plant the seeds\r\nzoom\r\n");
+    CHECK_TEXT(list(words, 24, 24),
+               "seed       plant a seed\r\nseed-file  plant the se\r\nzoom\r\n");
+    CHECK_TEXT(list(words, 18, 24), "seed\r\nseed-file\r\nzoom\r\n"); /* no room for it */
+    CHECK_TEXT(list(words, 40, 5), "seed       seed-file  zoom\r\n");
+    CHECK_TEXT(list("a\t\033[2J\346\234\254\346\234\254\nb\tx\n", 14, 24),
+               "a  \\x1b[2J\346\234\254\r\nb  x\r\n");
+}
+
 /* ---- hints ---- */
 
 #define GREY "\033[38;5;244m"
@@ -151,5 +167,6 @@ int main(void)
                        TELL(candidates_stand_in_columns_read_downwards),
                        TELL(what_leads_to_a_file_is_not_repeated),
                        TELL(candidates_that_do_not_fit_are_told_in_one_line),
+                       TELL(words_that_mean_something_have_a_row_each_where_there_are_rows),
                        TELL(a_hint_stands_behind_the_cursor_and_is_cut_before_the_last_column));
 }

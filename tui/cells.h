@@ -32,8 +32,8 @@ uint32_t char_letter(uint32_t point, bool upper);
 /* The cells that `length` bytes take where what is not safe to print is drawn as \xNN. */
 size_t cells_width(const char *text, size_t length);
 
-/* The bytes of the character, or colour (CSI .. m), that text begins with, which is safe to print but
- * for colours, and its cells: none for a colour. `length` > 0. */
+/* The bytes of the character, or colour (CSI .. m), that a text begins with, which is safe to print
+ * but for colours, and its cells: none for a colour. `length` > 0. */
 size_t cells_next(const char *text, size_t length, size_t *cells);
 
 /* Whether the environment says that text is UTF-8: LC_ALL, else LC_CTYPE, else LANG. */

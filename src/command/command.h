@@ -167,13 +167,19 @@ void command_usage(struct buf *out, const struct command *command);
 /* The text of `help` (command NULL) or `help NAME`, in lines of at most 80 columns. */
 void command_help(struct buf *out, const struct command *command);
 
+/* What the help of a command says of a word, a choice or a key: the rest of the line of its detail
+ * that begins "WORD: " or "WORD, ..: ". Of length 0 where there is none; no NUL ends it. */
+const char *command_note(const struct command *command, const char *word, size_t word_length,
+                         size_t *length);
+
 /* The parameter that a word fills, of those whose value is not given: a keyed one by its name, in
  * which case *word moves on to its value, else the next in order; -1 for none. */
 int command_parameter_for(const struct command *command, const struct value *value,
                           const char **word);
 
 /* Words that may stand at the end of line[0..cursor), as they are to be typed, each ended by a line
- * feed, and where they begin. A folder ends in /, so that its files can follow. Files are those on
+ * feed, with a tab and what it means before that where there is something to say, and where they
+ * begin. A folder ends in /, so that its files can follow. Files are those on
  * the disk now; names that a command cannot hold are left out. */
 void command_complete(struct buf *out, size_t *word_start, const char *line, size_t cursor,
                       const struct interpreter *interp);

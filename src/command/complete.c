@@ -4,10 +4,12 @@
  *
  * Words come as they are to be typed. Where one of them needs quotes all are given them, and so
  * they are where a quote was typed: they have a beginning in common then. A folder has no closing
- * quote, since what is in it may follow.
+ * quote, since what is in it may follow. What a word means comes after a tab: the summary of a
+ * command, what help says of a choice, a label's number, the command of a record.
  */
 #include <dirent.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -29,8 +31,20 @@ struct offers {
     const struct interpreter *interp;
 };
 
+/* A part of a text that says what a word means; nothing by default. */
+struct note {
+    const char *text;
+    size_t length;
+};
+
+static struct note note_of(const char *text)
+{
+    return (struct note){text, strlen(text)};
+}
+
 /* One word, between quotes where they were asked for; open-ended without the closing one. */
-static void write_offer(struct buf *out, const char *word, size_t length, bool quoted, bool open)
+static void write_offer(struct buf *out, const char *word, size_t length, bool quoted, bool open,
+                        struct note note)
 {
     if (quoted)
         buf_add_char(out, '"');
@@ -41,6 +55,10 @@ static void write_offer(struct buf *out, const char *word, size_t length, bool q
     }
     if (quoted && !open)
         buf_add_char(out, '"');
+    if (note.length > 0) {
+        buf_add_char(out, '\t');
+        buf_add(out, note.text, note.length);
+    }
     buf_add_char(out, '\n');
 }
 
@@ -50,23 +68,53 @@ static bool starts_so(const struct offers *o, const char *word, size_t length)
     return length > 0 && length >= typed && memcmp(word, o->typed, typed) == 0;
 }
 
-static void offer(const struct offers *o, const char *word, size_t length)
+static void offer_noted(const struct offers *o, const char *word, size_t length, struct note note)
 {
     if (starts_so(o, word, length))
-        write_offer(o->out, word, length, o->quoted, false);
+        write_offer(o->out, word, length, o->quoted, false, note);
 }
 
-static void offer_choices(const struct offers *o, const char *choices)
+static void offer(const struct offers *o, const char *word, size_t length)
 {
+    offer_noted(o, word, length, (struct note){0});
+}
+
+/* What help says of a choice: of the value alone, or with its key. */
+static struct note choice_note(const struct command *command, const struct parameter *p,
+                               const struct choice *choice)
+{
+    struct buf keyed = {0};
+    struct note note = {0};
+    note.text = command_note(command, choice->word, choice->length, &note.length);
+    buf_printf(&keyed, "%s=", p->name);
+    buf_add(&keyed, choice->word, choice->length);
+    if (!note.length && p->keyed)
+        note.text = command_note(command, buf_text(&keyed), keyed.length, &note.length);
+    buf_release(&keyed);
+    return note;
+}
+
+static void offer_choices(const struct offers *o, const struct command *command,
+                          const struct parameter *p)
+{
+    const char *choices = p->choices;
     struct choice choice;
     while (choice_next(&choice, &choices))
-        offer(o, choice.word, choice.length);
+        offer_noted(o, choice.word, choice.length, choice_note(command, p, &choice));
 }
 
 static void offer_commands(const struct offers *o)
 {
     for (unsigned i = 0; i < command_count; i++)
-        offer(o, command_table[i].name, strlen(command_table[i].name));
+        offer_noted(o, command_table[i].name, strlen(command_table[i].name),
+                    note_of(command_table[i].summary));
+}
+
+static void offer_label(const struct offers *o, const char *name, int label)
+{
+    char note[32];
+    snprintf(note, sizeof note, "label %d", label);
+    offer_noted(o, name, strlen(name), note_of(note));
 }
 
 /* Names of several words stand between quotes, as do all beside them; a key's value has none. */
@@ -81,7 +129,7 @@ static void offer_labels(const struct offers *o, const struct parameter *p)
     for (int label = (int)p->least; label < 256; label++) {
         const char *name = o->interp->session.now.kept.label_name[label];
         if (!p->keyed || !strchr(name, ' '))
-            offer(&offers, name, strlen(name));
+            offer_label(&offers, name, label);
     }
 }
 
@@ -185,7 +233,8 @@ static void offer_files(const struct offers *o)
         const char *whole = join(&path, o->typed, leads, listing.name[i]);
         if (path.failed)
             break;
-        write_offer(o->out, whole, path.length, quoted, whole[path.length - 1] == '/');
+        write_offer(o->out, whole, path.length, quoted, whole[path.length - 1] == '/',
+                    (struct note){0});
     }
     o->out->failed |= path.failed;
     listing_release(&listing);
@@ -209,6 +258,11 @@ static void offer_goldens(const struct offers *o)
 
 /* ---- places in the history ---- */
 
+static const char *command_of(const struct point *point)
+{
+    return point->command ? point->command : "";
+}
+
 static void offer_points(const struct offers *o)
 {
     const struct history *history = &o->interp->history;
@@ -219,17 +273,18 @@ static void offer_points(const struct offers *o)
     for (size_t i = any || points < POINTS_OFFERED ? 0 : points - POINTS_OFFERED; i < points; i++) {
         struct buf number = {0};
         buf_printf(&number, "%zu", history->point[i].record);
-        offer(o, buf_text(&number), number.length);
+        offer_noted(o, buf_text(&number), number.length, note_of(command_of(&history->point[i])));
         buf_release(&number);
     }
 }
 
 /* ---- the whole ---- */
 
-static void offer_values(const struct offers *o, const struct parameter *p)
+static void offer_values(const struct offers *o, const struct command *command,
+                         const struct parameter *p)
 {
     if (p->choices)
-        offer_choices(o, p->choices);
+        offer_choices(o, command, p);
     switch (p->type) {
     case VALUE_COMMAND:
         offer_commands(o);
@@ -255,10 +310,15 @@ static void offer_keys(const struct offers *o, const struct partial *partial)
 {
     const struct parameter *p = partial->command->parameter;
     for (int i = 0; p[i].type; i++) {
-        struct buf key = {0};
+        struct buf key = {0}, form = {0};
+        struct note note = {0};
         buf_printf(&key, "%s=", p[i].name);
+        usage_form(&form, &p[i]);
+        note.text = command_note(partial->command, p[i].name, strlen(p[i].name), &note.length);
         if (p[i].keyed && (!partial->value[i].given || p[i].type == VALUE_LINE))
-            offer(o, buf_text(&key), key.length);
+            offer_noted(o, buf_text(&key), key.length,
+                        note.length ? note : note_of(buf_text(&form)));
+        buf_release(&form);
         buf_release(&key);
     }
 }
@@ -269,10 +329,10 @@ static void offer_parameters(const struct offers *o, const struct partial *parti
     const int i = partial->parameter;
     const struct parameter *p = partial->command->parameter;
     if (i >= 0)
-        offer_values(o, &p[i]);
+        offer_values(o, partial->command, &p[i]);
     if (i >= 0 && partial->key == 0 && p[i].type == VALUE_NUMBER && p[i].optional &&
         p[i + 1].type == VALUE_FILE)
-        offer_values(o, &p[i + 1]);
+        offer_values(o, partial->command, &p[i + 1]);
     if (partial->key == 0 && !partial->quoted)
         offer_keys(o, partial);
 }

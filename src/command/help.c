@@ -111,6 +111,24 @@ static void help_with_one(struct buf *out, const struct command *command)
     buf_printf(out, "%*sExample: %s\n", INDENT, "", command->example);
 }
 
+const char *command_note(const struct command *command, const char *word, size_t word_length,
+                         size_t *length)
+{
+    for (const char *at = command->detail; at && *at; at += *at == '\n') {
+        const size_t line = strcspn(at, "\n");
+        const char *colon = memmem(at, line, ": ", 2);
+        const char *end = at + word_length;
+        const bool begins = colon && strncmp(at, word, word_length) == 0;
+        if (begins && (end == colon || (end < colon && *end == ','))) {
+            *length = (size_t)(at + line - (colon + 2));
+            return colon + 2;
+        }
+        at += line;
+    }
+    *length = 0;
+    return "";
+}
+
 /* The usage, and the summary beside it, or below one that is too long. */
 static void list_command(struct buf *out, const struct command *command)
 {

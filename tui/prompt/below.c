@@ -7,16 +7,16 @@
 
 /* ---- candidates ---- */
 
-enum { GAP = 2, ROWS_LEFT = 3 };
+enum { GAP = 2, ROWS_LEFT = 3, MEANING_LEAST = 8 };
 
-/* The next word, from *at on, which moves after it; NULL at the end. */
+/* The next word, from *at on, which moves after it and its meaning; NULL at the end. */
 static const char *take(const char **at, size_t *length)
 {
     while (**at == '\n')
         ++*at;
     const char *word = *at;
-    *length = strcspn(word, "\n");
-    *at += *length;
+    *length = strcspn(word, "\t\n");
+    *at += strcspn(word, "\n");
     return *length ? word : NULL;
 }
 
@@ -77,12 +77,47 @@ static const char *find(const struct candidates *c, size_t number, size_t *lengt
     return word;
 }
 
+/* As much of a text as fits, in whole characters that are safe to print. */
+static void add_cropped(struct buf *out, const char *text, size_t length, size_t columns)
+{
+    size_t end = 0, used = 0, bytes;
+    while (end < length) {
+        bytes = safe_character(text + end, length - end);
+        bytes = bytes ? bytes : 1;
+        used += cells_width(text + end, bytes);
+        if (used > columns)
+            break;
+        end += bytes;
+    }
+    buf_add_safe(out, text, end);
+}
+
+/* Each word in a row, with its meaning. */
+static void list_meanings(const struct candidates *c, size_t stride, unsigned columns,
+                          struct buf *out)
+{
+    size_t length;
+    for (const char *at = c->words, *word; (word = take(&at, &length));) {
+        const char *meaning = word[length] == '\t' ? word + length + 1 : "";
+        strip(c, &word, &length);
+        buf_add_safe(out, word, length);
+        if (*meaning && *meaning != '\n')
+            buf_printf(out, "%*s", (int)(stride - cells_width(word, length)), "");
+        add_cropped(out, meaning, strcspn(meaning, "\n"), columns - stride - 1);
+        buf_add_text(out, "\r\n");
+    }
+}
+
 void candidates_list(const struct candidates *c, unsigned columns, unsigned rows, struct buf *out)
 {
     const size_t stride = widest(c) + GAP;
     const size_t across = columns / stride > 0 ? columns / stride : 1;
     const size_t most = rows > ROWS_LEFT + 1 ? rows - ROWS_LEFT : 1;
     size_t down = (c->count + across - 1) / across;
+    if (strchr(c->words, '\t') && c->count <= most && stride + MEANING_LEAST < columns) {
+        list_meanings(c, stride, columns, out);
+        return;
+    }
     const bool fits = down <= most;
     down = fits ? down : most - (most > 1);
     for (size_t row = 0; row < down; row++) {

@@ -13,7 +13,8 @@
 
 /* ---- candidates ---- */
 
-/* Whole words, each ended by a line feed, and what all of them begin with. */
+/* Whole words, each ended by a line feed, with a tab and what it means before that where there is
+ * something to say; and what all of the words begin with. */
 struct candidates {
     const char *words;
     size_t count;
@@ -29,6 +30,12 @@ struct candidates candidates_of(const char *words);
  *
  *     scans/a b.nii  ->  a b.nii   masks/
  *     scans/ch2.nii      ch2.nii
+ *
+ * Where words have a meaning and there are rows for all of them, each has one of its own, with what
+ * fits of the meaning beside it:
+ *
+ *     seed       plant a seed, a ball of seeds, or a stroke
+ *     seed-file  plant the seeds of a .csv list or a label map
  *
  * For what does not fit the screen there is one line: "and 214 more". */
 void candidates_list(const struct candidates *c, unsigned columns, unsigned rows, struct buf *out);

@@ -7,14 +7,14 @@
  *     q Escape Ctrl-C Ctrl-D    leave
  *
  * The text is safe to print; colours (CSI .. m) go on from one row to the next. Lines are broken as
- * cells_wrap breaks them, and words that are wider than the screen at its edge, so that a row of ours
- * is a row of the screen. Another size of the screen keeps the line that is at the top. The last row
- * of the screen says where one is. Pure: events in, bytes out.
+ * cells_wrap breaks them, and words that are wider than the screen at its edge, so that a row of
+ * ours is a row of the screen. Another size of the screen keeps the line that is at the top. The
+ * last row of the screen says where one is. Pure: events in, bytes out.
  *
  * Promises
- *   G1 nothing is drawn beyond the screen, and no row waits with a wrap when the next is drawn;
- *   G2 a row is drawn without the colour of another that does not reach into it;
- *   G3 the top row is one of the text, and the last row is on the last page.
+ *   V1 nothing is drawn beyond the screen, and no row waits with a wrap when the next is drawn;
+ *   V2 a row is drawn without the colour of another that does not reach into it;
+ *   V3 the top row is one of the text, and the last row is on the last page.
  */
 #ifndef TUI_PROMPT_PAGER_H
 #define TUI_PROMPT_PAGER_H
@@ -57,7 +57,7 @@ bool pager_is_needed(const struct pager *p);
 /* False for a key that leaves. */
 bool pager_key(struct pager *p, const struct key_event *event);
 
-/* The whole screen, from anywhere on it; and the rows that show alone, as lines that end in CR LF. */
+/* The whole screen, from anywhere on it; and the rows that show, as lines that end in CR LF. */
 void pager_draw(const struct pager *p, struct buf *out);
 void pager_print(const struct pager *p, struct buf *out);
 
