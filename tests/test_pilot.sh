@@ -192,6 +192,7 @@ see '^the window of brain$'
 type_letters "p"
 press Left
 see '^CORRECT at pixel [0-9]+,[0-9]+  0-9 a seed there  p to its voxel  Escape ends$'
+see '^CORRECT  (axial|coronal|sagittal) '
 press Escape
 see '^i seed '
 close_story

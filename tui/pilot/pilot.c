@@ -64,13 +64,14 @@ static void add_row(struct buf *out, unsigned row, unsigned columns, const char 
 }
 
 /* "axial 90 at 90,108,90  brush 2 pons r3 stroke  1 waits for space  label 1 head  ...", which
- * "PEN DOWN" comes before. */
+ * "PEN DOWN" comes before, and "CORRECT" where digits plant. */
 static void add_status(struct buf *row, const struct pilot_state *state,
                        const struct pilot_host *host, const struct pilot_facts *facts)
 {
     static const char *const pane[] = {"axial", "coronal", "sagittal"};
     const uint32_t *at = facts->place;
     buf_add_text(row, state->pen_is_down ? "PEN DOWN  " : "");
+    buf_add_text(row, state->base == PILOT_PICKING ? "CORRECT  " : "");
     buf_printf(row, "%s %u", pane[state->pane], facts->index[state->pane]);
     if (facts->times != PILOT_TIMES_ONE) {
         buf_add_text(row, " x");
