@@ -594,6 +594,49 @@ STORY(what_is_typed_or_pasted_on_is_for_the_prompt)
     forget_journals();
 }
 
+/* Neither Ctrl-D, Ctrl-O nor Ctrl-Z, after which another program has the keys. */
+static const char *const any_key[] = {
+    "se",           "label 7 ", " ",      "\t",     "\033[C",      "\033f",
+    "\033[A",       "\033[B",   "\033.",  "\022",   "\007",        "\037",
+    "\030\005",     "\033u",    "\033c",  "\006",   "\005",        "\001",
+    "\027",         "\031",     "\024",   "\025",   "\f",          "\346",
+    "\377",         "\033",     "\033P",  "\033[",  "\033[200~",   "\r",
+    "\033[201~",    "help\r",   "info\r", "q",      "/",           "b",
+    "\346\234\254", "\033[6~",  "\177",   "\033\\", "\033[?64;1c", "\033[<0;1;1M",
+    "e\314\201",    "n"};
+
+STORY(whatever_is_pressed_the_prompt_is_sane_again)
+{
+    enum { KEYS = sizeof any_key / sizeof any_key[0] };
+    struct terminal t;
+    uint64_t random = 11;
+    unsetenv("VISUAL");
+    unsetenv("EDITOR");
+    start_at_prompt(&t);
+    for (int round = 0; round < 60 && check_failures == 0; round++) {
+        char mark[32], row[64];
+        set_size(&t, 20 + check_below(&random, 80), 5 + check_below(&random, 30));
+        for (int i = 0; i < 30; i++) {
+            type(&t, any_key[check_below(&random, KEYS)]);
+            if (check_below(&random, 4) == 0)
+                take(&t, 2);
+        }
+        snprintf(mark, sizeof mark, "\003\003\003# round %d", round);
+        snprintf(row, sizeof row, "synth> # round %d", round);
+        type(&t, mark);
+        SEE_LINE(&t, row);
+        CHECK(!t.screen.is_other && reads_keys(&t, ""));
+        type(&t, "\003");
+    }
+    set_size(&t, 80, 24);
+    type(&t, "label 9 sound\r");
+    SEE(&t, "synth> label 9 sound");
+    quit(&t);
+    CHECK_HAS(journal(1), "\nlabel 9 sound\n");
+    unlink("history");
+    forget_journals();
+}
+
 STORY(a_pager_can_be_done_without)
 {
     static const char off[] = "pager off\n";
@@ -1099,7 +1142,8 @@ int main(void)
         TELL(a_line_is_edited_in_another_editor_and_waits_for_enter),
         TELL(without_an_editor_it_is_said_in_words),
         TELL(a_long_answer_is_paged_and_what_was_looked_at_stays),
-        TELL(what_is_typed_or_pasted_on_is_for_the_prompt), TELL(a_pager_can_be_done_without),
+        TELL(what_is_typed_or_pasted_on_is_for_the_prompt),
+        TELL(whatever_is_pressed_the_prompt_is_sane_again), TELL(a_pager_can_be_done_without),
         TELL(a_long_line_is_drawn_anew_at_every_width),
         TELL(whatever_a_terminal_says_the_line_stays_what_was_typed),
         TELL(a_reply_may_take_two_seconds), TELL(ctrl_c_takes_back_a_line_or_a_command),

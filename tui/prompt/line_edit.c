@@ -217,8 +217,8 @@ static enum outcome key_by_table(struct line_editor *e, const struct key_event *
         return CLEAR;
     case DUTY_STOP:
         return SUSPEND;
-    case DUTY_OTHER_EDITOR:
-        return EDIT;
+    case DUTY_OTHER_EDITOR: /* not for one line amid what has the whole screen */
+        return e->is_one_line ? GO_ON : EDIT;
     case DUTY_HOST_LINE:
         return submit_host_line(e);
     case DUTY_MORE:
