@@ -1939,6 +1939,9 @@ STORY(a_command_that_is_cancelled_is_undone)
                                        "save cost x.nii replace=yes",
                                        "range 0 300",
                                        "undo 3",
+                                       "seed 9,9,9 1 radius=9 to=60,60,60 to=9,60,9",
+                                       "box 1,1,1 60,60,60 2",
+                                       "fill 1,1,5 1 to=60,1,5 to=30,60,5",
                                        "mosaic"};
     static const char *const picture[] = {"render mode=sp", "render mode=bp", "render mode=ray"};
     struct interpreter interp;

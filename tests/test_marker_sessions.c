@@ -167,6 +167,17 @@ static bool is_refused(const char *line)
     return strncmp(line, "fill", 4) == 0 && strstr(fault.text, "three corners or more");
 }
 
+/* What a pen may draw, none of which the next command finds. */
+static void sketch(void)
+{
+    char line[LINE];
+    for (uint32_t n = below(4) ? 0 : 1 + below(3); n > 0; n--) {
+        snprintf(line, sizeof line, "seed %u,%u,%u %u radius=%u", below(size[0]), below(size[1]),
+                 below(size[2]), below(4), below(3));
+        CHECK(interpreter_sketch(&interp, line, NULL) == OK);
+    }
+}
+
 static void do_one(char line[LINE])
 {
     const uint32_t at[3] = {below(size[0]), below(size[1]), below(size[2])};
@@ -181,6 +192,7 @@ static void do_one(char line[LINE])
             put_count--;
             return;
         }
+        sketch();
     } else if (what < 8) {
         if (!cell_is_reached(interp.session.scene->cell + cell))
             return;

@@ -144,6 +144,7 @@ static void begin(void)
                                  .frame_height = 48};
     has_tree = has_seed = shows = true;
     memset(hidden, 0, sizeof hidden);
+    pilot_state_release(&state);
     pilot_state_init(&state, &pilot_setup_default);
 }
 
@@ -300,10 +301,82 @@ STORY(seeds_brushes_and_strokes)
     CHECK_TEXT(type("s2"), "seed 20,40,30 2 to=20,25,30\n");
     CHECK_TEXT(type("i"), "seed 20,40,30 2\n"); /* one stroke an end */
     type("v");
-    CHECK(state.pen_is_down && message.length == 0);
+    CHECK(state.pen.is_down && message.length == 0);
     CHECK_TEXT(type("l"), "cross 19,40,30\nseed 19,40,30 2 to=20,40,30\n");
+    CHECK(state.sketches);
     press(KEY_ESCAPE, 0, 0);
     CHECK_TEXT(type("l"), "cross 19,40,30\n");
+    CHECK(!state.sketches);
+}
+
+/* Letters, each of which takes the cross-hair where its line says. */
+static const char *walk(const char *letters)
+{
+    for (; *letters; letters++) {
+        press(KEY_CHARACTER, 0, *letters);
+        sscanf(buf_text(&line), "cross %u,%u,%u", &facts.place[0], &facts.place[1],
+               &facts.place[2]);
+    }
+    return buf_text(&line);
+}
+
+STORY(what_the_pen_draws_is_one_command_once_it_is_lifted)
+{
+    begin();
+    CHECK_TEXT(walk("v2+lllkk"), "cross 17,27,30\nseed 17,27,30 1 radius=2 to=17,26,30\n");
+    CHECK(state.sketches && state.is_silent);
+    CHECK_TEXT(walk("v"), "cross 17,27,30\nseed 20,25,30 1 radius=2 to=17,25,30 to=17,27,30\n");
+    CHECK(!state.sketches && !state.pen.is_down && !state.is_silent);
+    CHECK_TEXT(walk("v"), ""); /* down again, and nothing drawn */
+    CHECK_TEXT(walk("v"), "");
+    walk("vh");
+    CHECK_TEXT(walk("r"), "cross 18,27,30\nseed 17,27,30 1 radius=2 to=18,27,30\nturn 15\n");
+    CHECK(state.pen.is_down); /* and goes on from there */
+    walk("hh");
+    CHECK_TEXT(walk("b"), "cross 20,27,30\nseed 18,27,30 1 radius=2 to=20,27,30\n");
+    walk("l");
+    CHECK_TEXT(walk(":"), "cross 19,27,30\nseed 20,27,30 2 radius=2 to=19,27,30\n");
+    CHECK(deed == PILOT_PROMPT);
+    walk("J");
+    CHECK_TEXT(walk("u"), "cross 19,27,29\nseed 19,27,30 2 radius=2 to=19,27,29\nundo\n");
+    walk("l");
+    CHECK_TEXT(walk("?"), ""); /* what changes nothing ends nothing */
+    CHECK_TEXT(walk("12"), "");
+    press(KEY_ESCAPE, 0, 0); /* of the count */
+    CHECK(!state.drops && state.pen.is_down);
+    press(KEY_ESCAPE, 0, 0);
+    CHECK(state.drops && !state.pen.is_down);
+    CHECK_TEXT(buf_text(&line), "");
+    CHECK_TEXT(buf_text(&message), "the stroke is dropped, and the pen is up");
+    walk("vl");
+    CHECK_TEXT(walk("q"), "cross 17,27,29\nseed 18,27,29 2 radius=2 to=17,27,29\n");
+    CHECK(deed == PILOT_LEAVE);
+}
+
+STORY(a_stroke_too_long_for_a_line_is_in_parts_that_are_joined)
+{
+    unsigned x = 20, y = 25, z = 30, from[3], label, steps = 0, lines = 0;
+    begin();
+    walk("v");
+    for (int i = 0; i < 12000; i++)
+        walk(i % 2 ? "k" : "l"); /* stairs, as far as the scene goes */
+    for (int i = 0; i < 12000; i++)
+        walk(i % 4 == 0 ? "k" : i % 4 == 1 ? "l" : i % 4 == 2 ? "j" : "h");
+    walk("v");
+    const char *at = buf_text(&line);
+    CHECK(sscanf(at, "cross %u", &x) == 1);
+    at = strchr(at, '\n') + 1;
+    for (; *at; at = strchr(at, '\n') + 1, lines++) {
+        const char *end = strchr(at, '\n');
+        CHECK(end - at < 65535 &&
+              sscanf(at, "seed %u,%u,%u %u", &from[0], &from[1], &from[2], &label) == 4);
+        CHECK(lines == 0 || (from[0] == x && from[1] == y && from[2] == z));
+        CHECK((memcmp(end - 11, " joined=yes", 11) == 0) == (lines > 0));
+        for (const char *to = at; (to = strstr(to, " to=")) && to < end; to++, steps++)
+            CHECK(sscanf(to, " to=%u,%u,%u", &x, &y, &z) == 3);
+    }
+    CHECK(lines == 3 && steps > 12000);
+    CHECK(x == facts.place[0] && y == facts.place[1] && z == facts.place[2]);
 }
 
 STORY(an_eliminator_shows_first_what_it_takes)
@@ -477,7 +550,7 @@ STORY(what_was_chosen_stays_from_one_time_to_the_next)
     press(KEY_TAB, 0, 0);
     type("mkIv12");
     pilot_state_enter(&state);
-    CHECK(state.mode == PILOT_MOVING && !state.pen_is_down && state.count == 0);
+    CHECK(state.mode == PILOT_MOVING && !state.pen.is_down && state.count == 0);
     CHECK(state.label == 7 && state.radius == 3 && state.pane == PILOT_CORONAL);
     CHECK_TEXT(type("i"), "seed 20,25,30 7 radius=3\n");
     memset(facts.place, 0, sizeof facts.place);
@@ -509,8 +582,13 @@ STORY(a_click_takes_the_cross_hair_there_and_the_pen_draws)
     type("v2bi");
     click(MOUSE_PRESSED, 3, 4);
     CHECK_TEXT(click(MOUSE_MOVED, 5, 4), "cross 5,4,7\nseed 5,4,7 2 to=3,4,7\n");
+    CHECK(state.sketches);
     shown_pane = PILOT_AXIAL; /* not from pane to pane */
     CHECK_TEXT(click(MOUSE_MOVED, 9, 4), "");
+    facts.place[0] = 5;
+    CHECK_TEXT(click(MOUSE_RELEASED, 9, 4), "cross 5,4,7\nseed 3,4,7 2 to=5,4,7\n");
+    CHECK_TEXT(click(MOUSE_RELEASED, 9, 4), "");
+    facts.place[0] = 3;
     CHECK_TEXT(click(MOUSE_WHEEL_UP, 1, 1), "cross 3,4,8\n");
     shown_pane = PILOT_RENDITION;
     CHECK_TEXT(click(MOUSE_WHEEL_DOWN, 1, 1), "zoom 0.8\n");
@@ -716,7 +794,7 @@ STORY(what_is_dangerous_and_how_to_begin_are_said)
     type("v");
     buf_clear(&hint);
     pilot_keys_hint(&state, &facts, &hint);
-    CHECK_HAS(buf_text(&hint), "moving draws; v or Escape lifts the pen");
+    CHECK_HAS(buf_text(&hint), "moving draws; v ends the stroke, Escape drops it");
     buf_release(&hint);
 }
 
@@ -927,9 +1005,9 @@ STORY(keys_typed_ahead_show_where_the_cross_hair_goes_and_no_more)
     shown = state;
     typed_ahead_show(&ahead, &shown, &host);
     CHECK(facts.place[0] == 9 && shown.mode == PILOT_MOVING); /* up to what does more */
-    state.pen_is_down = true;
+    state.pen.is_down = true;
     begin();
-    state.pen_is_down = true;
+    state.pen.is_down = true;
     shown = state;
     peeks = 0;
     typed_ahead_show(&ahead, &shown, &host);
@@ -944,9 +1022,11 @@ int main(void)
         TELL(slices_marks_and_seeds_to_go_to), TELL(a_change_is_repeated), TELL(what_is_shown),
         TELL(what_was_chosen_stays_from_one_time_to_the_next), TELL(no_key_has_two_meanings),
         TELL(the_page_of_keys_fits_any_window), TELL(what_is_dangerous_and_how_to_begin_are_said),
-        TELL(seeds_brushes_and_strokes), TELL(an_eliminator_shows_first_what_it_takes),
-        TELL(the_view_and_the_window), TELL(corrections_are_made_on_the_rendition),
-        TELL(what_is_no_command), TELL(a_click_takes_the_cross_hair_there_and_the_pen_draws),
+        TELL(seeds_brushes_and_strokes), TELL(what_the_pen_draws_is_one_command_once_it_is_lifted),
+        TELL(a_stroke_too_long_for_a_line_is_in_parts_that_are_joined),
+        TELL(an_eliminator_shows_first_what_it_takes), TELL(the_view_and_the_window),
+        TELL(corrections_are_made_on_the_rendition), TELL(what_is_no_command),
+        TELL(a_click_takes_the_cross_hair_there_and_the_pen_draws),
         TELL(where_one_corrects_a_click_takes_the_pixel_there),
         TELL(slices_are_magnified_around_the_cross_hair), TELL(what_is_magnified_can_be_moved),
         TELL(one_pane_has_the_whole_screen_or_none),

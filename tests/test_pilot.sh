@@ -80,12 +80,31 @@ begin "the pen that is down is told in colour, and by what the keys do"
 type_letters "v"
 press Tab
 see '^PEN DOWN  sagittal '
-see '^moving draws; v or Escape lifts the pen$'
+see '^moving draws; v ends the stroke, Escape drops it$'
 tmux_here capture-pane -e -p -t prompt | grep -q '41m.*PEN DOWN' || fail "it is not in colour"
 press Escape
 see '^sagittal '
 press Tab Tab
 see '^coronal '
+close_story
+
+begin "a stroke of the pen is one record when it is lifted, and none when it is dropped"
+at=$(last_record)
+type_letters "vlljj"
+see '^PEN DOWN'
+same "$(last_record)" "$at"
+press Escape
+see 'the stroke is dropped, and the pen is up'
+same "$(last_record)" "$at"
+type_letters "vlljjv"
+recorded "seed 11,13,9 3 radius=1 to=9,13,9 to=9,13,7"
+type_letters "u"
+see '^undone: [0-9]+ seed '
+type_letters ":cross 11,13,9"
+press Enter
+recorded "cross 11,13,9"
+press Escape
+see '^i seed '
 close_story
 
 begin "what is pasted acts nowhere: it stands in the line of the colon"
@@ -291,6 +310,7 @@ screen_text | head -n 22 | grep -q '[RLAPSI]' && fail "$(screen_text)"
 type_letters "q"
 see '^u>$'
 enter "quit"
+see '^journal: '
 sane
 close_story
 

@@ -4,6 +4,7 @@
  */
 #include <stdlib.h>
 
+#include "base/mem.h"
 #include "session/held.h"
 #include "tests/small_scene.h"
 
@@ -244,10 +245,11 @@ STORY(a_label_may_be_called_by_several_words)
     struct buf offers = {0};
     size_t start;
     command_complete(&offers, &start, "seed 1,1,1 le", 13, &interp);
-    CHECK_TEXT(buf_text(&offers), "\"left hemi\"\n");
+    CHECK_TEXT(buf_text(&offers), "\"left hemi\"\tlabel 1\n");
     buf_clear(&offers);
     command_complete(&offers, &start, "seed 1,1,1 ", 11, &interp);
-    CHECK_HAS(buf_text(&offers), "\"left hemi\"\n\"right hemi\"\n\"it's\"\n");
+    CHECK_HAS(buf_text(&offers),
+              "\"left hemi\"\tlabel 1\n\"right hemi\"\tlabel 2\n\"it's\"\tlabel 3\n");
     buf_release(&offers);
     resume("names.iftty");
     CHECK_TEXT(interp.session.now.kept.label_name[1], "left hemi");
@@ -279,6 +281,74 @@ STORY(an_older_journal_counts_what_waits_as_it_did)
     CHECK(session_pendings(&interp.session) > once);
     must(&interp, "run");
     CHECK_INT(seeds(), planted);
+    interpreter_release(&interp);
+}
+
+/* ---- sketches ---- */
+
+static size_t allowed;
+static bool allows(size_t bytes)
+{
+    (void)bytes;
+    return allowed-- > 0; /* one is refused, and then there is memory again */
+}
+
+/* What a pen draws is seen, and leaves no trace. */
+STORY(a_sketch_is_as_if_it_had_never_been)
+{
+    struct snapshot before, seen;
+    for (int runs = 0; runs < 2; runs++) {
+        begin("sketch.iftty");
+        must(&interp, "seed 9,9,9 3");
+        must(&interp, "seed 9,8,9 2");
+        must(&interp, "run");
+        must(&interp, "remove 9,8,9");
+        must(&interp, "undo"); /* so that there is something to do again */
+        must(&interp, runs ? "auto on" : "auto off");
+        must(&interp, "render");
+        take_snapshot(&before, &interp);
+        CHECK(interpreter_drop_sketch(&interp, NULL) == OK); /* there is none */
+        CHECK(interpreter_sketch(&interp, "cross 1,1,1", NULL) == OK);
+        CHECK(interpreter_sketch(&interp, "seed 1,1,1 1 radius=2 to=9,9,9", NULL) == OK);
+        CHECK(interpreter_sketch(&interp, "seed 9,9,9 1 radius=2 to=2,9,1", NULL) == OK);
+        CHECK(interpreter_sketch(&interp, "seed 99,9,9 1", NULL) == ERR_INPUT);
+        CHECK(interpreter_sketch(&interp, "remove 1,1,1", NULL) == ERR_USAGE);
+        take_snapshot(&seen, &interp);
+        CHECK(seen.forest != before.forest || !runs);
+        CHECK(seen.records == before.records && seen.acknowledged == before.acknowledged);
+        CHECK(interpreter_drop_sketch(&interp, NULL) == OK);
+        is_as_before(&before, &interp, "a sketch");
+        CHECK(interpreter_sketch(&interp, "seed 1,1,1 1", NULL) == OK);
+        must(&interp, "redo"); /* of what was undone before */
+        CHECK_HAS(buf_text(&reply.text), "remove 9,8,9");
+        CHECK(interp.session.markers.count == 2);
+        resume("sketch.iftty");
+        interpreter_release(&interp);
+    }
+}
+
+STORY(a_sketch_without_memory_is_taken_back_in_the_end)
+{
+    struct snapshot before;
+    begin("memory.iftty");
+    must(&interp, "auto on");
+    must(&interp, "seed 9,9,9 3");
+    take_snapshot(&before, &interp);
+    unsigned refused = 0;
+    for (size_t most = 0; most < 60; most++) {
+        allowed = most;
+        mem_allows = allows;
+        refused += interpreter_sketch(&interp, "seed 1,1,1 1 radius=2 to=9,9,9", NULL) != OK;
+        allowed = most / 2;
+        if (interpreter_drop_sketch(&interp, NULL)) {
+            refused++;
+            CHECK(interp.sketch.is_begun);
+        }
+        mem_allows = NULL;
+        CHECK(interpreter_drop_sketch(&interp, NULL) == OK);
+        is_as_before(&before, &interp, "a sketch without memory");
+    }
+    CHECK(refused > 10);
     interpreter_release(&interp);
 }
 
@@ -334,6 +404,8 @@ int main(void)
                     TELL(a_polygon_is_of_one_slice), TELL(a_label_may_be_called_by_several_words),
                     TELL(an_older_journal_has_single_quotes_as_letters),
                     TELL(an_older_journal_counts_what_waits_as_it_did),
+                    TELL(a_sketch_is_as_if_it_had_never_been),
+                    TELL(a_sketch_without_memory_is_taken_back_in_the_end),
                     TELL(what_waits_runs_with_the_next_edit_and_not_by_going_there));
     return end_folder() | status;
 }

@@ -71,7 +71,8 @@ enum { PARAMETERS_MOST = 7 };
 enum command_flag {
     COMMAND_RECORDED = 1, /* goes into the journal */
     COMMAND_NEEDS_SCENE = 2,
-    COMMAND_EDITS = 4, /* changes what `run` computes: its digests are recorded */
+    COMMAND_EDITS = 4,    /* changes what `run` computes: its digests are recorded */
+    COMMAND_SKETCHED = 8, /* can be carried out to be seen and no more */
 };
 
 /* What a command answers: text for the user, "key=value" words for the journal. */

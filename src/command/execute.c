@@ -165,12 +165,86 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
         return err;
     const bool recorded = call.command->flags & COMMAND_RECORDED;
     command_write(&reply->canonical, &call);
-    session_mark(&interp->session);
-    err = carry_out(interp, &call, line, reply, fault);
-    if (!err && recorded)
-        err = record(interp, reply, fault);
-    settle(interp, err == OK);
+    err = interpreter_drop_sketch(interp, fault);
+    if (!err) {
+        session_mark(&interp->session);
+        err = carry_out(interp, &call, line, reply, fault);
+        if (!err && recorded)
+            err = record(interp, reply, fault);
+        settle(interp, err == OK);
+    }
     interp->unrecorded += !err && recorded && !interp->journal;
     call_release(&call);
     return err;
+}
+
+/* ---- sketched ---- */
+
+static enum err sketch(struct interpreter *interp, const struct call *call, const char *line,
+                       struct fault *fault)
+{
+    struct reply reply = {0};
+    command_write(&reply.canonical, call);
+    session_mark(&interp->session);
+    enum err err = carry_out(interp, call, line, &reply, fault);
+    if (!err)
+        err = history_note(&interp->history, &interp->session, buf_text(&reply.canonical), fault);
+    settle(interp, err == OK);
+    interp->acknowledged -= !err;
+    reply_release(&reply);
+    return err;
+}
+
+enum err interpreter_sketch(struct interpreter *interp, const char *line, struct fault *fault)
+{
+    struct session *session = &interp->session;
+    struct call call;
+    enum err err = command_parse(&call, line, session, fault);
+    if (err || !call.command)
+        return err;
+    if (!session->has_scene || !(call.command->flags & COMMAND_SKETCHED)) {
+        err = fault_set(fault, ERR_USAGE, "%s cannot be sketched", call.command->name);
+    } else {
+        if (!interp->sketch.is_begun)
+            interp->sketch = (struct sketch){.is_begun = true,
+                                             .place = history_place(&interp->history),
+                                             .outlook = session->now.outlook,
+                                             .markers = session->markers.count};
+        err = sketch(interp, &call, line, fault);
+    }
+    call_release(&call);
+    return err;
+}
+
+/* Seeds go back by the way through the history, in one edit. */
+static enum err take_back_sketch(struct interpreter *interp, struct fault *fault)
+{
+    struct session *session = &interp->session;
+    struct history *history = &interp->history;
+    const struct sketch *was = &interp->sketch;
+    enum err err = history_go(history, session, was->place.present, history->on, false, fault);
+    struct state before = session->now;
+    before.outlook = was->outlook;
+    return err ? err : session_go(session, &before, NULL, 0, fault);
+}
+
+enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault)
+{
+    struct session *session = &interp->session;
+    if (!interp->sketch.is_begun)
+        return OK;
+    session_mark(session);
+    watch_ignore_stop(session->watch);
+    const enum err err = take_back_sketch(interp, fault);
+    history_settle(&interp->history, false);
+    if (err) {
+        session_rollback(session);
+        return err;
+    }
+    history_forget(&interp->history, &interp->sketch.place);
+    markers_drop(&session->markers, interp->sketch.markers, session->watch);
+    session_settle(session);
+    watch_begin(session->watch);
+    interp->sketch.is_begun = false;
+    return OK;
 }

@@ -30,6 +30,14 @@ enum interpreter_mode {
 /* What a command asks of the program. */
 enum interpreter_wish { WISH_NONE, WISH_QUIT, WISH_PILOT };
 
+/* Commands that are carried out to be seen and no more (interpreter_sketch). */
+struct sketch {
+    bool is_begun;
+    struct history_place place; /* what was before it */
+    struct outlook outlook;
+    size_t markers;
+};
+
 struct interpreter {
     struct session session;
     struct history history;
@@ -57,6 +65,7 @@ struct interpreter {
                                       acknowledged when its picture is written */
     struct picture_job *job;       /* of the command at hand, for the writer once it is recorded */
 
+    struct sketch sketch;
     size_t acknowledged;
     bool has_pilot;                    /* `pilot` can be had here */
     void (*add_keys)(struct buf *out); /* what `help keys` says here, or NULL */
@@ -79,6 +88,17 @@ enum err interpreter_write_beside(struct interpreter *interp, struct fault *faul
 enum err interpreter_execute(struct interpreter *interp, const char *line, struct reply *reply,
                              struct fault *fault);
 void reply_release(struct reply *reply);
+
+/* ---- sketches (execute.c) ---- */
+
+/* Carries out a command of those that can be sketched (else ERR_USAGE) without recording it, so
+ * that one sees what a pen draws before it is lifted: then the one command comes that all of it
+ * stands for. No other command finds the sketch in place: it is dropped first, and the session is
+ * what it was before, bit for bit. */
+enum err interpreter_sketch(struct interpreter *interp, const char *line, struct fault *fault);
+
+/* Fine where there is none. ERR_MEMORY leaves it in place. */
+enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault);
 
 /* Adds what a record says of the forest, after a command that edits it. */
 void execute_add_digests(struct reply *reply, const struct session *session);

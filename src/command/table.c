@@ -55,6 +55,7 @@ enum {
     R = COMMAND_RECORDED,
     S = COMMAND_NEEDS_SCENE,
     E = COMMAND_EDITS,
+    K = COMMAND_SKETCHED,
     TURNS = 10 * VIEW_TURN, /* angles may be given beyond one turn; they are reduced */
     PANS = 1000 * VIEW_SIDE_MOST,
 };
@@ -127,7 +128,7 @@ const struct command command_table[] = {
      "name a label, and give it a colour",
      "Label 0 is the background. A name of several words stands between quotes, as \"left hemi\".",
      "label 2 cerebellum #40c060"},
-    {COMMAND("seed", act_seed, GROUP_SEEDS, R | S | E),
+    {COMMAND("seed", act_seed, GROUP_SEEDS, R | S | E | K),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), BRUSH, WITHIN,
       KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes")},
      "plant a seed, a ball of seeds, or a stroke",
@@ -349,7 +350,7 @@ const struct command command_table[] = {
      "256 colours, with `delay` milliseconds for each picture, 100 unless given; a .tif has one "
      "page for each picture.",
      "spin 36 turn%03d.png"},
-    {COMMAND("cross", act_cross, GROUP_SLICES, R | S),
+    {COMMAND("cross", act_cross, GROUP_SLICES, R | S | K),
      {NEED("PLACE", VALUE_POSITION)},
      "the cross-hair: the voxel where the slices meet",
      "After `open`, the centre of the scene.",

@@ -80,6 +80,21 @@ static enum err prompt_execute(void *context, const char *line, struct buf *outp
     return err;
 }
 
+static enum err prompt_sketch(void *context, const char *line, struct fault *fault)
+{
+    struct prompt *prompt = context;
+    console_forget_interrupt();
+    const enum err err = interpreter_sketch(&prompt->interp, line, fault);
+    console_erase_progress();
+    return err;
+}
+
+static enum err prompt_drop(void *context, struct fault *fault)
+{
+    struct prompt *prompt = context;
+    return interpreter_drop_sketch(&prompt->interp, fault);
+}
+
 static enum err resume_first(struct prompt *prompt, struct buf *output, struct fault *fault)
 {
     enum err err = interpreter_resume_journal(&prompt->interp, prompt->first, output, fault);
@@ -291,8 +306,11 @@ enum err run_prompt(const struct options *o, struct fault *fault)
     /* Without it, which is no reason to stop, pictures are waited for. */
     if (!err && is_terminal)
         interpreter_write_beside(&prompt.interp, NULL);
-    prompt.host = (struct pilot_host){
-        .context = &prompt, .execute = prompt_execute, .finished = prompt_finished};
+    prompt.host = (struct pilot_host){.context = &prompt,
+                                      .execute = prompt_execute,
+                                      .sketch = prompt_sketch,
+                                      .drop = prompt_drop,
+                                      .finished = prompt_finished};
     pilot_host_fill(&prompt.host);
     config_init(&prompt.config);
     if (is_terminal)
@@ -316,6 +334,7 @@ enum err run_prompt(const struct options *o, struct fault *fault)
     reply_release(&prompt.reply);
     config_release(&prompt.config);
     pilot_interpreter_release(&prompt.pilot);
+    pilot_state_release(&prompt.state);
     interpreter_release(&prompt.interp);
     buf_release(&journal);
     return err;

@@ -419,3 +419,27 @@ void history_settle(struct history *history, bool stands)
     history->is_noted = history->is_root = false;
     history->goes_to = POINT_NONE;
 }
+
+/* ---- commands that are forgotten ---- */
+
+struct history_place history_place(const struct history *history)
+{
+    return (struct history_place){.points = history->points,
+                                  .ats = history->ats,
+                                  .records = history->records,
+                                  .present = history->present,
+                                  .latest = history->point[history->present].latest,
+                                  .tip = history->branch[history->on].point};
+}
+
+void history_forget(struct history *history, const struct history_place *place)
+{
+    while (history->points > place->points)
+        point_release(&history->point[--history->points]);
+    history->ats = place->ats;
+    history->records = place->records;
+    history->present = place->present;
+    history->point[place->present].latest = place->latest;
+    history->branch[history->on].point = place->tip;
+    history->goes_to = POINT_NONE;
+}

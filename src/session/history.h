@@ -80,6 +80,12 @@ struct history {
     struct point noted; /* a new point, where its settings are not NULL */
 };
 
+/* Where a history stands, with all that a command adds to it. */
+struct history_place {
+    size_t points, ats, records;
+    uint32_t present, latest, tip;
+};
+
 void history_init(struct history *history);
 void history_release(struct history *history);
 size_t history_memory(const struct history *history);
@@ -107,6 +113,12 @@ bool history_is_at_tip(const struct history *history);
  * was. The history itself moves when the command stands. */
 enum err history_go(struct history *history, struct session *session, uint32_t point,
                     uint32_t branch, bool moves_tip, struct fault *fault);
+
+/* Where it stands now, in a scene; and there again, as if the commands since, none of which has
+ * gone anywhere or begun a branch, had never been noted. The session has been taken back by
+ * history_go. */
+struct history_place history_place(const struct history *history);
+void history_forget(struct history *history, const struct history_place *place);
 
 /* From now on the present point is on a branch `name`, which is new: when the command stands.
  * ERR_USAGE for a name that is taken. */

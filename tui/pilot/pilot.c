@@ -70,7 +70,7 @@ static void add_status(struct buf *row, const struct pilot_state *state,
 {
     static const char *const pane[] = {"axial", "coronal", "sagittal"};
     const uint32_t *at = facts->place;
-    buf_add_text(row, state->pen_is_down ? "PEN DOWN  " : "");
+    buf_add_text(row, state->pen.is_down ? "PEN DOWN  " : "");
     buf_add_text(row, state->base == PILOT_PICKING ? "CORRECT  " : "");
     buf_printf(row, "%s %u", pane[state->pane], facts->index[state->pane]);
     if (facts->times != PILOT_TIMES_ONE) {
@@ -113,7 +113,7 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
     else
         add_status(&upper, p->state, p->host, facts);
     add_row(out, size->rows - 2, size->columns, buf_text(&upper),
-            p->state->pen_is_down ? alarm_of(p) : "");
+            p->state->pen.is_down ? alarm_of(p) : "");
     add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower), "");
     out->failed |= upper.failed || lower.failed;
     buf_release(&upper);
@@ -319,7 +319,8 @@ static enum err execute(struct pilot *p, const char *line, struct buf *output, s
     const struct pilot_onlooker onlooker = {p, wants_show, show_so_far};
     p->reads_ns = p->shows_ns = after_ms(clock_ns(), SHOWN_AFTER_MS);
     p->host->look_on(p->host->context, &onlooker);
-    const enum err err = p->host->execute(p->host->context, line, output, why);
+    const enum err err = p->state->sketches ? p->host->sketch(p->host->context, line, why)
+                                            : p->host->execute(p->host->context, line, output, why);
     p->host->look_on(p->host->context, NULL);
     return err;
 }
@@ -548,9 +549,12 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
         pilot_click(p->state, event, column, row, p->host, &facts, &lines, &p->message);
     }
     p->is_stale = true;
-    enum err err =
-        lines.failed ? fault_memory(fault, "a command") : carry_out_all(p, buf_text(&lines), fault);
+    enum err err = p->state->drops ? p->host->drop(p->host->context, fault) : OK;
+    if (!err)
+        err = lines.failed ? fault_memory(fault, "a command")
+                           : carry_out_all(p, buf_text(&lines), fault);
     buf_release(&lines);
+    p->state->sketches = false;
     return err ? err : do_deed(p, deed, fault);
 }
 
@@ -708,6 +712,7 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
     lay_out(&p);
     if (!err)
         err = run(&p, fault);
+    host->drop(host->context, NULL); /* what was being drawn when the input ended */
     painter_remove(&p.painter, &out);
     term_write(buf_text(&out), out.length, NULL);
     term_change_sequences(TERM_PROMPT_BEGINS, TERM_PROMPT_ENDS, NULL);

@@ -71,6 +71,10 @@ struct pilot_host {
     void *context;
     /* As of struct repl_host; completion and news are the line editor's. */
     enum err (*execute)(void *context, const char *line, struct buf *output, struct fault *fault);
+    /* Carries out a seed or a cross-hair to be seen and no more; and takes all of those back, as
+     * every other line does first. */
+    enum err (*sketch)(void *context, const char *line, struct fault *fault);
+    enum err (*drop)(void *context, struct fault *fault);
     bool (*finished)(void *context);
 
     /* False where there is no scene. */

@@ -12,7 +12,8 @@ enum {
     TURN = 15, /* degrees */
     TURNS_MOST = 24,
     ZOOM_LEAST = 10,
-    ZOOM_MOST = 64000
+    ZOOM_MOST = 64000,
+    LINE_MOST = 60000 /* bytes; a journal takes 65535 */
 };
 
 /* The count typed before the key. */
@@ -45,16 +46,44 @@ static void add_place(struct buf *line, const char *before, const uint32_t place
     buf_printf(line, "%s%u,%u,%u", before, place[0], place[1], place[2]);
 }
 
+static void begin_seed(struct buf *line, const uint32_t place[3], unsigned label, unsigned radius)
+{
+    add_place(line, "seed ", place);
+    buf_printf(line, " %u", label);
+    if (radius)
+        buf_printf(line, " radius=%u", radius);
+}
+
 static void add_seed(struct pilot_state *state, const uint32_t place[3], const uint32_t *other_end,
                      struct buf *line)
 {
-    add_place(line, "seed ", place);
-    buf_printf(line, " %u", state->label);
-    if (state->radius)
-        buf_printf(line, " radius=%u", state->radius);
+    begin_seed(line, place, state->label, state->radius);
     if (other_end)
         add_place(line, " to=", other_end);
     buf_add_char(line, '\n');
+    state->is_silent = false;
+}
+
+/* Parts of a stroke that is too long for a line of the journal are joined. */
+void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line)
+{
+    const struct pilot_pen *pen = &state->pen;
+    const uint32_t(*corner)[3] = (const uint32_t(*)[3])pen->line.corner;
+    const char *end = "\n";
+    add_place(line, "cross ", facts->place);
+    buf_add_text(line, end);
+    size_t begin = line->length;
+    begin_seed(line, corner[0], pen->label, pen->radius);
+    for (size_t i = 1; i < pen->line.count; i++) {
+        if (line->length - begin > LINE_MOST) {
+            buf_add_text(line, end);
+            end = " joined=yes\n";
+            begin = line->length;
+            begin_seed(line, corner[i - 1], pen->label, pen->radius);
+        }
+        add_place(line, " to=", corner[i]);
+    }
+    buf_add_text(line, end);
     state->is_silent = false;
 }
 
@@ -72,8 +101,15 @@ bool pilot_cross(struct pilot_state *state, const struct pilot_facts *facts,
 void pilot_go_to(struct pilot_state *state, const struct pilot_facts *facts,
                  const uint32_t place[3], struct buf *line)
 {
-    if (pilot_cross(state, facts, place, line) && state->pen_is_down)
-        add_seed(state, place, facts->place, line);
+    struct pilot_pen *pen = &state->pen;
+    if (!pilot_cross(state, facts, place, line) || !pen->is_down)
+        return;
+    pen->label = state->label;
+    pen->radius = state->radius;
+    line->failed |= (pen->line.count == 0 && !polyline_add(&pen->line, facts->place)) ||
+                    !polyline_add(&pen->line, place);
+    add_seed(state, place, facts->place, line);
+    state->sketches = state->is_silent = true;
 }
 
 static double magnitude(double value)
@@ -317,8 +353,8 @@ void pilot_change_radius(struct press *p)
 
 void pilot_lower_pen(struct press *p)
 {
-    p->state->pen_is_down = !p->state->pen_is_down;
-    if (!p->state->pen_is_down) /* else what stands below the picture says so as long as it is */
+    p->state->pen.is_down = !p->state->pen.is_down;
+    if (!p->state->pen.is_down) /* else what stands below the picture says so as long as it is */
         buf_add_text(p->message, "the pen is up");
 }
 
@@ -331,7 +367,12 @@ void pilot_begin_stroke(struct press *p)
 
 void pilot_drop_stroke(struct press *p)
 {
-    p->state->stroke.is_set = p->state->pen_is_down = false;
+    struct pilot_state *state = p->state;
+    state->drops = state->pen.line.count > 1;
+    if (state->drops)
+        buf_add_text(p->message, "the stroke is dropped, and the pen is up");
+    state->pen.line.count = 0;
+    state->stroke.is_set = state->pen.is_down = false;
 }
 
 void pilot_show_held(struct press *p)

@@ -16,8 +16,14 @@ void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup
 void pilot_state_enter(struct pilot_state *state)
 {
     state->mode = state->base = PILOT_MOVING;
-    state->pen_is_down = state->stroke.is_set = state->drags = false;
+    state->pen.is_down = state->stroke.is_set = state->drags = false;
+    state->pen.line.count = 0;
     state->count = state->leader = 0;
+}
+
+void pilot_state_release(struct pilot_state *state)
+{
+    polyline_release(&state->pen.line);
 }
 
 /* ---- finding the row ---- */
@@ -61,7 +67,7 @@ static const struct pilot_row *find_row(const struct pilot_state *state,
 bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event)
 {
     const struct pilot_row *row = find_row(state, event);
-    return !row || row->flags & PILOT_ONLY_MOVES;
+    return !state->pen.is_down && (!row || row->flags & PILOT_ONLY_MOVES);
 }
 
 /* ---- a key that waits for a second one ---- */
@@ -201,6 +207,33 @@ static bool lead_on(struct press *p)
     return true;
 }
 
+/* ---- strokes ---- */
+
+/* Whether the pen goes on with the stroke, with the same brush. */
+static bool is_at_it(const struct pilot_state *state)
+{
+    const struct pilot_pen *pen = &state->pen;
+    return pen->is_down && pen->label == state->label && pen->radius == state->radius;
+}
+
+/* The stroke so far becomes a command, before those of the lines, if any; unless they are a part of
+ * it. */
+static void end_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line)
+{
+    struct buf rest = {0};
+    if (state->sketches)
+        return;
+    if (state->pen.line.count > 1) {
+        buf_add(&rest, buf_text(line), line->length);
+        buf_clear(line);
+        pilot_add_stroke(state, facts, line);
+        buf_add(line, buf_text(&rest), rest.length);
+        line->failed |= rest.failed;
+        buf_release(&rest);
+    }
+    state->pen.line.count = 0;
+}
+
 /* Modes that a key of another one ends, and does what it does there. */
 static bool is_passing(enum pilot_mode mode)
 {
@@ -212,13 +245,15 @@ enum pilot_deed pilot_press(struct pilot_state *state, const struct key_event *e
                             struct buf *line, struct buf *message)
 {
     struct press press = {state, event, host, facts, line, message, 0, PILOT_NOTHING};
-    state->is_silent = state->tells_all = false;
+    state->is_silent = state->tells_all = state->sketches = state->drops = false;
     if (is_passing(state->mode) && !find_row(state, event))
         state->mode = state->base;
     if (take_back(&press) || count_on(&press) || lead_on(&press))
         return PILOT_NOTHING;
     dispatch(&press);
     state->count = state->leader = 0;
+    if (press.deed == PILOT_PROMPT || press.deed == PILOT_LEAVE || line->length || !is_at_it(state))
+        end_stroke(state, facts, line);
     return press.deed;
 }
 
@@ -248,16 +283,17 @@ static void turn_wheel(struct pilot_state *state, bool up, unsigned modifiers, e
     pilot_cross(state, facts, place, line);
 }
 
-void pilot_click(struct pilot_state *state, const struct key_event *event, uint32_t column,
-                 uint32_t row, const struct pilot_host *host, const struct pilot_facts *facts,
-                 struct buf *line, struct buf *message)
+/* What the mouse does, but for the end of a stroke. */
+static void click(struct pilot_state *state, const struct key_event *event, uint32_t column,
+                  uint32_t row, const struct pilot_host *host, const struct pilot_facts *facts,
+                  struct buf *line, struct buf *message)
 {
     const struct mouse *mouse = &event->mouse;
     uint32_t place[3];
     enum pilot_pane pane;
     const bool shows = host->voxel_at(host->context, column, row, place, &pane);
     state->drags &= mouse->action == MOUSE_MOVED;
-    state->is_silent = state->tells_all = false;
+    state->is_silent = state->tells_all = state->sketches = state->drops = false;
     if (state->mode == PILOT_PICKING && pane == PILOT_RENDITION && mouse->button == MOUSE_LEFT &&
         mouse->action != MOUSE_RELEASED) {
         host->frame_pixel(host->context, column, row, state->pixel);
@@ -280,4 +316,14 @@ void pilot_click(struct pilot_state *state, const struct key_event *event, uint3
     } else if (state->drags && shows && pane == state->pane) {
         pilot_go_to(state, facts, place, line);
     }
+}
+
+void pilot_click(struct pilot_state *state, const struct key_event *event, uint32_t column,
+                 uint32_t row, const struct pilot_host *host, const struct pilot_facts *facts,
+                 struct buf *line, struct buf *message)
+{
+    const bool moves = event->mouse.action == MOUSE_MOVED;
+    click(state, event, column, row, host, facts, line, message);
+    if (line->length || !moves)
+        end_stroke(state, facts, line);
 }

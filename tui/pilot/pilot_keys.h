@@ -12,6 +12,7 @@
 #ifndef TUI_PILOT_PILOT_KEYS_H
 #define TUI_PILOT_PILOT_KEYS_H
 
+#include "base/polyline.h"
 #include "tui/keys.h"
 #include "tui/pilot/pilot.h"
 #include "tui/pilot/setup.h"
@@ -53,13 +54,22 @@ struct pilot_change {
     uint32_t count;
 };
 
+/* While the pen is down, what it has drawn is a sketch: shown, and not recorded. It becomes one
+ * command when the pen is lifted, when the mouse's button is, or when another command or brush
+ * comes: then the pen goes on with another stroke. Escape drops it. */
+struct pilot_pen {
+    bool is_down;
+    struct polyline line;   /* of the stroke; two corners or more where anything is drawn */
+    unsigned label, radius; /* that it is drawn with */
+};
+
 struct pilot_state {
     const struct pilot_setup *setup;
     enum pilot_mode mode, base; /* where others lead back to: moving or picking */
     enum pilot_pane pane;       /* of the three slices: arrows move in it */
     unsigned label;             /* that is planted */
     unsigned radius;            /* of the brush */
-    bool pen_is_down;
+    struct pilot_pen pen;
     struct pilot_mark stroke;                    /* one end of a stroke */
     struct pilot_mark mark[PILOT_MARKS], former; /* and the place before the last jump */
     uint32_t count;                              /* typed so far; 0 for none */
@@ -68,6 +78,8 @@ struct pilot_state {
     bool has_pixel;
     bool is_alone;  /* one pane has the whole screen: that of the slices, or that one corrects in */
     bool drags;     /* the mouse draws */
+    bool sketches;  /* the last lines are a sketch */
+    bool drops;     /* the sketch is to be dropped */
     bool is_silent; /* what the last line does is seen below the picture anyway */
     bool tells_all; /* all lines of what it says are of use, not the last alone */
     struct pilot_change change;
@@ -75,6 +87,7 @@ struct pilot_state {
 
 /* The setup is borrowed. */
 void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup);
+void pilot_state_release(struct pilot_state *state);
 
 /* The pilot is entered once more: what was chosen is as it was, what was begun is not. */
 void pilot_state_enter(struct pilot_state *state);
@@ -86,8 +99,8 @@ enum pilot_deed pilot_press(struct pilot_state *state, const struct key_event *e
                             const struct pilot_host *host, const struct pilot_facts *facts,
                             struct buf *line, struct buf *message);
 
-/* Whether a key only moves the cross-hair, or begins another one: it can be shown while something
- * else is carried out. */
+/* Whether a key only moves the cross-hair, and draws nothing, or begins another one: it can be shown
+ * while something else is carried out. */
 bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event);
 
 /* The same for a mouse report, which lies in the picture at this pixel. */

@@ -65,6 +65,8 @@ bool pilot_cross(struct pilot_state *state, const struct pilot_facts *facts,
 /* Magnifies slices by so many steps of a quarter or so, or less, around the cross-hair. False where
  * they are as large, or as small, as can be. */
 bool pilot_magnify_by(const struct pilot_facts *facts, int64_t steps, struct buf *line);
+/* The stroke that the pen has drawn, as the lines of its command. */
+void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line);
 void pilot_zoom(uint32_t now, bool nearer, struct buf *line);
 
 /* What rows do. `by` where it matters: 1 for the one, -1 for its counterpart. */

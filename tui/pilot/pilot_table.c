@@ -190,10 +190,10 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
                      struct buf *out)
 {
     const bool moves = state->mode == PILOT_MOVING;
-    if (moves && state->pen_is_down) {
+    if (moves && state->pen.is_down) {
         buf_add_text(out, "moving draws; ");
         add_first_key(out, state->setup, "pen");
-        buf_add_text(out, " or Escape lifts the pen");
+        buf_add_text(out, " ends the stroke, Escape drops it");
     } else if (moves && !facts->has_object) {
         buf_add_text(out, "nothing to show yet: ");
         add_first_key(out, state->setup, "plant");
