@@ -1,6 +1,6 @@
-/* Keys at the prompt and in its pager, any bytes at all: the line keeps its promises (L1, L2 of
- * line.h), all that was done is undone, and the screen shows what one drawn afresh would. The first
- * two bytes are the size of the screen. */
+/* Keys at the prompt and in its pager, any bytes at all: the line keeps its promises (line.h), all
+ * that was done is undone, and the screen shows what one drawn afresh would. The first two bytes
+ * are the size of the screen. */
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>
@@ -62,7 +62,7 @@ static void press(struct line *l, char before[LINE_KEYS_MOST], const struct key_
         line_act(l, (enum line_action)found);
 }
 
-/* L1, and the half of L2 that holds whatever the history has: the cursor is in no character. */
+/* No control characters, whatever came; the cursor is in the text. */
 static void check_line(const struct line *l)
 {
     const char *text = buf_text(&l->text);
