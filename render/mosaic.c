@@ -40,12 +40,27 @@ static uint64_t fitting_pm(const struct scene *scene, const struct mosaic_choice
     return most;
 }
 
+/* On a screen, lines and letters of all slices are as in the largest. */
+static uint32_t unit_of(const struct mosaic_choice *choice, uint32_t width, uint32_t height)
+{
+    uint32_t most = 0;
+    for (int pane = 0; choice->layout && pane < MOSAIC_RENDITION; pane++) {
+        const struct mosaic_box box =
+            mosaic_choice_box(choice, width, height, (enum mosaic_pane)pane);
+        const uint32_t unit = slice_unit(box.width, box.height);
+        most = box.width && unit > most ? unit : most;
+    }
+    return most;
+}
+
 struct slice_choice mosaic_slice(const struct scene *scene, const struct mosaic_choice *choice,
                                  uint32_t width, uint32_t height, enum slice_plane plane)
 {
     const bool has_axial = mosaic_choice_box(choice, width, height, MOSAIC_AXIAL).width > 0;
-    struct slice_choice slice = {
-        .plane = plane, .title = choice->title[plane], .has_middle = choice->has_middle};
+    struct slice_choice slice = {.plane = plane,
+                                 .title = choice->title[plane],
+                                 .has_middle = choice->has_middle,
+                                 .unit = unit_of(choice, width, height)};
     for (int a = 0; a < 3; a++) {
         slice.place[a] = choice->place[a];
         slice.middle[a] = choice->middle[a];

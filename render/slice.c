@@ -232,7 +232,7 @@ static void paint_labels(const struct canvas *canvas, const struct work *work,
                          const struct slice_style *style)
 {
     const struct slice_side *column = &work->plan->side[0], *row = &work->plan->side[1];
-    const int64_t reach = slice_notes_unit(canvas);
+    const int64_t reach = work->plan->unit;
     for (int64_t y = row->first; y < row->end; y++) {
         uint8_t *pixel = canvas_pixel(canvas, (size_t)column->first, (size_t)y);
         if (style->overlay == SLICE_TINT)

@@ -41,6 +41,7 @@ struct slice_choice {
     const char *title; /* ASCII, or NULL */
     bool has_middle;
     uint32_t middle[3];
+    uint32_t unit; /* pixels that a thin line is wide; 0: as slice_unit has it for the picture */
 };
 
 enum slice_note {
@@ -100,6 +101,9 @@ uint64_t slice_zoomed_pixel(const struct scene *scene, uint32_t zoom);
  * has four pixels along the smallest spacing, it is shown as it is, without smoothing. */
 void slice_magnify(struct slice_choice *choice, const struct scene *scene, uint64_t fitting_pm,
                    uint32_t times);
+
+/* How many pixels a thin line is wide in a picture of that size; letters are as large. */
+uint32_t slice_unit(uint32_t width, uint32_t height);
 
 /* The patient's sides at the left, right, top and bottom of a picture: R L A P S I. */
 void slice_letters(const struct scene *scene, enum slice_plane plane, char letter[4]);

@@ -9,8 +9,7 @@
 enum {
     LETTERS_FROM = 48, /* pixels of the picture's shorter side at which notes begin */
     BARS_FROM = 128,
-    LARGE_FROM = 192,  /* and at which letters and marks are larger than can be */
-    UNIT_PIXELS = 400, /* so many pixels more make all notes a pixel thicker */
+    LARGE_FROM = 192, /* and at which letters and marks are larger than can be */
 };
 
 static const uint8_t black[3] = {0, 0, 0}, white[3] = {255, 255, 255};
@@ -20,11 +19,6 @@ static const uint8_t seed_grey[3] = {225, 225, 225}, eliminator_red[3] = {255, 7
 static uint32_t shorter_side(const struct canvas *canvas)
 {
     return canvas->width < canvas->height ? canvas->width : canvas->height;
-}
-
-uint32_t slice_notes_unit(const struct canvas *canvas)
-{
-    return 1 + shorter_side(canvas) / UNIT_PIXELS;
 }
 
 /* ---- seeds and eliminators ---- */
@@ -106,10 +100,10 @@ static const uint8_t *colour_of(const struct spot *spot, const struct palette *p
 }
 
 /* All outlines first, so that a ball of seeds is one thing with one outline; x over dots. */
-static void draw_spots(const struct canvas *canvas, const struct spots *spots,
+static void draw_spots(const struct canvas *canvas, const struct spots *spots, int64_t unit,
                        const struct palette *palette)
 {
-    const int64_t unit = slice_notes_unit(canvas), more = shorter_side(canvas) >= LARGE_FROM;
+    const int64_t more = shorter_side(canvas) >= LARGE_FROM;
     for (int pass = 0; pass < 4; pass++)
         for (size_t i = 0; i < spots->count; i++) {
             const struct spot *spot = &spots->spot[i];
@@ -132,7 +126,7 @@ static bool draw_marks(const struct canvas *canvas, const struct scene *scene,
         add_seeds(&spots, scene, plan);
     if (style->marks_seeds)
         add_marks(&spots, scene, plan, choice, style);
-    draw_spots(canvas, &spots, style->palette);
+    draw_spots(canvas, &spots, plan->unit, style->palette);
     free(spots.spot);
     return !spots.failed;
 }
@@ -158,7 +152,7 @@ static void draw_line(const struct canvas *canvas, bool upright, int64_t at, int
 static void draw_cross(const struct canvas *canvas, const struct slice_plan *plan,
                        const struct slice_choice *choice)
 {
-    int64_t middle[2], gap = 6 * (int64_t)slice_notes_unit(canvas);
+    int64_t middle[2], gap = 6 * (int64_t)plan->unit;
     if (gap > shorter_side(canvas) / 8)
         gap = shorter_side(canvas) / 8;
     for (int i = 0; i < 2; i++) {
@@ -194,7 +188,7 @@ void slice_letters(const struct scene *scene, enum slice_plane plane, char lette
 static void draw_letters(const struct canvas *canvas, const struct scene *scene,
                          const struct slice_plan *plan)
 {
-    const uint32_t scale = slice_notes_unit(canvas) + (shorter_side(canvas) >= LARGE_FROM);
+    const uint32_t scale = plan->unit + (shorter_side(canvas) >= LARGE_FROM);
     const int64_t wide = text_width("R", scale), tall = TEXT_TALL * (int64_t)scale;
     const int64_t margin = 2 * scale;
     const int64_t right = canvas->width - margin - wide, bottom = canvas->height - margin - tall;
@@ -232,7 +226,7 @@ void slice_length_words(char out[32], uint64_t pm)
 /* Bottom left; about a fifth of the picture's width. */
 static void draw_scale(const struct canvas *canvas, const struct slice_plan *plan)
 {
-    const int64_t unit = slice_notes_unit(canvas), pixel_pm = plan->side[0].pixel_pm;
+    const int64_t unit = plan->unit, pixel_pm = plan->side[0].pixel_pm;
     const uint64_t length = slice_round_length((uint64_t)pixel_pm * canvas->width / 4 + 1);
     const int64_t pixels = ((int64_t)length + pixel_pm / 2) / pixel_pm;
     const int64_t left = 4 * unit, bottom = canvas->height - 4 * unit, tick = 3 * unit;
@@ -249,9 +243,9 @@ static void draw_scale(const struct canvas *canvas, const struct slice_plan *pla
 }
 
 /* Bottom right, with the values left of its ends. */
-static void draw_greys(const struct canvas *canvas, const struct slice_style *style)
+static void draw_greys(const struct canvas *canvas, int64_t unit, const struct slice_style *style)
 {
-    const int64_t unit = slice_notes_unit(canvas), wide = 5 * unit, tall = canvas->height / 4;
+    const int64_t wide = 5 * unit, tall = canvas->height / 4;
     const int64_t left = canvas->width - wide - 4 * unit, bottom = canvas->height - 4 * unit;
     const int64_t before = left - 3 * unit;
     const uint32_t scale = (uint32_t)unit;
@@ -270,7 +264,7 @@ bool slice_notes_draw(const struct canvas *canvas, const struct scene *scene,
                       const struct slice_plan *plan, const struct slice_choice *choice,
                       const struct slice_style *style)
 {
-    const uint32_t side = shorter_side(canvas), unit = slice_notes_unit(canvas);
+    const uint32_t side = shorter_side(canvas), unit = plan->unit;
     const bool fine = draw_marks(canvas, scene, plan, choice, style);
     if (style->crosses)
         draw_cross(canvas, plan, choice);
@@ -279,7 +273,7 @@ bool slice_notes_draw(const struct canvas *canvas, const struct scene *scene,
     if (choice->notes & SLICE_SCALE && side >= BARS_FROM)
         draw_scale(canvas, plan);
     if (choice->notes & SLICE_COLOURS && side >= BARS_FROM)
-        draw_greys(canvas, style);
+        draw_greys(canvas, plan->unit, style);
     if (choice->title && side >= BARS_FROM)
         text_draw(canvas, 4 * unit, 4 * unit, unit, choice->title, ink);
     return fine;

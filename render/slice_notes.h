@@ -14,7 +14,4 @@
 bool slice_notes_draw(const struct canvas *canvas, const struct scene *scene,
                       const struct slice_plan *plan, const struct slice_choice *choice,
                       const struct slice_style *style);
-
-/* How many pixels a thin line is wide. */
-uint32_t slice_notes_unit(const struct canvas *canvas);
 #endif

@@ -8,7 +8,10 @@ enum { COLUMN, ROW, ACROSS };
 static const int8_t world_axis_of[3][3] = {
     [SLICE_AXIAL] = {0, 1, 2}, [SLICE_CORONAL] = {0, 2, 1}, [SLICE_SAGITTAL] = {1, 2, 0}};
 
-enum { EDGE_PARTS = 8 }; /* of the picture, one on each side where its place does not come to lie */
+enum {
+    EDGE_PARTS = 8,    /* of the picture, one on each side where its place does not come to lie */
+    UNIT_PIXELS = 400, /* so many of its shorter side more make all notes a pixel thicker */
+};
 
 /* Wide enough for any scene that there is, and small enough for 64 bits in all that follows. */
 static const uint64_t PIXEL_PM_MOST = INT64_MAX / (8 * VIEW_SIDE_MOST);
@@ -165,13 +168,19 @@ static void place_side(struct slice_side *side, const struct slice_choice *choic
         side->end--;
 }
 
+uint32_t slice_unit(uint32_t width, uint32_t height)
+{
+    return 1 + (width < height ? width : height) / UNIT_PIXELS;
+}
+
 void slice_plan_init(struct slice_plan *plan, const struct scene *scene,
                      const struct slice_choice *choice, uint32_t width, uint32_t height)
 {
     const int8_t *world = world_axis_of[choice->plane];
     const struct grid *grid = &scene->grid;
     uint32_t corner[3];
-    *plan = (struct slice_plan){.across = scene_axis(scene, world[ACROSS])};
+    *plan = (struct slice_plan){.across = scene_axis(scene, world[ACROSS]),
+                                .unit = choice->unit ? choice->unit : slice_unit(width, height)};
     for (int a = 0; a < 3; a++) {
         assert(choice->place[a] < grid->size[a]);
         assert(!choice->has_middle || choice->middle[a] < grid->size[a]);

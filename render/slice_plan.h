@@ -25,6 +25,7 @@ struct slice_plan {
     size_t corner;             /* the cell of the voxel that both sides begin with */
     ptrdiff_t step[2];         /* cells from a voxel to the next in the picture's direction */
     int across;                /* the axis that the slice cuts */
+    uint32_t unit;             /* how many pixels a thin line is wide */
 };
 
 void slice_plan_init(struct slice_plan *plan, const struct scene *scene,

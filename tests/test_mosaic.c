@@ -104,7 +104,7 @@ STORY(panes_are_slices_at_one_scale)
         for (int p = 0; p < 3; p++) {
             const struct mosaic_box box = mosaic_box(width, height, pane_of[p]);
             const struct slice_choice slice = {
-                (enum slice_plane)p, {3, 4, 5}, pixel_pm, true, 0, NULL, false, {0}};
+                (enum slice_plane)p, {3, 4, 5}, pixel_pm, true, 0, NULL, false, {0}, 0};
             struct canvas alone;
             CHECK(canvas_init(&alone, box.width, box.height, false, NULL) == OK);
             CHECK(slice_draw(&alone, scene, &slice, &style, NULL) == OK);

@@ -115,7 +115,14 @@ STORY(slices_line_up)
           box[MOSAIC_CORONAL].height == box[MOSAIC_SAGITTAL].height);
     CHECK(box[MOSAIC_SAGITTAL].left == box[MOSAIC_RENDITION].left);
     CHECK(box[MOSAIC_SAGITTAL].left == 288); /* 640 * 181 / 398, in whole cells */
-    mosaic_lay_out(&layout, scene, &wide);   /* all in a row */
+    const struct mosaic_screen large = screen_of(120, 48, 9, 18);
+    mosaic_lay_out(&layout, scene, &large);
+    const struct mosaic_choice choice = {.layout = &layout};
+    CHECK(box[MOSAIC_CORONAL].height < 400 && box[MOSAIC_AXIAL].height > 400);
+    for (int p = 0; p < 3; p++) /* notes as large in all of them */
+        CHECK_INT(mosaic_slice(scene, &choice, large.width, large.height, (enum slice_plane)p).unit,
+                  2);
+    mosaic_lay_out(&layout, scene, &wide); /* all in a row */
     CHECK(box[MOSAIC_AXIAL].top == 0 && box[MOSAIC_AXIAL].height == wide.height);
     CHECK(box[MOSAIC_RENDITION].left + box[MOSAIC_RENDITION].width == wide.width);
     scene_free(scene);

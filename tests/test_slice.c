@@ -650,7 +650,8 @@ STORY(contours_are_those_of_a_plain_search)
                                             0,
                                             NULL,
                                             false,
-                                            {0}};
+                                            {0},
+                                            0};
         struct canvas s = take(scene, &choice, &style, picture[0], picture[1]);
         uint32_t wrong = 0;
         for (uint32_t p = 0; p < s.width * s.height; p++) {
