@@ -99,8 +99,8 @@ enum pilot_deed pilot_press(struct pilot_state *state, const struct key_event *e
                             const struct pilot_host *host, const struct pilot_facts *facts,
                             struct buf *line, struct buf *message);
 
-/* Whether a key only moves the cross-hair, and draws nothing, or begins another one: it can be shown
- * while something else is carried out. */
+/* Whether a key only moves the cross-hair, and draws nothing, or begins another one: it can be
+ * shown while something else is carried out. */
 bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event);
 
 /* The same for a mouse report, which lies in the picture at this pixel. */
