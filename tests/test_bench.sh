@@ -80,7 +80,7 @@ close_story
 begin "how soon a key shows"
 expect 0 "$bench" keys --quick --json </dev/null
 for words in '"start_to_prompt_ms": {"median": ' '"start_to_loaded_ms": {"median": ' \
-    '"kitty_local": {"move": {"keys": ' '"sixel_local": {"move": '; do
+    '"kitty_local": {"enter": {"keys": ' '"move": {"keys": ' '"sixel_local": {"enter": '; do
     out_has "$words"
 done
 same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"
