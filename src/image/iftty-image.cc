@@ -38,6 +38,10 @@ constexpr bool kLimitMemory = !__has_feature(address_sanitizer) && !__has_featur
 constexpr bool kLimitMemory = true;
 #endif
 
+/* The HEIC writer of OpenImageIO 2.4 copies rows of libheif's length, which is that of 64 pixels or
+ * more, and a multiple of 16: of the last row it reads what lies after the picture. */
+constexpr uint64_t kReadBeyond = 256;
+
 constexpr uint64_t kSideMost = 16384;
 constexpr uint64_t kPathMost = 4096;
 constexpr uint64_t kNameMost = 4096;
@@ -282,7 +286,9 @@ std::string reason(OIIO::ImageOutput &out)
  * happens, all frames are received. */
 std::string write_frames(const WriteRequest &request, OIIO::ImageOutput *out, std::string words)
 {
-    std::vector<uint8_t> pixels(3 * request.width * request.height);
+    std::vector<uint8_t> pixels;
+    pixels.reserve(3 * request.width * request.height + kReadBeyond);
+    pixels.resize(3 * request.width * request.height);
     OIIO::ImageSpec spec;
     if (words.empty())
         spec = spec_of(request, out->format_name());
