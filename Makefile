@@ -151,6 +151,7 @@ compile_commands.json: Makefile | $(PACKAGES_STAMP)
 ## variants: build and test in a folder of their own, such as
 ##     make VARIANT=asan OPTIMISE=-O1 SANITISE="-fsanitize=address,undefined" test
 ##     make VARIANT=tsan OPTIMISE=-O1 SANITISE=-fsanitize=thread test
+##     (what a sanitiser cannot do is skipped, and named: tests/may_skip.txt)
 ##     make VARIANT=debug OPTIMISE="-Og -g3" && gdb --args build/debug/iftty
 
 ## tests: build the test programs, and those of bench-peers that need no other package

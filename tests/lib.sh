@@ -55,6 +55,14 @@ needs() {
 needs_landlock() {
     "$iftty" info | grep -q '^landlock  version' || { skip "the kernel has no Landlock"; return 1; }
 }
+# Whether the program was built with a sanitiser (`make help`: variants).
+is_sanitised() {
+    ldd "$iftty" 2>/dev/null | grep -q 'lib[at]san\.'
+}
+# For a part in which a replay writes a picture by the image helper, which it holds to its memory.
+can_limit_memory() {
+    ! is_sanitised || { skip "a sanitiser takes more memory than a replay leaves"; return 1; }
+}
 finish() {
     printf '1..%d\n' "$stories"
     [ "$bad_stories" = 0 ]

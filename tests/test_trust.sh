@@ -144,8 +144,10 @@ expect 3 "$iftty" replay j --out out
 err_has "out/l.nii exists already and was left alone"
 same "$(cat out/p.png out/l.nii | tr '\n' ' ')" "precious precious "
 journal j 'open s.nii; seed 2,3,4 1; run; render q.png; turn 20; render q.png replace=yes'
-expect 0 "$iftty" replay j --out out
-same "$(ls out | tr '\n' ' ')" "l.nii p.png q.png "
+if can_limit_memory; then
+    expect 0 "$iftty" replay j --out out
+    same "$(ls out | tr '\n' ' ')" "l.nii p.png q.png "
+fi
 close_story
 
 begin "a link in the folder of --out does not lead the replay out of it"

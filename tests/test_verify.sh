@@ -87,12 +87,14 @@ cp left/same.golden/second.exr left/same.golden/first.exr
 cp right/same.golden/first.exr right/same.golden/second.exr
 cp only.golden/first.exr only.golden/second.exr
 expect 1 "$iftty" verify j2.iftty left/same.iftty right/same.iftty only.iftty --out proofs -j 3
-same "$(cd proofs && find . -type f | sort | tr '\n' ' ')" "./2/same.iftty.first.actual.exr \
+can_limit_memory &&
+    same "$(cd proofs && find . -type f | sort | tr '\n' ' ')" "./2/same.iftty.first.actual.exr \
 ./2/same.iftty.first.difference.png ./3/same.iftty.second.actual.exr \
 ./3/same.iftty.second.difference.png ./only.iftty.second.actual.exr \
 ./only.iftty.second.difference.png "
 expect 1 "$iftty" verify left/same.iftty --out alone
-same "$(ls alone | tr '\n' ' ')" "same.iftty.first.actual.exr same.iftty.first.difference.png "
+can_limit_memory &&
+    same "$(ls alone | tr '\n' ' ')" "same.iftty.first.actual.exr same.iftty.first.difference.png "
 expect 1 "$iftty" verify left/same.iftty left/../left/same.iftty --out twice
 same "$(ls twice | tr '\n' ' ')" "1 2 "
 rm -r left right proofs alone twice only.iftty only.golden
@@ -147,11 +149,11 @@ begin "a process that dies is one failure, with its signal"
 "$iftty" verify large.iftty j4.iftty >out 2>err &
 verifier=$!
 comes_true has_children 1 "$verifier"
-kill -SEGV "${children%% *}"
+kill -ABRT "${children%% *}" # which no sanitiser catches
 wait "$verifier"
 same "$?" 1
 out_has "not ok 1 - large.iftty"
-out_has "# its process was ended by signal 11 (Segmentation fault)"
+out_has "# its process was ended by signal 6 (Aborted)"
 out_has "ok 2 - j4.iftty"
 close_story
 
