@@ -403,7 +403,7 @@ STORY(a_picture_that_fails_later_changes_nothing_else)
     interpreter_release(&interp);
 }
 
-STORY(releasing_a_interpreter_waits_for_its_pictures)
+STORY(releasing_an_interpreter_waits_for_its_pictures)
 {
     struct interpreter interp;
     begin_beside(&interp);
@@ -429,7 +429,7 @@ int main(void)
         TELL(at_a_prompt_a_picture_is_written_beside_the_session),
         TELL(what_is_there_is_left_alone_at_once), TELL(what_is_not_recorded_is_not_written),
         TELL(a_picture_that_fails_later_changes_nothing_else),
-        TELL(releasing_a_interpreter_waits_for_its_pictures));
+        TELL(releasing_an_interpreter_waits_for_its_pictures));
     reply_release(&reply);
     return status | remove_folder(folder);
 }

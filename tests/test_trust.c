@@ -294,7 +294,7 @@ STORY(confined_only_the_places_given_can_be_reached)
 }
 
 /* The last story: limits hold for the process, for good. */
-STORY(limits_stop_commands_of_a_interpreter_that_was_there_before_them)
+STORY(limits_stop_commands_of_an_interpreter_that_was_there_before_them)
 {
     struct interpreter interp;
     struct limits limits;
@@ -326,7 +326,7 @@ int main(void)
         TELL(whatever_changes_in_a_scene_changes_its_proof),
         TELL(a_name_is_found_below_its_folder_and_nowhere_else),
         TELL(confined_only_the_places_given_can_be_reached),
-        TELL(limits_stop_commands_of_a_interpreter_that_was_there_before_them),
+        TELL(limits_stop_commands_of_an_interpreter_that_was_there_before_them),
     };
     return check_run(story, sizeof story / sizeof *story);
 }
