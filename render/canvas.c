@@ -27,10 +27,11 @@ enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, boo
     return OK;
 }
 
-enum err canvas_mark_words(struct canvas *canvas, struct fault *fault)
+enum err canvas_remember(struct canvas *canvas, struct fault *fault)
 {
     canvas->words = mem_new(canvas->stride * canvas->height);
-    return canvas->words ? OK : fault_memory(fault, "a picture");
+    canvas->below = mem_new(canvas->stride * canvas->height);
+    return canvas->words && canvas->below ? OK : fault_memory(fault, "a picture");
 }
 
 void canvas_release(struct canvas *canvas)
@@ -38,6 +39,7 @@ void canvas_release(struct canvas *canvas)
     free(canvas->rgba);
     free(canvas->cell);
     free(canvas->words);
+    free(canvas->below);
     *canvas = (struct canvas){0};
 }
 
@@ -50,7 +52,8 @@ struct canvas canvas_part(const struct canvas *canvas, uint32_t left, uint32_t t
                            canvas->stride,
                            canvas->rgba + 4 * first,
                            canvas->cell ? canvas->cell + first : NULL,
-                           canvas->words ? canvas->words + first : NULL};
+                           canvas->words ? canvas->words + first : NULL,
+                           canvas->below ? canvas->below + first : NULL};
 }
 
 void canvas_box(const struct canvas *canvas, int64_t left, int64_t top, int64_t width,

@@ -20,15 +20,16 @@ struct canvas {
     size_t stride;  /* pixels from one row to the next */
     uint8_t *rgba;  /* [height][stride][4], alpha 255 */
     uint32_t *cell; /* [height][stride], or NULL */
-    uint8_t *words; /* the same: not 0 where words were drawn, with their outline */
+    uint8_t *words; /* the same: not 0 where words were drawn, with their outline; or NULL */
+    uint8_t *below; /* the same: the greys of slices, without labels and notes; or NULL */
 };
 
 /* Black, of 1..VIEW_SIDE_MOST pixels a side, which the caller releases; nothing on error. */
 enum err canvas_init(struct canvas *canvas, uint32_t width, uint32_t height, bool with_cells,
                      struct fault *fault);
 
-/* Has the canvas remember where words are drawn from now on. ERR_MEMORY. */
-enum err canvas_mark_words(struct canvas *canvas, struct fault *fault);
+/* Has the canvas remember, from now on, where words are drawn and what lies below. ERR_MEMORY. */
+enum err canvas_remember(struct canvas *canvas, struct fault *fault);
 void canvas_release(struct canvas *canvas);
 
 /* The part from column `left` and row `top` on, which lies within the canvas. */

@@ -260,6 +260,13 @@ static void tell_cells(const struct canvas *canvas, const struct slice_plan *pla
     }
 }
 
+static void tell_below(const struct canvas *canvas)
+{
+    for (uint32_t y = 0; y < canvas->height; y++)
+        for (uint32_t x = 0; x < canvas->width; x++)
+            canvas->below[y * canvas->stride + x] = *canvas_pixel(canvas, x, y);
+}
+
 /* Black beyond the scene. */
 static void clear_around(const struct canvas *canvas, const struct slice_plan *plan)
 {
@@ -283,6 +290,8 @@ enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
     if (fine) {
         clear_around(canvas, &plan);
         paint_grey(canvas, &work, choice->smooth, style->grey);
+        if (canvas->below)
+            tell_below(canvas);
         if (style->overlay != SLICE_PLAIN)
             paint_labels(canvas, &work, style);
         if (canvas->cell)

@@ -331,24 +331,24 @@ static inline void kitty_draw(const struct kitty_view *view, const struct kitty_
         }
 }
 
+static inline int kitty_order(const void *a, const void *b)
+{
+    const struct kitty_placement *p = a, *q = b;
+    return p->z != q->z ? (p->z > q->z) - (p->z < q->z)
+                        : (p->number > q->number) - (p->number < q->number);
+}
+
 /* Draws all placements over what is there: by z, and by number where that is the same. */
 static inline void kitty_compose(struct kitty_screen *k, const struct kitty_view *view)
 {
-    int64_t done_z = INT64_MIN, done_number = -1;
-    for (;;) {
-        const struct kitty_placement *next = NULL;
-        for (unsigned i = 0; i < KITTY_PLACEMENTS; i++) {
-            const struct kitty_placement *p = &k->placement[i];
-            if (p->is_there && (p->z > done_z || (p->z == done_z && p->number > done_number)) &&
-                (!next || p->z < next->z || (p->z == next->z && p->number < next->number)))
-                next = p;
-        }
-        if (!next)
-            return;
-        done_z = next->z;
-        done_number = next->number;
-        kitty_draw(view, next, &kitty_find(k, next->number)->png);
-    }
+    static struct kitty_placement shown[KITTY_PLACEMENTS];
+    size_t count = 0;
+    for (unsigned i = 0; i < KITTY_PLACEMENTS; i++)
+        if (k->placement[i].is_there)
+            shown[count++] = k->placement[i];
+    qsort(shown, count, sizeof *shown, kitty_order);
+    for (size_t i = 0; i < count; i++)
+        kitty_draw(view, &shown[i], &kitty_find(k, shown[i].number)->png);
 }
 
 #endif

@@ -262,9 +262,23 @@ static int64_t blemishes(void)
     return count;
 }
 
+/* Whether the terminal has the grey of this pixel, which is nothing but that. */
+static bool is_kept(const struct image_view *view, size_t i)
+{
+    const uint32_t x = (uint32_t)(i % view->width), y = (uint32_t)(i / view->width);
+    for (unsigned s = 0; s < view->strips; s++) {
+        const struct raster_box *b = &view->strip[s].box;
+        if (view->strip[s].is_there && x - b->left < b->width && y - b->top < b->height)
+            return image_view_colour(view, i) == view->below[i] * UINT32_C(0x010101);
+    }
+    return false;
+}
+
 static uint32_t expected_at(struct painter *p, const struct image_view *view, size_t i)
 {
     uint32_t colour = image_view_colour(view, i);
+    if (p->has_palette && is_kept(view, i))
+        return strips_grey(view->below[i]);
     if (p->has_palette)
         colour = shades_shown(&p->shades, colour);
     return p->facts.graphics == &graphics_sixel ? sixel_round_trip(colour) : colour;
@@ -527,6 +541,156 @@ STORY(without_frame_edits_tiles_are_laid_over_tiles)
     CHECK(most <= 8 * 4 * 320 * 320);
     CHECK(wholes < 40);
     painter_release(&p);
+}
+
+/* ---- slices that live in the terminal ---- */
+
+enum { SLICES = 3, SLICE_KINDS = 5 };
+static uint8_t below[SIDE_MOST * SIDE_MOST];
+
+/* What lies below, of one of few slices a box, and over it what was drawn: `over` pixels of it. */
+static void lay_slices(struct image_view *view, const struct raster_box box[SLICES],
+                       const uint32_t kind[SLICES], uint32_t over, uint64_t *seed)
+{
+    for (unsigned s = 0; s < SLICES; s++)
+        for (uint32_t y = box[s].top; y < box[s].top + box[s].height; y++)
+            for (uint32_t x = box[s].left; x < box[s].left + box[s].width; x++) {
+                const size_t i = (size_t)y * view->width + x;
+                below[i] = (uint8_t)(x * x / 31 + y * (3 + kind[s]) + kind[s] * 40);
+                memset(pixels + 4 * i, below[i], 3);
+                pixels[4 * i + 3] = 255;
+            }
+    for (uint32_t n = 0; n < over; n++)
+        fill_box(view, check_below(seed, view->width), check_below(seed, view->height),
+                 1 + check_below(seed, 40), 1 + check_below(seed, 3), seed);
+    view->below = below;
+    view->slice = box;
+    view->slices = SLICES;
+}
+
+static size_t show_kept(struct painter *p, struct image_view *view, size_t budget)
+{
+    struct buf out = {0};
+    painter_keep(p, view, budget, &out);
+    CHECK(painter_show(p, view, &out));
+    CHECK(screen_feed(&out));
+    const size_t bytes = out.length;
+    buf_release(&out);
+    return bytes;
+}
+
+/* What the terminal says it has dropped. */
+static unsigned hear_replies(struct painter *p)
+{
+    unsigned lost = 0;
+    char *text = strdup(buf_text(&screen.kitty.replies));
+    for (char *at = strstr(text, "\033_G"); at; at = strstr(at + 1, "\033_G"))
+        lost += painter_take_reply(p, at + 1);
+    buf_clear(&screen.kitty.replies);
+    free(text);
+    return lost;
+}
+
+STORY(slices_go_once_and_are_placed_again)
+{
+    static const struct raster_box boxes[SLICES] = {
+        {0, 0, 150, 160}, {152, 0, 148, 160}, {3, 165, 150, 150}};
+    struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
+    struct painter p = {0};
+    uint64_t seed = 21;
+    uint32_t kind[SLICES] = {0, 1, 2};
+    screen_begin(8, 16);
+    painter_place(&p, &facts, 1, 1, 40, 20);
+    struct image_view view = picture(320, 320);
+    fill_all(&view, &seed);
+    lay_slices(&view, boxes, kind, 0, &seed);
+    const size_t first = show_kept(&p, &view, SIZE_MAX);
+    CHECK_INT(wrong_pixels(&p, &view), 0);
+    CHECK_INT(show_kept(&p, &view, SIZE_MAX), 0);
+    kind[1] = 3;
+    lay_slices(&view, boxes, kind, 0, &seed);
+    CHECK(show_kept(&p, &view, SIZE_MAX) > 1000);
+    CHECK_INT(wrong_pixels(&p, &view), 0);
+    kind[1] = 1;
+    lay_slices(&view, boxes, kind, 0, &seed);
+    const size_t again = show_kept(&p, &view, SIZE_MAX); /* the greys are there */
+    CHECK(again < 300 && again * 20 < first);
+    CHECK_INT(wrong_pixels(&p, &view), 0);
+    struct buf out = {0};
+    painter_remove(&p, &out);
+    CHECK(screen_feed(&out));
+    CHECK_INT(blemishes(), 1); /* of the pixel that holds them */
+    buf_clear(&out);
+    painter_drop(&p, &out);
+    CHECK(screen_feed(&out));
+    CHECK_INT(kitty_pictures(&screen.kitty), 0);
+    buf_release(&out);
+    painter_release(&p);
+}
+
+/* Edits, moves, other sizes, budgets, views that are only sent ahead; and a terminal that drops
+ * what it likes, clears the screen, or loses everything. */
+STORY(whatever_the_terminal_drops_is_sent_again)
+{
+    for (uint64_t seed = 0; seed < 6; seed++) {
+        struct terminal_facts facts = facts_of(&graphics_kitty, 8, 16);
+        struct painter p = {0};
+        unsigned lost = 0;
+        screen_begin(8, 16);
+        screen.kitty.quota = seed % 2 ? 4 * 5 * 320 * 320 : 0;
+        painter_place(&p, &facts, 1, 1, 40, 20);
+        struct image_view view = picture(320, 320);
+        fill_all(&view, &seed);
+        for (unsigned i = 0; i < 400; i++) {
+            const uint32_t what = check_below(&seed, 40), left = 100 + 10 * check_below(&seed, 3);
+            const struct raster_box boxes[SLICES] = {{0, 0, left, 160},
+                                                     {left + 2, 0, 298 - left, 160},
+                                                     {3, 165, 150, what == 0 ? 0 : 150}};
+            uint32_t kind[SLICES];
+            struct buf out = {0};
+            for (unsigned s = 0; s < SLICES; s++)
+                kind[s] = check_below(&seed, SLICE_KINDS);
+            lay_slices(&view, boxes, kind, check_below(&seed, 9), &seed);
+            view.focus = boxes[check_below(&seed, SLICES)];
+            view.is_slow = check_below(&seed, 2);
+            view.smooth = what == 1;
+            if (what == 2) { /* quite another picture of what is about to be seen */
+                painter_keep(&p, &view, 1, &out);
+                lay_slices(&view, boxes, kind, 20, &seed);
+            } else if (what == 3) {
+                painter_remove(&p, &out);
+            } else if (what == 4) {
+                painter_drop(&p, &out);
+            } else if (what == 5 || what == 6) {
+                for (unsigned k = 0; k < KITTY_PICTURES; k++)
+                    if (screen.kitty.picture[k].number >= 270000 && check_below(&seed, 3) == 0)
+                        kitty_drop(&screen.kitty, &screen.kitty.picture[k]);
+            } else if (what == 7) {
+                kitty_clear(&screen.kitty); /* ESC[2J */
+                painter_forget(&p);
+                p.image = 0;
+            }
+            CHECK(screen_feed(&out));
+            buf_release(&out);
+            show_kept(&p, &view, check_below(&seed, 2) ? check_below(&seed, 9000) : 0);
+            for (unsigned more = 0; more < 3; more++)
+                if (hear_replies(&p)) {
+                    lost++;
+                    show_kept(&p, &view, 1);
+                }
+            if (what == 7 || (what < 7 && what > 4) || screen.kitty.quota) {
+                struct buf all = {
+                    0}; /* what is shown and was dropped is not asked for: begin anew */
+                painter_drop(&p, &all);
+                CHECK(screen_feed(&all));
+                buf_release(&all);
+                show_kept(&p, &view, 1);
+            }
+            CHECK_INT(wrong_pixels(&p, &view), 0);
+        }
+        CHECK(lost > 0);
+        painter_release(&p);
+    }
 }
 
 STORY(a_picture_larger_than_its_place_is_cut)
@@ -953,6 +1117,7 @@ int main(void)
         TELL(one_means_after_another_leaves_nothing),
         TELL(sixels_beyond_the_limit_of_the_terminal_come_in_pieces),
         TELL(without_frame_edits_tiles_are_laid_over_tiles),
+        TELL(slices_go_once_and_are_placed_again), TELL(whatever_the_terminal_drops_is_sent_again),
         TELL(a_picture_larger_than_its_place_is_cut),
         TELL(cells_show_what_they_should_after_every_edit), TELL(notes_stand_in_cells_of_text),
         TELL(half_blocks_in_all_colours_show_every_pixel),

@@ -141,7 +141,7 @@ STORY(a_canvas_remembers_where_its_words_are)
     static const uint8_t ground[3] = {9, 9, 9};
     struct canvas canvas = canvas_of(60, 60);
     struct fault why;
-    CHECK(!canvas_mark_words(&canvas, &why));
+    CHECK(!canvas_remember(&canvas, &why));
     canvas_box(&canvas, 0, 0, 60, 60, ground);
     const struct canvas part = canvas_part(&canvas, 20, 30, 40, 30);
     text_draw(&part, -5, -5, 2, "W@j", ink);

@@ -106,6 +106,19 @@ struct raster_box;
 
 enum graphics_kind { GRAPHICS_NOTHING, GRAPHICS_TEXT, GRAPHICS_PIXELS };
 
+/* How a terminal keeps parts of slices (tui/picture/strips.h): it gets one, without showing it;
+ * shows it at a place, which is one of several that bear numbers; takes it off; frees it, or all it
+ * has. */
+struct keeping {
+    void (*send)(struct painter *, const struct raster *, uint32_t number, struct buf *);
+    void (*place)(const struct painter *, uint32_t number, unsigned place,
+                  const struct raster_box *, struct buf *);
+    void (*hide)(uint32_t number, unsigned place, struct buf *);
+    void (*free)(uint32_t number, struct buf *);
+    void (*free_all)(struct buf *);
+    uint32_t (*lost)(const char *reply); /* the number that a reply says it has not, or 0 */
+};
+
 /* One way to show pictures: a row of the table in tui/picture/graphics.c, and the only place that
  * knows it. How it is found is used here, how it draws in tui/picture/painter.c. */
 struct graphics {
@@ -129,6 +142,7 @@ struct graphics {
     void (*whole)(struct painter *, const struct raster *, struct buf *); /* NULL: as a patch */
     void (*patch)(struct painter *, const struct raster *, const struct raster_box *, struct buf *);
     void (*remove)(struct painter *, struct buf *); /* NULL: cells are erased */
+    const struct keeping *keeping;                  /* NULL: the terminal keeps nothing */
 
     /* -- text -- */
     void (*cell_pixels)(const struct terminal_facts *, uint32_t *width, uint32_t *height);

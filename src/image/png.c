@@ -148,7 +148,8 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
 {
     uint8_t place[RASTER_COLOURS_MOST];
     uint32_t used[RASTER_COLOURS_MOST];
-    const unsigned colours = raster->colour ? raster_used(raster, place, used) : 0;
+    bool is_clear = false;
+    const unsigned colours = raster->colour ? raster_used(raster, place, used, &is_clear) : 0;
     const unsigned bits = raster->colour ? bits_for(colours) : 8;
     const size_t row_bytes = raster->colour ? ((size_t)raster->width * bits + 7) / 8
                                             : raster->width * raster_pixel_bytes(raster);
@@ -169,6 +170,8 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
     add_header(png, raster, bits);
     if (raster->colour)
         add_palette(png, used, colours);
+    if (is_clear)
+        add_chunk(png, "tRNS", "", 1); /* the first colour is seen through */
     add_chunk(png, "IDAT", packed, packed_length);
     add_chunk(png, "IEND", "", 0);
 }

@@ -4,9 +4,9 @@
  * bytes.
  *
  * A palette of up to 2, 4 or 16 colours packs 8, 4 or 2 pixels into a byte; only colours that occur
- * are in it. There is no filter, but where bytes cost more than time the average of what is left
- * and above is tried too: of greys in order, as slices have them, it takes a third away, of shaded
- * objects nothing.
+ * are in it, and one may be clear. There is no filter, but where bytes cost more than time the
+ * average of what is left and above is tried too: of greys in order, as slices have them, it takes
+ * a third away, of shaded objects nothing.
  */
 #ifndef IMAGE_PNG_H
 #define IMAGE_PNG_H

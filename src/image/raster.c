@@ -29,7 +29,7 @@ static void note_row(bool *occurs, const uint8_t *row, uint32_t width)
 }
 
 unsigned raster_used(const struct raster *raster, uint8_t place[RASTER_COLOURS_MOST],
-                     uint32_t used[RASTER_COLOURS_MOST])
+                     uint32_t used[RASTER_COLOURS_MOST], bool *is_clear)
 {
     bool occurs[RASTER_COLOURS_MOST] = {false};
     unsigned count = 0;
@@ -39,6 +39,10 @@ unsigned raster_used(const struct raster *raster, uint8_t place[RASTER_COLOURS_M
         note_row(occurs, row, raster->width);
     }
     memset(place, 0, RASTER_COLOURS_MOST);
+    if (is_clear)
+        *is_clear = raster->has_clear && occurs[RASTER_CLEAR];
+    if (raster->has_clear && occurs[RASTER_CLEAR])
+        used[count++] = 0;
     for (unsigned p = 0; p < raster->colours; p++)
         if (occurs[p]) {
             place[p] = (uint8_t)count;

@@ -18,7 +18,10 @@ struct raster {
     const uint32_t *colour; /* [colours] 0xRRGGBB; NULL without a palette */
     unsigned colours;
     bool has_alpha; /* without a palette alone */
+    bool has_clear; /* with a palette alone: RASTER_CLEAR is a place as well, seen through */
 };
+
+enum { RASTER_CLEAR = 255 }; /* where it is used a palette has fewer colours than that */
 
 static inline size_t raster_pixel_bytes(const struct raster *raster)
 {
@@ -33,8 +36,9 @@ struct raster_box {
 struct raster raster_part(const struct raster *raster, struct raster_box box);
 
 /* The colours that do occur, numbered from 0 in the palette's order: place[p] is the number of what
- * stood at p. A raster without them is a raster of `used`. Returns how many there are. */
+ * stood at p. A raster without them is a raster of `used`. What is clear comes first, as black;
+ * *is_clear, which may be NULL, says whether it occurs. Returns how many there are. */
 unsigned raster_used(const struct raster *raster, uint8_t place[RASTER_COLOURS_MOST],
-                     uint32_t used[RASTER_COLOURS_MOST]);
+                     uint32_t used[RASTER_COLOURS_MOST], bool *is_clear);
 
 #endif

@@ -348,6 +348,10 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
         mark_pixel(&pilot->canvas, panel, session_frame(session), wish->pixel);
     const size_t notes =
         wish->words ? 0 : pilot_notes_add(pilot->note, &pilot->canvas, session, panel);
+    for (enum slice_plane p = SLICE_AXIAL; p <= SLICE_SAGITTAL; p++) {
+        const struct mosaic_box *b = &panel->layout.box[p];
+        pilot->slice[p] = (struct raster_box){b->left, b->top, b->width, b->height};
+    }
     *view = (struct image_view){.width = wish->width,
                                 .height = wish->height,
                                 .rgba = pilot->canvas.rgba,
@@ -355,10 +359,52 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
                                 .words = pilot->canvas.words,
                                 .note = pilot->note,
                                 .notes = notes,
+                                .below = pilot->canvas.below,
+                                .slice = pilot->slice,
+                                .slices = 3,
                                 .smooth = pilot->smooth,
                                 .hue = pilot->hue,
                                 .hues = shown_hues(pilot->hue, session)};
     return OK;
+}
+
+/* Slices on both sides of those that are shown, the nearer ones first, and of the pane that keys
+ * move in before the others. */
+static bool ahead(void *context, const struct pilot_wish *wish, unsigned number,
+                  struct image_view *view)
+{
+    struct pilot_interpreter *pilot = context;
+    const struct session *session = session_of(pilot);
+    const unsigned first = wish->pane < PILOT_RENDITION ? wish->pane : 0;
+    const enum pilot_pane pane = (enum pilot_pane)((first + number % 6 / 2) % 3);
+    const struct mosaic_box *box = &pilot->panel.layout.box[mosaic_of(pane)];
+    int64_t by[3] = {0}, far = (int64_t)number / 6 + 1;
+    uint32_t place[3], most = 0;
+    for (enum pilot_pane p = PILOT_AXIAL; p < PILOT_RENDITION && session->has_scene; p++) {
+        const uint32_t count = slice_count(session->scene, plane_of(p));
+        most = count > most ? count : most;
+    }
+    if (far >= most)
+        return false;
+    *view = (struct image_view){.hue = pilot->hue};
+    by[pane] = number % 2 ? far : -far;
+    move(context, by, place);
+    const int64_t index = slice_index(session->scene, plane_of(pane), place);
+    const int64_t here =
+        slice_index(session->scene, plane_of(pane), session->now.outlook.slices.cross);
+    if (box->width == 0 || index != here + by[pane])
+        return true;
+    canvas_release(&pilot->beyond);
+    if (slicing_draw_below(&pilot->beyond, session_of(pilot), &pilot->panel, plane_of(pane), place,
+                           NULL))
+        return false;
+    pilot->around = (struct raster_box){0, 0, box->width, box->height};
+    view->width = box->width;
+    view->height = box->height;
+    view->below = pilot->beyond.below;
+    view->slice = &pilot->around;
+    view->slices = 1;
+    return true;
 }
 
 static bool voxel_at(void *context, uint32_t column, uint32_t row, uint32_t place[3],
@@ -483,6 +529,7 @@ void pilot_host_fill(struct pilot_host *host)
     host->move = move;
     host->picture = picture;
     host->pan = pan;
+    host->ahead = ahead;
     host->voxel_at = voxel_at;
     host->voxel_of_frame = voxel_of_frame;
     host->frame_pixel = frame_pixel;
@@ -498,4 +545,5 @@ void pilot_host_fill(struct pilot_host *host)
 void pilot_interpreter_release(struct pilot_interpreter *pilot)
 {
     canvas_release(&pilot->canvas);
+    canvas_release(&pilot->beyond);
 }

@@ -16,7 +16,10 @@ struct pilot_interpreter {
     bool smooth;                              /* all bits of every colour, where the terminal can */
     struct canvas canvas;                     /* the last picture, */
     struct slicing_panel panel;               /* what it is of, */
+    struct canvas beyond;                     /* a slice that was sent ahead, */
+    struct raster_box around;                 /* all of it */
     struct image_note note[PILOT_NOTES_MOST]; /* and what is written over it */
+    struct raster_box slice[3];               /* where the slices are in it */
     struct held held;                         /* what was asked for last, until the next command */
     uint32_t hue[256];
 

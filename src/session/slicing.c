@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/choice.h"
 #include "base/mem.h"
@@ -191,10 +192,37 @@ enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
     if (!err)
         err = canvas_init(canvas, screen->width, screen->height, true, fault);
     if (!err)
-        err = canvas_mark_words(canvas, fault);
+        err = canvas_remember(canvas, fault);
     if (err)
         canvas_release(canvas);
     return err ? err : draw(canvas, session, SLICE_KIND_MOSAIC, panel, fault);
+}
+
+enum err slicing_draw_below(struct canvas *canvas, struct session *session,
+                            const struct slicing_panel *panel, enum slice_plane plane,
+                            const uint32_t place[3], struct fault *fault)
+{
+    const struct mosaic_box *box = &panel->layout.box[plane];
+    struct mosaic_choice choice = panel->choice;
+    struct slice_style style = {.overlay = SLICE_PLAIN,
+                                .palette = &session->now.kept.palette,
+                                .visible = session->now.kept.visible};
+    int32_t window[2];
+    choice.layout = &panel->layout;
+    choice.notes = false;
+    memcpy(choice.place, place, sizeof choice.place);
+    window_of(window, session);
+    slice_window(style.grey, window[0], window[1]);
+    const struct slice_choice slice =
+        mosaic_slice(session->scene, &choice, panel->screen.width, panel->screen.height, plane);
+    enum err err = canvas_init(canvas, box->width, box->height, false, fault);
+    if (!err)
+        err = canvas_remember(canvas, fault);
+    if (!err)
+        err = slice_draw(canvas, session->scene, &slice, &style, fault);
+    if (err)
+        canvas_release(canvas);
+    return err;
 }
 
 enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kind kind,

@@ -35,11 +35,17 @@ struct slicing_panel {
     struct mosaic_choice choice; /* borrows layout and the session's team; titles are gone */
 };
 
-/* Draws it, and fills in `layout` and `choice`. The canvas has its cells and where words are; the
- * caller releases it.
+/* Draws it, and fills in `layout` and `choice`. The canvas has its cells, and remembers where words
+ * are and what lies below; the caller releases it.
  * ERR_LIMIT for less than MOSAIC_SIDE_LEAST pixels a side. */
 enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
                             struct slicing_panel *panel, struct fault *fault);
+
+/* Draws the greys alone of another slice of a panel that was drawn, through `place`, as that pane
+ * would have them below, on a canvas of its size, which remembers them; the caller releases it. */
+enum err slicing_draw_below(struct canvas *canvas, struct session *session,
+                            const struct slicing_panel *panel, enum slice_plane plane,
+                            const uint32_t place[3], struct fault *fault);
 
 /* The canvas, which has its cells, as a picture with labels, voxels and notes. Labels are those
  * of the voxels, be they overlaid or not. The caller releases it. */

@@ -246,7 +246,7 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
     enum err err = picture_init(picture, width, height, false, fault);
     if (err)
         return err;
-    sheet.canvas = (struct canvas){width, height, width, picture->rgba, NULL, NULL};
+    sheet.canvas = (struct canvas){width, height, width, picture->rgba, NULL, NULL, NULL};
     canvas_box(&sheet.canvas, 0, 0, width, height, paper);
     write_words(&sheet); /* the colours of labels are gone once the pane on the right is drawn */
     return draw_panes(&sheet, fault);

@@ -46,8 +46,7 @@ struct far_end {
     const char *const *awaited; /* those that have not come yet; of the first */
     size_t matched;             /* so many bytes have */
     uint64_t *came_ns;          /* its moment */
-    bool is_ahead;              /* what comes is not shown yet, */
-    uint64_t before_ns;         /* and what is shown had come by then */
+    bool is_ahead;              /* the picture that comes is not shown yet */
     struct far_result *result;
 };
 
@@ -132,18 +131,19 @@ static void answer(struct far_end *e, uint64_t now_ns)
             send(e, now_ns, known[i].answer[kind]);
 }
 
-/* A picture that is sent ahead begins, or a frame ends. */
-static void note(struct far_end *e)
+/* Whether the last byte of what began with an escape changes what is seen: a question and a place
+ * for the cursor do not, nor does a picture that lies below everything (tui/picture/kitty.c). */
+static bool shows(struct far_end *e)
 {
-    const size_t n = e->length;
-    if (strcmp(e->sequence, "[c") == 0) {
-        e->is_ahead = false;
-        e->result->frames++;
-    } else if (!e->is_ahead && n > 2 && e->sequence[0] == '_' && e->sequence[n - 1] == ';' &&
-               strstr(e->sequence, "a=t")) {
-        e->is_ahead = true;
-        e->result->last_ns = e->before_ns;
-    }
+    const char *sequence = e->sequence;
+    const char last = sequence[e->length - 1];
+    if (sequence[0] == '_' && last == ';' && strstr(sequence, "a="))
+        e->is_ahead = strstr(sequence, ",z=-2000000000,") != NULL;
+    if (sequence[0] == '_')
+        return !e->is_ahead;
+    if (sequence[0] == '[')
+        return e->length > 1 && last >= '@' && last != 'H' && last != 'c';
+    return sequence[0] != '\\' || e->length > 1;
 }
 
 /* No text that is awaited begins again within itself. */
@@ -165,15 +165,13 @@ static void take(struct far_end *e, char c, uint64_t now_ns)
     match(e, c, now_ns);
     if (c == '\033') {
         e->length = 0;
-        e->before_ns = e->result->last_ns;
     } else if (e->length + 1 < SEQUENCE) {
         e->sequence[e->length++] = c;
         e->sequence[e->length] = '\0';
         answer(e, now_ns);
-        note(e);
+        e->result->frames += strcmp(e->sequence, "[c") == 0;
+        e->result->last_ns = shows(e) ? now_ns : e->result->last_ns;
     }
-    if (!e->is_ahead)
-        e->result->last_ns = now_ns;
 }
 
 /* What has arrived at either end. False where the program is gone. */

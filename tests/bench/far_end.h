@@ -9,7 +9,7 @@
  * no time to draw, and answers as kitty does, as Ghostty (kitty's graphics without frame edits), as
  * a terminal with sixel graphics, or as a plain one.
  *
- * What the program sends ahead, pictures that are not shown yet (a=t), counts as rest.
+ * What the program sends ahead, pictures that are not shown yet, counts as rest.
  */
 #ifndef TESTS_BENCH_FAR_END_H
 #define TESTS_BENCH_FAR_END_H

@@ -22,7 +22,8 @@
 
 enum { KEYS_MOST = 24, STARTS = 9, JOURNAL_MOST = 64 << 20 };
 
-static const char *const prompt[] = {"> ", NULL}, *const frame[] = {"\033[c", NULL};
+/* A frame that shows something ends with rows of text, and then the barrier. */
+static const char *const prompt[] = {"> ", NULL}, *const frame[] = {"\033[K", "\033[c", NULL};
 
 /* ---- rows and columns of the tables ---- */
 
@@ -125,7 +126,7 @@ static enum err timed_press(struct far_end *e, const char *keys, struct times *t
 {
     struct far_result result;
     const enum err err = far_end_press(e, keys, frame, &result, fault);
-    t->shown_ms[t->keys] = times_between(result.pressed_ns, result.came_ns[0]);
+    t->shown_ms[t->keys] = times_between(result.pressed_ns, result.came_ns[1]);
     t->last_ms[t->keys] = times_between(result.pressed_ns, result.last_ns);
     t->bytes[t->keys++] = (double)result.bytes;
     return err;

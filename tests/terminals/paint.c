@@ -1,6 +1,9 @@
 /*
  * A picture that is known, painted by the program's own painter into the terminal that this runs
- * in: paint FOLDER SEED EDITS COLUMN ROW COLUMNS ROWS
+ * in: paint FOLDER SEED EDITS COLUMN ROW COLUMNS ROWS [GRAPHICS|slices]
+ *
+ * GRAPHICS is a word of --graphics. With `slices` greys lie below, which the terminal is to keep
+ * (tui/picture/strips.h): two slices beside each other, which change to others and back.
  *
  * The picture fills COLUMNS x ROWS cells from COLUMN, ROW (0: as many as there are from there on,
  * less the window's last row, which is not for pictures). It follows from SEED and the place's size
@@ -26,6 +29,7 @@ enum { HUES = 8, SHADES = 16, ANSWER_MS = 20000 };
 struct picture {
     uint32_t width, height;
     uint8_t *rgba;
+    uint8_t *below; /* of slices, or NULL */
     uint64_t random;
 };
 
@@ -67,15 +71,32 @@ static void change(struct picture *p, uint32_t side)
     }
 }
 
-static bool begin_picture(struct picture *p)
+/* Greys as the terminal has them, of slice number `n`; what is black shows them. */
+static void lay_below(struct picture *p, uint32_t n)
+{
+    for (size_t i = 0; p->below && i < (size_t)p->width * p->height; i++) {
+        uint8_t *pixel = p->rgba + 4 * i;
+        const uint32_t x = (uint32_t)(i % p->width), y = (uint32_t)(i / p->width);
+        const bool is_grey = pixel[0] == pixel[1] && pixel[1] == pixel[2];
+        if (y % 200 == 0 && x == 0)
+            n++;
+        p->below[i] = (uint8_t)strips_grey((uint8_t)((x * x / 97 + y * y / 61 + n * x / 3) % 256));
+        if (is_grey)
+            memset(pixel, p->below[i], 3);
+    }
+}
+
+static bool begin_picture(struct picture *p, bool has_slices)
 {
     p->rgba = calloc((size_t)p->width * p->height, 4);
-    if (!p->rgba)
+    p->below = has_slices ? calloc((size_t)p->width * p->height, 1) : NULL;
+    if (!p->rgba || (has_slices && !p->below))
         return false;
     for (size_t i = 0; i < (size_t)p->width * p->height; i++)
         p->rgba[4 * i + 3] = 255;
     for (int i = 0; i < 40; i++)
         change(p, 220);
+    lay_below(p, 0);
     return true;
 }
 
@@ -123,20 +144,38 @@ struct sent {
     double ms; /* from before the first frame until the last was parsed */
 };
 
+static void show(struct painter *painter, const struct picture *p, struct buf *bytes)
+{
+    static const uint32_t hue[] = {0xFF5533};
+    const uint32_t half = p->width / 2;
+    const struct raster_box slice[] = {{3, 5, half - 10, p->height - 9},
+                                       {half, 0, p->width - half, p->height}};
+    struct image_view view = {.width = p->width, .height = p->height, .rgba = p->rgba};
+    if (p->below) {
+        view.hue = hue;
+        view.hues = 1;
+        view.below = p->below;
+        view.slice = slice;
+        view.slices = 2;
+        painter_keep(painter, &view, SIZE_MAX, bytes);
+    }
+    painter_show(painter, &view, bytes);
+}
+
 /* Shows the picture and its edits; false where the terminal does not follow. */
 static bool paint(struct painter *painter, struct picture *p, unsigned edits, struct sent *sent,
                   struct fault *fault)
 {
-    const struct image_view view = {.width = p->width, .height = p->height, .rgba = p->rgba};
     struct buf bytes = {0};
     const uint64_t begin = clock_ns();
     buf_add_text(&bytes, "\033[?25l\033[2J");
-    painter_show(painter, &view, &bytes);
+    show(painter, p, &bytes);
     sent->first = bytes.length;
     bool good = send(&bytes, fault);
     for (unsigned i = 0; i < edits && good; i++) {
         change(p, 60);
-        painter_show(painter, &view, &bytes);
+        lay_below(p, i / 5 % 3);
+        show(painter, p, &bytes);
         sent->edits += bytes.length;
         good = send(&bytes, fault);
     }
@@ -175,13 +214,17 @@ static bool run(const char *folder, char **word, struct fault *fault)
     struct sent sent = {0};
     struct buf typed = {0};
     char path[512];
-    if (term_set_mode(TERM_RAW, fault) || probe_terminal(graphics_auto, &facts, &typed, fault))
+    struct graphics_wish wish = graphics_auto;
+    const bool has_slices = word[6] && strcmp(word[6], "slices") == 0;
+    if (word[6] && !has_slices && !graphics_from_name(word[6], &wish))
+        return false;
+    if (term_set_mode(TERM_RAW, fault) || probe_terminal(wish, &facts, &typed, fault))
         return false;
     buf_release(&typed);
     const struct place place = read_place(word + 2);
     painter_place(&painter, &facts, place.column, place.row, place.columns, place.rows);
     painter_size(&painter, &p.width, &p.height);
-    if (!begin_picture(&p))
+    if (!begin_picture(&p, has_slices))
         return false;
     const bool good = paint(&painter, &p, (unsigned)atoi(word[1]), &sent, fault);
     snprintf(path, sizeof path, "%s/expected.ppm", folder);
@@ -193,14 +236,15 @@ static bool run(const char *folder, char **word, struct fault *fault)
     wait_key();
     painter_release(&painter);
     free(p.rgba);
+    free(p.below);
     return good;
 }
 
 int main(int count, char **word)
 {
     struct fault fault = {0};
-    if (count != 8) {
-        fputs("paint FOLDER SEED EDITS COLUMN ROW COLUMNS ROWS\n", stderr);
+    if (count != 8 && count != 9) {
+        fputs("paint FOLDER SEED EDITS COLUMN ROW COLUMNS ROWS [GRAPHICS|slices]\n", stderr);
         return 2;
     }
     if (term_open(0, 1, &fault))

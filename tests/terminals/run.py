@@ -99,7 +99,7 @@ def read_facts(folder):
     return facts
 
 
-def paint(stage, name, title, edits, place):
+def paint(stage, name, title, edits, place, how=None):
     """A known picture and edits of it; every pixel in its place, and black around it."""
     story = "%s: %s" % (name, title)
     if not stage.report.wants(story):
@@ -107,12 +107,14 @@ def paint(stage, name, title, edits, place):
     with stage.report.story(story):
         folder = fresh_folder(stage.room, "paint")
         program = [os.path.join(stage.programs, "paint"), folder, "7", str(edits)] + place.split()
+        program += [how] if how else []
         with stage.room.start(name, program, folder) as terminal:
             if not wait_file(os.path.join(folder, "ready"), seconds=60):
                 raise Failure("the terminal has not answered: it has not parsed all")
             facts, kind = read_facts(folder), KINDS[name]
-            if facts["graphics"] != kind.graphics:
-                raise Failure("graphics are %s, expected %s" % (facts["graphics"], kind.graphics))
+            graphics = "tiles" if how == "tiles" else kind.graphics
+            if facts["graphics"] != graphics:
+                raise Failure("graphics are %s, expected %s" % (facts["graphics"], graphics))
             with Image.open(os.path.join(folder, "expected.ppm")) as picture:
                 expected = picture.convert("RGB")
             x = kind.origin[0] + int(facts["column"] * facts["cell_width"])
@@ -131,6 +133,8 @@ def painter_stories(stage):
         paint(stage, name, "the same after 60 edits", 60, "3 2 60 30")
         paint(stage, name, "a picture that fills the window but its last row, and 60 edits",
               60, "0 0 0 0")
+    paint(stage, "kitty", "the same without frame edits, as tiles", 60, "3 2 60 30", "tiles")
+    paint(stage, "kitty", "labels over slices that live in the terminal", 60, "3 2 60 30", "slices")
 
 
 # ---- the prompt ----

@@ -21,6 +21,12 @@ struct image_note {
     char character;
 };
 
+/* A part of a slice, and whether the terminal has its greys. */
+struct image_strip {
+    struct raster_box box;
+    bool is_there;
+};
+
 struct image_view {
     uint32_t width, height;
     const uint8_t *rgba;
@@ -32,6 +38,12 @@ struct image_view {
     const uint8_t *words; /* [height][width]: not 0 where words stand, which stay sharp; or NULL */
     const struct image_note *note; /* [notes]; those outside the picture are passed over */
     size_t notes;
+    const uint8_t *below; /* [height][width]: greys of slices without what lies over them */
+    const struct raster_box
+        *slice;      /* [slices] the boxes in which they are; what is below elsewhere */
+    unsigned slices; /* does not count. 0: nothing is known of that */
+    const struct image_strip *strip; /* [strips], by painter_keep: strips of these boxes */
+    unsigned strips;
     bool is_coarse; /* what has changed comes in blocks of pixels, in a hurry: bytes cost more than
                        time */
     bool is_slow;   /* the line is: bytes cost more than time */

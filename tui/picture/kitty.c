@@ -9,13 +9,20 @@
  *     ESC _ G a=f,i=7,r=1,X=1,x=40,y=8,f=24,o=z,s=3,v=3,q=2,m=0 ; <base64> ESC \    a small one
  *     ESC _ G a=d,d=I,i=7,q=2 ESC \                                     takes it away
  *
+ *     ESC _ G a=T,C=1,f=100,i=9,p=1000,w=1,h=1,z=-2000000000,q=2,m=0 ; <base64> ESC \
+ *     ESC _ G a=p,i=9,p=4,C=1,X=3,z=-1,q=1 ESC \     a strip of a slice: sent, and shown
+ *     ESC _ G a=d,d=i,i=9,p=4,q=2 ESC \              taken off; the terminal still has it
+ *
  * a=T transmits and shows at the cursor, C=1 leaves the cursor where it is, q=2 (on every chunk)
  * asks for no answer, f=100 means PNG, f=24,o=z deflated 24-bit pixels, m=1 that more follows. a=f
  * changes a frame, r=1 the first, X=1 puts pixels in the place of pixels. Every chunk of a patch
- * carries a=f,i=,r=1: without them kitty 0.26.5 says OK and changes nothing. Source:
+ * carries a=f,i=,r=1: without them kitty 0.26.5 says OK and changes nothing. When its quota is full
+ * kitty drops what is placed nowhere, so a strip has one pixel below everything; what it has
+ * dropped it says under q=1, as ESC _ G i=9,p=4;ENOENT:.. ESC \. ESC[2J drops all. Source:
  * https://sw.kovidgoyal.net/kitty/graphics-protocol/
  */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "tui/picture/graphics.h"
@@ -70,7 +77,7 @@ void kitty_send(struct painter *p, const struct raster *part, const char *first,
     struct buf png = {0}, pixels = {0};
     char keys[128];
     png_add(&p->png, part, p->effort, &png);
-    if ((uint64_t)part->width * part->height <= FEW_PIXELS)
+    if ((uint64_t)part->width * part->height <= FEW_PIXELS && !part->has_clear)
         png_add_pixels(&p->png, part, p->effort, &pixels);
     const bool is_png = pixels.length == 0 || png.length <= pixels.length;
     snprintf(keys, sizeof keys, "%s%s,s=%u,v=%u,", first, is_png ? "f=100" : "f=24,o=z",
@@ -117,6 +124,63 @@ static void patch(struct painter *p, const struct raster *raster, const struct r
     kitty_send(p, &part, first, next, out);
 }
 
+/* ---- parts of slices ---- */
+
+/* Below the picture; what keeps a strip from being dropped lies below all of them. */
+enum { STRIP_Z = -1, HOLD = 1000 };
+#define HOLD_Z "-2000000000"
+
+static void send_strip(struct painter *p, const struct raster *raster, uint32_t number,
+                       struct buf *out)
+{
+    char keys[96];
+    snprintf(keys, sizeof keys, "a=T,C=1,f=100,i=%u,p=%d,w=1,h=1,z=" HOLD_Z ",",
+             KITTY_STRIPS + number, HOLD);
+    painter_move_to(p, 0, 0, out);
+    kitty_show(p, raster, keys, out);
+}
+
+static void place_strip(const struct painter *p, uint32_t number, unsigned place,
+                        const struct raster_box *box, struct buf *out)
+{
+    const uint32_t width = p->facts.cell_width, height = p->facts.cell_height;
+    painter_move_to(p, box->left / width, box->top / height, out);
+    buf_printf(out, "\033_Ga=p,i=%u,p=%u,C=1,", KITTY_STRIPS + number, place + 1);
+    if (box->left % width)
+        buf_printf(out, "X=%u,", box->left % width);
+    if (box->top % height)
+        buf_printf(out, "Y=%u,", box->top % height);
+    buf_printf(out, "z=%d,q=1\033\\", STRIP_Z);
+}
+
+static void hide_strip(uint32_t number, unsigned place, struct buf *out)
+{
+    buf_printf(out, "\033_Ga=d,d=i,i=%u,p=%u,q=2\033\\", KITTY_STRIPS + number, place + 1);
+}
+
+static void free_strip(uint32_t number, struct buf *out)
+{
+    kitty_delete(KITTY_STRIPS + number, out);
+}
+
+static void free_all(struct buf *out)
+{
+    buf_add_text(out, "\033_Ga=d,d=A,q=2\033\\");
+}
+
+/* "_Gi=27123,p=4;ENOENT:.." */
+static uint32_t lost(const char *reply)
+{
+    const char *number = strncmp(reply, "_Gi=", 4) == 0 ? reply + 4 : "";
+    const unsigned long image = strtoul(number, NULL, 10);
+    return strstr(reply, ";ENOENT") && image > KITTY_STRIPS && image <= UINT32_MAX
+               ? (uint32_t)(image - KITTY_STRIPS)
+               : 0;
+}
+
+static const struct keeping keeping = {send_strip, place_strip, hide_strip,
+                                       free_strip, free_all,    lost};
+
 static void take_away(struct painter *p, struct buf *out)
 {
     if (p->image > 0)
@@ -139,4 +203,5 @@ const struct graphics graphics_kitty = {
     .whole = whole,
     .patch = patch,
     .remove = take_away,
+    .keeping = &keeping,
 };

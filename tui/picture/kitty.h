@@ -6,7 +6,8 @@
 
 #include "tui/picture/painter.h"
 
-enum { KITTY_FIRST = 26982 }; /* numbers of pictures from here on, which others hardly use */
+/* Numbers of pictures from here on, which others hardly use; and those of strips. */
+enum { KITTY_FIRST = 26982, KITTY_STRIPS = 270000 };
 
 /* Adds pixels as PNG by p->effort, in chunks; `keys` are those of the first, each with its
  * comma. */

@@ -10,6 +10,7 @@ enum {
     PIXEL_TILE = 16,
     FAST_FROM = 1 << 13, /* pixels; from here on time counts more than bytes */
     BOXES_MOST = 32,
+    CLEAR_FACTOR = 16, /* where slices are kept most pixels are clear, and cost so much less */
 };
 
 /* ---- the place ---- */
@@ -62,6 +63,8 @@ void painter_remove(struct painter *p, struct buf *out)
 {
     if (p->holder)
         p->holder->remove(p, out);
+    if (p->holder && p->holder->keeping)
+        strips_hide(p, out);
     if (p->is_shown && !p->facts.graphics->remove)
         erase(p, out);
     p->holder = NULL;
@@ -74,6 +77,7 @@ void painter_release(struct painter *p)
         free(p->of[i].bytes);
     free(p->scratch);
     free(p->held);
+    strips_release(&p->kept);
     shades_release(&p->shades);
     png_release(&p->png);
     *p = (struct painter){0};
@@ -236,20 +240,26 @@ static struct raster raster_of(const struct painter *p, unsigned i)
     if (p->has_palette) {
         raster.colour = p->shades.colour;
         raster.colours = p->shades.count;
+        raster.has_clear = p->kept.strips > 0;
     }
     return raster;
 }
 
 static bool fill(struct painter *p, const struct image_view *view)
 {
-    return shades_fill(&p->shades, p->has_palette, view, p->of[1].bytes, p->width, p->height);
+    if (!shades_fill(&p->shades, p->has_palette, view, p->of[1].bytes, p->width, p->height))
+        return false;
+    if (p->has_palette)
+        strips_clear(&p->kept, view, p->of[1].bytes, p->width);
+    return true;
 }
 
 static struct stale_rule rule_of(const struct painter *p)
 {
     const struct graphics *g = p->facts.graphics;
     if (!g->over_cells)
-        return (struct stale_rule){PIXEL_TILE, PIXEL_TILE, false, g->patch_cost};
+        return (struct stale_rule){PIXEL_TILE, PIXEL_TILE, false,
+                                   p->kept.strips ? CLEAR_FACTOR * g->patch_cost : g->patch_cost};
     return (struct stale_rule){p->facts.cell_width, p->facts.cell_height, true, g->patch_cost};
 }
 
@@ -350,6 +360,10 @@ static bool show_pixels(struct painter *p, const struct image_view *view, struct
 {
     struct stale stale;
     take_size(p, view, out);
+    if (p->facts.graphics->keeping) {
+        p->kept.strips = view->strips;
+        strips_show(p, out);
+    }
     if (can_patch(p, view, &stale)) {
         show_patches(p, &stale, view, out);
         return !out->failed;
@@ -379,6 +393,39 @@ static bool cut(struct image_view *view, uint32_t width, uint32_t height, uint8_
     view->rgba = *copy;
     view->width = width;
     return true;
+}
+
+/* Without a palette nothing is clear. */
+void painter_keep(struct painter *p, struct image_view *view, size_t budget, struct buf *out)
+{
+    uint32_t width, height;
+    painter_size(p, &width, &height);
+    p->kept.strips = 0;
+    if (p->facts.graphics->keeping && view->below && !view->smooth && view->hue &&
+        view->width <= width && view->height <= height)
+        strips_prepare(p, view, budget, out);
+    view->strip = p->kept.strip;
+    view->strips = p->kept.strips;
+}
+
+bool painter_has_room(const struct painter *p)
+{
+    return p->kept.pixels < STRIPS_PIXELS_MOST / 4 * 3;
+}
+
+bool painter_take_reply(struct painter *p, const char *reply)
+{
+    const struct keeping *keeping = p->facts.graphics->keeping;
+    const uint32_t number = keeping ? keeping->lost(reply) : 0;
+    return number > 0 && strips_lost(&p->kept, number);
+}
+
+void painter_drop(struct painter *p, struct buf *out)
+{
+    if (p->facts.graphics->keeping)
+        p->facts.graphics->keeping->free_all(out);
+    strips_forget(&p->kept);
+    painter_forget(p);
 }
 
 bool painter_show(struct painter *p, const struct image_view *view, struct buf *out)

@@ -38,6 +38,7 @@
 
 #include "base/buf.h"
 #include "image/png.h"
+#include "tui/picture/strips.h"
 #include "tui/picture/image_view.h"
 #include "tui/picture/shades.h"
 #include "tui/probe.h"
@@ -56,6 +57,7 @@ struct painter {
     bool has_palette;
     struct shades shades;
 
+    struct strips kept;            /* parts of slices that the terminal has */
     const struct graphics *holder; /* by which the terminal holds a picture of its own, or NULL */
 
     /* for the protocol's own use */
@@ -83,6 +85,21 @@ void painter_size(const struct painter *p, uint32_t *width, uint32_t *height);
  * cursor may be anywhere afterwards. False, with out->failed set, without memory: `out` is to be
  * thrown away, and the next picture goes whole. */
 bool painter_show(struct painter *p, const struct image_view *view, struct buf *out);
+
+/* Before painter_show, where the terminal can keep parts of slices (tui/picture/strips.h): adds
+ * what sends it those of the view's that it lacks, within `budget` bytes, and has the view know
+ * which are there. Shows nothing yet, so a view that is not shown now may be sent ahead. */
+void painter_keep(struct painter *p, struct image_view *view, size_t budget, struct buf *out);
+
+/* Whether the terminal has room for parts of slices that are not wanted yet. */
+bool painter_has_room(const struct painter *p);
+
+/* Takes a reply of the terminal; true where it says that parts of what is shown are not there, and
+ * the picture is to be shown again. */
+bool painter_take_reply(struct painter *p, const char *reply);
+
+/* Nobody knows what the terminal has, or it is to have nothing any more. */
+void painter_drop(struct painter *p, struct buf *out);
 
 /* The screen was cleared or overwritten: the next picture goes whole. */
 void painter_forget(struct painter *p);

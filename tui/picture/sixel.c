@@ -197,7 +197,7 @@ static void once(struct painter *p, const struct raster *raster, struct buf *out
     }
     band.run = p->scratch;
     buf_printf(out, "\033P0;1q\"1;1;%u;%u", raster->width, raster->height);
-    add_colours(out, used, raster_used(raster, number, used));
+    add_colours(out, used, raster_used(raster, number, used, NULL));
     for (uint32_t y = 0; y < raster->height; y += BAND) {
         const uint32_t rows = raster->height - y < BAND ? raster->height - y : BAND;
         gather(&band, raster->bytes + y * raster->stride, raster->stride, raster->width, rows);

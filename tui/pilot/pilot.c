@@ -17,7 +17,7 @@
 enum { COLUMNS_LEAST = 20, ROWS_LEAST = 10, ROWS_OF_TEXT = 2, PASTE_MOST = 4096 };
 
 /* On a line that takes so long for so much, bytes cost more than the time to make them less. */
-enum { SLOW_BYTES = 10000 };
+enum { SLOW_BYTES = 10000, AHEAD_OVER = UINT16_MAX, AHEAD_NEAR = 6, AHEAD_DUE = 2 };
 #define SLOW_NS      UINT64_C(5000000)
 
 #define ENTER_SCREEN "\033[?1049h\033[?25l" TERM_PROMPT_BEGINS
@@ -36,7 +36,10 @@ struct pilot {
     struct refine refine;
     struct flow flow;
     bool is_resized;
-    bool is_blank; /* nor anything at all */
+    bool is_paging;   /* nothing is drawn until a key */
+    bool is_blank;    /* nor anything at all */
+    bool keeps;       /* the line is so slow that slices are to live in the terminal */
+    unsigned further; /* the next slice to be sent before it is wanted; AHEAD_OVER: none */
     bool is_pasting;
     struct buf pasted; /* since it began, or until it is taken */
     bool is_over, has_ended;
@@ -120,9 +123,16 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
     buf_release(&lower);
 }
 
+/* What clears the screen, pictures apart. ESC[2J would have a terminal that keeps parts of slices
+ * drop them. */
+static const char *blank_of(const struct pilot *p)
+{
+    return p->facts->graphics->keeping ? "\033[m\033[H\033[J" : "\033[m\033[H\033[2J";
+}
+
 /* What one screen shows of a text that cells_wrap has broken, from byte *at on, and below it which
  * key goes on; *at is then where the next screen begins. */
-static void add_page(struct buf *out, const struct buf *text, size_t *at,
+static void add_page(struct buf *out, const struct pilot *p, const struct buf *text, size_t *at,
                      const struct term_size *size)
 {
     const size_t first = *at;
@@ -130,7 +140,7 @@ static void add_page(struct buf *out, const struct buf *text, size_t *at,
         const char *feed = memchr(text->data + *at, '\n', text->length - *at);
         *at = feed ? (size_t)(feed - (const char *)text->data) + 1 : text->length;
     }
-    buf_add_text(out, "\033[m\033[H\033[2J");
+    buf_add_text(out, blank_of(p));
     buf_add(out, buf_text(text) + first, *at - first);
     const char *more = size->columns < 26 ? "(any key; q: enough)" : "(any key: more; q: enough)";
     buf_printf(out, "\033[%u;1H%s", size->rows, *at < text->length ? more : "(any key)");
@@ -154,10 +164,17 @@ static struct pilot_wish wish_of(const struct pilot *p)
     return wish;
 }
 
+/* A line that is slow stays so until it is fast by far. */
+static bool is_slow(struct pilot *p)
+{
+    const uint64_t takes_ns = flow_carries_ns(&p->flow, SLOW_BYTES);
+    p->keeps = takes_ns > (p->keeps ? SLOW_NS / 4 : SLOW_NS);
+    return p->keeps;
+}
+
 static void add_picture(struct pilot *p, struct buf *out)
 {
     const struct pilot_wish wish = wish_of(p);
-    const size_t before = out->length;
     struct image_view view, shown;
     struct fault fault;
     if (p->facts->graphics->kind == GRAPHICS_NOTHING)
@@ -167,13 +184,19 @@ static void add_picture(struct pilot *p, struct buf *out)
         buf_printf(&p->message, "error: %s", fault.text);
         return;
     }
-    if (!refine_begin(&p->refine, &view, p->is_stale, flow_budget(&p->flow), &shown)) {
+    const size_t budget = flow_budget(&p->flow), before = out->length;
+    view.is_slow = is_slow(p);
+    if (p->keeps)
+        painter_keep(&p->painter, &view, p->is_stale ? 0 : budget, out);
+    const size_t kept = out->length - before; /* bytes */
+    if (!refine_begin(&p->refine, &view, p->is_stale, kept < budget ? budget - kept : 1, &shown)) {
         out->failed = true;
         return;
     }
-    shown.is_slow = flow_carries_ns(&p->flow, SLOW_BYTES) > SLOW_NS;
     painter_show(&p->painter, &shown, out);
-    refine_sent(&p->refine, out->length - before);
+    refine_sent(&p->refine, out->length - before - kept);
+    if (p->is_stale)
+        p->further = 0;
 }
 
 /* The whole of the present state in one write, and a question whose answer says that it is there.
@@ -189,13 +212,14 @@ static enum err draw(struct pilot *p, struct fault *fault)
     }
     if (p->flow.failed) { /* nobody knows what has arrived */
         probe_add_recovery(p->facts, &out);
+        painter_drop(&p->painter, &out);
         p->is_blank = true;
     }
     if (p->facts->synchronizes)
         buf_add_text(&out, "\033[?2026h");
     if (p->is_blank) {
-        buf_add_text(&out, "\033[m\033[H\033[2J");
-        painter_forget(&p->painter);
+        painter_remove(&p->painter, &out);
+        buf_add_text(&out, blank_of(p));
         refine_forget(&p->refine);
     }
     add_picture(p, &out);
@@ -213,6 +237,33 @@ static enum err draw(struct pilot *p, struct fault *fault)
     return err;
 }
 
+/* A frame of its own, which shows nothing: a part of a slice that may be wanted next, while the
+ * line has nothing else to carry. */
+static enum err send_ahead(struct pilot *p, struct fault *fault)
+{
+    const struct pilot_wish wish = wish_of(p);
+    struct buf out = {0};
+    struct image_view view;
+    if (!p->host->ahead || !p->host->ahead(p->host->context, &wish, p->further, &view) ||
+        !painter_has_room(&p->painter)) {
+        p->further = AHEAD_OVER;
+        return OK;
+    }
+    view.is_slow = true;
+    painter_keep(&p->painter, &view, 1, &out);
+    if (out.length == 0) {
+        p->further++; /* all of it is there */
+        return OK;
+    }
+    buf_add_text(&out, "\033[c");
+    const uint64_t now_ns = clock_ns();
+    const enum err err =
+        out.failed ? fault_memory(fault, "a frame") : term_write(buf_text(&out), out.length, fault);
+    flow_sent(&p->flow, out.length, now_ns);
+    buf_release(&out);
+    return err;
+}
+
 /* Where the picture goes, by the size of the screen. */
 static void lay_out(struct pilot *p)
 {
@@ -223,11 +274,13 @@ static void lay_out(struct pilot *p)
     p->is_stale = p->is_blank = true;
 }
 
-static enum err clear_picture(struct pilot *p, struct fault *fault)
+static enum err clear_picture(struct pilot *p, bool all_anew, struct fault *fault)
 {
     struct buf out = {0};
     painter_remove(&p->painter, &out);
-    buf_add_text(&out, "\033[m\033[H\033[2J");
+    if (all_anew) /* what the terminal keeps as well */
+        painter_drop(&p->painter, &out);
+    buf_add_text(&out, blank_of(p));
     const enum err err = term_write(buf_text(&out), out.length, fault);
     buf_release(&out);
     p->is_stale = p->is_blank = true;
@@ -392,7 +445,7 @@ static enum err show_page(struct pilot *p, struct buf *text, size_t *at, struct 
     if (!text)
         pilot_keys_page(&keys, p->state->setup, size.columns);
     cells_wrap(&wrapped, text ? text : &keys, size.columns);
-    add_page(&page, &wrapped, at, &size);
+    add_page(&page, p, &wrapped, at, &size);
     const bool was_last = *at >= wrapped.length;
     enum err err = page.failed || wrapped.failed ? fault_memory(fault, "a page")
                                                  : term_write(buf_text(&page), page.length, fault);
@@ -413,7 +466,7 @@ static enum err show_page(struct pilot *p, struct buf *text, size_t *at, struct 
 static enum err show_pages(struct pilot *p, struct buf *text, struct fault *fault)
 {
     struct key_event event = {0};
-    enum err err = clear_picture(p, fault);
+    enum err err = clear_picture(p, false, fault);
     for (size_t at = 0; !err && !p->is_over && at != SIZE_MAX;)
         err = show_page(p, text, &at, &event, fault);
     return err;
@@ -487,7 +540,7 @@ static enum err ask_for_pasted(struct pilot *p, struct fault *fault)
 
 static enum err suspend(struct pilot *p, struct fault *fault)
 {
-    enum err err = clear_picture(p, fault);
+    enum err err = clear_picture(p, true, fault);
     if (p->flow.due) /* or the shell gets the answers as input */
         probe_await(p->flow.due, 2000, &p->editor->input);
     p->flow.due = 0;
@@ -504,7 +557,7 @@ static enum err do_deed(struct pilot *p, enum pilot_deed deed, struct fault *fau
     case PILOT_SHOW_KEYS:
         return show_pages(p, NULL, fault);
     case PILOT_REDRAW:
-        return clear_picture(p, fault);
+        return clear_picture(p, true, fault);
     case PILOT_SUSPEND:
         return suspend(p, fault);
     case PILOT_LEAVE:
@@ -584,6 +637,8 @@ static bool is_for_pilot(struct pilot *p, struct key_event *event)
     if (event->key == KEY_REPLY) {
         if (keys_body_is_answer(&p->editor->keys))
             flow_answered(&p->flow, clock_ns());
+        else
+            p->is_stale |= painter_take_reply(&p->painter, p->editor->keys.body);
         return false;
     }
     if (event->key == KEY_PASTE_BEGIN && !p->is_pasting) {
@@ -628,12 +683,20 @@ static bool awaits_rest(const struct pilot *p)
     return !p->is_pasting && keys_waiting(&p->editor->keys);
 }
 
+/* Whether a slice is to be sent ahead now: the nearest as fast as the line carries them, others a
+ * few at a time, so that a key hardly waits for them. */
+static bool is_ahead(const struct pilot *p)
+{
+    return p->keeps && p->flow.due <= (p->further < AHEAD_NEAR ? FLOW_FRAMES : AHEAD_DUE) &&
+           p->further < AHEAD_OVER && !p->flow.silent && p->facts->graphics->keeping != NULL;
+}
+
 /* How long to wait for input: for the rest of a sequence, or until a frame may go. */
 static int patience_ms(const struct pilot *p)
 {
     if (awaits_rest(p))
         return KEYS_TIMEOUT_MS;
-    return has_more(p) ? flow_wait_ms(&p->flow, clock_ns()) : -1;
+    return !p->is_paging && (has_more(p) || is_ahead(p)) ? flow_wait_ms(&p->flow, clock_ns()) : -1;
 }
 
 /* Waits once: bytes, news, a signal, or nothing for as long as that makes sense. True with a key
@@ -668,11 +731,13 @@ static bool wait_once(struct pilot *p, struct key_event *event)
 static void await_key(struct pilot *p, struct key_event *event)
 {
     bool has_key = false;
+    p->is_paging = true;
     while (!p->is_over && !p->is_resized && !has_key) {
         has_key = next_key(p, event) || wait_once(p, event);
         has_key = has_key && event->key != KEY_PASTE_END && event->key != KEY_OTHER &&
                   event->key != KEY_MOUSE;
     }
+    p->is_paging = false;
     buf_clear(&p->pasted);
 }
 
@@ -683,8 +748,9 @@ static enum err run(struct pilot *p, struct fault *fault)
     while (!err && !p->is_over) {
         while (!err && !p->is_over && next_key(p, &event))
             err = take_key(p, &event, fault);
-        if (!err && !p->is_over && has_more(p) && flow_may_send(&p->flow, clock_ns()))
-            err = draw(p, fault);
+        if (!err && !p->is_over && (has_more(p) || is_ahead(p)) &&
+            flow_may_send(&p->flow, clock_ns()))
+            err = has_more(p) || p->flow.failed ? draw(p, fault) : send_ahead(p, fault);
         if (!err && !p->is_over && wait_once(p, &event))
             err = take_key(p, &event, fault);
     }
@@ -714,6 +780,7 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
         err = run(&p, fault);
     host->drop(host->context, NULL); /* what was being drawn when the input ended */
     painter_remove(&p.painter, &out);
+    painter_drop(&p.painter, &out);
     term_write(buf_text(&out), out.length, NULL);
     term_change_sequences(TERM_PROMPT_BEGINS, TERM_PROMPT_ENDS, NULL);
     editor->answers_due += p.flow.due;

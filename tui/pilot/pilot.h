@@ -88,6 +88,11 @@ struct pilot_host {
      * picture has gone on by so many eighths of it. False where it is shown to its end. */
     bool (*pan)(void *context, enum pilot_pane pane, int right, int down, uint32_t middle[3],
                 uint32_t place[3]);
+    /* Of what may be wanted next, `number` by `number` from 0 on: a slice's greys below, with no
+     * more than width, height, hue, slice and below filled in. May be NULL; false where there is no
+     * more. The pixels stay until the next call. */
+    bool (*ahead)(void *context, const struct pilot_wish *wish, unsigned number,
+                  struct image_view *view);
     /* The voxel that the last picture shows at a pixel, and in which pane that is; false for none,
      * with the pane none the less. */
     bool (*voxel_at)(void *context, uint32_t column, uint32_t row, uint32_t place[3],

@@ -100,14 +100,34 @@ static bool is_within(const struct raster_box *box, const struct tile *t)
            t->top + t->height > box->top && t->top < box->top + box->height;
 }
 
-/* Lists the tiles that differ from what is wanted, where one looks or elsewhere. False without
- * memory. */
-static bool list_stale(struct refine *r, const struct image_view *wanted, bool in_focus)
+enum below { BELOW_NOTHING, BELOW_THERE, BELOW_AWAITED };
+
+static enum below below_of(const struct image_view *wanted, const struct tile *t)
+{
+    enum below below = BELOW_NOTHING;
+    for (unsigned i = 0; i < wanted->strips; i++)
+        if (is_within(&wanted->strip[i].box, t)) {
+            if (!wanted->strip[i].is_there)
+                return BELOW_AWAITED;
+            below = BELOW_THERE;
+        }
+    return below;
+}
+
+/* Lists the tiles that differ from what is wanted, where one looks or elsewhere; those of which the
+ * terminal has the greys are made fine instead. False without memory. */
+static bool list_stale(struct refine *r, const struct image_view *wanted, bool in_focus, bool moves)
 {
     for (uint32_t top = 0; top < r->height; top += REFINE_TILE)
         for (uint32_t left = 0; left < r->width; left += REFINE_TILE) {
             const struct tile t = tile_at(r, left, top);
             if (is_within(&wanted->focus, &t) != in_focus || !tile_differs(r, wanted->rgba, &t))
+                continue;
+            const enum below below = below_of(wanted, &t);
+            if (below == BELOW_THERE)
+                copy_tile(r, wanted, &t, 1);
+            r->waits |= below == BELOW_AWAITED && !moves;
+            if (below == BELOW_THERE || (below == BELOW_AWAITED && !moves))
                 continue;
             if (!mem_grow(&r->stale, &r->stale_capacity, r->stales + 1, sizeof *r->stale))
                 return false;
@@ -148,7 +168,9 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
     if (r->cost[0] <= 0)
         memcpy(r->cost, cost_at_first, sizeof r->cost);
     r->stales = 0;
-    if (!begin_size(r, wanted) || !list_stale(r, wanted, true) || !list_stale(r, wanted, false))
+    r->waits = false;
+    if (!begin_size(r, wanted) || !list_stale(r, wanted, true, moves) ||
+        !list_stale(r, wanted, false, moves))
         return false;
     const size_t stale = r->stales;
     const double may = (double)budget;
@@ -168,7 +190,7 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
         if (level > 0)
             coarsen_between(r, wanted, i, 1U << level);
     }
-    r->is_coarse = level > 0 || most < stale;
+    r->is_coarse = level > 0 || most < stale || r->waits;
     *shown = *wanted;
     shown->rgba = r->rgba;
     shown->is_coarse = level > 0;

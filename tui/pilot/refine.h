@@ -7,6 +7,9 @@
  * Words stay sharp in coarse tiles, and where one looks gets fine first. What tiles cost is learnt
  * from the frames that were sent. Pure.
  *
+ * Where the terminal has the greys of a slice (tui/picture/strips.h) little is left to be sent, and
+ * tiles are fine at once; where it will get them tiles wait for that.
+ *
  *     struct refine r = {0};
  *     refine_begin(&r, &wanted, moves, budget, &shown)    shown: what to have on the screen
  *     .. painter_show(&p, &shown, &out) ..
@@ -37,6 +40,7 @@ struct refine {
     double cost[REFINE_LEVELS]; /* bytes a tile */
     struct refine_place *stale; /* of the frame at hand: tiles that are not as they should be */
     size_t stales, stale_capacity;
+    bool waits; /* some tiles do, for the terminal to get their greys */
 };
 
 /* Has `shown`, which has the size of `wanted` and is the refine's until the next call, be the
