@@ -383,6 +383,23 @@ STORY(a_random_line_and_its_canonical_form_mean_the_same)
     interpreter_release(&interp);
 }
 
+STORY(a_radius_is_written_with_all_its_digits)
+{
+    static const char *const word[] = {"0",         "32",          "0.000001mm", "0.00001mm",
+                                       "0.05001mm", "999.99999mm", "1000mm"};
+    struct interpreter interp;
+    struct buf out = {0};
+    char line[64];
+    begin_with_scene(&interp);
+    for (size_t i = 0; i < sizeof word / sizeof word[0]; i++) {
+        snprintf(line, sizeof line, "seed 0,0,0 1 radius=%s", word[i]);
+        canonical(&out, line, &interp.session);
+        CHECK_TEXT(buf_text(&out), line);
+    }
+    buf_release(&out);
+    interpreter_release(&interp);
+}
+
 /* ---- positions ---- */
 
 STORY(millimetres_lead_to_the_nearest_voxel)
@@ -2156,8 +2173,8 @@ int main(void)
         TELL(every_example_parses_and_its_canonical_form_is_its_own),
         TELL(help_names_every_command_and_parameter), TELL(help_fits_80_columns),
         TELL(a_random_line_and_its_canonical_form_mean_the_same),
-        TELL(millimetres_lead_to_the_nearest_voxel), TELL(a_wrong_line_is_told_what_was_expected),
-        TELL(an_error_tells_where_in_the_line_it_is),
+        TELL(a_radius_is_written_with_all_its_digits), TELL(millimetres_lead_to_the_nearest_voxel),
+        TELL(a_wrong_line_is_told_what_was_expected), TELL(an_error_tells_where_in_the_line_it_is),
         TELL(without_a_scene_only_what_needs_none_works), TELL(comments_and_empty_lines_do_nothing),
         TELL(garbage_is_parsed_or_refused_in_one_plain_line),
         TELL(completion_offers_what_may_stand_there), TELL(completion_says_what_words_mean),

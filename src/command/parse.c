@@ -1,6 +1,8 @@
 #include "command/command.h"
 
 #include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/choice.h"
@@ -168,10 +170,16 @@ static enum err read_label(struct value *value, const struct parameter *p, const
     return ERR_USAGE;
 }
 
-/* Thousandths without needless digits: 12500 is 12.5, -500 is -0.5. Exact, having less than 15. */
-static void write_decimal(struct buf *out, int64_t thousandths)
+/* `value` in units of 10^-places, exact and without needless digits: -500 of three is -0.5. */
+static void write_decimal(struct buf *out, int64_t value, int places)
 {
-    buf_printf(out, "%.15g", (double)thousandths / 1000);
+    const lldiv_t parts = lldiv(value, places == 6 ? 1000000 : 1000);
+    char text[32];
+    int n = snprintf(text, sizeof text, "%s%lld.%0*lld", value < 0 ? "-" : "", llabs(parts.quot),
+                     places, llabs(parts.rem));
+    while (text[n - 1] == '0')
+        n--;
+    buf_add(out, text, (size_t)(n - (text[n - 1] == '.')));
 }
 
 static enum err read_number(struct value *value, const struct parameter *p, const char *word,
@@ -183,9 +191,9 @@ static enum err read_number(struct value *value, const struct parameter *p, cons
     struct buf expected = {0};
     const int64_t unit = places ? 1 : 1000;
     buf_add_text(&expected, "a number ");
-    write_decimal(&expected, p->least * unit);
+    write_decimal(&expected, p->least * unit, 3);
     buf_add_text(&expected, "..");
-    write_decimal(&expected, p->most * unit);
+    write_decimal(&expected, p->most * unit, 3);
     buf_add_text(&expected, places ? " with at most three decimals" : "");
     const enum err err = expect(fault, p, word, buf_text(&expected));
     buf_release(&expected);
@@ -506,15 +514,15 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
         buf_printf(out, "%u-%u", value->place[0], value->place[1]);
     else if (p->type == VALUE_COLOUR)
         buf_printf(out, "#%06llx", (unsigned long long)value->number);
-    else if (value->in_mm)
-        buf_printf(out, "%.15gmm", (double)value->number / 1e6);
-    else if (p->type == VALUE_DECIMAL || p->type == VALUE_INTERVAL)
-        write_decimal(out, value->number);
+    else if (value->in_mm || p->type == VALUE_DECIMAL || p->type == VALUE_INTERVAL)
+        write_decimal(out, value->number, value->in_mm ? 6 : 3);
     else
         buf_printf(out, "%lld", (long long)value->number);
+    if (value->in_mm)
+        buf_add_text(out, "mm");
     if (p->type == VALUE_INTERVAL) {
         buf_add_text(out, "..");
-        write_decimal(out, value->high);
+        write_decimal(out, value->high, 3);
     }
 }
 
