@@ -670,8 +670,9 @@ static void has_same_history(const struct history *a, const struct history *b)
     }
 }
 
-/* A copy of a journal whose eliminators say `taken` of what they removed, or (NULL) nothing. */
-static void forge_taken(const char *from, const char *to, const char *taken)
+/* A copy of a journal whose eliminators say `taken` under a key of what they removed, or (NULL)
+ * nothing of it under any. */
+static void forge_taken(const char *from, const char *to, const char *key, const char *taken)
 {
     struct buf bytes = {0}, out = {0}, words = {0}, header = {0};
     struct walk walk;
@@ -686,8 +687,9 @@ static void forge_taken(const char *from, const char *to, const char *taken)
         buf_clear(&words);
         const char *at = record.result, *end = at + strlen(at);
         while (record_word_next(&at, end, &word)) {
-            const bool took = (word.key_length == 4 && memcmp(word.key, "took", 4) == 0) ||
-                              (word.key_length == 7 && memcmp(word.key, "removed", 7) == 0);
+            const bool took =
+                key ? record_key_is(&word, key, strlen(key))
+                    : record_key_is(&word, "took", 4) || record_key_is(&word, "removed", 7);
             if (took && !taken)
                 continue;
             buf_printf(&words, "%s%.*s=", words.length ? " " : "", (int)word.key_length, word.key);
@@ -750,13 +752,14 @@ STORY(what_is_skimmed_is_what_was_carried_out)
         interp.journal = NULL;
         resumes_as(path, &interp, true);
         resumes_as(path, &interp, false);
-        forge_taken(path, bare, NULL);
+        forge_taken(path, bare, NULL, NULL);
         resumes_as(bare, &interp, false);
         interpreter_release(&interp);
     }
 }
 
-static void lies_are_found(const char *line, const char *truth, const char *const *lie, size_t lies)
+static void lies_are_found(const char *before, const char *line, const char *key, const char *truth,
+                           const char *const *lie, size_t lies)
 {
     struct interpreter interp, again;
     char path[PATH_MAX], forged[PATH_MAX], found[80];
@@ -767,19 +770,19 @@ static void lies_are_found(const char *line, const char *truth, const char *cons
     must(&interp, "auto on");
     must(&interp, "seed 1,1,1 1");
     must(&interp, "seed 10,9,8 2");
+    must(&interp, "seed 10,9,9 2 joined=yes");
+    must(&interp, before);
     must(&interp, line);
     CHECK_HAS(buf_text(&reply.words), truth);
     interpreter_release(&interp);
-    const char *value = strchr(truth, '=');
-    snprintf(found, sizeof found, "record 6 (line 12) diverges: %.*s is %s", (int)(value - truth),
-             truth, value + 1);
+    snprintf(found, sizeof found, "record 8 (line 16) diverges: %s is %s", key, truth);
     for (size_t i = 0; i < lies; i++) {
-        forge_taken(path, forged, lie[i]);
+        forge_taken(path, forged, key, lie[i]);
         CHECK(resume(&again, forged, false) == ERR_CHECK);
         CHECK_HAS(fault.text, found);
         interpreter_release(&again);
     }
-    forge_taken(path, forged, value + 1);
+    forge_taken(path, forged, key, truth);
     CHECK(resume(&again, forged, false) == OK);
     interpreter_release(&again);
 }
@@ -788,10 +791,12 @@ STORY(a_journal_that_lies_is_not_resumed)
 {
     static const char *const of_seeds[] = {"10,9,8",  "3,3,3",  "1,1", "99,1,1",
                                            "1,1,1;;", "-1,0,0", "x"};
-    static const char *const of_markers[] = {"2", "1-2", "3", "0", "1,1", "2-1", "1-", "x", "1,,1"};
-    lies_are_found("remove 1,2,1 of=tree", "took=1,1,1", of_seeds,
+    static const char *const of_markers[] = {"2",   "1-2", "3",  "4", "5",   "0",
+                                             "1,1", "2-1", "1-", "x", "1,,1"};
+    lies_are_found("auto on", "remove 1,2,1 of=tree", "took", "1,1,1", of_seeds,
                    sizeof of_seeds / sizeof *of_seeds);
-    lies_are_found("remove 1,2,1", "removed=1", of_markers, sizeof of_markers / sizeof *of_markers);
+    lies_are_found("remove 10,9,9 of=tree", "remove 1,2,1", "removed", "1", of_markers,
+                   sizeof of_markers / sizeof *of_markers); /* 3 is joined, 4 erases */
 }
 
 /* ---- what is put away ---- */

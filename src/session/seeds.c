@@ -47,13 +47,21 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
     return err ? err : watch_fault(session->watch, fault);
 }
 
+/* A part of a stroke goes with the first one, and an eraser stands for good. */
+static bool can_take_away(const struct markers *markers, uint32_t number)
+{
+    const struct marker *marker = markers->marker + number - 1;
+    return number >= 1 && number <= markers->count && marker->stands && !marker->joined &&
+           marker->label != EDIT_ERASE;
+}
+
 enum err session_take_away(struct session *session, const uint32_t *number, size_t count,
                            struct fault *fault)
 {
     const struct markers *markers = &session->markers;
     enum err err = OK;
     for (size_t i = 0; !err && i < count; i++)
-        if (number[i] < 1 || number[i] > markers->count || !markers->marker[number[i] - 1].stands)
+        if (!can_take_away(markers, number[i]))
             err = fault_set(fault, ERR_CHECK, "no marker %u stands", number[i]);
         else
             for (uint32_t n = number[i]; !err && n; n = markers_next(markers, n))

@@ -162,7 +162,8 @@ enum err session_plant(struct session *session, const uint32_t *cell, size_t cou
 void session_join(struct session *session);
 
 /* Takes markers away, by their numbers, with those that are joined to them: their seeds, and the
- * seeds of the markers below come back. ERR_CHECK for a number that no marker which stands has. */
+ * seeds of the markers below come back. ERR_CHECK for a number that no marker which stands has, or
+ * that a joined one or an eraser has. */
 enum err session_take_away(struct session *session, const uint32_t *number, size_t count,
                            struct fault *fault);
 
