@@ -320,7 +320,7 @@ seeds() { # many of them
 }
 # What was acknowledged before the disk was full is in the journal, and more can follow.
 holds_what_was_said() { # JOURNAL
-    sed -n 's/^ok [0-9]* //p' "$work/out" >"$work/said"
+    sed -n 's/^ok [0-9-]* //p' "$work/out" >"$work/said"
     "$iftty" log --script "$1" >"$work/kept" || fail "log --script"
     cmp -s "$work/said" "$work/kept" ||
         fail "said and recorded differ:" "$(diff "$work/said" "$work/kept" | sed 4q)"

@@ -27,7 +27,7 @@ begin "the whole script, undisturbed"
 expect 0 "$iftty" run script --journal whole.iftty
 same "$(grep -c '^ok ' out)" 200
 expect 0 "$iftty" verify whole.iftty
-sed -n 's/^ok [0-9]* //p' out >said
+sed -n 's/^ok [0-9-]* //p' out >said
 "$iftty" log --script whole.iftty | grep -v '^#' | cmp -s - canonical ||
     fail "the journal holds other commands"
 close_story
@@ -80,7 +80,7 @@ for after in 1 2 5 11 23 47 80 120 150 190 0.02 0.05 0.08 0.13; do
     wait "$feeder" 2>/dev/null
     [ ! -s errors ] || fail "trial $trial: $(cat errors)"
     # The last line may have been cut with the process; only whole lines are acknowledgements.
-    { cat acks; echo; } | sed '$d' | sed -n 's/^ok [0-9]* //p' >said
+    { cat acks; echo; } | sed '$d' | sed -n 's/^ok [0-9-]* //p' >said
     if [ ! -e "$journal" ]; then
         [ ! -s said ] || fail "trial $trial: acknowledged without a journal"
         continue

@@ -27,7 +27,7 @@ sed -n 's/^  seed   20,10,8	3$/seed 20,10,8 3/; s/ ball radius/ 2 radius/; /^[a-
     script >canonical
 
 acks() {
-    sed -n 's/^ok [0-9]* //p' out
+    sed -n 's/^ok [0-9-]* //p' out
 }
 
 begin "run acknowledges each command in canonical form, and records it"
@@ -413,6 +413,16 @@ begin "whoever wrote files elsewhere can go on with the journal"
 expect 0 "$iftty" -c "$start; render $work/mine.exr" --journal mine.iftty
 expect 0 "$iftty" -c "seed 1,1,1 1; run" --journal mine.iftty
 out_has "ok 6 seed 1,1,1 1"
+close_story
+
+begin "what is acknowledged has the number of its record, or says that it has none"
+expect 0 "$iftty" -c "open synth:geom:20x20x20; info; seed 1,1,1 1; why 1,1,1; run; undo" \
+    --journal numbers.iftty
+same "$(sed -n 's/^ok \([-0-9]* [a-z]*\).*/\1/p' out | tr '\n' ';')" \
+    "1 open;- info;2 seed;- why;3 run;4 undo;"
+out_has "    undone: 3 run"
+expect 0 "$iftty" -c "info; seed 2,2,2 1" --journal numbers.iftty
+same "$(sed -n 's/^ok \([-0-9]* [a-z]*\).*/\1/p' out | tr '\n' ';')" "- info;5 seed;"
 close_story
 
 begin "run --out writes there, also when resumed"

@@ -145,7 +145,6 @@ static void settle(struct interpreter *interp, bool stands)
     history_settle(&interp->history, stands);
     if (stands) {
         session_settle(&interp->session);
-        interp->acknowledged++;
         return;
     }
     session_rollback(&interp->session);
@@ -173,6 +172,8 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
             err = record(interp, reply, fault);
         settle(interp, err == OK);
     }
+    if (!err)
+        interp->acknowledged = recorded ? interp->history.records : 0;
     interp->unrecorded += !err && recorded && !interp->journal;
     call_release(&call);
     return err;
@@ -190,7 +191,6 @@ static enum err sketch(struct interpreter *interp, const struct call *call, cons
     if (!err)
         err = history_note(&interp->history, &interp->session, buf_text(&reply.canonical), fault);
     settle(interp, err == OK);
-    interp->acknowledged -= !err;
     reply_release(&reply);
     return err;
 }

@@ -66,8 +66,8 @@ struct interpreter {
     struct picture_job *job;       /* of the command at hand, for the writer once it is recorded */
 
     struct sketch sketch;
-    size_t acknowledged;
-    bool has_pilot;                    /* `pilot` can be had here */
+    size_t acknowledged; /* the record of the command that stood last; 0 where it has none */
+    bool has_pilot;      /* `pilot` can be had here */
     void (*add_keys)(struct buf *out); /* what `help keys` says here, or NULL */
     enum interpreter_wish wish;
     bool shows_picture;  /* the last command made a picture to be shown inline: */

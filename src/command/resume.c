@@ -197,7 +197,6 @@ static enum err resume(struct interpreter *interp, const char *path, enum interp
     interp->mode = MODE_LIVE;
     interp->wish = WISH_NONE;
     interp->shows_picture = false;
-    interp->acknowledged = err ? 0 : journal_count(interp->journal);
     return err ? fault_prefix(fault, err, "cannot resume %s", path) : OK;
 }
 

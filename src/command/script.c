@@ -22,7 +22,7 @@ void script_acknowledge(const struct interpreter *interp, const struct reply *re
                         const struct printer *printer)
 {
     struct buf text = {0};
-    buf_printf(&text, "ok %zu ", interp->acknowledged);
+    buf_printf(&text, interp->acknowledged ? "ok %zu " : "ok - ", interp->acknowledged);
     buf_add_safe(&text, buf_text(&reply->canonical), reply->canonical.length);
     buf_add_char(&text, '\n');
     for (const char *at = buf_text(&reply->text); *at;) {

@@ -20,14 +20,14 @@ struct printer {
 };
 
 /* Carries out the lines of `input`, whose name is `name` in messages. Each command is acknowledged
- * by "ok N COMMAND", once it is recorded; its answer follows, indented. The first error ends the
- * run, unless `keep_going`; where the session's watch stops a command, or is found to stop between
- * two, it ends in any case: ERR_CANCELLED. *stopped is the line that it ended at then, 0 where it
- * came to the end. Result lines of a journal are skipped. */
+ * by "ok N COMMAND", once it is record N, by "ok - COMMAND" where it is none; its answer follows,
+ * indented. The first error ends the run, unless `keep_going`; where the session's watch stops a
+ * command, or is found to stop between two, it ends in any case: ERR_CANCELLED. *stopped is the
+ * line that it ended at then, 0 where it came to the end. Result lines of a journal are skipped. */
 enum err script_run(struct interpreter *interp, FILE *input, const char *name, bool keep_going,
                     const struct printer *printer, size_t *stopped, struct fault *fault);
 
-/* "ok N COMMAND" and the answer, for a command that was just carried out. */
+/* "ok N COMMAND" or "ok - COMMAND", and the answer, for a command that was just carried out. */
 void script_acknowledge(const struct interpreter *interp, const struct reply *reply,
                         const struct printer *printer);
 

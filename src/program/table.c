@@ -142,7 +142,9 @@ static const struct program program[] = {
      .option = {SESSION_OPTIONS, KEEP_GOING},
      .summary = "carry out the commands of a script or journal",
      .detail = "Each command is acknowledged, once its record is on the disk, by a line that "
-               "begins `ok N` and repeats the command. The first error ends the run.",
+               "begins `ok N`, where N is the number of the record, or `ok -` for a command that "
+               "changes nothing and has none, and repeats the command. The first error ends the "
+               "run.",
      .run = run_script},
     {.name = "replay",
      ONE("JOURNAL"),
