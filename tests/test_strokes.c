@@ -177,7 +177,9 @@ STORY(millimetres_are_refused_where_nobody_knows_them)
     begin_interpreter(&interp);
     snprintf(line, sizeof line, "open %s", place("sizeless.nii"));
     must(&interp, line);
+    must(&interp, "seed 5,5,5 1 radius=2"); /* whose brush is let go of once */
     is_refused("seed 5,5,5 1 radius=2mm", "does not say how large voxels are");
+    is_refused("remove 5,5,5 radius=2mm", "does not say how large voxels are");
     must(&interp, "seed 5,5,5 1 radius=2");
     interpreter_release(&interp);
 }

@@ -105,7 +105,7 @@ enum err act_find_voxels(const struct act *act, const struct value *place,
     const size_t corners = goes_on ? to->line->count : 1;
     const bool was_before =
         !semantics_has(session->semantics, MEANING_STROKES) && corners <= 2 && !radius->in_mm;
-    struct brush brush;
+    struct brush brush = {0};
     enum err err = make_brush(&brush, act, radius);
     if (!err && was_before)
         err = paint_stroke_as_before(voxels, grid, &brush, corner, corners, act->fault);
