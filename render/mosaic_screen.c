@@ -144,6 +144,20 @@ static uint64_t arrange(struct mosaic_layout *layout, const struct arrangement *
            side * side;
 }
 
+/* Whether there are cells for all tracks. */
+static bool has_room(const struct arrangement *a, const struct mosaic_screen *screen)
+{
+    return strlen(a->columns) * CELLS_LEAST <= screen->width / screen->cell_width &&
+           strlen(a->rows) * CELLS_LEAST <= screen->height / screen->cell_height;
+}
+
+bool mosaic_fits(const struct mosaic_screen *screen)
+{
+    return screen->width >= MOSAIC_SIDE_LEAST && screen->height >= MOSAIC_SIDE_LEAST &&
+           (!screen->shows_all || (screen->width / screen->cell_width >= MOSAIC_COLUMNS_LEAST &&
+                                   screen->height / screen->cell_height >= MOSAIC_ROWS_LEAST));
+}
+
 void mosaic_lay_out(struct mosaic_layout *layout, const struct scene *scene,
                     const struct mosaic_screen *screen)
 {
@@ -155,8 +169,9 @@ void mosaic_lay_out(struct mosaic_layout *layout, const struct scene *scene,
         return;
     }
     for (int i = 0; i < ARRANGEMENTS; i++) {
+        const struct arrangement *a = &arrangement_table[i];
         struct mosaic_layout next;
-        const uint64_t used = arrange(&next, &arrangement_table[i], screen, &lengths);
+        const uint64_t used = has_room(a, screen) ? arrange(&next, a, screen, &lengths) : 0;
         if (used > most) {
             most = used;
             *layout = next;

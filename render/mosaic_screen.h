@@ -16,13 +16,17 @@
 
 #include "render/mosaic.h"
 
+enum { MOSAIC_COLUMNS_LEAST = 8, MOSAIC_ROWS_LEAST = 4 }; /* cells, for all panes */
+
 struct mosaic_screen {
-    uint32_t width, height;           /* pixels: whole cells, 8 by 4 of them or more, and */
+    uint32_t width, height;           /* pixels: whole cells, and */
     uint32_t cell_width, cell_height; /* MOSAIC_SIDE_LEAST pixels a side or more */
     bool shows_all;                   /* all panes, or else: */
     enum mosaic_pane alone;
 };
 
+/* Whether a screen has room for what it is to show; mosaic_lay_out is for those that have. */
+bool mosaic_fits(const struct mosaic_screen *screen);
 void mosaic_lay_out(struct mosaic_layout *layout, const struct scene *scene,
                     const struct mosaic_screen *screen);
 

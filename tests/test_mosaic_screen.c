@@ -64,6 +64,22 @@ STORY(panes_lie_beside_each_other_on_any_screen_and_scene)
     }
 }
 
+STORY(panes_lie_beside_each_other_in_the_least_of_screens)
+{
+    struct scene *scene = scene_of(7, 7, 60);
+    for (uint32_t columns = 1; columns < 24; columns++)
+        for (uint32_t rows = 1; rows < 12; rows++) {
+            const struct mosaic_screen screen = screen_of(columns, rows, 8, 16);
+            struct mosaic_layout layout;
+            CHECK(mosaic_fits(&screen) == (columns >= 8 && rows >= 4));
+            if (!mosaic_fits(&screen))
+                continue;
+            mosaic_lay_out(&layout, scene, &screen);
+            lies_well(&layout, &screen);
+        }
+    scene_free(scene);
+}
+
 /* The voxels' squares of all slices, and the largest square of the rendition. */
 static double used(const struct mosaic_layout *layout, const struct scene *scene,
                    const struct mosaic_screen *screen)
@@ -209,6 +225,7 @@ STORY(panes_show_what_slices_alone_would_however_magnified)
 int main(void)
 {
     return RUN_STORIES(TELL(panes_lie_beside_each_other_on_any_screen_and_scene),
+                       TELL(panes_lie_beside_each_other_in_the_least_of_screens),
                        TELL(most_of_the_screen_is_in_use), TELL(slices_line_up),
                        TELL(a_pane_alone_has_the_whole_screen),
                        TELL(panes_show_what_slices_alone_would_however_magnified));

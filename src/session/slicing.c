@@ -184,9 +184,10 @@ enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
 {
     const struct mosaic_screen *screen = &panel->screen;
     *canvas = (struct canvas){0};
-    if (screen->width < MOSAIC_SIDE_LEAST || screen->height < MOSAIC_SIDE_LEAST)
-        return fault_set(fault, ERR_LIMIT, "a panel takes %dx%d pixels or more", MOSAIC_SIDE_LEAST,
-                         MOSAIC_SIDE_LEAST);
+    if (!mosaic_fits(screen))
+        return fault_set(
+            fault, ERR_LIMIT, "the panes take %dx%d pixels, in %dx%d characters, or more",
+            MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, MOSAIC_COLUMNS_LEAST, MOSAIC_ROWS_LEAST);
     mosaic_lay_out(&panel->layout, session->scene, screen);
     enum err err = session_draw(session, RENDER_AS_KEPT, fault);
     if (!err)

@@ -37,7 +37,7 @@ struct slicing_panel {
 
 /* Draws it, and fills in `layout` and `choice`. The canvas has its cells, and remembers where words
  * are and what lies below; the caller releases it.
- * ERR_LIMIT for less than MOSAIC_SIDE_LEAST pixels a side. */
+ * ERR_LIMIT for a screen that has no room (mosaic_fits). */
 enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
                             struct slicing_panel *panel, struct fault *fault);
 
