@@ -309,6 +309,133 @@ STORY(seeds_brushes_and_strokes)
     CHECK(!state.sketches);
 }
 
+STORY(a_radius_in_millimetres)
+{
+    begin();
+    CHECK_TEXT(type("3+Mi"), "seed 20,25,30 1 radius=3mm\n");
+    CHECK_TEXT(buf_text(&message), "");
+    type("M");
+    CHECK_TEXT(buf_text(&message), "the brush: label 1, radius 3");
+    type("M-");
+    CHECK_TEXT(buf_text(&message), "the brush: label 1, radius 2.5mm");
+    CHECK_TEXT(type("i"), "seed 20,25,30 1 radius=2.5mm\n");
+    CHECK_TEXT(type("99+i"), "seed 20,25,30 1 radius=32mm\n");
+    CHECK_TEXT(type("99-i"), "seed 20,25,30 1\n");
+    CHECK_TEXT(type("+Mi"), "seed 20,25,30 1\n"); /* half a voxel is none */
+}
+
+/* What is typed for a range, and what one plants then. */
+static const char *typed_range(const char *text)
+{
+    type("T");
+    type(text);
+    press(KEY_ENTER, 0, 0);
+    CHECK(state.mode == PILOT_MOVING);
+    return type("i");
+}
+
+STORY(a_brush_within_intensities)
+{
+    begin();
+    facts.intensity = -12.5;
+    type("t");
+    CHECK_TEXT(buf_text(&message), "the brush: label 1, radius 0, intensities -17.5..-7.5");
+    CHECK_TEXT(type("40ti"), "seed 20,25,30 1 range=-52.5..27.5\n");
+    CHECK_TEXT(type("+i"), "seed 20,25,30 1 range=-52.5..27.5 radius=1\n");
+    type("v");
+    CHECK_TEXT(type("l"),
+               "cross 19,25,30\nseed 19,25,30 1 range=-52.5..27.5 radius=1 to=20,25,30\n");
+    type("t"); /* another brush ends the stroke */
+    CHECK_TEXT(buf_text(&line),
+               "cross 20,25,30\nseed 20,25,30 1 range=-52.5..27.5 radius=1 to=19,25,30\n");
+    type("v-");
+    CHECK_TEXT(typed_range("80..120.5"), "seed 20,25,30 1 range=80..120.5\n");
+    type("T1..2");
+    press(KEY_ESCAPE, 0, 0); /* leaves it as it was */
+    CHECK_TEXT(type("i"), "seed 20,25,30 1 range=80..120.5\n");
+    type("T7");
+    press(KEY_BACKSPACE, 0, 0);
+    press(KEY_BACKSPACE, 0, 0);
+    CHECK_TEXT(state.typed, "");
+    press(KEY_ESCAPE, 0, 0);
+    static const char *const wrong[] = {"5",       "5..", "9..8",      "..",
+                                        "1..2..3", "-",   "0.0005..1", "1..9999999999999999999"};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
+        CHECK_TEXT(typed_range(wrong[i]), "seed 20,25,30 1 range=80..120.5\n");
+    type("T5");
+    press(KEY_ENTER, 0, 0);
+    CHECK_TEXT(buf_text(&message),
+               "expected LOW..HIGH, as in 40..1200.5, not 5; the brush is as it was");
+    for (int i = 0; i < 100; i++)
+        type(i ? "1" : "T");
+    CHECK_INT(strlen(state.typed), PILOT_RANGE_BYTES - 1);
+    CHECK_TEXT(typed_range(""), "seed 20,25,30 1\n"); /* the limits are gone */
+    type("pT5..6");
+    press(KEY_ENTER, 0, 0);
+    CHECK(state.mode == PILOT_PICKING && state.brush.has_range);
+}
+
+STORY(messages_name_the_keys_that_the_user_has)
+{
+    struct pilot_setup own = pilot_setup_default;
+    begin();
+    state.setup = &own;
+    CHECK(setup_keys(&own, setup_row("keys"), "F", NULL) == OK);
+    CHECK(setup_keys(&own, setup_row("mark"), "Sa-z", NULL) == OK);
+    CHECK(setup_keys(&own, setup_row("plant-label"), ",0-9", NULL) == OK);
+    CHECK(setup_keys(&own, setup_row("eliminate-it"), "y", NULL) == OK);
+    type("U");
+    CHECK_TEXT(buf_text(&message), "this key does nothing here; F shows the keys");
+    type("0");
+    CHECK_TEXT(buf_text(&message), "a count begins with 1-9; ,0 plants a seed of label 0");
+    type("'q");
+    CHECK_TEXT(buf_text(&message), "there is no mark q; Sq sets it");
+    type("Sq");
+    CHECK_TEXT(buf_text(&message), "'q leads back here");
+    type("x");
+    CHECK_TEXT(buf_text(&message), "marker 7 of 5 voxels at 20; y removes it");
+    CHECK_TEXT(type("y"), "remove 20,25,30\n");
+    buf_clear(&message);
+    pilot_keys_hint(&state, &facts, &message);
+    CHECK_TEXT(buf_text(&message),
+               "nothing to show yet: i plants a seed here, ,0 background; F keys  q back");
+}
+
+STORY(boxes_and_polygons_are_set_by_their_corners)
+{
+    begin();
+    CHECK_TEXT(type("d"), "");
+    CHECK_TEXT(buf_text(&message), "a box takes one corner, and there are 0; a sets it");
+    CHECK_TEXT(type("a"), "");
+    CHECK_TEXT(buf_text(&message), "1 corner; d plants the box from it to the cross-hair");
+    memcpy(facts.place, (uint32_t[]){5, 6, 7}, sizeof facts.place);
+    CHECK_TEXT(type("d"), "box 20,25,30 5,6,7 1\n");
+    CHECK_TEXT(type("2ba"), "");
+    facts.place[0] = 15;
+    type("a");
+    CHECK_TEXT(buf_text(&message), "2 corners");
+    CHECK_TEXT(type("A"), "");
+    CHECK_TEXT(buf_text(&message),
+               "a polygon takes 3 corners or more, and there are 2; a sets one");
+    CHECK_TEXT(type("d"), "");
+    CHECK_TEXT(buf_text(&message), "a box takes one corner, and there are 2; Escape drops them");
+    memcpy(facts.place, (uint32_t[]){9, 16, 8}, sizeof facts.place);
+    type("a");
+    CHECK_TEXT(buf_text(&message),
+               "this lies in another slice than the corners so far; Escape drops them");
+    facts.place[2] = 7;
+    type("a");
+    CHECK_TEXT(buf_text(&message), "3 corners; A plants the polygon");
+    facts.intensity = 100;
+    type("10t");
+    CHECK_TEXT(type("A"), "fill 5,6,7 2 range=90..110 to=15,6,7 to=9,16,7\n");
+    CHECK_INT(state.outline.count, 0);
+    type("a");
+    press(KEY_ESCAPE, 0, 0);
+    CHECK_TEXT(buf_text(&message), "the corners are dropped");
+    CHECK_INT(state.outline.count, 0);
+}
+
 /* Letters, each of which takes the cross-hair where its line says. */
 static const char *walk(const char *letters)
 {
@@ -383,12 +510,12 @@ STORY(an_eliminator_shows_first_what_it_takes)
 {
     begin();
     CHECK_TEXT(type("x"), "");
-    CHECK_TEXT(buf_text(&message), "marker 7 of 5 voxels at 20; x again removes it");
+    CHECK_TEXT(buf_text(&message), "marker 7 of 5 voxels at 20; x removes it");
     CHECK(state.mode == PILOT_CONFIRMING);
     CHECK_TEXT(type("x"), "remove 20,25,30\n");
     CHECK(state.mode == PILOT_MOVING);
     CHECK_TEXT(type("xX"), ""); /* the marker, and then its tree instead */
-    CHECK_TEXT(buf_text(&message), "the tree of 5 voxels at 20; X again removes it");
+    CHECK_TEXT(buf_text(&message), "the tree of 5 voxels at 20; X removes it");
     CHECK(state.mode == PILOT_CONFIRMING_TREE);
     CHECK_TEXT(type("x"), ""); /* and back */
     CHECK(state.mode == PILOT_CONFIRMING);
@@ -466,6 +593,7 @@ STORY(the_view_and_the_window)
     CHECK_TEXT(type("Vr"), "view right\n");
     CHECK_TEXT(type("Vs"), "view top\n");
     CHECK_TEXT(type("Vi"), "view bottom\n");
+    CHECK_TEXT(type("F"), "zoom fit\n");
     CHECK_TEXT(type("z"), "zoom 1.251\n");
     CHECK_TEXT(type("Z"), "zoom 0.8\n");
     facts.zoom = 64000;
@@ -551,7 +679,7 @@ STORY(what_was_chosen_stays_from_one_time_to_the_next)
     type("mkIv12");
     pilot_state_enter(&state);
     CHECK(state.mode == PILOT_MOVING && !state.pen.is_down && state.count == 0);
-    CHECK(state.label == 7 && state.radius == 3 && state.pane == PILOT_CORONAL);
+    CHECK(state.brush.label == 7 && state.brush.radius == 3 && state.pane == PILOT_CORONAL);
     CHECK_TEXT(type("i"), "seed 20,25,30 7 radius=3\n");
     memset(facts.place, 0, sizeof facts.place);
     CHECK_TEXT(type("'k"), "cross 20,25,30\n");
@@ -701,7 +829,7 @@ STORY(the_wheel_takes_the_question_about_a_tree_away)
     CHECK_TEXT(click(MOUSE_WHEEL_UP, 1, 1), "cross 20,25,31\n"); /* where another tree may be */
     CHECK(state.mode == PILOT_MOVING);
     CHECK_TEXT(type("x"), "");
-    CHECK_HAS(buf_text(&message), "x again removes it");
+    CHECK_HAS(buf_text(&message), "x removes it");
     CHECK_TEXT(type("x"), "remove 20,25,30\n");
     facts.place[2] = size[2] - 1;
     CHECK_TEXT(click(MOUSE_WHEEL_UP, 1, 1), ""); /* at the edge there is nothing to record */
@@ -819,7 +947,8 @@ STORY(any_keys_make_lines_that_are_whole)
               (char)(' ' + check_below(&seed, 95)));
         CHECK(line.length == 0 || line.data[line.length - 1] == '\n');
         CHECK(!line.failed && !message.failed);
-        CHECK(state.label < 256 && state.radius <= 32 && state.pane < PILOT_RENDITION);
+        CHECK(state.brush.label < 256 && state.brush.radius <= (state.brush.in_mm ? 64 : 32) &&
+              state.pane < PILOT_RENDITION);
         CHECK(state.pixel[0] < 64 && state.pixel[1] < 48);
     }
     buf_release(&line);
@@ -1023,6 +1152,9 @@ int main(void)
         TELL(what_was_chosen_stays_from_one_time_to_the_next), TELL(no_key_has_two_meanings),
         TELL(the_page_of_keys_fits_any_window), TELL(what_is_dangerous_and_how_to_begin_are_said),
         TELL(seeds_brushes_and_strokes), TELL(what_the_pen_draws_is_one_command_once_it_is_lifted),
+        TELL(a_radius_in_millimetres), TELL(a_brush_within_intensities),
+        TELL(messages_name_the_keys_that_the_user_has),
+        TELL(boxes_and_polygons_are_set_by_their_corners),
         TELL(a_stroke_too_long_for_a_line_is_in_parts_that_are_joined),
         TELL(an_eliminator_shows_first_what_it_takes), TELL(the_view_and_the_window),
         TELL(corrections_are_made_on_the_rendition), TELL(what_is_no_command),

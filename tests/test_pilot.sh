@@ -131,7 +131,7 @@ close_story
 
 begin "x shows the marker first, and removes it then"
 type_letters "x"
-see '^marker [0-9]+: [0-9]+ trees?, [0-9]+ voxels?, label [0-9].*; x again removes it'
+see '^marker [0-9]+: [0-9]+ trees?, [0-9]+ voxels?, label [0-9].*; x removes it'
 type_letters "x"
 recorded "remove 11,13,9"
 close_story
@@ -245,6 +245,35 @@ comes_true no_words || fail "$(screen_text)"
 type_letters ":"
 enter "overlay words=on"
 see '^ *[0-9]+ mm'
+close_story
+
+begin "boxes, polygons, millimetres and intensities, each as the command it is"
+type_letters ":"
+enter "cross 12,13,8"
+see '^coronal 13 at 12,13,8'
+type_letters "2ba"
+see '^1 corner; d plants the box'
+type_letters "2l3k"
+see '^coronal 13 at 10,13,11  brush 2 r1 1 corner  '
+type_letters "d"
+recorded "box 12,13,8 10,13,11 2"
+type_letters "aha"
+recorded "cross 11,13,11"
+type_letters "j"
+recorded "cross 11,13,10"
+type_letters "aA"
+recorded "fill 10,13,11 2 to=11,13,11 to=11,13,10"
+type_letters "T-99999..99999"
+see '^intensities LOW..HIGH, or none: -99999..99999_  Enter takes it  Escape leaves$'
+press Enter
+see '^coronal 13 at 11,13,10  brush 2 r1 -99999..99999  '
+type_letters "M"
+see 'radius 1mm, intensities'
+type_letters "i"
+recorded "seed 11,13,10 2 radius=1mm range=-99999..99999"
+type_letters "M-T"
+press Enter
+see '^the brush: label 2, radius 0$'
 close_story
 
 begin "stopped and continued, the screen comes back"

@@ -11,6 +11,7 @@
 #include "render/text.h"
 #include "session/slicing.h"
 #include "session/window.h"
+#include "tui/pilot/setup.h"
 
 static const uint8_t marked_tree[3] = {255, 255, 255}, marked_pane[3] = {230, 200, 90},
                      marked_pixel[3] = {255, 255, 255}, words_rgb[3] = {200, 200, 200};
@@ -55,6 +56,11 @@ static void place_of(const struct session *session, uint32_t cell, uint32_t plac
 
 /* ---- facts ---- */
 
+static double real_of(const struct session *session, int32_t intensity)
+{
+    return session->geometry.slope * intensity + session->geometry.intercept;
+}
+
 /* "label 2 cerebellum  intensity 93  0.5,18.0,-2.0 mm" */
 static void write_where(struct buf *out, const struct session *session)
 {
@@ -70,8 +76,8 @@ static void write_where(struct buf *out, const struct session *session)
     } else {
         buf_add_text(out, "no label");
     }
-    buf_printf(out, "  intensity %g  %.1f,%.1f,%.1f mm",
-               geometry->slope * cell->intensity + geometry->intercept, mm[0], mm[1], mm[2]);
+    buf_printf(out, "  intensity %g  %.1f,%.1f,%.1f mm", real_of(session, cell->intensity), mm[0],
+               mm[1], mm[2]);
 }
 
 /* A seed of an object waits, or a voxel has its label; where nobody has counted yet, so it is. */
@@ -105,11 +111,11 @@ static bool facts(void *context, struct pilot_facts *out)
         out->place[pane] = s->cross[pane];
         out->index[pane] = slice_index(session->scene, plane_of(pane), s->cross);
     }
+    out->intensity = real_of(session, session->scene->cell[cell_at_cross(session)].intensity);
     window_of(window, session);
     for (int i = 0; i < 2; i++)
-        out->window[i] = s->has_window
-                             ? (double)s->window_thousandths[i] / 1000
-                             : session->geometry.slope * window[i] + session->geometry.intercept;
+        out->window[i] =
+            s->has_window ? (double)s->window_thousandths[i] / 1000 : real_of(session, window[i]);
     write_where(&where, session);
     memcpy(out->where, buf_text(&where),
            where.length < sizeof out->where ? where.length + 1 : sizeof out->where - 1);
@@ -290,34 +296,120 @@ static void draw_frame(const struct canvas *canvas, const struct mosaic_box *box
     canvas_box(canvas, left + width - 1, top, 1, height, marked_pane);
 }
 
-/* A cross of short lines around where the rendition's pixel is shown. */
+/* A cross of short lines around a pixel. */
+static void mark_point(const struct canvas *canvas, int64_t column, int64_t row, int gap)
+{
+    enum { ARM = 6 };
+    for (int i = gap; i < gap + ARM; i++) {
+        canvas_dot(canvas, column - i, row, marked_pixel);
+        canvas_dot(canvas, column + i, row, marked_pixel);
+        canvas_dot(canvas, column, row - i, marked_pixel);
+        canvas_dot(canvas, column, row + i, marked_pixel);
+    }
+}
+
+/* Around where the rendition's pixel is shown. */
 static void mark_pixel(const struct canvas *canvas, const struct slicing_panel *panel,
                        const struct rendition *r, const uint32_t pixel[2])
 {
     const struct mosaic_point at =
         mosaic_point_of(canvas->width, canvas->height, &panel->choice, r, pixel[0], pixel[1]);
-    enum { GAP = 2, ARM = 6 };
-    for (int i = GAP; i < GAP + ARM; i++) {
-        canvas_dot(canvas, (int64_t)at.column - i, at.row, marked_pixel);
-        canvas_dot(canvas, (int64_t)at.column + i, at.row, marked_pixel);
-        canvas_dot(canvas, at.column, (int64_t)at.row - i, marked_pixel);
-        canvas_dot(canvas, at.column, (int64_t)at.row + i, marked_pixel);
+    mark_point(canvas, at.column, at.row, 2);
+}
+
+static uint32_t apart(uint32_t a, uint32_t b)
+{
+    return a > b ? a - b : b - a;
+}
+
+/* Of `count` pixels, each `step` further, the middle one of those that show the voxel
+ * nearest to a place. */
+static uint32_t nearest_pixel(const struct session *session, const uint32_t *cell, size_t step,
+                              uint32_t count, const uint32_t place[3])
+{
+    uint32_t best = 0, last = 0, shown[3];
+    uint64_t least = UINT64_MAX;
+    for (uint32_t i = 0; i < count; i++) {
+        if (cell[i * step] == CELL_NONE)
+            continue;
+        place_of(session, cell[i * step], shown);
+        uint64_t distance = 0;
+        for (int a = 0; a < 3; a++)
+            distance += apart(shown[a], place[a]);
+        best = distance < least ? i : best;
+        last = distance <= least ? i : last;
+        least = distance < least ? distance : least;
     }
+    return best + (last - best) / 2;
+}
+
+/* A voxel of the slice of a pane, found along the pane's middle lines; nothing where the slice is
+ * another one, or is not shown so far. */
+static void mark_voxel(const struct canvas *canvas, const struct session *session,
+                       enum pilot_pane pane, const struct mosaic_box *box, const uint32_t place[3])
+{
+    enum { NEAR = 4 }; /* voxels, where a pixel stands for several */
+    const size_t stride = canvas->stride;
+    const uint32_t *first = canvas->cell + box->top * stride + box->left;
+    const int axis = slice_axis(session->scene, plane_of(pane));
+    uint32_t shown[3];
+    if (box->width == 0 || box->height == 0)
+        return;
+    const uint32_t column =
+        nearest_pixel(session, first + box->height / 2 * stride, 1, box->width, place);
+    const uint32_t row = nearest_pixel(session, first + box->width / 2, stride, box->height, place);
+    if (first[row * stride + column] == CELL_NONE)
+        return;
+    place_of(session, first[row * stride + column], shown);
+    bool is_there = shown[axis] == place[axis];
+    for (int a = 0; a < 3; a++)
+        is_there &= apart(shown[a], place[a]) <= NEAR;
+    if (is_there)
+        mark_point(canvas, (int64_t)box->left + column, (int64_t)box->top + row, 1);
+}
+
+static void mark_corners(struct pilot_interpreter *pilot, const struct pilot_wish *wish)
+{
+    for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++)
+        for (size_t i = 0; i < wish->corners; i++)
+            mark_voxel(&pilot->canvas, session_of(pilot), pane,
+                       &pilot->panel.layout.box[mosaic_of(pane)], wish->corner[i]);
 }
 
 /* An empty rendition says how to begin, where it has room for that. */
-static void say_how_to_begin(const struct canvas *canvas, const struct mosaic_box *box)
+static void draw_lines(const struct canvas *canvas, const struct mosaic_box *box,
+                       const struct buf *text, int64_t lines)
 {
-    static const char *const words[] = {"nothing to show yet", "i plants a seed of the label",
-                                        "s0 one of the background", "? shows the keys"};
-    const int64_t lines = sizeof words / sizeof words[0], width = box->width, height = box->height;
-    const uint32_t scale = text_width(words[1], 2) < width ? 2 : 1;
+    const int64_t width = box->width, height = box->height;
+    int64_t widest = 0;
+    for (int64_t i = 0; i < lines; i++)
+        widest =
+            text_width(buf_text(text + i), 1) > widest ? text_width(buf_text(text + i), 1) : widest;
+    const uint32_t scale = 2 * widest < width ? 2 : 1;
     const int64_t line = TEXT_LINE * scale * 3 / 2;
-    if (text_width(words[1], scale) > width || lines * line > height)
+    if (widest > width || lines * line > height)
         return;
     for (int64_t i = 0; i < lines; i++)
-        text_draw(canvas, box->left + (width - text_width(words[i], scale)) / 2,
-                  box->top + height / 2 + (2 * i - lines) * line / 2, scale, words[i], words_rgb);
+        text_draw(canvas, box->left + (width - text_width(buf_text(text + i), scale)) / 2,
+                  box->top + height / 2 + (2 * i - lines) * line / 2, scale, buf_text(text + i),
+                  words_rgb);
+}
+
+static void say_how_to_begin(const struct canvas *canvas, const struct mosaic_box *box,
+                             const struct pilot_setup *setup)
+{
+    enum { LINES = 4 };
+    struct buf text[LINES] = {{0}};
+    buf_add_text(text, "nothing to show yet");
+    setup_add_first_key(text + 1, setup, "plant");
+    buf_add_text(text + 1, " plants a seed of the label");
+    setup_add_key_to(text + 2, setup, "plant-label", '0');
+    buf_add_text(text + 2, " one of the background");
+    setup_add_first_key(text + 3, setup, "keys");
+    buf_add_text(text + 3, " shows the keys");
+    draw_lines(canvas, box, text, LINES);
+    for (int i = 0; i < LINES; i++)
+        buf_release(text + i);
 }
 
 static enum err picture(void *context, const struct pilot_wish *wish, struct image_view *view,
@@ -341,9 +433,11 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
     if (!wish->is_alone)
         draw_frame(&pilot->canvas, box);
     if (wish->words && !has_object(session))
-        say_how_to_begin(&pilot->canvas, &panel->layout.box[MOSAIC_RENDITION]);
+        say_how_to_begin(&pilot->canvas, &panel->layout.box[MOSAIC_RENDITION],
+                         wish->setup ? wish->setup : &pilot_setup_default);
     if (wish->marks_held)
         mark_held(&pilot->canvas, session, &pilot->held);
+    mark_corners(pilot, wish);
     if (wish->marks_pixel)
         mark_pixel(&pilot->canvas, panel, session_frame(session), wish->pixel);
     const size_t notes =

@@ -73,6 +73,7 @@ static void add_status(struct buf *row, const struct pilot_state *state,
 {
     static const char *const pane[] = {"axial", "coronal", "sagittal"};
     const uint32_t *at = facts->place;
+    const size_t corners = state->outline.count;
     buf_add_text(row, state->pen.is_down ? "PEN DOWN  " : "");
     buf_add_text(row, state->base == PILOT_PICKING ? "CORRECT  " : "");
     buf_printf(row, "%s %u", pane[state->pane], facts->index[state->pane]);
@@ -81,10 +82,11 @@ static void add_status(struct buf *row, const struct pilot_state *state,
         pilot_add_decimal(row, facts->times / 1000.0);
     }
     buf_printf(row, " at %u,%u,%u  brush ", at[0], at[1], at[2]);
-    host->label(host->context, state->label, row);
-    if (state->radius)
-        buf_printf(row, " r%u", state->radius);
+    host->label(host->context, state->brush.label, row);
+    pilot_add_brush(row, &state->brush);
     buf_add_text(row, state->stroke.is_set ? " stroke" : "");
+    if (corners)
+        buf_printf(row, " %zu corner%s", corners, corners == 1 ? "" : "s");
     if (facts->waiting)
         buf_printf(row, "  %zu wait%s for space", facts->waiting, facts->waiting == 1 ? "s" : "");
     buf_printf(row, "  %s", facts->where);
@@ -153,6 +155,9 @@ static struct pilot_wish wish_of(const struct pilot *p)
     struct pilot_wish wish = {.words = p->facts->graphics->kind == GRAPHICS_PIXELS,
                               .marks_held = pilot_confirms(p->state->mode),
                               .marks_pixel = p->state->mode == PILOT_PICKING,
+                              .setup = p->state->setup,
+                              .corner = (const uint32_t(*)[3])p->state->outline.corner,
+                              .corners = p->state->outline.count,
                               .pane = p->state->mode == PILOT_PICKING ? PILOT_RENDITION
                                                                       : p->state->pane};
     painter_size(&p->painter, &wish.width, &wish.height);

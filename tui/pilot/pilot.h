@@ -39,6 +39,7 @@ struct pilot_facts {
     uint32_t index[3];    /* its slice, by plane */
     size_t waiting;       /* edits that wait for a run */
     char where[160];      /* of the voxel there: label, intensity, millimetres */
+    double intensity;     /* there, in real values */
     double window[2];     /* black and white, in real values */
     uint32_t zoom;        /* of the view, thousandths */
     uint32_t frame_width; /* of the rendition, in pixels */
@@ -48,6 +49,8 @@ struct pilot_facts {
     uint32_t times;   /* by which slices are magnified, thousandths */
 };
 
+struct pilot_setup;
+
 /* How the picture is wanted. */
 struct pilot_wish {
     uint32_t width, height;           /* pixels */
@@ -56,6 +59,9 @@ struct pilot_wish {
     bool marks_held;                  /* what `held` has found is marked */
     bool marks_pixel; /* a pixel of the rendition, by column and row of its own, is marked */
     uint32_t pixel[2];
+    const struct pilot_setup *setup; /* whose keys are named in the picture; NULL: the table's */
+    const uint32_t (*corner)[3];     /* voxels that are marked in the slices */
+    size_t corners;
     enum pilot_pane pane; /* that is marked, */
     bool is_alone;        /* or has the whole screen */
 };

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/scan.h"
+
 enum {
     JUMP = 10, /* voxels */
     PIXEL_JUMP = 16,
@@ -13,8 +15,11 @@ enum {
     TURNS_MOST = 24,
     ZOOM_LEAST = 10,
     ZOOM_MOST = 64000,
+    CORNERS_MOST = 1000,
     LINE_MOST = 60000 /* bytes; a journal takes 65535 */
 };
+
+#define REAL_MOST INT64_C(1000000000000) /* thousandths */
 
 /* The count typed before the key. */
 static int64_t times(const struct press *p)
@@ -39,6 +44,11 @@ static int up_of(int way)
     return (way % PILOT_WAYS == PILOT_UP) - (way % PILOT_WAYS == PILOT_DOWN);
 }
 
+static void add_own_key(struct press *p, const char *name)
+{
+    setup_add_first_key(p->message, p->state->setup, name);
+}
+
 /* ---- lines ---- */
 
 static void add_place(struct buf *line, const char *before, const uint32_t place[3])
@@ -46,18 +56,45 @@ static void add_place(struct buf *line, const char *before, const uint32_t place
     buf_printf(line, "%s%u,%u,%u", before, place[0], place[1], place[2]);
 }
 
-static void begin_seed(struct buf *line, const uint32_t place[3], unsigned label, unsigned radius)
+/* "2.5mm" */
+static void add_radius(struct buf *out, const struct pilot_brush *brush)
+{
+    pilot_add_decimal(out, brush->in_mm ? brush->radius / 2.0 : brush->radius);
+    buf_add_text(out, brush->in_mm ? "mm" : "");
+}
+
+/* "80..120" */
+static void add_range(struct buf *out, const struct pilot_brush *brush)
+{
+    pilot_add_decimal(out, (double)brush->range[0] / 1000);
+    buf_add_text(out, "..");
+    pilot_add_decimal(out, (double)brush->range[1] / 1000);
+}
+
+/* " 2 range=80..120" */
+static void add_label(struct buf *line, const struct pilot_brush *brush)
+{
+    buf_printf(line, " %u", brush->label);
+    if (!brush->has_range)
+        return;
+    buf_add_text(line, " range=");
+    add_range(line, brush);
+}
+
+static void begin_seed(struct buf *line, const uint32_t place[3], const struct pilot_brush *brush)
 {
     add_place(line, "seed ", place);
-    buf_printf(line, " %u", label);
-    if (radius)
-        buf_printf(line, " radius=%u", radius);
+    add_label(line, brush);
+    if (!brush->radius)
+        return;
+    buf_add_text(line, " radius=");
+    add_radius(line, brush);
 }
 
 static void add_seed(struct pilot_state *state, const uint32_t place[3], const uint32_t *other_end,
                      struct buf *line)
 {
-    begin_seed(line, place, state->label, state->radius);
+    begin_seed(line, place, &state->brush);
     if (other_end)
         add_place(line, " to=", other_end);
     buf_add_char(line, '\n');
@@ -73,13 +110,13 @@ void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts
     add_place(line, "cross ", facts->place);
     buf_add_text(line, end);
     size_t begin = line->length;
-    begin_seed(line, corner[0], pen->label, pen->radius);
+    begin_seed(line, corner[0], &pen->brush);
     for (size_t i = 1; i < pen->line.count; i++) {
         if (line->length - begin > LINE_MOST) {
             buf_add_text(line, end);
             end = " joined=yes\n";
             begin = line->length;
-            begin_seed(line, corner[i - 1], pen->label, pen->radius);
+            begin_seed(line, corner[i - 1], &pen->brush);
         }
         add_place(line, " to=", corner[i]);
     }
@@ -104,8 +141,7 @@ void pilot_go_to(struct pilot_state *state, const struct pilot_facts *facts,
     struct pilot_pen *pen = &state->pen;
     if (!pilot_cross(state, facts, place, line) || !pen->is_down)
         return;
-    pen->label = state->label;
-    pen->radius = state->radius;
+    pen->brush = state->brush;
     line->failed |= (pen->line.count == 0 && !polyline_add(&pen->line, facts->place)) ||
                     !polyline_add(&pen->line, place);
     add_seed(state, place, facts->place, line);
@@ -246,17 +282,21 @@ void pilot_set_mark(struct press *p)
     struct pilot_mark *mark = &p->state->mark[p->event->point - 'a'];
     mark->is_set = true;
     memcpy(mark->place, p->facts->place, sizeof mark->place);
-    buf_printf(p->message, "'%c leads back here", (char)p->event->point);
+    setup_add_key_to(p->message, p->state->setup, "go-to-mark", (char)p->event->point);
+    buf_add_text(p->message, " leads back here");
 }
 
 void pilot_go_to_mark(struct press *p)
 {
     const char letter = (char)p->event->point;
     const struct pilot_mark *mark = &p->state->mark[letter - 'a'];
-    if (mark->is_set)
+    if (mark->is_set) {
         jump(p, mark->place);
-    else
-        buf_printf(p->message, "there is no mark %c; m%c sets it", letter, letter);
+        return;
+    }
+    buf_printf(p->message, "there is no mark %c; ", letter);
+    setup_add_key_to(p->message, p->state->setup, "mark", letter);
+    buf_add_text(p->message, " sets it");
 }
 
 void pilot_go_back(struct press *p)
@@ -271,14 +311,14 @@ void pilot_go_back(struct press *p)
 static void say_no_label(struct press *p, const char *has)
 {
     buf_add_text(p->message, "label ");
-    p->host->label(p->host->context, p->state->label, p->message);
+    p->host->label(p->host->context, p->state->brush.label, p->message);
     buf_add_text(p->message, has);
 }
 
 void pilot_next_seed(struct press *p)
 {
     uint32_t place[3];
-    if (p->host->seed(p->host->context, p->state->label, p->by * times(p), place))
+    if (p->host->seed(p->host->context, p->state->brush.label, p->by * times(p), place))
         jump(p, place);
     else
         say_no_label(p, " has no seed");
@@ -287,7 +327,7 @@ void pilot_next_seed(struct press *p)
 void pilot_go_to_centre(struct press *p)
 {
     uint32_t place[3];
-    if (p->host->centre(p->host->context, p->state->label, place))
+    if (p->host->centre(p->host->context, p->state->brush.label, place))
         jump(p, place);
     else
         say_no_label(p, " has no voxel");
@@ -323,15 +363,33 @@ void pilot_plant(struct press *p)
 
 void pilot_plant_label(struct press *p)
 {
-    p->state->label = p->event->point - '0';
+    p->state->brush.label = p->event->point - '0';
     pilot_plant(p);
+}
+
+void pilot_add_brush(struct buf *out, const struct pilot_brush *brush)
+{
+    if (brush->radius) {
+        buf_add_text(out, " r");
+        add_radius(out, brush);
+    }
+    if (brush->has_range) {
+        buf_add_char(out, ' ');
+        add_range(out, brush);
+    }
 }
 
 static void say_brush(struct press *p)
 {
+    const struct pilot_brush *brush = &p->state->brush;
     buf_add_text(p->message, "the brush: label ");
-    p->host->label(p->host->context, p->state->label, p->message);
-    buf_printf(p->message, ", radius %u", p->state->radius);
+    p->host->label(p->host->context, brush->label, p->message);
+    buf_add_text(p->message, ", radius ");
+    add_radius(p->message, brush);
+    if (!brush->has_range)
+        return;
+    buf_add_text(p->message, ", intensities ");
+    add_range(p->message, brush);
 }
 
 void pilot_choose_label(struct press *p)
@@ -341,15 +399,163 @@ void pilot_choose_label(struct press *p)
         buf_printf(p->message, "labels are 0 to %d, not %u", LABELS - 1, count);
         return;
     }
-    p->state->label = count ? count : (p->state->label + (p->by < 0 ? LABELS - 1 : 1)) % LABELS;
+    p->state->brush.label =
+        count ? count : (p->state->brush.label + (p->by < 0 ? LABELS - 1 : 1)) % LABELS;
     say_brush(p);
 }
 
 void pilot_change_radius(struct press *p)
 {
-    p->state->radius = shifted(p->state->radius, p->by * times(p), RADIUS_MOST + 1);
+    struct pilot_brush *brush = &p->state->brush;
+    const uint32_t most = brush->in_mm ? 2 * RADIUS_MOST : RADIUS_MOST;
+    brush->radius = shifted(brush->radius, p->by * times(p), most + 1);
     say_brush(p);
 }
+
+/* From so many voxels to so many millimetres, and back. */
+void pilot_change_unit(struct press *p)
+{
+    struct pilot_brush *brush = &p->state->brush;
+    brush->in_mm = !brush->in_mm;
+    brush->radius = brush->in_mm ? 2 * brush->radius : brush->radius / 2;
+    say_brush(p);
+}
+
+/* ---- the brush within intensities ---- */
+
+static int64_t thousandths(double value)
+{
+    return (int64_t)(value * 1000 + (value < 0 ? -0.5 : 0.5));
+}
+
+/* As wide on each side as the count says, or a twentieth of the window, in whole numbers if so. */
+void pilot_take_range(struct press *p)
+{
+    struct pilot_brush *brush = &p->state->brush;
+    const int64_t here = thousandths(p->facts->intensity);
+    int64_t width = thousandths(magnitude(p->facts->window[1] - p->facts->window[0])) / 20;
+    width = p->state->count ? (int64_t)p->state->count * 1000
+            : width > 1000  ? width / 1000 * 1000
+                            : width;
+    brush->has_range = true;
+    brush->range[0] = here - width;
+    brush->range[1] = here + width;
+    say_brush(p);
+}
+
+void pilot_begin_range(struct press *p)
+{
+    p->state->typed[0] = '\0';
+}
+
+void pilot_type_range(struct press *p)
+{
+    char *typed = p->state->typed;
+    const size_t length = strlen(typed);
+    if (length < PILOT_RANGE_BYTES - 1) {
+        typed[length] = (char)p->event->point;
+        typed[length + 1] = '\0';
+    }
+}
+
+void pilot_erase_typed(struct press *p)
+{
+    const size_t length = strlen(p->state->typed);
+    p->state->typed[length ? length - 1 : 0] = '\0';
+}
+
+/* Nothing typed takes the range away. */
+void pilot_end_range(struct press *p)
+{
+    struct pilot_brush *brush = &p->state->brush;
+    const char *at = p->state->typed;
+    int64_t low, high;
+    if (*at && !(scan_decimal(&at, 3, -REAL_MOST, REAL_MOST, &low) && scan_text(&at, "..") &&
+                 scan_decimal(&at, 3, low, REAL_MOST, &high) && *at == '\0')) {
+        buf_printf(p->message,
+                   "expected LOW..HIGH, as in 40..1200.5, not %s; the brush is as it "
+                   "was",
+                   p->state->typed);
+        return;
+    }
+    brush->has_range = p->state->typed[0] != '\0';
+    if (brush->has_range) {
+        brush->range[0] = low;
+        brush->range[1] = high;
+    }
+    say_brush(p);
+}
+
+/* ---- boxes and polygons ---- */
+
+/* Whether a slice of some plane goes through all corners and the place. */
+static bool is_flat(const struct polyline *outline, const uint32_t place[3])
+{
+    bool same[3] = {true, true, true};
+    for (size_t i = 0; i < outline->count; i++)
+        for (int a = 0; a < 3; a++)
+            same[a] &= outline->corner[i][a] == place[a];
+    return same[0] || same[1] || same[2];
+}
+
+void pilot_set_corner(struct press *p)
+{
+    struct polyline *outline = &p->state->outline;
+    if (outline->count >= 2 && !is_flat(outline, p->facts->place)) {
+        buf_add_text(p->message, "this lies in another slice than the corners so far; ");
+        add_own_key(p, "drop");
+        buf_add_text(p->message, " drops them");
+        return;
+    }
+    if (outline->count >= CORNERS_MOST || !polyline_add(outline, p->facts->place)) {
+        buf_printf(p->message, "a polygon has %d corners at most", CORNERS_MOST);
+        return;
+    }
+    buf_printf(p->message, "%zu corner%s", outline->count, outline->count == 1 ? "" : "s");
+    if (outline->count == 2)
+        return;
+    buf_add_text(p->message, "; ");
+    add_own_key(p, outline->count == 1 ? "box" : "polygon");
+    buf_add_text(p->message, outline->count == 1 ? " plants the box from it to the cross-hair"
+                                                 : " plants the polygon");
+}
+
+/* From the corner to the cross-hair. */
+void pilot_plant_box(struct press *p)
+{
+    struct polyline *outline = &p->state->outline;
+    if (outline->count != 1) {
+        buf_printf(p->message, "a box takes one corner, and there are %zu; ", outline->count);
+        add_own_key(p, outline->count ? "drop" : "corner");
+        buf_add_text(p->message, outline->count ? " drops them" : " sets it");
+        return;
+    }
+    add_place(p->line, "box ", outline->corner[0]);
+    add_place(p->line, " ", p->facts->place);
+    add_label(p->line, &p->state->brush);
+    buf_add_char(p->line, '\n');
+    outline->count = 0;
+}
+
+void pilot_plant_polygon(struct press *p)
+{
+    struct polyline *outline = &p->state->outline;
+    if (outline->count < 3) {
+        buf_printf(p->message, "a polygon takes 3 corners or more, and there %s %zu; ",
+                   outline->count == 1 ? "is" : "are", outline->count);
+        add_own_key(p, "corner");
+        buf_add_text(p->message, " sets one");
+        return;
+    }
+    add_place(p->line, "fill ", outline->corner[0]);
+    add_label(p->line, &p->state->brush);
+    for (size_t i = 1; i < outline->count; i++)
+        add_place(p->line, " to=", outline->corner[i]);
+    buf_add_char(p->line, '\n');
+    outline->count = 0;
+}
+
+/* ---- strokes ---- */
 
 void pilot_lower_pen(struct press *p)
 {
@@ -371,7 +577,9 @@ void pilot_drop_stroke(struct press *p)
     state->drops = state->pen.line.count > 1;
     if (state->drops)
         buf_add_text(p->message, "the stroke is dropped, and the pen is up");
-    state->pen.line.count = 0;
+    else if (state->outline.count)
+        buf_add_text(p->message, "the corners are dropped");
+    state->pen.line.count = state->outline.count = 0;
     state->stroke.is_set = state->pen.is_down = false;
 }
 
@@ -383,7 +591,9 @@ void pilot_show_held(struct press *p)
         return;
     if (p->host->held(p->host->context, place, p->by, &held)) {
         p->state->mode = p->by ? PILOT_CONFIRMING_TREE : PILOT_CONFIRMING;
-        buf_printf(p->message, "%s; %c again removes it", buf_text(&held), p->by ? 'X' : 'x');
+        buf_printf(p->message, "%s; ", buf_text(&held));
+        add_own_key(p, p->by ? "eliminate-that-tree" : "eliminate-it");
+        buf_add_text(p->message, " removes it");
     } else {
         buf_add_text(p->message, "no tree holds this voxel");
     }
@@ -404,7 +614,7 @@ void pilot_undo(struct press *p)
 /* The chosen label, or that of the count. */
 void pilot_hide(struct press *p)
 {
-    const unsigned label = p->state->count ? p->state->count : p->state->label;
+    const unsigned label = p->state->count ? p->state->count : p->state->brush.label;
     if (label == 0 || label >= LABELS) {
         buf_add_text(p->message, label ? "labels are 1 to 255" : "the background is never shown");
         return;
@@ -513,7 +723,9 @@ void pilot_magnify(struct press *p)
 void pilot_recentre(struct press *p)
 {
     if (p->facts->times == PILOT_TIMES_ONE) {
-        buf_add_text(p->message, "slices are shown whole; ] shows them larger");
+        buf_add_text(p->message, "slices are shown whole; ");
+        add_own_key(p, "magnify");
+        buf_add_text(p->message, " shows them larger");
         return;
     }
     add_magnify(p->facts->times, p->facts->place, p->line);

@@ -10,20 +10,21 @@ enum { COUNT_MOST = 9999 };
 void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup)
 {
     *state = (struct pilot_state){
-        .setup = setup, .pane = PILOT_AXIAL, .label = setup->label, .radius = setup->radius};
+        .setup = setup, .pane = PILOT_AXIAL, .brush = {setup->label, setup->radius}};
 }
 
 void pilot_state_enter(struct pilot_state *state)
 {
     state->mode = state->base = PILOT_MOVING;
     state->pen.is_down = state->stroke.is_set = state->drags = false;
-    state->pen.line.count = 0;
+    state->pen.line.count = state->outline.count = 0;
     state->count = state->leader = 0;
 }
 
 void pilot_state_release(struct pilot_state *state)
 {
     polyline_release(&state->pen.line);
+    polyline_release(&state->outline);
 }
 
 /* ---- finding the row ---- */
@@ -141,14 +142,17 @@ static void refuse_count(struct press *p, const struct pilot_row *row)
 static void dispatch(struct press *p)
 {
     const struct pilot_row *row = find_row(p->state, p->event);
-    if (!row && p->event->key != KEY_OTHER)
-        buf_add_text(p->message, "this key does nothing here; ? shows the keys");
-    else if (!row)
+    if (!row && p->event->key != KEY_OTHER) {
+        buf_add_text(p->message, "this key does nothing here; ");
+        setup_add_first_key(p->message, p->state->setup, "keys");
+        buf_add_text(p->message, " shows the keys");
+    } else if (!row) {
         return;
-    else if (p->state->count && !(row->flags & PILOT_COUNTS))
+    } else if (p->state->count && !(row->flags & PILOT_COUNTS)) {
         refuse_count(p, row);
-    else
+    } else {
         carry_out(p, row);
+    }
 }
 
 void pilot_repeat(struct press *p)
@@ -176,7 +180,9 @@ static bool count_on(struct press *p)
     if (!is_digit || state->mode != PILOT_MOVING || find_among(state, event, true))
         return false;
     if (state->count == 0 && event->point == '0') {
-        buf_add_text(p->message, "a count begins with 1-9; s0 plants a seed of label 0");
+        buf_add_text(p->message, "a count begins with 1-9; ");
+        setup_add_key_to(p->message, state->setup, "plant-label", '0');
+        buf_add_text(p->message, " plants a seed of label 0");
         return true;
     }
     const uint32_t next = state->count * 10 + (event->point - '0');
@@ -212,8 +218,11 @@ static bool lead_on(struct press *p)
 /* Whether the pen goes on with the stroke, with the same brush. */
 static bool is_at_it(const struct pilot_state *state)
 {
-    const struct pilot_pen *pen = &state->pen;
-    return pen->is_down && pen->label == state->label && pen->radius == state->radius;
+    const struct pilot_brush *a = &state->pen.brush, *b = &state->brush;
+    const bool in_same = a->has_range == b->has_range &&
+                         (!a->has_range || memcmp(a->range, b->range, sizeof a->range) == 0);
+    return state->pen.is_down && a->label == b->label && a->radius == b->radius &&
+           a->in_mm == b->in_mm && in_same;
 }
 
 /* The stroke so far becomes a command, before those of the lines, if any; unless they are a part of
@@ -237,7 +246,7 @@ static void end_stroke(struct pilot_state *state, const struct pilot_facts *fact
 /* Modes that a key of another one ends, and does what it does there. */
 static bool is_passing(enum pilot_mode mode)
 {
-    return pilot_confirms(mode) || mode == PILOT_WINDOWING;
+    return pilot_confirms(mode) || mode == PILOT_WINDOWING || mode == PILOT_RANGING;
 }
 
 enum pilot_deed pilot_press(struct pilot_state *state, const struct key_event *event,

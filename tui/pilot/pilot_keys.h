@@ -23,6 +23,7 @@ enum pilot_mode {
     PILOT_CONFIRMING, /* the marker whose trees hold the voxel is shown: x or Enter removes it */
     PILOT_CONFIRMING_TREE, /* the single tree is: X or Enter removes it */
     PILOT_WINDOWING,       /* arrows change the window */
+    PILOT_RANGING,         /* LOW..HIGH is typed: the intensities in which the brush plants */
 };
 
 static inline bool pilot_confirms(enum pilot_mode mode)
@@ -46,6 +47,7 @@ struct pilot_mark {
 };
 
 enum { PILOT_MARKS = 26 }; /* a-z */
+enum { PILOT_RANGE_BYTES = 40 };
 
 /* What was changed last, for `.`: a row of the table, its key and its count. */
 struct pilot_change {
@@ -54,23 +56,33 @@ struct pilot_change {
     uint32_t count;
 };
 
+/* With what one plants. */
+struct pilot_brush {
+    unsigned label;
+    unsigned radius; /* voxels, or halves of a millimetre where it is in_mm; 0 for one voxel */
+    bool in_mm;
+    bool has_range; /* only voxels whose intensity is within: real values, in thousandths */
+    int64_t range[2];
+};
+
 /* While the pen is down, what it has drawn is a sketch: shown, and not recorded. It becomes one
  * command when the pen is lifted, when the mouse's button is, or when another command or brush
  * comes: then the pen goes on with another stroke. Escape drops it. */
 struct pilot_pen {
     bool is_down;
-    struct polyline line;   /* of the stroke; two corners or more where anything is drawn */
-    unsigned label, radius; /* that it is drawn with */
+    struct polyline line;     /* of the stroke; two corners or more where anything is drawn */
+    struct pilot_brush brush; /* that it is drawn with */
 };
 
 struct pilot_state {
     const struct pilot_setup *setup;
     enum pilot_mode mode, base; /* where others lead back to: moving or picking */
     enum pilot_pane pane;       /* of the three slices: arrows move in it */
-    unsigned label;             /* that is planted */
-    unsigned radius;            /* of the brush */
+    struct pilot_brush brush;
     struct pilot_pen pen;
     struct pilot_mark stroke;                    /* one end of a stroke */
+    struct polyline outline;                     /* corners of a box or a polygon, so far */
+    char typed[PILOT_RANGE_BYTES];               /* LOW..HIGH, so far */
     struct pilot_mark mark[PILOT_MARKS], former; /* and the place before the last jump */
     uint32_t count;                              /* typed so far; 0 for none */
     uint32_t leader;                             /* the key whose second is awaited, or 0 */
@@ -111,6 +123,9 @@ void pilot_click(struct pilot_state *state, const struct key_event *event, uint3
 /* Adds what the keys do in the present mode, in a line that fits 80 columns. */
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
                      struct buf *out);
+
+/* Adds the radius and the range of a brush, for a user: " r2.5mm 80..120". */
+void pilot_add_brush(struct buf *out, const struct pilot_brush *brush);
 
 /* Adds a decimal as commands take it: three places at most, no zeros at its end. */
 void pilot_add_decimal(struct buf *line, double value);

@@ -83,6 +83,15 @@ void pilot_plant(struct press *p);
 void pilot_plant_label(struct press *p);
 void pilot_choose_label(struct press *p); /* next, previous, that of the count */
 void pilot_change_radius(struct press *p);
+void pilot_change_unit(struct press *p); /* of the radius */
+void pilot_take_range(struct press *p);  /* around the intensity at the cross-hair */
+void pilot_begin_range(struct press *p);
+void pilot_type_range(struct press *p);
+void pilot_erase_typed(struct press *p);
+void pilot_end_range(struct press *p);
+void pilot_set_corner(struct press *p);
+void pilot_plant_box(struct press *p);
+void pilot_plant_polygon(struct press *p);
 void pilot_lower_pen(struct press *p);
 void pilot_begin_stroke(struct press *p);
 void pilot_drop_stroke(struct press *p);

@@ -9,6 +9,7 @@
 #define CONFIRMING      PILOT_IN(PILOT_CONFIRMING)
 #define CONFIRMING_TREE PILOT_IN(PILOT_CONFIRMING_TREE)
 #define WINDOWING       PILOT_IN(PILOT_WINDOWING)
+#define RANGING         PILOT_IN(PILOT_RANGING)
 #define ARROWS          (BOTH | WINDOWING)
 
 /* What every row of a thing to do begins with, on one line. */
@@ -75,25 +76,32 @@ const struct pilot_row pilot_table[] = {
      .help = "the label: 12b is 12", .hint = "label"},
     {KEY("previous-label", "B", "", BOTH), DO(pilot_choose_label, -1), .flags = COUNTS, .help = ""},
     {KEY("larger", "+", "=", BOTH), DO(pilot_change_radius, 1), .flags = COUNTS,
-     .help = "the brush's radius"},
+     .help = "the radius; in mm"},
     {KEY("smaller", "-", "_", BOTH), DO(pilot_change_radius, -1), .flags = COUNTS, .help = ""},
+    {KEY("millimetres", "M", "", BOTH), DO(pilot_change_unit, 0), .help = ""},
     {KEY("pen", "v", "", MOVING), DO(pilot_lower_pen, 0), .help = "pen down: moving draws"},
+    {KEY("range", "t", "", MOVING), DO(pilot_take_range, 0), .flags = COUNTS,
+     .help = "within intensities"},
+    {KEY("type-range", "T", "", BOTH), DO(pilot_begin_range, 0), .then = PILOT_RANGING, .help = ""},
     {KEY("stroke", "I", "", MOVING), DO(pilot_begin_stroke, 0), .help = "one end of a stroke"},
+    {KEY("corner", "a", "", MOVING), DO(pilot_set_corner, 0), .help = "box or polygon"},
+    {KEY("box", "d", "", MOVING), DO(pilot_plant_box, 0), .help = ""},
+    {KEY("polygon", "A", "", MOVING), DO(pilot_plant_polygon, 0), .help = ""},
     {KEY("eliminate", "x", "", BOTH), DO(pilot_show_held, 0), PAGE("x X", "remove marker, tree"),
      .hint = "remove"},
     {KEY("eliminate-tree", "X", "", BOTH), DO(pilot_show_held, 1), .help = ""},
-    {KEY("repeat", ".", "", BOTH), DO(pilot_repeat, 0), .help = "the change again"},
-    {KEY("hide", "e", "", BOTH), DO(pilot_hide, 0), .flags = COUNTS | CHANGES,
-     .help = "hide, show; show all"},
-    {KEY("show-all", "E", "", BOTH), DO(pilot_show_all, 0), .help = ""},
     {KEY("cut", "c", "", BOTH), .command = "plane @\n", .flags = CHANGES,
      .help = "cut here; whole"},
     {KEY("whole", "C", "", BOTH), .command = "plane none\n", .help = ""},
-    {KEY("drop", "Escape", "", MOVING), DO(pilot_drop_stroke, 0), .help = "no pen, no stroke"},
+    {KEY("hide", "e", "", BOTH), DO(pilot_hide, 0), .flags = COUNTS | CHANGES,
+     .help = "hide, show; show all"},
+    {KEY("show-all", "E", "", BOTH), DO(pilot_show_all, 0), .help = ""},
+    {KEY("drop", "Escape", "", MOVING), DO(pilot_drop_stroke, 0), .help = "no pen, no corners"},
     {KEY("run", "Space", "", BOTH), .command = "run\n", .help = "run what waits"},
     {KEY("undo", "u", "", BOTH), DO(pilot_undo, -1), .flags = COUNTS | PILOT_TELLS_ALL,
-     .help = "undo", .hint = "undo"},
-    {KEY("redo", "Ctrl-R", "", BOTH), DO(pilot_undo, 1), .flags = COUNTS, .help = "redo"},
+     .help = "undo, redo, again", .hint = "undo"},
+    {KEY("redo", "Ctrl-R", "", BOTH), DO(pilot_undo, 1), .flags = COUNTS, .help = ""},
+    {KEY("repeat", ".", "", BOTH), DO(pilot_repeat, 0), .help = ""},
     PART,
     {KEY("turn-right", "r", "Shift-Right", BOTH), DO(pilot_turn, PILOT_RIGHT), .flags = COUNTS,
      PAGE("r R Shift-arrows", "turn the view")},
@@ -111,8 +119,9 @@ const struct pilot_row pilot_table[] = {
     {KEY("right-side", "Vr", "", BOTH), .command = "view right\n", .help = ""},
     {KEY("top", "Vs", "", BOTH), .command = "view top\n", .help = ""},
     {KEY("bottom", "Vi", "", BOTH), .command = "view bottom\n", .help = ""},
-    {KEY("nearer", "z", "", BOTH), DO(pilot_change_zoom, 1), .help = "nearer, farther"},
+    {KEY("nearer", "z", "", BOTH), DO(pilot_change_zoom, 1), .help = "zoom in, out; fit"},
     {KEY("farther", "Z", "", BOTH), DO(pilot_change_zoom, -1), .help = ""},
+    {KEY("fit", "F", "", BOTH), .command = "zoom fit\n", .help = ""},
     {KEY("correct", "p", "", MOVING), DO(pilot_begin_picking, 0), .help = "correct the rendition"},
     {KEY("to-voxel", "p", "", PICKING), DO(pilot_end_picking, 1), .hint = "to its voxel"},
     {KEY("stop-correcting", "Escape", "", PICKING), DO(pilot_end_picking, 0), .hint = "ends"},
@@ -147,16 +156,16 @@ const struct pilot_row pilot_table[] = {
     {KEY("preset", "1-9", "", WINDOWING), DO(pilot_preset, 0), .flags = SILENT},
     {KEY("window-auto", "a", "", WINDOWING), .command = "window auto\n", .flags = SILENT,
      .hint = "auto"},
+    {KEY("digits", "0-9 . -", "", RANGING), DO(pilot_type_range, 0), .flags = STAYS},
+    {KEY("erase", "Backspace", "", RANGING), DO(pilot_erase_typed, 0), .flags = STAYS},
+    {KEY("take-range", "Enter", "", RANGING), DO(pilot_end_range, 0), .hint = "takes it"},
+    {KEY("keep-range", "Escape", "", RANGING), .hint = "leaves"},
+
     {KEY("end-window", "Enter", "Escape w", WINDOWING), .hint = "done"},
 };
 const size_t pilot_rows = sizeof pilot_table / sizeof pilot_table[0];
 
 /* ---- what the keys do ---- */
-
-static void add_first_key(struct buf *out, const struct pilot_setup *setup, const char *name)
-{
-    setup_add_keys(out, setup, pilot_table + setup_row(name), 1);
-}
 
 /* The hints of the rows of a mode alone; while one moves, of those for correcting too. */
 static void add_hints(struct buf *out, const struct pilot_state *state, const char *gap)
@@ -192,14 +201,25 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
     const bool moves = state->mode == PILOT_MOVING;
     if (moves && state->pen.is_down) {
         buf_add_text(out, "moving draws; ");
-        add_first_key(out, state->setup, "pen");
-        buf_add_text(out, " ends the stroke, Escape drops it");
+        setup_add_first_key(out, state->setup, "pen");
+        buf_add_text(out, " ends the stroke, ");
+        setup_add_first_key(out, state->setup, "drop");
+        buf_add_text(out, " drops it");
     } else if (moves && !facts->has_object) {
         buf_add_text(out, "nothing to show yet: ");
-        add_first_key(out, state->setup, "plant");
-        buf_add_text(out, " plants a seed here, s0 background; ? keys  q back");
+        setup_add_first_key(out, state->setup, "plant");
+        buf_add_text(out, " plants a seed here, ");
+        setup_add_key_to(out, state->setup, "plant-label", '0');
+        buf_add_text(out, " background; ");
+        setup_add_first_key(out, state->setup, "keys");
+        buf_add_text(out, " keys  ");
+        setup_add_first_key(out, state->setup, "leave");
+        buf_add_text(out, " back");
     } else if (state->mode == PILOT_WINDOWING) {
         add_window_hint(out, state, facts);
+    } else if (state->mode == PILOT_RANGING) {
+        buf_printf(out, "intensities LOW..HIGH, or none: %s_", state->typed);
+        add_hints(out, state, "  ");
     } else if (state->mode == PILOT_PICKING) {
         buf_printf(out, "CORRECT at pixel %u,%u", state->pixel[0], state->pixel[1]);
         add_hints(out, state, "  ");

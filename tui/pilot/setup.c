@@ -106,6 +106,24 @@ void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const stru
     }
 }
 
+void setup_add_first_key(struct buf *out, const struct pilot_setup *setup, const char *name)
+{
+    setup_add_keys(out, setup, pilot_table + setup_row(name), 1);
+}
+
+void setup_add_key_to(struct buf *out, const struct pilot_setup *setup, const char *name, char c)
+{
+    struct buf key = {0};
+    setup_add_first_key(&key, setup, name);
+    const char *range = key.length > 3 ? buf_text(&key) + key.length - 3 : "";
+    if (strcmp(range, "a-z") == 0 || strcmp(range, "0-9") == 0)
+        buf_printf(out, "%.*s%c", (int)key.length - 3, buf_text(&key), c);
+    else
+        buf_add_text(out, buf_text(&key));
+    out->failed |= key.failed;
+    buf_release(&key);
+}
+
 bool setup_is_plain(const struct pilot_setup *setup, const struct pilot_row *row)
 {
     struct buf keys = {0};

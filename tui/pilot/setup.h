@@ -59,6 +59,11 @@ const char *setup_own(const struct pilot_setup *setup, const struct pilot_row *r
 void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const struct pilot_row *row,
                     size_t most);
 
+/* Adds the first key of the row of that name; of one with a range, as s0-9, the key with this
+ * character, as s0. For messages, which name the keys that the user has. */
+void setup_add_first_key(struct buf *out, const struct pilot_setup *setup, const char *name);
+void setup_add_key_to(struct buf *out, const struct pilot_setup *setup, const char *name, char c);
+
 /* Whether a row has the keys of the table, all of them. */
 bool setup_is_plain(const struct pilot_setup *setup, const struct pilot_row *row);
 
