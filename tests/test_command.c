@@ -513,9 +513,11 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"\"", "a word in quotes does not end"},
         {"label 2 \"\"", "NAME: expected a word, not nothing"},
         {"seed 1,1,1 1 radius=33",
-         "radius: expected a number 0..32, or millimetres as in 2.5mm, not 33"},
+         "radius: expected a number 0..32, or millimetres as in 2.5mm, above 0 and "
+         "up to 1000 with at most six decimals, not 33"},
         {"seed 1,1,1 1 radius=-1",
-         "radius: expected a number 0..32, or millimetres as in 2.5mm, not -1"},
+         "radius: expected a number 0..32, or millimetres as in 2.5mm, above 0 and "
+         "up to 1000 with at most six decimals, not -1"},
         {"seed 1,1,1 1 radius=99999999999999999999", "expected a number 0..32"},
         {"seed 1,1,1 1 radius=1 radius=2", "given twice: radius=2"},
         {"zoom 64.001", "FACTOR: expected fit or a number 0.01..64 with at most three decimals"},

@@ -237,7 +237,10 @@ static enum err read_radius(struct value *value, const struct parameter *p, cons
     if (value->in_mm)
         return OK;
     struct buf expected = {0};
-    buf_printf(&expected, "a number 0..%lld, or millimetres as in 2.5mm", (long long)p->most);
+    buf_printf(&expected,
+               "a number 0..%lld, or millimetres as in 2.5mm, above 0 and up to 1000 with at most "
+               "six decimals",
+               (long long)p->most);
     const enum err err = expect(fault, p, word, buf_text(&expected));
     buf_release(&expected);
     return err;

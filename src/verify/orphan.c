@@ -49,9 +49,11 @@ enum err orphan_check(const char *journal_path, const struct buf *named, struct 
         else if (first.failed)
             err = fault_memory(fault, "a file name");
         else if (found)
-            err = fault_set(fault, ERR_CHECK,
-                            "orphan golden image: the journal names no %s, which is in %s%s",
-                            buf_text(&first), buf_text(&path), found > 1 ? ", and others" : "");
+            err = fault_set(
+                fault, ERR_CHECK,
+                "orphan golden image: the journal names no %s, which is in %s%s; `golden` "
+                "that was killed leaves one: delete it, or make it again",
+                buf_text(&first), buf_text(&path), found > 1 ? ", and others" : "");
         if (folder)
             closedir(folder);
     }
