@@ -138,7 +138,7 @@ static bool shows(struct far_end *e)
     const char *sequence = e->sequence;
     const char last = sequence[e->length - 1];
     if (sequence[0] == '_' && last == ';' && strstr(sequence, "a="))
-        e->is_ahead = strstr(sequence, ",z=-2000000000,") != NULL;
+        e->is_ahead = strstr(sequence, ",z=-1000000000,") != NULL;
     if (sequence[0] == '_')
         return !e->is_ahead;
     if (sequence[0] == '[')

@@ -9,7 +9,7 @@
  *     ESC _ G a=f,i=7,r=1,X=1,x=40,y=8,f=24,o=z,s=3,v=3,q=2,m=0 ; <base64> ESC \    a small one
  *     ESC _ G a=d,d=I,i=7,q=2 ESC \                                     takes it away
  *
- *     ESC _ G a=T,C=1,f=100,i=9,p=1000,w=1,h=1,z=-2000000000,q=2,m=0 ; <base64> ESC \
+ *     ESC _ G a=T,C=1,f=100,i=9,p=1000,w=1,h=1,z=-1000000000,q=2,m=0 ; <base64> ESC \
  *     ESC _ G a=p,i=9,p=4,C=1,X=3,z=-1,q=1 ESC \     a strip of a slice: sent, and shown
  *     ESC _ G a=d,d=i,i=9,p=4,q=2 ESC \              taken off; the terminal still has it
  *
@@ -18,7 +18,9 @@
  * changes a frame, r=1 the first, X=1 puts pixels in the place of pixels. Every chunk of a patch
  * carries a=f,i=,r=1: without them kitty 0.26.5 says OK and changes nothing. When its quota is full
  * kitty drops what is placed nowhere, so a strip has one pixel below everything; what it has
- * dropped it says under q=1, as ESC _ G i=9,p=4;ENOENT:.. ESC \. ESC[2J drops all. Source:
+ * dropped it says under q=1, as ESC _ G i=9,p=4;ENOENT:.. ESC \. ESC[2J drops all. Below -2^30,
+ * where pictures lie under coloured backgrounds too, kitty 0.26.5 paints text over former text.
+ * Source:
  * https://sw.kovidgoyal.net/kitty/graphics-protocol/
  */
 #include <stdio.h>
@@ -128,7 +130,7 @@ static void patch(struct painter *p, const struct raster *raster, const struct r
 
 /* Below the picture; what keeps a strip from being dropped lies below all of them. */
 enum { STRIP_Z = -1, HOLD = 1000 };
-#define HOLD_Z "-2000000000"
+#define HOLD_Z "-1000000000"
 
 static void send_strip(struct painter *p, const struct raster *raster, uint32_t number,
                        struct buf *out)
