@@ -605,6 +605,17 @@ static const char *const any_key[] = {
     "\346\234\254", "\033[6~",  "\177",   "\033\\", "\033[?64;1c", "\033[<0;1;1M",
     "e\314\201",    "n"};
 
+/* Where a command still runs, Ctrl-C ends that, and what was typed on is the line's: once more. */
+static void clear_line(struct terminal *t)
+{
+    type(t, "\003\003");
+    for (int i = 0, calm = 0; i < 600 && calm < 2; i++) {
+        type(t, "\003");
+        settle(t, 20);
+        calm = is_cursor_row(t, "synth>") && reads_keys(t, "") ? calm + 1 : 0;
+    }
+}
+
 STORY(whatever_is_pressed_the_prompt_is_sane_again)
 {
     enum { KEYS = sizeof any_key / sizeof any_key[0] };
@@ -621,8 +632,9 @@ STORY(whatever_is_pressed_the_prompt_is_sane_again)
             if (check_below(&random, 4) == 0)
                 take(&t, 2);
         }
-        snprintf(mark, sizeof mark, "\003\003\003# round %d", round);
+        snprintf(mark, sizeof mark, "# round %d", round);
         snprintf(row, sizeof row, "synth> # round %d", round);
+        clear_line(&t);
         type(&t, mark);
         SEE_LINE(&t, row);
         CHECK(!t.screen.is_other && reads_keys(&t, ""));
