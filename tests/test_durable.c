@@ -2,6 +2,7 @@
  * What a journal is protected from: files that are deleted, moved, replaced or changed under it,
  * syncs that fail, a second writer, flipped bits. And how it goes on elsewhere.
  */
+#include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <sys/wait.h>
@@ -307,6 +308,30 @@ STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
     buf_release(&bytes);
 }
 
+static unsigned threads(void)
+{
+    unsigned count = 0;
+    DIR *tasks = opendir("/proc/self/task");
+    for (const struct dirent *one; tasks && (one = readdir(tasks));)
+        count += one->d_name[0] != '.';
+    if (tasks)
+        closedir(tasks);
+    return count;
+}
+
+STORY(where_nothing_is_to_be_synced_nothing_waits_for_it)
+{
+    char path[FILE_LENGTH];
+    strcpy(path, place("off.iftty"));
+    struct journal *journal = make(path, 1);
+    CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
+    const unsigned before = threads();
+    CHECK(before > 0);
+    CHECK(journal_note(journal, "turn 15", NULL) == OK);
+    CHECK_INT(threads(), before);
+    journal_close(journal);
+}
+
 /* ---- others ---- */
 
 STORY(a_second_writer_is_told_who_has_it_and_may_look)
@@ -430,6 +455,7 @@ int main(void)
                              TELL(records_are_synced_when_that_was_asked_for),
                              TELL(what_a_failed_sync_may_have_lost_is_written_again),
                              TELL(what_may_wait_is_synced_soon_or_with_the_next_record),
+                             TELL(where_nothing_is_to_be_synced_nothing_waits_for_it),
                              TELL(a_second_writer_is_told_who_has_it_and_may_look),
                              TELL(looking_leaves_a_torn_tail_alone),
                              TELL(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken));

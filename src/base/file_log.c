@@ -370,8 +370,9 @@ static bool add(struct file_log *log, const void *bytes, size_t length, bool syn
 enum err file_log_append(struct file_log *log, const void *bytes, size_t length, bool may_wait,
                          struct fault *fault)
 {
-    const bool waits = may_wait && (log->has_thread || start_thread(log, NULL) == OK);
-    const bool syncs = log->sync == FILE_SYNC_ALWAYS && !waits;
+    const bool always = log->sync == FILE_SYNC_ALWAYS;
+    const bool waits = always && may_wait && (log->has_thread || start_thread(log, NULL) == OK);
+    const bool syncs = always && !waits;
     enum err err = find_in_place(log, fault);
     if (!err && (log->is_ragged || file_log_is_in_doubt(log)))
         err = fault_set(fault, ERR_IO, "%s is not mended after a failure", log->path);
