@@ -50,9 +50,10 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
 /* A part of a stroke goes with the first one, and an eraser stands for good. */
 static bool can_take_away(const struct markers *markers, uint32_t number)
 {
-    const struct marker *marker = markers->marker + number - 1;
-    return number >= 1 && number <= markers->count && marker->stands && !marker->joined &&
-           marker->label != EDIT_ERASE;
+    if (number < 1 || number > markers->count)
+        return false;
+    const struct marker *marker = &markers->marker[number - 1];
+    return marker->stands && !marker->joined && marker->label != EDIT_ERASE;
 }
 
 enum err session_take_away(struct session *session, const uint32_t *number, size_t count,
