@@ -151,19 +151,17 @@ static enum err prepare(struct forest *forest, const struct edit *edit, size_t c
     if (!mem_grow(&forest->batch, &forest->batch_capacity, count, sizeof *forest->batch) ||
         !mem_grow(&forest->inverse, &forest->inverse_capacity, count, sizeof *forest->inverse))
         return fault_memory(fault, "an edit");
-    if (is_in_order(edit, count)) {
-        forest->edits = count;
-        for (size_t i = 0; i < count; i++)
-            forest->batch[i] = edit[i];
-    } else {
-        const enum err err = put_in_order(forest, edit, count, fault);
-        if (err)
-            return err;
-    }
+    const bool in_order = is_in_order(edit, count);
+    forest->edits = count;
+    const enum err err = in_order ? OK : put_in_order(forest, edit, count, fault);
+    if (err)
+        return err;
     struct task task = task_begin(forest->scene->watch, "forest", forest->edits);
     for (size_t i = 0; i < forest->edits; i++) {
         if (!task_advance(&task, 1))
             return watch_fault(task.watch, fault);
+        if (in_order)
+            forest->batch[i] = edit[i];
         const struct edit *e = forest->batch + i;
         const struct cell *cell = forest->cell + e->cell;
         assert(!(cell->flags & CELL_RIM));

@@ -191,29 +191,46 @@ static size_t seeds_on_way(const struct history *history, uint32_t from, uint32_
     return count;
 }
 
+/* False where the task is stopped. */
+static bool copy_edits(struct edit *to, const struct edit *from, size_t count, struct task *task)
+{
+    enum { AT_ONCE = 1 << 16 };
+    for (size_t i = 0; i < count; i += AT_ONCE) {
+        const size_t part = count - i < AT_ONCE ? count - i : AT_ONCE;
+        memcpy(to + i, from + i, part * sizeof *to);
+        if (!task_advance(task, part))
+            return false;
+    }
+    return true;
+}
+
 /* The edits of seeds that lead from the present point to another: those of the way up are taken
- * back, the last one first; those of the way down are done again, the first one first. NULL when
- * out of memory. */
-static struct edit *edits_of_way(const struct history *history, uint32_t to, size_t *count)
+ * back, the last one first; those of the way down are done again, the first one first. To be freed
+ * by the caller, whatever is returned. */
+static enum err edits_of_way(struct edit **out, size_t *count, const struct history *history,
+                             uint32_t to, struct watch *watch, struct fault *fault)
 {
     const uint32_t top = fork_of(history, history->present, to);
     const size_t up = seeds_on_way(history, history->present, top);
     *count = up + seeds_on_way(history, to, top);
-    struct edit *edit = mem_array(*count + 1, sizeof *edit);
+    struct edit *edit = *out = mem_array(*count + 1, sizeof *edit);
+    if (!edit)
+        return fault_memory(fault, "a way through the history");
+    struct task task = task_begin(watch, "edits", *count);
     size_t filled = 0, left = *count;
-    for (uint32_t p = history->present; edit && p != top; p = history->point[p].parent) {
+    bool goes_on = true;
+    for (uint32_t p = history->present; goes_on && p != top; p = history->point[p].parent) {
         const struct point *point = history->point + p;
-        for (size_t i = 0; i < point->seeds; i++)
-            edit[filled++] = point->before[i];
+        goes_on = copy_edits(edit + filled, point->before, point->seeds, &task);
+        filled += point->seeds;
     }
-    for (uint32_t p = to; edit && p != top; p = history->point[p].parent) {
+    for (uint32_t p = to; goes_on && p != top; p = history->point[p].parent) {
         const struct point *point = history->point + p;
         left -= point->seeds;
-        for (size_t i = 0; i < point->seeds; i++)
-            edit[left + i] = point->after[i];
+        goes_on = copy_edits(edit + left, point->after, point->seeds, &task);
     }
-    assert(!edit || (filled == up && left == up));
-    return edit;
+    assert(!goes_on || (filled == up && left == up));
+    return goes_on ? OK : watch_fault(watch, fault);
 }
 
 bool history_is_at_tip(const struct history *history)
@@ -226,13 +243,13 @@ enum err history_go(struct history *history, struct session *session, uint32_t t
 {
     const struct point *there = history->point + to;
     struct state state = session->now;
+    struct edit *edit;
     size_t seeds;
-    struct edit *edit = edits_of_way(history, to, &seeds);
-    if (!edit)
-        return fault_memory(fault, "a way through the history");
+    enum err err = edits_of_way(&edit, &seeds, history, to, session->watch, fault);
     state.kept = there->settings->kept;
     state.lists = there->lists;
-    enum err err = session_go(session, &state, edit, seeds, fault);
+    if (!err)
+        err = session_go(session, &state, edit, seeds, fault);
     history->goes_to = to;
     history->goes_on = branch;
     history->moves_tip = moves_tip;
@@ -260,16 +277,6 @@ enum err history_branch(struct history *history, const char *name, struct fault 
 
 /* ---- commands ---- */
 
-/* A copy of `count` items; NULL for none, or when out of memory, which *lacks says then. */
-static void *copy_of(const void *items, size_t count, size_t size, bool *lacks)
-{
-    void *copy = count ? mem_array(count, size) : NULL;
-    if (copy)
-        memcpy(copy, items, count * size);
-    *lacks |= count && !copy;
-    return copy;
-}
-
 static struct kept_settings *keep_settings(const struct session *session, bool *lacks)
 {
     struct kept_settings *settings = mem_new(sizeof *settings);
@@ -282,12 +289,19 @@ static struct kept_settings *keep_settings(const struct session *session, bool *
     return settings;
 }
 
-static void keep_seeds(struct point *point, const struct session *session, bool *lacks)
+static enum err keep_seeds(struct point *point, const struct session *session, struct fault *fault)
 {
     const struct seed_changes seeds = forest_seed_changes(session->forest);
+    struct task task = task_begin(session->watch, "edits", 2 * seeds.count);
     point->seeds = seeds.count;
-    point->after = copy_of(seeds.after, seeds.count, sizeof *seeds.after, lacks);
-    point->before = copy_of(seeds.before, seeds.count, sizeof *seeds.before, lacks);
+    point->after = mem_array(seeds.count, sizeof *point->after);
+    point->before = mem_array(seeds.count, sizeof *point->before);
+    if (seeds.count && (!point->after || !point->before))
+        return fault_memory(fault, "the history");
+    return copy_edits(point->after, seeds.after, seeds.count, &task) &&
+                   copy_edits(point->before, seeds.before, seeds.count, &task)
+               ? OK
+               : watch_fault(session->watch, fault);
 }
 
 static enum err note_root(struct history *history, const struct session *session,
@@ -323,9 +337,9 @@ static enum err note_point(struct history *history, const struct session *sessio
     edit_lists_hold(&point->lists);
     point->plants = session->markers.count == session->former_markers + 1;
     point->joins = point->plants && session->markers.marker[session->former_markers].joined;
-    if (session->edited)
-        keep_seeds(point, session, &lacks);
-    return lacks ? fault_memory(fault, "the history") : OK;
+    if (lacks)
+        return fault_memory(fault, "the history");
+    return session->edited ? keep_seeds(point, session, fault) : OK;
 }
 
 enum err history_note(struct history *history, const struct session *session, const char *command,
@@ -343,13 +357,14 @@ enum err history_note(struct history *history, const struct session *session, co
         return err;
     struct point *point = &history->noted;
     if (point->settings) {
-        bool lacks = false;
+        const size_t bytes = strlen(command) + 1;
         point->latest = POINT_NONE;
         point->record = history->records + 1;
-        point->command = copy_of(command, strlen(command) + 1, 1, &lacks);
-        if (lacks || !mem_grow(&history->point, &history->point_capacity, history->points + 1,
-                               sizeof *history->point))
+        point->command = mem_array(bytes, 1);
+        if (!point->command || !mem_grow(&history->point, &history->point_capacity,
+                                         history->points + 1, sizeof *history->point))
             return fault_memory(fault, "the history");
+        memcpy(point->command, command, bytes);
     }
     if (!mem_grow(&history->at, &history->at_capacity, history->ats + 1, sizeof *history->at))
         return fault_memory(fault, "the history");
