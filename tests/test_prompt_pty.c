@@ -1100,12 +1100,16 @@ static void verify_journal(void)
     CHECK(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-/* PILOT_ROUNDS=N rounds, 3 unless given. */
-STORY(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal)
+/* PILOT_ROUNDS=N, 3 unless given. */
+static unsigned long pilot_rounds(void)
 {
     const char *given = getenv("PILOT_ROUNDS");
-    const unsigned long rounds = given ? strtoul(given, NULL, 10) : 3;
-    for (uint64_t round = 0, seed = 11; round < rounds; round++) {
+    return given ? strtoul(given, NULL, 10) : 3;
+}
+
+STORY(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal)
+{
+    for (uint64_t round = 0, seed = 11; round < pilot_rounds(); round++) {
         struct terminal t;
         struct buf bytes = {0};
         const unsigned columns = 20 + (unsigned)check_below(&seed, 80);
@@ -1134,7 +1138,7 @@ STORY(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal)
 
 int main(void)
 {
-    alarm(900);
+    alarm(900 + 60 * (unsigned)pilot_rounds());
     ssize_t n = readlink("/proc/self/exe", program, sizeof program - 32);
     program[n > 0 ? n : 0] = '\0';
     for (int up = 0; up < 2 && strrchr(program, '/'); up++)
