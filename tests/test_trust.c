@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "sandbox/confine.h"
+#include "base/confine.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "interpreting.h"

@@ -16,7 +16,7 @@
 #include "image/volume.h"
 #include "journal/log.h"
 #include "program/programs.h"
-#include "sandbox/confine.h"
+#include "base/confine.h"
 #include "session/export.h"
 
 /* ---- facts ---- */

@@ -9,7 +9,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "sandbox/confine.h"
+#include "base/confine.h"
 #include "base/file.h"
 
 bool trust_without_openat2;

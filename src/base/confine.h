@@ -7,8 +7,8 @@
  * which restricts a little more). It is the second defence: the caller checks names as well, since
  * a kernel without Landlock confines nothing, and says so here. It cannot be taken back.
  */
-#ifndef SANDBOX_CONFINE_H
-#define SANDBOX_CONFINE_H
+#ifndef BASE_CONFINE_H
+#define BASE_CONFINE_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-#include "sandbox/confine.h"
+#include "base/confine.h"
 
 #include <fcntl.h>
 #include <stdint.h>

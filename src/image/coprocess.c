@@ -1,0 +1,266 @@
+#include "image/coprocess.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/buf.h"
+#include "base/clock.h"
+#include "base/file.h"
+#include "base/scan.h"
+
+enum { LOOK_MS = 50 }; /* between two looks at the watch */
+
+/* ---- its life ---- */
+
+enum err coprocess_beside(struct buf *out, const char *name, struct fault *fault)
+{
+    const enum err err = file_program_folder(out, fault);
+    if (err)
+        return err;
+    buf_printf(out, "/%s", name);
+    return out->failed ? fault_memory(fault, "a file name") : OK;
+}
+
+enum err coprocess_init(struct coprocess *c, const char *name, const char *program,
+                        struct fault *fault)
+{
+    struct buf beside = {0};
+    const enum err err = program ? OK : coprocess_beside(&beside, name, fault);
+    *c = (struct coprocess){.fd = -1};
+    c->program = err ? NULL : strdup(program ? program : buf_text(&beside));
+    buf_release(&beside);
+    return err || c->program ? err : fault_memory(fault, name);
+}
+
+void coprocess_release(struct coprocess *c)
+{
+    coprocess_stop(c, false); /* between requests it holds nothing that could be lost */
+    free(c->program);
+    c->program = NULL;
+}
+
+int coprocess_stop(struct coprocess *c, bool may_finish)
+{
+    int status = -1;
+    pid_t ended;
+    if (c->fd >= 0)
+        close(c->fd);
+    c->fd = -1;
+    if (c->process <= 0)
+        return status;
+    if (!may_finish)
+        kill(c->process, SIGKILL);
+    do
+        ended = waitpid(c->process, &status, 0);
+    while (ended < 0 && errno == EINTR);
+    c->process = 0;
+    return ended < 0 ? -1 : status;
+}
+
+/* Standard input and output are the socket, errors go nowhere. */
+static int spawn(pid_t *process, const char *program, int fd)
+{
+    char *const arguments[] = {(char *)(uintptr_t)program, NULL};
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawn_file_actions_init(&actions); /* neither fails: they clear what they are given */
+    posix_spawnattr_init(&attributes);
+    posix_spawn_file_actions_adddup2(&actions, fd, STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, fd, STDOUT_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &all);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK |
+                                              POSIX_SPAWN_SETSIGDEF);
+    const int number = posix_spawn(process, program, &actions, &attributes, arguments, environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    return number;
+}
+
+bool coprocess_limit(struct coprocess *c, uint64_t soft, uint64_t hard)
+{
+    struct rlimit limit;
+    if (prlimit(c->process, RLIMIT_DATA, NULL, &limit) != 0)
+        return false;
+    if (limit.rlim_max > hard)
+        limit.rlim_max = (rlim_t)hard;
+    limit.rlim_cur = limit.rlim_max < soft ? limit.rlim_max : (rlim_t)soft;
+    return prlimit(c->process, RLIMIT_DATA, &limit, NULL) == 0;
+}
+
+enum err coprocess_start(struct coprocess *c, struct fault *fault)
+{
+    int pair[2];
+    if (c->process > 0 && waitpid(c->process, NULL, WNOHANG) != 0) {
+        c->process = 0;
+        coprocess_stop(c, true);
+    }
+    c->trouble = FINE;
+    if (c->process > 0)
+        return OK;
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
+        return fault_errno(fault, "reach", c->program);
+    int number = spawn(&c->process, c->program, pair[1]);
+    close(pair[1]);
+    if (number) {
+        c->process = 0;
+        close(pair[0]);
+        return fault_set(fault, ERR_IO, "cannot start %s %s: %s%s", c->kind, c->program,
+                         strerror(number), c->hint);
+    }
+    c->fd = pair[0];
+    if (c->memory && !coprocess_limit(c, c->memory, c->memory)) {
+        const enum err err = fault_errno(fault, "limit the memory of", c->program);
+        coprocess_stop(c, false);
+        return err;
+    }
+    return OK;
+}
+
+enum err coprocess_fault(struct coprocess *c, const char *doing, const char *path,
+                         struct fault *fault)
+{
+    const int status = coprocess_stop(c, c->trouble == GONE);
+    char end[128] = "ended early";
+    if (c->trouble == STOPPED)
+        return watch_fault(c->watch, fault);
+    if (c->trouble == SILENT)
+        snprintf(end, sizeof end, "did not answer for %d s and was ended",
+                 (c->patience_ms + 999) / 1000);
+    else if (c->trouble == ODD)
+        snprintf(end, sizeof end, "gave an answer that makes no sense and was ended");
+    else if (status != -1 && WIFSIGNALED(status))
+        snprintf(end, sizeof end, "died (%s)", strsignal(WTERMSIG(status)));
+    else if (status != -1 && WIFEXITED(status))
+        snprintf(end, sizeof end, "ended with status %d", WEXITSTATUS(status));
+    return fault_set(fault, ERR_IO, "cannot %s %s: %s %s %s", doing, path, c->kind, c->program,
+                     end);
+}
+
+/* ---- bytes ---- */
+
+static bool fails(struct coprocess *c, int trouble)
+{
+    c->trouble = trouble;
+    return false;
+}
+
+/* Until bytes can go or come: false where they do not for too long, or the watch stops. */
+static bool wait_for(struct coprocess *c, short events)
+{
+    const uint64_t until = clock_ns() + (uint64_t)c->patience_ms * 1000000;
+    for (;;) {
+        struct pollfd wanted = {.fd = c->fd, .events = events};
+        const uint64_t now = clock_ns();
+        if (now >= until)
+            return fails(c, SILENT);
+        const int left = (int)((until - now + 999999) / 1000000);
+        const int ready = poll(&wanted, 1, c->watch && left > LOOK_MS ? LOOK_MS : left);
+        if (ready > 0)
+            return true;
+        if (ready < 0 && errno != EINTR)
+            return fails(c, GONE);
+        if (watch_poll(c->watch, c->doing, 0, 0))
+            return fails(c, STOPPED);
+    }
+}
+
+bool coprocess_transmit(struct coprocess *c, const void *bytes, size_t length)
+{
+    const char *at = bytes;
+    while (length > 0) {
+        const ssize_t n = send(c->fd, at, length, MSG_NOSIGNAL | MSG_DONTWAIT);
+        if (n >= 0) {
+            at += n;
+            length -= (size_t)n;
+        } else if (errno == EAGAIN) {
+            if (!wait_for(c, POLLOUT))
+                return false;
+        } else if (errno != EINTR) {
+            return fails(c, GONE);
+        }
+    }
+    return true;
+}
+
+bool coprocess_receive(struct coprocess *c, void *bytes, size_t length)
+{
+    char *at = bytes;
+    bool reset = false;
+    while (length > 0) {
+        const ssize_t n = recv(c->fd, at, length, MSG_DONTWAIT);
+        if (n > 0) {
+            at += n;
+            length -= (size_t)n;
+        } else if (n < 0 && errno == EAGAIN) {
+            if (!wait_for(c, POLLIN))
+                return false;
+        } else if (n < 0 && errno == ECONNRESET && !reset) {
+            reset = true; /* reported once; what it sent comes after that */
+        } else if (n == 0 || errno != EINTR) {
+            return fails(c, GONE);
+        }
+    }
+    return true;
+}
+
+bool coprocess_odd(struct coprocess *c)
+{
+    return fails(c, ODD);
+}
+
+/* Byte by byte: lines are few and short, and nothing that follows may be taken along. */
+bool coprocess_receive_line(struct coprocess *c, char line[COPROCESS_LINE])
+{
+    for (size_t i = 0; i < COPROCESS_LINE; i++) {
+        if (!coprocess_receive(c, &line[i], 1))
+            return false;
+        if (line[i] == '\n') {
+            line[i] = '\0';
+            return true;
+        }
+    }
+    return coprocess_odd(c);
+}
+
+bool coprocess_numbers(const char *line, unsigned count, const int64_t most[], int64_t out[])
+{
+    for (unsigned i = 0; i < count; i++)
+        if ((i > 0 && !scan_text(&line, " ")) || !scan_integer(&line, 0, most[i], &out[i]))
+            return false;
+    return *line == '\0';
+}
+
+enum err coprocess_answer(struct coprocess *c, char line[COPROCESS_LINE], const char *doing,
+                          const char *path, struct fault *fault)
+{
+    char words[400];
+    int64_t length;
+    if (!coprocess_receive_line(c, line))
+        return coprocess_fault(c, doing, path, fault);
+    const char *at = line;
+    if (!scan_text(&at, "error "))
+        return OK;
+    const int64_t most = sizeof words - 1;
+    if (!coprocess_numbers(at, 1, &most, &length))
+        coprocess_odd(c);
+    else if (coprocess_receive(c, words, (size_t)length)) {
+        words[length] = '\0';
+        return fault_set(fault, ERR_INPUT, "cannot %s %s: %s", doing, path, words);
+    }
+    return coprocess_fault(c, doing, path, fault);
+}
