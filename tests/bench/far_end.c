@@ -46,7 +46,7 @@ struct far_end {
     const char *const *awaited; /* those that have not come yet; of the first */
     size_t matched;             /* so many bytes have */
     uint64_t *came_ns;          /* its moment */
-    bool is_ahead;              /* the picture that comes is not shown yet */
+    bool is_ahead;              /* the picture that came last is not shown yet */
     struct far_result *result;
 };
 
@@ -132,18 +132,25 @@ static void answer(struct far_end *e, uint64_t now_ns)
 }
 
 /* Whether the last byte of what began with an escape changes what is seen: a question and a place
- * for the cursor do not, nor does a picture that lies below everything (tui/picture/kitty.c). */
-static bool shows(struct far_end *e)
+ * for the cursor do not. A command for pictures does when it ends, unless what it sends lies below
+ * everything (tui/picture/kitty.c). */
+static bool shows(const struct far_end *e)
 {
     const char *sequence = e->sequence;
     const char last = sequence[e->length - 1];
-    if (sequence[0] == '_' && last == ';' && strstr(sequence, "a="))
-        e->is_ahead = strstr(sequence, ",z=-1000000000,") != NULL;
     if (sequence[0] == '_')
-        return !e->is_ahead;
+        return false;
     if (sequence[0] == '[')
         return e->length > 1 && last >= '@' && last != 'H' && last != 'c';
-    return sequence[0] != '\\' || e->length > 1;
+    return sequence[0] != '\\' || e->length > 1 || !e->is_ahead;
+}
+
+/* At the next escape. Further chunks of a picture do not say what it is for. */
+static void end_sequence(struct far_end *e)
+{
+    if (e->sequence[0] == '_' && strstr(e->sequence, "a="))
+        e->is_ahead = strstr(e->sequence, ",z=-1000000000,") != NULL;
+    e->length = 0;
 }
 
 /* No text that is awaited begins again within itself. */
@@ -164,7 +171,7 @@ static void take(struct far_end *e, char c, uint64_t now_ns)
 {
     match(e, c, now_ns);
     if (c == '\033') {
-        e->length = 0;
+        end_sequence(e);
     } else if (e->length + 1 < SEQUENCE) {
         e->sequence[e->length++] = c;
         e->sequence[e->length] = '\0';
