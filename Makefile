@@ -11,7 +11,7 @@ PACKAGES := g++ pkg-config libopenimageio-dev libopenexr-dev nettle-dev zlib1g-d
             openexr openimageio-tools
 SCENES   := mricron-data
 # What tests use; what is after this in a list of packages, is left out where it cannot be had.
-TEST_PACKAGES := tmux screen procps python3
+TEST_PACKAGES := tmux screen procps python3 teem-apps
 FORMATTER     := clang-format-14
 BARE_PACKAGES := debootstrap
 

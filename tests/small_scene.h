@@ -41,9 +41,10 @@ static inline void make_scene(void)
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
     geometry_place_plain(&geometry, spacing);
     CHECK(geometry_place(&geometry, to_mm));
-    CHECK(volume_write(place("scene.nii"), FILE_REPLACE,
-                       &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", scene_row, NULL},
-                       NULL, NULL) == OK);
+    CHECK(volume_write(
+              place("scene.nii"), FILE_REPLACE,
+              &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", scene_row, NULL, NULL},
+              NULL, NULL) == OK);
 }
 
 static inline void begin_with_scene(struct interpreter *interp)
@@ -78,10 +79,10 @@ static inline void make_regions(const char *name, uint32_t x, uint8_t other)
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
     other_region = other;
     CHECK(geometry_place(&geometry, to_mm));
-    CHECK(
-        volume_write(place(name), FILE_REPLACE,
-                     &(struct volume_map){sides, &geometry, VOXEL_UINT8, "test", region_row, sides},
-                     NULL, NULL) == OK);
+    CHECK(volume_write(
+              place(name), FILE_REPLACE,
+              &(struct volume_map){sides, &geometry, VOXEL_UINT8, "test", region_row, sides, NULL},
+              NULL, NULL) == OK);
 }
 
 /* Weights 0..39, and `more`. */
@@ -102,10 +103,10 @@ static inline void make_weights(const char *name, uint32_t more)
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
     more_weight = more;
     CHECK(geometry_place(&geometry, to_mm));
-    CHECK(
-        volume_write(place(name), FILE_REPLACE,
-                     &(struct volume_map){size, &geometry, VOXEL_UINT16, "test", weight_row, NULL},
-                     NULL, NULL) == OK);
+    CHECK(volume_write(
+              place(name), FILE_REPLACE,
+              &(struct volume_map){size, &geometry, VOXEL_UINT16, "test", weight_row, NULL, NULL},
+              NULL, NULL) == OK);
 }
 
 /* ---- snapshots ---- */

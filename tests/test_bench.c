@@ -171,7 +171,7 @@ static void begin(struct session *session, struct seeds *seeds)
     geometry_place_plain(&geometry, spacing_mm);
     CHECK(volume_write(path, FILE_REPLACE,
                        &(struct volume_map){(uint32_t[]){side, side, side}, &geometry, VOXEL_UINT8,
-                                            "test", scene_row, NULL},
+                                            "test", scene_row, NULL, NULL},
                        NULL, NULL) == OK);
     session_init(session);
     CHECK(session_open(session, path, NULL) == OK);

@@ -498,7 +498,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"render mode=fast", "mode: expected sp|bp|ii|ray, not fast"},
         {"render mode=", "not nothing"},
         {"render mode=sp|bp", "expected sp|bp|ii|ray"},
-        {"save maps x.nii", "labels|cost|root|border"},
+        {"save maps x.nii", "labels|cost|root|border|distance|margin"},
         {"seed 1,1,1", "missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..32|Rmm]"},
         {"seed", "missing: PLACE"},
         {"save labels", "missing: FILE"},
@@ -806,7 +806,7 @@ STORY(completion_offers_what_may_stand_there)
     completes(&interp, "xyz ", "", 4);
     completes(&interp, "help see", "seed\nseed-file\n", 5);
     completes(&interp, "help seed ", "", 10);
-    completes(&interp, "save ", "labels\ncost\nroot\nborder\nreplace=\n", 5);
+    completes(&interp, "save ", "labels\ncost\nroot\nborder\ndistance\nmargin\nreplace=\n", 5);
     completes(&interp, "save c", "cost\n", 5);
     completes(&interp, "save cost x.nii replace=y", "yes\n", 24);
     completes(&interp, "render mode=", "sp\nbp\nii\nray\n", 12);
@@ -1432,9 +1432,10 @@ static void make_long(const char *name, double z_mm)
     struct geometry geometry = {.slope = 1,
                                 .spacing_nm = {1000000, 1000000, (uint32_t)(z_mm * 1e6)}};
     geometry_place_plain(&geometry, spacing);
-    CHECK(volume_write(place(name), FILE_REPLACE,
-                       &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", scene_row, NULL},
-                       NULL, NULL) == OK);
+    CHECK(volume_write(
+              place(name), FILE_REPLACE,
+              &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", scene_row, NULL, NULL},
+              NULL, NULL) == OK);
 }
 
 STORY(what_fits_can_be_shown_whatever_the_samples)

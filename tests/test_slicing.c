@@ -67,9 +67,10 @@ static void write_head(const char *name, struct head *head, double to_mm[3][4])
     static const uint32_t size[3] = {SIDE, SIDE, SIDE};
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
     CHECK(geometry_place(&geometry, (const double(*)[4])to_mm));
-    CHECK(volume_write(name, FILE_REPLACE,
-                       &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", head_row, head},
-                       NULL, NULL) == OK);
+    CHECK(volume_write(
+              name, FILE_REPLACE,
+              &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", head_row, head, NULL},
+              NULL, NULL) == OK);
 }
 
 /* Takes the sform away and leaves a qform of the rotation b, c, d under pixdim[0] = qfac. */
@@ -223,9 +224,10 @@ static void write_values(const char *name, float slope, float intercept)
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
     struct buf file = {0};
     geometry_place_plain(&geometry, spacing);
-    CHECK(volume_write(name, FILE_REPLACE,
-                       &(struct volume_map){size, &geometry, VOXEL_UINT16, "test", value_row, NULL},
-                       NULL, NULL) == OK);
+    CHECK(volume_write(
+              name, FILE_REPLACE,
+              &(struct volume_map){size, &geometry, VOXEL_UINT16, "test", value_row, NULL, NULL},
+              NULL, NULL) == OK);
     CHECK(file_read(&file, name, 1 << 20, NULL) == OK && file.length > 352);
     memcpy(file.data + 112, &slope, 4);
     memcpy(file.data + 116, &intercept, 4);

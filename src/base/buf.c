@@ -57,6 +57,16 @@ void buf_vprintf(struct buf *b, const char *format, va_list words)
     va_end(again);
 }
 
+void buf_add_real(struct buf *b, double value)
+{
+    char text[32];
+    int digits = 6;
+    do
+        snprintf(text, sizeof text, "%.*g", digits, value);
+    while (digits++ < 17 && !(strtod(text, NULL) >= value && strtod(text, NULL) <= value));
+    buf_add_text(b, text);
+}
+
 void buf_printf(struct buf *b, const char *format, ...)
 {
     va_list words;

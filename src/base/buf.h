@@ -34,6 +34,9 @@ static inline const char *plural(uint64_t count)
     return count == 1 ? "" : "s";
 }
 
+/* The shortest decimal number that reads back as the same double. */
+void buf_add_real(struct buf *b, double value);
+
 /* Adds `length` bytes of `text` with everything a terminal would obey escaped (base/safe.h). */
 void buf_add_safe(struct buf *b, const char *text, size_t length);
 void buf_add_safe_text(struct buf *b, const char *text); /* all of it */

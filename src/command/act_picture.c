@@ -133,7 +133,6 @@ enum err act_render(const struct act *act)
 
 enum err act_save(const struct act *act)
 {
-    static const enum map map[] = {MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER};
     struct buf path = {0};
     enum err err = session_run(act->session, act->fault);
     if (!err)
@@ -142,7 +141,7 @@ enum err act_save(const struct act *act)
         const enum file_mode how = act_file_mode(&act->value[2]);
         err = interpreter_will_write(act->interp, buf_text(&path), how, act->fault);
         if (!err)
-            err = export_map(act->session, map[act->value[0].number], buf_text(&path), how,
+            err = export_map(act->session, (enum map)act->value[0].number, buf_text(&path), how,
                              act->fault);
         if (!err)
             act_write_file_line("wrote ", buf_text(&path), act->reply);

@@ -4,6 +4,7 @@
 #include "engine/weight.h"
 #include "image/volume.h"
 #include "render/view.h"
+#include "session/export.h"
 #include "session/seed_file.h"
 #include "session/slicing.h"
 
@@ -412,11 +413,20 @@ const struct command command_table[] = {
      "pixel for pixel. It is stored in a folder beside the journal.",
      "golden front-1"},
     {COMMAND("save", act_save, GROUP_KEPT, R | S | E),
-     {NEED("MAP", VALUE_CHOICE, .choices = "labels|cost|root|border"), NEED("FILE", VALUE_FILE),
+     {NEED("MAP", VALUE_CHOICE, .choices = MAPS), NEED("FILE", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
-     "write a map as .nii or .nii.gz",
-     "In the geometry of the scene: labels and border as uint8, cost as uint16, root as uint32 "
-     "(voxel index of the seed; 4294967295 in a voxel that no seed reaches).",
+     "write a map as .nii, .nii.gz, .nrrd or .mha",
+     "In the geometry of the scene. Labels as .seg.nrrd are a segmentation of 3D Slicer, with the "
+     "names and colours of labels.\n"
+     "labels: uint8.\n"
+     "cost: uint16; 65535 in a voxel that no seed reaches.\n"
+     "root: uint32, the voxel index of the seed; 4294967295 where none reaches.\n"
+     "border: uint8, 1 in border voxels of shown objects.\n"
+     "distance: uint16, the plateau distance: steps along the path since its cost last rose; 65535 "
+     "where no seed reaches.\n"
+     "margin: uint16, how much more the best path from a seed of another label would cost: 0 where "
+     "another label reaches the voxel as cheaply, 65535 where none does. It takes as long as a "
+     "run.",
      "save labels brain-labels.nii.gz"},
     {COMMAND("journal", act_journal, GROUP_KEPT, 0),
      {MAY("FILE", VALUE_FILE)},

@@ -75,6 +75,13 @@ void geometry_axes(char letters[4], const struct geometry *geometry)
     letters[3] = '\0';
 }
 
+void geometry_to_lps(const struct geometry *geometry, double to_lps_mm[3][4])
+{
+    for (int w = 0; w < 3; w++)
+        for (int i = 0; i < 4; i++)
+            to_lps_mm[w][i] = w < 2 ? 0 - geometry->to_mm[w][i] : geometry->to_mm[w][i];
+}
+
 void geometry_point(const struct geometry *geometry, const uint32_t place[3], double point_mm[3])
 {
     for (int w = 0; w < 3; w++) {

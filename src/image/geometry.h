@@ -24,6 +24,11 @@ struct geometry {
     int16_t sform_code, qform_code; /* as read; 0 where the file gave none that can be used */
 };
 
+static inline bool geometry_has_place(const struct geometry *geometry)
+{
+    return geometry->sform_code || geometry->qform_code;
+}
+
 /* The real value of an intensity. */
 static inline double geometry_value(const struct geometry *geometry, int32_t intensity)
 {
@@ -40,6 +45,9 @@ void geometry_place_plain(struct geometry *geometry, const double spacing_mm[3])
 
 /* Which side of the patient each voxel axis runs towards: "RAS" where they are the world's. */
 void geometry_axes(char letters[4], const struct geometry *geometry);
+
+/* The way to the world as NRRD, MetaImage and DICOM have it: +x to the left, +y to the back. */
+void geometry_to_lps(const struct geometry *geometry, double to_lps_mm[3][4]);
 
 /* Where the middle of a voxel is. */
 void geometry_point(const struct geometry *geometry, const uint32_t place[3], double point_mm[3]);

@@ -203,7 +203,8 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
     nifti_header_place(&header, map->geometry);
     describe(&header, map->description);
     nifti_header_encode(&header, bytes);
-    return voxels_write(path, mode, bytes, header.bytes + 4, map, watch, fault);
+    return voxels_write(path, mode, bytes, header.bytes + 4,
+                        file_is_named(path, ".gz") ? PACKED_WHOLE : PACKED_NOT, map, watch, fault);
 }
 
 extern const struct volume_format nifti_format;

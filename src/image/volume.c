@@ -29,13 +29,19 @@ const char *volume_ending(const char *path)
     return format ? file_ending(path, format->endings) : NULL;
 }
 
-/* "NIfTI (.nii or .nii.gz)": all formats, or those that are written. */
-static void list_formats(struct buf *out, bool of_written)
+/* Some formats are written and not read, and others the reverse. */
+static bool can(const struct volume_format *format, bool write)
+{
+    return write ? format->write != NULL : format->read_header != NULL;
+}
+
+/* "NIfTI (.nii or .nii.gz)": the formats that are read, or those that are written. */
+static void list_formats(struct buf *out, bool write)
 {
     for (int i = 0; i < FORMATS; i++) {
         const char *endings = formats[i]->endings, *between = " (";
         struct choice ending;
-        if (of_written && !formats[i]->write)
+        if (!can(formats[i], write))
             continue;
         buf_printf(out, "%s%s", out->length ? ", " : "", formats[i]->name);
         for (; choice_next(&ending, &endings); between = " or ")
@@ -44,10 +50,10 @@ static void list_formats(struct buf *out, bool of_written)
     }
 }
 
-static enum err refuse(const char *words, bool of_written, enum err err, struct fault *fault)
+static enum err refuse(const char *words, bool write, enum err err, struct fault *fault)
 {
     struct buf list = {0};
-    list_formats(&list, of_written);
+    list_formats(&list, write);
     fault_set(fault, err, "%s%s", words, buf_text(&list));
     buf_release(&list);
     return err;
@@ -60,9 +66,11 @@ static enum err find_format(const struct volume_format **format, struct volume_s
     const size_t length = source_peek(source, begin, sizeof begin);
     *format = format_named(source->path);
     for (int i = 0; i < FORMATS; i++)
-        if (formats[i]->recognises(begin, length))
+        if (can(formats[i], false) && formats[i]->recognises(begin, length))
             *format = formats[i];
-    return *format ? OK : refuse("not a volume; expected ", false, ERR_INPUT, fault);
+    return *format && can(*format, false)
+               ? OK
+               : refuse("not a volume; expected ", false, ERR_INPUT, fault);
 }
 
 /* ---- reading ---- */
@@ -138,7 +146,7 @@ enum err volume_write(const char *path, enum file_mode mode, const struct volume
                       struct watch *watch, struct fault *fault)
 {
     const struct volume_format *format = format_named(path);
-    if (format && format->write)
+    if (format && can(format, true))
         return format->write(path, mode, map, watch, fault);
     const enum err err = refuse("expected the name of a volume, ", true, ERR_USAGE, fault);
     return fault_prefix(fault, err, "cannot write %s", path);

@@ -26,7 +26,9 @@
 
 /* The formats, and a sentence about each for the help. */
 #define VOLUME_FORMATS(ROW)                                                                        \
-    ROW(nifti_format, "NIfTI is .nii or .nii.gz of uint8, int16, uint16 or float32. ")
+    ROW(nifti_format, "NIfTI is .nii or .nii.gz of uint8, int16, uint16 or float32. ")             \
+    ROW(nrrd_format, "")                                                                           \
+    ROW(metaimage_format, "")
 
 struct volume {
     uint32_t size[3];
@@ -48,6 +50,12 @@ struct volume_header {
     uint64_t offset; /* bytes before the voxels */
 };
 
+/* How a label of a map is called and shown. */
+struct volume_label {
+    const char *name; /* "" for none */
+    uint8_t rgb[3];
+};
+
 /* A map to be written. `row` is asked for the rows in file order, y faster than z, and fills
  * size[0] values of the type. */
 struct volume_map {
@@ -57,11 +65,13 @@ struct volume_map {
     const char *description; /* cut to what the format holds */
     void (*row)(void *context, uint32_t y, uint32_t z, void *values);
     void *context;
+    const struct volume_label *label; /* [256], of a map of labels; else NULL */
 };
 
 struct volume_format {
     const char *name;    /* "NIfTI" */
     const char *endings; /* of file names, ".nii|.nii.gz" */
+    /* The three that read; NULL where the format is only written. */
     bool (*recognises)(const uint8_t *begin, size_t length);
     enum err (*read_header)(struct volume_header *header, struct volume_source *source,
                             struct fault *fault);

@@ -249,17 +249,22 @@ static bool put_rows(gzFile gz, const char *path, const struct volume_map *map, 
     return true;
 }
 
-/* A new file `draft`, as gzip where `path` is to be one. */
-static enum err create(gzFile *gz, const char *draft, const char *path, struct fault *fault)
+/* A new file `draft` that begins with the header, and goes on as gzip where that is packed. */
+static enum err create(gzFile *gz, const char *draft, const char *path, const void *header,
+                       size_t header_bytes, enum packing packing, struct fault *fault)
 {
     const int fd = file_step_open(draft, O_WRONLY | O_CREAT | O_EXCL);
+    const bool first = packing == PACKED_VOXELS; /* before the stream begins */
+    enum err err = OK;
     if (fd < 0)
         return fault_errno(fault, "write", path);
-    *gz = gzdopen(fd, file_is_named(path, ".gz") ? "wb1" : "wbT");
+    if (first && !file_step_write(fd, path, header, header_bytes))
+        err = fault_errno(fault, "write", path);
+    *gz = err ? NULL : gzdopen(fd, packing == PACKED_NOT ? "wbT" : "wb1");
     if (!*gz) {
         close(fd);
         file_discard(draft);
-        return fault_memory(fault, path);
+        return err ? err : fault_memory(fault, path);
     }
     gzbuffer(*gz, PACKED_CHUNK);
     return OK;
@@ -276,16 +281,17 @@ static bool close_after(gzFile gz, bool fine)
 }
 
 static enum err write_draft(const char *draft, const char *path, const void *header,
-                            size_t header_bytes, const struct volume_map *map, struct watch *watch,
-                            struct fault *fault)
+                            size_t header_bytes, enum packing packing, const struct volume_map *map,
+                            struct watch *watch, struct fault *fault)
 {
     void *values = mem_array(map->size[0], voxel_bytes(map->type));
     gzFile gz;
-    enum err err = values ? create(&gz, draft, path, fault) : fault_memory(fault, path);
+    enum err err = values ? create(&gz, draft, path, header, header_bytes, packing, fault)
+                          : fault_memory(fault, path);
     if (!err) {
         errno = EIO;
-        const bool fine =
-            put(gz, path, header, header_bytes) && put_rows(gz, path, map, values, watch);
+        const bool fine = (packing == PACKED_VOXELS || put(gz, path, header, header_bytes)) &&
+                          put_rows(gz, path, map, values, watch);
         if (!close_after(gz, fine)) {
             err = watch && watch->stopped ? watch_fault(watch, fault)
                                           : fault_errno(fault, "write", path);
@@ -297,8 +303,8 @@ static enum err write_draft(const char *draft, const char *path, const void *hea
 }
 
 enum err voxels_write(const char *path, enum file_mode mode, const void *header,
-                      size_t header_bytes, const struct volume_map *map, struct watch *watch,
-                      struct fault *fault)
+                      size_t header_bytes, enum packing packing, const struct volume_map *map,
+                      struct watch *watch, struct fault *fault)
 {
     struct grid grid;
     struct buf draft = {0};
@@ -306,7 +312,7 @@ enum err voxels_write(const char *path, enum file_mode mode, const void *header,
     if (!err)
         err = file_draft(&draft, path, mode, fault);
     if (!err)
-        err = write_draft(buf_text(&draft), path, header, header_bytes, map, watch, fault);
+        err = write_draft(buf_text(&draft), path, header, header_bytes, packing, map, watch, fault);
     if (!err)
         err = file_publish(buf_text(&draft), path, mode, fault);
     buf_release(&draft);

@@ -22,10 +22,12 @@ enum err voxels_check(const struct volume_header *header, const struct volume_so
 enum err voxels_read(struct volume *volume, const struct volume_header *header,
                      struct volume_source *source, struct watch *watch, struct fault *fault);
 
-/* For volume_format.write: `header`, then the voxels, little-endian; as gzip where the name ends in
- * .gz. */
+/* What of a file is gzip. */
+enum packing { PACKED_NOT, PACKED_VOXELS, PACKED_WHOLE };
+
+/* For volume_format.write: `header`, then the voxels, little-endian. */
 enum err voxels_write(const char *path, enum file_mode mode, const void *header,
-                      size_t header_bytes, const struct volume_map *map, struct watch *watch,
-                      struct fault *fault);
+                      size_t header_bytes, enum packing packing, const struct volume_map *map,
+                      struct watch *watch, struct fault *fault);
 
 #endif

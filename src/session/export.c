@@ -2,8 +2,11 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "base/choice.h"
+#include "engine/margin.h"
 #include "image/volume.h"
 
 /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
@@ -129,6 +132,7 @@ enum err export_normals(struct picture *picture, const struct session *session, 
 struct map_source {
     const struct session *session;
     enum map map;
+    uint16_t *margin; /* by cell, where that is asked for */
 };
 
 static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
@@ -137,7 +141,7 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
     const struct session *session = source->session;
     struct span row = grid_row(&session->scene->grid, y, z);
     uint8_t *byte = values;
-    uint16_t *cost = values;
+    uint16_t *pair = values;
     uint32_t *root = values;
     for (uint32_t c = row.first; c < row.end; c++) {
         const struct cell *cell = session->scene->cell + c;
@@ -150,12 +154,26 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
             *byte++ = border_holds(&session->border, c);
             break;
         case MAP_COST:
-            *cost++ = reached ? (uint16_t)key_cost(cell->key) : UINT16_MAX;
+            *pair++ = reached ? (uint16_t)key_cost(cell->key) : UINT16_MAX;
+            break;
+        case MAP_DISTANCE:
+            *pair++ = reached ? (uint16_t)key_hops(cell->key) : UINT16_MAX;
+            break;
+        case MAP_MARGIN:
+            *pair++ = source->margin[c];
             break;
         case MAP_ROOT:
             *root++ = reached ? grid_voxel(&session->scene->grid, key_root(cell->key)) : CELL_NONE;
             break;
         }
+    }
+}
+
+static void take_labels(struct volume_label label[256], const struct kept *kept)
+{
+    for (int l = 0; l < 256; l++) {
+        label[l].name = kept->label_name[l];
+        memcpy(label[l].rgb, kept->palette.rgb[l], sizeof label[l].rgb);
     }
 }
 
@@ -168,10 +186,20 @@ enum err export_map(const struct session *session, enum map map, const char *pat
     } form[] = {[MAP_LABELS] = {VOXEL_UINT8, "iftty labels"},
                 [MAP_COST] = {VOXEL_UINT16, "iftty path cost"},
                 [MAP_ROOT] = {VOXEL_UINT32, "iftty root: voxel index of the seed"},
-                [MAP_BORDER] = {VOXEL_UINT8, "iftty border"}};
-    struct map_source source = {session, map};
+                [MAP_BORDER] = {VOXEL_UINT8, "iftty border"},
+                [MAP_DISTANCE] = {VOXEL_UINT16, "iftty plateau distance: steps since a rise"},
+                [MAP_MARGIN] = {VOXEL_UINT16, "iftty margin: cost of the next best label, less"}};
+    struct map_source source = {session, map, NULL};
+    struct volume_label label[256];
+    enum err err = map == MAP_MARGIN ? margin_new(&source.margin, session->forest, fault) : OK;
+    if (err)
+        return err;
+    take_labels(label, &session->now.kept);
     const struct volume_map written = {
-        session->scene->grid.size, &session->geometry, form[map].type,
-        form[map].description,     fill_row,           &source};
-    return volume_write(path, mode, &written, session->watch, fault);
+        session->scene->grid.size,       &session->geometry, form[map].type,
+        form[map].description,           fill_row,           &source,
+        map == MAP_LABELS ? label : NULL};
+    err = volume_write(path, mode, &written, session->watch, fault);
+    free(source.margin);
+    return err;
 }

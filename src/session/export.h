@@ -30,10 +30,13 @@ enum err export_normals(struct picture *picture, const struct session *session,
 void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
                              const struct scene *scene);
 
-enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER };
+#define MAPS "labels|cost|root|border|distance|margin"
+enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER, MAP_DISTANCE, MAP_MARGIN };
 
 /* A map in the scene's geometry: labels and border uint8; cost uint16, 65535 where no seed
- * reaches; root uint32, the voxel index of the seed, 0xFFFFFFFF where none reaches. */
+ * reaches; root uint32, the voxel index of the seed, 0xFFFFFFFF where none reaches; distance
+ * uint16, the plateau distance (hops of engine/forest.h), 65535 where no seed reaches; margin
+ * uint16 (engine/margin.h). */
 enum err export_map(const struct session *session, enum map map, const char *path,
                     enum file_mode mode, struct fault *fault);
 

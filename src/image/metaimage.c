@@ -1,0 +1,92 @@
+/*
+ * MetaImage: maps out as .mha, header and voxels in one file, for whoever reads with ITK.
+ *
+ *     ObjectType = Image
+ *     NDims = 3
+ *     BinaryData = True
+ *     BinaryDataByteOrderMSB = False
+ *     CompressedData = False
+ *     TransformMatrix = -1 0 0 0 -1 0 0 0 1
+ *     Offset = 90 126 -72
+ *     CenterOfRotation = 0 0 0
+ *     ElementSpacing = 1 1 1
+ *     DimSize = 181 217 181
+ *     ElementType = MET_UCHAR
+ *     ElementDataFile = LOCAL
+ *
+ * TransformMatrix holds the direction of each voxel axis in turn, in the world that runs to left,
+ * posterior and superior. Where it is not known how the voxels lie there, it is left out with
+ * Offset, as ElementSpacing is where that is not known.
+ *
+ * From: https://itk.org/Wiki/ITK/MetaIO/Documentation
+ */
+#include <math.h>
+
+#include "image/voxels.h"
+
+static void write_reals(struct buf *out, const char *field, const double *value, int count)
+{
+    buf_printf(out, "%s =", field);
+    for (int i = 0; i < count; i++) {
+        buf_add_char(out, ' ');
+        buf_add_real(out, value[i]);
+    }
+    buf_add_char(out, '\n');
+}
+
+/* The columns of the way to the world, apart in directions and lengths. */
+static void write_place(struct buf *out, const struct geometry *geometry)
+{
+    double to_mm[3][4], direction[9], spacing[3];
+    geometry_to_lps(geometry, to_mm);
+    for (int a = 0; a < 3; a++) {
+        spacing[a] =
+            sqrt(to_mm[0][a] * to_mm[0][a] + to_mm[1][a] * to_mm[1][a] + to_mm[2][a] * to_mm[2][a]);
+        for (int w = 0; w < 3; w++)
+            direction[3 * a + w] = to_mm[w][a] / spacing[a];
+    }
+    const double origin[3] = {to_mm[0][3], to_mm[1][3], to_mm[2][3]};
+    write_reals(out, "TransformMatrix", direction, 9);
+    write_reals(out, "Offset", origin, 3);
+    write_reals(out, "CenterOfRotation", (const double[3]){0}, 3);
+    write_reals(out, "ElementSpacing", spacing, 3);
+}
+
+static void write_header(struct buf *out, const struct volume_map *map)
+{
+    const struct geometry *geometry = map->geometry;
+    const uint32_t *nm = geometry->spacing_nm;
+    buf_printf(out,
+               "ObjectType = Image\nComment = %s\nNDims = 3\nBinaryData = True\n"
+               "BinaryDataByteOrderMSB = False\nCompressedData = False\n",
+               map->description);
+    if (geometry_has_place(geometry))
+        write_place(out, geometry);
+    else if (!geometry->spacing_assumed)
+        write_reals(out, "ElementSpacing", (const double[3]){nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6},
+                    3);
+    buf_printf(out, "DimSize = %u %u %u\nElementType = %s\nElementDataFile = LOCAL\n", map->size[0],
+               map->size[1], map->size[2],
+               map->type == VOXEL_UINT8    ? "MET_UCHAR"
+               : map->type == VOXEL_UINT16 ? "MET_USHORT"
+                                           : "MET_UINT");
+}
+
+static enum err write(const char *path, enum file_mode mode, const struct volume_map *map,
+                      struct watch *watch, struct fault *fault)
+{
+    struct buf header = {0};
+    write_header(&header, map);
+    const enum err err = header.failed ? fault_memory(fault, "the header of a volume")
+                                       : voxels_write(path, mode, header.data, header.length,
+                                                      PACKED_NOT, map, watch, fault);
+    buf_release(&header);
+    return err;
+}
+
+extern const struct volume_format metaimage_format;
+const struct volume_format metaimage_format = {
+    .name = "MetaImage",
+    .endings = ".mha",
+    .write = write,
+};

@@ -1,0 +1,204 @@
+/*
+ * NRRD: label and other maps out, for 3D Slicer and whoever reads with ITK or teem.
+ *
+ *     NRRD0004
+ *     content: iftty labels
+ *     type: unsigned char
+ *     dimension: 3
+ *     sizes: 181 217 181
+ *     space: left-posterior-superior
+ *     space directions: (-1,0,0) (0,-1,0) (0,0,1)
+ *     space origin: (90,126,-72)
+ *     kinds: domain domain domain
+ *     endian: little
+ *     encoding: gzip
+ *
+ * An empty line ends the header, and one gzip stream of the voxels follows. Where it is not known
+ * how the voxels lie in the world, the file has no space; it has `spacings` instead, where those
+ * are known.
+ *
+ * A .seg.nrrd is the same with fields by which 3D Slicer knows it as a segmentation: of each label
+ * that has a voxel or a name but 0, its number, name, colour (each part 0 to 1) and extent (first
+ * and last voxel along each axis; 0 -1 for none).
+ *
+ *     Segment0_ID:=Segment_2
+ *     Segment0_Name:=cerebellum
+ *     Segment0_Color:=0.250980 0.752941 0.376471
+ *     Segment0_LabelValue:=2
+ *     Segment0_Layer:=0
+ *     Segment0_Extent:=50 131 22 89 9 60
+ *
+ * From: https://teem.sourceforge.net/nrrd/format.html, and "Segmentations" in the developer guide
+ * of 3D Slicer.
+ */
+#include <stdlib.h>
+
+#include "base/mem.h"
+#include "image/voxels.h"
+
+/* ---- header ---- */
+
+static const char *type_name(enum voxel_type type)
+{
+    return type == VOXEL_UINT8    ? "unsigned char"
+           : type == VOXEL_UINT16 ? "unsigned short"
+                                  : "unsigned int";
+}
+
+/* "(-1,0,0)": a column of the way to the world. */
+static void write_column(struct buf *out, const double to_mm[3][4], int column)
+{
+    for (int w = 0; w < 3; w++) {
+        buf_add_char(out, w ? ',' : '(');
+        buf_add_real(out, to_mm[w][column]);
+    }
+    buf_add_char(out, ')');
+}
+
+static void write_place(struct buf *out, const struct geometry *geometry)
+{
+    double to_mm[3][4];
+    geometry_to_lps(geometry, to_mm);
+    buf_add_text(out, "space: left-posterior-superior\nspace directions:");
+    for (int a = 0; a < 3; a++) {
+        buf_add_char(out, ' ');
+        write_column(out, (const double(*)[4])to_mm, a);
+    }
+    buf_add_text(out, "\nspace origin: ");
+    write_column(out, (const double(*)[4])to_mm, 3);
+    buf_add_char(out, '\n');
+}
+
+static void write_spacings(struct buf *out, const struct geometry *geometry)
+{
+    buf_add_text(out, "spacings:");
+    for (int a = 0; a < 3; a++) {
+        buf_add_char(out, ' ');
+        buf_add_real(out, geometry->spacing_nm[a] / 1e6);
+    }
+    buf_add_char(out, '\n');
+}
+
+static void write_header(struct buf *out, const struct volume_map *map)
+{
+    const struct geometry *geometry = map->geometry;
+    buf_printf(out, "NRRD0004\ncontent: %s\ntype: %s\ndimension: 3\nsizes: %u %u %u\n",
+               map->description, type_name(map->type), map->size[0], map->size[1], map->size[2]);
+    if (geometry_has_place(geometry))
+        write_place(out, geometry);
+    else if (!geometry->spacing_assumed)
+        write_spacings(out, geometry);
+    buf_add_text(out, "kinds: domain domain domain\nendian: little\nencoding: gzip\n");
+}
+
+/* ---- segments ---- */
+
+enum { LABELS = 256 };
+
+struct extent {
+    bool any;
+    uint32_t first[3], last[3];
+};
+
+static void add_place(struct extent *extent, const uint32_t place[3])
+{
+    for (int a = 0; a < 3; a++) {
+        if (!extent->any || place[a] < extent->first[a])
+            extent->first[a] = place[a];
+        if (!extent->any || place[a] > extent->last[a])
+            extent->last[a] = place[a];
+    }
+    extent->any = true;
+}
+
+/* Where the voxels of each label lie; `row` has room for one. */
+static void find_extents(struct extent extent[LABELS], const struct volume_map *map, uint8_t *row,
+                         struct watch *watch)
+{
+    const uint32_t *size = map->size;
+    struct task task = task_begin(watch, "extents", (uint64_t)size[1] * size[2]);
+    for (uint32_t z = 0; z < size[2]; z++)
+        for (uint32_t y = 0; y < size[1] && task_advance(&task, 1); y++) {
+            map->row(map->context, y, z, row);
+            for (uint32_t x = 0; x < size[0]; x++)
+                if (x == 0 || x + 1 == size[0] || row[x] != row[x - 1] || row[x] != row[x + 1])
+                    add_place(&extent[row[x]], (const uint32_t[3]){x, y, z});
+        }
+}
+
+static void write_extent(struct buf *out, const struct extent *extent)
+{
+    for (int a = 0; a < 3; a++)
+        buf_printf(out, "%s%u %d", a ? " " : "", extent->first[a],
+                   extent->any ? (int)extent->last[a] : -1);
+    buf_add_char(out, '\n');
+}
+
+static void write_segment(struct buf *out, unsigned number, unsigned label,
+                          const struct volume_label *look, const struct extent *extent)
+{
+    buf_printf(out, "Segment%u_ID:=Segment_%u\nSegment%u_Name:=", number, label, number);
+    if (*look->name)
+        buf_add_text(out, look->name);
+    else
+        buf_printf(out, "Segment_%u", label);
+    buf_printf(out, "\nSegment%u_NameAutoGenerated:=%d\n", number, !*look->name);
+    buf_printf(out, "Segment%u_Color:=%.6f %.6f %.6f\n", number, look->rgb[0] / 255.0,
+               look->rgb[1] / 255.0, look->rgb[2] / 255.0);
+    buf_printf(out, "Segment%u_ColorAutoGenerated:=0\nSegment%u_LabelValue:=%u\n", number, number,
+               label);
+    buf_printf(out, "Segment%u_Layer:=0\nSegment%u_Tags:=|\nSegment%u_Extent:=", number, number,
+               number);
+    write_extent(out, extent);
+}
+
+static enum err write_segments(struct buf *out, const struct volume_map *map, struct watch *watch,
+                               struct fault *fault)
+{
+    struct extent extent[LABELS] = {0};
+    uint8_t *row = mem_array(map->size[0], 1);
+    unsigned number = 0;
+    if (!row)
+        return fault_memory(fault, "the segments");
+    find_extents(extent, map, row, watch);
+    free(row);
+    buf_add_text(out, "Segmentation_MasterRepresentation:=Binary labelmap\n"
+                      "Segmentation_ContainedRepresentationNames:=Binary labelmap|\n"
+                      "Segmentation_ReferenceImageExtentOffset:=0 0 0\n");
+    for (unsigned label = 1; label < LABELS; label++)
+        if (extent[label].any || *map->label[label].name)
+            write_segment(out, number++, label, &map->label[label], &extent[label]);
+    return watch_fault(watch, fault);
+}
+
+/* ---- file ---- */
+
+static enum err write(const char *path, enum file_mode mode, const struct volume_map *map,
+                      struct watch *watch, struct fault *fault)
+{
+    const bool is_segmentation = file_is_named(path, ".seg.nrrd");
+    struct buf header = {0};
+    enum err err = OK;
+    if (is_segmentation && !map->label)
+        return fault_set(fault, ERR_USAGE,
+                         "cannot write %s: a .seg.nrrd holds labels; expected .nrrd for this map",
+                         path);
+    write_header(&header, map);
+    if (is_segmentation)
+        err = write_segments(&header, map, watch, fault);
+    buf_add_char(&header, '\n');
+    if (!err && header.failed)
+        err = fault_memory(fault, "the header of a volume");
+    if (!err)
+        err =
+            voxels_write(path, mode, header.data, header.length, PACKED_VOXELS, map, watch, fault);
+    buf_release(&header);
+    return err;
+}
+
+extern const struct volume_format nrrd_format;
+const struct volume_format nrrd_format = {
+    .name = "NRRD",
+    .endings = ".seg.nrrd|.nrrd",
+    .write = write,
+};

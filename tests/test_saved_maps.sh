@@ -1,0 +1,105 @@
+#!/bin/sh
+# Saved maps as other people's programs read them: NRRD by teem's unu, with the voxels and the place
+# that the same map has as NIfTI.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+make_scene s.nii 24 20 16
+start='seed 2,3,4 0; seed 6,10,8 1; seed 20,10,8 7; label 7 "left lobe" #40c060; label 9 nothing'
+
+# place FILE: its voxels run to the left, to the front and up, sheared, from 90,-126,-72 mm on
+place() {
+    python3 - "$1" <<'END'
+import struct, sys
+with open(sys.argv[1], 'r+b') as f:
+    f.seek(254)
+    f.write(struct.pack('<h', 1))
+    f.seek(280)
+    f.write(struct.pack('<12f', -2, 0, 0, 90, 0, 1.5, .25, -126, 0, -.5, 3, -72))
+END
+}
+# The voxels of a NIfTI of ours, of an NRRD as unu reads them, of a MetaImage: on standard output.
+nifti_voxels() {
+    tail -c +353 "$1"
+}
+nrrd_voxels() {
+    teem-unu save -f nrrd -e raw -i "$1" | teem-unu data -
+}
+mha_voxels() {
+    tail -c "$2" "$1"
+}
+has_header() { # FILE LINE
+    sed '/^$/q' "$1" | grep -aqxF -e "$2" || fail "no '$2' in $1:" "$(sed '/^$/q' "$1")"
+}
+
+begin "every map as NRRD and MetaImage, voxel for voxel what it is as NIfTI"
+needs teem-unu && {
+    maps='labels cost root border distance margin'
+    # shellcheck disable=SC2086
+    expect 0 "$iftty" -c "open s.nii; $start; $(printf "save %s %s.nii; save %s %s.nrrd; save %s \
+%s.mha; " $(for m in $maps; do echo $m $m $m $m $m $m; done))"
+    for map in $maps; do
+        nifti_voxels $map.nii >expected
+        nrrd_voxels $map.nrrd | cmp -s - expected || fail "$map.nrrd differs from $map.nii"
+        mha_voxels $map.mha "$(file_bytes expected)" | cmp -s - expected || fail "$map.mha differs"
+    done
+    teem-unu head root.nrrd >out
+    out_has 'type: unsigned int'
+    teem-unu head cost.nrrd >out
+    out_has 'type: unsigned short'
+}
+close_story
+
+begin "where no place is known, none is written"
+grep -aq '^space' labels.nrrd && fail "$(sed '/^$/q' labels.nrrd)"
+has_header labels.nrrd 'spacings: 1 1 1'
+grep -aqE '^(TransformMatrix|Offset|Anatom)' labels.mha && fail "labels.mha has a place"
+grep -aqx 'ElementSpacing = 1 1 1' labels.mha || fail "labels.mha has no spacing"
+close_story
+
+begin "a place is written in the world of each format"
+cp s.nii p.nii
+place p.nii
+expect 0 "$iftty" -c "open p.nii; $start; save labels p.nrrd; save labels p.mha"
+has_header p.nrrd 'space: left-posterior-superior'
+has_header p.nrrd 'space directions: (2,0,0) (0,-1.5,-0.5) (0,-0.25,3)'
+has_header p.nrrd 'space origin: (-90,126,-72)'
+grep -aqx 'Offset = -90 126 -72' p.mha || fail "$(strings p.mha | head -n 14)"
+grep -aq '^TransformMatrix = 1 0 0 0 -0.9486832980505138 ' p.mha || fail "axes of p.mha"
+close_story
+
+begin "a .seg.nrrd has names, colours and extents of its segments"
+expect 0 "$iftty" -c "open p.nii; $start; save labels l.seg.nrrd; save labels l.nii"
+for line in 'Segment0_ID:=Segment_1' 'Segment0_Name:=Segment_1' 'Segment0_LabelValue:=1' \
+    'Segment1_Name:=left lobe' 'Segment1_LabelValue:=7' 'Segment1_Layer:=0' \
+    'Segment1_Color:=0.250980 0.752941 0.376471' 'Segment2_Name:=nothing' \
+    'Segment2_Extent:=0 -1 0 -1 0 -1' 'Segmentation_MasterRepresentation:=Binary labelmap'; do
+    has_header l.seg.nrrd "$line"
+done
+grep -aq '^Segment3' l.seg.nrrd && fail "a fourth segment"
+nifti_voxels l.nii | od -An -v -tu1 -w1 | awk -v nx=24 -v ny=20 '$1 == 7 {
+    i = NR - 1; p[0] = i % nx; p[1] = int(i / nx) % ny; p[2] = int(i / nx / ny)
+    for (a = 0; a < 3; a++) {
+        if (!n || p[a] < low[a]) low[a] = p[a]
+        if (!n || p[a] > high[a]) high[a] = p[a] }
+    n++ } END { print "Segment1_Extent:=" low[0], high[0], low[1], high[1], low[2], high[2] }' >want
+has_header l.seg.nrrd "$(cat want)"
+needs teem-unu && {
+    nifti_voxels l.nii >expected
+    nrrd_voxels l.seg.nrrd | cmp -s - expected || fail "l.seg.nrrd differs from l.nii"
+}
+expect 2 "$iftty" -c "open p.nii; $start; save cost c.seg.nrrd"
+err_has 'a .seg.nrrd holds labels; expected .nrrd for this map'
+[ ! -e c.seg.nrrd ] || fail "it is there"
+close_story
+
+begin "the same map gives the same bytes, and none are left of one that fails"
+save="save labels l.seg.nrrd replace=yes; save labels m.seg.nrrd"
+expect 0 "$iftty" -c "open p.nii; $start; $save"
+same_files l.seg.nrrd m.seg.nrrd
+expect 3 "$iftty" -c "open p.nii; $start; save labels l.seg.nrrd"
+same_files l.seg.nrrd m.seg.nrrd
+expect 2 "$iftty" -c "open p.nii; $start; weight polarity; save margin n.nrrd"
+err_has "there is no margin under \`weight polarity\`"
+[ ! -e n.nrrd ] || fail "a margin under polarity"
+close_story
+finish
