@@ -45,7 +45,7 @@ struct slice_choice {
 };
 
 enum slice_note {
-    SLICE_LETTERS = 1, /* R L A P S I at the edges: where the patient's sides are */
+    SLICE_LETTERS = 1, /* R L A P S I at the edges: where the patient's sides are, if known */
     SLICE_SCALE = 2,   /* a bar of a round length */
     SLICE_COLOURS = 4, /* a bar of the greys, with the values at its ends */
 };
@@ -105,7 +105,8 @@ void slice_magnify(struct slice_choice *choice, const struct scene *scene, uint6
 /* How many pixels a thin line is wide in a picture of that size; letters are as large. */
 uint32_t slice_unit(uint32_t width, uint32_t height);
 
-/* The patient's sides at the left, right, top and bottom of a picture: R L A P S I. */
+/* The patient's sides at the left, right, top and bottom of a picture: R L A P S I. For scenes
+ * whose sides are known. */
 void slice_letters(const struct scene *scene, enum slice_plane plane, char letter[4]);
 
 /* The longest of 1, 2, 5, 10, 20, 50... that is at most `most`, which is 1 or more; and "20 mm",

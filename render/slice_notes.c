@@ -268,9 +268,9 @@ bool slice_notes_draw(const struct canvas *canvas, const struct scene *scene,
     const bool fine = draw_marks(canvas, scene, plan, choice, style);
     if (style->crosses)
         draw_cross(canvas, plan, choice);
-    if (choice->notes & SLICE_LETTERS && side >= LETTERS_FROM)
+    if (choice->notes & SLICE_LETTERS && side >= LETTERS_FROM && !scene->sides_unknown)
         draw_letters(canvas, scene, plan);
-    if (choice->notes & SLICE_SCALE && side >= BARS_FROM)
+    if (choice->notes & SLICE_SCALE && side >= BARS_FROM && !scene->spacing_unknown)
         draw_scale(canvas, plan);
     if (choice->notes & SLICE_COLOURS && side >= BARS_FROM)
         draw_greys(canvas, plan->unit, style);

@@ -40,7 +40,7 @@ static inline void make_scene(void)
     const double spacing[3] = {1, 1.5, 2};
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
     geometry_place_plain(&geometry, spacing);
-    CHECK(geometry_place(&geometry, to_mm));
+    CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
     CHECK(volume_write(
               place("scene.nii"), FILE_REPLACE,
               &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", scene_row, NULL, NULL},
@@ -78,7 +78,7 @@ static inline void make_regions(const char *name, uint32_t x, uint8_t other)
     uint32_t sides[3] = {x, size[1], size[2]};
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
     other_region = other;
-    CHECK(geometry_place(&geometry, to_mm));
+    CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
     CHECK(volume_write(
               place(name), FILE_REPLACE,
               &(struct volume_map){sides, &geometry, VOXEL_UINT8, "test", region_row, sides, NULL},
@@ -102,7 +102,7 @@ static inline void make_weights(const char *name, uint32_t more)
 {
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
     more_weight = more;
-    CHECK(geometry_place(&geometry, to_mm));
+    CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
     CHECK(volume_write(
               place(name), FILE_REPLACE,
               &(struct volume_map){size, &geometry, VOXEL_UINT16, "test", weight_row, NULL, NULL},

@@ -105,7 +105,9 @@ scene_refused "h.nii" h.nii
 variant h.nii 108 '\377\377\177\177' # begins far away
 scene_refused "h.nii" h.nii
 variant h.nii 80 '\000\000\300\177' # a spacing of NaN
-scene_refused "h.nii" h.nii
+expect 0 "$iftty" -c 'open h.nii'
+out_has "pixdim[1] is nan, which is no distance of voxels"
+out_has "lengths and volumes are in voxels"
 close_story
 
 begin "a voxel that is no number"

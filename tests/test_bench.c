@@ -31,7 +31,7 @@ STORY(seeds_lie_in_what_they_are_labelled)
     struct procedure procedure;
     struct seeds seeds;
     session_init(&session);
-    CHECK(session_open(&session, "synth:geom", NULL) == OK);
+    CHECK(session_open(&session, "synth:geom", NULL, NULL) == OK);
     CHECK(procedure_make(&procedure, &session, NULL, NULL) == OK);
     CHECK(procedure_seeds(&seeds, &procedure, &session, NULL) == OK);
     CHECK_INT(seeds.count, PROCEDURE_SEEDS);
@@ -67,7 +67,7 @@ STORY(an_interpolated_scene_has_the_same_seeds)
     struct procedure procedure;
     struct seeds seeds, twice;
     session_init(&session);
-    CHECK(session_open(&session, "synth:geom", NULL) == OK);
+    CHECK(session_open(&session, "synth:geom", NULL, NULL) == OK);
     CHECK(procedure_make(&procedure, &session, NULL, NULL) == OK);
     CHECK(procedure_seeds(&seeds, &procedure, &session, NULL) == OK);
     const struct grid before = session.scene->grid;
@@ -105,7 +105,7 @@ STORY(an_atlas_says_which_seeds_are_brain)
     struct procedure procedure;
     struct seeds seeds;
     session_init(&session);
-    CHECK(session_open(&session, "synth:geom", NULL) == OK);
+    CHECK(session_open(&session, "synth:geom", NULL, NULL) == OK);
     const struct grid *grid = &session.scene->grid;
     struct volume atlas = {.size = {200, 200, 100}, .intensity = made_atlas(session.scene)};
     CHECK(procedure_make(&procedure, &session, &atlas, NULL) == OK);
@@ -138,7 +138,7 @@ STORY(a_map_on_another_grid_or_without_regions_is_refused)
     struct fault fault = {0};
     struct volume atlas = {.size = {200, 200, 99}, .intensity = nothing};
     session_init(&session);
-    CHECK(session_open(&session, "synth:geom", NULL) == OK);
+    CHECK(session_open(&session, "synth:geom", NULL, NULL) == OK);
     CHECK(procedure_make(&procedure, &session, &atlas, &fault) == ERR_INPUT);
     CHECK_HAS(fault.text, "the map has 200x200x99 voxels");
     atlas.size[2] = 100;
@@ -174,7 +174,7 @@ static void begin(struct session *session, struct seeds *seeds)
                                             "test", scene_row, NULL, NULL},
                        NULL, NULL) == OK);
     session_init(session);
-    CHECK(session_open(session, path, NULL) == OK);
+    CHECK(session_open(session, path, NULL, NULL) == OK);
     *seeds = (struct seeds){.edit = malloc(PROCEDURE_SEEDS * sizeof(struct edit))};
     for (uint32_t i = 0; seeds->edit && i < PROCEDURE_SEEDS; i++) {
         const uint32_t early = i * 7919 % (16 * 32 * 32), late = i * 5 % (12 * 12 * 12);

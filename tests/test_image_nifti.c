@@ -99,7 +99,7 @@ static struct volume read_made(const struct made *m)
     struct volume v;
     struct fault fault = {0};
     save(plain, m->bytes, m->length);
-    CHECK_INT(volume_read(&v, plain, NULL, &fault), OK);
+    CHECK_INT(volume_read(&v, plain, NULL, NULL, &fault), OK);
     CHECK_TEXT(fault.text, "");
     return v;
 }
@@ -109,7 +109,7 @@ static const char *refusal_of(const char *path)
     static struct fault fault;
     struct volume v;
     fault = (struct fault){0};
-    CHECK(volume_read(&v, path, NULL, &fault) != OK);
+    CHECK(volume_read(&v, path, NULL, NULL, &fault) != OK);
     CHECK(v.intensity == NULL && v.size[0] == 0);
     CHECK(strpbrk(fault.text, "\n\033") == NULL);
     volume_release(&v);
@@ -244,7 +244,7 @@ STORY(gzip_is_told_by_content_not_by_name)
     for (int i = 0; i < 2; i++) {
         struct volume v;
         save_packed(i ? plain : packed, m.bytes, m.length);
-        CHECK_INT(volume_read(&v, i ? plain : packed, NULL, NULL), OK);
+        CHECK_INT(volume_read(&v, i ? plain : packed, NULL, NULL, NULL), OK);
         CHECK(v.intensity && v.intensity[7] == 4711);
         volume_release(&v);
     }
@@ -293,7 +293,7 @@ STORY(a_gzip_gives_the_voxels_of_the_plain_file_however_it_is_inflated)
         (i / 16 == 1 ? save_in_members(packed, &m) : save_packed(packed, m.bytes, m.length));
         if (i / 16 == 2)
             append(packed, "what follows is nobody's");
-        CHECK_INT(volume_read(&v, packed, NULL, NULL), OK);
+        CHECK_INT(volume_read(&v, packed, NULL, NULL, NULL), OK);
         CHECK(v.intensity && memcmp(v.intensity, expected.intensity, 900 * 2) == 0);
         CHECK(v.geometry.slope == expected.geometry.slope &&
               v.geometry.intercept == expected.geometry.intercept);
@@ -374,7 +374,7 @@ STORY(without_codes_the_axes_are_those_of_the_world)
         CHECK_INT(g->spacing_nm[a], 1000000 * (a + 1));
         CHECK(g->world_axis[a] == a && g->world_sign[a] == 1);
     }
-    CHECK(g->sform_code == 0 && g->qform_code == 0);
+    CHECK(g->sform.code == 0 && g->qform.code == 0);
     volume_release(&v);
 }
 
@@ -382,13 +382,16 @@ STORY(the_sform_goes_before_the_qform)
 {
     struct made m = make(2, false);
     put(&m, QFORM, 1, 2);
+    put_float(&m, PIXDIM, 1);
+    for (unsigned i = 0; i < 3; i++) /* the same axes, elsewhere */
+        put_float(&m, QUATERN + 4 * i, i == 2 ? -0.5f : 0.5f);
     put_sform(&m, (const float[12]){0, 2, 0, 5, 0, 0, -3, 6, -1, 0, 0, 7});
     struct volume v = read_made(&m);
     const struct geometry *g = &v.geometry;
     CHECK(g->to_mm[0][1] == 2 && g->to_mm[1][2] == -3 && g->to_mm[2][3] == 7);
     CHECK(g->world_axis[0] == 2 && g->world_axis[1] == 0 && g->world_axis[2] == 1);
     CHECK(g->world_sign[0] == -1 && g->world_sign[1] == 1 && g->world_sign[2] == -1);
-    CHECK(g->sform_code == 1 && g->qform_code == 1);
+    CHECK(g->sform.code == 1 && g->qform.code == 1);
     volume_release(&v);
 }
 
@@ -428,8 +431,8 @@ STORY(a_matrix_that_cannot_be_inverted_falls_back)
             put_float(&m, QUATERN + 8, turned ? 1.0f : NAN); /* half a turn, or nonsense */
             struct volume v = read_made(&m);
             CHECK(fabs(v.geometry.to_mm[0][0] - (turned ? -1 : 1)) < 1e-6);
-            CHECK_INT(v.geometry.sform_code, 0);
-            CHECK_INT(v.geometry.qform_code, turned);
+            CHECK_INT(v.geometry.sform.code, 0);
+            CHECK_INT(v.geometry.qform.code, turned);
             volume_release(&v);
         }
 }
@@ -476,14 +479,29 @@ STORY(odd_distances_of_voxels)
     put_float(&m, PIXDIM + 4, -1.5f);
     put_float(&m, PIXDIM + 8, 0.0f);
     struct volume v = read_made(&m);
+    CHECK(v.geometry.spacing_unknown);
+    CHECK_HAS(v.notes, "pixdim[1] is -1.5, which is no distance of voxels\n");
+    CHECK_HAS(v.notes, "pixdim[2] is 0, which");
+    geometry_presume(&v.geometry);
     CHECK_INT(v.geometry.spacing_nm[0], 1500000);
     CHECK_INT(v.geometry.spacing_nm[1], 1000000);
     volume_release(&v);
     static const float bad[] = {NAN, INFINITY, 1e30f, 4001.0f, 1e-7f};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        m = make(2, false);
         put_float(&m, PIXDIM + 12, bad[i]);
-        CHECK_HAS(refusal(&m), "pixdim[3] is ");
-        CHECK_HAS(refusal(&m), "expected a distance of voxels from 1 nm to 4 m");
+        v = read_made(&m);
+        CHECK(v.geometry.spacing_unknown);
+        for (int a = 0; a < 3; a++)
+            CHECK_INT(v.geometry.spacing_nm[a], 1000000);
+        CHECK_HAS(v.notes, "pixdim[3] is ");
+        volume_release(&v);
+        put_sform(&m, (const float[12]){1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 5, 0});
+        v = read_made(&m); /* the sform says it instead */
+        CHECK(!v.geometry.spacing_unknown);
+        CHECK_INT(v.geometry.spacing_nm[2], 5000000);
+        CHECK_HAS(v.notes, "the distances of voxels are those of its sform\n");
+        volume_release(&v);
     }
 }
 
@@ -519,10 +537,10 @@ STORY(a_format_is_known_by_content_or_by_name)
     struct volume v;
     snprintf(other, sizeof other, "%s/a.scene", folder);
     save(other, m.bytes, m.length);
-    CHECK_INT(volume_read(&v, other, NULL, NULL), OK);
+    CHECK_INT(volume_read(&v, other, NULL, NULL, NULL), OK);
     volume_release(&v);
     save_packed(other, m.bytes, m.length);
-    CHECK_INT(volume_read(&v, other, NULL, NULL), OK);
+    CHECK_INT(volume_read(&v, other, NULL, NULL, NULL), OK);
     volume_release(&v);
     save(other, "x,y,z,label\n", 12);
     CHECK_HAS(refusal_of(other), "a.scene: not a volume; expected NIfTI (.nii or .nii.gz)");
@@ -553,7 +571,40 @@ STORY(dimensions_are_checked)
     struct made m = make(2, false);
     put(&m, DIM, 4, 2);
     put(&m, DIM + 8, 200, 2);
-    CHECK_HAS(refusal(&m), "dim[4] is 200: a series; expected one 3-D volume");
+    CHECK_HAS(refusal(&m), "its header claims 4800 bytes");
+    put(&m, DIM, 5, 2);
+    put(&m, DIM + 8, 2, 2);
+    put(&m, DIM + 10, 3, 2);
+    m.length += 5 * VOXELS;
+    CHECK_HAS(refusal(&m), "a series of 6 volumes; choose one, as in `open FILE volume=0`, of 0 "
+                           "to 5");
+}
+
+STORY(one_volume_of_a_series_is_read)
+{
+    for (int packs = 0; packs < 2; packs++) {
+        struct made m = make(512, false);
+        const char *path = packs ? packed : plain;
+        put(&m, DIM, 4, 2);
+        put(&m, DIM + 8, 5, 2);
+        m.length += 4 * 2 * VOXELS;
+        for (uint32_t i = 0; i < 5 * VOXELS; i++)
+            put(&m, DATA + 2 * i, 1000 * (i / VOXELS) + i % VOXELS, 2);
+        if (packs)
+            save_packed(path, m.bytes, m.length);
+        else
+            save(path, m.bytes, m.length);
+        for (uint32_t n = 0; n <= 5; n++) {
+            const struct volume_choice choice = {.has_volume = true, .volume = n};
+            struct fault fault = {0};
+            struct volume v;
+            CHECK_INT(volume_read(&v, path, &choice, NULL, &fault), n < 5 ? OK : ERR_INPUT);
+            for (uint32_t i = 0; n < 5 && i < VOXELS; i++)
+                CHECK_INT(v.intensity[i], 1000 * n + i);
+            CHECK(n < 5 || strstr(fault.text, "there is no volume 5; it holds 5, counted from 0"));
+            volume_release(&v);
+        }
+    }
 }
 
 STORY(more_voxels_than_the_file_can_hold_are_refused_before_allocating)
@@ -680,7 +731,7 @@ STORY(a_gzip_bomb_is_inflated_no_further_than_its_voxels)
         gzwrite(file, zeros, sizeof zeros);
     gzclose(file);
     struct volume v;
-    CHECK_INT(volume_read(&v, packed, NULL, NULL),
+    CHECK_INT(volume_read(&v, packed, NULL, NULL, NULL),
               OK); /* the first voxels are fine; nothing more is read */
     volume_release(&v);
 }
@@ -711,7 +762,7 @@ STORY(damaged_files_never_do_harm)
             m.length = check_below(&chance, (uint32_t)m.length + 1);
         const char *path = round % 2 ? plain : packed;
         (round % 2 ? save : save_packed)(path, m.bytes, m.length);
-        if (volume_read(&v, path, NULL, &fault) != OK)
+        if (volume_read(&v, path, NULL, NULL, &fault) != OK)
             CHECK(fault.text[0] != '\0' && v.intensity == NULL);
         volume_release(&v);
     }
@@ -734,7 +785,7 @@ STORY(damaged_gzip_never_does_harm)
         file.data[at] ^= (char)(1 + check_below(&chance, 255));
         save(packed, file.data, file.length);
         /* What a damaged byte does not change (a time, padding) may pass; no voxel ever differs. */
-        if (volume_read(&v, packed, NULL, &fault) == OK)
+        if (volume_read(&v, packed, NULL, NULL, &fault) == OK)
             for (unsigned i = 0; i < VOXELS; i++)
                 CHECK_INT(v.intensity[i], m.bytes[DATA + 2 * i] | m.bytes[DATA + 2 * i + 1] << 8);
         volume_release(&v);
@@ -786,6 +837,7 @@ static enum err write_sample(const char *path, const uint32_t size[3], const str
 }
 
 static const struct geometry plain_geometry = {
+    .orientation = ORIENTATION_FILE,
     .to_mm = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}},
     .slope = 1,
     .spacing_nm = {1000000, 1000000, 1000000},
@@ -802,12 +854,12 @@ STORY(maps_come_back_as_they_were_written)
             const char *path = zip ? packed : plain;
             struct volume v;
             CHECK_INT(write_sample(path, size, &plain_geometry, type, FILE_REPLACE, NULL), OK);
-            CHECK_INT(volume_read(&v, path, NULL, NULL), OK);
+            CHECK_INT(volume_read(&v, path, NULL, NULL, NULL), OK);
             for (uint32_t i = 0; i < 37 * 11 * 5; i++) {
                 uint32_t e = value_at(i % 37, i / 37 % 11, i / 37 / 11);
                 CHECK_INT(v.intensity[i], wide ? (uint16_t)e : (uint8_t)e);
             }
-            CHECK_INT(v.geometry.sform_code, 1);
+            CHECK_INT(v.geometry.sform.code, 1);
             volume_release(&v);
         }
 }
@@ -846,14 +898,14 @@ STORY(the_place_in_the_world_is_kept)
         }
         struct volume v = read_made(&m), w, only_q;
         CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
-        CHECK_INT(volume_read(&w, plain, NULL, NULL), OK);
-        CHECK_INT(w.geometry.qform_code, 3);
+        CHECK_INT(volume_read(&w, plain, NULL, NULL, NULL), OK);
+        CHECK_INT(w.geometry.qform.code, 3);
         struct buf file = {0};
         CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
         memset(file.data + SFORM, 0, 2); /* now the qform alone has to say it */
         save(plain, file.data, file.length);
         buf_release(&file);
-        CHECK_INT(volume_read(&only_q, plain, NULL, NULL), OK);
+        CHECK_INT(volume_read(&only_q, plain, NULL, NULL, NULL), OK);
         for (int i = 0; i < 12; i++) {
             double e = v.geometry.to_mm[i / 4][i % 4];
             CHECK(fabs(w.geometry.to_mm[i / 4][i % 4] - e) < 1e-4);
@@ -876,9 +928,9 @@ STORY(a_sheared_matrix_is_kept_by_the_sform_alone)
     put(&m, SFORM, 4, 2);
     struct volume v = read_made(&m), w;
     CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
-    CHECK_INT(volume_read(&w, plain, NULL, NULL), OK);
+    CHECK_INT(volume_read(&w, plain, NULL, NULL, NULL), OK);
     CHECK(memcmp(v.geometry.to_mm, w.geometry.to_mm, sizeof v.geometry.to_mm) == 0);
-    CHECK(w.geometry.sform_code == 4 && w.geometry.qform_code == 0);
+    CHECK(w.geometry.sform.code == 4 && w.geometry.qform.code == 0);
     volume_release(&v);
     volume_release(&w);
 }
@@ -888,7 +940,7 @@ STORY(a_side_too_long_for_nifti_1_makes_nifti_2)
     static const uint32_t size[3] = {40000, 2, 1};
     struct volume v;
     CHECK_INT(write_sample(packed, size, &plain_geometry, VOXEL_UINT16, FILE_REPLACE, NULL), OK);
-    CHECK_INT(volume_read(&v, packed, NULL, NULL), OK);
+    CHECK_INT(volume_read(&v, packed, NULL, NULL, NULL), OK);
     CHECK_INT(v.size[0], 40000);
     CHECK(v.intensity && v.intensity[79999] == (uint16_t)value_at(39999, 1, 0));
     volume_release(&v);
@@ -978,6 +1030,7 @@ int main(void)
         TELL(the_axes_are_a_permutation_whatever_the_matrix), TELL(units_of_length_are_honoured),
         TELL(odd_distances_of_voxels), TELL(what_is_not_nifti_is_told_apart),
         TELL(a_format_is_known_by_content_or_by_name), TELL(dimensions_are_checked),
+        TELL(one_volume_of_a_series_is_read),
         TELL(more_voxels_than_the_file_can_hold_are_refused_before_allocating),
         TELL(nifti_2_dimensions_beyond_64_bits_are_refused),
         TELL(types_that_are_not_read_are_named), TELL(offsets_are_checked),

@@ -111,7 +111,7 @@ STORY(every_voxel_is_the_mean_of_those_around_it)
 static void begin(struct session *session)
 {
     session_init(session);
-    CHECK(session_open(session, "synth:geom", NULL) == OK);
+    CHECK(session_open(session, "synth:geom", NULL, NULL) == OK);
     session_mark(session);
 }
 
@@ -122,7 +122,7 @@ STORY(geom_interpolated_is_what_opening_it_so_gives)
     for (int i = 0; i < 3; i++) {
         struct session opened, session;
         session_init(&opened);
-        CHECK(session_open(&opened, name[i], NULL) == OK);
+        CHECK(session_open(&opened, name[i], NULL, NULL) == OK);
         begin(&session);
         CHECK(session_interpolate(&session, doubled[i], NULL) == OK);
         CHECK(session.scene_digest == opened.scene_digest);
@@ -143,7 +143,7 @@ STORY(voxels_stay_where_they_are_in_the_world)
     struct session session;
     begin(&session);
     const double placed[3][4] = {{0, -2, 0.25, 10}, {1.5, 0, 0, -20}, {0.5, 0, 3, 7}};
-    CHECK(geometry_place(&session.geometry, placed));
+    CHECK(geometry_place(&session.geometry, placed, ORIENTATION_SFORM));
     CHECK(session_interpolate(&session, 5, NULL) == OK);
     const uint32_t twice[3] = {2, 1, 2};
     for (int w = 0; w < 3; w++) {

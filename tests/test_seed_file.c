@@ -217,7 +217,7 @@ STORY(values_are_what_the_header_makes_of_them)
     CHECK(map_of("0009", &grid, geometry, &choice) == ERR_INPUT);
     CHECK_HAS(fault.text, "holds 0.0159304");
     for (uint32_t value = 1; value <= 116; value++) {
-        struct volume map = {{1, 1, 1}, &(uint16_t){0}, geometry};
+        struct volume map = {.size = {1, 1, 1}, .intensity = &(uint16_t){0}, .geometry = geometry};
         const struct grid one = grid_of(1, 1, 1);
         map.intensity[0] = (uint16_t)(value * 65535.0 / 116 + 0.5);
         choice.label = LABEL_OWN;
@@ -345,18 +345,19 @@ STORY(a_map_of_another_grid_is_refused)
 {
     const struct grid grid = grid_of(3, 2, 2);
     uint16_t value[12] = {1, 2};
-    struct volume map = {{3, 2, 1}, value, plain};
+    struct volume map = {.size = {3, 2, 1}, .intensity = value, .geometry = plain};
     CHECK(seeds_from_map(&seeds, &tally, &map, &grid, &plain, &everything, NULL, &fault) ==
           ERR_INPUT);
     CHECK_HAS(fault.text, "the map has 3x2x1 voxels and the scene 3x2x2");
     struct geometry place = plain;
     map.size[2] = 2;
-    map.geometry.sform_code = place.qform_code = 1;
+    map.geometry.orientation = place.orientation = ORIENTATION_SFORM;
     map.geometry.world_sign[0] = -1;
     CHECK(seeds_from_map(&seeds, &tally, &map, &grid, &place, &everything, NULL, &fault) ==
           ERR_INPUT);
     CHECK_HAS(fault.text, "along other axes of the world");
-    map.geometry.sform_code = 0; /* a map that says nothing of the world is taken as it is */
+    map.geometry.orientation =
+        ORIENTATION_UNKNOWN; /* a map that says nothing of the world is taken as it is */
     CHECK(seeds_from_map(&seeds, &tally, &map, &grid, &place, &everything, NULL, &fault) == OK);
     CHECK_TEXT(told(&grid), "0,0,0:1 1,0,0:2");
 }
@@ -391,7 +392,7 @@ STORY(out_of_memory_gives_no_seeds)
     for (size_t n = 0; n < 6; n++) {
         for (int i = 0; i < 27; i++)
             value[i] = 1;
-        struct volume map = {{3, 3, 3}, value, plain};
+        struct volume map = {.size = {3, 3, 3}, .intensity = value, .geometry = plain};
         allow_allocations(n);
         enum err err = seeds_from_map(&seeds, &tally, &map, &grid, &plain, &choice, NULL, &fault);
         mem_allows = NULL;

@@ -62,6 +62,25 @@ for number in $(seq 1 "$current"); do
 done
 close_story
 
+begin "what a file does not say is presumed as it was in journals of semantics 4, and unknown since"
+cp "$journals"/*.nii.gz .
+for name in unplaced contrary; do
+    rm -rf j.iftty j.golden
+    cp "$journals/semantics-4-$name.iftty" j.iftty
+    cp -r "$journals/semantics-4-$name.golden" j.golden
+    expect 0 "$iftty" verify j.iftty
+    printf 'info\nseed 5,5,9mm 3\nslice coronal 9\n' >one
+    expect 0 "$iftty" run one --journal j.iftty
+    out_has "the patient's "
+    expect 0 "$iftty" verify j.iftty
+    expect 3 "$iftty" -c "open $name.nii.gz; seed 5,5,5mm 3"
+    out_has "orientation unknown"
+    err_has "where this scene lies in the world is not known"
+    sed "1s/semantics .*/semantics 5/" j.iftty >other.iftty
+    expect 1 "$iftty" replay other.iftty
+done
+close_story
+
 begin "the digest of labels is that of the number"
 for number in 1 2 3; do
     take $number

@@ -181,4 +181,8 @@ enum err act_take_slices(const struct act *act, enum slice_kind kind, struct pic
 /* "2 cerebellum", or "2" where the label has no name. */
 void act_write_label(struct buf *out, const struct session *session, unsigned label);
 
+/* " of 1x1x1.5 mm", or nothing where that is unknown; ", axes towards RAS". */
+void act_write_spacing(struct buf *out, const struct session *session);
+void act_write_axes(struct buf *out, const struct geometry *geometry);
+
 #endif

@@ -8,6 +8,24 @@
 
 enum { RISES_MOST = 8 }; /* places where the cost rose that `why` lists */
 
+void act_write_spacing(struct buf *out, const struct session *session)
+{
+    const uint32_t *nm = session->scene->spacing_nm;
+    if (!session->geometry.spacing_unknown)
+        buf_printf(out, " of %gx%gx%g mm", nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6);
+}
+
+void act_write_axes(struct buf *out, const struct geometry *geometry)
+{
+    char towards[4];
+    geometry_axes(towards, geometry);
+    if (geometry->orientation == ORIENTATION_UNKNOWN)
+        buf_add_text(out, ", orientation unknown");
+    else
+        buf_printf(out, ", axes towards %s%s", towards,
+                   geometry->orientation == ORIENTATION_TOLD ? " as told by the user" : "");
+}
+
 void act_write_label(struct buf *out, const struct session *session, unsigned label)
 {
     const char *name = session->now.kept.label_name[label];
@@ -38,8 +56,10 @@ void act_write_voxel(struct buf *out, const struct session *session, uint32_t at
     struct place p = grid_place(grid, at);
     double mm[3];
     geometry_point(&session->geometry, (const uint32_t[]){p.x, p.y, p.z}, mm);
-    buf_printf(out, "voxel %u,%u,%u at %.1f,%.1f,%.1f mm: intensity %g, ", p.x, p.y, p.z, mm[0],
-               mm[1], mm[2], geometry_value(&session->geometry, cell->intensity));
+    buf_printf(out, "voxel %u,%u,%u", p.x, p.y, p.z);
+    if (geometry_has_place(&session->geometry))
+        buf_printf(out, " at %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
+    buf_printf(out, ": intensity %g, ", geometry_value(&session->geometry, cell->intensity));
     write_voxel_weight(out, session, cell);
     if (!cell_is_reached(cell)) {
         buf_add_text(out, cell->flags & CELL_OUTSIDE ? "outside the region of interest\n"
@@ -149,12 +169,11 @@ enum err act_info(const struct act *act)
         return OK;
     }
     const struct scene *scene = session->scene;
-    char towards[4];
-    geometry_axes(towards, &session->geometry);
-    buf_printf(out, "scene     %ux%ux%u voxels of %gx%gx%g mm, axes towards %s, digest %016llx\n",
-               scene->grid.size[0], scene->grid.size[1], scene->grid.size[2],
-               scene->spacing_nm[0] / 1e6, scene->spacing_nm[1] / 1e6, scene->spacing_nm[2] / 1e6,
-               towards, (unsigned long long)session->scene_digest);
+    buf_printf(out, "scene     %ux%ux%u voxels", scene->grid.size[0], scene->grid.size[1],
+               scene->grid.size[2]);
+    act_write_spacing(out, session);
+    act_write_axes(out, &session->geometry);
+    buf_printf(out, ", digest %016llx\n", (unsigned long long)session->scene_digest);
     buf_printf(out, "values    %g * intensity %+g\n", session->geometry.slope,
                session->geometry.intercept);
     buf_printf(out, "forest    %zu seed%s, %zu edit%s waiting, adjacency %u, weight ",
@@ -197,16 +216,19 @@ enum err act_stats(const struct act *act)
     if (watch_stops(session->watch))
         return watch_fault(session->watch, act->fault);
     const uint32_t *nm = session->scene->spacing_nm;
+    const bool measures = !session->geometry.spacing_unknown;
     double ml = nm[0] / 1e6 * (nm[1] / 1e6) * (nm[2] / 1e6) / 1000.0;
     for (unsigned label = 0; label < 256; label++) {
         if (!voxels[label])
             continue;
         buf_add_text(&act->reply->text, "label ");
         act_write_label(&act->reply->text, session, label);
-        buf_printf(&act->reply->text, ": %zu seed%s, %zu voxel%s, %.1f ml%s\n", seeds[label],
-                   plural(seeds[label]), voxels[label], plural(voxels[label]),
-                   (double)voxels[label] * ml,
-                   label && !session->now.kept.visible[label] ? ", hidden" : "");
+        buf_printf(&act->reply->text, ": %zu seed%s, %zu voxel%s", seeds[label],
+                   plural(seeds[label]), voxels[label], plural(voxels[label]));
+        if (measures)
+            buf_printf(&act->reply->text, ", %.1f ml", (double)voxels[label] * ml);
+        buf_add_text(&act->reply->text,
+                     label && !session->now.kept.visible[label] ? ", hidden\n" : "\n");
     }
     buf_add_text(&act->reply->text, "weight ");
     write_weight(&act->reply->text, &session->now.kept);

@@ -1,6 +1,7 @@
 /* Commands that cut away what hides the inside: slabs, planes, boxes. */
 #include "command/act.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "render/slice.h"
@@ -45,14 +46,16 @@ enum err act_clip(const struct act *act)
         return act_go(act);
     }
     const uint32_t count = slice_count(scene, (enum slice_plane)plane);
+    char sides[24] = "";
+    if (!scene->sides_unknown)
+        snprintf(sides, sizeof sides, ", %s to %s", slab[plane].from, slab[plane].to);
     if (!act->value[1].given)
-        return fault_set(act->fault, ERR_USAGE, "expected %s slices A-B within 0-%u, %s to %s",
-                         slab[plane].name, count - 1, slab[plane].from, slab[plane].to);
+        return fault_set(act->fault, ERR_USAGE, "expected %s slices A-B within 0-%u%s",
+                         slab[plane].name, count - 1, sides);
     if (act->value[1].place[1] >= count)
         return fault_set(act->fault, ERR_INPUT,
-                         "there are %s slices 0-%u, %s to %s, not %u; the view is unchanged",
-                         slab[plane].name, count - 1, slab[plane].from, slab[plane].to,
-                         act->value[1].place[1]);
+                         "there are %s slices 0-%u%s, not %u; the view is unchanged",
+                         slab[plane].name, count - 1, sides, act->value[1].place[1]);
     set_slab(cut, scene, (enum slice_plane)plane, act->value[1].place);
     return act_go(act);
 }

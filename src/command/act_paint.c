@@ -85,7 +85,7 @@ static enum err plant(const struct act *act, struct voxels *voxels, int16_t labe
 static enum err make_brush(struct brush *brush, const struct act *act, const struct value *radius)
 {
     const struct session *session = act->session;
-    if (radius->in_mm && session->geometry.spacing_assumed)
+    if (radius->in_mm && session->geometry.spacing_unknown)
         return fault_set(act->fault, ERR_INPUT,
                          "radius: the scene's file does not say how large voxels are; expected a "
                          "number of voxels, not millimetres; nothing has changed");

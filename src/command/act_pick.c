@@ -36,14 +36,17 @@ static void write_distance(struct buf *out, const struct session *session, uint3
     const struct scene *scene = session->scene;
     const struct border_distance border = measure_border_distance(scene, cell);
     const struct place at = grid_place(&scene->grid, border.cell);
+    const char *unit = session->geometry.spacing_unknown ? "voxels" : "mm";
     if (!border.found && border.reach_nm == UINT64_MAX)
         buf_add_text(out, "the scene holds no border of label ");
     else if (!border.found)
-        buf_printf(out, "more than %g mm from the border of label ", (double)border.reach_nm / 1e6);
+        buf_printf(out, "more than %g %s from the border of label ", (double)border.reach_nm / 1e6,
+                   unit);
     else if (border.squared == 0)
         buf_add_text(out, "on the border of label ");
     else
-        buf_printf(out, "%.2f mm from the border of label ", sqrt((double)border.squared) / 1e6);
+        buf_printf(out, "%.2f %s from the border of label ", sqrt((double)border.squared) / 1e6,
+                   unit);
     act_write_label(out, session, scene->cell[cell].label);
     if (border.found && border.squared)
         buf_printf(out, ", at %u,%u,%u", at.x, at.y, at.z);

@@ -5,6 +5,7 @@
 #include <ctype.h>
 #include <string.h>
 
+#include "base/choice.h"
 #include "base/safe.h"
 #include "session/map.h"
 
@@ -18,20 +19,42 @@ static void write_scene(const struct act *act)
     buf_printf(&reply->words, "scene=%016llx size=%u,%u,%u spacing-nm=%u,%u,%u weights=%016llx",
                (unsigned long long)session->scene_digest, size[0], size[1], size[2], nm[0], nm[1],
                nm[2], (unsigned long long)session->weight_digest);
-    buf_printf(&reply->text, "%ux%ux%u voxels of %gx%gx%g mm, %.1f MB\n", size[0], size[1], size[2],
-               nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6, (double)session_memory(session) / 1e6);
+    buf_printf(&reply->text, "%ux%ux%u voxels", size[0], size[1], size[2]);
+    act_write_spacing(&reply->text, session);
+    buf_printf(&reply->text, ", %.1f MB\n", (double)session_memory(session) / 1e6);
+}
+
+/* What the file leaves open, and what it means; who says how the scene lies is recorded. */
+static void write_orientation(const struct act *act)
+{
+    const struct session *session = act->session;
+    struct reply *reply = act->reply;
+    if (!semantics_has(session->semantics, MEANING_ORIENTATION))
+        return;
+    const struct choice who = choice_at(ORIENTATIONS, session->geometry.orientation);
+    buf_printf(&reply->words, " orientation=%.*s", (int)who.length, who.word);
+    buf_add_text(&reply->text, session->open_notes);
+    if (session->geometry.orientation == ORIENTATION_UNKNOWN)
+        buf_add_text(&reply->text, "orientation unknown: no picture or answer names a side of the "
+                                   "patient\n");
+    if (session->geometry.spacing_unknown)
+        buf_add_text(&reply->text, "distances of voxels unknown: lengths and volumes are in "
+                                   "voxels\n");
 }
 
 enum err act_open(const struct act *act)
 {
     struct buf path = {0};
     struct session *session = act->session;
+    const struct volume_choice choice = {act->value[1].given, (uint32_t)act->value[1].number};
     enum err err = interpreter_find_scene(act->interp, act->value[0].text, &path, act->fault);
     if (!err)
-        err = session_open(session, buf_text(&path), act->fault);
+        err = session_open(session, buf_text(&path), &choice, act->fault);
     buf_release(&path);
     if (!err)
         write_scene(act);
+    if (!err)
+        write_orientation(act);
     if (!err && *session->proof)
         buf_printf(&act->reply->words, " sha256=%s", session->proof);
     return err;

@@ -67,21 +67,22 @@ enum err act_size(const struct act *act)
     return act_go(act);
 }
 
-/* The patient's sides that a direction of the picture leads to, "front and left": those within
- * some 67 degrees of it. */
-static void write_sides(struct buf *out, const int32_t direction[3])
+/* The patient's sides that a direction of the picture leads to, "front and left", or of an unknown
+ * orientation the axes, "+y and -x": those within some 67 degrees of it. */
+static void write_sides(struct buf *out, const int32_t direction[3], bool sides_unknown)
 {
     static const struct {
         int axis;
         const char *side[2]; /* where the direction is above 0 along the axis, and below */
-    } row[3] = {{1, {"front", "back"}}, {0, {"right", "left"}}, {2, {"head", "feet"}}};
+    } row[2][3] = {{{1, {"front", "back"}}, {0, {"right", "left"}}, {2, {"head", "feet"}}},
+                   {{1, {"+y", "-y"}}, {0, {"+x", "-x"}}, {2, {"+z", "-z"}}}};
     const int32_t least = view_sine(22500);
     const char *between = "";
     for (int i = 0; i < 3; i++) {
-        const int32_t along = direction[row[i].axis];
+        const int32_t along = direction[row[sides_unknown][i].axis];
         if (along > -least && along < least)
             continue;
-        buf_printf(out, "%s%s", between, row[i].side[along < 0]);
+        buf_printf(out, "%s%s", between, row[sides_unknown][i].side[along < 0]);
         between = " and ";
     }
 }
@@ -104,13 +105,15 @@ void act_write_view(struct buf *out, const struct session *session)
                view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,
                name ? ", " : "", name ? name : "", view->zoom / 1000.0, view->width, view->height,
                middle[0], middle[1], middle[2]);
-    buf_add_text(out, "          the patient's ");
-    write_sides(out, towards);
-    buf_add_text(out, " towards you, his ");
-    write_sides(out, right);
-    buf_add_text(out, " on the right, his ");
-    write_sides(out, up);
-    buf_add_text(out, " up\n");
+    const bool unknown = session->scene->sides_unknown;
+    const char *his = unknown ? "" : "his ";
+    buf_add_text(out, unknown ? "          " : "          the patient's ");
+    write_sides(out, towards, unknown);
+    buf_printf(out, " towards you, %s", his);
+    write_sides(out, right, unknown);
+    buf_printf(out, " on the right, %s", his);
+    write_sides(out, up, unknown);
+    buf_add_text(out, unknown ? " up; orientation unknown\n" : " up\n");
 }
 
 enum err act_hide(const struct act *act)

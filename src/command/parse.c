@@ -136,6 +136,11 @@ static enum err read_position(struct value *value, const struct parameter *p, co
             return expect(fault, p, word, "whole voxel indices, or mm at the end");
         place[a] = part[a] / 1000000;
     }
+    if (world && !geometry_has_place(&session->geometry))
+        return fault_set(fault, ERR_INPUT,
+                         "%s: where this scene lies in the world is not known; expected voxel "
+                         "indices, as in 0,0,0; nothing has changed",
+                         word);
     const double point[3] = {(double)part[0] / 1e6, (double)part[1] / 1e6, (double)part[2] / 1e6};
     const uint32_t *size = session->scene->grid.size;
     if ((world && !geometry_voxel(&session->geometry, point, place)) ||
@@ -529,12 +534,15 @@ static void write_value(struct buf *out, const struct parameter *p, const struct
     }
 }
 
+static void write_corner(struct buf *out, const char *key, const uint32_t at[3])
+{
+    buf_printf(out, " %s=%u,%u,%u", key, at[0], at[1], at[2]);
+}
+
 static void write_line(struct buf *out, const char *key, const struct polyline *line)
 {
-    for (size_t i = 1; i < line->count; i++) {
-        const uint32_t *at = line->corner[i];
-        buf_printf(out, " %s=%u,%u,%u", key, at[0], at[1], at[2]);
-    }
+    for (size_t i = 1; i < line->count; i++)
+        write_corner(out, key, line->corner[i]);
 }
 
 void command_write(struct buf *out, const struct call *call)
@@ -542,6 +550,8 @@ void command_write(struct buf *out, const struct call *call)
     const struct parameter *p = call->command->parameter;
     buf_add_text(out, call->command->name);
     for (int i = 0; p[i].type; i++) {
+        if (!call->value[i].given && p[i].type == VALUE_LINE && !p[i].optional)
+            write_corner(out, p[i].name, call->value[0].place); /* a line that stays at its place */
         if (!call->value[i].given)
             continue;
         if (p[i].type == VALUE_LINE) {

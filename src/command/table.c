@@ -16,6 +16,7 @@
     "Each gradient gives an edge of height h the weight h. Lengths are in voxels, whatever the "   \
     "spacing.\n" WEIGHT_NOTES                                                                      \
     "FILE: a map on the scene's grid with the weight of each voxel, whole numbers 0..65535."
+#define VOLUME_SERIES_NOTE "volume: which one of a series, as 4-D files hold, counted from 0.\n"
 #define SYNTHETIC_NOTE                                                                             \
     "synth:geom has 200x200x100 voxels; X, Y, Z of 2 interpolate that axis to 2n-1, as in "        \
     "synth:geom:221. A SIZE in voxels, as in synth:geom:1024x1024x1024, draws the same solids in " \
@@ -79,9 +80,9 @@ const char *const command_group_name[] = {
 
 const struct command command_table[] = {
     {COMMAND("open", act_open, GROUP_SCENE, R),
-     {NEED("FILE", VALUE_FILE)},
+     {NEED("FILE", VALUE_FILE), KEYED("volume", VALUE_NUMBER, .most = 65535)},
      "load a scene, or synth:geom[:XYZ|:SIZE]",
-     VOLUME_FORMATS(VOLUME_NOTE) SYNTHETIC_NOTE,
+     VOLUME_FORMATS(VOLUME_NOTE) VOLUME_SERIES_NOTE SYNTHETIC_NOTE,
      "open synth:geom"},
     {COMMAND("interpolate", act_interpolate, GROUP_SCENE, R | S),
      {NEED("X", VALUE_NUMBER, .least = 1, .most = 2),

@@ -3,22 +3,29 @@
 
 enum { LISTED_MOST = 6 };
 
+/* A volume, where the distances of voxels are known. */
+static void write_extent(struct buf *out, const struct session *session, uint64_t voxels)
+{
+    if (session->geometry.spacing_unknown)
+        buf_printf(out, "%llu voxel%s", (unsigned long long)voxels, plural(voxels));
+    else if (voxels)
+        tally_write_volume(out, session->scene->spacing_nm, voxels);
+    else
+        buf_add_text(out, "0 ml");
+}
+
 static void write_volume(struct buf *out, const struct session *session, unsigned label)
 {
     const uint64_t voxels = session->tally.voxels[label];
     const uint64_t former = session->former_tally.voxels[label];
-    const uint32_t *spacing_nm = session->scene->spacing_nm;
     buf_add_text(out, ", label ");
     act_write_label(out, session, label);
     buf_add_text(out, ": ");
-    if (voxels)
-        tally_write_volume(out, spacing_nm, voxels);
-    else
-        buf_add_text(out, "0 ml");
+    write_extent(out, session, voxels);
     if (former == 0)
         return;
     buf_add_text(out, voxels > former ? " (+" : " (-");
-    tally_write_volume(out, spacing_nm, voxels > former ? voxels - former : former - voxels);
+    write_extent(out, session, voxels > former ? voxels - former : former - voxels);
     buf_add_char(out, ')');
 }
 

@@ -233,6 +233,8 @@ enum err scene_new_interpolated(struct scene **out, const struct scene *base, un
         scene->world_axis[a] = base->world_axis[a];
         scene->world_sign[a] = base->world_sign[a];
     }
+    scene->sides_unknown = base->sides_unknown;
+    scene->spacing_unknown = base->spacing_unknown;
     return hand_over(out, scene, OK, fault);
 }
 

@@ -76,6 +76,8 @@ struct scene {
     uint32_t spacing_nm[3]; /* between voxel centres along x, y, z */
     int8_t world_axis[3];   /* which world axis each voxel axis runs along, and which way: */
     int8_t world_sign[3];   /* world 0 is to the patient's Right, 1 Anterior, 2 Superior */
+    bool sides_unknown;     /* the axes are anything, and no picture names a side of the patient */
+    bool spacing_unknown;   /* the spacing is 1 mm for want of any, and no picture says a length */
     struct watch *watch;    /* of all work on the whole scene, which ends early where it says so:
                                the caller checks watch_stops. Or NULL */
 };

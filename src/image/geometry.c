@@ -11,17 +11,21 @@ static const double VOLUME_LEAST = 1e-5;
  * degrees has the same axes again after it was written and read. */
 static const double TIE = 1e-6;
 
+static double column_length(const double to_mm[3][4], int a)
+{
+    return sqrt(to_mm[0][a] * to_mm[0][a] + to_mm[1][a] * to_mm[1][a] + to_mm[2][a] * to_mm[2][a]);
+}
+
 /* The columns of `to_mm` as unit vectors; false where one has no direction. */
 static bool unit_axes(double axis[3][3], const double to_mm[3][4])
 {
     for (int a = 0; a < 3; a++) {
-        const double *const row[3] = {to_mm[0], to_mm[1], to_mm[2]};
-        double length = sqrt(row[0][a] * row[0][a] + row[1][a] * row[1][a] + row[2][a] * row[2][a]);
+        const double length = column_length(to_mm, a);
         if (!isfinite(length) || !(length > 0))
             return false;
         for (int w = 0; w < 3; w++) {
-            axis[a][w] = row[w][a] / length;
-            if (!isfinite(row[w][3]))
+            axis[a][w] = to_mm[w][a] / length;
+            if (!isfinite(to_mm[w][3]))
                 return false;
         }
     }
@@ -35,7 +39,8 @@ static double volume(double m[3][3])
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-bool geometry_place(struct geometry *geometry, const double to_mm[3][4])
+bool geometry_place(struct geometry *geometry, const double to_mm[3][4],
+                    enum orientation orientation)
 {
     static const int8_t permutation[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
                                              {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
@@ -53,25 +58,37 @@ bool geometry_place(struct geometry *geometry, const double to_mm[3][4])
     }
     for (int a = 0; a < 3; a++)
         geometry->world_sign[a] = axis[a][geometry->world_axis[a]] < 0 ? -1 : 1;
-    memcpy(geometry->to_mm, to_mm, sizeof geometry->to_mm);
+    memmove(geometry->to_mm, to_mm, sizeof geometry->to_mm);
+    geometry->orientation = orientation;
     return true;
+}
+
+/* Voxel axes along world axes, from the origin on. */
+static void place_along(struct geometry *geometry, const int8_t axis[3], const int8_t sign[3],
+                        const double spacing_mm[3])
+{
+    memset(geometry->to_mm, 0, sizeof geometry->to_mm);
+    for (int a = 0; a < 3; a++) {
+        geometry->world_axis[a] = axis[a];
+        geometry->world_sign[a] = sign[a];
+        geometry->to_mm[axis[a]][a] = sign[a] * spacing_mm[a];
+    }
 }
 
 void geometry_place_plain(struct geometry *geometry, const double spacing_mm[3])
 {
-    memset(geometry->to_mm, 0, sizeof geometry->to_mm);
-    for (int a = 0; a < 3; a++) {
-        geometry->to_mm[a][a] = spacing_mm[a];
-        geometry->world_axis[a] = (int8_t)a;
-        geometry->world_sign[a] = 1;
-    }
+    static const int8_t axis[3] = {0, 1, 2}, sign[3] = {1, 1, 1};
+    place_along(geometry, axis, sign, spacing_mm);
+    geometry->orientation = ORIENTATION_UNKNOWN;
 }
+
+/* By world axis; the side that it runs towards first. */
+static const char side_letters[3][3] = {"RL", "AP", "SI"};
 
 void geometry_axes(char letters[4], const struct geometry *geometry)
 {
-    static const char side[3][2] = {{'R', 'L'}, {'A', 'P'}, {'S', 'I'}};
     for (int a = 0; a < 3; a++)
-        letters[a] = side[geometry->world_axis[a]][geometry->world_sign[a] < 0];
+        letters[a] = side_letters[geometry->world_axis[a]][geometry->world_sign[a] < 0];
     letters[3] = '\0';
 }
 
@@ -80,6 +97,134 @@ void geometry_to_lps(const struct geometry *geometry, double to_lps_mm[3][4])
     for (int w = 0; w < 3; w++)
         for (int i = 0; i < 4; i++)
             to_lps_mm[w][i] = w < 2 ? 0 - geometry->to_mm[w][i] : geometry->to_mm[w][i];
+}
+
+bool geometry_tell(struct geometry *geometry, const char *letters)
+{
+    int8_t axis[3] = {0}, sign[3] = {0};
+    double spacing_mm[3];
+    unsigned seen = 0;
+    if (strlen(letters) != 3)
+        return false;
+    for (int a = 0; a < 3; a++)
+        for (int8_t w = 0; w < 3; w++) {
+            const char *at = strchr(side_letters[w], letters[a] & ~0x20); /* as a capital */
+            if (!at || !*at)
+                continue;
+            seen |= 1U << w;
+            axis[a] = w;
+            sign[a] = at == side_letters[w] ? 1 : -1;
+        }
+    if (seen != 7)
+        return false;
+    for (int a = 0; a < 3; a++)
+        spacing_mm[a] = column_length((const double(*)[4])geometry->to_mm, a);
+    place_along(geometry, axis, sign, spacing_mm);
+    geometry->orientation = ORIENTATION_TOLD;
+    return true;
+}
+
+void geometry_take_form(struct geometry *geometry, enum orientation form)
+{
+    const struct geometry_form *taken =
+        form == ORIENTATION_SFORM ? &geometry->sform : &geometry->qform;
+    geometry_place(geometry, (const double(*)[4])taken->to_mm, form);
+}
+
+/* ---- two of them ---- */
+
+/* The cosine of the angle between two axes that differ least in direction is taken for the same
+ * from a degree on. */
+static const double SAME_DIRECTION = 0.99985;
+
+bool geometry_same_directions(const struct geometry *a, const struct geometry *b)
+{
+    double p[3][3], q[3][3];
+    bool same_axes = true, same_lines = true;
+    if (!unit_axes(p, a->to_mm) || !unit_axes(q, b->to_mm))
+        return false;
+    for (int i = 0; i < 3; i++) {
+        same_axes &= a->world_axis[i] == b->world_axis[i] && a->world_sign[i] == b->world_sign[i];
+        same_lines &= p[i][0] * q[i][0] + p[i][1] * q[i][1] + p[i][2] * q[i][2] >= SAME_DIRECTION;
+    }
+    return (same_axes || same_lines) && (volume(p) > 0) == (volume(q) > 0);
+}
+
+double geometry_apart(const struct geometry *a, const struct geometry *b, const uint32_t size[3])
+{
+    double most = 0;
+    for (unsigned corner = 0; corner < 8; corner++) {
+        double p[3], q[3], square = 0;
+        uint32_t place[3];
+        for (unsigned i = 0; i < 3; i++)
+            place[i] = corner >> i & 1 ? size[i] - 1 : 0;
+        geometry_point(a, place, p);
+        geometry_point(b, place, q);
+        for (int w = 0; w < 3; w++)
+            square += (p[w] - q[w]) * (p[w] - q[w]);
+        most = sqrt(square) > most ? sqrt(square) : most;
+    }
+    return most;
+}
+
+double geometry_step_mm(const struct geometry *geometry, int axis)
+{
+    return column_length(geometry->to_mm, axis);
+}
+
+double geometry_half_voxel(const struct geometry *geometry)
+{
+    double least = column_length(geometry->to_mm, 0);
+    for (int a = 1; a < 3; a++)
+        least = fmin(least, column_length((const double(*)[4])geometry->to_mm, a));
+    return least / 2;
+}
+
+double geometry_shear(const struct geometry *geometry)
+{
+    double axis[3][3], most = 0;
+    if (!unit_axes(axis, (const double(*)[4])geometry->to_mm))
+        return 0;
+    for (int a = 0; a < 3; a++) {
+        const double *p = axis[a], *q = axis[(a + 1) % 3];
+        const double sine = fabs(p[0] * q[0] + p[1] * q[1] + p[2] * q[2]);
+        most = sine > most ? sine : most;
+    }
+    return asin(most < 1 ? most : 1) * 180 / acos(-1);
+}
+
+void geometry_presume(struct geometry *geometry)
+{
+    geometry->spacing_unknown = false;
+    for (int a = 0; a < 3 && geometry->presumed_mm[a] > 0; a++)
+        geometry->spacing_nm[a] = (uint32_t)floor(geometry->presumed_mm[a] * 1e6 + 0.5);
+    if (geometry->orientation != ORIENTATION_UNKNOWN)
+        return;
+    if (geometry->presumed_mm[0] > 0)
+        geometry_place_plain(geometry, geometry->presumed_mm);
+    if (geometry->sform.code > 0 || geometry->qform.code > 0)
+        geometry_take_form(geometry,
+                           geometry->sform.code > 0 ? ORIENTATION_SFORM : ORIENTATION_QFORM);
+    else
+        geometry->orientation = ORIENTATION_FILE;
+}
+
+static void derive_matrix(double to_mm[3][4], const double first[3], const double step[3])
+{
+    for (int w = 0; w < 3; w++)
+        for (int a = 0; a < 3; a++) {
+            to_mm[w][3] += to_mm[w][a] * first[a];
+            to_mm[w][a] *= step[a];
+        }
+}
+
+void geometry_derive(struct geometry *geometry, const double first[3], const double step[3])
+{
+    for (int a = 0; a < 3; a++)
+        geometry->spacing_nm[a] = (uint32_t)floor(geometry->spacing_nm[a] * step[a] + 0.5);
+    derive_matrix(geometry->to_mm, first, step);
+    derive_matrix(geometry->sform.to_mm, first, step);
+    derive_matrix(geometry->qform.to_mm, first, step);
 }
 
 void geometry_point(const struct geometry *geometry, const uint32_t place[3], double point_mm[3])

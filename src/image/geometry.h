@@ -1,5 +1,6 @@
 /*
- * Geometry: where a scene lies in the world and what its intensities mean.
+ * Geometry: where a scene lies in the world, as far as that is known, and what its intensities
+ * mean.
  *
  * Here, and not in the engine, because it is floating point: nothing of it lies on the way from a
  * seed to a pixel. What the engine needs of it (spacing, the nearest anatomical axes) is in
@@ -7,6 +8,11 @@
  *
  * The world is that of NIfTI: millimetres, +x towards the patient's right, +y towards the front
  * (anterior), +z towards the head (superior).
+ *
+ * Nothing is guessed. A file may say neither how its voxels lie in the patient nor how far apart
+ * they are, or say two things that contradict each other: then there are axes and distances all
+ * the same, for pictures need some, but `orientation` and `spacing_unknown` tell that they mean
+ * nothing. Nobody may print a side of the patient, a place in the world, or a length from such.
  */
 #ifndef IMAGE_GEOMETRY_H
 #define IMAGE_GEOMETRY_H
@@ -14,19 +20,41 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Who says how the voxels lie in the patient: nobody; the sform or the qform of a NIfTI; what other
+ * formats have for it, or the definition of a synthetic scene; the user, who names the axes but no
+ * place. The words are those of records. */
+#define ORIENTATIONS "unknown|sform|qform|file|told"
+enum orientation {
+    ORIENTATION_UNKNOWN,
+    ORIENTATION_SFORM,
+    ORIENTATION_QFORM,
+    ORIENTATION_FILE,
+    ORIENTATION_TOLD
+};
+
+/* One of the two ways to the world that a NIfTI may hold. */
+struct geometry_form {
+    double to_mm[3][4];
+    int16_t code; /* as read; 0 where the file gave none that can be used */
+};
+
 struct geometry {
     double to_mm[3][4];      /* world = to_mm * (i, j, k, 1), voxel centres at whole i, j, k */
     double slope, intercept; /* real value = slope * intensity + intercept, intensity 0..65535 */
     uint32_t spacing_nm[3];  /* distance of voxel centres along i, j, k, nanometres, 1.. */
-    bool spacing_assumed;    /* the file does not say it along every axis: 1 mm was taken for it */
+    bool spacing_unknown;    /* the file does not say it along every axis: it is 1 mm then */
+    double presumed_mm[3];   /* what geometry_presume takes for it; 0 for the same */
+    enum orientation orientation;
     int8_t world_axis[3]; /* the world axis (0, 1, 2) nearest to each voxel axis; a permutation */
     int8_t world_sign[3]; /* +1 or -1: with or against it */
-    int16_t sform_code, qform_code; /* as read; 0 where the file gave none that can be used */
+    struct geometry_form sform, qform;
 };
 
+/* Whether to_mm is a place in the world. What the user tells is a direction of axes, no place. */
 static inline bool geometry_has_place(const struct geometry *geometry)
 {
-    return geometry->sform_code || geometry->qform_code;
+    return geometry->orientation != ORIENTATION_UNKNOWN &&
+           geometry->orientation != ORIENTATION_TOLD && !geometry->spacing_unknown;
 }
 
 /* The real value of an intensity. */
@@ -35,19 +63,54 @@ static inline double geometry_value(const struct geometry *geometry, int32_t int
     return geometry->slope * intensity + geometry->intercept;
 }
 
-/* Takes `to_mm` as the way to the world and works out world_axis and world_sign: the permutation of
- * the axes that lies nearest to the matrix (the first one in order, where several are). Returns
- * false, and leaves the geometry alone, where the matrix is not finite or cannot be inverted. */
-bool geometry_place(struct geometry *geometry, const double to_mm[3][4]);
+/* Takes `to_mm`, which `orientation` says, as the way to the world and works out world_axis and
+ * world_sign: the permutation of the axes that lies nearest to the matrix (the first one in order,
+ * where several are). Returns false, and leaves the geometry alone, where the matrix is not finite
+ * or cannot be inverted. */
+bool geometry_place(struct geometry *geometry, const double to_mm[3][4],
+                    enum orientation orientation);
 
-/* The plain way: voxel axes are world axes, `spacing_mm` apart, voxel 0,0,0 at the origin. */
+/* Of unknown orientation: voxel axes as if they were world axes, `spacing_mm` apart, voxel 0,0,0 at
+ * the origin. */
 void geometry_place_plain(struct geometry *geometry, const double spacing_mm[3]);
 
-/* Which side of the patient each voxel axis runs towards: "RAS" where they are the world's. */
+/* Which side of the patient each voxel axis runs towards, of an orientation that is known: "RAS"
+ * where they are the world's. */
 void geometry_axes(char letters[4], const struct geometry *geometry);
 
 /* The way to the world as NRRD, MetaImage and DICOM have it: +x to the left, +y to the back. */
 void geometry_to_lps(const struct geometry *geometry, double to_lps_mm[3][4]);
+
+/* The axes that letters such as "RAS" or "lpi" tell, in place of what was; voxels as far apart, and
+ * voxel 0,0,0 at the origin. False where they are not one letter of each of R or L, A or P, S or I.
+ */
+bool geometry_tell(struct geometry *geometry, const char *letters);
+
+/* Takes the way to the world that the sform or the qform says, which has a code. */
+void geometry_take_form(struct geometry *geometry, enum orientation form);
+
+/* Whether the axes of both run the same ways: the same nearest axes of the world, or within a
+ * degree; never where one is the mirror image of the other. */
+bool geometry_same_directions(const struct geometry *a, const struct geometry *b);
+
+/* How far apart, in millimetres, a voxel of a grid of that size lies by the two at most: in one of
+ * its corners. */
+double geometry_apart(const struct geometry *a, const struct geometry *b, const uint32_t size[3]);
+
+/* The distance of voxels along an axis by to_mm, and half of the shortest, in millimetres. */
+double geometry_step_mm(const struct geometry *geometry, int axis);
+double geometry_half_voxel(const struct geometry *geometry);
+
+/* The largest angle, in degrees, by which two axes are off a right angle. */
+double geometry_shear(const struct geometry *geometry);
+
+/* How a session of semantics below MEANING_ORIENTATION takes what a file does not say: the sform if
+ * it can be used, else the qform, else the plain axes; all of it as known. */
+void geometry_presume(struct geometry *geometry);
+
+/* The geometry of a grid whose voxel i, j, k lies where voxel first + step * (i, j, k) of this one
+ * does: cropped, reduced or interpolated. */
+void geometry_derive(struct geometry *geometry, const double first[3], const double step[3]);
 
 /* Where the middle of a voxel is. */
 void geometry_point(const struct geometry *geometry, const uint32_t place[3], double point_mm[3]);

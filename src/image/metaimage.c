@@ -62,7 +62,7 @@ static void write_header(struct buf *out, const struct volume_map *map)
                map->description);
     if (geometry_has_place(geometry))
         write_place(out, geometry);
-    else if (!geometry->spacing_assumed)
+    else if (!geometry->spacing_unknown)
         write_reals(out, "ElementSpacing", (const double[3]){nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6},
                     3);
     buf_printf(out, "DimSize = %u %u %u\nElementType = %s\nElementDataFile = LOCAL\n", map->size[0],

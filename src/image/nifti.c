@@ -5,12 +5,14 @@
  * .intercept include the file's own scl_slope and scl_inter.
  *
  * Where the voxels lie: the sform if its code is positive and its matrix can be inverted, else the
- * qform likewise, else pixdim along the axes. xyzt_units (metres, millimetres, micrometres) applies
- * to all three; without it they are millimetres. Of pixdim the sign is dropped and 0 means 1 (what
- * other readers do); not a number, or outside 1 nm .. 4 m, is refused.
+ * qform likewise; where they contradict each other, or there is neither, it is unknown. Where axes
+ * and handedness are the same the sform holds. xyzt_units (metres, millimetres, micrometres)
+ * applies to all; without it they are millimetres. A pixdim that is not a number from 1 nm to 4 m
+ * above 0 says no distance: then it is the sform's, or unknown. All of that is noted.
  *
  * Written: little-endian. The sform is to_mm, under the code it was read with (or the qform's, or
- * 1). The qform is written where it can say the same; a sheared matrix has none. NIfTI-1, or
+ * 1), where the scene has a place in the world. The qform is written where it can say the same; a
+ * sheared matrix has none. NIfTI-1, or
  * NIfTI-2 where a side is longer than the 32767 voxels that NIfTI-1 can hold. 79 bytes of the
  * description.
  *
@@ -73,26 +75,23 @@ static enum err read_fields(struct nifti_header *header, struct volume_source *s
     return err;
 }
 
-/* Three dimensions, further ones of one voxel only, and no more than a grid holds. */
-static enum err read_size(uint32_t size[3], const struct nifti_header *header, struct fault *fault)
+/* Three dimensions of no more than a grid holds; further ones count volumes. */
+static enum err read_size(uint32_t size[3], uint32_t *volumes, const struct nifti_header *header,
+                          struct fault *fault)
 {
     const int64_t *dim = header->dim;
     struct grid grid;
     if (dim[0] < 2 || dim[0] > 7)
         return fault_set(fault, ERR_INPUT, "dim[0] is %" PRId64 "; expected 3 dimensions", dim[0]);
-    size[2] = 1;
+    size[2] = *volumes = 1;
     for (int a = 1; a <= dim[0]; a++) {
         if (dim[a] < 1)
             return fault_set(fault, ERR_INPUT,
                              "dim[%d] is %" PRId64 "; expected at least one voxel", a, dim[a]);
-        if (a > 3 && dim[a] > 1)
-            return fault_set(fault, ERR_INPUT,
-                             "dim[%d] is %" PRId64 ": a series; expected one 3-D volume", a,
-                             dim[a]);
-        if (dim[a] > UINT32_MAX)
-            return fault_set(fault, ERR_LIMIT,
-                             "dim[%d] is %" PRId64 "; expected at most 65534 voxels a side", a,
-                             dim[a]);
+        if (dim[a] > UINT32_MAX ||
+            (a > 3 && __builtin_mul_overflow(*volumes, (uint32_t)dim[a], volumes)))
+            return fault_set(fault, ERR_LIMIT, "dim[%d] is %" PRId64 "; expected at most %s", a,
+                             dim[a], a > 3 ? "4 billion volumes" : "65534 voxels a side");
         if (a <= 3)
             size[a - 1] = (uint32_t)dim[a];
     }
@@ -142,7 +141,7 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
     struct nifti_header header;
     enum err err = read_fields(&header, source, fault);
     if (!err)
-        err = read_size(out->size, &header, fault);
+        err = read_size(out->size, &out->volumes, &header, fault);
     if (err)
         return err;
     const struct datatype *datatype = datatype_of(header.datatype);
@@ -158,8 +157,7 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
         out->type = (enum voxel_type)datatype->type;
         err = read_layout(out, &header, source, fault);
     }
-    if (!err)
-        err = nifti_header_geometry(&out->geometry, &header, fault);
+    nifti_header_geometry(&out->geometry, out->notes, &header, out->size);
     out->geometry.slope = header.scl_slope;
     out->geometry.intercept = header.scl_inter;
     return err;

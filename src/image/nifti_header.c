@@ -221,25 +221,26 @@ static void matrix_of_qform(double to_mm[3][4], const struct nifti_header *heade
     }
 }
 
-/* Spacing in whole nanometres and in millimetres; see nifti.c for what is accepted. */
-static enum err read_spacing(struct geometry *geometry, double spacing_mm[3],
-                             const struct nifti_header *header, struct fault *fault)
+/* Spacing in whole nanometres and in millimetres. What is no distance is noted, and counts as its
+ * size or as 1 mm in what is presumed. */
+static void read_spacing(struct geometry *geometry, double spacing_mm[3], char *notes,
+                         const struct nifti_header *header)
 {
     for (int a = 0; a < 3; a++) {
-        double mm = fabs(header->pixdim[a + 1]) * unit_mm(header);
-        if (mm == 0) {
-            mm = 1;
-            geometry->spacing_assumed = true;
-        }
-        double nm = floor(mm * 1e6 + 0.5);
-        if (!(nm >= 1 && nm <= 4e9))
-            return fault_set(fault, ERR_INPUT,
-                             "pixdim[%d] is %g; expected a distance of voxels from 1 nm to 4 m",
-                             a + 1, header->pixdim[a + 1]);
-        geometry->spacing_nm[a] = (uint32_t)nm;
-        spacing_mm[a] = mm;
+        const double given = header->pixdim[a + 1], mm = fabs(given) * unit_mm(header);
+        const double nm = floor(mm * 1e6 + 0.5);
+        const bool is_distance = nm >= 1 && nm <= 4e9;
+        spacing_mm[a] = is_distance ? mm : 1;
+        geometry->spacing_nm[a] = is_distance ? (uint32_t)nm : 1000000;
+        if (is_distance && given > 0)
+            continue;
+        geometry->spacing_unknown = true;
+        volume_note(notes, "pixdim[%d] is %g, which is no distance of voxels", a + 1, given);
     }
-    return OK;
+    for (int a = 0; a < 3 && geometry->spacing_unknown; a++) {
+        geometry->presumed_mm[a] = spacing_mm[a];
+        geometry->spacing_nm[a] = 1000000;
+    }
 }
 
 static int16_t usable_code(int64_t code)
@@ -247,29 +248,102 @@ static int16_t usable_code(int64_t code)
     return code > 0 && code <= INT16_MAX ? (int16_t)code : 0;
 }
 
-enum err nifti_header_geometry(struct geometry *geometry, const struct nifti_header *header,
-                               struct fault *fault)
+/* Whether this is a way to the world; its axes are then those of *axes. */
+static bool take_form(struct geometry *axes, struct geometry_form *form, const char *name,
+                      char *notes)
 {
+    if (!form->code)
+        return false;
+    if (geometry_place(axes, (const double(*)[4])form->to_mm, ORIENTATION_UNKNOWN))
+        return true;
+    volume_note(notes, "its %s (code %d) is no number, or cannot be inverted: it is not used", name,
+                form->code);
+    form->code = 0;
+    return false;
+}
+
+/* Both can be used: whether they contradict each other, and what to say of that. */
+static bool forms_agree(const struct geometry *s, const struct geometry *q, const uint32_t size[3],
+                        char *notes)
+{
+    char by_s[4], by_q[4];
+    const double apart_mm = geometry_apart(s, q, size);
+    geometry_axes(by_s, s);
+    geometry_axes(by_q, q);
+    if (!geometry_same_directions(s, q)) {
+        volume_note(notes,
+                    "its sform and its qform contradict each other: axes towards %s by the sform, "
+                    "%s by the qform; `orient sform` or `orient qform` decides",
+                    by_s, by_q);
+        return false;
+    }
+    if (apart_mm > geometry_half_voxel(s))
+        volume_note(notes, "its sform and its qform lie up to %.3g mm apart: the sform holds",
+                    apart_mm);
+    return true;
+}
+
+/* Where sform and pixdim measure voxels differently, as an sform into a template does. */
+static void compare_lengths(const struct geometry *geometry, char *notes)
+{
+    double mm[3];
+    bool same = true;
+    for (int a = 0; a < 3; a++) {
+        mm[a] = geometry_step_mm(geometry, a);
+        same &= fabs(mm[a] * 1e6 - geometry->spacing_nm[a]) <= 0.01 * geometry->spacing_nm[a];
+    }
+    if (!same)
+        volume_note(notes,
+                    "its sform has voxels of %.6gx%.6gx%.6g mm: lengths are by pixdim, places by "
+                    "the sform",
+                    mm[0], mm[1], mm[2]);
+}
+
+/* A pixdim that is no distance has the sform say it. */
+static void measure_by_sform(struct geometry *geometry, char *notes)
+{
+    uint32_t nm[3];
+    for (int a = 0; a < 3; a++) {
+        const double is = floor(geometry_step_mm(geometry, a) * 1e6 + 0.5);
+        if (!(is >= 1 && is <= 4e9))
+            return;
+        nm[a] = (uint32_t)is;
+    }
+    memcpy(geometry->spacing_nm, nm, sizeof nm);
+    geometry->spacing_unknown = false;
+    volume_note(notes, "the distances of voxels are those of its sform");
+}
+
+void nifti_header_geometry(struct geometry *geometry, char notes[VOLUME_NOTES_BYTES],
+                           const struct nifti_header *header, const uint32_t size[3])
+{
+    static const double voxels_mm[3] = {1, 1, 1};
     const double unit = unit_mm(header);
-    double spacing_mm[3], sform[3][4], qform[3][4];
+    double spacing_mm[3];
     *geometry = (struct geometry){.slope = 1};
-    enum err err = read_spacing(geometry, spacing_mm, header, fault);
-    if (err)
-        return err;
-    geometry->sform_code = usable_code(header->sform_code);
-    geometry->qform_code = usable_code(header->qform_code);
+    read_spacing(geometry, spacing_mm, notes, header);
+    struct geometry_form *sform = &geometry->sform, *qform = &geometry->qform;
+    sform->code = usable_code(header->sform_code);
+    qform->code = usable_code(header->qform_code);
     for (int w = 0; w < 3; w++)
         for (int i = 0; i < 4; i++)
-            sform[w][i] = header->srow[w][i] * unit;
-    matrix_of_qform(qform, header, spacing_mm, unit);
-    if (geometry->sform_code && geometry_place(geometry, (const double(*)[4])sform))
-        return OK;
-    geometry->sform_code = 0;
-    if (geometry->qform_code && geometry_place(geometry, (const double(*)[4])qform))
-        return OK;
-    geometry->qform_code = 0;
-    geometry_place_plain(geometry, spacing_mm);
-    return OK;
+            sform->to_mm[w][i] = header->srow[w][i] * unit;
+    matrix_of_qform(qform->to_mm, header, spacing_mm, unit);
+    geometry_place_plain(geometry, geometry->spacing_unknown ? voxels_mm : spacing_mm);
+    struct geometry s = *geometry, q = *geometry;
+    const bool has_s = take_form(&s, sform, "sform", notes);
+    const bool has_q = take_form(&q, qform, "qform", notes);
+    if (has_s && has_q && !forms_agree(&s, &q, size, notes))
+        return;
+    if (has_s || has_q)
+        geometry_take_form(geometry, has_s ? ORIENTATION_SFORM : ORIENTATION_QFORM);
+    else
+        volume_note(notes, "it does not say how its voxels lie in the patient; if you know which "
+                           "sides their axes run towards, type it, as in `orient RAS`");
+    if (has_s && geometry->spacing_unknown)
+        measure_by_sform(geometry, notes);
+    else if (has_s)
+        compare_lengths(geometry, notes);
 }
 
 /* The quaternion of a rotation with a >= 0, by the largest of its four squares, so that no small
@@ -326,15 +400,16 @@ static bool place_qform(struct nifti_header *header, const struct geometry *geom
 void nifti_header_place(struct nifti_header *header, const struct geometry *geometry)
 {
     enum { MILLIMETRES = 2, SCANNER = 1 };
-    int16_t code = geometry->sform_code   ? geometry->sform_code
-                   : geometry->qform_code ? geometry->qform_code
-                                          : SCANNER;
+    const int16_t sform_code = geometry->sform.code, qform_code = geometry->qform.code;
+    const int16_t code = sform_code ? sform_code : qform_code ? qform_code : SCANNER;
     header->xyzt_units = MILLIMETRES;
     header->pixdim[0] = 1;
     for (int a = 0; a < 3; a++)
         header->pixdim[a + 1] = geometry->spacing_nm[a] / 1e6;
+    if (!geometry_has_place(geometry))
+        return;
     header->sform_code = code;
     memcpy(header->srow, geometry->to_mm, sizeof header->srow);
     if (place_qform(header, geometry))
-        header->qform_code = geometry->qform_code ? geometry->qform_code : code;
+        header->qform_code = qform_code ? qform_code : code;
 }

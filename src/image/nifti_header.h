@@ -14,6 +14,7 @@
 
 #include "base/err.h"
 #include "image/geometry.h"
+#include "image/volume.h"
 
 enum { NIFTI_LEAST_BYTES = 348, NIFTI_MOST_BYTES = 540, NIFTI_DESCRIPTION = 80 };
 
@@ -47,9 +48,10 @@ void nifti_header_decode(struct nifti_header *header, const uint8_t *bytes);
 /* header->bytes bytes, little-endian, for a single file. */
 void nifti_header_encode(const struct nifti_header *header, uint8_t *bytes);
 
-/* What the header says of the place of voxels (not slope and intercept), and the reverse. */
-enum err nifti_header_geometry(struct geometry *geometry, const struct nifti_header *header,
-                               struct fault *fault);
+/* What the header says of the place of voxels (not slope and intercept), of a scene of that size,
+ * with a note on each thing that it leaves open; and the reverse. */
+void nifti_header_geometry(struct geometry *geometry, char notes[VOLUME_NOTES_BYTES],
+                           const struct nifti_header *header, const uint32_t size[3]);
 void nifti_header_place(struct nifti_header *header, const struct geometry *geometry);
 
 #endif

@@ -86,7 +86,7 @@ static void write_header(struct buf *out, const struct volume_map *map)
                map->description, type_name(map->type), map->size[0], map->size[1], map->size[2]);
     if (geometry_has_place(geometry))
         write_place(out, geometry);
-    else if (!geometry->spacing_assumed)
+    else if (!geometry->spacing_unknown)
         write_spacings(out, geometry);
     buf_add_text(out, "kinds: domain domain domain\nendian: little\nencoding: gzip\n");
 }

@@ -1,5 +1,8 @@
 #include "image/volume.h"
 
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,6 +15,19 @@ VOLUME_FORMATS(DECLARE)
 #define POINT_AT(format, note) &format,
 static const struct volume_format *const formats[] = {VOLUME_FORMATS(POINT_AT)};
 enum { FORMATS = sizeof formats / sizeof formats[0], FIRST_BYTES = 1024 };
+
+void volume_note(char notes[VOLUME_NOTES_BYTES], const char *format, ...)
+{
+    const size_t length = strlen(notes), room = VOLUME_NOTES_BYTES - length;
+    va_list arguments;
+    va_start(arguments, format);
+    const int n = vsnprintf(notes + length, room, format, arguments);
+    va_end(arguments);
+    if (n < 0 || (size_t)n + 1 >= room)
+        notes[length] = '\0';
+    else
+        memcpy(notes + length + n, "\n", 2);
+}
 
 /* ---- which format ---- */
 
@@ -75,24 +91,50 @@ static enum err find_format(const struct volume_format **format, struct volume_s
 
 /* ---- reading ---- */
 
+static void note_shear(struct volume_header *header)
+{
+    const double degrees = geometry_shear(&header->geometry);
+    if (degrees >= 0.1)
+        volume_note(header->notes,
+                    "its axes are sheared: %.2g degrees off a right angle; pictures, lengths and "
+                    "volumes are as if they were not",
+                    degrees);
+}
+
 /* Opens `path` and reads its header; `source` is to be closed in any case. */
 static enum err begin(const struct volume_format **format, struct volume_header *header,
                       struct volume_source *source, const char *path, struct fault *fault)
 {
-    *header = (struct volume_header){0};
+    *header = (struct volume_header){.volumes = 1};
     enum err err = source_open(source, path, fault);
     if (err)
         return err;
     err = find_format(format, source, fault);
     if (!err)
         err = (*format)->read_header(header, source, fault);
+    if (!err)
+        note_shear(header);
     return err ? fault_prefix(fault, err, "%s", path) : OK;
 }
 
-static enum err check_voxels(const struct volume_header *header, const char *path,
-                             struct fault *fault)
+/* Takes the choice; refuses voxels that cannot be read, and a choice that does not fit. */
+static enum err choose(struct volume_header *header, const char *path,
+                       const struct volume_choice *choice, struct fault *fault)
 {
-    return *header->refusal ? fault_set(fault, ERR_INPUT, "%s: %s", path, header->refusal) : OK;
+    if (choice)
+        header->choice = *choice;
+    if (*header->refusal)
+        return fault_set(fault, ERR_INPUT, "%s: %s", path, header->refusal);
+    if (header->volumes > 1 && !header->choice.has_volume)
+        return fault_set(fault, ERR_INPUT,
+                         "%s: a series of %" PRIu32 " volumes; choose one, as in `open FILE "
+                         "volume=0`, of 0 to %" PRIu32,
+                         path, header->volumes, header->volumes - 1);
+    if (header->choice.volume >= header->volumes)
+        return fault_set(fault, ERR_INPUT,
+                         "%s: there is no volume %" PRIu32 "; it holds %" PRIu32 ", counted from 0",
+                         path, header->choice.volume, header->volumes);
+    return OK;
 }
 
 enum err volume_about(struct volume_header *out, const char *path, struct fault *fault)
@@ -104,15 +146,17 @@ enum err volume_about(struct volume_header *out, const char *path, struct fault 
     return err;
 }
 
-enum err volume_size(uint32_t size[3], const char *path, struct fault *fault)
+enum err volume_size(uint32_t size[3], const char *path, const struct volume_choice *choice,
+                     struct fault *fault)
 {
     struct volume_header header;
     enum err err = volume_about(&header, path, fault);
     memcpy(size, header.size, sizeof header.size);
-    return err ? err : check_voxels(&header, path, fault);
+    return err ? err : choose(&header, path, choice, fault);
 }
 
-enum err volume_read(struct volume *out, const char *path, struct watch *watch, struct fault *fault)
+enum err volume_read(struct volume *out, const char *path, const struct volume_choice *choice,
+                     struct watch *watch, struct fault *fault)
 {
     const struct volume_format *format;
     struct volume_header header;
@@ -120,9 +164,10 @@ enum err volume_read(struct volume *out, const char *path, struct watch *watch, 
     *out = (struct volume){0};
     enum err err = begin(&format, &header, &source, path, fault);
     if (!err)
-        err = check_voxels(&header, path, fault);
+        err = choose(&header, path, choice, fault);
     if (!err) {
         memcpy(out->size, header.size, sizeof out->size);
+        memcpy(out->notes, header.notes, sizeof out->notes);
         out->geometry = header.geometry;
         err = format->read_voxels(out, &header, &source, watch, fault);
         if (err)

@@ -30,10 +30,23 @@
     ROW(nrrd_format, "")                                                                           \
     ROW(metaimage_format, "")
 
+/* Lines for the user, on what a file leaves open, or holds and is not as it should be; each ends
+ * with a line feed. What does not fit any more is left out. */
+enum { VOLUME_NOTES_BYTES = 1536 };
+void volume_note(char notes[VOLUME_NOTES_BYTES], const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* What of a file is to be read, where there is a choice. All zero: the one volume that it holds. */
+struct volume_choice {
+    bool has_volume; /* of a series, this one, counted from 0: */
+    uint32_t volume;
+};
+
 struct volume {
     uint32_t size[3];
     uint16_t *intensity; /* [z][y][x], x fastest */
     struct geometry geometry;
+    char notes[VOLUME_NOTES_BYTES];
 };
 
 enum voxel_type { VOXEL_UINT8, VOXEL_INT16, VOXEL_UINT16, VOXEL_FLOAT32, VOXEL_UINT32 };
@@ -45,9 +58,12 @@ struct volume_header {
     const char *format;       /* "nifti-1" */
     const char *type_name;    /* of voxels, "int16" */
     bool big_endian;
+    uint32_t volumes;  /* of a series; 1 for a scene */
     char refusal[112]; /* why its voxels cannot be read; "" where they can: */
     enum voxel_type type;
-    uint64_t offset; /* bytes before the voxels */
+    uint64_t offset; /* bytes before the voxels, of all volumes */
+    char notes[VOLUME_NOTES_BYTES];
+    struct volume_choice choice; /* for read_voxels: of what there is */
 };
 
 /* How a label of a map is called and shown. */
@@ -90,16 +106,17 @@ const char *volume_ending(const char *path);
  * `save` writes). Others are refused where volume_read would refuse the header. */
 enum err volume_about(struct volume_header *out, const char *path, struct fault *fault);
 
-/* The size of the scene in `path`, from its header alone; refuses what volume_read would refuse
- * before it reads a voxel. */
-enum err volume_size(uint32_t size[3], const char *path, struct fault *fault);
-
-/* Reads the scene in `path`, under a watch (or NULL). It takes two bytes a voxel, four while
- * float32 is read, and as much as the file where a gzip is inflated whole. On failure *out is empty
- * and the words say what was wrong and what was expected: ERR_INPUT for content, ERR_LIMIT, ERR_IO,
- * ERR_MEMORY, ERR_CANCELLED. */
-enum err volume_read(struct volume *out, const char *path, struct watch *watch,
+/* The size of the scene in `path` by that choice (or NULL), from its header alone; refuses what
+ * volume_read would refuse before it reads a voxel. */
+enum err volume_size(uint32_t size[3], const char *path, const struct volume_choice *choice,
                      struct fault *fault);
+
+/* Reads the scene in `path` by that choice (or NULL), under a watch (or NULL). It takes two bytes a
+ * voxel, four while float32 is read, and as much as the file where a gzip is inflated whole. On
+ * failure *out is empty and the words say what was wrong and what was expected: ERR_INPUT for
+ * content, ERR_LIMIT, ERR_IO, ERR_MEMORY, ERR_CANCELLED. */
+enum err volume_read(struct volume *out, const char *path, const struct volume_choice *choice,
+                     struct watch *watch, struct fault *fault);
 void volume_release(struct volume *volume);
 
 /* Writes a map as `path`, in the format that the name says; whole or not at all, as where the watch

@@ -151,7 +151,8 @@ enum err voxels_check(const struct volume_header *header, const struct volume_so
                       struct fault *fault)
 {
     size_t needed;
-    if (!size_multiply(voxels_in(header->size), voxel_bytes(header->type), &needed))
+    if (!size_multiply(voxels_in(header->size), voxel_bytes(header->type), &needed) ||
+        !size_multiply(needed, header->volumes, &needed))
         return fault_set(fault, ERR_LIMIT, "its voxels do not fit the memory of any machine");
     if (source->most < header->offset || source->most - header->offset < needed)
         return fault_set(
@@ -190,7 +191,8 @@ enum err voxels_read(struct volume *volume, const struct volume_header *header,
                      struct volume_source *source, struct watch *watch, struct fault *fault)
 {
     const size_t count = voxels_in(header->size), needed = count * voxel_bytes(header->type);
-    const size_t held = count * sizeof(uint16_t), offset = (size_t)header->offset;
+    const size_t held = count * sizeof(uint16_t);
+    const size_t offset = (size_t)header->offset + header->choice.volume * needed;
     const size_t wide = needed > held ? needed : held, lead = wide - needed;
     const bool at_once = source_inflates(source, (uint64_t)offset + needed);
     const size_t room = at_once && offset > lead ? offset + needed : wide;

@@ -260,7 +260,7 @@ static enum err open_scene(struct interpreter *interp, const char *wish, const c
         err = interpreter_find_scene(interp, *name, &path, fault);
     }
     if (!err)
-        err = session_open(&interp->session, buf_text(&path), fault);
+        err = session_open(&interp->session, buf_text(&path), NULL, fault);
     buf_release(&path);
     return err;
 }
@@ -272,7 +272,7 @@ static enum err plant_by_atlas(struct interpreter *interp, struct fault *fault)
     struct volume atlas = {0};
     struct buf path = {0};
     if (interpreter_find_scene(interp, "aal.nii.gz", &path, NULL) == OK &&
-        volume_read(&atlas, buf_text(&path), NULL, NULL) == OK &&
+        volume_read(&atlas, buf_text(&path), NULL, NULL, NULL) == OK &&
         memcmp(atlas.size, session->scene->grid.size, sizeof atlas.size) != 0)
         volume_release(&atlas);
     const enum err err = plant_seeds(session, &atlas, fault);

@@ -72,6 +72,10 @@ static void add_sides(struct facts *f, const char *name, const uint32_t *side, u
 
 static void add_spacing(struct facts *f, const struct geometry *g)
 {
+    if (g->spacing_unknown) {
+        add_text(f, "spacing", "unknown");
+        return;
+    }
     if (!f->is_json) {
         begin_line(f, "spacing");
         buf_printf(f->out, "%.6gx%.6gx%.6g mm", g->spacing_nm[0] / 1e6, g->spacing_nm[1] / 1e6,
@@ -229,12 +233,15 @@ static enum err add_scene(struct facts *f, const char *path, struct fault *fault
     enum err err = volume_about(&facts, path, fault);
     if (err)
         return err;
+    const bool oriented = facts.geometry.orientation != ORIENTATION_UNKNOWN;
     geometry_axes(towards, &facts.geometry);
     add_text(f, "format", facts.format);
     add_sides(f, "voxels", facts.size, 3);
     add_text(f, "type", facts.type_name);
+    if (facts.volumes > 1 || f->is_json)
+        add_count(f, "volumes", facts.volumes);
     add_spacing(f, &facts.geometry);
-    add_text(f, "axes", towards);
+    add_text(f, "axes", oriented ? towards : "unknown");
     add_text(f, "order", facts.big_endian ? "big-endian" : "little-endian");
     return OK;
 }

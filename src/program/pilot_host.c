@@ -76,8 +76,11 @@ static void write_where(struct buf *out, const struct session *session)
     } else {
         buf_add_text(out, "no label");
     }
-    buf_printf(out, "  intensity %g  %.1f,%.1f,%.1f mm", real_of(session, cell->intensity), mm[0],
-               mm[1], mm[2]);
+    buf_printf(out, "  intensity %g", real_of(session, cell->intensity));
+    if (geometry_has_place(geometry))
+        buf_printf(out, "  %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
+    else if (geometry->orientation == ORIENTATION_UNKNOWN)
+        buf_add_text(out, "  orientation unknown");
 }
 
 /* A seed of an object waits, or a voxel has its label; where nobody has counted yet, so it is. */

@@ -73,16 +73,15 @@ size_t pilot_notes_add(struct image_note note[PILOT_NOTES_MOST], const struct ca
     struct notes notes = {note, 0};
     const struct scene *scene = session->scene;
     const struct mosaic_screen *screen = &panel->screen;
-    const bool is_oriented = session->geometry.sform_code > 0 || session->geometry.qform_code > 0;
     bool has_bar = false;
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         const struct mosaic_box *box = &panel->layout.box[plane];
         if (box->width == 0 || !session->now.outlook.slices.words)
             continue;
         const struct cells pane = cells_of(screen, box);
-        if (is_oriented)
+        if (!scene->sides_unknown)
             add_letters(&notes, scene, plane, &pane);
-        if (!has_bar && pane.right - pane.left >= BAR_FROM_COLUMNS - 1 &&
+        if (!has_bar && !scene->spacing_unknown && pane.right - pane.left >= BAR_FROM_COLUMNS - 1 &&
             pane.bottom - pane.top >= BAR_FROM_ROWS - 1)
             add_bar(
                 &notes, canvas, screen, box, &pane,

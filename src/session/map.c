@@ -20,8 +20,7 @@ enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fa
 enum err map_check_axes(const struct volume *map, const struct geometry *place, struct fault *fault)
 {
     const struct geometry *own = &map->geometry;
-    if ((own->sform_code > 0 || own->qform_code > 0) &&
-        (place->sform_code > 0 || place->qform_code > 0))
+    if (own->orientation != ORIENTATION_UNKNOWN && place->orientation != ORIENTATION_UNKNOWN)
         for (int a = 0; a < 3; a++)
             if (own->world_axis[a] != place->world_axis[a] ||
                 own->world_sign[a] != place->world_sign[a])
@@ -35,13 +34,13 @@ enum err map_read(struct volume *map, const char *path, const struct grid *grid,
                   const struct geometry *place, struct watch *watch, struct fault *fault)
 {
     uint32_t size[3];
-    enum err err = volume_size(size, path, fault);
+    enum err err = volume_size(size, path, NULL, fault);
     if (err)
         return err;
     err = map_check_size(size, grid, fault);
     if (err)
         return fault_prefix(fault, err, "%s", file_name(path));
-    err = volume_read(map, path, watch, fault);
+    err = volume_read(map, path, NULL, watch, fault);
     if (err)
         return err;
     err = map_check_size(map->size, grid, fault); /* it may be another file by now */

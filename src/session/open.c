@@ -103,27 +103,40 @@ static enum err open_synthetic(struct session *session, const char *path, struct
         spacing_mm[a] = session->scene->spacing_nm[a] / 1e6;
     }
     geometry_place_plain(&session->geometry, spacing_mm);
+    session->geometry.orientation = ORIENTATION_FILE; /* by definition */
     return OK;
 }
 
-static enum err open_file(struct session *session, const char *path, struct fault *fault)
+/* What the engine and the pictures need of the geometry. */
+static void place_scene(struct scene *scene, const struct geometry *geometry)
+{
+    memcpy(scene->spacing_nm, geometry->spacing_nm, sizeof scene->spacing_nm);
+    memcpy(scene->world_axis, geometry->world_axis, sizeof scene->world_axis);
+    memcpy(scene->world_sign, geometry->world_sign, sizeof scene->world_sign);
+    scene->sides_unknown = geometry->orientation == ORIENTATION_UNKNOWN;
+    scene->spacing_unknown = geometry->spacing_unknown;
+}
+
+static enum err open_file(struct session *session, const char *path,
+                          const struct volume_choice *choice, struct fault *fault)
 {
     struct volume volume = {0};
     uint32_t size[3];
-    enum err err = volume_size(size, path, fault);
+    enum err err = volume_size(size, path, choice, fault);
     if (!err)
         err = check_memory(size, "nothing was opened", session->watch, fault);
     if (!err)
-        err = volume_read(&volume, path, session->watch, fault);
+        err = volume_read(&volume, path, choice, session->watch, fault);
     if (!err)
         err =
             scene_new_filled(&session->scene, volume.size, volume.intensity, session->watch, fault);
     if (!err) {
-        struct scene *scene = session->scene;
         session->geometry = volume.geometry;
-        memcpy(scene->spacing_nm, volume.geometry.spacing_nm, sizeof scene->spacing_nm);
-        memcpy(scene->world_axis, volume.geometry.world_axis, sizeof scene->world_axis);
-        memcpy(scene->world_sign, volume.geometry.world_sign, sizeof scene->world_sign);
+        if (semantics_has(session->semantics, MEANING_ORIENTATION))
+            memcpy(session->open_notes, volume.notes, sizeof session->open_notes);
+        else
+            geometry_presume(&session->geometry);
+        place_scene(session->scene, &session->geometry);
     }
     volume_release(&volume);
     return err;
@@ -165,15 +178,19 @@ static enum err show_first(struct session *session, struct fault *fault)
     return err;
 }
 
-enum err session_open(struct session *session, const char *path, struct fault *fault)
+enum err session_open(struct session *session, const char *path, const struct volume_choice *choice,
+                      struct fault *fault)
 {
+    const bool is_synthetic = strncmp(path, "synth:", 6) == 0;
     enum err err;
     if (session->has_scene)
         return fault_set(fault, ERR_USAGE, "a scene is open already; a session has one scene");
-    if (strncmp(path, "synth:", 6) == 0)
+    if (is_synthetic && choice && choice->has_volume)
+        return fault_set(fault, ERR_USAGE, "volume: a synthetic scene is no series");
+    if (is_synthetic)
         err = open_synthetic(session, path, fault);
     else
-        err = open_file(session, path, fault);
+        err = open_file(session, path, choice, fault);
     if (!err)
         err = equip(session, session->scene, &session->forest, &session->border, fault);
     if (err) {
@@ -273,11 +290,9 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
         err = replace_scene(session, doubled, fault);
     if (err)
         return err;
-    for (unsigned a = 0; a < 3; a++) {
-        session->geometry.spacing_nm[a] = session->scene->spacing_nm[a];
-        for (unsigned w = 0; w < 3 && doubled >> a & 1; w++)
-            session->geometry.to_mm[w][a] /= 2;
-    }
+    static const double first[3] = {0, 0, 0};
+    const double step[3] = {doubled & 1 ? 0.5 : 1, doubled & 2 ? 0.5 : 1, doubled & 4 ? 0.5 : 1};
+    geometry_derive(&session->geometry, first, step);
     session->scene_digest = scene_digest(session->scene);
     const struct state next = refined(session, doubled);
     return session_go(session, &next, NULL, 0, fault);

@@ -19,6 +19,11 @@ const struct meaning_row meaning_table[MEANINGS] = {
                          "`pending` counts it once", NULL},
     [MEANING_QUOTES] = {"quotes", 4, "' is a letter like any other",
                         "a word may stand between ' and ' as between \" and \"", NULL},
+    [MEANING_ORIENTATION] = {"orientation", 5,
+                             "what a file does not say of its voxels was taken to be axes towards "
+                             "right, front and head, 1 mm apart, and the sform to hold against the "
+                             "qform",
+                             "it is unknown until `orient` tells it", NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

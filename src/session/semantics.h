@@ -20,7 +20,7 @@
 #include "engine/forest.h"
 
 /* The number of new journals, and the highest that can be gone on with. */
-enum { SEMANTICS = 4 };
+enum { SEMANTICS = 5 };
 
 /* One row each. */
 enum meaning {
@@ -30,6 +30,7 @@ enum meaning {
     MEANING_BRANCH_TIPS,
     MEANING_STROKES,
     MEANING_QUOTES,
+    MEANING_ORIENTATION,
     MEANINGS
 };
 

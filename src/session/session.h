@@ -32,7 +32,7 @@
 #include "engine/forest.h"
 #include "engine/roi.h"
 #include "engine/scene.h"
-#include "image/geometry.h"
+#include "image/volume.h"
 #include "render/border.h"
 #include "render/rendition.h"
 #include "session/markers.h"
@@ -60,6 +60,7 @@ struct session {
     struct scene *scene;
     char scene_file[FILE_WORDS_BYTES]; /* what to call it: without its folder; a long name is cut */
     struct geometry geometry;
+    char open_notes[VOLUME_NOTES_BYTES]; /* what the file left open, for the answer of `open` */
     uint64_t scene_digest;
     char proof[SHA256_HEX]; /* of the scene as it was opened (scene_proof) */
     struct team *team;      /* the threads that compute; NULL for one */
@@ -132,7 +133,8 @@ enum err session_catch_up(struct session *session, struct fault *fault);
 /* Opens "synth:geom", "synth:geom:XYZ" (each of X, Y, Z 1 or 2), "synth:geom:NXxNYxNZ" (a size in
  * voxels) or a NIfTI file. The name is only looked at here; where a file is found is the caller's
  * business. Weights are `morph` over 6 neighbours. */
-enum err session_open(struct session *session, const char *path, struct fault *fault);
+enum err session_open(struct session *session, const char *path, const struct volume_choice *choice,
+                      struct fault *fault);
 
 /* Interpolates the axes a with bit a set in `doubled` to 2n - 1 voxels (engine/scene.h); an axis of
  * one voxel has nothing between and stays as it is. Angles and size of the view stay, the zoom is

@@ -47,11 +47,12 @@ static void write_kind(char out[16], enum slice_kind kind)
 }
 
 /* "axial 90", and where that is in the world: "S 18.0 mm". A file may put the scene anywhere: what
- * is further off than tenths make sense of is "S 1e+18 mm". */
+ * is further off than tenths make sense of is "S 1e+18 mm". Of unknown orientation: "z 90". */
 static void write_title(char out[64], const struct session *session, enum slice_plane plane)
 {
     static const char side[3][2] = {{'I', 'S'}, {'P', 'A'}, {'L', 'R'}};
     const uint32_t *cross = session->now.outlook.slices.cross;
+    const uint32_t index = slice_index(session->scene, plane, cross);
     double point_mm[3];
     geometry_point(&session->geometry, cross, point_mm);
     const double mm = point_mm[2 - plane];
@@ -59,8 +60,17 @@ static void write_title(char out[64], const struct session *session, enum slice_
     const long long tenths = is_far ? 0 : llround(mm * 10);
     char name[16];
     write_kind(name, (enum slice_kind)plane);
-    const int n = snprintf(out, 64, "%s %u\n%c ", name, slice_index(session->scene, plane, cross),
-                           side[plane][is_far ? mm > 0 : tenths >= 0]);
+    if (session->scene->sides_unknown) {
+        snprintf(out, 64, "%c %u\norientation unknown", 'x' + slice_axis(session->scene, plane),
+                 index);
+        return;
+    }
+    if (!geometry_has_place(&session->geometry)) {
+        snprintf(out, 64, "%s %u", name, index);
+        return;
+    }
+    const int n =
+        snprintf(out, 64, "%s %u\n%c ", name, index, side[plane][is_far ? mm > 0 : tenths >= 0]);
     if (is_far)
         snprintf(out + n, 64 - (size_t)n, "%.6g mm", fabs(mm));
     else

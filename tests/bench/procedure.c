@@ -155,7 +155,7 @@ enum err procedure_open(struct interpreter *interp, const char *name, struct fau
     struct buf path = {0};
     enum err err = interpreter_find_scene(interp, name, &path, fault);
     if (!err)
-        err = session_open(&interp->session, buf_text(&path), fault);
+        err = session_open(&interp->session, buf_text(&path), NULL, fault);
     buf_release(&path);
     return err;
 }
@@ -166,7 +166,7 @@ static enum err read_atlas(struct volume *atlas, const struct interpreter *inter
     struct buf path = {0};
     enum err err = interpreter_find_file(interp, name, &path, fault);
     if (!err)
-        err = volume_read(atlas, buf_text(&path), NULL, fault);
+        err = volume_read(atlas, buf_text(&path), NULL, NULL, fault);
     buf_release(&path);
     return err;
 }

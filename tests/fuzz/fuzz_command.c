@@ -17,7 +17,7 @@ static void prepare(void)
         return;
     session_init(session);
     history_init(&interp.history);
-    HOLDS(session_open(session, "synth:geom:9x8x7", &fault) == OK);
+    HOLDS(session_open(session, "synth:geom:9x8x7", NULL, &fault) == OK);
     strcpy(session->now.kept.label_name[2], "cerebellum");
 }
 

@@ -174,9 +174,9 @@ static void mark_correction(struct workload *work, int edit)
 static enum err make_scene(struct workload *work, const char *image, const char *atlas,
                            struct fault *fault)
 {
-    enum err err = volume_read(&work->image, image, NULL, fault);
+    enum err err = volume_read(&work->image, image, NULL, NULL, fault);
     if (!err)
-        err = volume_read(&work->atlas, atlas, NULL, fault);
+        err = volume_read(&work->atlas, atlas, NULL, NULL, fault);
     if (!err)
         err = scene_new_filled(&work->scene, work->image.size, work->image.intensity, NULL, fault);
     if (!err)
