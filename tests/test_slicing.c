@@ -548,6 +548,45 @@ STORY(mosaics_have_the_size_of_the_view)
     interpreter_release(&interp);
 }
 
+static uint32_t zoom_of_panel(struct interpreter *interp)
+{
+    struct slicing_panel panel = {.screen = {640, 640, 8, 16, true, MOSAIC_AXIAL}};
+    struct canvas canvas;
+    CHECK(slicing_draw_panel(&canvas, &interp->session, &panel, &fault) == OK);
+    canvas_release(&canvas);
+    return interp->session.camera.view.zoom;
+}
+
+/* What it shows at a zoom of its own changes nothing that is recorded. */
+STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
+{
+    struct interpreter interp;
+    begin_values(&interp, 1, 0);
+    const uint32_t fitting = view_fitting_zoom(interp.session.scene, 100, 100, 1);
+    CHECK(fitting > VIEW_ZOOM_ONE);
+    must(&interp, "size 100 100");
+    must(&interp, "seed 3,3,4 3");
+    must(&interp, "render");
+    const uint64_t rendered = rendition_digest(session_frame(&interp.session));
+    CHECK_INT(zoom_of_panel(&interp), fitting);
+    CHECK(rendition_digest(session_frame(&interp.session)) != rendered);
+    CHECK_INT(interp.session.now.outlook.view.zoom, VIEW_ZOOM_ONE);
+    must(&interp, "pick 50 50"); /* of the view, not of the panel */
+    CHECK(rendition_digest(session_frame(&interp.session)) == rendered);
+    CHECK_INT(zoom_of_panel(&interp), fitting);
+    must(&interp, "turn 20"); /* looks from elsewhere, and as near */
+    CHECK_INT(zoom_of_panel(&interp), fitting);
+    must(&interp, "turn -20");
+    must(&interp, "mosaic");
+    must(&interp, "render");
+    CHECK(rendition_digest(session_frame(&interp.session)) == rendered);
+    must(&interp, "zoom 2");
+    CHECK_INT(zoom_of_panel(&interp), 2 * VIEW_ZOOM_ONE);
+    must(&interp, "zoom 1");
+    CHECK_INT(zoom_of_panel(&interp), fitting);
+    interpreter_release(&interp);
+}
+
 STORY(without_memory_nothing_is_shown)
 {
     struct interpreter interp;
@@ -759,8 +798,9 @@ int main(void)
         TELL(a_zoom_stays_until_it_fits_again),
         TELL(what_is_magnified_stays_so_and_keeps_the_cross_hair_in_sight),
         TELL(what_waits_and_what_was_eliminated_is_marked), TELL(hidden_labels_are_not_overlaid),
-        TELL(mosaics_have_the_size_of_the_view), TELL(without_memory_nothing_is_shown),
-        TELL(a_pixel_of_a_slice_tells_its_voxel),
+        TELL(mosaics_have_the_size_of_the_view),
+        TELL(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom),
+        TELL(without_memory_nothing_is_shown), TELL(a_pixel_of_a_slice_tells_its_voxel),
         TELL(each_pixel_tells_the_voxel_that_it_was_drawn_of),
         TELL(an_exr_of_a_slice_holds_labels_and_voxels),
         TELL(golden_slices_are_compared_when_replayed));

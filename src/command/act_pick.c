@@ -5,13 +5,17 @@
 
 #include "engine/measure.h"
 
-/* The voxel that a pixel of the rendition shows, or CELL_NONE. */
-static enum err voxel_of_rendition(const struct session *session, uint32_t column, uint32_t row,
+/* The voxel that a pixel of the rendition shows, or CELL_NONE. What the pilot has drawn may be at a
+ * zoom of its own. */
+static enum err voxel_of_rendition(struct session *session, uint32_t column, uint32_t row,
                                    uint32_t *cell, struct fault *fault)
 {
     const struct rendition *r = session_frame(session);
     if (!session->rendered)
         return fault_set(fault, ERR_USAGE, "the rendition is not up to date; `render` first");
+    const enum err err = session_draw(session, RENDER_AS_KEPT, fault);
+    if (err)
+        return err;
     if (column >= r->width || row >= r->height)
         return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column,
                          row, r->width, r->height);

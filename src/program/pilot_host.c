@@ -104,7 +104,7 @@ static bool facts(void *context, struct pilot_facts *out)
         return false;
     const struct slice_settings *s = &session->now.outlook.slices;
     *out = (struct pilot_facts){.waiting = session_pendings(session),
-                                .zoom = session->now.outlook.view.zoom,
+                                .zoom = session_fitting_zoom(session),
                                 .times = s->times,
                                 .frame_width = session->now.outlook.view.width,
                                 .frame_height = session->now.outlook.view.height,

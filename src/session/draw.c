@@ -70,11 +70,28 @@ static enum err make_room(struct session *session, struct fault *fault)
     return err;
 }
 
-enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault)
+/* Has the camera look at this zoom. */
+static enum err take_zoom(struct session *session, uint32_t zoom, struct fault *fault)
+{
+    struct outlook outlook = session->now.outlook;
+    struct camera camera;
+    if (session->camera.view.zoom == zoom * outlook.look.samples)
+        return OK;
+    outlook.view.zoom = zoom;
+    const enum err err = session_aim(session, &outlook, &camera, fault);
+    if (!err)
+        session_take_camera(session, &camera);
+    return err;
+}
+
+static enum err draw_at(struct session *session, uint32_t zoom, enum render_mode mode,
+                        struct fault *fault)
 {
     if (session->skims)
         return OK;
-    enum err err = make_room(session, fault);
+    enum err err = take_zoom(session, zoom, fault);
+    if (!err)
+        err = make_room(session, fault);
     if (err || (session->rendered && (mode == RENDER_AS_KEPT || mode == RENDER_INCREMENTAL)))
         return err;
     session->rendered = false;
@@ -87,6 +104,25 @@ enum err session_draw(struct session *session, enum render_mode mode, struct fau
     err = session_colour(session, fault);
     session->rendered = err == OK;
     return err ? err : watch_fault(session->watch, fault);
+}
+
+enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault)
+{
+    return draw_at(session, session->now.outlook.view.zoom, mode, fault);
+}
+
+enum err session_draw_fitting(struct session *session, struct fault *fault)
+{
+    return draw_at(session, session_fitting_zoom(session), RENDER_AS_KEPT, fault);
+}
+
+uint32_t session_fitting_zoom(const struct session *session)
+{
+    const struct view *view = &session->now.outlook.view;
+    const uint32_t first = view_default(session->scene).zoom;
+    const uint32_t fitting = view_fitting_zoom(session->scene, view->width, view->height,
+                                               session->now.outlook.look.samples);
+    return view->zoom == first && view->zoom < fitting ? fitting : view->zoom;
 }
 
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault)

@@ -15,7 +15,7 @@
  *   S1 a command is all or nothing: session_mark before it, and session_rollback takes back
  *      whatever it did, exactly;
  *   S2 the border fits the forest, the visible labels and the cut; the rendition, where `rendered`,
- *      is that of forest, border and view, pixel for pixel, whichever mode made it;
+ *      is that of forest, border and camera, pixel for pixel, whichever mode made it;
  *   S3 without a scene only session_open does anything, and settings can be made; all else asks
  *      has_scene first;
  *   S4 a scene that was interpolated is kept, with what hangs on it, until the command stands;
@@ -74,7 +74,7 @@ struct session {
     struct roi_tally roi_tally;
     struct border border;
     struct tally tally;   /* voxels of each label, once session_count_labels has been called */
-    struct camera camera; /* of the view, `look.samples` times as large */
+    struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */
     struct rendition rendition;
     bool has_rendition;       /* the rendition has memory, of camera.view's size */
     bool rendered;            /* S2: it shows the present state */
@@ -230,6 +230,13 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
 
 /* The same with the forest as it stands, whatever edits wait. */
 enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault);
+
+/* The same to be looked at alone, at the zoom below, until another of these is called. */
+enum err session_draw_fitting(struct session *session, struct fault *fault);
+
+/* That of the view, thousandths; while it is the one that a scene is opened with, which nobody has
+ * chosen, the one at which the scene fits. */
+uint32_t session_fitting_zoom(const struct session *session);
 
 /* To be called from `show` of the watch (base/watch.h), while a command is carried out: `draw` may
  * read the session and make pictures of it, as they are so far, and must carry out no command. What

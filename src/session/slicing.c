@@ -199,7 +199,7 @@ enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
             fault, ERR_LIMIT, "the panes take %dx%d pixels, in %dx%d characters, or more",
             MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, MOSAIC_COLUMNS_LEAST, MOSAIC_ROWS_LEAST);
     mosaic_lay_out(&panel->layout, session->scene, screen);
-    enum err err = session_draw(session, RENDER_AS_KEPT, fault);
+    enum err err = session_draw_fitting(session, fault);
     if (!err)
         err = canvas_init(canvas, screen->width, screen->height, true, fault);
     if (!err)

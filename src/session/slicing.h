@@ -27,7 +27,8 @@ enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice
 enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kind kind,
                          uint32_t column, uint32_t row, struct fault *fault);
 
-/* A mosaic as panes of a screen (render/mosaic_screen.h): the rendition is fitted in. */
+/* A mosaic as panes of a screen (render/mosaic_screen.h): the rendition is fitted in, and so is
+ * what it shows (session_fitting_zoom). */
 struct slicing_panel {
     struct mosaic_screen screen;
     bool words; /* patient letters, titles and scale bars can be read in its pixels */

@@ -41,7 +41,7 @@ struct pilot_facts {
     char where[160];      /* of the voxel there: label, intensity, millimetres */
     double intensity;     /* there, in real values */
     double window[2];     /* black and white, in real values */
-    uint32_t zoom;        /* of the view, thousandths */
+    uint32_t zoom;        /* at which the rendition is shown, thousandths */
     uint32_t frame_width; /* of the rendition, in pixels */
     uint32_t frame_height;
     unsigned overlay; /* of labels in slices: 0 none, 1 tint, 2 contour */
