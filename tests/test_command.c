@@ -113,6 +113,7 @@ static const char *form_of(const struct parameter *p)
     const bool is_place = p->type == VALUE_POSITION || p->type == VALUE_LINE;
     const char *type = is_place                    ? "X,Y,Z"
                        : p->type == VALUE_RANGE    ? "A-B"
+                       : p->type == VALUE_LIST     ? "A-B,C"
                        : p->type == VALUE_INTERVAL ? "LOW..HIGH"
                        : p->type == VALUE_RADIUS   ? "0..32|Rmm"
                        : p->type == VALUE_COLOUR   ? "#rrggbb"
@@ -270,6 +271,14 @@ static void add_value(struct buf *out, const struct parameter *p)
         break;
     case VALUE_RANGE:
         add_range(out, p);
+        break;
+    case VALUE_LIST:
+        for (uint32_t n = below(3);; n--) {
+            add_range(out, p);
+            if (n == 0)
+                break;
+            buf_add_char(out, ',');
+        }
         break;
     case VALUE_DECIMAL:
         add_decimal(out, p);
@@ -498,7 +507,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"render mode=fast", "mode: expected sp|bp|ii|ray, not fast"},
         {"render mode=", "not nothing"},
         {"render mode=sp|bp", "expected sp|bp|ii|ray"},
-        {"save maps x.nii", "labels|cost|root|border|distance|margin"},
+        {"save maps x.nii", "labels|cost|root|border|distance|margin|seeds|names"},
         {"seed 1,1,1", "missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..32|Rmm]"},
         {"seed", "missing: PLACE"},
         {"save labels", "missing: FILE"},
@@ -806,7 +815,8 @@ STORY(completion_offers_what_may_stand_there)
     completes(&interp, "xyz ", "", 4);
     completes(&interp, "help see", "seed\nseed-file\n", 5);
     completes(&interp, "help seed ", "", 10);
-    completes(&interp, "save ", "labels\ncost\nroot\nborder\ndistance\nmargin\nreplace=\n", 5);
+    completes(&interp, "save ",
+              "labels\ncost\nroot\nborder\ndistance\nmargin\nseeds\nnames\nreplace=\n", 5);
     completes(&interp, "save c", "cost\n", 5);
     completes(&interp, "save cost x.nii replace=y", "yes\n", 24);
     completes(&interp, "render mode=", "sp\nbp\nii\nray\n", 12);
@@ -1103,6 +1113,7 @@ static void make_seed_files(void)
     make_weights("heavier.nii", 3);
     write_text("bright.csv", "11,10,9,1\n");
     write_text("seeds.csv", "x,y,z,label\n1,1,1,1\n# far\n10,9,8,cerebellum\n");
+    write_text("names.txt", "7 spleen 16 32 48 0\n5 kidney\n");
     make_regions("regions.nii", size[0], 0);
 }
 
@@ -1268,6 +1279,7 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
     static const struct deed deeds[] = {
         {"label 2 cerebellum", NULL},
         {"label 0 nothing #010203", NULL},
+        {"label-file @/names.txt", NULL},
         {"weight morph", NULL},
         {"adjacency 26", NULL},
         {"adjacency 6", NULL},

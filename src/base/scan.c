@@ -61,6 +61,15 @@ bool scan_range(const char **cursor, int64_t least, int64_t most, int64_t *first
     return true;
 }
 
+bool scan_list_range(const char **cursor, int64_t least, int64_t most, int64_t *first,
+                     int64_t *last)
+{
+    if (!scan_range(cursor, least, most, first, last))
+        return false;
+    *cursor += (*cursor)[0] == ',' && (*cursor)[1] != '\0';
+    return true;
+}
+
 bool scan_hex(const char **cursor, unsigned digits, uint64_t *out)
 {
     static const char hex[] = "0123456789abcdef";

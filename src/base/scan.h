@@ -21,6 +21,10 @@ bool scan_decimal(const char **cursor, unsigned places, int64_t least, int64_t m
 /* "A-B" with A <= B, both within least..most, or "A" for "A-A". */
 bool scan_range(const char **cursor, int64_t least, int64_t most, int64_t *first, int64_t *last);
 
+/* The same as the next of a list "A-B,C,D-E", with the comma after it where another follows. */
+bool scan_list_range(const char **cursor, int64_t least, int64_t most, int64_t *first,
+                     int64_t *last);
+
 /* Exactly `digits` lower-case hexadecimal digits. */
 bool scan_hex(const char **cursor, unsigned digits, uint64_t *out);
 

@@ -31,6 +31,9 @@ enum err act_range(const struct act *act);
 /* act_seed_file.c */
 enum err act_seed_file(const struct act *act);
 
+/* act_label_file.c */
+enum err act_label_file(const struct act *act);
+
 /* act_view.c */
 enum err act_view(const struct act *act);
 enum err act_turn(const struct act *act);
@@ -50,6 +53,8 @@ enum err act_samples(const struct act *act);
 
 /* act_picture.c */
 enum err act_render(const struct act *act);
+
+/* act_save.c */
 enum err act_save(const struct act *act);
 
 /* act_golden.c */

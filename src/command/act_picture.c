@@ -1,4 +1,4 @@
-/* Commands that show or write pictures, and write maps. */
+/* Commands that show or write pictures. */
 #include "command/act.h"
 
 #include "base/file.h"
@@ -127,25 +127,4 @@ enum err act_render(const struct act *act)
     act->interp->shows_picture = true;
     write_seen(session_frame(act->session), act->reply);
     return OK;
-}
-
-/* ---- maps ---- */
-
-enum err act_save(const struct act *act)
-{
-    struct buf path = {0};
-    enum err err = session_run(act->session, act->fault);
-    if (!err)
-        err = interpreter_output_path(act->interp, act->value[1].text, &path, act->fault);
-    if (!err && path.length) {
-        const enum file_mode how = act_file_mode(&act->value[2]);
-        err = interpreter_will_write(act->interp, buf_text(&path), how, act->fault);
-        if (!err)
-            err = export_map(act->session, (enum map)act->value[0].number, buf_text(&path), how,
-                             act->fault);
-        if (!err)
-            act_write_file_line("wrote ", buf_text(&path), act->reply);
-    }
-    buf_release(&path);
-    return err;
 }

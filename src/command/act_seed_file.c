@@ -5,12 +5,13 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "session/label_table.h"
 #include "session/seed_file.h"
 
-enum { LIST_BYTES_MOST = 64 << 20 };
+enum { LIST_BYTES_MOST = 64 << 20, TABLE_BYTES_MOST = 1 << 20, LISTED_MOST = 12 };
 
 /* The places of the parameters in the table. */
-enum { FILE_NAME, LABEL, RANGE, REGIONS, ERODE, EACH, GENERATOR };
+enum { FILE_NAME, LABEL, RANGE, REGIONS, AS, ERODE, EACH, GENERATOR };
 
 static int label_of(const struct value *value)
 {
@@ -25,10 +26,11 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
     struct buf text = {0};
     for (int i = REGIONS; i <= GENERATOR; i++)
         if (value[i].given)
-            return fault_set(fault, ERR_USAGE,
-                             "regions, erode, each and generator are for label maps, and %s is a "
-                             "list; nothing was planted",
-                             value[FILE_NAME].text);
+            return fault_set(
+                fault, ERR_USAGE,
+                "regions, as, erode, each and generator are for label maps, and %s is a "
+                "list; nothing was planted",
+                value[FILE_NAME].text);
     enum err err = file_read(&text, path, LIST_BYTES_MOST, fault);
     if (!err)
         err = act_naming(value[FILE_NAME].text,
@@ -39,7 +41,32 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
     return err;
 }
 
-static enum err read_map(struct seeds *seeds, const struct act *act, const char *path)
+/* What the parameters say of regions, with the labels that they become, which the caller frees. */
+static enum err choose_regions(struct region_choice *choice, uint16_t **as,
+                               const struct value *value, struct fault *fault)
+{
+    *choice = (struct region_choice){
+        .first = REGION_MOST,
+        .label = label_of(value),
+        .erode = (unsigned)value[ERODE].number,
+        .each = (uint32_t)value[EACH].number,
+        .generator = value[GENERATOR].given ? (uint64_t)value[GENERATOR].number : 1,
+    };
+    if (value[AS].given && value[LABEL].given)
+        return fault_set(fault, ERR_USAGE,
+                         "as and label are two answers to one question; expected one of them");
+    const enum err err = regions_new(as, value[REGIONS].text, value[AS].text, fault);
+    for (uint32_t r = 0; !err && r <= REGION_MOST; r++)
+        if ((*as)[r] != REGION_NONE) {
+            choice->first = r < choice->first ? r : choice->first;
+            choice->last = r;
+        }
+    choice->as = *as;
+    return err;
+}
+
+static enum err read_map(struct seeds *seeds, const struct act *act,
+                         const struct region_choice *choice, const char *path)
 {
     const struct session *session = act->session;
     const struct value *value = act->value;
@@ -47,20 +74,12 @@ static enum err read_map(struct seeds *seeds, const struct act *act, const char 
     struct buf *out = &act->reply->text;
     struct volume map = {0};
     struct region_tally tally;
-    const struct region_choice choice = {
-        .first = value[REGIONS].given ? value[REGIONS].place[0] : 1,
-        .last = value[REGIONS].given ? value[REGIONS].place[1] : REGION_MOST,
-        .label = label_of(value),
-        .erode = (unsigned)value[ERODE].number,
-        .each = (uint32_t)value[EACH].number,
-        .generator = value[GENERATOR].given ? (uint64_t)value[GENERATOR].number : 1,
-    };
     enum err err =
         map_read(&map, path, &session->scene->grid, &session->geometry, session->watch, fault);
     if (!err)
         err = act_naming(value[FILE_NAME].text,
                          seeds_from_map(seeds, &tally, &map, &session->scene->grid,
-                                        &session->geometry, &choice, session->watch, fault),
+                                        &session->geometry, choice, session->watch, fault),
                          fault);
     volume_release(&map);
     if (!err)
@@ -71,8 +90,58 @@ static enum err read_map(struct seeds *seeds, const struct act *act, const char 
     return err;
 }
 
+/* The table that lies beside an atlas, "aal.nii.txt" beside "aal.nii.gz"; empty where there is none
+ * that can be read, or where files of others are not looked for. */
+static struct label_table table_beside(const struct act *act, const char *atlas)
+{
+    struct label_table table = {0};
+    struct buf path = {0}, text = {0};
+    const size_t length = strlen(atlas);
+    buf_add(&path, atlas, length - (file_is_named(atlas, ".gz") ? 3 : 0));
+    buf_add_text(&path, ".txt");
+    if (!interpreter_is_wary(act->interp) && file_exists(buf_text(&path)) &&
+        file_read(&text, buf_text(&path), TABLE_BYTES_MOST, NULL) == OK)
+        label_table_read(&table, buf_text(&text), text.length, NULL);
+    buf_release(&text);
+    buf_release(&path);
+    return table;
+}
+
+/* "region 2001 Precentral_L is label 1, 13 seeds" */
+static void write_region(const struct act *act, const struct label_table *table, uint32_t region,
+                         unsigned label, size_t count)
+{
+    struct buf *out = &act->reply->text;
+    buf_printf(out, "region %u", region);
+    for (size_t i = 0; i < table->count; i++)
+        if (table->entry[i].number == region) {
+            buf_add_char(out, ' ');
+            buf_add_safe_text(out, table->entry[i].name);
+            break;
+        }
+    buf_add_text(out, " is label ");
+    act_write_label(out, act->session, label);
+    buf_printf(out, ", %zu seed%s\n", count, plural(count));
+}
+
+/* Where the user has said which labels they become: which did. `end` is where each ends. */
+static void write_regions(const struct act *act, const char *atlas, const uint16_t *as,
+                          const size_t *end)
+{
+    struct label_table table = table_beside(act, atlas);
+    unsigned count = 0;
+    size_t begin = 0;
+    for (uint32_t r = 0; r <= REGION_MOST; begin = end[r++])
+        if (end[r] > begin && count++ < LISTED_MOST)
+            write_region(act, &table, r, as[r], end[r] - begin);
+    if (count > LISTED_MOST)
+        buf_printf(&act->reply->text, "%u more regions\n", count - LISTED_MOST);
+    label_table_release(&table);
+}
+
 /* Each region is a marker. */
-static enum err plant(const struct act *act, const struct seeds *seeds, struct planting *planting)
+static enum err plant(const struct act *act, const struct seeds *seeds, const char *path,
+                      const uint16_t *as, struct planting *planting)
 {
     uint32_t *cell = NULL;
     const int given = label_of(act->value);
@@ -81,7 +150,11 @@ static enum err plant(const struct act *act, const struct seeds *seeds, struct p
                        : fault_memory(act->fault, "the seeds of regions");
     for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++])
         err = act_plant(act, planting, cell + begin, end[r] - begin,
-                        (uint8_t)(given == LABEL_OWN ? (int)r : given));
+                        (uint8_t)(given != LABEL_OWN ? given
+                                  : as               ? as[r]
+                                                     : (int)r));
+    if (!err && act->value[AS].given)
+        write_regions(act, path, as, end);
     free(end);
     free(cell);
     return err;
@@ -91,22 +164,27 @@ enum err act_seed_file(const struct act *act)
 {
     struct buf path = {0};
     struct seeds seeds = {0};
+    struct region_choice choice;
+    uint16_t *as = NULL; /* of a map */
     const char *name = act->value[FILE_NAME].text;
-    const size_t length = strlen(name);
     enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
-    if (!err && length > 4 && strcmp(name + length - 4, ".csv") == 0)
+    if (!err && file_is_named(name, ".csv"))
         err = read_list(&seeds, act, buf_text(&path));
-    else if (!err)
-        err = read_map(&seeds, act, buf_text(&path));
+    else if (!err) {
+        err = choose_regions(&choice, &as, act->value, act->fault);
+        if (!err)
+            err = read_map(&seeds, act, &choice, buf_text(&path));
+    }
     struct planting planting = act_begin_planting(act->session, &act->value[RANGE]);
     if (!err)
-        err = plant(act, &seeds, &planting);
+        err = plant(act, &seeds, buf_text(&path), as, &planting);
     buf_printf(&act->reply->words, "file=%016llx added=%zu",
                (unsigned long long)seeds_digest(&seeds), planting.planted);
     act_add_markers(act);
     buf_printf(&act->reply->text, "%zu seed%s\n", planting.planted, plural(planting.planted));
     if (!err)
         err = act_naming(name, act_write_planting(act, &planting), act->fault);
+    free(as);
     seeds_release(&seeds);
     buf_release(&path);
     return err;

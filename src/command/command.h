@@ -32,6 +32,7 @@ enum value_type {
                        often as there are */
     VALUE_RADIUS,   /* voxels, 0..most; or millimetres, "2.5mm", of 1 nm to 1 m */
     VALUE_RANGE,    /* "A-B", or "A" for "A-A", least..most */
+    VALUE_LIST,     /* ranges with commas between them, "1-90,105", least..most */
     VALUE_INTERVAL, /* "LOW..HIGH", real values, thousandths */
     VALUE_DECIMAL,  /* thousandths, least..most: 12.5 is 12500 */
     VALUE_CHOICE,   /* nothing else */
@@ -66,7 +67,7 @@ struct value {
                                     there */
 };
 
-enum { PARAMETERS_MOST = 7 };
+enum { PARAMETERS_MOST = 8 };
 
 enum command_flag {
     COMMAND_RECORDED = 1, /* goes into the journal */

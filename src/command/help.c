@@ -15,6 +15,8 @@ static void add_form(struct buf *out, const struct parameter *p)
         buf_add_text(out, "X,Y,Z");
     else if (p->type == VALUE_RANGE)
         buf_add_text(out, "A-B");
+    else if (p->type == VALUE_LIST)
+        buf_add_text(out, "A-B,C");
     else if (p->type == VALUE_INTERVAL)
         buf_add_text(out, "LOW..HIGH");
     else if (p->type == VALUE_RADIUS)

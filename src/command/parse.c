@@ -205,17 +205,38 @@ static enum err read_number(struct value *value, const struct parameter *p, cons
     return err;
 }
 
+static enum err expect_range(struct fault *fault, const struct parameter *p, const char *word,
+                             const char *more)
+{
+    return fault_set(fault, ERR_USAGE, "%s: expected A-B, or A, within %lld-%lld, not %s%s",
+                     p->name, (long long)p->least, (long long)p->most, *word ? word : "nothing",
+                     more);
+}
+
 static enum err read_range(struct value *value, const struct parameter *p, const char *word,
                            struct fault *fault)
 {
     const char *at = word;
     int64_t first, last;
     if (!scan_range(&at, p->least, p->most, &first, &last) || *at)
-        return fault_set(fault, ERR_USAGE, "%s: expected A-B, or A, within %lld-%lld, not %s",
-                         p->name, (long long)p->least, (long long)p->most,
-                         *word ? word : "nothing");
+        return expect_range(fault, p, word, "");
     value->place[0] = (uint32_t)first;
     value->place[1] = (uint32_t)last;
+    return OK;
+}
+
+/* The word itself is the value, each range as it is. */
+static enum err read_list(struct value *value, const struct parameter *p, const char *word,
+                          struct fault *fault)
+{
+    const char *at = word;
+    int64_t first, last;
+    while (scan_list_range(&at, p->least, p->most, &first, &last))
+        ;
+    if (at == word || *at)
+        return expect_range(fault, p, word, "; several have commas between them");
+    value->text = word;
+    value->number = -1;
     return OK;
 }
 
@@ -283,6 +304,8 @@ static enum err read_value(struct value *value, const struct parameter *p, const
             return read_radius(value, p, word, fault);
         case VALUE_RANGE:
             return read_range(value, p, word, fault);
+        case VALUE_LIST:
+            return read_list(value, p, word, fault);
         case VALUE_INTERVAL:
             return read_interval(value, p, word, fault);
         case VALUE_DECIMAL:

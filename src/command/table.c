@@ -130,6 +130,16 @@ const struct command command_table[] = {
      "name a label, and give it a colour",
      "Label 0 is the background. A name of several words stands between quotes, as \"left hemi\".",
      "label 2 cerebellum #40c060"},
+    {COMMAND("label-file", act_label_file, GROUP_SEEDS, R),
+     {NEED("FILE", VALUE_FILE), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
+      KEYED("as", VALUE_LIST, .least = 1, .most = 255)},
+     "names and colours of labels out of a table",
+     "A label description of ITK-SNAP, a colour table of FreeSurfer or 3D Slicer, or the .nii.txt "
+     "or .lut beside an atlas of mricron. The number of an entry is its label; label 0 stays as it "
+     "is. `save names` writes them.\n"
+     "regions: the entries, as the values of an atlas.\n"
+     "as: the labels that they are for, one for each of `regions`.",
+     "label-file aal.nii.txt regions=1-90"},
     {COMMAND("seed", act_seed, GROUP_SEEDS, R | S | E | K),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), BRUSH, WITHIN,
       KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes")},
@@ -158,14 +168,17 @@ const struct command command_table[] = {
      "fill 80,90,50 2 to=120,90,50 to=100,110,50"},
     {COMMAND("seed-file", act_seed_file, GROUP_SEEDS, R | S | E),
      {NEED("FILE", VALUE_FILE), KEYED("label", VALUE_LABEL, .most = 255), WITHIN,
-      KEYED("regions", VALUE_RANGE, .most = REGION_MOST), KEYED("erode", VALUE_NUMBER, .most = 9),
+      KEYED("regions", VALUE_LIST, .most = REGION_MOST), KEYED("as", VALUE_LIST, .most = 255),
+      KEYED("erode", VALUE_NUMBER, .most = 9),
       KEYED("each", VALUE_NUMBER, .least = 1, .most = 100000),
       KEYED("generator", VALUE_NUMBER, .most = 99999)},
      "plant the seeds of a .csv list or a label map",
      "A list has lines x,y,z,label: voxel indices, a label's number or name. A label map is a "
      "NIfTI on the scene's grid, whose regions (voxels of one value) become seeds of the label of "
      "that number, or all of `label`." WITHIN_NOTE "\n"
-     "regions: the values, 1 and above unless given.\n"
+     "regions: the values, 1 and above unless given, as in 1-90,2001.\n"
+     "as: the labels that they become, one for each of `regions`, as in regions=2001,2002 as=1,2: "
+     "for atlases whose values are no labels.\n"
      "erode: rounds; each removes the voxels that have a face neighbour outside their region.\n"
      "each: how many seeds are drawn at random from what is left of a region; all unless given.\n"
      "generator: the number that the drawing starts from; 1 unless given.",
@@ -414,10 +427,11 @@ const struct command command_table[] = {
      "pixel for pixel. It is stored in a folder beside the journal.",
      "golden front-1"},
     {COMMAND("save", act_save, GROUP_KEPT, R | S | E),
-     {NEED("MAP", VALUE_CHOICE, .choices = MAPS), NEED("FILE", VALUE_FILE),
+     {NEED("MAP", VALUE_CHOICE, .choices = MAPS "|seeds|names"), NEED("FILE", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
-     "write a map as .nii, .nii.gz, .nrrd or .mha",
-     "In the geometry of the scene. Labels as .seg.nrrd are a segmentation of 3D Slicer, with the "
+     "write a map, the seeds, or the names of labels",
+     "A map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as .seg.nrrd are "
+     "a segmentation of 3D Slicer, with the "
      "names and colours of labels.\n"
      "labels: uint8.\n"
      "cost: uint16; 65535 in a voxel that no seed reaches.\n"
@@ -427,7 +441,10 @@ const struct command command_table[] = {
      "where no seed reaches.\n"
      "margin: uint16, how much more the best path from a seed of another label would cost: 0 where "
      "another label reaches the voxel as cheaply, 65535 where none does. It takes as long as a "
-     "run.",
+     "run.\n"
+     "seeds: all that are planted as FILE.csv, which `seed-file` reads.\n"
+     "names: of labels, with their colours, as `label-file` reads them: .txt or .label for "
+     "ITK-SNAP, .ctbl or .ctab for FreeSurfer and 3D Slicer, .nii.txt or .lut for mricron.",
      "save labels brain-labels.nii.gz"},
     {COMMAND("journal", act_journal, GROUP_KEPT, 0),
      {MAY("FILE", VALUE_FILE)},

@@ -203,3 +203,20 @@ enum err export_map(const struct session *session, enum map map, const char *pat
     free(source.margin);
     return err;
 }
+
+enum err export_seeds(struct buf *out, const struct session *session, struct fault *fault)
+{
+    const struct grid *grid = &session->scene->grid;
+    struct task task = task_begin(session->watch, "seeds", grid->voxels);
+    buf_add_text(out, "x,y,z,label\n");
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                if (session->scene->cell[c].flags & CELL_SEED)
+                    buf_printf(out, "%u,%u,%u,%u\n", c - row.first, y, z,
+                               session->scene->cell[c].label);
+        }
+    return out->failed ? fault_memory(fault, "a list of seeds")
+                       : watch_fault(session->watch, fault);
+}

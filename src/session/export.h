@@ -40,4 +40,8 @@ enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER, MAP_DISTANCE, MAP_MARGIN 
 enum err export_map(const struct session *session, enum map map, const char *path,
                     enum file_mode mode, struct fault *fault);
 
+/* The seeds that are planted as lines x,y,z,label, in the order of voxels, under one with the names
+ * of these columns: what `seed-file` reads. */
+enum err export_seeds(struct buf *out, const struct session *session, struct fault *fault);
+
 #endif

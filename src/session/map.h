@@ -8,6 +8,7 @@
 #include "base/err.h"
 #include "engine/grid.h"
 #include "image/volume.h"
+#include "session/regions.h"
 
 /* ERR_INPUT where a map of this size does not lie on the scene's grid. */
 enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault);
@@ -21,8 +22,6 @@ enum err map_check_axes(const struct volume *map, const struct geometry *place,
  * by the scene. Watched, as volume_read is. The words of an error name the file. */
 enum err map_read(struct volume *map, const char *path, const struct grid *grid,
                   const struct geometry *place, struct watch *watch, struct fault *fault);
-
-enum { REGION_MOST = 65533, REGION_NONE = 65535 };
 
 /* Replaces intensities by the numbers they stand for, in place: those of first..last, at most
  * REGION_MOST, and REGION_NONE for others. With the map of no use any more: ERR_INPUT where one is

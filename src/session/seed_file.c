@@ -274,6 +274,13 @@ static enum err erode(struct volume *map, unsigned rounds, struct watch *watch, 
     return watch_fault(watch, fault);
 }
 
+static unsigned label_of(const struct region_choice *choice, uint32_t region)
+{
+    return choice->label != LABEL_OWN ? (unsigned)choice->label
+           : choice->as               ? choice->as[region]
+                                      : region;
+}
+
 /* Of one region. */
 struct stock {
     uint32_t before; /* voxels before erosion */
@@ -289,11 +296,12 @@ static enum err check_stock(const struct stock *stock, const struct region_choic
         tally->regions += stock[r].left > 0;
         if (!stock[r].before)
             continue;
-        if (r > 255 && choice->label == LABEL_OWN)
+        if (label_of(choice, r) > 255)
             return fault_set(fault, ERR_INPUT,
-                             "region %u of the map is no label 0..255; choose others with "
-                             "regions=A-B, or give all one label with label=; nothing was planted",
-                             r);
+                             "region %u of the map is no label 0..255; choose regions and their "
+                             "labels, as in regions=%u,%u as=1,2, or give all one label with "
+                             "label=; nothing was planted",
+                             r, r, r + 1);
         if (!stock[r].left && tally->eroded_away++ == 0)
             tally->first_eroded_away = r;
     }
@@ -335,8 +343,7 @@ static enum err draw_all(struct seeds *seeds, struct stock *stock, const struct 
         for (uint32_t y = 0; y < map->size[1] && task_advance(&task, map->size[0]); y++)
             for (uint32_t x = 0; x < map->size[0]; x++, at++)
                 if (*at != REGION_NONE && draw(&stock[*at], *at, choice->generator))
-                    add(seeds, grid_cell(grid, x, y, z),
-                        choice->label == LABEL_OWN ? *at : choice->label, *at);
+                    add(seeds, grid_cell(grid, x, y, z), (int)label_of(choice, *at), *at);
     return watch_fault(watch, fault);
 }
 
@@ -355,8 +362,12 @@ enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct 
     if (!err)
         err = map_to_regions(map, choice->first, choice->last, watch, fault);
     struct task task = task_begin(watch, "counting regions", 2 * (uint64_t)grid->voxels);
-    for (size_t i = 0; !err && i < grid->voxels && task_advance(&task, 1); i++)
-        stock[map->intensity[i]].before++;
+    for (size_t i = 0; !err && i < grid->voxels && task_advance(&task, 1); i++) {
+        uint16_t *region = &map->intensity[i];
+        if (choice->as && *region != REGION_NONE && choice->as[*region] == REGION_NONE)
+            *region = REGION_NONE;
+        stock[*region].before++;
+    }
     if (!err)
         err = erode(map, choice->erode, watch, fault);
     for (size_t i = 0; !err && i < grid->voxels && task_advance(&task, 1); i++)

@@ -57,7 +57,9 @@ enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
 
 struct region_choice {
     uint32_t first, last; /* map values, 0..REGION_MOST */
-    int label;            /* of all seeds, or LABEL_OWN: each region is a label of its number */
+    const uint16_t *as;   /* of these, those chosen and their labels (session/regions.h); NULL: all
+                             of them, each as a label of its number */
+    int label;            /* of all seeds, whatever `as` says, or LABEL_OWN */
     unsigned erode;       /* rounds; a voxel stays while its six neighbours are of its region */
     uint32_t each;        /* seeds drawn of each region; 0 for every voxel */
     uint64_t generator;   /* another number draws other seeds */

@@ -97,7 +97,7 @@ static enum err mark(struct workload *work, struct volume *map, const char *what
                      struct fault *fault)
 {
     const struct grid *grid = &work->scene->grid;
-    const struct region_choice choice = {1, 254, label, ROUNDS, 0, 0};
+    const struct region_choice choice = {1, 254, NULL, label, ROUNDS, 0, 0};
     struct region_tally tally;
     struct seeds seeds;
     enum err err =

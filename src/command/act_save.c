@@ -1,0 +1,73 @@
+/* What a session hands on in files: maps, seeds, and the names of labels. */
+#include "command/act.h"
+
+#include "base/file.h"
+#include "session/export.h"
+#include "session/label_table.h"
+
+/* The places of the parameters in the table; what is saved comes after the maps. */
+enum { WHAT, FILE_NAME, REPLACE };
+enum { SAVE_SEEDS = MAP_MARGIN + 1, SAVE_NAMES };
+
+static enum err save_seeds(const struct act *act, const char *path, enum file_mode how)
+{
+    struct buf text = {0};
+    enum err err = OK;
+    if (!file_is_named(path, ".csv"))
+        return fault_set(act->fault, ERR_USAGE, "cannot write %s: expected FILE.csv for seeds",
+                         path);
+    err = export_seeds(&text, act->session, act->fault);
+    if (!err)
+        err = file_write(path, text.data, text.length, how, act->fault);
+    buf_release(&text);
+    return err;
+}
+
+static enum err save_names(const struct act *act, const char *path, enum file_mode how)
+{
+    enum label_table_format format;
+    bool used[256];
+    struct buf text = {0};
+    if (!label_table_format_of(&format, path))
+        return fault_set(act->fault, ERR_USAGE,
+                         "cannot write %s: expected .txt or .label for ITK-SNAP, .ctbl or .ctab "
+                         "for FreeSurfer, .nii.txt or .lut for mricron",
+                         path);
+    enum err err = session_count_labels(act->session, act->fault);
+    for (int l = 0; l < 256; l++)
+        used[l] = act->session->tally.voxels[l] > 0;
+    label_table_write(&text, format, &act->session->now.kept, used);
+    if (!err && text.failed)
+        err = fault_memory(act->fault, "the names of labels");
+    if (!err)
+        err = file_write(path, text.data, text.length, how, act->fault);
+    buf_release(&text);
+    return err;
+}
+
+static enum err save(const struct act *act, const char *path)
+{
+    const enum file_mode how = act_file_mode(&act->value[REPLACE]);
+    const int64_t what = act->value[WHAT].number;
+    const enum err err = interpreter_will_write(act->interp, path, how, act->fault);
+    if (err)
+        return err;
+    return what == SAVE_SEEDS   ? save_seeds(act, path, how)
+           : what == SAVE_NAMES ? save_names(act, path, how)
+                                : export_map(act->session, (enum map)what, path, how, act->fault);
+}
+
+enum err act_save(const struct act *act)
+{
+    struct buf path = {0};
+    enum err err = session_run(act->session, act->fault);
+    if (!err)
+        err = interpreter_output_path(act->interp, act->value[FILE_NAME].text, &path, act->fault);
+    if (!err && path.length) {
+        err = save(act, buf_text(&path));
+        if (!err)
+            act_write_file_line("wrote ", buf_text(&path), act->reply);
+    }
+    buf_release(&path);
+    return err;
+}

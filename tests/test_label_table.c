@@ -1,0 +1,221 @@
+/* Tables of labels, worked by hand: each format, names that have to be made to fit, and what is
+ * written. */
+#include "session/label_table.h"
+
+#include <stdlib.h>
+
+#include "session/regions.h"
+#include "tests/check.h"
+#include "tests/scarce_memory.h"
+
+static struct fault fault;
+static struct state state;
+static struct label_table table;
+static struct label_tally tally;
+
+static enum err read_text(const char *text)
+{
+    fault = (struct fault){.text = ""};
+    return label_table_read(&table, text, strlen(text), &fault);
+}
+
+/* Reads a table and gives its names and colours to a fresh state. */
+static enum err take(const char *text, const char *regions, const char *labels)
+{
+    uint16_t *as = NULL;
+    state = state_default();
+    enum err err = read_text(text);
+    if (!err)
+        err = regions_new(&as, regions, labels, &fault);
+    if (!err)
+        err = label_table_apply(&state.kept, &tally, &table, as, &fault);
+    free(as);
+    label_table_release(&table);
+    return err;
+}
+
+/* "left hemi ff0000" */
+static const char *told(unsigned label)
+{
+    static char text[80];
+    const uint8_t *rgb = state.kept.palette.rgb[label];
+    snprintf(text, sizeof text, "%s %02x%02x%02x", state.kept.label_name[label], rgb[0], rgb[1],
+             rgb[2]);
+    return text;
+}
+
+STORY(each_format_gives_its_names_and_colours)
+{
+    static const char *const text[] = {
+        "# ITK-SnAP Label Description File\n    0     0    0    0        0  0  0    \"Clear\"\n"
+        "    7   255    0   16        1  1  1    \"left hemi\"\n",
+        "#No. Label Name:   R   G   B   A\n\n0 Unknown 0 0 0 0\n7\tleft hemi  255 0 16 0\n",
+        "7 left hemi 255 0 16", "\xef\xbb\xbf  7 left hemi 255 0 16 255\r\n"};
+    for (size_t i = 0; i < sizeof text / sizeof text[0]; i++) {
+        CHECK_INT(take(text[i], NULL, NULL), OK);
+        CHECK_TEXT(told(7), "left hemi ff0010");
+        CHECK(tally.names == 1 && tally.colours == 1 && tally.changed == 0 && tally.beyond == 0);
+        CHECK_TEXT(state.kept.label_name[0], "");
+    }
+    CHECK_INT(take("7 Precentral_L 2001\n8 Precentral_R\n", NULL, NULL), OK);
+    CHECK_TEXT(state.kept.label_name[7], "Precentral_L");
+    CHECK_TEXT(state.kept.label_name[8], "Precentral_R");
+    CHECK(tally.names == 2 && tally.colours == 0);
+}
+
+STORY(a_lut_gives_every_label_a_colour)
+{
+    uint8_t bytes[768];
+    uint16_t *as;
+    for (unsigned i = 0; i < 256; i++) {
+        bytes[i] = (uint8_t)i;
+        bytes[256 + i] = 7;
+        bytes[512 + i] = (uint8_t)(255 - i);
+    }
+    state = state_default();
+    strcpy(state.kept.label_name[9], "spleen");
+    CHECK(regions_new(&as, NULL, NULL, NULL) == OK);
+    CHECK_INT(label_table_read_lut(&table, bytes, 768, &fault), OK);
+    CHECK_INT(label_table_apply(&state.kept, &tally, &table, as, &fault), OK);
+    CHECK_TEXT(told(9), "spleen 0907f6");
+    CHECK(tally.names == 0 && tally.colours == 255);
+    label_table_release(&table);
+    CHECK_INT(label_table_read_lut(&table, bytes, 767, &fault), ERR_INPUT);
+    CHECK_HAS(fault.text, "767 bytes; expected the 768 of a .lut");
+    free(as);
+}
+
+STORY(names_are_made_to_fit)
+{
+    static const char *const row[][2] = {
+        {"1 3rd-Ventricle", "label-3rd-Ventricle"},
+        {"1 a=b\\c", "a_b_c"},
+        {"1 1 2 3 0 0 0 \"  \"", "label-"},
+        {"1 Superior_fronto-occipital_fasciculus_(could_be)_R", "Superior_fronto-o~_(could_be)_R"},
+        {"1 \xff\x1b[31m", "label-__[31m"},
+        {"1 \xc3\xa4pfel", "\xc3\xa4pfel"},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        CHECK_INT(take(row[i][0], NULL, NULL), OK);
+        CHECK_TEXT(state.kept.label_name[1], row[i][1]);
+        CHECK(tally.changed == (i != 5) && tally.first_changed == (i != 5));
+    }
+    CHECK_INT(take("1 Unknown\n2 Unknown\n3 An_unknown_part_of_the_left_hem\n"
+                   "4 An_unknown_part_of_the_left_hem\n",
+                   NULL, NULL),
+              OK);
+    CHECK_TEXT(state.kept.label_name[1], "Unknown");
+    CHECK_TEXT(state.kept.label_name[2], "Unknown (2)");
+    CHECK_TEXT(state.kept.label_name[4], "An_unknown_part_of_the_left (4)");
+    CHECK_INT(tally.changed, 2);
+}
+
+STORY(regions_choose_entries_and_their_labels)
+{
+    static const char atlas[] = "2001 Pre_L 1 2 3 0\n2002 Pre_R 1 2 3 0\n2101 Sup_L 4 5 6 0\n";
+    CHECK_INT(take(atlas, "2101,2001-2002", "9,1-2"), OK);
+    CHECK_TEXT(told(9), "Sup_L 040506");
+    CHECK_TEXT(state.kept.label_name[1], "Pre_L");
+    CHECK_TEXT(state.kept.label_name[2], "Pre_R");
+    CHECK_INT(take(atlas, "2002", "5"), OK);
+    CHECK_TEXT(state.kept.label_name[5], "Pre_R");
+    CHECK_INT(tally.beyond, 2);
+    CHECK_INT(take(atlas, NULL, NULL), ERR_INPUT);
+    CHECK_HAS(fault.text, "none of its entries is for a label 1..255; choose with regions=");
+    CHECK_INT(take(atlas, "2001,2002", "3,3"), ERR_INPUT);
+    CHECK_HAS(fault.text, "two of its entries, 2001 and 2002, are for label 3");
+}
+
+STORY(lists_of_regions_and_labels_are_of_one_length)
+{
+    static const char *const row[][3] = {
+        {"1-3", "1,2", "a label for each of `regions`; from 3 on there is none"},
+        {"1,2", "1-3", "label 3 and those after it have no region"},
+        {"1-3,2", NULL, "2 stands there twice"},
+        {NULL, "1", "needs `regions`"},
+    };
+    uint16_t *as;
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        CHECK_INT(regions_new(&as, row[i][0], row[i][1], &fault), ERR_USAGE);
+        CHECK(as == NULL);
+        CHECK_HAS(fault.text, row[i][2]);
+    }
+    CHECK_INT(regions_new(&as, NULL, NULL, &fault), OK);
+    CHECK(as[0] == REGION_NONE && as[1] == 1 && as[REGION_MOST] == REGION_MOST);
+    free(as);
+    CHECK_INT(regions_new(&as, "0,65533", NULL, &fault), OK);
+    CHECK(as[0] == 0 && as[1] == REGION_NONE && as[REGION_MOST] == REGION_MOST);
+    free(as);
+}
+
+STORY(a_bad_line_is_named_and_nothing_is_taken)
+{
+    static const char *const row[][2] = {
+        {"1 a\nx b\n", "line 2: expected NUMBER NAME [R G B A]"},
+        {"-1 a", "line 1: expected NUMBER NAME"},
+        {"1", "line 1: expected NUMBER NAME"},
+        {"1 ", "line 1: expected NUMBER NAME"},
+        {"1 a 256 0 0", "not 1 a 256 0 0"},
+        {"99999999999 a", "line 1: expected NUMBER NAME"},
+        {"# nothing\n", "there is no label in it"},
+        {"", "there is no label in it"},
+        {"1 a\n2 b\x1b]0;c\a 1 2 999 0\n", "\\x1b]0;c\\x07"},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        CHECK_INT(read_text(row[i][0]), ERR_INPUT);
+        CHECK(!table.entry && table.count == 0);
+        CHECK_HAS(fault.text, row[i][1]);
+    }
+}
+
+STORY(what_is_written_is_read_again)
+{
+    static const bool used[256] = {[3] = true};
+    struct buf text = {0};
+    enum label_table_format format;
+    CHECK_INT(take("1 1 2 3 1 1 1 \"left hemi\"\n2 4 5 6 1 1 1 \"spleen\"\n", NULL, NULL), OK);
+    CHECK(label_table_format_of(&format, "a/b.txt") && format == TABLE_ITKSNAP);
+    label_table_write(&text, format, &state.kept, used);
+    CHECK_HAS(buf_text(&text), "\n    1      1    2    3        1  1  1    \"left hemi\"\n");
+    CHECK_HAS(buf_text(&text), "\"Label 3\"\n");
+    CHECK_INT(take(buf_text(&text), NULL, NULL), OK);
+    CHECK_TEXT(told(2), "spleen 040506");
+    CHECK_INT(tally.names, 3);
+    buf_clear(&text);
+    CHECK(label_table_format_of(&format, "b.CTBL") && format == TABLE_FREESURFER);
+    label_table_write(&text, format, &state.kept, used);
+    CHECK_HAS(buf_text(&text), "\n1 left_hemi 1 2 3 0\n2 spleen 4 5 6 0\n");
+    buf_clear(&text);
+    CHECK(label_table_format_of(&format, "b.nii.txt") && format == TABLE_MRICRON);
+    label_table_write(&text, format, &state.kept, used);
+    CHECK_TEXT(buf_text(&text), "1 left_hemi\n2 spleen\n3 Label_3\n");
+    buf_clear(&text);
+    CHECK(label_table_format_of(&format, "b.lut") && format == TABLE_LUT);
+    label_table_write(&text, format, &state.kept, used);
+    CHECK(text.length == 768 && text.data[256 + 2] == 5);
+    CHECK(!label_table_format_of(&format, "b.nii"));
+    buf_release(&text);
+}
+
+STORY(memory_that_runs_out_is_an_error)
+{
+    enum err err = ERR_MEMORY;
+    for (size_t n = 0; n < 20 && err; n++) {
+        allow_allocations(n);
+        err = read_text("1 a 1 2 3 0\n2 b\n");
+        mem_allows = NULL;
+        CHECK(err == OK || (err == ERR_MEMORY && !table.entry));
+    }
+    CHECK_INT(err, OK);
+    label_table_release(&table);
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(each_format_gives_its_names_and_colours),
+                       TELL(a_lut_gives_every_label_a_colour), TELL(names_are_made_to_fit),
+                       TELL(regions_choose_entries_and_their_labels),
+                       TELL(lists_of_regions_and_labels_are_of_one_length),
+                       TELL(a_bad_line_is_named_and_nothing_is_taken),
+                       TELL(what_is_written_is_read_again), TELL(memory_that_runs_out_is_an_error));
+}
