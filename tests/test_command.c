@@ -109,15 +109,16 @@ STORY(every_example_parses_and_its_canonical_form_is_its_own)
 /* What stands for a parameter in help. */
 static const char *form_of(const struct parameter *p)
 {
-    static char form[80];
+    static char form[80], radius[32];
     const bool is_place = p->type == VALUE_POSITION || p->type == VALUE_LINE;
     const char *type = is_place                    ? "X,Y,Z"
                        : p->type == VALUE_RANGE    ? "A-B"
                        : p->type == VALUE_LIST     ? "A-B,C"
                        : p->type == VALUE_INTERVAL ? "LOW..HIGH"
-                       : p->type == VALUE_RADIUS   ? "0..32|Rmm"
+                       : p->type == VALUE_RADIUS   ? radius
                        : p->type == VALUE_COLOUR   ? "#rrggbb"
                                                    : p->name;
+    snprintf(radius, sizeof radius, "0..%lld|Rmm", (long long)p->most);
     if (!p->choices)
         return type;
     if (p[1].paired) { /* "LOW HIGH|none" */
@@ -287,7 +288,7 @@ static void add_value(struct buf *out, const struct parameter *p)
         add_position(out);
         break;
     case VALUE_RADIUS:
-        buf_printf(out, below(2) ? "%u" : "%u.%03umm", below(33), below(1000));
+        buf_printf(out, below(2) ? "%u" : "%u.%03umm", below((uint32_t)p->most + 1), below(1000));
         break;
     case VALUE_INTERVAL:
         buf_printf(out, "%d.%03u..%u.5", -(int)below(50), below(1000), below(300));
@@ -816,7 +817,8 @@ STORY(completion_offers_what_may_stand_there)
     completes(&interp, "help see", "seed\nseed-file\n", 5);
     completes(&interp, "help seed ", "", 10);
     completes(&interp, "save ",
-              "labels\ncost\nroot\nborder\ndistance\nmargin\nseeds\nnames\nreplace=\n", 5);
+              "labels\ncost\nroot\nborder\ndistance\nmargin\nseeds\nnames\nreplace=\nfinished=\n",
+              5);
     completes(&interp, "save c", "cost\n", 5);
     completes(&interp, "save cost x.nii replace=y", "yes\n", 24);
     completes(&interp, "render mode=", "sp\nbp\nii\nray\n", 12);
@@ -1405,6 +1407,10 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"render", NULL},
         {"redo 12", NULL},
         {"magnify 2.5 at=3,4,5", only_looks},
+        {"finish majority", NULL},
+        {"finish components voxels=9 label=2", NULL},
+        {"save labels @/f.nii finished=yes", "f.nii"},
+        {"finish none", NULL},
     };
     struct interpreter interp;
     struct snapshot end, again;

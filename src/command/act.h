@@ -57,6 +57,9 @@ enum err act_render(const struct act *act);
 /* act_save.c */
 enum err act_save(const struct act *act);
 
+/* act_finish.c */
+enum err act_finish(const struct act *act);
+
 /* act_golden.c */
 enum err act_golden(const struct act *act);
 
@@ -103,6 +106,15 @@ enum err act_quit(const struct act *act);
  * first, at most six of them and never that of label 0; and the time. For a command that has edited
  * the forest, after session_count_before and session_count_labels. */
 void volumes_write(struct buf *out, const struct session *session, uint64_t took_ns);
+
+/* The labels that a command shows, saves or counts, once the edits that wait have been run: with
+ * `finished=yes`, the finished ones, whose digest is added to the words of the record. In a session
+ * that skims they are of no meaning. */
+enum err act_take_labels(const struct act *act, const struct value *finished,
+                         struct labels *labels);
+
+/* "finish: majority radius=1, largest" as a line; nothing where there are no steps. */
+void act_write_finish(struct buf *out, const struct session *session);
 
 /* Has the session take on the state act->next. */
 enum err act_go(const struct act *act);

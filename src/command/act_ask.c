@@ -183,6 +183,7 @@ enum err act_info(const struct act *act)
     write_weight(out, &session->now.kept);
     buf_add_char(out, '\n');
     write_roi(out, session);
+    act_write_finish(out, session);
     act_write_view(out, session);
     write_look(out, &session->now.outlook.look);
     struct buf cut = {0};
@@ -234,6 +235,7 @@ enum err act_stats(const struct act *act)
     write_weight(&act->reply->text, &session->now.kept);
     buf_add_char(&act->reply->text, '\n');
     write_roi(&act->reply->text, session);
+    act_write_finish(&act->reply->text, session);
     buf_printf(&act->reply->text, "%zu border voxel%s; forest %016llx, labels %016llx\n",
                border_count(&session->border), plural(border_count(&session->border)),
                (unsigned long long)forest_digest(session->forest),

@@ -6,7 +6,7 @@
 #include "session/label_table.h"
 
 /* The places of the parameters in the table; what is saved comes after the maps. */
-enum { WHAT, FILE_NAME, REPLACE };
+enum { WHAT, FILE_NAME, REPLACE, FINISHED };
 enum { SAVE_SEEDS = MAP_MARGIN + 1, SAVE_NAMES };
 
 static enum err save_seeds(const struct act *act, const char *path, enum file_mode how)
@@ -45,26 +45,33 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
     return err;
 }
 
-static enum err save(const struct act *act, const char *path)
+static enum err save(const struct act *act, const struct labels *labels, const char *path)
 {
     const enum file_mode how = act_file_mode(&act->value[REPLACE]);
     const int64_t what = act->value[WHAT].number;
     const enum err err = interpreter_will_write(act->interp, path, how, act->fault);
     if (err)
         return err;
-    return what == SAVE_SEEDS   ? save_seeds(act, path, how)
-           : what == SAVE_NAMES ? save_names(act, path, how)
-                                : export_map(act->session, (enum map)what, path, how, act->fault);
+    return what == SAVE_SEEDS ? save_seeds(act, path, how)
+           : what == SAVE_NAMES
+               ? save_names(act, path, how)
+               : export_map(act->session, (enum map)what, labels, path, how, act->fault);
 }
 
 enum err act_save(const struct act *act)
 {
     struct buf path = {0};
+    struct labels labels;
+    if (act->value[FINISHED].given && act->value[WHAT].number != MAP_LABELS)
+        return fault_set(act->fault, ERR_USAGE,
+                         "finished: of labels alone (`save labels FILE finished=yes`)");
     enum err err = session_run(act->session, act->fault);
+    if (!err)
+        err = act_take_labels(act, &act->value[FINISHED], &labels);
     if (!err)
         err = interpreter_output_path(act->interp, act->value[FILE_NAME].text, &path, act->fault);
     if (!err && path.length) {
-        err = save(act, buf_text(&path));
+        err = save(act, &labels, buf_text(&path));
         if (!err)
             act_write_file_line("wrote ", buf_text(&path), act->reply);
     }

@@ -12,6 +12,8 @@
 #define VOLUME_NOTE(format, note)                      note
 #define WEIGHT_NOTE(kind, name, argument, usual, help) help
 #define WEIGHT_NOTES                                   WEIGHT_LIST(WEIGHT_NOTE, WEIGHT_NOTE)
+#define FINISH_NOTE(kind, name, takes, usual, help)    help
+#define FINISH_NOTES                                   FINISH_LIST(FINISH_NOTE, FINISH_NOTE)
 #define WEIGHT_DETAIL                                                                              \
     "Each gradient gives an edge of height h the weight h. Lengths are in voxels, whatever the "   \
     "spacing.\n" WEIGHT_NOTES                                                                      \
@@ -48,6 +50,10 @@
 #define BRUSH       KEYED("radius", VALUE_RADIUS, .most = 32)
 #define WITHIN      KEYED("range", VALUE_INTERVAL, .least = -REAL_MOST, .most = REAL_MOST)
 #define WITHIN_NOTE "\nrange: only voxels whose intensity, as `why` prints it, is LOW to HIGH."
+
+/* Labels as the finish has them. */
+#define FINISHED      KEYED("finished", VALUE_CHOICE, .choices = "yes|no")
+#define FINISHED_NOTE "\nfinished=yes: labels as `finish` leaves them."
 
 /* What those of weights are made of. */
 #define MAY_WEIGH(name, type, low, high)   MAY(name, VALUE_##type, .least = low, .most = high)
@@ -203,10 +209,10 @@ const struct command command_table[] = {
     {COMMAND("undo", act_undo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
      "take back the last change of the segmentation",
-     "Seeds and eliminators, runs, weights, regions of interest, labels, `hide`, `show` and cuts; "
-     "the view stays. The last COUNT of them, 1 unless given, as far back as `open`, in earlier "
-     "sessions too. Exact, and recorded itself. `redo` is the way back, `history` lists the "
-     "commands.",
+     "Seeds and eliminators, runs, weights, regions of interest, labels, `hide`, `show`, cuts and "
+     "the finish; the view stays. The last COUNT of them, 1 unless given, as far back as `open`, "
+     "in earlier sessions too. Exact, and recorded itself. `redo` is the way back, `history` "
+     "lists the commands.",
      "undo"},
     {COMMAND("redo", act_redo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
@@ -426,9 +432,22 @@ const struct command command_table[] = {
      "The rendition, or a slice or mosaic as it would be shown now. `iftty verify` compares it "
      "pixel for pixel. It is stored in a folder beside the journal.",
      "golden front-1"},
+    {COMMAND("finish", act_finish, GROUP_KEPT, R | S),
+     {MAY("STEP", VALUE_CHOICE, .choices = FINISH_KINDS "|none"),
+      KEYED("radius", VALUE_RADIUS, .most = FINISH_RADIUS_MOST),
+      KEYED("voxels", VALUE_NUMBER, .least = 1, .most = 1000000000),
+      KEYED("label", VALUE_LABEL, .least = 1, .most = 255)},
+     "smooth and clean the labels that are handed on",
+     "Adds a step to the list, which `finished=yes` of `save` carries out in its order; without "
+     "STEP, prints the list. The segmentation itself does not change, and more seeds can be "
+     "planted "
+     "at any time.\n" FINISH_NOTES "none: removes all steps.\n"
+     "radius: voxels, 1 unless given, or millimetres as in 2.5mm, which heed the spacing.\n"
+     "label: for one label, instead of all.",
+     "finish majority radius=1"},
     {COMMAND("save", act_save, GROUP_KEPT, R | S | E),
      {NEED("MAP", VALUE_CHOICE, .choices = MAPS "|seeds|names"), NEED("FILE", VALUE_FILE),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
+      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "write a map, the seeds, or the names of labels",
      "A map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as .seg.nrrd are "
      "a segmentation of 3D Slicer, with the "
@@ -444,7 +463,8 @@ const struct command command_table[] = {
      "run.\n"
      "seeds: all that are planted as FILE.csv, which `seed-file` reads.\n"
      "names: of labels, with their colours, as `label-file` reads them: .txt or .label for "
-     "ITK-SNAP, .ctbl or .ctab for FreeSurfer and 3D Slicer, .nii.txt or .lut for mricron.",
+     "ITK-SNAP, .ctbl or .ctab for FreeSurfer and 3D Slicer, .nii.txt or .lut for "
+     "mricron." FINISHED_NOTE,
      "save labels brain-labels.nii.gz"},
     {COMMAND("journal", act_journal, GROUP_KEPT, 0),
      {MAY("FILE", VALUE_FILE)},

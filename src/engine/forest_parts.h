@@ -9,6 +9,7 @@
 #include "base/hash.h"
 #include "engine/forest.h"
 #include "engine/label_runs.h"
+#include "engine/labels.h"
 #include "engine/queue.h"
 
 /* A list of cells that grows. */
@@ -119,11 +120,6 @@ static inline bool is_stopped(const struct forest *forest)
 static inline uint64_t key_share(uint32_t cell, uint64_t key)
 {
     return key == KEY_NONE ? 0 : hash_mix_at(cell, key);
-}
-
-static inline uint64_t label_share(uint32_t cell, uint8_t label)
-{
-    return hash_place(cell) * label;
 }
 
 /* ---- changes ---- */

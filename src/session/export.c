@@ -131,6 +131,7 @@ enum err export_normals(struct picture *picture, const struct session *session, 
 
 struct map_source {
     const struct session *session;
+    const struct labels *labels;
     enum map map;
     uint16_t *margin; /* by cell, where that is asked for */
 };
@@ -148,7 +149,7 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
         bool reached = cell_is_reached(cell);
         switch (source->map) {
         case MAP_LABELS:
-            *byte++ = cell->label;
+            *byte++ = labels_at(source->labels, c);
             break;
         case MAP_BORDER:
             *byte++ = border_holds(&session->border, c);
@@ -177,8 +178,18 @@ static void take_labels(struct volume_label label[256], const struct kept *kept)
     }
 }
 
-enum err export_map(const struct session *session, enum map map, const char *path,
-                    enum file_mode mode, struct fault *fault)
+/* What a file says that it is. */
+static void describe(struct buf *out, const char *description, const struct map_source *source)
+{
+    buf_add_text(out, description);
+    if (source->map != MAP_LABELS || !source->labels->finished)
+        return;
+    buf_add_text(out, ", finished: ");
+    finish_write(out, &source->session->now.kept.finish);
+}
+
+enum err export_map(const struct session *session, enum map map, const struct labels *labels,
+                    const char *path, enum file_mode mode, struct fault *fault)
 {
     static const struct {
         enum voxel_type type;
@@ -189,17 +200,21 @@ enum err export_map(const struct session *session, enum map map, const char *pat
                 [MAP_BORDER] = {VOXEL_UINT8, "iftty border"},
                 [MAP_DISTANCE] = {VOXEL_UINT16, "iftty plateau distance: steps since a rise"},
                 [MAP_MARGIN] = {VOXEL_UINT16, "iftty margin: cost of the next best label, less"}};
-    struct map_source source = {session, map, NULL};
+    struct map_source source = {session, labels, map, NULL};
     struct volume_label label[256];
+    struct buf description = {0};
     enum err err = map == MAP_MARGIN ? margin_new(&source.margin, session->forest, fault) : OK;
     if (err)
         return err;
     take_labels(label, &session->now.kept);
+    describe(&description, form[map].description, &source);
     const struct volume_map written = {
         session->scene->grid.size,       &session->geometry, form[map].type,
-        form[map].description,           fill_row,           &source,
+        buf_text(&description),          fill_row,           &source,
         map == MAP_LABELS ? label : NULL};
-    err = volume_write(path, mode, &written, session->watch, fault);
+    err = description.failed ? fault_memory(fault, "a map")
+                             : volume_write(path, mode, &written, session->watch, fault);
+    buf_release(&description);
     free(source.margin);
     return err;
 }

@@ -33,12 +33,12 @@ void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
 #define MAPS "labels|cost|root|border|distance|margin"
 enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER, MAP_DISTANCE, MAP_MARGIN };
 
-/* A map in the scene's geometry: labels and border uint8; cost uint16, 65535 where no seed
- * reaches; root uint32, the voxel index of the seed, 0xFFFFFFFF where none reaches; distance
- * uint16, the plateau distance (hops of engine/forest.h), 65535 where no seed reaches; margin
- * uint16 (engine/margin.h). */
-enum err export_map(const struct session *session, enum map map, const char *path,
-                    enum file_mode mode, struct fault *fault);
+/* A map in the scene's geometry: `labels`, which may be finished, and the border as uint8; cost
+ * uint16, 65535 where no seed reaches; root uint32, the voxel index of the seed, 0xFFFFFFFF where
+ * none reaches; distance uint16, the plateau distance (hops of engine/forest.h), 65535 where no
+ * seed reaches; margin uint16 (engine/margin.h). */
+enum err export_map(const struct session *session, enum map map, const struct labels *labels,
+                    const char *path, enum file_mode mode, struct fault *fault);
 
 /* The seeds that are planted as lines x,y,z,label, in the order of voxels, under one with the names
  * of these columns: what `seed-file` reads. */

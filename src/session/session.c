@@ -19,6 +19,7 @@ void session_close_scene(struct session *session)
     forest_free(session->forest);
     scene_free(session->scene);
     weight_work_release(&session->weight_work);
+    finished_release(&session->finished);
     free(session->mask_room);
     session->roi = roi_none();
     session->mask_room = NULL;
@@ -56,6 +57,7 @@ size_t session_memory(const struct session *session)
     bytes += session->scene->grid.cells * sizeof(struct cell);
     bytes += forest_memory(session->forest) + session->weight_work.capacity;
     bytes += session->border.words * (2 * sizeof(uint64_t) + sizeof(uint32_t));
+    bytes += session->finished.cells;
     bytes += session->mask_room ? mask_bytes(&session->scene->grid) : 0;
     bytes += kept->mask ? packed_memory(kept->mask) : 0;
     bytes += kept->weight_map ? packed_memory(kept->weight_map) : 0;
@@ -88,6 +90,8 @@ void session_settle(struct session *session)
         scene_free(former->scene);
     }
     *former = (struct former_scene){0};
+    if (!session->now.kept.finish.count)
+        finished_release(&session->finished);
     if (!session->now.kept.mask) {
         free(session->mask_room);
         session->mask_room = NULL;

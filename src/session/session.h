@@ -35,6 +35,7 @@
 #include "image/volume.h"
 #include "render/border.h"
 #include "render/rendition.h"
+#include "session/finished.h"
 #include "session/markers.h"
 #include "session/semantics.h"
 #include "session/state.h"
@@ -73,7 +74,8 @@ struct session {
     struct roi roi;
     struct roi_tally roi_tally;
     struct border border;
-    struct tally tally;   /* voxels of each label, once session_count_labels has been called */
+    struct finished finished; /* session_labels */
+    struct tally tally;       /* voxels of each label, once session_count_labels has been called */
     struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */
     struct rendition rendition;
     bool has_rendition;       /* the rendition has memory, of camera.view's size */

@@ -47,6 +47,7 @@ static const struct state_field kept_field[] = {
     FIELD(kept, mask_regions, 0),
     FIELD(kept, has_range, MADE_ROI),
     FIELD(kept, range_thousandths, MADE_ROI),
+    FIELD(kept, finish, 0),
 };
 
 static const struct state_field outlook_field[] = {
@@ -67,6 +68,8 @@ static const struct state_field outlook_field[] = {
 };
 
 _Static_assert(sizeof(struct weight_choice) == 2 * sizeof(uint32_t), "no padding");
+_Static_assert(sizeof(struct finish_list) == (1 + 4 * FINISH_STEPS_MOST) * sizeof(uint32_t),
+               "no padding");
 _Static_assert(sizeof(struct look) == 6 * sizeof(uint32_t), "no padding");
 _Static_assert(sizeof(struct view) == 6 * sizeof(uint32_t) + 3 * sizeof(int64_t), "no padding");
 _Static_assert(sizeof(struct cut) == 8 * sizeof(uint32_t) +

@@ -19,6 +19,7 @@
 #include <stdint.h>
 
 #include "base/packed.h"
+#include "engine/finish.h"
 #include "engine/weight.h"
 #include "render/cut.h"
 #include "render/shade.h"
@@ -44,6 +45,7 @@ struct kept {
     uint32_t mask_regions[2];     /* first and last */
     bool has_range;               /* and if so, in real values: */
     int64_t range_thousandths[2]; /* lowest and highest inside */
+    struct finish_list finish;    /* what is done to labels that are handed out */
 };
 
 /* How slices and mosaics are shown. */

@@ -349,12 +349,14 @@ static enum err time_vtk(const struct session *session, struct table *table, str
     struct buf script = {0}, told = {0}, folder = {0}, labels = {0};
     snprintf(table->vtk, sizeof table->vtk,
              "VTK is not here to compare with: it takes Debian's python3-vtk9 and xvfb");
+    const struct labels forest = labels_of_forest(session->scene);
     enum err err = OK;
     if (bench_find_in_tree(&script, "tests/peers/vtk_render.py") &&
         folder_fresh(&folder, NULL, NULL) == OK) {
         buf_printf(&labels, "%s/labels.nii", buf_text(&folder));
-        err = labels.failed ? fault_memory(fault, "a path")
-                            : export_map(session, MAP_LABELS, buf_text(&labels), FILE_KEEP, fault);
+        err = labels.failed
+                  ? fault_memory(fault, "a path")
+                  : export_map(session, MAP_LABELS, &forest, buf_text(&labels), FILE_KEEP, fault);
         if (!err && run_script(&told, buf_text(&script), buf_text(&labels)))
             for (char *line = strtok(told.data, "\n"); line; line = strtok(NULL, "\n"))
                 read_line(table, line);

@@ -1,0 +1,146 @@
+#include "engine/components.h"
+
+#include <stdlib.h>
+
+#include "base/mem.h"
+
+/* What is known while runs are joined: which is the first of each set of joined runs so far is
+ * followed over `component`, which leads to a run that is not later. */
+struct finding {
+    struct components *found;
+    const struct grid *grid;
+    const uint8_t *label;
+    size_t *row; /* the first run of each row of voxels, and the end of the last */
+};
+
+void components_release(struct components *components)
+{
+    free(components->item);
+    free(components->run);
+    *components = (struct components){0};
+}
+
+/* ---- runs ---- */
+
+static bool add_row(struct finding *f, struct span row)
+{
+    struct components *found = f->found;
+    for (uint32_t first = row.first, end; first < row.end; first = end) {
+        const uint32_t run = (uint32_t)found->runs;
+        for (end = first + 1; end < row.end && f->label[end] == f->label[first];)
+            end++;
+        if (!mem_grow(&found->run, &found->run_capacity, found->runs + 1, sizeof *found->run))
+            return false;
+        found->run[found->runs++] = (struct component_run){first, end, run, RUN_NONE};
+    }
+    return true;
+}
+
+/* ---- joining ---- */
+
+static uint32_t first_of(struct component_run *run, uint32_t at)
+{
+    while (run[at].component != at)
+        at = run[at].component = run[run[at].component].component;
+    return at;
+}
+
+static void join(struct component_run *run, uint32_t a, uint32_t b)
+{
+    a = first_of(run, a);
+    b = first_of(run, b);
+    if (a < b)
+        run[b].component = a;
+    else
+        run[a].component = b;
+}
+
+/* The runs of a row with those of the row that is `back` rows, and `step` cells, before it. */
+static void join_rows(struct finding *f, size_t row, size_t back, ptrdiff_t step)
+{
+    struct component_run *run = f->found->run;
+    size_t here = f->row[row], there = f->row[row - back];
+    while (here < f->row[row + 1] && there < f->row[row - back + 1]) {
+        const uint32_t end = run[here].end, other = (uint32_t)(run[there].end + step);
+        if (f->label[run[here].first] == f->label[run[there].first])
+            join(run, (uint32_t)here, (uint32_t)there);
+        here += end <= other;
+        there += other <= end;
+    }
+}
+
+static enum err find_runs(struct finding *f, struct watch *watch, struct fault *fault)
+{
+    const struct grid *grid = f->grid;
+    const size_t rows_of_plane = grid->size[1];
+    struct task task = task_begin(watch, "components", grid->voxels);
+    size_t row = 0;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++, row++) {
+            f->row[row] = f->found->runs;
+            if (!add_row(f, grid_row(grid, y, z)))
+                return fault_memory(fault, "components");
+            f->row[row + 1] = f->found->runs;
+            if (y > 0)
+                join_rows(f, row, 1, grid->step[1]);
+            if (z > 0)
+                join_rows(f, row, rows_of_plane, grid->step[2]);
+            if (!task_advance(&task, grid->size[0]))
+                return watch_fault(watch, fault);
+        }
+    return OK;
+}
+
+/* ---- components ---- */
+
+static bool is_at_edge(const struct grid *grid, const struct component_run *run)
+{
+    const struct place p = grid_place(grid, run->first);
+    return p.x == 0 || p.x + (run->end - run->first) == grid->size[0] || p.y == 0 ||
+           p.y + 1 == grid->size[1] || p.z == 0 || p.z + 1 == grid->size[2];
+}
+
+/* Each run leads to a lower one until here, and to its component from here on, last to first where
+ * runs are listed. */
+static enum err count(struct finding *f, struct watch *watch, struct fault *fault)
+{
+    struct components *found = f->found;
+    struct task task = task_begin(watch, "components", found->runs);
+    for (size_t i = 0; i < found->runs && task_advance(&task, 1); i++) {
+        struct component_run *run = found->run + i;
+        if (run->component != i) { /* a lower one, which leads to its component already */
+            run->component = found->run[run->component].component;
+        } else {
+            if (!mem_grow(&found->item, &found->capacity, found->count + 1, sizeof *found->item))
+                return fault_memory(fault, "components");
+            run->component = (uint32_t)found->count;
+            found->item[found->count++] =
+                (struct component){0, RUN_NONE, f->label[run->first], false};
+        }
+        struct component *item = found->item + run->component;
+        item->voxels += run->end - run->first;
+        item->at_edge = item->at_edge || is_at_edge(f->grid, run);
+    }
+    for (size_t i = found->runs; i-- > 0;) {
+        struct component *item = found->item + found->run[i].component;
+        found->run[i].next = item->run;
+        item->run = (uint32_t)i;
+    }
+    return watch_fault(watch, fault);
+}
+
+enum err components_find(struct components *components, const struct grid *grid,
+                         const uint8_t *label, struct watch *watch, struct fault *fault)
+{
+    struct finding finding = {components, grid, label, NULL};
+    *components = (struct components){0};
+    finding.row = mem_array((size_t)grid->size[1] * grid->size[2] + 1, sizeof *finding.row);
+    enum err err =
+        finding.row ? find_runs(&finding, watch, fault) : fault_memory(fault, "components");
+    if (!err)
+        err = count(&finding, watch, fault);
+    free(finding.row);
+    if (err)
+        components_release(components);
+    return err;
+}

@@ -1,0 +1,152 @@
+/*
+ * Finish: what is handed on is smoothed; the forest is not touched.
+ *
+ * An ordered list of steps, each of which makes labels out of labels. The outcome is a pure
+ * function of the forest's labels and the list, in integers alone: the same bits on every machine,
+ * for any number of threads.
+ *
+ * What holds for all steps
+ *   N1 a voxel that no seed reaches, or that lies outside the region of interest, has label 0, as
+ *      the background has, and steps do not tell them apart: they may give such a voxel a label;
+ *   N2 nothing lies beyond the scene: what a step counts or asks, it counts and asks of voxels. So
+ *      the edge of the scene is no border of an object;
+ *   N3 a step reads labels as the step before has left them, all of them, and writes others: within
+ *      a step nothing depends on an order of voxels or labels;
+ *   N4 a step for one label, 1..255, changes those voxels alone that it would change were it for
+ *      all labels, or for that one; each step says which;
+ *   N5 components hang together by faces (engine/components.h).
+ *
+ * Steps
+ *   majority    A voxel takes the label that most voxels have of those at most `radius` away along
+ *               every axis (a cube, itself in it). Where several labels are as frequent, it keeps
+ *               its own if that is one of them, and takes the smallest if not. For one label: where
+ *               a voxel would lose or get that label.
+ *   largest     Of each label but 0, the component of most voxels stays, of several the one of the
+ *               lowest cell. The others are given away (below). For one label: of that one.
+ *   components  The same, but each component of `voxels` voxels or more stays.
+ *   holes       A hole is a component of label 0 with no voxel at the edge of the scene. It is
+ *               given away. Other objects in an object stay. For one label: the holes which that
+ *               label gets, were it for all.
+ *   open        A voxel of a label but 0 stays where a ball of `radius` can be placed over it, all
+ *               of whose voxels have its label. The others are given away, component by component
+ *               of what is to be given away. For one label: of that one.
+ *   close       A voxel of label 0 takes a label but 0 where every ball of `radius` over it has a
+ *               voxel of that label; of several labels, the smallest. For one label: of that one.
+ *
+ * Balls are those of engine/brush.h, around any voxel, in voxels or in nanometres by the spacing.
+ *
+ * To give components away is done in rounds. In each, a component that still waits takes the label
+ * with which it has most faces in common, of several the smallest: of the voxels beside it that are
+ * not in a component which waits, by the labels they have, but for the component's own former
+ * label. All of a round take theirs at once. One that has no such face waits, and keeps its label
+ * where no other one was given away in the round.
+ */
+#ifndef ENGINE_FINISH_H
+#define ENGINE_FINISH_H
+
+#include "base/buf.h"
+#include "base/team.h"
+#include "engine/components.h"
+#include "engine/scene.h"
+
+enum { FINISH_STEPS_MOST = 16, FINISH_RADIUS_MOST = 16, FINISH_ALL_LABELS = 256 };
+
+/* What a step may take beside its label. */
+enum finish_argument { FINISH_TAKES_NOTHING, FINISH_TAKES_RADIUS, FINISH_TAKES_VOXELS };
+
+/* The steps, one row each: KIND, name, what it takes, that where none is given (0: it must be), and
+ * a line of help. A row names a function, which one file defines: finish_NAME. */
+#define FINISH_LIST(FIRST, NEXT)                                                                   \
+    FIRST(MAJORITY, majority, RADIUS, 1,                                                           \
+          "majority: a voxel takes the label that most voxels have in the cube of the radius "     \
+          "around it.\n")                                                                          \
+    NEXT(LARGEST, largest, NOTHING, 0,                                                             \
+         "largest: the largest piece of each label stays; others go to the label around them.\n")  \
+    NEXT(COMPONENTS, components, VOXELS, 0,                                                        \
+         "components: the same, but each piece of so many `voxels` stays.\n")                      \
+    NEXT(HOLES, holes, NOTHING, 0,                                                                 \
+         "holes: background that is enclosed goes to the label around it.\n")                      \
+    NEXT(OPEN, open, RADIUS, 1,                                                                    \
+         "open: takes away what is thinner than a ball of the radius, and gives it to the label "  \
+         "around it.\n")                                                                           \
+    NEXT(CLOSE, close, RADIUS, 1,                                                                  \
+         "close: fills clefts of background that are narrower than such a ball.\n")
+
+#define FINISH_FIRST_NAME(kind, name, takes, usual, help) #name
+#define FINISH_NEXT_NAME(kind, name, takes, usual, help)  "|" #name
+
+enum finish_kind {
+#define FINISH_KIND(kind, name, takes, usual, help) FINISH_##kind,
+    FINISH_LIST(FINISH_KIND, FINISH_KIND) FINISH_KIND_COUNT
+};
+
+struct finish_step {
+    uint32_t kind;
+    uint32_t label;    /* 1..255, or FINISH_ALL_LABELS */
+    uint32_t argument; /* radius: voxels, or nanometres; voxels; 0 for nothing */
+    uint32_t in_nm;    /* 0 or 1, of a radius */
+};
+
+/* Plain data, compared whole: zeros after the last step. */
+struct finish_list {
+    uint32_t count;
+    struct finish_step step[FINISH_STEPS_MOST];
+};
+
+/* What a step works on. Labels are [grid.cells], 0 in the rim of both. */
+struct finish_work {
+    const struct scene *scene;
+    struct team *team;
+    uint8_t *label; /* read, and in the end what the step has made of it: it may swap both */
+    uint8_t *next;  /* to write into; of no meaning before and after a step, but for its rim */
+};
+
+/* Their names, in their order. */
+#define FINISH_KINDS FINISH_LIST(FINISH_FIRST_NAME, FINISH_NEXT_NAME)
+
+/* Does a step. ERR_MEMORY, ERR_CANCELLED by the scene's watch; labels are of no use then. */
+typedef enum err finish_apply(struct finish_work *work, const struct finish_step *step,
+                              struct fault *fault);
+#define FINISH_METHOD(kind, name, takes, usual, help) finish_apply finish_##name;
+FINISH_LIST(FINISH_METHOD, FINISH_METHOD)
+
+struct finish_row {
+    const char *name;
+    enum finish_argument takes;
+    uint32_t usual; /* 0: one must be given */
+    finish_apply *apply;
+};
+extern const struct finish_row finish_table[]; /* by enum finish_kind */
+
+/* ERR_LIMIT where a step would reach further than FINISH_RADIUS_MOST voxels along an axis. */
+enum err finish_check(const struct finish_list *list, const struct scene *scene,
+                      struct fault *fault);
+
+/* Has the labels of the forest go through the list: (*label)[grid.cells], 0 in the rim, which the
+ * caller frees by mem_pages_free; NULL on error: ERR_LIMIT, ERR_MEMORY, ERR_CANCELLED. */
+enum err finish_make(uint8_t **label, const struct finish_list *list, const struct scene *scene,
+                     struct team *team, struct fault *fault);
+
+/* Adds "majority radius=1, largest label=2", or "none". */
+void finish_write(struct buf *out, const struct finish_list *list);
+
+/* ---- for the files of steps ---- */
+
+/* Whether the step is for the label. */
+static inline bool finish_is_for(const struct finish_step *step, unsigned label)
+{
+    return step->label == FINISH_ALL_LABELS || step->label == label;
+}
+
+/* Writes 0 into work->next. Of no use where the scene's watch has stopped it. */
+void finish_clear(struct finish_work *work);
+
+/* How many voxels a step reaches along each axis. */
+void finish_reach(uint32_t reach[3], const struct finish_step *step, const struct scene *scene);
+
+/* Gives away the pieces that `waits` (finish_pieces.c), each of which has one label of work->label:
+ * all, or those that `taker` takes alone. A piece that found a taker waits no more. */
+enum err finish_give_away(struct finish_work *work, const struct components *pieces, bool *waits,
+                          unsigned taker, struct fault *fault);
+
+#endif

@@ -1,0 +1,37 @@
+/*
+ * Labels that leave the session: the forest's, or finished ones (engine/finish.h), which are made
+ * when somebody asks for them, and stored until the labels of the forest or the steps are others.
+ * An edit does nothing for them, nor do they do anything to what is edited.
+ */
+#ifndef SESSION_FINISHED_H
+#define SESSION_FINISHED_H
+
+#include "engine/finish.h"
+#include "engine/labels.h"
+
+struct session;
+
+/* The finished labels that were made last, and what of. {0} is none. */
+struct finished {
+    uint8_t *label; /* [cells] */
+    size_t cells;
+    uint32_t size[3];      /* of the scene, */
+    uint64_t forest;       /* the digest of the forest's labels, */
+    struct finish_list by; /* and the steps */
+    uint64_t digest;       /* of what came of it (labels_digest) */
+};
+void finished_release(struct finished *finished);
+
+/*
+ * Labels as they are to be handed out: the forest's, or, where `finished`, what the steps of
+ * session->now.kept.finish make of them. Borrowed: of use until the next command. The session has a
+ * scene and does not skim; edits that wait count for nothing, so session_run comes before.
+ * ERR_LIMIT where a step reaches too far for the scene (finish_check), ERR_MEMORY, ERR_CANCELLED.
+ */
+enum err session_labels(struct session *session, bool finished, struct labels *labels,
+                        struct fault *fault);
+
+/* The digest of the finished labels that session_labels gave last. */
+uint64_t session_finished_digest(const struct session *session);
+
+#endif

@@ -1,0 +1,91 @@
+#!/bin/sh
+# The finish as users meet it: a setting that is recorded, undone and gone on with, whose outcome is
+# in the records, and checked when a journal is verified.
+. tests/lib.sh
+cd "$work" || exit 1
+make_scene scene.nii 30 24 20
+
+cat >script <<'END'
+open scene.nii
+seed 7,12,10 1 radius=2
+seed 25,20,15 2 radius=2
+seed 2,2,2 0
+run
+save labels plain.nii
+finish majority radius=1
+finish largest label=2
+finish holes
+save labels smooth.nii finished=yes
+undo
+save labels less.nii finished=yes
+redo
+save labels again.nii finished=yes
+finish none
+save labels none.nii finished=yes
+goto 8
+save labels eight.nii finished=yes
+END
+
+begin "a finish is recorded, and its outcome follows undo, redo and goto"
+expect 0 "$iftty" run script --journal a.iftty
+out_has "finish    majority radius=1, largest label=2, holes"
+finished() { # RECORD
+    sed -n "s/^= $1 .*finished=\([0-9a-f]*\).*/\1/p" a.iftty
+}
+labels=$(sed -n 's/^= 6 .*labels=\([0-9a-f]*\).*/\1/p' a.iftty)
+same "$(finished 14)" "$(finished 10)"
+same "$(finished 16)" "$labels"
+[ "$(finished 10)" != "$labels" ] || fail "the finish changes nothing"
+same_files smooth.nii again.nii
+tail -c +353 plain.nii >plain && tail -c +353 none.nii >none && same_files plain none
+! cmp -s plain.nii smooth.nii || fail "nothing is smoothed"
+has_line smooth.nii "iftty labels, finished: majority radius=1, largest label=2, holes" ||
+    fail "the file does not say that it is finished"
+same "$(last_word labels a.iftty)" "$labels"
+close_story
+
+begin "a journal with finished labels verifies, for any number of threads, and resumes"
+for threads in 1 2 5; do
+    IFTTY_THREADS=$threads expect 0 "$iftty" verify a.iftty
+done
+printf 'finish\nsave labels resumed.nii finished=yes\n' >more
+expect 0 "$iftty" run more --journal a.iftty
+out_has "finish    majority radius=1, largest label=2"
+same_files eight.nii resumed.nii
+expect 0 "$iftty" verify a.iftty
+close_story
+
+begin "another outcome than the recorded one is found, with its record"
+sed 's/radius=1/radius=2/; s/\(save labels \)\([a-z]*\)/\1other-\2/' script >other
+expect 0 "$iftty" run other --journal other.iftty
+expect 1 "$iftty" verify --bisect a.iftty other.iftty
+out_has "record 6 is the first that differs"
+sed '/^= 10 /s/finished=./finished=x/' a.iftty >b.iftty
+expect 1 "$iftty" verify b.iftty
+cat "$work/out" "$work/err" >said
+has_line said "10" || fail "$(cat said)"
+close_story
+
+begin "what a step does not take is refused, and so is what reaches too far"
+refused() { # COMMAND WORDS
+    expect 2 "$iftty" -c "open scene.nii; $1"
+    err_has "$2"
+}
+refused "finish polish" "majority|largest|components|holes|open|close|none"
+refused "finish largest radius=2" "radius: \`finish largest\` has none"
+refused "finish components" "voxels: \`finish components\` needs it"
+refused "finish none label=2" "expected a step"
+refused "finish label=2" "expected a step"
+refused "finish majority label=0" "label"
+refused "save cost c.nii finished=yes" "of labels alone"
+expect 3 "$iftty" -c "open scene.nii; finish open radius=40mm"
+err_has "finish open: the radius reaches 40 voxels along x; at most 16"
+for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16; do echo "finish holes"; done >sixteen
+{ echo "open scene.nii"; cat sixteen; } >many
+expect 0 "$iftty" run many
+echo "finish holes" >>many
+expect 3 "$iftty" run many
+err_has "no room for more"
+close_story
+
+finish
