@@ -9,6 +9,7 @@
 /* act_scene.c */
 enum err act_open(const struct act *act);
 enum err act_interpolate(const struct act *act);
+enum err act_orient(const struct act *act);
 enum err act_weight(const struct act *act);
 enum err act_polarity(const struct act *act);
 enum err act_adjacency(const struct act *act);
@@ -198,7 +199,7 @@ enum err act_take_slices(const struct act *act, enum slice_kind kind, struct pic
 /* "2 cerebellum", or "2" where the label has no name. */
 void act_write_label(struct buf *out, const struct session *session, unsigned label);
 
-/* " of 1x1x1.5 mm", or nothing where that is unknown; ", axes towards RAS". */
+/* " of 1x1x1.5 mm" or " of unknown size"; "axes towards RAS". */
 void act_write_spacing(struct buf *out, const struct session *session);
 void act_write_axes(struct buf *out, const struct geometry *geometry);
 

@@ -11,7 +11,9 @@ enum { RISES_MOST = 8 }; /* places where the cost rose that `why` lists */
 void act_write_spacing(struct buf *out, const struct session *session)
 {
     const uint32_t *nm = session->scene->spacing_nm;
-    if (!session->geometry.spacing_unknown)
+    if (session->geometry.spacing_unknown)
+        buf_add_text(out, " of unknown size");
+    else
         buf_printf(out, " of %gx%gx%g mm", nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6);
 }
 
@@ -20,9 +22,9 @@ void act_write_axes(struct buf *out, const struct geometry *geometry)
     char towards[4];
     geometry_axes(towards, geometry);
     if (geometry->orientation == ORIENTATION_UNKNOWN)
-        buf_add_text(out, ", orientation unknown");
+        buf_add_text(out, "orientation unknown");
     else
-        buf_printf(out, ", axes towards %s%s", towards,
+        buf_printf(out, "axes towards %s%s", towards,
                    geometry->orientation == ORIENTATION_TOLD ? " as told by the user" : "");
 }
 
@@ -172,6 +174,7 @@ enum err act_info(const struct act *act)
     buf_printf(out, "scene     %ux%ux%u voxels", scene->grid.size[0], scene->grid.size[1],
                scene->grid.size[2]);
     act_write_spacing(out, session);
+    buf_add_text(out, ", ");
     act_write_axes(out, &session->geometry);
     buf_printf(out, ", digest %016llx\n", (unsigned long long)session->scene_digest);
     buf_printf(out, "values    %g * intensity %+g\n", session->geometry.slope,

@@ -71,6 +71,48 @@ enum err act_interpolate(const struct act *act)
     return err;
 }
 
+/* What the file says is not put in doubt by letters: where it is wrong, it is wrong for every other
+ * program, too, and for the maps of the scene. */
+static enum err check_orient(const struct session *session, const char *how, struct fault *fault)
+{
+    const struct geometry *said = &session->said;
+    struct geometry oriented = *said;
+    char towards[4];
+    if (!geometry_orient(&oriented, how))
+        return fault_set(fault, ERR_INPUT,
+                         "HOW: expected file, sform or qform where the file has that, or three "
+                         "letters for the sides that the axes run towards, as in RAS, not %s; "
+                         "nothing has changed",
+                         how);
+    geometry_axes(towards, said);
+    if (oriented.orientation == ORIENTATION_TOLD && said->orientation != ORIENTATION_UNKNOWN)
+        return fault_set(fault, ERR_INPUT,
+                         "the file says that its axes run towards %s; where that is wrong, correct "
+                         "the file, so that every program knows; nothing has changed",
+                         towards);
+    return OK;
+}
+
+enum err act_orient(const struct act *act)
+{
+    const struct session *session = act->session;
+    const char *how = act->value[0].text;
+    char *orient = act->next->kept.orient;
+    const bool by_file = strcmp(how, "file") == 0;
+    enum err err = by_file ? OK : check_orient(session, how, act->fault);
+    if (err)
+        return err;
+    memset(orient, 0, sizeof act->next->kept.orient);
+    if (!by_file)
+        memcpy(orient, how, strlen(how));
+    err = act_go(act);
+    const struct choice who = choice_at(ORIENTATIONS, session->geometry.orientation);
+    buf_printf(&act->reply->words, "orientation=%.*s", (int)who.length, who.word);
+    act_write_axes(&act->reply->text, &session->geometry);
+    buf_add_char(&act->reply->text, '\n');
+    return err;
+}
+
 /* After a command that may have changed weights: what they are now. */
 static enum err add_weights(const struct act *act, enum err err)
 {

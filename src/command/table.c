@@ -98,6 +98,16 @@ const struct command command_table[] = {
      "Right after `open`, before the first seed. A new voxel between two is their mean, halves "
      "rounded up. The spacing halves, and voxel 0,0,0 stays where it is in the world.",
      "interpolate 2 2 1"},
+    {COMMAND("orient", act_orient, GROUP_SCENE, R | S),
+     {NEED("HOW", VALUE_WORD, .choices = "file|sform|qform")},
+     "how the scene lies in the patient, where its file leaves that open",
+     "Three letters, as in LPI, name the sides that x, y and z run towards: R or L, A or P, S or "
+     "I. They are for files that say nothing, or contradict themselves; pictures say then that "
+     "the user has told it. sform and qform choose between the two that a NIfTI may have. file "
+     "takes what the file says.\n"
+     "A wrong answer swaps left and right in every picture and report. A map that is saved says as "
+     "much of its place as the file of the scene.",
+     "orient RAS"},
     {COMMAND("weight", act_weight, GROUP_WEIGHT, R | S | E),
      {NEED("FILE", VALUE_FILE, .choices = WEIGHT_KINDS), WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH)},
      "arc weights: the cost of a step",

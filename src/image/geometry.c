@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/choice.h"
+
 /* Below this volume the axes, made unit vectors, span next to nothing: the world cannot be turned
  * back into voxels. A shear of 89.9 degrees still has 1.7e-3. */
 static const double VOLUME_LEAST = 1e-5;
@@ -82,6 +84,13 @@ void geometry_place_plain(struct geometry *geometry, const double spacing_mm[3])
     geometry->orientation = ORIENTATION_UNKNOWN;
 }
 
+void geometry_take_form(struct geometry *geometry, enum orientation form)
+{
+    const struct geometry_form *taken =
+        form == ORIENTATION_SFORM ? &geometry->sform : &geometry->qform;
+    geometry_place(geometry, (const double(*)[4])taken->to_mm, form);
+}
+
 /* By world axis; the side that it runs towards first. */
 static const char side_letters[3][3] = {"RL", "AP", "SI"};
 
@@ -99,7 +108,7 @@ void geometry_to_lps(const struct geometry *geometry, double to_lps_mm[3][4])
             to_lps_mm[w][i] = w < 2 ? 0 - geometry->to_mm[w][i] : geometry->to_mm[w][i];
 }
 
-bool geometry_tell(struct geometry *geometry, const char *letters)
+static bool tell(struct geometry *geometry, const char *letters)
 {
     int8_t axis[3] = {0}, sign[3] = {0};
     double spacing_mm[3];
@@ -124,11 +133,16 @@ bool geometry_tell(struct geometry *geometry, const char *letters)
     return true;
 }
 
-void geometry_take_form(struct geometry *geometry, enum orientation form)
+bool geometry_orient(struct geometry *geometry, const char *how)
 {
-    const struct geometry_form *taken =
-        form == ORIENTATION_SFORM ? &geometry->sform : &geometry->qform;
-    geometry_place(geometry, (const double(*)[4])taken->to_mm, form);
+    const int form = choice_find(ORIENTATIONS, how);
+    const bool by_s = form == ORIENTATION_SFORM, by_q = form == ORIENTATION_QFORM;
+    if (!by_s && !by_q)
+        return tell(geometry, how);
+    if ((by_s ? geometry->sform : geometry->qform).code <= 0)
+        return false;
+    geometry_take_form(geometry, (enum orientation)form);
+    return true;
 }
 
 /* ---- two of them ---- */

@@ -81,10 +81,10 @@ void geometry_axes(char letters[4], const struct geometry *geometry);
 /* The way to the world as NRRD, MetaImage and DICOM have it: +x to the left, +y to the back. */
 void geometry_to_lps(const struct geometry *geometry, double to_lps_mm[3][4]);
 
-/* The axes that letters such as "RAS" or "lpi" tell, in place of what was; voxels as far apart, and
- * voxel 0,0,0 at the origin. False where they are not one letter of each of R or L, A or P, S or I.
- */
-bool geometry_tell(struct geometry *geometry, const char *letters);
+/* What `orient` says of a scene: "sform" or "qform", which it has to have; or the axes that letters
+ * such as "RAS" tell, in place of what was: voxels as far apart, and voxel 0,0,0 at the origin.
+ * False where that cannot be: the letters are one each of R or L, A or P, S or I. */
+bool geometry_orient(struct geometry *geometry, const char *how);
 
 /* Takes the way to the world that the sform or the qform says, which has a code. */
 void geometry_take_form(struct geometry *geometry, enum orientation form);

@@ -81,6 +81,8 @@ static void write_where(struct buf *out, const struct session *session)
         buf_printf(out, "  %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
     else if (geometry->orientation == ORIENTATION_UNKNOWN)
         buf_add_text(out, "  orientation unknown");
+    else if (geometry->orientation == ORIENTATION_TOLD)
+        buf_add_text(out, "  sides as told by the user");
 }
 
 /* A seed of an object waits, or a voxel has its label; where nobody has counted yet, so it is. */

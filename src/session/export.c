@@ -75,7 +75,12 @@ enum err export_notes(struct picture *picture, const struct session *session, st
     snprintf(shaded, sizeof shaded, "%.*s light %d %d cue %u edges %s samples %u", (int)mode.length,
              mode.word, look->light[0], look->light[1], look->cue_percent,
              look->edges ? "on" : "off", look->samples);
+    const enum orientation orientation = session->geometry.orientation;
     enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
+    if (!err && orientation == ORIENTATION_UNKNOWN)
+        err = picture_note(picture, "iftty:orientation", "unknown", fault);
+    if (!err && orientation == ORIENTATION_TOLD)
+        err = picture_note(picture, "iftty:orientation", "as told by the user", fault);
     if (!err)
         err = picture_note(picture, "iftty:scene-name", session->scene_file, fault);
     if (!err)

@@ -210,9 +210,13 @@ enum err session_go(struct session *session, const struct state *state, const st
     const bool aims =
         session->has_scene && (parts & MADE_CAMERA || session->camera.scene != session->scene);
     struct camera camera;
+    if (aims)
+        session_place(session, &state->kept);
     enum err err = aims ? session_aim(session, &state->outlook, &camera, fault) : OK;
     if (!err && session->has_scene)
         err = make_room(session, &state->kept, parts, fault);
+    if (err && aims)
+        session_place(session, &session->now.kept);
     if (err)
         return err;
     stand(session, &state->lists.markers);

@@ -97,19 +97,23 @@ static enum err open_synthetic(struct session *session, const char *path, struct
     if (err)
         return err;
     double spacing_mm[3];
-    session->geometry = (struct geometry){.slope = 1};
+    session->said = (struct geometry){.slope = 1};
     for (int a = 0; a < 3; a++) {
-        session->geometry.spacing_nm[a] = session->scene->spacing_nm[a];
+        session->said.spacing_nm[a] = session->scene->spacing_nm[a];
         spacing_mm[a] = session->scene->spacing_nm[a] / 1e6;
     }
-    geometry_place_plain(&session->geometry, spacing_mm);
-    session->geometry.orientation = ORIENTATION_FILE; /* by definition */
+    geometry_place_plain(&session->said, spacing_mm);
+    session->said.orientation = ORIENTATION_FILE; /* by definition */
     return OK;
 }
 
-/* What the engine and the pictures need of the geometry. */
-static void place_scene(struct scene *scene, const struct geometry *geometry)
+void session_place(struct session *session, const struct kept *kept)
 {
+    struct scene *scene = session->scene;
+    struct geometry *geometry = &session->geometry;
+    *geometry = session->said;
+    if (*kept->orient)
+        geometry_orient(geometry, kept->orient);
     memcpy(scene->spacing_nm, geometry->spacing_nm, sizeof scene->spacing_nm);
     memcpy(scene->world_axis, geometry->world_axis, sizeof scene->world_axis);
     memcpy(scene->world_sign, geometry->world_sign, sizeof scene->world_sign);
@@ -131,12 +135,11 @@ static enum err open_file(struct session *session, const char *path,
         err =
             scene_new_filled(&session->scene, volume.size, volume.intensity, session->watch, fault);
     if (!err) {
-        session->geometry = volume.geometry;
+        session->said = volume.geometry;
         if (semantics_has(session->semantics, MEANING_ORIENTATION))
             memcpy(session->open_notes, volume.notes, sizeof session->open_notes);
         else
-            geometry_presume(&session->geometry);
-        place_scene(session->scene, &session->geometry);
+            geometry_presume(&session->said);
     }
     volume_release(&volume);
     return err;
@@ -198,6 +201,7 @@ enum err session_open(struct session *session, const char *path, const struct vo
         return err;
     }
     session->has_scene = true;
+    session_place(session, &session->now.kept);
     session->tally = tally_of_none(session->scene);
     snprintf(session->scene_file, sizeof session->scene_file, "%s", file_name(path));
     session->scene_digest = scene_digest(session->scene);
@@ -228,8 +232,8 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
     }
     shader_release(&session->shader);
     session->former_scene = (struct former_scene){
-        session->scene,  session->geometry, session->scene_digest, session->weight_digest,
-        session->forest, session->border,   session->roi_tally,    session->stale};
+        session->scene,  session->said,   session->scene_digest, session->weight_digest,
+        session->forest, session->border, session->roi_tally,    session->stale};
     session->scene = next.scene;
     session->forest = next.forest;
     session->border = next.border;
@@ -292,7 +296,8 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
         return err;
     static const double first[3] = {0, 0, 0};
     const double step[3] = {doubled & 1 ? 0.5 : 1, doubled & 2 ? 0.5 : 1, doubled & 4 ? 0.5 : 1};
-    geometry_derive(&session->geometry, first, step);
+    geometry_derive(&session->said, first, step);
+    session_place(session, &session->now.kept);
     session->scene_digest = scene_digest(session->scene);
     const struct state next = refined(session, doubled);
     return session_go(session, &next, NULL, 0, fault);

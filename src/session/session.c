@@ -108,7 +108,8 @@ static void take_back_scene(struct session *session)
     forest_free(session->forest);
     scene_free(session->scene);
     session->scene = former.scene;
-    session->geometry = former.geometry;
+    session->said = former.said;
+    session_place(session, &session->now.kept);
     session->scene_digest = former.scene_digest;
     session->weight_digest = former.weight_digest;
     session->forest = former.forest;

@@ -44,7 +44,7 @@
 /* What interpolating a scene replaces. */
 struct former_scene {
     struct scene *scene; /* NULL where there is none */
-    struct geometry geometry;
+    struct geometry said;
     uint64_t scene_digest, weight_digest;
     struct forest *forest;
     struct border border;
@@ -60,7 +60,8 @@ struct session {
     bool has_scene;
     struct scene *scene;
     char scene_file[FILE_WORDS_BYTES]; /* what to call it: without its folder; a long name is cut */
-    struct geometry geometry;
+    struct geometry said;              /* what the file says of its geometry, */
+    struct geometry geometry;          /* and what follows from it and from what `orient` says */
     char open_notes[VOLUME_NOTES_BYTES]; /* what the file left open, for the answer of `open` */
     uint64_t scene_digest;
     char proof[SHA256_HEX]; /* of the scene as it was opened (scene_proof) */

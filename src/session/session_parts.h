@@ -8,6 +8,9 @@
 /* Back to no scene, whatever there is of one. */
 void session_close_scene(struct session *session);
 
+/* Has the geometry and the scene's axes follow from what the file says, and `orient`. */
+void session_place(struct session *session, const struct kept *kept);
+
 void session_release_rendition(struct session *session);
 
 /* The camera of an outlook; ERR_LIMIT where there is none. */

@@ -66,7 +66,8 @@ static void write_title(char out[64], const struct session *session, enum slice_
         return;
     }
     if (!geometry_has_place(&session->geometry)) {
-        snprintf(out, 64, "%s %u", name, index);
+        const bool is_told = session->geometry.orientation == ORIENTATION_TOLD;
+        snprintf(out, 64, "%s %u%s", name, index, is_told ? "\nsides as told" : "");
         return;
     }
     const int n =

@@ -36,6 +36,7 @@ static const struct state_field kept_field[] = {
     FIELD(kept, palette, MADE_COLOURS),
     FIELD(kept, label_name, 0),
     FIELD(kept, visible, MADE_BORDER),
+    FIELD(kept, orient, MADE_CAMERA),
     FIELD(kept, cut, MADE_BORDER),
     FIELD(kept, adjacency, MADE_WEIGHTS),
     FIELD(kept, weight, MADE_WEIGHTS),

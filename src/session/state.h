@@ -33,6 +33,7 @@ struct kept {
     struct palette palette;
     char label_name[256][LABEL_NAME_BYTES]; /* "" for none; zeros after the end */
     bool visible[256];
+    char orient[8];     /* what `orient` has said of the scene (geometry_orient); "" for nothing */
     struct cut cut;     /* what is cut away of what is visible */
     unsigned adjacency; /* 6 or 26 */
     struct weight_choice weight;

@@ -1,0 +1,295 @@
+/* Where a scene lies, as far as its file says it: whatever the sform, the qform and pixdim are,
+ * alone and together. */
+#include <math.h>
+#include <string.h>
+
+#include "image/nifti_header.h"
+#include "tests/check.h"
+
+static const uint32_t size[3] = {24, 20, 16};
+
+static struct nifti_header header;
+static struct geometry geometry;
+static char notes[VOLUME_NOTES_BYTES];
+
+/* ---- headers ---- */
+
+/* Voxels of 1 x 1.5 x 2 mm that say no more. */
+static void begin(void)
+{
+    header = (struct nifti_header){.bytes = NIFTI_LEAST_BYTES,
+                                   .pixdim = {1, 1, 1.5, 2},
+                                   .dim = {3, 24, 20, 16},
+                                   .xyzt_units = 2};
+}
+
+/* An sform whose axes run towards these letters, moved by so much. */
+static void put_sform(const char *letters, double moved_mm)
+{
+    struct geometry g = {.slope = 1};
+    geometry_place_plain(&g, header.pixdim + 1);
+    CHECK(geometry_orient(&g, letters));
+    memcpy(header.srow, g.to_mm, sizeof g.to_mm);
+    for (int w = 0; w < 3; w++)
+        header.srow[w][3] = moved_mm + w;
+    header.sform_code = 1;
+}
+
+/* The same as a qform, by the way of the writer. */
+static void put_qform(const char *letters, double moved_mm)
+{
+    struct nifti_header other = header;
+    struct geometry g = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
+    geometry_place_plain(&g, header.pixdim + 1);
+    CHECK(geometry_orient(&g, letters));
+    g.orientation = ORIENTATION_FILE;
+    nifti_header_place(&other, &g);
+    memcpy(header.quatern, other.quatern, sizeof header.quatern);
+    header.pixdim[0] = other.pixdim[0];
+    for (int w = 0; w < 3; w++)
+        header.qoffset[w] = moved_mm + w;
+    header.qform_code = 2;
+}
+
+static void read_it(void)
+{
+    notes[0] = '\0';
+    nifti_header_geometry(&geometry, notes, &header, size);
+}
+
+static bool runs_towards(const char *letters)
+{
+    char is[4];
+    geometry_axes(is, &geometry);
+    return strcmp(is, letters) == 0;
+}
+
+/* The 48 ways in which axes can run. */
+static const char *towards(unsigned number)
+{
+    static const uint8_t order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                        {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    static const char sides[3][3] = {"RL", "AP", "SI"};
+    static char letters[4];
+    for (unsigned a = 0; a < 3; a++)
+        letters[a] = sides[order[number / 8][a]][number >> a & 1];
+    return letters;
+}
+
+/* ---- what is known ---- */
+
+STORY(nothing_is_known_without_codes)
+{
+    begin();
+    put_sform("LPS", 0); /* that nobody vouches for */
+    put_qform("LPS", 0);
+    header.sform_code = header.qform_code = 0;
+    read_it();
+    CHECK_INT(geometry.orientation, ORIENTATION_UNKNOWN);
+    CHECK(!geometry.spacing_unknown && !geometry_has_place(&geometry));
+    CHECK_INT(geometry.spacing_nm[1], 1500000);
+    CHECK_HAS(notes, "it does not say how its voxels lie in the patient");
+    CHECK_HAS(notes, "`orient RAS`");
+}
+
+STORY(either_form_alone_says_all_48_ways)
+{
+    for (unsigned i = 0; i < 48; i++)
+        for (int by_q = 0; by_q < 2; by_q++) {
+            const char *letters = towards(i);
+            begin();
+            (by_q ? put_qform : put_sform)(letters, 5);
+            read_it();
+            CHECK_INT(geometry.orientation, by_q ? ORIENTATION_QFORM : ORIENTATION_SFORM);
+            CHECK(runs_towards(letters) && geometry_has_place(&geometry));
+            CHECK(geometry.to_mm[1][3] == 6);
+            CHECK_TEXT(notes, "");
+        }
+}
+
+STORY(both_agree_or_contradict_each_other_in_all_48_by_48_ways)
+{
+    for (unsigned i = 0; i < 48 * 48; i++) {
+        char by_s[4];
+        memcpy(by_s, towards(i / 48), sizeof by_s);
+        const bool agree = i / 48 == i % 48;
+        begin();
+        put_sform(by_s, 0);
+        put_qform(towards(i % 48), 0);
+        read_it();
+        CHECK_INT(geometry.orientation, agree ? ORIENTATION_SFORM : ORIENTATION_UNKNOWN);
+        CHECK(agree == (*notes == '\0'));
+        CHECK(agree || strstr(notes, "`orient sform` or `orient qform` decides"));
+        for (int by_q = 0; by_q < 2; by_q++) {
+            CHECK(geometry_orient(&geometry, by_q ? "qform" : "sform"));
+            CHECK(runs_towards(by_q ? towards(i % 48) : by_s) && geometry_has_place(&geometry));
+        }
+    }
+}
+
+STORY(the_sform_holds_where_the_qform_lies_elsewhere)
+{
+    begin();
+    put_sform("LAS", 3);
+    put_qform("LAS", 3.25); /* 0.43 mm: less than half a voxel */
+    read_it();
+    CHECK_TEXT(notes, "");
+    put_qform("LAS", 33);
+    read_it();
+    CHECK_INT(geometry.orientation, ORIENTATION_SFORM);
+    CHECK(geometry.to_mm[0][3] == 3);
+    CHECK_HAS(notes, "its sform and its qform lie up to 52 mm apart: the sform holds\n");
+}
+
+/* Around 45 degrees, single precision decides which axis is nearest. */
+STORY(what_is_rounded_does_not_contradict)
+{
+    const double half = sqrt(0.5);
+    for (int i = -3; i <= 3; i++) {
+        const double angle = acos(-1) / 4 + i * 1e-7;
+        const double turned[3][4] = {{cos(angle), -1.5 * sin(angle), 0, 0},
+                                     {sin(angle), 1.5 * cos(angle), 0, 0},
+                                     {0, 0, 2, 0}};
+        begin();
+        memcpy(header.srow, turned, sizeof turned);
+        header.sform_code = 1;
+        header.quatern[2] = (double)(float)sqrt((1 - half) / 2);
+        header.qform_code = 1;
+        read_it();
+        CHECK_INT(geometry.orientation, ORIENTATION_SFORM);
+        CHECK_TEXT(notes, "");
+    }
+}
+
+/* ---- numbers that make no sense ---- */
+
+STORY(a_form_that_cannot_be_used_is_said_and_the_other_holds)
+{
+    static const double bad[] = {NAN, INFINITY, -INFINITY, 0};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        for (int with = 0; with < 2; with++) {
+            begin();
+            put_sform("RAS", 0);
+            if (with)
+                put_qform("LPS", 0);
+            header.srow[1][1] = bad[i];
+            read_it();
+            CHECK_HAS(notes, "its sform (code 1) is no number, or cannot be inverted");
+            CHECK_INT(geometry.orientation, with ? ORIENTATION_QFORM : ORIENTATION_UNKNOWN);
+            CHECK_INT(geometry.sform.code, 0);
+            CHECK(!geometry_orient(&geometry, "sform"));
+            begin();
+            put_qform("LPS", 0);
+            if (with)
+                put_sform("RAS", 0);
+            (i % 2 ? header.qoffset : header.quatern)[1] = bad[i] == 0 ? NAN : bad[i];
+            read_it();
+            CHECK_HAS(notes, "its qform (code 2) is no number, or cannot be inverted");
+            CHECK_INT(geometry.orientation, with ? ORIENTATION_SFORM : ORIENTATION_UNKNOWN);
+        }
+}
+
+STORY(a_distance_that_is_none_is_unknown_or_the_sforms)
+{
+    static const double bad[] = {NAN, INFINITY, -INFINITY, 0, -1.5, 1e-9, 5000};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        for (int a = 1; a <= 3; a++) {
+            begin();
+            header.pixdim[a] = bad[i];
+            read_it();
+            CHECK(geometry.spacing_unknown && !geometry_has_place(&geometry));
+            CHECK_INT(geometry.spacing_nm[0] + geometry.spacing_nm[1] + geometry.spacing_nm[2],
+                      3000000);
+            CHECK_HAS(notes, ", which is no distance of voxels\n");
+            begin();
+            put_sform("RAS", 0);
+            header.pixdim[a] = bad[i];
+            read_it();
+            CHECK(!geometry.spacing_unknown && geometry_has_place(&geometry));
+            CHECK_INT(geometry.spacing_nm[0] + geometry.spacing_nm[1] + geometry.spacing_nm[2],
+                      4500000);
+            CHECK_HAS(notes, "the distances of voxels are those of its sform\n");
+        }
+}
+
+STORY(lengths_are_by_pixdim_where_the_sform_is_a_templates)
+{
+    begin();
+    put_sform("RAS", 0);
+    header.pixdim[3] = 1.9;
+    read_it();
+    CHECK_INT(geometry.spacing_nm[2], 1900000);
+    CHECK_HAS(notes, "its sform has voxels of 1x1.5x2 mm: lengths are by pixdim");
+}
+
+STORY(shear_is_measured)
+{
+    begin();
+    put_sform("RAS", 0);
+    read_it();
+    CHECK(geometry_shear(&geometry) < 1e-6);
+    header.srow[0][2] = 2; /* z leans over by 45 degrees */
+    read_it();
+    CHECK(fabs(geometry_shear(&geometry) - 45) < 1e-6);
+}
+
+/* ---- what the user tells ---- */
+
+STORY(letters_tell_axes_and_no_place)
+{
+    static const char *const wrong[] = {"",    "R",   "RA",   "RAR",     "RLS",  "RASI",
+                                        "XYZ", "R S", "R\tS", "unknown", "file", "told"};
+    for (unsigned i = 0; i < 48; i++) {
+        begin();
+        read_it();
+        CHECK(geometry_orient(&geometry, towards(i)));
+        CHECK(runs_towards(towards(i)));
+        CHECK_INT(geometry.orientation, ORIENTATION_TOLD);
+        CHECK(!geometry_has_place(&geometry) && geometry_step_mm(&geometry, 1) == 1.5);
+    }
+    CHECK(geometry_orient(&geometry, "lpi") && runs_towards("LPI"));
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        const struct geometry before = geometry;
+        CHECK(!geometry_orient(&geometry, wrong[i]));
+        CHECK(memcmp(&before, &geometry, sizeof before) == 0);
+    }
+}
+
+/* ---- grids within grids ---- */
+
+STORY(a_derived_grid_lies_where_its_voxels_did)
+{
+    static const double first[3] = {3, 0, 2}, step[3] = {2, 1, 0.5};
+    static const uint32_t from[3] = {7, 5, 3}, is[3] = {2, 5, 2};
+    for (unsigned i = 0; i < 48; i++) {
+        double before[3], after[3];
+        begin();
+        put_sform(towards(i), 7);
+        put_qform(towards(i), 7);
+        read_it();
+        geometry_point(&geometry, from, before);
+        geometry_derive(&geometry, first, step);
+        for (int way = 0; way < 3; way++) {
+            if (way > 0)
+                CHECK(geometry_orient(&geometry, way == 1 ? "qform" : "sform"));
+            geometry_point(&geometry, is, after);
+            for (int w = 0; w < 3; w++)
+                CHECK(fabs(before[w] - after[w]) < 1e-6);
+        }
+        CHECK_INT(geometry.spacing_nm[0], 2000000);
+        CHECK_INT(geometry.spacing_nm[2], 1000000);
+    }
+}
+
+int main(void)
+{
+    return RUN_STORIES(
+        TELL(nothing_is_known_without_codes), TELL(either_form_alone_says_all_48_ways),
+        TELL(both_agree_or_contradict_each_other_in_all_48_by_48_ways),
+        TELL(the_sform_holds_where_the_qform_lies_elsewhere),
+        TELL(what_is_rounded_does_not_contradict),
+        TELL(a_form_that_cannot_be_used_is_said_and_the_other_holds),
+        TELL(a_distance_that_is_none_is_unknown_or_the_sforms),
+        TELL(lengths_are_by_pixdim_where_the_sform_is_a_templates), TELL(shear_is_measured),
+        TELL(letters_tell_axes_and_no_place), TELL(a_derived_grid_lies_where_its_voxels_did));
+}

@@ -1,0 +1,85 @@
+#!/bin/sh
+# What a file leaves open of its place is unknown in every answer and picture, until it is told.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+cp "$top"/tests/journals/*.nii.gz .
+
+sides="his |patient's|left|front|back|head|feet|superior|anterior"
+
+begin "of an unknown orientation no answer names a side of the patient"
+cat >unplaced.txt <<'EOF'
+open unplaced.nii.gz
+seed 8,10,8 1 radius=2
+seed 1,1,1 0
+run
+view 30 20
+info
+slice axial 8
+why 3,3,3
+pick 256 256 of=axial
+stats
+EOF
+expect 0 "$iftty" run unplaced.txt
+grep -v 'if you know which sides' "$work/out" >answers
+grep -E "$sides|[0-9] mm| ml" answers >named && fail "$(cat named)"
+out_has "orientation unknown: no picture or answer names a side of the patient"
+out_has "voxels of unknown size, orientation unknown"
+out_has "lengths and volumes are in voxels"
+out_has "up; orientation unknown"
+expect 2 "$iftty" -c 'open unplaced.nii.gz; clip axial'
+err_has "expected axial slices A-B within 0-15"
+grep -qE "$sides" "$work/err" && fail "$(cat "$work/err")"
+close_story
+
+begin "the same voxels shown with sides and without differ in letters alone, which vanish"
+for how in LAS file; do
+    expect 0 "$iftty" -c "open unplaced.nii.gz; orient $how; overlay none cross=off; size 200 200
+        slice axial 8 $how.exr replace=yes; overlay words=off; slice axial 8 $how-plain.exr"
+done
+expect 0 "$iftty" info file.exr
+out_has "iftty:orientation: unknown"
+expect 0 "$iftty" info LAS.exr
+out_has "iftty:orientation: as told by the user"
+close_story
+
+begin "what the user tells is recorded, undone, and shown as told"
+expect 0 "$iftty" -c 'open unplaced.nii.gz; orient LPI; info; undo; info; redo; info' \
+    --journal told.iftty
+[ "$(grep -c 'axes towards LPI as told by the user' "$work/out")" = 3 ] || fail "$(cat "$work/out")"
+[ "$(grep -c 'size, orientation unknown' "$work/out")" = 1 ] || fail "$(cat "$work/out")"
+grep -q '^= 1 .* orientation=unknown' told.iftty || fail "$(cat told.iftty)"
+grep -q '^= 2 orientation=told' told.iftty || fail "$(cat told.iftty)"
+expect 0 "$iftty" verify told.iftty
+expect 0 "$iftty" run - --journal told.iftty </dev/null
+expect 3 "$iftty" -c 'open unplaced.nii.gz; orient LPX'
+err_has "three letters for the sides that the axes run towards"
+expect 3 "$iftty" -c 'open unplaced.nii.gz; orient sform'
+expect 3 "$iftty" -c 'open synth:geom:9x8x7; orient LAS'
+err_has "the file says that its axes run towards RAS; where that is wrong, correct the file"
+close_story
+
+begin "an sform and a qform that contradict each other are chosen between"
+expect 0 "$iftty" -c 'open contrary.nii.gz; info; orient sform; info; orient qform; info' \
+    --journal chosen.iftty
+out_has "axes towards LAS by the sform, RAS by the qform"
+out_has "\`orient sform\` or \`orient qform\` decides"
+out_has "2 mm, orientation unknown"
+out_has "2 mm, axes towards LAS,"
+out_has "2 mm, axes towards RAS,"
+expect 0 "$iftty" verify chosen.iftty
+expect 3 "$iftty" -c 'open contrary.nii.gz; seed 12,4,9mm 1'
+err_has "where this scene lies in the world is not known"
+expect 0 "$iftty" -c 'open contrary.nii.gz; orient sform; seed 12,4,9mm 1; orient qform
+    seed 5,6,9mm 1'
+out_has "seed 8,8,1 1"
+out_has "seed 8,4,2 1"
+close_story
+
+begin "a scene that does not say it gives maps that do not say it"
+expect 0 "$iftty" -c 'open unplaced.nii.gz; save labels a.nii; orient LPI; save labels b.nii'
+cmp -s a.nii b.nii || fail "what was told is in the map"
+expect 0 "$iftty" info a.nii
+out_has "axes      unknown"
+close_story
+
+finish
