@@ -6,6 +6,7 @@
 
 #include "base/mem.h"
 #include "command/act.h"
+#include "engine/centre.h"
 #include "program/shown.h"
 #include "render/mosaic.h"
 #include "render/text.h"
@@ -191,56 +192,11 @@ static bool seed(void *context, unsigned label, int64_t by, uint32_t place[3])
     return count > 0;
 }
 
-/* Sums of the places of a label's voxels, or the voxel that is nearest to `mean`. */
-struct centre {
-    unsigned label;
-    uint64_t voxels, sum[3], nearest; /* squared distance */
-    const uint32_t *mean;
-    uint32_t place[3];
-};
-
-static void look_at_voxel(struct centre *centre, uint32_t x, uint32_t y, uint32_t z)
-{
-    const uint32_t at[3] = {x, y, z};
-    uint64_t distance = 0;
-    centre->voxels++;
-    for (int a = 0; a < 3; a++) {
-        const int64_t apart = centre->mean ? (int64_t)at[a] - centre->mean[a] : 0;
-        centre->sum[a] += at[a];
-        distance += (uint64_t)(apart * apart);
-    }
-    if (!centre->mean || distance >= centre->nearest)
-        return;
-    centre->nearest = distance;
-    memcpy(centre->place, at, sizeof at);
-}
-
-/* Looks at every voxel of the scene: some milliseconds for a head. */
-static void look_at_label(struct centre *centre, const struct scene *scene)
-{
-    for (uint32_t z = 0; z < scene->grid.size[2]; z++)
-        for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
-            const struct span row = grid_row(&scene->grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                if (cell_is_reached(scene->cell + c) && scene->cell[c].label == centre->label)
-                    look_at_voxel(centre, c - row.first, y, z);
-        }
-}
-
 static bool centre(void *context, unsigned label, uint32_t place[3])
 {
-    const struct session *session = session_of(context);
-    struct centre sums = {.label = label};
-    uint32_t mean[3];
-    look_at_label(&sums, session->scene);
-    if (sums.voxels == 0)
-        return false;
-    for (int a = 0; a < 3; a++)
-        mean[a] = (uint32_t)(sums.sum[a] / sums.voxels);
-    struct centre found = {.label = label, .mean = mean, .nearest = UINT64_MAX};
-    look_at_label(&found, session->scene);
-    memcpy(place, found.place, sizeof found.place);
-    return true;
+    struct session *session = session_of(context);
+    return session_count_labels(session, NULL) == OK && session->tally.voxels[label] > 0 &&
+           centre_of_label(session->scene, label, place);
 }
 
 /* ---- what an eliminator takes ---- */

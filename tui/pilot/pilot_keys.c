@@ -40,21 +40,24 @@ static bool fits_any(const char *words, uint32_t leader, const struct key_event 
     return false;
 }
 
-/* Of the rows that the user has given keys, or by the keys of the table. */
+/* Whether a row has the key: by the keys that the user has given it, `own`, or by those of the
+ * table, of which the user's take the place. */
+static bool has_key(const struct pilot_state *state, const struct pilot_row *row,
+                    const struct key_event *event, bool own)
+{
+    const char *words = setup_own(state->setup, row);
+    if (own)
+        return fits_any(words, state->leader, event);
+    return (!words && fits_any(row->keys, state->leader, event)) ||
+           fits_any(row->also, state->leader, event);
+}
+
 static const struct pilot_row *find_among(const struct pilot_state *state,
                                           const struct key_event *event, bool own)
 {
-    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
-        const char *words = row->name ? setup_own(state->setup, row) : NULL;
-        if (!row->name || !(row->in & PILOT_IN(state->mode)))
-            continue;
-        if (fits_any(own     ? words
-                     : words ? ""
-                             : row->keys,
-                     state->leader, event) ||
-            (!own && fits_any(row->also, state->leader, event)))
+    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++)
+        if (row->name && row->in & PILOT_IN(state->mode) && has_key(state, row, event, own))
             return row;
-    }
     return NULL;
 }
 
