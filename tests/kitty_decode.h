@@ -178,7 +178,7 @@ static inline bool kitty_place(struct kitty_screen *k, const char *keys, unsigne
     p.height = p.height ? p.height : picture->png.height - p.top;
     if (strcmp(kitty_key(keys, "C"), "1") != 0 || p.left + p.width > picture->png.width ||
         p.top + p.height > picture->png.height || (p.columns == 0) != (p.rows == 0) ||
-        (p.columns > 0 && p.across + p.down > 0) || p.z < INT32_MIN / 2) /* kitty.c: why */
+        (p.columns > 0 && p.across + p.down > 0) || p.z < 0) /* kitty.c: why */
         return false;
     if (name > 0)
         kitty_take_off(k, number, name);

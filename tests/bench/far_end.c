@@ -133,7 +133,7 @@ static void answer(struct far_end *e, uint64_t now_ns)
 
 /* Whether the last byte of what began with an escape changes what is seen: a question and a place
  * for the cursor do not. A command for pictures does when it ends, unless what it sends lies below
- * everything (tui/picture/kitty.c). */
+ * the others (tui/picture/kitty.c). */
 static bool shows(const struct far_end *e)
 {
     const char *sequence = e->sequence;
@@ -149,7 +149,7 @@ static bool shows(const struct far_end *e)
 static void end_sequence(struct far_end *e)
 {
     if (e->sequence[0] == '_' && strstr(e->sequence, "a="))
-        e->is_ahead = strstr(e->sequence, ",z=-1000000000,") != NULL;
+        e->is_ahead = strstr(e->sequence, ",p=1000,w=1,h=1,") != NULL;
     e->length = 0;
 }
 

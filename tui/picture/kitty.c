@@ -1,7 +1,7 @@
 /*
  * The kitty graphics protocol: pictures as PNG in base64, in chunks, and changed in place.
  *
- *     ESC _ G a=T,C=1,f=100,i=7,q=2,m=1 ; <4096 base64 bytes> ESC \
+ *     ESC _ G a=T,C=1,f=100,i=7,z=2,q=2,m=1 ; <4096 base64 bytes> ESC \
  *     ESC _ G q=2,m=1 ; <4096 base64 bytes> ESC \
  *     ESC _ G q=2,m=0 ; <the rest> ESC \
  *
@@ -9,17 +9,18 @@
  *     ESC _ G a=f,i=7,r=1,X=1,x=40,y=8,f=24,o=z,s=3,v=3,q=2,m=0 ; <base64> ESC \    a small one
  *     ESC _ G a=d,d=I,i=7,q=2 ESC \                                     takes it away
  *
- *     ESC _ G a=T,C=1,f=100,i=9,p=1000,w=1,h=1,z=-1000000000,q=2,m=0 ; <base64> ESC \
- *     ESC _ G a=p,i=9,p=4,C=1,X=3,z=-1,q=1 ESC \     a strip of a slice: sent, and shown
+ *     ESC _ G a=T,C=1,f=100,i=9,p=1000,w=1,h=1,q=2,m=0 ; <base64> ESC \
+ *     ESC _ G a=p,i=9,p=4,C=1,X=3,z=1,q=1 ESC \      a strip of a slice: sent, and shown
  *     ESC _ G a=d,d=i,i=9,p=4,q=2 ESC \              taken off; the terminal still has it
  *
  * a=T transmits and shows at the cursor, C=1 leaves the cursor where it is, q=2 (on every chunk)
  * asks for no answer, f=100 means PNG, f=24,o=z deflated 24-bit pixels, m=1 that more follows. a=f
  * changes a frame, r=1 the first, X=1 puts pixels in the place of pixels. Every chunk of a patch
  * carries a=f,i=,r=1: without them kitty 0.26.5 says OK and changes nothing. When its quota is full
- * kitty drops what is placed nowhere, so a strip has one pixel below everything; what it has
- * dropped it says under q=1, as ESC _ G i=9,p=4;ENOENT:.. ESC \. ESC[2J drops all. Below -2^30,
- * where pictures lie under coloured backgrounds too, kitty 0.26.5 paints text over former text.
+ * kitty drops what is placed nowhere, so a strip has one pixel below the others; what it has
+ * dropped it says under q=1, as ESC _ G i=9,p=4;ENOENT:.. ESC \. ESC[2J drops all. No z is below 0,
+ * where pictures lie under text: kitty draws that in several passes, and Mesa's llvmpipe gets the
+ * one wrong that clears what stood behind text before.
  * Source:
  * https://sw.kovidgoyal.net/kitty/graphics-protocol/
  */
@@ -31,6 +32,10 @@
 #include "tui/picture/kitty.h"
 
 enum { CHUNK = 4096, FEW_PIXELS = 1024 };
+
+/* Strips lie below the picture; what keeps one from being dropped, a placement of this number, lies
+ * below all of them. */
+enum { PICTURE_Z = 2, STRIP_Z = 1, HOLD = 1000 };
 
 /* ---- finding it ---- */
 
@@ -107,7 +112,7 @@ static void whole(struct painter *p, const struct raster *raster, struct buf *ou
 {
     const uint32_t former = p->image, image = former == KITTY_FIRST ? KITTY_FIRST + 1 : KITTY_FIRST;
     char keys[48];
-    snprintf(keys, sizeof keys, "a=T,C=1,f=100,i=%u,", image);
+    snprintf(keys, sizeof keys, "a=T,C=1,f=100,i=%u,z=%d,", image, PICTURE_Z);
     painter_move_to(p, 0, 0, out);
     kitty_show(p, raster, keys, out);
     if (former > 0)
@@ -128,16 +133,11 @@ static void patch(struct painter *p, const struct raster *raster, const struct r
 
 /* ---- parts of slices ---- */
 
-/* Below the picture; what keeps a strip from being dropped lies below all of them. */
-enum { STRIP_Z = -1, HOLD = 1000 };
-#define HOLD_Z "-1000000000"
-
 static void send_strip(struct painter *p, const struct raster *raster, uint32_t number,
                        struct buf *out)
 {
     char keys[96];
-    snprintf(keys, sizeof keys, "a=T,C=1,f=100,i=%u,p=%d,w=1,h=1,z=" HOLD_Z ",",
-             KITTY_STRIPS + number, HOLD);
+    snprintf(keys, sizeof keys, "a=T,C=1,f=100,i=%u,p=%d,w=1,h=1,", KITTY_STRIPS + number, HOLD);
     painter_move_to(p, 0, 0, out);
     kitty_show(p, raster, keys, out);
 }
