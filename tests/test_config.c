@@ -41,7 +41,7 @@ STORY(every_kind_of_line)
         "key undo U Ctrl-u\nkey plant p2 ä\nstart overlay tint\nstart  label 1 \"left hemi\"");
     CHECK_TEXT(buf_text(&config.words), "");
     CHECK_TEXT(config.setup.theme->name, "light");
-    CHECK(config.setup.label == 3 && config.setup.radius == 2);
+    CHECK(config.setup.brush.label == 3 && config.setup.brush.radius == 2);
     CHECK_INT(config.setup.windows, 5);
     CHECK_TEXT(config.setup.window[4].name, "liver");
     CHECK(config.setup.window[4].centre == 60000 && config.setup.window[4].width == 160000);
@@ -56,10 +56,24 @@ STORY(nothing_is_fine_too)
     take("");
     CHECK_TEXT(buf_text(&config.words), "");
     CHECK_TEXT(config.setup.theme->name, "dark");
-    CHECK(config.setup.label == 1 && config.setup.radius == 0 && config.setup.windows == 4);
+    CHECK(config.setup.brush.label == 1 && config.setup.brush.radius == 0 &&
+          config.setup.windows == 4);
     take("brush 7\ntheme none");
-    CHECK(config.setup.label == 7 && config.setup.radius == 0);
+    CHECK(config.setup.brush.label == 7 && config.setup.brush.radius == 0);
     CHECK(!config.setup.theme->has_colours);
+}
+
+STORY(a_brush_is_what_the_pilot_has)
+{
+    const struct pilot_brush *brush = &config.setup.brush;
+    take("brush 3 2.5mm range=-40.5..80");
+    CHECK_TEXT(buf_text(&config.words), "");
+    CHECK(brush->label == 3 && brush->in_mm && brush->radius == 5);
+    CHECK(brush->has_range && brush->range[0] == -40500 && brush->range[1] == 80000);
+    take("brush 4 range=1..2");
+    CHECK(brush->label == 4 && !brush->in_mm && brush->radius == 0 && brush->has_range);
+    take("brush 4 32mm");
+    CHECK(brush->in_mm && brush->radius == 64 && !brush->has_range);
 }
 
 STORY(a_bad_line_is_named_with_its_number_and_left_out)
@@ -69,10 +83,17 @@ STORY(a_bad_line_is_named_with_its_number_and_left_out)
         {"\nthem dark",
          "c:2: expected theme, brush, window, key, pager or start, not them; did you mean "
          "theme?; left out\n"},
-        {"brush 256", "c:1: expected a label 0..255, and a radius 0..32; left out\n"},
+        {"brush 256", "c:1: expected a label 0..255, then a radius 0..32 or so many mm, in halves"},
         {"brush 1 33", "c:1: expected a label"},
         {"brush 1 2 3", "c:1: expected a label"},
         {"brush", "c:1: expected a label"},
+        {"brush 1 32.5mm", "c:1: expected a label"},
+        {"brush 1 2.3mm", "c:1: expected a label"},
+        {"brush 1 2.5", "c:1: expected a label"},
+        {"brush 1 2 mm", "c:1: expected a label"},
+        {"brush 1 range=5", "c:1: expected a label"},
+        {"brush 1 range=9..5", "c:1: expected a label"},
+        {"brush 1 range=1..5 2", "c:1: expected a label"},
         {"window", "c:1: expected a name, a centre, and a width"},
         {"window lung 5", "c:1: expected a name, a centre, and a width"},
         {"window lung 5 0", "c:1: expected a name, a centre, and a width"},
@@ -95,7 +116,7 @@ STORY(a_bad_line_is_named_with_its_number_and_left_out)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         CHECK_HAS(words_of(bad[i][0]), bad[i][1]);
     take("brush 300\nbrush 5\nkey undu U\nkey undo U");
-    CHECK(config.setup.label == 5); /* the others count */
+    CHECK(config.setup.brush.label == 5); /* the others count */
     CHECK_TEXT(keys_of("undo"), "U");
 }
 
@@ -140,13 +161,13 @@ STORY(the_file_is_where_the_environment_says)
     CHECK(file_write(buf_text(&path), "brush 9\nx", 9, FILE_KEEP, NULL) == OK);
     config_init(&config);
     config_read(&config);
-    CHECK_INT(config.setup.label, 9);
+    CHECK_INT(config.setup.brush.label, 9);
     CHECK_HAS(buf_text(&config.words), "/iftty/config:2: expected theme");
     config_release(&config);
     setenv("IFTTY_CONFIG", "", 1);
     config_init(&config);
     config_read(&config);
-    CHECK_INT(config.setup.label, 1);
+    CHECK_INT(config.setup.brush.label, 1);
     config_release(&config);
     setenv("IFTTY_CONFIG", folder, 1); /* a folder is none */
     config_init(&config);
@@ -245,7 +266,8 @@ STORY(any_text_leaves_a_setup_that_can_be_used)
             buf_add_text(&text, check_below(&seed, 3) ? " " : check_below(&seed, 2) ? "\n" : "");
         }
         take(buf_text(&text));
-        CHECK(config.setup.theme && config.setup.label < 256 && config.setup.radius <= 32);
+        CHECK(config.setup.theme && config.setup.brush.label < 256 &&
+              config.setup.brush.radius <= 64);
         CHECK(config.setup.windows <= SETUP_WINDOWS_MOST);
         CHECK(is_printable(&config.words) && is_printable(&config.start));
         pilot_keys_page(&page, &config.setup, 80);
@@ -263,7 +285,7 @@ STORY(any_text_leaves_a_setup_that_can_be_used)
 int main(void)
 {
     return RUN_STORIES(
-        TELL(every_kind_of_line), TELL(nothing_is_fine_too),
+        TELL(every_kind_of_line), TELL(nothing_is_fine_too), TELL(a_brush_is_what_the_pilot_has),
         TELL(a_bad_line_is_named_with_its_number_and_left_out),
         TELL(there_is_an_end_to_what_is_read), TELL(the_file_is_where_the_environment_says),
         TELL(keys_of_ones_own_stand_before_those_of_the_table), TELL(every_action_is_in_the_readme),

@@ -556,6 +556,32 @@ STORY(a_change_is_repeated)
     CHECK_TEXT(type("."), "show 12\n");
 }
 
+STORY(a_box_or_a_polygon_is_repeated_beside_the_cross_hair)
+{
+    begin();
+    type("a");
+    memcpy(facts.place, (uint32_t[]){25, 28, 30}, sizeof facts.place);
+    CHECK_TEXT(type("d"), "box 20,25,30 25,28,30 1\n");
+    memcpy(facts.place, (uint32_t[]){35, 8, 31}, sizeof facts.place);
+    CHECK_TEXT(type("3b."), "box 30,5,31 35,8,31 3\n"); /* by the brush that there is */
+    CHECK_INT(state.outline.count, 0);
+    CHECK_TEXT(type("d"), "");
+    CHECK_HAS(buf_text(&message), "there are 0");
+    facts.place[1] = 2;
+    CHECK_TEXT(type("."), "");
+    CHECK_TEXT(buf_text(&message), "here it would leave the scene");
+    CHECK_INT(state.outline.count, 0);
+    type("a");
+    facts.place[0]++;
+    type("a");
+    facts.place[1]++;
+    type("a");
+    CHECK_TEXT(type("A"), "fill 35,2,31 3 to=36,2,31 to=36,3,31\n");
+    facts.place[2] += 4;
+    CHECK_TEXT(type("."), "fill 35,2,35 3 to=36,2,35 to=36,3,35\n");
+    CHECK_TEXT(type("."), "fill 35,2,35 3 to=36,2,35 to=36,3,35\n");
+}
+
 STORY(what_is_shown)
 {
     begin();
@@ -1155,6 +1181,7 @@ int main(void)
         TELL(a_radius_in_millimetres), TELL(a_brush_within_intensities),
         TELL(messages_name_the_keys_that_the_user_has),
         TELL(boxes_and_polygons_are_set_by_their_corners),
+        TELL(a_box_or_a_polygon_is_repeated_beside_the_cross_hair),
         TELL(a_stroke_too_long_for_a_line_is_in_parts_that_are_joined),
         TELL(an_eliminator_shows_first_what_it_takes), TELL(the_view_and_the_window),
         TELL(corrections_are_made_on_the_rendition), TELL(what_is_no_command),

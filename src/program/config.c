@@ -54,16 +54,46 @@ static enum err take_theme(struct config *config, const char *words, struct faul
     return OK;
 }
 
+/* Voxels, or halves of a millimetre. */
+static bool take_radius(const char **at, struct pilot_brush *brush)
+{
+    int64_t tenths;
+    scan_blanks(at);
+    if (!scan_decimal(at, 1, 0, 10 * RADIUS_MOST, &tenths))
+        return false;
+    brush->in_mm = scan_text(at, "mm");
+    const int64_t unit = brush->in_mm ? 5 : 10;
+    brush->radius = (unsigned)(tenths / unit);
+    return tenths % unit == 0 && (**at == ' ' || **at == '\0');
+}
+
+static bool has_radius(const char *at)
+{
+    scan_blanks(&at);
+    return *at >= '0' && *at <= '9';
+}
+
+static bool take_range(const char **at, struct pilot_brush *brush)
+{
+    scan_blanks(at);
+    brush->has_range = scan_text(at, "range=");
+    return !brush->has_range || pilot_scan_range(at, brush->range);
+}
+
 static enum err take_brush(struct config *config, const char *words, struct fault *fault)
 {
-    int64_t label, radius = 0;
-    const bool has_label = take_number(&words, 0, 0, LABEL_MOST, &label);
-    if (!has_label || (!is_end(words) && !take_number(&words, 0, 0, RADIUS_MOST, &radius)) ||
+    struct pilot_brush brush = {.label = 0};
+    int64_t label;
+    if (!take_number(&words, 0, 0, LABEL_MOST, &label) ||
+        (has_radius(words) && !take_radius(&words, &brush)) || !take_range(&words, &brush) ||
         !is_end(words))
-        return fault_set(fault, ERR_USAGE, "expected a label 0..%d, and a radius 0..%d", LABEL_MOST,
-                         RADIUS_MOST);
-    config->setup.label = (unsigned)label;
-    config->setup.radius = (unsigned)radius;
+        return fault_set(
+            fault, ERR_USAGE,
+            "expected a label 0..%d, then a radius 0..%d or so many mm, in halves, and "
+            "range=LOW..HIGH, or less",
+            LABEL_MOST, RADIUS_MOST);
+    brush.label = (unsigned)label;
+    config->setup.brush = brush;
     return OK;
 }
 

@@ -464,14 +464,19 @@ void pilot_erase_typed(struct press *p)
     p->state->typed[length ? length - 1 : 0] = '\0';
 }
 
+bool pilot_scan_range(const char **at, int64_t range[2])
+{
+    return scan_decimal(at, 3, -REAL_MOST, REAL_MOST, &range[0]) && scan_text(at, "..") &&
+           scan_decimal(at, 3, range[0], REAL_MOST, &range[1]);
+}
+
 /* Nothing typed takes the range away. */
 void pilot_end_range(struct press *p)
 {
     struct pilot_brush *brush = &p->state->brush;
     const char *at = p->state->typed;
-    int64_t low, high;
-    if (*at && !(scan_decimal(&at, 3, -REAL_MOST, REAL_MOST, &low) && scan_text(&at, "..") &&
-                 scan_decimal(&at, 3, low, REAL_MOST, &high) && *at == '\0')) {
+    int64_t range[2];
+    if (*at && !(pilot_scan_range(&at, range) && *at == '\0')) {
         buf_printf(p->message,
                    "expected LOW..HIGH, as in 40..1200.5, not %s; the brush is as it "
                    "was",
@@ -479,10 +484,8 @@ void pilot_end_range(struct press *p)
         return;
     }
     brush->has_range = p->state->typed[0] != '\0';
-    if (brush->has_range) {
-        brush->range[0] = low;
-        brush->range[1] = high;
-    }
+    if (brush->has_range)
+        memcpy(brush->range, range, sizeof range);
     say_brush(p);
 }
 
@@ -520,6 +523,17 @@ void pilot_set_corner(struct press *p)
                                                  : " plants the polygon");
 }
 
+/* The corners are set no more, but remembered for `.`. */
+static void keep_shape(struct press *p)
+{
+    struct pilot_shape *shape = &p->state->shape;
+    const struct polyline former = shape->outline;
+    shape->outline = p->state->outline;
+    memcpy(shape->place, p->facts->place, sizeof shape->place);
+    p->state->outline = former;
+    p->state->outline.count = 0;
+}
+
 /* From the corner to the cross-hair. */
 void pilot_plant_box(struct press *p)
 {
@@ -534,7 +548,7 @@ void pilot_plant_box(struct press *p)
     add_place(p->line, " ", p->facts->place);
     add_label(p->line, &p->state->brush);
     buf_add_char(p->line, '\n');
-    outline->count = 0;
+    keep_shape(p);
 }
 
 void pilot_plant_polygon(struct press *p)
@@ -552,7 +566,29 @@ void pilot_plant_polygon(struct press *p)
     for (size_t i = 1; i < outline->count; i++)
         add_place(p->line, " to=", outline->corner[i]);
     buf_add_char(p->line, '\n');
+    keep_shape(p);
+}
+
+bool pilot_move_shape(struct press *p)
+{
+    const struct pilot_shape *shape = &p->state->shape;
+    struct polyline *outline = &p->state->outline;
+    bool fits = true;
     outline->count = 0;
+    for (size_t i = 0; fits && i < shape->outline.count; i++) {
+        int64_t at[3];
+        for (int a = 0; a < 3; a++) {
+            at[a] = (int64_t)shape->outline.corner[i][a] + p->facts->place[a] - shape->place[a];
+            fits &= at[a] >= 0;
+        }
+        const uint32_t corner[3] = {(uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]};
+        fits = fits && polyline_add(outline, corner);
+    }
+    if (fits)
+        return true;
+    outline->count = 0;
+    buf_add_text(p->message, "here it would leave the scene");
+    return false;
 }
 
 /* ---- strokes ---- */

@@ -9,8 +9,7 @@ enum { COUNT_MOST = 9999 };
 
 void pilot_state_init(struct pilot_state *state, const struct pilot_setup *setup)
 {
-    *state = (struct pilot_state){
-        .setup = setup, .pane = PILOT_AXIAL, .brush = {setup->label, setup->radius}};
+    *state = (struct pilot_state){.setup = setup, .pane = PILOT_AXIAL, .brush = setup->brush};
 }
 
 void pilot_state_enter(struct pilot_state *state)
@@ -25,6 +24,7 @@ void pilot_state_release(struct pilot_state *state)
 {
     polyline_release(&state->pen.line);
     polyline_release(&state->outline);
+    polyline_release(&state->shape.outline);
 }
 
 /* ---- finding the row ---- */
@@ -168,7 +168,8 @@ void pilot_repeat(struct press *p)
     }
     again.event = &change.key;
     p->state->count = change.count;
-    carry_out(&again, change.row);
+    if (!(change.row->flags & PILOT_OUTLINES) || pilot_move_shape(p))
+        carry_out(&again, change.row);
 }
 
 /* ---- counts ---- */

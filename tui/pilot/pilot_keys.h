@@ -56,13 +56,10 @@ struct pilot_change {
     uint32_t count;
 };
 
-/* With what one plants. */
-struct pilot_brush {
-    unsigned label;
-    unsigned radius; /* voxels, or halves of a millimetre where it is in_mm; 0 for one voxel */
-    bool in_mm;
-    bool has_range; /* only voxels whose intensity is within: real values, in thousandths */
-    int64_t range[2];
+/* The last box or polygon, and where the cross-hair was: `.` plants it beside where that is now. */
+struct pilot_shape {
+    struct polyline outline;
+    uint32_t place[3];
 };
 
 /* While the pen is down, what it has drawn is a sketch: shown, and not recorded. It becomes one
@@ -95,6 +92,7 @@ struct pilot_state {
     bool is_silent; /* what the last line does is seen below the picture anyway */
     bool tells_all; /* all lines of what it says are of use, not the last alone */
     struct pilot_change change;
+    struct pilot_shape shape;
 };
 
 /* The setup is borrowed. */

@@ -23,12 +23,13 @@ struct press {
 #define PILOT_IN(mode) (1u << (mode))
 
 enum pilot_flag {
-    PILOT_COUNTS = 1,     /* the row takes a count */
-    PILOT_CHANGES = 2,    /* `.` repeats it */
-    PILOT_STAYS = 4,      /* the mode does not change */
-    PILOT_IS_SILENT = 8,  /* what the line does is seen below the picture anyway */
-    PILOT_TELLS_ALL = 16, /* each line of its answer is of use */
-    PILOT_ONLY_MOVES = 32 /* it asks nothing of the segmentation, and changes nothing of it */
+    PILOT_COUNTS = 1,      /* the row takes a count */
+    PILOT_CHANGES = 2,     /* `.` repeats it */
+    PILOT_STAYS = 4,       /* the mode does not change */
+    PILOT_IS_SILENT = 8,   /* what the line does is seen below the picture anyway */
+    PILOT_TELLS_ALL = 16,  /* each line of its answer is of use */
+    PILOT_ONLY_MOVES = 32, /* it asks nothing of the segmentation, and changes nothing of it */
+    PILOT_OUTLINES = 64    /* it plants what the corners enclose */
 };
 
 /* Words of keys are those of tui/pilot/chord.h; the first row that fits is taken. */
@@ -65,6 +66,11 @@ bool pilot_cross(struct pilot_state *state, const struct pilot_facts *facts,
 /* Magnifies slices by so many steps of a quarter or so, or less, around the cross-hair. False where
  * they are as large, or as small, as can be. */
 bool pilot_magnify_by(const struct pilot_facts *facts, int64_t steps, struct buf *line);
+/* Sets the corners of the last box or polygon once more, beside the cross-hair. False, with a
+ * message, where that cannot be. */
+bool pilot_move_shape(struct press *p);
+/* Takes LOW..HIGH, in thousandths; false where `at` begins with something else. */
+bool pilot_scan_range(const char **at, int64_t range[2]);
 /* The stroke that the pen has drawn, as the lines of its command. */
 void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line);
 void pilot_zoom(uint32_t now, bool nearer, struct buf *line);

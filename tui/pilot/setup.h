@@ -27,9 +27,18 @@ struct setup_window {
     int64_t centre, width;
 };
 
+/* With what one plants. */
+struct pilot_brush {
+    unsigned label;
+    unsigned radius; /* voxels, or halves of a millimetre where it is in_mm; 0 for one voxel */
+    bool in_mm;
+    bool has_range; /* only voxels whose intensity is within: real values, in thousandths */
+    int64_t range[2];
+};
+
 struct pilot_setup {
     const struct theme *theme;
-    unsigned label, radius;
+    struct pilot_brush brush; /* to begin with */
     struct setup_window window[SETUP_WINDOWS_MOST];
     size_t windows;
     char keys[SETUP_ROWS_MOST][SETUP_KEYS_BYTES]; /* by row; "" where the user has said none */
