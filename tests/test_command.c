@@ -817,7 +817,8 @@ STORY(completion_offers_what_may_stand_there)
     completes(&interp, "help see", "seed\nseed-file\n", 5);
     completes(&interp, "help seed ", "", 10);
     completes(&interp, "save ",
-              "labels\ncost\nroot\nborder\ndistance\nmargin\nseeds\nnames\nreplace=\nfinished=\n",
+              "labels\ncost\nroot\nborder\ndistance\nmargin\nseeds\nnames\nsurface\nreplace="
+              "\nfinished=\nlabel=\nsmooth=\ntriangles=\n",
               5);
     completes(&interp, "save c", "cost\n", 5);
     completes(&interp, "save cost x.nii replace=y", "yes\n", 24);

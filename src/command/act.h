@@ -61,6 +61,10 @@ enum err act_save(const struct act *act);
 /* act_finish.c */
 enum err act_finish(const struct act *act);
 
+/* act_surface.c: the part of act_save that is about surfaces */
+enum err act_save_surface(const struct act *act, const struct labels *labels, const char *path,
+                          enum file_mode how);
+
 /* act_golden.c */
 enum err act_golden(const struct act *act);
 
@@ -116,6 +120,9 @@ enum err act_take_labels(const struct act *act, const struct value *finished,
 
 /* "finish: majority radius=1, largest" as a line; nothing where there are no steps. */
 void act_write_finish(struct buf *out, const struct session *session);
+
+/* The volume of so many voxels: "1.24 l", or "3 voxels" where their distances are unknown. */
+void act_write_extent(struct buf *out, const struct session *session, uint64_t voxels);
 
 /* Has the session take on the state act->next. */
 enum err act_go(const struct act *act);

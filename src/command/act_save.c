@@ -1,13 +1,14 @@
-/* What a session hands on in files: maps, seeds, and the names of labels. */
+/* What a session hands on in files: maps, surfaces, seeds, and the names of labels. */
 #include "command/act.h"
 
 #include "base/file.h"
+#include "image/surface_file.h"
 #include "session/export.h"
 #include "session/label_table.h"
 
 /* The places of the parameters in the table; what is saved comes after the maps. */
-enum { WHAT, FILE_NAME, REPLACE, FINISHED };
-enum { SAVE_SEEDS = MAP_MARGIN + 1, SAVE_NAMES };
+enum { WHAT, FILE_NAME, REPLACE, FINISHED, LABEL, SMOOTH, TRIANGLES };
+enum { SAVE_SEEDS = MAP_MARGIN + 1, SAVE_NAMES, SAVE_SURFACE };
 
 static enum err save_seeds(const struct act *act, const char *path, enum file_mode how)
 {
@@ -45,6 +46,24 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
     return err;
 }
 
+/* Those that mean nothing to what is saved are refused. */
+static enum err check_parameters(const struct act *act)
+{
+    const struct value *value = act->value;
+    const int64_t what = value[WHAT].number;
+    if (what == SAVE_SURFACE)
+        return surface_file_check(value[FILE_NAME].text, act->fault);
+    if (value[FINISHED].given && what != MAP_LABELS)
+        return fault_set(act->fault, ERR_USAGE,
+                         "finished: of labels alone, and of surfaces (`save labels FILE "
+                         "finished=yes`)");
+    if (value[LABEL].given || value[SMOOTH].given || value[TRIANGLES].given)
+        return fault_set(act->fault, ERR_USAGE,
+                         "label=, smooth= and triangles= are for `save surface`, not for %s",
+                         value[WHAT].text);
+    return OK;
+}
+
 static enum err save(const struct act *act, const struct labels *labels, const char *path)
 {
     const enum file_mode how = act_file_mode(&act->value[REPLACE]);
@@ -52,9 +71,10 @@ static enum err save(const struct act *act, const struct labels *labels, const c
     const enum err err = interpreter_will_write(act->interp, path, how, act->fault);
     if (err)
         return err;
-    return what == SAVE_SEEDS ? save_seeds(act, path, how)
-           : what == SAVE_NAMES
-               ? save_names(act, path, how)
+    return what == SAVE_SEEDS   ? save_seeds(act, path, how)
+           : what == SAVE_NAMES ? save_names(act, path, how)
+           : what == SAVE_SURFACE
+               ? act_save_surface(act, labels, path, how)
                : export_map(act->session, (enum map)what, labels, path, how, act->fault);
 }
 
@@ -62,10 +82,9 @@ enum err act_save(const struct act *act)
 {
     struct buf path = {0};
     struct labels labels;
-    if (act->value[FINISHED].given && act->value[WHAT].number != MAP_LABELS)
-        return fault_set(act->fault, ERR_USAGE,
-                         "finished: of labels alone (`save labels FILE finished=yes`)");
-    enum err err = session_run(act->session, act->fault);
+    enum err err = check_parameters(act);
+    if (!err)
+        err = session_run(act->session, act->fault);
     if (!err)
         err = act_take_labels(act, &act->value[FINISHED], &labels);
     if (!err)

@@ -1,6 +1,7 @@
 /* THE table of commands. */
 #include "command/act.h"
 
+#include "engine/surface.h"
 #include "engine/weight.h"
 #include "image/volume.h"
 #include "render/view.h"
@@ -456,9 +457,12 @@ const struct command command_table[] = {
      "label: for one label, instead of all.",
      "finish majority radius=1"},
     {COMMAND("save", act_save, GROUP_KEPT, R | S | E),
-     {NEED("MAP", VALUE_CHOICE, .choices = MAPS "|seeds|names"), NEED("FILE", VALUE_FILE),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
-     "write a map, the seeds, or the names of labels",
+     {NEED("MAP", VALUE_CHOICE, .choices = MAPS "|seeds|names|surface"), NEED("FILE", VALUE_FILE),
+      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED,
+      KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
+      KEYED("smooth", VALUE_NUMBER, .most = SURFACE_PASSES_MOST),
+      KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX)},
+     "write a map, surfaces, the seeds, names of labels",
      "A map as .nii, .nii.gz, .nrrd or .mha, in the geometry of the scene. Labels as .seg.nrrd are "
      "a segmentation of 3D Slicer, with the "
      "names and colours of labels.\n"
@@ -473,8 +477,15 @@ const struct command command_table[] = {
      "run.\n"
      "seeds: all that are planted as FILE.csv, which `seed-file` reads.\n"
      "names: of labels, with their colours, as `label-file` reads them: .txt or .label for "
-     "ITK-SNAP, .ctbl or .ctab for FreeSurfer and 3D Slicer, .nii.txt or .lut for "
-     "mricron." FINISHED_NOTE,
+     "ITK-SNAP, .ctbl or .ctab for FreeSurfer and 3D Slicer, .nii.txt or .lut for mricron.\n"
+     "surface: what encloses each label, as .stl, .ply, .obj or .vtp, in millimetres of the world. "
+     "It is closed, and holds as much as the voxels. A .stl knows no labels: it has all of them as "
+     "one.\n"
+     "label: the surface of that one alone.\n"
+     "smooth: how often, 20 times unless given; no point comes nearer to the centre of a voxel "
+     "than 1/16 of the way to the next.\n"
+     "triangles: no more than so many, as far as surfaces stay closed. Those of labels that touch "
+     "then no longer have the same points." FINISHED_NOTE,
      "save labels brain-labels.nii.gz"},
     {COMMAND("journal", act_journal, GROUP_KEPT, 0),
      {MAY("FILE", VALUE_FILE)},

@@ -3,8 +3,7 @@
 
 enum { LISTED_MOST = 6 };
 
-/* A volume, where the distances of voxels are known. */
-static void write_extent(struct buf *out, const struct session *session, uint64_t voxels)
+void act_write_extent(struct buf *out, const struct session *session, uint64_t voxels)
 {
     if (session->geometry.spacing_unknown)
         buf_printf(out, "%llu voxel%s", (unsigned long long)voxels, plural(voxels));
@@ -21,11 +20,11 @@ static void write_volume(struct buf *out, const struct session *session, unsigne
     buf_add_text(out, ", label ");
     act_write_label(out, session, label);
     buf_add_text(out, ": ");
-    write_extent(out, session, voxels);
+    act_write_extent(out, session, voxels);
     if (former == 0)
         return;
     buf_add_text(out, voxels > former ? " (+" : " (-");
-    write_extent(out, session, voxels > former ? voxels - former : former - voxels);
+    act_write_extent(out, session, voxels > former ? voxels - former : former - voxels);
     buf_add_char(out, ')');
 }
 

@@ -175,7 +175,7 @@ static void fill_row(void *context, uint32_t y, uint32_t z, void *values)
     }
 }
 
-static void take_labels(struct volume_label label[256], const struct kept *kept)
+void export_labels(struct volume_label label[256], const struct kept *kept)
 {
     for (int l = 0; l < 256; l++) {
         label[l].name = kept->label_name[l];
@@ -211,7 +211,7 @@ enum err export_map(const struct session *session, enum map map, const struct la
     enum err err = map == MAP_MARGIN ? margin_new(&source.margin, session->forest, fault) : OK;
     if (err)
         return err;
-    take_labels(label, &session->now.kept);
+    export_labels(label, &session->now.kept);
     describe(&description, form[map].description, &source);
     const struct volume_map written = {
         session->scene->grid.size,       &session->geometry, form[map].type,

@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "image/picture.h"
+#include "image/volume.h"
 #include "session/session.h"
 
 #define PROGRAM_VERSION "0.1"
@@ -29,6 +30,9 @@ enum err export_normals(struct picture *picture, const struct session *session,
  * unit vectors towards Right, Anterior, Superior ([pixels][3]). Exact: a float holds them. */
 void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,
                              const struct scene *scene);
+
+/* How labels are called and shown; names are borrowed. */
+void export_labels(struct volume_label label[256], const struct kept *kept);
 
 #define MAPS "labels|cost|root|border|distance|margin"
 enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER, MAP_DISTANCE, MAP_MARGIN };

@@ -1,0 +1,354 @@
+#include "engine/surface_nodes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "engine/surface_cases.h"
+
+static const size_t NODES_MOST = INT32_MAX;
+static const uint32_t NO_NODE = UINT32_MAX;
+
+enum { FAR = 8 }; /* bytes that may be looked at after a row */
+
+/* Two planes of labels with a rim of 0, and which nodes begin there: nodes[a] along axis a. */
+struct plane {
+    uint8_t *label;
+    uint32_t *node[3];
+};
+
+struct sweep {
+    const struct surface_source *source;
+    struct surface_nodes *nodes;
+    struct surface_case cases[256];
+    size_t width, cells;   /* of a plane with its rim */
+    struct plane plane[2]; /* the lower and the upper one of the cubes at hand */
+    uint32_t z;            /* of the lower one, counted from 1 before the scene */
+    struct fault *fault;
+};
+
+/* ---- planes ---- */
+
+static enum err plane_init(struct plane *plane, size_t cells, struct fault *fault)
+{
+    plane->label = mem_new(cells + FAR);
+    for (int a = 0; a < 3; a++)
+        plane->node[a] = mem_array(cells, sizeof *plane->node[a]);
+    return plane->label && plane->node[0] && plane->node[1] && plane->node[2]
+               ? OK
+               : fault_memory(fault, "a surface");
+}
+
+static void plane_release(struct plane *plane)
+{
+    free(plane->label);
+    for (int a = 0; a < 3; a++)
+        free(plane->node[a]);
+}
+
+/* The plane `z`, counted from 1 before the scene, becomes the upper one. */
+static void take_plane(struct sweep *s, uint32_t z)
+{
+    const uint32_t *size = s->source->size;
+    const struct plane former = s->plane[0];
+    s->plane[0] = s->plane[1];
+    s->plane[1] = former;
+    for (int a = 0; a < 3; a++)
+        memset(former.node[a], 0xff, s->cells * sizeof *former.node[a]); /* NO_NODE */
+    if (z > size[2]) {
+        memset(former.label, 0, s->cells);
+        return;
+    }
+    for (uint32_t y = 0; y < size[1]; y++) {
+        uint8_t *row = former.label + (y + 1) * s->width + 1;
+        s->source->row(s->source->context, y, z - 1, row);
+        for (uint32_t x = 0; x < size[0]; x++)
+            s->nodes->voxels[row[x]]++;
+    }
+}
+
+/* ---- a cube ---- */
+
+/* The eight labels of the cube at a place of the lower plane. */
+static void labels_of_cube(uint8_t label[8], const struct sweep *s, size_t at)
+{
+    for (unsigned c = 0; c < 8; c++)
+        label[c] = s->plane[c >> 2].label[at + (c & 1) + (c >> 1 & 1) * s->width];
+}
+
+static uint32_t new_node(struct sweep *s, size_t at, unsigned corner, unsigned axis,
+                         const uint8_t label[8])
+{
+    struct surface_nodes *n = s->nodes;
+    if (!mem_grow(&n->node, &n->node_room, n->nodes + 1, sizeof *n->node))
+        return NO_NODE;
+    n->node[n->nodes] = (struct surface_node){{(uint16_t)(at % s->width + (corner & 1)),
+                                               (uint16_t)(at / s->width + (corner >> 1 & 1)),
+                                               (uint16_t)(s->z + (corner >> 2))},
+                                              (uint8_t)axis,
+                                              {label[corner], label[corner | 1u << axis]},
+                                              SURFACE_ONE / 2};
+    return (uint32_t)n->nodes++;
+}
+
+/* The node on an edge of the cube, which is made where it is new; NO_NODE where that fails. */
+static uint32_t node_on(struct sweep *s, size_t at, unsigned edge, const uint8_t label[8])
+{
+    const unsigned corner = surface_edge_corner(edge), axis = edge / 4;
+    uint32_t *node =
+        &s->plane[corner >> 2].node[axis][at + (corner & 1) + (corner >> 1 & 1) * s->width];
+    if (*node == NO_NODE)
+        *node = new_node(s, at, corner, axis, label);
+    return *node;
+}
+
+static bool add_triangle(struct surface_nodes *n, const uint32_t node[3], uint8_t label)
+{
+    if (!mem_grow(&n->triangle, &n->triangle_room, n->triangles + 1, sizeof *n->triangle))
+        return false;
+    for (int i = 0; i < 3; i++)
+        n->triangle[n->triangles].corner[i] =
+            2 * node[i] + (n->node[node[i]].label[1] == label ? 1 : 0);
+    n->triangles++;
+    return true;
+}
+
+static bool add_segment(struct surface_nodes *n, uint32_t from, uint32_t to)
+{
+    if (!mem_grow(&n->segment, &n->segment_room, n->segments + 1, sizeof *n->segment))
+        return false;
+    n->segment[n->segments][0] = from;
+    n->segment[n->segments++][1] = to;
+    return true;
+}
+
+/* The surface of one label in a cube. */
+static bool join_nodes(struct sweep *s, size_t at, const uint8_t label[8], uint8_t of)
+{
+    unsigned set = 0;
+    for (unsigned c = 0; c < 8; c++)
+        set |= (unsigned)(label[c] == of) << c;
+    const struct surface_case *now = &s->cases[set];
+    uint32_t node[3];
+    for (unsigned t = 0; t < now->triangles; t++) {
+        for (unsigned i = 0; i < 3; i++) {
+            node[i] = node_on(s, at, now->triangle[t][i], label);
+            if (node[i] == NO_NODE)
+                return false;
+        }
+        if (!add_triangle(s->nodes, node, of))
+            return false;
+    }
+    for (unsigned i = 0; i < now->segments; i++)
+        if (!add_segment(s->nodes, node_on(s, at, now->segment[i][0], label),
+                         node_on(s, at, now->segment[i][1], label)))
+            return false;
+    return true;
+}
+
+static enum err fill_cube(struct sweep *s, size_t at)
+{
+    uint8_t label[8];
+    labels_of_cube(label, s, at);
+    for (unsigned c = 0; c < 8; c++) {
+        bool is_first = label[c] != 0;
+        for (unsigned former = 0; former < c; former++)
+            is_first &= label[former] != label[c];
+        if (is_first && !join_nodes(s, at, label, label[c]))
+            return fault_memory(s->fault, "a surface");
+    }
+    if (s->nodes->nodes > NODES_MOST)
+        return fault_set(s->fault, ERR_LIMIT,
+                         "the labels have more than %zu faces in common; no surface is made of so "
+                         "many",
+                         NODES_MOST);
+    return OK;
+}
+
+/* Whether no label changes in the eight cubes from here on: most of a scene is passed by that. */
+static bool is_plain(const struct sweep *s, size_t at)
+{
+    uint64_t first, word;
+    memcpy(&first, s->plane[0].label + at, sizeof first);
+    for (unsigned i = 0; i < 8; i++) {
+        memcpy(&word, s->plane[i >> 2].label + at + (i & 1) + (i >> 1 & 1) * s->width, sizeof word);
+        if (word != first)
+            return false;
+    }
+    return true;
+}
+
+/* ---- all of them ---- */
+
+static enum err fill_plane(struct sweep *s, struct task *task)
+{
+    const size_t rows = s->source->size[1] + 1, cubes = s->source->size[0] + 1;
+    for (size_t y = 0; y < rows && task_advance(task, cubes); y++)
+        for (size_t x = 0; x < cubes; x++) {
+            const size_t at = y * s->width + x;
+            if (x + 8 <= cubes && is_plain(s, at)) {
+                x += 7;
+                continue;
+            }
+            const enum err err = fill_cube(s, at);
+            if (err)
+                return err;
+        }
+    return OK;
+}
+
+static enum err sweep(struct sweep *s, struct watch *watch)
+{
+    const uint32_t *size = s->source->size;
+    struct task task =
+        task_begin(watch, "surfaces",
+                   ((uint64_t)size[0] + 1) * ((uint64_t)size[1] + 1) * ((uint64_t)size[2] + 1));
+    take_plane(s, size[2] + 1); /* the rim before the scene */
+    enum err err = OK;
+    for (s->z = 0; s->z <= size[2] && !err && !watch_stops(watch); s->z++) {
+        take_plane(s, s->z + 1);
+        err = fill_plane(s, &task);
+    }
+    return err ? err : watch_fault(watch, s->fault);
+}
+
+static enum err make_nodes(struct surface_nodes *nodes, const struct surface_source *source,
+                           struct watch *watch, struct fault *fault)
+{
+    struct sweep *s = mem_new(sizeof *s);
+    if (!s)
+        return fault_memory(fault, "a surface");
+    s->source = source;
+    s->nodes = nodes;
+    s->fault = fault;
+    s->width = (size_t)source->size[0] + 2;
+    s->cells = s->width * ((size_t)source->size[1] + 2);
+    surface_cases_init(s->cases);
+    enum err err = plane_init(&s->plane[0], s->cells, fault);
+    if (!err)
+        err = plane_init(&s->plane[1], s->cells, fault);
+    if (!err)
+        err = sweep(s, watch);
+    plane_release(&s->plane[0]);
+    plane_release(&s->plane[1]);
+    free(s);
+    return err;
+}
+
+/* ---- parts ---- */
+
+static void count_parts(struct surface *surface, const struct surface_nodes *nodes,
+                        const bool wanted[256])
+{
+    size_t points[256] = {0}, triangles[256] = {0};
+    for (size_t i = 0; i < nodes->nodes; i++)
+        for (int side = 0; side < 2; side++)
+            points[nodes->node[i].label[side]]++;
+    for (size_t i = 0; i < nodes->triangles; i++)
+        triangles[surface_label_of(nodes, &nodes->triangle[i])]++;
+    for (unsigned label = 1; label < 256; label++) {
+        if (!wanted[label] || !triangles[label])
+            continue;
+        surface->part[surface->parts++] = (struct surface_part){
+            .label = (uint8_t)label,
+            .point = surface->points,
+            .points = points[label],
+            .triangle = surface->triangles,
+            .triangles = triangles[label],
+            .voxels = nodes->voxels[label],
+        };
+        surface->points += points[label];
+        surface->triangles += triangles[label];
+    }
+}
+
+/* Puts points and triangles of each part together, in the order of nodes and of cubes. `number` has
+ * room for two numbers for each node. */
+static void fill_parts(struct surface *surface, const struct surface_nodes *nodes, uint32_t *number)
+{
+    size_t point[256], triangle[256];
+    bool is_part[256] = {false};
+    for (unsigned p = 0; p < surface->parts; p++) {
+        const struct surface_part *part = &surface->part[p];
+        is_part[part->label] = true;
+        point[part->label] = part->point;
+        triangle[part->label] = part->triangle;
+    }
+    for (size_t i = 0; i < 2 * nodes->nodes; i++) {
+        const struct surface_node *node = &nodes->node[i / 2];
+        const uint8_t label = node->label[i % 2];
+        if (!is_part[label])
+            continue;
+        for (unsigned a = 0; a < 3; a++)
+            surface->point[point[label]].at[a] = surface_node_at(node, a);
+        number[i] = (uint32_t)point[label]++;
+    }
+    for (size_t i = 0; i < nodes->triangles; i++) {
+        const uint8_t label = surface_label_of(nodes, &nodes->triangle[i]);
+        for (int k = 0; is_part[label] && k < 3; k++)
+            surface->triangle[triangle[label]].point[k] = number[nodes->triangle[i].corner[k]];
+        triangle[label] += is_part[label];
+    }
+}
+
+static enum err gather(struct surface *surface, const struct surface_nodes *nodes,
+                       const bool wanted[256], struct fault *fault)
+{
+    count_parts(surface, nodes, wanted);
+    uint32_t *number = mem_array(2 * nodes->nodes + 1, sizeof *number);
+    surface->point = mem_array(surface->points + 1, sizeof *surface->point);
+    surface->triangle = mem_array(surface->triangles + 1, sizeof *surface->triangle);
+    const bool fits = number && surface->point && surface->triangle;
+    if (fits)
+        fill_parts(surface, nodes, number);
+    free(number);
+    return fits ? OK : fault_memory(fault, "a surface");
+}
+
+enum err surface_new(struct surface **surface, const struct surface_source *source,
+                     const bool wanted[256], unsigned passes, struct watch *watch,
+                     struct fault *fault)
+{
+    struct surface_nodes nodes = {0};
+    enum err err = make_nodes(&nodes, source, watch, fault);
+    *surface = err ? NULL : mem_new(sizeof **surface);
+    if (!err && !*surface)
+        err = fault_memory(fault, "a surface");
+    if (!err)
+        err = surface_smooth(&nodes, passes, watch, fault);
+    if (!err)
+        err = gather(*surface, &nodes, wanted, fault);
+    if (err) {
+        surface_free(*surface);
+        *surface = NULL;
+    }
+    free(nodes.node);
+    free(nodes.triangle);
+    free(nodes.segment);
+    return err;
+}
+
+void surface_free(struct surface *surface)
+{
+    if (surface) {
+        free(surface->point);
+        free(surface->triangle);
+    }
+    free(surface);
+}
+
+/* By the flow of z through the triangles; sums mod 2^64, which hold what they come to. */
+int64_t surface_volume(const struct surface *surface, const struct surface_part *part)
+{
+    uint64_t sum = 0;
+    for (size_t i = part->triangle; i < part->triangle + part->triangles; i++) {
+        int64_t at[3][3];
+        for (int k = 0; k < 3; k++)
+            for (int a = 0; a < 3; a++)
+                at[k][a] = surface->point[surface->triangle[i].point[k]].at[a] >> 8;
+        const int64_t normal = (at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) -
+                               (at[1][1] - at[0][1]) * (at[2][0] - at[0][0]);
+        sum += (uint64_t)(normal * (at[0][2] + at[1][2] + at[2][2]));
+    }
+    return (int64_t)sum;
+}

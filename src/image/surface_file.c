@@ -1,0 +1,436 @@
+#include "image/surface_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "engine/gradient.h"
+
+enum { FLUSH = 1 << 20 };
+
+/* From places of points to the world: rows of 2^-shift millimetres. */
+struct world {
+    int64_t row[3][4];
+    int shift;
+    bool is_mirrored;
+};
+
+struct output {
+    const char *says; /* what places are; notes */
+    const char *draft;
+    int fd;
+    struct buf bytes; /* those that are not in the file yet */
+    bool fine;
+    struct task task;
+    const struct surface *surface;
+    const struct volume_label *label; /* [256] */
+    struct world world;
+};
+
+/* What a file says of its places. 3D Slicer looks for the words SPACE=RAS. */
+static const char *what_places_are(const struct geometry *geometry)
+{
+    if (geometry->spacing_unknown)
+        return "voxels, along their axes";
+    return geometry->orientation == ORIENTATION_UNKNOWN
+               ? "millimetres, along the axes of voxels; orientation unknown"
+               : "millimetres; SPACE=RAS";
+}
+
+/* ---- the world ---- */
+
+static double determinant(const double m[3][4])
+{
+    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+           m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+}
+
+/* Each sum of the row's terms fits 62 bits: a point is below 2^16 voxels. */
+static void world_init(struct world *world, const struct geometry *geometry)
+{
+    double most = 0;
+    for (int w = 0; w < 3; w++)
+        for (int a = 0; a < 4; a++)
+            most = fmax(most, fabs(geometry->to_mm[w][a]) * (a < 3 ? 65536 : 1));
+    int exponent;
+    frexp(most, &exponent);
+    world->shift = 59 - exponent;
+    for (int w = 0; w < 3; w++)
+        for (int a = 0; a < 4; a++)
+            world->row[w][a] = (int64_t)ldexp(geometry->to_mm[w][a], world->shift);
+    world->is_mirrored = determinant(geometry->to_mm) < 0;
+}
+
+/* Where a point is along one axis of the world, in 2^-shift millimetres. */
+static int64_t along_world(const struct world *world, int axis, const struct surface_point *point)
+{
+    const int64_t *row = world->row[axis];
+    int64_t sum = row[3];
+    for (int a = 0; a < 3; a++) {
+        const int64_t voxel = point->at[a] / SURFACE_ONE, rest = point->at[a] % SURFACE_ONE;
+        sum += row[a] * (voxel - 1) + row[a] * rest / SURFACE_ONE;
+    }
+    return sum;
+}
+
+static float world_mm(const struct world *world, int axis, const struct surface_point *point)
+{
+    return (float)ldexp((double)along_world(world, axis, point), -world->shift);
+}
+
+/* Nodes are 1/16 of a voxel from one another at least, and singles hold 24 bits. */
+static enum err check_precision(const struct geometry *geometry, const struct surface *surface,
+                                const struct world *world, struct fault *fault)
+{
+    double far = 0, finest = 1e300;
+    for (size_t i = 0; i < surface->points; i++)
+        for (int w = 0; w < 3; w++)
+            far = fmax(far, fabs((double)world_mm(world, w, &surface->point[i])));
+    for (int a = 0; a < 3; a++)
+        finest = fmin(finest, geometry->spacing_nm[a] / 1e6);
+    if (far < finest / 32 * 16777216)
+        return OK;
+    return fault_set(fault, ERR_LIMIT,
+                     "the surface lies up to %.6g mm from the origin of the world, too far for "
+                     "voxels of %.6g mm in the single precision of such files",
+                     far, finest);
+}
+
+/* The points of a triangle, counter-clockwise as seen from outside. */
+static void corners_of(uint32_t corner[3], const struct output *out, size_t triangle)
+{
+    const uint32_t *point = out->surface->triangle[triangle].point;
+    corner[0] = point[0];
+    corner[1] = point[out->world.is_mirrored ? 2 : 1];
+    corner[2] = point[out->world.is_mirrored ? 1 : 2];
+}
+
+/* ---- bytes ---- */
+
+static void flush(struct output *out)
+{
+    out->fine = out->fine && !out->bytes.failed &&
+                file_step_write(out->fd, out->draft, buf_text(&out->bytes), out->bytes.length);
+    buf_clear(&out->bytes);
+}
+
+/* One more thing is written; false where no more is wanted. */
+static bool go_on(struct output *out)
+{
+    if (out->bytes.length >= FLUSH)
+        flush(out);
+    return out->fine && task_advance(&out->task, 1);
+}
+
+static void put_number(struct output *out, uint64_t number, int bytes)
+{
+    uint8_t little[8];
+    for (int i = 0; i < bytes; i++)
+        little[i] = (uint8_t)(number >> 8 * i);
+    buf_add(&out->bytes, little, (size_t)bytes);
+}
+
+static void put_float(struct output *out, float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put_number(out, bits, 4);
+}
+
+static void put_point(struct output *out, uint32_t point)
+{
+    for (int w = 0; w < 3; w++)
+        put_float(out, world_mm(&out->world, w, &out->surface->point[point]));
+}
+
+/* "1 brain", safe in a line of text. */
+static void put_label(struct buf *out, const struct output *from, unsigned label)
+{
+    buf_printf(out, "%u%s", label, *from->label[label].name ? " " : "");
+    buf_add_safe_text(out, from->label[label].name);
+}
+
+/* ---- STL ---- */
+
+/* The edge from a point of a triangle to another, shortened by halves so that products fit. */
+static void edge_of(int64_t edge[3], const struct output *out, uint32_t from, uint32_t to)
+{
+    const struct surface_point *point = out->surface->point;
+    int64_t most = 0;
+    for (int w = 0; w < 3; w++) {
+        edge[w] =
+            along_world(&out->world, w, &point[to]) - along_world(&out->world, w, &point[from]);
+        most = most < edge[w] ? edge[w] : most < -edge[w] ? -edge[w] : most;
+    }
+    for (; most >= 1 << 20; most /= 2)
+        for (int w = 0; w < 3; w++)
+            edge[w] /= 2;
+}
+
+static void put_normal(struct output *out, const uint32_t corner[3])
+{
+    int64_t u[3], v[3], normal[3], most = 0;
+    uint64_t square = 0;
+    edge_of(u, out, corner[0], corner[1]);
+    edge_of(v, out, corner[0], corner[2]);
+    for (int w = 0; w < 3; w++) {
+        const int i = (w + 1) % 3, k = (w + 2) % 3;
+        normal[w] = u[i] * v[k] - u[k] * v[i];
+        most = most < normal[w] ? normal[w] : most < -normal[w] ? -normal[w] : most;
+    }
+    for (; most >= 1 << 30; most /= 2)
+        for (int w = 0; w < 3; w++)
+            normal[w] /= 2;
+    for (int w = 0; w < 3; w++)
+        square += (uint64_t)(normal[w] * normal[w]);
+    const int64_t length = square ? square_root(square) : 1;
+    for (int w = 0; w < 3; w++)
+        put_float(out, (float)(normal[w] * 65536 / length) / 65536.0f);
+}
+
+static void write_stl(struct output *out)
+{
+    char head[80] = "";
+    snprintf(head, sizeof head, "iftty surface: %s", out->says);
+    buf_add(&out->bytes, head, sizeof head);
+    put_number(out, out->surface->triangles, 4);
+    for (size_t i = 0; i < out->surface->triangles && go_on(out); i++) {
+        uint32_t corner[3];
+        corners_of(corner, out, i);
+        put_normal(out, corner);
+        for (int k = 0; k < 3; k++)
+            put_point(out, corner[k]);
+        put_number(out, 0, 2);
+    }
+}
+
+/* ---- PLY ---- */
+
+static void write_ply_header(struct output *out)
+{
+    const struct surface *s = out->surface;
+    buf_printf(&out->bytes, "ply\nformat binary_little_endian 1.0\ncomment iftty surface: %s\n",
+               out->says);
+    for (unsigned p = 0; p < s->parts; p++) {
+        buf_add_text(&out->bytes, "comment label ");
+        put_label(&out->bytes, out, s->part[p].label);
+        buf_add_char(&out->bytes, '\n');
+    }
+    buf_printf(&out->bytes,
+               "element vertex %zu\nproperty float x\nproperty float y\nproperty float z\n"
+               "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+               "element face %zu\nproperty list uchar int vertex_indices\nend_header\n",
+               s->points, s->triangles);
+}
+
+static void write_ply(struct output *out)
+{
+    const struct surface *s = out->surface;
+    write_ply_header(out);
+    for (unsigned p = 0; p < s->parts; p++)
+        for (size_t i = 0; i < s->part[p].points && go_on(out); i++) {
+            put_point(out, (uint32_t)(s->part[p].point + i));
+            buf_add(&out->bytes, out->label[s->part[p].label].rgb, 3);
+        }
+    for (size_t i = 0; i < s->triangles && go_on(out); i++) {
+        uint32_t corner[3];
+        corners_of(corner, out, i);
+        put_number(out, 3, 1);
+        for (int k = 0; k < 3; k++)
+            put_number(out, corner[k], 4);
+    }
+}
+
+/* ---- OBJ ---- */
+
+static void write_obj_part(struct output *out, const struct surface_part *part)
+{
+    const uint8_t *rgb = out->label[part->label].rgb;
+    buf_add_text(&out->bytes, "o ");
+    put_label(&out->bytes, out, part->label);
+    buf_add_char(&out->bytes, '\n');
+    for (size_t i = part->point; i < part->point + part->points && go_on(out); i++) {
+        buf_add_char(&out->bytes, 'v');
+        for (int w = 0; w < 3; w++)
+            buf_printf(&out->bytes, " %.9g",
+                       (double)world_mm(&out->world, w, &out->surface->point[i]));
+        for (int k = 0; k < 3; k++)
+            buf_printf(&out->bytes, " %.4g", rgb[k] / 255.0);
+        buf_add_char(&out->bytes, '\n');
+    }
+    for (size_t i = part->triangle; i < part->triangle + part->triangles && go_on(out); i++) {
+        uint32_t corner[3];
+        corners_of(corner, out, i);
+        buf_printf(&out->bytes, "f %u %u %u\n", corner[0] + 1, corner[1] + 1, corner[2] + 1);
+    }
+}
+
+static void write_obj(struct output *out)
+{
+    buf_printf(&out->bytes, "# iftty surface: %s\n", out->says);
+    for (unsigned p = 0; p < out->surface->parts; p++)
+        write_obj_part(out, &out->surface->part[p]);
+}
+
+/* ---- VTP ---- */
+
+/* "RAS", as text is in such a file. */
+#define VTP_SPACE                                                                                  \
+    "<FieldData>\n<DataArray type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" "                 \
+    "format=\"ascii\">82 65 83 0</DataArray>\n</FieldData>\n"
+
+static void put_array(struct output *out, const char *type, const char *name, int components,
+                      uint64_t *offset, uint64_t bytes)
+{
+    buf_printf(&out->bytes,
+               "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"appended\" "
+               "offset=\"%llu\"/>\n",
+               type, name, components, (unsigned long long)*offset);
+    *offset += 8 + bytes;
+}
+
+/* Arrays are after the header, each after its length in 8 bytes. */
+static void write_vtp_header(struct output *out)
+{
+    const uint64_t points = out->surface->points, triangles = out->surface->triangles;
+    uint64_t offset = 0;
+    buf_printf(&out->bytes,
+               "<?xml version=\"1.0\"?>\n"
+               "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+               "header_type=\"UInt64\">\n"
+               "<!-- iftty surface: %s -->\n<PolyData>\n%s"
+               "<Piece NumberOfPoints=\"%llu\" NumberOfPolys=\"%llu\">\n<Points>\n",
+               out->says, strstr(out->says, "SPACE=RAS") ? VTP_SPACE : "",
+               (unsigned long long)points, (unsigned long long)triangles);
+    put_array(out, "Float32", "Points", 3, &offset, 12 * points);
+    buf_add_text(&out->bytes, "</Points>\n<PointData Scalars=\"colour\">\n");
+    put_array(out, "UInt8", "colour", 3, &offset, 3 * points);
+    put_array(out, "UInt8", "label", 1, &offset, points);
+    buf_add_text(&out->bytes, "</PointData>\n<Polys>\n");
+    put_array(out, "Int64", "connectivity", 1, &offset, 24 * triangles);
+    put_array(out, "Int64", "offsets", 1, &offset, 8 * triangles);
+    buf_add_text(&out->bytes,
+                 "</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
+}
+
+/* Once for each point, the colour or the number of the label that it belongs to. */
+static void put_of_labels(struct output *out, bool is_colour)
+{
+    const struct surface *s = out->surface;
+    put_number(out, (is_colour ? 3 : 1) * s->points, 8);
+    for (unsigned p = 0; p < s->parts; p++)
+        for (size_t i = 0; i < s->part[p].points && go_on(out); i++)
+            buf_add(&out->bytes, is_colour ? out->label[s->part[p].label].rgb : &s->part[p].label,
+                    is_colour ? 3 : 1);
+}
+
+static void write_vtp(struct output *out)
+{
+    const struct surface *s = out->surface;
+    write_vtp_header(out);
+    put_number(out, 12 * s->points, 8);
+    for (size_t i = 0; i < s->points && go_on(out); i++)
+        put_point(out, (uint32_t)i);
+    put_of_labels(out, true);
+    put_of_labels(out, false);
+    put_number(out, 24 * s->triangles, 8);
+    for (size_t i = 0; i < s->triangles && go_on(out); i++) {
+        uint32_t corner[3];
+        corners_of(corner, out, i);
+        for (int k = 0; k < 3; k++)
+            put_number(out, corner[k], 8);
+    }
+    put_number(out, 8 * s->triangles, 8);
+    for (size_t i = 0; i < s->triangles && go_on(out); i++)
+        put_number(out, 3 * (i + 1), 8);
+    buf_add_text(&out->bytes, "\n</AppendedData>\n</VTKFile>\n");
+}
+
+/* ---- files ---- */
+
+static const struct surface_format {
+    const char *ending;
+    bool tells_labels;
+    void (*write)(struct output *out);
+} formats[] = {{".stl", false, write_stl},
+               {".ply", true, write_ply},
+               {".obj", true, write_obj},
+               {".vtp", true, write_vtp}};
+
+static const struct surface_format *format_of(const char *path)
+{
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++)
+        if (file_is_named(path, formats[i].ending))
+            return &formats[i];
+    return NULL;
+}
+
+enum err surface_file_check(const char *path, struct fault *fault)
+{
+    return format_of(path) ? OK
+                           : fault_set(fault, ERR_USAGE,
+                                       "cannot write %s: expected the name of a surface, .stl, "
+                                       ".ply, .obj or .vtp",
+                                       path);
+}
+
+bool surface_file_tells_labels(const char *path)
+{
+    const struct surface_format *format = format_of(path);
+    return format && format->tells_labels;
+}
+
+static enum err write_draft(struct output *out, const struct surface_format *format,
+                            const char *path, struct watch *watch, struct fault *fault)
+{
+    out->fd = file_step_open(out->draft, O_WRONLY | O_CREAT | O_EXCL);
+    if (out->fd < 0)
+        return fault_errno(fault, "write", path);
+    out->fine = true;
+    format->write(out);
+    flush(out);
+    const int number = errno;
+    const bool closed = close(out->fd) == 0;
+    if (out->fine && closed && !watch_stops(watch))
+        return OK;
+    if (!out->fine)
+        errno = number;
+    const enum err err = out->bytes.failed    ? fault_memory(fault, "a surface")
+                         : watch_stops(watch) ? watch_fault(watch, fault)
+                                              : fault_errno(fault, "write", path);
+    file_discard(out->draft);
+    return err;
+}
+
+enum err surface_write(const char *path, enum file_mode mode,
+                       const struct surface_document *document, struct watch *watch,
+                       struct fault *fault)
+{
+    const struct surface *surface = document->surface;
+    struct output out = {.surface = surface, .label = document->label};
+    struct buf draft = {0}, says = {0};
+    buf_add_text(&says, what_places_are(document->geometry));
+    buf_printf(&says, "%s%s", *document->notes ? "; " : "", document->notes);
+    world_init(&out.world, document->geometry);
+    enum err err = says.failed ? fault_memory(fault, "a surface") : surface_file_check(path, fault);
+    if (!err)
+        err = check_precision(document->geometry, surface, &out.world, fault);
+    if (!err)
+        err = file_draft(&draft, path, mode, fault);
+    if (!err) {
+        out.says = buf_text(&says);
+        out.draft = buf_text(&draft);
+        out.task = task_begin(watch, "writing", surface->points + surface->triangles);
+        err = write_draft(&out, format_of(path), path, watch, fault);
+    }
+    if (!err)
+        err = file_publish(out.draft, path, mode, fault);
+    buf_release(&draft);
+    buf_release(&says);
+    buf_release(&out.bytes);
+    return err;
+}
