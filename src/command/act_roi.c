@@ -74,7 +74,8 @@ static enum err read_mask(uint64_t **mask, const struct session *session, const 
     const struct grid *grid = &session->scene->grid;
     struct volume map = {0};
     *mask = NULL;
-    enum err err = map_read(&map, path, grid, &session->geometry, session->watch, fault);
+    enum err err =
+        map_read(&map, path, grid, &session->geometry, &session->part, session->watch, fault);
     if (!err)
         err = act_naming(name, map_to_regions(&map, regions[0], regions[1], session->watch, fault),
                          fault);

@@ -7,6 +7,7 @@
 
 #include "base/choice.h"
 #include "base/safe.h"
+#include "base/scan.h"
 #include "session/map.h"
 
 /* The answer of a command that gave the session its scene. */
@@ -42,12 +43,36 @@ static void write_orientation(const struct act *act)
                                    "voxels\n");
 }
 
+/* "A-B,C-D,E-F" */
+static enum err choose_box(struct volume_choice *choice, const char *list, struct fault *fault)
+{
+    int64_t first, last;
+    int axis = 0;
+    choice->has_crop = true;
+    for (; scan_list_range(&list, 0, UINT32_MAX, &first, &last); axis++)
+        if (axis < 3) {
+            choice->first[axis] = (uint32_t)first;
+            choice->last[axis] = (uint32_t)last;
+        }
+    return axis == 3 ? OK
+                     : fault_set(fault, ERR_USAGE,
+                                 "crop: expected A-B,C-D,E-F, the voxels along x, y and z, and not "
+                                 "%d range%s; nothing was opened",
+                                 axis, plural((uint64_t)axis));
+}
+
 enum err act_open(const struct act *act)
 {
     struct buf path = {0};
     struct session *session = act->session;
-    const struct volume_choice choice = {act->value[1].given, (uint32_t)act->value[1].number};
-    enum err err = interpreter_find_scene(act->interp, act->value[0].text, &path, act->fault);
+    const struct value *crop = &act->value[2], *reduce = &act->value[3];
+    struct volume_choice choice = {.has_volume = act->value[1].given,
+                                   .volume = (uint32_t)act->value[1].number};
+    if (reduce->given)
+        choice.reduce = (uint32_t)reduce->number;
+    enum err err = crop->given ? choose_box(&choice, crop->text, act->fault) : OK;
+    if (!err)
+        err = interpreter_find_scene(act->interp, act->value[0].text, &path, act->fault);
     if (!err)
         err = session_open(session, buf_text(&path), &choice, act->fault);
     buf_release(&path);
@@ -137,7 +162,7 @@ static enum err weigh_by_file(const struct act *act, const char *name)
     }
     if (!err)
         err = map_read(&map, buf_text(&path), &session->scene->grid, &session->geometry,
-                       session->watch, fault);
+                       &session->part, session->watch, fault);
     if (!err)
         err = act_naming(name, map_to_weights(&map, session->watch, fault), fault);
     if (!err)

@@ -74,8 +74,8 @@ static enum err read_map(struct seeds *seeds, const struct act *act,
     struct buf *out = &act->reply->text;
     struct volume map = {0};
     struct region_tally tally;
-    enum err err =
-        map_read(&map, path, &session->scene->grid, &session->geometry, session->watch, fault);
+    enum err err = map_read(&map, path, &session->scene->grid, &session->geometry, &session->part,
+                            session->watch, fault);
     if (!err)
         err = act_naming(value[FILE_NAME].text,
                          seeds_from_map(seeds, &tally, &map, &session->scene->grid,

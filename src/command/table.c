@@ -20,6 +20,11 @@
     "spacing.\n" WEIGHT_NOTES                                                                      \
     "FILE: a map on the scene's grid with the weight of each voxel, whole numbers 0..65535."
 #define VOLUME_SERIES_NOTE "volume: which one of a series, as 4-D files hold, counted from 0.\n"
+#define PART_NOTE                                                                                  \
+    "crop: only this box of voxels, the first and last along x, y and z, as in 0-99,40-159,0-79; " \
+    "memory is taken for that alone.\n"                                                            \
+    "reduce: so many voxels along each axis become one, their mean; with crop, those of the box. " \
+    "Maps on the grid of the whole file are taken in the same way, by the voxel in the middle."
 #define SYNTHETIC_NOTE                                                                             \
     "synth:geom has 200x200x100 voxels; X, Y, Z of 2 interpolate that axis to 2n-1, as in "        \
     "synth:geom:221. A SIZE in voxels, as in synth:geom:1024x1024x1024, draws the same solids in " \
@@ -87,9 +92,11 @@ const char *const command_group_name[] = {
 
 const struct command command_table[] = {
     {COMMAND("open", act_open, GROUP_SCENE, R),
-     {NEED("FILE", VALUE_FILE), KEYED("volume", VALUE_NUMBER, .most = 65535)},
+     {NEED("FILE", VALUE_FILE), KEYED("volume", VALUE_NUMBER, .most = 65535),
+      KEYED("crop", VALUE_LIST, .most = 65533),
+      KEYED("reduce", VALUE_NUMBER, .least = 2, .most = REDUCE_MOST)},
      "load a scene, or synth:geom[:XYZ|:SIZE]",
-     VOLUME_FORMATS(VOLUME_NOTE) VOLUME_SERIES_NOTE SYNTHETIC_NOTE,
+     VOLUME_FORMATS(VOLUME_NOTE) SYNTHETIC_NOTE "\n" VOLUME_SERIES_NOTE PART_NOTE,
      "open synth:geom"},
     {COMMAND("interpolate", act_interpolate, GROUP_SCENE, R | S),
      {NEED("X", VALUE_NUMBER, .least = 1, .most = 2),

@@ -1,16 +1,14 @@
 #include "engine/grid.h"
 
-enum { SIDE_MOST = 65534 };
-
 enum err grid_init(struct grid *grid, const uint32_t size[3], struct fault *fault)
 {
     uint64_t cells = 1;
     for (int a = 0; a < 3; a++) {
         if (size[a] == 0)
             return fault_set(fault, ERR_INPUT, "a scene needs at least one voxel on every side");
-        if (size[a] > SIDE_MOST)
+        if (size[a] > GRID_SIDE_MOST)
             return fault_set(fault, ERR_LIMIT, "%u voxels on one side; at most %d are held",
-                             size[a], SIDE_MOST);
+                             size[a], GRID_SIDE_MOST);
         cells *= size[a] + UINT64_C(2); /* at most 2^48 */
     }
     if (cells >= CELL_NONE || cells > SIZE_MAX / 64)

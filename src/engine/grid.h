@@ -20,6 +20,7 @@
 #include "base/err.h"
 
 #define CELL_NONE UINT32_C(0xFFFFFFFF)
+enum { GRID_SIDE_MOST = 65534 };
 
 struct grid {
     uint32_t size[3];  /* voxels along x, y, z; each 1..65534 */

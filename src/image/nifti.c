@@ -75,12 +75,11 @@ static enum err read_fields(struct nifti_header *header, struct volume_source *s
     return err;
 }
 
-/* Three dimensions of no more than a grid holds; further ones count volumes. */
+/* Three dimensions, of which a grid may hold no more than a part; further ones count volumes. */
 static enum err read_size(uint32_t size[3], uint32_t *volumes, const struct nifti_header *header,
                           struct fault *fault)
 {
     const int64_t *dim = header->dim;
-    struct grid grid;
     if (dim[0] < 2 || dim[0] > 7)
         return fault_set(fault, ERR_INPUT, "dim[0] is %" PRId64 "; expected 3 dimensions", dim[0]);
     size[2] = *volumes = 1;
@@ -88,14 +87,14 @@ static enum err read_size(uint32_t size[3], uint32_t *volumes, const struct nift
         if (dim[a] < 1)
             return fault_set(fault, ERR_INPUT,
                              "dim[%d] is %" PRId64 "; expected at least one voxel", a, dim[a]);
-        if (dim[a] > UINT32_MAX ||
+        if (dim[a] > (a > 3 ? UINT32_MAX : GRID_SIDE_MOST) ||
             (a > 3 && __builtin_mul_overflow(*volumes, (uint32_t)dim[a], volumes)))
             return fault_set(fault, ERR_LIMIT, "dim[%d] is %" PRId64 "; expected at most %s", a,
                              dim[a], a > 3 ? "4 billion volumes" : "65534 voxels a side");
         if (a <= 3)
             size[a - 1] = (uint32_t)dim[a];
     }
-    return grid_init(&grid, size, fault);
+    return OK;
 }
 
 static enum err check_scale(struct nifti_header *header, struct fault *fault)

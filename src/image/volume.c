@@ -8,6 +8,7 @@
 
 #include "base/buf.h"
 #include "base/choice.h"
+#include "image/part.h"
 
 #define DECLARE(format, note) extern const struct volume_format format;
 VOLUME_FORMATS(DECLARE)
@@ -134,7 +135,7 @@ static enum err choose(struct volume_header *header, const char *path,
         return fault_set(fault, ERR_INPUT,
                          "%s: there is no volume %" PRIu32 "; it holds %" PRIu32 ", counted from 0",
                          path, header->choice.volume, header->volumes);
-    return OK;
+    return part_choose(header, fault) ? fault_prefix(fault, fault->code, "%s", path) : OK;
 }
 
 enum err volume_about(struct volume_header *out, const char *path, struct fault *fault)
@@ -151,8 +152,10 @@ enum err volume_size(uint32_t size[3], const char *path, const struct volume_cho
 {
     struct volume_header header;
     enum err err = volume_about(&header, path, fault);
+    if (!err)
+        err = choose(&header, path, choice, fault);
     memcpy(size, header.size, sizeof header.size);
-    return err ? err : choose(&header, path, choice, fault);
+    return err;
 }
 
 enum err volume_read(struct volume *out, const char *path, const struct volume_choice *choice,
@@ -167,6 +170,8 @@ enum err volume_read(struct volume *out, const char *path, const struct volume_c
         err = choose(&header, path, choice, fault);
     if (!err) {
         memcpy(out->size, header.size, sizeof out->size);
+        memcpy(out->whole, header.whole, sizeof out->whole);
+        out->choice = header.choice;
         memcpy(out->notes, header.notes, sizeof out->notes);
         out->geometry = header.geometry;
         err = format->read_voxels(out, &header, &source, watch, fault);

@@ -37,15 +37,22 @@ void volume_note(char notes[VOLUME_NOTES_BYTES], const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
 /* What of a file is to be read, where there is a choice. All zero: the one volume that it holds. */
+enum { REDUCE_MOST = 16 };
 struct volume_choice {
     bool has_volume; /* of a series, this one, counted from 0: */
     uint32_t volume;
+    bool has_crop; /* of a volume, this part (image/part.h): */
+    uint32_t first[3], last[3];
+    uint32_t reduce; /* 0 and 1: voxels as they are */
+    bool nearest;    /* reduce: take the middle of each block, for labels */
 };
 
 struct volume {
     uint32_t size[3];
     uint16_t *intensity; /* [z][y][x], x fastest */
     struct geometry geometry;
+    struct volume_choice choice; /* by which it was read, */
+    uint32_t whole[3];           /* of a file of this size */
     char notes[VOLUME_NOTES_BYTES];
 };
 
@@ -63,7 +70,9 @@ struct volume_header {
     enum voxel_type type;
     uint64_t offset; /* bytes before the voxels, of all volumes */
     char notes[VOLUME_NOTES_BYTES];
-    struct volume_choice choice; /* for read_voxels: of what there is */
+    struct volume_choice choice; /* for read_voxels: of what there is; and what follows from it: */
+    uint32_t whole[3];           /* the size in the file; `size` is that of the part */
+    uint32_t begin[3], step[3];  /* of the part, in voxels of the file */
 };
 
 /* How a label of a map is called and shown. */

@@ -11,6 +11,7 @@
 
 #include "base/mem.h"
 #include "engine/grid.h"
+#include "image/part.h"
 
 enum {
     PACKED_CHUNK = 256 << 10, /* bytes that zlib writes at a time */
@@ -192,9 +193,11 @@ enum err voxels_read(struct volume *volume, const struct volume_header *header,
 {
     const size_t count = voxels_in(header->size), needed = count * voxel_bytes(header->type);
     const size_t held = count * sizeof(uint16_t);
-    const size_t offset = (size_t)header->offset + header->choice.volume * needed;
+    const size_t volume_bytes = voxels_in(header->whole) * voxel_bytes(header->type);
+    const size_t offset = (size_t)header->offset + header->choice.volume * volume_bytes;
     const size_t wide = needed > held ? needed : held, lead = wide - needed;
-    const bool at_once = source_inflates(source, (uint64_t)offset + needed);
+    const bool is_part = part_is_less(header);
+    const bool at_once = !is_part && source_inflates(source, (uint64_t)offset + needed);
     const size_t room = at_once && offset > lead ? offset + needed : wide;
     if (room > mem_available())
         return fault_set(fault, ERR_MEMORY, "%zu MB of voxels; this machine has %zu MB left",
@@ -204,7 +207,9 @@ enum err voxels_read(struct volume *volume, const struct volume_header *header,
         return fault_memory(fault, "the voxels");
     volume->intensity = (uint16_t *)(void *)voxels;
     enum err err = OK;
-    if (!at_once || !inflate_voxels(voxels, lead, needed, offset, source))
+    if (is_part)
+        err = part_read(voxels + lead, header, offset, source, watch, fault);
+    else if (!at_once || !inflate_voxels(voxels, lead, needed, offset, source))
         err = stream_voxels(voxels + lead, needed, offset, source, watch, fault);
     if (!err)
         err = convert(voxels, header, &volume->geometry, watch, fault);

@@ -30,17 +30,55 @@ enum err map_check_axes(const struct volume *map, const struct geometry *place, 
     return OK;
 }
 
-enum err map_read(struct volume *map, const char *path, const struct grid *grid,
-                  const struct geometry *place, struct watch *watch, struct fault *fault)
+static bool is_size(const uint32_t a[3], const uint32_t b[3])
 {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+/* What to read of the map at `path`: all of it, or the part that the scene is. */
+static enum err choose(struct volume_choice *choice, const char *path, const struct grid *grid,
+                       const struct map_part *part, struct fault *fault)
+{
+    struct volume_header header;
+    const enum err err = volume_about(&header, path, fault);
+    *choice = (struct volume_choice){0};
+    if (!err && part && is_size(grid->size, part->size) && !is_size(header.size, grid->size) &&
+        is_size(header.size, part->whole)) {
+        *choice = part->choice;
+        choice->has_volume = false;
+        choice->volume = 0;
+        choice->nearest = true;
+    }
+    return err;
+}
+
+static enum err check_part(const uint32_t is[3], const struct grid *grid,
+                           const struct map_part *part, struct fault *fault)
+{
+    const uint32_t *size = grid->size, *whole = part ? part->whole : NULL;
+    if (!whole || !whole[0] || is_size(is, size))
+        return map_check_size(is, grid, fault);
+    return fault_set(fault, ERR_INPUT,
+                     "the map has %ux%ux%u voxels, the scene %ux%ux%u, and its file %ux%ux%u; a "
+                     "map lies on the grid of the scene or of its file; nothing has changed",
+                     is[0], is[1], is[2], size[0], size[1], size[2], whole[0], whole[1], whole[2]);
+}
+
+enum err map_read(struct volume *map, const char *path, const struct grid *grid,
+                  const struct geometry *place, const struct map_part *part, struct watch *watch,
+                  struct fault *fault)
+{
+    struct volume_choice choice;
     uint32_t size[3];
-    enum err err = volume_size(size, path, NULL, fault);
+    enum err err = choose(&choice, path, grid, part, fault);
+    if (!err)
+        err = volume_size(size, path, &choice, fault);
     if (err)
         return err;
-    err = map_check_size(size, grid, fault);
+    err = check_part(size, grid, part, fault);
     if (err)
         return fault_prefix(fault, err, "%s", file_name(path));
-    err = volume_read(map, path, NULL, watch, fault);
+    err = volume_read(map, path, &choice, watch, fault);
     if (err)
         return err;
     err = map_check_size(map->size, grid, fault); /* it may be another file by now */

@@ -18,10 +18,19 @@ enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fa
 enum err map_check_axes(const struct volume *map, const struct geometry *place,
                         struct fault *fault);
 
+/* Which part of its file a scene is (image/part.h). All zero: it is the whole. */
+struct map_part {
+    uint32_t whole[3], size[3]; /* voxels of the file, and of the part */
+    struct volume_choice choice;
+};
+
 /* volume_read, and both checks; the size is asked before a voxel is read, so that memory is bounded
- * by the scene. Watched, as volume_read is. The words of an error name the file. */
+ * by the scene. Of a map on the grid of the whole file, of which the scene is a part (or NULL), the
+ * same part is read, the voxel in the middle of each block. Watched, as volume_read is. The words
+ * of an error name the file. */
 enum err map_read(struct volume *map, const char *path, const struct grid *grid,
-                  const struct geometry *place, struct watch *watch, struct fault *fault);
+                  const struct geometry *place, const struct map_part *part, struct watch *watch,
+                  struct fault *fault);
 
 /* Replaces intensities by the numbers they stand for, in place: those of first..last, at most
  * REGION_MOST, and REGION_NONE for others. With the map of no use any more: ERR_INPUT where one is

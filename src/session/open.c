@@ -126,14 +126,23 @@ static enum err open_file(struct session *session, const char *path,
 {
     struct volume volume = {0};
     uint32_t size[3];
+    session->part = (struct map_part){0};
     enum err err = volume_size(size, path, choice, fault);
     if (!err)
-        err = check_memory(size, "nothing was opened", session->watch, fault);
+        err = check_memory(size,
+                           "a part of it is opened with crop=A-B,C-D,E-F or reduce=2; nothing was "
+                           "opened",
+                           session->watch, fault);
     if (!err)
         err = volume_read(&volume, path, choice, session->watch, fault);
     if (!err)
         err =
             scene_new_filled(&session->scene, volume.size, volume.intensity, session->watch, fault);
+    if (!err && (volume.choice.has_crop || volume.choice.reduce)) {
+        session->part.choice = volume.choice;
+        memcpy(session->part.whole, volume.whole, sizeof volume.whole);
+        memcpy(session->part.size, volume.size, sizeof volume.size);
+    }
     if (!err) {
         session->said = volume.geometry;
         if (semantics_has(session->semantics, MEANING_ORIENTATION))
@@ -188,8 +197,10 @@ enum err session_open(struct session *session, const char *path, const struct vo
     enum err err;
     if (session->has_scene)
         return fault_set(fault, ERR_USAGE, "a scene is open already; a session has one scene");
-    if (is_synthetic && choice && choice->has_volume)
-        return fault_set(fault, ERR_USAGE, "volume: a synthetic scene is no series");
+    if (is_synthetic && choice && (choice->has_volume || choice->has_crop || choice->reduce))
+        return fault_set(fault, ERR_USAGE,
+                         "volume, crop and reduce choose from a file, and a synthetic scene is "
+                         "made as it is to be");
     if (is_synthetic)
         err = open_synthetic(session, path, fault);
     else

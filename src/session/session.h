@@ -35,6 +35,7 @@
 #include "image/volume.h"
 #include "render/border.h"
 #include "render/rendition.h"
+#include "session/map.h"
 #include "session/finished.h"
 #include "session/markers.h"
 #include "session/semantics.h"
@@ -62,6 +63,7 @@ struct session {
     char scene_file[FILE_WORDS_BYTES]; /* what to call it: without its folder; a long name is cut */
     struct geometry said;              /* what the file says of its geometry, */
     struct geometry geometry;          /* and what follows from it and from what `orient` says */
+    struct map_part part;              /* of its file, where it is no more than that */
     char open_notes[VOLUME_NOTES_BYTES]; /* what the file left open, for the answer of `open` */
     uint64_t scene_digest;
     char proof[SHA256_HEX]; /* of the scene as it was opened (scene_proof) */

@@ -42,5 +42,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
     HOLDS(!err == (volume.intensity != NULL));
     HOLDS(err || memcmp(volume.size, facts.size, sizeof volume.size) == 0);
     volume_release(&volume);
+    err = volume_read(&volume, path, &(struct volume_choice){.reduce = 2}, NULL, &fault);
+    HOLDS(!err == (volume.intensity != NULL));
+    volume_release(&volume);
     return 0;
 }

@@ -1,0 +1,232 @@
+#include "image/part.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "engine/grid.h"
+#include "image/voxels.h"
+
+/* ---- which ---- */
+
+bool part_is_less(const struct volume_header *header)
+{
+    return header->choice.has_crop || header->choice.reduce > 1;
+}
+
+static enum err check_crop(const struct volume_header *header, struct fault *fault)
+{
+    const uint32_t *size = header->whole, *first = header->choice.first;
+    const uint32_t *last = header->choice.last;
+    for (int a = 0; a < 3; a++)
+        if (first[a] > last[a] || last[a] >= size[a])
+            return fault_set(fault, ERR_USAGE,
+                             "crop: %" PRIu32 "-%" PRIu32 " is not in the %" PRIu32
+                             " voxels along %c, 0-%" PRIu32,
+                             first[a], last[a], size[a], 'x' + a, size[a] - 1);
+    return OK;
+}
+
+enum err part_choose(struct volume_header *header, struct fault *fault)
+{
+    const struct volume_choice *choice = &header->choice;
+    const uint32_t reduce = choice->reduce > 1 ? choice->reduce : 1;
+    double first[3], step[3];
+    struct grid grid;
+    memcpy(header->whole, header->size, sizeof header->whole);
+    enum err err = choice->has_crop ? check_crop(header, fault) : OK;
+    for (int a = 0; a < 3 && !err; a++) {
+        const uint32_t begin = choice->has_crop ? choice->first[a] : 0;
+        const uint32_t count = choice->has_crop ? choice->last[a] - begin + 1 : header->whole[a];
+        header->begin[a] = begin;
+        header->step[a] = count >= reduce ? reduce : 1;
+        header->size[a] = count / header->step[a];
+        step[a] = header->step[a];
+        first[a] = begin + (step[a] - 1) / 2;
+        const uint32_t rest = count - header->size[a] * header->step[a];
+        if (rest)
+            volume_note(header->notes,
+                        "reduce: the last %" PRIu32 " of %" PRIu32 " voxels along %c left out, "
+                        "which fill no block",
+                        rest, count, 'x' + a);
+    }
+    if (!err && part_is_less(header))
+        geometry_derive(&header->geometry, first, step);
+    if (!err)
+        err = grid_init(&grid, header->size, fault);
+    if (err == ERR_LIMIT)
+        fault_prefix(fault, err, "open a part of it, with crop=A-B,C-D,E-F or reduce=2");
+    return err;
+}
+
+/* ---- numbers in the order of the file ---- */
+
+static uint64_t get_bits(const uint8_t *at, unsigned width, bool big_endian)
+{
+    uint64_t bits = 0;
+    for (unsigned i = 0; i < width; i++)
+        bits |= (uint64_t)at[big_endian ? width - 1 - i : i] << 8 * i;
+    return bits;
+}
+
+static void put_bits(uint8_t *at, uint64_t bits, unsigned width, bool big_endian)
+{
+    for (unsigned i = 0; i < width; i++)
+        at[big_endian ? width - 1 - i : i] = (uint8_t)(bits >> 8 * i);
+}
+
+static double get_number(const uint8_t *at, const struct volume_header *header)
+{
+    const uint64_t bits = get_bits(at, voxel_bytes(header->type), header->big_endian);
+    const uint32_t narrow = (uint32_t)bits;
+    float single;
+    switch (header->type) {
+    case VOXEL_INT16:
+        return (int16_t)bits;
+    case VOXEL_FLOAT32:
+        memcpy(&single, &narrow, sizeof single);
+        return (double)single;
+    case VOXEL_UINT8:
+    case VOXEL_UINT16:
+    case VOXEL_UINT32:
+        break;
+    }
+    return (double)bits;
+}
+
+/* A mean that the type can hold. */
+static void put_number(uint8_t *at, double value, const struct volume_header *header)
+{
+    uint64_t bits;
+    uint32_t narrow;
+    const float single = (float)value;
+    switch (header->type) {
+    case VOXEL_FLOAT32:
+        memcpy(&narrow, &single, sizeof narrow);
+        bits = narrow;
+        break;
+    default:
+        bits = (uint64_t)(int64_t)floor(value + 0.5);
+    }
+    put_bits(at, bits, voxel_bytes(header->type), header->big_endian);
+}
+
+/* ---- blocks ---- */
+
+struct blocks {
+    const struct volume_header *header;
+    unsigned width;  /* bytes of a number */
+    uint8_t *row;    /* of the file */
+    double *sum;     /* of the blocks of one plane of the part, */
+    uint32_t *count; /* and of how many finite numbers each is */
+};
+
+/* The voxel of a block that stands for it. */
+static bool is_middle(uint32_t place, uint32_t step)
+{
+    return place % step == (step - 1) / 2;
+}
+
+/* A row of the file in row y of the part. */
+static void add_row(struct blocks *blocks, uint32_t y)
+{
+    const struct volume_header *header = blocks->header;
+    const size_t first = (size_t)header->size[0] * y;
+    const uint8_t *at = blocks->row + (size_t)header->begin[0] * blocks->width;
+    for (uint32_t x = 0; x < header->size[0]; x++)
+        for (uint32_t i = 0; i < header->step[0]; i++, at += blocks->width) {
+            const double number = get_number(at, header);
+            if (!isfinite(number))
+                continue;
+            blocks->sum[first + x] += number;
+            blocks->count[first + x]++;
+        }
+}
+
+/* A row of the part, of voxels of the file as they are. */
+static void pick_row(uint8_t *to, const struct blocks *blocks)
+{
+    const struct volume_header *header = blocks->header;
+    const uint32_t step = header->step[0];
+    const uint8_t *at = blocks->row + (size_t)(header->begin[0] + (step - 1) / 2) * blocks->width;
+    if (step == 1)
+        memcpy(to, at, (size_t)header->size[0] * blocks->width);
+    else
+        for (uint32_t x = 0; x < header->size[0]; x++)
+            memcpy(to + (size_t)x * blocks->width, at + (size_t)x * step * blocks->width,
+                   blocks->width);
+}
+
+/* Writes the means of a plane, and begins anew. */
+static void put_plane(uint8_t *to, struct blocks *blocks)
+{
+    const size_t count = (size_t)blocks->header->size[0] * blocks->header->size[1];
+    for (size_t i = 0; i < count; i++) {
+        const double mean = blocks->count[i] ? blocks->sum[i] / blocks->count[i] : (double)NAN;
+        put_number(to + i * blocks->width, mean, blocks->header);
+        blocks->sum[i] = 0;
+        blocks->count[i] = 0;
+    }
+}
+
+/* Plane z of the box, counted from its beginning. */
+static enum err read_plane(uint8_t *to, struct blocks *blocks, uint32_t z, uint64_t offset,
+                           struct volume_source *source, struct task *task, struct fault *fault)
+{
+    const struct volume_header *header = blocks->header;
+    const uint32_t *whole = header->whole, *step = header->step;
+    const size_t bytes = (size_t)whole[0] * blocks->width;
+    const size_t part_bytes = (size_t)header->size[0] * blocks->width;
+    const uint64_t row = ((uint64_t)header->begin[2] + z) * whole[1] + header->begin[1];
+    const size_t plane = (size_t)(z / step[2]) * header->size[1];
+    enum err err = source_go_to(source, offset + row * bytes, "the voxels", fault);
+    for (uint32_t y = 0; y < header->size[1] * step[1] && !err; y++) {
+        err = source_read(source, blocks->row, bytes, "the voxels", NULL, fault);
+        if (!err && blocks->sum)
+            add_row(blocks, y / step[1]);
+        else if (!err && is_middle(y, step[1]) && is_middle(z, step[2]))
+            pick_row(to + (plane + y / step[1]) * part_bytes, blocks);
+        if (!err && !task_advance(task, whole[0]))
+            err = watch_fault(task->watch, fault);
+    }
+    if (!err && blocks->sum && (z + 1) % step[2] == 0)
+        put_plane(to + plane * part_bytes, blocks);
+    return err;
+}
+
+static enum err read_planes(uint8_t *to, struct blocks *blocks, uint64_t offset,
+                            struct volume_source *source, struct watch *watch, struct fault *fault)
+{
+    const struct volume_header *header = blocks->header;
+    const uint32_t planes = header->size[2] * header->step[2];
+    struct task task = task_begin(
+        watch, "reading", (uint64_t)planes * header->size[1] * header->step[1] * header->whole[0]);
+    enum err err = OK;
+    for (uint32_t z = 0; z < planes && !err; z++)
+        err = read_plane(to, blocks, z, offset, source, &task, fault);
+    return err ? err : source_finish(source, fault);
+}
+
+enum err part_read(void *to, const struct volume_header *header, uint64_t offset,
+                   struct volume_source *source, struct watch *watch, struct fault *fault)
+{
+    const bool means = header->choice.reduce > 1 && !header->choice.nearest;
+    const size_t plane = means ? (size_t)header->size[0] * header->size[1] : 0;
+    struct blocks blocks = {.header = header, .width = voxel_bytes(header->type)};
+    blocks.row = mem_array(header->whole[0], blocks.width);
+    blocks.sum = means ? mem_array(plane, sizeof *blocks.sum) : NULL;
+    blocks.count = means ? mem_array(plane, sizeof *blocks.count) : NULL;
+    for (size_t i = 0; blocks.sum && blocks.count && i < plane; i++) {
+        blocks.sum[i] = 0;
+        blocks.count[i] = 0;
+    }
+    const bool fits = blocks.row && (!means || (blocks.sum && blocks.count));
+    const enum err err = fits ? read_planes(to, &blocks, offset, source, watch, fault)
+                              : fault_memory(fault, "a plane of voxels");
+    free(blocks.row);
+    free(blocks.sum);
+    free(blocks.count);
+    return err;
+}

@@ -1,0 +1,59 @@
+#!/bin/sh
+# Parts of files as scenes: what is recorded, resumed and saved of them, and maps of the whole file.
+# What a part holds is tested in test_part.c.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+make_scene s.nii 24 20 16
+gzip -k s.nii
+crop='crop=4-19,2-17,3-12'
+
+begin "a part is recorded, resumed and verified as it was opened"
+expect 0 "$iftty" -c "open s.nii.gz $crop; seed 2,3,4 1; seed 12,10,5 2; run; why 0,0,0
+save labels l.nii" --journal j.iftty
+out_has '16x16x10 voxels'
+grep -q "^open s.nii.gz $crop\$" j.iftty || fail "$(cat j.iftty)"
+expect 0 "$iftty" -c 'seed 1,1,1 3; run' --journal j.iftty
+expect 0 "$iftty" verify j.iftty
+expect 0 "$iftty" -c "open s.nii $crop; why 0,0,0"
+cp out cropped
+expect 0 "$iftty" -c 'open s.nii; why 4,2,3'
+same "$(sed -n 's/.*intensity \([0-9]*\).*/\1/p' cropped)" \
+    "$(sed -n 's/.*intensity \([0-9]*\).*/\1/p' out)"
+expect 0 "$iftty" -c "open s.nii reduce=2 $crop; seed 1,1,1 1; run" --journal r.iftty
+out_has '8x8x5 voxels of 2x2x2 mm'
+grep -q "^open s.nii $crop reduce=2\$" r.iftty || fail "$(cat r.iftty)"
+expect 0 "$iftty" verify r.iftty
+close_story
+
+begin "maps on the grid of the whole file are taken by the same part"
+expect 0 "$iftty" -c 'open s.nii; seed 6,10,8 1; seed 20,10,8 2; run; save labels whole.nii'
+expect 0 "$iftty" -c "open s.nii $crop; seed 2,8,5 1; mask whole.nii regions=1; run
+save labels part.nii"
+tail -c +353 whole.nii | od -An -v -tu1 -w1 | awk '{ i = NR - 1; x = i % 24
+    y = int(i / 24) % 20; z = int(i / 480)
+    if (x > 3 && x < 20 && y > 1 && y < 18 && z > 2 && z < 13) print $1 == 1 ? 1 : 0 }' >expected
+tail -c +353 part.nii | od -An -v -tu1 -w1 | tr -d ' ' >got
+same_files expected got
+expect 0 "$iftty" -c "open s.nii $crop reduce=2; seed-file whole.nii; run"
+out_has '2 regions'
+out_has '320 seeds'
+expect 0 "$iftty" -c "open s.nii $crop; seed-file part.nii"
+out_has '1 region'
+close_story
+
+begin "other maps are refused with the reason, as is a box that is not in the file"
+make_scene other.nii 23 20 16
+expect 3 "$iftty" -c "open s.nii $crop; mask other.nii"
+err_has 'the map has 23x20x16 voxels, the scene 16x16x10, and its file 24x20x16; a map lies on the'
+expect 3 "$iftty" -c "open s.nii $crop; interpolate 2 1 1; mask s.nii"
+err_has 'a map lies on the grid'
+expect 2 "$iftty" -c 'open s.nii crop=0-24,0-1,0-1'
+err_has 'crop: 0-24 is not in the 24 voxels along x, 0-23'
+expect 2 "$iftty" -c 'open s.nii crop=0-3,0-1'
+err_has 'crop: expected A-B,C-D,E-F, the voxels along x, y and z, and not 2 ranges'
+expect 2 "$iftty" -c 'open s.nii reduce=17'
+err_has 'reduce: expected a number 2..16, not 17'
+expect 2 "$iftty" -c 'open synth:geom reduce=2'
+err_has 'volume, crop and reduce choose from a file'
+close_story
+finish
