@@ -11,7 +11,7 @@ PACKAGES := g++ pkg-config libopenimageio-dev libopenexr-dev nettle-dev zlib1g-d
             openexr openimageio-tools
 SCENES   := mricron-data
 # What tests use; what is after this in a list of packages, is left out where it cannot be had.
-TEST_PACKAGES := tmux screen procps python3 teem-apps
+TEST_PACKAGES := tmux screen procps python3 teem-apps libinsighttoolkit5-dev
 FORMATTER     := clang-format-14
 BARE_PACKAGES := debootstrap
 
@@ -70,6 +70,7 @@ FUZZERS       := $(FUZZ:%=$(BUILD)/libfuzzer/fuzz_%)
 # What iftty is measured against. Debian's Python is the one that sees Debian's modules.
 PEER_PACKAGES := libinsighttoolkit5-dev libvigraimpex-dev python3-scipy python3-skimage
 PEERS_IN_C    := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/peers/*.c))
+ITK_JUDGE     := $(BUILD)/tests/peers/itk_compare
 PEERS         := $(PEERS_IN_C) $(patsubst %.cc,$(BUILD)/%,$(wildcard tests/peers/*.cc))
 PYTHON        := /usr/bin/python3
 ROUNDS        ?= 5
@@ -155,7 +156,8 @@ compile_commands.json: Makefile | $(PACKAGES_STAMP)
 ##     make VARIANT=debug OPTIMISE="-Og -g3" && gdb --args build/debug/iftty
 
 ## tests: build the test programs, and those of bench-peers that need no other package
-tests: $(TESTS) $(BENCH) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_IN_C) $(STAGED)
+tests: $(TESTS) $(BENCH) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_IN_C) $(STAGED) \
+       $(ITK_JUDGE)
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: all
@@ -239,15 +241,18 @@ build/.packages-terminals: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(TERMINAL_PACKAGES) --
 	@touch $@
 
-# Only `make bench-peers` needs these. The C++ ones are templates, and get the options of a release.
+# `make bench-peers` needs these, and tests that of ITK_JUDGE. The C++ ones are templates, and get
+# the options of a release.
 PEERS_STAMP  := build/.packages-peers
 $(PEERS_STAMP): Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(PEER_PACKAGES) $(SCENES) --
 	@touch $@
 
-$(BUILD)/tests/peers/itk_worker: PEER_FLAGS = -isystem /usr/include/$(ITK)
-$(BUILD)/tests/peers/itk_worker: PEER_LIBS = $(ITK_LIBS)
-$(BUILD)/tests/peers/%: tests/peers/%.cc | $(PEERS_STAMP)
+$(BUILD)/tests/peers/itk_%: PEER_FLAGS = -isystem /usr/include/$(ITK)
+$(BUILD)/tests/peers/itk_%: PEER_LIBS = $(ITK_LIBS)
+$(ITK_JUDGE): | build/.packages-test
+$(filter-out $(PEERS_IN_C) $(ITK_JUDGE),$(PEERS)): | $(PEERS_STAMP)
+$(BUILD)/tests/peers/%: tests/peers/%.cc
 	@mkdir -p $(@D)
 	$(say) "compile   $<"
 	$(Q)$(CXX) $(ALL_CXXFLAGS) -O3 -DNDEBUG $(PEER_FLAGS) -MF $@.d -o $@ $< $(ALL_LDFLAGS) \

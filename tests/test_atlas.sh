@@ -18,7 +18,7 @@ chosen='regions=2001,9170 as=4,9'
 begin "an atlas of more than 255 regions is refused with what to type, and chosen from"
 expect 3 "$iftty" -c 'open s.nii; seed-file atlas.nii'
 err_has 'region 2001 of the map is no label 0..255; choose regions and their labels, as in'
-err_has 'regions=2001,2002 as=1,2, or give all one label with label=; nothing was planted'
+err_has 'regions=2001,2002 as=1,2, or give all one label with label=; nothing has changed'
 expect 0 "$iftty" -c "open s.nii; label-file atlas.nii.txt $chosen; seed-file atlas.nii $chosen \
 erode=1; run; stats" --journal j.iftty
 out_has '2 names and 2 colours of labels'

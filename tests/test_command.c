@@ -117,6 +117,7 @@ static const char *form_of(const struct parameter *p)
                        : p->type == VALUE_INTERVAL ? "LOW..HIGH"
                        : p->type == VALUE_RADIUS   ? radius
                        : p->type == VALUE_COLOUR   ? "#rrggbb"
+                       : p->type == VALUE_FILE     ? "FILE"
                                                    : p->name;
     snprintf(radius, sizeof radius, "0..%lld|Rmm", (long long)p->most);
     if (!p->choices)

@@ -81,6 +81,9 @@ enum err act_overlay(const struct act *act);
 enum err act_slice(const struct act *act);
 enum err act_mosaic(const struct act *act);
 
+/* act_compare.c */
+enum err act_compare(const struct act *act);
+
 /* act_spin.c */
 enum err act_spin(const struct act *act);
 

@@ -4,9 +4,10 @@
  *
  * A command is a line of words separated by blanks; a word with blanks in it is written between
  * double quotes, in which \" and \\ stand for " and \, or between single quotes, in which nothing
- * stands for anything else (MEANING_QUOTES). Parameters come in the order of the table;
- * those marked `keyed` are written name=value, anywhere after the command's name. A line parsed
- * and written again in canonical form is the same command, and canonical already.
+ * stands for anything else (MEANING_QUOTES). Parameters come in the order of the table; those
+ * marked `keyed` are written name=value, where the value may stand between double quotes, anywhere
+ * after the command's name. A line parsed and written again in canonical form is the same command,
+ * and canonical already.
  */
 #ifndef COMMAND_COMMAND_H
 #define COMMAND_COMMAND_H
@@ -67,7 +68,7 @@ struct value {
                                     there */
 };
 
-enum { PARAMETERS_MOST = 8 };
+enum { PARAMETERS_MOST = 9 };
 
 enum command_flag {
     COMMAND_RECORDED = 1, /* goes into the journal */

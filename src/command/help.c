@@ -25,6 +25,8 @@ static void add_form(struct buf *out, const struct parameter *p)
         buf_add_text(out, "LABEL");
     else if (p->type == VALUE_COLOUR)
         buf_add_text(out, "#rrggbb");
+    else if (p->type == VALUE_FILE && p->keyed)
+        buf_add_text(out, "FILE");
     else if (is_number && p->keyed)
         buf_printf(out, "%g..%g", (double)p->least / unit, (double)p->most / unit);
     else if (p->type != VALUE_CHOICE)

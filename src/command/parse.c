@@ -53,9 +53,24 @@ static enum err at_place(enum err err, const char *line, const char *place, stru
     return err;
 }
 
+/* Bytes of "name=" where a value between double quotes follows and ends the word; else 0. */
+static size_t length_of_key(const char *word)
+{
+    const size_t key = strspn(word, "abcdefghijklmnopqrstuvwxyz-");
+    const char *at = word + key;
+    if (key == 0 || at[0] != '=' || at[1] != '"')
+        return 0;
+    for (at += 2; *at && *at != '"'; at++)
+        at += at[0] == '\\' && at[1];
+    return at[0] && (!at[1] || at[1] == ' ' || at[1] == '\t') ? key + 1 : 0;
+}
+
 bool command_take_word(const char **cursor, struct buf *out, const char *quotes)
 {
     const char *at = *cursor;
+    const size_t key = length_of_key(at);
+    buf_add(out, at, key);
+    at += key;
     const char quote = *at && strchr(quotes, *at) ? *at : '\0';
     const bool quoted = quote != '\0';
     at += quoted;

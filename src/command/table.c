@@ -546,6 +546,29 @@ const struct command command_table[] = {
      "seeds, voxels and volume of each label",
      NULL,
      "stats"},
+    {COMMAND("compare", act_compare, GROUP_QUESTIONS, S),
+     {NEED("FILE", VALUE_FILE), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
+      KEYED("as", VALUE_LIST, .least = 1, .most = 255),
+      KEYED("label", VALUE_LABEL, .least = 1, .most = 255), KEYED("at", VALUE_POSITION),
+      KEYED("report", VALUE_FILE), KEYED("picture", VALUE_FILE),
+      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
+     "how far the labels agree with a label map",
+     "A is the labels here, B the map, on the scene's grid. For each label, and all together:\n"
+     "Dice: twice the voxels of both, by those of A and those of B; 1 where they are the same.\n"
+     "Jaccard: the voxels of both, by those of either.\n"
+     "Hausdorff: how far a voxel of one may be from the nearest voxel of the other, in mm.\n"
+     "95 %, mean: distances from each surface to the other, in mm. A surface is the voxels that "
+     "have a neighbour outside the object, by a face, an edge or a corner, but not the edge of the "
+     "scene.\n"
+     "Overlaps and Hausdorff are those of ITK's filters, as are the directed means in a report.\n"
+     "regions: the values of the map that count, 1 and above unless given.\n"
+     "as: the labels that they are, one for each of `regions`.\n"
+     "label: compares this label alone; all `regions` are taken for it.\n"
+     "report: FILE.json or FILE.csv.\n"
+     "picture: slices through the voxel `at`, or where both are farthest apart, with lines around "
+     "what differs: white for A and B, orange for A alone, blue for B alone, purple for another "
+     "label." FINISHED_NOTE,
+     "compare expert.nii.gz picture=difference.png"},
     {COMMAND("pilot", act_pilot, GROUP_QUESTIONS, S),
      {{0}},
      "segment by single keys, on the whole screen",

@@ -142,6 +142,55 @@ enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struc
     return convert(map, first, last, REGION_NONE, "regions are whole numbers", watch, fault);
 }
 
+enum err map_refuse_region(uint32_t region, struct fault *fault)
+{
+    return fault_set(fault, ERR_INPUT,
+                     "region %u of the map is no label 0..255; choose regions and their labels, as "
+                     "in regions=%u,%u as=1,2, or give all one label with label=; nothing has "
+                     "changed",
+                     region, region, region + 1);
+}
+
+/* REGION_NONE where it is not chosen; it may be none of a label. */
+static uint32_t label_of(const struct map_labels *choice, uint16_t region)
+{
+    const uint32_t as = region == REGION_NONE ? REGION_NONE
+                        : choice->as          ? choice->as[region]
+                        : region              ? region
+                                              : REGION_NONE;
+    return as == REGION_NONE || choice->label == LABEL_OWN ? as : (uint32_t)choice->label;
+}
+
+static enum err relabel(uint8_t *label, const struct volume *map, const struct map_labels *choice,
+                        struct watch *watch, struct fault *fault)
+{
+    const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
+    struct task task = task_begin(watch, "labels of the map", voxels);
+    for (size_t i = 0; i < voxels && task_advance(&task, 1); i++) {
+        const uint32_t is = label_of(choice, map->intensity[i]);
+        if (is != REGION_NONE && is > 255)
+            return map_refuse_region(map->intensity[i], fault);
+        label[i] = is == REGION_NONE ? 0 : (uint8_t)is;
+    }
+    return watch_fault(watch, fault);
+}
+
+enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_labels *choice,
+                       struct watch *watch, struct fault *fault)
+{
+    *label = NULL;
+    enum err err = map_to_regions(map, 0, REGION_MOST, watch, fault);
+    if (err)
+        return err;
+    *label = mem_array((size_t)map->size[0] * map->size[1] * map->size[2], 1);
+    err = *label ? relabel(*label, map, choice, watch, fault) : fault_memory(fault, "a map");
+    if (err) {
+        free(*label);
+        *label = NULL;
+    }
+    return err;
+}
+
 enum err map_to_weights(struct volume *map, struct watch *watch, struct fault *fault)
 {
     return convert(map, 0, UINT16_MAX, ODD, "weights are whole numbers 0..65535", watch, fault);

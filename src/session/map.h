@@ -38,7 +38,24 @@ enum err map_read(struct volume *map, const char *path, const struct grid *grid,
 enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct watch *watch,
                         struct fault *fault);
 
-/* Likewise; ERR_INPUT where one is not a whole number 0..65535. */
+/* Which labels the regions of a map become. */
+enum { LABEL_OWN = -1 };
+struct map_labels {
+    const uint16_t *as; /* those chosen and their labels (session/regions.h); NULL: 1 and above */
+    int label;          /* of all that are chosen, or LABEL_OWN: by `as`, or the label of its number
+                         */
+};
+
+/* A byte a voxel, [z][y][x], freed by free(); 0 for regions that are not chosen. The map is of no
+ * use afterwards, and *label NULL on errors: those of map_to_regions, and ERR_INPUT for a region
+ * that would be a label above 255. */
+enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_labels *choice,
+                       struct watch *watch, struct fault *fault);
+
+/* The error of a region that is no label 0..255 and was to be one. */
+enum err map_refuse_region(uint32_t region, struct fault *fault);
+
+/* As map_to_regions; ERR_INPUT where one is not a whole number 0..65535. */
 enum err map_to_weights(struct volume *map, struct watch *watch, struct fault *fault);
 
 #endif

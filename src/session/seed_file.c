@@ -297,11 +297,7 @@ static enum err check_stock(const struct stock *stock, const struct region_choic
         if (!stock[r].before)
             continue;
         if (label_of(choice, r) > 255)
-            return fault_set(fault, ERR_INPUT,
-                             "region %u of the map is no label 0..255; choose regions and their "
-                             "labels, as in regions=%u,%u as=1,2, or give all one label with "
-                             "label=; nothing was planted",
-                             r, r, r + 1);
+            return map_refuse_region(r, fault);
         if (!stock[r].left && tally->eroded_away++ == 0)
             tally->first_eroded_away = r;
     }

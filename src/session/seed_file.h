@@ -45,8 +45,6 @@ enum err seeds_by_region(const struct seeds *seeds, uint32_t **cell, size_t *end
 /* A sum mod 2^64 over the seeds of a mix of (cell, label). */
 uint64_t seeds_digest(const struct seeds *seeds);
 
-enum { LABEL_OWN = -1 };
-
 /* A list: `length` bytes at `text`, and a NUL after them. `label` is given to all seeds, or is
  * LABEL_OWN. On the first line that is wrong, or contradicts another, *seeds stays empty and the
  * words name it: ERR_INPUT. */

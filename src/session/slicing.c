@@ -141,17 +141,22 @@ static struct mosaic_choice mosaic_of(const struct session *session, const struc
     return choice;
 }
 
+enum err slicing_check_size(const struct view *view, struct fault *fault)
+{
+    if (view->width >= MOSAIC_SIDE_LEAST && view->height >= MOSAIC_SIDE_LEAST)
+        return OK;
+    return fault_set(fault, ERR_LIMIT,
+                     "a mosaic takes %dx%d pixels or more, and the view has %ux%u; give it more by "
+                     "`size`; nothing has changed",
+                     MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, view->width, view->height);
+}
+
 static enum err prepare(struct session *session, enum slice_kind kind, struct fault *fault)
 {
-    const struct view *view = &session->now.outlook.view;
     if (kind != SLICE_KIND_MOSAIC)
         return OK;
-    if (view->width < MOSAIC_SIDE_LEAST || view->height < MOSAIC_SIDE_LEAST)
-        return fault_set(fault, ERR_LIMIT,
-                         "a mosaic takes %dx%d pixels or more, and the view has %ux%u; give it "
-                         "more by `size`; nothing has changed",
-                         MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, view->width, view->height);
-    return session_draw(session, RENDER_AS_KEPT, fault);
+    const enum err err = slicing_check_size(&session->now.outlook.view, fault);
+    return err ? err : session_draw(session, RENDER_AS_KEPT, fault);
 }
 
 /* Fills a canvas, which is released on error: a slice, or a mosaic, be it a panel's. */

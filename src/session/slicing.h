@@ -22,6 +22,9 @@ enum slice_kind { SLICE_KIND_AXIAL, SLICE_KIND_CORONAL, SLICE_KIND_SAGITTAL, SLI
 enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
                       bool tells_cells, struct fault *fault);
 
+/* ERR_LIMIT for a view that is too small for a mosaic. */
+enum err slicing_check_size(const struct view *view, struct fault *fault);
+
 /* The cell of the voxel under a pixel of the picture that slicing_draw would make now, or
  * CELL_NONE; the pixel lies within the view's size. Errors are those of slicing_draw. */
 enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kind kind,

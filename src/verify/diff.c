@@ -7,7 +7,7 @@
 #include "base/json.h"
 #include "verify/diff_side.h"
 #include "verify/first_difference.h"
-#include "verify/overlap.h"
+#include "engine/overlap.h"
 
 struct journals {
     const struct diff_options *options;

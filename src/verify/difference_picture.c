@@ -7,6 +7,7 @@
 #include "base/mem.h"
 #include "render/canvas.h"
 #include "render/text.h"
+#include "session/comparison_picture.h"
 
 enum {
     SEAM = 2,   /* pixels between panes */
@@ -15,14 +16,10 @@ enum {
     NAME_MOST = 200,
 };
 
-/* Labels of the pane on the right. */
-enum { SAME_OBJECT = 1, A_ALONE = 1, B_ALONE, ANOTHER, KINDS };
+/* A label of the pane on the right, before it has differences as labels. */
+enum { SAME_OBJECT = AGREES };
 
 static const uint8_t ghost_rgb[3] = {150, 150, 150};
-static const uint8_t kind_rgb[KINDS][3] = {
-    [A_ALONE] = {230, 159, 0}, [B_ALONE] = {86, 180, 233}, [ANOTHER] = {204, 121, 167}};
-static const char *const kind_words[KINDS] = {
-    [A_ALONE] = "A alone", [B_ALONE] = "B alone", [ANOTHER] = "another label"};
 static const uint8_t paper[3] = {24, 24, 24}, ink[3] = {232, 232, 232};
 
 /* What is drawn, and where it lies. */
@@ -76,7 +73,7 @@ static uint8_t new_label(const struct sheet *sheet, enum relabelled as, size_t v
         return whole_b;
     if (as == AS_OBJECT)
         return a || b ? SAME_OBJECT : 0;
-    return a == b ? 0 : !b ? A_ALONE : !a ? B_ALONE : ANOTHER;
+    return a == b ? 0 : (uint8_t)difference_of(a, b);
 }
 
 static void relabel(const struct sheet *sheet, enum relabelled as)
@@ -147,8 +144,8 @@ static enum err draw_difference(const struct sheet *sheet, struct fault *fault)
     if (!err) {
         memcpy(depth, session_frame(sheet->session)->depth, pixels * sizeof *depth);
         put_frame(sheet, 2);
-        for (int kind = A_ALONE; kind < KINDS; kind++)
-            memcpy(palette->rgb[kind], kind_rgb[kind], 3);
+        for (int kind = A_ALONE; kind < DIFFERENCES; kind++)
+            memcpy(palette->rgb[kind], difference_rgb[kind], 3);
         err = render_as(sheet, AS_KIND, fault);
     }
     if (!err)
@@ -232,9 +229,9 @@ static void write_words(const struct sheet *sheet)
     write_title(sheet, 1, "B", sheet->of->name[1]);
     write_title(sheet, 2, "where they differ", "");
     write_labels(sheet);
-    for (uint32_t kind = A_ALONE; kind < KINDS; kind++)
-        write_entry(sheet, (int64_t)pane_left(sheet, 2) + BORDER, kind - A_ALONE, kind_rgb[kind],
-                    kind_words[kind]);
+    for (uint32_t kind = A_ALONE; kind < DIFFERENCES; kind++)
+        write_entry(sheet, (int64_t)pane_left(sheet, 2) + BORDER, kind - A_ALONE,
+                    difference_rgb[kind], difference_words[kind]);
 }
 
 enum err difference_picture_draw(struct picture *picture, struct session *session,

@@ -17,7 +17,7 @@
 #ifndef VERIFY_DIFFERENCE_PICTURE_H
 #define VERIFY_DIFFERENCE_PICTURE_H
 
-#include "verify/overlap.h"
+#include "engine/overlap.h"
 #include "image/picture.h"
 #include "session/session.h"
 

@@ -6,8 +6,8 @@
  * nearest, halves up, from the integers themselves; so 10000 may stand where very few of very many
  * differ; `differing` counts each.
  */
-#ifndef VERIFY_OVERLAP_H
-#define VERIFY_OVERLAP_H
+#ifndef ENGINE_OVERLAP_H
+#define ENGINE_OVERLAP_H
 
 #include <stddef.h>
 #include <stdint.h>

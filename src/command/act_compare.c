@@ -1,0 +1,197 @@
+/* The command `compare`: the labels beside those of a file. A question: nothing is recorded. */
+#include "command/act.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/mem.h"
+#include "session/comparison_picture.h"
+#include "session/map.h"
+
+/* The places of the parameters in the table. */
+enum { FILE_NAME, REGIONS, AS, LABEL, AT, REPORT, PICTURE, REPLACE, FINISHED };
+
+#define REPORT_ENDINGS ".json|.csv"
+
+static enum err check_names(const struct act *act)
+{
+    const struct value *report = &act->value[REPORT], *picture = &act->value[PICTURE];
+    if (report->given && !file_is_named(report->text, REPORT_ENDINGS))
+        return fault_set(act->fault, ERR_USAGE,
+                         "report: expected a name that ends in .json or .csv, not %s",
+                         report->text);
+    if (act->value[AT].given && !picture->given)
+        return fault_set(act->fault, ERR_USAGE,
+                         "at: it says where slices of the picture lie; expected picture=FILE too");
+    return OK;
+}
+
+/* ---- labels ---- */
+
+/* The session's; where one is chosen, that one alone. */
+static enum err take_own(struct compared *compared, const struct act *act)
+{
+    const struct grid *grid = &act->session->scene->grid;
+    const struct value *only = &act->value[LABEL];
+    uint8_t *label = compared->label[0] = mem_array(grid->voxels, 1);
+    struct task task = task_begin(act->session->watch, "labels", grid->voxels);
+    struct labels labels;
+    enum err err = label ? act_take_labels(act, &act->value[FINISHED], &labels)
+                         : fault_memory(act->fault, "labels");
+    if (err)
+        return err;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
+            labels_copy_row(&labels, grid_row(grid, y, z), label);
+            for (const uint8_t *end = label + grid->size[0]; label < end; label++)
+                *label = only->given && *label != only->number ? 0 : *label;
+        }
+    return watch_fault(act->session->watch, act->fault);
+}
+
+static enum err read_map(struct compared *compared, const struct act *act,
+                         const struct map_labels *choice)
+{
+    const struct session *session = act->session;
+    const char *name = act->value[FILE_NAME].text;
+    struct volume map = {0};
+    struct buf path = {0};
+    enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
+    if (!err)
+        err = map_read(&map, buf_text(&path), &session->scene->grid, &session->geometry,
+                       session->watch, act->fault);
+    if (!err)
+        err = act_naming(
+            name, map_to_labels(&compared->label[1], &map, choice, session->watch, act->fault),
+            act->fault);
+    volume_release(&map);
+    buf_release(&path);
+    return err;
+}
+
+static enum err take_map(struct compared *compared, const struct act *act)
+{
+    const struct value *value = act->value;
+    uint16_t *as = NULL;
+    if (value[AS].given && value[LABEL].given)
+        return fault_set(act->fault, ERR_USAGE,
+                         "as and label are two answers to one question; expected one of them");
+    enum err err = regions_new(&as, value[REGIONS].text, value[AS].text, act->fault);
+    if (!err) {
+        const struct map_labels choice = {as, value[LABEL].given ? (int)value[LABEL].number
+                                                                 : LABEL_OWN};
+        err = read_map(compared, act, &choice);
+    }
+    free(as);
+    return err;
+}
+
+/* ---- answers ---- */
+
+static enum err write_report(const struct act *act, const struct comparison_report *report)
+{
+    const char *name = act->value[REPORT].text;
+    const enum file_mode mode = act_file_mode(&act->value[REPLACE]);
+    struct buf path = {0}, text = {0};
+    if (!act->value[REPORT].given)
+        return OK;
+    if (file_is_named(name, ".json"))
+        comparison_write_json(&text, report);
+    else
+        comparison_write_csv(&text, report);
+    enum err err = text.failed ? fault_memory(act->fault, "a report")
+                               : interpreter_output_path(act->interp, name, &path, act->fault);
+    if (!err && path.length)
+        err = interpreter_will_write(act->interp, buf_text(&path), mode, act->fault);
+    if (!err && path.length)
+        err = file_write(buf_text(&path), buf_text(&text), text.length, mode, act->fault);
+    if (!err && path.length)
+        act_write_file_line("wrote ", buf_text(&path), act->reply);
+    buf_release(&text);
+    buf_release(&path);
+    return err;
+}
+
+/* Through the place that is named, or the voxel where both are farthest apart, or the cross-hair.
+ */
+static const uint32_t *place_of_picture(const struct act *act, const struct comparison *comparison)
+{
+    const struct label_distances *d = &comparison->distance[0];
+    if (act->value[AT].given)
+        return act->value[AT].place;
+    return d->has_hausdorff && d->hausdorff_mm > 0 ? d->farthest
+                                                   : act->session->now.outlook.slices.cross;
+}
+
+static enum err write_picture(const struct act *act, const struct compared *compared,
+                              const struct comparison_report *report)
+{
+    struct picture picture = {0};
+    struct buf path = {0};
+    if (!act->value[PICTURE].given)
+        return OK;
+    enum err err =
+        interpreter_output_path(act->interp, act->value[PICTURE].text, &path, act->fault);
+    if (!err && path.length)
+        err = comparison_picture_draw(&picture, act->session, compared, report,
+                                      place_of_picture(act, report->comparison), act->fault);
+    if (!err && path.length)
+        err = act_note_picture(act, &picture);
+    if (!err && path.length)
+        err =
+            act_write_picture(act, buf_text(&path), act_file_mode(&act->value[REPLACE]), &picture);
+    picture_release(&picture);
+    buf_release(&path);
+    return err;
+}
+
+static enum err answer(const struct act *act, const struct compared *compared,
+                       const struct comparison *comparison)
+{
+    const struct session *session = act->session;
+    const size_t waits = session_pendings(session);
+    const struct value *finished = &act->value[FINISHED];
+    const char *name =
+        finished->given && finished->number == 0 ? "the labels here, finished" : "the labels here";
+    const struct comparison_report report = {comparison,
+                                             {name, act->value[FILE_NAME].text},
+                                             session->now.kept.label_name,
+                                             session->scene->spacing_nm,
+                                             session->geometry.spacing_unknown};
+    enum err err = write_report(act, &report);
+    if (!err)
+        err = write_picture(act, compared, &report);
+    if (!err)
+        comparison_write_text(&act->reply->text, &report);
+    if (!err && waits)
+        buf_printf(&act->reply->text, "%zu edit%s waiting for `run` not in it\n", waits,
+                   plural(waits));
+    return err;
+}
+
+/* ---- the command ---- */
+
+enum err act_compare(const struct act *act)
+{
+    struct session *session = act->session;
+    struct compared compared = {0};
+    struct comparison *comparison = mem_new(sizeof *comparison);
+    enum err err = comparison ? check_names(act) : fault_memory(act->fault, "a comparison");
+    for (int a = 0; a < 3; a++) {
+        compared.size[a] = session->scene->grid.size[a];
+        compared.spacing_nm[a] = session->scene->spacing_nm[a];
+    }
+    if (!err)
+        err = take_map(&compared, act);
+    if (!err)
+        err = take_own(&compared, act);
+    if (!err)
+        err = comparison_make(comparison, &compared, session->team, session->watch, act->fault);
+    if (!err)
+        err = answer(act, &compared, comparison);
+    free(compared.label[0]);
+    free(compared.label[1]);
+    free(comparison);
+    return err;
+}

@@ -1,0 +1,208 @@
+#include "engine/distance.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+
+#include "base/mem.h"
+
+enum { EXTENT_MOST = 1 << 30 }; /* units along an axis, so that sums of squares stay below 2^62 */
+
+/* ---- the unit ---- */
+
+static uint32_t common_divisor(uint32_t a, uint32_t b)
+{
+    while (b) {
+        const uint32_t rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
+}
+
+/* A spacing in units, which it may be smaller than. */
+static uint64_t in_units(uint32_t spacing_nm, uint64_t unit_nm)
+{
+    const uint64_t steps = (spacing_nm + unit_nm / 2) / unit_nm;
+    return steps ? steps : 1;
+}
+
+static bool fits(const uint32_t spacing_nm[3], const uint32_t size[3], uint64_t unit_nm)
+{
+    for (int a = 0; a < 3; a++)
+        if ((size[a] - 1) * in_units(spacing_nm[a], unit_nm) > EXTENT_MOST)
+            return false;
+    return true;
+}
+
+struct distance_scale distance_scale_of(const uint32_t spacing_nm[3], const uint32_t size[3])
+{
+    struct distance_scale scale = {
+        .unit_nm = common_divisor(common_divisor(spacing_nm[0], spacing_nm[1]), spacing_nm[2])};
+    while (!fits(spacing_nm, size, scale.unit_nm))
+        scale.unit_nm *= 2;
+    for (int a = 0; a < 3; a++)
+        scale.step[a] = (uint32_t)in_units(spacing_nm[a], scale.unit_nm);
+    return scale;
+}
+
+/* ---- one line ---- */
+
+enum { COLUMNS = 8 }; /* lines that are worked on at a time: a cache line of each voxel's row */
+
+/* Room for lines of `length` voxels. */
+struct room {
+    uint64_t *from;        /* [COLUMNS][length] */
+    uint32_t *at, *lowest; /* parabolas that are lowest somewhere, and from which voxel on */
+    size_t length;
+};
+
+static void room_release(struct room *room)
+{
+    free(room->from);
+    free(room->at);
+    free(room->lowest);
+}
+
+static bool room_init(struct room *room, size_t length)
+{
+    *room = (struct room){.from = mem_array(COLUMNS * length, sizeof *room->from),
+                          .at = mem_array(length, sizeof *room->at),
+                          .lowest = mem_array(length, sizeof *room->lowest),
+                          .length = length};
+    return room->from && room->at && room->lowest;
+}
+
+static uint64_t parabola(const uint64_t *from, uint32_t at, uint32_t x, uint64_t step)
+{
+    const uint64_t away = (x > at ? x - at : at - x) * step;
+    return from[at] + away * away;
+}
+
+/* The first voxel at which the parabola of `next` is lower than that of `at`, before it, which is
+ * not the higher one everywhere: Meijster's Sep, and one more. */
+static uint64_t first_lower(const uint64_t *from, uint32_t at, uint32_t next, uint64_t step)
+{
+    const uint64_t weight = step * step;
+    const uint64_t squares = ((uint64_t)next * next - (uint64_t)at * at) * weight;
+    return (squares + from[next] - from[at]) / (2 * weight * (next - at)) + 1;
+}
+
+/* How many parabolas make the lower envelope. */
+static size_t find_envelope(const struct room *room, const uint64_t *from, uint64_t step)
+{
+    size_t count = 0;
+    for (uint32_t x = 0; x < room->length; x++) {
+        if (from[x] == DISTANCE_NONE)
+            continue;
+        while (count && parabola(from, room->at[count - 1], room->lowest[count - 1], step) >
+                            parabola(from, x, room->lowest[count - 1], step))
+            count--;
+        const uint64_t first = count ? first_lower(from, room->at[count - 1], x, step) : 0;
+        if (first >= room->length)
+            continue;
+        room->at[count] = x;
+        room->lowest[count++] = (uint32_t)first;
+    }
+    return count;
+}
+
+/* The least of all parabolas, from a line of room->from to one in the box. */
+static void spread_line(const struct room *room, const uint64_t *from, uint64_t *to, size_t stride,
+                        uint64_t step)
+{
+    size_t count = find_envelope(room, from, step);
+    for (uint32_t x = (uint32_t)room->length; count && x-- > 0;) {
+        to[x * stride] = parabola(from, room->at[count - 1], x, step);
+        count -= x == room->lowest[count - 1];
+    }
+}
+
+/* ---- all lines along an axis ---- */
+
+struct spreading {
+    uint64_t *squared;
+    const uint32_t *size;
+    uint64_t step;
+    int axis;
+    struct team *team;
+    struct watch *watch;
+    struct room room[TEAM_MOST];
+};
+
+/* `columns` lines side by side, the first voxel of the first one at `first`. */
+static void spread_lines(const struct spreading *s, const struct room *room, uint64_t *first,
+                         size_t columns, size_t stride)
+{
+    for (size_t i = 0; i < room->length; i++)
+        for (size_t c = 0; c < columns; c++)
+            room->from[c * room->length + i] = first[i * stride + c];
+    for (size_t c = 0; c < columns; c++)
+        spread_line(room, room->from + c * room->length, first + c, stride, s->step);
+}
+
+/* Along y and z, lines lie side by side along x. */
+static void spread_share(void *context, unsigned worker)
+{
+    const struct spreading *s = context;
+    const size_t row = s->size[0], plane = row * s->size[1];
+    const size_t stride = s->axis == 1 ? row : plane, apart = s->axis == 1 ? plane : row;
+    const struct share share = team_share(s->team, worker, s->size[s->axis == 1 ? 2 : 1]);
+    const struct room *room = &s->room[worker];
+    struct task task = task_begin_part(s->watch, "distances",
+                                       (share.end - share.first) * row * room->length, worker);
+    for (size_t sheet = share.first; sheet < share.end; sheet++)
+        for (size_t x = 0; x < row; x += COLUMNS) {
+            const size_t columns = row - x < COLUMNS ? row - x : COLUMNS;
+            spread_lines(s, room, s->squared + sheet * apart + x, columns, stride);
+            if (!task_advance(&task, columns * room->length))
+                return;
+        }
+}
+
+/* A row, from which distances begin: squares of steps to the nearest 0, on either side. */
+static void spread_row(uint64_t *row, uint32_t length, uint64_t step)
+{
+    uint64_t away = DISTANCE_NONE;
+    for (uint32_t x = 0; x < length; x++) {
+        away = row[x] == 0 ? 0 : away == DISTANCE_NONE ? away : away + step;
+        row[x] = away;
+    }
+    away = DISTANCE_NONE;
+    for (uint32_t x = length; x-- > 0;) {
+        away = row[x] == 0 ? 0 : away == DISTANCE_NONE ? away : away + step;
+        const uint64_t nearer = row[x] < away ? row[x] : away;
+        row[x] = nearer == DISTANCE_NONE ? nearer : nearer * nearer;
+    }
+}
+
+static void spread_rows(void *context, unsigned worker)
+{
+    const struct spreading *s = context;
+    const size_t rows = (size_t)s->size[1] * s->size[2];
+    const struct share share = team_share(s->team, worker, rows);
+    struct task task =
+        task_begin_part(s->watch, "distances", (share.end - share.first) * s->size[0], worker);
+    for (size_t row = share.first; row < share.end && task_advance(&task, s->size[0]); row++)
+        spread_row(s->squared + row * s->size[0], s->size[0], s->step);
+}
+
+enum err distance_spread(uint64_t *squared, const uint32_t size[3],
+                         const struct distance_scale *scale, struct team *team, struct watch *watch,
+                         struct fault *fault)
+{
+    struct spreading s = {
+        .squared = squared, .size = size, .step = scale->step[0], .team = team, .watch = watch};
+    enum err err = OK;
+    team_run(team, spread_rows, &s);
+    for (s.axis = 1; s.axis < 3 && !err; s.axis++) {
+        s.step = scale->step[s.axis];
+        for (unsigned i = 0; i < team_size(team); i++)
+            if (!room_init(&s.room[i], size[s.axis]))
+                err = fault_memory(fault, "distances");
+        if (!err)
+            team_run(team, spread_share, &s);
+        for (unsigned i = 0; i < team_size(team); i++)
+            room_release(&s.room[i]);
+    }
+    return err ? err : watch_fault(watch, fault);
+}
