@@ -60,7 +60,7 @@ static enum err read_map(struct compared *compared, const struct act *act,
     enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
     if (!err)
         err = map_read(&map, buf_text(&path), &session->scene->grid, &session->geometry,
-                       session->watch, act->fault);
+                       &session->part, session->watch, act->fault);
     if (!err)
         err = act_naming(
             name, map_to_labels(&compared->label[1], &map, choice, session->watch, act->fault),

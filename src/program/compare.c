@@ -52,7 +52,7 @@ static enum err take_labels(struct pair *pair, int side, struct volume *map, str
 static enum err read_map(struct pair *pair, int side, struct fault *fault)
 {
     struct volume map = {0};
-    enum err err = map_read(&map, pair->options->word[side], &pair->grid, &pair->geometry,
+    enum err err = map_read(&map, pair->options->word[side], &pair->grid, &pair->geometry, NULL,
                             console_watch(), fault);
     if (!err)
         err = take_labels(pair, side, &map, fault);
