@@ -7,7 +7,8 @@
 enum err border_init(struct border *border, const struct scene *scene, struct fault *fault)
 {
     size_t words = scene->grid.cells / 64 + 2;
-    *border = (struct border){.scene = scene, .words = words, .cut = cut_none()};
+    *border = (struct border){
+        .scene = scene, .labels = labels_of_forest(scene), .words = words, .cut = cut_none()};
     border->shown = mem_pages(words * sizeof *border->shown);
     border->border = mem_pages(words * sizeof *border->border);
     border->marked = mem_pages((words / 64 + 1) * sizeof *border->marked);
@@ -49,13 +50,13 @@ static uint64_t border_word(const struct border *border, size_t w)
 static bool count_shown(struct border *border, struct task *task)
 {
     const struct grid *grid = &border->scene->grid;
-    const struct cell *cell = border->scene->cell;
+    const struct labels labels = border->labels;
     uint64_t *next = border->border;
     for (size_t w = 0; w + 1 < border->words; w++) {
         uint64_t word = 0;
         size_t end = w * 64 + 64 < grid->cells ? w * 64 + 64 : grid->cells;
         for (size_t c = w * 64; c < end; c++)
-            word |= (uint64_t)border->visible[cell[c].label] << (c & 63);
+            word |= (uint64_t)border->visible[labels_at(&labels, (uint32_t)c)] << (c & 63);
         next[w] = word;
         if (!task_advance(task, 64))
             return false;

@@ -18,13 +18,15 @@
 #include <stdint.h>
 
 #include "engine/forest.h"
+#include "engine/labels.h"
 #include "render/cut.h"
 
 struct border {
     const struct scene *scene;
-    uint64_t *shown;  /* bit c % 64 of word c / 64: cell c is shown */
-    uint64_t *border; /* likewise: cell c is a border voxel */
-    size_t words;     /* of each, with one spare word at the end that stays 0 */
+    struct labels labels; /* by which voxels are shown: the forest's, unless others are set */
+    uint64_t *shown;      /* bit c % 64 of word c / 64: cell c is shown */
+    uint64_t *border;     /* likewise: cell c is a border voxel */
+    size_t words;         /* of each, with one spare word at the end that stays 0 */
 
     /* For results that were made of `shown` and stored (render/field.h): every update and recount
      * has a number, and each word that of the last one in which it changed. */
@@ -85,7 +87,7 @@ static inline uint64_t border_shown_from(const struct border *border, ptrdiff_t 
  * open. Reads its label and its bit, both right while B1 holds. */
 static inline bool border_is_cut(const struct border *border, uint32_t cell)
 {
-    return !border_shows(border, cell) && border->visible[border->scene->cell[cell].label];
+    return !border_shows(border, cell) && border->visible[labels_at(&border->labels, cell)];
 }
 
 size_t border_count(const struct border *border); /* border voxels */

@@ -384,16 +384,16 @@ static void fetch_cells(const struct rendition *r, const struct scene *scene, st
 }
 
 /* Labels of a tile. Empty pixels get no colour and no normal; true where all of them are empty. */
-static bool label_tile(struct rendition *r, const struct scene *scene, struct tile tile)
+static bool label_tile(struct rendition *r, const struct labels *labels, struct tile tile)
 {
     bool is_empty = true;
-    fetch_cells(r, scene, tile);
+    fetch_cells(r, labels->scene, tile);
     for (uint32_t y = tile.top; y < tile.bottom; y++) {
         const size_t row = (size_t)y * r->width;
         for (size_t pixel = row + tile.left; pixel < row + tile.right; pixel++) {
             const uint32_t cell = r->cell[pixel];
             is_empty = is_empty && cell == CELL_NONE;
-            r->label[pixel] = cell == CELL_NONE ? 0 : scene->cell[cell].label;
+            r->label[pixel] = cell == CELL_NONE ? 0 : labels_at(labels, cell);
             if (cell != CELL_NONE)
                 continue;
             memset(r->rgba + 4 * pixel, 0, 4);
@@ -412,12 +412,12 @@ static void shade_tile(struct rendition *r, struct lamp *lamp, struct tile tile)
 }
 
 /* Labels of all stale tiles come first: the edges of one look into its neighbours. */
-static void label_tiles(struct rendition *r, const struct scene *scene)
+static void label_tiles(struct rendition *r, const struct labels *labels)
 {
     for (uint32_t y = 0; y < r->tiles_y; y++)
         for (uint32_t x = 0; x < r->tiles_x; x++) {
             uint8_t *state = r->stale + (size_t)y * r->tiles_x + x;
-            if (*state == TILE_STALE && label_tile(r, scene, tile_at(r, x, y)))
+            if (*state == TILE_STALE && label_tile(r, labels, tile_at(r, x, y)))
                 *state = TILE_FRESH;
         }
 }
@@ -467,7 +467,7 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
     lamp.shown.field = &shader->shown;
     lamp.scene.field = &shader->scene;
     lamp_init(&lamp, camera, look);
-    label_tiles(r, camera->scene);
+    label_tiles(r, &border->labels);
     shade_tiles(r, &lamp);
     return OK;
 }

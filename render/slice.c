@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "engine/labels.h"
 #include "render/slice_notes.h"
 #include "render/slice_plan.h"
 
@@ -34,6 +35,7 @@ struct sample {
  * something. */
 struct work {
     const struct scene *scene;
+    struct labels labels;
     const struct slice_plan *plan;
     uint8_t shown[256]; /* a label, or 0 where it is hidden */
     struct sample *sample;
@@ -99,7 +101,8 @@ static bool work_init(struct work *work, const struct scene *scene, const struct
 {
     const size_t columns = (size_t)(plan->side[0].end - plan->side[0].first);
     const size_t rows = (size_t)(plan->side[1].end - plan->side[1].first);
-    *work = (struct work){.scene = scene, .plan = plan, .columns = columns};
+    *work = (struct work){
+        .scene = scene, .labels = {scene, style->finished}, .plan = plan, .columns = columns};
     for (unsigned label = 1; label < 256; label++)
         work->shown[label] = style->visible[label] ? (uint8_t)label : 0;
     work->sample = mem_array(columns, sizeof *work->sample);
@@ -133,7 +136,8 @@ static const struct row *row_of(struct work *work, int64_t voxel)
     for (size_t i = 0; i < work->count; i++) {
         const struct cell *at = cell + work->reads[i];
         work->intensity[i] = at->intensity;
-        work->of_voxel[i] = work->shown[at->label];
+        work->of_voxel[i] =
+            work->shown[labels_at(&work->labels, (uint32_t)(at - work->scene->cell))];
     }
     for (size_t x = 0; x < work->columns; x++) {
         const struct sample *s = &work->sample[x];

@@ -72,6 +72,7 @@ struct slice_style {
     enum slice_overlay overlay;
     const struct palette *palette; /* a label of black there is marked in light grey */
     const bool *visible;           /* [256], whether a label is overlaid */
+    const uint8_t *finished;       /* labels (engine/labels.h); NULL: those of the forest */
     bool crosses;                  /* the cross-hair */
     bool marks_seeds;              /* seeds that are planted, and beside them: */
     const struct slice_mark *mark; /* [marks]; those of other slices are passed over */

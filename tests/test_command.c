@@ -947,14 +947,14 @@ STORY(goldens_branches_and_records_are_offered)
     char line[PATH_MAX + 8];
     snprintf(line, sizeof line, "open %s", place("scene.nii"));
     must(&interp, line);
-    completes(&interp, "golden ", "of=\n", 7);
+    completes(&interp, "golden ", "of=\nfinished=\n", 7);
     must(&interp, "seed 1,1,1 2");
     must(&interp, "seed 9,9,9 1");
     must(&interp, "size 20 20");
     must(&interp, "golden front-1");
     must(&interp, "golden front-2 of=axial");
     must(&interp, "branch stem");
-    completes(&interp, "golden f", "front-1\nfront-2\n", 7);
+    completes(&interp, "golden f", "front-1\nfront-2\nfinished=\n", 7);
     completes(&interp, "golden front-1 of=a", "axial\n", 18);
     completes(&interp, "goto s", "stem\n", 5);
     completes(&interp, "goto ", "main\nstem\n1\n2\n3\n5\n", 5);
@@ -1001,7 +1001,7 @@ STORY(a_hint_is_the_rest_of_the_usage)
     hints("cut 1,1,1", " X,Y,Z");
     hints("seed 1,1,1 2 3 ", "[radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
     hints("overlay words=off ", "[none|tint|contour] [cross=on|off] [marks=on|off]");
-    hints("slice axial a.png ", "[N] [zoom=fit|0.01..64] [replace=yes|no]");
+    hints("slice axial a.png ", "[N] [zoom=fit|0.01..64] [replace=yes|no] [finished=yes|no]");
     hints("label 2 \"a", "");
     hints("label \"2\"", " NAME [#rrggbb]");
     hints("\"seed\" ",
@@ -1412,6 +1412,10 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"finish majority", NULL},
         {"finish components voxels=9 label=2", NULL},
         {"save labels @/f.nii finished=yes", "f.nii"},
+        {"render finished=yes", NULL},
+        {"mosaic finished=yes", NULL},
+        {"slice axial @/fs.exr finished=yes", "fs.exr"},
+        {"golden fifth finished=yes", "door.golden/fifth.exr"},
         {"finish none", NULL},
     };
     struct interpreter interp;

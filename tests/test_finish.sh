@@ -66,6 +66,58 @@ cat "$work/out" "$work/err" >said
 has_line said "10" || fail "$(cat said)"
 close_story
 
+begin "pictures show the finished labels, and say so; the next ones show the forest again"
+cat >pictures <<'END'
+open scene.nii
+size 200 160
+seed 7,12,10 1 radius=2
+seed 25,20,15 2 radius=2
+seed 2,2,2 0
+overlay tint marks=off cross=off
+render
+finish majority radius=2
+finish open
+save labels map.nii finished=yes
+render f.exr finished=yes
+render f.exr finished=yes mode=ray replace=yes
+render
+slice axial 10 s.exr finished=yes
+mosaic m.exr finished=yes
+spin 2 spin%d.exr finished=yes
+golden ball finished=yes
+golden plane of=coronal finished=yes
+golden four of=mosaic finished=yes
+END
+expect 0 "$iftty" run pictures --journal p.iftty
+picture() { # RECORD
+    sed -n "s/^= $1 .*picture=\([0-9a-f]*\).*/\1/p" p.iftty
+}
+same "$(picture 11)" "$(picture 12)"
+same "$(picture 7)" "$(picture 13)"
+[ "$(picture 7)" != "$(picture 11)" ] || fail "the rendition shows nothing of the finish"
+for exr in f s m spin0 p.golden/ball p.golden/plane; do
+    expect 0 "$iftty" info $exr.exr
+    out_has "majority radius=2, open radius=1"
+done
+# The same pictures of a forest that has these labels: each voxel is a seed of its own.
+cat >others <<'END'
+open scene.nii
+size 200 160
+seed-file map.nii regions=0-9
+run
+overlay tint marks=off cross=off
+render
+slice axial 10 os.exr
+mosaic om.exr
+END
+expect 0 "$iftty" run others --journal o.iftty
+sed -n 's/^= .*picture=\([0-9a-f]*\).*/\1/p' o.iftty >pictured
+same "$(picture 11; picture 14; picture 15)" "$(cat pictured)"
+expect 0 "$iftty" verify p.iftty
+out_has "p.iftty"
+IFTTY_THREADS=3 expect 0 "$iftty" verify p.iftty
+close_story
+
 begin "what a step does not take is refused, and so is what reaches too far"
 refused() { # COMMAND WORDS
     expect 2 "$iftty" -c "open scene.nii; $1"

@@ -386,7 +386,7 @@ static void draw_all(void *context)
     struct stopping *stopping = context;
     struct canvas canvas;
     session_count_labels(stopping->session, NULL);
-    if (slicing_draw(&canvas, stopping->session, SLICE_KIND_MOSAIC, true, NULL) == OK)
+    if (slicing_draw(&canvas, stopping->session, SLICE_KIND_MOSAIC, NULL, true, NULL) == OK)
         canvas_release(&canvas);
     stopping->shows++;
 }

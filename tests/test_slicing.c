@@ -668,8 +668,8 @@ STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
         for (int kind = 0; kind <= SLICE_KIND_MOSAIC; kind++) {
             struct canvas canvas;
             uint32_t wrong = 0, cell = 0;
-            CHECK(slicing_draw(&canvas, &interp.session, (enum slice_kind)kind, true, &fault) ==
-                  OK);
+            CHECK(slicing_draw(&canvas, &interp.session, (enum slice_kind)kind, NULL, true,
+                               &fault) == OK);
             for (uint32_t p = 0; p < 60 * 45; p++)
                 wrong += slicing_cell_at(&cell, &interp.session, (enum slice_kind)kind, p % 60,
                                          p / 60, &fault) != OK ||

@@ -168,12 +168,20 @@ bool act_write_roi(struct buf *out, const struct session *session);
 /* What is cut away: "all but axial slices 10-60, 1 plane, 2 boxes"; false where nothing is. */
 bool act_write_cut(struct buf *out, const struct session *session);
 
-/* Adds to the notes of a picture the journal, and where its chain stands. */
-enum err act_note_picture(const struct act *act, struct picture *picture);
+/* Adds to the notes of a picture the journal, where its chain stands, and how the labels that it
+ * shows were finished. */
+enum err act_note_picture(const struct act *act, const struct labels *labels,
+                          struct picture *picture);
 
-/* The rendition as a picture with all notes, for a file of that name (or NULL), which says whether
- * it holds normals. */
-enum err act_take_picture(const struct act *act, const char *name, struct picture *picture);
+/* The rendition, which shows these labels, as a picture with all notes, for a file of that name (or
+ * NULL), which says whether it holds normals. */
+enum err act_take_picture(const struct act *act, const struct labels *labels, const char *name,
+                          struct picture *picture);
+
+/* Runs the edits that wait, and makes the rendition, finished where that is asked for, of whose
+ * labels *labels is. */
+enum err act_render_labels(const struct act *act, const struct value *finished,
+                           enum render_mode mode, struct labels *labels);
 
 /* Adds the digest of the rendition to the words of the record. */
 void act_add_picture_digest(const struct act *act);
@@ -204,7 +212,8 @@ void act_write_slices(struct buf *out, struct session *session);
 
 /* A slice or mosaic as a picture with notes, and its digest among the words. The caller releases
  * the picture. */
-enum err act_take_slices(const struct act *act, enum slice_kind kind, struct picture *picture);
+enum err act_take_slices(const struct act *act, enum slice_kind kind, const struct labels *labels,
+                         struct picture *picture);
 
 /* "2 cerebellum", or "2" where the label has no name. */
 void act_write_label(struct buf *out, const struct session *session, unsigned label);

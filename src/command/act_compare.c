@@ -127,17 +127,21 @@ static const uint32_t *place_of_picture(const struct act *act, const struct comp
 static enum err write_picture(const struct act *act, const struct compared *compared,
                               const struct comparison_report *report)
 {
+    const struct value *finished = &act->value[FINISHED];
     struct picture picture = {0};
     struct buf path = {0};
+    struct labels labels;
     if (!act->value[PICTURE].given)
         return OK;
     enum err err =
-        interpreter_output_path(act->interp, act->value[PICTURE].text, &path, act->fault);
+        session_labels(act->session, finished->given && finished->number == 0, &labels, act->fault);
+    if (!err)
+        err = interpreter_output_path(act->interp, act->value[PICTURE].text, &path, act->fault);
     if (!err && path.length)
         err = comparison_picture_draw(&picture, act->session, compared, report,
                                       place_of_picture(act, report->comparison), act->fault);
     if (!err && path.length)
-        err = act_note_picture(act, &picture);
+        err = act_note_picture(act, &labels, &picture);
     if (!err && path.length)
         err =
             act_write_picture(act, buf_text(&path), act_file_mode(&act->value[REPLACE]), &picture);

@@ -93,18 +93,21 @@ static enum err write_golden(struct interpreter *interp, const char *name, const
 /* ---- the command ---- */
 
 /* The rendition, which takes in the edits that wait, or a slice or mosaic; and its digest. */
-static enum err take_golden(const struct act *act, const struct value *of, struct picture *picture)
+static enum err take_golden(const struct act *act, const struct value *of,
+                            const struct value *finished, struct picture *picture)
 {
+    struct labels labels;
     const bool is_slice = of->given && of->number > 0;
     if (act->interp->mode == MODE_SKIM)
         return is_slice ? OK : session_run(act->session, act->fault);
-    if (is_slice)
-        return act_take_slices(act, (enum slice_kind)(of->number - 1), picture);
-    enum err err = session_render(act->session, RENDER_AS_KEPT, act->fault);
+    enum err err = is_slice ? act_take_labels(act, finished, &labels)
+                            : act_render_labels(act, finished, RENDER_AS_KEPT, &labels);
     if (err)
         return err;
+    if (is_slice)
+        return act_take_slices(act, (enum slice_kind)(of->number - 1), &labels, picture);
     act_add_picture_digest(act);
-    return act_take_picture(act, NULL, picture);
+    return act_take_picture(act, &labels, NULL, picture);
 }
 
 /* Compares it in a replay, or writes it. */
@@ -156,7 +159,7 @@ enum err act_golden(const struct act *act)
                          act->session->semantics, SEMANTICS);
     enum err err = note_name(act->interp, name, act->fault);
     if (!err)
-        err = take_golden(act, &act->value[1], &picture);
+        err = take_golden(act, &act->value[1], &act->value[2], &picture);
     if (err)
         return err;
     if (!interp->home.length && interp->mode == MODE_LIVE)

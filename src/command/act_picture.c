@@ -7,23 +7,37 @@
 
 /* ---- pictures ---- */
 
-enum err act_note_picture(const struct act *act, struct picture *picture)
+static enum err note_finish(const struct act *act, struct picture *picture)
+{
+    struct buf steps = {0};
+    finish_write(&steps, &act->session->now.kept.finish);
+    const enum err err = steps.failed
+                             ? fault_memory(act->fault, "a note on a picture")
+                             : picture_note(picture, "iftty:finish", buf_text(&steps), act->fault);
+    buf_release(&steps);
+    return err;
+}
+
+enum err act_note_picture(const struct act *act, const struct labels *labels,
+                          struct picture *picture)
 {
     const struct journal *journal = act->interp->journal;
-    if (!journal)
-        return OK;
+    enum err err = labels->finished ? note_finish(act, picture) : OK;
+    if (err || !journal)
+        return err;
     const char *name = file_name(journal_path(journal));
-    enum err err = picture_note(picture, "iftty:journal", name, act->fault);
+    err = picture_note(picture, "iftty:journal", name, act->fault);
     return err ? err : picture_note(picture, "iftty:chain", journal_chain(journal), act->fault);
 }
 
-enum err act_take_picture(const struct act *act, const char *name, struct picture *picture)
+enum err act_take_picture(const struct act *act, const struct labels *labels, const char *name,
+                          struct picture *picture)
 {
     enum err err = export_picture(picture, act->session, act->fault);
     if (!err && name && exr_is_named(name))
         err = export_normals(picture, act->session, act->fault);
     if (!err)
-        err = act_note_picture(act, picture);
+        err = act_note_picture(act, labels, picture);
     if (err)
         picture_release(picture);
     return err;
@@ -31,9 +45,11 @@ enum err act_take_picture(const struct act *act, const char *name, struct pictur
 
 void act_add_picture_digest(const struct act *act)
 {
-    if (semantics_has(act->session->semantics, MEANING_SMOOTH_SURFACES))
-        buf_printf(&act->reply->words, "picture=%016llx",
-                   (unsigned long long)rendition_digest(session_frame(act->session)));
+    if (!semantics_has(act->session->semantics, MEANING_SMOOTH_SURFACES))
+        return;
+    buf_add_blank(&act->reply->words);
+    buf_printf(&act->reply->words, "picture=%016llx",
+               (unsigned long long)rendition_digest(session_frame(act->session)));
 }
 
 enum file_mode act_file_mode(const struct value *replace)
@@ -93,14 +109,14 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
     return err;
 }
 
-static enum err render_file(const struct act *act)
+static enum err render_file(const struct act *act, const struct labels *labels)
 {
     const struct value *value = act->value;
     struct picture picture;
     struct buf path = {0};
     enum err err = interpreter_output_path(act->interp, value[0].text, &path, act->fault);
     if (!err && path.length) {
-        err = act_take_picture(act, value[0].text, &picture);
+        err = act_take_picture(act, labels, value[0].text, &picture);
         if (!err) {
             picture.tiled = value[3].given && value[3].number == 1;
             err = act_write_picture(act, buf_text(&path), act_file_mode(&value[2]), &picture);
@@ -110,20 +126,30 @@ static enum err render_file(const struct act *act)
     return err;
 }
 
+enum err act_render_labels(const struct act *act, const struct value *finished,
+                           enum render_mode mode, struct labels *labels)
+{
+    enum err err = session_run(act->session, act->fault);
+    if (!err)
+        err = act_take_labels(act, finished, labels);
+    return err ? err : session_draw_labels(act->session, labels, mode, act->fault);
+}
+
 enum err act_render(const struct act *act)
 {
     static const enum render_mode mode[] = {RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL,
                                             RENDER_RAY};
     if (act->value[3].given && !(act->value[0].given && exr_is_named(act->value[0].text)))
         return fault_set(act->fault, ERR_USAGE, "layout: only an .exr has lines or tiles");
-    enum err err = session_render(act->session,
-                                  act->value[1].given ? mode[act->value[1].number] : RENDER_AS_KEPT,
-                                  act->fault);
+    struct labels labels;
+    const enum err err = act_render_labels(
+        act, &act->value[4], act->value[1].given ? mode[act->value[1].number] : RENDER_AS_KEPT,
+        &labels);
     if (err || act->interp->mode == MODE_SKIM)
         return err;
     act_add_picture_digest(act);
     if (act->value[0].given)
-        return render_file(act);
+        return render_file(act, &labels);
     act->interp->shows_picture = true;
     write_seen(session_frame(act->session), act->reply);
     return OK;

@@ -6,8 +6,8 @@
 #include "session/window.h"
 
 /* The places of the parameters in the table. */
-enum { SLICE_PLANE, SLICE_NUMBER, SLICE_FILE, SLICE_ZOOM, SLICE_REPLACE };
-enum { MOSAIC_FILE, MOSAIC_REPLACE };
+enum { SLICE_PLANE, SLICE_NUMBER, SLICE_FILE, SLICE_ZOOM, SLICE_REPLACE, SLICE_FINISHED };
+enum { MOSAIC_FILE, MOSAIC_REPLACE, MOSAIC_FINISHED };
 enum { MAGNIFY_TIMES, MAGNIFY_AT };
 enum { WINDOW_LOW, WINDOW_HIGH };
 enum { OVERLAY_LABELS, OVERLAY_CROSS, OVERLAY_MARKS, OVERLAY_WORDS };
@@ -112,35 +112,39 @@ enum err act_overlay(const struct act *act)
 
 /* Draws it, and adds its digest to the words; the caller releases the canvas. `with_cells` also
  * finds which voxel each pixel shows. */
-static enum err draw(const struct act *act, enum slice_kind kind, bool with_cells,
-                     struct canvas *canvas)
+static enum err draw(const struct act *act, enum slice_kind kind, const struct labels *labels,
+                     bool with_cells, struct canvas *canvas)
 {
-    enum err err = slicing_draw(canvas, act->session, kind, with_cells, act->fault);
-    if (!err)
+    enum err err = slicing_draw(canvas, act->session, kind, labels, with_cells, act->fault);
+    if (!err) {
+        buf_add_blank(&act->reply->words);
         buf_printf(&act->reply->words, "picture=%016llx",
                    (unsigned long long)canvas_digest(canvas));
+    }
     return err;
 }
 
-enum err act_take_slices(const struct act *act, enum slice_kind kind, struct picture *picture)
+enum err act_take_slices(const struct act *act, enum slice_kind kind, const struct labels *labels,
+                         struct picture *picture)
 {
     struct canvas canvas;
-    enum err err = draw(act, kind, true, &canvas);
+    enum err err = draw(act, kind, labels, true, &canvas);
     if (err)
         return err;
-    err = slicing_export(picture, act->session, kind, &canvas, act->fault);
+    err = slicing_export(picture, act->session, kind, labels, &canvas, act->fault);
     canvas_release(&canvas);
     if (!err)
-        err = act_note_picture(act, picture);
+        err = act_note_picture(act, labels, picture);
     if (err)
         picture_release(picture);
     return err;
 }
 
-static enum err show_inline(const struct act *act, enum slice_kind kind)
+static enum err show_inline(const struct act *act, enum slice_kind kind,
+                            const struct labels *labels)
 {
     struct canvas canvas;
-    enum err err = draw(act, kind, false, &canvas);
+    enum err err = draw(act, kind, labels, false, &canvas);
     if (!err)
         interpreter_show(act->interp, &canvas);
     return err;
@@ -148,16 +152,19 @@ static enum err show_inline(const struct act *act, enum slice_kind kind)
 
 /* To the file that is named, or inline. */
 static enum err show_or_write(const struct act *act, enum slice_kind kind, const struct value *file,
-                              const struct value *replace)
+                              const struct value *replace, const struct value *finished)
 {
     struct picture picture = {0};
+    struct labels labels;
     struct buf path = {0};
     if (act->interp->mode == MODE_SKIM)
         return OK;
     act_write_slices(&act->reply->text, act->session);
-    if (!file->given)
-        return show_inline(act, kind);
-    enum err err = act_take_slices(act, kind, &picture);
+    enum err err = act_take_labels(act, finished, &labels);
+    if (!err && !file->given)
+        return show_inline(act, kind, &labels);
+    if (!err)
+        err = act_take_slices(act, kind, &labels, &picture);
     if (!err)
         err = interpreter_output_path(act->interp, file->text, &path, act->fault);
     if (!err && path.length)
@@ -188,11 +195,11 @@ enum err act_slice(const struct act *act)
     enum err err = act_go(act);
     return err ? err
                : show_or_write(act, (enum slice_kind)plane, &act->value[SLICE_FILE],
-                               &act->value[SLICE_REPLACE]);
+                               &act->value[SLICE_REPLACE], &act->value[SLICE_FINISHED]);
 }
 
 enum err act_mosaic(const struct act *act)
 {
     return show_or_write(act, SLICE_KIND_MOSAIC, &act->value[MOSAIC_FILE],
-                         &act->value[MOSAIC_REPLACE]);
+                         &act->value[MOSAIC_REPLACE], &act->value[MOSAIC_FINISHED]);
 }

@@ -46,6 +46,7 @@ static void write_name(struct buf *out, const struct pattern *pattern, unsigned 
 
 struct spin {
     const struct act *act;
+    struct labels labels; /* that are shown */
     struct pattern pattern;
     unsigned count, delay_ms;
     enum file_mode mode;
@@ -86,7 +87,7 @@ static enum err write_picture(struct spin *spin, unsigned number)
         return err;
     if (number == 0)
         buf_add_text(&spin->first, buf_text(&spin->path));
-    err = act_take_picture(act, name, &picture);
+    err = act_take_picture(act, &spin->labels, name, &picture);
     if (!err && spin->pattern.counts)
         err = act_write_now(act->interp, buf_text(&spin->path), spin->mode, &picture, act->fault);
     else if (!err)
@@ -107,7 +108,7 @@ static enum err turn_to(struct spin *spin, const struct view *from, unsigned num
     view.angle[0] = (int32_t)((from->angle[0] + part) % VIEW_TURN);
     enum err err = session_set_view(session, &view, fault);
     if (!err)
-        err = session_render(session, RENDER_AS_KEPT, fault);
+        err = session_draw_labels(session, &spin->labels, RENDER_AS_KEPT, fault);
     if (!err)
         spin->digest += hash_mix_at(number, rendition_digest(session_frame(session)));
     return err;
@@ -119,7 +120,9 @@ static enum err turn_around(struct spin *spin)
     struct fault *fault = spin->act->fault;
     const struct view from = session->now.outlook.view;
     const bool rendered = session->rendered;
-    enum err err = OK;
+    enum err err = session_run(session, fault);
+    if (!err)
+        err = act_take_labels(spin->act, &spin->act->value[4], &spin->labels);
     for (unsigned i = 0; i < spin->count && !err; i++) {
         watch_poll(session->watch, "turntable", i, spin->count);
         err = turn_to(spin, &from, i);
@@ -135,6 +138,7 @@ static enum err turn_around(struct spin *spin)
 
 static void write_outcome(const struct spin *spin, struct reply *reply)
 {
+    buf_add_blank(&reply->words);
     buf_printf(&reply->words, "spin=%016llx", (unsigned long long)spin->digest);
     if (!spin->path.length)
         return;

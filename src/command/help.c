@@ -28,7 +28,7 @@ static void add_form(struct buf *out, const struct parameter *p)
     else if (p->type == VALUE_FILE && p->keyed)
         buf_add_text(out, "FILE");
     else if (is_number && p->keyed)
-        buf_printf(out, "%g..%g", (double)p->least / unit, (double)p->most / unit);
+        buf_printf(out, "%.10g..%.10g", (double)p->least / unit, (double)p->most / unit);
     else if (p->type != VALUE_CHOICE)
         buf_add_text(out, p->name);
 }

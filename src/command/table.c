@@ -371,23 +371,23 @@ const struct command command_table[] = {
     {COMMAND("render", act_render, GROUP_RENDITION, R | S | E),
      {MAY("FILE", VALUE_FILE), KEYED("mode", VALUE_CHOICE, .choices = "sp|bp|ii|ray"),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"),
-      KEYED("layout", VALUE_CHOICE, .choices = "lines|tiled")},
+      KEYED("layout", VALUE_CHOICE, .choices = "lines|tiled"), FINISHED},
      "make the rendition, in FILE or inline",
      ".exr holds colour, depth, label, voxel and normal of each pixel, in lines or tiled; .png and "
      "whatever else OpenImageIO writes hold the colours. At the prompt a file is written in the "
      "background; a line says when it is there. `iftty info FILE` prints what a picture shows.\n"
      "All modes give the same pixels: sp splats every object voxel, bp border voxels, ray walks "
-     "the rays, ii repairs the last rendition.",
+     "the rays, ii repairs the last rendition." FINISHED_NOTE,
      "render brain.png"},
     {COMMAND("spin", act_spin, GROUP_RENDITION, R | S | E),
      {NEED("N", VALUE_NUMBER, .least = 2, .most = IMAGE_FRAMES_MOST), NEED("FILE", VALUE_FILE),
       KEYED("delay", VALUE_NUMBER, .least = 20, .most = 60000),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
+      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "a turntable: N pictures of one full turn",
      "The first picture is the present view, which does not change. %03d in FILE stands for the "
      "number of the picture, here with three digits, from 000. Without it, a .gif is animated, in "
      "256 colours, with `delay` milliseconds for each picture, 100 unless given; a .tif has one "
-     "page for each picture.",
+     "page for each picture." FINISHED_NOTE,
      "spin 36 turn%03d.png"},
     {COMMAND("cross", act_cross, GROUP_SLICES, R | S | K),
      {NEED("PLACE", VALUE_POSITION)},
@@ -430,25 +430,26 @@ const struct command command_table[] = {
       MAY("FILE", VALUE_FILE),
       KEYED("zoom", VALUE_DECIMAL, .choices = "fit", .least = VIEW_ZOOM_LEAST,
             .most = VIEW_ZOOM_MOST),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
+      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "a slice through the cross-hair, in FILE or inline",
      "As radiologists look at it, at the size of the view. N moves the cross-hair to that slice, "
      "counted from 0 towards superior, anterior, or the patient's right.\n"
      "A FILE has a dot in its name; .exr holds the label and voxel of each pixel too.\n"
      "zoom: pixels per voxel of the smallest spacing, around the cross-hair, with voxels as "
-     "squares. It stays until zoom=fit, which shows the whole slice in smooth greys.",
+     "squares. It stays until zoom=fit, which shows the whole slice in smooth greys." FINISHED_NOTE,
      "slice axial 90 axial.png"},
     {COMMAND("mosaic", act_mosaic, GROUP_SLICES, R | S),
-     {MAY("FILE", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
+     {MAY("FILE", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "three slices and the rendition in one picture",
      "Coronal, sagittal and axial through the cross-hair at one scale, and the rendition of the "
-     "view at half its size.",
+     "view at half its size." FINISHED_NOTE,
      "mosaic brain.png"},
     {COMMAND("golden", act_golden, GROUP_KEPT, R | S | E),
-     {NEED("NAME", VALUE_GOLDEN), KEYED("of", VALUE_CHOICE, .choices = "rendition|" SLICE_KINDS)},
+     {NEED("NAME", VALUE_GOLDEN), KEYED("of", VALUE_CHOICE, .choices = "rendition|" SLICE_KINDS),
+      FINISHED},
      "store a picture as a golden image",
      "The rendition, or a slice or mosaic as it would be shown now. `iftty verify` compares it "
-     "pixel for pixel. It is stored in a folder beside the journal.",
+     "pixel for pixel. It is stored in a folder beside the journal." FINISHED_NOTE,
      "golden front-1"},
     {COMMAND("finish", act_finish, GROUP_KEPT, R | S),
      {MAY("STEP", VALUE_CHOICE, .choices = FINISH_KINDS "|none"),
@@ -456,7 +457,7 @@ const struct command command_table[] = {
       KEYED("voxels", VALUE_NUMBER, .least = 1, .most = 1000000000),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255)},
      "smooth and clean the labels that are handed on",
-     "Adds a step to the list, which `finished=yes` of `save` carries out in its order; without "
+     "Adds a step to the list, which `finished=yes` carries out in its order; without "
      "STEP, prints the list. The segmentation itself does not change, and more seeds can be "
      "planted "
      "at any time.\n" FINISH_NOTES "none: removes all steps.\n"

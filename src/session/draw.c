@@ -1,6 +1,8 @@
 /* Pictures of a session: its camera and its rendition. */
 #include "session/session_parts.h"
 
+#include <string.h>
+
 #include "render/rendition.h"
 #include "session/window.h"
 
@@ -41,14 +43,14 @@ const struct rendition *session_frame(const struct session *session)
     return session->now.outlook.look.samples > 1 ? &session->reduced : &session->rendition;
 }
 
-enum err session_colour(struct session *session, struct fault *fault)
+enum err session_colour(struct session *session, const struct border *border, struct fault *fault)
 {
     const struct kept *kept = &session->now.kept;
     const struct look *look = &session->now.outlook.look;
     if (!cut_is_none(&kept->cut))
         window_of(session->shader.window, session);
-    enum err err = shade(&session->rendition, &session->camera, &session->border, &kept->palette,
-                         look, &session->shader, fault);
+    enum err err = shade(&session->rendition, &session->camera, border, &kept->palette, look,
+                         &session->shader, fault);
     if (!err && look->samples > 1)
         rendition_reduce(&session->reduced, &session->rendition, look->samples);
     return err;
@@ -84,6 +86,21 @@ static enum err take_zoom(struct session *session, uint32_t zoom, struct fault *
     return err;
 }
 
+/* Of the voxels that a border shows, from nothing, into memory that is there. */
+static enum err draw_border(struct session *session, const struct border *border,
+                            enum render_mode mode, struct fault *fault)
+{
+    session->rendered = false;
+    if (mode == RENDER_SCENE)
+        splat_scene(&session->rendition, &session->camera, border);
+    else if (mode == RENDER_RAY)
+        raycast(&session->rendition, &session->camera, border);
+    else
+        splat_border(&session->rendition, &session->camera, border);
+    const enum err err = session_colour(session, border, fault);
+    return err ? err : watch_fault(session->watch, fault);
+}
+
 static enum err draw_at(struct session *session, uint32_t zoom, enum render_mode mode,
                         struct fault *fault)
 {
@@ -94,16 +111,40 @@ static enum err draw_at(struct session *session, uint32_t zoom, enum render_mode
         err = make_room(session, fault);
     if (err || (session->rendered && (mode == RENDER_AS_KEPT || mode == RENDER_INCREMENTAL)))
         return err;
-    session->rendered = false;
-    if (mode == RENDER_SCENE)
-        splat_scene(&session->rendition, &session->camera, &session->border);
-    else if (mode == RENDER_RAY)
-        raycast(&session->rendition, &session->camera, &session->border);
-    else
-        splat_border(&session->rendition, &session->camera, &session->border);
-    err = session_colour(session, fault);
+    err = draw_border(session, &session->border, mode, fault);
     session->rendered = err == OK;
-    return err ? err : watch_fault(session->watch, fault);
+    return err;
+}
+
+/* The shader's fields are those of the forest's border, or of this one, which goes. */
+static enum err draw_finished(struct session *session, const struct labels *labels,
+                              enum render_mode mode, struct fault *fault)
+{
+    struct border border;
+    enum err err = border_init(&border, session->scene, fault);
+    if (err)
+        return err;
+    border.labels = *labels;
+    border.cut = session->now.kept.cut;
+    memcpy(border.visible, session->now.kept.visible, sizeof border.visible);
+    border_recount(&border);
+    err = watch_fault(session->watch, fault);
+    if (!err)
+        err = draw_border(session, &border, mode, fault);
+    shader_release(&session->shader);
+    border_release(&border);
+    return err;
+}
+
+enum err session_draw_labels(struct session *session, const struct labels *labels,
+                             enum render_mode mode, struct fault *fault)
+{
+    if (session->skims || !labels->finished)
+        return session_draw(session, mode, fault);
+    enum err err = take_zoom(session, session->now.outlook.view.zoom, fault);
+    if (!err)
+        err = make_room(session, fault);
+    return err ? err : draw_finished(session, labels, mode, fault);
 }
 
 enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault)

@@ -97,7 +97,7 @@ static void follow_forest(struct session *session)
         return;
     incremental_image(&session->rendition, &session->camera, &session->border, &changes,
                       shade_reach(&session->now.outlook.look, &session->camera));
-    session->rendered = session_colour(session, NULL) == OK;
+    session->rendered = session_colour(session, &session->border, NULL) == OK;
 }
 
 /* A forest that is to grow anew, or is not wanted yet, has its seeds changed and no more. */

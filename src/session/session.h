@@ -236,6 +236,11 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
 /* The same with the forest as it stands, whatever edits wait. */
 enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault);
 
+/* The same of other labels (session_labels), from nothing, for this one picture: the next of these
+ * makes that of the forest anew. */
+enum err session_draw_labels(struct session *session, const struct labels *labels,
+                             enum render_mode mode, struct fault *fault);
+
 /* The same to be looked at alone, at the zoom below, until another of these is called. */
 enum err session_draw_fitting(struct session *session, struct fault *fault);
 

@@ -25,6 +25,6 @@ enum err session_find_seeds(const struct session *session, const uint32_t *cell,
                             uint32_t **seed, size_t *seeds, struct fault *fault);
 
 /* Colours of what the maps of the rendition show, and the picture at the size of the view. */
-enum err session_colour(struct session *session, struct fault *fault);
+enum err session_colour(struct session *session, const struct border *border, struct fault *fault);
 
 #endif

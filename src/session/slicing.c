@@ -151,20 +151,25 @@ enum err slicing_check_size(const struct view *view, struct fault *fault)
                      MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, view->width, view->height);
 }
 
-static enum err prepare(struct session *session, enum slice_kind kind, struct fault *fault)
+static enum err prepare(struct session *session, enum slice_kind kind, const struct labels *labels,
+                        struct fault *fault)
 {
     if (kind != SLICE_KIND_MOSAIC)
         return OK;
     const enum err err = slicing_check_size(&session->now.outlook.view, fault);
-    return err ? err : session_draw(session, RENDER_AS_KEPT, fault);
+    if (err)
+        return err;
+    return labels ? session_draw_labels(session, labels, RENDER_AS_KEPT, fault)
+                  : session_draw(session, RENDER_AS_KEPT, fault);
 }
 
 /* Fills a canvas, which is released on error: a slice, or a mosaic, be it a panel's. */
 static enum err draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
-                     struct slicing_panel *panel, struct fault *fault)
+                     const struct labels *labels, struct slicing_panel *panel, struct fault *fault)
 {
     struct sketch sketch;
     enum err err = sketch_init(&sketch, session, fault);
+    sketch.style.finished = labels ? labels->finished : NULL;
     if (!err && kind == SLICE_KIND_MOSAIC) {
         struct mosaic_choice choice = mosaic_of(session, panel && !panel->words ? NULL : &sketch);
         choice.layout = panel ? &panel->layout : NULL;
@@ -185,14 +190,14 @@ static enum err draw(struct canvas *canvas, struct session *session, enum slice_
 }
 
 enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
-                      bool tells_cells, struct fault *fault)
+                      const struct labels *labels, bool tells_cells, struct fault *fault)
 {
     const struct view *view = &session->now.outlook.view;
     *canvas = (struct canvas){0};
-    enum err err = prepare(session, kind, fault);
+    enum err err = prepare(session, kind, labels, fault);
     if (!err)
         err = canvas_init(canvas, view->width, view->height, tells_cells, fault);
-    return err ? err : draw(canvas, session, kind, NULL, fault);
+    return err ? err : draw(canvas, session, kind, labels, NULL, fault);
 }
 
 enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
@@ -212,7 +217,7 @@ enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
         err = canvas_remember(canvas, fault);
     if (err)
         canvas_release(canvas);
-    return err ? err : draw(canvas, session, SLICE_KIND_MOSAIC, panel, fault);
+    return err ? err : draw(canvas, session, SLICE_KIND_MOSAIC, NULL, panel, fault);
 }
 
 enum err slicing_draw_below(struct canvas *canvas, struct session *session,
@@ -246,7 +251,7 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
                          uint32_t column, uint32_t row, struct fault *fault)
 {
     const struct view *view = &session->now.outlook.view;
-    enum err err = prepare(session, kind, fault);
+    enum err err = prepare(session, kind, NULL, fault);
     if (err)
         return err;
     if (kind == SLICE_KIND_MOSAIC) {
@@ -282,7 +287,8 @@ static enum err note_kind(struct picture *picture, const struct session *session
 }
 
 enum err slicing_export(struct picture *picture, const struct session *session,
-                        enum slice_kind kind, const struct canvas *canvas, struct fault *fault)
+                        enum slice_kind kind, const struct labels *labels,
+                        const struct canvas *canvas, struct fault *fault)
 {
     const size_t pixels = (size_t)canvas->width * canvas->height;
     enum err err = picture_init(picture, canvas->width, canvas->height, false, fault);
@@ -297,7 +303,7 @@ enum err slicing_export(struct picture *picture, const struct session *session,
         const bool shows = cell != CELL_NONE;
         for (size_t k = 4 * i; k < 4 * i + 4; k++)
             picture->rgba[k] = canvas->rgba[k];
-        picture->label[i] = shows ? session->scene->cell[cell].label : 0;
+        picture->label[i] = shows ? labels_at(labels, cell) : 0;
         picture->voxel[i] = shows ? grid_voxel(&session->scene->grid, cell) : CELL_NONE;
     }
     if (!err)

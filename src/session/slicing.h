@@ -17,10 +17,11 @@
 #define SLICE_KINDS SLICE_WORDS "|mosaic"
 enum slice_kind { SLICE_KIND_AXIAL, SLICE_KIND_CORONAL, SLICE_KIND_SAGITTAL, SLICE_KIND_MOSAIC };
 
-/* Draws a slice or a mosaic as the settings have it; the caller releases the canvas. A mosaic makes
- * the rendition, if that is not up to date. ERR_LIMIT for a mosaic of a view that is too small. */
+/* Draws a slice or a mosaic of labels (session_labels; NULL: those of the forest) as the settings
+ * have it; the caller releases the canvas. A mosaic makes the rendition, if that is not up to date.
+ * ERR_LIMIT for a mosaic of a view that is too small. */
 enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice_kind kind,
-                      bool tells_cells, struct fault *fault);
+                      const struct labels *labels, bool tells_cells, struct fault *fault);
 
 /* ERR_LIMIT for a view that is too small for a mosaic. */
 enum err slicing_check_size(const struct view *view, struct fault *fault);
@@ -54,6 +55,7 @@ enum err slicing_draw_below(struct canvas *canvas, struct session *session,
 /* The canvas, which has its cells, as a picture with labels, voxels and notes. Labels are those
  * of the voxels, be they overlaid or not. The caller releases it. */
 enum err slicing_export(struct picture *picture, const struct session *session,
-                        enum slice_kind kind, const struct canvas *canvas, struct fault *fault);
+                        enum slice_kind kind, const struct labels *labels,
+                        const struct canvas *canvas, struct fault *fault);
 
 #endif

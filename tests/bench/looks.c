@@ -58,10 +58,18 @@ static const char *const steps[] = {
     "run",
     "undo",
     "adjacency 26",
+    "finish majority",
+    "save labels finished.nii finished=yes",
+    "finish largest",
+    "finish open radius=3",
+    "finish close radius=9",
+    "finish holes",
+    "render finished=yes",
 };
 enum { STEPS = sizeof steps / sizeof *steps };
 
-static const char *const map[] = {"labels.nii", "labels.nii.gz", "cost.nii", "root.nii"};
+static const char *const map[] = {"labels.nii", "labels.nii.gz", "cost.nii", "root.nii",
+                                  "finished.nii"};
 
 /* ---- watching ---- */
 

@@ -284,10 +284,45 @@ static enum err time_slices(struct session *session, struct table *table, const 
         for (int a = 0; a < 3; a++)
             session->now.outlook.slices.cross[a] = size[a] * (FRAMES + 2 * i) / (4 * FRAMES);
         const uint64_t begin = clock_ns();
-        err = slicing_draw(&canvas, session, kind, false, fault);
+        err = slicing_draw(&canvas, session, kind, NULL, false, fault);
         add_since(row, begin);
         canvas_release(&canvas);
     }
+    return err;
+}
+
+/* ---- finished labels ---- */
+
+/* Labels taken out of the forest, one step, and the digest, by all threads. */
+static enum err time_finish(struct session *session, struct table *table, const char *what,
+                            enum finish_kind kind, uint32_t argument, struct fault *fault)
+{
+    enum { ROUNDS = 9 };
+    struct row *row = add_row(table, what);
+    struct state next = session->now;
+    struct labels labels;
+    next.kept.finish = (struct finish_list){
+        .count = 1, .step = {{.kind = kind, .label = FINISH_ALL_LABELS, .argument = argument}}};
+    enum err err = session_go(session, &next, NULL, 0, fault);
+    for (int i = 0; !err && i < ROUNDS; i++) {
+        finished_release(&session->finished);
+        const uint64_t begin = clock_ns();
+        err = session_labels(session, true, &labels, fault);
+        add_since(row, begin);
+    }
+    return err;
+}
+
+static enum err time_steps(struct session *session, struct table *table, struct fault *fault)
+{
+    enum err err =
+        time_finish(session, table, "finish: majority radius 1", FINISH_MAJORITY, 1, fault);
+    if (!err)
+        err = time_finish(session, table, "finish: majority radius 3", FINISH_MAJORITY, 3, fault);
+    if (!err)
+        err = time_finish(session, table, "finish: largest", FINISH_LARGEST, 0, fault);
+    if (!err)
+        err = time_finish(session, table, "finish: open radius 3", FINISH_OPEN, 3, fault);
     return err;
 }
 
@@ -486,6 +521,8 @@ enum err run_render(const struct options *o, struct fault *fault)
                           SLICE_KIND_MOSAIC, fault);
     if (!err)
         err = time_slices(session, table, "axial slice", SLICE_KIND_AXIAL, fault);
+    if (!err)
+        err = time_steps(session, table, fault);
     if (!err && watch_poll(watch, "VTK", 1, 2))
         err = fault_set(fault, ERR_CANCELLED, "cancelled");
     if (!err) {
