@@ -602,6 +602,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"golden x of=oblique",
          "of: expected rendition|axial|coronal|sagittal|mosaic, not oblique"},
         {"open elsewhere.nii", "there is no scene elsewhere.nii here"},
+        {"open elsewhere.iftty", "there is no journal elsewhere.iftty here, and `open` takes a "},
         {"open synth:geom", "a scene is open already"},
         {"render missing-folder/x.exr", "there is no folder"},
         {"\x1b]0;title\x07", "\\x1b]0;title\\x07"},

@@ -61,6 +61,24 @@ static enum err choose_box(struct volume_choice *choice, const char *list, struc
                                  axis, plural((uint64_t)axis));
 }
 
+/* Finds the file of a scene. A journal is none: it is not opened, but gone on with. */
+static enum err find_scene(const struct act *act, struct buf *path)
+{
+    const char *name = act->value[0].text;
+    const enum err err = interpreter_find_scene(act->interp, name, path, act->fault);
+    if (!err && interpreter_is_journal(buf_text(path)))
+        return fault_set(act->fault, ERR_INPUT,
+                         "%s is a journal, and `open` takes a scene; `iftty %s` in a shell goes on "
+                         "with it; nothing was opened",
+                         name, name);
+    if (err && file_is_named(name, ".iftty") && !interpreter_is_wary(act->interp))
+        return fault_set(act->fault, err,
+                         "there is no journal %s here, and `open` takes a scene; `iftty JOURNAL` "
+                         "in a shell goes on with a journal; nothing was opened",
+                         name);
+    return err;
+}
+
 enum err act_open(const struct act *act)
 {
     struct buf path = {0};
@@ -72,7 +90,7 @@ enum err act_open(const struct act *act)
         choice.reduce = (uint32_t)reduce->number;
     enum err err = crop->given ? choose_box(&choice, crop->text, act->fault) : OK;
     if (!err)
-        err = interpreter_find_scene(act->interp, act->value[0].text, &path, act->fault);
+        err = find_scene(act, &path);
     if (!err)
         err = session_open(session, buf_text(&path), &choice, act->fault);
     buf_release(&path);
