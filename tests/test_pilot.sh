@@ -354,6 +354,40 @@ sane
 expect 0 "$iftty" verify s-1.iftty
 close_story
 
+begin "killed while the pen is down, all but that stroke is in the journal"
+enter "clear; sh -c 'echo \$\$ >pid; exec $iftty s-1.iftty'"
+see '^s-1>$'
+press C-o
+see '^axial'
+type_letters "s4"
+comes_true grep -q '^seed .* 4' s-1.iftty || fail "$(last_record)"
+last=$(last_record)
+type_letters "vlllkkk"
+see '^PEN DOWN'
+shows_stroke() { # the cross-hair is where the keys have led
+    screen_text | grep -q "^PEN DOWN .* at $1 "
+}
+end=$(echo "$last" | sed 's/^seed //; s/ .*//' | awk -F, '{ print $1 - 3 "," $2 + 3 "," $3 }')
+comes_true shows_stroke "$end" || fail "not at $end:" "$(screen_text)"
+kill -KILL "$(cat pid)"
+is_given_back() { # by the guardian, which has gone then
+    [ "$(tmux_here display-message -p -t prompt '#{alternate_on}#{mouse_any_flag}')" = 00 ] &&
+        ! ps -t "$(tmux_here display-message -p -t prompt '#{pane_tty}')" -o comm= | grep -q iftty
+}
+comes_true is_given_back || fail "$(screen_text)"
+sane
+same "$(last_record)" "$last"
+expect 0 "$iftty" verify s-1.iftty
+expect 0 "$iftty" log --check s-1.iftty
+grep -q '^intact' out || fail "$(cat out)"
+enter "clear; $iftty s-1.iftty"
+see '^s-1>$'
+enter "undo"
+see "^undone: [0-9]* $last"
+enter "quit"
+sane
+close_story
+
 begin "the ten keys of README.md segment a brain"
 cat >reference <<END
 open ch2.nii.gz

@@ -110,6 +110,42 @@ STORY(parts_of_a_stroke_are_undone_done_again_and_removed_as_one)
     interpreter_release(&interp);
 }
 
+/* Killed while the second part or the third is written: what stands afterwards is the parts that
+ * were whole on the disk, which are one stroke. */
+STORY(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one)
+{
+    struct buf whole = {0};
+    size_t stood[11] = {0};
+    begin("whole.iftty");
+    must(&interp, "auto on");
+    must(&interp, "seed 9,9,9 3");
+    must(&interp, "seed 1,1,1 1 to=3,1,1");
+    CHECK(file_read(&whole, place("whole.iftty"), 1 << 20, NULL) == OK);
+    const size_t first = whole.length;
+    buf_clear(&whole);
+    must(&interp, "seed 3,1,1 1 to=3,3,1 joined=yes");
+    must(&interp, "seed 3,3,1 1 to=3,3,5 joined=yes");
+    interpreter_release(&interp);
+    CHECK(file_read(&whole, place("whole.iftty"), 1 << 20, NULL) == OK);
+    for (size_t cut = first; cut <= whole.length && check_failures == 0; cut += 3) {
+        CHECK(file_write(place("cut.iftty"), whole.data, cut, FILE_REPLACE, NULL) == OK);
+        begin_interpreter(&interp);
+        resume("cut.iftty");
+        const size_t count = seeds();
+        CHECK(count == 4 || count == 6 || count == 10);
+        stood[count]++;
+        must(&interp, "undo");
+        CHECK_INT(seeds(), 1);
+        must(&interp, "redo");
+        CHECK_INT(seeds(), count);
+        must(&interp, "remove 2,1,1");
+        CHECK_INT(seeds(), 1);
+        interpreter_release(&interp);
+    }
+    CHECK(stood[4] > 0 && stood[6] > 0);
+    buf_release(&whole);
+}
+
 STORY(only_what_was_just_planted_is_gone_on_with)
 {
     static const char words[] = "joined: the command before has not planted seeds of label 1";
@@ -399,6 +435,7 @@ int main(void)
     const int status =
         RUN_STORIES(TELL(a_stroke_is_one_record_one_marker_and_one_undo),
                     TELL(parts_of_a_stroke_are_undone_done_again_and_removed_as_one),
+                    TELL(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one),
                     TELL(only_what_was_just_planted_is_gone_on_with),
                     TELL(a_line_of_the_journal_holds_thousands_of_corners),
                     TELL(millimetres_are_refused_where_nobody_knows_them),
