@@ -62,6 +62,10 @@ expect 0 "$iftty" -c 'open s.nii; label-file c.lut; save names d.lut'
 tail -c +2 c.lut | head -c 255 >c.red
 tail -c +2 d.lut | head -c 255 >d.red
 same_files c.red d.red
+expect 0 "$iftty" -c 'open s.nii; label-file a.nii.txt; save names Smith.label' --journal n.iftty
+expect 0 "$iftty" log --anonymise n.iftty
+out_has 'label-file file-1.nii.txt'
+out_has 'save names file-2.label'
 expect 2 "$iftty" -c 'open s.nii; save names a.doc'
 err_has 'expected .txt or .label for ITK-SNAP'
 expect 3 "$iftty" -c 'open s.nii; label-file s.nii'

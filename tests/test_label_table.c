@@ -174,7 +174,7 @@ STORY(what_is_written_is_read_again)
     struct buf text = {0};
     enum label_table_format format;
     CHECK_INT(take("1 1 2 3 1 1 1 \"left hemi\"\n2 4 5 6 1 1 1 \"spleen\"\n", NULL, NULL), OK);
-    CHECK(label_table_format_of(&format, "a/b.txt") && format == TABLE_ITKSNAP);
+    CHECK(label_table_ending("a/b.txt", &format) && format == TABLE_ITKSNAP);
     label_table_write(&text, format, &state.kept, used);
     CHECK_HAS(buf_text(&text), "\n    1      1    2    3        1  1  1    \"left hemi\"\n");
     CHECK_HAS(buf_text(&text), "\"Label 3\"\n");
@@ -182,18 +182,18 @@ STORY(what_is_written_is_read_again)
     CHECK_TEXT(told(2), "spleen 040506");
     CHECK_INT(tally.names, 3);
     buf_clear(&text);
-    CHECK(label_table_format_of(&format, "b.CTBL") && format == TABLE_FREESURFER);
+    CHECK(label_table_ending("b.CTBL", &format) && format == TABLE_FREESURFER);
     label_table_write(&text, format, &state.kept, used);
     CHECK_HAS(buf_text(&text), "\n1 left_hemi 1 2 3 0\n2 spleen 4 5 6 0\n");
     buf_clear(&text);
-    CHECK(label_table_format_of(&format, "b.nii.txt") && format == TABLE_MRICRON);
+    CHECK(label_table_ending("b.nii.txt", &format) && format == TABLE_MRICRON);
     label_table_write(&text, format, &state.kept, used);
     CHECK_TEXT(buf_text(&text), "1 left_hemi\n2 spleen\n3 Label_3\n");
     buf_clear(&text);
-    CHECK(label_table_format_of(&format, "b.lut") && format == TABLE_LUT);
+    CHECK(label_table_ending("b.lut", &format) && format == TABLE_LUT);
     label_table_write(&text, format, &state.kept, used);
     CHECK(text.length == 768 && text.data[256 + 2] == 5);
-    CHECK(!label_table_format_of(&format, "b.nii"));
+    CHECK(!label_table_ending("b.nii", &format));
     buf_release(&text);
 }
 

@@ -29,7 +29,7 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
     enum label_table_format format;
     bool used[256];
     struct buf text = {0};
-    if (!label_table_format_of(&format, path))
+    if (!label_table_ending(path, &format))
         return fault_set(act->fault, ERR_USAGE,
                          "cannot write %s: expected .txt or .label for ITK-SNAP, .ctbl or .ctab "
                          "for FreeSurfer, .nii.txt or .lut for mricron",

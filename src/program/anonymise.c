@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "command/act.h"
 #include "image/volume.h"
+#include "session/label_table.h"
 #include "journal/walk.h"
 
 void anonymiser_release(struct anonymiser *anonymiser)
@@ -63,7 +64,10 @@ static unsigned number_of(struct anonymiser *anonymiser, const char *name)
 static const char *ending_of(const char *name)
 {
     const char *dot = strrchr(name, '.'), *percent = strchr(name, '%');
+    enum label_table_format format;
     size_t n = 0;
+    if (label_table_ending(name, &format))
+        return label_table_ending(name, &format);
     while (dot && isalnum((unsigned char)dot[1 + n]))
         n++;
     if (!dot || n > 4 || dot[1 + n] != '\0')

@@ -319,20 +319,21 @@ uint64_t label_table_digest(const struct kept *kept)
 
 /* ---- writing ---- */
 
-bool label_table_format_of(enum label_table_format *format, const char *path)
+const char *label_table_ending(const char *path, enum label_table_format *format)
 {
-    static const char *const endings[] = {[TABLE_MRICRON] = ".nii.txt",
-                                          [TABLE_ITKSNAP] = ".txt|.label",
-                                          [TABLE_FREESURFER] = ".ctbl|.ctab",
-                                          [TABLE_LUT] = ".lut"};
-    static const enum label_table_format order[] = {TABLE_MRICRON, TABLE_ITKSNAP, TABLE_FREESURFER,
-                                                    TABLE_LUT};
-    for (size_t i = 0; i < sizeof order / sizeof order[0]; i++)
-        if (file_is_named(path, endings[order[i]])) {
-            *format = order[i];
-            return true;
-        }
-    return false;
+    static const struct {
+        enum label_table_format format;
+        const char *endings;
+    } row[] = {{TABLE_MRICRON, ".nii.txt"},
+               {TABLE_ITKSNAP, ".txt|.label"},
+               {TABLE_FREESURFER, ".ctbl|.ctab"},
+               {TABLE_LUT, ".lut"}};
+    const char *ending = NULL;
+    for (size_t i = 0; i < sizeof row / sizeof row[0] && !ending; i++) {
+        ending = file_ending(path, row[i].endings);
+        *format = row[i].format;
+    }
+    return ending;
 }
 
 /* The name, or one made of the number; `blank` stands for blanks. */

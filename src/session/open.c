@@ -126,7 +126,6 @@ static enum err open_file(struct session *session, const char *path,
 {
     struct volume volume = {0};
     uint32_t size[3];
-    session->part = (struct map_part){0};
     enum err err = volume_size(size, path, choice, fault);
     if (!err)
         err = check_memory(size,
@@ -197,6 +196,7 @@ enum err session_open(struct session *session, const char *path, const struct vo
     enum err err;
     if (session->has_scene)
         return fault_set(fault, ERR_USAGE, "a scene is open already; a session has one scene");
+    session->part = (struct map_part){0};
     if (is_synthetic && choice && (choice->has_volume || choice->has_crop || choice->reduce))
         return fault_set(fault, ERR_USAGE,
                          "volume, crop and reduce choose from a file, and a synthetic scene is "
