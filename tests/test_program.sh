@@ -506,6 +506,18 @@ expect 0 "$iftty" -c "open s.nii; $one; $two; $three; run" --journal a5.iftty
 [ "$(digests a5.iftty)" != "$(digests a1.iftty)" ] || fail "another set of seeds gives the same"
 close_story
 
+begin "info draws the histogram of a scene, and counts each voxel once"
+make_scene "$work/h.nii" 20 18 16
+expect 0 "$iftty" info "$work/h.nii" --histogram
+out_has "histogram |"
+out_has "values 12 to 122; "
+expect 0 "$iftty" info "$work/h.nii" --histogram --json
+sum=$(sed 's/.*"below"//' "$work/out" | tr -c '0-9' '\n' | awk '{ sum += $1 } END { print sum }')
+same "$sum" $((20 * 18 * 16))
+expect 0 "$iftty" info "$work/h.nii"
+! grep -q histogram "$work/out" || fail "a histogram that nobody asked for"
+close_story
+
 begin "26 neighbours, and back to 6"
 expect 0 "$iftty" -c "open s.nii; $one; $two; $three; $four; run; adjacency 26; render" \
     --journal b.iftty

@@ -94,6 +94,10 @@ enum err act_goto(const struct act *act);
 enum err act_branch(const struct act *act);
 enum err act_history(const struct act *act);
 
+/* act_measure.c */
+enum err act_measure(const struct act *act);
+enum err act_profile(const struct act *act);
+
 /* act_pick.c */
 enum err act_pick(const struct act *act);
 

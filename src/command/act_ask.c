@@ -5,6 +5,7 @@
 
 #include "base/choice.h"
 #include "journal/journal.h"
+#include "session/histogram.h"
 
 enum { RISES_MOST = 8 }; /* places where the cost rose that `why` lists */
 
@@ -185,6 +186,9 @@ enum err act_info(const struct act *act)
                session->now.kept.adjacency);
     write_weight(out, &session->now.kept);
     buf_add_char(out, '\n');
+    struct histogram histogram;
+    histogram_of_session(&histogram, session);
+    histogram_write(out, &histogram, act->interp->has_blocks);
     write_roi(out, session);
     act_write_finish(out, session);
     act_write_view(out, session);

@@ -68,6 +68,7 @@ struct interpreter {
     struct sketch sketch;
     size_t acknowledged; /* the record of the command that stood last; 0 where it has none */
     bool has_pilot;      /* `pilot` can be had here */
+    bool has_blocks;     /* charts are drawn with the blocks of UTF-8 */
     void (*add_keys)(struct buf *out); /* what `help keys` says here, or NULL */
     enum interpreter_wish wish;
     bool shows_picture;  /* the last command made a picture to be shown inline: */

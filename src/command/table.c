@@ -530,6 +530,21 @@ const struct command command_table[] = {
      "another label or on the edge of the scene, whatever is shown. It searches up to 100 mm and "
      "up to 100 voxels.",
      "pick 256 256"},
+    {COMMAND("measure", act_measure, GROUP_QUESTIONS, S),
+     {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION), MAY("THIRD", VALUE_POSITION)},
+     "the distance of two voxels, or the angle of three",
+     "Between their centres, in millimetres and in voxels. With a THIRD, also the angle at OTHER.",
+     "measure 10,20,30 40,20,30"},
+    {COMMAND("profile", act_profile, GROUP_QUESTIONS, S),
+     {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION),
+      KEYED("values", VALUE_CHOICE, .choices = "yes|no")},
+     "the intensities along a straight way",
+     "Of the voxels that a stroke of radius 0 would plant, as a chart, with their labels below it: "
+     "a "
+     "digit, + for a label above 9, and . where no seed reaches. Where a column stands for several "
+     "voxels, it has their mean.\n"
+     "values=yes: each voxel in a line: its distance, its place, its intensity and its label.",
+     "profile 10,20,30 40,20,30"},
     {COMMAND("why", act_why, GROUP_QUESTIONS, S),
      {NEED("PLACE", VALUE_POSITION)},
      "how a voxel came to its label",

@@ -1,10 +1,12 @@
 #include "program/begin.h"
 
 #include <stdio.h>
+#include <unistd.h>
 
 #include "program/console.h"
 #include "sandbox/limits.h"
 #include "sandbox/trust.h"
+#include "tui/cells.h"
 
 enum err begin_interpreter(struct interpreter *interp, const struct options *o, struct fault *fault)
 {
@@ -14,6 +16,7 @@ enum err begin_interpreter(struct interpreter *interp, const struct options *o, 
     interp->scene_path = o->scene;
     interp->out_folder = o->out;
     interp->is_read_only = o->read_only;
+    interp->has_blocks = isatty(STDOUT_FILENO) && locale_is_utf8();
     if (!err && o->out)
         err = file_make_folder(o->out, fault);
     if (!err && o->journal && file_exists(o->journal))

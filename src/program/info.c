@@ -3,11 +3,13 @@
  *
  * OpenEXR is read by our own reader, and by the image helper where another program wrote what ours
  * does not take; all other pictures by the helper. Pictures are decoded: one that is damaged or cut
- * short is an error. Of a scene the header alone is read. A journal that is torn, edited or damaged
- * is described like any, and ERR_CHECK. Nothing a file says reaches the terminal as it is.
+ * short is an error. Of a scene the header alone is read, unless its histogram is wanted. A journal
+ * that is torn, edited or damaged is described like any, and ERR_CHECK. Nothing a file says reaches
+ * the terminal as it is.
  */
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/file.h"
 #include "base/json.h"
@@ -15,9 +17,12 @@
 #include "image/exr.h"
 #include "image/volume.h"
 #include "journal/log.h"
+#include "program/console.h"
 #include "program/programs.h"
 #include "base/confine.h"
 #include "session/export.h"
+#include "session/histogram.h"
+#include "tui/cells.h"
 
 /* ---- facts ---- */
 
@@ -27,6 +32,8 @@ struct facts {
     struct json json;
     bool is_json;
     unsigned lines;
+    bool wants_histogram, has_histogram;
+    struct histogram histogram; /* for lines; it comes after them */
 };
 
 static void begin_line(struct facts *f, const char *name)
@@ -226,6 +233,40 @@ static enum err add_exr(struct facts *f, const char *path, struct fault *fault)
 
 /* ---- scenes and journals ---- */
 
+static void add_json_histogram(struct json *json, const struct histogram *h)
+{
+    json_object(json, "histogram");
+    json_real(json, "least", h->least, 9);
+    json_real(json, "most", h->most, 9);
+    json_count(json, "below", h->below);
+    json_count(json, "above", h->above);
+    json_array(json, "bins");
+    for (unsigned i = 0; i < h->bins; i++)
+        json_count(json, NULL, h->bin[i]);
+    json_end(json);
+    json_end(json);
+}
+
+/* Of all voxels, between the values that would be black and white. */
+static enum err add_histogram(struct facts *f, const char *path, struct fault *fault)
+{
+    static uint32_t count[UINT16_MAX + 1];
+    struct volume volume;
+    enum err err = volume_read(&volume, path, NULL, console_watch(), fault);
+    console_erase_progress();
+    if (err)
+        return err;
+    const size_t voxels = (size_t)volume.size[0] * volume.size[1] * volume.size[2];
+    for (size_t i = 0; i < voxels; i++)
+        count[volume.intensity[i]]++;
+    histogram_of_counts(&f->histogram, count, &volume.geometry);
+    f->has_histogram = true;
+    volume_release(&volume);
+    if (f->is_json)
+        add_json_histogram(&f->json, &f->histogram);
+    return OK;
+}
+
 static enum err add_scene(struct facts *f, const char *path, struct fault *fault)
 {
     struct volume_header facts;
@@ -243,7 +284,7 @@ static enum err add_scene(struct facts *f, const char *path, struct fault *fault
     add_spacing(f, &facts.geometry);
     add_text(f, "axes", oriented ? towards : "unknown");
     add_text(f, "order", facts.big_endian ? "big-endian" : "little-endian");
-    return OK;
+    return f->wants_histogram ? add_histogram(f, path, fault) : OK;
 }
 
 static enum err add_journal(struct facts *f, const char *path, struct fault *fault)
@@ -298,7 +339,8 @@ static void add_program(struct facts *f)
 enum err run_info(const struct options *o, struct fault *fault)
 {
     struct buf text = {0};
-    struct facts facts = {.out = &text, .json = {.out = &text}, .is_json = o->json};
+    struct facts facts = {
+        .out = &text, .json = {.out = &text}, .is_json = o->json, .wants_histogram = o->histogram};
     enum err err = OK;
     if (o->json)
         json_object(&facts.json, NULL);
@@ -310,6 +352,8 @@ enum err run_info(const struct options *o, struct fault *fault)
         json_end(&facts.json);
     else
         buf_add_char(&text, '\n');
+    if (!o->json && facts.has_histogram)
+        histogram_write(&text, &facts.histogram, isatty(STDOUT_FILENO) && locale_is_utf8());
     if (text.failed)
         err = fault_memory(fault, "what a file is");
     if (!err || err == ERR_CHECK)

@@ -32,8 +32,7 @@ static bool add_row(struct voxels *out, const struct grid *grid, const uint32_t 
 
 /* ---- straight ways ---- */
 
-/* Steps from one place to another. */
-static int64_t steps_between(const uint32_t from[3], const uint32_t to[3])
+int64_t paint_steps(const uint32_t from[3], const uint32_t to[3])
 {
     int64_t steps = 0;
     for (int a = 0; a < 3; a++) {
@@ -43,9 +42,8 @@ static int64_t steps_between(const uint32_t from[3], const uint32_t to[3])
     return steps;
 }
 
-/* `from` plus `part` of `parts` of the way to `to`, to the nearest voxel. */
-static void step_to(int64_t at[3], const uint32_t from[3], const uint32_t to[3], int64_t part,
-                    int64_t parts)
+void paint_step(int64_t at[3], const uint32_t from[3], const uint32_t to[3], int64_t part,
+                int64_t parts)
 {
     for (int a = 0; a < 3; a++) {
         const int64_t way = (int64_t)to[a] - from[a], twice = 2 * way * part;
@@ -149,12 +147,12 @@ static bool draw(struct sheet *sheet, const struct brush *brush, const uint32_t 
 {
     struct task task = task_begin(watch, "a stroke", 0);
     int64_t at[3];
-    step_to(at, corner[0], corner[0], 0, 0);
+    paint_step(at, corner[0], corner[0], 0, 0);
     stamp(sheet, brush, at);
     for (size_t c = 1; c < corners; c++) {
-        const int64_t steps = steps_between(corner[c - 1], corner[c]);
+        const int64_t steps = paint_steps(corner[c - 1], corner[c]);
         for (int64_t i = 1; i <= steps; i++) {
-            step_to(at, corner[c - 1], corner[c], i, steps);
+            paint_step(at, corner[c - 1], corner[c], i, steps);
             stamp(sheet, brush, at);
             if (!task_advance(&task, brush->rows))
                 return false;
@@ -199,11 +197,11 @@ enum err paint_stroke_as_before(struct voxels *out, const struct grid *grid,
                                 size_t corners, struct fault *fault)
 {
     const uint32_t *from = corner[0], *to = corner[corners - 1];
-    const int64_t steps = steps_between(from, to);
+    const int64_t steps = paint_steps(from, to);
     int64_t at[3], before[3];
     bool fits = true;
     for (int64_t i = 0; fits && i <= steps; i++) {
-        step_to(at, from, to, i, steps);
+        paint_step(at, from, to, i, steps);
         fits = add_ball(out, grid, brush, at, i ? before : NULL);
         memcpy(before, at, sizeof at);
     }

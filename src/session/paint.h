@@ -30,6 +30,12 @@ struct voxels {
 };
 void voxels_release(struct voxels *voxels);
 
+/* The steps of a straight way, and the voxel after `part` of its `parts` steps: the first where
+ * there are none. */
+int64_t paint_steps(const uint32_t from[3], const uint32_t to[3]);
+void paint_step(int64_t at[3], const uint32_t from[3], const uint32_t to[3], int64_t part,
+                int64_t parts);
+
 /* The voxels, into an empty list; on error it stays empty. Corners lie in the scene, and there is
  * one at least. Memory is bounded by the scene, whatever the number of corners. ERR_MEMORY,
  * ERR_CANCELLED. */
