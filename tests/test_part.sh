@@ -16,6 +16,8 @@ expect 0 "$iftty" -c 'seed 1,1,1 3; run' --journal j.iftty
 expect 0 "$iftty" verify j.iftty
 expect 0 "$iftty" -c "open s.nii $crop; why 0,0,0"
 cp out cropped
+expect 0 "$iftty" -c "open s.nii reduce=2 $crop; info"
+out_has "part      4-19,2-17,3-12 of the file's 24x20x16 voxels, the mean of each 2x2x2"
 expect 0 "$iftty" -c 'open s.nii; why 4,2,3'
 same "$(sed -n 's/.*intensity \([0-9]*\).*/\1/p' cropped)" \
     "$(sed -n 's/.*intensity \([0-9]*\).*/\1/p' out)"

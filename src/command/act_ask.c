@@ -153,6 +153,23 @@ static void write_look(struct buf *out, const struct look *look)
                look->cue_percent, look->edges ? "on" : "off", look->samples);
 }
 
+/* "part      4-19,2-17,3-12 of the file's 24x20x16 voxels, the mean of each 2x2x2" */
+static void write_part(struct buf *out, const struct map_part *part)
+{
+    const struct volume_choice *choice = &part->choice;
+    const uint32_t *whole = part->whole, n = choice->reduce;
+    if (!whole[0])
+        return;
+    buf_add_text(out, "part      ");
+    for (int a = 0; a < 3 && choice->has_crop; a++)
+        buf_printf(out, "%s%u-%u", a ? "," : "", choice->first[a], choice->last[a]);
+    buf_printf(out, "%s of the file's %ux%ux%u voxels", choice->has_crop ? "" : "all", whole[0],
+               whole[1], whole[2]);
+    if (n > 1)
+        buf_printf(out, ", the mean of each %ux%ux%u", n, n, n);
+    buf_add_char(out, '\n');
+}
+
 enum err act_info(const struct act *act)
 {
     struct session *session = act->session;
@@ -178,6 +195,7 @@ enum err act_info(const struct act *act)
     buf_add_text(out, ", ");
     act_write_axes(out, &session->geometry);
     buf_printf(out, ", digest %016llx\n", (unsigned long long)session->scene_digest);
+    write_part(out, &session->part);
     buf_printf(out, "values    %g * intensity %+g\n", session->geometry.slope,
                session->geometry.intercept);
     buf_printf(out, "forest    %zu seed%s, %zu edit%s waiting, adjacency %u, weight ",

@@ -22,7 +22,7 @@
 #define VOLUME_SERIES_NOTE "volume: which one of a series, as 4-D files hold, counted from 0.\n"
 #define PART_NOTE                                                                                  \
     "crop: only this box of voxels, the first and last along x, y and z, as in 0-99,40-159,0-79; " \
-    "memory is taken for that alone.\n"                                                            \
+    "memory is taken for that alone, and places count from its first voxel.\n"                     \
     "reduce: so many voxels along each axis become one, their mean; with crop, those of the box. " \
     "Maps on the grid of the whole file are taken in the same way, by the voxel in the middle."
 #define SYNTHETIC_NOTE                                                                             \
