@@ -25,6 +25,9 @@ out_has '2 names and 2 colours of labels'
 out_has 'region 2001 Precentral_L is label 4 Precentral_L, 504 seeds'
 out_has 'region 9170 Vermis is label 9 Vermis, 504 seeds'
 out_has '1008 seeds'
+expect 0 "$iftty" -c "open s.nii; seed-file atlas.nii $chosen; label-file atlas.nii.txt $chosen
+seed-file atlas.nii $chosen"
+same "$(grep -c "their names: .label-file atlas.nii.txt $chosen." out)" 1
 grep -qx "seed-file atlas.nii regions=2001,9170 as=4,9 erode=1" j.iftty || fail "$(cat j.iftty)"
 expect 2 "$iftty" -c 'open s.nii; seed-file atlas.nii regions=1,2 as=1'
 err_has 'as: expected a label for each of `regions`; from 2 on there is none'

@@ -90,15 +90,20 @@ static enum err read_map(struct seeds *seeds, const struct act *act,
     return err;
 }
 
-/* The table that lies beside an atlas, "aal.nii.txt" beside "aal.nii.gz"; empty where there is none
+/* The name of the table that lies beside an atlas: "aal.nii.txt" beside "aal.nii.gz". */
+static void name_table(struct buf *out, const char *atlas)
+{
+    buf_add(out, atlas, strlen(atlas) - (file_is_named(atlas, ".gz") ? 3 : 0));
+    buf_add_text(out, ".txt");
+}
+
+/* That table; empty where there is none
  * that can be read, or where files of others are not looked for. */
 static struct label_table table_beside(const struct act *act, const char *atlas)
 {
     struct label_table table = {0};
     struct buf path = {0}, text = {0};
-    const size_t length = strlen(atlas);
-    buf_add(&path, atlas, length - (file_is_named(atlas, ".gz") ? 3 : 0));
-    buf_add_text(&path, ".txt");
+    name_table(&path, atlas);
     if (!interpreter_is_wary(act->interp) && file_exists(buf_text(&path)) &&
         file_read(&text, buf_text(&path), TABLE_BYTES_MOST, NULL) == OK)
         label_table_read(&table, buf_text(&text), text.length, NULL);
@@ -124,18 +129,37 @@ static void write_region(const struct act *act, const struct label_table *table,
     buf_printf(out, ", %zu seed%s\n", count, plural(count));
 }
 
+/* How labels get the names that a table has for them. */
+static void advise_names(const struct act *act)
+{
+    struct buf *out = &act->reply->text, name = {0};
+    name_table(&name, act->value[FILE_NAME].text);
+    buf_add_text(out, "their names: `label-file ");
+    buf_add_safe_text(out, buf_text(&name));
+    buf_printf(out, " regions=%s as=%s`\n", act->value[REGIONS].text, act->value[AS].text);
+    buf_release(&name);
+}
+
 /* Where the user has said which labels they become: which did. `end` is where each ends. */
 static void write_regions(const struct act *act, const char *atlas, const uint16_t *as,
                           const size_t *end)
 {
     struct label_table table = table_beside(act, atlas);
+    bool is_nameless = false;
     unsigned count = 0;
     size_t begin = 0;
-    for (uint32_t r = 0; r <= REGION_MOST; begin = end[r++])
-        if (end[r] > begin && count++ < LISTED_MOST)
+    for (uint32_t r = 0; r <= REGION_MOST; begin = end[r++]) {
+        if (end[r] == begin)
+            continue;
+        if (count++ < LISTED_MOST)
             write_region(act, &table, r, as[r], end[r] - begin);
+        is_nameless |= !*act->session->now.kept.label_name[as[r]];
+    }
     if (count > LISTED_MOST)
-        buf_printf(&act->reply->text, "%u more regions\n", count - LISTED_MOST);
+        buf_printf(&act->reply->text, "%u more region%s\n", count - LISTED_MOST,
+                   plural(count - LISTED_MOST));
+    if (is_nameless && table.count)
+        advise_names(act);
     label_table_release(&table);
 }
 
