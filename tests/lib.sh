@@ -182,6 +182,11 @@ flip_byte() { # FILE OFFSET: the lowest bit of that byte
     printf "\\$(printf %03o $(($(byte_at "$1" "$2") ^ 1)))" |
         dd of="$1" bs=1 seek="$2" conv=notrunc 2>/dev/null
 }
+# put FILE OFFSET BYTES-AS-PRINTF-ESCAPES
+put() {
+    # shellcheck disable=SC2059
+    printf "$3" | dd of="$1" bs=1 seek="$2" conv=notrunc 2>/dev/null
+}
 file_bytes() {
     wc -c <"$1" | tr -d ' '
 }

@@ -39,11 +39,6 @@ scene_refused() { # WORDS FILE: by each way to open one
     refused 3 "$1" "$iftty" -c 'open other.nii' --scene "$2"
 }
 
-# put FILE OFFSET BYTES-AS-PRINTF-ESCAPES
-put() {
-    # shellcheck disable=SC2059
-    printf "$3" | dd of="$1" bs=1 seek="$2" conv=notrunc 2>/dev/null
-}
 # variant NAME OFFSET BYTES: the good scene with other bytes in its header
 variant() {
     cp good.nii "$1"
@@ -203,9 +198,10 @@ for command in mask weight; do
     refused 3 "text.nii" "$iftty" -c "$start; $command text.nii"
     refused 3 "folder.nii" "$iftty" -c "$start; $command folder.nii"
     refused 3 "pipe.nii" timeout 60 "$iftty" -c "$start; $command pipe.nii"
-    refused 3 "vast.nii.gz: 32767x32767x32767 voxels" \
+    refused 3 "vast.nii.gz: cut short or false: its header claims" \
         bounded "$iftty" -c "$start; $command vast.nii.gz"
-    refused 3 "other axes of the world" "$iftty" -c "open placed.nii; $command other-way.nii"
+    refused 3 "the map lies 48.4 mm away from the scene" \
+        "$iftty" -c "open placed.nii; $command other-way.nii"
     expect 0 "$iftty" -c "$start; $command good.nii"
 done
 bounded "$iftty" -c "$start; mask bomb.nii.gz" >"$work/out" 2>"$work/err"

@@ -1418,6 +1418,7 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"slice axial @/fs.exr finished=yes", "fs.exr"},
         {"golden fifth finished=yes", "door.golden/fifth.exr"},
         {"finish none", NULL},
+        {"orient sform", NULL},
     };
     struct interpreter interp;
     struct snapshot end, again;

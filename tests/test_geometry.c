@@ -1,9 +1,12 @@
 /* Where a scene lies, as far as its file says it: whatever the sform, the qform and pixdim are,
  * alone and together. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "image/nifti_header.h"
+#include "image/regrid.h"
 #include "tests/check.h"
 
 static const uint32_t size[3] = {24, 20, 16};
@@ -281,6 +284,133 @@ STORY(a_derived_grid_lies_where_its_voxels_did)
     }
 }
 
+/* ---- maps on the scene's grid ---- */
+
+static struct fault fault;
+
+/* A map of other voxels, whose values are their places: x + 100 y + 10000 z (mod 2^16), less 7 in
+ * intensities. */
+static struct volume map_of(const uint32_t is[3], const struct geometry *place)
+{
+    struct volume map = {.size = {is[0], is[1], is[2]}, .geometry = *place};
+    size_t n = 0;
+    map.geometry.slope = 1;
+    map.geometry.intercept = -7;
+    map.intensity = mem_array((size_t)is[0] * is[1] * is[2], sizeof *map.intensity);
+    for (uint32_t z = 0; z < is[2]; z++)
+        for (uint32_t y = 0; y < is[1]; y++)
+            for (uint32_t x = 0; x < is[0]; x++)
+                map.intensity[n++] = (uint16_t)(x + 100 * y + 10000 * z + 7);
+    return map;
+}
+
+/* A scene along these sides, with voxels of 1 x 1.5 x 2 mm. */
+static struct geometry scene_along(const char *letters)
+{
+    begin();
+    put_sform(letters, 0);
+    read_it();
+    return geometry;
+}
+
+STORY(a_map_may_be_off_by_half_a_voxel_and_no_more)
+{
+    const struct geometry scene = scene_along("LPS");
+    for (int w = 0; w < 3; w++)
+        for (int step = -6; step <= 6; step++) {
+            struct geometry moved = scene;
+            moved.to_mm[w][3] += step * 0.099;
+            const bool fits = abs(step) <= 5;
+            fault.text[0] = '\0';
+            CHECK_INT(regrid_check(size, &moved, size, &scene, false, &fault),
+                      fits ? OK : ERR_INPUT);
+            CHECK(fits || strstr(fault.text, "the map lies 0.594 mm away from the scene"));
+            CHECK(fits || strstr(fault.text, "resample=yes takes its nearest voxels; nothing has"));
+        }
+    struct geometry turned = scene_along("LAS");
+    CHECK_INT(regrid_check(size, &turned, size, &scene, false, &fault), ERR_INPUT);
+    CHECK_INT(regrid_check(size, &turned, size, &scene, true, &fault), OK);
+}
+
+STORY(what_does_not_know_its_place_is_taken_voxel_by_voxel_or_not_at_all)
+{
+    static const uint32_t other[3] = {24, 20, 15};
+    const struct geometry scene = scene_along("LPS");
+    begin();
+    read_it();
+    for (int resample = 0; resample < 2; resample++) {
+        CHECK_INT(regrid_check(size, &geometry, size, &scene, resample, &fault), OK);
+        CHECK_INT(regrid_check(size, &scene, size, &geometry, resample, &fault), OK);
+        CHECK_INT(regrid_check(other, &geometry, size, &scene, resample, &fault), ERR_INPUT);
+        CHECK_HAS(fault.text, "the map has 24x20x15 voxels and the scene 24x20x16; it cannot be");
+    }
+    geometry.spacing_nm[2] = 3000000;
+    CHECK_INT(regrid_check(size, &geometry, size, &scene, true, &fault), ERR_INPUT);
+    CHECK_HAS(fault.text, "the map has voxels of 1x1.5x3 mm and the scene of 1x1.5x2; it cannot");
+}
+
+/* The textbook's way: the nearest voxel of the map by its place in the world. */
+STORY(resampled_voxels_are_the_nearest_for_all_48_ways_and_any_place)
+{
+    static const uint32_t is[3] = {19, 23, 6};
+    uint64_t chance = 5;
+    for (unsigned i = 0; i < 3 * 48; i++) {
+        const struct geometry scene = scene_along("RAS");
+        begin();
+        put_sform(towards(i % 48), 0);
+        for (int w = 0; w < 3; w++) { /* into the scene, so that they share about half */
+            header.srow[w][3] =
+                header.srow[w][0] + header.srow[w][1] + header.srow[w][2] < 0 ? 21 : 3;
+            for (int a = 0; a < 3; a++)
+                header.srow[w][a] += (double)check_below(&chance, 1000) / 3000;
+        }
+        read_it();
+        struct volume map = map_of(is, &geometry);
+        const struct geometry place = map.geometry;
+        size_t n = 0, wrong = 0, beyond = 0;
+        CHECK_INT(regrid(&map, size, &scene, true, NULL, &fault), OK);
+        for (uint32_t z = 0; z < size[2]; z++)
+            for (uint32_t y = 0; y < size[1]; y++)
+                for (uint32_t x = 0; x < size[0]; x++, n++) {
+                    double mm[3];
+                    int64_t at[3];
+                    geometry_point(&scene, (const uint32_t[]){x, y, z}, mm);
+                    CHECK(geometry_voxel(&place, mm, at));
+                    bool inside = true;
+                    for (int a = 0; a < 3; a++)
+                        inside &= at[a] >= 0 && at[a] < is[a];
+                    beyond += !inside;
+                    wrong += map.intensity[n] !=
+                             (inside ? (uint16_t)(at[0] + 100 * at[1] + 10000 * at[2] + 7) : 7);
+                }
+        CHECK_INT(wrong, 0);
+        CHECK(n > 0 && memcmp(map.size, size, sizeof size) == 0);
+        CHECK(memcmp(map.geometry.to_mm, scene.to_mm, sizeof scene.to_mm) == 0);
+        CHECK(map.geometry.intercept == -7);
+        CHECK_HAS(map.notes, "resampled from 19x23x6 voxels by the nearest\n");
+        CHECK((beyond > 0) == (strstr(map.notes, "lie outside the map: 0 there\n") != NULL));
+        volume_release(&map);
+    }
+}
+
+STORY(a_map_out_of_all_proportion_is_refused)
+{
+    const struct geometry scene = scene_along("RAS");
+    static const double far[] = {1e10, 1e30, 1e300};
+    for (size_t i = 0; i < sizeof far / sizeof far[0]; i++)
+        for (int way = 0; way < 2; way++) {
+            struct geometry place = scene;
+            if (way)
+                place.to_mm[1][3] = far[i];
+            else
+                place.to_mm[0][0] = 1 / far[i];
+            struct volume map = map_of(size, &place);
+            CHECK_INT(regrid(&map, size, &scene, true, NULL, &fault), ERR_INPUT);
+            CHECK_HAS(fault.text, "too far apart, or their voxels differ too much");
+            volume_release(&map);
+        }
+}
+
 int main(void)
 {
     return RUN_STORIES(
@@ -291,5 +421,9 @@ int main(void)
         TELL(a_form_that_cannot_be_used_is_said_and_the_other_holds),
         TELL(a_distance_that_is_none_is_unknown_or_the_sforms),
         TELL(lengths_are_by_pixdim_where_the_sform_is_a_templates), TELL(shear_is_measured),
-        TELL(letters_tell_axes_and_no_place), TELL(a_derived_grid_lies_where_its_voxels_did));
+        TELL(letters_tell_axes_and_no_place), TELL(a_derived_grid_lies_where_its_voxels_did),
+        TELL(a_map_may_be_off_by_half_a_voxel_and_no_more),
+        TELL(what_does_not_know_its_place_is_taken_voxel_by_voxel_or_not_at_all),
+        TELL(resampled_voxels_are_the_nearest_for_all_48_ways_and_any_place),
+        TELL(a_map_out_of_all_proportion_is_refused));
 }

@@ -82,4 +82,45 @@ expect 0 "$iftty" info a.nii
 out_has "axes      unknown"
 close_story
 
+# A scene of 1 mm with an sform, and maps of it that are moved along x.
+placed() { # FILE BYTES: the x of voxel 0, as a float
+    gzip -dc scene.nii.gz >"$1"
+    put "$1" 254 '\001\000'
+    put "$1" 280 '\000\000\200\077\000\000\000\000\000\000\000\000'
+    put "$1" 292 "$2"
+    put "$1" 296 '\000\000\000\000\000\000\200\077'
+    put "$1" 320 '\000\000\200\077'
+}
+placed here.nii '\000\000\000\000'
+placed far.nii '\000\000\360\101'   # 30 mm
+placed near.nii '\315\314\314\076'  # 0.4 mm
+placed beside.nii '\000\000\300\077' # 1.5 mm
+
+begin "a map that lies elsewhere is refused with the distance, unless it is to be resampled"
+for command in "mask far.nii" "seed-file far.nii label=1" "weight far.nii"; do
+    expect 3 "$iftty" -c "open here.nii; $command"
+    err_has "far.nii: the map lies 30 mm away from the scene"
+    err_has "resample=yes takes its nearest voxels; nothing has changed"
+    expect 0 "$iftty" -c "open here.nii; ${command%%far.nii*}near.nii"
+    ! grep -q resampled "$work/out" || fail "$(cat "$work/out")"
+done
+expect 0 "$iftty" -c "open here.nii; mask beside.nii resample=yes" --journal resampled.iftty
+out_has "resampled from 24x20x16 voxels by the nearest"
+out_has "320 voxels of the scene lie outside the map: 0 there"
+grep -q '^mask beside.nii resample=yes$' resampled.iftty || fail "$(cat resampled.iftty)"
+expect 0 "$iftty" verify resampled.iftty
+expect 2 "$iftty" -c "open here.nii; weight sobel resample=yes"
+err_has "resample: \`weight sobel\` has none"
+close_story
+
+begin "journals of semantics 4 take a map wherever it lies"
+cat >old.iftty <<'EOF'
+# iftty journal 1 semantics 4
+EOF
+expect 0 "$iftty" -c "open here.nii; mask far.nii" --journal old.iftty
+expect 0 "$iftty" verify old.iftty
+sed '1s/4/5/' old.iftty >new.iftty
+expect 3 "$iftty" replay new.iftty
+close_story
+
 finish

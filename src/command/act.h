@@ -193,6 +193,12 @@ void act_add_picture_digest(const struct act *act);
 /* A line of the answer: what was done with the file at `path`, as "wrote ". */
 void act_write_file_line(const char *doing, const char *path, struct reply *reply);
 
+/* What a parameter of the choices yes|no says, "no" where it is not given. */
+static inline bool act_is_yes(const struct value *value)
+{
+    return value->given && value->number == 0;
+}
+
 /* What `replace=yes|no` says. */
 enum file_mode act_file_mode(const struct value *replace);
 

@@ -10,7 +10,7 @@
 #include "session/map.h"
 
 /* The places of the parameters in the table. */
-enum { FILE_NAME, REGIONS, AS, LABEL, AT, REPORT, PICTURE, REPLACE, FINISHED };
+enum { FILE_NAME, REGIONS, AS, LABEL, AT, REPORT, PICTURE, REPLACE, FINISHED, RESAMPLE };
 
 #define REPORT_ENDINGS ".json|.csv"
 
@@ -55,12 +55,12 @@ static enum err read_map(struct compared *compared, const struct act *act,
 {
     const struct session *session = act->session;
     const char *name = act->value[FILE_NAME].text;
+    const struct map_place place = session_map_place(session, act_is_yes(&act->value[RESAMPLE]));
     struct volume map = {0};
     struct buf path = {0};
     enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
     if (!err)
-        err = map_read(&map, buf_text(&path), &session->scene->grid, &session->geometry,
-                       &session->part, session->watch, act->fault);
+        err = map_read(&map, buf_text(&path), &place, session->watch, act->fault);
     if (!err)
         err = act_naming(
             name, map_to_labels(&compared->label[1], &map, choice, session->watch, act->fault),

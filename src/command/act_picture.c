@@ -54,7 +54,7 @@ void act_add_picture_digest(const struct act *act)
 
 enum file_mode act_file_mode(const struct value *replace)
 {
-    return replace->given && replace->number == 0 ? FILE_REPLACE : FILE_KEEP;
+    return act_is_yes(replace) ? FILE_REPLACE : FILE_KEEP;
 }
 
 void act_write_file_line(const char *doing, const char *path, struct reply *reply)

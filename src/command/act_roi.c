@@ -6,7 +6,7 @@
 #include "session/map.h"
 
 /* The places of the parameters in the table. */
-enum { MASK_FILE, MASK_REGIONS };
+enum { MASK_FILE, MASK_REGIONS, MASK_RESAMPLE };
 enum { RANGE_LOW, RANGE_HIGH };
 
 enum err act_naming(const char *file, enum err err, struct fault *fault)
@@ -68,14 +68,18 @@ static void fill_mask(uint64_t *mask, const struct volume *map, const struct sce
 }
 
 /* The mask in a file; freed by free(). */
-static enum err read_mask(uint64_t **mask, const struct session *session, const char *name,
-                          const char *path, const uint32_t regions[2], struct fault *fault)
+static enum err read_mask(uint64_t **mask, const struct act *act, const char *path,
+                          const uint32_t regions[2])
 {
+    const struct session *session = act->session;
+    const char *name = act->value[MASK_FILE].text;
+    struct fault *fault = act->fault;
     const struct grid *grid = &session->scene->grid;
     struct volume map = {0};
     *mask = NULL;
-    enum err err =
-        map_read(&map, path, grid, &session->geometry, &session->part, session->watch, fault);
+    const struct map_place place =
+        session_map_place(session, act_is_yes(&act->value[MASK_RESAMPLE]));
+    enum err err = map_read(&map, path, &place, session->watch, fault);
     if (!err)
         err = act_naming(name, map_to_regions(&map, regions[0], regions[1], session->watch, fault),
                          fault);
@@ -83,6 +87,8 @@ static enum err read_mask(uint64_t **mask, const struct session *session, const 
         err = fault_memory(fault, "a mask");
     if (!err)
         fill_mask(*mask, &map, session->scene);
+    if (!err)
+        buf_add_text(&act->reply->text, map.notes);
     volume_release(&map);
     return err;
 }
@@ -98,7 +104,7 @@ static enum err mask_by_file(const struct act *act)
     uint64_t *mask = NULL;
     enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
     if (!err)
-        err = read_mask(&mask, session, name, buf_text(&path), regions, act->fault);
+        err = read_mask(&mask, act, buf_text(&path), regions);
     buf_release(&path);
     if (err)
         return err;

@@ -165,10 +165,15 @@ static enum err add_weights(const struct act *act, enum err err)
     return err;
 }
 
+/* The place of the parameter in the table, after the name and what those of weights take. */
+enum { WEIGHT_RESAMPLE = 1 + WEIGHT_ARGUMENT_COUNT };
+
 static enum err weigh_by_file(const struct act *act, const char *name)
 {
     struct session *session = act->session;
     struct fault *fault = act->fault;
+    const struct map_place place =
+        session_map_place(session, act_is_yes(&act->value[WEIGHT_RESAMPLE]));
     struct volume map = {0};
     struct buf path = {0};
     enum err err = interpreter_find_file(act->interp, name, &path, fault);
@@ -179,12 +184,13 @@ static enum err weigh_by_file(const struct act *act, const char *name)
         near_append(&near, "", fault);
     }
     if (!err)
-        err = map_read(&map, buf_text(&path), &session->scene->grid, &session->geometry,
-                       &session->part, session->watch, fault);
+        err = map_read(&map, buf_text(&path), &place, session->watch, fault);
     if (!err)
         err = act_naming(name, map_to_weights(&map, session->watch, fault), fault);
     if (!err)
         err = session_set_weight_map(session, name, map.intensity, fault);
+    if (!err)
+        buf_add_text(&act->reply->text, map.notes);
     volume_release(&map);
     buf_release(&path);
     return err;
@@ -201,6 +207,8 @@ static enum err take_argument(struct weight_choice *choice, const struct value *
     for (unsigned i = 0; i < WEIGHT_ARGUMENT_COUNT; i++)
         if (value[i].given && row->takes != i)
             return fault_set(fault, ERR_USAGE, "%s: `weight %s` has none", name[i], row->name);
+    if (value[WEIGHT_ARGUMENT_COUNT].given && choice->kind != WEIGHT_FILE)
+        return fault_set(fault, ERR_USAGE, "resample: `weight %s` has none", row->name);
     if (row->takes == WEIGHT_TAKES_NOTHING)
         return OK;
     const struct value *given = &value[row->takes];

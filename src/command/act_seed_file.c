@@ -11,7 +11,7 @@
 enum { LIST_BYTES_MOST = 64 << 20, TABLE_BYTES_MOST = 1 << 20, LISTED_MOST = 12 };
 
 /* The places of the parameters in the table. */
-enum { FILE_NAME, LABEL, RANGE, REGIONS, AS, ERODE, EACH, GENERATOR };
+enum { FILE_NAME, LABEL, RANGE, REGIONS, AS, ERODE, EACH, GENERATOR, RESAMPLE };
 
 static int label_of(const struct value *value)
 {
@@ -24,12 +24,12 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
     const struct value *value = act->value;
     struct fault *fault = act->fault;
     struct buf text = {0};
-    for (int i = REGIONS; i <= GENERATOR; i++)
+    for (int i = REGIONS; i <= RESAMPLE; i++)
         if (value[i].given)
             return fault_set(
                 fault, ERR_USAGE,
-                "regions, as, erode, each and generator are for label maps, and %s is a "
-                "list; nothing was planted",
+                "regions, as, erode, each, generator and resample are for label maps, and %s is "
+                "a list; nothing was planted",
                 value[FILE_NAME].text);
     enum err err = file_read(&text, path, LIST_BYTES_MOST, fault);
     if (!err)
@@ -74,13 +74,15 @@ static enum err read_map(struct seeds *seeds, const struct act *act,
     struct buf *out = &act->reply->text;
     struct volume map = {0};
     struct region_tally tally;
-    enum err err = map_read(&map, path, &session->scene->grid, &session->geometry, &session->part,
-                            session->watch, fault);
+    const struct map_place place = session_map_place(session, act_is_yes(&value[RESAMPLE]));
+    enum err err = map_read(&map, path, &place, session->watch, fault);
     if (!err)
         err = act_naming(value[FILE_NAME].text,
                          seeds_from_map(seeds, &tally, &map, &session->scene->grid,
                                         &session->geometry, choice, session->watch, fault),
                          fault);
+    if (!err)
+        buf_add_text(out, map.notes);
     volume_release(&map);
     if (!err)
         buf_printf(out, "%u region%s\n", tally.regions, plural(tally.regions));

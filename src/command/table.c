@@ -17,8 +17,8 @@
 #define FINISH_NOTES                                   FINISH_LIST(FINISH_NOTE, FINISH_NOTE)
 #define WEIGHT_DETAIL                                                                              \
     "Each gradient gives an edge of height h the weight h. Lengths are in voxels, whatever the "   \
-    "spacing.\n" WEIGHT_NOTES                                                                      \
-    "FILE: a map on the scene's grid with the weight of each voxel, whole numbers 0..65535."
+    "spacing.\n" WEIGHT_NOTES "FILE: a map on the scene's grid with the weight of each voxel, "    \
+    "whole numbers 0..65535." RESAMPLE_NOTE
 #define VOLUME_SERIES_NOTE "volume: which one of a series, as 4-D files hold, counted from 0.\n"
 #define PART_NOTE                                                                                  \
     "crop: only this box of voxels, the first and last along x, y and z, as in 0-99,40-159,0-79; " \
@@ -60,6 +60,13 @@
 /* Labels as the finish has them. */
 #define FINISHED      KEYED("finished", VALUE_CHOICE, .choices = "yes|no")
 #define FINISHED_NOTE "\nfinished=yes: labels as `finish` leaves them."
+
+/* What all that read a map have in common. */
+#define RESAMPLE KEYED("resample", VALUE_CHOICE, .choices = "yes|no")
+#define RESAMPLE_NOTE                                                                              \
+    "\nresample: yes takes a map that lies elsewhere, or has another size, by its nearest "        \
+    "voxels; "                                                                                     \
+    "without it, one that is off by half a voxel is refused."
 
 /* What those of weights are made of. */
 #define MAY_WEIGH(name, type, low, high)   MAY(name, VALUE_##type, .least = low, .most = high)
@@ -108,7 +115,7 @@ const struct command command_table[] = {
      "interpolate 2 2 1"},
     {COMMAND("orient", act_orient, GROUP_SCENE, R | S),
      {NEED("HOW", VALUE_WORD, .choices = "file|sform|qform")},
-     "how the scene lies in the patient, where its file leaves that open",
+     "the sides that its axes run towards",
      "Three letters, as in LPI, name the sides that x, y and z run towards: R or L, A or P, S or "
      "I. They are for files that say nothing, or contradict themselves; pictures say then that "
      "the user has told it. sform and qform choose between the two that a NIfTI may have. file "
@@ -117,7 +124,8 @@ const struct command command_table[] = {
      "much of its place as the file of the scene.",
      "orient RAS"},
     {COMMAND("weight", act_weight, GROUP_WEIGHT, R | S | E),
-     {NEED("FILE", VALUE_FILE, .choices = WEIGHT_KINDS), WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH)},
+     {NEED("FILE", VALUE_FILE, .choices = WEIGHT_KINDS), WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH),
+      RESAMPLE},
      "arc weights: the cost of a step",
      WEIGHT_DETAIL,
      "weight gauss 1.5"},
@@ -136,10 +144,11 @@ const struct command command_table[] = {
      "adjacency 26"},
     {COMMAND("mask", act_mask, GROUP_WEIGHT, R | S | E),
      {NEED("FILE", VALUE_FILE, .choices = "none"),
-      KEYED("regions", VALUE_RANGE, .most = REGION_MOST)},
+      KEYED("regions", VALUE_RANGE, .most = REGION_MOST), RESAMPLE},
      "restrict trees to the voxels of a map",
-     "FILE is a NIfTI on the scene's grid. No tree grows where its value is not in `regions`, 1 "
-     "and above unless given. With a `range`, both hold. Weights do not depend on it.",
+     "FILE is a volume on the scene's grid. No tree grows where its value is not in `regions`, 1 "
+     "and above unless given. With a `range`, both hold. Weights do not depend on "
+     "it." RESAMPLE_NOTE,
      "mask brain.nii.gz regions=1-90"},
     {COMMAND("range", act_range, GROUP_WEIGHT, R | S | E),
      {NEED("LOW", VALUE_DECIMAL, .choices = "none", .least = -REAL_MOST, .most = REAL_MOST),
@@ -195,7 +204,7 @@ const struct command command_table[] = {
       KEYED("regions", VALUE_LIST, .most = REGION_MOST), KEYED("as", VALUE_LIST, .most = 255),
       KEYED("erode", VALUE_NUMBER, .most = 9),
       KEYED("each", VALUE_NUMBER, .least = 1, .most = 100000),
-      KEYED("generator", VALUE_NUMBER, .most = 99999)},
+      KEYED("generator", VALUE_NUMBER, .most = 99999), RESAMPLE},
      "plant the seeds of a .csv list or a label map",
      "A list has lines x,y,z,label: voxel indices, a label's number or name. A label map is a "
      "NIfTI on the scene's grid, whose regions (voxels of one value) become seeds of the label of "
@@ -205,7 +214,7 @@ const struct command command_table[] = {
      "for atlases whose values are no labels.\n"
      "erode: rounds; each removes the voxels that have a face neighbour outside their region.\n"
      "each: how many seeds are drawn at random from what is left of a region; all unless given.\n"
-     "generator: the number that the drawing starts from; 1 unless given.",
+     "generator: the number that the drawing starts from; 1 unless given." RESAMPLE_NOTE,
      "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3"},
     {COMMAND("remove", act_remove, GROUP_SEEDS, R | S | E),
      {NEED("PLACE", VALUE_POSITION), BRUSH, KEYED("of", VALUE_CHOICE, .choices = "marker|tree")},
@@ -567,7 +576,7 @@ const struct command command_table[] = {
       KEYED("as", VALUE_LIST, .least = 1, .most = 255),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255), KEYED("at", VALUE_POSITION),
       KEYED("report", VALUE_FILE), KEYED("picture", VALUE_FILE),
-      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
+      KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED, RESAMPLE},
      "how far the labels agree with a label map",
      "A is the labels here, B the map, on the scene's grid. For each label, and all together:\n"
      "Dice: twice the voxels of both, by those of A and those of B; 1 where they are the same.\n"
@@ -583,7 +592,7 @@ const struct command command_table[] = {
      "report: FILE.json or FILE.csv.\n"
      "picture: slices through the voxel `at`, or where both are farthest apart, with lines around "
      "what differs: white for A and B, orange for A alone, blue for B alone, purple for another "
-     "label." FINISHED_NOTE,
+     "label." FINISHED_NOTE RESAMPLE_NOTE,
      "compare expert.nii.gz picture=difference.png"},
     {COMMAND("pilot", act_pilot, GROUP_QUESTIONS, S),
      {{0}},

@@ -249,13 +249,11 @@ void geometry_point(const struct geometry *geometry, const uint32_t place[3], do
     }
 }
 
-/* Solves to_mm * (i, j, k, 1) = point. */
-bool geometry_voxel(const struct geometry *geometry, const double point_mm[3], int64_t place[3])
+void geometry_solve(const struct geometry *geometry, const double b[3], double out[3])
 {
     const double(*m)[4] = geometry->to_mm;
-    double b[3], cofactor[3][3], determinant = 0;
+    double cofactor[3][3], determinant = 0;
     for (int i = 0; i < 3; i++) {
-        b[i] = point_mm[i] - m[i][3];
         for (int j = 0; j < 3; j++) {
             int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
             cofactor[i][j] = m[i1][j1] * m[i2][j2] - m[i1][j2] * m[i2][j1];
@@ -263,9 +261,20 @@ bool geometry_voxel(const struct geometry *geometry, const double point_mm[3], i
     }
     for (int j = 0; j < 3; j++)
         determinant += m[0][j] * cofactor[0][j];
+    for (int j = 0; j < 3; j++)
+        out[j] =
+            (b[0] * cofactor[0][j] + b[1] * cofactor[1][j] + b[2] * cofactor[2][j]) / determinant;
+}
+
+/* Solves to_mm * (i, j, k, 1) = point. */
+bool geometry_voxel(const struct geometry *geometry, const double point_mm[3], int64_t place[3])
+{
+    double b[3], along_axis[3];
+    for (int i = 0; i < 3; i++)
+        b[i] = point_mm[i] - geometry->to_mm[i][3];
+    geometry_solve(geometry, b, along_axis);
     for (int j = 0; j < 3; j++) {
-        double along = b[0] * cofactor[0][j] + b[1] * cofactor[1][j] + b[2] * cofactor[2][j];
-        along = floor(along / determinant + 0.5);
+        const double along = floor(along_axis[j] + 0.5);
         if (!(fabs(along) < 1e9))
             return false;
         place[j] = (int64_t)along;

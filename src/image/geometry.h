@@ -115,6 +115,9 @@ void geometry_derive(struct geometry *geometry, const double first[3], const dou
 /* Where the middle of a voxel is. */
 void geometry_point(const struct geometry *geometry, const uint32_t place[3], double point_mm[3]);
 
+/* The steps of voxels, in fractions, that lead so far in the world. */
+void geometry_solve(const struct geometry *geometry, const double along_mm[3], double steps[3]);
+
 /* The voxel nearest to a point of the world, be it in the scene or not. False where it is out of
  * all proportion: a billion voxels off. */
 bool geometry_voxel(const struct geometry *geometry, const double point_mm[3], int64_t place[3]);

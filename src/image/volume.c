@@ -119,7 +119,7 @@ static enum err begin(const struct volume_format **format, struct volume_header 
 }
 
 /* Takes the choice; refuses voxels that cannot be read, and a choice that does not fit. */
-static enum err choose(struct volume_header *header, const char *path,
+enum err volume_choose(struct volume_header *header, const char *path,
                        const struct volume_choice *choice, struct fault *fault)
 {
     if (choice)
@@ -147,17 +147,6 @@ enum err volume_about(struct volume_header *out, const char *path, struct fault 
     return err;
 }
 
-enum err volume_size(uint32_t size[3], const char *path, const struct volume_choice *choice,
-                     struct fault *fault)
-{
-    struct volume_header header;
-    enum err err = volume_about(&header, path, fault);
-    if (!err)
-        err = choose(&header, path, choice, fault);
-    memcpy(size, header.size, sizeof header.size);
-    return err;
-}
-
 enum err volume_read(struct volume *out, const char *path, const struct volume_choice *choice,
                      struct watch *watch, struct fault *fault)
 {
@@ -167,7 +156,7 @@ enum err volume_read(struct volume *out, const char *path, const struct volume_c
     *out = (struct volume){0};
     enum err err = begin(&format, &header, &source, path, fault);
     if (!err)
-        err = choose(&header, path, choice, fault);
+        err = volume_choose(&header, path, choice, fault);
     if (!err) {
         memcpy(out->size, header.size, sizeof out->size);
         memcpy(out->whole, header.whole, sizeof out->whole);

@@ -115,10 +115,10 @@ const char *volume_ending(const char *path);
  * `save` writes). Others are refused where volume_read would refuse the header. */
 enum err volume_about(struct volume_header *out, const char *path, struct fault *fault);
 
-/* The size of the scene in `path` by that choice (or NULL), from its header alone; refuses what
- * volume_read would refuse before it reads a voxel. */
-enum err volume_size(uint32_t size[3], const char *path, const struct volume_choice *choice,
-                     struct fault *fault);
+/* What of `path`, whose header volume_about has told, is read by that choice (or NULL): makes size
+ * and geometry those of it. Refuses what volume_read would refuse before it reads a voxel. */
+enum err volume_choose(struct volume_header *header, const char *path,
+                       const struct volume_choice *choice, struct fault *fault);
 
 /* Reads the scene in `path` by that choice (or NULL), under a watch (or NULL). It takes two bytes a
  * voxel, four while float32 is read, and as much as the file where a gzip is inflated whole. On

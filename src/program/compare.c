@@ -51,9 +51,9 @@ static enum err take_labels(struct pair *pair, int side, struct volume *map, str
 
 static enum err read_map(struct pair *pair, int side, struct fault *fault)
 {
+    const struct map_place place = {.grid = &pair->grid, .geometry = &pair->geometry};
     struct volume map = {0};
-    enum err err = map_read(&map, pair->options->word[side], &pair->grid, &pair->geometry, NULL,
-                            console_watch(), fault);
+    enum err err = map_read(&map, pair->options->word[side], &place, console_watch(), fault);
     if (!err)
         err = take_labels(pair, side, &map, fault);
     volume_release(&map);

@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "base/mem.h"
+#include "image/regrid.h"
 
 enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault)
 {
@@ -35,55 +36,72 @@ static bool is_size(const uint32_t a[3], const uint32_t b[3])
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-/* What to read of the map at `path`: all of it, or the part that the scene is. */
-static enum err choose(struct volume_choice *choice, const char *path, const struct grid *grid,
-                       const struct map_part *part, struct fault *fault)
+/* What to read of the map at `path`: all of it, or the part that the scene is; and its header. */
+static enum err choose(struct volume_header *header, struct volume_choice *choice, const char *path,
+                       const struct map_place *place, struct fault *fault)
 {
-    struct volume_header header;
-    const enum err err = volume_about(&header, path, fault);
+    const struct map_part *part = place->part;
+    const uint32_t *size = place->grid->size;
+    const enum err err = volume_about(header, path, fault);
     *choice = (struct volume_choice){0};
-    if (!err && part && is_size(grid->size, part->size) && !is_size(header.size, grid->size) &&
-        is_size(header.size, part->whole)) {
+    if (!err && part && is_size(size, part->size) && !is_size(header->size, size) &&
+        is_size(header->size, part->whole)) {
         *choice = part->choice;
         choice->has_volume = false;
         choice->volume = 0;
         choice->nearest = true;
     }
-    return err;
+    return err ? err : volume_choose(header, path, choice, fault);
 }
 
-static enum err check_part(const uint32_t is[3], const struct grid *grid,
-                           const struct map_part *part, struct fault *fault)
+/* A map of a file of which the scene is a part, and of neither size. */
+static enum err refuse_size(const struct map_place *place, const uint32_t is[3],
+                            struct fault *fault)
 {
-    const uint32_t *size = grid->size, *whole = part ? part->whole : NULL;
-    if (!whole || !whole[0] || is_size(is, size))
-        return map_check_size(is, grid, fault);
+    const uint32_t *size = place->grid->size, *whole = place->part->whole;
     return fault_set(fault, ERR_INPUT,
                      "the map has %ux%ux%u voxels, the scene %ux%ux%u, and its file %ux%ux%u; a "
-                     "map lies on the grid of the scene or of its file; nothing has changed",
+                     "map lies on the grid of the scene or of its file, or is taken with "
+                     "resample=yes; nothing has changed",
                      is[0], is[1], is[2], size[0], size[1], size[2], whole[0], whole[1], whole[2]);
 }
 
-enum err map_read(struct volume *map, const char *path, const struct grid *grid,
-                  const struct geometry *place, const struct map_part *part, struct watch *watch,
-                  struct fault *fault)
+static enum err check(const struct map_place *place, const uint32_t size[3],
+                      const struct geometry *geometry, struct fault *fault)
+{
+    if (!place->resample && place->part && place->part->whole[0] &&
+        !is_size(size, place->grid->size))
+        return refuse_size(place, size, fault);
+    return place->as_before ? map_check_size(size, place->grid, fault)
+                            : regrid_check(size, geometry, place->grid->size, place->geometry,
+                                           place->resample, fault);
+}
+
+static enum err bring(struct volume *map, const struct map_place *place, struct watch *watch,
+                      struct fault *fault)
+{
+    *map->notes = '\0';
+    const enum err err = check(place, map->size, &map->geometry, fault);
+    if (err || place->as_before)
+        return err ? err : map_check_axes(map, place->geometry, fault);
+    return regrid(map, place->grid->size, place->geometry, place->resample, watch, fault);
+}
+
+enum err map_read(struct volume *map, const char *path, const struct map_place *place,
+                  struct watch *watch, struct fault *fault)
 {
     struct volume_choice choice;
-    uint32_t size[3];
-    enum err err = choose(&choice, path, grid, part, fault);
-    if (!err)
-        err = volume_size(size, path, &choice, fault);
+    struct volume_header header;
+    enum err err = choose(&header, &choice, path, place, fault);
     if (err)
         return err;
-    err = check_part(size, grid, part, fault);
+    err = check(place, header.size, &header.geometry, fault);
     if (err)
         return fault_prefix(fault, err, "%s", file_name(path));
     err = volume_read(map, path, &choice, watch, fault);
     if (err)
         return err;
-    err = map_check_size(map->size, grid, fault); /* it may be another file by now */
-    if (!err)
-        err = map_check_axes(map, place, fault);
+    err = bring(map, place, watch, fault); /* it may be another file by now */
     return err ? fault_prefix(fault, err, "%s", file_name(path)) : OK;
 }
 

@@ -24,13 +24,22 @@ struct map_part {
     struct volume_choice choice;
 };
 
-/* volume_read, and both checks; the size is asked before a voxel is read, so that memory is bounded
- * by the scene. Of a map on the grid of the whole file, of which the scene is a part (or NULL), the
- * same part is read, the voxel in the middle of each block. Watched, as volume_read is. The words
- * of an error name the file. */
-enum err map_read(struct volume *map, const char *path, const struct grid *grid,
-                  const struct geometry *place, const struct map_part *part, struct watch *watch,
-                  struct fault *fault);
+/* Where maps have to lie: on the scene's grid. */
+struct map_place {
+    const struct grid *grid;
+    const struct geometry *geometry;
+    const struct map_part *part; /* or NULL: it is the whole */
+    bool resample;  /* one that lies elsewhere is taken by its nearest voxels (image/regrid.h) */
+    bool as_before; /* semantics below MEANING_PLACES: sizes and axes are all that is compared */
+};
+
+/* volume_read, on the scene's grid: what lies elsewhere is resampled, or refused. Size and place
+ * are asked before a voxel is read, so that memory is bounded by the scene, or by what the user has
+ * asked for. Of a map on the grid of the whole file, of which the scene is a part, the same part is
+ * read, the voxel in the middle of each block. Watched, as volume_read is. The words of an error
+ * name the file; notes of the map are what was done to bring it here. */
+enum err map_read(struct volume *map, const char *path, const struct map_place *place,
+                  struct watch *watch, struct fault *fault);
 
 /* Replaces intensities by the numbers they stand for, in place: those of first..last, at most
  * REGION_MOST, and REGION_NONE for others. With the map of no use any more: ERR_INPUT where one is

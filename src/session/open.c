@@ -125,10 +125,12 @@ static enum err open_file(struct session *session, const char *path,
                           const struct volume_choice *choice, struct fault *fault)
 {
     struct volume volume = {0};
-    uint32_t size[3];
-    enum err err = volume_size(size, path, choice, fault);
+    struct volume_header header;
+    enum err err = volume_about(&header, path, fault);
     if (!err)
-        err = check_memory(size,
+        err = volume_choose(&header, path, choice, fault);
+    if (!err)
+        err = check_memory(header.size,
                            "a part of it is opened with crop=A-B,C-D,E-F or reduce=2; nothing was "
                            "opened",
                            session->watch, fault);

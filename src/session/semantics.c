@@ -24,6 +24,10 @@ const struct meaning_row meaning_table[MEANINGS] = {
                              "right, front and head, 1 mm apart, and the sform to hold against the "
                              "qform",
                              "it is unknown until `orient` tells it", NULL},
+    [MEANING_PLACES] = {"places", 5,
+                        "a map of the scene's size, with axes along the same sides, was taken "
+                        "wherever it lies",
+                        "a map lies where the scene does, or is resampled", NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

@@ -65,6 +65,15 @@ size_t session_memory(const struct session *session)
     return bytes + shader_bytes(&session->shader);
 }
 
+struct map_place session_map_place(const struct session *session, bool resample)
+{
+    return (struct map_place){.grid = &session->scene->grid,
+                              .geometry = &session->geometry,
+                              .part = &session->part,
+                              .resample = resample,
+                              .as_before = !semantics_has(session->semantics, MEANING_PLACES)};
+}
+
 /* ---- all or nothing ---- */
 
 void session_mark(struct session *session)

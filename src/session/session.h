@@ -118,6 +118,9 @@ void session_rollback(struct session *session);
  * next session_mark does so too. */
 void session_settle(struct session *session);
 
+/* Where maps have to lie that a command reads. */
+struct map_place session_map_place(const struct session *session, bool resample);
+
 /* ---- the one way to change anything ---- */
 
 /* Takes on the state, which is borrowed, and plants and erases `seeds` seeds (a later edit of a

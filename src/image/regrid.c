@@ -1,0 +1,195 @@
+#include "image/regrid.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+
+enum { FRACTION_BITS = 30 };
+
+static bool same_size(const uint32_t a[3], const uint32_t b[3])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+static bool same_spacing(const struct geometry *a, const struct geometry *b)
+{
+    bool same = true;
+    for (int i = 0; i < 3; i++) {
+        const double x = a->spacing_nm[i], y = b->spacing_nm[i];
+        same &= fabs(x - y) <= 0.01 * y;
+    }
+    return same || a->spacing_unknown || b->spacing_unknown;
+}
+
+static bool have_places(const struct geometry *map, const struct geometry *scene)
+{
+    return geometry_has_place(map) && geometry_has_place(scene);
+}
+
+/* Whether its voxels are the scene's, one by one. */
+static bool is_the_grid(const uint32_t map_size[3], const struct geometry *map,
+                        const uint32_t size[3], const struct geometry *scene)
+{
+    if (!same_size(map_size, size))
+        return false;
+    return have_places(map, scene) ? geometry_apart(map, scene, size) <= geometry_half_voxel(scene)
+                                   : same_spacing(map, scene);
+}
+
+enum err regrid_check(const uint32_t map_size[3], const struct geometry *map,
+                      const uint32_t size[3], const struct geometry *scene, bool resample,
+                      struct fault *fault)
+{
+    const uint32_t *is = map_size;
+    const bool have = have_places(map, scene);
+    if (is_the_grid(map_size, map, size, scene) || (resample && have))
+        return OK;
+    const char *remedy = have ? "resample=yes takes its nearest voxels"
+                              : "it cannot be resampled, since one of both does not say where it "
+                                "lies in the world";
+    if (!same_size(map_size, size))
+        return fault_set(fault, ERR_INPUT,
+                         "the map has %ux%ux%u voxels and the scene %ux%ux%u; %s; nothing has "
+                         "changed",
+                         is[0], is[1], is[2], size[0], size[1], size[2], remedy);
+    if (!have)
+        return fault_set(fault, ERR_INPUT,
+                         "the map has voxels of %gx%gx%g mm and the scene of %gx%gx%g; %s; nothing "
+                         "has changed",
+                         map->spacing_nm[0] / 1e6, map->spacing_nm[1] / 1e6,
+                         map->spacing_nm[2] / 1e6, scene->spacing_nm[0] / 1e6,
+                         scene->spacing_nm[1] / 1e6, scene->spacing_nm[2] / 1e6, remedy);
+    return fault_set(fault, ERR_INPUT,
+                     "the map lies %.3g mm away from the scene, where it is furthest from it; %s; "
+                     "nothing has changed",
+                     geometry_apart(map, scene, size), remedy);
+}
+
+/* ---- resampling ---- */
+
+/* From voxels of the scene to those of the map: place = (way * (i, j, k, 1)) / 2^30. */
+struct way {
+    int64_t row[3][4];
+};
+
+/* False where that leads further off than integers hold. */
+static bool find_way(struct way *way, const struct geometry *map, const uint32_t size[3],
+                     const struct geometry *scene)
+{
+    double column[4][3];
+    for (int c = 0; c < 4; c++) {
+        double from[3];
+        for (int w = 0; w < 3; w++)
+            from[w] = scene->to_mm[w][c] - (c == 3 ? map->to_mm[w][3] : 0);
+        geometry_solve(map, from, column[c]);
+    }
+    for (int r = 0; r < 3; r++) {
+        double reach = 0;
+        for (int c = 0; c < 4; c++) {
+            reach += fabs(column[c][r]) * (c < 3 ? size[c] : 1);
+            if (!(reach < 1e9))
+                return false;
+            way->row[r][c] = (int64_t)floor(ldexp(column[c][r], FRACTION_BITS) + 0.5);
+        }
+        way->row[r][3] += INT64_C(1) << (FRACTION_BITS - 1); /* to the nearest */
+    }
+    return true;
+}
+
+/* One row of the scene; returns how many of its voxels the map does not reach. */
+static size_t resample_row(uint16_t *out, const struct volume *map, uint16_t zero,
+                           const struct way *way, uint32_t count, uint32_t y, uint32_t z)
+{
+    const uint32_t *size = map->size;
+    size_t beyond = 0;
+    int64_t at[3];
+    for (int r = 0; r < 3; r++)
+        at[r] = way->row[r][1] * y + way->row[r][2] * z + way->row[r][3];
+    for (uint32_t x = 0; x < count; x++) {
+        bool inside = true;
+        size_t place[3];
+        for (int r = 0; r < 3; r++) {
+            place[r] = (size_t)(uint64_t)at[r] >> FRACTION_BITS;
+            inside &= at[r] >= 0 && place[r] < size[r];
+            at[r] += way->row[r][0];
+        }
+        out[x] =
+            inside ? map->intensity[(place[2] * size[1] + place[1]) * size[0] + place[0]] : zero;
+        beyond += !inside;
+    }
+    return beyond;
+}
+
+/* The intensity that stands for 0; false where none does. */
+static bool intensity_of_zero(uint16_t *zero, const struct geometry *geometry)
+{
+    const double is = floor(-geometry->intercept / geometry->slope + 0.5);
+    if (!(is >= 0 && is <= UINT16_MAX))
+        return false;
+    *zero = (uint16_t)is;
+    return fabs(geometry_value(geometry, *zero)) <= fabs(geometry->slope) / 2;
+}
+
+static enum err resample_all(struct volume *map, uint16_t *out, const uint32_t size[3],
+                             const struct way *way, struct watch *watch, struct fault *fault)
+{
+    struct task task = task_begin(watch, "resampling", (uint64_t)size[0] * size[1] * size[2]);
+    size_t beyond = 0;
+    uint16_t zero = 0;
+    const bool has_zero = intensity_of_zero(&zero, &map->geometry);
+    for (uint32_t z = 0; z < size[2]; z++)
+        for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++, out += size[0])
+            beyond += resample_row(out, map, zero, way, size[0], y, z);
+    if (beyond && !has_zero)
+        return fault_set(fault, ERR_INPUT,
+                         "%zu voxels of the scene lie outside the map, which has no value 0 for "
+                         "them; nothing has changed",
+                         beyond);
+    if (beyond)
+        volume_note(map->notes, "%zu voxels of the scene lie outside the map: 0 there", beyond);
+    return watch_fault(watch, fault);
+}
+
+/* The map's voxels are of another number now, in another place. */
+static void take(struct volume *map, uint16_t *intensity, const uint32_t size[3],
+                 const struct geometry *scene)
+{
+    const double slope = map->geometry.slope, intercept = map->geometry.intercept;
+    if (intensity) {
+        free(map->intensity);
+        map->intensity = intensity;
+    }
+    memcpy(map->size, size, sizeof map->size);
+    map->geometry = *scene;
+    map->geometry.slope = slope;
+    map->geometry.intercept = intercept;
+}
+
+enum err regrid(struct volume *map, const uint32_t size[3], const struct geometry *scene,
+                bool resample, struct watch *watch, struct fault *fault)
+{
+    struct way way;
+    enum err err = regrid_check(map->size, &map->geometry, size, scene, resample, fault);
+    if (err)
+        return err;
+    if (is_the_grid(map->size, &map->geometry, size, scene)) {
+        take(map, NULL, size, scene);
+        return OK;
+    }
+    if (!find_way(&way, &map->geometry, size, scene))
+        return fault_set(fault, ERR_INPUT,
+                         "the map and the scene lie too far apart, or their voxels differ too much "
+                         "in size, to be resampled; nothing has changed");
+    uint16_t *out = mem_array((size_t)size[0] * size[1] * size[2], sizeof *out);
+    err = out ? resample_all(map, out, size, &way, watch, fault) : fault_memory(fault, "a map");
+    if (err) {
+        free(out);
+        return err;
+    }
+    volume_note(map->notes, "resampled from %ux%ux%u voxels by the nearest", map->size[0],
+                map->size[1], map->size[2]);
+    take(map, out, size, scene);
+    return OK;
+}

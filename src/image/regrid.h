@@ -1,0 +1,31 @@
+/*
+ * Regrid: a map on the grid of a scene, when it lies in the same place, or by resampling.
+ *
+ * Two grids are the same where they have the same size and no corner voxel lies further apart, in
+ * the world, than half of the scene's shortest step. Where one of both does not know its place, a
+ * map of the same size and spacing is taken voxel by voxel: there is nothing to compare.
+ *
+ * Resampling gives each voxel of the scene the value of the map's voxel nearest to its centre,
+ * halves towards higher indices, and 0 where the map ends. The way from one grid to the other is
+ * worked out once, to 2^-30 of a voxel; from there on it is integers, so that a journal gives the
+ * same on every machine.
+ */
+#ifndef IMAGE_REGRID_H
+#define IMAGE_REGRID_H
+
+#include "image/volume.h"
+
+/* Whether a map of this size and place can be taken for the scene's grid, as it is or (`resample`)
+ * with its nearest voxels. ERR_INPUT says how far off it is, and what to type. Asked of a header
+ * before voxels are read. */
+enum err regrid_check(const uint32_t map_size[3], const struct geometry *map,
+                      const uint32_t size[3], const struct geometry *scene, bool resample,
+                      struct fault *fault);
+
+/* Brings the map there: after that its size and place are the scene's, its values what they stood
+ * for; notes say what was resampled. ERR_INPUT as above, ERR_MEMORY, ERR_CANCELLED by the watch (or
+ * NULL); the map is as it was, or to be released, then. */
+enum err regrid(struct volume *map, const uint32_t size[3], const struct geometry *scene,
+                bool resample, struct watch *watch, struct fault *fault);
+
+#endif
