@@ -164,7 +164,7 @@ begin "an answer longer than the screen comes page by page"
 type_letters ":"
 enter "help"
 see '^The scene'
-see '^\(any key: more; q: enough\)$'
+see '^1-23 of [0-9]+  q: leave, Space, b'
 press Space
 see '^goto PLACE '
 type_letters "q"
@@ -174,7 +174,7 @@ enter "help"
 see '^The scene'
 is_another_page() {
     screen_text >page
-    grep -q '^(any key' page && ! cmp -s page former
+    grep -q '  q: leave' page && ! cmp -s page former
 }
 for page in 1 2 3 4 5 6; do
     screen_text >former
@@ -183,8 +183,9 @@ for page in 1 2 3 4 5 6; do
     comes_true is_another_page || fail "no page follows:" "$(cat former)"
 done
 see '^quit  *leave'
-see '^\(any key\)$'
-press Space
+type_letters "g"
+see '^1-23 of '
+press Escape
 see '^coronal 13 '
 close_story
 
@@ -299,7 +300,7 @@ see '^coronal 13 '
 type_letters "?"
 see '^h j k l arrows$'
 see '^  move the$'
-see '^\(any key; q: enough\)$'
+see '^1-9 of [0-9]+  q: leave'
 tmux_here resize-window -t prompt -x 80 -y 24
 see 'h j k l arrows   move the cross-hair     H L Ctrl-arrows'
 tmux_here resize-window -t prompt -x 20 -y 10

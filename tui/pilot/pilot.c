@@ -10,6 +10,7 @@
 #include "tui/pilot/pilot_keys.h"
 #include "tui/pilot/refine.h"
 #include "tui/pilot/typed_ahead.h"
+#include "tui/prompt/pager.h"
 #include "tui/term.h"
 #include "tui/cells.h"
 
@@ -130,22 +131,6 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
 static const char *blank_of(const struct pilot *p)
 {
     return p->facts->graphics->keeping ? "\033[m\033[H\033[J" : "\033[m\033[H\033[2J";
-}
-
-/* What one screen shows of a text that cells_wrap has broken, from byte *at on, and below it which
- * key goes on; *at is then where the next screen begins. */
-static void add_page(struct buf *out, const struct pilot *p, const struct buf *text, size_t *at,
-                     const struct term_size *size)
-{
-    const size_t first = *at;
-    for (unsigned row = 1; row < size->rows && *at < text->length; row++) {
-        const char *feed = memchr(text->data + *at, '\n', text->length - *at);
-        *at = feed ? (size_t)(feed - (const char *)text->data) + 1 : text->length;
-    }
-    buf_add_text(out, blank_of(p));
-    buf_add(out, buf_text(text) + first, *at - first);
-    const char *more = size->columns < 26 ? "(any key; q: enough)" : "(any key: more; q: enough)";
-    buf_printf(out, "\033[%u;1H%s", size->rows, *at < text->length ? more : "(any key)");
 }
 
 /* ---- the screen ---- */
@@ -435,49 +420,58 @@ static bool has_lines(const char *text)
     return feed && feed[1];
 }
 
-static bool is_enough(const struct key_event *event)
-{
-    return event->key == KEY_ESCAPE || (event->key == KEY_CHARACTER && event->point == 'q');
-}
-
-/* One screen of a text, NULL for the page of keys, from *at on, until a key. Another size of the
- * screen begins anew. */
-static enum err show_page(struct pilot *p, struct buf *text, size_t *at, struct key_event *event,
-                          struct fault *fault)
+/* What fits the screen is left by any key. */
+static enum err draw_page(const struct pilot *p, struct pager *pager, struct fault *fault)
 {
     const struct term_size size = term_size();
-    struct buf keys = {0}, wrapped = {0}, page = {0};
-    if (!text)
-        pilot_keys_page(&keys, p->state->setup, size.columns);
-    cells_wrap(&wrapped, text ? text : &keys, size.columns);
-    add_page(&page, p, &wrapped, at, &size);
-    const bool was_last = *at >= wrapped.length;
-    enum err err = page.failed || wrapped.failed ? fault_memory(fault, "a page")
-                                                 : term_write(buf_text(&page), page.length, fault);
-    buf_release(&keys);
-    buf_release(&wrapped);
+    struct buf page = {0};
+    const bool fits = pager_fit(pager, size.columns, size.rows);
+    buf_add_text(&page, blank_of(p));
+    pager_draw(pager, &page);
+    if (!pager_is_needed(pager))
+        buf_printf(&page, "\033[%u;1H(any key)\033[K", size.rows);
+    const enum err err = !fits || page.failed ? fault_memory(fault, "a page")
+                                              : term_write(buf_text(&page), page.length, fault);
     buf_release(&page);
-    p->is_resized = false;
-    if (!err)
-        await_key(p, event);
-    if (p->is_resized)
-        *at = 0;
-    else if (was_last || is_enough(event))
-        *at = SIZE_MAX;
     return err;
 }
 
-/* What has more than a line has the screen for itself, page by page, each until a key. */
-static enum err show_pages(struct pilot *p, struct buf *text, struct fault *fault)
+/* Until a key leaves; another size of the screen too is left by. */
+static enum err page_through(struct pilot *p, const struct buf *text, bool *left,
+                             struct fault *fault)
 {
     struct key_event event = {0};
-    enum err err = clear_picture(p, false, fault);
-    for (size_t at = 0; !err && !p->is_over && at != SIZE_MAX;)
-        err = show_page(p, text, &at, &event, fault);
+    struct pager pager;
+    enum err err = OK;
+    pager_init(&pager, buf_text(text), text->length);
+    p->is_resized = *left = false;
+    while (!err && !p->is_over && !p->is_resized && !*left) {
+        err = draw_page(p, &pager, fault);
+        if (!err)
+            await_key(p, &event);
+        *left = !p->is_resized && (!pager_is_needed(&pager) || !pager_key(&pager, &event));
+    }
+    pager_release(&pager);
     return err;
 }
 
-static enum err show_answer(struct pilot *p, struct buf *text, struct fault *fault)
+/* What has more than a line has the screen for itself, page by page; NULL is the page of keys. */
+static enum err show_pages(struct pilot *p, const struct buf *text, struct fault *fault)
+{
+    bool left = false;
+    enum err err = clear_picture(p, false, fault);
+    while (!err && !p->is_over && !left) {
+        struct buf keys = {0};
+        if (!text)
+            pilot_keys_page(&keys, p->state->setup, term_size().columns);
+        err = keys.failed ? fault_memory(fault, "a page")
+                          : page_through(p, text ? text : &keys, &left, fault);
+        buf_release(&keys);
+    }
+    return err;
+}
+
+static enum err show_answer(struct pilot *p, const struct buf *text, struct fault *fault)
 {
     if (has_lines(buf_text(text)))
         return show_pages(p, text, fault);
@@ -732,7 +726,7 @@ static bool wait_once(struct pilot *p, struct key_event *event)
     return false;
 }
 
-/* For a page of text: any key, with nothing else going on; or another size of the screen. */
+/* For a page of text: a key, with nothing else going on; or another size of the screen. */
 static void await_key(struct pilot *p, struct key_event *event)
 {
     bool has_key = false;
