@@ -99,7 +99,7 @@ static double get_number(const uint8_t *at, const struct volume_header *header)
 /* A mean that the type can hold. */
 static void put_number(uint8_t *at, double value, const struct volume_header *header)
 {
-    uint64_t bits;
+    uint64_t bits = 0;
     uint32_t narrow;
     const float single = (float)value;
     switch (header->type) {
@@ -107,7 +107,10 @@ static void put_number(uint8_t *at, double value, const struct volume_header *he
         memcpy(&narrow, &single, sizeof narrow);
         bits = narrow;
         break;
-    default:
+    case VOXEL_UINT8:
+    case VOXEL_INT16:
+    case VOXEL_UINT16:
+    case VOXEL_UINT32:
         bits = (uint64_t)(int64_t)floor(value + 0.5);
     }
     put_bits(at, bits, voxel_bytes(header->type), header->big_endian);
