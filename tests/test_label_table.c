@@ -168,6 +168,21 @@ STORY(a_bad_line_is_named_and_nothing_is_taken)
     }
 }
 
+STORY(a_table_has_no_more_labels_than_a_map_has_regions)
+{
+    struct buf text = {0};
+    for (int i = 0; i <= REGION_MOST; i++)
+        buf_add_text(&text, "1 a\n");
+    CHECK_INT(read_text(buf_text(&text)), OK);
+    CHECK_INT(table.count, REGION_MOST + 1);
+    label_table_release(&table);
+    buf_add_text(&text, "1 a\n");
+    CHECK_INT(read_text(buf_text(&text)), ERR_LIMIT);
+    CHECK_HAS(fault.text, "line 65535: more than 65534 labels");
+    CHECK(!table.entry);
+    buf_release(&text);
+}
+
 STORY(what_is_written_is_read_again)
 {
     static const bool used[256] = {[3] = true};
@@ -217,5 +232,6 @@ int main(void)
                        TELL(regions_choose_entries_and_their_labels),
                        TELL(lists_of_regions_and_labels_are_of_one_length),
                        TELL(a_bad_line_is_named_and_nothing_is_taken),
+                       TELL(a_table_has_no_more_labels_than_a_map_has_regions),
                        TELL(what_is_written_is_read_again), TELL(memory_that_runs_out_is_an_error));
 }

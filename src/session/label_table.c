@@ -176,6 +176,9 @@ static enum err read_line(struct label_table *table, struct part line, uint32_t 
     if (scan_integer(&at, 0, INT32_MAX, &value) && is_blank(*at)) {
         const struct part rest = trimmed((struct part){at, line.end});
         entry.number = (uint32_t)value;
+        if (table->count > REGION_MOST)
+            return fault_set(fault, ERR_LIMIT, "line %u: more than %d labels; nothing has changed",
+                             number, REGION_MOST + 1);
         if (scan_itksnap(rest, &entry, &name) || scan_named(rest, &entry, &name)) {
             const enum err err = take_name(&entry, name, fault);
             return err || add(table, &entry) ? err : fault_memory(fault, "a table of labels");

@@ -34,8 +34,9 @@ struct label_table {
 };
 void label_table_release(struct label_table *table);
 
-/* A table of text; on the first line that is none of the above, ERR_INPUT with words that name it,
- * and *table is empty. `length` bytes at `text`, and a NUL after them. */
+/* A table of text: `length` bytes at `text`, and a NUL after them. ERR_LIMIT for more than
+ * REGION_MOST + 1 labels; on the first line that is none of the above, ERR_INPUT with words that
+ * name it. On errors *table is empty. */
 enum err label_table_read(struct label_table *table, const char *text, size_t length,
                           struct fault *fault);
 
