@@ -40,8 +40,8 @@ static enum err add_roi(const struct act *act, enum err err)
     buf_add_blank(&reply->words);
     buf_printf(&reply->words, "fence=%016llx inside=%zu", (unsigned long long)tally->digest,
                tally->inside);
-    buf_printf(&reply->text, "%zu of %zu voxels are inside the region of interest\n", tally->inside,
-               session->scene->grid.voxels);
+    buf_printf(&reply->text, "%zu of %zu voxels %s inside the region of interest\n", tally->inside,
+               session->scene->grid.voxels, tally->inside == 1 ? "is" : "are");
     return OK;
 }
 
