@@ -1039,11 +1039,12 @@ static void add_random(struct buf *out, uint64_t *seed)
     }
 }
 
-/* Back to where keys move the cross-hair, whatever had begun: a paste, a page, a line, a mode. */
+/* Back to where keys move the cross-hair, whatever had begun: a paste, a page, a line, a mode,
+ * corners; and what the last of these said, which stands until the next key, is gone. */
 static void come_back(struct terminal *t)
 {
     type(t, "\033\\\033[201~");
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 6; i++) {
         settle(t, 120);
         type(t, "\033");
     }
