@@ -43,6 +43,37 @@ expect 0 "$iftty" -c "open s.nii $crop; seed-file part.nii"
 out_has '1 region'
 close_story
 
+# place FILE X: its first voxel lies at X,0,0 mm
+place() {
+    python3 - "$1" "$2" <<'END'
+import struct, sys
+with open(sys.argv[1], 'r+b') as f:
+    f.seek(254)
+    f.write(struct.pack('<h', 1))
+    f.seek(280)
+    f.write(struct.pack('<12f', 1, 0, 0, float(sys.argv[2]), 0, 1, 0, 0, 0, 0, 1, 0))
+END
+}
+begin "a map of the whole file that lies elsewhere is refused, or resampled"
+for x in 0 3; do
+    cp s.nii at$x.nii
+    place at$x.nii $x
+    expect 0 "$iftty" -c "open at$x.nii; seed 6,10,8 1; seed 20,10,8 2; run; save labels map$x.nii"
+done
+expect 0 "$iftty" -c "open at0.nii $crop; seed 2,8,5 1; mask map0.nii regions=1"
+for less in "$crop" "$crop reduce=2"; do
+    expect 3 "$iftty" -c "open at0.nii $less; mask map3.nii regions=1"
+    err_has '3 mm'
+done
+# Voxel x of the part is 4 + x of the file, and 3 mm less in the map: all of it is there.
+expect 0 "$iftty" -c "open at0.nii $crop; seed-file map3.nii resample=yes; run; save labels got.nii"
+tail -c +353 map3.nii | od -An -v -tu1 -w1 | awk '{ i = NR - 1; x = i % 24
+    y = int(i / 24) % 20; z = int(i / 480)
+    if (x > 0 && x < 17 && y > 1 && y < 18 && z > 2 && z < 13) print $1 + 0 }' >expected
+tail -c +353 got.nii | od -An -v -tu1 -w1 | tr -d ' ' >got
+same_files expected got
+close_story
+
 begin "other maps are refused with the reason, as is a box that is not in the file"
 make_scene other.nii 23 20 16
 expect 3 "$iftty" -c "open s.nii $crop; mask other.nii"

@@ -43,8 +43,10 @@ static enum err choose(struct volume_header *header, struct volume_choice *choic
     const struct map_part *part = place->part;
     const uint32_t *size = place->grid->size;
     const enum err err = volume_about(header, path, fault);
+    const bool is_shifted = place->resample && geometry_has_place(&header->geometry) &&
+                            geometry_has_place(place->geometry); /* then all of it is needed */
     *choice = (struct volume_choice){0};
-    if (!err && part && is_size(size, part->size) && !is_size(header->size, size) &&
+    if (!err && part && !is_shifted && is_size(size, part->size) && !is_size(header->size, size) &&
         is_size(header->size, part->whole)) {
         *choice = part->choice;
         choice->has_volume = false;
