@@ -206,7 +206,8 @@ STORY(millimetres_are_refused_where_nobody_knows_them)
     is_refused("seed 5,5,5 1 radius=2cm", "up to 1000 with at most six decimals, not 2cm");
     interpreter_release(&interp);
     CHECK(file_read(&file, place("scene.nii"), 1 << 20, NULL) == OK && file.length > 352);
-    memset(file.data + 76 + 4 * 3, 0, 4); /* pixdim[3] */
+    memset(file.data + 76 + 4 * 3, 0, 4); /* pixdim[3], */
+    memset(file.data + 252, 0, 4);        /* and the codes of both forms, which say it too */
     CHECK(file_write(place("sizeless.nii"), file.data, file.length, FILE_REPLACE, NULL) == OK);
     buf_release(&file);
     char line[PATH_MAX + 8];
