@@ -9,9 +9,12 @@ BUILD    := $(if $(filter release,$(VARIANT)),build,build/$(VARIANT))
 
 PACKAGES := g++ pkg-config libopenimageio-dev libopenexr-dev nettle-dev zlib1g-dev libdeflate-dev \
             openexr openimageio-tools
+# Of iftty-volume alone, which `make demo` does not wait for.
+VOLUME_PACKAGES := libinsighttoolkit5-dev libgdcm-dev libhdf5-dev
 SCENES   := mricron-data
 # What tests use; what is after this in a list of packages, is left out where it cannot be had.
-TEST_PACKAGES := tmux screen procps python3 teem-apps libinsighttoolkit5-dev
+TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom python3-h5py \
+                 teem-apps dcmtk libinsighttoolkit5-dev
 FORMATTER     := clang-format-14
 BARE_PACKAGES := debootstrap
 
@@ -33,6 +36,15 @@ OIIO_INCLUDE = $(shell pkg-config --variable=includedir OpenImageIO 2>/dev/null 
                    echo /usr/include)
 OIIO_LIBS    = $(shell pkg-config --libs OpenImageIO 2>/dev/null)
 LIBS         = -lOpenEXRCore -lz -ldeflate -lnettle -lm
+
+# ITK's names hold its version.
+ITK           = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
+ITK_IO        = NRRD Meta MINC MRC LSM TIFF PNG VTK GIPL GE IPL Siemens Bruker Stimulate HDF5 \
+                ImageBase
+VOLUME_FLAGS  = -isystem /usr/include/$(ITK) -isystem $(wildcard /usr/include/gdcm-*) \
+                $(patsubst -I%,-isystem %,$(shell pkg-config --cflags hdf5 2>/dev/null))
+VOLUME_LIBS   = $(addsuffix $(ITK:ITK%=%),$(ITK_IO:%=-lITKIO%) -lITKCommon -litksys -litkvnl) \
+                -lgdcmMSFF -lgdcmDSED -lgdcmCommon $(shell pkg-config --libs hdf5 2>/dev/null)
 
 # One line a file, unless V=1; as many files at once as there are cores.
 ifeq ($(V),1)
@@ -74,7 +86,6 @@ ITK_JUDGE     := $(BUILD)/tests/peers/itk_compare
 PEERS         := $(PEERS_IN_C) $(patsubst %.cc,$(BUILD)/%,$(wildcard tests/peers/*.cc))
 PYTHON        := /usr/bin/python3
 ROUNDS        ?= 5
-ITK            = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
 ITK_LIBS       = $(addsuffix $(ITK:ITK%=%),-lITKCommon -litkvnl_algo -litkvnl)
 
 # Other compilers and machines, for `make test-matrix`.
@@ -94,8 +105,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 .DELETE_ON_ERROR:
 .SECONDARY:
 
-## all: build build/iftty and its image helper (the default)
-all: $(BUILD)/iftty $(BUILD)/iftty-image
+## all: build build/iftty and its two helpers, for images and for volumes (the default)
+all: $(BUILD)/iftty $(BUILD)/iftty-image $(BUILD)/iftty-volume
 
 ## test: install what is missing, build, run every test; ends with "N passed, N failed,
 ##     N skipped"; JOBS=2 at once, as many as there are cores
@@ -160,7 +171,7 @@ tests: $(TESTS) $(BENCH) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_I
        $(ITK_JUDGE)
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
-demo: all
+demo: $(BUILD)/iftty $(BUILD)/iftty-image
 	@examples/demo.sh $(BUILD)
 
 ## bench-peers: the same work by iftty, ITK, vigra, scipy and scikit-image; ROUNDS=5, JSON=FILE
@@ -201,6 +212,16 @@ $(BUILD)/iftty-image: src/image/iftty-image.cc | $(PACKAGES_STAMP)
 	@mkdir -p $(@D)
 	$(say) "compile   $<"
 	$(Q)$(CXX) $(ALL_CXXFLAGS) -MF $@.d -o $@ $< $(ALL_LDFLAGS) $(OIIO_LIBS)
+
+build/.packages-volume: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages $(VOLUME_PACKAGES) --
+	@touch $@
+
+$(BUILD)/iftty-volume: src/image/iftty-volume.cc $(BUILD)/src/base/confine.o | \
+                       build/.packages-volume
+	$(say) "compile   $<"
+	$(Q)$(CXX) $(ALL_CXXFLAGS) $(VOLUME_FLAGS) -MF $@.d -o $@ $(filter %.cc %.o,$^) \
+	    $(ALL_LDFLAGS) $(VOLUME_LIBS)
 
 $(LIBRARY): $(OBJECTS)
 	@rm -f $@
@@ -275,4 +296,5 @@ $(BUILD)/racing/%.o: %.c | $(PACKAGES_STAMP)
 
 -include $(RACING:.o=.d) $(wildcard $(BUILD)/racing/tests/*.d)
 -include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(BUILD)/iftty-image.d \
-         $(STAGED:=.d) $(BENCH).d $(BENCHES:.o=.d) $(wildcard $(BUILD)/tests/*/*.d)
+         $(BUILD)/iftty-volume.d $(STAGED:=.d) $(BENCH).d $(BENCHES:.o=.d) \
+         $(wildcard $(BUILD)/tests/*/*.d)

@@ -900,11 +900,11 @@ STORY(files_are_offered_where_a_file_may_stand)
     completes(&interp, "open \"a", "\"a.nii\"\n\"ab c.nii\"\n", 5);
     completes(&interp, "open \"a.", "\"a.nii\"\n", 5);
     completes(&interp, "open \"a.nii\"", "", 12);
-    completes(&interp, "open m", "masks/\n", 5);
+    completes(&interp, "open m", "masks/\nmissing=\n", 5);
     completes(&interp, "open l", "link/\n", 5);
     completes(&interp, "open masks/", "masks/m.nii\n", 5);
     completes(&interp, "open masks/n", "", 5);
-    completes(&interp, "open t", "\"to do/\n", 5);
+    completes(&interp, "open t", "\"to do/\ntype=\n", 5);
     completes(&interp, "open \"to do/", "\"to do/one.nii\"\n", 5);
     completes(&interp, "open ./a.", "./a.nii\n", 5);
     completes(&interp, "open #", "\"#hash.nii\"\n", 5);

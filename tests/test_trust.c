@@ -196,7 +196,7 @@ STORY(a_name_is_found_below_its_folder_and_nowhere_else)
         {"deep//b", TRUST_FINE, TRUST_FINE},
         {"..c", TRUST_FINE, TRUST_FINE},
         {"inner", TRUST_FINE, TRUST_OUTSIDE}, /* where no link is followed, none is trusted */
-        {"deep", TRUST_NO_FILE, TRUST_NO_FILE},
+        {"deep", TRUST_FOLDER, TRUST_FOLDER},
         {"pipe", TRUST_NO_FILE, TRUST_NO_FILE},
         {"none", TRUST_MISSING, TRUST_MISSING},
         {"a/b", TRUST_MISSING, TRUST_MISSING},

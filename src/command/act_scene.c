@@ -1,6 +1,7 @@
 /* Commands that open a scene and say what a forest in it grows by. */
 #include "command/act.h"
 #include "command/near.h"
+#include "command/opening.h"
 
 #include <ctype.h>
 #include <string.h>
@@ -43,28 +44,9 @@ static void write_orientation(const struct act *act)
                                    "voxels\n");
 }
 
-/* "A-B,C-D,E-F" */
-static enum err choose_box(struct volume_choice *choice, const char *list, struct fault *fault)
-{
-    int64_t first, last;
-    int axis = 0;
-    choice->has_crop = true;
-    for (; scan_list_range(&list, 0, UINT32_MAX, &first, &last); axis++)
-        if (axis < 3) {
-            choice->first[axis] = (uint32_t)first;
-            choice->last[axis] = (uint32_t)last;
-        }
-    return axis == 3 ? OK
-                     : fault_set(fault, ERR_USAGE,
-                                 "crop: expected A-B,C-D,E-F, the voxels along x, y and z, and not "
-                                 "%d range%s; nothing was opened",
-                                 axis, plural((uint64_t)axis));
-}
-
 /* Finds the file of a scene. A journal is none: it is not opened, but gone on with. */
-static enum err find_scene(const struct act *act, struct buf *path)
+static enum err find_scene(const struct act *act, const char *name, struct buf *path)
 {
-    const char *name = act->value[0].text;
     const enum err err = interpreter_find_scene(act->interp, name, path, act->fault);
     if (!err && interpreter_is_journal(buf_text(path)))
         return fault_set(act->fault, ERR_INPUT,
@@ -83,14 +65,11 @@ enum err act_open(const struct act *act)
 {
     struct buf path = {0};
     struct session *session = act->session;
-    const struct value *crop = &act->value[2], *reduce = &act->value[3];
-    struct volume_choice choice = {.has_volume = act->value[1].given,
-                                   .volume = (uint32_t)act->value[1].number};
-    if (reduce->given)
-        choice.reduce = (uint32_t)reduce->number;
-    enum err err = crop->given ? choose_box(&choice, crop->text, act->fault) : OK;
+    struct volume_choice choice;
+    const char *name;
+    enum err err = opening_choice(&choice, &name, act->value, act->fault);
     if (!err)
-        err = find_scene(act, &path);
+        err = find_scene(act, name, &path);
     if (!err)
         err = session_open(session, buf_text(&path), &choice, act->fault);
     buf_release(&path);

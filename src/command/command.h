@@ -68,7 +68,7 @@ struct value {
                                     there */
 };
 
-enum { PARAMETERS_MOST = 10 };
+enum { PARAMETERS_MOST = 14 };
 
 enum command_flag {
     COMMAND_RECORDED = 1, /* goes into the journal */

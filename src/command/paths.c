@@ -31,13 +31,13 @@ static bool try_folder(struct buf *path, const char *folder, size_t length, cons
 
 /* `kind` and `undone` are for the words: "scene", "was opened". */
 static enum err find(const struct interpreter *interp, const char *name, struct buf *path,
-                     const char *kind, const char *undone, struct fault *fault)
+                     const char *kind, const char *undone, bool takes_folders, struct fault *fault)
 {
     struct buf folder = {0};
     bool found = false;
     if (interpreter_is_wary(interp))
         return trust_find(path, buf_text(&interp->home), interpreter_scenes(), name, kind, undone,
-                          fault);
+                          takes_folders, fault);
     buf_clear(path);
     if (interp->home.length && *name != '/') {
         file_folder(&folder, buf_text(&interp->home));
@@ -68,8 +68,8 @@ enum err interpreter_find_scene(const struct interpreter *interp, const char *na
     const bool synthetic = strncmp(name, "synth:", 6) == 0;
     if (!synthetic && !interp->scene_path) {
         const bool is_elsewhere = interpreter_is_wary(interp) && !trust_is_inside(name);
-        const enum err err =
-            find(interp, is_elsewhere ? file_name(name) : name, path, "scene", "was opened", fault);
+        const enum err err = find(interp, is_elsewhere ? file_name(name) : name, path, "scene",
+                                  "was opened", true, fault);
         if (err && is_elsewhere)
             fault_prefix(fault, err, "the journal may not open %s; expected --scene FILE", name);
         return err;
@@ -82,7 +82,7 @@ enum err interpreter_find_scene(const struct interpreter *interp, const char *na
 enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
                                struct fault *fault)
 {
-    return find(interp, name, path, "file", "has changed", fault);
+    return find(interp, name, path, "file", "has changed", false, fault);
 }
 
 enum err interpreter_may_read(const struct interpreter *interp, const char *path,

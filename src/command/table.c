@@ -1,9 +1,9 @@
 /* THE table of commands. */
 #include "command/act.h"
+#include "command/opening.h"
 
 #include "engine/surface.h"
 #include "engine/weight.h"
-#include "image/volume.h"
 #include "render/view.h"
 #include "session/export.h"
 #include "session/seed_file.h"
@@ -19,6 +19,12 @@
     "Each gradient gives an edge of height h the weight h. Lengths are in voxels, whatever the "   \
     "spacing.\n" WEIGHT_NOTES "FILE: a map on the scene's grid with the weight of each voxel, "    \
     "whole numbers 0..65535." RESAMPLE_NOTE
+#define OPENING_NOTE                                                                               \
+    "series: which one of those that a folder of DICOM holds, counted from 1.\n"                   \
+    "data: the data set of an HDF5 file.\n"                                                        \
+    "missing: blank puts a blank slice where one of a DICOM series is missing.\n"                  \
+    "size, type, endian, offset: of raw:FILE, in voxels, x fastest, and bytes before them.\n"      \
+    "spacing: of voxels, X,Y,Z in mm, where the file does not say it."
 #define VOLUME_SERIES_NOTE "volume: which one of a series, as 4-D files hold, counted from 0.\n"
 #define PART_NOTE                                                                                  \
     "crop: only this box of voxels, the first and last along x, y and z, as in 0-99,40-159,0-79; " \
@@ -101,9 +107,15 @@ const struct command command_table[] = {
     {COMMAND("open", act_open, GROUP_SCENE, R),
      {NEED("FILE", VALUE_FILE), KEYED("volume", VALUE_NUMBER, .most = 65535),
       KEYED("crop", VALUE_LIST, .most = 65533),
-      KEYED("reduce", VALUE_NUMBER, .least = 2, .most = REDUCE_MOST)},
+      KEYED("reduce", VALUE_NUMBER, .least = 2, .most = REDUCE_MOST),
+      KEYED("series", VALUE_NUMBER, .least = 1, .most = 100000), KEYED("data", VALUE_WORD),
+      KEYED("missing", VALUE_CHOICE, .choices = "blank"),
+      KEYED("size", VALUE_LIST, .least = 1, .most = 65534),
+      KEYED("type", VALUE_CHOICE, .choices = OPEN_TYPES),
+      KEYED("endian", VALUE_CHOICE, .choices = "little|big"),
+      KEYED("offset", VALUE_NUMBER, .most = INT64_C(1) << 40), KEYED("spacing", VALUE_WORD)},
      "load a scene, or synth:geom[:XYZ|:SIZE]",
-     VOLUME_FORMATS(VOLUME_NOTE) SYNTHETIC_NOTE "\n" VOLUME_SERIES_NOTE PART_NOTE,
+     VOLUME_FORMATS(VOLUME_NOTE) SYNTHETIC_NOTE "\n" VOLUME_SERIES_NOTE PART_NOTE "\n" OPENING_NOTE,
      "open synth:geom"},
     {COMMAND("interpolate", act_interpolate, GROUP_SCENE, R | S),
      {NEED("X", VALUE_NUMBER, .least = 1, .most = 2),

@@ -147,8 +147,8 @@ enum err coprocess_fault(struct coprocess *c, const char *doing, const char *pat
         snprintf(end, sizeof end, "died (%s)", strsignal(WTERMSIG(status)));
     else if (status != -1 && WIFEXITED(status))
         snprintf(end, sizeof end, "ended with status %d", WEXITSTATUS(status));
-    return fault_set(fault, ERR_IO, "cannot %s %s: %s %s %s", doing, path, c->kind, c->program,
-                     end);
+    fault_set(fault, ERR_IO, "%s %s %s", c->kind, c->program, end);
+    return path ? fault_prefix(fault, ERR_IO, "cannot %s %s", doing, path) : ERR_IO;
 }
 
 /* ---- bytes ---- */
@@ -260,7 +260,8 @@ enum err coprocess_answer(struct coprocess *c, char line[COPROCESS_LINE], const 
         coprocess_odd(c);
     else if (coprocess_receive(c, words, (size_t)length)) {
         words[length] = '\0';
-        return fault_set(fault, ERR_INPUT, "cannot %s %s: %s", doing, path, words);
+        fault_set(fault, ERR_INPUT, "%s", words);
+        return path ? fault_prefix(fault, ERR_INPUT, "cannot %s %s", doing, path) : ERR_INPUT;
     }
     return coprocess_fault(c, doing, path, fault);
 }

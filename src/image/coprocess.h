@@ -62,7 +62,9 @@ bool coprocess_odd(struct coprocess *c); /* false: what it sent makes no sense *
 /* `count` numbers 0..most, each after a blank but the first, up to the end of the line. */
 bool coprocess_numbers(const char *line, unsigned count, const int64_t most[], int64_t out[]);
 
-/* Takes the first line of an answer into `line`. Where it is "error LENGTH", takes the words too,
+/* In these two, `path` may be NULL: then the caller says what could not be done, and with what.
+ *
+ * Takes the first line of an answer into `line`. Where it is "error LENGTH", takes the words too,
  * and makes them an error: "cannot read PATH: words". */
 enum err coprocess_answer(struct coprocess *c, char line[COPROCESS_LINE], const char *doing,
                           const char *path, struct fault *fault);

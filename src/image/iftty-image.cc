@@ -18,25 +18,15 @@
 #include <utility>
 #include <vector>
 
-#include <fcntl.h>
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+
+#include "image/wire.hh"
 
 namespace
 {
 
-/* The sanitisers of addresses and of threads reserve terabytes, so no limit can be put on them; gcc
- * and clang say differently that one is there. */
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kLimitMemory = false;
-#elif defined(__has_feature)
-constexpr bool kLimitMemory = !__has_feature(address_sanitizer) && !__has_feature(thread_sanitizer);
-#else
-constexpr bool kLimitMemory = true;
-#endif
+using namespace wire;
 
 /* The HEIC writer of OpenImageIO 2.4 copies rows of libheif's length, which is that of 64 pixels or
  * more, and a multiple of 16: of the last row it reads what lies after the picture. */
@@ -50,93 +40,13 @@ constexpr uint64_t kNotesMost = 1024;
 constexpr uint64_t kFramesMost = 1000;
 constexpr uint64_t kDelayMost = 60000;
 constexpr size_t kFactMost = 4096;
-constexpr size_t kLineMost = 96;
-constexpr size_t kWordsMost = 390;
 constexpr rlim_t kMemoryMost = rlim_t{8} << 30;
 
 struct Note {
     std::string name, value;
 };
 
-/* ---- bytes ---- */
-
-/* The socket, moved away from standard input and output, where a library may read or print. */
-int wire = -1;
-
-[[noreturn]] void leave(int status)
-{
-    _exit(status); /* no destructors: plugins have been seen to hang in theirs */
-}
-
-void receive(void *bytes, size_t length)
-{
-    auto *at = static_cast<char *>(bytes);
-    while (length > 0) {
-        ssize_t n = read(wire, at, length);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            leave(0);
-        at += n;
-        length -= static_cast<size_t>(n);
-    }
-}
-
-void transmit(const void *bytes, size_t length)
-{
-    auto *at = static_cast<const char *>(bytes);
-    while (length > 0) {
-        ssize_t n = write(wire, at, length);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            leave(0);
-        at += n;
-        length -= static_cast<size_t>(n);
-    }
-}
-
-void transmit(const std::string &text)
-{
-    transmit(text.data(), text.size());
-}
-
-std::string receive_line()
-{
-    std::string line;
-    for (char c = 0;;) {
-        receive(&c, 1);
-        if (c == '\n')
-            return line;
-        line += c;
-        if (line.size() > kLineMost)
-            leave(2);
-    }
-}
-
-std::string receive_text(uint64_t length)
-{
-    std::string text(length, '\0');
-    receive(&text[0], length);
-    return text;
-}
-
-/* The next number of `line`, which begins at `at`; moves `at` past it and a blank. */
-uint64_t take_number(const std::string &line, size_t &at, uint64_t most)
-{
-    uint64_t value = 0;
-    size_t from = at;
-    for (; at < line.size() && line[at] >= '0' && line[at] <= '9'; at++) {
-        value = 10 * value + static_cast<uint64_t>(line[at] - '0');
-        if (value > most)
-            leave(2);
-    }
-    if (at == from)
-        leave(2);
-    if (at < line.size() && line[at++] != ' ')
-        leave(2);
-    return value;
-}
+/* ---- requests ---- */
 
 std::vector<Note> receive_notes(uint64_t count)
 {
@@ -152,16 +62,6 @@ std::vector<Note> receive_notes(uint64_t count)
         notes.push_back(std::move(note));
     }
     return notes;
-}
-
-/* An answer "error": one line, of what fits the client's. */
-void answer_error(std::string words)
-{
-    std::replace(words.begin(), words.end(), '\n', ' ');
-    if (words.empty())
-        words = "OpenImageIO gives no reason";
-    words.resize(std::min(words.size(), kWordsMost));
-    transmit("error " + std::to_string(words.size()) + "\n" + words);
 }
 
 /* ---- writing ---- */
@@ -469,18 +369,8 @@ void about_image(const std::string &line)
 
 /* ---- */
 
-void prepare()
+void prepare_library()
 {
-    wire = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
-    int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
-    if (wire < 0 || nowhere < 0 || dup2(nowhere, STDIN_FILENO) < 0 ||
-        dup2(nowhere, STDOUT_FILENO) < 0)
-        leave(3);
-    struct rlimit memory = {kMemoryMost, kMemoryMost};
-    if (kLimitMemory)
-        setrlimit(RLIMIT_AS, &memory);
-    struct rlimit core = {0, 0};
-    setrlimit(RLIMIT_CORE, &core);
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", 1);
     OIIO::attribute("limits:imagesize_MB", 4096);
@@ -512,7 +402,8 @@ void serve()
 
 int main()
 {
-    prepare();
+    prepare(kMemoryMost);
+    prepare_library();
     for (;;)
         serve();
 }

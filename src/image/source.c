@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "base/mem.h"
+#include "image/volume_helper.h"
 
 enum {
     DEFLATE_MOST = 1032,      /* deflate at its best: 258 bytes for two bits */
@@ -22,10 +23,14 @@ enum {
     TRAILER = 8, /* of a gzip file: checksum and length, little-endian, 32 bits each */
 };
 
-enum err source_open(struct volume_source *source, const char *path, struct fault *fault)
+enum err source_open(struct volume_source *source, const char *path, struct watch *watch,
+                     struct fault *fault)
 {
     int fd;
-    *source = (struct volume_source){.path = path};
+    *source = (struct volume_source){.path = path, .watch = watch};
+    source->is_folder = file_is_folder(path);
+    if (source->is_folder)
+        return OK;
     const enum err err = file_open(&fd, &source->bytes, path, O_RDONLY, fault);
     if (err)
         return err;
@@ -47,7 +52,9 @@ void source_close(struct volume_source *source)
 {
     if (source->gz)
         gzclose_r(source->gz);
+    volume_helper_free(source->helper);
     source->gz = NULL;
+    source->helper = NULL;
 }
 
 /* Why `source` gave less than it was asked for. */
@@ -70,9 +77,20 @@ static enum err source_fault(struct volume_source *source, const char *part, str
 
 size_t source_peek(struct volume_source *source, uint8_t *bytes, size_t most)
 {
+    if (source->is_folder)
+        return 0;
     const int n = gzread(source->gz, bytes, (unsigned)most);
     gzrewind(source->gz);
     return n > 0 ? (size_t)n : 0;
+}
+
+/* The next bytes of its helper. */
+static enum err read_helped(struct volume_source *source, void *to, size_t length,
+                            struct fault *fault)
+{
+    const enum err err = volume_helper_take(source->helper, to, length, fault);
+    source->at += err ? 0 : length;
+    return err;
 }
 
 enum err source_read(struct volume_source *source, void *to, size_t length, const char *part,
@@ -83,9 +101,10 @@ enum err source_read(struct volume_source *source, void *to, size_t length, cons
     uint8_t *at = to;
     while (length > 0) {
         unsigned piece = (unsigned)(length < piece_most ? length : piece_most);
-        int n = gzread(source->gz, at, piece);
-        if (n <= 0)
-            return source_fault(source, part, fault);
+        const enum err err = source->helper ? read_helped(source, at, piece, fault) : OK;
+        int n = source->helper ? (int)piece : gzread(source->gz, at, piece);
+        if (err || n <= 0)
+            return err ? err : source_fault(source, part, fault);
         at += n;
         length -= (size_t)n;
         if (!task_advance(&task, (uint64_t)n))
@@ -97,6 +116,15 @@ enum err source_read(struct volume_source *source, void *to, size_t length, cons
 enum err source_go_to(struct volume_source *source, uint64_t offset, const char *part,
                       struct fault *fault)
 {
+    enum err err = OK;
+    if (source->helper) {
+        uint8_t passed[4096];
+        for (size_t n; source->at < offset && !err;) {
+            n = offset - source->at < sizeof passed ? (size_t)(offset - source->at) : sizeof passed;
+            err = read_helped(source, passed, n, fault);
+        }
+        return err;
+    }
     return gzseek(source->gz, (z_off_t)offset, SEEK_SET) < 0 ? source_fault(source, part, fault)
                                                              : OK;
 }

@@ -17,8 +17,16 @@
 #include "base/err.h"
 #include "base/watch.h"
 
+struct volume_helper;
+
 struct volume_source {
     const char *path;    /* not owned */
+    struct watch *watch; /* of the reading, or NULL; not owned */
+    bool is_folder;      /* nothing of it can be read here */
+    struct volume_helper
+        *helper;         /* which decodes it: its bytes take the place of the file's; owned */
+    bool may_be_beside;  /* its voxels may be in another file */
+    uint64_t at;         /* bytes of the helper that were read */
     struct gzFile_s *gz; /* zlib's, which passes plain bytes on as they are */
     int fd;              /* owned by gz */
     uint64_t bytes;      /* of the file on disk */
@@ -26,14 +34,16 @@ struct volume_source {
     bool packed;         /* gzip */
 };
 
-/* Refuses what is not a regular file. */
-enum err source_open(struct volume_source *source, const char *path, struct fault *fault);
+/* Refuses what is neither a regular file nor a folder. */
+enum err source_open(struct volume_source *source, const char *path, struct watch *watch,
+                     struct fault *fault);
 void source_close(struct volume_source *source);
 
 /* The first bytes, at most `most`, without going on; returns how many there are. */
 size_t source_peek(struct volume_source *source, uint8_t *bytes, size_t most);
 
-/* The next `length` bytes, and going on at a later one. `part` is for the words of an error. */
+/* The next `length` bytes, and going on at a later one (of a helper, no earlier one). `part` is for
+ * the words of an error. */
 enum err source_read(struct volume_source *source, void *to, size_t length, const char *part,
                      struct watch *watch, struct fault *fault);
 enum err source_go_to(struct volume_source *source, uint64_t offset, const char *part,

@@ -8,6 +8,7 @@
 
 #include "base/buf.h"
 #include "base/choice.h"
+#include "image/foreign.h"
 #include "image/part.h"
 
 #define DECLARE(format, note) extern const struct volume_format format;
@@ -32,24 +33,25 @@ void volume_note(char notes[VOLUME_NOTES_BYTES], const char *format, ...)
 
 /* ---- which format ---- */
 
-static const struct volume_format *format_named(const char *path)
+/* Some formats are written and not read, and others the reverse. */
+static bool can(const struct volume_format *format, bool write)
+{
+    return write ? format->write != NULL : format->read_header != NULL;
+}
+
+static const struct volume_format *format_named(const char *path, bool write)
 {
     for (int i = 0; i < FORMATS; i++)
-        if (file_is_named(path, formats[i]->endings))
+        if (can(formats[i], write) && file_is_named(path, formats[i]->endings))
             return formats[i];
     return NULL;
 }
 
 const char *volume_ending(const char *path)
 {
-    const struct volume_format *format = format_named(path);
+    const struct volume_format *format = format_named(path, false);
+    format = format ? format : format_named(path, true);
     return format ? file_ending(path, format->endings) : NULL;
-}
-
-/* Some formats are written and not read, and others the reverse. */
-static bool can(const struct volume_format *format, bool write)
-{
-    return write ? format->write != NULL : format->read_header != NULL;
 }
 
 /* "NIfTI (.nii or .nii.gz)": the formats that are read, or those that are written. */
@@ -58,9 +60,11 @@ static void list_formats(struct buf *out, bool write)
     for (int i = 0; i < FORMATS; i++) {
         const char *endings = formats[i]->endings, *between = " (";
         struct choice ending;
-        if (!can(formats[i], write))
+        if (!can(formats[i], write) || formats[i]->takes & TAKES_LAYOUTS)
             continue;
         buf_printf(out, "%s%s", out->length ? ", " : "", formats[i]->name);
+        if (formats[i]->takes & TAKES_FOLDERS) /* many formats, of more endings */
+            continue;
         for (; choice_next(&ending, &endings); between = " or ")
             buf_printf(out, "%s%.*s", between, (int)ending.length, ending.word);
         buf_add_char(out, ')');
@@ -76,18 +80,31 @@ static enum err refuse(const char *words, bool write, enum err err, struct fault
     return err;
 }
 
+/* The first that takes such things, as it is made to; NULL for none. */
+static const struct volume_format *format_taking(unsigned what)
+{
+    for (int i = 0; i < FORMATS; i++)
+        if (formats[i]->takes & what)
+            return formats[i];
+    return NULL;
+}
+
 static enum err find_format(const struct volume_format **format, struct volume_source *source,
-                            struct fault *fault)
+                            const struct volume_choice *choice, struct fault *fault)
 {
     uint8_t begin[FIRST_BYTES];
     const size_t length = source_peek(source, begin, sizeof begin);
-    *format = format_named(source->path);
+    *format = source->is_folder ? format_taking(TAKES_FOLDERS) : format_named(source->path, false);
     for (int i = 0; i < FORMATS; i++)
         if (can(formats[i], false) && formats[i]->recognises(begin, length))
             *format = formats[i];
-    return *format && can(*format, false)
-               ? OK
-               : refuse("not a volume; expected ", false, ERR_INPUT, fault);
+    if (choice->raw.size[0])
+        *format = format_taking(TAKES_LAYOUTS);
+    if (*format)
+        return OK;
+    const char *advice = foreign_advice(source->path, begin, length);
+    return advice ? fault_set(fault, ERR_INPUT, "%s", advice)
+                  : refuse("not a volume; expected ", false, ERR_INPUT, fault);
 }
 
 /* ---- reading ---- */
@@ -102,74 +119,121 @@ static void note_shear(struct volume_header *header)
                     degrees);
 }
 
-/* Opens `path` and reads its header; `source` is to be closed in any case. */
-static enum err begin(const struct volume_format **format, struct volume_header *header,
-                      struct volume_source *source, const char *path, struct fault *fault)
+/* Opens `path` and reads its header. */
+static enum err begin(struct volume_reader *reader, const char *path,
+                      const struct volume_choice *choice, struct watch *watch, struct fault *fault)
 {
-    *header = (struct volume_header){.volumes = 1};
-    enum err err = source_open(source, path, fault);
+    struct volume_header *header = &reader->header;
+    *reader = (struct volume_reader){.path = path, .header.volumes = 1};
+    if (choice)
+        header->choice = *choice;
+    enum err err = source_open(&reader->source, path, watch, fault);
     if (err)
         return err;
-    err = find_format(format, source, fault);
+    err = find_format(&reader->format, &reader->source, &header->choice, fault);
     if (!err)
-        err = (*format)->read_header(header, source, fault);
+        err = reader->format->read_header(header, &reader->source, fault);
     if (!err)
         note_shear(header);
     return err ? fault_prefix(fault, err, "%s", path) : OK;
 }
 
-/* Takes the choice; refuses voxels that cannot be read, and a choice that does not fit. */
+/* The spacing that the user says, where the file says none. */
+static enum err take_spacing(struct volume_header *header, struct fault *fault)
+{
+    struct geometry *geometry = &header->geometry;
+    const uint32_t *nm = header->choice.spacing_nm;
+    double spacing_mm[3];
+    if (!nm[0])
+        return OK;
+    if (!geometry->spacing_unknown)
+        return fault_set(fault, ERR_USAGE,
+                         "spacing: the file says that its voxels are %gx%gx%g mm apart",
+                         geometry->spacing_nm[0] / 1e6, geometry->spacing_nm[1] / 1e6,
+                         geometry->spacing_nm[2] / 1e6);
+    for (int a = 0; a < 3; a++) {
+        geometry->spacing_nm[a] = nm[a];
+        spacing_mm[a] = nm[a] / 1e6;
+    }
+    geometry->spacing_unknown = false;
+    if (geometry->orientation == ORIENTATION_UNKNOWN)
+        geometry_place_plain(geometry, spacing_mm);
+    return OK;
+}
+
+/* Refuses voxels that cannot be read, and a choice that does not fit. */
+static enum err check_choice(struct volume_header *header, struct fault *fault)
+{
+    if (*header->refusal)
+        return fault_set(fault, ERR_INPUT, "%s", header->refusal);
+    if (header->volumes > 1 && !header->choice.has_volume)
+        return fault_set(fault, ERR_INPUT,
+                         "a series of %" PRIu32 " volumes; choose one, as in `open FILE volume=0`, "
+                         "of 0 to %" PRIu32,
+                         header->volumes, header->volumes - 1);
+    if (header->choice.volume >= header->volumes)
+        return fault_set(fault, ERR_INPUT,
+                         "there is no volume %" PRIu32 "; it holds %" PRIu32 ", counted from 0",
+                         header->choice.volume, header->volumes);
+    return part_choose(header, fault);
+}
+
 enum err volume_choose(struct volume_header *header, const char *path,
                        const struct volume_choice *choice, struct fault *fault)
 {
     if (choice)
         header->choice = *choice;
-    if (*header->refusal)
-        return fault_set(fault, ERR_INPUT, "%s: %s", path, header->refusal);
-    if (header->volumes > 1 && !header->choice.has_volume)
-        return fault_set(fault, ERR_INPUT,
-                         "%s: a series of %" PRIu32 " volumes; choose one, as in `open FILE "
-                         "volume=0`, of 0 to %" PRIu32,
-                         path, header->volumes, header->volumes - 1);
-    if (header->choice.volume >= header->volumes)
-        return fault_set(fault, ERR_INPUT,
-                         "%s: there is no volume %" PRIu32 "; it holds %" PRIu32 ", counted from 0",
-                         path, header->choice.volume, header->volumes);
-    return part_choose(header, fault) ? fault_prefix(fault, fault->code, "%s", path) : OK;
+    enum err err = take_spacing(header, fault);
+    if (!err)
+        err = check_choice(header, fault);
+    return err ? fault_prefix(fault, err, "%s", path) : OK;
 }
 
 enum err volume_about(struct volume_header *out, const char *path, struct fault *fault)
 {
-    const struct volume_format *format;
-    struct volume_source source;
-    enum err err = begin(&format, out, &source, path, fault);
-    source_close(&source);
+    struct volume_reader reader;
+    const enum err err = begin(&reader, path, NULL, NULL, fault);
+    *out = reader.header;
+    volume_close(&reader);
     return err;
+}
+
+enum err volume_open(struct volume_reader *reader, const char *path,
+                     const struct volume_choice *choice, struct watch *watch, struct fault *fault)
+{
+    const enum err err = begin(reader, path, choice, watch, fault);
+    return err ? err : volume_choose(&reader->header, path, choice, fault);
+}
+
+enum err volume_take(struct volume *out, struct volume_reader *reader, struct fault *fault)
+{
+    const struct volume_header *header = &reader->header;
+    *out = (struct volume){.geometry = header->geometry};
+    out->choice = header->choice;
+    memcpy(out->size, header->size, sizeof out->size);
+    memcpy(out->whole, header->whole, sizeof out->whole);
+    memcpy(out->notes, header->notes, sizeof out->notes);
+    const enum err err =
+        reader->format->read_voxels(out, header, &reader->source, reader->source.watch, fault);
+    if (err)
+        volume_release(out);
+    return err ? fault_prefix(fault, err, "%s", reader->path) : OK;
+}
+
+void volume_close(struct volume_reader *reader)
+{
+    source_close(&reader->source);
 }
 
 enum err volume_read(struct volume *out, const char *path, const struct volume_choice *choice,
                      struct watch *watch, struct fault *fault)
 {
-    const struct volume_format *format;
-    struct volume_header header;
-    struct volume_source source;
+    struct volume_reader reader;
     *out = (struct volume){0};
-    enum err err = begin(&format, &header, &source, path, fault);
+    enum err err = volume_open(&reader, path, choice, watch, fault);
     if (!err)
-        err = volume_choose(&header, path, choice, fault);
-    if (!err) {
-        memcpy(out->size, header.size, sizeof out->size);
-        memcpy(out->whole, header.whole, sizeof out->whole);
-        out->choice = header.choice;
-        memcpy(out->notes, header.notes, sizeof out->notes);
-        out->geometry = header.geometry;
-        err = format->read_voxels(out, &header, &source, watch, fault);
-        if (err)
-            fault_prefix(fault, err, "%s", path);
-    }
-    source_close(&source);
-    if (err)
-        volume_release(out);
+        err = volume_take(out, &reader, fault);
+    volume_close(&reader);
     return err;
 }
 
@@ -184,8 +248,8 @@ void volume_release(struct volume *volume)
 enum err volume_write(const char *path, enum file_mode mode, const struct volume_map *map,
                       struct watch *watch, struct fault *fault)
 {
-    const struct volume_format *format = format_named(path);
-    if (format && can(format, true))
+    const struct volume_format *format = format_named(path, true);
+    if (format)
         return format->write(path, mode, map, watch, fault);
     const enum err err = refuse("expected the name of a volume, ", true, ERR_USAGE, fault);
     return fault_prefix(fault, err, "cannot write %s", path);

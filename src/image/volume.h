@@ -22,13 +22,22 @@
 #include "base/file.h"
 #include "base/watch.h"
 #include "image/geometry.h"
+#include "image/raw.h"
 #include "image/source.h"
+
+#define HELPED_NOTE                                                                                \
+    "DICOM (a folder, with its subfolders), NRRD, MetaImage, MINC, HDF5, MRC, LSM, TIFF stacks, "  \
+    "folders of TIFF or PNG slices, VTK, GIPL, GE, Siemens Vision and Bruker are read by "         \
+    "iftty-volume, a program beside iftty. What a file does not say of orientation and spacing "   \
+    "stays unknown. "
 
 /* The formats, and a sentence about each for the help. */
 #define VOLUME_FORMATS(ROW)                                                                        \
     ROW(nifti_format, "NIfTI is .nii or .nii.gz of uint8, int16, uint16 or float32. ")             \
     ROW(nrrd_format, "")                                                                           \
-    ROW(metaimage_format, "")
+    ROW(metaimage_format, "")                                                                      \
+    ROW(raw_format, "")                                                                            \
+    ROW(helped_format, HELPED_NOTE)
 
 /* Lines for the user, on what a file leaves open, or holds and is not as it should be; each ends
  * with a line feed. What does not fit any more is left out. */
@@ -43,8 +52,13 @@ struct volume_choice {
     uint32_t volume;
     bool has_crop; /* of a volume, this part (image/part.h): */
     uint32_t first[3], last[3];
-    uint32_t reduce; /* 0 and 1: voxels as they are */
-    bool nearest;    /* reduce: take the middle of each block, for labels */
+    uint32_t reduce;       /* 0 and 1: voxels as they are */
+    bool nearest;          /* reduce: take the middle of each block, for labels */
+    uint32_t series;       /* of the series of DICOM in a folder, counted from 1; 0: the only one */
+    bool fills_gaps;       /* blank slices take the place of those that are missing */
+    const char *data;      /* the name of a data set of HDF5; NULL: the only one. Not owned */
+    struct raw_layout raw; /* of voxels without a header */
+    uint32_t spacing_nm[3]; /* of a file that does not say it; 0: none */
 };
 
 struct volume {
@@ -93,9 +107,12 @@ struct volume_map {
     const struct volume_label *label; /* [256], of a map of labels; else NULL */
 };
 
+enum volume_taking { TAKES_FOLDERS = 1, TAKES_LAYOUTS = 2 };
+
 struct volume_format {
     const char *name;    /* "NIfTI" */
     const char *endings; /* of file names, ".nii|.nii.gz" */
+    unsigned takes;      /* enum volume_taking: what it reads besides */
     /* The three that read; NULL where the format is only written. */
     bool (*recognises)(const uint8_t *begin, size_t length);
     enum err (*read_header)(struct volume_header *header, struct volume_source *source,
@@ -120,10 +137,26 @@ enum err volume_about(struct volume_header *out, const char *path, struct fault 
 enum err volume_choose(struct volume_header *header, const char *path,
                        const struct volume_choice *choice, struct fault *fault);
 
-/* Reads the scene in `path` by that choice (or NULL), under a watch (or NULL). It takes two bytes a
- * voxel, four while float32 is read, and as much as the file where a gzip is inflated whole. On
- * failure *out is empty and the words say what was wrong and what was expected: ERR_INPUT for
- * content, ERR_LIMIT, ERR_IO, ERR_MEMORY, ERR_CANCELLED. */
+/* A file that is open to be read: its header is known and was found good, of its voxels nothing is
+ * held. So a caller can see how large it is before. */
+struct volume_reader {
+    const char *path; /* the caller's */
+    const struct volume_format *format;
+    struct volume_header header;
+    struct volume_source source;
+};
+
+/* Takes the choice (or NULL), and works under the watch (or NULL) until it is closed, which is to
+ * be done in any case. Refuses what volume_take would refuse before it reads a voxel. */
+enum err volume_open(struct volume_reader *reader, const char *path,
+                     const struct volume_choice *choice, struct watch *watch, struct fault *fault);
+enum err volume_take(struct volume *out, struct volume_reader *reader, struct fault *fault);
+void volume_close(struct volume_reader *reader);
+
+/* All three: the scene in `path` by that choice (or NULL), under a watch (or NULL). It takes two
+ * bytes a voxel, four while float32 is read, and as much as the file where a gzip is inflated
+ * whole. On failure *out is empty and the words say what was wrong and what was expected:
+ * ERR_INPUT for content, ERR_LIMIT, ERR_IO, ERR_MEMORY, ERR_CANCELLED. */
 enum err volume_read(struct volume *out, const char *path, const struct volume_choice *choice,
                      struct watch *watch, struct fault *fault);
 void volume_release(struct volume *volume);

@@ -28,6 +28,27 @@ unsigned voxel_bytes(enum voxel_type type)
     return bytes[type];
 }
 
+static const char *const type_name[] = {[VOXEL_UINT8] = "uint8",
+                                        [VOXEL_INT16] = "int16",
+                                        [VOXEL_UINT16] = "uint16",
+                                        [VOXEL_FLOAT32] = "float32",
+                                        [VOXEL_UINT32] = "uint32"};
+
+const char *voxel_type_name(enum voxel_type type)
+{
+    return type_name[type];
+}
+
+bool voxel_type_named(enum voxel_type *out, const char *name)
+{
+    for (unsigned type = 0; type < sizeof type_name / sizeof type_name[0]; type++)
+        if (type != VOXEL_UINT32 && strcmp(name, type_name[type]) == 0) {
+            *out = (enum voxel_type)type;
+            return true;
+        }
+    return false;
+}
+
 static size_t voxels_in(const uint32_t size[3])
 {
     return (size_t)size[0] * size[1] * size[2];

@@ -12,6 +12,10 @@
 #include "image/volume.h"
 
 unsigned voxel_bytes(enum voxel_type type);
+const char *voxel_type_name(enum voxel_type type); /* "int16" */
+
+/* The type that is read, by its name; false where there is none. */
+bool voxel_type_named(enum voxel_type *out, const char *name);
 
 /* That a file of this size can hold the voxels that its header claims, before anything large is
  * allocated. */

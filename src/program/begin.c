@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
+#include "image/volume_helper.h"
 #include "program/console.h"
 #include "sandbox/limits.h"
 #include "sandbox/trust.h"
@@ -44,25 +45,28 @@ enum err end_journal(struct interpreter *interp, enum err err, struct fault *fau
 enum err begin_confined(const struct options *o, const char *journal, const char *written,
                         const char *const *run, struct fault *fault)
 {
-    struct buf helper = {0};
+    struct buf images = {0}, volumes = {0};
     struct limits limits;
     enum err err = limits_read(&limits, o->limit_memory, o->limit_time, o->limit_output, fault);
     if (!err)
-        err = image_helper_default_program(&helper, fault);
+        err = image_helper_default_program(&images, fault);
+    if (!err)
+        err = volume_helper_default_program(&volumes, fault);
     char *path = (char *)(uintptr_t)journal;
     const char *const folders[] = {written, NULL};
     const struct trust_places places = {.journal = &path,
                                         .journals = 1,
                                         .scene = o->scene,
                                         .scenes = interpreter_scenes(),
-                                        .helper = buf_text(&helper),
+                                        .helper = {buf_text(&images), buf_text(&volumes)},
                                         .written = folders,
                                         .run = run};
     if (!err) {
         trust_confine(&places);
         limits_begin(&limits);
     }
-    buf_release(&helper);
+    buf_release(&images);
+    buf_release(&volumes);
     return err;
 }
 

@@ -10,6 +10,7 @@
 #include "base/mem.h"
 #include "base/scan.h"
 #include "image/helper.h"
+#include "image/volume_helper.h"
 
 enum { POLL_EVERY_NS = 20000000 };
 static const uint64_t DEFAULT_TIME_MS = 3600000, DEFAULT_OUTPUT = 4000000000;
@@ -90,6 +91,8 @@ void limits_begin(const struct limits *limits)
     mem_limit(now.limits.memory_bytes < SIZE_MAX ? (size_t)now.limits.memory_bytes : SIZE_MAX);
     image_helper_memory_most =
         now.limits.memory_bytes > HELPER_LEAST ? now.limits.memory_bytes : HELPER_LEAST;
+    volume_helper_memory_most = image_helper_memory_most;
+    volume_helper_is_wary = true;
     signal(SIGXFSZ, SIG_IGN); /* a write that would grow a file too large is an error of its own */
 }
 

@@ -12,6 +12,9 @@
 #include "base/confine.h"
 #include "base/file.h"
 
+/* Headers whose voxels lie in another file beside them. */
+static const char HEADERS_ALONE[] = ".mhd|.nhdr|.hdr";
+
 bool trust_without_openat2;
 
 bool trust_is_inside(const char *name)
@@ -82,7 +85,9 @@ static enum trust_answer judge(int fd)
         return TRUST_MISSING;
     if (S_ISLNK(status.st_mode)) /* only where none is followed */
         return TRUST_OUTSIDE;
-    return S_ISREG(status.st_mode) ? TRUST_FINE : TRUST_NO_FILE;
+    return S_ISREG(status.st_mode)   ? TRUST_FINE
+           : S_ISDIR(status.st_mode) ? TRUST_FOLDER
+                                     : TRUST_NO_FILE;
 }
 
 enum trust_answer trust_look(const char *folder, const char *name)
@@ -135,7 +140,7 @@ static enum trust_answer look_everywhere(struct buf *path, const char *home, con
 }
 
 enum err trust_find(struct buf *path, const char *home, const char *scenes, const char *name,
-                    const char *kind, const char *undone, struct fault *fault)
+                    const char *kind, const char *undone, bool takes_folders, struct fault *fault)
 {
     const enum trust_answer answer = look_everywhere(path, home, scenes, name);
     if (path->failed)
@@ -147,6 +152,10 @@ enum err trust_find(struct buf *path, const char *home, const char *scenes, cons
         return fault_set(fault, ERR_INPUT,
                          "the journal may not read %s, which leads out of its folder; nothing %s",
                          name, undone);
+    case TRUST_FOLDER:
+        if (takes_folders)
+            return OK;
+        __attribute__((fallthrough));
     case TRUST_NO_FILE:
         return fault_set(fault, ERR_INPUT, "%s is not a regular file; nothing %s", name, undone);
     case TRUST_MISSING:
@@ -246,8 +255,11 @@ bool trust_confine(const struct trust_places *places)
 {
     struct gathering g = {.places = 0};
     gather_system(&g);
-    gather(&g, places->helper, CONFINE_READ | CONFINE_RUN);
+    for (int i = 0; i < 2; i++)
+        gather(&g, places->helper[i], CONFINE_READ | CONFINE_RUN);
     gather(&g, places->scene, CONFINE_READ);
+    if (places->scene && file_is_named(places->scene, HEADERS_ALONE))
+        gather_folder_of(&g, places->scene, CONFINE_READ);
     gather_list(&g, places->scenes);
     for (const char *const *at = places->written; at && *at; at++) {
         gather(&g, *at, CONFINE_WRITE);

@@ -5,7 +5,8 @@
  * the user's files. It reaches no more than
  *     (T1) for reading, the scene that was given by --scene, and regular files below the folder of
  *          the journal or a folder of scenes ($IFTTY_SCENES): no absolute names, no "..", no links
- *          that lead out of that folder, no devices, pipes or sockets;
+ *          that lead out of that folder, no devices, pipes or sockets. A scene may be a folder
+ *          there (of DICOM, say), in which links are left alone;
  *     (T2) for writing, the folder of --out, or a fresh temporary one; nothing there is overwritten
  *          but what the same replay has written;
  *     (T3) so much memory, time and output (limits.h).
@@ -29,7 +30,8 @@ enum trust_answer {
     TRUST_FINE,    /* a regular file */
     TRUST_MISSING, /* there is none, or it cannot be reached */
     TRUST_OUTSIDE, /* the name, or a link on the way, leads out of the folder */
-    TRUST_NO_FILE, /* a folder, device, pipe or socket */
+    TRUST_FOLDER,
+    TRUST_NO_FILE, /* a device, pipe or socket */
 };
 
 /* True for a relative name without ".." in it. */
@@ -38,18 +40,19 @@ bool trust_is_inside(const char *name);
 /* What `name` below `folder` is. */
 enum trust_answer trust_look(const char *folder, const char *name);
 
-/* path = the file `name` below the folder of the journal `home`, or of a folder of `scenes`
- * (separated by colons), the first that has it. `kind` and `undone` are for the words: "scene",
- * "was opened". ERR_INPUT for a name that leads out or is no file, ERR_IO where there is none. */
+/* path = the file `name` (or the folder, if that is taken too) below the folder of the journal
+ * `home`, or of a folder of `scenes` (separated by colons), the first that has it. `kind` and
+ * `undone` are for the words: "scene", "was opened". ERR_INPUT for a name that leads out or is no
+ * file, ERR_IO where there is none. */
 enum err trust_find(struct buf *path, const char *home, const char *scenes, const char *name,
-                    const char *kind, const char *undone, struct fault *fault);
+                    const char *kind, const char *undone, bool takes_folders, struct fault *fault);
 
 /* What a replay needs: NULL for what there is not. */
 struct trust_places {
     char *const *journal;
     int journals;
     const char *scene, *scenes; /* --scene; folders, separated by colons */
-    const char *helper;         /* the image helper's program */
+    const char *helper[2];      /* the programs of the helpers for images and for volumes */
     const char *const *written; /* folders, ended by NULL, that the user wants written */
     const char *const *run;     /* programs, ended by NULL, that the user wants run: they may read
                                    their folders, and run the system's programs, being scripts */

@@ -125,17 +125,16 @@ static enum err open_file(struct session *session, const char *path,
                           const struct volume_choice *choice, struct fault *fault)
 {
     struct volume volume = {0};
-    struct volume_header header;
-    enum err err = volume_about(&header, path, fault);
+    struct volume_reader reader;
+    enum err err = volume_open(&reader, path, choice, session->watch, fault);
     if (!err)
-        err = volume_choose(&header, path, choice, fault);
-    if (!err)
-        err = check_memory(header.size,
+        err = check_memory(reader.header.size,
                            "a part of it is opened with crop=A-B,C-D,E-F or reduce=2; nothing was "
                            "opened",
                            session->watch, fault);
     if (!err)
-        err = volume_read(&volume, path, choice, session->watch, fault);
+        err = volume_take(&volume, &reader, fault);
+    volume_close(&reader);
     if (!err)
         err =
             scene_new_filled(&session->scene, volume.size, volume.intensity, session->watch, fault);

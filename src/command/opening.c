@@ -1,0 +1,86 @@
+#include "command/opening.h"
+
+#include "base/buf.h"
+#include "base/scan.h"
+#include "image/voxels.h"
+
+static const char RAW[] = "raw:";
+
+/* "X,Y,Z": three numbers of at least one unit, which has so many decimals. */
+static bool scan_three(uint32_t out[3], const char *text, unsigned places)
+{
+    for (int a = 0; a < 3; a++) {
+        int64_t number;
+        if ((a > 0 && !scan_text(&text, ",")) ||
+            !scan_decimal(&text, places, 1, UINT32_MAX, &number))
+            return false;
+        out[a] = (uint32_t)number;
+    }
+    return *text == '\0';
+}
+
+/* "A-B,C-D,E-F" */
+static enum err choose_box(struct volume_choice *choice, const char *list, struct fault *fault)
+{
+    int64_t first, last;
+    int axis = 0;
+    choice->has_crop = true;
+    for (; scan_list_range(&list, 0, UINT32_MAX, &first, &last); axis++)
+        if (axis < 3) {
+            choice->first[axis] = (uint32_t)first;
+            choice->last[axis] = (uint32_t)last;
+        }
+    return axis == 3 ? OK
+                     : fault_set(fault, ERR_USAGE,
+                                 "crop: expected A-B,C-D,E-F, the voxels along x, y and z, and not "
+                                 "%d range%s; nothing was opened",
+                                 axis, plural((uint64_t)axis));
+}
+
+static enum err choose_layout(struct raw_layout *raw, const struct value *value,
+                              struct fault *fault)
+{
+    enum voxel_type type = VOXEL_UINT8;
+    if (!value[OPEN_SIZE].given || !value[OPEN_TYPE].given)
+        return fault_set(fault, ERR_USAGE,
+                         "raw: expected its layout: size=X,Y,Z type=" OPEN_TYPES
+                         ", and where it differs, endian=big offset=BYTES spacing=X,Y,Z in mm");
+    if (!scan_three(raw->size, value[OPEN_SIZE].text, 0))
+        return fault_set(fault, ERR_USAGE, "size: expected X,Y,Z in voxels, as 512,512,400");
+    voxel_type_named(&type, value[OPEN_TYPE].text);
+    raw->type = type;
+    raw->big_endian = value[OPEN_ENDIAN].given && value[OPEN_ENDIAN].number == 1;
+    raw->offset = value[OPEN_OFFSET].given ? (uint64_t)value[OPEN_OFFSET].number : 0;
+    return OK;
+}
+
+enum err opening_choice(struct volume_choice *choice, const char **name, const struct value *value,
+                        struct fault *fault)
+{
+    enum err err = OK;
+    *name = value[OPEN_FILE].text;
+    *choice = (struct volume_choice){
+        .has_volume = value[OPEN_VOLUME].given,
+        .volume = (uint32_t)value[OPEN_VOLUME].number,
+        .series = value[OPEN_SERIES].given ? (uint32_t)value[OPEN_SERIES].number : 0,
+        .data = value[OPEN_DATA].given ? value[OPEN_DATA].text : NULL,
+        .fills_gaps = value[OPEN_MISSING].given,
+    };
+    if (value[OPEN_REDUCE].given)
+        choice->reduce = (uint32_t)value[OPEN_REDUCE].number;
+    if (value[OPEN_CROP].given)
+        err = choose_box(choice, value[OPEN_CROP].text, fault);
+    const bool is_raw = scan_text(name, RAW);
+    if (!err && is_raw)
+        err = choose_layout(&choice->raw, value, fault);
+    for (int i = OPEN_SIZE; i <= OPEN_OFFSET && !is_raw; i++)
+        if (value[i].given)
+            return fault_set(fault, ERR_USAGE,
+                             "size, type, endian and offset are for `open raw:FILE`, whose layout "
+                             "nothing else says");
+    if (!err && value[OPEN_SPACING].given &&
+        !scan_three(choice->spacing_nm, value[OPEN_SPACING].text, 6))
+        err =
+            fault_set(fault, ERR_USAGE, "spacing: expected X,Y,Z in millimetres, as 0.5,0.5,1.25");
+    return err;
+}

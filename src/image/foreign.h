@@ -1,0 +1,13 @@
+/* Formats that nobody here reads, known by their first bytes or their names, and what converts
+ * them. */
+#ifndef IMAGE_FOREIGN_H
+#define IMAGE_FOREIGN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* "a FreeSurfer volume, which is not read: `mri_convert FILE A.nii.gz` makes a NIfTI of it"; NULL
+ * for what is not known. `begin` is what a file begins with, inflated where it is gzip. */
+const char *foreign_advice(const char *path, const uint8_t *begin, size_t length);
+
+#endif

@@ -1,0 +1,59 @@
+/*
+ * Raw: voxels without a header, x fastest, in a layout that the user says (raw.h); plain or gzip.
+ *
+ * Such a file knows neither where its voxels lie nor how far apart they are. Bytes after the last
+ * voxel are noted, since they may come from a layout that is wrong.
+ */
+#include "image/raw.h"
+
+#include <inttypes.h>
+
+#include "engine/grid.h"
+#include "image/voxels.h"
+
+static bool recognises(const uint8_t *begin, size_t length)
+{
+    (void)begin, (void)length;
+    return false; /* it is taken by its layout */
+}
+
+static enum err read_header(struct volume_header *out, struct volume_source *source,
+                            struct fault *fault)
+{
+    static const double spacing_mm[3] = {1, 1, 1};
+    const struct raw_layout *raw = &out->choice.raw;
+    struct grid grid;
+    enum err err = grid_init(&grid, raw->size, fault);
+    if (err)
+        return err;
+    out->format = "raw";
+    out->type = (enum voxel_type)raw->type;
+    out->type_name = voxel_type_name(out->type);
+    out->big_endian = raw->big_endian;
+    out->offset = raw->offset;
+    out->geometry.slope = 1;
+    out->geometry.spacing_unknown = true;
+    for (int a = 0; a < 3; a++) {
+        out->size[a] = raw->size[a];
+        out->geometry.spacing_nm[a] = 1000000;
+    }
+    geometry_place_plain(&out->geometry, spacing_mm);
+    err = voxels_check(out, source, fault);
+    const uint64_t bytes =
+        out->offset + (uint64_t)out->size[0] * out->size[1] * out->size[2] * voxel_bytes(out->type);
+    if (!err && !source->packed && source->bytes > bytes)
+        volume_note(out->notes,
+                    "%" PRIu64 " of its bytes come after the voxels; check size, type and offset",
+                    source->bytes - bytes);
+    return err;
+}
+
+extern const struct volume_format raw_format;
+const struct volume_format raw_format = {
+    .name = "raw",
+    .endings = "",
+    .takes = TAKES_LAYOUTS,
+    .recognises = recognises,
+    .read_header = read_header,
+    .read_voxels = voxels_read,
+};

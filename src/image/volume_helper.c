@@ -1,0 +1,387 @@
+#include "image/volume_helper.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "base/scan.h"
+#include "engine/grid.h"
+#include "image/coprocess.h"
+#include "image/voxels.h"
+
+static const char PROGRAM[] = "iftty-volume";
+
+enum {
+    PATH_MOST = 4096,
+    FORMAT_MOST = 32,
+    TYPE_MOST = 8,
+    NOTES_MOST = 1200,
+    VOLUMES_MOST = 1000000,
+    PIECE_MOST = 4 << 20,
+    NUMBERS = 14,
+    SPACING = 1, /* in KNOWN */
+    PLACE = 2,
+    FOLLOW_LINKS = 1, /* in FLAGS */
+    FILL_GAPS = 2,
+    BYTES_PER_MS = 20000,
+};
+
+/* Memory for libraries and headers, before the size of the volume is known. */
+static const uint64_t HELD_BEFORE = UINT64_C(1) << 30;
+
+/* A file that claims more than this is to account for it: by a byte for each so many. */
+static const uint64_t CLAIMED_FREELY = UINT64_C(64) << 20;
+static const uint64_t PACKED_BEST = 1032;
+
+const char *volume_helper_program;
+int volume_helper_patience_ms = 60000;
+uint64_t volume_helper_memory_most;
+bool volume_helper_is_wary;
+
+struct volume_helper {
+    struct coprocess process;
+    char format[FORMAT_MOST + 1], type[TYPE_MOST + 1];
+    uint64_t left; /* bytes of the present piece */
+};
+
+enum err volume_helper_default_program(struct buf *out, struct fault *fault)
+{
+    return coprocess_beside(out, PROGRAM, fault);
+}
+
+void volume_helper_free(struct volume_helper *helper)
+{
+    if (!helper)
+        return;
+    coprocess_release(&helper->process);
+    free(helper);
+}
+
+/* ---- which kind ---- */
+
+struct kind {
+    const char *name, *endings; /* "" for those that a folder or first bytes tell */
+    unsigned at;                /* where the first bytes are */
+    unsigned length;
+    const char *bytes; /* NULL: its name alone tells */
+};
+
+static const struct kind kinds[] = {
+    {"nrrd", ".nrrd|.nhdr", 0, 7, "NRRD000"},
+    {"meta", ".mha|.mhd", 0, 10, "ObjectType"},
+    {"meta", ".mha|.mhd", 0, 5, "NDims"},
+    {"minc", ".mnc|.mnc2", 0, 3, "CDF"},
+    {"hdf5", ".h5|.hdf5|.hdf|.mnc|.mnc2|.ims", 0, 4, "\x89HDF"},
+    {"mrc", ".mrc|.map|.rec|.st", 208, 4, "MAP "},
+    {"dicom", ".dcm|.dicom", 128, 4, "DICM"},
+    {"lsm", ".lsm", 0, 4, "II*"},
+    {"tiff", "", 0, 4, "II*"},
+    {"tiff", "", 0, 4, "MM\0*"},
+    {"tiff", "", 0, 4, "II+"},
+    {"tiff", "", 0, 4, "MM\0+"},
+    {"png", "", 0, 4, "\x89PNG"},
+    {"vtk", ".vtk", 0, 14, "# vtk DataFile"},
+    {"gipl", ".gipl", 252, 4, "\x2a\xe3\x89\xb8"},
+    {"gipl", ".gipl", 252, 4, "\xef\xff\xe9\xb0"},
+    {"ge5", ".mr|.ct", 0, 4, "IMGF"},
+    {"any", ".sdt|.spr|.ima|.adw|.4x", 0, 0, NULL},
+};
+enum { KINDS = sizeof kinds / sizeof kinds[0] };
+
+static bool has_bytes(const struct kind *kind, const uint8_t *begin, size_t length)
+{
+    return kind->bytes && kind->at + kind->length <= length &&
+           memcmp(begin + kind->at, kind->bytes, kind->length) == 0;
+}
+
+static bool recognises(const uint8_t *begin, size_t length)
+{
+    for (int i = 0; i < KINDS; i++)
+        if (has_bytes(&kinds[i], begin, length))
+            return true;
+    return false;
+}
+
+/* A TIFF is an LSM by its name alone. */
+static const char *kind_of(struct volume_source *source)
+{
+    uint8_t begin[512];
+    const size_t length = source_peek(source, begin, sizeof begin);
+    if (source->is_folder)
+        return "folder";
+    for (int i = 0; i < KINDS; i++)
+        if (has_bytes(&kinds[i], begin, length) &&
+            (strcmp(kinds[i].name, "lsm") != 0 || file_is_named(source->path, ".lsm")))
+            return kinds[i].name;
+    for (int i = 0; i < KINDS; i++)
+        if (*kinds[i].endings && file_is_named(source->path, kinds[i].endings))
+            return kinds[i].name;
+    return "any";
+}
+
+/* ---- asking ---- */
+
+static enum err begin(struct volume_helper **out, struct watch *watch, struct fault *fault)
+{
+    struct volume_helper *helper = mem_new(sizeof *helper);
+    const uint64_t available = mem_available();
+    *out = helper;
+    if (!helper)
+        return fault_memory(fault, "the volume helper");
+    struct coprocess *process = &helper->process;
+    enum err err = coprocess_init(process, PROGRAM, volume_helper_program, fault);
+    process->kind = "the volume helper";
+    process->hint = "; it reads what NIfTI is not: `make` builds it (of ITK, which Debian has as "
+                    "libinsighttoolkit5-dev)";
+    process->patience_ms = volume_helper_patience_ms;
+    process->watch = watch;
+    process->doing = "reading";
+    process->memory = volume_helper_memory_most && volume_helper_memory_most < available
+                          ? volume_helper_memory_most
+                          : available;
+    if (!err)
+        err = coprocess_start(process, fault);
+    if (!err && !coprocess_limit(process, HELD_BEFORE, process->memory))
+        err = fault_errno(fault, "limit the memory of", process->program);
+    return err;
+}
+
+static bool ask(struct volume_helper *helper, const char *kind, const char *path,
+                const struct volume_choice *choice)
+{
+    struct coprocess *process = &helper->process;
+    char line[COPROCESS_LINE];
+    const char *data = choice->data ? choice->data : "";
+    const unsigned flags = (volume_helper_is_wary ? 0u : (unsigned)FOLLOW_LINKS) |
+                           (choice->fills_gaps ? (unsigned)FILL_GAPS : 0u);
+    const int length =
+        snprintf(line, sizeof line, "open %s %u %" PRIu32 " %" PRIu32 " %zu %zu\n", kind, flags,
+                 choice->series, choice->volume, strlen(data), strlen(path));
+    return coprocess_transmit(process, line, (size_t)length) &&
+           coprocess_transmit(process, data, strlen(data)) &&
+           coprocess_transmit(process, path, strlen(path));
+}
+
+/* The line that answers, after those that say how far it is. */
+static enum err receive_answer(struct volume_helper *helper, char line[COPROCESS_LINE],
+                               struct fault *fault)
+{
+    struct coprocess *process = &helper->process;
+    for (;;) {
+        static const int64_t most[2] = {INT32_MAX, INT32_MAX};
+        int64_t number[2];
+        const enum err err = coprocess_answer(process, line, NULL, NULL, fault);
+        const char *at = line;
+        if (err || !scan_text(&at, "progress "))
+            return err;
+        if (!coprocess_numbers(at, 2, most, number)) {
+            coprocess_odd(process);
+            return coprocess_fault(process, NULL, NULL, fault);
+        }
+        if (watch_poll(process->watch, "files", (uint64_t)number[0], (uint64_t)number[1]))
+            return watch_fault(process->watch, fault);
+    }
+}
+
+/* ---- what it says ---- */
+
+struct said {
+    int64_t size[3], volumes, known, format, type, notes;
+};
+
+static bool receive_words(struct volume_helper *helper, const struct said *said, char *notes)
+{
+    struct coprocess *process = &helper->process;
+    if (!coprocess_receive(process, helper->format, (size_t)said->format) ||
+        !coprocess_receive(process, helper->type, (size_t)said->type) ||
+        !coprocess_receive(process, notes, (size_t)said->notes))
+        return false;
+    for (const char *at = notes; *at; at++)
+        if (*at != '\n' && (*at < ' ' || *at > '~'))
+            return coprocess_odd(process);
+    return true;
+}
+
+static bool receive_header(struct volume_helper *helper, const char *line, struct said *said,
+                           double number[NUMBERS], char notes[VOLUME_NOTES_BYTES])
+{
+    static const int64_t most[] = {UINT16_MAX, UINT16_MAX,  UINT16_MAX, VOLUMES_MOST,
+                                   3,          FORMAT_MOST, TYPE_MOST,  NOTES_MOST};
+    int64_t value[8];
+    if (!scan_text(&line, "volume ") || !coprocess_numbers(line, 8, most, value) || value[0] < 1 ||
+        value[1] < 1 || value[2] < 1 || value[3] < 1)
+        return coprocess_odd(&helper->process);
+    *said = (struct said){
+        {value[0], value[1], value[2]}, value[3], value[4], value[5], value[6], value[7]};
+    return receive_words(helper, said, notes) &&
+           coprocess_receive(&helper->process, number, NUMBERS * sizeof *number);
+}
+
+/* Spacing along the columns of the matrix; unknown where it is none. */
+static void take_geometry(struct volume_header *out, const double number[NUMBERS],
+                          bool knows_spacing, bool knows_place)
+{
+    struct geometry *geometry = &out->geometry;
+    double to_mm[3][4], spacing_mm[3];
+    memcpy(to_mm, number, sizeof to_mm);
+    for (int a = 0; a < 3; a++) {
+        const double mm =
+            sqrt(to_mm[0][a] * to_mm[0][a] + to_mm[1][a] * to_mm[1][a] + to_mm[2][a] * to_mm[2][a]);
+        const double nm = floor(mm * 1e6 + 0.5);
+        const bool is_length = nm >= 1 && nm <= 4e9;
+        if (knows_spacing && !is_length)
+            volume_note(out->notes, "its voxels are said to be %g mm apart; expected 1 nm to 4 m",
+                        mm);
+        knows_spacing = knows_spacing && is_length;
+        geometry->spacing_nm[a] = is_length ? (uint32_t)nm : 1000000;
+    }
+    for (int a = 0; a < 3; a++) {
+        geometry->spacing_nm[a] = knows_spacing ? geometry->spacing_nm[a] : 1000000;
+        spacing_mm[a] = geometry->spacing_nm[a] / 1e6;
+    }
+    geometry->spacing_unknown = !knows_spacing;
+    if (!knows_place || !geometry_place(geometry, (const double(*)[4])to_mm, ORIENTATION_FILE))
+        geometry_place_plain(geometry, spacing_mm);
+}
+
+/* That a file of so many bytes may hold what it claims to. */
+static enum err check_claim(const struct volume_header *header, const struct volume_source *source,
+                            struct fault *fault)
+{
+    struct grid grid;
+    size_t bytes = voxel_bytes(header->type);
+    const enum err err = grid_init(&grid, header->size, fault);
+    if (err)
+        return err;
+    for (int a = 0; a < 3; a++)
+        if (!size_multiply(bytes, header->size[a], &bytes))
+            return fault_set(fault, ERR_LIMIT, "its voxels do not fit the memory of any machine");
+    if (!source->is_folder && !source->may_be_beside && bytes > CLAIMED_FREELY &&
+        bytes / PACKED_BEST > source->bytes)
+        return fault_set(fault, ERR_INPUT,
+                         "cut short or false: its header claims %zu bytes of voxels, and it has "
+                         "%" PRIu64 " bytes",
+                         bytes, source->bytes);
+    return OK;
+}
+
+static enum err take_header(struct volume_header *out, struct volume_helper *helper,
+                            const char *line, struct fault *fault)
+{
+    struct said said = {.size = {0}};
+    double number[NUMBERS];
+    if (!receive_header(helper, line, &said, number, out->notes))
+        return coprocess_fault(&helper->process, NULL, NULL, fault);
+    for (int a = 0; a < 3; a++)
+        out->size[a] = (uint32_t)said.size[a];
+    out->volumes = (uint32_t)said.volumes;
+    out->format = helper->format;
+    out->type_name = helper->type;
+    out->big_endian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
+    if (!voxel_type_named(&out->type, helper->type))
+        snprintf(out->refusal, sizeof out->refusal, "its voxels are %s, which are not read",
+                 helper->type);
+    take_geometry(out, number, said.known & SPACING, said.known & PLACE);
+    out->geometry.slope = number[12];
+    out->geometry.intercept = number[13];
+    if (!isfinite(number[12]) || !isfinite(number[13]) || number[12] == 0)
+        return fault_set(fault, ERR_INPUT,
+                         "its numbers are scaled by %g and %g; expected finite ones", number[12],
+                         number[13]);
+    return OK;
+}
+
+static enum err read_header(struct volume_header *out, struct volume_source *source,
+                            struct fault *fault)
+{
+    char line[COPROCESS_LINE];
+    struct volume_helper *helper = NULL;
+    const char *kind = kind_of(source);
+    if (source->packed)
+        return fault_set(fault, ERR_INPUT, "packed by gzip; `gunzip` it first");
+    if (strlen(source->path) > PATH_MOST)
+        return fault_set(fault, ERR_INPUT, "a path of more than %d bytes", PATH_MOST);
+    enum err err = begin(&helper, source->watch, fault);
+    source->helper = helper;
+    if (err)
+        return err;
+    source->may_be_beside =
+        strcmp(kind, "nrrd") == 0 || strcmp(kind, "meta") == 0 || strcmp(kind, "any") == 0;
+    if (!ask(helper, kind, source->path, &out->choice))
+        return coprocess_fault(&helper->process, NULL, NULL, fault);
+    err = receive_answer(helper, line, fault);
+    if (!err)
+        err = take_header(out, helper, line, fault);
+    return err ? err : check_claim(out, source, fault);
+}
+
+/* ---- voxels ---- */
+
+/* Lets it hold the volume, and a second one on its way, and gives it the time for it. */
+static enum err allow(struct volume_helper *helper, const struct volume_header *header,
+                      struct fault *fault)
+{
+    struct coprocess *process = &helper->process;
+    const uint32_t *whole = header->whole;
+    const uint64_t bytes =
+        (uint64_t)whole[0] * whole[1] * whole[2] * voxel_bytes(header->type) * header->volumes;
+    const uint64_t more_ms = bytes / BYTES_PER_MS;
+    process->patience_ms += more_ms < INT32_MAX / 2 ? (int)more_ms : INT32_MAX / 2;
+    if (!coprocess_limit(process, HELD_BEFORE + 2 * bytes, process->memory))
+        return fault_errno(fault, "limit the memory of", process->program);
+    return coprocess_transmit(process, "voxels\n", 7) ? OK
+                                                      : coprocess_fault(process, NULL, NULL, fault);
+}
+
+enum err volume_helper_take(struct volume_helper *helper, void *to, size_t length,
+                            struct fault *fault)
+{
+    static const int64_t most = PIECE_MOST;
+    struct coprocess *process = &helper->process;
+    uint8_t *at = to;
+    while (length > 0) {
+        char line[COPROCESS_LINE];
+        int64_t piece;
+        const char *rest = line;
+        if (helper->left == 0) {
+            const enum err err = coprocess_answer(process, line, NULL, NULL, fault);
+            if (err)
+                return err;
+            if (!scan_text(&rest, "piece ") || !coprocess_numbers(rest, 1, &most, &piece)) {
+                coprocess_odd(process);
+                return coprocess_fault(process, NULL, NULL, fault);
+            }
+            helper->left = (uint64_t)piece;
+        }
+        const size_t n = helper->left < length ? (size_t)helper->left : length;
+        if (!coprocess_receive(process, at, n))
+            return coprocess_fault(process, NULL, NULL, fault);
+        at += n;
+        length -= n;
+        helper->left -= n;
+    }
+    return OK;
+}
+
+static enum err read_voxels(struct volume *volume, const struct volume_header *header,
+                            struct volume_source *source, struct watch *watch, struct fault *fault)
+{
+    struct volume_header chosen = *header;
+    chosen.choice.volume = 0; /* it sends no other */
+    const enum err err = allow(source->helper, header, fault);
+    return err ? err : voxels_read(volume, &chosen, source, watch, fault);
+}
+
+extern const struct volume_format helped_format;
+const struct volume_format helped_format = {
+    .name = "DICOM, NRRD, MetaImage, MINC, HDF5, MRC, LSM, TIFF, VTK, GIPL, GE, Siemens and Bruker",
+    .endings = ".nrrd|.nhdr|.mha|.mhd|.mnc|.mnc2|.h5|.hdf5|.hdf|.ims|.mrc|.map|.rec|.st|.dcm|.ima|"
+               ".dicom|.lsm|.vtk|.gipl|.sdt|.spr",
+    .takes = TAKES_FOLDERS,
+    .recognises = recognises,
+    .read_header = read_header,
+    .read_voxels = read_voxels,
+};

@@ -1,0 +1,61 @@
+/*
+ * The volume helper: every volume that NIfTI is not, by ITK, GDCM and HDF5 in a process of its own.
+ *
+ * The program iftty-volume is started for one file or folder, takes from itself all but reading
+ * that one (Landlock, seccomp, limits), and ends with it. What it says is believed no more than the
+ * file: sizes are checked before anything is allocated, numbers before they are used, and its words
+ * are its own; nothing that a file says in words (a patient's name, a date) comes out of it, but
+ * names of data sets.
+ *
+ * The protocol, as in coprocess.h:
+ *
+ *     request   open KIND FLAGS SERIES VOLUME DATA_LENGTH PATH_LENGTH\n      data  path
+ *     answer    any number of
+ *                 progress DONE TOTAL\n
+ *               and then
+ *                 volume NX NY NZ VOLUMES KNOWN FORMAT_LENGTH TYPE_LENGTH NOTES_LENGTH\n
+ *                   format  type  notes  14 numbers
+ *               or
+ *                 error LENGTH\n  words
+ *     request   voxels\n
+ *     answer    any number of
+ *                 piece LENGTH\n  bytes
+ *               up to the last voxel, or an error
+ *
+ * KIND is a word of the table in volume_helper.c. FLAGS: 1 links in a folder are followed, 2 blank
+ * slices take the place of those that are missing. SERIES counts from 1, 0 is for the only one;
+ * VOLUME counts from 0; the data are the name of a data set. KNOWN: 1 the spacing, 2 the place.
+ * The numbers are doubles of this machine: the three rows of the matrix to the world (right,
+ * anterior, superior; millimetres), slope and intercept. Voxels are of the type, in the order of
+ * this machine, x fastest.
+ */
+#ifndef IMAGE_VOLUME_HELPER_H
+#define IMAGE_VOLUME_HELPER_H
+
+#include "base/err.h"
+#include "base/watch.h"
+
+struct volume_helper;
+
+/* The next bytes of the voxels. Watched. */
+enum err volume_helper_take(struct volume_helper *helper, void *to, size_t length,
+                            struct fault *fault);
+
+/* Ends it, whatever it does. NULL is fine. */
+void volume_helper_free(struct volume_helper *helper);
+
+/* For tests: another program, NULL for iftty-volume beside the running one; and how long it may
+ * stay silent, apart from a second for each 20 MB of voxels. */
+extern const char *volume_helper_program;
+extern int volume_helper_patience_ms;
+
+/* For the journals of others: bytes that it may hold (0: what is free), and whether links inside a
+ * folder are left alone. */
+extern uint64_t volume_helper_memory_most;
+extern bool volume_helper_is_wary;
+
+/* The path of iftty-volume beside the running program. */
+struct buf;
+enum err volume_helper_default_program(struct buf *out, struct fault *fault);
+
+#endif

@@ -1,0 +1,309 @@
+"""Volumes in files that other people's programs write, for tests/test_volumes.sh.
+
+    make.py FOLDER      makes them there, each with a twin, a NIfTI of nibabel's with the same
+                        voxels in the same place: A.nrrd and A.twin.nii
+    make.py same A B    whether two NIfTI files have the same matrix to the world, to a micrometre
+"""
+import os
+import shutil
+import subprocess
+import sys
+import zlib
+
+import h5py
+import nibabel
+import numpy
+import pydicom
+import pydicom.data
+import pydicom.uid
+
+SIZE = (26, 22, 14)  # x, y, z
+# In the scanner, to the right, front and head: turned about two axes, of three spacings.
+TURN = numpy.array([[0.96, -0.28, 0.0], [0.2688, 0.9216, -0.28], [0.0784, 0.2688, 0.96]])
+SPACING = numpy.array([0.9, 1.1, 2.5])
+PLACE = numpy.eye(4)
+PLACE[:3, :3] = TURN * SPACING
+PLACE[:3, 3] = [-31.5, 12.25, 40.0]
+LPS = numpy.diag([-1.0, -1.0, 1.0, 1.0])
+SECRETS = ["SECRETNAME", "SECRETNUMBER", "19450508", "1.2.826.0.1.3680043.99999"]
+
+
+def voxels(kind=numpy.int16):
+    """A ball of another value on a slope, so that no axis can be mistaken for another."""
+    x, y, z = numpy.meshgrid(*[numpy.arange(n) for n in SIZE], indexing="ij")
+    ball = (x - 9) ** 2 + (y - 12) ** 2 + (2 * (z - 6)) ** 2 < 40
+    least = 0 if numpy.dtype(kind).kind == "u" else -90
+    return (x + 3 * y + 7 * z + 400 * ball + least).astype(kind)
+
+
+def save_twin(name, data, place, slope=1, intercept=0):
+    image = nibabel.Nifti1Image(data, place)
+    image.header.set_slope_inter(slope, intercept)
+    image.header.set_xyzt_units("mm")
+    nibabel.save(image, name + ".twin.nii")
+
+
+def save_plain_twin(name, data, spacing=(0, 0, 0)):
+    """Of unknown orientation, and spacing where it is 0."""
+    image = nibabel.Nifti1Image(data, None)
+    image.header.set_qform(None, code=0)
+    image.header.set_sform(None, code=0)
+    image.header["pixdim"][:] = 0
+    image.header["pixdim"][1:4] = spacing
+    image.header.set_xyzt_units("mm")
+    nibabel.save(image, name + ".twin.nii")
+
+
+def run(*words, **options):
+    subprocess.run(words, check=True, stdout=subprocess.DEVNULL, **options)
+
+
+# ---- NRRD by unu, MetaImage and MRC by numpy ----
+
+
+def vector(v):
+    return "(" + ",".join(repr(float(n)) for n in v) + ")"
+
+
+def make_nrrd(folder):
+    for name, kind, encoding in (("short.nrrd", "int16", "raw"), ("byte.nrrd", "uint8", "gzip"),
+                                 ("float.nrrd", "float32", "raw")):
+        data = voxels(kind)
+        raw = os.path.join(folder, "raw")
+        data.T.astype(data.dtype.newbyteorder("<")).tofile(raw)
+        for space, place in (("RAS", PLACE), ("LPS", LPS @ PLACE)):
+            path = os.path.join(folder, space + "-" + name)
+            types = {"int16": "short", "uint8": "uchar", "float32": "float"}
+            run("teem-unu", "make", "-i", raw, "-t", types[kind], "-s", *map(str, SIZE), "-en",
+                "little", "-e", "raw", "-spc", space, "-dirs",
+                " ".join(vector(v) for v in place[:3, :3].T),
+                "-orig", vector(place[:3, 3]), "-o", path)
+            if encoding == "gzip":
+                run("teem-unu", "save", "-f", "nrrd", "-e", "gzip", "-i", path, "-o", path)
+            save_twin(path, data, PLACE)
+        os.remove(raw)
+    data = voxels()
+    data.T.astype("<i2").tofile(os.path.join(folder, "beside.raw"))
+    run("teem-unu", "make", "-h", "-i", "beside.raw", "-t", "short", "-s", *map(str, SIZE), "-en",
+        "little", "-e", "raw", "-sp", *map(str, SPACING), "-o", "beside.nhdr", cwd=folder)
+    save_plain_twin(os.path.join(folder, "beside.nhdr"), data, SPACING)
+
+
+def make_meta(folder):
+    data = voxels()
+    bytes_ = data.T.astype("<i2").tobytes()
+    place = LPS @ PLACE
+    axes = (place[:3, :3] / SPACING).T.ravel()
+    packed = zlib.compress(bytes_)
+    lines = ["ObjectType = Image", "NDims = 3", "BinaryData = True",
+             "BinaryDataByteOrderMSB = False",
+             "TransformMatrix = " + " ".join(repr(float(n)) for n in axes),
+             "Offset = " + " ".join(repr(float(n)) for n in place[:3, 3]),
+             "ElementSpacing = " + " ".join(map(str, SPACING)), "DimSize = %d %d %d" % SIZE,
+             "ElementType = MET_SHORT"]
+    for name, more, body in (("whole.mha", ["ElementDataFile = LOCAL"], bytes_),
+                             ("packed.mha", ["CompressedData = True",
+                                             "CompressedDataSize = %d" % len(packed),
+                                             "ElementDataFile = LOCAL"], packed),
+                             ("apart.mhd", ["ElementDataFile = apart.raw"], b"")):
+        path = os.path.join(folder, name)
+        with open(path, "wb") as file:
+            file.write("\n".join(lines + more).encode() + b"\n" + body)
+        save_twin(path, data, PLACE)
+    with open(os.path.join(folder, "apart.raw"), "wb") as file:
+        file.write(bytes_)
+    with open(os.path.join(folder, "outside.mhd"), "w") as file:
+        file.write("\n".join(lines + ["ElementDataFile = ../secret.raw"]) + "\n")
+    with open(os.path.join(folder, "..", "secret.raw"), "wb") as file:
+        file.write(bytes_)
+    shutil.copy(os.path.join(folder, "apart.raw"), os.path.join(folder, "plain.raw"))
+    save_plain_twin(os.path.join(folder, "plain.raw"), data)
+
+
+def make_mrc(folder):
+    data = voxels()
+    header = numpy.zeros(256, "<i4")
+    header[0:3] = header[7:10] = SIZE
+    header[3] = 1
+    header[10:13] = (numpy.array(SIZE) * 400).astype("<f4").view("<i4")  # 40 nm each
+    header[13:16] = numpy.array([90, 90, 90], "<f4").view("<i4")
+    header[16:19] = 1, 2, 3
+    header[52] = int.from_bytes(b"MAP ", "little")
+    header[53] = 0x4444
+    path = os.path.join(folder, "a.mrc")
+    with open(path, "wb") as file:
+        file.write(header.tobytes() + data.T.astype("<i2").tobytes())
+    save_plain_twin(path, data, (4e-5, 4e-5, 4e-5))
+
+
+def make_vtk(folder):
+    data = voxels()
+    path = os.path.join(folder, "a.vtk")
+    with open(path, "wb") as file:
+        file.write(("# vtk DataFile Version 3.0\nx\nBINARY\nDATASET STRUCTURED_POINTS\n"
+                    "DIMENSIONS %d %d %d\nSPACING 0.9 1.1 2.5\nORIGIN 0 0 0\nPOINT_DATA %d\n"
+                    "SCALARS s short 1\nLOOKUP_TABLE default\n" % (*SIZE, data.size)).encode()
+                   + data.T.astype(">i2").tobytes())
+    save_plain_twin(path, data, SPACING)
+
+
+# ---- pictures by oiiotool, HDF5 by h5py, MINC from nibabel's tests ----
+
+
+def make_pictures(folder):
+    data = voxels(numpy.uint16)
+    for kind in ("png", "tif"):
+        slices = os.path.join(folder, kind + "-slices")
+        os.mkdir(slices)
+        for z in range(SIZE[2]):
+            pgm = os.path.join(folder, "slice.pgm")
+            with open(pgm, "wb") as file:
+                file.write(b"P5 %d %d 65535\n" % SIZE[:2] + data[:, :, z].T.astype(">u2").tobytes())
+            run("oiiotool", pgm, "-d", "uint16", "-o",
+                os.path.join(slices, "s%d.%s" % (z + 1, kind)))
+        save_plain_twin(slices, data)
+    pages = [os.path.join(folder, "tif-slices", "s%d.tif" % (z + 1)) for z in range(SIZE[2])]
+    path = os.path.join(folder, "stack.tif")
+    run("oiiotool", *pages, "--siappendall", "-o", path)
+    save_plain_twin(path, data)
+
+
+def make_hdf5(folder):
+    data = voxels()
+    for name, sets in (("a.h5", ["grey"]), ("two.h5", ["grey", "deep/other"])):
+        with h5py.File(os.path.join(folder, name), "w") as file:
+            for each in sets:
+                file.create_dataset(each, data=data.T, chunks=True, compression="gzip")
+            file["grey"].attrs["element_size_um"] = 1000 * SPACING[::-1]
+            file["flat"] = numpy.zeros((4, 5))
+        save_plain_twin(os.path.join(folder, name), data, SPACING)
+
+
+def make_minc(folder):
+    tests = os.path.join(os.path.dirname(nibabel.__file__), "tests", "data")
+    for name in ("small.mnc", "tiny.mnc", "minc2_4d.mnc"):
+        path = os.path.join(folder, name)
+        shutil.copy(os.path.join(tests, name), path)
+        image = nibabel.load(path)
+        data = numpy.asarray(image.dataobj)
+        place = image.affine
+        if data.ndim == 4:
+            data = data[1]  # nibabel's order of MINC: t, z, y, x
+        # nibabel keeps the file's order of axes; ours is x, y, z
+        save_twin(path, numpy.ascontiguousarray(data.T).astype(numpy.float32),
+                  place @ numpy.array([[0, 0, 1, 0], [0, 1, 0, 0], [1, 0, 0, 0], [0, 0, 0, 1.0]]))
+
+
+# ---- DICOM by pydicom, on the header of a real CT ----
+
+
+def slices_of(data, place, step=None):
+    """Data sets, z by z, of a place that runs to the right, front and head."""
+    lps = LPS @ place
+    length = numpy.linalg.norm(lps[:3, :3], axis=0)
+    made = []
+    for z in range(data.shape[2]):
+        one = pydicom.dcmread(pydicom.data.get_testdata_file("CT_small.dcm"))
+        one.PatientName = SECRETS[0] + "^ANNA"
+        one.PatientID = SECRETS[1]
+        one.PatientBirthDate = one.StudyDate = one.SeriesDate = SECRETS[2]
+        one.StudyInstanceUID = SECRETS[3] + ".1"
+        one.SeriesInstanceUID = SECRETS[3] + ".2"
+        one.SeriesDescription = SECRETS[0] + " thorax"
+        one.SOPInstanceUID = one.file_meta.MediaStorageSOPInstanceUID = SECRETS[3] + ".3.%d" % z
+        one.InstanceNumber = data.shape[2] - z
+        one.Rows, one.Columns = data.shape[1], data.shape[0]
+        one.PixelSpacing = [float(length[1]), float(length[0])]
+        one.ImageOrientationPatient = [float("%.10g" % n) for n in
+                                       [*(lps[:3, 0] / length[0]), *(lps[:3, 1] / length[1])]]
+        at = lps @ [0, 0, z if step is None else step[z], 1]
+        one.ImagePositionPatient = [float("%.10g" % n) for n in at[:3]]
+        one.RescaleSlope, one.RescaleIntercept = 2, -1000
+        one.PixelData = data[:, :, z].T.astype("<i2").tobytes()
+        for tag in (0x00280120,):
+            if tag in one:
+                del one[tag]
+        made.append(one)
+    return made
+
+
+def save_series(folder, slices, order=None):
+    os.mkdir(folder)
+    for z in range(len(slices)) if order is None else order:
+        slices[z].save_as(os.path.join(folder, "%s_IM%04d.dcm" % (SECRETS[0], (7 * z) % 997)))
+
+
+def make_dicom(folder):
+    data = voxels()
+    path = os.path.join(folder, "ct")
+    save_series(path, slices_of(data, PLACE))
+    save_twin(path, data, PLACE, 2, -1000)
+    for tool, options in (("dcmcrle", []), ("dcmcjpeg", ["+e1"]), ("dcmcjpls", [])):
+        packed = os.path.join(folder, "ct-" + tool)
+        os.mkdir(packed)
+        for name in os.listdir(path):
+            run(tool, *options, os.path.join(path, name), os.path.join(packed, name))
+        save_twin(packed, data, PLACE, 2, -1000)
+    few = [z for z in range(SIZE[2]) if z not in (4, 5, 9)]
+    save_series(os.path.join(folder, "gaps"), slices_of(data, PLACE), few)
+    blank = data.copy()
+    blank[:, :, [4, 5, 9]] = -12  # what is -1024 here
+    save_twin(os.path.join(folder, "gaps"), blank, PLACE, 2, -1000)
+    uneven = numpy.arange(SIZE[2]) + numpy.where(numpy.arange(SIZE[2]) % 2, 0.2, 0)
+    save_series(os.path.join(folder, "uneven"), slices_of(data, PLACE, uneven))
+    tilted = PLACE.copy()
+    tilted[:3, 2] += 0.7 * tilted[:3, 1]
+    save_series(os.path.join(folder, "tilted"), slices_of(data, tilted))
+    save_twin(os.path.join(folder, "tilted"), data, tilted, 2, -1000)
+    mixed = os.path.join(folder, "mixed")
+    save_series(mixed, slices_of(data, PLACE))
+    for z, one in enumerate(slices_of(data[:, :, :5], PLACE)):
+        one.SeriesInstanceUID = SECRETS[3] + ".7"
+        one.SOPInstanceUID = one.file_meta.MediaStorageSOPInstanceUID = SECRETS[3] + ".8.%d" % z
+        one.SeriesNumber = 99
+        one.Modality = "MR"
+        one.save_as(os.path.join(mixed, "other%d" % z))
+    doubled = os.path.join(folder, "doubled")
+    save_series(doubled, slices_of(data, PLACE))
+    again = slices_of(data, PLACE)[3]
+    shutil.copy(os.path.join(doubled, SECRETS[0] + "_IM0021.dcm"), os.path.join(doubled, "copy"))
+    save_twin(doubled, data, PLACE, 2, -1000)
+    clash = os.path.join(folder, "clash")
+    shutil.copytree(doubled, clash)
+    again.SOPInstanceUID = again.file_meta.MediaStorageSOPInstanceUID = SECRETS[3] + ".9"
+    again.save_as(os.path.join(clash, "again"))
+    times = os.path.join(folder, "times")
+    save_series(times, slices_of(data, PLACE))
+    for z, one in enumerate(slices_of((data + 5).astype(numpy.int16), PLACE)):
+        one.AcquisitionNumber = 9
+        one.SOPInstanceUID = one.file_meta.MediaStorageSOPInstanceUID = SECRETS[3] + ".5.%d" % z
+        one.save_as(os.path.join(times, "later%d" % z))
+    save_twin(times, (data + 5).astype(numpy.int16), PLACE, 2, -1000)
+    scaled = slices_of(data, PLACE)
+    real = numpy.zeros(SIZE, numpy.float32)
+    for z, one in enumerate(scaled):
+        one.Modality = "PT"
+        one.RescaleSlope, one.RescaleIntercept = 0.5 + z, 0
+        real[:, :, z] = data[:, :, z] * (0.5 + z)
+    save_series(os.path.join(folder, "pet"), scaled)
+    save_twin(os.path.join(folder, "pet"), real, PLACE)
+
+
+def same(a, b):
+    p, q = nibabel.load(a).affine, nibabel.load(b).affine
+    if numpy.abs(p - q).max() > 1e-3:
+        sys.exit("%s\nis not\n%s" % (p, q))
+
+
+def main():
+    if sys.argv[1] == "same":
+        same(sys.argv[2], sys.argv[3])
+        return
+    folder = sys.argv[1]
+    for make in (make_nrrd, make_meta, make_mrc, make_vtk, make_pictures, make_hdf5, make_minc,
+                 make_dicom):
+        make(folder)
+
+
+if __name__ == "__main__":
+    main()
