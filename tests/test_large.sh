@@ -16,8 +16,12 @@ for size in 0x1x1 4294967296x1x1 18446744073709551617x1x1 1x1 1x1x1x1 1x1x 10x-1
     err_has "expected synth:geom"
 done
 nifti_header 1700 1700 1700 >huge.nii
+truncate -s $((352 + 1700 * 1700 * 1700)) huge.nii
 expect 3 "$iftty" -c "open huge.nii"
 err_has "at most 2^32 cells are held"
+err_has "open a part of it, with crop=A-B,C-D,E-F or reduce=2"
+expect 0 "$iftty" -c "open huge.nii crop=0-9,1690-1699,1600-1699"
+out_has "10x10x100 voxels"
 close_story
 
 begin "a scene that there is no memory for is refused before it is loaded"

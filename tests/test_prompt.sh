@@ -37,7 +37,7 @@ press C-u
 see '^s>$'
 type_letters "open s."
 press Tab
-see '^s> open s\.nii$'
+see '^s> open s\.nii \[volume='
 press C-u
 close_story
 
