@@ -6,15 +6,17 @@ cd "$work" || exit 1
 make_scene s.nii 24 20 16
 start='seed 2,3,4 0; seed 6,10,8 1; seed 20,10,8 7; label 7 "left lobe" #40c060; label 9 nothing'
 
-# place FILE: its voxels run to the left, to the front and up, sheared, from 90,-126,-72 mm on
+# place FILE: its voxels run to the left, to the front and up, turned, from 90,-126,-72 mm on
 place() {
     python3 - "$1" <<'END'
 import struct, sys
 with open(sys.argv[1], 'r+b') as f:
     f.seek(254)
     f.write(struct.pack('<h', 1))
+    f.seek(80)
+    f.write(struct.pack('<3f', 2, 2.5, 5))
     f.seek(280)
-    f.write(struct.pack('<12f', -2, 0, 0, 90, 0, 1.5, .25, -126, 0, -.5, 3, -72))
+    f.write(struct.pack('<12f', -2, 0, 0, 90, 0, 2, -3, -126, 0, 1.5, 4, -72))
 END
 }
 # The voxels of a NIfTI of ours, of an NRRD as unu reads them, of a MetaImage: on standard output.
@@ -61,10 +63,10 @@ cp s.nii p.nii
 place p.nii
 expect 0 "$iftty" -c "open p.nii; $start; save labels p.nrrd; save labels p.mha"
 has_header p.nrrd 'space: left-posterior-superior'
-has_header p.nrrd 'space directions: (2,0,0) (0,-1.5,-0.5) (0,-0.25,3)'
+has_header p.nrrd 'space directions: (2,0,0) (0,-2,1.5) (0,3,4)'
 has_header p.nrrd 'space origin: (-90,126,-72)'
 grep -aqx 'Offset = -90 126 -72' p.mha || fail "$(strings p.mha | head -n 14)"
-grep -aq '^TransformMatrix = 1 0 0 0 -0.9486832980505138 ' p.mha || fail "axes of p.mha"
+grep -aq '^TransformMatrix = 1 0 0 0 -0.8 0.6 0 0.6 0.8$' p.mha || fail "axes of p.mha"
 close_story
 
 begin "a .seg.nrrd has names, colours and extents of its segments"
@@ -90,6 +92,24 @@ needs teem-unu && {
 expect 2 "$iftty" -c "open p.nii; $start; save cost c.seg.nrrd"
 err_has 'a .seg.nrrd holds labels; expected .nrrd for this map'
 [ ! -e c.seg.nrrd ] || fail "it is there"
+close_story
+
+# What a file is as a scene: its digest (voxels, spacing, axes) and where its far corner lies.
+seen_as() {
+    rm -f seen.iftty
+    "$iftty" -c "open $1; why 23,19,15" --journal seen.iftty >seen || fail "cannot open $1"
+    echo "$(last_word sha256 seen.iftty) $(sed -n 's/.* at \(.* mm\):.*/\1/p' seen)"
+}
+begin "ITK reads the same voxels in the same place"
+expect 0 "$iftty" -c "open p.nii; $start; save cost q.nii; save cost q.nrrd; save cost q.mha
+save labels l.nii replace=yes"
+same "$(seen_as q.nii | wc -w | tr -d ' ')" 3
+for file in q.nrrd q.mha; do
+    same "$(seen_as $file)" "$(seen_as q.nii)"
+done
+same "$(seen_as l.seg.nrrd)" "$(seen_as l.nii)"
+expect 0 "$iftty" -c "open q.mha crop=2-19,0-9,1-15 reduce=2; info"
+out_has '9x5x7 voxels'
 close_story
 
 begin "the same map gives the same bytes, and none are left of one that fails"
