@@ -258,6 +258,9 @@ STORY(slices_marks_and_seeds_to_go_to)
     CHECK_TEXT(type("'b"), "");
     CHECK_HAS(buf_text(&message), "there is no mark b; mb sets it");
     memcpy(facts.place, (uint32_t[]){1, 2, 3}, sizeof facts.place);
+    CHECK_TEXT(type("Da"), "measure 20,25,30 1,2,3\n");
+    CHECK_TEXT(type("Db"), "");
+    CHECK_HAS(buf_text(&message), "there is no mark b; mb sets it");
     CHECK_TEXT(type("'a"), "cross 20,25,30\n");
     memcpy(facts.place, (uint32_t[]){20, 25, 30}, sizeof facts.place);
     CHECK_TEXT(type("''"), "cross 1,2,3\n"); /* where the jump came from */

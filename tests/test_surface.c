@@ -1,6 +1,8 @@
 /* Surfaces of labels: closed for any labels, as large as their voxels, outside out. */
+#include <errno.h>
 #include <math.h>
 
+#include "image/surface_file.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
@@ -334,6 +336,58 @@ STORY(without_memory_it_says_so)
     }
 }
 
+static int steps_left;
+static int fails_later(enum file_step step, const char *path)
+{
+    (void)step, (void)path;
+    return steps_left-- == 0 ? ENOSPC : 0;
+}
+
+/* F2: a step of writing that fails leaves the file that was there. */
+STORY(a_disk_that_is_full_leaves_the_former_file)
+{
+    struct volume_label label[256] = {{"", {0}}};
+    struct geometry geometry = {.spacing_nm = {1000000, 1000000, 1000000}};
+    struct buf now = {0};
+    char path[FOLDER_LENGTH + 16];
+    for (int l = 0; l < 256; l++)
+        label[l].name = "";
+    geometry_place_plain(&geometry, (const double[]){1, 1, 1});
+    box_of_ball(3, (const double[]){1, 1, 1});
+    struct surface *s = surface_of_box(1);
+    const struct surface_document document = {s, &geometry, label, ""};
+    snprintf(path, sizeof path, "%s", file_in(folder, "full.ply"));
+    CHECK(file_write(path, "former", 6, FILE_REPLACE, NULL) == OK);
+    enum err err = ERR_IO;
+    for (int steps = 0; err; steps++) {
+        steps_left = steps;
+        file_step_hook = fails_later;
+        err = surface_write(path, FILE_REPLACE, &document, NULL, &fault);
+        file_step_hook = NULL;
+        CHECK(err == OK || err == ERR_IO);
+        CHECK(file_read(&now, path, 1 << 20, NULL) == OK);
+        CHECK(err == OK || now.length == 6 || steps > 4); /* the last is to sync its folder */
+    }
+    CHECK(now.length > 1000);
+    buf_release(&now);
+    surface_free(s);
+}
+
+STORY(a_scene_too_far_from_the_origin_is_refused)
+{
+    const double to_mm[3][4] = {{0.001, 0, 0, 1e6}, {0, 0.001, 0, 0}, {0, 0, 0.001, 0}};
+    struct geometry geometry = {.spacing_nm = {1000, 1000, 1000}};
+    struct volume_label label[256] = {{"", {0}}};
+    CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
+    box_of_ball(3, (const double[]){1, 1, 1});
+    struct surface *s = surface_of_box(1);
+    const struct surface_document document = {s, &geometry, label, ""};
+    CHECK_INT(surface_write(file_in(folder, "far.stl"), FILE_KEEP, &document, NULL, &fault),
+              ERR_LIMIT);
+    CHECK_HAS(fault.text, "too far for voxels of 0.001 mm in the single precision of such files");
+    surface_free(s);
+}
+
 STORY(commands_say_what_they_wrote_and_what_is_wrong)
 {
     struct interpreter interp;
@@ -381,7 +435,9 @@ int main(void)
         TELL(a_ring_and_a_hollow_ball_have_their_euler_numbers),
         TELL(surfaces_of_labels_that_touch_have_the_same_points),
         TELL(fewer_triangles_are_closed_too), TELL(it_is_stopped_anywhere),
-        TELL(without_memory_it_says_so), TELL(commands_say_what_they_wrote_and_what_is_wrong));
+        TELL(without_memory_it_says_so), TELL(a_disk_that_is_full_leaves_the_former_file),
+        TELL(a_scene_too_far_from_the_origin_is_refused),
+        TELL(commands_say_what_they_wrote_and_what_is_wrong));
     reply_release(&reply);
     return status | remove_folder(folder);
 }

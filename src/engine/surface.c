@@ -9,8 +9,6 @@
 static const size_t NODES_MOST = INT32_MAX;
 static const uint32_t NO_NODE = UINT32_MAX;
 
-enum { FAR = 8 }; /* bytes that may be looked at after a row */
-
 /* Two planes of labels with a rim of 0, and which nodes begin there: nodes[a] along axis a. */
 struct plane {
     uint8_t *label;
@@ -31,7 +29,7 @@ struct sweep {
 
 static enum err plane_init(struct plane *plane, size_t cells, struct fault *fault)
 {
-    plane->label = mem_new(cells + FAR);
+    plane->label = mem_new(cells);
     for (int a = 0; a < 3; a++)
         plane->node[a] = mem_array(cells, sizeof *plane->node[a]);
     return plane->label && plane->node[0] && plane->node[1] && plane->node[2]

@@ -161,7 +161,7 @@ static uint64_t cost_of_triangle(const struct reduction *r, uint32_t corner, con
     for (int a = 0; a < 3; a++) {
         left[a] -= step[a];
         right[a] -= step[a];
-        if (labs(left[a]) >= LENGTH_MOST || labs(right[a]) >= LENGTH_MOST)
+        if (llabs(left[a]) >= LENGTH_MOST || llabs(right[a]) >= LENGTH_MOST)
             return NEVER;
     }
     cross_product(after, left, right);

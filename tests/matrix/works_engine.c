@@ -2,9 +2,12 @@
 #include "tests/matrix/works.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/hash.h"
+#include "engine/labels.h"
 #include "engine/roi.h"
+#include "engine/surface.h"
 
 static const struct {
     const char *name;
@@ -122,6 +125,54 @@ static void excludes(struct team *team)
     scene_free(scene);
 }
 
+/* ---- surfaces ---- */
+
+static void labels_row(void *context, uint32_t y, uint32_t z, uint8_t *label)
+{
+    const struct labels *labels = context;
+    labels_copy_row(labels, grid_row(&labels->scene->grid, y, z), label);
+}
+
+static void tell_surface(const struct surface *surface, const char *name)
+{
+    uint64_t points = 0, triangles = 0;
+    for (size_t i = 0; i < 3 * surface->points; i++)
+        points += hash_mix_at((uint32_t)i, surface->point[i / 3].at[i % 3]);
+    for (size_t i = 0; i < 3 * surface->triangles; i++)
+        triangles += hash_mix_at((uint32_t)i, surface->triangle[i / 3].point[i % 3]);
+    tell(points, "surface/%s/points", name);
+    tell(triangles, "surface/%s/triangles", name);
+    tell((uint64_t)surface_volume(surface, &surface->part[0]), "surface/%s/volume", name);
+}
+
+/* Of a forest: as it comes, smoothed, and of fewer triangles. */
+static void surfaces(struct team *team)
+{
+    static const struct weight_choice morph = {WEIGHT_MORPH, 1};
+    struct scene *scene = works_scene();
+    struct labels labels = labels_of_forest(scene);
+    const struct surface_source source = {scene->grid.size, labels_row, &labels};
+    struct forest *forest = NULL;
+    struct edit edit[WORKS_SEEDS];
+    struct fault fault;
+    bool wanted[256];
+    memset(wanted, true, sizeof wanted);
+    must(forest_new(&forest, scene, 6, &fault), &fault, "a forest");
+    weigh(forest, scene, &morph, team);
+    works_edits(edit, scene, 7);
+    must(forest_edit(forest, edit, WORKS_SEEDS, &fault), &fault, "the seeds");
+    for (unsigned passes = 0; passes <= 20; passes += 20) {
+        struct surface *surface;
+        must(surface_new(&surface, &source, wanted, passes, NULL, &fault), &fault, "a surface");
+        tell_surface(surface, passes ? "smooth" : "plain");
+        must(surface_reduce(surface, surface->triangles / 5, NULL, &fault), &fault, "fewer");
+        tell_surface(surface, passes ? "smooth-few" : "plain-few");
+        surface_free(surface);
+    }
+    forest_free(forest);
+    scene_free(scene);
+}
+
 static void scenes(void)
 {
     struct scene *scene = works_scene(), *doubled = NULL;
@@ -141,4 +192,5 @@ void works_engine(struct team *team)
     forests(team, 6);
     forests(team, 26);
     excludes(team);
+    surfaces(team);
 }

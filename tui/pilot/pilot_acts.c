@@ -286,17 +286,33 @@ void pilot_set_mark(struct press *p)
     buf_add_text(p->message, " leads back here");
 }
 
-void pilot_go_to_mark(struct press *p)
+/* The mark of the letter that was pressed; NULL, with a message, where it is not set. */
+static const struct pilot_mark *mark_pressed(struct press *p)
 {
     const char letter = (char)p->event->point;
     const struct pilot_mark *mark = &p->state->mark[letter - 'a'];
-    if (mark->is_set) {
-        jump(p, mark->place);
-        return;
-    }
+    if (mark->is_set)
+        return mark;
     buf_printf(p->message, "there is no mark %c; ", letter);
     setup_add_key_to(p->message, p->state->setup, "mark", letter);
     buf_add_text(p->message, " sets it");
+    return NULL;
+}
+
+void pilot_go_to_mark(struct press *p)
+{
+    const struct pilot_mark *mark = mark_pressed(p);
+    if (mark)
+        jump(p, mark->place);
+}
+
+void pilot_measure(struct press *p)
+{
+    const struct pilot_mark *mark = mark_pressed(p);
+    const uint32_t *here = p->facts->place;
+    if (mark)
+        buf_printf(p->line, "measure %u,%u,%u %u,%u,%u\n", mark->place[0], mark->place[1],
+                   mark->place[2], here[0], here[1], here[2]);
 }
 
 void pilot_go_back(struct press *p)

@@ -82,6 +82,7 @@ void pilot_to_slice(struct press *p);     /* the first, the last, that of the co
 void pilot_next_pane(struct press *p);
 void pilot_set_mark(struct press *p);
 void pilot_go_to_mark(struct press *p);
+void pilot_measure(struct press *p); /* from a mark to the cross-hair */
 void pilot_go_back(struct press *p);
 void pilot_next_seed(struct press *p); /* next, previous */
 void pilot_go_to_centre(struct press *p);

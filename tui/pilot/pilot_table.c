@@ -64,6 +64,7 @@ const struct pilot_row pilot_table[] = {
     {KEY("mark", "ma-z", "", MOVING), DO(pilot_set_mark, 0),
      PAGE("ma-z 'a-z ''", "mark, go there, back")},
     {KEY("go-to-mark", "'a-z", "", MOVING), DO(pilot_go_to_mark, 0), .help = ""},
+    {KEY("measure", "Da-z", "", BOTH), DO(pilot_measure, 0), .help = "distance of a mark"},
     {.keys = "mouse", .help = "a click: there"},
     PART,
     {KEY("plant", "i Enter", "", BOTH), DO(pilot_plant, 0), .flags = CHANGES,
