@@ -143,7 +143,7 @@ STORY(voxels_stay_where_they_are_in_the_world)
     struct session session;
     begin(&session);
     const double placed[3][4] = {{0, -2, 0.25, 10}, {1.5, 0, 0, -20}, {0.5, 0, 3, 7}};
-    CHECK(geometry_place(&session.geometry, placed, ORIENTATION_SFORM));
+    CHECK(geometry_place(&session.said, placed, ORIENTATION_SFORM));
     CHECK(session_interpolate(&session, 5, NULL) == OK);
     const uint32_t twice[3] = {2, 1, 2};
     for (int w = 0; w < 3; w++) {
