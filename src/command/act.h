@@ -81,6 +81,12 @@ enum err act_overlay(const struct act *act);
 enum err act_slice(const struct act *act);
 enum err act_mosaic(const struct act *act);
 
+/* act_labels.c */
+enum err act_labels(const struct act *act);
+
+/* act_object.c */
+enum err act_object(const struct act *act);
+
 /* act_compare.c */
 enum err act_compare(const struct act *act);
 
@@ -198,6 +204,10 @@ static inline bool act_is_yes(const struct value *value)
 {
     return value->given && value->number == 0;
 }
+
+/* regions_new of the parameters regions and as; ERR_USAGE where a label for all is given too. */
+enum err act_choose_regions(uint16_t **as, const struct value *regions, const struct value *labels,
+                            const struct value *label, struct fault *fault);
 
 /* What `replace=yes|no` says. */
 enum file_mode act_file_mode(const struct value *replace);

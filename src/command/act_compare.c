@@ -35,10 +35,10 @@ static enum err take_own(struct compared *compared, const struct act *act)
     const struct grid *grid = &act->session->scene->grid;
     const struct value *only = &act->value[LABEL];
     uint8_t *label = compared->label[0] = mem_array(grid->voxels, 1);
-    struct task task = task_begin(act->session->watch, "labels", grid->voxels);
+    struct task task = task_begin(act->session->watch, "present labels", grid->voxels);
     struct labels labels;
     enum err err = label ? act_take_labels(act, &act->value[FINISHED], &labels)
-                         : fault_memory(act->fault, "labels");
+                         : fault_memory(act->fault, "the labels");
     if (err)
         return err;
     for (uint32_t z = 0; z < grid->size[2]; z++)
@@ -62,6 +62,8 @@ static enum err read_map(struct compared *compared, const struct act *act,
     if (!err)
         err = map_read(&map, buf_text(&path), &place, session->watch, act->fault);
     if (!err)
+        buf_add_text(&act->reply->text, map.notes);
+    if (!err)
         err = act_naming(
             name, map_to_labels(&compared->label[1], &map, choice, session->watch, act->fault),
             act->fault);
@@ -74,10 +76,7 @@ static enum err take_map(struct compared *compared, const struct act *act)
 {
     const struct value *value = act->value;
     uint16_t *as = NULL;
-    if (value[AS].given && value[LABEL].given)
-        return fault_set(act->fault, ERR_USAGE,
-                         "as and label are two answers to one question; expected one of them");
-    enum err err = regions_new(&as, value[REGIONS].text, value[AS].text, act->fault);
+    enum err err = act_choose_regions(&as, &value[REGIONS], &value[AS], &value[LABEL], act->fault);
     if (!err) {
         const struct map_labels choice = {as, value[LABEL].given ? (int)value[LABEL].number
                                                                  : LABEL_OWN};
@@ -115,31 +114,23 @@ static enum err write_report(const struct act *act, const struct comparison_repo
 
 /* Through the place that is named, or the voxel where both are farthest apart, or the cross-hair.
  */
-static const uint32_t *place_of_picture(const struct act *act, const struct comparison *comparison)
-{
-    const struct label_distances *d = &comparison->distance[0];
-    if (act->value[AT].given)
-        return act->value[AT].place;
-    return d->has_hausdorff && d->hausdorff_mm > 0 ? d->farthest
-                                                   : act->session->now.outlook.slices.cross;
-}
-
 static enum err write_picture(const struct act *act, const struct compared *compared,
                               const struct comparison_report *report)
 {
-    const struct value *finished = &act->value[FINISHED];
+    const uint32_t *cross = act->session->now.outlook.slices.cross;
+    const uint32_t *place = act->value[AT].given ? act->value[AT].place
+                                                 : comparison_farthest(report->comparison, cross);
     struct picture picture = {0};
     struct buf path = {0};
     struct labels labels;
     if (!act->value[PICTURE].given)
         return OK;
     enum err err =
-        session_labels(act->session, finished->given && finished->number == 0, &labels, act->fault);
+        session_labels(act->session, act_is_yes(&act->value[FINISHED]), &labels, act->fault);
     if (!err)
         err = interpreter_output_path(act->interp, act->value[PICTURE].text, &path, act->fault);
     if (!err && path.length)
-        err = comparison_picture_draw(&picture, act->session, compared, report,
-                                      place_of_picture(act, report->comparison), act->fault);
+        err = comparison_picture_draw(&picture, act->session, compared, report, place, act->fault);
     if (!err && path.length)
         err = act_note_picture(act, &labels, &picture);
     if (!err && path.length)

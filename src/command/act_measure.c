@@ -142,7 +142,7 @@ static void draw(struct buf *out, const struct profile *p, bool has_blocks)
     snprintf(bottom, sizeof bottom, "%.6g", p->least);
     chart_write(
         out, &(struct chart){eighths, p->columns, PROFILE_ROWS, top, bottom, MARGIN, has_blocks});
-    buf_printf(out, "%*s |%s\n", MARGIN, "labels", p->label);
+    buf_printf(out, "%*slabels |%s\n", MARGIN - 6, "", p->label);
 }
 
 static void list(struct buf *out, const struct profile *p)

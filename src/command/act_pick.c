@@ -69,8 +69,8 @@ enum err act_pick(const struct act *act)
     if (err)
         return err;
     if (cell == CELL_NONE) {
-        buf_printf(&act->reply->text, "pixel %u,%u shows no %s\n", column, row,
-                   is_slice ? "voxel" : "object");
+        buf_printf(&act->reply->text, "pixel %u,%u shows %s\n", column, row,
+                   is_slice ? "no voxel" : "no object");
         return OK;
     }
     act_write_voxel(&act->reply->text, session, cell);

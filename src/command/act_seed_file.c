@@ -41,6 +41,15 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
     return err;
 }
 
+enum err act_choose_regions(uint16_t **as, const struct value *regions, const struct value *labels,
+                            const struct value *label, struct fault *fault)
+{
+    if (labels->given && label->given)
+        return fault_set(fault, ERR_USAGE,
+                         "as and label are two answers to one question; expected one of them");
+    return regions_new(as, regions->text, labels->text, fault);
+}
+
 /* What the parameters say of regions, with the labels that they become, which the caller frees. */
 static enum err choose_regions(struct region_choice *choice, uint16_t **as,
                                const struct value *value, struct fault *fault)
@@ -52,10 +61,7 @@ static enum err choose_regions(struct region_choice *choice, uint16_t **as,
         .each = (uint32_t)value[EACH].number,
         .generator = value[GENERATOR].given ? (uint64_t)value[GENERATOR].number : 1,
     };
-    if (value[AS].given && value[LABEL].given)
-        return fault_set(fault, ERR_USAGE,
-                         "as and label are two answers to one question; expected one of them");
-    const enum err err = regions_new(as, value[REGIONS].text, value[AS].text, fault);
+    const enum err err = act_choose_regions(as, &value[REGIONS], &value[AS], &value[LABEL], fault);
     for (uint32_t r = 0; !err && r <= REGION_MOST; r++)
         if ((*as)[r] != REGION_NONE) {
             choice->first = r < choice->first ? r : choice->first;

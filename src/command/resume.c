@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "base/choice.h"
+
 #include "journal/replay.h"
 
 bool interpreter_is_journal(const char *path)
@@ -35,19 +37,21 @@ struct resume {
 };
 
 /* What records say of the forest. */
-static const char *const forest_words[] = {"forest", "labels", "seeds", "pending"};
+#define FOREST_WORDS "forest|labels|seeds|pending"
 
 static bool has_forest_words(const char *words, struct buf *out)
 {
     struct record_word word;
+    struct choice key;
     bool has = false;
-    for (size_t i = 0; i < sizeof forest_words / sizeof *forest_words; i++)
-        if (record_word_find(words, forest_words[i], strlen(forest_words[i]), &word)) {
+    for (const char *at = FOREST_WORDS; choice_next(&key, &at);)
+        if (record_word_find(words, key.word, key.length, &word)) {
             has = true;
             if (!out)
                 continue;
             buf_add_blank(out);
-            buf_printf(out, "%s=%.*s", forest_words[i], (int)word.value_length, word.value);
+            buf_printf(out, "%.*s=%.*s", (int)key.length, key.word, (int)word.value_length,
+                       word.value);
         }
     return has;
 }

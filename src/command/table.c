@@ -6,6 +6,7 @@
 #include "engine/weight.h"
 #include "render/view.h"
 #include "session/export.h"
+#include "session/piece_seeds.h"
 #include "session/seed_file.h"
 #include "session/slicing.h"
 
@@ -228,6 +229,34 @@ const struct command command_table[] = {
      "each: how many seeds are drawn at random from what is left of a region; all unless given.\n"
      "generator: the number that the drawing starts from; 1 unless given." RESAMPLE_NOTE,
      "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3"},
+    {COMMAND("labels", act_labels, GROUP_SEEDS, R | S | E),
+     {NEED("FILE", VALUE_FILE), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
+      KEYED("as", VALUE_LIST, .most = 255), KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
+      KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST), KEYED("copy", VALUE_WORD), RESAMPLE},
+     "begin with a segmentation, and correct it",
+     "FILE is a label map on the scene's grid, of whatever program. Each piece of each label "
+     "becomes a marker, the background's too, all of them one undo. Borders are found anew, as far "
+     "as the erosion leaves them free; seeds, strokes and `remove` correct what is wrong. Seeds "
+     "are the outer voxels of what is left of a piece; those inside belong to it.\n"
+     "regions: the values of the map; all unless given, with 0 for the background.\n"
+     "as: the labels that they become, one for each of `regions`.\n"
+     "label: the label of all of them but the background.\n"
+     "erode: rounds, 2 unless given; each removes the voxels that have a face neighbour of another "
+     "label. A piece too small for it keeps its innermost voxels.\n"
+     "copy: the journal has its own copy of the labels, beside it, and adds the digest here: it "
+     "needs FILE no more." RESAMPLE_NOTE,
+     "labels model.nii.gz erode=3"},
+    {COMMAND("object", act_object, GROUP_SEEDS, R | S | E),
+     {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
+      NEED("RANGE", VALUE_INTERVAL, .least = -REAL_MOST, .most = REAL_MOST),
+      KEYED("from", VALUE_POSITION)},
+     "plant what is connected, within a range",
+     "One marker of all voxels whose intensity, as `why` prints it, is in the range, and that "
+     "hang together by faces with a seed of the label which lies in it. Voxels with seeds of other "
+     "labels are left out, and let nothing through: a stroke of the background cuts off what "
+     "leaks. Each object may have a range of its own.\n"
+     "from: begin with this voxel instead of the label's seeds.",
+     "object 2 threshold 226..3071"},
     {COMMAND("remove", act_remove, GROUP_SEEDS, R | S | E),
      {NEED("PLACE", VALUE_POSITION), BRUSH, KEYED("of", VALUE_CHOICE, .choices = "marker|tree")},
      "eliminator: remove the marker of this voxel",

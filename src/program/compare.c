@@ -107,10 +107,8 @@ static enum err read_maps(struct pair *pair, struct fault *fault)
 static enum err write_picture(struct pair *pair, const struct comparison_report *report,
                               struct fault *fault)
 {
-    const struct label_distances *d = &pair->comparison.distance[0];
-    const uint32_t *place = d->has_hausdorff && d->hausdorff_mm > 0
-                                ? d->farthest
-                                : pair->session.now.outlook.slices.cross;
+    const uint32_t *place =
+        comparison_farthest(&pair->comparison, pair->session.now.outlook.slices.cross);
     struct picture picture = {0};
     struct image_helper *helper = NULL;
     if (!pair->options->picture)

@@ -25,6 +25,13 @@ struct overlap_counts comparison_counts(const struct comparison *comparison, uns
     return sum;
 }
 
+const uint32_t *comparison_farthest(const struct comparison *comparison,
+                                    const uint32_t else_place[3])
+{
+    const struct label_distances *d = &comparison->distance[0];
+    return d->has_hausdorff && d->hausdorff_mm > 0 ? d->farthest : else_place;
+}
+
 /* ---- where labels lie ---- */
 
 struct box {

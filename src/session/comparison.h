@@ -51,6 +51,10 @@ enum err comparison_make(struct comparison *comparison, const struct compared *c
 /* Whether a label is there to be listed: label 0, which stands for all together, always. */
 bool comparison_has(const struct comparison *comparison, unsigned label);
 
+/* The voxel where all objects are farthest apart; where they are not, `else_place`. */
+const uint32_t *comparison_farthest(const struct comparison *comparison,
+                                    const uint32_t else_place[3]);
+
 /* Voxels of a label in A, in B and in both; 0: of all labels. */
 struct overlap_counts {
     uint64_t a, b, both;

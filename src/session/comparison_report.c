@@ -91,7 +91,7 @@ void comparison_write_json(struct buf *out, const struct comparison_report *repo
     json_object(&json, "all");
     add_figures(&json, report, 0);
     json_end(&json);
-    json_array(&json, "labels");
+    json_array(&json, "by_label");
     for (unsigned label = 1; label < 256; label++) {
         if (!comparison_has(c, label))
             continue;

@@ -178,37 +178,39 @@ static uint32_t label_of(const struct map_labels *choice, uint16_t region)
                         : choice->as          ? choice->as[region]
                         : region              ? region
                                               : REGION_NONE;
-    return as == REGION_NONE || choice->label == LABEL_OWN ? as : (uint32_t)choice->label;
+    return as == REGION_NONE || !region || choice->label == LABEL_OWN ? as
+                                                                      : (uint32_t)choice->label;
 }
 
-static enum err relabel(uint8_t *label, const struct volume *map, const struct map_labels *choice,
-                        struct watch *watch, struct fault *fault)
+enum err map_choose(struct volume *map, const struct map_labels *choice, struct watch *watch,
+                    struct fault *fault)
 {
     const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
+    enum err err = map_to_regions(map, 0, REGION_MOST, watch, fault);
     struct task task = task_begin(watch, "labels of the map", voxels);
-    for (size_t i = 0; i < voxels && task_advance(&task, 1); i++) {
-        const uint32_t is = label_of(choice, map->intensity[i]);
-        if (is != REGION_NONE && is > 255)
+    for (size_t i = 0; !err && i < voxels && task_advance(&task, 1); i++) {
+        const uint32_t label = label_of(choice, map->intensity[i]);
+        if (label > 255 && label != REGION_NONE)
             return map_refuse_region(map->intensity[i], fault);
-        label[i] = is == REGION_NONE ? 0 : (uint8_t)is;
+        map->intensity[i] = (uint16_t)label;
     }
-    return watch_fault(watch, fault);
+    return err ? err : watch_fault(watch, fault);
 }
 
 enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_labels *choice,
                        struct watch *watch, struct fault *fault)
 {
+    const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
     *label = NULL;
-    enum err err = map_to_regions(map, 0, REGION_MOST, watch, fault);
+    const enum err err = map_choose(map, choice, watch, fault);
     if (err)
         return err;
-    *label = mem_array((size_t)map->size[0] * map->size[1] * map->size[2], 1);
-    err = *label ? relabel(*label, map, choice, watch, fault) : fault_memory(fault, "a map");
-    if (err) {
-        free(*label);
-        *label = NULL;
-    }
-    return err;
+    uint8_t *made = *label = mem_array(voxels, 1);
+    if (!made)
+        return fault_memory(fault, "a map");
+    for (size_t i = 0; i < voxels; i++)
+        made[i] = map->intensity[i] == REGION_NONE ? 0 : (uint8_t)map->intensity[i];
+    return OK;
 }
 
 enum err map_to_weights(struct volume *map, struct watch *watch, struct fault *fault)

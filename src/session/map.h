@@ -51,13 +51,16 @@ enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struc
 enum { LABEL_OWN = -1 };
 struct map_labels {
     const uint16_t *as; /* those chosen and their labels (session/regions.h); NULL: 1 and above */
-    int label;          /* of all that are chosen, or LABEL_OWN: by `as`, or the label of its number
-                         */
+    int label;          /* of all that are chosen but 0, or LABEL_OWN: by `as`, or its number */
 };
 
-/* A byte a voxel, [z][y][x], freed by free(); 0 for regions that are not chosen. The map is of no
- * use afterwards, and *label NULL on errors: those of map_to_regions, and ERR_INPUT for a region
- * that would be a label above 255. */
+/* Replaces intensities by these labels, in place, and others by REGION_NONE. ERR_INPUT for a region
+ * that would be a label above 255, and the errors of map_to_regions. */
+enum err map_choose(struct volume *map, const struct map_labels *choice, struct watch *watch,
+                    struct fault *fault);
+
+/* The same as a byte a voxel, [z][y][x], freed by free(), with 0 for others. The map is of no use
+ * afterwards, and *label NULL on errors. */
 enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_labels *choice,
                        struct watch *watch, struct fault *fault);
 

@@ -1,0 +1,208 @@
+/* The command `labels`: markers out of a segmentation that is there already. */
+#include "command/act.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/mem.h"
+#include "journal/golden.h"
+#include "session/label_copy.h"
+#include "session/map.h"
+#include "session/piece_seeds.h"
+
+/* The places of the parameters in the table. */
+enum { FILE_NAME, REGIONS, AS, LABEL, ERODE, COPY, RESAMPLE };
+
+enum { ERODE_USUAL = 2 };
+
+/* ---- the copy beside the journal ---- */
+
+/* An empty path where there is no journal that it could lie beside. */
+static enum err find_copy(struct buf *path, const struct act *act, const char *digest)
+{
+    const struct interpreter *interp = act->interp;
+    buf_clear(path);
+    if (!interp->home.length)
+        return OK;
+    const enum err err = golden_folder(path, buf_text(&interp->home), act->fault);
+    buf_add_char(path, '/');
+    label_copy_name(path, digest);
+    return err ? err : path->failed ? fault_memory(act->fault, "a path") : OK;
+}
+
+/* One that is there already has the same content. A journal opened read-only gets none. */
+static enum err keep_copy(const struct act *act, const struct volume *map, const char *digest)
+{
+    struct interpreter *interp = act->interp;
+    struct buf path = {0}, folder = {0};
+    const bool only_looks = interp->journal && journal_only_looks(interp->journal);
+    enum err err = find_copy(&path, act, digest);
+    if (!err && path.length && !only_looks && !file_exists(buf_text(&path))) {
+        file_folder(&folder, buf_text(&path));
+        err = folder.failed ? fault_memory(act->fault, "a path")
+                            : file_make_folder(buf_text(&folder), act->fault);
+        if (!err)
+            err = interpreter_will_write(interp, buf_text(&path), FILE_KEEP, act->fault);
+        if (!err)
+            err = label_copy_write(buf_text(&path), map, &act->session->geometry,
+                                   act->session->watch, act->fault);
+        if (!err)
+            act_write_file_line("copied to ", buf_text(&path), act->reply);
+    }
+    buf_release(&folder);
+    buf_release(&path);
+    return err;
+}
+
+/* ---- the labels ---- */
+
+static enum err read_original(struct volume *map, const struct act *act)
+{
+    const struct session *session = act->session;
+    const char *name = act->value[FILE_NAME].text;
+    const struct map_place place = session_map_place(session, act_is_yes(&act->value[RESAMPLE]));
+    const struct value *value = act->value;
+    struct map_labels choice = {.label = value[LABEL].given ? (int)value[LABEL].number : LABEL_OWN};
+    struct buf path = {0};
+    uint16_t *as = NULL;
+    enum err err = act_choose_regions(&as, &value[REGIONS], &value[AS], &value[LABEL], act->fault);
+    if (!err && !value[REGIONS].given)
+        as[0] = 0; /* the background */
+    if (!err)
+        err = interpreter_find_file(act->interp, name, &path, act->fault);
+    if (!err)
+        err = map_read(map, buf_text(&path), &place, session->watch, act->fault);
+    choice.as = as;
+    if (!err)
+        err = act_naming(name, map_choose(map, &choice, session->watch, act->fault), act->fault);
+    if (!err)
+        buf_add_text(&act->reply->text, map->notes);
+    free(as);
+    buf_release(&path);
+    return err;
+}
+
+/* On the scene's grid; the digest says whether it is what it was. */
+static enum err read_copy(struct volume *map, const struct act *act, const char *path)
+{
+    const struct session *session = act->session;
+    const struct map_place place = {
+        .grid = &session->scene->grid, .geometry = &session->geometry, .as_before = true};
+    enum err err = interpreter_may_read(act->interp, path, act->fault);
+    if (!err)
+        err = map_read(map, path, &place, session->watch, act->fault);
+    return err ? err : map_to_regions(map, 0, 255, session->watch, act->fault);
+}
+
+/* Out of the copy that was recorded, or where it is gone, out of the file, if that is the same. */
+static enum err read_recorded(struct volume *map, const struct act *act, const char *recorded)
+{
+    struct buf path = {0};
+    char digest[LABEL_COPY_DIGEST];
+    if (!label_copy_is_digest(recorded))
+        return fault_set(act->fault, ERR_USAGE,
+                         "copy: expected %d digits 0-9a-f, as a journal has them, not %s",
+                         LABEL_COPY_DIGEST - 1, recorded);
+    enum err err = find_copy(&path, act, recorded);
+    const bool has_copy = !err && path.length && file_exists(buf_text(&path));
+    if (!err)
+        err = has_copy ? read_copy(map, act, buf_text(&path)) : read_original(map, act);
+    if (err && !has_copy && path.length)
+        fault_prefix(act->fault, err, "there is no copy %s", buf_text(&path));
+    if (!err) {
+        label_copy_digest(digest, map);
+        if (strcmp(digest, recorded) != 0)
+            err = fault_set(act->fault, ERR_INPUT,
+                            "%s holds other labels than were recorded (%s, not %s); nothing was "
+                            "planted",
+                            has_copy ? buf_text(&path) : act->value[FILE_NAME].text, digest,
+                            recorded);
+    }
+    buf_release(&path);
+    return err;
+}
+
+/* The record says which labels they were: the command ends in copy=DIGEST. */
+static enum err read_new(struct volume *map, const struct act *act)
+{
+    char digest[LABEL_COPY_DIGEST];
+    const enum err err = read_original(map, act);
+    if (err)
+        return err;
+    label_copy_digest(digest, map);
+    buf_printf(&act->reply->canonical, " copy=%s", digest);
+    return act->interp->mode == MODE_LIVE ? keep_copy(act, map, digest) : OK;
+}
+
+static enum err read_labels(struct volume *map, const struct act *act)
+{
+    const struct value *copy = &act->value[COPY];
+    if (!copy->given)
+        return read_new(map, act);
+    enum err err = read_recorded(map, act, copy->text);
+    if (!err && act->interp->mode == MODE_LIVE)
+        err = keep_copy(act, map, copy->text);
+    return err;
+}
+
+/* ---- markers ---- */
+
+static void write_pieces(const struct act *act, const struct piece_seeds *seeds, size_t planted)
+{
+    struct buf *out = &act->reply->text;
+    for (unsigned label = 0; label < 256; label++)
+        if (seeds->labels[label]) {
+            buf_add_text(out, "label ");
+            act_write_label(out, act->session, label);
+            buf_printf(out, ": %u marker%s\n", seeds->labels[label], plural(seeds->labels[label]));
+        }
+    buf_printf(out, "%zu seed%s\n", planted, plural(planted));
+    if (seeds->small)
+        buf_printf(out, "%zu piece%s too small for the erosion: the innermost voxels alone\n",
+                   seeds->small, plural(seeds->small));
+}
+
+static enum err plant(const struct act *act, const struct piece_seeds *seeds, uint64_t *digest)
+{
+    struct planting planting = act_begin_planting(act->session, &(const struct value){0});
+    size_t begin = 0;
+    enum err err = OK;
+    for (size_t i = 0; i < seeds->pieces && !err; begin = seeds->piece[i++].end) {
+        const struct piece *piece = &seeds->piece[i];
+        for (size_t k = begin; k < piece->end; k++)
+            *digest += hash_mix_at(seeds->cell[k], piece->label);
+        err = act_plant(act, &planting, seeds->cell + begin, piece->end - begin, piece->label);
+    }
+    if (err)
+        return err;
+    write_pieces(act, seeds, planting.planted);
+    buf_printf(&act->reply->words, "file=%016llx added=%zu", (unsigned long long)*digest,
+               planting.planted);
+    act_add_markers(act);
+    return act_naming(act->value[FILE_NAME].text, act_write_planting(act, &planting), act->fault);
+}
+
+enum err act_labels(const struct act *act)
+{
+    const struct session *session = act->session;
+    const struct value *erode = &act->value[ERODE];
+    struct volume map = {0};
+    struct piece_seeds seeds = {0};
+    uint64_t digest = 0;
+    enum err err = read_labels(&map, act);
+    if (!err)
+        err = piece_seeds_make(&seeds, map.intensity, &session->scene->grid,
+                               erode->given ? (unsigned)erode->number : ERODE_USUAL, session->watch,
+                               act->fault);
+    volume_release(&map);
+    if (!err && !seeds.pieces)
+        err = fault_set(act->fault, ERR_INPUT,
+                        "%s has no voxel of these regions; nothing was planted",
+                        act->value[FILE_NAME].text);
+    if (!err)
+        err = plant(act, &seeds, &digest);
+    piece_seeds_release(&seeds);
+    return err;
+}

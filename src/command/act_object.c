@@ -1,0 +1,150 @@
+/* The command `object`: a marker of all that is connected to a seed within a range of intensities.
+ */
+#include "command/act.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "engine/components.h"
+
+/* The places of the parameters in the table. */
+enum { LABEL, HOW, RANGE, FROM };
+
+/* What is looked through: which voxels may belong to the object, and their pieces. */
+struct search {
+    const struct act *act;
+    int16_t label;
+    struct planting planting;
+    uint8_t *may; /* [grid.cells], 0 or 1 */
+    struct components found;
+    bool *is_taken; /* by component */
+    struct voxels voxels;
+};
+
+static void search_release(struct search *s)
+{
+    free(s->may);
+    free(s->is_taken);
+    components_release(&s->found);
+    voxels_release(&s->voxels);
+}
+
+/* ---- which voxels may ---- */
+
+/* In the range, in the region of interest, and without a seed of another label. */
+static bool may_belong(const struct search *s, uint32_t cell)
+{
+    const struct cell *at = s->act->session->scene->cell + cell;
+    if (at->intensity < s->planting.low || at->intensity > s->planting.high ||
+        at->flags & CELL_OUTSIDE)
+        return false;
+    const int16_t seed = markers_seed(&s->act->session->markers, cell);
+    return seed == EDIT_ERASE || seed == s->label;
+}
+
+static enum err find_pieces(struct search *s)
+{
+    const struct session *session = s->act->session;
+    const struct grid *grid = &session->scene->grid;
+    struct task task = task_begin(session->watch, "voxels in the range", grid->voxels);
+    memset(s->may, 0, grid->cells);
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++)
+                s->may[c] = may_belong(s, c);
+        }
+    const enum err err = watch_fault(session->watch, s->act->fault);
+    return err ? err : components_find(&s->found, grid, s->may, session->watch, s->act->fault);
+}
+
+/* ---- which pieces are taken ---- */
+
+static bool begins_in(const struct search *s, const struct component_run *run)
+{
+    const struct value *from = &s->act->value[FROM];
+    const struct grid *grid = &s->act->session->scene->grid;
+    if (from->given) {
+        const uint32_t cell = grid_cell(grid, from->place[0], from->place[1], from->place[2]);
+        return run->first <= cell && cell < run->end;
+    }
+    for (uint32_t c = run->first; c < run->end; c++)
+        if (markers_seed(&s->act->session->markers, c) == s->label)
+            return true;
+    return false;
+}
+
+static enum err take_pieces(struct search *s)
+{
+    size_t voxels = 0;
+    for (size_t i = 0; i < s->found.runs; i++) {
+        const struct component_run *run = s->found.run + i;
+        bool *is_taken = &s->is_taken[run->component];
+        if (s->found.item[run->component].label && !*is_taken && begins_in(s, run)) {
+            *is_taken = true;
+            voxels += s->found.item[run->component].voxels;
+        }
+    }
+    s->voxels.cell = mem_array(voxels, sizeof *s->voxels.cell);
+    if (voxels && !s->voxels.cell)
+        return fault_memory(s->act->fault, "an object");
+    for (size_t i = 0; i < s->found.runs; i++) {
+        const struct component_run *run = s->found.run + i;
+        for (uint32_t c = run->first; s->is_taken[run->component] && c < run->end; c++)
+            s->voxels.cell[s->voxels.count++] = c;
+    }
+    return OK;
+}
+
+/* ---- the command ---- */
+
+static enum err refuse_nothing(const struct act *act)
+{
+    const uint32_t *place = act->value[FROM].place;
+    if (act->value[FROM].given)
+        return fault_set(act->fault, ERR_INPUT,
+                         "from: voxel %u,%u,%u has an intensity beyond the range, or a seed of "
+                         "another label (`why %u,%u,%u`); nothing was planted",
+                         place[0], place[1], place[2], place[0], place[1], place[2]);
+    return fault_set(act->fault, ERR_INPUT,
+                     "no seed of label %lld lies in a voxel of this range; plant one there, or "
+                     "name a voxel by from=X,Y,Z (`why X,Y,Z` prints its intensity); nothing was "
+                     "planted",
+                     (long long)act->value[LABEL].number);
+}
+
+static enum err plant(struct search *s)
+{
+    const struct act *act = s->act;
+    enum err err = s->voxels.count
+                       ? act_plant(act, &s->planting, s->voxels.cell, s->voxels.count, s->label)
+                       : refuse_nothing(act);
+    if (err)
+        return err;
+    buf_printf(&act->reply->text, "%zu voxel%s of label ", s->planting.planted,
+               plural(s->planting.planted));
+    act_write_label(&act->reply->text, act->session, (unsigned)s->label);
+    buf_add_char(&act->reply->text, '\n');
+    buf_printf(&act->reply->words, "added=%zu", s->planting.planted);
+    act_add_markers(act);
+    return OK;
+}
+
+enum err act_object(const struct act *act)
+{
+    const struct grid *grid = &act->session->scene->grid;
+    struct search search = {.act = act,
+                            .label = (int16_t)act->value[LABEL].number,
+                            .planting = act_begin_planting(act->session, &act->value[RANGE]),
+                            .may = mem_array(grid->cells, 1)};
+    enum err err = search.may ? find_pieces(&search) : fault_memory(act->fault, "an object");
+    if (!err) {
+        search.is_taken = mem_new(search.found.count * sizeof *search.is_taken);
+        err = search.is_taken ? take_pieces(&search) : fault_memory(act->fault, "an object");
+    }
+    if (!err)
+        err = plant(&search);
+    search_release(&search);
+    return err;
+}

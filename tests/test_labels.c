@@ -1,0 +1,384 @@
+/*
+ * Markers out of a segmentation: pieces, their erosion and contours beside a plain slow
+ * computation; what grows from them; and objects by a range of intensities, within what is
+ * connected.
+ */
+#include <stdlib.h>
+
+#include "base/mem.h"
+#include "session/piece_seeds.h"
+#include "session/regions.h"
+#include "tests/small_scene.h"
+
+static uint64_t seed = 1;
+
+/* ---- the slow computation ---- */
+
+enum { SIDE_MOST = 9, VOXELS_MOST = SIDE_MOST * SIDE_MOST * SIDE_MOST };
+
+struct slow {
+    uint32_t size[3];
+    size_t voxels;
+    uint16_t region[VOXELS_MOST];
+    int piece[VOXELS_MOST]; /* by voxel */
+    int pieces;
+    bool left[VOXELS_MOST];
+};
+
+static size_t index_of(const struct slow *s, int64_t x, int64_t y, int64_t z)
+{
+    return (size_t)(x + s->size[0] * (y + (int64_t)s->size[1] * z));
+}
+
+/* Whether another voxel, `far` by faces at most, is in the scene; and where. */
+static bool neighbour(const struct slow *s, size_t i, const int step[3], size_t *other)
+{
+    int64_t p[3] = {(int64_t)(i % s->size[0]), (int64_t)(i / s->size[0] % s->size[1]),
+                    (int64_t)(i / s->size[0] / s->size[1])};
+    for (int a = 0; a < 3; a++) {
+        p[a] += step[a];
+        if (p[a] < 0 || p[a] >= s->size[a])
+            return false;
+    }
+    *other = index_of(s, p[0], p[1], p[2]);
+    return true;
+}
+
+static const int face[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
+
+static void fill_piece(struct slow *s, size_t i)
+{
+    size_t other;
+    s->piece[i] = s->pieces;
+    for (int f = 0; f < 6; f++)
+        if (neighbour(s, i, face[f], &other) && s->region[other] == s->region[i] &&
+            s->piece[other] < 0)
+            fill_piece(s, other);
+}
+
+/* Of a piece: false, and nothing has changed, where no voxel would be left. */
+static bool erode_piece(struct slow *s, int piece)
+{
+    bool goes[VOXELS_MOST] = {false}, is_left = false;
+    for (size_t i = 0; i < s->voxels; i++) {
+        size_t other;
+        for (int f = 0; s->piece[i] == piece && f < 6; f++)
+            goes[i] |=
+                neighbour(s, i, face[f], &other) && (s->piece[other] != piece || !s->left[other]);
+        is_left |= s->piece[i] == piece && s->left[i] && !goes[i];
+    }
+    for (size_t i = 0; is_left && i < s->voxels; i++)
+        s->left[i] &= !goes[i];
+    return is_left;
+}
+
+static bool on_contour(const struct slow *s, size_t i)
+{
+    size_t other;
+    for (int z = -1; z <= 1; z++)
+        for (int y = -1; y <= 1; y++)
+            for (int x = -1; x <= 1; x++)
+                if (neighbour(s, i, (const int[]){x, y, z}, &other) &&
+                    (!s->left[other] || s->region[other] != s->region[i]))
+                    return true;
+    return false;
+}
+
+static void solve(struct slow *s, unsigned erode)
+{
+    s->pieces = 0;
+    for (size_t i = 0; i < s->voxels; i++) {
+        s->piece[i] = -1;
+        s->left[i] = true;
+    }
+    for (size_t i = 0; i < s->voxels; i++)
+        if (s->piece[i] < 0) {
+            fill_piece(s, i);
+            s->pieces++;
+        }
+    for (int p = 0; p < s->pieces; p++)
+        for (unsigned round = 0; round < erode && erode_piece(s, p); round++)
+            ;
+}
+
+/* ---- beside it ---- */
+
+static void check_pieces(const struct slow *s, const struct piece_seeds *seeds,
+                         const struct grid *grid)
+{
+    size_t piece = 0, begin = 0;
+    for (int p = 0; p < s->pieces; p++) {
+        size_t first = 0, k = begin;
+        while (s->piece[first] != p)
+            first++;
+        if (s->region[first] == REGION_NONE)
+            continue;
+        if (!CHECK(piece < seeds->pieces) || !CHECK(seeds->piece[piece].label == s->region[first]))
+            return;
+        for (size_t i = 0; i < s->voxels; i++)
+            if (s->piece[i] == p && s->left[i] && on_contour(s, i) &&
+                !CHECK(k < seeds->piece[piece].end && grid_voxel(grid, seeds->cell[k++]) == i))
+                return;
+        k += k == begin; /* one without a contour has a seed all the same */
+        begin = seeds->piece[piece].end;
+        CHECK_INT(k, begin);
+        piece++;
+    }
+    CHECK_INT(piece, seeds->pieces);
+}
+
+/* Boxes over one another. */
+static void paint(struct slow *s, bool with_none)
+{
+    for (size_t i = 0; i < s->voxels; i++)
+        s->region[i] = 0;
+    for (int n = (int)check_below(&seed, 9); n > 0; n--) {
+        uint32_t from[3], to[3];
+        const uint32_t label = check_below(&seed, 4);
+        for (int a = 0; a < 3; a++) {
+            from[a] = check_below(&seed, s->size[a]);
+            to[a] = from[a] + check_below(&seed, s->size[a] - from[a]);
+        }
+        for (uint32_t z = from[2]; z <= to[2]; z++)
+            for (uint32_t y = from[1]; y <= to[1]; y++)
+                for (uint32_t x = from[0]; x <= to[0]; x++)
+                    s->region[index_of(s, x, y, z)] =
+                        (uint16_t)(with_none && label == 3 ? REGION_NONE : label);
+    }
+}
+
+STORY(each_piece_is_a_marker_of_the_contour_of_what_erosion_leaves)
+{
+    static struct slow slow;
+    for (int round = 0; round < 1500; round++) {
+        struct grid grid;
+        struct piece_seeds seeds;
+        const unsigned erode = check_below(&seed, 5);
+        slow.voxels = 1;
+        for (int a = 0; a < 3; a++) {
+            slow.size[a] = 1 + check_below(&seed, SIDE_MOST);
+            slow.voxels *= slow.size[a];
+        }
+        CHECK(grid_init(&grid, slow.size, NULL) == OK);
+        paint(&slow, round % 2);
+        solve(&slow, erode);
+        CHECK(piece_seeds_make(&seeds, slow.region, &grid, erode, NULL, NULL) == OK);
+        check_pieces(&slow, &seeds, &grid);
+        piece_seeds_release(&seeds);
+    }
+}
+
+STORY(a_row_is_eroded_from_both_ends_and_not_at_the_edge_of_the_scene)
+{
+    static const uint16_t row[] = {1, 1, 1, 1, 0, 0, 0, 0, 0, 2, 0};
+    const uint32_t sides[3] = {11, 1, 1};
+    struct grid grid;
+    struct piece_seeds seeds;
+    CHECK(grid_init(&grid, sides, NULL) == OK);
+    CHECK(piece_seeds_make(&seeds, row, &grid, 2, NULL, NULL) == OK);
+    CHECK_INT(seeds.pieces, 4);
+    CHECK_INT(seeds.small, 2); /* the 2, and the 0 after it */
+    static const uint32_t x[] = {1, 6, 9, 10};
+    CHECK_INT(seeds.count, 4);
+    for (size_t i = 0; i < seeds.count; i++)
+        CHECK_INT(grid_voxel(&grid, seeds.cell[i]), x[i]);
+    CHECK_INT(seeds.labels[0], 2);
+    piece_seeds_release(&seeds);
+}
+
+STORY(all_labels_beside_regions_that_are_not_chosen_are_refused)
+{
+    uint16_t row[257];
+    const uint32_t sides[3] = {257, 1, 1};
+    struct grid grid;
+    struct piece_seeds seeds;
+    CHECK(grid_init(&grid, sides, NULL) == OK);
+    for (uint32_t i = 0; i < 257; i++)
+        row[i] = (uint16_t)(i & 255);
+    CHECK(piece_seeds_make(&seeds, row, &grid, 0, NULL, NULL) == OK);
+    CHECK_INT(seeds.pieces, 257);
+    piece_seeds_release(&seeds);
+    row[256] = REGION_NONE;
+    CHECK(piece_seeds_make(&seeds, row, &grid, 0, NULL, &fault) == ERR_INPUT);
+    CHECK_HAS(fault.text, "choose fewer");
+}
+
+/* ---- in a session ---- */
+
+static uint8_t painted[12 * 11 * 10];
+static void painted_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    (void)context;
+    memcpy(values, painted + size[0] * (y + size[1] * z), size[0]);
+}
+
+static void write_painted(const char *name)
+{
+    struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
+    CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
+    CHECK(volume_write(
+              place(name), FILE_REPLACE,
+              &(struct volume_map){
+                  .size = size, .geometry = &geometry, .description = "test", .row = painted_row},
+              NULL, NULL) == OK);
+}
+
+static void paint_map(void)
+{
+    for (size_t i = 0; i < sizeof painted; i++) {
+        const size_t x = i % 12, y = i / 12 % 11, z = i / 132;
+        painted[i] = (uint8_t)(x > 2 && x < 9 && y > 1 && y < 9 && z > 1 && z < 8
+                                   ? (x == 6 && y == 5 && z == 5 ? 3 : 1)
+                               : x > 9 && y > 3 ? 2
+                                                : 0);
+    }
+}
+
+static size_t differing(const struct session *session)
+{
+    size_t count = 0, i = 0;
+    for (uint32_t z = 0; z < size[2]; z++)
+        for (uint32_t y = 0; y < size[1]; y++)
+            for (uint32_t x = 0; x < size[0]; x++, i++)
+                count += session->scene->cell[grid_cell(&session->scene->grid, x, y, z)].label !=
+                         painted[i];
+    return count;
+}
+
+static void must_in_folder(struct interpreter *interp, const char *command, const char *name,
+                           const char *rest)
+{
+    char line[PATH_MAX + 64];
+    snprintf(line, sizeof line, "%s %s %s", command, place(name), rest);
+    must(interp, line);
+}
+
+STORY(without_erosion_the_segmentation_comes_out_again)
+{
+    struct interpreter interp;
+    for (int corners = 0; corners < 2; corners++) {
+        begin_with_scene(&interp);
+        paint_map();
+        write_painted("map.nii");
+        must(&interp, corners ? "adjacency 26" : "adjacency 6");
+        must(&interp, "auto on");
+        must_in_folder(&interp, "labels", "map.nii", "erode=0");
+        CHECK_HAS(buf_text(&reply.text), "label 2 cerebellum: 1 marker\n");
+        CHECK_INT(differing(&interp.session), 0);
+        CHECK(forest_seeds(interp.session.forest) < interp.session.scene->grid.voxels);
+        must(&interp, "undo");
+        CHECK_INT(forest_seeds(interp.session.forest), 0); /* as one */
+        interpreter_release(&interp);
+    }
+}
+
+STORY(a_piece_is_removed_and_grown_into_as_one)
+{
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    paint_map();
+    write_painted("map.nii");
+    must(&interp, "auto on");
+    must_in_folder(&interp, "labels", "map.nii", "");
+    CHECK_HAS(buf_text(&reply.text), "2 pieces too small");
+    const struct grid *grid = &interp.session.scene->grid;
+    CHECK_INT(interp.session.scene->cell[grid_cell(grid, 6, 5, 5)].label, 3);
+    must(&interp, "remove 6,5,5");
+    CHECK(interp.session.scene->cell[grid_cell(grid, 6, 5, 5)].label != 3);
+    must_in_folder(&interp, "labels", "map.nii", "regions=1 as=7 erode=1");
+    CHECK_INT(interp.session.scene->cell[grid_cell(grid, 5, 4, 4)].label, 7);
+    must_in_folder(&interp, "labels", "map.nii", "label=9");
+    CHECK_INT(interp.session.scene->cell[grid_cell(grid, 5, 4, 4)].label, 9);
+    CHECK_INT(interp.session.scene->cell[grid_cell(grid, 0, 0, 0)].label, 0);
+    interpreter_release(&interp);
+}
+
+/* ---- objects ---- */
+
+/* A floor of 3x + 2y + z, 60 more for x > 5, 90 more for y > 6 and z > 4. */
+static bool is_bright(uint32_t x, uint32_t y, uint32_t z)
+{
+    const uint32_t value = 3 * x + 2 * y + z + (x > 5 ? 60 : 0) + (y > 6 && z > 4 ? 90 : 0);
+    return value >= 100 && value <= 255;
+}
+
+static size_t seeds_of(const struct session *session, uint8_t label)
+{
+    size_t count = 0;
+    for (uint32_t c = 0; c < session->scene->grid.cells; c++)
+        count +=
+            session->scene->cell[c].flags & CELL_SEED && session->scene->cell[c].label == label;
+    return count;
+}
+
+STORY(an_object_is_what_hangs_together_with_a_seed_within_the_range)
+{
+    struct interpreter interp;
+    size_t expected = 0;
+    begin_with_scene(&interp);
+    must(&interp, "auto on");
+    for (uint32_t z = 0; z < size[2]; z++)
+        for (uint32_t y = 0; y < size[1]; y++)
+            for (uint32_t x = 0; x < size[0]; x++)
+                expected += is_bright(x, y, z);
+    CHECK(execute(&interp, "object 2 threshold 100..255") == ERR_INPUT);
+    CHECK_HAS(fault.text, "no seed of label 2 lies in a voxel of this range");
+    CHECK(execute(&interp, "object 2 threshold 100..255 from=0,0,0") == ERR_INPUT);
+    CHECK_HAS(fault.text, "why 0,0,0");
+    must(&interp, "object 2 threshold 100..255 from=11,10,9");
+    char words[64];
+    snprintf(words, sizeof words, "%zu voxels of label 2 cerebellum\n", expected);
+    CHECK_HAS(buf_text(&reply.text), words);
+    CHECK_INT(seeds_of(&interp.session, 2), expected);
+    CHECK_HAS(buf_text(&reply.words), "marker=1");
+    must(&interp, "undo");
+    CHECK_INT(forest_seeds(interp.session.forest), 0);
+    must(&interp, "seed 11,10,9 2");
+    must(&interp, "object 2 threshold 100..255");
+    CHECK_INT(seeds_of(&interp.session, 2), expected);
+    interpreter_release(&interp);
+}
+
+STORY(seeds_of_another_label_stay_and_let_nothing_through)
+{
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    must(&interp, "auto on");
+    must(&interp, "box 3,0,0 3,10,9 1");
+    must(&interp, "seed 0,0,0 2"); /* all of x < 3 lies in the range, and of x > 3 */
+    must(&interp, "object 2 threshold 0..1000");
+    CHECK_INT(seeds_of(&interp.session, 2), 3 * 11 * 10);
+    CHECK_INT(seeds_of(&interp.session, 1), 11 * 10);
+    must(&interp, "object 1 threshold 0..1000 from=9,9,9"); /* which has a range of its own */
+    CHECK_INT(seeds_of(&interp.session, 1), 9 * 11 * 10);
+    interpreter_release(&interp);
+}
+
+STORY(edits_that_wait_count_as_seeds)
+{
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    must(&interp, "seed 1,1,1 2");
+    must(&interp, "object 2 threshold 0..8.5");
+    const size_t waits = session_pendings(&interp.session);
+    must(&interp, "run");
+    CHECK_INT(forest_seeds(interp.session.forest), waits - 1); /* one of them twice */
+    interpreter_release(&interp);
+}
+
+int main(void)
+{
+    if (!begin_folder())
+        return 1;
+    make_scene();
+    const int status =
+        RUN_STORIES(TELL(each_piece_is_a_marker_of_the_contour_of_what_erosion_leaves),
+                    TELL(a_row_is_eroded_from_both_ends_and_not_at_the_edge_of_the_scene),
+                    TELL(all_labels_beside_regions_that_are_not_chosen_are_refused),
+                    TELL(without_erosion_the_segmentation_comes_out_again),
+                    TELL(a_piece_is_removed_and_grown_into_as_one),
+                    TELL(an_object_is_what_hangs_together_with_a_seed_within_the_range),
+                    TELL(seeds_of_another_label_stay_and_let_nothing_through),
+                    TELL(edits_that_wait_count_as_seeds));
+    return status | end_folder();
+}

@@ -1,0 +1,112 @@
+#!/bin/sh
+# A segmentation to begin with, in a journal: the copy beside it makes the replay need nothing else,
+# goes with the journal, and is believed no more than the digest that the command records. What
+# markers are made is in tests/test_labels.c.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+make_scene s.nii 24 20 16
+"$iftty" -c 'open s.nii; seed 2,3,4 0; seed 6,10,8 1; seed 20,10,8 2; run; save labels model.nii' \
+    >/dev/null || fail "cannot segment"
+
+begin "the labels are copied beside the journal, and the command says which"
+expect 0 "$iftty" -c 'open s.nii; labels model.nii erode=1; run; save labels one.nii' \
+    --journal a.iftty
+out_has "label 1: 1 marker"
+out_has "copied to a.golden/labels-"
+grep -qE '^labels model.nii erode=1 copy=[0-9a-f]{32}$' a.iftty || fail "$(cat a.iftty)"
+digest=$(sed -nE 's/^labels .* copy=//p' a.iftty)
+[ -f "a.golden/labels-$digest.nii.gz" ] || fail "$(ls a.golden)"
+expect 0 "$iftty" info "a.golden/labels-$digest.nii.gz"
+out_has "uint16"
+close_story
+
+begin "a replay, a resumed session and another file's journal need the map no more"
+mv model.nii elsewhere.nii
+expect 0 "$iftty" verify a.iftty
+expect 0 "$iftty" -c 'stats; save labels two.nii' --journal a.iftty
+same_files one.nii two.nii
+expect 0 "$iftty" -c 'journal b.iftty; undo' --journal a.iftty
+[ -f "b.golden/labels-$digest.nii.gz" ] || fail "the copy does not go with the journal"
+expect 0 "$iftty" verify b.iftty
+"$iftty" log --anonymise b.iftty >c.iftty || fail "it cannot be anonymised"
+cp -r b.golden c.golden
+expect 0 "$iftty" replay c.iftty --scene s.nii --out replayed
+same_files one.nii replayed/file-3.nii
+close_story
+
+begin "a second command with the same labels has the same copy, and undo takes all markers"
+cp elsewhere.nii model.nii
+expect 0 "$iftty" -c 'labels model.nii erode=0; run; undo 2; labels model.nii regions=1,2 as=2,1' \
+    --journal a.iftty
+same "$(ls a.golden | wc -l)" 2
+expect 0 "$iftty" verify a.iftty
+rm model.nii
+close_story
+
+begin "where there is no copy, the map itself will do, if it holds the same"
+cp -r a.golden copies
+rm -r a.golden
+expect 3 "$iftty" verify a.iftty
+out_has "there is no copy"
+cp elsewhere.nii model.nii
+expect 0 "$iftty" verify a.iftty
+{ head -c 352 elsewhere.nii; tail -c +354 elsewhere.nii; printf '\007'; } >model.nii
+expect 3 "$iftty" verify a.iftty
+out_has "model.nii holds other labels than were recorded"
+rm model.nii
+close_story
+
+begin "a copy that was changed is not believed, nor a digest that leads elsewhere"
+mkdir a.golden
+first=$(ls copies | head -n 1)
+for copy in $(ls copies); do
+    cp "copies/$first" "a.golden/$copy"
+done
+expect 3 "$iftty" verify a.iftty
+out_has "holds other labels than were recorded"
+printf 'open s.nii\nlabels x.nii copy=../../../../../../etc/passwd00000000000\n' >script
+expect 2 "$iftty" run script
+err_has "expected 32 digits"
+rm -r a.golden
+ln -s /etc a.golden
+expect 3 "$iftty" verify a.iftty
+rm a.golden
+cp -r copies a.golden
+expect 0 "$iftty" verify a.iftty
+close_story
+
+begin "a command that cannot be recorded leaves no copy"
+cp elsewhere.nii model.nii
+"$iftty" -c 'open s.nii' --journal d.iftty >/dev/null || fail "no journal"
+expect 3 "$iftty" -c 'labels model.nii regions=9' --journal d.iftty
+err_has "no voxel of these regions"
+[ ! -e d.golden ] || [ -z "$(ls d.golden)" ] || fail "it leaves $(ls d.golden)"
+expect 0 "$iftty" -c 'open s.nii; labels model.nii' # without a journal, and so without a copy
+close_story
+
+begin "what is no label map of this scene is refused"
+make_scene small.nii 24 20 15
+expect 3 "$iftty" -c 'labels small.nii' --journal d.iftty
+err_has "the map has 24x20x15 voxels and the scene 24x20x16"
+expect 3 "$iftty" -c 'labels missing.nii' --journal d.iftty
+expect 2 "$iftty" -c 'labels model.nii as=1' --journal d.iftty
+expect 2 "$iftty" -c 'labels model.nii regions=1 as=2 label=3' --journal d.iftty
+close_story
+
+begin "an object by its range is one marker, replayed and taken back"
+expect 0 "$iftty" -c 'open s.nii; seed 6,10,8 1; object 1 threshold 90..200.5
+    object 2 threshold 95..105 from=20,5,5; run; stats; save labels own.nii' --journal e.iftty
+grep -qE '^ *[0-9]+ voxels of label 1$' out || fail "$(cat out)"
+grep -q '^object 2 threshold 95..105 from=20,5,5$' e.iftty || fail "$(cat e.iftty)"
+expect 0 "$iftty" verify e.iftty
+expect 0 "$iftty" -c 'undo 2; run; object 2 threshold 95..105 from=20,5,5; run
+    save labels again.nii' \
+    --journal e.iftty
+same_files own.nii again.nii
+expect 3 "$iftty" -c 'object 5 threshold 70..89' --journal e.iftty
+err_has "no seed of label 5 lies in a voxel of this range"
+expect 2 "$iftty" -c 'object 5 threshold' --journal e.iftty
+expect 2 "$iftty" -c 'object 5 threshold 9..1' --journal e.iftty
+close_story
+
+finish
