@@ -33,22 +33,37 @@ static const double OFFSET_MOST = 256 << 20;
 
 enum { UNREAD = -1 };
 
+#define CHANNEL   "it has colours: take one channel, as `c3d -mcs IN -oo R.nii G.nii B.nii` does"
+#define MAGNITUDE "take the magnitude, as `fslcomplex -realabs IN OUT` does"
+
 static const struct datatype {
     int16_t code;
     const char *name;
-    int type; /* enum voxel_type, or UNREAD */
+    int type;           /* enum voxel_type, or UNREAD: */
+    const char *remedy; /* what makes of it what can be read */
 } known[] = {
-    {2, "uint8", VOXEL_UINT8},      {4, "int16", VOXEL_INT16},  {512, "uint16", VOXEL_UINT16},
-    {16, "float32", VOXEL_FLOAT32}, {768, "uint32", UNREAD},    {1, "binary", UNREAD},
-    {8, "int32", UNREAD},           {32, "complex64", UNREAD},  {64, "float64", UNREAD},
-    {128, "rgb24", UNREAD},         {256, "int8", UNREAD},      {1024, "int64", UNREAD},
-    {1280, "uint64", UNREAD},       {1536, "float128", UNREAD}, {1792, "complex128", UNREAD},
-    {2048, "complex256", UNREAD},   {2304, "rgba32", UNREAD},
+    {2, "uint8", VOXEL_UINT8, NULL},
+    {4, "int16", VOXEL_INT16, NULL},
+    {8, "int32", VOXEL_INT32, NULL},
+    {16, "float32", VOXEL_FLOAT32, NULL},
+    {64, "float64", VOXEL_FLOAT64, NULL},
+    {256, "int8", VOXEL_INT8, NULL},
+    {512, "uint16", VOXEL_UINT16, NULL},
+    {768, "uint32", VOXEL_UINT32, NULL},
+    {1024, "int64", VOXEL_INT64, NULL},
+    {1280, "uint64", VOXEL_UINT64, NULL},
+    {1, "binary", UNREAD, "write it as uint8"},
+    {32, "complex64", UNREAD, MAGNITUDE},
+    {128, "rgb24", UNREAD, CHANNEL},
+    {1536, "float128", UNREAD, "write it as float64"},
+    {1792, "complex128", UNREAD, MAGNITUDE},
+    {2048, "complex256", UNREAD, MAGNITUDE},
+    {2304, "rgba32", UNREAD, CHANNEL},
 };
 
 static const struct datatype *datatype_of(int64_t code)
 {
-    static const struct datatype unknown = {0, "unknown", UNREAD};
+    static const struct datatype unknown = {0, "unknown", UNREAD, "write whole or real numbers"};
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if (known[i].code == code)
             return &known[i];
@@ -97,17 +112,16 @@ static enum err read_size(uint32_t size[3], uint32_t *volumes, const struct nift
     return OK;
 }
 
-static enum err check_scale(struct nifti_header *header, struct fault *fault)
+static void read_scale(struct nifti_header *header, char *notes)
 {
-    if (header->scl_slope == 0) { /* nifti1.h: then there is no scaling of either kind */
+    const bool is_odd = !isfinite(header->scl_slope) || !isfinite(header->scl_inter);
+    if (is_odd)
+        volume_note(notes, "scl_slope is %g and scl_inter %g: values are not scaled",
+                    header->scl_slope, header->scl_inter);
+    if (is_odd || header->scl_slope == 0) { /* nifti1.h: then there is no scaling of either kind */
         header->scl_slope = 1;
         header->scl_inter = 0;
     }
-    if (!isfinite(header->scl_slope) || !isfinite(header->scl_inter))
-        return fault_set(fault, ERR_INPUT,
-                         "scl_slope is %g and scl_inter %g; expected finite numbers",
-                         header->scl_slope, header->scl_inter);
-    return OK;
 }
 
 /* Where the voxels begin. */
@@ -128,9 +142,8 @@ static enum err read_offset(uint64_t *offset, const struct nifti_header *header,
 static enum err read_layout(struct volume_header *out, struct nifti_header *header,
                             const struct volume_source *source, struct fault *fault)
 {
-    enum err err = check_scale(header, fault);
-    if (!err)
-        err = read_offset(&out->offset, header, fault);
+    read_scale(header, out->notes);
+    const enum err err = read_offset(&out->offset, header, fault);
     return err ? err : voxels_check(out, source, fault);
 }
 
@@ -148,10 +161,8 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
     out->type_name = datatype->name;
     out->big_endian = header.big_endian;
     if (datatype->type == UNREAD)
-        snprintf(out->refusal, sizeof out->refusal,
-                 "its voxels are %s (datatype %" PRId64
-                 "); expected uint8, int16, uint16 or float32",
-                 datatype->name, header.datatype);
+        snprintf(out->refusal, sizeof out->refusal, "its voxels are %s (datatype %" PRId64 "); %s",
+                 datatype->name, header.datatype, datatype->remedy);
     else {
         out->type = (enum voxel_type)datatype->type;
         err = read_layout(out, &header, source, fault);

@@ -82,18 +82,25 @@ static double get_number(const uint8_t *at, const struct volume_header *header)
     const uint64_t bits = get_bits(at, voxel_bytes(header->type), header->big_endian);
     const uint32_t narrow = (uint32_t)bits;
     float single;
+    double wide;
     switch (header->type) {
+    case VOXEL_INT8:
+        return (int8_t)bits;
     case VOXEL_INT16:
         return (int16_t)bits;
+    case VOXEL_INT32:
+        return (int32_t)bits;
+    case VOXEL_INT64:
+        return (double)(int64_t)bits;
     case VOXEL_FLOAT32:
         memcpy(&single, &narrow, sizeof single);
         return (double)single;
-    case VOXEL_UINT8:
-    case VOXEL_UINT16:
-    case VOXEL_UINT32:
-        break;
+    case VOXEL_FLOAT64:
+        memcpy(&wide, &bits, sizeof wide);
+        return wide;
+    default:
+        return (double)bits;
     }
-    return (double)bits;
 }
 
 /* A mean that the type can hold. */
@@ -107,11 +114,14 @@ static void put_number(uint8_t *at, double value, const struct volume_header *he
         memcpy(&narrow, &single, sizeof narrow);
         bits = narrow;
         break;
-    case VOXEL_UINT8:
-    case VOXEL_INT16:
-    case VOXEL_UINT16:
-    case VOXEL_UINT32:
-        bits = (uint64_t)(int64_t)floor(value + 0.5);
+    case VOXEL_FLOAT64:
+        memcpy(&bits, &value, sizeof bits);
+        break;
+    case VOXEL_UINT64:
+        bits = value < 0x1p64 ? (uint64_t)value : UINT64_MAX;
+        break;
+    default:
+        bits = value < 0x1p63 ? (uint64_t)(int64_t)floor(value + 0.5) : INT64_MAX;
     }
     put_bits(at, bits, voxel_bytes(header->type), header->big_endian);
 }

@@ -6,7 +6,7 @@
  * else to the format whose ending its name has, which then says what is wrong with it.
  *
  * Intensities are held as 16 bits whatever a file holds; geometry.slope and .intercept lead back
- * to real values (image/voxels.h).
+ * to real values (image/intensities.h).
  *
  * Nothing a file claims is believed before it is checked: no more is allocated than the size of
  * the file can account for, and no more is inflated than the header and the voxels (and 64 kB
@@ -33,7 +33,7 @@
 
 /* The formats, and a sentence about each for the help. */
 #define VOLUME_FORMATS(ROW)                                                                        \
-    ROW(nifti_format, "NIfTI is .nii or .nii.gz of uint8, int16, uint16 or float32. ")             \
+    ROW(nifti_format, "NIfTI is .nii or .nii.gz of any whole or real numbers. ")                   \
     ROW(nrrd_format, "")                                                                           \
     ROW(metaimage_format, "")                                                                      \
     ROW(raw_format, "")                                                                            \
@@ -67,10 +67,22 @@ struct volume {
     struct geometry geometry;
     struct volume_choice choice; /* by which it was read, */
     uint32_t whole[3];           /* of a file of this size */
+    bool is_coarse;              /* several whole numbers of the file are one intensity */
     char notes[VOLUME_NOTES_BYTES];
 };
 
-enum voxel_type { VOXEL_UINT8, VOXEL_INT16, VOXEL_UINT16, VOXEL_FLOAT32, VOXEL_UINT32 };
+enum voxel_type {
+    VOXEL_INT8,
+    VOXEL_UINT8,
+    VOXEL_INT16,
+    VOXEL_UINT16,
+    VOXEL_INT32,
+    VOXEL_UINT32,
+    VOXEL_INT64,
+    VOXEL_UINT64,
+    VOXEL_FLOAT32,
+    VOXEL_FLOAT64
+};
 
 /* What the header of a file says. */
 struct volume_header {
@@ -80,7 +92,7 @@ struct volume_header {
     const char *type_name;    /* of voxels, "int16" */
     bool big_endian;
     uint32_t volumes;  /* of a series; 1 for a scene */
-    char refusal[112]; /* why its voxels cannot be read; "" where they can: */
+    char refusal[160]; /* why its voxels cannot be read; "" where they can: */
     enum voxel_type type;
     uint64_t offset; /* bytes before the voxels, of all volumes */
     char notes[VOLUME_NOTES_BYTES];
@@ -154,7 +166,7 @@ enum err volume_take(struct volume *out, struct volume_reader *reader, struct fa
 void volume_close(struct volume_reader *reader);
 
 /* All three: the scene in `path` by that choice (or NULL), under a watch (or NULL). It takes two
- * bytes a voxel, four while float32 is read, and as much as the file where a gzip is inflated
+ * bytes a voxel, four or eight while such numbers are read, and as much as the file where a gzip is inflated
  * whole. On failure *out is empty and the words say what was wrong and what was expected:
  * ERR_INPUT for content, ERR_LIMIT, ERR_IO, ERR_MEMORY, ERR_CANCELLED. */
 enum err volume_read(struct volume *out, const char *path, const struct volume_choice *choice,

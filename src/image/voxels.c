@@ -3,7 +3,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -11,20 +10,17 @@
 
 #include "base/mem.h"
 #include "engine/grid.h"
+#include "image/intensities.h"
 #include "image/part.h"
 
-enum {
-    PACKED_CHUNK = 256 << 10, /* bytes that zlib writes at a time */
-    PIECE = 1 << 16,          /* values between two looks at the watch */
-};
+enum { PACKED_CHUNK = 256 << 10 /* bytes that zlib writes at a time */ };
 
 unsigned voxel_bytes(enum voxel_type type)
 {
-    static const uint8_t bytes[] = {[VOXEL_UINT8] = 1,
-                                    [VOXEL_INT16] = 2,
-                                    [VOXEL_UINT16] = 2,
-                                    [VOXEL_FLOAT32] = 4,
-                                    [VOXEL_UINT32] = 4};
+    static const uint8_t bytes[] = {
+        [VOXEL_INT8] = 1,   [VOXEL_UINT8] = 1,  [VOXEL_INT16] = 2,   [VOXEL_UINT16] = 2,
+        [VOXEL_INT32] = 4,  [VOXEL_UINT32] = 4, [VOXEL_FLOAT32] = 4, [VOXEL_INT64] = 8,
+        [VOXEL_UINT64] = 8, [VOXEL_FLOAT64] = 8};
     return bytes[type];
 }
 
@@ -52,119 +48,6 @@ bool voxel_type_named(enum voxel_type *out, const char *name)
 static size_t voxels_in(const uint32_t size[3])
 {
     return (size_t)size[0] * size[1] * size[2];
-}
-
-/* ---- byte order ---- */
-
-static void swap_16(uint16_t *value, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        value[i] = (uint16_t)(value[i] << 8 | value[i] >> 8);
-}
-
-static void swap_32(uint32_t *value, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        value[i] = __builtin_bswap32(value[i]);
-}
-
-/* Between the order of this machine and that of a file. */
-static void put_in_order(void *value, size_t count, enum voxel_type type, bool big_endian)
-{
-    if (big_endian == (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__))
-        return;
-    if (voxel_bytes(type) == 2)
-        swap_16(value, count);
-    if (voxel_bytes(type) == 4)
-        swap_32(value, count);
-}
-
-/* ---- intensities ---- */
-
-/* Spreads `count` bytes from the upper half of an array over the whole of it. Piecewise through a
- * small buffer: the compiler cannot see that reading stays ahead of writing. */
-static void widen_bytes(uint16_t *value, size_t count, struct task *task)
-{
-    const uint8_t *from = (const uint8_t *)value + count;
-    uint8_t piece[4096];
-    for (size_t done = 0; done < count;) {
-        size_t n = count - done < sizeof piece ? count - done : sizeof piece;
-        memcpy(piece, from + done, n);
-        for (size_t i = 0; i < n; i++)
-            value[done + i] = piece[i];
-        done += n;
-        if (!task_advance(task, n))
-            return;
-    }
-}
-
-/* Signed to unsigned by the least value; returns what was added to every voxel's value. */
-static int shift_signed(uint16_t *value, size_t count, struct task *task)
-{
-    int least = 0;
-    for (size_t i = 0, end; i < count && task_advance(task, PIECE); i = end)
-        for (end = i + PIECE < count ? i + PIECE : count; i < end; i++) {
-            int v = (int16_t)value[i];
-            least = v < least ? v : least;
-        }
-    for (size_t i = 0, end; i < count && task_advance(task, PIECE); i = end)
-        for (end = i + PIECE < count ? i + PIECE : count; i < end; i++)
-            value[i] = (uint16_t)((int16_t)value[i] - least);
-    return least;
-}
-
-/* Floats to 16 bits, in place: a voxel's two bytes never lie after its four. */
-static enum err quantise(void *voxels, const uint32_t size[3], double *factor, double *least,
-                         struct task *task, struct fault *fault)
-{
-    const unsigned char *from = voxels;
-    unsigned char *to = voxels;
-    const size_t count = voxels_in(size), row = size[0], plane = row * size[1];
-    float low = INFINITY, high = -INFINITY, value;
-    for (size_t i = 0; i < count && task_advance(task, 1); i++) {
-        memcpy(&value, from + 4 * i, sizeof value);
-        if (!isfinite(value))
-            return fault_set(fault, ERR_INPUT, "voxel %zu,%zu,%zu is %s; expected finite numbers",
-                             i % row, i % plane / row, i / plane,
-                             isnan(value) ? "not a number (NaN)" : "infinite");
-        low = value < low ? value : low;
-        high = value > high ? value : high;
-    }
-    const double base = (double)low;
-    const double range = (double)high - base;
-    for (size_t i = 0; i < count && task_advance(task, 1); i++) {
-        memcpy(&value, from + 4 * i, sizeof value);
-        double part = range > 0 ? ((double)value - base) / range : 0;
-        uint16_t intensity = (uint16_t)(part * 65535 + 0.5);
-        memcpy(to + 2 * i, &intensity, sizeof intensity);
-    }
-    *factor = range > 0 ? range / 65535 : 1;
-    *least = base;
-    return OK;
-}
-
-/* Turns the numbers of a file into intensities, and says the way back. */
-static enum err convert(void *voxels, const struct volume_header *header, struct geometry *geometry,
-                        struct watch *watch, struct fault *fault)
-{
-    const size_t count = voxels_in(header->size);
-    struct task task = task_begin(watch, "intensities", 3 * (uint64_t)count);
-    uint8_t *at = voxels;
-    double factor = 1, least = 0;
-    enum err err = OK;
-    for (size_t i = 0, n; i < count && task_advance(&task, PIECE); i += n) {
-        n = count - i < PIECE ? count - i : PIECE;
-        put_in_order(at + i * voxel_bytes(header->type), n, header->type, header->big_endian);
-    }
-    if (header->type == VOXEL_UINT8)
-        widen_bytes(voxels, count, &task);
-    else if (header->type == VOXEL_INT16)
-        least = shift_signed(voxels, count, &task);
-    else if (header->type == VOXEL_FLOAT32)
-        err = quantise(voxels, header->size, &factor, &least, &task, fault);
-    geometry->intercept = header->geometry.slope * least + header->geometry.intercept;
-    geometry->slope = header->geometry.slope * factor;
-    return err;
 }
 
 /* ---- reading ---- */
@@ -233,7 +116,7 @@ enum err voxels_read(struct volume *volume, const struct volume_header *header,
     else if (!at_once || !inflate_voxels(voxels, lead, needed, offset, source))
         err = stream_voxels(voxels + lead, needed, offset, source, watch, fault);
     if (!err)
-        err = convert(voxels, header, &volume->geometry, watch, fault);
+        intensities_make(volume, header, watch);
     if (!err)
         err = watch_fault(watch, fault);
     if (!err && room > held) {
@@ -270,7 +153,7 @@ static bool put_rows(gzFile gz, const char *path, const struct volume_map *map, 
     for (uint32_t z = 0; z < map->size[2]; z++)
         for (uint32_t y = 0; y < map->size[1]; y++) {
             map->row(map->context, y, z, values);
-            put_in_order(values, map->size[0], map->type, false);
+            intensities_reorder(values, map->size[0], map->type, false);
             if (!put(gz, path, values, bytes) || !task_advance(&task, bytes))
                 return false;
         }

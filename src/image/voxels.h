@@ -1,10 +1,6 @@
 /*
  * Voxels as plain numbers, one after another, in a file: how most formats hold them.
- *
- *     uint8, uint16   intensities as they are
- *     int16           less the least value found, where that is negative
- *     float32         linear, least .. greatest found -> 0 .. 65535, halves rounded up
- *                     (a constant image is 0 everywhere)
+ * image/intensities.h says what becomes of them.
  */
 #ifndef IMAGE_VOXELS_H
 #define IMAGE_VOXELS_H

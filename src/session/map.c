@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/file.h"
 #include "base/mem.h"
@@ -79,10 +80,12 @@ static enum err check(const struct map_place *place, const uint32_t size[3],
                                            place->resample, fault);
 }
 
-static enum err bring(struct volume *map, const struct map_place *place, struct watch *watch,
-                      struct fault *fault)
+/* `known` bytes of the notes are the header's, of what a scene would want to know. */
+static enum err bring(struct volume *map, size_t known, const struct map_place *place,
+                      struct watch *watch, struct fault *fault)
 {
-    *map->notes = '\0';
+    if (known <= strlen(map->notes))
+        memmove(map->notes, map->notes + known, strlen(map->notes) - known + 1);
     const enum err err = check(place, map->size, &map->geometry, fault);
     if (err || place->as_before)
         return err ? err : map_check_axes(map, place->geometry, fault);
@@ -103,7 +106,7 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
     err = volume_read(map, path, &choice, watch, fault);
     if (err)
         return err;
-    err = bring(map, place, watch, fault); /* it may be another file by now */
+    err = bring(map, strlen(header.notes), place, watch, fault); /* it may be another file by now */
     return err ? fault_prefix(fault, err, "%s", file_name(path)) : OK;
 }
 
@@ -144,6 +147,13 @@ static enum err convert(struct volume *map, uint32_t first, uint32_t last, uint3
                         const char *holds, struct watch *watch, struct fault *fault)
 {
     uint32_t *table = mem_array(VALUES, sizeof *table);
+    if (map->is_coarse) {
+        free(table);
+        return fault_set(fault, ERR_INPUT,
+                         "its whole numbers span more than the 65536 that a map can hold; %s; "
+                         "nothing has changed",
+                         holds);
+    }
     if (!table)
         return fault_memory(fault, "a map");
     for (uint32_t i = 0; i < VALUES; i++) {

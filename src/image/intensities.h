@@ -1,0 +1,28 @@
+/*
+ * Intensities: the numbers of a file as the 16 bits that a scene holds, and the way back.
+ *
+ *     uint8, uint16     as they are
+ *     int8, int16       less the least value found, where that is negative
+ *     32 and 64 bits,   as they are, or less the least value, where that makes them fit 16 bits:
+ *     whole numbers     exact; else divided by the least whole number that makes them fit, halves
+ *                       rounded up, which is noted, and `volume.is_coarse`: no map of regions
+ *     float32, float64  linear, least .. greatest found -> 0 .. 65535, halves rounded up (a
+ *                       constant image is 0 everywhere); a voxel that is no number or infinite has
+ *                       the least value, or 0 where none is below; they are counted in a note
+ */
+#ifndef IMAGE_INTENSITIES_H
+#define IMAGE_INTENSITIES_H
+
+#include "image/volume.h"
+
+/* Turns the numbers at volume->intensity, of header->type and in its byte order, into intensities
+ * in their place; of one byte a voxel they stand in the upper half of the array. Slope and
+ * intercept of the volume lead to what header->geometry's make of the numbers. Watched: of no use
+ * where the watch (or NULL) stops it. */
+void intensities_make(struct volume *volume, const struct volume_header *header,
+                      struct watch *watch);
+
+/* Between the order of this machine and that of a file, in place. */
+void intensities_reorder(void *value, size_t count, enum voxel_type type, bool big_endian);
+
+#endif
