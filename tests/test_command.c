@@ -292,7 +292,7 @@ static void add_value(struct buf *out, const struct parameter *p)
         buf_printf(out, below(2) ? "%u" : "%u.%03umm", below((uint32_t)p->most + 1), below(1000));
         break;
     case VALUE_INTERVAL:
-        buf_printf(out, "%d.%03u..%u.5", -(int)below(50), below(1000), below(300));
+        buf_printf(out, "%d.%03u..%u.5", -(int)below(50), below(1000), 1 + below(300));
         break;
     case VALUE_COLOUR:
         buf_printf(out, "#%06x", below(1u << 24));

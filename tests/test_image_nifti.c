@@ -749,7 +749,7 @@ STORY(the_widest_range_of_doubles_does_not_overflow)
     volume_release(&v);
 }
 
-/* Whole numbers of a type that lie between `low` and `high`: exact in 16 bits, or to half a step. */
+/* Whole numbers of a type, between `low` and `high`: exact in 16 bits, or to half a step. */
 static void check_whole(int datatype, bool big, int64_t low, uint64_t range, uint64_t *chance)
 {
     struct made m = make(datatype, big);

@@ -18,9 +18,10 @@ enum opening {
     OPEN_TYPE,
     OPEN_ENDIAN,
     OPEN_OFFSET,
-    OPEN_SPACING
+    OPEN_SPACING,
+    OPEN_HUGE
 };
-#define OPEN_TYPES "uint8|int16|uint16|float32"
+#define OPEN_TYPES "int8|uint8|int16|uint16|int32|uint32|int64|uint64|float32|float64"
 
 /* The choice that the values are; *name is the file's, within value[OPEN_FILE]. ERR_USAGE, with
  * what was expected. */

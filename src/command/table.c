@@ -31,7 +31,8 @@
     "crop: only this box of voxels, the first and last along x, y and z, as in 0-99,40-159,0-79; " \
     "memory is taken for that alone, and places count from its first voxel.\n"                     \
     "reduce: so many voxels along each axis become one, their mean; with crop, those of the box. " \
-    "Maps on the grid of the whole file are taken in the same way, by the voxel in the middle."
+    "Maps on the grid of the whole file are taken in the same way, by the voxel in the middle.\n"  \
+    "huge: yes opens a small file that claims gigabytes, which is refused else."
 #define SYNTHETIC_NOTE                                                                             \
     "synth:geom has 200x200x100 voxels; X, Y, Z of 2 interpolate that axis to 2n-1, as in "        \
     "synth:geom:221. A SIZE in voxels, as in synth:geom:1024x1024x1024, draws the same solids in " \
@@ -114,7 +115,8 @@ const struct command command_table[] = {
       KEYED("size", VALUE_LIST, .least = 1, .most = 65534),
       KEYED("type", VALUE_CHOICE, .choices = OPEN_TYPES),
       KEYED("endian", VALUE_CHOICE, .choices = "little|big"),
-      KEYED("offset", VALUE_NUMBER, .most = INT64_C(1) << 40), KEYED("spacing", VALUE_WORD)},
+      KEYED("offset", VALUE_NUMBER, .most = INT64_C(1) << 40), KEYED("spacing", VALUE_WORD),
+      KEYED("huge", VALUE_CHOICE, .choices = "yes|no")},
      "load a scene, or synth:geom[:XYZ|:SIZE]",
      VOLUME_FORMATS(VOLUME_NOTE) SYNTHETIC_NOTE "\n" VOLUME_SERIES_NOTE PART_NOTE "\n" OPENING_NOTE,
      "open synth:geom"},

@@ -59,6 +59,7 @@ struct volume_choice {
     const char *data;      /* the name of a data set of HDF5; NULL: the only one. Not owned */
     struct raw_layout raw; /* of voxels without a header */
     uint32_t spacing_nm[3]; /* of a file that does not say it; 0: none */
+    bool huge;              /* the user knows that the file swells as no scene does */
 };
 
 struct volume {
@@ -95,6 +96,7 @@ struct volume_header {
     char refusal[160]; /* why its voxels cannot be read; "" where they can: */
     enum voxel_type type;
     uint64_t offset; /* bytes before the voxels, of all volumes */
+    uint64_t bytes;  /* of the file on disk */
     char notes[VOLUME_NOTES_BYTES];
     struct volume_choice choice; /* for read_voxels: of what there is; and what follows from it: */
     uint32_t whole[3];           /* the size in the file; `size` is that of the part */
@@ -166,8 +168,8 @@ enum err volume_take(struct volume *out, struct volume_reader *reader, struct fa
 void volume_close(struct volume_reader *reader);
 
 /* All three: the scene in `path` by that choice (or NULL), under a watch (or NULL). It takes two
- * bytes a voxel, four or eight while such numbers are read, and as much as the file where a gzip is inflated
- * whole. On failure *out is empty and the words say what was wrong and what was expected:
+ * bytes a voxel, four or eight while such numbers are read, and as much as the file where a gzip is
+ * inflated whole. On failure *out is empty and the words say what was wrong and what was expected:
  * ERR_INPUT for content, ERR_LIMIT, ERR_IO, ERR_MEMORY, ERR_CANCELLED. */
 enum err volume_read(struct volume *out, const char *path, const struct volume_choice *choice,
                      struct watch *watch, struct fault *fault);

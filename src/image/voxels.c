@@ -24,11 +24,11 @@ unsigned voxel_bytes(enum voxel_type type)
     return bytes[type];
 }
 
-static const char *const type_name[] = {[VOXEL_UINT8] = "uint8",
-                                        [VOXEL_INT16] = "int16",
-                                        [VOXEL_UINT16] = "uint16",
-                                        [VOXEL_FLOAT32] = "float32",
-                                        [VOXEL_UINT32] = "uint32"};
+static const char *const type_name[] = {
+    [VOXEL_INT8] = "int8",      [VOXEL_UINT8] = "uint8",   [VOXEL_INT16] = "int16",
+    [VOXEL_UINT16] = "uint16",  [VOXEL_INT32] = "int32",   [VOXEL_UINT32] = "uint32",
+    [VOXEL_INT64] = "int64",    [VOXEL_UINT64] = "uint64", [VOXEL_FLOAT32] = "float32",
+    [VOXEL_FLOAT64] = "float64"};
 
 const char *voxel_type_name(enum voxel_type type)
 {
@@ -38,7 +38,7 @@ const char *voxel_type_name(enum voxel_type type)
 bool voxel_type_named(enum voxel_type *out, const char *name)
 {
     for (unsigned type = 0; type < sizeof type_name / sizeof type_name[0]; type++)
-        if (type != VOXEL_UINT32 && strcmp(name, type_name[type]) == 0) {
+        if (strcmp(name, type_name[type]) == 0) {
             *out = (enum voxel_type)type;
             return true;
         }

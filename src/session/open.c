@@ -12,6 +12,7 @@
 #include "image/volume.h"
 
 static const uint64_t ANNOUNCED_FROM = 1000000000; /* bytes */
+enum { SWELLING_MOST = 200 };                      /* voxels for each byte of a file */
 
 /* ---- memory ---- */
 
@@ -42,6 +43,22 @@ static enum err check_memory(const uint32_t size[3], const char *undone, struct 
         watch_announce(watch, "%ux%ux%u voxels: needs %.1f GB of memory, %.1f GB are free", size[0],
                        size[1], size[2], (double)needed / 1e9, (double)available / 1e9);
     return OK;
+}
+
+/* A few kilobytes that claim gigabytes are a mistake or an attack, unless the user says so. A scene
+ * shrinks to a half or a tenth, a label map to a hundredth. */
+static enum err check_swelling(const struct volume_header *header, const char *path,
+                               struct fault *fault)
+{
+    const uint64_t needed = session_bytes_for(header->size);
+    const uint64_t voxels =
+        (uint64_t)header->whole[0] * header->whole[1] * header->whole[2] * header->volumes;
+    if (needed < ANNOUNCED_FROM || header->choice.huge || voxels / SWELLING_MOST <= header->bytes)
+        return OK;
+    return fault_set(fault, ERR_LIMIT,
+                     "%s: %.1f MB on disk claim a scene that needs %.1f GB of memory; `open FILE "
+                     "huge=yes` opens it all the same; nothing was opened",
+                     path, (double)header->bytes / 1e6, (double)needed / 1e9);
 }
 
 /* ---- opening ---- */
@@ -127,6 +144,8 @@ static enum err open_file(struct session *session, const char *path,
     struct volume volume = {0};
     struct volume_reader reader;
     enum err err = volume_open(&reader, path, choice, session->watch, fault);
+    if (!err && semantics_has(session->semantics, MEANING_ORIENTATION))
+        err = check_swelling(&reader.header, path, fault);
     if (!err)
         err = check_memory(reader.header.size,
                            "a part of it is opened with crop=A-B,C-D,E-F or reduce=2; nothing was "
@@ -140,6 +159,7 @@ static enum err open_file(struct session *session, const char *path,
             scene_new_filled(&session->scene, volume.size, volume.intensity, session->watch, fault);
     if (!err && (volume.choice.has_crop || volume.choice.reduce)) {
         session->part.choice = volume.choice;
+        session->part.choice.data = NULL; /* the command's */
         memcpy(session->part.whole, volume.whole, sizeof volume.whole);
         memcpy(session->part.size, volume.size, sizeof volume.size);
     }
