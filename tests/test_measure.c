@@ -75,7 +75,7 @@ STORY(a_profile_has_the_voxels_of_a_stroke)
                  (int)at[1], (int)at[2], session->scene->cell[cell].intensity);
         HAS(line);
     }
-    HAS("12 voxels, values ");
+    HAS("12 voxels; values ");
     must(&interp, "seed 1,1,1 2");
     must(&interp, "seed 10,9,9 12");
     must(&interp, "run");
@@ -83,14 +83,14 @@ STORY(a_profile_has_the_voxels_of_a_stroke)
     HAS("labels |2");
     HAS("+\n");
     must(&interp, "profile 3,3,3 3,3,3");
-    HAS("1 voxel, values ");
+    HAS("1 voxel; values ");
     CHECK_INT(columns_of_labels(buf_text(&reply.text)), 1);
     interpreter_release(&interp);
     begin_interpreter(&interp);
     must(&interp, "open synth:geom:400x9x9");
     must(&interp, "profile 0,4,4 399,4,4");
     CHECK_INT(columns_of_labels(buf_text(&reply.text)), CHART_COLUMNS);
-    HAS("400 voxels, values ");
+    HAS("400 voxels, 6.2 in a column; values ");
     interpreter_release(&interp);
 }
 

@@ -173,8 +173,11 @@ enum err act_profile(const struct act *act)
         take_column(&p, c);
     write_distance(act, p.from, p.to);
     draw(out, &p, act->interp->has_blocks);
-    buf_printf(out, "%lld voxel%s, values %g to %g, mean %.6g\n", (long long)p.steps + 1,
-               plural((uint64_t)p.steps + 1), p.least, p.most, p.sum / (double)(p.steps + 1));
+    buf_printf(out, "%lld voxel%s", (long long)p.steps + 1, plural((uint64_t)p.steps + 1));
+    if (p.steps >= p.columns)
+        buf_printf(out, ", %.2g in a column", (double)(p.steps + 1) / p.columns);
+    buf_printf(out, "; values %g to %g, mean %.6g\n", p.least, p.most,
+               p.sum / (double)(p.steps + 1));
     if (value[2].given && value[2].number == 0)
         list(out, &p);
     return OK;

@@ -84,7 +84,7 @@ static void answer(const struct act *act, const struct surface *surface, bool jo
         buf_add_text(out, "its places are in voxels: how far apart those are is unknown\n");
     else if (session->geometry.orientation == ORIENTATION_UNKNOWN)
         buf_add_text(out, "its places are in millimetres along the axes of the voxels: the "
-                          "orientation is unknown\n");
+                          "orientation is unknown (`orient` says it)\n");
 }
 
 enum err act_save_surface(const struct act *act, const struct labels *labels, const char *path,

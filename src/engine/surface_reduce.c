@@ -92,21 +92,15 @@ static void find_across(struct reduction *r, uint32_t *next)
 
 /* ---- may it move, and at what cost ---- */
 
-static unsigned neighbours_of(const struct reduction *r, uint32_t point)
+static bool has_four_neighbours(const struct reduction *r, uint32_t point)
 {
     const uint32_t first = r->corner_of[point];
-    unsigned count = 0;
-    uint32_t c = first;
-    do {
-        count++;
-        c = swing(r, c);
-    } while (c != first);
-    return count;
+    return swing(r, swing(r, swing(r, first))) != first;
 }
 
 /* Whether the surface stays a manifold: the two points have no neighbours in common but those of
- * the triangles between them, and these have others. `corner` is the point's, with the edge to the
- * other one after it; the point's neighbours are marked. */
+ * the triangles between them, and these have four or more. `corner` is the point's, with the edge
+ * to the other one after it; the point's neighbours are marked. */
 static bool stays_manifold(const struct reduction *r, uint32_t corner)
 {
     const uint32_t to = point_at(r, next_in_triangle(corner));
@@ -115,11 +109,13 @@ static bool stays_manifold(const struct reduction *r, uint32_t corner)
     const uint32_t right = point_at(r, r->across[last_in_triangle(corner)]);
     unsigned common = 0;
     uint32_t c = first;
+    if (!has_four_neighbours(r, left) || !has_four_neighbours(r, right))
+        return false;
     do {
         common += r->mark[point_at(r, next_in_triangle(c))] == r->marks;
         c = swing(r, c);
     } while (c != first);
-    return common == 2 && neighbours_of(r, left) > 3 && neighbours_of(r, right) > 3;
+    return common == 2;
 }
 
 /* False where that is too long. */
