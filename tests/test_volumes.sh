@@ -98,4 +98,154 @@ expect 2 "$iftty" -c "open raw:plain.raw"
 err_has "expected its layout"
 close_story
 
+begin "nothing private of a DICOM comes out, wherever one looks"
+secrets='SECRETNAME|SECRETNUMBER|19450508|1[.]2[.]826[.]0[.]1[.]3680043'
+mkdir "$work/private" plain
+cp ct/SECRETNAME_IM0000.dcm plain/IM0
+mv clash "$work/v/SECRET" # what the user calls things stays theirs; what is in the files does not
+{
+    "$iftty" -c "open ct; seed 9,12,6 1; seed 1,1,1 0; run; info; why 9,12,6
+        slice axial 6 $work/private/s.png; render $work/private/r.png; render $work/private/r.exr; save labels $work/private/l.nii.gz
+        save labels $work/private/l.seg.nrrd
+        golden front-1; save surface $work/private/s.ply" --journal "$work/private/j.iftty"
+    for options in "ct" "mixed" "gaps" "SECRET" "uneven" "plain"; do
+        "$iftty" -c "open $options; info" --journal "$work/private/$options.iftty"
+    done
+    "$iftty" info ct
+    "$iftty" info plain/IM0
+    "$iftty" info --json plain/IM0
+    "$iftty" replay "$work/private/j.iftty" --scene ct
+    "$iftty" log --export "$work/private/prov.json" "$work/private/j.iftty"
+} >"$work/private/said" 2>&1
+for file in "$work"/private/* "$work"/private/*/*; do
+    [ -f "$file" ] || continue
+    case $file in *.nii.gz) gunzip -c "$file" ;; *) cat "$file" ;; esac |
+        grep -aE "$secrets" >"$work/found" && fail "${file##*/}: $(head -c 200 "$work/found")"
+done
+grep -q "scene=" "$work/private/j.iftty" || fail "$(cat "$work/private/said")"
+mv SECRET clash
+close_story
+
+# ---- a helper that misbehaves ----
+
+# odd_helper SCRIPT: a program beside a copy of iftty, in place of the helper
+odd_helper() {
+    mkdir -p "$work/odd"
+    cp "$iftty" "$work/odd/iftty"
+    { echo '#!/bin/sh'; printf '%s\ncat >/dev/null\n' "$1"; } >"$work/odd/iftty-volume"
+    chmod +x "$work/odd/iftty-volume"
+}
+# told WORDS: the import ends in one line, and the session goes on
+told() {
+    expect 3 timeout 60 "$work/odd/iftty" run --keep-going --journal "$work/odd/j.iftty" - <<'END'
+open ct
+open synth:geom:20x20x20
+seed 3,3,3 1
+END
+    err_has "$1"
+    same "$(wc -l <"$work/err" | tr -d ' ')" 1
+    out_has "ok 2 seed 3,3,3 1"
+    rm -f "$work/odd/j.iftty"
+}
+begin "a helper that is missing, ends, dies, lies or floods ends the import and no more"
+odd_helper 'exit 0'
+rm "$work/odd/iftty-volume"
+told "\`make\` builds it"
+odd_helper 'exit 7'
+told "ended with status 7"
+odd_helper 'kill -SEGV $$'
+told "died (Segmentation fault)"
+odd_helper 'echo what'
+told "makes no sense"
+odd_helper 'yes progress'
+told "makes no sense"
+odd_helper 'echo "volume 70000 1 1 1 3 5 5 0"; printf "DICOMint16"'
+told "makes no sense"
+odd_helper 'echo "volume 65000 65000 65000 1 0 5 5 0"; printf DICOMint16; head -c 112 /dev/zero'
+told "expected finite ones"
+odd_helper 'echo "volume 65000 65000 65000 1 0 5 5 0"; printf DICOMint16
+for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14; do printf "\0\0\0\0\0\0\360\077"; done'
+told "voxels"
+odd_helper 'printf "volume 9 9 9 1 0 5 5 5\nDICOMint16\033[2J\n"; head -c 112 /dev/zero'
+told "makes no sense"
+odd_helper 'echo "error 99999"; yes'
+told "makes no sense"
+odd_helper 'echo "volume 9 9 9 1 0 5 4 0"; printf DICOMweird
+for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14; do printf "\0\0\0\0\0\0\360\077"; done'
+told "weir"
+odd_helper 'echo "volume 9 9 9 1 0 5 5 0"; printf DICOMint16
+for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14; do printf "\0\0\0\0\0\0\360\077"; done
+read voxels; echo "piece 5"; printf 12345; exit'
+told "ended with status 0"
+close_story
+
+begin "a journal of another replays on such scenes, and reads no more than the folder it names"
+rm -rf "$work/there"
+mkdir "$work/there"
+cp -r ct whole.mha apart.mhd apart.raw "$work/there"
+cd "$work/there" || exit 1
+for scene in ct whole.mha apart.mhd; do
+    expect 0 "$iftty" -c "open $scene; seed 9,12,6 1; seed 1,1,1 0; run" --journal j.iftty
+    expect 0 "$iftty" verify j.iftty
+    rm j.iftty
+done
+printf 'open ../v/uneven\n' >j
+expect 3 "$iftty" replay j
+err_has "expected --scene FILE"
+expect 0 "$iftty" replay j --scene "$work/v/uneven"
+ln -s "$work/v/ct" away
+printf 'open away\n' >j
+expect 3 "$iftty" replay j
+err_has "leads out of its folder"
+rm -rf ct/*
+ln -s "$work"/v/ct/* ct
+printf 'open ct\n' >j
+expect 3 "$iftty" replay j
+err_has "the folder holds no slices"
+expect 0 "$iftty" -c "open ct" # the user's own may be links
+cd "$work/v" || exit 1
+close_story
+
+begin "hundreds of files with wrong bytes: each is opened or refused in one line"
+cat >"$work/break.py" <<'END'
+import os, random, shutil, sys
+source, target, seed = sys.argv[1], sys.argv[2], int(sys.argv[3])
+random.seed(seed)
+shutil.rmtree(target, ignore_errors=True)
+(shutil.copytree if os.path.isdir(source) else shutil.copy)(source, target)
+one = target
+if os.path.isdir(target):
+    one = os.path.join(target, random.choice(sorted(os.listdir(target))))
+data = bytearray(open(one, "rb").read())
+head = min(len(data), random.choice([64, 400, 3000, len(data)]))
+for _ in range(random.choice([1, 1, 3, 20])):
+    data[random.randrange(head)] = random.choice([0, 1, 127, 128, 255, random.randrange(256)])
+if random.random() < 0.1:
+    del data[random.randrange(len(data)):]
+open(one, "wb").write(data)
+END
+count=0 bad=0
+for name in LPS-short.nrrd LPS-byte.nrrd whole.mha packed.mha small.mnc tiny.mnc a.mrc a.vtk a.h5 \
+    stack.tif tif-slices png-slices ct ct-dcmcrle ct-dcmcjpeg ct-dcmcjpls; do
+    round=0
+    while [ $((round += 1)) -le $((${ROUNDS:-12} * ${IFTTY_TEST_SCALE:-1})) ]; do
+        target=$work/broken.${name##*.}
+        "$PYTHON" "$work/break.py" "$name" "$target" $round
+        timeout 60 "$iftty" -c "open $target; slice axial 0 $work/broken.png replace=yes" \
+            >"$work/out" 2>"$work/err"
+        got=$?
+        count=$((count + 1))
+        lines=$(grep -vc '^iftty: .* voxels: needs' "$work/err")
+        case $got in
+        0) ;;
+        3) [ "$lines" = 1 ] || fail "$name $round: $(cat "$work/err")" ;;
+        *) fail "$name $round: status $got: $(cat "$work/err")" ;;
+        esac
+        [ $got = 0 ] || bad=$((bad + 1))
+        rm -rf "$target"
+    done
+done
+[ $((4 * bad)) -gt "$count" ] || fail "$bad of $count were refused"
+close_story
+
 finish

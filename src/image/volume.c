@@ -1,10 +1,12 @@
 #include "image/volume.h"
 
+#include <fcntl.h>
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/buf.h"
 #include "base/choice.h"
@@ -32,6 +34,22 @@ void volume_note(char notes[VOLUME_NOTES_BYTES], const char *format, ...)
 }
 
 /* ---- which format ---- */
+
+bool volume_may_name_a_patient(const char *path)
+{
+    static const struct {
+        char bytes[4];
+        uint64_t at;
+    } mark = {"DICM", 128};
+    char bytes[sizeof mark.bytes] = {0};
+    uint64_t length;
+    int fd;
+    if (file_open(&fd, &length, path, O_RDONLY, NULL))
+        return false;
+    const ssize_t n = file_read_at(fd, bytes, sizeof bytes, mark.at);
+    close(fd);
+    return n == sizeof bytes && memcmp(bytes, mark.bytes, sizeof bytes) == 0;
+}
 
 /* Some formats are written and not read, and others the reverse. */
 static bool can(const struct volume_format *format, bool write)

@@ -142,6 +142,10 @@ struct volume_format {
 /* The part of a name by which some format knows its files, ".nii.gz"; NULL where there is none. */
 const char *volume_ending(const char *path);
 
+/* Whether it is a file whose notes are about a patient (DICOM): a reader of pictures would show them,
+ * and none of volumes does. */
+bool volume_may_name_a_patient(const char *path);
+
 /* What the header of `path` says, of voxels that cannot be read too (as those of the root map that
  * `save` writes). Others are refused where volume_read would refuse the header. */
 enum err volume_about(struct volume_header *out, const char *path, struct fault *fault);

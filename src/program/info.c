@@ -309,9 +309,11 @@ static enum err add_file(struct facts *f, const char *path, struct fault *fault)
 {
     if (!file_exists(path))
         return fault_set(fault, ERR_IO, "there is no file %s", path);
-    if (!file_begins_with(path, ""))
+    if (!file_is_folder(path) && !file_begins_with(path, ""))
         return fault_set(fault, ERR_INPUT, "%s is not a regular file that can be read", path);
     add_text(f, "file", path);
+    if (file_is_folder(path) || volume_may_name_a_patient(path))
+        return add_scene(f, path, fault);
     if (interpreter_is_journal(path))
         return add_journal(f, path, fault);
     if (file_begins_with(path, "\x76\x2f\x31\x01"))
