@@ -35,9 +35,12 @@ opened_as() {
         fail "$name: $(tail -n 9 "$work/err")"
 }
 
-begin "NRRD: three types, two spaces, packed, beside its header"
-for name in LPS-short RAS-short LPS-byte RAS-byte LPS-float RAS-float; do
-    opened_as $name.nrrd $name.nrrd.twin.nii
+begin "NRRD: eight types, two spaces, packed, beside its header"
+for name in short byte float char int uint ushort double; do
+    opened_as LPS-$name.nrrd LPS-$name.nrrd.twin.nii
+done
+for name in short byte float; do
+    opened_as RAS-$name.nrrd RAS-$name.nrrd.twin.nii
 done
 opened_as beside.nhdr beside.nhdr.twin.nii
 close_story

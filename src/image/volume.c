@@ -148,10 +148,10 @@ static enum err begin(struct volume_reader *reader, const char *path,
     enum err err = source_open(&reader->source, path, watch, fault);
     if (err)
         return err;
+    header->bytes = reader->source.bytes;
     err = find_format(&reader->format, &reader->source, &header->choice, fault);
     if (!err)
         err = reader->format->read_header(header, &reader->source, fault);
-    header->bytes = reader->source.bytes;
     if (!err)
         note_shear(header);
     return err ? fault_prefix(fault, err, "%s", path) : OK;

@@ -96,7 +96,7 @@ struct volume_header {
     char refusal[160]; /* why its voxels cannot be read; "" where they can: */
     enum voxel_type type;
     uint64_t offset; /* bytes before the voxels, of all volumes */
-    uint64_t bytes;  /* of the file on disk */
+    uint64_t bytes;  /* of the file on disk; 2^64 - 1 where its voxels lie in others */
     char notes[VOLUME_NOTES_BYTES];
     struct volume_choice choice; /* for read_voxels: of what there is; and what follows from it: */
     uint32_t whole[3];           /* the size in the file; `size` is that of the part */

@@ -310,6 +310,8 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
         return err;
     source->may_be_beside =
         strcmp(kind, "nrrd") == 0 || strcmp(kind, "meta") == 0 || strcmp(kind, "any") == 0;
+    if (source->is_folder || source->may_be_beside)
+        out->bytes = UINT64_MAX;
     if (!ask(helper, kind, source->path, &out->choice))
         return coprocess_fault(&helper->process, NULL, NULL, fault);
     err = receive_answer(helper, line, fault);

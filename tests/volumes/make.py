@@ -67,13 +67,17 @@ def vector(v):
 
 def make_nrrd(folder):
     for name, kind, encoding in (("short.nrrd", "int16", "raw"), ("byte.nrrd", "uint8", "gzip"),
-                                 ("float.nrrd", "float32", "raw")):
+                                 ("float.nrrd", "float32", "raw"),
+                                 ("char.nrrd", "int8", "raw"), ("int.nrrd", "int32", "raw"),
+                                 ("uint.nrrd", "uint32", "gzip"), ("ushort.nrrd", "uint16", "raw"),
+                                 ("double.nrrd", "float64", "gzip")):
         data = voxels(kind)
         raw = os.path.join(folder, "raw")
         data.T.astype(data.dtype.newbyteorder("<")).tofile(raw)
         for space, place in (("RAS", PLACE), ("LPS", LPS @ PLACE)):
             path = os.path.join(folder, space + "-" + name)
-            types = {"int16": "short", "uint8": "uchar", "float32": "float"}
+            types = {"int16": "short", "uint8": "uchar", "float32": "float", "int8": "char",
+                     "int32": "int", "uint32": "uint", "uint16": "ushort", "float64": "double"}
             run("teem-unu", "make", "-i", raw, "-t", types[kind], "-s", *map(str, SIZE), "-en",
                 "little", "-e", "raw", "-spc", space, "-dirs",
                 " ".join(vector(v) for v in place[:3, :3].T),
