@@ -60,18 +60,20 @@ for name in out.nii folder/hidden.nii relative.nii zero.nii; do
     journal j "open $name"
     refused "the journal may not read $name, which leads out of its folder" j
 done
-for name in pipe.nii below; do
-    journal j "open $name"
-    refused "$name is not a regular file" j
-done
+journal j 'open pipe.nii'
+refused "pipe.nii is not a regular file" j
+journal j 'open below' # a scene may be a folder of slices; links in it are left alone
+refused "the folder holds no slices of DICOM, TIFF or PNG" j
 for command in mask weight seed-file; do
     for name in "$work/secret/hidden.nii" ../secret/hidden.nii \
         out.nii folder/hidden.nii zero.nii; do
         journal j "open s.nii; $command $name"
         refused "the journal may not read $name" j
     done
-    journal j "open s.nii; $command pipe.nii"
-    refused "pipe.nii is not a regular file" j
+    for name in pipe.nii below; do
+        journal j "open s.nii; $command $name"
+        refused "$name is not a regular file" j
+    done
 done
 close_story
 
