@@ -1418,6 +1418,9 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"slice axial @/fs.exr finished=yes", "fs.exr"},
         {"golden fifth finished=yes", "door.golden/fifth.exr"},
         {"finish none", NULL},
+        {"object 2 threshold 0..90 from=3,3,3", NULL},
+        {"labels @/regions.nii erode=1",
+         "door.golden/labels-adf152d6330b2c5f3d6197c6a06ac573.nii.gz"},
         {"orient sform", NULL},
     };
     struct interpreter interp;

@@ -216,11 +216,13 @@ static void write_painted(const char *name)
 {
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
     CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
-    CHECK(volume_write(
-              place(name), FILE_REPLACE,
-              &(struct volume_map){
-                  .size = size, .geometry = &geometry, .description = "test", .row = painted_row},
-              NULL, NULL) == OK);
+    CHECK(volume_write(place(name), FILE_REPLACE,
+                       &(struct volume_map){.size = size,
+                                            .geometry = &geometry,
+                                            .type = VOXEL_UINT8,
+                                            .description = "test",
+                                            .row = painted_row},
+                       NULL, NULL) == OK);
 }
 
 static void paint_map(void)
@@ -324,7 +326,7 @@ STORY(an_object_is_what_hangs_together_with_a_seed_within_the_range)
     CHECK(execute(&interp, "object 2 threshold 100..255") == ERR_INPUT);
     CHECK_HAS(fault.text, "no seed of label 2 lies in a voxel of this range");
     CHECK(execute(&interp, "object 2 threshold 100..255 from=0,0,0") == ERR_INPUT);
-    CHECK_HAS(fault.text, "why 0,0,0");
+    CHECK_HAS(fault.text, "voxel 0,0,0 has the intensity 0, beyond the range");
     must(&interp, "object 2 threshold 100..255 from=11,10,9");
     char words[64];
     snprintf(words, sizeof words, "%zu voxels of label 2 cerebellum\n", expected);

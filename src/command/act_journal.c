@@ -50,7 +50,7 @@ static enum err continue_in(const struct act *act, const char *path)
     return err;
 }
 
-/* The whole record so far in a new file, and its golden images beside it. */
+/* The whole record so far in a new file, and what lies beside it: golden images, labels. */
 static enum err record_in(const struct act *act, const char *path)
 {
     struct interpreter *interp = act->interp;

@@ -2,6 +2,7 @@
  */
 #include "command/act.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -99,19 +100,35 @@ static enum err take_pieces(struct search *s)
 
 /* ---- the command ---- */
 
-static enum err refuse_nothing(const struct act *act)
+/* The voxel that was named does not belong to it. */
+static enum err refuse_place(const struct search *s)
 {
-    const uint32_t *place = act->value[FROM].place;
-    if (act->value[FROM].given)
-        return fault_set(act->fault, ERR_INPUT,
-                         "from: voxel %u,%u,%u has an intensity beyond the range, or a seed of "
-                         "another label (`why %u,%u,%u`); nothing was planted",
-                         place[0], place[1], place[2], place[0], place[1], place[2]);
-    return fault_set(act->fault, ERR_INPUT,
-                     "no seed of label %lld lies in a voxel of this range; plant one there, or "
-                     "name a voxel by from=X,Y,Z (`why X,Y,Z` prints its intensity); nothing was "
-                     "planted",
-                     (long long)act->value[LABEL].number);
+    const struct session *session = s->act->session;
+    const uint32_t *place = s->act->value[FROM].place;
+    const uint32_t cell = grid_cell(&session->scene->grid, place[0], place[1], place[2]);
+    const struct cell *at = session->scene->cell + cell;
+    const char *why = "a seed of another label";
+    char intensity[64];
+    if (at->intensity < s->planting.low || at->intensity > s->planting.high) {
+        snprintf(intensity, sizeof intensity, "the intensity %g, beyond the range",
+                 geometry_value(&session->geometry, at->intensity));
+        why = intensity;
+    } else if (at->flags & CELL_OUTSIDE) {
+        why = "no part in the region of interest";
+    }
+    return fault_set(s->act->fault, ERR_INPUT, "from: voxel %u,%u,%u has %s; nothing was planted",
+                     place[0], place[1], place[2], why);
+}
+
+static enum err refuse_nothing(const struct search *s)
+{
+    if (s->act->value[FROM].given)
+        return refuse_place(s);
+    return fault_set(
+        s->act->fault, ERR_INPUT,
+        "no seed of label %d lies in a voxel of this range; plant one there, or name a "
+        "voxel by from=X,Y,Z (`why X,Y,Z` prints its intensity); nothing was planted",
+        s->label);
 }
 
 static enum err plant(struct search *s)
@@ -119,7 +136,7 @@ static enum err plant(struct search *s)
     const struct act *act = s->act;
     enum err err = s->voxels.count
                        ? act_plant(act, &s->planting, s->voxels.cell, s->voxels.count, s->label)
-                       : refuse_nothing(act);
+                       : refuse_nothing(s);
     if (err)
         return err;
     buf_printf(&act->reply->text, "%zu voxel%s of label ", s->planting.planted,

@@ -550,8 +550,9 @@ const struct command command_table[] = {
     {COMMAND("journal", act_journal, GROUP_KEPT, 0),
      {MAY("FILE", VALUE_FILE)},
      "which file the journal is, or continue in another",
-     "The whole journal so far is written to FILE first, with its golden images beside it, so that "
-     "it replays alone; later commands are recorded there. The former file stays as it was when it "
+     "The whole journal so far is written to FILE first, with its golden images and copies of "
+     "labels beside it, so that it replays alone; later commands are recorded there. The former "
+     "file stays as it was when it "
      "was last intact. For a disk that is full or failing, a journal that was deleted or replaced, "
      "or one opened with --read-only. Not recorded.",
      "journal"},
