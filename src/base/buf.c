@@ -148,3 +148,14 @@ const char *buf_text(const struct buf *b)
 {
     return b->data ? b->data : "";
 }
+
+void buf_add_csv(struct buf *b, const char *text)
+{
+    buf_add_char(b, '"');
+    for (; *text; text++) {
+        if (*text == '"')
+            buf_add_char(b, '"');
+        buf_add_char(b, *text);
+    }
+    buf_add_char(b, '"');
+}

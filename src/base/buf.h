@@ -46,6 +46,9 @@ void buf_add_safe_excerpt(struct buf *b, const char *text, size_t length);
 /* Adds bytes as base64 (RFC 4648): four characters for three bytes, padded with '='. */
 void buf_add_base64(struct buf *b, const void *bytes, size_t length);
 
+/* Adds a field of a line of CSV: between quotes, which are doubled inside (RFC 4180). */
+void buf_add_csv(struct buf *b, const char *text);
+
 /* Makes room for `length` more bytes and returns where they go; the caller adds to b->length.
  * NULL on failure. */
 void *buf_reserve(struct buf *b, size_t length);

@@ -58,6 +58,9 @@ enum err act_render(const struct act *act);
 /* act_save.c */
 enum err act_save(const struct act *act);
 
+/* act_stats.c */
+enum err act_stats(const struct act *act);
+
 /* act_finish.c */
 enum err act_finish(const struct act *act);
 
@@ -114,7 +117,6 @@ enum err act_sync(const struct act *act);
 /* act_ask.c */
 enum err act_why(const struct act *act);
 enum err act_info(const struct act *act);
-enum err act_stats(const struct act *act);
 enum err act_pilot(const struct act *act);
 enum err act_help(const struct act *act);
 enum err act_quit(const struct act *act);
@@ -174,6 +176,19 @@ enum err act_find_voxels(const struct act *act, const struct value *place,
 /* The region of interest: "mask brain.nii regions 1-90, range 40..1200"; false where there is none.
  */
 bool act_write_roi(struct buf *out, const struct session *session);
+
+/* The same as a line of `info` and `stats`, with how many voxels are inside. */
+void act_write_region(struct buf *out, const struct session *session);
+
+/* "gauss 1.5", "polarity 1:50 2:-20", "of edges.nii" */
+void act_write_weight(struct buf *out, const struct kept *kept);
+
+/* A line for each label that has voxels: its seeds, voxels and volume. */
+enum err act_write_counts(const struct act *act);
+
+/* Writes the text to the file that a parameter names, unless replay writes none, and says so. */
+enum err act_write_text(const struct act *act, const struct value *file,
+                        const struct value *replace, const struct buf *text);
 
 /* What is cut away: "all but axial slices 10-60, 1 plane, 2 boxes"; false where nothing is. */
 bool act_write_cut(struct buf *out, const struct session *session);

@@ -115,7 +115,7 @@ enum err act_why(const struct act *act)
     }
 
 /* "gauss 1.5", "polarity 1:50 2:-20", "of edges.nii" */
-static void write_weight(struct buf *out, const struct kept *kept)
+void act_write_weight(struct buf *out, const struct kept *kept)
 {
     const struct weight_choice *choice = &kept->weight;
     const struct weight_row *row = &weight_table[choice->kind];
@@ -136,7 +136,7 @@ static void write_weight(struct buf *out, const struct kept *kept)
             buf_printf(out, " %u:%d", label, kept->polarity[label]);
 }
 
-static void write_roi(struct buf *out, const struct session *session)
+void act_write_region(struct buf *out, const struct session *session)
 {
     struct buf roi = {0};
     if (act_write_roi(&roi, session))
@@ -202,12 +202,12 @@ enum err act_info(const struct act *act)
                forest_seeds(session->forest), plural(forest_seeds(session->forest)),
                session_pendings(session), plural(session_pendings(session)),
                session->now.kept.adjacency);
-    write_weight(out, &session->now.kept);
+    act_write_weight(out, &session->now.kept);
     buf_add_char(out, '\n');
     struct histogram histogram;
     histogram_of_session(&histogram, session);
     histogram_write(out, &histogram, act->interp->has_blocks);
-    write_roi(out, session);
+    act_write_region(out, session);
     act_write_finish(out, session);
     act_write_view(out, session);
     write_look(out, &session->now.outlook.look);
@@ -221,50 +221,6 @@ enum err act_info(const struct act *act)
                (double)session_memory(session) / 1e6,
                (double)session_memory(session) / (double)scene->grid.voxels,
                (double)history_memory(&act->interp->history) / 1e6);
-    return OK;
-}
-
-enum err act_stats(const struct act *act)
-{
-    const struct session *session = act->session;
-    const struct grid *grid = &session->scene->grid;
-    size_t voxels[256] = {0}, seeds[256] = {0};
-    struct task task = task_begin(session->watch, "counting", grid->voxels);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
-            struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                const struct cell *cell = session->scene->cell + c;
-                voxels[cell->label] += cell_is_reached(cell);
-                seeds[cell->label] += cell->flags & CELL_SEED;
-            }
-        }
-    if (watch_stops(session->watch))
-        return watch_fault(session->watch, act->fault);
-    const uint32_t *nm = session->scene->spacing_nm;
-    const bool measures = !session->geometry.spacing_unknown;
-    double ml = nm[0] / 1e6 * (nm[1] / 1e6) * (nm[2] / 1e6) / 1000.0;
-    for (unsigned label = 0; label < 256; label++) {
-        if (!voxels[label])
-            continue;
-        buf_add_text(&act->reply->text, "label ");
-        act_write_label(&act->reply->text, session, label);
-        buf_printf(&act->reply->text, ": %zu seed%s, %zu voxel%s", seeds[label],
-                   plural(seeds[label]), voxels[label], plural(voxels[label]));
-        if (measures)
-            buf_printf(&act->reply->text, ", %.1f ml", (double)voxels[label] * ml);
-        buf_add_text(&act->reply->text,
-                     label && !session->now.kept.visible[label] ? ", hidden\n" : "\n");
-    }
-    buf_add_text(&act->reply->text, "weight ");
-    write_weight(&act->reply->text, &session->now.kept);
-    buf_add_char(&act->reply->text, '\n');
-    write_roi(&act->reply->text, session);
-    act_write_finish(&act->reply->text, session);
-    buf_printf(&act->reply->text, "%zu border voxel%s; forest %016llx, labels %016llx\n",
-               border_count(&session->border), plural(border_count(&session->border)),
-               (unsigned long long)forest_digest(session->forest),
-               (unsigned long long)semantics_label_digest(session->semantics, session->forest));
     return OK;
 }
 

@@ -90,25 +90,16 @@ static enum err take_map(struct compared *compared, const struct act *act)
 
 static enum err write_report(const struct act *act, const struct comparison_report *report)
 {
-    const char *name = act->value[REPORT].text;
-    const enum file_mode mode = act_file_mode(&act->value[REPLACE]);
-    struct buf path = {0}, text = {0};
-    if (!act->value[REPORT].given)
+    const struct value *file = &act->value[REPORT];
+    struct buf text = {0};
+    if (!file->given)
         return OK;
-    if (file_is_named(name, ".json"))
+    if (file_is_named(file->text, ".json"))
         comparison_write_json(&text, report);
     else
         comparison_write_csv(&text, report);
-    enum err err = text.failed ? fault_memory(act->fault, "a report")
-                               : interpreter_output_path(act->interp, name, &path, act->fault);
-    if (!err && path.length)
-        err = interpreter_will_write(act->interp, buf_text(&path), mode, act->fault);
-    if (!err && path.length)
-        err = file_write(buf_text(&path), buf_text(&text), text.length, mode, act->fault);
-    if (!err && path.length)
-        act_write_file_line("wrote ", buf_text(&path), act->reply);
+    const enum err err = act_write_text(act, file, &act->value[REPLACE], &text);
     buf_release(&text);
-    buf_release(&path);
     return err;
 }
 

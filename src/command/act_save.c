@@ -6,6 +6,24 @@
 #include "session/export.h"
 #include "session/label_table.h"
 
+enum err act_write_text(const struct act *act, const struct value *file,
+                        const struct value *replace, const struct buf *text)
+{
+    const enum file_mode mode = act_file_mode(replace);
+    struct buf path = {0};
+    enum err err = text->failed
+                       ? fault_memory(act->fault, "a report")
+                       : interpreter_output_path(act->interp, file->text, &path, act->fault);
+    if (!err && path.length)
+        err = interpreter_will_write(act->interp, buf_text(&path), mode, act->fault);
+    if (!err && path.length)
+        err = file_write(buf_text(&path), buf_text(text), text->length, mode, act->fault);
+    if (!err && path.length)
+        act_write_file_line("wrote ", buf_text(&path), act->reply);
+    buf_release(&path);
+    return err;
+}
+
 /* The places of the parameters in the table; what is saved comes after the maps. */
 enum { WHAT, FILE_NAME, REPLACE, FINISHED, LABEL, SMOOTH, TRIANGLES };
 enum { SAVE_SEEDS = MAP_MARGIN + 1, SAVE_NAMES, SAVE_SURFACE };

@@ -611,9 +611,14 @@ const struct command command_table[] = {
      NULL,
      "info"},
     {COMMAND("stats", act_stats, GROUP_QUESTIONS, S),
-     {{0}},
-     "seeds, voxels and volume of each label",
-     NULL,
+     {KEYED("report", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
+     "voxels, volume, surface and intensities of labels",
+     "Of each label: seeds, voxels and volume; components, which hang together by faces, and "
+     "holes, "
+     "which it encloses; the surface, as it would be without the steps of voxels, to 2 % unless it "
+     "is small; the centre and the box around it; and the intensities of its voxels, as `why` "
+     "prints them. The deviation is that of a sample.\n"
+     "report: the same and what the last edit changed as FILE.json or FILE.csv." FINISHED_NOTE,
      "stats"},
     {COMMAND("compare", act_compare, GROUP_QUESTIONS, S),
      {NEED("FILE", VALUE_FILE), KEYED("regions", VALUE_LIST, .most = REGION_MOST),

@@ -107,18 +107,6 @@ void comparison_write_json(struct buf *out, const struct comparison_report *repo
 
 /* ---- CSV ---- */
 
-/* Between quotes, doubled inside (RFC 4180). */
-static void add_quoted(struct buf *out, const char *text)
-{
-    buf_add_char(out, '"');
-    for (; *text; text++) {
-        if (*text == '"')
-            buf_add_char(out, '"');
-        buf_add_char(out, *text);
-    }
-    buf_add_char(out, '"');
-}
-
 static void write_csv_row(struct buf *out, const struct comparison_report *report, unsigned label)
 {
     struct figure figure[FIGURES];
@@ -127,7 +115,7 @@ static void write_csv_row(struct buf *out, const struct comparison_report *repor
         buf_printf(out, "%u,", label);
     else
         buf_add_text(out, "all,");
-    add_quoted(out, label ? report->label_name[label] : "");
+    buf_add_csv(out, label ? report->label_name[label] : "");
     for (int i = 0; i < FIGURES; i++) {
         buf_add_char(out, ',');
         if (!isnan(figure[i].value))

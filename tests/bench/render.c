@@ -16,6 +16,7 @@
 #include "program/bench.h"
 #include "program/console.h"
 #include "command/interpreter.h"
+#include "engine/label_stats.h"
 #include "session/export.h"
 #include "session/slicing.h"
 
@@ -313,6 +314,22 @@ static enum err time_finish(struct session *session, struct table *table, const 
     return err;
 }
 
+/* All that `stats` says of each label, by all threads. */
+static enum err time_stats(struct session *session, struct table *table, struct fault *fault)
+{
+    enum { ROUNDS = 9 };
+    static struct label_stats stats[256];
+    struct row *row = add_row(table, "stats of all labels");
+    const struct labels labels = labels_of_forest(session->scene);
+    enum err err = OK;
+    for (int i = 0; !err && i < ROUNDS; i++) {
+        const uint64_t begin = clock_ns();
+        err = label_stats_find(stats, &labels, session->team, fault);
+        add_since(row, begin);
+    }
+    return err;
+}
+
 static enum err time_steps(struct session *session, struct table *table, struct fault *fault)
 {
     enum err err =
@@ -323,7 +340,7 @@ static enum err time_steps(struct session *session, struct table *table, struct 
         err = time_finish(session, table, "finish: largest", FINISH_LARGEST, 0, fault);
     if (!err)
         err = time_finish(session, table, "finish: open radius 3", FINISH_OPEN, 3, fault);
-    return err;
+    return err ? err : time_stats(session, table, fault);
 }
 
 /* ---- VTK ---- */

@@ -1,0 +1,158 @@
+/* The command `stats`: what is known of each label. */
+#include "command/act.h"
+
+#include <stdlib.h>
+
+#include "base/file.h"
+#include "base/mem.h"
+#include "session/label_report.h"
+
+/* The places of the parameters in the table. */
+enum { STATS_REPORT, STATS_REPLACE, STATS_FINISHED };
+
+#define REPORT_ENDINGS ".json|.csv"
+
+/* ---- counts ---- */
+
+/* Of the forest: seeds, and voxels that a seed reaches. */
+struct counts {
+    size_t seeds[256], voxels[256];
+};
+
+static enum err count(struct counts *counts, const struct act *act)
+{
+    const struct session *session = act->session;
+    const struct grid *grid = &session->scene->grid;
+    struct task task = task_begin(session->watch, "counting", grid->voxels);
+    *counts = (struct counts){.seeds = {0}};
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
+            struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c++) {
+                const struct cell *cell = session->scene->cell + c;
+                counts->voxels[cell->label] += cell_is_reached(cell);
+                counts->seeds[cell->label] += cell->flags & CELL_SEED;
+            }
+        }
+    return watch_fault(session->watch, act->fault);
+}
+
+static void write_counts(const struct act *act, const struct counts *counts, unsigned label)
+{
+    const struct session *session = act->session;
+    const uint32_t *nm = session->scene->spacing_nm;
+    const double ml = nm[0] / 1e6 * (nm[1] / 1e6) * (nm[2] / 1e6) / 1000.0;
+    struct buf *out = &act->reply->text;
+    buf_add_text(out, "label ");
+    act_write_label(out, session, label);
+    buf_printf(out, ": %zu seed%s, %zu voxel%s", counts->seeds[label], plural(counts->seeds[label]),
+               counts->voxels[label], plural(counts->voxels[label]));
+    if (!session->geometry.spacing_unknown)
+        buf_printf(out, ", %.1f ml", (double)counts->voxels[label] * ml);
+    buf_add_text(out, label && !session->now.kept.visible[label] ? ", hidden\n" : "\n");
+}
+
+enum err act_write_counts(const struct act *act)
+{
+    struct counts counts;
+    const enum err err = count(&counts, act);
+    for (unsigned label = 0; !err && label < 256; label++)
+        if (counts.voxels[label])
+            write_counts(act, &counts, label);
+    return err;
+}
+
+/* ---- what the last edit changed ---- */
+
+struct moves {
+    uint64_t gained[256], lost[256];
+};
+
+/* False where there is no list of it: the forest has grown from nothing, or much of it has. */
+static bool find_moves(struct moves *moves, const struct session *session)
+{
+    const struct changes changes = forest_changes(session->forest);
+    *moves = (struct moves){.gained = {0}};
+    for (size_t i = 0; i < changes.count; i++) {
+        moves->gained[changes.item[i].label]++;
+        moves->lost[changes.item[i].former_label]++;
+    }
+    return !changes.everything;
+}
+
+/* ---- the answer ---- */
+
+static enum err write_report(const struct act *act, const struct label_report *report)
+{
+    const struct value *file = &act->value[STATS_REPORT];
+    struct buf text = {0};
+    if (!file->given)
+        return OK;
+    if (file_is_named(file->text, ".json"))
+        label_report_write_json(&text, report);
+    else
+        label_report_write_csv(&text, report);
+    const enum err err = act_write_text(act, file, &act->value[STATS_REPLACE], &text);
+    buf_release(&text);
+    return err;
+}
+
+static void write_forest(const struct act *act)
+{
+    const struct session *session = act->session;
+    struct buf *out = &act->reply->text;
+    buf_add_text(out, "weight ");
+    act_write_weight(out, &session->now.kept);
+    buf_add_char(out, '\n');
+    act_write_region(out, session);
+    act_write_finish(out, session);
+    buf_printf(out, "%zu border voxel%s; forest %016llx, labels %016llx\n",
+               border_count(&session->border), plural(border_count(&session->border)),
+               (unsigned long long)forest_digest(session->forest),
+               (unsigned long long)semantics_label_digest(session->semantics, session->forest));
+}
+
+static enum err answer(const struct act *act, const struct label_stats *stats,
+                       const struct labels *labels)
+{
+    const struct session *session = act->session;
+    struct counts counts;
+    struct moves moves;
+    const bool follows = find_moves(&moves, session) && !labels->finished;
+    const struct label_report report = {stats, follows ? moves.gained : NULL,
+                                        follows ? moves.lost : NULL, session->now.kept.label_name,
+                                        &session->geometry};
+    enum err err = count(&counts, act);
+    if (!err)
+        err = write_report(act, &report);
+    for (unsigned label = 0; !err && label < 256; label++) {
+        if (labels->finished)
+            counts.voxels[label] = (size_t)stats[label].voxels;
+        if (!counts.voxels[label])
+            continue;
+        write_counts(act, &counts, label);
+        if (label)
+            label_report_write_text(&act->reply->text, &report, label, 4);
+    }
+    if (!err)
+        write_forest(act);
+    return err;
+}
+
+enum err act_stats(const struct act *act)
+{
+    const struct value *file = &act->value[STATS_REPORT];
+    struct labels labels;
+    if (file->given && !file_is_named(file->text, REPORT_ENDINGS))
+        return fault_set(act->fault, ERR_USAGE,
+                         "report: expected a name that ends in .json or .csv, not %s", file->text);
+    struct label_stats *stats = mem_array(256, sizeof *stats);
+    enum err err = stats ? act_take_labels(act, &act->value[STATS_FINISHED], &labels)
+                         : fault_memory(act->fault, "counts of labels");
+    if (!err)
+        err = label_stats_find(stats, &labels, act->session->team, act->fault);
+    if (!err)
+        err = answer(act, stats, &labels);
+    free(stats);
+    return err;
+}

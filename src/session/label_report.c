@@ -1,0 +1,230 @@
+#include "session/label_report.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/json.h"
+#include "engine/label_surface.h"
+
+enum { FIGURES_MOST = 32, DIGITS = 12 };
+
+/* One that is not known is NAN. */
+struct figures {
+    struct {
+        const char *name;
+        double value;
+    } of[FIGURES_MOST];
+    int count;
+};
+
+static void add(struct figures *figures, const char *name, double value)
+{
+    figures->of[figures->count].name = name;
+    figures->of[figures->count++].value = value;
+}
+
+static void add_three(struct figures *figures, const char *const name[3], const double value[3])
+{
+    for (int a = 0; a < 3; a++)
+        add(figures, name[a], value[a]);
+}
+
+/* ---- measures ---- */
+
+static double voxel_mm3(const struct geometry *geometry)
+{
+    const uint32_t *nm = geometry->spacing_nm;
+    return geometry->spacing_unknown ? NAN : nm[0] / 1e6 * (nm[1] / 1e6) * (nm[2] / 1e6);
+}
+
+static double surface_mm2(const struct label_report *report, unsigned label)
+{
+    struct label_surface surface;
+    memcpy(surface.cosines[label], report->stats[label].cosines, sizeof surface.cosines[label]);
+    return report->geometry->spacing_unknown
+               ? NAN
+               : label_surface_mm2(&surface, label, report->geometry->spacing_nm);
+}
+
+static double mean(const struct label_stats *s)
+{
+    return (double)s->intensity / (double)s->voxels;
+}
+
+/* Of intensities, as of a sample: by one less than the number of voxels. The squares are taken
+ * about the whole number below the mean, so that nothing is lost: modulo 2^64, which their sum is
+ * below. */
+static double deviation(const struct label_stats *s)
+{
+    const uint64_t about = s->intensity / s->voxels, rest = s->intensity - s->voxels * about;
+    const uint64_t squares =
+        s->intensity_squares - 2 * about * s->intensity + s->voxels * about * about;
+    const double n = (double)s->voxels, beyond = (double)rest;
+    return s->voxels > 1 ? sqrt(((double)squares - beyond * beyond / n) / (n - 1)) : NAN;
+}
+
+static void find_centre(double centre[3], const struct label_stats *s)
+{
+    for (int a = 0; a < 3; a++)
+        centre[a] = (double)s->sum[a] / (double)s->voxels;
+}
+
+/* Of a place between voxels. */
+static void find_place(double mm[3], const struct geometry *geometry, const double at[3])
+{
+    for (int a = 0; a < 3; a++) {
+        const double *row = geometry->to_mm[a];
+        mm[a] = geometry_has_place(geometry)
+                    ? row[0] * at[0] + row[1] * at[1] + row[2] * at[2] + row[3]
+                    : NAN;
+    }
+}
+
+static double real_of(const struct label_report *report, double intensity)
+{
+    return report->geometry->slope * intensity + report->geometry->intercept;
+}
+
+/* The lowest and the highest real value: they swap where real values fall as intensities rise. */
+static void find_range(double range[2], const struct label_report *report, unsigned label)
+{
+    const struct label_stats *s = &report->stats[label];
+    const bool falls = report->geometry->slope < 0;
+    range[0] = real_of(report, falls ? s->most : s->least);
+    range[1] = real_of(report, falls ? s->least : s->most);
+}
+
+static double median(const struct label_report *report, unsigned label)
+{
+    const uint16_t *middle = report->stats[label].middle;
+    return real_of(report, ((double)middle[0] + middle[1]) / 2);
+}
+
+/* ---- for programs ---- */
+
+static struct figures figures_of(const struct label_report *report, unsigned label)
+{
+    static const char *const centre_name[] = {"centre_x", "centre_y", "centre_z"};
+    static const char *const place_name[] = {"centre_x_mm", "centre_y_mm", "centre_z_mm"};
+    static const char *const first_name[] = {"first_x", "first_y", "first_z"};
+    static const char *const last_name[] = {"last_x", "last_y", "last_z"};
+    const struct label_stats *s = &report->stats[label];
+    struct figures f = {.count = 0};
+    double centre[3], place[3], range[2];
+    find_centre(centre, s);
+    find_place(place, report->geometry, centre);
+    find_range(range, report, label);
+    add(&f, "voxels", (double)s->voxels);
+    add(&f, "volume_mm3", (double)s->voxels * voxel_mm3(report->geometry));
+    add(&f, "surface_mm2", surface_mm2(report, label));
+    add(&f, "components", s->components);
+    add(&f, "holes", s->holes);
+    add(&f, "mean", real_of(report, mean(s)));
+    add(&f, "deviation", fabs(report->geometry->slope) * deviation(s));
+    add(&f, "minimum", range[0]);
+    add(&f, "median", median(report, label));
+    add(&f, "maximum", range[1]);
+    add_three(&f, centre_name, centre);
+    add_three(&f, place_name, place);
+    add_three(&f, first_name, (double[]){s->first[0], s->first[1], s->first[2]});
+    add_three(&f, last_name, (double[]){s->last[0], s->last[1], s->last[2]});
+    add(&f, "gained", report->gained ? (double)report->gained[label] : NAN);
+    add(&f, "lost", report->lost ? (double)report->lost[label] : NAN);
+    return f;
+}
+
+void label_report_write_json(struct buf *out, const struct label_report *report)
+{
+    struct json json = {.out = out};
+    json_object(&json, NULL);
+    json_array(&json, "labels");
+    for (unsigned label = 1; label < 256; label++) {
+        if (!report->stats[label].voxels)
+            continue;
+        const struct figures f = figures_of(report, label);
+        json_object(&json, NULL);
+        json_count(&json, "number", label);
+        json_text(&json, "name", report->label_name[label]);
+        for (int i = 0; i < f.count; i++)
+            json_real(&json, f.of[i].name, f.of[i].value, DIGITS);
+        json_end(&json);
+    }
+    json_end(&json);
+    json_end(&json);
+}
+
+static void write_csv_names(struct buf *out, const struct label_report *report)
+{
+    static const struct label_stats one[1] = {{.voxels = 1}};
+    const struct label_report any = {.stats = one, .geometry = report->geometry};
+    const struct figures f = figures_of(&any, 0);
+    buf_add_text(out, "label,name");
+    for (int i = 0; i < f.count; i++)
+        buf_printf(out, ",%s", f.of[i].name);
+    buf_add_char(out, '\n');
+}
+
+void label_report_write_csv(struct buf *out, const struct label_report *report)
+{
+    write_csv_names(out, report);
+    for (unsigned label = 1; label < 256; label++) {
+        if (!report->stats[label].voxels)
+            continue;
+        const struct figures f = figures_of(report, label);
+        buf_printf(out, "%u,", label);
+        buf_add_csv(out, report->label_name[label]);
+        for (int i = 0; i < f.count; i++) {
+            buf_add_char(out, ',');
+            if (!isnan(f.of[i].value))
+                buf_printf(out, "%.*g", DIGITS, f.of[i].value);
+        }
+        buf_add_char(out, '\n');
+    }
+}
+
+/* ---- for people ---- */
+
+static void write_places(struct buf *out, const struct label_report *report, unsigned label)
+{
+    const struct label_stats *s = &report->stats[label];
+    double centre[3], mm[3];
+    find_centre(centre, s);
+    find_place(mm, report->geometry, centre);
+    buf_printf(out, "centre %.1f,%.1f,%.1f", centre[0], centre[1], centre[2]);
+    if (!isnan(mm[0]))
+        buf_printf(out, " at %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
+    buf_printf(out, ", box %u,%u,%u to %u,%u,%u\n", s->first[0], s->first[1], s->first[2],
+               s->last[0], s->last[1], s->last[2]);
+}
+
+static void write_intensities(struct buf *out, const struct label_report *report, unsigned label)
+{
+    const double spread = fabs(report->geometry->slope) * deviation(&report->stats[label]);
+    double range[2];
+    find_range(range, report, label);
+    buf_printf(out, "intensity %.5g", real_of(report, mean(&report->stats[label])));
+    if (!isnan(spread))
+        buf_printf(out, ", deviation %.4g", spread);
+    buf_printf(out, ", median %.5g, %.6g..%.6g\n", median(report, label), range[0], range[1]);
+}
+
+void label_report_write_text(struct buf *out, const struct label_report *report, unsigned label,
+                             int blanks)
+{
+    const struct label_stats *s = &report->stats[label];
+    const double mm2 = surface_mm2(report, label);
+    buf_printf(out, "%*s%u component%s, %u hole%s", blanks, "", s->components,
+               plural(s->components), s->holes, plural(s->holes));
+    if (!isnan(mm2))
+        buf_printf(out, ", surface %.4g %s", mm2 < 1e4 ? mm2 : mm2 / 100,
+                   mm2 < 1e4 ? "mm2" : "cm2");
+    buf_printf(out, "\n%*s", blanks, "");
+    write_places(out, report, label);
+    buf_printf(out, "%*s", blanks, "");
+    write_intensities(out, report, label);
+    if (report->gained && report->gained[label] + report->lost[label] > 0)
+        buf_printf(out, "%*sthe last edit gave it %" PRIu64 " voxel%s, and took %" PRIu64 "\n",
+                   blanks, "", report->gained[label], plural(report->gained[label]),
+                   report->lost[label]);
+}

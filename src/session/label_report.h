@@ -1,0 +1,34 @@
+/*
+ * What is known of each label in words: lines for people, JSON and CSV for programs.
+ *
+ * Intensities are real values (image/geometry.h). A measure that the geometry of the scene does not
+ * tell, as millimetres where the spacing is unknown, is left out, null in JSON and an empty field in
+ * CSV; so is what has no meaning, as the deviation of a single voxel.
+ */
+#ifndef SESSION_LABEL_REPORT_H
+#define SESSION_LABEL_REPORT_H
+
+#include "base/buf.h"
+#include "engine/label_stats.h"
+#include "image/geometry.h"
+#include "session/state.h"
+
+/* What is reported, all of it borrowed. */
+struct label_report {
+    const struct label_stats *stats;            /* [256] */
+    const uint64_t *gained, *lost;              /* [256], by the last edit; NULL: not known */
+    const char (*label_name)[LABEL_NAME_BYTES]; /* [256] */
+    const struct geometry *geometry;
+};
+
+/* Lines about one label that has voxels, each after so many blanks. */
+void label_report_write_text(struct buf *out, const struct label_report *report, unsigned label,
+                             int blanks);
+
+/* An object with an object for each label that has voxels. */
+void label_report_write_json(struct buf *out, const struct label_report *report);
+
+/* A line of names, then one for each label that has voxels. */
+void label_report_write_csv(struct buf *out, const struct label_report *report);
+
+#endif
