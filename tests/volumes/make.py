@@ -76,7 +76,7 @@ def make_nrrd(folder):
         data.T.astype(data.dtype.newbyteorder("<")).tofile(raw)
         for space, place in (("RAS", PLACE), ("LPS", LPS @ PLACE)):
             path = os.path.join(folder, space + "-" + name)
-            types = {"int16": "short", "uint8": "uchar", "float32": "float", "int8": "char",
+            types = {"int16": "short", "uint8": "uchar", "float32": "float", "int8": "signed char",
                      "int32": "int", "uint32": "uint", "uint16": "ushort", "float64": "double"}
             run("teem-unu", "make", "-i", raw, "-t", types[kind], "-s", *map(str, SIZE), "-en",
                 "little", "-e", "raw", "-spc", space, "-dirs",
