@@ -1007,6 +1007,7 @@ STORY(the_place_in_the_world_is_kept)
             put_float(&m, QUATERN + 12 + 4 * i, part * 100);
         }
         struct volume v = read_made(&m), w, only_q;
+        v.geometry.fields.given = false; /* as of another format, or a derived grid */
         CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
         CHECK_INT(volume_read(&w, plain, NULL, NULL, NULL), OK);
         CHECK_INT(w.geometry.qform.code, 3);
@@ -1029,6 +1030,59 @@ STORY(the_place_in_the_world_is_kept)
     }
 }
 
+/* 0.957031 is 0.9570312 again, whatever the fields hold. */
+STORY(what_a_file_says_of_its_place_is_written_bit_for_bit)
+{
+    static const uint32_t size[3] = {NX, NY, NZ};
+    static const float odd[] = {0, -1, 0.9570312f, NAN, INFINITY, 1e-30f, 3e38f};
+    uint64_t chance = 31;
+    for (int round = 0; round < 300; round++) {
+        struct made m = make(2, false);
+        put(&m, QFORM, check_below(&chance, 6), 2);
+        put(&m, SFORM, check_below(&chance, 6), 2);
+        m.bytes[UNITS] = (uint8_t)check_below(&chance, 64);
+        for (unsigned at = QUATERN; at < SROW + 48; at += 4)
+            put_float(&m, at, (float)check_below(&chance, 1000000) / 7.0f - 70000);
+        for (unsigned i = 0; i < 4; i++)
+            put_float(&m, PIXDIM + 4 * i, (float)(1 + check_below(&chance, 4000)) / 1000.0f);
+        if (round % 3 == 0)
+            put_float(&m, (round % 2 ? PIXDIM : QUATERN) + 4 * check_below(&chance, 4),
+                      odd[check_below(&chance, 7)]);
+        struct volume v = read_made(&m);
+        struct buf file = {0};
+        CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
+        CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
+        CHECK(memcmp(file.data + PIXDIM, m.bytes + PIXDIM, 16) == 0);
+        CHECK(file.data[UNITS] == (char)m.bytes[UNITS]);
+        CHECK(memcmp(file.data + QFORM, m.bytes + QFORM, SROW + 48 - QFORM) == 0);
+        buf_release(&file);
+        volume_release(&v);
+    }
+}
+
+STORY(doubles_of_a_nifti_2_are_written_as_one)
+{
+    static const uint32_t size[3] = {2, 2, 2};
+    for (int wide = 0; wide < 2; wide++) {
+        const double third = wide ? 1.0 / 3 : 0.25;
+        struct geometry g = plain_geometry;
+        struct volume v;
+        g.fields = (struct geometry_fields){.given = true,
+                                            .xyzt_units = 2,
+                                            .sform_code = 2,
+                                            .pixdim = {1, third, 1, 1},
+                                            .srow = {{third}, {0, 1}, {0, 0, 1, third}}};
+        CHECK_INT(write_sample(plain, size, &g, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
+        struct volume_header header;
+        CHECK_INT(volume_about(&header, plain, NULL), OK);
+        CHECK_TEXT(header.format, wide ? "nifti-2" : "nifti-1");
+        CHECK_INT(volume_read(&v, plain, NULL, NULL, NULL), OK);
+        CHECK(memcmp(&v.geometry.fields.srow, &g.fields.srow, sizeof g.fields.srow) == 0);
+        CHECK(v.geometry.fields.pixdim[1] == third);
+        volume_release(&v);
+    }
+}
+
 STORY(a_sheared_matrix_is_kept_by_the_sform_alone)
 {
     static const uint32_t size[3] = {2, 2, 2};
@@ -1037,6 +1091,7 @@ STORY(a_sheared_matrix_is_kept_by_the_sform_alone)
     put_sform(&m, (const float[12]){1, 1, 0, 5, 0, 2, 0, 6, 0, 0, 3, 7});
     put(&m, SFORM, 4, 2);
     struct volume v = read_made(&m), w;
+    v.geometry.fields.given = false;
     CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
     CHECK_INT(volume_read(&w, plain, NULL, NULL, NULL), OK);
     CHECK(memcmp(v.geometry.to_mm, w.geometry.to_mm, sizeof v.geometry.to_mm) == 0);
@@ -1153,7 +1208,10 @@ int main(void)
         TELL(words_of_the_file_never_reach_the_terminal), TELL(damaged_files_never_do_harm),
         TELL(damaged_gzip_never_does_harm), TELL(maps_come_back_as_they_were_written),
         TELL(a_map_of_32_bits_is_little_endian_after_its_header),
-        TELL(the_place_in_the_world_is_kept), TELL(a_sheared_matrix_is_kept_by_the_sform_alone),
+        TELL(the_place_in_the_world_is_kept),
+        TELL(what_a_file_says_of_its_place_is_written_bit_for_bit),
+        TELL(doubles_of_a_nifti_2_are_written_as_one),
+        TELL(a_sheared_matrix_is_kept_by_the_sform_alone),
         TELL(a_side_too_long_for_nifti_1_makes_nifti_2), TELL(the_same_map_gives_the_same_gzip),
         TELL(names_and_existing_files_are_checked), TELL(a_disk_that_fills_leaves_the_former_file));
     unlink(plain);

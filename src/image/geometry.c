@@ -236,6 +236,7 @@ void geometry_derive(struct geometry *geometry, const double first[3], const dou
 {
     for (int a = 0; a < 3; a++)
         geometry->spacing_nm[a] = (uint32_t)floor(geometry->spacing_nm[a] * step[a] + 0.5);
+    geometry->fields.given = false;
     derive_matrix(geometry->to_mm, first, step);
     derive_matrix(geometry->sform.to_mm, first, step);
     derive_matrix(geometry->qform.to_mm, first, step);

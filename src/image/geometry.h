@@ -38,6 +38,14 @@ struct geometry_form {
     int16_t code; /* as read; 0 where the file gave none that can be used */
 };
 
+/* The fields of a NIfTI that say its geometry, as they stand in the file: a map that is saved has
+ * the same, bit for bit, and lies on the scene in every program, whatever that makes of them. */
+struct geometry_fields {
+    bool given; /* false for other formats, and for a derived grid */
+    int64_t xyzt_units, qform_code, sform_code;
+    double pixdim[4], quatern[3], qoffset[3], srow[3][4];
+};
+
 struct geometry {
     double to_mm[3][4];      /* world = to_mm * (i, j, k, 1), voxel centres at whole i, j, k */
     double slope, intercept; /* real value = slope * intensity + intercept, intensity 0..65535 */
@@ -48,6 +56,7 @@ struct geometry {
     int8_t world_axis[3]; /* the world axis (0, 1, 2) nearest to each voxel axis; a permutation */
     int8_t world_sign[3]; /* +1 or -1: with or against it */
     struct geometry_form sform, qform;
+    struct geometry_fields fields;
 };
 
 /* Whether to_mm is a place in the world. What the user tells is a direction of axes, no place. */

@@ -10,11 +10,11 @@
  * applies to all; without it they are millimetres. A pixdim that is not a number from 1 nm to 4 m
  * above 0 says no distance: then it is the sform's, or unknown. All of that is noted.
  *
- * Written: little-endian. The sform is to_mm, under the code it was read with (or the qform's, or
- * 1), where the scene has a place in the world. The qform is written where it can say the same; a
- * sheared matrix has none. NIfTI-1, or
- * NIfTI-2 where a side is longer than the 32767 voxels that NIfTI-1 can hold. 79 bytes of the
- * description.
+ * Written: little-endian. What a NIfTI said of the geometry is written as it was, bit for bit. For
+ * other scenes, and derived grids, the sform is to_mm, under the code it was read with (or the
+ * qform's, or 1), where they have a place in the world; the qform is written where it can say the
+ * same; a sheared matrix has none. NIfTI-1, or NIfTI-2 where a side is longer than the 32767 voxels
+ * that NIfTI-1 can hold, or a number longer than its single precision. 79 bytes of the description.
  *
  * From: nifti1.h and nifti2.h at https://nifti.nimh.nih.gov, whose field names are used below.
  */
@@ -207,8 +207,8 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
     }
     header.datatype = datatype_written(map->type);
     header.bitpix = 8 * voxel_bytes(map->type);
-    header.vox_offset = (double)header.bytes + 4;
     nifti_header_place(&header, map->geometry);
+    header.vox_offset = (double)header.bytes + 4;
     describe(&header, map->description);
     nifti_header_encode(&header, bytes);
     return voxels_write(path, mode, bytes, header.bytes + 4,

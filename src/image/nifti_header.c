@@ -299,6 +299,19 @@ static void compare_lengths(const struct geometry *geometry, char *notes)
                     mm[0], mm[1], mm[2]);
 }
 
+static struct geometry_fields fields_of(const struct nifti_header *header)
+{
+    struct geometry_fields fields = {.given = true,
+                                     .xyzt_units = header->xyzt_units,
+                                     .qform_code = header->qform_code,
+                                     .sform_code = header->sform_code};
+    memcpy(fields.pixdim, header->pixdim, sizeof fields.pixdim);
+    memcpy(fields.quatern, header->quatern, sizeof fields.quatern);
+    memcpy(fields.qoffset, header->qoffset, sizeof fields.qoffset);
+    memcpy(fields.srow, header->srow, sizeof fields.srow);
+    return fields;
+}
+
 /* A pixdim that is no distance has the sform say it. */
 static void measure_by_sform(struct geometry *geometry, char *notes)
 {
@@ -320,7 +333,7 @@ void nifti_header_geometry(struct geometry *geometry, char notes[VOLUME_NOTES_BY
     static const double voxels_mm[3] = {1, 1, 1};
     const double unit = unit_mm(header);
     double spacing_mm[3];
-    *geometry = (struct geometry){.slope = 1};
+    *geometry = (struct geometry){.slope = 1, .fields = fields_of(header)};
     read_spacing(geometry, spacing_mm, notes, header);
     struct geometry_form *sform = &geometry->sform, *qform = &geometry->qform;
     sform->code = usable_code(header->sform_code);
@@ -397,8 +410,36 @@ static bool place_qform(struct nifti_header *header, const struct geometry *geom
     return true;
 }
 
+/* Whether single precision holds them all; what is no number is one there too. */
+static bool fit_single(const double *value, size_t count)
+{
+    bool fit = true;
+    for (size_t i = 0; i < count; i++)
+        fit &= isnan(value[i]) || (double)(float)value[i] == value[i];
+    return fit;
+}
+
+/* As they were read; where only a NIfTI-2 holds them, it is one. */
+static void place_fields(struct nifti_header *header, const struct geometry_fields *fields)
+{
+    if (!fit_single(fields->pixdim, 4) || !fit_single(fields->quatern, 3) ||
+        !fit_single(fields->qoffset, 3) || !fit_single(&fields->srow[0][0], 12))
+        header->bytes = NIFTI_MOST_BYTES;
+    header->xyzt_units = fields->xyzt_units;
+    header->qform_code = fields->qform_code;
+    header->sform_code = fields->sform_code;
+    memcpy(header->pixdim, fields->pixdim, sizeof fields->pixdim);
+    memcpy(header->quatern, fields->quatern, sizeof fields->quatern);
+    memcpy(header->qoffset, fields->qoffset, sizeof fields->qoffset);
+    memcpy(header->srow, fields->srow, sizeof fields->srow);
+}
+
 void nifti_header_place(struct nifti_header *header, const struct geometry *geometry)
 {
+    if (geometry->fields.given) {
+        place_fields(header, &geometry->fields);
+        return;
+    }
     enum { MILLIMETRES = 2, SCANNER = 1 };
     const int16_t sform_code = geometry->sform.code, qform_code = geometry->qform.code;
     const int16_t code = sform_code ? sform_code : qform_code ? qform_code : SCANNER;

@@ -52,6 +52,7 @@ void nifti_header_encode(const struct nifti_header *header, uint8_t *bytes);
  * with a note on each thing that it leaves open; and the reverse. */
 void nifti_header_geometry(struct geometry *geometry, char notes[VOLUME_NOTES_BYTES],
                            const struct nifti_header *header, const uint32_t size[3]);
+/* May make it a NIfTI-2, so vox_offset follows. */
 void nifti_header_place(struct nifti_header *header, const struct geometry *geometry);
 
 #endif
