@@ -111,7 +111,8 @@ static const char *form_of(const struct parameter *p)
 {
     static char form[80], radius[32];
     const bool is_place = p->type == VALUE_POSITION || p->type == VALUE_LINE;
-    const char *type = is_place                    ? "X,Y,Z"
+    const char *type = p->form                     ? p->form
+                       : is_place                  ? "X,Y,Z"
                        : p->type == VALUE_RANGE    ? "A-B"
                        : p->type == VALUE_LIST     ? "A-B,C"
                        : p->type == VALUE_INTERVAL ? "LOW..HIGH"

@@ -52,6 +52,7 @@ struct parameter {
     bool paired; /* given where the one before it is none of its choices, and only there */
     int64_t least, most;
     const char *choices; /* words that it may be instead, "a|b|c", or NULL */
+    const char *form;    /* what stands for it in usage; NULL for what its type has */
 };
 
 /* What a parameter was given as. */

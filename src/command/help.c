@@ -11,7 +11,9 @@ static void add_form(struct buf *out, const struct parameter *p)
 {
     const double unit = p->type == VALUE_DECIMAL ? 1000 : 1;
     const bool is_number = p->type == VALUE_DECIMAL || p->type == VALUE_NUMBER;
-    if (p->type == VALUE_POSITION || p->type == VALUE_LINE)
+    if (p->form)
+        buf_add_text(out, p->form);
+    else if (p->type == VALUE_POSITION || p->type == VALUE_LINE)
         buf_add_text(out, "X,Y,Z");
     else if (p->type == VALUE_RANGE)
         buf_add_text(out, "A-B");

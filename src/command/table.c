@@ -108,14 +108,15 @@ const char *const command_group_name[] = {
 const struct command command_table[] = {
     {COMMAND("open", act_open, GROUP_SCENE, R),
      {NEED("FILE", VALUE_FILE), KEYED("volume", VALUE_NUMBER, .most = 65535),
-      KEYED("crop", VALUE_LIST, .most = 65533),
+      KEYED("crop", VALUE_LIST, .most = 65533, .form = "A-B,C-D,E-F"),
       KEYED("reduce", VALUE_NUMBER, .least = 2, .most = REDUCE_MOST),
-      KEYED("series", VALUE_NUMBER, .least = 1, .most = 100000), KEYED("data", VALUE_WORD),
-      KEYED("missing", VALUE_CHOICE, .choices = "blank"),
-      KEYED("size", VALUE_LIST, .least = 1, .most = 65534),
+      KEYED("series", VALUE_NUMBER, .least = 1, .most = 100000),
+      KEYED("data", VALUE_WORD, .form = "NAME"), KEYED("missing", VALUE_CHOICE, .choices = "blank"),
+      KEYED("size", VALUE_LIST, .least = 1, .most = 65534, .form = "X,Y,Z"),
       KEYED("type", VALUE_CHOICE, .choices = OPEN_TYPES),
       KEYED("endian", VALUE_CHOICE, .choices = "little|big"),
-      KEYED("offset", VALUE_NUMBER, .most = INT64_C(1) << 40), KEYED("spacing", VALUE_WORD),
+      KEYED("offset", VALUE_NUMBER, .most = INT64_C(1) << 40, .form = "BYTES"),
+      KEYED("spacing", VALUE_WORD, .form = "X,Y,Z"),
       KEYED("huge", VALUE_CHOICE, .choices = "yes|no")},
      "load a scene, or synth:geom[:XYZ|:SIZE]",
      VOLUME_FORMATS(VOLUME_NOTE) SYNTHETIC_NOTE "\n" VOLUME_SERIES_NOTE PART_NOTE "\n" OPENING_NOTE,
@@ -222,7 +223,7 @@ const struct command command_table[] = {
       KEYED("generator", VALUE_NUMBER, .most = 99999), RESAMPLE},
      "plant the seeds of a .csv list or a label map",
      "A list has lines x,y,z,label: voxel indices, a label's number or name. A label map is a "
-     "NIfTI on the scene's grid, whose regions (voxels of one value) become seeds of the label of "
+     "volume on the scene's grid, whose regions (voxels of one value) become seeds of the label of "
      "that number, or all of `label`." WITHIN_NOTE "\n"
      "regions: the values, 1 and above unless given, as in 1-90,2001.\n"
      "as: the labels that they become, one for each of `regions`, as in regions=2001,2002 as=1,2: "
