@@ -63,25 +63,45 @@ static void make_header(uint8_t header[352], const uint32_t size[3], unsigned ty
 
 static double value[VOXELS];
 
+/* A type by its code, the bytes of a number of it, and its least number. */
+struct type {
+    unsigned code, width;
+    int least;
+    bool is_real;
+};
+static const struct type types[] = {
+    {2, 1, 0, false},      {256, 1, -128, false}, {4, 2, -32768, false}, {512, 2, 0, false},
+    {8, 4, -32768, false}, {768, 4, 0, false},    {1024, 8, -9, false},  {1280, 8, 0, false},
+    {16, 4, -1000, true},  {64, 8, -1000, true},
+};
+enum { TYPES = sizeof types / sizeof types[0] };
+
+static void put_value(uint8_t *at, double number, const struct type *type, bool big)
+{
+    uint64_t bits = (uint64_t)(int64_t)number;
+    if (type->is_real && type->width == 4) {
+        put_float(at, (float)number, big);
+        return;
+    }
+    if (type->is_real)
+        memcpy(&bits, &number, sizeof bits);
+    put(at, bits, type->width, big);
+}
+
 /* Random numbers of a type, plain and packed; value[] is what they are. */
-static void make_file(unsigned type, bool big)
+static void make_file(const struct type *type, bool big)
 {
     static const uint32_t size[3] = {NX, NY, NZ};
-    static uint8_t bytes[352 + VOXELS * 4];
-    const unsigned width = type == 2 ? 1 : type == 16 ? 4 : 2;
-    make_header(bytes, size, type, width, big);
+    static uint8_t bytes[352 + VOXELS * 8];
+    const size_t length = 352 + VOXELS * type->width;
+    make_header(bytes, size, type->code, type->width, big);
     for (unsigned i = 0; i < VOXELS; i++) {
-        uint8_t *at = bytes + 352 + i * width;
-        const uint32_t bits = draw(1u << 16);
-        value[i] = type == 2 ? (uint8_t)bits : type == 4 ? (double)(int16_t)bits : bits;
-        if (type == 16)
-            put_float(at, (float)value[i], big);
-        else
-            put(at, bits, width, big);
+        value[i] = type->least + (double)draw(type->width == 1 ? 256 : 65536);
+        put_value(bytes + 352 + i * type->width, value[i], type, big);
     }
-    CHECK(file_write(path, bytes, 352 + VOXELS * width, FILE_REPLACE, NULL) == OK);
+    CHECK(file_write(path, bytes, length, FILE_REPLACE, NULL) == OK);
     gzFile gz = gzopen(packed, "wb");
-    gzwrite(gz, bytes, 352 + VOXELS * width);
+    gzwrite(gz, bytes, (unsigned)length);
     gzclose(gz);
 }
 
@@ -148,8 +168,7 @@ static void check_part(const char *file, const struct volume_choice *choice, boo
 
 STORY(a_part_is_what_the_whole_has_there)
 {
-    static const unsigned type[] = {2, 4, 512, 16};
-    for (int round = 0; round < 240; round++) {
+    for (int round = 0; round < 400; round++) {
         struct volume_choice choice = {.has_crop = draw(4) > 0, .nearest = draw(2) == 0};
         const uint32_t size[3] = {NX, NY, NZ};
         for (int a = 0; a < 3; a++) {
@@ -157,9 +176,9 @@ STORY(a_part_is_what_the_whole_has_there)
             choice.last[a] = choice.first[a] + draw(size[a] - choice.first[a]);
         }
         choice.reduce = draw(5);
-        const unsigned t = type[round % 4];
-        make_file(t, round / 4 % 2);
-        check_part(round % 3 ? path : packed, &choice, t != 16);
+        const struct type *type = &types[round % TYPES];
+        make_file(type, round / TYPES % 2);
+        check_part(round % 3 ? path : packed, &choice, !type->is_real);
     }
 }
 
@@ -192,7 +211,7 @@ STORY(a_box_outside_is_refused_and_what_is_left_out_is_noted)
         .has_crop = true, .first = {0, 0, 0}, .last = {NX - 1, NY, NZ - 1}};
     struct fault fault = {0};
     struct volume v;
-    make_file(2, false);
+    make_file(&types[0], false);
     CHECK_INT(volume_read(&v, path, &choice, NULL, &fault), ERR_USAGE);
     CHECK_HAS(fault.text, "crop: 0-9 is not in the 9 voxels along y, 0-8");
     choice = (struct volume_choice){.reduce = 4};

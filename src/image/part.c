@@ -118,7 +118,7 @@ static void put_number(uint8_t *at, double value, const struct volume_header *he
         memcpy(&bits, &value, sizeof bits);
         break;
     case VOXEL_UINT64:
-        bits = value < 0x1p64 ? (uint64_t)value : UINT64_MAX;
+        bits = value < 0x1p64 ? (uint64_t)floor(value + 0.5) : UINT64_MAX;
         break;
     default:
         bits = value < 0x1p63 ? (uint64_t)(int64_t)floor(value + 0.5) : INT64_MAX;
