@@ -109,7 +109,8 @@ cp ct/SECRETNAME_IM0000.dcm plain/IM0
 mv clash "$work/v/SECRET" # what the user calls things stays theirs; what is in the files does not
 {
     "$iftty" -c "open ct; seed 9,12,6 1; seed 1,1,1 0; run; info; why 9,12,6
-        slice axial 6 $work/private/s.png; render $work/private/r.png; render $work/private/r.exr; save labels $work/private/l.nii.gz
+        slice axial 6 $work/private/s.png; render $work/private/r.png; render $work/private/r.exr
+        save labels $work/private/l.nii.gz
         save labels $work/private/l.seg.nrrd
         golden front-1; save surface $work/private/s.ply" --journal "$work/private/j.iftty"
     for options in "ct" "mixed" "gaps" "SECRET" "uneven" "plain"; do

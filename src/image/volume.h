@@ -142,8 +142,8 @@ struct volume_format {
 /* The part of a name by which some format knows its files, ".nii.gz"; NULL where there is none. */
 const char *volume_ending(const char *path);
 
-/* Whether it is a file whose notes are about a patient (DICOM): a reader of pictures would show them,
- * and none of volumes does. */
+/* Whether it is a file whose notes are about a patient (DICOM): a reader of pictures would show
+ * them, and none of volumes does. */
 bool volume_may_name_a_patient(const char *path);
 
 /* What the header of `path` says, of voxels that cannot be read too (as those of the root map that
