@@ -57,7 +57,7 @@ recorded "cross 11,13,8"
 type_letters "s2"
 recorded "seed 11,13,8 2"
 see 'voxels changed'
-see '^axial 8 at 11,13,8  brush 2  label 2  intensity '
+see '^axial 8 at 11,13,8  brush 2  label 2  intensity .* mm  7.68 ml'
 press Tab
 see '^coronal 13 '
 see '^i seed  b label  x remove  u undo  : command  \? keys  q back'

@@ -1,15 +1,16 @@
 #include "engine/label_surface.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"
+#include "engine/gradient.h"
 
 enum {
     REACH = 2,     /* voxels that a normal depends on lie so far before a face's first voxel, */
     FAR_REACH = 3, /* and after it */
     TERMS_MOST = 150,
+    SLOPE_UNIT = 1 << 18, /* gradients are below 2^11 */
     INNER = 4, /* what a voxel counts in the middle of a cube along an axis, and beside it: */
     OUTER = 3, /* between 1, 1, where edges are too small, and 2, 1, where slopes are too large */
 };
@@ -31,6 +32,7 @@ struct search {
     const uint8_t *label;
     struct team *team;
     struct kernel kernel[3]; /* of faces across each axis */
+    uint32_t slope[3];       /* SLOPE_UNIT by the spacing, the finest of which counts as 1 */
     uint64_t cosines[TEAM_MOST][256][3];
 };
 
@@ -97,14 +99,13 @@ static uint64_t cosine(const struct search *s, int axis, const int64_t at[3], pt
                        uint8_t label)
 {
     int32_t gradient[3] = {0};
-    double along[3], squares = 0;
+    uint64_t along[3], squares = 0;
     find_gradient(gradient, s, &s->kernel[axis], at, cell, label);
     for (int i = 0; i < 3; i++) {
-        along[i] = (double)gradient[i] / s->scene->spacing_nm[(axis + i) % 3];
+        along[i] = (uint64_t)abs(gradient[i]) * s->slope[(axis + i) % 3];
         squares += along[i] * along[i];
     }
-    return squares > 0 ? (uint64_t)(fabs(along[0]) / sqrt(squares) * SURFACE_UNIT + 0.5)
-                       : SURFACE_UNIT;
+    return squares > 0 ? along[0] * SURFACE_UNIT / square_root(squares) : SURFACE_UNIT;
 }
 
 /* ---- faces ---- */
@@ -163,8 +164,13 @@ enum err label_surface_find(struct label_surface *surface, const uint8_t *label,
     s->scene = scene;
     s->label = label;
     s->team = team;
-    for (int a = 0; a < 3; a++)
+    const uint32_t *nm = scene->spacing_nm;
+    uint64_t finest = nm[0] < nm[1] ? nm[0] : nm[1];
+    finest = nm[2] < finest ? nm[2] : finest;
+    for (int a = 0; a < 3; a++) {
         kernel_init(&s->kernel[a], a, &scene->grid);
+        s->slope[a] = (uint32_t)(finest * SLOPE_UNIT / nm[a]);
+    }
     team_run(team, search_part, s);
     memset(surface, 0, sizeof *surface);
     for (unsigned worker = 0; worker < team_size(team); worker++)
@@ -173,14 +179,4 @@ enum err label_surface_find(struct label_surface *surface, const uint8_t *label,
                 surface->cosines[l][a] += s->cosines[worker][l][a];
     free(s);
     return watch_fault(scene->watch, fault);
-}
-
-double label_surface_mm2(const struct label_surface *surface, unsigned label,
-                         const uint32_t spacing_nm[3])
-{
-    double mm2 = 0;
-    for (int a = 0; a < 3; a++)
-        mm2 += (double)surface->cosines[label][a] / SURFACE_UNIT * (spacing_nm[(a + 1) % 3] / 1e6) *
-               (spacing_nm[(a + 2) % 3] / 1e6);
-    return mm2;
 }

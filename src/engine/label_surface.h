@@ -17,7 +17,8 @@
 #include "engine/scene.h"
 
 /* Sums of cosines, of the faces across each axis: integers, so that the order of work and the
- * number of threads do not matter. */
+ * number of threads do not matter. By SURFACE_UNIT, and times the area of a face, they are the
+ * surface. */
 enum { SURFACE_UNIT = 1 << 20 };
 struct label_surface {
     uint64_t cosines[256][3];
@@ -27,9 +28,5 @@ struct label_surface {
  * watch. */
 enum err label_surface_find(struct label_surface *surface, const uint8_t *label,
                             const struct scene *scene, struct team *team, struct fault *fault);
-
-/* In square millimetres. */
-double label_surface_mm2(const struct label_surface *surface, unsigned label,
-                         const uint32_t spacing_nm[3]);
 
 #endif

@@ -62,7 +62,17 @@ static double real_of(const struct session *session, int32_t intensity)
     return session->geometry.slope * intensity + session->geometry.intercept;
 }
 
-/* "label 2 cerebellum  intensity 93  0.5,18.0,-2.0 mm" */
+/* "  142 ml of label 2": all of it, as counts are kept up to date. */
+static void write_volume(struct buf *out, const struct session *session, unsigned label)
+{
+    if (label == 0 || session->tally.stale || session->geometry.spacing_unknown)
+        return;
+    buf_add_text(out, "  ");
+    tally_write_volume(out, session->scene->spacing_nm, session->tally.voxels[label]);
+    buf_printf(out, " of label %u", label);
+}
+
+/* "label 2 cerebellum  intensity 93  0.5,18.0,-2.0 mm  142 ml of label 2" */
 static void write_where(struct buf *out, const struct session *session)
 {
     const struct cell *cell = session->scene->cell + cell_at_cross(session);
@@ -84,6 +94,7 @@ static void write_where(struct buf *out, const struct session *session)
         buf_add_text(out, "  orientation unknown");
     else if (geometry->orientation == ORIENTATION_TOLD)
         buf_add_text(out, "  sides as told by the user");
+    write_volume(out, session, cell->label);
 }
 
 /* A seed of an object waits, or a voxel has its label; where nobody has counted yet, so it is. */

@@ -2,7 +2,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <string.h>
 
 #include "base/json.h"
 #include "engine/label_surface.h"
@@ -40,11 +39,12 @@ static double voxel_mm3(const struct geometry *geometry)
 
 static double surface_mm2(const struct label_report *report, unsigned label)
 {
-    struct label_surface surface;
-    memcpy(surface.cosines[label], report->stats[label].cosines, sizeof surface.cosines[label]);
-    return report->geometry->spacing_unknown
-               ? NAN
-               : label_surface_mm2(&surface, label, report->geometry->spacing_nm);
+    const uint32_t *nm = report->geometry->spacing_nm;
+    double mm2 = 0;
+    for (int a = 0; a < 3; a++)
+        mm2 += (double)report->stats[label].cosines[a] / SURFACE_UNIT * (nm[(a + 1) % 3] / 1e6) *
+               (nm[(a + 2) % 3] / 1e6);
+    return report->geometry->spacing_unknown ? NAN : mm2;
 }
 
 static double mean(const struct label_stats *s)
@@ -138,7 +138,7 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
 {
     struct json json = {.out = out};
     json_object(&json, NULL);
-    json_array(&json, "labels");
+    json_array(&json, "by_label");
     for (unsigned label = 1; label < 256; label++) {
         if (!report->stats[label].voxels)
             continue;

@@ -2,8 +2,8 @@
  * What is known of each label in words: lines for people, JSON and CSV for programs.
  *
  * Intensities are real values (image/geometry.h). A measure that the geometry of the scene does not
- * tell, as millimetres where the spacing is unknown, is left out, null in JSON and an empty field in
- * CSV; so is what has no meaning, as the deviation of a single voxel.
+ * tell, as millimetres where the spacing is unknown, is left out, null in JSON and an empty field
+ * in CSV; so is what has no meaning, as the deviation of a single voxel.
  */
 #ifndef SESSION_LABEL_REPORT_H
 #define SESSION_LABEL_REPORT_H
