@@ -162,6 +162,23 @@ grep -q '^    0 of 7680 voxels differ' out || fail "finished labels are not: $(c
 out_has "the labels here, finished"
 close_story
 
+# 30 mm to the right, in the bytes of qoffset_x and of srow_x.
+begin "maps that lie elsewhere are refused with the distance"
+{
+    head -c 268 solid.nii
+    printf '\000\000\360\101'
+    tail -c +273 solid.nii | head -c 20
+    printf '\000\000\360\101'
+    tail -c +297 solid.nii
+} >moved.nii
+expect 3 "$iftty" compare solid.nii moved.nii
+err_has " mm"
+err_has "resample"
+expect 0 "$iftty" compare solid.nii moved.nii --resample --csv
+err_has "resampled"
+grep -q '^1,"",[0-9]*,[0-9]*,0,' out && fail "nothing overlaps: $(cat out)"
+close_story
+
 begin "what cannot be compared is refused, with what to type"
 make_scene other.nii 24 20 15
 expect 3 "$iftty" compare a.nii other.nii

@@ -101,7 +101,7 @@ STORY(a_contour_is_what_touches_other_voxels_of_the_scene)
     struct contour_box box = {{SIDE, SIDE, SIDE}, {{true, false}, {false, false}, {false, false}}};
     memset(set, 3, sizeof set);
     set[0] = 1; /* of two sets, one has all voxels */
-    contour_find(contour, set, room, &box);
+    contour_find(contour, set, room, &box, NULL);
     size_t first = 0, second = 0;
     for (size_t i = 0; i < VOXELS; i++) {
         first += contour[i] & 1;
@@ -329,6 +329,34 @@ STORY(random_labels_are_as_far_apart_as_a_slow_computation_finds)
     team_free(team);
 }
 
+/* ---- stopped ---- */
+
+static int polls_left;
+static bool stop_later(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    (void)context, (void)what, (void)done, (void)total;
+    return polls_left-- <= 0;
+}
+
+STORY(a_stop_is_heard_wherever_it_comes)
+{
+    static struct comparison comparison;
+    struct compared c = {.size = {9, 8, 7}, .spacing_nm = {1000000, 1000000, 1000000}};
+    c.label[0] = mem_array(9 * 8 * 7, 1);
+    c.label[1] = mem_array(9 * 8 * 7, 1);
+    paint(&c);
+    enum err err = ERR_CANCELLED;
+    int polls = 0;
+    for (; err == ERR_CANCELLED && polls < 100000; polls++) {
+        struct watch watch = {.poll = stop_later, .step = 1};
+        polls_left = polls;
+        err = comparison_make(&comparison, &c, NULL, &watch, NULL);
+    }
+    CHECK(err == OK && polls > 1000);
+    free(c.label[0]);
+    free(c.label[1]);
+}
+
 int main(void)
 {
     return RUN_STORIES(TELL(distances_are_those_to_the_nearest_voxel),
@@ -337,5 +365,6 @@ int main(void)
                        TELL(rows_of_voxels_are_measured_as_worked_out_by_hand),
                        TELL(sets_may_agree_more_than_their_surfaces),
                        TELL(what_is_not_there_has_no_distance),
-                       TELL(random_labels_are_as_far_apart_as_a_slow_computation_finds));
+                       TELL(random_labels_are_as_far_apart_as_a_slow_computation_finds),
+                       TELL(a_stop_is_heard_wherever_it_comes));
 }

@@ -111,15 +111,13 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
         err = has_copy ? read_copy(map, act, buf_text(&path)) : read_original(map, act);
     if (err && !has_copy && path.length)
         fault_prefix(act->fault, err, "there is no copy %s", buf_text(&path));
-    if (!err) {
-        label_copy_digest(digest, map);
-        if (strcmp(digest, recorded) != 0)
-            err = fault_set(act->fault, ERR_INPUT,
-                            "%s holds other labels than were recorded (%s, not %s); nothing was "
-                            "planted",
-                            has_copy ? buf_text(&path) : act->value[FILE_NAME].text, digest,
-                            recorded);
-    }
+    if (!err)
+        err = label_copy_digest(digest, map, act->session->watch, act->fault);
+    if (!err && strcmp(digest, recorded) != 0)
+        err = fault_set(act->fault, ERR_INPUT,
+                        "%s holds other labels than were recorded (%s, not %s); nothing was "
+                        "planted",
+                        has_copy ? buf_text(&path) : act->value[FILE_NAME].text, digest, recorded);
     buf_release(&path);
     return err;
 }
@@ -128,10 +126,11 @@ static enum err read_recorded(struct volume *map, const struct act *act, const c
 static enum err read_new(struct volume *map, const struct act *act)
 {
     char digest[LABEL_COPY_DIGEST];
-    const enum err err = read_original(map, act);
+    enum err err = read_original(map, act);
+    if (!err)
+        err = label_copy_digest(digest, map, act->session->watch, act->fault);
     if (err)
         return err;
-    label_copy_digest(digest, map);
     buf_printf(&act->reply->canonical, " copy=%s", digest);
     return act->interp->mode == MODE_LIVE ? keep_copy(act, map, digest) : OK;
 }

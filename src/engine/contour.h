@@ -10,6 +10,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/watch.h"
+
 /* A box of the scene, [z][y][x]; beyond it no voxel is in a set. */
 struct contour_box {
     uint32_t size[3];
@@ -17,8 +19,8 @@ struct contour_box {
 };
 
 /* Each bit of a byte is a set; `contour` gets those of the contours. Both have a byte a voxel, as
- * has `room`. */
+ * has `room`. Of no use where the watch, or NULL, has stopped it. */
 void contour_find(uint8_t *contour, const uint8_t *set, uint8_t *room,
-                  const struct contour_box *box);
+                  const struct contour_box *box, struct watch *watch);
 
 #endif

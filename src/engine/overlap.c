@@ -2,7 +2,13 @@
 
 void overlap_count(struct overlap *overlap, const uint8_t *a, const uint8_t *b, size_t voxels)
 {
-    *overlap = (struct overlap){.voxels = voxels};
+    *overlap = (struct overlap){0};
+    overlap_add(overlap, a, b, voxels);
+}
+
+void overlap_add(struct overlap *overlap, const uint8_t *a, const uint8_t *b, size_t voxels)
+{
+    overlap->voxels += voxels;
     for (size_t i = 0; i < voxels; i++) {
         overlap->a[a[i]]++;
         overlap->b[b[i]]++;

@@ -19,7 +19,10 @@ struct overlap {
 
 enum { DICE_ONE = 10000 };
 
-/* Counts `voxels` labels, fewer than 2^32. */
+/* Counts `voxels` labels more; of fewer than 2^32 in all, and from {0} on. */
+void overlap_add(struct overlap *overlap, const uint8_t *a, const uint8_t *b, size_t voxels);
+
+/* Counts these alone. */
 void overlap_count(struct overlap *overlap, const uint8_t *a, const uint8_t *b, size_t voxels);
 
 /* In ten-thousandths; DICE_ONE where no voxel of either has the label. */

@@ -51,9 +51,13 @@ static enum err take_labels(struct pair *pair, int side, struct volume *map, str
 
 static enum err read_map(struct pair *pair, int side, struct fault *fault)
 {
-    const struct map_place place = {.grid = &pair->grid, .geometry = &pair->geometry};
+    const struct map_place place = {.grid = &pair->grid,
+                                    .geometry = &pair->geometry,
+                                    .resample = side > 0 && pair->options->resample};
     struct volume map = {0};
     enum err err = map_read(&map, pair->options->word[side], &place, console_watch(), fault);
+    if (!err && *map.notes)
+        console_warn(NULL, map.notes);
     if (!err)
         err = take_labels(pair, side, &map, fault);
     volume_release(&map);

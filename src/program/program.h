@@ -30,7 +30,7 @@ struct options {
     const char *limit_memory, *limit_time, *limit_output;
     size_t processes, from, until; /* 0: not given */
     struct graphics_wish graphics; /* {0}: the terminal decides */
-    bool help, read_only, keep_going, smooth, json, histogram, csv, binary, anonymise;
+    bool help, read_only, keep_going, smooth, json, histogram, csv, binary, resample, anonymise;
     bool is_form; /* one that only says which form is meant */
 };
 

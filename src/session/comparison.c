@@ -46,17 +46,18 @@ static void widen(struct box *box, const uint32_t place[3])
     }
 }
 
-/* Around each label in both; box[0] around all objects. */
-static enum err find_boxes(struct box box[256], const struct compared *c, struct watch *watch,
-                           struct fault *fault)
+/* Counts labels, and finds the boxes around each in both; box[0] is around all objects. */
+static enum err look_through(struct overlap *overlap, struct box box[256], const struct compared *c,
+                             struct watch *watch, struct fault *fault)
 {
     const uint8_t *a = c->label[0], *b = c->label[1];
     const size_t voxels = (size_t)c->size[0] * c->size[1] * c->size[2];
-    struct task task = task_begin(watch, "boxes of labels", voxels);
+    struct task task = task_begin(watch, "comparing labels", voxels);
     for (unsigned l = 0; l < 256; l++)
         box[l] = (struct box){{UINT32_MAX, UINT32_MAX, UINT32_MAX}, {0, 0, 0}};
     for (uint32_t z = 0; z < c->size[2]; z++)
-        for (uint32_t y = 0; y < c->size[1] && task_advance(&task, c->size[0]); y++)
+        for (uint32_t y = 0; y < c->size[1] && task_advance(&task, c->size[0]); y++) {
+            overlap_add(overlap, a, b, c->size[0]);
             for (uint32_t x = 0; x < c->size[0]; x++, a++, b++) {
                 const uint32_t place[3] = {x, y, z};
                 if (!(*a | *b))
@@ -67,6 +68,7 @@ static enum err find_boxes(struct box box[256], const struct compared *c, struct
                 if (*b && *b != *a)
                     widen(&box[*b], place);
             }
+        }
     return watch_fault(watch, fault);
 }
 
@@ -105,8 +107,9 @@ static void mark_sets(struct work *w, unsigned label)
 {
     const struct compared *c = w->compared;
     uint8_t *set = w->set;
+    struct task task = task_begin(w->watch, "voxels of a label", w->voxels);
     for (uint32_t z = 0; z < w->box.size[2]; z++)
-        for (uint32_t y = 0; y < w->box.size[1]; y++) {
+        for (uint32_t y = 0; y < w->box.size[1] && task_advance(&task, w->box.size[0]); y++) {
             const size_t row =
                 w->first[0] +
                 (size_t)c->size[0] * (w->first[1] + y + (size_t)c->size[1] * (w->first[2] + z));
@@ -134,8 +137,8 @@ static enum err work_init(struct work *w, const struct box *box, unsigned label,
     if (!w->set || !w->contour || !w->squared)
         return fault_memory(fault, "a comparison");
     mark_sets(w, label);
-    contour_find(w->contour, w->set, (uint8_t *)w->squared, &w->box);
-    return OK;
+    contour_find(w->contour, w->set, (uint8_t *)w->squared, &w->box, w->watch);
+    return watch_fault(w->watch, fault);
 }
 
 static double in_mm(const struct work *w, uint64_t squared)
@@ -149,7 +152,8 @@ static void take_farthest(struct label_distances *d, const struct work *w, uint8
 {
     uint64_t most = 0;
     size_t where = 0;
-    for (size_t i = 0; i < w->voxels; i++)
+    struct task task = task_begin(w->watch, "distances", w->voxels);
+    for (size_t i = 0; i < w->voxels && task_advance(&task, 1); i++)
         if (w->set[i] == from && w->squared[i] > most) {
             most = w->squared[i];
             where = i;
@@ -185,7 +189,8 @@ static enum err take_surface(struct label_distances *d, struct work *w, int dire
 {
     const uint8_t from = in_set[direction];
     size_t count = 0, n = 0;
-    for (size_t i = 0; i < w->voxels; i++)
+    struct task task = task_begin(w->watch, "distances of surfaces", 2 * (uint64_t)w->voxels);
+    for (size_t i = 0; i < w->voxels && task_advance(&task, 1); i++)
         count += (w->contour[i] & from) != 0;
     w->count[direction] = count;
     if (!count)
@@ -194,9 +199,11 @@ static enum err take_surface(struct label_distances *d, struct work *w, int dire
     w->found = mem_array(count, sizeof *w->found);
     if (!w->found)
         return fault_memory(fault, "a comparison");
-    for (size_t i = 0; i < w->voxels; i++)
+    for (size_t i = 0; i < w->voxels && task_advance(&task, 1); i++)
         if (w->contour[i] & from)
             w->found[n++] = w->squared[i];
+    if (watch_stops(w->watch))
+        return watch_fault(w->watch, fault);
     qsort(w->found, n, sizeof *w->found, compare_numbers);
     for (size_t i = 0; i < n; i++)
         w->sum_mm[direction] += in_mm(w, w->found[i]);
@@ -256,11 +263,7 @@ enum err comparison_make(struct comparison *comparison, const struct compared *c
     struct box box[256];
     unsigned only = 0;
     memset(comparison, 0, sizeof *comparison);
-    enum err err = find_boxes(box, compared, watch, fault);
-    if (err)
-        return err;
-    overlap_count(&comparison->overlap, compared->label[0], compared->label[1],
-                  (size_t)compared->size[0] * compared->size[1] * compared->size[2]);
+    enum err err = look_through(&comparison->overlap, box, compared, watch, fault);
     for (unsigned label = 1; label < 256 && !err; label++)
         if (comparison_has(comparison, label)) {
             comparison->labels++;

@@ -8,23 +8,26 @@
 
 enum { PIECE = 4096 };
 
-void label_copy_digest(char digest[LABEL_COPY_DIGEST], const struct volume *map)
+enum err label_copy_digest(char digest[LABEL_COPY_DIGEST], const struct volume *map,
+                           struct watch *watch, struct fault *fault)
 {
     const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
     struct sha256_ctx sha;
     uint32_t size[3];
     uint16_t piece[PIECE];
+    struct task task = task_begin(watch, "digest of the labels", voxels);
     for (int a = 0; a < 3; a++)
         size[a] = htole32(map->size[a]);
     sha256_init(&sha);
     sha256_update(&sha, sizeof size, (const uint8_t *)size);
-    for (size_t i = 0; i < voxels;) {
+    for (size_t i = 0; i < voxels && task_advance(&task, PIECE);) {
         size_t n = 0;
         while (n < PIECE && i < voxels)
             piece[n++] = htole16(map->intensity[i++]);
         sha256_update(&sha, n * sizeof *piece, (const uint8_t *)piece);
     }
     sha256_hex(digest, &sha, (LABEL_COPY_DIGEST - 1) / 2);
+    return watch_fault(watch, fault);
 }
 
 bool label_copy_is_digest(const char *text)

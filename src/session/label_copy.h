@@ -22,7 +22,8 @@ enum { LABEL_COPY_DIGEST = 33 }; /* 32 digits and NUL: 128 bits of SHA-256 */
 
 /* Of a map as map_choose leaves it: over its sides as 32 bits each, then its labels, x fastest, as
  * 16 bits; all little-endian. */
-void label_copy_digest(char digest[LABEL_COPY_DIGEST], const struct volume *map);
+enum err label_copy_digest(char digest[LABEL_COPY_DIGEST], const struct volume *map,
+                           struct watch *watch, struct fault *fault); /* ERR_CANCELLED */
 bool label_copy_is_digest(const char *text);
 
 /* Adds the name of a copy in its folder. */

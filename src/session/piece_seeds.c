@@ -42,11 +42,12 @@ static void work_release(struct work *w)
 /* ---- labels ---- */
 
 /* A label that the map has not; 256 for none. */
-static unsigned find_spare(const uint16_t *region, size_t voxels)
+static unsigned find_spare(const uint16_t *region, size_t voxels, struct watch *watch)
 {
     bool is_there[256] = {false};
     unsigned spare = 0;
-    for (size_t i = 0; i < voxels; i++)
+    struct task task = task_begin(watch, "labels of the map", voxels);
+    for (size_t i = 0; i < voxels && task_advance(&task, 1); i++)
         if (region[i] != REGION_NONE)
             is_there[region[i]] = true;
     while (spare < 256 && is_there[spare])
@@ -57,11 +58,12 @@ static unsigned find_spare(const uint16_t *region, size_t voxels)
 static enum err take_labels(struct work *w, const uint16_t *region, struct fault *fault)
 {
     const struct grid *grid = w->grid;
-    const unsigned spare = find_spare(region, grid->voxels);
+    const unsigned spare = find_spare(region, grid->voxels, w->watch);
     memset(w->label, 0, grid->cells);
     w->spare = spare;
+    struct task task = task_begin(w->watch, "labels of the map", grid->voxels);
     for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
+        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             const struct span row = grid_row(grid, y, z);
             for (uint32_t c = row.first; c < row.end; c++, region++) {
                 if (*region == REGION_NONE && spare > 255)
@@ -123,8 +125,9 @@ static enum err find_depths(struct work *w, struct fault *fault)
 static void erode(struct work *w, size_t *small)
 {
     const uint8_t wanted = (uint8_t)(w->erode + 1);
+    struct task task = task_begin(w->watch, "erosion", 2 * (uint64_t)w->found.runs);
     memset(w->least, 0, w->found.count);
-    for (size_t i = 0; i < w->found.runs; i++) {
+    for (size_t i = 0; i < w->found.runs && task_advance(&task, 1); i++) {
         const struct component_run *run = w->found.run + i;
         uint8_t *least = &w->least[run->component];
         for (uint32_t c = run->first; c < run->end && *least < wanted; c++)
@@ -134,7 +137,7 @@ static void erode(struct work *w, size_t *small)
         *small += w->least[i] < wanted && w->found.item[i].label != w->spare;
         w->least[i] = w->least[i] < wanted ? w->least[i] : wanted;
     }
-    for (size_t i = 0; i < w->found.runs; i++) {
+    for (size_t i = 0; i < w->found.runs && task_advance(&task, 1); i++) {
         const struct component_run *run = w->found.run + i;
         for (uint32_t c = run->first; c < run->end; c++)
             w->depth[c] |= w->depth[c] >= w->least[run->component] ? LEFT : 0;
