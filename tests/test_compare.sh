@@ -97,12 +97,12 @@ if needs python3; then
 import csv, json
 d = json.load(open('r.json'))
 rows = list(csv.DictReader(open('r.csv')))
-assert rows[0]['name'] == 'liver' and d['by_label'][0]['name'] == 'liver'
-for row, told in zip(rows, d['by_label'] + [d['all']]):
+assert rows[0]['name'] == 'liver' and d['labels'][0]['name'] == 'liver'
+for row, told in zip(rows, d['labels'] + [d['all']]):
     for key, value in row.items():
         if key not in ('label', 'name'):
             assert told[key] == (float(value) if value else None), (key, value, told[key])
-assert len(rows) == len(d['by_label']) + 1 and d['b'] == 'b.nii'
+assert len(rows) == len(d['labels']) + 1 and d['b'] == 'b.nii'
 EOS
 fi
 close_story

@@ -91,12 +91,12 @@ void comparison_write_json(struct buf *out, const struct comparison_report *repo
     json_object(&json, "all");
     add_figures(&json, report, 0);
     json_end(&json);
-    json_array(&json, "by_label");
+    json_array(&json, "labels");
     for (unsigned label = 1; label < 256; label++) {
         if (!comparison_has(c, label))
             continue;
         json_object(&json, NULL);
-        json_count(&json, "number", label);
+        json_count(&json, "label", label);
         json_text(&json, "name", report->label_name[label]);
         add_figures(&json, report, label);
         json_end(&json);
