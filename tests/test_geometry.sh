@@ -77,6 +77,8 @@ close_story
 
 begin "a scene that does not say it gives maps that do not say it"
 expect 0 "$iftty" -c 'open unplaced.nii.gz; save labels a.nii; orient LPI; save labels b.nii'
+[ "$(grep -c "where it lies is as unknown in it as in the scene" "$work/out")" = 2 ] ||
+    fail "$(cat "$work/out")"
 cmp -s a.nii b.nii || fail "what was told is in the map"
 expect 0 "$iftty" info a.nii
 out_has "axes      unknown"

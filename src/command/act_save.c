@@ -111,6 +111,9 @@ enum err act_save(const struct act *act)
         err = save(act, &labels, buf_text(&path));
         if (!err)
             act_write_file_line("wrote ", buf_text(&path), act->reply);
+        if (!err && volume_ending(buf_text(&path)) && !geometry_has_place(&act->session->geometry))
+            buf_add_text(&act->reply->text,
+                         "where it lies is as unknown in it as in the scene's file\n");
     }
     buf_release(&path);
     return err;

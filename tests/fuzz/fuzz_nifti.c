@@ -5,6 +5,7 @@
 
 #include "image/volume.h"
 #include "image/nifti_header.h"
+#include "image/regrid.h"
 
 enum { VOXELS_MOST = 1 << 20 }; /* more are fine, and take too long here */
 
@@ -38,9 +39,20 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
     HOLDS(!err || (fault.text[0] && !strpbrk(fault.text, "\n\r\033")));
     if (err || (uint64_t)facts.size[0] * facts.size[1] * facts.size[2] > VOXELS_MOST)
         return 0;
-    err = volume_read(&volume, path, NULL, NULL, &fault);
+    const struct volume_choice last = {.has_volume = facts.volumes > 1,
+                                       .volume = facts.volumes - 1};
+    err = volume_read(&volume, path, &last, NULL, &fault);
     HOLDS(!err == (volume.intensity != NULL));
     HOLDS(err || memcmp(volume.size, facts.size, sizeof volume.size) == 0);
+    if (!err) { /* a map of a scene that lies elsewhere */
+        const uint32_t size[3] = {5, 4, 3};
+        struct geometry place = {.slope = 1};
+        geometry_place_plain(&place, (const double[3]){1, 1, 1});
+        geometry_orient(&place, "LPS");
+        place.orientation = ORIENTATION_FILE;
+        const enum err placed = regrid(&volume, size, &place, true, NULL, &fault);
+        HOLDS(placed || memcmp(volume.size, size, sizeof size) == 0);
+    }
     volume_release(&volume);
     err = volume_read(&volume, path, &(struct volume_choice){.reduce = 2}, NULL, &fault);
     HOLDS(!err == (volume.intensity != NULL));
