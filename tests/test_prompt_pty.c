@@ -946,6 +946,42 @@ STORY(an_answer_that_is_cut_after_its_escape_is_no_key_of_the_pilot)
     forget_journals();
 }
 
+static bool is_asked(const struct terminal *t, const char *text)
+{
+    (void)text;
+    return t->screen.questions > 0;
+}
+
+/* Kitty 0.26 may lose a sequence that a frame begins with. */
+STORY(no_frame_of_the_pilot_begins_with_a_sequence)
+{
+    static const char begin[] = "\033[?2026h", synchronizes[] = "\033[?2026;2$y\033[?64;1;2;6;9c";
+    struct setting setting = plain;
+    struct terminal t;
+    unsigned frames = 0;
+    setting.term = "foot";
+    start(&t, &setting);
+    t.is_mute = true;
+    check_awaited(&t, is_asked, "the first question", __LINE__);
+    type(&t, synchronizes);
+    t.answered = 1;
+    t.is_mute = false;
+    SEE_LINE(&t, "synth>");
+    type(&t, "\017");
+    check_awaited(&t, is_in_pilot, "the pilot", __LINE__);
+    type(&t, "3lq");
+    SEE_LINE(&t, "synth>");
+    const char *at = buf_text(&t.written);
+    while ((at = strstr(at, begin))) {
+        at += strlen(begin);
+        CHECK(*at != '\033');
+        frames++;
+    }
+    CHECK(frames > 0);
+    quit(&t);
+    forget_journals();
+}
+
 STORY(a_paste_is_no_key_of_the_pilot_however_it_is_cut)
 {
     static const char paste[] = "\033[200~i2s1vll\rq\nseed 1,1,1 2\tu\033[201~";
@@ -1167,6 +1203,7 @@ int main(void)
         TELL(without_colours_there_is_none_and_no_hint),
         TELL(a_dumb_terminal_gets_no_escape_at_all),
         TELL(an_answer_that_is_cut_after_its_escape_is_no_key_of_the_pilot),
+        TELL(no_frame_of_the_pilot_begins_with_a_sequence),
         TELL(a_paste_is_no_key_of_the_pilot_however_it_is_cut),
         TELL(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal));
     return remove_folder(folder) | status;

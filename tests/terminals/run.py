@@ -347,7 +347,7 @@ def drive(stage, name):
             expected = panel(stage, cells, prompt.journal)
             stage.need_screen(prompt.terminal, story,
                               lambda shot: same_panel(cells, shot, expected))
-            shown = prompt.terminal.settled(5)  # on a busy machine tiles get fine slowly,
+            shown = prompt.terminal.settled(1)  # on a busy machine tiles get fine slowly,
             prompt.terminal.press("ctrl+l")
             prompt.terminal.settled(0.6)  # and here as well
             words = prompt.terminal.wait_screen(lambda shot: same_pixels(shown, shot))

@@ -26,6 +26,12 @@ enum { SLOW_BYTES = 10000, AHEAD_OVER = UINT16_MAX, AHEAD_NEAR = 6, AHEAD_DUE = 
 #define MOUSE_ON     "\033[?1002h\033[?1006h"
 #define MOUSE_OFF    "\033[?1006l\033[?1002l"
 
+/* What is between appears at once. Where what kitty 0.26 .. 0.32 reads from the line ends within
+ * the first sequence after FRAME_BEGINS, it takes that sequence for a part of itself and drops it,
+ * a patch of the picture say: so a byte comes first, which cannot be cut in two. */
+#define FRAME_BEGINS "\033[?2026h\r"
+#define FRAME_ENDS   "\033[?2026l"
+
 struct pilot {
     const struct pilot_host *host;
     struct terminal_facts *facts;
@@ -206,7 +212,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         p->is_blank = true;
     }
     if (p->facts->synchronizes)
-        buf_add_text(&out, "\033[?2026h");
+        buf_add_text(&out, FRAME_BEGINS);
     if (p->is_blank) {
         painter_remove(&p->painter, &out);
         buf_add_text(&out, blank_of(p));
@@ -215,7 +221,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
     add_picture(p, &out);
     add_rows(&out, p, &facts, &size);
     if (p->facts->synchronizes)
-        buf_add_text(&out, "\033[?2026l");
+        buf_add_text(&out, FRAME_ENDS);
     if (p->facts->answers)
         buf_add_text(&out, "\033[c");
     p->is_stale = p->is_blank = false;
