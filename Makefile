@@ -46,6 +46,9 @@ VOLUME_FLAGS  = -isystem /usr/include/$(ITK) -isystem $(wildcard /usr/include/gd
 VOLUME_LIBS   = $(addsuffix $(ITK:ITK%=%),$(ITK_IO:%=-lITKIO%) -lITKCommon -litksys -litkvnl) \
                 -lgdcmMSFF -lgdcmDSED -lgdcmCommon $(shell pkg-config --libs hdf5 2>/dev/null)
 
+VOLUME_PARTS  = $(patsubst %.cc,$(BUILD)/%.o,src/image/iftty-volume.cc \
+                  $(wildcard src/image/volume_*.cc))
+
 # One line a file, unless V=1; as many files at once as there are cores.
 ifeq ($(V),1)
 say = @:
@@ -217,11 +220,14 @@ build/.packages-volume: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(VOLUME_PACKAGES) --
 	@touch $@
 
-$(BUILD)/iftty-volume: src/image/iftty-volume.cc $(BUILD)/src/base/confine.o | \
-                       build/.packages-volume
+$(BUILD)/src/image/%.o: src/image/%.cc | build/.packages-volume
+	@mkdir -p $(@D)
 	$(say) "compile   $<"
-	$(Q)$(CXX) $(ALL_CXXFLAGS) $(VOLUME_FLAGS) -MF $@.d -o $@ $(filter %.cc %.o,$^) \
-	    $(ALL_LDFLAGS) $(VOLUME_LIBS)
+	$(Q)$(CXX) $(ALL_CXXFLAGS) $(VOLUME_FLAGS) -c -o $@ $<
+
+$(BUILD)/iftty-volume: $(VOLUME_PARTS) $(BUILD)/src/base/confine.o
+	$(say) "link      $@"
+	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(VOLUME_LIBS)
 
 $(LIBRARY): $(OBJECTS)
 	@rm -f $@
@@ -296,5 +302,5 @@ $(BUILD)/racing/%.o: %.c | $(PACKAGES_STAMP)
 
 -include $(RACING:.o=.d) $(wildcard $(BUILD)/racing/tests/*.d)
 -include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(BUILD)/iftty-image.d \
-         $(BUILD)/iftty-volume.d $(STAGED:=.d) $(BENCH).d $(BENCHES:.o=.d) \
+         $(VOLUME_PARTS:.o=.d) $(STAGED:=.d) $(BENCH).d $(BENCHES:.o=.d) \
          $(wildcard $(BUILD)/tests/*/*.d)

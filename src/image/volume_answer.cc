@@ -1,0 +1,155 @@
+/* What iftty-volume answers, and how its reading ends. */
+#include "image/volume_parts.hh"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include <signal.h>
+
+#include "image/wire.hh"
+
+namespace volume
+{
+
+using namespace wire;
+
+constexpr uint64_t side_most = 65534;
+constexpr size_t notes_most = 1200;
+constexpr size_t piece_most = 4 << 20;
+
+void refuse(const char *format, ...)
+{
+    char words[words_most];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(words, sizeof words, format, arguments);
+    va_end(arguments);
+    throw Refusal{words};
+}
+
+std::string words_of(const char *format, ...)
+{
+    char words[words_most];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(words, sizeof words, format, arguments);
+    va_end(arguments);
+    return words;
+}
+
+std::string plural_of(size_t count, const char *noun)
+{
+    return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+/* ---- what is said where a library gives up ---- */
+
+/* The answer where a signal ends this process while it reads: made before, since a handler may do
+ * little. Libraries end by assertions that fail, and by reading where nothing is. */
+char last_answer[2 * words_most];
+size_t last_length;
+
+void expect_end(const std::string &words)
+{
+    const std::string answer = "error " + std::to_string(words.size()) + "\n" + words;
+    last_length = 0;
+    std::memcpy(last_answer, answer.data(), std::min(answer.size(), sizeof last_answer));
+    last_length = std::min(answer.size(), sizeof last_answer);
+}
+
+void end_by_signal(int)
+{
+    const char *at = last_answer;
+    for (size_t left = last_length; left > 0;) {
+        const ssize_t n = write(wire::fd, at, left);
+        if (n <= 0)
+            break;
+        at += n;
+        left -= static_cast<size_t>(n);
+    }
+    _exit(4);
+}
+
+/* On a stack of its own, since the other may be full. */
+void catch_signals()
+{
+    static char room[65536];
+    stack_t stack = {};
+    stack.ss_sp = room;
+    stack.ss_size = sizeof room;
+    sigaltstack(&stack, nullptr);
+    struct sigaction action = {};
+    action.sa_handler = end_by_signal;
+    action.sa_flags = SA_ONSTACK;
+    for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL})
+        sigaction(signal, &action, nullptr);
+}
+
+/* ---- what is answered ---- */
+
+void note(Volume &volume, const std::string &line)
+{
+    if (volume.notes.size() + line.size() + 1 <= notes_most)
+        volume.notes += line + "\n";
+}
+
+void progress(uint64_t done, uint64_t total)
+{
+    transmit("progress " + std::to_string(done) + " " + std::to_string(total) + "\n");
+}
+
+void send_piece(const void *bytes, size_t length)
+{
+    const char *at = static_cast<const char *>(bytes);
+    while (length > 0) {
+        const size_t piece = std::min(length, piece_most);
+        transmit("piece " + std::to_string(piece) + "\n");
+        transmit(at, piece);
+        at += piece;
+        length -= piece;
+    }
+}
+
+/* The header of an answer; and, when the client asks for them, the voxels. */
+void answer(const Volume &volume)
+{
+    for (const uint64_t side : volume.size)
+        if (side < 1 || side > side_most)
+            refuse("it has %llu voxels along one side; expected 1 to %llu",
+                   static_cast<unsigned long long>(side),
+                   static_cast<unsigned long long>(side_most));
+    double number[14];
+    std::memcpy(number, volume.to_mm, sizeof volume.to_mm);
+    number[12] = volume.slope;
+    number[13] = volume.intercept;
+    std::string line = "volume";
+    for (const uint64_t side : volume.size)
+        line += " " + std::to_string(side);
+    line += " " + std::to_string(volume.volumes) + " " + std::to_string(volume.known) + " " +
+            std::to_string(volume.format.size()) + " " + std::to_string(volume.type.size()) + " " +
+            std::to_string(volume.notes.size()) + "\n";
+    transmit(line + volume.format + volume.type + volume.notes);
+    transmit(number, sizeof number);
+    if (receive_line() != "voxels")
+        leave(2);
+    volume.send();
+}
+
+size_t bytes_of(const std::string &type)
+{
+    return static_cast<size_t>(std::atoi(type.c_str() + type.find_first_of("0123456789"))) / 8;
+}
+
+size_t bytes_in(const Volume &volume, uint64_t volumes)
+{
+    uint64_t bytes = bytes_of(volume.type);
+    for (const uint64_t n : {volume.size[0], volume.size[1], volume.size[2], volumes})
+        if (__builtin_mul_overflow(bytes, n, &bytes))
+            refuse("its voxels do not fit the memory of any machine");
+    return static_cast<size_t>(bytes);
+}
+
+} // namespace volume

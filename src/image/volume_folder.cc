@@ -1,0 +1,236 @@
+/* Folders: a series of DICOM, or slices as TIFF or PNG in the order of their names. */
+#include "image/volume_itk.hh"
+#include "image/volume_parts.hh"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include <dirent.h>
+#include <sys/stat.h>
+
+namespace volume
+{
+
+constexpr size_t files_most = 100000;
+constexpr size_t depth_most = 6;
+
+std::string real_path(const std::string &path)
+{
+    char *real = realpath(path.c_str(), nullptr);
+    const std::string text = real ? real : "";
+    std::free(real);
+    return text;
+}
+
+void add_file(Files &files, const std::string &path, bool follows_links)
+{
+    struct stat status;
+    if (lstat(path.c_str(), &status) != 0)
+        return;
+    if (S_ISLNK(status.st_mode)) {
+        if (!follows_links || stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) {
+            files.links++;
+            return;
+        }
+        files.targets.push_back(real_path(path));
+    }
+    if (S_ISREG(status.st_mode))
+        files.path.push_back(path);
+}
+
+void walk(Files &files, const std::string &folder, bool follows_links, size_t depth)
+{
+    std::vector<std::string> names;
+    DIR *entries = opendir(folder.c_str());
+    if (!entries)
+        return;
+    while (const struct dirent *entry = readdir(entries))
+        if (entry->d_name[0] != '.')
+            names.emplace_back(entry->d_name);
+    closedir(entries);
+    std::sort(names.begin(), names.end());
+    for (const std::string &name : names) {
+        const std::string path = folder + "/" + name;
+        struct stat status;
+        if (files.path.size() > files_most)
+            refuse("the folder holds more than %zu files; give the one with the slices",
+                   files_most);
+        if (lstat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) {
+            if (depth < depth_most)
+                walk(files, path, follows_links, depth + 1);
+        } else {
+            add_file(files, path, follows_links);
+        }
+    }
+}
+
+/* Names as people count: slice9 before slice10. */
+bool is_before(const std::string &a, const std::string &b)
+{
+    size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size()) {
+        if (std::isdigit(static_cast<unsigned char>(a[i])) &&
+            std::isdigit(static_cast<unsigned char>(b[j]))) {
+            const auto end = [](const std::string &s, size_t at) {
+                while (at < s.size() && std::isdigit(static_cast<unsigned char>(s[at])))
+                    at++;
+                return at;
+            };
+            const auto digits = [](const std::string &s, size_t from, size_t to) {
+                while (from + 1 < to && s[from] == '0')
+                    from++;
+                return s.substr(from, to - from);
+            };
+            const size_t m = end(a, i), n = end(b, j);
+            const std::string p = digits(a, i, m), q = digits(b, j, n);
+            if (p != q)
+                return p.size() != q.size() ? p.size() < q.size() : p < q;
+            i = m;
+            j = n;
+        } else if (a[i] != b[j]) {
+            return a[i] < b[j];
+        } else {
+            i++;
+            j++;
+        }
+    }
+    return a.size() - i < b.size() - j;
+}
+
+/* "png", "tiff" or nothing, by the first bytes. */
+std::string picture_kind(const std::string &path)
+{
+    char bytes[4] = {0};
+    std::ifstream file(path, std::ios::binary);
+    file.read(bytes, sizeof bytes);
+    if (std::memcmp(bytes, "\x89PNG", 4) == 0)
+        return "png";
+    if (std::memcmp(bytes, "II*\0", 4) == 0 || std::memcmp(bytes, "MM\0*", 4) == 0)
+        return "tiff";
+    return "";
+}
+
+itk::ImageIOBase::Pointer open_picture(const std::string &kind, const std::string &path,
+                                       size_t number, size_t all)
+{
+    const itk::ImageIOBase::Pointer io = find_kind(kind, path)->make();
+    io->SetFileName(path);
+    try {
+        io->ReadImageInformation();
+    } catch (const std::exception &) {
+        refuse("slice %zu of %zu cannot be decoded", number, all);
+    }
+    return io;
+}
+
+void send_pictures(const Volume &volume, const std::vector<std::string> &path,
+                   const std::string &kind)
+{
+    std::vector<char> bytes(bytes_in(volume, 1) / volume.size[2]);
+    for (size_t z = 0; z < path.size(); z++) {
+        const itk::ImageIOBase::Pointer io = open_picture(kind, path[z], z + 1, path.size());
+        const bool is_flat = io->GetNumberOfDimensions() < 3 || io->GetDimensions(2) == 1;
+        if (!is_flat || io->GetDimensions(0) != volume.size[0] ||
+            io->GetDimensions(1) != volume.size[1] || io->GetNumberOfComponents() != 1 ||
+            volume.type != type_of(*io))
+            refuse("slice %zu of %zu is %zux%zu with %u values of %s a pixel, and the first "
+                   "%llux%llu with 1 of %s; expected slices of one kind",
+                   z + 1, path.size(), static_cast<size_t>(io->GetDimensions(0)),
+                   static_cast<size_t>(io->GetDimensions(1)), io->GetNumberOfComponents(),
+                   type_of(*io), static_cast<unsigned long long>(volume.size[0]),
+                   static_cast<unsigned long long>(volume.size[1]), volume.type.c_str());
+        io->SetIORegion(whole_region(*io));
+        io->Read(bytes.data());
+        send_piece(bytes.data(), bytes.size());
+    }
+}
+
+/* Says where numbers in names leave some out: the last number of each name. */
+void note_gaps(Volume &volume, const std::vector<std::string> &path)
+{
+    long former = -1;
+    size_t gaps = 0;
+    std::string first;
+    for (size_t i = 0; i < path.size(); i++) {
+        size_t end = path[i].find_last_of("0123456789");
+        size_t begin = end;
+        while (begin != std::string::npos && begin > 0 &&
+               std::isdigit(static_cast<unsigned char>(path[i][begin - 1])))
+            begin--;
+        if (end == std::string::npos || end - begin > 9)
+            return;
+        const long number = std::atol(path[i].c_str() + begin);
+        if (former >= 0 && number != former + 1 && gaps++ == 0)
+            first = words_of("after slice %zu", i);
+        former = number;
+    }
+    if (gaps)
+        note(volume, words_of("the numbers in the names of the slices leave some out (the first "
+                              "time %s)",
+                              first.c_str()));
+}
+
+void stack_pictures(Volume &volume, std::vector<std::string> path, const std::string &kind)
+{
+    std::sort(path.begin(), path.end(), is_before);
+    const itk::ImageIOBase::Pointer io = open_picture(kind, path[0], 1, path.size());
+    if (io->GetNumberOfComponents() != 1)
+        refuse("slice 1 of %zu has %u values a pixel (colour); expected one", path.size(),
+               io->GetNumberOfComponents());
+    volume.format = kind == "png" ? "PNG slices" : "TIFF slices";
+    volume.type = type_of(*io);
+    volume.size[0] = io->GetDimensions(0);
+    volume.size[1] = io->GetDimensions(1);
+    volume.size[2] = path.size();
+    note_gaps(volume, path);
+    volume.send = [&volume, path, kind]() { send_pictures(volume, path, kind); };
+}
+
+void open_folder(Volume &volume, const Request &request, const Files &files)
+{
+    std::vector<Slice> slices;
+    std::vector<std::string> png, tiff;
+    size_t others = 0, without = 0;
+    for (size_t i = 0; i < files.path.size(); i++) {
+        const std::string &path = files.path[i];
+        const size_t before = slices.size();
+        if (i % 64 == 0)
+            progress(i, files.path.size());
+        expect_end(
+            words_of("file %zu of %zu, in the order of names, is damaged; fetch it again, or "
+                     "take it out of the folder",
+                     i + 1, files.path.size()));
+        if (scan(slices, path)) {
+            without += slices.size() == before;
+            continue;
+        }
+        const std::string kind = picture_kind(path);
+        if (kind == "png")
+            png.push_back(path);
+        else if (kind == "tiff")
+            tiff.push_back(path);
+        else
+            others++;
+    }
+    if (slices.empty() && png.empty() && tiff.empty())
+        refuse("the folder holds no slices of DICOM, TIFF or PNG (%s of other kinds, %s of DICOM "
+               "without pixels, %s that lead out of it)",
+               plural_of(others, "file").c_str(), plural_of(without, "file").c_str(),
+               plural_of(files.links, "link").c_str());
+    if (!slices.empty())
+        stack_slices(volume, slices, request);
+    else
+        stack_pictures(volume, tiff.size() >= png.size() ? tiff : png,
+                       tiff.size() >= png.size() ? "tiff" : "png");
+    if (slices.empty())
+        others += std::min(png.size(), tiff.size());
+    else
+        others += png.size() + tiff.size();
+    if (others + files.links)
+        note(volume, plural_of(others + files.links, "file") + " of other kinds left out");
+}
+
+} // namespace volume

@@ -1,0 +1,116 @@
+/*
+ * What the parts of iftty-volume share: what is asked, what is answered, and how reading ends.
+ *
+ * What files say in words (names, numbers and dates of patients, the messages of libraries, which
+ * quote them) never leaves the process: what it says itself are words and numbers of its own, and
+ * the names of data sets in an HDF5 file.
+ */
+#ifndef IMAGE_VOLUME_PARTS_HH
+#define IMAGE_VOLUME_PARTS_HH
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace volume
+{
+
+constexpr uint64_t number_most = 1000000;
+
+/* ---- what is asked, and what is answered ---- */
+
+struct Request {
+    std::string kind, data, path;
+    bool follows_links = false, fills_gaps = false;
+    uint64_t series = 0; /* counted from 1; 0: not said */
+    uint64_t volume = 0; /* of a series of volumes, counted from 0 */
+};
+
+enum Known : unsigned { NOTHING = 0, SPACING = 1, ORIENTATION = 2 };
+
+/* A volume before its voxels. `send` sends size[0] * size[1] * size[2] values of the type. */
+struct Volume {
+    uint64_t size[3] = {1, 1, 1};
+    std::string format, type;
+    uint64_t volumes = 1;
+    unsigned known = NOTHING;
+    double to_mm[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}; /* right, anterior, superior */
+    double slope = 1, intercept = 0;
+    std::string notes; /* lines */
+    std::function<void()> send;
+};
+
+void note(Volume &volume, const std::string &line);
+
+/* While the header is made: so many of so many files. */
+void progress(uint64_t done, uint64_t total);
+
+/* Some of the voxels. */
+void send_piece(const void *bytes, size_t length);
+
+/* The header; and, when the client asks for them, the voxels. */
+void answer(const Volume &volume);
+
+size_t bytes_of(const std::string &type);                /* of a number */
+size_t bytes_in(const Volume &volume, uint64_t volumes); /* of so many volumes */
+
+/* ---- how reading ends ---- */
+
+/* What cannot be read; the words are for the user, and ours alone. */
+struct Refusal {
+    std::string words;
+};
+
+[[noreturn]] void refuse(const char *format, ...) __attribute__((format(printf, 1, 2)));
+std::string words_of(const char *format, ...) __attribute__((format(printf, 1, 2)));
+std::string plural_of(size_t count, const char *noun);
+
+/* What is answered where a library ends the process by a signal from now on. */
+void expect_end(const std::string &words);
+void catch_signals();
+
+/* ---- what is read ---- */
+
+struct Slice {
+    std::string path, series, object; /* never said */
+    std::string modality;
+    unsigned frame = 0, frames = 1;
+    unsigned columns = 0, rows = 0, samples = 1, bits = 16;
+    bool is_signed = false, has_position = false, has_axes = false, is_inverse = false;
+    double position[3] = {0, 0, 0}, axis[6] = {1, 0, 0, 0, 1, 0}; /* left, posterior, superior */
+    double spacing[2] = {0, 0}; /* of rows, of columns; 0: not said */
+    double between = 0, thickness = 0;
+    double slope = 1, intercept = 0;
+    int series_number = 0, instance = 0, acquisition = 0, time = 0, echo = 0;
+    double along = 0; /* its place on the normal of its plane */
+};
+
+using Series = std::vector<Slice>;
+
+/* The slices of a file; false where it is no DICOM. One without pixels adds none. */
+bool scan(std::vector<Slice> &slices, const std::string &path);
+
+void normal_of(double normal[3], const double axis[6]);
+
+/* Takes one of the series that the slices make, and arranges them. */
+void stack_slices(Volume &volume, const std::vector<Slice> &slices, const Request &request);
+
+struct Files {
+    std::vector<std::string> path;
+    size_t links = 0;                 /* that are not followed */
+    std::vector<std::string> targets; /* of links that are */
+};
+
+/* The regular files below a folder, hidden ones left out, in the order of their names. */
+void walk(Files &files, const std::string &folder, bool follows_links, size_t depth);
+
+void open_by_itk(Volume &volume, const Request &request, const std::string &name);
+void open_hdf5(Volume &volume, const Request &request);
+void open_dicom(Volume &volume, const Request &request);
+void open_folder(Volume &volume, const Request &request, const Files &files);
+
+} // namespace volume
+
+#endif

@@ -1,0 +1,508 @@
+/* DICOM: the slices of a series, in their places. ITK sorts too, but says nothing of gaps, doubled
+ * slices and uneven distances. GDCM decodes. */
+#include "image/volume_parts.hh"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include <gdcmImageReader.h>
+
+namespace volume
+{
+
+/* ---- which slices ---- */
+
+bool are_parallel(const Slice &a, const Slice &b)
+{
+    for (int i = 0; i < 6; i++)
+        if (std::fabs(a.axis[i] - b.axis[i]) > 1e-3)
+            return false;
+    return true;
+}
+
+bool are_alike(const Slice &a, const Slice &b)
+{
+    return a.series == b.series && a.columns == b.columns && a.rows == b.rows &&
+           a.samples == b.samples && a.has_axes == b.has_axes && a.has_position == b.has_position &&
+           are_parallel(a, b) && std::fabs(a.spacing[0] - b.spacing[0]) <= 1e-4 * a.spacing[0] &&
+           std::fabs(a.spacing[1] - b.spacing[1]) <= 1e-4 * a.spacing[1];
+}
+
+/* Slices of one series that lie in one direction and have one size, in the order of the numbers of
+ * their series. */
+std::vector<Series> series_of(std::vector<Slice> slices)
+{
+    std::vector<Series> all;
+    for (Slice &slice : slices) {
+        const auto at = std::find_if(all.begin(), all.end(), [&](const Series &series) {
+            return are_alike(series[0], slice);
+        });
+        if (at == all.end())
+            all.push_back({slice});
+        else
+            at->push_back(slice);
+    }
+    std::stable_sort(all.begin(), all.end(), [](const Series &a, const Series &b) {
+        return std::tie(a[0].series_number, a[0].series) <
+               std::tie(b[0].series_number, b[0].series);
+    });
+    return all;
+}
+
+/* The modality by its code; nothing else that may stand there is said. */
+std::string modality_of(const Slice &slice)
+{
+    static const std::set<std::string> known = {"CT", "MR", "PT", "NM", "US",  "CR",     "DX", "MG",
+                                                "XA", "RF", "OT", "SC", "OCT", "RTDOSE", "SEG"};
+    return known.count(slice.modality) ? slice.modality : "of another modality";
+}
+
+/* "1: 120 slices of 512x512, CT; 2: ..." */
+std::string listed(const std::vector<Series> &all)
+{
+    std::string list;
+    for (size_t i = 0; i < all.size(); i++) {
+        if (i == 6)
+            return list + words_of("; and %zu more", all.size() - i);
+        const Slice &slice = all[i][0];
+        list += words_of("%s%zu: %s of %ux%u, %s", i ? "; " : "", i + 1,
+                         plural_of(all[i].size(), "slice").c_str(), slice.columns, slice.rows,
+                         modality_of(slice).c_str());
+    }
+    return list;
+}
+
+Series choose_series(const std::vector<Series> &all, uint64_t wanted)
+{
+    if (wanted == 0 && all.size() == 1)
+        return all[0];
+    if (wanted == 0)
+        refuse("it holds %zu series; choose one with series=N: %s", all.size(),
+               listed(all).c_str());
+    if (wanted > all.size())
+        refuse("there is no series %llu; it holds %s", static_cast<unsigned long long>(wanted),
+               listed(all).c_str());
+    return all[wanted - 1];
+}
+
+/* Files that are there twice count once. */
+size_t drop_copies(Series &series)
+{
+    std::set<std::pair<std::string, unsigned>> seen;
+    const size_t before = series.size();
+    series.erase(
+        std::remove_if(
+            series.begin(), series.end(),
+            [&](const Slice &slice) {
+                return !slice.object.empty() && !seen.insert({slice.object, slice.frame}).second;
+            }),
+        series.end());
+    return before - series.size();
+}
+
+bool have_places(const Series &series)
+{
+    return series[0].has_position && series[0].has_axes;
+}
+
+/* By their places along the normal of the first; those of one place, and all where they have none,
+ * by time, echo and number. */
+void sort_slices(Series &series)
+{
+    double normal[3];
+    normal_of(normal, series[0].axis);
+    for (Slice &slice : series)
+        for (int w = 0; w < 3 && have_places(series); w++)
+            slice.along += normal[w] * slice.position[w];
+    std::stable_sort(series.begin(), series.end(), [](const Slice &a, const Slice &b) {
+        /* what is nearer than this lies in one place */
+        const double p = std::floor(a.along * 200 + 0.5), q = std::floor(b.along * 200 + 0.5);
+        return std::tie(p, a.time, a.echo, a.acquisition, a.instance, a.frame) <
+               std::tie(q, b.time, b.echo, b.acquisition, b.instance, b.frame);
+    });
+}
+
+bool is_same_place(const Slice &a, const Slice &b)
+{
+    return std::fabs(a.along - b.along) < 0.0075;
+}
+
+/* How many slices lie in each place, which must be as many everywhere. */
+size_t count_volumes(const Series &series)
+{
+    std::vector<size_t> count;
+    if (!have_places(series))
+        return 1;
+    for (size_t i = 0; i < series.size(); i++)
+        if (i > 0 && is_same_place(series[i - 1], series[i]))
+            count.back()++;
+        else
+            count.push_back(1);
+    const size_t most = *std::max_element(count.begin(), count.end());
+    const size_t least = *std::min_element(count.begin(), count.end());
+    const auto first = std::max_element(count.begin(), count.end()) - count.begin();
+    const auto fewer = std::min_element(count.begin(), count.end()) - count.begin();
+    if (most != least)
+        refuse("slices are doubled or missing: place %td of %zu along the series holds %zu slices "
+               "and place %td holds %zu; put those of one volume into a folder of their own",
+               first + 1, count.size(), most, fewer + 1, least);
+    return most;
+}
+
+/* Where gaps are, in steps: 0 between slices that follow each other. */
+struct Gaps {
+    double step = 0;             /* the usual distance */
+    double least = 0, most = 0;  /* found */
+    std::vector<size_t> missing; /* after slice i */
+    size_t all = 0;              /* slices that are missing */
+    bool is_irregular = false;
+};
+
+Gaps gaps_of(const std::vector<double> &along)
+{
+    Gaps gaps;
+    std::vector<double> steps;
+    for (size_t i = 1; i < along.size(); i++)
+        steps.push_back(along[i] - along[i - 1]);
+    gaps.missing.resize(steps.size());
+    if (steps.empty())
+        return gaps;
+    std::vector<double> sorted = steps;
+    std::sort(sorted.begin(), sorted.end());
+    gaps.step = sorted[(sorted.size() - 1) / 2];
+    gaps.least = sorted.front();
+    gaps.most = sorted.back();
+    bool are_multiples = true;
+    for (size_t i = 0; i < steps.size(); i++) {
+        const double times = std::floor(steps[i] / gaps.step + 0.5);
+        const double off = std::fabs(steps[i] - times * gaps.step);
+        are_multiples &= times >= 1 && times < 1000 && off <= 0.02 * gaps.step + 0.005;
+        gaps.missing[i] = are_multiples ? static_cast<size_t>(times) - 1 : 0;
+        gaps.all += gaps.missing[i];
+    }
+    if (!are_multiples) {
+        gaps.missing.assign(steps.size(), 0);
+        gaps.all = 0;
+        gaps.is_irregular = true;
+    }
+    return gaps;
+}
+
+std::string listed(const Gaps &gaps)
+{
+    std::string list;
+    size_t count = 0;
+    for (size_t i = 0; i < gaps.missing.size(); i++)
+        if (gaps.missing[i] && count++ < 8)
+            list +=
+                words_of("%s%zu after slice %zu", list.empty() ? "" : ", ", gaps.missing[i], i + 1);
+    return list + (count > 8 ? words_of(", and in %zu more places", count - 8) : "");
+}
+
+/* A series as it is read: `slice[z]` of the volume that is wanted, of frame `blank` where there is
+ * none. */
+struct Stack {
+    std::vector<Slice> slice;
+    bool is_real = false; /* rescaled each by its own: float32 */
+    double slope = 1, intercept = 0;
+};
+
+const unsigned blank = 65535;
+
+void note_unevenness(Volume &volume, const Gaps &gaps, const std::vector<Slice> &slice)
+{
+    const size_t last = slice.size() - 1;
+    if (gaps.is_irregular) {
+        const double mean = (slice[last].along - slice[0].along) / static_cast<double>(last);
+        double off = 0;
+        for (size_t i = 0; i <= last; i++)
+            off = std::max(
+                off, std::fabs(slice[i].along - slice[0].along - mean * static_cast<double>(i)));
+        note(volume, words_of("slices are not evenly spaced: %g to %g mm apart; taken as %g mm, "
+                              "which puts a slice up to %.2g mm off its place",
+                              gaps.least, gaps.most, mean, off));
+    }
+    double sideways = 0;
+    for (size_t i = 1; i < last; i++) {
+        const double part =
+            (slice[i].along - slice[0].along) / (slice[last].along - slice[0].along);
+        for (int w = 0; w < 3; w++) {
+            const double line =
+                slice[0].position[w] + part * (slice[last].position[w] - slice[0].position[w]);
+            sideways = std::max(sideways, std::fabs(slice[i].position[w] - line));
+        }
+    }
+    if (sideways > 0.1)
+        note(volume,
+             words_of("slices do not lie in one line: up to %.2g mm to the side", sideways));
+}
+
+/* Puts blank slices where some are missing, if the user wants them. */
+void close_gaps(std::vector<Slice> &slice, const Gaps &gaps, bool fills_gaps, Volume &volume)
+{
+    if (gaps.all == 0)
+        return;
+    if (!fills_gaps)
+        refuse("%s missing (%s) of %zu; `open FOLDER missing=blank` puts blank ones in their "
+               "places",
+               gaps.all == 1 ? "a slice is" : (std::to_string(gaps.all) + " slices are").c_str(),
+               listed(gaps).c_str(), slice.size() + gaps.all);
+    std::vector<Slice> filled;
+    for (size_t i = 0; i < slice.size(); i++) {
+        filled.push_back(slice[i]);
+        for (size_t n = 0; i + 1 < slice.size() && n < gaps.missing[i]; n++) {
+            filled.push_back(slice[i]);
+            filled.back().frame = blank;
+        }
+    }
+    slice = filled;
+    note(volume, words_of("%s: blank in their places", listed(gaps).c_str()));
+}
+
+/* The way from voxels to the world: rows, columns, and from the first slice to the last. */
+void place(Volume &volume, const std::vector<Slice> &slice)
+{
+    const Slice &first = slice.front(), &last = slice.back();
+    const size_t steps = slice.size() - 1;
+    double column[3][3], normal[3];
+    normal_of(normal, first.axis);
+    const double depth = first.between > 0 ? first.between : first.thickness;
+    const bool is_placed = first.has_position && first.has_axes;
+    for (int w = 0; w < 3; w++) {
+        column[0][w] = first.axis[w] * (first.spacing[1] > 0 ? first.spacing[1] : 1);
+        column[1][w] = first.axis[3 + w] * (first.spacing[0] > 0 ? first.spacing[0] : 1);
+        column[2][w] = steps > 0 && is_placed
+                           ? (last.position[w] - first.position[w]) / static_cast<double>(steps)
+                           : normal[w] * (depth > 0 ? depth : 1);
+        const double sign = is_placed && w < 2 ? -1 : 1;
+        for (int a = 0; a < 3; a++)
+            volume.to_mm[w][a] = sign * column[a][w];
+        volume.to_mm[w][3] = is_placed ? sign * first.position[w] : 0;
+    }
+    if (first.spacing[0] > 0 && (steps > 0 && is_placed ? true : depth > 0))
+        volume.known |= SPACING;
+    if (is_placed)
+        volume.known |= ORIENTATION;
+    else
+        note(volume, "its slices hold no place in the patient: they are in the order of their "
+                     "numbers");
+}
+
+/* What number a slice holds, and what a blank one. */
+void settle_type(Volume &volume, Stack &stack)
+{
+    const Slice &first = stack.slice[0];
+    stack.slope = first.slope;
+    stack.intercept = first.intercept;
+    for (const Slice &slice : stack.slice)
+        stack.is_real |= slice.slope != first.slope || slice.intercept != first.intercept ||
+                         slice.bits != first.bits || slice.is_signed != first.is_signed;
+    if (first.samples != 1)
+        refuse("its pixels have colours; expected one value each");
+    if (first.bits != 8 && first.bits != 16 && first.bits != 32)
+        refuse("its pixels have %u bits; expected 8, 16 or 32 (a segmentation of 1 bit: convert it "
+               "with segimage2itkimage of dcmqi)",
+               first.bits);
+    volume.type =
+        stack.is_real ? "float32" : (first.is_signed ? "int" : "uint") + std::to_string(first.bits);
+    if (!stack.is_real) {
+        volume.slope = stack.slope;
+        volume.intercept = stack.intercept;
+    }
+    if (first.is_inverse)
+        note(volume, "its values are for display with bright and dark exchanged (MONOCHROME1)");
+}
+
+/* ---- pixels ---- */
+
+/* The number at `at`, of so many bytes. */
+int64_t number_at(const char *at, unsigned bits, bool is_signed)
+{
+    uint64_t value = 0;
+    if (bits == 8) {
+        value = static_cast<uint8_t>(*at);
+    } else if (bits == 16) {
+        uint16_t half;
+        std::memcpy(&half, at, sizeof half);
+        value = half;
+    } else {
+        uint32_t whole;
+        std::memcpy(&whole, at, sizeof whole);
+        value = whole;
+    }
+    const uint64_t sign = uint64_t{1} << (bits - 1);
+    return is_signed ? static_cast<int64_t>(value ^ sign) - static_cast<int64_t>(sign)
+                     : static_cast<int64_t>(value);
+}
+
+/* Decodes files; a file of several frames once for all of them that follow each other. */
+class Decoder
+{
+  public:
+    /* The pixels of a slice, or nothing where they cannot be had. */
+    const char *decode(const Slice &slice)
+    {
+        const size_t frame = size_t{slice.columns} * slice.rows * (slice.bits / 8);
+        if (slice.path != path_ && !read(slice, frame))
+            return nullptr;
+        return &bytes_[frame * slice.frame];
+    }
+
+  private:
+    bool read(const Slice &slice, size_t frame)
+    {
+        gdcm::ImageReader reader;
+        path_.clear();
+        reader.SetFileName(slice.path.c_str());
+        if (!reader.Read())
+            return false;
+        const gdcm::Image &image = reader.GetImage();
+        const gdcm::PixelFormat &format = image.GetPixelFormat();
+        if (image.GetDimension(0) != slice.columns || image.GetDimension(1) != slice.rows ||
+            format.GetBitsAllocated() != slice.bits || format.GetSamplesPerPixel() != 1 ||
+            image.GetBufferLength() != frame * slice.frames)
+            return false;
+        bytes_.resize(frame * slice.frames);
+        if (!image.GetBuffer(bytes_.data()))
+            return false;
+        path_ = slice.path;
+        clear_unused(format);
+        return true;
+    }
+
+    /* Bits above those that are stored held overlays once, and are no part of the number. */
+    void clear_unused(const gdcm::PixelFormat &format)
+    {
+        const unsigned bits = format.GetBitsAllocated(), stored = format.GetBitsStored();
+        if (bits != 16 || stored >= bits || format.GetHighBit() + 1U != stored)
+            return;
+        const unsigned mask = (1U << stored) - 1, sign = 1U << (stored - 1);
+        const bool is_signed = format.GetPixelRepresentation() == 1;
+        for (size_t i = 0; i + 1 < bytes_.size(); i += 2) {
+            uint16_t value;
+            std::memcpy(&value, &bytes_[i], sizeof value);
+            const unsigned kept = value & mask;
+            value = static_cast<uint16_t>(is_signed ? (kept ^ sign) - sign : kept);
+            std::memcpy(&bytes_[i], &value, sizeof value);
+        }
+    }
+
+    std::string path_;
+    std::vector<char> bytes_;
+};
+
+/* A blank slice holds what is air in a CT, and else 0. */
+void send_blank(const Volume &volume, const Stack &stack, const Slice &slice)
+{
+    const size_t pixels = size_t{slice.columns} * slice.rows;
+    const double real = slice.modality == "CT" ? -1024 : 0;
+    std::vector<char> bytes(pixels * bytes_of(volume.type));
+    const double stored = (real - stack.intercept) / stack.slope;
+    for (size_t i = 0; i < pixels; i++)
+        if (stack.is_real) {
+            const float value = static_cast<float>(real);
+            std::memcpy(&bytes[4 * i], &value, sizeof value);
+        } else if (volume.type == "int16" && stored >= -32768 && stored <= 32767) {
+            const int16_t value = static_cast<int16_t>(stored);
+            std::memcpy(&bytes[2 * i], &value, sizeof value);
+        }
+    send_piece(bytes.data(), bytes.size());
+}
+
+void send_real(const char *from, const Slice &slice)
+{
+    std::vector<float> real(size_t{slice.columns} * slice.rows);
+    for (size_t i = 0; i < real.size(); i++)
+        real[i] = static_cast<float>(static_cast<double>(number_at(from + i * (slice.bits / 8),
+                                                                   slice.bits, slice.is_signed)) *
+                                         slice.slope +
+                                     slice.intercept);
+    send_piece(real.data(), real.size() * sizeof(float));
+}
+
+void send_stack(const Volume &volume, const Stack &stack)
+{
+    Decoder decoder;
+    for (size_t z = 0; z < stack.slice.size(); z++) {
+        const Slice &slice = stack.slice[z];
+        if (slice.frame == blank) {
+            send_blank(volume, stack, slice);
+            continue;
+        }
+        const std::string words =
+            words_of("slice %zu of %zu cannot be decoded: it is damaged, or packed in a way that "
+                     "is not known here",
+                     z + 1, stack.slice.size());
+        expect_end(words);
+        const char *bytes = decoder.decode(slice);
+        if (!bytes)
+            throw Refusal{words};
+        if (stack.is_real)
+            send_real(bytes, slice);
+        else
+            send_piece(bytes, size_t{slice.columns} * slice.rows * (slice.bits / 8));
+    }
+}
+
+/* Slices that have been found, of which `wanted` is a series. */
+void stack_series(Volume &volume, Series series, const Request &request)
+{
+    const size_t copies = drop_copies(series);
+    sort_slices(series);
+    volume.volumes = count_volumes(series);
+    if (request.volume >= volume.volumes)
+        refuse("there is no volume %llu; it holds %s, counted from 0",
+               static_cast<unsigned long long>(request.volume),
+               plural_of(volume.volumes, "volume").c_str());
+    const std::shared_ptr<Stack> stack = std::make_shared<Stack>();
+    std::vector<double> along;
+    for (size_t i = request.volume; i < series.size(); i += volume.volumes) {
+        stack->slice.push_back(series[i]);
+        along.push_back(series[i].along);
+    }
+    place(volume, stack->slice);
+    if (have_places(series)) {
+        const Gaps gaps = gaps_of(along);
+        note_unevenness(volume, gaps, stack->slice);
+        const size_t found = stack->slice.size();
+        close_gaps(stack->slice, gaps, request.fills_gaps, volume);
+        for (auto &row : volume.to_mm)
+            row[2] *= stack->slice.size() > 1 ? static_cast<double>(found - 1) /
+                                                    static_cast<double>(stack->slice.size() - 1)
+                                              : 1;
+    }
+    if (copies)
+        note(volume, plural_of(copies, "file") + (copies == 1 ? " is a copy" : " are copies") +
+                         " of others, and left out");
+    settle_type(volume, *stack);
+    volume.format = "DICOM";
+    volume.size[0] = stack->slice[0].columns;
+    volume.size[1] = stack->slice[0].rows;
+    volume.size[2] = stack->slice.size();
+    volume.send = [&volume, stack]() { send_stack(volume, *stack); };
+}
+
+void stack_slices(Volume &volume, const std::vector<Slice> &slices, const Request &request)
+{
+    stack_series(volume, choose_series(series_of(slices), request.series), request);
+}
+
+void open_dicom(Volume &volume, const Request &request)
+{
+    std::vector<Slice> slices;
+    if (!scan(slices, request.path))
+        refuse("its first bytes are of a DICOM file, and the rest of its header is damaged");
+    if (slices.empty())
+        refuse("a DICOM file without pixels (a DICOMDIR, a report or a plan); open the folder with "
+               "the slices");
+    stack_slices(volume, slices, request);
+    if (volume.size[2] == 1)
+        note(volume, "it is one slice: `open FOLDER` reads a whole series");
+}
+
+} // namespace volume
