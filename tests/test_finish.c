@@ -9,6 +9,7 @@
 #include "engine/finish.h"
 #include "engine/labels.h"
 #include "tests/check.h"
+#include "tests/scarce_memory.h"
 
 enum { SIDE = 9, VOXELS = SIDE * SIDE * SIDE };
 
@@ -349,13 +350,73 @@ STORY(steps_follow_each_other_in_their_order)
     }
 }
 
+static int looks_left;
+static bool stop_after(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    (void)context, (void)what, (void)done, (void)total;
+    return looks_left-- <= 0;
+}
+
+/* One that is stopped at any look is an error and gives nothing; one that is not is right. */
+STORY(a_stop_is_heard_wherever_it_comes)
+{
+    static struct volume v;
+    struct finish_list list = {.count = FINISH_KIND_COUNT};
+    state = 7;
+    fill(&v, 7);
+    for (uint32_t kind = 0; kind < FINISH_KIND_COUNT; kind++)
+        list.step[kind] = (struct finish_step){kind, FINISH_ALL_LABELS, 1, 0};
+    enum err err = ERR_CANCELLED;
+    int stops = 0;
+    for (; err == ERR_CANCELLED && stops < 100000; stops++) {
+        struct watch watch = {.poll = stop_after, .step = 1};
+        struct scene *scene = scene_of(&v);
+        struct volume expected = v;
+        uint8_t *label;
+        scene->watch = &watch;
+        looks_left = stops;
+        err = finish_make(&label, &list, scene, team_of[stops % 4], NULL);
+        model(&expected, &list);
+        CHECK(err == ERR_CANCELLED ? !label : err == OK && agree(scene, label, &expected));
+        mem_pages_free(label, scene->grid.cells);
+        scene_free(scene);
+    }
+    CHECK(err == OK && stops > 50);
+}
+
+STORY(memory_that_runs_out_is_an_error)
+{
+    static struct volume v;
+    struct finish_list list = {.count = FINISH_KIND_COUNT};
+    state = 8;
+    fill(&v, 7);
+    for (uint32_t kind = 0; kind < FINISH_KIND_COUNT; kind++)
+        list.step[kind] = (struct finish_step){kind, FINISH_ALL_LABELS, 1, 0};
+    struct scene *scene = scene_of(&v);
+    struct volume expected = v;
+    model(&expected, &list);
+    enum err err = ERR_MEMORY;
+    size_t allocations = 0;
+    for (; err == ERR_MEMORY && allocations < 1000; allocations++) {
+        uint8_t *label;
+        allow_allocations(allocations);
+        err = finish_make(&label, &list, scene, NULL, NULL);
+        mem_allows = NULL;
+        CHECK(err == ERR_MEMORY ? !label : err == OK && agree(scene, label, &expected));
+        mem_pages_free(label, scene->grid.cells);
+    }
+    CHECK(err == OK && allocations > 10);
+    scene_free(scene);
+}
+
 int main(void)
 {
     for (unsigned workers = 1; workers < 4; workers++)
         if (team_new(&team_of[workers], workers, NULL) != OK)
             abort();
-    const int status = RUN_STORIES(TELL(each_step_is_what_a_plain_model_makes),
-                                   TELL(steps_follow_each_other_in_their_order));
+    const int status = RUN_STORIES(
+        TELL(each_step_is_what_a_plain_model_makes), TELL(steps_follow_each_other_in_their_order),
+        TELL(a_stop_is_heard_wherever_it_comes), TELL(memory_that_runs_out_is_an_error));
     for (unsigned workers = 1; workers < 4; workers++)
         team_free(team_of[workers]);
     return status;

@@ -105,7 +105,7 @@ static bool is_at_edge(const struct grid *grid, const struct component_run *run)
 static enum err count(struct finding *f, struct watch *watch, struct fault *fault)
 {
     struct components *found = f->found;
-    struct task task = task_begin(watch, "components", found->runs);
+    struct task task = task_begin(watch, "components", 2 * found->runs);
     for (size_t i = 0; i < found->runs && task_advance(&task, 1); i++) {
         struct component_run *run = found->run + i;
         if (run->component != i) { /* a lower one, which leads to its component already */
@@ -121,7 +121,7 @@ static enum err count(struct finding *f, struct watch *watch, struct fault *faul
         item->voxels += run->end - run->first;
         item->at_edge = item->at_edge || is_at_edge(f->grid, run);
     }
-    for (size_t i = found->runs; i-- > 0;) {
+    for (size_t i = found->runs; i-- > 0 && task_advance(&task, 1);) {
         struct component *item = found->item + found->run[i].component;
         found->run[i].next = item->run;
         item->run = (uint32_t)i;
