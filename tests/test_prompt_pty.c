@@ -1137,6 +1137,27 @@ static void verify_journal(void)
     CHECK(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
+STORY(the_picture_stays_where_the_line_below_it_is_drawn_anew)
+{
+    struct terminal t;
+    struct buf before = {0}, after = {0};
+    enter_pilot(&t);
+    type(&t, ":info");
+    SEE_LINE(&t, ":info");
+    take_last_screen(&t, &before);
+    type(&t, "\014");
+    take_last_screen(&t, &after);
+    CHECK_TEXT(buf_text(&before), buf_text(&after));
+    type(&t, "\033");
+    SEE_BEGIN(&t, "nothing to show yet: ");
+    type(&t, "q");
+    SEE_LINE(&t, "synth>");
+    quit(&t);
+    buf_release(&before);
+    buf_release(&after);
+    forget_journals();
+}
+
 /* PILOT_ROUNDS=N, 3 unless given. */
 static unsigned long pilot_rounds(void)
 {
@@ -1205,6 +1226,7 @@ int main(void)
         TELL(an_answer_that_is_cut_after_its_escape_is_no_key_of_the_pilot),
         TELL(no_frame_of_the_pilot_begins_with_a_sequence),
         TELL(a_paste_is_no_key_of_the_pilot_however_it_is_cut),
+        TELL(the_picture_stays_where_the_line_below_it_is_drawn_anew),
         TELL(any_bytes_leave_the_pilot_a_sane_screen_and_an_exact_journal));
     return remove_folder(folder) | status;
 }

@@ -445,6 +445,8 @@ static enum err follow(struct line_editor *e, const char *prompt, enum outcome o
         line_editor_suspend(e);
         return redraw(e, prompt, fault);
     case CLEAR:
+        if (e->is_one_line) /* the rest of the screen is somebody else's */
+            return redraw(e, prompt, fault);
         e->drawing = (struct line_drawing){0};
         err = term_write("\033[H\033[2J", 7, fault);
         return err ? err : redraw(e, prompt, fault);
