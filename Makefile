@@ -104,7 +104,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 .DEFAULT_GOAL := all
 .PHONY: all tests test test-long test-stress test-bare check-format format variants test-matrix \
         test-matrix-short test-terminals fuzz fuzzers demo bench-peers bench-chafa bench-paper \
-        bench-growth bench-render bench-journal bench-keys bench-looks help clean packages
+        bench-growth bench-render bench-journal bench-keys bench-looks bench-series help clean \
+        packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -190,6 +191,10 @@ bench-paper bench-growth bench-render bench-journal bench-keys bench-looks: $(BE
 ## bench-chafa: the pictures of `iftty bench terminal` by chafa; ARGS=--json
 bench-chafa: all build/.packages-chafa
 	@$(PYTHON) -B tests/bench/chafa.py $(ARGS) $(BUILD)
+
+## bench-series: how long a DICOM series of 400 slices takes to open; ARGS="--slices 100"
+bench-series: all build/.packages-test
+	@$(PYTHON) -B -W ignore tests/bench/series.py $(ARGS) $(BUILD)
 
 ## clean: remove the build folder
 clean:

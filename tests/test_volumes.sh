@@ -184,6 +184,17 @@ read voxels; echo "piece 5"; printf 12345; exit'
 told "ended with status 0"
 close_story
 
+begin "Ctrl-C is heard while a helper works, and the helper is gone"
+odd_helper 'echo $$ >"$0.pid"; echo progress 1 9; sleep 50 & wait'
+env --default-signal=INT "$work/odd/iftty" -c "open ct" >"$work/out" 2>"$work/err" &
+process=$!
+comes_true test -s "$work/odd/iftty-volume.pid"
+kill -INT "$process"
+wait "$process"
+err_has "cancelled; nothing has changed"
+kill -0 "$(cat "$work/odd/iftty-volume.pid")" 2>/dev/null && fail "the helper lives on"
+close_story
+
 begin "a journal of another replays on such scenes, and reads no more than the folder it names"
 rm -rf "$work/there"
 mkdir "$work/there"
