@@ -57,6 +57,7 @@ begin "MINC 1 and 2, MRC, VTK, HDF5, TIFF, folders of TIFF and PNG, raw"
 for name in small.mnc tiny.mnc a.mrc a.vtk a.h5 stack.tif tif-slices png-slices; do
     opened_as $name $name.twin.nii
 done
+ls -d "${TMPDIR:-/tmp}"/iftty-minc-* >"$work/left" 2>/dev/null && fail "$(cat "$work/left")"
 opened_as minc2_4d.mnc minc2_4d.mnc.twin.nii volume=1
 opened_as two.h5 two.h5.twin.nii data=/grey
 opened_as raw:plain.raw plain.raw.twin.nii size=26,22,14 type=int16

@@ -122,7 +122,7 @@ void open(Volume &volume, const Request &request, const Files &files)
 void serve()
 {
     Volume volume;
-    std::string room;
+    std::string words;
     expect_end("it is damaged: its reader gave up");
     catch_signals();
     gdcm::Trace::SetWarning(false);
@@ -133,19 +133,20 @@ void serve()
         const Request request = receive_request();
         if (request.kind == "folder")
             walk(files, request.path, request.follows_links, 0);
-        room = folder_for_minc(request);
-        confine(request, files, room);
+        folder_for_reading = folder_for_minc(request);
+        confine(request, files, folder_for_reading);
         open(volume, request, files);
         answer(volume);
+        return;
     } catch (const Refusal &refusal) {
-        answer_error(refusal.words);
+        words = refusal.words;
     } catch (const std::bad_alloc &) {
-        answer_error("it takes more memory than it may");
+        words = "it takes more memory than it may";
     } catch (const std::exception &) {
-        answer_error("it is damaged, or of a kind that is not known here");
+        words = "it is damaged, or of a kind that is not known here";
     }
-    if (!room.empty())
-        rmdir(room.c_str());
+    remove_folder();
+    answer_error(words);
 }
 
 } // namespace

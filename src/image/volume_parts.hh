@@ -44,10 +44,15 @@ struct Volume {
 
 void note(Volume &volume, const std::string &line);
 
+/* "" for none; empty again once the voxels are read. */
+extern std::string folder_for_reading;
+void remove_folder();
+
 /* While the header is made: so many of so many files. */
 void progress(uint64_t done, uint64_t total);
 
-/* Some of the voxels. */
+/* Some of the voxels. Before the first, the folder that was made for reading is removed: the client
+ * ends this process as soon as it has the last. */
 void send_piece(const void *bytes, size_t length);
 
 /* The header; and, when the client asks for them, the voxels. */
