@@ -57,7 +57,12 @@ begin "MINC 1 and 2, MRC, VTK, HDF5, TIFF, folders of TIFF and PNG, raw"
 for name in small.mnc tiny.mnc a.mrc a.vtk a.h5 stack.tif tif-slices png-slices; do
     opened_as $name $name.twin.nii
 done
-ls -d "${TMPDIR:-/tmp}"/iftty-minc-* >"$work/left" 2>/dev/null && fail "$(cat "$work/left")"
+mkdir "$work/room" # MINC 1 is read by way of a file in a folder that goes again
+expect 0 env TMPDIR="$work/room" "$iftty" info tiny.mnc
+expect 0 env TMPDIR="$work/room" "$iftty" -c 'open tiny.mnc'
+same "$(ls -A "$work/room")" ""
+expect 3 env TMPDIR="$work/none" "$iftty" -c 'open tiny.mnc'
+err_has "it is MINC 1, which takes room in \$TMPDIR to read"
 opened_as minc2_4d.mnc minc2_4d.mnc.twin.nii volume=1
 opened_as two.h5 two.h5.twin.nii data=/grey
 opened_as raw:plain.raw plain.raw.twin.nii size=26,22,14 type=int16

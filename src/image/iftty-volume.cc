@@ -14,8 +14,6 @@
  *     volume_folder.cc   folders of slices
  */
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
 #include <new>
 #include <set>
 #include <string>
@@ -42,25 +40,8 @@ constexpr rlim_t memory_most = RLIM_INFINITY; /* the client says how much */
 
 /* ---- confinement ---- */
 
-/* MINC 1 is read by way of a MINC 2 that the library makes: a folder for it, which nobody else may
- * look into; "" where there can be none. */
-std::string folder_for_minc(const Request &request)
-{
-    char bytes[3] = {0};
-    std::ifstream(request.path, std::ios::binary).read(bytes, sizeof bytes);
-    if (request.kind != "minc" || std::memcmp(bytes, "CDF", 3) != 0)
-        return "";
-    const char *const place = std::getenv("TMPDIR");
-    std::string folder = std::string(place && *place ? place : "/tmp") + "/iftty-minc-XXXXXX";
-    if (!mkdtemp(&folder[0]))
-        refuse("it is MINC 1, for which there is no room in $TMPDIR; `mincconvert -2` makes MINC 2 "
-               "of it");
-    setenv("TMPDIR", folder.c_str(), 1);
-    return folder;
-}
-
 /* From here on this process reads what it was asked for, and nothing else. */
-void confine(const Request &request, const Files &files, const std::string &room)
+void confine(const Request &request, const Files &files)
 {
     const std::set<std::string> beside = {"nrrd", "meta", "any"};
     std::vector<std::string> path = files.targets;
@@ -72,13 +53,11 @@ void confine(const Request &request, const Files &files, const std::string &room
     }
     for (const std::string &name : path)
         places.push_back({name.c_str(), CONFINE_READ});
-    const std::string above = room.substr(0, room.find_last_of('/'));
-    if (!room.empty()) {
-        places.push_back({room.c_str(), CONFINE_WRITE});
-        places.push_back({above.c_str(), CONFINE_EMPTY});
-    }
     const struct rlimit none = {0, 0}, few = {256, 256};
-    if (room.empty())
+    if (!request.room.empty()) {
+        places.push_back({request.room.c_str(), CONFINE_WRITE});
+        setenv("TMPDIR", request.room.c_str(), 1);
+    } else
         setrlimit(RLIMIT_FSIZE, &none);
     setrlimit(RLIMIT_NOFILE, &few);
     confine_to(places.data(), places.size());
@@ -100,8 +79,10 @@ Request receive_request()
     request.series = take_number(line, at, number_most);
     request.volume = take_number(line, at, UINT32_MAX);
     const uint64_t data = take_number(line, at, path_most);
+    const uint64_t room = take_number(line, at, path_most);
     const uint64_t path = take_number(line, at, path_most);
     request.data = receive_text(data);
+    request.room = receive_text(room);
     request.path = receive_text(path);
     return request;
 }
@@ -133,8 +114,7 @@ void serve()
         const Request request = receive_request();
         if (request.kind == "folder")
             walk(files, request.path, request.follows_links, 0);
-        folder_for_reading = folder_for_minc(request);
-        confine(request, files, folder_for_reading);
+        confine(request, files);
         open(volume, request, files);
         answer(volume);
         return;
@@ -145,7 +125,6 @@ void serve()
     } catch (const std::exception &) {
         words = "it is damaged, or of a kind that is not known here";
     }
-    remove_folder();
     answer_error(words);
 }
 

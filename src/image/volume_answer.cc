@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <system_error>
 
 #include <signal.h>
 
@@ -103,22 +101,8 @@ void progress(uint64_t done, uint64_t total)
     transmit("progress " + std::to_string(done) + " " + std::to_string(total) + "\n");
 }
 
-std::string folder_for_reading;
-
-void remove_folder()
-{
-    std::error_code ignored;
-    if (folder_for_reading.empty())
-        return;
-    for (const auto &entry : std::filesystem::directory_iterator(folder_for_reading, ignored))
-        unlink(entry.path().c_str());
-    rmdir(folder_for_reading.c_str());
-    folder_for_reading.clear();
-}
-
 void send_piece(const void *bytes, size_t length)
 {
-    remove_folder();
     const char *at = static_cast<const char *>(bytes);
     while (length > 0) {
         const size_t piece = std::min(length, piece_most);

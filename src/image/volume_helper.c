@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/folder.h"
 #include "base/mem.h"
 #include "base/scan.h"
 #include "engine/grid.h"
@@ -44,7 +45,8 @@ bool volume_helper_is_wary;
 struct volume_helper {
     struct coprocess process;
     char format[FORMAT_MOST + 1], type[TYPE_MOST + 1];
-    uint64_t left; /* bytes of the present piece */
+    uint64_t left;   /* bytes of the present piece */
+    struct buf room; /* the folder that it may write into; empty for none */
 };
 
 enum err volume_helper_default_program(struct buf *out, struct fault *fault)
@@ -57,6 +59,9 @@ void volume_helper_free(struct volume_helper *helper)
     if (!helper)
         return;
     coprocess_release(&helper->process);
+    if (helper->room.length)
+        folder_discard(buf_text(&helper->room));
+    buf_release(&helper->room);
     free(helper);
 }
 
@@ -149,6 +154,22 @@ static enum err begin(struct volume_helper **out, struct watch *watch, struct fa
     return err;
 }
 
+/* MINC 1 is read by way of a MINC 2 that the library makes in a folder. It is ours, so that it goes
+ * however the helper ends. */
+static enum err make_room(struct volume_helper *helper, struct volume_source *source,
+                          struct fault *fault)
+{
+    uint8_t begin[3];
+    if (source->is_folder || source_peek(source, begin, sizeof begin) < sizeof begin ||
+        memcmp(begin, "CDF", sizeof begin) != 0)
+        return OK;
+    const enum err err = folder_fresh(&helper->room, NULL, fault);
+    return err ? fault_prefix(fault, err,
+                              "it is MINC 1, which takes room in $TMPDIR to read; `mincconvert "
+                              "-2` makes MINC 2 of it")
+               : OK;
+}
+
 static bool ask(struct volume_helper *helper, const char *kind, const char *path,
                 const struct volume_choice *choice)
 {
@@ -158,10 +179,11 @@ static bool ask(struct volume_helper *helper, const char *kind, const char *path
     const unsigned flags = (volume_helper_is_wary ? 0u : (unsigned)FOLLOW_LINKS) |
                            (choice->fills_gaps ? (unsigned)FILL_GAPS : 0u);
     const int length =
-        snprintf(line, sizeof line, "open %s %u %" PRIu32 " %" PRIu32 " %zu %zu\n", kind, flags,
-                 choice->series, choice->volume, strlen(data), strlen(path));
+        snprintf(line, sizeof line, "open %s %u %" PRIu32 " %" PRIu32 " %zu %zu %zu\n", kind, flags,
+                 choice->series, choice->volume, strlen(data), helper->room.length, strlen(path));
     return coprocess_transmit(process, line, (size_t)length) &&
            coprocess_transmit(process, data, strlen(data)) &&
+           coprocess_transmit(process, buf_text(&helper->room), helper->room.length) &&
            coprocess_transmit(process, path, strlen(path));
 }
 
@@ -306,6 +328,8 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
         return fault_set(fault, ERR_INPUT, "a path of more than %d bytes", PATH_MOST);
     enum err err = begin(&helper, source->watch, fault);
     source->helper = helper;
+    if (!err)
+        err = make_room(helper, source, fault);
     if (err)
         return err;
     source->may_be_beside =

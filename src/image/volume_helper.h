@@ -9,7 +9,8 @@
  *
  * The protocol, as in coprocess.h:
  *
- *     request   open KIND FLAGS SERIES VOLUME DATA_LENGTH PATH_LENGTH\n      data  path
+ *     request   open KIND FLAGS SERIES VOLUME DATA_LENGTH ROOM_LENGTH PATH_LENGTH\n
+ *                 data  room  path
  *     answer    any number of
  *                 progress DONE TOTAL\n
  *               and then
@@ -24,7 +25,8 @@
  *
  * KIND is a word of the table in volume_helper.c. FLAGS: 1 links in a folder are followed, 2 blank
  * slices take the place of those that are missing. SERIES counts from 1, 0 is for the only one;
- * VOLUME counts from 0; the data are the name of a data set. KNOWN: 1 the spacing, 2 the place.
+ * VOLUME counts from 0; the data are the name of a data set, the room a folder that the helper may
+ * write into, if any, which the client removes. KNOWN: 1 the spacing, 2 the place.
  * The numbers are doubles of this machine: the three rows of the matrix to the world (right,
  * anterior, superior; millimetres), slope and intercept. Voxels are of the type, in the order of
  * this machine, x fastest.

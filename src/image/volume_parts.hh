@@ -23,6 +23,7 @@ constexpr uint64_t number_most = 1000000;
 
 struct Request {
     std::string kind, data, path;
+    std::string room; /* a folder that may be written into; "" for none */
     bool follows_links = false, fills_gaps = false;
     uint64_t series = 0; /* counted from 1; 0: not said */
     uint64_t volume = 0; /* of a series of volumes, counted from 0 */
@@ -44,15 +45,10 @@ struct Volume {
 
 void note(Volume &volume, const std::string &line);
 
-/* "" for none; empty again once the voxels are read. */
-extern std::string folder_for_reading;
-void remove_folder();
-
 /* While the header is made: so many of so many files. */
 void progress(uint64_t done, uint64_t total);
 
-/* Some of the voxels. Before the first, the folder that was made for reading is removed: the client
- * ends this process as soon as it has the last. */
+/* Some of the voxels. */
 void send_piece(const void *bytes, size_t length);
 
 /* The header; and, when the client asks for them, the voxels. */
