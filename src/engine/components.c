@@ -56,12 +56,12 @@ static void join(struct component_run *run, uint32_t a, uint32_t b)
 }
 
 /* The runs of a row with those of the row that is `back` rows, and `step` cells, before it. */
-static void join_rows(struct finding *f, size_t row, size_t back, ptrdiff_t step)
+static void join_rows(struct finding *f, size_t row, size_t back, uint32_t step)
 {
     struct component_run *run = f->found->run;
     size_t here = f->row[row], there = f->row[row - back];
     while (here < f->row[row + 1] && there < f->row[row - back + 1]) {
-        const uint32_t end = run[here].end, other = (uint32_t)(run[there].end + step);
+        const uint32_t end = run[here].end, other = run[there].end + step;
         if (f->label[run[here].first] == f->label[run[there].first])
             join(run, (uint32_t)here, (uint32_t)there);
         here += end <= other;
@@ -82,9 +82,9 @@ static enum err find_runs(struct finding *f, struct watch *watch, struct fault *
                 return fault_memory(fault, "components");
             f->row[row + 1] = f->found->runs;
             if (y > 0)
-                join_rows(f, row, 1, grid->step[1]);
+                join_rows(f, row, 1, (uint32_t)grid->step[1]);
             if (z > 0)
-                join_rows(f, row, rows_of_plane, grid->step[2]);
+                join_rows(f, row, rows_of_plane, (uint32_t)grid->step[2]);
             if (!task_advance(&task, grid->size[0]))
                 return watch_fault(watch, fault);
         }
