@@ -66,8 +66,8 @@ static inline bool geometry_has_place(const struct geometry *geometry)
            geometry->orientation != ORIENTATION_TOLD && !geometry->spacing_unknown;
 }
 
-/* The real value of an intensity. */
-static inline double geometry_value(const struct geometry *geometry, int32_t intensity)
+/* The real value of an intensity, or of a mean of some. */
+static inline double geometry_value(const struct geometry *geometry, double intensity)
 {
     return geometry->slope * intensity + geometry->intercept;
 }

@@ -57,11 +57,6 @@ static void place_of(const struct session *session, uint32_t cell, uint32_t plac
 
 /* ---- facts ---- */
 
-static double real_of(const struct session *session, int32_t intensity)
-{
-    return session->geometry.slope * intensity + session->geometry.intercept;
-}
-
 /* "  142 ml of label 2": all of it, as counts are kept up to date. */
 static void write_volume(struct buf *out, const struct session *session, unsigned label)
 {
@@ -87,7 +82,7 @@ static void write_where(struct buf *out, const struct session *session)
     } else {
         buf_add_text(out, "no label");
     }
-    buf_printf(out, "  intensity %g", real_of(session, cell->intensity));
+    buf_printf(out, "  intensity %g", geometry_value(geometry, cell->intensity));
     if (geometry_has_place(geometry))
         buf_printf(out, "  %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
     else if (geometry->orientation == ORIENTATION_UNKNOWN)
@@ -128,11 +123,12 @@ static bool facts(void *context, struct pilot_facts *out)
         out->place[pane] = s->cross[pane];
         out->index[pane] = slice_index(session->scene, plane_of(pane), s->cross);
     }
-    out->intensity = real_of(session, session->scene->cell[cell_at_cross(session)].intensity);
+    out->intensity =
+        geometry_value(&session->geometry, session->scene->cell[cell_at_cross(session)].intensity);
     window_of(window, session);
     for (int i = 0; i < 2; i++)
-        out->window[i] =
-            s->has_window ? (double)s->window_thousandths[i] / 1000 : real_of(session, window[i]);
+        out->window[i] = s->has_window ? (double)s->window_thousandths[i] / 1000
+                                       : geometry_value(&session->geometry, window[i]);
     write_where(&where, session);
     memcpy(out->where, buf_text(&where),
            where.length < sizeof out->where ? where.length + 1 : sizeof out->where - 1);

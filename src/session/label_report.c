@@ -81,24 +81,19 @@ static void find_place(double mm[3], const struct geometry *geometry, const doub
     }
 }
 
-static double real_of(const struct label_report *report, double intensity)
-{
-    return report->geometry->slope * intensity + report->geometry->intercept;
-}
-
 /* The lowest and the highest real value: they swap where real values fall as intensities rise. */
 static void find_range(double range[2], const struct label_report *report, unsigned label)
 {
     const struct label_stats *s = &report->stats[label];
     const bool falls = report->geometry->slope < 0;
-    range[0] = real_of(report, falls ? s->most : s->least);
-    range[1] = real_of(report, falls ? s->least : s->most);
+    range[0] = geometry_value(report->geometry, falls ? s->most : s->least);
+    range[1] = geometry_value(report->geometry, falls ? s->least : s->most);
 }
 
 static double median(const struct label_report *report, unsigned label)
 {
     const uint16_t *middle = report->stats[label].middle;
-    return real_of(report, ((double)middle[0] + middle[1]) / 2);
+    return geometry_value(report->geometry, ((double)middle[0] + middle[1]) / 2);
 }
 
 /* ---- for programs ---- */
@@ -120,7 +115,7 @@ static struct figures figures_of(const struct label_report *report, unsigned lab
     add(&f, "surface_mm2", surface_mm2(report, label));
     add(&f, "components", s->components);
     add(&f, "holes", s->holes);
-    add(&f, "mean", real_of(report, mean(s)));
+    add(&f, "mean", geometry_value(report->geometry, mean(s)));
     add(&f, "deviation", fabs(report->geometry->slope) * deviation(s));
     add(&f, "minimum", range[0]);
     add(&f, "median", median(report, label));
@@ -203,7 +198,8 @@ static void write_intensities(struct buf *out, const struct label_report *report
     const double spread = fabs(report->geometry->slope) * deviation(&report->stats[label]);
     double range[2];
     find_range(range, report, label);
-    buf_printf(out, "intensity %.5g", real_of(report, mean(&report->stats[label])));
+    buf_printf(out, "intensity %.5g",
+               geometry_value(report->geometry, mean(&report->stats[label])));
     if (!isnan(spread))
         buf_printf(out, ", deviation %.4g", spread);
     buf_printf(out, ", median %.5g, %.6g..%.6g\n", median(report, label), range[0], range[1]);
