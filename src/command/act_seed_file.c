@@ -105,8 +105,8 @@ static void name_table(struct buf *out, const char *atlas)
     buf_add_text(out, ".txt");
 }
 
-/* That table; empty where there is none
- * that can be read, or where files of others are not looked for. */
+/* That table; empty where there is none that can be read, or where files of others are not looked
+ * for. */
 static struct label_table table_beside(const struct act *act, const char *atlas)
 {
     struct label_table table = {0};
@@ -173,20 +173,17 @@ static void write_regions(const struct act *act, const char *atlas, const uint16
 
 /* Each region is a marker. */
 static enum err plant(const struct act *act, const struct seeds *seeds, const char *path,
-                      const uint16_t *as, struct planting *planting)
+                      const struct region_choice *choice, struct planting *planting)
 {
     uint32_t *cell = NULL;
-    const int given = label_of(act->value);
     size_t *end = mem_array(REGION_MOST + 1, sizeof *end), begin = 0;
     enum err err = end ? seeds_by_region(seeds, &cell, end, act->session->watch, act->fault)
                        : fault_memory(act->fault, "the seeds of regions");
     for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++])
         err = act_plant(act, planting, cell + begin, end[r] - begin,
-                        (uint8_t)(given != LABEL_OWN ? given
-                                  : as               ? as[r]
-                                                     : (int)r));
+                        (uint8_t)region_label(choice, r));
     if (!err && act->value[AS].given)
-        write_regions(act, path, as, end);
+        write_regions(act, path, choice->as, end);
     free(end);
     free(cell);
     return err;
@@ -196,8 +193,9 @@ enum err act_seed_file(const struct act *act)
 {
     struct buf path = {0};
     struct seeds seeds = {0};
-    struct region_choice choice;
-    uint16_t *as = NULL; /* of a map */
+    struct region_choice choice = {.label =
+                                       label_of(act->value)}; /* of a list: no more than that */
+    uint16_t *as = NULL;
     const char *name = act->value[FILE_NAME].text;
     enum err err = interpreter_find_file(act->interp, name, &path, act->fault);
     if (!err && file_is_named(name, ".csv"))
@@ -209,7 +207,7 @@ enum err act_seed_file(const struct act *act)
     }
     struct planting planting = act_begin_planting(act->session, &act->value[RANGE]);
     if (!err)
-        err = plant(act, &seeds, buf_text(&path), as, &planting);
+        err = plant(act, &seeds, buf_text(&path), &choice, &planting);
     buf_printf(&act->reply->words, "file=%016llx added=%zu",
                (unsigned long long)seeds_digest(&seeds), planting.planted);
     act_add_markers(act);

@@ -274,7 +274,7 @@ static enum err erode(struct volume *map, unsigned rounds, struct watch *watch, 
     return watch_fault(watch, fault);
 }
 
-static unsigned label_of(const struct region_choice *choice, uint32_t region)
+unsigned region_label(const struct region_choice *choice, uint32_t region)
 {
     return choice->label != LABEL_OWN ? (unsigned)choice->label
            : choice->as               ? choice->as[region]
@@ -296,7 +296,7 @@ static enum err check_stock(const struct stock *stock, const struct region_choic
         tally->regions += stock[r].left > 0;
         if (!stock[r].before)
             continue;
-        if (label_of(choice, r) > 255)
+        if (region_label(choice, r) > 255)
             return map_refuse_region(r, fault);
         if (!stock[r].left && tally->eroded_away++ == 0)
             tally->first_eroded_away = r;
@@ -339,7 +339,7 @@ static enum err draw_all(struct seeds *seeds, struct stock *stock, const struct 
         for (uint32_t y = 0; y < map->size[1] && task_advance(&task, map->size[0]); y++)
             for (uint32_t x = 0; x < map->size[0]; x++, at++)
                 if (*at != REGION_NONE && draw(&stock[*at], *at, choice->generator))
-                    add(seeds, grid_cell(grid, x, y, z), (int)label_of(choice, *at), *at);
+                    add(seeds, grid_cell(grid, x, y, z), (int)region_label(choice, *at), *at);
     return watch_fault(watch, fault);
 }
 

@@ -63,6 +63,9 @@ struct region_choice {
     uint64_t generator;   /* another number draws other seeds */
 };
 
+/* The label of the seeds of a region that is chosen. */
+unsigned region_label(const struct region_choice *choice, uint32_t region);
+
 struct region_tally {
     uint32_t regions;     /* that gave seeds */
     uint32_t eroded_away; /* that had voxels, and none after erosion; the first of them: */
