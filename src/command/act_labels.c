@@ -163,21 +163,22 @@ static void write_pieces(const struct act *act, const struct piece_seeds *seeds,
                    seeds->small, plural(seeds->small));
 }
 
-static enum err plant(const struct act *act, const struct piece_seeds *seeds, uint64_t *digest)
+static enum err plant(const struct act *act, const struct piece_seeds *seeds)
 {
     struct planting planting = act_begin_planting(act->session, &(const struct value){0});
+    uint64_t digest = 0;
     size_t begin = 0;
     enum err err = OK;
     for (size_t i = 0; i < seeds->pieces && !err; begin = seeds->piece[i++].end) {
         const struct piece *piece = &seeds->piece[i];
         for (size_t k = begin; k < piece->end; k++)
-            *digest += hash_mix_at(seeds->cell[k], piece->label);
+            digest += hash_mix_at(seeds->cell[k], piece->label);
         err = act_plant(act, &planting, seeds->cell + begin, piece->end - begin, piece->label);
     }
     if (err)
         return err;
     write_pieces(act, seeds, planting.planted);
-    buf_printf(&act->reply->words, "file=%016llx added=%zu", (unsigned long long)*digest,
+    buf_printf(&act->reply->words, "file=%016llx added=%zu", (unsigned long long)digest,
                planting.planted);
     act_add_markers(act);
     return act_naming(act->value[FILE_NAME].text, act_write_planting(act, &planting), act->fault);
@@ -189,7 +190,6 @@ enum err act_labels(const struct act *act)
     const struct value *erode = &act->value[ERODE];
     struct volume map = {0};
     struct piece_seeds seeds = {0};
-    uint64_t digest = 0;
     enum err err = read_labels(&map, act);
     if (!err)
         err = piece_seeds_make(&seeds, map.intensity, &session->scene->grid,
@@ -201,7 +201,7 @@ enum err act_labels(const struct act *act)
                         "%s has no voxel of these regions; nothing was planted",
                         act->value[FILE_NAME].text);
     if (!err)
-        err = plant(act, &seeds, &digest);
+        err = plant(act, &seeds);
     piece_seeds_release(&seeds);
     return err;
 }

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/choice.h"
-
 #include "journal/replay.h"
 
 bool interpreter_is_journal(const char *path)

@@ -309,10 +309,11 @@ void pilot_go_to_mark(struct press *p)
 void pilot_measure(struct press *p)
 {
     const struct pilot_mark *mark = mark_pressed(p);
-    const uint32_t *here = p->facts->place;
-    if (mark)
-        buf_printf(p->line, "measure %u,%u,%u %u,%u,%u\n", mark->place[0], mark->place[1],
-                   mark->place[2], here[0], here[1], here[2]);
+    if (!mark)
+        return;
+    add_place(p->line, "measure ", mark->place);
+    add_place(p->line, " ", p->facts->place);
+    buf_add_char(p->line, '\n');
 }
 
 void pilot_go_back(struct press *p)
