@@ -186,6 +186,9 @@ void act_write_weight(struct buf *out, const struct kept *kept);
 /* A line for each label that has voxels: its seeds, voxels and volume. */
 enum err act_write_counts(const struct act *act);
 
+/* ERR_USAGE where the name of a report, if one is given, ends in neither .json nor .csv. */
+enum err act_check_report(const struct value *file, struct fault *fault);
+
 /* Writes the text to the file that a parameter names, unless replay writes none, and says so. */
 enum err act_write_text(const struct act *act, const struct value *file,
                         const struct value *replace, const struct buf *text);

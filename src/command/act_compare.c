@@ -12,16 +12,12 @@
 /* The places of the parameters in the table. */
 enum { FILE_NAME, REGIONS, AS, LABEL, AT, REPORT, PICTURE, REPLACE, FINISHED, RESAMPLE };
 
-#define REPORT_ENDINGS ".json|.csv"
-
 static enum err check_names(const struct act *act)
 {
-    const struct value *report = &act->value[REPORT], *picture = &act->value[PICTURE];
-    if (report->given && !file_is_named(report->text, REPORT_ENDINGS))
-        return fault_set(act->fault, ERR_USAGE,
-                         "report: expected a name that ends in .json or .csv, not %s",
-                         report->text);
-    if (act->value[AT].given && !picture->given)
+    const enum err err = act_check_report(&act->value[REPORT], act->fault);
+    if (err)
+        return err;
+    if (act->value[AT].given && !act->value[PICTURE].given)
         return fault_set(act->fault, ERR_USAGE,
                          "at: it says where slices of the picture lie; expected picture=FILE too");
     return OK;
@@ -137,9 +133,8 @@ static enum err answer(const struct act *act, const struct compared *compared,
 {
     const struct session *session = act->session;
     const size_t waits = session_pendings(session);
-    const struct value *finished = &act->value[FINISHED];
     const char *name =
-        finished->given && finished->number == 0 ? "the labels here, finished" : "the labels here";
+        act_is_yes(&act->value[FINISHED]) ? "the labels here, finished" : "the labels here";
     const struct comparison_report report = {comparison,
                                              {name, act->value[FILE_NAME].text},
                                              session->now.kept.label_name,

@@ -81,9 +81,8 @@ enum err act_finish(const struct act *act)
 enum err act_take_labels(const struct act *act, const struct value *finished, struct labels *labels)
 {
     struct session *session = act->session;
-    const bool wants = finished->given && finished->number == 0;
     *labels = labels_of_forest(session->scene);
-    if (session->skims || !wants)
+    if (session->skims || !act_is_yes(finished))
         return OK;
     const enum err err = session_labels(session, true, labels, act->fault);
     if (!err) {

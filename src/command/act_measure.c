@@ -178,7 +178,7 @@ enum err act_profile(const struct act *act)
         buf_printf(out, ", %.2g in a column", (double)(p.steps + 1) / p.columns);
     buf_printf(out, "; values %g to %g, mean %.6g\n", p.least, p.most,
                p.sum / (double)(p.steps + 1));
-    if (value[2].given && value[2].number == 0)
+    if (act_is_yes(&value[2]))
         list(out, &p);
     return OK;
 }

@@ -6,6 +6,14 @@
 #include "session/export.h"
 #include "session/label_table.h"
 
+enum err act_check_report(const struct value *file, struct fault *fault)
+{
+    if (!file->given || file_is_named(file->text, ".json|.csv"))
+        return OK;
+    return fault_set(fault, ERR_USAGE, "report: expected a name that ends in .json or .csv, not %s",
+                     file->text);
+}
+
 enum err act_write_text(const struct act *act, const struct value *file,
                         const struct value *replace, const struct buf *text)
 {

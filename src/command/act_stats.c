@@ -10,8 +10,6 @@
 /* The places of the parameters in the table. */
 enum { STATS_REPORT, STATS_REPLACE, STATS_FINISHED };
 
-#define REPORT_ENDINGS ".json|.csv"
-
 /* ---- counts ---- */
 
 /* Of the forest: seeds, and voxels that a seed reaches. */
@@ -141,14 +139,13 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
 
 enum err act_stats(const struct act *act)
 {
-    const struct value *file = &act->value[STATS_REPORT];
     struct labels labels;
-    if (file->given && !file_is_named(file->text, REPORT_ENDINGS))
-        return fault_set(act->fault, ERR_USAGE,
-                         "report: expected a name that ends in .json or .csv, not %s", file->text);
+    enum err err = act_check_report(&act->value[STATS_REPORT], act->fault);
+    if (err)
+        return err;
     struct label_stats *stats = mem_array(256, sizeof *stats);
-    enum err err = stats ? act_take_labels(act, &act->value[STATS_FINISHED], &labels)
-                         : fault_memory(act->fault, "counts of labels");
+    err = stats ? act_take_labels(act, &act->value[STATS_FINISHED], &labels)
+                : fault_memory(act->fault, "counts of labels");
     if (!err)
         err = label_stats_find(stats, &labels, act->session->team, act->fault);
     if (!err)
