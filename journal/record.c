@@ -187,6 +187,27 @@ bool record_key_is(const struct record_word *word, const char *key, size_t key_l
     return word->key_length == key_length && memcmp(word->key, key, key_length) == 0;
 }
 
+bool record_word_is_digest(const struct record_word *word)
+{
+    return word->value_length >= 16 && word->value_length <= 64 &&
+           strspn(word->value, "0123456789abcdef") >= word->value_length;
+}
+
+static bool has_digest(const char *words)
+{
+    const char *at = words, *end = words + strlen(words);
+    struct record_word word;
+    while (record_word_next(&at, end, &word))
+        if (record_word_is_digest(&word))
+            return true;
+    return false;
+}
+
+bool record_lacks_digest(const char *recorded, const char *given)
+{
+    return !has_digest(recorded) && has_digest(given);
+}
+
 bool record_word_find(const char *words, const char *key, size_t key_length,
                       struct record_word *word)
 {

@@ -126,6 +126,13 @@ bool record_word_next(const char **cursor, const char *end, struct record_word *
 
 bool record_key_is(const struct record_word *word, const char *key, size_t key_length);
 
+/* Whether its value is a digest: 16 to 64 lower-case hexadecimal digits. No count is as long. */
+bool record_word_is_digest(const struct record_word *word);
+
+/* Whether there is no digest among the recorded words, and one among those that the command gives:
+ * then nothing says that it gives the same. */
+bool record_lacks_digest(const char *recorded, const char *given);
+
 /* Finds the word with this key in `words`, ended by NUL. */
 bool record_word_find(const char *words, const char *key, size_t key_length,
                       struct record_word *word);

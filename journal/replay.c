@@ -63,6 +63,17 @@ static enum err tell_failure(const struct record *record, enum err err,
                         record->line, SHOWN_MAX, record->command);
 }
 
+/* Notes a record without any digest, of a command that gives one. */
+static void note_bare(struct replay_report *report, const struct record *record, const char *words)
+{
+    if (!record_lacks_digest(record->result, words))
+        return;
+    if (!report->bare++) {
+        report->bare_number = record->number;
+        report->bare_line = record->line;
+    }
+}
+
 static enum err compare(const struct record *record, const struct replay_host *host,
                         const char *words, struct replay_report *report, struct fault *fault)
 {
@@ -75,7 +86,9 @@ static enum err compare(const struct record *record, const struct replay_host *h
         }
         if (!record_word_is_among(words, &expected, &actual))
             return tell_divergence(record, words, &expected, &actual, report, fault);
+        report->digests += record_word_is_digest(&expected);
     }
+    note_bare(report, record, words);
     return OK;
 }
 
@@ -150,6 +163,7 @@ enum err replay_run(const char *bytes, size_t length, const struct replay_host *
     struct walk walk;
     struct record record;
     report->is_intact = true;
+    report->chain = record_chain_zero;
     enum err err = walk_begin(&walk, bytes, length, fault);
     if (err) {
         report->outcome = REPLAY_UNREADABLE;
@@ -164,6 +178,7 @@ enum err replay_run(const char *bytes, size_t length, const struct replay_host *
             note_edit(report, &walk, &record);
         else
             record.has_result = false;
+        report->chain = record.chain;
         err = replay_record(&record, host, report, fault);
         if (record.number == options->last)
             break;

@@ -49,7 +49,13 @@ struct replay_report {
     unsigned semantics; /* of the journal; 0 for a script */
     size_t executed;    /* commands carried out, and given what is recorded */
     size_t compared;    /* those among them with a result to compare with */
+    size_t digests;     /* of their words, the digests that are the same */
     size_t lost_words;  /* of their words, those that could not be compared */
+    size_t bare;        /* of those carried out, the ones that record no digest though the command
+                           gives one: nothing says that it is the same */
+    size_t bare_number; /* the first of them, and its line */
+    size_t bare_line;
+    struct record_chain chain; /* of the last record seen, as the journal says it */
 
     bool is_intact;       /* every record seen was sound */
     size_t edited_number; /* where not: the first that was not, */

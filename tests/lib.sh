@@ -15,6 +15,7 @@ LC_ALL=C
 IFTTY_HISTORY= # what is typed here is none of the user's, and nothing of theirs counts
 IFTTY_CONFIG=
 export LC_ALL IFTTY_HISTORY IFTTY_CONFIG
+unset CI # under which verification is strict: what a story wants of it, it says
 cd "$(dirname "$0")/.." || exit 1
 top=$(pwd)
 build=${IFTTY_BUILD:-build}
@@ -189,6 +190,34 @@ put() {
 }
 file_bytes() {
     wc -c <"$1" | tr -d ' '
+}
+# chain_anew FROM TO: a copy of a journal with all its chains right: an honest forgery
+chain_anew() {
+    chain=00000000000000000000000000000000 covered=
+    : >"$2"
+    while IFS= read -r text; do
+        case $text in
+        '= '*)
+            covered=$covered${text% chain=*}
+            chain=$(printf %s%s "$chain" "$covered" | sha256sum | cut -c 1-32)
+            printf '%s chain=%s\n' "$covered" "$chain" >>"$2"
+            covered=
+            ;;
+        *) covered="$covered$text
+" ;;
+        esac
+    done <"$1"
+}
+# rewrite JOURNAL NUMBER WORDS: the result words of that record, with all chains right
+rewrite() {
+    awk -v n="$2" -v words="$3" '/^= / && $2 == n {
+        print "= " n " " words " chain=" substr($NF, 7); next }
+        { print }' "$1" >"$work/rewritten"
+    chain_anew "$work/rewritten" "$1"
+    rm "$work/rewritten"
+}
+words_of() { # JOURNAL NUMBER
+    sed -n "s/^= $2 \(.*\) chain=.*/\1/p" "$1"
 }
 # All there is below a folder, with its content: equal listings, equal folders.
 listing() {

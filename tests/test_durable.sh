@@ -47,7 +47,7 @@ out_has "3 records, read-only: nothing is written"
 err_has "a.iftty is open read-only"
 same_files a.iftty a.kept
 expect 0 "$iftty" verify mine.iftty
-out_has "4 commands, 4 results"
+out_has "4 commands, 4 results with "
 echo 'golden g' >script
 expect 2 "$iftty" run script --read-only --journal a.iftty
 err_has "open read-only"
@@ -95,7 +95,7 @@ for harm in deleted replaced shorter longer; do
     end_session
     [ $harm = deleted ] || same_files b.iftty b.kept
     expect 0 "$iftty" verify elsewhere.iftty
-    out_has "4 commands, 4 results"
+    out_has "4 commands, 4 results with "
     expect 0 "$iftty" log --script elsewhere.iftty
     grep -q 'seed 6,6,6' out && fail "the undone command is there"
     [ -f elsewhere.golden/first.exr ] || fail "the golden image did not come along"

@@ -178,7 +178,7 @@ close_story
 
 begin "a fresh journal replays and verifies"
 expect 0 "$iftty" verify j.iftty
-out_has "ok 1 - j.iftty (13 commands, 13 results)"
+out_has "ok 1 - j.iftty (13 commands, 13 results with "
 out_has "# 1 verified, 0 failed"
 expect 0 "$iftty" replay j.iftty
 acks | cmp -s - canonical || fail "$(acks | diff - canonical)"

@@ -128,9 +128,16 @@ STORY(the_first_record_that_differs_is_found)
 static void make_result(struct verify_result *r)
 {
     static const uint8_t pixel[8] = {255, 0, 0, 255, 0, 255, 0, 255};
-    *r = (struct verify_result){.err = ERR_CHECK, .executed = 12, .compared = 7, .took_ms = 1234};
+    *r = (struct verify_result){.err = ERR_CHECK,
+                                .executed = 12,
+                                .compared = 7,
+                                .digests = 9,
+                                .goldens = 1,
+                                .pixels = 4,
+                                .took_ms = 1234};
     buf_add_text(&r->why, "it differs");
     buf_add_text(&r->lines, "# one\n# two\n");
+    buf_add_text(&r->chain, "0123456789abcdef0123456789abcdef");
     evidence_add(&r->evidence, "expected", 2, 1, pixel);
     evidence_add(&r->evidence, "actual", 1, 2, pixel);
 }
@@ -146,6 +153,10 @@ STORY(a_result_comes_back_as_it_was_sent)
     CHECK(got.err == ERR_CHECK);
     CHECK_INT(got.executed, 12);
     CHECK_INT(got.compared, 7);
+    CHECK_INT(got.digests, 9);
+    CHECK_INT(got.goldens, 1);
+    CHECK_INT(got.pixels, 4);
+    CHECK_TEXT(buf_text(&got.chain), "0123456789abcdef0123456789abcdef");
     CHECK_INT(got.took_ms, 1234);
     CHECK_TEXT(buf_text(&got.why), "it differs");
     CHECK_TEXT(buf_text(&got.lines), "# one\n# two\n");
@@ -173,13 +184,13 @@ static void check_refused(const char *bytes, size_t length)
 STORY(half_a_result_is_none)
 {
     static const char *const wrong[] = {
-        "result 99 0 0 0 0\npart 0\npart 0\n",
-        "result 1 0 0 0 0\npart 9999999999999\npart 0\n",
-        "result 1 0 0 0 4\npart 0\npart 0\n",
-        "result -1 0 0 0 0\npart 0\npart 0\n",
-        "result 0 0 0 0 0\npart 0\npart 0\n\n",
-        "result 0 0 0 0 1\npart 0\npart 0\npart 1\n",
-        "result 0 0 0 0 1\npart 0\npart 0\npart -1\n",
+        "result 99 0 0 0 0 0 0 0\npart 0\npart 0\npart 0\n",
+        "result 1 0 0 0 0 0 0 0\npart 9999999999999\npart 0\npart 0\n",
+        "result 1 0 0 0 0 0 0 4\npart 0\npart 0\npart 0\n",
+        "result -1 0 0 0 0 0 0 0\npart 0\npart 0\npart 0\n",
+        "result 0 0 0 0 0 0 0 0\npart 0\npart 0\npart 0\n\n",
+        "result 0 0 0 0 0 0 0 1\npart 0\npart 0\npart 0\npart 1\n",
+        "result 0 0 0 0 0 0 0 1\npart 0\npart 0\npart 0\npart -1\n",
     };
     struct verify_result sent;
     struct buf bytes = {0};
@@ -251,9 +262,12 @@ STORY(a_report_names_what_failed_and_how)
                "  \"ms\": 2239,\n"
                "  \"journals\": [\n"
                "    {\"journal\": \"fine.iftty\", \"verified\": true, \"commands\": 5, "
-               "\"results_the_same\": 5, \"ms\": 1005},\n"
+               "\"results_the_same\": 5, \"digests\": 0, \"golden_images\": 0, \"pixels\": 0, "
+               "\"ms\": 1005},\n"
                "    {\"journal\": \"<script>.iftty\", \"verified\": false, \"commands\": 12, "
-               "\"results_the_same\": 7, \"ms\": 1234, \"kind\": \"check failed\", "
+               "\"results_the_same\": 7, \"digests\": 9, \"golden_images\": 1, \"pixels\": 4, "
+               "\"chain\": \"0123456789abcdef0123456789abcdef\", "
+               "\"ms\": 1234, \"kind\": \"check failed\", "
                "\"why\": \"it differs\", \"lines\": [\"# one\", \"# two\"]}\n"
                "  ]\n"
                "}\n");

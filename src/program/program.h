@@ -31,10 +31,11 @@ struct options {
     size_t processes, from, until; /* 0: not given */
     struct graphics_wish graphics; /* {0}: the terminal decides */
     bool help, read_only, keep_going, smooth, json, histogram, csv, binary, resample, anonymise;
+    bool strict, no_strict;
     bool is_form; /* one that only says which form is meant */
 };
 
-enum { PROGRAM_OPTIONS_MOST = 16 };
+enum { PROGRAM_OPTIONS_MOST = 24 };
 
 struct program {
     const char *name;  /* NULL: of a command line that names none */

@@ -5,6 +5,7 @@
 #include "program/console.h"
 #include "program/programs.h"
 #include "verify/bisect.h"
+#include "verify/ci.h"
 #include "verify/diff.h"
 #include "verify/reseal.h"
 
@@ -17,6 +18,7 @@ enum err run_verify(const struct options *o, struct fault *fault)
                                        .junit = o->junit,
                                        .html = o->html,
                                        .json = o->json,
+                                       .strict = o->strict || (ci_is_set() && !o->no_strict),
                                        .first = o->from,
                                        .last = o->until,
                                        .processes = o->processes ? (unsigned)o->processes : 1,
@@ -26,6 +28,8 @@ enum err run_verify(const struct options *o, struct fault *fault)
     if (how.last && how.first > how.last)
         return fault_set(fault, ERR_USAGE, "--from %zu --until %zu: nothing lies between",
                          how.first, how.last);
+    if (o->strict && o->no_strict)
+        return fault_set(fault, ERR_USAGE, "--strict and --no-strict: give one of them");
     const enum err err = o->out ? file_make_folder(o->out, fault) : OK;
     if (err)
         return err;

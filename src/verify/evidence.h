@@ -26,10 +26,11 @@ void evidence_release(struct evidence *evidence);
 struct evidence_collector {
     const char *folder;        /* for JOURNAL.NAME.actual.exr and .difference.png; NULL: none */
     struct evidence *evidence; /* for a report; or NULL */
+    uint64_t goldens, pixels;  /* golden images that are the same, and their pixels */
 };
 
-/* The judge that refuses every golden image that differs, and collects evidence of it. It borrows
- * the collector. */
+/* The judge that refuses every golden image that differs, collects evidence of it, and counts those
+ * that do not. It borrows the collector. */
 struct golden_judge evidence_judge(struct evidence_collector *collector);
 
 #endif

@@ -9,6 +9,7 @@
 #include "session/export.h"
 #include "verify/orphan.h"
 #include "verify/replay_file.h"
+#include "verify/strict.h"
 #include "verify/verify_report.h"
 
 enum {
@@ -50,15 +51,20 @@ static void write_voxels(struct interpreter *interp, struct buf *lines)
 /* What a replay that went well leaves to be asked. */
 static enum err judge_whole(const struct verify_options *options, const struct interpreter *interp,
                             const char *path, const struct replay_report *report,
-                            struct fault *fault)
+                            const struct evidence_collector *collector, struct fault *fault)
 {
+    const struct strictness strictness = {.report = report,
+                                          .goldens = collector->goldens,
+                                          .semantics = SEMANTICS,
+                                          .is_part = options->first || options->last};
     if (!report->is_journal)
         return fault_set(fault, ERR_CHECK, "this is a script, not a journal: nothing to compare");
     if (options->first > report->executed)
         return fault_set(fault, ERR_CHECK,
                          "it ends with record %zu: nothing to compare from %zu on",
                          report->executed, options->first);
-    return options->last ? OK : orphan_check(path, &interp->goldens, fault);
+    const enum err err = options->last ? OK : orphan_check(path, &interp->goldens, fault);
+    return err || !options->strict ? err : strict_judge(&strictness, fault);
 }
 
 /* The folder for a journal's evidence, which is made when there is some. Journals of one name have
@@ -77,13 +83,15 @@ static void place_evidence(struct buf *folder, const struct verify_options *opti
         buf_printf(folder, "/%zu", number);
 }
 
-static void note_failure(struct verify_result *result, enum err err, const struct fault *fault)
+/* Its words are a line as well, unless the lines say it already. */
+static void note_failure(struct verify_result *result, enum err err, bool is_told,
+                         const struct fault *fault)
 {
     result->err = err;
     if (!err)
         return;
     buf_add_text(&result->why, fault->text);
-    if (!result->lines.length)
+    if (!is_told)
         buf_printf(&result->lines, "# %s\n", fault->text);
 }
 
@@ -108,17 +116,23 @@ static void verify_one(const struct verify_options *options, const char *path,
     interp.judge = &judge;
     if (!err)
         err = replay_file(&interp, path, options->first, options->last, NULL, &report, &fault);
-    if (!err)
-        err = judge_whole(options, &interp, path, &report, &fault);
     replay_describe(&result->lines, &report, &fault);
+    const bool is_told = err && result->lines.length;
+    if (!err)
+        err = judge_whole(options, &interp, path, &report, &collector, &fault);
     if (report.outcome == REPLAY_DIVERGED) {
         write_voxels(&interp, &result->lines);
         if (collector.evidence)
             show_present(&interp, collector.evidence);
     }
-    note_failure(result, err, &fault);
+    note_failure(result, err, is_told, &fault);
     result->executed = report.executed;
     result->compared = report.compared;
+    result->digests = report.digests;
+    result->goldens = collector.goldens;
+    result->pixels = collector.pixels;
+    if (report.executed)
+        buf_add_text(&result->chain, report.chain.hex);
     result->took_ms = (clock_ns() - begin) / 1000000;
     replay_report_release(&report);
     interpreter_release(&interp);
@@ -163,11 +177,12 @@ static void print_result(const struct verification *v, size_t number)
     struct buf text = {0};
     buf_printf(&text, "%s %zu - ", r->err ? "not ok" : "ok", number + 1);
     buf_add_safe_text(&text, r->path);
-    if (r->err)
-        buf_add_char(&text, '\n');
-    else
-        buf_printf(&text, " (%llu command%s, %llu result%s)\n", (unsigned long long)r->executed,
-                   plural(r->executed), (unsigned long long)r->compared, plural(r->compared));
+    if (!r->err) {
+        buf_add_text(&text, " (");
+        verify_result_tell(&text, r);
+        buf_add_char(&text, ')');
+    }
+    buf_add_char(&text, '\n');
     buf_add_text(&text, buf_text(&r->lines));
     v->printer->print(v->printer->context, buf_text(&text));
     buf_release(&text);
@@ -185,7 +200,7 @@ static void take_result(void *context, size_t number, const struct process_end *
     if (err) {
         verify_result_release(result);
         *result = (struct verify_result){.path = result->path};
-        note_failure(result, ERR_CHECK, &fault);
+        note_failure(result, ERR_CHECK, false, &fault);
     }
     limit_pictures(v, result);
     result->is_known = true;

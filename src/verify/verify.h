@@ -20,6 +20,7 @@ struct verify_options {
                                     one name goes below, into N/ for the Nth of `path` */
     const char *junit, *html;    /* reports, replacing what is there; or NULL */
     bool json;                   /* one JSON object is printed instead of TAP */
+    bool strict;                 /* what leaves anything unproven is a failure (strict.h) */
     size_t first, last;          /* records to compare; 0 for all */
     unsigned processes;          /* at most so many at once, 1..PROCESSES_MOST */
     /* Called in the process of each journal before it is carried out; or NULL. An error is the

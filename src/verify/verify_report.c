@@ -113,10 +113,11 @@ static void add_row(struct buf *out, size_t number, const struct verify_result *
     markup_add(out, r->path);
     buf_printf(out, "%s</td><td class=\"%s\">%s</td>", r->err ? "</a>" : "",
                r->err ? "failed" : "fine", r->err ? "failed" : "verified");
-    buf_printf(out,
-               "<td class=\"n\">%" PRIu64 "</td><td class=\"n\">%" PRIu64
-               "</td><td class=\"n\">%" PRIu64 "</td></tr>\n",
-               r->executed, r->compared, r->took_ms);
+    const uint64_t count[] = {r->executed, r->compared, r->digests,
+                              r->goldens,  r->pixels,   r->took_ms};
+    for (size_t i = 0; i < sizeof count / sizeof *count; i++)
+        buf_printf(out, "<td class=\"n\">%" PRIu64 "</td>", count[i]);
+    buf_add_text(out, "</tr>\n");
 }
 
 static void add_pictures(struct buf *out, const struct evidence *evidence)
@@ -157,7 +158,8 @@ static void add_page(struct buf *out, const struct verify_result *result, size_t
     buf_printf(out, "<h1>%zu verified, <span class=\"%s\">%zu failed</span></h1>\n", sum.verified,
                sum.failed ? "failed" : "fine", sum.failed);
     buf_add_text(out, "<table>\n<tr><th></th><th>journal</th><th></th><th>commands</th>"
-                      "<th>results the same</th><th>ms</th></tr>\n");
+                      "<th>results the same</th><th>digests</th><th>golden images</th>"
+                      "<th>pixels</th><th>ms</th></tr>\n");
     for (size_t i = 0; i < count; i++)
         add_row(out, i + 1, result + i);
     buf_add_text(out, "</table>\n");
@@ -176,6 +178,11 @@ static void add_object(struct json *json, const struct verify_result *r)
     json_boolean(json, "verified", !r->err);
     json_count(json, "commands", r->executed);
     json_count(json, "results_the_same", r->compared);
+    json_count(json, "digests", r->digests);
+    json_count(json, "golden_images", r->goldens);
+    json_count(json, "pixels", r->pixels);
+    if (r->chain.length)
+        json_bytes(json, "chain", buf_text(&r->chain), r->chain.length);
     json_count(json, "ms", r->took_ms);
     if (r->err) {
         json_text(json, "kind", err_name(r->err));

@@ -8,26 +8,44 @@ void verify_result_release(struct verify_result *result)
 {
     buf_release(&result->why);
     buf_release(&result->lines);
+    buf_release(&result->chain);
     evidence_release(&result->evidence);
 }
+
+void verify_result_tell(struct buf *out, const struct verify_result *r)
+{
+    buf_printf(out,
+               "%" PRIu64 " command%s, %" PRIu64 " result%s with %" PRIu64 " digest%s, %" PRIu64
+               " golden image%s of %" PRIu64 " pixel%s",
+               r->executed, plural(r->executed), r->compared, plural(r->compared), r->digests,
+               plural(r->digests), r->goldens, plural(r->goldens), r->pixels, plural(r->pixels));
+}
+
+/* ---- through a pipe ---- */
 
 /* The parts that differ in length, in the order in which they are sent; NULL after the last. */
 static struct buf *part_of(const struct verify_result *result, size_t number)
 {
     struct verify_result *r = (struct verify_result *)(uintptr_t)result;
-    const size_t picture = number < 2 ? 0 : (number - 2) / 2;
-    if (number < 2)
-        return number ? &r->lines : &r->why;
+    struct buf *const part[] = {&r->why, &r->lines, &r->chain};
+    enum { PARTS = sizeof part / sizeof *part };
+    if (number < PARTS)
+        return part[number];
+    const size_t picture = (number - PARTS) / 2, half = (number - PARTS) % 2;
     if (picture >= r->evidence.pictures)
         return NULL;
-    return number % 2 ? &r->evidence.picture[picture].png : &r->evidence.picture[picture].caption;
+    return half ? &r->evidence.picture[picture].png : &r->evidence.picture[picture].caption;
 }
 
 void verify_result_write(struct buf *out, const struct verify_result *r)
 {
     const struct buf *part;
-    buf_printf(out, "result %d %" PRIu64 " %" PRIu64 " %" PRIu64 " %zu\n", (int)r->err, r->executed,
-               r->compared, r->took_ms, r->evidence.pictures);
+    const uint64_t number[] = {(uint64_t)r->err, r->executed, r->compared, r->digests,
+                               r->goldens,       r->pixels,   r->took_ms,  r->evidence.pictures};
+    buf_add_text(out, "result");
+    for (size_t i = 0; i < sizeof number / sizeof *number; i++)
+        buf_printf(out, " %" PRIu64, number[i]);
+    buf_add_char(out, '\n');
     for (size_t i = 0; (part = part_of(r, i)); i++) {
         buf_printf(out, "part %zu\n", part->length);
         buf_add(out, buf_text(part), part->length);
@@ -58,15 +76,16 @@ static bool read_part(const char **at, const char *end, struct buf *part)
 static bool read_all(struct verify_result *r, const char *at, const char *end)
 {
     struct buf *part;
-    int64_t number[5];
-    if (!read_numbers(&at, "result", number, 5) || number[0] > ERR_CANCELLED ||
-        number[4] > EVIDENCE_MOST)
+    int64_t number[8];
+    if (!read_numbers(&at, "result", number, 8) || number[0] > ERR_CANCELLED ||
+        number[7] > EVIDENCE_MOST)
         return false;
     r->err = (enum err)number[0];
-    r->executed = (uint64_t)number[1];
-    r->compared = (uint64_t)number[2];
-    r->took_ms = (uint64_t)number[3];
-    r->evidence.pictures = (size_t)number[4];
+    r->evidence.pictures = (size_t)number[7];
+    uint64_t *const count[] = {&r->executed, &r->compared, &r->digests,
+                               &r->goldens,  &r->pixels,   &r->took_ms};
+    for (size_t i = 0; i < sizeof count / sizeof *count; i++)
+        *count[i] = (uint64_t)number[i + 1];
     for (size_t i = 0; (part = part_of(r, i)); i++)
         if (!read_part(&at, end, part))
             return false;

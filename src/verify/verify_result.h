@@ -2,8 +2,8 @@
  * What the verification of one journal found. It is made in a process of its own and comes back
  * through a pipe, in a form where everything is counted:
  *
- *     result ERR EXECUTED COMPARED TOOK_MS PICTURES\n
- *     part BYTES\n...     why, lines, and for each picture its caption and its PNG
+ *     result ERR EXECUTED COMPARED DIGESTS GOLDENS PIXELS TOOK_MS PICTURES\n
+ *     part BYTES\n...     why, lines, chain, and for each picture its caption and its PNG
  *
  * with ERR the number of an enum err. A process that dies leaves less than that, which is refused.
  */
@@ -16,13 +16,21 @@ struct verify_result {
     const char *path; /* of the journal; borrowed, and not sent */
     bool is_known;    /* its verification is over; not sent either */
     enum err err;     /* OK, ERR_CHECK where something differs, else why it could not be verified */
-    uint64_t executed, compared, took_ms; /* commands; results the same; milliseconds */
+    uint64_t executed, compared; /* commands; those of them whose recorded result is the same */
+    uint64_t digests;            /* of those results, the words that are digests */
+    uint64_t goldens, pixels;    /* golden images that are the same, and their pixels */
+    uint64_t took_ms;
     struct buf why;   /* of a failure: one line, without line feed, safe to print */
     struct buf lines; /* more about it: lines that begin with "# " */
+    struct buf chain; /* 32 digits: of the last record that was carried out; "" for none */
     struct evidence evidence;
 };
 
 void verify_result_release(struct verify_result *result);
+
+/* Adds what was compared: "10 commands, 10 results with 14 digests, 1 golden image of 1200
+ * pixels". */
+void verify_result_tell(struct buf *out, const struct verify_result *result);
 
 void verify_result_write(struct buf *out, const struct verify_result *result);
 

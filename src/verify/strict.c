@@ -1,0 +1,46 @@
+#include "verify/strict.h"
+
+#include <inttypes.h>
+
+static enum err judge_semantics(const struct strictness *s, struct fault *fault)
+{
+    const struct replay_report *report = s->report;
+    if (report->semantics > s->semantics)
+        return fault_set(fault, ERR_CHECK,
+                         "strict: it was written with semantics %u, and this program knows 1 to "
+                         "%u: a later version verifies it",
+                         report->semantics, s->semantics);
+    if (report->lost_words)
+        return fault_set(fault, ERR_CHECK,
+                         "strict: %zu result%s of semantics %u could not be compared: iftty log "
+                         "--reseal gives the journal the present meaning, --no-strict leaves them "
+                         "out",
+                         report->lost_words, plural(report->lost_words), report->semantics);
+    return OK;
+}
+
+enum err strict_judge(const struct strictness *s, struct fault *fault)
+{
+    const struct replay_report *report = s->report;
+    const enum err err = judge_semantics(s, fault);
+    if (err)
+        return err;
+    if (report->is_torn)
+        return fault_set(fault, ERR_CHECK,
+                         "strict: it ends with an unfinished record, at byte %" PRIu64
+                         ": going on with the journal, or iftty log --repair, cuts that off",
+                         report->torn_offset);
+    if (!report->executed)
+        return fault_set(fault, ERR_CHECK, "strict: it has a header and no records");
+    if (report->bare)
+        return fault_set(fault, ERR_CHECK,
+                         "strict: %zu record%s without a digest of what the command gives, the "
+                         "first is record %zu (line %zu): iftty log --reseal records them",
+                         report->bare, plural(report->bare), report->bare_number,
+                         report->bare_line);
+    if (!s->is_part && !s->goldens)
+        return fault_set(fault, ERR_CHECK,
+                         "strict: no golden image was compared: `golden NAME` in a session makes "
+                         "one, --no-strict asks for none");
+    return OK;
+}

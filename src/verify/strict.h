@@ -1,0 +1,34 @@
+/*
+ * Strict verification: nothing that a journal leaves unproven passes.
+ *
+ * A replay fails where something differs. That nothing differs may also mean that nothing was
+ * compared: digests can be taken out of a journal, or the end of it cut off, and the chain computed
+ * anew, since the chain holds no secret. So these are failures here, each with what to do:
+ *
+ *     torn tail          an unfinished record at the end was left alone
+ *     other semantics    the journal says that it was made under a number that this build does not
+ *                        know, or under one whose pictures it cannot draw
+ *     no records         a header and no more
+ *     bare record        one without a digest, of a command that gives one
+ *     no golden image    no pixel was compared; asked of whole journals alone
+ *
+ * What cannot be seen in a journal itself is that its last records are gone, with the digests of
+ * all others in place: for that there are --expect and --lock. A recorded word that this build does
+ * not give is a failure of any replay (journal/replay.h).
+ */
+#ifndef VERIFY_STRICT_H
+#define VERIFY_STRICT_H
+
+#include "journal/replay.h"
+
+struct strictness {
+    const struct replay_report *report; /* of a replay that went well */
+    uint64_t goldens;                   /* golden images compared */
+    unsigned semantics;                 /* the highest that is known here */
+    bool is_part;                       /* not all records were to be compared */
+};
+
+/* OK, or ERR_CHECK with the first of the above. */
+enum err strict_judge(const struct strictness *strictness, struct fault *fault);
+
+#endif
