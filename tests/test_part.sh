@@ -41,6 +41,16 @@ out_has '2 regions'
 out_has '320 seeds'
 expect 0 "$iftty" -c "open s.nii $crop; seed-file part.nii"
 out_has '1 region'
+# What else the user said of the scene's file is not said of the map's.
+tail -c +353 s.nii >s.raw
+raw='raw:s.raw size=24,20,16 type=uint8'
+for more in '' spacing=1,1,1 series=2; do
+    rm -f part.nii
+    expect 0 "$iftty" -c "open $raw $crop $more; seed 2,8,5 1; mask whole.nii regions=1; run
+    save labels part.nii"
+    tail -c +353 part.nii | od -An -v -tu1 -w1 | tr -d ' ' >got
+    same_files expected got
+done
 close_story
 
 # place FILE X: its first voxel lies at X,0,0 mm

@@ -137,8 +137,7 @@ static void note_shear(struct volume_header *header)
                     degrees);
 }
 
-/* Opens `path` and reads its header. */
-static enum err begin(struct volume_reader *reader, const char *path,
+enum err volume_begin(struct volume_reader *reader, const char *path,
                       const struct volume_choice *choice, struct watch *watch, struct fault *fault)
 {
     struct volume_header *header = &reader->header;
@@ -197,21 +196,22 @@ static enum err check_choice(struct volume_header *header, struct fault *fault)
     return part_choose(header, fault);
 }
 
-enum err volume_choose(struct volume_header *header, const char *path,
-                       const struct volume_choice *choice, struct fault *fault)
+enum err volume_choose(struct volume_reader *reader, const struct volume_choice *choice,
+                       struct fault *fault)
 {
+    struct volume_header *header = &reader->header;
     if (choice)
         header->choice = *choice;
     enum err err = take_spacing(header, fault);
     if (!err)
         err = check_choice(header, fault);
-    return err ? fault_prefix(fault, err, "%s", path) : OK;
+    return err ? fault_prefix(fault, err, "%s", reader->path) : OK;
 }
 
 enum err volume_about(struct volume_header *out, const char *path, struct fault *fault)
 {
     struct volume_reader reader;
-    const enum err err = begin(&reader, path, NULL, NULL, fault);
+    const enum err err = volume_begin(&reader, path, NULL, NULL, fault);
     *out = reader.header;
     volume_close(&reader);
     return err;
@@ -220,8 +220,8 @@ enum err volume_about(struct volume_header *out, const char *path, struct fault 
 enum err volume_open(struct volume_reader *reader, const char *path,
                      const struct volume_choice *choice, struct watch *watch, struct fault *fault)
 {
-    const enum err err = begin(reader, path, choice, watch, fault);
-    return err ? err : volume_choose(&reader->header, path, choice, fault);
+    const enum err err = volume_begin(reader, path, choice, watch, fault);
+    return err ? err : volume_choose(reader, NULL, fault);
 }
 
 enum err volume_take(struct volume *out, struct volume_reader *reader, struct fault *fault)

@@ -150,11 +150,6 @@ bool volume_may_name_a_patient(const char *path);
  * `save` writes). Others are refused where volume_read would refuse the header. */
 enum err volume_about(struct volume_header *out, const char *path, struct fault *fault);
 
-/* What of `path`, whose header volume_about has told, is read by that choice (or NULL): makes size
- * and geometry those of it. Refuses what volume_read would refuse before it reads a voxel. */
-enum err volume_choose(struct volume_header *header, const char *path,
-                       const struct volume_choice *choice, struct fault *fault);
-
 /* A file that is open to be read: its header is known and was found good, of its voxels nothing is
  * held. So a caller can see how large it is before. */
 struct volume_reader {
@@ -168,6 +163,15 @@ struct volume_reader {
  * be done in any case. Refuses what volume_take would refuse before it reads a voxel. */
 enum err volume_open(struct volume_reader *reader, const char *path,
                      const struct volume_choice *choice, struct watch *watch, struct fault *fault);
+
+/* The same in two steps, for callers whose choice depends on the header: its size and geometry are
+ * those of the whole file until something is chosen, by another choice than at the beginning, or
+ * by that (NULL). */
+enum err volume_begin(struct volume_reader *reader, const char *path,
+                      const struct volume_choice *choice, struct watch *watch, struct fault *fault);
+enum err volume_choose(struct volume_reader *reader, const struct volume_choice *choice,
+                       struct fault *fault);
+
 enum err volume_take(struct volume *out, struct volume_reader *reader, struct fault *fault);
 void volume_close(struct volume_reader *reader);
 

@@ -37,24 +37,25 @@ static bool is_size(const uint32_t a[3], const uint32_t b[3])
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-/* What to read of the map at `path`: all of it, or the part that the scene is; and its header. */
-static enum err choose(struct volume_header *header, struct volume_choice *choice, const char *path,
-                       const struct map_place *place, struct fault *fault)
+/* What to read of a map: all of it, or the part that the scene is of its own file. Whatever else
+ * was said of that file is not said of the map's. */
+static enum err choose(struct volume_reader *reader, const struct map_place *place,
+                       struct fault *fault)
 {
+    const struct volume_header *header = &reader->header;
     const struct map_part *part = place->part;
     const uint32_t *size = place->grid->size;
-    const enum err err = volume_about(header, path, fault);
     const bool is_shifted = place->resample && geometry_has_place(&header->geometry) &&
                             geometry_has_place(place->geometry); /* then all of it is needed */
-    *choice = (struct volume_choice){0};
-    if (!err && part && !is_shifted && is_size(size, part->size) && !is_size(header->size, size) &&
+    struct volume_choice choice = {.nearest = true};
+    if (part && !is_shifted && is_size(size, part->size) && !is_size(header->size, size) &&
         is_size(header->size, part->whole)) {
-        *choice = part->choice;
-        choice->has_volume = false;
-        choice->volume = 0;
-        choice->nearest = true;
+        choice.has_crop = part->choice.has_crop;
+        memcpy(choice.first, part->choice.first, sizeof choice.first);
+        memcpy(choice.last, part->choice.last, sizeof choice.last);
+        choice.reduce = part->choice.reduce;
     }
-    return err ? err : volume_choose(header, path, choice, fault);
+    return volume_choose(reader, &choice, fault);
 }
 
 /* A map of a file of which the scene is a part, and of neither size. */
@@ -69,45 +70,45 @@ static enum err refuse_size(const struct map_place *place, const uint32_t is[3],
                      is[0], is[1], is[2], size[0], size[1], size[2], whole[0], whole[1], whole[2]);
 }
 
-static enum err check(const struct map_place *place, const uint32_t size[3],
-                      const struct geometry *geometry, struct fault *fault)
+static enum err check(const struct map_place *place, const struct volume_header *header,
+                      struct fault *fault)
 {
+    const uint32_t *size = header->size;
     if (!place->resample && place->part && place->part->whole[0] &&
         !is_size(size, place->grid->size))
         return refuse_size(place, size, fault);
     return place->as_before ? map_check_size(size, place->grid, fault)
-                            : regrid_check(size, geometry, place->grid->size, place->geometry,
-                                           place->resample, fault);
+                            : regrid_check(size, &header->geometry, place->grid->size,
+                                           place->geometry, place->resample, fault);
 }
 
-/* `known` bytes of the notes are the header's, of what a scene would want to know. */
-static enum err bring(struct volume *map, size_t known, const struct map_place *place,
-                      struct watch *watch, struct fault *fault)
+static enum err bring(struct volume *map, const struct map_place *place, struct watch *watch,
+                      struct fault *fault)
 {
-    if (known <= strlen(map->notes))
-        memmove(map->notes, map->notes + known, strlen(map->notes) - known + 1);
-    const enum err err = check(place, map->size, &map->geometry, fault);
-    if (err || place->as_before)
-        return err ? err : map_check_axes(map, place->geometry, fault);
-    return regrid(map, place->grid->size, place->geometry, place->resample, watch, fault);
+    return place->as_before
+               ? map_check_axes(map, place->geometry, fault)
+               : regrid(map, place->grid->size, place->geometry, place->resample, watch, fault);
+}
+
+static enum err naming(const char *path, enum err err, struct fault *fault)
+{
+    return err ? fault_prefix(fault, err, "%s", file_name(path)) : OK;
 }
 
 enum err map_read(struct volume *map, const char *path, const struct map_place *place,
                   struct watch *watch, struct fault *fault)
 {
-    struct volume_choice choice;
-    struct volume_header header;
-    enum err err = choose(&header, &choice, path, place, fault);
-    if (err)
-        return err;
-    err = check(place, header.size, &header.geometry, fault);
-    if (err)
-        return fault_prefix(fault, err, "%s", file_name(path));
-    err = volume_read(map, path, &choice, watch, fault);
-    if (err)
-        return err;
-    err = bring(map, strlen(header.notes), place, watch, fault); /* it may be another file by now */
-    return err ? fault_prefix(fault, err, "%s", file_name(path)) : OK;
+    struct volume_reader reader;
+    enum err err = volume_begin(&reader, path, NULL, watch, fault);
+    if (!err)
+        err = choose(&reader, place, fault);
+    if (!err)
+        err = naming(path, check(place, &reader.header, fault), fault);
+    reader.header.notes[0] = '\0'; /* they are for scenes */
+    if (!err)
+        err = volume_take(map, &reader, fault);
+    volume_close(&reader);
+    return err ? err : naming(path, bring(map, place, watch, fault), fault);
 }
 
 /* ---- numbers ---- */
