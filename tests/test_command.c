@@ -511,7 +511,7 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"render mode=", "not nothing"},
         {"render mode=sp|bp", "expected sp|bp|ii|ray"},
         {"save maps x.nii", "labels|cost|root|border|distance|margin|seeds|names"},
-        {"seed 1,1,1", "missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..32|Rmm]"},
+        {"seed 1,1,1", "missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..512|Rmm]"},
         {"seed", "missing: PLACE"},
         {"save labels", "missing: FILE"},
         {"run now", "one word too many: now; usage: run"},
@@ -524,13 +524,13 @@ STORY(a_wrong_line_is_told_what_was_expected)
         {"label 2 \"a\\\"", "a word in quotes does not end"},
         {"\"", "a word in quotes does not end"},
         {"label 2 \"\"", "NAME: expected a word, not nothing"},
-        {"seed 1,1,1 1 radius=33",
-         "radius: expected a number 0..32, or millimetres as in 2.5mm, above 0 and "
-         "up to 1000 with at most six decimals, not 33"},
+        {"seed 1,1,1 1 radius=513",
+         "radius: expected a number 0..512, or millimetres as in 2.5mm, above 0 and "
+         "up to 1000 with at most six decimals, not 513"},
         {"seed 1,1,1 1 radius=-1",
-         "radius: expected a number 0..32, or millimetres as in 2.5mm, above 0 and "
+         "radius: expected a number 0..512, or millimetres as in 2.5mm, above 0 and "
          "up to 1000 with at most six decimals, not -1"},
-        {"seed 1,1,1 1 radius=99999999999999999999", "expected a number 0..32"},
+        {"seed 1,1,1 1 radius=99999999999999999999", "expected a number 0..512"},
         {"seed 1,1,1 1 radius=1 radius=2", "given twice: radius=2"},
         {"zoom 64.001", "FACTOR: expected fit or a number 0.01..64 with at most three decimals"},
         {"zoom 0.009", "FACTOR: expected fit or a number 0.01..64"},
@@ -649,7 +649,7 @@ STORY(an_error_tells_where_in_the_line_it_is)
     is_wrong_at(&interp, "seed 1,1,1", "");
     is_wrong_at(&interp, "seed 1,1,1 ", "");
     is_wrong_at(&interp, "run now and then", "now");
-    is_wrong_at(&interp, "seed radius=33 1,1,1 1", "radius=33");
+    is_wrong_at(&interp, "seed radius=513 1,1,1 1", "radius=513");
     is_wrong_at(&interp, "label 2 \"\" #40c060", "\"\" #");
     is_wrong_at(&interp, "save \"labels\" x.nii replace=maybe", "replace=maybe");
     is_wrong_at(&interp, "\"sa\\\"ve\" x", "\"sa");
@@ -683,7 +683,7 @@ STORY(without_a_scene_only_what_needs_none_works)
     must(&interp, "info");
     CHECK_HAS(buf_text(&reply.text), "no scene is open");
     must(&interp, "help seed");
-    CHECK_HAS(buf_text(&reply.text), "radius=0..32");
+    CHECK_HAS(buf_text(&reply.text), "radius=0..512");
     must(&interp, "quit");
     CHECK(interp.wish == WISH_QUIT);
     interpreter_release(&interp);
@@ -980,34 +980,48 @@ STORY(a_hint_is_the_rest_of_the_usage)
 {
     hints("", "");
     hints("see", "");
-    hints("seed", " X,Y,Z LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
-    hints("seed ", "X,Y,Z LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
-    hints("  seed   ",
-          "X,Y,Z LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
-    hints("seed 1", " LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
-    hints("seed 1,1,1", " LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
-    hints("seed 1,1,1 ", "LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
-    hints("seed 1,1,1 2", " [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
-    hints("seed 1,1,1 2 ", "[radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed", " X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
+                  "[shell=yes] [around=LABEL]");
+    hints("seed ", "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
+                   "[shell=yes] [around=LABEL]");
+    hints("  seed   ", "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] "
+                       "[joined=yes] [shell=yes] [around=LABEL]");
+    hints("seed 1", " LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
+                    "[shell=yes] [around=LABEL]");
+    hints("seed 1,1,1", " LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
+                        "[shell=yes] [around=LABEL]");
+    hints("seed 1,1,1 ", "LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
+                         "[shell=yes] [around=LABEL]");
+    hints("seed 1,1,1 2", " [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
+                          "[shell=yes] [around=LABEL]");
+    hints("seed 1,1,1 2 ", "[radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
+                           "[shell=yes] [around=LABEL]");
     hints("seed 1,1,1 2 r", "");
-    hints("seed 1,1,1 2 radius=", "0..32|Rmm [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
-    hints("seed 1,1,1 2 radius=3", " [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
-    hints("seed radius=", "0..32|Rmm X,Y,Z LABEL [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
-    hints("seed radius=3 ", "X,Y,Z LABEL [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
-    hints("seed 1,1,1 2 radius=3 ", "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
-    hints("seed 1,1,1 2 radius=3 to=2,2,2 ", "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed 1,1,1 2 radius=",
+          "0..512|Rmm [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL]");
+    hints("seed 1,1,1 2 radius=3",
+          " [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL]");
+    hints("seed radius=", "0..512|Rmm X,Y,Z LABEL [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
+                          "[shell=yes] [around=LABEL]");
+    hints("seed radius=3 ",
+          "X,Y,Z LABEL [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL]");
+    hints("seed 1,1,1 2 radius=3 ",
+          "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL]");
+    hints("seed 1,1,1 2 radius=3 to=2,2,2 ",
+          "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL]");
     hints("range ", "LOW HIGH|none");
     hints("range 20 ", "HIGH");
     hints("range none", "");
     hints("range none ", "");
     hints("cut 1,1,1", " X,Y,Z");
-    hints("seed 1,1,1 2 3 ", "[radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("seed 1,1,1 2 3 ", "[radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
+                             "[shell=yes] [around=LABEL]");
     hints("overlay words=off ", "[none|tint|contour] [cross=on|off] [marks=on|off]");
     hints("slice axial a.png ", "[N] [zoom=fit|0.01..64] [replace=yes|no] [finished=yes|no]");
     hints("label 2 \"a", "");
     hints("label \"2\"", " NAME [#rrggbb]");
-    hints("\"seed\" ",
-          "X,Y,Z LABEL [radius=0..32|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes]");
+    hints("\"seed\" ", "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] "
+                       "[joined=yes] [shell=yes] [around=LABEL]");
     hints("\"seed", "");
     hints("run", "");
     hints("run ", "");

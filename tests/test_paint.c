@@ -64,7 +64,7 @@ STORY(a_stroke_is_balls_at_the_voxels_nearest_to_each_step)
         for (size_t i = 0; i < corners; i++)
             random_place(corner[i]);
         model_stroke(wanted, &grid, (corners_of)corner, corners, unit, radius);
-        CHECK(brush_init(&brush, unit, radius, NULL) == OK);
+        CHECK(brush_init(&brush, unit, radius, BRUSH_REACH_MOST, NULL) == OK);
         CHECK(paint_stroke(&voxels, &grid, &brush, (corners_of)corner, corners, NULL, NULL) == OK);
         CHECK(are_wanted(&voxels));
         brush_release(&brush);
@@ -103,7 +103,7 @@ STORY(places_on_a_straight_way_are_left_out_and_the_voxels_stay)
         for (uint32_t i = 0; i < count; i++)
             CHECK(polyline_add(&line, place[i]));
         model_stroke(wanted, &grid, (corners_of)place, count, units[0], radius);
-        CHECK(brush_init(&brush, units[0], radius, NULL) == OK);
+        CHECK(brush_init(&brush, units[0], radius, BRUSH_REACH_MOST, NULL) == OK);
         CHECK(paint_stroke(&voxels, &grid, &brush, (corners_of)line.corner, line.count, NULL,
                            NULL) == OK);
         CHECK(are_wanted(&voxels));
@@ -135,15 +135,73 @@ STORY(a_ball_in_the_world_is_no_ellipsoid)
     struct voxels voxels = {0};
     struct brush brush;
     CHECK(grid_init(&grid, size, NULL) == OK);
-    CHECK(brush_init(&brush, spacing_nm, 4000000, NULL) == OK);
+    CHECK(brush_init(&brush, spacing_nm, 4000000, BRUSH_REACH_MOST, NULL) == OK);
     CHECK(brush.reach[0] == 8 && brush.reach[1] == 8 && brush.reach[2] == 2);
     CHECK(paint_stroke(&voxels, &grid, &brush, middle, 1, NULL, NULL) == OK);
     CHECK_INT(voxels.count, 197 + 2 * 145 + 2 * 1); /* circles of 8, sqrt(48) and 0 voxels */
     voxels_release(&voxels);
     brush_release(&brush);
     struct fault fault = {0};
-    CHECK_INT(brush_init(&brush, (uint32_t[]){10, 9, 10}, 1161, &fault), ERR_LIMIT);
+    CHECK_INT(brush_init(&brush, (uint32_t[]){10, 9, 10}, 1161, BRUSH_REACH_MOST, &fault),
+              ERR_LIMIT);
     CHECK_HAS(fault.text, "129 voxels along y; at most 128");
+}
+
+/* ---- shells ---- */
+
+/* Whether a voxel of the ball around the middle has a neighbour that is not, by looking at each. */
+static bool is_in_shell(const int64_t at[3], const int64_t middle[3], const uint32_t unit[3],
+                        int64_t radius, const struct adjacency *adjacency)
+{
+    bool has_outside = false;
+    for (unsigned i = 0; i < adjacency->count; i++) {
+        const int64_t next[3] = {at[0] + adjacency->step[i][0], at[1] + adjacency->step[i][1],
+                                 at[2] + adjacency->step[i][2]};
+        has_outside |= distance_2(next, middle, unit) > radius * radius;
+    }
+    return has_outside && distance_2(at, middle, unit) <= radius * radius;
+}
+
+STORY(a_shell_is_what_of_a_ball_has_a_neighbour_outside)
+{
+    for (int round = 0; round < 3000 && check_failures == 0; round++) {
+        const uint32_t *unit = units[below(3)];
+        const int64_t radius = (int64_t)below(12 * unit[0]);
+        struct adjacency adjacency;
+        struct voxels voxels = {0};
+        struct brush brush;
+        uint32_t middle[3];
+        begin();
+        random_place(middle);
+        adjacency_init(&adjacency, below(2) ? 6 : 26, &grid);
+        const int64_t centre[3] = {middle[0], middle[1], middle[2]};
+        bool *covers = wanted;
+        EACH_VOXEL(&grid,
+                   is_in_shell((const int64_t[]){x, y, z}, centre, unit, radius, &adjacency));
+        CHECK(brush_init(&brush, unit, radius, BRUSH_HOLLOW_REACH_MOST, NULL) == OK);
+        CHECK(brush_hollow(&brush, adjacency.count, NULL) == OK);
+        CHECK(paint_shell(&voxels, &grid, &brush, middle, NULL, NULL) == OK);
+        CHECK(are_wanted(&voxels));
+        brush_release(&brush);
+    }
+}
+
+STORY(the_faces_of_a_box_are_what_a_smaller_box_leaves_of_it)
+{
+    for (int round = 0; round < 3000 && check_failures == 0; round++) {
+        struct voxels voxels = {0};
+        uint32_t a[3], b[3];
+        begin();
+        random_place(a);
+        random_place(b);
+        bool *covers = wanted;
+        EACH_VOXEL(&grid, is_between(a[0], x, b[0]) && is_between(a[1], y, b[1]) &&
+                              is_between(a[2], z, b[2]) &&
+                              (x == a[0] || x == b[0] || y == a[1] || y == b[1] || z == a[2] ||
+                               z == b[2]));
+        CHECK(paint_faces(&voxels, &grid, a, b, NULL, NULL) == OK);
+        CHECK(are_wanted(&voxels));
+    }
 }
 
 /* ---- boxes and polygons ---- */
@@ -212,7 +270,7 @@ static unsigned paint_all(struct watch *watch, enum err expected)
     struct voxels voxels = {0};
     struct brush brush;
     unsigned failed = 0;
-    enum err err = brush_init(&brush, units[0], 6, NULL);
+    enum err err = brush_init(&brush, units[0], 6, BRUSH_REACH_MOST, NULL);
     if (!err)
         err = paint_stroke(&voxels, &grid, &brush, corner, 4, watch, NULL);
     brush_release(&brush);
@@ -261,7 +319,7 @@ STORY(a_million_corners_take_no_more_memory_than_the_scene)
     struct voxels voxels = {0};
     struct brush brush;
     CHECK(grid_init(&grid, size, NULL) == OK);
-    CHECK(brush_init(&brush, units[0], 2, NULL) == OK);
+    CHECK(brush_init(&brush, units[0], 2, BRUSH_REACH_MOST, NULL) == OK);
     for (size_t i = 0; corner && i < MANY; i++)
         random_place(corner[i]);
     bytes_left = (64 * 64 * 64) * 5;
@@ -281,6 +339,8 @@ int main(void)
                        TELL(places_on_a_straight_way_are_left_out_and_the_voxels_stay),
                        TELL(only_what_lies_straight_ahead_is_no_corner),
                        TELL(a_ball_in_the_world_is_no_ellipsoid),
+                       TELL(a_shell_is_what_of_a_ball_has_a_neighbour_outside),
+                       TELL(the_faces_of_a_box_are_what_a_smaller_box_leaves_of_it),
                        TELL(a_box_is_all_between_two_corners),
                        TELL(a_polygon_is_what_its_outline_winds_around_or_goes_through),
                        TELL(corners_in_several_slices_are_refused),

@@ -32,7 +32,7 @@ press s Tab
 see '^seed +plant a seed'
 see '^sync +when records are synced'
 press e Tab
-see '^s> seed X,Y,Z LABEL \[radius=0\.\.32\|Rmm\] \[range=LOW\.\.HIGH\] '
+see '^s> seed X,Y,Z LABEL \[radius=0\.\.512\|Rmm\] \[range=LOW\.\.HIGH\] '
 press C-u
 see '^s>$'
 type_letters "open s."
@@ -98,7 +98,7 @@ s>"
 enter "seed 1,1,1"
 see '^error: missing: LABEL'
 same "$(below 's> seed 1,1,1' | sed 2q)" "              ^
-error: missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..32|Rmm]"
+error: missing: LABEL; usage: seed X,Y,Z LABEL [radius=0..512|Rmm]"
 press C-l
 close_story
 

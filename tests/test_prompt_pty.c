@@ -339,7 +339,7 @@ STORY(a_caret_stands_under_what_is_wrong)
     type(&t, "label 1 \346\234\254 clour\r");
     SEE(&t, "                  ^");
     set_size(&t, 30, 24);
-    type(&t, "seed 20,20,15 1 radius=99 to=1,1,1\r");
+    type(&t, "seed 20,20,15 1 radius=999 to=1,1,1\r");
     SEE(&t, "...eed 20,20,15 1 radius=9...");
     SEE(&t, "                  ^");
     SEE_LINE(&t, "synth>");

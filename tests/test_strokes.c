@@ -202,7 +202,7 @@ STORY(millimetres_are_refused_where_nobody_knows_them)
     must(&interp, "run");
     must(&interp, "remove 1,1,1 radius=0.000001mm");
     is_refused("seed 5,5,5 1 radius=400mm", "radius: it reaches 400 voxels along x; at most 128");
-    is_refused("seed 5,5,5 1 radius=1000.1mm", "radius: expected a number 0..32, or millimetres");
+    is_refused("seed 5,5,5 1 radius=1000.1mm", "radius: expected a number 0..512, or millimetres");
     is_refused("seed 5,5,5 1 radius=2cm", "up to 1000 with at most six decimals, not 2cm");
     interpreter_release(&interp);
     CHECK(file_read(&file, place("scene.nii"), 1 << 20, NULL) == OK && file.length > 352);

@@ -153,10 +153,13 @@ enum err act_check_name(const char *name, size_t room, bool blanks, struct fault
 void act_add_markers(const struct act *act);
 
 /* What a command plants: how many voxels it was, and how many not, for being outside the region of
- * interest, or beyond the intensities low..high. */
+ * interest, or beyond the intensities low..high, or, for a shell, of an object that is neither the
+ * one inside nor the shell's own label. */
 struct planting {
     uint16_t low, high;
-    size_t planted, outside, beyond;
+    bool is_shell;
+    uint8_t inside; /* the label of the object inside a shell */
+    size_t planted, outside, beyond, others;
 };
 
 /* `range` is the parameter of that name, given or not. */

@@ -1,4 +1,4 @@
-/* Commands that plant seeds by hand: balls and strokes, boxes, polygons. */
+/* Commands that plant seeds by hand: balls and strokes, shells, boxes, polygons. */
 #include "command/act.h"
 
 #include "session/paint.h"
@@ -14,6 +14,12 @@ struct planting act_begin_planting(const struct session *session, const struct v
     return (struct planting){.low = values.low, .high = values.high};
 }
 
+/* A shell cuts no object but the one that it encloses. */
+static bool is_of_another(const struct planting *planting, const struct cell *at, int16_t label)
+{
+    return planting->is_shell && at->label && at->label != planting->inside && at->label != label;
+}
+
 enum err act_plant(const struct act *act, struct planting *planting, uint32_t *cell, size_t count,
                    int16_t label)
 {
@@ -26,6 +32,8 @@ enum err act_plant(const struct act *act, struct planting *planting, uint32_t *c
             planting->beyond++;
         else if (at->flags & CELL_OUTSIDE)
             planting->outside++;
+        else if (is_of_another(planting, at, label))
+            planting->others++;
         else
             cell[kept++] = cell[i];
     }
@@ -50,6 +58,12 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
         return fault_set(act->fault, ERR_INPUT,
                          "range: no voxel of it has such an intensity (`why X,Y,Z` prints that of "
                          "one); nothing was planted");
+    if (!planting->planted && planting->others)
+        return fault_set(act->fault, ERR_INPUT,
+                         "all of the shell lies in other objects than the one inside, label %u; "
+                         "around=LABEL names the object; nothing was planted",
+                         planting->inside);
+    write_left_out(&act->reply->text, "in another object", planting->others);
     write_left_out(&act->reply->text, "outside the region of interest", planting->outside);
     write_left_out(&act->reply->text, "intensities beyond the range", planting->beyond);
     return OK;
@@ -69,20 +83,27 @@ void act_add_markers(const struct act *act)
 }
 
 /* One marker of the voxels, which are let go of. */
+static enum err plant_all(const struct act *act, struct planting *planting, struct voxels *voxels,
+                          int16_t label)
+{
+    enum err err = act_plant(act, planting, voxels->cell, voxels->count, label);
+    voxels_release(voxels);
+    if (!err)
+        act_add_markers(act);
+    return err ? err : act_write_planting(act, planting);
+}
+
 static enum err plant(const struct act *act, struct voxels *voxels, int16_t label,
                       const struct value *range)
 {
     struct planting planting = act_begin_planting(act->session, range);
-    enum err err = act_plant(act, &planting, voxels->cell, voxels->count, label);
-    voxels_release(voxels);
-    if (!err)
-        act_add_markers(act);
-    return err ? err : act_write_planting(act, &planting);
+    return plant_all(act, &planting, voxels, label);
 }
 
 /* ---- balls and strokes ---- */
 
-static enum err make_brush(struct brush *brush, const struct act *act, const struct value *radius)
+static enum err make_brush(struct brush *brush, const struct act *act, const struct value *radius,
+                           int most)
 {
     const struct session *session = act->session;
     if (radius->in_mm && session->geometry.spacing_unknown)
@@ -91,7 +112,7 @@ static enum err make_brush(struct brush *brush, const struct act *act, const str
                          "number of voxels, not millimetres; nothing has changed");
     return brush_init(brush,
                       radius->in_mm ? session->scene->spacing_nm : (const uint32_t[]){1, 1, 1},
-                      radius->number, act->fault);
+                      radius->number, most, act->fault);
 }
 
 enum err act_find_voxels(const struct act *act, const struct value *place,
@@ -106,7 +127,7 @@ enum err act_find_voxels(const struct act *act, const struct value *place,
     const bool was_before =
         !semantics_has(session->semantics, MEANING_STROKES) && corners <= 2 && !radius->in_mm;
     struct brush brush = {0};
-    enum err err = make_brush(&brush, act, radius);
+    enum err err = make_brush(&brush, act, radius, BRUSH_REACH_MOST);
     if (!err && was_before)
         err = paint_stroke_as_before(voxels, grid, &brush, corner, corners, act->fault);
     else if (!err)
@@ -125,11 +146,101 @@ static bool can_join(const struct act *act, int64_t label)
            markers->marker[markers->count - 1].label == label;
 }
 
+/* ---- shells ---- */
+
+/* The label that the middle of a shell has now, and whether a seed reaches it. */
+static enum err look_inside(const struct act *act, const uint32_t middle[3], uint8_t *inside,
+                            bool *is_reached)
+{
+    const struct session *session = act->session;
+    const enum err err = session->skims ? session_catch_up(act->session, act->fault) : OK;
+    const struct scene *scene = session->scene;
+    const struct cell *at = &scene->cell[grid_cell(&scene->grid, middle[0], middle[1], middle[2])];
+    *inside = at->label;
+    *is_reached = at->key != KEY_NONE;
+    return err;
+}
+
+/* Plants a shell around the object `around`, unless given that in its middle. */
+static enum err plant_shell(const struct act *act, struct voxels *voxels, const uint32_t middle[3],
+                            int16_t label, const struct value *around, const struct value *range)
+{
+    struct planting planting = act_begin_planting(act->session, range);
+    bool is_reached = false;
+    enum err err = look_inside(act, middle, &planting.inside, &is_reached);
+    planting.is_shell = true;
+    if (around->given)
+        planting.inside = (uint8_t)around->number;
+    if (!err && !voxels->count)
+        err = fault_set(act->fault, ERR_INPUT,
+                        "shell: none of it lies in the scene; nothing was planted");
+    if (!err && planting.inside == label && (around->given || is_reached))
+        err = fault_set(act->fault, ERR_INPUT,
+                        "shell: label %u is that of the object inside as well; a shell takes the "
+                        "label of what lies around it, and around=LABEL names the object; nothing "
+                        "was planted",
+                        planting.inside);
+    if (!err)
+        err = plant_all(act, &planting, voxels, label);
+    voxels_release(voxels);
+    return err;
+}
+
+static enum err refuse_shell(const struct act *act, const char *why)
+{
+    return fault_set(act->fault, ERR_USAGE, "shell: %s; nothing was planted", why);
+}
+
+static enum err plant_hollow_ball(const struct act *act, const struct value *place, int16_t label,
+                                  const struct value *radius, const struct value *around,
+                                  const struct value *range)
+{
+    const struct session *session = act->session;
+    struct voxels voxels = {0};
+    struct brush brush = {0};
+    if (radius->number == 0)
+        return refuse_shell(act, "a ball of radius 0 has nothing inside; give a radius");
+    enum err err = make_brush(&brush, act, radius, BRUSH_HOLLOW_REACH_MOST);
+    if (!err)
+        err = brush_hollow(&brush, session->now.kept.adjacency, act->fault);
+    if (!err)
+        err = paint_shell(&voxels, &session->scene->grid, &brush, place->place, session->watch,
+                          act->fault);
+    brush_release(&brush);
+    return err ? err : plant_shell(act, &voxels, place->place, label, around, range);
+}
+
+static enum err plant_hollow_box(const struct act *act, const uint32_t corner[3],
+                                 const uint32_t opposite[3], int16_t label,
+                                 const struct value *around, const struct value *range)
+{
+    struct voxels voxels = {0};
+    uint32_t middle[3];
+    for (int a = 0; a < 3; a++) {
+        middle[a] = (corner[a] + opposite[a]) / 2;
+        if (middle[a] == corner[a] || middle[a] == opposite[a])
+            return refuse_shell(act, "a box less than 3 voxels thick has nothing inside");
+    }
+    const enum err err = paint_faces(&voxels, &act->session->scene->grid, corner, opposite,
+                                     act->session->watch, act->fault);
+    return err ? err : plant_shell(act, &voxels, middle, label, around, range);
+}
+
+/* ---- balls, strokes, and shells of balls ---- */
+
 enum err act_seed(const struct act *act)
 {
-    enum { PLACE, LABEL, RADIUS, RANGE, TO, JOINED };
+    enum { PLACE, LABEL, RADIUS, RANGE, TO, JOINED, SHELL, AROUND };
     const struct value *value = act->value;
+    const bool is_shell = act_is_yes(&value[SHELL]);
     struct voxels voxels = {0};
+    if (is_shell && (value[TO].given || value[JOINED].given))
+        return refuse_shell(act, "it is that of one ball, and of no stroke");
+    if (value[AROUND].given && !is_shell)
+        return fault_set(act->fault, ERR_USAGE, "around: it is for shell=yes; nothing was planted");
+    if (is_shell)
+        return plant_hollow_ball(act, &value[PLACE], (int16_t)value[LABEL].number, &value[RADIUS],
+                                 &value[AROUND], &value[RANGE]);
     if (value[JOINED].given && !can_join(act, value[LABEL].number))
         return fault_set(act->fault, ERR_USAGE,
                          "joined: the command before has not planted seeds of label %lld; nothing "
@@ -147,9 +258,14 @@ enum err act_seed(const struct act *act)
 
 enum err act_box(const struct act *act)
 {
-    enum { CORNER, OPPOSITE, LABEL, RANGE };
+    enum { CORNER, OPPOSITE, LABEL, RANGE, SHELL, AROUND };
     const struct value *value = act->value;
     struct voxels voxels = {0};
+    if (value[AROUND].given && !act_is_yes(&value[SHELL]))
+        return fault_set(act->fault, ERR_USAGE, "around: it is for shell=yes; nothing was planted");
+    if (act_is_yes(&value[SHELL]))
+        return plant_hollow_box(act, value[CORNER].place, value[OPPOSITE].place,
+                                (int16_t)value[LABEL].number, &value[AROUND], &value[RANGE]);
     enum err err = paint_box(&voxels, &act->session->scene->grid, value[CORNER].place,
                              value[OPPOSITE].place, act->session->watch, act->fault);
     return err ? err : plant(act, &voxels, (int16_t)value[LABEL].number, &value[RANGE]);

@@ -65,6 +65,10 @@
 #define WITHIN      KEYED("range", VALUE_INTERVAL, .least = -REAL_MOST, .most = REAL_MOST)
 #define WITHIN_NOTE "\nrange: only voxels whose intensity, as `why` prints it, is LOW to HIGH."
 
+/* What encloses an object. */
+#define HOLLOW                                                                                     \
+    KEYED("shell", VALUE_CHOICE, .choices = "yes"), KEYED("around", VALUE_LABEL, .most = 255)
+
 /* Labels as the finish has them. */
 #define FINISHED      KEYED("finished", VALUE_CHOICE, .choices = "yes|no")
 #define FINISHED_NOTE "\nfinished=yes: labels as `finish` leaves them."
@@ -190,8 +194,9 @@ const struct command command_table[] = {
      "as: the labels that they are for, one for each of `regions`.",
      "label-file aal.nii.txt regions=1-90"},
     {COMMAND("seed", act_seed, GROUP_SEEDS, R | S | E | K),
-     {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), BRUSH, WITHIN,
-      KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes")},
+     {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255),
+      KEYED("radius", VALUE_RADIUS, .most = BRUSH_HOLLOW_REACH_MOST), WITHIN,
+      KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes"), HOLLOW},
      "plant a seed, a ball of seeds, or a stroke",
      "A voxel that has a seed gets the new label.\n"
      "radius: in voxels, or in millimetres as in 2.5mm, which is a ball in the world whatever the "
@@ -199,13 +204,18 @@ const struct command command_table[] = {
      "to: where the stroke goes on to, once for each corner, with a ball of the radius at each "
      "step.\n"
      "joined=yes: one marker, and one undo, with the command before, which has planted seeds of "
-     "the same label: for a stroke that is too long for a line of the journal.",
+     "the same label: for a stroke that is too long for a line of the journal.\n"
+     "shell=yes: of the ball, only the voxels that have a neighbour outside: says at once that "
+     "the object lies inside. What other objects than the one inside hold now is left out.\n"
+     "around: the object inside; unless given, that in the middle.",
      "seed 100,100,50 1 radius=2"},
     {COMMAND("box", act_box, GROUP_SEEDS, R | S | E),
      {NEED("CORNER", VALUE_POSITION), NEED("OPPOSITE", VALUE_POSITION),
-      NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN},
+      NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN, HOLLOW},
      "plant a box, or a rectangle in a slice",
-     "Between two corners, both included." WITHIN_NOTE,
+     "Between two corners, both included." WITHIN_NOTE
+     "\nshell=yes: its six faces alone, as `seed` has it.\n"
+     "around: the object inside; unless given, that in the middle.",
      "box 80,90,50 120,110,50 2"},
     {COMMAND("fill", act_fill, GROUP_SEEDS, R | S | E),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN,

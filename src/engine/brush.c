@@ -1,5 +1,6 @@
 #include "engine/brush.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 
 #include "base/mem.h"
@@ -9,17 +10,17 @@ static int64_t square(int64_t x)
     return x * x;
 }
 
-enum err brush_init(struct brush *brush, const uint32_t unit[3], int64_t radius,
+enum err brush_init(struct brush *brush, const uint32_t unit[3], int64_t radius, int most,
                     struct fault *fault)
 {
     *brush = (struct brush){0};
     for (int a = 0; a < 3; a++) {
         const int64_t reach = radius / unit[a];
-        if (reach > BRUSH_REACH_MOST)
+        if (reach > most)
             return fault_set(fault, ERR_LIMIT,
                              "radius: it reaches %lld voxels along %c; at most %d; nothing has "
                              "changed",
-                             (long long)reach, "xyz"[a], BRUSH_REACH_MOST);
+                             (long long)reach, "xyz"[a], most);
         brush->reach[a] = (int)reach;
     }
     const int *reach = brush->reach;
@@ -36,8 +37,46 @@ enum err brush_init(struct brush *brush, const uint32_t unit[3], int64_t radius,
                 half--;
             if (half >= 0)
                 brush->row[brush->rows++] =
-                    (struct brush_row){(int16_t)y, (int16_t)z, (int16_t)half};
+                    (struct brush_row){(int16_t)y, (int16_t)z, (int16_t)half, -1};
         }
+    return OK;
+}
+
+/* half[...] of the row (y, z), which may lie one beyond the ball. */
+static size_t at_row(const struct brush *brush, int y, int z)
+{
+    const int width = 2 * (brush->reach[1] + 1) + 1;
+    return (size_t)((z + brush->reach[2] + 1) * width + y + brush->reach[1] + 1);
+}
+
+/* How far from the middle of the row all neighbours lie in the ball; -1 for nowhere. */
+static int16_t hole_of(const struct brush *brush, const struct brush_row *row, const int16_t *half,
+                       unsigned neighbours)
+{
+    int hole = row->half - 1;
+    for (int z = -1; z <= 1; z++)
+        for (int y = -1; y <= 1; y++) {
+            const bool is_corner = y && z, is_beside = y || z;
+            const int reach = half[at_row(brush, row->y + y, row->z + z)] - (neighbours == 26);
+            if (is_beside && (!is_corner || neighbours == 26) && reach < hole)
+                hole = reach;
+        }
+    return (int16_t)(hole < -1 ? -1 : hole);
+}
+
+enum err brush_hollow(struct brush *brush, unsigned neighbours, struct fault *fault)
+{
+    const size_t rows = at_row(brush, brush->reach[1] + 1, brush->reach[2] + 1) + 1;
+    int16_t *half = mem_array(rows, sizeof *half);
+    if (!half)
+        return fault_memory(fault, "a shell");
+    for (size_t i = 0; i < rows; i++)
+        half[i] = -1;
+    for (size_t i = 0; i < brush->rows; i++)
+        half[at_row(brush, brush->row[i].y, brush->row[i].z)] = brush->row[i].half;
+    for (size_t i = 0; i < brush->rows; i++)
+        brush->row[i].hole = hole_of(brush, &brush->row[i], half, neighbours);
+    free(half);
     return OK;
 }
 

@@ -208,6 +208,65 @@ enum err paint_stroke_as_before(struct voxels *out, const struct grid *grid,
     return outcome(out, fits, NULL, fault);
 }
 
+/* ---- shells ---- */
+
+/* The voxels of the scene from `first` to `last` along x. */
+static bool add_run(struct voxels *out, const struct grid *grid, int64_t first, int64_t last,
+                    const int64_t middle[3])
+{
+    const int64_t end = grid->size[0] - 1;
+    first = first > 0 ? first : 0;
+    last = last < end ? last : end;
+    return first > last ||
+           add_row(out, grid,
+                   (uint32_t[]){(uint32_t)first, (uint32_t)middle[1], (uint32_t)middle[2]},
+                   (uint32_t)(last - first + 1));
+}
+
+enum err paint_shell(struct voxels *out, const struct grid *grid, const struct brush *brush,
+                     const uint32_t middle[3], struct watch *watch, struct fault *fault)
+{
+    struct task task = task_begin(watch, "a shell", brush->rows);
+    bool fits = true;
+    for (size_t i = 0; fits && i < brush->rows && task_advance(&task, 1); i++) {
+        const struct brush_row *row = &brush->row[i];
+        const int64_t at[3] = {middle[0], (int64_t)middle[1] + row->y, (int64_t)middle[2] + row->z};
+        if (!grid_contains(grid, at[0], at[1], at[2]))
+            continue;
+        const int64_t before = row->hole < 0 ? at[0] + row->half : at[0] - row->hole - 1;
+        fits = add_run(out, grid, at[0] - row->half, before, at) &&
+               (row->hole < 0 || add_run(out, grid, at[0] + row->hole + 1, at[0] + row->half, at));
+    }
+    return outcome(out, fits, watch, fault);
+}
+
+static void sort_corners(uint32_t first[3], uint32_t last[3], const uint32_t corner[3],
+                         const uint32_t opposite[3])
+{
+    for (int a = 0; a < 3; a++) {
+        first[a] = corner[a] < opposite[a] ? corner[a] : opposite[a];
+        last[a] = corner[a] < opposite[a] ? opposite[a] : corner[a];
+    }
+}
+
+enum err paint_faces(struct voxels *out, const struct grid *grid, const uint32_t corner[3],
+                     const uint32_t opposite[3], struct watch *watch, struct fault *fault)
+{
+    struct task task = task_begin(watch, "a box", 0);
+    uint32_t first[3], last[3];
+    bool fits = true;
+    sort_corners(first, last, corner, opposite);
+    for (uint32_t z = first[2]; fits && z <= last[2]; z++)
+        for (uint32_t y = first[1]; fits && y <= last[1] && task_advance(&task, 2); y++) {
+            const bool whole = z == first[2] || z == last[2] || y == first[1] || y == last[1];
+            const uint32_t count = whole ? last[0] - first[0] + 1 : 1;
+            fits = add_row(out, grid, (uint32_t[]){first[0], y, z}, count) &&
+                   (whole || first[0] == last[0] ||
+                    add_row(out, grid, (uint32_t[]){last[0], y, z}, 1));
+        }
+    return outcome(out, fits, watch, fault);
+}
+
 /* ---- boxes ---- */
 
 enum err paint_box(struct voxels *out, const struct grid *grid, const uint32_t corner[3],
@@ -216,10 +275,7 @@ enum err paint_box(struct voxels *out, const struct grid *grid, const uint32_t c
     struct task task = task_begin(watch, "a box", 0);
     uint32_t first[3], last[3];
     bool fits = true, goes_on = true;
-    for (int a = 0; a < 3; a++) {
-        first[a] = corner[a] < opposite[a] ? corner[a] : opposite[a];
-        last[a] = corner[a] < opposite[a] ? opposite[a] : corner[a];
-    }
+    sort_corners(first, last, corner, opposite);
     for (uint32_t z = first[2]; fits && goes_on && z <= last[2]; z++)
         for (uint32_t y = first[1]; fits && goes_on && y <= last[1]; y++) {
             fits = add_row(out, grid, (uint32_t[]){first[0], y, z}, last[0] - first[0] + 1);

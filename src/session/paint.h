@@ -8,6 +8,7 @@
  *              many steps as its longest axis has voxels; step i of n goes to the voxel nearest to
  *              i/n of the way, the farther one where two are as near. So leaving out a corner on a
  *              straight way (base/polyline.h) leaves the voxels as they are
+ *     shell    of a ball: the voxels of it that have a neighbour outside; of a box: its six faces
  *     box      all between two corners, both included
  *     polygon  in a slice, the voxels whose centre the outline through the centres of the corners,
  *              and from the last one back to the first, winds around (the nonzero rule), and those
@@ -42,6 +43,12 @@ void paint_step(int64_t at[3], const uint32_t from[3], const uint32_t to[3], int
 enum err paint_stroke(struct voxels *out, const struct grid *grid, const struct brush *brush,
                       const uint32_t (*corner)[3], size_t corners, struct watch *watch,
                       struct fault *fault);
+
+/* What of a ball, as brush_hollow leaves it, lies in the scene. */
+enum err paint_shell(struct voxels *out, const struct grid *grid, const struct brush *brush,
+                     const uint32_t middle[3], struct watch *watch, struct fault *fault);
+enum err paint_faces(struct voxels *out, const struct grid *grid, const uint32_t corner[3],
+                     const uint32_t opposite[3], struct watch *watch, struct fault *fault);
 enum err paint_box(struct voxels *out, const struct grid *grid, const uint32_t corner[3],
                    const uint32_t opposite[3], struct watch *watch, struct fault *fault);
 

@@ -1,0 +1,161 @@
+/*
+ * Shells, as commands: an object does not leave one, other objects are not cut by it, it is one
+ * marker and one undo, and what makes no sense is refused. Which voxels they are, test_paint
+ * proves.
+ */
+#include "tests/small_scene.h"
+
+static struct interpreter interp;
+
+static void begin(const char *journal)
+{
+    char line[PATH_MAX + 8];
+    begin_interpreter(&interp);
+    unlink(place(journal));
+    CHECK(interpreter_create_journal(&interp, place(journal), NULL) == OK);
+    snprintf(line, sizeof line, "open %s", place("scene.nii"));
+    must(&interp, line);
+}
+
+static void is_refused(const char *line, const char *words)
+{
+    struct snapshot before;
+    take_snapshot(&before, &interp);
+    CHECK(execute(&interp, line) != OK);
+    CHECK_HAS(fault.text, words);
+    is_as_before(&before, &interp, line);
+}
+
+static int label_at(uint32_t x, uint32_t y, uint32_t z)
+{
+    const struct scene *scene = interp.session.scene;
+    return scene->cell[grid_cell(&scene->grid, x, y, z)].label;
+}
+
+/* The voxels of a label that are farther than the radius from 5,5,5. */
+static size_t beyond(int label, int radius)
+{
+    size_t count = 0;
+    for (int z = 0; z < (int)size[2]; z++)
+        for (int y = 0; y < (int)size[1]; y++)
+            for (int x = 0; x < (int)size[0]; x++) {
+                const int far = (x - 5) * (x - 5) + (y - 5) * (y - 5) + (z - 5) * (z - 5);
+                count += far > radius * radius &&
+                         label_at((uint32_t)x, (uint32_t)y, (uint32_t)z) == label;
+            }
+    return count;
+}
+
+STORY(an_object_does_not_leave_its_shell)
+{
+    static const char *const adjacency[] = {"adjacency 6", "adjacency 26"};
+    begin("inside.iftty");
+    must(&interp, "auto on");
+    for (int i = 0; i < 2; i++) {
+        must(&interp, adjacency[i]);
+        must(&interp, "seed 5,5,5 1");
+        CHECK(beyond(1, 4) > 0);
+        must(&interp, "seed 5,5,5 0 radius=4 shell=yes");
+        CHECK_TEXT(buf_text(&reply.canonical), "seed 5,5,5 0 radius=4 shell=yes");
+        CHECK_HAS(buf_text(&reply.words), "marker=");
+        CHECK_INT(label_at(5, 5, 5), 1);
+        CHECK_INT(beyond(1, 4), 0);
+        must(&interp, "undo");
+        CHECK(beyond(1, 4) > 0);
+        must(&interp, "box 1,9,1 9,1,9 0 shell=yes");
+        CHECK_INT(label_at(9, 9, 9), 0);
+        CHECK_INT(label_at(11, 10, 9), 0);
+        CHECK_INT(label_at(5, 5, 5), 1);
+        must(&interp, "undo 2");
+    }
+    interpreter_release(&interp);
+}
+
+STORY(a_shell_is_one_marker)
+{
+    begin("marker.iftty");
+    must(&interp, "auto on");
+    must(&interp, "seed 5,5,5 1");
+    must(&interp, "seed 5,5,5 0 shell=yes radius=3");
+    must(&interp, "remove 5,5,2");
+    CHECK_HAS(buf_text(&reply.words), "removed=2");
+    CHECK_INT(forest_seeds(interp.session.forest), 1);
+    must(&interp, "undo");
+    CHECK(forest_seeds(interp.session.forest) > 50);
+    must(&interp, "box 0,0,0 11,10,9 0 shell=yes around=1");
+    struct snapshot end, again;
+    take_snapshot(&end, &interp);
+    interpreter_release(&interp);
+    begin_interpreter(&interp);
+    CHECK(interpreter_resume_journal(&interp, place("marker.iftty"), NULL, &fault) == OK);
+    take_snapshot(&again, &interp);
+    is_same_segmentation(&end, &again);
+    interpreter_release(&interp);
+}
+
+STORY(a_shell_cuts_no_other_object)
+{
+    begin("others.iftty");
+    must(&interp, "auto on");
+    must(&interp, "seed 5,5,5 1");
+    must(&interp, "box 5,5,8 5,5,9 2");
+    CHECK_INT(label_at(5, 5, 9), 2);
+    must(&interp, "seed 5,5,5 0 radius=4 shell=yes");
+    CHECK_HAS(buf_text(&reply.text), "left out, in another object: ");
+    CHECK_INT(label_at(5, 5, 9), 2);
+    must(&interp, "undo");
+    must(&interp, "seed 5,5,5 0 radius=4 shell=yes around=2"); /* which cuts that one, and not 1 */
+    CHECK_INT(label_at(5, 5, 9), 0);
+    must(&interp, "undo");
+    must(&interp, "seed 5,5,5 3 radius=4 shell=yes"); /* what lies around may have a label too */
+    CHECK(beyond(3, 4) > 0 && beyond(1, 4) == 0);
+    interpreter_release(&interp);
+}
+
+STORY(the_first_gesture_may_be_a_shell)
+{
+    begin("first.iftty");
+    must(&interp, "seed 5,5,5 0 radius=4 shell=yes");
+    must(&interp, "seed 5,5,5 1");
+    must(&interp, "run");
+    CHECK_INT(label_at(5, 5, 5), 1);
+    CHECK_INT(beyond(1, 4), 0);
+    interpreter_release(&interp);
+}
+
+STORY(what_is_no_shell_is_refused)
+{
+    begin("refused.iftty");
+    must(&interp, "auto on");
+    must(&interp, "seed 5,5,5 1");
+    is_refused("seed 5,5,5 0 shell=yes", "a ball of radius 0 has nothing inside");
+    is_refused("seed 5,5,5 0 radius=0 shell=yes", "a ball of radius 0 has nothing inside");
+    is_refused("seed 5,5,5 0 radius=100 shell=yes", "none of it lies in the scene");
+    is_refused("seed 5,5,5 0 radius=513 shell=yes", "radius: expected a number 0..512");
+    is_refused("seed 5,5,5 0 radius=900mm shell=yes", "it reaches 900 voxels along x; at most 512");
+    is_refused("seed 5,5,5 0 radius=129", "it reaches 129 voxels along x; at most 128");
+    is_refused("seed 15,5,5 0 radius=3 shell=yes", "15");
+    is_refused("seed 5,5,5 1 radius=3 shell=yes", "label 1 is that of the object inside as well");
+    is_refused("seed 5,5,5 1 radius=3 shell=yes around=1", "of the object inside as well");
+    is_refused("seed 5,5,5 0 radius=3 shell=yes to=6,6,6", "and of no stroke");
+    is_refused("seed 5,5,5 1 radius=3 shell=yes joined=yes", "and of no stroke");
+    is_refused("seed 5,5,5 0 radius=3 around=1", "around: it is for shell=yes");
+    is_refused("box 1,1,1 5,5,5 0 around=1", "around: it is for shell=yes");
+    is_refused("box 1,1,1 5,2,5 0 shell=yes", "less than 3 voxels thick has nothing inside");
+    is_refused("box 5,5,5 5,5,5 0 shell=yes", "less than 3 voxels thick has nothing inside");
+    is_refused("seed 5,5,5 0 radius=2 shell=yes around=2", "lies in other objects than the one");
+    must(&interp, "seed 0,0,0 2 radius=2 shell=yes");
+    interpreter_release(&interp);
+}
+
+int main(void)
+{
+    if (!begin_folder())
+        return 1;
+    make_scene();
+    const int status =
+        RUN_STORIES(TELL(an_object_does_not_leave_its_shell), TELL(a_shell_is_one_marker),
+                    TELL(a_shell_cuts_no_other_object), TELL(the_first_gesture_may_be_a_shell),
+                    TELL(what_is_no_shell_is_refused));
+    return end_folder() | status;
+}
