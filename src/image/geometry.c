@@ -84,6 +84,20 @@ void geometry_place_plain(struct geometry *geometry, const double spacing_mm[3])
     geometry->orientation = ORIENTATION_UNKNOWN;
 }
 
+void geometry_place_spaced(struct geometry *geometry)
+{
+    const uint32_t *nm = geometry->spacing_nm;
+    geometry_place_plain(geometry, (const double[3]){nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6});
+}
+
+bool geometry_spacing(uint32_t *nm, double mm)
+{
+    const double whole = floor(mm * 1e6 + 0.5);
+    const bool is_distance = whole >= 1 && whole <= 4e9;
+    *nm = is_distance ? (uint32_t)whole : 1000000;
+    return is_distance;
+}
+
 void geometry_take_form(struct geometry *geometry, enum orientation form)
 {
     const struct geometry_form *taken =
@@ -162,6 +176,12 @@ bool geometry_same_directions(const struct geometry *a, const struct geometry *b
         same_lines &= p[i][0] * q[i][0] + p[i][1] * q[i][1] + p[i][2] * q[i][2] >= SAME_DIRECTION;
     }
     return (same_axes || same_lines) && (volume(p) > 0) == (volume(q) > 0);
+}
+
+bool geometry_is_mirrored(const struct geometry *geometry)
+{
+    double axis[3][3];
+    return unit_axes(axis, geometry->to_mm) && volume(axis) < 0;
 }
 
 double geometry_apart(const struct geometry *a, const struct geometry *b, const uint32_t size[3])

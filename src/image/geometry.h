@@ -82,6 +82,11 @@ bool geometry_place(struct geometry *geometry, const double to_mm[3][4],
 /* Of unknown orientation: voxel axes as if they were world axes, `spacing_mm` apart, voxel 0,0,0 at
  * the origin. */
 void geometry_place_plain(struct geometry *geometry, const double spacing_mm[3]);
+void geometry_place_spaced(struct geometry *geometry); /* as far apart as spacing_nm says */
+
+/* A distance of voxels in whole nanometres; false, and *nm is 1 mm, where it is none: not a number
+ * from 1 nm to 4 m. */
+bool geometry_spacing(uint32_t *nm, double mm);
 
 /* Which side of the patient each voxel axis runs towards, of an orientation that is known: "RAS"
  * where they are the world's. */
@@ -101,6 +106,9 @@ void geometry_take_form(struct geometry *geometry, enum orientation form);
 /* Whether the axes of both run the same ways: the same nearest axes of the world, or within a
  * degree; never where one is the mirror image of the other. */
 bool geometry_same_directions(const struct geometry *a, const struct geometry *b);
+
+/* Whether the axes are left-handed in the world. */
+bool geometry_is_mirrored(const struct geometry *geometry);
 
 /* How far apart, in millimetres, a voxel of a grid of that size lies by the two at most: in one of
  * its corners. */

@@ -20,8 +20,6 @@
  *
  * From: https://itk.org/Wiki/ITK/MetaIO/Documentation
  */
-#include <math.h>
-
 #include "image/voxels.h"
 
 static void write_reals(struct buf *out, const char *field, const double *value, int count)
@@ -40,8 +38,7 @@ static void write_place(struct buf *out, const struct geometry *geometry)
     double to_mm[3][4], direction[9], spacing[3];
     geometry_to_lps(geometry, to_mm);
     for (int a = 0; a < 3; a++) {
-        spacing[a] =
-            sqrt(to_mm[0][a] * to_mm[0][a] + to_mm[1][a] * to_mm[1][a] + to_mm[2][a] * to_mm[2][a]);
+        spacing[a] = geometry_step_mm(geometry, a);
         for (int w = 0; w < 3; w++)
             direction[3 * a + w] = to_mm[w][a] / spacing[a];
     }

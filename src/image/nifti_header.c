@@ -231,10 +231,8 @@ static void read_spacing(struct geometry *geometry, double spacing_mm[3], char *
 {
     for (int a = 0; a < 3; a++) {
         const double given = header->pixdim[a + 1], mm = fabs(given) * unit_mm(header);
-        const double nm = floor(mm * 1e6 + 0.5);
-        const bool is_distance = nm >= 1 && nm <= 4e9;
+        const bool is_distance = geometry_spacing(&geometry->spacing_nm[a], mm);
         spacing_mm[a] = is_distance ? mm : 1;
-        geometry->spacing_nm[a] = is_distance ? (uint32_t)nm : 1000000;
         if (is_distance && given > 0)
             continue;
         geometry->spacing_unknown = true;
@@ -319,12 +317,9 @@ static struct geometry_fields fields_of(const struct nifti_header *header)
 static void measure_by_sform(struct geometry *geometry, char *notes)
 {
     uint32_t nm[3];
-    for (int a = 0; a < 3; a++) {
-        const double is = floor(geometry_step_mm(geometry, a) * 1e6 + 0.5);
-        if (!(is >= 1 && is <= 4e9))
+    for (int a = 0; a < 3; a++)
+        if (!geometry_spacing(&nm[a], geometry_step_mm(geometry, a)))
             return;
-        nm[a] = (uint32_t)is;
-    }
     memcpy(geometry->spacing_nm, nm, sizeof nm);
     geometry->spacing_unknown = false;
     volume_note(notes, "the distances of voxels are those of its sform");

@@ -42,13 +42,6 @@ static const char *what_places_are(const struct geometry *geometry)
 
 /* ---- the world ---- */
 
-static double determinant(const double m[3][4])
-{
-    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
-           m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-}
-
 /* Each sum of the row's terms fits 62 bits: a point is below 2^16 voxels. */
 static void world_init(struct world *world, const struct geometry *geometry)
 {
@@ -62,7 +55,7 @@ static void world_init(struct world *world, const struct geometry *geometry)
     for (int w = 0; w < 3; w++)
         for (int a = 0; a < 4; a++)
             world->row[w][a] = (int64_t)ldexp(geometry->to_mm[w][a], world->shift);
-    world->is_mirrored = determinant(geometry->to_mm) < 0;
+    world->is_mirrored = geometry_is_mirrored(geometry);
 }
 
 /* Where a point is along one axis of the world, in 2^-shift millimetres. */

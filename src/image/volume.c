@@ -161,7 +161,6 @@ static enum err take_spacing(struct volume_header *header, struct fault *fault)
 {
     struct geometry *geometry = &header->geometry;
     const uint32_t *nm = header->choice.spacing_nm;
-    double spacing_mm[3];
     if (!nm[0])
         return OK;
     if (!geometry->spacing_unknown)
@@ -169,13 +168,10 @@ static enum err take_spacing(struct volume_header *header, struct fault *fault)
                          "spacing: the file says that its voxels are %gx%gx%g mm apart",
                          geometry->spacing_nm[0] / 1e6, geometry->spacing_nm[1] / 1e6,
                          geometry->spacing_nm[2] / 1e6);
-    for (int a = 0; a < 3; a++) {
-        geometry->spacing_nm[a] = nm[a];
-        spacing_mm[a] = nm[a] / 1e6;
-    }
+    memcpy(geometry->spacing_nm, nm, sizeof geometry->spacing_nm);
     geometry->spacing_unknown = false;
     if (geometry->orientation == ORIENTATION_UNKNOWN)
-        geometry_place_plain(geometry, spacing_mm);
+        geometry_place_spaced(geometry);
     return OK;
 }
 

@@ -247,26 +247,21 @@ static void take_geometry(struct volume_header *out, const double number[NUMBERS
                           bool knows_spacing, bool knows_place)
 {
     struct geometry *geometry = &out->geometry;
-    double to_mm[3][4], spacing_mm[3];
-    memcpy(to_mm, number, sizeof to_mm);
+    memcpy(geometry->to_mm, number, sizeof geometry->to_mm);
     for (int a = 0; a < 3; a++) {
-        const double mm =
-            sqrt(to_mm[0][a] * to_mm[0][a] + to_mm[1][a] * to_mm[1][a] + to_mm[2][a] * to_mm[2][a]);
-        const double nm = floor(mm * 1e6 + 0.5);
-        const bool is_length = nm >= 1 && nm <= 4e9;
+        const double mm = geometry_step_mm(geometry, a);
+        const bool is_length = geometry_spacing(&geometry->spacing_nm[a], mm);
         if (knows_spacing && !is_length)
             volume_note(out->notes, "its voxels are said to be %g mm apart; expected 1 nm to 4 m",
                         mm);
         knows_spacing = knows_spacing && is_length;
-        geometry->spacing_nm[a] = is_length ? (uint32_t)nm : 1000000;
     }
-    for (int a = 0; a < 3; a++) {
-        geometry->spacing_nm[a] = knows_spacing ? geometry->spacing_nm[a] : 1000000;
-        spacing_mm[a] = geometry->spacing_nm[a] / 1e6;
-    }
+    for (int a = 0; a < 3 && !knows_spacing; a++)
+        geometry->spacing_nm[a] = 1000000;
     geometry->spacing_unknown = !knows_spacing;
-    if (!knows_place || !geometry_place(geometry, (const double(*)[4])to_mm, ORIENTATION_FILE))
-        geometry_place_plain(geometry, spacing_mm);
+    if (!knows_place ||
+        !geometry_place(geometry, (const double(*)[4])geometry->to_mm, ORIENTATION_FILE))
+        geometry_place_spaced(geometry);
 }
 
 /* That a file of so many bytes may hold what it claims to. */

@@ -113,13 +113,9 @@ static enum err open_synthetic(struct session *session, const char *path, struct
         err = scene_new_geom(&session->scene, doubled, session->watch, fault);
     if (err)
         return err;
-    double spacing_mm[3];
     session->said = (struct geometry){.slope = 1};
-    for (int a = 0; a < 3; a++) {
-        session->said.spacing_nm[a] = session->scene->spacing_nm[a];
-        spacing_mm[a] = session->scene->spacing_nm[a] / 1e6;
-    }
-    geometry_place_plain(&session->said, spacing_mm);
+    memcpy(session->said.spacing_nm, session->scene->spacing_nm, sizeof session->said.spacing_nm);
+    geometry_place_spaced(&session->said);
     session->said.orientation = ORIENTATION_FILE; /* by definition */
     return OK;
 }
