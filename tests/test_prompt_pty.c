@@ -1130,7 +1130,7 @@ static void verify_journal(void)
     const pid_t job = fork();
     if (job == 0) {
         freopen("/dev/null", "w", stdout);
-        execl(program, "iftty", "verify", "synth-1.iftty", (char *)NULL);
+        execl(program, "iftty", "verify", "--no-strict", "synth-1.iftty", (char *)NULL);
         _exit(127);
     }
     waitpid(job, &status, 0);

@@ -23,6 +23,11 @@ while [ "$number" -le "$current" ]; do
 done
 close_story
 
+begin "none of them has changed since it was recorded"
+expect 0 "$iftty" verify --lock "$journals/iftty.lock"
+out_has "# $(grep -c '^journal ' "$journals/iftty.lock") verified, 0 failed"
+close_story
+
 begin "each is verified under its own meaning, and what cannot be compared is named"
 for number in $(seq 1 "$current"); do
     take $number

@@ -1,6 +1,8 @@
 /* `iftty verify` and its forms; `iftty log --reseal`, which is like accepting; `iftty diff`. */
 #include "verify/verify.h"
 
+#include <string.h>
+
 #include "program/begin.h"
 #include "program/console.h"
 #include "program/programs.h"
@@ -9,32 +11,80 @@
 #include "verify/diff.h"
 #include "verify/reseal.h"
 
-enum err run_verify(const struct options *o, struct fault *fault)
+/* ---- verify ---- */
+
+static bool is_chain(const char *text)
 {
-    const struct verify_options how = {.path = o->word,
-                                       .count = (size_t)o->words,
+    return strspn(text, "0123456789abcdef") == RECORD_CHAIN_DIGITS && !text[RECORD_CHAIN_DIGITS];
+}
+
+static enum err check_lock_options(const struct options *o, struct fault *fault)
+{
+    if (o->update_lock && !o->lock)
+        return fault_set(fault, ERR_USAGE, "--update-lock: --lock FILE says which file");
+    if (o->update_lock && ci_is_set())
+        return fault_set(fault, ERR_USAGE,
+                         "--update-lock is a person's decision, and refused where CI is set");
+    if (o->update_lock && (o->from || o->until))
+        return fault_set(fault, ERR_USAGE,
+                         "--update-lock: whole journals are verified, without "
+                         "--from and --until");
+    return OK;
+}
+
+/* What options say together. */
+static enum err check_options(const struct options *o, struct fault *fault)
+{
+    if (!o->words && !o->lock)
+        return fault_set(fault, ERR_USAGE, "name a journal, or a lock by --lock FILE");
+    if (o->until && o->from > o->until)
+        return fault_set(fault, ERR_USAGE, "--from %zu --until %zu: nothing lies between", o->from,
+                         o->until);
+    if (o->strict && o->no_strict)
+        return fault_set(fault, ERR_USAGE, "--strict and --no-strict: give one of them");
+    if (o->expect && (o->words != 1 || !is_chain(o->expect)))
+        return fault_set(fault, ERR_USAGE,
+                         "--expect: expected one journal, and the 32 digits of its last chain");
+    return check_lock_options(o, fault);
+}
+
+static enum err verify_journals(const struct options *o, struct lock_plan *plan,
+                                struct fault *fault)
+{
+    const struct verify_options how = {.path = plan ? plan->journal : o->word,
+                                       .count = plan ? plan->name.count : (size_t)o->words,
                                        .scene_path = o->scene,
                                        .evidence_folder = o->out,
                                        .junit = o->junit,
                                        .html = o->html,
                                        .json = o->json,
                                        .strict = o->strict || (ci_is_set() && !o->no_strict),
+                                       .expect = o->expect,
+                                       .plan = plan,
                                        .first = o->from,
                                        .last = o->until,
                                        .processes = o->processes ? (unsigned)o->processes : 1,
                                        .begin = begin_one,
                                        .context = (void *)(uintptr_t)o,
                                        .watch = console_watch()};
-    if (how.last && how.first > how.last)
-        return fault_set(fault, ERR_USAGE, "--from %zu --until %zu: nothing lies between",
-                         how.first, how.last);
-    if (o->strict && o->no_strict)
-        return fault_set(fault, ERR_USAGE, "--strict and --no-strict: give one of them");
     const enum err err = o->out ? file_make_folder(o->out, fault) : OK;
     if (err)
         return err;
     console_handle_interrupts();
     return verify_files(&how, &console_printer, fault);
+}
+
+enum err run_verify(const struct options *o, struct fault *fault)
+{
+    struct lock_plan plan;
+    enum err err = check_options(o, fault);
+    if (err || !o->lock)
+        return err ? err : verify_journals(o, NULL, fault);
+    err = lock_plan_make(&plan, o->lock, o->update_lock, o->word, (size_t)o->words, fault);
+    if (!err)
+        err = verify_journals(o, &plan, fault);
+    lock_plan_release(&plan);
+    return err;
 }
 
 /* ---- the first record that differs ---- */

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "command/act.h"
 #include "session/export.h"
+#include "verify/lock_facts.h"
 #include "verify/orphan.h"
 #include "verify/replay_file.h"
 #include "verify/strict.h"
@@ -17,7 +18,7 @@ enum {
     RESULT_MOST = PICTURES_MOST + (8 << 20) /* bytes that a process may hand back */
 };
 
-/* ---- one journal ---- */
+/* ---- the replay of one journal ---- */
 
 /* What is seen now, for a person who asks what a command has come to. */
 static void show_present(struct interpreter *interp, struct evidence *evidence)
@@ -95,8 +96,77 @@ static void note_failure(struct verify_result *result, enum err err, bool is_tol
         buf_printf(&result->lines, "# %s\n", fault->text);
 }
 
-/* In its own process. */
-static void verify_one(const struct verify_options *options, const char *path,
+/* ---- what else is known of a journal ---- */
+
+static enum err judge_expected(const struct verify_options *options, const char *chain,
+                               struct fault *fault)
+{
+    if (!options->expect || strncmp(chain, options->expect, RECORD_CHAIN_DIGITS) == 0)
+        return OK;
+    return fault_set(fault, ERR_CHECK,
+                     "its last chain is %.*s, and %s was expected: it is another journal, or has "
+                     "more records or fewer",
+                     (int)RECORD_CHAIN_DIGITS, chain, options->expect);
+}
+
+static enum err judge_pinned(const struct lock_plan *plan, size_t number,
+                             struct verify_result *result, struct fault *fault)
+{
+    const char *pinned = plan && !plan->updates ? lock_plan_pinned(plan, number) : "";
+    if (!plan || plan->updates)
+        return OK;
+    if (!pinned)
+        return fault_set(fault, ERR_CHECK, "added: %s does not name it; --update-lock takes it in",
+                         plan->path);
+    return lock_differs(&result->lines, pinned, buf_text(&result->facts))
+               ? fault_set(fault, ERR_CHECK, "changed: it is not the journal that %s names",
+                           plan->path)
+               : OK;
+}
+
+/* Asked of a journal whatever its replay gave, unless its bytes cannot be read. */
+static enum err judge_facts(const struct verify_options *options, size_t number,
+                            struct verify_result *result, struct fault *fault)
+{
+    const char *path = options->path[number];
+    if (!options->expect && !options->plan)
+        return OK;
+    enum err err = lock_facts(&result->facts, path, fault);
+    const char *chain = lock_facts_chain(buf_text(&result->facts));
+    if (err || !chain)
+        return err;
+    if (!options->last && !result->err &&
+        strncmp(chain, buf_text(&result->chain), result->chain.length) != 0)
+        return fault_set(fault, ERR_CHECK, "it was changed while it was verified");
+    err = judge_expected(options, chain, fault);
+    return err ? err : judge_pinned(options->plan, number, result, fault);
+}
+
+static void add_facts(const struct verify_options *options, size_t number,
+                      struct verify_result *result)
+{
+    struct fault fault = {0};
+    const enum err err = judge_facts(options, number, result, &fault);
+    if (!err)
+        return;
+    if (!result->err)
+        note_failure(result, err, false, &fault);
+    else if (err == ERR_CHECK)
+        buf_printf(&result->lines, "# %s\n", fault.text);
+}
+
+static bool is_missing(const struct verify_options *options, size_t number, struct fault *fault)
+{
+    if (!options->plan || options->plan->updates || file_exists(options->path[number]))
+        return false;
+    fault_set(fault, ERR_CHECK, "missing: %s names it, and there is no such file",
+              options->plan->path);
+    return true;
+}
+
+/* ---- in the process of a journal ---- */
+
+static void replay_one(const struct verify_options *options, const char *path,
                        struct verify_result *result)
 {
     struct interpreter interp;
@@ -153,7 +223,13 @@ static void work(void *context, size_t number, struct buf *out)
 {
     const struct verification *v = context;
     struct verify_result result = {.path = NULL};
-    verify_one(v->options, v->options->path[number], &result);
+    struct fault fault = {0};
+    if (is_missing(v->options, number, &fault)) {
+        note_failure(&result, ERR_CHECK, false, &fault);
+    } else {
+        replay_one(v->options, v->options->path[number], &result);
+        add_facts(v->options, number, &result);
+    }
     verify_result_write(out, &result);
 }
 
@@ -258,11 +334,33 @@ static enum err check_report(const char *path, struct fault *fault)
     return err;
 }
 
+/* Once all of them are verified; else it stays as it is. */
+static enum err update_lock(const struct verification *v, enum err failed, struct fault *fault)
+{
+    const struct verify_options *o = v->options;
+    struct buf lines = {0};
+    if (!o->plan || !o->plan->updates)
+        return failed;
+    if (failed)
+        return fault_prefix(fault, failed, "%s is left alone", o->plan->path);
+    const char **facts = calloc(o->count, sizeof *facts);
+    enum err err = facts ? OK : fault_memory(fault, "a lock");
+    for (size_t i = 0; !err && i < o->count; i++)
+        facts[i] = buf_text(&v->result[i].facts);
+    if (!err)
+        err = lock_plan_write(o->plan, facts, &lines, fault);
+    if (!err && !o->json)
+        v->printer->print(v->printer->context, buf_text(&lines));
+    free(facts);
+    buf_release(&lines);
+    return err;
+}
+
 /* A report that cannot be written is worse than a journal that failed. */
 static enum err report(const struct verification *v, struct fault *fault)
 {
     const struct verify_options *o = v->options;
-    const enum err err = sum_up(v, fault);
+    const enum err err = update_lock(v, sum_up(v, fault), fault);
     enum err unwritten = OK;
     if (o->junit)
         unwritten = verify_report(o->junit, VERIFY_JUNIT, v->result, o->count, fault);

@@ -11,6 +11,7 @@
 
 #include "base/process.h"
 #include "command/script.h"
+#include "verify/lock_plan.h"
 
 struct verify_options {
     char *const *path; /* of the journals */
@@ -21,6 +22,8 @@ struct verify_options {
     const char *junit, *html;    /* reports, replacing what is there; or NULL */
     bool json;                   /* one JSON object is printed instead of TAP */
     bool strict;                 /* what leaves anything unproven is a failure (strict.h) */
+    const char *expect;          /* the last chain that the only journal is to have, or NULL */
+    struct lock_plan *plan;      /* `path` are its journals, which are as it says; or NULL */
     size_t first, last;          /* records to compare; 0 for all */
     unsigned processes;          /* at most so many at once, 1..PROCESSES_MOST */
     /* Called in the process of each journal before it is carried out; or NULL. An error is the
@@ -32,7 +35,7 @@ struct verify_options {
 
 /* ERR_CHECK when anything differs, a golden image is missing, or one is there that no command of
  * the journal names (which is only known when it was replayed to its end, without `last`); else the
- * worst error. */
+ * worst error. A lock that is written anew is left alone then. */
 enum err verify_files(const struct verify_options *options, const struct printer *printer,
                       struct fault *fault);
 

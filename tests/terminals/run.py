@@ -363,7 +363,7 @@ def drive(stage, name):
             missing = {"cross", "seed", "undo", "turn", "zoom"} - set(commands)
             if missing:
                 raise Failure("not in the journal: " + ", ".join(sorted(missing)))
-            subprocess.run([stage.iftty, "verify", prompt.journal], check=True,
+            subprocess.run([stage.iftty, "verify", "--no-strict", prompt.journal], check=True,
                            stdout=subprocess.DEVNULL)
 
 
