@@ -111,7 +111,8 @@ begin "what is pasted acts nowhere: it stands in the line of the colon"
 tmux_here set-buffer -b paste "$(printf 'box 10 xx u\nseed 1,1,1 2\nq ')"
 before=$(last_record)
 tmux_here paste-buffer -p -b paste -t prompt
-see '^:box 10 xx u seed 1,1,1 2 q( \[range=LOW\.\.HIGH\])?$' # a command, with its hint
+hint='( \[range=LOW\.\.HIGH\] \[shell=yes\] \[around=LABEL\])?' # of a command
+see "^:box 10 xx u seed 1,1,1 2 q$hint\$"
 press Escape
 see '^i seed '
 type_letters ":label 5 "
