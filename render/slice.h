@@ -131,4 +131,9 @@ enum err slice_draw(const struct canvas *canvas, const struct scene *scene,
 uint32_t slice_cell_at(const struct scene *scene, const struct slice_choice *choice, uint32_t width,
                        uint32_t height, uint32_t column, uint32_t row);
 
+/* The reverse: the pixel, by column and row, in which the centre of a voxel lies, where cross-hair
+ * and marks are too. False for a voxel of another slice, or beside the picture. */
+bool slice_pixel_of(const struct scene *scene, const struct slice_choice *choice, uint32_t width,
+                    uint32_t height, const uint32_t place[3], uint32_t pixel[2]);
+
 #endif

@@ -281,3 +281,18 @@ uint32_t slice_cell_at(const struct scene *scene, const struct slice_choice *cho
     }
     return (uint32_t)cell;
 }
+
+bool slice_pixel_of(const struct scene *scene, const struct slice_choice *choice, uint32_t width,
+                    uint32_t height, const uint32_t place[3], uint32_t pixel[2])
+{
+    struct slice_plan plan;
+    slice_plan_init(&plan, scene, choice, width, height);
+    for (int i = 0; i < 2; i++) {
+        const struct slice_side *side = &plan.side[i];
+        const int64_t at = slice_side_pixel(side, slice_side_counted(side, place));
+        if (at < 0 || at >= side->pixels)
+            return false;
+        pixel[i] = (uint32_t)at;
+    }
+    return place[plan.across] == choice->place[plan.across];
+}

@@ -403,6 +403,44 @@ STORY(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there)
     }
 }
 
+/* Where pixels are finer than voxels, it shows that voxel. */
+STORY(the_pixel_of_a_voxel_is_where_its_centre_lies)
+{
+    uint64_t seed = 37;
+    unsigned shown = 0, wrong = 0;
+    for (unsigned i = 0; i < 3000; i++) {
+        struct scene *scene = NULL;
+        struct slice_choice choice = {.plane = (enum slice_plane)check_below(&seed, 3)};
+        const uint32_t width = 64 + check_below(&seed, 90), height = 64 + check_below(&seed, 90);
+        uint32_t size[3], pixel[2];
+        for (int a = 0; a < 3; a++) {
+            size[a] = 1 + check_below(&seed, 12);
+            choice.place[a] = check_below(&seed, size[a]);
+        }
+        CHECK(scene_new(&scene, size, NULL) == OK);
+        for (int a = 0; a < 3; a++) {
+            scene->world_sign[a] = check_below(&seed, 2) ? 1 : -1;
+            scene->spacing_nm[a] = 500000 + check_below(&seed, 1000000);
+        }
+        slice_magnify(&choice, scene, slice_fitting_pixel(scene, choice.plane, width, height),
+                      SLICE_TIMES_ONE + check_below(&seed, 3000));
+        wrong += !slice_pixel_of(scene, &choice, width, height, choice.place, pixel);
+        const int across = slice_axis(scene, choice.plane);
+        for (uint32_t cell = 0; cell < scene->grid.voxels; cell++) {
+            const uint32_t place[3] = {cell % size[0], cell / size[0] % size[1],
+                                       cell / size[0] / size[1]};
+            const bool is_there = slice_pixel_of(scene, &choice, width, height, place, pixel);
+            shown += is_there;
+            wrong += is_there && place[across] != choice.place[across];
+            wrong += is_there && slice_cell_at(scene, &choice, width, height, pixel[0], pixel[1]) !=
+                                     grid_cell(&scene->grid, place[0], place[1], place[2]);
+        }
+        scene_free(scene);
+    }
+    CHECK_INT(wrong, 0);
+    CHECK(shown > 30000);
+}
+
 /* Whatever it shows: on by a voxel at the least or to the end, with the place in the picture. */
 STORY(a_magnified_slice_goes_on_and_takes_its_place_along)
 {
@@ -926,6 +964,7 @@ int main(void)
         TELL(a_slice_lies_in_the_middle_or_around_its_place), TELL(what_fits_is_as_large_as_can_be),
         TELL(slices_of_any_size_and_spacing_fit), TELL(a_pixel_knows_its_voxel),
         TELL(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there),
+        TELL(the_pixel_of_a_voxel_is_where_its_centre_lies),
         TELL(a_magnified_slice_goes_on_and_takes_its_place_along),
         TELL(what_is_magnified_enough_shows_voxels_as_they_are),
         TELL(a_window_ramps_from_black_to_white),

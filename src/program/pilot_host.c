@@ -285,66 +285,21 @@ static void mark_pixel(const struct canvas *canvas, const struct slicing_panel *
     mark_point(canvas, at.column, at.row, 2);
 }
 
-static uint32_t apart(uint32_t a, uint32_t b)
+/* The corners that the slice of a pane shows. */
+static void mark_corners(const struct canvas *canvas, const struct scene *scene,
+                         const struct slicing_panel *panel, enum slice_plane plane,
+                         const struct pilot_wish *wish)
 {
-    return a > b ? a - b : b - a;
+    const struct mosaic_box *box = &panel->layout.box[plane];
+    const struct slice_choice slice =
+        mosaic_slice(scene, &panel->choice, canvas->width, canvas->height, plane);
+    uint32_t pixel[2];
+    for (size_t i = 0; i < wish->corners && box->width > 0; i++)
+        if (slice_pixel_of(scene, &slice, box->width, box->height, wish->corner[i], pixel))
+            mark_point(canvas, (int64_t)box->left + pixel[0], (int64_t)box->top + pixel[1], 1);
 }
 
-/* Of `count` pixels, each `step` further, the middle one of those that show the voxel
- * nearest to a place. */
-static uint32_t nearest_pixel(const struct session *session, const uint32_t *cell, size_t step,
-                              uint32_t count, const uint32_t place[3])
-{
-    uint32_t best = 0, last = 0, shown[3];
-    uint64_t least = UINT64_MAX;
-    for (uint32_t i = 0; i < count; i++) {
-        if (cell[i * step] == CELL_NONE)
-            continue;
-        place_of(session, cell[i * step], shown);
-        uint64_t distance = 0;
-        for (int a = 0; a < 3; a++)
-            distance += apart(shown[a], place[a]);
-        best = distance < least ? i : best;
-        last = distance <= least ? i : last;
-        least = distance < least ? distance : least;
-    }
-    return best + (last - best) / 2;
-}
-
-/* A voxel of the slice of a pane, found along the pane's middle lines; nothing where the slice is
- * another one, or is not shown so far. */
-static void mark_voxel(const struct canvas *canvas, const struct session *session,
-                       enum pilot_pane pane, const struct mosaic_box *box, const uint32_t place[3])
-{
-    enum { NEAR = 4 }; /* voxels, where a pixel stands for several */
-    const size_t stride = canvas->stride;
-    const uint32_t *first = canvas->cell + box->top * stride + box->left;
-    const int axis = slice_axis(session->scene, plane_of(pane));
-    uint32_t shown[3];
-    if (box->width == 0 || box->height == 0)
-        return;
-    const uint32_t column =
-        nearest_pixel(session, first + box->height / 2 * stride, 1, box->width, place);
-    const uint32_t row = nearest_pixel(session, first + box->width / 2, stride, box->height, place);
-    if (first[row * stride + column] == CELL_NONE)
-        return;
-    place_of(session, first[row * stride + column], shown);
-    bool is_there = shown[axis] == place[axis];
-    for (int a = 0; a < 3; a++)
-        is_there &= apart(shown[a], place[a]) <= NEAR;
-    if (is_there)
-        mark_point(canvas, (int64_t)box->left + column, (int64_t)box->top + row, 1);
-}
-
-static void mark_corners(struct pilot_interpreter *pilot, const struct pilot_wish *wish)
-{
-    for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++)
-        for (size_t i = 0; i < wish->corners; i++)
-            mark_voxel(&pilot->canvas, session_of(pilot), pane,
-                       &pilot->panel.layout.box[mosaic_of(pane)], wish->corner[i]);
-}
-
-/* An empty rendition says how to begin, where it has room for that. */
+/* In the middle of a box, where it has room for them. */
 static void draw_lines(const struct canvas *canvas, const struct mosaic_box *box,
                        const struct buf *text, int64_t lines)
 {
@@ -363,6 +318,7 @@ static void draw_lines(const struct canvas *canvas, const struct mosaic_box *box
                   words_rgb);
 }
 
+/* In an empty rendition. */
 static void say_how_to_begin(const struct canvas *canvas, const struct mosaic_box *box,
                              const struct pilot_setup *setup)
 {
@@ -405,7 +361,8 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
                          wish->setup ? wish->setup : &pilot_setup_default);
     if (wish->marks_held)
         mark_held(&pilot->canvas, session, &pilot->held);
-    mark_corners(pilot, wish);
+    for (enum slice_plane p = SLICE_AXIAL; p <= SLICE_SAGITTAL; p++)
+        mark_corners(&pilot->canvas, session->scene, panel, p, wish);
     if (wish->marks_pixel)
         mark_pixel(&pilot->canvas, panel, session_frame(session), wish->pixel);
     const size_t notes =
