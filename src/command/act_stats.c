@@ -117,15 +117,20 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
     struct counts counts;
     struct moves moves;
     const bool follows = find_moves(&moves, session) && !labels->finished;
-    const struct label_report report = {stats, follows ? moves.gained : NULL,
-                                        follows ? moves.lost : NULL, session->now.kept.label_name,
-                                        &session->geometry};
+    struct area_weights area;
+    area_weights_init(&area, session->scene->spacing_nm);
+    const struct label_report report = {.stats = stats,
+                                        .area = &area,
+                                        .gained = follows ? moves.gained : NULL,
+                                        .lost = follows ? moves.lost : NULL,
+                                        .label_name = session->now.kept.label_name,
+                                        .geometry = &session->geometry};
     enum err err = count(&counts, act);
     if (!err)
         err = write_report(act, &report);
     for (unsigned label = 0; !err && label < 256; label++) {
         if (labels->finished)
-            counts.voxels[label] = (size_t)stats[label].voxels;
+            counts.voxels[label] = (size_t)stats[label].sums.voxels;
         if (!counts.voxels[label])
             continue;
         write_counts(act, &counts, label);
@@ -144,10 +149,12 @@ enum err act_stats(const struct act *act)
     if (err)
         return err;
     struct label_stats *stats = mem_array(256, sizeof *stats);
+    struct label_measures measures = {0};
     err = stats ? act_take_labels(act, &act->value[STATS_FINISHED], &labels)
                 : fault_memory(act->fault, "counts of labels");
     if (!err)
-        err = label_stats_find(stats, &labels, act->session->team, act->fault);
+        err = label_stats_find(stats, &measures, &labels, act->session->team, act->fault);
+    label_measures_release(&measures);
     if (!err)
         err = answer(act, stats, &labels);
     free(stats);

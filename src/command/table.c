@@ -626,8 +626,9 @@ const struct command command_table[] = {
      "voxels, volume, surface and intensities of labels",
      "Of each label: seeds, voxels and volume; components, which hang together by faces, and "
      "holes, "
-     "which it encloses; the surface, as it would be without the steps of voxels, to 2 % unless it "
-     "is small; the centre and the box around it; and the intensities of its voxels, as `why` "
+     "which it encloses; the surface, as it would be without the steps of voxels, to 2 % unless "
+     "the object is small or thin; the centre and the box around it; and the intensities of its "
+     "voxels, as `why` "
      "prints them. The deviation is that of a sample.\n"
      "report: the same and what the last edit changed as FILE.json or FILE.csv." FINISHED_NOTE,
      "stats"},

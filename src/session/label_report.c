@@ -4,7 +4,6 @@
 #include <math.h>
 
 #include "base/json.h"
-#include "engine/label_surface.h"
 
 enum { FIGURES_MOST = 32, DIGITS = 12 };
 
@@ -39,15 +38,12 @@ static double voxel_mm3(const struct geometry *geometry)
 
 static double surface_mm2(const struct label_report *report, unsigned label)
 {
-    const uint32_t *nm = report->geometry->spacing_nm;
-    double mm2 = 0;
-    for (int a = 0; a < 3; a++)
-        mm2 += (double)report->stats[label].cosines[a] / SURFACE_UNIT * (nm[(a + 1) % 3] / 1e6) *
-               (nm[(a + 2) % 3] / 1e6);
-    return report->geometry->spacing_unknown ? NAN : mm2;
+    return report->geometry->spacing_unknown
+               ? NAN
+               : label_area_mm2(report->area, report->stats[label].pairs);
 }
 
-static double mean(const struct label_stats *s)
+static double mean(const struct label_sums *s)
 {
     return (double)s->intensity / (double)s->voxels;
 }
@@ -55,7 +51,7 @@ static double mean(const struct label_stats *s)
 /* Of intensities, as of a sample: by one less than the number of voxels. The squares are taken
  * about the whole number below the mean, so that nothing is lost: modulo 2^64, which their sum is
  * below. */
-static double deviation(const struct label_stats *s)
+static double deviation(const struct label_sums *s)
 {
     const uint64_t about = s->intensity / s->voxels, rest = s->intensity - s->voxels * about;
     const uint64_t squares =
@@ -64,7 +60,7 @@ static double deviation(const struct label_stats *s)
     return s->voxels > 1 ? sqrt(((double)squares - beyond * beyond / n) / (n - 1)) : NAN;
 }
 
-static void find_centre(double centre[3], const struct label_stats *s)
+static void find_centre(double centre[3], const struct label_sums *s)
 {
     for (int a = 0; a < 3; a++)
         centre[a] = (double)s->sum[a] / (double)s->voxels;
@@ -84,7 +80,7 @@ static void find_place(double mm[3], const struct geometry *geometry, const doub
 /* The lowest and the highest real value: they swap where real values fall as intensities rise. */
 static void find_range(double range[2], const struct label_report *report, unsigned label)
 {
-    const struct label_stats *s = &report->stats[label];
+    const struct label_sums *s = &report->stats[label].sums;
     const bool falls = report->geometry->slope < 0;
     range[0] = geometry_value(report->geometry, falls ? s->most : s->least);
     range[1] = geometry_value(report->geometry, falls ? s->least : s->most);
@@ -92,7 +88,7 @@ static void find_range(double range[2], const struct label_report *report, unsig
 
 static double median(const struct label_report *report, unsigned label)
 {
-    const uint16_t *middle = report->stats[label].middle;
+    const uint16_t *middle = report->stats[label].sums.middle;
     return geometry_value(report->geometry, ((double)middle[0] + middle[1]) / 2);
 }
 
@@ -104,7 +100,7 @@ static struct figures figures_of(const struct label_report *report, unsigned lab
     static const char *const place_name[] = {"centre_x_mm", "centre_y_mm", "centre_z_mm"};
     static const char *const first_name[] = {"first_x", "first_y", "first_z"};
     static const char *const last_name[] = {"last_x", "last_y", "last_z"};
-    const struct label_stats *s = &report->stats[label];
+    const struct label_sums *s = &report->stats[label].sums;
     struct figures f = {.count = 0};
     double centre[3], place[3], range[2];
     find_centre(centre, s);
@@ -113,8 +109,8 @@ static struct figures figures_of(const struct label_report *report, unsigned lab
     add(&f, "voxels", (double)s->voxels);
     add(&f, "volume_mm3", (double)s->voxels * voxel_mm3(report->geometry));
     add(&f, "surface_mm2", surface_mm2(report, label));
-    add(&f, "components", s->components);
-    add(&f, "holes", s->holes);
+    add(&f, "components", report->stats[label].components);
+    add(&f, "holes", report->stats[label].holes);
     add(&f, "mean", geometry_value(report->geometry, mean(s)));
     add(&f, "deviation", fabs(report->geometry->slope) * deviation(s));
     add(&f, "minimum", range[0]);
@@ -135,7 +131,7 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
     json_object(&json, NULL);
     json_array(&json, "by_label");
     for (unsigned label = 1; label < 256; label++) {
-        if (!report->stats[label].voxels)
+        if (!report->stats[label].sums.voxels)
             continue;
         const struct figures f = figures_of(report, label);
         json_object(&json, NULL);
@@ -151,8 +147,9 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
 
 static void write_csv_names(struct buf *out, const struct label_report *report)
 {
-    static const struct label_stats one[1] = {{.voxels = 1}};
-    const struct label_report any = {.stats = one, .geometry = report->geometry};
+    static const struct label_stats one[1] = {{.sums.voxels = 1}};
+    static const struct area_weights none;
+    const struct label_report any = {.stats = one, .area = &none, .geometry = report->geometry};
     const struct figures f = figures_of(&any, 0);
     buf_add_text(out, "label,name");
     for (int i = 0; i < f.count; i++)
@@ -164,7 +161,7 @@ void label_report_write_csv(struct buf *out, const struct label_report *report)
 {
     write_csv_names(out, report);
     for (unsigned label = 1; label < 256; label++) {
-        if (!report->stats[label].voxels)
+        if (!report->stats[label].sums.voxels)
             continue;
         const struct figures f = figures_of(report, label);
         buf_printf(out, "%u,", label);
@@ -182,7 +179,7 @@ void label_report_write_csv(struct buf *out, const struct label_report *report)
 
 static void write_places(struct buf *out, const struct label_report *report, unsigned label)
 {
-    const struct label_stats *s = &report->stats[label];
+    const struct label_sums *s = &report->stats[label].sums;
     double centre[3], mm[3];
     find_centre(centre, s);
     find_place(mm, report->geometry, centre);
@@ -195,11 +192,11 @@ static void write_places(struct buf *out, const struct label_report *report, uns
 
 static void write_intensities(struct buf *out, const struct label_report *report, unsigned label)
 {
-    const double spread = fabs(report->geometry->slope) * deviation(&report->stats[label]);
+    const double spread = fabs(report->geometry->slope) * deviation(&report->stats[label].sums);
     double range[2];
     find_range(range, report, label);
     buf_printf(out, "intensity %.5g",
-               geometry_value(report->geometry, mean(&report->stats[label])));
+               geometry_value(report->geometry, mean(&report->stats[label].sums)));
     if (!isnan(spread))
         buf_printf(out, ", deviation %.4g", spread);
     buf_printf(out, ", median %.5g, %.6g..%.6g\n", median(report, label), range[0], range[1]);

@@ -11,11 +11,13 @@
 #include "base/buf.h"
 #include "engine/label_stats.h"
 #include "image/geometry.h"
+#include "session/label_area.h"
 #include "session/state.h"
 
 /* What is reported, all of it borrowed. */
 struct label_report {
     const struct label_stats *stats;            /* [256] */
+    const struct area_weights *area;            /* of the scene's spacing */
     const uint64_t *gained, *lost;              /* [256], by the last edit; NULL: not known */
     const char (*label_name)[LABEL_NAME_BYTES]; /* [256] */
     const struct geometry *geometry;

@@ -323,9 +323,11 @@ static enum err time_stats(struct session *session, struct table *table, struct 
     const struct labels labels = labels_of_forest(session->scene);
     enum err err = OK;
     for (int i = 0; !err && i < ROUNDS; i++) {
+        struct label_measures measures = {0};
         const uint64_t begin = clock_ns();
-        err = label_stats_find(stats, &labels, session->team, fault);
+        err = label_stats_find(stats, &measures, &labels, session->team, fault);
         add_since(row, begin);
+        label_measures_release(&measures);
     }
     return err;
 }

@@ -1,0 +1,40 @@
+#include "engine/change_log.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+
+enum { VOXELS_A_CHANGE = 16 };
+
+void change_log_add(struct change_log *log, const struct changes *changes, size_t voxels)
+{
+    const size_t count = log->count + changes->count;
+    if (!log->follows || changes->count == 0)
+        log->follows &= !changes->everything;
+    else if (changes->everything || count > voxels / VOXELS_A_CHANGE ||
+             !mem_grow(&log->item, &log->capacity, count, sizeof *log->item))
+        change_log_give_up(log);
+    else {
+        memcpy(log->item + log->count, changes->item, changes->count * sizeof *log->item);
+        log->count = count;
+    }
+}
+
+void change_log_give_up(struct change_log *log)
+{
+    log->follows = false;
+    log->count = 0;
+}
+
+void change_log_begin(struct change_log *log)
+{
+    log->follows = true;
+    log->count = 0;
+}
+
+void change_log_release(struct change_log *log)
+{
+    free(log->item);
+    *log = (struct change_log){0};
+}
