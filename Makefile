@@ -46,6 +46,11 @@ VOLUME_FLAGS  = -isystem /usr/include/$(ITK) -isystem $(wildcard /usr/include/gd
 VOLUME_LIBS   = $(addsuffix $(ITK:ITK%=%),$(ITK_IO:%=-lITKIO%) -lITKCommon -litksys -litkvnl) \
                 -lgdcmMSFF -lgdcmDSED -lgdcmCommon $(shell pkg-config --libs hdf5 2>/dev/null)
 
+# Both helpers: how they are confined.
+CONFINED      = $(BUILD)/src/base/confine.o $(BUILD)/src/base/confine_calls.o
+
+IMAGE_PARTS   = $(patsubst %.cc,$(BUILD)/%.o,src/image/iftty-image.cc \
+                  $(wildcard src/image/image_*.cc))
 VOLUME_PARTS  = $(patsubst %.cc,$(BUILD)/%.o,src/image/iftty-volume.cc \
                   $(wildcard src/image/volume_*.cc))
 
@@ -95,6 +100,9 @@ ITK_LIBS       = $(addsuffix $(ITK:ITK%=%),-lITKCommon -litkvnl_algo -litkvnl)
 MATRIX_PACKAGES := clang libclang-rt-dev gcc-i686-linux-gnu libc6-dev-i386-cross \
                    gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-s390x-linux-gnu \
                    libc6-dev-s390x-cross qemu-user-static
+
+# The helpers with a probe in place of their libraries.
+PROBES := $(BUILD)/tests/probe/iftty-image $(BUILD)/tests/probe/iftty-volume
 
 # Terminals, what they are shown on without a screen, and what looks at them and types.
 STAGED            := $(BUILD)/tests/terminals/paint $(BUILD)/tests/terminals/panel
@@ -172,7 +180,7 @@ compile_commands.json: Makefile | $(PACKAGES_STAMP)
 
 ## tests: build the test programs, and those of bench-peers that need no other package
 tests: $(TESTS) $(BENCH) $(FUZZ_REPLAYS) $(BUILD)/tests/mutation/nudge $(PEERS_IN_C) $(STAGED) \
-       $(ITK_JUDGE)
+       $(ITK_JUDGE) $(PROBES)
 
 ## demo: segment a brain by seeds, render it, replay and verify the journal
 demo: $(BUILD)/iftty $(BUILD)/iftty-image
@@ -216,23 +224,37 @@ $(BUILD)/iftty: $(BUILD)/src/main.o $(LIBRARY)
 	$(say) "link      $@"
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $< $(LIBRARY) $(LIBS)
 
-$(BUILD)/iftty-image: src/image/iftty-image.cc | $(PACKAGES_STAMP)
+$(IMAGE_PARTS): $(BUILD)/%.o: %.cc | $(PACKAGES_STAMP)
 	@mkdir -p $(@D)
 	$(say) "compile   $<"
-	$(Q)$(CXX) $(ALL_CXXFLAGS) -MF $@.d -o $@ $< $(ALL_LDFLAGS) $(OIIO_LIBS)
+	$(Q)$(CXX) $(ALL_CXXFLAGS) -c -o $@ $<
+
+$(BUILD)/iftty-image: $(IMAGE_PARTS) $(CONFINED)
+	$(say) "link      $@"
+	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(OIIO_LIBS)
 
 build/.packages-volume: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(VOLUME_PACKAGES) --
 	@touch $@
 
-$(BUILD)/src/image/%.o: src/image/%.cc | build/.packages-volume
+$(VOLUME_PARTS): $(BUILD)/%.o: %.cc | build/.packages-volume
 	@mkdir -p $(@D)
 	$(say) "compile   $<"
 	$(Q)$(CXX) $(ALL_CXXFLAGS) $(VOLUME_FLAGS) -c -o $@ $<
 
-$(BUILD)/iftty-volume: $(VOLUME_PARTS) $(BUILD)/src/base/confine.o
+$(BUILD)/iftty-volume: $(VOLUME_PARTS) $(CONFINED)
 	$(say) "link      $@"
 	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(VOLUME_LIBS)
+
+$(BUILD)/tests/probe/%.o: tests/probe/%.cc
+	@mkdir -p $(@D)
+	$(say) "compile   $<"
+	$(Q)$(CXX) $(ALL_CXXFLAGS) -c -o $@ $<
+
+$(BUILD)/tests/probe/iftty-%: $(BUILD)/src/image/iftty-%.o $(BUILD)/tests/probe/probe_%.o \
+                              $(BUILD)/tests/probe/attempts.o $(CONFINED)
+	$(say) "link      $@"
+	$(Q)$(CXX) -o $@ $^ $(ALL_LDFLAGS) $(if $(filter image,$*),$(OIIO_LIBS),$(VOLUME_LIBS))
 
 $(LIBRARY): $(OBJECTS)
 	@rm -f $@
@@ -306,6 +328,6 @@ $(BUILD)/racing/%.o: %.c | $(PACKAGES_STAMP)
 	$(Q)$(CC) $(ALL_CFLAGS) -fsanitize=thread -c -o $@ $<
 
 -include $(RACING:.o=.d) $(wildcard $(BUILD)/racing/tests/*.d)
--include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(BUILD)/iftty-image.d \
+-include $(OBJECTS:.o=.d) $(BUILD)/src/main.d $(TESTS:=.d) $(PEERS:=.d) $(IMAGE_PARTS:.o=.d) \
          $(VOLUME_PARTS:.o=.d) $(STAGED:=.d) $(BENCH).d $(BENCHES:.o=.d) \
          $(wildcard $(BUILD)/tests/*/*.d)

@@ -412,13 +412,12 @@ static const char *ask_its_memory(void)
     return fault.text;
 }
 
-STORY(a_helper_is_held_to_the_memory_that_it_is_given)
+STORY(a_helper_is_held_to_the_memory_that_it_is_given_or_that_is_free)
 {
-    CHECK_HAS(ask_its_memory(), "a.png: unlimited");
+    CHECK(strstr(ask_its_memory(), "unlimited") == NULL);
     image_helper_memory_most = 512000000;
     CHECK_HAS(ask_its_memory(), "a.png: 500000");
     image_helper_memory_most = 0;
-    CHECK_HAS(ask_its_memory(), "a.png: unlimited");
 }
 
 int main(void)
@@ -444,7 +443,7 @@ int main(void)
         TELL(a_missing_helper_is_named), TELL(a_helper_that_ends_or_dies_is_told),
         TELL(answers_that_make_no_sense_are_told), TELL(an_answer_cut_short_is_told),
         TELL(a_helper_that_stays_silent_is_ended),
-        TELL(a_helper_is_held_to_the_memory_that_it_is_given),
+        TELL(a_helper_is_held_to_the_memory_that_it_is_given_or_that_is_free),
         TELL(after_a_death_the_next_request_starts_anew));
     image_helper_free(helper);
     buf_release(&program);

@@ -378,11 +378,13 @@ close_story
 
 # ---- what the kernel keeps out ----
 
-begin "the program says whether the kernel has Landlock"
+begin "the program says whether the kernel has Landlock and seccomp"
 expect 0 "$iftty" info
 grep -qE '^landlock  (version [0-9]+|none)' "$work/out" || fail "$(cat "$work/out")"
+grep -q '^seccomp  ' "$work/out" || fail "$(cat "$work/out")"
 expect 0 "$iftty" info --json
 out_has '"landlock": '
+out_has '"seccomp": '
 close_story
 
 begin "replay and verify are confined, the user's own commands are not"

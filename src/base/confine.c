@@ -1,12 +1,6 @@
 #include "base/confine.h"
 
-#include <errno.h>
 #include <fcntl.h>
-#include <linux/audit.h>
-#include <linux/filter.h>
-#include <linux/seccomp.h>
-#include <sched.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
@@ -102,85 +96,4 @@ bool confine_to(const struct confine_place *place, size_t places)
                              syscall(SYS_landlock_restrict_self, set, 0) == 0;
     close(set);
     return is_confined;
-}
-
-/* ---- calls of the kernel ---- */
-
-#if defined(__x86_64__)
-#define OWN_ARCHITECTURE AUDIT_ARCH_X86_64
-#elif defined(__aarch64__)
-#define OWN_ARCHITECTURE AUDIT_ARCH_AARCH64
-#else
-#define OWN_ARCHITECTURE 0
-#endif
-
-/* Those that are refused whatever is given to them. */
-static const uint32_t refused[] = {
-    SYS_execve,
-    SYS_execveat,
-    SYS_socket,
-    SYS_socketpair,
-    SYS_connect,
-    SYS_bind,
-    SYS_listen,
-    SYS_ptrace,
-    SYS_kill,
-    SYS_tkill,
-    SYS_unshare,
-    SYS_setns,
-    SYS_mount,
-    SYS_process_vm_readv,
-    SYS_bpf,
-    SYS_process_vm_writev,
-    SYS_perf_event_open,
-    SYS_keyctl,
-    SYS_add_key,
-    SYS_request_key,
-    SYS_userfaultfd,
-    SYS_open_by_handle_at,
-#ifdef SYS_io_uring_setup
-    SYS_io_uring_setup,
-#endif
-#ifdef SYS_fork
-    SYS_fork,
-    SYS_vfork,
-#endif
-};
-enum { ANOTHER_ABI = 0x40000000 }; /* x32 */
-enum { REFUSED = sizeof refused / sizeof refused[0] };
-
-#define LOAD(member)                                                                               \
-    (struct sock_filter) BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, member))
-#define GIVE(answer) (struct sock_filter) BPF_STMT(BPF_RET | BPF_K, answer)
-#define SKIP(kind, value, if_so, if_not)                                                           \
-    (struct sock_filter) BPF_JUMP(BPF_JMP | (kind) | BPF_K, value, if_so, if_not)
-
-/* A program of the kernel's: calls of another architecture and those that are refused fail; so does
- * clone but for a thread (its flags are in the lower half of the first argument), and clone3, whose
- * flags cannot be seen, is not there, so that the library takes clone. */
-bool confine_calls(void)
-{
-    struct sock_filter step[REFUSED + 16];
-    unsigned short n = 0;
-    const uint32_t no = SECCOMP_RET_ERRNO | EPERM;
-    if (!OWN_ARCHITECTURE)
-        return false;
-    step[n++] = LOAD(arch);
-    step[n++] = SKIP(BPF_JEQ, OWN_ARCHITECTURE, 1, 0);
-    step[n++] = GIVE(no);
-    step[n++] = LOAD(nr);
-    step[n++] = SKIP(BPF_JGE, ANOTHER_ABI, REFUSED + 2, 0);
-    for (unsigned i = 0; i < REFUSED; i++)
-        step[n++] = SKIP(BPF_JEQ, refused[i], (uint8_t)(REFUSED - i + 1), 0);
-    step[n++] = SKIP(BPF_JEQ, SYS_clone, 3, 0);
-    step[n++] = SKIP(BPF_JEQ, SYS_clone3, 1, 5);
-    step[n++] = GIVE(no);
-    step[n++] = GIVE(SECCOMP_RET_ERRNO | ENOSYS);
-    step[n++] = LOAD(args[0]);
-    step[n++] = SKIP(BPF_JSET, CLONE_THREAD, 1, 0);
-    step[n++] = GIVE(no);
-    step[n++] = GIVE(SECCOMP_RET_ALLOW);
-    const struct sock_fprog program = {n, step};
-    return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
-           prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program, 0, 0) == 0;
 }

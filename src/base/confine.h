@@ -1,6 +1,6 @@
 /*
  * Confinement: from now on this process and all that it starts can reach only the files that it
- * names, and no network; or, for a helper, starts and reaches no other process.
+ * names, and no network. What a decoder may ask of the kernel besides is in confine_calls.h.
  *
  * Protects against: an error in our own checks of names, and a decoder that a hostile file takes
  * over. By Landlock, where the kernel has it (Linux 5.13; versions 1 to 6 of its interface, each of
@@ -33,10 +33,5 @@ int confine_version(void);
 /* Confines the calling thread and the threads and programs that it starts from now on. False where
  * the kernel does not: nothing has changed then. */
 bool confine_to(const struct confine_place *place, size_t places);
-
-/* From now on this process starts no program and no process, opens no socket, and does not touch
- * other processes; threads it may start. By seccomp: such a call fails with EPERM. False, and
- * nothing has changed, where the kernel or the processor is another one. Cannot be taken back. */
-bool confine_calls(void);
 
 #endif

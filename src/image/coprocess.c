@@ -18,7 +18,10 @@
 #include "base/file.h"
 #include "base/scan.h"
 
-enum { LOOK_MS = 50 }; /* between two looks at the watch */
+enum {
+    LOOK_MS = 50,        /* between two looks at the watch */
+    BYTES_PER_MS = 1000, /* slower than any disk, decoder or encoder */
+};
 
 /* ---- its life ---- */
 
@@ -59,7 +62,7 @@ int coprocess_stop(struct coprocess *c, bool may_finish)
     if (c->process <= 0)
         return status;
     if (!may_finish)
-        kill(c->process, SIGKILL);
+        kill(-c->process, SIGKILL); /* and what it started */
     do
         ended = waitpid(c->process, &status, 0);
     while (ended < 0 && errno == EINTR);
@@ -67,10 +70,11 @@ int coprocess_stop(struct coprocess *c, bool may_finish)
     return ended < 0 ? -1 : status;
 }
 
-/* Standard input and output are the socket, errors go nowhere. */
+/* Standard input and output are the socket, errors go nowhere, and there is no environment: what is
+ * in ours is no business of a decoder, and might tell it where to find plug-ins. */
 static int spawn(pid_t *process, const char *program, int fd)
 {
-    char *const arguments[] = {(char *)(uintptr_t)program, NULL};
+    char *const arguments[] = {(char *)(uintptr_t)program, NULL}, *const environment[] = {NULL};
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
     sigset_t none, all;
@@ -85,7 +89,7 @@ static int spawn(pid_t *process, const char *program, int fd)
     posix_spawnattr_setsigdefault(&attributes, &all);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK |
                                               POSIX_SPAWN_SETSIGDEF);
-    const int number = posix_spawn(process, program, &actions, &attributes, arguments, environ);
+    const int number = posix_spawn(process, program, &actions, &attributes, arguments, environment);
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     return number;
@@ -159,17 +163,23 @@ static bool fails(struct coprocess *c, int trouble)
     return false;
 }
 
-/* Until bytes can go or come: false where they do not for too long, or the watch stops. */
-static bool wait_for(struct coprocess *c, short events)
+/* When so many bytes are to have come or gone at the latest, one by one or all at once. */
+static uint64_t latest_ns(const struct coprocess *c, size_t length)
 {
-    const uint64_t until = clock_ns() + (uint64_t)c->patience_ms * 1000000;
+    return clock_ns() + ((uint64_t)c->patience_ms + length / BYTES_PER_MS) * 1000000;
+}
+
+/* Until bytes can go or come: false where it is too late, or the watch stops. */
+static bool wait_for(struct coprocess *c, short events, uint64_t until)
+{
     for (;;) {
         struct pollfd wanted = {.fd = c->fd, .events = events};
         const uint64_t now = clock_ns();
         if (now >= until)
             return fails(c, SILENT);
-        const int left = (int)((until - now + 999999) / 1000000);
-        const int ready = poll(&wanted, 1, c->watch && left > LOOK_MS ? LOOK_MS : left);
+        const uint64_t left_ms = (until - now + 999999) / 1000000;
+        const uint64_t most_ms = c->watch ? LOOK_MS : INT32_MAX;
+        const int ready = poll(&wanted, 1, (int)(left_ms < most_ms ? left_ms : most_ms));
         if (ready > 0)
             return true;
         if (ready < 0 && errno != EINTR)
@@ -182,13 +192,14 @@ static bool wait_for(struct coprocess *c, short events)
 bool coprocess_transmit(struct coprocess *c, const void *bytes, size_t length)
 {
     const char *at = bytes;
+    const uint64_t until = latest_ns(c, length);
     while (length > 0) {
         const ssize_t n = send(c->fd, at, length, MSG_NOSIGNAL | MSG_DONTWAIT);
         if (n >= 0) {
             at += n;
             length -= (size_t)n;
         } else if (errno == EAGAIN) {
-            if (!wait_for(c, POLLOUT))
+            if (!wait_for(c, POLLOUT, until))
                 return false;
         } else if (errno != EINTR) {
             return fails(c, GONE);
@@ -197,7 +208,7 @@ bool coprocess_transmit(struct coprocess *c, const void *bytes, size_t length)
     return true;
 }
 
-bool coprocess_receive(struct coprocess *c, void *bytes, size_t length)
+static bool receive(struct coprocess *c, void *bytes, size_t length, uint64_t until)
 {
     char *at = bytes;
     bool reset = false;
@@ -207,7 +218,7 @@ bool coprocess_receive(struct coprocess *c, void *bytes, size_t length)
             at += n;
             length -= (size_t)n;
         } else if (n < 0 && errno == EAGAIN) {
-            if (!wait_for(c, POLLIN))
+            if (!wait_for(c, POLLIN, until))
                 return false;
         } else if (n < 0 && errno == ECONNRESET && !reset) {
             reset = true; /* reported once; what it sent comes after that */
@@ -218,6 +229,11 @@ bool coprocess_receive(struct coprocess *c, void *bytes, size_t length)
     return true;
 }
 
+bool coprocess_receive(struct coprocess *c, void *bytes, size_t length)
+{
+    return receive(c, bytes, length, latest_ns(c, length));
+}
+
 bool coprocess_odd(struct coprocess *c)
 {
     return fails(c, ODD);
@@ -226,8 +242,9 @@ bool coprocess_odd(struct coprocess *c)
 /* Byte by byte: lines are few and short, and nothing that follows may be taken along. */
 bool coprocess_receive_line(struct coprocess *c, char line[COPROCESS_LINE])
 {
+    const uint64_t until = latest_ns(c, COPROCESS_LINE);
     for (size_t i = 0; i < COPROCESS_LINE; i++) {
-        if (!coprocess_receive(c, &line[i], 1))
+        if (!receive(c, &line[i], 1, until))
             return false;
         if (line[i] == '\n') {
             line[i] = '\0';

@@ -4,9 +4,10 @@
  *
  * A decoder that dies on a hostile file costs one error message: what it was asked fails, and the
  * next request starts the program again. Nothing here ever raises SIGPIPE or waits without end: one
- * that neither reads nor writes a byte for `patience_ms` is ended, and so is one that is waited for
- * when the watch stops. Its errors go nowhere, and it is a process group of its own, so that an
- * interrupt from the keyboard is not meant for it.
+ * that does not take or give what is its turn within `patience_ms`, and a second for each megabyte,
+ * is ended, and so is one that is waited for when the watch stops. Its errors go nowhere, it has no
+ * environment, and it is a process group of its own, so that an interrupt from the keyboard is not
+ * meant for it. From all else it keeps itself before it decodes a byte (wire.hh).
  *
  * The requests and answers are the client's (helper.h, volume_helper.h): lines of words and decimal
  * numbers, and counted bytes. Each function that talks returns false and sets `trouble` where the

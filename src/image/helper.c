@@ -54,7 +54,7 @@ void image_helper_free(struct image_helper *helper)
 static enum err start(struct image_helper *helper, struct fault *fault)
 {
     helper->process.patience_ms = image_helper_patience_ms;
-    helper->process.memory = image_helper_memory_most;
+    helper->process.memory = image_helper_memory_most ? image_helper_memory_most : mem_available();
     return coprocess_start(&helper->process, fault);
 }
 

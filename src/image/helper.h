@@ -27,8 +27,9 @@
  *     write 5 1 1 1 1 0\na.png4 3\nviewtop\xff\x00\x00    ->  ok\n
  *     read 5\na.png      ->  picture 1 1 1\n4 3\nviewtop\xff\x00\x00\xff
  *
- * Nothing here ever raises SIGPIPE or waits without end: a helper that neither reads nor writes a
- * byte for image_helper_patience_ms is ended.
+ * The helper carries each request out in a process of its own, which reaches no file but that one
+ * (wire.hh). Nothing here ever raises SIGPIPE or waits without end: a helper that is silent for
+ * image_helper_patience_ms is ended.
  */
 #ifndef IMAGE_HELPER_H
 #define IMAGE_HELPER_H
@@ -108,7 +109,7 @@ enum err image_helper_default_program(struct buf *out, struct fault *fault);
 extern int image_helper_patience_ms;
 
 /* Bytes that a helper started from now on may hold for itself, its program and libraries not
- * counted; 0: as many as there are. One with all its libraries holds 150 MB, and 350 MB over the
+ * counted; 0: as many as are free. One with all its libraries holds 150 MB, and 350 MB over the
  * largest picture that is written. What it does not get is an error of the request, or its end. */
 extern uint64_t image_helper_memory_most;
 

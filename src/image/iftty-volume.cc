@@ -25,10 +25,6 @@
 #include "image/volume_parts.hh"
 #include "image/wire.hh"
 
-extern "C" {
-#include "base/confine.h"
-}
-
 namespace
 {
 
@@ -37,31 +33,40 @@ using namespace volume;
 
 constexpr uint64_t path_most = 4096;
 constexpr rlim_t memory_most = RLIM_INFINITY; /* the client says how much */
+constexpr rlim_t reading_s = 3600;
 
 /* ---- confinement ---- */
 
-/* From here on this process reads what it was asked for, and nothing else. */
-void confine(const Request &request, const Files &files)
+std::string folder_of(const std::string &path)
 {
-    const std::set<std::string> beside = {"nrrd", "meta", "any"};
-    std::vector<std::string> path = files.targets;
-    std::vector<struct confine_place> places;
-    path.push_back(request.path);
-    if (beside.count(request.kind)) {
-        const size_t slash = request.path.find_last_of('/');
-        path.push_back(slash == std::string::npos ? "." : request.path.substr(0, slash + 1));
-    }
-    for (const std::string &name : path)
-        places.push_back({name.c_str(), CONFINE_READ});
-    const struct rlimit none = {0, 0}, few = {256, 256};
-    if (!request.room.empty()) {
-        places.push_back({request.room.c_str(), CONFINE_WRITE});
+    const size_t slash = path.find_last_of('/');
+    return slash == std::string::npos ? "." : path.substr(0, slash + 1);
+}
+
+/* From here on this process reads what it was asked for, and nothing else: of a header whose voxels
+ * lie in other files, those of its folder. Which headers are such, they say themselves; they are
+ * looked into with no more than that. */
+void confine_to_request(const Request &request, const Files &files)
+{
+    const std::string folder = folder_of(request.path);
+    const struct confine_place own = {request.path.c_str(), CONFINE_READ};
+    Needs needs;
+    needs.places = {own, {folder.c_str(), CONFINE_READ}};
+    if (request.kind == "nrrd" || request.kind == "meta")
+        confine_to(needs.places.data(), needs.places.size());
+    if (!may_name_others(request))
+        needs.places = {own};
+    for (const std::string &name : files.targets)
+        needs.places.push_back({name.c_str(), CONFINE_READ});
+    needs.calls = CONFINE_OPEN;
+    needs.seconds = reading_s;
+    needs.writes = !request.room.empty();
+    if (needs.writes) {
+        needs.places.push_back({request.room.c_str(), CONFINE_WRITE});
+        needs.calls |= CONFINE_CHANGE;
         setenv("TMPDIR", request.room.c_str(), 1);
-    } else
-        setrlimit(RLIMIT_FSIZE, &none);
-    setrlimit(RLIMIT_NOFILE, &few);
-    confine_to(places.data(), places.size());
-    confine_calls();
+    }
+    confine(needs);
 }
 
 Request receive_request()
@@ -114,7 +119,7 @@ void serve()
         const Request request = receive_request();
         if (request.kind == "folder")
             walk(files, request.path, request.follows_links, 0);
-        confine(request, files);
+        confine_to_request(request, files);
         open(volume, request, files);
         answer(volume);
         return;

@@ -21,6 +21,7 @@ enum {
     TYPE_MOST = 8,
     NOTES_MOST = 1200,
     VOLUMES_MOST = 1000000,
+    FILES_MOST = 1000000,
     PIECE_MOST = 4 << 20,
     NUMBERS = 14,
     SPACING = 1, /* in KNOWN */
@@ -187,22 +188,24 @@ static bool ask(struct volume_helper *helper, const char *kind, const char *path
            coprocess_transmit(process, path, strlen(path));
 }
 
-/* The line that answers, after those that say how far it is. */
+/* The line that answers, after those that say how far it is, each further than the one before. */
 static enum err receive_answer(struct volume_helper *helper, char line[COPROCESS_LINE],
                                struct fault *fault)
 {
     struct coprocess *process = &helper->process;
+    int64_t before = -1;
     for (;;) {
-        static const int64_t most[2] = {INT32_MAX, INT32_MAX};
+        static const int64_t most[2] = {FILES_MOST, FILES_MOST};
         int64_t number[2];
         const enum err err = coprocess_answer(process, line, NULL, NULL, fault);
         const char *at = line;
         if (err || !scan_text(&at, "progress "))
             return err;
-        if (!coprocess_numbers(at, 2, most, number)) {
+        if (!coprocess_numbers(at, 2, most, number) || number[0] <= before) {
             coprocess_odd(process);
             return coprocess_fault(process, NULL, NULL, fault);
         }
+        before = number[0];
         if (watch_poll(process->watch, "files", (uint64_t)number[0], (uint64_t)number[1]))
             return watch_fault(process->watch, fault);
     }

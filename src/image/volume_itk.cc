@@ -240,6 +240,20 @@ unsigned known_by_meta(const std::string &path)
     return known;
 }
 
+bool may_name_others(const Request &request)
+{
+    if (request.kind == "nrrd") {
+        const auto fields = fields_of(request.path, ':', "");
+        return fields.count("data file") || fields.count("datafile");
+    }
+    if (request.kind == "meta") {
+        const auto fields = fields_of(request.path, '=', "elementdatafile");
+        const auto data = fields.find("elementdatafile");
+        return data == fields.end() || data->second.find("LOCAL") == std::string::npos;
+    }
+    return request.kind == "any";
+}
+
 /* ---- the formats of ITK ---- */
 
 template <typename Reader> itk::ImageIOBase::Pointer make()

@@ -107,6 +107,9 @@ struct Files {
 /* The regular files below a folder, hidden ones left out, in the order of their names. */
 void walk(Files &files, const std::string &folder, bool follows_links, size_t depth);
 
+/* Whether the voxels may lie in files beside this one, which is a header then. */
+bool may_name_others(const Request &request);
+
 void open_by_itk(Volume &volume, const Request &request, const std::string &name);
 void open_hdf5(Volume &volume, const Request &request);
 void open_dicom(Volume &volume, const Request &request);

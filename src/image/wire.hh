@@ -4,6 +4,15 @@
  * wire_prepare has moved it away.
  *
  * The end of input, or a request that breaks the protocol, ends the program.
+ *
+ * Before the first byte of a file is decoded, `confine` takes everything else from the process, in
+ * every use and whoever asks: whatever a hostile file makes of a library, it can
+ *     (W1) reach the files that the request names, and no other;
+ *     (W2) make the calls of confine_calls.h alone: no network, no other program, no other process;
+ *     (W3) hold so much memory (the client says how much), and take so much of the processor;
+ *     (W4) see no environment, and no descriptor but the socket's.
+ * Where the kernel has Landlock and seccomp (`iftty info` says so), the process ends rather than do
+ * without.
  */
 #ifndef IMAGE_WIRE_HH
 #define IMAGE_WIRE_HH
@@ -12,10 +21,17 @@
 #include <cerrno>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
+
+extern "C" {
+#include "base/confine.h"
+#include "base/confine_calls.h"
+}
 
 namespace wire
 {
@@ -121,18 +137,48 @@ inline void answer_error(std::string words)
     transmit("error " + std::to_string(words.size()) + "\n" + words);
 }
 
-/* Moves the socket away from standard input and output; no core, and no more memory than `most`. */
+inline void limit(int resource, rlim_t most)
+{
+    const struct rlimit both = {most, most};
+    setrlimit(static_cast<__rlimit_resource_t>(resource), &both);
+}
+
+/* Moves the socket away from standard input and output, and closes what was inherited besides; no
+ * core, and no more addresses than `most`. */
 inline void prepare(rlim_t most)
 {
-    fd = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
+    constexpr int socket = 3;
+    fd = dup3(STDIN_FILENO, socket, O_CLOEXEC);
     const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
     if (fd < 0 || nowhere < 0 || dup2(nowhere, STDIN_FILENO) < 0 ||
         dup2(nowhere, STDOUT_FILENO) < 0)
         leave(3);
-    const struct rlimit memory = {most, most}, core = {0, 0};
+    close_range(socket + 1, ~0U, 0);
     if (limits_memory)
-        setrlimit(RLIMIT_AS, &memory);
-    setrlimit(RLIMIT_CORE, &core);
+        limit(RLIMIT_AS, most);
+    limit(RLIMIT_CORE, 0);
+}
+
+struct Needs {
+    std::vector<struct confine_place> places; /* what is not there is passed over */
+    unsigned calls = 0;                       /* enum confine_calls */
+    bool writes = false;
+    rlim_t seconds = 0; /* of the processor's time */
+};
+
+/* The first three, for good. */
+inline void confine(const Needs &needs)
+{
+    constexpr rlim_t files_most = 256;
+    limit(RLIMIT_NOFILE, files_most);
+    limit(RLIMIT_CPU, needs.seconds);
+    if (!needs.writes)
+        limit(RLIMIT_FSIZE, 0);
+    prctl(PR_SET_DUMPABLE, 0);
+    if (confine_version() && !confine_to(needs.places.data(), needs.places.size()))
+        leave(5);
+    if (confine_knows_calls() && !confine_calls(needs.calls))
+        leave(5);
 }
 
 } // namespace wire

@@ -20,6 +20,7 @@
 #include "program/console.h"
 #include "program/programs.h"
 #include "base/confine.h"
+#include "base/confine_calls.h"
 #include "session/export.h"
 #include "session/histogram.h"
 #include "tui/cells.h"
@@ -323,19 +324,34 @@ static enum err add_file(struct facts *f, const char *path, struct fault *fault)
     return add_image(f, path, fault);
 }
 
-static void add_program(struct facts *f)
+/* What keeps hostile files and journals in, and what is missing for it. */
+static void add_confinement(struct facts *f)
 {
     const int landlock = confine_version();
+    const bool knows_calls = confine_knows_calls();
+    if (f->is_json) {
+        json_count(&f->json, "landlock", (uint64_t)landlock);
+        json_boolean(&f->json, "seccomp", knows_calls);
+        return;
+    }
+    begin_line(f, "landlock");
+    if (landlock == 0)
+        buf_add_text(f->out, "none in this kernel: replay and verify check names alone, and the "
+                             "helpers reach what you may");
+    else
+        buf_printf(f->out,
+                   "version %d: replay, verify and the helpers reach only the files they may",
+                   landlock);
+    add_text(f, "seccomp",
+             knows_calls ? "the helpers make few calls: no network, no other program or process"
+                         : "none on this machine: the helpers may make any call of the kernel");
+}
+
+static void add_program(struct facts *f)
+{
     add_text(f, "version", PROGRAM_VERSION);
     add_count(f, "semantics", SEMANTICS);
-    if (f->is_json)
-        json_count(&f->json, "landlock", (uint64_t)landlock);
-    else if (landlock == 0)
-        add_text(f, "landlock", "none in this kernel: replay and verify check names alone");
-    else {
-        begin_line(f, "landlock");
-        buf_printf(f->out, "version %d: replay and verify reach only the files they may", landlock);
-    }
+    add_confinement(f);
 }
 
 enum err run_info(const struct options *o, struct fault *fault)

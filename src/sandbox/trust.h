@@ -12,8 +12,9 @@
  *     (T3) so much memory, time and output (limits.h).
  * Names are resolved by openat2 with RESOLVE_BENEATH, or, where the kernel does not have it, step
  * by step without following any link; what is checked is the folder and file themselves, not their
- * names. Where the kernel has Landlock, T1 and T2 hold for the process and the image helper as well
- * (confine.h), even if a hostile file takes a decoder over.
+ * names. Where the kernel has Landlock, T1 and T2 hold for the process itself as well (confine.h),
+ * even if a hostile file takes a decoder over. The helpers are confined further, and in every use
+ * (wire.hh).
  *
  * The user's own journal, with which a session continues, is not restricted.
  */

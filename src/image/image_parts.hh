@@ -1,0 +1,39 @@
+/*
+ * What the parts of iftty-image share: what is asked, and who answers.
+ */
+#ifndef IMAGE_IMAGE_PARTS_HH
+#define IMAGE_IMAGE_PARTS_HH
+
+#include <cstdint>
+#include <string>
+
+namespace image
+{
+
+constexpr uint64_t side_most = 16384;
+constexpr uint64_t name_most = 4096;
+constexpr uint64_t value_most = 1 << 20;
+constexpr uint64_t notes_most = 1024;
+constexpr uint64_t frames_most = 1000;
+
+struct Request {
+    enum { WRITE, READ, ABOUT } kind = READ;
+    std::string path;
+    uint64_t width = 0, height = 0, notes = 0, frames = 0, delay_ms = 0; /* of WRITE */
+    std::string refusal; /* why it cannot be written, or none */
+};
+
+/* Each sends the answer. Libraries may throw before its first byte. */
+void write_image(const Request &request); /* takes the notes and the frames first */
+void read_image(const Request &request);
+void about_image(const Request &request);
+
+/* Formats that draw on a terminal or write nothing at all. */
+inline bool is_no_file(const std::string &format)
+{
+    return format == "term" || format == "null";
+}
+
+} // namespace image
+
+#endif

@@ -1,0 +1,200 @@
+/* Writing a picture, or several of one file, by OpenImageIO. */
+#include "image/image_parts.hh"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <utility>
+#include <vector>
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include "image/wire.hh"
+
+namespace image
+{
+
+using namespace wire;
+
+/* The HEIC writer of OpenImageIO 2.4 copies rows of libheif's length, which is that of 64 pixels or
+ * more, and a multiple of 16: of the last row it reads what lies after the picture. */
+constexpr uint64_t read_beyond = 256;
+
+struct Note {
+    std::string name, value;
+};
+
+std::vector<Note> receive_notes(uint64_t count)
+{
+    std::vector<Note> notes;
+    for (uint64_t i = 0; i < count; i++) {
+        std::string line = receive_line();
+        size_t at = 0;
+        uint64_t name = take_number(line, at, name_most);
+        uint64_t value = take_number(line, at, value_most);
+        Note note;
+        note.name = receive_text(name);
+        note.value = receive_text(value);
+        notes.push_back(std::move(note));
+    }
+    return notes;
+}
+
+std::string extension_of(const std::string &path)
+{
+    size_t dot = path.find_last_of('.');
+    return dot == std::string::npos ? std::string() : path.substr(dot);
+}
+
+/* Notes as the format has them; nothing that differs from one run to the next. */
+void add_notes(OIIO::ImageSpec &spec, const std::string &format, const std::vector<Note> &notes)
+{
+    if (format == "png") {
+        for (const Note &note : notes)
+            spec.attribute(note.name, note.value);
+        return;
+    }
+    std::string description;
+    for (const Note &note : notes)
+        description += note.name + ": " + note.value + "\n";
+    if (!description.empty())
+        spec.attribute("ImageDescription", description);
+}
+
+OIIO::ImageSpec spec_of(const Request &request, const std::vector<Note> &notes,
+                        const std::string &format)
+{
+    OIIO::ImageSpec spec(static_cast<int>(request.width), static_cast<int>(request.height), 3,
+                         OIIO::TypeUInt8);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    if (format == "hdr") { /* this one holds linear light */
+        spec.set_format(OIIO::TypeFloat);
+        spec.attribute("oiio:ColorSpace", "linear");
+    }
+    if (format == "jpeg") {
+        spec.attribute("Compression", "jpeg:95");
+        spec.attribute("jpeg:subsampling", "4:4:4");
+    }
+    if (format == "heif")
+        spec.attribute("Compression", "heic:100");
+    if (format == "webp")
+        spec.attribute("Compression", "lossless");
+    /* These put the time of writing in where none is given. PNG leaves out what is no time; the
+     * others, which would store even that, get the beginning of all of them. */
+    if (format == "png")
+        spec.attribute("DateTime", "none");
+    if (format == "tiff" || format == "dpx" || format == "rla")
+        spec.attribute("DateTime", "1970:01:01 00:00:00");
+    if (request.frames > 1 && request.delay_ms > 0) {
+        const int rate[2] = {1000, static_cast<int>(request.delay_ms)};
+        spec.attribute("FramesPerSecond", OIIO::TypeRational, rate);
+    }
+    add_notes(spec, format, notes);
+    return spec;
+}
+
+/* Linear light of the levels of sRGB (IEC 61966-2-1). */
+float linear_of(uint8_t level)
+{
+    const float v = static_cast<float>(level) / 255.0f;
+    return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+}
+
+bool write_frame(OIIO::ImageOutput &out, const std::vector<uint8_t> &pixels)
+{
+    if (out.spec().format != OIIO::TypeFloat)
+        return out.write_image(OIIO::TypeUInt8, pixels.data());
+    std::vector<float> light(pixels.size());
+    std::transform(pixels.begin(), pixels.end(), light.begin(), linear_of);
+    return out.write_image(OIIO::TypeFloat, light.data());
+}
+
+/* Opens for the frame `number`; some formats need to know all of them first. */
+bool open_frame(OIIO::ImageOutput &out, const Request &request, const OIIO::ImageSpec &spec,
+                uint64_t number)
+{
+    if (number > 0)
+        return out.open(request.path, spec, OIIO::ImageOutput::AppendSubimage);
+    if (request.frames > 1 && !out.supports("appendsubimage")) {
+        const std::vector<OIIO::ImageSpec> all(request.frames, spec);
+        return out.open(request.path, static_cast<int>(request.frames), all.data());
+    }
+    return out.open(request.path, spec);
+}
+
+std::string reason(OIIO::ImageOutput &out)
+{
+    const std::string words = out.geterror();
+    return words.empty() ? "OpenImageIO gives no reason" : words;
+}
+
+/* Writes what the request asks for as its frames arrive; the words of a failure, or none. Whatever
+ * happens, all frames are received. */
+std::string write_frames(const Request &request, const std::vector<Note> &notes,
+                         OIIO::ImageOutput *out, std::string words)
+{
+    std::vector<uint8_t> pixels;
+    pixels.reserve(3 * request.width * request.height + read_beyond);
+    pixels.resize(3 * request.width * request.height);
+    OIIO::ImageSpec spec;
+    if (words.empty())
+        spec = spec_of(request, notes, out->format_name());
+    for (uint64_t i = 0; i < request.frames; i++) {
+        receive(pixels.data(), pixels.size());
+        if (!words.empty())
+            continue;
+        try {
+            if (!open_frame(*out, request, spec, i) || !write_frame(*out, pixels))
+                words = reason(*out);
+        } catch (const std::bad_alloc &) {
+            throw;
+        } catch (const std::exception &error) {
+            words = *error.what() ? error.what() : "OpenImageIO gives no reason";
+        }
+    }
+    if (out && !out->close() && words.empty())
+        words = reason(*out);
+    return words;
+}
+
+void write_image(const Request &request)
+{
+    const std::vector<Note> notes = receive_notes(request.notes);
+    std::string words = request.refusal;
+    std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(request.path);
+    if (!words.empty()) {
+        out.reset();
+    } else if (!out || is_no_file(out->format_name())) {
+        OIIO::geterror();
+        out.reset();
+        words = "no known format writes " + extension_of(request.path) +
+                "; expected for instance .png, .exr, .tif or .jpg";
+    } else if (request.frames > 1 && !out->supports("multiimage")) {
+        words =
+            extension_of(request.path) + " holds one picture; expected for instance .gif or .tif";
+        out.reset();
+    }
+    /* The library does not check what closing a file returns, and so would not see that the disk
+     * was full; where it lets us hold the file, we check. (Its TIFF writer reports the failure by
+     * itself, and loses its directory when held.) */
+    std::unique_ptr<OIIO::Filesystem::IOFile> file;
+    if (out && std::strcmp(out->format_name(), "tiff") != 0 && out->supports("ioproxy")) {
+        file = std::make_unique<OIIO::Filesystem::IOFile>(request.path,
+                                                          OIIO::Filesystem::IOProxy::Write);
+        out->set_ioproxy(file.get());
+    }
+    words = write_frames(request, notes, out.get(), words);
+    if (words.empty() && file && (std::fflush(file->handle()) != 0 || std::ferror(file->handle())))
+        words = std::strerror(errno);
+    if (words.empty())
+        transmit("ok\n");
+    else
+        answer_error(words);
+}
+
+} // namespace image

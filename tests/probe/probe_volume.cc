@@ -1,0 +1,54 @@
+/* iftty-volume with what a hostile volume would try in place of its readers. */
+#include "image/volume_parts.hh"
+#include "tests/probe/attempts.hh"
+
+namespace volume
+{
+
+void expect_end(const std::string &)
+{
+}
+
+void catch_signals()
+{
+}
+
+void answer(const Volume &)
+{
+}
+
+void walk(Files &, const std::string &, bool, size_t)
+{
+}
+
+bool may_name_others(const Request &request)
+{
+    return request.path.find("beside") != std::string::npos;
+}
+
+static void probe(const Request &request)
+{
+    throw Refusal{"opening: " + attempts(request.path, false, false)};
+}
+
+void open_by_itk(Volume &, const Request &request, const std::string &)
+{
+    probe(request);
+}
+
+void open_hdf5(Volume &, const Request &request)
+{
+    probe(request);
+}
+
+void open_dicom(Volume &, const Request &request)
+{
+    probe(request);
+}
+
+void open_folder(Volume &, const Request &request, const Files &)
+{
+    probe(request);
+}
+
+} // namespace volume

@@ -1,0 +1,198 @@
+/* How the helpers are confined, from outside: what the kernel says of those that work, and what
+ * becomes of one that never ends, or holds all the memory that it gets (probe/). */
+#include "check.h"
+#include "folder.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/confine_calls.h"
+#include "base/file.h"
+#include "image/helper.h"
+#include "image/volume.h"
+#include "image/volume_helper.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+enum { IS_SANITISED = true };
+#else
+enum { IS_SANITISED = false };
+#endif
+
+static char folder[FOLDER_LENGTH];
+static const char *build;
+
+/* The path of a program of this build. */
+static const char *program(const char *name)
+{
+    static char path[2][FILE_LENGTH];
+    static unsigned turn;
+    char *at = path[turn++ % 2];
+    snprintf(at, FILE_LENGTH, "%s/%s", build, name);
+    return at;
+}
+
+static const char *file_with(const char *name, const char *text)
+{
+    const char *path = file_in(folder, name);
+    CHECK_INT(file_write(path, text, strlen(text), FILE_REPLACE, NULL), OK);
+    return path;
+}
+
+/* ---- what the kernel says ---- */
+
+/* The first process that `process` has started, 0 for none. */
+static int child_of(int process)
+{
+    char path[64];
+    snprintf(path, sizeof path, "/proc/%d/task/%d/children", process, process);
+    FILE *file = fopen(path, "r");
+    int child = 0;
+    if (file && fscanf(file, "%d", &child) != 1)
+        child = 0;
+    if (file)
+        fclose(file);
+    return child;
+}
+
+static bool has_status(int process, const char *line)
+{
+    char path[64], text[4096];
+    snprintf(path, sizeof path, "/proc/%d/status", process);
+    FILE *file = fopen(path, "r");
+    const size_t n = file ? fread(text, 1, sizeof text - 1, file) : 0;
+    if (file)
+        fclose(file);
+    text[n] = '\0';
+    return strstr(text, line) != NULL;
+}
+
+static bool works(int process)
+{
+    return has_status(process, "State:\tS") || has_status(process, "State:\tR");
+}
+
+static void check_status(int process)
+{
+    CHECK(process > 0);
+    CHECK(has_status(process, "NoNewPrivs:\t1"));
+    CHECK(!confine_knows_calls() || has_status(process, "Seccomp:\t2"));
+}
+
+/* A minute at most. */
+#define WAIT_UNTIL(condition)                                                                      \
+    for (int i = 0; i < 6000 && !(condition); i++)                                                 \
+    usleep(10000)
+
+STORY(the_image_helper_is_confined_before_the_first_pixel_comes)
+{
+    struct image_helper *helper = NULL;
+    struct picture picture;
+    struct image_movie movie;
+    CHECK_INT(image_helper_new(&helper, program("iftty-image"), NULL), OK);
+    CHECK_INT(picture_init(&picture, 8, 8, false, NULL), OK);
+    CHECK_INT(image_movie_begin(&movie, helper, file_in(folder, "a.gif"), FILE_REPLACE, &picture, 2,
+                                0, NULL),
+              OK);
+    const int taker = child_of(getpid());
+    int worker = 0;
+    WAIT_UNTIL((worker = child_of(taker)) > 0);
+    WAIT_UNTIL(has_status(worker, "NoNewPrivs:\t1") && has_status(worker, "Seccomp:\t2"));
+    check_status(worker);
+    image_movie_abandon(&movie);
+    WAIT_UNTIL(!works(worker));
+    CHECK(child_of(getpid()) == 0 && !works(worker));
+    picture_release(&picture);
+    image_helper_free(helper);
+}
+
+STORY(the_volume_helper_is_confined_before_it_says_what_is_in_a_file)
+{
+    static const char volume[] = "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\n"
+                                 "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n12345678";
+    struct volume_reader reader;
+    volume_helper_program = program("iftty-volume");
+    CHECK_INT(volume_open(&reader, file_with("a.mha", volume), NULL, NULL, NULL), OK);
+    check_status(child_of(getpid()));
+    volume_close(&reader);
+    volume_helper_program = NULL;
+}
+
+/* ---- those that go too far ---- */
+
+static const char *image_fault(const char *name)
+{
+    static struct fault fault;
+    struct image_helper *helper = NULL;
+    struct picture picture;
+    fault = (struct fault){0};
+    CHECK_INT(image_helper_new(&helper, program("tests/probe/iftty-image"), NULL), OK);
+    CHECK(image_helper_read(helper, file_with(name, "x"), &picture, &fault) != OK);
+    image_helper_free(helper);
+    return fault.text;
+}
+
+static const char *volume_fault(const char *name)
+{
+    static struct fault fault;
+    struct volume volume;
+    fault = (struct fault){0};
+    volume_helper_program = program("tests/probe/iftty-volume");
+    CHECK(volume_read(&volume, file_with(name, "NRRD0004\n"), NULL, NULL, &fault) != OK);
+    volume_helper_program = NULL;
+    return fault.text;
+}
+
+STORY(a_decoder_that_never_ends_is_ended_with_its_helper)
+{
+    image_helper_patience_ms = volume_helper_patience_ms = 3000;
+    CHECK_HAS(image_fault("spin.png"), "did not answer for 3 s and was ended");
+    CHECK_HAS(volume_fault("spin.nrrd"), "did not answer for 3 s and was ended");
+    image_helper_patience_ms = volume_helper_patience_ms = 60000;
+    CHECK_INT(child_of(getpid()), 0);
+}
+
+STORY(a_decoder_that_holds_more_and_more_is_refused_it)
+{
+    if (IS_SANITISED) {
+        SKIP("a sanitiser takes more memory than a replay leaves");
+        return;
+    }
+    image_helper_memory_most = volume_helper_memory_most = 600000000;
+    CHECK_HAS(image_fault("memory.png"), "memory refused after ");
+    CHECK_HAS(volume_fault("memory.nrrd"), "memory refused after ");
+    image_helper_memory_most = volume_helper_memory_most = 0;
+}
+
+STORY(an_answer_that_drips_is_none)
+{
+    static const char drip[] =
+        "i=0; while [ $((i += 1)) -le 90 ]; do printf x || exit 1; sleep 0.2; done";
+    static const char round[] = "printf 'progress 1 9\\nprogress 1 9\\n'; sleep 60";
+    struct fault fault = {0};
+    struct volume volume;
+    volume_helper_program = make_script(folder, "drip", drip);
+    volume_helper_patience_ms = 1000;
+    CHECK(volume_read(&volume, file_with("a.nrrd", "NRRD0004\n"), NULL, NULL, &fault) != OK);
+    CHECK_HAS(fault.text, "did not answer for 1 s and was ended");
+    volume_helper_program = make_script(folder, "round", round);
+    volume_helper_patience_ms = 60000;
+    CHECK(volume_read(&volume, file_in(folder, "a.nrrd"), NULL, NULL, &fault) != OK);
+    CHECK_HAS(fault.text, "makes no sense");
+    volume_helper_program = NULL;
+}
+
+int main(void)
+{
+    const struct story story[] = {
+        TELL(the_image_helper_is_confined_before_the_first_pixel_comes),
+        TELL(the_volume_helper_is_confined_before_it_says_what_is_in_a_file),
+        TELL(a_decoder_that_never_ends_is_ended_with_its_helper),
+        TELL(a_decoder_that_holds_more_and_more_is_refused_it),
+        TELL(an_answer_that_drips_is_none),
+    };
+    build = getenv("IFTTY_BUILD") ? getenv("IFTTY_BUILD") : "build";
+    if (!make_folder(folder, "confine"))
+        return 1;
+    const int status = check_run(story, sizeof story / sizeof *story);
+    return remove_folder(folder) == 0 ? status : 1;
+}
