@@ -33,9 +33,8 @@ static void look_at(struct neighbours *all, const struct surface_node *node, uin
     all[of].count++;
 }
 
-/* The nodes go the `share` / 1024 of the way to the means of their neighbours. */
-static void pass(struct surface_nodes *nodes, struct neighbours *all, int64_t share,
-                 struct task *task)
+/* The nodes go half the way to the means of their neighbours. */
+static void pass(struct surface_nodes *nodes, struct neighbours *all, struct task *task)
 {
     memset(all, 0, nodes->nodes * sizeof *all);
     for (size_t i = 0; i < nodes->segments && task_advance(task, 1); i++) {
@@ -47,7 +46,7 @@ static void pass(struct surface_nodes *nodes, struct neighbours *all, int64_t sh
     for (size_t i = 0; i < nodes->nodes; i++) {
         struct surface_node *node = &nodes->node[i];
         const int64_t count = all[i].count, way = all[i].sum - count * node->along;
-        node->along = within_line(node->along + way * share / (1024 * count));
+        node->along = within_line(node->along + way / (2 * count));
     }
 }
 
@@ -124,7 +123,7 @@ enum err surface_smooth(struct surface_nodes *nodes, unsigned passes, struct wat
         task_begin(watch, "smoothing",
                    (uint64_t)passes * nodes->segments + ROUNDS * (uint64_t)nodes->triangles);
     for (unsigned i = 0; i < passes && !watch_stops(watch); i++)
-        pass(nodes, all, 512, &task);
+        pass(nodes, all, &task);
     set_volumes(nodes, &task);
     free(all);
     return watch_fault(watch, fault);
