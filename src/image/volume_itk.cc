@@ -171,6 +171,13 @@ void describe(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request
 
 /* ---- headers of text ---- */
 
+std::string in_small_letters(std::string text)
+{
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+}
+
 /* The fields of a header of lines "NAME: VALUE" or "NAME = VALUE", by their names in small letters,
  * up to an empty line or the field `last`. */
 std::map<std::string, std::string> fields_of(const std::string &path, char between,
@@ -190,8 +197,7 @@ std::map<std::string, std::string> fields_of(const std::string &path, char betwe
         std::string name = line.substr(0, at), value = line.substr(at + 1);
         while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back())))
             name.pop_back();
-        std::transform(name.begin(), name.end(), name.begin(),
-                       [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        name = in_small_letters(name);
         fields[name] = value;
         if (name == last)
             break;
@@ -211,9 +217,7 @@ unsigned known_by_nrrd(const std::string &path)
          spacings->second.find("NaN") == std::string::npos))
         known |= SPACING;
     if (space != fields.end() && directions != fields.end()) {
-        std::string name = space->second;
-        std::transform(name.begin(), name.end(), name.begin(),
-                       [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        std::string name = in_small_letters(space->second);
         name.erase(0, name.find_first_not_of(" \t"));
         name = name.substr(0, name.find_last_not_of(" \t") + 1);
         static const std::set<std::string> anatomical = {"right-anterior-superior",
