@@ -162,6 +162,7 @@ enum err replay_run(const char *bytes, size_t length, const struct replay_host *
 {
     struct walk walk;
     struct record record;
+    sha256_bytes_hex(report->sha256, bytes, length);
     report->is_intact = true;
     report->chain = record_chain_zero;
     enum err err = walk_begin(&walk, bytes, length, fault);

@@ -13,3 +13,11 @@ void sha256_hex(char *out, struct sha256_ctx *sha, size_t bytes)
     }
     *out = '\0';
 }
+
+void sha256_bytes_hex(char out[SHA256_HEX], const void *bytes, size_t length)
+{
+    struct sha256_ctx sha;
+    sha256_init(&sha);
+    sha256_update(&sha, length, bytes);
+    sha256_hex(out, &sha, SHA256_DIGEST_SIZE);
+}

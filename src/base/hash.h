@@ -41,4 +41,7 @@ enum { SHA256_HEX = 65 };
 struct sha256_ctx;
 void sha256_hex(char *out, struct sha256_ctx *sha, size_t bytes);
 
+/* Of `length` bytes, all of its digits. */
+void sha256_bytes_hex(char out[SHA256_HEX], const void *bytes, size_t length);
+
 #endif

@@ -8,11 +8,13 @@
 #include "journal/journal.h"
 #include "journal/log.h"
 #include "program/anonymise.h"
+#include "program/console.h"
 #include "program/programs.h"
 #include "program/provenance.h"
 #include "session/semantics.h"
 #include "tui/cells.h"
 #include "tui/term.h"
+#include "verify/signature.h"
 
 static enum err read_journal(struct buf *bytes, const struct options *o, struct fault *fault)
 {
@@ -127,5 +129,39 @@ enum err run_log_repair(const struct options *o, struct fault *fault)
     if (!err)
         puts(buf_text(&lines));
     buf_release(&lines);
+    return err;
+}
+
+/* ---- signing ---- */
+
+/* Only what is intact is worth a signature. */
+static enum err check_intact(const struct buf *bytes, struct journal_condition *condition,
+                             struct fault *fault)
+{
+    const enum err err = journal_check(condition, buf_text(bytes), bytes->length, fault);
+    if (err)
+        return fault_prefix(fault, err, "only an intact journal is signed");
+    return condition->state == JOURNAL_INTACT
+               ? OK
+               : fault_set(fault, ERR_CHECK, "this is a script, not a journal, and was not signed");
+}
+
+enum err run_log_sign(const struct options *o, struct fault *fault)
+{
+    struct buf bytes = {0}, line = {0};
+    struct journal_condition condition;
+    enum err err = read_journal(&bytes, o, fault);
+    console_handle_interrupts();
+    if (!err)
+        err = check_intact(&bytes, &condition, fault);
+    if (!err)
+        err = signature_make(o->word[0], &bytes, o->sign, console_watch(), fault);
+    if (!err) {
+        buf_add_safe_text(&line, o->word[0]);
+        printf("# %s.sig signs %zu record%s, chain %s\n", buf_text(&line), condition.records,
+               plural(condition.records), condition.chain.hex);
+    }
+    buf_release(&line);
+    buf_release(&bytes);
     return err;
 }

@@ -1,5 +1,6 @@
 /* The table of programs, and that of their options. */
 #include "program/programs.h"
+#include "verify/signature.h"
 #include "verify/verify.h"
 
 /* ---- options ---- */
@@ -25,6 +26,7 @@ enum {
     EXPECT,
     LOCK,
     UPDATE_LOCK,
+    ALLOWED_SIGNERS,
     JUNIT,
     HTML,
     JSON,
@@ -52,6 +54,7 @@ enum {
     ANONYMISE,
     REPAIR,
     RESEAL,
+    SIGN,
 };
 
 static enum err read_graphics(const struct option *option, const char *text, void *out,
@@ -116,6 +119,10 @@ static const struct option option[] = {
     [UPDATE_LOCK] = {"--update-lock", NULL,
                      "write that file anew, where all journals verify; refused where CI is set",
                      FLAG(update_lock)},
+    [ALLOWED_SIGNERS] = {"--allowed-signers", "FILE",
+                         "fail unless JOURNAL.sig is a signature of each by somebody whom this "
+                         "file names, as ssh-keygen has it",
+                         TEXT(allowed_signers)},
     [JUNIT] = {"--junit", "FILE", "a report for other programs, written anew", TEXT(junit)},
     [HTML] = {"--html", "FILE",
               "a report as a page with the pictures of each failure, written anew", TEXT(html)},
@@ -153,6 +160,7 @@ static const struct option option[] = {
     [ANONYMISE] = {"--anonymise", FORM},
     [REPAIR] = {"--repair", FORM},
     [RESEAL] = {"--reseal", FORM},
+    [SIGN] = {"--sign", "KEY", "", TEXT(sign)},
 };
 
 /* ---- programs ---- */
@@ -193,8 +201,8 @@ static const struct program program[] = {
      .words = "JOURNAL...",
      .least = 0,
      .most = FILES_MOST,
-     .option = {PROCESSES, FROM, UNTIL, STRICT, NO_STRICT, EXPECT, LOCK, UPDATE_LOCK, JSON, JUNIT,
-                HTML, EVIDENCE_OUT, SCENE, LIMIT_OPTIONS},
+     .option = {PROCESSES, FROM, UNTIL, STRICT, NO_STRICT, EXPECT, LOCK, UPDATE_LOCK,
+                ALLOWED_SIGNERS, JSON, JUNIT, HTML, EVIDENCE_OUT, SCENE, LIMIT_OPTIONS},
      .summary = "the same quietly, with golden images; TAP",
      .detail = "Each journal is carried out in a process of its own, by the rules of `replay`. "
                "Nothing is written but what these options name.",
@@ -281,6 +289,16 @@ static const struct program program[] = {
      .option = {RESEAL, SCENE},
      .summary = "give an edited journal its results anew",
      .run = run_reseal},
+    {.name = "log",
+     .form = "--sign",
+     ONE("JOURNAL"),
+     .option = {SIGN},
+     .summary = "sign it with an SSH key, as JOURNAL.sig",
+     .detail = "By ssh-keygen, which asks for a passphrase where there is one. Every byte of the "
+               "journal is signed, so a journal that is continued is signed again. `iftty verify "
+               "--allowed-signers FILE` checks it, and so does ssh-keygen -Y verify, in the "
+               "namespace " SIGNATURE_NAMESPACE ".",
+     .run = run_log_sign},
     {.name = "show",
      ONE("PICTURE"),
      .option = {GRAPHICS, SMOOTH},

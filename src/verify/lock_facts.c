@@ -1,6 +1,5 @@
 #include "verify/lock_facts.h"
 
-#include <nettle/sha2.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -16,14 +15,11 @@ enum { GOLDEN_BYTES_MAX = 1 << 30 };
 static bool add_golden(struct name_list *lines, const char *path, const char *name)
 {
     struct buf file = {0}, bytes = {0}, line = {0};
-    struct sha256_ctx sha;
     char hex[SHA256_HEX];
     bool fine = true;
     if (!golden_path(&file, path, name, NULL) &&
         !file_read(&bytes, buf_text(&file), GOLDEN_BYTES_MAX, NULL)) {
-        sha256_init(&sha);
-        sha256_update(&sha, bytes.length, (const uint8_t *)buf_text(&bytes));
-        sha256_hex(hex, &sha, SHA256_DIGEST_SIZE);
+        sha256_bytes_hex(hex, buf_text(&bytes), bytes.length);
         buf_printf(&line, "golden %s %s", name, hex);
         fine = !line.failed && name_list_add(lines, buf_text(&line));
     }

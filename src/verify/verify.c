@@ -10,6 +10,7 @@
 #include "verify/lock_facts.h"
 #include "verify/orphan.h"
 #include "verify/replay_file.h"
+#include "verify/signature.h"
 #include "verify/strict.h"
 #include "verify/verify_report.h"
 
@@ -142,17 +143,33 @@ static enum err judge_facts(const struct verify_options *options, size_t number,
     return err ? err : judge_pinned(options->plan, number, result, fault);
 }
 
-static void add_facts(const struct verify_options *options, size_t number,
-                      struct verify_result *result)
+/* Before the walls are there: ssh-keygen, not this program, reads what others wrote. `sha256` is of
+ * the bytes that are signed. */
+static enum err judge_signature(const struct verify_options *options, const char *path,
+                                struct verify_result *result, char sha256[SHA256_HEX],
+                                struct fault *fault)
 {
-    struct fault fault = {0};
-    const enum err err = judge_facts(options, number, result, &fault);
+    struct buf bytes = {0};
+    if (!options->allowed_signers)
+        return OK;
+    enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
+    sha256_bytes_hex(sha256, buf_text(&bytes), bytes.length);
     if (!err)
-        return;
-    if (!result->err)
-        note_failure(result, err, false, &fault);
+        err = signature_check(&result->signer, path, &bytes, options->allowed_signers,
+                              options->watch, fault);
+    if (!err)
+        buf_printf(&result->lines, "# signed by %s\n", buf_text(&result->signer));
+    buf_release(&bytes);
+    return err;
+}
+
+/* Beside what the replay found. */
+static void add_failure(struct verify_result *result, enum err err, const struct fault *fault)
+{
+    if (err && !result->err)
+        note_failure(result, err, false, fault);
     else if (err == ERR_CHECK)
-        buf_printf(&result->lines, "# %s\n", fault.text);
+        buf_printf(&result->lines, "# %s\n", fault->text);
 }
 
 static bool is_missing(const struct verify_options *options, size_t number, struct fault *fault)
@@ -167,7 +184,7 @@ static bool is_missing(const struct verify_options *options, size_t number, stru
 /* ---- in the process of a journal ---- */
 
 static void replay_one(const struct verify_options *options, const char *path,
-                       struct verify_result *result)
+                       struct verify_result *result, char sha256[SHA256_HEX])
 {
     struct interpreter interp;
     struct replay_report report = {0};
@@ -204,9 +221,29 @@ static void replay_one(const struct verify_options *options, const char *path,
     if (report.executed)
         buf_add_text(&result->chain, report.chain.hex);
     result->took_ms = (clock_ns() - begin) / 1000000;
+    memcpy(sha256, report.sha256, SHA256_HEX);
     replay_report_release(&report);
     interpreter_release(&interp);
     buf_release(&folder);
+}
+
+static void verify_one(const struct verify_options *options, size_t number,
+                       struct verify_result *result)
+{
+    const char *path = options->path[number];
+    char replayed[SHA256_HEX] = "", signed_bytes[SHA256_HEX] = "";
+    struct fault fault = {0}, unsigned_words = {0};
+    if (is_missing(options, number, &fault)) {
+        note_failure(result, ERR_CHECK, false, &fault);
+        return;
+    }
+    enum err unsigned_err = judge_signature(options, path, result, signed_bytes, &unsigned_words);
+    replay_one(options, path, result, replayed);
+    if (!unsigned_err && *signed_bytes && *replayed && strcmp(signed_bytes, replayed) != 0)
+        unsigned_err =
+            fault_set(&unsigned_words, ERR_CHECK, "it was changed while it was verified");
+    add_failure(result, unsigned_err, &unsigned_words);
+    add_failure(result, judge_facts(options, number, result, &fault), &fault);
 }
 
 /* ---- all of them ---- */
@@ -223,13 +260,7 @@ static void work(void *context, size_t number, struct buf *out)
 {
     const struct verification *v = context;
     struct verify_result result = {.path = NULL};
-    struct fault fault = {0};
-    if (is_missing(v->options, number, &fault)) {
-        note_failure(&result, ERR_CHECK, false, &fault);
-    } else {
-        replay_one(v->options, v->options->path[number], &result);
-        add_facts(v->options, number, &result);
-    }
+    verify_one(v->options, number, &result);
     verify_result_write(out, &result);
 }
 

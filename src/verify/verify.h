@@ -23,6 +23,7 @@ struct verify_options {
     bool json;                   /* one JSON object is printed instead of TAP */
     bool strict;                 /* what leaves anything unproven is a failure (strict.h) */
     const char *expect;          /* the last chain that the only journal is to have, or NULL */
+    const char *allowed_signers; /* who may have signed each (signature.h), or NULL */
     struct lock_plan *plan;      /* `path` are its journals, which are as it says; or NULL */
     size_t first, last;          /* records to compare; 0 for all */
     unsigned processes;          /* at most so many at once, 1..PROCESSES_MOST */

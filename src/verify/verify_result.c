@@ -10,6 +10,7 @@ void verify_result_release(struct verify_result *result)
     buf_release(&result->lines);
     buf_release(&result->chain);
     buf_release(&result->facts);
+    buf_release(&result->signer);
     evidence_release(&result->evidence);
 }
 
@@ -28,7 +29,7 @@ void verify_result_tell(struct buf *out, const struct verify_result *r)
 static struct buf *part_of(const struct verify_result *result, size_t number)
 {
     struct verify_result *r = (struct verify_result *)(uintptr_t)result;
-    struct buf *const part[] = {&r->why, &r->lines, &r->chain, &r->facts};
+    struct buf *const part[] = {&r->why, &r->lines, &r->chain, &r->facts, &r->signer};
     enum { PARTS = sizeof part / sizeof *part };
     if (number < PARTS)
         return part[number];

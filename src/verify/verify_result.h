@@ -3,7 +3,8 @@
  * through a pipe, in a form where everything is counted:
  *
  *     result ERR EXECUTED COMPARED DIGESTS GOLDENS PIXELS TOOK_MS PICTURES\n
- *     part BYTES\n...     why, lines, chain, facts, and for each picture its caption and its PNG
+ *     part BYTES\n...     why, lines, chain, facts, signer, and for each picture its caption and
+ *                         its PNG
  *
  * with ERR the number of an enum err. A process that dies leaves less than that, which is refused.
  */
@@ -20,10 +21,11 @@ struct verify_result {
     uint64_t digests;            /* of those results, the words that are digests */
     uint64_t goldens, pixels;    /* golden images that are the same, and their pixels */
     uint64_t took_ms;
-    struct buf why;   /* of a failure: one line, without line feed, safe to print */
-    struct buf lines; /* more about it: lines that begin with "# " */
-    struct buf chain; /* 32 digits: of the last record that was carried out; "" for none */
-    struct buf facts; /* what a lock says of it (lock_facts.h), where that was asked for; or "" */
+    struct buf why;    /* of a failure: one line, without line feed, safe to print */
+    struct buf lines;  /* more about it: lines that begin with "# " */
+    struct buf chain;  /* 32 digits: of the last record that was carried out; "" for none */
+    struct buf facts;  /* what a lock says of it (lock_facts.h), where that was asked for; or "" */
+    struct buf signer; /* who signed it, where that was asked for, safe to print; or "" */
     struct evidence evidence;
 };
 
