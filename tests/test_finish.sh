@@ -55,6 +55,31 @@ same_files eight.nii resumed.nii
 expect 0 "$iftty" verify a.iftty
 close_story
 
+begin "relaxed labels follow seeds that change no label, and verify for any number of threads"
+cat >settle <<'END'
+open scene.nii
+seed 7,12,10 1 radius=2
+seed 25,20,15 2 radius=2
+run
+finish relax sweeps=9
+save labels first.nii finished=yes
+seed 8,15,10 1
+run
+save labels second.nii finished=yes
+finish relax label=2
+save labels third.nii finished=yes
+END
+expect 0 "$iftty" run settle --journal settle.iftty
+out_has "finish    relax sweeps=9, relax sweeps=60 label=2"
+for threads in 1 2 3; do
+    IFTTY_THREADS=$threads expect 0 "$iftty" verify settle.iftty
+done
+expect 2 "$iftty" -c 'open scene.nii; finish relax radius=2'
+err_has "radius: \`finish relax\` has none"
+expect 2 "$iftty" -c 'open scene.nii; finish relax sweeps=0'
+err_has "sweeps: expected a number 1..1000, not 0"
+close_story
+
 begin "another outcome than the recorded one is found, with its record"
 sed 's/radius=1/radius=2/; s/\(save labels \)\([a-z]*\)/\1other-\2/' script >other
 expect 0 "$iftty" run other --journal other.iftty

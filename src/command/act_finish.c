@@ -2,7 +2,7 @@
 #include "command/act.h"
 
 /* The places of the parameters in the table. */
-enum { FINISH_STEP, FINISH_RADIUS, FINISH_VOXELS, FINISH_LABEL };
+enum { FINISH_STEP, FINISH_RADIUS, FINISH_VOXELS, FINISH_SWEEPS, FINISH_LABEL };
 
 void act_write_finish(struct buf *out, const struct session *session)
 {
@@ -21,10 +21,11 @@ static enum err take_argument(struct finish_step *step, const struct value *valu
         const char *name;
         enum finish_argument takes;
     } argument[] = {[FINISH_RADIUS] = {"radius", FINISH_TAKES_RADIUS},
-                    [FINISH_VOXELS] = {"voxels", FINISH_TAKES_VOXELS}};
+                    [FINISH_VOXELS] = {"voxels", FINISH_TAKES_VOXELS},
+                    [FINISH_SWEEPS] = {"sweeps", FINISH_TAKES_SWEEPS}};
     const struct finish_row *row = &finish_table[step->kind];
     step->argument = row->usual;
-    for (int i = FINISH_RADIUS; i <= FINISH_VOXELS; i++) {
+    for (int i = FINISH_RADIUS; i <= FINISH_SWEEPS; i++) {
         if (value[i].given && row->takes != argument[i].takes)
             return fault_set(fault, ERR_USAGE, "%s: `finish %s` has none", argument[i].name,
                              row->name);

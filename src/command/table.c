@@ -2,6 +2,7 @@
 #include "command/act.h"
 #include "command/opening.h"
 
+#include "engine/finish.h"
 #include "engine/surface.h"
 #include "engine/weight.h"
 #include "render/view.h"
@@ -518,6 +519,7 @@ const struct command command_table[] = {
      {MAY("STEP", VALUE_CHOICE, .choices = FINISH_KINDS "|none"),
       KEYED("radius", VALUE_RADIUS, .most = FINISH_RADIUS_MOST),
       KEYED("voxels", VALUE_NUMBER, .least = 1, .most = 1000000000),
+      KEYED("sweeps", VALUE_NUMBER, .least = 1, .most = FINISH_SWEEPS_MOST),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255)},
      "smooth and clean the labels that are handed on",
      "Adds a step to the list, which `finished=yes` carries out in its order; without "
@@ -525,6 +527,7 @@ const struct command command_table[] = {
      "planted "
      "at any time.\n" FINISH_NOTES "none: removes all steps.\n"
      "radius: voxels, 1 unless given, or millimetres as in 2.5mm, which heed the spacing.\n"
+     "sweeps: of `relax`, 60 unless given.\n"
      "label: for one label, instead of all.",
      "finish majority radius=1"},
     {COMMAND("save", act_save, GROUP_KEPT, R | S | E),

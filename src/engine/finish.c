@@ -86,6 +86,8 @@ static void write_step(struct buf *out, const struct finish_step *step)
         buf_printf(out, " radius=%u", step->argument);
     else if (row->takes == FINISH_TAKES_VOXELS)
         buf_printf(out, " voxels=%u", step->argument);
+    else if (row->takes == FINISH_TAKES_SWEEPS)
+        buf_printf(out, " sweeps=%u", step->argument);
     if (step->label != FINISH_ALL_LABELS)
         buf_printf(out, " label=%u", step->label);
 }

@@ -4,6 +4,7 @@
  * An ordered list of steps, each of which makes labels out of labels. The outcome is a pure
  * function of the forest's labels and the list, in integers alone: the same bits on every machine,
  * for any number of threads.
+ * A step may look at the scene's intensities and seeds besides.
  *
  * What holds for all steps
  *   N1 a voxel that no seed reaches, or that lies outside the region of interest, has label 0, as
@@ -30,6 +31,12 @@
  *   open        A voxel of a label but 0 stays where a ball of `radius` can be placed over it, all
  *               of whose voxels have its label. The others are given away, component by component
  *               of what is to be given away. For one label: of that one.
+ *   relax       Labels settle on the edges of the scene: each has a field that is 1 in it and 0
+ *               elsewhere, and every voxel near a border moves `sweeps` times towards the mean of
+ *               its neighbours, those across an edge counting little; then the greatest field wins
+ *               (engine/relax_field.h, engine/finish_relax.c). Seeds and voxels outside the region
+ *               of interest keep their labels. For one label: where a voxel would lose or get that
+ *               label.
  *   close       A voxel of label 0 takes a label but 0 where every ball of `radius` over it has a
  *               voxel of that label; of several labels, the smallest. For one label: of that one.
  *
@@ -49,17 +56,28 @@
 #include "engine/components.h"
 #include "engine/scene.h"
 
-enum { FINISH_STEPS_MOST = 16, FINISH_RADIUS_MOST = 16, FINISH_ALL_LABELS = 256 };
+enum {
+    FINISH_STEPS_MOST = 16,
+    FINISH_RADIUS_MOST = 16,
+    FINISH_ALL_LABELS = 256,
+    FINISH_SWEEPS_MOST = 1000
+};
 
 /* What a step may take beside its label. */
-enum finish_argument { FINISH_TAKES_NOTHING, FINISH_TAKES_RADIUS, FINISH_TAKES_VOXELS };
+enum finish_argument {
+    FINISH_TAKES_NOTHING,
+    FINISH_TAKES_RADIUS,
+    FINISH_TAKES_VOXELS,
+    FINISH_TAKES_SWEEPS
+};
 
 /* The steps, one row each: KIND, name, what it takes, that where none is given (0: it must be), and
  * a line of help. A row names a function, which one file defines: finish_NAME. */
 #define FINISH_LIST(FIRST, NEXT)                                                                   \
-    FIRST(MAJORITY, majority, RADIUS, 1,                                                           \
-          "majority: a voxel takes the label that most voxels have in the cube of the radius "     \
-          "around it.\n")                                                                          \
+    FIRST(RELAX, relax, SWEEPS, 60, "relax: labels settle on the edges of the scene.\n")           \
+    NEXT(MAJORITY, majority, RADIUS, 1,                                                            \
+         "majority: a voxel takes the label that most voxels have in the cube of the radius "      \
+         "around it.\n")                                                                           \
     NEXT(LARGEST, largest, NOTHING, 0,                                                             \
          "largest: the largest piece of each label stays; others go to the label around them.\n")  \
     NEXT(COMPONENTS, components, VOXELS, 0,                                                        \
@@ -83,7 +101,7 @@ enum finish_kind {
 struct finish_step {
     uint32_t kind;
     uint32_t label;    /* 1..255, or FINISH_ALL_LABELS */
-    uint32_t argument; /* radius: voxels, or nanometres; voxels; 0 for nothing */
+    uint32_t argument; /* radius: voxels, or nanometres; voxels; sweeps; 0 for nothing */
     uint32_t in_nm;    /* 0 or 1, of a radius */
 };
 

@@ -10,11 +10,22 @@ void finished_release(struct finished *finished)
     *finished = (struct finished){0};
 }
 
+/* Steps that heed seeds and the region of interest as well as labels. */
+static bool heeds_seeds(const struct finish_list *list)
+{
+    bool heeds = false;
+    for (uint32_t i = 0; i < list->count; i++)
+        heeds |= list->step[i].kind == FINISH_RELAX;
+    return heeds;
+}
+
 /* Whether they are those of the present labels and steps. */
 static bool is_made(const struct session *session)
 {
     const struct finished *f = &session->finished;
     return f->label && f->forest == forest_label_digest(session->forest) &&
+           (!heeds_seeds(&f->by) ||
+            (f->keys == forest_digest(session->forest) && f->roi == session->roi_tally.digest)) &&
            memcmp(f->size, session->scene->grid.size, sizeof f->size) == 0 &&
            memcmp(&f->by, &session->now.kept.finish, sizeof f->by) == 0;
 }
@@ -25,6 +36,8 @@ static enum err make(struct session *session, struct fault *fault)
     struct finished made = {.cells = grid->cells,
                             .size = {grid->size[0], grid->size[1], grid->size[2]},
                             .forest = forest_label_digest(session->forest),
+                            .keys = forest_digest(session->forest),
+                            .roi = session->roi_tally.digest,
                             .by = session->now.kept.finish};
     enum err err = finish_make(&made.label, &made.by, session->scene, session->team, fault);
     if (err)

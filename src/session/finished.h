@@ -17,6 +17,8 @@ struct finished {
     size_t cells;
     uint32_t size[3];      /* of the scene, */
     uint64_t forest;       /* the digest of the forest's labels, */
+    uint64_t keys;         /* that of its keys, which tell seeds, */
+    uint64_t roi;          /* that of the region of interest, */
     struct finish_list by; /* and the steps */
     uint64_t digest;       /* of what came of it (labels_digest) */
 };

@@ -58,6 +58,9 @@ static const char *const steps[] = {
     "run",
     "undo",
     "adjacency 26",
+    "finish relax",
+    "save labels relaxed.nii finished=yes",
+    "finish none",
     "finish majority",
     "save labels finished.nii finished=yes",
     "finish largest",
@@ -68,8 +71,8 @@ static const char *const steps[] = {
 };
 enum { STEPS = sizeof steps / sizeof *steps };
 
-static const char *const map[] = {"labels.nii", "labels.nii.gz", "cost.nii", "root.nii",
-                                  "finished.nii"};
+static const char *const map[] = {"labels.nii", "labels.nii.gz", "cost.nii",
+                                  "root.nii",   "finished.nii",  "relaxed.nii"};
 
 /* ---- watching ---- */
 

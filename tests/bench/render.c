@@ -339,6 +339,8 @@ static enum err time_steps(struct session *session, struct table *table, struct 
     if (!err)
         err = time_finish(session, table, "finish: majority radius 3", FINISH_MAJORITY, 3, fault);
     if (!err)
+        err = time_finish(session, table, "finish: relax, 60 sweeps", FINISH_RELAX, 60, fault);
+    if (!err)
         err = time_finish(session, table, "finish: largest", FINISH_LARGEST, 0, fault);
     if (!err)
         err = time_finish(session, table, "finish: open radius 3", FINISH_OPEN, 3, fault);

@@ -1,0 +1,427 @@
+#include "engine/relax_field.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+
+/* Several versions of a function, of which the one for the machine at hand is called. */
+#if defined __x86_64__ && defined __gnu_linux__ && !defined __clang__ &&                           \
+    !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__
+#define WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define WIDE
+#endif
+
+/* Values side by side, which the compiler takes to pieces where the machine has no such. */
+enum { LANES = 8, BYTES = 16, FEW = 8 };
+typedef int32_t lanes __attribute__((vector_size(4 * LANES)));
+typedef uint16_t half_lanes __attribute__((vector_size(2 * LANES)));
+typedef uint8_t bytes __attribute__((vector_size(BYTES)));
+typedef uint8_t few_bytes __attribute__((vector_size(FEW))); /* which labels have behind the last */
+
+/* ---- what a difference of greys lets through ---- */
+
+/* 65536 * exp(-400 * (d / 255)^2), to the nearest; 1 from there on. */
+static const uint32_t through[] = {
+    65536, 65134, 63943, 62006, 59393, 56194, 52517, 48481, 44208, 39818, 35426,
+    31133, 27026, 23173, 19627, 16420, 13569, 11076, 8931,  7113,  5596,  4348,
+    3338,  2531,  1895,  1402,  1024,  739,   527,   371,   258,   177,   120,
+    81,    53,    35,    23,    14,    9,     6,     3,     2,
+};
+
+static uint32_t lets_through(uint8_t a, uint8_t b)
+{
+    const unsigned difference = a < b ? b - a : a - b;
+    return difference < sizeof through / sizeof through[0] ? through[difference] : 1;
+}
+
+void relax_find_greys(struct relax_greys *greys, const struct scene *scene)
+{
+    static const size_t looked_at = 1u << 22;
+    static uint32_t count[UINT16_MAX + 1];
+    const struct grid *grid = &scene->grid;
+    const size_t rows = (size_t)grid->size[1] * grid->size[2];
+    const size_t each = (grid->voxels + looked_at - 1) / looked_at;
+    uint64_t all = 0, below = 0;
+    int64_t low = 0, high = 0;
+    memset(count, 0, sizeof count);
+    for (size_t r = 0; r < rows; r += each) {
+        const struct span row =
+            grid_row(grid, (uint32_t)(r % grid->size[1]), (uint32_t)(r / grid->size[1]));
+        for (uint32_t c = row.first; c < row.end; c++)
+            count[scene->cell[c].intensity]++;
+        all += grid->size[0];
+    }
+    for (int64_t i = 0; i <= UINT16_MAX; i++) {
+        low = below * 1000 <= all ? i : low;
+        high = below * 1000 < all * 999 ? i : high;
+        below += count[i];
+    }
+    high = high > low ? high : low + 1;
+    for (int64_t i = 0; i <= UINT16_MAX; i++) {
+        const int64_t grey = (2 * (i - low) * 255 + high - low) / (2 * (high - low));
+        greys->of[i] = (uint8_t)(i <= low ? 0 : grey < 255 ? grey : 255);
+    }
+}
+
+/* ---- the band ---- */
+
+/* What a field is made from, by a thread team. */
+struct making {
+    struct relax_field *field;
+    const uint8_t *label;
+    const struct relax_greys *greys;
+    struct team *team;
+    uint8_t which;
+};
+
+enum { NOT_YET = 100 }; /* steps: of voxels that no way has come to; far more than RELAX_REACH */
+
+/* Stored bytes of a row of `far`. */
+static size_t far_length(const struct relax_field *f)
+{
+    return ((size_t)f->size[0] + BYTES - 1) / BYTES * BYTES;
+}
+
+static uint8_t *far_row(const struct relax_field *f, uint32_t y, uint32_t z)
+{
+    return f->far + ((size_t)z * f->size[1] + y) * far_length(f);
+}
+
+static uint32_t first_cell(const struct relax_field *f, uint32_t y, uint32_t z)
+{
+    return grid_cell(&f->scene->grid, f->box.first[0], f->box.first[1] + y, f->box.first[2] + z);
+}
+
+/* The row beside, or the row itself where that is at the edge of the scene. */
+static const uint8_t *beside(const uint8_t *row, const struct grid *grid, int axis, uint32_t at,
+                             int way)
+{
+    const bool is_edge = way < 0 ? at == 0 : at == grid->size[axis] - 1;
+    return is_edge ? row : row + way * grid->step[axis];
+}
+
+/* One step where a neighbour by a face is on the other side, and NOT_YET elsewhere. */
+static void begin_far(const struct making *m, uint32_t y, uint32_t z)
+{
+    const struct relax_field *f = m->field;
+    const struct grid *grid = &f->scene->grid;
+    const uint8_t *row = m->label + first_cell(f, y, z);
+    const uint8_t *near[6] = {row - 1, row + 1};
+    uint8_t *far = far_row(f, y, z);
+    near[2] = beside(row, grid, 1, f->box.first[1] + y, -1);
+    near[3] = beside(row, grid, 1, f->box.first[1] + y, 1);
+    near[4] = beside(row, grid, 2, f->box.first[2] + z, -1);
+    near[5] = beside(row, grid, 2, f->box.first[2] + z, 1);
+    for (uint32_t x = 0; x < f->size[0]; x += FEW) {
+        few_bytes own, other, differs = {0};
+        memcpy(&own, row + x, sizeof own);
+        for (int i = 0; i < 6; i++) {
+            memcpy(&other, near[i] + x, sizeof other);
+            differs |= (few_bytes)(other == m->which) ^ (few_bytes)(own == m->which);
+        }
+        differs = (differs & 1) | (~differs & NOT_YET);
+        memcpy(far + x, &differs, sizeof differs);
+    }
+    for (int end = 0; end < 2; end++) { /* what lies beyond the scene is no other side */
+        const uint32_t x = end ? f->size[0] - 1 : 0;
+        bool differs = false;
+        for (int i = 0; i < 6; i++)
+            if (i > 1 ||
+                (i == 0 ? f->box.first[0] + x > 0 : f->box.first[0] + x + 1 < grid->size[0]))
+                differs |= (near[i][x] == m->which) != (row[x] == m->which);
+        far[x] = differs ? 1 : NOT_YET;
+    }
+}
+
+static void spread_along_row(uint8_t *far, uint32_t length)
+{
+    for (uint32_t x = 1; x < length; x++)
+        far[x] = far[x] > far[x - 1] + 1 ? (uint8_t)(far[x - 1] + 1) : far[x];
+    for (uint32_t x = length - 1; x > 0; x--)
+        far[x - 1] = far[x - 1] > far[x] + 1 ? (uint8_t)(far[x] + 1) : far[x - 1];
+}
+
+WIDE static void spread_to_row(uint8_t *far, const uint8_t *from, size_t length)
+{
+    for (size_t x = 0; x < length; x += BYTES) {
+        bytes own, other;
+        memcpy(&own, far + x, sizeof own);
+        memcpy(&other, from + x, sizeof other);
+        other += 1;
+        const bytes nearer = (bytes)(other < own);
+        own = (other & nearer) | (own & ~nearer);
+        memcpy(far + x, &own, sizeof own);
+    }
+}
+
+/* There and back along y or z, of the row that the other axis has at `at`. */
+static void spread_across(const struct relax_field *f, int axis, uint32_t at)
+{
+    const uint32_t count = f->size[axis];
+    const size_t length = far_length(f);
+    for (uint32_t i = 1; i < count; i++)
+        axis == 1 ? spread_to_row(far_row(f, i, at), far_row(f, i - 1, at), length)
+                  : spread_to_row(far_row(f, at, i), far_row(f, at, i - 1), length);
+    for (uint32_t i = count - 1; i > 0; i--)
+        axis == 1 ? spread_to_row(far_row(f, i - 1, at), far_row(f, i, at), length)
+                  : spread_to_row(far_row(f, at, i - 1), far_row(f, at, i), length);
+}
+
+/* ---- values and weights ---- */
+
+static size_t stored_row(const struct relax_field *f, uint32_t y, uint32_t z)
+{
+    return ((size_t)z + 1) * (f->size[1] + 2) + y + 1;
+}
+
+/* The parity of the voxel at x = 0 of a row of the box. */
+static unsigned parity_of(const struct relax_field *f, uint32_t y, uint32_t z)
+{
+    return (f->box.first[0] + f->box.first[1] + f->box.first[2] + y + z) & 1;
+}
+
+static size_t stored_at(const struct relax_field *f, size_t row, uint32_t x)
+{
+    return row * f->length + 1 + x / 2;
+}
+
+int32_t relax_value(const struct relax_field *f, uint32_t x, uint32_t y, uint32_t z)
+{
+    return f->u[(parity_of(f, y, z) + x) & 1][stored_at(f, stored_row(f, y, z), x)];
+}
+
+bool relax_is_in_band(const struct relax_field *f, uint32_t x, uint32_t y, uint32_t z)
+{
+    return far_row(f, y, z)[x] <= RELAX_REACH;
+}
+
+/* False for a voxel that stays. */
+static bool find_weights(uint16_t w[6], const struct making *m, uint32_t at)
+{
+    const struct scene *scene = m->field->scene;
+    const ptrdiff_t *step = scene->grid.step;
+    const ptrdiff_t way[6] = {-step[2], -step[1], -step[0], step[0], step[1], step[2]};
+    const struct cell *cell = scene->cell + at;
+    uint32_t through_face[6], sum = 0;
+    if (cell->flags & (CELL_SEED | CELL_OUTSIDE))
+        return false;
+    for (int i = 0; i < 6; i++) {
+        const struct cell *other = cell + way[i];
+        through_face[i] =
+            other->flags & (CELL_RIM | CELL_OUTSIDE)
+                ? 0
+                : lets_through(m->greys->of[cell->intensity], m->greys->of[other->intensity]);
+        sum += through_face[i];
+    }
+    if (sum == 0)
+        return false;
+    const uint64_t each = (UINT64_C(1536) << 32) / sum;
+    for (int i = 0; i < 6; i++)
+        w[i] = (uint16_t)(through_face[i] * each >> 32);
+    return true;
+}
+
+static void fill_row(const struct making *m, uint32_t y, uint32_t z)
+{
+    struct relax_field *f = m->field;
+    const uint32_t cell = first_cell(f, y, z);
+    const uint8_t *far = far_row(f, y, z);
+    const size_t row = stored_row(f, y, z);
+    const unsigned parity = parity_of(f, y, z);
+    for (uint32_t x = 0; x < f->size[0]; x++) {
+        const unsigned colour = (parity + x) & 1;
+        const size_t at = stored_at(f, row, x);
+        uint16_t w[6];
+        if (m->label[cell + x] == m->which)
+            f->u[colour][at] = RELAX_ONE;
+        if (far[x] > RELAX_REACH || !find_weights(w, m, cell + x))
+            continue;
+        struct relax_part *part = &f->part[colour][row];
+        for (int i = 0; i < 6; i++)
+            f->w[colour][i][at] = w[i];
+        if (part->first == part->end)
+            part->first = (uint32_t)(at - row * f->length);
+        part->end = (uint32_t)(at - row * f->length) + 1;
+        f->weight[z + 1]++;
+    }
+}
+
+static void make_part(void *context, unsigned worker)
+{
+    const struct making *m = context;
+    const struct relax_field *f = m->field;
+    const struct share planes = team_share(m->team, worker, f->size[2]);
+    const struct share rows = team_share(m->team, worker, f->size[1]);
+    struct task task = task_begin_part(f->scene->watch, "relaxed labels", 0, worker);
+    bool goes_on = true;
+    for (size_t z = planes.first; z < planes.end; z++) {
+        for (uint32_t y = 0; y < f->size[1] && goes_on; y++) {
+            begin_far(m, y, (uint32_t)z);
+            spread_along_row(far_row(f, y, (uint32_t)z), f->size[0]);
+            goes_on = task_advance(&task, f->size[0]);
+        }
+        if (goes_on)
+            spread_across(f, 1, (uint32_t)z);
+    }
+    team_wait(m->team);
+    for (size_t y = rows.first; y < rows.end && goes_on; y++) {
+        spread_across(f, 2, (uint32_t)y);
+        goes_on = task_advance(&task, far_length(f) * f->size[2] / 4);
+    }
+    team_wait(m->team);
+    for (size_t z = planes.first; z < planes.end; z++)
+        for (uint32_t y = 0; y < f->size[1] && goes_on; y++) {
+            fill_row(m, y, (uint32_t)z);
+            goes_on = task_advance(&task, 4 * (uint64_t)f->size[0]);
+        }
+}
+
+/* ---- made and released ---- */
+
+static void find_box(struct relax_field *f, const struct relax_box *around)
+{
+    for (int a = 0; a < 3; a++) {
+        const uint32_t first = around->first[a], last = around->last[a];
+        const uint32_t end = f->scene->grid.size[a] - 1;
+        f->box.first[a] = first > RELAX_REACH ? first - RELAX_REACH : 0;
+        f->box.last[a] = end - last > RELAX_REACH ? last + RELAX_REACH : end;
+        f->size[a] = f->box.last[a] - f->box.first[a] + 1;
+    }
+}
+
+/* Where memory has run out: false. A stored row ends with room for a whole step of lanes. */
+static bool allocate(struct relax_field *f)
+{
+    const size_t rows = ((size_t)f->size[1] + 2) * ((size_t)f->size[2] + 2);
+    f->length = f->size[0] / 2 + 2 + LANES;
+    f->cells = rows * f->length;
+    f->far = mem_pages(far_length(f) * f->size[1] * f->size[2]);
+    f->weight = mem_new(((size_t)f->size[2] + 1) * sizeof *f->weight);
+    bool fits = f->far && f->weight;
+    for (int colour = 0; colour < 2; colour++) {
+        f->part[colour] = mem_new(rows * sizeof *f->part[colour]);
+        f->u[colour] = mem_pages(f->cells * sizeof *f->u[colour]);
+        fits = fits && f->part[colour] && f->u[colour];
+        for (int i = 0; i < 6; i++) {
+            f->w[colour][i] = mem_pages(f->cells * sizeof *f->w[colour][i]);
+            fits = fits && f->w[colour][i];
+        }
+    }
+    return fits;
+}
+
+enum err relax_field_init(struct relax_field *field, const struct scene *scene,
+                          const uint8_t *label, uint8_t which, const struct relax_box *around,
+                          const struct relax_greys *greys, struct team *team, struct fault *fault)
+{
+    struct making making = {field, label, greys, team, which};
+    *field = (struct relax_field){.scene = scene};
+    find_box(field, around);
+    if (!allocate(field)) {
+        relax_field_release(field);
+        return fault_memory(fault, "relaxed labels");
+    }
+    team_run(team, make_part, &making);
+    for (uint32_t z = 0; z < field->size[2]; z++)
+        field->weight[z + 1] += field->weight[z];
+    return OK;
+}
+
+void relax_field_release(struct relax_field *f)
+{
+    if (f->far)
+        mem_pages_free(f->far, far_length(f) * f->size[1] * f->size[2]);
+    for (int colour = 0; colour < 2; colour++) {
+        free(f->part[colour]);
+        mem_pages_free(f->u[colour], f->cells * sizeof *f->u[colour]);
+        for (int i = 0; i < 6; i++)
+            mem_pages_free(f->w[colour][i], f->cells * sizeof *f->w[colour][i]);
+    }
+    free(f->weight);
+    *f = (struct relax_field){0};
+}
+
+/* ---- sweeps ---- */
+
+/* A row's part from `u` on, of which near[i] and w[i] are neighbours and weights. Values and
+ * weights are such that no sum leaves 32 bits: 1536 * RELAX_ONE < 2^31. */
+WIDE static void move_part(int32_t *u, const int32_t *const near[6], const uint16_t *const w[6],
+                           size_t count)
+{
+    for (size_t at = 0; at < count; at += LANES) {
+        lanes own, sum = {0};
+        memcpy(&own, u + at, sizeof own);
+        for (int i = 0; i < 6; i++) {
+            lanes other;
+            half_lanes weight;
+            memcpy(&other, near[i] + at, sizeof other);
+            memcpy(&weight, w[i] + at, sizeof weight);
+            sum += __builtin_convertvector(weight, lanes) * (other - own);
+        }
+        own += (sum + 511 + (sum >> 10 & 1)) >> 10;
+        own &= own > 0;
+        const lanes over = own > RELAX_ONE;
+        own = (own & ~over) | (RELAX_ONE & over);
+        memcpy(u + at, &own, sizeof own);
+    }
+}
+
+static uint64_t move_row(struct relax_field *f, unsigned colour, uint32_t y, uint32_t z)
+{
+    const size_t row = stored_row(f, y, z), base = row * f->length;
+    const struct relax_part *part = &f->part[colour][row];
+    const bool is_even = parity_of(f, y, z) == colour; /* its voxels have an even x in the box */
+    const int32_t *other = f->u[!colour] + base + part->first;
+    const ptrdiff_t length = (ptrdiff_t)f->length, plane = length * (f->size[1] + 2);
+    const int32_t *const near[6] = {other - plane,       other - length, other - is_even,
+                                    other - is_even + 1, other + length, other + plane};
+    const uint16_t *w[6];
+    for (int i = 0; i < 6; i++)
+        w[i] = f->w[colour][i] + base + part->first;
+    move_part(f->u[colour] + base + part->first, near, w, part->end - part->first);
+    return part->end - part->first;
+}
+
+struct sweeping {
+    struct relax_field *field;
+    struct team *team;
+    uint32_t sweeps;
+};
+
+/* The planes of a worker, so that all have about as much that moves. */
+static struct share planes_of(const struct relax_field *f, unsigned worker, unsigned workers)
+{
+    struct share share = {0, 0};
+    const size_t all = f->weight[f->size[2]];
+    while (share.first < f->size[2] && f->weight[share.first] < all * worker / workers)
+        share.first++;
+    share.end = share.first;
+    while (share.end < f->size[2] && f->weight[share.end] < all * (worker + 1) / workers)
+        share.end++;
+    return share;
+}
+
+static void sweep_part(void *context, unsigned worker)
+{
+    const struct sweeping *s = context;
+    struct relax_field *f = s->field;
+    const struct share planes = planes_of(f, worker, team_size(s->team));
+    struct task task =
+        task_begin_part(f->scene->watch, "relaxed labels",
+                        s->sweeps * (f->weight[planes.end] - f->weight[planes.first]), worker);
+    bool goes_on = true;
+    for (uint32_t half = 0; half < 2 * s->sweeps; half++) {
+        for (size_t z = planes.first; z < planes.end && goes_on; z++)
+            for (uint32_t y = 0; y < f->size[1] && goes_on; y++)
+                goes_on = task_advance(&task, move_row(f, half & 1, y, (uint32_t)z));
+        team_wait(s->team);
+    }
+}
+
+void relax_field_sweep(struct relax_field *field, uint32_t sweeps, struct team *team)
+{
+    struct sweeping sweeping = {field, team, sweeps};
+    team_run(team, sweep_part, &sweeping);
+}

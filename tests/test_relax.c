@@ -1,0 +1,377 @@
+/*
+ * Relaxation against a plain model, which is written from the words of engine/relax_field.h and
+ * engine/finish_relax.c and shares nothing with them: fields of 64 bits, one array each, all
+ * distances by flooding, one voxel after another.
+ */
+#include <stdlib.h>
+
+#include "base/mem.h"
+#include "engine/finish.h"
+#include "engine/relax_field.h"
+#include "tests/check.h"
+#include "tests/scarce_memory.h"
+
+enum { LONG = 60, SHORT = 8, MOST = LONG * SHORT * SHORT, LABELS = 5 };
+
+static uint64_t state;
+static struct team *team_of[4];
+
+static uint32_t below(uint32_t end)
+{
+    return check_below(&state, end);
+}
+
+/* ---- the model: voxels [z][y][x] one after another ---- */
+
+struct volume {
+    int size[3], count;
+    int label[MOST], grey[MOST]; /* greys are 0..255, and so are intensities */
+    bool stays[MOST], is_outside[MOST];
+};
+
+/* The voxel beside; -1 beyond the scene. */
+static int beside(const struct volume *v, int at, int way)
+{
+    static const int step[6][3] = {{0, 0, -1}, {0, -1, 0}, {-1, 0, 0},
+                                   {1, 0, 0},  {0, 1, 0},  {0, 0, 1}};
+    const int x = at % v->size[0] + step[way][0], y = at / v->size[0] % v->size[1] + step[way][1],
+              z = at / v->size[0] / v->size[1] + step[way][2];
+    return x < 0 || y < 0 || z < 0 || x >= v->size[0] || y >= v->size[1] || z >= v->size[2]
+               ? -1
+               : (z * v->size[1] + y) * v->size[0] + x;
+}
+
+static bool is_even(const struct volume *v, int at)
+{
+    return (at % v->size[0] + at / v->size[0] % v->size[1] + at / v->size[0] / v->size[1]) % 2 == 0;
+}
+
+/* Steps to a voxel on the other side of the label's border; above 1000 for none. */
+static void model_far(const struct volume *v, int label, int far[MOST])
+{
+    for (int i = 0; i < v->count; i++)
+        far[i] = 9999;
+    for (int round = 1; round <= RELAX_REACH + 1; round++)
+        for (int i = 0; i < v->count; i++)
+            for (int way = 0; way < 6; way++) {
+                const int n = beside(v, i, way);
+                if (n < 0 || far[i] < round)
+                    continue;
+                const bool crosses = (v->label[n] == label) != (v->label[i] == label);
+                if (round == 1 ? crosses : far[n] == round - 1)
+                    far[i] = round;
+            }
+}
+
+/* 65536 exp(-400 (d/255)^2) by its series, to be compared with a table of integers. */
+static int64_t model_through(int d)
+{
+    const double power = 400.0 * d * d / (255.0 * 255.0) / 64;
+    double exponential = 1;
+    for (int i = 30; i > 0; i--)
+        exponential = 1 - power / i * exponential;
+    for (int i = 0; i < 6; i++)
+        exponential *= exponential;
+    const int64_t through = (int64_t)(65536 * exponential + 0.5);
+    return d > 60 || through < 1 ? 1 : through;
+}
+
+static int64_t round_half_even(int64_t a, int64_t by)
+{
+    const int64_t sign = a < 0 ? -1 : 1, whole = sign * a / by, rest = sign * a % by;
+    return sign * (whole + (2 * rest > by || (2 * rest == by && whole % 2)));
+}
+
+static void model_move(const struct volume *v, int64_t u[MOST], int at)
+{
+    int64_t c[6], sum = 0, moved = 0;
+    for (int way = 0; way < 6; way++) {
+        const int n = beside(v, at, way);
+        c[way] = n < 0 || v->is_outside[n] ? 0 : model_through(abs(v->grey[n] - v->grey[at]));
+        sum += c[way];
+    }
+    for (int way = 0; way < 6 && sum > 0; way++)
+        if (c[way])
+            moved += c[way] * ((INT64_C(1536) << 32) / sum) / (INT64_C(1) << 32) *
+                     (u[beside(v, at, way)] - u[at]);
+    u[at] += round_half_even(moved, 1024);
+    u[at] = u[at] < 0 ? 0 : u[at] > RELAX_ONE ? RELAX_ONE : u[at];
+}
+
+static void model_field(const struct volume *v, int label, int sweeps, int64_t u[MOST],
+                        int far[MOST])
+{
+    model_far(v, label, far);
+    for (int i = 0; i < v->count; i++)
+        u[i] = v->label[i] == label ? RELAX_ONE : 0;
+    for (int half = 0; half < 2 * sweeps; half++)
+        for (int i = 0; i < v->count; i++)
+            if (is_even(v, i) == (half % 2 == 0) && far[i] <= RELAX_REACH && !v->stays[i] &&
+                !v->is_outside[i])
+                model_move(v, u, i);
+}
+
+/* The label that a voxel takes; fields of labels whose band it is not in are not looked at. */
+static int model_winner(const struct volume *v, int64_t u[LABELS][MOST], int far[LABELS][MOST],
+                        int at)
+{
+    int64_t rest = RELAX_ONE;
+    int best = 0;
+    bool any = false;
+    for (int label = 1; label < LABELS; label++)
+        if (far[label][at] <= RELAX_REACH) {
+            rest -= u[label][at];
+            any = true;
+        }
+    u[0][at] = rest < 0 ? 0 : rest;
+    far[0][at] = 0;
+    for (int label = 1; label < LABELS; label++)
+        if (far[label][at] <= RELAX_REACH &&
+            (u[label][at] > u[best][at] || (u[label][at] == u[best][at] && label == v->label[at])))
+            best = label;
+    if (v->label[at] == 0 && u[0][at] == u[best][at])
+        best = 0;
+    return any ? best : v->label[at];
+}
+
+static void model(const struct volume *v, const struct finish_step *step, int made[MOST])
+{
+    static int64_t u[LABELS][MOST];
+    static int far[LABELS][MOST];
+    for (int label = 1; label < LABELS; label++)
+        model_field(v, label, (int)step->argument, u[label], far[label]);
+    for (int i = 0; i < v->count; i++) {
+        const int winner = model_winner(v, u, far, i);
+        const bool may = step->label == FINISH_ALL_LABELS || winner == (int)step->label ||
+                         v->label[i] == (int)step->label;
+        made[i] = may ? winner : v->label[i];
+    }
+}
+
+/* ---- random scenes ---- */
+
+/* Boxes of labels over each other; greys in other boxes, with noise; all greys occur. */
+static void fill(struct volume *v)
+{
+    const int long_axis = (int)below(3), noise = (int)below(40);
+    const uint32_t labels = 2 + below(LABELS - 1), starts_at = below(2);
+    v->count = 1;
+    for (int a = 0; a < 3; a++) {
+        v->size[a] = 1 + (int)below(a == long_axis ? LONG : SHORT);
+        v->count *= v->size[a];
+    }
+    for (int i = 0; i < v->count; i++) {
+        v->label[i] = (int)starts_at;
+        v->grey[i] = 0;
+        v->stays[i] = below(60) == 0;
+        v->is_outside[i] = starts_at && below(30) == 0;
+    }
+    for (int box = (int)below(9); box > 0; box--) {
+        const int label = (int)below(labels), grey = (int)below(200);
+        const bool is_label = below(2);
+        int first[3], last[3];
+        for (int a = 0; a < 3; a++) {
+            first[a] = (int)below((uint32_t)v->size[a]);
+            last[a] = first[a] + (int)below(a == long_axis ? 20 : 6);
+        }
+        for (int i = 0; i < v->count; i++) {
+            const int at[3] = {i % v->size[0], i / v->size[0] % v->size[1],
+                               i / v->size[0] / v->size[1]};
+            bool inside = true;
+            for (int a = 0; a < 3; a++)
+                inside = inside && at[a] >= first[a] && at[a] <= last[a];
+            if (inside)
+                *(is_label ? &v->label[i] : &v->grey[i]) = is_label ? label : grey;
+        }
+    }
+    for (int i = 0; i < v->count; i++)
+        v->grey[i] += (int)below((uint32_t)noise + 1);
+    v->grey[below((uint32_t)v->count)] = 0;
+    v->grey[below((uint32_t)v->count)] = 255;
+}
+
+/* Greys are intensities as they are, where the darkest is 0 and the brightest 255. */
+static bool has_all_greys(const struct volume *v)
+{
+    int least = 255, most = 0;
+    for (int i = 0; i < v->count; i++) {
+        least = v->grey[i] < least ? v->grey[i] : least;
+        most = v->grey[i] > most ? v->grey[i] : most;
+    }
+    return least == 0 && most == 255 && v->count < 1000; /* so one voxel is a thousandth */
+}
+
+static uint32_t cell_of(const struct volume *v, const struct grid *grid, int i)
+{
+    return grid_cell(grid, (uint32_t)(i % v->size[0]), (uint32_t)(i / v->size[0] % v->size[1]),
+                     (uint32_t)(i / v->size[0] / v->size[1]));
+}
+
+static struct scene *scene_of(const struct volume *v)
+{
+    struct scene *scene;
+    const uint32_t size[3] = {(uint32_t)v->size[0], (uint32_t)v->size[1], (uint32_t)v->size[2]};
+    if (scene_new(&scene, size, NULL) != OK)
+        abort();
+    for (int i = 0; i < v->count; i++) {
+        struct cell *cell = scene->cell + cell_of(v, &scene->grid, i);
+        cell->label = (uint8_t)v->label[i];
+        cell->intensity = (uint16_t)v->grey[i];
+        cell->flags =
+            (uint8_t)((v->stays[i] ? CELL_SEED : 0) | (v->is_outside[i] ? CELL_OUTSIDE : 0));
+    }
+    return scene;
+}
+
+static bool agree(const struct volume *v, const int made[MOST], const struct scene *scene,
+                  const uint8_t *label)
+{
+    bool same = true;
+    for (int i = 0; i < v->count; i++)
+        same = same && label[cell_of(v, &scene->grid, i)] == made[i];
+    return same;
+}
+
+static void fill_fitting(struct volume *v)
+{
+    do
+        fill(v);
+    while (!has_all_greys(v));
+}
+
+/* ---- stories ---- */
+
+STORY(relaxed_labels_are_what_a_plain_model_makes)
+{
+    static struct volume v;
+    static int made[MOST];
+    int moved = 0;
+    for (int round = 0; round < 1500; round++) {
+        struct finish_list list = {.count = 1};
+        uint8_t *label;
+        state = (uint64_t)round;
+        fill_fitting(&v);
+        list.step[0] = (struct finish_step){
+            .kind = FINISH_RELAX,
+            .label = below(3) ? FINISH_ALL_LABELS : 1 + below(LABELS - 1),
+            .argument = 1 + below(20),
+        };
+        struct scene *scene = scene_of(&v);
+        model(&v, &list.step[0], made);
+        CHECK(finish_make(&label, &list, scene, team_of[round % 4], NULL) == OK);
+        if (!CHECK(agree(&v, made, scene, label)))
+            printf("# round %d: %dx%dx%d, %u sweeps\n", round, v.size[0], v.size[1], v.size[2],
+                   list.step[0].argument);
+        for (int i = 0; i < v.count; i++)
+            moved += made[i] != v.label[i];
+        mem_pages_free(label, scene->grid.cells);
+        scene_free(scene);
+    }
+    CHECK(moved > 1500);
+}
+
+/* Halves are rounded to the even one: so what is not the label has exactly the rest. */
+STORY(the_fields_of_an_object_and_of_all_else_are_complements)
+{
+    static struct volume v;
+    static struct relax_greys greys;
+    for (int round = 0; round < 300; round++) {
+        state = (uint64_t)round + 5000;
+        fill_fitting(&v);
+        for (int i = 0; i < v.count; i++)
+            v.label[i] = 1 + (v.label[i] & 1);
+        struct scene *scene = scene_of(&v);
+        const struct relax_box all = {
+            {0, 0, 0}, {scene->grid.size[0] - 1, scene->grid.size[1] - 1, scene->grid.size[2] - 1}};
+        uint8_t *label = mem_pages(scene->grid.cells);
+        struct relax_field field[2];
+        relax_find_greys(&greys, scene);
+        for (int i = 0; i < v.count; i++)
+            label[cell_of(&v, &scene->grid, i)] = (uint8_t)v.label[i];
+        for (uint8_t k = 0; k < 2; k++) {
+            CHECK(relax_field_init(&field[k], scene, label, (uint8_t)(k + 1), &all, &greys,
+                                   team_of[round % 4], NULL) == OK);
+            relax_field_sweep(&field[k], 25, team_of[(round + k) % 4]);
+        }
+        bool sums = true;
+        for (uint32_t z = 0; z < scene->grid.size[2]; z++)
+            for (uint32_t y = 0; y < scene->grid.size[1]; y++)
+                for (uint32_t x = 0; x < scene->grid.size[0]; x++)
+                    sums =
+                        sums && relax_value(&field[0], x, y, z) + relax_value(&field[1], x, y, z) ==
+                                    RELAX_ONE;
+        CHECK(sums);
+        relax_field_release(&field[0]);
+        relax_field_release(&field[1]);
+        mem_pages_free(label, scene->grid.cells);
+        scene_free(scene);
+    }
+}
+
+static int looks_left;
+static bool stop_after(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    (void)context, (void)what, (void)done, (void)total;
+    return looks_left-- <= 0;
+}
+
+STORY(a_stop_is_heard_wherever_it_comes)
+{
+    static struct volume v;
+    static int made[MOST];
+    const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0}}};
+    enum err err = ERR_CANCELLED;
+    int stops = 0;
+    state = 3;
+    fill_fitting(&v);
+    model(&v, &list.step[0], made);
+    for (; err == ERR_CANCELLED && stops < 100000; stops++) {
+        struct watch watch = {.poll = stop_after, .step = 1};
+        struct scene *scene = scene_of(&v);
+        uint8_t *label;
+        scene->watch = &watch;
+        looks_left = stops;
+        err = finish_make(&label, &list, scene, team_of[stops % 4], NULL);
+        CHECK(err == ERR_CANCELLED ? !label : err == OK && agree(&v, made, scene, label));
+        mem_pages_free(label, scene->grid.cells);
+        scene_free(scene);
+    }
+    CHECK(err == OK && stops > 50);
+}
+
+STORY(memory_that_runs_out_is_an_error)
+{
+    static struct volume v;
+    static int made[MOST];
+    const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0}}};
+    enum err err = ERR_MEMORY;
+    size_t allocations = 0;
+    state = 4;
+    fill_fitting(&v);
+    model(&v, &list.step[0], made);
+    struct scene *scene = scene_of(&v);
+    for (; err == ERR_MEMORY && allocations < 1000; allocations++) {
+        uint8_t *label;
+        allow_allocations(allocations);
+        err = finish_make(&label, &list, scene, NULL, NULL);
+        mem_allows = NULL;
+        CHECK(err == ERR_MEMORY ? !label : err == OK && agree(&v, made, scene, label));
+        mem_pages_free(label, scene->grid.cells);
+    }
+    CHECK(err == OK && allocations > 15);
+    scene_free(scene);
+}
+
+int main(void)
+{
+    for (unsigned workers = 1; workers < 4; workers++)
+        if (team_new(&team_of[workers], workers, NULL) != OK)
+            abort();
+    const int status = RUN_STORIES(TELL(relaxed_labels_are_what_a_plain_model_makes),
+                                   TELL(the_fields_of_an_object_and_of_all_else_are_complements),
+                                   TELL(a_stop_is_heard_wherever_it_comes),
+                                   TELL(memory_that_runs_out_is_an_error));
+    for (unsigned workers = 1; workers < 4; workers++)
+        team_free(team_of[workers]);
+    return status;
+}
