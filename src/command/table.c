@@ -246,7 +246,8 @@ const struct command command_table[] = {
     {COMMAND("labels", act_labels, GROUP_SEEDS, R | S | E),
      {NEED("FILE", VALUE_FILE), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .most = 255), KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
-      KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST), KEYED("copy", VALUE_WORD), RESAMPLE},
+      KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST),
+      KEYED("copy", VALUE_WORD, .form = "DIGEST"), RESAMPLE},
      "begin with a segmentation, and correct it",
      "FILE is a label map on the scene's grid, of whatever program. Each piece of each label "
      "becomes a marker, the background's too, all of them one undo. Borders are found anew, as far "
