@@ -1,7 +1,5 @@
 #include "render/border.h"
 
-#include <string.h>
-
 #include "base/mem.h"
 
 enum err border_init(struct border *border, const struct scene *scene, struct fault *fault)

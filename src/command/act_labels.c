@@ -6,7 +6,6 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "base/mem.h"
 #include "journal/golden.h"
 #include "session/label_copy.h"
 #include "session/map.h"

@@ -8,7 +8,6 @@
 
 #include "base/choice.h"
 #include "base/safe.h"
-#include "base/scan.h"
 #include "session/map.h"
 
 /* The answer of a command that gave the session its scene. */

@@ -1,8 +1,6 @@
 /* The interpreter's journals: begun, and resumed. */
 #include "command/interpreter.h"
 
-#include <string.h>
-
 #include "base/choice.h"
 #include "journal/replay.h"
 

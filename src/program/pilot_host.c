@@ -1,6 +1,5 @@
 #include "program/pilot_host.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

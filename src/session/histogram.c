@@ -1,9 +1,5 @@
 #include "session/histogram.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 #include "base/chart.h"
 #include "engine/gradient.h"
 

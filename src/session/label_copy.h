@@ -15,7 +15,6 @@
 #include <stdbool.h>
 
 #include "base/buf.h"
-#include "base/file.h"
 #include "image/volume.h"
 
 enum { LABEL_COPY_DIGEST = 33 }; /* 32 digits and NUL: 128 bits of SHA-256 */
