@@ -225,6 +225,26 @@ fi
 rm swell.nii.gz
 close_story
 
+begin "so is no map, no table of its values and no picture, whoever asks"
+nifti_header 1024 1024 500 >header
+put header 252 '\001\000'
+{ cat header; head -c $((1024 * 1024 * 500)) /dev/zero; } | gzip -1 -n >swell.nii.gz
+said=" MB on disk claim 1.0 GB of voxels; if that is right, unpack it first (\`gunzip\`)"
+for command in mask weight seed-file labels; do
+    refused 3 "$said" bounded "$iftty" -c "open placed.nii; $command swell.nii.gz resample=yes"
+    refused 3 "the map has 1024x1024x500 voxels" \
+        bounded "$iftty" -c "open placed.nii; $command swell.nii.gz"
+done
+refused 3 "$said" bounded "$iftty" compare swell.nii.gz swell.nii.gz
+refused 3 "$said" bounded "$iftty" info --histogram swell.nii.gz
+expect 0 "$iftty" info swell.nii.gz
+if needs oiiotool; then
+    oiiotool --create 16000x16000 1 -o swell.png 2>/dev/null # 256 million pixels, in 260 kB
+    refused 3 "swell.png: it claims 16000x16000 pixels" "$iftty" info swell.png
+fi
+rm -f header swell.nii.gz swell.png
+close_story
+
 # ---- commands ----
 
 begin "commands that are wrong, through the program"

@@ -11,6 +11,7 @@
 #include "base/mem.h"
 #include "image/exr_parts.h"
 #include "image/linear.h"
+#include "image/swelling.h"
 
 enum {
     ZIP_MOST = 1032,     /* what deflate can make of a byte */
@@ -101,6 +102,12 @@ static enum err find_window(exr_context_t context, exr_attr_box2i_t *window, siz
         return fault_set(fault, ERR_INPUT,
                          "cut short: %" PRIu64 " bytes cannot hold %" PRId64 "x%" PRId64 " pixels",
                          file_bytes, width, height);
+    if (swelling_needs_yes((uint64_t)width * (uint64_t)height * pixel_bytes,
+                           (uint64_t)width * (uint64_t)height, file_bytes))
+        return fault_set(fault, ERR_LIMIT,
+                         "%" PRIu64 " bytes claim %" PRId64 "x%" PRId64 " pixels; so large a "
+                         "picture takes a byte for each %d of them",
+                         file_bytes, width, height, SWELLING_MOST);
     return OK;
 }
 

@@ -6,8 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include <sys/stat.h>
+
 #include <OpenImageIO/imageio.h>
 
+#include "image/swelling.h"
 #include "image/wire.hh"
 
 namespace image
@@ -49,6 +52,15 @@ void widen(std::vector<uint8_t> &pixels, size_t channels, size_t count)
     }
 }
 
+/* By the size of its file: a megabyte may hold a gigabyte of pixels. */
+bool swells(const std::string &path, const OIIO::ImageSpec &spec)
+{
+    struct stat status;
+    const uint64_t pixels = spec.image_pixels();
+    return stat(path.c_str(), &status) != 0 ||
+           swelling_needs_yes(4 * pixels, pixels, static_cast<uint64_t>(status.st_size));
+}
+
 /* Colours as the file holds them, not multiplied by alpha; an error is answered for what is none,
  * or too large. */
 std::unique_ptr<OIIO::ImageInput> open_image(const std::string &path)
@@ -66,6 +78,12 @@ std::unique_ptr<OIIO::ImageInput> open_image(const std::string &path)
         spec.nchannels < 1 || is_no_file(in->format_name())) {
         answer_error("it is " + std::to_string(spec.width) + "x" + std::to_string(spec.height) +
                      " pixels, deep or of no file; expected a flat image of 1 to 16384 a side");
+        in.reset();
+    } else if (swells(path, spec)) {
+        answer_error("it claims " + std::to_string(spec.width) + "x" + std::to_string(spec.height) +
+                     " pixels; so large a picture takes a byte for "
+                     "each " +
+                     std::to_string(SWELLING_MOST) + " of them");
         in.reset();
     }
     return in;

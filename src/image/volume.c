@@ -12,6 +12,8 @@
 #include "base/choice.h"
 #include "image/foreign.h"
 #include "image/part.h"
+#include "image/swelling.h"
+#include "image/voxels.h"
 
 #define DECLARE(format, note) extern const struct volume_format format;
 VOLUME_FORMATS(DECLARE)
@@ -220,6 +222,22 @@ enum err volume_open(struct volume_reader *reader, const char *path,
     return err ? err : volume_choose(reader, NULL, fault);
 }
 
+/* What is held of the file is bounded by its size on disk, unless the caller knows better. */
+static enum err check_swelling(const struct volume_header *header, struct fault *fault)
+{
+    const uint32_t *size = header->size, *whole = header->whole;
+    const uint64_t width = voxel_bytes(header->type);
+    const uint64_t bytes = (uint64_t)size[0] * size[1] * size[2] * (width > 2 ? width : 2);
+    if (header->choice.huge ||
+        !swelling_needs_yes(bytes, (uint64_t)whole[0] * whole[1] * whole[2] * header->volumes,
+                            header->bytes))
+        return OK;
+    return fault_set(fault, ERR_LIMIT,
+                     "%.1f MB on disk claim %.1f GB of voxels; if that is right, unpack it first "
+                     "(`gunzip`)",
+                     (double)header->bytes / 1e6, (double)bytes / 1e9);
+}
+
 enum err volume_take(struct volume *out, struct volume_reader *reader, struct fault *fault)
 {
     const struct volume_header *header = &reader->header;
@@ -228,8 +246,10 @@ enum err volume_take(struct volume *out, struct volume_reader *reader, struct fa
     memcpy(out->size, header->size, sizeof out->size);
     memcpy(out->whole, header->whole, sizeof out->whole);
     memcpy(out->notes, header->notes, sizeof out->notes);
-    const enum err err =
-        reader->format->read_voxels(out, header, &reader->source, reader->source.watch, fault);
+    enum err err = check_swelling(header, fault);
+    if (!err)
+        err =
+            reader->format->read_voxels(out, header, &reader->source, reader->source.watch, fault);
     if (err)
         volume_release(out);
     return err ? fault_prefix(fault, err, "%s", reader->path) : OK;

@@ -55,6 +55,7 @@ static enum err choose(struct volume_reader *reader, const struct map_place *pla
         memcpy(choice.last, part->choice.last, sizeof choice.last);
         choice.reduce = part->choice.reduce;
     }
+    choice.huge = is_size(header->size, size); /* the scene was opened, and takes more */
     return volume_choose(reader, &choice, fault);
 }
 

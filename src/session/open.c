@@ -8,10 +8,8 @@
 #include "base/file.h"
 #include "base/mem.h"
 #include "base/scan.h"
+#include "image/swelling.h"
 #include "image/volume.h"
-
-static const uint64_t ANNOUNCED_FROM = 1000000000; /* bytes */
-enum { SWELLING_MOST = 200 };                      /* voxels for each byte of a file */
 
 /* ---- memory ---- */
 
@@ -38,21 +36,20 @@ static enum err check_memory(const uint32_t size[3], const char *undone, struct 
                          "%s",
                          size[0], size[1], size[2], (double)needed / 1e9, (double)available / 1e9,
                          undone);
-    if (needed >= ANNOUNCED_FROM)
+    if (needed >= SWELLING_FROM)
         watch_announce(watch, "%ux%ux%u voxels: needs %.1f GB of memory, %.1f GB are free", size[0],
                        size[1], size[2], (double)needed / 1e9, (double)available / 1e9);
     return OK;
 }
 
-/* A few kilobytes that claim gigabytes are a mistake or an attack, unless the user says so. A scene
- * shrinks to a half or a tenth, a label map to a hundredth. */
+/* A scene takes more memory than its voxels do in the file. */
 static enum err check_swelling(const struct volume_header *header, const char *path,
                                struct fault *fault)
 {
     const uint64_t needed = session_bytes_for(header->size);
     const uint64_t voxels =
         (uint64_t)header->whole[0] * header->whole[1] * header->whole[2] * header->volumes;
-    if (needed < ANNOUNCED_FROM || header->choice.huge || voxels / SWELLING_MOST <= header->bytes)
+    if (header->choice.huge || !swelling_needs_yes(needed, voxels, header->bytes))
         return OK;
     return fault_set(fault, ERR_LIMIT,
                      "%s: %.1f MB on disk claim a scene that needs %.1f GB of memory; `open FILE "
@@ -139,7 +136,9 @@ static enum err open_file(struct session *session, const char *path,
     struct volume volume = {0};
     struct volume_reader reader;
     enum err err = volume_open(&reader, path, choice, session->watch, fault);
-    if (!err && semantics_has(session->semantics, MEANING_ORIENTATION))
+    if (!semantics_has(session->semantics, MEANING_ORIENTATION))
+        reader.header.choice.huge = true; /* which was not asked */
+    if (!err)
         err = check_swelling(&reader.header, path, fault);
     if (!err)
         err = check_memory(reader.header.size,
