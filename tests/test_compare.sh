@@ -190,6 +190,8 @@ err_has "expected --picture too"
 expect 2 "$iftty" compare a.nii b.nii --picture x.exr
 expect 3 "$iftty" compare a.nii b.nii --picture maps.png
 err_has "exists already"
+expect 3 "$iftty" compare missing.nii b.nii --picture nowhere/d.png # before anything is read
+err_has "there is no folder nowhere"
 expect 2 "$iftty" -c 'compare b.nii report=r.txt' --journal a.iftty
 err_has "ends in .json or .csv"
 expect 2 "$iftty" -c 'compare b.nii at=1,1,1' --journal a.iftty

@@ -212,6 +212,28 @@ enum err image_write(struct image_helper *helper, const char *path, enum file_mo
     return err ? err : image_movie_end(&movie, fault);
 }
 
+enum err image_check_png(const char *path, struct fault *fault)
+{
+    struct buf draft = {0};
+    if (!path)
+        return OK;
+    if (!file_is_named(path, ".png"))
+        return fault_set(fault, ERR_USAGE, "expected a name that ends in .png, not %s", path);
+    const enum err err = file_draft(&draft, path, FILE_KEEP, fault);
+    buf_release(&draft);
+    return err;
+}
+
+enum err image_write_png(const char *path, const struct picture *picture, struct fault *fault)
+{
+    struct image_helper *helper;
+    enum err err = image_helper_new(&helper, NULL, fault);
+    if (!err)
+        err = image_write(helper, path, FILE_KEEP, picture, fault);
+    image_helper_free(helper);
+    return err;
+}
+
 /* ---- reading ---- */
 
 static enum err receive_note(struct image_helper *helper, struct picture *out, struct fault *fault)

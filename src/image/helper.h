@@ -55,6 +55,12 @@ void image_helper_free(struct image_helper *helper);
 enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
                      const struct picture *picture, struct fault *fault);
 
+/* For programs whose long work ends in one picture: before it, whether `path` (NULL: no picture is
+ * wanted) is the name of a .png that can be written and is not there yet; then the picture, by a
+ * helper of its own. */
+enum err image_check_png(const char *path, struct fault *fault);
+enum err image_write_png(const char *path, const struct picture *picture, struct fault *fault);
+
 /*
  * An animated picture: several pictures of one size in one file, in turn.
  *

@@ -30,12 +30,8 @@ static enum err check_options(const struct options *o, struct fault *fault)
     if (o->scene && !o->picture)
         return fault_set(fault, ERR_USAGE,
                          "--scene: the slices of a picture come from it; expected --picture too");
-    if (o->picture && !file_is_named(o->picture, ".png"))
-        return fault_set(fault, ERR_USAGE, "--picture: expected a name that ends in .png, not %s",
-                         o->picture);
-    if (o->picture && file_exists(o->picture))
-        return fault_set(fault, ERR_IO, "%s exists already; it was left alone", o->picture);
-    return OK;
+    const enum err err = image_check_png(o->picture, fault);
+    return err ? fault_prefix(fault, err, "--picture") : OK;
 }
 
 /* ---- maps ---- */
@@ -114,16 +110,12 @@ static enum err write_picture(struct pair *pair, const struct comparison_report 
     const uint32_t *place =
         comparison_farthest(&pair->comparison, pair->session.now.outlook.slices.cross);
     struct picture picture = {0};
-    struct image_helper *helper = NULL;
     if (!pair->options->picture)
         return OK;
     enum err err =
         comparison_picture_draw(&picture, &pair->session, &pair->compared, report, place, fault);
     if (!err)
-        err = image_helper_new(&helper, NULL, fault);
-    if (!err)
-        err = image_write(helper, pair->options->picture, FILE_KEEP, &picture, fault);
-    image_helper_free(helper);
+        err = image_write_png(pair->options->picture, &picture, fault);
     picture_release(&picture);
     return err;
 }

@@ -3,11 +3,10 @@
 #include <inttypes.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "base/json.h"
+#include "engine/overlap.h"
 #include "verify/diff_side.h"
 #include "verify/first_difference.h"
-#include "engine/overlap.h"
 
 struct journals {
     const struct diff_options *options;
@@ -30,20 +29,6 @@ static enum err compare_labels(struct journals *j, struct fault *fault)
 
 /* ---- the picture ---- */
 
-/* Before anything is carried out, which may take long. */
-static enum err check_picture(const char *path, struct fault *fault)
-{
-    struct buf draft = {0};
-    if (!path)
-        return OK;
-    if (!file_is_named(path, ".png"))
-        return fault_set(fault, ERR_USAGE, "--picture: expected a name that ends in .png, not %s",
-                         path);
-    const enum err err = file_draft(&draft, path, FILE_KEEP, fault);
-    buf_release(&draft);
-    return err;
-}
-
 static enum err note_picture(struct picture *picture, const struct journals *j, struct fault *fault)
 {
     struct buf words = {0};
@@ -60,7 +45,6 @@ static enum err write_picture(const struct journals *j, struct fault *fault)
 {
     const struct diff_facts *a = j->side[0].facts;
     struct picture picture = {0};
-    struct image_helper *helper = NULL;
     if (!j->options->picture)
         return OK;
     enum err err = picture_init(&picture, a->picture_width, a->picture_height, false, fault);
@@ -69,10 +53,7 @@ static enum err write_picture(const struct journals *j, struct fault *fault)
         err = note_picture(&picture, j, fault);
     }
     if (!err)
-        err = image_helper_new(&helper, NULL, fault);
-    if (!err)
-        err = image_write(helper, j->options->picture, FILE_KEEP, &picture, fault);
-    image_helper_free(helper);
+        err = image_write_png(j->options->picture, &picture, fault);
     picture_release(&picture);
     return err;
 }
@@ -253,8 +234,10 @@ static enum err compare(struct journals *j, const struct printer *printer, struc
 {
     const struct diff_options *o = j->options;
     struct buf text = {0};
-    enum err err = check_picture(o->picture, fault);
-    if (!err)
+    enum err err = image_check_png(o->picture, fault);
+    if (err)
+        fault_prefix(fault, err, "--picture");
+    else
         err = first_difference_of_files(&j->first_difference, FIRST_COMMAND, o->path, o->path,
                                         o->last, fault);
     if (!err && !o->json) {
