@@ -105,6 +105,61 @@ out_has "pixdim[1] is nan, which is no distance of voxels"
 out_has "lengths and volumes are in voxels"
 close_story
 
+begin "pairs of which a file is missing, short, exchanged, misnamed or no file"
+head -c 344 good.nii >a.hdr # and the magic of a pair
+printf 'ni1\000' >>a.hdr
+put a.hdr 108 '\000\000\000\000'
+scene_refused "there is no a.img beside it, with its voxels; expected both files" a.hdr
+tail -c +353 good.nii >a.img
+expect 0 "$iftty" -c 'open a.hdr'
+expect 0 "$iftty" -c 'open a.img'
+cp a.img alone.img
+scene_refused "there is no alone.hdr beside it, with its header" alone.img
+expect 0 "$iftty" -c 'open raw:alone.img size=24,20,16 type=uint8'
+head -c 999 a.img >short.img
+cp a.hdr short.hdr
+for name in short.hdr short.img; do
+    scene_refused "$name: its .img: cut short or false: its header claims 7680 bytes" $name
+done
+gzip -n <a.img | head -c 60 >torn.img.gz
+cp a.hdr torn.hdr
+for name in torn.hdr torn.img.gz; do
+    scene_refused "$name: cut short: it ends within the voxels" $name
+done
+cp a.hdr turned.img
+cp a.img turned.hdr
+for name in turned.hdr turned.img; do
+    scene_refused "the .hdr and the .img may have each other's names" $name
+done
+cp a.hdr named.nii
+scene_refused "expected the names A.hdr and A.img" named.nii
+cp a.hdr folder.hdr
+mkdir folder.img
+scene_refused "folder.img: a folder; expected a file" folder.hdr
+rmdir folder.img
+mkfifo folder.img
+refused 3 "folder.img" timeout 60 "$iftty" -c 'open folder.hdr'
+cp good.nii whole.hdr
+expect 0 "$iftty" -c 'open whole.hdr'
+cp a.img whole.img
+scene_refused "its .hdr is that of a single file, not of a pair" whole.img
+for n in 0 1 347; do
+    head -c $n a.hdr >cut.hdr
+    cp a.img cut.img
+    scene_refused "cut.hdr: no header of ANALYZE or NIfTI" cut.hdr
+    scene_refused "cut.img: its .hdr: not a NIfTI file: $n bytes" cut.img
+done
+cp a.hdr far.hdr
+cp a.img far.img
+put far.hdr 108 '\000\000\200\277' # the voxels begin at -1
+scene_refused "vox_offset is -1; expected a whole number of bytes from 0" far.hdr
+put far.hdr 108 '\000\000\200\077'
+scene_refused "its .img: cut short or false" far.hdr
+put far.hdr 42 '\377\177\377\177\377\177' # 32767 each way
+scene_refused "its .img: cut short or false" far.hdr
+rm -r folder.img
+close_story
+
 begin "a voxel that is no number"
 nifti_header 24 20 16 16 32 >nan.nii
 head -c $((24 * 20 * 16 * 4)) /dev/zero >>nan.nii

@@ -367,6 +367,88 @@ STORY(nifti_2_is_read_in_both_byte_orders)
     }
 }
 
+/* ---- pairs ---- */
+
+/* The same as a pair, read by its header. */
+static struct volume read_pair(const struct made *m, size_t begin)
+{
+    struct volume v;
+    struct fault fault = {0};
+    save(file_in(folder, "a.hdr"), m->bytes, 348);
+    save(file_in(folder, "a.img"), m->bytes + begin, m->length - begin);
+    CHECK_INT(volume_read(&v, file_in(folder, "a.hdr"), NULL, NULL, &fault), OK);
+    CHECK_TEXT(fault.text, "");
+    return v;
+}
+
+STORY(a_pair_is_what_the_single_file_is)
+{
+    uint64_t chance = 16;
+    for (unsigned i = 0; i < 20; i++) {
+        static const int datatype[] = {2, 4, 512, 16, 64};
+        struct made m = make_larger(datatype[i % 5], i / 5 % 2, false, &chance);
+        put_sform(&m, (const float[12]){-2, 0, 0, 9, 0, 2, 0, 8, 0, 0, 3, 7});
+        struct volume expected = read_made(&m);
+        memcpy(m.bytes + MAGIC, "ni1", 4);
+        put_float(&m, OFFSET, i / 10 ? 32 : 0); /* of bytes before them */
+        struct volume v = read_pair(&m, i / 10 ? DATA - 32 : DATA);
+        CHECK(memcmp(v.intensity, expected.intensity, 900 * 2) == 0);
+        CHECK(memcmp(v.geometry.to_mm, expected.geometry.to_mm, sizeof v.geometry.to_mm) == 0);
+        CHECK_INT(v.geometry.orientation, ORIENTATION_SFORM);
+        volume_release(&v);
+        volume_release(&expected);
+    }
+}
+
+STORY(analyze_says_no_place_whatever_stands_there)
+{
+    for (int big = 0; big < 2; big++) {
+        struct made m = make(4, big);
+        memset(m.bytes + MAGIC, 0, 4);
+        put(&m, QFORM, 1, 2); /* orient, and an origin */
+        put_sform(&m, (const float[12]){-2, 0, 0, 9, 0, 2, 0, 8, 0, 0, 3, 7});
+        put_float(&m, OFFSET, 0);
+        memcpy(m.bytes + 56, big ? "mm" : "cm", 2);
+        struct volume v = read_pair(&m, DATA);
+        CHECK_INT(v.geometry.orientation, ORIENTATION_UNKNOWN);
+        CHECK(!v.geometry.spacing_unknown);
+        CHECK_INT(v.geometry.spacing_nm[1], big ? 2000000 : 20000000);
+        CHECK_HAS(v.notes, "it is ANALYZE, which does not say which side is left");
+        CHECK_INT(v.geometry.fields.sform_code, 0);
+        CHECK_INT(v.geometry.fields.qform_code, 0);
+        volume_release(&v);
+        memcpy(m.bytes + 56, "px", 2);
+        v = read_pair(&m, DATA);
+        CHECK(v.geometry.spacing_unknown);
+        CHECK_HAS(v.notes, "its unit of length is none that is known");
+        volume_release(&v);
+    }
+}
+
+STORY(types_and_scales_of_spm_are_read)
+{
+    static const struct {
+        int by_spm, by_nifti;
+    } type[] = {{130, 256}, {132, 512}, {136, 768}};
+    uint64_t chance = 17;
+    for (unsigned i = 0; i < 3; i++) {
+        struct made m = make_larger(type[i].by_nifti, false, false, &chance);
+        put_float(&m, SLOPE, 0.5f);
+        put_float(&m, INTER, 7);
+        struct volume expected = read_made(&m);
+        memset(m.bytes + MAGIC, 0, 4);
+        put(&m, DATATYPE, (uint64_t)type[i].by_spm, 2);
+        put_float(&m, OFFSET, 0);
+        struct volume v = read_pair(&m, DATA);
+        CHECK(memcmp(v.intensity, expected.intensity, 900 * 2) == 0);
+        CHECK(v.geometry.slope == expected.geometry.slope &&
+              v.geometry.intercept == expected.geometry.intercept);
+        CHECK_HAS(v.notes, "its values are multiplied by 0.5, then 7 is added");
+        volume_release(&v);
+        volume_release(&expected);
+    }
+}
+
 /* ---- where it lies ---- */
 
 STORY(without_codes_the_axes_are_those_of_the_world)
@@ -519,9 +601,9 @@ STORY(what_is_not_nifti_is_told_apart)
     CHECK_HAS(refusal(&m), "sizeof_hdr is 349; expected 348 or 540");
     m = make(2, false);
     memset(m.bytes + MAGIC, 0, 4);
-    CHECK_HAS(refusal(&m), "its magic is neither \"n+1\" nor \"n+2\"");
+    CHECK_HAS(refusal(&m), "its magic, which is neither \"n+1\" nor \"n+2\"");
     memcpy(m.bytes + MAGIC, "ni1", 4);
-    CHECK_HAS(refusal(&m), ".hdr/.img pair; expected a single .nii or .nii.gz");
+    CHECK_HAS(refusal(&m), "expected the names A.hdr and A.img");
     save(plain, "short", 5);
     CHECK_HAS(refusal_of(plain), "5 bytes; expected at least 348");
     save(plain, "", 0);
@@ -1189,6 +1271,10 @@ int main(void)
         TELL(a_false_length_at_the_end_of_a_gzip_is_told),
         TELL(extensions_are_skipped_and_two_dimensions_are_a_slice),
         TELL(further_dimensions_of_one_are_let_pass), TELL(nifti_2_is_read_in_both_byte_orders),
+        TELL(further_dimensions_of_one_are_let_pass), TELL(a_pair_is_what_the_single_file_is),
+        TELL(further_dimensions_of_one_are_let_pass),
+        TELL(analyze_says_no_place_whatever_stands_there),
+        TELL(further_dimensions_of_one_are_let_pass), TELL(types_and_scales_of_spm_are_read),
         TELL(without_codes_the_axes_are_those_of_the_world), TELL(the_sform_goes_before_the_qform),
         TELL(the_qform_is_a_rotation_with_a_flip),
         TELL(a_matrix_that_cannot_be_inverted_falls_back),
@@ -1216,6 +1302,8 @@ int main(void)
         TELL(names_and_existing_files_are_checked), TELL(a_disk_that_fills_leaves_the_former_file));
     unlink(plain);
     unlink(packed);
+    unlink(file_in(folder, "a.hdr"));
+    unlink(file_in(folder, "a.img"));
     if (rmdir(folder) != 0) {
         printf("not ok 42 - no_draft_is_left_behind\n");
         status = 1;

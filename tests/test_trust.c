@@ -172,7 +172,9 @@ static bool make_top(void)
 {
     bool fine = make_folder(top, "trust") && mkdir(below_top("in"), 0777) == 0 &&
                 mkdir(below_top("in/deep"), 0777) == 0 && mkdir(below_top("out"), 0777) == 0;
-    static const char *const file[] = {"in/a", "in/deep/b", "in/..c", "out/secret"};
+    fine = fine && mkdir(below_top("far"), 0777) == 0;
+    static const char *const file[] = {"in/a",      "in/deep/b", "in/..c",   "out/secret",
+                                       "far/a.hdr", "far/a.img", "far/b.img"};
     for (size_t i = 0; i < sizeof file / sizeof *file; i++)
         fine = fine && file_write(below_top(file[i]), "x", 1, FILE_KEEP, NULL) == OK;
     static const char *const link[][2] = {{"../out/secret", "in/up"},  {"../out", "in/folder"},
@@ -258,18 +260,25 @@ static bool may_connect(void)
 static int wrongs_while_confined(void)
 {
     const char *written[] = {below_top("out"), NULL};
-    char journal[200];
+    char journal[200], scene[200];
     snprintf(journal, sizeof journal, "%s", below_top("in/j.iftty"));
+    snprintf(scene, sizeof scene, "%s", below_top("far/a.hdr"));
     char *journals[] = {journal};
-    const struct trust_places places = {
-        .journal = journals, .journals = 1, .scenes = "/nowhere", .written = written};
+    const struct trust_places places = {.journal = journals,
+                                        .journals = 1,
+                                        .scenes = "/nowhere",
+                                        .written = written,
+                                        .scene = scene};
     const bool is_confined = trust_confine(&places);
     int wrong = !is_confined;
     wrong |= !may_open(below_top("in/a"), O_RDONLY) << 1;
+    wrong |= !may_open(below_top("far/a.hdr"), O_RDONLY) << 1; /* the scene, a pair */
+    wrong |= !may_open(below_top("far/a.img"), O_RDONLY) << 1;
     wrong |= may_open(below_top("in/a"), O_WRONLY) << 2;
     wrong |= may_open(below_top("in/new"), O_WRONLY | O_CREAT) << 3;
     wrong |= !may_open(below_top("out/new"), O_WRONLY | O_CREAT | O_TRUNC) << 4;
     wrong |= may_open("/etc/passwd", O_RDONLY) << 5;
+    wrong |= may_open(below_top("far/b.img"), O_RDONLY) << 5;
     wrong |= (unlink(below_top("in/a")) == 0) << 6;
     wrong |= (confine_version() >= 4 && may_connect()) << 7;
     return wrong;

@@ -77,6 +77,43 @@ for command in mask weight seed-file; do
 done
 close_story
 
+begin "of a pair, both files are read, and no more; neither may lead out"
+head -c 348 s.nii >p.hdr
+put p.hdr 344 'ni1'
+tail -c +353 s.nii >p.img
+put p.hdr 108 '\000\000\000\000'
+for name in p.hdr p.img; do
+    journal j "open $name; seed 2,3,4 1; run"
+    expect 0 "$iftty" replay j
+    journal j "open s.nii; mask $name"
+    expect 0 "$iftty" replay j
+done
+mkdir pairs
+mv p.hdr p.img pairs
+ln -s pairs/p.hdr p.hdr
+ln -s pairs/p.img p.img
+journal j "open p.hdr; seed 2,3,4 1; run"
+expect 0 "$iftty" replay j
+expect_in "$work/secret" 0 "$iftty" -c "open $work/there/p.img; seed 2,3,4 1; run" \
+    --journal "$work/tmp/far.iftty"
+expect_in / 0 "$iftty" verify "$work/tmp/far.iftty" --scene "$work/there/pairs/p.img"
+expect_in / 0 "$iftty" verify "$work/tmp/far.iftty" --scene "$work/there/p.hdr"
+rm "$work/tmp/far.iftty" p.img
+cp pairs/p.img "$work/secret"
+for link in "$work/secret/p.img" ../secret/p.img /dev/zero "$work/secret/none.img"; do
+    ln -s "$link" p.img
+    journal j "open p.hdr"
+    refused "the journal may not read p.img, which leads out of its folder" j
+    journal j "open s.nii; weight p.hdr"
+    refused "the journal may not read p.img, which leads out of its folder" j
+    rm p.img
+done
+mkfifo p.img
+journal j "open p.hdr"
+refused "p.img is not a regular file" j
+rm p.hdr p.img
+close_story
+
 begin "the folder that a journal is called from is not looked at"
 mkdir elsewhere
 cp s.nii "$work/secret/near.nii"

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Volumes that NIfTI is not, in files that other people's programs wrote (volumes/make.py): the same
-# voxels in the same place as a NIfTI of nibabel's; what a file leaves open, lacks or holds twice;
-# nothing private comes out; helpers that misbehave.
+# Volumes that a single NIfTI is not, in files that other people's programs wrote (volumes/make.py):
+# the same voxels in the same place as a NIfTI of nibabel's; what a file leaves open, lacks or holds
+# twice; nothing private comes out; helpers that misbehave.
 . "$(dirname "$0")/lib.sh"
 PYTHON=/usr/bin/python3
 unset IFTTY_SCENES
@@ -14,7 +14,8 @@ mkdir "$work/v"
 close_story
 cd "$work/v" || exit 1
 
-# opened_as FILE TWIN [OPTION...]: the same scene, in the same place
+# opened_as FILE TWIN [OPTION...]: the same scene, in the same place, as $says says
+says=file
 opened_as() {
     name=$1 twin=$2
     shift 2
@@ -30,11 +31,34 @@ opened_as() {
     is=$(last_word orientation "$work/a.iftty")
     case $(last_word orientation "$work/b.iftty") in
     unknown) same "$name $is" "$name unknown" ;;
-    *) same "$name $is" "$name file" ;;
+    *) same "$name $is" "$name $says" ;;
     esac
     "$PYTHON" "$top/tests/volumes/make.py" same "$work/a.nii" "$work/b.nii" 2>"$work/err" ||
         fail "$name: $(tail -n 9 "$work/err")"
 }
+
+begin "ANALYZE and NIfTI in pairs, by either file, of both byte orders, packed"
+for pair in an-byte an-short an-float an-double spm99 spm2 medcon; do
+    opened_as $pair.hdr $pair.twin.nii
+    opened_as $pair.img $pair.twin.nii
+done
+opened_as an-int.hdr.gz an-int.twin.nii
+opened_as an-int.img.gz an-int.twin.nii
+says=sform
+for name in ni1.hdr ni1.img ni1-packed.hdr.gz ni1-packed.img.gz ni2.hdr ni2.img; do
+    opened_as $name ${name%%.*}.twin.nii
+done
+says=file
+gzip -n <an-byte.img >an-packed.img.gz # its header as it is
+cp an-byte.hdr an-packed.hdr
+opened_as an-packed.hdr an-byte.twin.nii
+opened_as an-packed.img.gz an-byte.twin.nii
+cp an-byte.hdr CAPITALS.HDR
+cp an-byte.img CAPITALS.IMG
+opened_as CAPITALS.HDR an-byte.twin.nii
+expect 0 "$iftty" -c "open an-byte.img crop=2-9,3-12,0-5 reduce=2"
+out_has "4x5x3 voxels"
+close_story
 
 begin "NRRD: eight types, two spaces, packed, beside its header"
 for name in short byte float char int uint ushort double; do
@@ -106,6 +130,25 @@ expect 2 "$iftty" -c "open a.vtk spacing=0.5,0.5,2"
 err_has "the file says that its voxels are 0.9x1.1x2.5 mm apart"
 expect 2 "$iftty" -c "open raw:plain.raw"
 err_has "expected its layout"
+expect 0 "$iftty" -c "open spm2.hdr; info"
+out_has "its orient byte, 0, is not to be relied on"
+out_has "its values are multiplied by 0.25, then 0 is added"
+out_has "the .mat of SPM beside it may say where its voxels lie; it is not read: \`nib-convert"
+out_has "orientation unknown: no picture or answer names a side"
+expect 0 "$iftty" -c "open an-byte.hdr"
+! grep -qE "multiplied|[.]mat" "$work/out" || fail "$(cat "$work/out")"
+cp -r nothing pair
+cp an-short.hdr an-byte.img pair
+mv pair/an-byte.img pair/an-short.img
+refused "pair/an-short.hdr: its .img: cut short or false: its header claims 16016 bytes" \
+    "open pair/an-short.hdr"
+cp an-float.img pair/an-short.img
+expect 0 "$iftty" -c "open pair/an-short.img"
+out_has "16016 of its bytes come after the voxels; is this .img the one of this .hdr?"
+printf '!INTERFILE :=\n' >pair/a.hdr
+refused "\`medcon -f FILE -c nifti\` makes a NIfTI of it" "open pair/a.hdr"
+mv pair/a.hdr pair/b.img
+refused "there is no b.hdr beside it, with its header" "open pair/b.img"
 close_story
 
 begin "nothing private of a DICOM comes out, wherever one looks"
@@ -204,9 +247,9 @@ close_story
 begin "a journal of another replays on such scenes, and reads no more than the folder it names"
 rm -rf "$work/there"
 mkdir "$work/there"
-cp -r ct whole.mha apart.mhd apart.raw "$work/there"
+cp -r ct whole.mha apart.mhd apart.raw an-byte.hdr an-byte.img "$work/there"
 cd "$work/there" || exit 1
-for scene in ct whole.mha apart.mhd; do
+for scene in ct whole.mha apart.mhd an-byte.hdr an-byte.img; do
     expect 0 "$iftty" -c "open $scene; seed 9,12,6 1; seed 1,1,1 0; run" --journal j.iftty
     expect 0 "$iftty" verify j.iftty
     rm j.iftty
@@ -247,11 +290,15 @@ if random.random() < 0.1:
 open(one, "wb").write(data)
 END
 count=0 bad=0
-for name in LPS-short.nrrd LPS-byte.nrrd whole.mha packed.mha small.mnc tiny.mnc a.mrc a.vtk a.h5 \
+for name in an-short.hdr an-double.hdr ni2.hdr an-int.hdr.gz an-short.img LPS-short.nrrd \
+    LPS-byte.nrrd whole.mha packed.mha small.mnc tiny.mnc a.mrc a.vtk a.h5 \
     stack.tif tif-slices png-slices ct ct-dcmcrle ct-dcmcjpeg ct-dcmcjpls; do
     round=0
     while [ $((round += 1)) -le $((${ROUNDS:-12} * ${IFTTY_TEST_SCALE:-1})) ]; do
-        target=$work/broken.${name##*.}
+        target=$work/broken.${name#*.}
+        for end in hdr img hdr.gz img.gz; do # of a pair, the other file as it is
+            [ ! -f "${name%%.*}.$end" ] || cp "${name%%.*}.$end" "$work/broken.$end"
+        done
         "$PYTHON" "$work/break.py" "$name" "$target" $round
         timeout 60 "$iftty" -c "open $target; slice axial 0 $work/broken.png replace=yes" \
             >"$work/out" 2>"$work/err"

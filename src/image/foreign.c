@@ -46,18 +46,25 @@ static const struct foreign {
     {"", 0, 8, "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "a compound file (OIB, ZVI)" BY_BIO_FORMATS},
     {".vti|.vtp|.vtu", 0, 0, NULL,
      "an XML file of VTK, which is not read: `c3d` or ParaView makes a .vtk or NIfTI of it"},
+    {"", 0, 10, "!INTERFILE",
+     "the header of an Interfile, which is not read: `medcon -f FILE -c nifti` makes a NIfTI of "
+     "it"},
+    {".hdr", 0, 4, "ENVI",
+     "the header of an ENVI, which is not read: `open raw:FILE.img size=X,Y,Z type=T` may do"},
+    {".hdr|.pic", 0, 10, "#?RADIANCE", "a Radiance picture" PICTURE},
     {"", 0, 5, "<?xml", "an XML file; a scene is a volume, or a folder of slices"},
     {".ima|.rda", 0, 0, NULL,
      "a file of a Siemens scanner that is not read: `dcm2niix FOLDER` may make a NIfTI of it"},
 };
 
-const char *foreign_advice(const char *path, const uint8_t *begin, size_t length)
+const char *foreign_advice(const char *path, const uint8_t *begin, size_t length, bool by_name)
 {
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
         const struct foreign *f = &known[i];
         const bool is_named = !*f->endings || file_is_named(path, f->endings);
-        const bool has_bytes = !f->bytes || (f->at + f->length <= length &&
-                                             memcmp(begin + f->at, f->bytes, f->length) == 0);
+        const bool has_bytes = f->bytes ? f->at + f->length <= length &&
+                                              memcmp(begin + f->at, f->bytes, f->length) == 0
+                                        : by_name;
         if (is_named && has_bytes)
             return f->advice;
     }

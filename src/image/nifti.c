@@ -1,8 +1,9 @@
 /*
- * NIfTI: scenes in, label and cost maps out.
+ * NIfTI: scenes in, label and cost maps out; and ANALYZE 7.5, of which it is made.
  *
- * Single files are read, NIfTI-1 and NIfTI-2, plain or gzip, both byte orders; geometry.slope and
- * .intercept include the file's own scl_slope and scl_inter.
+ * Single files and pairs (image/pair.h) are read, NIfTI-1 and NIfTI-2, plain or gzip, both byte
+ * orders; geometry.slope and .intercept include the file's own scl_slope and scl_inter. What
+ * differs in ANALYZE is in image/analyze.h; the rest here holds for it, too.
  *
  * Where the voxels lie: the sform if its code is positive and its matrix can be inverted, else the
  * qform likewise; where they contradict each other, or there is neither, it is unknown. Where axes
@@ -25,7 +26,9 @@
 
 #include "base/safe.h"
 #include "engine/grid.h"
+#include "image/analyze.h"
 #include "image/nifti_header.h"
+#include "image/pair.h"
 #include "image/voxels.h"
 
 /* Extensions longer than this are an accident or an attack; the longest known are some MB. */
@@ -70,7 +73,7 @@ static const struct datatype *datatype_of(int64_t code)
     return &unknown;
 }
 
-static enum err read_fields(struct nifti_header *header, struct volume_source *source,
+static enum err read_fields(struct nifti_header *header, char *notes, struct volume_source *source,
                             struct fault *fault)
 {
     uint8_t bytes[NIFTI_MOST_BYTES];
@@ -87,6 +90,8 @@ static enum err read_fields(struct nifti_header *header, struct volume_source *s
                           "the header", NULL, fault);
     if (!err)
         nifti_header_decode(header, bytes);
+    if (!err && header->kind == NIFTI_ANALYZE)
+        analyze_take(header, bytes, notes);
     return err;
 }
 
@@ -128,7 +133,8 @@ static void read_scale(struct nifti_header *header, char *notes)
 static enum err read_offset(uint64_t *offset, const struct nifti_header *header,
                             struct fault *fault)
 {
-    const double least = (double)header->bytes + 4; /* four bytes say whether extensions follow */
+    /* After the header four bytes say whether extensions follow. */
+    const double least = header->kind == NIFTI_SINGLE ? (double)header->bytes + 4 : 0;
     const double given = header->vox_offset == 0 ? least : header->vox_offset;
     if (!(given >= least && given <= OFFSET_MOST) || given != floor(given))
         return fault_set(fault, ERR_INPUT,
@@ -143,34 +149,109 @@ static enum err read_layout(struct volume_header *out, struct nifti_header *head
                             const struct volume_source *source, struct fault *fault)
 {
     read_scale(header, out->notes);
-    const enum err err = read_offset(&out->offset, header, fault);
-    return err ? err : voxels_check(out, source, fault);
+    enum err err = read_offset(&out->offset, header, fault);
+    if (err)
+        return err;
+    err = voxels_check(out, source, fault);
+    if (header->kind == NIFTI_SINGLE)
+        return err;
+    out->bytes = source->bytes;
+    voxels_note_rest(out, source, "is this .img the one of this .hdr?");
+    return err ? fault_prefix(fault, err, "its .img") : OK;
 }
 
+static const char *format_of(const struct nifti_header *header)
+{
+    const bool is_first = header->bytes == NIFTI_LEAST_BYTES;
+    switch (header->kind) {
+    case NIFTI_SINGLE:
+        return is_first ? "nifti-1" : "nifti-2";
+    case NIFTI_PAIR:
+        return is_first ? "nifti-1 pair" : "nifti-2 pair";
+    case NIFTI_ANALYZE:
+        break;
+    }
+    return "analyze";
+}
+
+/* What the fields say of the voxels of `source`. */
+static enum err take_fields(struct volume_header *out, struct nifti_header *header,
+                            const struct volume_source *source, struct fault *fault)
+{
+    enum err err = read_size(out->size, &out->volumes, header, fault);
+    if (err)
+        return err;
+    const struct datatype *datatype = datatype_of(header->datatype);
+    out->format = format_of(header);
+    out->type_name = datatype->name;
+    out->big_endian = header->big_endian;
+    if (datatype->type == UNREAD)
+        snprintf(out->refusal, sizeof out->refusal, "its voxels are %s (datatype %" PRId64 "); %s",
+                 datatype->name, header->datatype, datatype->remedy);
+    else {
+        out->type = (enum voxel_type)datatype->type;
+        err = read_layout(out, header, source, fault);
+    }
+    nifti_header_geometry(&out->geometry, out->notes, header, out->size);
+    out->geometry.slope = header->scl_slope;
+    out->geometry.intercept = header->scl_inter;
+    return err;
+}
+
+/* ---- pairs ---- */
+
+/* SPM has the place of an ANALYZE in a file of MATLAB, which is named alone. */
+static void note_matrix(char *notes, const char *path)
+{
+    const char *end = file_ending(path, PAIR_HEADERS "|" PAIR_VOXELS);
+    struct buf matrix = {0};
+    buf_add(&matrix, path, (size_t)(end - path));
+    buf_add_text(&matrix, ".mat");
+    if (!matrix.failed && file_exists(buf_text(&matrix)))
+        volume_note(notes,
+                    "the .mat of SPM beside it may say where its voxels lie; it is not read: "
+                    "`nib-convert FILE A.nii` (nibabel) makes a NIfTI of them");
+    buf_release(&matrix);
+}
+
+/* The voxels of a pair, whose header was read, and what is said of both. */
+static enum err take_pair(struct volume_header *out, struct nifti_header *header,
+                          struct volume_source *source, struct fault *fault)
+{
+    const enum err err = pair_go_to_voxels(source, fault);
+    if (err)
+        return err;
+    if (header->kind == NIFTI_ANALYZE)
+        note_matrix(out->notes, source->path);
+    return take_fields(out, header, source, fault);
+}
+
+/* A file that begins with a header. */
 static enum err read_header(struct volume_header *out, struct volume_source *source,
                             struct fault *fault)
 {
     struct nifti_header header;
-    enum err err = read_fields(&header, source, fault);
-    if (!err)
-        err = read_size(out->size, &out->volumes, &header, fault);
+    enum err err = read_fields(&header, out->notes, source, fault);
+    if (err || header.kind == NIFTI_SINGLE)
+        return err ? err : take_fields(out, &header, source, fault);
+    err = pair_check_header(source->path, fault);
+    return err ? err : take_pair(out, &header, source, fault);
+}
+
+/* A file that the name says to be of a pair, and that begins with no header. */
+static enum err read_beside(struct volume_header *out, struct volume_source *source,
+                            struct fault *fault)
+{
+    struct nifti_header header;
+    enum err err = pair_go_to_header(source, fault);
     if (err)
         return err;
-    const struct datatype *datatype = datatype_of(header.datatype);
-    out->format = header.bytes == NIFTI_LEAST_BYTES ? "nifti-1" : "nifti-2";
-    out->type_name = datatype->name;
-    out->big_endian = header.big_endian;
-    if (datatype->type == UNREAD)
-        snprintf(out->refusal, sizeof out->refusal, "its voxels are %s (datatype %" PRId64 "); %s",
-                 datatype->name, header.datatype, datatype->remedy);
-    else {
-        out->type = (enum voxel_type)datatype->type;
-        err = read_layout(out, &header, source, fault);
-    }
-    nifti_header_geometry(&out->geometry, out->notes, &header, out->size);
-    out->geometry.slope = header.scl_slope;
-    out->geometry.intercept = header.scl_inter;
-    return err;
+    err = read_fields(&header, out->notes, source, fault);
+    if (err)
+        return fault_prefix(fault, err, "its .hdr");
+    if (header.kind == NIFTI_SINGLE)
+        return fault_set(fault, ERR_INPUT, "its .hdr is that of a single file, not of a pair");
+    return take_pair(out, &header, source, fault);
 }
 
 /* ---- writing ---- */
@@ -223,4 +304,19 @@ const struct volume_format nifti_format = {
     .read_header = read_header,
     .read_voxels = voxels_read,
     .write = write,
+};
+
+static bool recognises_none(const uint8_t *begin, size_t length)
+{
+    (void)begin, (void)length;
+    return false; /* what begins with a header is taken above */
+}
+
+extern const struct volume_format pair_format;
+const struct volume_format pair_format = {
+    .name = "ANALYZE",
+    .endings = PAIR_HEADERS "|" PAIR_VOXELS,
+    .recognises = recognises_none,
+    .read_header = read_beside,
+    .read_voxels = voxels_read,
 };

@@ -125,16 +125,12 @@ enum err nifti_header_recognise(struct nifti_header *header, const uint8_t *byte
         return fault_set(fault, ERR_INPUT,
                          "not a NIfTI file: sizeof_hdr is %lld; expected 348 or 540",
                          (long long)get_integer(bytes, 4, false));
-    if (has_magic(v, bytes, 'i'))
-        return fault_set(
-            fault, ERR_INPUT,
-            "the header of a .hdr/.img pair; expected a single .nii or .nii.gz file, as "
-            "`fslchfiletype NIFTI_GZ FILE` makes of both");
-    if (!has_magic(v, bytes, '+'))
+    header->kind = has_magic(v, bytes, '+')   ? NIFTI_SINGLE
+                   : has_magic(v, bytes, 'i') ? NIFTI_PAIR
+                                              : NIFTI_ANALYZE;
+    if (header->kind == NIFTI_ANALYZE && v != version)
         return fault_set(fault, ERR_INPUT,
-                         "not a NIfTI file: its magic is neither \"n+1\" nor \"n+2\" (an ANALYZE "
-                         "header has none, and does not say which side is left: make a NIfTI of "
-                         "it, as `fslchfiletype NIFTI_GZ FILE` does)");
+                         "not a NIfTI file: its magic is neither \"n+2\" nor \"ni2\"");
     header->bytes = v->bytes;
     return OK;
 }

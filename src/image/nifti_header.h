@@ -18,7 +18,12 @@
 
 enum { NIFTI_LEAST_BYTES = 348, NIFTI_MOST_BYTES = 540, NIFTI_DESCRIPTION = 80 };
 
+/* Where the voxels are: after the header in the same file, or in another (image/pair.h), whose
+ * header says that it is NIfTI's or else is ANALYZE's. */
+enum nifti_kind { NIFTI_SINGLE, NIFTI_PAIR, NIFTI_ANALYZE };
+
 struct nifti_header {
+    enum nifti_kind kind;
     bool big_endian;
     size_t bytes; /* 348 or 540 */
     int64_t dim[8];
@@ -36,9 +41,8 @@ struct nifti_header {
 /* Whether a file that begins with these bytes may be NIfTI, or the ANALYZE that it grew from. */
 bool nifti_header_is_one(const uint8_t *begin, size_t length);
 
-/* How long the header is that begins with these NIFTI_LEAST_BYTES, and in which byte order: fills
- * header->bytes and ->big_endian. ERR_INPUT where sizeof_hdr or the magic is not of a single-file
- * NIfTI. */
+/* What header begins with these NIFTI_LEAST_BYTES: fills its ->kind, ->bytes and ->big_endian.
+ * ERR_INPUT where sizeof_hdr is of none, or the magic not of NIfTI-2. */
 enum err nifti_header_recognise(struct nifti_header *header, const uint8_t *bytes,
                                 struct fault *fault);
 

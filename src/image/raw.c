@@ -6,8 +6,6 @@
  */
 #include "image/raw.h"
 
-#include <inttypes.h>
-
 #include "engine/grid.h"
 #include "image/voxels.h"
 
@@ -39,12 +37,8 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
     }
     geometry_place_plain(&out->geometry, spacing_mm);
     err = voxels_check(out, source, fault);
-    const uint64_t bytes =
-        out->offset + (uint64_t)out->size[0] * out->size[1] * out->size[2] * voxel_bytes(out->type);
-    if (!err && !source->packed && source->bytes > bytes)
-        volume_note(out->notes,
-                    "%" PRIu64 " of its bytes come after the voxels; check size, type and offset",
-                    source->bytes - bytes);
+    if (!err)
+        voxels_note_rest(out, source, "check size, type and offset");
     return err;
 }
 

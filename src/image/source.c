@@ -57,6 +57,20 @@ void source_close(struct volume_source *source)
     source->helper = NULL;
 }
 
+enum err source_switch(struct volume_source *source, const char *path, struct fault *fault)
+{
+    struct volume_source other;
+    if (file_is_folder(path))
+        return fault_set(fault, ERR_INPUT, "a folder; expected a file");
+    const enum err err = source_open(&other, path, source->watch, fault);
+    if (err)
+        return err;
+    other.path = source->path;
+    source_close(source);
+    *source = other;
+    return OK;
+}
+
 /* Why `source` gave less than it was asked for. */
 static enum err source_fault(struct volume_source *source, const char *part, struct fault *fault)
 {

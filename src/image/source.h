@@ -20,7 +20,7 @@
 struct volume_helper;
 
 struct volume_source {
-    const char *path;    /* not owned */
+    const char *path;    /* what was opened; not owned */
     struct watch *watch; /* of the reading, or NULL; not owned */
     bool is_folder;      /* nothing of it can be read here */
     struct volume_helper
@@ -38,6 +38,10 @@ struct volume_source {
 enum err source_open(struct volume_source *source, const char *path, struct watch *watch,
                      struct fault *fault);
 void source_close(struct volume_source *source);
+
+/* Goes on with another file, from its first byte; `path` stays. Refuses what is no regular file;
+ * then it is as before. */
+enum err source_switch(struct volume_source *source, const char *path, struct fault *fault);
 
 /* The first bytes, at most `most`, without going on; returns how many there are. */
 size_t source_peek(struct volume_source *source, uint8_t *bytes, size_t most);

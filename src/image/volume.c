@@ -11,6 +11,7 @@
 #include "base/buf.h"
 #include "base/choice.h"
 #include "image/foreign.h"
+#include "image/pair.h"
 #include "image/part.h"
 #include "image/swelling.h"
 #include "image/voxels.h"
@@ -109,22 +110,32 @@ static const struct volume_format *format_taking(unsigned what)
     return NULL;
 }
 
+static const struct volume_format *format_recognising(const uint8_t *begin, size_t length)
+{
+    for (int i = 0; i < FORMATS; i++)
+        if (can(formats[i], false) && formats[i]->recognises(begin, length))
+            return formats[i];
+    return NULL;
+}
+
 static enum err find_format(const struct volume_format **format, struct volume_source *source,
                             const struct volume_choice *choice, struct fault *fault)
 {
     uint8_t begin[FIRST_BYTES];
     const size_t length = source_peek(source, begin, sizeof begin);
-    *format = source->is_folder ? format_taking(TAKES_FOLDERS) : format_named(source->path, false);
-    for (int i = 0; i < FORMATS; i++)
-        if (can(formats[i], false) && formats[i]->recognises(begin, length))
-            *format = formats[i];
-    if (choice->raw.size[0])
-        *format = format_taking(TAKES_LAYOUTS);
+    *format = choice->raw.size[0] ? format_taking(TAKES_LAYOUTS)
+              : source->is_folder ? format_taking(TAKES_FOLDERS)
+                                  : format_recognising(begin, length);
     if (*format)
         return OK;
-    const char *advice = foreign_advice(source->path, begin, length);
-    return advice ? fault_set(fault, ERR_INPUT, "%s", advice)
-                  : refuse("not a volume; expected ", false, ERR_INPUT, fault);
+    *format = format_named(source->path, false);
+    /* Voxels alone may begin with any bytes. */
+    const char *advice = file_is_named(source->path, PAIR_VOXELS)
+                             ? NULL
+                             : foreign_advice(source->path, begin, length, !*format);
+    if (advice)
+        return fault_set(fault, ERR_INPUT, "%s", advice);
+    return *format ? OK : refuse("not a volume; expected ", false, ERR_INPUT, fault);
 }
 
 /* ---- reading ---- */

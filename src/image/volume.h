@@ -34,6 +34,8 @@
 /* The formats, and a sentence about each for the help. */
 #define VOLUME_FORMATS(ROW)                                                                        \
     ROW(nifti_format, "NIfTI is .nii or .nii.gz of any whole or real numbers. ")                   \
+    ROW(pair_format,                                                                               \
+        "ANALYZE and NIfTI in two files, .hdr and .img or .gz, are named by either. ")             \
     ROW(nrrd_format, "")                                                                           \
     ROW(metaimage_format, "")                                                                      \
     ROW(raw_format, "")                                                                            \

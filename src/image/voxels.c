@@ -68,6 +68,16 @@ enum err voxels_check(const struct volume_header *header, const struct volume_so
     return OK;
 }
 
+void voxels_note_rest(struct volume_header *header, const struct volume_source *source,
+                      const char *advice)
+{
+    const uint64_t voxels = (uint64_t)voxels_in(header->size) * header->volumes;
+    const uint64_t end = header->offset + voxels * voxel_bytes(header->type);
+    if (!source->packed && source->bytes > end)
+        volume_note(header->notes, "%" PRIu64 " of its bytes come after the voxels; %s",
+                    source->bytes - end, advice);
+}
+
 /* Reads the voxels to `to`, by zlib. */
 static enum err stream_voxels(uint8_t *to, size_t needed, uint64_t offset,
                               struct volume_source *source, struct watch *watch,

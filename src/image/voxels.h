@@ -18,6 +18,11 @@ bool voxel_type_named(enum voxel_type *out, const char *name);
 enum err voxels_check(const struct volume_header *header, const struct volume_source *source,
                       struct fault *fault);
 
+/* Of a file that is not packed, notes how many bytes come after the last voxel, which is odd, with
+ * that advice. */
+void voxels_note_rest(struct volume_header *header, const struct volume_source *source,
+                      const char *advice);
+
 /* For volume_format.read_voxels. The size has been checked. */
 enum err voxels_read(struct volume *volume, const struct volume_header *header,
                      struct volume_source *source, struct watch *watch, struct fault *fault);

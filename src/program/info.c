@@ -319,7 +319,7 @@ static enum err add_file(struct facts *f, const char *path, struct fault *fault)
         return add_journal(f, path, fault);
     if (file_begins_with(path, "\x76\x2f\x31\x01"))
         return add_exr(f, path, fault);
-    if (volume_ending(path))
+    if (volume_ending(path) && !file_begins_with(path, "#?RADIANCE"))
         return add_scene(f, path, fault);
     return add_image(f, path, fault);
 }

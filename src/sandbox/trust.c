@@ -11,9 +11,10 @@
 
 #include "base/confine.h"
 #include "base/file.h"
+#include "image/pair.h"
 
-/* Headers whose voxels lie in another file beside them. */
-static const char HEADERS_ALONE[] = ".mhd|.nhdr|.hdr";
+/* Headers that name the file with the voxels, which is to lie beside them. */
+static const char HEADERS_ALONE[] = ".mhd|.nhdr";
 
 bool trust_without_openat2;
 
@@ -139,12 +140,10 @@ static enum trust_answer look_everywhere(struct buf *path, const char *home, con
     return answer;
 }
 
-enum err trust_find(struct buf *path, const char *home, const char *scenes, const char *name,
-                    const char *kind, const char *undone, bool takes_folders, struct fault *fault)
+/* OK where the answer is that of a file that may be read, or of a folder where that is taken. */
+static enum err refuse(enum trust_answer answer, const char *name, const char *kind,
+                       const char *undone, bool takes_folders, struct fault *fault)
 {
-    const enum trust_answer answer = look_everywhere(path, home, scenes, name);
-    if (path->failed)
-        return fault_memory(fault, "a path");
     switch (answer) {
     case TRUST_FINE:
         return OK;
@@ -165,6 +164,35 @@ enum err trust_find(struct buf *path, const char *home, const char *scenes, cons
                      "there is no %s %s beside the journal or among the scenes; "
                      "nothing %s",
                      kind, name, undone);
+}
+
+/* What makes a pair with `name`, which was found as `path`, is read with it. */
+static enum err check_other(const struct buf *path, const char *name, const char *kind,
+                            const char *undone, struct fault *fault)
+{
+    const size_t length = path->length - strlen(name) - 1;
+    struct buf folder = {0}, other = {0};
+    enum err err = OK;
+    buf_add(&folder, path->data, length);
+    if (pair_other(&other, buf_text(path)) && !folder.failed) {
+        const char *other_name = buf_text(&other) + length + 1;
+        err = refuse(trust_look(buf_text(&folder), other_name), other_name, kind, undone, false,
+                     fault);
+    }
+    err = folder.failed || other.failed ? fault_memory(fault, "a path") : err;
+    buf_release(&other);
+    buf_release(&folder);
+    return err;
+}
+
+enum err trust_find(struct buf *path, const char *home, const char *scenes, const char *name,
+                    const char *kind, const char *undone, bool takes_folders, struct fault *fault)
+{
+    const enum trust_answer answer = look_everywhere(path, home, scenes, name);
+    if (path->failed)
+        return fault_memory(fault, "a path");
+    return answer == TRUST_FINE ? check_other(path, name, kind, undone, fault)
+                                : refuse(answer, name, kind, undone, takes_folders, fault);
 }
 
 /* ---- confinement ---- */
@@ -251,15 +279,26 @@ static void gather_programs(struct gathering *g, const char *const *program)
         gather_folder_of(g, *program, CONFINE_READ | CONFINE_RUN);
 }
 
+/* What --scene names, and what is read with it. */
+static void gather_scene(struct gathering *g, const char *path)
+{
+    struct buf other = {0};
+    gather(g, path, CONFINE_READ);
+    if (path && file_is_named(path, HEADERS_ALONE))
+        gather_folder_of(g, path, CONFINE_READ);
+    if (path && pair_other(&other, path))
+        gather(g, buf_text(&other), CONFINE_READ);
+    g->is_full |= other.failed;
+    buf_release(&other);
+}
+
 bool trust_confine(const struct trust_places *places)
 {
     struct gathering g = {.places = 0};
     gather_system(&g);
     for (int i = 0; i < 2; i++)
         gather(&g, places->helper[i], CONFINE_READ | CONFINE_RUN);
-    gather(&g, places->scene, CONFINE_READ);
-    if (places->scene && file_is_named(places->scene, HEADERS_ALONE))
-        gather_folder_of(&g, places->scene, CONFINE_READ);
+    gather_scene(&g, places->scene);
     gather_list(&g, places->scenes);
     for (const char *const *at = places->written; at && *at; at++) {
         gather(&g, *at, CONFINE_WRITE);

@@ -5,7 +5,8 @@
  * the user's files. It reaches no more than
  *     (T1) for reading, the scene that was given by --scene, and regular files below the folder of
  *          the journal or a folder of scenes ($IFTTY_SCENES): no absolute names, no "..", no links
- *          that lead out of that folder, no devices, pipes or sockets. A scene may be a folder
+ *          that lead out of that folder, no devices, pipes or sockets. With one file of a pair
+ *          (image/pair.h) the other is read, of which the same holds. A scene may be a folder
  *          there (of DICOM, say), in which links are left alone;
  *     (T2) for writing, the folder of --out, or a fresh temporary one; nothing there is overwritten
  *          but what the same replay has written;

@@ -29,4 +29,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length);
  * time. */
 const char *fuzz_file(const uint8_t *bytes, size_t length);
 
+/* The path of the header of a pair of files, A.hdr and A.img, with these bytes; likewise. */
+const char *fuzz_pair(const uint8_t *header, size_t header_length, const uint8_t *voxels,
+                      size_t voxels_length);
+
 #endif

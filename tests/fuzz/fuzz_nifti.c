@@ -1,4 +1,5 @@
-/* Bytes as a scene: the header alone, what is said of a file, and its voxels. */
+/* Bytes as a scene, in one file or as a pair: the header alone, what is said of it, and its
+ * voxels. */
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>
@@ -28,17 +29,15 @@ static void decode(const uint8_t *bytes, size_t length)
     nifti_header_encode(&header, again);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
+static void read_all(const char *path)
 {
     struct volume_header facts;
     struct volume volume;
     struct fault fault = {.text = ""};
-    decode(bytes, length);
-    const char *path = fuzz_file(bytes, length);
     enum err err = volume_about(&facts, path, &fault);
     HOLDS(!err || (fault.text[0] && !strpbrk(fault.text, "\n\r\033")));
     if (err || (uint64_t)facts.size[0] * facts.size[1] * facts.size[2] > VOXELS_MOST)
-        return 0;
+        return;
     const struct volume_choice last = {.has_volume = facts.volumes > 1,
                                        .volume = facts.volumes - 1};
     err = volume_read(&volume, path, &last, NULL, &fault);
@@ -57,5 +56,22 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
     err = volume_read(&volume, path, &(struct volume_choice){.reduce = 2}, NULL, &fault);
     HOLDS(!err == (volume.intensity != NULL));
     volume_release(&volume);
+}
+
+/* The bytes as a pair, where their header is that of one: the rest is in another file. */
+static void read_pair(const uint8_t *bytes, size_t length)
+{
+    struct nifti_header header;
+    if (length < NIFTI_LEAST_BYTES || nifti_header_recognise(&header, bytes, NULL) ||
+        header.kind == NIFTI_SINGLE || length < header.bytes)
+        return;
+    read_all(fuzz_pair(bytes, header.bytes, bytes + header.bytes, length - header.bytes));
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
+{
+    decode(bytes, length);
+    read_all(fuzz_file(bytes, length));
+    read_pair(bytes, length);
     return 0;
 }

@@ -58,6 +58,42 @@ def run(*words, **options):
     subprocess.run(words, check=True, stdout=subprocess.DEVNULL, **options)
 
 
+# ---- ANALYZE and NIfTI in pairs, by nibabel and medcon ----
+
+
+def make_pairs(folder):
+    for name, kind, ending, data_type in (("ni1", nibabel.Nifti1Pair, ".img", "<i2"),
+                                          ("ni1-packed", nibabel.Nifti1Pair, ".img.gz", "<f4"),
+                                          ("ni2", nibabel.Nifti2Pair, ".img", ">i2")):
+        data = voxels(data_type)
+        path = os.path.join(folder, name)
+        image = kind(data, PLACE, kind.header_class(endianness=data_type[0]))
+        image.header.set_data_dtype(data_type)
+        image.header.set_xyzt_units("mm")
+        nibabel.save(image, path + ending)
+        save_twin(path, data.astype(data_type[1:]), PLACE)
+    analyze = nibabel.AnalyzeImage
+    for name, kind, ending, data_type in (("an-byte", analyze, ".img", "<u1"),
+                                          ("an-short", analyze, ".img", ">i2"),
+                                          ("an-int", analyze, ".img.gz", "<i4"),
+                                          ("an-float", analyze, ".img", ">f4"),
+                                          ("an-double", analyze, ".img", "<f8"),
+                                          ("spm99", nibabel.Spm99AnalyzeImage, ".img", ">i2"),
+                                          ("spm2", nibabel.Spm2AnalyzeImage, ".img", "<i2")):
+        data = voxels(data_type)
+        path = os.path.join(folder, name)
+        image = kind(data, PLACE, kind.header_class(endianness=data_type[0]))
+        image.header.set_data_dtype(data_type)
+        if kind is not analyze:  # which writes a .mat, too
+            image.header["scl_slope"] = 0.25
+        nibabel.save(image, path + ending)
+        save_plain_twin(path, data.astype(data_type[1:]), SPACING)
+    run("medcon", "-f", "ni1.twin.nii", "-c", "anlz", "-o", "medcon", "-noprefix", cwd=folder)
+    made = nibabel.load(os.path.join(folder, "medcon.img"))
+    save_plain_twin(os.path.join(folder, "medcon"), numpy.asarray(made.dataobj).astype("i2"),
+                    SPACING)
+
+
 # ---- NRRD by unu, MetaImage and MRC by numpy ----
 
 
@@ -304,8 +340,8 @@ def main():
         same(sys.argv[2], sys.argv[3])
         return
     folder = sys.argv[1]
-    for make in (make_nrrd, make_meta, make_mrc, make_vtk, make_pictures, make_hdf5, make_minc,
-                 make_dicom):
+    for make in (make_pairs, make_nrrd, make_meta, make_mrc, make_vtk, make_pictures, make_hdf5,
+                 make_minc, make_dicom):
         make(folder)
 
 
