@@ -135,6 +135,22 @@ void golden_difference_release(struct golden_difference *difference)
     difference->image = NULL;
 }
 
+/* What a person looks for first: whether another object is shown, or the same in other colours. */
+static void tell_kind(struct buf *out, const struct golden_difference *d)
+{
+    const uint64_t labels = d->pixels_of[GOLDEN_LABEL], voxels = d->pixels_of[GOLDEN_VOXEL];
+    if (labels)
+        buf_printf(out, "; labels differ in %" PRIu64 " pixel%s", labels, plural(labels));
+    if (voxels)
+        buf_printf(out, "%s voxels differ in %" PRIu64 " pixel%s", labels ? "," : ";", voxels,
+                   plural(voxels));
+    if (labels || voxels)
+        return;
+    buf_add_text(out, d->pixels_of[GOLDEN_DEPTH]
+                          ? "; depths differ, labels and voxels are the same"
+                          : "; colours alone differ, labels and voxels are the same");
+}
+
 void golden_tell(struct buf *out, const struct golden_difference *difference)
 {
     if (difference->is_same) {
@@ -148,6 +164,7 @@ void golden_tell(struct buf *out, const struct golden_difference *difference)
                    difference->pixels, (uint64_t)difference->width * difference->height,
                    difference->column, difference->row, plane_name[difference->plane],
                    difference->actual, difference->expected);
+        tell_kind(out, difference);
         if (difference->expected_voxel != difference->actual_voxel)
             buf_printf(out, "; it shows voxel %" PRIu32 " instead of %" PRIu32,
                        difference->actual_voxel, difference->expected_voxel);

@@ -376,13 +376,23 @@ STORY(the_first_difference_is_told_in_words)
     golden_tell(&words, &d);
     CHECK_TEXT(buf_text(&words),
                "2 of 6 pixels differ, first column 1, row 0: depth is 12.5 (0x41480000), "
-               "2.5 (0x40200000) was expected; it shows voxel 201 instead of 200");
+               "2.5 (0x40200000) was expected; labels differ in 1 pixel, voxels differ in 1 pixel; "
+               "it shows voxel 201 instead of 200");
     golden_difference_release(&d);
     other = plain;
     other.rgba[0][3] = 0;
     compare(&other, &d);
     CHECK_TEXT(d.expected, "90,90,90,255");
     CHECK_TEXT(d.actual, "90,90,90,0");
+    buf_clear(&words);
+    golden_tell(&words, &d);
+    CHECK_HAS(buf_text(&words), "; colours alone differ, labels and voxels are the same");
+    golden_difference_release(&d);
+    other.depth[3] += 1;
+    compare(&other, &d);
+    buf_clear(&words);
+    golden_tell(&words, &d);
+    CHECK_HAS(buf_text(&words), "; depths differ, labels and voxels are the same");
     golden_difference_release(&d);
     buf_release(&words);
 }

@@ -260,7 +260,7 @@ static void verifies(const char *journal)
 {
     struct replay_report report = {0};
     begin_interpreter(&interp);
-    if (!CHECK(replay_file(&interp, journal, 0, 0, NULL, &report, &fault) == OK))
+    if (!CHECK(replay_file(&interp, journal, 0, 0, NULL, NULL, &report, &fault) == OK))
         printf("#   %s\n", fault.text);
     replay_report_release(&report);
     interpreter_release(&interp);

@@ -134,6 +134,7 @@ static void make_result(struct verify_result *r)
                                 .digests = 9,
                                 .goldens = 1,
                                 .pixels = 4,
+                                .line = 31,
                                 .took_ms = 1234};
     buf_add_text(&r->why, "it differs");
     buf_add_text(&r->lines, "# one\n# two\n");
@@ -156,6 +157,7 @@ STORY(a_result_comes_back_as_it_was_sent)
     CHECK_INT(got.digests, 9);
     CHECK_INT(got.goldens, 1);
     CHECK_INT(got.pixels, 4);
+    CHECK_INT(got.line, 31);
     CHECK_TEXT(buf_text(&got.chain), "0123456789abcdef0123456789abcdef");
     CHECK_INT(got.took_ms, 1234);
     CHECK_TEXT(buf_text(&got.why), "it differs");
@@ -181,16 +183,19 @@ static void check_refused(const char *bytes, size_t length)
     buf_release(&text);
 }
 
+/* What differs in length, all of it empty. */
+#define PARTS "part 0\npart 0\npart 0\npart 0\npart 0\npart 0\npart 0\n"
+
 STORY(half_a_result_is_none)
 {
     static const char *const wrong[] = {
-        "result 99 0 0 0 0 0 0 0\npart 0\npart 0\npart 0\n",
-        "result 1 0 0 0 0 0 0 0\npart 9999999999999\npart 0\npart 0\n",
-        "result 1 0 0 0 0 0 0 4\npart 0\npart 0\npart 0\n",
-        "result -1 0 0 0 0 0 0 0\npart 0\npart 0\npart 0\n",
-        "result 0 0 0 0 0 0 0 0\npart 0\npart 0\npart 0\n\n",
-        "result 0 0 0 0 0 0 0 1\npart 0\npart 0\npart 0\npart 1\n",
-        "result 0 0 0 0 0 0 0 1\npart 0\npart 0\npart 0\npart -1\n",
+        "result 99 0 0 0 0 0 0 0 0\n" PARTS,
+        "result 1 0 0 0 0 0 0 0 0\npart 9999999999999\n" PARTS,
+        "result 1 0 0 0 0 0 0 0 4\n" PARTS,
+        "result -1 0 0 0 0 0 0 0 0\n" PARTS,
+        "result 0 0 0 0 0 0 0 0 0\n" PARTS "\n",
+        "result 0 0 0 0 0 0 0 0 1\n" PARTS "part 1\n",
+        "result 0 0 0 0 0 0 0 0 1\n" PARTS "part -1\n",
     };
     struct verify_result sent;
     struct buf bytes = {0};
@@ -244,7 +249,8 @@ STORY(a_report_names_what_failed_and_how)
     r[0].path = "fine.iftty";
     r[1].path = "<script>.iftty";
     verify_report_text(&out, VERIFY_JUNIT, r, 2);
-    CHECK_HAS(buf_text(&out), "tests=\"2\" failures=\"1\" errors=\"0\" time=\"2.239\"");
+    CHECK_HAS(buf_text(&out),
+              "tests=\"2\" failures=\"1\" errors=\"0\" skipped=\"0\" time=\"2.239\"");
     CHECK_HAS(buf_text(&out), "name=\"fine.iftty\" time=\"1.005\"/>");
     CHECK_HAS(buf_text(&out), "message=\"it differs\"># one\n# two\n</failure>");
     buf_clear(&out);

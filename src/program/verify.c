@@ -10,6 +10,7 @@
 #include "verify/ci.h"
 #include "verify/diff.h"
 #include "verify/reseal.h"
+#include "verify/shard.h"
 
 /* ---- verify ---- */
 
@@ -25,10 +26,10 @@ static enum err check_lock_options(const struct options *o, struct fault *fault)
     if (o->update_lock && ci_is_set())
         return fault_set(fault, ERR_USAGE,
                          "--update-lock is a person's decision, and refused where CI is set");
-    if (o->update_lock && (o->from || o->until))
+    if (o->update_lock && (o->from || o->until || o->shard || o->fail_fast))
         return fault_set(fault, ERR_USAGE,
-                         "--update-lock: whole journals are verified, without "
-                         "--from and --until");
+                         "--update-lock: all journals are verified, without --from, --until, "
+                         "--shard and --fail-fast");
     return OK;
 }
 
@@ -45,20 +46,44 @@ static enum err check_options(const struct options *o, struct fault *fault)
     if (o->expect && (o->words != 1 || !is_chain(o->expect)))
         return fault_set(fault, ERR_USAGE,
                          "--expect: expected one journal, and the 32 digits of its last chain");
+    if (o->remove_orphans && ci_is_set())
+        return fault_set(fault, ERR_USAGE,
+                         "--remove-orphans is a person's decision, and refused where CI is set");
     return check_lock_options(o, fault);
+}
+
+/* Those that are this machine's. */
+static enum err choose(const struct options *o, struct lock_plan *plan, size_t *count,
+                       struct fault *fault)
+{
+    struct shard shard;
+    *count = plan ? plan->name.count : (size_t)o->words;
+    if (!o->shard)
+        return OK;
+    if (!shard_read(&shard, o->shard))
+        return fault_set(fault, ERR_USAGE, "--shard: expected K/N, as 1/4 to 4/4, not %s",
+                         o->shard);
+    *count =
+        shard_choose(&shard, plan ? plan->journal : o->word, plan ? plan->name.name : NULL, *count);
+    return OK;
 }
 
 static enum err verify_journals(const struct options *o, struct lock_plan *plan,
                                 struct fault *fault)
 {
+    size_t count;
+    enum err err = choose(o, plan, &count, fault);
     const struct verify_options how = {.path = plan ? plan->journal : o->word,
-                                       .count = plan ? plan->name.count : (size_t)o->words,
+                                       .count = count,
                                        .scene_path = o->scene,
                                        .evidence_folder = o->out,
                                        .junit = o->junit,
                                        .html = o->html,
                                        .json = o->json,
                                        .strict = o->strict || (ci_is_set() && !o->no_strict),
+                                       .fail_fast = o->fail_fast,
+                                       .timings = o->timings,
+                                       .removes_orphans = o->remove_orphans,
                                        .expect = o->expect,
                                        .allowed_signers = o->allowed_signers,
                                        .plan = plan,
@@ -68,7 +93,8 @@ static enum err verify_journals(const struct options *o, struct lock_plan *plan,
                                        .begin = begin_one,
                                        .context = (void *)(uintptr_t)o,
                                        .watch = console_watch()};
-    const enum err err = o->out ? file_make_folder(o->out, fault) : OK;
+    if (!err && o->out)
+        err = file_make_folder(o->out, fault);
     if (err)
         return err;
     console_handle_interrupts();

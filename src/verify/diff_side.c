@@ -36,7 +36,8 @@ static enum err carry_out(struct interpreter *interp, const struct work *work,
 {
     const struct diff_options *o = work->options;
     struct replay_report report = {0};
-    enum err err = replay_file(interp, o->path[work->which], 0, o->last, NULL, &report, fault);
+    enum err err =
+        replay_file(interp, o->path[work->which], 0, o->last, NULL, NULL, &report, fault);
     facts->is_edited = !report.is_intact;
     facts->is_torn = report.is_torn;
     if (err == ERR_CHECK && report.outcome == REPLAY_SAME)

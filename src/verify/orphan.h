@@ -1,13 +1,26 @@
-/* Orphan golden images: files in a journal's folder of golden images that it does not name. */
+/* Orphan golden images: files in a journal's folder of golden images that it does not name. Drafts,
+ * whose names begin with a dot, are no golden images. */
 #ifndef VERIFY_ORPHAN_H
 #define VERIFY_ORPHAN_H
 
 #include "base/buf.h"
 #include "base/err.h"
+#include "base/name_list.h"
 
-/* `named` holds the names that the journal gives, each ended by NUL. ERR_CHECK with the first
- * orphan (in the order of their names) and how many there are; OK for none, or where there is no
- * such folder. Drafts, whose names begin with a dot, are no golden images. */
+/* The names of all, as "third.exr"; none where there is no such folder. `named` holds the names
+ * that the journal gives, each ended by NUL. ERR_IO, ERR_MEMORY. To be released, whatever is
+ * returned. */
+enum err orphan_find(struct name_list *orphans, const char *journal_path, const struct buf *named,
+                     struct fault *fault);
+
+/* ERR_CHECK with the first of them, where there are any. */
+enum err orphan_judge(const struct name_list *orphans, const char *journal_path,
+                      struct fault *fault);
+
+/* Both. */
 enum err orphan_check(const char *journal_path, const struct buf *named, struct fault *fault);
+
+/* Removes one that orphan_find has named, and the PNG beside it. */
+enum err orphan_remove(const char *journal_path, const char *orphan, struct fault *fault);
 
 #endif

@@ -1,5 +1,6 @@
 #include "verify/replay_file.h"
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "sandbox/limits.h"
 #include "verify/divergence.h"
@@ -7,6 +8,7 @@
 struct replaying {
     struct interpreter *interp;
     const struct printer *printer;    /* NULL: quietly */
+    struct timing *timing;            /* NULL: none is taken */
     const struct golden_judge *judge; /* from record `first` on */
     size_t number, first;
 };
@@ -17,7 +19,10 @@ static enum err execute(void *context, const char *command, struct buf *words, s
     struct reply reply = {0};
     const bool is_judged = ++replaying->number >= replaying->first;
     replaying->interp->judge = is_judged ? replaying->judge : NULL;
+    const uint64_t begin = clock_ns();
     enum err err = interpreter_execute(replaying->interp, command, &reply, fault);
+    if (replaying->timing)
+        timing_add(replaying->timing, replaying->number, clock_ns() - begin, command);
     if (!err && replaying->printer && reply.canonical.length)
         script_acknowledge(replaying->interp, &reply, replaying->printer);
     buf_add_text(words, buf_text(&reply.words));
@@ -38,12 +43,15 @@ static bool is_lost(void *context, const char *key, size_t length)
 }
 
 enum err replay_file(struct interpreter *interp, const char *path, size_t first, size_t last,
-                     const struct printer *printer, struct replay_report *report,
-                     struct fault *fault)
+                     const struct printer *printer, struct timing *timing,
+                     struct replay_report *report, struct fault *fault)
 {
     struct buf bytes = {0};
-    struct replaying replaying = {
-        .interp = interp, .printer = printer, .judge = interp->judge, .first = first};
+    struct replaying replaying = {.interp = interp,
+                                  .printer = printer,
+                                  .timing = timing,
+                                  .judge = interp->judge,
+                                  .first = first};
     const struct replay_host host = {&replaying, execute, begin, is_lost};
     const struct replay_options options = {SEMANTICS, first, last};
     enum err err = file_exists(path) ? file_read(&bytes, path, JOURNAL_BYTES_MAX, fault)
@@ -106,7 +114,7 @@ enum err replay_aloud(struct interpreter *interp, const char *path, const struct
 {
     struct replay_report report = {0};
     struct buf text = {0};
-    enum err err = replay_file(interp, path, 0, 0, printer, &report, fault);
+    enum err err = replay_file(interp, path, 0, 0, printer, NULL, &report, fault);
     replay_describe(&text, &report, fault);
     if (text.length)
         printer->warn(printer->context, buf_text(&text));

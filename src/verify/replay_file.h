@@ -7,13 +7,15 @@
 
 #include "command/script.h"
 #include "journal/replay.h"
+#include "verify/timing.h"
 
 /* Carries the journal out and compares the results, and by the interpreter's judge golden images,
- * of records `first` to `last`; 0 for all. Each command is acknowledged, unless `printer` is NULL.
- * `report` begins as {0}, and is to be released whatever is returned. */
+ * of records `first` to `last`; 0 for all. Each command is acknowledged, unless `printer` is NULL,
+ * and timed, unless `timing` is. `report` begins as {0}, and is to be released whatever is
+ * returned. */
 enum err replay_file(struct interpreter *interp, const char *path, size_t first, size_t last,
-                     const struct printer *printer, struct replay_report *report,
-                     struct fault *fault);
+                     const struct printer *printer, struct timing *timing,
+                     struct replay_report *report, struct fault *fault);
 
 /* Adds what is wrong as lines that begin with "# ", safe to print; none where all is well. `fault`
  * is that of the replay. */

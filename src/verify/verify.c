@@ -3,248 +3,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/clock.h"
 #include "base/file.h"
-#include "command/act.h"
-#include "session/export.h"
-#include "verify/lock_facts.h"
+#include "verify/github.h"
 #include "verify/orphan.h"
-#include "verify/replay_file.h"
-#include "verify/signature.h"
-#include "verify/strict.h"
+#include "verify/verify_journal.h"
 #include "verify/verify_report.h"
 
 enum {
     PICTURES_MOST = 64 << 20,               /* bytes of pictures that a report holds */
     RESULT_MOST = PICTURES_MOST + (8 << 20) /* bytes that a process may hand back */
 };
-
-/* ---- the replay of one journal ---- */
-
-/* What is seen now, for a person who asks what a command has come to. */
-static void show_present(struct interpreter *interp, struct evidence *evidence)
-{
-    struct picture picture = {0};
-    if (!interp->session.has_scene || evidence->pictures ||
-        session_draw(&interp->session, RENDER_AS_KEPT, NULL) ||
-        export_picture(&picture, &interp->session, NULL))
-        return;
-    evidence_add(evidence, "actual: the rendition after this command", picture.width,
-                 picture.height, picture.rgba);
-    picture_release(&picture);
-}
-
-/* The voxels of each label now, as comment lines. */
-static void write_voxels(struct interpreter *interp, struct buf *lines)
-{
-    struct reply reply = {0};
-    if (interp->session.has_scene &&
-        !act_write_counts(&(struct act){interp, &interp->session, NULL, NULL, &reply, NULL}))
-        for (const char *at = buf_text(&reply.text); *at;) {
-            const size_t n = strcspn(at, "\n");
-            buf_printf(lines, "#   %-9s", "now");
-            buf_add(lines, at, n);
-            buf_add_char(lines, '\n');
-            at += n + (at[n] == '\n');
-        }
-    reply_release(&reply);
-}
-
-/* What a replay that went well leaves to be asked. */
-static enum err judge_whole(const struct verify_options *options, const struct interpreter *interp,
-                            const char *path, const struct replay_report *report,
-                            const struct evidence_collector *collector, struct fault *fault)
-{
-    const struct strictness strictness = {.report = report,
-                                          .goldens = collector->goldens,
-                                          .semantics = SEMANTICS,
-                                          .is_part = options->first || options->last};
-    if (!report->is_journal)
-        return fault_set(fault, ERR_CHECK, "this is a script, not a journal: nothing to compare");
-    if (options->first > report->executed)
-        return fault_set(fault, ERR_CHECK,
-                         "it ends with record %zu: nothing to compare from %zu on",
-                         report->executed, options->first);
-    const enum err err = options->last ? OK : orphan_check(path, &interp->goldens, fault);
-    return err || !options->strict ? err : strict_judge(&strictness, fault);
-}
-
-/* The folder for a journal's evidence, which is made when there is some. Journals of one name have
- * folders of their own below, by their numbers in the list, so that none replaces another's. */
-static void place_evidence(struct buf *folder, const struct verify_options *options,
-                           const char *path)
-{
-    size_t number = 0, namesakes = 0;
-    for (size_t i = 0; i < options->count; i++) {
-        if (options->path[i] == path)
-            number = i + 1;
-        namesakes += strcmp(file_name(options->path[i]), file_name(path)) == 0;
-    }
-    buf_add_text(folder, options->evidence_folder);
-    if (namesakes > 1)
-        buf_printf(folder, "/%zu", number);
-}
-
-/* Its words are a line as well, unless the lines say it already. */
-static void note_failure(struct verify_result *result, enum err err, bool is_told,
-                         const struct fault *fault)
-{
-    result->err = err;
-    if (!err)
-        return;
-    buf_add_text(&result->why, fault->text);
-    if (!is_told)
-        buf_printf(&result->lines, "# %s\n", fault->text);
-}
-
-/* ---- what else is known of a journal ---- */
-
-static enum err judge_expected(const struct verify_options *options, const char *chain,
-                               struct fault *fault)
-{
-    if (!options->expect || strncmp(chain, options->expect, RECORD_CHAIN_DIGITS) == 0)
-        return OK;
-    return fault_set(fault, ERR_CHECK,
-                     "its last chain is %.*s, and %s was expected: it is another journal, or has "
-                     "more records or fewer",
-                     (int)RECORD_CHAIN_DIGITS, chain, options->expect);
-}
-
-static enum err judge_pinned(const struct lock_plan *plan, size_t number,
-                             struct verify_result *result, struct fault *fault)
-{
-    const char *pinned = plan && !plan->updates ? lock_plan_pinned(plan, number) : "";
-    if (!plan || plan->updates)
-        return OK;
-    if (!pinned)
-        return fault_set(fault, ERR_CHECK, "added: %s does not name it; --update-lock takes it in",
-                         plan->path);
-    return lock_differs(&result->lines, pinned, buf_text(&result->facts))
-               ? fault_set(fault, ERR_CHECK, "changed: it is not the journal that %s names",
-                           plan->path)
-               : OK;
-}
-
-/* Asked of a journal whatever its replay gave, unless its bytes cannot be read. */
-static enum err judge_facts(const struct verify_options *options, size_t number,
-                            struct verify_result *result, struct fault *fault)
-{
-    const char *path = options->path[number];
-    if (!options->expect && !options->plan)
-        return OK;
-    enum err err = lock_facts(&result->facts, path, fault);
-    const char *chain = lock_facts_chain(buf_text(&result->facts));
-    if (err || !chain)
-        return err;
-    if (!options->last && !result->err &&
-        strncmp(chain, buf_text(&result->chain), result->chain.length) != 0)
-        return fault_set(fault, ERR_CHECK, "it was changed while it was verified");
-    err = judge_expected(options, chain, fault);
-    return err ? err : judge_pinned(options->plan, number, result, fault);
-}
-
-/* Before the walls are there: ssh-keygen, not this program, reads what others wrote. `sha256` is of
- * the bytes that are signed. */
-static enum err judge_signature(const struct verify_options *options, const char *path,
-                                struct verify_result *result, char sha256[SHA256_HEX],
-                                struct fault *fault)
-{
-    struct buf bytes = {0};
-    if (!options->allowed_signers)
-        return OK;
-    enum err err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
-    sha256_bytes_hex(sha256, buf_text(&bytes), bytes.length);
-    if (!err)
-        err = signature_check(&result->signer, path, &bytes, options->allowed_signers,
-                              options->watch, fault);
-    if (!err)
-        buf_printf(&result->lines, "# signed by %s\n", buf_text(&result->signer));
-    buf_release(&bytes);
-    return err;
-}
-
-/* Beside what the replay found. */
-static void add_failure(struct verify_result *result, enum err err, const struct fault *fault)
-{
-    if (err && !result->err)
-        note_failure(result, err, false, fault);
-    else if (err == ERR_CHECK)
-        buf_printf(&result->lines, "# %s\n", fault->text);
-}
-
-static bool is_missing(const struct verify_options *options, size_t number, struct fault *fault)
-{
-    if (!options->plan || options->plan->updates || file_exists(options->path[number]))
-        return false;
-    fault_set(fault, ERR_CHECK, "missing: %s names it, and there is no such file",
-              options->plan->path);
-    return true;
-}
-
-/* ---- in the process of a journal ---- */
-
-static void replay_one(const struct verify_options *options, const char *path,
-                       struct verify_result *result, char sha256[SHA256_HEX])
-{
-    struct interpreter interp;
-    struct replay_report report = {0};
-    struct buf folder = {0};
-    struct fault fault = {0};
-    struct evidence_collector collector = {.evidence = options->html ? &result->evidence : NULL};
-    const struct golden_judge judge = evidence_judge(&collector);
-    const uint64_t begin = clock_ns();
-    enum err err = interpreter_init(&interp, &fault);
-    if (!err && options->begin)
-        err = options->begin(options->context, path, &fault);
-    interp.scene_path = options->scene_path;
-    if (options->evidence_folder)
-        place_evidence(&folder, options, path);
-    collector.folder = folder.length ? buf_text(&folder) : NULL;
-    interp.judge = &judge;
-    if (!err)
-        err = replay_file(&interp, path, options->first, options->last, NULL, &report, &fault);
-    replay_describe(&result->lines, &report, &fault);
-    const bool is_told = err && result->lines.length;
-    if (!err)
-        err = judge_whole(options, &interp, path, &report, &collector, &fault);
-    if (report.outcome == REPLAY_DIVERGED) {
-        write_voxels(&interp, &result->lines);
-        if (collector.evidence)
-            show_present(&interp, collector.evidence);
-    }
-    note_failure(result, err, is_told, &fault);
-    result->executed = report.executed;
-    result->compared = report.compared;
-    result->digests = report.digests;
-    result->goldens = collector.goldens;
-    result->pixels = collector.pixels;
-    if (report.executed)
-        buf_add_text(&result->chain, report.chain.hex);
-    result->took_ms = (clock_ns() - begin) / 1000000;
-    memcpy(sha256, report.sha256, SHA256_HEX);
-    replay_report_release(&report);
-    interpreter_release(&interp);
-    buf_release(&folder);
-}
-
-static void verify_one(const struct verify_options *options, size_t number,
-                       struct verify_result *result)
-{
-    const char *path = options->path[number];
-    char replayed[SHA256_HEX] = "", signed_bytes[SHA256_HEX] = "";
-    struct fault fault = {0}, unsigned_words = {0};
-    if (is_missing(options, number, &fault)) {
-        note_failure(result, ERR_CHECK, false, &fault);
-        return;
-    }
-    enum err unsigned_err = judge_signature(options, path, result, signed_bytes, &unsigned_words);
-    replay_one(options, path, result, replayed);
-    if (!unsigned_err && *signed_bytes && *replayed && strcmp(signed_bytes, replayed) != 0)
-        unsigned_err =
-            fault_set(&unsigned_words, ERR_CHECK, "it was changed while it was verified");
-    add_failure(result, unsigned_err, &unsigned_words);
-    add_failure(result, judge_facts(options, number, result, &fault), &fault);
-}
 
 /* ---- all of them ---- */
 
@@ -253,6 +21,8 @@ struct verification {
     const struct printer *printer;
     struct verify_result *result; /* [options->count] */
     size_t printed;               /* journals */
+    bool is_given_up;             /* one has failed, and that is the end */
+    struct watch watch;
     size_t picture_bytes;
 };
 
@@ -260,7 +30,7 @@ static void work(void *context, size_t number, struct buf *out)
 {
     const struct verification *v = context;
     struct verify_result result = {.path = NULL};
-    verify_one(v->options, number, &result);
+    verify_journal(v->options, number, &result);
     verify_result_write(out, &result);
 }
 
@@ -278,21 +48,58 @@ static void limit_pictures(struct verification *v, struct verify_result *result)
     }
 }
 
+/* "#   took     12.345 ms, record 31: run" */
+static void add_slowest(struct buf *text, const struct buf *slowest)
+{
+    for (const char *at = buf_text(slowest); *at; at += *at == '\n') {
+        const size_t n = strcspn(at, "\n");
+        buf_printf(text, "#   %-9s%.*s\n", "took", (int)n, at);
+        at += n;
+    }
+}
+
 static void print_result(const struct verification *v, size_t number)
 {
     const struct verify_result *r = v->result + number;
     struct buf text = {0};
     buf_printf(&text, "%s %zu - ", r->err ? "not ok" : "ok", number + 1);
     buf_add_safe_text(&text, r->path);
-    if (!r->err) {
+    if (r->is_skipped) {
+        buf_add_text(&text, " # SKIP not verified: another failed before");
+    } else if (!r->err) {
         buf_add_text(&text, " (");
         verify_result_tell(&text, r);
         buf_add_char(&text, ')');
     }
     buf_add_char(&text, '\n');
     buf_add_text(&text, buf_text(&r->lines));
+    add_slowest(&text, &r->slowest);
     v->printer->print(v->printer->context, buf_text(&text));
     buf_release(&text);
+}
+
+/* Golden images that the journal does not name. What the process says of their names is checked. */
+static void remove_orphans(struct verify_result *result)
+{
+    struct fault fault;
+    const char *at = buf_text(&result->orphans), *end = at + result->orphans.length;
+    for (; at < end && !result->err; at += strlen(at) + 1) {
+        const enum err err = orphan_remove(result->path, at, &fault);
+        if (err) {
+            verify_result_fail(result, err, false, &fault);
+        } else {
+            buf_printf(&result->lines, "#   %-9s", "removed");
+            buf_add_safe_text(&result->lines, at);
+            buf_add_char(&result->lines, '\n');
+        }
+    }
+}
+
+static void print_known(struct verification *v)
+{
+    for (; v->printed < v->options->count && v->result[v->printed].is_known; v->printed++)
+        if (!v->options->json)
+            print_result(v, v->printed);
 }
 
 /* A process that gave no result is a failure of its journal. */
@@ -307,13 +114,28 @@ static void take_result(void *context, size_t number, const struct process_end *
     if (err) {
         verify_result_release(result);
         *result = (struct verify_result){.path = result->path};
-        note_failure(result, ERR_CHECK, false, &fault);
+        verify_result_fail(result, ERR_CHECK, false, &fault);
     }
     limit_pictures(v, result);
+    if (v->options->removes_orphans)
+        remove_orphans(result);
     result->is_known = true;
-    for (; v->printed < v->options->count && v->result[v->printed].is_known; v->printed++)
-        if (!v->options->json)
-            print_result(v, v->printed);
+    v->is_given_up = v->is_given_up || (v->options->fail_fast && result->err);
+    print_known(v);
+}
+
+static bool stops(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    const struct verification *v = context;
+    return v->is_given_up || watch_poll(v->options->watch, what, done, total);
+}
+
+static void skip_the_rest(struct verification *v)
+{
+    for (size_t i = 0; i < v->options->count; i++)
+        if (!v->result[i].is_known)
+            v->result[i].is_known = v->result[i].is_skipped = true;
+    print_known(v);
 }
 
 static enum err run_all(struct verification *v, struct fault *fault)
@@ -325,11 +147,24 @@ static enum err run_all(struct verification *v, struct fault *fault)
                                   .context = v,
                                   .work = work,
                                   .done = take_result,
-                                  .watch = o->watch};
+                                  .watch = &v->watch};
+    v->watch = (struct watch){.context = v, .poll = stops};
     const enum err err = processes_run(&how, fault);
+    if (v->is_given_up && (!err || err == ERR_CANCELLED)) {
+        skip_the_rest(v);
+        return OK;
+    }
     return err == ERR_CANCELLED ? fault_set(fault, err, "cancelled; %zu of %zu journal%s verified",
                                             v->printed, o->count, plural(o->count))
                                 : err;
+}
+
+static void add_sum(struct buf *text, const struct verify_sum *sum)
+{
+    buf_printf(text, "1..%zu\n# %zu verified, %zu failed", sum->count, sum->verified, sum->failed);
+    if (sum->skipped)
+        buf_printf(text, ", %zu skipped", sum->skipped);
+    buf_add_char(text, '\n');
 }
 
 static enum err sum_up(const struct verification *v, struct fault *fault)
@@ -339,8 +174,7 @@ static enum err sum_up(const struct verification *v, struct fault *fault)
     if (v->options->json)
         verify_report_text(&text, VERIFY_JSON, v->result, sum.count);
     else
-        buf_printf(&text, "1..%zu\n# %zu verified, %zu failed\n", sum.count, sum.verified,
-                   sum.failed);
+        add_sum(&text, &sum);
     v->printer->print(v->printer->context, buf_text(&text));
     const enum err err = text.failed ? fault_memory(fault, "a report") : OK;
     buf_release(&text);
@@ -393,6 +227,7 @@ static enum err report(const struct verification *v, struct fault *fault)
     const struct verify_options *o = v->options;
     const enum err err = update_lock(v, sum_up(v, fault), fault);
     enum err unwritten = OK;
+    github_tell(v->result, o->count, v->printer);
     if (o->junit)
         unwritten = verify_report(o->junit, VERIFY_JUNIT, v->result, o->count, fault);
     if (!unwritten && o->html)
@@ -403,8 +238,9 @@ static enum err report(const struct verification *v, struct fault *fault)
 enum err verify_files(const struct verify_options *options, const struct printer *printer,
                       struct fault *fault)
 {
-    struct verification v = {
-        .options = options, .printer = printer, .result = calloc(options->count, sizeof *v.result)};
+    struct verification v = {.options = options,
+                             .printer = printer,
+                             .result = calloc(options->count + 1, sizeof *v.result)};
     enum err err = v.result ? OK : fault_memory(fault, "the results");
     for (size_t i = 0; !err && i < options->count; i++)
         v.result[i].path = options->path[i];

@@ -22,7 +22,10 @@ struct verify_options {
     const char *junit, *html;    /* reports, replacing what is there; or NULL */
     bool json;                   /* one JSON object is printed instead of TAP */
     bool strict;                 /* what leaves anything unproven is a failure (strict.h) */
-    const char *expect;          /* the last chain that the only journal is to have, or NULL */
+    bool fail_fast;       /* the first failure ends it: what is not verified yet is skipped */
+    bool timings;         /* the slowest records of each are told */
+    bool removes_orphans; /* of journals that verify otherwise */
+    const char *expect;   /* the last chain that the only journal is to have, or NULL */
     const char *allowed_signers; /* who may have signed each (signature.h), or NULL */
     struct lock_plan *plan;      /* `path` are its journals, which are as it says; or NULL */
     size_t first, last;          /* records to compare; 0 for all */

@@ -50,7 +50,7 @@ static void add_case(struct buf *out, const struct verify_result *r)
     buf_add_char(out, '"');
     add_seconds(out, r->took_ms);
     if (!r->err) {
-        buf_add_text(out, "/>\n");
+        buf_add_text(out, r->is_skipped ? "><skipped/></testcase>\n" : "/>\n");
         return;
     }
     buf_printf(out, ">\n      <%s type=\"%s\" message=\"", element, err_name(r->err));
@@ -62,8 +62,8 @@ static void add_case(struct buf *out, const struct verify_result *r)
 
 static void add_suite(struct buf *out, const struct verify_sum *sum)
 {
-    buf_printf(out, " tests=\"%zu\" failures=\"%zu\" errors=\"%zu\"", sum->count,
-               sum->failed - sum->unreadable, sum->unreadable);
+    buf_printf(out, " tests=\"%zu\" failures=\"%zu\" errors=\"%zu\" skipped=\"%zu\"", sum->count,
+               sum->failed - sum->unreadable, sum->unreadable, sum->skipped);
     add_seconds(out, sum->took_ms);
     buf_add_text(out, ">\n");
 }
@@ -171,11 +171,21 @@ static void add_page(struct buf *out, const struct verify_result *result, size_t
 
 /* ---- JSON ---- */
 
+static void add_lines(struct json *json, const char *key, const struct buf *lines)
+{
+    json_array(json, key);
+    for (const char *at = buf_text(lines); *at; at += strcspn(at, "\n"), at += *at == '\n')
+        json_bytes(json, NULL, at, strcspn(at, "\n"));
+    json_end(json);
+}
+
 static void add_object(struct json *json, const struct verify_result *r)
 {
     json_object(json, NULL);
     json_text(json, "journal", r->path);
-    json_boolean(json, "verified", !r->err);
+    json_boolean(json, "verified", !r->err && !r->is_skipped);
+    if (r->is_skipped)
+        json_boolean(json, "skipped", true);
     json_count(json, "commands", r->executed);
     json_count(json, "results_the_same", r->compared);
     json_count(json, "digests", r->digests);
@@ -186,13 +196,12 @@ static void add_object(struct json *json, const struct verify_result *r)
     if (r->chain.length)
         json_bytes(json, "chain", buf_text(&r->chain), r->chain.length);
     json_count(json, "ms", r->took_ms);
+    if (r->slowest.length)
+        add_lines(json, "slowest", &r->slowest);
     if (r->err) {
         json_text(json, "kind", err_name(r->err));
         json_bytes(json, "why", buf_text(&r->why), r->why.length);
-        json_array(json, "lines");
-        for (const char *at = buf_text(&r->lines); *at; at += strcspn(at, "\n"), at += *at == '\n')
-            json_bytes(json, NULL, at, strcspn(at, "\n"));
-        json_end(json);
+        add_lines(json, "lines", &r->lines);
     }
     json_end(json);
 }

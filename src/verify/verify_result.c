@@ -11,7 +11,20 @@ void verify_result_release(struct verify_result *result)
     buf_release(&result->chain);
     buf_release(&result->facts);
     buf_release(&result->signer);
+    buf_release(&result->orphans);
+    buf_release(&result->slowest);
     evidence_release(&result->evidence);
+}
+
+void verify_result_fail(struct verify_result *result, enum err err, bool is_told,
+                        const struct fault *fault)
+{
+    result->err = err;
+    if (!err)
+        return;
+    buf_add_text(&result->why, fault->text);
+    if (!is_told)
+        buf_printf(&result->lines, "# %s\n", fault->text);
 }
 
 void verify_result_tell(struct buf *out, const struct verify_result *r)
@@ -29,7 +42,8 @@ void verify_result_tell(struct buf *out, const struct verify_result *r)
 static struct buf *part_of(const struct verify_result *result, size_t number)
 {
     struct verify_result *r = (struct verify_result *)(uintptr_t)result;
-    struct buf *const part[] = {&r->why, &r->lines, &r->chain, &r->facts, &r->signer};
+    struct buf *const part[] = {&r->why,    &r->lines,   &r->chain,  &r->facts,
+                                &r->signer, &r->orphans, &r->slowest};
     enum { PARTS = sizeof part / sizeof *part };
     if (number < PARTS)
         return part[number];
@@ -42,8 +56,9 @@ static struct buf *part_of(const struct verify_result *result, size_t number)
 void verify_result_write(struct buf *out, const struct verify_result *r)
 {
     const struct buf *part;
-    const uint64_t number[] = {(uint64_t)r->err, r->executed, r->compared, r->digests,
-                               r->goldens,       r->pixels,   r->took_ms,  r->evidence.pictures};
+    const uint64_t number[] = {(uint64_t)r->err, r->executed, r->compared,
+                               r->digests,       r->goldens,  r->pixels,
+                               r->took_ms,       r->line,     r->evidence.pictures};
     buf_add_text(out, "result");
     for (size_t i = 0; i < sizeof number / sizeof *number; i++)
         buf_printf(out, " %" PRIu64, number[i]);
@@ -78,14 +93,14 @@ static bool read_part(const char **at, const char *end, struct buf *part)
 static bool read_all(struct verify_result *r, const char *at, const char *end)
 {
     struct buf *part;
-    int64_t number[8];
-    if (!read_numbers(&at, "result", number, 8) || number[0] > ERR_CANCELLED ||
-        number[7] > EVIDENCE_MOST)
+    int64_t number[9];
+    if (!read_numbers(&at, "result", number, 9) || number[0] > ERR_CANCELLED ||
+        number[8] > EVIDENCE_MOST)
         return false;
     r->err = (enum err)number[0];
-    r->evidence.pictures = (size_t)number[7];
-    uint64_t *const count[] = {&r->executed, &r->compared, &r->digests,
-                               &r->goldens,  &r->pixels,   &r->took_ms};
+    r->evidence.pictures = (size_t)number[8];
+    uint64_t *const count[] = {&r->executed, &r->compared, &r->digests, &r->goldens,
+                               &r->pixels,   &r->took_ms,  &r->line};
     for (size_t i = 0; i < sizeof count / sizeof *count; i++)
         *count[i] = (uint64_t)number[i + 1];
     for (size_t i = 0; (part = part_of(r, i)); i++)
@@ -107,12 +122,13 @@ struct verify_sum verify_sum(const struct verify_result *result, size_t count)
     struct verify_sum sum = {.count = count};
     for (size_t i = 0; i < count; i++) {
         const enum err err = result[i].err;
-        sum.verified += !err;
+        sum.verified += !err && !result[i].is_skipped;
+        sum.skipped += result[i].is_skipped;
         sum.unreadable += err && err != ERR_CHECK;
         sum.took_ms += result[i].took_ms;
         if (err && (!sum.worst || sum.worst == ERR_CHECK))
             sum.worst = err;
     }
-    sum.failed = count - sum.verified;
+    sum.failed = count - sum.verified - sum.skipped;
     return sum;
 }

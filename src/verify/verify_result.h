@@ -2,9 +2,9 @@
  * What the verification of one journal found. It is made in a process of its own and comes back
  * through a pipe, in a form where everything is counted:
  *
- *     result ERR EXECUTED COMPARED DIGESTS GOLDENS PIXELS TOOK_MS PICTURES\n
- *     part BYTES\n...     why, lines, chain, facts, signer, and for each picture its caption and
- *                         its PNG
+ *     result ERR EXECUTED COMPARED DIGESTS GOLDENS PIXELS TOOK_MS LINE PICTURES\n
+ *     part BYTES\n...     why, lines, chain, facts, signer, orphans, slowest, and for each
+ *                         picture its caption and its PNG
  *
  * with ERR the number of an enum err. A process that dies leaves less than that, which is refused.
  */
@@ -16,20 +16,28 @@
 struct verify_result {
     const char *path; /* of the journal; borrowed, and not sent */
     bool is_known;    /* its verification is over; not sent either */
+    bool is_skipped;  /* nor this: another failed before, and that was to be the end */
     enum err err;     /* OK, ERR_CHECK where something differs, else why it could not be verified */
     uint64_t executed, compared; /* commands; those of them whose recorded result is the same */
     uint64_t digests;            /* of those results, the words that are digests */
     uint64_t goldens, pixels;    /* golden images that are the same, and their pixels */
     uint64_t took_ms;
-    struct buf why;    /* of a failure: one line, without line feed, safe to print */
-    struct buf lines;  /* more about it: lines that begin with "# " */
-    struct buf chain;  /* 32 digits: of the last record that was carried out; "" for none */
-    struct buf facts;  /* what a lock says of it (lock_facts.h), where that was asked for; or "" */
-    struct buf signer; /* who signed it, where that was asked for, safe to print; or "" */
+    uint64_t line;      /* of the record that differs; 0: it is about none */
+    struct buf why;     /* of a failure: one line, without line feed, safe to print */
+    struct buf lines;   /* more about it: lines that begin with "# " */
+    struct buf chain;   /* 32 digits: of the last record that was carried out; "" for none */
+    struct buf facts;   /* what a lock says of it (lock_facts.h), where that was asked for; or "" */
+    struct buf signer;  /* who signed it, where that was asked for, safe to print; or "" */
+    struct buf orphans; /* golden images that it does not name: their files, each ended by NUL */
+    struct buf slowest; /* of its records, where that was asked for: lines, as of timing_tell */
     struct evidence evidence;
 };
 
 void verify_result_release(struct verify_result *result);
+
+/* Notes a failure, if it is one; its words are a line as well, unless the lines say it already. */
+void verify_result_fail(struct verify_result *result, enum err err, bool is_told,
+                        const struct fault *fault);
 
 /* Adds what was compared: "10 commands, 10 results with 14 digests, 1 golden image of 1200
  * pixels". */
@@ -44,8 +52,8 @@ enum err verify_result_read(struct verify_result *result, const struct buf *byte
 
 /* Of several. */
 struct verify_sum {
-    size_t count, verified, failed; /* journals */
-    size_t unreadable;              /* that failed by another error than ERR_CHECK */
+    size_t count, verified, failed, skipped; /* journals */
+    size_t unreadable;                       /* that failed by another error than ERR_CHECK */
     uint64_t took_ms;
     enum err worst; /* any other error is worse than ERR_CHECK */
 };

@@ -1,0 +1,122 @@
+#!/bin/sh
+# iftty verify as a test tool: parts of many journals, an early end, timings, orphans removed, and
+# what GitHub Actions is told.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+make_scene s.nii 24 20 16
+
+record() { # JOURNAL LABEL
+    "$iftty" -c "open s.nii; seed 2,3,4 $2; seed 6,10,8 7; run; size 40 30; golden first" \
+        --journal "$1" >/dev/null || fail "cannot record $1"
+}
+for n in 1 2 3 4 5 6; do record "j$n.iftty" $n; done
+verified() { # the journals that the last verification took
+    sed -n 's/^\(not \)\{0,1\}ok [0-9]* - \([^ ]*\).*/\2/p' out | tr '\n' ' '
+}
+
+begin "every journal is in one part, and stays there when others are added or it lies elsewhere"
+for part in 1 2 3; do
+    expect 0 "$iftty" verify --shard $part/3 j?.iftty
+    verified >"part$part"
+done
+same "$(cat part1 part2 part3 | tr ' ' '\n' | sort | tr -d '\n')" \
+    "j1.ifttyj2.ifttyj3.ifttyj4.ifttyj5.ifttyj6.iftty"
+mkdir far
+cp -r s.nii j?.iftty j?.golden far
+record far/j0.iftty 8
+for part in 1 2 3; do
+    expect_in far 0 "$iftty" verify --shard $part/3 j?.iftty
+    verified | sed 's/j0.iftty //' | cmp -s - "part$part" || fail "part $part has changed"
+done
+expect 0 "$iftty" verify --shard 2/2000 j1.iftty
+same "$(cat out)" "1..0
+# 0 verified, 0 failed"
+for part in 1 2 3; do # it is missed by nobody
+    expect 3 "$iftty" verify --shard $part/3 nothing.iftty
+done
+for wrong in 0/3 4/3 1 1/0 a/b 1/3x -1/3; do
+    expect 2 "$iftty" verify --shard $wrong j1.iftty
+done
+expect 0 "$iftty" verify --lock iftty.lock --update-lock
+expect 0 "$iftty" verify --lock iftty.lock --shard 1/3
+expect 2 "$iftty" verify --lock iftty.lock --update-lock --shard 1/3
+rm -r far iftty.lock
+close_story
+
+begin "the first failure is the end, and what is left is named"
+cp j2.golden/first.exr j1.golden/first.exr
+expect 1 "$iftty" verify --fail-fast j3.iftty j1.iftty j2.iftty j4.iftty --junit report.xml
+out_has "ok 1 - j3.iftty (6 commands"
+out_has "not ok 2 - j1.iftty"
+out_has "ok 3 - j2.iftty # SKIP not verified: another failed before"
+same "$(tail -n 2 out)" "1..4
+# 1 verified, 1 failed, 2 skipped"
+grep -q 'tests="4" failures="1" errors="0" skipped="2"' report.xml || fail "$(cat report.xml)"
+same "$(grep -c '<skipped/>' report.xml)" 2
+expect 1 "$iftty" verify --fail-fast --json j1.iftty j2.iftty
+out_has '"verified": false, "skipped": true'
+expect 0 "$iftty" verify --fail-fast -j 3 j2.iftty j3.iftty j4.iftty
+close_story
+
+begin "a failure says whether labels and voxels differ, or colours alone"
+expect 1 "$iftty" verify j1.iftty
+out_has "labels differ in "
+expect 0 "$iftty" -c "open s.nii; seed 2,3,4 3 ; seed 6,10,8 7; label 3 other #102030; run
+    size 40 30; golden first" --journal dark.iftty
+cp dark.golden/first.exr j3.golden/first.exr
+expect 1 "$iftty" verify j3.iftty
+out_has "; colours alone differ, labels and voxels are the same"
+rm -r dark.*
+close_story
+
+begin "the slowest records of a journal"
+expect 0 "$iftty" verify --timings j4.iftty
+same "$(grep -cE '^#   took     [0-9]+\.[0-9]{3} ms, record [1-6]: [a-z]' out)" 6
+grep '^#   took' out | sed 's/.*took *//; s/ ms.*//' >times
+sort -rn times | cmp -s - times || fail "they are not in order: $(cat out)"
+expect 0 "$iftty" verify --timings --json j4.iftty
+out_has '"slowest": ["'
+close_story
+
+begin "orphan golden images are all listed, and removed on request"
+cp j4.golden/first.exr j4.golden/third.exr
+cp j4.golden/first.exr 'j4.golden/odd$(name);.exr'
+cp j4.golden/first.png j4.golden/third.png
+expect 1 "$iftty" verify j4.iftty j5.iftty
+out_has "#   orphan   third.exr"
+out_has '#   orphan   odd$(name);.exr'
+expect 2 env CI=true "$iftty" verify --remove-orphans j4.iftty
+expect 0 "$iftty" verify --remove-orphans j4.iftty j5.iftty
+out_has "#   removed  third.exr"
+same "$(ls j4.golden | tr '\n' ' ')" "first.exr first.png "
+expect 0 "$iftty" verify j4.iftty
+# Of a journal that fails, nothing is removed: perhaps it is the journal that is wrong.
+cp j1.golden/first.exr j1.golden/third.exr
+expect 1 "$iftty" verify --remove-orphans j1.iftty
+[ -e j1.golden/third.exr ] || fail "it was removed"
+close_story
+
+begin "GitHub Actions is told, where it is there, and nothing from outside is a command to it"
+cp j5.iftty 'a|b,c:d%.iftty'
+cp -r j5.golden 'a|b,c:d%.golden'
+cp j4.golden/first.exr 'a|b,c:d%.golden'
+echo 'of another step' >summary
+expect 1 env GITHUB_STEP_SUMMARY=summary "$iftty" verify j4.iftty 'a|b,c:d%.iftty'
+same "$(cat summary)" 'of another step'
+! grep -q '::error' out err || fail "$(cat out err)"
+expect 1 env GITHUB_ACTIONS=true GITHUB_STEP_SUMMARY=summary "$iftty" verify j4.iftty \
+    'a|b,c:d%.iftty'
+same "$(grep -c '^::' err)" 1
+grep -q '^::error file=a|b%2Cc%3Ad%25.iftty,line=12,title=iftty verify::record 6 (line 12) ' err ||
+    fail "$(cat err)"
+same "$(head -n 2 summary)" "of another step
+### iftty verify: 1 verified, 1 failed"
+grep -qE '^\| verified \| j4&#46;iftty \| 6 \| [0-9]+ \| 1 \| 1200 \| [0-9]+ \|$' summary ||
+    fail "$(cat summary)"
+grep -q '^| \*\*failed\*\* | a&#124;b&#44;c&#58;d&#37;&#46;iftty |' summary || fail "$(cat summary)"
+grep -q '^- a&#124;b' summary || fail "$(cat summary)"
+expect 0 env GITHUB_ACTIONS=true GITHUB_STEP_SUMMARY=nowhere/summary "$iftty" verify j4.iftty
+err_has "# there is no summary: "
+close_story
+
+finish
