@@ -92,6 +92,10 @@ uint32_t slice_index(const struct scene *scene, enum slice_plane plane, const ui
 void slice_move(const struct scene *scene, enum slice_plane plane, uint32_t index,
                 uint32_t place[3]);
 
+/* What slices of a plane are called, before their number: "axial"; where nobody knows the patient's
+ * sides, the scene's axis along which they are counted, "z". */
+const char *slice_name(const struct scene *scene, enum slice_plane plane);
+
 /* The pixel_pm at which a slice just fits a picture, and at which the scene's smallest spacing is
  * `zoom` thousandths of a pixel. */
 uint64_t slice_fitting_pixel(const struct scene *scene, enum slice_plane plane, uint32_t width,

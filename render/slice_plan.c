@@ -56,6 +56,14 @@ void slice_move(const struct scene *scene, enum slice_plane plane, uint32_t inde
     place[axis] = turned(scene, axis, index);
 }
 
+const char *slice_name(const struct scene *scene, enum slice_plane plane)
+{
+    static const char *const name[3] = {
+        [SLICE_AXIAL] = "axial", [SLICE_CORONAL] = "coronal", [SLICE_SAGITTAL] = "sagittal"};
+    static const char *const axis[3] = {"x", "y", "z"};
+    return scene->sides_unknown ? axis[slice_axis(scene, plane)] : name[plane];
+}
+
 /* ---- how large ---- */
 
 static uint64_t within_reach(uint64_t pixel_pm)

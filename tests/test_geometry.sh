@@ -4,7 +4,7 @@
 cd "$work" || exit 1
 cp "$top"/tests/journals/*.nii.gz .
 
-sides="his |patient's|left|front|back|head|feet|superior|anterior"
+sides="his |patient's|left|front|back|head|feet|superior|anterior|axial|coronal|sagittal"
 
 begin "of an unknown orientation no answer names a side of the patient"
 cat >unplaced.txt <<'EOF'
@@ -12,22 +12,28 @@ open unplaced.nii.gz
 seed 8,10,8 1 radius=2
 seed 1,1,1 0
 run
-view 30 20
+view left
+clip axial 3-9
 info
 slice axial 8
+mosaic m.png
+clip none
+view 30 20
 why 3,3,3
 pick 256 256 of=axial
 stats
 EOF
 expect 0 "$iftty" run unplaced.txt
-grep -v 'if you know which sides' "$work/out" >answers
+grep -v 'if you know which sides\|^ok ' "$work/out" >answers
 grep -E "$sides|[0-9] mm| ml" answers >named && fail "$(cat named)"
 out_has "orientation unknown: no picture or answer names a side of the patient"
 out_has "voxels of unknown size, orientation unknown"
 out_has "lengths and volumes are in voxels"
 out_has "up; orientation unknown"
+out_has "all but z slices 3-9"
+out_has "through 12,10,8: z 8, y 10, x 12; "
 expect 2 "$iftty" -c 'open unplaced.nii.gz; clip axial'
-err_has "expected axial slices A-B within 0-15"
+err_has "expected z slices A-B within 0-15"
 grep -qE "$sides" "$work/err" && fail "$(cat "$work/err")"
 close_story
 
@@ -38,8 +44,10 @@ for how in LAS file; do
 done
 expect 0 "$iftty" info file.exr
 out_has "iftty:orientation: unknown"
+out_has "iftty:slice: z through 12,10,8"
 expect 0 "$iftty" info LAS.exr
 out_has "iftty:orientation: as told by the user"
+out_has "iftty:slice: axial through "
 close_story
 
 begin "what the user tells is recorded, undone, and shown as told"

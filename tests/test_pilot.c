@@ -137,6 +137,7 @@ static void begin(void)
 {
     facts = (struct pilot_facts){.place = {20, 25, 30},
                                  .index = {30, 25, 20},
+                                 .plane = {"axial", "coronal", "sagittal"},
                                  .window = {0, 100},
                                  .zoom = 1000,
                                  .times = PILOT_TIMES_ONE,

@@ -337,6 +337,9 @@ enter "clear; $iftty u.nii"
 see '^u>$'
 press C-o
 see '^ *5 mm'
+see '^z 8 at 12,10,8 .* orientation unknown'
+press Tab
+see '^y 10 at 12,10,8 '
 screen_text | head -n 22 | grep -q '[RLAPSI]' && fail "$(screen_text)"
 type_letters "q"
 see '^u>$'

@@ -8,13 +8,13 @@
 
 /* ---- slabs ---- */
 
-/* Slices of each plane, and the patient's sides from slice 0 on. */
+/* The patient's sides, from slice 0 of each plane on. */
 static const struct {
-    const char *name, *from, *to;
-} slab[3] = {
-    [SLICE_AXIAL] = {"axial", "feet", "head"},
-    [SLICE_CORONAL] = {"coronal", "back", "front"},
-    [SLICE_SAGITTAL] = {"sagittal", "left", "right"},
+    const char *from, *to;
+} side[3] = {
+    [SLICE_AXIAL] = {"feet", "head"},
+    [SLICE_CORONAL] = {"back", "front"},
+    [SLICE_SAGITTAL] = {"left", "right"},
 };
 enum { SLAB_NONE = 3 }; /* the choice after these */
 
@@ -46,16 +46,17 @@ enum err act_clip(const struct act *act)
         return act_go(act);
     }
     const uint32_t count = slice_count(scene, (enum slice_plane)plane);
+    const char *name = slice_name(scene, (enum slice_plane)plane);
     char sides[24] = "";
     if (!scene->sides_unknown)
-        snprintf(sides, sizeof sides, ", %s to %s", slab[plane].from, slab[plane].to);
+        snprintf(sides, sizeof sides, ", %s to %s", side[plane].from, side[plane].to);
     if (!act->value[1].given)
-        return fault_set(act->fault, ERR_USAGE, "expected %s slices A-B within 0-%u%s",
-                         slab[plane].name, count - 1, sides);
+        return fault_set(act->fault, ERR_USAGE, "expected %s slices A-B within 0-%u%s", name,
+                         count - 1, sides);
     if (act->value[1].place[1] >= count)
         return fault_set(act->fault, ERR_INPUT,
-                         "there are %s slices 0-%u%s, not %u; the view is unchanged",
-                         slab[plane].name, count - 1, sides, act->value[1].place[1]);
+                         "there are %s slices 0-%u%s, not %u; the view is unchanged", name,
+                         count - 1, sides, act->value[1].place[1]);
     set_slab(cut, scene, (enum slice_plane)plane, act->value[1].place);
     return act_go(act);
 }
@@ -126,8 +127,8 @@ bool act_write_cut(struct buf *out, const struct session *session)
         last[axis] = cut->last[axis] < end ? cut->last[axis] : end;
         const uint32_t a = slice_index(scene, plane, cut->first),
                        b = slice_index(scene, plane, last);
-        buf_printf(out, "%sall but %s slices %u-%u", between, slab[plane].name, a < b ? a : b,
-                   a < b ? b : a);
+        buf_printf(out, "%sall but %s slices %u-%u", between, slice_name(scene, plane),
+                   a < b ? a : b, a < b ? b : a);
         between = ", ";
     }
     if (cut->planes) {

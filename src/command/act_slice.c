@@ -20,12 +20,12 @@ void act_write_slices(struct buf *out, struct session *session)
     const struct choice overlay = choice_at(SLICE_OVERLAYS, s->overlay);
     char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES];
     window_words(least, most, session);
-    buf_printf(out, "through %u,%u,%u: axial %u, coronal %u, sagittal %u; window %s%s %s, ",
-               s->cross[0], s->cross[1], s->cross[2],
-               slice_index(session->scene, SLICE_AXIAL, s->cross),
-               slice_index(session->scene, SLICE_CORONAL, s->cross),
-               slice_index(session->scene, SLICE_SAGITTAL, s->cross),
-               s->has_window ? "" : "auto: ", least, most);
+    buf_printf(out, "through %u,%u,%u: ", s->cross[0], s->cross[1], s->cross[2]);
+    for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++)
+        buf_printf(out, "%s %u%s", slice_name(session->scene, plane),
+                   slice_index(session->scene, plane, s->cross),
+                   plane < SLICE_SAGITTAL ? ", " : "; ");
+    buf_printf(out, "window %s%s %s, ", s->has_window ? "" : "auto: ", least, most);
     if (s->times != SLICE_TIMES_ONE)
         buf_printf(out, "magnified %g, ", s->times / 1000.0);
     if (s->has_middle)

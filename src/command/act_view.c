@@ -90,7 +90,8 @@ static void write_sides(struct buf *out, const int32_t direction[3], bool sides_
 void act_write_view(struct buf *out, const struct session *session)
 {
     const struct view *view = &session->now.outlook.view;
-    const char *name = view_name(view->angle);
+    const bool unknown = session->scene->sides_unknown;
+    const char *name = unknown ? NULL : view_name(view->angle);
     int32_t right[3], up[3], ahead[3], towards[3];
     double middle[3];
     view_look(view, right, up, ahead);
@@ -105,7 +106,6 @@ void act_write_view(struct buf *out, const struct session *session)
                view->angle[0] / 1000.0, view->angle[1] / 1000.0, view->angle[2] / 1000.0,
                name ? ", " : "", name ? name : "", view->zoom / 1000.0, view->width, view->height,
                middle[0], middle[1], middle[2]);
-    const bool unknown = session->scene->sides_unknown;
     const char *his = unknown ? "" : "his ";
     buf_add_text(out, unknown ? "          " : "          the patient's ");
     write_sides(out, towards, unknown);

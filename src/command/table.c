@@ -498,7 +498,9 @@ const struct command command_table[] = {
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "a slice through the cross-hair, in FILE or inline",
      "As radiologists look at it, at the size of the view. N moves the cross-hair to that slice, "
-     "counted from 0 towards superior, anterior, or the patient's right.\n"
+     "counted from 0 towards superior, anterior, or the patient's right. Where nobody knows the "
+     "patient's sides, they are called by the axis that they are counted along: z for axial, y for "
+     "coronal, x for sagittal.\n"
      "A FILE has a dot in its name; .exr holds the label and voxel of each pixel too.\n"
      "zoom: pixels per voxel of the smallest spacing, around the cross-hair, with voxels as "
      "squares. It stays until zoom=fit, which shows the whole slice in smooth greys." FINISHED_NOTE,

@@ -121,6 +121,7 @@ static bool facts(void *context, struct pilot_facts *out)
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
         out->place[pane] = s->cross[pane];
         out->index[pane] = slice_index(session->scene, plane_of(pane), s->cross);
+        out->plane[pane] = slice_name(session->scene, plane_of(pane));
     }
     out->intensity =
         geometry_value(&session->geometry, session->scene->cell[cell_at_cross(session)].intensity);

@@ -65,7 +65,6 @@ static enum err draw_slices(const struct canvas *canvas, struct session *session
     struct mosaic_layout layout = {0};
     struct mosaic_choice choice = {.notes = true, .team = session->team, .layout = &layout};
     char least[WINDOW_WORDS_BYTES], most[WINDOW_WORDS_BYTES], title[3][32];
-    static const char *const plane_name[3] = {"axial", "coronal", "sagittal"};
     int32_t window[2];
     window_of(window, session);
     window_words(least, most, session);
@@ -76,7 +75,7 @@ static enum err draw_slices(const struct canvas *canvas, struct session *session
     for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         choice.place[plane] = place[plane];
         layout.box[plane] = mosaic_box(canvas->width, canvas->height, (enum mosaic_pane)plane);
-        snprintf(title[plane], sizeof title[plane], "%s %u", plane_name[plane],
+        snprintf(title[plane], sizeof title[plane], "%s %u", slice_name(session->scene, plane),
                  slice_index(session->scene, plane, place));
         choice.title[plane] = title[plane];
     }

@@ -40,12 +40,6 @@ static bool list_marks(struct sketch *sketch, const struct session *session)
     return true;
 }
 
-static void write_kind(char out[16], enum slice_kind kind)
-{
-    const struct choice choice = choice_at(SLICE_KINDS, kind);
-    snprintf(out, 16, "%.*s", (int)choice.length, choice.word);
-}
-
 /* "axial 90", and where that is in the world: "S 18.0 mm". A file may put the scene anywhere: what
  * is further off than tenths make sense of is "S 1e+18 mm". Of unknown orientation: "z 90". */
 static void write_title(char out[64], const struct session *session, enum slice_plane plane)
@@ -58,11 +52,9 @@ static void write_title(char out[64], const struct session *session, enum slice_
     const double mm = point_mm[2 - plane];
     const bool is_far = fabs(mm) >= 1e9;
     const long long tenths = is_far ? 0 : llround(mm * 10);
-    char name[16];
-    write_kind(name, (enum slice_kind)plane);
+    const char *name = slice_name(session->scene, plane);
     if (session->scene->sides_unknown) {
-        snprintf(out, 64, "%c %u\norientation unknown", 'x' + slice_axis(session->scene, plane),
-                 index);
+        snprintf(out, 64, "%s %u\norientation unknown", name, index);
         return;
     }
     if (!geometry_has_place(&session->geometry)) {
@@ -267,13 +259,17 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
 
 /* ---- out of the session ---- */
 
-/* "axial 90", "mosaic"; with the cross-hair's place, the zoom and the window. */
+/* "axial", "mosaic"; with the cross-hair's place and the zoom. */
 static enum err note_kind(struct picture *picture, const struct session *session,
                           enum slice_kind kind, struct fault *fault)
 {
     const struct slice_settings *s = &session->now.outlook.slices;
-    char name[16], words[128];
-    write_kind(name, kind);
+    char words[128];
+    const struct choice word = choice_at(SLICE_KINDS, kind);
+    char name[16];
+    snprintf(name, sizeof name, "%.*s", (int)word.length, word.word);
+    if (kind != SLICE_KIND_MOSAIC)
+        snprintf(name, sizeof name, "%s", slice_name(session->scene, (enum slice_plane)kind));
     int n = snprintf(words, sizeof words, "%s through %u,%u,%u", name, s->cross[0], s->cross[1],
                      s->cross[2]);
     if (s->zoom && kind != SLICE_KIND_MOSAIC)

@@ -78,12 +78,11 @@ static void add_row(struct buf *out, unsigned row, unsigned columns, const char 
 static void add_status(struct buf *row, const struct pilot_state *state,
                        const struct pilot_host *host, const struct pilot_facts *facts)
 {
-    static const char *const pane[] = {"axial", "coronal", "sagittal"};
     const uint32_t *at = facts->place;
     const size_t corners = state->outline.count;
     buf_add_text(row, state->pen.is_down ? "PEN DOWN  " : "");
     buf_add_text(row, state->base == PILOT_PICKING ? "CORRECT  " : "");
-    buf_printf(row, "%s %u", pane[state->pane], facts->index[state->pane]);
+    buf_printf(row, "%s %u", facts->plane[state->pane], facts->index[state->pane]);
     if (facts->times != PILOT_TIMES_ONE) {
         buf_add_text(row, " x");
         pilot_add_decimal(row, facts->times / 1000.0);

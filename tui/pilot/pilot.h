@@ -36,7 +36,8 @@ enum pilot_pane { PILOT_AXIAL, PILOT_CORONAL, PILOT_SAGITTAL, PILOT_RENDITION, P
 /* What the host knows of the present state. */
 struct pilot_facts {
     uint32_t place[3];    /* of the cross-hair: a voxel */
-    uint32_t index[3];    /* its slice, by plane */
+    uint32_t index[3];    /* its slice, by plane, */
+    const char *plane[3]; /* and what slices of that are called: "axial", or "z" */
     size_t waiting;       /* edits that wait for a run */
     char where[160];      /* of the voxel there: label, intensity, millimetres */
     double intensity;     /* there, in real values */
