@@ -8,15 +8,10 @@
 
 #include "base/confine_calls.h"
 #include "base/file.h"
+#include "base/mem.h"
 #include "image/helper.h"
 #include "image/volume.h"
 #include "image/volume_helper.h"
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-enum { IS_SANITISED = true };
-#else
-enum { IS_SANITISED = false };
-#endif
 
 static char folder[FOLDER_LENGTH];
 static const char *build;
@@ -153,7 +148,7 @@ STORY(a_decoder_that_never_ends_is_ended_with_its_helper)
 
 STORY(a_decoder_that_holds_more_and_more_is_refused_it)
 {
-    if (IS_SANITISED) {
+    if (!MEM_MAY_BE_LIMITED) {
         SKIP("a sanitiser takes more memory than a replay leaves");
         return;
     }

@@ -45,6 +45,16 @@ size_t mem_available(void);
 size_t mem_held(void);
 size_t mem_held_by(int process);
 
+/* Whether the kernel can hold a process of this build to an amount: the sanitisers of addresses and
+ * of threads reserve terabytes. gcc and clang say differently that one is there. */
+#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
+enum { MEM_MAY_BE_LIMITED = false };
+#elif defined __has_feature
+enum { MEM_MAY_BE_LIMITED = !__has_feature(address_sanitizer) && !__has_feature(thread_sanitizer) };
+#else
+enum { MEM_MAY_BE_LIMITED = true };
+#endif
+
 /* From now on no more than so many are to be held: mem_available says what that leaves. */
 void mem_limit(size_t bytes);
 

@@ -16,6 +16,7 @@
 #include "base/buf.h"
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/mem.h"
 #include "base/scan.h"
 
 enum {
@@ -98,6 +99,8 @@ static int spawn(pid_t *process, const char *program, int fd)
 bool coprocess_limit(struct coprocess *c, uint64_t soft, uint64_t hard)
 {
     struct rlimit limit;
+    if (!MEM_MAY_BE_LIMITED)
+        return true;
     if (prlimit(c->process, RLIMIT_DATA, NULL, &limit) != 0)
         return false;
     if (limit.rlim_max > hard)
@@ -157,7 +160,7 @@ enum err coprocess_fault(struct coprocess *c, const char *doing, const char *pat
 
 /* ---- bytes ---- */
 
-static bool fails(struct coprocess *c, int trouble)
+static bool fails(struct coprocess *c, enum trouble trouble)
 {
     c->trouble = trouble;
     return false;

@@ -35,7 +35,7 @@ struct coprocess {
     uint64_t memory;     /* bytes that it may hold for itself, of the next start; 0: any number */
     struct watch *watch; /* polled while it is waited for, as `doing`; or NULL */
     const char *doing;
-    enum { FINE, SILENT, GONE, ODD, STOPPED } trouble; /* why the current request failed */
+    enum trouble { FINE, SILENT, GONE, ODD, STOPPED } trouble; /* why the current request failed */
 };
 
 /* `name` is the program beside the running one, unless `program` gives a path. */
@@ -51,8 +51,8 @@ enum err coprocess_start(struct coprocess *c, struct fault *fault);
  * makes it exit; one in the middle of a request is killed, unless it may finish. */
 int coprocess_stop(struct coprocess *c, bool may_finish);
 
-/* It may hold so many bytes for itself from now on, and never more than it could be given. False,
- * with errno, where that cannot be had. */
+/* It may hold so many bytes for itself from now on, and never more than it could be given; any
+ * number in a build that cannot be limited. False, with errno, where that cannot be had. */
 bool coprocess_limit(struct coprocess *c, uint64_t soft, uint64_t hard);
 
 bool coprocess_transmit(struct coprocess *c, const void *bytes, size_t length);

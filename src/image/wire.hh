@@ -31,21 +31,11 @@
 extern "C" {
 #include "base/confine.h"
 #include "base/confine_calls.h"
+#include "base/mem.h"
 }
 
 namespace wire
 {
-
-/* The sanitisers of addresses and of threads reserve terabytes, so no limit can be put on them; gcc
- * and clang say differently that one is there. */
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool limits_memory = false;
-#elif defined(__has_feature)
-constexpr bool limits_memory =
-    !__has_feature(address_sanitizer) && !__has_feature(thread_sanitizer);
-#else
-constexpr bool limits_memory = true;
-#endif
 
 constexpr size_t line_most = 96;
 constexpr size_t words_most = 390;
@@ -154,7 +144,7 @@ inline void prepare(rlim_t most)
         dup2(nowhere, STDOUT_FILENO) < 0)
         leave(3);
     close_range(socket + 1, ~0U, 0);
-    if (limits_memory)
+    if (MEM_MAY_BE_LIMITED)
         limit(RLIMIT_AS, most);
     limit(RLIMIT_CORE, 0);
 }

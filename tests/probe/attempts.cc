@@ -158,7 +158,7 @@ std::vector<Attempt> all(const std::string &path, bool may_write, bool may_threa
         {"terminal-input", [] { return ioctl(wire::fd, TIOCSTI, "x"), errno != EPERM; }},
         {"unlimited-cpu", [] { return is_unlimited(RLIMIT_CPU); }},
         {"unlimited-files", [] { return is_unlimited(RLIMIT_NOFILE); }},
-        {"unlimited-data", [] { return wire::limits_memory && is_unlimited(RLIMIT_DATA); }},
+        {"unlimited-data", [] { return MEM_MAY_BE_LIMITED && is_unlimited(RLIMIT_DATA); }},
     };
     for (const pid_t process : others()) {
         list.push_back({"see-process", [=] { return sees(process); }});

@@ -1,0 +1,56 @@
+/* Bytes as labels, and as how their surfaces are made: these are closed whatever the labels are,
+ * also once they are reduced. The first bytes are the size, the passes of smoothing, the triangles that
+ * may be left, and how many labels there are. */
+#include "tests/fuzz/fuzz.h"
+
+#include <string.h>
+
+#include "engine/surface.h"
+#include "tests/surface_check.h"
+
+enum { OPTIONS = 6 };
+
+struct labels {
+    uint32_t size[3];
+    const uint8_t *bytes;
+    size_t length;
+    unsigned most;
+};
+
+static void row(void *context, uint32_t y, uint32_t z, uint8_t *label)
+{
+    const struct labels *labels = context;
+    for (uint32_t x = 0; x < labels->size[0]; x++) {
+        const size_t at = x + labels->size[0] * (y + (size_t)labels->size[1] * z);
+        label[x] = at < labels->length ? (uint8_t)(labels->bytes[at] % (labels->most + 1)) : 0;
+    }
+}
+
+static void check(const struct surface *surface)
+{
+    HOLDS(surface_is_closed(surface) && surface_is_manifold(surface));
+    for (size_t i = 0; i < surface->triangles; i++)
+        for (int corner = 0; corner < 3; corner++)
+            HOLDS(surface->triangle[i].point[corner] < surface->points);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
+{
+    struct surface *surface = NULL;
+    bool wanted[256];
+    if (length < OPTIONS)
+        return 0;
+    struct labels labels = {{1 + bytes[0] % 12u, 1 + bytes[1] % 12u, 1 + bytes[2] % 12u},
+                            bytes + OPTIONS,
+                            length - OPTIONS,
+                            1 + bytes[5] % 255u};
+    const struct surface_source source = {labels.size, row, &labels};
+    memset(wanted, true, sizeof wanted);
+    wanted[0] = wanted[7] = false;
+    HOLDS(surface_new(&surface, &source, wanted, bytes[3] % 16, NULL, NULL) == OK);
+    check(surface);
+    HOLDS(surface_reduce(surface, 4u * bytes[4], NULL, NULL) == OK);
+    check(surface);
+    surface_free(surface);
+    return 0;
+}
