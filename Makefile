@@ -112,8 +112,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 .DEFAULT_GOAL := all
 .PHONY: all tests test test-long test-stress test-bare check-format format variants test-matrix \
         test-matrix-short test-terminals fuzz fuzzers demo bench-peers bench-chafa bench-paper \
-        bench-growth bench-render bench-journal bench-keys bench-looks bench-series help clean \
-        packages
+        bench-growth bench-render bench-journal bench-keys bench-looks bench-effort bench-series \
+        help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -196,6 +196,10 @@ bench-keys: all
 bench-paper bench-growth bench-render bench-journal bench-keys bench-looks: $(BENCH)
 	@$(BENCH) $(@:bench-%=%) $(ARGS)
 
+## bench-effort: how many gestures a segmentation takes, by robots; ARGS="--quick other"
+bench-effort: $(BENCH) $(BUILD)/tests/peers/itk_worker
+	@$(BENCH) effort $(ARGS)
+
 ## bench-chafa: the pictures of `iftty bench terminal` by chafa; ARGS=--json
 bench-chafa: all build/.packages-chafa
 	@$(PYTHON) -B tests/bench/chafa.py $(ARGS) $(BUILD)
@@ -260,7 +264,7 @@ $(LIBRARY): $(OBJECTS)
 	@rm -f $@
 	$(Q)$(AR) rcs $@ $^
 
-$(BENCH) $(BUILD)/tests/test_bench: $(BENCHES)
+$(BENCH) $(BUILD)/tests/test_bench $(BUILD)/tests/test_effort: $(BENCHES)
 $(BUILD)/tests/%: $(BUILD)/tests/%.o $(LIBRARY)
 	$(say) "link      $@"
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $(filter %.o,$^) $(LIBRARY) $(LIBS)

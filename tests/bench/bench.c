@@ -1,7 +1,18 @@
 /* The benchmarks as a program: its table, and its main. */
 #include "tests/bench/bench.h"
 
-enum { JSON = 1, CSV, QUICK_PAPER, QUICK_GROWTH, QUICK_KEYS, ROUNDS, PLOTS };
+enum {
+    JSON = 1,
+    CSV,
+    QUICK_PAPER,
+    QUICK_GROWTH,
+    QUICK_KEYS,
+    QUICK_EFFORT,
+    ROUNDS,
+    PLOTS,
+    ROBOT,
+    METHOD
+};
 
 #define FLAG(member) option_read_flag, offsetof(struct bench_options, member), 0, 0, NULL
 #define TEXT(member) option_read_text, offsetof(struct bench_options, member), 0, 0, NULL
@@ -15,6 +26,9 @@ static const struct option option[] = {
     [QUICK_KEYS] = {"--quick", NULL, "one start, few keys, and no slow line", FLAG(quick)},
     [ROUNDS] = {"--rounds", "N", "time each experiment N times (3), take the median",
                 option_read_number, offsetof(struct bench_options, rounds), 1, 99, NULL},
+    [QUICK_EFFORT] = {"--quick", NULL, "iftty alone", FLAG(quick)},
+    [ROBOT] = {"--robot", "NAME", "careful, sloppy or stroke alone", TEXT(robot)},
+    [METHOD] = {"--method", "TEXT", "only methods with this in their name", TEXT(method)},
     [PLOTS] = {"--plots", "DIR", "charts as SVG, into this folder", TEXT(plots)},
 };
 
@@ -65,6 +79,15 @@ static const struct program program[] = {
      .detail = "Each kind of command on synth:geom:SIZE (256x256x256; 1024x1024x1024 takes 20 GB): "
                "its time, how often it looks at the watch, and the longest time between two looks.",
      .run = run_looks},
+    {.name = "effort",
+     .words = "[OBJECT...]",
+     .most = 40,
+     .option = {ROBOT, METHOD, QUICK_EFFORT, JSON, PLOTS},
+     .summary = "how many gestures a segmentation takes, by robots",
+     .detail = "Three robots correct what is most wrong, on the objects of tuned, other and whole, "
+               "or on those named: weights, shells and relaxed labels, alone and together. Beside "
+               "them the random walker, GrowCut and watersheds, by the careful robot.",
+     .run = run_effort},
 };
 
 static const struct program_table table = {

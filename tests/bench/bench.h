@@ -12,6 +12,7 @@ struct bench_options {
     struct options common; /* first: a benchmark is run with a pointer to this, */
     size_t rounds;
     const char *plots;
+    const char *robot, *method;
     bool csv, quick;
 };
 
@@ -26,6 +27,7 @@ enum err run_growth(const struct options *options, struct fault *fault);
 enum err run_render(const struct options *options, struct fault *fault);
 enum err run_journal(const struct options *options, struct fault *fault);
 enum err run_keys(const struct options *options, struct fault *fault);
+enum err run_effort(const struct options *options, struct fault *fault);
 enum err run_looks(const struct options *options, struct fault *fault);
 
 /* A session of many commands on 7 million voxels, and how long going on with its journal takes: the

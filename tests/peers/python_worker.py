@@ -1,6 +1,7 @@
-"""scipy.ndimage.watershed_ift or skimage.segmentation.watershed as a worker (tests/peers/worker.h
-tells the requests): python_worker.py scipy|skimage FOLDER. Each gets its maps in the types that it
-works with, so that no conversion is timed that it does not insist on."""
+"""scipy.ndimage.watershed_ift, skimage.segmentation.watershed or its random_walker as a worker
+(tests/peers/worker.h tells the requests): python_worker.py scipy|skimage|walker FOLDER. Each gets
+its maps in the types that it works with, so that no conversion is timed that it does not insist on.
+"""
 
 import sys
 import time
@@ -21,13 +22,21 @@ def skimage_watershed():
     return numpy.int32, lambda gradient, markers: watershed(gradient, markers, connectivity=1)
 
 
+def walker():
+    from skimage.segmentation import random_walker
+
+    # Its defaults, by conjugate gradients with Jacobi's preconditioner; of the image itself.
+    return numpy.int32, lambda image, markers: random_walker(image, markers, mode="cg_j")
+
+
 def main():
-    kinds = {"scipy": scipy_watershed, "skimage": skimage_watershed}
+    kinds = {"scipy": scipy_watershed, "skimage": skimage_watershed, "walker": walker}
     marker_type, segment = kinds[sys.argv[1]]()
+    reads = "/image.u8" if sys.argv[1] == "walker" else "/gradient.u8"
     folder = sys.argv[2]
     with open(folder + "/size", encoding="ascii") as file:
         shape = tuple(int(side) for side in reversed(file.read().split()))
-    gradient = numpy.fromfile(folder + "/gradient.u8", numpy.uint8).reshape(shape)
+    image = numpy.fromfile(folder + reads, numpy.uint8).reshape(shape)
     markers = labels = None
     for line in sys.stdin:
         request, _, path = line.strip().partition(" ")
@@ -36,7 +45,7 @@ def main():
             markers = numpy.fromfile(path, numpy.uint8).reshape(shape).astype(marker_type)
         elif request == "run":
             begin = time.process_time()
-            labels = segment(gradient, markers)
+            labels = segment(image, markers)
             answer = "%.6f" % ((time.process_time() - begin) * 1e3)
         elif request == "labels":
             labels.astype(numpy.uint8).tofile(path)

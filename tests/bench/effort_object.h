@@ -1,0 +1,54 @@
+/*
+ * The objects that a robot segments (tests/bench/effort_robot.h): a crop of a scene, and its truth,
+ * one component of an atlas's regions.
+ *
+ * In three groups. What the protocol tunes on: regions of AAL in ch2, of NeuroMaps in the macaque's
+ * head, and three phantoms (effort_phantom.c). What nobody has tuned on: other regions, other
+ * atlases, other scans. And whole scenes. An atlas is taken at the voxel of it that is nearest to
+ * the scene's in the world.
+ *
+ * Steps from file to object, in this order: regions, closed by the six faces as often as the row
+ * says; scene and truth are reduced, where the row says so, by means and by majorities of blocks of
+ * 2x2x2; the largest component stays; the box around it and a margin are cut out; where that is
+ * longer than 80 voxels along an axis and not to be a whole scene, once more from a reduced scene,
+ * but for objects of the protocol, whose size it gives; intensities are stretched to 8 bits between
+ * their 0.1 and 99.9 percentiles.
+ */
+#ifndef TESTS_BENCH_EFFORT_OBJECT_H
+#define TESTS_BENCH_EFFORT_OBJECT_H
+
+#include "command/interpreter.h"
+
+enum effort_group { GROUP_TUNED, GROUP_OTHER, GROUP_WHOLE, EFFORT_GROUPS };
+extern const char *const effort_group_name[EFFORT_GROUPS];
+
+struct effort_object {
+    const char *name;
+    enum effort_group group;
+    uint32_t size[3];
+    size_t voxels;
+    uint8_t *image, *truth; /* [z][y][x]: grey; 1 in the object, and 0 */
+};
+
+/* The rows of the table, by their number; NULL after the last. */
+const char *effort_object_name(size_t number);
+enum effort_group effort_object_group(size_t number);
+
+/* ERR_IO where a file of it is not installed. */
+enum err effort_object_load(struct effort_object *object, size_t number,
+                            const struct interpreter *interp, struct fault *fault);
+void effort_object_release(struct effort_object *object);
+
+/* A map of the object as a worker and `open` read it: bytes alone, or a NIfTI. */
+enum err effort_object_save(const struct effort_object *object, const char *path,
+                            struct fault *fault);
+
+/* ---- effort_phantom.c ---- */
+
+enum { PHANTOM_SIDE = 72 };
+enum phantom { PHANTOM_TUBE, PHANTOM_TEXTURES, PHANTOM_SHELLS, PHANTOMS };
+
+/* Both are [PHANTOM_SIDE]^3. */
+void phantom_fill(enum phantom phantom, uint16_t *image, uint8_t *truth);
+
+#endif

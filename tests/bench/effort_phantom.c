@@ -1,0 +1,103 @@
+/*
+ * Phantoms: what is hard for seeds, by formulas in integers.
+ *
+ *     tube       a bent tube with a branch, 20 % brighter than what is around it, in noise of half
+ *                that difference: a barrier full of gaps
+ *     textures   a body of coarse grain in a ground of fine grain, whose means differ by a tenth of
+ *                what the grain does, under a bias along all axes
+ *     shells     a ball of shells, dark and bright in turn: its inner edges are as strong as its
+ *                own border
+ */
+#include <string.h>
+
+#include "base/hash.h"
+#include "tests/bench/effort_object.h"
+
+enum { SIDE = PHANTOM_SIDE, MIDDLE = SIDE / 2 };
+
+/* The sum of four even bytes, nearly normal, with the standard deviation `sigma`. */
+static int noise(uint64_t place, int sigma)
+{
+    const uint64_t mix = hash_mix_at(place, 72);
+    int sum = -510;
+    for (int i = 0; i < 4; i++)
+        sum += (int)(mix >> 8 * i & 255);
+    return sum * sigma / 148;
+}
+
+/* Squared distance in 64ths of a voxel from p to the line between a and b. */
+static int64_t away(const int p[3], const int a[3], const int b[3])
+{
+    int64_t along = 0, length = 0, squared = 0;
+    for (int i = 0; i < 3; i++) {
+        along += (int64_t)(p[i] - a[i]) * (b[i] - a[i]);
+        length += (int64_t)(b[i] - a[i]) * (b[i] - a[i]);
+    }
+    along = along < 0 ? 0 : along > length ? length : along;
+    for (int i = 0; i < 3; i++) {
+        const int64_t d = 64 * (p[i] - a[i]) - 64 * along * (b[i] - a[i]) / length;
+        squared += d * d;
+    }
+    return squared;
+}
+
+static bool is_in_tube(const int p[3])
+{
+    static const int corner[][3] = {{12, 16, 14}, {24, 40, 22}, {42, 46, 38},
+                                    {58, 24, 58}, {33, 43, 30}, {22, 54, 56}};
+    static const struct {
+        int from, to, radius;
+    } part[] = {{0, 1, 5}, {1, 2, 5}, {2, 3, 4}, {4, 5, 3}};
+    for (size_t i = 0; i < sizeof part / sizeof *part; i++)
+        if (away(p, corner[part[i].from], corner[part[i].to]) <=
+            (int64_t)part[i].radius * part[i].radius * 64 * 64)
+            return true;
+    return false;
+}
+
+static int square(int x)
+{
+    return x * x;
+}
+
+/* A body with a dent: one ball without another. */
+static bool is_in_body(const int p[3])
+{
+    return square(p[0] - MIDDLE) + square(p[1] - MIDDLE) + square(p[2] - MIDDLE) <= square(20) &&
+           square(p[0] - 52) + square(p[1] - 46) + square(p[2] - 40) > square(12);
+}
+
+static int value_of(enum phantom phantom, const int p[3], bool *is_object)
+{
+    const uint64_t place = (uint64_t)((p[2] * SIDE + p[1]) * SIDE + p[0]);
+    if (phantom == PHANTOM_TUBE) {
+        *is_object = is_in_tube(p);
+        return (*is_object ? 120 : 100) + noise(place, 10);
+    }
+    if (phantom == PHANTOM_TEXTURES) {
+        *is_object = is_in_body(p);
+        const uint64_t grain =
+            *is_object ? (uint64_t)((p[2] / 3 * SIDE + p[1] / 3) * SIDE + p[0] / 3) : place;
+        return (*is_object ? 126 : 122) + noise(grain, 20) / (*is_object ? 1 : 2) +
+               (p[0] + p[1] / 2 + p[2] / 2) / 3;
+    }
+    const int squared = square(p[0] - 34) + square(p[1] - 36) + square(p[2] - 38);
+    int shell = 0;
+    while (shell < 4 && squared > square(6 + 6 * shell))
+        shell++;
+    *is_object = shell < 4;
+    return (shell == 4 ? 110 : shell % 2 ? 90 : 140) + noise(place, 6);
+}
+
+void phantom_fill(enum phantom phantom, uint16_t *image, uint8_t *truth)
+{
+    size_t voxel = 0;
+    for (int z = 0; z < SIDE; z++)
+        for (int y = 0; y < SIDE; y++)
+            for (int x = 0; x < SIDE; x++, voxel++) {
+                bool is_object;
+                const int value = value_of(phantom, (const int[]){x, y, z}, &is_object);
+                image[voxel] = (uint16_t)(value < 0 ? 0 : value);
+                truth[voxel] = is_object;
+            }
+}

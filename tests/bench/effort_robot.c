@@ -1,0 +1,443 @@
+#include "tests/bench/effort_robot.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/hash.h"
+#include "base/mem.h"
+#include "engine/distance.h"
+
+enum {
+    RADIUS_USUAL = 3,
+    RADIUS_SLOPPY = 2,
+    STROKE_MOST = 12,
+    NEAR = 2, /* of the background's first ball */
+    FAR = 10,
+};
+
+const char *const effort_robot_name[ROBOT_KINDS] = {"careful", "sloppy", "stroke"};
+
+/* ---- chance ---- */
+
+static uint32_t below(struct effort_robot *robot, uint64_t bound)
+{
+    robot->random += UINT64_C(0x9e3779b97f4a7c15);
+    return (uint32_t)((hash_mix(robot->random) >> 32) * bound >> 32);
+}
+
+enum err effort_robot_init(struct effort_robot *robot, enum effort_robot_kind kind,
+                           const struct effort_object *object, struct fault *fault)
+{
+    *robot = (struct effort_robot){.kind = kind, .object = object};
+    for (const char *at = object->name; *at; at++)
+        robot->random = hash_mix_at(robot->random, (uint8_t)*at);
+    enum err err = grid_init(&robot->grid, object->size, fault);
+    if (err)
+        return err;
+    robot->wrong = mem_new(robot->grid.cells);
+    robot->squared = mem_array(robot->grid.voxels, sizeof *robot->squared);
+    return robot->wrong && robot->squared ? OK : fault_memory(fault, "a robot");
+}
+
+void effort_robot_release(struct effort_robot *robot)
+{
+    free(robot->wrong);
+    free(robot->squared);
+}
+
+/* ---- boxes and depths ---- */
+
+/* Voxels of the scene from one corner on. */
+struct box {
+    uint32_t first[3], size[3];
+};
+
+static size_t box_voxels(const struct box *box)
+{
+    return (size_t)box->size[0] * box->size[1] * box->size[2];
+}
+
+static struct box whole(const struct effort_robot *robot)
+{
+    const uint32_t *n = robot->grid.size;
+    return (struct box){{0, 0, 0}, {n[0], n[1], n[2]}};
+}
+
+static void place_in(uint32_t at[3], const struct box *box, size_t i)
+{
+    at[0] = box->first[0] + (uint32_t)(i % box->size[0]);
+    at[1] = box->first[1] + (uint32_t)(i / box->size[0] % box->size[1]);
+    at[2] = box->first[2] + (uint32_t)(i / box->size[0] / box->size[1]);
+}
+
+/* From 0 outside a set and DISTANCE_NONE in it to squared depths. */
+static enum err measure(struct effort_robot *robot, const struct box *box, struct fault *fault)
+{
+    const struct distance_scale scale = {{1, 1, 1}, 1};
+    return distance_spread(robot->squared, box->size, &scale, NULL, NULL, fault);
+}
+
+static size_t deepest(const struct effort_robot *robot, const struct box *box)
+{
+    size_t best = 0;
+    for (size_t i = 1; i < box_voxels(box); i++)
+        best = robot->squared[i] > robot->squared[best] ? i : best;
+    return best;
+}
+
+/* The largest whole number whose square is not above that. */
+static uint32_t root_of(uint64_t squared)
+{
+    uint32_t root = 0;
+    while ((uint64_t)(root + 1) * (root + 1) <= squared)
+        root++;
+    return root;
+}
+
+static uint32_t radius_of(uint64_t squared, uint32_t most)
+{
+    if (squared >= (uint64_t)(most + 1) * (most + 1))
+        return most;
+    return squared ? root_of(squared) - 1 : 0;
+}
+
+/* ---- the first two gestures ---- */
+
+static void ball_at_deepest(const struct effort_robot *robot, const struct box *box, uint8_t label,
+                            struct effort_gesture *gesture)
+{
+    const size_t i = deepest(robot, box);
+    *gesture = (struct effort_gesture){
+        .shape = SHAPE_BALL, .radius = radius_of(robot->squared[i], RADIUS_USUAL), .label = label};
+    place_in(gesture->at, box, i);
+}
+
+enum err effort_robot_object(struct effort_robot *robot, struct effort_gesture *gesture,
+                             struct fault *fault)
+{
+    const struct box box = whole(robot);
+    for (size_t i = 0; i < robot->object->voxels; i++)
+        robot->squared[i] = robot->object->truth[i] ? DISTANCE_NONE : 0;
+    enum err err = measure(robot, &box, fault);
+    if (!err)
+        ball_at_deepest(robot, &box, 1, gesture);
+    return err;
+}
+
+static enum err outside_ball(struct effort_robot *robot, struct effort_gesture *gesture,
+                             struct fault *fault)
+{
+    const struct box box = whole(robot);
+    for (size_t i = 0; i < robot->object->voxels; i++)
+        robot->squared[i] = robot->object->truth[i] ? 0 : DISTANCE_NONE;
+    enum err err = measure(robot, &box, fault);
+    for (size_t i = 0; !err && i < robot->object->voxels; i++) {
+        const uint64_t away = robot->squared[i];
+        robot->squared[i] = away > NEAR * NEAR && away <= FAR * FAR ? DISTANCE_NONE : 0;
+    }
+    err = err ? err : measure(robot, &box, fault);
+    if (!err)
+        ball_at_deepest(robot, &box, 0, gesture);
+    return err;
+}
+
+/* Of all voxels of the truth, the corners of the box around it. */
+static void bounds(const struct effort_robot *robot, uint32_t first[3], uint32_t last[3])
+{
+    const struct box box = whole(robot);
+    for (int a = 0; a < 3; a++)
+        first[a] = UINT32_MAX, last[a] = 0;
+    for (size_t i = 0; i < robot->object->voxels; i++) {
+        uint32_t at[3];
+        if (!robot->object->truth[i])
+            continue;
+        place_in(at, &box, i);
+        for (int a = 0; a < 3; a++) {
+            first[a] = at[a] < first[a] ? at[a] : first[a];
+            last[a] = at[a] > last[a] ? at[a] : last[a];
+        }
+    }
+}
+
+/* The farthest voxel of the truth, squared. Of a row only its ends can be that. */
+static int64_t farthest(const struct effort_robot *robot, const int64_t from[3])
+{
+    const uint32_t *n = robot->object->size;
+    int64_t most = 0;
+    for (size_t row = 0; row < (size_t)n[1] * n[2]; row++) {
+        const uint8_t *truth = robot->object->truth + row * n[0];
+        const int64_t y = (int64_t)(row % n[1]) - from[1], z = (int64_t)(row / n[1]) - from[2];
+        const uint8_t *first = memchr(truth, 1, n[0]), *last = memrchr(truth, 1, n[0]);
+        if (!first)
+            continue;
+        const int64_t left = from[0] - (first - truth), right = last - truth - from[0];
+        const int64_t x = left > right ? left : right;
+        const int64_t squared = x * x + y * y + z * z;
+        most = squared > most ? squared : most;
+    }
+    return most;
+}
+
+/* The smallest ball: from the middle of the box, as long as a neighbour has the truth nearer. What
+ * is least is a convex function, so that leads to the least, or to beside it. */
+static int64_t smallest_ball(const struct effort_robot *robot, int64_t at[3])
+{
+    int64_t least = farthest(robot, at);
+    for (bool moved = true; moved;) {
+        moved = false;
+        for (int way = 0; way < 27; way++) {
+            const int64_t to[3] = {at[0] + way % 3 - 1, at[1] + way / 3 % 3 - 1,
+                                   at[2] + way / 9 - 1};
+            const int64_t squared = farthest(robot, to);
+            if (squared >= least)
+                continue;
+            least = squared, moved = true;
+            memcpy(at, to, sizeof to);
+        }
+    }
+    return least;
+}
+
+static void sphere(struct effort_robot *robot, struct effort_gesture *gesture)
+{
+    uint32_t first[3], last[3];
+    int64_t at[3];
+    bounds(robot, first, last);
+    for (int a = 0; a < 3; a++)
+        at[a] = (first[a] + last[a]) / 2;
+    const uint64_t squared = (uint64_t)smallest_ball(robot, at);
+    const uint32_t root = root_of(squared);
+    *gesture = (struct effort_gesture){.shape = SHAPE_SPHERE};
+    gesture->radius = root + ((uint64_t)root * root < squared) + 2 + below(robot, 4);
+    for (int a = 0; a < 3; a++)
+        gesture->at[a] = (uint32_t)at[a];
+}
+
+static void box_around(struct effort_robot *robot, struct effort_gesture *gesture)
+{
+    uint32_t first[3], last[3];
+    bounds(robot, first, last);
+    *gesture = (struct effort_gesture){.shape = SHAPE_BOX};
+    for (int a = 0; a < 3; a++) {
+        const uint32_t before = 3 + below(robot, 10), after = last[a] + 3 + below(robot, 10);
+        gesture->at[a] = first[a] > before ? first[a] - before : 0;
+        gesture->to[a] = after < robot->grid.size[a] ? after : robot->grid.size[a] - 1;
+    }
+}
+
+enum err effort_robot_background(struct effort_robot *robot, enum effort_shape shape,
+                                 struct effort_gesture *gesture, struct fault *fault)
+{
+    if (shape == SHAPE_BALL)
+        return outside_ball(robot, gesture, fault);
+    if (shape == SHAPE_SPHERE)
+        sphere(robot, gesture);
+    else
+        box_around(robot, gesture);
+    return OK;
+}
+
+/* ---- what is wrong ---- */
+
+static void mark_wrong(struct effort_robot *robot, const uint8_t *label)
+{
+    const struct grid *grid = &robot->grid;
+    const uint8_t *truth = robot->object->truth;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            uint8_t *wrong = robot->wrong + grid_row(grid, y, z).first;
+            for (uint32_t x = 0; x < grid->size[0]; x++)
+                wrong[x] = *label++ != *truth++;
+        }
+}
+
+/* The largest component of what is wrong, or the second largest where there is one; NULL for none.
+ */
+static const struct component *choose(const struct components *pieces, bool second)
+{
+    const struct component *best = NULL, *next = NULL;
+    for (size_t i = 0; i < pieces->count; i++) {
+        const struct component *item = &pieces->item[i];
+        if (item->label && (!best || item->voxels > best->voxels))
+            next = best, best = item;
+        else if (item->label && (!next || item->voxels > next->voxels))
+            next = item;
+    }
+    return second && next ? next : best;
+}
+
+/* The box around a component, and a voxel more where the scene has one; the set is it. */
+static struct box lay_out(struct effort_robot *robot, const struct components *pieces,
+                          const struct component *piece)
+{
+    const struct grid *grid = &robot->grid;
+    uint32_t first[3] = {UINT32_MAX, UINT32_MAX, UINT32_MAX}, last[3] = {0};
+    struct box box;
+    for (uint32_t r = piece->run; r != RUN_NONE; r = pieces->run[r].next) {
+        const struct place p = grid_place(grid, pieces->run[r].first);
+        const uint32_t end = p.x + pieces->run[r].end - pieces->run[r].first - 1;
+        const uint32_t low[3] = {p.x, p.y, p.z}, high[3] = {end, p.y, p.z};
+        for (int a = 0; a < 3; a++) {
+            first[a] = low[a] < first[a] ? low[a] : first[a];
+            last[a] = high[a] > last[a] ? high[a] : last[a];
+        }
+    }
+    for (int a = 0; a < 3; a++) {
+        box.first[a] = first[a] - (first[a] > 0);
+        box.size[a] = last[a] + (last[a] + 1 < grid->size[a]) - box.first[a] + 1;
+    }
+    memset(robot->squared, 0, box_voxels(&box) * sizeof *robot->squared);
+    for (uint32_t r = piece->run; r != RUN_NONE; r = pieces->run[r].next) {
+        const struct place p = grid_place(grid, pieces->run[r].first);
+        uint64_t *row =
+            robot->squared +
+            ((size_t)(p.z - box.first[2]) * box.size[1] + p.y - box.first[1]) * box.size[0];
+        for (uint32_t i = 0; i < pieces->run[r].end - pieces->run[r].first; i++)
+            row[p.x - box.first[0] + i] = DISTANCE_NONE;
+    }
+    return box;
+}
+
+/* One of those that are at least half as deep as the deepest. */
+static size_t roughly_deepest(struct effort_robot *robot, const struct box *box, size_t best)
+{
+    const uint64_t least = (robot->squared[best] + 3) / 4;
+    size_t count = 0, i = 0;
+    for (size_t j = 0; j < box_voxels(box); j++)
+        count += robot->squared[j] >= least;
+    for (size_t left = below(robot, count);; i++)
+        if (robot->squared[i] >= least && left-- == 0)
+            return i;
+}
+
+/* ---- strokes ---- */
+
+/* The direction of the main axis: of a symmetric matrix the vector of the largest value, by
+ * squaring. Plain IEEE arithmetic and no library but sqrt, so the same on every machine. */
+static void main_axis(const struct effort_robot *robot, const struct box *box, double axis[3])
+{
+    int64_t count = 0, sum[3] = {0}, product[3][3] = {{0}};
+    for (size_t i = 0; i < box_voxels(box); i++) {
+        uint32_t at[3];
+        if (!robot->squared[i])
+            continue;
+        place_in(at, box, i);
+        count++;
+        for (int a = 0; a < 3; a++) {
+            sum[a] += at[a];
+            for (int b = 0; b < 3; b++)
+                product[a][b] += (int64_t)at[a] * at[b];
+        }
+    }
+    double matrix[3][3];
+    int widest = 0;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+            matrix[a][b] = (double)product[a][b] / (double)count -
+                           (double)sum[a] / (double)count * ((double)sum[b] / (double)count);
+    for (int a = 1; a < 3; a++)
+        widest = matrix[a][a] > matrix[widest][widest] ? a : widest;
+    for (int a = 0; a < 3; a++)
+        axis[a] = a == widest;
+    for (int round = 0; round < 64; round++) {
+        double next[3] = {0}, length = 0;
+        for (int a = 0; a < 3; a++) {
+            for (int b = 0; b < 3; b++)
+                next[a] += matrix[a][b] * axis[b];
+            length += next[a] * next[a];
+        }
+        for (int a = 0; a < 3 && length > 0; a++)
+            axis[a] = next[a] / sqrt(length);
+    }
+}
+
+/* Along the axis, or against it, while the ball stays in the set. */
+static void walk(const struct effort_robot *robot, const struct box *box, const double axis[3],
+                 uint32_t radius, uint32_t end[3])
+{
+    const uint32_t from[3] = {end[0], end[1], end[2]};
+    const uint64_t least = (uint64_t)(radius + 1) * (radius + 1);
+    for (int step = 1; step <= STROKE_MOST; step++) {
+        size_t place = 0;
+        uint32_t at[3];
+        for (int a = 2; a >= 0; a--) {
+            const double to = floor((double)from[a] + step * axis[a] + 0.5) - box->first[a];
+            if (to < 0 || to >= box->size[a])
+                return;
+            place = place * box->size[a] + (uint32_t)to;
+            at[a] = box->first[a] + (uint32_t)to;
+        }
+        if (robot->squared[place] < least)
+            return;
+        memcpy(end, at, sizeof at);
+    }
+}
+
+static void draw_stroke(const struct effort_robot *robot, const struct box *box,
+                        struct effort_gesture *gesture)
+{
+    double axis[3];
+    main_axis(robot, box, axis);
+    gesture->shape = SHAPE_STROKE;
+    memcpy(gesture->to, gesture->at, sizeof gesture->to);
+    walk(robot, box, axis, gesture->radius, gesture->to);
+    for (int a = 0; a < 3; a++)
+        axis[a] = -axis[a];
+    walk(robot, box, axis, gesture->radius, gesture->at);
+}
+
+enum err effort_robot_next(struct effort_robot *robot, const uint8_t *label,
+                           struct effort_gesture *gesture, bool *found, struct fault *fault)
+{
+    const bool is_sloppy = robot->kind == ROBOT_SLOPPY;
+    struct components pieces = {0};
+    mark_wrong(robot, label);
+    enum err err = components_find(&pieces, &robot->grid, robot->wrong, NULL, fault);
+    const struct component *piece = err ? NULL : choose(&pieces, is_sloppy && below(robot, 4) == 0);
+    *found = piece != NULL;
+    if (piece) {
+        const struct box box = lay_out(robot, &pieces, piece);
+        err = measure(robot, &box, fault);
+        size_t i = deepest(robot, &box);
+        i = is_sloppy ? roughly_deepest(robot, &box, i) : i;
+        *gesture = (struct effort_gesture){
+            .shape = SHAPE_BALL,
+            .radius = radius_of(robot->squared[i], is_sloppy ? RADIUS_SLOPPY : RADIUS_USUAL)};
+        place_in(gesture->at, &box, i);
+        const uint32_t *n = robot->grid.size, *at = gesture->at;
+        gesture->label = robot->object->truth[((size_t)at[2] * n[1] + at[1]) * n[0] + at[0]];
+        if (!err && robot->kind == ROBOT_STROKE)
+            draw_stroke(robot, &box, gesture);
+    }
+    components_release(&pieces);
+    return err;
+}
+
+/* ---- what a gesture covers ---- */
+
+enum err effort_gesture_voxels(struct voxels *out, const struct effort_gesture *gesture,
+                               const struct grid *grid, struct fault *fault)
+{
+    static const uint32_t unit[3] = {1, 1, 1};
+    const bool is_sphere = gesture->shape == SHAPE_SPHERE;
+    struct brush brush;
+    if (gesture->shape == SHAPE_BOX)
+        return paint_faces(out, grid, gesture->at, gesture->to, NULL, fault);
+    uint32_t way[2][3];
+    memcpy(way[0], gesture->at, sizeof way[0]);
+    memcpy(way[1], gesture->to, sizeof way[1]);
+    enum err err = brush_init(&brush, unit, gesture->radius,
+                              is_sphere ? BRUSH_HOLLOW_REACH_MOST : BRUSH_REACH_MOST, fault);
+    if (err)
+        return err;
+    if (is_sphere)
+        err = brush_hollow(&brush, 6, fault);
+    if (!err && is_sphere)
+        err = paint_shell(out, grid, &brush, gesture->at, NULL, fault);
+    else if (!err)
+        err = paint_stroke(out, grid, &brush, (const uint32_t(*)[3])way,
+                           gesture->shape == SHAPE_STROKE ? 2 : 1, NULL, fault);
+    brush_release(&brush);
+    return err;
+}

@@ -1,0 +1,34 @@
+/*
+ * One run: a robot segments an object by a method. Its curve, and what is counted of it.
+ *
+ * Twenty gestures follow the first two. dice[k] is what 2 + k gestures came to; with a box, which
+ * counts as two, dice[0] is that of the object's ball alone. Where nothing is wrong any more, the
+ * rest of the curve is 1.
+ */
+#ifndef TESTS_BENCH_EFFORT_RUN_H
+#define TESTS_BENCH_EFFORT_RUN_H
+
+#include "tests/bench/effort_tool.h"
+
+enum { CURVE = 21, NOT_REACHED = CURVE + 2, EFFORT_GOALS = 2, EFFORT_LOOKS = 3, COLLAPSE = 500 };
+
+struct effort_run {
+    size_t object, method;
+    enum effort_robot_kind robot;
+    unsigned dice[CURVE]; /* in ten-thousandths */
+    double ms;            /* the median of a gesture */
+};
+
+enum err effort_run(struct effort_run *run, const struct effort_method *method,
+                    const struct effort_object *object, const char *folder, struct fault *fault);
+
+/* What is counted, over some runs: sums. */
+struct effort_count {
+    unsigned runs;
+    unsigned gestures[EFFORT_GOALS], reached[EFFORT_GOALS]; /* to a Dice of 0.8, and of 0.9 */
+    unsigned after[EFFORT_LOOKS];                           /* 5, 10, 20 gestures: Dice */
+    unsigned collapses, largest; /* drops of more than COLLAPSE from one gesture to the next */
+};
+void effort_count(struct effort_count *count, const struct effort_run *run);
+
+#endif
