@@ -12,6 +12,7 @@ enum err run_replay(const struct options *options, struct fault *fault);
 enum err run_verify(const struct options *options, struct fault *fault);
 enum err run_verify_builds(const struct options *options, struct fault *fault);
 enum err run_verify_bisect(const struct options *options, struct fault *fault);
+enum err run_review(const struct options *options, struct fault *fault);
 enum err run_reseal(const struct options *options, struct fault *fault);
 enum err run_diff(const struct options *options, struct fault *fault);
 enum err run_compare(const struct options *options, struct fault *fault);

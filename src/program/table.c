@@ -51,6 +51,7 @@ enum {
     BISECT,
     WITH,
     ACCEPT,
+    REVIEW,
     SCRIPT,
     CHECK,
     GRAPH,
@@ -166,6 +167,7 @@ static const struct option option[] = {
     [BISECT] = {"--bisect", FORM},
     [WITH] = {"--with", "PROGRAM", "", TEXT(with)},
     [ACCEPT] = {"--accept", "WHY", "", TEXT(accept)},
+    [REVIEW] = {"--review", FORM},
     [SCRIPT] = {"--script", FORM},
     [CHECK] = {"--check", FORM},
     [GRAPH] = {"--graph", FORM},
@@ -243,6 +245,17 @@ static const struct program program[] = {
                "decision. The former journal is kept "
                "beside the new one.",
      .run = run_reseal},
+    {.name = "verify",
+     .form = "--review",
+     .words = "JOURNAL...",
+     .least = 1,
+     .most = FILES_MOST,
+     .option = {REVIEW, ACCEPT, SCENE, GRAPHICS},
+     .summary = "decide at each picture that differs",
+     .detail = "Shows what is expected, what is drawn now and where they differ, and waits for a "
+               "key: a accepts, r rejects, s skips, q skips all that follow. The reason is asked "
+               "for, unless --accept WHY gives it. Refused where CI is set.",
+     .run = run_review},
     {.name = "diff",
      TWO("A B"),
      .option = {DIFF_UNTIL, JSON, PICTURE, SCENE, LIMIT_OPTIONS},

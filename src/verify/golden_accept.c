@@ -86,6 +86,21 @@ static enum err write_drafts(struct golden_accept *accept, struct interpreter *i
     return err;
 }
 
+enum err golden_accept_ask(struct golden_accept *accept, const struct golden_finding *finding,
+                           const char *wrong, struct fault *fault)
+{
+    const struct review_question question = {accept->record->number, accept->record->command, wrong,
+                                             finding};
+    const struct reviewer *reviewer = accept->reviewer;
+    enum review_answer answer = REVIEW_ACCEPT;
+    const enum err err =
+        reviewer ? reviewer->ask(reviewer->context, &question, &accept->why, &answer, fault) : OK;
+    if (!err)
+        accept->answers[answer]++;
+    accept->is_left = answer != REVIEW_ACCEPT;
+    return err;
+}
+
 static enum err differs(void *context, struct interpreter *interp,
                         const struct golden_finding *finding, struct fault *fault)
 {
@@ -96,10 +111,14 @@ static enum err differs(void *context, struct interpreter *interp,
                          finding->name);
     buf_clear(&accept->note);
     buf_add_text(&accept->note, fault->text);
-    const enum err err = write_drafts(accept, interp, finding, fault);
+    enum err err = golden_accept_ask(accept, finding, buf_text(&accept->note), fault);
+    if (!err && !accept->is_left)
+        err = write_drafts(accept, interp, finding, fault);
     if (err)
         return err;
-    accept->images++;
+    if (accept->is_left)
+        buf_clear(&accept->note);
+    accept->images += !accept->is_left;
     fault->text[0] = '\0';
     return OK;
 }
@@ -132,4 +151,5 @@ void golden_accept_release(struct golden_accept *accept)
     buf_release(&accept->folder);
     buf_release(&accept->drafts);
     buf_release(&accept->note);
+    buf_release(&accept->why);
 }

@@ -22,7 +22,6 @@ static const char unchanged[] = "nothing has changed";
 struct resealing {
     struct interpreter *interp;
     struct golden_accept *accept; /* NULL where golden images are left alone */
-    struct buf mark;              /* what the comment of a changed record begins with */
     struct buf header, out;       /* the new journal */
     struct record_chain chain;
     size_t count, marked; /* records; those that have changed */
@@ -65,7 +64,10 @@ static enum err refuse_results(const struct record *record, const char *words, s
 /* Why it has changed, and what it was before. */
 static void add_mark(const struct resealing *r, struct buf *out, const struct record *record)
 {
-    buf_printf(out, "# %s", buf_text(&r->mark));
+    if (r->accept)
+        buf_printf(out, "# accepted: %s", buf_text(&r->accept->why));
+    else
+        buf_add_text(out, "# resealed: its results are those of iftty " PROGRAM_VERSION);
     if (r->accept && r->accept->note.length)
         buf_printf(out, " (%s)", buf_text(&r->accept->note));
     buf_add_char(out, '\n');
@@ -81,9 +83,10 @@ static enum err write_record(struct resealing *r, const char *bytes, const struc
 {
     struct buf comments = {0};
     const bool is_sound = !record_judge(record, NULL);
+    const bool is_left = r->accept && r->accept->is_left;
     const bool is_same =
-        record->has_result && all_are_given(record->result, buf_text(&reply->words)) &&
-        (r->accept || !record_lacks_digest(record->result, buf_text(&reply->words)));
+        is_left || (record->has_result && all_are_given(record->result, buf_text(&reply->words)) &&
+                    (r->accept || !record_lacks_digest(record->result, buf_text(&reply->words))));
     const bool has_note = r->accept && r->accept->note.length;
     buf_add(&comments, bytes + record->offset, record->command_offset - record->offset);
     if (!is_sound || !is_same || has_note) {
@@ -102,6 +105,17 @@ static enum err write_record(struct resealing *r, const char *bytes, const struc
     return err;
 }
 
+/* A picture that is no golden image: only its digest is known, and nobody can see what it was. */
+static enum err ask_of_digest(struct resealing *r, const struct record *record, const char *words,
+                              struct fault *fault)
+{
+    struct golden_accept *accept = r->accept;
+    if (accept->is_left || accept->note.length || all_are_given(record->result, words))
+        return OK;
+    return golden_accept_ask(accept, NULL, "its picture has another digest than is recorded",
+                             fault);
+}
+
 static enum err reseal_record(struct resealing *r, const char *bytes, const struct record *record,
                               struct fault *fault)
 {
@@ -115,6 +129,8 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
                              record->number, record->line, unchanged);
         buf_clear(&r->accept->note);
         r->accept->chain = r->chain;
+        r->accept->record = record;
+        r->accept->is_left = false;
     }
     err = interpreter_execute(r->interp, record->command, &reply, fault);
     if (err)
@@ -122,6 +138,8 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
                      unchanged);
     if (!err && r->accept)
         err = refuse_results(record, buf_text(&reply.words), fault);
+    if (!err && r->accept)
+        err = ask_of_digest(r, record, buf_text(&reply.words), fault);
     if (!err)
         err = write_record(r, bytes, record, &reply, fault);
     reply_release(&reply);
@@ -230,7 +248,7 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
         err = interpreter_set_home(interp, path, fault);
     if (!err)
         err = reseal_bytes(r, &bytes, fault);
-    if (!err && r->accept)
+    if (!err && r->accept && !r->accept->reviewer)
         err = orphan_check(path, &interp->goldens, fault);
     if (!err && (r->marked || r->changes_header))
         err = publish(r, path, &bytes, &former, fault);
@@ -239,7 +257,6 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
     file_log_close(lock);
     buf_release(&former);
     buf_release(&bytes);
-    buf_release(&r->mark);
     buf_release(&r->header);
     buf_release(&r->out);
     interp->judge = NULL;
@@ -248,22 +265,26 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
 
 /* ---- accepting and resealing ---- */
 
-static enum err check_reason(const char *why, struct fault *fault)
+enum err reseal_check_reason(const char *why, struct fault *fault)
 {
     struct fault words;
     struct buf comment = {0};
-    if (ci_is_set())
-        return fault_set(fault, ERR_USAGE,
-                         "--accept is a person's decision, and refused where CI is set; %s",
-                         unchanged);
     buf_printf(&comment, "# %s", why);
     const bool is_fine = why[strspn(why, " ")] && strlen(why) <= WHY_MOST && !comment.failed &&
                          !record_comment_check(buf_text(&comment), &words);
     buf_release(&comment);
-    return is_fine ? OK
-                   : fault_set(fault, ERR_USAGE,
-                               "--accept: expected a reason, one line of at most %d bytes; %s",
-                               WHY_MOST, unchanged);
+    return is_fine
+               ? OK
+               : fault_set(fault, ERR_USAGE, "expected a reason, one line of at most %d bytes; %s",
+                           WHY_MOST, unchanged);
+}
+
+static enum err check_person(const char *option, struct fault *fault)
+{
+    return ci_is_set() ? fault_set(fault, ERR_USAGE,
+                                   "%s is a person's decision, and refused where CI is set; %s",
+                                   option, unchanged)
+                       : OK;
 }
 
 enum err reseal_accept(struct interpreter *interp, const char *path, const char *why,
@@ -271,11 +292,36 @@ enum err reseal_accept(struct interpreter *interp, const char *path, const char 
 {
     struct golden_accept accept = {0};
     struct resealing r = {.interp = interp, .accept = &accept};
-    enum err err = check_reason(why, fault);
+    enum err err = check_person("--accept", fault);
+    if (!err) {
+        err = reseal_check_reason(why, fault);
+        if (err)
+            fault_prefix(fault, err, "--accept");
+    }
     if (err)
         return err;
-    buf_printf(&r.mark, "accepted: %s", why);
+    buf_add_text(&accept.why, why);
     err = reseal(&r, path, printer, fault);
+    golden_accept_release(&accept);
+    return err;
+}
+
+enum err reseal_review(struct interpreter *interp, const char *path,
+                       const struct reviewer *reviewer, const struct printer *printer,
+                       struct fault *fault)
+{
+    struct golden_accept accept = {.reviewer = reviewer};
+    struct resealing r = {.interp = interp, .accept = &accept};
+    enum err err = check_person("--review", fault);
+    if (err)
+        return err;
+    err = reseal(&r, path, printer, fault);
+    const size_t left = accept.answers[REVIEW_REJECT] + accept.answers[REVIEW_SKIP];
+    if (!err && left)
+        err = fault_set(fault, ERR_CHECK,
+                        "%zu picture%s of %s rejected, %zu skipped: it goes on failing",
+                        accept.answers[REVIEW_REJECT], plural(accept.answers[REVIEW_REJECT]), path,
+                        accept.answers[REVIEW_SKIP]);
     golden_accept_release(&accept);
     return err;
 }
@@ -284,6 +330,5 @@ enum err reseal_edited(struct interpreter *interp, const char *path, const struc
                        struct fault *fault)
 {
     struct resealing r = {.interp = interp};
-    buf_add_text(&r.mark, "resealed: its results are those of iftty " PROGRAM_VERSION);
     return reseal(&r, path, printer, fault);
 }

@@ -13,7 +13,7 @@
  *
  * Promises
  *     (R1) whole or not at all: golden images and journal are all as they were, or all new;
- *     (R2) what is written verifies, here and now;
+ *     (R2) what is written verifies, here and now, but for pictures that a reviewer leaves;
  *     (R3) the bytes of the former journal stay, as FILE.before-N;
  *     (R4) nobody else writes the journal meanwhile.
  */
@@ -21,6 +21,7 @@
 #define VERIFY_RESEAL_H
 
 #include "command/script.h"
+#include "verify/reviewer.h"
 
 /* `iftty verify --accept WHY`: golden images that differ or are missing are drawn again, and
  * records of pictures get today's digests. Refused where a record gives another result that is no
@@ -28,6 +29,15 @@
  * where the environment variable CI is set (ERR_USAGE): accepting is a person's decision. */
 enum err reseal_accept(struct interpreter *interp, const char *path, const char *why,
                        const struct printer *printer, struct fault *fault);
+
+/* `iftty verify --review`: the same, where a person is asked about each picture. Those that are not
+ * accepted stay as they were, with their records: ERR_CHECK. Orphans are left alone. */
+enum err reseal_review(struct interpreter *interp, const char *path,
+                       const struct reviewer *reviewer, const struct printer *printer,
+                       struct fault *fault);
+
+/* ERR_USAGE for a reason that cannot be a comment of a record. */
+enum err reseal_check_reason(const char *why, struct fault *fault);
 
 /* `iftty log --reseal`: a journal that was edited by hand, or that another version wrote, gets the
  * results that its commands give here. Golden images are left alone. */

@@ -1,0 +1,121 @@
+#!/bin/sh
+# iftty verify --review in a real terminal: each picture that differs is shown, a person decides.
+. "$(dirname "$0")/lib.sh"
+. tests/tmux.sh
+begin_terminal
+cd "$work" || exit 1
+make_scene s.nii 24 20 16
+"$iftty" -c 'open s.nii; seed 2,3,4 1; seed 6,10,8 2 radius=1; run; size 40 30; view 30 20
+    golden first; turn 20; golden second; render; turn 30; golden third' \
+    --journal j.iftty >/dev/null || exit 1
+cp j.iftty kept.iftty
+cp -r j.golden kept.golden
+
+begin "in no pipe, and not where CI is set"
+expect 2 "$iftty" verify --review j.iftty </dev/null
+err_has "--review asks a person at a terminal; --accept WHY takes in all pictures of a journal"
+close_story
+
+# spoil: two golden images show something else, and the digest of a picture is another one
+spoil() {
+    rm -rf j.iftty* j.golden
+    cp -r kept.golden j.golden
+    cp kept.golden/third.exr j.golden/first.exr
+    cp kept.golden/first.exr j.golden/third.exr
+    cp kept.iftty j.iftty
+    rewrite j.iftty 10 "$(words_of kept.iftty 10 | sed 's/picture=.*/picture=00000000000000aa/')"
+    cp j.iftty spoilt
+}
+review() { # OPTION...
+    enter "clear; $iftty verify --review --graphics blocks $* j.iftty; echo sta\"\"tus \$?"
+    see "^j.iftty, record 7: golden first"
+    see "^a accept   r reject   s skip   q quit"
+}
+
+begin "each picture is shown, and those that are accepted are taken in, with their reasons"
+spoil
+review
+see "^golden image first: .* pixels differ"
+see "^expected . actual . what differs, in red"
+shows '[▀▄█▌▐▘▝▖▗▚▞▛▜▟▙]' || fail "no picture in blocks: $(screen_text)"
+type_letters a
+see "^Why is it right"
+enter "softer light"
+see "^j.iftty, record 10: render"
+see "^its picture has another digest than is recorded"
+type_letters x # which is no answer
+type_letters s
+see "^j.iftty, record 12: golden third"
+type_letters a
+see "^Why is it right. .softer light."
+enter ""
+see "^status 1"
+see "2 golden images accepted, 2 of 12 records of j.iftty marked"
+see "0 pictures of j.iftty rejected, 1 skipped: it goes on failing"
+same "$(grep -c '^# accepted: softer light (golden image ' j.iftty)" 2
+same "$(words_of j.iftty 10)" "picture=00000000000000aa"
+expect 0 "$iftty" log --check j.iftty
+expect 1 "$iftty" verify j.iftty
+out_has "record 10, line"
+same_files j.iftty.before-1 spoilt
+sane
+close_story
+
+begin "what is rejected or skipped stays as it was, to the byte"
+spoil
+cp -r j.golden golden.spoilt
+review
+type_letters r
+see "^j.iftty, record 10: render"
+type_letters q
+see "^status 1"
+see "1 picture of j.iftty rejected, 2 skipped: it goes on failing"
+same_files j.iftty spoilt
+diff -r j.golden golden.spoilt || fail "a golden image has changed"
+[ ! -e j.iftty.before-1 ] || fail "the journal was written"
+close_story
+
+begin "a reason that is given is not asked for, and what is all accepted verifies"
+spoil
+review --accept rounding
+type_letters a
+see "^j.iftty, record 10: render"
+type_letters a
+see "^j.iftty, record 12: golden third"
+type_letters a
+see "^status 0"
+same "$(grep -c '^# accepted: rounding' j.iftty)" 3
+expect 0 "$iftty" verify --strict j.iftty
+for name in first third; do
+    "$iftty" info j.golden/$name.exr >said
+    grep -q 'iftty:journal: j.iftty' said || fail "$(cat said)"
+done
+enter "clear; $iftty verify --review j.iftty; echo sta\"\"tus \$?"
+see "^status 0"
+see "0 golden images accepted, 0 of 12 records of j.iftty marked"
+close_story
+
+begin "Ctrl-C leaves all as it was, also after some were accepted"
+spoil
+rm j.golden/third.exr
+review
+type_letters a
+see "^Why is it right"
+enter "softer light"
+see "^j.iftty, record 10: render"
+type_letters a
+see "^Why is it right"
+enter ""
+see "^j.iftty, record 12: golden third"
+see "^there is no golden image . actual"
+press C-c
+see "^status 130"
+same_files j.iftty spoilt
+same "$(ls -A j.golden | tr '\n' ' ')" "first.exr first.png second.exr second.png third.png "
+enter "clear; CI=1 $iftty verify --review j.iftty; echo sta\"\"tus \$?"
+see "^status 2"
+see "review is a person.s decision, and refused where CI is set"
+sane
+close_story
+
+finish
