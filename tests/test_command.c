@@ -981,47 +981,49 @@ STORY(a_hint_is_the_rest_of_the_usage)
     hints("", "");
     hints("see", "");
     hints("seed", " X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                  "[shell=yes] [around=LABEL]");
+                  "[shell=yes] [around=LABEL] [through=X,Y,Z]");
     hints("seed ", "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                   "[shell=yes] [around=LABEL]");
+                   "[shell=yes] [around=LABEL] [through=X,Y,Z]");
     hints("  seed   ", "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] "
-                       "[joined=yes] [shell=yes] [around=LABEL]");
+                       "[joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z]");
     hints("seed 1", " LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                    "[shell=yes] [around=LABEL]");
+                    "[shell=yes] [around=LABEL] [through=X,Y,Z]");
     hints("seed 1,1,1", " LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                        "[shell=yes] [around=LABEL]");
+                        "[shell=yes] [around=LABEL] [through=X,Y,Z]");
     hints("seed 1,1,1 ", "LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                         "[shell=yes] [around=LABEL]");
+                         "[shell=yes] [around=LABEL] [through=X,Y,Z]");
     hints("seed 1,1,1 2", " [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                          "[shell=yes] [around=LABEL]");
+                          "[shell=yes] [around=LABEL] [through=X,Y,Z]");
     hints("seed 1,1,1 2 ", "[radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                           "[shell=yes] [around=LABEL]");
+                           "[shell=yes] [around=LABEL] [through=X,Y,Z]");
     hints("seed 1,1,1 2 r", "");
-    hints("seed 1,1,1 2 radius=",
-          "0..512|Rmm [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL]");
-    hints("seed 1,1,1 2 radius=3",
-          " [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL]");
+    hints("seed 1,1,1 2 radius=", "0..512|Rmm [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
+                                  "[shell=yes] [around=LABEL] [through=X,Y,Z]");
+    hints("seed 1,1,1 2 radius=3", " [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] "
+                                   "[around=LABEL] [through=X,Y,Z]");
     hints("seed radius=", "0..512|Rmm X,Y,Z LABEL [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                          "[shell=yes] [around=LABEL]");
-    hints("seed radius=3 ",
-          "X,Y,Z LABEL [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL]");
-    hints("seed 1,1,1 2 radius=3 ",
-          "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL]");
-    hints("seed 1,1,1 2 radius=3 to=2,2,2 ",
-          "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL]");
+                          "[shell=yes] [around=LABEL] [through=X,Y,Z]");
+    hints("seed radius=3 ", "X,Y,Z LABEL [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] "
+                            "[around=LABEL] [through=X,Y,Z]");
+    hints(
+        "seed 1,1,1 2 radius=3 ",
+        "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z]");
+    hints(
+        "seed 1,1,1 2 radius=3 to=2,2,2 ",
+        "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z]");
     hints("range ", "LOW HIGH|none");
     hints("range 20 ", "HIGH");
     hints("range none", "");
     hints("range none ", "");
     hints("cut 1,1,1", " X,Y,Z");
     hints("seed 1,1,1 2 3 ", "[radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                             "[shell=yes] [around=LABEL]");
+                             "[shell=yes] [around=LABEL] [through=X,Y,Z]");
     hints("overlay words=off ", "[none|tint|contour] [cross=on|off] [marks=on|off]");
     hints("slice axial a.png ", "[N] [zoom=fit|0.01..64] [replace=yes|no] [finished=yes|no]");
     hints("label 2 \"a", "");
     hints("label \"2\"", " NAME [#rrggbb]");
     hints("\"seed\" ", "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] "
-                       "[joined=yes] [shell=yes] [around=LABEL]");
+                       "[joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z]");
     hints("\"seed", "");
     hints("run", "");
     hints("run ", "");

@@ -411,9 +411,23 @@ STORY(boxes_and_polygons_are_set_by_their_corners)
     CHECK_TEXT(type("d"), "");
     CHECK_TEXT(buf_text(&message), "a box takes one corner, and there are 0; a sets it");
     CHECK_TEXT(type("a"), "");
-    CHECK_TEXT(buf_text(&message), "1 corner; d plants the box from it to the cross-hair");
+    CHECK_TEXT(buf_text(&message),
+               "1 corner; d plants the box to the cross-hair, O its faces, S a ball's shell");
     memcpy(facts.place, (uint32_t[]){5, 6, 7}, sizeof facts.place);
     CHECK_TEXT(type("d"), "box 20,25,30 5,6,7 1\n");
+    CHECK_TEXT(type("S"), "");
+    CHECK_TEXT(buf_text(&message), "a ball takes one middle, and there are 0; a sets it");
+    type("a");
+    facts.place[0] = 9;
+    CHECK_TEXT(type("S"), "seed 5,6,7 0 shell=yes around=1 through=9,6,7\n");
+    CHECK_INT(state.outline.count, 0);
+    facts.place[0] = 5;
+    type("a");
+    memcpy(facts.place, (uint32_t[]){9, 10, 11}, sizeof facts.place);
+    CHECK_TEXT(type("O"), "box 5,6,7 9,10,11 0 shell=yes around=1\n");
+    facts.place[1] = 20; /* the same box beside there */
+    CHECK_TEXT(type("."), "box 5,16,7 9,20,11 0 shell=yes around=1\n");
+    memcpy(facts.place, (uint32_t[]){5, 6, 7}, sizeof facts.place);
     CHECK_TEXT(type("2ba"), "");
     facts.place[0] = 15;
     type("a");
@@ -717,10 +731,11 @@ STORY(what_was_chosen_stays_from_one_time_to_the_next)
 
 /* ---- the mouse ---- */
 
+static enum mouse_button button = MOUSE_LEFT;
 static const char *click(enum mouse_action action, uint32_t column, uint32_t row)
 {
     const struct key_event event = {.key = KEY_MOUSE,
-                                    .mouse = {.action = action, .button = MOUSE_LEFT}};
+                                    .mouse = {.action = action, .button = button}};
     buf_clear(&line);
     buf_clear(&message);
     pilot_click(&state, &event, column, row, &host, &facts, &line, &message);
@@ -754,6 +769,31 @@ STORY(a_click_takes_the_cross_hair_there_and_the_pen_draws)
     shows = false;
     CHECK_TEXT(click(MOUSE_PRESSED, 8, 9), "");
     CHECK_HAS(buf_text(&message), "nothing is seen there");
+}
+
+STORY(the_right_button_pulls_a_shell_open)
+{
+    begin();
+    type("2b");
+    button = MOUSE_RIGHT;
+    shown_pane = PILOT_CORONAL;
+    CHECK_TEXT(click(MOUSE_PRESSED, 3, 4), "cross 3,4,7\n");
+    memcpy(facts.place, (uint32_t[]){3, 4, 7}, sizeof facts.place);
+    CHECK_TEXT(click(MOUSE_MOVED, 5, 4), "cross 5,4,7\n");
+    CHECK_TEXT(click(MOUSE_RELEASED, 8, 4), "seed 3,4,7 0 shell=yes around=2 through=8,4,7\n");
+    CHECK_TEXT(click(MOUSE_RELEASED, 8, 4), "");
+    CHECK_TEXT(click(MOUSE_MOVED, 8, 4), "");
+    click(MOUSE_PRESSED, 3, 4); /* and lets go of it in the middle */
+    CHECK_TEXT(click(MOUSE_RELEASED, 3, 4), "");
+    CHECK_INT(state.outline.count, 0);
+    click(MOUSE_PRESSED, 3, 4);
+    button = MOUSE_LEFT; /* another button ends it */
+    click(MOUSE_PRESSED, 4, 4);
+    button = MOUSE_RIGHT;
+    CHECK_TEXT(click(MOUSE_RELEASED, 9, 4), "");
+    shown_pane = PILOT_RENDITION;
+    CHECK_TEXT(click(MOUSE_PRESSED, 3, 4), "");
+    button = MOUSE_LEFT;
 }
 
 STORY(where_one_corrects_a_click_takes_the_pixel_there)
@@ -1190,6 +1230,7 @@ int main(void)
         TELL(an_eliminator_shows_first_what_it_takes), TELL(the_view_and_the_window),
         TELL(corrections_are_made_on_the_rendition), TELL(what_is_no_command),
         TELL(a_click_takes_the_cross_hair_there_and_the_pen_draws),
+        TELL(the_right_button_pulls_a_shell_open),
         TELL(where_one_corrects_a_click_takes_the_pixel_there),
         TELL(slices_are_magnified_around_the_cross_hair), TELL(what_is_magnified_can_be_moved),
         TELL(one_pane_has_the_whole_screen_or_none),

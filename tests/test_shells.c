@@ -112,6 +112,25 @@ STORY(a_shell_cuts_no_other_object)
     interpreter_release(&interp);
 }
 
+/* Voxels are 1 x 1.5 x 2 mm: a ball of the world goes through the voxel, and no farther. */
+STORY(a_shell_may_be_given_by_a_voxel_that_it_goes_through)
+{
+    begin("through.iftty");
+    must(&interp, "seed 5,5,5 1");
+    must(&interp, "seed 5,5,5 0 shell=yes through=9,5,5");
+    must(&interp, "run");
+    CHECK(label_at(9, 5, 5) == 0 && label_at(5, 5, 5) == 1);
+    const struct scene *scene = interp.session.scene;
+    const struct cell *cell = scene->cell;
+    CHECK(cell[grid_cell(&scene->grid, 9, 5, 5)].flags & CELL_SEED);
+    CHECK(!(cell[grid_cell(&scene->grid, 10, 5, 5)].flags & CELL_SEED));
+    CHECK(cell[grid_cell(&scene->grid, 5, 7, 5)].flags & CELL_SEED);
+    CHECK(!(cell[grid_cell(&scene->grid, 5, 8, 5)].flags & CELL_SEED));
+    CHECK(cell[grid_cell(&scene->grid, 5, 5, 7)].flags & CELL_SEED);
+    CHECK(!(cell[grid_cell(&scene->grid, 5, 5, 8)].flags & CELL_SEED));
+    interpreter_release(&interp);
+}
+
 STORY(the_first_gesture_may_be_a_shell)
 {
     begin("first.iftty");
@@ -139,6 +158,9 @@ STORY(what_is_no_shell_is_refused)
     is_refused("seed 5,5,5 1 radius=3 shell=yes around=1", "of the object inside as well");
     is_refused("seed 5,5,5 0 radius=3 shell=yes to=6,6,6", "and of no stroke");
     is_refused("seed 5,5,5 1 radius=3 shell=yes joined=yes", "and of no stroke");
+    is_refused("seed 5,5,5 0 through=6,6,6", "through: it is for shell=yes");
+    is_refused("seed 5,5,5 0 radius=3 through=6,6,6 shell=yes", "`radius` or `through`, not both");
+    is_refused("seed 5,5,5 0 through=5,5,5 shell=yes", "a ball of radius 0 has nothing inside");
     is_refused("seed 5,5,5 0 radius=3 around=1", "around: it is for shell=yes");
     is_refused("box 1,1,1 5,5,5 0 around=1", "around: it is for shell=yes");
     is_refused("box 1,1,1 5,2,5 0 shell=yes", "less than 3 voxels thick has nothing inside");
@@ -155,7 +177,8 @@ int main(void)
     make_scene();
     const int status =
         RUN_STORIES(TELL(an_object_does_not_leave_its_shell), TELL(a_shell_is_one_marker),
-                    TELL(a_shell_cuts_no_other_object), TELL(the_first_gesture_may_be_a_shell),
-                    TELL(what_is_no_shell_is_refused));
+                    TELL(a_shell_cuts_no_other_object),
+                    TELL(a_shell_may_be_given_by_a_voxel_that_it_goes_through),
+                    TELL(the_first_gesture_may_be_a_shell), TELL(what_is_no_shell_is_refused));
     return end_folder() | status;
 }

@@ -1,6 +1,9 @@
 /* Commands that plant seeds by hand: balls and strokes, shells, boxes, polygons. */
 #include "command/act.h"
 
+#include <stdlib.h>
+
+#include "engine/gradient.h"
 #include "session/paint.h"
 #include "session/roi_check.h"
 
@@ -191,16 +194,42 @@ static enum err refuse_shell(const struct act *act, const char *why)
     return fault_set(act->fault, ERR_USAGE, "shell: %s; nothing was planted", why);
 }
 
+/* The radius of the ball that a voxel lies on: in the world, or in voxels where nobody knows how
+ * large those are; no less than the distance of the centres, so that the voxel is in it. */
+static enum err find_radius(struct value *radius, const struct act *act, const uint32_t middle[3],
+                            const uint32_t through[3])
+{
+    static const int64_t most_nm = 1000000000;
+    const struct scene *scene = act->session->scene;
+    uint64_t sum = 0;
+    radius->in_mm = !scene->spacing_unknown;
+    for (int a = 0; a < 3; a++) {
+        const int64_t voxels = llabs((int64_t)through[a] - middle[a]);
+        const int64_t way = voxels * (radius->in_mm ? scene->spacing_nm[a] : 1);
+        if (way > most_nm)
+            return refuse_shell(act, "the voxel `through` is more than a metre away");
+        sum += (uint64_t)(way * way);
+    }
+    radius->number = square_root(sum);
+    radius->number += (uint64_t)(radius->number * radius->number) < sum;
+    return OK;
+}
+
 static enum err plant_hollow_ball(const struct act *act, const struct value *place, int16_t label,
-                                  const struct value *radius, const struct value *around,
-                                  const struct value *range)
+                                  const struct value *given, const struct value *through,
+                                  const struct value *around, const struct value *range)
 {
     const struct session *session = act->session;
+    struct value radius = *given;
     struct voxels voxels = {0};
     struct brush brush = {0};
-    if (radius->number == 0)
+    if (given->given && through->given)
+        return refuse_shell(act, "`radius` or `through`, not both");
+    enum err err = through->given ? find_radius(&radius, act, place->place, through->place) : OK;
+    if (!err && radius.number == 0)
         return refuse_shell(act, "a ball of radius 0 has nothing inside; give a radius");
-    enum err err = make_brush(&brush, act, radius, BRUSH_HOLLOW_REACH_MOST);
+    if (!err)
+        err = make_brush(&brush, act, &radius, BRUSH_HOLLOW_REACH_MOST);
     if (!err)
         err = brush_hollow(&brush, session->now.kept.adjacency, act->fault);
     if (!err)
@@ -230,17 +259,18 @@ static enum err plant_hollow_box(const struct act *act, const uint32_t corner[3]
 
 enum err act_seed(const struct act *act)
 {
-    enum { PLACE, LABEL, RADIUS, RANGE, TO, JOINED, SHELL, AROUND };
+    enum { PLACE, LABEL, RADIUS, RANGE, TO, JOINED, SHELL, AROUND, THROUGH };
     const struct value *value = act->value;
     const bool is_shell = act_is_yes(&value[SHELL]);
     struct voxels voxels = {0};
     if (is_shell && (value[TO].given || value[JOINED].given))
         return refuse_shell(act, "it is that of one ball, and of no stroke");
-    if (value[AROUND].given && !is_shell)
-        return fault_set(act->fault, ERR_USAGE, "around: it is for shell=yes; nothing was planted");
+    if ((value[AROUND].given || value[THROUGH].given) && !is_shell)
+        return fault_set(act->fault, ERR_USAGE, "%s: it is for shell=yes; nothing was planted",
+                         value[AROUND].given ? "around" : "through");
     if (is_shell)
         return plant_hollow_ball(act, &value[PLACE], (int16_t)value[LABEL].number, &value[RADIUS],
-                                 &value[AROUND], &value[RANGE]);
+                                 &value[THROUGH], &value[AROUND], &value[RANGE]);
     if (value[JOINED].given && !can_join(act, value[LABEL].number))
         return fault_set(act->fault, ERR_USAGE,
                          "joined: the command before has not planted seeds of label %lld; nothing "

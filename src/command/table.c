@@ -197,7 +197,8 @@ const struct command command_table[] = {
     {COMMAND("seed", act_seed, GROUP_SEEDS, R | S | E | K),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255),
       KEYED("radius", VALUE_RADIUS, .most = BRUSH_HOLLOW_REACH_MOST), WITHIN,
-      KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes"), HOLLOW},
+      KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes"), HOLLOW,
+      KEYED("through", VALUE_POSITION)},
      "plant a seed, a ball of seeds, or a stroke",
      "A voxel that has a seed gets the new label.\n"
      "radius: in voxels, or in millimetres as in 2.5mm, which is a ball in the world whatever the "
@@ -208,7 +209,8 @@ const struct command command_table[] = {
      "the same label: for a stroke that is too long for a line of the journal.\n"
      "shell=yes: of the ball, only the voxels that have a neighbour outside: says at once that "
      "the object lies inside. What other objects than the one inside hold now is left out.\n"
-     "around: the object inside; unless given, that in the middle.",
+     "around: the object inside; unless given, that in the middle.\n"
+     "through: of a shell, a voxel that it goes through, instead of its radius.",
      "seed 100,100,50 1 radius=2"},
     {COMMAND("box", act_box, GROUP_SEEDS, R | S | E),
      {NEED("CORNER", VALUE_POSITION), NEED("OPPOSITE", VALUE_POSITION),

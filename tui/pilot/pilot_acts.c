@@ -535,9 +535,17 @@ void pilot_set_corner(struct press *p)
     if (outline->count == 2)
         return;
     buf_add_text(p->message, "; ");
-    add_own_key(p, outline->count == 1 ? "box" : "polygon");
-    buf_add_text(p->message, outline->count == 1 ? " plants the box from it to the cross-hair"
-                                                 : " plants the polygon");
+    if (outline->count > 1) {
+        add_own_key(p, "polygon");
+        buf_add_text(p->message, " plants the polygon");
+        return;
+    }
+    add_own_key(p, "box");
+    buf_add_text(p->message, " plants the box to the cross-hair, ");
+    add_own_key(p, "enclose-in-box");
+    buf_add_text(p->message, " its faces, ");
+    add_own_key(p, "enclose");
+    buf_add_text(p->message, " a ball's shell");
 }
 
 /* The corners are set no more, but remembered for `.`. */
@@ -551,19 +559,47 @@ static void keep_shape(struct press *p)
     p->state->outline.count = 0;
 }
 
+/* Whether one corner is set; says what to do where not. */
+static bool has_one_corner(struct press *p, const char *what, const char *corner)
+{
+    const struct polyline *outline = &p->state->outline;
+    if (outline->count == 1)
+        return true;
+    buf_printf(p->message, "%s takes one %s, and there are %zu; ", what, corner, outline->count);
+    add_own_key(p, outline->count ? "drop" : "corner");
+    buf_add_text(p->message, outline->count ? " drops them" : " sets it");
+    return false;
+}
+
 /* From the corner to the cross-hair. */
 void pilot_plant_box(struct press *p)
 {
     struct polyline *outline = &p->state->outline;
-    if (outline->count != 1) {
-        buf_printf(p->message, "a box takes one corner, and there are %zu; ", outline->count);
-        add_own_key(p, outline->count ? "drop" : "corner");
-        buf_add_text(p->message, outline->count ? " drops them" : " sets it");
+    if (!has_one_corner(p, "a box", "corner"))
         return;
-    }
     add_place(p->line, "box ", outline->corner[0]);
     add_place(p->line, " ", p->facts->place);
     add_label(p->line, &p->state->brush);
+    buf_add_char(p->line, '\n');
+    keep_shape(p);
+}
+
+/* The background's, around the label of the brush: of the box between the corner and the
+ * cross-hair, or of the ball around the one through the other. */
+void pilot_plant_shell(struct press *p)
+{
+    const struct polyline *outline = &p->state->outline;
+    const unsigned inside = p->state->brush.label;
+    if (!has_one_corner(p, p->by ? "a box" : "a ball", p->by ? "corner" : "middle"))
+        return;
+    add_place(p->line, p->by ? "box " : "seed ", outline->corner[0]);
+    if (p->by)
+        add_place(p->line, " ", p->facts->place);
+    buf_add_text(p->line, " 0 shell=yes");
+    if (inside)
+        buf_printf(p->line, " around=%u", inside);
+    if (!p->by)
+        add_place(p->line, " through=", p->facts->place);
     buf_add_char(p->line, '\n');
     keep_shape(p);
 }

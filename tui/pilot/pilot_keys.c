@@ -296,6 +296,35 @@ static void turn_wheel(struct pilot_state *state, bool up, unsigned modifiers, e
     pilot_cross(state, facts, place, line);
 }
 
+/* The right button goes down in the middle of a ball and up where its shell is to be. The
+ * cross-hair goes along. */
+static void enclose(const struct press *p, const uint32_t place[3], enum pilot_pane pane)
+{
+    struct pilot_state *state = p->state;
+    struct pilot_facts there = *p->facts;
+    struct press end = *p;
+    const enum mouse_action action = p->event->mouse.action;
+    const struct polyline *outline = &state->outline;
+    if (action == MOUSE_PRESSED) {
+        state->mode = state->base = PILOT_MOVING;
+        state->pane = pane;
+        state->outline.count = 0;
+        state->encloses = polyline_add(&state->outline, place);
+    }
+    if (!state->encloses)
+        return;
+    if (action != MOUSE_RELEASED) {
+        pilot_cross(state, p->facts, place, p->line);
+        return;
+    }
+    state->encloses = false;
+    memcpy(there.place, place, sizeof there.place);
+    end.facts = &there;
+    if (memcmp(outline->corner[0], place, sizeof there.place) != 0)
+        pilot_plant_shell(&end);
+    state->outline.count = 0;
+}
+
 /* What the mouse does, but for the end of a stroke. */
 static void click(struct pilot_state *state, const struct key_event *event, uint32_t column,
                   uint32_t row, const struct pilot_host *host, const struct pilot_facts *facts,
@@ -306,6 +335,7 @@ static void click(struct pilot_state *state, const struct key_event *event, uint
     enum pilot_pane pane;
     const bool shows = host->voxel_at(host->context, column, row, place, &pane);
     state->drags &= mouse->action == MOUSE_MOVED;
+    state->encloses &= mouse->button == MOUSE_RIGHT;
     state->is_silent = state->tells_all = state->sketches = state->drops = false;
     if (state->mode == PILOT_PICKING && pane == PILOT_RENDITION && mouse->button == MOUSE_LEFT &&
         mouse->action != MOUSE_RELEASED) {
@@ -326,6 +356,9 @@ static void click(struct pilot_state *state, const struct key_event *event, uint
         if (pane != PILOT_RENDITION)
             state->pane = pane;
         pilot_cross(state, facts, place, line);
+    } else if (mouse->button == MOUSE_RIGHT && shows && pane != PILOT_RENDITION) {
+        enclose(&(struct press){state, event, host, facts, line, message, 0, PILOT_NOTHING}, place,
+                pane);
     } else if (state->drags && shows && pane == state->pane) {
         pilot_go_to(state, facts, place, line);
     }

@@ -86,7 +86,8 @@ struct pilot_state {
     uint32_t pixel[2];
     bool has_pixel;
     bool is_alone;  /* one pane has the whole screen: that of the slices, or that one corrects in */
-    bool drags;     /* the mouse draws */
+    bool drags;     /* the mouse draws, */
+    bool encloses;  /* or pulls a ball open, whose middle is the one corner */
     bool sketches;  /* the last lines are a sketch */
     bool drops;     /* the sketch is to be dropped */
     bool is_silent; /* what the last line does is seen below the picture anyway */

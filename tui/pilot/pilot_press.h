@@ -99,6 +99,7 @@ void pilot_end_range(struct press *p);
 void pilot_set_corner(struct press *p);
 void pilot_plant_box(struct press *p);
 void pilot_plant_polygon(struct press *p);
+void pilot_plant_shell(struct press *p); /* 1: of a box; 0: of a ball */
 void pilot_lower_pen(struct press *p);
 void pilot_begin_stroke(struct press *p);
 void pilot_drop_stroke(struct press *p);
