@@ -5,6 +5,7 @@
 
 #include "base/hash.h"
 #include "engine/margin.h"
+#include "engine/rival.h"
 #include "engine/roi.h"
 #include "tests/scarce_memory.h"
 
@@ -73,6 +74,8 @@ STORY(arcs_that_depend_on_the_label_are_refused)
     uint16_t *margin;
     begin_world((const uint32_t[3]){4, 3, 2}, 6);
     forest_set_arcs(forest, &arcs);
+    struct rival rival;
+    CHECK_INT(rival_find(&rival, forest, grid_cell(&scene->grid, 1, 1, 1), &fault), ERR_USAGE);
     CHECK_INT(margin_new(&margin, forest, &fault), ERR_USAGE);
     CHECK_HAS(fault.text, "weight polarity");
     CHECK(margin == NULL);
@@ -131,6 +134,18 @@ static void search(uint32_t *cost, uint8_t label)
 
 enum { LABELS = 4, CELLS_MOST = 8 * 8 * 8 };
 
+/* Its label is one that pays no more. */
+static void check_rival(uint32_t cell, uint32_t expected, uint32_t cost[LABELS][CELLS_MOST])
+{
+    struct rival rival;
+    CHECK(rival_find(&rival, forest, cell, NULL) == OK);
+    CHECK(rival.exists == (expected != MARGIN_NONE));
+    if (rival.exists) {
+        CHECK_INT(rival.cost, expected);
+        CHECK(rival.label != scene->cell[cell].label && cost[rival.label][cell] == expected);
+    }
+}
+
 static void check_against_search(void)
 {
     static uint32_t cost[LABELS][CELLS_MOST];
@@ -146,6 +161,8 @@ static void check_against_search(void)
                 other = cost[l][c];
         const uint32_t expected = other == MARGIN_NONE ? MARGIN_NONE : other - key_cost(cell->key);
         CHECK_INT(margin[c], expected);
+        if (cell_is_reached(cell))
+            check_rival((uint32_t)c, other, cost);
     }
     free(margin);
 }

@@ -131,6 +131,28 @@ STORY(a_shell_may_be_given_by_a_voxel_that_it_goes_through)
     interpreter_release(&interp);
 }
 
+STORY(why_names_the_strongest_edge_and_the_label_that_would_come_next)
+{
+    begin("why.iftty");
+    must(&interp, "label 2 \"left hemi\"");
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "run");
+    must(&interp, "why 9,1,1");
+    CHECK_HAS(buf_text(&reply.text), ": its strongest edge\n");
+    CHECK(!strstr(buf_text(&reply.text), "next is label"));
+    must(&interp, "seed 10,1,1 2");
+    must(&interp, "run");
+    must(&interp, "why 9,1,1");
+    CHECK_HAS(buf_text(&reply.text), "label 2 left hemi, of the seed at 10,1,1");
+    CHECK_HAS(buf_text(&reply.text), "next is label 1, at a cost of ");
+    must(&interp, "why 1,1,1");
+    CHECK_HAS(buf_text(&reply.text), "next is label 2 left hemi, at a cost of ");
+    must(&interp, "weight polarity");
+    must(&interp, "why 9,1,1");
+    CHECK(!strstr(buf_text(&reply.text), "next is label"));
+    interpreter_release(&interp);
+}
+
 STORY(the_first_gesture_may_be_a_shell)
 {
     begin("first.iftty");
@@ -179,6 +201,7 @@ int main(void)
         RUN_STORIES(TELL(an_object_does_not_leave_its_shell), TELL(a_shell_is_one_marker),
                     TELL(a_shell_cuts_no_other_object),
                     TELL(a_shell_may_be_given_by_a_voxel_that_it_goes_through),
+                    TELL(why_names_the_strongest_edge_and_the_label_that_would_come_next),
                     TELL(the_first_gesture_may_be_a_shell), TELL(what_is_no_shell_is_refused));
     return end_folder() | status;
 }

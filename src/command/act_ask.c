@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/choice.h"
+#include "engine/rival.h"
 #include "journal/journal.h"
 #include "session/histogram.h"
 
@@ -75,13 +76,33 @@ void act_write_voxel(struct buf *out, const struct session *session, uint32_t at
     buf_printf(out, ", of the seed at %u,%u,%u\n", root.x, root.y, root.z);
 }
 
+/* Which label would take the voxel, were it not for the seeds of its own. */
+static enum err write_rival(const struct act *act, uint32_t at)
+{
+    const struct session *session = act->session;
+    struct rival rival;
+    if (forest_arcs(session->forest)->kind == ARC_POLARITY)
+        return OK;
+    const enum err err = rival_find(&rival, session->forest, at, act->fault);
+    if (err || !rival.exists)
+        return err;
+    buf_add_text(&act->reply->text, "next is label ");
+    act_write_label(&act->reply->text, session, rival.label);
+    if (rival.cost == key_cost(session->scene->cell[at].key))
+        buf_add_text(&act->reply->text, ", at the same cost\n");
+    else
+        buf_printf(&act->reply->text, ", at a cost of %u\n", rival.cost);
+    return OK;
+}
+
 /* How a voxel came to its label: its path back to the seed, and where on it the cost rose. */
 enum err act_why(const struct act *act)
 {
     const struct session *session = act->session;
     const struct grid *grid = &session->scene->grid;
     const uint32_t *p = act->value[0].place;
-    uint32_t at = grid_cell(grid, p[0], p[1], p[2]);
+    const uint32_t place = grid_cell(grid, p[0], p[1], p[2]);
+    uint32_t at = place;
     const struct cell *cell = session->scene->cell + at;
     size_t steps = 0, rises = 0;
     uint32_t before;
@@ -93,14 +114,15 @@ enum err act_why(const struct act *act)
     for (; (before = forest_predecessor(session->forest, at)) != CELL_NONE; steps++) {
         if (key_hops(cell->key) == 0 && rises++ < RISES_MOST) {
             struct place rise = grid_place(grid, at);
-            buf_printf(&act->reply->text, "    the cost rises to %u at %u,%u,%u\n",
-                       key_cost(cell->key), rise.x, rise.y, rise.z);
+            buf_printf(&act->reply->text, "    the cost rises to %u at %u,%u,%u%s\n",
+                       key_cost(cell->key), rise.x, rise.y, rise.z,
+                       rises == 1 ? ": its strongest edge" : "");
         }
         at = before;
         cell = session->scene->cell + at;
     }
     buf_printf(&act->reply->text, "%zu step%s from the seed in all\n", steps, plural(steps));
-    return OK;
+    return write_rival(act, place);
 }
 
 #define UNIT_NUMBER  1.0

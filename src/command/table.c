@@ -620,9 +620,9 @@ const struct command command_table[] = {
     {COMMAND("why", act_why, GROUP_QUESTIONS, S),
      {NEED("PLACE", VALUE_POSITION)},
      "how a voxel came to its label",
-
-     "The seed that the path comes from, its cost, and where along it the cost rose.",
-
+     "The seed that the path comes from, its cost, and where along it the cost rose, the strongest "
+     "edge first: a leak comes through there, and a seed or a shell there stops it. And the label "
+     "that would come next, with what its path would cost.",
      "why 100,100,50"},
     {COMMAND("info", act_info, GROUP_QUESTIONS, 0),
      {{0}},
