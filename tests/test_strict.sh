@@ -88,6 +88,25 @@ for number in 1 2; do
 done
 close_story
 
+begin "a PNG that shows something else than the golden image beside it"
+copy seen
+"$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first' --journal o.iftty >/dev/null
+cp o.golden/first.png seen.golden/first.png
+weak_png() { # WORDS
+    expect 0 "$iftty" verify seen.iftty
+    expect 1 "$iftty" verify --strict seen.iftty
+    out_has "$1"
+}
+weak_png "strict: seen.golden/first.png shows another picture than the golden image beside it, in "
+"$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 31; golden first' --journal p.iftty >/dev/null
+cp p.golden/first.png seen.golden/first.png
+weak_png "strict: seen.golden/first.png has another size than the golden image beside it"
+head -c 100 j.golden/first.png >seen.golden/first.png
+weak_png "strict: seen.golden/first.png cannot be read: "
+rm seen.golden/first.png # nothing needs it
+expect 0 "$iftty" verify --strict seen.iftty
+close_story
+
 begin "a recorded word that no command gives fails always"
 copy word
 rewrite word.iftty 4 "$(words_of j.iftty 4) flavour=sweet"

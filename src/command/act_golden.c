@@ -55,13 +55,12 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
     const bool is_read = !err;
     if (is_read)
         err = compare_planes(&expected, actual, name, &difference, fault);
-    if (!err && judge && judge->is_same)
-        judge->is_same(judge->context, actual);
-    if (err == ERR_CHECK && judge && judge->differs) {
-        const struct golden_finding finding = {name, path, actual, is_read ? &expected : NULL,
-                                               is_read ? &difference : NULL};
+    const struct golden_finding finding = {name, path, actual, is_read ? &expected : NULL,
+                                           is_read ? &difference : NULL};
+    if (err == ERR_CHECK && judge && judge->differs)
         err = judge->differs(judge->context, interp, &finding, fault);
-    }
+    else if (!err && judge && judge->is_same)
+        err = judge->is_same(judge->context, interp, &finding, fault);
     golden_difference_release(&difference);
     picture_release(&expected);
     return err;

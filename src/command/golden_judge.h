@@ -26,8 +26,10 @@ struct golden_judge {
     void *context;
     /* The file that is compared instead of the one at `path`; NULL: that one. */
     const char *(*source)(void *context, const char *path);
-    /* Called where every plane of every pixel is the same; NULL calls nobody. */
-    void (*is_same)(void *context, const struct picture *actual);
+    /* Called where every plane of every pixel is the same, for what else there is to ask. NULL: OK.
+     */
+    enum err (*is_same)(void *context, struct interpreter *interp,
+                        const struct golden_finding *finding, struct fault *fault);
     /* Called with what is wrong in `fault`. OK, with an empty fault, where the picture is taken
      * in; ERR_CHECK, with the fault as it was or in better words, where not. NULL: ERR_CHECK. */
     enum err (*differs)(void *context, struct interpreter *interp,

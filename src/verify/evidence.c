@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "command/interpreter.h"
 #include "image/png.h"
+#include "verify/golden_png.h"
 
 void evidence_add(struct evidence *evidence, const char *caption, uint32_t width, uint32_t height,
                   const uint8_t *rgba)
@@ -85,11 +86,14 @@ static enum err collect(void *context, struct interpreter *interp,
     return ERR_CHECK;
 }
 
-static void count(void *context, const struct picture *actual)
+static enum err count(void *context, struct interpreter *interp,
+                      const struct golden_finding *finding, struct fault *fault)
 {
     struct evidence_collector *collector = context;
+    const struct picture *actual = finding->actual;
     collector->goldens++;
     collector->pixels += (uint64_t)actual->width * actual->height;
+    return collector->checks_png ? golden_png_check(interp, finding->path, actual, fault) : OK;
 }
 
 struct golden_judge evidence_judge(struct evidence_collector *collector)

@@ -193,7 +193,8 @@ static void replay_one(const struct verify_options *options, const char *path,
     struct timing timing = {.rows = 0};
     struct buf folder = {0};
     struct fault fault = {0};
-    struct evidence_collector collector = {.evidence = options->html ? &result->evidence : NULL};
+    struct evidence_collector collector = {.evidence = options->html ? &result->evidence : NULL,
+                                           .checks_png = options->strict};
     const struct golden_judge judge = evidence_judge(&collector);
     const uint64_t begin = clock_ns();
     enum err err = interpreter_init(&interp, &fault);
