@@ -151,6 +151,19 @@ static void tell_kind(struct buf *out, const struct golden_difference *d)
                           : "; colours alone differ, labels and voxels are the same");
 }
 
+/* What is seen under the first pixel that differs; UINT32_MAX is nothing. */
+static void tell_voxels(struct buf *out, uint32_t expected, uint32_t actual)
+{
+    if (expected == actual)
+        return;
+    if (actual == UINT32_MAX)
+        buf_printf(out, "; it shows nothing instead of voxel %" PRIu32, expected);
+    else if (expected == UINT32_MAX)
+        buf_printf(out, "; it shows voxel %" PRIu32 " where nothing was", actual);
+    else
+        buf_printf(out, "; it shows voxel %" PRIu32 " instead of %" PRIu32, actual, expected);
+}
+
 void golden_tell(struct buf *out, const struct golden_difference *difference)
 {
     if (difference->is_same) {
@@ -165,9 +178,7 @@ void golden_tell(struct buf *out, const struct golden_difference *difference)
                    difference->column, difference->row, plane_name[difference->plane],
                    difference->actual, difference->expected);
         tell_kind(out, difference);
-        if (difference->expected_voxel != difference->actual_voxel)
-            buf_printf(out, "; it shows voxel %" PRIu32 " instead of %" PRIu32,
-                       difference->actual_voxel, difference->expected_voxel);
+        tell_voxels(out, difference->expected_voxel, difference->actual_voxel);
     }
 }
 

@@ -388,6 +388,14 @@ STORY(the_first_difference_is_told_in_words)
     golden_tell(&words, &d);
     CHECK_HAS(buf_text(&words), "; colours alone differ, labels and voxels are the same");
     golden_difference_release(&d);
+    other.voxel[1] = UINT32_MAX;
+    other.rgba[0][3] = 255;
+    compare(&other, &d);
+    buf_clear(&words);
+    golden_tell(&words, &d);
+    CHECK_HAS(buf_text(&words), "; it shows nothing instead of voxel 200");
+    golden_difference_release(&d);
+    other = plain;
     other.depth[3] += 1;
     compare(&other, &d);
     buf_clear(&words);

@@ -9,8 +9,8 @@
 
 #include "command/interpreter.h"
 
-/* OK where it shows `picture`, or is not there: nothing needs it. ERR_CHECK where it shows something
- * else, or cannot be read. `exr` is the path of the golden image. */
+/* OK where it shows `picture`, or is not there: nothing needs it. ERR_CHECK where it shows
+ * something else, or cannot be read. `exr` is the path of the golden image. */
 enum err golden_png_check(struct interpreter *interp, const char *exr,
                           const struct picture *picture, struct fault *fault);
 

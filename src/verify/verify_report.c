@@ -93,12 +93,13 @@ static const char page_head[] =
     "<title>iftty verify</title>\n"
     "<style>\n"
     "body { font: 15px/1.5 sans-serif; margin: 2em auto; max-width: 90em; padding: 0 1em;\n"
-    "       color: #222; background: #fff }\n"
-    "table { border-collapse: collapse }\n"
-    "th, td { border-bottom: 1px solid #ccc; padding: .2em .8em; text-align: left }\n"
-    "td.n { text-align: right }\n"
-    ".fine { color: #00613c } .failed { color: #a30000 }\n"
-    "pre { background: #f4f4f4; padding: .8em; overflow-x: auto }\n"
+    "       color: #222; background: #fff; overflow-wrap: anywhere }\n"
+    ".table { overflow-x: auto } table { border-collapse: collapse; overflow-wrap: normal }\n"
+    "th, td { border-bottom: 1px solid #ccc; padding: .2em .8em; text-align: left;\n"
+    "         vertical-align: baseline }\n"
+    ".n { text-align: right; font-variant-numeric: tabular-nums }\n"
+    ".fine, .verified { color: #00613c } .failed { color: #a30000 } .skipped { color: #666 }\n"
+    "pre { background: #f4f4f4; padding: .8em; white-space: pre-wrap }\n"
     ".pictures { display: flex; flex-wrap: wrap; gap: 1em }\n"
     "figure { margin: 0 } img { background: #000; max-width: 100%; image-rendering: pixelated }\n"
     "</style>\n"
@@ -107,12 +108,13 @@ static const char page_head[] =
 
 static void add_row(struct buf *out, size_t number, const struct verify_result *r)
 {
-    buf_printf(out, "<tr><td class=\"n\">%zu</td><td>", number);
+    const char *outcome = r->is_skipped ? "skipped" : r->err ? "failed" : "verified";
+    buf_printf(out, "<tr><td class=\"n\">%zu</td><td class=\"%s\">%s</td><td>", number, outcome,
+               outcome);
     if (r->err)
         buf_printf(out, "<a href=\"#j%zu\">", number);
     markup_add(out, r->path);
-    buf_printf(out, "%s</td><td class=\"%s\">%s</td>", r->err ? "</a>" : "",
-               r->err ? "failed" : "fine", r->err ? "failed" : "verified");
+    buf_add_text(out, r->err ? "</a></td>" : "</td>");
     const uint64_t count[] = {r->executed, r->compared, r->digests,
                               r->goldens,  r->pixels,   r->took_ms};
     for (size_t i = 0; i < sizeof count / sizeof *count; i++)
@@ -151,21 +153,38 @@ static void add_failure(struct buf *out, size_t number, const struct verify_resu
     buf_add_text(out, "</section>\n");
 }
 
+static void add_slowest(struct buf *out, const struct verify_result *r)
+{
+    buf_add_text(out, "<h2>The slowest records of ");
+    markup_add(out, r->path);
+    buf_add_text(out, "</h2>\n<pre>");
+    markup_add(out, buf_text(&r->slowest));
+    buf_add_text(out, "</pre>\n");
+}
+
 static void add_page(struct buf *out, const struct verify_result *result, size_t count)
 {
     const struct verify_sum sum = verify_sum(result, count);
     buf_add_text(out, page_head);
-    buf_printf(out, "<h1>%zu verified, <span class=\"%s\">%zu failed</span></h1>\n", sum.verified,
+    buf_printf(out, "<h1>%zu verified, <span class=\"%s\">%zu failed</span>", sum.verified,
                sum.failed ? "failed" : "fine", sum.failed);
-    buf_add_text(out, "<table>\n<tr><th></th><th>journal</th><th></th><th>commands</th>"
-                      "<th>results the same</th><th>digests</th><th>golden images</th>"
-                      "<th>pixels</th><th>ms</th></tr>\n");
+    if (sum.skipped)
+        buf_printf(out, ", <span class=\"skipped\">%zu skipped</span>", sum.skipped);
+    buf_add_text(out, "</h1>\n");
+    buf_add_text(out, "<div class=\"table\"><table>\n"
+                      "<tr><th></th><th></th><th>journal</th><th class=\"n\">commands</th>"
+                      "<th class=\"n\">results the same</th><th class=\"n\">digests</th>"
+                      "<th class=\"n\">golden images</th><th class=\"n\">pixels</th>"
+                      "<th class=\"n\">ms</th></tr>\n");
     for (size_t i = 0; i < count; i++)
         add_row(out, i + 1, result + i);
-    buf_add_text(out, "</table>\n");
+    buf_add_text(out, "</table></div>\n");
     for (size_t i = 0; i < count; i++)
         if (result[i].err)
             add_failure(out, i + 1, result + i);
+    for (size_t i = 0; i < count; i++)
+        if (result[i].slowest.length)
+            add_slowest(out, result + i);
     buf_add_text(out, "</body>\n</html>\n");
 }
 
