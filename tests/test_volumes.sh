@@ -37,25 +37,32 @@ opened_as() {
         fail "$name: $(tail -n 9 "$work/err")"
 }
 
+alike() { # FILE...: each opens as the first does, in every word
+    for name; do
+        expect 0 "$iftty" -c "open $name; info"
+        grep -v '^ok\|^    memory' "$work/out" >"$work/words"
+        [ "$name" = "$1" ] && cp "$work/words" "$work/first"
+        cmp -s "$work/words" "$work/first" || fail "$name:" "$(diff "$work/first" "$work/words")"
+    done
+}
 begin "ANALYZE and NIfTI in pairs, by either file, of both byte orders, packed"
 for pair in an-byte an-short an-float an-double spm99 spm2 medcon; do
     opened_as $pair.hdr $pair.twin.nii
-    opened_as $pair.img $pair.twin.nii
+    alike $pair.hdr $pair.img
 done
 opened_as an-int.hdr.gz an-int.twin.nii
-opened_as an-int.img.gz an-int.twin.nii
+alike an-int.hdr.gz an-int.img.gz
 says=sform
-for name in ni1.hdr ni1.img ni1-packed.hdr.gz ni1-packed.img.gz ni2.hdr ni2.img; do
+for name in ni1.hdr ni1-packed.hdr.gz ni2.hdr; do
     opened_as $name ${name%%.*}.twin.nii
+    alike $name ${name%%.*}.img${name#*.hdr}
 done
 says=file
 gzip -n <an-byte.img >an-packed.img.gz # its header as it is
 cp an-byte.hdr an-packed.hdr
-opened_as an-packed.hdr an-byte.twin.nii
-opened_as an-packed.img.gz an-byte.twin.nii
 cp an-byte.hdr CAPITALS.HDR
 cp an-byte.img CAPITALS.IMG
-opened_as CAPITALS.HDR an-byte.twin.nii
+alike an-byte.hdr an-packed.hdr an-packed.img.gz CAPITALS.HDR CAPITALS.IMG
 expect 0 "$iftty" -c "open an-byte.img crop=2-9,3-12,0-5 reduce=2"
 out_has "4x5x3 voxels"
 close_story
@@ -77,8 +84,8 @@ done
 expect 3 "$iftty" -c "open outside.mhd"
 close_story
 
-begin "MINC 1 and 2, MRC, VTK, HDF5, TIFF, folders of TIFF and PNG, raw"
-for name in small.mnc tiny.mnc a.mrc a.vtk a.h5 stack.tif tif-slices png-slices; do
+begin "MINC 1 and 2, MRC, VTK, GIPL, HDF5, TIFF, folders of TIFF and PNG, raw"
+for name in small.mnc tiny.mnc a.mrc a.vtk a.gipl a.h5 stack.tif tif-slices png-slices; do
     opened_as $name $name.twin.nii
 done
 mkdir "$work/room" # MINC 1 is read by way of a file in a folder that goes again
@@ -99,6 +106,23 @@ done
 opened_as times times.twin.nii volume=1
 opened_as mixed ct.twin.nii series=1
 opened_as gaps gaps.twin.nii missing=blank
+close_story
+
+begin "a head is the same from NIfTI and from DICOM: labels, slices, letters, rendition"
+opened_as oblique ni1.twin.nii
+cp /usr/share/mricron/templates/ch2.nii.gz head.nii.gz
+for name in head.nii.gz head; do
+    expect 0 "$iftty" -c "open $name; seed 90,108,90 1 radius=6; seed 10,108,90 0; run
+        view 30 20; size 400 400; mosaic $work/$name-m.png; overlay tint
+        slice sagittal 70 $work/$name-s.png" --journal "$work/$name.iftty"
+done
+for key in scene sha256 forest labels; do
+    same "$key $(last_word $key "$work/head.iftty")" \
+        "$key $(last_word $key "$work/head.nii.gz.iftty")"
+done
+for picture in m s; do
+    expect 0 idiff -q "$work/head.nii.gz-$picture.png" "$work/head-$picture.png"
+done
 close_story
 
 refused() { # WORDS COMMAND: in one line
@@ -126,6 +150,14 @@ expect 0 "$iftty" -c "open raw:plain.raw size=26,22,13 type=int16"
 out_has "1144 of its bytes come after the voxels"
 expect 0 "$iftty" -c "open stack.tif spacing=0.5,0.5,2"
 out_has "26x22x14 voxels of 0.5x0.5x2 mm"
+expect 0 "$iftty" -c "open stack.tif"
+! grep -q resolution "$work/out" || fail "$(cat "$work/out")"
+for name in fine fine/s1.tif; do
+    expect 0 "$iftty" -c "open $name"
+    out_has "its resolution says pixels of 0.1x0.1 mm, and nothing how far apart slices are"
+    out_has "with spacing=0.1,0.1,Z"
+    out_has "distances of voxels unknown"
+done
 expect 2 "$iftty" -c "open a.vtk spacing=0.5,0.5,2"
 err_has "the file says that its voxels are 0.9x1.1x2.5 mm apart"
 expect 2 "$iftty" -c "open raw:plain.raw"

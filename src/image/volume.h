@@ -26,10 +26,10 @@
 #include "image/source.h"
 
 #define HELPED_NOTE                                                                                \
-    "DICOM (a folder, with its subfolders), NRRD, MetaImage, MINC, HDF5, MRC, LSM, TIFF stacks, "  \
-    "folders of TIFF or PNG slices, VTK, GIPL, GE, Siemens Vision and Bruker are read by "         \
-    "iftty-volume, a program beside iftty. What a file does not say of orientation and spacing "   \
-    "stays unknown. "
+    "DICOM (a folder, with its subfolders), NRRD, MetaImage, MINC, HDF5, MRC, TIFF stacks, "       \
+    "folders of TIFF or PNG slices, VTK and GIPL are read by iftty-volume, a program beside "      \
+    "iftty; so are LSM, GE, Siemens Vision, Bruker and Stimulate, untested for want of files. "    \
+    "What a file does not say of orientation and spacing stays unknown. "
 
 /* The formats, and a sentence about each for the help. */
 #define VOLUME_FORMATS(ROW)                                                                        \

@@ -186,6 +186,7 @@ void stack_pictures(Volume &volume, std::vector<std::string> path, const std::st
     volume.size[1] = io->GetDimensions(1);
     volume.size[2] = path.size();
     note_gaps(volume, path);
+    note_resolution(volume, *io);
     volume.send = [&volume, path, kind]() { send_pictures(volume, path, kind); };
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -169,6 +170,17 @@ void describe(Volume &volume, const itk::ImageIOBase::Pointer &io, const Request
     };
 }
 
+/* ITK has 1 where there is none. */
+void note_resolution(Volume &volume, itk::ImageIOBase &io)
+{
+    const double x = io.GetSpacing(0), y = io.GetSpacing(1);
+    if (std::isfinite(x) && std::isfinite(y) && x > 0 && y > 0 && !(x == 1 && y == 1))
+        note(volume, words_of("its resolution says pixels of %.6gx%.6g mm, and nothing how far "
+                              "apart slices are: where you know that, open it with "
+                              "spacing=%.6g,%.6g,Z",
+                              x, y, x, y));
+}
+
 /* ---- headers of text ---- */
 
 std::string in_small_letters(std::string text)
@@ -319,6 +331,8 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
                    : name == "meta" ? known_by_meta(request.path)
                                     : kind->known;
     describe(volume, io, request, volume.known & ORIENTATION ? kind->world : World::NONE);
+    if (name == "tiff" || name == "png")
+        note_resolution(volume, *io);
     if (name == "mrc")
         for (auto &row : volume.to_mm)
             for (double &number : row)

@@ -6,6 +6,8 @@
 
 #include <itkImageIOBase.h>
 
+#include "image/volume_parts.hh"
+
 namespace volume
 {
 
@@ -24,6 +26,10 @@ const Kind *find_kind(const std::string &name, const std::string &path);
 
 const char *type_of(itk::ImageIOBase &io);
 itk::ImageIORegion whole_region(itk::ImageIOBase &io);
+
+/* What the resolution of a picture says of its pixels: many programs write one without knowing, and
+ * none says how far apart slices are. So it is told, and not taken. */
+void note_resolution(Volume &volume, itk::ImageIOBase &io);
 
 } // namespace volume
 

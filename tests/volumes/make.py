@@ -94,6 +94,17 @@ def make_pairs(folder):
                     SPACING)
 
 
+def make_by_plastimatch(folder):
+    """GIPL; and the head of Debian's mricron, and an oblique scene, as DICOM."""
+    head = "/usr/share/mricron/templates/ch2.nii.gz"
+    for source, to, target in (("an-short.hdr", "--output-img", "a.gipl"),
+                               (head, "--output-dicom", "head"),
+                               ("ni1.twin.nii", "--output-dicom", "oblique")):
+        run("plastimatch", "convert", "--input", source, to, target, "--output-type", "short",
+            cwd=folder, stderr=subprocess.DEVNULL)
+    shutil.copy(os.path.join(folder, "an-short.twin.nii"), os.path.join(folder, "a.gipl.twin.nii"))
+
+
 # ---- NRRD by unu, MetaImage and MRC by numpy ----
 
 
@@ -202,6 +213,12 @@ def make_pictures(folder):
             run("oiiotool", pgm, "-d", "uint16", "-o",
                 os.path.join(slices, "s%d.%s" % (z + 1, kind)))
         save_plain_twin(slices, data)
+    fine = os.path.join(folder, "fine")  # 254 dots an inch
+    os.mkdir(fine)
+    for z in range(SIZE[2]):
+        name = "s%d.tif" % (z + 1)
+        run("oiiotool", os.path.join(folder, "tif-slices", name), "--attrib", "XResolution",
+            "254.0", "--attrib", "ResolutionUnit", "in", "-o", os.path.join(fine, name))
     pages = [os.path.join(folder, "tif-slices", "s%d.tif" % (z + 1)) for z in range(SIZE[2])]
     path = os.path.join(folder, "stack.tif")
     run("oiiotool", *pages, "--siappendall", "-o", path)
@@ -340,8 +357,8 @@ def main():
         same(sys.argv[2], sys.argv[3])
         return
     folder = sys.argv[1]
-    for make in (make_pairs, make_nrrd, make_meta, make_mrc, make_vtk, make_pictures, make_hdf5,
-                 make_minc, make_dicom):
+    for make in (make_pairs, make_by_plastimatch, make_nrrd, make_meta, make_mrc, make_vtk,
+                 make_pictures, make_hdf5, make_minc, make_dicom):
         make(folder)
 
 
