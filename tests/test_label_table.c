@@ -148,6 +148,14 @@ STORY(lists_of_regions_and_labels_are_of_one_length)
     free(as);
 }
 
+STORY(a_line_of_numbers_alone_ends_where_it_ends)
+{
+    CHECK_INT(read_text("1 1 12 3 \n2 3 \"x\"\n"), OK);
+    CHECK_INT((int)table.count, 2);
+    CHECK(!table.entry[0].has_colour);
+    label_table_release(&table);
+}
+
 STORY(a_bad_line_is_named_and_nothing_is_taken)
 {
     static const char *const row[][2] = {
@@ -231,6 +239,7 @@ int main(void)
                        TELL(a_lut_gives_every_label_a_colour), TELL(names_are_made_to_fit),
                        TELL(regions_choose_entries_and_their_labels),
                        TELL(lists_of_regions_and_labels_are_of_one_length),
+                       TELL(a_line_of_numbers_alone_ends_where_it_ends),
                        TELL(a_bad_line_is_named_and_nothing_is_taken),
                        TELL(a_table_has_no_more_labels_than_a_map_has_regions),
                        TELL(what_is_written_is_read_again), TELL(memory_that_runs_out_is_an_error));

@@ -1129,7 +1129,8 @@ static void verify_journal(void)
     int status = -1;
     const pid_t job = fork();
     if (job == 0) {
-        freopen("/dev/null", "w", stdout);
+        if (!freopen("/dev/null", "w", stdout))
+            _exit(126);
         execl(program, "iftty", "verify", "--no-strict", "synth-1.iftty", (char *)NULL);
         _exit(127);
     }

@@ -119,11 +119,11 @@ static bool scan_colour(const char **at, uint8_t rgb[3])
     return true;
 }
 
-/* "255 0 0  1  1 1  "left hippocampus"" */
+/* "255 0 0  1  1 1  "left hippocampus""; after a colour alone come the blanks beyond the line. */
 static bool scan_itksnap(struct part line, struct label_entry *entry, struct part *name)
 {
     const char *at = line.at;
-    if (!scan_colour(&at, entry->rgb))
+    if (!scan_colour(&at, entry->rgb) || at >= line.end)
         return false;
     const char *open = memchr(at, '"', (size_t)(line.end - at));
     const char *close = open ? memchr(open + 1, '"', (size_t)(line.end - open - 1)) : NULL;

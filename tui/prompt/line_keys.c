@@ -72,7 +72,7 @@ static void name_key(const struct key_event *event, unsigned modifiers, char *ou
 static bool has_key(const char *keys, const char *name, bool *is_part)
 {
     const size_t length = strlen(name);
-    for (const char *at = keys; at; at = strstr(at, ", "), at += at ? 2 : 0) {
+    for (const char *at = keys; at; at = strstr(at, ", "), at = at ? at + 2 : NULL) {
         if (strncmp(at, name, length) != 0)
             continue;
         if (at[length] == '\0' || strncmp(at + length, ", ", 2) == 0)
