@@ -63,15 +63,35 @@ static void widen_bytes(uint16_t *value, size_t count, bool is_signed, struct ta
     }
 }
 
-/* Signed to unsigned by the least value; returns what was added to every voxel's value. */
+/* Lane by lane, in which the compiler sees vectors. */
+static int least_signed(const uint16_t *value, size_t count)
+{
+    enum { LANES = 32 };
+    int16_t low[LANES] = {0};
+    int least = 0;
+    size_t i = 0;
+    for (; i + LANES <= count; i += LANES)
+        for (size_t k = 0; k < LANES; k++) {
+            const int16_t v = (int16_t)value[i + k];
+            low[k] = v < low[k] ? v : low[k];
+        }
+    for (; i < count; i++)
+        least = (int16_t)value[i] < least ? (int16_t)value[i] : least;
+    for (size_t k = 0; k < LANES; k++)
+        least = low[k] < least ? low[k] : least;
+    return least;
+}
+
+/* Signed to unsigned by the least value, where that is below 0; returns what was added to every
+ * voxel's value. */
 static int shift_signed(uint16_t *value, size_t count, struct task *task)
 {
     int least = 0;
-    for (size_t i = 0, end; i < count && task_advance(task, PIECE); i = end)
-        for (end = i + PIECE < count ? i + PIECE : count; i < end; i++) {
-            int v = (int16_t)value[i];
-            least = v < least ? v : least;
-        }
+    for (size_t i = 0, n; i < count && task_advance(task, PIECE); i += n) {
+        n = count - i < PIECE ? count - i : PIECE;
+        const int low = least_signed(value + i, n);
+        least = low < least ? low : least;
+    }
     for (size_t i = 0, end; least < 0 && i < count && task_advance(task, PIECE); i = end)
         for (end = i + PIECE < count ? i + PIECE : count; i < end; i++)
             value[i] = (uint16_t)((int16_t)value[i] - least);

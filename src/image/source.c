@@ -3,24 +3,19 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
-#include <libdeflate.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 #include <zlib.h>
 
 #include "base/file.h"
-#include "base/mem.h"
+#include "image/inflater.h"
 #include "image/volume_helper.h"
 
 enum {
-    DEFLATE_MOST = 1032,      /* deflate at its best: 258 bytes for two bits */
-    PACKED_CHUNK = 256 << 10, /* bytes that zlib reads at a time ... */
-    HEADER_CHUNK = 16 << 10,  /* ... and where that is for a header alone */
-    BEYOND_MOST = 64 << 10,   /* a multiple of 4096 */
-    PACKED_MOST = 64 << 20,   /* larger files, packed or inflated, are zlib's */
-    INFLATED_MOST = 128 << 20,
-    TRAILER = 8, /* of a gzip file: checksum and length, little-endian, 32 bits each */
+    DEFLATE_MOST = 1032,    /* deflate at its best: 258 bytes for two bits */
+    CHUNK = 16 << 10,       /* bytes that zlib reads at a time */
+    BEYOND_MOST = 64 << 10, /* a multiple of 4096 */
 };
 
 enum err source_open(struct volume_source *source, const char *path, struct watch *watch,
@@ -41,10 +36,12 @@ enum err source_open(struct volume_source *source, const char *path, struct watc
     }
     source->fd = fd;
     source->most = source->bytes;
-    gzbuffer(source->gz, source->bytes > PACKED_MOST ? PACKED_CHUNK : HEADER_CHUNK);
+    gzbuffer(source->gz, CHUNK);
     source->packed = !gzdirect(source->gz);
     if (source->packed && __builtin_mul_overflow(source->bytes, DEFLATE_MOST, &source->most))
         source->most = UINT64_MAX;
+    if (source->packed)
+        source->inflater = inflater_new(fd);
     return OK;
 }
 
@@ -52,8 +49,10 @@ void source_close(struct volume_source *source)
 {
     if (source->gz)
         gzclose_r(source->gz);
+    inflater_free(source->inflater);
     volume_helper_free(source->helper);
     source->gz = NULL;
+    source->inflater = NULL;
     source->helper = NULL;
 }
 
@@ -98,27 +97,46 @@ size_t source_peek(struct volume_source *source, uint8_t *bytes, size_t most)
     return n > 0 ? (size_t)n : 0;
 }
 
-/* The next bytes of its helper. */
-static enum err read_helped(struct volume_source *source, void *to, size_t length,
-                            struct fault *fault)
+/* ---- in pieces ---- */
+
+/* Has zlib go on from where the inflater is. */
+static void give_up(struct volume_source *source)
 {
-    const enum err err = volume_helper_take(source->helper, to, length, fault);
-    source->at += err ? 0 : length;
-    return err;
+    inflater_free(source->inflater);
+    source->inflater = NULL;
+    gzseek(source->gz, (z_off_t)source->at, SEEK_SET);
+}
+
+/* At least one byte of the next `most`, which are few enough for an int; 0, or less, where there is
+ * none. */
+static int take(struct volume_source *source, uint8_t *to, unsigned most)
+{
+    size_t n = 0;
+    if (source->inflater) {
+        n = inflater_take(source->inflater, to, most);
+        source->at += n;
+        if (n < most && !inflater_has_ended(source->inflater))
+            give_up(source);
+    }
+    if (n > 0 || source->inflater)
+        return (int)n;
+    return gzread(source->gz, to, most);
 }
 
 enum err source_read(struct volume_source *source, void *to, size_t length, const char *part,
                      struct watch *watch, struct fault *fault)
 {
-    const size_t piece_most = 1 << 20; /* gzread counts in int, and the watch is to be polled */
+    const size_t piece_most = 1 << 20; /* for the watch */
     struct task task = task_begin(watch, "reading", length);
     uint8_t *at = to;
     while (length > 0) {
         unsigned piece = (unsigned)(length < piece_most ? length : piece_most);
-        const enum err err = source->helper ? read_helped(source, at, piece, fault) : OK;
-        int n = source->helper ? (int)piece : gzread(source->gz, at, piece);
+        const enum err err =
+            source->helper ? volume_helper_take(source->helper, at, piece, fault) : OK;
+        int n = source->helper ? (int)piece : take(source, at, piece);
         if (err || n <= 0)
             return err ? err : source_fault(source, part, fault);
+        source->at += source->helper ? piece : 0;
         at += n;
         length -= (size_t)n;
         if (!task_advance(&task, (uint64_t)n))
@@ -127,26 +145,69 @@ enum err source_read(struct volume_source *source, void *to, size_t length, cons
     return OK;
 }
 
+static enum err pass_helped(struct volume_source *source, uint64_t offset, struct fault *fault)
+{
+    uint8_t passed[4096];
+    enum err err = OK;
+    while (source->at < offset && !err) {
+        const uint64_t left = offset - source->at;
+        const size_t n = left < sizeof passed ? (size_t)left : sizeof passed;
+        err = volume_helper_take(source->helper, passed, n, fault);
+        source->at += n;
+    }
+    return err;
+}
+
+/* As far as the inflater gets, and the watch lets it. */
+static void pass_inflated(struct volume_source *source, uint64_t offset)
+{
+    const uint64_t piece_most = 1 << 20;
+    struct task task = task_begin(source->watch, "reading", offset - source->at);
+    for (size_t n = 1; source->at < offset && n > 0 && task_advance(&task, n);) {
+        const uint64_t left = offset - source->at;
+        n = inflater_take(source->inflater, NULL, left < piece_most ? (size_t)left : piece_most);
+        source->at += n;
+    }
+}
+
 enum err source_go_to(struct volume_source *source, uint64_t offset, const char *part,
                       struct fault *fault)
 {
-    enum err err = OK;
-    if (source->helper) {
-        uint8_t passed[4096];
-        for (size_t n; source->at < offset && !err;) {
-            n = offset - source->at < sizeof passed ? (size_t)(offset - source->at) : sizeof passed;
-            err = read_helped(source, passed, n, fault);
-        }
-        return err;
+    if (source->helper)
+        return pass_helped(source, offset, fault);
+    if (source->inflater && offset < source->at) {
+        inflater_free(source->inflater);
+        source->inflater = inflater_new(source->fd);
+        source->at = 0;
     }
+    if (source->inflater)
+        pass_inflated(source, offset);
+    if (source->inflater && source->at == offset)
+        return OK;
+    if (watch_stops(source->watch))
+        return watch_fault(source->watch, fault);
+    if (source->inflater)
+        give_up(source);
     return gzseek(source->gz, (z_off_t)offset, SEEK_SET) < 0 ? source_fault(source, part, fault)
                                                              : OK;
+}
+
+/* Whether the inflater has seen the end of the stream, or that this is far away. */
+static bool ends_well(struct volume_source *source)
+{
+    const size_t n = inflater_take(source->inflater, NULL, BEYOND_MOST);
+    source->at += n;
+    return n == BEYOND_MOST || inflater_has_ended(source->inflater);
 }
 
 enum err source_finish(struct volume_source *source, struct fault *fault)
 {
     char beyond[4096];
     int code;
+    if (source->inflater && ends_well(source))
+        return OK;
+    if (source->inflater)
+        give_up(source);
     for (size_t left = source->packed ? BEYOND_MOST : 0; left > 0; left -= sizeof beyond)
         if (gzread(source->gz, beyond, sizeof beyond) < (int)sizeof beyond) {
             gzerror(source->gz, &code);
@@ -155,49 +216,4 @@ enum err source_finish(struct volume_source *source, struct fault *fault)
                        : source_fault(source, "its checksum", fault);
         }
     return OK;
-}
-
-/* ---- at once ---- */
-
-/* Whether the file claims this length at its end; most files that do not fit differ here. */
-static bool claims(const struct volume_source *source, size_t length)
-{
-    uint8_t end[4];
-    uint32_t claimed = 0;
-    if (source->bytes < TRAILER ||
-        pread(source->fd, end, sizeof end, (off_t)(source->bytes - sizeof end)) != sizeof end)
-        return false;
-    for (unsigned i = 0; i < sizeof end; i++)
-        claimed |= (uint32_t)end[i] << 8 * i;
-    return length == claimed;
-}
-
-static bool inflate_bytes(void *out, size_t length, const uint8_t *bytes, size_t packed)
-{
-    struct libdeflate_decompressor *d = libdeflate_alloc_decompressor();
-    size_t taken = 0;
-    if (!d)
-        return false;
-    const enum libdeflate_result result =
-        libdeflate_gzip_decompress_ex(d, bytes, packed, out, length, &taken, NULL);
-    libdeflate_free_decompressor(d);
-    return result == LIBDEFLATE_SUCCESS && taken == packed;
-}
-
-bool source_inflates(const struct volume_source *source, uint64_t length)
-{
-    return source->packed && source->bytes <= PACKED_MOST && length <= INFLATED_MOST;
-}
-
-bool source_inflate(struct volume_source *source, void *out, size_t length)
-{
-    if (!source_inflates(source, length) || !claims(source, length))
-        return false;
-    uint8_t *bytes = mem_array((size_t)source->bytes, 1);
-    const bool inflated =
-        bytes &&
-        file_read_at(source->fd, bytes, (size_t)source->bytes, 0) == (ssize_t)source->bytes &&
-        inflate_bytes(out, length, bytes, (size_t)source->bytes);
-    free(bytes);
-    return inflated;
 }

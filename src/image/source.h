@@ -2,10 +2,8 @@
  * A source: the bytes of a file, plain or gzip (decided by content, not by name), for the readers
  * of volumes.
  *
- * zlib reads a part at a time, under a watch, and has words for what is wrong with a damaged file.
- * libdeflate inflates a whole file at once in less than half the time (12 ms of 28 for ch2), but
- * with all of it in memory and without asking a watch: so it is for files of a moderate size that
- * end where they should.
+ * A gzip is inflated by ISA-L (image/inflater.h) as long as that is right: where it is not, zlib
+ * begins again, gets as far, and has words for what is wrong.
  */
 #ifndef IMAGE_SOURCE_H
 #define IMAGE_SOURCE_H
@@ -17,6 +15,7 @@
 #include "base/err.h"
 #include "base/watch.h"
 
+struct inflater;
 struct volume_helper;
 
 struct volume_source {
@@ -24,14 +23,15 @@ struct volume_source {
     struct watch *watch; /* of the reading, or NULL; not owned */
     bool is_folder;      /* nothing of it can be read here */
     struct volume_helper
-        *helper;         /* which decodes it: its bytes take the place of the file's; owned */
-    bool may_be_beside;  /* its voxels may be in another file */
-    uint64_t at;         /* bytes of the helper that were read */
-    struct gzFile_s *gz; /* zlib's, which passes plain bytes on as they are */
-    int fd;              /* owned by gz */
-    uint64_t bytes;      /* of the file on disk */
-    uint64_t most;       /* bytes that it can hold when inflated; deflate's best is 1032-fold */
-    bool packed;         /* gzip */
+        *helper;               /* which decodes it: its bytes take the place of the file's; owned */
+    bool may_be_beside;        /* its voxels may be in another file */
+    uint64_t at;               /* bytes that were read of the inflater or the helper */
+    struct inflater *inflater; /* of a gzip, until it fails; owned */
+    struct gzFile_s *gz;       /* zlib's, which passes plain bytes on as they are */
+    int fd;                    /* owned by gz */
+    uint64_t bytes;            /* of the file on disk */
+    uint64_t most; /* bytes that it can hold when inflated; deflate's best is 1032-fold */
+    bool packed;   /* gzip */
 };
 
 /* Refuses what is neither a regular file nor a folder. */
@@ -46,8 +46,8 @@ enum err source_switch(struct volume_source *source, const char *path, struct fa
 /* The first bytes, at most `most`, without going on; returns how many there are. */
 size_t source_peek(struct volume_source *source, uint8_t *bytes, size_t most);
 
-/* The next `length` bytes, and going on at a later one (of a helper, no earlier one). `part` is for
- * the words of an error. */
+/* The next `length` bytes; and going on at a later one, or at an earlier one, but not of a helper.
+ * `part` is for the words of an error. */
 enum err source_read(struct volume_source *source, void *to, size_t length, const char *part,
                      struct watch *watch, struct fault *fault);
 enum err source_go_to(struct volume_source *source, uint64_t offset, const char *part,
@@ -56,14 +56,5 @@ enum err source_go_to(struct volume_source *source, uint64_t offset, const char 
 /* After the last byte that is wanted. Where the stream ends soon after it, as it should, the
  * checksum of a gzip is compared; a stream that goes on for longer is left alone. */
 enum err source_finish(struct volume_source *source, struct fault *fault);
-
-/* Inflates the whole file into `out`, whatever was read before. True where it is one gzip stream
- * and nothing else, of exactly `length` bytes, with the right checksum. False where it is not, or
- * is too large, or there is no memory: then `out` holds anything, nothing was written beyond it,
- * and reading goes on where it was. */
-bool source_inflate(struct volume_source *source, void *out, size_t length);
-
-/* Whether source_inflate takes so many bytes at all. */
-bool source_inflates(const struct volume_source *source, uint64_t length);
 
 #endif

@@ -78,7 +78,6 @@ void voxels_note_rest(struct volume_header *header, const struct volume_source *
                     source->bytes - end, advice);
 }
 
-/* Reads the voxels to `to`, by zlib. */
 static enum err stream_voxels(uint8_t *to, size_t needed, uint64_t offset,
                               struct volume_source *source, struct watch *watch,
                               struct fault *fault)
@@ -89,19 +88,6 @@ static enum err stream_voxels(uint8_t *to, size_t needed, uint64_t offset,
     return err ? err : source_finish(source, fault);
 }
 
-/* Has the voxels end up after `lead` bytes of `voxels`, where there is room for them and for
- * `offset` bytes more, before or after them. False where this file is not one for that. */
-static bool inflate_voxels(uint8_t *voxels, size_t lead, size_t needed, size_t offset,
-                           struct volume_source *source)
-{
-    uint8_t *begin = lead > offset ? voxels + (lead - offset) : voxels;
-    if (!source_inflate(source, begin, offset + needed))
-        return false;
-    if (begin + offset != voxels + lead)
-        memmove(voxels + lead, begin + offset, needed);
-    return true;
-}
-
 enum err voxels_read(struct volume *volume, const struct volume_header *header,
                      struct volume_source *source, struct watch *watch, struct fault *fault)
 {
@@ -110,26 +96,21 @@ enum err voxels_read(struct volume *volume, const struct volume_header *header,
     const size_t volume_bytes = voxels_in(header->whole) * voxel_bytes(header->type);
     const size_t offset = (size_t)header->offset + header->choice.volume * volume_bytes;
     const size_t wide = needed > held ? needed : held, lead = wide - needed;
-    const bool is_part = part_is_less(header);
-    const bool at_once = !is_part && source_inflates(source, (uint64_t)offset + needed);
-    const size_t room = at_once && offset > lead ? offset + needed : wide;
-    if (room > mem_available())
+    if (wide > mem_available())
         return fault_set(fault, ERR_MEMORY, "%zu MB of voxels; this machine has %zu MB left",
-                         room >> 20, mem_available() >> 20);
-    uint8_t *voxels = mem_array(room, 1);
+                         wide >> 20, mem_available() >> 20);
+    uint8_t *voxels = mem_array(wide, 1);
     if (!voxels)
         return fault_memory(fault, "the voxels");
     volume->intensity = (uint16_t *)(void *)voxels;
-    enum err err = OK;
-    if (is_part)
-        err = part_read(voxels + lead, header, offset, source, watch, fault);
-    else if (!at_once || !inflate_voxels(voxels, lead, needed, offset, source))
-        err = stream_voxels(voxels + lead, needed, offset, source, watch, fault);
+    enum err err = part_is_less(header)
+                       ? part_read(voxels + lead, header, offset, source, watch, fault)
+                       : stream_voxels(voxels + lead, needed, offset, source, watch, fault);
     if (!err)
         intensities_make(volume, header, watch);
     if (!err)
         err = watch_fault(watch, fault);
-    if (!err && room > held) {
+    if (!err && wide > held) {
         void *smaller = realloc(voxels, held);
         if (smaller)
             volume->intensity = smaller;
