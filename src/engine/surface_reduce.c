@@ -2,14 +2,18 @@
  * Fewer triangles: one point after another moves to a neighbour, and the two triangles between them
  * vanish.
  *
- * Corner 3 t + k is that of triangle t at its point k. across[c] is the corner beyond the edge that
- * faces c: the whole of how triangles hang together. Points keep their places, so no two of them
- * ever share one.
+ * Corner 3 t + k is that of triangle t at its point k. `across` of a corner is the corner beyond
+ * the edge that faces it: the whole of how triangles hang together. Points keep their places, so no
+ * two of them ever share one.
  *
  * The next move is the one of the least cost: the volume that it sweeps, which does not depend on
  * spacing, and something for its length, so that flat parts get even triangles. After Lindstrom and
  * Turk, "Fast and memory efficient polygonal simplification" (1998), who judge by volumes between
  * the surface at hand and the next, and not by what it once was.
+ *
+ * A surface is larger than the nearest caches, and moves are all over it: what is asked of a point
+ * lies in half a line of the cache, and likewise of a triangle; costs lie in the heap. What the
+ * moves of a point have in common is worked out once for all of them.
  */
 #include "engine/surface.h"
 
@@ -22,23 +26,52 @@ enum {
     SHIFT = 8,             /* places count 1/256 voxel here: */
     LENGTH_MOST = 64 << 8, /* no edge becomes longer along an axis, so that products fit */
     LENGTH_PRICE = 16,     /* as much as one triangle that goes 1/16 voxel off */
+    SPOKES_MOST = 1024,    /* a point with more neighbours stays */
 };
 
 static const uint32_t NONE = UINT32_MAX;
 static const uint64_t NEVER = UINT64_MAX;
 
+struct corner {
+    uint32_t point, across;
+};
+
+struct node {
+    uint32_t at[3];  /* its place, 1 / 2^SHIFT as fine */
+    uint32_t corner; /* one of the point's; NONE where it has gone */
+    uint32_t to;     /* the point that it moves to at the least cost */
+    uint32_t rank;   /* where it is in the heap; at last its new number */
+};
+
+/* What a point costs to move; NEVER where it cannot. */
+struct price {
+    uint64_t cost;
+    uint32_t point;
+};
+
+/* A neighbour of the point at hand, and the triangle between it and the next one. */
+struct spoke {
+    uint32_t corner;   /* of the point; the neighbour's is after it */
+    bool is_out;       /* it is not to be moved to */
+    int64_t way[3];    /* to the neighbour */
+    int64_t normal[3]; /* of the triangle, as long as that is large, twice */
+    int64_t turn[3];   /* (from this neighbour to the next) x normal */
+    int64_t squared;   /* normal . normal */
+};
+
 struct reduction {
     struct surface *surface;
-    uint32_t *across;    /* by corner */
-    uint32_t *corner_of; /* by point: one of its corners; NONE where it has gone */
-    uint32_t *mark;      /* by point: the last question that it was marked for */
-    uint32_t marks;
-    uint32_t *to;   /* by point: where it moves at the least cost */
-    uint64_t *cost; /* by point: that cost; NEVER where it cannot move */
-    uint32_t *heap; /* points, the one of the least cost first */
-    uint32_t *rank; /* by point: where it is in the heap */
+    struct corner *corner;
+    struct node *node;  /* by point */
+    struct price *heap; /* the least cost first, and of those the first point */
     uint32_t in_heap;
     size_t triangles; /* that are left */
+
+    /* Around the point at hand. */
+    unsigned spokes;
+    uint64_t seen; /* bit n % 64 of each neighbour n */
+    uint32_t neighbour[SPOKES_MOST];
+    struct spoke spoke[SPOKES_MOST];
 };
 
 /* ---- corners ---- */
@@ -55,20 +88,20 @@ static uint32_t last_in_triangle(uint32_t corner)
 
 static uint32_t point_at(const struct reduction *r, uint32_t corner)
 {
-    return r->surface->triangle[corner / 3].point[corner % 3];
+    return r->corner[corner].point;
 }
 
 /* The next corner around the same point: its triangle has the edge that leads from the point to
  * the last point of this one. */
 static uint32_t swing(const struct reduction *r, uint32_t corner)
 {
-    return next_in_triangle(r->across[next_in_triangle(corner)]);
+    return next_in_triangle(r->corner[next_in_triangle(corner)].across);
 }
 
 static void glue(struct reduction *r, uint32_t corner, uint32_t other)
 {
-    r->across[corner] = other;
-    r->across[other] = corner;
+    r->corner[corner].across = other;
+    r->corner[other].across = corner;
 }
 
 /* Finds what is across each edge: corners in a list for each point, by `next`. */
@@ -76,66 +109,62 @@ static void find_across(struct reduction *r, uint32_t *next)
 {
     const uint32_t corners = (uint32_t)(3 * r->surface->triangles);
     for (uint32_t c = 0; c < corners; c++) {
-        const uint32_t point = point_at(r, c);
-        next[c] = r->corner_of[point];
-        r->corner_of[point] = c;
+        const uint32_t point = r->surface->triangle[c / 3].point[c % 3];
+        r->corner[c].point = point;
+        next[c] = r->node[point].corner;
+        r->node[point].corner = c;
     }
     for (uint32_t c = 0; c < corners; c++) {
         const uint32_t from = point_at(r, next_in_triangle(c)),
                        to = point_at(r, last_in_triangle(c));
-        uint32_t k = r->corner_of[to];
+        uint32_t k = r->node[to].corner;
         while (point_at(r, next_in_triangle(k)) != from)
             k = next[k];
-        r->across[c] = last_in_triangle(k);
+        r->corner[c].across = last_in_triangle(k);
     }
 }
 
 /* ---- may it move, and at what cost ---- */
 
-static bool has_four_neighbours(const struct reduction *r, uint32_t point)
+/* Of the point of a corner. */
+static bool has_four_neighbours(const struct reduction *r, uint32_t corner)
 {
-    const uint32_t first = r->corner_of[point];
-    return swing(r, swing(r, swing(r, first))) != first;
+    return swing(r, swing(r, swing(r, corner))) != corner;
 }
 
-/* Whether the surface stays a manifold: the two points have no neighbours in common but those of
- * the triangles between them, and these have four or more. `corner` is the point's, with the edge
- * to the other one after it; the point's neighbours are marked. */
+static bool is_neighbour(const struct reduction *r, uint32_t point)
+{
+    if (!(r->seen >> point % 64 & 1))
+        return false;
+    for (unsigned i = 0; i < r->spokes; i++)
+        if (r->neighbour[i] == point)
+            return true;
+    return false;
+}
+
+/* Whether the surface stays a manifold: the point at hand and the other one have no neighbours in
+ * common but those of the triangles between them, and these have four or more. `corner` is the
+ * point's, with the edge to the other one after it. */
 static bool stays_manifold(const struct reduction *r, uint32_t corner)
 {
-    const uint32_t to = point_at(r, next_in_triangle(corner));
-    const uint32_t first = r->corner_of[to];
-    const uint32_t left = point_at(r, last_in_triangle(corner));
-    const uint32_t right = point_at(r, r->across[last_in_triangle(corner)]);
+    const uint32_t left = last_in_triangle(corner), right = r->corner[left].across;
+    const uint32_t first = next_in_triangle(corner);
     unsigned common = 0;
     uint32_t c = first;
     if (!has_four_neighbours(r, left) || !has_four_neighbours(r, right))
         return false;
     do {
-        common += r->mark[point_at(r, next_in_triangle(c))] == r->marks;
+        common += is_neighbour(r, point_at(r, next_in_triangle(c)));
         c = swing(r, c);
     } while (c != first);
     return common == 2;
 }
 
-/* False where that is too long. */
-static bool way(int64_t out[3], const struct reduction *r, uint32_t from, uint32_t to)
-{
-    bool fits = true;
-    for (int a = 0; a < 3; a++) {
-        const struct surface_point *point = r->surface->point;
-        out[a] = (int64_t)(point[to].at[a] >> SHIFT) - (int64_t)(point[from].at[a] >> SHIFT);
-        fits &= out[a] < LENGTH_MOST && out[a] > -LENGTH_MOST;
-    }
-    return fits;
-}
-
 static void cross_product(int64_t out[3], const int64_t u[3], const int64_t v[3])
 {
-    for (int a = 0; a < 3; a++) {
-        const int i = (a + 1) % 3, k = (a + 2) % 3;
-        out[a] = u[i] * v[k] - u[k] * v[i];
-    }
+    out[0] = u[1] * v[2] - u[2] * v[1];
+    out[1] = u[2] * v[0] - u[0] * v[2];
+    out[2] = u[0] * v[1] - u[1] * v[0];
 }
 
 static int64_t product(const int64_t u[3], const int64_t v[3])
@@ -143,118 +172,185 @@ static int64_t product(const int64_t u[3], const int64_t v[3])
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
-/* What the triangle of a corner costs when the point of the corner moves by `step`; NEVER where it
- * would turn over, or be too large. */
-static uint64_t cost_of_triangle(const struct reduction *r, uint32_t corner, const int64_t step[3])
+/* Who the neighbours of a point are; false where it has too many. */
+static bool find_neighbours(struct reduction *r, uint32_t point)
 {
-    int64_t left[3], right[3], normal[3], after[3];
-    const uint32_t point = point_at(r, corner);
-    if (!way(left, r, point, point_at(r, next_in_triangle(corner))) ||
-        !way(right, r, point, point_at(r, last_in_triangle(corner))))
-        return NEVER;
-    cross_product(normal, left, right);
-    const int64_t volume = product(normal, step);
-    for (int a = 0; a < 3; a++) {
-        left[a] -= step[a];
-        right[a] -= step[a];
-        if (llabs(left[a]) >= LENGTH_MOST || llabs(right[a]) >= LENGTH_MOST)
-            return NEVER;
-    }
-    cross_product(after, left, right);
-    return product(normal, after) > 0 ? (uint64_t)llabs(volume) : NEVER;
-}
-
-/* Of moving a point along the edge after its corner; NEVER where that is no less than `most`. */
-static uint64_t cost_of_move(const struct reduction *r, uint32_t corner, uint64_t most)
-{
-    int64_t step[3];
-    const uint32_t point = point_at(r, corner), to = point_at(r, next_in_triangle(corner));
-    if (!way(step, r, point, to))
-        return NEVER;
-    uint64_t cost = (uint64_t)product(step, step) * LENGTH_PRICE;
-    uint32_t c = swing(r, corner);
-    for (; cost < most && point_at(r, last_in_triangle(c)) != to; c = swing(r, c)) {
-        const uint64_t more = cost_of_triangle(r, c, step);
-        cost = more == NEVER ? NEVER : cost + more;
-    }
-    return cost < most && stays_manifold(r, corner) ? cost : NEVER;
-}
-
-static void mark_neighbours(struct reduction *r, uint32_t point)
-{
-    const uint32_t first = r->corner_of[point];
+    const uint32_t first = r->node[point].corner;
     uint32_t c = first;
-    r->marks++;
+    r->spokes = 0;
+    r->seen = 0;
     do {
-        r->mark[point_at(r, next_in_triangle(c))] = r->marks;
+        const uint32_t neighbour = point_at(r, next_in_triangle(c));
+        r->seen |= UINT64_C(1) << neighbour % 64;
+        r->neighbour[r->spokes] = neighbour;
+        r->spoke[r->spokes++].corner = c;
         c = swing(r, c);
-    } while (c != first);
+    } while (c != first && r->spokes < SPOKES_MOST);
+    return c == first;
 }
 
-/* The move of the least cost, of those the first one around the point. */
-static void find_move(struct reduction *r, uint32_t point)
+static void find_ways(struct reduction *r, uint32_t point)
 {
-    const uint32_t first = r->corner_of[point];
-    uint32_t c = first;
-    r->cost[point] = NEVER;
-    mark_neighbours(r, point);
-    do {
-        const uint64_t cost = cost_of_move(r, c, r->cost[point]);
-        if (cost < r->cost[point]) {
-            r->cost[point] = cost;
-            r->to[point] = point_at(r, next_in_triangle(c));
+    const uint32_t *from = r->node[point].at;
+    for (unsigned i = 0; i < r->spokes; i++) {
+        const uint32_t *to = r->node[r->neighbour[i]].at;
+        r->spoke[i].is_out = false;
+        for (int a = 0; a < 3; a++)
+            r->spoke[i].way[a] = (int64_t)to[a] - (int64_t)from[a];
+    }
+}
+
+/* No edge is too long now, and none may become so: rules out neighbours that are too far from
+ * others. False where there is no need to look further. */
+static bool are_short(struct reduction *r)
+{
+    int64_t low[3] = {0}, high[3] = {0};
+    for (unsigned i = 0; i < r->spokes; i++)
+        for (int a = 0; a < 3; a++) {
+            const int64_t way = r->spoke[i].way[a];
+            low[a] = way < low[a] ? way : low[a];
+            high[a] = way > high[a] ? way : high[a];
         }
-        c = swing(r, c);
-    } while (c != first);
+    bool fits = true;
+    for (int a = 0; a < 3; a++)
+        fits &= high[a] < LENGTH_MOST && low[a] > -LENGTH_MOST;
+    for (unsigned i = 0; fits && i < r->spokes; i++)
+        for (int a = 0; a < 3; a++)
+            r->spoke[i].is_out |= high[a] - r->spoke[i].way[a] >= LENGTH_MOST ||
+                                  r->spoke[i].way[a] - low[a] >= LENGTH_MOST;
+    return fits;
+}
+
+static void find_normals(struct reduction *r)
+{
+    for (unsigned i = 0; i < r->spokes; i++) {
+        struct spoke *spoke = r->spoke + i;
+        const struct spoke *next = r->spoke + (i + 1 < r->spokes ? i + 1 : 0);
+        int64_t edge[3];
+        for (int a = 0; a < 3; a++)
+            edge[a] = next->way[a] - spoke->way[a];
+        cross_product(spoke->normal, spoke->way, next->way);
+        cross_product(spoke->turn, edge, spoke->normal);
+        spoke->squared = product(spoke->normal, spoke->normal);
+    }
+}
+
+/* Of moving to a neighbour; NEVER where that is no less than `most`, or a triangle would turn over:
+ * its normal would be normal - step x edge. Two of the triangles are those that vanish. */
+static uint64_t cost_of_move(const struct reduction *r, unsigned to, uint64_t most)
+{
+    const int64_t *step = r->spoke[to].way;
+    const unsigned before = to ? to - 1 : r->spokes - 1;
+    uint64_t cost = (uint64_t)product(step, step) * LENGTH_PRICE;
+    for (unsigned i = 0; i < r->spokes && cost < most; i++) {
+        const struct spoke *spoke = r->spoke + i;
+        if (i == to || i == before)
+            continue;
+        if (product(step, spoke->turn) >= spoke->squared)
+            return NEVER;
+        cost += (uint64_t)llabs(product(spoke->normal, step));
+    }
+    return cost < most ? cost : NEVER;
+}
+
+/* The least cost of the neighbours that are not ruled out, of those the first. */
+static uint64_t least_cost(const struct reduction *r, unsigned *to)
+{
+    uint64_t least = NEVER;
+    for (unsigned i = 0; i < r->spokes; i++) {
+        const uint64_t cost = r->spoke[i].is_out ? NEVER : cost_of_move(r, i, least);
+        if (cost < least) {
+            least = cost;
+            *to = i;
+        }
+    }
+    return least;
+}
+
+/* What the moves of a point are judged by; false where none can be made. */
+static bool look_around(struct reduction *r, uint32_t point)
+{
+    if (!find_neighbours(r, point))
+        return false;
+    find_ways(r, point);
+    if (!are_short(r))
+        return false;
+    find_normals(r);
+    return true;
+}
+
+/* The move of the least cost, of those the first one around the point; returns the cost. Whether
+ * the surface stays a manifold is looked at when the move is the next to be made: few ever are. */
+static uint64_t find_move(struct reduction *r, uint32_t point)
+{
+    unsigned to = 0;
+    if (!look_around(r, point))
+        return NEVER;
+    const uint64_t cost = least_cost(r, &to);
+    r->node[point].to = r->neighbour[to];
+    return cost;
+}
+
+/* The same of the moves that leave it a manifold, as it is now. */
+static uint64_t find_sound_move(struct reduction *r, uint32_t point)
+{
+    uint64_t cost;
+    unsigned to = 0;
+    if (!look_around(r, point))
+        return NEVER;
+    while ((cost = least_cost(r, &to)) != NEVER) {
+        r->node[point].to = r->neighbour[to];
+        if (stays_manifold(r, r->spoke[to].corner))
+            break;
+        r->spoke[to].is_out = true;
+    }
+    return cost;
 }
 
 /* ---- the heap ---- */
 
-static bool comes_before(const struct reduction *r, uint32_t point, uint32_t other)
+static bool comes_before(struct price a, struct price b)
 {
-    return r->cost[point] < r->cost[other] || (r->cost[point] == r->cost[other] && point < other);
+    return a.cost < b.cost || (a.cost == b.cost && a.point < b.point);
 }
 
-static void put_at(struct reduction *r, uint32_t rank, uint32_t point)
+static void put_at(struct reduction *r, uint32_t rank, struct price price)
 {
-    r->heap[rank] = point;
-    r->rank[point] = rank;
+    r->heap[rank] = price;
+    r->node[price.point].rank = rank;
 }
 
-/* Puts a point where its cost belongs, from the rank on where it is. */
-static void settle(struct reduction *r, uint32_t point)
+/* Puts a price where it belongs, from the rank on where there is room. */
+static void settle(struct reduction *r, uint32_t rank, struct price price)
 {
-    uint32_t rank = r->rank[point];
-    for (; rank && comes_before(r, point, r->heap[(rank - 1) / 2]); rank = (rank - 1) / 2)
+    for (; rank && comes_before(price, r->heap[(rank - 1) / 2]); rank = (rank - 1) / 2)
         put_at(r, rank, r->heap[(rank - 1) / 2]);
     for (;;) {
         uint32_t below = 2 * rank + 1;
         if (below >= r->in_heap)
             break;
-        if (below + 1 < r->in_heap && comes_before(r, r->heap[below + 1], r->heap[below]))
+        if (below + 1 < r->in_heap && comes_before(r->heap[below + 1], r->heap[below]))
             below++;
-        if (!comes_before(r, r->heap[below], point))
+        if (!comes_before(r->heap[below], price))
             break;
         put_at(r, rank, r->heap[below]);
         rank = below;
     }
-    put_at(r, rank, point);
+    put_at(r, rank, price);
 }
 
 static void take_out(struct reduction *r, uint32_t point)
 {
-    const uint32_t rank = r->rank[point], last = r->heap[--r->in_heap];
-    if (last == point)
-        return;
-    put_at(r, rank, last);
-    settle(r, last);
+    const struct price last = r->heap[--r->in_heap];
+    if (last.point != point)
+        settle(r, r->node[point].rank, last);
 }
 
 /* ---- moving ---- */
 
 static uint32_t corner_towards(const struct reduction *r, uint32_t point, uint32_t to)
 {
-    uint32_t c = r->corner_of[point];
+    uint32_t c = r->node[point].corner;
     while (point_at(r, next_in_triangle(c)) != to)
         c = swing(r, c);
     return c;
@@ -262,67 +358,71 @@ static uint32_t corner_towards(const struct reduction *r, uint32_t point, uint32
 
 static void move_point(struct reduction *r, uint32_t point)
 {
-    const uint32_t to = r->to[point], corner = corner_towards(r, point, to);
-    const uint32_t other = r->across[last_in_triangle(corner)]; /* in the triangle beside it */
+    const uint32_t to = r->node[point].to, corner = corner_towards(r, point, to);
+    const uint32_t other = r->corner[last_in_triangle(corner)].across; /* of the triangle beside */
     const uint32_t left = point_at(r, last_in_triangle(corner)), right = point_at(r, other);
     uint32_t c = corner;
     do {
-        r->surface->triangle[c / 3].point[c % 3] = to;
+        r->corner[c].point = to;
         c = swing(r, c);
     } while (c != corner);
-    const uint32_t ahead = r->across[next_in_triangle(corner)]; /* beyond the edge to the left */
-    const uint32_t behind = r->across[next_in_triangle(other)]; /* and to the right */
-    glue(r, r->across[corner], ahead);
-    glue(r, r->across[last_in_triangle(other)], behind);
-    r->corner_of[to] = next_in_triangle(ahead);
-    r->corner_of[left] = last_in_triangle(ahead);
-    r->corner_of[right] = next_in_triangle(behind);
-    r->corner_of[point] = NONE;
-    r->surface->triangle[corner / 3].point[0] = NONE;
-    r->surface->triangle[other / 3].point[0] = NONE;
+    const uint32_t ahead = r->corner[next_in_triangle(corner)].across; /* the edge to the left */
+    const uint32_t behind = r->corner[next_in_triangle(other)].across; /* and to the right */
+    glue(r, r->corner[corner].across, ahead);
+    glue(r, r->corner[last_in_triangle(other)].across, behind);
+    r->node[to].corner = next_in_triangle(ahead);
+    r->node[left].corner = last_in_triangle(ahead);
+    r->node[right].corner = next_in_triangle(behind);
+    r->node[point].corner = NONE;
+    r->corner[corner / 3 * 3].point = NONE;
+    r->corner[other / 3 * 3].point = NONE;
     r->triangles -= 2;
 }
 
-static void find_move_again(struct reduction *r, uint32_t point)
+static void put_again(struct reduction *r, uint32_t point, uint64_t cost)
 {
-    find_move(r, point);
-    settle(r, point);
+    settle(r, r->node[point].rank, (struct price){cost, point});
 }
 
-/* Whether a point may still move where it was to: its own triangles are as they were, or that would
- * have been found again, but not those further off. */
-static bool still_moves(struct reduction *r, uint32_t point)
+static bool is_sound(struct reduction *r, uint32_t point)
 {
-    mark_neighbours(r, point);
-    return stays_manifold(r, corner_towards(r, point, r->to[point]));
+    find_neighbours(r, point);
+    return stays_manifold(r, corner_towards(r, point, r->node[point].to));
+}
+
+/* After a move to this point. */
+static void find_moves_around(struct reduction *r, uint32_t to)
+{
+    const uint32_t first = r->node[to].corner;
+    uint32_t c = first;
+    put_again(r, to, find_move(r, to));
+    do {
+        const uint32_t point = point_at(r, next_in_triangle(c));
+        put_again(r, point, find_move(r, point));
+        c = swing(r, c);
+    } while (c != first);
 }
 
 static void reduce(struct reduction *r, size_t most, struct task *task)
 {
     while (r->triangles > most && task_advance(task, 16)) {
-        const uint32_t point = r->heap[0], to = r->to[point];
-        if (r->cost[point] == NEVER)
+        const uint32_t point = r->heap[0].point, to = r->node[point].to;
+        if (r->heap[0].cost == NEVER)
             return;
-        if (!still_moves(r, point)) {
-            find_move_again(r, point);
+        if (!is_sound(r, point)) {
+            put_again(r, point, find_sound_move(r, point));
             continue;
         }
         move_point(r, point);
         take_out(r, point);
-        const uint32_t first = r->corner_of[to];
-        find_move_again(r, to);
-        uint32_t c = first;
-        do {
-            find_move_again(r, point_at(r, next_in_triangle(c)));
-            c = swing(r, c);
-        } while (c != first);
+        find_moves_around(r, to);
     }
 }
 
 /* ---- what is left ---- */
 
-/* Puts what is left of each part together; `number` becomes the new numbers of points. */
-static void gather(struct reduction *r, uint32_t *number)
+/* Puts what is left of each part together; `rank` becomes the new numbers of points. */
+static void gather(struct reduction *r)
 {
     struct surface *s = r->surface;
     size_t points = 0, triangles = 0;
@@ -332,15 +432,15 @@ static void gather(struct reduction *r, uint32_t *number)
         part->point = points;
         part->triangle = triangles;
         for (size_t i = was.point; i < was.point + was.points; i++) {
-            number[i] = (uint32_t)points;
-            if (r->corner_of[i] != NONE)
+            r->node[i].rank = (uint32_t)points;
+            if (r->node[i].corner != NONE)
                 s->point[points++] = s->point[i];
         }
         for (size_t i = was.triangle; i < was.triangle + was.triangles; i++) {
-            const struct surface_triangle is = s->triangle[i];
-            for (int k = 0; is.point[0] != NONE && k < 3; k++)
-                s->triangle[triangles].point[k] = number[is.point[k]];
-            triangles += is.point[0] != NONE;
+            const struct corner *is = r->corner + 3 * i;
+            for (int k = 0; is->point != NONE && k < 3; k++)
+                s->triangle[triangles].point[k] = r->node[is[k].point].rank;
+            triangles += is->point != NONE;
         }
         part->points = points - part->point;
         part->triangles = triangles - part->triangle;
@@ -352,60 +452,56 @@ static void gather(struct reduction *r, uint32_t *number)
 static enum err reduction_init(struct reduction *r, struct surface *surface, struct fault *fault)
 {
     const size_t points = surface->points, corners = 3 * surface->triangles;
-    *r = (struct reduction){.surface = surface, .triangles = surface->triangles};
+    r->surface = surface;
+    r->triangles = surface->triangles;
     if (corners >= NONE)
         return fault_set(fault, ERR_LIMIT, "%zu triangles; no more than %u can be reduced",
                          surface->triangles, NONE / 3);
-    r->across = mem_array(corners, sizeof *r->across);
-    r->corner_of = mem_array(points, sizeof *r->corner_of);
-    r->mark = mem_array(points, sizeof *r->mark);
-    r->to = mem_array(points, sizeof *r->to);
-    r->cost = mem_array(points, sizeof *r->cost);
+    r->corner = mem_array(corners, sizeof *r->corner);
+    r->node = mem_array(points, sizeof *r->node);
     r->heap = mem_array(points, sizeof *r->heap);
-    r->rank = mem_array(points, sizeof *r->rank);
     uint32_t *next = mem_array(corners, sizeof *next);
-    const bool fits =
-        r->across && r->corner_of && r->mark && r->to && r->cost && r->heap && r->rank && next;
-    if (fits) {
-        memset(r->corner_of, 0xff, points * sizeof *r->corner_of); /* NONE */
-        memset(r->mark, 0, points * sizeof *r->mark);
-        find_across(r, next);
+    const bool fits = r->corner && r->node && r->heap && next;
+    for (size_t i = 0; fits && i < points; i++) {
+        const uint32_t *at = surface->point[i].at;
+        r->node[i] =
+            (struct node){.at = {at[0] >> SHIFT, at[1] >> SHIFT, at[2] >> SHIFT}, .corner = NONE};
     }
+    if (fits)
+        find_across(r, next);
     free(next);
     return fits ? OK : fault_memory(fault, "a surface");
 }
 
-static void reduction_release(struct reduction *r)
+static void reduction_free(struct reduction *r)
 {
-    free(r->across);
-    free(r->corner_of);
-    free(r->mark);
-    free(r->to);
-    free(r->cost);
+    free(r->corner);
+    free(r->node);
     free(r->heap);
-    free(r->rank);
+    free(r);
 }
 
 enum err surface_reduce(struct surface *surface, size_t most, struct watch *watch,
                         struct fault *fault)
 {
-    struct reduction r;
     if (surface->triangles <= most)
         return OK;
-    enum err err = reduction_init(&r, surface, fault);
+    struct reduction *r = mem_new(sizeof *r);
+    if (!r)
+        return fault_memory(fault, "a surface");
+    enum err err = reduction_init(r, surface, fault);
     if (!err) {
         struct task task = task_begin(watch, "fewer triangles",
                                       16 * surface->points + 8 * (surface->triangles - most));
         for (uint32_t i = 0; i < surface->points && task_advance(&task, 16); i++) {
-            find_move(&r, i);
-            put_at(&r, r.in_heap++, i);
-            settle(&r, i);
+            const struct price price = {find_move(r, i), i};
+            settle(r, r->in_heap++, price);
         }
         if (!watch_stops(watch))
-            reduce(&r, most, &task);
-        gather(&r, r.rank);
+            reduce(r, most, &task);
+        gather(r);
         err = watch_fault(watch, fault);
     }
-    reduction_release(&r);
+    reduction_free(r);
     return err;
 }
