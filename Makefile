@@ -125,7 +125,7 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 .PHONY: all tests test test-long test-stress test-bare check-format format variants test-matrix \
         test-matrix-short test-terminals fuzz fuzzers demo bench-peers bench-chafa bench-paper \
         bench-growth bench-render bench-journal bench-keys bench-looks bench-effort bench-series \
-        help clean packages
+        bench-files help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -220,6 +220,10 @@ bench-chafa: all build/.packages-chafa
 bench-series: all build/.packages-test
 	@$(PYTHON) -B -W ignore tests/bench/series.py $(ARGS) $(BUILD)
 
+## bench-files: how long a large scene takes to open, and a surface to be saved; ARGS="--rounds 9"
+bench-files: all build/.packages-bench-files
+	@$(PYTHON) -B tests/bench/files.py $(ARGS) $(BUILD)
+
 ## clean: remove the build folder
 clean:
 	rm -rf build
@@ -297,6 +301,10 @@ build/.packages-test: Makefile | $(PACKAGES_STAMP)
 
 build/.packages-chafa: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages chafa --
+	@touch $@
+
+build/.packages-bench-files: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages libdeflate-tools python3-numpy -- $(SCENES)
 	@touch $@
 
 build/.packages-bare: Makefile | $(PACKAGES_STAMP)

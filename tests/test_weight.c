@@ -538,6 +538,70 @@ STORY(every_team_gives_the_same_weights)
     }
 }
 
+/* ---- plain scenes ---- */
+
+static struct scene *plain_scene(const uint32_t size[3], const uint16_t *intensity)
+{
+    const size_t count = (size_t)size[0] * size[1] * size[2];
+    uint16_t *own = mem_array(count, sizeof *own);
+    struct scene *scene = NULL;
+    if (own)
+        memcpy(own, intensity, count * sizeof *own);
+    CHECK(own && scene_new_plain(&scene, size, own, NULL, NULL) == OK);
+    return scene;
+}
+
+static void check_plain(const uint32_t size[3], const uint16_t *intensity, unsigned neighbours,
+                        struct team *team)
+{
+    const struct arc_rule arcs = {0};
+    struct scene *expected = scene_of(size[0], size[1], size[2], intensity);
+    struct scene *scene = plain_scene(size, intensity);
+    struct adjacency adjacency;
+    char proof[SHA256_HEX], expected_proof[SHA256_HEX];
+    uint64_t digest;
+    adjacency_init(&adjacency, neighbours, &scene->grid);
+    weigh(expected, neighbours, &morph1);
+    const uint64_t weights = weight_digest(expected, &arcs, NULL);
+    scene_proof(expected_proof, expected);
+    scene_identify(&digest, proof, scene, team);
+    CHECK(digest == scene_digest(expected) && digest == scene_digest(scene));
+    CHECK_TEXT(proof, expected_proof);
+    CHECK(weight_foretell(scene, &adjacency, &morph1, team) == weights);
+    CHECK(weight_make_cells(scene, &adjacency, &morph1, team) == weights);
+    CHECK(!scene->plain);
+    CHECK(memcmp(scene->cell, expected->cell, scene->grid.cells * sizeof *scene->cell) == 0);
+    scene_identify(&digest, proof, scene, team);
+    CHECK(digest == scene_digest(expected));
+    CHECK_TEXT(proof, expected_proof);
+    scene_free(scene);
+    scene = plain_scene(size, intensity);
+    scene_make_cells(scene, team, NULL, NULL);
+    weigh_by_team(scene, neighbours, &morph1, team);
+    CHECK(memcmp(scene->cell, expected->cell, scene->grid.cells * sizeof *scene->cell) == 0);
+    scene_free(scene);
+    scene_free(expected);
+}
+
+STORY(a_plain_scene_tells_what_its_cells_will_hold)
+{
+    enum { VALUES = 70 * 4 * 5 };
+    static uint16_t intensity[VALUES];
+    for (unsigned workers = 1; workers < 8; workers++) { /* more than planes, too */
+        struct team *team;
+        CHECK(team_new(&team, workers, NULL) == OK);
+        for (uint32_t width = 1; width <= 70 && check_failures == 0; width++) {
+            const uint32_t size[3] = {width, 1 + check_below(&seed, 4), 1 + check_below(&seed, 5)};
+            for (size_t i = 0; i < VALUES; i++)
+                intensity[i] = (uint16_t)(check_below(&seed, 65536) >> (i / 300 % 3) * 7);
+            check_plain(size, intensity, width % 2 ? 26 : 6, team);
+            check_plain(size, intensity, width % 2 ? 6 : 26, team);
+        }
+        team_free(team);
+    }
+    CHECK(weight_is_told(&morph1) && !weight_is_told(&morph2) && !weight_is_told(&sobel));
+}
+
 /* ---- memory ---- */
 
 static bool allow_nothing(size_t bytes)
@@ -576,5 +640,6 @@ int main(void)
         TELL(scenes_wider_and_higher_than_tiles_have_the_same_morph),
         TELL(sobel_is_what_twenty_seven_products_give), TELL(gauss_is_what_whole_volumes_give),
         TELL(a_mirrored_scene_has_mirrored_weights), TELL(every_team_gives_the_same_weights),
+        TELL(a_plain_scene_tells_what_its_cells_will_hold),
         TELL(without_memory_the_room_is_what_it_was));
 }

@@ -91,6 +91,11 @@ void mem_pages_free(void *pages, size_t bytes)
         munmap(pages, bytes ? bytes : 1);
 }
 
+void mem_pages_allow(void *pages, size_t bytes, bool allowed)
+{
+    mprotect(pages, bytes ? bytes : 1, allowed ? PROT_READ | PROT_WRITE : PROT_NONE);
+}
+
 void mem_pages_forget(void *pages, size_t bytes)
 {
     madvise(pages, bytes, MADV_DONTNEED);

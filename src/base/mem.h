@@ -34,6 +34,10 @@ bool mem_grow(void *array, size_t *capacity, size_t needed, size_t size);
 void *mem_pages(size_t bytes);
 void mem_pages_free(void *pages, size_t bytes);
 
+/* Whether they may be touched; they are when they are new. A process that touches others is ended
+ * by the kernel. */
+void mem_pages_allow(void *pages, size_t bytes, bool allowed);
+
 /* Gives the memory of the first `bytes` back; they are zero when touched again. */
 void mem_pages_forget(void *pages, size_t bytes);
 

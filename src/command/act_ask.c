@@ -210,6 +210,9 @@ enum err act_info(const struct act *act)
         buf_add_text(out, "no scene is open\n");
         return OK;
     }
+    const enum err err = session_complete(session, act->fault);
+    if (err)
+        return err;
     const struct scene *scene = session->scene;
     buf_printf(out, "scene     %ux%ux%u voxels", scene->grid.size[0], scene->grid.size[1],
                scene->grid.size[2]);

@@ -46,7 +46,9 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
         return fault_set(fault, ERR_USAGE, "%s needs a scene; open one first", command->name);
     const bool edits = command->flags & COMMAND_EDITS,
                reports = edits && interp->mode == MODE_LIVE && !session->skims;
-    enum err err = reports ? session_count_before(session, fault) : OK;
+    enum err err = command->flags & COMMAND_NEEDS_SCENE ? session_complete(session, fault) : OK;
+    if (!err && reports)
+        err = session_count_before(session, fault);
     if (!err)
         err = command->act(&(struct act){interp, session, call->value, &next, reply, fault});
     const bool waits =

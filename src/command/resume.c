@@ -159,11 +159,13 @@ static enum err carry_out_again(struct interpreter *interp, const char *path, st
 static void begin_again(struct interpreter *interp)
 {
     struct watch *watch = interp->session.watch;
+    const uint64_t waits_from = interp->session.waits_from;
     history_release(&interp->history);
     session_release(&interp->session);
     session_init(&interp->session);
     history_init(&interp->history);
     interp->session.watch = watch;
+    session_let_wait(&interp->session, waits_from);
     buf_clear(&interp->goldens);
 }
 

@@ -108,7 +108,8 @@ static void sobel_weigh(struct scene *scene, const struct adjacency *adjacency, 
         }
 }
 
-const struct weight_method sobel_weight = {ARC_TARGET, sobel_bytes, sobel_weigh};
+const struct weight_method sobel_weight = {
+    .arcs = ARC_TARGET, .bytes = sobel_bytes, .weigh = sobel_weigh};
 
 /* ---- the Gaussian ---- */
 
@@ -343,4 +344,5 @@ static void gauss_weigh(struct scene *scene, const struct adjacency *adjacency,
     }
 }
 
-const struct weight_method gauss_weight = {ARC_TARGET, gauss_bytes, gauss_weigh};
+const struct weight_method gauss_weight = {
+    .arcs = ARC_TARGET, .bytes = gauss_bytes, .weigh = gauss_weigh};

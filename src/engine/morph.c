@@ -67,7 +67,8 @@ static uint16_t larger(uint16_t a, uint16_t b)
 /* The weights of a block of voxels; near[n] are their neighbours in one direction, the last ones
  * they themselves. The erosion is the dilation of 65535 - intensity: x86 without extensions finds
  * the larger of vectors of unsigned values in two instructions, the smaller in six. */
-static void weigh_block(uint16_t *weight, const uint16_t *const near[], unsigned count, size_t at)
+static void weigh_all_around(uint16_t *weight, const uint16_t *const near[], unsigned count,
+                             size_t at)
 {
     uint16_t high[BLOCK], low[BLOCK];
     for (size_t i = 0; i < BLOCK; i++) {
@@ -82,6 +83,41 @@ static void weigh_block(uint16_t *weight, const uint16_t *const near[], unsigned
         }
     for (size_t i = 0; i < BLOCK; i++)
         weight[at + i] = (uint16_t)(high[i] + low[i] - UINT16_MAX);
+}
+
+/* Of values less 32768, which have a sign: then both are one instruction. */
+struct extrema {
+    int16_t high, low;
+};
+
+static struct extrema extended(struct extrema e, uint16_t value)
+{
+    const int16_t v = (int16_t)(value ^ 0x8000);
+    return (struct extrema){v > e.high ? v : e.high, v < e.low ? v : e.low};
+}
+
+/* The same of 6 neighbours: extrema stay in registers. */
+static void weigh_faces(uint16_t *weight, const uint16_t *const near[], size_t at)
+{
+    const uint16_t *const a = near[0] + at, *const b = near[1] + at, *const c = near[2] + at;
+    const uint16_t *const d = near[3] + at, *const e = near[4] + at, *const f = near[5] + at;
+    const uint16_t *const here = near[6] + at;
+    uint16_t block[BLOCK];
+    for (size_t i = 0; i < BLOCK; i++) {
+        struct extrema x = extended((struct extrema){INT16_MIN, INT16_MAX}, here[i]);
+        x = extended(extended(extended(x, a[i]), b[i]), c[i]);
+        x = extended(extended(extended(x, d[i]), e[i]), f[i]);
+        block[i] = (uint16_t)(x.high - x.low);
+    }
+    memcpy(weight + at, block, sizeof block);
+}
+
+static void weigh_block(uint16_t *weight, const uint16_t *const near[], unsigned count, size_t at)
+{
+    if (count == 6)
+        weigh_faces(weight, near, at);
+    else
+        weigh_all_around(weight, near, count, at);
 }
 
 static void weigh_row(struct scene *scene, const struct tile *tile,
@@ -131,6 +167,49 @@ static void weigh_near(struct scene *scene, const struct adjacency *adjacency, s
             if (!weigh_tile(scene, &tile, adjacency, slab, &task))
                 return;
         }
+}
+
+/* ---- of a plain scene ---- */
+
+/* Row y + dy of plane z + dz, or the nearest that there is. */
+static const uint16_t *plain_row(const struct scene *scene, int64_t y, int64_t z)
+{
+    const uint32_t *size = scene->grid.size;
+    const size_t row = y < 0 ? 0 : nearest((uint32_t)y, size[1]);
+    const size_t plane = z < 0 ? 0 : nearest((uint32_t)z, size[2]);
+    return scene->plain + (plane * size[1] + row) * size[0];
+}
+
+/* One voxel, by the rows of its neighbours. */
+static uint16_t weigh_voxel(const uint16_t *const row[], const struct adjacency *adjacency,
+                            uint32_t x, uint32_t width)
+{
+    uint16_t high = row[adjacency->count][x], low = high;
+    for (unsigned n = 0; n < adjacency->count; n++) {
+        const int8_t step = adjacency->step[n][0];
+        const uint32_t at = step < 0 ? before(x) : step > 0 ? nearest(x + 1, width) : x;
+        high = larger(high, row[n][at]);
+        low = row[n][at] < low ? row[n][at] : low;
+    }
+    return (uint16_t)(high - low);
+}
+
+/* Intensities lie side by side there, and neighbours along x are in the row but for its ends. */
+static void weigh_plain_row(uint16_t *weight, const struct scene *scene,
+                            const struct adjacency *adjacency, uint32_t y, uint32_t z)
+{
+    const uint32_t width = scene->grid.size[0], inner = width > BLOCK + 2 ? width - 1 : 0;
+    const uint16_t *row[26 + 1], *near[26 + 1];
+    for (unsigned n = 0; n < adjacency->count; n++) {
+        const int8_t *step = adjacency->step[n];
+        row[n] = plain_row(scene, (int64_t)y + step[1], (int64_t)z + step[2]);
+        near[n] = row[n] + step[0];
+    }
+    row[adjacency->count] = near[adjacency->count] = plain_row(scene, y, z);
+    for (uint32_t at = 1; at < inner; at += BLOCK)
+        weigh_block(weight, near, adjacency->count, at + BLOCK < inner ? at : inner - BLOCK);
+    for (uint32_t x = 0; x < width; x += inner && x == 0 ? inner : 1)
+        weight[x] = weigh_voxel(row, adjacency, x, width);
 }
 
 /* ---- a wider one ---- */
@@ -219,4 +298,4 @@ static void weigh(struct scene *scene, const struct adjacency *adjacency, uint32
         weigh_wide(scene, adjacency, radius, slab, work);
 }
 
-const struct weight_method morph_weight = {ARC_TARGET, bytes, weigh};
+const struct weight_method morph_weight = {ARC_TARGET, bytes, weigh, weigh_plain_row, 1};

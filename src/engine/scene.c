@@ -1,7 +1,5 @@
 #include "engine/scene.h"
 
-#include <endian.h>
-#include <nettle/sha2.h>
 #include <stdlib.h>
 
 #include "base/hash.h"
@@ -13,35 +11,77 @@ static void fill_with(struct cell *cell, size_t count, struct cell value)
         cell[i] = value;
 }
 
-static const uint16_t *fill_row(struct cell *cell, size_t count, const uint16_t *intensity)
+static void fill_rim(struct cell *cell, size_t count)
 {
-    for (size_t i = 0; i < count; i++)
-        cell[i].intensity = intensity[i];
-    return intensity + count;
+    fill_with(cell, count, (struct cell){.flags = CELL_RIM, .direction = DIRECTION_NONE});
 }
 
-/* Everything is rim at first; then each row of voxels becomes unreached voxels, of these
- * intensities or (NULL) of 0. */
-static void scene_clear(struct scene *scene, const uint16_t *intensity)
+/* A row of unreached voxels between two cells of the rim; NULL: 0 everywhere. */
+static void fill_row(struct cell *cell, size_t width, const uint16_t *intensity,
+                     const uint16_t *weight)
 {
+    const uint32_t state = cell_state(0, DIRECTION_NONE, 0);
+    fill_rim(cell++, 1);
+    for (size_t i = 0; i < width; i++) {
+        cell[i].key = KEY_NONE;
+        cell[i].weight = weight ? weight[i] : 0;
+        cell[i].intensity = intensity ? intensity[i] : 0;
+        cell[i].state = state;
+    }
+    fill_rim(cell + width, 1);
+}
+
+struct making {
+    struct scene *scene;
+    const uint16_t *intensity; /* NULL: 0 everywhere */
+    struct team *team;
+    scene_weigh_row *weigh;
+    void *context;
+};
+
+/* The planes of a slab; those of the rim go with the first and the last. */
+static void make_slab(void *context, unsigned worker)
+{
+    const struct making *making = context;
+    const struct scene *scene = making->scene;
     const struct grid *grid = &scene->grid;
-    const struct cell rim = {.flags = CELL_RIM, .direction = DIRECTION_NONE};
-    const struct cell voxel = {.key = KEY_NONE, .direction = DIRECTION_NONE};
-    struct task task = task_begin(scene->watch, "room for the scene", grid->cells);
-    const size_t row = (size_t)grid->step[1];
-    struct cell *cell = scene->cell;
-    for (uint32_t z = 0; z < grid->size[2] + 2; z++)
+    const unsigned workers = team_size(making->team);
+    const struct slab slab = grid_slab(grid, worker, workers);
+    const uint32_t first = slab.first + (worker > 0), end = slab.end + 1 + (worker + 1 == workers);
+    const size_t width = grid->size[0], row = (size_t)grid->step[1];
+    struct cell *cell = scene->cell + first * (size_t)grid->step[2];
+    const uint16_t *intensity = making->intensity;
+    uint16_t weight[GRID_SIDE_MOST];
+    struct task task = task_begin_part(scene->watch, "room for the scene",
+                                       (end - first) * (uint64_t)grid->step[2], worker);
+    if (intensity)
+        intensity += slab.first * width * grid->size[1];
+    for (uint32_t z = first; z < end; z++)
         for (uint32_t y = 0; y < grid->size[1] + 2; y++, cell += row) {
-            const bool outside =
-                z == 0 || z == grid->size[2] + 1 || y == 0 || y == grid->size[1] + 1;
-            fill_with(cell, row, rim);
-            if (!outside)
-                fill_with(cell + 1, grid->size[0], voxel);
-            if (!outside && intensity)
-                intensity = fill_row(cell + 1, grid->size[0], intensity);
+            if (z == 0 || z > grid->size[2] || y == 0 || y > grid->size[1]) {
+                fill_rim(cell, row);
+            } else {
+                if (making->weigh)
+                    making->weigh(making->context, worker, y - 1, z - 1, weight);
+                fill_row(cell, width, intensity, making->weigh ? weight : NULL);
+                intensity = intensity ? intensity + width : NULL;
+            }
             if (!task_advance(&task, row))
                 return;
         }
+}
+
+void scene_make_cells(struct scene *scene, struct team *team, scene_weigh_row *weigh, void *context)
+{
+    struct making making = {scene, scene->plain, team, weigh, context};
+    mem_pages_allow(scene->cell, scene->grid.cells * sizeof *scene->cell, true);
+    team_run(team, make_slab, &making);
+    if (watch_stops(scene->watch)) {
+        mem_pages_allow(scene->cell, scene->grid.cells * sizeof *scene->cell, false);
+        return;
+    }
+    free(scene->plain);
+    scene->plain = NULL;
 }
 
 /* A scene that is made is the caller's; one that was cancelled or cannot be made goes. */
@@ -61,10 +101,10 @@ enum err scene_new(struct scene **out, const uint32_t size[3], struct fault *fau
     return scene_new_filled(out, size, NULL, NULL, fault);
 }
 
-enum err scene_new_filled(struct scene **out, const uint32_t size[3], const uint16_t *intensity,
-                          struct watch *watch, struct fault *fault)
+/* A scene whose cells hold nothing yet. */
+static enum err make_room(struct scene **out, const uint32_t size[3], struct watch *watch,
+                          struct fault *fault)
 {
-    *out = NULL;
     struct scene *scene = mem_new(sizeof *scene);
     if (!scene)
         return fault_memory(fault, "a scene");
@@ -84,7 +124,31 @@ enum err scene_new_filled(struct scene **out, const uint32_t size[3], const uint
         scene->world_sign[a] = 1;
     }
     scene->watch = watch;
-    scene_clear(scene, intensity);
+    *out = scene;
+    return OK;
+}
+
+enum err scene_new_plain(struct scene **out, const uint32_t size[3], uint16_t *intensity,
+                         struct watch *watch, struct fault *fault)
+{
+    *out = NULL;
+    enum err err = make_room(out, size, watch, fault);
+    if (err)
+        return err;
+    (*out)->plain = intensity;
+    mem_pages_allow((*out)->cell, (*out)->grid.cells * sizeof *(*out)->cell, false);
+    return OK;
+}
+
+enum err scene_new_filled(struct scene **out, const uint32_t size[3], const uint16_t *intensity,
+                          struct watch *watch, struct fault *fault)
+{
+    struct scene *scene;
+    *out = NULL;
+    enum err err = make_room(&scene, size, watch, fault);
+    if (err)
+        return err;
+    make_slab(&(struct making){.scene = scene, .intensity = intensity}, 0);
     return hand_over(out, scene, OK, fault);
 }
 
@@ -93,96 +157,8 @@ void scene_free(struct scene *scene)
     if (!scene)
         return;
     mem_pages_free(scene->cell, scene->grid.cells * sizeof *scene->cell);
+    free(scene->plain);
     free(scene);
-}
-
-uint64_t scene_digest(const struct scene *scene)
-{
-    const struct grid *grid = &scene->grid;
-    uint64_t sum = 0;
-    for (unsigned a = 0; a < 3; a++) {
-        uint64_t axis = (uint64_t)scene->world_axis[a] * 2 + (scene->world_sign[a] < 0);
-        sum += hash_mix_at(a, grid->size[a]);
-        sum += hash_mix_at(a + 3, scene->spacing_nm[a]);
-        sum += hash_mix_at(a + 6, axis);
-    }
-    uint64_t voxel = 16;
-    struct task task = task_begin(scene->watch, "digest of the scene", grid->voxels);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                scene_fetch_ahead(scene, c);
-                sum += hash_mix(voxel++ << 16 | scene->cell[c].intensity);
-            }
-            if (!task_advance(&task, grid->size[0]))
-                return 0;
-        }
-    return sum;
-}
-
-static void put_le32(uint8_t *out, uint32_t value)
-{
-    for (unsigned i = 0; i < 4; i++)
-        out[i] = (uint8_t)(value >> 8 * i);
-}
-
-static void prove_geometry(struct sha256_ctx *sha, const struct scene *scene)
-{
-    uint8_t head[28] = {0};
-    for (unsigned a = 0; a < 3; a++) {
-        put_le32(head + 4 * a, scene->grid.size[a]);
-        put_le32(head + 12 + 4 * a, scene->spacing_nm[a]);
-        head[24 + a] = (uint8_t)(scene->world_axis[a] * 2 + (scene->world_sign[a] < 0));
-    }
-    sha256_update(sha, sizeof head, head);
-}
-
-/* Intensities on their way to SHA-256. What follows the head makes it up to a whole block; from
- * then on pieces are whole blocks, which are taken fastest. */
-enum { PROOF_PIECE = 2048, PROOF_FIRST = (64 - 28) / 2 };
-
-struct proof {
-    struct sha256_ctx sha;
-    uint16_t piece[PROOF_PIECE];
-    uint32_t held, most;
-};
-
-static void prove_row(struct proof *proof, const struct cell *cell, uint32_t count)
-{
-    while (count > 0) {
-        const uint32_t room = proof->most - proof->held, n = count < room ? count : room;
-        uint16_t *out = proof->piece + proof->held;
-        for (uint32_t i = 0; i < n; i++)
-            out[i] = htole16(cell[i].intensity);
-        proof->held += n;
-        cell += n;
-        count -= n;
-        if (proof->held == proof->most) {
-            sha256_update(&proof->sha, proof->held * sizeof *proof->piece,
-                          (const uint8_t *)proof->piece);
-            proof->held = 0;
-            proof->most = PROOF_PIECE;
-        }
-    }
-}
-
-void scene_proof(char out[SHA256_HEX], const struct scene *scene)
-{
-    const struct grid *grid = &scene->grid;
-    struct proof proof = {.most = PROOF_FIRST};
-    struct task task = task_begin(scene->watch, "proof of the scene", grid->voxels);
-    *out = '\0';
-    sha256_init(&proof.sha);
-    prove_geometry(&proof.sha, scene);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            prove_row(&proof, scene->cell + grid_row(grid, y, z).first, grid->size[0]);
-            if (!task_advance(&task, grid->size[0]))
-                return;
-        }
-    sha256_update(&proof.sha, proof.held * sizeof *proof.piece, (const uint8_t *)proof.piece);
-    sha256_hex(out, &proof.sha, SHA256_DIGEST_SIZE);
 }
 
 /* ---- interpolation ---- */

@@ -128,3 +128,77 @@ uint64_t weight_digest(const struct scene *scene, const struct arc_rule *arcs, s
         sum += summing.sum[worker];
     return sum;
 }
+
+/* ---- plain scenes ---- */
+
+struct telling {
+    const struct scene *scene;
+    const struct adjacency *adjacency;
+    const struct weight_method *method;
+    struct team *team;
+    uint64_t sum[TEAM_MOST];
+};
+
+bool weight_is_told(const struct weight_choice *choice)
+{
+    const struct weight_method *method = weight_table[choice->kind].method;
+    return method->weigh_row && choice->argument == method->row_argument;
+}
+
+/* A scene_weigh_row. */
+static void tell_row(void *context, unsigned worker, uint32_t y, uint32_t z, uint16_t *weight)
+{
+    struct telling *t = context;
+    const uint32_t *size = t->scene->grid.size;
+    uint64_t sum = 0, voxel = ((uint64_t)z * size[1] + y) * size[0];
+    t->method->weigh_row(weight, t->scene, t->adjacency, y, z);
+    for (uint32_t x = 0; x < size[0]; x++)
+        sum += hash_mix(voxel++ << 16 | weight[x]);
+    t->sum[worker] += sum;
+}
+
+static void tell_slab(void *context, unsigned worker)
+{
+    const struct telling *t = context;
+    const struct grid *grid = &t->scene->grid;
+    const struct slab slab = grid_slab(grid, worker, team_size(t->team));
+    uint16_t weight[GRID_SIDE_MOST];
+    struct task task =
+        task_begin_part(t->scene->watch, "weights", slab_voxels(grid, slab), slab.first);
+    for (uint32_t z = slab.first; z < slab.end; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            tell_row(context, worker, y, z, weight);
+            if (!task_advance(&task, grid->size[0]))
+                return;
+        }
+}
+
+static uint64_t sum_of(const struct telling *telling)
+{
+    uint64_t sum = 0;
+    for (unsigned worker = 0; worker < team_size(telling->team); worker++)
+        sum += telling->sum[worker];
+    return sum;
+}
+
+static struct telling telling_of(const struct scene *scene, const struct adjacency *adjacency,
+                                 const struct weight_choice *choice, struct team *team)
+{
+    return (struct telling){scene, adjacency, weight_table[choice->kind].method, team, {0}};
+}
+
+uint64_t weight_foretell(const struct scene *scene, const struct adjacency *adjacency,
+                         const struct weight_choice *choice, struct team *team)
+{
+    struct telling telling = telling_of(scene, adjacency, choice, team);
+    team_run(team, tell_slab, &telling);
+    return sum_of(&telling);
+}
+
+uint64_t weight_make_cells(struct scene *scene, const struct adjacency *adjacency,
+                           const struct weight_choice *choice, struct team *team)
+{
+    struct telling telling = telling_of(scene, adjacency, choice, team);
+    scene_make_cells(scene, team, tell_row, &telling);
+    return sum_of(&telling);
+}

@@ -62,6 +62,11 @@ struct weight_method {
      * be weighed side by side. NULL where weights are not held in cells, or came out of a file. */
     void (*weigh)(struct scene *scene, const struct adjacency *adjacency, uint32_t argument,
                   struct slab slab, void *work);
+    /* The weights of a row of a plain scene, under one argument; NULL where rows are not weighed
+     * one by one. */
+    void (*weigh_row)(uint16_t *weight, const struct scene *scene,
+                      const struct adjacency *adjacency, uint32_t y, uint32_t z);
+    uint32_t row_argument;
 };
 #define WEIGHT_METHOD(kind, name, argument, usual, help)                                           \
     extern const struct weight_method name##_weight;
@@ -104,6 +109,16 @@ enum err weight_work_reserve(struct weight_work *work, const struct grid *grid,
  */
 void weight_compute(struct scene *scene, const struct adjacency *adjacency,
                     const struct weight_choice *choice, struct weight_work *work);
+
+/* Whether the weights of a plain scene (engine/scene.h) can be told: what weight_digest will say,
+ * by weight_foretell, and what the cells are made with, by weight_make_cells. Both are done by a
+ * team, and under the scene's watch: where that stops them, the digest is of no use, and the scene
+ * stays plain. */
+bool weight_is_told(const struct weight_choice *choice);
+uint64_t weight_foretell(const struct scene *scene, const struct adjacency *adjacency,
+                         const struct weight_choice *choice, struct team *team);
+uint64_t weight_make_cells(struct scene *scene, const struct adjacency *adjacency,
+                           const struct weight_choice *choice, struct team *team);
 
 /* A digest of what arcs weigh, given the intensities: for ARC_TARGET a sum over voxels of their
  * weights, shared by a thread team; else of the kind, and under ARC_POLARITY of every label's. */

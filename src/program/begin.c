@@ -33,6 +33,12 @@ enum err begin_interpreter(struct interpreter *interp, const struct options *o, 
     return err;
 }
 
+void begin_to_wait(struct interpreter *interp)
+{
+    const uint64_t least = 1000000000; /* bytes: cells that take a tenth of a second */
+    session_let_wait(&interp->session, least);
+}
+
 enum err end_journal(struct interpreter *interp, enum err err, struct fault *fault)
 {
     struct fault words;

@@ -11,6 +11,10 @@
 enum err begin_interpreter(struct interpreter *interp, const struct options *o,
                            struct fault *fault);
 
+/* Has a large scene that is opened from now on wait for the first command that looks at it: for
+ * programs that carry out commands one by one, and look at voxels in no other way. */
+void begin_to_wait(struct interpreter *interp);
+
 /* Syncs what the journal has not synced yet, when a session ends that ends with `err`. */
 enum err end_journal(struct interpreter *interp, enum err err, struct fault *fault);
 

@@ -301,6 +301,7 @@ enum err run_prompt(const struct options *o, struct fault *fault)
     if (isatty(STDIN_FILENO)) /* else nobody is there to go on */
         console_handle_interrupts();
     err = begin_interpreter(&prompt.interp, o, fault);
+    begin_to_wait(&prompt.interp);
     if (!o->journal && !prompt.resumes)
         prompt.interp.new_journal = buf_text(&journal);
     /* Without it, which is no reason to stop, pictures are waited for. */

@@ -70,6 +70,7 @@ static enum err run_lines(const struct options *o, FILE *input, const char *name
                                     .waits = console_wait};
     console_handle_interrupts();
     enum err err = begin_interpreter(&interp, o, fault);
+    begin_to_wait(&interp);
     if (!err) {
         size_t stopped;
         err = script_run(&interp, input, name, o->keep_going, &printer, &stopped, fault);

@@ -34,15 +34,23 @@ static enum err fill_weights(struct session *session, struct fault *fault)
     return packed_read(session->now.kept.weight_map, fill, &filling, session->watch, fault);
 }
 
-static enum err weigh(struct session *session, struct fault *fault)
+/* The forest's arcs, as the state says. */
+static struct arc_rule set_arcs(struct session *session)
 {
     const struct kept *kept = &session->now.kept;
     struct arc_rule arcs = {.kind = weight_arcs(kept->weight.kind)};
-    enum err err = OK;
     for (int label = 0; label < 256; label++)
         arcs.polarity[label] = kept->polarity[label];
     forest_set_adjacency(session->forest, kept->adjacency);
     forest_set_arcs(session->forest, &arcs);
+    return arcs;
+}
+
+static enum err weigh(struct session *session, struct fault *fault)
+{
+    const struct kept *kept = &session->now.kept;
+    const struct arc_rule arcs = set_arcs(session);
+    enum err err = OK;
     if (kept->weight_map)
         err = fill_weights(session, fault);
     else
@@ -50,6 +58,38 @@ static enum err weigh(struct session *session, struct fault *fault)
                        &session->weight_work);
     session->weight_digest = weight_digest(session->scene, &arcs, session->team);
     return err ? err : watch_fault(session->watch, fault);
+}
+
+/* ---- the cells of a plain scene ---- */
+
+bool session_may_wait(const struct session *session)
+{
+    const struct kept *kept = &session->now.kept;
+    return !session->skims && weight_is_told(&kept->weight) && !kept->mask && !kept->has_range;
+}
+
+/* Together with the weights, where these can be told. */
+static enum err make_cells(struct session *session, struct fault *fault)
+{
+    const struct weight_choice *weight = &session->now.kept.weight;
+    if (session->skims || !weight_is_told(weight)) {
+        scene_make_cells(session->scene, session->team, NULL, NULL);
+        return watch_fault(session->watch, fault);
+    }
+    set_arcs(session);
+    session->weight_digest =
+        weight_make_cells(session->scene, forest_adjacency(session->forest), weight, session->team);
+    if (!session->scene->plain)
+        session->stale &= ~(unsigned)MADE_WEIGHTS;
+    return watch_fault(session->watch, fault);
+}
+
+enum err session_foretell(struct session *session, struct fault *fault)
+{
+    set_arcs(session);
+    session->weight_digest = weight_foretell(session->scene, forest_adjacency(session->forest),
+                                             &session->now.kept.weight, session->team);
+    return watch_fault(session->watch, fault);
 }
 
 /* ---- the region of interest ---- */
@@ -155,6 +195,12 @@ static enum err follow(struct session *session, const struct edit *seed, size_t 
                        struct fault *fault)
 {
     enum err err = OK;
+    if (session->waits)
+        return OK;
+    if (session->scene && session->scene->plain)
+        err = make_cells(session, fault);
+    if (err)
+        return err;
     if (session->stale & (MADE_WEIGHTS | MADE_ROI) && (seeds || forest_seeds(session->forest)))
         session->stale |= MADE_FOREST;
     if (session->stale & MADE_FOREST)
@@ -248,4 +294,14 @@ enum err session_catch_up(struct session *session, struct fault *fault)
 {
     session->skims = false;
     return follow(session, NULL, 0, fault);
+}
+
+enum err session_complete(struct session *session, struct fault *fault)
+{
+    if (!session->waits)
+        return OK;
+    session->waits = false;
+    const enum err err = follow(session, NULL, 0, fault);
+    session->waits = session->scene->plain != NULL;
+    return err;
 }

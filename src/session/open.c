@@ -150,7 +150,9 @@ static enum err open_file(struct session *session, const char *path,
     volume_close(&reader);
     if (!err)
         err =
-            scene_new_filled(&session->scene, volume.size, volume.intensity, session->watch, fault);
+            scene_new_plain(&session->scene, volume.size, volume.intensity, session->watch, fault);
+    if (!err)
+        volume.intensity = NULL;
     if (!err && (volume.choice.has_crop || volume.choice.reduce)) {
         session->part.choice = volume.choice;
         session->part.choice.data = NULL; /* the command's */
@@ -204,6 +206,11 @@ static enum err show_first(struct session *session, struct fault *fault)
     return err;
 }
 
+void session_let_wait(struct session *session, uint64_t least)
+{
+    session->waits_from = least;
+}
+
 enum err session_open(struct session *session, const char *path, const struct volume_choice *choice,
                       struct fault *fault)
 {
@@ -230,9 +237,12 @@ enum err session_open(struct session *session, const char *path, const struct vo
     session_place(session, &session->now.kept);
     session->tally = tally_of_none(session->scene);
     snprintf(session->scene_file, sizeof session->scene_file, "%s", file_name(path));
-    session->scene_digest = scene_digest(session->scene);
-    scene_proof(session->proof, session->scene);
-    err = show_first(session, fault);
+    scene_identify(&session->scene_digest, session->proof, session->scene, session->team);
+    session->waits = session->scene->plain && session_may_wait(session) &&
+                     session_bytes_for(session->scene->grid.size) >= session->waits_from;
+    err = session->waits ? session_foretell(session, fault) : OK;
+    if (!err)
+        err = show_first(session, fault);
     if (err)
         session_close_scene(session);
     return err;

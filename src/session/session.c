@@ -6,7 +6,10 @@
 
 void session_init(struct session *session)
 {
-    *session = (struct session){.semantics = SEMANTICS, .now = state_default(), .roi = roi_none()};
+    *session = (struct session){.semantics = SEMANTICS,
+                                .now = state_default(),
+                                .roi = roi_none(),
+                                .waits_from = UINT64_MAX};
     session_mark(session);
 }
 
@@ -26,7 +29,7 @@ void session_close_scene(struct session *session)
     session->camera.scene = NULL;
     session->forest = NULL;
     session->scene = NULL;
-    session->has_scene = session->knows_window = false;
+    session->has_scene = session->knows_window = session->waits = false;
     session->stale = 0;
 }
 

@@ -22,7 +22,9 @@
  *   S5 what does not fit the state, because a command was cancelled or the session skims, is in
  *      `stale`, and made anew by the next session_go;
  *   S6 the seeds that are planted, once the edits that wait have been made, are those of the
- *      markers that stand.
+ *      markers that stand;
+ *   S7 a session that `waits` has a large scene that is plain (engine/scene.h), and no seed: the
+ *      cells are made by session_complete, which comes before all else that looks at voxels.
  */
 #ifndef SESSION_SESSION_H
 #define SESSION_SESSION_H
@@ -72,6 +74,7 @@ struct session {
     /* What follows from the state; MADE_... of what does not fit it (S5). */
     unsigned stale;
     bool skims; /* session_skim */
+    bool waits; /* S7 */
     struct forest *forest;
     uint64_t weight_digest;
     struct roi roi;
@@ -93,6 +96,7 @@ struct session {
     uint64_t *mask_room;
 
     struct watch *watch; /* of all that takes long, or NULL */
+    uint64_t waits_from; /* session_let_wait; 2^64 - 1: never */
 
     /* What the command at hand began with, and whether it has edited the seeds (then
      * forest_seed_changes says how) or had the forest computed again. */
@@ -150,6 +154,13 @@ enum err session_open(struct session *session, const char *path, const struct vo
  * mask or weights came out of a file or something is cut away, since those lie on the grid. On
  * error, session_rollback gives back the former scene. */
 enum err session_interpolate(struct session *session, unsigned doubled, struct fault *fault);
+
+/* For the caller who opens a scene and may never look at it: a file of `least` bytes or more, of
+ * memory as below, is opened without making its cells. All else of the scene is what it will be, as
+ * are the answers about it. Then session_complete makes them, and does nothing where nothing waits;
+ * ERR_CANCELLED, and it waits still. */
+void session_let_wait(struct session *session, uint64_t least);
+enum err session_complete(struct session *session, struct fault *fault);
 
 /* Bytes that a scene of this size takes, all told, or 2^64 - 1 for more than that; session_open
  * refuses one that the machine has not the memory for (ERR_LIMIT), and announces a large one to

@@ -11,6 +11,11 @@ void session_close_scene(struct session *session);
 /* Has the geometry and the scene's axes follow from what the file says, and `orient`. */
 void session_place(struct session *session, const struct kept *kept);
 
+/* Whether the cells of a plain scene may wait, since all that opening it has to say can be said
+ * without them; and says it: `weight_digest`. */
+bool session_may_wait(const struct session *session);
+enum err session_foretell(struct session *session, struct fault *fault);
+
 void session_release_rendition(struct session *session);
 
 /* The camera of an outlook; ERR_LIMIT where there is none. */

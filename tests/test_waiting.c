@@ -1,0 +1,156 @@
+/* A scene whose cells are made later: nobody can tell but by the time that it takes. */
+#include "tests/small_scene.h"
+
+/* What a session may be asked after `open`, on a scene out of a file. */
+static const char *const lines[] = {
+    "info",
+    "stats",
+    "slice axial 3",
+    "window 10 90",
+    "pick 3 3",
+    "weight sobel",
+    "weight gauss 1.5",
+    "adjacency 26",
+    "range 40 210",
+    "interpolate 2 1 1",
+    "label 2 cerebellum",
+    "auto off",
+    "undo",
+    "seed 3,4,5 1",
+    "box 1,1,1 5,5,5 2",
+    "mosaic axial",
+    "render",
+    "components",
+    "why 3,4,5",
+    "orient RAS",
+    "measure 1,1,1 5,5,5",
+    "save labels waiting.nii",
+    "mask waiting.nii",
+    "history",
+    "hints",
+};
+enum { LINES = sizeof lines / sizeof lines[0] };
+
+static void begin_waiting(struct interpreter *interp, uint64_t least)
+{
+    char line[PATH_MAX + 8];
+    begin_interpreter(interp);
+    session_let_wait(&interp->session, least);
+    snprintf(line, sizeof line, "open %s", place("scene.nii"));
+    must(interp, line);
+}
+
+/* The same answer and the same words; what was saved is the same file. */
+static void answers_are_equal(struct interpreter *a, struct interpreter *b, const char *line)
+{
+    struct buf text = {0}, words = {0};
+    const enum err err = execute(a, line);
+    unlink("waiting.nii");
+    buf_add_text(&text, err ? fault.text : buf_text(&reply.text));
+    buf_add_text(&words, buf_text(&reply.words));
+    CHECK_INT(execute(b, line), err);
+    CHECK_TEXT(err ? fault.text : buf_text(&reply.text), buf_text(&text));
+    CHECK_TEXT(buf_text(&reply.words), buf_text(&words));
+    buf_release(&text);
+    buf_release(&words);
+}
+
+STORY(a_scene_that_waits_answers_as_any_other)
+{
+    for (unsigned i = 0; i < LINES; i++) {
+        struct interpreter waiting, ready;
+        struct buf words = {0};
+        const unsigned failures = check_failures;
+        begin_waiting(&waiting, 0);
+        buf_add_text(&words, buf_text(&reply.words));
+        CHECK(waiting.session.waits && waiting.session.scene->plain);
+        begin_waiting(&ready, UINT64_MAX);
+        CHECK_TEXT(buf_text(&reply.words), buf_text(&words));
+        CHECK(!ready.session.waits && !ready.session.scene->plain);
+        answers_are_equal(&waiting, &ready, lines[i]);
+        answers_are_equal(&waiting, &ready, "seed 8,8,8 3 radius=2");
+        must(&waiting, "run"); /* its answer has a time */
+        must(&ready, "run");
+        struct snapshot now;
+        take_snapshot(&now, &ready);
+        is_as_before(&now, &waiting, lines[i]);
+        if (check_failures > failures)
+            printf("#   after %s\n", lines[i]);
+        buf_release(&words);
+        interpreter_release(&waiting);
+        interpreter_release(&ready);
+    }
+}
+
+static unsigned polls_left;
+static bool stops_later(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    (void)context, (void)what, (void)done, (void)total;
+    return polls_left == 0 || polls_left-- == 0;
+}
+
+/* Ctrl-C while cells are made leaves the scene as it was opened, and the command can be given
+ * again. */
+STORY(a_stop_leaves_it_waiting)
+{
+    struct watch watch = {.poll = stops_later, .step = 16};
+    unsigned stops = 0, waited = 0;
+    struct interpreter ready;
+    begin_waiting(&ready, UINT64_MAX);
+    must(&ready, "seed 3,4,5 1");
+    for (bool ends = false; !ends && check_failures == 0; stops++) {
+        struct interpreter interp;
+        begin_waiting(&interp, 0);
+        interp.session.watch = &watch;
+        polls_left = stops;
+        const enum err err = execute(&interp, "seed 3,4,5 1");
+        CHECK(err == OK || err == ERR_CANCELLED);
+        ends = err == OK;
+        waited += interp.session.waits;
+        polls_left = UINT_MAX;
+        if (err)
+            must(&interp, "seed 3,4,5 1");
+        CHECK(!interp.session.waits);
+        struct snapshot now;
+        take_snapshot(&now, &ready);
+        is_as_before(&now, &interp, "a stop");
+        interpreter_release(&interp);
+    }
+    CHECK(waited > 10);
+    interpreter_release(&ready);
+}
+
+/* A stop while it is opened leaves no scene. */
+STORY(a_stop_while_it_is_opened_leaves_nothing)
+{
+    struct watch watch = {.poll = stops_later, .step = 16};
+    char line[PATH_MAX + 8];
+    unsigned stops = 0;
+    snprintf(line, sizeof line, "open %s", place("scene.nii"));
+    for (bool ends = false; !ends && check_failures == 0; stops++) {
+        struct interpreter interp;
+        begin_interpreter(&interp);
+        session_let_wait(&interp.session, 0);
+        interp.session.watch = &watch;
+        polls_left = stops;
+        ends = execute(&interp, line) == OK;
+        CHECK(interp.session.has_scene == ends && interp.session.waits == ends);
+        polls_left = UINT_MAX;
+        if (!ends)
+            must(&interp, line);
+        must(&interp, "seed 3,4,5 1");
+        interpreter_release(&interp);
+    }
+    CHECK(stops > 10);
+}
+
+int main(void)
+{
+    if (!begin_folder())
+        return 1;
+    make_scene();
+    int status =
+        RUN_STORIES(TELL(a_scene_that_waits_answers_as_any_other), TELL(a_stop_leaves_it_waiting),
+                    TELL(a_stop_while_it_is_opened_leaves_nothing));
+    return status | end_folder();
+}
