@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
+#include "base/file_draft.h"
 #include "journal/walk.h"
 
 enum { COMMENTS_MAX = 1 << 20 };
@@ -395,6 +395,11 @@ const char *journal_path(const struct journal *journal)
 size_t journal_count(const struct journal *journal)
 {
     return journal->count;
+}
+
+const struct buf *journal_bytes(const struct journal *journal)
+{
+    return &journal->kept;
 }
 
 const char *journal_chain(const struct journal *journal)

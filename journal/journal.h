@@ -104,7 +104,8 @@ enum err journal_sync(struct journal *journal, struct fault *fault);
 bool journal_only_looks(const struct journal *journal);
 
 const char *journal_path(const struct journal *journal);
-size_t journal_count(const struct journal *journal);      /* records */
+size_t journal_count(const struct journal *journal);            /* records */
+const struct buf *journal_bytes(const struct journal *journal); /* the valid part: J7 */
 const char *journal_chain(const struct journal *journal); /* 32 digits; zeros without a record */
 
 /* Reads the file again and says whether J2 and J3 hold: every byte that was acknowledged is there,

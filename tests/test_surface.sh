@@ -81,7 +81,8 @@ grep -qa "; finished: open radius=2, largest" "$work/finished.ply" || fail "no n
 [ -n "$(last_word finished "$work/finished.iftty")" ] || fail "no digest of finished labels"
 expect_in "$work" 3 "$iftty" -c "open s.nii; seed 6,10,8 1; save surface nowhere/a.ply"
 err_has "there is no folder nowhere"
-[ -z "$(find "$work" -name '.tmp-*')" ] || fail "a draft is left: $(find "$work" -name '.tmp-*')"
+left=$(find "$work" -name '.iftty-*')
+[ -z "$left" ] || fail "a draft is left: $left"
 close_story
 
 finish

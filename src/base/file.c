@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/choice.h"
+#include "base/file_draft.h"
 
 /* ---- steps ---- */
 
@@ -144,57 +145,6 @@ enum err file_read(struct buf *out, const char *path, size_t limit, struct fault
     return err;
 }
 
-enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, struct fault *fault)
-{
-    static _Atomic unsigned counter; /* pictures are written beside the session */
-    struct buf folder = {0};
-    enum err err = OK;
-    buf_clear(draft);
-    file_folder(&folder, path);
-    const char *name = file_name(path);
-    if (folder.failed)
-        err = fault_memory(fault, "a file name");
-    else if (*name == '\0' || file_is_folder(path))
-        err = fault_set(fault, ERR_IO, "%s is a folder, not a file", path);
-    else if (!file_is_folder(buf_text(&folder)))
-        err = fault_set(fault, ERR_IO, "cannot write %s: there is no folder %s", path,
-                        buf_text(&folder));
-    else if (mode == FILE_KEEP && file_exists(path))
-        err = fault_set(fault, ERR_IO, "%s exists already and was left alone", path);
-    else {
-        buf_printf(draft, "%s/.tmp-%ld-%u-%s", buf_text(&folder), (long)getpid(), counter++, name);
-        if (draft->failed)
-            err = fault_memory(fault, "a file name");
-    }
-    buf_release(&folder);
-    return err;
-}
-
-enum err file_publish(const char *draft, const char *path, enum file_mode mode, struct fault *fault)
-{
-    int fd = file_step_open(draft, O_RDONLY);
-    bool synced = fd >= 0 && file_step_sync(fd, draft);
-    if (fd >= 0)
-        close(fd);
-    unsigned flags = mode == FILE_KEEP ? RENAME_NOREPLACE : 0;
-    if (!synced || file_step_fails(FILE_STEP_RENAME, path) ||
-        renameat2(AT_FDCWD, draft, AT_FDCWD, path, flags) != 0) {
-        enum err err = fault_errno(fault, "write", path);
-        file_discard(draft);
-        return err;
-    }
-    if (!file_step_sync_folder(path))
-        return fault_errno(fault, "sync the folder of", path);
-    return OK;
-}
-
-void file_discard(const char *draft)
-{
-    const int number = errno;
-    unlink(draft);
-    errno = number;
-}
-
 static enum err write_draft(const char *draft, const char *path, const void *bytes, size_t length,
                             struct fault *fault)
 {
@@ -238,22 +188,6 @@ enum err file_write_beside(struct buf *name, const char *path, const char *kind,
                      NUMBERED_MOST, path, kind, path);
 }
 
-enum err file_backup(struct buf *backup, const char *path, struct fault *fault)
-{
-    enum err err = file_draft(backup, path, FILE_REPLACE, fault);
-    if (!err && link(path, buf_text(backup)) != 0)
-        err = fault_errno(fault, "keep the former", path);
-    return err;
-}
-
-enum err file_restore(const char *backup, const char *path, struct fault *fault)
-{
-    if (rename(backup, path) != 0)
-        return fault_errno(fault, "restore", path);
-    file_discard(backup); /* it stays where path was never replaced: two names of one file */
-    return file_step_sync_folder(path) ? OK : fault_errno(fault, "sync the folder of", path);
-}
-
 bool file_exists(const char *path)
 {
     struct stat status;
@@ -282,7 +216,9 @@ bool file_is_folder(const char *path)
 
 enum err file_make_folder(const char *path, struct fault *fault)
 {
-    if (mkdir(path, 0777) == 0 || (errno == EEXIST && file_is_folder(path)))
+    if (mkdir(path, 0777) == 0)
+        return file_step_sync_folder(path) ? OK : fault_errno(fault, "sync the folder of", path);
+    if (errno == EEXIST && file_is_folder(path))
         return OK;
     return fault_errno(fault, "make the folder", path);
 }

@@ -1,8 +1,8 @@
 /*
  * The file layer: the one place that writes and syncs.
  *
- * A whole file appears complete or not at all (temporary name in the same folder, sync, rename,
- * sync of the folder). Files that grow are base/file_log.h.
+ * A whole file appears complete or not at all; base/file_draft.h says how, and does it for content
+ * that a library or another program writes. Files that grow are base/file_log.h.
  *
  * Invariants
  *   F1 nothing that exists is overwritten unless the caller asked for it (FILE_REPLACE);
@@ -41,24 +41,11 @@ enum err file_write(const char *path, const void *bytes, size_t length, enum fil
 enum err file_write_beside(struct buf *name, const char *path, const char *kind, const void *bytes,
                            size_t length, struct fault *fault);
 
-/* The two halves of file_write, for content that another library or program writes (the image
- * helper, OpenEXR): file_draft fills `draft` with a free temporary name beside `path` that keeps
- * its extension, after checking that `path` may be written; file_publish syncs the draft and gives
- * it its final name; file_discard removes a draft that failed. */
-enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, struct fault *fault);
-enum err file_publish(const char *draft, const char *path, enum file_mode mode,
-                      struct fault *fault);
-void file_discard(const char *draft);
-
-/* A second name for what `path` holds now, so that it outlives being replaced; and back again. The
- * caller discards a backup that is not needed (file_discard). */
-enum err file_backup(struct buf *backup, const char *path, struct fault *fault);
-enum err file_restore(const char *backup, const char *path, struct fault *fault);
-
 bool file_exists(const char *path);
 bool file_begins_with(const char *path, const char *text); /* a regular file that can be read */
 bool file_is_folder(const char *path);
-enum err file_make_folder(const char *path, struct fault *fault); /* fine when it exists */
+/* Its name is on the disk, too. Fine when it exists. */
+enum err file_make_folder(const char *path, struct fault *fault);
 
 /* The part of `path` after its last slash, and the folder before it ("." where there is none). */
 const char *file_name(const char *path);
@@ -82,6 +69,8 @@ enum file_step {
     FILE_STEP_WRITE,
     FILE_STEP_SYNC,
     FILE_STEP_RENAME,
+    FILE_STEP_RENAME_NEW, /* to a name that has to be free */
+    FILE_STEP_LINK,
     FILE_STEP_CUT,
     FILE_STEP_SYNC_FOLDER /* of the folder that holds `path` */
 };

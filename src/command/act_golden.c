@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "base/file.h"
+#include "base/file_draft.h"
 #include "image/exr.h"
 
 /* ---- comparing ---- */
@@ -68,26 +68,38 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
 
 /* ---- storing ---- */
 
-/* The EXR is the golden image; the PNG beside it is for people. One that is there already is left
- * alone, and has to be the same. */
+/* A golden image that is there already has to be the same; a PNG that is missing beside it comes
+ * again. In this order nobody else's PNG is ever beside an image of ours. */
+static enum err write_both(struct interpreter *interp, const char *name, const char *path,
+                           const char *png, struct picture *picture, struct fault *fault)
+{
+    const bool is_there = file_exists(path), has_png = file_exists(png);
+    enum err err = is_there ? compare_golden(interp, name, path, picture, fault) : OK;
+    if (err)
+        return fault_prefix(fault, err, "it exists already and was left alone");
+    if (!is_there)
+        err = file_may_write(png, FILE_KEEP, fault);
+    if (!err && !is_there)
+        err = act_write_now(interp, path, FILE_KEEP, picture, fault);
+    return err || has_png ? err : act_write_now(interp, png, FILE_KEEP, picture, fault);
+}
+
+/* The EXR is the golden image; the PNG beside it is for people. Both are on the disk before the
+ * record is, and after the records that they tell of (command/golden_leftover.h). */
 static enum err write_golden(struct interpreter *interp, const char *name, const char *path,
                              struct picture *picture, struct fault *fault)
 {
-    struct buf other = {0};
-    enum err err = golden_folder(&other, buf_text(&interp->home), fault);
+    struct buf png = {0};
+    enum err err = interp->journal ? journal_sync(interp->journal, fault) : OK;
     if (!err)
-        err = file_make_folder(buf_text(&other), fault);
-    if (!err && file_exists(path)) {
-        err = compare_golden(interp, name, path, picture, fault);
-        if (err)
-            fault_prefix(fault, err, "it exists already and was left alone");
-    } else if (!err) {
-        buf_printf(&other, "/%s.png", name);
-        err = act_write_now(interp, path, FILE_KEEP, picture, fault);
-        if (!err)
-            err = act_write_now(interp, buf_text(&other), FILE_KEEP, picture, fault);
-    }
-    buf_release(&other);
+        err = golden_folder(&png, buf_text(&interp->home), fault);
+    if (!err)
+        err = file_make_folder(buf_text(&png), fault);
+    buf_printf(&png, "/%s.png", name);
+    if (!err)
+        err = png.failed ? fault_memory(fault, "a path")
+                         : write_both(interp, name, path, buf_text(&png), picture, fault);
+    buf_release(&png);
     return err;
 }
 

@@ -2,6 +2,8 @@
 #include "command/interpreter.h"
 
 #include "base/choice.h"
+#include "base/file_draft.h"
+#include "command/golden_leftover.h"
 #include "journal/replay.h"
 
 bool interpreter_is_journal(const char *path)
@@ -179,6 +181,21 @@ static void tell_opened(const struct interpreter *interp, const char *path, stru
     buf_add_text(told, " is open read-only: what is done here is not written to it\n");
 }
 
+/* What processes that were killed have left beside the journal. */
+static void clear_away(struct interpreter *interp, const char *path, struct buf *told)
+{
+    const struct buf *bytes = journal_bytes(interp->journal);
+    struct buf words = {0}, folder = {0};
+    file_folder(&folder, path);
+    if (!folder.failed)
+        file_sweep(buf_text(&folder));
+    golden_remove_leftovers(path, &interp->goldens, buf_text(bytes), bytes->length, &words);
+    if (told)
+        buf_add_text(told, buf_text(&words));
+    buf_release(&words);
+    buf_release(&folder);
+}
+
 static enum err resume(struct interpreter *interp, const char *path, enum interpreter_mode mode,
                        struct buf *told, struct fault *fault)
 {
@@ -195,6 +212,8 @@ static enum err resume(struct interpreter *interp, const char *path, enum interp
         err = journal_set_sync(interp->journal, interp->sync, fault);
     if (told && told->length)
         buf_add_char(told, '\n');
+    if (!err && !interp->is_read_only)
+        clear_away(interp, path, told);
     if (!err && told)
         tell_opened(interp, path, told);
     interp->mode = MODE_LIVE;

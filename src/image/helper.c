@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file_draft.h"
 #include "base/mem.h"
 #include "base/scan.h"
 #include "image/coprocess.h"
@@ -214,14 +215,11 @@ enum err image_write(struct image_helper *helper, const char *path, enum file_mo
 
 enum err image_check_png(const char *path, struct fault *fault)
 {
-    struct buf draft = {0};
     if (!path)
         return OK;
     if (!file_is_named(path, ".png"))
         return fault_set(fault, ERR_USAGE, "expected a name that ends in .png, not %s", path);
-    const enum err err = file_draft(&draft, path, FILE_KEEP, fault);
-    buf_release(&draft);
-    return err;
+    return file_may_write(path, FILE_KEEP, fault);
 }
 
 enum err image_write_png(const char *path, const struct picture *picture, struct fault *fault)

@@ -7,6 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/file_draft.h"
 #include "base/team.h"
 #include "image/helper.h"
 
@@ -43,10 +44,8 @@ bool picture_writer_takes(const char *path)
 enum err picture_job_new(struct picture_job **out, const char *path, enum file_mode mode,
                          struct picture *picture, struct fault *fault)
 {
-    struct buf draft = {0};
     *out = NULL;
-    enum err err = file_draft(&draft, path, mode, fault);
-    buf_release(&draft);
+    const enum err err = file_may_write(path, mode, fault);
     if (err)
         return err;
     struct picture_job *job = calloc(1, sizeof *job);

@@ -7,49 +7,67 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "command/golden_leftover.h"
 #include "image/exr.h"
 #include "journal/golden.h"
 
-/* Whether `file` is NAME.exr of a name among those given. */
-static bool is_named(const struct buf *named, const char *file)
+struct search {
+    const struct interpreter *interp;
+    const char *journal;
+    struct buf folder, path;
+    struct buf bytes; /* of the journal, once they are asked for */
+    struct buf *told; /* or NULL */
+};
+
+/* One that is nothing is named, and counts for nothing. */
+static bool is_leftover(struct search *search, const char *name)
 {
-    const char *at = buf_text(named), *end = at + named->length;
-    const size_t length = strlen(file) - strlen(".exr");
-    for (; at < end; at += strlen(at) + 1)
-        if (strlen(at) == length && strncmp(file, at, length) == 0 &&
-            strcmp(file + length, ".exr") == 0)
-            return true;
-    return false;
+    struct buf *path = &search->path;
+    buf_clear(path);
+    buf_printf(path, "%s/%s", buf_text(&search->folder), name);
+    if (!search->told || path->failed ||
+        interpreter_may_read(search->interp, buf_text(path), NULL) ||
+        (!search->bytes.length &&
+         file_read(&search->bytes, search->journal, JOURNAL_BYTES_MAX, NULL)) ||
+        !golden_is_leftover(buf_text(path), search->journal, buf_text(&search->bytes),
+                            search->bytes.length))
+        return false;
+    buf_add_text(search->told, "# ");
+    buf_add_safe_text(search->told, buf_text(path));
+    buf_add_text(search->told, " was passed over: its command was ended before it was recorded; "
+                               "continuing the journal removes it\n");
+    return true;
 }
 
-static enum err look_through(struct name_list *orphans, DIR *folder, const struct buf *named,
-                             struct fault *fault)
+static enum err look_through(struct name_list *orphans, struct search *search, struct fault *fault)
 {
     const struct dirent *entry;
-    while ((entry = readdir(folder))) {
+    DIR *folder = opendir(buf_text(&search->folder));
+    enum err err = folder ? OK : fault_errno(fault, "read", buf_text(&search->folder));
+    while (!err && (entry = readdir(folder))) {
         const char *name = entry->d_name;
-        if (*name != '.' && exr_is_named(name) && !is_named(named, name) &&
+        if (*name != '.' && exr_is_named(name) &&
+            !golden_is_named(&search->interp->goldens, name) && !is_leftover(search, name) &&
             !name_list_add(orphans, name))
-            return fault_memory(fault, "names of files");
+            err = fault_memory(fault, "names of files");
     }
+    if (folder)
+        closedir(folder);
     name_list_sort(orphans);
-    return OK;
+    return err;
 }
 
-enum err orphan_find(struct name_list *orphans, const char *journal_path, const struct buf *named,
-                     struct fault *fault)
+enum err orphan_find(struct name_list *orphans, const struct interpreter *interp,
+                     const char *journal_path, struct buf *told, struct fault *fault)
 {
-    struct buf path = {0};
+    struct search search = {.interp = interp, .journal = journal_path, .told = told};
     *orphans = (struct name_list){0};
-    enum err err = golden_folder(&path, journal_path, fault);
-    if (!err && file_is_folder(buf_text(&path))) {
-        DIR *folder = opendir(buf_text(&path));
-        err = folder ? look_through(orphans, folder, named, fault)
-                     : fault_errno(fault, "read", buf_text(&path));
-        if (folder)
-            closedir(folder);
-    }
-    buf_release(&path);
+    enum err err = golden_folder(&search.folder, journal_path, fault);
+    if (!err && file_is_folder(buf_text(&search.folder)))
+        err = look_through(orphans, &search, fault);
+    buf_release(&search.folder);
+    buf_release(&search.path);
+    buf_release(&search.bytes);
     return err;
 }
 
@@ -63,17 +81,18 @@ enum err orphan_judge(const struct name_list *orphans, const char *journal_path,
     if (!err)
         err = fault_set(
             fault, ERR_CHECK,
-            "orphan golden image: the journal names no %s, which is in %s%s; `golden` that was "
-            "killed leaves one: iftty verify --remove-orphans deletes it, or make it again",
+            "orphan golden image: the journal names no %s, which is in %s%s; iftty verify "
+            "--remove-orphans deletes it, or make it again by `golden`",
             orphans->name[0], buf_text(&path), orphans->count > 1 ? ", and others" : "");
     buf_release(&path);
     return err;
 }
 
-enum err orphan_check(const char *journal_path, const struct buf *named, struct fault *fault)
+enum err orphan_check(const struct interpreter *interp, const char *journal_path, struct buf *told,
+                      struct fault *fault)
 {
     struct name_list orphans;
-    enum err err = orphan_find(&orphans, journal_path, named, fault);
+    enum err err = orphan_find(&orphans, interp, journal_path, told, fault);
     if (!err)
         err = orphan_judge(&orphans, journal_path, fault);
     name_list_release(&orphans);

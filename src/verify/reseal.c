@@ -3,7 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
+#include "base/file_draft.h"
+#include "command/golden_leftover.h"
 #include "verify/ci.h"
 #include "verify/golden_accept.h"
 #include "verify/orphan.h"
@@ -231,6 +232,20 @@ static void report(const struct resealing *r, const char *path, const struct buf
     buf_release(&text);
 }
 
+/* Chains will be others, by which nobody can say then what is nothing. */
+static enum err judge_goldens(const struct resealing *r, const char *path, const struct buf *bytes,
+                              const struct printer *printer, struct fault *fault)
+{
+    struct buf told = {0};
+    golden_remove_leftovers(path, &r->interp->goldens, buf_text(bytes), bytes->length, &told);
+    const bool is_asked = r->accept && !r->accept->reviewer;
+    const enum err err = is_asked ? orphan_check(r->interp, path, &told, fault) : OK;
+    if (told.length)
+        printer->warn(printer->context, buf_text(&told));
+    buf_release(&told);
+    return err;
+}
+
 static enum err reseal(struct resealing *r, const char *path, const struct printer *printer,
                        struct fault *fault)
 {
@@ -248,8 +263,8 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
         err = interpreter_set_home(interp, path, fault);
     if (!err)
         err = reseal_bytes(r, &bytes, fault);
-    if (!err && r->accept && !r->accept->reviewer)
-        err = orphan_check(path, &interp->goldens, fault);
+    if (!err)
+        err = judge_goldens(r, path, &bytes, printer, fault);
     if (!err && (r->marked || r->changes_header))
         err = publish(r, path, &bytes, &former, fault);
     if (!err)

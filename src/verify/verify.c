@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
+#include "base/file_draft.h"
 #include "verify/github.h"
 #include "verify/orphan.h"
 #include "verify/verify_journal.h"
@@ -188,15 +188,12 @@ static enum err sum_up(const struct verification *v, struct fault *fault)
 /* Reports are written at the end; what is in the way is said before. */
 static enum err check_report(const char *path, struct fault *fault)
 {
-    struct buf draft = {0};
     if (!path)
         return OK;
     if (interpreter_is_journal(path))
         return fault_set(fault, ERR_USAGE,
                          "%s is a journal and was left alone; nothing was verified", path);
-    const enum err err = file_draft(&draft, path, FILE_REPLACE, fault);
-    buf_release(&draft);
-    return err;
+    return file_may_write(path, FILE_REPLACE, fault);
 }
 
 /* Once all of them are verified; else it stays as it is. */

@@ -45,11 +45,12 @@ static void write_voxels(struct interpreter *interp, struct buf *lines)
 
 /* Those that are to be removed are no failure. */
 static enum err judge_orphans(const struct verify_options *options, const char *path,
-                              const struct buf *named, struct verify_result *result,
+                              const struct interpreter *interp, struct verify_result *result,
                               struct fault *fault)
 {
     struct name_list orphans;
-    enum err err = orphan_find(&orphans, path, named, fault);
+    struct buf *told = options->removes_orphans ? NULL : &result->lines;
+    enum err err = orphan_find(&orphans, interp, path, told, fault);
     for (size_t i = 0; !err && i < orphans.count; i++) {
         buf_add(&result->orphans, orphans.name[i], strlen(orphans.name[i]) + 1);
         buf_printf(&result->lines, "#   %-9s", "orphan");
@@ -78,8 +79,7 @@ static enum err judge_whole(const struct verify_options *options, const struct i
         return fault_set(fault, ERR_CHECK,
                          "it ends with record %zu: nothing to compare from %zu on",
                          report->executed, options->first);
-    const enum err err =
-        options->last ? OK : judge_orphans(options, path, &interp->goldens, result, fault);
+    const enum err err = options->last ? OK : judge_orphans(options, path, interp, result, fault);
     return err || !options->strict ? err : strict_judge(&strictness, fault);
 }
 
