@@ -9,20 +9,12 @@
 
 /* ---- life ---- */
 
-static void settings_drop(struct kept_settings *kept)
-{
-    if (!kept || --kept->holders > 0)
-        return;
-    kept_release(&kept->kept);
-    free(kept);
-}
-
 static void point_release(struct point *point)
 {
     free(point->command);
     free(point->after);
     free(point->before);
-    settings_drop(point->settings);
+    kept_settings_drop(point->settings);
     edit_lists_release(&point->lists);
     *point = (struct point){0};
 }
@@ -50,15 +42,16 @@ void history_release(struct history *history)
 }
 
 /* A map is counted where it came, and what is held by many points in parts. */
-static size_t point_memory(const struct point *point, const struct kept *before)
+static size_t point_memory(const struct point *point, const struct point *parent)
 {
-    const struct kept *kept = &point->settings->kept;
+    const struct kept kept = kept_settings_get(point->settings),
+                      before = parent ? kept_settings_get(parent->settings) : (struct kept){0};
     size_t bytes = 2 * point->seeds * sizeof(struct edit) + strlen(point->command) + 1;
-    bytes += sizeof *point->settings / point->settings->holders + edit_lists_memory(&point->lists);
-    if (kept->mask && (!before || before->mask != kept->mask))
-        bytes += packed_memory(kept->mask);
-    if (kept->weight_map && (!before || before->weight_map != kept->weight_map))
-        bytes += packed_memory(kept->weight_map);
+    bytes += kept_settings_memory(point->settings) + edit_lists_memory(&point->lists);
+    if (kept.mask && before.mask != kept.mask)
+        bytes += packed_memory(kept.mask);
+    if (kept.weight_map && before.weight_map != kept.weight_map)
+        bytes += packed_memory(kept.weight_map);
     return bytes;
 }
 
@@ -69,8 +62,7 @@ size_t history_memory(const struct history *history)
                    history->branch_capacity * sizeof *history->branch;
     for (size_t i = 0; i < history->points; i++) {
         const struct point *point = history->point + i;
-        const struct point *parent = i ? history->point + point->parent : NULL;
-        bytes += point_memory(point, parent ? &parent->settings->kept : NULL);
+        bytes += point_memory(point, i ? history->point + point->parent : NULL);
     }
     return bytes;
 }
@@ -246,7 +238,7 @@ enum err history_go(struct history *history, struct session *session, uint32_t t
     struct edit *edit;
     size_t seeds;
     enum err err = edits_of_way(&edit, &seeds, history, to, session->watch, fault);
-    state.kept = there->settings->kept;
+    state.kept = kept_settings_get(there->settings);
     state.lists = there->lists;
     if (!err)
         err = session_go(session, &state, edit, seeds, fault);
@@ -277,18 +269,6 @@ enum err history_branch(struct history *history, const char *name, struct fault 
 
 /* ---- commands ---- */
 
-static struct kept_settings *keep_settings(const struct session *session, bool *lacks)
-{
-    struct kept_settings *settings = mem_new(sizeof *settings);
-    *lacks |= !settings;
-    if (settings) {
-        settings->holders = 1;
-        settings->kept = session->now.kept;
-        kept_hold(&settings->kept);
-    }
-    return settings;
-}
-
 static enum err keep_seeds(struct point *point, const struct session *session, struct fault *fault)
 {
     const struct seed_changes seeds = forest_seed_changes(session->forest);
@@ -308,13 +288,14 @@ static enum err note_root(struct history *history, const struct session *session
                           struct fault *fault)
 {
     struct point *root = &history->noted;
-    bool lacks = !mem_grow(&history->branch, &history->branch_capacity, 1, sizeof *history->branch);
+    const bool lacks =
+        !mem_grow(&history->branch, &history->branch_capacity, 1, sizeof *history->branch);
     history->is_root = true;
     root->parent = POINT_NONE;
-    root->settings = keep_settings(session, &lacks);
+    root->settings = kept_settings_new(NULL, &session->now.kept);
     root->lists = session->now.lists;
     edit_lists_hold(&root->lists);
-    return lacks ? fault_memory(fault, "the history") : OK;
+    return lacks || !root->settings ? fault_memory(fault, "the history") : OK;
 }
 
 /* No point, where the command has left the segmentation as it was. */
@@ -324,20 +305,18 @@ static enum err note_point(struct history *history, const struct session *sessio
     struct kept_settings *before = history->point[history->present].settings;
     const struct state *now = &session->now;
     struct point *point = &history->noted;
-    const bool sets = !kept_equals(&now->kept, &before->kept);
-    bool lacks = false;
+    const struct kept kept = kept_settings_get(before);
+    const bool sets = !kept_equals(&now->kept, &kept);
     if (!sets && !session->edited && edit_lists_are_copies(&now->lists, &session->former.lists))
         return OK;
     point->parent = history->present;
     point->branch = history->on;
-    point->settings = sets ? keep_settings(session, &lacks) : before;
-    if (!sets)
-        before->holders++;
+    point->settings = sets ? kept_settings_new(before, &now->kept) : kept_settings_hold(before);
     point->lists = now->lists;
     edit_lists_hold(&point->lists);
     point->plants = session->markers.count == session->former_markers + 1;
     point->joins = point->plants && session->markers.marker[session->former_markers].joined;
-    if (lacks)
+    if (!point->settings)
         return fault_memory(fault, "the history");
     return session->edited ? keep_seeds(point, session, fault) : OK;
 }

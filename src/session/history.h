@@ -24,17 +24,12 @@
 #define SESSION_HISTORY_H
 
 #include "base/packed.h"
+#include "session/kept_settings.h"
 #include "session/session.h"
 
 #define POINT_NONE UINT32_MAX
 
 enum { BRANCH_NAME_BYTES = 64 };
-
-/* Held by all points at which it is the same; `holders` many. */
-struct kept_settings {
-    size_t holders;
-    struct kept kept;
-};
 
 struct point {
     uint32_t parent; /* POINT_NONE for the root */
@@ -50,7 +45,7 @@ struct point {
     size_t seeds;
 
     /* The rest of the state here, but for the outlook. */
-    struct kept_settings *settings;
+    struct kept_settings *settings; /* points at which they are the same hold the same */
     struct edit_lists lists;
 };
 
