@@ -393,20 +393,53 @@ same_files made/l.nii l.first
 listing w | diff before - >d || fail "$(cat d)"
 close_story
 
-begin "a journal that names a file elsewhere is refused and writes nothing"
-for name in "$work/evil.png" ../evil.exr a/../../evil.exr /dev/null; do
-    for command in "render $name" "save labels $name"; do
-        printf 'open s.nii\nseed 1,1,1 1\n%s\n' "$command" >evil
-        for program in "replay evil --out made2" "verify evil --out made2" \
-            "replay evil" "verify evil"; do
-            # shellcheck disable=SC2086
-            expect 3 "$iftty" $program
-            cat out err >both
-            grep -qF "a journal may not write to $name" both || fail "$program: $(cat both)"
-        done
-    done
+begin "a journal that names files elsewhere verifies, and writes them below --out alone"
+mkdir -p spread/here spread/a spread/b
+cp s.nii spread/here
+expect_in spread/here 0 "$iftty" -c "open s.nii; seed 1,1,1 1; run; save labels ../lab.nii.gz
+    save labels $work/spread/abs.nii; save cost ../a/lab.nii.gz; render ../b/abs.nii.png
+    save labels ../lab.nii.gz replace=yes; save labels lab-2.nii.gz" --journal own.iftty
+listing spread >before
+expect_in spread/here 0 "$iftty" verify own.iftty
+expect_in / 0 "$iftty" verify "$work/spread/here/own.iftty"
+expect 0 "$iftty" replay spread/here/own.iftty --out mapped
+out_has "9 results the same"
+same "$(ls mapped | tr '\n' ' ')" "abs.nii abs.nii.png lab-2-2.nii.gz lab-2.nii.gz lab.nii.gz "
+same_files mapped/lab.nii.gz spread/lab.nii.gz
+same_files mapped/lab-2.nii.gz spread/a/lab.nii.gz
+same_files mapped/lab-2-2.nii.gz spread/here/lab-2.nii.gz
+same_files mapped/abs.nii spread/abs.nii
+listing spread | diff before - >d || fail "$(cat d)"
+close_story
+
+begin "files that were read from elsewhere are looked for by name"
+expect_in spread/here 0 "$iftty" -c 'open s.nii; mask ../abs.nii; seed 1,1,1 1; run' \
+    --journal r.iftty
+expect 3 "$iftty" verify spread/here/r.iftty
+out_has "the journal may not read ../abs.nii: there is no file abs.nii beside the journal or among"
+expect 0 env IFTTY_SCENES="$work/spread" "$iftty" verify spread/here/r.iftty
+close_story
+
+begin "a hostile journal writes below --out alone"
+mkdir -p made2 fresh2
+echo precious >precious
+ln -s ../precious made2/link.png
+ln -s .. made2/up
+listing . | grep -vE ' ./(out|err|d|before)$' >before
+for name in .. . ../.. a/.. link.png /etc/link.png up "$work/made2/up" ../up/; do
+    printf 'open s.nii\nseed 1,1,1 1\nrender %s replace=yes\n' "$name" >evil
+    expect 3 "$iftty" replay evil --out made2
 done
-[ ! -e evil.png ] && [ ! -e ../evil.exr ] && [ -z "$(ls made2)" ] || fail "it has written"
+rm evil
+listing . | grep -vE ' ./(out|err|d|before)$' | diff before - >d || fail "$(cat d)"
+for name in "$work/evil.png" ../evil.exr a/../../evil.tif /dev/evil.jpg up/evil.gif; do
+    printf 'open s.nii\nseed 1,1,1 1\nrender %s\n' "$name" >evil
+    expect 0 env TMPDIR="$work/fresh2" "$iftty" replay evil
+    expect 0 "$iftty" replay evil --out made2
+done
+same "$(ls made2 | tr '\n' ' ')" "evil.exr evil.gif evil.jpg evil.png evil.tif link.png up "
+same "$(cat precious)" precious
+[ ! -e evil.png ] && [ ! -e ../evil.exr ] && [ ! -e evil.gif ] || fail "it has written elsewhere"
 close_story
 
 begin "whoever wrote files elsewhere can go on with the journal"

@@ -43,7 +43,7 @@ out_has "# orphan golden image: the journal names no third.exr, which is in j1.g
 out_has "# 1 verified, 1 failed"
 cp j1.golden/first.exr j1.golden/First.exr
 expect 1 "$iftty" verify j1.iftty
-out_has "no First.exr, which is in j1.golden, and others; delete it, or make it again"
+out_has "no First.exr, which is in j1.golden, and others; iftty verify --remove-orphans deletes it"
 rm j1.golden/First.exr
 expect 0 "$iftty" verify j1.iftty --until 9 # nobody knows yet
 mv j1.golden/third.exr j1.golden/third.png

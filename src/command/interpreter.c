@@ -25,6 +25,7 @@ void interpreter_release(struct interpreter *interp)
     buf_release(&interp->written);
     buf_release(&interp->goldens);
     buf_release(&interp->made);
+    buf_release(&interp->placed);
     canvas_release(&interp->shown);
     *interp = (struct interpreter){0};
 }

@@ -53,12 +53,13 @@ struct interpreter {
 
     struct buf home;        /* path of the journal at hand: goldens and scenes lie beside it */
     const char *scene_path; /* a scene to open whatever name `open` gives, or NULL */
-    const char *out_folder; /* files go there, under their last name; NULL: where they say */
+    const char *out_folder; /* files go there, by their last names; NULL: where they say */
 
     /* Lists of names, each ended by NUL: of golden images so far; of files that this replay has
      * written, and so may replace; of files that the command at hand has written, each followed by
      * its backup ("" where it is new). */
     struct buf goldens, made, written;
+    struct buf placed; /* pairs of a name and its path below out_folder, each ended by NUL */
 
     struct image_helper *helper;   /* started on first use */
     struct picture_writer *writer; /* writes pictures beside the session; NULL: a command is
@@ -157,9 +158,11 @@ enum err interpreter_find_file(const struct interpreter *interp, const char *nam
 enum err interpreter_may_read(const struct interpreter *interp, const char *path,
                               struct fault *fault);
 
-/* Where a file that a command names is to be written; an empty path where it is not. */
-enum err interpreter_output_path(const struct interpreter *interp, const char *name,
-                                 struct buf *path, struct fault *fault);
+/* Where a file that a command names is to be written; an empty path where it is not. Below
+ * interpreter->out_folder it has the last part of its name, and names that end alike are told apart
+ * by numbers: a/lab.nii is lab.nii, then b/lab.nii is lab-2.nii. */
+enum err interpreter_output_path(struct interpreter *interp, const char *name, struct buf *path,
+                                 struct fault *fault);
 
 /* ---- files that go with a command (outputs.c) ---- */
 

@@ -82,7 +82,11 @@ enum err interpreter_find_scene(const struct interpreter *interp, const char *na
 enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
                                struct fault *fault)
 {
-    return find(interp, name, path, "file", "has changed", false, fault);
+    const bool is_elsewhere = interpreter_is_wary(interp) && !trust_is_inside(name);
+    const enum err err = find(interp, is_elsewhere ? file_name(name) : name, path, "file",
+                              "has changed", false, fault);
+    return err && is_elsewhere ? fault_prefix(fault, err, "the journal may not read %s", name)
+                               : err;
 }
 
 enum err interpreter_may_read(const struct interpreter *interp, const char *path,
@@ -102,23 +106,68 @@ enum err interpreter_may_read(const struct interpreter *interp, const char *path
                      answer == TRUST_OUTSIDE ? "leads out of its folder" : "is not a regular file");
 }
 
-enum err interpreter_output_path(const struct interpreter *interp, const char *name,
-                                 struct buf *path, struct fault *fault)
+/* ---- files that are written ---- */
+
+/* The path that stands for `name` below the folder, or NULL; and which name a path stands for. */
+static const char *place_of(const struct buf *placed, const char *name, const char *path)
+{
+    const char *at = buf_text(placed), *end = at + placed->length;
+    while (at < end) {
+        const char *of = at, *where = at + strlen(at) + 1;
+        if (name ? strcmp(of, name) == 0 : strcmp(where, path) == 0)
+            return where;
+        at = where + strlen(where) + 1;
+    }
+    return NULL;
+}
+
+/* "out/lab.nii.gz", then "out/lab-2.nii.gz". */
+static void write_place(struct buf *path, const char *folder, const char *name, unsigned number)
+{
+    const size_t stem = 1 + strcspn(name + 1, ".");
+    buf_clear(path);
+    buf_printf(path, "%s/", folder);
+    buf_add(path, name, stem);
+    if (number > 1)
+        buf_printf(path, "-%u", number);
+    buf_add_text(path, name + stem);
+}
+
+/* By the last part of its name: whatever a journal says, that is in the folder. Names that differ
+ * get places that do, and one name always the same. */
+static enum err place_below(struct interpreter *interp, const char *name, struct buf *path,
+                            struct fault *fault)
+{
+    struct buf *placed = &interp->placed;
+    const char *last = file_name(name), *before = place_of(placed, name, NULL);
+    if (!*last || strcmp(last, ".") == 0 || strcmp(last, "..") == 0)
+        return fault_set(fault, ERR_INPUT, "%s names no file; nothing was written", name);
+    if (before) {
+        buf_add_text(path, before);
+        return path->failed ? fault_memory(fault, "a path") : OK;
+    }
+    unsigned number = 1;
+    do
+        write_place(path, interp->out_folder, last, number++);
+    while (!path->failed && place_of(placed, NULL, buf_text(path)));
+    if (path->failed || !buf_reserve(placed, strlen(name) + path->length + 2)) {
+        placed->failed = false; /* what it holds is whole */
+        return fault_memory(fault, "a path");
+    }
+    buf_add(placed, name, strlen(name) + 1);
+    buf_add(placed, buf_text(path), path->length + 1);
+    return OK;
+}
+
+enum err interpreter_output_path(struct interpreter *interp, const char *name, struct buf *path,
+                                 struct fault *fault)
 {
     buf_clear(path);
     if (interp->mode == MODE_RESUME || interp->mode == MODE_SKIM)
         return OK; /* it was written when the command was new */
-    if (interpreter_is_wary(interp) && !trust_is_inside(name))
-        return fault_set(
-            fault, ERR_INPUT,
-            "a journal may not write to %s, but to names in its own folder; nothing was "
-            "written",
-            name);
     if (interp->out_folder)
-        buf_printf(path, "%s/%s", interp->out_folder, file_name(name));
-    else if (interp->mode == MODE_LIVE)
+        return place_below(interp, name, path, fault);
+    if (interp->mode == MODE_LIVE)
         buf_add_text(path, name);
-    if (path->failed)
-        return fault_memory(fault, "a path");
-    return OK;
+    return path->failed ? fault_memory(fault, "a path") : OK;
 }

@@ -4,12 +4,13 @@
  * Protects against: a journal, which is a program that we did not write, that reads or overwrites
  * the user's files. It reaches no more than
  *     (T1) for reading, the scene that was given by --scene, and regular files below the folder of
- *          the journal or a folder of scenes ($IFTTY_SCENES): no absolute names, no "..", no links
- *          that lead out of that folder, no devices, pipes or sockets. With one file of a pair
- *          (image/pair.h) the other is read, of which the same holds. A scene may be a folder
- *          there (of DICOM, say), in which links are left alone;
- *     (T2) for writing, the folder of --out, or a fresh temporary one; nothing there is overwritten
- *          but what the same replay has written;
+ *          the journal or a folder of scenes ($IFTTY_SCENES): no links that lead out of that
+ *          folder, no devices, pipes or sockets; what an absolute name or one with ".." names is
+ *          looked for there by the last part. With one file of a pair (image/pair.h) the other is
+ *          read, of which the same holds. A scene may be a folder there (of DICOM, say), in which
+ *          links are left alone;
+ *     (T2) for writing, the folder of --out, or a fresh temporary one, by the last part of a name;
+ *          nothing there is overwritten but what the same replay has written;
  *     (T3) so much memory, time and output (limits.h).
  * Names are resolved by openat2 with RESOLVE_BENEATH, or, where the kernel does not have it, step
  * by step without following any link; what is checked is the folder and file themselves, not their
