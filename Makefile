@@ -16,7 +16,8 @@ VOLUME_PACKAGES := libinsighttoolkit5-dev libgdcm-dev libhdf5-dev
 SCENES   := mricron-data
 # What tests use; what is after this in a list of packages, is left out where it cannot be had.
 TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom python3-h5py \
-                 teem-apps dcmtk medcon plastimatch libinsighttoolkit5-dev openssh-client
+                 teem-apps dcmtk medcon plastimatch libinsighttoolkit5-dev openssh-client \
+                 bindfs fuse3
 FORMATTER     := clang-format-14
 BARE_PACKAGES := debootstrap
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/mem.h"
 
 enum { NAME_MAX_BYTES = 64 };
@@ -192,7 +193,7 @@ bool golden_name_is_valid(const char *name)
            strspn(name, allowed) == length;
 }
 
-enum err golden_folder(struct buf *out, const char *journal_path, struct fault *fault)
+static void write_folder(struct buf *out, const char *journal_path)
 {
     const size_t ending = sizeof journal_ending - 1;
     size_t length = strlen(journal_path);
@@ -203,7 +204,27 @@ enum err golden_folder(struct buf *out, const char *journal_path, struct fault *
     buf_clear(out);
     buf_add(out, journal_path, length);
     buf_add_text(out, ".golden");
-    return out->failed ? fault_memory(fault, "a file name") : OK;
+}
+
+enum err golden_folder(struct buf *out, const char *journal_path, struct fault *fault)
+{
+    struct buf real = {0};
+    file_real(&real, journal_path);
+    write_folder(out, journal_path);
+    if (!real.failed && strcmp(buf_text(&real), journal_path) != 0) {
+        const bool is_beside_link = file_is_folder(buf_text(out));
+        struct buf beside_link = *out;
+        *out = (struct buf){0};
+        write_folder(out, buf_text(&real));
+        if (is_beside_link && !file_is_folder(buf_text(out))) {
+            buf_clear(out);
+            buf_add_text(out, buf_text(&beside_link));
+        }
+        buf_release(&beside_link);
+    }
+    const bool lacks = out->failed || real.failed;
+    buf_release(&real);
+    return lacks ? fault_memory(fault, "a file name") : OK;
 }
 
 enum err golden_path(struct buf *out, const char *journal_path, const char *name,

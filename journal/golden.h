@@ -53,7 +53,9 @@ void golden_tell(struct buf *out, const struct golden_difference *difference);
 bool golden_name_is_valid(const char *name);
 
 /* out = "<journal path without .iftty>.golden", the folder of a journal's golden images, and the
- * path of one of them in it: "<folder>/<name>.exr". ERR_INPUT for a name that is not valid. */
+ * path of one of them in it: "<folder>/<name>.exr". Of a link to a journal it is that of the
+ * journal itself, unless there is only one beside the link. ERR_INPUT for a name that is not
+ * valid. */
 enum err golden_folder(struct buf *out, const char *journal_path, struct fault *fault);
 enum err golden_path(struct buf *out, const char *journal_path, const char *name,
                      struct fault *fault);

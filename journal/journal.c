@@ -60,10 +60,37 @@ static enum err repair_failures(struct journal *journal, struct fault *fault)
     return err ? fault_prefix(fault, err, "an earlier failure is not repaired yet") : OK;
 }
 
+/* G2, of somebody who changed bytes and left the length. What cannot be read, or has another
+ * length, is for the log to say. */
+static enum err judge_content(const struct journal *journal, struct fault *fault)
+{
+    const struct buf *kept = &journal->kept;
+    struct buf found = {0};
+    size_t at = 0;
+    if (!file_log_was_touched(journal->log))
+        return OK;
+    const bool is_comparable =
+        file_read(&found, journal_path(journal), JOURNAL_BYTES_MAX, NULL) == OK &&
+        found.length == kept->length;
+    while (is_comparable && at < found.length && found.data[at] == kept->data[at])
+        at++;
+    const bool differs = is_comparable && at < found.length;
+    buf_release(&found);
+    if (is_comparable && !differs)
+        file_log_note_times(journal->log);
+    return differs ? fault_set(fault, ERR_IO,
+                               "%s was changed by somebody else: its byte %zu is not the one that "
+                               "was written",
+                               journal_path(journal), at)
+                   : OK;
+}
+
 static enum err append_to_file(struct journal *journal, const struct buf *bytes, bool may_wait,
                                struct fault *fault)
 {
     enum err err = repair_failures(journal, fault);
+    if (!err)
+        err = judge_content(journal, fault);
     if (err)
         return err;
     assert(file_log_length(journal->log) == journal->kept.length); /* J3 */
@@ -385,6 +412,11 @@ enum err journal_catch_up(struct journal *journal, struct fault *fault)
 bool journal_only_looks(const struct journal *journal)
 {
     return journal->log == NULL;
+}
+
+const char *journal_lock_file(const struct journal *journal)
+{
+    return journal->log ? file_log_lock_file(journal->log) : NULL;
 }
 
 const char *journal_path(const struct journal *journal)

@@ -103,6 +103,9 @@ enum err journal_set_sync(struct journal *journal, enum file_sync sync, struct f
 enum err journal_sync(struct journal *journal, struct fault *fault);
 bool journal_only_looks(const struct journal *journal);
 
+/* The file beside it that stands for the lock of J6, where the file system has none; or NULL. */
+const char *journal_lock_file(const struct journal *journal);
+
 const char *journal_path(const struct journal *journal);
 size_t journal_count(const struct journal *journal);            /* records */
 const struct buf *journal_bytes(const struct journal *journal); /* the valid part: J7 */

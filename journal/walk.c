@@ -78,6 +78,8 @@ static enum err read_header(struct walk *walk, struct fault *fault)
     walk->length = length;
     if (is_begun)
         return OK; /* walk_next finds it torn */
+    if (first && walk->bytes[first - 1] == '\r')
+        return fault_set(fault, ERR_INPUT, "line 1: %s", RECORD_WINDOWS);
     if (!record_header_parse(walk->bytes, first, &format, &walk->semantics))
         return fault_set(fault, ERR_INPUT,
                          "the header in line 1 is malformed; \"# iftty journal %d semantics N\" "
@@ -205,12 +207,15 @@ static enum walk_step end_of_bytes(struct walk *walk)
 /* ---- a record -------------------------------------------------------------------------------- */
 
 /* Why no line of ours looks like this; NULL where it may. */
-static const char *line_fault(const struct line *line)
+static const char *line_fault(const struct walk *walk, const struct line *line)
 {
     if (line->length > RECORD_LINE_MAX)
         return "the line is longer than 65535 bytes";
     if (memchr(line->text, '\0', line->length))
         return "the line holds a zero byte";
+    if (walk->is_journal && line->is_complete && line->length &&
+        line->text[line->length - 1] == '\r')
+        return RECORD_WINDOWS;
     return NULL;
 }
 
@@ -261,7 +266,7 @@ static enum walk_step find_command(struct walk *walk, struct position *at, struc
     do {
         if (!take_line(walk, at, line))
             return end_of_bytes(walk);
-        if ((wrong = line_fault(line)))
+        if ((wrong = line_fault(walk, line)))
             return is_torn_by_zeros(walk, line) ? end_torn(walk) : end_damaged(walk, line, wrong);
         if (walk->is_journal && !line->is_complete)
             return end_torn(walk);
@@ -283,7 +288,7 @@ static enum walk_step find_result(struct walk *walk, struct position *at, bool *
         return walk->is_journal ? end_torn(walk) : WALK_RECORD;
     if (!line_is_result(line))
         return WALK_RECORD;
-    if ((wrong = line_fault(line)))
+    if ((wrong = line_fault(walk, line)))
         return is_torn_by_zeros(walk, line) ? end_torn(walk) : end_damaged(walk, line, wrong);
     if (walk->is_journal && !line->is_complete)
         return end_torn(walk);

@@ -82,6 +82,12 @@ private_mounts() {
 can_mount() {
     [ -n "$IFTTY_MOUNTS" ] || { skip "the kernel gives no mounts of our own"; return 1; }
 }
+# can_fuse BELOW ABOVE: a file system of FUSE that shows one folder as another.
+can_fuse() {
+    needs bindfs || return
+    bindfs --no-allow-other "$1" "$2" 2>"$work/err" ||
+        { skip "the kernel gives no FUSE"; return 1; }
+}
 # Runs a command for which the permissions of files hold, whoever runs the test.
 with_permissions() {
     if [ "$(id -u)" = 0 ]; then

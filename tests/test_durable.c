@@ -4,7 +4,9 @@
  */
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -83,7 +85,7 @@ static void holds(const char *path, size_t records)
 
 /* ---- a file that is not what it was ---- */
 
-enum harm { DELETED, MOVED, REPLACED, LONGER, SHORTER, HARMS };
+enum harm { DELETED, MOVED, REPLACED, LONGER, SHORTER, CHANGED, HARMS };
 
 static void do_harm(const char *path, enum harm harm)
 {
@@ -99,7 +101,10 @@ static void do_harm(const char *path, enum harm harm)
         put(path, bytes.data, bytes.length); /* the same bytes, another file */
     else if (harm == SHORTER)
         CHECK(truncate(path, (off_t)bytes.length - 5) == 0);
-    FILE *file = harm == LONGER ? fopen(path, "ae") : NULL;
+    usleep(20000); /* times of files go by the ticks of the clock */
+    FILE *file = harm == LONGER ? fopen(path, "ae") : harm == CHANGED ? fopen(path, "r+e") : NULL;
+    if (harm == CHANGED)
+        fseek(file, 40, SEEK_SET);
     if (file) {
         fputs("# not ours\n", file);
         fclose(file);
@@ -109,8 +114,8 @@ static void do_harm(const char *path, enum harm harm)
 
 STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
 {
-    static const char *const words[] = {"is gone", "is gone", "was replaced", "was changed",
-                                        "was changed"};
+    static const char *const words[] = {"is gone",     "is gone",     "was replaced",
+                                        "was changed", "was changed", "its byte 40 is not"};
     char path[FILE_LENGTH], other[FILE_LENGTH];
     strcpy(path, place("harmed.iftty"));
     strcpy(other, place("harmed-2.iftty"));
@@ -137,6 +142,42 @@ STORY(nothing_is_written_to_a_file_that_is_not_ours_any_more)
         holds(other, 4);
         buf_release(&left);
     }
+}
+
+STORY(a_file_whose_times_alone_have_changed_is_written_to)
+{
+    const char *path = place("touched.iftty");
+    struct journal *journal = make(path, 3);
+    usleep(20000);
+    CHECK(chmod(path, 0640) == 0 && utimensat(AT_FDCWD, path, NULL, 0) == 0);
+    CHECK(append(journal, 4, NULL) == OK);
+    CHECK(append(journal, 5, NULL) == OK);
+    journal_close(journal);
+    holds(path, 5);
+}
+
+STORY(line_ends_of_windows_are_named)
+{
+    struct buf bytes = {0}, windows = {0};
+    struct journal_condition condition;
+    struct journal *journal;
+    const char *path = place("windows.iftty");
+    journal_close(make(path, 2));
+    content(&bytes, path);
+    for (size_t from = 0; from < 60;
+         from += 30, buf_clear(&windows)) { /* all lines; but the first */
+        for (size_t i = 0; i < bytes.length; i++)
+            buf_add(&windows, bytes.data[i] == '\n' && i >= from ? "\r\n" : bytes.data + i,
+                    bytes.data[i] == '\n' && i >= from ? 2 : 1);
+        put(path, windows.data, windows.length);
+        struct fault fault = {.text = ""};
+        CHECK(journal_check(&condition, windows.data, windows.length, &fault) != OK);
+        CHECK_HAS(fault.text, "line ends of Windows");
+        CHECK(open_again(&journal, path, &fault) == ERR_INPUT);
+        CHECK_HAS(fault.text, "line ends of Windows");
+    }
+    buf_release(&bytes);
+    buf_release(&windows);
 }
 
 static unsigned steps_left;
@@ -365,6 +406,85 @@ STORY(a_second_writer_is_told_who_has_it_and_may_look)
     buf_release(&before);
 }
 
+/* A process that is being started holds the locks of its parent until it runs its own program. */
+STORY(a_lock_that_a_child_holds_for_a_moment_is_waited_for)
+{
+    char path[FILE_LENGTH];
+    struct fault fault;
+    strcpy(path, place("moment.iftty"));
+    struct journal *journal = make(path, 2), *second;
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0) {
+        usleep(100000);
+        _exit(0);
+    }
+    journal_close(journal);
+    CHECK(open_again(&second, path, &fault) == OK);
+    journal_close(second);
+    CHECK(waitpid(child, NULL, 0) == child);
+}
+
+static int has_no_locks(enum file_step step, const char *path)
+{
+    (void)path;
+    return step == FILE_STEP_LOCK ? ENOLCK : 0;
+}
+
+static int has_no_locks_and_no_room(enum file_step step, const char *path)
+{
+    const size_t length = strlen(path);
+    const bool is_lock = length > 5 && strcmp(path + length - 5, ".lock") == 0;
+    return step == FILE_STEP_LOCK ? ENOLCK : is_lock && step == FILE_STEP_WRITE ? ENOSPC : 0;
+}
+
+STORY(where_there_are_no_locks_a_file_stands_for_one)
+{
+    char path[FILE_LENGTH], lock[FILE_LENGTH + 8];
+    struct fault fault;
+    struct journal *journal, *second;
+    strcpy(path, place("nfs.iftty"));
+    snprintf(lock, sizeof lock, "%s.lock", path);
+    file_step_hook = has_no_locks;
+    journal = make(path, 2);
+    CHECK_TEXT(journal_lock_file(journal), lock);
+    CHECK(open_again(&second, path, &fault) == ERR_IO);
+    CHECK_HAS(fault.text, "is being written by another session, by process ");
+    CHECK_HAS(fault.text, ".lock stands for one");
+    CHECK(append(journal, 3, NULL) == OK);
+    journal_close(journal);
+    CHECK(!file_exists(lock));
+    fflush(stdout);
+    const pid_t child = fork(); /* it dies with the journal open */
+    if (child == 0)
+        _exit(open_again(&journal, path, NULL) == OK ? 0 : 1);
+    int status = 1;
+    CHECK(waitpid(child, &status, 0) == child && status == 0);
+    CHECK(file_exists(lock));
+    CHECK(open_again(&journal, path, NULL) == OK);
+    CHECK(append(journal, 4, NULL) == OK);
+    journal_close(journal);
+    put(lock, "somebody\n", 9); /* what cannot be read is left */
+    CHECK(open_again(&second, path, &fault) == ERR_IO);
+    CHECK_HAS(fault.text, ".lock stands for one");
+    CHECK(file_exists(lock));
+    file_step_hook = NULL;
+    unlink(lock);
+    holds(path, 4);
+}
+
+STORY(no_empty_journal_stays_where_no_lock_can_be_had)
+{
+    struct journal *journal;
+    struct fault fault;
+    const char *path = place("none.iftty");
+    file_step_hook = has_no_locks_and_no_room;
+    CHECK(journal_create(&journal, path, 1, &fault) == ERR_IO);
+    file_step_hook = NULL;
+    CHECK_HAS(fault.text, strerror(ENOSPC));
+    CHECK(!file_exists(path));
+}
+
 STORY(looking_leaves_a_torn_tail_alone)
 {
     char path[FILE_LENGTH];
@@ -451,12 +571,17 @@ int main(void)
     if (!make_folder(folder, "durable"))
         return 1;
     int status = RUN_STORIES(TELL(nothing_is_written_to_a_file_that_is_not_ours_any_more),
+                             TELL(a_file_whose_times_alone_have_changed_is_written_to),
+                             TELL(line_ends_of_windows_are_named),
                              TELL(going_on_elsewhere_is_all_or_nothing),
                              TELL(records_are_synced_when_that_was_asked_for),
                              TELL(what_a_failed_sync_may_have_lost_is_written_again),
                              TELL(what_may_wait_is_synced_soon_or_with_the_next_record),
                              TELL(where_nothing_is_to_be_synced_nothing_waits_for_it),
                              TELL(a_second_writer_is_told_who_has_it_and_may_look),
+                             TELL(a_lock_that_a_child_holds_for_a_moment_is_waited_for),
+                             TELL(where_there_are_no_locks_a_file_stands_for_one),
+                             TELL(no_empty_journal_stays_where_no_lock_can_be_had),
                              TELL(looking_leaves_a_torn_tail_alone),
                              TELL(a_flip_of_any_bit_is_refused_or_repaired_and_never_taken));
     return status | remove_folder(folder);

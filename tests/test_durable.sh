@@ -123,6 +123,45 @@ if can_mount && mount -t tmpfs -o size=16k none "$small"; then
 fi
 close_story
 
+begin "a link to a journal: golden images lie beside the journal itself"
+mkdir real
+cp s.nii real
+expect_in real 0 "$iftty" -c 'open s.nii; seed 3,4,5 1; golden a' --journal l.iftty
+ln -s real/l.iftty link.iftty
+expect 0 "$iftty" -c 'turn 20; golden b' --journal link.iftty
+same "$(ls real/l.golden | tr '\n' ' ')" "a.exr a.png b.exr b.png "
+[ ! -e link.golden ] || fail "there is a folder beside the link"
+expect 0 "$iftty" verify link.iftty
+expect_in real 0 "$iftty" verify l.iftty
+mv real/l.golden link.golden # where they lay before
+expect 0 "$iftty" verify link.iftty
+expect 1 "$iftty" verify real/l.iftty
+close_story
+
+begin "a journal with the line ends of Windows is named, and mended by what it says"
+sed 's/$/\r/' real/l.iftty >w.iftty
+expect 3 "$iftty" -c info --journal w.iftty
+err_has "it has the line ends of Windows"
+expect 3 "$iftty" verify w.iftty
+out_has "it has the line ends of Windows"
+tr -d '\r' <w.iftty | cmp -s - real/l.iftty || fail "that does not mend it"
+close_story
+
+begin "a file system that cannot rename to a new name: bindfs"
+mkdir below above
+if can_fuse below above; then
+    cp s.nii above
+    expect_in above 0 "$iftty" -c 'open s.nii; seed 3,4,5 1; golden a; render r.png
+        save labels l.nii; save surface s.stl; spin 2 t%d.png; stats report=r.json
+        save labels l.nii replace=yes' --journal f.iftty
+    expect_in above 3 "$iftty" -c 'save labels l.nii' --journal f.iftty
+    err_has "exists already"
+    expect_in above 0 "$iftty" verify f.iftty
+    [ -z "$(find below -name '.iftty-*')" ] || fail "a draft is left"
+    fusermount3 -u above || fusermount -u above
+fi
+close_story
+
 begin "journal FILE where there is something, or nothing to go on from"
 expect 0 "$iftty" -c 'open s.nii; journal; journal d.iftty; seed 1,2,3 1; journal' --journal e.iftty
 out_has "e.iftty, 1 record"

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
@@ -254,6 +255,15 @@ const char *file_ending(const char *path, const char *endings)
 bool file_is_named(const char *path, const char *endings)
 {
     return file_ending(path, endings) != NULL;
+}
+
+void file_real(struct buf *out, const char *path)
+{
+    struct stat status;
+    char *real = lstat(path, &status) == 0 && S_ISLNK(status.st_mode) ? realpath(path, NULL) : NULL;
+    buf_clear(out);
+    buf_add_text(out, real ? real : path);
+    free(real);
 }
 
 enum err file_program_folder(struct buf *out, struct fault *fault)

@@ -56,6 +56,9 @@ void file_folder(struct buf *out, const char *path);
 const char *file_ending(const char *path, const char *endings);
 bool file_is_named(const char *path, const char *endings);
 
+/* out = `path`, or what it leads to, where it is a link. */
+void file_real(struct buf *out, const char *path);
+
 /* The folder of the running program. */
 enum err file_program_folder(struct buf *out, struct fault *fault);
 
@@ -71,6 +74,7 @@ enum file_step {
     FILE_STEP_RENAME,
     FILE_STEP_RENAME_NEW, /* to a name that has to be free */
     FILE_STEP_LINK,
+    FILE_STEP_LOCK,
     FILE_STEP_CUT,
     FILE_STEP_SYNC_FOLDER /* of the folder that holds `path` */
 };

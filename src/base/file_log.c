@@ -1,21 +1,17 @@
 #include "base/file_log.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <pthread.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
-#include <sys/sysmacros.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "base/buf.h"
-#include "base/file.h"
+#include "base/file_draft.h"
+#include "base/file_lock.h"
 #include "base/mem.h"
 #include "base/team.h"
 
@@ -25,7 +21,9 @@ struct file_log {
     dev_t device; /* with `inode`: the file, whatever it is called */
     ino_t inode;
     enum file_sync sync;
-    bool is_ragged; /* G1 */
+    struct file_lock file_lock;       /* G4 */
+    bool is_ragged;                   /* G1 */
+    struct timespec written, changed; /* its times after the last write of ours */
 
     pthread_mutex_t lock; /* of what follows: the thread reads and writes it too */
     pthread_cond_t stirs; /* something waits to be synced, or the thread is to leave */
@@ -138,102 +136,8 @@ enum err file_log_set_sync(struct file_log *log, enum file_sync sync, struct fau
 
 /* ---- opening ---- */
 
-/*
- * Who holds the lock is asked of the kernel at the moment it matters, so that a crash leaves
- * nothing stale: a note in a file beside it would outlive its writer.
- */
-
-/* One line of /proc/locks: "1: FLOCK  ADVISORY  WRITE 4711 08:02:131187 0 EOF". False for a lock of
- * another kind. */
-static bool parse_lock(const char *line, long *process, struct stat *file)
+static enum err open_file(struct file_log *log, bool create, struct fault *fault)
 {
-    unsigned major_number, minor_number;
-    unsigned long inode;
-    if (sscanf(line, "%*d: FLOCK ADVISORY WRITE %ld %x:%x:%lu", process, &major_number,
-               &minor_number, &inode) != 4)
-        return false;
-    file->st_dev = makedev(major_number, minor_number);
-    file->st_ino = (ino_t)inode;
-    return *process > 0;
-}
-
-static bool is_same_file(const struct stat *a, const struct stat *b)
-{
-    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
-}
-
-/* Layered file systems show other numbers in /proc/locks than stat does; the descriptors of the
- * process, where we may look at them, show the same. */
-static bool process_has_open(long process, const struct stat *status)
-{
-    char path[64 + NAME_MAX];
-    bool has = false;
-    snprintf(path, sizeof path, "/proc/%ld/fd", process);
-    DIR *folder = opendir(path);
-    if (!folder)
-        return false;
-    const size_t length = strlen(path);
-    for (struct dirent *entry; !has && (entry = readdir(folder));) {
-        struct stat found;
-        snprintf(path + length, sizeof path - length, "/%s", entry->d_name);
-        has = stat(path, &found) == 0 && is_same_file(&found, status);
-    }
-    closedir(folder);
-    return has;
-}
-
-static void add_process(struct buf *out, long process)
-{
-    char path[64], name[64];
-    buf_printf(out, "process %ld", process);
-    snprintf(path, sizeof path, "/proc/%ld/comm", process);
-    FILE *file = fopen(path, "re");
-    if (!file)
-        return;
-    if (fgets(name, sizeof name, file)) {
-        buf_add_text(out, " (");
-        buf_add_safe(out, name, strcspn(name, "\n"));
-        buf_add_char(out, ')');
-    }
-    fclose(file);
-}
-
-/* Adds "process 4711 (iftty)" where a process of this machine holds an exclusive flock on the file.
- * False where none can be found: another machine on a shared disk, another container, a system
- * without /proc/locks. */
-static bool find_holder(struct buf *out, const struct stat *status)
-{
-    char line[256];
-    bool found = false;
-    FILE *locks = fopen("/proc/locks", "re");
-    while (locks && !found && fgets(line, sizeof line, locks)) {
-        struct stat file = {0};
-        long process;
-        found = parse_lock(line, &process, &file) &&
-                (is_same_file(&file, status) || process_has_open(process, status));
-        if (found)
-            add_process(out, process);
-    }
-    if (locks)
-        fclose(locks);
-    return found;
-}
-
-static enum err fault_held(const struct stat *status, const char *path, struct fault *fault)
-{
-    struct buf words = {0};
-    const bool known = find_holder(&words, status);
-    enum err err = fault_set(fault, ERR_IO,
-                             "%s is being written by another session%s%s; it is unchanged, and "
-                             "--read-only opens it for looking",
-                             path, known ? ", " : "", known ? buf_text(&words) : "");
-    buf_release(&words);
-    return err;
-}
-
-static enum err take(struct file_log *log, bool create, struct fault *fault)
-{
-    struct stat status;
     const char *path = log->path;
     log->fd = file_step_open(path, create ? O_RDWR | O_CREAT | O_EXCL : O_RDWR | O_NONBLOCK);
     if (log->fd < 0 && create && errno == EEXIST)
@@ -242,23 +146,27 @@ static enum err take(struct file_log *log, bool create, struct fault *fault)
         enum err err = fault_errno(fault, "write to", path);
         return fault_prefix(fault, err, "--read-only opens it for looking");
     }
-    if (log->fd < 0 || fstat(log->fd, &status) != 0)
-        return fault_errno(fault, create ? "create" : "open", path);
+    return log->fd < 0 ? fault_errno(fault, create ? "create" : "open", path) : OK;
+}
+
+/* The file that is open becomes ours. */
+static enum err take(struct file_log *log, struct fault *fault)
+{
+    struct stat status;
+    const char *path = log->path;
+    if (fstat(log->fd, &status) != 0)
+        return fault_errno(fault, "open", path);
     if (!S_ISREG(status.st_mode))
         return fault_set(fault, ERR_IO, "%s is not a regular file", path);
-    if (flock(log->fd, LOCK_EX | LOCK_NB) != 0)
-        return errno == EWOULDBLOCK ? fault_held(&status, path, fault)
-                                    : fault_errno(fault, "lock", path);
+    const enum err held = file_lock_take(&log->file_lock, log->fd, path, fault);
+    if (held)
+        return held;
     if (fstat(log->fd, &status) != 0) /* again: it may have grown until it was ours */
         return fault_errno(fault, "open", path);
     log->device = status.st_dev;
     log->inode = status.st_ino;
     log->length = (uint64_t)status.st_size;
-    if (create && !file_step_sync_folder(path)) {
-        enum err err = fault_errno(fault, "sync the folder of", path);
-        unlink(path);
-        return err;
-    }
+    file_log_note_times(log);
     return OK;
 }
 
@@ -284,9 +192,16 @@ enum err file_log_open(struct file_log **out, const char *path, bool create, str
     *out = NULL;
     if (!log)
         return fault_memory(fault, path);
-    enum err err = take(log, create, fault);
+    enum err err = open_file(log, create, fault);
+    const bool is_made = !err && create;
+    if (!err)
+        err = take(log, fault);
+    if (is_made && !err)
+        err = file_log_sync_folder(log, fault);
     if (!err)
         err = file_log_sync(log, fault);
+    if (err && is_made)
+        file_discard(path); /* no empty file stays */
     if (err)
         file_log_close(log);
     else
@@ -320,8 +235,30 @@ static enum err find_in_place(const struct file_log *log, struct fault *fault)
     return OK;
 }
 
+static bool is_same_time(const struct timespec *a, const struct timespec *b)
+{
+    return a->tv_sec == b->tv_sec && a->tv_nsec == b->tv_nsec;
+}
+
+bool file_log_was_touched(const struct file_log *log)
+{
+    struct stat status;
+    return fstat(log->fd, &status) != 0 || !is_same_time(&status.st_mtim, &log->written) ||
+           !is_same_time(&status.st_ctim, &log->changed);
+}
+
+void file_log_note_times(struct file_log *log)
+{
+    struct stat status;
+    if (fstat(log->fd, &status) != 0)
+        return;
+    log->written = status.st_mtim;
+    log->changed = status.st_ctim;
+}
+
 static void set_length(struct file_log *log, uint64_t length)
 {
+    file_log_note_times(log);
     pthread_mutex_lock(&log->lock);
     log->length = length;
     log->synced = log->synced < length ? log->synced : length;
@@ -331,6 +268,7 @@ static void set_length(struct file_log *log, uint64_t length)
 
 static void note_synced(struct file_log *log)
 {
+    file_log_note_times(log);
     pthread_mutex_lock(&log->lock);
     log->is_in_doubt = false;
     log->synced = log->length;
@@ -414,6 +352,11 @@ enum err file_log_rewrite(struct file_log *log, const char *bytes, struct fault 
     return OK;
 }
 
+const char *file_log_lock_file(const struct file_log *log)
+{
+    return log->file_lock.path;
+}
+
 uint64_t file_log_length(const struct file_log *log)
 {
     return log->length;
@@ -428,6 +371,7 @@ void file_log_close(struct file_log *log)
         file_log_sync(log, NULL);
     if (log->fd >= 0)
         close(log->fd);
+    file_lock_release(&log->file_lock);
     pthread_cond_destroy(&log->stirs);
     pthread_mutex_destroy(&log->lock);
     free(log->path);

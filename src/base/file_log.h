@@ -13,11 +13,12 @@
  *      appended until that cut is on the disk: else bytes that were refused could be back after a
  *      loss of power, or stand after a shorter append;
  *   G2 nothing is appended to a file that is not at its path any more (deleted, moved, replaced),
- *      nor to one that another process has made longer or shorter;
+ *      nor to one that another process has made longer or shorter; the owner, who knows the
+ *      content, is told when it may have been written to (file_log_was_touched);
  *   G3 a sync that has failed is never repeated and believed: systems forget what they could
  *      not write. What stands after `synced` is written anew (file_log_rewrite) before anything
  *      else is appended;
- *   G4 one writer at a time, by a lock of the system that ends with the process.
+ *   G4 one writer at a time (base/file_lock.h).
  *
  * Apart from the thread inside, a log belongs to one thread.
  */
@@ -68,6 +69,16 @@ enum err file_log_rewrite(struct file_log *log, const char *bytes, struct fault 
 
 /* From now on syncs so. Towards `always` everything is synced first; on failure it is as it was. */
 enum err file_log_set_sync(struct file_log *log, enum file_sync sync, struct fault *fault);
+
+/* Whether the times of the file are others than after the last write of ours: somebody else may
+ * have written to it, or the file system has corrected them. file_log_note_times once the content
+ * was found to be what it should be. A write within the same tick of the system's clock as ours
+ * (4 ms, on some) is not seen. */
+bool file_log_was_touched(const struct file_log *log);
+void file_log_note_times(struct file_log *log);
+
+/* The file that stands for a lock, where the file system has none (base/file_lock.h); or NULL. */
+const char *file_log_lock_file(const struct file_log *log);
 
 uint64_t file_log_length(const struct file_log *log);
 

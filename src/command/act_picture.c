@@ -25,8 +25,12 @@ enum err act_note_picture(const struct act *act, const struct labels *labels,
     enum err err = labels->finished ? note_finish(act, picture) : OK;
     if (err || !journal)
         return err;
-    const char *name = file_name(journal_path(journal));
-    err = picture_note(picture, "iftty:journal", name, act->fault);
+    struct buf path = {0};
+    file_real(&path, journal_path(journal));
+    err = path.failed
+              ? fault_memory(act->fault, "a note on a picture")
+              : picture_note(picture, "iftty:journal", file_name(buf_text(&path)), act->fault);
+    buf_release(&path);
     return err ? err : picture_note(picture, "iftty:chain", journal_chain(journal), act->fault);
 }
 

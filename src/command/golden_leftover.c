@@ -42,13 +42,16 @@ bool golden_is_leftover(const char *path, const char *journal_path, const char *
                         size_t length)
 {
     struct picture picture = {0};
+    struct buf real = {0};
     if (exr_read(&picture, path, NULL) != OK)
         return false;
+    file_real(&real, journal_path);
     const char *journal = picture_find(&picture, "iftty:journal"),
                *chain = picture_find(&picture, "iftty:chain");
-    const bool is_leftover = journal && chain && strcmp(journal, file_name(journal_path)) == 0 &&
+    const bool is_leftover = journal && chain && strcmp(journal, file_name(buf_text(&real))) == 0 &&
                              is_followed_by_no_golden(chain, bytes, length);
     picture_release(&picture);
+    buf_release(&real);
     return is_leftover;
 }
 

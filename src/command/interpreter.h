@@ -153,8 +153,8 @@ enum err interpreter_find_scene(const struct interpreter *interp, const char *na
 enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
                                struct fault *fault);
 
-/* Whether a file beside the journal, by its path, may be read: a wary interpreter follows no link
- * that leads out of the journal's folder. ERR_INPUT. */
+/* Whether a file in the folder of golden images, by its path, may be read: a wary
+ * interpreter follows no link that leads out of the folder that holds it. ERR_INPUT. */
 enum err interpreter_may_read(const struct interpreter *interp, const char *path,
                               struct fault *fault);
 

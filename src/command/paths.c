@@ -92,13 +92,15 @@ enum err interpreter_find_file(const struct interpreter *interp, const char *nam
 enum err interpreter_may_read(const struct interpreter *interp, const char *path,
                               struct fault *fault)
 {
-    struct buf folder = {0};
+    struct buf goldens = {0}, folder = {0};
     if (!interpreter_is_wary(interp))
         return OK;
-    const char *home = buf_text(&interp->home);
-    const char *name = path + (file_name(home) - home); /* both lie in one folder */
-    file_folder(&folder, home);
-    const enum trust_answer answer = trust_look(buf_text(&folder), name);
+    file_folder(&goldens, path);
+    file_folder(&folder, buf_text(&goldens));
+    const char *name = path + (file_name(buf_text(&goldens)) - buf_text(&goldens));
+    const enum trust_answer answer =
+        goldens.failed || folder.failed ? TRUST_OUTSIDE : trust_look(buf_text(&folder), name);
+    buf_release(&goldens);
     buf_release(&folder);
     if (answer == TRUST_FINE || answer == TRUST_MISSING)
         return OK; /* the reader says that it is missing */

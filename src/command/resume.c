@@ -174,7 +174,13 @@ static void begin_again(struct interpreter *interp)
 /* What the user is to know of the journal that was opened. */
 static void tell_opened(const struct interpreter *interp, const char *path, struct buf *told)
 {
+    const char *lock = journal_lock_file(interp->journal);
     semantics_tell_lost(told, interp->session.semantics);
+    if (lock) {
+        buf_add_text(told, "the file system has no locks: ");
+        buf_add_safe_text(told, lock);
+        buf_add_text(told, " keeps other sessions from writing, until this one ends\n");
+    }
     if (!interp->is_read_only)
         return;
     buf_add_safe_text(told, path);

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "image/volume_helper.h"
+#include "journal/golden.h"
 #include "program/console.h"
 #include "sandbox/limits.h"
 #include "sandbox/trust.h"
@@ -51,17 +52,20 @@ enum err end_journal(struct interpreter *interp, enum err err, struct fault *fau
 enum err begin_confined(const struct options *o, const char *journal, const char *written,
                         const char *const *run, struct fault *fault)
 {
-    struct buf images = {0}, volumes = {0};
+    struct buf images = {0}, volumes = {0}, goldens = {0};
     struct limits limits;
     enum err err = limits_read(&limits, o->limit_memory, o->limit_time, o->limit_output, fault);
     if (!err)
         err = image_helper_default_program(&images, fault);
     if (!err)
         err = volume_helper_default_program(&volumes, fault);
+    if (!err)
+        err = golden_folder(&goldens, journal, fault);
     char *path = (char *)(uintptr_t)journal;
     const char *const folders[] = {written, NULL};
     const struct trust_places places = {.journal = &path,
                                         .journals = 1,
+                                        .goldens = buf_text(&goldens),
                                         .scene = o->scene,
                                         .scenes = interpreter_scenes(),
                                         .helper = {buf_text(&images), buf_text(&volumes)},
@@ -73,6 +77,7 @@ enum err begin_confined(const struct options *o, const char *journal, const char
     }
     buf_release(&images);
     buf_release(&volumes);
+    buf_release(&goldens);
     return err;
 }
 

@@ -254,6 +254,7 @@ static void gather_journals(struct gathering *g, const struct trust_places *plac
         if (lstat(places->journal[i], &status) == 0 && S_ISLNK(status.st_mode))
             gather(g, places->journal[i], CONFINE_READ);
     }
+    gather(g, places->goldens, CONFINE_READ);
 }
 
 /* What any program needs: its libraries, what they read as they start, and /dev/null. */

@@ -54,6 +54,7 @@ enum err trust_find(struct buf *path, const char *home, const char *scenes, cons
 struct trust_places {
     char *const *journal;
     int journals;
+    const char *goldens;        /* the folder of golden images, where it may lie elsewhere */
     const char *scene, *scenes; /* --scene; folders, separated by colons */
     const char *helper[2];      /* the programs of the helpers for images and for volumes */
     const char *const *written; /* folders, ended by NULL, that the user wants written */

@@ -1,0 +1,229 @@
+/*
+ * Publishing files, on file systems that have less than others: no renaming to a name that has to
+ * be new, no hard links. And what is cleared away of those that were killed while they did so.
+ */
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/file_draft.h"
+#include "base/owner.h"
+#include "tests/check.h"
+#include "tests/folder.h"
+
+static char folder[FOLDER_LENGTH];
+
+/* ---- file systems ---- */
+
+static enum file_step lacking[2];
+static int refusal;
+
+static int lacks(enum file_step step, const char *path)
+{
+    (void)path;
+    return step == lacking[0] || step == lacking[1] ? refusal : 0;
+}
+
+static bool holds(const char *path, const char *text)
+{
+    struct buf found = {0};
+    const bool fine = file_read(&found, path, 1000, NULL) == OK && strcmp(found.data, text) == 0;
+    buf_release(&found);
+    return fine;
+}
+
+static unsigned files_in_folder(void)
+{
+    unsigned count = 0;
+    DIR *listing = opendir(folder);
+    for (const struct dirent *entry; listing && (entry = readdir(listing));)
+        count += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
+    if (listing)
+        closedir(listing);
+    return count;
+}
+
+/* A new file, one that is refused, one that is replaced, and one that is taken back. */
+static void publish_all(void)
+{
+    struct buf backup = {0};
+    struct fault fault = {.text = ""};
+    const char *path = file_in(folder, "a.txt");
+    CHECK(file_write(path, "one", 3, FILE_KEEP, &fault) == OK);
+    CHECK_TEXT(fault.text, "");
+    CHECK(holds(path, "one"));
+    CHECK(file_write(path, "two", 3, FILE_KEEP, &fault) == ERR_IO);
+    CHECK_HAS(fault.text, "exists already");
+    CHECK(file_backup(&backup, path, &fault) == OK);
+    CHECK(file_write(path, "three", 5, FILE_REPLACE, &fault) == OK);
+    CHECK(holds(path, "three"));
+    CHECK(file_restore(buf_text(&backup), path, &fault) == OK);
+    CHECK(holds(path, "one"));
+    CHECK_INT(files_in_folder(), 1);
+    unlink(path);
+    buf_release(&backup);
+}
+
+/* Somebody takes the name while the file is being written. */
+static void publish_late(void)
+{
+    struct buf draft = {0};
+    struct fault fault = {.text = ""};
+    const char *path = file_in(folder, "b.txt");
+    CHECK(file_draft(&draft, path, FILE_KEEP, &fault) == OK);
+    int (*hook)(enum file_step, const char *) = file_step_hook;
+    file_step_hook = NULL;
+    CHECK(file_write(buf_text(&draft), "ours", 4, FILE_KEEP, NULL) == OK);
+    CHECK(file_write(path, "theirs", 6, FILE_KEEP, NULL) == OK);
+    file_step_hook = hook;
+    CHECK(file_publish(buf_text(&draft), path, FILE_KEEP, &fault) == ERR_IO);
+    CHECK_HAS(fault.text, strerror(EEXIST));
+    CHECK(holds(path, "theirs"));
+    CHECK_INT(files_in_folder(), 1);
+    unlink(path);
+    buf_release(&draft);
+}
+
+STORY(files_are_published_by_what_a_file_system_has)
+{
+    static const enum file_step without[][2] = {{FILE_STEP_RENAME_NEW, FILE_STEP_RENAME_NEW},
+                                                {FILE_STEP_RENAME_NEW, FILE_STEP_LINK}};
+    static const int refusals[] = {EINVAL, ENOSYS, EOPNOTSUPP, EPERM};
+    for (size_t n = 0; n < 8; n++) {
+        memcpy(lacking, without[n / 4], sizeof lacking);
+        refusal = refusals[n % 4];
+        file_step_hook = lacks;
+        publish_all();
+        publish_late();
+        file_step_hook = NULL;
+    }
+    publish_all();
+    publish_late();
+}
+
+/* ---- what was left ---- */
+
+static void make_draft(struct buf *draft)
+{
+    CHECK(file_draft(draft, file_in(folder, "c.txt"), FILE_KEEP, NULL) == OK);
+    FILE *file = fopen(buf_text(draft), "we");
+    if (CHECK(file != NULL))
+        fclose(file);
+}
+
+/* The draft of a process that has ended. */
+static void leave_draft(struct buf *draft)
+{
+    char name[FILE_LENGTH] = "";
+    int ends[2];
+    if (!CHECK(pipe(ends) == 0))
+        return;
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0) {
+        make_draft(draft);
+        _exit(write(ends[1], draft->data, draft->length + 1) < 0);
+    }
+    CHECK(waitpid(child, NULL, 0) == child);
+    CHECK(read(ends[0], name, sizeof name) > 0);
+    close(ends[0]);
+    close(ends[1]);
+    buf_clear(draft);
+    buf_add_text(draft, name);
+}
+
+STORY(drafts_of_processes_that_have_ended_go_and_others_stay)
+{
+    struct buf dead = {0}, live = {0}, strange = {0}, link = {0};
+    leave_draft(&dead);
+    make_draft(&live);
+    CHECK(file_exists(buf_text(&dead)) && file_exists(buf_text(&live)));
+    leave_draft(&strange); /* the name of one, but a link */
+    CHECK(unlink(buf_text(&strange)) == 0 && symlink("c.txt", buf_text(&strange)) == 0);
+    const char *const names[] = {".iftty-notes", ".iftty-1-0-c.txt", ".tmp-1-0-c.txt",
+                                 ".iftty-00000zzzzz-1-1-0-c.txt"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        CHECK(file_write(file_in(folder, names[i]), "x", 1, FILE_KEEP, NULL) == OK);
+    file_sweep(folder);
+    CHECK(!file_exists(buf_text(&dead)));
+    CHECK(file_exists(buf_text(&live)) && file_exists(buf_text(&strange)));
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        CHECK(unlink(file_in(folder, names[i])) == 0);
+    unlink(buf_text(&live));
+    unlink(buf_text(&strange));
+    CHECK_INT(files_in_folder(), 0);
+    buf_release(&dead);
+    buf_release(&live);
+    buf_release(&strange);
+    buf_release(&link);
+}
+
+/* Writing into a folder clears it; a loss of power leaves what another start of the machine did. */
+STORY(drafts_of_a_former_start_go_and_those_of_another_machine_after_a_day)
+{
+    struct buf draft = {0};
+    char former[FILE_LENGTH], other[FILE_LENGTH];
+    make_draft(&draft);
+    const size_t word = strlen(folder) + strlen("/.iftty-");
+    strcpy(former, buf_text(&draft));
+    strcpy(other, buf_text(&draft));
+    former[word + 5] = former[word + 5] == '0' ? '1' : '0'; /* the start of the system */
+    other[word] = other[word] == '0' ? '1' : '0';           /* the machine */
+    CHECK(rename(buf_text(&draft), former) == 0);
+    CHECK(file_write(other, "x", 1, FILE_KEEP, NULL) == OK);
+    file_sweep(folder);
+    CHECK(!file_exists(former) && file_exists(other));
+    const struct timespec days_ago[2] = {{.tv_sec = 1000000000}, {.tv_sec = 1000000000}};
+    CHECK(utimensat(AT_FDCWD, other, days_ago, 0) == 0);
+    file_sweep(folder);
+    CHECK(!file_exists(other));
+    CHECK_INT(files_in_folder(), 0);
+    buf_release(&draft);
+}
+
+STORY(a_name_of_any_length_can_be_written)
+{
+    char name[256] = "", path[FOLDER_LENGTH + 256];
+    while (strlen(name) < 250)
+        strcat(name, "\xC3\xA4");
+    strcat(name, ".txt");
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    CHECK(file_write(path, "x", 1, FILE_KEEP, NULL) == OK);
+    CHECK(holds(path, "x"));
+}
+
+STORY(the_word_of_a_process_says_whether_it_lives)
+{
+    struct buf word = {0};
+    enum owner_state state;
+    owner_write(&word);
+    const char *at = buf_text(&word);
+    CHECK(owner_read(&at, &state) && *at == '\0' && state == OWNER_LIVES);
+    word.data[word.length - 1] ^= 1; /* another process had its number */
+    at = buf_text(&word);
+    CHECK(owner_read(&at, &state) && state == OWNER_IS_GONE);
+    for (size_t length = 0; length < word.length - 1; length++) {
+        struct buf part = {0};
+        buf_add(&part, word.data, length);
+        at = buf_text(&part);
+        CHECK(owner_read(&at, &state) ? *at == '\0' : at == buf_text(&part));
+        buf_release(&part);
+    }
+    buf_release(&word);
+}
+
+int main(void)
+{
+    if (!make_folder(folder, "publish"))
+        return 1;
+    return RUN_STORIES(TELL(files_are_published_by_what_a_file_system_has),
+                       TELL(drafts_of_processes_that_have_ended_go_and_others_stay),
+                       TELL(drafts_of_a_former_start_go_and_those_of_another_machine_after_a_day),
+                       TELL(a_name_of_any_length_can_be_written),
+                       TELL(the_word_of_a_process_says_whether_it_lives)) |
+           remove_folder(folder);
+}
