@@ -23,8 +23,9 @@
 #include "journal/journal.h"
 #include "tests/check.h"
 #include "tests/folder.h"
+#include "tests/interpreting.h"
 
-enum { BLOCK = 512, FILES_MOST = 16, TRIALS = 40 };
+enum { BLOCK = 512, FILES_MOST = 64, TRIALS = 40 };
 
 static char folder[FOLDER_LENGTH],
     after[FOLDER_LENGTH + 8]; /* where things are written; what a loss of power leaves */
@@ -35,8 +36,9 @@ struct synced_file {
     struct buf bytes;
 };
 struct synced_name {
-    char name[256];
+    char name[256]; /* "j.golden" or "j.golden/a.exr" */
     ino_t inode;
+    bool is_folder;
 };
 static struct synced_file on_disk[FILES_MOST];
 static struct synced_name names[FILES_MOST];
@@ -82,25 +84,67 @@ static void read_all(struct buf *out, const char *path)
         fclose(file);
 }
 
-/* The files of the folder as they are now, whatever the disk holds. */
-static unsigned present_names(struct synced_name out[FILES_MOST])
+static unsigned list_names(struct synced_name out[FILES_MOST], unsigned count, const char *below)
 {
-    unsigned count = 0;
-    DIR *listing = opendir(folder);
+    char path[512];
+    path_in(path, folder, below);
+    DIR *listing = opendir(path);
     for (struct dirent *entry; listing && (entry = readdir(listing));) {
-        char path[512];
+        struct synced_name *name = &out[count];
         struct stat status;
-        path_in(path, folder, entry->d_name);
-        if (*entry->d_name == '.' || stat(path, &status) != 0)
-            continue; /* drafts are nobody's before they are published */
         if (count == FILES_MOST)
             abort();
-        snprintf(out[count].name, sizeof out[count].name, "%s", entry->d_name);
-        out[count++].inode = status.st_ino;
+        if (*entry->d_name == '.')
+            continue; /* drafts are nobody's before they are published */
+        const int length = snprintf(name->name, sizeof name->name, "%s%s", below, entry->d_name);
+        path_in(path, folder, name->name);
+        if (length >= (int)sizeof name->name || stat(path, &status) != 0)
+            continue;
+        name->inode = status.st_ino;
+        name->is_folder = S_ISDIR(status.st_mode);
+        count++;
+        snprintf(path, sizeof path, "%s/", name->name);
+        if (name->is_folder)
+            count = list_names(out, count, path);
     }
     if (listing)
         closedir(listing);
     return count;
+}
+
+/* The files of the folder as they are now, whatever the disk holds; folders before what is in
+ * them. */
+static unsigned present_names(struct synced_name out[FILES_MOST])
+{
+    return list_names(out, 0, "");
+}
+
+/* The folder of a name: its first so many bytes. */
+static size_t folder_part(const char *name)
+{
+    const char *slash = strrchr(name, '/');
+    return slash ? (size_t)(slash - name) + 1 : 0;
+}
+
+/* The names in the folder that holds `path` are on the disk; those of other folders are as they
+ * were. */
+static void sync_names(const char *path)
+{
+    struct synced_name now[FILES_MOST];
+    const char *name = path + strlen(folder) + 1;
+    const size_t part = folder_part(name);
+    const unsigned count = present_names(now);
+    unsigned kept = 0;
+    for (unsigned i = 0; i < names_on_disk; i++)
+        if (folder_part(names[i].name) != part || strncmp(names[i].name, name, part) != 0)
+            names[kept++] = names[i];
+    for (unsigned i = 0; i < count; i++)
+        if (folder_part(now[i].name) == part && strncmp(now[i].name, name, part) == 0) {
+            if (kept == FILES_MOST)
+                abort();
+            names[kept++] = now[i];
+        }
+    names_on_disk = kept;
 }
 
 /* ---- what a loss of power leaves ---- */
@@ -155,6 +199,22 @@ static const char *name_of(const struct synced_name *list, unsigned count, ino_t
     return NULL;
 }
 
+static bool is_folder_of(const struct synced_name *list, unsigned count, ino_t inode)
+{
+    for (unsigned i = 0; i < count; i++)
+        if (list[i].inode == inode)
+            return list[i].is_folder;
+    return false;
+}
+
+/* The folder that a path is in may be lost itself. */
+static bool has_folder(const char *path)
+{
+    char above[512];
+    snprintf(above, sizeof above, "%.*s", (int)folder_part(path), path);
+    return file_is_folder(above);
+}
+
 /* One name after the loss: what it leads to now, or what the folder on the disk says. */
 static void leave(const char *name, const struct synced_name *now, unsigned count)
 {
@@ -164,8 +224,12 @@ static void leave(const char *name, const struct synced_name *now, unsigned coun
     const ino_t inode = is == was || coin() ? is : was;
     path_in(path, after, name);
     unlink(path);
-    if (inode == 0)
+    if (inode == 0 || !has_folder(path))
         return;
+    if (is_folder_of(now, count, inode)) {
+        mkdir(path, 0700);
+        return;
+    }
     const char *present = name_of(now, count, inode);
     if (present) {
         char source[512];
@@ -184,13 +248,13 @@ static void leave(const char *name, const struct synced_name *now, unsigned coun
     buf_release(&left);
 }
 
-static enum err count_record(void *context, const struct record *record, struct fault *fault)
+static enum err count_record(void *context, const struct record *record, struct fault *why)
 {
     char command[64];
     size_t *count = context;
     snprintf(command, sizeof command, "seed %zu,2,3 1", ++*count);
     CHECK_TEXT(record->command, command);
-    (void)fault;
+    (void)why;
     return OK;
 }
 
@@ -210,7 +274,7 @@ static void open_what_is_left(void)
 {
     char path[512];
     struct journal *journal;
-    struct fault fault = {.text = ""};
+    struct fault why = {.text = ""};
     struct buf before = {0};
     size_t count = 0;
     const struct journal_resume how = {
@@ -222,12 +286,12 @@ static void open_what_is_left(void)
         return;
     }
     read_all(&before, path);
-    if (CHECK(journal_open(&journal, path, &how, NULL, &fault) == OK)) {
+    if (CHECK(journal_open(&journal, path, &how, NULL, &why) == OK)) {
         CHECK(count == acknowledged || count == acknowledged + 1);
         CHECK(journal_audit(journal, NULL) == OK);
         journal_close(journal);
     } else {
-        printf("#   %zu acknowledged: %s\n", acknowledged, fault.text);
+        printf("#   %zu acknowledged: %s\n", acknowledged, why.text);
     }
     if (torn)
         CHECK(is_kept("j.iftty.torn-1") || is_kept("j.iftty.torn-2"));
@@ -240,7 +304,10 @@ static void clear(const char *where)
     for (struct dirent *entry; listing && (entry = readdir(listing));) {
         char path[512];
         path_in(path, where, entry->d_name);
-        unlink(path); /* those that are no files stay */
+        if (unlink(path) != 0 && *entry->d_name != '.') {
+            clear(path);
+            rmdir(path);
+        }
     }
     if (listing)
         closedir(listing);
@@ -280,7 +347,7 @@ static int watch_step(enum file_step step, const char *path)
     if (step == FILE_STEP_SYNC)
         sync_file(path);
     if (step == FILE_STEP_SYNC_FOLDER)
-        names_on_disk = present_names(names);
+        sync_names(path);
     return 0;
 }
 
@@ -558,6 +625,104 @@ STORY(a_loss_of_power_takes_views_of_the_last_second_and_no_edit)
     }
 }
 
+/* ---- golden images ---- */
+
+static struct interpreter session;
+
+/* Every golden image of a record is there, with its PNG, as it was written. */
+static enum err expect_golden(void *context, const struct record *record, struct fault *why)
+{
+    static const char *const kind[] = {"exr", "png"};
+    size_t *count = context;
+    (void)why;
+    ++*count;
+    for (int k = 0; k < 2 && strncmp(record->command, "golden ", 7) == 0; k++) {
+        struct buf left = {0}, wanted = {0};
+        char name[64], path[512];
+        snprintf(name, sizeof name, "j.golden/%.1s.%s", record->command + 7, kind[k]);
+        path_in(path, after, name);
+        read_all(&left, path);
+        path_in(path, folder, name);
+        read_all(&wanted, path);
+        CHECK(wanted.length && left.length == wanted.length &&
+              memcmp(left.data, wanted.data, left.length) == 0);
+        buf_release(&left);
+        buf_release(&wanted);
+    }
+    return OK;
+}
+
+static void lose_power_over_goldens(void)
+{
+    struct synced_name now[FILES_MOST];
+    const unsigned count = present_names(now);
+    int (*hook)(enum file_step step, const char *path) = file_step_hook;
+    file_step_hook = NULL;
+    for (unsigned trial = 0; trial < TRIALS / 4; trial++) {
+        struct journal *journal;
+        char path[512];
+        size_t records = 0;
+        const struct journal_resume how = {
+            .semantics = SEMANTICS, .on_record = expect_golden, .context = &records};
+        clear(after);
+        for (unsigned i = 0; i < count; i++)
+            leave(now[i].name, now, count);
+        path_in(path, after, "j.iftty");
+        losses++;
+        if (CHECK(journal_open(&journal, path, &how, NULL, NULL) == OK)) {
+            CHECK(records >= acknowledged);
+            journal_close(journal);
+        }
+    }
+    file_step_hook = hook;
+}
+
+static int watch_golden(enum file_step step, const char *path)
+{
+    if (!pthread_equal(pthread_self(), teller))
+        return 0;
+    lose_power_over_goldens();
+    if (step == FILE_STEP_SYNC)
+        sync_file(path);
+    if (step == FILE_STEP_SYNC_FOLDER)
+        sync_names(path);
+    return 0;
+}
+
+STORY(a_record_of_a_golden_image_has_its_image_through_any_loss_of_power)
+{
+    static const char *const commands[] = {"open synth:geom:16x16x16",
+                                           "size 16 16",
+                                           "seed 8,8,8 1 radius=2",
+                                           "seed 1,1,1 0",
+                                           "golden a",
+                                           "turn 30",
+                                           "golden b of=axial",
+                                           "golden c"};
+    const char *path = begin(51);
+    teller = pthread_self();
+    begin_interpreter(&session);
+    CHECK(interpreter_create_journal(&session, path, NULL) == OK);
+    for (size_t n = 0; n < sizeof commands / sizeof *commands; n++) {
+        const bool is_golden = strncmp(commands[n], "golden", 6) == 0;
+        file_step_hook = is_golden ? watch_golden : NULL;
+        must(&session, commands[n]);
+        file_step_hook = NULL;
+        if (is_golden) {
+            acknowledged = session.history.records;
+            lose_power_over_goldens();
+            continue;
+        }
+        CHECK(journal_sync(session.journal, NULL) == OK);
+        acknowledged = session.history.records;
+        sync_file(path);
+        sync_names(path);
+    }
+    CHECK(losses > 300 && losses_of_bytes > 20);
+    interpreter_release(&session);
+    reply_release(&reply);
+}
+
 int main(void)
 {
     if (!make_folder(folder, "power"))
@@ -565,12 +730,14 @@ int main(void)
     snprintf(after, sizeof after, "%s.after", folder);
     if (mkdir(after, 0700) != 0)
         return 1;
-    int status = RUN_STORIES(TELL(a_loss_of_power_takes_nothing_that_was_acknowledged),
-                             TELL(a_journal_that_was_only_begun_gets_its_name_synced),
-                             TELL(a_loss_of_power_while_a_torn_tail_is_mended),
-                             TELL(a_loss_of_power_while_the_journal_goes_on_elsewhere),
-                             TELL(without_syncs_what_was_synced_last_is_there),
-                             TELL(a_loss_of_power_takes_views_of_the_last_second_and_no_edit));
+    int status =
+        RUN_STORIES(TELL(a_loss_of_power_takes_nothing_that_was_acknowledged),
+                    TELL(a_journal_that_was_only_begun_gets_its_name_synced),
+                    TELL(a_loss_of_power_while_a_torn_tail_is_mended),
+                    TELL(a_loss_of_power_while_the_journal_goes_on_elsewhere),
+                    TELL(without_syncs_what_was_synced_last_is_there),
+                    TELL(a_loss_of_power_takes_views_of_the_last_second_and_no_edit),
+                    TELL(a_record_of_a_golden_image_has_its_image_through_any_loss_of_power));
     forget_everything();
     clear(folder);
     clear(after);
