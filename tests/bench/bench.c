@@ -28,7 +28,8 @@ static const struct option option[] = {
                 option_read_number, offsetof(struct bench_options, rounds), 1, 99, NULL},
     [QUICK_EFFORT] = {"--quick", NULL, "iftty alone", FLAG(quick)},
     [ROBOT] = {"--robot", "NAME", "careful, sloppy or stroke alone", TEXT(robot)},
-    [METHOD] = {"--method", "TEXT", "only methods with this in their name", TEXT(method)},
+    [METHOD] = {"--method", "TEXT", "that method alone, or all with this in their names",
+                TEXT(method)},
     [PLOTS] = {"--plots", "DIR", "charts as SVG, into this folder", TEXT(plots)},
 };
 

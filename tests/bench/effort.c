@@ -13,12 +13,12 @@
     {                                                                                              \
         name, BY_IFTTY, background, weight, relaxes, charted, false                                \
     }
-#define OWN_FIVE(name, weight, charted)                                                            \
+#define OWN_FIVE(name, weight)                                                                     \
     OWN(name, weight, SHAPE_BALL, false, true),                                                    \
-        OWN(name ", sphere", weight, SHAPE_SPHERE, false, charted),                                \
+        OWN(name ", sphere", weight, SHAPE_SPHERE, false, false),                                  \
         OWN(name ", box", weight, SHAPE_BOX, false, false),                                        \
-        OWN(name ", relax", weight, SHAPE_BALL, true, charted),                                    \
-        OWN(name ", sphere, relax", weight, SHAPE_SPHERE, true, charted)
+        OWN(name ", relax", weight, SHAPE_BALL, true, false),                                      \
+        OWN(name ", sphere, relax", weight, SHAPE_SPHERE, true, true)
 #define WORKER(name, program, background, charted)                                                 \
     {                                                                                              \
         name, BY_WORKER, background, program, false, charted, true                                 \
@@ -26,8 +26,8 @@
 
 /* The first is what others are compared with. */
 static const struct effort_method method[] = {
-    OWN_FIVE("morph", "morph", false),
-    OWN_FIVE("gauss 1", "gauss 1", true),
+    OWN_FIVE("morph", "morph"),
+    OWN_FIVE("gauss 1", "gauss 1"),
     WORKER("random walker", "walker", SHAPE_BALL, true),
     WORKER("random walker, sphere", "walker", SHAPE_SPHERE, false),
     {"GrowCut", BY_GROWCUT, SHAPE_BALL, "", false, false, true},
@@ -57,6 +57,16 @@ static bool wants_object(const struct options *o, size_t object)
     return wanted;
 }
 
+/* By its whole name, or by a part of it where none has that name. */
+static bool wants_method(const struct bench_options *o, size_t m)
+{
+    bool is_name = false;
+    for (size_t i = 0; o->method && i < METHODS; i++)
+        is_name |= strcmp(method[i].name, o->method) == 0;
+    return !o->method || (is_name ? strcmp(method[m].name, o->method) == 0
+                                  : strstr(method[m].name, o->method) != NULL);
+}
+
 static bool wants_run(const struct bench_options *o, size_t object, enum effort_robot_kind robot,
                       size_t m)
 {
@@ -64,8 +74,7 @@ static bool wants_run(const struct bench_options *o, size_t object, enum effort_
     return wants_object(&o->common, object) && (is_short || !method[m].once) &&
            (robot == ROBOT_CAREFUL || effort_object_group(object) != GROUP_WHOLE) &&
            (!o->robot || strcmp(o->robot, effort_robot_name[robot]) == 0) &&
-           (!o->quick || method[m].by == BY_IFTTY) &&
-           (!o->method || strstr(method[m].name, o->method));
+           (!o->quick || method[m].by == BY_IFTTY) && wants_method(o, m);
 }
 
 static size_t count_runs(const struct bench_options *o)
@@ -178,7 +187,10 @@ enum err run_effort(const struct options *common, struct fault *fault)
     }
     err = folder_fresh(&e->folder, NULL, fault);
     err = err ? err : run_all(e, fault);
-    err = err ? err : report(e, fault);
+    if (!err || (err == ERR_CANCELLED && e->report.runs > 0)) { /* Ctrl-C: what there is so far */
+        const enum err told = report(e, err ? NULL : fault);
+        err = err ? err : told;
+    }
     if (e->folder.length)
         folder_discard(buf_text(&e->folder));
     interpreter_release(&e->interp);

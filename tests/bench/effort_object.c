@@ -53,7 +53,7 @@ static const struct row row[] = {
     {OTHER("pallidum"), CH2, AAL, "75", 0, 0, 0, MARGIN},
     {OTHER("calcarine"), CH2, AAL, "43", 0, 0, 0, MARGIN},
     {OTHER("vermis"), CH2, AAL, "109-116", 0, 0, 0, MARGIN},
-    {OTHER("callosum"), CH2, JHU, "3-5", 0, 0, 0, MARGIN},
+    {OTHER("genu"), CH2, JHU, "3", 0, 0, 0, MARGIN},
     {OTHER("occipital-pole"), CH2, HARVARD, "48", 0, 0, 0, MARGIN},
     {OTHER("bet-thalamus"), "ch2bet.nii.gz", AAL, "78", 0, 0, 0, MARGIN},
     {OTHER("better-caudate"), "ch2better.nii.gz", AAL, "72", 0, 0, 1, MARGIN},
@@ -62,6 +62,13 @@ static const struct row row[] = {
     {OTHER("m-151"), MACAQUE, NEURO, "151", 0, 0, 0, MARGIN},
     {OTHER("m-1054"), MACAQUE, NEURO, "1054", 0, 0, 0, MARGIN},
     {OTHER("m-10"), MACAQUE, NEURO, "10", 0, 0, 0, MARGIN},
+    {OTHER("temporal-pole"), CH2, AAL, "87", 0, 0, 0, MARGIN},
+    {OTHER("brain"), CH2, "ch2bet.nii.gz", "1-255", 0, 0, 0, MARGIN},
+    {OTHER("m-1055"), MACAQUE, NEURO, "1055", 0, 0, 0, MARGIN},
+    {OTHER("m-1193"), MACAQUE, NEURO, "1193", 0, 0, 0, MARGIN},
+    {OTHER("m-124"), MACAQUE, NEURO, "124", 0, 0, 0, MARGIN},
+    {OTHER("neck"), NULL, NULL, "3", 0, 0, 0, 0},
+    {OTHER("fading"), NULL, NULL, "4", 0, 0, 0, 0},
 
     {WHOLE("head-brain"), CH2, "ch2bet.nii.gz", "1-255", 0, 0, 0, 0},
     {WHOLE("head-cerebellum"), CH2, AAL, "91-116", 0, 0, 0, 0},
@@ -174,6 +181,9 @@ static enum err read_volume(struct volume *out, const char *name, const struct i
     enum err err = interpreter_find_file(interp, name, &path, fault);
     if (!err)
         err = volume_read(out, buf_text(&path), NULL, NULL, fault);
+    /* Where a file says two things, iftty takes neither; of these the sform is right. */
+    if (!err && !geometry_has_place(&out->geometry) && out->geometry.sform.code)
+        geometry_take_form(&out->geometry, ORIENTATION_SFORM);
     buf_release(&path);
     return err;
 }

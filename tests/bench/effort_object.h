@@ -4,8 +4,8 @@
  *
  * In three groups. What the protocol tunes on: regions of AAL in ch2, of NeuroMaps in the macaque's
  * head, and three phantoms (effort_phantom.c). What nobody has tuned on: other regions, other
- * atlases, other scans. And whole scenes. An atlas is taken at the voxel of it that is nearest to
- * the scene's in the world.
+ * atlases, other scans, two phantoms more. And whole scenes. An atlas is taken at the voxel of it
+ * that is nearest to the scene's in the world.
  *
  * Steps from file to object, in this order: regions, closed by the six faces as often as the row
  * says; scene and truth are reduced, where the row says so, by means and by majorities of blocks of
@@ -46,7 +46,14 @@ enum err effort_object_save(const struct effort_object *object, const char *path
 /* ---- effort_phantom.c ---- */
 
 enum { PHANTOM_SIDE = 72 };
-enum phantom { PHANTOM_TUBE, PHANTOM_TEXTURES, PHANTOM_SHELLS, PHANTOMS };
+enum phantom {
+    PHANTOM_TUBE,
+    PHANTOM_TEXTURES,
+    PHANTOM_SHELLS,
+    PHANTOM_NECK,
+    PHANTOM_FADING,
+    PHANTOMS
+};
 
 /* Both are [PHANTOM_SIDE]^3. */
 void phantom_fill(enum phantom phantom, uint16_t *image, uint8_t *truth);

@@ -7,6 +7,10 @@
  *                what the grain does, under a bias along all axes
  *     shells     a ball of shells, dark and bright in turn: its inner edges are as strong as its
  *                own border
+ *     neck       a ball, joined to another of the same grey by a neck of half its width: there is
+ *                no border where it ends
+ *     fading     an ellipsoid that fades into the ground over 8 voxels, in noise: its border is
+ *                where it has half its brightness
  */
 #include <string.h>
 
@@ -80,6 +84,22 @@ static int value_of(enum phantom phantom, const int p[3], bool *is_object)
             *is_object ? (uint64_t)((p[2] / 3 * SIDE + p[1] / 3) * SIDE + p[0] / 3) : place;
         return (*is_object ? 126 : 122) + noise(grain, 20) / (*is_object ? 1 : 2) +
                (p[0] + p[1] / 2 + p[2] / 2) / 3;
+    }
+    if (phantom == PHANTOM_NECK) {
+        const int ball = square(p[0] - 26) + square(p[1] - MIDDLE) + square(p[2] - MIDDLE);
+        const int twin = square(p[0] - 52) + square(p[1] - MIDDLE) + square(p[2] - MIDDLE);
+        const bool is_neck =
+            p[0] > 26 && p[0] < 52 && square(p[1] - MIDDLE) + square(p[2] - MIDDLE) <= square(7);
+        *is_object = ball <= square(14);
+        return (*is_object || is_neck || twin <= square(12) ? 130 : 90) + noise(place, 12);
+    }
+    if (phantom == PHANTOM_FADING) {
+        const int far = square(p[0] - MIDDLE) + 2 * square(p[1] - MIDDLE) + 3 * square(p[2] - 34);
+        int reach = 0;
+        while (square(reach) < far)
+            reach++;
+        *is_object = reach <= 24;
+        return 90 + (reach <= 20 ? 40 : reach >= 28 ? 0 : 5 * (28 - reach)) + noise(place, 8);
     }
     const int squared = square(p[0] - 34) + square(p[1] - 36) + square(p[2] - 38);
     int shell = 0;

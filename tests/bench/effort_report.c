@@ -121,6 +121,8 @@ static void add_run(struct json *json, const struct effort_report *report,
     json_text(json, "group", effort_group_name[effort_object_group(run->object)]);
     json_text(json, "robot", effort_robot_name[run->robot]);
     json_text(json, "method", report->method[run->method].name);
+    json_format(json, "size", "%ux%ux%u", run->size[0], run->size[1], run->size[2]);
+    json_count(json, "voxels", run->voxels);
     json_array(json, "dice");
     for (int k = 0; k < CURVE; k++)
         json_fixed(json, NULL, run->dice[k] / 1e4, 4);

@@ -53,6 +53,10 @@ enum err effort_run(struct effort_run *run, const struct effort_method *method,
     struct effort_robot robot;
     struct effort_tool tool;
     unsigned at = 0;
+    for (int a = 0; a < 3; a++)
+        run->size[a] = object->size[a];
+    for (size_t i = 0; i < object->voxels; i++)
+        run->voxels += object->truth[i];
     enum err err = effort_robot_init(&robot, run->robot, object, fault);
     enum err begun = effort_tool_begin(&tool, method, object, folder, err ? NULL : fault);
     err = err ? err : begun;

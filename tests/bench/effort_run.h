@@ -15,8 +15,9 @@ enum { CURVE = 21, NOT_REACHED = CURVE + 2, EFFORT_GOALS = 2, EFFORT_LOOKS = 3, 
 struct effort_run {
     size_t object, method;
     enum effort_robot_kind robot;
-    unsigned dice[CURVE]; /* in ten-thousandths */
-    double ms;            /* the median of a gesture */
+    uint32_t size[3], voxels; /* of the crop; those of the truth */
+    unsigned dice[CURVE];     /* in ten-thousandths */
+    double ms;                /* the median of a gesture */
 };
 
 enum err effort_run(struct effort_run *run, const struct effort_method *method,
