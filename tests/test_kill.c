@@ -2,10 +2,11 @@
  * kill -9 at random moments of the real program, under load: whatever it acknowledged is in the
  * journal, which goes on where it was.
  *
- * Commands are fed as fast as the program takes them; two sessions are at work at a time, so that
- * they are in each other's way. Each round kills one at a random moment, compares what it said with
- * what its journal holds, and goes on in the same journal, now and then in a new one; the way of
- * syncing changes from round to round. IFTTY_TEST_SCALE=10 makes 500 rounds of 25.
+ * Commands are fed as fast as the program takes them, golden images, maps and renditions too; two
+ * sessions are at work at a time, so that they are in each other's way. Each round kills one at a
+ * random moment, compares what it said with what its journal holds, and goes on in the same
+ * journal, now and then in a new one; the way of syncing changes from round to round.
+ * IFTTY_TEST_SCALE=10 makes 500 rounds of 25.
  */
 #include <errno.h>
 #include <fcntl.h>
@@ -49,7 +50,14 @@ static void write_command(struct buf *out, size_t n, size_t salt, bool has_scene
         buf_add_text(out, "info\n");
     else if (n <= 2)
         buf_printf(out, "%s\n", first[n - 1]);
-    else if (n % 17 == 0)
+    else if (n == 3)
+        buf_add_text(out, "size 32 32\n");
+    else if (n % 23 == 0)
+        buf_printf(out, "golden g%zu-%zu\n", salt, n);
+    else if (n % 29 == 0) {
+        buf_printf(out, "%s", n % 2 ? "save labels " : "render ");
+        buf_printf(out, "%s/%zu.%s replace=yes\n", folder, n, n % 2 ? "nii" : "exr");
+    } else if (n % 17 == 0)
         buf_printf(out, "# comment %zu\nlabel %zu name%zu-%zu\n", n, 1 + n % 200, salt, n);
     else if (n % 5 == 0) /* whose sync waits */
         buf_printf(out, "cross %zu,%zu,%zu\n", n % 16, n / 16 % 16, (n + salt) % 16);
