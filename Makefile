@@ -54,8 +54,11 @@ LIBS         = -lOpenEXRCore -lz -ldeflate $(if $(wildcard /usr/include/isa-l/ig
 ITK           = $(shell cd /usr/include 2>/dev/null && ls -d ITK-* | tail -n 1)
 ITK_IO        = NRRD Meta MINC MRC LSM TIFF PNG VTK GIPL GE IPL Siemens Bruker Stimulate HDF5 \
                 ImageBase
+# A sanitiser looks whether an object can be read by a pipe, which the helper may not make, and then
+# calls its type wrong.
 VOLUME_FLAGS  = -isystem /usr/include/$(ITK) -isystem $(wildcard /usr/include/gdcm-*) \
-                $(patsubst -I%,-isystem %,$(shell pkg-config --cflags hdf5 2>/dev/null))
+                $(patsubst -I%,-isystem %,$(shell pkg-config --cflags hdf5 2>/dev/null)) \
+                -fno-sanitize=vptr
 VOLUME_LIBS   = $(addsuffix $(ITK:ITK%=%),$(ITK_IO:%=-lITKIO%) -lITKCommon -litksys -litkvnl) \
                 -lgdcmMSFF -lgdcmDSED -lgdcmCommon $(shell pkg-config --libs hdf5 2>/dev/null)
 
