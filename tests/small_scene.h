@@ -179,9 +179,23 @@ static inline void markers_stand(const struct session *session)
     CHECK(same);
 }
 
-static inline void take_snapshot(struct snapshot *s, const struct interpreter *interp)
+/* What is kept of labels, since the first snapshot asked for it, is what counting anew gives. */
+static inline void measures_stand(struct session *session)
 {
-    const struct session *session = &interp->session;
+    static struct label_stats kept[256], anew[256];
+    const struct labels labels = labels_of_forest(session->scene);
+    struct label_measures measures = {0};
+    if (watch_stops(session->scene->watch))
+        return;
+    CHECK(session_find_stats(session, &labels, kept, NULL) == OK);
+    CHECK(label_stats_find(anew, &measures, &labels, NULL, NULL) == OK);
+    CHECK(memcmp(kept, anew, sizeof kept) == 0);
+    label_measures_release(&measures);
+}
+
+static inline void take_snapshot(struct snapshot *s, struct interpreter *interp)
+{
+    struct session *session = &interp->session;
     memset(s, 0, sizeof *s);
     s->has_scene = session->has_scene;
     s->rendered = session->rendered;
@@ -214,6 +228,7 @@ static inline void take_snapshot(struct snapshot *s, const struct interpreter *i
     fits_its_state(session);
     markers_stand(session);
     CHECK(tally_check(&session->tally, session->scene));
+    measures_stand(session);
     s->forest = forest_digest(session->forest);
     s->labels = forest_label_digest(session->forest);
     s->seeds = forest_seeds(session->forest);
@@ -249,7 +264,7 @@ static inline void is_same_segmentation(const struct snapshot *a, const struct s
     CHECK(is_same_kept(&a->kept, &b->kept));
 }
 
-static inline void is_as_before(const struct snapshot *before, const struct interpreter *interp,
+static inline void is_as_before(const struct snapshot *before, struct interpreter *interp,
                                 const char *line)
 {
     struct snapshot now;

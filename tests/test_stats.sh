@@ -38,11 +38,27 @@ for after in 1 2 3 4; do
         before=$(field $((after - 1)).csv $label voxels)
         same "$(field $after.csv $label voxels)" \
             "$((${before:-0} + gained - $(field $after.csv $label lost)))"
+        same "$(field $after.csv $label change)" $((gained - $(field $after.csv $label lost)))
     done
 done
 [ $known -gt 2 ] || fail "no report says what the last edit changed"
 same "$(cut -d, -f1-23 1.csv)" "$(cut -d, -f1-23 3.csv)"
 same "$(field 0.csv 1 name)" '"lower"'
+close_story
+
+begin "what the last edit changed is told, with a list of it and without"
+mkdir told
+sed "s|report=|report=told/|" script >telling
+expect 0 "$iftty" run telling
+grep -q "the last edit gave it [0-9]* voxels*, and took [0-9]*: [+-][0-9.]* m" "$work/out" ||
+    fail "$(cat "$work/out")"
+expect 0 "$iftty" -c "open scene.nii; seed 7,12,10 1; seed 2,2,2 0; run; stats report=all.csv;
+    weight difference; stats report=anew.csv"
+same "$(field all.csv 1 change)" "$(field all.csv 1 voxels)"
+same "$(field all.csv 1 gained)" ""
+same "$(field anew.csv 1 change)" "$(($(field anew.csv 1 voxels) - $(field all.csv 1 voxels)))"
+[ "$(field anew.csv 1 change)" != 0 ] || fail "other weights have changed nothing"
+grep -q "the last edit changed it by [+-][0-9.]* m" "$work/out" || fail "$(cat "$work/out")"
 close_story
 
 begin "reports are the same for any number of threads"

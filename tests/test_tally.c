@@ -166,6 +166,27 @@ STORY(counts_follow_whatever_is_done)
     interpreter_release(&interp);
 }
 
+/* In some sessions asked for after each command, in others now and then, so that several edits are
+ * followed at once; in scenes as opened and interpolated, by one thread and by three. */
+STORY(measures_follow_whatever_is_done)
+{
+    for (unsigned round = 0; round < 8 && check_failures < 5; round++) {
+        struct interpreter interp;
+        setenv("IFTTY_THREADS", round & 1 ? "3" : "1", 1);
+        begin_with_geom(&interp);
+        measures_stand(&interp.session);
+        if (round & 2)
+            must(&interp, "interpolate 1 2 1");
+        for (int i = 0; i < 150 && check_failures < 5; i++) {
+            do_anything(&interp, check_below(&seed, 3) == 0);
+            if (check_below(&seed, round & 4 ? 8 : 1) == 0)
+                measures_stand(&interp.session);
+        }
+        interpreter_release(&interp);
+    }
+    unsetenv("IFTTY_THREADS");
+}
+
 /* Stops at its nth look. */
 static unsigned looks_left;
 static bool stop_later(void *context, const char *what, uint64_t done, uint64_t total)
@@ -187,6 +208,7 @@ STORY(counts_are_right_after_a_command_was_cancelled)
         cancelled += fault.code == ERR_CANCELLED;
         looks_left = 0;
         stands(&interp.session);
+        measures_stand(&interp.session);
     }
     CHECK(cancelled > 20);
     interpreter_release(&interp);
@@ -277,6 +299,7 @@ int main(void)
     const int status = RUN_STORIES(
         TELL(volumes_are_told_to_three_digits_in_a_unit_that_fits),
         TELL(each_axis_has_a_spacing_of_its_own), TELL(counts_follow_whatever_is_done),
+        TELL(measures_follow_whatever_is_done),
         TELL(counts_are_right_after_a_command_was_cancelled),
         TELL(a_journal_that_is_resumed_is_counted_when_somebody_asks),
         TELL(an_edit_is_answered_with_what_it_changed), TELL(of_many_labels_the_largest_are_told));

@@ -60,24 +60,6 @@ enum err act_write_counts(const struct act *act)
     return err;
 }
 
-/* ---- what the last edit changed ---- */
-
-struct moves {
-    uint64_t gained[256], lost[256];
-};
-
-/* False where there is no list of it: the forest has grown from nothing, or much of it has. */
-static bool find_moves(struct moves *moves, const struct session *session)
-{
-    const struct changes changes = forest_changes(session->forest);
-    *moves = (struct moves){.gained = {0}};
-    for (size_t i = 0; i < changes.count; i++) {
-        moves->gained[changes.item[i].label]++;
-        moves->lost[changes.item[i].former_label]++;
-    }
-    return !changes.everything;
-}
-
 /* ---- the answer ---- */
 
 static enum err write_report(const struct act *act, const struct label_report *report)
@@ -115,16 +97,18 @@ static enum err answer(const struct act *act, const struct label_stats *stats,
 {
     const struct session *session = act->session;
     struct counts counts;
-    struct moves moves;
-    const bool follows = find_moves(&moves, session) && !labels->finished;
+    const struct tally *tally = &session->tally;
+    const bool knows_moves = tally->knows_moves && !labels->finished;
     struct area_weights area;
     area_weights_init(&area, session->scene->spacing_nm);
-    const struct label_report report = {.stats = stats,
-                                        .area = &area,
-                                        .gained = follows ? moves.gained : NULL,
-                                        .lost = follows ? moves.lost : NULL,
-                                        .label_name = session->now.kept.label_name,
-                                        .geometry = &session->geometry};
+    const struct label_report report = {
+        .stats = stats,
+        .area = &area,
+        .gained = knows_moves ? tally->gained : NULL,
+        .lost = knows_moves ? tally->lost : NULL,
+        .before = labels->finished ? NULL : session_voxels_before_edit(session),
+        .label_name = session->now.kept.label_name,
+        .geometry = &session->geometry};
     enum err err = count(&counts, act);
     if (!err)
         err = write_report(act, &report);
@@ -149,12 +133,10 @@ enum err act_stats(const struct act *act)
     if (err)
         return err;
     struct label_stats *stats = mem_array(256, sizeof *stats);
-    struct label_measures measures = {0};
     err = stats ? act_take_labels(act, &act->value[STATS_FINISHED], &labels)
                 : fault_memory(act->fault, "counts of labels");
     if (!err)
-        err = label_stats_find(stats, &measures, &labels, act->session->team, act->fault);
-    label_measures_release(&measures);
+        err = session_find_stats(act->session, &labels, stats, act->fault);
     if (!err)
         err = answer(act, stats, &labels);
     free(stats);

@@ -637,8 +637,9 @@ const struct command command_table[] = {
      "which it encloses; the surface, as it would be without the steps of voxels, to 2 % unless "
      "the object is small or thin; the centre and the box around it; and the intensities of its "
      "voxels, as `why` "
-     "prints them. The deviation is that of a sample.\n"
-     "report: the same and what the last edit changed as FILE.json or FILE.csv." FINISHED_NOTE,
+     "prints them; and what the last edit gave the label and took. The deviation is that of a "
+     "sample.\n"
+     "report: the same as FILE.json or FILE.csv." FINISHED_NOTE,
      "stats"},
     {COMMAND("compare", act_compare, GROUP_QUESTIONS, S),
      {NEED("FILE", VALUE_FILE), KEYED("regions", VALUE_LIST, .most = REGION_MOST),

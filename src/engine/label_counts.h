@@ -9,7 +9,7 @@
  * 0, the background, is not counted.
  *
  * Invariant
- *   C1 after label_counts_refresh the counts equal a recount (test_label_measures).
+ *   C1 after label_counts_refresh the counts equal a recount (test_tally).
  */
 #ifndef ENGINE_LABEL_COUNTS_H
 #define ENGINE_LABEL_COUNTS_H

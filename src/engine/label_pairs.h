@@ -15,7 +15,7 @@
  * number of threads. Label 0 has no surface and is not counted.
  *
  * Invariant
- *   P1 after label_pairs_refresh the counts equal a recount (test_label_measures).
+ *   P1 after label_pairs_refresh the counts equal a recount (test_tally).
  */
 #ifndef ENGINE_LABEL_PAIRS_H
 #define ENGINE_LABEL_PAIRS_H

@@ -94,23 +94,50 @@ size_t label_measures_memory(const struct label_measures *measures)
     return label_counts_memory(measures->counts) + label_pairs_memory(measures->pairs);
 }
 
-static enum err refresh(struct label_measures *measures, const struct labels *labels,
-                        struct team *team, struct fault *fault)
+void label_measures_follow(struct label_measures *measures, const struct changes *changes)
+{
+    label_counts_follow(measures->counts, changes);
+    label_pairs_follow(measures->pairs, changes);
+}
+
+void label_measures_forget(struct label_measures *measures)
+{
+    label_counts_forget(measures->counts);
+    label_pairs_forget(measures->pairs);
+}
+
+static enum err refresh_counts(struct label_measures *measures, const struct labels *labels,
+                               struct team *team, struct fault *fault)
 {
     enum err err =
         measures->counts ? OK : label_counts_new(&measures->counts, labels->scene, fault);
-    if (!err && !measures->pairs)
-        err = label_pairs_new(&measures->pairs, labels->scene, fault);
-    if (!err)
-        err = label_counts_refresh(measures->counts, labels, team, fault);
+    return err ? err : label_counts_refresh(measures->counts, labels, team, fault);
+}
+
+static enum err refresh_pairs(struct label_measures *measures, const struct labels *labels,
+                              struct team *team, struct fault *fault)
+{
+    enum err err = measures->pairs ? OK : label_pairs_new(&measures->pairs, labels->scene, fault);
     return err ? err : label_pairs_refresh(measures->pairs, labels, team, fault);
+}
+
+enum err label_measures_sum(struct label_measures *measures, const struct labels *labels,
+                            unsigned label, struct team *team, struct label_sums *sums,
+                            struct fault *fault)
+{
+    const enum err err = refresh_counts(measures, labels, team, fault);
+    if (!err)
+        *sums = label_counts_sum(measures->counts, label);
+    return err;
 }
 
 enum err label_stats_find(struct label_stats stats[256], struct label_measures *measures,
                           const struct labels *labels, struct team *team, struct fault *fault)
 {
     struct counting counting = {.scene = labels->scene, .stats = stats};
-    enum err err = refresh(measures, labels, team, fault);
+    enum err err = refresh_counts(measures, labels, team, fault);
+    if (!err)
+        err = refresh_pairs(measures, labels, team, fault);
     if (err)
         return err;
     counting.label = label_pairs_labels(measures->pairs);

@@ -26,6 +26,9 @@ struct label_measures {
     struct label_counts *counts;
     struct label_pairs *pairs;
 };
+/* An edit of the forest has changed labels, or they are others in a way that nobody says. */
+void label_measures_follow(struct label_measures *measures, const struct changes *changes);
+void label_measures_forget(struct label_measures *measures);
 void label_measures_release(struct label_measures *measures);
 size_t label_measures_memory(const struct label_measures *measures);
 
@@ -33,5 +36,10 @@ size_t label_measures_memory(const struct label_measures *measures);
  * always of the same kind of labels. ERR_MEMORY, or ERR_CANCELLED by the scene's watch. */
 enum err label_stats_find(struct label_stats stats[256], struct label_measures *measures,
                           const struct labels *labels, struct team *team, struct fault *fault);
+
+/* Of one label, what follows from counts alone. */
+enum err label_measures_sum(struct label_measures *measures, const struct labels *labels,
+                            unsigned label, struct team *team, struct label_sums *sums,
+                            struct fault *fault);
 
 #endif

@@ -174,11 +174,13 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
 
 /* ---- while a command is carried out ---- */
 
-/* The border is that of the labels as they are, and made anew once they are final. The counts are
- * those from which the command's changes will be counted. */
+/* The border is that of the labels as they are, and made anew once they are final. Tally and
+ * measures are those from which the command's changes will be counted. */
 void session_show(struct session *session, void (*draw)(void *context), void *context)
 {
     const struct tally tally = session->tally, former = session->former_tally;
+    const struct label_measures measures = session->measures;
+    session->measures = (struct label_measures){0};
     border_recount(&session->border);
     session->stale |= MADE_BORDER;
     session->rendered = false;
@@ -186,4 +188,6 @@ void session_show(struct session *session, void (*draw)(void *context), void *co
     session->rendered = false;
     session->tally = tally;
     session->former_tally = former;
+    label_measures_release(&session->measures);
+    session->measures = measures;
 }

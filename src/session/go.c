@@ -123,12 +123,20 @@ static enum err apply_region(struct session *session, struct fault *fault)
 
 /* ---- the forest ---- */
 
-/* Tally, border and rendition after a change of the forest (S2). What cannot be coloured is drawn
- * when it is asked for. */
+/* Labels are others in a way that no list says. */
+static void forget_labels(struct session *session)
+{
+    tally_forget(&session->tally);
+    label_measures_forget(&session->measures);
+}
+
+/* Tally, measures, border and rendition after a change of the forest (S2). What cannot be coloured
+ * is drawn when it is asked for. */
 static void follow_forest(struct session *session)
 {
     const struct changes changes = forest_changes(session->forest);
     tally_follow(&session->tally, &changes, session->watch);
+    label_measures_follow(&session->measures, &changes);
     if (!(session->stale & MADE_BORDER)) /* it was, where the run was shown */
         border_update(&session->border, &changes);
     if (watch_stops(session->watch))
@@ -149,7 +157,7 @@ static enum err edit_seeds(struct session *session, const struct edit *seed, siz
         return err;
     session->edited = true;
     if (forest_is_suspended(session->forest))
-        session->tally.stale = true;
+        forget_labels(session);
     else
         follow_forest(session);
     return OK;
@@ -158,7 +166,7 @@ static enum err edit_seeds(struct session *session, const struct edit *seed, siz
 static enum err grow(struct session *session, struct fault *fault)
 {
     session->regrown = true;
-    session->tally.stale = true;
+    forget_labels(session);
     session->stale &= ~(unsigned)MADE_BORDER; /* all of it is made anew with the forest */
     enum err err = forest_catch_up(session->forest, fault);
     if (err)

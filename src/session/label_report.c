@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "base/json.h"
+#include "session/tally.h"
 
 enum { FIGURES_MOST = 32, DIGITS = 12 };
 
@@ -92,6 +93,15 @@ static double median(const struct label_report *report, unsigned label)
     return geometry_value(report->geometry, ((double)middle[0] + middle[1]) / 2);
 }
 
+/* How many more voxels it has since the last edit, or NAN. */
+static double change(const struct label_report *report, unsigned label)
+{
+    if (report->gained)
+        return (double)report->gained[label] - (double)report->lost[label];
+    return report->before ? (double)report->stats[label].sums.voxels - (double)report->before[label]
+                          : NAN;
+}
+
 /* ---- for programs ---- */
 
 static struct figures figures_of(const struct label_report *report, unsigned label)
@@ -122,6 +132,7 @@ static struct figures figures_of(const struct label_report *report, unsigned lab
     add_three(&f, last_name, (double[]){s->last[0], s->last[1], s->last[2]});
     add(&f, "gained", report->gained ? (double)report->gained[label] : NAN);
     add(&f, "lost", report->lost ? (double)report->lost[label] : NAN);
+    add(&f, "change", change(report, label));
     return f;
 }
 
@@ -202,6 +213,33 @@ static void write_intensities(struct buf *out, const struct label_report *report
     buf_printf(out, ", median %.5g, %.6g..%.6g\n", median(report, label), range[0], range[1]);
 }
 
+/* "+1.2 ml", or "+3 voxels" where their distances are unknown. */
+static void write_change(struct buf *out, const struct label_report *report, unsigned label)
+{
+    const double voxels = change(report, label);
+    buf_add_text(out, voxels < 0 ? "-" : "+");
+    if (report->geometry->spacing_unknown)
+        buf_printf(out, "%.0f voxel%s", fabs(voxels), fabs(voxels) == 1 ? "" : "s");
+    else
+        tally_write_volume(out, report->geometry->spacing_nm, (uint64_t)fabs(voxels));
+}
+
+static void write_last_edit(struct buf *out, const struct label_report *report, unsigned label,
+                            int blanks)
+{
+    const bool has_moves = report->gained && report->gained[label] + report->lost[label] > 0;
+    if (!has_moves && (report->gained || !report->before || change(report, label) == 0))
+        return;
+    buf_printf(out, "%*sthe last edit ", blanks, "");
+    if (has_moves)
+        buf_printf(out, "gave it %" PRIu64 " voxel%s, and took %" PRIu64 ": ",
+                   report->gained[label], plural(report->gained[label]), report->lost[label]);
+    else
+        buf_add_text(out, "changed it by ");
+    write_change(out, report, label);
+    buf_add_char(out, '\n');
+}
+
 void label_report_write_text(struct buf *out, const struct label_report *report, unsigned label,
                              int blanks)
 {
@@ -216,8 +254,5 @@ void label_report_write_text(struct buf *out, const struct label_report *report,
     write_places(out, report, label);
     buf_printf(out, "%*s", blanks, "");
     write_intensities(out, report, label);
-    if (report->gained && report->gained[label] + report->lost[label] > 0)
-        buf_printf(out, "%*sthe last edit gave it %" PRIu64 " voxel%s, and took %" PRIu64 "\n",
-                   blanks, "", report->gained[label], plural(report->gained[label]),
-                   report->lost[label]);
+    write_last_edit(out, report, label, blanks);
 }

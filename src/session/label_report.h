@@ -18,7 +18,8 @@
 struct label_report {
     const struct label_stats *stats;            /* [256] */
     const struct area_weights *area;            /* of the scene's spacing */
-    const uint64_t *gained, *lost;              /* [256], by the last edit; NULL: not known */
+    const uint64_t *gained, *lost;              /* [256], by the last edit; NULL: not known, */
+    const uint64_t *before;                     /* [256], voxels before it; NULL: not known */
     const char (*label_name)[LABEL_NAME_BYTES]; /* [256] */
     const struct geometry *geometry;
 };

@@ -236,6 +236,7 @@ enum err session_open(struct session *session, const char *path, const struct vo
     session->has_scene = true;
     session_place(session, &session->now.kept);
     session->tally = tally_of_none(session->scene);
+    session->tally_before_edit.stale = true;
     snprintf(session->scene_file, sizeof session->scene_file, "%s", file_name(path));
     scene_identify(&session->scene_digest, session->proof, session->scene, session->team);
     session->waits = session->scene->plain && session_may_wait(session) &&
@@ -267,6 +268,7 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
         return err;
     }
     shader_release(&session->shader);
+    label_measures_release(&session->measures);
     session->former_scene = (struct former_scene){
         session->scene,  session->said,   session->scene_digest, session->weight_digest,
         session->forest, session->border, session->roi_tally,    session->stale};
@@ -274,6 +276,7 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
     session->forest = next.forest;
     session->border = next.border;
     session->tally = tally_of_none(next.scene);
+    session->tally_before_edit.stale = true;
     session->knows_window = false;
     session->stale = MADE_WEIGHTS | MADE_ROI;
     if (session->skims)

@@ -23,6 +23,7 @@ void session_close_scene(struct session *session)
     scene_free(session->scene);
     weight_work_release(&session->weight_work);
     finished_release(&session->finished);
+    label_measures_release(&session->measures);
     free(session->mask_room);
     session->roi = roi_none();
     session->mask_room = NULL;
@@ -60,7 +61,7 @@ size_t session_memory(const struct session *session)
     bytes += session->scene->grid.cells * sizeof(struct cell);
     bytes += forest_memory(session->forest) + session->weight_work.capacity;
     bytes += session->border.words * (2 * sizeof(uint64_t) + sizeof(uint32_t));
-    bytes += session->finished.cells;
+    bytes += session->finished.cells + label_measures_memory(&session->measures);
     bytes += session->mask_room ? mask_bytes(&session->scene->grid) : 0;
     bytes += kept->mask ? packed_memory(kept->mask) : 0;
     bytes += kept->weight_map ? packed_memory(kept->weight_map) : 0;
@@ -87,6 +88,7 @@ void session_mark(struct session *session)
         session->scene->watch = session->watch;
     state_assign(&session->former, &session->now);
     session->former_markers = session->markers.count;
+    session_note_edit(session);
     session->former_tally = session->tally;
     session->former_has_scene = session->has_scene;
     session->former_rendered = session->rendered;
@@ -116,6 +118,7 @@ static void take_back_scene(struct session *session)
 {
     const struct former_scene former = session->former_scene;
     shader_release(&session->shader);
+    label_measures_release(&session->measures);
     border_release(&session->border);
     forest_free(session->forest);
     scene_free(session->scene);

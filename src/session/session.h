@@ -32,6 +32,7 @@
 #include "base/err.h"
 #include "base/team.h"
 #include "engine/forest.h"
+#include "engine/label_stats.h"
 #include "engine/roi.h"
 #include "engine/scene.h"
 #include "image/volume.h"
@@ -82,6 +83,7 @@ struct session {
     struct border border;
     struct finished finished; /* session_labels */
     struct tally tally;       /* voxels of each label, once session_count_labels has been called */
+    struct label_measures measures; /* of the forest's labels, once somebody has asked for them */
     struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */
     struct rendition rendition;
     bool has_rendition;       /* the rendition has memory, of camera.view's size */
@@ -106,6 +108,7 @@ struct session {
     struct tally former_tally; /* where session_count_before came before the command */
     bool former_has_scene, former_rendered;
     bool edited, regrown;
+    struct tally tally_before_edit; /* of the last command before it that edited */
 };
 
 void session_init(struct session *session);
@@ -223,6 +226,22 @@ enum err session_count_before(struct session *session, struct fault *fault);
  * memory did not suffice to count them. session_count_before comes before the command, and
  * session_count_labels after it. */
 uint64_t session_changed_voxels(const struct session *session);
+
+/* ---- what labels have (measures.c) ---- */
+
+/* All that is known of each of these labels (session_labels). Of the forest's, what can follow
+ * edits does so from now on (engine/label_stats.h): a replay that never asks never pays.
+ * ERR_MEMORY, ERR_CANCELLED. Not for a session that skims. */
+enum err session_find_stats(struct session *session, const struct labels *labels,
+                            struct label_stats stats[256], struct fault *fault);
+
+/* The sums of a label of the forest, in the same way. */
+enum err session_sum_label(struct session *session, unsigned label, struct label_sums *sums,
+                           struct fault *fault);
+
+/* How many voxels each label had before the last edit; NULL where that, or how many it has now, is
+ * not known. */
+const uint64_t *session_voxels_before_edit(const struct session *session);
 
 /* ---- settings that take more than a change of the state (settings.c) ---- */
 

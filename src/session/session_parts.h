@@ -1,5 +1,5 @@
 /* What the files of a session share: session.c (its life), go.c (the one way to change it), open.c
- * (scenes), seeds.c (seeds and markers), draw.c (pictures). */
+ * (scenes), measures.c (of labels), seeds.c (seeds and markers), draw.c (pictures). */
 #ifndef SESSION_SESSION_PARTS_H
 #define SESSION_SESSION_PARTS_H
 
@@ -15,6 +15,9 @@ void session_place(struct session *session, const struct kept *kept);
  * without them; and says it: `weight_digest`. */
 bool session_may_wait(const struct session *session);
 enum err session_foretell(struct session *session, struct fault *fault);
+
+/* Before the next command: what the tally was before the last one that edited. */
+void session_note_edit(struct session *session);
 
 void session_release_rendition(struct session *session);
 

@@ -11,11 +11,25 @@ struct tally tally_of_none(const struct scene *scene)
 void tally_follow(struct tally *tally, const struct changes *changes, struct watch *watch)
 {
     struct task task = task_begin(watch, "counting labels", changes->count);
-    tally->stale |= changes->everything;
-    for (size_t i = 0; !tally->stale && i < changes->count && task_advance(&task, 1); i++) {
-        tally->voxels[changes->item[i].former_label]--;
-        tally->voxels[changes->item[i].label]++;
+    if (changes->everything) {
+        tally_forget(tally);
+        return;
     }
+    memset(tally->gained, 0, sizeof tally->gained);
+    memset(tally->lost, 0, sizeof tally->lost);
+    for (size_t i = 0; i < changes->count && task_advance(&task, 1); i++) {
+        tally->lost[changes->item[i].former_label]++;
+        tally->gained[changes->item[i].label]++;
+    }
+    for (unsigned label = 0; label < 256; label++)
+        tally->voxels[label] += tally->gained[label] - tally->lost[label];
+    tally->knows_moves = true;
+}
+
+void tally_forget(struct tally *tally)
+{
+    tally->stale = true;
+    tally->knows_moves = false;
 }
 
 /* ---- counting ---- */
@@ -73,7 +87,8 @@ bool tally_refresh(struct tally *tally, const struct scene *scene, struct team *
     const struct tally counted = count_all(scene, team);
     if (watch_stops(scene->watch))
         return false;
-    *tally = counted;
+    memcpy(tally->voxels, counted.voxels, sizeof tally->voxels);
+    tally->stale = false;
     return true;
 }
 

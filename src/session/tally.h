@@ -24,6 +24,8 @@
 struct tally {
     bool stale;
     uint64_t voxels[256];
+    bool knows_moves;                /* there is a list of what the last edit has changed: */
+    uint64_t gained[256], lost[256]; /* voxels that came to each label, and went */
 };
 
 /* Of a forest without seeds. */
@@ -31,6 +33,9 @@ struct tally tally_of_none(const struct scene *scene);
 
 /* Of no use where the watch, or NULL, has stopped it. */
 void tally_follow(struct tally *tally, const struct changes *changes, struct watch *watch);
+
+/* Labels are others in a way that no list says. */
+void tally_forget(struct tally *tally);
 
 /* Counts where that is needed. False where the scene's watch has stopped it: still stale then. */
 bool tally_refresh(struct tally *tally, const struct scene *scene, struct team *team);

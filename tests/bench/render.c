@@ -29,7 +29,7 @@ enum {
     MOST_LABELS = 2500,
     MOST_TIMES = FRAMES,
     BALL_MOST = 9,
-    ROWS_MOST = 24,
+    ROWS_MOST = 32,
 };
 
 struct row {
@@ -314,21 +314,86 @@ static enum err time_finish(struct session *session, struct table *table, const 
     return err;
 }
 
-/* All that `stats` says of each label, by all threads. */
+/* ---- what is known of labels ---- */
+
+/* All that `stats` says of each label, by all threads: counted anew, and while nothing changes. */
 static enum err time_stats(struct session *session, struct table *table, struct fault *fault)
 {
     enum { ROUNDS = 9 };
     static struct label_stats stats[256];
-    struct row *row = add_row(table, "stats of all labels");
+    struct row *row[2] = {add_row(table, "stats of all labels"),
+                          add_row(table, "    asked for again: components and holes")};
+    struct row *counts = add_row(table, "    counts of intensities and planes, anew");
+    struct label_sums sums;
     const struct labels labels = labels_of_forest(session->scene);
     enum err err = OK;
     for (int i = 0; !err && i < ROUNDS; i++) {
         struct label_measures measures = {0};
+        for (int again = 0; !err && again < 2; again++) {
+            const uint64_t begin = clock_ns();
+            err = label_stats_find(stats, &measures, &labels, session->team, fault);
+            add_since(row[again], begin);
+        }
+        label_measures_forget(&measures);
         const uint64_t begin = clock_ns();
-        err = label_stats_find(stats, &measures, &labels, session->team, fault);
-        add_since(row, begin);
+        err = err ? err : label_measures_sum(&measures, &labels, 1, session->team, &sums, fault);
+        add_since(counts, begin);
         label_measures_release(&measures);
     }
+    return err;
+}
+
+/* An edit of some 2000 labels; what it takes to note it, and to follow it. */
+static enum err time_measures(struct session *session, struct label_measures *measures,
+                              const struct edit *edit, size_t count, struct row *row[4],
+                              struct fault *fault)
+{
+    const struct labels labels = labels_of_forest(session->scene);
+    struct label_sums sums;
+    const uint64_t begin = clock_ns();
+    enum err err = forest_edit(session->forest, edit, count, fault);
+    const struct changes changes = forest_changes(session->forest);
+    const uint64_t edited = clock_ns();
+    label_measures_follow(measures, &changes);
+    const uint64_t noted = clock_ns();
+    err = err ? err : label_measures_sum(measures, &labels, 1, session->team, &sums, fault);
+    const uint64_t counted = clock_ns();
+    err = err ? err : label_pairs_refresh(measures->pairs, &labels, session->team, fault);
+    const uint64_t of[] = {begin, edited, noted, counted, clock_ns()};
+    border_update(&session->border, &changes);
+    for (int i = 0; i < 4 && !changes.everything && changes.count >= LEAST_LABELS &&
+                    changes.count <= MOST_LABELS && row[i]->count < MOST_TIMES;
+         i++)
+        row[i]->ms[row[i]->count++] = times_between(of[i], of[i + 1]);
+    return err;
+}
+
+/* A ball of background at a place that is seen, and its erasing. */
+static enum err time_following(struct session *session, struct table *table, struct fault *fault)
+{
+    struct row *row[4] = {add_row(table, "an edit"), add_row(table, "    noted for statistics"),
+                          add_row(table, "    counts of intensities and planes follow"),
+                          add_row(table, "    pairs, of which surfaces are made, follow")};
+    static struct label_stats stats[256];
+    const struct labels labels = labels_of_forest(session->scene);
+    struct label_measures measures = {0};
+    struct ball *ball = mem_new(sizeof *ball);
+    enum err err =
+        ball ? session_render(session, RENDER_BORDER, fault) : fault_memory(fault, "a benchmark");
+    if (!err)
+        err = label_stats_find(stats, &measures, &labels, session->team, fault);
+    uint64_t pixel = 0;
+    for (int i = 0; !err && i < TRIES && row[0]->count < 2 * EDITS; i++) {
+        do
+            pixel = (pixel + 12347) % (SIDE * SIDE);
+        while (session->rendition.cell[pixel] == CELL_NONE);
+        make_ball(ball, session->scene, session->rendition.cell[pixel], 4 + i % (BALL_MOST - 3));
+        err = time_measures(session, &measures, ball->seed, ball->count, row, fault);
+        if (!err)
+            err = time_measures(session, &measures, ball->undo, ball->count, row, fault);
+    }
+    label_measures_release(&measures);
+    free(ball);
     return err;
 }
 
@@ -344,7 +409,9 @@ static enum err time_steps(struct session *session, struct table *table, struct 
         err = time_finish(session, table, "finish: largest", FINISH_LARGEST, 0, fault);
     if (!err)
         err = time_finish(session, table, "finish: open radius 3", FINISH_OPEN, 3, fault);
-    return err ? err : time_stats(session, table, fault);
+    if (!err)
+        err = time_stats(session, table, fault);
+    return err ? err : time_following(session, table, fault);
 }
 
 /* ---- VTK ---- */
