@@ -57,12 +57,13 @@ recorded "cross 11,13,8"
 type_letters "s2"
 recorded "seed 11,13,8 2"
 see 'voxels changed'
-see '^axial 8 at 11,13,8  brush 2  label 2  intensity .* mm  7.68 ml'
+see '^axial 8 at 11,13,8  brush 2  label 2 7.68 ml  intensity [0-9]*  [-0-9.,]* mm  m'
 press Tab
 see '^coronal 13 '
 see '^i seed  b label  x remove  u undo  : command  \? keys  q back'
 type_letters "++s1"
 recorded "seed 11,13,8 1 radius=2"
+see '^coronal 13 at 11,13,8  brush 1 r2  label 1 [0-9.]* m[lm][3 ]'
 type_letters "u"
 recorded "undo"
 see '^undone: [0-9]+ seed 11,13,8 1 radius=2; after [0-9]+ seed 11,13,8 2'
@@ -289,8 +290,18 @@ begin "another size of the window is another picture"
 stands_in_row() {
     screen_text | sed -n "$1p" | grep -q '^coronal 13 '
 }
-tmux_here resize-window -t prompt -x 100 -y 30
+tmux_here resize-window -t prompt -x 130 -y 30
 comes_true stands_in_row 29 || fail "the screen is:" "$(screen_text | grep .)"
+see '^coronal 13 .* mm  mean [0-9.]*, SD [0-9.]*, [0-9.]* x [0-9.]* x [0-9.]* mm$' # of the label
+enter ":seed 20,4,3 0"
+enter ":cross 20,4,3"
+see '^coronal 4 .*  label 0  label [0-9] [0-9.]* m[lm]3? \([+-][0-9.]* m[lm]3?\)  intensity '
+type_letters "u"
+recorded "undo"
+enter ":cross 11,13,10"
+see '^through 11,13,10'
+type_letters "lh"
+see '^i seed  b label'
 tmux_here resize-window -t prompt -x 80 -y 24
 comes_true stands_in_row 23 || fail "the screen is:" "$(screen_text | grep .)"
 close_story

@@ -139,6 +139,11 @@ void act_write_finish(struct buf *out, const struct session *session);
 /* The volume of so many voxels: "1.24 l", or "3 voxels" where their distances are unknown. */
 void act_write_extent(struct buf *out, const struct session *session, uint64_t voxels);
 
+/* "142 ml (+1.2 ml)": all of a label, as the tally has it, and how much more than the voxels that
+ * it had before, where it had any and has others now. */
+void act_write_volume(struct buf *out, const struct session *session, unsigned label,
+                      uint64_t former);
+
 /* Has the session take on the state act->next. */
 enum err act_go(const struct act *act);
 

@@ -13,15 +13,12 @@ void act_write_extent(struct buf *out, const struct session *session, uint64_t v
         buf_add_text(out, "0 ml");
 }
 
-static void write_volume(struct buf *out, const struct session *session, unsigned label)
+void act_write_volume(struct buf *out, const struct session *session, unsigned label,
+                      uint64_t former)
 {
     const uint64_t voxels = session->tally.voxels[label];
-    const uint64_t former = session->former_tally.voxels[label];
-    buf_add_text(out, ", label ");
-    act_write_label(out, session, label);
-    buf_add_text(out, ": ");
     act_write_extent(out, session, voxels);
-    if (former == 0)
+    if (former == 0 || former == voxels)
         return;
     buf_add_text(out, voxels > former ? " (+" : " (-");
     act_write_extent(out, session, voxels > former ? voxels - former : former - voxels);
@@ -56,8 +53,12 @@ void volumes_write(struct buf *out, const struct session *session, uint64_t took
         buf_add_text(out, "no label has changed");
     else
         buf_printf(out, "%llu voxel%s changed", (unsigned long long)changed, plural(changed));
-    for (unsigned i = 0; i < count && i < LISTED_MOST; i++)
-        write_volume(out, session, label[i]);
+    for (unsigned i = 0; i < count && i < LISTED_MOST; i++) {
+        buf_add_text(out, ", label ");
+        act_write_label(out, session, label[i]);
+        buf_add_text(out, ": ");
+        act_write_volume(out, session, label[i], session->former_tally.voxels[label[i]]);
+    }
     if (count > LISTED_MOST)
         buf_printf(out, ", %u more label%s", count - LISTED_MOST, plural(count - LISTED_MOST));
     if (ms < 10000)

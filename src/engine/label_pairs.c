@@ -198,32 +198,29 @@ static uint32_t count_equal(const uint8_t *byte, uint32_t count, uint8_t label)
     return equal;
 }
 
-/* The pairs of a run x..end-1 of a row with what lies so many steps from it. */
-static void add_pairs(const struct label_pairs *pairs, uint64_t *count, struct span run, int64_t x,
-                      const int step[3])
+/* The pairs of the voxels x..end-1 of a row with those that lie so far from them. */
+static uint32_t pairs_of(const struct label_pairs *pairs, struct span run, const struct place *at,
+                         const struct neighbour *n)
 {
-    const struct neighbour n = neighbour_at(pairs, step[0], step[1], step[2]);
-    const int64_t beyond = pairs->scene->grid.size[0] - (int64_t)n.step[0];
-    const int64_t end = x + run.end - run.first;
-    const int64_t from = x + n.step[0] < 0 ? -n.step[0] : x, to = end < beyond ? end : beyond;
+    const uint32_t *size = pairs->scene->grid.size;
+    const int64_t y = at->y + (int64_t)n->step[1], z = at->z + (int64_t)n->step[2];
+    const int64_t beyond = size[0] - (int64_t)n->step[0], x = at->x, end = x + run.end - run.first;
+    const int64_t from = x < -n->step[0] ? -n->step[0] : x, to = end < beyond ? end : beyond;
+    if (y < 0 || y >= size[1] || z < 0 || z >= size[2] || from >= to)
+        return 0;
     const uint8_t *label = pairs->label + run.first;
-    if (from < to)
-        count[kind_of(step[0], step[1], step[2])] +=
-            count_equal(label + (from - x) + n.offset, (uint32_t)(to - from), *label);
+    return count_equal(label + (from - x) + n->offset, (uint32_t)(to - from), *label);
 }
 
-/* Of each two voxels of a pair, with the one that comes later. */
+/* Of both voxels of a pair, by the one that comes first. */
 static uint64_t add_run(const struct label_pairs *pairs, uint64_t *count, struct span run,
                         const struct place *at)
 {
-    const uint32_t *size = pairs->scene->grid.size;
     count[0] += run.end - run.first;
-    for (int z = 0; z <= REACH && at->z + (uint32_t)z * pairs->step[2] < size[2]; z++)
-        for (int y = z ? -REACH : 0; y <= REACH; y++) {
-            const int64_t row = at->y + y * (int64_t)pairs->step[1];
-            for (int x = z || y ? -REACH : 1; x <= REACH && row >= 0 && row < size[1]; x++)
-                add_pairs(pairs, count, run, at->x, (const int[3]){x, y, z});
-        }
+    for (int kind = 1; kind < PAIR_KINDS; kind++)
+        for (unsigned i = pairs->first[kind]; i < pairs->first[kind + 1]; i++)
+            if (pairs->around[i].offset > 0)
+                count[kind] += pairs_of(pairs, run, at, &pairs->around[i]);
     return 2 * (uint64_t)(run.end - run.first);
 }
 

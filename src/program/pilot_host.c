@@ -9,6 +9,7 @@
 #include "program/shown.h"
 #include "render/mosaic.h"
 #include "render/text.h"
+#include "session/label_report.h"
 #include "session/slicing.h"
 #include "session/window.h"
 #include "tui/pilot/setup.h"
@@ -56,18 +57,47 @@ static void place_of(const struct session *session, uint32_t cell, uint32_t plac
 
 /* ---- facts ---- */
 
-/* "  142 ml of label 2": all of it, as counts are kept up to date. */
-static void write_volume(struct buf *out, const struct session *session, unsigned label)
+/* "label 2 cerebellum 142 ml (+1.2 ml)": all of the label, and what the last edit changed of it. */
+static void write_label(struct buf *out, const struct session *session, unsigned label)
 {
-    if (label == 0 || session->tally.stale || session->geometry.spacing_unknown)
+    const uint64_t *before = session_voxels_before_edit(session);
+    buf_add_text(out, "label ");
+    act_write_label(out, session, label);
+    if (label == 0 || session->tally.stale)
         return;
-    buf_add_text(out, "  ");
-    tally_write_volume(out, session->scene->spacing_nm, session->tally.voxels[label]);
-    buf_printf(out, " of label %u", label);
+    buf_add_char(out, ' ');
+    act_write_volume(out, session, label, before ? before[label] : 0);
 }
 
-/* "label 2 cerebellum  intensity 93  0.5,18.0,-2.0 mm  142 ml of label 2" */
-static void write_where(struct buf *out, const struct session *session)
+/* Of the labels that the last edit changed, the one of which it changed most; 0 for none. */
+static unsigned changed_most(const struct session *session)
+{
+    const uint64_t *before = session_voxels_before_edit(session);
+    uint64_t most = 0;
+    unsigned found = 0;
+    for (unsigned label = 1; before && label < 256; label++) {
+        const uint64_t now = session->tally.voxels[label];
+        const uint64_t change = now > before[label] ? now - before[label] : before[label] - now;
+        found = change > most ? label : found;
+        most = change > most ? change : most;
+    }
+    return found;
+}
+
+/* "  mean 93, SD 12.3, 78 x 102 x 94 mm": of all of the label. While a command is carried out
+ * it is not known. */
+static void write_sums(struct buf *out, struct session *session, unsigned label)
+{
+    struct label_sums sums;
+    if (label == 0 || session_sum_label(session, label, &sums, NULL) != OK || !sums.voxels)
+        return;
+    buf_add_text(out, "  ");
+    label_report_write_sums(out, &sums, &session->geometry);
+}
+
+/* "label 2 cerebellum 142 ml (+1.2 ml)  intensity 93  0.5,18.0,-2.0 mm  mean 93, ..."; in the
+ * background "label 0  label 2 ... (-1.2 ml)  intensity 93": of what the last edit changed. */
+static void write_where(struct buf *out, struct session *session, bool knows_sums)
 {
     const struct cell *cell = session->scene->cell + cell_at_cross(session);
     const struct geometry *geometry = &session->geometry;
@@ -76,10 +106,13 @@ static void write_where(struct buf *out, const struct session *session)
     if (cell->flags & CELL_OUTSIDE) {
         buf_add_text(out, "outside the region of interest");
     } else if (cell_is_reached(cell)) {
-        buf_add_text(out, "label ");
-        act_write_label(out, session, cell->label);
+        write_label(out, session, cell->label);
     } else {
         buf_add_text(out, "no label");
+    }
+    if (!cell->label && changed_most(session)) {
+        buf_add_text(out, "  ");
+        write_label(out, session, changed_most(session));
     }
     buf_printf(out, "  intensity %g", geometry_value(geometry, cell->intensity));
     if (geometry_has_place(geometry))
@@ -88,7 +121,8 @@ static void write_where(struct buf *out, const struct session *session)
         buf_add_text(out, "  orientation unknown");
     else if (geometry->orientation == ORIENTATION_TOLD)
         buf_add_text(out, "  sides as told by the user");
-    write_volume(out, session, cell->label);
+    if (knows_sums)
+        write_sums(out, session, cell->label);
 }
 
 /* A seed of an object waits, or a voxel has its label; where nobody has counted yet, so it is. */
@@ -129,7 +163,7 @@ static bool facts(void *context, struct pilot_facts *out)
     for (int i = 0; i < 2; i++)
         out->window[i] = s->has_window ? (double)s->window_thousandths[i] / 1000
                                        : geometry_value(&session->geometry, window[i]);
-    write_where(&where, session);
+    write_where(&where, session, !((const struct pilot_interpreter *)context)->onlooker);
     memcpy(out->where, buf_text(&where),
            where.length < sizeof out->where ? where.length + 1 : sizeof out->where - 1);
     buf_release(&where);

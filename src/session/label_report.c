@@ -201,13 +201,27 @@ static void write_places(struct buf *out, const struct label_report *report, uns
                s->last[0], s->last[1], s->last[2]);
 }
 
+void label_report_write_sums(struct buf *out, const struct label_sums *sums,
+                             const struct geometry *geometry)
+{
+    const double spread = fabs(geometry->slope) * deviation(sums);
+    buf_printf(out, "mean %.4g", geometry_value(geometry, mean(sums)));
+    if (!isnan(spread))
+        buf_printf(out, ", SD %.3g", spread);
+    for (int a = 0; a < 3; a++)
+        buf_printf(out, "%s%.3g", a ? " x " : ", ",
+                   (sums->last[a] - sums->first[a] + 1) *
+                       (geometry->spacing_unknown ? 1 : geometry->spacing_nm[a] / 1e6));
+    buf_add_text(out, geometry->spacing_unknown ? " voxels" : " mm");
+}
+
 static void write_intensities(struct buf *out, const struct label_report *report, unsigned label)
 {
-    const double spread = fabs(report->geometry->slope) * deviation(&report->stats[label].sums);
+    const struct label_sums *s = &report->stats[label].sums;
+    const double spread = fabs(report->geometry->slope) * deviation(s);
     double range[2];
     find_range(range, report, label);
-    buf_printf(out, "intensity %.5g",
-               geometry_value(report->geometry, mean(&report->stats[label].sums)));
+    buf_printf(out, "intensity %.5g", geometry_value(report->geometry, mean(s)));
     if (!isnan(spread))
         buf_printf(out, ", deviation %.4g", spread);
     buf_printf(out, ", median %.5g, %.6g..%.6g\n", median(report, label), range[0], range[1]);

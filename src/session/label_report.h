@@ -28,6 +28,11 @@ struct label_report {
 void label_report_write_text(struct buf *out, const struct label_report *report, unsigned label,
                              int blanks);
 
+/* "mean 93, SD 12.3, 78 x 102 x 94 mm": the intensities of a label that has voxels, and the
+ * box around it, in voxels where their distances are unknown. */
+void label_report_write_sums(struct buf *out, const struct label_sums *sums,
+                             const struct geometry *geometry);
+
 /* An object with an object for each label that has voxels. */
 void label_report_write_json(struct buf *out, const struct label_report *report);
 

@@ -39,7 +39,7 @@ struct pilot_facts {
     uint32_t index[3];    /* its slice, by plane, */
     const char *plane[3]; /* and what slices of that are called: "axial", or "z" */
     size_t waiting;       /* edits that wait for a run */
-    char where[160];      /* of the voxel there: label, intensity, millimetres */
+    char where[256];      /* of the voxel there: label, intensity, place; and of its label */
     double intensity;     /* there, in real values */
     double window[2];     /* black and white, in real values */
     uint32_t zoom;        /* at which the rendition is shown, thousandths */
