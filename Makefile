@@ -126,7 +126,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
                      sway grim wtype xdotool tmux screen pterm rxvt-unicode chafa python3-pil
 
 .DEFAULT_GOAL := all
-.PHONY: all tests test test-long test-stress test-bare check-format format variants test-matrix \
+.PHONY: all tests test test-long test-stress test-bare check-format format analyse variants \
+        test-matrix \
         test-matrix-short test-terminals fuzz fuzzers demo bench-peers bench-chafa bench-paper \
         bench-growth bench-render bench-journal bench-keys bench-looks bench-effort bench-series \
         bench-files help clean packages
@@ -181,6 +182,11 @@ check-format: build/.packages-test
 	@$(FORMAT) --dry-run -Werror $(FORMATTED)
 format: build/.packages-test
 	@$(FORMAT) -i $(FORMATTED)
+
+## analyse: what cppcheck and the analyser of gcc find, without what is explained
+##     (tests/analyse/exceptions.txt); three minutes on two cores
+analyse: build/.packages-analyse
+	@tests/analyse/run.sh build/analyse
 
 ## compile_commands.json: how every file is compiled, for editors and analysers
 compile_commands.json: Makefile | $(PACKAGES_STAMP)
@@ -301,6 +307,10 @@ $(BUILD)/libfuzzer/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(BUILD)/tests/fuzz/file
 
 build/.packages-test: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(TEST_PACKAGES) -- $(FORMATTER)
+	@touch $@
+
+build/.packages-analyse: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages cppcheck --
 	@touch $@
 
 build/.packages-chafa: Makefile | $(PACKAGES_STAMP)

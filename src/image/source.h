@@ -4,6 +4,10 @@
  *
  * A gzip is inflated by ISA-L (image/inflater.h) as long as that is right: where it is not, zlib
  * begins again, gets as far, and has words for what is wrong.
+ *
+ * Both work in this process, and are fuzzed with what reads the bytes (tests/fuzz). Inflating in a
+ * confined process, into memory that is shared, was tried and costs 9 to 13 ms more for ch2, a
+ * tenth of its opening.
  */
 #ifndef IMAGE_SOURCE_H
 #define IMAGE_SOURCE_H
