@@ -351,7 +351,7 @@ STORY(headers_have_one_spelling)
         {"# iftty journal 1 semantics 0\n", "malformed"},
         {"# iftty journal 1 semantics -1\n", "malformed"},
         {"# iftty journal 1 semantics 1 \n", "malformed"},
-        {"# iftty journal 1 semantics 1\r\n", "malformed"},
+        {"# iftty journal 1 semantics 1\r\n", "line ends of Windows"},
         {"# iftty journal 1 semantics 1000000000\n", "malformed"},
         {"# iftty journal 1\n", "malformed"},
         {"# iftty journal \x1b[31m\n", "\\x1b[31m"},
