@@ -1,6 +1,7 @@
 #!/bin/sh
-# The program is killed while it works: what it acknowledged is in the journal, the journal resumes
-# and verifies, and so does one cut at any byte.
+# The program is killed while it works, golden images, renditions, maps and surfaces among it: what
+# it acknowledged is in the journal, the journal verifies and resumes, and so does one cut at any
+# byte. No draft and no golden image without a record stays.
 . "$(dirname "$0")/lib.sh"
 cd "$work" || exit 1
 make_scene s.nii 24 20 16
@@ -17,6 +18,12 @@ commands() { # 200 of them
             else if (i % 50 == 11) print "adjacency " (i % 100 == 11 ? 26 : 6)
             else if (i % 50 == 13) print "auto " (i % 100 == 13 ? "on" : "off")
             else if (i % 20 == 17) print "remove " place(i - 1)
+            else if (i == 19) print "golden first"
+            else if (i == 28) print "render r.exr replace=yes"
+            else if (i == 39) print "save labels l.nii.gz replace=yes"
+            else if (i == 52) print "save surface s.stl replace=yes"
+            else if (i == 74) print "spin 2 t%d.png replace=yes"
+            else if (i == 169) print "golden second of=mosaic"
             else print "seed " place(i) " " i % 9
         } }'
 }
@@ -32,6 +39,13 @@ sed -n 's/^ok [0-9-]* //p' out >said
     fail "the journal holds other commands"
 close_story
 
+# The golden images that lie beside a journal, and those that it names, each with its PNG.
+goldens_beside() {
+    ls "${1%.iftty}.golden" 2>/dev/null
+}
+goldens_named() {
+    sed -n 's/^golden \([^ ]*\).*/\1.exr\n\1.png/p' "$1" | sort
+}
 # resumes JOURNAL: it goes on, verifies, and holds the beginning of the script
 resumes() {
     expect 0 "$iftty" run - --journal "$1" </dev/null
@@ -52,9 +66,11 @@ goes_on() {
 
 begin "killed at any moment, what was acknowledged is there"
 mkfifo pipe
-trial=0 early=0
+trial=0 early=0 drafts=0
 # After how many acknowledged commands to kill; the last trials kill by the clock.
-for after in 1 2 5 11 23 47 80 120 150 190 0.02 0.05 0.08 0.13; do
+before_files=$(grep -n '^golden\|^save\|^spin\|^render r' canonical | cut -d : -f 1 |
+    awk '{ print $1 - 1 }')
+for after in 1 2 5 11 80 120 190 $before_files 0.02 0.05 0.08 0.13; do
     trial=$((trial + 1)) journal=k$trial.iftty
     rm -f acks errors
     : >acks
@@ -89,7 +105,11 @@ for after in 1 2 5 11 23 47 80 120 150 190 0.02 0.05 0.08 0.13; do
     "$iftty" log --script "$journal" 2>/dev/null | grep '^[a-z]' >found
     head -n "$said" found | cmp -s - said ||
         fail "trial $trial: of $said acknowledged, $(wc -l <found) are there"
+    expect 0 "$iftty" verify "$journal" # as it was left
+    [ -z "$(find . -name '.iftty-*')" ] || drafts=$((drafts + 1))
     resumes "$journal"
+    [ -z "$(find . -name '.iftty-*')" ] || fail "trial $trial: a draft is left"
+    same "$(goldens_beside "$journal")" "$(goldens_named kept)"
     [ "$kept" -ge "$said" ] || fail "trial $trial: $said acknowledged, $kept kept"
     # A command is recorded before the next is read: no more than one is not acknowledged yet.
     [ "$kept" -le $((said + 1)) ] || fail "trial $trial: $said acknowledged, $kept recorded"
@@ -98,6 +118,7 @@ for after in 1 2 5 11 23 47 80 120 150 190 0.02 0.05 0.08 0.13; do
     goes_on "$journal"
 done
 [ "$early" -gt 6 ] || fail "only $early of $trial were killed in the middle"
+echo "# $trial times, $early of them in the middle; $drafts times a draft was left"
 close_story
 
 begin "cut at any byte, at most the last record is lost"
@@ -108,6 +129,7 @@ for _ in 1 2 3 4 5 6 7 8 9 10 11 12; do
     seed=$(((seed * 1103 + 12345) % 1000003))
     cuts="$cuts $((30 + seed % (bytes - 30)))"
 done
+cp -r whole.golden c.golden # which its records may name; those of whole.iftty are left alone
 for cut in $cuts; do
     head -c "$cut" whole.iftty >c.iftty
     rm -f c.iftty.torn-*
@@ -131,6 +153,7 @@ close_story
 
 begin "a torn tail is told, kept aside, and left alone by readers"
 head -c $((bytes - 7)) whole.iftty >t.iftty
+cp -r whole.golden t.golden
 cp t.iftty t.kept
 expect 0 "$iftty" verify t.iftty
 out_has "an unfinished record at byte"
@@ -147,6 +170,7 @@ close_story
 
 begin "zeros at the end, as a loss of power leaves them"
 { head -c $((bytes - 7)) whole.iftty; head -c 4096 /dev/zero; } >z.iftty
+cp -r whole.golden z.golden
 resumes z.iftty
 same "$kept" 199
 goes_on z.iftty

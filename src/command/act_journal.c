@@ -75,8 +75,7 @@ static void write_journal(const struct interpreter *interp, struct reply *reply)
     buf_printf(&reply->text, ", %zu record%s%s\n", journal_count(interp->journal),
                plural(journal_count(interp->journal)),
                journal_only_looks(interp->journal) ? ", read-only: nothing is written" : "");
-    if (journal_lock_file(interp->journal))
-        buf_add_text(&reply->text, "its file system has no locks: FILE.lock stands for one\n");
+    interpreter_tell_lock(interp, &reply->text);
 }
 
 enum err act_journal(const struct act *act)

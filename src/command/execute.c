@@ -87,7 +87,7 @@ static enum err carry_out(struct interpreter *interp, const struct call *call, c
 
 /* ---- recorded ---- */
 
-static enum err begin_journal(struct interpreter *interp, struct fault *fault)
+static enum err begin_journal(struct interpreter *interp, struct buf *told, struct fault *fault)
 {
     if (!interp->new_journal)
         return OK;
@@ -96,6 +96,7 @@ static enum err begin_journal(struct interpreter *interp, struct fault *fault)
         return fault_prefix(fault, err,
                             "no journal can be begun here (--journal FILE begins it elsewhere)");
     interp->new_journal = NULL;
+    interpreter_tell_lock(interp, told);
     return OK;
 }
 
@@ -123,13 +124,13 @@ static enum err append(struct interpreter *interp, const struct reply *reply, st
 }
 
 /* In the history, and in the journal where commands are new. */
-static enum err record(struct interpreter *interp, const struct reply *reply, struct fault *fault)
+static enum err record(struct interpreter *interp, struct reply *reply, struct fault *fault)
 {
     enum err err =
         history_note(&interp->history, &interp->session, buf_text(&reply->canonical), fault);
     if (err || interp->mode != MODE_LIVE)
         return err;
-    err = begin_journal(interp, fault);
+    err = begin_journal(interp, &reply->text, fault);
     return err ? err : append(interp, reply, fault);
 }
 

@@ -123,6 +123,10 @@ enum err interpreter_resume_journal(struct interpreter *interp, const char *path
 enum err interpreter_resume_in_full(struct interpreter *interp, const char *path, struct buf *told,
                                     struct fault *fault);
 
+/* A line for the user where the journal's file system has no locks: what stands for one (resuming
+ * says it by itself). */
+void interpreter_tell_lock(const struct interpreter *interp, struct buf *told);
+
 /* ---- where files are (paths.c) ---- */
 
 /* Says which journal is at hand, without opening it: goldens and scenes are looked for beside it.

@@ -28,6 +28,16 @@ enum err interpreter_create_journal(struct interpreter *interp, const char *path
     return err;
 }
 
+void interpreter_tell_lock(const struct interpreter *interp, struct buf *told)
+{
+    const char *lock = interp->journal ? journal_lock_file(interp->journal) : NULL;
+    if (!lock)
+        return;
+    buf_add_text(told, "the file system has no locks: ");
+    buf_add_safe_text(told, lock);
+    buf_add_text(told, " keeps other sessions from writing, until this one ends\n");
+}
+
 struct resume {
     struct interpreter *interp;
     size_t last;     /* number of the last record that has words of the forest; 0 for none */
@@ -174,13 +184,8 @@ static void begin_again(struct interpreter *interp)
 /* What the user is to know of the journal that was opened. */
 static void tell_opened(const struct interpreter *interp, const char *path, struct buf *told)
 {
-    const char *lock = journal_lock_file(interp->journal);
     semantics_tell_lost(told, interp->session.semantics);
-    if (lock) {
-        buf_add_text(told, "the file system has no locks: ");
-        buf_add_safe_text(told, lock);
-        buf_add_text(told, " keeps other sessions from writing, until this one ends\n");
-    }
+    interpreter_tell_lock(interp, told);
     if (!interp->is_read_only)
         return;
     buf_add_safe_text(told, path);

@@ -10,6 +10,15 @@
 #include "sandbox/trust.h"
 #include "tui/cells.h"
 
+static enum err create_journal(struct interpreter *interp, const char *path, struct buf *told,
+                               struct fault *fault)
+{
+    const enum err err = interpreter_create_journal(interp, path, fault);
+    if (!err)
+        interpreter_tell_lock(interp, told);
+    return err;
+}
+
 enum err begin_interpreter(struct interpreter *interp, const struct options *o, struct fault *fault)
 {
     struct buf lines = {0};
@@ -26,7 +35,7 @@ enum err begin_interpreter(struct interpreter *interp, const struct options *o, 
     else if (!err && o->journal && o->read_only)
         err = fault_set(fault, ERR_IO, "--read-only: there is no journal %s", o->journal);
     else if (!err && o->journal)
-        err = interpreter_create_journal(interp, o->journal, fault);
+        err = create_journal(interp, o->journal, &lines, fault);
     console_erase_progress();
     if (lines.length)
         fprintf(stderr, "iftty: %s", buf_text(&lines));
