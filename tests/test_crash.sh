@@ -157,7 +157,7 @@ cp -r whole.golden t.golden
 cp t.iftty t.kept
 expect 0 "$iftty" verify t.iftty
 out_has "an unfinished record at byte"
-expect 0 "$iftty" replay t.iftty
+expect 0 "$iftty" replay t.iftty --out replayed
 expect 0 "$iftty" log t.iftty
 same_files t.iftty t.kept
 echo occupied >t.iftty.torn-1

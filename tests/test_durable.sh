@@ -123,6 +123,50 @@ if can_mount && mount -t tmpfs -o size=16k none "$small"; then
 fi
 close_story
 
+begin "a disk that is full: no file is half written, and the command works when there is room"
+disk=$work/disk
+mkdir "$disk"
+# leave KIB: so much room on the disk
+leave() {
+    mount -o remount,size=$(($(df -k --output=used "$disk" | tail -n 1) + $1))k "$disk"
+}
+files_there() { # but the journal, and the folder of golden images, which may be empty
+    listing "$disk" | grep -v 'f\.iftty$\|^\./f\.golden$'
+}
+if can_mount && mount -t tmpfs -o size=1m none "$disk"; then
+    cp s.nii "$disk"
+    expect_in "$disk" 0 "$iftty" -c 'open s.nii; size 64 64; seed 3,4,5 1; seed 20,15,9 2' \
+        --journal f.iftty
+    refused=0
+    for line in 'golden g' 'golden m of=mosaic' 'render r.exr' 'save labels l.nii' \
+        'save surface s.stl' 'spin 2 t%d.exr'; do
+        for room in 0 4 8 12; do
+            leave $room
+            files_there >before
+            expect_in "$disk" 0 "$iftty" log --script f.iftty
+            cp out commands
+            if (cd "$disk" && "$iftty" -c "$line" --journal f.iftty) >out 2>err; then
+                room=done # the record was written, too
+                break
+            fi
+            refused=$((refused + 1))
+            err_has "No space left on device"
+            files_there | cmp -s - before ||
+                fail "$line, room for $room KiB: $(files_there | diff before -)"
+            expect_in "$disk" 0 "$iftty" log --script f.iftty
+            same_files out commands
+        done
+        leave 1024
+        expect_in "$disk" 0 "$iftty" verify --strict f.iftty
+        [ $room = done ] || expect_in "$disk" 0 "$iftty" -c "$line" --journal f.iftty
+    done
+    expect_in "$disk" 0 "$iftty" verify --strict f.iftty
+    [ $refused -ge 8 ] || fail "the disk was full $refused times only"
+    [ -z "$(find "$disk" -name '.iftty-*')" ] || fail "a draft is left"
+    umount "$disk"
+fi
+close_story
+
 begin "a link to a journal: golden images lie beside the journal itself"
 mkdir real
 cp s.nii real

@@ -1,0 +1,192 @@
+/*
+ * A disk that fails at each step of the commands that write files.
+ *
+ * A session carries out a list of commands. Each is tried again and again: step N of the file layer
+ * fails alone (EIO), or nothing can be written from step N on (ENOSPC), for every N, until it is
+ * carried out. A command that fails says so, and leaves every file as it was, no draft, and a
+ * journal that verifies; the same command works once the disk does.
+ */
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+
+#include "base/file_draft.h"
+#include "tests/check.h"
+#include "tests/folder.h"
+#include "tests/interpreting.h"
+#include "verify/evidence.h"
+#include "verify/orphan.h"
+
+static char folder[FOLDER_LENGTH];
+
+static const char *const commands[] = {
+    "golden first",
+    "turn 20",
+    "golden slice of=axial",
+    "render r.exr",
+    "render r.exr replace=yes",
+    "spin 2 t%d.png",
+    "save labels l.nii.gz",
+    "seed 4,4,4 2 radius=1",
+    "save labels l.nii.gz replace=yes",
+    "save surface s.stl",
+    "save seeds seeds.csv",
+    "golden second",
+};
+enum { COMMANDS = sizeof commands / sizeof *commands };
+
+/* ---- the disk ---- */
+
+static unsigned steps_left;
+static bool may_fail, is_full, has_failed;
+
+static int fail_step(enum file_step step, const char *path)
+{
+    (void)path;
+    if (!may_fail || (steps_left > 0 && steps_left--))
+        return 0;
+    if (is_full && step != FILE_STEP_WRITE && step != FILE_STEP_SYNC)
+        return 0;
+    has_failed = true;
+    may_fail = is_full;
+    return is_full ? ENOSPC : EIO;
+}
+
+/* A number that another name or another byte in any file below `path` changes; the journal, which
+ * may have a torn end, and empty folders do not count. */
+static uint64_t digest_below(const char *path)
+{
+    uint64_t sum = 0;
+    char name[FILE_LENGTH + 256];
+    struct buf bytes = {0};
+    DIR *listing = opendir(path);
+    for (const struct dirent *entry; listing && (entry = readdir(listing));) {
+        uint64_t digest = UINT64_C(14695981039346656037);
+        snprintf(name, sizeof name, "%s/%s", path, entry->d_name);
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
+            strcmp(entry->d_name, "j.iftty") == 0)
+            continue;
+        if (file_is_folder(name)) {
+            sum += digest_below(name);
+            continue;
+        }
+        CHECK(file_read(&bytes, name, 1 << 26, NULL) == OK);
+        buf_add_text(&bytes, name);
+        for (size_t i = 0; i < bytes.length; i++)
+            digest = (digest ^ (unsigned char)bytes.data[i]) * UINT64_C(1099511628211);
+        sum += digest;
+    }
+    if (listing)
+        closedir(listing);
+    buf_release(&bytes);
+    return sum;
+}
+
+/* The journal verifies: no golden image differs, is missing, or is one too many. */
+static void verifies(void)
+{
+    struct interpreter interp;
+    struct replay_report report = {0};
+    struct evidence_collector collector = {0};
+    struct buf told = {0};
+    const struct golden_judge judge = evidence_judge(&collector);
+    begin_interpreter(&interp);
+    interp.judge = &judge;
+    fault.text[0] = '\0';
+    if (!CHECK(replay_file(&interp, "j.iftty", 0, 0, NULL, NULL, &report, &fault) == OK) ||
+        !CHECK(orphan_check(&interp, "j.iftty", &told, &fault) == OK))
+        printf("#   %s\n", fault.text);
+    CHECK_TEXT(buf_text(&told), "");
+    replay_report_release(&report);
+    interpreter_release(&interp);
+    buf_release(&told);
+}
+
+/* ---- stories ---- */
+
+/* False where no step was left to fail. */
+static bool fails_at(struct interpreter *interp, const char *line, unsigned step)
+{
+    const uint64_t before = digest_below(folder);
+    const size_t records = interp->history.records;
+    steps_left = step / 2;
+    is_full = step % 2;
+    has_failed = false;
+    may_fail = true;
+    const enum err err = execute(interp, line);
+    may_fail = false;
+    if (err == OK)
+        return false;
+    CHECK(has_failed);
+    CHECK_HAS(fault.text, strerror(is_full ? ENOSPC : EIO));
+    CHECK(digest_below(folder) == before);
+    CHECK_INT(interp->history.records, records);
+    if (check_failures)
+        printf("#   %s, step %u: %s\n", line, step, fault.text);
+    if (step % 8 == 7)
+        verifies();
+    return true;
+}
+
+STORY(a_command_whose_file_cannot_be_written_leaves_nothing_and_works_again)
+{
+    unsigned failures = 0;
+    struct interpreter interp;
+    begin_interpreter(&interp);
+    CHECK(interpreter_create_journal(&interp, "j.iftty", &fault) == OK);
+    must(&interp, "open synth:geom:16x16x16");
+    must(&interp, "size 16 16");
+    must(&interp, "seed 8,8,8 1 radius=2");
+    must(&interp, "seed 1,1,1 0");
+    file_step_hook = fail_step;
+    for (unsigned n = 0; n < COMMANDS && check_failures == 0; n++) {
+        unsigned step = 0;
+        while (check_failures == 0 && fails_at(&interp, commands[n], step))
+            step++;
+        if (has_failed)
+            printf("# %s: stands, though step %u failed\n", commands[n], step);
+        failures += step;
+    }
+    file_step_hook = NULL;
+    CHECK_INT(interp.history.records, 4 + COMMANDS);
+    interpreter_release(&interp);
+    verifies();
+    printf("# %u faults\n", failures);
+    CHECK(failures > 200);
+}
+
+static int has_no_locks(enum file_step step, const char *path)
+{
+    (void)path;
+    return step == FILE_STEP_LOCK ? ENOLCK : 0;
+}
+
+STORY(a_journal_that_is_begun_where_there_are_no_locks_says_what_stands_for_one)
+{
+    struct interpreter interp;
+    begin_interpreter(&interp);
+    interp.new_journal = "new.iftty";
+    file_step_hook = has_no_locks;
+    must(&interp, "open synth:geom:16x16x16");
+    CHECK_HAS(buf_text(&reply.text), "has no locks: new.iftty.lock keeps other sessions from");
+    must(&interp, "seed 8,8,8 1");
+    CHECK(!strstr(buf_text(&reply.text), "locks")); /* once */
+    must(&interp, "journal");
+    CHECK_HAS(buf_text(&reply.text), "has no locks: new.iftty.lock");
+    must(&interp, "journal other.iftty");
+    CHECK_HAS(buf_text(&reply.text), "has no locks: other.iftty.lock");
+    interpreter_release(&interp);
+    file_step_hook = NULL;
+    CHECK(!file_exists("new.iftty.lock") && !file_exists("other.iftty.lock"));
+}
+
+int main(void)
+{
+    if (!make_folder(folder, "faults") || chdir(folder) != 0)
+        return 1;
+    const int status = RUN_STORIES(
+        TELL(a_command_whose_file_cannot_be_written_leaves_nothing_and_works_again),
+        TELL(a_journal_that_is_begun_where_there_are_no_locks_says_what_stands_for_one));
+    reply_release(&reply);
+    return status | remove_folder(folder);
+}
