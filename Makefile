@@ -20,6 +20,8 @@ TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom pyth
                  bindfs fuse3
 FORMATTER     := clang-format-14
 BARE_PACKAGES := debootstrap
+# Other versions of clang-tidy find other things.
+ANALYSERS     := cppcheck clang-tidy-14
 
 # Other versions of clang-format put lines otherwise.
 FORMAT    = $(firstword $(shell which $(FORMATTER) 2>/dev/null) clang-format)
@@ -183,8 +185,8 @@ check-format: build/.packages-test
 format: build/.packages-test
 	@$(FORMAT) -i $(FORMATTED)
 
-## analyse: what cppcheck and the analyser of gcc find, without what is explained
-##     (tests/analyse/exceptions.txt); three minutes on two cores
+## analyse: what cppcheck, the analyser of gcc and clang-tidy find, without what is explained
+##     (tests/analyse/exceptions.txt); eight minutes on two cores
 analyse: build/.packages-analyse
 	@tests/analyse/run.sh build/analyse
 
@@ -310,7 +312,7 @@ build/.packages-test: Makefile | $(PACKAGES_STAMP)
 	@touch $@
 
 build/.packages-analyse: Makefile | $(PACKAGES_STAMP)
-	@.ci/packages cppcheck --
+	@.ci/packages $(ANALYSERS) --
 	@touch $@
 
 build/.packages-chafa: Makefile | $(PACKAGES_STAMP)

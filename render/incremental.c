@@ -28,7 +28,7 @@ static void mark_stale(struct rendition *r, const struct camera *camera, uint32_
     f.left = within(f.left - pixels, r->width), f.right = within(f.right + pixels, r->width);
     f.top = within(f.top - pixels, r->height), f.bottom = within(f.bottom + pixels, r->height);
     for (int32_t y = f.top / TILE; y <= f.bottom / TILE; y++)
-        memset(r->stale + (size_t)y * r->tiles_x + (size_t)(f.left / TILE), TILE_STALE,
+        memset(r->stale + (size_t)y * r->tiles_x + f.left / TILE, TILE_STALE,
                (size_t)(f.right / TILE - f.left / TILE + 1));
 }
 

@@ -14,7 +14,7 @@ enum {
 };
 
 /* Wide enough for any scene that there is, and small enough for 64 bits in all that follows. */
-static const uint64_t PIXEL_PM_MOST = INT64_MAX / (8 * VIEW_SIDE_MOST);
+static const uint64_t PIXEL_PM_MOST = INT64_MAX / (INT64_C(8) * VIEW_SIDE_MOST);
 
 /* The axis of the scene that runs along an axis of the patient. */
 static int scene_axis(const struct scene *scene, int world)

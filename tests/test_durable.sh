@@ -243,6 +243,20 @@ expect 2 "$iftty" -c 'sync never'
 err_has "always"
 close_story
 
+begin "a golden image without its record goes after its PNG, or stays to be found again"
+"$iftty" -c 'open s.nii; seed 2,3,4 1; run; size 40 30; golden first' --journal g.iftty >acks
+sed -i '/^golden first/,$d' g.iftty
+rm g.golden/first.png
+mkdir -p g.golden/first.png/full # which unlink refuses
+expect 0 "$iftty" -c stats --journal g.iftty
+[ -e g.golden/first.exr ] || fail "nothing leads to the PNG any more"
+rm -r g.golden/first.png
+: >g.golden/first.png
+expect 0 "$iftty" -c stats --journal g.iftty
+err_has "first.exr was removed"
+same "$(ls g.golden 2>&1)" ""
+close_story
+
 begin "a repair keeps what is sound, and the rest beside it"
 printf 'open s.nii\nseed 1,2,3 1\n# why\nseed 4,5,6 2\nseed 7,8,9 3\n' >script
 expect 0 "$iftty" run script --journal r.iftty

@@ -135,7 +135,7 @@ static void add_checked(struct filter *filter, const struct call *call)
     const unsigned test = is_of_bits ? BPF_JSET : call->when == IF_LESS ? BPF_JGE : BPF_JEQ;
     const uint32_t value = call->when == IF_OWN ? (uint32_t)getpid() : call->value;
     add(filter, BPF_JMP | BPF_JEQ | BPF_K, call->number, 0, 4);
-    load(filter, offsetof(struct seccomp_data, args) + 8 * call->argument);
+    load(filter, offsetof(struct seccomp_data, args) + sizeof(uint64_t) * call->argument);
     add(filter, BPF_JMP | test | BPF_K, value, is_reverse, !is_reverse);
     answer(filter, SECCOMP_RET_ALLOW);
     answer(filter, REFUSE);

@@ -1,6 +1,7 @@
 #include "command/golden_leftover.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -55,16 +56,16 @@ bool golden_is_leftover(const char *path, const char *journal_path, const char *
     return is_leftover;
 }
 
-/* The PNG first: what is left after a kill is found again by the golden image. */
+/* The PNG first, and not without it: what is left after a kill is found again by the golden
+ * image. */
 static void remove_leftover(const struct buf *path, struct buf *told)
 {
     struct buf png = {0};
     buf_add(&png, path->data, path->length - strlen(image_ending));
     buf_add_text(&png, ".png");
-    if (!png.failed)
-        unlink(buf_text(&png));
+    const bool is_gone = !png.failed && (unlink(buf_text(&png)) == 0 || errno == ENOENT);
     buf_release(&png);
-    if (unlink(buf_text(path)) != 0)
+    if (!is_gone || unlink(buf_text(path)) != 0)
         return;
     buf_add_safe_text(told, buf_text(path));
     buf_add_text(told, " was removed: its command was ended before it was recorded\n");

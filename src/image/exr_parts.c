@@ -52,7 +52,7 @@ void exr_point(exr_coding_channel_info_t *info, const struct channel *channel,
     uint8_t *at = by_halves ? (uint8_t *)halves
                             : (uint8_t *)exr_plane_of(picture, channel->plane) + block->y * line +
                                   block->x * (size_t)pixel;
-    info->decode_to_ptr = at + channel->index * (unsigned)channel->bytes;
+    info->decode_to_ptr = at + channel->index * (size_t)channel->bytes;
     info->user_pixel_stride = pixel;
     info->user_line_stride = (int32_t)line;
     info->user_bytes_per_element = (int16_t)channel->bytes;

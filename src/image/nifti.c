@@ -287,7 +287,7 @@ static enum err write(const char *path, enum file_mode mode, const struct volume
             header.bytes = NIFTI_MOST_BYTES;
     }
     header.datatype = datatype_written(map->type);
-    header.bitpix = 8 * voxel_bytes(map->type);
+    header.bitpix = INT64_C(8) * voxel_bytes(map->type);
     nifti_header_place(&header, map->geometry);
     header.vox_offset = (double)header.bytes + 4;
     describe(&header, map->description);

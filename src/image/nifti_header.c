@@ -144,7 +144,7 @@ void nifti_header_decode(struct nifti_header *header, const uint8_t *bytes)
 {
     const bool big = header->big_endian;
     for (const struct field *f = field; f < field + FIELDS; f++)
-        for (unsigned i = 0; i < f->count; i++) {
+        for (size_t i = 0; i < f->count; i++) {
             const struct place_in_file in = f->in[version_of(header)];
             const uint8_t *at = bytes + in.at + i * in.width;
             char *member = (char *)header + f->member + 8 * i;
@@ -163,7 +163,7 @@ void nifti_header_encode(const struct nifti_header *header, uint8_t *bytes)
     put_integer(bytes, 4, v->bytes);
     memcpy(bytes + v->magic, v->text, v->magic_bytes);
     for (const struct field *f = field; f < field + FIELDS; f++)
-        for (unsigned i = 0; i < f->count; i++) {
+        for (size_t i = 0; i < f->count; i++) {
             const struct place_in_file in = f->in[number];
             uint8_t *at = bytes + in.at + i * in.width;
             const char *member = (const char *)header + f->member + 8 * i;

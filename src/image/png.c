@@ -53,7 +53,7 @@ static void add_header(struct buf *png, const struct raster *raster, unsigned bi
 static void add_palette(struct buf *png, const uint32_t *colour, unsigned count)
 {
     uint8_t rgb[3 * RASTER_COLOURS_MOST];
-    for (unsigned i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; i++) {
         rgb[3 * i] = (uint8_t)(colour[i] >> 16);
         rgb[3 * i + 1] = (uint8_t)(colour[i] >> 8);
         rgb[3 * i + 2] = (uint8_t)colour[i];

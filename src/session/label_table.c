@@ -89,7 +89,8 @@ static enum err take_name(struct label_entry *entry, struct part name, struct fa
     else
         memcpy(entry->name, buf_text(&fit), fit.length);
     const size_t length = strlen(entry->name);
-    entry->changed = length != (size_t)(name.end - name.at) || memcmp(entry->name, name.at, length);
+    entry->changed =
+        length != (size_t)(name.end - name.at) || memcmp(entry->name, name.at, length) != 0;
     buf_release(&fit);
     return OK;
 }
