@@ -38,7 +38,8 @@ if can_sign; then
     ssh-keygen -Y verify -n iftty-journal -f allowed -I alice@example.org -s j.iftty.sig \
         <j.iftty >out 2>&1 || fail "$(cat out)"
     # Chains computed anew are not enough any more.
-    sed 's/^label/# a remark\n&/; s/^run$/# a remark\nrun/' kept | chain_anew /dev/stdin j.iftty
+    sed 's/^label/# a remark\n&/; s/^run$/# a remark\nrun/' kept >before &&
+        chain_anew before j.iftty
     expect 0 "$iftty" verify --strict j.iftty
     unsigned "its signature does not hold for alice@example.org: ssh-keygen: "
     cp kept j.iftty

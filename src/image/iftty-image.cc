@@ -13,11 +13,14 @@
  */
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <new>
 #include <string>
 
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <OpenImageIO/imageio.h>
 
@@ -133,6 +136,25 @@ void serve()
     end_like(status);
 }
 
+/* Threads of this process; 1 where the kernel does not say. */
+int count_threads()
+{
+    std::ifstream file("/proc/self/status");
+    for (std::string line; std::getline(file, line);)
+        if (line.compare(0, 8, "Threads:") == 0)
+            return std::atoi(line.c_str() + 8);
+    return 1;
+}
+
+/* Told to use one thread, the library ends those that it has begun with, and does not wait for
+ * them. A process that is made meanwhile may wait for ever for what one of them held. */
+void await_last_thread()
+{
+    constexpr int tries_most = 5000;
+    for (int tries = 0; count_threads() > 1 && tries < tries_most; tries++)
+        usleep(1000);
+}
+
 /* All that it reads from elsewhere, it reads now. */
 void prepare_library()
 {
@@ -141,6 +163,7 @@ void prepare_library()
     OIIO::attribute("limits:imagesize_MB", 4096);
     OIIO::attribute("limits:channels", 64);
     OIIO::get_string_attribute("format_list");
+    await_last_thread();
 }
 
 } // namespace
