@@ -146,11 +146,11 @@ int count_threads()
     return 1;
 }
 
-/* Told to use one thread, the library ends those that it has begun with, and does not wait for
- * them. A process that is made meanwhile may wait for ever for what one of them held. */
+/* The library begins threads that it leaves to sleep or to end, and does not wait for
+ * them. A process that is made meanwhile may wait for ever for what one of them holds. */
 void await_last_thread()
 {
-    constexpr int tries_most = 5000;
+    constexpr int tries_most = 30;
     for (int tries = 0; count_threads() > 1 && tries < tries_most; tries++)
         usleep(1000);
 }
