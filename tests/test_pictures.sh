@@ -206,4 +206,15 @@ expect 0 "$iftty" info two.tif
 same "$(sed -n 's/^frames *//p' out)" 2
 close_story
 
+begin "a hundred openings, five at once: every helper answers"
+: >bad
+for column in 1 2 3 4 5; do
+    for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do
+        timeout 30 "$iftty" info two.tif >"out.$column" 2>&1 || cat "out.$column" >>bad
+    done &
+done
+wait
+same "$(cat bad)" ""
+close_story
+
 finish

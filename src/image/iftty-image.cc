@@ -146,24 +146,25 @@ int count_threads()
     return 1;
 }
 
-/* The library begins threads that it leaves to sleep or to end, and does not wait for
- * them. A process that is made meanwhile may wait for ever for what one of them holds. */
-void await_last_thread()
+/* The library begins a thread and ends it, and does not wait until it is gone: a process that is
+ * made meanwhile may wait for ever for what that thread held. Threads from before are asleep. */
+void await_threads(int before)
 {
-    constexpr int tries_most = 30;
-    for (int tries = 0; count_threads() > 1 && tries < tries_most; tries++)
+    constexpr int tries_most = 1000;
+    for (int tries = 0; count_threads() > before && tries < tries_most; tries++)
         usleep(1000);
 }
 
 /* All that it reads from elsewhere, it reads now. */
 void prepare_library()
 {
+    const int before = count_threads();
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", 1);
     OIIO::attribute("limits:imagesize_MB", 4096);
     OIIO::attribute("limits:channels", 64);
     OIIO::get_string_attribute("format_list");
-    await_last_thread();
+    await_threads(before);
 }
 
 } // namespace
