@@ -118,7 +118,7 @@ static void add_inside(const struct label_pairs *pairs, uint32_t cell, uint8_t l
 {
     for (int kind = 1; kind < PAIR_KINDS; kind++)
         for (unsigned i = pairs->first[kind]; i < pairs->first[kind + 1]; i++)
-            found[kind] += pairs->label[cell + pairs->around[i].offset] == label;
+            found[kind] += (pairs->label + cell)[pairs->around[i].offset] == label;
 }
 
 static void add_at_edge(const struct label_pairs *pairs, uint32_t cell, uint8_t label,
@@ -130,7 +130,7 @@ static void add_at_edge(const struct label_pairs *pairs, uint32_t cell, uint8_t 
             const struct neighbour *n = &pairs->around[i];
             if (grid_contains(grid, at->x + (int64_t)n->step[0], at->y + (int64_t)n->step[1],
                               at->z + (int64_t)n->step[2]))
-                found[kind] += pairs->label[cell + n->offset] == label;
+                found[kind] += (pairs->label + cell)[n->offset] == label;
         }
 }
 

@@ -374,7 +374,7 @@ static uint64_t move_row(struct relax_field *f, unsigned colour, uint32_t y, uin
     const struct relax_part *part = &f->part[colour][row];
     const bool is_even = parity_of(f, y, z) == colour; /* its voxels have an even x in the box */
     const int32_t *other = f->u[!colour] + base + part->first;
-    const ptrdiff_t length = (ptrdiff_t)f->length, plane = length * (f->size[1] + 2);
+    const ptrdiff_t length = (ptrdiff_t)f->length, plane = length * (ptrdiff_t)(f->size[1] + 2);
     const int32_t *const near[6] = {other - plane,       other - length, other - is_even,
                                     other - is_even + 1, other + length, other + plane};
     const uint16_t *w[6];

@@ -105,6 +105,7 @@ enum err scene_new(struct scene **out, const uint32_t size[3], struct fault *fau
 static enum err make_room(struct scene **out, const uint32_t size[3], struct watch *watch,
                           struct fault *fault)
 {
+    *out = NULL;
     struct scene *scene = mem_new(sizeof *scene);
     if (!scene)
         return fault_memory(fault, "a scene");
@@ -131,7 +132,6 @@ static enum err make_room(struct scene **out, const uint32_t size[3], struct wat
 enum err scene_new_plain(struct scene **out, const uint32_t size[3], uint16_t *intensity,
                          struct watch *watch, struct fault *fault)
 {
-    *out = NULL;
     enum err err = make_room(out, size, watch, fault);
     if (err)
         return err;
