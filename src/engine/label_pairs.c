@@ -18,6 +18,7 @@ typedef uint64_t pair_counts[256][PAIR_KINDS];
 struct label_pairs {
     const struct scene *scene;
     uint32_t step[3];
+    ptrdiff_t cells[3];              /* of a step */
     struct neighbour around[AROUND]; /* in the order of their kinds */
     uint8_t first[PAIR_KINDS + 1];   /* those of a kind, from 1 on, begin here */
     struct change_log log;
@@ -49,7 +50,7 @@ static struct neighbour neighbour_at(const struct label_pairs *pairs, int x, int
     struct neighbour neighbour = {.offset = 0};
     for (int a = 0; a < 3; a++) {
         neighbour.step[a] = at[a] * (int)pairs->step[a];
-        neighbour.offset += neighbour.step[a] * pairs->scene->grid.step[a];
+        neighbour.offset += at[a] * pairs->cells[a];
     }
     return neighbour;
 }
@@ -79,6 +80,8 @@ enum err label_pairs_new(struct label_pairs **out, const struct scene *scene, st
     }
     pairs->scene = scene;
     label_pairs_step(pairs->step, scene->spacing_nm);
+    for (int a = 0; a < 3; a++)
+        pairs->cells[a] = (ptrdiff_t)pairs->step[a] * scene->grid.step[a];
     look_around(pairs);
     *out = pairs;
     return OK;
@@ -112,19 +115,61 @@ static bool is_inside(const struct label_pairs *pairs, const struct place *at)
     return true;
 }
 
-/* Where all neighbours of a voxel are in the scene. */
-static void add_inside(const struct label_pairs *pairs, uint32_t cell, uint8_t label,
-                       uint32_t found[PAIR_KINDS])
+/* Of the eight bytes from here: 1 for each that is `label`, else 0. */
+static uint64_t equal_bytes(const uint8_t *byte, uint8_t label)
 {
-    for (int kind = 1; kind < PAIR_KINDS; kind++)
-        for (unsigned i = pairs->first[kind]; i < pairs->first[kind + 1]; i++)
-            found[kind] += (pairs->label + cell)[pairs->around[i].offset] == label;
+    const uint64_t ones = UINT64_C(0x0101010101010101), low = 127 * ones;
+    uint64_t word;
+    memcpy(&word, byte, sizeof word);
+    word ^= ones * label;
+    return ~(((word & low) + low) | word | low) >> 7;
 }
 
-static void add_at_edge(const struct label_pairs *pairs, uint32_t cell, uint8_t label,
-                        const struct place *at, uint32_t found[PAIR_KINDS])
+/* Where all neighbours of a voxel are in the scene. A step along x is one voxel: the five of a row
+ * that count are among eight. */
+static void add_rows(const struct label_pairs *pairs, uint32_t cell, uint8_t label,
+                     uint32_t found[PAIR_KINDS])
+{
+    const uint8_t *const middle = pairs->label + cell - REACH;
+    for (int z = 0; z <= REACH; z++)
+        for (int y = 0; y <= REACH; y++) {
+            const ptrdiff_t up = z * pairs->cells[2], along = y * pairs->cells[1];
+            uint64_t rows = equal_bytes(middle + up + along, label);
+            if (y > 0)
+                rows += equal_bytes(middle + up - along, label);
+            if (z > 0)
+                rows += equal_bytes(middle - up + along, label);
+            if (y > 0 && z > 0)
+                rows += equal_bytes(middle - up - along, label);
+            uint8_t equal[8];
+            memcpy(equal, &rows, sizeof equal);
+            uint32_t *of = &found[kind_of(0, y, z)];
+            of[0] = equal[2];
+            of[1] = (uint32_t)equal[1] + equal[3];
+            of[2] = (uint32_t)equal[0] + equal[4];
+        }
+}
+
+/* The same, where a step along x is several voxels. */
+static void add_rows_apart(const struct label_pairs *pairs, uint32_t cell, uint8_t label,
+                           uint32_t found[PAIR_KINDS])
+{
+    const ptrdiff_t *step = pairs->cells;
+    for (int z = -REACH; z <= REACH; z++)
+        for (int y = -REACH; y <= REACH; y++) {
+            const uint8_t *row = pairs->label + cell + z * step[2] + y * step[1];
+            uint32_t *of = &found[kind_of(0, y, z)];
+            of[0] += *row == label;
+            for (int x = 1; x <= REACH; x++)
+                of[x] += (uint32_t)(row[-x * step[0]] == label) + (row[x * step[0]] == label);
+        }
+}
+
+static void add_each(const struct label_pairs *pairs, uint32_t cell, uint8_t label,
+                     const struct place *at, uint32_t found[PAIR_KINDS])
 {
     const struct grid *grid = &pairs->scene->grid;
+    found[0] = 1;
     for (int kind = 1; kind < PAIR_KINDS; kind++)
         for (unsigned i = pairs->first[kind]; i < pairs->first[kind + 1]; i++) {
             const struct neighbour *n = &pairs->around[i];
@@ -135,17 +180,18 @@ static void add_at_edge(const struct label_pairs *pairs, uint32_t cell, uint8_t 
 }
 
 /* The pairs that a voxel makes with its label come, or go. */
-static void add_voxel(struct label_pairs *pairs, uint32_t cell, bool comes)
+static void add_voxel(struct label_pairs *pairs, uint32_t cell, const struct place *at, bool comes)
 {
     const uint8_t label = pairs->label[cell];
-    const struct place at = grid_place(&pairs->scene->grid, cell);
-    uint32_t found[PAIR_KINDS] = {1};
+    uint32_t found[PAIR_KINDS] = {0};
     if (!label)
         return;
-    if (is_inside(pairs, &at))
-        add_inside(pairs, cell, label, found);
+    if (!is_inside(pairs, at))
+        add_each(pairs, cell, label, at, found);
+    else if (pairs->step[0] == 1)
+        add_rows(pairs, cell, label, found);
     else
-        add_at_edge(pairs, cell, label, &at, found);
+        add_rows_apart(pairs, cell, label, found);
     for (int kind = 0; kind < PAIR_KINDS; kind++)
         pairs->count[label][kind] += comes ? found[kind] : -(uint64_t)found[kind];
 }
@@ -155,9 +201,10 @@ static void follow_log(struct label_pairs *pairs)
     struct task task = task_begin(pairs->scene->watch, "surface", pairs->log.count);
     for (size_t i = 0; i < pairs->log.count && task_advance(&task, 2); i++) {
         const struct change *change = &pairs->log.item[i];
-        add_voxel(pairs, change->cell, false);
+        const struct place at = grid_place(&pairs->scene->grid, change->cell);
+        add_voxel(pairs, change->cell, &at, false);
         pairs->label[change->cell] = change->label;
-        add_voxel(pairs, change->cell, true);
+        add_voxel(pairs, change->cell, &at, true);
     }
 }
 
@@ -181,18 +228,12 @@ struct counting {
     pair_counts *part; /* of each worker */
 };
 
-/* How many of `count` bytes are `label`, eight at a time: the high bit of each that is. */
+/* How many of `count` bytes are `label`. */
 static uint32_t count_equal(const uint8_t *byte, uint32_t count, uint8_t label)
 {
-    const uint64_t ones = UINT64_C(0x0101010101010101), low = 127 * ones;
     uint32_t equal = 0;
-    for (; count >= 8; count -= 8, byte += 8) {
-        uint64_t word;
-        memcpy(&word, byte, sizeof word);
-        word ^= ones * label;
-        word = ~(((word & low) + low) | word | low);
-        equal += (uint32_t)((word >> 7) * ones >> 56);
-    }
+    for (; count >= 8; count -= 8, byte += 8)
+        equal += (uint32_t)(equal_bytes(byte, label) * UINT64_C(0x0101010101010101) >> 56);
     for (; count > 0; count--)
         equal += *byte++ == label;
     return equal;
