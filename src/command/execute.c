@@ -62,6 +62,8 @@ static enum err act(struct interpreter *interp, const struct call *call, struct 
         err = session_count_labels(session, fault);
     if (!err && edited)
         volumes_write(&reply->text, session, clock_ns() - begin);
+    if (!err && edited && command->flags & COMMAND_PLANTS)
+        surprise_write(&reply->text, session, command->name);
     if (!err && (reply->text.failed || reply->words.failed || reply->canonical.failed))
         err = fault_memory(fault, "an answer");
     return err;

@@ -90,6 +90,7 @@ enum {
     S = COMMAND_NEEDS_SCENE,
     E = COMMAND_EDITS,
     K = COMMAND_SKETCHED,
+    P = COMMAND_PLANTS,
     TURNS = 10 * VIEW_TURN, /* angles may be given beyond one turn; they are reduced */
     PANS = 1000 * VIEW_SIDE_MOST,
 };
@@ -194,13 +195,15 @@ const struct command command_table[] = {
      "regions: the entries, as the values of an atlas.\n"
      "as: the labels that they are for, one for each of `regions`.",
      "label-file aal.nii.txt regions=1-90"},
-    {COMMAND("seed", act_seed, GROUP_SEEDS, R | S | E | K),
+    {COMMAND("seed", act_seed, GROUP_SEEDS, R | S | E | P | K),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255),
       KEYED("radius", VALUE_RADIUS, .most = BRUSH_HOLLOW_REACH_MOST), WITHIN,
       KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes"), HOLLOW,
       KEYED("through", VALUE_POSITION)},
      "plant a seed, a ball of seeds, or a stroke",
-     "A voxel that has a seed gets the new label.\n"
+     "A voxel that has a seed gets the new label. A command that takes a label more than 100 times "
+     "what it plants, more than 1000 voxels, and a quarter of it or as much as a quarter of the "
+     "label that gets them, says so, with the edge that they came through.\n"
      "radius: in voxels, or in millimetres as in 2.5mm, which is a ball in the world whatever the "
      "spacing." WITHIN_NOTE "\n"
      "to: where the stroke goes on to, once for each corner, with a ball of the radius at each "
@@ -212,7 +215,7 @@ const struct command command_table[] = {
      "around: the object inside; unless given, that in the middle.\n"
      "through: of a shell, a voxel that it goes through, instead of its radius.",
      "seed 100,100,50 1 radius=2"},
-    {COMMAND("box", act_box, GROUP_SEEDS, R | S | E),
+    {COMMAND("box", act_box, GROUP_SEEDS, R | S | E | P),
      {NEED("CORNER", VALUE_POSITION), NEED("OPPOSITE", VALUE_POSITION),
       NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN, HOLLOW},
      "plant a box, or a rectangle in a slice",
@@ -220,7 +223,7 @@ const struct command command_table[] = {
      "\nshell=yes: its six faces alone, as `seed` has it.\n"
      "around: the object inside; unless given, that in the middle.",
      "box 80,90,50 120,110,50 2"},
-    {COMMAND("fill", act_fill, GROUP_SEEDS, R | S | E),
+    {COMMAND("fill", act_fill, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN,
       NEED("to", VALUE_LINE, .keyed = true)},
      "plant the inside of a polygon in a slice",
@@ -228,7 +231,7 @@ const struct command command_table[] = {
      "those whose centre it goes through. All corners lie in one slice, of any plane." WITHIN_NOTE
      "\nto: the other corners, two at least.",
      "fill 80,90,50 2 to=120,90,50 to=100,110,50"},
-    {COMMAND("seed-file", act_seed_file, GROUP_SEEDS, R | S | E),
+    {COMMAND("seed-file", act_seed_file, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE), KEYED("label", VALUE_LABEL, .most = 255), WITHIN,
       KEYED("regions", VALUE_LIST, .most = REGION_MOST), KEYED("as", VALUE_LIST, .most = 255),
       KEYED("erode", VALUE_NUMBER, .most = 9),
@@ -245,7 +248,7 @@ const struct command command_table[] = {
      "each: how many seeds are drawn at random from what is left of a region; all unless given.\n"
      "generator: the number that the drawing starts from; 1 unless given." RESAMPLE_NOTE,
      "seed-file aal.nii.gz label=1 regions=1-90 erode=2 each=3"},
-    {COMMAND("labels", act_labels, GROUP_SEEDS, R | S | E),
+    {COMMAND("labels", act_labels, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE), KEYED("regions", VALUE_LIST, .most = REGION_MOST),
       KEYED("as", VALUE_LIST, .most = 255), KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
       KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST),
@@ -263,7 +266,7 @@ const struct command command_table[] = {
      "copy: the journal has its own copy of the labels, beside it, and adds the digest here: it "
      "needs FILE no more." RESAMPLE_NOTE,
      "labels model.nii.gz erode=3"},
-    {COMMAND("object", act_object, GROUP_SEEDS, R | S | E),
+    {COMMAND("object", act_object, GROUP_SEEDS, R | S | E | P),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
       NEED("RANGE", VALUE_INTERVAL, .least = -REAL_MOST, .most = REAL_MOST),
       KEYED("from", VALUE_POSITION)},
@@ -274,7 +277,7 @@ const struct command command_table[] = {
      "leaks. Each object may have a range of its own.\n"
      "from: begin with this voxel instead of the label's seeds.",
      "object 2 threshold 226..3071"},
-    {COMMAND("remove", act_remove, GROUP_SEEDS, R | S | E),
+    {COMMAND("remove", act_remove, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), BRUSH, KEYED("of", VALUE_CHOICE, .choices = "marker|tree")},
      "eliminator: remove the marker of this voxel",
      "A marker is all that one command has planted: a ball, a stroke, a region of a file. Its "
@@ -285,7 +288,7 @@ const struct command command_table[] = {
      "back. This is what `remove` does in journals of semantics 3 and less.\n"
      "With a radius: all markers, or trees, that have a voxel in the ball.",
      "remove 100,100,50"},
-    {COMMAND("run", act_run, GROUP_SEEDS, R | S | E),
+    {COMMAND("run", act_run, GROUP_SEEDS, R | S | E | P),
      {{0}},
      "apply the waiting edits as one",
      "Edits wait while `auto` is off, as it is in scripts. `render`, `spin`, `save` and `golden` "

@@ -1,6 +1,8 @@
 /* What an edit has done to the labels, in a line for the user. */
 #include "command/act.h"
 
+#include "session/surprise.h"
+
 enum { LISTED_MOST = 6 };
 
 void act_write_extent(struct buf *out, const struct session *session, uint64_t voxels)
@@ -65,4 +67,19 @@ void volumes_write(struct buf *out, const struct session *session, uint64_t took
         buf_printf(out, ", %.1f ms\n", ms);
     else
         buf_printf(out, ", %.1f s\n", ms / 1000);
+}
+
+void surprise_write(struct buf *out, const struct session *session, const char *command)
+{
+    struct surprise surprise;
+    if (!session_find_surprise(&surprise, session))
+        return;
+    buf_printf(out, "this %s took ", command);
+    act_write_extent(out, session, surprise.voxels);
+    buf_add_text(out, " of label ");
+    act_write_label(out, session, surprise.label);
+    if (surprise.has_passage)
+        buf_printf(out, " through %u,%u,%u", surprise.passage[0], surprise.passage[1],
+                   surprise.passage[2]);
+    buf_add_text(out, "; undo takes it back\n");
 }

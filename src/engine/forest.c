@@ -52,6 +52,7 @@ static bool finish_changes(struct forest *forest)
             settle(forest, cleared->item[i]);
     }
     assert(forest->unsettled == 0);
+    forest->listed = forest->changes;
     if (forest->everything)
         forest->changes = 0;
     if (forest->from_scratch) {
@@ -178,7 +179,7 @@ static void begin(struct forest *forest, bool from_scratch)
     forest->task =
         task_begin(forest->scene->watch, "forest", from_scratch ? forest->scene->grid.voxels : 0);
     forest->torn = false;
-    forest->changes = 0;
+    forest->changes = forest->listed = 0;
     forest->relabelled = 0;
     forest->everything = from_scratch;
     forest->from_scratch = from_scratch;
@@ -466,7 +467,7 @@ bool forest_is_final(const struct forest *forest, uint32_t cell)
 
 struct changes forest_changes(const struct forest *forest)
 {
-    return (struct changes){forest->everything, forest->changes, forest->change,
+    return (struct changes){forest->everything, forest->changes, forest->change, forest->listed,
                             forest->relabelled};
 }
 

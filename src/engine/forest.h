@@ -68,12 +68,13 @@ struct change {
 };
 
 /* The voxels to which the last edit gave another label, each once, in no order. Where the forest
- * grew from nothing, or that is more than a sixteenth of the scene, `everything` is set and the
- * list is empty: readers scan the scene once instead. */
+ * grew from nothing, or that is more than a sixteenth of the scene, `everything` is set and `count`
+ * is 0: readers scan the scene once instead. */
 struct changes {
     bool everything;
     size_t count;
     const struct change *item;
+    size_t listed;   /* items that are there: the first ones, where a list has become too long */
     uint64_t voxels; /* how many got another label; CHANGES_UNKNOWN where all grew anew uncounted */
 };
 #define CHANGES_UNKNOWN UINT64_MAX

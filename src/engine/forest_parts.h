@@ -57,7 +57,7 @@ struct forest {
     size_t seeds;
 
     struct change *change; /* [change_limit] */
-    size_t changes, change_limit;
+    size_t changes, listed, change_limit;
     size_t unsettled; /* touched voxels without their final key */
     bool everything;
     uint64_t relabelled;      /* voxels of the edit so far that have another label */

@@ -1,0 +1,111 @@
+/*
+ * Surprises: a command that took far more than it planted says so, and through which edge; those
+ * that did what they say, and replays, say nothing.
+ */
+#include <stdlib.h>
+
+#include "engine/passage.h"
+#include "tests/folder.h"
+#include "tests/interpreting.h"
+
+static struct interpreter interp;
+static char folder[FOLDER_LENGTH];
+
+/* ---- the edge, by hand ---- */
+
+STORY(a_passage_is_the_strongest_edge_that_most_paths_share)
+{
+    /* A seed of label 1 at voxel 0 comes through the 5, and at last, in one voxel, the 9. */
+    static const uint16_t weight[] = {1, 1, 1, 1, 5, 1, 1, 2, 1, 1, 1, 9, 1};
+    enum { VOXELS = sizeof weight / sizeof *weight, REST = 400 }; /* which stays label 2's */
+    struct scene *scene;
+    struct forest *forest;
+    uint32_t at = 0;
+    CHECK(scene_new(&scene, (const uint32_t[]){VOXELS + REST, 1, 1}, NULL) == OK);
+    CHECK(forest_new(&forest, scene, 6, NULL) == OK);
+    const uint32_t first = grid_cell(&scene->grid, 0, 0, 0);
+    for (uint32_t x = 0; x < VOXELS + REST; x++)
+        scene->cell[first + x].weight = x < VOXELS ? weight[x] : 1;
+    CHECK(forest_edit(forest, &(struct edit){first + VOXELS - 1, 2}, 1, NULL) == OK);
+    CHECK(!passage_find(&at, forest, 0)); /* what grew from nothing has no list */
+    CHECK(forest_edit(forest, &(struct edit){first, 1}, 1, NULL) == OK);
+    CHECK_INT(scene->cell[first + 10].label, 1);
+    CHECK(passage_find(&at, forest, 2));
+    CHECK_INT(at, first + 4);
+    CHECK(!passage_find(&at, forest, 1)); /* which lost nothing */
+    forest_free(forest);
+    scene_free(scene);
+}
+
+/* ---- commands ---- */
+
+static bool is_surprised(const char *line)
+{
+    must(&interp, line);
+    return strstr(buf_text(&reply.text), "; undo takes it back\n") != NULL;
+}
+
+static void begin(void)
+{
+    begin_interpreter(&interp);
+    must(&interp, "open synth:geom:60x60x30");
+    must(&interp, "auto on");
+}
+
+STORY(a_seed_that_floods_an_object_says_so)
+{
+    begin();
+    CHECK(!is_surprised("seed 30,30,15 1")); /* the first ones may take what they like */
+    CHECK(!is_surprised("seed 2,2,2 0"));
+    CHECK(is_surprised("seed 50,10,15 1"));
+    CHECK_HAS(buf_text(&reply.text), " changed, label 1: ");
+    CHECK_HAS(buf_text(&reply.text), "\nthis seed took 37.2 ml of label 0 through 50,8,15; undo ");
+    CHECK(strstr(buf_text(&reply.words), "took") == NULL);
+    CHECK(!is_surprised("undo"));
+    CHECK(!is_surprised("redo"));
+    CHECK(!is_surprised("undo"));
+    CHECK(!is_surprised("seed 50,10,15 1 radius=7")); /* which is large itself */
+    must(&interp, "undo");
+    CHECK(!is_surprised("seed 20,20,10 1")); /* takes nothing */
+    CHECK(!is_surprised("weight difference"));
+    interpreter_release(&interp);
+}
+
+STORY(so_do_boxes_eliminators_and_runs)
+{
+    begin();
+    must(&interp, "seed 30,30,15 1");
+    must(&interp, "seed 2,2,2 0");
+    CHECK(is_surprised("box 50,10,15 50,11,15 1"));
+    CHECK_HAS(buf_text(&reply.text), "\nthis box took ");
+    CHECK(is_surprised("remove 50,10,15"));
+    CHECK_HAS(buf_text(&reply.text), "\nthis remove took ");
+    must(&interp, "auto off");
+    CHECK(!is_surprised("seed 50,10,15 1"));
+    CHECK(is_surprised("run"));
+    CHECK_HAS(buf_text(&reply.text), "\nthis run took 37.2 ml of label 0 through 50,8,15; ");
+    interpreter_release(&interp);
+}
+
+STORY(a_replay_says_nothing)
+{
+    begin();
+    must(&interp, "seed 30,30,15 1");
+    must(&interp, "seed 2,2,2 0");
+    interp.mode = MODE_REPLAY;
+    CHECK(!is_surprised("seed 50,10,15 1"));
+    interp.mode = MODE_LIVE;
+    interpreter_release(&interp);
+}
+
+int main(void)
+{
+    if (!make_folder(folder, "surprise") || chdir(folder) != 0)
+        return 1;
+    const int status =
+        RUN_STORIES(TELL(a_passage_is_the_strongest_edge_that_most_paths_share),
+                    TELL(a_seed_that_floods_an_object_says_so),
+                    TELL(so_do_boxes_eliminators_and_runs), TELL(a_replay_says_nothing));
+    reply_release(&reply);
+    return status + remove_folder(folder);
+}
