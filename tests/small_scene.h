@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/safe.h"
 #include "image/volume.h"
 #include "session/roi_check.h"
 #include "tests/border_check.h"
@@ -47,14 +48,28 @@ static inline void make_scene(void)
               NULL, NULL) == OK);
 }
 
-static inline void begin_with_scene(struct interpreter *interp)
+static inline void open_scene(struct interpreter *interp, const char *name)
 {
     char line[PATH_MAX + 8];
-    begin_interpreter(interp);
-    snprintf(line, sizeof line, "open %s", place("scene.nii"));
+    snprintf(line, sizeof line, "open %s", place(name));
     must(interp, line);
+}
+
+static inline void begin_with_scene(struct interpreter *interp)
+{
+    begin_interpreter(interp);
+    open_scene(interp, "scene.nii");
     must(interp, "label 2 cerebellum #40c060");
     must(interp, "label 0 background");
+}
+
+/* The scene alone, in a new journal. */
+static inline void begin_with_journal(struct interpreter *interp, const char *name)
+{
+    begin_interpreter(interp);
+    unlink(place(name));
+    CHECK(interpreter_create_journal(interp, place(name), NULL) == OK);
+    open_scene(interp, "scene.nii");
 }
 
 static inline void write_text(const char *name, const char *text)
@@ -283,6 +298,35 @@ static inline void is_as_before(const struct snapshot *before, struct interprete
     CHECK(now.numbered == before->numbered);
     if (check_failures > failures)
         printf("#   after %s\n", line);
+}
+
+/* One line, nothing that a terminal obeys. */
+static inline bool is_plain(const char *text)
+{
+    size_t left = strlen(text);
+    while (left) {
+        size_t n = safe_character(text, left);
+        if (n == 0)
+            return false;
+        text += n;
+        left -= n;
+    }
+    return true;
+}
+
+/* An error in plain words, which leaves all as it was. */
+static inline void is_refused(struct interpreter *interp, const char *line, const char *words)
+{
+    struct snapshot before;
+    take_snapshot(&before, interp);
+    enum err err = execute(interp, line);
+    if (!CHECK(err != OK))
+        printf("#   %s\n", line);
+    CHECK_HAS(fault.text, words);
+    CHECK(fault.code == err);
+    CHECK(err_exit_status(err) == 2 || err_exit_status(err) == 3);
+    CHECK(is_plain(fault.text));
+    is_as_before(&before, interp, line);
 }
 
 static inline bool begin_folder(void)

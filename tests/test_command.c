@@ -10,23 +10,8 @@
 
 #include "base/choice.h"
 #include "base/file.h"
-#include "base/safe.h"
 #include "tests/small_scene.h"
 #include "tests/scarce_memory.h"
-
-/* One line, nothing that a terminal obeys. */
-static bool is_plain(const char *text)
-{
-    size_t left = strlen(text);
-    while (left) {
-        size_t n = safe_character(text, left);
-        if (n == 0)
-            return false;
-        text += n;
-        left -= n;
-    }
-    return true;
-}
 
 /* ---- the table ---- */
 
@@ -448,20 +433,6 @@ STORY(millimetres_lead_to_the_nearest_voxel)
 }
 
 /* ---- lines that are wrong ---- */
-
-static void is_refused(struct interpreter *interp, const char *line, const char *words)
-{
-    struct snapshot before;
-    take_snapshot(&before, interp);
-    enum err err = execute(interp, line);
-    if (!CHECK(err != OK))
-        printf("#   %s\n", line);
-    CHECK_HAS(fault.text, words);
-    CHECK(fault.code == err);
-    CHECK(err_exit_status(err) == 2 || err_exit_status(err) == 3);
-    CHECK(is_plain(fault.text));
-    is_as_before(&before, interp, line);
-}
 
 STORY(a_wrong_line_is_told_what_was_expected)
 {
@@ -944,11 +915,7 @@ STORY(goldens_branches_and_records_are_offered)
     struct interpreter interp;
     begin_with_scene(&interp);
     interpreter_release(&interp);
-    begin_interpreter(&interp);
-    CHECK(interpreter_create_journal(&interp, place("offers.iftty"), NULL) == OK);
-    char line[PATH_MAX + 8];
-    snprintf(line, sizeof line, "open %s", place("scene.nii"));
-    must(&interp, line);
+    begin_with_journal(&interp, "offers.iftty");
     completes(&interp, "golden ", "of=\nfinished=\n", 7);
     must(&interp, "seed 1,1,1 2");
     must(&interp, "seed 9,9,9 1");

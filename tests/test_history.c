@@ -310,12 +310,10 @@ static void walk_about(struct interpreter *interp, unsigned steps)
 /* The scene alone, with a journal where one is named. */
 static void begin_at_root(struct interpreter *interp, const char *journal)
 {
-    char line[PATH_MAX + 8];
     begin_interpreter(interp);
     if (journal)
         CHECK(interpreter_create_journal(interp, journal, &fault) == OK);
-    snprintf(line, sizeof line, "open %s", place("scene.nii"));
-    must(interp, line);
+    open_scene(interp, "scene.nii");
     must(interp, "size 24 24");
 }
 

@@ -162,7 +162,7 @@ static bool plant(char line[LINE], struct standing *state)
 }
 
 /* Corners that go nowhere but ahead are no polygon. */
-static bool is_refused(const char *line)
+static bool is_no_polygon(const char *line)
 {
     return strncmp(line, "fill", 4) == 0 && strstr(fault.text, "three corners or more");
 }
@@ -207,7 +207,7 @@ static void do_one(char line[LINE])
             snprintf(line, LINE, "goto %u", 5 + below((uint32_t)interp.history.records - 4));
     }
     const enum err err = execute(&interp, line);
-    if (err && (what >= 8 || is_refused(line))) {
+    if (err && (what >= 8 || is_no_polygon(line))) {
         put_count = before;
         return; /* nothing to undo or to do again */
     }
@@ -223,13 +223,11 @@ static void do_one(char line[LINE])
 
 static void begin(const char *journal)
 {
-    char line[PATH_MAX + 8];
     begin_interpreter(&interp);
     unlink(journal);
     interp.sync = FILE_SYNC_OFF;
     CHECK(interpreter_create_journal(&interp, journal, NULL) == OK);
-    snprintf(line, sizeof line, "open %s", place("scene.nii"));
-    must(&interp, line);
+    open_scene(&interp, "scene.nii");
     must(&interp, "auto on");
     must(&interp, "size 16 16");
     must(&interp, "label 1 one");

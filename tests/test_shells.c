@@ -7,25 +7,6 @@
 
 static struct interpreter interp;
 
-static void begin(const char *journal)
-{
-    char line[PATH_MAX + 8];
-    begin_interpreter(&interp);
-    unlink(place(journal));
-    CHECK(interpreter_create_journal(&interp, place(journal), NULL) == OK);
-    snprintf(line, sizeof line, "open %s", place("scene.nii"));
-    must(&interp, line);
-}
-
-static void is_refused(const char *line, const char *words)
-{
-    struct snapshot before;
-    take_snapshot(&before, &interp);
-    CHECK(execute(&interp, line) != OK);
-    CHECK_HAS(fault.text, words);
-    is_as_before(&before, &interp, line);
-}
-
 static int label_at(uint32_t x, uint32_t y, uint32_t z)
 {
     const struct scene *scene = interp.session.scene;
@@ -49,7 +30,7 @@ static size_t beyond(int label, int radius)
 STORY(an_object_does_not_leave_its_shell)
 {
     static const char *const adjacency[] = {"adjacency 6", "adjacency 26"};
-    begin("inside.iftty");
+    begin_with_journal(&interp, "inside.iftty");
     must(&interp, "auto on");
     for (int i = 0; i < 2; i++) {
         must(&interp, adjacency[i]);
@@ -73,7 +54,7 @@ STORY(an_object_does_not_leave_its_shell)
 
 STORY(a_shell_is_one_marker)
 {
-    begin("marker.iftty");
+    begin_with_journal(&interp, "marker.iftty");
     must(&interp, "auto on");
     must(&interp, "seed 5,5,5 1");
     must(&interp, "seed 5,5,5 0 shell=yes radius=3");
@@ -95,7 +76,7 @@ STORY(a_shell_is_one_marker)
 
 STORY(a_shell_cuts_no_other_object)
 {
-    begin("others.iftty");
+    begin_with_journal(&interp, "others.iftty");
     must(&interp, "auto on");
     must(&interp, "seed 5,5,5 1");
     must(&interp, "box 5,5,8 5,5,9 2");
@@ -115,7 +96,7 @@ STORY(a_shell_cuts_no_other_object)
 /* Voxels are 1 x 1.5 x 2 mm: a ball of the world goes through the voxel, and no farther. */
 STORY(a_shell_may_be_given_by_a_voxel_that_it_goes_through)
 {
-    begin("through.iftty");
+    begin_with_journal(&interp, "through.iftty");
     must(&interp, "seed 5,5,5 1");
     must(&interp, "seed 5,5,5 0 shell=yes through=9,5,5");
     must(&interp, "run");
@@ -133,7 +114,7 @@ STORY(a_shell_may_be_given_by_a_voxel_that_it_goes_through)
 
 STORY(why_names_the_strongest_edge_and_the_label_that_would_come_next)
 {
-    begin("why.iftty");
+    begin_with_journal(&interp, "why.iftty");
     must(&interp, "label 2 \"left hemi\"");
     must(&interp, "seed 1,1,1 1");
     must(&interp, "run");
@@ -155,7 +136,7 @@ STORY(why_names_the_strongest_edge_and_the_label_that_would_come_next)
 
 STORY(the_first_gesture_may_be_a_shell)
 {
-    begin("first.iftty");
+    begin_with_journal(&interp, "first.iftty");
     must(&interp, "seed 5,5,5 0 radius=4 shell=yes");
     must(&interp, "seed 5,5,5 1");
     must(&interp, "run");
@@ -166,28 +147,35 @@ STORY(the_first_gesture_may_be_a_shell)
 
 STORY(what_is_no_shell_is_refused)
 {
-    begin("refused.iftty");
+    begin_with_journal(&interp, "refused.iftty");
     must(&interp, "auto on");
     must(&interp, "seed 5,5,5 1");
-    is_refused("seed 5,5,5 0 shell=yes", "a ball of radius 0 has nothing inside");
-    is_refused("seed 5,5,5 0 radius=0 shell=yes", "a ball of radius 0 has nothing inside");
-    is_refused("seed 5,5,5 0 radius=100 shell=yes", "none of it lies in the scene");
-    is_refused("seed 5,5,5 0 radius=513 shell=yes", "radius: expected a number 0..512");
-    is_refused("seed 5,5,5 0 radius=900mm shell=yes", "it reaches 900 voxels along x; at most 512");
-    is_refused("seed 5,5,5 0 radius=129", "it reaches 129 voxels along x; at most 128");
-    is_refused("seed 15,5,5 0 radius=3 shell=yes", "15");
-    is_refused("seed 5,5,5 1 radius=3 shell=yes", "label 1 is that of the object inside as well");
-    is_refused("seed 5,5,5 1 radius=3 shell=yes around=1", "of the object inside as well");
-    is_refused("seed 5,5,5 0 radius=3 shell=yes to=6,6,6", "and of no stroke");
-    is_refused("seed 5,5,5 1 radius=3 shell=yes joined=yes", "and of no stroke");
-    is_refused("seed 5,5,5 0 through=6,6,6", "through: it is for shell=yes");
-    is_refused("seed 5,5,5 0 radius=3 through=6,6,6 shell=yes", "`radius` or `through`, not both");
-    is_refused("seed 5,5,5 0 through=5,5,5 shell=yes", "a ball of radius 0 has nothing inside");
-    is_refused("seed 5,5,5 0 radius=3 around=1", "around: it is for shell=yes");
-    is_refused("box 1,1,1 5,5,5 0 around=1", "around: it is for shell=yes");
-    is_refused("box 1,1,1 5,2,5 0 shell=yes", "less than 3 voxels thick has nothing inside");
-    is_refused("box 5,5,5 5,5,5 0 shell=yes", "less than 3 voxels thick has nothing inside");
-    is_refused("seed 5,5,5 0 radius=2 shell=yes around=2", "lies in other objects than the one");
+    is_refused(&interp, "seed 5,5,5 0 shell=yes", "a ball of radius 0 has nothing inside");
+    is_refused(&interp, "seed 5,5,5 0 radius=0 shell=yes", "a ball of radius 0 has nothing inside");
+    is_refused(&interp, "seed 5,5,5 0 radius=100 shell=yes", "none of it lies in the scene");
+    is_refused(&interp, "seed 5,5,5 0 radius=513 shell=yes", "radius: expected a number 0..512");
+    is_refused(&interp, "seed 5,5,5 0 radius=900mm shell=yes",
+               "it reaches 900 voxels along x; at most 512");
+    is_refused(&interp, "seed 5,5,5 0 radius=129", "it reaches 129 voxels along x; at most 128");
+    is_refused(&interp, "seed 15,5,5 0 radius=3 shell=yes", "15");
+    is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes",
+               "label 1 is that of the object inside as well");
+    is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes around=1", "of the object inside as well");
+    is_refused(&interp, "seed 5,5,5 0 radius=3 shell=yes to=6,6,6", "and of no stroke");
+    is_refused(&interp, "seed 5,5,5 1 radius=3 shell=yes joined=yes", "and of no stroke");
+    is_refused(&interp, "seed 5,5,5 0 through=6,6,6", "through: it is for shell=yes");
+    is_refused(&interp, "seed 5,5,5 0 radius=3 through=6,6,6 shell=yes",
+               "`radius` or `through`, not both");
+    is_refused(&interp, "seed 5,5,5 0 through=5,5,5 shell=yes",
+               "a ball of radius 0 has nothing inside");
+    is_refused(&interp, "seed 5,5,5 0 radius=3 around=1", "around: it is for shell=yes");
+    is_refused(&interp, "box 1,1,1 5,5,5 0 around=1", "around: it is for shell=yes");
+    is_refused(&interp, "box 1,1,1 5,2,5 0 shell=yes",
+               "less than 3 voxels thick has nothing inside");
+    is_refused(&interp, "box 5,5,5 5,5,5 0 shell=yes",
+               "less than 3 voxels thick has nothing inside");
+    is_refused(&interp, "seed 5,5,5 0 radius=2 shell=yes around=2",
+               "lies in other objects than the one");
     must(&interp, "seed 0,0,0 2 radius=2 shell=yes");
     interpreter_release(&interp);
 }

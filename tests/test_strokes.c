@@ -10,16 +10,6 @@
 
 static struct interpreter interp;
 
-static void begin(const char *journal)
-{
-    char line[PATH_MAX + 8];
-    begin_interpreter(&interp);
-    unlink(place(journal));
-    CHECK(interpreter_create_journal(&interp, place(journal), NULL) == OK);
-    snprintf(line, sizeof line, "open %s", place("scene.nii"));
-    must(&interp, line);
-}
-
 static void resume(const char *journal)
 {
     interpreter_release(&interp);
@@ -34,15 +24,6 @@ static void is_recorded_as(const char *line)
     CHECK_TEXT(buf_text(&reply.canonical), line);
 }
 
-static void is_refused(const char *line, const char *words)
-{
-    struct snapshot before;
-    take_snapshot(&before, &interp);
-    CHECK(execute(&interp, line) != OK);
-    CHECK_HAS(fault.text, words);
-    is_as_before(&before, &interp, line);
-}
-
 static size_t seeds(void)
 {
     return forest_seeds(interp.session.forest);
@@ -52,7 +33,7 @@ static size_t seeds(void)
 
 STORY(a_stroke_is_one_record_one_marker_and_one_undo)
 {
-    begin("stroke.iftty");
+    begin_with_journal(&interp, "stroke.iftty");
     must(&interp, "auto on");
     must(&interp, "seed 9,9,9 3");
     must(&interp, "seed 1,1,1 1 to=2,1,1 to=3,1,1 to=3,2,1 to=3,3,1 to=3,3,5");
@@ -71,7 +52,7 @@ STORY(a_stroke_is_one_record_one_marker_and_one_undo)
 
 STORY(parts_of_a_stroke_are_undone_done_again_and_removed_as_one)
 {
-    begin("parts.iftty");
+    begin_with_journal(&interp, "parts.iftty");
     must(&interp, "auto on");
     must(&interp, "seed 9,9,9 3");
     must(&interp, "seed 1,1,1 1 to=3,1,1");
@@ -116,7 +97,7 @@ STORY(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one)
 {
     struct buf whole = {0};
     size_t stood[11] = {0};
-    begin("whole.iftty");
+    begin_with_journal(&interp, "whole.iftty");
     must(&interp, "auto on");
     must(&interp, "seed 9,9,9 3");
     must(&interp, "seed 1,1,1 1 to=3,1,1");
@@ -149,18 +130,18 @@ STORY(a_stroke_that_is_cut_short_keeps_its_whole_parts_as_one)
 STORY(only_what_was_just_planted_is_gone_on_with)
 {
     static const char words[] = "joined: the command before has not planted seeds of label 1";
-    begin("alone.iftty");
-    is_refused("seed 1,1,1 1 joined=yes", words);
+    begin_with_journal(&interp, "alone.iftty");
+    is_refused(&interp, "seed 1,1,1 1 joined=yes", words);
     must(&interp, "seed 1,1,1 2");
-    is_refused("seed 1,1,1 1 joined=yes", words);
+    is_refused(&interp, "seed 1,1,1 1 joined=yes", words);
     must(&interp, "seed 1,1,1 1");
     must(&interp, "run");
-    is_refused("seed 1,1,1 1 joined=yes", words);
+    is_refused(&interp, "seed 1,1,1 1 joined=yes", words);
     must(&interp, "seed 1,1,1 1");
     must(&interp, "view left"); /* is no change of the segmentation */
     must(&interp, "seed 1,2,1 1 joined=yes");
     must(&interp, "undo");
-    is_refused("seed 1,1,1 1 joined=yes", words);
+    is_refused(&interp, "seed 1,1,1 1 joined=yes", words);
     interpreter_release(&interp);
 }
 
@@ -169,7 +150,7 @@ STORY(a_line_of_the_journal_holds_thousands_of_corners)
     struct buf line = {0};
     struct snapshot end, again;
     uint64_t random = 5;
-    begin("long.iftty");
+    begin_with_journal(&interp, "long.iftty");
     must(&interp, "auto on");
     buf_add_text(&line, "seed 5,5,5 1");
     while (line.length < 65000) {
@@ -186,7 +167,7 @@ STORY(a_line_of_the_journal_holds_thousands_of_corners)
     is_same_segmentation(&end, &again);
     while (line.length < 65536)
         buf_add_text(&line, " to=1,1,1");
-    is_refused(buf_text(&line), "the command is longer than 65535 bytes");
+    is_refused(&interp, buf_text(&line), "the command is longer than 65535 bytes");
     buf_release(&line);
     interpreter_release(&interp);
 }
@@ -196,34 +177,34 @@ STORY(a_line_of_the_journal_holds_thousands_of_corners)
 STORY(millimetres_are_refused_where_nobody_knows_them)
 {
     struct buf file = {0};
-    begin("unknown.iftty");
+    begin_with_journal(&interp, "unknown.iftty");
     must(&interp, "seed 5,5,5 1 radius=2.50mm");
     is_recorded_as("seed 5,5,5 1 radius=2.5mm");
     must(&interp, "run");
     must(&interp, "remove 1,1,1 radius=0.000001mm");
-    is_refused("seed 5,5,5 1 radius=400mm", "radius: it reaches 400 voxels along x; at most 128");
-    is_refused("seed 5,5,5 1 radius=1000.1mm", "radius: expected a number 0..512, or millimetres");
-    is_refused("seed 5,5,5 1 radius=2cm", "up to 1000 with at most six decimals, not 2cm");
+    is_refused(&interp, "seed 5,5,5 1 radius=400mm",
+               "radius: it reaches 400 voxels along x; at most 128");
+    is_refused(&interp, "seed 5,5,5 1 radius=1000.1mm",
+               "radius: expected a number 0..512, or millimetres");
+    is_refused(&interp, "seed 5,5,5 1 radius=2cm", "up to 1000 with at most six decimals, not 2cm");
     interpreter_release(&interp);
     CHECK(file_read(&file, place("scene.nii"), 1 << 20, NULL) == OK && file.length > 352);
     memset(file.data + 76 + 4 * 3, 0, 4); /* pixdim[3], */
     memset(file.data + 252, 0, 4);        /* and the codes of both forms, which say it too */
     CHECK(file_write(place("sizeless.nii"), file.data, file.length, FILE_REPLACE, NULL) == OK);
     buf_release(&file);
-    char line[PATH_MAX + 8];
     begin_interpreter(&interp);
-    snprintf(line, sizeof line, "open %s", place("sizeless.nii"));
-    must(&interp, line);
+    open_scene(&interp, "sizeless.nii");
     must(&interp, "seed 5,5,5 1 radius=2"); /* whose brush is let go of once */
-    is_refused("seed 5,5,5 1 radius=2mm", "does not say how large voxels are");
-    is_refused("remove 5,5,5 radius=2mm", "does not say how large voxels are");
+    is_refused(&interp, "seed 5,5,5 1 radius=2mm", "does not say how large voxels are");
+    is_refused(&interp, "remove 5,5,5 radius=2mm", "does not say how large voxels are");
     must(&interp, "seed 5,5,5 1 radius=2");
     interpreter_release(&interp);
 }
 
 STORY(only_intensities_of_the_range_are_planted)
 {
-    begin("range.iftty");
+    begin_with_journal(&interp, "range.iftty");
     must(&interp, "box 0,0,0 11,10,9 1 range=40..80.5");
     is_recorded_as("box 0,0,0 11,10,9 1 range=40..80.5");
     CHECK_HAS(buf_text(&reply.text), "left out, intensities beyond the range: ");
@@ -239,24 +220,27 @@ STORY(only_intensities_of_the_range_are_planted)
     write_text("few.csv", "1,1,1,1\n9,9,8,1\n");
     must(&interp, "seed-file few.csv range=0..20");
     CHECK_HAS(buf_text(&reply.text), "1 seed\n");
-    is_refused("seed 1,1,1 1 range=200..300", "range: no voxel of it has such an intensity");
-    is_refused("seed 1,1,1 1 range=20", "range: expected LOW..HIGH, as in 40..1200.5, not 20");
-    is_refused("seed 1,1,1 1 range=20..10", "expected LOW..HIGH");
+    is_refused(&interp, "seed 1,1,1 1 range=200..300",
+               "range: no voxel of it has such an intensity");
+    is_refused(&interp, "seed 1,1,1 1 range=20",
+               "range: expected LOW..HIGH, as in 40..1200.5, not 20");
+    is_refused(&interp, "seed 1,1,1 1 range=20..10", "expected LOW..HIGH");
     must(&interp, "range 0 90");
-    is_refused("seed 9,9,8 1 range=90..300", "lies outside the region of interest");
+    is_refused(&interp, "seed 9,9,8 1 range=90..300", "lies outside the region of interest");
     interpreter_release(&interp);
 }
 
 STORY(a_polygon_is_of_one_slice)
 {
-    begin("fill.iftty");
+    begin_with_journal(&interp, "fill.iftty");
     must(&interp, "fill 1,1,5 1 to=9,1,5 to=9,2,5 to=9,9,5 range=-5..9999");
     is_recorded_as("fill 1,1,5 1 range=-5..9999 to=9,1,5 to=9,9,5");
     must(&interp, "run");
     CHECK_INT(seeds(), 45);
-    is_refused("fill 1,1,5 1 to=9,1,5 to=9,9,6", "the corners of a polygon lie in one slice");
-    is_refused("fill 1,1,5 1 to=2,1,5 to=9,1,5", "a polygon has three corners or more");
-    is_refused("fill 1,1,5 1", "missing: to; usage: fill X,Y,Z LABEL");
+    is_refused(&interp, "fill 1,1,5 1 to=9,1,5 to=9,9,6",
+               "the corners of a polygon lie in one slice");
+    is_refused(&interp, "fill 1,1,5 1 to=2,1,5 to=9,1,5", "a polygon has three corners or more");
+    is_refused(&interp, "fill 1,1,5 1", "missing: to; usage: fill X,Y,Z LABEL");
     interpreter_release(&interp);
 }
 
@@ -264,7 +248,7 @@ STORY(a_polygon_is_of_one_slice)
 
 STORY(a_label_may_be_called_by_several_words)
 {
-    begin("names.iftty");
+    begin_with_journal(&interp, "names.iftty");
     must(&interp, "label 1 'left hemi' #FF00Aa");
     is_recorded_as("label 1 \"left hemi\" #ff00aa");
     must(&interp, "label 2 \"right hemi\"");
@@ -275,11 +259,11 @@ STORY(a_label_may_be_called_by_several_words)
     write_text("named.csv", "5,5,5,right hemi # there\n6,6,6,c#4\n");
     must(&interp, "seed-file named.csv");
     must(&interp, "run");
-    is_refused("label 3 'a b '", "expected a name of at most 31 bytes");
-    is_refused("label 3 'a=b c'", "expected a name");
-    is_refused("branch 'a b'", "expected a word of at most 63 bytes");
-    is_refused("label 3 'a", "a word in quotes does not end");
-    is_refused("label 3 'a'b", "a word in quotes does not end");
+    is_refused(&interp, "label 3 'a b '", "expected a name of at most 31 bytes");
+    is_refused(&interp, "label 3 'a=b c'", "expected a name");
+    is_refused(&interp, "branch 'a b'", "expected a word of at most 63 bytes");
+    is_refused(&interp, "label 3 'a", "a word in quotes does not end");
+    is_refused(&interp, "label 3 'a'b", "a word in quotes does not end");
     must(&interp, "label 3 it's");
     struct buf offers = {0};
     size_t start;
@@ -297,9 +281,9 @@ STORY(a_label_may_be_called_by_several_words)
 
 STORY(an_older_journal_has_single_quotes_as_letters)
 {
-    begin("older.iftty");
+    begin_with_journal(&interp, "older.iftty");
     interp.session.semantics = 3;
-    is_refused("label 1 'left hemi'",
+    is_refused(&interp, "label 1 'left hemi'",
                "COLOUR: expected #rrggbb, six hexadecimal digits, not hemi'");
     must(&interp, "save labels 'old.nii replace=yes");
     is_recorded_as("save labels \"'old.nii\" replace=yes"); /* which means the same in all */
@@ -308,7 +292,7 @@ STORY(an_older_journal_has_single_quotes_as_letters)
 
 STORY(an_older_journal_counts_what_waits_as_it_did)
 {
-    begin("counts.iftty");
+    begin_with_journal(&interp, "counts.iftty");
     must(&interp, "seed 1,1,1 1 radius=3 to=11,7,5");
     const size_t once = session_pendings(&interp.session);
     must(&interp, "run");
@@ -337,7 +321,7 @@ STORY(a_sketch_is_as_if_it_had_never_been)
 {
     struct snapshot before, seen;
     for (int runs = 0; runs < 2; runs++) {
-        begin("sketch.iftty");
+        begin_with_journal(&interp, "sketch.iftty");
         must(&interp, "seed 9,9,9 3");
         must(&interp, "seed 9,8,9 2");
         must(&interp, "run");
@@ -369,7 +353,7 @@ STORY(a_sketch_is_as_if_it_had_never_been)
 STORY(a_sketch_without_memory_is_taken_back_in_the_end)
 {
     struct snapshot before;
-    begin("memory.iftty");
+    begin_with_journal(&interp, "memory.iftty");
     must(&interp, "auto on");
     must(&interp, "seed 9,9,9 3");
     take_snapshot(&before, &interp);
@@ -395,7 +379,7 @@ STORY(a_sketch_without_memory_is_taken_back_in_the_end)
 
 STORY(what_waits_runs_with_the_next_edit_and_not_by_going_there)
 {
-    begin("waits.iftty");
+    begin_with_journal(&interp, "waits.iftty");
     must(&interp, "seed 1,1,1 1");
     must(&interp, "seed 9,9,9 2");
     must(&interp, "run");

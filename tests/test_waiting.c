@@ -33,11 +33,9 @@ enum { LINES = sizeof lines / sizeof lines[0] };
 
 static void begin_waiting(struct interpreter *interp, uint64_t least)
 {
-    char line[PATH_MAX + 8];
     begin_interpreter(interp);
     session_let_wait(&interp->session, least);
-    snprintf(line, sizeof line, "open %s", place("scene.nii"));
-    must(interp, line);
+    open_scene(interp, "scene.nii");
 }
 
 /* The same answer and the same words; what was saved is the same file. */
