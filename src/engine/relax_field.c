@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "engine/intensities.h"
 
 /* Several versions of a function, of which the one for the machine at hand is called. */
 #if defined __x86_64__ && defined __gnu_linux__ && !defined __clang__ &&                           \
@@ -38,27 +39,11 @@ static uint32_t lets_through(uint8_t a, uint8_t b)
 
 void relax_find_greys(struct relax_greys *greys, const struct scene *scene)
 {
-    static const size_t looked_at = 1u << 22;
     static uint32_t count[UINT16_MAX + 1];
-    const struct grid *grid = &scene->grid;
-    const size_t rows = (size_t)grid->size[1] * grid->size[2];
-    const size_t each = (grid->voxels + looked_at - 1) / looked_at;
-    uint64_t all = 0, below = 0;
-    int64_t low = 0, high = 0;
-    memset(count, 0, sizeof count);
-    for (size_t r = 0; r < rows; r += each) {
-        const struct span row =
-            grid_row(grid, (uint32_t)(r % grid->size[1]), (uint32_t)(r / grid->size[1]));
-        for (uint32_t c = row.first; c < row.end; c++)
-            count[scene->cell[c].intensity]++;
-        all += grid->size[0];
-    }
-    for (int64_t i = 0; i <= UINT16_MAX; i++) {
-        low = below * 1000 <= all ? i : low;
-        high = below * 1000 < all * 999 ? i : high;
-        below += count[i];
-    }
-    high = high > low ? high : low + 1;
+    int32_t range[2];
+    intensities_count(count, scene);
+    intensities_range(range, count, 1, 999);
+    const int64_t low = range[0], high = range[1] > low ? range[1] : low + 1;
     for (int64_t i = 0; i <= UINT16_MAX; i++) {
         const int64_t grey = (2 * (i - low) * 255 + high - low) / (2 * (high - low));
         greys->of[i] = (uint8_t)(i <= low ? 0 : grey < 255 ? grey : 255);

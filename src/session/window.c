@@ -2,47 +2,19 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
-/* Voxels that are looked at for the window: enough for its percentiles, and few enough to take no
- * time in a large scene. */
-static const size_t WINDOW_VOXELS = 1u << 22;
-
-/* Every n-th row of voxels. */
-void window_count(uint32_t count[UINT16_MAX + 1], const struct scene *scene)
-{
-    const struct grid *grid = &scene->grid;
-    const size_t rows = (size_t)grid->size[1] * grid->size[2];
-    const size_t each = (grid->voxels + WINDOW_VOXELS - 1) / WINDOW_VOXELS;
-    memset(count, 0, (UINT16_MAX + 1) * sizeof *count);
-    for (size_t r = 0; r < rows; r += each) {
-        const struct span row =
-            grid_row(grid, (uint32_t)(r % grid->size[1]), (uint32_t)(r / grid->size[1]));
-        for (uint32_t c = row.first; c < row.end; c++)
-            count[scene->cell[c].intensity]++;
-    }
-}
+#include "engine/intensities.h"
 
 /* The 1st and the 99.5th percentile: few voxels are as bright as vessels and fat. */
 void window_of_counts(int32_t window[2], const uint32_t count[UINT16_MAX + 1])
 {
-    uint64_t below = 0, all = 0;
-    for (int32_t i = 0; i <= UINT16_MAX; i++)
-        all += count[i];
-    window[0] = window[1] = 0;
-    for (int32_t i = 0; i <= UINT16_MAX; i++) {
-        if (below * 100 <= all)
-            window[0] = i;
-        if (below * 1000 < all * 995)
-            window[1] = i;
-        below += count[i];
-    }
+    intensities_range(window, count, 10, 995);
 }
 
 static void find_window(struct session *session)
 {
     static uint32_t count[UINT16_MAX + 1];
-    window_count(count, session->scene);
+    intensities_count(count, session->scene);
     window_of_counts(session->window, count);
     session->knows_window = true;
 }

@@ -11,9 +11,8 @@
  * the greater one first. What follows from the scene is found once. */
 void window_of(int32_t window[2], struct session *session);
 
-/* How often each intensity occurs, in every n-th row of a large scene; and the window that follows
- * from that, the smaller intensity first. */
-void window_count(uint32_t count[UINT16_MAX + 1], const struct scene *scene);
+/* The window that follows from how often intensities occur (engine/intensities.h), the smaller
+ * intensity first. */
 void window_of_counts(int32_t window[2], const uint32_t count[UINT16_MAX + 1]);
 
 /* The real values that are black and white: "0" and "142.5". */
