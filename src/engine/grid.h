@@ -43,6 +43,11 @@ static inline uint32_t grid_cell(const struct grid *grid, uint32_t x, uint32_t y
                       ((size_t)z + 1) * (size_t)grid->step[2]);
 }
 
+static inline bool same_size(const uint32_t a[3], const uint32_t b[3])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
 static inline bool grid_contains(const struct grid *grid, int64_t x, int64_t y, int64_t z)
 {
     return x >= 0 && y >= 0 && z >= 0 && x < grid->size[0] && y < grid->size[1] &&

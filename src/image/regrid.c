@@ -5,13 +5,9 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "engine/grid.h"
 
 enum { FRACTION_BITS = 30 };
-
-static bool same_size(const uint32_t a[3], const uint32_t b[3])
-{
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
-}
 
 static bool same_spacing(const struct geometry *a, const struct geometry *b)
 {

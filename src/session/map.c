@@ -11,7 +11,7 @@
 enum err map_check_size(const uint32_t is[3], const struct grid *grid, struct fault *fault)
 {
     const uint32_t *size = grid->size;
-    if (is[0] == size[0] && is[1] == size[1] && is[2] == size[2])
+    if (same_size(is, size))
         return OK;
     return fault_set(fault, ERR_INPUT,
                      "the map has %ux%ux%u voxels and the scene %ux%ux%u; a map lies on the "
@@ -32,11 +32,6 @@ enum err map_check_axes(const struct volume *map, const struct geometry *place, 
     return OK;
 }
 
-static bool is_size(const uint32_t a[3], const uint32_t b[3])
-{
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
-}
-
 /* What to read of a map: all of it, or the part that the scene is of its own file. Whatever else
  * was said of that file is not said of the map's. */
 static enum err choose(struct volume_reader *reader, const struct map_place *place,
@@ -48,14 +43,14 @@ static enum err choose(struct volume_reader *reader, const struct map_place *pla
     const bool is_shifted = place->resample && geometry_has_place(&header->geometry) &&
                             geometry_has_place(place->geometry); /* then all of it is needed */
     struct volume_choice choice = {.nearest = true};
-    if (part && !is_shifted && is_size(size, part->size) && !is_size(header->size, size) &&
-        is_size(header->size, part->whole)) {
+    if (part && !is_shifted && same_size(size, part->size) && !same_size(header->size, size) &&
+        same_size(header->size, part->whole)) {
         choice.has_crop = part->choice.has_crop;
         memcpy(choice.first, part->choice.first, sizeof choice.first);
         memcpy(choice.last, part->choice.last, sizeof choice.last);
         choice.reduce = part->choice.reduce;
     }
-    choice.huge = is_size(header->size, size); /* the scene was opened, and takes more */
+    choice.huge = same_size(header->size, size); /* the scene was opened, and takes more */
     return volume_choose(reader, &choice, fault);
 }
 
@@ -76,7 +71,7 @@ static enum err check(const struct map_place *place, const struct volume_header 
 {
     const uint32_t *size = header->size;
     if (!place->resample && place->part && place->part->whole[0] &&
-        !is_size(size, place->grid->size))
+        !same_size(size, place->grid->size))
         return refuse_size(place, size, fault);
     return place->as_before ? map_check_size(size, place->grid, fault)
                             : regrid_check(size, &header->geometry, place->grid->size,
