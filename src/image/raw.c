@@ -18,7 +18,6 @@ static bool recognises(const uint8_t *begin, size_t length)
 static enum err read_header(struct volume_header *out, struct volume_source *source,
                             struct fault *fault)
 {
-    static const double spacing_mm[3] = {1, 1, 1};
     const struct raw_layout *raw = &out->choice.raw;
     struct grid grid;
     enum err err = grid_init(&grid, raw->size, fault);
@@ -35,7 +34,7 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
         out->size[a] = raw->size[a];
         out->geometry.spacing_nm[a] = 1000000;
     }
-    geometry_place_plain(&out->geometry, spacing_mm);
+    geometry_place_spaced(&out->geometry);
     err = voxels_check(out, source, fault);
     if (!err)
         voxels_note_rest(out, source, "check size, type and offset");
