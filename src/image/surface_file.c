@@ -21,6 +21,7 @@ struct world {
 
 struct output {
     const char *says; /* what places are; notes */
+    bool is_of_the_world;
     const char *draft;
     int fd;
     struct buf bytes; /* those that are not in the file yet */
@@ -31,14 +32,18 @@ struct output {
     struct world world;
 };
 
+static bool is_of_the_world(const struct geometry *geometry)
+{
+    return !geometry->spacing_unknown && geometry->orientation != ORIENTATION_UNKNOWN;
+}
+
 /* What a file says of its places. 3D Slicer looks for the words SPACE=RAS. */
 static const char *what_places_are(const struct geometry *geometry)
 {
-    if (geometry->spacing_unknown)
-        return "voxels, along their axes";
-    return geometry->orientation == ORIENTATION_UNKNOWN
-               ? "millimetres, along the axes of voxels; orientation unknown"
-               : "millimetres; SPACE=RAS";
+    if (is_of_the_world(geometry))
+        return "millimetres; SPACE=RAS";
+    return geometry->spacing_unknown ? "voxels, along their axes"
+                                     : "millimetres, along the axes of voxels; orientation unknown";
 }
 
 /* ---- the world ---- */
@@ -298,8 +303,8 @@ static void write_vtp_header(struct output *out)
                "header_type=\"UInt64\">\n"
                "<!-- iftty surface: %s -->\n<PolyData>\n%s"
                "<Piece NumberOfPoints=\"%llu\" NumberOfPolys=\"%llu\">\n<Points>\n",
-               out->says, strstr(out->says, "SPACE=RAS") ? VTP_SPACE : "",
-               (unsigned long long)points, (unsigned long long)triangles);
+               out->says, out->is_of_the_world ? VTP_SPACE : "", (unsigned long long)points,
+               (unsigned long long)triangles);
     put_array(out, "Float32", "Points", 3, &offset, 12 * points);
     buf_add_text(&out->bytes, "</Points>\n<PointData Scalars=\"colour\">\n");
     put_array(out, "UInt8", "colour", 3, &offset, 3 * points);
@@ -405,7 +410,9 @@ enum err surface_write(const char *path, enum file_mode mode,
                        struct fault *fault)
 {
     const struct surface *surface = document->surface;
-    struct output out = {.surface = surface, .label = document->label};
+    struct output out = {.surface = surface,
+                         .label = document->label,
+                         .is_of_the_world = is_of_the_world(document->geometry)};
     struct buf draft = {0}, says = {0};
     buf_add_text(&says, what_places_are(document->geometry));
     buf_printf(&says, "%s%s", *document->notes ? "; " : "", document->notes);
