@@ -78,8 +78,7 @@
 #define RESAMPLE KEYED("resample", VALUE_CHOICE, .choices = "yes|no")
 #define RESAMPLE_NOTE                                                                              \
     "\nresample: yes takes a map that lies elsewhere, or has another size, by its nearest "        \
-    "voxels; "                                                                                     \
-    "without it, one that is off by half a voxel is refused."
+    "voxels; without it, one that is off by half a voxel is refused."
 
 /* What those of weights are made of. */
 #define MAY_WEIGH(name, type, low, high)   MAY(name, VALUE_##type, .least = low, .most = high)
@@ -281,9 +280,8 @@ const struct command command_table[] = {
      {NEED("PLACE", VALUE_POSITION), BRUSH, KEYED("of", VALUE_CHOICE, .choices = "marker|tree")},
      "eliminator: remove the marker of this voxel",
      "A marker is all that one command has planted: a ball, a stroke, a region of a file. Its "
-     "seeds "
-     "are removed, and its voxels go to the trees around it; where it lay over an older marker, "
-     "the seeds of that one are there again. Trees are those of the last run.\n"
+     "seeds are removed, and its voxels go to the trees around it; where it lay over an older "
+     "marker, the seeds of that one are there again. Trees are those of the last run.\n"
      "of=tree: the seed of the single tree that holds the voxel is removed, and no older one comes "
      "back. This is what `remove` does in journals of semantics 3 and less.\n"
      "With a radius: all markers, or trees, that have a voxel in the ball.",
@@ -478,8 +476,7 @@ const struct command command_table[] = {
       KEYED("at", VALUE_POSITION)},
      "how large slices are in their pictures",
      "So many times as large as where they fit, around the cross-hair; fit shows them whole. "
-     "Slices "
-     "and mosaics alike, until the next `magnify` or `slice zoom=`.\n"
+     "Slices and mosaics alike, until the next `magnify` or `slice zoom=`.\n"
      "at: this voxel stays in the middle, as long as the cross-hair is seen.\n"
      "A voxel of four pixels or more is a square; smaller ones are smoothed.",
      "magnify 2.5 at=90,108,90"},
@@ -532,8 +529,7 @@ const struct command command_table[] = {
      "smooth and clean the labels that are handed on",
      "Adds a step to the list, which `finished=yes` carries out in its order; without "
      "STEP, prints the list. The segmentation itself does not change, and more seeds can be "
-     "planted "
-     "at any time.\n" FINISH_NOTES "none: removes all steps.\n"
+     "planted at any time.\n" FINISH_NOTES "none: removes all steps.\n"
      "radius: voxels, 1 unless given, or millimetres as in 2.5mm, which heed the spacing.\n"
      "sweeps: of `relax`, 60 unless given.\n"
      "label: for one label, instead of all.",
@@ -615,9 +611,8 @@ const struct command command_table[] = {
       KEYED("values", VALUE_CHOICE, .choices = "yes|no")},
      "the intensities along a straight way",
      "Of the voxels that a stroke of radius 0 would plant, as a chart, with their labels below it: "
-     "a "
-     "digit, + for a label above 9, and . where no seed reaches. Where a column stands for several "
-     "voxels, it has their mean.\n"
+     "a digit, + for a label above 9, and . where no seed reaches. Where a column stands for "
+     "several voxels, it has their mean.\n"
      "values=yes: each voxel in a line: its distance, its place, its intensity and its label.",
      "profile 10,20,30 40,20,30"},
     {COMMAND("why", act_why, GROUP_QUESTIONS, S),
@@ -636,12 +631,10 @@ const struct command command_table[] = {
      {KEYED("report", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "voxels, volume, surface and intensities of labels",
      "Of each label: seeds, voxels and volume; components, which hang together by faces, and "
-     "holes, "
-     "which it encloses; the surface, as it would be without the steps of voxels, to 2 % unless "
-     "the object is small or thin; the centre and the box around it; and the intensities of its "
-     "voxels, as `why` "
-     "prints them; and what the last edit gave the label and took. The deviation is that of a "
-     "sample.\n"
+     "holes, which it encloses; the surface, as it would be without the steps of voxels, to 2 % "
+     "unless the object is small or thin; the centre and the box around it; and the intensities of "
+     "its voxels, as `why` prints them; and what the last edit gave the label and took. The "
+     "deviation is that of a sample.\n"
      "report: the same as FILE.json or FILE.csv." FINISHED_NOTE,
      "stats"},
     {COMMAND("compare", act_compare, GROUP_QUESTIONS, S),
