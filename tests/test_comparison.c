@@ -10,6 +10,7 @@
 #include "engine/distance.h"
 #include "session/comparison.h"
 #include "tests/check.h"
+#include "tests/stopping.h"
 
 static uint64_t seed = 1;
 
@@ -331,13 +332,6 @@ STORY(random_labels_are_as_far_apart_as_a_slow_computation_finds)
 
 /* ---- stopped ---- */
 
-static int polls_left;
-static bool stop_later(void *context, const char *what, uint64_t done, uint64_t total)
-{
-    (void)context, (void)what, (void)done, (void)total;
-    return polls_left-- <= 0;
-}
-
 STORY(a_stop_is_heard_wherever_it_comes)
 {
     static struct comparison comparison;
@@ -348,8 +342,8 @@ STORY(a_stop_is_heard_wherever_it_comes)
     enum err err = ERR_CANCELLED;
     int polls = 0;
     for (; err == ERR_CANCELLED && polls < 100000; polls++) {
-        struct watch watch = {.poll = stop_later, .step = 1};
-        polls_left = polls;
+        int looks = polls;
+        struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
         err = comparison_make(&comparison, &c, NULL, &watch, NULL);
     }
     CHECK(err == OK && polls > 1000);

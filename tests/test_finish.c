@@ -8,8 +8,7 @@
 #include "base/mem.h"
 #include "engine/finish.h"
 #include "engine/labels.h"
-#include "tests/check.h"
-#include "tests/scarce_memory.h"
+#include "tests/finish_fails.h"
 
 enum { SIDE = 9, VOXELS = SIDE * SIDE * SIDE };
 
@@ -289,8 +288,9 @@ static struct scene *scene_of(const struct volume *v)
 }
 
 /* Whether both have the same labels everywhere, and the rim has none. */
-static bool agree(const struct scene *scene, const uint8_t *label, const struct volume *v)
+static bool agree(const void *expected, const struct scene *scene, const uint8_t *label)
 {
+    const struct volume *v = expected;
     uint64_t rim = 0, inside = 0;
     bool same = true;
     for (size_t c = 0; c < scene->grid.cells; c++)
@@ -316,7 +316,7 @@ static bool finish_as_model(const struct volume *v, const struct finish_list *li
     uint8_t *label;
     bool fine = CHECK(finish_make(&label, list, scene, team, NULL) == OK);
     model(&expected, list);
-    fine = fine && agree(scene, label, &expected);
+    fine = fine && agree(&expected, scene, label);
     mem_pages_free(label, scene->grid.cells);
     scene_free(scene);
     return fine;
@@ -354,62 +354,36 @@ STORY(steps_follow_each_other_in_their_order)
     }
 }
 
-static int looks_left;
-static bool stop_after(void *context, const char *what, uint64_t done, uint64_t total)
+/* All of these steps, one after the other. */
+static struct finish_list all_steps(void)
 {
-    (void)context, (void)what, (void)done, (void)total;
-    return looks_left-- <= 0;
+    struct finish_list list = {.count = FINISH_KIND_COUNT - FIRST_KIND};
+    for (uint32_t kind = FIRST_KIND; kind < FINISH_KIND_COUNT; kind++)
+        list.step[kind - FIRST_KIND] = (struct finish_step){kind, FINISH_ALL_LABELS, 1, 0};
+    return list;
 }
 
-/* One that is stopped at any look is an error and gives nothing; one that is not is right. */
 STORY(a_stop_is_heard_wherever_it_comes)
 {
     static struct volume v;
-    struct finish_list list = {.count = FINISH_KIND_COUNT - FIRST_KIND};
+    const struct finish_list list = all_steps();
     state = 7;
     fill(&v, 7);
-    for (uint32_t kind = FIRST_KIND; kind < FINISH_KIND_COUNT; kind++)
-        list.step[kind - FIRST_KIND] = (struct finish_step){kind, FINISH_ALL_LABELS, 1, 0};
-    enum err err = ERR_CANCELLED;
-    int stops = 0;
-    for (; err == ERR_CANCELLED && stops < 100000; stops++) {
-        struct watch watch = {.poll = stop_after, .step = 1};
-        struct scene *scene = scene_of(&v);
-        struct volume expected = v;
-        uint8_t *label;
-        scene->watch = &watch;
-        looks_left = stops;
-        err = finish_make(&label, &list, scene, team_of[stops % 4], NULL);
-        model(&expected, &list);
-        CHECK(err == ERR_CANCELLED ? !label : err == OK && agree(scene, label, &expected));
-        mem_pages_free(label, scene->grid.cells);
-        scene_free(scene);
-    }
-    CHECK(err == OK && stops > 50);
+    struct scene *scene = scene_of(&v);
+    model(&v, &list);
+    CHECK(stop_finish_everywhere(scene, &list, team_of, agree, &v) > 50);
+    scene_free(scene);
 }
 
 STORY(memory_that_runs_out_is_an_error)
 {
     static struct volume v;
-    struct finish_list list = {.count = FINISH_KIND_COUNT - FIRST_KIND};
+    const struct finish_list list = all_steps();
     state = 8;
     fill(&v, 7);
-    for (uint32_t kind = FIRST_KIND; kind < FINISH_KIND_COUNT; kind++)
-        list.step[kind - FIRST_KIND] = (struct finish_step){kind, FINISH_ALL_LABELS, 1, 0};
     struct scene *scene = scene_of(&v);
-    struct volume expected = v;
-    model(&expected, &list);
-    enum err err = ERR_MEMORY;
-    size_t allocations = 0;
-    for (; err == ERR_MEMORY && allocations < 1000; allocations++) {
-        uint8_t *label;
-        allow_allocations(allocations);
-        err = finish_make(&label, &list, scene, NULL, NULL);
-        mem_allows = NULL;
-        CHECK(err == ERR_MEMORY ? !label : err == OK && agree(scene, label, &expected));
-        mem_pages_free(label, scene->grid.cells);
-    }
-    CHECK(err == OK && allocations > 10);
+    model(&v, &list);
+    CHECK(starve_finish_everywhere(scene, &list, agree, &v) > 10);
     scene_free(scene);
 }
 

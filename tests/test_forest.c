@@ -8,6 +8,7 @@
 #include "engine/roi.h"
 #include "engine/forest.h"
 #include "engine/weight.h"
+#include "tests/stopping.h"
 
 struct world {
     struct scene *scene;
@@ -706,12 +707,6 @@ static struct world random_world(uint64_t *random, unsigned seeds)
     return w;
 }
 
-static bool after_some_polls(void *context, const char *what, uint64_t served, uint64_t total)
-{
-    (void)what, (void)served, (void)total;
-    return --*(int *)context < 0;
-}
-
 /* More than a third of a scene of more than 200 000 voxels goes: it grows anew. */
 STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
 {
@@ -728,7 +723,7 @@ STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
     unsigned looks = 0;
     for (; err && check_failures == 0; looks++) {
         int left = (int)looks;
-        struct watch watch = {.context = &left, .poll = after_some_polls, .step = 1 << 13};
+        struct watch watch = {.context = &left, .poll = stop_after_looks, .step = 1 << 13};
         w.scene->watch = &watch;
         err = forest_edit(w.forest, edit, 2, &fault);
         w.scene->watch = NULL;
@@ -757,7 +752,7 @@ STORY(an_edit_cancelled_anywhere_leaves_the_forest_as_it_was)
         const bool within = round % 3 == 0;
         for (int looks = 0; err && check_failures == 0; looks += within ? 1 + looks / 8 : 1) {
             int left = looks;
-            struct watch watch = {.context = &left, .poll = after_some_polls, .step = within};
+            struct watch watch = {.context = &left, .poll = stop_after_looks, .step = within};
             w.scene->watch = &watch;
             err = forest_edit(w.forest, batch, count, &fault);
             w.scene->watch = NULL;

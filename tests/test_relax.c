@@ -6,10 +6,8 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
-#include "engine/finish.h"
 #include "engine/relax_field.h"
-#include "tests/check.h"
-#include "tests/scarce_memory.h"
+#include "tests/finish_fails.h"
 
 enum { LONG = 60, SHORT = 8, MOST = LONG * SHORT * SHORT, LABELS = 5 };
 
@@ -223,12 +221,19 @@ static struct scene *scene_of(const struct volume *v)
     return scene;
 }
 
-static bool agree(const struct volume *v, const int made[MOST], const struct scene *scene,
-                  const uint8_t *label)
+/* A volume, and the labels that the model makes of its own. */
+struct relaxed {
+    struct volume v;
+    int made[MOST];
+};
+
+static bool agree(const void *expected, const struct scene *scene, const uint8_t *label)
 {
+    const struct relaxed *relaxed = expected;
+    const struct volume *v = &relaxed->v;
     bool same = true;
     for (int i = 0; i < v->count; i++)
-        same = same && label[cell_of(v, &scene->grid, i)] == made[i];
+        same = same && label[cell_of(v, &scene->grid, i)] == relaxed->made[i];
     return same;
 }
 
@@ -243,27 +248,27 @@ static void fill_fitting(struct volume *v)
 
 STORY(relaxed_labels_are_what_a_plain_model_makes)
 {
-    static struct volume v;
-    static int made[MOST];
+    static struct relaxed expected;
+    const struct volume *v = &expected.v;
     int moved = 0;
     for (int round = 0; round < 1500; round++) {
         struct finish_list list = {.count = 1};
         uint8_t *label;
         state = (uint64_t)round;
-        fill_fitting(&v);
+        fill_fitting(&expected.v);
         list.step[0] = (struct finish_step){
             .kind = FINISH_RELAX,
             .label = below(3) ? FINISH_ALL_LABELS : 1 + below(LABELS - 1),
             .argument = 1 + below(20),
         };
-        struct scene *scene = scene_of(&v);
-        model(&v, &list.step[0], made);
+        struct scene *scene = scene_of(v);
+        model(v, &list.step[0], expected.made);
         CHECK(finish_make(&label, &list, scene, team_of[round % 4], NULL) == OK);
-        if (!CHECK(agree(&v, made, scene, label)))
-            printf("# round %d: %dx%dx%d, %u sweeps\n", round, v.size[0], v.size[1], v.size[2],
+        if (!CHECK(agree(&expected, scene, label)))
+            printf("# round %d: %dx%dx%d, %u sweeps\n", round, v->size[0], v->size[1], v->size[2],
                    list.step[0].argument);
-        for (int i = 0; i < v.count; i++)
-            moved += made[i] != v.label[i];
+        for (int i = 0; i < v->count; i++)
+            moved += expected.made[i] != v->label[i];
         mem_pages_free(label, scene->grid.cells);
         scene_free(scene);
     }
@@ -308,57 +313,31 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
     }
 }
 
-static int looks_left;
-static bool stop_after(void *context, const char *what, uint64_t done, uint64_t total)
+/* A step, and what it makes of a volume. */
+static struct finish_list relax_some(struct relaxed *expected, uint64_t seed)
 {
-    (void)context, (void)what, (void)done, (void)total;
-    return looks_left-- <= 0;
+    const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0}}};
+    state = seed;
+    fill_fitting(&expected->v);
+    model(&expected->v, &list.step[0], expected->made);
+    return list;
 }
 
 STORY(a_stop_is_heard_wherever_it_comes)
 {
-    static struct volume v;
-    static int made[MOST];
-    const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0}}};
-    enum err err = ERR_CANCELLED;
-    int stops = 0;
-    state = 3;
-    fill_fitting(&v);
-    model(&v, &list.step[0], made);
-    for (; err == ERR_CANCELLED && stops < 100000; stops++) {
-        struct watch watch = {.poll = stop_after, .step = 1};
-        struct scene *scene = scene_of(&v);
-        uint8_t *label;
-        scene->watch = &watch;
-        looks_left = stops;
-        err = finish_make(&label, &list, scene, team_of[stops % 4], NULL);
-        CHECK(err == ERR_CANCELLED ? !label : err == OK && agree(&v, made, scene, label));
-        mem_pages_free(label, scene->grid.cells);
-        scene_free(scene);
-    }
-    CHECK(err == OK && stops > 50);
+    static struct relaxed expected;
+    const struct finish_list list = relax_some(&expected, 3);
+    struct scene *scene = scene_of(&expected.v);
+    CHECK(stop_finish_everywhere(scene, &list, team_of, agree, &expected) > 50);
+    scene_free(scene);
 }
 
 STORY(memory_that_runs_out_is_an_error)
 {
-    static struct volume v;
-    static int made[MOST];
-    const struct finish_list list = {1, {{FINISH_RELAX, FINISH_ALL_LABELS, 3, 0}}};
-    enum err err = ERR_MEMORY;
-    size_t allocations = 0;
-    state = 4;
-    fill_fitting(&v);
-    model(&v, &list.step[0], made);
-    struct scene *scene = scene_of(&v);
-    for (; err == ERR_MEMORY && allocations < 1000; allocations++) {
-        uint8_t *label;
-        allow_allocations(allocations);
-        err = finish_make(&label, &list, scene, NULL, NULL);
-        mem_allows = NULL;
-        CHECK(err == ERR_MEMORY ? !label : err == OK && agree(&v, made, scene, label));
-        mem_pages_free(label, scene->grid.cells);
-    }
-    CHECK(err == OK && allocations > 15);
+    static struct relaxed expected;
+    const struct finish_list list = relax_some(&expected, 4);
+    struct scene *scene = scene_of(&expected.v);
+    CHECK(starve_finish_everywhere(scene, &list, agree, &expected) > 15);
     scene_free(scene);
 }
 

@@ -7,6 +7,7 @@
 #include "tests/folder.h"
 #include "tests/interpreting.h"
 #include "tests/scarce_memory.h"
+#include "tests/stopping.h"
 #include "tests/surface_check.h"
 
 static char folder[FOLDER_LENGTH];
@@ -286,25 +287,19 @@ STORY(fewer_triangles_are_closed_too)
 
 /* ---- what goes wrong ---- */
 
-static unsigned polls_left;
-static bool stops_later(void *context, const char *what, uint64_t done, uint64_t total)
-{
-    (void)context, (void)what, (void)done, (void)total;
-    return polls_left == 0 || polls_left-- == 0;
-}
-
 STORY(it_is_stopped_anywhere)
 {
-    struct watch watch = {.poll = stops_later, .step = 64};
+    int looks;
+    struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 64};
     const struct surface_source source = {box.size, box_row, &box};
     bool wanted[256];
-    unsigned stops = 0;
+    int stops = 0;
     memset(wanted, true, sizeof wanted);
     box_of_ball(9, (const double[]){1, 1, 1});
     for (;; stops++) {
         struct surface *s = NULL;
         watch_begin(&watch);
-        polls_left = stops;
+        looks = stops;
         enum err err = surface_new(&s, &source, wanted, 3, &watch, NULL);
         if (!err)
             err = surface_reduce(s, 100, &watch, NULL);

@@ -2,6 +2,7 @@
  * as well (test_team_racing). */
 #include "check.h"
 #include "scarce_memory.h"
+#include "stopping.h"
 
 #include <stdlib.h>
 
@@ -166,12 +167,6 @@ STORY(one_to_eight_workers_grow_the_same_forest)
         team_free(team[workers]);
 }
 
-static bool after_some_polls(void *context, const char *what, uint64_t served, uint64_t total)
-{
-    (void)what, (void)served, (void)total;
-    return --*(int *)context < 0;
-}
-
 STORY(a_shared_pass_cancelled_at_any_level_leaves_an_empty_forest)
 {
     struct team *team;
@@ -184,7 +179,7 @@ STORY(a_shared_pass_cancelled_at_any_level_leaves_an_empty_forest)
         enum err err = ERR_CANCELLED;
         for (int looks = 0; err && check_failures == 0; looks++) {
             int left = looks;
-            struct watch watch = {.context = &left, .poll = after_some_polls};
+            struct watch watch = {.context = &left, .poll = stop_after_looks};
             w.scene->watch = &watch;
             err = forest_edit(w.forest, batch, count, NULL);
             w.scene->watch = NULL;

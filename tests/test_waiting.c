@@ -1,5 +1,6 @@
 /* A scene whose cells are made later: nobody can tell but by the time that it takes. */
 #include "tests/small_scene.h"
+#include "tests/stopping.h"
 
 /* What a session may be asked after `open`, on a scene out of a file. */
 static const char *const lines[] = {
@@ -80,19 +81,13 @@ STORY(a_scene_that_waits_answers_as_any_other)
     }
 }
 
-static unsigned polls_left;
-static bool stops_later(void *context, const char *what, uint64_t done, uint64_t total)
-{
-    (void)context, (void)what, (void)done, (void)total;
-    return polls_left == 0 || polls_left-- == 0;
-}
-
 /* Ctrl-C while cells are made leaves the scene as it was opened, and the command can be given
  * again. */
 STORY(a_stop_leaves_it_waiting)
 {
-    struct watch watch = {.poll = stops_later, .step = 16};
-    unsigned stops = 0, waited = 0;
+    int looks;
+    struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 16};
+    int stops = 0, waited = 0;
     struct interpreter ready;
     begin_waiting(&ready, UINT64_MAX);
     must(&ready, "seed 3,4,5 1");
@@ -100,12 +95,12 @@ STORY(a_stop_leaves_it_waiting)
         struct interpreter interp;
         begin_waiting(&interp, 0);
         interp.session.watch = &watch;
-        polls_left = stops;
+        looks = stops;
         const enum err err = execute(&interp, "seed 3,4,5 1");
         CHECK(err == OK || err == ERR_CANCELLED);
         ends = err == OK;
         waited += interp.session.waits;
-        polls_left = UINT_MAX;
+        looks = INT_MAX;
         if (err)
             must(&interp, "seed 3,4,5 1");
         CHECK(!interp.session.waits);
@@ -121,19 +116,20 @@ STORY(a_stop_leaves_it_waiting)
 /* A stop while it is opened leaves no scene. */
 STORY(a_stop_while_it_is_opened_leaves_nothing)
 {
-    struct watch watch = {.poll = stops_later, .step = 16};
+    int looks;
+    struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 16};
     char line[PATH_MAX + 8];
-    unsigned stops = 0;
+    int stops = 0;
     snprintf(line, sizeof line, "open %s", place("scene.nii"));
     for (bool ends = false; !ends && check_failures == 0; stops++) {
         struct interpreter interp;
         begin_interpreter(&interp);
         session_let_wait(&interp.session, 0);
         interp.session.watch = &watch;
-        polls_left = stops;
+        looks = stops;
         ends = execute(&interp, line) == OK;
         CHECK(interp.session.has_scene == ends && interp.session.waits == ends);
-        polls_left = UINT_MAX;
+        looks = INT_MAX;
         if (!ends)
             must(&interp, line);
         must(&interp, "seed 3,4,5 1");
