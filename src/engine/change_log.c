@@ -10,15 +10,16 @@ enum { VOXELS_A_CHANGE = 16 };
 void change_log_add(struct change_log *log, const struct changes *changes, size_t voxels)
 {
     const size_t count = log->count + changes->count;
-    if (!log->follows || changes->count == 0)
-        log->follows &= !changes->everything;
-    else if (changes->everything || count > voxels / VOXELS_A_CHANGE ||
-             !mem_grow(&log->item, &log->capacity, count, sizeof *log->item))
+    if (!log->follows)
+        return;
+    if (changes->everything || count > voxels / VOXELS_A_CHANGE ||
+        !mem_grow(&log->item, &log->capacity, count, sizeof *log->item)) {
         change_log_give_up(log);
-    else {
-        memcpy(log->item + log->count, changes->item, changes->count * sizeof *log->item);
-        log->count = count;
+        return;
     }
+    if (changes->count)
+        memcpy(log->item + log->count, changes->item, changes->count * sizeof *log->item);
+    log->count = count;
 }
 
 void change_log_give_up(struct change_log *log)
@@ -27,10 +28,11 @@ void change_log_give_up(struct change_log *log)
     log->count = 0;
 }
 
-void change_log_begin(struct change_log *log)
+enum err change_log_settle(struct change_log *log, enum err err)
 {
-    log->follows = true;
+    log->follows = !err;
     log->count = 0;
+    return err;
 }
 
 void change_log_release(struct change_log *log)

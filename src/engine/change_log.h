@@ -23,7 +23,9 @@ struct change_log {
 void change_log_add(struct change_log *log, const struct changes *changes, size_t voxels);
 
 void change_log_give_up(struct change_log *log);
-void change_log_begin(struct change_log *log); /* the reader has looked at all there is */
+
+/* The reader has looked at all there is, or, on an error, lost what it had. Returns the error. */
+enum err change_log_settle(struct change_log *log, enum err err);
 void change_log_release(struct change_log *log);
 
 #endif

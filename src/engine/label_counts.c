@@ -264,12 +264,7 @@ enum err label_counts_refresh(struct label_counts *counts, const struct labels *
         err = count_all(counts, labels, team, fault);
     else if (!follow_log(counts))
         err = fault_memory(fault, "counts of labels");
-    err = err ? err : watch_fault(counts->scene->watch, fault);
-    if (err)
-        change_log_give_up(&counts->log);
-    else
-        change_log_begin(&counts->log);
-    return err;
+    return change_log_settle(&counts->log, err ? err : watch_fault(counts->scene->watch, fault));
 }
 
 /* ---- sums ---- */

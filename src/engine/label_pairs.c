@@ -319,12 +319,7 @@ enum err label_pairs_refresh(struct label_pairs *pairs, const struct labels *lab
         follow_log(pairs);
     else
         err = count_all(pairs, labels, team, fault);
-    err = err ? err : watch_fault(pairs->scene->watch, fault);
-    if (err)
-        change_log_give_up(&pairs->log);
-    else
-        change_log_begin(&pairs->log);
-    return err;
+    return change_log_settle(&pairs->log, err ? err : watch_fault(pairs->scene->watch, fault));
 }
 
 const uint64_t *label_pairs_of(const struct label_pairs *pairs, unsigned label)
