@@ -40,6 +40,13 @@ enum err finish_make(uint8_t **label, const struct finish_list *list, const stru
     return err;
 }
 
+void finish_take_next(struct finish_work *work)
+{
+    uint8_t *const made = work->next;
+    work->next = work->label;
+    work->label = made;
+}
+
 void finish_clear(struct finish_work *work)
 {
     const struct grid *grid = &work->scene->grid;

@@ -115,7 +115,7 @@ struct finish_list {
 struct finish_work {
     const struct scene *scene;
     struct team *team;
-    uint8_t *label; /* read, and in the end what the step has made of it: it may swap both */
+    uint8_t *label; /* read, and in the end what the step has made of it (finish_take_next) */
     uint8_t *next;  /* to write into; of no meaning before and after a step, but for its rim */
 };
 
@@ -155,6 +155,9 @@ static inline bool finish_is_for(const struct finish_step *step, unsigned label)
 {
     return step->label == FINISH_ALL_LABELS || step->label == label;
 }
+
+/* work->next is what the step has made. */
+void finish_take_next(struct finish_work *work);
 
 /* Writes 0 into work->next. Of no use where the scene's watch has stopped it. */
 void finish_clear(struct finish_work *work);

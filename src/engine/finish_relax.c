@@ -149,8 +149,6 @@ enum err finish_relax(struct finish_work *work, const struct finish_step *step, 
         mem_pages_free(r->sum, cells * sizeof *r->sum);
     }
     free(r);
-    uint8_t *const made = work->next;
-    work->next = work->label;
-    work->label = made;
+    finish_take_next(work);
     return err;
 }

@@ -223,13 +223,13 @@ static void fill_row(const struct making *m, uint32_t y, uint32_t z)
             f->u[colour][at] = RELAX_ONE;
         if (far[x] > RELAX_REACH || !find_weights(w, m, cell + x))
             continue;
-        struct relax_part *part = &f->part[colour][row];
+        struct span *part = &f->part[colour][row];
         for (int i = 0; i < 6; i++)
             f->w[colour][i][at] = w[i];
         if (part->first == part->end)
             part->first = (uint32_t)(at - row * f->length);
         part->end = (uint32_t)(at - row * f->length) + 1;
-        f->weight[z + 1]++;
+        f->moving[z + 1]++;
     }
 }
 
@@ -283,8 +283,8 @@ static bool allocate(struct relax_field *f)
     f->length = f->size[0] / 2 + 2 + LANES;
     f->cells = rows * f->length;
     f->far = mem_pages(far_length(f) * f->size[1] * f->size[2]);
-    f->weight = mem_new(((size_t)f->size[2] + 1) * sizeof *f->weight);
-    bool fits = f->far && f->weight;
+    f->moving = mem_new(((size_t)f->size[2] + 1) * sizeof *f->moving);
+    bool fits = f->far && f->moving;
     for (int colour = 0; colour < 2; colour++) {
         f->part[colour] = mem_new(rows * sizeof *f->part[colour]);
         f->u[colour] = mem_pages(f->cells * sizeof *f->u[colour]);
@@ -310,21 +310,20 @@ enum err relax_field_init(struct relax_field *field, const struct scene *scene,
     }
     team_run(team, make_part, &making);
     for (uint32_t z = 0; z < field->size[2]; z++)
-        field->weight[z + 1] += field->weight[z];
+        field->moving[z + 1] += field->moving[z];
     return OK;
 }
 
 void relax_field_release(struct relax_field *f)
 {
-    if (f->far)
-        mem_pages_free(f->far, far_length(f) * f->size[1] * f->size[2]);
+    mem_pages_free(f->far, far_length(f) * f->size[1] * f->size[2]);
     for (int colour = 0; colour < 2; colour++) {
         free(f->part[colour]);
         mem_pages_free(f->u[colour], f->cells * sizeof *f->u[colour]);
         for (int i = 0; i < 6; i++)
             mem_pages_free(f->w[colour][i], f->cells * sizeof *f->w[colour][i]);
     }
-    free(f->weight);
+    free(f->moving);
     *f = (struct relax_field){0};
 }
 
@@ -356,7 +355,7 @@ WIDE static void move_part(int32_t *u, const int32_t *const near[6], const uint1
 static uint64_t move_row(struct relax_field *f, unsigned colour, uint32_t y, uint32_t z)
 {
     const size_t row = stored_row(f, y, z), base = row * f->length;
-    const struct relax_part *part = &f->part[colour][row];
+    const struct span *part = &f->part[colour][row];
     const bool is_even = parity_of(f, y, z) == colour; /* its voxels have an even x in the box */
     const int32_t *other = f->u[!colour] + base + part->first;
     const ptrdiff_t length = (ptrdiff_t)f->length, plane = length * (ptrdiff_t)(f->size[1] + 2);
@@ -379,11 +378,11 @@ struct sweeping {
 static struct share planes_of(const struct relax_field *f, unsigned worker, unsigned workers)
 {
     struct share share = {0, 0};
-    const size_t all = f->weight[f->size[2]];
-    while (share.first < f->size[2] && f->weight[share.first] < all * worker / workers)
+    const uint64_t all = f->moving[f->size[2]];
+    while (share.first < f->size[2] && f->moving[share.first] < all * worker / workers)
         share.first++;
     share.end = share.first;
-    while (share.end < f->size[2] && f->weight[share.end] < all * (worker + 1) / workers)
+    while (share.end < f->size[2] && f->moving[share.end] < all * (worker + 1) / workers)
         share.end++;
     return share;
 }
@@ -395,7 +394,7 @@ static void sweep_part(void *context, unsigned worker)
     const struct share planes = planes_of(f, worker, team_size(s->team));
     struct task task =
         task_begin_part(f->scene->watch, "relaxed labels",
-                        s->sweeps * (f->weight[planes.end] - f->weight[planes.first]), worker);
+                        s->sweeps * (f->moving[planes.end] - f->moving[planes.first]), worker);
     bool goes_on = true;
     for (uint32_t half = 0; half < 2 * s->sweeps; half++) {
         for (size_t z = planes.first; z < planes.end && goes_on; z++)

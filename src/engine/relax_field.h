@@ -41,21 +41,16 @@ struct relax_box {
     uint32_t first[3], last[3];
 };
 
-/* A row's part that moves, of voxels of one parity, as they are stored. */
-struct relax_part {
-    uint32_t first, end;
-};
-
 struct relax_field {
     const struct scene *scene;
     struct relax_box box;
     uint32_t size[3]; /* of the box */
     uint8_t *far;     /* [z][y][x], rows padded: steps to the other side of the border, or many */
-    size_t length, cells;       /* of a stored row, which holds every other voxel; of all rows */
-    int32_t *u[2];              /* by parity [cells]: rows (z, y) with a rim, see relax_index */
-    uint16_t *w[2][6];          /* -z -y -x +x +y +z; 0 for voxels that stay */
-    struct relax_part *part[2]; /* [rows] */
-    size_t *weight;             /* [size[2] + 1]: voxels that move in the planes before */
+    size_t length, cells; /* of a stored row, which holds every other voxel; of all rows */
+    int32_t *u[2];        /* by parity [cells]: rows (z, y) with a rim; see stored_at */
+    uint16_t *w[2][6];    /* -z -y -x +x +y +z; 0 for voxels that stay */
+    struct span *part[2]; /* [rows]: of a row as it is stored, what moves */
+    size_t *moving;       /* [size[2] + 1]: voxels that move in the planes before */
 };
 
 /* The field of a label as `label` [grid.cells] has it; `around` is where that lies. ERR_MEMORY;
