@@ -40,6 +40,14 @@ enum err finish_make(uint8_t **label, const struct finish_list *list, const stru
     return err;
 }
 
+bool finish_heeds_seeds(const struct finish_list *list)
+{
+    bool heeds = false;
+    for (uint32_t i = 0; i < list->count; i++)
+        heeds |= list->step[i].kind == FINISH_RELAX;
+    return heeds;
+}
+
 void finish_take_next(struct finish_work *work)
 {
     uint8_t *const made = work->next;

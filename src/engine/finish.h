@@ -2,9 +2,9 @@
  * Finish: what is handed on is smoothed; the forest is not touched.
  *
  * An ordered list of steps, each of which makes labels out of labels. The outcome is a pure
- * function of the forest's labels and the list, in integers alone: the same bits on every machine,
- * for any number of threads.
- * A step may look at the scene's intensities and seeds besides.
+ * function of the list, the forest's labels, and the scene's intensities, seeds and region of
+ * interest (finish_heeds_seeds), in integers alone: the same bits on every machine, for any number
+ * of threads.
  *
  * What holds for all steps
  *   N1 a voxel that no seed reaches, or that lies outside the region of interest, has label 0, as
@@ -144,6 +144,10 @@ enum err finish_check(const struct finish_list *list, const struct scene *scene,
  * caller frees by mem_pages_free; NULL on error: ERR_LIMIT, ERR_MEMORY, ERR_CANCELLED. */
 enum err finish_make(uint8_t **label, const struct finish_list *list, const struct scene *scene,
                      struct team *team, struct fault *fault);
+
+/* Whether what comes of the list may be another where the labels and intensities are the same, but
+ * not the seeds or the region of interest. */
+bool finish_heeds_seeds(const struct finish_list *list);
 
 /* Adds "majority radius=1, largest label=2", or "none". */
 void finish_write(struct buf *out, const struct finish_list *list);

@@ -10,21 +10,12 @@ void finished_release(struct finished *finished)
     *finished = (struct finished){0};
 }
 
-/* Steps that heed seeds and the region of interest as well as labels. */
-static bool heeds_seeds(const struct finish_list *list)
-{
-    bool heeds = false;
-    for (uint32_t i = 0; i < list->count; i++)
-        heeds |= list->step[i].kind == FINISH_RELAX;
-    return heeds;
-}
-
 /* Whether they are those of the present labels and steps. */
 static bool is_made(const struct session *session)
 {
     const struct finished *f = &session->finished;
     return f->label && f->forest == forest_label_digest(session->forest) &&
-           (!heeds_seeds(&f->by) ||
+           (!finish_heeds_seeds(&f->by) ||
             (f->keys == forest_digest(session->forest) && f->roi == session->roi_tally.digest)) &&
            memcmp(f->size, session->scene->grid.size, sizeof f->size) == 0 &&
            memcmp(&f->by, &session->now.kept.finish, sizeof f->by) == 0;
