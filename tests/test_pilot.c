@@ -789,8 +789,17 @@ STORY(the_right_button_pulls_a_shell_open)
     click(MOUSE_PRESSED, 3, 4);
     button = MOUSE_LEFT; /* another button ends it */
     click(MOUSE_PRESSED, 4, 4);
+    CHECK_INT(state.outline.count, 0);
     button = MOUSE_RIGHT;
     CHECK_TEXT(click(MOUSE_RELEASED, 9, 4), "");
+    click(MOUSE_PRESSED, 3, 4);
+    shown_pane = PILOT_RENDITION; /* where no voxel of a slice is */
+    CHECK_TEXT(click(MOUSE_MOVED, 8, 4), "");
+    CHECK_INT(state.outline.count, 1);
+    CHECK_TEXT(click(MOUSE_RELEASED, 8, 4), "");
+    CHECK_INT(state.outline.count, 0);
+    shown_pane = PILOT_CORONAL;
+    CHECK_TEXT(click(MOUSE_RELEASED, 8, 4), "");
     shown_pane = PILOT_RENDITION;
     CHECK_TEXT(click(MOUSE_PRESSED, 3, 4), "");
     button = MOUSE_LEFT;

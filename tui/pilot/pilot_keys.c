@@ -296,6 +296,12 @@ static void turn_wheel(struct pilot_state *state, bool up, unsigned modifiers, e
     pilot_cross(state, facts, place, line);
 }
 
+static void drop_ball(struct pilot_state *state)
+{
+    state->encloses = false;
+    state->outline.count = 0;
+}
+
 /* The right button goes down in the middle of a ball and up where its shell is to be. The
  * cross-hair goes along. */
 static void enclose(const struct press *p, const uint32_t place[3], enum pilot_pane pane)
@@ -317,12 +323,11 @@ static void enclose(const struct press *p, const uint32_t place[3], enum pilot_p
         pilot_cross(state, p->facts, place, p->line);
         return;
     }
-    state->encloses = false;
     memcpy(there.place, place, sizeof there.place);
     end.facts = &there;
     if (memcmp(outline->corner[0], place, sizeof there.place) != 0)
         pilot_plant_shell(&end);
-    state->outline.count = 0;
+    drop_ball(state);
 }
 
 /* What the mouse does, but for the end of a stroke. */
@@ -334,8 +339,11 @@ static void click(struct pilot_state *state, const struct key_event *event, uint
     uint32_t place[3];
     enum pilot_pane pane;
     const bool shows = host->voxel_at(host->context, column, row, place, &pane);
+    const bool pulls = mouse->button == MOUSE_RIGHT && shows && pane != PILOT_RENDITION;
     state->drags &= mouse->action == MOUSE_MOVED;
-    state->encloses &= mouse->button == MOUSE_RIGHT;
+    if (state->encloses && !pulls &&
+        (mouse->button != MOUSE_RIGHT || mouse->action == MOUSE_RELEASED))
+        drop_ball(state);
     state->is_silent = state->tells_all = state->sketches = state->drops = false;
     if (state->mode == PILOT_PICKING && pane == PILOT_RENDITION && mouse->button == MOUSE_LEFT &&
         mouse->action != MOUSE_RELEASED) {
@@ -356,7 +364,7 @@ static void click(struct pilot_state *state, const struct key_event *event, uint
         if (pane != PILOT_RENDITION)
             state->pane = pane;
         pilot_cross(state, facts, place, line);
-    } else if (mouse->button == MOUSE_RIGHT && shows && pane != PILOT_RENDITION) {
+    } else if (pulls) {
         enclose(&(struct press){state, event, host, facts, line, message, 0, PILOT_NOTHING}, place,
                 pane);
     } else if (state->drags && shows && pane == state->pane) {
