@@ -2,20 +2,11 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <string.h>
 
-#include "base/json.h"
+#include "session/figures.h"
 #include "session/tally.h"
 
 /* ---- the measures of a label, for programs ---- */
-
-enum { FIGURES = 17, DIGITS = 12 };
-
-/* One that is not known is NAN. */
-struct figure {
-    const char *name;
-    double value;
-};
 
 static double ratio(double part, double whole)
 {
@@ -32,34 +23,34 @@ static double jaccard(const struct overlap_counts *n)
     return ratio((double)n->both, (double)n->a + (double)n->b - (double)n->both);
 }
 
-static void take_figures(struct figure figure[FIGURES], const struct comparison_report *report,
-                         unsigned label)
+static struct figures figures_of(const struct comparison_report *report, unsigned label)
 {
     const struct overlap_counts n = comparison_counts(report->comparison, label);
     const struct label_distances *d = &report->comparison->distance[label];
     const uint32_t *nm = report->spacing_nm;
     const double mm3 = nm[0] / 1e6 * (nm[1] / 1e6) * (nm[2] / 1e6);
     const double difference = (double)n.a - (double)n.b;
-    const struct figure all[FIGURES] = {
-        {"voxels_a", (double)n.a},
-        {"voxels_b", (double)n.b},
-        {"voxels_both", (double)n.both},
-        {"volume_a_mm3", (double)n.a * mm3},
-        {"volume_b_mm3", (double)n.b * mm3},
-        {"volume_difference_mm3", difference * mm3},
-        {"volume_similarity", ratio(2 * difference, (double)n.a + (double)n.b)},
-        {"dice", dice(&n)},
-        {"jaccard", jaccard(&n)},
-        {"hausdorff_mm", d->has_hausdorff ? d->hausdorff_mm : NAN},
-        {"surface_95_mm", d->has_surfaces ? d->percentile_95_mm : NAN},
-        {"surface_mean_mm", d->has_surfaces ? d->mean_mm : NAN},
-        {"surface_most_mm", d->has_surfaces ? d->most_mm : NAN},
-        {"surface_95_a_to_b_mm", d->has_surfaces ? d->directed_percentile_95_mm[0] : NAN},
-        {"surface_95_b_to_a_mm", d->has_surfaces ? d->directed_percentile_95_mm[1] : NAN},
-        {"surface_mean_a_to_b_mm", d->has_surfaces ? d->directed_mean_mm[0] : NAN},
-        {"surface_mean_b_to_a_mm", d->has_surfaces ? d->directed_mean_mm[1] : NAN},
-    };
-    memcpy(figure, all, sizeof all);
+    struct figures f = {.count = 0};
+    figures_add(&f, "voxels_a", (double)n.a);
+    figures_add(&f, "voxels_b", (double)n.b);
+    figures_add(&f, "voxels_both", (double)n.both);
+    figures_add(&f, "volume_a_mm3", (double)n.a * mm3);
+    figures_add(&f, "volume_b_mm3", (double)n.b * mm3);
+    figures_add(&f, "volume_difference_mm3", difference * mm3);
+    figures_add(&f, "volume_similarity", ratio(2 * difference, (double)n.a + (double)n.b));
+    figures_add(&f, "dice", dice(&n));
+    figures_add(&f, "jaccard", jaccard(&n));
+    figures_add(&f, "hausdorff_mm", d->has_hausdorff ? d->hausdorff_mm : NAN);
+    figures_add(&f, "surface_95_mm", d->has_surfaces ? d->percentile_95_mm : NAN);
+    figures_add(&f, "surface_mean_mm", d->has_surfaces ? d->mean_mm : NAN);
+    figures_add(&f, "surface_most_mm", d->has_surfaces ? d->most_mm : NAN);
+    figures_add(&f, "surface_95_a_to_b_mm",
+                d->has_surfaces ? d->directed_percentile_95_mm[0] : NAN);
+    figures_add(&f, "surface_95_b_to_a_mm",
+                d->has_surfaces ? d->directed_percentile_95_mm[1] : NAN);
+    figures_add(&f, "surface_mean_a_to_b_mm", d->has_surfaces ? d->directed_mean_mm[0] : NAN);
+    figures_add(&f, "surface_mean_b_to_a_mm", d->has_surfaces ? d->directed_mean_mm[1] : NAN);
+    return f;
 }
 
 /* ---- JSON ---- */
@@ -67,10 +58,8 @@ static void take_figures(struct figure figure[FIGURES], const struct comparison_
 static void add_figures(struct json *json, const struct comparison_report *report, unsigned label)
 {
     const struct label_distances *d = &report->comparison->distance[label];
-    struct figure figure[FIGURES];
-    take_figures(figure, report, label);
-    for (int i = 0; i < FIGURES; i++)
-        json_real(json, figure[i].name, figure[i].value, DIGITS);
+    const struct figures f = figures_of(report, label);
+    figures_write_json(json, &f);
     if (!d->has_hausdorff || d->hausdorff_mm == 0)
         return;
     json_array(json, "farthest");
@@ -109,29 +98,18 @@ void comparison_write_json(struct buf *out, const struct comparison_report *repo
 
 static void write_csv_row(struct buf *out, const struct comparison_report *report, unsigned label)
 {
-    struct figure figure[FIGURES];
-    take_figures(figure, report, label);
+    const struct figures f = figures_of(report, label);
     if (label)
-        buf_printf(out, "%u,", label);
+        buf_printf(out, "%u", label);
     else
-        buf_add_text(out, "all,");
-    buf_add_csv(out, label ? report->label_name[label] : "");
-    for (int i = 0; i < FIGURES; i++) {
-        buf_add_char(out, ',');
-        if (!isnan(figure[i].value))
-            buf_printf(out, "%.*g", DIGITS, figure[i].value);
-    }
-    buf_add_char(out, '\n');
+        buf_add_text(out, "all");
+    figures_write_csv(out, label ? report->label_name[label] : "", &f);
 }
 
 void comparison_write_csv(struct buf *out, const struct comparison_report *report)
 {
-    struct figure figure[FIGURES];
-    take_figures(figure, report, 0);
-    buf_add_text(out, "label,name");
-    for (int i = 0; i < FIGURES; i++)
-        buf_printf(out, ",%s", figure[i].name);
-    buf_add_char(out, '\n');
+    const struct figures f = figures_of(report, 0);
+    figures_write_csv_names(out, &f);
     for (unsigned label = 1; label < 256; label++)
         if (comparison_has(report->comparison, label))
             write_csv_row(out, report, label);

@@ -3,30 +3,13 @@
 #include <inttypes.h>
 #include <math.h>
 
-#include "base/json.h"
+#include "session/figures.h"
 #include "session/tally.h"
-
-enum { FIGURES_MOST = 32, DIGITS = 12 };
-
-/* One that is not known is NAN. */
-struct figures {
-    struct {
-        const char *name;
-        double value;
-    } of[FIGURES_MOST];
-    int count;
-};
-
-static void add(struct figures *figures, const char *name, double value)
-{
-    figures->of[figures->count].name = name;
-    figures->of[figures->count++].value = value;
-}
 
 static void add_three(struct figures *figures, const char *const name[3], const double value[3])
 {
     for (int a = 0; a < 3; a++)
-        add(figures, name[a], value[a]);
+        figures_add(figures, name[a], value[a]);
 }
 
 /* ---- measures ---- */
@@ -116,23 +99,23 @@ static struct figures figures_of(const struct label_report *report, unsigned lab
     find_centre(centre, s);
     find_place(place, report->geometry, centre);
     find_range(range, report, label);
-    add(&f, "voxels", (double)s->voxels);
-    add(&f, "volume_mm3", (double)s->voxels * voxel_mm3(report->geometry));
-    add(&f, "surface_mm2", surface_mm2(report, label));
-    add(&f, "components", report->stats[label].components);
-    add(&f, "holes", report->stats[label].holes);
-    add(&f, "mean", geometry_value(report->geometry, mean(s)));
-    add(&f, "deviation", fabs(report->geometry->slope) * deviation(s));
-    add(&f, "minimum", range[0]);
-    add(&f, "median", median(report, label));
-    add(&f, "maximum", range[1]);
+    figures_add(&f, "voxels", (double)s->voxels);
+    figures_add(&f, "volume_mm3", (double)s->voxels * voxel_mm3(report->geometry));
+    figures_add(&f, "surface_mm2", surface_mm2(report, label));
+    figures_add(&f, "components", report->stats[label].components);
+    figures_add(&f, "holes", report->stats[label].holes);
+    figures_add(&f, "mean", geometry_value(report->geometry, mean(s)));
+    figures_add(&f, "deviation", fabs(report->geometry->slope) * deviation(s));
+    figures_add(&f, "minimum", range[0]);
+    figures_add(&f, "median", median(report, label));
+    figures_add(&f, "maximum", range[1]);
     add_three(&f, centre_name, centre);
     add_three(&f, place_name, place);
     add_three(&f, first_name, (double[]){s->first[0], s->first[1], s->first[2]});
     add_three(&f, last_name, (double[]){s->last[0], s->last[1], s->last[2]});
-    add(&f, "gained", report->gained ? (double)report->gained[label] : NAN);
-    add(&f, "lost", report->lost ? (double)report->lost[label] : NAN);
-    add(&f, "change", change(report, label));
+    figures_add(&f, "gained", report->gained ? (double)report->gained[label] : NAN);
+    figures_add(&f, "lost", report->lost ? (double)report->lost[label] : NAN);
+    figures_add(&f, "change", change(report, label));
     return f;
 }
 
@@ -148,8 +131,7 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
         json_object(&json, NULL);
         json_count(&json, "number", label);
         json_text(&json, "name", report->label_name[label]);
-        for (int i = 0; i < f.count; i++)
-            json_real(&json, f.of[i].name, f.of[i].value, DIGITS);
+        figures_write_json(&json, &f);
         json_end(&json);
     }
     json_end(&json);
@@ -162,10 +144,7 @@ static void write_csv_names(struct buf *out, const struct label_report *report)
     static const struct area_weights none;
     const struct label_report any = {.stats = one, .area = &none, .geometry = report->geometry};
     const struct figures f = figures_of(&any, 0);
-    buf_add_text(out, "label,name");
-    for (int i = 0; i < f.count; i++)
-        buf_printf(out, ",%s", f.of[i].name);
-    buf_add_char(out, '\n');
+    figures_write_csv_names(out, &f);
 }
 
 void label_report_write_csv(struct buf *out, const struct label_report *report)
@@ -175,14 +154,8 @@ void label_report_write_csv(struct buf *out, const struct label_report *report)
         if (!report->stats[label].sums.voxels)
             continue;
         const struct figures f = figures_of(report, label);
-        buf_printf(out, "%u,", label);
-        buf_add_csv(out, report->label_name[label]);
-        for (int i = 0; i < f.count; i++) {
-            buf_add_char(out, ',');
-            if (!isnan(f.of[i].value))
-                buf_printf(out, "%.*g", DIGITS, f.of[i].value);
-        }
-        buf_add_char(out, '\n');
+        buf_printf(out, "%u", label);
+        figures_write_csv(out, report->label_name[label], &f);
     }
 }
 
