@@ -145,6 +145,19 @@ STORY(the_first_gesture_may_be_a_shell)
     interpreter_release(&interp);
 }
 
+/* No tree holds a middle outside the region of interest, and so no object of label 0 either. */
+STORY(the_middle_of_a_shell_may_lie_outside_the_region)
+{
+    begin_with_journal(&interp, "outside.iftty");
+    must(&interp, "range 60 255");
+    must(&interp, "seed 5,5,5 0 radius=4 shell=yes");
+    CHECK_HAS(buf_text(&reply.text), "left out, outside the region of interest: ");
+    must(&interp, "seed 9,9,9 1");
+    must(&interp, "run");
+    CHECK(beyond(1, 4) > 0);
+    interpreter_release(&interp);
+}
+
 STORY(what_is_no_shell_is_refused)
 {
     begin_with_journal(&interp, "refused.iftty");
@@ -185,11 +198,12 @@ int main(void)
     if (!begin_folder())
         return 1;
     make_scene();
-    const int status =
-        RUN_STORIES(TELL(an_object_does_not_leave_its_shell), TELL(a_shell_is_one_marker),
-                    TELL(a_shell_cuts_no_other_object),
-                    TELL(a_shell_may_be_given_by_a_voxel_that_it_goes_through),
-                    TELL(why_names_the_strongest_edge_and_the_label_that_would_come_next),
-                    TELL(the_first_gesture_may_be_a_shell), TELL(what_is_no_shell_is_refused));
+    const int status = RUN_STORIES(
+        TELL(an_object_does_not_leave_its_shell), TELL(a_shell_is_one_marker),
+        TELL(a_shell_cuts_no_other_object),
+        TELL(a_shell_may_be_given_by_a_voxel_that_it_goes_through),
+        TELL(why_names_the_strongest_edge_and_the_label_that_would_come_next),
+        TELL(the_first_gesture_may_be_a_shell),
+        TELL(the_middle_of_a_shell_may_lie_outside_the_region), TELL(what_is_no_shell_is_refused));
     return end_folder() | status;
 }

@@ -160,7 +160,7 @@ static enum err look_inside(const struct act *act, const uint32_t middle[3], uin
     const struct scene *scene = session->scene;
     const struct cell *at = &scene->cell[grid_cell(&scene->grid, middle[0], middle[1], middle[2])];
     *inside = at->label;
-    *is_reached = at->key != KEY_NONE;
+    *is_reached = cell_is_reached(at);
     return err;
 }
 

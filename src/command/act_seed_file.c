@@ -193,8 +193,7 @@ enum err act_seed_file(const struct act *act)
 {
     struct buf path = {0};
     struct seeds seeds = {0};
-    struct region_choice choice = {.label =
-                                       label_of(act->value)}; /* of a list: no more than that */
+    struct region_choice choice = {.label = label_of(act->value)}; /* all there is of a list */
     uint16_t *as = NULL;
     const char *name = act->value[FILE_NAME].text;
     enum err err = interpreter_find_file(act->interp, name, &path, act->fault);

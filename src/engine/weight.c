@@ -163,8 +163,7 @@ static void tell_slab(void *context, unsigned worker)
     const struct grid *grid = &t->scene->grid;
     const struct slab slab = grid_slab(grid, worker, team_size(t->team));
     uint16_t weight[GRID_SIDE_MOST];
-    struct task task =
-        task_begin_part(t->scene->watch, "weights", slab_voxels(grid, slab), slab.first);
+    struct task task = task_begin_part(t->scene->watch, "weights", slab_voxels(grid, slab), worker);
     for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             tell_row(context, worker, y, z, weight);
