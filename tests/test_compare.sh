@@ -146,6 +146,23 @@ same "$(sed -n 2p one.csv | cut -d , -f 1-4)" "1,\"liver\",$(count a.nii 1),$(co
 same "$(sed -n 2p two.csv | cut -d , -f 4)" "$(count b.nii '[23]')"
 close_story
 
+begin "the program compares chosen values of both maps, as labels that are chosen too"
+expect 0 "$iftty" compare a.nii b.nii --csv --regions 2
+same "$(sed 1d out | cut -d , -f 1-4)" "2,\"\",$(count a.nii 2),$(count b.nii 2)
+all,\"\",$(count a.nii 2),$(count b.nii 2)"
+expect 0 "$iftty" compare a.nii b.nii --csv --regions 1,2-3 --as 7,7,9
+same "$(sed 1d out | cut -d , -f 1-4)" "7,\"\",$(count a.nii '[12]'),$(count b.nii '[12]')
+9,\"\",0,$(count b.nii 3)
+all,\"\",$(count a.nii '[123]'),$(count b.nii '[123]')"
+expect 0 "$iftty" compare a.nii b.nii --csv --regions 2-3 --binary
+same "$(sed -n 2p out | cut -d , -f 1-4)" "1,\"\",$(count a.nii '[23]'),$(count b.nii '[23]')"
+for words in '--as 1' '--regions 2,2' '--regions 1,2 --as 1' '--regions 1 --as 1 --binary' \
+    '--regions 1-' '--regions 70000' '--regions 1 --as 256'; do
+    expect 2 "$iftty" compare a.nii b.nii $words # words on purpose
+done
+err_has "--as: expected numbers 0..255, as in 1-90,105, not 256"
+close_story
+
 begin "a name with blanks stands between quotes, after its key too"
 cp b.nii 'b 2.nii'
 expect 0 "$iftty" -c 'compare "b 2.nii" report="r 2.json" picture="p 2.png"' --journal a.iftty

@@ -70,6 +70,15 @@ bool scan_list_range(const char **cursor, int64_t least, int64_t most, int64_t *
     return true;
 }
 
+bool scan_is_list(const char *text, int64_t least, int64_t most)
+{
+    const char *at = text;
+    int64_t first, last;
+    while (scan_list_range(&at, least, most, &first, &last))
+        ;
+    return at != text && *at == '\0';
+}
+
 bool scan_hex(const char **cursor, unsigned digits, uint64_t *out)
 {
     static const char hex[] = "0123456789abcdef";

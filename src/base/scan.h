@@ -25,6 +25,9 @@ bool scan_range(const char **cursor, int64_t least, int64_t most, int64_t *first
 bool scan_list_range(const char **cursor, int64_t least, int64_t most, int64_t *first,
                      int64_t *last);
 
+/* Whether all of a text is such a list. */
+bool scan_is_list(const char *text, int64_t least, int64_t most);
+
 /* Exactly `digits` lower-case hexadecimal digits. */
 bool scan_hex(const char **cursor, unsigned digits, uint64_t *out);
 

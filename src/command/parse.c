@@ -244,11 +244,7 @@ static enum err read_range(struct value *value, const struct parameter *p, const
 static enum err read_list(struct value *value, const struct parameter *p, const char *word,
                           struct fault *fault)
 {
-    const char *at = word;
-    int64_t first, last;
-    while (scan_list_range(&at, p->least, p->most, &first, &last))
-        ;
-    if (at == word || *at)
+    if (!scan_is_list(word, p->least, p->most))
         return expect_range(fault, p, word, "; several have commas between them");
     value->text = word;
     value->number = -1;

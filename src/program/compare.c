@@ -18,6 +18,7 @@ enum { PICTURE_SIDE = 1024 };
 /* Both maps, and what is known of their grid. */
 struct pair {
     const struct options *options;
+    uint16_t *as;           /* the labels that the values of both become (session/regions.h) */
     struct session session; /* for a picture */
     struct grid grid;
     struct geometry geometry;
@@ -30,6 +31,9 @@ static enum err check_options(const struct options *o, struct fault *fault)
     if (o->scene && !o->picture)
         return fault_set(fault, ERR_USAGE,
                          "--scene: the slices of a picture come from it; expected --picture too");
+    if (o->as && o->binary)
+        return fault_set(fault, ERR_USAGE,
+                         "--as and --binary are two answers to one question; expected one of them");
     const enum err err = image_check_png(o->picture, fault);
     return err ? fault_prefix(fault, err, "--picture") : OK;
 }
@@ -39,7 +43,7 @@ static enum err check_options(const struct options *o, struct fault *fault)
 static enum err take_labels(struct pair *pair, int side, struct volume *map, struct fault *fault)
 {
     const struct options *o = pair->options;
-    const struct map_labels choice = {.label = o->binary ? 1 : LABEL_OWN};
+    const struct map_labels choice = {pair->as, o->binary ? 1 : LABEL_OWN};
     const enum err err =
         map_to_labels(&pair->compared.label[side], map, &choice, console_watch(), fault);
     return err ? fault_prefix(fault, err, "%s", o->word[side]) : OK;
@@ -165,12 +169,15 @@ enum err run_compare(const struct options *o, struct fault *fault)
     console_handle_interrupts();
     enum err err = check_options(o, fault);
     if (!err)
+        err = regions_new(&pair->as, o->regions, o->as, fault);
+    if (!err)
         err = team_new(&team, team_size_wanted(), fault);
     if (!err)
         err = compare(pair, team, fault);
     session_release(&pair->session);
     free(pair->compared.label[0]);
     free(pair->compared.label[1]);
+    free(pair->as);
     team_free(team);
     free(pair);
     return err;

@@ -33,6 +33,16 @@ enum err option_read_number(const struct option *option, const char *text, void 
     return OK;
 }
 
+enum err option_read_list(const struct option *option, const char *text, void *out,
+                          struct fault *fault)
+{
+    if (!scan_is_list(text, option->least, option->most))
+        return fault_set(fault, ERR_USAGE,
+                         "%s: expected numbers %lld..%lld, as in 1-90,105, not %s", option->name,
+                         (long long)option->least, (long long)option->most, text);
+    return option_read_text(option, text, out, fault);
+}
+
 uint8_t option_find(const struct option_table *table, const uint8_t *taken, const char *name)
 {
     while (*taken && strcmp(table->row[*taken].name, name) != 0)

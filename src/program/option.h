@@ -23,15 +23,16 @@ struct option {
     /* Reads the value, NULL where there is none, into a member of `out`. ERR_USAGE. */
     enum err (*read)(const struct option *option, const char *text, void *out, struct fault *fault);
     size_t at;           /* of the member, in bytes from `out` */
-    int64_t least, most; /* of a number */
+    int64_t least, most; /* of a number, or of those of a list */
     /* Adds the words that the value can be, with these between them; NULL where it is free. */
     void (*add_choices)(struct buf *out, const char *between, const char *before_last);
 };
 
-/* What `read` can be: into a bool, a const char * and a size_t. */
+/* What `read` can be: into a bool, a const char *, a size_t, and a const char * that is a list. */
 enum err option_read_flag(const struct option *, const char *, void *, struct fault *);
 enum err option_read_text(const struct option *, const char *, void *, struct fault *);
 enum err option_read_number(const struct option *, const char *, void *, struct fault *);
+enum err option_read_list(const struct option *, const char *, void *, struct fault *);
 
 struct option_table {
     const struct option *row; /* the first is empty, so that 0 is no option */

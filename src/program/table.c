@@ -35,6 +35,8 @@ enum {
     HTML,
     JSON,
     CSV,
+    REGIONS,
+    AS,
     BINARY,
     RESAMPLE,
     HISTOGRAM,
@@ -79,6 +81,8 @@ static enum err read_graphics(const struct option *option, const char *text, voi
 #define TEXT(member) option_read_text, offsetof(struct options, member), 0, 0, NULL
 #define NUMBER(member, least, most)                                                                \
     option_read_number, offsetof(struct options, member), least, most, NULL
+#define LIST(member, least, most)                                                                  \
+    option_read_list, offsetof(struct options, member), least, most, NULL
 #define FORM NULL, "", FLAG(is_form)
 
 static const struct option option[] = {
@@ -150,7 +154,12 @@ static const struct option option[] = {
                 TEXT(picture)},
     [SLICES_SCENE] = {"--scene", "FILE", "the scene of those slices, which else show A",
                       TEXT(scene)},
-    [BINARY] = {"--binary", NULL, "take all values above 0 for one object, label 1", FLAG(binary)},
+    [REGIONS] = {"--regions", "LIST",
+                 "compare these values of both maps alone, as 1-90,2001 (all above 0)",
+                 LIST(regions, 0, REGION_MOST)},
+    [AS] = {"--as", "LIST", "the labels, of 255 at most, that those become: 1-90,91",
+            LIST(as, 0, 255)},
+    [BINARY] = {"--binary", NULL, "take all of them for one object, label 1", FLAG(binary)},
     [RESAMPLE] = {"--resample", NULL, "take the nearest voxels of a B that lies elsewhere",
                   FLAG(resample)},
     [LIMIT_MEMORY] = {"--limit-memory", "SIZE",
@@ -265,7 +274,7 @@ static const struct program program[] = {
      .run = run_diff},
     {.name = "compare",
      TWO("A B"),
-     .option = {BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE},
+     .option = {REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE},
      .summary = "how far two label maps agree",
      .detail = "For each label, and all together: overlap (Dice, Jaccard), volumes, and distances "
                "between the two objects and their surfaces, as the command `compare` prints them. "
