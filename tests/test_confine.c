@@ -1,8 +1,11 @@
 /* How the helpers are confined, from outside: what the kernel says of those that work, and what
- * becomes of one that never ends, or holds all the memory that it gets (probe/). */
+ * becomes of one that never ends, whose client is killed, or that holds all the memory that it gets
+ * (probe/). */
 #include "check.h"
 #include "folder.h"
+#include "orphans.h"
 
+#include <signal.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -146,6 +149,30 @@ STORY(a_decoder_that_never_ends_is_ended_with_its_helper)
     CHECK_INT(child_of(getpid()), 0);
 }
 
+/* In a process of its own, which is killed after a while. */
+static void ask_and_be_killed(const char *(*ask)(const char *), const char *name, unsigned ms)
+{
+    fflush(stdout);
+    const pid_t client = fork();
+    if (client == 0) {
+        ask(name);
+        _exit(0);
+    }
+    usleep(1000 * ms);
+    CHECK(kill(client, SIGKILL) == 0);
+}
+
+STORY(a_decoder_ends_with_its_client_whatever_it_is_doing)
+{
+    static const unsigned after_ms[] = {0, 5, 60, 1000}; /* while it starts; while it decodes */
+    adopt_orphans();
+    for (size_t i = 0; i < sizeof after_ms / sizeof *after_ms; i++) {
+        ask_and_be_killed(image_fault, "spin.png", after_ms[i]);
+        ask_and_be_killed(volume_fault, "spin.nrrd", after_ms[i]);
+        CHECK(await_orphans());
+    }
+}
+
 STORY(a_decoder_that_holds_more_and_more_is_refused_it)
 {
     if (!MEM_MAY_BE_LIMITED) {
@@ -182,6 +209,7 @@ int main(void)
         TELL(the_image_helper_is_confined_before_the_first_pixel_comes),
         TELL(the_volume_helper_is_confined_before_it_says_what_is_in_a_file),
         TELL(a_decoder_that_never_ends_is_ended_with_its_helper),
+        TELL(a_decoder_ends_with_its_client_whatever_it_is_doing),
         TELL(a_decoder_that_holds_more_and_more_is_refused_it),
         TELL(an_answer_that_drips_is_none),
     };

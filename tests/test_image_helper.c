@@ -379,6 +379,7 @@ STORY(a_helper_that_stays_silent_is_ended)
     image_helper_patience_ms = 200;
     CHECK_HAS(failure("sleep 60", false), "did not answer for 1 s and was ended");
     CHECK_HAS(failure("sleep 60", true), "did not answer for 1 s and was ended");
+    CHECK_HAS(failure("exec <&- >&-; sleep 60", false), "did not answer for 1 s and was ended");
     image_helper_patience_ms = 60000;
     CHECK(clock_ns() - begin < UINT64_C(30000000000));
 }

@@ -23,6 +23,7 @@
 #include "journal/walk.h"
 #include "tests/check.h"
 #include "tests/folder.h"
+#include "tests/orphans.h"
 
 enum { VICTIMS = 2, NEW_AFTER = 6 };
 
@@ -233,6 +234,7 @@ STORY(kill_9_at_any_moment_takes_nothing_that_was_acknowledged)
         buf_release(&victim[i].waits);
         buf_release(&victim[i].said);
     }
+    CHECK(await_orphans());
     printf("# %u rounds, %zu commands acknowledged, none lost\n", rounds, acknowledged);
     CHECK(acknowledged > 4 * rounds);
 }
@@ -242,6 +244,7 @@ int main(void)
     const char *build = getenv("IFTTY_BUILD");
     snprintf(program, sizeof program, "%s/iftty", build ? build : "build");
     signal(SIGPIPE, SIG_IGN);
+    adopt_orphans();
     if (!make_folder(folder, "kill"))
         return 1;
     int status = RUN_STORIES(TELL(kill_9_at_any_moment_takes_nothing_that_was_acknowledged));

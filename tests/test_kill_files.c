@@ -21,6 +21,7 @@
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
+#include "tests/orphans.h"
 #include "verify/evidence.h"
 #include "verify/orphan.h"
 
@@ -127,6 +128,7 @@ static bool kill_at(unsigned step, unsigned *acknowledged)
         ++*acknowledged;
     close(ends[0]);
     waitpid(child, &status, 0);
+    CHECK(await_orphans());
     CHECK(WIFSIGNALED(status) || WEXITSTATUS(status) == 0);
     return WIFSIGNALED(status);
 }
@@ -314,6 +316,7 @@ int main(void)
 {
     char folder[FOLDER_LENGTH];
     unsigned all;
+    adopt_orphans();
     if (!make_folder(folder, "killed") || chdir(folder) != 0 || mkdir(HERE, 0700) != 0 ||
         kill_at(0, &all) || all != COMMANDS || rename(HERE, WHOLE) != 0 || mkdir(HERE, 0700) != 0)
         return 1;

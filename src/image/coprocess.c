@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -48,12 +49,12 @@ enum err coprocess_init(struct coprocess *c, const char *name, const char *progr
 
 void coprocess_release(struct coprocess *c)
 {
-    coprocess_stop(c, false); /* between requests it holds nothing that could be lost */
+    coprocess_stop(c); /* between requests it holds nothing that could be lost */
     free(c->program);
     c->program = NULL;
 }
 
-int coprocess_stop(struct coprocess *c, bool may_finish)
+int coprocess_stop(struct coprocess *c)
 {
     int status = -1;
     pid_t ended;
@@ -62,8 +63,7 @@ int coprocess_stop(struct coprocess *c, bool may_finish)
     c->fd = -1;
     if (c->process <= 0)
         return status;
-    if (!may_finish)
-        kill(-c->process, SIGKILL); /* and what it started */
+    kill(-c->process, SIGKILL); /* and what it started; one that has ended keeps its status */
     do
         ended = waitpid(c->process, &status, 0);
     while (ended < 0 && errno == EINTR);
@@ -114,7 +114,7 @@ enum err coprocess_start(struct coprocess *c, struct fault *fault)
     int pair[2];
     if (c->process > 0 && waitpid(c->process, NULL, WNOHANG) != 0) {
         c->process = 0;
-        coprocess_stop(c, true);
+        coprocess_stop(c);
     }
     c->trouble = FINE;
     if (c->process > 0)
@@ -132,30 +132,10 @@ enum err coprocess_start(struct coprocess *c, struct fault *fault)
     c->fd = pair[0];
     if (c->memory && !coprocess_limit(c, c->memory, c->memory)) {
         const enum err err = fault_errno(fault, "limit the memory of", c->program);
-        coprocess_stop(c, false);
+        coprocess_stop(c);
         return err;
     }
     return OK;
-}
-
-enum err coprocess_fault(struct coprocess *c, const char *doing, const char *path,
-                         struct fault *fault)
-{
-    const int status = coprocess_stop(c, c->trouble == GONE);
-    char end[128] = "ended early";
-    if (c->trouble == STOPPED)
-        return watch_fault(c->watch, fault);
-    if (c->trouble == SILENT)
-        snprintf(end, sizeof end, "did not answer for %d s and was ended",
-                 (c->patience_ms + 999) / 1000);
-    else if (c->trouble == ODD)
-        snprintf(end, sizeof end, "gave an answer that makes no sense and was ended");
-    else if (status != -1 && WIFSIGNALED(status))
-        snprintf(end, sizeof end, "died (%s)", strsignal(WTERMSIG(status)));
-    else if (status != -1 && WIFEXITED(status))
-        snprintf(end, sizeof end, "ended with status %d", WEXITSTATUS(status));
-    fault_set(fault, ERR_IO, "%s %s %s", c->kind, c->program, end);
-    return path ? fault_prefix(fault, ERR_IO, "cannot %s %s", doing, path) : ERR_IO;
 }
 
 /* ---- bytes ---- */
@@ -172,11 +152,11 @@ static uint64_t latest_ns(const struct coprocess *c, size_t length)
     return clock_ns() + ((uint64_t)c->patience_ms + length / BYTES_PER_MS) * 1000000;
 }
 
-/* Until bytes can go or come: false where it is too late, or the watch stops. */
-static bool wait_for(struct coprocess *c, short events, uint64_t until)
+/* Until bytes can go or come by a descriptor: false where it is too late, or the watch stops. */
+static bool wait_for(struct coprocess *c, int fd, short events, uint64_t until)
 {
     for (;;) {
-        struct pollfd wanted = {.fd = c->fd, .events = events};
+        struct pollfd wanted = {.fd = fd, .events = events};
         const uint64_t now = clock_ns();
         if (now >= until)
             return fails(c, SILENT);
@@ -202,7 +182,7 @@ bool coprocess_transmit(struct coprocess *c, const void *bytes, size_t length)
             at += n;
             length -= (size_t)n;
         } else if (errno == EAGAIN) {
-            if (!wait_for(c, POLLOUT, until))
+            if (!wait_for(c, c->fd, POLLOUT, until))
                 return false;
         } else if (errno != EINTR) {
             return fails(c, GONE);
@@ -221,7 +201,7 @@ static bool receive(struct coprocess *c, void *bytes, size_t length, uint64_t un
             at += n;
             length -= (size_t)n;
         } else if (n < 0 && errno == EAGAIN) {
-            if (!wait_for(c, POLLIN, until))
+            if (!wait_for(c, c->fd, POLLIN, until))
                 return false;
         } else if (n < 0 && errno == ECONNRESET && !reset) {
             reset = true; /* reported once; what it sent comes after that */
@@ -263,6 +243,41 @@ bool coprocess_numbers(const char *line, unsigned count, const int64_t most[], i
         if ((i > 0 && !scan_text(&line, " ")) || !scan_integer(&line, 0, most[i], &out[i]))
             return false;
     return *line == '\0';
+}
+
+/* ---- its end ---- */
+
+/* A helper that has closed the socket is about to end, and its status says why; one that goes on
+ * is as silent as any other. */
+static void await_end(struct coprocess *c)
+{
+    const int end = (int)syscall(SYS_pidfd_open, c->process, 0);
+    if (end < 0)
+        return;
+    wait_for(c, end, POLLIN, latest_ns(c, 0));
+    close(end);
+}
+
+enum err coprocess_fault(struct coprocess *c, const char *doing, const char *path,
+                         struct fault *fault)
+{
+    if (c->trouble == GONE)
+        await_end(c);
+    const int status = coprocess_stop(c);
+    char end[128] = "ended early";
+    if (c->trouble == STOPPED)
+        return watch_fault(c->watch, fault);
+    if (c->trouble == SILENT)
+        snprintf(end, sizeof end, "did not answer for %d s and was ended",
+                 (c->patience_ms + 999) / 1000);
+    else if (c->trouble == ODD)
+        snprintf(end, sizeof end, "gave an answer that makes no sense and was ended");
+    else if (status != -1 && WIFSIGNALED(status))
+        snprintf(end, sizeof end, "died (%s)", strsignal(WTERMSIG(status)));
+    else if (status != -1 && WIFEXITED(status))
+        snprintf(end, sizeof end, "ended with status %d", WEXITSTATUS(status));
+    fault_set(fault, ERR_IO, "%s %s %s", c->kind, c->program, end);
+    return path ? fault_prefix(fault, ERR_IO, "cannot %s %s", doing, path) : ERR_IO;
 }
 
 enum err coprocess_answer(struct coprocess *c, char line[COPROCESS_LINE], const char *doing,

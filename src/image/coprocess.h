@@ -5,9 +5,10 @@
  * A decoder that dies on a hostile file costs one error message: what it was asked fails, and the
  * next request starts the program again. Nothing here ever raises SIGPIPE or waits without end: one
  * that does not take or give what is its turn within `patience_ms`, and a second for each megabyte,
- * is ended, and so is one that is waited for when the watch stops. Its errors go nowhere, it has no
- * environment, and it is a process group of its own, so that an interrupt from the keyboard is not
- * meant for it. From all else it keeps itself before it decodes a byte (wire.hh).
+ * is ended; so is one that closes the socket and goes on, and one that is waited for when the watch
+ * stops. Its errors go nowhere, it has no environment, and it is a process group of its own, so
+ * that an interrupt from the keyboard is not meant for it. From all else it keeps itself before it
+ * decodes a byte, and it ends with the thread that started it, however that ends (wire.hh).
  *
  * The requests and answers are the client's (helper.h, volume_helper.h): lines of words and decimal
  * numbers, and counted bytes. Each function that talks returns false and sets `trouble` where the
@@ -47,9 +48,9 @@ void coprocess_release(struct coprocess *c); /* ends it, and waits for it */
  * replaced. */
 enum err coprocess_start(struct coprocess *c, struct fault *fault);
 
-/* Ends it and returns how it ended, as waitpid does; -1 where that is not known. Closing our end
- * makes it exit; one in the middle of a request is killed, unless it may finish. */
-int coprocess_stop(struct coprocess *c, bool may_finish);
+/* Kills it, unless it has ended, and returns how it ended, as waitpid does; -1 where that is not
+ * known. */
+int coprocess_stop(struct coprocess *c);
 
 /* It may hold so many bytes for itself from now on, and never more than it could be given; any
  * number in a build that cannot be limited. False, with errno, where that cannot be had. */

@@ -190,8 +190,7 @@ enum err image_movie_end(struct image_movie *movie, struct fault *fault)
 void image_movie_abandon(struct image_movie *movie)
 {
     if (movie->helper)
-        coprocess_stop(&movie->helper->process,
-                       false); /* it may be waiting for the rest of a frame */
+        coprocess_stop(&movie->helper->process); /* it may be waiting for the rest of a frame */
     forget(movie);
 }
 
@@ -303,7 +302,7 @@ static enum err ask(struct image_helper *helper, const char *request, const char
     if (err && helper->process.trouble != FINE)
         return coprocess_fault(&helper->process, "read", path, fault);
     if (err)
-        coprocess_stop(&helper->process, false); /* the rest of its answer is of no use */
+        coprocess_stop(&helper->process); /* the rest of its answer is of no use */
     return err;
 }
 

@@ -3,7 +3,8 @@
  * standard output, which are one socket; a library may read and print there without harm once
  * wire_prepare has moved it away.
  *
- * The end of input, or a request that breaks the protocol, ends the program.
+ * The end of input, or a request that breaks the protocol, ends the program; the end of the client
+ * kills it, whatever it is doing, so that nothing is read or written for nobody.
  *
  * Before the first byte of a file is decoded, `confine` takes everything else from the process, in
  * every use and whoever asks: whatever a hostile file makes of a library, it can
@@ -19,11 +20,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -133,8 +136,17 @@ inline void limit(int resource, rlim_t most)
     setrlimit(static_cast<__rlimit_resource_t>(resource), &both);
 }
 
+/* A client that ended before this was asked for has closed its end. */
+inline void end_with_client()
+{
+    struct pollfd client = {fd, 0, 0};
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (poll(&client, 1, 0) > 0 && (client.revents & POLLHUP))
+        leave(0);
+}
+
 /* Moves the socket away from standard input and output, and closes what was inherited besides; no
- * core, and no more addresses than `most`. */
+ * core, no more addresses than `most`, and no life after the client's. */
 inline void prepare(rlim_t most)
 {
     constexpr int socket = 3;
@@ -143,6 +155,7 @@ inline void prepare(rlim_t most)
     if (fd < 0 || nowhere < 0 || dup2(nowhere, STDIN_FILENO) < 0 ||
         dup2(nowhere, STDOUT_FILENO) < 0)
         leave(3);
+    end_with_client();
     close_range(socket + 1, ~0U, 0);
     if (MEM_MAY_BE_LIMITED)
         limit(RLIMIT_AS, most);
