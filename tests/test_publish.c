@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/file_draft.h"
+#include "base/folder.h"
 #include "base/owner.h"
 #include "tests/check.h"
 #include "tests/folder.h"
@@ -162,6 +163,45 @@ STORY(drafts_of_processes_that_have_ended_go_and_others_stay)
     buf_release(&link);
 }
 
+/* Runs in a process of its own, which ends without removing it. */
+static void leave_folder(struct buf *path)
+{
+    struct buf within = {0};
+    const bool fine = folder_passing(path, folder, NULL) == OK;
+    buf_printf(&within, "%s/deep", buf_text(path));
+    const bool fits = fine && mkdir(buf_text(&within), 0700) == 0;
+    buf_add_text(&within, "/a");
+    _exit(fits && file_write(buf_text(&within), "x", 1, FILE_KEEP, NULL) == OK &&
+                  symlink(file_in(folder, "kept.txt"), file_in(buf_text(path), "link")) == 0
+              ? 0
+              : 1);
+}
+
+STORY(folders_of_processes_that_have_ended_go_with_what_is_in_them)
+{
+    struct buf dead = {0}, live = {0}, fresh = {0};
+    int status = -1;
+    CHECK(file_write(file_in(folder, "kept.txt"), "x", 1, FILE_KEEP, NULL) == OK);
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0)
+        leave_folder(&dead);
+    CHECK(waitpid(child, &status, 0) == child && status == 0);
+    CHECK(folder_passing(&live, folder, NULL) == OK && folder_fresh(&fresh, folder, NULL) == OK);
+    CHECK_INT(files_in_folder(), 4);
+    file_sweep(folder);
+    CHECK_INT(files_in_folder(), 3);
+    CHECK(file_is_folder(buf_text(&live)) && file_is_folder(buf_text(&fresh)));
+    CHECK(holds(file_in(folder, "kept.txt"), "x"));
+    folder_remove(buf_text(&live));
+    folder_remove(buf_text(&fresh));
+    folder_remove(file_in(folder, "kept.txt"));
+    CHECK_INT(files_in_folder(), 0);
+    buf_release(&dead);
+    buf_release(&live);
+    buf_release(&fresh);
+}
+
 /* Writing into a folder clears it; a loss of power leaves what another start of the machine did. */
 STORY(drafts_of_a_former_start_go_and_those_of_another_machine_after_a_day)
 {
@@ -222,6 +262,7 @@ int main(void)
         return 1;
     return RUN_STORIES(TELL(files_are_published_by_what_a_file_system_has),
                        TELL(drafts_of_processes_that_have_ended_go_and_others_stay),
+                       TELL(folders_of_processes_that_have_ended_go_with_what_is_in_them),
                        TELL(drafts_of_a_former_start_go_and_those_of_another_machine_after_a_day),
                        TELL(a_name_of_any_length_can_be_written),
                        TELL(the_word_of_a_process_says_whether_it_lives)) |

@@ -11,6 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/folder.h"
 #include "base/hash.h"
 #include "base/owner.h"
 #include "base/scan.h"
@@ -53,24 +54,28 @@ static bool read_name(const char *name, enum owner_state *state)
 
 static bool is_forgotten(enum owner_state state, const struct stat *status)
 {
-    return S_ISREG(status->st_mode) && status->st_uid == geteuid() &&
+    return (S_ISREG(status->st_mode) || S_ISDIR(status->st_mode)) && status->st_uid == geteuid() &&
            (state == OWNER_IS_GONE ||
             (state == OWNER_IS_HIDDEN && time(NULL) - status->st_mtime > FORGOTTEN_S));
 }
 
 void file_sweep(const char *path)
 {
+    struct buf draft = {0};
     DIR *folder = opendir(path);
     for (const struct dirent *entry; folder && (entry = readdir(folder));) {
         enum owner_state state;
         struct stat status;
-        if (read_name(entry->d_name, &state) && state != OWNER_LIVES &&
-            fstatat(dirfd(folder), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) == 0 &&
-            is_forgotten(state, &status))
-            unlinkat(dirfd(folder), entry->d_name, 0);
+        if (!read_name(entry->d_name, &state) || state == OWNER_LIVES)
+            continue;
+        buf_clear(&draft);
+        buf_printf(&draft, "%s/%s", path, entry->d_name);
+        if (!draft.failed && lstat(buf_text(&draft), &status) == 0 && is_forgotten(state, &status))
+            folder_remove(buf_text(&draft));
     }
     if (folder)
         closedir(folder);
+    buf_release(&draft);
 }
 
 /* Once for a folder, as long as no other is written to. */
@@ -120,6 +125,20 @@ enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, st
     buf_add_char(draft, '/');
     write_name(draft, file_name(path));
     return draft->failed ? fault_memory(fault, "a file name") : OK;
+}
+
+enum err file_draft_folder(struct buf *draft, const char *folder, struct fault *fault)
+{
+    sweep_once(folder);
+    buf_clear(draft);
+    buf_printf(draft, "%s/", folder);
+    write_name(draft, "folder");
+    if (draft->failed)
+        return fault_memory(fault, "a path");
+    if (mkdir(buf_text(draft), 0700) == 0)
+        return OK;
+    buf_clear(draft);
+    return fault_errno(fault, "make a folder below", folder);
 }
 
 void file_discard(const char *draft)

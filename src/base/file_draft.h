@@ -9,8 +9,9 @@
  *   D1 nothing that exists is overwritten unless the caller asked for it (FILE_REPLACE);
  *   D2 at every moment, and after a loss of power, the name leads to what was there before (or to
  *      nothing) or to the whole new file;
- *   D3 only regular files of the same user are cleared away whose names are those of drafts, and
- *      whose process has ended (base/owner.h); where nobody can say, after a day without a change.
+ *   D3 only regular files and folders of the same user are cleared away whose names are those of
+ *      drafts, and whose process has ended (base/owner.h); where nobody can say, after a day
+ *      without a change.
  *
  * Where D1 needs a name to be new, the system is asked to rename without replacing. File systems
  * that cannot (FUSE, NFS, 9p) are given a second name for the draft instead (a hard link), which
@@ -30,6 +31,10 @@ enum err file_may_write(const char *path, enum file_mode mode, struct fault *fau
 /* Fills `draft` with a free temporary name beside `path` that has its extension, where it may be
  * written. Clears away what others left in that folder. */
 enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, struct fault *fault);
+
+/* Makes a folder with such a name in `folder`, for its owner alone: for what is only passing. On
+ * failure `draft` is empty. */
+enum err file_draft_folder(struct buf *draft, const char *folder, struct fault *fault);
 
 /* Syncs the draft and gives it its name. On failure there is no draft. */
 enum err file_publish(const char *draft, const char *path, enum file_mode mode,

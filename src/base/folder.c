@@ -1,12 +1,13 @@
 #include "base/folder.h"
 
 #include <dirent.h>
+#include <ftw.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/file.h"
+#include "base/file_draft.h"
 
 enum { COPY_BYTES_MOST = 1 << 30 };
 
@@ -98,11 +99,33 @@ void folder_discard(const char *path)
     rmdir(path);
 }
 
-enum err folder_fresh(struct buf *path, const char *below, struct fault *fault)
+/* Where a process may only remove empty folders, it may not even try to unlink one. */
+static int remove_one(const char *path, const struct stat *status, int type, struct FTW *where)
+{
+    (void)status, (void)where;
+    return type == FTW_DP ? rmdir(path) : unlink(path);
+}
+
+void folder_remove(const char *path)
+{
+    enum { DESCRIPTORS = 8 };
+    nftw(path, remove_one, DESCRIPTORS, FTW_DEPTH | FTW_PHYS | FTW_MOUNT);
+}
+
+static const char *usual_place(void)
 {
     const char *usual = getenv("TMPDIR");
-    if (!below)
-        below = usual && *usual ? usual : "/tmp";
+    return usual && *usual ? usual : "/tmp";
+}
+
+enum err folder_passing(struct buf *path, const char *below, struct fault *fault)
+{
+    return file_draft_folder(path, below ? below : usual_place(), fault);
+}
+
+enum err folder_fresh(struct buf *path, const char *below, struct fault *fault)
+{
+    below = below ? below : usual_place();
     buf_clear(path);
     buf_printf(path, "%s/iftty-XXXXXX", below);
     if (path->failed)

@@ -1,6 +1,6 @@
 /*
- * Folders: those of plain files, as golden images lie in, copied whole or not at all; and fresh
- * ones for what is only passing.
+ * Folders: those of plain files, as golden images lie in, copied whole or not at all; and new ones,
+ * for files that are to be found there, or for what is only passing.
  */
 #ifndef BASE_FOLDER_H
 #define BASE_FOLDER_H
@@ -22,5 +22,13 @@ enum err folder_make_private(const char *path, struct fault *fault);
 /* path = a new folder below `below`, or where that is NULL, below $TMPDIR or else /tmp, which
  * no other user can open. On failure `path` is empty. */
 enum err folder_fresh(struct buf *path, const char *below, struct fault *fault);
+
+/* The same for what is only passing, and is to be removed: where this process is killed before, a
+ * later one that makes such a folder there does that (base/file_draft.h). */
+enum err folder_passing(struct buf *path, const char *below, struct fault *fault);
+
+/* Removes a file, or a folder with all that is below it on the same file system; what a link leads
+ * to stays. */
+void folder_remove(const char *path);
 
 #endif

@@ -164,7 +164,7 @@ static enum err make_room(struct volume_helper *helper, struct volume_source *so
     if (source->is_folder || source_peek(source, begin, sizeof begin) < sizeof begin ||
         memcmp(begin, "CDF", sizeof begin) != 0)
         return OK;
-    const enum err err = folder_fresh(&helper->room, NULL, fault);
+    const enum err err = folder_passing(&helper->room, NULL, fault);
     return err ? fault_prefix(fault, err,
                               "it is MINC 1, which takes room in $TMPDIR to read; `mincconvert "
                               "-2` makes MINC 2 of it")

@@ -148,7 +148,7 @@ static enum err prepare(struct builds *b, struct fault *fault)
     else if (scene)
         buf_add_text(&b->scene, scene);
     if (!err)
-        err = folder_fresh(&b->folder, NULL, fault);
+        err = folder_passing(&b->folder, NULL, fault);
     if (!err)
         err = prepare_side(b, b->side, "this", "/proc/self/exe", fault);
     return err ? err : prepare_side(b, b->side + 1, "other", b->how->other, fault);
@@ -244,13 +244,6 @@ static enum err judge(struct side *side, const struct process_end *end, struct f
     return words->failed ? fault_memory(fault, "a report") : OK;
 }
 
-/* Where this process may only remove empty folders, it may not even try to unlink one. */
-static int remove_one(const char *path, const struct stat *status, int type, struct FTW *where)
-{
-    (void)status, (void)where;
-    return type == FTW_DP ? rmdir(path) : unlink(path);
-}
-
 static void builds_release(struct builds *b)
 {
     for (int i = 0; i < 2; i++) {
@@ -262,7 +255,7 @@ static void builds_release(struct builds *b)
         buf_release(&b->end[i].bytes);
     }
     if (b->folder.length)
-        nftw(buf_text(&b->folder), remove_one, 8, FTW_DEPTH | FTW_PHYS);
+        folder_remove(buf_text(&b->folder));
     buf_release(&b->folder);
     buf_release(&b->commands);
     buf_release(&b->scene);
