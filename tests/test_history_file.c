@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/file_lines.h"
+#include "base/file_lock.h"
 #include "base/folder.h"
 #include "tests/check.h"
 #include "tests/folder.h"
@@ -278,6 +279,33 @@ STORY(a_disk_that_fails_is_told_of)
     line_history_release(&h);
 }
 
+static int lack_locks(enum file_step step, const char *at)
+{
+    (void)at;
+    return step == FILE_STEP_LOCK ? ENOLCK : 0;
+}
+
+STORY(without_locks_one_process_at_a_time_trims)
+{
+    struct file_lock held = {0};
+    char lock_path[FILE_LENGTH + 8];
+    snprintf(lock_path, sizeof lock_path, "%s.lock", path);
+    write_file("one\ntwo\n");
+    file_step_hook = lack_locks;
+    CHECK(file_lines_append(path, "three", 5, &fault) == OK);
+    CHECK(file_lines_trim(path, 2, 100, &fault) == OK);
+    CHECK_TEXT(content(), "two\nthree\n");
+    CHECK(!file_exists(lock_path));
+    CHECK(file_lock_take(&held, -1, path, &fault) == OK && file_exists(lock_path));
+    CHECK(file_lines_append(path, "four", 4, &fault) == OK);
+    CHECK(file_lines_trim(path, 1, 100, &fault) == OK);
+    CHECK_TEXT(content(), "two\nthree\nfour\n");
+    file_lock_release(&held);
+    CHECK(file_lines_trim(path, 1, 100, &fault) == OK);
+    CHECK_TEXT(content(), "four\n");
+    file_step_hook = NULL;
+}
+
 static const char *path_with(const char *own, const char *state, const char *home)
 {
     static struct buf out;
@@ -314,6 +342,6 @@ int main(void)
         TELL(a_line_is_not_lost_while_another_process_is_stopped_in_its_trimming),
         TELL(a_line_is_written_to_the_file_that_has_the_name_at_last),
         TELL(what_is_no_regular_file_is_left_alone), TELL(a_disk_that_fails_is_told_of),
-        TELL(the_environment_says_where_it_lies));
+        TELL(without_locks_one_process_at_a_time_trims), TELL(the_environment_says_where_it_lies));
     return remove_folder(folder) | status;
 }

@@ -11,15 +11,16 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/file_lock.h"
 
 unsigned file_lines_patience_ms = 3000;
 
 enum { LOCK_PAUSE_US = 1000, REPLACED_MOST = 100 };
 
 /* A process that was stopped may hold the lock for any time, so this gives up at `deadline`. */
-static bool lock(int fd, uint64_t deadline)
+static bool lock(int fd, const char *path, uint64_t deadline)
 {
-    while (flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    while (file_step_fails(FILE_STEP_LOCK, path) || flock(fd, LOCK_EX | LOCK_NB) != 0) {
         if ((errno != EWOULDBLOCK && errno != EINTR) || clock_ns() >= deadline)
             return false;
         usleep(LOCK_PAUSE_US);
@@ -43,7 +44,7 @@ static enum err open_locked(int *fd, bool *is_locked, const char *path, int flag
         enum err err = file_open(fd, &bytes, path, flags, fault);
         if (err)
             return err;
-        *is_locked = lock(*fd, deadline);
+        *is_locked = lock(*fd, path, deadline);
         if (is_at_path(*fd, path) || clock_ns() >= deadline)
             return OK;
         close(*fd);
@@ -208,6 +209,7 @@ static enum err trim_locked(int fd, const char *path, size_t lines_most, size_t 
 enum err file_lines_trim(const char *path, size_t lines_most, size_t bytes_most,
                          struct fault *fault)
 {
+    struct file_lock instead = {0};
     bool is_locked;
     int fd;
     if (!file_exists(path))
@@ -215,8 +217,10 @@ enum err file_lines_trim(const char *path, size_t lines_most, size_t bytes_most,
     enum err err = open_locked(&fd, &is_locked, path, O_RDWR, deadline_from_now(), fault);
     if (err)
         return err;
+    is_locked = is_locked || file_lock_take(&instead, fd, path, NULL) == OK; /* I5 */
     if (is_locked && is_at_path(fd, path))
         err = trim_locked(fd, path, lines_most, bytes_most, fault);
     close(fd); /* and with it the lock goes */
+    file_lock_release(&instead);
     return err;
 }
