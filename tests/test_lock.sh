@@ -129,6 +129,8 @@ bad 2 '2s/a.iftty/..\/a.iftty/'
 bad 2 '2s/a.iftty/\/a.iftty/'
 bad 2 '2s/a.iftty/deep\/\/a.iftty/'
 bad 2 '2s/a.iftty/a/'
+bad 2 '2,4d' # a scene of no journal
+bad 2 '2,5d'
 bad 3 '3s/chain ./chain X/'
 bad 3 '3s/$/0/'
 bad 3 '3d'

@@ -166,7 +166,8 @@ static enum kind kind_of(const char *line)
     return kind;
 }
 
-/* A line may follow another: the next kind that has to be there, or more of one kind, in order. */
+/* A line may follow another: the next kind that has to be there, or more of one kind, in order. The
+ * first, which follows none (KINDS), is a journal's name. */
 static bool may_follow(enum kind kind, const char *line, enum kind before, const char *former)
 {
     if (before == KIND_JOURNAL || before == KIND_CHAIN)
@@ -245,7 +246,7 @@ static enum err read_lines(struct reading *r, const char *at, const char *end, s
 
 enum err lock_read(struct lock *lock, const char *bytes, size_t length, struct fault *fault)
 {
-    struct reading r = {.lock = lock, .before = KIND_SCENE, .number = 1};
+    struct reading r = {.lock = lock, .before = KINDS, .number = 1};
     const size_t begin = sizeof header - 1;
     if (length < begin || memcmp(bytes, header, begin) != 0)
         return refuse(&r, "`# iftty lock 1`", fault);

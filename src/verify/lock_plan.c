@@ -57,7 +57,9 @@ static enum err find_journals(struct name_list *found, const char *folder, struc
     enum err err = OK;
     join(&path, folder, buf_text(below));
     DIR *entries = path.failed ? NULL : opendir(buf_text(&path));
-    if (!entries)
+    if (path.failed)
+        err = fault_memory(fault, "a path");
+    else if (!entries)
         err = fault_errno(fault, "read the folder", buf_text(&path));
     for (const struct dirent *entry; !err && (entry = readdir(entries));) {
         if (*entry->d_name == '.')
