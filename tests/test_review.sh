@@ -115,6 +115,10 @@ same "$(ls -A j.golden | tr '\n' ' ')" "first.exr first.png second.exr second.pn
 enter "clear; CI=1 $iftty verify --review j.iftty; echo sta\"\"tus \$?"
 see "^status 2"
 see "review is a person.s decision, and refused where CI is set"
+cp "$top/tests/journals/semantics-4.iftty" old.iftty
+enter "clear; $iftty verify --review old.iftty; echo sta\"\"tus \$?"
+see "^iftty: old.iftty: it was written with semantics 4"
+see "^status 1"
 sane
 close_story
 

@@ -303,12 +303,14 @@ rewrite k.iftty 9 "forest=0123456789abcdef"
 refused k.iftty "record 9 (line 22) gives another forest: no picture, but a result, \
 which is not accepted" 1 env
 sed 's/^seed 20,10,8 3$/seed 20,10,8 4/' kept >k.iftty
-refused k.iftty "record 8 (line 20) was edited: iftty log --reseal comes first" 1 env
+refused k.iftty "k.iftty: record 8 (line 20) was edited: iftty log --reseal comes first" 1 env
 { cat kept; echo run; } >k.iftty
 refused k.iftty "going on with the journal repairs it; nothing has changed" 1 env
 expect 0 "$iftty" log --script kept
 grep -v '^#' out >a-script
-refused a-script "this is a script, not a journal" 1 env
+refused a-script "a-script: this is a script, not a journal" 1 env
+cp "$top/tests/journals/semantics-4.iftty" old.iftty
+refused old.iftty "old.iftty: it was written with semantics 4, here is 5: iftty log --reseal" 1 env
 cp kept k.iftty
 expect 0 "$iftty" verify k.iftty --accept 'now'
 # One name for two pictures is nothing that a session records.

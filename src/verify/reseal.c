@@ -261,8 +261,11 @@ static enum err reseal(struct resealing *r, const char *path, const struct print
         err = file_read(&bytes, path, JOURNAL_BYTES_MAX, fault);
     if (!err)
         err = interpreter_set_home(interp, path, fault);
-    if (!err)
+    if (!err) {
         err = reseal_bytes(r, &bytes, fault);
+        if (err && err != ERR_CANCELLED)
+            fault_prefix(fault, err, "%s", path);
+    }
     if (!err)
         err = judge_goldens(r, path, &bytes, printer, fault);
     if (!err && (r->marked || r->changes_header))
