@@ -60,6 +60,19 @@ static enum err find_scene(const struct act *act, const char *name, struct buf *
     return err;
 }
 
+/* What is said of a file, and would be left out of a scene that is none; as it was in records. */
+static enum err check_words(const struct act *act, const char *name)
+{
+    if (strncmp(name, "synth:", 6) != 0 || act->interp->mode != MODE_LIVE)
+        return OK;
+    for (int i = OPEN_SERIES; i <= OPEN_HUGE; i++)
+        if (act->value[i].given)
+            return fault_set(act->fault, ERR_USAGE,
+                             "series, data, missing, spacing and huge are about a file, and a "
+                             "synthetic scene is made as it is to be; nothing was opened");
+    return OK;
+}
+
 enum err act_open(const struct act *act)
 {
     struct buf path = {0};
@@ -67,6 +80,8 @@ enum err act_open(const struct act *act)
     struct volume_choice choice;
     const char *name;
     enum err err = opening_choice(&choice, &name, act->value, act->fault);
+    if (!err)
+        err = check_words(act, name);
     if (!err)
         err = find_scene(act, name, &path);
     if (!err)
