@@ -30,12 +30,12 @@ enum {
 };
 
 /* What line 1 of a journal begins with; the format version follows. */
+#define RECORD_HEADER "# iftty journal "
+
 /* What is wrong where a line ends by a carriage return and a line feed. */
 #define RECORD_WINDOWS                                                                             \
     "it has the line ends of Windows: a carriage return before the line feed; `tr -d '\\r' <FILE " \
     ">OTHER` takes them away"
-
-#define RECORD_HEADER "# iftty journal "
 
 /* A chain digest as text: 32 lower-case hexadecimal digits and a NUL. */
 struct record_chain {
