@@ -28,17 +28,20 @@ enum err brush_init(struct brush *brush, const uint32_t unit[3], int64_t radius,
         mem_array((size_t)(2 * reach[1] + 1) * (size_t)(2 * reach[2] + 1), sizeof *brush->row);
     if (!brush->row)
         return fault_memory(fault, "a brush");
-    for (int z = -reach[2]; z <= reach[2]; z++)
+    for (int z = -reach[2]; z <= reach[2]; z++) {
+        int half = -1; /* of the row before: the next one differs little */
         for (int y = -reach[1]; y <= reach[1]; y++) {
             const int64_t left =
                 square(radius) - square((int64_t)y * unit[1]) - square((int64_t)z * unit[2]);
-            int half = reach[0];
+            while (half < reach[0] && square(((int64_t)half + 1) * unit[0]) <= left)
+                half++;
             while (half >= 0 && square((int64_t)half * unit[0]) > left)
                 half--;
             if (half >= 0)
                 brush->row[brush->rows++] =
                     (struct brush_row){(int16_t)y, (int16_t)z, (int16_t)half, -1};
         }
+    }
     return OK;
 }
 
