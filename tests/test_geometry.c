@@ -271,7 +271,7 @@ STORY(a_derived_grid_lies_where_its_voxels_did)
         put_qform(towards(i), 7);
         read_it();
         geometry_point(&geometry, from, before);
-        geometry_derive(&geometry, first, step);
+        CHECK(geometry_derive(&geometry, first, step));
         for (int way = 0; way < 3; way++) {
             if (way > 0)
                 CHECK(geometry_orient(&geometry, way == 1 ? "qform" : "sform"));
@@ -282,6 +282,23 @@ STORY(a_derived_grid_lies_where_its_voxels_did)
         CHECK_INT(geometry.spacing_nm[0], 2000000);
         CHECK_INT(geometry.spacing_nm[2], 1000000);
     }
+}
+
+STORY(a_derived_grid_has_spacing_that_can_be_told)
+{
+    static const double first[3] = {0, 0, 0}, one[3] = {1, 1, 1}, two[3] = {1, 1, 2};
+    begin();
+    put_sform(towards(0), 7);
+    read_it();
+    geometry.spacing_nm[0] = 1;
+    geometry.spacing_nm[2] = 2500000000;
+    const struct geometry before = geometry;
+    CHECK(!geometry_derive(&geometry, first, two));
+    CHECK(memcmp(&before, &geometry, sizeof before) == 0);
+    CHECK(geometry_derive(&geometry, first, one));
+    CHECK(geometry_derive(&geometry, first, (const double[3]){0.5, 1, 1.6}));
+    CHECK_INT(geometry.spacing_nm[0], 1);
+    CHECK_INT(geometry.spacing_nm[2], 4000000000);
 }
 
 /* ---- maps on the scene's grid ---- */
@@ -422,6 +439,7 @@ int main(void)
         TELL(a_distance_that_is_none_is_unknown_or_the_sforms),
         TELL(lengths_are_by_pixdim_where_the_sform_is_a_templates), TELL(shear_is_measured),
         TELL(letters_tell_axes_and_no_place), TELL(a_derived_grid_lies_where_its_voxels_did),
+        TELL(a_derived_grid_has_spacing_that_can_be_told),
         TELL(a_map_may_be_off_by_half_a_voxel_and_no_more),
         TELL(what_does_not_know_its_place_is_taken_voxel_by_voxel_or_not_at_all),
         TELL(resampled_voxels_are_the_nearest_for_all_48_ways_and_any_place),

@@ -96,6 +96,14 @@ expect 2 "$iftty" -c 'open s.nii crop=0-3,0-1'
 err_has 'crop: expected A-B,C-D,E-F, the voxels along x, y and z, and not 2 ranges'
 expect 2 "$iftty" -c 'open s.nii reduce=17'
 err_has 'reduce: expected a number 2..16, not 17'
+{ # voxels 2.5 m apart along z, which may be, and 5 m, which may not
+    head -c 88 s.nii
+    printf '\000\100\034\105'
+    tail -c +93 s.nii
+} >far.nii
+expect 0 "$iftty" -c 'open far.nii crop=0-5,0-5,0-5; info'
+expect 3 "$iftty" -c 'open far.nii reduce=2'
+err_has 'reduce=2: its voxels would be more than 4 m apart; those of the file are 1 x 1 x 2500 mm'
 expect 2 "$iftty" -c 'open synth:geom reduce=2'
 err_has 'volume, crop and reduce choose from a file'
 for word in series=1 data=x missing=blank spacing=1,1,2 huge=yes; do

@@ -90,12 +90,18 @@ void geometry_place_spaced(struct geometry *geometry)
     geometry_place_plain(geometry, (const double[3]){nm[0] / 1e6, nm[1] / 1e6, nm[2] / 1e6});
 }
 
-bool geometry_spacing(uint32_t *nm, double mm)
+/* In nanometres, rounded to whole ones. */
+static bool take_spacing(uint32_t *nm, double spacing_nm)
 {
-    const double whole = floor(mm * 1e6 + 0.5);
+    const double whole = floor(spacing_nm + 0.5);
     const bool is_distance = whole >= 1 && whole <= 4e9;
     *nm = is_distance ? (uint32_t)whole : 1000000;
     return is_distance;
+}
+
+bool geometry_spacing(uint32_t *nm, double mm)
+{
+    return take_spacing(nm, mm * 1e6);
 }
 
 void geometry_take_form(struct geometry *geometry, enum orientation form)
@@ -252,14 +258,18 @@ static void derive_matrix(double to_mm[3][4], const double first[3], const doubl
         }
 }
 
-void geometry_derive(struct geometry *geometry, const double first[3], const double step[3])
+bool geometry_derive(struct geometry *geometry, const double first[3], const double step[3])
 {
+    uint32_t spacing_nm[3];
     for (int a = 0; a < 3; a++)
-        geometry->spacing_nm[a] = (uint32_t)floor(geometry->spacing_nm[a] * step[a] + 0.5);
+        if (!take_spacing(&spacing_nm[a], geometry->spacing_nm[a] * step[a]))
+            return false;
+    memcpy(geometry->spacing_nm, spacing_nm, sizeof spacing_nm);
     geometry->fields.given = false;
     derive_matrix(geometry->to_mm, first, step);
     derive_matrix(geometry->sform.to_mm, first, step);
     derive_matrix(geometry->qform.to_mm, first, step);
+    return true;
 }
 
 void geometry_point(const struct geometry *geometry, const uint32_t place[3], double point_mm[3])

@@ -126,8 +126,9 @@ double geometry_shear(const struct geometry *geometry);
 void geometry_presume(struct geometry *geometry);
 
 /* The geometry of a grid whose voxel i, j, k lies where voxel first + step * (i, j, k) of this one
- * does: cropped, reduced or interpolated. */
-void geometry_derive(struct geometry *geometry, const double first[3], const double step[3]);
+ * does: cropped, reduced or interpolated. False, and nothing changes, where its voxels would be no
+ * such distance apart. */
+bool geometry_derive(struct geometry *geometry, const double first[3], const double step[3]);
 
 /* Where the middle of a voxel is. */
 void geometry_point(const struct geometry *geometry, const uint32_t place[3], double point_mm[3]);

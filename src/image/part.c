@@ -52,8 +52,12 @@ enum err part_choose(struct volume_header *header, struct fault *fault)
                         "which fill no block",
                         rest, count, 'x' + a);
     }
-    if (!err && part_is_less(header))
-        geometry_derive(&header->geometry, first, step);
+    if (!err && part_is_less(header) && !geometry_derive(&header->geometry, first, step))
+        err = fault_set(fault, ERR_INPUT,
+                        "reduce=%" PRIu32 ": its voxels would be more than 4 m apart; those of the "
+                        "file are %g x %g x %g mm",
+                        reduce, header->geometry.spacing_nm[0] / 1e6,
+                        header->geometry.spacing_nm[1] / 1e6, header->geometry.spacing_nm[2] / 1e6);
     if (!err)
         err = grid_init(&grid, header->size, fault);
     if (err == ERR_LIMIT)
