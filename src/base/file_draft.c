@@ -34,12 +34,12 @@ static const char *tail_of(const char *name)
 }
 
 /* ".iftty-OWNER-N-TAIL" */
-static void write_name(struct buf *out, const char *name)
+static void write_name(struct buf *out, const char *tail)
 {
     static _Atomic unsigned counter; /* pictures are written beside the session */
     buf_add_text(out, DRAFT_PREFIX);
     owner_write(out);
-    buf_printf(out, "-%u-%s", counter++, tail_of(name));
+    buf_printf(out, "-%u-%s", counter++, tail);
 }
 
 static bool read_name(const char *name, enum owner_state *state)
@@ -123,7 +123,7 @@ enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, st
     file_folder(draft, path);
     sweep_once(buf_text(draft));
     buf_add_char(draft, '/');
-    write_name(draft, file_name(path));
+    write_name(draft, tail_of(file_name(path)));
     return draft->failed ? fault_memory(fault, "a file name") : OK;
 }
 

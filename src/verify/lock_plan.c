@@ -61,7 +61,7 @@ static enum err find_journals(struct name_list *found, const char *folder, struc
         err = fault_memory(fault, "a path");
     else if (!entries)
         err = fault_errno(fault, "read the folder", buf_text(&path));
-    for (const struct dirent *entry; !err && (entry = readdir(entries));) {
+    for (const struct dirent *entry; entries && !err && (entry = readdir(entries));) {
         if (*entry->d_name == '.')
             continue;
         buf_printf(below, "%s%s", length ? "/" : "", entry->d_name);
