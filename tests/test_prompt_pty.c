@@ -941,7 +941,8 @@ STORY(an_answer_that_is_cut_after_its_escape_is_no_key_of_the_pilot)
     SEE_LINE(&t, "synth>");
     quit(&t);
     commands_of(&commands, journal(1));
-    CHECK_TEXT(buf_text(&commands), "open synth:geom:40x40x30\nauto on\ncross 20,19,15\n");
+    CHECK_TEXT(buf_text(&commands),
+               "open synth:geom:40x40x30 weight=morph\nauto on\ncross 20,19,15\n");
     buf_release(&commands);
     forget_journals();
 }
@@ -1010,7 +1011,7 @@ STORY(a_paste_is_no_key_of_the_pilot_however_it_is_cut)
         quit(&t);
         buf_clear(&commands);
         commands_of(&commands, journal(1));
-        CHECK_TEXT(buf_text(&commands), "open synth:geom:40x40x30\nauto on\n");
+        CHECK_TEXT(buf_text(&commands), "open synth:geom:40x40x30 weight=morph\nauto on\n");
         forget_journals();
     }
     buf_release(&commands);

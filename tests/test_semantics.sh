@@ -86,6 +86,40 @@ for name in unplaced contrary; do
 done
 close_story
 
+begin "the record of open has the weight that it means, and one without it means morph"
+cp "$journals/scene.nii.gz" .
+weights_of() { # JOURNAL: of record 1
+    sed -n 's/^= 1 .*weights=\([0-9a-f]*\).*/\1/p' "$1"
+}
+rm -f ./*.iftty
+expect 0 "$iftty" -c 'open scene.nii.gz; seed 4,4,3 1; run' --journal new.iftty
+[ "$(sed -n 2p new.iftty)" = "open scene.nii.gz weight=morph" ] || fail "$(sed -n 2p new.iftty)"
+expect 0 "$iftty" verify new.iftty
+expect 0 "$iftty" -c 'open scene.nii.gz weight=gauss:1.5' --journal gauss.iftty
+expect 0 "$iftty" -c 'info; weight sobel; seed 4,4,3 1; run; undo 3; info' --journal gauss.iftty
+[ "$(grep -c "weight gauss 1.5" "$work/out")" = 2 ] || fail "$(cat "$work/out")"
+expect 0 "$iftty" verify gauss.iftty
+[ "$(sed -n 2p gauss.iftty)" = "open scene.nii.gz weight=gauss:1.5" ] || fail "$(cat gauss.iftty)"
+[ "$(weights_of gauss.iftty)" != "$(weights_of new.iftty)" ] || fail "gauss is morph"
+for number in 1 2 3 4; do # as it was recorded before, and what that means
+    printf '# iftty journal 1 semantics %s\n' $number >old.iftty
+    expect 0 "$iftty" -c 'open scene.nii.gz; info' --journal old.iftty
+    out_has "weight morph"
+    [ "$(sed -n 2p old.iftty)" = "open scene.nii.gz" ] || fail "$number: $(cat old.iftty)"
+    [ "$(weights_of old.iftty)" = "$(weights_of new.iftty)" ] || fail "$number: not morph"
+    expect 0 "$iftty" verify old.iftty
+done
+sed -i '2s/ weight=morph//' new.iftty # as programs before have recorded it
+expect 0 "$iftty" log --reseal new.iftty
+expect 0 "$iftty" verify new.iftty
+for wrong in morph: morph:4 morph:x sobel:1 gauss gauss:0.1 gauss:9 gauss: weights.nii ''; do
+    rm -f new.iftty
+    expect 2 "$iftty" -c "open scene.nii.gz weight=\"$wrong\"" --journal new.iftty
+    err_has "weight: expected "
+    ! grep -q "^open" new.iftty || fail "$wrong was recorded"
+done
+close_story
+
 begin "the digest of labels is that of the number"
 for number in 1 2 3; do
     take $number

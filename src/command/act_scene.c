@@ -73,6 +73,26 @@ static enum err check_words(const struct act *act, const char *name)
     return OK;
 }
 
+/* A new record ends in weight=NAME, so that it means the same under another default; one without it
+ * means `morph`, as all did before. */
+static enum err take_first_weight(const struct act *act)
+{
+    struct session *session = act->session;
+    struct weight_choice *weight = &session->now.kept.weight;
+    const struct value *given = &act->value[OPEN_WEIGHT];
+    if (session->has_scene)
+        return OK; /* session_open refuses */
+    if (given->given)
+        return opening_weight(weight, given->text, act->fault);
+    if (act->interp->mode != MODE_LIVE || !semantics_has(session->semantics, MEANING_OPEN_WEIGHT)) {
+        *weight = (struct weight_choice){WEIGHT_MORPH, 1};
+        return OK;
+    }
+    buf_add_text(&act->reply->canonical, " weight=");
+    opening_write_weight(&act->reply->canonical, weight);
+    return OK;
+}
+
 enum err act_open(const struct act *act)
 {
     struct buf path = {0};
@@ -82,6 +102,8 @@ enum err act_open(const struct act *act)
     enum err err = opening_choice(&choice, &name, act->value, act->fault);
     if (!err)
         err = check_words(act, name);
+    if (!err)
+        err = take_first_weight(act);
     if (!err)
         err = find_scene(act, name, &path);
     if (!err)

@@ -1,6 +1,8 @@
 #include "command/opening.h"
 
-#include "base/buf.h"
+#include <string.h>
+
+#include "base/choice.h"
 #include "base/scan.h"
 #include "image/voxels.h"
 
@@ -84,4 +86,56 @@ enum err opening_choice(struct volume_choice *choice, const char **name, const s
         err =
             fault_set(fault, ERR_USAGE, "spacing: expected X,Y,Z in millimetres, as 0.5,0.5,1.25");
     return err;
+}
+
+/* ---- weights ---- */
+
+enum { PLACES_NUMBER = 0, PLACES_DECIMAL = 3 };
+#define ARGUMENT_RANGE(name, type, least, most)                                                    \
+    {                                                                                              \
+        PLACES_##type, least, most                                                                 \
+    }
+static const struct {
+    unsigned places;
+    int64_t least, most;
+} argument[] = {WEIGHT_ARGUMENTS(ARGUMENT_RANGE, ARGUMENT_RANGE)};
+
+/* ":1.5" or nothing, for a weight of this row. */
+static bool scan_argument(uint32_t *out, const char *text, const struct weight_row *row)
+{
+    int64_t number = row->usual;
+    if (*text && (row->takes == WEIGHT_TAKES_NOTHING || !scan_text(&text, ":") ||
+                  !scan_decimal(&text, argument[row->takes].places, argument[row->takes].least,
+                                argument[row->takes].most, &number) ||
+                  *text))
+        return false;
+    *out = (uint32_t)number;
+    return number != 0 || row->takes == WEIGHT_TAKES_NOTHING;
+}
+
+enum err opening_weight(struct weight_choice *weight, const char *text, struct fault *fault)
+{
+    const size_t length = strcspn(text, ":");
+    struct choice name;
+    unsigned kind = 0;
+    for (const char *at = WEIGHT_KINDS; choice_next(&name, &at); kind++)
+        if (name.length == length && memcmp(name.word, text, length) == 0) {
+            weight->kind = (enum weight_kind)kind;
+            if (scan_argument(&weight->argument, text + length, &weight_table[kind]))
+                return OK;
+        }
+    return fault_set(fault, ERR_USAGE,
+                     "weight: expected " WEIGHT_KINDS ", with what it takes after a colon, as in "
+                     "gauss:1.5, not %s; `weight FILE` takes a map once the scene is open; nothing "
+                     "was opened",
+                     text);
+}
+
+void opening_write_weight(struct buf *out, const struct weight_choice *weight)
+{
+    const struct weight_row *row = &weight_table[weight->kind];
+    buf_add_text(out, row->name);
+    if (weight->argument != row->usual)
+        buf_printf(out, ":%g",
+                   argument[row->takes].places ? weight->argument / 1000.0 : weight->argument);
 }

@@ -2,7 +2,9 @@
 #ifndef COMMAND_OPENING_H
 #define COMMAND_OPENING_H
 
+#include "base/buf.h"
 #include "command/command.h"
+#include "engine/weight.h"
 #include "image/volume.h"
 
 /* Its parameters, in the order of the table. */
@@ -19,7 +21,8 @@ enum opening {
     OPEN_ENDIAN,
     OPEN_OFFSET,
     OPEN_SPACING,
-    OPEN_HUGE
+    OPEN_HUGE,
+    OPEN_WEIGHT
 };
 #define OPEN_TYPES "int8|uint8|int16|uint16|int32|uint32|int64|uint64|float32|float64"
 
@@ -27,5 +30,10 @@ enum opening {
  * what was expected. */
 enum err opening_choice(struct volume_choice *choice, const char **name, const struct value *value,
                         struct fault *fault);
+
+/* The arc weights that a scene is opened with, "morph", or with what they take, "gauss:1.5": as
+ * records have them, so that they mean the same once another weight is the default. ERR_USAGE. */
+enum err opening_weight(struct weight_choice *weight, const char *text, struct fault *fault);
+void opening_write_weight(struct buf *out, const struct weight_choice *weight);
 
 #endif

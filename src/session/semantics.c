@@ -28,6 +28,8 @@ const struct meaning_row meaning_table[MEANINGS] = {
                         "a map of the scene's size, with axes along the same sides, was taken "
                         "wherever it lies",
                         "a map lies where the scene does, or is resampled", NULL},
+    [MEANING_OPEN_WEIGHT] = {"open-weight", 5, "`open` meant `weight morph`",
+                             "`open` records its weight, and means morph without one", NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)

@@ -147,7 +147,8 @@ enum err session_catch_up(struct session *session, struct fault *fault);
 
 /* Opens "synth:geom", "synth:geom:XYZ" (each of X, Y, Z 1 or 2), "synth:geom:NXxNYxNZ" (a size in
  * voxels) or what the choice (or NULL) takes of a file. The name is only looked at here; where a
- * file is found is the caller's business. Weights are `morph` over 6 neighbours. */
+ * file is found is the caller's business. Weights are those of the state, which begins with `morph`
+ * over 6 neighbours. */
 enum err session_open(struct session *session, const char *path, const struct volume_choice *choice,
                       struct fault *fault);
 
