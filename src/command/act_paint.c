@@ -17,7 +17,9 @@ struct planting act_begin_planting(const struct session *session, const struct v
     return (struct planting){.low = values.low, .high = values.high};
 }
 
-/* A shell cuts no object but the one that it encloses. */
+/* A shell cuts no object but the one that it encloses. Trees that are refused at a shell by their
+ * label, so that shells may cross other objects, left as much to correct in scenes of three and
+ * four objects. */
 static bool is_of_another(const struct planting *planting, const struct cell *at, int16_t label)
 {
     return planting->is_shell && at->label && at->label != planting->inside && at->label != label;
