@@ -110,12 +110,11 @@ static void begin_far(const struct making *m, uint32_t y, uint32_t z)
         memcpy(far + x, &differs, sizeof differs);
     }
     for (int end = 0; end < 2; end++) { /* what lies beyond the scene is no other side */
-        const uint32_t x = end ? f->size[0] - 1 : 0;
+        const uint32_t x = end ? f->size[0] - 1 : 0, at = f->box.first[0] + x;
+        const bool is_beyond[6] = {at == 0, at + 1 == grid->size[0]};
         bool differs = false;
         for (int i = 0; i < 6; i++)
-            if (i > 1 ||
-                (i == 0 ? f->box.first[0] + x > 0 : f->box.first[0] + x + 1 < grid->size[0]))
-                differs |= (near[i][x] == m->which) != (row[x] == m->which);
+            differs |= !is_beyond[i] && (near[i][x] == m->which) != (row[x] == m->which);
         far[x] = differs ? 1 : NOT_YET;
     }
 }
@@ -141,17 +140,14 @@ WIDE static void spread_to_row(uint8_t *far, const uint8_t *from, size_t length)
     }
 }
 
-/* There and back along y or z, of the row that the other axis has at `at`. */
-static void spread_across(const struct relax_field *f, int axis, uint32_t at)
+/* There and back through rows that are so many bytes apart, along y or z. */
+static void spread_across(const struct relax_field *f, uint8_t *first, uint32_t rows, size_t apart)
 {
-    const uint32_t count = f->size[axis];
     const size_t length = far_length(f);
-    for (uint32_t i = 1; i < count; i++)
-        axis == 1 ? spread_to_row(far_row(f, i, at), far_row(f, i - 1, at), length)
-                  : spread_to_row(far_row(f, at, i), far_row(f, at, i - 1), length);
-    for (uint32_t i = count - 1; i > 0; i--)
-        axis == 1 ? spread_to_row(far_row(f, i - 1, at), far_row(f, i, at), length)
-                  : spread_to_row(far_row(f, at, i - 1), far_row(f, at, i), length);
+    for (uint32_t i = 1; i < rows; i++)
+        spread_to_row(first + i * apart, first + (i - 1) * apart, length);
+    for (uint32_t i = rows - 1; i > 0; i--)
+        spread_to_row(first + (i - 1) * apart, first + i * apart, length);
 }
 
 /* ---- values and weights ---- */
@@ -239,6 +235,7 @@ static void make_part(void *context, unsigned worker)
     const struct relax_field *f = m->field;
     const struct share planes = team_share(m->team, worker, f->size[2]);
     const struct share rows = team_share(m->team, worker, f->size[1]);
+    const size_t length = far_length(f);
     struct task task = task_begin_part(f->scene->watch, "relaxed labels", 0, worker);
     bool goes_on = true;
     for (size_t z = planes.first; z < planes.end; z++) {
@@ -248,12 +245,12 @@ static void make_part(void *context, unsigned worker)
             goes_on = task_advance(&task, f->size[0]);
         }
         if (goes_on)
-            spread_across(f, 1, (uint32_t)z);
+            spread_across(f, far_row(f, 0, (uint32_t)z), f->size[1], length);
     }
     team_wait(m->team);
     for (size_t y = rows.first; y < rows.end && goes_on; y++) {
-        spread_across(f, 2, (uint32_t)y);
-        goes_on = task_advance(&task, far_length(f) * f->size[2] / 4);
+        spread_across(f, far_row(f, (uint32_t)y, 0), f->size[2], length * f->size[1]);
+        goes_on = task_advance(&task, length * f->size[2] / 4);
     }
     team_wait(m->team);
     for (size_t z = planes.first; z < planes.end; z++)
