@@ -9,6 +9,7 @@
 #include "session/export.h"
 #include "tests/interpreting.h"
 #include "tests/folder.h"
+#include "tests/stopping.h"
 
 static char folder[FOLDER_LENGTH];
 
@@ -259,17 +260,10 @@ STORY(a_turntable_is_all_or_nothing)
     interpreter_release(&interp);
 }
 
-/* Stops after so many looks. */
-static int looks_left = 1 << 30;
-static bool poll_watch(void *context, const char *what, uint64_t done, uint64_t total)
-{
-    (void)context, (void)what, (void)done, (void)total;
-    return looks_left-- <= 0;
-}
-
 STORY(a_turntable_that_is_cancelled_leaves_nothing)
 {
-    static struct watch watch = {.poll = poll_watch};
+    int looks = INT_MAX;
+    struct watch watch = {.context = &looks, .poll = stop_after_looks};
     static const char *const line[] = {"spin 6 gone%d.png", "spin 6 gone.gif",
                                        "spin 6 all%d.png replace=yes"};
     struct interpreter interp;
@@ -281,10 +275,10 @@ STORY(a_turntable_that_is_cancelled_leaves_nothing)
     interp.session.watch = &watch;
     must(&interp, "view front");
     for (size_t i = 0; i < 3; i++)
-        for (int looks = 1; looks < 12; looks += 5) {
-            looks_left = looks;
+        for (int most = 1; most < 12; most += 5) {
+            looks = most;
             enum err err = execute(&interp, line[i]);
-            looks_left = 1 << 30;
+            looks = INT_MAX;
             if (!CHECK(err == ERR_CANCELLED))
                 continue;
             CHECK_INT(count_files("gone") + count_files(".tmp"), 0);

@@ -1,6 +1,7 @@
 /* How many voxels each label has: kept up to date through edits that change little and much,
  * undone, cancelled and failed, and told in a line after each edit. */
 #include "tests/small_scene.h"
+#include "tests/stopping.h"
 
 #include "session/tally.h"
 
@@ -188,26 +189,19 @@ STORY(measures_follow_whatever_is_done)
     unsetenv("IFTTY_THREADS");
 }
 
-/* Stops at its nth look. */
-static unsigned looks_left;
-static bool stop_later(void *context, const char *what, uint64_t done, uint64_t total)
-{
-    (void)context, (void)what, (void)done, (void)total;
-    return looks_left > 0 && --looks_left == 0;
-}
-
 STORY(counts_are_right_after_a_command_was_cancelled)
 {
     struct interpreter interp;
-    struct watch watch = {.poll = stop_later};
+    int looks = INT_MAX;
+    struct watch watch = {.context = &looks, .poll = stop_after_looks};
     unsigned cancelled = 0;
     begin_with_geom(&interp);
     interp.session.watch = &watch;
     for (int i = 0; i < 200 && check_failures < 5; i++) {
-        looks_left = 1 + check_below(&seed, 40);
+        looks = (int)check_below(&seed, 40);
         do_anything(&interp, true);
         cancelled += fault.code == ERR_CANCELLED;
-        looks_left = 0;
+        looks = INT_MAX;
         stands(&interp.session);
         measures_stand(&interp.session);
     }
