@@ -1360,6 +1360,7 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"slice coronal 2 @/s.png", "s.png"},
         {"slice axial @/s.exr zoom=3", "s.exr"},
         {"overlay none words=off cross=off marks=on", only_looks},
+        {"hint 1", only_looks},
         {"mosaic @/m.exr", "m.exr"},
         {"golden third of=sagittal", "door.golden/third.exr"},
         {"golden fourth of=mosaic", "door.golden/fourth.png"},

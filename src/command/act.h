@@ -114,6 +114,10 @@ enum err act_pick(const struct act *act);
 enum err act_journal(const struct act *act);
 enum err act_sync(const struct act *act);
 
+/* act_hints.c */
+enum err act_hints(const struct act *act);
+enum err act_hint(const struct act *act);
+
 /* act_ask.c */
 enum err act_why(const struct act *act);
 enum err act_info(const struct act *act);

@@ -5,6 +5,7 @@
 
 #include "base/choice.h"
 #include "engine/rival.h"
+#include "engine/way.h"
 #include "journal/journal.h"
 #include "session/histogram.h"
 
@@ -95,34 +96,44 @@ static enum err write_rival(const struct act *act, uint32_t at)
     return OK;
 }
 
+/* Where on a path the cost rises. */
+static void write_rises(const struct act *act, const struct way *way)
+{
+    const struct session *session = act->session;
+    const struct cell *cell = session->scene->cell;
+    size_t rises = 0;
+    for (size_t i = 0; i + 1 < way->count && rises < RISES_MOST; i++) {
+        const uint32_t at = way->cell[i];
+        const struct place rise = grid_place(&session->scene->grid, at);
+        if (key_hops(cell[at].key) > 0)
+            continue;
+        buf_printf(&act->reply->text, "    the cost rises to %u at %u,%u,%u%s\n",
+                   key_cost(cell[at].key), rise.x, rise.y, rise.z,
+                   rises++ == 0 ? ": its strongest edge" : "");
+    }
+}
+
 /* How a voxel came to its label: its path back to the seed, and where on it the cost rose. */
 enum err act_why(const struct act *act)
 {
     const struct session *session = act->session;
-    const struct grid *grid = &session->scene->grid;
     const uint32_t *p = act->value[0].place;
-    const uint32_t place = grid_cell(grid, p[0], p[1], p[2]);
-    uint32_t at = place;
-    const struct cell *cell = session->scene->cell + at;
-    size_t steps = 0, rises = 0;
-    uint32_t before;
-    act_write_voxel(&act->reply->text, session, at);
+    const uint32_t place = grid_cell(&session->scene->grid, p[0], p[1], p[2]);
+    const struct cell *cell = session->scene->cell + place;
+    struct way way = {0};
+    act_write_voxel(&act->reply->text, session, place);
     if (!cell_is_reached(cell))
         return OK;
     buf_printf(&act->reply->text, "cost %u, %u step%s since it last rose\n", key_cost(cell->key),
                key_hops(cell->key), plural(key_hops(cell->key)));
-    for (; (before = forest_predecessor(session->forest, at)) != CELL_NONE; steps++) {
-        if (key_hops(cell->key) == 0 && rises++ < RISES_MOST) {
-            struct place rise = grid_place(grid, at);
-            buf_printf(&act->reply->text, "    the cost rises to %u at %u,%u,%u%s\n",
-                       key_cost(cell->key), rise.x, rise.y, rise.z,
-                       rises == 1 ? ": its strongest edge" : "");
-        }
-        at = before;
-        cell = session->scene->cell + at;
+    const enum err err = way_find(&way, session->forest, place, act->fault);
+    if (!err) {
+        write_rises(act, &way);
+        buf_printf(&act->reply->text, "%zu step%s from the seed in all\n", way.count - 1,
+                   plural(way.count - 1));
     }
-    buf_printf(&act->reply->text, "%zu step%s from the seed in all\n", steps, plural(steps));
-    return write_rival(act, place);
+    way_release(&way);
+    return err ? err : write_rival(act, place);
 }
 
 #define UNIT_NUMBER  1.0

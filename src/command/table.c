@@ -3,6 +3,7 @@
 #include "command/opening.h"
 
 #include "engine/finish.h"
+#include "engine/hints.h"
 #include "engine/surface.h"
 #include "engine/weight.h"
 #include "render/view.h"
@@ -465,6 +466,11 @@ const struct command command_table[] = {
      "the cross-hair: the voxel where the slices meet",
      "After `open`, the centre of the scene.",
      "cross 90,108,90"},
+    {COMMAND("hint", act_hint, GROUP_SLICES, R | S),
+     {NEED("N", VALUE_NUMBER, .least = 1, .most = HINTS_MOST)},
+     "the cross-hair goes to a place that `hints` lists",
+     "By its number there. The journal has the `cross` that it comes to.",
+     "hint 1"},
     {COMMAND("window", act_window, GROUP_SLICES, R | S),
      {NEED("LOW", VALUE_DECIMAL, .choices = "auto", .least = -REAL_MOST, .most = REAL_MOST),
       PAIRED("HIGH", VALUE_DECIMAL, .least = -REAL_MOST, .most = REAL_MOST)},
@@ -625,6 +631,23 @@ const struct command command_table[] = {
      "edge first: a leak comes through there, and a seed or a shell there stops it. And the label "
      "that would come next, with what its path would cost.",
      "why 100,100,50"},
+    {COMMAND("hints", act_hints, GROUP_QUESTIONS, S),
+     {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = HINTS_MOST),
+      KEYED("label", VALUE_LABEL, .most = 255), KEYED("report", VALUE_FILE),
+      KEYED("replace", VALUE_CHOICE, .choices = "yes|no")},
+     "where the border between labels is least certain",
+     "The first COUNT places, 10 unless given, the least certain first: how large each is, what "
+     "its "
+     "least certain voxel has cost, the label beside it with what that would have cost there, the "
+     "edge between the two, and the strongest edge on the path to the voxel.\n"
+     "A voxel of the border is certain by what the other label would have to pay more, and by how "
+     "far the edge stands above what its own label had paid three steps before. The tenth of "
+     "the border that is least certain is weak; what hangs together of that in a block of 16 "
+     "voxels a side is a place, and the places with most such voxels, and the weakest, come "
+     "first. It takes about as long as a run, and no time where nothing has changed since.\n"
+     "label: places at the border of that label alone.\n"
+     "report: all of them as FILE.json.",
+     "hints 5"},
     {COMMAND("info", act_info, GROUP_QUESTIONS, 0),
      {{0}},
      "the scene, the view, the journal, the memory",

@@ -23,6 +23,7 @@ void session_close_scene(struct session *session)
     scene_free(session->scene);
     weight_work_release(&session->weight_work);
     finished_release(&session->finished);
+    hinting_release(&session->hinting);
     label_measures_release(&session->measures);
     free(session->mask_room);
     session->roi = roi_none();
@@ -62,6 +63,7 @@ size_t session_memory(const struct session *session)
     bytes += forest_memory(session->forest) + session->weight_work.capacity;
     bytes += session->border.words * (2 * sizeof(uint64_t) + sizeof(uint32_t));
     bytes += session->finished.cells + label_measures_memory(&session->measures);
+    bytes += hinting_memory(&session->hinting);
     bytes += session->mask_room ? mask_bytes(&session->scene->grid) : 0;
     bytes += kept->mask ? packed_memory(kept->mask) : 0;
     bytes += kept->weight_map ? packed_memory(kept->weight_map) : 0;

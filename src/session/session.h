@@ -40,6 +40,7 @@
 #include "render/rendition.h"
 #include "session/map.h"
 #include "session/finished.h"
+#include "session/hinting.h"
 #include "session/markers.h"
 #include "session/semantics.h"
 #include "session/state.h"
@@ -82,6 +83,7 @@ struct session {
     struct roi_tally roi_tally;
     struct border border;
     struct finished finished; /* session_labels */
+    struct hinting hinting;   /* session_find_hints */
     struct tally tally;       /* voxels of each label, once session_count_labels has been called */
     struct label_measures measures; /* of the forest's labels, once somebody has asked for them */
     struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */

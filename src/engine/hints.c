@@ -1,0 +1,299 @@
+#include "engine/hints.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "engine/margin.h"
+
+/* A voxel at the border. */
+struct edge_voxel {
+    uint32_t cell;
+    int32_t certainty;
+    uint16_t margin, edge;
+    uint8_t label, other;
+};
+
+struct finding {
+    const struct forest *forest;
+    const struct scene *scene;
+    const struct arc_rule *arcs;
+    const uint16_t *margin;
+    ptrdiff_t face[6], corner[26];
+    struct edge_voxel *voxel; /* all at the border; then the weak ones, in order of cells */
+    size_t count, capacity;
+    int32_t limit;
+    uint16_t edge;
+    uint32_t *place; /* numbers of weak voxels: those of the place at hand */
+    size_t placed, place_capacity;
+    bool *taken; /* [count]: is of a place already */
+};
+
+/* ---- the border ---- */
+
+/* The neighbour with another label whose offer to a voxel is the best; of several the first.
+ * CELL_NONE where there is none. */
+static uint32_t find_other(const struct finding *f, uint32_t at)
+{
+    const struct cell *cell = f->scene->cell + at;
+    uint32_t least = UINT32_MAX, found = CELL_NONE;
+    for (int i = 0; i < 6; i++) {
+        const struct cell *from = cell + f->face[i];
+        if (from->label == cell->label || !cell_is_reached(from))
+            continue;
+        const uint32_t weight = arc_weight_now(f->arcs, from, cell), has = key_cost(from->key);
+        const uint32_t cost = weight > has ? weight : has;
+        if (cost >= least)
+            continue;
+        least = cost;
+        found = at + (uint32_t)f->face[i];
+    }
+    return found;
+}
+
+static uint32_t cost_before(const struct finding *f, uint32_t at)
+{
+    for (int i = 0; i < HINT_BACK; i++) {
+        const uint32_t before = forest_predecessor(f->forest, at);
+        at = before == CELL_NONE ? at : before;
+    }
+    return key_cost(f->scene->cell[at].key);
+}
+
+static struct edge_voxel look_at(const struct finding *f, uint32_t at, uint32_t other)
+{
+    const struct cell *cell = f->scene->cell;
+    const uint32_t to = arc_weight_now(f->arcs, cell + other, cell + at);
+    const uint32_t from = arc_weight_now(f->arcs, cell + at, cell + other);
+    const uint32_t edge = to > from ? to : from, before = cost_before(f, at);
+    return (struct edge_voxel){.cell = at,
+                               .certainty = f->margin[at] + (int32_t)edge - (int32_t)before,
+                               .margin = f->margin[at],
+                               .edge = (uint16_t)edge,
+                               .label = cell[at].label,
+                               .other = cell[other].label};
+}
+
+static bool add_row(struct finding *f, struct span row)
+{
+    for (uint32_t c = row.first; c < row.end; c++) {
+        scene_fetch_ahead(f->scene, c);
+        const uint32_t other = f->margin[c] == MARGIN_NONE ? CELL_NONE : find_other(f, c);
+        if (other == CELL_NONE)
+            continue;
+        if (!mem_grow(&f->voxel, &f->capacity, f->count + 1, sizeof *f->voxel))
+            return false;
+        f->voxel[f->count++] = look_at(f, c, other);
+    }
+    return true;
+}
+
+static enum err find_border(struct finding *f, struct fault *fault)
+{
+    const struct grid *grid = &f->scene->grid;
+    struct task task = task_begin(f->scene->watch, "borders of labels", grid->voxels);
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            if (!add_row(f, grid_row(grid, y, z)))
+                return fault_memory(fault, "the border");
+            if (!task_advance(&task, grid->size[0]))
+                return watch_fault(f->scene->watch, fault);
+        }
+    return OK;
+}
+
+/* ---- what is weak ---- */
+
+enum { CERTAINTIES = 3 * MARGIN_NONE };
+
+/* The edge of the voxel in the middle, by edges. */
+static uint16_t middle_edge(const struct finding *f, size_t *voxels)
+{
+    uint16_t edge = 0;
+    for (size_t i = 0; i < f->count; i++)
+        voxels[f->voxel[i].edge]++;
+    for (size_t below = voxels[0]; below * 2 < f->count; below += voxels[edge])
+        edge++;
+    return edge;
+}
+
+static enum err keep_weak(struct finding *f, struct fault *fault)
+{
+    size_t *voxels = mem_new(CERTAINTIES * sizeof *voxels), below = 0, weak = 0;
+    if (!voxels)
+        return fault_memory(fault, "the border");
+    f->edge = middle_edge(f, voxels);
+    memset(voxels, 0, CERTAINTIES * sizeof *voxels);
+    for (size_t i = 0; i < f->count; i++)
+        voxels[f->voxel[i].certainty + MARGIN_NONE]++;
+    f->limit = -MARGIN_NONE;
+    while (f->count && (below += voxels[f->limit + MARGIN_NONE]) * HINT_SHARE < f->count)
+        f->limit++;
+    for (size_t i = 0; i < f->count; i++)
+        if (f->voxel[i].certainty <= f->limit)
+            f->voxel[weak++] = f->voxel[i];
+    f->count = weak;
+    free(voxels);
+    return OK;
+}
+
+/* ---- places ---- */
+
+static int compare_cells(const void *a, const void *b)
+{
+    const struct edge_voxel *x = a, *y = b;
+    return (x->cell > y->cell) - (x->cell < y->cell);
+}
+
+static bool in_same_block(const struct grid *grid, uint32_t a, uint32_t b)
+{
+    const struct place p = grid_place(grid, a), q = grid_place(grid, b);
+    return p.x / HINT_BLOCK == q.x / HINT_BLOCK && p.y / HINT_BLOCK == q.y / HINT_BLOCK &&
+           p.z / HINT_BLOCK == q.z / HINT_BLOCK;
+}
+
+static bool is_between_same(const struct edge_voxel *a, const struct edge_voxel *b)
+{
+    return (a->label == b->label && a->other == b->other) ||
+           (a->label == b->other && a->other == b->label);
+}
+
+/* Puts a weak voxel among those of the place at hand. */
+static bool take(struct finding *f, size_t number)
+{
+    if (!mem_grow(&f->place, &f->place_capacity, f->placed + 1, sizeof *f->place))
+        return false;
+    f->taken[number] = true;
+    f->place[f->placed++] = (uint32_t)number;
+    return true;
+}
+
+static bool grow_place(struct finding *f, size_t first)
+{
+    const struct grid *grid = &f->scene->grid;
+    const struct edge_voxel *begin = f->voxel + first;
+    f->placed = 0;
+    if (!take(f, first))
+        return false;
+    for (size_t next = 0; next < f->placed; next++) {
+        const struct edge_voxel *here = f->voxel + f->place[next];
+        for (int i = 0; i < 26; i++) {
+            const struct edge_voxel sought = {.cell = here->cell + (uint32_t)f->corner[i]};
+            const struct edge_voxel *beside =
+                bsearch(&sought, f->voxel, f->count, sizeof sought, compare_cells);
+            if (beside && !f->taken[beside - f->voxel] && is_between_same(beside, begin) &&
+                in_same_block(grid, beside->cell, begin->cell) &&
+                !take(f, (size_t)(beside - f->voxel)))
+                return false;
+        }
+    }
+    return true;
+}
+
+static struct place middle_of(const struct finding *f)
+{
+    uint64_t sum[3] = {0};
+    for (size_t i = 0; i < f->placed; i++) {
+        const struct place p = grid_place(&f->scene->grid, f->voxel[f->place[i]].cell);
+        sum[0] += p.x;
+        sum[1] += p.y;
+        sum[2] += p.z;
+    }
+    return (struct place){(uint32_t)(sum[0] / f->placed), (uint32_t)(sum[1] / f->placed),
+                          (uint32_t)(sum[2] / f->placed)};
+}
+
+static uint64_t squared_distance(struct place a, struct place b)
+{
+    const int64_t x = (int64_t)a.x - b.x, y = (int64_t)a.y - b.y, z = (int64_t)a.z - b.z;
+    return (uint64_t)(x * x + y * y + z * z);
+}
+
+/* Of the place at hand. */
+static struct hint make_hint(const struct finding *f)
+{
+    const struct place middle = middle_of(f);
+    struct hint hint = {.voxels = (uint32_t)f->placed, .cell = CELL_NONE};
+    uint64_t nearest = 0;
+    for (size_t i = 0; i < f->placed; i++) {
+        const struct edge_voxel *v = f->voxel + f->place[i];
+        const uint64_t far = squared_distance(grid_place(&f->scene->grid, v->cell), middle);
+        hint.doubt += (uint64_t)(f->limit - v->certainty) + 1;
+        if (hint.cell != CELL_NONE &&
+            (v->certainty > hint.certainty || (v->certainty == hint.certainty && far >= nearest)))
+            continue;
+        hint.cell = v->cell;
+        hint.certainty = v->certainty;
+        hint.margin = v->margin;
+        hint.edge = v->edge;
+        hint.label = v->label;
+        hint.other = v->other;
+        nearest = far;
+    }
+    return hint;
+}
+
+static int compare_hints(const void *a, const void *b)
+{
+    const struct hint *x = a, *y = b;
+    if (x->doubt != y->doubt)
+        return x->doubt < y->doubt ? 1 : -1;
+    return (x->cell > y->cell) - (x->cell < y->cell);
+}
+
+static enum err find_places(struct hint_list *hints, struct finding *f, struct fault *fault)
+{
+    struct task task = task_begin(f->scene->watch, "places", f->count);
+    f->taken = mem_new(f->count + 1);
+    if (!f->taken)
+        return fault_memory(fault, "the border");
+    for (size_t i = 0; i < f->count; i++) {
+        if (!task_advance(&task, 1))
+            return watch_fault(f->scene->watch, fault);
+        if (f->taken[i])
+            continue;
+        if (!grow_place(f, i) ||
+            !mem_grow(&hints->item, &hints->capacity, hints->count + 1, sizeof *hints->item))
+            return fault_memory(fault, "the border");
+        hints->item[hints->count++] = make_hint(f);
+    }
+    if (hints->count)
+        qsort(hints->item, hints->count, sizeof *hints->item, compare_hints);
+    hints->count = hints->count < HINTS_MOST ? hints->count : HINTS_MOST;
+    return OK;
+}
+
+enum err hints_find(struct hint_list *hints, const struct forest *forest, const uint16_t *margin,
+                    struct fault *fault)
+{
+    const struct scene *scene = forest_scene(forest);
+    struct finding f = {
+        .forest = forest, .scene = scene, .arcs = forest_arcs(forest), .margin = margin};
+    struct adjacency by_faces, by_corners;
+    adjacency_init(&by_faces, 6, &scene->grid);
+    adjacency_init(&by_corners, 26, &scene->grid);
+    memcpy(f.face, by_faces.offset, sizeof f.face);
+    memcpy(f.corner, by_corners.offset, sizeof f.corner);
+    hints->count = 0;
+    enum err err = find_border(&f, fault);
+    hints->border = f.count;
+    if (!err)
+        err = keep_weak(&f, fault);
+    hints->weak = f.count;
+    hints->edge = f.edge;
+    hints->limit = f.count ? f.limit : 0;
+    if (!err)
+        err = find_places(hints, &f, fault);
+    if (err)
+        hints->count = 0;
+    free(f.voxel);
+    free(f.place);
+    free(f.taken);
+    return err;
+}
+
+void hints_release(struct hint_list *hints)
+{
+    free(hints->item);
+    *hints = (struct hint_list){0};
+}
