@@ -7,7 +7,7 @@
 static inline bool border_should_show(const struct border *border, uint32_t cell)
 {
     const struct scene *scene = border->scene;
-    return border->visible[scene->cell[cell].label] && /* no cell of the rim */
+    return border->visible[labels_at(&border->labels, cell)] && /* no cell of the rim */
            !cut_takes(&border->cut, &scene->grid, cell);
 }
 

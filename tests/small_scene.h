@@ -126,7 +126,7 @@ static inline void make_weights(const char *name, uint32_t more)
 
 /* ---- snapshots ---- */
 
-/* All of a session that commands can change. */
+/* All of a session that commands can change; a rendition that is rough is none. */
 struct snapshot {
     uint64_t forest, labels, scene, weights, roi, picture;
     size_t seeds, pendings, border, acknowledged, records;
@@ -213,7 +213,7 @@ static inline void take_snapshot(struct snapshot *s, struct interpreter *interp)
     struct session *session = &interp->session;
     memset(s, 0, sizeof *s);
     s->has_scene = session->has_scene;
-    s->rendered = session->rendered;
+    s->rendered = session->rendered && !session_is_rough(session);
     s->kept = session->now.kept;
     s->outlook = session->now.outlook;
     s->pendings = session_pendings(session);
@@ -248,7 +248,7 @@ static inline void take_snapshot(struct snapshot *s, struct interpreter *interp)
     s->labels = forest_label_digest(session->forest);
     s->seeds = forest_seeds(session->forest);
     s->border = border_count(&session->border);
-    s->picture = session->rendered ? rendition_digest(&session->rendition) : 0;
+    s->picture = s->rendered ? rendition_digest(&session->rendition) : 0;
     CHECK(forest_check(session->forest, NULL));
     CHECK(border_check(&session->border, NULL));
 }

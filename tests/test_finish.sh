@@ -143,6 +143,50 @@ out_has "p.iftty"
 IFTTY_THREADS=3 expect 0 "$iftty" verify p.iftty
 close_story
 
+begin "finished on has pictures follow what is planted; it is recorded, verified and gone on with"
+cat >live <<'END'
+open scene.nii
+size 200 160
+seed 7,12,10 1 radius=2
+seed 25,20,15 2 radius=2
+seed 2,2,2 0
+render
+finish relax sweeps=20
+render asked.exr finished=yes
+finished on
+render shown.exr
+render finished=no
+seed 12,6,8 2 radius=1
+render
+slice axial 8 slice.exr
+undo 2
+render
+finished off
+render
+END
+expect 0 "$iftty" run live --journal l.iftty
+out_has "finish    relax sweeps=20; pictures show it"
+picture() { # RECORD
+    sed -n "s/^= $1 .*picture=\([0-9a-f]*\).*/\1/p" l.iftty
+}
+same "$(picture 8) $(picture 6)" "$(picture 10) $(picture 11)"
+same "$(picture 16) $(picture 18)" "$(picture 8) $(picture 6)"
+[ "$(picture 13)" != "$(picture 10)" ] || fail "the seed is not seen"
+expect 0 "$iftty" info slice.exr
+out_has "relax sweeps=20"
+for threads in 1 2 3; do
+    IFTTY_THREADS=$threads expect 0 "$iftty" verify l.iftty
+done
+printf 'finished on\nrender\n' >more
+expect 0 "$iftty" run more --journal l.iftty
+same "$(picture 20)" "$(picture 10)"
+expect 0 "$iftty" verify l.iftty
+expect 2 "$iftty" -c "open scene.nii; finished perhaps"
+err_has "on|off"
+expect 2 "$iftty" -c "finished on"
+err_has "finished needs a scene"
+close_story
+
 begin "what a step does not take is refused, and so is what reaches too far"
 refused() { # COMMAND WORDS
     expect 2 "$iftty" -c "open scene.nii; $1"

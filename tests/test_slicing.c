@@ -671,8 +671,8 @@ STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
             CHECK(slicing_draw(&canvas, &interp.session, (enum slice_kind)kind, NULL, true,
                                &fault) == OK);
             for (uint32_t p = 0; p < 60 * 45; p++)
-                wrong += slicing_cell_at(&cell, &interp.session, (enum slice_kind)kind, p % 60,
-                                         p / 60, &fault) != OK ||
+                wrong += slicing_cell_at(&cell, &interp.session, (enum slice_kind)kind, NULL,
+                                         p % 60, p / 60, &fault) != OK ||
                          cell != canvas.cell[p];
             CHECK_INT(wrong, 0);
             canvas_release(&canvas);

@@ -63,6 +63,7 @@ enum err act_stats(const struct act *act);
 
 /* act_finish.c */
 enum err act_finish(const struct act *act);
+enum err act_finished(const struct act *act);
 
 /* act_surface.c: the part of act_save that is about surfaces */
 enum err act_save_surface(const struct act *act, const struct labels *labels, const char *path,
@@ -141,7 +142,11 @@ void surprise_write(struct buf *out, const struct session *session, const char *
 enum err act_take_labels(const struct act *act, const struct value *finished,
                          struct labels *labels);
 
-/* "finish: majority radius=1, largest" as a line; nothing where there are no steps. */
+/* The same for a picture: where `finished=` is not given, as `finished on|off` has it. */
+enum err act_take_shown(const struct act *act, const struct value *finished, struct labels *labels);
+
+/* "finish    majority radius=1, largest" as a line, and whether pictures show it; nothing where
+ * there are no steps. */
 void act_write_finish(struct buf *out, const struct session *session);
 
 /* The volume of so many voxels: "1.24 l", or "3 voxels" where their distances are unknown. */

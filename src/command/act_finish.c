@@ -1,4 +1,4 @@
-/* The command `finish`, and how commands get the labels that it makes. */
+/* The commands `finish` and `finished`, and how commands get the labels that come of it. */
 #include "command/act.h"
 
 /* The places of the parameters in the table. */
@@ -10,7 +10,7 @@ void act_write_finish(struct buf *out, const struct session *session)
         return;
     buf_add_text(out, "finish    ");
     finish_write(out, &session->now.kept.finish);
-    buf_add_char(out, '\n');
+    buf_add_text(out, session->now.outlook.shows_finished ? "; pictures show it\n" : "\n");
 }
 
 /* What is given beside the name: what the row takes, and nothing else. */
@@ -79,11 +79,28 @@ enum err act_finish(const struct act *act)
     return OK;
 }
 
-enum err act_take_labels(const struct act *act, const struct value *finished, struct labels *labels)
+enum err act_finished(const struct act *act)
+{
+    const bool shows = act->value[0].number == 0;
+    act->next->outlook.shows_finished = shows;
+    const enum err err = act_go(act);
+    if (err)
+        return err;
+    if (!shows)
+        buf_add_text(&act->reply->text, "pictures show the labels of the forest\n");
+    else if (!act->next->kept.finish.count)
+        buf_add_text(&act->reply->text,
+                     "the finish has no step yet; `finish relax` adds one, and pictures show it\n");
+    else
+        act_write_finish(&act->reply->text, act->session);
+    return OK;
+}
+
+static enum err take(const struct act *act, bool finished, struct labels *labels)
 {
     struct session *session = act->session;
     *labels = labels_of_forest(session->scene);
-    if (session->skims || !act_is_yes(finished))
+    if (session->skims || !finished)
         return OK;
     const enum err err = session_labels(session, true, labels, act->fault);
     if (!err) {
@@ -92,4 +109,15 @@ enum err act_take_labels(const struct act *act, const struct value *finished, st
                    (unsigned long long)session_finished_digest(session));
     }
     return err;
+}
+
+enum err act_take_labels(const struct act *act, const struct value *finished, struct labels *labels)
+{
+    return take(act, act_is_yes(finished), labels);
+}
+
+enum err act_take_shown(const struct act *act, const struct value *finished, struct labels *labels)
+{
+    return take(act, finished->given ? act_is_yes(finished) : session_shows_finished(act->session),
+                labels);
 }

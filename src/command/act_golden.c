@@ -113,7 +113,7 @@ static enum err take_golden(const struct act *act, const struct value *of,
     const bool is_slice = of->given && of->number > 0;
     if (act->interp->mode == MODE_SKIM)
         return is_slice ? OK : session_run(act->session, act->fault);
-    enum err err = is_slice ? act_take_labels(act, finished, &labels)
+    enum err err = is_slice ? act_take_shown(act, finished, &labels)
                             : act_render_labels(act, finished, RENDER_AS_KEPT, &labels);
     if (err)
         return err;

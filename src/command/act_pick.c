@@ -7,13 +7,14 @@
 
 /* The voxel that a pixel of the rendition shows, or CELL_NONE. What the pilot has drawn may be at a
  * zoom of its own. */
-static enum err voxel_of_rendition(struct session *session, uint32_t column, uint32_t row,
-                                   uint32_t *cell, struct fault *fault)
+static enum err voxel_of_rendition(struct session *session, const struct labels *labels,
+                                   uint32_t column, uint32_t row, uint32_t *cell,
+                                   struct fault *fault)
 {
     const struct rendition *r = session_frame(session);
     if (!session->rendered)
         return fault_set(fault, ERR_USAGE, "the rendition is not up to date; `render` first");
-    const enum err err = session_draw(session, RENDER_AS_KEPT, fault);
+    const enum err err = session_draw_labels(session, labels, RENDER_AS_KEPT, fault);
     if (err)
         return err;
     if (column >= r->width || row >= r->height)
@@ -24,14 +25,15 @@ static enum err voxel_of_rendition(struct session *session, uint32_t column, uin
 }
 
 /* The same of a slice or mosaic, as it would be drawn now. */
-static enum err voxel_of_slices(struct session *session, enum slice_kind kind, uint32_t column,
-                                uint32_t row, uint32_t *cell, struct fault *fault)
+static enum err voxel_of_slices(struct session *session, enum slice_kind kind,
+                                const struct labels *labels, uint32_t column, uint32_t row,
+                                uint32_t *cell, struct fault *fault)
 {
     const struct view *view = &session->now.outlook.view;
     if (column >= view->width || row >= view->height)
         return fault_set(fault, ERR_INPUT, "pixel %u,%u lies outside the picture of %ux%u", column,
                          row, view->width, view->height);
-    return slicing_cell_at(cell, session, kind, column, row, fault);
+    return slicing_cell_at(cell, session, kind, labels, column, row, fault);
 }
 
 /* "3.61 mm from the border of label 1 brain, at 70,101,95" */
@@ -63,9 +65,12 @@ enum err act_pick(const struct act *act)
     const uint32_t column = (uint32_t)act->value[0].number, row = (uint32_t)act->value[1].number;
     const bool is_slice = act->value[2].given && act->value[2].number > 0;
     uint32_t cell = CELL_NONE;
-    enum err err = is_slice ? voxel_of_slices(session, (enum slice_kind)(act->value[2].number - 1),
-                                              column, row, &cell, act->fault)
-                            : voxel_of_rendition(session, column, row, &cell, act->fault);
+    struct labels labels;
+    enum err err = session_labels(session, session_shows_finished(session), &labels, act->fault);
+    if (!err)
+        err = is_slice ? voxel_of_slices(session, (enum slice_kind)(act->value[2].number - 1),
+                                         &labels, column, row, &cell, act->fault)
+                       : voxel_of_rendition(session, &labels, column, row, &cell, act->fault);
     if (err)
         return err;
     if (cell == CELL_NONE) {
@@ -76,5 +81,10 @@ enum err act_pick(const struct act *act)
     act_write_voxel(&act->reply->text, session, cell);
     if (cell_is_reached(session->scene->cell + cell))
         write_distance(&act->reply->text, session, cell);
+    if (labels_at(&labels, cell) != session->scene->cell[cell].label) {
+        buf_add_text(&act->reply->text, "finished: label ");
+        act_write_label(&act->reply->text, session, labels_at(&labels, cell));
+        buf_add_char(&act->reply->text, '\n');
+    }
     return watch_fault(session->watch, act->fault);
 }

@@ -135,7 +135,7 @@ enum err act_render_labels(const struct act *act, const struct value *finished,
 {
     enum err err = session_run(act->session, act->fault);
     if (!err)
-        err = act_take_labels(act, finished, labels);
+        err = act_take_shown(act, finished, labels);
     return err ? err : session_draw_labels(act->session, labels, mode, act->fault);
 }
 

@@ -104,6 +104,20 @@ static enum err save(const struct act *act, const struct labels *labels, const c
                : export_map(act->session, (enum map)what, labels, path, how, act->fault);
 }
 
+/* What a user might not expect of what was written. */
+static void warn(const struct act *act, const char *path)
+{
+    const struct session *session = act->session;
+    const int64_t what = act->value[WHAT].number;
+    if (volume_ending(path) && !geometry_has_place(&session->geometry))
+        buf_add_text(&act->reply->text,
+                     "where it lies is as unknown in it as in the scene's file\n");
+    if ((what == MAP_LABELS || what == SAVE_SURFACE) && !act->value[FINISHED].given &&
+        session_shows_finished(session))
+        buf_add_text(&act->reply->text, "it has the labels of the forest; `finished=yes` writes "
+                                        "those that pictures show\n");
+}
+
 enum err act_save(const struct act *act)
 {
     struct buf path = {0};
@@ -119,9 +133,8 @@ enum err act_save(const struct act *act)
         err = save(act, &labels, buf_text(&path));
         if (!err)
             act_write_file_line("wrote ", buf_text(&path), act->reply);
-        if (!err && volume_ending(buf_text(&path)) && !geometry_has_place(&act->session->geometry))
-            buf_add_text(&act->reply->text,
-                         "where it lies is as unknown in it as in the scene's file\n");
+        if (!err)
+            warn(act, buf_text(&path));
     }
     buf_release(&path);
     return err;

@@ -160,7 +160,7 @@ static enum err show_or_write(const struct act *act, enum slice_kind kind, const
     if (act->interp->mode == MODE_SKIM)
         return OK;
     act_write_slices(&act->reply->text, act->session);
-    enum err err = act_take_labels(act, finished, &labels);
+    enum err err = act_take_shown(act, finished, &labels);
     if (!err && !file->given)
         return show_inline(act, kind, &labels);
     if (!err)

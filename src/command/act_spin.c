@@ -119,10 +119,10 @@ static enum err turn_around(struct spin *spin)
     struct session *session = spin->act->session;
     struct fault *fault = spin->act->fault;
     const struct view from = session->now.outlook.view;
-    const bool rendered = session->rendered;
+    const bool rendered = session->rendered == RENDERED_FOREST;
     enum err err = session_run(session, fault);
     if (!err)
-        err = act_take_labels(spin->act, &spin->act->value[4], &spin->labels);
+        err = act_take_shown(spin->act, &spin->act->value[4], &spin->labels);
     for (unsigned i = 0; i < spin->count && !err; i++) {
         watch_poll(session->watch, "turntable", i, spin->count);
         err = turn_to(spin, &from, i);

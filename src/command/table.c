@@ -76,6 +76,7 @@
 /* Labels as the finish has them. */
 #define FINISHED      KEYED("finished", VALUE_CHOICE, .choices = "yes|no")
 #define FINISHED_NOTE "\nfinished=yes: labels as `finish` leaves them."
+#define SHOWN_NOTE    FINISHED_NOTE " Unless given, as `finished` has it."
 
 /* What all that read a map have in common. */
 #define RESAMPLE KEYED("resample", VALUE_CHOICE, .choices = "yes|no")
@@ -449,7 +450,7 @@ const struct command command_table[] = {
      "whatever else OpenImageIO writes hold the colours. At the prompt a file is written in the "
      "background; a line says when it is there. `iftty info FILE` prints what a picture shows.\n"
      "All modes give the same pixels: sp splats every object voxel, bp border voxels, ray walks "
-     "the rays, ii repairs the last rendition." FINISHED_NOTE,
+     "the rays, ii repairs the last rendition." SHOWN_NOTE,
      "render brain.png"},
     {COMMAND("spin", act_spin, GROUP_RENDITION, R | S | E),
      {NEED("N", VALUE_NUMBER, .least = 2, .most = IMAGE_FRAMES_MOST), NEED("FILE", VALUE_FILE),
@@ -459,7 +460,7 @@ const struct command command_table[] = {
      "The first picture is the present view, which does not change. %03d in FILE stands for the "
      "number of the picture, here with three digits, from 000. Without it, a .gif is animated, in "
      "256 colours, with `delay` milliseconds for each picture, 100 unless given; a .tif has one "
-     "page for each picture." FINISHED_NOTE,
+     "page for each picture." SHOWN_NOTE,
      "spin 36 turn%03d.png"},
     {COMMAND("cross", act_cross, GROUP_SLICES, R | S | K),
      {NEED("PLACE", VALUE_POSITION)},
@@ -514,20 +515,20 @@ const struct command command_table[] = {
      "coronal, x for sagittal.\n"
      "A FILE has a dot in its name; .exr holds the label and voxel of each pixel too.\n"
      "zoom: pixels per voxel of the smallest spacing, around the cross-hair, with voxels as "
-     "squares. It stays until zoom=fit, which shows the whole slice in smooth greys." FINISHED_NOTE,
+     "squares. It stays until zoom=fit, which shows the whole slice in smooth greys." SHOWN_NOTE,
      "slice axial 90 axial.png"},
     {COMMAND("mosaic", act_mosaic, GROUP_SLICES, R | S),
      {MAY("FILE", VALUE_FILE), KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "three slices and the rendition in one picture",
      "Coronal, sagittal and axial through the cross-hair at one scale, and the rendition of the "
-     "view at half its size." FINISHED_NOTE,
+     "view at half its size." SHOWN_NOTE,
      "mosaic brain.png"},
     {COMMAND("golden", act_golden, GROUP_KEPT, R | S | E),
      {NEED("NAME", VALUE_GOLDEN), KEYED("of", VALUE_CHOICE, .choices = "rendition|" SLICE_KINDS),
       FINISHED},
      "store a picture as a golden image",
      "The rendition, or a slice or mosaic as it would be shown now. `iftty verify` compares it "
-     "pixel for pixel. It is stored in a folder beside the journal." FINISHED_NOTE,
+     "pixel for pixel. It is stored in a folder beside the journal." SHOWN_NOTE,
      "golden front-1"},
     {COMMAND("finish", act_finish, GROUP_KEPT, R | S),
      {MAY("STEP", VALUE_CHOICE, .choices = FINISH_KINDS "|none"),
@@ -543,6 +544,14 @@ const struct command command_table[] = {
      "sweeps: of `relax`, 60 unless given.\n"
      "label: for one label, instead of all.",
      "finish majority radius=1"},
+    {COMMAND("finished", act_finished, GROUP_KEPT, R | S),
+     {NEED("STATE", VALUE_CHOICE, .choices = "on|off")},
+     "whether pictures show the labels as finished",
+     "In slices, mosaics, renditions and the pilot, which follow each seed and eliminator. The "
+     "pilot shows the labels of the forest at once where they change, and the finished ones as "
+     "soon as they are made. Maps, surfaces and reports are finished where `finished=yes` asks for "
+     "it. off by default.",
+     "finished on"},
     {COMMAND("save", act_save, GROUP_KEPT, R | S | E),
      {NEED("MAP", VALUE_CHOICE, .choices = MAPS "|seeds|names|surface"), NEED("FILE", VALUE_FILE),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED,

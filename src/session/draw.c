@@ -33,7 +33,7 @@ void session_take_camera(struct session *session, const struct camera *camera)
         view->width != frame->width || view->height != frame->height)
         session_release_rendition(session);
     session->camera = *camera;
-    session->rendered = false;
+    session->rendered = RENDERED_NOT;
 }
 
 /* ---- the rendition ---- */
@@ -62,7 +62,7 @@ static enum err make_room(struct session *session, struct fault *fault)
     const struct view *view = &session->now.outlook.view, *fine = &session->camera.view;
     if (session->has_rendition)
         return OK;
-    session->rendered = false;
+    session->rendered = RENDERED_NOT;
     enum err err = rendition_init(&session->rendition, fine->width, fine->height, fault);
     if (!err && fine->width != view->width)
         err = rendition_init(&session->reduced, view->width, view->height, fault);
@@ -90,7 +90,7 @@ static enum err take_zoom(struct session *session, uint32_t zoom, struct fault *
 static enum err draw_border(struct session *session, const struct border *border,
                             enum render_mode mode, struct fault *fault)
 {
-    session->rendered = false;
+    session->rendered = RENDERED_NOT;
     if (mode == RENDER_SCENE)
         splat_scene(&session->rendition, &session->camera, border);
     else if (mode == RENDER_RAY)
@@ -101,19 +101,35 @@ static enum err draw_border(struct session *session, const struct border *border
     return err ? err : watch_fault(session->watch, fault);
 }
 
-static enum err draw_at(struct session *session, uint32_t zoom, enum render_mode mode,
-                        struct fault *fault)
+static const struct border *border_of(const struct session *session, enum rendered as)
+{
+    return as == RENDERED_FINISHED ? &session->live.border : &session->border;
+}
+
+static enum err draw_at(struct session *session, uint32_t zoom, enum rendered as,
+                        enum render_mode mode, struct fault *fault)
 {
     if (session->skims)
         return OK;
     enum err err = take_zoom(session, zoom, fault);
     if (!err)
         err = make_room(session, fault);
-    if (err || (session->rendered && (mode == RENDER_AS_KEPT || mode == RENDER_INCREMENTAL)))
+    if (err || (session->rendered == as && (mode == RENDER_AS_KEPT || mode == RENDER_INCREMENTAL)))
         return err;
-    err = draw_border(session, &session->border, mode, fault);
-    session->rendered = err == OK;
+    err = draw_border(session, border_of(session, as), mode, fault);
+    session->rendered = err ? RENDERED_NOT : as;
     return err;
+}
+
+void session_follow_rendition(struct session *session, enum rendered as,
+                              const struct changes *changes)
+{
+    const struct border *border = border_of(session, as);
+    if (session->rendered != as)
+        return;
+    incremental_image(&session->rendition, &session->camera, border, changes,
+                      shade_reach(&session->now.outlook.look, &session->camera));
+    session->rendered = session_colour(session, border, NULL) ? RENDERED_NOT : as;
 }
 
 /* The shader's fields are those of the forest's border, or of this one, which goes. */
@@ -136,11 +152,22 @@ static enum err draw_finished(struct session *session, const struct labels *labe
     return err;
 }
 
+/* Labels that are to stay have a border that stays. */
+static enum err draw_live(struct session *session, const struct labels *labels,
+                          enum render_mode mode, struct fault *fault)
+{
+    const enum err err = live_finish_take(session, labels, fault);
+    return err ? err
+               : draw_at(session, session->now.outlook.view.zoom, RENDERED_FINISHED, mode, fault);
+}
+
 enum err session_draw_labels(struct session *session, const struct labels *labels,
                              enum render_mode mode, struct fault *fault)
 {
     if (session->skims || !labels->finished)
         return session_draw(session, mode, fault);
+    if (session_shows_finished(session))
+        return draw_live(session, labels, mode, fault);
     enum err err = take_zoom(session, session->now.outlook.view.zoom, fault);
     if (!err)
         err = make_room(session, fault);
@@ -149,12 +176,19 @@ enum err session_draw_labels(struct session *session, const struct labels *label
 
 enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault)
 {
-    return draw_at(session, session->now.outlook.view.zoom, mode, fault);
+    return draw_at(session, session->now.outlook.view.zoom, RENDERED_FOREST, mode, fault);
 }
 
-enum err session_draw_fitting(struct session *session, struct fault *fault)
+enum err session_draw_fitting(struct session *session, struct labels *labels, struct fault *fault)
 {
-    return draw_at(session, session_fitting_zoom(session), RENDER_AS_KEPT, fault);
+    const bool finished = session_shows_finished(session);
+    *labels = labels_of_forest(session->scene);
+    const enum err err = finished ? live_finish_begin(session, fault) : OK;
+    if (err)
+        return err;
+    labels->finished = finished ? session->live.label : NULL;
+    return draw_at(session, session_fitting_zoom(session),
+                   finished ? RENDERED_FINISHED : RENDERED_FOREST, RENDER_AS_KEPT, fault);
 }
 
 uint32_t session_fitting_zoom(const struct session *session)
@@ -174,20 +208,24 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
 
 /* ---- while a command is carried out ---- */
 
-/* The border is that of the labels as they are, and made anew once they are final. Tally and
- * measures are those from which the command's changes will be counted. */
+/* The border is that of the labels as they are, and made anew once they are final: the forest's,
+ * of which nothing is finished. Tally and measures are those from which the command's changes will
+ * be counted. */
 void session_show(struct session *session, void (*draw)(void *context), void *context)
 {
     const struct tally tally = session->tally, former = session->former_tally;
     const struct label_measures measures = session->measures;
+    const bool shows_finished = session->now.outlook.shows_finished;
+    session->now.outlook.shows_finished = false;
     session->measures = (struct label_measures){0};
     border_recount(&session->border);
     session->stale |= MADE_BORDER;
-    session->rendered = false;
+    session->rendered = RENDERED_NOT;
     draw(context);
-    session->rendered = false;
+    session->rendered = RENDERED_NOT;
     session->tally = tally;
     session->former_tally = former;
     label_measures_release(&session->measures);
     session->measures = measures;
+    session->now.outlook.shows_finished = shows_finished;
 }

@@ -10,31 +10,33 @@ void finished_release(struct finished *finished)
     *finished = (struct finished){0};
 }
 
-/* Whether they are those of the present labels and steps. */
-static bool is_made(const struct session *session)
+bool finish_source_is_present(const struct finish_source *source, const struct session *session)
 {
-    const struct finished *f = &session->finished;
-    return f->label && f->forest == forest_label_digest(session->forest) &&
-           (!finish_heeds_seeds(&f->by) ||
-            (f->keys == forest_digest(session->forest) && f->roi == session->roi_tally.digest)) &&
-           memcmp(f->size, session->scene->grid.size, sizeof f->size) == 0 &&
-           memcmp(&f->by, &session->now.kept.finish, sizeof f->by) == 0;
+    return memcmp(&source->by, &session->now.kept.finish, sizeof source->by) == 0 &&
+           memcmp(source->size, session->scene->grid.size, sizeof source->size) == 0 &&
+           source->forest == forest_label_digest(session->forest) &&
+           (!finish_heeds_seeds(&source->by) || (source->keys == forest_digest(session->forest) &&
+                                                 source->roi == session->roi_tally.digest));
+}
+
+static struct finish_source present_source(const struct session *session)
+{
+    const uint32_t *size = session->scene->grid.size;
+    return (struct finish_source){.size = {size[0], size[1], size[2]},
+                                  .forest = forest_label_digest(session->forest),
+                                  .keys = forest_digest(session->forest),
+                                  .roi = session->roi_tally.digest,
+                                  .by = session->now.kept.finish};
 }
 
 static enum err make(struct session *session, struct fault *fault)
 {
-    const struct grid *grid = &session->scene->grid;
-    struct finished made = {.cells = grid->cells,
-                            .size = {grid->size[0], grid->size[1], grid->size[2]},
-                            .forest = forest_label_digest(session->forest),
-                            .keys = forest_digest(session->forest),
-                            .roi = session->roi_tally.digest,
-                            .by = session->now.kept.finish};
-    enum err err = finish_make(&made.label, &made.by, session->scene, session->team, fault);
+    struct finished made = {.cells = session->scene->grid.cells, .of = present_source(session)};
+    enum err err = finish_make(&made.label, &made.of.by, session->scene, session->team, fault);
     if (err)
         return err;
     made.digest = labels_digest(&(struct labels){session->scene, made.label}, session->team);
-    err = watch_fault(session->watch, fault);
+    err = watch_fault(session->scene->watch, fault);
     if (err) {
         finished_release(&made);
         return err;
@@ -47,11 +49,13 @@ static enum err make(struct session *session, struct fault *fault)
 enum err session_labels(struct session *session, bool finished, struct labels *labels,
                         struct fault *fault)
 {
+    const struct finished *made = &session->finished;
     *labels = labels_of_forest(session->scene);
     if (!finished || !session->now.kept.finish.count)
         return OK;
-    const enum err err = is_made(session) ? OK : make(session, fault);
-    labels->finished = session->finished.label;
+    const bool is_made = made->label && finish_source_is_present(&made->of, session);
+    const enum err err = is_made ? OK : make(session, fault);
+    labels->finished = made->label;
     return err;
 }
 

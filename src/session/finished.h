@@ -11,16 +11,24 @@
 
 struct session;
 
-/* The finished labels that were made last, and what of. {0} is none. */
-struct finished {
-    uint8_t *label; /* [cells] */
-    size_t cells;
+/* What finished labels are made of. {0} is of nothing. */
+struct finish_source {
     uint32_t size[3];      /* of the scene, */
     uint64_t forest;       /* the digest of the forest's labels, */
     uint64_t keys;         /* that of its keys, which tell seeds, */
     uint64_t roi;          /* that of the region of interest, */
     struct finish_list by; /* and the steps */
-    uint64_t digest;       /* of what came of it (labels_digest) */
+};
+
+/* Whether the session would make the same labels now. */
+bool finish_source_is_present(const struct finish_source *source, const struct session *session);
+
+/* The finished labels that were made last. {0} is none. */
+struct finished {
+    uint8_t *label; /* [cells] */
+    size_t cells;
+    struct finish_source of;
+    uint64_t digest; /* of what came of it (labels_digest) */
 };
 void finished_release(struct finished *finished);
 

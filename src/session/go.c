@@ -128,10 +128,10 @@ static void forget_labels(struct session *session)
 {
     tally_forget(&session->tally);
     label_measures_forget(&session->measures);
+    live_finish_drop(session);
 }
 
-/* Tally, measures, border and rendition after a change of the forest (S2). What cannot be coloured
- * is drawn when it is asked for. */
+/* Tally, measures, borders and rendition after a change of the forest (S2). */
 static void follow_forest(struct session *session)
 {
     const struct changes changes = forest_changes(session->forest);
@@ -141,11 +141,8 @@ static void follow_forest(struct session *session)
         border_update(&session->border, &changes);
     if (watch_stops(session->watch))
         session->stale |= MADE_BORDER;
-    if (!session->rendered)
-        return;
-    incremental_image(&session->rendition, &session->camera, &session->border, &changes,
-                      shade_reach(&session->now.outlook.look, &session->camera));
-    session->rendered = session_colour(session, &session->border, NULL) == OK;
+    session_follow_rendition(session, RENDERED_FOREST, &changes);
+    live_finish_follow(session, &changes);
 }
 
 /* A forest that is to grow anew, or is not wanted yet, has its seeds changed and no more. */
@@ -280,7 +277,7 @@ enum err session_go(struct session *session, const struct state *state, const st
     if (aims)
         session_take_camera(session, &camera);
     if (parts & (MADE_BORDER | MADE_COLOURS))
-        session->rendered = false;
+        session->rendered = RENDERED_NOT;
     if (parts & MADE_BORDER) {
         for (int label = 0; label < 256; label++)
             session->border.visible[label] = state->kept.visible[label];
@@ -293,7 +290,7 @@ enum err session_go(struct session *session, const struct state *state, const st
 void session_skim(struct session *session)
 {
     session->skims = true;
-    session->rendered = false;
+    session->rendered = RENDERED_NOT;
     session->stale |= MADE_FOREST;
     forest_suspend(session->forest);
 }

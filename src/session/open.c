@@ -267,6 +267,7 @@ static enum err replace_scene(struct session *session, unsigned doubled, struct 
         scene_free(next.scene);
         return err;
     }
+    live_finish_drop(session);
     shader_release(&session->shader);
     label_measures_release(&session->measures);
     session->former_scene = (struct former_scene){

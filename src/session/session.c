@@ -24,6 +24,7 @@ void session_close_scene(struct session *session)
     weight_work_release(&session->weight_work);
     finished_release(&session->finished);
     hinting_release(&session->hinting);
+    live_finish_drop(session);
     label_measures_release(&session->measures);
     free(session->mask_room);
     session->roi = roi_none();
@@ -49,7 +50,8 @@ void session_release_rendition(struct session *session)
 {
     rendition_release(&session->rendition);
     rendition_release(&session->reduced);
-    session->has_rendition = session->rendered = false;
+    session->has_rendition = false;
+    session->rendered = RENDERED_NOT;
 }
 
 size_t session_memory(const struct session *session)
@@ -62,8 +64,9 @@ size_t session_memory(const struct session *session)
     bytes += session->scene->grid.cells * sizeof(struct cell);
     bytes += forest_memory(session->forest) + session->weight_work.capacity;
     bytes += session->border.words * (2 * sizeof(uint64_t) + sizeof(uint32_t));
-    bytes += session->finished.cells + label_measures_memory(&session->measures);
     bytes += hinting_memory(&session->hinting);
+    bytes += session->finished.cells + live_finish_memory(&session->live);
+    bytes += label_measures_memory(&session->measures);
     bytes += session->mask_room ? mask_bytes(&session->scene->grid) : 0;
     bytes += kept->mask ? packed_memory(kept->mask) : 0;
     bytes += kept->weight_map ? packed_memory(kept->weight_map) : 0;
@@ -93,7 +96,7 @@ void session_mark(struct session *session)
     session_note_edit(session);
     session->former_tally = session->tally;
     session->former_has_scene = session->has_scene;
-    session->former_rendered = session->rendered;
+    session->former_rendered = session_is_rough(session) ? RENDERED_NOT : session->rendered;
     session->edited = session->regrown = false;
 }
 
@@ -108,6 +111,8 @@ void session_settle(struct session *session)
     *former = (struct former_scene){0};
     if (!session->now.kept.finish.count)
         finished_release(&session->finished);
+    if (session->live.label && !session_shows_finished(session))
+        live_finish_drop(session);
     if (!session->now.kept.mask) {
         free(session->mask_room);
         session->mask_room = NULL;
@@ -119,6 +124,7 @@ void session_settle(struct session *session)
 static void take_back_scene(struct session *session)
 {
     const struct former_scene former = session->former_scene;
+    live_finish_drop(session);
     shader_release(&session->shader);
     label_measures_release(&session->measures);
     border_release(&session->border);
@@ -138,6 +144,15 @@ static void take_back_scene(struct session *session)
     session->former_scene = (struct former_scene){0};
 }
 
+static void take_back_rendition(struct session *session)
+{
+    struct labels labels;
+    if (!session->former_rendered)
+        session->rendered = RENDERED_NOT;
+    else if (!session_labels(session, session->former_rendered == RENDERED_FINISHED, &labels, NULL))
+        session_draw_labels(session, &labels, RENDER_AS_KEPT, NULL);
+}
+
 /* A command edits the seeds once at most, so that the inverse of that edit leads back. */
 static void go_back(struct session *session)
 {
@@ -148,9 +163,7 @@ static void go_back(struct session *session)
         seeds = forest_seed_changes(session->forest);
     session_go(session, &session->former, seeds.before, seeds.count, NULL);
     session->tally = session->former_tally;
-    session->rendered &= session->former_rendered;
-    if (session->former_rendered)
-        session_draw(session, RENDER_AS_KEPT, NULL);
+    take_back_rendition(session);
 }
 
 void session_rollback(struct session *session)
@@ -160,7 +173,7 @@ void session_rollback(struct session *session)
     if (session->has_scene && !session->former_has_scene)
         session_close_scene(session);
     if (cut_short)
-        session->rendered = false;
+        session->rendered = RENDERED_NOT;
     if (session->has_scene)
         go_back(session);
     else

@@ -15,7 +15,8 @@
  *   S1 a command is all or nothing: session_mark before it, and session_rollback takes back
  *      whatever it did, exactly;
  *   S2 the border fits the forest, the visible labels and the cut; the rendition, where `rendered`,
- *      is that of forest, border and camera, pixel for pixel, whichever mode made it;
+ *      is that of those labels, their border and the camera, pixel for pixel, whichever mode made
+ *      it;
  *   S3 without a scene only session_open does anything, and settings can be made; all else asks
  *      has_scene first;
  *   S4 a scene that was interpolated is kept, with what hangs on it, until the command stands;
@@ -41,10 +42,14 @@
 #include "session/map.h"
 #include "session/finished.h"
 #include "session/hinting.h"
+#include "session/live_finish.h"
 #include "session/markers.h"
 #include "session/semantics.h"
 #include "session/state.h"
 #include "session/tally.h"
+
+/* Whose labels the rendition shows. */
+enum rendered { RENDERED_NOT, RENDERED_FOREST, RENDERED_FINISHED };
 
 /* What interpolating a scene replaces. */
 struct former_scene {
@@ -84,12 +89,13 @@ struct session {
     struct border border;
     struct finished finished; /* session_labels */
     struct hinting hinting;   /* session_find_hints */
+    struct live_finish live;  /* what panels show of finished labels */
     struct tally tally;       /* voxels of each label, once session_count_labels has been called */
     struct label_measures measures; /* of the forest's labels, once somebody has asked for them */
     struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */
     struct rendition rendition;
     bool has_rendition;       /* the rendition has memory, of camera.view's size */
-    bool rendered;            /* S2: it shows the present state */
+    enum rendered rendered;   /* S2: it shows the present state */
     struct rendition reduced; /* to the view's size, where look.samples is above 1 */
     struct shader shader;
     bool knows_window; /* what follows from the scene, once somebody has asked: */
@@ -108,7 +114,8 @@ struct session {
     size_t former_markers;
     struct former_scene former_scene;
     struct tally former_tally; /* where session_count_before came before the command */
-    bool former_has_scene, former_rendered;
+    bool former_has_scene;
+    enum rendered former_rendered;
     bool edited, regrown;
     struct tally tally_before_edit; /* of the last command before it that edited */
 };
@@ -272,13 +279,15 @@ enum err session_render(struct session *session, enum render_mode mode, struct f
 /* The same with the forest as it stands, whatever edits wait. */
 enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault);
 
-/* The same of other labels (session_labels), from nothing, for this one picture: the next of these
- * makes that of the forest anew. */
+/* The same of other labels (session_labels): from nothing, for this one picture, unless pictures
+ * show finished labels (session_shows_finished). */
 enum err session_draw_labels(struct session *session, const struct labels *labels,
                              enum render_mode mode, struct fault *fault);
 
-/* The same to be looked at alone, at the zoom below, until another of these is called. */
-enum err session_draw_fitting(struct session *session, struct fault *fault);
+/* The same to be looked at alone, at the zoom below, until another of these is called, of labels
+ * that are given back: the forest's, or finished ones, which may be rough (session/live_finish.h).
+ */
+enum err session_draw_fitting(struct session *session, struct labels *labels, struct fault *fault);
 
 /* That of the view, thousandths; while it is the one that a scene is opened with, which nobody has
  * chosen, the one at which the scene fits. */

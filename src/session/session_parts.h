@@ -1,5 +1,6 @@
 /* What the files of a session share: session.c (its life), go.c (the one way to change it), open.c
- * (scenes), measures.c (of labels), seeds.c (seeds and markers), draw.c (pictures). */
+ * (scenes), measures.c (of labels), seeds.c (seeds and markers), draw.c (pictures), finished.c and
+ * live_finish.c (finished labels). */
 #ifndef SESSION_SESSION_PARTS_H
 #define SESSION_SESSION_PARTS_H
 
@@ -31,6 +32,11 @@ void session_take_camera(struct session *session, const struct camera *camera);
  * frees, after errors too; it may be empty. */
 enum err session_find_seeds(const struct session *session, const uint32_t *cell, size_t count,
                             uint32_t **seed, size_t *seeds, struct fault *fault);
+
+/* The rendition after such a change of the labels that it shows, whose border is up to date. What
+ * cannot be coloured is drawn when it is asked for. */
+void session_follow_rendition(struct session *session, enum rendered as,
+                              const struct changes *changes);
 
 /* Colours of what the maps of the rendition show, and the picture at the size of the view. */
 enum err session_colour(struct session *session, const struct border *border, struct fault *fault);

@@ -196,20 +196,21 @@ enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
                             struct slicing_panel *panel, struct fault *fault)
 {
     const struct mosaic_screen *screen = &panel->screen;
+    struct labels labels;
     *canvas = (struct canvas){0};
     if (!mosaic_fits(screen))
         return fault_set(
             fault, ERR_LIMIT, "the panes take %dx%d pixels, in %dx%d characters, or more",
             MOSAIC_SIDE_LEAST, MOSAIC_SIDE_LEAST, MOSAIC_COLUMNS_LEAST, MOSAIC_ROWS_LEAST);
     mosaic_lay_out(&panel->layout, session->scene, screen);
-    enum err err = session_draw_fitting(session, fault);
+    enum err err = session_draw_fitting(session, &labels, fault);
     if (!err)
         err = canvas_init(canvas, screen->width, screen->height, true, fault);
     if (!err)
         err = canvas_remember(canvas, fault);
     if (err)
         canvas_release(canvas);
-    return err ? err : draw(canvas, session, SLICE_KIND_MOSAIC, NULL, panel, fault);
+    return err ? err : draw(canvas, session, SLICE_KIND_MOSAIC, &labels, panel, fault);
 }
 
 enum err slicing_draw_below(struct canvas *canvas, struct session *session,
@@ -240,10 +241,11 @@ enum err slicing_draw_below(struct canvas *canvas, struct session *session,
 }
 
 enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kind kind,
-                         uint32_t column, uint32_t row, struct fault *fault)
+                         const struct labels *labels, uint32_t column, uint32_t row,
+                         struct fault *fault)
 {
     const struct view *view = &session->now.outlook.view;
-    enum err err = prepare(session, kind, NULL, fault);
+    enum err err = prepare(session, kind, labels, fault);
     if (err)
         return err;
     if (kind == SLICE_KIND_MOSAIC) {

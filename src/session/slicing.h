@@ -29,7 +29,8 @@ enum err slicing_check_size(const struct view *view, struct fault *fault);
 /* The cell of the voxel under a pixel of the picture that slicing_draw would make now, or
  * CELL_NONE; the pixel lies within the view's size. Errors are those of slicing_draw. */
 enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kind kind,
-                         uint32_t column, uint32_t row, struct fault *fault);
+                         const struct labels *labels, uint32_t column, uint32_t row,
+                         struct fault *fault);
 
 /* A mosaic as panes of a screen (render/mosaic_screen.h): the rendition is fitted in, and so is
  * what it shows (session_fitting_zoom). */
@@ -40,8 +41,8 @@ struct slicing_panel {
     struct mosaic_choice choice; /* borrows layout and the session's team; titles are gone */
 };
 
-/* Draws it, and fills in `layout` and `choice`. The canvas has its cells, and remembers where words
- * are and what lies below; the caller releases it.
+/* Draws it, of the labels that session_draw_fitting shows, and fills in `layout` and `choice`. The
+ * canvas has its cells, and remembers where words are and what lies below; the caller releases it.
  * ERR_LIMIT for a screen that has no room (mosaic_fits). */
 enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
                             struct slicing_panel *panel, struct fault *fault);

@@ -66,6 +66,7 @@ static const struct state_field outlook_field[] = {
     FIELD(outlook, slices.marks, 0),
     FIELD(outlook, slices.words, 0),
     FIELD(outlook, runs_by_itself, 0),
+    FIELD(outlook, shows_finished, MADE_COLOURS),
 };
 
 _Static_assert(sizeof(struct weight_choice) == 2 * sizeof(uint32_t), "no padding");

@@ -67,6 +67,7 @@ struct outlook {
     struct look look;
     struct slice_settings slices;
     bool runs_by_itself; /* "auto": each edit is run at once */
+    bool shows_finished; /* pictures show labels as kept.finish leaves them */
 };
 
 struct state {

@@ -96,7 +96,7 @@ static enum err render_as(const struct sheet *sheet, enum relabelled as, struct 
     for (int label = 1; label < 256; label++)
         session->border.visible[label] = as == AS_B ? sheet->visible[label] : true;
     border_recount(&session->border);
-    session->rendered = false;
+    session->rendered = RENDERED_NOT;
     return session_draw(session, RENDER_BORDER, fault);
 }
 
