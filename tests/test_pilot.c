@@ -617,6 +617,14 @@ STORY(what_is_shown)
     CHECK_TEXT(type("o"), "overlay contour\n");
     facts.overlay = 2;
     CHECK_TEXT(type("o"), "overlay none\n");
+    CHECK_TEXT(type("y"), "");
+    CHECK_HAS(buf_text(&message), "`:finish relax` has them settle");
+    facts.has_finish = true;
+    CHECK_TEXT(type("y"), "finished on\n");
+    facts.shows = PILOT_ROUGH;
+    CHECK_TEXT(type("y"), "finished off\n");
+    facts.shows = PILOT_FINISHED;
+    CHECK_TEXT(type("y"), "finished off\n");
 }
 
 STORY(the_view_and_the_window)
@@ -708,7 +716,7 @@ STORY(what_is_no_command)
     CHECK(deed == PILOT_SUSPEND);
     type("?");
     CHECK(deed == PILOT_SHOW_KEYS);
-    CHECK_TEXT(type("y"), "");
+    CHECK_TEXT(type("Y"), "");
     CHECK_HAS(buf_text(&message), "? shows the keys");
     press(KEY_OTHER, 0, 0);
     CHECK_TEXT(buf_text(&line), "");

@@ -108,6 +108,25 @@ press Escape
 see '^i seed '
 close_story
 
+begin "finished labels are shown as one works, and the forest's again, by one key"
+type_letters "y"
+see '`:finish relax` has them settle on the edges'
+type_letters ":finish relax sweeps=9"
+press Enter
+recorded "finish relax sweeps=9"
+type_letters "y"
+recorded "finished on"
+see '^coronal 13 at 11,13,9  brush 3 r1  finished  '
+type_letters "s1"
+recorded "seed 11,13,9 1 radius=1"
+press Escape
+see '^coronal 13 at 11,13,9  brush 1 r1  finished  '
+type_letters "uy"
+recorded "finished off"
+see '^coronal 13 at 11,13,9  brush 1 r1  label '
+type_letters "3b"
+close_story
+
 begin "what is pasted acts nowhere: it stands in the line of the colon"
 tmux_here set-buffer -b paste "$(printf 'box 10 xx u\nseed 1,1,1 2\nq ')"
 before=$(last_record)

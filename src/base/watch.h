@@ -15,7 +15,7 @@
  * Some work can be shown while it goes on. A watch that `wants_show` is called back by `show` as
  * soon as what is done so far can be read, by the thread that began the work, and nothing else goes
  * on meanwhile; the work goes on when `show` returns. The forest does so between two levels
- * (engine/forest.h), and not while a command is taken back.
+ * (engine/forest.h), relaxation between sweeps, and neither while a command is taken back.
  *
  * Invariants
  *   W1 stopping is sticky: once the watch has said so, every task under it ends at its next step

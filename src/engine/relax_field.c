@@ -368,7 +368,7 @@ static uint64_t move_row(struct relax_field *f, unsigned colour, uint32_t y, uin
 struct sweeping {
     struct relax_field *field;
     struct team *team;
-    uint32_t sweeps;
+    uint32_t first, end, sweeps; /* of so many */
 };
 
 /* The planes of a worker, so that all have about as much that moves. */
@@ -389,11 +389,11 @@ static void sweep_part(void *context, unsigned worker)
     const struct sweeping *s = context;
     struct relax_field *f = s->field;
     const struct share planes = planes_of(f, worker, team_size(s->team));
-    struct task task =
-        task_begin_part(f->scene->watch, "relaxed labels",
-                        s->sweeps * (f->moving[planes.end] - f->moving[planes.first]), worker);
+    const uint64_t each = f->moving[planes.end] - f->moving[planes.first];
+    struct task task = task_begin_part(f->scene->watch, "relaxed labels", s->sweeps * each, worker);
+    task.done = s->first * each;
     bool goes_on = true;
-    for (uint32_t half = 0; half < 2 * s->sweeps; half++) {
+    for (uint32_t half = 2 * s->first; half < 2 * s->end; half++) {
         for (size_t z = planes.first; z < planes.end && goes_on; z++)
             for (uint32_t y = 0; y < f->size[1] && goes_on; y++)
                 goes_on = task_advance(&task, move_row(f, half & 1, y, (uint32_t)z));
@@ -403,6 +403,14 @@ static void sweep_part(void *context, unsigned worker)
 
 void relax_field_sweep(struct relax_field *field, uint32_t sweeps, struct team *team)
 {
-    struct sweeping sweeping = {field, team, sweeps};
-    team_run(team, sweep_part, &sweeping);
+    enum { AT_ONCE = 4 };
+    struct watch *watch = field->scene->watch;
+    struct sweeping sweeping = {.field = field, .team = team, .sweeps = sweeps};
+    for (; sweeping.first < sweeps; sweeping.first = sweeping.end) {
+        const uint32_t left = sweeps - sweeping.first;
+        sweeping.end = sweeping.first + (left < AT_ONCE ? left : AT_ONCE);
+        team_run(team, sweep_part, &sweeping);
+        if (watch_wants_show(watch) && !watch->ignores_stop)
+            watch_show(watch);
+    }
 }

@@ -121,6 +121,11 @@ static void write_where(struct buf *out, struct session *session, bool knows_sum
         buf_add_text(out, "  orientation unknown");
     else if (geometry->orientation == ORIENTATION_TOLD)
         buf_add_text(out, "  sides as told by the user");
+    if (session_shows_finished(session) && session->live.label &&
+        session->live.label[cell_at_cross(session)] != cell->label) {
+        buf_add_text(out, "  finished label ");
+        act_write_label(out, session, session->live.label[cell_at_cross(session)]);
+    }
     if (knows_sums)
         write_sums(out, session, cell->label);
 }
@@ -137,6 +142,13 @@ static bool has_object(const struct session *session)
     return has;
 }
 
+static enum pilot_labels shown_labels(const struct session *session)
+{
+    return !session_shows_finished(session) ? PILOT_FOREST
+           : session_is_rough(session)      ? PILOT_ROUGH
+                                            : PILOT_FINISHED;
+}
+
 static bool facts(void *context, struct pilot_facts *out)
 {
     struct session *session = session_of(context);
@@ -151,7 +163,9 @@ static bool facts(void *context, struct pilot_facts *out)
                                 .frame_width = session->now.outlook.view.width,
                                 .frame_height = session->now.outlook.view.height,
                                 .overlay = s->overlay,
-                                .has_object = has_object(session)};
+                                .has_object = has_object(session),
+                                .shows = shown_labels(session),
+                                .has_finish = session->now.kept.finish.count > 0};
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++) {
         out->place[pane] = s->cross[pane];
         out->index[pane] = slice_index(session->scene, plane_of(pane), s->cross);
@@ -563,6 +577,39 @@ static void look_on(void *context, const struct pilot_onlooker *onlooker)
     console_look_on(onlooker ? &pilot->looks_on : NULL);
 }
 
+/* ---- while nobody waits ---- */
+
+struct finishing {
+    struct session *session;
+    const struct pilot_onlooker *onlooker;
+    struct watch watch;
+};
+
+static bool poll_finishing(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    struct finishing *f = context;
+    (void)what, (void)done, (void)total;
+    f->watch.wants_show |= f->onlooker->wants(f->onlooker->context);
+    return f->onlooker->stops(f->onlooker->context);
+}
+
+/* The picture is not part of what can be stopped. */
+static void show_finishing(void *context)
+{
+    struct finishing *f = context;
+    f->session->scene->watch = NULL;
+    f->onlooker->draw(f->onlooker->context);
+    f->session->scene->watch = &f->watch;
+}
+
+static enum err finish(void *context, const struct pilot_onlooker *onlooker, struct fault *fault)
+{
+    struct finishing f = {session_of(context),
+                          onlooker,
+                          {.context = &f, .poll = poll_finishing, .show = show_finishing}};
+    return session_refine(f.session, &f.watch, fault);
+}
+
 static void peek(void *context, const uint32_t place[3])
 {
     struct pilot_interpreter *pilot = context;
@@ -589,6 +636,7 @@ void pilot_host_fill(struct pilot_host *host)
     host->label = label;
     host->held = held;
     host->look_on = look_on;
+    host->finish = finish;
     host->peek = peek;
     host->seed = seed;
     host->centre = centre;

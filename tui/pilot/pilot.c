@@ -51,8 +51,11 @@ struct pilot {
     struct buf pasted; /* since it began, or until it is taken */
     bool is_over, has_ended;
 
-    /* While a command is carried out. */
+    bool gives_up; /* to make exact what is shown: it failed, and nothing has changed since */
+
+    /* While a command is carried out, or labels are finished. */
     struct typed_ahead ahead;
+    size_t ahead_shown;                     /* how many of them are */
     uint64_t reads_ns, shows_ns, wanted_ns; /* when input is read next, and the work drawn; when it
                                                was wanted last */
     bool is_showing;
@@ -95,6 +98,9 @@ static void add_status(struct buf *row, const struct pilot_state *state,
         buf_printf(row, " %zu corner%s", corners, corners == 1 ? "" : "s");
     if (facts->waiting)
         buf_printf(row, "  %zu wait%s for space", facts->waiting, facts->waiting == 1 ? "s" : "");
+    buf_add_text(row, facts->shows == PILOT_FINISHED ? "  finished"
+                      : facts->shows == PILOT_ROUGH  ? "  finishing"
+                                                     : "");
     buf_printf(row, "  %s", facts->where);
 }
 
@@ -320,10 +326,9 @@ static uint64_t after_ms(uint64_t now_ns, uint64_t ms)
     return now_ns + ms * 1000000;
 }
 
-static bool wants_show(void *context)
+/* False where it is too early for that. */
+static bool read_ahead(struct pilot *p, uint64_t now_ns)
 {
-    struct pilot *p = context;
-    const uint64_t now_ns = clock_ns();
     struct key_event event;
     if (p->is_showing || now_ns < p->reads_ns)
         return false;
@@ -332,7 +337,14 @@ static bool wants_show(void *context)
         while (typed_ahead_has_room(&p->ahead) && read_key(p, &event))
             typed_ahead_add(&p->ahead, &event);
     p->wanted_ns = now_ns;
-    return now_ns >= p->shows_ns && flow_may_send(&p->flow, now_ns);
+    return true;
+}
+
+static bool wants_show(void *context)
+{
+    struct pilot *p = context;
+    const uint64_t now_ns = clock_ns();
+    return read_ahead(p, now_ns) && now_ns >= p->shows_ns && flow_may_send(&p->flow, now_ns);
 }
 
 /* The cursor goes where progress is shown. */
@@ -357,6 +369,7 @@ static void show_so_far(void *context)
     p->state = state;
     p->host->peek(p->host->context, NULL);
     go_to_foot(NULL);
+    p->ahead_shown = p->ahead.count;
     const uint64_t now_ns = clock_ns(), took_ns = now_ns - p->wanted_ns;
     p->shows_ns = after_ms(now_ns, SHOWN_EVERY_MS) + 3 * took_ns;
     p->is_showing = false;
@@ -364,7 +377,7 @@ static void show_so_far(void *context)
 
 static enum err execute(struct pilot *p, const char *line, struct buf *output, struct fault *why)
 {
-    const struct pilot_onlooker onlooker = {p, wants_show, show_so_far};
+    const struct pilot_onlooker onlooker = {p, NULL, wants_show, show_so_far};
     p->reads_ns = p->shows_ns = after_ms(clock_ns(), SHOWN_AFTER_MS);
     p->host->look_on(p->host->context, &onlooker);
     const enum err err = p->state->sketches ? p->host->sketch(p->host->context, line, why)
@@ -390,6 +403,7 @@ static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
         buf_printf(&p->message, "error: %s", why.text);
     }
     p->is_stale = true;
+    p->gives_up = false;
     p->is_over = p->host->finished(p->host->context);
     return err;
 }
@@ -731,6 +745,50 @@ static bool wait_once(struct pilot *p, struct key_event *event)
     return false;
 }
 
+/* ---- while nobody waits ---- */
+
+/* The cross-hair moves as is typed; any other key ends it, and what may be one. */
+static bool wants_moves(void *context)
+{
+    struct pilot *p = context;
+    const uint64_t now_ns = clock_ns();
+    return read_ahead(p, now_ns) && p->ahead.count > p->ahead_shown &&
+           flow_may_send(&p->flow, now_ns);
+}
+
+static bool stops_for_keys(void *context)
+{
+    const struct pilot *p = context;
+    bool stops = awaits_rest(p) || p->is_pasting;
+    for (size_t i = p->ahead.taken; i < p->ahead.count; i++)
+        stops = stops || !pilot_only_moves(p->state, p->ahead.event + i);
+    return stops;
+}
+
+static bool is_rough(const struct pilot *p)
+{
+    struct pilot_facts facts;
+    return !p->is_stale && !p->gives_up && !awaits_rest(p) && !p->is_pasting && p->host->finish &&
+           p->host->facts(p->host->context, &facts) && facts.shows == PILOT_ROUGH;
+}
+
+/* What is shown right after an edit is rough. It is made exact, unless something else is wanted:
+ * then it is begun again afterwards. */
+static void finish_labels(struct pilot *p)
+{
+    const struct pilot_onlooker onlooker = {p, stops_for_keys, wants_moves, show_so_far};
+    struct fault why = {0};
+    p->reads_ns = 0;
+    p->ahead_shown = 0;
+    const enum err err = p->host->finish(p->host->context, &onlooker, &why);
+    p->is_stale = err != ERR_CANCELLED || p->ahead_shown > 0;
+    p->gives_up = err != OK && err != ERR_CANCELLED;
+    if (p->gives_up) {
+        buf_clear(&p->message);
+        buf_printf(&p->message, "error: %s", why.text);
+    }
+}
+
 /* For a page of text: a key, with nothing else going on; or another size of the screen. */
 static void await_key(struct pilot *p, struct key_event *event)
 {
@@ -755,7 +813,9 @@ static enum err run(struct pilot *p, struct fault *fault)
         if (!err && !p->is_over && (has_more(p) || is_ahead(p)) &&
             flow_may_send(&p->flow, clock_ns()))
             err = has_more(p) || p->flow.failed ? draw(p, fault) : send_ahead(p, fault);
-        if (!err && !p->is_over && wait_once(p, &event))
+        if (!err && !p->is_over && is_rough(p))
+            finish_labels(p);
+        else if (!err && !p->is_over && wait_once(p, &event))
             err = take_key(p, &event, fault);
     }
     return err;

@@ -33,6 +33,10 @@ enum { PILOT_TIMES_ONE = 1000, PILOT_TIMES_MOST = 4096000 }; /* of pilot_facts.t
 /* Planes, and panes: they are shown as render/mosaic.h lays them out. */
 enum pilot_pane { PILOT_AXIAL, PILOT_CORONAL, PILOT_SAGITTAL, PILOT_RENDITION, PILOT_PANES };
 
+/* Whose labels the picture shows: the forest's, or finished ones, which are rough where an edit has
+ * changed them since. */
+enum pilot_labels { PILOT_FOREST, PILOT_ROUGH, PILOT_FINISHED };
+
 /* What the host knows of the present state. */
 struct pilot_facts {
     uint32_t place[3];    /* of the cross-hair: a voxel */
@@ -48,6 +52,8 @@ struct pilot_facts {
     unsigned overlay; /* of labels in slices: 0 none, 1 tint, 2 contour */
     bool has_object;  /* a voxel has a label above 0, or a seed waits to give it one */
     uint32_t times;   /* by which slices are magnified, thousandths */
+    enum pilot_labels shows;
+    bool has_finish; /* labels can be finished */
 };
 
 struct pilot_setup;
@@ -67,9 +73,10 @@ struct pilot_wish {
     bool is_alone;        /* or has the whole screen */
 };
 
-/* Who looks on while a command is carried out. */
+/* Who looks on while a command is carried out, or something else that takes long. */
 struct pilot_onlooker {
     void *context;
+    bool (*stops)(void *context); /* asked as often: whether it is to end; NULL: it is not */
     bool (*wants)(void *context); /* asked often, at any moment of the work: whether to draw */
     void (*draw)(void *context);  /* when what stands so far can be drawn: by `picture`, as ever */
 };
@@ -123,6 +130,9 @@ struct pilot_host {
     bool (*is_hidden)(void *context, unsigned label);
     /* From now on, or with NULL no more, somebody looks on. */
     void (*look_on)(void *context, const struct pilot_onlooker *onlooker);
+    /* Makes exact what the picture shows, while nobody waits for anything else: where facts say
+     * PILOT_ROUGH. ERR_CANCELLED where the onlooker stops it: nothing has changed then. */
+    enum err (*finish)(void *context, const struct pilot_onlooker *onlooker, struct fault *fault);
     /* Within `draw`: the cross-hair is shown at a place, or with NULL where it is. */
     void (*peek)(void *context, const uint32_t place[3]);
 };

@@ -837,6 +837,15 @@ void pilot_change_overlay(struct press *p)
     buf_printf(p->line, "overlay %s\n", overlay[(p->facts->overlay + 1) % 3]);
 }
 
+void pilot_change_labels(struct press *p)
+{
+    if (p->facts->has_finish)
+        buf_printf(p->line, "finished %s\n", p->facts->shows == PILOT_FOREST ? "on" : "off");
+    else
+        buf_add_text(p->message, "labels are not finished yet: `:finish relax` has them settle on "
+                                 "the edges of the scene");
+}
+
 void pilot_preset(struct press *p)
 {
     const struct pilot_setup *setup = p->state->setup;

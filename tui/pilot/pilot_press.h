@@ -113,7 +113,8 @@ void pilot_roll(struct press *p);
 void pilot_pan(struct press *p); /* one of the ways */
 void pilot_change_zoom(struct press *p);
 void pilot_change_overlay(struct press *p);
-void pilot_magnify(struct press *p); /* more, less; 0 for whole slices */
+void pilot_change_labels(struct press *p); /* finished ones, the forest's */
+void pilot_magnify(struct press *p);       /* more, less; 0 for whole slices */
 void pilot_recentre(struct press *p);
 void pilot_show_alone(struct press *p);
 void pilot_preset(struct press *p); /* the window of that number */
