@@ -125,6 +125,8 @@ type_letters "uy"
 recorded "finished off"
 see '^coronal 13 at 11,13,9  brush 1 r1  label '
 type_letters "3b"
+press Escape
+see '^i seed '
 close_story
 
 begin "what is pasted acts nowhere: it stands in the line of the colon"

@@ -511,6 +511,7 @@ STORY(cursor_keys_come_in_two_dialects)
                 "home end home end insert delete pgup pgdown"},
                {"\033[1;5C\033[1;3D\033[3;2~\033[Z", "C-right A-left S-delete S-tab"},
                {"\033Oc\033OM\033\033[A", "C-right enter A-up"},
+               {"\033\033[?62;4cx", "A-<[?62;4c> x"}, /* Escape, then a reply */
                {"\033OP\033[15~\033[[Ax\033[1;2P", "other other other x S-other"});
 }
 

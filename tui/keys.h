@@ -17,7 +17,8 @@
  *
  * ESC alone is a key too, and so are Alt-[, Alt-O, Alt-P and the like, whose bytes begin sequences.
  * Only time decides: while keys_waiting says yes, and nothing came for KEYS_TIMEOUT_MS, the caller
- * calls keys_time_out.
+ * calls keys_time_out. A reply may come before that: a KEY_REPLY with KEY_ALT came right after the
+ * Escape key.
  */
 #ifndef TUI_KEYS_H
 #define TUI_KEYS_H

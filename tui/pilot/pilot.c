@@ -657,7 +657,9 @@ static bool is_for_pilot(struct pilot *p, struct key_event *event)
             flow_answered(&p->flow, clock_ns());
         else
             p->is_stale |= painter_take_reply(&p->painter, p->editor->keys.body);
-        return false;
+        if (!(event->modifiers & KEY_ALT))
+            return false;
+        *event = (struct key_event){.key = KEY_ESCAPE}; /* it came right before the answer */
     }
     if (event->key == KEY_PASTE_BEGIN && !p->is_pasting) {
         buf_clear(&p->pasted);
