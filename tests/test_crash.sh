@@ -28,7 +28,7 @@ commands() { # 200 of them
         } }'
 }
 commands >script
-sed '/^#/d' script >canonical
+sed '/^#/d; s/^open .*/& weight=morph/' script >canonical
 
 begin "the whole script, undisturbed"
 expect 0 "$iftty" run script --journal whole.iftty

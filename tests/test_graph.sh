@@ -38,7 +38,7 @@ begin "what was recorded by a session is drawn"
 make_scene s.nii 24 20 16
 "$iftty" -c 'open s.nii; seed 2,3,4 1; run' --journal r.iftty >/dev/null || fail "cannot record"
 expect 0 "$iftty" log --graph r.iftty
-same "$(cat out)" "* 1 open s.nii
+same "$(cat out)" "* 1 open s.nii weight=morph
 * 2 seed 2,3,4 1
 @ 3 (main, present) run"
 close_story

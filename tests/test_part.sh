@@ -11,7 +11,7 @@ begin "a part is recorded, resumed and verified as it was opened"
 expect 0 "$iftty" -c "open s.nii.gz $crop; seed 2,3,4 1; seed 12,10,5 2; run; why 0,0,0
 save labels l.nii" --journal j.iftty
 out_has '16x16x10 voxels'
-grep -q "^open s.nii.gz $crop\$" j.iftty || fail "$(cat j.iftty)"
+grep -q "^open s.nii.gz $crop weight=morph\$" j.iftty || fail "$(cat j.iftty)"
 expect 0 "$iftty" -c 'seed 1,1,1 3; run' --journal j.iftty
 expect 0 "$iftty" verify j.iftty
 expect 0 "$iftty" -c "open s.nii $crop; why 0,0,0"
@@ -23,7 +23,7 @@ same "$(sed -n 's/.*intensity \([0-9]*\).*/\1/p' cropped)" \
     "$(sed -n 's/.*intensity \([0-9]*\).*/\1/p' out)"
 expect 0 "$iftty" -c "open s.nii reduce=2 $crop; seed 1,1,1 1; run" --journal r.iftty
 out_has '8x8x5 voxels of 2x2x2 mm'
-grep -q "^open s.nii $crop reduce=2\$" r.iftty || fail "$(cat r.iftty)"
+grep -q "^open s.nii $crop reduce=2 weight=morph\$" r.iftty || fail "$(cat r.iftty)"
 expect 0 "$iftty" verify r.iftty
 close_story
 

@@ -23,8 +23,8 @@ remove 20,10,8
 run
 golden second
 EOS
-sed -n 's/^  seed   20,10,8	3$/seed 20,10,8 3/; s/ ball radius/ 2 radius/; /^[a-z]/p' \
-    script >canonical
+sed -n 's/^  seed   20,10,8	3$/seed 20,10,8 3/; s/ ball radius/ 2 radius/
+    s/^open .*/& weight=morph/; /^[a-z]/p' script >canonical
 
 acks() {
     sed -n 's/^ok [0-9-]* //p' out
@@ -58,7 +58,7 @@ close_story
 
 begin "-c carries out commands between semicolons"
 expect 0 "$iftty" -c 'open s.nii; seed 1,1,1 1;run ;; # nothing'
-same "$(acks | tr '\n' ';')" "open s.nii;seed 1,1,1 1;run;"
+same "$(acks | tr '\n' ';')" "open s.nii weight=morph;seed 1,1,1 1;run;"
 cp s.nii 'a; b.nii'
 expect 0 "$iftty" -c 'open "a; b.nii"; info'
 out_has 'ok 1 open "a; b.nii"'
@@ -67,7 +67,7 @@ err_has "-c:2: unknown command sed"
 expect 0 "$iftty" -c '# a "comment; with a quote
 open s.nii; # "
 seed 1,1,1 1'
-same "$(acks | tr '\n' ';')" "open s.nii;seed 1,1,1 1;"
+same "$(acks | tr '\n' ';')" "open s.nii weight=morph;seed 1,1,1 1;"
 expect 2 "$iftty" -c 'help "a\"; b"; sed'
 err_has '-c:1: there is no command a"; b'
 close_story
@@ -75,11 +75,11 @@ close_story
 begin "the first error ends a script, or not with --keep-going"
 printf 'open s.nii\nseed 99,1,1 1\nseed 1,1,1 1\nsed\nrun\n' >bad
 expect 3 "$iftty" run bad
-same "$(acks | tr '\n' ';')" "open s.nii;"
+same "$(acks | tr '\n' ';')" "open s.nii weight=morph;"
 same "$(cat err)" \
     "bad:2: 99,1,1 lies outside the scene, whose voxels are 0,0,0 to 23,19,15; nothing has changed"
 expect 3 "$iftty" run bad --keep-going
-same "$(acks | tr '\n' ';')" "open s.nii;seed 1,1,1 1;run;"
+same "$(acks | tr '\n' ';')" "open s.nii weight=morph;seed 1,1,1 1;run;"
 same "$(cut -d: -f1-2 err | tr '\n' ' ')" "bad:2 bad:4 "
 expect 2 "$iftty" -c 'sed; open nothing' --keep-going
 same "$(wc -l <err | tr -d ' ')" 2
@@ -87,7 +87,7 @@ close_story
 
 begin "quit ends a script, and what follows is not carried out"
 expect 0 "$iftty" -c 'open s.nii; quit; seed 1,1,1 1'
-same "$(acks | tr '\n' ';')" "open s.nii;quit;"
+same "$(acks | tr '\n' ';')" "open s.nii weight=morph;quit;"
 close_story
 
 begin "exit statuses"
@@ -496,7 +496,7 @@ begin "comments go into the journal, and a line too long hides no command"
     printf 'seed 1,1,1 1\nrun\n'
 } >lengthy
 expect 0 "$iftty" run lengthy --keep-going
-same "$(acks | tr '\n' ';')" "open s.nii;run;"
+same "$(acks | tr '\n' ';')" "open s.nii weight=morph;run;"
 grep -q '^# two seeds in a small scene$' j.iftty || fail "the comment is lost"
 close_story
 
