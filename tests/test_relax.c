@@ -12,7 +12,8 @@
 enum { LONG = 60, SHORT = 8, MOST = LONG * SHORT * SHORT, LABELS = 5 };
 
 static uint64_t state;
-static struct team *team_of[4];
+enum { TEAMS = 5 }; /* none, and those of 1, 2, 3 and 8 threads */
+static struct team *team_of[TEAMS];
 
 static uint32_t below(uint32_t end)
 {
@@ -263,7 +264,7 @@ STORY(relaxed_labels_are_what_a_plain_model_makes)
         };
         struct scene *scene = scene_of(v);
         model(v, &list.step[0], expected.made);
-        CHECK(finish_make(&label, &list, scene, team_of[round % 4], NULL) == OK);
+        CHECK(finish_make(&label, &list, scene, team_of[round % TEAMS], NULL) == OK);
         if (!CHECK(agree(&expected, scene, label)))
             printf("# round %d: %dx%dx%d, %u sweeps\n", round, v->size[0], v->size[1], v->size[2],
                    list.step[0].argument);
@@ -295,8 +296,8 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
             label[cell_of(&v, &scene->grid, i)] = (uint8_t)v.label[i];
         for (uint8_t k = 0; k < 2; k++) {
             CHECK(relax_field_init(&field[k], scene, label, (uint8_t)(k + 1), &all, &greys,
-                                   team_of[round % 4], NULL) == OK);
-            relax_field_sweep(&field[k], 25, team_of[(round + k) % 4]);
+                                   team_of[round % TEAMS], NULL) == OK);
+            relax_field_sweep(&field[k], 25, team_of[(round + k) % TEAMS]);
         }
         bool sums = true;
         for (uint32_t z = 0; z < scene->grid.size[2]; z++)
@@ -343,14 +344,14 @@ STORY(memory_that_runs_out_is_an_error)
 
 int main(void)
 {
-    for (unsigned workers = 1; workers < 4; workers++)
-        if (team_new(&team_of[workers], workers, NULL) != OK)
+    for (unsigned workers = 1; workers < TEAMS; workers++)
+        if (team_new(&team_of[workers], workers < 4 ? workers : 8, NULL) != OK)
             abort();
     const int status = RUN_STORIES(TELL(relaxed_labels_are_what_a_plain_model_makes),
                                    TELL(the_fields_of_an_object_and_of_all_else_are_complements),
                                    TELL(a_stop_is_heard_wherever_it_comes),
                                    TELL(memory_that_runs_out_is_an_error));
-    for (unsigned workers = 1; workers < 4; workers++)
+    for (unsigned workers = 1; workers < TEAMS; workers++)
         team_free(team_of[workers]);
     return status;
 }

@@ -365,50 +365,93 @@ static uint64_t move_row(struct relax_field *f, unsigned colour, uint32_t y, uin
     return part->end - part->first;
 }
 
+/*
+ * Half-sweeps are done several at a time, so that what moves is still in the cache: half-sweep h of
+ * a plane follows once h - 1 is done in the planes beside it, and h + 1 is in none of them. Each
+ * worker has a slab of planes. First it does what needs its slab alone, which is a plane less at
+ * both ends with each half-sweep; then, when all have done so, what is left around its last plane.
+ */
+enum { HALVES_AT_ONCE = 16 };
+
 struct sweeping {
     struct relax_field *field;
     struct team *team;
-    uint32_t first, end, sweeps; /* of so many */
+    uint32_t first, end, halves; /* of so many half-sweeps */
+    uint32_t slabs, slab[TEAM_MOST + 1];
 };
 
-/* The planes of a worker, so that all have about as much that moves. */
-static struct share planes_of(const struct relax_field *f, unsigned worker, unsigned workers)
+/* Slabs of about as much that moves, with room for `halves` at both ends of each. */
+static void divide(struct sweeping *s, uint32_t halves)
 {
-    struct share share = {0, 0};
-    const uint64_t all = f->moving[f->size[2]];
-    while (share.first < f->size[2] && f->moving[share.first] < all * worker / workers)
-        share.first++;
-    share.end = share.first;
-    while (share.end < f->size[2] && f->moving[share.end] < all * (worker + 1) / workers)
-        share.end++;
-    return share;
+    const struct relax_field *f = s->field;
+    const uint32_t planes = f->size[2], least = 2 * halves, workers = team_size(s->team);
+    const uint64_t all = f->moving[planes];
+    s->slabs = planes / least < workers ? planes / least : workers;
+    s->slabs = s->slabs ? s->slabs : 1;
+    for (uint32_t i = 1, z = 0; i < s->slabs; i++) {
+        const uint32_t most = planes - least * (s->slabs - i);
+        for (z += least; z < most && f->moving[z] < all * i / s->slabs;)
+            z++;
+        s->slab[i] = z;
+    }
+    s->slab[0] = 0;
+    s->slab[s->slabs] = planes;
+}
+
+static bool move_plane(const struct sweeping *s, uint32_t half, uint32_t z, struct task *task)
+{
+    bool goes_on = true;
+    for (uint32_t y = 0; y < s->field->size[1] && goes_on; y++)
+        goes_on = task_advance(task, move_row(s->field, half & 1, y, z));
+    return goes_on;
+}
+
+static bool sweep_slab(const struct sweeping *s, unsigned worker, struct task *task)
+{
+    const uint32_t first = s->slab[worker], end = s->slab[worker + 1], count = s->end - s->first;
+    const bool is_low = first == 0, is_high = end == s->field->size[2]; /* no slab is beside */
+    bool goes_on = true;
+    for (uint32_t at = first; at < end + count && goes_on; at++)
+        for (uint32_t h = 0; h < count && goes_on; h++)
+            if (at >= first + (is_low ? h : 2 * h) && at < (is_high ? end + h : end))
+                goes_on = move_plane(s, s->first + h, at - h, task);
+    return goes_on;
+}
+
+static void sweep_between(const struct sweeping *s, uint32_t end, struct task *task)
+{
+    bool goes_on = true;
+    for (uint32_t h = 1; h < s->end - s->first && goes_on; h++)
+        for (uint32_t z = end - h; z < end + h && goes_on; z++)
+            goes_on = move_plane(s, s->first + h, z, task);
 }
 
 static void sweep_part(void *context, unsigned worker)
 {
     const struct sweeping *s = context;
-    struct relax_field *f = s->field;
-    const struct share planes = planes_of(f, worker, team_size(s->team));
-    const uint64_t each = f->moving[planes.end] - f->moving[planes.first];
-    struct task task = task_begin_part(f->scene->watch, "relaxed labels", s->sweeps * each, worker);
-    task.done = s->first * each;
-    bool goes_on = true;
-    for (uint32_t half = 2 * s->first; half < 2 * s->end; half++) {
-        for (size_t z = planes.first; z < planes.end && goes_on; z++)
-            for (uint32_t y = 0; y < f->size[1] && goes_on; y++)
-                goes_on = task_advance(&task, move_row(f, half & 1, y, (uint32_t)z));
-        team_wait(s->team);
-    }
+    const size_t *moving = s->field->moving;
+    const bool has_slab = worker < s->slabs;
+    const uint64_t each =
+        has_slab ? moving[s->slab[worker + 1]] - moving[s->slab[worker]] : 0; /* in a sweep */
+    struct task task =
+        task_begin_part(s->field->scene->watch, "relaxed labels", s->halves * each / 2, worker);
+    task.done = s->first * each / 2;
+    const bool goes_on = has_slab && sweep_slab(s, worker, &task);
+    team_wait(s->team);
+    if (goes_on && worker + 1 < s->slabs)
+        sweep_between(s, s->slab[worker + 1], &task);
 }
 
 void relax_field_sweep(struct relax_field *field, uint32_t sweeps, struct team *team)
 {
-    enum { AT_ONCE = 4 };
     struct watch *watch = field->scene->watch;
-    struct sweeping sweeping = {.field = field, .team = team, .sweeps = sweeps};
-    for (; sweeping.first < sweeps; sweeping.first = sweeping.end) {
-        const uint32_t left = sweeps - sweeping.first;
-        sweeping.end = sweeping.first + (left < AT_ONCE ? left : AT_ONCE);
+    struct sweeping sweeping = {.field = field, .team = team, .halves = 2 * sweeps};
+    const uint32_t fit = field->size[2] / (2 * team_size(team));
+    const uint32_t halves = fit < 1 ? 1 : fit < HALVES_AT_ONCE ? fit : HALVES_AT_ONCE;
+    divide(&sweeping, halves);
+    for (; sweeping.first < sweeping.halves; sweeping.first = sweeping.end) {
+        const uint32_t left = sweeping.halves - sweeping.first;
+        sweeping.end = sweeping.first + (left < halves ? left : halves);
         team_run(team, sweep_part, &sweeping);
         if (watch_wants_show(watch) && !watch->ignores_stop)
             watch_show(watch);
