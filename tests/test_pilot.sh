@@ -315,6 +315,10 @@ tmux_here resize-window -t prompt -x 130 -y 30
 comes_true stands_in_row 29 || fail "the screen is:" "$(screen_text | grep .)"
 see '^coronal 13 .* mm  mean [0-9.]*, SD [0-9.]*, [0-9.]* x [0-9.]* x [0-9.]* mm$' # of the label
 enter ":seed 20,4,3 0"
+see '^this seed took .* of label 1 through 20,4,2; undo takes it back$' # lines are a page
+see '^[(]any key[)]$'
+type_letters " "
+see '^coronal 13 '
 enter ":cross 20,4,3"
 see '^coronal 4 .*  label 0  label [0-9] [0-9.]* m[lm]3? \([+-][0-9.]* m[lm]3?\)  intensity '
 type_letters "u"
