@@ -13,19 +13,20 @@ void session_init(struct session *session)
     session_mark(session);
 }
 
+/* What is made of a scene, or looks at one, goes before it. */
 void session_close_scene(struct session *session)
 {
     session_settle(session);
     session_release_rendition(session);
+    live_finish_drop(session);
     shader_release(&session->shader);
+    label_measures_release(&session->measures);
+    finished_release(&session->finished);
+    hinting_release(&session->hinting);
+    weight_work_release(&session->weight_work);
     border_release(&session->border);
     forest_free(session->forest);
     scene_free(session->scene);
-    weight_work_release(&session->weight_work);
-    finished_release(&session->finished);
-    hinting_release(&session->hinting);
-    live_finish_drop(session);
-    label_measures_release(&session->measures);
     free(session->mask_room);
     session->roi = roi_none();
     session->mask_room = NULL;
