@@ -182,14 +182,18 @@ static inline void markers_stand(const struct session *session)
 {
     const struct scene *scene = session->scene;
     const struct edit *pending = edits_first(&session->now.lists.pending);
-    int16_t *seed = malloc(scene->grid.cells * sizeof *seed);
+    struct edit *seed = malloc(scene->grid.cells * sizeof *seed);
     bool same = true;
-    for (uint32_t c = 0; c < scene->grid.cells; c++)
-        seed[c] = scene->cell[c].flags & CELL_SEED ? scene->cell[c].label : EDIT_ERASE;
+    for (uint32_t c = 0; c < scene->grid.cells; c++) {
+        seed[c].label = scene->cell[c].flags & CELL_SEED ? scene->cell[c].label : EDIT_ERASE;
+        seed[c].reach = forest_reach_number(session->forest, c);
+    }
     for (size_t i = 0; i < session_pendings(session); i++)
-        seed[pending[i].cell] = pending[i].label;
-    for (uint32_t c = 0; c < scene->grid.cells; c++)
-        same &= seed[c] == markers_seed(&session->markers, c);
+        seed[pending[i].cell] = pending[i];
+    for (uint32_t c = 0; c < scene->grid.cells; c++) {
+        const struct edit edit = markers_edit(&session->markers, c);
+        same &= seed[c].label == edit.label && seed[c].reach == edit.reach;
+    }
     free(seed);
     CHECK(same);
 }

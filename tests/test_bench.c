@@ -182,7 +182,7 @@ static void begin(struct session *session, struct seeds *seeds)
             i < procedure_count[0]
                 ? grid_cell(&session->scene->grid, 16 + early % 16, early / 16 % 32, early / 512)
                 : grid_cell(&session->scene->grid, late % 12, late / 12 % 12, late / 144);
-        seeds->edit[seeds->count++] = (struct edit){cell, (int16_t)(i % 4)};
+        seeds->edit[seeds->count++] = (struct edit){cell, (int16_t)(i % 4), 0};
     }
 }
 

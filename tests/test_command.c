@@ -105,7 +105,7 @@ static const char *form_of(const struct parameter *p)
                        : p->type == VALUE_COLOUR   ? "#rrggbb"
                        : p->type == VALUE_FILE     ? "FILE"
                                                    : p->name;
-    snprintf(radius, sizeof radius, "0..%lld|Rmm", (long long)p->most);
+    snprintf(radius, sizeof radius, "%lld..%lld|Rmm", (long long)p->least, (long long)p->most);
     if (!p->choices)
         return type;
     if (p[1].paired) { /* "LOW HIGH|none" */
@@ -275,7 +275,8 @@ static void add_value(struct buf *out, const struct parameter *p)
         add_position(out);
         break;
     case VALUE_RADIUS:
-        buf_printf(out, below(2) ? "%u" : "%u.%03umm", below((uint32_t)p->most + 1), below(1000));
+        buf_printf(out, below(2) ? "%u" : "%u.%03umm",
+                   (uint32_t)p->least + below((uint32_t)(p->most - p->least) + 1), below(1000));
         break;
     case VALUE_INTERVAL:
         buf_printf(out, "%d.%03u..%u.5", -(int)below(50), below(1000), 1 + below(300));
@@ -948,49 +949,50 @@ STORY(a_hint_is_the_rest_of_the_usage)
     hints("", "");
     hints("see", "");
     hints("seed", " X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                  "[shell=yes] [around=LABEL] [through=X,Y,Z]");
+                  "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
     hints("seed ", "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                   "[shell=yes] [around=LABEL] [through=X,Y,Z]");
-    hints("  seed   ", "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] "
-                       "[joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z]");
+                   "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
+    hints("  seed   ",
+          "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] "
+          "[joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
     hints("seed 1", " LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                    "[shell=yes] [around=LABEL] [through=X,Y,Z]");
+                    "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
     hints("seed 1,1,1", " LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                        "[shell=yes] [around=LABEL] [through=X,Y,Z]");
+                        "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
     hints("seed 1,1,1 ", "LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                         "[shell=yes] [around=LABEL] [through=X,Y,Z]");
+                         "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
     hints("seed 1,1,1 2", " [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                          "[shell=yes] [around=LABEL] [through=X,Y,Z]");
+                          "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
     hints("seed 1,1,1 2 ", "[radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                           "[shell=yes] [around=LABEL] [through=X,Y,Z]");
+                           "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
     hints("seed 1,1,1 2 r", "");
     hints("seed 1,1,1 2 radius=", "0..512|Rmm [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                                  "[shell=yes] [around=LABEL] [through=X,Y,Z]");
+                                  "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
     hints("seed 1,1,1 2 radius=3", " [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] "
-                                   "[around=LABEL] [through=X,Y,Z]");
+                                   "[around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
     hints("seed radius=", "0..512|Rmm X,Y,Z LABEL [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                          "[shell=yes] [around=LABEL] [through=X,Y,Z]");
+                          "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
     hints("seed radius=3 ", "X,Y,Z LABEL [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] "
-                            "[around=LABEL] [through=X,Y,Z]");
-    hints(
-        "seed 1,1,1 2 radius=3 ",
-        "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z]");
-    hints(
-        "seed 1,1,1 2 radius=3 to=2,2,2 ",
-        "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z]");
+                            "[around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
+    hints("seed 1,1,1 2 radius=3 ", "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] "
+                                    "[around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
+    hints("seed 1,1,1 2 radius=3 to=2,2,2 ",
+          "[range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] [shell=yes] [around=LABEL] "
+          "[through=X,Y,Z] [within=1..512|Rmm]");
     hints("range ", "LOW HIGH|none");
     hints("range 20 ", "HIGH");
     hints("range none", "");
     hints("range none ", "");
     hints("cut 1,1,1", " X,Y,Z");
     hints("seed 1,1,1 2 3 ", "[radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] [joined=yes] "
-                             "[shell=yes] [around=LABEL] [through=X,Y,Z]");
+                             "[shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
     hints("overlay words=off ", "[none|tint|contour] [cross=on|off] [marks=on|off]");
     hints("slice axial a.png ", "[N] [zoom=fit|0.01..64] [replace=yes|no] [finished=yes|no]");
     hints("label 2 \"a", "");
     hints("label \"2\"", " NAME [#rrggbb]");
-    hints("\"seed\" ", "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] "
-                       "[joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z]");
+    hints("\"seed\" ",
+          "X,Y,Z LABEL [radius=0..512|Rmm] [range=LOW..HIGH] [to=X,Y,Z ...] "
+          "[joined=yes] [shell=yes] [around=LABEL] [through=X,Y,Z] [within=1..512|Rmm]");
     hints("\"seed", "");
     hints("run", "");
     hints("run ", "");

@@ -210,7 +210,7 @@ static struct changes random_edit(struct stage *s, uint64_t *random)
         uint32_t place[3];
         random_place(s, random, place);
         const uint32_t cell = grid_cell(&s->scene->grid, place[0], place[1], place[2]);
-        batch[i] = (struct edit){cell, (int16_t)((int)check_below(random, 5) - 1)};
+        batch[i] = (struct edit){cell, (int16_t)((int)check_below(random, 5) - 1), 0};
         if (batch[i].label == EDIT_ERASE && cell_is_reached(&s->scene->cell[cell]))
             batch[i].cell = key_root(s->scene->cell[cell].key);
     }

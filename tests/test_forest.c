@@ -45,7 +45,7 @@ static struct cell *voxel(struct world *w, uint32_t x, uint32_t y, uint32_t z)
 
 static void plant_at(struct world *w, uint32_t x, uint32_t y, uint32_t z, int label)
 {
-    struct edit edit = {grid_cell(&w->scene->grid, x, y, z), (int16_t)label};
+    struct edit edit = {grid_cell(&w->scene->grid, x, y, z), (int16_t)label, 0};
     CHECK(forest_edit(w->forest, &edit, 1, NULL) == OK);
 }
 
@@ -132,7 +132,7 @@ STORY(the_last_edit_of_a_voxel_in_a_batch_wins)
 {
     struct world w = world_new(3, 1, 1, 6);
     uint32_t at = grid_cell(&w.scene->grid, 1, 0, 0);
-    struct edit batch[] = {{at, 4}, {at, EDIT_ERASE}, {at, 5}};
+    struct edit batch[] = {{at, 4, 0}, {at, EDIT_ERASE, 0}, {at, 5, 0}};
     CHECK(forest_edit(w.forest, batch, 3, NULL) == OK);
     CHECK_TEXT(row_labels(&w), "555");
     CHECK(revert(w.forest, NULL) == OK);
@@ -310,8 +310,8 @@ STORY(a_plateau_longer_than_hops_can_count_is_refused_and_undone)
     plant_at(&w, 20000, 2, 0, 1); /* from the middle no way is longer than 60002 steps */
     uint64_t before = forest_digest(w.forest);
     CHECK(forest_check(w.forest, NULL));
-    struct edit far[] = {{grid_cell(&w.scene->grid, 20000, 2, 0), EDIT_ERASE},
-                         {grid_cell(&w.scene->grid, 0, 0, 0), 2}};
+    struct edit far[] = {{grid_cell(&w.scene->grid, 20000, 2, 0), EDIT_ERASE, 0},
+                         {grid_cell(&w.scene->grid, 0, 0, 0), 2, 0}};
     CHECK_INT(forest_edit(w.forest, far, 2, &fault), ERR_LIMIT);
     CHECK_HAS(fault.text, "plateau");
     CHECK(forest_digest(w.forest) == before);
@@ -379,7 +379,7 @@ static bool equals_scratch(struct world *w)
     copy_scene(&fresh, w);
     for (size_t i = 0; i < g->cells; i++)
         if (w->scene->cell[i].flags & CELL_SEED)
-            seed[seeds++] = (struct edit){(uint32_t)i, w->scene->cell[i].label};
+            seed[seeds++] = (struct edit){(uint32_t)i, w->scene->cell[i].label, 0};
     CHECK(forest_edit(fresh.forest, seed, seeds, NULL) == OK);
     bool same = same_forest(w, &fresh);
     free(seed);
@@ -522,7 +522,7 @@ static size_t random_batch(struct world *w, struct edit *batch, uint64_t *random
     if (kind == 0) {
         for (size_t i = 0; i < g->cells; i++)
             if (w->scene->cell[i].flags & CELL_SEED)
-                batch[count++] = (struct edit){(uint32_t)i, EDIT_ERASE};
+                batch[count++] = (struct edit){(uint32_t)i, EDIT_ERASE, 0};
         return count;
     }
     for (uint32_t n = 1 + check_below(random, 4); n > 0; n--) {
@@ -533,7 +533,7 @@ static size_t random_batch(struct world *w, struct edit *batch, uint64_t *random
             at = cell_is_reached(cell) ? key_root(cell->key) : at;
             label = check_below(random, 4) ? EDIT_ERASE : label;
         }
-        batch[count++] = (struct edit){at, label};
+        batch[count++] = (struct edit){at, label, 0};
     }
     return count;
 }
@@ -575,7 +575,7 @@ static void random_roi(struct world *w, struct edit *batch, uint64_t *random)
     }
     for (size_t i = 0; i < g->cells; i++)
         if (w->scene->cell[i].flags & CELL_SEED && !roi_holds(&roi, w->scene, (uint32_t)i))
-            batch[count++] = (struct edit){(uint32_t)i, EDIT_ERASE};
+            batch[count++] = (struct edit){(uint32_t)i, EDIT_ERASE, 0};
     CHECK_INT(roi_tally(&roi, w->scene).seeds_outside, count);
     CHECK(forest_edit(w->forest, batch, count, NULL) == OK);
     roi_apply(&roi, w->scene);
@@ -701,7 +701,7 @@ static struct world random_world(uint64_t *random, unsigned seeds)
     paint(&w, check_below(random, TEXTURES), random);
     random_arcs(&w, random);
     for (unsigned i = 0; i < seeds; i++) {
-        struct edit edit = {random_voxel(&w.scene->grid, random), (int16_t)(i % 3)};
+        struct edit edit = {random_voxel(&w.scene->grid, random), (int16_t)(i % 3), 0};
         CHECK(forest_edit(w.forest, &edit, 1, NULL) == OK);
     }
     return w;
@@ -717,8 +717,8 @@ STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
     plant_at(&w, 30, 30, 30, 1);
     plant_at(&w, 2, 2, 2, 2);
     const struct state before = state_of(&w);
-    const struct edit edit[] = {{grid_cell(&w.scene->grid, 30, 30, 30), EDIT_ERASE},
-                                {grid_cell(&w.scene->grid, 50, 8, 9), 3}};
+    const struct edit edit[] = {{grid_cell(&w.scene->grid, 30, 30, 30), EDIT_ERASE, 0},
+                                {grid_cell(&w.scene->grid, 50, 8, 9), 3, 0}};
     enum err err = ERR_CANCELLED;
     unsigned looks = 0;
     for (; err && check_failures == 0; looks++) {
@@ -877,7 +877,8 @@ static bool live_once(uint64_t seed)
     for (int step = 0; step < 6; step++) {
         const struct state before = state_of(&w);
         for (int i = 0; i < 40; i++)
-            batch[i] = (struct edit){random_voxel(&w.scene->grid, &random), (int16_t)(i % 4 - 1)};
+            batch[i] =
+                (struct edit){random_voxel(&w.scene->grid, &random), (int16_t)(i % 4 - 1), 0};
         if (forest_edit(w.forest, batch, 40, &fault)) {
             CHECK_INT(fault.code, ERR_MEMORY);
             is_as_before(&w, before);

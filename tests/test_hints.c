@@ -32,7 +32,7 @@ static void end_world(void)
 
 static void plant(uint32_t cell, int16_t label)
 {
-    CHECK(forest_edit(forest, &(struct edit){cell, label}, 1, NULL) == OK);
+    CHECK(forest_edit(forest, &(struct edit){cell, label, 0}, 1, NULL) == OK);
 }
 
 static void find(void)

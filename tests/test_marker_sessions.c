@@ -146,6 +146,10 @@ static bool plant(char line[LINE], struct standing *state)
             end += sprintf(end, " radius=%u", radius);
         model_stroke(covers, grid, (corners_of)at, corners, way ? ones : spacing_nm,
                      way ? radius : 1000 * um);
+        if (way && corners == 1 && below(3) == 0) {
+            sprintf(end, " within=%u", radius + 1 + below(4));
+            return true; /* which the model does not know: the seeds are the same */
+        }
     }
     for (unsigned i = 1; i < corners && way != 4; i++)
         end += sprintf(end, " to=%u,%u,%u", at[i][0], at[i][1], at[i][2]);

@@ -95,7 +95,7 @@ static void random_edit(struct stage *s, uint64_t *random)
         batch[i] = (struct edit){grid_cell(g, check_below(random, g->size[0]),
                                            check_below(random, g->size[1]),
                                            check_below(random, g->size[2])),
-                                 (int16_t)((int)check_below(random, 5) - 1)};
+                                 (int16_t)((int)check_below(random, 5) - 1), 0};
     for (int i = 0; i < 3; i++)
         if (batch[i].label == EDIT_ERASE && s->scene->cell[batch[i].cell].key != KEY_NONE)
             batch[i].cell = key_root(s->scene->cell[batch[i].cell].key);
@@ -248,7 +248,7 @@ STORY(a_long_row_of_voxels_is_seen_whole)
         struct stage s;
         struct rendition splatted, walked;
         CHECK(stage_init(&s, (uint32_t[]){length[i], 1, 1}, 6, NULL) == OK);
-        struct edit seed = {grid_cell(&s.scene->grid, length[i] / 2, 0, 0), 1};
+        struct edit seed = {grid_cell(&s.scene->grid, length[i] / 2, 0, 0), 1, 0};
         CHECK(forest_edit(s.forest, &seed, 1, NULL) == OK);
         border_recount(&s.border);
         s.view.zoom = zoom[i];

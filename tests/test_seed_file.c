@@ -113,6 +113,42 @@ STORY(a_bad_line_is_named_and_nothing_is_taken)
     CHECK_HAS(fault.text, "line 1");
 }
 
+STORY(a_seed_of_a_list_may_end_within_a_distance)
+{
+    const struct grid grid = grid_of(10, 9, 8);
+    CHECK(list("x,y,z,label,within,of x,of y,of z\n1,1,1,2,4,1,2,3\n3,3,3,2\n2,1,1,2,4,1,2,3 # a\n"
+               "4,1,1,2,2.5mm,1,2,3\n5,1,1,9,4,1,2,3\n",
+               LABEL_OWN) == OK);
+    CHECK_INT(seeds.groups, 3);
+    const uint16_t *region = seeds.region; /* in the order of voxels */
+    CHECK(region[0] >= SEED_GROUPS_FROM && region[0] == region[1] && region[2] != region[3]);
+    CHECK_INT(region[4], 2);
+    const struct seed_group *first = &seeds.group[region[0] - SEED_GROUPS_FROM];
+    const struct seed_group *in_mm = &seeds.group[region[2] - SEED_GROUPS_FROM];
+    CHECK(first->label == 2 && first->reach.radius == 4 && first->reach.unit[1] == 1);
+    CHECK(first->reach.centre[0] == 1 && first->reach.centre[2] == 3);
+    CHECK(in_mm->reach.radius == 2500000 && in_mm->reach.unit[1] == 0);
+    CHECK_INT(seeds.group[region[3] - SEED_GROUPS_FROM].label, 9);
+    const uint64_t digest = seeds_digest(&seeds);
+    CHECK_TEXT(told(&grid), "1,1,1:2 2,1,1:2 4,1,1:2 5,1,1:9 3,3,3:2");
+    CHECK(list("1,1,1,2,5,1,2,3\n3,3,3,2\n2,1,1,2,4,1,2,3\n4,1,1,2,2.5mm,1,2,3\n"
+               "5,1,1,9,4,1,2,3\n",
+               LABEL_OWN) == OK);
+    CHECK(seeds_digest(&seeds) != digest);
+    seeds_release(&seeds);
+    static const char *const wrong[] = {
+        "1,1,1,2,4\n",         "1,1,1,2,4,1,2\n",     "1,1,1,2,0,1,2,3\n",
+        "1,1,1,2,513,1,2,3\n", "1,1,1,2,4,1,2,3,4\n", "1,1,1,2,-4,1,2,3\n",
+        "1,1,1,2,4cm,1,2,3\n", "1,1,1,2,4,1,-2,3\n",  "1,1,1,2,1001mm,1,2,3\n",
+        "1,1,1,2,4,1,2,3x\n"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+        if (!CHECK(list(wrong[i], LABEL_OWN) == ERR_INPUT))
+            printf("#   %s\n", wrong[i]);
+    CHECK(list("1,1,1,2,4,1,2,3\n1,1,1,2\n", LABEL_OWN) == ERR_INPUT);
+    CHECK_HAS(fault.text, "the voxel of line 1 again, within another distance");
+    CHECK(!seeds.group && !seeds.edit);
+}
+
 STORY(any_text_gives_seeds_of_the_scene_or_one_line)
 {
     static const char piece[] = "0123456789,,,,,,\n\n\n##--.. brainxyz\"\r\t";
@@ -412,6 +448,7 @@ int main(void)
     return RUN_STORIES(
         TELL(a_list_gives_its_seeds_in_the_order_of_voxels),
         TELL(a_bad_line_is_named_and_nothing_is_taken),
+        TELL(a_seed_of_a_list_may_end_within_a_distance),
         TELL(any_text_gives_seeds_of_the_scene_or_one_line),
         TELL(every_voxel_of_a_region_is_a_seed_of_its_number),
         TELL(values_are_what_the_header_makes_of_them),

@@ -26,9 +26,9 @@ STORY(a_passage_is_the_strongest_edge_that_most_paths_share)
     const uint32_t first = grid_cell(&scene->grid, 0, 0, 0);
     for (uint32_t x = 0; x < VOXELS + REST; x++)
         scene->cell[first + x].weight = x < VOXELS ? weight[x] : 1;
-    CHECK(forest_edit(forest, &(struct edit){first + VOXELS - 1, 2}, 1, NULL) == OK);
+    CHECK(forest_edit(forest, &(struct edit){first + VOXELS - 1, 2, 0}, 1, NULL) == OK);
     CHECK(!passage_find(&at, forest, 0)); /* what grew from nothing has no list */
-    CHECK(forest_edit(forest, &(struct edit){first, 1}, 1, NULL) == OK);
+    CHECK(forest_edit(forest, &(struct edit){first, 1, 0}, 1, NULL) == OK);
     CHECK_INT(scene->cell[first + 10].label, 1);
     CHECK(passage_find(&at, forest, 2));
     CHECK_INT(at, first + 4);

@@ -118,7 +118,7 @@ static size_t random_batch(const struct world *w, struct edit *batch, uint64_t *
         batch[i] =
             (struct edit){grid_cell(&w->scene->grid, check_below(random, size[0]),
                                     check_below(random, size[1]), check_below(random, size[2])),
-                          (int16_t)((int)check_below(random, 4) - 1)};
+                          (int16_t)((int)check_below(random, 4) - 1), 0};
     return count;
 }
 

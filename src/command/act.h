@@ -175,6 +175,7 @@ void act_add_markers(const struct act *act);
  * one inside nor the shell's own label. */
 struct planting {
     uint16_t low, high;
+    uint16_t reach; /* of the seeds (forest_add_reach), or 0 */
     bool is_shell;
     uint8_t inside; /* the label of the object inside a shell */
     size_t planted, outside, beyond, others;
@@ -259,6 +260,12 @@ enum err act_write_now(struct interpreter *interp, const char *path, enum file_m
  * and says so. The picture is released, also on error. */
 enum err act_write_picture(const struct act *act, const char *path, enum file_mode mode,
                            struct picture *picture);
+
+/* ", within 12 voxels of 10,14,9" for a seed that has a reach; a line about the seed that would
+ * take a voxel, but ends before it; and one about all of the session, for `info`. */
+void act_write_reach(struct buf *out, const struct session *session, uint32_t seed);
+void act_write_refusal(struct buf *out, const struct session *session, uint32_t cell);
+enum err act_write_reaches(const struct act *act);
 
 /* A line: where a voxel is, its intensity, its label, and the seed of its tree. */
 void act_write_voxel(struct buf *out, const struct session *session, uint32_t cell);

@@ -74,7 +74,9 @@ void act_write_voxel(struct buf *out, const struct session *session, uint32_t at
     struct place root = grid_place(grid, key_root(cell->key));
     buf_add_text(out, "label ");
     act_write_label(out, session, cell->label);
-    buf_printf(out, ", of the seed at %u,%u,%u\n", root.x, root.y, root.z);
+    buf_printf(out, ", of the seed at %u,%u,%u", root.x, root.y, root.z);
+    act_write_reach(out, session, key_root(cell->key));
+    buf_add_char(out, '\n');
 }
 
 /* Which label would take the voxel, were it not for the seeds of its own. */
@@ -122,6 +124,7 @@ enum err act_why(const struct act *act)
     const struct cell *cell = session->scene->cell + place;
     struct way way = {0};
     act_write_voxel(&act->reply->text, session, place);
+    act_write_refusal(&act->reply->text, session, place);
     if (!cell_is_reached(cell))
         return OK;
     buf_printf(&act->reply->text, "cost %u, %u step%s since it last rose\n", key_cost(cell->key),
@@ -244,6 +247,9 @@ enum err act_info(const struct act *act)
     histogram_of_session(&histogram, session);
     histogram_write(out, &histogram, act->interp->has_blocks);
     act_write_region(out, session);
+    const enum err counted = act_write_reaches(act);
+    if (counted)
+        return counted;
     act_write_finish(out, session);
     act_write_view(out, session);
     write_look(out, &session->now.outlook.look);

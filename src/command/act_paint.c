@@ -43,7 +43,8 @@ enum err act_plant(const struct act *act, struct planting *planting, uint32_t *c
             cell[kept++] = cell[i];
     }
     planting->planted += kept;
-    return kept ? session_plant(act->session, cell, kept, label, act->fault) : OK;
+    return kept ? session_plant_within(act->session, cell, kept, label, planting->reach, act->fault)
+                : OK;
 }
 
 static void write_left_out(struct buf *out, const char *why, size_t count)
@@ -107,17 +108,27 @@ static enum err plant(const struct act *act, struct voxels *voxels, int16_t labe
 
 /* ---- balls and strokes ---- */
 
+/* What a distance is counted in: voxels, or nanometres of their spacing. */
+static enum err find_unit(const uint32_t **unit, const struct act *act, const char *name,
+                          const struct value *distance)
+{
+    static const uint32_t ones[3] = {1, 1, 1};
+    const struct session *session = act->session;
+    *unit = distance->in_mm ? session->scene->spacing_nm : ones;
+    return !distance->in_mm || !session->geometry.spacing_unknown
+               ? OK
+               : fault_set(act->fault, ERR_INPUT,
+                           "%s: the scene's file does not say how large voxels are; expected a "
+                           "number of voxels, not millimetres; nothing has changed",
+                           name);
+}
+
 static enum err make_brush(struct brush *brush, const struct act *act, const struct value *radius,
                            int most)
 {
-    const struct session *session = act->session;
-    if (radius->in_mm && session->geometry.spacing_unknown)
-        return fault_set(act->fault, ERR_INPUT,
-                         "radius: the scene's file does not say how large voxels are; expected a "
-                         "number of voxels, not millimetres; nothing has changed");
-    return brush_init(brush,
-                      radius->in_mm ? session->scene->spacing_nm : (const uint32_t[]){1, 1, 1},
-                      radius->number, most, act->fault);
+    const uint32_t *unit;
+    const enum err err = find_unit(&unit, act, "radius", radius);
+    return err ? err : brush_init(brush, unit, radius->number, most, act->fault);
 }
 
 enum err act_find_voxels(const struct act *act, const struct value *place,
@@ -259,12 +270,50 @@ static enum err plant_hollow_box(const struct act *act, const uint32_t corner[3]
 
 /* ---- balls, strokes, and shells of balls ---- */
 
+/* The number of the reach of a ball's seeds; no seed of it lies beyond. */
+static enum err find_reach(uint16_t *number, const struct act *act, const uint32_t centre[3],
+                           const struct value *within, const struct voxels *voxels)
+{
+    const struct session *session = act->session;
+    const uint32_t *unit;
+    struct reach reach = {.radius = within->number};
+    enum err err = find_unit(&unit, act, "within", within);
+    for (int a = 0; !err && a < 3; a++) {
+        reach.centre[a] = centre[a];
+        reach.unit[a] = unit[a];
+    }
+    for (size_t i = 0; !err && i < voxels->count; i++) {
+        const struct place p = grid_place(&session->scene->grid, voxels->cell[i]);
+        if (!reach_holds(&reach, p.x, p.y, p.z))
+            err = fault_set(act->fault, ERR_USAGE,
+                            "within: it is less than the radius; expected as much or more; "
+                            "nothing was planted");
+    }
+    return err ? err : forest_add_reach(session->forest, &reach, number, act->fault);
+}
+
+/* A ball that `within` says a reach of, or not. */
+static enum err plant_ball(const struct act *act, struct voxels *voxels, const uint32_t centre[3],
+                           int16_t label, const struct value *range, const struct value *within)
+{
+    struct planting planting = act_begin_planting(act->session, range);
+    enum err err = within->given ? find_reach(&planting.reach, act, centre, within, voxels) : OK;
+    if (!err)
+        err = plant_all(act, &planting, voxels, label);
+    voxels_release(voxels);
+    return err;
+}
+
 enum err act_seed(const struct act *act)
 {
-    enum { PLACE, LABEL, RADIUS, RANGE, TO, JOINED, SHELL, AROUND, THROUGH };
+    enum { PLACE, LABEL, RADIUS, RANGE, TO, JOINED, SHELL, AROUND, THROUGH, WITHIN };
     const struct value *value = act->value;
     const bool is_shell = act_is_yes(&value[SHELL]);
     struct voxels voxels = {0};
+    if (value[WITHIN].given && (is_shell || value[TO].given || value[JOINED].given))
+        return fault_set(act->fault, ERR_USAGE,
+                         "within: it is that of one ball, and of no stroke or shell; nothing was "
+                         "planted");
     if (is_shell && (value[TO].given || value[JOINED].given))
         return refuse_shell(act, "it is that of one ball, and of no stroke");
     if ((value[AROUND].given || value[THROUGH].given) && !is_shell)
@@ -280,7 +329,8 @@ enum err act_seed(const struct act *act)
                          (long long)value[LABEL].number);
     enum err err = act_find_voxels(act, &value[PLACE], &value[RADIUS], &value[TO], &voxels);
     if (!err)
-        err = plant(act, &voxels, (int16_t)value[LABEL].number, &value[RANGE]);
+        err = plant_ball(act, &voxels, value[PLACE].place, (int16_t)value[LABEL].number,
+                         &value[RANGE], &value[WITHIN]);
     if (!err && value[JOINED].given)
         session_join(act->session);
     return err;

@@ -171,6 +171,27 @@ static void write_regions(const struct act *act, const char *atlas, const uint16
     label_table_release(&table);
 }
 
+/* Those of a list may end within a distance. */
+static enum err plant_region(const struct act *act, struct planting *planting,
+                             const struct seeds *seeds, const struct region_choice *choice,
+                             uint32_t region, uint32_t *cell, size_t count)
+{
+    const struct session *session = act->session;
+    planting->reach = 0;
+    if (region < SEED_GROUPS_FROM || region - SEED_GROUPS_FROM >= seeds->groups)
+        return act_plant(act, planting, cell, count, (uint8_t)region_label(choice, region));
+    const struct seed_group *group = &seeds->group[region - SEED_GROUPS_FROM];
+    struct reach reach = group->reach;
+    if (!reach.unit[0] && session->geometry.spacing_unknown)
+        return fault_set(act->fault, ERR_INPUT,
+                         "it has a distance in millimetres, and the scene's file does not say how "
+                         "large voxels are; nothing was planted");
+    for (int a = 0; a < 3; a++)
+        reach.unit[a] = reach.unit[a] ? reach.unit[a] : session->scene->spacing_nm[a];
+    const enum err err = forest_add_reach(session->forest, &reach, &planting->reach, act->fault);
+    return err ? err : act_plant(act, planting, cell, count, group->label);
+}
+
 /* Each region is a marker. */
 static enum err plant(const struct act *act, const struct seeds *seeds, const char *path,
                       const struct region_choice *choice, struct planting *planting)
@@ -180,8 +201,7 @@ static enum err plant(const struct act *act, const struct seeds *seeds, const ch
     enum err err = end ? seeds_by_region(seeds, &cell, end, act->session->watch, act->fault)
                        : fault_memory(act->fault, "the seeds of regions");
     for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++])
-        err = act_plant(act, planting, cell + begin, end[r] - begin,
-                        (uint8_t)region_label(choice, r));
+        err = plant_region(act, planting, seeds, choice, r, cell + begin, end[r] - begin);
     if (!err && act->value[AS].given)
         write_regions(act, path, choice->as, end);
     free(end);

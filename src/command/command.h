@@ -31,7 +31,7 @@ enum value_type {
     VALUE_NUMBER,   /* an integer, least..most */
     VALUE_LINE,     /* places that a line goes on to from the first parameter's; keyed, and given as
                        often as there are */
-    VALUE_RADIUS,   /* voxels, 0..most; or millimetres, "2.5mm", of 1 nm to 1 m */
+    VALUE_RADIUS,   /* voxels, least..most; or millimetres, "2.5mm", of 1 nm to 1 m */
     VALUE_RANGE,    /* "A-B", or "A" for "A-A", least..most */
     VALUE_LIST,     /* ranges with commas between them, "1-90,105", least..most */
     VALUE_INTERVAL, /* "LOW..HIGH", real values, thousandths */

@@ -22,7 +22,7 @@ static void add_form(struct buf *out, const struct parameter *p)
     else if (p->type == VALUE_INTERVAL)
         buf_add_text(out, "LOW..HIGH");
     else if (p->type == VALUE_RADIUS)
-        buf_printf(out, "0..%lld|Rmm", (long long)p->most);
+        buf_printf(out, "%lld..%lld|Rmm", (long long)p->least, (long long)p->most);
     else if (p->type == VALUE_LABEL)
         buf_add_text(out, "LABEL");
     else if (p->type == VALUE_COLOUR)

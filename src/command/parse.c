@@ -266,7 +266,7 @@ static enum err read_radius(struct value *value, const struct parameter *p, cons
 {
     static const int64_t nm_most = 1000000000;
     const char *at = word;
-    if (scan_integer(&at, 0, p->most, &value->number) && *at == '\0')
+    if (scan_integer(&at, p->least, p->most, &value->number) && *at == '\0')
         return OK;
     at = word;
     value->in_mm =
@@ -275,9 +275,9 @@ static enum err read_radius(struct value *value, const struct parameter *p, cons
         return OK;
     struct buf expected = {0};
     buf_printf(&expected,
-               "a number 0..%lld, or millimetres as in 2.5mm, above 0 and up to 1000 with at most "
-               "six decimals",
-               (long long)p->most);
+               "a number %lld..%lld, or millimetres as in 2.5mm, above 0 and up to 1000 with at "
+               "most six decimals",
+               (long long)p->least, (long long)p->most);
     const enum err err = expect(fault, p, word, buf_text(&expected));
     buf_release(&expected);
     return err;

@@ -203,7 +203,8 @@ const struct command command_table[] = {
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255),
       KEYED("radius", VALUE_RADIUS, .most = BRUSH_HOLLOW_REACH_MOST), WITHIN,
       KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes"), HOLLOW,
-      KEYED("through", VALUE_POSITION)},
+      KEYED("through", VALUE_POSITION),
+      KEYED("within", VALUE_RADIUS, .least = 1, .most = REACH_MOST)},
      "plant a seed, a ball of seeds, or a stroke",
      "A voxel that has a seed gets the new label. A command that takes a label more than 100 times "
      "what it plants, more than 1000 voxels, and a quarter of it or as much as a quarter of the "
@@ -217,7 +218,10 @@ const struct command command_table[] = {
      "shell=yes: of the ball, only the voxels that have a neighbour outside: says at once that "
      "the object lies inside. What other objects than the one inside hold now is left out.\n"
      "around: the object inside; unless given, that in the middle.\n"
-     "through: of a shell, a voxel that it goes through, instead of its radius.",
+     "through: of a shell, a voxel that it goes through, instead of its radius.\n"
+     "within: of a ball, how far from PLACE its trees grow, as radius has it: a correction changes "
+     "nothing beyond. Some three times the depth of what is wrong is a good choice; a voxel that "
+     "every tree around it is kept from has label 0, and `info` counts those.",
      "seed 100,100,50 1 radius=2"},
     {COMMAND("box", act_box, GROUP_SEEDS, R | S | E | P),
      {NEED("CORNER", VALUE_POSITION), NEED("OPPOSITE", VALUE_POSITION),

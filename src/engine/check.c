@@ -9,7 +9,7 @@ static uint64_t solve_at(const struct forest *forest, uint32_t at)
     uint64_t best = cell->flags & CELL_SEED ? key_make(0, 0, at) : KEY_NONE;
     for (unsigned i = 0; i < adjacency->count; i++) {
         const struct cell *neighbour = cell + adjacency->offset[i];
-        if (!cell_is_reached(neighbour))
+        if (!cell_is_reached(neighbour) || !forest_may_hold(forest, key_root(neighbour->key), at))
             continue;
         uint64_t offer =
             key_extend(neighbour->key, arc_weight_now(forest_arcs(forest), neighbour, cell));
@@ -41,7 +41,7 @@ static const char *voxel_wrong(const struct forest *forest, uint32_t at)
     if (cell->direction >= adjacency->count)
         return "T2: no predecessor";
     const struct cell *from = cell - adjacency->offset[cell->direction];
-    if (!cell_is_reached(from) ||
+    if (!cell_is_reached(from) || !forest_may_hold(forest, key_root(from->key), at) ||
         key_extend(from->key, arc_weight_now(forest_arcs(forest), from, cell)) != cell->key)
         return "T2: its predecessor does not support it";
     return from->label == cell->label ? NULL : "T2: its label is not that of its predecessor";

@@ -84,6 +84,18 @@ static enum err pass_fault(struct fault *fault, enum err err)
     return fault_set(fault, err, "cancelled; nothing has changed");
 }
 
+/* From here on they are those of the edits: no voxel belongs to a seed that gets another one. */
+static void set_reaches(struct forest *forest, const struct edit *edit, size_t count)
+{
+    struct reaches *reaches = &forest->reaches;
+    for (size_t i = 0; reaches->of && i < count; i++) {
+        uint16_t *of = reaches->of + edit[i].cell;
+        reaches->seeds += (size_t)(edit[i].reach != 0);
+        reaches->seeds -= (size_t)(*of != 0);
+        *of = edit[i].reach;
+    }
+}
+
 static void plant(struct forest *forest, uint32_t at, uint8_t label)
 {
     forest->cell[at].flags |= CELL_SEED;
@@ -94,9 +106,9 @@ static void plant(struct forest *forest, uint32_t at, uint8_t label)
 /*
  * Changes the seeds and queues what follows; the pass does the rest. First every tree that
  * goes is cleared, then the cleared voxels take their offers, then seeds are planted. A seed that
- * gets another label is removed and planted. Where so much is lost that growing everything anew is
- * faster, `lost_too_much` says so, and the forest is of no use. It may be stopped anywhere: keys of
- * before are right again once the seeds of before are there.
+ * gets another label or reach is removed and planted. Where so much is lost that growing everything
+ * anew is faster, `lost_too_much` says so, and the forest is of no use. It may be stopped anywhere:
+ * keys of before are right again once the seeds of before are there.
  */
 static void change_seeds(struct forest *forest, const struct edit *edit, size_t count)
 {
@@ -105,11 +117,13 @@ static void change_seeds(struct forest *forest, const struct edit *edit, size_t 
         const struct cell *cell = forest->cell + edit[i].cell;
         if (!goes_on(forest, 1))
             return;
-        if (cell->flags & CELL_SEED && cell->label != edit[i].label)
+        if (cell->flags & CELL_SEED && (cell->label != edit[i].label ||
+                                        forest_reach_number(forest, edit[i].cell) != edit[i].reach))
             uproot(forest, edit[i].cell);
     }
     if (forest->lost_too_much || is_stopped(forest))
         return;
+    set_reaches(forest, edit, count);
     reoffer_cleared(forest);
     for (size_t i = 0; !is_stopped(forest) && i < count && goes_on(forest, 1); i++)
         if (edit[i].label != EDIT_ERASE && !(forest->cell[edit[i].cell].flags & CELL_SEED))
@@ -167,8 +181,10 @@ static enum err prepare(struct forest *forest, const struct edit *edit, size_t c
         const struct cell *cell = forest->cell + e->cell;
         assert(!(cell->flags & CELL_RIM));
         assert(!(cell->flags & CELL_OUTSIDE) || e->label == EDIT_ERASE);
+        assert(e->reach <= forest->reaches.count && (!e->reach || e->label != EDIT_ERASE));
         forest->inverse[i] =
-            (struct edit){e->cell, cell->flags & CELL_SEED ? cell->label : EDIT_ERASE};
+            (struct edit){e->cell, cell->flags & CELL_SEED ? cell->label : EDIT_ERASE,
+                          forest_reach_number(forest, e->cell)};
     }
     return OK;
 }
@@ -202,6 +218,7 @@ void forest_count_anew(struct forest *forest)
 /* Puts the seeds of `edit` in the place of those that are there, and computes nothing. */
 static void set_seeds(struct forest *forest, const struct edit *edit, size_t count)
 {
+    set_reaches(forest, edit, count);
     for (size_t i = 0; i < count; i++) {
         struct cell *cell = forest->cell + edit[i].cell;
         forest->seeds -= (cell->flags & CELL_SEED) != 0;
@@ -444,6 +461,7 @@ void forest_free(struct forest *forest)
     free(forest->batch);
     free(forest->inverse);
     free(forest->cleared.item);
+    reaches_release(&forest->reaches, forest->scene->grid.cells);
     free(forest);
 }
 
@@ -453,7 +471,9 @@ uint32_t forest_predecessor(const struct forest *forest, uint32_t cell)
     for (unsigned i = 0; !(here->flags & CELL_SEED) && i < forest->adjacency.count; i++) {
         const struct cell *neighbour = here + forest->adjacency.offset[i];
         if (cell_is_reached(neighbour) &&
-            key_extend(neighbour->key, arc_weight_now(&forest->arcs, neighbour, here)) == here->key)
+            key_extend(neighbour->key, arc_weight_now(&forest->arcs, neighbour, here)) ==
+                here->key &&
+            forest_may_hold(forest, key_root(here->key), cell))
             return (uint32_t)(neighbour - forest->cell);
     }
     return CELL_NONE;
@@ -500,7 +520,10 @@ size_t forest_memory(const struct forest *forest)
 {
     size_t bytes = sizeof *forest + forest->change_limit * sizeof *forest->change +
                    forest->cleared.capacity * sizeof(uint32_t) +
-                   (forest->batch_capacity + forest->inverse_capacity) * sizeof(struct edit);
+                   (forest->batch_capacity + forest->inverse_capacity) * sizeof(struct edit) +
+                   forest->reaches.capacity * sizeof(struct reach);
+    if (forest->reaches.of)
+        bytes += forest->scene->grid.cells * sizeof *forest->reaches.of;
     for (unsigned i = 0; i < forest->workers; i++) {
         const struct worker *worker = forest->worker + i;
         bytes += sizeof *worker + queue_memory(worker->queue);

@@ -13,6 +13,9 @@
  * the textbook f_max cost; hops and root decide every tie. (Method: Audigier, Lotufo, Falcao 2006;
  * differential transform: Falcao and Bergo 2004; the canonical key is this program's own.)
  *
+ * A seed may have a reach, beyond which its tree offers nothing: engine/reach.h says what becomes
+ * of all this then.
+ *
  * An edit changes the set of seeds and repairs the solution in time proportional to what changes.
  *
  * Words here and in the literature
@@ -49,6 +52,7 @@
 #include "base/team.h"
 #include "base/err.h"
 #include "engine/arc.h"
+#include "engine/reach.h"
 #include "engine/scene.h"
 
 struct forest;
@@ -58,7 +62,8 @@ struct forest;
 enum { EDIT_ERASE = -1 };
 struct edit {
     uint32_t cell;
-    int16_t label; /* 0..255, or EDIT_ERASE */
+    int16_t label;  /* 0..255, or EDIT_ERASE */
+    uint16_t reach; /* of the seed, by its number (forest_add_reach); 0 for none, or no seed */
 };
 
 /* A voxel to which the last edit gave another label. */
@@ -157,6 +162,31 @@ const struct adjacency *forest_adjacency(const struct forest *forest);
 const struct arc_rule *forest_arcs(const struct forest *forest);
 size_t forest_seeds(const struct forest *forest);  /* their number */
 size_t forest_memory(const struct forest *forest); /* bytes, without the scene */
+
+/* ---- reaches of seeds (engine/reach.h) ---- */
+
+/* The number by which edits name a reach, for good. ERR_MEMORY, and ERR_LIMIT beyond 65535 of them.
+ * The first takes two bytes a cell, as addresses only: memory is taken where roots are. */
+enum err forest_add_reach(struct forest *forest, const struct reach *reach, uint16_t *number,
+                          struct fault *fault);
+
+/* That of a seed that is planted, NULL for none; and its number, or 0. */
+const struct reach *forest_reach(const struct forest *forest, uint32_t seed);
+uint16_t forest_reach_number(const struct forest *forest, uint32_t seed);
+
+/* Whether the reach of `root`, a seed, lets its tree hold a voxel. */
+bool forest_may_hold(const struct forest *forest, uint32_t root, uint32_t cell);
+
+/* The least key that a neighbour's tree would offer a voxel, were it not for its reach; KEY_NONE
+ * for none. */
+uint64_t forest_refused_offer(const struct forest *forest, uint32_t cell);
+
+/* How many seeds have one. */
+size_t forest_limited_seeds(const struct forest *forest);
+
+/* How many voxels are without a tree because all around them end before: a way leads to them from a
+ * seed. A walk through the scene, unless no seed has a reach. ERR_MEMORY, ERR_CANCELLED. */
+enum err forest_count_refused(const struct forest *forest, size_t *voxels, struct fault *fault);
 
 /* Sums mod 2^64 over the voxels that a seed reaches: of a mix of (cell, key), and of a mix of cell
  * times label. */

@@ -45,6 +45,14 @@ struct worker {
     } status;
 };
 
+/* Reaches, and which seeds have one. */
+struct reaches {
+    struct reach *item; /* item[n - 1] has number n */
+    size_t count, capacity;
+    uint16_t *of; /* [grid.cells], of the seed there: its number, or 0; NULL until there is one */
+    size_t seeds; /* that have one */
+};
+
 struct forest {
     struct scene *scene;
     struct cell *cell; /* scene->cell */
@@ -55,6 +63,7 @@ struct forest {
     uint32_t taken_mask;    /* what of a state stays when an offer is taken */
     uint32_t settled_mask;  /* and when a voxel has been served */
     size_t seeds;
+    struct reaches reaches;
 
     struct change *change; /* [change_limit] */
     size_t changes, listed, change_limit;
@@ -155,6 +164,22 @@ static inline void settle(struct forest *forest, uint32_t at)
     cell->state &= forest->settled_mask;
 }
 
+/* ---- reaches, where there are any ---- */
+
+void reaches_release(struct reaches *reaches, size_t cells);
+
+static inline const struct reach *reach_of(const struct forest *forest, uint32_t root)
+{
+    const uint16_t number = forest->reaches.of[root];
+    return number ? forest->reaches.item + number - 1 : NULL;
+}
+
+static inline bool tree_may_hold(const struct forest *forest, uint32_t root, struct place place)
+{
+    const struct reach *reach = reach_of(forest, root);
+    return !reach || reach_holds(reach, place.x, place.y, place.z);
+}
+
 /* ---- offers ---- */
 
 static inline unsigned owner_of(const struct forest *forest, uint32_t at)
@@ -184,17 +209,21 @@ struct offer {
 };
 
 /* The best offer to a voxel from neighbours with keys below `limit`, cleared ones left out; without
- * a branch. `neighbours` and `arcs` are those of the forest, constants where possible. */
-static inline __attribute__((always_inline)) struct offer best_offer(const struct forest *forest,
-                                                                     uint32_t at, uint64_t limit,
-                                                                     const unsigned neighbours,
-                                                                     const enum arc_kind arcs)
+ * a branch. `neighbours` and `arcs` are those of the forest, and `limits` says whether any seed has
+ * a reach: constants where possible. */
+static inline __attribute__((always_inline)) struct offer
+best_offer(const struct forest *forest, uint32_t at, uint64_t limit, const unsigned neighbours,
+           const enum arc_kind arcs, const bool limits)
 {
     const struct cell *here = forest->cell + at;
+    const struct place place =
+        limits ? grid_place(&forest->scene->grid, at) : (struct place){0, 0, 0};
     struct offer best = {KEY_NONE, DIRECTION_NONE};
     for (unsigned i = 0; i < neighbours; i++) {
         const struct cell *neighbour = here + forest->adjacency.offset[i];
-        const bool offers = (neighbour->key - 1 < limit - 1) & !(neighbour->flags & CELL_CLEARED);
+        bool offers = (neighbour->key - 1 < limit - 1) & !(neighbour->flags & CELL_CLEARED);
+        if (limits && offers)
+            offers = tree_may_hold(forest, key_root(neighbour->key), place);
         const uint32_t weight = arc_weight(&forest->arcs, arcs, neighbour, here, neighbour->label);
         const uint64_t key = key_extend(neighbour->key, weight) | ((uint64_t)offers - 1);
         best.direction = key < best.key ? neighbours - 1 - i : best.direction;

@@ -112,9 +112,11 @@ static void serve(struct second *second)
 static void subtract(const struct second *second)
 {
     const struct cell *cell = second->scene->cell;
-    for (size_t c = 0; c < second->scene->grid.cells; c++)
-        if (second->cost[c] != MARGIN_NONE)
-            second->cost[c] = (uint16_t)(second->cost[c] - key_cost(cell[c].key));
+    for (size_t c = 0; c < second->scene->grid.cells; c++) {
+        const uint32_t other = second->cost[c], own = key_cost(cell[c].key);
+        if (other != MARGIN_NONE)
+            second->cost[c] = (uint16_t)(other > own ? other - own : 0);
+    }
 }
 
 enum err margin_new(uint16_t **margin, const struct forest *forest, struct fault *fault)

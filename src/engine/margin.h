@@ -17,7 +17,10 @@
  * and one pass over costs, from the borders of labels inwards, solves it: about the time of a run
  * from nothing, and two bytes a cell.
  *
- * That holds while w does not depend on the label of the path, so not under ARC_POLARITY.
+ * That holds while w does not depend on the label of the path, so not under ARC_POLARITY. Where
+ * seeds have reaches (engine/reach.h), C is what the forest has, and C' solves this equation from
+ * there: what another label would cost from where it is now, wherever its seeds reach. It may be
+ * less than C: then the margin is 0, since nothing but a reach has decided.
  */
 #ifndef ENGINE_MARGIN_H
 #define ENGINE_MARGIN_H

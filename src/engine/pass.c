@@ -39,6 +39,7 @@ struct kind {
     enum arc_kind arcs;
     bool mends;  /* keys may have changed under their children */
     bool shares; /* some cells are owned by other workers */
+    bool limits; /* some seeds have a reach */
 };
 #define PER_KIND static inline __attribute__((always_inline))
 
@@ -70,7 +71,7 @@ PER_KIND void take_best_offer(struct forest *forest, uint32_t s, const struct ki
 {
     struct cell *here = forest->cell + s;
     const uint64_t limit = key_level_begin(key_level(here->key));
-    const struct offer best = best_offer(forest, s, limit, kind.neighbours, kind.arcs);
+    const struct offer best = best_offer(forest, s, limit, kind.neighbours, kind.arcs, kind.limits);
     here->flags &= (uint8_t)~CELL_RAISED;
     if (best.key < here->key) {
         here->key = best.key;
@@ -79,8 +80,17 @@ PER_KIND void take_best_offer(struct forest *forest, uint32_t s, const struct ki
     }
 }
 
+/* Whether the tree may not grow from here along a direction. */
+static inline bool refuses(const struct forest *forest, const struct reach *reach,
+                           struct place here, unsigned direction)
+{
+    const int8_t *step = forest->adjacency.step[direction];
+    return reach && !reach_holds(reach, (int64_t)here.x + step[0], (int64_t)here.y + step[1],
+                                 (int64_t)here.z + step[2]);
+}
+
 /* Serves one voxel: writes down its offers. One goes to each neighbour with a higher key than it is
- * offered, and to each child with another key than it is offered. */
+ * offered, and to each child with another key than it is offered, which may be none. */
 PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t s,
                           struct offers *offers, const struct kind kind)
 {
@@ -89,6 +99,9 @@ PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t
         take_best_offer(forest, s, kind);
     const uint64_t key = here->key, hop = key_hop(key);
     const uint32_t root = key_root(key), state = cell_state(here->label, 0, 0);
+    const struct reach *reach = kind.limits ? reach_of(forest, root) : NULL;
+    const struct place place =
+        reach ? grid_place(&forest->scene->grid, s) : (struct place){0, 0, 0};
     size_t count = offers->count;
     worker->served++;
     worker->key_digest += key_share(s, key);
@@ -102,7 +115,9 @@ PER_KIND void make_offers(struct forest *forest, struct worker *worker, uint32_t
     for (unsigned i = 0; i < kind.neighbours; i++) {
         const struct cell *t = neighbour_of(forest, here, i);
         const uint32_t weight = arc_weight(&forest->arcs, kind.arcs, here, t, here->label);
-        const uint64_t offer = key_greater(key_rise(weight, root), hop);
+        const uint64_t offer = kind.limits && refuses(forest, reach, place, i)
+                                   ? KEY_NONE
+                                   : key_greater(key_rise(weight, root), hop);
         const uint64_t present = kind.shares ? key_seen(t) : t->key;
         bool matters = offer < present;
         if (kind.mends)
@@ -232,16 +247,31 @@ PER_KIND void serve_level_by(struct forest *forest, struct worker *worker, uint3
                              const unsigned neighbours, const enum arc_kind arcs)
 {
     if (!forest->from_scratch)
-        serve_level(forest, worker, level, (struct kind){neighbours, arcs, true, false});
+        serve_level(forest, worker, level, (struct kind){neighbours, arcs, true, false, false});
     else if (!forest->shared)
-        serve_level(forest, worker, level, (struct kind){neighbours, arcs, false, false});
+        serve_level(forest, worker, level, (struct kind){neighbours, arcs, false, false, false});
     else
-        serve_level(forest, worker, level, (struct kind){neighbours, arcs, false, true});
+        serve_level(forest, worker, level, (struct kind){neighbours, arcs, false, true, false});
+}
+
+/* Where seeds have reaches, what else there is is looked at on the way: such forests are few. */
+static void serve_limited(struct forest *forest, struct worker *worker, uint32_t level)
+{
+    const bool mends = !forest->from_scratch, shares = forest->shared;
+    const enum arc_kind arcs = forest->arcs.kind;
+    if (forest->adjacency.count == 6)
+        serve_level(forest, worker, level, (struct kind){6, arcs, mends, shares, true});
+    else
+        serve_level(forest, worker, level, (struct kind){26, arcs, mends, shares, true});
 }
 
 static void serve(struct forest *forest, struct worker *worker, uint32_t level)
 {
     const bool faces = forest->adjacency.count == 6;
+    if (forest->reaches.seeds > 0) {
+        serve_limited(forest, worker, level);
+        return;
+    }
     switch (forest->arcs.kind) {
     case ARC_TARGET:
         if (faces)

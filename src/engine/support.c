@@ -85,7 +85,8 @@ void uproot(struct forest *forest, uint32_t at)
         clear_subtree(forest, at, forest->clear_limit);
 }
 
-void reoffer_cleared(struct forest *forest)
+static inline __attribute__((always_inline)) void offer_to_cleared(struct forest *forest,
+                                                                   const bool limits)
 {
     const struct adjacency *adjacency = &forest->adjacency;
     const struct cells *cleared = &forest->cleared;
@@ -93,11 +94,20 @@ void reoffer_cleared(struct forest *forest)
         const size_t i = forest->offered;
         if (i + AHEAD < cleared->count)
             fetch_around(forest, cleared->item[i + AHEAD]);
-        const struct offer offer =
-            best_offer(forest, cleared->item[i], KEY_NONE, adjacency->count, forest->arcs.kind);
+        const struct offer offer = best_offer(forest, cleared->item[i], KEY_NONE, adjacency->count,
+                                              forest->arcs.kind, limits);
         if (offer.key != KEY_NONE)
             take(forest, cleared->item[i], offer);
     }
+}
+
+void reoffer_cleared(struct forest *forest)
+{
+    const struct cells *cleared = &forest->cleared;
+    if (forest->reaches.seeds > 0)
+        offer_to_cleared(forest, true);
+    else
+        offer_to_cleared(forest, false);
     if (forest->offered < cleared->count)
         return;
     const size_t before = forest->reoffered;
@@ -112,8 +122,9 @@ void reoffer_cleared(struct forest *forest)
  * predecessor got another key is still offered its own level, only by another root. The voxel that
  * offers it that level has a lower one, and is no descendant, for all their levels are above. So it
  * waits at its level like any other, takes the best offer when it is served, and its children
- * follow: nothing is cleared. Where weights depend on labels its level may rise; then its
- * descendants cannot be distinguished from voxels that might support it, and are cleared.
+ * follow: nothing is cleared. Where weights depend on labels its level may rise, and where the
+ * other root has a reach it may be offered nothing any more; then its descendants cannot be
+ * distinguished from voxels that might support it, and are cleared.
  */
 void lose_support(struct forest *forest, uint32_t at, uint64_t offer, unsigned direction)
 {

@@ -120,7 +120,7 @@ static struct edit *list_seeds(const struct session *session)
     size_t count = 0;
     for (size_t c = 0; seed && c < cells && count < seeds; c++)
         if (session->scene->cell[c].flags & CELL_SEED)
-            seed[count++] = (struct edit){(uint32_t)c, session->scene->cell[c].label};
+            seed[count++] = (struct edit){(uint32_t)c, session->scene->cell[c].label, 0};
     return seed;
 }
 
@@ -133,7 +133,7 @@ static enum err time_growing(struct session *session, struct team *team, struct 
     enum err err = seed && none ? forest_set_team(session->forest, team, fault)
                                 : fault_memory(fault, "a benchmark");
     for (size_t i = 0; !err && i < seeds; i++)
-        none[i] = (struct edit){seed[i].cell, EDIT_ERASE};
+        none[i] = (struct edit){seed[i].cell, EDIT_ERASE, 0};
     for (int i = 0; !err && i < SCRATCH_RUNS; i++) {
         err = forest_edit(session->forest, none, seeds, fault);
         const uint64_t begin = clock_ns();

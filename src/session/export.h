@@ -45,7 +45,7 @@ enum err export_map(const struct session *session, enum map map, const struct la
                     const char *path, enum file_mode mode, struct fault *fault);
 
 /* The seeds that are planted as lines x,y,z,label, in the order of voxels, under one with the names
- * of these columns: what `seed-file` reads. */
+ * of these columns; four more where a seed has a reach: what `seed-file` reads. */
 enum err export_seeds(struct buf *out, const struct session *session, struct fault *fault);
 
 #endif

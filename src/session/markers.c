@@ -113,10 +113,18 @@ uint32_t markers_at(const struct markers *markers, uint32_t cell)
     return 0;
 }
 
-int16_t markers_seed(const struct markers *markers, uint32_t cell)
+struct edit markers_edit(const struct markers *markers, uint32_t cell)
 {
     const uint32_t number = markers_at(markers, cell);
-    return number ? markers->marker[number - 1].label : EDIT_ERASE;
+    if (!number)
+        return (struct edit){cell, EDIT_ERASE, 0};
+    const struct marker *marker = &markers->marker[number - 1];
+    return (struct edit){cell, marker->label, marker->reach};
+}
+
+int16_t markers_seed(const struct markers *markers, uint32_t cell)
+{
+    return markers_edit(markers, cell).label;
 }
 
 uint32_t markers_stroke(const struct markers *markers, uint32_t number)

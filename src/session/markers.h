@@ -36,6 +36,7 @@
 struct marker {
     size_t first, voxels; /* in `cover` */
     int16_t label;        /* 0..255, or EDIT_ERASE for an eraser */
+    uint16_t reach;       /* of its seeds (forest_add_reach), or 0 */
     bool stands;
     bool joined; /* to the marker before, as a part of one stroke (M3) */
 };
@@ -77,7 +78,9 @@ uint32_t markers_at(const struct markers *markers, uint32_t cell);
 uint32_t markers_stroke(const struct markers *markers, uint32_t number);
 uint32_t markers_next(const struct markers *markers, uint32_t number);
 
-/* The label of the seed that those that stand give a voxel; EDIT_ERASE for none. */
+/* The edit that gives a voxel the seed that those that stand give it, or none; and its label,
+ * EDIT_ERASE for none. */
+struct edit markers_edit(const struct markers *markers, uint32_t cell);
 int16_t markers_seed(const struct markers *markers, uint32_t cell);
 
 #endif

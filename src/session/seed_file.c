@@ -11,7 +11,16 @@ void seeds_release(struct seeds *seeds)
 {
     free(seeds->edit);
     free(seeds->region);
+    free(seeds->group);
     *seeds = (struct seeds){0};
+}
+
+static uint64_t group_share(const struct reach *reach, uint32_t cell)
+{
+    uint64_t mix = hash_mix_at(cell, (uint64_t)reach->radius * 2 + reach->unit[0]);
+    for (int a = 0; a < 3; a++)
+        mix = hash_mix_at(mix, reach->centre[a]);
+    return mix;
 }
 
 uint64_t seeds_digest(const struct seeds *seeds)
@@ -19,6 +28,10 @@ uint64_t seeds_digest(const struct seeds *seeds)
     uint64_t sum = 0;
     for (size_t i = 0; i < seeds->count; i++)
         sum += hash_mix_at(seeds->edit[i].cell, (uint64_t)seeds->edit[i].label);
+    for (size_t i = 0; i < seeds->count && seeds->groups; i++)
+        if (seeds->region[i] >= SEED_GROUPS_FROM)
+            sum += group_share(&seeds->group[seeds->region[i] - SEED_GROUPS_FROM].reach,
+                               seeds->edit[i].cell);
     return sum;
 }
 
@@ -31,7 +44,7 @@ static bool make_room(struct seeds *seeds, size_t count)
 
 static void add(struct seeds *seeds, uint32_t cell, int label, uint16_t region)
 {
-    seeds->edit[seeds->count] = (struct edit){cell, (int16_t)label};
+    seeds->edit[seeds->count] = (struct edit){cell, (int16_t)label, 0};
     seeds->region[seeds->count++] = region;
 }
 
@@ -61,6 +74,8 @@ enum err seeds_by_region(const struct seeds *seeds, uint32_t **cell, size_t *end
 struct row {
     uint32_t cell, line;
     int16_t label;
+    uint16_t region; /* of the seeds that it becomes */
+    struct reach reach;
 };
 
 struct list {
@@ -82,26 +97,56 @@ static bool scan_comma(const char **at)
     return true;
 }
 
-/* The names of columns: four fields, of which none of the first three begins like a number. */
+/* The names of columns: four fields or eight, of which none of the first three begins like a
+ * number. */
 static bool is_header(const char *at, const char *end)
 {
-    for (int field = 0; field < 4; field++) {
+    int fields = 0;
+    for (; at; fields++) {
         scan_blanks(&at);
         const unsigned char c = (unsigned char)*at;
-        if (at == end || c == ',' || (field < 3 && (c < 'A' || c > 'z') && c != '"'))
+        if (at == end || c == ',' || (fields < 3 && (c < 'A' || c > 'z') && c != '"'))
             return false;
         at = memchr(at, ',', (size_t)(end - at));
-        if ((field < 3) != (at != NULL))
-            return false;
         at = at ? at + 1 : NULL;
     }
+    return fields == 4 || fields == 8;
+}
+
+/* ",12,70,110,95" or ",2.5mm,70,110,95". */
+static bool scan_reach(const char **at, struct reach *reach)
+{
+    static const int64_t most_nm = 1000000000;
+    const char *from = *at;
+    struct reach found = {.unit = {1, 1, 1}};
+    if (!scan_comma(&from))
+        return false;
+    const char *number = from;
+    if (scan_decimal(&from, 6, 1, most_nm, &found.radius) && scan_text(&from, "mm"))
+        found.unit[0] = found.unit[1] = found.unit[2] = 0;
+    else if (from = number, !scan_integer(&from, 1, REACH_MOST, &found.radius))
+        return false;
+    for (int a = 0; a < 3; a++) {
+        int64_t place;
+        if (!scan_comma(&from) || !scan_integer(&from, 0, GRID_SIDE_MOST, &place))
+            return false;
+        found.centre[a] = (uint32_t)place;
+    }
+    if (from != *at + strcspn(*at, " \t\r\n"))
+        return false;
+    *reach = found;
+    *at = from;
     return true;
 }
 
-static bool scan_label(const char **at, const struct list *list, int64_t *label)
+/* With the reach that may follow a number. */
+static bool scan_label(const char **at, const struct list *list, int64_t *label,
+                       struct reach *reach)
 {
     const char *number = *at;
-    if (scan_integer(&number, 0, 255, label) && number == *at + strcspn(*at, " \t\r\n")) {
+    *reach = (struct reach){.radius = 0};
+    if (scan_integer(&number, 0, 255, label) &&
+        (number == *at + strcspn(*at, " \t\r\n") || scan_reach(&number, reach))) {
         *at = number;
         return true;
     }
@@ -126,11 +171,12 @@ static enum err read_row(struct list *list, const char *at, const char *end, uin
 {
     const uint32_t *size = list->grid->size;
     int64_t place[3], label;
+    struct reach reach;
     const char *begin = at;
     for (int a = 0; a < 3; a++)
         if (!scan_integer(&at, INT32_MIN, INT32_MAX, &place[a]) || !scan_comma(&at))
             goto malformed;
-    if (!scan_label(&at, list, &label))
+    if (!scan_label(&at, list, &label, &reach))
         return fault_set(fault, ERR_INPUT,
                          "line %u: expected a label 0..255 or the name of one, not %.*s; nothing "
                          "was planted",
@@ -146,9 +192,10 @@ static enum err read_row(struct list *list, const char *at, const char *end, uin
                          size[0] - 1, size[1] - 1, size[2] - 1);
     if (!mem_grow(&list->row, &list->capacity, list->rows + 1, sizeof *list->row))
         return fault_memory(fault, "a list of seeds");
+    const int own = (int)(list->label == LABEL_OWN ? label : list->label);
     list->row[list->rows++] = (struct row){
         grid_cell(list->grid, (uint32_t)place[0], (uint32_t)place[1], (uint32_t)place[2]), line,
-        (int16_t)(list->label == LABEL_OWN ? label : list->label)};
+        (int16_t)own, (uint16_t)own, reach};
     return OK;
 malformed:
     return fault_set(fault, ERR_INPUT,
@@ -178,6 +225,47 @@ static enum err read_rows(struct list *list, const char *text, const char *end, 
     return err;
 }
 
+/* ---- markers that end within a distance ---- */
+
+static int compare_groups(const void *a, const void *b)
+{
+    const struct row *x = a, *y = b;
+    const int64_t of_x[] = {x->reach.radius,    x->reach.unit[0],   x->label,
+                            x->reach.centre[0], x->reach.centre[1], x->reach.centre[2]},
+                  of_y[] = {y->reach.radius,    y->reach.unit[0],   y->label,
+                            y->reach.centre[0], y->reach.centre[1], y->reach.centre[2]};
+    for (size_t i = 0; i < sizeof of_x / sizeof *of_x; i++)
+        if (of_x[i] != of_y[i])
+            return of_x[i] < of_y[i] ? -1 : 1;
+    return 0;
+}
+
+/* Rows of one label and reach become one region; rows without any keep that of their label. */
+static enum err group_rows(struct seeds *seeds, struct list *list, struct fault *fault)
+{
+    size_t capacity = 0, limited = 0;
+    for (size_t i = 0; i < list->rows; i++)
+        limited += list->row[i].reach.radius > 0;
+    if (limited == 0)
+        return OK;
+    qsort(list->row, list->rows, sizeof *list->row, compare_groups);
+    for (size_t i = list->rows - limited; i < list->rows; i++) {
+        struct row *row = &list->row[i];
+        const bool begins = seeds->groups == 0 || compare_groups(row - 1, row) != 0;
+        if (begins && seeds->groups == REGION_MOST + 1 - SEED_GROUPS_FROM)
+            return fault_set(fault, ERR_LIMIT,
+                             "line %u: more than %d markers end within a distance; nothing was "
+                             "planted",
+                             row->line, REGION_MOST + 1 - SEED_GROUPS_FROM);
+        if (begins && !mem_grow(&seeds->group, &capacity, seeds->groups + 1, sizeof *seeds->group))
+            return fault_memory(fault, "a list of seeds");
+        if (begins)
+            seeds->group[seeds->groups++] = (struct seed_group){row->label, row->reach};
+        row->region = (uint16_t)(SEED_GROUPS_FROM + seeds->groups - 1);
+    }
+    return OK;
+}
+
 static int compare_rows(const void *a, const void *b)
 {
     const struct row *x = a, *y = b;
@@ -195,16 +283,24 @@ static enum err settle_rows(struct seeds *seeds, struct list *list, struct fault
                          "there is no seed in it; expected lines x,y,z,label; nothing was planted");
     if (!make_room(seeds, list->rows))
         return fault_memory(fault, "a list of seeds");
+    const enum err err = group_rows(seeds, list, fault);
+    if (err)
+        return err;
     qsort(list->row, list->rows, sizeof *list->row, compare_rows);
     for (size_t i = 0; i < list->rows; i++) {
         const struct row *row = &list->row[i];
         if (i == 0 || row->cell != row[-1].cell)
-            add(seeds, row->cell, row->label, (uint16_t)row->label);
+            add(seeds, row->cell, row->label, row->region);
         else if (row->label != row[-1].label)
             return fault_set(fault, ERR_INPUT,
                              "line %u: the voxel of line %u again, with label %d instead of %d; "
                              "nothing was planted",
                              row->line, row[-1].line, row->label, row[-1].label);
+        else if (row->region != row[-1].region)
+            return fault_set(fault, ERR_INPUT,
+                             "line %u: the voxel of line %u again, within another distance; "
+                             "nothing was planted",
+                             row->line, row[-1].line);
     }
     return OK;
 }

@@ -7,6 +7,7 @@
  *     x,y,z,label            # voxel indices from 0, a label's number or name
  *     70,110,95,brain
  *     10,10,10,0
+ *     70,112,95,1,12,70,110,95     # within 12 voxels of 70,110,95, after a number alone; or 2.5mm
  *
  * Of a map, every voxel whose value is a region chosen is a seed. Erosion keeps seeds away from the
  * borders of regions, where a map drawn on another head is least to be trusted; drawing keeps their
@@ -29,10 +30,21 @@
 #include "session/map.h"
 #include "session/session.h"
 
+/* Of a list, the seeds of one label and reach. Its units are 1, or 0 for those of the world, which
+ * the caller knows. */
+struct seed_group {
+    int16_t label;
+    struct reach reach;
+};
+
+enum { SEED_GROUPS_FROM = 256 };
 struct seeds {
-    struct edit *edit;
+    struct edit *edit; /* without their reaches */
     size_t count;
-    uint16_t *region; /* of each: that of the map, or the label of a list */
+    uint16_t *region; /* of each: that of the map, or of a list the label, or from SEED_GROUPS_FROM
+                         on a group's */
+    struct seed_group *group; /* of a list; NULL for none */
+    size_t groups;
 };
 void seeds_release(struct seeds *seeds);
 
@@ -42,7 +54,7 @@ void seeds_release(struct seeds *seeds);
 enum err seeds_by_region(const struct seeds *seeds, uint32_t **cell, size_t *end,
                          struct watch *watch, struct fault *fault);
 
-/* A sum mod 2^64 over the seeds of a mix of (cell, label). */
+/* A sum mod 2^64 over the seeds of a mix of (cell, label), and of cell and reach. */
 uint64_t seeds_digest(const struct seeds *seeds);
 
 /* A list: `length` bytes at `text`, and a NUL after them. `label` is given to all seeds, or is

@@ -11,15 +11,22 @@
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        struct fault *fault)
 {
+    return session_plant_within(session, cell, count, label, 0, fault);
+}
+
+enum err session_plant_within(struct session *session, const uint32_t *cell, size_t count,
+                              int16_t label, uint16_t reach, struct fault *fault)
+{
     struct task task = task_begin(session->watch, "edits", count);
     enum err err = markers_add(&session->markers, label, cell, count, session->watch, fault);
     if (err)
         return err;
     const size_t number = session->markers.count;
-    err = edits_add(&session->now.lists.markers, (struct edit){(uint32_t)number, 1}, fault);
+    err = edits_add(&session->now.lists.markers, (struct edit){(uint32_t)number, 1, 0}, fault);
+    session->markers.marker[number - 1].reach = reach;
     session->markers.marker[number - 1].stands = err == OK;
     for (size_t i = 0; !err && i < count && task_advance(&task, 1); i++)
-        err = edits_add(&session->now.lists.pending, (struct edit){cell[i], label}, fault);
+        err = edits_add(&session->now.lists.pending, (struct edit){cell[i], label, reach}, fault);
     return err ? err : watch_fault(session->watch, fault);
 }
 
@@ -33,7 +40,8 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
 {
     const struct markers *markers = &session->markers;
     struct marker *marker = markers->marker + number - 1;
-    enum err err = edits_add(&session->now.lists.markers, (struct edit){number, EDIT_ERASE}, fault);
+    enum err err =
+        edits_add(&session->now.lists.markers, (struct edit){number, EDIT_ERASE, 0}, fault);
     if (err)
         return err;
     marker->stands = false;
@@ -41,8 +49,7 @@ static enum err take_away(struct session *session, uint32_t number, struct fault
     for (size_t i = 0; !err && i < marker->voxels && task_advance(&task, 1); i++) {
         const uint32_t cell = markers->cover[marker->first + i].cell;
         if (markers_at(markers, cell) < number)
-            err = edits_add(&session->now.lists.pending,
-                            (struct edit){cell, markers_seed(markers, cell)}, fault);
+            err = edits_add(&session->now.lists.pending, markers_edit(markers, cell), fault);
     }
     return err ? err : watch_fault(session->watch, fault);
 }
@@ -195,7 +202,7 @@ enum err session_erase_seeds(struct session *session, const uint32_t *seed, size
 
 enum err session_note_eliminator(struct session *session, uint32_t cell, struct fault *fault)
 {
-    return edits_add(&session->now.lists.eliminators, (struct edit){cell, EDIT_ERASE}, fault);
+    return edits_add(&session->now.lists.eliminators, (struct edit){cell, EDIT_ERASE, 0}, fault);
 }
 
 /* ---- runs ---- */

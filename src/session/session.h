@@ -192,6 +192,10 @@ static inline size_t session_pendings(const struct session *session)
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        struct fault *fault);
 
+/* The same of seeds that have a reach: the number of one (forest_add_reach), or 0. */
+enum err session_plant_within(struct session *session, const uint32_t *cell, size_t count,
+                              int16_t label, uint16_t reach, struct fault *fault);
+
 /* The marker that was just put up goes on with the one before, which stands. */
 void session_join(struct session *session);
 

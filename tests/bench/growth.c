@@ -69,7 +69,7 @@ static enum err plant_lattice(struct growth *growth, struct fault *fault)
         for (uint32_t y = LATTICE / 2; y < grid->size[1]; y += LATTICE)
             for (uint32_t x = LATTICE / 2; x < grid->size[0]; x += LATTICE)
                 seed[seeds++] = (struct edit){grid_cell(grid, x, y, z),
-                                              (int16_t)(1 + (x + y + z) / LATTICE % 3)};
+                                              (int16_t)(1 + (x + y + z) / LATTICE % 3), 0};
     const uint64_t begin = clock_ns();
     enum err err = forest_edit(growth->forest, seed, seeds, fault);
     growth->scratch_ns = (double)(clock_ns() - begin) / (double)grid->voxels;
@@ -91,8 +91,8 @@ static void place_ball(struct growth *growth, const uint32_t count[3])
                 if (x * x + y * y + z * z <= BALL * BALL && voxels < BALL_VOXELS) {
                     const uint32_t cell = grid_cell(grid, (uint32_t)(at[0] + x),
                                                     (uint32_t)(at[1] + y), (uint32_t)(at[2] + z));
-                    growth->ball[voxels] = (struct edit){cell, 7};
-                    growth->undo[voxels++] = (struct edit){cell, EDIT_ERASE};
+                    growth->ball[voxels] = (struct edit){cell, 7, 0};
+                    growth->undo[voxels++] = (struct edit){cell, EDIT_ERASE, 0};
                 }
 }
 

@@ -226,7 +226,7 @@ static enum err take_turns(struct turn *turn, const struct procedure *procedure,
         if (cell == CELL_NONE || had[k] == kind[k].wanted)
             continue;
         turn[turns++] =
-            (struct turn){{cell, kind[k].label}, ((2 * had[k] + 1) << 20) / kind[k].wanted, k};
+            (struct turn){{cell, kind[k].label, 0}, ((2 * had[k] + 1) << 20) / kind[k].wanted, k};
         had[k]++;
     }
     for (unsigned k = 0; k < kinds; k++)

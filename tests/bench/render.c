@@ -200,8 +200,8 @@ static void make_ball(struct ball *ball, const struct scene *scene, uint32_t cel
                     grid_cell(&scene->grid, (uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]);
                 if (scene->cell[c].flags & CELL_SEED)
                     continue; /* erasing the ball would take a seed of the procedure */
-                ball->seed[ball->count] = (struct edit){c, 0};
-                ball->undo[ball->count++] = (struct edit){c, EDIT_ERASE};
+                ball->seed[ball->count] = (struct edit){c, 0, 0};
+                ball->undo[ball->count++] = (struct edit){c, EDIT_ERASE, 0};
             }
 }
 

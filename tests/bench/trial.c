@@ -148,7 +148,7 @@ static enum err take_back(struct work *work, enum experiment e, const struct edi
                           size_t count, struct fault *fault)
 {
     for (size_t i = 0; i < count; i++)
-        work->erase[i] = (struct edit){edit[i].cell, EDIT_ERASE};
+        work->erase[i] = (struct edit){edit[i].cell, EDIT_ERASE, 0};
     enum err err = forest_edit(work->session->forest, work->erase, count, fault);
     const struct changes changes = forest_changes(work->session->forest);
     if (!err && keeps_border(e))

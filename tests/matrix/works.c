@@ -65,7 +65,7 @@ void works_edits(struct edit edit[WORKS_SEEDS], const struct scene *scene, uint6
     for (int i = 0; i < WORKS_SEEDS; i++) {
         const uint32_t x = check_below(&random, size[0]), y = check_below(&random, size[1]),
                        z = check_below(&random, size[2]);
-        edit[i] = (struct edit){grid_cell(&scene->grid, x, y, z), (int16_t)(i % 6)};
+        edit[i] = (struct edit){grid_cell(&scene->grid, x, y, z), (int16_t)(i % 6), 0};
         for (int k = 0; k < i; k++)
             if (edit[k].cell == edit[i].cell)
                 i--, k = i;

@@ -62,7 +62,7 @@ static void edit_forest(struct forest *forest, const char *name, unsigned adjace
     must(forest_edit(forest, edit, WORKS_SEEDS, &fault), &fault, "the seeds");
     tell_forest(forest, name, adjacency, "planted");
     for (int i = 0; i < WORKS_SEEDS; i += 3) {
-        other = (struct edit){edit[i].cell, (int16_t)(i % 2 ? EDIT_ERASE : (i + 1) % 6)};
+        other = (struct edit){edit[i].cell, (int16_t)(i % 2 ? EDIT_ERASE : (i + 1) % 6), 0};
         must(forest_edit(forest, &other, 1, &fault), &fault, "an edit");
         const struct changes changes = forest_changes(forest);
         tell(changes.everything ? 0 : changes.count, "forest/%s/%u/changes-%d", name, adjacency, i);
@@ -121,6 +121,37 @@ static void excludes(struct team *team)
     must(forest_edit(forest, edit, count, &fault), &fault, "the seeds");
     tell_forest(forest, "inside-roi", 6, "planted");
     free(bits);
+    forest_free(forest);
+    scene_free(scene);
+}
+
+/* Two seeds in three end within a distance; every other is erased, or planted again without. */
+static void limits(struct team *team)
+{
+    static const struct weight_choice morph = {WEIGHT_MORPH, 1};
+    struct scene *scene = works_scene();
+    struct forest *forest = NULL;
+    struct edit edit[WORKS_SEEDS];
+    struct fault fault;
+    size_t refused;
+    must(forest_new(&forest, scene, 6, &fault), &fault, "a forest");
+    must(forest_set_team(forest, team, &fault), &fault, "a forest's team");
+    weigh(forest, scene, &morph, team);
+    works_edits(edit, scene, 13);
+    for (unsigned i = 0; i < WORKS_SEEDS; i++) {
+        const struct place p = grid_place(&scene->grid, edit[i].cell);
+        const struct reach reach = {{p.x, p.y, p.z}, {2, 3, 2}, 4 + i % 29};
+        if (i % 3)
+            must(forest_add_reach(forest, &reach, &edit[i].reach, &fault), &fault, "a reach");
+    }
+    must(forest_edit(forest, edit, WORKS_SEEDS, &fault), &fault, "the seeds");
+    tell_forest(forest, "limited", 6, "planted");
+    for (unsigned i = 0; i < WORKS_SEEDS; i += 2)
+        edit[i] = (struct edit){edit[i].cell, i % 3 ? EDIT_ERASE : edit[i].label, 0};
+    must(forest_edit(forest, edit, WORKS_SEEDS, &fault), &fault, "an edit");
+    tell_forest(forest, "limited", 6, "edited");
+    must(forest_count_refused(forest, &refused, &fault), &fault, "voxels out of reach");
+    tell(refused, "forest/limited/6/refused");
     forest_free(forest);
     scene_free(scene);
 }
@@ -192,5 +223,6 @@ void works_engine(struct team *team)
     forests(team, 6);
     forests(team, 26);
     excludes(team);
+    limits(team);
     surfaces(team);
 }

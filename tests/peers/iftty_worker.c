@@ -45,7 +45,7 @@ static void list_edit(struct worker *worker, size_t voxel, uint32_t cell)
     if (marker == planted[voxel])
         return;
     planted[voxel] = marker;
-    edit[edits++] = (struct edit){cell, (int16_t)(marker ? marker - 1 : EDIT_ERASE)};
+    edit[edits++] = (struct edit){cell, (int16_t)(marker ? marker - 1 : EDIT_ERASE), 0};
 }
 
 static void get_label(struct worker *worker, size_t voxel, uint32_t at)

@@ -1,0 +1,597 @@
+/*
+ * Reaches of seeds: worked by hand; random edits against a run from scratch and against an oracle,
+ * which shares no code with the engine; edits that do not go through; threads.
+ */
+#include "check.h"
+
+#include <stdlib.h>
+
+#include "base/mem.h"
+#include "base/team.h"
+#include "engine/forest.h"
+#include "engine/roi.h"
+
+enum { CELLS_MOST = 12 * 12 * 12, LABELS = 4, REACHES = 6 };
+
+struct world {
+    struct scene *scene;
+    struct forest *forest;
+    struct reach reach[REACHES]; /* the plain copy: reach[n - 1] has number n */
+    unsigned reaches;
+};
+
+static struct world world_new(uint32_t x, uint32_t y, uint32_t z, unsigned adjacency)
+{
+    struct world w = {0};
+    CHECK(scene_new(&w.scene, (uint32_t[]){x, y, z}, NULL) == OK);
+    CHECK(forest_new(&w.forest, w.scene, adjacency, NULL) == OK);
+    return w;
+}
+
+static void world_free(struct world *w)
+{
+    forest_free(w->forest);
+    scene_free(w->scene);
+}
+
+static uint16_t add_reach(struct world *w, uint32_t x, uint32_t y, uint32_t z, int64_t radius)
+{
+    const struct reach reach = {{x, y, z}, {1, 1, 1}, radius};
+    uint16_t number = 0;
+    CHECK(forest_add_reach(w->forest, &reach, &number, NULL) == OK);
+    return number;
+}
+
+static void plant(struct world *w, uint32_t x, int label, uint16_t reach)
+{
+    const struct edit edit = {grid_cell(&w->scene->grid, x, 0, 0), (int16_t)label, reach};
+    CHECK(forest_edit(w->forest, &edit, 1, NULL) == OK);
+    CHECK(forest_check(w->forest, NULL));
+}
+
+/* Labels of a row; '.' for a voxel without a tree. */
+static const char *row(const struct world *w)
+{
+    static char text[64];
+    const uint32_t n = w->scene->grid.size[0];
+    for (uint32_t x = 0; x < n; x++) {
+        const struct cell *cell = w->scene->cell + grid_cell(&w->scene->grid, x, 0, 0);
+        text[x] = cell_is_reached(cell) ? (char)('0' + cell->label) : '.';
+    }
+    text[n] = '\0';
+    return text;
+}
+
+static size_t refused(const struct world *w)
+{
+    size_t voxels = 99;
+    CHECK(forest_count_refused(w->forest, &voxels, NULL) == OK);
+    return voxels;
+}
+
+/* ---- by hand ---- */
+
+STORY(a_tree_ends_where_its_seed_reaches)
+{
+    struct world w = world_new(10, 1, 1, 6);
+    CHECK_INT(refused(&w), 0);
+    plant(&w, 4, 1, add_reach(&w, 4, 0, 0, 2));
+    CHECK_TEXT(row(&w), "..11111...");
+    CHECK_INT(refused(&w), 5);
+    CHECK_INT(forest_limited_seeds(w.forest), 1);
+    plant(&w, 9, 2, 0);
+    CHECK_TEXT(row(&w), "..11111222"); /* which the tree in between keeps from what is beyond it */
+    CHECK_INT(refused(&w), 2);
+    plant(&w, 4, EDIT_ERASE, 0);
+    CHECK_TEXT(row(&w), "2222222222");
+    CHECK_INT(refused(&w), 0);
+    CHECK_INT(forest_limited_seeds(w.forest), 0);
+    world_free(&w);
+}
+
+STORY(a_reach_is_around_its_centre_and_not_around_the_seed)
+{
+    struct world w = world_new(10, 1, 1, 6);
+    const uint16_t reach = add_reach(&w, 5, 0, 0, 3);
+    plant(&w, 3, 1, reach);
+    CHECK_INT(forest_reach(w.forest, grid_cell(&w.scene->grid, 3, 0, 0))->centre[0], 5);
+    CHECK(!forest_reach(w.forest, grid_cell(&w.scene->grid, 4, 0, 0)));
+    CHECK_TEXT(row(&w), "..1111111.");
+    plant(&w, 3, 1, add_reach(&w, 5, 0, 0, 3)); /* the same under another number */
+    CHECK_TEXT(row(&w), "..1111111.");
+    world_free(&w);
+}
+
+STORY(the_same_label_with_another_reach_is_another_seed)
+{
+    struct world w = world_new(10, 1, 1, 6);
+    plant(&w, 5, 1, add_reach(&w, 5, 0, 0, 4));
+    CHECK_TEXT(row(&w), ".111111111");
+    plant(&w, 5, 1, add_reach(&w, 5, 0, 0, 1));
+    CHECK_TEXT(row(&w), "....111...");
+    const struct seed_changes changes = forest_seed_changes(w.forest);
+    CHECK(changes.count == 1 && changes.before[0].reach != changes.after[0].reach);
+    const struct edit before = changes.before[0];
+    CHECK(forest_edit(w.forest, &before, 1, NULL) == OK);
+    CHECK_TEXT(row(&w), ".111111111");
+    plant(&w, 5, 1, 0);
+    CHECK_TEXT(row(&w), "1111111111");
+    plant(&w, 5, 1, add_reach(&w, 0, 0, 0, 2)); /* the seed itself lies beyond it, and stands */
+    CHECK_TEXT(row(&w), ".....1....");
+    world_free(&w);
+}
+
+/* A voxel that takes another root, at its own level, may have a child that this one must not hold:
+ * the child hears of it. */
+STORY(a_refused_child_hears_of_it)
+{
+    struct world w = world_new(7, 1, 1, 6);
+    plant(&w, 6, 1, 0);
+    plant(&w, 3, 2, add_reach(&w, 3, 0, 0, 1));
+    CHECK_TEXT(row(&w), "..22211"); /* 0 and 1 had their tree through 2 */
+    plant(&w, 3, EDIT_ERASE, 0);
+    CHECK_TEXT(row(&w), "1111111");
+    plant(&w, 0, 2, add_reach(&w, 0, 0, 0, 3));
+    CHECK_TEXT(row(&w), "2222111");
+    plant(&w, 6, EDIT_ERASE, 0);
+    CHECK_TEXT(row(&w), "2222...");
+    plant(&w, 1, 3, 0);
+    CHECK_TEXT(row(&w), "2333333");
+    plant(&w, 1, 3, add_reach(&w, 1, 0, 0, 1));
+    CHECK_TEXT(row(&w), "233...."); /* what 3 holds, 2 does not pass through */
+    plant(&w, 1, EDIT_ERASE, 0);
+    CHECK_TEXT(row(&w), "2222...");
+    world_free(&w);
+}
+
+STORY(distances_are_in_whole_units_and_the_ball_is_closed)
+{
+    const struct reach unit = {{10, 10, 10}, {1, 1, 1}, 5},
+                       mm = {{0, 0, 0}, {700000, 1000000, 2500000}, 5000000},
+                       wide = {{65533, 65533, 0}, {UINT32_MAX, UINT32_MAX, 1}, 1000000000};
+    CHECK(reach_holds(&unit, 13, 14, 10) && reach_holds(&unit, 5, 10, 10));
+    CHECK(!reach_holds(&unit, 13, 14, 11) && !reach_holds(&unit, 4, 10, 10));
+    CHECK(reach_holds(&mm, 7, 0, 0) && !reach_holds(&mm, 8, 0, 0));
+    CHECK(reach_holds(&mm, 0, 3, 1) && reach_holds(&mm, 0, 0, 2) && !reach_holds(&mm, 1, 0, 2));
+    CHECK(reach_holds(&wide, 65533, 65533, 65533) && !reach_holds(&wide, 0, 0, 0));
+}
+
+/* ---- the oracle: Dijkstra's, without a queue, over what the test itself remembers ---- */
+
+struct plain {
+    uint32_t cost, hops, root; /* cost UINT32_MAX: none */
+};
+
+static bool is_less(const struct plain *a, const struct plain *b)
+{
+    return a->cost != b->cost   ? a->cost < b->cost
+           : a->hops != b->hops ? a->hops < b->hops
+                                : a->root < b->root;
+}
+
+static const struct plain nothing = {UINT32_MAX, UINT32_MAX, UINT32_MAX};
+
+/* The seeds, as the test itself remembers them. */
+struct planted {
+    int16_t label[CELLS_MOST]; /* or EDIT_ERASE */
+    uint16_t reach[CELLS_MOST];
+};
+
+static bool plainly_allowed(const struct world *w, const struct planted *planted, uint32_t root,
+                            const int32_t at[3])
+{
+    const unsigned number = planted->reach[root];
+    if (!number)
+        return true;
+    const struct reach *reach = &w->reach[number - 1];
+    double sum = 0; /* exact: small numbers */
+    for (int a = 0; a < 3; a++) {
+        const double way = ((double)at[a] - reach->centre[a]) * reach->unit[a];
+        sum += way * way;
+    }
+    return sum <= (double)reach->radius * (double)reach->radius;
+}
+
+static uint32_t plain_weight(const struct world *w, uint32_t s, uint32_t t, int label)
+{
+    const struct arc_rule *rule = forest_arcs(w->forest);
+    const struct cell *cell = w->scene->cell;
+    const int64_t from = cell[s].intensity, to = cell[t].intensity;
+    if (rule->kind == ARC_TARGET)
+        return cell[t].weight;
+    if (rule->kind == ARC_DIFFERENCE)
+        return (uint32_t)llabs(from - to);
+    const int64_t a = from > to ? rule->polarity[label] : -rule->polarity[label];
+    const int64_t weight = llabs(from - to) * (100 + a) / 100;
+    return (uint32_t)(weight < 65535 ? weight : 65535);
+}
+
+/* What s offers t, along the way. */
+static struct plain plain_offer(const struct world *w, const struct planted *planted,
+                                const struct plain *key, uint32_t s, uint32_t t,
+                                const int32_t at[3])
+{
+    const struct plain from = key[s];
+    if (from.cost == UINT32_MAX || !plainly_allowed(w, planted, from.root, at))
+        return nothing;
+    const uint32_t weight = plain_weight(w, s, t, planted->label[from.root]);
+    return weight > from.cost ? (struct plain){weight, 0, from.root}
+                              : (struct plain){from.cost, from.hops + 1, from.root};
+}
+
+/* Offers what s has to each neighbour that is not done. */
+static void offer_around(const struct world *w, const struct planted *planted, struct plain *key,
+                         const bool *done, uint32_t s, bool corners)
+{
+    const struct grid *g = &w->scene->grid;
+    const struct place p = grid_place(g, s);
+    for (int32_t z = -1; z <= 1; z++)
+        for (int32_t y = -1; y <= 1; y++)
+            for (int32_t x = -1; x <= 1; x++) {
+                const int moved = (x != 0) + (y != 0) + (z != 0);
+                const int32_t n[3] = {(int32_t)p.x + x, (int32_t)p.y + y, (int32_t)p.z + z};
+                if (!moved || (moved > 1 && !corners) || !grid_contains(g, n[0], n[1], n[2]))
+                    continue;
+                const uint32_t t = grid_cell(g, (uint32_t)n[0], (uint32_t)n[1], (uint32_t)n[2]);
+                const struct plain offer = plain_offer(w, planted, key, s, t, n);
+                if (!done[t] && is_less(&offer, &key[t]))
+                    key[t] = offer;
+            }
+}
+
+/* The least key that is not done is right, for all offers that come are above it: searched for
+ * among all. */
+static void solve(const struct world *w, const struct planted *planted, struct plain *key)
+{
+    static bool done[CELLS_MOST];
+    const size_t cells = w->scene->grid.cells;
+    for (uint32_t c = 0; c < cells; c++) {
+        done[c] = w->scene->cell[c].flags & (CELL_RIM | CELL_OUTSIDE);
+        key[c] = planted->label[c] != EDIT_ERASE ? (struct plain){0, 0, c} : nothing;
+    }
+    for (;;) {
+        uint32_t best = 0; /* of the rim */
+        for (uint32_t c = 0; c < cells; c++)
+            if (!done[c] && key[c].cost != UINT32_MAX && (!best || is_less(&key[c], &key[best])))
+                best = c;
+        if (!best)
+            return;
+        done[best] = true;
+        offer_around(w, planted, key, done, best, forest_adjacency(w->forest)->count == 26);
+    }
+}
+
+/* Voxels without a key, beside one that has one, or beside such a voxel. */
+static size_t plain_refused(const struct world *w, const struct plain *key)
+{
+    static bool out[CELLS_MOST];
+    const struct adjacency *adjacency = forest_adjacency(w->forest);
+    const struct grid *g = &w->scene->grid;
+    size_t count = 0;
+    memset(out, 0, sizeof out);
+    for (bool changes = true; changes;) {
+        changes = false;
+        for (size_t c = 0; c < g->cells; c++) {
+            if (out[c] || key[c].cost != UINT32_MAX ||
+                w->scene->cell[c].flags & (CELL_RIM | CELL_OUTSIDE))
+                continue;
+            bool beside = false;
+            for (unsigned i = 0; i < adjacency->count; i++) {
+                const size_t n = c + (size_t)adjacency->offset[i];
+                beside |= out[n] || key[n].cost != UINT32_MAX;
+            }
+            changes |= out[c] = beside;
+            count += beside;
+        }
+    }
+    return count;
+}
+
+static bool equals_oracle(const struct world *w, const struct planted *planted)
+{
+    static struct plain key[CELLS_MOST];
+    const struct grid *g = &w->scene->grid;
+    bool same = true;
+    solve(w, planted, key);
+    for (size_t c = 0; c < g->cells; c++) {
+        const struct cell *cell = w->scene->cell + c;
+        if (cell->flags & (CELL_RIM | CELL_OUTSIDE))
+            same &= cell->key == 0 && cell->label == 0;
+        else if (key[c].cost == UINT32_MAX)
+            same &= cell->key == KEY_NONE && cell->label == 0;
+        else
+            same &= cell->key == key_make(key[c].cost, key[c].hops, key[c].root) &&
+                    cell->label == planted->label[key[c].root];
+    }
+    const size_t holes = forest_limited_seeds(w->forest) ? plain_refused(w, key) : 0;
+    return same && refused(w) == holes;
+}
+
+/* ---- from scratch ---- */
+
+static bool equals_scratch(const struct world *w, const struct planted *planted, struct team *team)
+{
+    static struct edit seed[CELLS_MOST];
+    const struct grid *g = &w->scene->grid;
+    struct world fresh =
+        world_new(g->size[0], g->size[1], g->size[2], forest_adjacency(w->forest)->count);
+    size_t seeds = 0;
+    bool same = true;
+    CHECK(forest_set_team(fresh.forest, team, NULL) == OK);
+    for (size_t i = 0; i < g->cells; i++) {
+        const struct cell *from = w->scene->cell + i;
+        struct cell *to = fresh.scene->cell + i;
+        to->weight = from->weight;
+        to->intensity = from->intensity;
+        if (from->flags & CELL_OUTSIDE) {
+            to->flags |= CELL_OUTSIDE;
+            to->key = 0;
+        }
+        if (planted->label[i] != EDIT_ERASE)
+            seed[seeds++] = (struct edit){(uint32_t)i, planted->label[i], planted->reach[i]};
+    }
+    for (unsigned i = 0; i < w->reaches; i++) {
+        uint16_t number;
+        same &=
+            forest_add_reach(fresh.forest, &w->reach[i], &number, NULL) == OK && number == i + 1;
+    }
+    forest_set_arcs(fresh.forest, forest_arcs(w->forest));
+    CHECK(forest_edit(fresh.forest, seed, seeds, NULL) == OK);
+    for (size_t i = 0; i < g->cells; i++)
+        same &= w->scene->cell[i].key == fresh.scene->cell[i].key &&
+                w->scene->cell[i].label == fresh.scene->cell[i].label;
+    same &= forest_digest(w->forest) == forest_digest(fresh.forest) &&
+            forest_label_digest(w->forest) == forest_label_digest(fresh.forest) &&
+            forest_seeds(w->forest) == seeds;
+    world_free(&fresh);
+    return same;
+}
+
+/* ---- random edits ---- */
+
+static uint32_t random_voxel(const struct grid *g, uint64_t *random)
+{
+    return grid_cell(g, check_below(random, g->size[0]), check_below(random, g->size[1]),
+                     check_below(random, g->size[2]));
+}
+
+enum texture { FLAT, NOISY, STEEP, TEXTURES };
+
+static struct world random_world(uint64_t *random)
+{
+    struct world w = world_new(1 + check_below(random, 9), 1 + check_below(random, 7),
+                               1 + check_below(random, 4), check_below(random, 3) ? 6 : 26);
+    const struct grid *g = &w.scene->grid;
+    const enum texture texture = (enum texture)check_below(random, TEXTURES);
+    struct arc_rule rule = {.kind = check_below(random, 3) ? ARC_TARGET : check_below(random, 3)};
+    for (size_t i = 0; i < g->cells; i++) {
+        struct cell *cell = w.scene->cell + i;
+        const uint32_t value = check_below(random, texture == STEEP ? 60000 : 4);
+        if (cell->flags & CELL_RIM)
+            continue;
+        cell->weight = (uint16_t)(texture == FLAT ? 0 : value);
+        cell->intensity = (uint16_t)check_below(random, 5);
+    }
+    for (int label = 0; label < LABELS; label++)
+        rule.polarity[label] = (int8_t)((int)check_below(random, 201) - 100);
+    forest_set_arcs(w.forest, &rule);
+    while (w.reaches < REACHES) {
+        struct reach *reach = &w.reach[w.reaches++];
+        *reach = (struct reach){.radius = check_below(random, 7)};
+        for (int a = 0; a < 3; a++) {
+            reach->centre[a] = check_below(random, g->size[a]);
+            reach->unit[a] = 1 + (check_below(random, 4) == 0);
+        }
+        uint16_t number;
+        CHECK(forest_add_reach(w.forest, reach, &number, NULL) == OK);
+    }
+    return w;
+}
+
+/* A ball or a few voxels of one marker, erasures, or seeds planted again with another reach. */
+static size_t random_batch(const struct world *w, const struct planted *planted, struct edit *batch,
+                           uint64_t *random)
+{
+    const struct grid *g = &w->scene->grid;
+    size_t count = 0;
+    if (check_below(random, 30) == 0) {
+        for (uint32_t c = 0; c < g->cells; c++)
+            if (planted->label[c] != EDIT_ERASE)
+                batch[count++] = (struct edit){c, EDIT_ERASE, 0};
+        return count;
+    }
+    for (uint32_t n = 1 + check_below(random, 4); n > 0; n--) {
+        uint32_t at = random_voxel(g, random);
+        const struct cell *cell = w->scene->cell + at;
+        int16_t label = (int16_t)check_below(random, LABELS);
+        const uint32_t what = check_below(random, 6);
+        if (what < 3 && cell_is_reached(cell)) { /* the seed whose tree holds the voxel */
+            at = key_root(cell->key);
+            label = what == 0 ? w->scene->cell[at].label : EDIT_ERASE;
+        }
+        if (w->scene->cell[at].flags & CELL_OUTSIDE)
+            continue;
+        const uint16_t reach =
+            (uint16_t)(check_below(random, 3) ? 1 + check_below(random, w->reaches) : 0);
+        batch[count++] = (struct edit){at, label, label == EDIT_ERASE ? 0 : reach};
+    }
+    return count;
+}
+
+static void note(struct planted *planted, const struct edit *edit, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        planted->label[edit[i].cell] = edit[i].label;
+        planted->reach[edit[i].cell] = edit[i].reach;
+    }
+}
+
+/* Some voxels take no part from now on; their seeds have gone. */
+static void random_roi(struct world *w, struct planted *planted, uint64_t *random)
+{
+    static struct edit batch[CELLS_MOST];
+    const struct roi roi = {NULL, (uint16_t)check_below(random, 2),
+                            (uint16_t)(2 + check_below(random, 3))};
+    size_t count = 0;
+    for (uint32_t c = 0; c < w->scene->grid.cells; c++)
+        if (planted->label[c] != EDIT_ERASE && !roi_holds(&roi, w->scene, c))
+            batch[count++] = (struct edit){c, EDIT_ERASE, 0};
+    CHECK(forest_edit(w->forest, batch, count, NULL) == OK);
+    note(planted, batch, count);
+    roi_apply(&roi, w->scene);
+    CHECK(forest_rebuild(w->forest, NULL) == OK);
+}
+
+static bool stop_later(void *context, const char *what, uint64_t served, uint64_t total)
+{
+    (void)what, (void)served, (void)total;
+    return --*(int *)context < 0;
+}
+
+/* An edit that is stopped after some looks, if it is not done by then. */
+static bool edit_stopped(struct world *w, const struct edit *edit, size_t count, int looks)
+{
+    struct watch watch = {.context = &looks, .poll = stop_later, .step = 1};
+    w->scene->watch = &watch;
+    const enum err err = forest_edit(w->forest, edit, count, NULL);
+    w->scene->watch = NULL;
+    CHECK(err == OK || err == ERR_CANCELLED);
+    return err != OK;
+}
+
+/* One edit, undone, or stopped and taken back, or everything anew. */
+static void random_edit(struct world *w, struct planted *planted, uint64_t *random)
+{
+    static struct edit batch[CELLS_MOST];
+    static bool was_stopped; /* the edit before: then it has changed nothing that could be undone */
+    const struct seed_changes last =
+        was_stopped ? (struct seed_changes){0} : forest_seed_changes(w->forest);
+    size_t count = random_batch(w, planted, batch, random);
+    const uint32_t what = check_below(random, 40);
+    was_stopped = false;
+    if (what < 5 && last.count > 0 && last.count < CELLS_MOST) {
+        count = 0;
+        for (size_t i = 0; i < last.count; i++)
+            if (!(w->scene->cell[last.before[i].cell].flags & CELL_OUTSIDE))
+                batch[count++] = last.before[i];
+    } else if (what < 9) {
+        was_stopped = edit_stopped(w, batch, count, (int)check_below(random, 12));
+        if (was_stopped)
+            return;
+        note(planted, batch, count);
+        return;
+    } else if (what == 9) {
+        random_roi(w, planted, random);
+        return;
+    } else if (what == 10) {
+        CHECK(forest_rebuild(w->forest, NULL) == OK);
+    } else if (what == 11) {
+        forest_suspend(w->forest);
+        CHECK(forest_edit(w->forest, batch, count, NULL) == OK);
+        CHECK(forest_catch_up(w->forest, NULL) == OK);
+        note(planted, batch, count);
+        return;
+    }
+    CHECK(forest_edit(w->forest, batch, count, NULL) == OK);
+    note(planted, batch, count);
+}
+
+/* The number of voxels that had to do without a tree, over all. */
+static size_t holes_seen;
+
+static void random_session(uint64_t seed, unsigned steps, struct team *team)
+{
+    static struct planted planted;
+    uint64_t random = seed;
+    struct world w = random_world(&random);
+    struct fault fault = {0};
+    CHECK(forest_set_team(w.forest, team, NULL) == OK);
+    for (size_t c = 0; c < CELLS_MOST; c++) {
+        planted.label[c] = EDIT_ERASE;
+        planted.reach[c] = 0;
+    }
+    for (unsigned step = 0; step < steps; step++) {
+        random_edit(&w, &planted, &random);
+        if (!CHECK(equals_oracle(&w, &planted)) || !CHECK(equals_scratch(&w, &planted, team)) ||
+            !CHECK(forest_check(w.forest, &fault))) {
+            printf("# seed %" PRIu64 " step %u %s\n", seed, step, fault.text);
+            break;
+        }
+        holes_seen += refused(&w);
+    }
+    world_free(&w);
+}
+
+static unsigned scaled(unsigned count)
+{
+    const char *factor = getenv("IFTTY_TEST_SCALE");
+    return factor ? count * (unsigned)atoi(factor) : count;
+}
+
+STORY(random_edits_equal_the_oracle_and_a_run_from_scratch)
+{
+    for (unsigned i = 0; i < scaled(700) && check_failures == 0; i++)
+        random_session(i, 16, NULL);
+    CHECK(holes_seen > 1000);
+}
+
+STORY(threads_change_nothing)
+{
+    struct team *team;
+    if (!CHECK(team_new(&team, 3, NULL) == OK))
+        return;
+    for (unsigned i = 0; i < scaled(40) && check_failures == 0; i++)
+        random_session(100000 + i, 12, team);
+    team_free(team);
+}
+
+/* ---- what cannot be had ---- */
+
+static bool allow_none(size_t bytes)
+{
+    (void)bytes;
+    return false;
+}
+
+STORY(without_memory_nothing_has_changed)
+{
+    struct world w = world_new(10, 1, 1, 6);
+    const struct reach reach = {{4, 0, 0}, {1, 1, 1}, 2};
+    uint16_t number = 0;
+    mem_allows = allow_none;
+    CHECK_INT(forest_add_reach(w.forest, &reach, &number, NULL), ERR_MEMORY);
+    mem_allows = NULL;
+    plant(&w, 4, 1, 0);
+    CHECK_TEXT(row(&w), "1111111111");
+    CHECK(forest_add_reach(w.forest, &reach, &number, NULL) == OK);
+    plant(&w, 4, 1, number);
+    size_t voxels;
+    mem_allows = allow_none;
+    CHECK_INT(forest_count_refused(w.forest, &voxels, NULL), ERR_MEMORY);
+    mem_allows = NULL;
+    CHECK_INT(refused(&w), 5);
+    world_free(&w);
+}
+
+STORY(there_are_no_more_than_65535_reaches)
+{
+    struct world w = world_new(4, 1, 1, 6);
+    struct fault fault = {0};
+    for (int i = 0; i < UINT16_MAX; i++)
+        add_reach(&w, 0, 0, 0, i);
+    CHECK_INT(forest_add_reach(w.forest, &(struct reach){.radius = 1}, &(uint16_t){0}, &fault),
+              ERR_LIMIT);
+    CHECK_HAS(fault.text, "65535");
+    world_free(&w);
+}
+
+int main(void)
+{
+    return RUN_STORIES(
+        TELL(a_tree_ends_where_its_seed_reaches),
+        TELL(a_reach_is_around_its_centre_and_not_around_the_seed),
+        TELL(the_same_label_with_another_reach_is_another_seed), TELL(a_refused_child_hears_of_it),
+        TELL(distances_are_in_whole_units_and_the_ball_is_closed),
+        TELL(random_edits_equal_the_oracle_and_a_run_from_scratch), TELL(threads_change_nothing),
+        TELL(without_memory_nothing_has_changed), TELL(there_are_no_more_than_65535_reaches));
+}

@@ -1,0 +1,73 @@
+#!/bin/sh
+# Corrections that end within a distance, as a user types them: planted, asked about, undone,
+# recorded, resumed, written to a list and read again; and what is refused.
+. "$(dirname "$0")/lib.sh"
+cd "$work" || exit 1
+open='open synth:geom:40x40x40'
+
+begin "a tree ends where its seed reaches, and what no tree may hold is counted"
+asks='info; why 20,20,26; why 20,20,27'
+expect 0 "$iftty" -c "$open; seed 20,20,20 1 radius=2 within=6; run; $asks" --journal j.iftty
+out_has "reach     33 seeds with \`within\`; 63075 voxels without a tree, since all around end"
+out_has "of the seed at 20,20,22, within 6 voxels of 20,20,20"
+out_has "it lies beyond the seed at 20,20,22, within 6 voxels of 20,20,20, of label 1, which would"
+grep -qx 'seed 20,20,20 1 radius=2 within=6' j.iftty || fail "$(cat j.iftty)"
+expect 0 "$iftty" verify j.iftty
+close_story
+
+begin "other seeds take the rest; it is gone on with, undone and done again"
+expect 0 "$iftty" -c 'seed 2,2,2 2; run; info' --journal j.iftty
+out_has "no voxel is left without a tree by it"
+last_word() { sed -n "s/^= .* $1=\([0-9a-f]*\).*/\1/p" j.iftty | tail -1; }
+before=$(last_word forest)
+expect 0 "$iftty" -c 'remove 20,20,20; run; info; undo 2' --journal j.iftty
+out_has "marker 1 removed: 33 seeds of label 1"
+[ "$(grep -c "^ *reach" "$work/out")" = 0 ] || fail "$(cat "$work/out")"
+[ "$(last_word forest)" = "$before" ] || fail "undo: $(tail -3 j.iftty)"
+expect 0 "$iftty" -c 'redo 2; undo 2; goto 3; goto 5' --journal j.iftty
+[ "$(last_word forest)" = "$before" ] || fail "redo: $(tail -3 j.iftty)"
+expect 0 "$iftty" verify j.iftty
+close_story
+
+begin "planted again with another distance it is another seed"
+again='seed 20,20,20 1 radius=2 within'
+expect 0 "$iftty" -c "$again=9; run; $again=6; run" --journal j.iftty
+[ "$(last_word forest)" = "$before" ] || fail "$(tail -5 j.iftty)"
+expect 0 "$iftty" -c 'remove 20,20,20; run; why 20,20,20; save seeds s.csv' --journal j.iftty
+out_has "within 9 voxels of 20,20,20"
+expect 0 "$iftty" verify j.iftty
+close_story
+
+begin "a list of seeds has the distances, in voxels and in millimetres"
+[ "$(head -1 s.csv)" = "x,y,z,label,within,of x,of y,of z" ] || fail "$(head -1 s.csv)"
+grep -qx '20,20,22,1,9,20,20,20' s.csv || fail "$(cat s.csv)"
+grep -qx '2,2,2,2' s.csv || fail "$(cat s.csv)"
+before=$(last_word forest)
+expect 0 "$iftty" -c "$open; seed-file s.csv; run" --journal k.iftty
+grep -q "forest=$before" k.iftty || fail "$(cat k.iftty)"
+expect 0 "$iftty" -c "$open; seed 20,20,20 1 within=2.5mm; run; save seeds mm.csv" --journal l.iftty
+grep -qx '20,20,20,1,2.500000mm,20,20,20' mm.csv || fail "$(cat mm.csv)"
+before=$(sed -n 's/^= 3 \(forest=[0-9a-f]*\).*/\1/p' l.iftty)
+expect 0 "$iftty" -c "$open; seed-file mm.csv; run" --journal m.iftty
+grep -q "$before" m.iftty || fail "$(cat m.iftty)"
+expect 0 "$iftty" verify k.iftty l.iftty m.iftty
+close_story
+
+begin "what cannot be is refused, and plants nothing"
+refused() { # STATUS WORDS MESSAGE
+    expect "$1" "$iftty" -c "$open; seed $2; info" --keep-going
+    err_has "$3"
+    out_has "0 seeds, 0 edits waiting"
+}
+refused 2 '20,20,20 1 radius=3 within=2' "within: it is less than the radius"
+refused 2 '20,20,20 1 radius=3 within=2.9mm' "within: it is less than the radius"
+refused 2 '20,20,20 1 within=0' "within: expected a number 1..512, or millimetres"
+refused 2 '20,20,20 1 within=513' "within: expected a number 1..512"
+refused 2 '20,20,20 1 within=0mm' "within: expected"
+refused 2 '20,20,20 1 within=1001mm' "within: expected"
+refused 2 '20,20,20 0 radius=9 within=12 shell=yes' "within: it is that of one ball"
+refused 2 '20,20,20 1 within=9 to=22,20,20' "within: it is that of one ball"
+refused 2 '20,20,20 1 within=9 joined=yes' "within: it is that of one ball"
+close_story
+
+finish
