@@ -11,7 +11,7 @@
 
 #define OWN(name, weight, background, relaxes, charted)                                            \
     {                                                                                              \
-        name, BY_IFTTY, background, weight, relaxes, charted, false                                \
+        name, BY_IFTTY, background, weight, relaxes, charted, false, false                         \
     }
 #define OWN_FIVE(name, weight)                                                                     \
     OWN(name, weight, SHAPE_BALL, false, true),                                                    \
@@ -21,16 +21,22 @@
         OWN(name ", sphere, relax", weight, SHAPE_SPHERE, true, true)
 #define WORKER(name, program, background, charted)                                                 \
     {                                                                                              \
-        name, BY_WORKER, background, program, false, charted, true                                 \
+        name, BY_WORKER, background, program, false, charted, true, false                          \
+    }
+#define WITHIN(name, background, relaxes)                                                          \
+    {                                                                                              \
+        name, BY_IFTTY, background, "morph", relaxes, false, false, true                           \
     }
 
 /* The first is what others are compared with. */
 static const struct effort_method method[] = {
     OWN_FIVE("morph", "morph"),
     OWN_FIVE("gauss 1", "gauss 1"),
+    WITHIN("morph, within", SHAPE_BALL, false),
+    WITHIN("morph, sphere, relax, within", SHAPE_SPHERE, true),
     WORKER("random walker", "walker", SHAPE_BALL, true),
     WORKER("random walker, sphere", "walker", SHAPE_SPHERE, false),
-    {"GrowCut", BY_GROWCUT, SHAPE_BALL, "", false, false, true},
+    {"GrowCut", BY_GROWCUT, SHAPE_BALL, "", false, false, true, false},
     WORKER("watershed, scikit-image", "skimage", SHAPE_BALL, false),
     WORKER("watershed, ITK", "itk", SHAPE_BALL, false),
 };

@@ -14,6 +14,7 @@ enum {
     STROKE_MOST = 12,
     NEAR = 2, /* of the background's first ball */
     FAR = 10,
+    WITHIN_DEPTHS = 3,
 };
 
 const char *const effort_robot_name[ROBOT_KINDS] = {"careful", "sloppy", "stroke"};
@@ -403,7 +404,8 @@ enum err effort_robot_next(struct effort_robot *robot, const uint8_t *label,
         i = is_sloppy ? roughly_deepest(robot, &box, i) : i;
         *gesture = (struct effort_gesture){
             .shape = SHAPE_BALL,
-            .radius = radius_of(robot->squared[i], is_sloppy ? RADIUS_SLOPPY : RADIUS_USUAL)};
+            .radius = radius_of(robot->squared[i], is_sloppy ? RADIUS_SLOPPY : RADIUS_USUAL),
+            .within = WITHIN_DEPTHS * root_of(robot->squared[i])};
         place_in(gesture->at, &box, i);
         const uint32_t *n = robot->grid.size, *at = gesture->at;
         gesture->label = robot->object->truth[((size_t)at[2] * n[1] + at[1]) * n[0] + at[0]];

@@ -21,6 +21,9 @@
  *   stroke       goes up to 12 voxels either way along the component's main axis, as long as the
  *                ball stays in the component
  *
+ * A refinement by a ball says how far it is to be heeded, three times the depth, to methods that
+ * take that.
+ *
  * What is random comes from one stream a run, which begins by the object's name: so all methods get
  * the same sphere and the same box.
  */
@@ -41,6 +44,7 @@ struct effort_gesture {
     enum effort_shape shape;
     uint32_t at[3], to[3], radius;
     uint8_t label;
+    uint32_t within; /* how far it is to be heeded: of a refinement; 0 for no end */
 };
 
 struct effort_robot {

@@ -88,7 +88,7 @@ enum err effort_tool_prepare(const struct effort_object *object, const char *fol
 
 /* ---- iftty ---- */
 
-void effort_write_command(struct buf *line, const struct effort_gesture *gesture)
+void effort_write_command(struct buf *line, const struct effort_gesture *gesture, bool limits)
 {
     const uint32_t *at = gesture->at, *to = gesture->to;
     buf_clear(line);
@@ -100,6 +100,8 @@ void effort_write_command(struct buf *line, const struct effort_gesture *gesture
     buf_printf(line, "seed %u,%u,%u %u", at[0], at[1], at[2], gesture->label);
     if (gesture->radius)
         buf_printf(line, " radius=%u", gesture->radius);
+    if (limits && gesture->shape == SHAPE_BALL && gesture->within)
+        buf_printf(line, " within=%u", gesture->within);
     if (gesture->shape == SHAPE_SPHERE)
         buf_add_text(line, " shell=yes around=1");
     else if (gesture->shape == SHAPE_STROKE && memcmp(at, to, sizeof gesture->at) != 0)
@@ -134,7 +136,7 @@ static enum err apply_iftty(struct effort_tool *tool, const struct effort_gestur
     struct session *session = &tool->interp->session;
     struct labels labels;
     struct buf line = {0};
-    effort_write_command(&line, gesture);
+    effort_write_command(&line, gesture, tool->method->limits);
     const double begin = worker_clock_ms();
     enum err err = command(tool, buf_text(&line), fault);
     err = err ? err : session_labels(session, tool->method->relaxes, &labels, fault);

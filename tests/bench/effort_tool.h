@@ -24,7 +24,8 @@ struct effort_method {
     const char *weight; /* of iftty, as its command has it; of a worker, its program */
     bool relaxes;
     bool charted;
-    bool once; /* is only run by the careful robot, and on no whole scene: it takes its time */
+    bool once;   /* is only run by the careful robot, and on no whole scene: it takes its time */
+    bool limits; /* refinements end within the gesture's distance */
 };
 
 /* Where an object lies for all tools (effort_tool_prepare): scene.nii, size, image.u8, gradient.u8.
@@ -56,7 +57,7 @@ enum err effort_tool_apply(struct effort_tool *tool, const struct effort_gesture
                            struct fault *fault);
 void effort_tool_end(struct effort_tool *tool);
 
-/* The command that makes a gesture. */
-void effort_write_command(struct buf *line, const struct effort_gesture *gesture);
+/* The command that makes a gesture; of a ball, whether it says how far its trees grow. */
+void effort_write_command(struct buf *line, const struct effort_gesture *gesture, bool limits);
 
 #endif
