@@ -182,8 +182,8 @@ static enum err take_fields(struct volume_header *out, struct nifti_header *head
     if (err)
         return err;
     const struct datatype *datatype = datatype_of(header->datatype);
-    out->format = format_of(header);
-    out->type_name = datatype->name;
+    snprintf(out->format, sizeof out->format, "%s", format_of(header));
+    snprintf(out->type_name, sizeof out->type_name, "%s", datatype->name);
     out->big_endian = header->big_endian;
     if (datatype->type == UNREAD)
         snprintf(out->refusal, sizeof out->refusal, "its voxels are %s (datatype %" PRId64 "); %s",

@@ -6,6 +6,8 @@
  */
 #include "image/raw.h"
 
+#include <stdio.h>
+
 #include "engine/grid.h"
 #include "image/voxels.h"
 
@@ -23,9 +25,9 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
     enum err err = grid_init(&grid, raw->size, fault);
     if (err)
         return err;
-    out->format = "raw";
+    snprintf(out->format, sizeof out->format, "raw");
     out->type = (enum voxel_type)raw->type;
-    out->type_name = voxel_type_name(out->type);
+    snprintf(out->type_name, sizeof out->type_name, "%s", voxel_type_name(out->type));
     out->big_endian = raw->big_endian;
     out->offset = raw->offset;
     out->geometry.slope = 1;

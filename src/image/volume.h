@@ -43,7 +43,7 @@
 
 /* Lines for the user, on what a file leaves open, or holds and is not as it should be; each ends
  * with a line feed. What does not fit any more is left out. */
-enum { VOLUME_NOTES_BYTES = 1536 };
+enum { VOLUME_NOTES_BYTES = 1536, VOLUME_WORD_BYTES = 33 };
 void volume_note(char notes[VOLUME_NOTES_BYTES], const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
@@ -90,9 +90,9 @@ enum voxel_type {
 /* What the header of a file says. */
 struct volume_header {
     uint32_t size[3];
-    struct geometry geometry; /* slope and intercept are those of the numbers in the file */
-    const char *format;       /* "nifti-1" */
-    const char *type_name;    /* of voxels, "int16" */
+    struct geometry geometry;       /* slope and intercept are those of the numbers in the file */
+    char format[VOLUME_WORD_BYTES]; /* "nifti-1" */
+    char type_name[VOLUME_WORD_BYTES]; /* of voxels, "int16" */
     bool big_endian;
     uint32_t volumes;  /* of a series; 1 for a scene */
     char refusal[160]; /* why its voxels cannot be read; "" where they can: */

@@ -17,7 +17,7 @@ static const char PROGRAM[] = "iftty-volume";
 
 enum {
     PATH_MOST = 4096,
-    FORMAT_MOST = 32,
+    FORMAT_MOST = VOLUME_WORD_BYTES - 1,
     TYPE_MOST = 8,
     NOTES_MOST = 1200,
     VOLUMES_MOST = 1000000,
@@ -45,7 +45,6 @@ bool volume_helper_is_wary;
 
 struct volume_helper {
     struct coprocess process;
-    char format[FORMAT_MOST + 1], type[TYPE_MOST + 1];
     uint64_t left;   /* bytes of the present piece */
     struct buf room; /* the folder that it may write into; empty for none */
 };
@@ -217,32 +216,33 @@ struct said {
     int64_t size[3], volumes, known, format, type, notes;
 };
 
-static bool receive_words(struct volume_helper *helper, const struct said *said, char *notes)
+static bool receive_words(struct volume_header *out, struct coprocess *process,
+                          const struct said *said)
 {
-    struct coprocess *process = &helper->process;
-    if (!coprocess_receive(process, helper->format, (size_t)said->format) ||
-        !coprocess_receive(process, helper->type, (size_t)said->type) ||
-        !coprocess_receive(process, notes, (size_t)said->notes))
+    out->format[said->format] = out->type_name[said->type] = out->notes[said->notes] = '\0';
+    if (!coprocess_receive(process, out->format, (size_t)said->format) ||
+        !coprocess_receive(process, out->type_name, (size_t)said->type) ||
+        !coprocess_receive(process, out->notes, (size_t)said->notes))
         return false;
-    for (const char *at = notes; *at; at++)
+    for (const char *at = out->notes; *at; at++)
         if (*at != '\n' && (*at < ' ' || *at > '~'))
             return coprocess_odd(process);
     return true;
 }
 
-static bool receive_header(struct volume_helper *helper, const char *line, struct said *said,
-                           double number[NUMBERS], char notes[VOLUME_NOTES_BYTES])
+static bool receive_header(struct volume_header *out, struct coprocess *process, const char *line,
+                           struct said *said, double number[NUMBERS])
 {
     static const int64_t most[] = {UINT16_MAX, UINT16_MAX,  UINT16_MAX, VOLUMES_MOST,
                                    3,          FORMAT_MOST, TYPE_MOST,  NOTES_MOST};
     int64_t value[8];
     if (!scan_text(&line, "volume ") || !coprocess_numbers(line, 8, most, value) || value[0] < 1 ||
         value[1] < 1 || value[2] < 1 || value[3] < 1)
-        return coprocess_odd(&helper->process);
+        return coprocess_odd(process);
     *said = (struct said){
         {value[0], value[1], value[2]}, value[3], value[4], value[5], value[6], value[7]};
-    return receive_words(helper, said, notes) &&
-           coprocess_receive(&helper->process, number, NUMBERS * sizeof *number);
+    return receive_words(out, process, said) &&
+           coprocess_receive(process, number, NUMBERS * sizeof *number);
 }
 
 /* Spacing along the columns of the matrix; unknown where it is none. */
@@ -293,17 +293,15 @@ static enum err take_header(struct volume_header *out, struct volume_helper *hel
 {
     struct said said = {.size = {0}};
     double number[NUMBERS];
-    if (!receive_header(helper, line, &said, number, out->notes))
+    if (!receive_header(out, &helper->process, line, &said, number))
         return coprocess_fault(&helper->process, NULL, NULL, fault);
     for (int a = 0; a < 3; a++)
         out->size[a] = (uint32_t)said.size[a];
     out->volumes = (uint32_t)said.volumes;
-    out->format = helper->format;
-    out->type_name = helper->type;
     out->big_endian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
-    if (!voxel_type_named(&out->type, helper->type))
+    if (!voxel_type_named(&out->type, out->type_name))
         snprintf(out->refusal, sizeof out->refusal, "its voxels are %s, which are not read",
-                 helper->type);
+                 out->type_name);
     take_geometry(out, number, said.known & SPACING, said.known & PLACE);
     out->geometry.slope = number[12];
     out->geometry.intercept = number[13];
