@@ -199,7 +199,7 @@ static enum err write_chart(const struct effort_report *report, enum effort_robo
 {
     double curve[PLOT_SERIES_MOST][CURVE];
     struct plot_series series[PLOT_SERIES_MOST];
-    char title[96], number[CURVE][4];
+    char title[96], number[CURVE][12];
     const char *name[CURVE];
     size_t count = 0;
     for (size_t m = 0; m < report->methods && count < PLOT_SERIES_MOST; m++)
