@@ -173,8 +173,8 @@ enter "label 3 node"
 recorded "label 3 node"
 see '3 node'
 type_letters ":"
-enter "help seed"
-see 'plant a seed'
+enter "help box"
+see 'plant a box'
 see '\(any key\)'
 press Enter
 see '^coronal 13 '
