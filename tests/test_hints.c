@@ -13,6 +13,7 @@
 static struct scene *scene;
 static struct forest *forest;
 static uint16_t *margin;
+static uint8_t heat[4096];
 static struct hint_list hints;
 
 static void begin_world(const uint32_t sides[3], unsigned adjacency)
@@ -37,8 +38,9 @@ static void plant(uint32_t cell, int16_t label)
 
 static void find(void)
 {
+    memset(heat, 0, sizeof heat);
     CHECK(margin_new(&margin, forest, NULL) == OK);
-    CHECK(hints_find(&hints, forest, margin, NULL) == OK);
+    CHECK(hints_find(&hints, forest, margin, heat, NULL) == OK);
 }
 
 /* ---- by hand ---- */
@@ -60,7 +62,8 @@ STORY(a_border_without_an_edge_is_less_certain_than_one_on_an_edge)
     CHECK_INT(hints.item[0].certainty, 0);
     CHECK_INT(hints.item[0].edge, 1);
     CHECK(hints.item[0].label + hints.item[0].other == 5);
-    CHECK_INT(hints.edge, 1); /* of 1, 1, 9 and 9 */
+    CHECK_INT(heat[hints.item[0].cell], HINT_HEATS);
+    CHECK(heat[first + 3] == 0 && heat[first] == 0);
     end_world();
 }
 
@@ -197,6 +200,8 @@ static void check_against_model(void)
         if (v[i].certainty <= limit)
             v[weak++] = v[i];
     CHECK_INT(hints.weak, weak);
+    for (size_t i = 0; i < weak; i++)
+        CHECK_INT(heat[v[i].cell], HINT_HEATS);
     for (bool changed = true; changed;) {
         changed = false;
         for (size_t i = 0; i < weak; i++)
@@ -255,7 +260,7 @@ STORY(memory_that_runs_out_is_an_error)
     enum err err = ERR_MEMORY;
     for (size_t n = 0; n < 40 && err; n++) {
         allow_allocations(n);
-        err = hints_find(&hints, forest, margin, &why);
+        err = hints_find(&hints, forest, margin, NULL, &why);
         mem_allows = NULL;
         CHECK(err == OK || (err == ERR_MEMORY && hints.count == 0));
     }

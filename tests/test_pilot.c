@@ -52,6 +52,22 @@ static void peek(void *context, const uint32_t place[3])
     peeks++;
 }
 
+static struct pilot_way shown_way;
+static bool why(void *context, const uint32_t place[3], struct pilot_way *way, struct buf *out)
+{
+    (void)context;
+    buf_printf(out, "why %u", place[0]);
+    *way = shown_way;
+    return has_tree;
+}
+
+static unsigned hint_count;
+static unsigned hints(void *context)
+{
+    (void)context;
+    return hint_count;
+}
+
 static bool has_seed = true, hidden[256];
 static bool seed_of(void *context, unsigned of, int64_t by, uint32_t place[3])
 {
@@ -119,6 +135,8 @@ static bool pan(void *context, enum pilot_pane pane, int right, int down, uint32
 static const struct pilot_host host = {.move = move,
                                        .pan = pan,
                                        .held = held,
+                                       .why = why,
+                                       .hints = hints,
                                        .facts = tell_facts,
                                        .peek = peek,
                                        .seed = seed_of,
@@ -553,6 +571,67 @@ STORY(an_eliminator_shows_first_what_it_takes)
     type("x");
     CHECK_HAS(buf_text(&message), "no tree holds this voxel");
     CHECK(state.mode == PILOT_MOVING);
+}
+
+STORY(a_path_is_shown_and_its_strongest_edge_corrected)
+{
+    begin();
+    shown_way = (struct pilot_way){
+        .label = 1, .next = 3, .root = {5, 6, 7}, .has_edge = true, .edge = {9, 10, 11}};
+    CHECK_TEXT(type("P"), "");
+    CHECK(state.mode == PILOT_EXPLAINING);
+    CHECK_TEXT(buf_text(&message),
+               "why 20; P goes there, i plants label 3 there, S a shell, I a stroke");
+    CHECK_TEXT(type("P"), "cross 9,10,11\n");
+    CHECK(state.mode == PILOT_MOVING);
+    CHECK_TEXT(type("''"), ""); /* whence it jumped */
+    CHECK_TEXT(type("2+Pi"), "cross 9,10,11\nseed 9,10,11 3 radius=2\n");
+    CHECK_INT(state.brush.label, 3);
+    CHECK_TEXT(type("Ps0"), "cross 9,10,11\nseed 9,10,11 0 radius=2\n");
+    CHECK_TEXT(type("PS"), "cross 9,10,11\nseed 5,6,7 3 shell=yes around=1 through=9,10,11\n");
+    CHECK_TEXT(type("PI"), "cross 9,10,11\n");
+    memcpy(facts.place, (uint32_t[]){9, 10, 11}, sizeof facts.place);
+    facts.place[1] = 14;
+    CHECK_TEXT(type("i"), "seed 9,14,11 3 radius=2 to=9,10,11\n");
+    CHECK_TEXT(type("Pl"), "cross 8,14,11\n"); /* another key does what it does */
+    CHECK_TEXT(type("P4"), "");                /* no digit alone plants */
+    CHECK_TEXT(type("l"), "cross 5,14,11\n");
+    type("P");
+    press(KEY_ESCAPE, 0, 0);
+    CHECK(state.mode == PILOT_MOVING);
+    shown_way.has_edge = false;
+    CHECK_TEXT(type("Pi"), "");
+    CHECK_HAS(buf_text(&message), "there is no edge to go to");
+    has_tree = false;
+    CHECK_TEXT(type("P"), "");
+    CHECK(state.mode == PILOT_MOVING);
+    has_tree = true;
+    CHECK_TEXT(type("pP"), "cross 32,24,9\n"); /* of what the rendition shows */
+    CHECK(state.mode == PILOT_EXPLAINING && state.base == PILOT_PICKING);
+}
+
+STORY(hints_are_walked_round_and_round)
+{
+    begin();
+    hint_count = 3;
+    CHECK_TEXT(type(")"), "hint 1\n");
+    CHECK_TEXT(type(")"), "hint 2\n");
+    CHECK_TEXT(type("("), "hint 1\n");
+    CHECK_TEXT(type("("), "hint 3\n");
+    CHECK_TEXT(type(")"), "hint 1\n");
+    CHECK_TEXT(type("7)"), "hint 7\n"); /* which the command refuses */
+    CHECK_TEXT(type("("), "hint 3\n");
+    CHECK_TEXT(type("2("), "hint 2\n");
+    hint_count = 0; /* the command says why */
+    CHECK_TEXT(type(")"), "hint 1\n");
+    CHECK_TEXT(type("("), "hint 1\n");
+    facts.place[0] = 3;
+    CHECK_TEXT(type("''"), "cross 20,25,30\n");
+    CHECK(!state.heat);
+    CHECK_TEXT(type("gh"), "");
+    CHECK(state.heat && message.length);
+    type("gh");
+    CHECK(!state.heat);
 }
 
 STORY(a_change_is_repeated)
@@ -1235,7 +1314,9 @@ int main(void)
     return RUN_STORIES(
         TELL(arrows_and_letters_move_in_the_plane_that_is_marked), TELL(counts_are_those_of_vim),
         TELL(a_key_that_takes_no_count_does_nothing_with_one), TELL(some_keys_wait_for_a_second),
-        TELL(slices_marks_and_seeds_to_go_to), TELL(a_change_is_repeated), TELL(what_is_shown),
+        TELL(slices_marks_and_seeds_to_go_to),
+        TELL(a_path_is_shown_and_its_strongest_edge_corrected),
+        TELL(hints_are_walked_round_and_round), TELL(a_change_is_repeated), TELL(what_is_shown),
         TELL(what_was_chosen_stays_from_one_time_to_the_next), TELL(no_key_has_two_meanings),
         TELL(the_page_of_keys_fits_any_window), TELL(what_is_dangerous_and_how_to_begin_are_said),
         TELL(seeds_brushes_and_strokes), TELL(what_the_pen_draws_is_one_command_once_it_is_lifted),

@@ -129,6 +129,25 @@ press Escape
 see '^i seed '
 close_story
 
+begin "keys walk through hints, and tell how a voxel came to its label"
+is_cross() {
+    case $(last_record) in "cross "*) return 0 ;; *) return 1 ;; esac
+}
+type_letters ")"
+see '^1  at [0-9]+,[0-9]+,[0-9]+: [0-9]+ voxels?, [0-9.]+ m[lm].*; label '
+comes_true is_cross
+type_letters "gh"
+see '^red, where the border is least certain'
+type_letters "P"
+see '^label [0-9].* at a cost of [0-9]+, [0-9]+ steps? from its seed'
+press Escape
+type_letters "gh:cross 11,13,9"
+press Enter
+recorded "cross 11,13,9"
+press Escape
+see '^i seed '
+close_story
+
 begin "what is pasted acts nowhere: it stands in the line of the colon"
 tmux_here set-buffer -b paste "$(printf 'box 10 xx u\nseed 1,1,1 2\nq ')"
 before=$(last_record)

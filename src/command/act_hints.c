@@ -23,7 +23,7 @@ static enum err find_hints(const struct act *act, const struct hint_list **hints
 {
     struct session *session = act->session;
     const enum err err = session->skims ? session_catch_up(session, act->fault) : OK;
-    return err ? err : session_find_hints(session, hints, act->fault);
+    return err ? err : session_find_hints(session, hints, NULL, act->fault);
 }
 
 /* ---- in words ---- */

@@ -22,8 +22,7 @@ struct finding {
     ptrdiff_t face[6], corner[26];
     struct edge_voxel *voxel; /* all at the border; then the weak ones, in order of cells */
     size_t count, capacity;
-    int32_t limit;
-    uint16_t edge;
+    int32_t limit[HINT_HEATS];
     uint32_t *place; /* numbers of weak voxels: those of the place at hand */
     size_t placed, place_capacity;
     bool *taken; /* [count]: is of a place already */
@@ -106,35 +105,50 @@ static enum err find_border(struct finding *f, struct fault *fault)
 
 enum { CERTAINTIES = 3 * MARGIN_NONE };
 
-/* The edge of the voxel in the middle, by edges. */
-static uint16_t middle_edge(const struct finding *f, size_t *voxels)
+/* The least certainty that one voxel in so many or more do not exceed. */
+static int32_t limit_of(const size_t *voxels, size_t count, size_t share)
 {
-    uint16_t edge = 0;
-    for (size_t i = 0; i < f->count; i++)
-        voxels[f->voxel[i].edge]++;
-    for (size_t below = voxels[0]; below * 2 < f->count; below += voxels[edge])
-        edge++;
-    return edge;
+    int32_t limit = -MARGIN_NONE;
+    for (size_t below = voxels[0]; below * share < count; below += voxels[limit + MARGIN_NONE])
+        limit++;
+    return limit;
 }
 
-static enum err keep_weak(struct finding *f, struct fault *fault)
+static enum err find_limits(struct finding *f, struct fault *fault)
 {
-    size_t *voxels = mem_new(CERTAINTIES * sizeof *voxels), below = 0, weak = 0;
+    static const size_t share[HINT_HEATS] = {HINT_SHARE, HINT_WARM};
+    size_t *voxels = mem_new(CERTAINTIES * sizeof *voxels);
     if (!voxels)
         return fault_memory(fault, "the border");
-    f->edge = middle_edge(f, voxels);
-    memset(voxels, 0, CERTAINTIES * sizeof *voxels);
     for (size_t i = 0; i < f->count; i++)
         voxels[f->voxel[i].certainty + MARGIN_NONE]++;
-    f->limit = -MARGIN_NONE;
-    while (f->count && (below += voxels[f->limit + MARGIN_NONE]) * HINT_SHARE < f->count)
-        f->limit++;
-    for (size_t i = 0; i < f->count; i++)
-        if (f->voxel[i].certainty <= f->limit)
-            f->voxel[weak++] = f->voxel[i];
-    f->count = weak;
+    for (int i = 0; f->count && i < HINT_HEATS; i++)
+        f->limit[i] = limit_of(voxels, f->count, share[i]);
     free(voxels);
     return OK;
+}
+
+static void warm(const struct finding *f, uint8_t *heat, const struct edge_voxel *voxel)
+{
+    const struct cell *cell = f->scene->cell;
+    uint8_t degree = 0;
+    for (int i = 0; i < HINT_HEATS; i++)
+        degree = (uint8_t)(degree + (voxel->certainty <= f->limit[i]));
+    heat[voxel->cell] = degree > heat[voxel->cell] ? degree : heat[voxel->cell];
+    for (int i = 0; i < 26; i++) {
+        const uint32_t at = voxel->cell + (uint32_t)f->corner[i];
+        if (cell_is_reached(cell + at) && cell[at].label == voxel->label && degree > heat[at])
+            heat[at] = degree;
+    }
+}
+
+static void keep_weak(struct finding *f)
+{
+    size_t weak = 0;
+    for (size_t i = 0; i < f->count; i++)
+        if (f->voxel[i].certainty <= f->limit[0])
+            f->voxel[weak++] = f->voxel[i];
+    f->count = weak;
 }
 
 /* ---- places ---- */
@@ -218,7 +232,7 @@ static struct hint make_hint(const struct finding *f)
     for (size_t i = 0; i < f->placed; i++) {
         const struct edge_voxel *v = f->voxel + f->place[i];
         const uint64_t far = squared_distance(grid_place(&f->scene->grid, v->cell), middle);
-        hint.doubt += (uint64_t)(f->limit - v->certainty) + 1;
+        hint.doubt += (uint64_t)(f->limit[0] - v->certainty) + 1;
         if (hint.cell != CELL_NONE &&
             (v->certainty > hint.certainty || (v->certainty == hint.certainty && far >= nearest)))
             continue;
@@ -264,7 +278,7 @@ static enum err find_places(struct hint_list *hints, struct finding *f, struct f
 }
 
 enum err hints_find(struct hint_list *hints, const struct forest *forest, const uint16_t *margin,
-                    struct fault *fault)
+                    uint8_t *heat, struct fault *fault)
 {
     const struct scene *scene = forest_scene(forest);
     struct finding f = {
@@ -276,12 +290,14 @@ enum err hints_find(struct hint_list *hints, const struct forest *forest, const 
     memcpy(f.corner, by_corners.offset, sizeof f.corner);
     hints->count = 0;
     enum err err = find_border(&f, fault);
-    hints->border = f.count;
     if (!err)
-        err = keep_weak(&f, fault);
+        err = find_limits(&f, fault);
+    for (size_t i = 0; heat && !err && i < f.count; i++)
+        warm(&f, heat, f.voxel + i);
+    hints->border = f.count;
+    keep_weak(&f);
     hints->weak = f.count;
-    hints->edge = f.edge;
-    hints->limit = f.count ? f.limit : 0;
+    hints->limit = f.limit[0];
     if (!err)
         err = find_places(hints, &f, fault);
     if (err)

@@ -45,14 +45,15 @@ struct hint_list {
     size_t count, capacity;
     size_t border, weak; /* voxels */
     int32_t limit;
-    uint16_t edge; /* that of the voxel in the middle, had those at the border come in the order of
-                      their edges */
 };
 
-/* Those of a forest and its margins (margin_new), in place of the former ones. ERR_MEMORY,
- * ERR_CANCELLED by the scene's watch; then there are none. */
+/* Those of a forest and its margins (margin_new), in place of the former ones. Where `heat` is not
+ * NULL, [cells] and 0, it gets how uncertain the border is: 2 for the weak voxels of it, 1 for the
+ * weakest quarter; and so the voxels of the same label beside each, by
+ * corners too. ERR_MEMORY, ERR_CANCELLED by the scene's watch; then there are none. */
+enum { HINT_HEATS = 2, HINT_WARM = 4 };
 enum err hints_find(struct hint_list *hints, const struct forest *forest, const uint16_t *margin,
-                    struct fault *fault);
+                    uint8_t *heat, struct fault *fault);
 void hints_release(struct hint_list *hints);
 
 #endif

@@ -6,6 +6,8 @@
 #include "base/mem.h"
 #include "command/act.h"
 #include "engine/centre.h"
+#include "engine/rival.h"
+#include "program/pilot_marks.h"
 #include "program/shown.h"
 #include "render/mosaic.h"
 #include "render/text.h"
@@ -14,8 +16,7 @@
 #include "session/window.h"
 #include "tui/pilot/setup.h"
 
-static const uint8_t marked_tree[3] = {255, 255, 255}, marked_pane[3] = {230, 200, 90},
-                     marked_pixel[3] = {255, 255, 255}, words_rgb[3] = {200, 200, 200};
+static const uint8_t marked_pane[3] = {230, 200, 90}, words_rgb[3] = {200, 200, 200};
 
 static struct session *session_of(void *context)
 {
@@ -254,6 +255,78 @@ static bool centre(void *context, unsigned label, uint32_t place[3])
            centre_of_label(session->scene, label, place);
 }
 
+/* ---- how a voxel came to its label ---- */
+
+static bool find_why(struct pilot_interpreter *pilot, uint32_t cell, struct rival *rival,
+                     struct fault *fault)
+{
+    const struct session *session = session_of(pilot);
+    *rival = (struct rival){.exists = false};
+    return way_find(&pilot->way, session->forest, cell, fault) == OK &&
+           (forest_arcs(session->forest)->kind == ARC_POLARITY ||
+            rival_find(rival, session->forest, cell, fault) == OK);
+}
+
+/* "label 1 brain at a cost of 12, by 212 steps; its strongest edge leads into 93,40,61; next is
+ * label 0, at 15" */
+static bool why(void *context, const uint32_t place[3], struct pilot_way *way, struct buf *out)
+{
+    struct pilot_interpreter *pilot = context;
+    const struct session *session = session_of(context);
+    const uint32_t cell = grid_cell(&session->scene->grid, place[0], place[1], place[2]);
+    const struct cell *at = session->scene->cell + cell;
+    struct rival rival;
+    struct fault fault;
+    if (!cell_is_reached(at)) {
+        buf_add_text(out, "no seed reaches this voxel");
+        return false;
+    }
+    if (!find_why(pilot, cell, &rival, &fault)) {
+        buf_printf(out, "error: %s", fault.text);
+        return false;
+    }
+    *way = (struct pilot_way){.label = at->label,
+                              .next = rival.exists ? rival.label : 0,
+                              .has_edge = pilot->way.edge != CELL_NONE};
+    place_of(session, key_root(at->key), way->root);
+    buf_add_text(out, "label ");
+    act_write_label(out, session, at->label);
+    buf_printf(out, " at a cost of %u, %zu step%s from its seed", key_cost(at->key),
+               pilot->way.count - 1, plural(pilot->way.count - 1));
+    if (way->has_edge) {
+        place_of(session, pilot->way.edge, way->edge);
+        buf_printf(out, ", strongest edge into %u,%u,%u", way->edge[0], way->edge[1], way->edge[2]);
+    }
+    if (rival.exists) {
+        buf_add_text(out, "; next is label ");
+        act_write_label(out, session, rival.label);
+        buf_printf(out, " at %u", rival.cost);
+    }
+    return true;
+}
+
+/* ---- where labels are uncertain ---- */
+
+static unsigned hints(void *context)
+{
+    const struct hint_list *found;
+    return session_find_hints(session_of(context), &found, NULL, NULL) == OK
+               ? (unsigned)found->count
+               : 0;
+}
+
+static enum err draw_heat(struct pilot_interpreter *pilot, struct fault *fault)
+{
+    struct session *session = session_of(pilot);
+    const struct hint_list *found;
+    const uint8_t *heat;
+    const enum err err = session_find_hints(session, &found, &heat, fault);
+    for (enum slice_plane p = SLICE_AXIAL; !err && p <= SLICE_SAGITTAL; p++)
+        pilot_draw_heat(&pilot->canvas, &pilot->panel.layout.box[p], heat,
+                        session->now.outlook.slices.overlay == SLICE_TINT);
+    return err;
+}
+
 /* ---- what an eliminator takes ---- */
 
 /* "marker 7: 3 trees, 123 voxels, 5 seeds wait"; "the tree of the seed at 1,2,3: 9 voxels". */
@@ -289,17 +362,6 @@ static bool held(void *context, const uint32_t place[3], bool tree, struct buf *
     return found;
 }
 
-static void mark_held(const struct canvas *canvas, const struct session *session,
-                      const struct held *held)
-{
-    for (uint32_t y = 0; y < canvas->height; y++)
-        for (uint32_t x = y % 2; x < canvas->width; x += 2) { /* hatched: seen without colours */
-            const uint32_t at = canvas->cell[y * canvas->stride + x];
-            if (at != CELL_NONE && session_is_held(session, held, at))
-                memcpy(canvas_pixel(canvas, x, y), marked_tree, sizeof marked_tree);
-        }
-}
-
 /* ---- the picture ---- */
 
 /* A frame just inside a box. */
@@ -310,41 +372,6 @@ static void draw_frame(const struct canvas *canvas, const struct mosaic_box *box
     canvas_box(canvas, left, top + height - 1, width, 1, marked_pane);
     canvas_box(canvas, left, top, 1, height, marked_pane);
     canvas_box(canvas, left + width - 1, top, 1, height, marked_pane);
-}
-
-/* A cross of short lines around a pixel. */
-static void mark_point(const struct canvas *canvas, int64_t column, int64_t row, int gap)
-{
-    enum { ARM = 6 };
-    for (int i = gap; i < gap + ARM; i++) {
-        canvas_dot(canvas, column - i, row, marked_pixel);
-        canvas_dot(canvas, column + i, row, marked_pixel);
-        canvas_dot(canvas, column, row - i, marked_pixel);
-        canvas_dot(canvas, column, row + i, marked_pixel);
-    }
-}
-
-/* Around where the rendition's pixel is shown. */
-static void mark_pixel(const struct canvas *canvas, const struct slicing_panel *panel,
-                       const struct rendition *r, const uint32_t pixel[2])
-{
-    const struct mosaic_point at =
-        mosaic_point_of(canvas->width, canvas->height, &panel->choice, r, pixel[0], pixel[1]);
-    mark_point(canvas, at.column, at.row, 2);
-}
-
-/* The corners that the slice of a pane shows. */
-static void mark_corners(const struct canvas *canvas, const struct scene *scene,
-                         const struct slicing_panel *panel, enum slice_plane plane,
-                         const struct pilot_wish *wish)
-{
-    const struct mosaic_box *box = &panel->layout.box[plane];
-    const struct slice_choice slice =
-        mosaic_slice(scene, &panel->choice, canvas->width, canvas->height, plane);
-    uint32_t pixel[2];
-    for (size_t i = 0; i < wish->corners && box->width > 0; i++)
-        if (slice_pixel_of(scene, &slice, box->width, box->height, wish->corner[i], pixel))
-            mark_point(canvas, (int64_t)box->left + pixel[0], (int64_t)box->top + pixel[1], 1);
 }
 
 /* In the middle of a box, where it has room for them. */
@@ -401,6 +428,10 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
         err = slicing_draw_panel(&pilot->canvas, session, panel, fault);
     if (err)
         return err;
+    if (wish->heat && !pilot->onlooker) /* which would see margins of half a forest */
+        err = draw_heat(pilot, fault);
+    if (err)
+        return err;
     const struct mosaic_box *box = &panel->layout.box[mosaic_of(wish->pane)];
     if (!wish->is_alone)
         draw_frame(&pilot->canvas, box);
@@ -408,11 +439,13 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
         say_how_to_begin(&pilot->canvas, &panel->layout.box[MOSAIC_RENDITION],
                          wish->setup ? wish->setup : &pilot_setup_default);
     if (wish->marks_held)
-        mark_held(&pilot->canvas, session, &pilot->held);
+        pilot_mark_held(&pilot->canvas, session, &pilot->held);
     for (enum slice_plane p = SLICE_AXIAL; p <= SLICE_SAGITTAL; p++)
-        mark_corners(&pilot->canvas, session->scene, panel, p, wish);
+        pilot_mark_corners(&pilot->canvas, session->scene, panel, p, wish);
+    for (enum slice_plane p = SLICE_AXIAL; wish->marks_way && p <= SLICE_SAGITTAL; p++)
+        pilot_mark_way(&pilot->canvas, session->scene, panel, p, &pilot->way);
     if (wish->marks_pixel)
-        mark_pixel(&pilot->canvas, panel, session_frame(session), wish->pixel);
+        pilot_mark_pixel(&pilot->canvas, panel, session_frame(session), wish->pixel);
     const size_t notes =
         wish->words ? 0 : pilot_notes_add(pilot->note, &pilot->canvas, session, panel);
     for (enum slice_plane p = SLICE_AXIAL; p <= SLICE_SAGITTAL; p++) {
@@ -432,6 +465,8 @@ static enum err picture(void *context, const struct pilot_wish *wish, struct ima
                                 .smooth = pilot->smooth,
                                 .hue = pilot->hue,
                                 .hues = shown_hues(pilot->hue, session)};
+    if (wish->heat && view->hues < 256)
+        pilot->hue[view->hues++] = PILOT_HEAT_HUE;
     return OK;
 }
 
@@ -635,6 +670,8 @@ void pilot_host_fill(struct pilot_host *host)
     host->frame_pixel = frame_pixel;
     host->label = label;
     host->held = held;
+    host->why = why;
+    host->hints = hints;
     host->look_on = look_on;
     host->finish = finish;
     host->peek = peek;
@@ -647,4 +684,5 @@ void pilot_interpreter_release(struct pilot_interpreter *pilot)
 {
     canvas_release(&pilot->canvas);
     canvas_release(&pilot->beyond);
+    way_release(&pilot->way);
 }

@@ -8,6 +8,7 @@
 #include "command/interpreter.h"
 #include "program/console.h"
 #include "program/pilot_notes.h"
+#include "engine/way.h"
 #include "session/held.h"
 #include "tui/pilot/pilot.h"
 
@@ -20,7 +21,8 @@ struct pilot_interpreter {
     struct raster_box around;                 /* all of it */
     struct image_note note[PILOT_NOTES_MOST]; /* and what is written over it */
     struct raster_box slice[3];               /* where the slices are in it */
-    struct held held;                         /* what was asked for last, until the next command */
+    struct held held;                         /* what was asked for last, until the next command, */
+    struct way way;                           /* and the path that was */
     uint32_t hue[256];
 
     const struct pilot_onlooker *onlooker; /* while a command is carried out, or NULL */

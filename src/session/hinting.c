@@ -2,18 +2,19 @@
 
 #include <stdlib.h>
 
+#include "base/mem.h"
 #include "engine/margin.h"
 
 void hinting_release(struct hinting *hinting)
 {
     hints_release(&hinting->hints);
-    free(hinting->margin);
+    free(hinting->heat);
     *hinting = (struct hinting){0};
 }
 
 size_t hinting_memory(const struct hinting *hinting)
 {
-    return (hinting->margin ? hinting->cells * sizeof *hinting->margin : 0) +
+    return (hinting->heat ? hinting->cells : 0) +
            hinting->hints.capacity * sizeof *hinting->hints.item;
 }
 
@@ -33,27 +34,31 @@ static void keep_up(struct session *session)
     *h = now;
 }
 
-enum err session_find_margins(struct session *session, const uint16_t **margin, struct fault *fault)
+static enum err make(struct session *session, bool with_heat, struct fault *fault)
 {
     struct hinting *h = &session->hinting;
-    keep_up(session);
-    const enum err err = h->margin ? OK : margin_new(&h->margin, session->forest, fault);
-    *margin = h->margin;
+    uint16_t *margin;
+    enum err err = margin_new(&margin, session->forest, fault);
+    if (!err && with_heat && !(h->heat = mem_new(h->cells)))
+        err = fault_memory(fault, "the heat");
+    if (!err)
+        err = hints_find(&h->hints, session->forest, margin, h->heat, fault);
+    free(margin);
+    h->has_hints = err == OK;
+    if (err)
+        hinting_release(h);
     return err;
 }
 
 enum err session_find_hints(struct session *session, const struct hint_list **hints,
-                            struct fault *fault)
+                            const uint8_t **heat, struct fault *fault)
 {
     struct hinting *h = &session->hinting;
-    const uint16_t *margin;
     keep_up(session);
+    const bool is_made = h->has_hints && (!heat || h->heat);
+    const enum err err = is_made ? OK : make(session, heat != NULL, fault);
     *hints = &h->hints;
-    if (h->has_hints)
-        return OK;
-    enum err err = session_find_margins(session, &margin, fault);
-    if (!err)
-        err = hints_find(&h->hints, session->forest, margin, fault);
-    h->has_hints = err == OK;
+    if (heat)
+        *heat = h->heat;
     return err;
 }

@@ -150,6 +150,8 @@ static struct pilot_wish wish_of(const struct pilot *p)
 {
     struct pilot_wish wish = {.words = p->facts->graphics->kind == GRAPHICS_PIXELS,
                               .marks_held = pilot_confirms(p->state->mode),
+                              .marks_way = p->state->mode == PILOT_EXPLAINING,
+                              .heat = p->state->heat,
                               .marks_pixel = p->state->mode == PILOT_PICKING,
                               .setup = p->state->setup,
                               .corner = (const uint32_t(*)[3])p->state->outline.corner,

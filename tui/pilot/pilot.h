@@ -56,6 +56,14 @@ struct pilot_facts {
     bool has_finish; /* labels can be finished */
 };
 
+/* How a voxel came to its label: the path back to its seed. */
+struct pilot_way {
+    unsigned label, next; /* which it would have next; 0 where no other seed reaches it */
+    uint32_t root[3];     /* the seed */
+    bool has_edge;        /* the cost rises on the path, and at its strongest edge, */
+    uint32_t edge[3];     /* into this voxel, for the last time */
+};
+
 struct pilot_setup;
 
 /* How the picture is wanted. */
@@ -64,6 +72,8 @@ struct pilot_wish {
     uint32_t cell_width, cell_height; /* those of a character's cell */
     bool words;                       /* letters and titles in the slices can be read in pixels */
     bool marks_held;                  /* what `held` has found is marked */
+    bool marks_way;                   /* the path that `why` has found is */
+    bool heat;                        /* slices are coloured where labels are uncertain */
     bool marks_pixel; /* a pixel of the rendition, by column and row of its own, is marked */
     uint32_t pixel[2];
     const struct pilot_setup *setup; /* whose keys are named in the picture; NULL: the table's */
@@ -121,6 +131,11 @@ struct pilot_host {
     /* Adds what an eliminator at a voxel would take away, a marker or the single tree: "marker 7: 3
      * trees, 123 voxels, label 2". False where there is nothing. */
     bool (*held)(void *context, const uint32_t place[3], bool tree, struct buf *out);
+    /* Finds how a voxel came to its label, and adds it in words. False, with words, where there is
+     * nothing to find. */
+    bool (*why)(void *context, const uint32_t place[3], struct pilot_way *way, struct buf *out);
+    /* How many places `hint N` knows; 0 where it would say why there are none. */
+    unsigned (*hints)(void *context);
     /* Where the label's seeds are, those of a command once: the one that is `by` further than that
      * at the cross-hair, round and round. False where it has none. */
     bool (*seed)(void *context, unsigned label, int64_t by, uint32_t place[3]);

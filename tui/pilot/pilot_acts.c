@@ -51,7 +51,7 @@ static void add_own_key(struct press *p, const char *name)
 
 /* ---- lines ---- */
 
-static void add_place(struct buf *line, const char *before, const uint32_t place[3])
+void pilot_add_place(struct buf *line, const char *before, const uint32_t place[3])
 {
     buf_printf(line, "%s%u,%u,%u", before, place[0], place[1], place[2]);
 }
@@ -81,9 +81,9 @@ static void add_label(struct buf *line, const struct pilot_brush *brush)
     add_range(line, brush);
 }
 
-static void begin_seed(struct buf *line, const uint32_t place[3], const struct pilot_brush *brush)
+void pilot_begin_seed(struct buf *line, const uint32_t place[3], const struct pilot_brush *brush)
 {
-    add_place(line, "seed ", place);
+    pilot_add_place(line, "seed ", place);
     add_label(line, brush);
     if (!brush->radius)
         return;
@@ -94,9 +94,9 @@ static void begin_seed(struct buf *line, const uint32_t place[3], const struct p
 static void add_seed(struct pilot_state *state, const uint32_t place[3], const uint32_t *other_end,
                      struct buf *line)
 {
-    begin_seed(line, place, &state->brush);
+    pilot_begin_seed(line, place, &state->brush);
     if (other_end)
-        add_place(line, " to=", other_end);
+        pilot_add_place(line, " to=", other_end);
     buf_add_char(line, '\n');
     state->is_silent = false;
 }
@@ -107,18 +107,18 @@ void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts
     const struct pilot_pen *pen = &state->pen;
     const uint32_t(*corner)[3] = (const uint32_t(*)[3])pen->line.corner;
     const char *end = "\n";
-    add_place(line, "cross ", facts->place);
+    pilot_add_place(line, "cross ", facts->place);
     buf_add_text(line, end);
     size_t begin = line->length;
-    begin_seed(line, corner[0], &pen->brush);
+    pilot_begin_seed(line, corner[0], &pen->brush);
     for (size_t i = 1; i < pen->line.count; i++) {
         if (line->length - begin > LINE_MOST) {
             buf_add_text(line, end);
             end = " joined=yes\n";
             begin = line->length;
-            begin_seed(line, corner[i - 1], &pen->brush);
+            pilot_begin_seed(line, corner[i - 1], &pen->brush);
         }
-        add_place(line, " to=", corner[i]);
+        pilot_add_place(line, " to=", corner[i]);
     }
     buf_add_text(line, end);
     state->is_silent = false;
@@ -129,7 +129,7 @@ bool pilot_cross(struct pilot_state *state, const struct pilot_facts *facts,
 {
     if (memcmp(place, facts->place, sizeof facts->place) == 0)
         return false;
-    add_place(line, "cross ", place);
+    pilot_add_place(line, "cross ", place);
     buf_add_char(line, '\n');
     state->is_silent = true;
     return true;
@@ -255,7 +255,7 @@ void pilot_change_slice(struct press *p)
 
 /* ---- jumps: they draw nothing, and can be taken back ---- */
 
-static void jump(struct press *p, const uint32_t place[3])
+void pilot_jump(struct press *p, const uint32_t place[3])
 {
     if (!pilot_cross(p->state, p->facts, place, p->line))
         return;
@@ -303,7 +303,7 @@ void pilot_go_to_mark(struct press *p)
 {
     const struct pilot_mark *mark = mark_pressed(p);
     if (mark)
-        jump(p, mark->place);
+        pilot_jump(p, mark->place);
 }
 
 void pilot_measure(struct press *p)
@@ -311,8 +311,8 @@ void pilot_measure(struct press *p)
     const struct pilot_mark *mark = mark_pressed(p);
     if (!mark)
         return;
-    add_place(p->line, "measure ", mark->place);
-    add_place(p->line, " ", p->facts->place);
+    pilot_add_place(p->line, "measure ", mark->place);
+    pilot_add_place(p->line, " ", p->facts->place);
     buf_add_char(p->line, '\n');
 }
 
@@ -320,7 +320,7 @@ void pilot_go_back(struct press *p)
 {
     const struct pilot_mark former = p->state->former;
     if (former.is_set)
-        jump(p, former.place);
+        pilot_jump(p, former.place);
     else
         buf_add_text(p->message, "there was no jump to go back from");
 }
@@ -336,7 +336,7 @@ void pilot_next_seed(struct press *p)
 {
     uint32_t place[3];
     if (p->host->seed(p->host->context, p->state->brush.label, p->by * times(p), place))
-        jump(p, place);
+        pilot_jump(p, place);
     else
         say_no_label(p, " has no seed");
 }
@@ -345,16 +345,14 @@ void pilot_go_to_centre(struct press *p)
 {
     uint32_t place[3];
     if (p->host->centre(p->host->context, p->state->brush.label, place))
-        jump(p, place);
+        pilot_jump(p, place);
     else
         say_no_label(p, " has no voxel");
 }
 
 /* ---- seeds ---- */
 
-/* The voxel that is meant: under the cross-hair, or the one that the pixel of the rendition shows,
- * and then the cross-hair goes there. False where that shows none. */
-static bool take_voxel(struct press *p, uint32_t place[3])
+bool pilot_take_voxel(struct press *p, uint32_t place[3])
 {
     const uint32_t *pixel = p->state->pixel;
     memcpy(place, p->facts->place, sizeof p->facts->place);
@@ -372,7 +370,7 @@ void pilot_plant(struct press *p)
 {
     struct pilot_state *state = p->state;
     uint32_t place[3];
-    if (!take_voxel(p, place))
+    if (!pilot_take_voxel(p, place))
         return;
     add_seed(state, place, state->stroke.is_set ? state->stroke.place : NULL, p->line);
     state->stroke.is_set = false;
@@ -577,8 +575,8 @@ void pilot_plant_box(struct press *p)
     struct polyline *outline = &p->state->outline;
     if (!has_one_corner(p, "a box", "corner"))
         return;
-    add_place(p->line, "box ", outline->corner[0]);
-    add_place(p->line, " ", p->facts->place);
+    pilot_add_place(p->line, "box ", outline->corner[0]);
+    pilot_add_place(p->line, " ", p->facts->place);
     add_label(p->line, &p->state->brush);
     buf_add_char(p->line, '\n');
     keep_shape(p);
@@ -592,14 +590,14 @@ void pilot_plant_shell(struct press *p)
     const unsigned inside = p->state->brush.label;
     if (!has_one_corner(p, p->by ? "a box" : "a ball", p->by ? "corner" : "middle"))
         return;
-    add_place(p->line, p->by ? "box " : "seed ", outline->corner[0]);
+    pilot_add_place(p->line, p->by ? "box " : "seed ", outline->corner[0]);
     if (p->by)
-        add_place(p->line, " ", p->facts->place);
+        pilot_add_place(p->line, " ", p->facts->place);
     buf_add_text(p->line, " 0 shell=yes");
     if (inside)
         buf_printf(p->line, " around=%u", inside);
     if (!p->by)
-        add_place(p->line, " through=", p->facts->place);
+        pilot_add_place(p->line, " through=", p->facts->place);
     buf_add_char(p->line, '\n');
     keep_shape(p);
 }
@@ -614,10 +612,10 @@ void pilot_plant_polygon(struct press *p)
         buf_add_text(p->message, " sets one");
         return;
     }
-    add_place(p->line, "fill ", outline->corner[0]);
+    pilot_add_place(p->line, "fill ", outline->corner[0]);
     add_label(p->line, &p->state->brush);
     for (size_t i = 1; i < outline->count; i++)
-        add_place(p->line, " to=", outline->corner[i]);
+        pilot_add_place(p->line, " to=", outline->corner[i]);
     buf_add_char(p->line, '\n');
     keep_shape(p);
 }
@@ -676,7 +674,7 @@ void pilot_show_held(struct press *p)
 {
     struct buf held = {0};
     uint32_t place[3];
-    if (!take_voxel(p, place))
+    if (!pilot_take_voxel(p, place))
         return;
     if (p->host->held(p->host->context, place, p->by, &held)) {
         p->state->mode = p->by ? PILOT_CONFIRMING_TREE : PILOT_CONFIRMING;
@@ -741,7 +739,7 @@ static void add_magnify(uint32_t by, const uint32_t middle[3], struct buf *line)
 {
     buf_add_text(line, "magnify ");
     pilot_add_decimal(line, by / 1000.0);
-    add_place(line, " at=", middle);
+    pilot_add_place(line, " at=", middle);
     buf_add_char(line, '\n');
 }
 
@@ -881,7 +879,7 @@ void pilot_begin_picking(struct press *p)
 void pilot_end_picking(struct press *p)
 {
     uint32_t place[3];
-    if (p->by && !take_voxel(p, place))
+    if (p->by && !pilot_take_voxel(p, place))
         return;
     p->state->mode = p->state->base = PILOT_MOVING;
 }

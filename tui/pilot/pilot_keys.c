@@ -247,10 +247,21 @@ static void end_stroke(struct pilot_state *state, const struct pilot_facts *fact
     state->pen.line.count = 0;
 }
 
+/* Whether the mode has keys that begin with this one. */
+static bool may_lead(const struct pilot_state *state, const struct key_event *event)
+{
+    struct buf keys = {0};
+    const bool may =
+        event->key == KEY_CHARACTER && !event->modifiers && tell_led(state, event->point, &keys);
+    buf_release(&keys);
+    return may;
+}
+
 /* Modes that a key of another one ends, and does what it does there. */
 static bool is_passing(enum pilot_mode mode)
 {
-    return pilot_confirms(mode) || mode == PILOT_WINDOWING || mode == PILOT_RANGING;
+    return pilot_confirms(mode) || mode == PILOT_EXPLAINING || mode == PILOT_WINDOWING ||
+           mode == PILOT_RANGING;
 }
 
 enum pilot_deed pilot_press(struct pilot_state *state, const struct key_event *event,
@@ -259,7 +270,7 @@ enum pilot_deed pilot_press(struct pilot_state *state, const struct key_event *e
 {
     struct press press = {state, event, host, facts, line, message, 0, PILOT_NOTHING};
     state->is_silent = state->tells_all = state->sketches = state->drops = false;
-    if (is_passing(state->mode) && !find_row(state, event))
+    if (is_passing(state->mode) && !find_row(state, event) && !may_lead(state, event))
         state->mode = state->base;
     if (take_back(&press) || count_on(&press) || lead_on(&press))
         return PILOT_NOTHING;

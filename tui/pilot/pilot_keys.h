@@ -22,6 +22,7 @@ enum pilot_mode {
     PILOT_PICKING,    /* they move a pixel in the rendition, and plant in the voxel that it shows */
     PILOT_CONFIRMING, /* the marker whose trees hold the voxel is shown: x or Enter removes it */
     PILOT_CONFIRMING_TREE, /* the single tree is: X or Enter removes it */
+    PILOT_EXPLAINING,      /* the path of the voxel is shown: keys correct its strongest edge */
     PILOT_WINDOWING,       /* arrows change the window */
     PILOT_RANGING,         /* LOW..HIGH is typed: the intensities in which the brush plants */
 };
@@ -78,6 +79,9 @@ struct pilot_state {
     struct pilot_brush brush;
     struct pilot_pen pen;
     struct pilot_mark stroke;                    /* one end of a stroke */
+    struct pilot_way way;                        /* that is shown */
+    unsigned hint;                               /* the one that was shown last; 0 for none */
+    bool heat;                                   /* slices are coloured by uncertainty */
     struct polyline outline;                     /* corners of a box or a polygon, so far */
     char typed[PILOT_RANGE_BYTES];               /* LOW..HIGH, so far */
     struct pilot_mark mark[PILOT_MARKS], former; /* and the place before the last jump */

@@ -1,8 +1,8 @@
 /*
  * One key pressed: what the functions of the table of keys are given, and the table's rows.
  *
- * Those that do something are in pilot_acts.c, the table in pilot_table.c, and what finds the row
- * for a key in pilot_keys.c.
+ * Those that do something are in pilot_acts.c and pilot_hints.c, the table in pilot_table.c, and
+ * what finds the row for a key in pilot_keys.c.
  */
 #ifndef TUI_PILOT_PILOT_PRESS_H
 #define TUI_PILOT_PILOT_PRESS_H
@@ -71,6 +71,14 @@ bool pilot_magnify_by(const struct pilot_facts *facts, int64_t steps, struct buf
 bool pilot_move_shape(struct press *p);
 /* Takes LOW..HIGH, in thousandths; false where `at` begins with something else. */
 bool pilot_scan_range(const char **at, int64_t range[2]);
+/* Goes there, draws nothing, and can be taken back. */
+void pilot_jump(struct press *p, const uint32_t place[3]);
+/* The voxel that is meant: under the cross-hair, or the one that the pixel of the rendition shows,
+ * and then the cross-hair goes there. False, with a message, where that shows none. */
+bool pilot_take_voxel(struct press *p, uint32_t place[3]);
+/* " 90,108,90" after some words; the command of a seed there, without its line feed. */
+void pilot_add_place(struct buf *line, const char *before, const uint32_t place[3]);
+void pilot_begin_seed(struct buf *line, const uint32_t place[3], const struct pilot_brush *brush);
 /* The stroke that the pen has drawn, as the lines of its command. */
 void pilot_add_stroke(struct pilot_state *state, const struct pilot_facts *facts, struct buf *line);
 void pilot_zoom(uint32_t now, bool nearer, struct buf *line);
@@ -108,6 +116,13 @@ void pilot_repeat(struct press *p);
 void pilot_hide(struct press *p);
 void pilot_show_all(struct press *p);
 void pilot_undo(struct press *p); /* undo, redo */
+void pilot_explain(struct press *p);
+void pilot_go_to_edge(struct press *p);    /* that of the path that is shown */
+void pilot_plant_at_edge(struct press *p); /* 1: the label of the digit; 0: what would come next */
+void pilot_enclose_at_edge(struct press *p); /* a shell through it */
+void pilot_stroke_at_edge(struct press *p);
+void pilot_go_to_hint(struct press *p); /* next, previous, that of the count */
+void pilot_show_heat(struct press *p);
 void pilot_turn(struct press *p); /* one of the ways */
 void pilot_roll(struct press *p);
 void pilot_pan(struct press *p); /* one of the ways */

@@ -8,6 +8,7 @@
 #define BOTH            (MOVING | PICKING)
 #define CONFIRMING      PILOT_IN(PILOT_CONFIRMING)
 #define CONFIRMING_TREE PILOT_IN(PILOT_CONFIRMING_TREE)
+#define EXPLAINING      PILOT_IN(PILOT_EXPLAINING)
 #define WINDOWING       PILOT_IN(PILOT_WINDOWING)
 #define RANGING         PILOT_IN(PILOT_RANGING)
 #define ARROWS          (BOTH | WINDOWING)
@@ -66,6 +67,11 @@ const struct pilot_row pilot_table[] = {
     {KEY("go-to-mark", "'a-z", "", MOVING), DO(pilot_go_to_mark, 0), .help = ""},
     {KEY("measure", "Da-z", "", BOTH), DO(pilot_measure, 0), .help = "distance of a mark"},
     {.keys = "mouse", .help = "there; right: S"},
+    {KEY("next-hint", ")", "", BOTH), DO(pilot_go_to_hint, 1), .flags = COUNTS,
+     PAGE(") ( gh P", "hints, heat; why")},
+    {KEY("previous-hint", "(", "", BOTH), DO(pilot_go_to_hint, -1), .flags = COUNTS, .help = ""},
+    {KEY("heat", "gh", "", MOVING), DO(pilot_show_heat, 0), .help = ""},
+    {KEY("explain", "P", "", BOTH), DO(pilot_explain, 0), .help = ""},
     PART,
     {KEY("plant", "i Enter", "", BOTH), DO(pilot_plant, 0), .flags = CHANGES,
      .help = "a seed of the label", .hint = "seed"},
@@ -160,6 +166,15 @@ const struct pilot_row pilot_table[] = {
     {KEY("eliminate-that-tree", "X Enter", "", CONFIRMING_TREE), .command = "remove @ of=tree\n",
      .flags = CHANGES, .hint = "removes the hatched tree"},
     {KEY("keep-it", "Escape", "", CONFIRMING | CONFIRMING_TREE), .hint = "keeps it"},
+
+    {KEY("to-edge", "P Enter", "", EXPLAINING), DO(pilot_go_to_edge, 0),
+     .hint = "to its strongest edge"},
+    {KEY("plant-there", "i", "", EXPLAINING), DO(pilot_plant_at_edge, 0),
+     .hint = "the next label there"},
+    {KEY("plant-label-there", "s0-9", "", EXPLAINING), DO(pilot_plant_at_edge, 1)},
+    {KEY("enclose-there", "S", "", EXPLAINING), DO(pilot_enclose_at_edge, 0), .hint = "shell"},
+    {KEY("stroke-there", "I", "", EXPLAINING), DO(pilot_stroke_at_edge, 0), .hint = "stroke"},
+    {KEY("explained", "Escape", "", EXPLAINING), .hint = "ends"},
 
     {KEY("preset", "1-9", "", WINDOWING), DO(pilot_preset, 0), .flags = SILENT},
     {KEY("window-auto", "a", "", WINDOWING), .command = "window auto\n", .flags = SILENT,
