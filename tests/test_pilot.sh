@@ -192,8 +192,8 @@ enter "label 3 node"
 recorded "label 3 node"
 see '3 node'
 type_letters ":"
-enter "help box"
-see 'plant a box'
+enter "help seed"
+see 'plant a seed'
 see '\(any key\)'
 press Enter
 see '^coronal 13 '

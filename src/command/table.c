@@ -206,9 +206,7 @@ const struct command command_table[] = {
       KEYED("through", VALUE_POSITION),
       KEYED("within", VALUE_RADIUS, .least = 1, .most = REACH_MOST)},
      "plant a seed, a ball of seeds, or a stroke",
-     "A voxel that has a seed gets the new label. A command that takes a label more than 100 times "
-     "what it plants, more than 1000 voxels, and a quarter of it or as much as a quarter of the "
-     "label that gets them, says so, with the edge that they came through.\n"
+     "A voxel that has a seed gets the new label.\n"
      "radius: in voxels, or in millimetres as in 2.5mm, which is a ball in the world whatever the "
      "spacing." WITHIN_NOTE "\n"
      "to: where the stroke goes on to, once for each corner, with a ball of the radius at each "
@@ -307,7 +305,10 @@ const struct command command_table[] = {
      "Seeds and eliminators, runs, weights, regions of interest, labels, `hide`, `show`, cuts and "
      "the finish; the view stays. The last COUNT of them, 1 unless given, as far back as `open`, "
      "in earlier sessions too. Exact, and recorded itself. `redo` is the way back, `history` "
-     "lists the commands.",
+     "lists the commands.\n"
+     "A command that takes a label more than 100 times what it plants, more than 1000 voxels, and "
+     "a quarter of it or as much as a quarter of the label that gets them, says so, with the edge "
+     "that they came through.",
      "undo"},
     {COMMAND("redo", act_redo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
