@@ -11,7 +11,8 @@ enum {
     ROUNDS,
     PLOTS,
     ROBOT,
-    METHOD
+    METHOD,
+    BRUSH
 };
 
 #define FLAG(member) option_read_flag, offsetof(struct bench_options, member), 0, 0, NULL
@@ -30,6 +31,8 @@ static const struct option option[] = {
     [ROBOT] = {"--robot", "NAME", "careful, sloppy or stroke alone", TEXT(robot)},
     [METHOD] = {"--method", "TEXT", "that method alone, or all with this in their names",
                 TEXT(method)},
+    [BRUSH] = {"--brush", "N", "radius of balls and strokes at most N (3)", option_read_number,
+               offsetof(struct bench_options, brush), 1, 128, NULL},
     [PLOTS] = {"--plots", "DIR", "charts as SVG, into this folder", TEXT(plots)},
 };
 
@@ -83,7 +86,7 @@ static const struct program program[] = {
     {.name = "effort",
      .words = "[OBJECT...]",
      .most = 40,
-     .option = {ROBOT, METHOD, QUICK_EFFORT, JSON, PLOTS},
+     .option = {ROBOT, METHOD, BRUSH, QUICK_EFFORT, JSON, PLOTS},
      .summary = "how many gestures a segmentation takes, by robots",
      .detail = "Three robots correct what is most wrong, on the objects of tuned, other and whole, "
                "or on those named: weights, shells and relaxed labels, alone and together. Beside "

@@ -10,7 +10,7 @@
 /* What their command lines give. */
 struct bench_options {
     struct options common; /* first: a benchmark is run with a pointer to this, */
-    size_t rounds;
+    size_t rounds, brush;
     const char *plots;
     const char *robot, *method;
     bool csv, quick;

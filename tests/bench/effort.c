@@ -106,7 +106,8 @@ static enum err run_one(struct efforts *e, size_t object, enum effort_robot_kind
     if (!mem_grow(&report->run, &report->capacity, report->runs + 1, sizeof *report->run))
         return fault_memory(fault, "a run");
     struct effort_run *run = &report->run[report->runs];
-    *run = (struct effort_run){.object = object, .method = m, .robot = robot};
+    *run = (struct effort_run){
+        .object = object, .method = m, .robot = robot, .radius_most = (uint32_t)e->options->brush};
     const enum err err = effort_run(run, &method[m], &e->object, buf_text(&e->folder), fault);
     if (!err) {
         report->runs++;

@@ -30,7 +30,7 @@ static uint32_t below(struct effort_robot *robot, uint64_t bound)
 enum err effort_robot_init(struct effort_robot *robot, enum effort_robot_kind kind,
                            const struct effort_object *object, struct fault *fault)
 {
-    *robot = (struct effort_robot){.kind = kind, .object = object};
+    *robot = (struct effort_robot){.kind = kind, .object = object, .radius_most = RADIUS_USUAL};
     for (const char *at = object->name; *at; at++)
         robot->random = hash_mix_at(robot->random, (uint8_t)*at);
     enum err err = grid_init(&robot->grid, object->size, fault);
@@ -109,8 +109,9 @@ static void ball_at_deepest(const struct effort_robot *robot, const struct box *
                             struct effort_gesture *gesture)
 {
     const size_t i = deepest(robot, box);
-    *gesture = (struct effort_gesture){
-        .shape = SHAPE_BALL, .radius = radius_of(robot->squared[i], RADIUS_USUAL), .label = label};
+    *gesture = (struct effort_gesture){.shape = SHAPE_BALL,
+                                       .radius = radius_of(robot->squared[i], robot->radius_most),
+                                       .label = label};
     place_in(gesture->at, box, i);
 }
 
@@ -404,7 +405,7 @@ enum err effort_robot_next(struct effort_robot *robot, const uint8_t *label,
         i = is_sloppy ? roughly_deepest(robot, &box, i) : i;
         *gesture = (struct effort_gesture){
             .shape = SHAPE_BALL,
-            .radius = radius_of(robot->squared[i], is_sloppy ? RADIUS_SLOPPY : RADIUS_USUAL),
+            .radius = radius_of(robot->squared[i], is_sloppy ? RADIUS_SLOPPY : robot->radius_most),
             .within = WITHIN_DEPTHS * root_of(robot->squared[i])};
         place_in(gesture->at, &box, i);
         const uint32_t *n = robot->grid.size, *at = gesture->at;

@@ -14,7 +14,8 @@
  *   box          the six faces of the box around it, each 3 to 12 voxels larger, but in the scene:
  *                which counts as two gestures
  * Each further one corrects the largest component (by faces) of what is wrong, at its deepest voxel
- * by the true label there. The radius is depth - 1, at most 3, rounded down.
+ * by the true label there. The radius is depth - 1, at most 3 or what radius_most
+ * says, rounded down.
  *   careful      does so each time
  *   sloppy       one time in four corrects the second largest component; at a random voxel that is
  *                at least half as deep as the deepest; with a radius of at most 2
@@ -51,6 +52,7 @@ struct effort_robot {
     enum effort_robot_kind kind;
     uint64_t random;
     const struct effort_object *object;
+    uint32_t radius_most; /* 3 */
     struct grid grid;
     uint8_t *wrong;    /* [grid.cells]: 1 where the labels are wrong */
     uint64_t *squared; /* [voxels]: depths, of a box that some set lies in */

@@ -58,6 +58,7 @@ enum err effort_run(struct effort_run *run, const struct effort_method *method,
     for (size_t i = 0; i < object->voxels; i++)
         run->voxels += object->truth[i];
     enum err err = effort_robot_init(&robot, run->robot, object, fault);
+    robot.radius_most = run->radius_most ? run->radius_most : robot.radius_most;
     enum err begun = effort_tool_begin(&tool, method, object, folder, err ? NULL : fault);
     err = err ? err : begun;
     err = err ? err : begin(run, &robot, &tool, &at, fault);

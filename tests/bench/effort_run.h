@@ -15,6 +15,7 @@ enum { CURVE = 21, NOT_REACHED = CURVE + 2, EFFORT_GOALS = 2, EFFORT_LOOKS = 3, 
 struct effort_run {
     size_t object, method;
     enum effort_robot_kind robot;
+    uint32_t radius_most;     /* of balls and strokes; 0 for the robot's own */
     uint32_t size[3], voxels; /* of the crop; those of the truth */
     unsigned dice[CURVE];     /* in ten-thousandths */
     double ms;                /* the median of a gesture */
