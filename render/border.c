@@ -30,6 +30,11 @@ void border_release(struct border *border)
     *border = (struct border){0};
 }
 
+size_t border_memory(const struct border *border)
+{
+    return border->words * (2 * sizeof(uint64_t) + sizeof(uint32_t));
+}
+
 /* Which of the 64 cells of word `w` are border voxels: shown, and not all six neighbours shown. */
 static uint64_t border_word(const struct border *border, size_t w)
 {

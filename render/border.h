@@ -45,6 +45,8 @@ struct border {
 enum err border_init(struct border *border, const struct scene *scene, struct fault *fault);
 void border_release(struct border *border);
 
+size_t border_memory(const struct border *border); /* bytes, without the labels */
+
 /* After an edit of the forest. Also right after one whose changes are "everything". */
 void border_update(struct border *border, const struct changes *changes);
 

@@ -8,7 +8,7 @@
 
 size_t live_finish_memory(const struct live_finish *live)
 {
-    return live->cells + live->border.words * (2 * sizeof(uint64_t) + sizeof(uint32_t));
+    return live->cells + border_memory(&live->border);
 }
 
 void live_finish_drop(struct session *session)

@@ -64,7 +64,7 @@ size_t session_memory(const struct session *session)
         return bytes;
     bytes += session->scene->grid.cells * sizeof(struct cell);
     bytes += forest_memory(session->forest) + session->weight_work.capacity;
-    bytes += session->border.words * (2 * sizeof(uint64_t) + sizeof(uint32_t));
+    bytes += border_memory(&session->border);
     bytes += hinting_memory(&session->hinting);
     bytes += session->finished.cells + live_finish_memory(&session->live);
     bytes += label_measures_memory(&session->measures);
