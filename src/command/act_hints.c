@@ -70,7 +70,6 @@ static enum err add_hint(struct json *json, const struct act *act, const struct 
 {
     const struct session *session = act->session;
     const unsigned cost = key_cost(session->scene->cell[hint->cell].key);
-    const uint32_t *nm = session->scene->spacing_nm;
     struct way way = {0};
     const enum err err = way_find(&way, session->forest, hint->cell, act->fault);
     const struct place p = place_of(act, hint->cell);
@@ -79,7 +78,7 @@ static enum err add_hint(struct json *json, const struct act *act, const struct 
     json_format(json, "place", "%u,%u,%u", p.x, p.y, p.z);
     json_count(json, "voxels", hint->voxels);
     if (!session->geometry.spacing_unknown)
-        json_real(json, "volume_mm3", hint->voxels * (nm[0] / 1e6) * (nm[1] / 1e6) * (nm[2] / 1e6),
+        json_real(json, "volume_mm3", hint->voxels * tally_voxel_mm3(session->scene->spacing_nm),
                   9);
     json_count(json, "label", hint->label);
     json_count(json, "cost", cost);

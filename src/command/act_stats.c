@@ -38,8 +38,7 @@ static enum err count(struct counts *counts, const struct act *act)
 static void write_counts(const struct act *act, const struct counts *counts, unsigned label)
 {
     const struct session *session = act->session;
-    const uint32_t *nm = session->scene->spacing_nm;
-    const double ml = nm[0] / 1e6 * (nm[1] / 1e6) * (nm[2] / 1e6) / 1000.0;
+    const double ml = tally_voxel_mm3(session->scene->spacing_nm) / 1000.0;
     struct buf *out = &act->reply->text;
     buf_add_text(out, "label ");
     act_write_label(out, session, label);

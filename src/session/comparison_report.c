@@ -27,8 +27,7 @@ static struct figures figures_of(const struct comparison_report *report, unsigne
 {
     const struct overlap_counts n = comparison_counts(report->comparison, label);
     const struct label_distances *d = &report->comparison->distance[label];
-    const uint32_t *nm = report->spacing_nm;
-    const double mm3 = nm[0] / 1e6 * (nm[1] / 1e6) * (nm[2] / 1e6);
+    const double mm3 = tally_voxel_mm3(report->spacing_nm);
     const double difference = (double)n.a - (double)n.b;
     struct figures f = {.count = 0};
     figures_add(&f, "voxels_a", (double)n.a);

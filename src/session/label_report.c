@@ -16,8 +16,7 @@ static void add_three(struct figures *figures, const char *const name[3], const 
 
 static double voxel_mm3(const struct geometry *geometry)
 {
-    const uint32_t *nm = geometry->spacing_nm;
-    return geometry->spacing_unknown ? NAN : nm[0] / 1e6 * (nm[1] / 1e6) * (nm[2] / 1e6);
+    return geometry->spacing_unknown ? NAN : tally_voxel_mm3(geometry->spacing_nm);
 }
 
 static double surface_mm2(const struct label_report *report, unsigned label)

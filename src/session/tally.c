@@ -135,3 +135,8 @@ void tally_write_volume(struct buf *out, const uint32_t spacing_nm[3], uint64_t 
         }
     buf_printf(out, "%llu um3", (unsigned long long)um3);
 }
+
+double tally_voxel_mm3(const uint32_t spacing_nm[3])
+{
+    return spacing_nm[0] / 1e6 * (spacing_nm[1] / 1e6) * (spacing_nm[2] / 1e6);
+}

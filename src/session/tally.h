@@ -46,4 +46,7 @@ bool tally_check(const struct tally *tally, const struct scene *scene);
  * halves rounded up; for more than 10 000 l, 10 000 l. */
 void tally_write_volume(struct buf *out, const uint32_t spacing_nm[3], uint64_t voxels);
 
+/* What one voxel takes, for reports: cubic millimetres. */
+double tally_voxel_mm3(const uint32_t spacing_nm[3]);
+
 #endif
