@@ -60,7 +60,7 @@ void volume_helper_free(struct volume_helper *helper)
         return;
     coprocess_release(&helper->process);
     if (helper->room.length)
-        folder_discard(buf_text(&helper->room));
+        folder_remove(buf_text(&helper->room));
     buf_release(&helper->room);
     free(helper);
 }
