@@ -3,7 +3,6 @@
  */
 #include <stdlib.h>
 
-#include "base/hash.h"
 #include "engine/hints.h"
 #include "engine/margin.h"
 #include "engine/way.h"
@@ -227,8 +226,7 @@ static void check_against_model(void)
 static uint64_t state = 1;
 static uint32_t draw(uint32_t below)
 {
-    state = hash_mix_at(state, 1);
-    return (uint32_t)(state >> 33) % below;
+    return check_below(&state, below);
 }
 
 STORY(hints_are_those_of_a_plain_search)

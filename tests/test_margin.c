@@ -3,7 +3,6 @@
 
 #include <stdlib.h>
 
-#include "base/hash.h"
 #include "engine/margin.h"
 #include "engine/rival.h"
 #include "engine/roi.h"
@@ -170,8 +169,7 @@ static void check_against_search(void)
 static uint64_t state = 1;
 static uint32_t draw(uint32_t below)
 {
-    state = hash_mix_at(state, 1);
-    return (uint32_t)(state >> 33) % below;
+    return check_below(&state, below);
 }
 
 STORY(margins_are_those_of_a_search_for_each_label)

@@ -10,7 +10,6 @@
 
 #include "base/buf.h"
 #include "base/file.h"
-#include "base/hash.h"
 #include "image/volume.h"
 
 static char folder[FOLDER_LENGTH];
@@ -20,8 +19,7 @@ enum { NX = 11, NY = 9, NZ = 7, VOXELS = NX * NY * NZ };
 static uint64_t state = 1;
 static uint32_t draw(uint32_t below)
 {
-    state = hash_mix_at(state, 1);
-    return (uint32_t)(state >> 33) % below;
+    return check_below(&state, below);
 }
 
 /* ---- files ---- */
