@@ -447,7 +447,8 @@ void relax_field_sweep(struct relax_field *field, uint32_t sweeps, struct team *
     struct watch *watch = field->scene->watch;
     struct sweeping sweeping = {.field = field, .team = team, .halves = 2 * sweeps};
     const uint32_t fit = field->size[2] / (2 * team_size(team));
-    const uint32_t halves = fit < 1 ? 1 : fit < HALVES_AT_ONCE ? fit : HALVES_AT_ONCE;
+    const uint32_t most = fit < HALVES_AT_ONCE ? fit : HALVES_AT_ONCE;
+    const uint32_t halves = most < 1 ? 1 : most;
     divide(&sweeping, halves);
     for (; sweeping.first < sweeping.halves; sweeping.first = sweeping.end) {
         const uint32_t left = sweeping.halves - sweeping.first;

@@ -145,9 +145,9 @@ static bool has_object(const struct session *session)
 
 static enum pilot_labels shown_labels(const struct session *session)
 {
-    return !session_shows_finished(session) ? PILOT_FOREST
-           : session_is_rough(session)      ? PILOT_ROUGH
-                                            : PILOT_FINISHED;
+    if (!session_shows_finished(session))
+        return PILOT_FOREST;
+    return session_is_rough(session) ? PILOT_ROUGH : PILOT_FINISHED;
 }
 
 static bool facts(void *context, struct pilot_facts *out)

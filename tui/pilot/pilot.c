@@ -98,9 +98,8 @@ static void add_status(struct buf *row, const struct pilot_state *state,
         buf_printf(row, " %zu corner%s", corners, corners == 1 ? "" : "s");
     if (facts->waiting)
         buf_printf(row, "  %zu wait%s for space", facts->waiting, facts->waiting == 1 ? "s" : "");
-    buf_add_text(row, facts->shows == PILOT_FINISHED ? "  finished"
-                      : facts->shows == PILOT_ROUGH  ? "  finishing"
-                                                     : "");
+    if (facts->shows != PILOT_FOREST)
+        buf_add_text(row, facts->shows == PILOT_ROUGH ? "  finishing" : "  finished");
     buf_printf(row, "  %s", facts->where);
 }
 
