@@ -9,27 +9,9 @@
 #include "engine/forest.h"
 #include "engine/weight.h"
 #include "tests/stopping.h"
-
-struct world {
-    struct scene *scene;
-    struct forest *forest;
-};
+#include "tests/world.h"
 
 static const struct weight_choice morph = {WEIGHT_MORPH, 1};
-
-static struct world world_new(uint32_t x, uint32_t y, uint32_t z, unsigned adjacency)
-{
-    struct world w = {0};
-    CHECK(scene_new(&w.scene, (uint32_t[]){x, y, z}, NULL) == OK);
-    CHECK(forest_new(&w.forest, w.scene, adjacency, NULL) == OK);
-    return w;
-}
-
-static void world_free(struct world *w)
-{
-    forest_free(w->forest);
-    scene_free(w->scene);
-}
 
 /* Takes the last successful edit back, as an edit of its own. */
 static enum err revert(struct forest *forest, struct fault *fault)

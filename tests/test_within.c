@@ -10,29 +10,13 @@
 #include "base/team.h"
 #include "engine/forest.h"
 #include "engine/roi.h"
+#include "tests/world.h"
 
 enum { CELLS_MOST = 12 * 12 * 12, LABELS = 4, REACHES = 6 };
 
-struct world {
-    struct scene *scene;
-    struct forest *forest;
-    struct reach reach[REACHES]; /* the plain copy: reach[n - 1] has number n */
-    unsigned reaches;
-};
-
-static struct world world_new(uint32_t x, uint32_t y, uint32_t z, unsigned adjacency)
-{
-    struct world w = {0};
-    CHECK(scene_new(&w.scene, (uint32_t[]){x, y, z}, NULL) == OK);
-    CHECK(forest_new(&w.forest, w.scene, adjacency, NULL) == OK);
-    return w;
-}
-
-static void world_free(struct world *w)
-{
-    forest_free(w->forest);
-    scene_free(w->scene);
-}
+/* The plain copy of what random worlds have: reach[n - 1] has number n. */
+static struct reach plain_reach[REACHES];
+static unsigned plain_reaches;
 
 static uint16_t add_reach(struct world *w, uint32_t x, uint32_t y, uint32_t z, int64_t radius)
 {
@@ -177,13 +161,12 @@ struct planted {
     uint16_t reach[CELLS_MOST];
 };
 
-static bool plainly_allowed(const struct world *w, const struct planted *planted, uint32_t root,
-                            const int32_t at[3])
+static bool plainly_allowed(const struct planted *planted, uint32_t root, const int32_t at[3])
 {
     const unsigned number = planted->reach[root];
     if (!number)
         return true;
-    const struct reach *reach = &w->reach[number - 1];
+    const struct reach *reach = &plain_reach[number - 1];
     double sum = 0; /* exact: small numbers */
     for (int a = 0; a < 3; a++) {
         const double way = ((double)at[a] - reach->centre[a]) * reach->unit[a];
@@ -212,7 +195,7 @@ static struct plain plain_offer(const struct world *w, const struct planted *pla
                                 const int32_t at[3])
 {
     const struct plain from = key[s];
-    if (from.cost == UINT32_MAX || !plainly_allowed(w, planted, from.root, at))
+    if (from.cost == UINT32_MAX || !plainly_allowed(planted, from.root, at))
         return nothing;
     const uint32_t weight = plain_weight(w, s, t, planted->label[from.root]);
     return weight > from.cost ? (struct plain){weight, 0, from.root}
@@ -330,10 +313,10 @@ static bool equals_scratch(const struct world *w, const struct planted *planted,
         if (planted->label[i] != EDIT_ERASE)
             seed[seeds++] = (struct edit){(uint32_t)i, planted->label[i], planted->reach[i]};
     }
-    for (unsigned i = 0; i < w->reaches; i++) {
+    for (unsigned i = 0; i < plain_reaches; i++) {
         uint16_t number;
         same &=
-            forest_add_reach(fresh.forest, &w->reach[i], &number, NULL) == OK && number == i + 1;
+            forest_add_reach(fresh.forest, &plain_reach[i], &number, NULL) == OK && number == i + 1;
     }
     forest_set_arcs(fresh.forest, forest_arcs(w->forest));
     CHECK(forest_edit(fresh.forest, seed, seeds, NULL) == OK);
@@ -375,8 +358,8 @@ static struct world random_world(uint64_t *random)
     for (int label = 0; label < LABELS; label++)
         rule.polarity[label] = (int8_t)((int)check_below(random, 201) - 100);
     forest_set_arcs(w.forest, &rule);
-    while (w.reaches < REACHES) {
-        struct reach *reach = &w.reach[w.reaches++];
+    for (plain_reaches = 0; plain_reaches < REACHES; plain_reaches++) {
+        struct reach *reach = &plain_reach[plain_reaches];
         *reach = (struct reach){.radius = check_below(random, 7)};
         for (int a = 0; a < 3; a++) {
             reach->centre[a] = check_below(random, g->size[a]);
@@ -412,7 +395,7 @@ static size_t random_batch(const struct world *w, const struct planted *planted,
         if (w->scene->cell[at].flags & CELL_OUTSIDE)
             continue;
         const uint16_t reach =
-            (uint16_t)(check_below(random, 3) ? 1 + check_below(random, w->reaches) : 0);
+            (uint16_t)(check_below(random, 3) ? 1 + check_below(random, plain_reaches) : 0);
         batch[count++] = (struct edit){at, label, label == EDIT_ERASE ? 0 : reach};
     }
     return count;
