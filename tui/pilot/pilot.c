@@ -51,6 +51,7 @@ struct pilot {
     struct buf pasted; /* since it began, or until it is taken */
     bool is_over, has_ended;
 
+    enum pilot_labels shows; /* as of the last frame */
     bool gives_up; /* to make exact what is shown: it failed, and nothing has changed since */
 
     /* While a command is carried out, or labels are finished. */
@@ -231,6 +232,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
     if (p->facts->answers)
         buf_add_text(&out, "\033[c");
     p->is_stale = p->is_blank = false;
+    p->shows = facts.shows;
     const uint64_t now_ns = clock_ns();
     enum err err =
         out.failed ? fault_memory(fault, "a frame") : term_write(buf_text(&out), out.length, fault);
@@ -770,9 +772,8 @@ static bool stops_for_keys(void *context)
 
 static bool is_rough(const struct pilot *p)
 {
-    struct pilot_facts facts;
     return !p->is_stale && !p->gives_up && !awaits_rest(p) && !p->is_pasting && p->host->finish &&
-           p->host->facts(p->host->context, &facts) && facts.shows == PILOT_ROUGH;
+           p->shows == PILOT_ROUGH;
 }
 
 /* What is shown right after an edit is rough. It is made exact, unless something else is wanted:
