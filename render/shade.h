@@ -1,18 +1,11 @@
 /*
- * Shading: the colour of each pixel, by Phong's model, in integers.
+ * Shading: the colour of each pixel.
  *
- * The point that a pixel shows lies on a face of a voxel's cube; its normal comes from one of
- *
- *   surface   the smoothed field of shown voxels (render/field.h): the direction in which it falls
- *   scene     the gradient of the scene's intensities, turned outward by the surface's normal,
- *             which is used where the scene is flat
- *   depth     the plane that fits the depths around the pixel best
- *
- * So a pixel's colour is a pure function of shown voxels, labels, intensities and depths near it,
- * and of palette, look and view: shade_reach says how near. The incremental image relies on it. The
- * light moves with the viewer. Pixels further away are a little darker. Where the look has edges, a
- * pixel is darkened beside which another object, or nothing, lies further back. A face where an
- * object was cut open (render/cut.h) shows the scene, in grey tinted with the object's colour.
+ * It is a pure function of shown voxels, labels, intensities and depths near the pixel, and of
+ * palette, look and view: shade_reach says how near. The incremental image relies on it. Where the
+ * look has edges, a pixel is darkened beside which another object, or nothing, lies further back. A
+ * face where an object was cut open (render/cut.h) shows the scene, in grey tinted with the
+ * object's colour.
  */
 #ifndef RENDER_SHADE_H
 #define RENDER_SHADE_H
@@ -20,22 +13,18 @@
 #include <stdbool.h>
 
 #include "render/field.h"
+#include "render/normal.h"
+#include "render/palette.h"
 #include "render/rendition.h"
-
-struct palette {
-    uint8_t rgb[256][3]; /* sRGB, per label */
-};
-
-/* Distinct colours, also for people who do not distinguish red from green, in turn. */
-void palette_default(struct palette *palette);
-
-/* Where normals come from, and what commands call it. */
-#define SHADE_MODES "surface|scene|depth"
-enum shade_mode { SHADE_SURFACE, SHADE_SCENE, SHADE_DEPTH };
 
 enum { SHADE_SAMPLES_MOST = 4, LIGHT_PITCH_MOST = 90000 };
 
+/* Looks have numbers: what is drawn under one stays as it is, so that images that were made under
+ * it can be made again. A session draws under that of its journal's semantics. */
+enum { LOOK_FIRST = 1, LOOK_PRESENT = 2 };
+
 struct look {
+    uint32_t number; /* LOOK_FIRST..LOOK_PRESENT */
     enum shade_mode mode;
     int32_t light[2]; /* where it comes from, thousandths of a degree: yaw to the viewer's right,
                          pitch above him; 0, 0 is from where he stands */
@@ -45,7 +34,7 @@ struct look {
 };
 
 /* Surface; the light over the viewer's left shoulder. */
-struct look look_default(void);
+struct look look_default(uint32_t number);
 
 /* What shading stores between one picture and the next, so that the next is made faster. */
 struct shader {

@@ -28,8 +28,9 @@ struct stage {
 static inline enum err stage_take(struct stage *s, struct scene *scene, unsigned adjacency,
                                   struct fault *why)
 {
-    *s = (struct stage){.scene = scene, .view = view_default(scene), .look = look_default()};
-    palette_default(&s->palette);
+    *s = (struct stage){
+        .scene = scene, .view = view_default(scene), .look = look_default(LOOK_PRESENT)};
+    palette_default(&s->palette, LOOK_PRESENT);
     const enum err err = forest_new(&s->forest, scene, adjacency, why);
     return err ? err : border_init(&s->border, scene, why);
 }

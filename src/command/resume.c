@@ -68,7 +68,7 @@ static bool has_forest_words(const char *words, struct buf *out)
 static void take_semantics(void *context, unsigned semantics)
 {
     struct resume *resume = context;
-    resume->interp->session.semantics = semantics;
+    session_take_semantics(&resume->interp->session, semantics);
 }
 
 static void look_for_last(void *context, const struct record *record)

@@ -20,7 +20,7 @@
 #include "engine/forest.h"
 
 /* The number of new journals, and the highest that can be gone on with. */
-enum { SEMANTICS = 5 };
+enum { SEMANTICS = 6 };
 
 /* One row each. */
 enum meaning {
@@ -33,6 +33,7 @@ enum meaning {
     MEANING_ORIENTATION,
     MEANING_PLACES,
     MEANING_OPEN_WEIGHT,
+    MEANING_LOOK,
     MEANINGS
 };
 

@@ -7,10 +7,16 @@
 void session_init(struct session *session)
 {
     *session = (struct session){.semantics = SEMANTICS,
-                                .now = state_default(),
+                                .now = state_default(SEMANTICS),
                                 .roi = roi_none(),
                                 .waits_from = UINT64_MAX};
     session_mark(session);
+}
+
+void session_take_semantics(struct session *session, unsigned semantics)
+{
+    session->semantics = semantics;
+    session->now = state_default(semantics);
 }
 
 /* What is made of a scene, or looks at one, goes before it. */

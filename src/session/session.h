@@ -121,6 +121,8 @@ struct session {
 };
 
 void session_init(struct session *session);
+/* For a session that has done nothing yet: it goes by these from now on. */
+void session_take_semantics(struct session *session, unsigned semantics);
 void session_release(struct session *session);
 size_t session_memory(const struct session *session); /* bytes held now */
 

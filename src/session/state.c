@@ -2,16 +2,19 @@
 
 #include <string.h>
 
-struct state state_default(void)
+#include "session/semantics.h"
+
+struct state state_default(unsigned semantics)
 {
+    const uint32_t look = semantics_has(semantics, MEANING_LOOK) ? LOOK_PRESENT : LOOK_FIRST;
     struct state state = {.kept = {.cut = cut_none(), .adjacency = 6, .weight = {WEIGHT_MORPH, 1}},
-                          .outlook = {.look = look_default(),
+                          .outlook = {.look = look_default(look),
                                       .slices = {.times = SLICE_TIMES_ONE,
                                                  .overlay = SLICE_CONTOUR,
                                                  .crosses = true,
                                                  .marks = true,
                                                  .words = true}}};
-    palette_default(&state.kept.palette);
+    palette_default(&state.kept.palette, look);
     for (int label = 1; label < 256; label++)
         state.kept.visible[label] = true;
     return state;
@@ -72,7 +75,7 @@ static const struct state_field outlook_field[] = {
 _Static_assert(sizeof(struct weight_choice) == 2 * sizeof(uint32_t), "no padding");
 _Static_assert(sizeof(struct finish_list) == (1 + 4 * FINISH_STEPS_MOST) * sizeof(uint32_t),
                "no padding");
-_Static_assert(sizeof(struct look) == 6 * sizeof(uint32_t), "no padding");
+_Static_assert(sizeof(struct look) == 7 * sizeof(uint32_t), "no padding");
 _Static_assert(sizeof(struct view) == 6 * sizeof(uint32_t) + 3 * sizeof(int64_t), "no padding");
 _Static_assert(sizeof(struct cut) == 8 * sizeof(uint32_t) +
                                          CUT_PLANES_MOST * sizeof(struct cut_plane) +

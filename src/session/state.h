@@ -76,8 +76,8 @@ struct state {
     struct edit_lists lists;
 };
 
-/* As a session begins. */
-struct state state_default(void);
+/* As a session of this semantics begins. */
+struct state state_default(unsigned semantics);
 
 /* Two are the same where every field is (a table of state.c: a new field is a row there); maps are,
  * where they are one and the same. */

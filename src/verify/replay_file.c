@@ -33,7 +33,7 @@ static enum err execute(void *context, const char *command, struct buf *words, s
 static void begin(void *context, unsigned semantics)
 {
     struct replaying *replaying = context;
-    replaying->interp->session.semantics = semantics;
+    session_take_semantics(&replaying->interp->session, semantics);
 }
 
 static bool is_lost(void *context, const char *key, size_t length)

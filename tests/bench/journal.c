@@ -140,7 +140,7 @@ static enum err verify_records(struct interpreter *interp, const struct buf *byt
     if (err)
         return err;
     if (walk.semantics) /* an older journal keeps its meaning */
-        interp->session.semantics = walk.semantics;
+        session_take_semantics(&interp->session, walk.semantics);
     while (!err && walk_next_sound(&walk, &record) == WALK_RECORD)
         err = verify_record(interp, &record, f, fault);
     if (!err && (walk.over != WALK_END || walk.records == 0))

@@ -165,13 +165,13 @@ static enum err time_look(struct session *session, struct table *table, const ch
 
 static enum err time_looks(struct session *session, struct table *table, struct fault *fault)
 {
-    struct look look = look_default();
+    struct look look = look_default(LOOK_PRESENT);
     look.mode = SHADE_SCENE;
     enum err err = time_look(session, table, "    by the scene's gradient, zoom 1", &look, fault);
     look.mode = SHADE_DEPTH;
     if (!err)
         err = time_look(session, table, "    by depth, zoom 1", &look, fault);
-    look = look_default();
+    look = look_default(LOOK_PRESENT);
     look.samples = 2;
     if (!err)
         err = time_look(session, table, "    2x2 samples, zoom 1", &look, fault);

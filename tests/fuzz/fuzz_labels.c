@@ -8,6 +8,7 @@
 
 #include "base/safe.h"
 #include "session/label_table.h"
+#include "session/semantics.h"
 #include "session/regions.h"
 
 static void check_names(const struct kept *kept)
@@ -38,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length)
 {
     static const enum label_table_format format[] = {TABLE_ITKSNAP, TABLE_FREESURFER};
     static const bool used[256] = {[7] = true};
-    struct state state = state_default();
+    struct state state = state_default(SEMANTICS);
     struct label_table table, again;
     struct buf text = {0}, written = {0};
     buf_add(&text, bytes, length);

@@ -94,8 +94,8 @@ static void views(struct stage *s)
 
 static void looks(struct stage *s)
 {
-    for (int i = 0; i < 24; i++) {
-        s->look = look_default();
+    for (int i = 0; i < 48; i++) {
+        s->look = look_default(i < 24 ? LOOK_FIRST : LOOK_PRESENT);
         s->look.mode = (enum shade_mode)(i % 3);
         s->look.edges = (uint32_t)i / 3 % 2;
         s->look.cue_percent = (uint32_t)(i * 4);
@@ -103,7 +103,7 @@ static void looks(struct stage *s)
         s->look.light[1] = i * 3456 - 40000;
         tell_picture(s, "look", i);
     }
-    s->look = look_default();
+    s->look = look_default(LOOK_PRESENT);
 }
 
 static void samples(struct stage *s)
@@ -127,7 +127,7 @@ static void samples(struct stage *s)
     rendition_release(&s->rendition);
     s->view.width = WIDTH;
     s->view.height = HEIGHT;
-    s->look = look_default();
+    s->look = look_default(LOOK_PRESENT);
     must(rendition_init(&s->rendition, WIDTH, HEIGHT, NULL), &(struct fault){0}, "a rendition");
     look_from(s);
 }

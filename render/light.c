@@ -1,0 +1,107 @@
+#include "render/light.h"
+
+#include "engine/gradient.h"
+#include "render/fixed.h"
+#include "render/normal.h"
+
+enum {
+    AMBIENT = LIGHT_UNIT / 5,
+    DIFFUSE = LIGHT_UNIT - AMBIENT,
+    SPECULAR = 70, /* of 255, where the light is mirrored into the eye */
+    SHINE = 5,     /* squarings: the exponent is 2^5 */
+    CUE_BITS = 20,
+};
+
+/* ---- where it comes from ---- */
+
+static int32_t mirrored(int32_t cosine)
+{
+    int64_t v = (int64_t)cosine * LIGHT_UNIT / LIGHT_GLOSSES;
+    for (int i = 0; i < SHINE; i++)
+        v = v * v / LIGHT_UNIT;
+    return (int32_t)(SPECULAR * v);
+}
+
+static void aim(struct light *light, const struct camera *camera, const int32_t angle[2])
+{
+    const int64_t pitch = angle[1], quarter = VIEW_TURN / 4;
+    const int64_t level = view_sine((int32_t)(pitch + quarter));
+    const int64_t right = fixed_mul30(view_sine(angle[0]), level);
+    const int64_t behind = fixed_mul30(view_sine((int32_t)(angle[0] + quarter)), level);
+    const int64_t up = view_sine((int32_t)pitch);
+    int64_t half[3];
+    uint64_t squares = 0;
+    for (int a = 0; a < 3; a++) {
+        const int64_t along = fixed_mul30(right, camera->right[a]) +
+                              fixed_mul30(up, camera->up[a]) -
+                              fixed_mul30(behind, camera->ahead[a]);
+        light->toward[a] = (int32_t)(along >> (30 - NORMAL_BITS));
+        half[a] = (along - camera->ahead[a]) >> (30 - NORMAL_BITS);
+        squares += (uint64_t)(half[a] * half[a]);
+    }
+    /* Light from straight ahead has no half-way vector, and is mirrored by nothing that is seen. */
+    const int64_t length = squares ? square_root(squares) : 1;
+    for (int a = 0; a < 3; a++)
+        light->half[a] = (int32_t)(half[a] * (1 << NORMAL_BITS) / length);
+    for (int i = 0; i <= LIGHT_GLOSSES; i++)
+        light->gloss[i] = mirrored(i);
+}
+
+void light_init(struct light *light, const struct camera *camera, const int32_t angle[2],
+                uint32_t cue_percent)
+{
+    int64_t reach = 0;
+    *light = (struct light){0};
+    aim(light, camera, angle);
+    for (int a = 0; a < 3; a++) {
+        /* Half the scene's length along this axis, seen along the ray. */
+        int64_t pixels = (int64_t)camera->scene->grid.size[a] * camera->view.zoom *
+                         (int64_t)(camera->scene->spacing_nm[a] / (uint32_t)camera->unit_nm) / 1000;
+        reach += pixels * (camera->ahead[a] < 0 ? -camera->ahead[a] : camera->ahead[a]) >> 31;
+    }
+    light->front = -(reach << 26);
+    light->depth_range = (reach + 1) << 27;
+    while (light->depth_range >> light->cue_shift >> CUE_BITS)
+        light->cue_shift++;
+    light->cue = ((int64_t)LIGHT_UNIT * cue_percent / 100 << CUE_BITS) /
+                 ((light->depth_range >> light->cue_shift) + 1);
+}
+
+/* ---- what it makes of a surface ---- */
+
+int64_t light_cue(const struct light *light, int64_t depth)
+{
+    int64_t behind = depth - light->front;
+    behind = behind < 0 ? 0 : behind > light->depth_range ? light->depth_range : behind;
+    return LIGHT_UNIT - ((behind >> light->cue_shift) * light->cue >> CUE_BITS);
+}
+
+static void colour_pixel(uint8_t rgba[4], const uint8_t base[3], int64_t brightness, int64_t gloss,
+                         int64_t cue)
+{
+    for (int k = 0; k < 3; k++) {
+        const int64_t v = (base[k] * brightness + gloss) * cue >> (2 * LIGHT_UNIT_BITS);
+        rgba[k] = (uint8_t)(v > 255 ? 255 : v);
+    }
+    rgba[3] = 255;
+}
+
+static inline int64_t dot(const int16_t a[3], const int32_t b[3])
+{
+    return (int64_t)a[0] * b[0] + (int64_t)a[1] * b[1] + (int64_t)a[2] * b[2];
+}
+
+void light_surface(uint8_t rgba[4], const struct light *light, const uint8_t colour[3],
+                   const int16_t normal[3], int64_t cue)
+{
+    const int64_t lit = dot(normal, light->toward), mirror = dot(normal, light->half);
+    const int64_t cosine = lit < 0 ? 0 : lit >> (2 * NORMAL_BITS - LIGHT_UNIT_BITS);
+    const int64_t shine = mirror < 0 ? 0 : mirror >> (2 * NORMAL_BITS - LIGHT_GLOSS_BITS);
+    colour_pixel(rgba, colour, AMBIENT + (DIFFUSE * cosine >> LIGHT_UNIT_BITS),
+                 light->gloss[shine > LIGHT_GLOSSES ? LIGHT_GLOSSES : shine], cue);
+}
+
+void light_flat(uint8_t rgba[4], const uint8_t colour[3], int64_t cue)
+{
+    colour_pixel(rgba, colour, LIGHT_UNIT, 0, cue);
+}

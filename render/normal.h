@@ -1,0 +1,60 @@
+/*
+ * Normals: which way the surface faces at the point that a pixel shows.
+ *
+ * The point lies on a face of a voxel's cube; its normal comes from one of
+ *
+ *   surface   the smoothed field of shown voxels (render/field.h): the direction in which it falls
+ *   scene     the gradient of the scene's intensities, turned outward by the surface's normal,
+ *             which is used where the scene is flat
+ *   depth     the plane that fits the depths around the pixel best
+ *
+ * A normal lies along voxel axes, and its length in the world is 2^NORMAL_BITS.
+ */
+#ifndef RENDER_NORMAL_H
+#define RENDER_NORMAL_H
+
+#include "render/field.h"
+#include "render/rendition.h"
+
+enum {
+    NORMAL_BITS = 14,     /* 1 of a normal's length */
+    NORMAL_FIT_STEPS = 3, /* voxels each way to which a plane is fitted */
+};
+
+/* Where normals come from, and what commands call it. */
+#define SHADE_MODES "surface|scene|depth"
+enum shade_mode { SHADE_SURFACE, SHADE_SCENE, SHADE_DEPTH };
+
+/* Where a ray crosses the planes of one axis, as a product; normals_init makes it. */
+struct locator {
+    int64_t C, A, B;
+    unsigned shift;
+    int64_t inverse; /* 2^44 / (T >> shift) */
+    int32_t most;    /* the far side of the scene */
+    bool flip;
+};
+
+/* All that normals depend on besides the pixel. */
+struct normals {
+    const struct camera *camera;
+    enum shade_mode mode;
+    struct locator locator[3];
+    int32_t viewer[3];
+    int32_t scale[3]; /* unit / spacing times 2^12: gradients per voxel to gradients per length */
+    int64_t stride;   /* pixels between the depths that a plane is fitted to: a voxel's */
+    struct field_reader shown, scene;
+};
+
+/* `shown`, and in mode `scene` both, are fields of what the camera looks at, and outlive this; a
+ * mode that has no use for one takes NULL. */
+void normals_init(struct normals *normals, const struct camera *camera, enum shade_mode mode,
+                  struct field *shown, struct field *scene);
+
+/* The normal of a pixel that shows something. */
+void normal_of(int16_t normal[3], struct normals *normals, const struct rendition *rendition,
+               uint32_t x, uint32_t y);
+
+/* Pixels to a voxel, at least 1. */
+int64_t normal_stride(const struct camera *camera);
+
+#endif
