@@ -1,7 +1,6 @@
 #include "render/rendition.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/mem.h"
 
@@ -13,24 +12,6 @@ struct holes {
     } * item;
     size_t count, capacity;
 };
-
-static int32_t within(int32_t v, uint32_t size)
-{
-    return v < 0 ? 0 : v >= (int32_t)size ? (int32_t)size - 1 : v;
-}
-
-static void mark_stale(struct rendition *r, const struct camera *camera, uint32_t cell, int around,
-                       int pixels)
-{
-    struct footprint f = splat_footprint(camera, cell, around);
-    if (f.left > f.right || f.top > f.bottom)
-        return;
-    f.left = within(f.left - pixels, r->width), f.right = within(f.right + pixels, r->width);
-    f.top = within(f.top - pixels, r->height), f.bottom = within(f.bottom + pixels, r->height);
-    for (int32_t y = f.top / TILE; y <= f.bottom / TILE; y++)
-        memset(r->stale + (size_t)y * r->tiles_x + f.left / TILE, TILE_STALE,
-               (size_t)(f.right / TILE - f.left / TILE + 1));
-}
 
 /* Empties the pixels that show a voxel which has disappeared. False when memory runs out. */
 static bool open_holes(struct holes *holes, struct rendition *r, const struct camera *camera,
@@ -77,7 +58,9 @@ void incremental_image(struct rendition *r, const struct camera *camera,
         const bool before = border->visible[c->former_label];
         const bool now = border->visible[c->label];
         if (before || now)
-            mark_stale(r, camera, c->cell, before == now ? 0 : reach.voxels, reach.pixels);
+            rendition_mark_stale(r,
+                                 splat_footprint(camera, c->cell, before == now ? 0 : reach.voxels),
+                                 reach.pixels);
         if (before && !now)
             fits = open_holes(&holes, r, camera, c->cell);
         else if (now && !before && border_holds(border, c->cell))

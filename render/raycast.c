@@ -1,41 +1,17 @@
 #include "render/rendition.h"
+#include "render/walk.h"
 
-/*
- * The walk goes from crossing to crossing in the order of (t, axis). At crossing `at` the ray is in
- * the cube whose flipped position along axis b is the number of planes of b, after plane 0, that
- * have been crossed by then.
- */
 bool raycast_pixel(const struct camera *camera, const struct border *border, uint32_t column,
                    uint32_t row, int64_t from, int64_t *depth, uint32_t *cell)
 {
-    const struct grid *grid = &camera->scene->grid;
-    int64_t first[3], next[3], at = from;
-    int64_t left[3]; /* planes of each axis still ahead before the ray leaves the scene */
-    for (int a = 0; a < 3; a++) {
-        first[a] = camera_crossing(camera, a, 0, column, row);
-        at = first[a] > at ? first[a] : at;
-    }
-    uint32_t here = grid_cell(grid, 0, 0, 0);
-    for (int a = 0; a < 3; a++) {
-        int64_t n = (at - first[a]) / camera->T[a];
-        left[a] = (int64_t)grid->size[a] - n;
-        if (left[a] <= 0)
+    struct walk walk;
+    if (!walk_begin(&walk, camera, column, row, from))
+        return false;
+    while (!border_shows(border, walk.cell))
+        if (!walk_on(&walk))
             return false;
-        next[a] = first[a] + (n + 1) * camera->T[a];
-        int64_t along = camera->flip[a] ? left[a] - 1 : n;
-        here = (uint32_t)(here + along * grid->step[a]);
-    }
-    while (!border_shows(border, here)) {
-        int a = next[0] < next[1] ? 0 : 1;
-        a = next[a] < next[2] ? a : 2;
-        if (--left[a] == 0)
-            return false;
-        at = next[a];
-        next[a] += camera->T[a];
-        here -= (uint32_t)camera->toward[a];
-    }
-    *depth = at;
-    *cell = here;
+    *depth = walk.at;
+    *cell = walk.cell;
     return true;
 }
 

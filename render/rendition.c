@@ -53,6 +53,22 @@ void rendition_clear(struct rendition *r)
     memset(r->stale, TILE_STALE, (size_t)r->tiles_x * r->tiles_y);
 }
 
+static int32_t within(int32_t v, uint32_t size)
+{
+    return v < 0 ? 0 : v >= (int32_t)size ? (int32_t)size - 1 : v;
+}
+
+void rendition_mark_stale(struct rendition *r, struct footprint f, int pixels)
+{
+    if (f.left > f.right || f.top > f.bottom)
+        return;
+    f.left = within(f.left - pixels, r->width), f.right = within(f.right + pixels, r->width);
+    f.top = within(f.top - pixels, r->height), f.bottom = within(f.bottom + pixels, r->height);
+    for (int32_t y = f.top / TILE; y <= f.bottom / TILE; y++)
+        memset(r->stale + (size_t)y * r->tiles_x + f.left / TILE, TILE_STALE,
+               (size_t)(f.right / TILE - f.left / TILE + 1));
+}
+
 uint64_t rendition_digest(const struct rendition *r)
 {
     uint64_t sum = hash_mix_at(r->width, r->height);

@@ -62,6 +62,9 @@ struct footprint {
 };
 struct footprint splat_footprint(const struct camera *camera, uint32_t cell, int around);
 
+/* Marks the tiles of the pixels of a footprint, and of those up to `pixels` away. */
+void rendition_mark_stale(struct rendition *rendition, struct footprint footprint, int pixels);
+
 /* How far around a voxel whose label changes colours may change: by that many voxels where it
  * appears or disappears (none where it only changes its object), and by so many pixels more. */
 struct shade_reach {
