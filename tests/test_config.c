@@ -56,10 +56,13 @@ STORY(nothing_is_fine_too)
     take("");
     CHECK_TEXT(buf_text(&config.words), "");
     CHECK_TEXT(config.setup.theme->name, "dark");
-    CHECK(config.setup.brush.label == 1 && config.setup.brush.radius == 0 &&
+    CHECK(config.setup.brush.label == 1 && config.setup.brush.radius == 3 &&
           config.setup.windows == 4);
     take("brush 7\ntheme none");
-    CHECK(config.setup.brush.label == 7 && config.setup.brush.radius == 0);
+    CHECK(config.setup.brush.label == 7 && config.setup.brush.radius == 3);
+    take("brush 7 0");
+    CHECK(config.setup.brush.radius == 0);
+    take("theme none");
     CHECK(!config.setup.theme->has_colours);
 }
 
@@ -71,7 +74,7 @@ STORY(a_brush_is_what_the_pilot_has)
     CHECK(brush->label == 3 && brush->in_mm && brush->radius == 5);
     CHECK(brush->has_range && brush->range[0] == -40500 && brush->range[1] == 80000);
     take("brush 4 range=1..2");
-    CHECK(brush->label == 4 && !brush->in_mm && brush->radius == 0 && brush->has_range);
+    CHECK(brush->label == 4 && !brush->in_mm && brush->radius == 3 && brush->has_range);
     take("brush 4 32mm");
     CHECK(brush->in_mm && brush->radius == 64 && !brush->has_range);
 }
@@ -206,9 +209,9 @@ STORY(keys_of_ones_own_stand_before_those_of_the_table)
     CHECK_TEXT(type("u"), "");
     CHECK_HAS(buf_text(&message), "this key does nothing here");
     CHECK_TEXT(type("gg"), "turn 0 0 15\n");
-    CHECK_TEXT(type(",3"), "seed 1,2,3 3\n");
-    CHECK_TEXT(type("7"), "seed 1,2,3 7\n");   /* no part of a count any more */
-    pilot_keys_page(&page, &config.setup, 60); /* one entry on a line */
+    CHECK_TEXT(type(",3"), "seed 1,2,3 3 radius=3\n");
+    CHECK_TEXT(type("7"), "seed 1,2,3 7 radius=3\n"); /* no part of a count any more */
+    pilot_keys_page(&page, &config.setup, 60);        /* one entry on a line */
     CHECK_HAS(buf_text(&page), "  s Ctrl-R .       undo, redo, again\n");
     CHECK_HAS(buf_text(&page), "  7 ,0-9           a seed of 0-9\n");
     CHECK_HAS(buf_text(&page), "  G                first, last, 90G\n"); /* without gg */

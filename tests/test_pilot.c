@@ -165,6 +165,7 @@ static void begin(void)
     memset(hidden, 0, sizeof hidden);
     pilot_state_release(&state);
     pilot_state_init(&state, &pilot_setup_default);
+    state.brush.radius = 0;
 }
 
 static void press(enum key key, unsigned modifiers, char c)

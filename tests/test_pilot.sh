@@ -41,12 +41,17 @@ enter "clear; $iftty s.nii"
 see '^24x20x16 voxels'
 see '^Ctrl-O: the pilot, to segment by keys; `help`: the commands$'
 enter "pilot"
-see '^axial 8 at 12,10,8  brush 1  no label  intensity '
+see '^axial 8 at 12,10,8  brush 1 r3  no label  intensity '
 screen_text | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen_text)"
 close_story
 
 begin "what has nothing to show says how to begin"
 see '^nothing to show yet: i plants a seed here'
+close_story
+
+begin "the brush has a radius, which - makes smaller"
+type_letters "3-"
+see '^axial 8 at 12,10,8  brush 1  no label  intensity '
 close_story
 
 begin "keys move, seed, undo and turn, each as the command it is"
@@ -334,7 +339,7 @@ tmux_here resize-window -t prompt -x 130 -y 30
 comes_true stands_in_row 29 || fail "the screen is:" "$(screen_text | grep .)"
 see '^coronal 13 .* mm  mean [0-9.]*, SD [0-9.]*, [0-9.]* x [0-9.]* x [0-9.]* mm$' # of the label
 enter ":seed 20,4,3 0"
-see '^this seed took .* of label 1 through 20,4,2; undo takes it back$' # lines are a page
+see '^this `seed` took .* of label 1 through 20,4,2; undo takes it back$' # lines are a page
 see '^[(]any key[)]$'
 type_letters " "
 see '^coronal 13 '
@@ -545,8 +550,8 @@ see '^axial 120 at 120,120,120'
 type_letters "ilK2ls2u"
 comes_true grep -q '^undo$' synth-1.iftty || fail "$(cat synth-1.iftty)"
 same "$(grep -v '^[=#]' synth-1.iftty | tail -n 6 | paste -s -d ' ')" \
-    "seed 120,120,120 1 cross 119,120,120 cross 119,120,121 cross 117,120,121 \
-seed 117,120,121 2 undo"
+    "seed 120,120,120 1 radius=3 cross 119,120,120 cross 119,120,121 cross 117,120,121 \
+seed 117,120,121 2 radius=3 undo"
 type_letters "q"
 enter "quit"
 expect 0 "$iftty" verify synth-1.iftty

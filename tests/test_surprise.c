@@ -59,7 +59,8 @@ STORY(a_seed_that_floods_an_object_says_so)
     CHECK(!is_surprised("seed 2,2,2 0"));
     CHECK(is_surprised("seed 50,10,15 1"));
     CHECK_HAS(buf_text(&reply.text), " changed, label 1: ");
-    CHECK_HAS(buf_text(&reply.text), "\nthis seed took 37.2 ml of label 0 through 50,8,15; undo ");
+    CHECK_HAS(buf_text(&reply.text),
+              "\nthis `seed` took 37.2 ml of label 0 through 50,8,15; undo ");
     CHECK(strstr(buf_text(&reply.words), "took") == NULL);
     CHECK(!is_surprised("undo"));
     CHECK(!is_surprised("redo"));
@@ -77,13 +78,13 @@ STORY(so_do_boxes_eliminators_and_runs)
     must(&interp, "seed 30,30,15 1");
     must(&interp, "seed 2,2,2 0");
     CHECK(is_surprised("box 50,10,15 50,11,15 1"));
-    CHECK_HAS(buf_text(&reply.text), "\nthis box took ");
+    CHECK_HAS(buf_text(&reply.text), "\nthis `box` took ");
     CHECK(is_surprised("remove 50,10,15"));
-    CHECK_HAS(buf_text(&reply.text), "\nthis remove took ");
+    CHECK_HAS(buf_text(&reply.text), "\nthis `remove` took ");
     must(&interp, "auto off");
     CHECK(!is_surprised("seed 50,10,15 1"));
     CHECK(is_surprised("run"));
-    CHECK_HAS(buf_text(&reply.text), "\nthis run took 37.2 ml of label 0 through 50,8,15; ");
+    CHECK_HAS(buf_text(&reply.text), "\nthis `run` took 37.2 ml of label 0 through 50,8,15; ");
     interpreter_release(&interp);
 }
 

@@ -82,7 +82,7 @@ static bool take_range(const char **at, struct pilot_brush *brush)
 
 static enum err take_brush(struct config *config, const char *words, struct fault *fault)
 {
-    struct pilot_brush brush = {.label = 0};
+    struct pilot_brush brush = {.radius = pilot_setup_default.brush.radius};
     int64_t label;
     if (!take_number(&words, 0, 0, LABEL_MOST, &label) ||
         (has_radius(words) && !take_radius(&words, &brush)) || !take_range(&words, &brush) ||

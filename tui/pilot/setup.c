@@ -7,7 +7,7 @@
 #include "tui/pilot/pilot_press.h"
 
 const struct pilot_setup pilot_setup_default = {.theme = &theme_dark,
-                                                .brush = {.label = 1},
+                                                .brush = {.label = 1, .radius = 3},
                                                 .window = {{"bone", 500000, 2000000},
                                                            {"brain", 40000, 80000},
                                                            {"lung", -600000, 1500000},
