@@ -12,8 +12,8 @@
  * `shown` that it was made of has changed since (border->changed). So the field is a pure function
  * of what is shown, in whatever order points are asked for.
  *
- * Points are in 1/256 voxels along the scene's axes from the centre of voxel 0,0,0, and lie on or
- * in the cube of a voxel of the scene.
+ * Points are in 1/256 voxels along the scene's axes from the centre of voxel 0,0,0, and lie at most
+ * half a voxel outside the scene: from -256 on, and before 256 times the voxels of an axis.
  */
 #ifndef RENDER_FIELD_H
 #define RENDER_FIELD_H

@@ -6,6 +6,10 @@
 enum {
     CROSSING_PIXEL_BITS = 26, /* of a depth: 4 * 2^24 to a pixel */
     POINT_BITS = 8,           /* of a voxel */
+    BEFORE = 154,             /* 0.6 voxels: where the slope is read before the surface, */
+    FURTHER = 384,            /* 1.5 voxels: and further out, */
+    FURTHER_WEIGHT = 4,       /* which counts so much more */
+    BARELY = 64,              /* of a normal's length: what it faces the viewer by at least */
 };
 
 /* ---- where a pixel's point lies ---- */
@@ -75,17 +79,74 @@ static void add_scene(int64_t outward[3], struct normals *normals, const int32_t
         outward[a] = outward[a] / 16 + (along < 0 ? -gradient[a] : gradient[a]);
 }
 
+/* The gradient `way` / 2^NORMAL_BITS of `distance` away from a point, or as far that way as the
+ * field goes. */
+static struct gradient gradient_beside(struct normals *normals, const int32_t point[3],
+                                       const int16_t way[3], int32_t distance)
+{
+    int32_t at[3];
+    for (int a = 0; a < 3; a++) {
+        const int32_t last = (int32_t)(normals->camera->scene->grid.size[a] << POINT_BITS) - 1;
+        const int32_t p = point[a] + (way[a] * distance >> NORMAL_BITS);
+        at[a] = p < -(1 << POINT_BITS) ? -(1 << POINT_BITS) : p > last ? last : p;
+    }
+    return field_at(&normals->shown, at);
+}
+
+/* Within a sheet of one voxel the field has its crest, where its slope says nothing; outside it is
+ * steep, and the slope the same for some voxels. So it is read before the surface, and with more
+ * weight further out the way that this points, unless something else is there. */
+static void slope_before(int64_t outward[3], struct normals *normals, const int32_t point[3])
+{
+    const struct gradient near = gradient_beside(normals, point, normals->before, BEFORE);
+    int64_t way[3] = {-near.along[0], -near.along[1], -near.along[2]}, along = 0;
+    int16_t out[3] = {0, 0, 0};
+    normalise(out, way);
+    const struct gradient far = gradient_beside(normals, point, out, FURTHER);
+    for (int a = 0; a < 3; a++)
+        along += near.along[a] * far.along[a];
+    for (int a = 0; a < 3; a++) {
+        way[a] -= along > 0 ? FURTHER_WEIGHT * far.along[a] : 0;
+        outward[a] = way[a] * normals->scale[a] / FURTHER_WEIGHT;
+    }
+}
+
 /* From a point on the surface. */
-static void field_normal(int16_t normal[3], struct normals *normals, const int32_t point[3])
+static void slope_at(int64_t outward[3], struct normals *normals, const int32_t point[3])
 {
     const struct gradient inward = field_at(&normals->shown, point);
-    int64_t outward[3];
     for (int a = 0; a < 3; a++)
         outward[a] = -(int64_t)inward.along[a] * normals->scale[a];
+}
+
+/* What a pixel shows faces the viewer, if barely. */
+static void turn_to_viewer(int16_t normal[3], const struct normals *normals)
+{
+    int64_t along = 0, across[3];
+    for (int a = 0; a < 3; a++)
+        along += normal[a] * normals->viewer[a];
+    if (along >= 0)
+        return;
+    for (int a = 0; a < 3; a++)
+        across[a] = normal[a] - (along * normals->viewer[a] >> (2 * NORMAL_BITS)) +
+                    normals->viewer[a] / BARELY;
+    if (!normalise(normal, across))
+        face_viewer(normal, normals);
+}
+
+static void field_normal(int16_t normal[3], struct normals *normals, const int32_t point[3])
+{
+    int64_t outward[3];
+    if (normals->looks_out)
+        slope_before(outward, normals, point);
+    else
+        slope_at(outward, normals, point);
     if (normals->mode == SHADE_SCENE)
         add_scene(outward, normals, point);
     if (!normalise(normal, outward)) /* as thick as thin: it shows no side */
         face_viewer(normal, normals);
+    if (normals->looks_out)
+        turn_to_viewer(normal, normals);
 }
 
 /* ---- from depths ---- */
@@ -156,9 +217,11 @@ int64_t normal_stride(const struct camera *camera)
 }
 
 void normals_init(struct normals *normals, const struct camera *camera, enum shade_mode mode,
-                  struct field *shown, struct field *scene)
+                  bool looks_out, struct field *shown, struct field *scene)
 {
-    *normals = (struct normals){.camera = camera, .mode = mode, .stride = normal_stride(camera)};
+    int64_t before[3];
+    *normals = (struct normals){
+        .camera = camera, .mode = mode, .looks_out = looks_out, .stride = normal_stride(camera)};
     normals->shown.field = shown;
     normals->scene.field = scene;
     for (int a = 0; a < 3; a++) {
@@ -166,7 +229,9 @@ void normals_init(struct normals *normals, const struct camera *camera, enum sha
         normals->viewer[a] = -camera->ahead[a] >> (30 - NORMAL_BITS);
         normals->scale[a] =
             (int32_t)((camera->unit_nm << 12) / (int64_t)camera->scene->spacing_nm[a]);
+        before[a] = -(int64_t)camera->ahead[a] * normals->scale[a];
     }
+    normalise(normals->before, before);
 }
 
 void normal_of(int16_t normal[3], struct normals *normals, const struct rendition *r, uint32_t x,

@@ -3,7 +3,9 @@
  *
  * The point lies on a face of a voxel's cube; its normal comes from one of
  *
- *   surface   the smoothed field of shown voxels (render/field.h): the direction in which it falls
+ *   surface   the smoothed field of shown voxels (render/field.h): the direction in which it falls.
+ *             Look 1 reads it on the surface; look 2 before it, where thin sheets have a slope too,
+ *             and turns what would face away to the viewer
  *   scene     the gradient of the scene's intensities, turned outward by the surface's normal,
  *             which is used where the scene is flat
  *   depth     the plane that fits the depths around the pixel best
@@ -17,8 +19,9 @@
 #include "render/rendition.h"
 
 enum {
-    NORMAL_BITS = 14,     /* 1 of a normal's length */
-    NORMAL_FIT_STEPS = 3, /* voxels each way to which a plane is fitted */
+    NORMAL_BITS = 14,               /* 1 of a normal's length */
+    NORMAL_FIT_STEPS = 3,           /* voxels each way to which a plane is fitted */
+    NORMAL_REACH = FIELD_REACH + 1, /* as FIELD_REACH, where the field is read before the surface */
 };
 
 /* Where normals come from, and what commands call it. */
@@ -38,17 +41,19 @@ struct locator {
 struct normals {
     const struct camera *camera;
     enum shade_mode mode;
+    bool looks_out; /* slopes of the field are read before the surface, as look 2 has them */
     struct locator locator[3];
     int32_t viewer[3];
-    int32_t scale[3]; /* unit / spacing times 2^12: gradients per voxel to gradients per length */
-    int64_t stride;   /* pixels between the depths that a plane is fitted to: a voxel's */
+    int16_t before[3]; /* the viewer's side, of length 2^NORMAL_BITS in voxels */
+    int32_t scale[3];  /* unit / spacing times 2^12: gradients per voxel to gradients per length */
+    int64_t stride;    /* pixels between the depths that a plane is fitted to: a voxel's */
     struct field_reader shown, scene;
 };
 
 /* `shown`, and in mode `scene` both, are fields of what the camera looks at, and outlive this; a
  * mode that has no use for one takes NULL. */
 void normals_init(struct normals *normals, const struct camera *camera, enum shade_mode mode,
-                  struct field *shown, struct field *scene);
+                  bool looks_out, struct field *shown, struct field *scene);
 
 /* The normal of a pixel that shows something. */
 void normal_of(int16_t normal[3], struct normals *normals, const struct rendition *rendition,

@@ -195,7 +195,7 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
         err = prepare(&shader->scene, &shader->has_scene, border, FIELD_SCENE, fault);
     if (err)
         return err;
-    normals_init(&s.normals, camera, look->mode, &shader->shown, &shader->scene);
+    normals_init(&s.normals, camera, look->mode, look->number >= 2, &shader->shown, &shader->scene);
     light_init(&s.light, camera, look->light, look->cue_percent);
     label_tiles(r, &border->labels);
     shade_tiles(r, &s);
@@ -205,7 +205,8 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
 struct shade_reach shade_reach(const struct look *look, const struct camera *camera)
 {
     /* One step in any case: a face may be cut open, or no more so. */
-    struct shade_reach reach = {look->mode == SHADE_DEPTH ? 1 : FIELD_REACH, look->edges ? 1 : 0};
+    const int field = look->number >= 2 ? NORMAL_REACH : FIELD_REACH;
+    struct shade_reach reach = {look->mode == SHADE_DEPTH ? 1 : field, look->edges ? 1 : 0};
     if (look->mode == SHADE_DEPTH)
         reach.pixels = NORMAL_FIT_STEPS * (int)normal_stride(camera);
     return reach;

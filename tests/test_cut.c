@@ -140,6 +140,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     for (int a = 0; a < 3; a++)
         size[a] = 1 + check_below(random, check_below(random, 3) ? 24 : 4);
     CHECK(stage_init(s, size, 6, NULL) == OK);
+    s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT);
     s->look.mode = (enum shade_mode)check_below(random, 3);
     s->look.edges = check_below(random, 2);
     for (size_t i = 0; i < s->scene->grid.cells; i++)

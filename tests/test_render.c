@@ -80,6 +80,7 @@ static void random_view(struct stage *s, uint64_t *random)
 
 static void random_look(struct stage *s, uint64_t *random)
 {
+    s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT);
     s->look.mode = (enum shade_mode)check_below(random, 3);
     s->look.light[0] = (int32_t)check_below(random, 360001) - 180000;
     s->look.light[1] = (int32_t)check_below(random, 180001) - 90000;
