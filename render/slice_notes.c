@@ -24,7 +24,8 @@ static uint32_t shorter_side(const struct canvas *canvas)
 /* ---- seeds and eliminators ---- */
 
 struct spot {
-    int64_t column, row;
+    int64_t column, row; /* the pixel of its middle */
+    size_t voxel;        /* of the slice, counted row by row */
     uint8_t label;
     bool eliminates, waits;
 };
@@ -42,9 +43,13 @@ static void add_spot(struct spots *spots, const struct slice_plan *plan, int64_t
         spots->failed = true;
         return;
     }
-    spots->spot[spots->count++] = (struct spot){slice_side_pixel(&plan->side[0], column_voxel),
-                                                slice_side_pixel(&plan->side[1], row_voxel),
-                                                mark->label, mark->eliminates, mark->waits};
+    spots->spot[spots->count++] =
+        (struct spot){slice_side_pixel(&plan->side[0], column_voxel),
+                      slice_side_pixel(&plan->side[1], row_voxel),
+                      (size_t)(row_voxel * plan->side[0].voxels + column_voxel),
+                      mark->label,
+                      mark->eliminates,
+                      mark->waits};
 }
 
 /* Every voxel of the slice counts, also those that no pixel shows. */
@@ -70,6 +75,38 @@ static void add_marks(struct spots *spots, const struct scene *scene, const stru
             add_spot(spots, plan, slice_side_counted(&plan->side[0], place),
                      slice_side_counted(&plan->side[1], place), &style->mark[i]);
     }
+}
+
+/* What is the same of the seeds of a run: their label, and whether they wait; 0 is no seed. */
+static uint16_t run_of(const struct spot *spot)
+{
+    return (uint16_t)(spot->eliminates ? 0 : 1 + spot->label + (spot->waits ? 256 : 0));
+}
+
+static bool is_inner(const uint16_t *run, size_t voxel, size_t columns, size_t rows)
+{
+    const size_t x = voxel % columns, y = voxel / columns;
+    const uint16_t *at = run + voxel;
+    return *at && x > 0 && x + 1 < columns && y > 0 && y + 1 < rows && at[-1] == *at &&
+           at[1] == *at && *(at - columns) == *at && at[columns] == *at;
+}
+
+/* Of a run of seeds only the rim stays: dots side by side would hide what is segmented. */
+static void drop_inner(struct spots *spots, const struct slice_plan *plan)
+{
+    const size_t columns = (size_t)plan->side[0].voxels, rows = (size_t)plan->side[1].voxels;
+    uint16_t *run = mem_new(columns * rows * sizeof *run);
+    size_t left = 0;
+    spots->failed = spots->failed || !run;
+    if (spots->failed)
+        return;
+    for (size_t i = 0; i < spots->count; i++)
+        run[spots->spot[i].voxel] = run_of(&spots->spot[i]);
+    for (size_t i = 0; i < spots->count; i++)
+        if (spots->spot[i].eliminates || !is_inner(run, spots->spot[i].voxel, columns, rows))
+            spots->spot[left++] = spots->spot[i];
+    spots->count = left;
+    free(run);
 }
 
 /* Whether a mark covers a pixel so far from its middle: a disc, or two diagonals. */
@@ -126,6 +163,8 @@ static bool draw_marks(const struct canvas *canvas, const struct scene *scene,
         add_seeds(&spots, scene, plan);
     if (style->marks_seeds)
         add_marks(&spots, scene, plan, choice, style);
+    if (style->marks_rims && spots.count)
+        drop_inner(&spots, plan);
     draw_spots(canvas, &spots, plan->unit, style->palette);
     free(spots.spot);
     return !spots.failed;

@@ -778,6 +778,43 @@ STORY(seeds_are_dots_and_eliminators_crosses)
     scene_free(scene);
 }
 
+/* Two labels side by side, 9x9 each, and a smaller block that waits in one of them. */
+STORY(of_a_run_of_seeds_the_rim_is_marked)
+{
+    struct scene *scene = dark_scene();
+    struct slice_style style = style_of(0, 255, SLICE_PLAIN);
+    const struct slice_choice choice = {
+        .plane = SLICE_AXIAL, .place = {0, 0, 20}, .pixel_pm = MM / 10};
+    struct slice_mark waiting[25];
+    size_t count = 0;
+    for (uint32_t y = 10; y < 19; y++)
+        for (uint32_t x = 10; x < 28; x++) {
+            const uint32_t c = grid_cell(&scene->grid, x, y, 20);
+            scene->cell[c].flags = CELL_SEED;
+            scene->cell[c].label = x < 19 ? 1 : 2;
+            if (x >= 12 && x < 17 && y >= 12 && y < 17)
+                waiting[count++] = (struct slice_mark){c, 1, false, true};
+        }
+    style.marks_seeds = true;
+    style.mark = waiting;
+    style.marks = count;
+    for (int rims = 0; rims < 2; rims++) {
+        style.marks_rims = rims;
+        struct canvas s = take(scene, &choice, &style, 410, 410);
+        for (uint32_t y = 10; y < 19; y++)
+            for (uint32_t x = 10; x < 28; x++) {
+                const bool edge = y == 10 || y == 18 || x == 10 || x == 18 || x == 19 || x == 27;
+                const bool in = x >= 12 && x < 17 && y >= 12 && y < 17;
+                const bool touches = !in && x >= 11 && x < 18 && y >= 11 && y < 18 &&
+                                     ((x >= 12 && x < 17) || (y >= 12 && y < 17));
+                const bool rim = in ? x == 12 || x == 16 || y == 12 || y == 16 : edge || touches;
+                CHECK_INT(is_rgb(&s, 10 * x + 5, 10 * y + 5, 0, 0, 0), rims && !rim);
+            }
+        canvas_release(&s);
+    }
+    scene_free(scene);
+}
+
 /* The letter in the middle of an edge, 0 left, 1 right, 2 top, 3 bottom, of a picture of 100x100
  * that is black there: '?' for none of them. */
 static char letter_at(const struct canvas *s, int edge)
@@ -971,7 +1008,8 @@ int main(void)
         TELL(smooth_grey_lies_between_the_four_voxels_around), TELL(labels_tint_or_are_outlined),
         TELL(contours_are_thicker_in_larger_pictures), TELL(contours_are_those_of_a_plain_search),
         TELL(a_cross_leaves_its_voxel_free), TELL(seeds_are_dots_and_eliminators_crosses),
-        TELL(letters_say_where_the_patients_sides_are), TELL(letters_are_told_as_they_are_drawn),
-        TELL(lengths_of_bars_are_round), TELL(bars_tell_lengths_and_greys),
-        TELL(all_48_orientations_give_the_same_pictures), TELL(without_memory_there_is_no_slice));
+        TELL(of_a_run_of_seeds_the_rim_is_marked), TELL(letters_say_where_the_patients_sides_are),
+        TELL(letters_are_told_as_they_are_drawn), TELL(lengths_of_bars_are_round),
+        TELL(bars_tell_lengths_and_greys), TELL(all_48_orientations_give_the_same_pictures),
+        TELL(without_memory_there_is_no_slice));
 }

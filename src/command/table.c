@@ -503,8 +503,9 @@ const struct command command_table[] = {
      "what is drawn over the grey of slices",
      "none, tint or contour of the labels that are shown; contour by default.\n"
      "cross: the cross-hair.\n"
-     "marks: a dot for a seed in the slice, an x for an eliminator of the last run; a white rim "
-     "means that it waits for a run.\n"
+     "marks: a dot for a seed in the slice, of seeds side by side for the outermost alone; an x "
+     "for "
+     "an eliminator of the last run; a white rim means that it waits for a run.\n"
      "words: the title, letters for the patient's sides, the scale bar, the grey bar.",
      "overlay tint cross=off"},
     {COMMAND("slice", act_slice, GROUP_SLICES, R | S),

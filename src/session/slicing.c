@@ -80,6 +80,7 @@ static enum err sketch_init(struct sketch *sketch, struct session *session, stru
     sketch->style.visible = session->now.kept.visible;
     sketch->style.crosses = s->crosses;
     sketch->style.marks_seeds = s->marks;
+    sketch->style.marks_rims = session->now.outlook.look.number > LOOK_FIRST;
     sketch->style.mark = NULL;
     sketch->style.marks = 0;
     if (s->marks && !list_marks(sketch, session))
