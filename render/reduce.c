@@ -2,45 +2,119 @@
 
 #include <string.h>
 
-#include "engine/gradient.h"
+enum { COLOURS = 4, PAIR = 2 * COLOURS };
+
+/* The colours of two pixels, squared, of which roots are taken at once where the machine can. */
+typedef uint16_t lanes __attribute__((vector_size(2 * PAIR)));
+
+/* Rounded down, bit by bit. */
+static inline lanes roots_of(lanes squares)
+{
+    lanes root = {0};
+    for (uint16_t bit = 128; bit; bit = bit >> 1) {
+        const lanes next = root | bit;
+        root |= (lanes)(next * next <= squares) & bit;
+    }
+    return root;
+}
 
 /* Of one pixel: what lies nearest, and sums of squares of the colours. */
 struct mean {
     size_t nearest;
-    uint32_t seen, squares[3];
+    uint32_t seen, squares[COLOURS - 1];
 };
 
-static struct mean mean_of(const struct rendition *fine, size_t first, uint32_t samples)
+static inline struct mean mean_of(const struct rendition *fine, size_t first, uint32_t samples)
 {
     struct mean mean = {.nearest = first};
     for (uint32_t j = 0; j < samples; j++)
         for (uint32_t i = 0; i < samples; i++) {
             const size_t at = first + (size_t)j * fine->width + i;
-            const uint8_t *rgba = fine->rgba + 4 * at;
-            if (fine->depth[at] < fine->depth[mean.nearest])
-                mean.nearest = at;
+            const uint8_t *rgba = fine->rgba + COLOURS * at;
+            mean.nearest = fine->depth[at] < fine->depth[mean.nearest] ? at : mean.nearest;
             mean.seen += fine->cell[at] != CELL_NONE;
-            for (int k = 0; k < 3; k++)
+            for (int k = 0; k < COLOURS - 1; k++)
                 mean.squares[k] += (uint32_t)rgba[k] * rgba[k];
         }
     return mean;
 }
 
-void rendition_reduce(struct rendition *out, const struct rendition *fine, uint32_t samples)
+/* All of a pixel but its colour, of which the squares are given back. */
+static inline void reduce_pixel(struct rendition *out, size_t to, const struct rendition *fine,
+                                size_t first, uint32_t samples, uint16_t squares[COLOURS])
 {
     const uint32_t all = samples * samples;
-    for (uint32_t y = 0; y < out->height; y++)
-        for (uint32_t x = 0; x < out->width; x++) {
-            const size_t to = (size_t)y * out->width + x;
-            const size_t first = ((size_t)y * fine->width + x) * samples;
-            const struct mean mean = mean_of(fine, first, samples);
-            out->depth[to] = fine->depth[mean.nearest];
-            out->cell[to] = fine->cell[mean.nearest];
-            out->label[to] = fine->label[mean.nearest];
-            memcpy(out->normal + 4 * to, fine->normal + 4 * mean.nearest, 4 * sizeof *out->normal);
-            for (int k = 0; k < 3; k++)
-                out->rgba[4 * to + (size_t)k] =
-                    (uint8_t)square_root(mean.seen ? mean.squares[k] / mean.seen : 0);
-            out->rgba[4 * to + 3] = (uint8_t)((mean.seen * 255 + all / 2) / all);
+    const struct mean mean = mean_of(fine, first, samples);
+    out->depth[to] = fine->depth[mean.nearest];
+    out->cell[to] = fine->cell[mean.nearest];
+    out->label[to] = fine->label[mean.nearest];
+    memcpy(out->normal + 4 * to, fine->normal + 4 * mean.nearest, 4 * sizeof *out->normal);
+    out->rgba[COLOURS * to + 3] = (uint8_t)((mean.seen * 255 + all / 2) / all);
+    for (int k = 0; k < COLOURS - 1; k++)
+        squares[k] = (uint16_t)(mean.seen == all ? mean.squares[k] / all
+                                : mean.seen      ? mean.squares[k] / mean.seen
+                                                 : 0);
+}
+
+/* `count` pixels beside each other, at most a tile's. */
+static inline void reduce_row(struct rendition *out, size_t to, uint32_t count,
+                              const struct rendition *fine, size_t first, uint32_t samples)
+{
+    for (uint32_t x = 0; x < count; x += 2) {
+        const uint32_t pixels = count - x < 2 ? 1 : 2;
+        uint16_t colour[PAIR] = {0};
+        for (uint32_t i = 0; i < pixels; i++)
+            reduce_pixel(out, to + x + i, fine, first + (size_t)(x + i) * samples, samples,
+                         colour + COLOURS * i);
+        lanes v;
+        memcpy(&v, colour, sizeof v);
+        v = roots_of(v);
+        memcpy(colour, &v, sizeof v);
+        for (uint32_t i = 0; i < pixels; i++)
+            for (uint32_t k = 0; k < COLOURS - 1; k++)
+                out->rgba[COLOURS * (to + x + i) + k] = (uint8_t)colour[COLOURS * i + k];
+    }
+}
+
+static void empty_row(struct rendition *out, size_t to, uint32_t count)
+{
+    for (uint32_t x = 0; x < count; x++) {
+        out->depth[to + x] = DEPTH_NONE;
+        out->cell[to + x] = CELL_NONE;
+    }
+    memset(out->label + to, 0, count);
+    memset(out->rgba + COLOURS * to, 0, (size_t)COLOURS * count);
+    memset(out->normal + 4 * to, 0, 4 * sizeof *out->normal * count);
+}
+
+static inline void reduce_tile(struct rendition *out, const struct rendition *fine, uint32_t column,
+                               uint32_t row, uint32_t samples)
+{
+    const uint32_t side = TILE / samples, left = column * side, top = row * side;
+    const uint32_t width = out->width - left < side ? out->width - left : side;
+    const bool is_empty = fine->stale[(size_t)row * fine->tiles_x + column] == TILE_EMPTY;
+    for (uint32_t y = top; y < top + side && y < out->height; y++) {
+        const size_t to = (size_t)y * out->width + left;
+        if (is_empty)
+            empty_row(out, to, width);
+        else
+            reduce_row(out, to, width, fine, ((size_t)y * fine->width + left) * samples, samples);
+    }
+}
+
+void rendition_reduce(struct rendition *out, struct rendition *fine, uint32_t samples)
+{
+    for (uint32_t y = 0; y < fine->tiles_y; y++)
+        for (uint32_t x = 0; x < fine->tiles_x; x++) {
+            uint8_t *state = fine->stale + (size_t)y * fine->tiles_x + x;
+            if (*state == TILE_FRESH)
+                continue;
+            if (samples == 4) /* written out, so that loops of so many rounds are compiled */
+                reduce_tile(out, fine, x, y, 4);
+            else if (samples == 2)
+                reduce_tile(out, fine, x, y, 2);
+            else
+                reduce_tile(out, fine, x, y, samples);
+            *state = TILE_FRESH;
         }
 }

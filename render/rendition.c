@@ -43,6 +43,21 @@ size_t rendition_bytes(const struct rendition *r)
     return (size_t)r->width * r->height * a_pixel + (size_t)r->tiles_x * r->tiles_y;
 }
 
+struct rendition rendition_rows(const struct rendition *r, uint32_t top, uint32_t height)
+{
+    const size_t first = (size_t)top * r->width;
+    struct rendition rows = *r;
+    rows.height = height;
+    rows.depth += first;
+    rows.cell += first;
+    rows.label += first;
+    rows.rgba += 4 * first;
+    rows.normal += 4 * first;
+    rows.stale += (size_t)(top / TILE) * r->tiles_x;
+    rows.tiles_y = (height + TILE - 1) / TILE;
+    return rows;
+}
+
 void rendition_clear(struct rendition *r)
 {
     size_t pixels = (size_t)r->width * r->height;

@@ -22,7 +22,12 @@
 
 enum { TILE = 8 }; /* side, in pixels, of the squares that are marked stale and shaded at once */
 
-enum tile_state { TILE_FRESH, TILE_STALE };
+enum tile_state {
+    TILE_FRESH,
+    TILE_STALE,  /* waits to be shaded; */
+    TILE_SHADED, /* then, where it is of samples, to be reduced, */
+    TILE_EMPTY,  /* as does one that shows nothing */
+};
 
 struct rendition {
     uint32_t width, height;
@@ -32,7 +37,7 @@ struct rendition {
     uint8_t *rgba;   /* [height][width][4], sRGB; alpha 255 where something is seen */
     int16_t *normal; /* [height][width][4], outward along voxel axes, length 2^14 in the world; the
                         fourth is 0, as is all where nothing is seen */
-    uint8_t *stale;  /* [tiles_y][tiles_x], enum tile_state: whether a tile waits to be shaded */
+    uint8_t *stale;  /* [tiles_y][tiles_x], enum tile_state */
     uint32_t tiles_x, tiles_y;
 };
 
@@ -41,6 +46,9 @@ enum err rendition_init(struct rendition *rendition, uint32_t width, uint32_t he
 void rendition_release(struct rendition *rendition);
 
 size_t rendition_bytes(const struct rendition *rendition);
+
+/* The part of `height` rows from row `top` on, a multiple of TILE; borrows the maps. */
+struct rendition rendition_rows(const struct rendition *rendition, uint32_t top, uint32_t height);
 
 /* Nothing is seen, and every tile is stale; labels, colours and normals are for shading to make. */
 void rendition_clear(struct rendition *rendition);
@@ -51,6 +59,11 @@ void splat_scene(struct rendition *rendition, const struct camera *camera,
                  const struct border *border);
 void splat_border(struct rendition *rendition, const struct camera *camera,
                   const struct border *border);
+
+/* Border projection by any thread, which ends early where the watch has stopped, but does not poll
+ * it. */
+void splat_border_quietly(struct rendition *rendition, const struct camera *camera,
+                          const struct border *border);
 
 /* Splats one voxel; the building block of both. */
 void splat_voxel(struct rendition *rendition, const struct camera *camera, uint32_t cell);
@@ -92,8 +105,9 @@ void incremental_image(struct rendition *rendition, const struct camera *camera,
 
 /* Makes each pixel of `out` of samples x samples pixels of `fine`, which is so much larger: the
  * nearest one's depth, voxel, label and normal; the mean colour of those that show something, taken
- * of squares, which is near to what light does; and in alpha how many those are, 255 for all. */
-void rendition_reduce(struct rendition *out, const struct rendition *fine, uint32_t samples);
+ * of squares, which is near to what light does; and in alpha how many those are, 255 for all.
+ * `samples` divides TILE. Only tiles of `fine` that are not fresh are looked at, and then are. */
+void rendition_reduce(struct rendition *out, struct rendition *fine, uint32_t samples);
 
 /* A sum mod 2^64 over pixels of a mix of everything the rendition holds. */
 uint64_t rendition_digest(const struct rendition *rendition);

@@ -15,14 +15,19 @@ struct look look_default(uint32_t number)
 
 void shader_release(struct shader *shader)
 {
-    field_release(&shader->shown);
-    field_release(&shader->scene);
-    shader->has_shown = shader->has_scene = false;
+    for (int i = 0; i < TEAM_MOST; i++) {
+        field_release(&shader->part[i].shown);
+        field_release(&shader->part[i].scene);
+        shader->part[i] = (struct shader_part){0};
+    }
 }
 
 size_t shader_bytes(const struct shader *shader)
 {
-    return field_bytes(&shader->shown) + field_bytes(&shader->scene);
+    size_t bytes = 0;
+    for (int i = 0; i < TEAM_MOST; i++)
+        bytes += field_bytes(&shader->part[i].shown) + field_bytes(&shader->part[i].scene);
+    return bytes;
 }
 
 /* ---- pixels ---- */
@@ -142,29 +147,31 @@ static void shade_tile(struct rendition *r, struct shading *s, struct tile tile)
                 shade_pixel(r, s, x, y);
 }
 
-/* Labels of all stale tiles come first: the edges of one look into its neighbours. */
-static void label_tiles(struct rendition *r, const struct labels *labels)
+/* Rows of tiles. */
+static void label_rows(struct rendition *r, uint32_t first, uint32_t end,
+                       const struct labels *labels)
 {
-    for (uint32_t y = 0; y < r->tiles_y; y++)
+    for (uint32_t y = first; y < end; y++)
         for (uint32_t x = 0; x < r->tiles_x; x++) {
             uint8_t *state = r->stale + (size_t)y * r->tiles_x + x;
             if (*state == TILE_STALE && label_tile(r, labels, tile_at(r, x, y)))
-                *state = TILE_FRESH;
+                *state = TILE_EMPTY;
         }
 }
 
-static void shade_tiles(struct rendition *r, struct shading *s)
+/* Tiles as they are numbered, row after row. */
+static void shade_tiles(struct rendition *r, size_t first, size_t end, struct shading *s,
+                        struct task *task)
 {
-    struct task task =
-        task_begin(s->camera->scene->watch, "shading", (uint64_t)r->width * r->height);
-    for (uint32_t y = 0; y < r->tiles_y && task_advance(&task, TILE * r->width); y++)
-        for (uint32_t x = 0; x < r->tiles_x; x++) {
-            uint8_t *state = r->stale + (size_t)y * r->tiles_x + x;
-            if (*state == TILE_STALE)
-                shade_tile(r, s, tile_at(r, x, y));
-            *state = TILE_FRESH;
-        }
+    for (size_t i = first; i < end && task_advance(task, TILE * TILE); i++) {
+        if (r->stale[i] != TILE_STALE)
+            continue;
+        shade_tile(r, s, tile_at(r, (uint32_t)(i % r->tiles_x), (uint32_t)(i / r->tiles_x)));
+        r->stale[i] = TILE_SHADED;
+    }
 }
+
+/* ---- fields ---- */
 
 static enum err prepare(struct field *field, bool *has, const struct border *border,
                         enum field_kind kind, struct fault *fault)
@@ -178,27 +185,60 @@ static enum err prepare(struct field *field, bool *has, const struct border *bor
     return err;
 }
 
+enum err shader_prepare(struct shader *shader, unsigned threads, const struct border *border,
+                        const struct look *look, struct fault *fault)
+{
+    enum err err = OK;
+    for (unsigned i = 0; i < threads && !err; i++) {
+        struct shader_part *part = shader->part + i;
+        if (look->mode != SHADE_DEPTH)
+            err = prepare(&part->shown, &part->has_shown, border, FIELD_SHOWN, fault);
+        if (!err && look->mode == SHADE_SCENE)
+            err = prepare(&part->scene, &part->has_scene, border, FIELD_SCENE, fault);
+    }
+    return err;
+}
+
+/* ---- pictures ---- */
+
+static void shading_init(struct shading *s, const struct camera *camera,
+                         const struct border *border, const struct palette *palette,
+                         const struct look *look, struct shader *shader, unsigned number)
+{
+    *s = (struct shading){.camera = camera,
+                          .border = border,
+                          .look = look,
+                          .palette = palette,
+                          .cuts = !cut_is_none(&border->cut),
+                          .window = {shader->window[0], shader->window[1]}};
+    normals_init(&s->normals, camera, look->mode, look->number >= 2, &shader->part[number].shown,
+                 &shader->part[number].scene);
+    light_init(&s->light, camera, look->light, look->cue_percent);
+}
+
+void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct camera *camera,
+                const struct border *border, const struct palette *palette, const struct look *look,
+                struct shader *shader, unsigned number)
+{
+    struct shading s;
+    struct task task = task_begin_part(camera->scene->watch, NULL, 0, 1);
+    shading_init(&s, camera, border, palette, look, shader, number);
+    label_rows(r, 0, r->tiles_y, &border->labels);
+    shade_tiles(r, (size_t)first * r->tiles_x, (size_t)end * r->tiles_x, &s, &task);
+}
+
 enum err shade(struct rendition *r, const struct camera *camera, const struct border *border,
                const struct palette *palette, const struct look *look, struct shader *shader,
                struct fault *fault)
 {
-    struct shading s = {.camera = camera,
-                        .border = border,
-                        .look = look,
-                        .palette = palette,
-                        .cuts = !cut_is_none(&border->cut),
-                        .window = {shader->window[0], shader->window[1]}};
-    enum err err = OK;
-    if (look->mode != SHADE_DEPTH)
-        err = prepare(&shader->shown, &shader->has_shown, border, FIELD_SHOWN, fault);
-    if (!err && look->mode == SHADE_SCENE)
-        err = prepare(&shader->scene, &shader->has_scene, border, FIELD_SCENE, fault);
+    struct shading s;
+    struct task task = task_begin(camera->scene->watch, "shading", (uint64_t)r->width * r->height);
+    const enum err err = shader_prepare(shader, 1, border, look, fault);
     if (err)
         return err;
-    normals_init(&s.normals, camera, look->mode, look->number >= 2, &shader->shown, &shader->scene);
-    light_init(&s.light, camera, look->light, look->cue_percent);
-    label_tiles(r, &border->labels);
-    shade_tiles(r, &s);
+    shading_init(&s, camera, border, palette, look, shader, 0);
+    label_rows(r, 0, r->tiles_y, &border->labels);
+    shade_tiles(r, 0, (size_t)r->tiles_y * r->tiles_x, &s, &task);
     return OK;
 }
 

@@ -12,6 +12,7 @@
 
 #include <stdbool.h>
 
+#include "base/team.h"
 #include "render/field.h"
 #include "render/normal.h"
 #include "render/palette.h"
@@ -36,24 +37,41 @@ struct look {
 /* Surface; the light over the viewer's left shoulder. */
 struct look look_default(uint32_t number);
 
-/* What shading stores between one picture and the next, so that the next is made faster. */
-struct shader {
-    int32_t window[2]; /* to be set where something is cut: the intensities that are black and
-                          white on faces cut open; they differ, and either may be the greater */
+/* What shading stores between one picture and the next, so that the next is made faster; each
+ * thread has its own. */
+struct shader_part {
     struct field shown, scene;
     bool has_shown, has_scene;
 };
+struct shader {
+    int32_t window[2]; /* to be set where something is cut: the intensities that are black and
+                          white on faces cut open; they differ, and either may be the greater */
+    struct team *team; /* to be set: the threads that share the work, or NULL */
+    struct shader_part part[TEAM_MOST];
+};
 
-/* Frees what is stored; the shader, whose window stays, may be used again. A new one is zeroed. */
+/* Frees what is stored; the shader, whose window and team stay, may be used again. A new one is
+ * zeroed. */
 void shader_release(struct shader *shader);
 size_t shader_bytes(const struct shader *shader);
 
 /* How far colours depend on what is around. */
 struct shade_reach shade_reach(const struct look *look, const struct camera *camera);
 
-/* Shades every stale tile and marks it fresh. ERR_MEMORY, with tiles still stale. */
+/* Shades every stale tile and marks it shaded or empty. ERR_MEMORY, with tiles still stale. */
 enum err shade(struct rendition *rendition, const struct camera *camera,
                const struct border *border, const struct palette *palette, const struct look *look,
                struct shader *shader, struct fault *fault);
+
+/* The same in two steps, for the caller who has threads of his own: first what `threads` of them
+ * need, which may be ERR_MEMORY. Then thread `number` shades tiles of a rendition of its own, from
+ * row `first` of tiles to before row `end`, and only looks at the others; it ends early where the
+ * watch has stopped, but does not poll it. */
+enum err shader_prepare(struct shader *shader, unsigned threads, const struct border *border,
+                        const struct look *look, struct fault *fault);
+void shade_rows(struct rendition *rendition, uint32_t first, uint32_t end,
+                const struct camera *camera, const struct border *border,
+                const struct palette *palette, const struct look *look, struct shader *shader,
+                unsigned number);
 
 #endif

@@ -61,15 +61,14 @@ void splat_scene(struct rendition *r, const struct camera *camera, const struct 
 
 /* A pixel shows a face whose neighbour is not shown: one of the three towards us. So voxels without
  * such a face are left out, and of the others, such faces are splatted alone. */
-static void splat_border_word(struct sweep *sweep, struct rendition *r, const struct border *border,
-                              size_t w)
+static void splat_faces(struct sweep *sweep, struct rendition *r, const struct border *border,
+                        ptrdiff_t at, uint64_t word)
 {
-    const ptrdiff_t at = (ptrdiff_t)w * 64;
     const ptrdiff_t *toward = sweep->camera->toward;
     const uint64_t open0 = ~border_shown_from(border, at + toward[0]);
     const uint64_t open1 = ~border_shown_from(border, at + toward[1]);
     const uint64_t open2 = ~border_shown_from(border, at + toward[2]);
-    uint64_t word = border->border[w] & (open0 | open1 | open2);
+    word &= open0 | open1 | open2;
     for (; word; word &= word - 1) {
         const unsigned bit = (unsigned)__builtin_ctzll(word);
         const uint64_t faces =
@@ -78,17 +77,47 @@ static void splat_border_word(struct sweep *sweep, struct rendition *r, const st
     }
 }
 
+/* The border voxels of a word, row by row: of large pictures only a part may be drawn. */
+static void splat_border_word(struct sweep *sweep, struct rendition *r, const struct border *border,
+                              size_t w)
+{
+    const uint32_t at = (uint32_t)(w * 64);
+    for (uint64_t word = border->border[w]; word;) {
+        const uint32_t first = at + (uint32_t)__builtin_ctzll(word);
+        if (first >= sweep->end || first < sweep->first)
+            sweep_to_row(sweep, first);
+        const uint64_t beyond = sweep->end < at + 64 ? ~UINT64_C(0) << (sweep->end - at) : 0;
+        const uint64_t row = word & ~beyond;
+        if (sweep_sees(sweep, first, at + 63 - (uint32_t)__builtin_clzll(row)))
+            splat_faces(sweep, r, border, (ptrdiff_t)at, row);
+        word &= beyond;
+    }
+}
+
 /* What is nearer comes first, as far as planes of voxels go: then most of what is hidden is found
  * to be so by one comparison. */
-void splat_border(struct rendition *r, const struct camera *camera, const struct border *border)
+static void splat_under(struct task *task, struct rendition *r, const struct camera *camera,
+                        const struct border *border)
 {
     struct sweep sweep;
     sweep_init(&sweep, camera);
     rendition_clear(r);
-    struct task task = task_begin(border->scene->watch, "rendition", border->scene->grid.cells);
-    for (size_t i = 0; i < border->words && task_advance(&task, 64); i++) {
+    for (size_t i = 0; i < border->words && task_advance(task, 64); i++) {
         const size_t w = camera->flip[2] ? border->words - 1 - i : i;
         if (border->border[w])
             splat_border_word(&sweep, r, border, w);
     }
+}
+
+void splat_border(struct rendition *r, const struct camera *camera, const struct border *border)
+{
+    struct task task = task_begin(border->scene->watch, "rendition", border->scene->grid.cells);
+    splat_under(&task, r, camera, border);
+}
+
+void splat_border_quietly(struct rendition *r, const struct camera *camera,
+                          const struct border *border)
+{
+    struct task task = task_begin_part(border->scene->watch, NULL, 0, 1);
+    splat_under(&task, r, camera, border);
 }

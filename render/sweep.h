@@ -141,6 +141,21 @@ static inline struct footprint sweep_to(struct sweep *sweep, uint32_t cell, unsi
                         row->centre[1] + x * along->centre[1] + set->from_centre[1], set->reach);
 }
 
+/* Whether the picture may show any of the cells from one to another one of the row at hand. */
+static inline bool sweep_sees(const struct sweep *sweep, uint32_t from, uint32_t to)
+{
+    const uint32_t extent[2] = {sweep->camera->view.width, sweep->camera->view.height};
+    for (int k = 0; k < 2; k++) {
+        const int64_t first = sweep->seen.centre[k], along = sweep->along_x.centre[k];
+        const int64_t a = first + (int64_t)(from - sweep->first) * along;
+        const int64_t b = first + (int64_t)(to - sweep->first) * along;
+        const int64_t reach = sweep->camera->reach[k] + 2; /* a face's is rounded up */
+        if ((a > b ? a : b) + reach < 0 || (a < b ? a : b) - reach > ((int64_t)extent[k] << 30))
+            return false;
+    }
+    return true;
+}
+
 /* ---- cubes ---- */
 
 static inline int64_t most_of(int64_t a, int64_t b, int64_t c)

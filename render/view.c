@@ -317,3 +317,13 @@ enum err camera_init(struct camera *camera, const struct scene *scene, const str
     set_projection(camera, &b);
     return set_crossings(camera, &b, fault);
 }
+
+struct camera camera_rows(const struct camera *camera, uint32_t top, uint32_t height)
+{
+    struct camera rows = *camera;
+    for (int a = 0; a < 3; a++)
+        rows.C[a] += top * camera->B[a];
+    rows.centre[1] -= top * ONE30;
+    rows.view.height = height;
+    return rows;
+}

@@ -91,6 +91,9 @@ struct camera {
 enum err camera_init(struct camera *camera, const struct scene *scene, const struct view *view,
                      struct fault *fault);
 
+/* That of a part of the picture, `height` rows from row `top` on: the same rays, bit for bit. */
+struct camera camera_rows(const struct camera *camera, uint32_t top, uint32_t height);
+
 /* The focus of a voxel, and of the present one after what is seen has moved to the right and down
  * in the picture, by thousandths of pixels up to 1000 times VIEW_SIDE_MOST each way. */
 void view_focus_on(struct view *view, const struct scene *scene, const uint32_t place[3]);

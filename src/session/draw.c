@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "render/rendition.h"
+#include "render/bands.h"
 #include "session/window.h"
 
 /* ---- the camera ---- */
@@ -17,20 +17,20 @@ enum err session_aim(const struct session *session, const struct outlook *outloo
     fine.width *= samples;
     fine.height *= samples;
     fine.zoom *= samples;
-    if (fine.width > VIEW_SIDE_MOST || fine.height > VIEW_SIDE_MOST)
-        return fault_set(fault, ERR_LIMIT,
-                         "a picture of %ux%u pixels of %ux%u samples: at most %d samples a side; "
-                         "nothing has changed",
-                         view->width, view->height, samples, samples, VIEW_SIDE_MOST);
     return camera_init(camera, session->scene, &fine, fault);
+}
+
+/* Whether there is nothing of another size. */
+static bool suits(const struct rendition *rendition, uint32_t width, uint32_t height)
+{
+    return !rendition->depth || (rendition->width == width && rendition->height == height);
 }
 
 void session_take_camera(struct session *session, const struct camera *camera)
 {
     const struct view *view = &session->now.outlook.view, *fine = &camera->view;
-    const struct rendition *frame = session_frame(session);
-    if (fine->width != session->rendition.width || fine->height != session->rendition.height ||
-        view->width != frame->width || view->height != frame->height)
+    if (!suits(&session->rendition, fine->width, fine->height) ||
+        !suits(&session->reduced, view->width, view->height))
         session_release_rendition(session);
     session->camera = *camera;
     session->rendered = RENDERED_NOT;
@@ -43,12 +43,18 @@ const struct rendition *session_frame(const struct session *session)
     return session->now.outlook.look.samples > 1 ? &session->reduced : &session->rendition;
 }
 
+static void prepare_shader(struct session *session)
+{
+    session->shader.team = session->team;
+    if (!cut_is_none(&session->now.kept.cut))
+        window_of(session->shader.window, session);
+}
+
 enum err session_colour(struct session *session, const struct border *border, struct fault *fault)
 {
     const struct kept *kept = &session->now.kept;
     const struct look *look = &session->now.outlook.look;
-    if (!cut_is_none(&kept->cut))
-        window_of(session->shader.window, session);
+    prepare_shader(session);
     enum err err = shade(&session->rendition, &session->camera, border, &kept->palette, look,
                          &session->shader, fault);
     if (!err && look->samples > 1)
@@ -56,17 +62,39 @@ enum err session_colour(struct session *session, const struct border *border, st
     return err;
 }
 
-/* Memory for the rendition, of camera.view's size. */
-static enum err make_room(struct session *session, struct fault *fault)
+/* Samples of so many pixels are stored, so that an edit is seen at once: 210 MB of them. */
+enum { SAMPLES_STORED_MOST = 1 << 23 };
+
+/* Whether the maps of camera.view's size are stored; else the picture is drawn in bands. */
+static bool stores_samples(const struct session *session, enum render_mode mode)
 {
-    const struct view *view = &session->now.outlook.view, *fine = &session->camera.view;
-    if (session->has_rendition)
+    const struct view *fine = &session->camera.view;
+    return session->now.outlook.look.samples == 1 ||
+           (mode != RENDER_ONCE && (uint64_t)fine->width * fine->height <= SAMPLES_STORED_MOST);
+}
+
+static enum err make_rendition(struct session *session, struct rendition *rendition, uint32_t width,
+                               uint32_t height, struct fault *fault)
+{
+    if (rendition->depth)
         return OK;
     session->rendered = RENDERED_NOT;
-    enum err err = rendition_init(&session->rendition, fine->width, fine->height, fault);
-    if (!err && fine->width != view->width)
-        err = rendition_init(&session->reduced, view->width, view->height, fault);
-    session->has_rendition = err == OK;
+    return rendition_init(rendition, width, height, fault);
+}
+
+/* Memory for the rendition. */
+static enum err make_room(struct session *session, enum render_mode mode, struct fault *fault)
+{
+    const struct view *view = &session->now.outlook.view, *fine = &session->camera.view;
+    enum err err = OK;
+    if (stores_samples(session, mode))
+        err = make_rendition(session, &session->rendition, fine->width, fine->height, fault);
+    else
+        rendition_release(&session->rendition);
+    if (session->now.outlook.look.samples == 1)
+        rendition_release(&session->reduced);
+    else if (!err)
+        err = make_rendition(session, &session->reduced, view->width, view->height, fault);
     if (err)
         session_release_rendition(session);
     return err;
@@ -86,18 +114,38 @@ static enum err take_zoom(struct session *session, uint32_t zoom, struct fault *
     return err;
 }
 
+static projection *projection_of(enum render_mode mode)
+{
+    return mode == RENDER_SCENE ? splat_scene : mode == RENDER_RAY ? raycast : splat_border;
+}
+
+static enum err draw_bands(struct session *session, const struct border *border,
+                           projection *project, struct fault *fault)
+{
+    const struct state *now = &session->now;
+    const struct bands bands = {.project = project,
+                                .camera = &session->camera,
+                                .border = border,
+                                .palette = &now->kept.palette,
+                                .look = &now->outlook.look,
+                                .shader = &session->shader};
+    prepare_shader(session);
+    return bands_draw(&session->reduced, &bands, fault);
+}
+
 /* Of the voxels that a border shows, from nothing, into memory that is there. */
 static enum err draw_border(struct session *session, const struct border *border,
                             enum render_mode mode, struct fault *fault)
 {
+    projection *project = projection_of(mode);
+    enum err err = OK;
     session->rendered = RENDERED_NOT;
-    if (mode == RENDER_SCENE)
-        splat_scene(&session->rendition, &session->camera, border);
-    else if (mode == RENDER_RAY)
-        raycast(&session->rendition, &session->camera, border);
-    else
-        splat_border(&session->rendition, &session->camera, border);
-    const enum err err = session_colour(session, border, fault);
+    if (session->rendition.depth) {
+        project(&session->rendition, &session->camera, border);
+        err = session_colour(session, border, fault);
+    } else {
+        err = draw_bands(session, border, project, fault);
+    }
     return err ? err : watch_fault(session->watch, fault);
 }
 
@@ -113,8 +161,9 @@ static enum err draw_at(struct session *session, uint32_t zoom, enum rendered as
         return OK;
     enum err err = take_zoom(session, zoom, fault);
     if (!err)
-        err = make_room(session, fault);
-    if (err || (session->rendered == as && (mode == RENDER_AS_KEPT || mode == RENDER_INCREMENTAL)))
+        err = make_room(session, mode, fault);
+    const bool draws_anew = mode == RENDER_SCENE || mode == RENDER_BORDER || mode == RENDER_RAY;
+    if (err || (session->rendered == as && !draws_anew))
         return err;
     err = draw_border(session, border_of(session, as), mode, fault);
     session->rendered = err ? RENDERED_NOT : as;
@@ -126,6 +175,9 @@ void session_follow_rendition(struct session *session, enum rendered as,
 {
     const struct border *border = border_of(session, as);
     if (session->rendered != as)
+        return;
+    session->rendered = RENDERED_NOT;
+    if (!session->rendition.depth)
         return;
     incremental_image(&session->rendition, &session->camera, border, changes,
                       shade_reach(&session->now.outlook.look, &session->camera));
@@ -170,7 +222,7 @@ enum err session_draw_labels(struct session *session, const struct labels *label
         return draw_live(session, labels, mode, fault);
     enum err err = take_zoom(session, session->now.outlook.view.zoom, fault);
     if (!err)
-        err = make_room(session, fault);
+        err = make_room(session, mode, fault);
     return err ? err : draw_finished(session, labels, mode, fault);
 }
 

@@ -57,7 +57,6 @@ void session_release_rendition(struct session *session)
 {
     rendition_release(&session->rendition);
     rendition_release(&session->reduced);
-    session->has_rendition = false;
     session->rendered = RENDERED_NOT;
 }
 

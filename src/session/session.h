@@ -93,10 +93,10 @@ struct session {
     struct tally tally;       /* voxels of each label, once session_count_labels has been called */
     struct label_measures measures; /* of the forest's labels, once somebody has asked for them */
     struct camera camera; /* of the view, `look.samples` times as large; see session_draw_fitting */
-    struct rendition rendition;
-    bool has_rendition;       /* the rendition has memory, of camera.view's size */
-    enum rendered rendered;   /* S2: it shows the present state */
-    struct rendition reduced; /* to the view's size, where look.samples is above 1 */
+    struct rendition rendition; /* of camera.view's size; no maps where its samples are too many to
+                                   be stored */
+    struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
+    enum rendered rendered;     /* S2: what session_frame gives shows the present state */
     struct shader shader;
     bool knows_window; /* what follows from the scene, once somebody has asked: */
     int32_t window[2]; /* intensities, black and white */
@@ -143,8 +143,8 @@ struct map_place session_map_place(const struct session *session, bool resample)
 
 /* Takes on the state, which is borrowed, and plants and erases `seeds` seeds (a later edit of a
  * voxel wins), which lead from the present set of seeds to that state's. ERR_LIMIT, and nothing has
- * changed, for a view that no camera has (render/view.h), or of more than VIEW_SIDE_MOST samples a
- * side. On other errors, session_rollback gives back the former state. */
+ * changed, for a view that no camera has (render/view.h). On other errors, session_rollback gives
+ * back the former state. */
 enum err session_go(struct session *session, const struct state *state, const struct edit *seed,
                     size_t seeds, struct fault *fault);
 
@@ -276,10 +276,17 @@ enum err session_set_view(struct session *session, const struct view *view, stru
 
 /* ---- pictures (draw.c) ---- */
 
-enum render_mode { RENDER_AS_KEPT, RENDER_SCENE, RENDER_BORDER, RENDER_INCREMENTAL, RENDER_RAY };
+enum render_mode {
+    RENDER_AS_KEPT,
+    RENDER_SCENE,
+    RENDER_BORDER,
+    RENDER_INCREMENTAL,
+    RENDER_RAY,
+    RENDER_ONCE, /* as RENDER_AS_KEPT, for a picture that no edit will follow: stores no samples */
+};
 
 /* Makes the rendition show the present state. RENDER_AS_KEPT and RENDER_INCREMENTAL do what is
- * left to do; the others start from nothing. All give the same pixels. */
+ * left to do, RENDER_ONCE too; the others start from nothing. All give the same pixels. */
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault);
 
 /* The same with the forest as it stands, whatever edits wait. */

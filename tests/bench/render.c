@@ -90,7 +90,7 @@ static enum err turn_to(struct session *session, int frame, uint32_t zoom, struc
     view.width = view.height = SIDE;
     view.zoom = zoom;
     enum err err = session_set_view(session, &view, fault);
-    if (!err && !session->has_rendition) /* so that no frame makes room for the first time */
+    if (!err && !session->rendition.depth) /* so that no frame makes room for the first time */
         err = session_render(session, RENDER_BORDER, fault);
     return err;
 }

@@ -1,0 +1,34 @@
+/*
+ * Bands: a picture of many samples, a few rows at a time.
+ *
+ * A picture of 2048x2048 pixels of 4x4 samples has 67 million of those, some 1.7 GB. None of them
+ * is needed once its pixel is made. So rows of the picture are drawn as a rendition of their own,
+ * by a camera that sees these rows alone (camera_rows), and reduced at once. Colours depend on
+ * pixels near by (shade_reach): so many rows more are drawn on both sides, and only looked at.
+ * What comes out is the whole drawn at once and reduced, bit for bit.
+ *
+ * Threads have bands in turn, and nothing in common but what they read.
+ */
+#ifndef RENDER_BANDS_H
+#define RENDER_BANDS_H
+
+#include "render/shade.h"
+
+typedef void projection(struct rendition *rendition, const struct camera *camera,
+                        const struct border *border);
+
+struct bands {
+    projection *project;         /* splat_border is the one that is shared by threads */
+    const struct camera *camera; /* look->samples times as large as the picture */
+    const struct border *border;
+    const struct palette *palette;
+    const struct look *look;
+    struct shader *shader;
+    uint32_t rows; /* of the picture, in a band; a multiple of TILE, or 0 for what is fast */
+};
+
+/* Draws into `out`, of the picture's size, under the scene's watch. ERR_MEMORY, with pixels of no
+ * meaning. */
+enum err bands_draw(struct rendition *out, const struct bands *bands, struct fault *fault);
+
+#endif

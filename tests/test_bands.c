@@ -1,0 +1,220 @@
+/*
+ * Pictures of samples: drawn in bands, by any number of threads, or repaired after an edit, they
+ * are what the samples drawn at once come to.
+ */
+#include "interpreting.h"
+
+#include <stdlib.h>
+
+#include "base/hash.h"
+#include "render/bands.h"
+#include "tests/stage.h"
+
+static unsigned scaled(unsigned count)
+{
+    const char *factor = getenv("IFTTY_TEST_SCALE");
+    return factor ? count * (unsigned)atoi(factor) : count;
+}
+
+/* ---- by hand and at random ---- */
+
+static struct edit random_edit(const struct stage *s, uint64_t *random)
+{
+    const struct grid *g = &s->scene->grid;
+    const uint32_t cell =
+        grid_cell(g, check_below(random, g->size[0]), check_below(random, g->size[1]),
+                  check_below(random, g->size[2]));
+    return (struct edit){cell, (int16_t)check_below(random, 4), 0};
+}
+
+static struct changes edit(struct stage *s, uint64_t *random)
+{
+    const struct edit seed = random_edit(s, random);
+    CHECK(forest_edit(s->forest, &seed, 1, NULL) == OK);
+    const struct changes changes = forest_changes(s->forest);
+    border_update(&s->border, &changes);
+    return changes;
+}
+
+/* A scene of several objects, some of them cut open. */
+static void stage_at_random(struct stage *s, uint64_t *random)
+{
+    uint32_t size[3];
+    for (int a = 0; a < 3; a++)
+        size[a] = 2 + check_below(random, 24);
+    CHECK(stage_init(s, size, 6, NULL) == OK);
+    for (size_t i = 0; i < s->scene->grid.cells; i++)
+        if (!(s->scene->cell[i].flags & CELL_RIM)) {
+            s->scene->cell[i].weight = (uint16_t)check_below(random, 6);
+            s->scene->cell[i].intensity = (uint16_t)check_below(random, 4000);
+        }
+    s->scene->spacing_nm[check_below(random, 3)] = 500000 + check_below(random, 2000000);
+    s->shader.window[1] = 4000;
+    if (check_below(random, 2))
+        s->border.cut.last[0] = size[0] / 2;
+    border_recount(&s->border);
+    for (int i = 0; i < 5; i++)
+        edit(s, random);
+}
+
+/* `samples` samples a pixel, both ways; the camera and the view are those of the samples. */
+static void look_at_random(struct stage *s, uint64_t *random)
+{
+    s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT - LOOK_FIRST + 1);
+    s->look.mode = (enum shade_mode)check_below(random, 3);
+    s->look.edges = check_below(random, 2);
+    s->look.samples = 1u << check_below(random, 3);
+    for (int i = 0; i < 3; i++)
+        s->view.angle[i] = (int32_t)check_below(random, VIEW_TURN);
+    s->view.width = s->look.samples * (1 + check_below(random, 30));
+    s->view.height = s->look.samples * (1 + check_below(random, 90));
+    s->view.zoom = s->look.samples * (300 + check_below(random, 6000));
+    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
+}
+
+static void begin(struct stage *s, struct rendition *fine, struct rendition *out)
+{
+    CHECK(rendition_init(fine, s->view.width, s->view.height, NULL) == OK);
+    CHECK(rendition_init(out, s->view.width / s->look.samples, s->view.height / s->look.samples,
+                         NULL) == OK);
+}
+
+static void colour(struct stage *s, struct rendition *fine, struct rendition *out)
+{
+    CHECK(shade(fine, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
+    rendition_reduce(out, fine, s->look.samples);
+}
+
+static bool same(const struct rendition *a, const struct rendition *b)
+{
+    for (size_t i = 0; i < (size_t)a->width * a->height; i++)
+        if (a->depth[i] != b->depth[i] || a->cell[i] != b->cell[i] || a->label[i] != b->label[i] ||
+            memcmp(a->rgba + 4 * i, b->rgba + 4 * i, 4) != 0 ||
+            memcmp(a->normal + 4 * i, b->normal + 4 * i, 4 * sizeof *a->normal) != 0) {
+            printf("# pixel %zu,%zu of %ux%u differs\n", i % a->width, i / a->width, a->width,
+                   a->height);
+            return false;
+        }
+    return true;
+}
+
+/* In bands of several heights, by several projections. */
+static bool bands_agree(struct stage *s, const struct rendition *whole)
+{
+    static projection *const projections[] = {splat_border, splat_scene, raycast};
+    bool fine = true;
+    for (uint32_t i = 0; fine && i < 5; i++) {
+        struct rendition out;
+        const struct bands bands = {.project = projections[i % 3],
+                                    .camera = &s->camera,
+                                    .border = &s->border,
+                                    .palette = &s->palette,
+                                    .look = &s->look,
+                                    .shader = &s->shader,
+                                    .rows = i * TILE};
+        CHECK(rendition_init(&out, whole->width, whole->height, NULL) == OK);
+        CHECK(bands_draw(&out, &bands, NULL) == OK);
+        fine = CHECK(same(whole, &out));
+        rendition_release(&out);
+    }
+    return fine;
+}
+
+STORY(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits)
+{
+    struct team *team[4] = {NULL};
+    for (unsigned i = 2; i < 4; i++)
+        CHECK(team_new(&team[i], i, NULL) == OK);
+    for (unsigned number = 0; number < scaled(120) && check_failures == 0; number++) {
+        uint64_t random = number;
+        struct stage s;
+        struct rendition fine, out;
+        stage_at_random(&s, &random);
+        look_at_random(&s, &random);
+        begin(&s, &fine, &out);
+        s.shader.team = team[number % 4];
+        splat_border(&fine, &s.camera, &s.border);
+        colour(&s, &fine, &out);
+        bool agree = bands_agree(&s, &out);
+        for (int i = 0; agree && i < 4; i++) {
+            const struct changes changes = edit(&s, &random);
+            incremental_image(&fine, &s.camera, &s.border, &changes,
+                              shade_reach(&s.look, &s.camera));
+            colour(&s, &fine, &out);
+            agree = bands_agree(&s, &out);
+        }
+        if (!agree)
+            printf("# number %u: mode %d edges %u samples %u\n", number, (int)s.look.mode,
+                   s.look.edges, s.look.samples);
+        rendition_release(&fine);
+        rendition_release(&out);
+        stage_release(&s);
+    }
+    for (unsigned i = 0; i < 4; i++)
+        team_free(team[i]);
+}
+
+/* ---- in a session ---- */
+
+/* Of the picture that stands after a line. */
+static uint64_t digest_after(struct interpreter *interp, const char *line)
+{
+    must(interp, line);
+    return rendition_digest(session_frame(&interp->session));
+}
+
+STORY(a_picture_may_be_of_more_samples_than_pixels_are_allowed_and_follows_edits)
+{
+    struct interpreter interp;
+    begin_interpreter(&interp);
+    must(&interp, "open synth:geom:40x40x40");
+    must(&interp, "seed 10,10,10 1 radius=3");
+    must(&interp, "run");
+    must(&interp, "size 8192 70");
+    must(&interp, "samples 4");
+    const uint64_t first = digest_after(&interp, "render mode=bp");
+    CHECK(!interp.session.rendition.depth);
+    CHECK(session_memory(&interp.session) < 64u << 20);
+    CHECK_INT(digest_after(&interp, "render mode=ray"), first);
+    must(&interp, "remove 10,10,10");
+    must(&interp, "run");
+    CHECK(digest_after(&interp, "render") != first);
+    must(&interp, "undo 2");
+    CHECK_INT(digest_after(&interp, "render"), first);
+    interpreter_release(&interp);
+}
+
+/* A picture that no edit follows stores no samples, of whatever size. */
+STORY(a_turntable_is_drawn_in_bands_and_shows_what_renditions_show)
+{
+    struct interpreter interp;
+    uint64_t sum = 0;
+    char expected[40];
+    begin_interpreter(&interp);
+    interp.mode = MODE_REPLAY; /* writes no file */
+    must(&interp, "open synth:geom:40x40x40");
+    must(&interp, "seed 20,20,20 1 radius=3");
+    must(&interp, "size 60 50");
+    must(&interp, "samples 4");
+    for (uint64_t i = 0; i < 4; i++) {
+        sum += hash_mix_at(i, digest_after(&interp, "render"));
+        CHECK(interp.session.rendition.depth);
+        must(&interp, "turn 90 0");
+    }
+    snprintf(expected, sizeof expected, "spin=%016" PRIx64, sum);
+    must(&interp, "view front");
+    must(&interp, "spin 4 turn.gif");
+    CHECK_HAS(buf_text(&reply.words), expected);
+    CHECK(!interp.session.rendition.depth);
+    interpreter_release(&interp);
+}
+
+int main(void)
+{
+    const int status = RUN_STORIES(
+        TELL(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits),
+        TELL(a_picture_may_be_of_more_samples_than_pixels_are_allowed_and_follows_edits),
+        TELL(a_turntable_is_drawn_in_bands_and_shows_what_renditions_show));
+    reply_release(&reply);
+    return status;
+}
