@@ -25,6 +25,7 @@ enum { TILE = 8 }; /* side, in pixels, of the squares that are marked stale and 
 enum tile_state {
     TILE_FRESH,
     TILE_STALE,  /* waits to be shaded; */
+    TILE_LIT,    /* then for its edges, where it has any; */
     TILE_SHADED, /* then, where it is of samples, to be reduced, */
     TILE_EMPTY,  /* as does one that shows nothing */
 };

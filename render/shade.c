@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "render/edge.h"
 #include "render/light.h"
 #include "render/normal.h"
 
@@ -44,17 +45,10 @@ struct shading {
     int32_t window[2]; /* and where it was, these intensities are black and white */
 };
 
-/* Whether another object lies further back beside a pixel. */
-static bool is_edge(const struct rendition *r, uint32_t x, uint32_t y)
+/* Whether lines are drawn over the colours that pixels have; in look 1 they are a part of these. */
+static bool draws_edges(const struct look *look)
 {
-    const size_t here = (size_t)y * r->width + x;
-    const size_t around[4] = {x > 0 ? here - 1 : here, x + 1 < r->width ? here + 1 : here,
-                              y > 0 ? here - r->width : here,
-                              y + 1 < r->height ? here + r->width : here};
-    for (int i = 0; i < 4; i++)
-        if (r->label[around[i]] != r->label[here] && r->depth[around[i]] > r->depth[here])
-            return true;
-    return false;
+    return look->edges && look->number > LOOK_FIRST;
 }
 
 /* Whether a pixel shows a face of its voxel beyond which an object was cut away. */
@@ -87,12 +81,23 @@ static void shade_pixel(struct rendition *r, struct shading *s, uint32_t x, uint
     normal[3] = 0;
     normal_of(normal, &s->normals, r, x, y);
     int64_t cue = light_cue(&s->light, depth);
-    if (s->look->edges && is_edge(r, x, y))
+    if (s->look->edges && !draws_edges(s->look) && edge_hides(r, x, y))
         cue = cue * EDGE >> LIGHT_UNIT_BITS;
     if (is_cut_open(s, r->cell[pixel], depth))
         shade_cut_face(rgba, s, r->cell[pixel], colour, cue);
     else
         light_surface(rgba, &s->light, colour, normal, cue);
+}
+
+static void draw_edge(struct rendition *r, const struct edges *edges, const struct palette *palette,
+                      uint32_t x, uint32_t y)
+{
+    const size_t pixel = (size_t)y * r->width + x;
+    const enum edge edge = edge_at(edges, x, y);
+    uint8_t *rgba = r->rgba + 4 * pixel;
+    for (int k = 0; k < 3 && edge; k++)
+        rgba[k] = edge == EDGE_LIGHT ? (uint8_t)((palette->rgb[r->label[pixel]][k] + 255) / 2)
+                                     : (uint8_t)(rgba[k] * EDGE >> LIGHT_UNIT_BITS);
 }
 
 /* ---- tiles ---- */
@@ -163,10 +168,28 @@ static void label_rows(struct rendition *r, uint32_t first, uint32_t end,
 static void shade_tiles(struct rendition *r, size_t first, size_t end, struct shading *s,
                         struct task *task)
 {
+    const enum tile_state next = draws_edges(s->look) ? TILE_LIT : TILE_SHADED;
     for (size_t i = first; i < end && task_advance(task, TILE * TILE); i++) {
         if (r->stale[i] != TILE_STALE)
             continue;
         shade_tile(r, s, tile_at(r, (uint32_t)(i % r->tiles_x), (uint32_t)(i / r->tiles_x)));
+        r->stale[i] = (uint8_t)next;
+    }
+}
+
+/* Edges look at normals of pixels around, so they come once all are there. */
+static void draw_edges(struct rendition *r, size_t first, size_t end, const struct shading *s)
+{
+    struct edges edges;
+    edges_init(&edges, r, s->camera, s->look->samples);
+    for (size_t i = first; i < end; i++) {
+        const struct tile tile = tile_at(r, (uint32_t)(i % r->tiles_x), (uint32_t)(i / r->tiles_x));
+        if (r->stale[i] != TILE_LIT)
+            continue;
+        for (uint32_t y = tile.top; y < tile.bottom; y++)
+            for (uint32_t x = tile.left; x < tile.right; x++)
+                if (r->cell[(size_t)y * r->width + x] != CELL_NONE)
+                    draw_edge(r, &edges, s->palette, x, y);
         r->stale[i] = TILE_SHADED;
     }
 }
@@ -224,7 +247,11 @@ void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct 
     struct task task = task_begin_part(camera->scene->watch, NULL, 0, 1);
     shading_init(&s, camera, border, palette, look, shader, number);
     label_rows(r, 0, r->tiles_y, &border->labels);
-    shade_tiles(r, (size_t)first * r->tiles_x, (size_t)end * r->tiles_x, &s, &task);
+    if (draws_edges(look)) /* which look at rows around */
+        shade_tiles(r, 0, (size_t)r->tiles_y * r->tiles_x, &s, &task);
+    else
+        shade_tiles(r, (size_t)first * r->tiles_x, (size_t)end * r->tiles_x, &s, &task);
+    draw_edges(r, (size_t)first * r->tiles_x, (size_t)end * r->tiles_x, &s);
 }
 
 enum err shade(struct rendition *r, const struct camera *camera, const struct border *border,
@@ -233,12 +260,14 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
 {
     struct shading s;
     struct task task = task_begin(camera->scene->watch, "shading", (uint64_t)r->width * r->height);
+    const size_t tiles = (size_t)r->tiles_y * r->tiles_x;
     const enum err err = shader_prepare(shader, 1, border, look, fault);
     if (err)
         return err;
     shading_init(&s, camera, border, palette, look, shader, 0);
     label_rows(r, 0, r->tiles_y, &border->labels);
-    shade_tiles(r, 0, (size_t)r->tiles_y * r->tiles_x, &s, &task);
+    shade_tiles(r, 0, tiles, &s, &task);
+    draw_edges(r, 0, tiles, &s);
     return OK;
 }
 
@@ -246,8 +275,11 @@ struct shade_reach shade_reach(const struct look *look, const struct camera *cam
 {
     /* One step in any case: a face may be cut open, or no more so. */
     const int field = look->number >= 2 ? NORMAL_REACH : FIELD_REACH;
-    struct shade_reach reach = {look->mode == SHADE_DEPTH ? 1 : field, look->edges ? 1 : 0};
-    if (look->mode == SHADE_DEPTH)
-        reach.pixels = NORMAL_FIT_STEPS * (int)normal_stride(camera);
+    const int fit = look->mode == SHADE_DEPTH ? NORMAL_FIT_STEPS * (int)normal_stride(camera) : 0;
+    struct shade_reach reach = {look->mode == SHADE_DEPTH ? 1 : field, fit};
+    if (draws_edges(look))
+        reach.pixels += edge_reach(camera, look->samples);
+    else if (look->edges && fit == 0)
+        reach.pixels = 1;
     return reach;
 }

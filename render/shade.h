@@ -3,9 +3,8 @@
  *
  * It is a pure function of shown voxels, labels, intensities and depths near the pixel, and of
  * palette, look and view: shade_reach says how near. The incremental image relies on it. Where the
- * look has edges, a pixel is darkened beside which another object, or nothing, lies further back. A
- * face where an object was cut open (render/cut.h) shows the scene, in grey tinted with the
- * object's colour.
+ * look has edges (render/edge.h), lines are drawn over the colours. A face where an object was cut
+ * open (render/cut.h) shows the scene, in grey tinted with the object's colour.
  */
 #ifndef RENDER_SHADE_H
 #define RENDER_SHADE_H

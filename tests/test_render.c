@@ -86,6 +86,7 @@ static void random_look(struct stage *s, uint64_t *random)
     s->look.light[1] = (int32_t)check_below(random, 180001) - 90000;
     s->look.cue_percent = check_below(random, 101);
     s->look.edges = check_below(random, 2);
+    s->look.samples = 1u << check_below(random, 3); /* so wide are edges */
 }
 
 static void random_edit(struct stage *s, uint64_t *random)

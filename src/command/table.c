@@ -415,9 +415,11 @@ const struct command command_table[] = {
      "cue 50"},
     {COMMAND("edges", act_edges, GROUP_LOOK, R | S),
      {NEED("STATE", VALUE_CHOICE, .choices = "on|off")},
-     "draw dark edges where one object hides another",
+     "draw lines where something hides or is folded",
 
-     "off by default.",
+     "off by default. A line lies on what is in front, one pixel wide: dark where another object, "
+     "or a part of the same, is behind it or touches it, and where its surface has a fold; light, "
+     "with a dark one within, where nothing is behind it.",
 
      "edges on"},
     {COMMAND("samples", act_samples, GROUP_LOOK, R | S),
@@ -426,15 +428,6 @@ const struct command command_table[] = {
      "Each pixel is the mean of its samples; depth, label and voxel are those of the nearest one. "
      "1 by default.",
      "samples 2"},
-    {COMMAND("background", act_background, GROUP_LOOK, R | S),
-     {NEED("COLOUR", VALUE_COLOUR, .choices = BACKGROUNDS)},
-     "what is seen where no object is",
-     "Of renditions, on the screen and in files; or #rrggbb. gradient, the default: from a calm "
-     "grey at the top to a darker one.\n"
-     "transparent: .png and .tif have alpha then; it is black on the screen, in mosaics and in "
-     "other formats.\n"
-     ".exr always has the objects alone, with their alpha, and so have golden images.",
-     "background white"},
     {COMMAND("clip", act_clip, GROUP_CUTS, R | S),
      {NEED("PLANE", VALUE_CHOICE, .choices = "axial|coronal|sagittal|none"),
       MAY("SLICES", VALUE_RANGE, .most = 65533)},

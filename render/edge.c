@@ -1,0 +1,201 @@
+#include "render/edge.h"
+
+#include "render/normal.h"
+
+enum {
+    DEPTH_BITS = 26 - 8, /* of a depth: 4 * 2^24 to a pixel; here 256 */
+    STEEPEST = 16 * 256, /* as steep as a slope may be to explain a depth */
+    FOLD_VOXELS = 3,
+    ROUGH = 5, /* half voxels by which depths differ that slopes do not explain */
+};
+
+/* 65 degrees between normals are a fold: 1 - cos 65, where 2^28 is 1. */
+static const int64_t FOLD_LEAST = (INT64_C(1) << 28) * 577 / 1000;
+
+bool edge_hides(const struct rendition *r, uint32_t x, uint32_t y)
+{
+    const size_t here = (size_t)y * r->width + x;
+    const size_t around[4] = {x > 0 ? here - 1 : here, x + 1 < r->width ? here + 1 : here,
+                              y > 0 ? here - r->width : here,
+                              y + 1 < r->height ? here + r->width : here};
+    for (int i = 0; i < 4; i++)
+        if (r->label[around[i]] != r->label[here] && r->depth[around[i]] > r->depth[here])
+            return true;
+    return false;
+}
+
+static int64_t fold_of(const struct camera *camera)
+{
+    return FOLD_VOXELS * normal_stride(camera);
+}
+
+int edge_reach(const struct camera *camera, uint32_t samples)
+{
+    return (int)(fold_of(camera) + 2 * samples);
+}
+
+void edges_init(struct edges *edges, const struct rendition *rendition, const struct camera *camera,
+                uint32_t samples)
+{
+    *edges = (struct edges){rendition, camera, samples, 256, fold_of(camera)};
+    for (int a = 0; a < 3; a++) {
+        const int64_t side = (int64_t)camera->view.zoom * 256 / VIEW_ZOOM_ONE *
+                             (camera->scene->spacing_nm[a] / camera->unit_nm);
+        edges->voxel = side > edges->voxel ? side : edges->voxel;
+    }
+}
+
+/* ---- two pixels ---- */
+
+/* A way across the picture: to the right and down, in steps, and how long a step is, in 256ths. */
+struct way {
+    int64_t right, down, length;
+};
+
+static bool step(const struct edges *edges, size_t *to, uint32_t x, uint32_t y,
+                 const struct way *way, int64_t steps)
+{
+    const int64_t column = x + steps * way->right, row = y + steps * way->down;
+    if (column < 0 || row < 0 || column >= edges->rendition->width ||
+        row >= edges->rendition->height)
+        return false;
+    *to = (size_t)row * edges->rendition->width + (size_t)column;
+    return true;
+}
+
+static int64_t dot30(const int16_t normal[3], const int32_t direction[3])
+{
+    int64_t sum = 0;
+    for (int a = 0; a < 3; a++)
+        sum += (int64_t)normal[a] * direction[a];
+    return sum >> 30;
+}
+
+/* How steeply the surface at a pixel falls away along a way, in 256ths; not below 0. */
+static int64_t slope_at(const struct edges *edges, size_t pixel, const struct way *way)
+{
+    const int16_t *normal = edges->rendition->normal + 4 * pixel;
+    const int64_t toward = -dot30(normal, edges->camera->ahead);
+    const int64_t along = way->right * dot30(normal, edges->camera->right) -
+                          way->down * dot30(normal, edges->camera->up);
+    if (along <= 0)
+        return 0;
+    const int64_t fall = along * 65536 / way->length;
+    return toward <= fall / STEEPEST ? STEEPEST : fall / toward;
+}
+
+/* Whether `back`, so many steps along a way from `front`, lies further behind it than the less
+ * steep of the two would explain. A part of that is the roughness of voxels. */
+static bool is_behind(const struct edges *edges, size_t front, size_t back, const struct way *way,
+                      int64_t steps)
+{
+    const int64_t *depth = edges->rendition->depth;
+    const int64_t fall = (depth[back] - depth[front]) >> DEPTH_BITS;
+    if (fall <= edges->voxel * ROUGH / 2)
+        return false;
+    const int64_t one = slope_at(edges, front, way), other = slope_at(edges, back, way);
+    const int64_t slope = one < other ? one : other;
+    return fall > ((steps * way->length + edges->voxel) * slope >> 8) + edges->voxel * ROUGH / 2;
+}
+
+static struct way reversed(const struct way *way)
+{
+    return (struct way){-way->right, -way->down, way->length};
+}
+
+/* ---- hiding ---- */
+
+/* Whether a pixel has a dark line because of another. */
+static bool is_dark(const struct edges *edges, size_t here, size_t there, const struct way *way,
+                    int64_t steps)
+{
+    const struct rendition *r = edges->rendition;
+    if (is_behind(edges, here, there, way, steps))
+        return true;
+    const struct way back = reversed(way);
+    return r->label[here] < r->label[there] && !is_behind(edges, there, here, &back, steps);
+}
+
+static const struct way around[4] = {{1, 0, 256}, {0, 1, 256}, {-1, 0, 256}, {0, -1, 256}};
+
+static enum edge hiding_at(const struct edges *edges, uint32_t x, uint32_t y)
+{
+    const struct rendition *r = edges->rendition;
+    const size_t here = (size_t)y * r->width + x;
+    enum edge edge = EDGE_NONE;
+    for (int i = 0; i < 4; i++)
+        for (int64_t steps = 1; steps <= 2 * edges->width; steps++) {
+            size_t there;
+            if (!step(edges, &there, x, y, &around[i], steps))
+                break;
+            if (r->cell[there] == CELL_NONE && steps <= edges->width)
+                return EDGE_LIGHT;
+            if (r->cell[there] == CELL_NONE ||
+                (steps <= edges->width && is_dark(edges, here, there, &around[i], steps)))
+                edge = EDGE_DARK;
+        }
+    return edge;
+}
+
+/* ---- folds ---- */
+
+/* Whether a way from a pixel leads over one surface of one object for so many steps. */
+static bool is_joined(const struct edges *edges, uint32_t x, uint32_t y, const struct way *way,
+                      int64_t steps)
+{
+    const struct rendition *r = edges->rendition;
+    const struct way back = reversed(way);
+    size_t from = (size_t)y * r->width + x, to;
+    for (int64_t i = 1; i <= steps; i++, from = to)
+        if (!step(edges, &to, x, y, way, i) || r->label[to] != r->label[from] ||
+            is_behind(edges, from, to, way, 1) || is_behind(edges, to, from, &back, 1))
+            return false;
+    return true;
+}
+
+/* How far the normals on both sides of a pixel turn away from each other, where 2^28 is 1; -1 where
+ * they are not of one surface. */
+static int64_t turn_at(const struct edges *edges, uint32_t x, uint32_t y, const struct way *way)
+{
+    const struct rendition *r = edges->rendition;
+    const struct way back = reversed(way);
+    size_t one, other;
+    if (!step(edges, &one, x, y, way, edges->fold) ||
+        !step(edges, &other, x, y, &back, edges->fold) ||
+        !is_joined(edges, x, y, way, edges->fold) || !is_joined(edges, x, y, &back, edges->fold))
+        return -1;
+    int64_t cosine = 0;
+    for (int a = 0; a < 3; a++)
+        cosine += (int64_t)r->normal[4 * one + (size_t)a] * r->normal[4 * other + (size_t)a];
+    return (INT64_C(1) << 28) - cosine;
+}
+
+/* Where the turn is largest, and as wide as a line: there it is no less than a line's width to
+ * either side. */
+static bool is_crest(const struct edges *edges, uint32_t x, uint32_t y, const struct way *way)
+{
+    const struct rendition *r = edges->rendition;
+    const int64_t turn = turn_at(edges, x, y, way);
+    if (turn < FOLD_LEAST)
+        return false;
+    for (int64_t side = -1; side <= 1; side += 2) {
+        size_t beside;
+        if (!step(edges, &beside, x, y, way, side * edges->width) ||
+            r->label[beside] != r->label[(size_t)y * r->width + x])
+            return false;
+        const int64_t there =
+            turn_at(edges, (uint32_t)(beside % r->width), (uint32_t)(beside / r->width), way);
+        if (there < 0 || there > turn || (there == turn && side < 0))
+            return false;
+    }
+    return true;
+}
+
+enum edge edge_at(const struct edges *edges, uint32_t x, uint32_t y)
+{
+    const enum edge edge = hiding_at(edges, x, y);
+    if (edge != EDGE_NONE)
+        return edge;
+    return is_crest(edges, x, y, &around[0]) || is_crest(edges, x, y, &around[1]) ? EDGE_DARK
+                                                                                  : EDGE_NONE;
+}

@@ -1,0 +1,239 @@
+/* Edges: what has a line, on which side, and how strong it is at every number of samples. */
+#include "check.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "render/edge.h"
+#include "tests/stage.h"
+
+enum { SIDE = 61, PIXELS = 64 };
+
+static void begin(struct stage *s)
+{
+    CHECK(stage_init(s, (uint32_t[]){SIDE, SIDE, SIDE}, 6, NULL) == OK);
+    s->look.light[0] = s->look.light[1] = 0;
+    s->look.cue_percent = 0;
+    s->view.zoom = 1000;
+}
+
+/* Gives a label to all voxels for which `holds` is true. */
+static void fill(struct stage *s, uint8_t label, bool (*holds)(int x, int y, int z))
+{
+    for (int z = 0; z < SIDE; z++)
+        for (int y = 0; y < SIDE; y++)
+            for (int x = 0; x < SIDE; x++)
+                if (holds(x, y, z))
+                    s->scene
+                        ->cell[grid_cell(&s->scene->grid, (uint32_t)x, (uint32_t)y, (uint32_t)z)]
+                        .label = label;
+    border_recount(&s->border);
+}
+
+/* A picture of PIXELS a side, of samples x samples each, which the caller releases. */
+static struct rendition draw(struct stage *s, uint32_t samples, bool edges)
+{
+    struct rendition out;
+    const uint32_t zoom = s->view.zoom;
+    rendition_release(&s->rendition);
+    s->look.samples = samples;
+    s->look.edges = edges;
+    s->view.width = s->view.height = PIXELS * samples;
+    s->view.zoom = zoom * samples;
+    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
+    CHECK(rendition_init(&s->rendition, PIXELS * samples, PIXELS * samples, NULL) == OK);
+    CHECK(rendition_init(&out, PIXELS, PIXELS, NULL) == OK);
+    splat_border(&s->rendition, &s->camera, &s->border);
+    CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
+          OK);
+    rendition_reduce(&out, &s->rendition, samples);
+    s->view.zoom = zoom;
+    return out;
+}
+
+static int red_at(const struct rendition *r, uint32_t x, uint32_t y)
+{
+    return r->rgba[4 * ((size_t)y * r->width + x)];
+}
+
+/* How many pixels of the samples that were drawn last have a line of a kind, within `margin` pixels
+ * of the middle. */
+static int count(const struct stage *s, enum edge kind, int margin)
+{
+    struct edges edges;
+    const struct rendition *r = &s->rendition;
+    const int middle = (int)r->width / 2, reach = margin * (int)s->look.samples;
+    int n = 0;
+    edges_init(&edges, r, &s->camera, s->look.samples);
+    for (int y = middle - reach; y < middle + reach; y++)
+        for (int x = middle - reach; x < middle + reach; x++)
+            n += r->cell[(size_t)y * r->width + (size_t)x] != CELL_NONE &&
+                 edge_at(&edges, (uint32_t)x, (uint32_t)y) == kind;
+    return n;
+}
+
+/* ---- shapes ---- */
+
+static bool in_wall(int x, int y, int z)
+{
+    return x >= 0 && y <= 10 && z >= 0;
+}
+static bool in_half(int x, int y, int z)
+{
+    return x < 30 && y <= 40 && z >= 0;
+}
+static bool in_step(int x, int y, int z)
+{
+    return y <= (x < 30 ? 40 : 20) && z >= 0;
+}
+static bool in_ball(int x, int y, int z)
+{
+    const int d[3] = {x - 30, y - 30, z - 30};
+    return d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= 25 * 25;
+}
+static bool in_slope(int x, int y, int z)
+{
+    return y <= 2 * x - 30 && z >= 0;
+}
+static bool in_roof(int x, int y, int z)
+{
+    return y <= 20 + abs(x - 30) && z >= 0;
+}
+static bool in_right(int x, int y, int z)
+{
+    return x >= 30 && y <= 20 && z >= 0;
+}
+static bool in_left(int x, int y, int z)
+{
+    return x < 30 && y <= 20 && z >= 0;
+}
+
+/* ---- how strong ---- */
+
+/* What lines take from the squares of reds around the middle, which samples are averaged by. */
+static double taken(struct stage *s, uint32_t samples)
+{
+    struct rendition plain = draw(s, samples, false), lined = draw(s, samples, true);
+    double sum = 0;
+    for (uint32_t y = 20; y < PIXELS - 20; y++)
+        for (uint32_t x = 20; x < PIXELS - 20; x++)
+            sum += pow(red_at(&plain, x, y), 2) - pow(red_at(&lined, x, y), 2);
+    rendition_release(&plain);
+    rendition_release(&lined);
+    return sum;
+}
+
+STORY(a_line_is_as_strong_at_every_number_of_samples)
+{
+    struct stage s;
+    begin(&s);
+    fill(&s, 1, in_wall);
+    fill(&s, 2, in_half);
+    for (int i = 0; i < 6; i++) {
+        s.view.angle[0] = i * 3000, s.view.angle[2] = i * 13000;
+        const double one = taken(&s, 1), two = taken(&s, 2), four = taken(&s, 4);
+        if (!CHECK(one > 80000 && fabs(two / one - 1) < 0.2 && fabs(four / one - 1) < 0.2))
+            printf("# view %d: %.0f %.0f %.0f\n", i, one, two, four);
+    }
+    stage_release(&s);
+}
+
+/* Light outside, dark within: no background hides both. */
+STORY(an_outline_shows_against_black_and_against_white)
+{
+    struct stage s;
+    begin(&s);
+    fill(&s, 1, in_ball);
+    for (uint32_t samples = 1; samples <= 4; samples *= 2) {
+        struct rendition plain = draw(&s, samples, false), lined = draw(&s, samples, true);
+        const uint32_t width = PIXELS * samples;
+        for (uint32_t y = width / 4; y < width * 3 / 4; y++) {
+            uint32_t x = 0;
+            while (s.rendition.rgba[4 * (y * width + x) + 3] == 0)
+                x++;
+            for (uint32_t i = 0; i < samples; i++) {
+                CHECK(red_at(&s.rendition, x + i, y) > 200);
+                CHECK(red_at(&s.rendition, x + samples + i, y) < 80);
+            }
+        }
+        CHECK_INT(red_at(&lined, 20, 32), red_at(&plain, 20, 32));
+        rendition_release(&plain);
+        rendition_release(&lined);
+    }
+    stage_release(&s);
+}
+
+/* ---- where ---- */
+
+/* A line through all of 40 rows, one pixel wide. */
+static void has_one_line(struct stage *s, uint32_t samples)
+{
+    struct rendition out = draw(s, samples, true);
+    const int dark = count(s, EDGE_DARK, 20), rows = 40 * (int)samples;
+    if (!CHECK(dark >= rows * (int)samples * 9 / 10 && dark <= rows * (int)samples * 11 / 10))
+        printf("# yaw %d, %u samples: %d pixels in %d rows\n", s->view.angle[0], samples, dark,
+               rows);
+    rendition_release(&out);
+}
+
+STORY(what_hides_a_part_of_itself_has_a_line_and_so_has_a_fold)
+{
+    static const struct {
+        bool (*holds)(int x, int y, int z);
+        int32_t yaw;
+    } shape[] = {{in_step, 0}, {in_step, 4000}, {in_roof, 0}, {in_roof, 9000}};
+    for (size_t i = 0; i < sizeof shape / sizeof *shape; i++) {
+        struct stage s;
+        begin(&s);
+        fill(&s, 1, shape[i].holds);
+        s.view.angle[0] = shape[i].yaw;
+        for (uint32_t samples = 1; samples <= 4; samples *= 2)
+            has_one_line(&s, samples);
+        stage_release(&s);
+    }
+}
+
+STORY(objects_that_touch_have_one_line_between_them)
+{
+    struct stage s;
+    begin(&s);
+    fill(&s, 1, in_right);
+    fill(&s, 2, in_left);
+    for (int i = 0; i < 5; i++) {
+        s.view.angle[0] = i * 4000;
+        for (uint32_t samples = 1; samples <= 4; samples *= 2)
+            has_one_line(&s, samples);
+    }
+    stage_release(&s);
+}
+
+STORY(what_is_round_or_steep_has_no_line_but_its_outline)
+{
+    for (int shape = 0; shape < 2; shape++) {
+        struct stage s;
+        begin(&s);
+        fill(&s, 1, shape ? in_slope : in_ball);
+        for (int i = 0; i < 12; i++) {
+            s.view.zoom = 1000 + 250 * (uint32_t)i;
+            s.view.angle[0] = shape ? i * 1500 : i * 31000;
+            s.view.angle[1] = i * (shape ? 2000 : 17000);
+            for (uint32_t samples = 1; samples <= 2; samples++) {
+                struct rendition out = draw(&s, samples, true);
+                const int margin = shape ? 8 : 16;
+                if (!CHECK(count(&s, EDGE_DARK, margin) + count(&s, EDGE_LIGHT, margin) == 0))
+                    printf("# shape %d view %d\n", shape, i);
+                rendition_release(&out);
+            }
+        }
+        stage_release(&s);
+    }
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(a_line_is_as_strong_at_every_number_of_samples),
+                       TELL(an_outline_shows_against_black_and_against_white),
+                       TELL(what_hides_a_part_of_itself_has_a_line_and_so_has_a_fold),
+                       TELL(objects_that_touch_have_one_line_between_them),
+                       TELL(what_is_round_or_steep_has_no_line_but_its_outline));
+}
