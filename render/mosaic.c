@@ -184,6 +184,26 @@ static void average(uint8_t rgb[3], const struct rendition *r, const struct mosa
     }
 }
 
+/* The mean of those that show something, and how much that is of all, over what is behind. */
+static void average_over(uint8_t rgb[3], const struct rendition *r, const struct mosaic_box *source,
+                         const uint8_t behind[3])
+{
+    uint64_t sum[4] = {0};
+    for (uint32_t y = 0; y < source->height; y++) {
+        const uint8_t *p = r->rgba + 4 * ((size_t)(source->top + y) * r->width + source->left);
+        for (uint32_t x = 0; x < source->width; x++, p += 4) {
+            for (int k = 0; k < 3 && p[3]; k++)
+                sum[k] += (uint32_t)p[k] * p[3];
+            sum[3] += p[3];
+        }
+    }
+    const uint64_t covered = sum[3] ? sum[3] : 1, all = (uint64_t)source->width * source->height;
+    uint8_t mean[4] = {0, 0, 0, (uint8_t)((sum[3] + all / 2) / all)};
+    for (int k = 0; k < 3; k++)
+        mean[k] = (uint8_t)((sum[k] + covered / 2) / covered);
+    background_over(rgb, mean, behind);
+}
+
 /* x * length / shown for x = 0, 1, 2 and so on, without divisions. */
 struct steps {
     uint32_t at, rest; /* at + rest / shown, to be exact */
@@ -200,9 +220,9 @@ static void step(struct steps *s)
     }
 }
 
-/* One row of the pane; source_of has each pixel's source. */
+/* One row of the pane; source_of has each pixel's source. `behind` is NULL where colours fade. */
 static void draw_row(const struct canvas *pane, const struct fitting *f, const struct rendition *r,
-                     uint32_t y)
+                     uint32_t y, const uint8_t *behind)
 {
     struct steps across = {.shown = f->shown_width,
                            .whole = f->width / f->shown_width,
@@ -215,7 +235,9 @@ static void draw_row(const struct canvas *pane, const struct fitting *f, const s
         step(&across);
         source.left = f->from_left + left;
         source.width = across.at > left ? across.at - left : 1;
-        if (source.width == 2 && source.height == 2)
+        if (behind)
+            average_over(pixel, r, &source, behind);
+        else if (source.width == 2 && source.height == 2)
             average_four(pixel, r, (size_t)source.top * r->width + source.left);
         else
             average(pixel, r, &source);
@@ -233,6 +255,21 @@ static void draw_seams(const struct canvas *canvas, const struct mosaic_box *box
     const int64_t right = (int64_t)box->left + box->width, bottom = (int64_t)box->top + box->height;
     canvas_box(canvas, right, box->top, seam, box->height + seam, seam_grey);
     canvas_box(canvas, box->left, bottom, box->width + seam, seam, seam_grey);
+}
+
+static void draw_rendition(const struct canvas *pane, const struct mosaic_choice *choice,
+                           const struct rendition *r, const struct fitting *f)
+{
+    const uint32_t background = background_opaque(choice->background);
+    const bool fades = background == BACKGROUND_FADE;
+    uint8_t behind[3];
+    for (uint32_t y = 0; y < pane->height; y++) {
+        background_at(behind, background, y, pane->height);
+        if (!fades)
+            canvas_box(pane, 0, y, pane->width, 1, behind);
+        if (y - f->top < f->shown_height) /* huge where above */
+            draw_row(pane, f, r, y - f->top, fades ? NULL : behind);
+    }
 }
 
 /* Panes share nothing but what is only read, so each may be drawn by another thread. */
@@ -254,8 +291,7 @@ static void draw_pane(struct drawing *d, enum mosaic_pane pane)
     const struct canvas part = canvas_part(d->canvas, box.left, box.top, box.width, box.height);
     if (pane == MOSAIC_RENDITION) {
         const struct fitting f = fit(d->rendition, d->choice, width, height);
-        for (uint32_t y = 0; y < f.shown_height; y++)
-            draw_row(&part, &f, d->rendition, y);
+        draw_rendition(&part, d->choice, d->rendition, &f);
         return;
     }
     const struct slice_choice slice =

@@ -6,15 +6,16 @@
  *     axial   | rendition       the lines of the cross-hair meet at the seams.
  *
  * Each pane has half of the picture, less a thin seam, or lies where a layout has it. Where the
- * rendition is as large as the mosaic, its pane has every two by two pixels averaged over black,
- * the picture at half its size. A rendition of another size is fitted in: in its own shape, in the
- * middle, averaged where it is larger than the pane, and a whole number of times as large where it
- * is smaller.
+ * rendition is as large as the mosaic, its pane has every two by two pixels averaged, the picture
+ * at half its size. A rendition of another size is fitted in: in its own shape, in the middle,
+ * averaged where it is larger than the pane, and a whole number of times as large where it is
+ * smaller. All of the pane has the background behind it, black where that is clear.
  */
 #ifndef RENDER_MOSAIC_H
 #define RENDER_MOSAIC_H
 
 #include "base/team.h"
+#include "render/background.h"
 #include "render/rendition.h"
 #include "render/slice.h"
 
@@ -41,6 +42,7 @@ struct mosaic_choice {
     bool has_middle;   /* around this voxel, and else around `place` */
     uint32_t middle[3];
     const struct mosaic_layout *layout; /* NULL: halves */
+    uint32_t background;                /* of the rendition's pane (render/background.h) */
 };
 
 /* How many pixels are free between panes. */

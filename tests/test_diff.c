@@ -165,20 +165,17 @@ static void begin(struct interpreter *interp, const char *seed)
     must(interp, "view 30 20");
 }
 
-/* Whether the pane of a picture shows what the session renders, over black. */
+/* Whether the pane of a picture shows what the session renders, over its background. */
 static bool shows(const struct picture *picture, uint32_t left, uint32_t top,
                   const struct session *session)
 {
-    const struct rendition *frame = session_frame(session);
-    for (uint32_t y = 0; y < frame->height; y++)
-        for (uint32_t x = 0; x < frame->width; x++) {
-            const size_t at = (size_t)(y + top) * picture->width + x + left;
-            const uint8_t *from = frame->rgba + 4 * ((size_t)y * frame->width + x);
-            for (int k = 0; k < 3; k++)
-                if (picture->rgba[4 * at + (size_t)k] != (from[k] * from[3] + 127) / 255)
-                    return false;
-        }
-    return true;
+    struct canvas frame;
+    bool same = CHECK(session_show_frame(&frame, session, NULL) == OK);
+    for (size_t y = 0; same && y < frame.height; y++)
+        same = memcmp(picture->rgba + 4 * ((y + top) * picture->width + left),
+                      canvas_pixel(&frame, 0, y), (size_t)4 * frame.width) == 0;
+    canvas_release(&frame);
+    return same;
 }
 
 /* How many pixels of the right pane have hue enough to be of that colour, by its sides' order. */

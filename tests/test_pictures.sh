@@ -10,8 +10,9 @@ needs exrheader oiiotool idiff || { close_story; finish; }
 make_scene s.nii 24 20 16
 formats="png tif tiff bmp tga ppm sgi iff rla dpx fits ico jp2 gif jpg webp hdr heic"
 {
-    printf '%s\n' 'open s.nii' 'label 1 ball' 'seed 6,10,8 1' 'seed 20,10,8 2' 'seed 2,3,4 0' run \
-        'size 150 110' 'zoom 4' 'view 30 20' 'render lines.exr' 'render tiled.exr layout=tiled'
+    printf '%s\n' 'open s.nii' 'label 1 ball' 'seed 6,10,8 1' 'seed 20,10,8 2' 'seed 2,3,4 0' \
+        run 'background black' 'size 150 110' 'zoom 4' 'view 30 20' 'render lines.exr' \
+        'render tiled.exr layout=tiled'
     for format in $formats; do echo "render a.$format"; done
 } >script
 "$iftty" run script --journal session.iftty >out 2>err || { cat err; echo "Bail out!"; exit 1; }
@@ -93,6 +94,24 @@ begin "the colours of the OpenEXR file are those of the PNG"
 oiiotool lines.exr --ch R,G,B --colorconvert linear sRGB -d uint8 -o levels.tif 2>err ||
     fail "$(cat err)"
 expect 0 idiff -q levels.tif a.png
+close_story
+
+begin "other programs see a white background, and none behind a transparent picture"
+{
+    sed '/^render/d' script
+    printf '%s\n' 'samples 2' 'background white' 'render white.png' 'background transparent' \
+        'render clear.png' 'render clear.tif' 'render clear.exr'
+} >backgrounds
+expect 0 "$iftty" run backgrounds
+for file in clear.png clear.tif; do
+    oiiotool --info $file | grep -q '4 channel' || fail "$file: $(oiiotool --info $file)"
+    oiiotool $file --ch A -d uint8 -o alpha.tif
+    oiiotool clear.exr --ch A -d uint8 -o theirs.tif
+    expect 0 idiff -q alpha.tif theirs.tif
+done
+oiiotool --stats clear.png | grep -q 'Min: *[0-9]* [0-9]* [0-9]* 0 ' || fail "no pixel is clear"
+expect 0 oiiotool white.png --cut 1x1+0+0 --printstats
+out_has 'Constant Color: 1.000000 1.000000 1.000000'
 close_story
 
 begin "formats without loss agree with the PNG, pixel for pixel"

@@ -181,12 +181,15 @@ void act_write_region(struct buf *out, const struct session *session)
     buf_release(&roi);
 }
 
-static void write_look(struct buf *out, const struct look *look)
+static void write_look(struct buf *out, const struct outlook *outlook)
 {
+    const struct look *look = &outlook->look;
     const struct choice mode = choice_at(SHADE_MODES, look->mode);
-    buf_printf(out, "look      shade %.*s, light %g %g, cue %u, edges %s, samples %u\n",
+    buf_printf(out, "look      shade %.*s, light %g %g, cue %u, edges %s, samples %u, background ",
                (int)mode.length, mode.word, look->light[0] / 1000.0, look->light[1] / 1000.0,
                look->cue_percent, look->edges ? "on" : "off", look->samples);
+    background_write(out, outlook->background);
+    buf_add_char(out, '\n');
 }
 
 /* "part      4-19,2-17,3-12 of the file's 24x20x16 voxels, the mean of each 2x2x2" */
@@ -252,7 +255,7 @@ enum err act_info(const struct act *act)
         return counted;
     act_write_finish(out, session);
     act_write_view(out, session);
-    write_look(out, &session->now.outlook.look);
+    write_look(out, &session->now.outlook);
     struct buf cut = {0};
     if (act_write_cut(&cut, session))
         buf_printf(out, "cut away  %s\n", buf_text(&cut));

@@ -5,6 +5,7 @@
 
 #include "base/file_draft.h"
 #include "image/exr.h"
+#include "session/export.h"
 
 /* ---- comparing ---- */
 
@@ -55,6 +56,8 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
     const bool is_read = !err;
     if (is_read)
         err = compare_planes(&expected, actual, name, &difference, fault);
+    if (is_read && err == ERR_CHECK) /* for people, who look at both */
+        export_background(&expected, &interp->session, NULL);
     const struct golden_finding finding = {name, path, actual, is_read ? &expected : NULL,
                                            is_read ? &difference : NULL};
     if (err == ERR_CHECK && judge && judge->differs)

@@ -31,3 +31,17 @@ enum err act_samples(const struct act *act)
     act->next->outlook.look.samples = 1u << act->value[0].number;
     return act_go(act);
 }
+
+/* Black in look 1 is what it has always been. */
+enum err act_background(const struct act *act)
+{
+    struct outlook *outlook = &act->next->outlook;
+    static const uint32_t named[] = {BACKGROUND_PLAIN, BACKGROUND_WHITE, BACKGROUND_GRADIENT,
+                                     BACKGROUND_CLEAR};
+    const struct value *value = &act->value[0];
+    outlook->background =
+        value->text ? named[value->number] : BACKGROUND_PLAIN | (uint32_t)value->number;
+    if (outlook->background == BACKGROUND_PLAIN && outlook->look.number == LOOK_FIRST)
+        outlook->background = BACKGROUND_FADE;
+    return act_go(act);
+}

@@ -40,6 +40,8 @@ enum err act_take_picture(const struct act *act, const struct labels *labels, co
     enum err err = export_picture(picture, act->session, act->fault);
     if (!err && name && exr_is_named(name))
         err = export_normals(picture, act->session, act->fault);
+    else if (!err)
+        err = export_background(picture, act->session, act->fault);
     if (!err)
         err = act_note_picture(act, labels, picture);
     if (err)

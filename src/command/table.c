@@ -428,6 +428,15 @@ const struct command command_table[] = {
      "Each pixel is the mean of its samples; depth, label and voxel are those of the nearest one. "
      "1 by default.",
      "samples 2"},
+    {COMMAND("background", act_background, GROUP_LOOK, R | S),
+     {NEED("COLOUR", VALUE_COLOUR, .choices = BACKGROUNDS)},
+     "what is seen where no object is",
+     "Of renditions, on the screen and in files; or #rrggbb. gradient, the default: from a calm "
+     "grey at the top to a darker one.\n"
+     "transparent: .png and .tif have alpha then; it is black on the screen, in mosaics and in "
+     "other formats.\n"
+     ".exr always has the objects alone, with their alpha, and so have golden images.",
+     "background white"},
     {COMMAND("clip", act_clip, GROUP_CUTS, R | S),
      {NEED("PLANE", VALUE_CHOICE, .choices = "axial|coronal|sagittal|none"),
       MAY("SLICES", VALUE_RANGE, .most = 65533)},

@@ -77,16 +77,22 @@ static bool transmit_notes(struct image_helper *helper, const struct picture *pi
 }
 
 /* RGB over black: what is transparent fades. */
+static void fade_pixels(uint8_t *rgb, const uint8_t *rgba, size_t pixels)
+{
+    for (size_t i = 0; i < pixels; i++)
+        for (size_t c = 0; c < 3; c++)
+            rgb[3 * i + c] = (uint8_t)((rgba[4 * i + c] * rgba[4 * i + 3] + 127) / 255);
+}
+
 static bool transmit_pixels(struct image_helper *helper, const struct picture *picture,
-                            uint8_t *piece)
+                            unsigned channels, uint8_t *piece)
 {
     const size_t pixels = (size_t)picture->width * picture->height;
+    if (channels == 4)
+        return coprocess_transmit(&helper->process, picture->rgba, 4 * pixels);
     for (size_t done = 0; done < pixels;) {
         size_t n = pixels - done < SEND_PIECE / 3 ? pixels - done : SEND_PIECE / 3;
-        const uint8_t *rgba = picture->rgba + 4 * done;
-        for (size_t i = 0; i < n; i++)
-            for (size_t c = 0; c < 3; c++)
-                piece[3 * i + c] = (uint8_t)((rgba[4 * i + c] * rgba[4 * i + 3] + 127) / 255);
+        fade_pixels(piece, picture_colours(picture) + 4 * done, n);
         if (!coprocess_transmit(&helper->process, piece, 3 * n))
             return false;
         done += n;
@@ -137,8 +143,9 @@ static enum err request_writing(const struct image_movie *movie, const struct pi
         err = start(helper, fault);
     if (err)
         return err;
-    int length = snprintf(line, sizeof line, "write %zu %u %u %zu %u %u\n", strlen(path),
-                          like->width, like->height, like->attributes, frames, delay_ms);
+    int length =
+        snprintf(line, sizeof line, "write %zu %u %u %zu %u %u %u\n", strlen(path), like->width,
+                 like->height, like->attributes, frames, delay_ms, movie->channels);
     if (!coprocess_transmit(&helper->process, line, (size_t)length) ||
         !coprocess_transmit(&helper->process, path, strlen(path)) || !transmit_notes(helper, like))
         return coprocess_fault(&helper->process, "write", movie->path, fault);
@@ -149,7 +156,9 @@ enum err image_movie_begin(struct image_movie *movie, struct image_helper *helpe
                            enum file_mode mode, const struct picture *like, unsigned frames,
                            unsigned delay_ms, struct fault *fault)
 {
-    *movie = (struct image_movie){.helper = helper, .path = path, .mode = mode};
+    const bool has_alpha = like->is_clear && file_is_named(path, ".png|.tif|.tiff");
+    *movie = (struct image_movie){
+        .helper = helper, .path = path, .mode = mode, .channels = has_alpha ? 4 : 3};
     enum err err = file_draft(&movie->draft, path, mode, fault);
     if (!err)
         err = request_writing(movie, like, frames, delay_ms, fault);
@@ -163,7 +172,7 @@ enum err image_movie_add(struct image_movie *movie, const struct picture *pictur
 {
     uint8_t *piece = mem_array(SEND_PIECE, 1);
     enum err err = piece ? OK : fault_memory(fault, movie->path);
-    if (!err && !transmit_pixels(movie->helper, picture, piece))
+    if (!err && !transmit_pixels(movie->helper, picture, movie->channels, piece))
         err = coprocess_fault(&movie->helper->process, "write", movie->path, fault);
     free(piece);
     if (err)

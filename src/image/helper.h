@@ -9,8 +9,8 @@
  * answer at a time. Numbers are decimal without sign or leading zeros; \n is one line feed;
  * everything else is counted bytes without an end mark.
  *
- *     request   write PATH_LENGTH WIDTH HEIGHT NOTES FRAMES DELAY\n
- *                                  path  notes  FRAMES * WIDTH * HEIGHT * 3 bytes RGB
+ *     request   write PATH_LENGTH WIDTH HEIGHT NOTES FRAMES DELAY CHANNELS\n
+ *                                  path  notes  FRAMES * WIDTH * HEIGHT * CHANNELS bytes
  *               read PATH_LENGTH\n                      path
  *               about PATH_LENGTH\n                     path
  *     note      NAME_LENGTH VALUE_LENGTH\n              name  value
@@ -22,9 +22,10 @@
  *
  * Rows run from the top. Sides are 1..16384, a path or name is at most 4096 bytes, a value at most
  * 1048576, notes at most 1024; frames are 1..1000, and DELAY is how long each is seen, 0..60000 ms.
- * What breaks these rules ends the helper. A worked example, a red pixel with one note:
+ * CHANNELS are 3, RGB, or 4, RGBA. What breaks these rules ends the helper. A worked example, a red
+ * pixel with one note:
  *
- *     write 5 1 1 1 1 0\na.png4 3\nviewtop\xff\x00\x00    ->  ok\n
+ *     write 5 1 1 1 1 0 3\na.png4 3\nviewtop\xff\x00\x00    ->  ok\n
  *     read 5\na.png      ->  picture 1 1 1\n4 3\nviewtop\xff\x00\x00\xff
  *
  * The helper carries each request out in a process of its own, which reaches no file but that one
@@ -49,7 +50,8 @@ enum err image_helper_new(struct image_helper **helper, const char *program, str
 void image_helper_free(struct image_helper *helper);
 
 /* Writes `picture` as `path`, whole or not at all: .exr by exr_write with all planes, any other
- * extension by the helper: colours, over black where they are transparent, and notes. PNG holds
+ * extension by the helper: what is shown of it, and notes; a clear picture has its alpha in PNG and
+ * TIFF, and is over black in other formats. PNG holds
  * each note as a text chunk; formats without such have them as lines "name: value" of their image
  * description, where they have one. The same picture gives the same bytes. */
 enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
@@ -73,6 +75,7 @@ struct image_movie {
     struct image_helper *helper;
     const char *path; /* the caller's */
     enum file_mode mode;
+    unsigned channels;
     struct buf draft;
 };
 

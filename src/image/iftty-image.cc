@@ -58,7 +58,9 @@ Request receive_request()
         request.notes = take_number(line, at, notes_most);
         request.frames = take_number(line, at, frames_most);
         request.delay_ms = take_number(line, at, delay_most);
-        if (request.width == 0 || request.height == 0 || request.frames == 0)
+        request.channels = take_number(line, at, 4);
+        if (request.width == 0 || request.height == 0 || request.frames == 0 ||
+            request.channels < 3)
             leave(2);
     }
     request.path = receive_text(length);

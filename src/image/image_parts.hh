@@ -19,8 +19,9 @@ constexpr uint64_t frames_most = 1000;
 struct Request {
     enum { WRITE, READ, ABOUT } kind = READ;
     std::string path;
-    uint64_t width = 0, height = 0, notes = 0, frames = 0, delay_ms = 0; /* of WRITE */
-    std::string refusal; /* why it cannot be written, or none */
+    uint64_t width = 0, height = 0, notes = 0, frames = 0, delay_ms = 0,
+             channels = 0; /* of WRITE */
+    std::string refusal;   /* why it cannot be written, or none */
 };
 
 /* Each sends the answer. Libraries may throw before its first byte. */

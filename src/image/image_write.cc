@@ -69,9 +69,11 @@ void add_notes(OIIO::ImageSpec &spec, const std::string &format, const std::vect
 OIIO::ImageSpec spec_of(const Request &request, const std::vector<Note> &notes,
                         const std::string &format)
 {
-    OIIO::ImageSpec spec(static_cast<int>(request.width), static_cast<int>(request.height), 3,
-                         OIIO::TypeUInt8);
+    OIIO::ImageSpec spec(static_cast<int>(request.width), static_cast<int>(request.height),
+                         static_cast<int>(request.channels), OIIO::TypeUInt8);
     spec.attribute("oiio:ColorSpace", "sRGB");
+    if (request.channels == 4) /* colours as they are, not multiplied by alpha */
+        spec.attribute("oiio:UnassociatedAlpha", 1);
     if (format == "hdr") { /* this one holds linear light */
         spec.set_format(OIIO::TypeFloat);
         spec.attribute("oiio:ColorSpace", "linear");
@@ -139,8 +141,8 @@ std::string write_frames(const Request &request, const std::vector<Note> &notes,
                          OIIO::ImageOutput *out, std::string words)
 {
     std::vector<uint8_t> pixels;
-    pixels.reserve(3 * request.width * request.height + read_beyond);
-    pixels.resize(3 * request.width * request.height);
+    pixels.reserve(request.channels * request.width * request.height + read_beyond);
+    pixels.resize(request.channels * request.width * request.height);
     OIIO::ImageSpec spec;
     if (words.empty())
         spec = spec_of(request, notes, out->format_name());

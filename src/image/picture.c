@@ -44,6 +44,7 @@ void picture_release(struct picture *picture)
     }
     free(picture->attribute);
     free(picture->rgba);
+    free(picture->shown);
     free(picture->depth_mm);
     free(picture->label);
     free(picture->voxel);

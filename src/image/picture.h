@@ -24,6 +24,9 @@ struct attribute {
 struct picture {
     uint32_t width, height;
     uint8_t *rgba;   /* [height][width][4], sRGB, alpha 0 where no object is seen */
+    uint8_t *shown;  /* the same over its background, opaque: for files that hold colours alone;
+                        NULL: black is behind it, which alpha times the colours shows */
+    bool is_clear;   /* nothing is behind it: alpha goes to files that hold it */
     float *depth_mm; /* [height][width] along the view, +infinity where nothing is seen; or NULL */
     uint32_t *label; /* [height][width], 0 where nothing is seen; or NULL */
     uint32_t *voxel; /* [height][width] voxel index, 0xFFFFFFFF where nothing is seen; or NULL */
@@ -41,6 +44,12 @@ enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, 
 /* Normals for all pixels, zeroed. On failure the picture is as it was. */
 enum err picture_add_normals(struct picture *picture, struct fault *fault);
 void picture_release(struct picture *picture);
+
+/* What people see, where something is transparent over black. */
+static inline const uint8_t *picture_colours(const struct picture *picture)
+{
+    return picture->shown ? picture->shown : picture->rgba;
+}
 
 /* Adds a copy of name and value; a value already under that name is replaced, so names are unique.
  * On failure the picture is as it was. */

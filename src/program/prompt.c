@@ -160,7 +160,8 @@ static bool prompt_picture(void *context, struct image_view *out)
     struct prompt *prompt = context;
     const bool shows = prompt->interp.shows_picture;
     prompt->interp.shows_picture = false;
-    *out = shown_picture(&prompt->interp, prompt->pilot.smooth);
+    if (shows)
+        *out = shown_picture(&prompt->interp, prompt->pilot.smooth);
     return shows;
 }
 

@@ -72,8 +72,8 @@ static bool draw_triptych(struct triptych *t, const struct golden_finding *findi
     if (!begin_triptych(t, width, height))
         return false;
     if (expected)
-        paste(t, 0, expected->rgba, expected->width, expected->height);
-    paste(t, first, actual->rgba, actual->width, actual->height);
+        paste(t, 0, picture_colours(expected), expected->width, expected->height);
+    paste(t, first, picture_colours(actual), actual->width, actual->height);
     if (differs)
         paste(t, first + actual->width + GAP, difference->image, difference->width,
               difference->height);

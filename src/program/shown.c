@@ -7,6 +7,10 @@
 unsigned shown_hues(uint32_t hue[256], const struct session *session)
 {
     unsigned count = 0;
+    uint8_t lightest[3];
+    background_at(lightest, session->now.outlook.background, 0, 1);
+    if (lightest[0] | lightest[1] | lightest[2])
+        hue[count++] = (uint32_t)lightest[0] << 16 | (uint32_t)lightest[1] << 8 | lightest[2];
     for (unsigned label = 1; label < 256; label++) {
         const uint8_t *rgb = session->now.kept.palette.rgb[label];
         if (session->now.kept.visible[label] && session->tally.voxels[label])
@@ -21,6 +25,8 @@ struct image_view shown_picture(struct interpreter *interp, bool smooth)
     const struct canvas *shown = &interp->shown;
     const struct rendition *r = session_frame(&interp->session);
     struct image_view view = {.width = r->width, .height = r->height, .rgba = r->rgba};
+    if (!shown->rgba && r->rgba) /* without memory for it, over black */
+        session_show_frame(&interp->shown, &interp->session, NULL);
     if (shown->rgba)
         view = (struct image_view){
             .width = shown->width, .height = shown->height, .rgba = shown->rgba};

@@ -5,7 +5,8 @@
 #include "command/interpreter.h"
 #include "tui/picture/image_view.h"
 
-/* The colours of the labels that can show, for a palette; how many. */
+/* The colours of the labels that can show, and of the background, which is a shade of one too, for
+ * a palette; how many. */
 unsigned shown_hues(uint32_t hue[256], const struct session *session);
 
 /* The picture that the last command had shown, else the rendition. `smooth`: in all bits, where the

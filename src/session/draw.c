@@ -43,6 +43,19 @@ const struct rendition *session_frame(const struct session *session)
     return session->now.outlook.look.samples > 1 ? &session->reduced : &session->rendition;
 }
 
+enum err session_show_frame(struct canvas *canvas, const struct session *session,
+                            struct fault *fault)
+{
+    const struct rendition *r = session_frame(session);
+    const uint32_t background = background_opaque(session->now.outlook.background);
+    const enum err err = canvas_init(canvas, r->width, r->height, false, fault);
+    if (err)
+        return err;
+    memcpy(canvas->rgba, r->rgba, (size_t)4 * r->width * r->height);
+    background_put(canvas->rgba, r->width, r->height, background);
+    return OK;
+}
+
 static void prepare_shader(struct session *session)
 {
     session->shader.team = session->team;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/choice.h"
+#include "base/mem.h"
 #include "engine/margin.h"
 #include "image/volume.h"
 
@@ -111,6 +112,22 @@ enum err export_picture(struct picture *picture, const struct session *session, 
     if (err)
         picture_release(picture);
     return err;
+}
+
+enum err export_background(struct picture *picture, const struct session *session,
+                           struct fault *fault)
+{
+    const uint32_t background = session->now.outlook.background;
+    const size_t bytes = (size_t)4 * picture->width * picture->height;
+    picture->is_clear = background == BACKGROUND_CLEAR;
+    if (picture->is_clear || background == BACKGROUND_FADE)
+        return OK;
+    picture->shown = mem_array(bytes, 1);
+    if (!picture->shown)
+        return fault_memory(fault, "a picture");
+    memcpy(picture->shown, picture->rgba, bytes);
+    background_put(picture->shown, picture->width, picture->height, background);
+    return OK;
 }
 
 void export_normals_to_world(float *out, const int16_t *normal, size_t pixels,

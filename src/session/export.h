@@ -22,6 +22,10 @@ enum err export_notes(struct picture *picture, const struct session *session, st
 enum err export_picture(struct picture *picture, const struct session *session,
                         struct fault *fault);
 
+/* What is behind it, for files that hold colours alone. */
+enum err export_background(struct picture *picture, const struct session *session,
+                           struct fault *fault);
+
 /* The normals as well, for files that hold them. */
 enum err export_normals(struct picture *picture, const struct session *session,
                         struct fault *fault);

@@ -314,4 +314,8 @@ void session_show(struct session *session, void (*draw)(void *context), void *co
 /* What was rendered, at the size of the view. */
 const struct rendition *session_frame(const struct session *session);
 
+/* The same as it is shown: over its background, which is black where that is clear. ERR_MEMORY. */
+enum err session_show_frame(struct canvas *canvas, const struct session *session,
+                            struct fault *fault);
+
 #endif

@@ -124,8 +124,11 @@ static struct mosaic_choice mosaic_of(const struct session *session, const struc
 {
     const struct slice_settings *s = &session->now.outlook.slices;
     const bool says = s->words && sketch;
-    struct mosaic_choice choice = {
-        .notes = says, .team = session->team, .times = s->times, .has_middle = s->has_middle};
+    struct mosaic_choice choice = {.notes = says,
+                                   .team = session->team,
+                                   .times = s->times,
+                                   .has_middle = s->has_middle,
+                                   .background = session->now.outlook.background};
     for (int i = 0; i < 3; i++) {
         choice.place[i] = s->cross[i];
         choice.middle[i] = s->middle[i];

@@ -9,6 +9,7 @@ struct state state_default(unsigned semantics)
     const uint32_t look = semantics_has(semantics, MEANING_LOOK) ? LOOK_PRESENT : LOOK_FIRST;
     struct state state = {.kept = {.cut = cut_none(), .adjacency = 6, .weight = {WEIGHT_MORPH, 1}},
                           .outlook = {.look = look_default(look),
+                                      .background = background_default(look),
                                       .slices = {.times = SLICE_TIMES_ONE,
                                                  .overlay = SLICE_CONTOUR,
                                                  .crosses = true,
@@ -57,6 +58,7 @@ static const struct state_field kept_field[] = {
 static const struct state_field outlook_field[] = {
     FIELD(outlook, view, MADE_CAMERA),
     FIELD(outlook, look, MADE_CAMERA),
+    FIELD(outlook, background, 0),
     FIELD(outlook, slices.cross, 0),
     FIELD(outlook, slices.zoom, 0),
     FIELD(outlook, slices.times, 0),

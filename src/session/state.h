@@ -21,6 +21,7 @@
 #include "base/packed.h"
 #include "engine/finish.h"
 #include "engine/weight.h"
+#include "render/background.h"
 #include "render/cut.h"
 #include "render/shade.h"
 #include "render/slice.h"
@@ -65,6 +66,7 @@ struct slice_settings {
 struct outlook {
     struct view view;
     struct look look;
+    uint32_t background; /* render/background.h */
     struct slice_settings slices;
     bool runs_by_itself; /* "auto": each edit is run at once */
     bool shows_finished; /* pictures show labels as kept.finish leaves them */

@@ -102,18 +102,18 @@ static enum err render_as(const struct sheet *sheet, enum relabelled as, struct 
 
 /* ---- panes ---- */
 
-/* The rendition over black. */
-static void put_frame(const struct sheet *sheet, uint32_t pane)
+/* The rendition over its background. */
+static enum err put_frame(const struct sheet *sheet, uint32_t pane, struct fault *fault)
 {
-    const struct rendition *frame = session_frame(sheet->session);
+    struct canvas frame;
     const struct canvas canvas = pane_of(sheet, pane);
-    const size_t pixels = (size_t)frame->width * frame->height;
-    for (size_t i = 0; i < pixels; i++) {
-        const uint8_t *from = frame->rgba + 4 * i;
-        uint8_t *to = canvas_pixel(&canvas, i % frame->width, i / frame->width);
-        for (int k = 0; k < 3; k++)
-            to[k] = (uint8_t)((from[k] * from[3] + 127) / 255);
-    }
+    const enum err err = session_show_frame(&frame, sheet->session, fault);
+    if (err)
+        return err;
+    for (size_t y = 0; y < frame.height; y++)
+        memcpy(canvas_pixel(&canvas, 0, y), canvas_pixel(&frame, 0, y), (size_t)4 * frame.width);
+    canvas_release(&frame);
+    return OK;
 }
 
 /* What differs over the shade of all objects, which is in the pane already with these depths. */
@@ -140,10 +140,14 @@ static enum err draw_difference(const struct sheet *sheet, struct fault *fault)
     if (!depth)
         return fault_memory(fault, "a picture");
     memcpy(palette->rgb[SAME_OBJECT], ghost_rgb, 3);
+    sheet->session->now.outlook.background =
+        BACKGROUND_PLAIN; /* black: colours tell what differs */
     enum err err = render_as(sheet, AS_OBJECT, fault);
     if (!err) {
         memcpy(depth, session_frame(sheet->session)->depth, pixels * sizeof *depth);
-        put_frame(sheet, 2);
+        err = put_frame(sheet, 2, fault);
+    }
+    if (!err) {
         for (int kind = A_ALONE; kind < DIFFERENCES; kind++)
             memcpy(palette->rgb[kind], difference_rgb[kind], 3);
         err = render_as(sheet, AS_KIND, fault);
@@ -159,12 +163,12 @@ static enum err draw_panes(const struct sheet *sheet, struct fault *fault)
     enum err err = session_draw(sheet->session, RENDER_AS_KEPT, fault);
     if (err)
         return err;
-    put_frame(sheet, 0);
-    err = render_as(sheet, AS_B, fault);
-    if (err)
-        return err;
-    put_frame(sheet, 1);
-    return draw_difference(sheet, fault);
+    err = put_frame(sheet, 0, fault);
+    if (!err)
+        err = render_as(sheet, AS_B, fault);
+    if (!err)
+        err = put_frame(sheet, 1, fault);
+    return err ? err : draw_difference(sheet, fault);
 }
 
 /* ---- words ---- */

@@ -65,9 +65,9 @@ static void add_pictures(struct evidence *evidence, const struct golden_finding 
     buf_printf(&caption, "expected: golden image %s", finding->name);
     if (expected)
         evidence_add(evidence, buf_text(&caption), expected->width, expected->height,
-                     expected->rgba);
+                     picture_colours(expected));
     evidence_add(evidence, expected ? "actual" : "actual; there is no golden image", actual->width,
-                 actual->height, actual->rgba);
+                 actual->height, picture_colours(actual));
     if (expected && difference->image)
         evidence_add(evidence, "difference, in red", difference->width, difference->height,
                      difference->image);

@@ -3,9 +3,12 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* Whether the pixel of the file, which has no alpha, is that of the picture over black. */
-static bool shows(const uint8_t *file, const uint8_t *rgba)
+/* Whether the pixel of the file is that of the picture: over what is behind it, or with its alpha
+ * where that is clear. */
+static bool shows(const uint8_t *file, const uint8_t *rgba, bool is_clear)
 {
+    if (is_clear)
+        return memcmp(file, rgba, 4) == 0;
     for (int c = 0; c < 3; c++)
         if (file[c] != (rgba[c] * rgba[3] + 127) / 255)
             return false;
@@ -23,7 +26,7 @@ static enum err compare(const struct picture *file, const struct picture *pictur
                          "and `golden` draws it again",
                          path);
     for (size_t i = 0; i < pixels; i++)
-        differ += !shows(file->rgba + 4 * i, picture->rgba + 4 * i);
+        differ += !shows(file->rgba + 4 * i, picture_colours(picture) + 4 * i, picture->is_clear);
     return differ
                ? fault_set(fault, ERR_CHECK,
                            "strict: %s shows another picture than the golden image beside it, "

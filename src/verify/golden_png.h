@@ -1,8 +1,8 @@
 /*
  * The PNG beside a golden image, which people look at: it has to show what the golden image does,
- * pixel by pixel, its colours over black. It is decoded by the image helper, in a confined process,
- * since whoever changed it chose its bytes; that takes some 0.2 s for the first of a journal, so it
- * is asked of strict verifications alone.
+ * pixel by pixel, its colours over their background. It is decoded by the image helper, in a
+ * confined process, since whoever changed it chose its bytes; that takes some 0.2 s for the first
+ * of a journal, so it is asked of strict verifications alone.
  */
 #ifndef VERIFY_GOLDEN_PNG_H
 #define VERIFY_GOLDEN_PNG_H

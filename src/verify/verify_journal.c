@@ -22,8 +22,9 @@ static void show_present(struct interpreter *interp, struct evidence *evidence)
         session_draw(&interp->session, RENDER_AS_KEPT, NULL) ||
         export_picture(&picture, &interp->session, NULL))
         return;
+    export_background(&picture, &interp->session, NULL);
     evidence_add(evidence, "actual: the rendition after this command", picture.width,
-                 picture.height, picture.rgba);
+                 picture.height, picture_colours(&picture));
     picture_release(&picture);
 }
 
