@@ -18,10 +18,10 @@ static inline lanes roots_of(lanes squares)
     return root;
 }
 
-/* Of one pixel: what lies nearest, and sums of squares of the colours. */
+/* Of one pixel: what lies nearest, the sum of alpha, and sums of squares of colours by alpha. */
 struct mean {
     size_t nearest;
-    uint32_t seen, squares[COLOURS - 1];
+    uint32_t alpha, squares[COLOURS - 1];
 };
 
 static inline struct mean mean_of(const struct rendition *fine, size_t first, uint32_t samples)
@@ -32,9 +32,9 @@ static inline struct mean mean_of(const struct rendition *fine, size_t first, ui
             const size_t at = first + (size_t)j * fine->width + i;
             const uint8_t *rgba = fine->rgba + COLOURS * at;
             mean.nearest = fine->depth[at] < fine->depth[mean.nearest] ? at : mean.nearest;
-            mean.seen += fine->cell[at] != CELL_NONE;
+            mean.alpha += rgba[3];
             for (int k = 0; k < COLOURS - 1; k++)
-                mean.squares[k] += (uint32_t)rgba[k] * rgba[k];
+                mean.squares[k] += (uint32_t)rgba[3] * rgba[k] * rgba[k];
         }
     return mean;
 }
@@ -49,11 +49,11 @@ static inline void reduce_pixel(struct rendition *out, size_t to, const struct r
     out->cell[to] = fine->cell[mean.nearest];
     out->label[to] = fine->label[mean.nearest];
     memcpy(out->normal + 4 * to, fine->normal + 4 * mean.nearest, 4 * sizeof *out->normal);
-    out->rgba[COLOURS * to + 3] = (uint8_t)((mean.seen * 255 + all / 2) / all);
+    out->rgba[COLOURS * to + 3] = (uint8_t)((mean.alpha + all / 2) / all);
     for (int k = 0; k < COLOURS - 1; k++)
-        squares[k] = (uint16_t)(mean.seen == all ? mean.squares[k] / all
-                                : mean.seen      ? mean.squares[k] / mean.seen
-                                                 : 0);
+        squares[k] = (uint16_t)(mean.alpha == 255 * all ? mean.squares[k] / (255 * all)
+                                : mean.alpha            ? mean.squares[k] / mean.alpha
+                                                        : 0);
 }
 
 /* `count` pixels beside each other, at most a tile's. */

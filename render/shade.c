@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "render/edge.h"
+#include "render/layers.h"
 #include "render/light.h"
 #include "render/normal.h"
 
@@ -21,11 +22,12 @@ void shader_release(struct shader *shader)
         field_release(&shader->part[i].scene);
         shader->part[i] = (struct shader_part){0};
     }
+    seams_release(&shader->seams);
 }
 
 size_t shader_bytes(const struct shader *shader)
 {
-    size_t bytes = 0;
+    size_t bytes = seams_bytes(&shader->seams);
     for (int i = 0; i < TEAM_MOST; i++)
         bytes += field_bytes(&shader->part[i].shown) + field_bytes(&shader->part[i].scene);
     return bytes;
@@ -81,7 +83,7 @@ static void shade_pixel(struct rendition *r, struct shading *s, uint32_t x, uint
     normal[3] = 0;
     normal_of(normal, &s->normals, r, x, y);
     int64_t cue = light_cue(&s->light, depth);
-    if (s->look->edges && !draws_edges(s->look) && edge_hides(r, x, y))
+    if (s->look->edges && !draws_edges(s->look) && !r->layers && edge_hides(r, x, y))
         cue = cue * EDGE >> LIGHT_UNIT_BITS;
     if (is_cut_open(s, r->cell[pixel], depth))
         shade_cut_face(rgba, s, r->cell[pixel], colour, cue);
@@ -124,10 +126,19 @@ static void fetch_cells(const struct rendition *r, const struct scene *scene, st
         }
 }
 
-/* Labels of a tile. Empty pixels get no colour and no normal; true where all of them are empty. */
-static bool label_tile(struct rendition *r, const struct labels *labels, struct tile tile)
+static struct footprint footprint_of(struct tile tile)
 {
+    return (struct footprint){(int32_t)tile.left, (int32_t)tile.top, (int32_t)tile.right - 1,
+                              (int32_t)tile.bottom - 1};
+}
+
+/* Labels of a tile. Empty pixels get no colour and no normal; true where all of them are empty. */
+static bool label_tile(struct rendition *r, const struct border *border, struct tile tile)
+{
+    const struct labels *labels = &border->labels;
     bool is_empty = true;
+    if (r->layers)
+        return layers_pick(r, border, footprint_of(tile));
     fetch_cells(r, labels->scene, tile);
     for (uint32_t y = tile.top; y < tile.bottom; y++) {
         const size_t row = (size_t)y * r->width;
@@ -144,6 +155,12 @@ static bool label_tile(struct rendition *r, const struct labels *labels, struct 
     return is_empty;
 }
 
+static void darken(uint8_t rgba[4])
+{
+    for (int k = 0; k < 3; k++)
+        rgba[k] = (uint8_t)(rgba[k] * EDGE >> LIGHT_UNIT_BITS);
+}
+
 static void shade_tile(struct rendition *r, struct shading *s, struct tile tile)
 {
     for (uint32_t y = tile.top; y < tile.bottom; y++)
@@ -152,14 +169,32 @@ static void shade_tile(struct rendition *r, struct shading *s, struct tile tile)
                 shade_pixel(r, s, x, y);
 }
 
+/* Where objects are translucent: layer by layer, from the nearest on. Edges are those of the layers
+ * that count. */
+static void blend_tile(struct rendition *r, struct shading *s, struct tile tile)
+{
+    struct blend blend;
+    blend_begin(&blend, r, s->border, footprint_of(tile));
+    while (blend_next(&blend)) {
+        shade_tile(&r->layers->pass, s, tile);
+        blend_add(&blend, r);
+    }
+    blend_end(&blend, r);
+    const bool has_edges = s->look->edges && !draws_edges(s->look);
+    for (uint32_t y = tile.top; has_edges && y < tile.bottom; y++)
+        for (uint32_t x = tile.left; x < tile.right; x++)
+            if (edge_hides(r, x, y))
+                darken(r->rgba + 4 * ((size_t)y * r->width + x));
+}
+
 /* Rows of tiles. */
 static void label_rows(struct rendition *r, uint32_t first, uint32_t end,
-                       const struct labels *labels)
+                       const struct border *border)
 {
     for (uint32_t y = first; y < end; y++)
         for (uint32_t x = 0; x < r->tiles_x; x++) {
             uint8_t *state = r->stale + (size_t)y * r->tiles_x + x;
-            if (*state == TILE_STALE && label_tile(r, labels, tile_at(r, x, y)))
+            if (*state == TILE_STALE && label_tile(r, border, tile_at(r, x, y)))
                 *state = TILE_EMPTY;
         }
 }
@@ -172,7 +207,11 @@ static void shade_tiles(struct rendition *r, size_t first, size_t end, struct sh
     for (size_t i = first; i < end && task_advance(task, TILE * TILE); i++) {
         if (r->stale[i] != TILE_STALE)
             continue;
-        shade_tile(r, s, tile_at(r, (uint32_t)(i % r->tiles_x), (uint32_t)(i / r->tiles_x)));
+        const struct tile tile = tile_at(r, (uint32_t)(i % r->tiles_x), (uint32_t)(i / r->tiles_x));
+        if (r->layers)
+            blend_tile(r, s, tile);
+        else
+            shade_tile(r, s, tile);
         r->stale[i] = (uint8_t)next;
     }
 }
@@ -194,6 +233,13 @@ static void draw_edges(struct rendition *r, size_t first, size_t end, const stru
     }
 }
 
+/* Depths are those of the layers that count, and say nothing of the others. */
+static enum shade_mode mode_of(const struct look *look, const struct border *border)
+{
+    const bool knows_depths = !border_is_translucent(border);
+    return look->mode == SHADE_DEPTH && !knows_depths ? SHADE_SURFACE : look->mode;
+}
+
 /* ---- fields ---- */
 
 static enum err prepare(struct field *field, bool *has, const struct border *border,
@@ -211,12 +257,13 @@ static enum err prepare(struct field *field, bool *has, const struct border *bor
 enum err shader_prepare(struct shader *shader, unsigned threads, const struct border *border,
                         const struct look *look, struct fault *fault)
 {
+    const enum shade_mode mode = mode_of(look, border);
     enum err err = OK;
     for (unsigned i = 0; i < threads && !err; i++) {
         struct shader_part *part = shader->part + i;
-        if (look->mode != SHADE_DEPTH)
+        if (mode != SHADE_DEPTH)
             err = prepare(&part->shown, &part->has_shown, border, FIELD_SHOWN, fault);
-        if (!err && look->mode == SHADE_SCENE)
+        if (!err && mode == SHADE_SCENE)
             err = prepare(&part->scene, &part->has_scene, border, FIELD_SCENE, fault);
     }
     return err;
@@ -234,8 +281,8 @@ static void shading_init(struct shading *s, const struct camera *camera,
                           .palette = palette,
                           .cuts = !cut_is_none(&border->cut),
                           .window = {shader->window[0], shader->window[1]}};
-    normals_init(&s->normals, camera, look->mode, look->number >= 2, &shader->part[number].shown,
-                 &shader->part[number].scene);
+    normals_init(&s->normals, camera, mode_of(look, border), look->number >= 2,
+                 &shader->part[number].shown, &shader->part[number].scene);
     light_init(&s->light, camera, look->light, look->cue_percent);
 }
 
@@ -246,7 +293,7 @@ void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct 
     struct shading s;
     struct task task = task_begin_part(camera->scene->watch, NULL, 0, 1);
     shading_init(&s, camera, border, palette, look, shader, number);
-    label_rows(r, 0, r->tiles_y, &border->labels);
+    label_rows(r, 0, r->tiles_y, border);
     if (draws_edges(look)) /* which look at rows around */
         shade_tiles(r, 0, (size_t)r->tiles_y * r->tiles_x, &s, &task);
     else
@@ -265,7 +312,7 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
     if (err)
         return err;
     shading_init(&s, camera, border, palette, look, shader, 0);
-    label_rows(r, 0, r->tiles_y, &border->labels);
+    label_rows(r, 0, r->tiles_y, border);
     shade_tiles(r, 0, tiles, &s, &task);
     draw_edges(r, 0, tiles, &s);
     return OK;

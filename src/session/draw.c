@@ -154,6 +154,10 @@ static enum err draw_border(struct session *session, const struct border *border
     enum err err = OK;
     session->rendered = RENDERED_NOT;
     if (session->rendition.depth) {
+        err = layers_take(&session->layers, &session->rendition, border, &session->shader.seams,
+                          fault);
+        if (err)
+            return err;
         project(&session->rendition, &session->camera, border);
         err = session_colour(session, border, fault);
     } else {
@@ -206,8 +210,7 @@ static enum err draw_finished(struct session *session, const struct labels *labe
     if (err)
         return err;
     border.labels = *labels;
-    border.cut = session->now.kept.cut;
-    memcpy(border.visible, session->now.kept.visible, sizeof border.visible);
+    kept_show(&session->now.kept, &border);
     border_recount(&border);
     err = watch_fault(session->watch, fault);
     if (!err)
