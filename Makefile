@@ -91,11 +91,12 @@ BENCHES := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/bench.c,$(wildcard tests/b
 BENCH   := $(BUILD)/tests/bench/bench
 TESTS   := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_*.c))
 RACING  := $(patsubst %.c,$(BUILD)/racing/%.o,\
-             $(wildcard src/base/*.c src/engine/*.c src/image/*.c))
+             $(wildcard src/base/*.c src/engine/*.c src/image/*.c render/*.c))
 
 # ThreadSanitizer bears no other sanitizer beside it.
 ifeq ($(SANITISE),)
-TESTS += $(BUILD)/tests/test_team_racing $(BUILD)/tests/test_picture_writer_racing
+TESTS += $(BUILD)/tests/test_team_racing $(BUILD)/tests/test_picture_writer_racing \
+         $(BUILD)/tests/test_render_team_racing
 endif
 
 # Readers of what comes from outside, and bytes for them. libFuzzer has a main of its own.
@@ -131,8 +132,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 .PHONY: all tests test test-long test-stress test-bare check-format format analyse variants \
         test-matrix \
         test-matrix-short test-terminals fuzz fuzzers demo bench-peers bench-chafa bench-paper \
-        bench-growth bench-render bench-journal bench-keys bench-looks bench-effort bench-series \
-        bench-files help clean packages
+        bench-growth bench-render bench-frames bench-journal bench-keys bench-looks bench-effort \
+        bench-series bench-files help clean packages
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -148,7 +149,7 @@ test: all tests build/.packages-test
 ##     edits); 500 sessions killed at random moments; the mutation test in full
 test-long: all tests build/.packages-test
 	@IFTTY_TEST_SCALE=10 tests/run.sh $(BUILD) test_forest test_render test_cut test_team \
-	    test_team_racing test_marker_sessions test_kill test_mutation.sh
+	    test_team_racing test_bands test_render_team test_marker_sessions test_kill test_mutation.sh
 
 ## test-matrix: the same bits from gcc and clang, -O0 to -O3, sanitisers, threads, i386, ARM, s390x
 test-matrix: all build/.packages-matrix
@@ -214,10 +215,10 @@ demo: $(BUILD)/iftty $(BUILD)/iftty-image
 bench-peers: $(PEERS)
 	@$(PYTHON) tests/peers/run.py --rounds $(ROUNDS) $(if $(JSON),--json $(JSON)) $(BUILD)
 
-## bench-paper, bench-growth, bench-render, bench-journal, bench-keys, bench-looks: a benchmark;
+## bench-paper, bench-growth, bench-render, bench-frames, bench-journal, bench-keys, bench-looks:
 ##     ARGS=--help says which options
 bench-keys: all
-bench-paper bench-growth bench-render bench-journal bench-keys bench-looks: $(BENCH)
+bench-paper bench-growth bench-render bench-frames bench-journal bench-keys bench-looks: $(BENCH)
 	@$(BENCH) $(@:bench-%=%) $(ARGS)
 
 ## bench-effort: how many gestures a segmentation takes, by robots; ARGS="--quick other"

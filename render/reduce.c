@@ -2,7 +2,12 @@
 
 #include <string.h>
 
-enum { COLOURS = 4, PAIR = 2 * COLOURS };
+enum {
+    COLOURS = 4,
+    PAIR = 2 * COLOURS,
+    NOT_FRESH = TILE_STALE | TILE_LIT | TILE_SHADED | TILE_EMPTY,
+    TILES_SHARED = 1024, /* from so many on it is worth waking another thread */
+};
 
 /* The colours of two pixels, squared, of which roots are taken at once where the machine can. */
 typedef uint16_t lanes __attribute__((vector_size(2 * PAIR)));
@@ -18,10 +23,10 @@ static inline lanes roots_of(lanes squares)
     return root;
 }
 
-/* Of one pixel: what lies nearest, the sum of alpha, and sums of squares of colours by alpha. */
+/* Of one pixel: what lies nearest, and sums of squares of the colours. */
 struct mean {
     size_t nearest;
-    uint32_t alpha, squares[COLOURS - 1];
+    uint32_t seen, squares[COLOURS - 1];
 };
 
 static inline struct mean mean_of(const struct rendition *fine, size_t first, uint32_t samples)
@@ -32,9 +37,9 @@ static inline struct mean mean_of(const struct rendition *fine, size_t first, ui
             const size_t at = first + (size_t)j * fine->width + i;
             const uint8_t *rgba = fine->rgba + COLOURS * at;
             mean.nearest = fine->depth[at] < fine->depth[mean.nearest] ? at : mean.nearest;
-            mean.alpha += rgba[3];
+            mean.seen += fine->cell[at] != CELL_NONE;
             for (int k = 0; k < COLOURS - 1; k++)
-                mean.squares[k] += (uint32_t)rgba[3] * rgba[k] * rgba[k];
+                mean.squares[k] += (uint32_t)rgba[k] * rgba[k];
         }
     return mean;
 }
@@ -49,11 +54,11 @@ static inline void reduce_pixel(struct rendition *out, size_t to, const struct r
     out->cell[to] = fine->cell[mean.nearest];
     out->label[to] = fine->label[mean.nearest];
     memcpy(out->normal + 4 * to, fine->normal + 4 * mean.nearest, 4 * sizeof *out->normal);
-    out->rgba[COLOURS * to + 3] = (uint8_t)((mean.alpha + all / 2) / all);
+    out->rgba[COLOURS * to + 3] = (uint8_t)((mean.seen * 255 + all / 2) / all);
     for (int k = 0; k < COLOURS - 1; k++)
-        squares[k] = (uint16_t)(mean.alpha == 255 * all ? mean.squares[k] / (255 * all)
-                                : mean.alpha            ? mean.squares[k] / mean.alpha
-                                                        : 0);
+        squares[k] = (uint16_t)(mean.seen == all ? mean.squares[k] / all
+                                : mean.seen      ? mean.squares[k] / mean.seen
+                                                 : 0);
 }
 
 /* `count` pixels beside each other, at most a tile's. */
@@ -87,12 +92,13 @@ static void empty_row(struct rendition *out, size_t to, uint32_t count)
     memset(out->normal + 4 * to, 0, 4 * sizeof *out->normal * count);
 }
 
-static inline void reduce_tile(struct rendition *out, const struct rendition *fine, uint32_t column,
-                               uint32_t row, uint32_t samples)
+static inline void reduce_tile(struct rendition *out, const struct rendition *fine, size_t tile,
+                               uint32_t samples)
 {
-    const uint32_t side = TILE / samples, left = column * side, top = row * side;
+    const uint32_t side = TILE / samples, left = (uint32_t)(tile % fine->tiles_x) * side;
+    const uint32_t top = (uint32_t)(tile / fine->tiles_x) * side;
     const uint32_t width = out->width - left < side ? out->width - left : side;
-    const bool is_empty = fine->stale[(size_t)row * fine->tiles_x + column] == TILE_EMPTY;
+    const bool is_empty = fine->stale[tile] == TILE_EMPTY;
     for (uint32_t y = top; y < top + side && y < out->height; y++) {
         const size_t to = (size_t)y * out->width + left;
         if (is_empty)
@@ -102,19 +108,47 @@ static inline void reduce_tile(struct rendition *out, const struct rendition *fi
     }
 }
 
+static void reduce_rows(struct rendition *out, struct rendition *fine, uint32_t samples,
+                        size_t first, size_t end)
+{
+    const size_t after = end * fine->tiles_x;
+    size_t tile = rendition_tile(fine, first * fine->tiles_x, after, NOT_FRESH);
+    for (; tile < after; tile = rendition_tile(fine, tile + 1, after, NOT_FRESH)) {
+        if (samples == 4) /* written out, so that loops of so many rounds are compiled */
+            reduce_tile(out, fine, tile, 4);
+        else if (samples == 2)
+            reduce_tile(out, fine, tile, 2);
+        else
+            reduce_tile(out, fine, tile, samples);
+        fine->stale[tile] = TILE_FRESH;
+    }
+}
+
 void rendition_reduce(struct rendition *out, struct rendition *fine, uint32_t samples)
 {
-    for (uint32_t y = 0; y < fine->tiles_y; y++)
-        for (uint32_t x = 0; x < fine->tiles_x; x++) {
-            uint8_t *state = fine->stale + (size_t)y * fine->tiles_x + x;
-            if (*state == TILE_FRESH)
-                continue;
-            if (samples == 4) /* written out, so that loops of so many rounds are compiled */
-                reduce_tile(out, fine, x, y, 4);
-            else if (samples == 2)
-                reduce_tile(out, fine, x, y, 2);
-            else
-                reduce_tile(out, fine, x, y, samples);
-            *state = TILE_FRESH;
-        }
+    reduce_rows(out, fine, samples, 0, fine->tiles_y);
+}
+
+/* ---- by several threads ---- */
+
+struct reducing {
+    struct rendition *out, *fine;
+    uint32_t samples;
+    struct team *team;
+};
+
+static void reduce_share(void *context, unsigned thread)
+{
+    const struct reducing *r = context;
+    const struct share rows = team_share(r->team, thread, r->fine->tiles_y);
+    reduce_rows(r->out, r->fine, r->samples, rows.first, rows.end);
+}
+
+void rendition_reduce_shared(struct rendition *out, struct rendition *fine, uint32_t samples,
+                             struct team *team)
+{
+    if (rendition_count(fine, NOT_FRESH) < TILES_SHARED)
+        team = NULL;
+    struct reducing reducing = {out, fine, samples, team};
+    team_run(team, reduce_share, &reducing);
 }

@@ -43,6 +43,30 @@ size_t rendition_bytes(const struct rendition *r)
     return (size_t)r->width * r->height * a_pixel + (size_t)r->tiles_x * r->tiles_y;
 }
 
+/* After an edit most tiles are fresh: they are passed over eight at a time. */
+size_t rendition_tile(const struct rendition *r, size_t tile, size_t end, unsigned states)
+{
+    const uint64_t of_each = UINT64_C(0x0101010101010101) * states;
+    for (uint64_t eight; tile + sizeof eight <= end; tile += sizeof eight) {
+        memcpy(&eight, r->stale + tile, sizeof eight);
+        if (eight & of_each)
+            break;
+    }
+    while (tile < end && !(r->stale[tile] & states))
+        tile++;
+    return tile;
+}
+
+size_t rendition_count(const struct rendition *r, unsigned states)
+{
+    const size_t all = (size_t)r->tiles_x * r->tiles_y;
+    size_t count = 0;
+    for (size_t i = rendition_tile(r, 0, all, states); i < all;
+         i = rendition_tile(r, i + 1, all, states))
+        count++;
+    return count;
+}
+
 struct rendition rendition_rows(const struct rendition *r, uint32_t top, uint32_t height)
 {
     const size_t first = (size_t)top * r->width;
@@ -55,7 +79,6 @@ struct rendition rendition_rows(const struct rendition *r, uint32_t top, uint32_
     rows.normal += 4 * first;
     rows.stale += (size_t)(top / TILE) * r->tiles_x;
     rows.tiles_y = (height + TILE - 1) / TILE;
-    rows.layers = top ? NULL : r->layers;
     return rows;
 }
 

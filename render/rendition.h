@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "base/team.h"
 #include "render/border.h"
 #include "render/view.h"
 
@@ -22,26 +23,25 @@
 
 enum { TILE = 8 }; /* side, in pixels, of the squares that are marked stale and shaded at once */
 
+/* One bit each, so that one can ask for several. */
 enum tile_state {
-    TILE_FRESH,
-    TILE_STALE,  /* waits to be shaded; */
-    TILE_LIT,    /* then for its edges, where it has any; */
-    TILE_SHADED, /* then, where it is of samples, to be reduced, */
-    TILE_EMPTY,  /* as does one that shows nothing */
+    TILE_FRESH = 0,
+    TILE_STALE = 1,  /* waits to be shaded; */
+    TILE_LIT = 2,    /* then for its edges, where it has any; */
+    TILE_SHADED = 4, /* then, where it is of samples, to be reduced, */
+    TILE_EMPTY = 8,  /* as does one that shows nothing */
 };
 
 struct rendition {
     uint32_t width, height;
     int64_t *depth;  /* [height][width], a crossing (4 * t + axis) */
-    uint32_t *cell;  /* of the visible voxel; with layers, of the one that counts */
+    uint32_t *cell;  /* of the visible voxel */
     uint8_t *label;  /* of that voxel */
-    uint8_t *rgba;   /* [height][width][4], sRGB, not multiplied by alpha; alpha is 255 where
-                        something opaque is seen, and 0 where nothing is */
+    uint8_t *rgba;   /* [height][width][4], sRGB; alpha 255 where something is seen */
     int16_t *normal; /* [height][width][4], outward along voxel axes, length 2^14 in the world; the
                         fourth is 0, as is all where nothing is seen */
     uint8_t *stale;  /* [tiles_y][tiles_x], enum tile_state */
     uint32_t tiles_x, tiles_y;
-    struct layers *layers; /* borrowed; NULL where all objects are opaque (render/layers.h) */
 };
 
 enum err rendition_init(struct rendition *rendition, uint32_t width, uint32_t height,
@@ -50,8 +50,14 @@ void rendition_release(struct rendition *rendition);
 
 size_t rendition_bytes(const struct rendition *rendition);
 
-/* The part of `height` rows from row `top` on, a multiple of TILE; borrows the maps, and the
- * layers where they begin with the same row. */
+/* The next tile from number `tile` on, row by row, that is in one of these states; `end`, where
+ * there is none before that. */
+size_t rendition_tile(const struct rendition *rendition, size_t tile, size_t end, unsigned states);
+
+/* How many tiles are in one of these states. */
+size_t rendition_count(const struct rendition *rendition, unsigned states);
+
+/* The part of `height` rows from row `top` on, a multiple of TILE; borrows the maps. */
 struct rendition rendition_rows(const struct rendition *rendition, uint32_t top, uint32_t height);
 
 /* Nothing is seen, and every tile is stale; labels, colours and normals are for shading to make. */
@@ -68,6 +74,10 @@ void splat_border(struct rendition *rendition, const struct camera *camera,
  * it. */
 void splat_border_quietly(struct rendition *rendition, const struct camera *camera,
                           const struct border *border);
+
+/* Border projection by a team, each thread with rows of its own. */
+void splat_border_shared(struct rendition *rendition, const struct camera *camera,
+                         const struct border *border, struct team *team);
 
 /* Splats one voxel; the building block of both. */
 void splat_voxel(struct rendition *rendition, const struct camera *camera, uint32_t cell);
@@ -108,10 +118,13 @@ void incremental_image(struct rendition *rendition, const struct camera *camera,
                        struct shade_reach reach);
 
 /* Makes each pixel of `out` of samples x samples pixels of `fine`, which is so much larger: the
- * nearest one's depth, voxel, label and normal; the mean colour, taken of squares, which is near to
- * what light does, and each weighted by its alpha; and the mean alpha. `samples` divides TILE. Only
- * tiles of `fine` that are not fresh are looked at, and then are. */
+ * nearest one's depth, voxel, label and normal; the mean colour of those that show something, taken
+ * of squares, which is near to what light does; and in alpha how many those are, 255 for all.
+ * `samples` divides TILE. Only tiles of `fine` that are not fresh are looked at, and then are. */
 void rendition_reduce(struct rendition *out, struct rendition *fine, uint32_t samples);
+/* The same by a team. */
+void rendition_reduce_shared(struct rendition *out, struct rendition *fine, uint32_t samples,
+                             struct team *team);
 
 /* A sum mod 2^64 over pixels of a mix of everything the rendition holds. */
 uint64_t rendition_digest(const struct rendition *rendition);

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "render/edge.h"
-#include "render/layers.h"
 #include "render/light.h"
 #include "render/normal.h"
 
@@ -22,12 +21,11 @@ void shader_release(struct shader *shader)
         field_release(&shader->part[i].scene);
         shader->part[i] = (struct shader_part){0};
     }
-    seams_release(&shader->seams);
 }
 
 size_t shader_bytes(const struct shader *shader)
 {
-    size_t bytes = seams_bytes(&shader->seams);
+    size_t bytes = 0;
     for (int i = 0; i < TEAM_MOST; i++)
         bytes += field_bytes(&shader->part[i].shown) + field_bytes(&shader->part[i].scene);
     return bytes;
@@ -83,7 +81,7 @@ static void shade_pixel(struct rendition *r, struct shading *s, uint32_t x, uint
     normal[3] = 0;
     normal_of(normal, &s->normals, r, x, y);
     int64_t cue = light_cue(&s->light, depth);
-    if (s->look->edges && !draws_edges(s->look) && !r->layers && edge_hides(r, x, y))
+    if (s->look->edges && !draws_edges(s->look) && edge_hides(r, x, y))
         cue = cue * EDGE >> LIGHT_UNIT_BITS;
     if (is_cut_open(s, r->cell[pixel], depth))
         shade_cut_face(rgba, s, r->cell[pixel], colour, cue);
@@ -108,8 +106,9 @@ struct tile {
     uint32_t left, top, right, bottom; /* right and bottom are beyond it */
 };
 
-static struct tile tile_at(const struct rendition *r, uint32_t x, uint32_t y)
+static struct tile tile_at(const struct rendition *r, size_t number)
 {
+    const uint32_t x = (uint32_t)(number % r->tiles_x), y = (uint32_t)(number / r->tiles_x);
     const uint32_t right = (x + 1) * TILE, bottom = (y + 1) * TILE;
     return (struct tile){x * TILE, y * TILE, right < r->width ? right : r->width,
                          bottom < r->height ? bottom : r->height};
@@ -126,19 +125,10 @@ static void fetch_cells(const struct rendition *r, const struct scene *scene, st
         }
 }
 
-static struct footprint footprint_of(struct tile tile)
-{
-    return (struct footprint){(int32_t)tile.left, (int32_t)tile.top, (int32_t)tile.right - 1,
-                              (int32_t)tile.bottom - 1};
-}
-
 /* Labels of a tile. Empty pixels get no colour and no normal; true where all of them are empty. */
-static bool label_tile(struct rendition *r, const struct border *border, struct tile tile)
+static bool label_tile(struct rendition *r, const struct labels *labels, struct tile tile)
 {
-    const struct labels *labels = &border->labels;
     bool is_empty = true;
-    if (r->layers)
-        return layers_pick(r, border, footprint_of(tile));
     fetch_cells(r, labels->scene, tile);
     for (uint32_t y = tile.top; y < tile.bottom; y++) {
         const size_t row = (size_t)y * r->width;
@@ -155,12 +145,6 @@ static bool label_tile(struct rendition *r, const struct border *border, struct 
     return is_empty;
 }
 
-static void darken(uint8_t rgba[4])
-{
-    for (int k = 0; k < 3; k++)
-        rgba[k] = (uint8_t)(rgba[k] * EDGE >> LIGHT_UNIT_BITS);
-}
-
 static void shade_tile(struct rendition *r, struct shading *s, struct tile tile)
 {
     for (uint32_t y = tile.top; y < tile.bottom; y++)
@@ -169,49 +153,23 @@ static void shade_tile(struct rendition *r, struct shading *s, struct tile tile)
                 shade_pixel(r, s, x, y);
 }
 
-/* Where objects are translucent: layer by layer, from the nearest on. Edges are those of the layers
- * that count. */
-static void blend_tile(struct rendition *r, struct shading *s, struct tile tile)
+/* Tiles have numbers, row by row: those from `first` to before `end`. */
+static void label_tiles(struct rendition *r, size_t first, size_t end, const struct labels *labels)
 {
-    struct blend blend;
-    blend_begin(&blend, r, s->border, footprint_of(tile));
-    while (blend_next(&blend)) {
-        shade_tile(&r->layers->pass, s, tile);
-        blend_add(&blend, r);
-    }
-    blend_end(&blend, r);
-    const bool has_edges = s->look->edges && !draws_edges(s->look);
-    for (uint32_t y = tile.top; has_edges && y < tile.bottom; y++)
-        for (uint32_t x = tile.left; x < tile.right; x++)
-            if (edge_hides(r, x, y))
-                darken(r->rgba + 4 * ((size_t)y * r->width + x));
+    for (size_t i = rendition_tile(r, first, end, TILE_STALE); i < end;
+         i = rendition_tile(r, i + 1, end, TILE_STALE))
+        if (label_tile(r, labels, tile_at(r, i)))
+            r->stale[i] = TILE_EMPTY;
 }
 
-/* Rows of tiles. */
-static void label_rows(struct rendition *r, uint32_t first, uint32_t end,
-                       const struct border *border)
-{
-    for (uint32_t y = first; y < end; y++)
-        for (uint32_t x = 0; x < r->tiles_x; x++) {
-            uint8_t *state = r->stale + (size_t)y * r->tiles_x + x;
-            if (*state == TILE_STALE && label_tile(r, border, tile_at(r, x, y)))
-                *state = TILE_EMPTY;
-        }
-}
-
-/* Tiles as they are numbered, row after row. */
 static void shade_tiles(struct rendition *r, size_t first, size_t end, struct shading *s,
                         struct task *task)
 {
     const enum tile_state next = draws_edges(s->look) ? TILE_LIT : TILE_SHADED;
-    for (size_t i = first; i < end && task_advance(task, TILE * TILE); i++) {
-        if (r->stale[i] != TILE_STALE)
-            continue;
-        const struct tile tile = tile_at(r, (uint32_t)(i % r->tiles_x), (uint32_t)(i / r->tiles_x));
-        if (r->layers)
-            blend_tile(r, s, tile);
-        else
-            shade_tile(r, s, tile);
+    for (size_t i = rendition_tile(r, first, end, TILE_STALE);
+         i < end && task_advance(task, TILE * TILE);
+         i = rendition_tile(r, i + 1, end, TILE_STALE)) {
+        shade_tile(r, s, tile_at(r, i));
         r->stale[i] = (uint8_t)next;
     }
 }
@@ -221,10 +179,9 @@ static void draw_edges(struct rendition *r, size_t first, size_t end, const stru
 {
     struct edges edges;
     edges_init(&edges, r, s->camera, s->look->samples);
-    for (size_t i = first; i < end; i++) {
-        const struct tile tile = tile_at(r, (uint32_t)(i % r->tiles_x), (uint32_t)(i / r->tiles_x));
-        if (r->stale[i] != TILE_LIT)
-            continue;
+    for (size_t i = rendition_tile(r, first, end, TILE_LIT); i < end;
+         i = rendition_tile(r, i + 1, end, TILE_LIT)) {
+        const struct tile tile = tile_at(r, i);
         for (uint32_t y = tile.top; y < tile.bottom; y++)
             for (uint32_t x = tile.left; x < tile.right; x++)
                 if (r->cell[(size_t)y * r->width + x] != CELL_NONE)
@@ -233,23 +190,16 @@ static void draw_edges(struct rendition *r, size_t first, size_t end, const stru
     }
 }
 
-/* Depths are those of the layers that count, and say nothing of the others. */
-static enum shade_mode mode_of(const struct look *look, const struct border *border)
-{
-    const bool knows_depths = !border_is_translucent(border);
-    return look->mode == SHADE_DEPTH && !knows_depths ? SHADE_SURFACE : look->mode;
-}
-
 /* ---- fields ---- */
 
 static enum err prepare(struct field *field, bool *has, const struct border *border,
-                        enum field_kind kind, struct fault *fault)
+                        enum field_kind kind, unsigned threads, struct fault *fault)
 {
     if (*has && field->border == border)
         return OK;
     if (*has)
         field_release(field);
-    const enum err err = field_init(field, border, kind, fault);
+    const enum err err = field_init(field, border, kind, threads, fault);
     *has = err == OK;
     return err;
 }
@@ -257,14 +207,14 @@ static enum err prepare(struct field *field, bool *has, const struct border *bor
 enum err shader_prepare(struct shader *shader, unsigned threads, const struct border *border,
                         const struct look *look, struct fault *fault)
 {
-    const enum shade_mode mode = mode_of(look, border);
+    const unsigned most = team_size(shader->team);
     enum err err = OK;
     for (unsigned i = 0; i < threads && !err; i++) {
         struct shader_part *part = shader->part + i;
-        if (mode != SHADE_DEPTH)
-            err = prepare(&part->shown, &part->has_shown, border, FIELD_SHOWN, fault);
-        if (!err && mode == SHADE_SCENE)
-            err = prepare(&part->scene, &part->has_scene, border, FIELD_SCENE, fault);
+        if (look->mode != SHADE_DEPTH)
+            err = prepare(&part->shown, &part->has_shown, border, FIELD_SHOWN, most, fault);
+        if (!err && look->mode == SHADE_SCENE)
+            err = prepare(&part->scene, &part->has_scene, border, FIELD_SCENE, most, fault);
     }
     return err;
 }
@@ -273,7 +223,7 @@ enum err shader_prepare(struct shader *shader, unsigned threads, const struct bo
 
 static void shading_init(struct shading *s, const struct camera *camera,
                          const struct border *border, const struct palette *palette,
-                         const struct look *look, struct shader *shader, unsigned number)
+                         const struct look *look, struct shader *shader)
 {
     *s = (struct shading){.camera = camera,
                           .border = border,
@@ -281,9 +231,14 @@ static void shading_init(struct shading *s, const struct camera *camera,
                           .palette = palette,
                           .cuts = !cut_is_none(&border->cut),
                           .window = {shader->window[0], shader->window[1]}};
-    normals_init(&s->normals, camera, mode_of(look, border), look->number >= 2,
-                 &shader->part[number].shown, &shader->part[number].scene);
     light_init(&s->light, camera, look->light, look->cue_percent);
+}
+
+/* The fields of a thread are its own. */
+static void take_fields(struct shading *s, struct shader_part *part)
+{
+    normals_init(&s->normals, s->camera, s->look->mode, s->look->number >= 2, &part->shown,
+                 &part->scene);
 }
 
 void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct camera *camera,
@@ -292,29 +247,71 @@ void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct 
 {
     struct shading s;
     struct task task = task_begin_part(camera->scene->watch, NULL, 0, 1);
-    shading_init(&s, camera, border, palette, look, shader, number);
-    label_rows(r, 0, r->tiles_y, border);
+    const size_t all = (size_t)r->tiles_x * r->tiles_y;
+    shading_init(&s, camera, border, palette, look, shader);
+    take_fields(&s, &shader->part[number]);
+    label_tiles(r, 0, all, &border->labels);
     if (draws_edges(look)) /* which look at rows around */
-        shade_tiles(r, 0, (size_t)r->tiles_y * r->tiles_x, &s, &task);
+        shade_tiles(r, 0, all, &s, &task);
     else
         shade_tiles(r, (size_t)first * r->tiles_x, (size_t)end * r->tiles_x, &s, &task);
     draw_edges(r, (size_t)first * r->tiles_x, (size_t)end * r->tiles_x, &s);
 }
+
+struct sharing {
+    struct rendition *rendition;
+    const struct shading *shading;
+    struct shader *shader;
+    struct team *team;
+};
+
+/* The tile after the first `stale` ones that are. */
+static size_t tile_after(const struct rendition *r, size_t stale)
+{
+    const size_t all = (size_t)r->tiles_x * r->tiles_y;
+    size_t tile = 0;
+    for (; stale > 0 && tile < all; stale--)
+        tile = rendition_tile(r, tile, all, TILE_STALE) + 1;
+    return tile;
+}
+
+/* Labels of all tiles come first, since those of pixels around are looked at; then each thread has
+ * as many tiles that show something as any other. */
+static void shade_share(void *context, unsigned thread)
+{
+    const struct sharing *sharing = context;
+    struct rendition *r = sharing->rendition;
+    struct team *team = sharing->team;
+    struct shading s = *sharing->shading;
+    struct task task =
+        task_begin_part(s.camera->scene->watch, "shading", (uint64_t)r->width * r->height, thread);
+    const struct share rows = team_share(team, thread, r->tiles_y);
+    take_fields(&s, &sharing->shader->part[thread]);
+    label_tiles(r, rows.first * r->tiles_x, rows.end * r->tiles_x, &s.border->labels);
+    team_wait(team);
+    const struct share tiles = team_share(team, thread, rendition_count(r, TILE_STALE));
+    const size_t first = tile_after(r, tiles.first), end = tile_after(r, tiles.end);
+    team_wait(team);
+    shade_tiles(r, first, end, &s, &task);
+    team_wait(team);
+    draw_edges(r, first, end, &s);
+}
+
+/* To wake a thread takes as long as to shade some tiles. */
+enum { TILES_SHARED = 128 };
 
 enum err shade(struct rendition *r, const struct camera *camera, const struct border *border,
                const struct palette *palette, const struct look *look, struct shader *shader,
                struct fault *fault)
 {
     struct shading s;
-    struct task task = task_begin(camera->scene->watch, "shading", (uint64_t)r->width * r->height);
-    const size_t tiles = (size_t)r->tiles_y * r->tiles_x;
-    const enum err err = shader_prepare(shader, 1, border, look, fault);
+    struct team *team = rendition_count(r, TILE_STALE) < TILES_SHARED ? NULL : shader->team;
+    struct sharing sharing = {r, &s, shader, team};
+    const enum err err = shader_prepare(shader, team_size(team), border, look, fault);
     if (err)
         return err;
-    shading_init(&s, camera, border, palette, look, shader, 0);
-    label_rows(r, 0, r->tiles_y, border);
-    shade_tiles(r, 0, tiles, &s, &task);
-    draw_edges(r, 0, tiles, &s);
+    shading_init(&s, camera, border, palette, look, shader);
+    team_run(team, shade_share, &sharing);
     return OK;
 }
 

@@ -16,7 +16,6 @@
 #include "render/normal.h"
 #include "render/palette.h"
 #include "render/rendition.h"
-#include "render/seams.h"
 
 enum { SHADE_SAMPLES_MOST = 4, LIGHT_PITCH_MOST = 90000 };
 
@@ -42,14 +41,12 @@ struct look look_default(uint32_t number);
 struct shader_part {
     struct field shown, scene;
     bool has_shown, has_scene;
-    struct seams seams; /* for layers (render/layers.h) */
 };
 struct shader {
     int32_t window[2]; /* to be set where something is cut: the intensities that are black and
                           white on faces cut open; they differ, and either may be the greater */
     struct team *team; /* to be set: the threads that share the work, or NULL */
     struct shader_part part[TEAM_MOST];
-    struct seams seams; /* for layers (render/layers.h) */
 };
 
 /* Frees what is stored; the shader, whose window and team stay, may be used again. A new one is

@@ -1,4 +1,3 @@
-#include "render/layers.h"
 #include "render/sweep.h"
 
 struct footprint splat_footprint(const struct camera *camera, uint32_t cell, int around)
@@ -50,10 +49,6 @@ static inline void sweep_splat(struct sweep *sweep, struct rendition *r, uint32_
 
 void splat_scene(struct rendition *r, const struct camera *camera, const struct border *border)
 {
-    if (r->layers) {
-        layers_splat_scene(r, camera, border);
-        return;
-    }
     struct sweep sweep;
     sweep_init(&sweep, camera);
     rendition_clear(r);
@@ -86,8 +81,17 @@ static void splat_faces(struct sweep *sweep, struct rendition *r, const struct b
 static void splat_border_word(struct sweep *sweep, struct rendition *r, const struct border *border,
                               size_t w)
 {
-    for (uint64_t word = border->border[w]; word;)
-        splat_faces(sweep, r, border, (ptrdiff_t)w * 64, sweep_take_row(sweep, w, &word));
+    const uint32_t at = (uint32_t)(w * 64);
+    for (uint64_t word = border->border[w]; word;) {
+        const uint32_t first = at + (uint32_t)__builtin_ctzll(word);
+        if (first >= sweep->end || first < sweep->first)
+            sweep_to_row(sweep, first);
+        const uint64_t beyond = sweep->end < at + 64 ? ~UINT64_C(0) << (sweep->end - at) : 0;
+        const uint64_t row = word & ~beyond;
+        if (sweep_sees(sweep, first, at + 63 - (uint32_t)__builtin_clzll(row)))
+            splat_faces(sweep, r, border, (ptrdiff_t)at, row);
+        word &= beyond;
+    }
 }
 
 /* What is nearer comes first, as far as planes of voxels go: then most of what is hidden is found
@@ -95,10 +99,6 @@ static void splat_border_word(struct sweep *sweep, struct rendition *r, const st
 static void splat_under(struct task *task, struct rendition *r, const struct camera *camera,
                         const struct border *border)
 {
-    if (r->layers) {
-        layers_splat_border(task, r, camera, border);
-        return;
-    }
     struct sweep sweep;
     sweep_init(&sweep, camera);
     rendition_clear(r);
@@ -120,4 +120,75 @@ void splat_border_quietly(struct rendition *r, const struct camera *camera,
 {
     struct task task = task_begin_part(border->scene->watch, NULL, 0, 1);
     splat_under(&task, r, camera, border);
+}
+
+/* ---- by several threads ---- */
+
+enum { WORDS_APART = 61, ROWS_MOST = 4 * VIEW_SIDE_MOST / TILE };
+
+struct splatting {
+    const struct rendition *rendition;
+    const struct camera *camera;
+    const struct border *border;
+    uint32_t first[TEAM_MOST + 1]; /* rows of tiles of each thread, to those of the next */
+};
+
+/* Counts, by row of tiles, some of the border voxels, and adds what clearing a row takes. */
+static void count_work(uint32_t work[ROWS_MOST], const struct splatting *s)
+{
+    const struct grid *grid = &s->camera->scene->grid;
+    const int64_t last = (int64_t)s->rendition->tiles_y - 1;
+    for (int64_t y = 0; y <= last; y++)
+        work[y] = 1 + s->rendition->width / 512;
+    for (size_t w = 0; w < s->border->words; w += WORDS_APART) {
+        if (!s->border->border[w])
+            continue;
+        const uint32_t cell = (uint32_t)(w * 64) + (uint32_t)__builtin_ctzll(s->border->border[w]);
+        const int64_t row = project(s->camera, grid_place(grid, cell)).centre[1] >> 30;
+        if (row >= 0 && row / TILE <= last)
+            work[row / TILE]++;
+    }
+}
+
+/* Each thread has about as much to do, and pixels of its own. */
+static void share_rows(struct splatting *s, unsigned threads)
+{
+    uint32_t work[ROWS_MOST], y = 0;
+    uint64_t all = 0, before = 0;
+    count_work(work, s);
+    for (uint32_t i = 0; i < s->rendition->tiles_y; i++)
+        all += work[i];
+    for (unsigned i = 1; i < threads; i++) {
+        while (y < s->rendition->tiles_y && before + work[y] / 2 < all * i / threads)
+            before += work[y++];
+        s->first[i] = y;
+    }
+    s->first[0] = 0;
+    s->first[threads] = s->rendition->tiles_y;
+}
+
+static void splat_share(void *context, unsigned thread)
+{
+    const struct splatting *s = context;
+    const uint32_t top = s->first[thread] * TILE, end = s->first[thread + 1] * TILE;
+    const uint32_t height = (end < s->rendition->height ? end : s->rendition->height) - top;
+    if (end <= top)
+        return;
+    struct rendition part = rendition_rows(s->rendition, top, height);
+    const struct camera camera = camera_rows(s->camera, top, height);
+    struct task task =
+        task_begin_part(s->border->scene->watch, "rendition", s->border->scene->grid.cells, thread);
+    splat_under(&task, &part, &camera, s->border);
+}
+
+void splat_border_shared(struct rendition *r, const struct camera *camera,
+                         const struct border *border, struct team *team)
+{
+    struct splatting s = {.rendition = r, .camera = camera, .border = border};
+    if (team_size(team) == 1 || r->tiles_y > ROWS_MOST) {
+        splat_border(r, camera, border);
+        return;
+    }
+    share_rows(&s, team_size(team));
+    team_run(team, splat_share, &s);
 }

@@ -89,7 +89,7 @@ STORY(the_field_is_the_tent_over_what_is_shown_and_follows_its_changes)
         struct stage s;
         struct field field;
         stage_cube(&s, side);
-        CHECK(field_init(&field, &s.border, FIELD_SHOWN, NULL) == OK);
+        CHECK(field_init(&field, &s.border, FIELD_SHOWN, 1, NULL) == OK);
         for (int round = 0; round < 20; round++) {
             for (int i = 0; i < 40; i++)
                 put(&s, (int)check_below(&random, side), (int)check_below(&random, side),

@@ -71,7 +71,8 @@ enum err session_colour(struct session *session, const struct border *border, st
     enum err err = shade(&session->rendition, &session->camera, border, &kept->palette, look,
                          &session->shader, fault);
     if (!err && look->samples > 1)
-        rendition_reduce(&session->reduced, &session->rendition, look->samples);
+        rendition_reduce_shared(&session->reduced, &session->rendition, look->samples,
+                                session->team);
     return err;
 }
 
@@ -154,11 +155,10 @@ static enum err draw_border(struct session *session, const struct border *border
     enum err err = OK;
     session->rendered = RENDERED_NOT;
     if (session->rendition.depth) {
-        err = layers_take(&session->layers, &session->rendition, border, &session->shader.seams,
-                          fault);
-        if (err)
-            return err;
-        project(&session->rendition, &session->camera, border);
+        if (project == splat_border)
+            splat_border_shared(&session->rendition, &session->camera, border, session->team);
+        else
+            project(&session->rendition, &session->camera, border);
         err = session_colour(session, border, fault);
     } else {
         err = draw_bands(session, border, project, fault);
@@ -210,7 +210,8 @@ static enum err draw_finished(struct session *session, const struct labels *labe
     if (err)
         return err;
     border.labels = *labels;
-    kept_show(&session->now.kept, &border);
+    border.cut = session->now.kept.cut;
+    memcpy(border.visible, session->now.kept.visible, sizeof border.visible);
     border_recount(&border);
     err = watch_fault(session->watch, fault);
     if (!err)

@@ -182,7 +182,9 @@ static enum err equip(struct session *session, struct scene *scene, struct fores
     if (!err)
         err = border_init(border, scene, fault);
     if (!err)
-        kept_show(&session->now.kept, border);
+        memcpy(border->visible, session->now.kept.visible, sizeof border->visible);
+    if (!err)
+        border->cut = session->now.kept.cut;
     return err;
 }
 

@@ -59,6 +59,13 @@ static const struct program program[] = {
      .detail = "Whole frames of ch2 with brain and cerebellum, their parts, and incremental "
                "images; VTK where it is installed.",
      .run = run_render},
+    {.name = "frames",
+     .words = "",
+     .option = {JSON},
+     .summary = "frames by one thread and by all",
+     .detail = "Whole frames and incremental images of ch2 with brain and cerebellum, of several "
+               "sizes and samples, by one thread and by all of them in turn.",
+     .run = run_frames},
     {.name = "journal",
      .words = "[JOURNAL]",
      .most = 1,

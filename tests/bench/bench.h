@@ -5,6 +5,7 @@
 #ifndef TESTS_BENCH_BENCH_H
 #define TESTS_BENCH_BENCH_H
 
+#include "command/interpreter.h"
 #include "program/program.h"
 
 /* What their command lines give. */
@@ -25,10 +26,14 @@ static inline const struct bench_options *bench_options(const struct options *co
 enum err run_paper(const struct options *options, struct fault *fault);
 enum err run_growth(const struct options *options, struct fault *fault);
 enum err run_render(const struct options *options, struct fault *fault);
+enum err run_frames(const struct options *options, struct fault *fault);
 enum err run_journal(const struct options *options, struct fault *fault);
 enum err run_keys(const struct options *options, struct fault *fault);
 enum err run_effort(const struct options *options, struct fault *fault);
 enum err run_looks(const struct options *options, struct fault *fault);
+
+/* Brain, cerebellum and medulla, as a person segmented them. */
+enum err bench_segment(struct interpreter *interp, struct fault *fault);
 
 /* A session of many commands on 7 million voxels, and how long going on with its journal takes: the
  * least of three times. ERR_CHECK where what is resumed is not what was left. */

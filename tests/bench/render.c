@@ -571,8 +571,7 @@ static enum err carry_out(struct interpreter *interp, const char *path, struct f
     return err;
 }
 
-/* Brain, cerebellum and medulla, as a person segmented them. */
-static enum err segment(struct interpreter *interp, struct fault *fault)
+enum err bench_segment(struct interpreter *interp, struct fault *fault)
 {
     struct buf path = {0};
     enum err err = OK;
@@ -597,7 +596,7 @@ enum err run_render(const struct options *o, struct fault *fault)
     if (!err && !table)
         err = fault_memory(fault, "a benchmark");
     if (!err)
-        err = segment(&interp, fault);
+        err = bench_segment(&interp, fault);
     for (uint32_t zoom = 1; !err && zoom <= 2; zoom++)
         err = time_turn(session, table, zoom * VIEW_ZOOM_ONE, fault);
     if (!err)

@@ -1,0 +1,260 @@
+/*
+ * What a frame takes at the sizes at which people wait for it, by one thread and by all: elapsed,
+ * and of processors, which other work on the machine changes less.
+ */
+#include "tests/bench/bench.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/clock.h"
+#include "base/json.h"
+#include "base/mem.h"
+#include "program/bench.h"
+#include "program/console.h"
+#include "session/session_parts.h"
+
+enum { TIMES_MOST = 48, ROWS_MOST = 16, TEAMS = 2 };
+
+struct times {
+    double ms[TIMES_MOST], of_processors[TIMES_MOST];
+    size_t count;
+};
+
+struct row {
+    const char *what;
+    struct times times[TEAMS]; /* one thread, all threads */
+};
+
+struct table {
+    struct row row[ROWS_MOST];
+    int rows;
+    struct team *team; /* all threads */
+};
+
+/* ---- times ---- */
+
+static uint64_t processors_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (uint64_t)now.tv_sec * UINT64_C(1000000000) + (uint64_t)now.tv_nsec;
+}
+
+struct moment {
+    uint64_t elapsed, processors;
+};
+
+static struct moment moment_now(void)
+{
+    return (struct moment){clock_ns(), processors_ns()};
+}
+
+static void add_since(struct times *times, struct moment begin)
+{
+    const struct moment end = moment_now();
+    if (times->count == TIMES_MOST)
+        return;
+    times->ms[times->count] = times_between(begin.elapsed, end.elapsed);
+    times->of_processors[times->count++] = times_between(begin.processors, end.processors);
+}
+
+static struct row *add_row(struct table *table, const char *what)
+{
+    struct row *row = &table->row[table->rows++];
+    row->what = what;
+    return row;
+}
+
+/* ---- frames ---- */
+
+struct frames {
+    const char *what;
+    uint32_t look, samples, side, zoom;
+    int count; /* of a turn, seen a little from above */
+    enum render_mode mode;
+};
+
+static const struct frames frames[] = {
+    {"512x512, zoom 1, look 1", 1, 1, 512, 1000, 24, RENDER_BORDER},
+    {"512x512, zoom 1", LOOK_PRESENT, 1, 512, 1000, 24, RENDER_BORDER},
+    {"512x512, zoom 2", LOOK_PRESENT, 1, 512, 2000, 24, RENDER_BORDER},
+    {"2048x2048, zoom 8, look 1", 1, 1, 2048, 8000, 9, RENDER_BORDER},
+    {"2048x2048, zoom 8", LOOK_PRESENT, 1, 2048, 8000, 9, RENDER_BORDER},
+    {"512x512, zoom 1, 4x4 samples", LOOK_PRESENT, 4, 512, 1000, 9, RENDER_BORDER},
+    {"a picture of a turntable of 2048x2048, zoom 8, 4x4 samples", LOOK_PRESENT, 4, 2048, 8000, 3,
+     RENDER_ONCE},
+};
+
+static enum err look_with(struct session *session, const struct frames *f, int frame,
+                          struct fault *fault)
+{
+    struct state next = session->now;
+    next.outlook.look.number = f->look;
+    next.outlook.look.samples = f->samples;
+    next.outlook.view.width = next.outlook.view.height = f->side;
+    next.outlook.view.zoom = f->zoom;
+    next.outlook.view.angle[0] = frame * (VIEW_TURN / f->count);
+    next.outlook.view.angle[1] = 15000;
+    return session_go(session, &next, NULL, 0, fault);
+}
+
+/* One thread and all of them in turn, so that other work on the machine meets both. */
+static enum err time_frames(struct session *session, struct table *table, const struct frames *f,
+                            struct fault *fault)
+{
+    struct row *row = add_row(table, f->what);
+    enum err err = look_with(session, f, 0, fault);
+    if (!err)
+        err = session_draw(session, f->mode, fault); /* room is made, and fields */
+    for (int i = 0; !err && i < TEAMS * f->count; i++) {
+        session->team = i % TEAMS ? table->team : NULL;
+        err = look_with(session, f, i / TEAMS, fault);
+        session->rendered = RENDERED_NOT;
+        const struct moment begin = moment_now();
+        err = err ? err : session_draw(session, f->mode, fault);
+        add_since(&row->times[i % TEAMS], begin);
+    }
+    session->team = table->team;
+    return err;
+}
+
+/* ---- edits ---- */
+
+enum { BALL = 6, BALL_MOST = 1000, EDITS = 16 };
+
+struct ball {
+    struct edit seed[BALL_MOST], undo[BALL_MOST];
+    size_t count;
+};
+
+static void make_ball(struct ball *ball, const struct scene *scene, uint32_t cell)
+{
+    const struct place p = grid_place(&scene->grid, cell);
+    ball->count = 0;
+    for (int i = 0; i < (2 * BALL + 1) * (2 * BALL + 1) * (2 * BALL + 1); i++) {
+        const int x = i % (2 * BALL + 1) - BALL, y = i / (2 * BALL + 1) % (2 * BALL + 1) - BALL;
+        const int z = i / (2 * BALL + 1) / (2 * BALL + 1) - BALL;
+        const int64_t at[3] = {(int64_t)p.x + x, (int64_t)p.y + y, (int64_t)p.z + z};
+        if (x * x + y * y + z * z > BALL * BALL || ball->count == BALL_MOST ||
+            !grid_contains(&scene->grid, at[0], at[1], at[2]))
+            continue;
+        const uint32_t c =
+            grid_cell(&scene->grid, (uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]);
+        if (scene->cell[c].flags & CELL_SEED)
+            continue; /* erasing the ball would take it too */
+        ball->seed[ball->count] = (struct edit){c, 0, 0};
+        ball->undo[ball->count++] = (struct edit){c, EDIT_ERASE, 0};
+    }
+}
+
+/* The incremental image of an edit, which is left out. */
+static enum err follow(struct session *session, const struct edit *edit, size_t count,
+                       struct times *times, struct fault *fault)
+{
+    enum err err = forest_edit(session->forest, edit, count, fault);
+    const struct changes changes = forest_changes(session->forest);
+    border_update(&session->border, &changes);
+    const struct moment begin = moment_now();
+    session_follow_rendition(session, RENDERED_FOREST, &changes);
+    if (!err && changes.count > 500 && changes.count < 4000)
+        add_since(times, begin);
+    return err;
+}
+
+/* Balls of background bite into what is seen, and are erased again. */
+static enum err time_edits(struct session *session, struct table *table, const char *what,
+                           uint32_t samples, struct fault *fault)
+{
+    const struct frames f = {what, LOOK_PRESENT, samples, 512, 1000, 12, RENDER_BORDER};
+    struct row *row = add_row(table, what);
+    struct ball *ball = mem_new(sizeof *ball);
+    enum err err = ball ? look_with(session, &f, 1, fault) : fault_memory(fault, "a benchmark");
+    if (!err)
+        err = session_draw(session, RENDER_BORDER, fault);
+    size_t pixel = 0;
+    for (int i = 0; !err && i < EDITS * TEAMS * 8 && row->times[1].count < EDITS; i++) {
+        const struct rendition *frame = session_frame(session);
+        do
+            pixel = (pixel + 12347) % ((size_t)frame->width * frame->height);
+        while (frame->cell[pixel] == CELL_NONE);
+        make_ball(ball, session->scene, frame->cell[pixel]);
+        session->team = i % TEAMS ? table->team : NULL;
+        err = follow(session, ball->seed, ball->count, &row->times[i % TEAMS], fault);
+        if (!err)
+            err = follow(session, ball->undo, ball->count, &row->times[i % TEAMS], fault);
+    }
+    session->team = table->team;
+    free(ball);
+    return err;
+}
+
+/* ---- tables ---- */
+
+static void print_table(FILE *out, struct table *t)
+{
+    fprintf(out, "%-60s %s\n%-60s %9s %9s %9s %9s\n", "", "one thread        all threads", "", "ms",
+            "of CPUs", "ms", "of CPUs");
+    for (int i = 0; i < t->rows; i++) {
+        fprintf(out, "%-60s", t->row[i].what);
+        for (int k = 0; k < TEAMS; k++) {
+            struct times *times = &t->row[i].times[k];
+            fprintf(out, " %9.2f %9.2f", times_median(times->ms, times->count),
+                    times_median(times->of_processors, times->count));
+        }
+        fputc('\n', out);
+    }
+}
+
+static void print_json(FILE *out, struct table *t)
+{
+    static const char *const name[TEAMS][2] = {{"one_ms", "one_processors_ms"},
+                                               {"all_ms", "all_processors_ms"}};
+    struct buf text = {0};
+    struct json json = {.out = &text};
+    json_object(&json, NULL);
+    json_array(&json, "rows");
+    for (int i = 0; i < t->rows; i++) {
+        json_object(&json, NULL);
+        json_text(&json, "what", t->row[i].what);
+        for (int k = 0; k < TEAMS; k++) {
+            struct times *times = &t->row[i].times[k];
+            json_fixed(&json, name[k][0], times_median(times->ms, times->count), 3);
+            json_fixed(&json, name[k][1], times_median(times->of_processors, times->count), 3);
+        }
+        json_end(&json);
+    }
+    json_end(&json);
+    json_end(&json);
+    fputs(buf_text(&text), out);
+    buf_release(&text);
+}
+
+enum err run_frames(const struct options *o, struct fault *fault)
+{
+    struct interpreter interp;
+    struct table *table = mem_new(sizeof *table);
+    console_handle_interrupts();
+    enum err err = interpreter_init(&interp, fault);
+    struct session *session = &interp.session;
+    if (!err && !table)
+        err = fault_memory(fault, "a benchmark");
+    if (!err)
+        err = bench_segment(&interp, fault);
+    if (!err)
+        table->team = session->team;
+    for (size_t i = 0; !err && i < sizeof frames / sizeof frames[0]; i++)
+        err = time_frames(session, table, &frames[i], fault);
+    if (!err)
+        err = time_edits(session, table, "incremental image, 512x512, zoom 1", 1, fault);
+    if (!err)
+        err =
+            time_edits(session, table, "incremental image, 512x512, zoom 1, 4x4 samples", 4, fault);
+    if (!err)
+        (o->json ? print_json : print_table)(stdout, table);
+    interpreter_release(&interp);
+    free(table);
+    return err;
+}

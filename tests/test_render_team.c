@@ -1,0 +1,148 @@
+/* Renditions by a team: however many threads draw them, the same bits come out. Run under
+ * ThreadSanitizer as well (test_render_team_racing). */
+#include "check.h"
+#include "stopping.h"
+
+#include <stdlib.h>
+
+#include "render/bands.h"
+#include "tests/stage.h"
+
+enum { THREADS_MOST = 3 };
+
+static unsigned scaled(unsigned count)
+{
+    const char *factor = getenv("IFTTY_TEST_SCALE");
+    return factor ? count * (unsigned)atoi(factor) : count;
+}
+
+/* A few objects of any shape, seen from anywhere, large enough that the work is shared. */
+static void stage_at_random(struct stage *s, uint64_t *random)
+{
+    const uint32_t size[3] = {20 + check_below(random, 30), 20 + check_below(random, 30),
+                              20 + check_below(random, 30)};
+    CHECK(stage_init(s, size, 6, NULL) == OK);
+    for (size_t i = 0; i < s->scene->grid.cells; i++)
+        if (!(s->scene->cell[i].flags & CELL_RIM)) {
+            s->scene->cell[i].weight = (uint16_t)check_below(random, 6);
+            s->scene->cell[i].intensity = (uint16_t)check_below(random, 4000);
+        }
+    for (int i = 0; i < 8; i++) {
+        const struct edit seed = {grid_cell(&s->scene->grid, check_below(random, size[0]),
+                                            check_below(random, size[1]),
+                                            check_below(random, size[2])),
+                                  (int16_t)(i % 4), 0};
+        CHECK(forest_edit(s->forest, &seed, 1, NULL) == OK);
+    }
+    s->shader.window[1] = 4000;
+    s->border.cut.last[2] = size[2] - check_below(random, 10);
+    border_recount(&s->border);
+    s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT - LOOK_FIRST + 1);
+    s->look.mode = (enum shade_mode)check_below(random, 3);
+    s->look.edges = check_below(random, 2);
+    s->look.samples = 1u << check_below(random, 3);
+    for (int i = 0; i < 3; i++)
+        s->view.angle[i] = (int32_t)check_below(random, VIEW_TURN);
+    s->view.width = s->look.samples * (60 + check_below(random, 60));
+    s->view.height = s->look.samples * (60 + check_below(random, 60));
+    s->view.zoom = s->look.samples * (1000 + check_below(random, 2000));
+    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
+}
+
+static void begin(const struct stage *s, struct rendition *fine, struct rendition *out)
+{
+    const uint32_t samples = s->look.samples;
+    CHECK(rendition_init(fine, s->view.width, s->view.height, NULL) == OK);
+    CHECK(rendition_init(out, s->view.width / samples, s->view.height / samples, NULL) == OK);
+}
+
+static void colour(struct stage *s, struct rendition *fine, struct rendition *out)
+{
+    CHECK(shade(fine, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) == OK);
+    rendition_reduce_shared(out, fine, s->look.samples, s->shader.team);
+}
+
+/* The digest of the picture, and of the one after an edit that takes a ball out. */
+static void draw(struct stage *s, struct team *team, uint64_t digest[3])
+{
+    struct rendition fine, out;
+    const struct bands bands = {splat_border, &s->camera, &s->border, &s->palette,
+                                &s->look,     &s->shader, TILE};
+    begin(s, &fine, &out);
+    s->shader.team = team;
+    splat_border_shared(&fine, &s->camera, &s->border, team);
+    colour(s, &fine, &out);
+    digest[0] = rendition_digest(&out);
+    for (int y = 0; y < (int)out.height; y++)
+        for (int x = 0; x < (int)out.width; x++)
+            for (int k = 0; k < 4; k++)
+                digest[0] = digest[0] * 31 + (uint16_t)out.normal[4 * (y * (int)out.width + x) + k];
+    CHECK(bands_draw(&out, &bands, NULL) == OK);
+    digest[1] = rendition_digest(&out);
+    const uint32_t *size = s->scene->grid.size;
+    const struct edit seed = {grid_cell(&s->scene->grid, size[0] / 2, size[1] / 2, size[2] / 2), 0,
+                              0};
+    CHECK(forest_edit(s->forest, &seed, 1, NULL) == OK);
+    const struct changes changes = forest_changes(s->forest);
+    border_update(&s->border, &changes);
+    incremental_image(&fine, &s->camera, &s->border, &changes, shade_reach(&s->look, &s->camera));
+    colour(s, &fine, &out);
+    digest[2] = rendition_digest(&out);
+    rendition_release(&fine);
+    rendition_release(&out);
+}
+
+STORY(one_to_three_threads_draw_the_same_picture)
+{
+    struct team *team[THREADS_MOST + 1] = {NULL};
+    for (unsigned threads = 2; threads <= THREADS_MOST; threads++)
+        CHECK(team_new(&team[threads], threads, NULL) == OK);
+    for (unsigned number = 0; number < scaled(10) && check_failures == 0; number++) {
+        uint64_t digest[THREADS_MOST + 1][3];
+        for (unsigned threads = 1; threads <= THREADS_MOST; threads++) {
+            uint64_t random = number;
+            struct stage s;
+            stage_at_random(&s, &random);
+            draw(&s, team[threads], digest[threads]);
+            for (int i = 0; i < 3; i++)
+                CHECK_INT(digest[threads][i], digest[1][i]);
+            stage_release(&s);
+        }
+        if (check_failures)
+            printf("# number %u\n", number);
+    }
+    for (unsigned threads = 2; threads <= THREADS_MOST; threads++)
+        team_free(team[threads]);
+}
+
+/* As forests are: whenever it is stopped, every thread comes to its end. */
+STORY(a_picture_may_be_stopped_at_any_time)
+{
+    struct team *team;
+    uint64_t random = 5;
+    struct stage s;
+    struct rendition fine;
+    CHECK(team_new(&team, THREADS_MOST, NULL) == OK);
+    stage_at_random(&s, &random);
+    CHECK(rendition_init(&fine, s.view.width, s.view.height, NULL) == OK);
+    s.shader.team = team;
+    for (int looks = 0; looks < 40; looks++) {
+        int left = looks;
+        struct watch watch = {.context = &left, .poll = stop_after_looks, .step = 1000};
+        s.scene->watch = &watch;
+        splat_border_shared(&fine, &s.camera, &s.border, team);
+        const enum err err =
+            shade(&fine, &s.camera, &s.border, &s.palette, &s.look, &s.shader, NULL);
+        CHECK(err == OK || err == ERR_CANCELLED);
+        s.scene->watch = NULL;
+    }
+    rendition_release(&fine);
+    stage_release(&s);
+    team_free(team);
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(one_to_three_threads_draw_the_same_picture),
+                       TELL(a_picture_may_be_stopped_at_any_time));
+}
