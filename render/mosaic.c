@@ -133,7 +133,16 @@ static struct mosaic_box source_of(const struct fitting *f, uint32_t x, uint32_t
                                right > left ? right - left : 1, bottom > top ? bottom - top : 1};
 }
 
-static uint32_t rendition_cell(const struct rendition *r, const struct mosaic_box *source)
+/* ---- as look 1 has it ---- */
+
+/* Colours fade to black, and the first voxel counts. */
+static bool fades(const struct mosaic_choice *choice)
+{
+    return background_opaque(choice->background) == BACKGROUND_FADE;
+}
+
+/* The voxel of the first that shows one. */
+static uint32_t first_cell(const struct rendition *r, const struct mosaic_box *source)
 {
     for (uint32_t y = 0; y < source->height; y++)
         for (uint32_t x = 0; x < source->width; x++) {
@@ -184,24 +193,28 @@ static void average(uint8_t rgb[3], const struct rendition *r, const struct mosa
     }
 }
 
-/* The mean of those that show something, and how much that is of all, over what is behind. */
-static void average_over(uint8_t rgb[3], const struct rendition *r, const struct mosaic_box *source,
-                         const uint8_t behind[3])
+static uint32_t fading_pixel(uint8_t rgb[3], const struct rendition *r,
+                             const struct mosaic_box *source)
 {
-    uint64_t sum[4] = {0};
-    for (uint32_t y = 0; y < source->height; y++) {
-        const uint8_t *p = r->rgba + 4 * ((size_t)(source->top + y) * r->width + source->left);
-        for (uint32_t x = 0; x < source->width; x++, p += 4) {
-            for (int k = 0; k < 3 && p[3]; k++)
-                sum[k] += (uint32_t)p[k] * p[3];
-            sum[3] += p[3];
-        }
-    }
-    const uint64_t covered = sum[3] ? sum[3] : 1, all = (uint64_t)source->width * source->height;
-    uint8_t mean[4] = {0, 0, 0, (uint8_t)((sum[3] + all / 2) / all)};
-    for (int k = 0; k < 3; k++)
-        mean[k] = (uint8_t)((sum[k] + covered / 2) / covered);
-    background_over(rgb, mean, behind);
+    if (source->width == 2 && source->height == 2)
+        average_four(rgb, r, (size_t)source->top * r->width + source->left);
+    else
+        average(rgb, r, source);
+    return first_cell(r, source);
+}
+
+/* ---- pixels of the pane ---- */
+
+/* As samples are (render/rendition.h), over what is behind; the cell of the nearest is given back.
+ */
+static uint32_t mean_pixel(uint8_t rgb[3], const struct rendition *r,
+                           const struct mosaic_box *source, const uint8_t behind[3])
+{
+    uint8_t rgba[4];
+    const size_t nearest =
+        rendition_mean(rgba, r, source->left, source->top, source->width, source->height);
+    background_over(rgb, rgba, behind);
+    return r->cell[nearest];
 }
 
 /* x * length / shown for x = 0, 1, 2 and so on, without divisions. */
@@ -235,14 +248,10 @@ static void draw_row(const struct canvas *pane, const struct fitting *f, const s
         step(&across);
         source.left = f->from_left + left;
         source.width = across.at > left ? across.at - left : 1;
-        if (behind)
-            average_over(pixel, r, &source, behind);
-        else if (source.width == 2 && source.height == 2)
-            average_four(pixel, r, (size_t)source.top * r->width + source.left);
-        else
-            average(pixel, r, &source);
+        const uint32_t shown =
+            behind ? mean_pixel(pixel, r, &source, behind) : fading_pixel(pixel, r, &source);
         if (cell)
-            cell[x] = rendition_cell(r, &source);
+            cell[x] = shown;
     }
 }
 
@@ -260,15 +269,13 @@ static void draw_seams(const struct canvas *canvas, const struct mosaic_box *box
 static void draw_rendition(const struct canvas *pane, const struct mosaic_choice *choice,
                            const struct rendition *r, const struct fitting *f)
 {
-    const uint32_t background = background_opaque(choice->background);
-    const bool fades = background == BACKGROUND_FADE;
     uint8_t behind[3];
     for (uint32_t y = 0; y < pane->height; y++) {
-        background_at(behind, background, y, pane->height);
-        if (!fades)
+        background_at(behind, background_opaque(choice->background), y, pane->height);
+        if (!fades(choice))
             canvas_box(pane, 0, y, pane->width, 1, behind);
         if (y - f->top < f->shown_height) /* huge where above */
-            draw_row(pane, f, r, y - f->top, fades ? NULL : behind);
+            draw_row(pane, f, r, y - f->top, fades(choice) ? NULL : behind);
     }
 }
 
@@ -339,13 +346,15 @@ struct mosaic_point mosaic_point_of(uint32_t width, uint32_t height,
         box.top + f.top + (uint32_t)((uint64_t)y * f.shown_height / f.height)};
 }
 
-static uint32_t rendition_cell_at(const struct rendition *r, const struct fitting *f, uint32_t x,
-                                  uint32_t y)
+static uint32_t rendition_cell_at(const struct rendition *r, const struct mosaic_choice *choice,
+                                  const struct fitting *f, uint32_t x, uint32_t y)
 {
+    static const uint8_t any[3];
+    uint8_t rgb[3];
     if (x - f->left >= f->shown_width || y - f->top >= f->shown_height)
         return CELL_NONE; /* huge where left or above */
     const struct mosaic_box source = source_of(f, x - f->left, y - f->top);
-    return rendition_cell(r, &source);
+    return fades(choice) ? first_cell(r, &source) : mean_pixel(rgb, r, &source, any);
 }
 
 uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t height,
@@ -360,7 +369,7 @@ uint32_t mosaic_cell_at(const struct scene *scene, uint32_t width, uint32_t heig
             continue;
         if (pane == MOSAIC_RENDITION) {
             const struct fitting f = fit(rendition, choice, width, height);
-            return rendition_cell_at(rendition, &f, x, y);
+            return rendition_cell_at(rendition, choice, &f, x, y);
         }
         const struct slice_choice slice =
             mosaic_slice(scene, choice, width, height, (enum slice_plane)pane);

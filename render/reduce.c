@@ -23,11 +23,22 @@ static inline lanes roots_of(lanes squares)
     return root;
 }
 
-/* Of one pixel: what lies nearest, and sums of squares of the colours. */
+/* Of some pixels: what lies nearest, and sums of squares of the colours. */
 struct mean {
     size_t nearest;
-    uint32_t seen, squares[COLOURS - 1];
+    uint64_t seen, squares[COLOURS - 1];
 };
+
+/* A pixel that counts `seen` counts: without colour where nothing is seen, so often with it. */
+static inline void add_to_mean(struct mean *mean, const struct rendition *fine, size_t at,
+                               uint32_t seen, uint32_t times)
+{
+    const uint8_t *rgba = fine->rgba + COLOURS * at;
+    mean->nearest = fine->depth[at] < fine->depth[mean->nearest] ? at : mean->nearest;
+    mean->seen += seen;
+    for (int k = 0; k < COLOURS - 1; k++)
+        mean->squares[k] += (uint32_t)rgba[k] * rgba[k] * times;
+}
 
 static inline struct mean mean_of(const struct rendition *fine, size_t first, uint32_t samples)
 {
@@ -35,13 +46,30 @@ static inline struct mean mean_of(const struct rendition *fine, size_t first, ui
     for (uint32_t j = 0; j < samples; j++)
         for (uint32_t i = 0; i < samples; i++) {
             const size_t at = first + (size_t)j * fine->width + i;
-            const uint8_t *rgba = fine->rgba + COLOURS * at;
-            mean.nearest = fine->depth[at] < fine->depth[mean.nearest] ? at : mean.nearest;
-            mean.seen += fine->cell[at] != CELL_NONE;
-            for (int k = 0; k < COLOURS - 1; k++)
-                mean.squares[k] += (uint32_t)rgba[k] * rgba[k];
+            add_to_mean(&mean, fine, at, fine->cell[at] != CELL_NONE, 1);
         }
     return mean;
+}
+
+size_t rendition_mean(uint8_t rgba[4], const struct rendition *fine, uint32_t left, uint32_t top,
+                      uint32_t width, uint32_t height)
+{
+    const uint64_t all = (uint64_t)width * height;
+    struct mean mean = {.nearest = (size_t)top * fine->width + left};
+    lanes squares = {0};
+    for (uint32_t y = top; y < top + height; y++)
+        for (uint32_t x = left; x < left + width; x++) {
+            const size_t at = (size_t)y * fine->width + x;
+            const uint32_t alpha = fine->rgba[COLOURS * at + 3];
+            add_to_mean(&mean, fine, at, alpha, alpha);
+        }
+    for (int k = 0; k < COLOURS - 1 && mean.seen; k++)
+        squares[k] = (uint16_t)(mean.squares[k] / mean.seen);
+    const lanes roots = roots_of(squares);
+    for (int k = 0; k < COLOURS - 1; k++)
+        rgba[k] = (uint8_t)roots[k];
+    rgba[3] = (uint8_t)((mean.seen + all / 2) / all);
+    return mean.nearest;
 }
 
 /* All of a pixel but its colour, of which the squares are given back. */

@@ -126,6 +126,11 @@ void rendition_reduce(struct rendition *out, struct rendition *fine, uint32_t sa
 void rendition_reduce_shared(struct rendition *out, struct rendition *fine, uint32_t samples,
                              struct team *team);
 
+/* The same for one pixel that stands for a box of others, which may be covered in part: its colour
+ * and alpha; the pixel of the box that lies nearest is given back. */
+size_t rendition_mean(uint8_t rgba[4], const struct rendition *rendition, uint32_t left,
+                      uint32_t top, uint32_t width, uint32_t height);
+
 /* A sum mod 2^64 over pixels of a mix of everything the rendition holds. */
 uint64_t rendition_digest(const struct rendition *rendition);
 

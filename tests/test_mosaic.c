@@ -173,6 +173,45 @@ STORY(the_rendition_is_averaged_over_black)
     scene_free(scene);
 }
 
+/* The pane of a mosaic that has a rendition at half its size, and 2x2 samples of the same. */
+STORY(a_pixel_of_the_pane_is_what_samples_come_to)
+{
+    static const uint8_t white[3] = {255, 255, 255};
+    struct scene *scene = graded_scene();
+    const struct slice_style style = plain_style();
+    const struct mosaic_choice choice = {.background = BACKGROUND_WHITE};
+    struct rendition r = noisy_rendition(21, 21), fine = black_rendition(20, 20), reduced;
+    uint64_t seed = 3;
+    for (uint32_t y = 0; y < 20; y++)
+        for (uint32_t x = 0; x < 20; x++) {
+            const size_t from = y * 21 + x, to = y * 20 + x;
+            if (r.cell[from] == CELL_NONE)
+                continue;
+            r.depth[from] = fine.depth[to] = 1000 + check_below(&seed, 1000000);
+            fine.cell[to] = r.cell[from];
+            memcpy(fine.rgba + 4 * to, r.rgba + 4 * from, 4);
+        }
+    memset(fine.label, 1, 20 * 20);
+    memset(fine.normal, 0, 20 * 20 * 4 * sizeof *fine.normal);
+    CHECK(rendition_init(&reduced, 10, 10, NULL) == OK);
+    rendition_reduce(&reduced, &fine, 2);
+    struct canvas mosaic = take(scene, &r, &choice, &style);
+    for (uint32_t y = 0; y < 10; y++)
+        for (uint32_t x = 0; x < 10; x++) {
+            uint8_t expected[3];
+            background_over(expected, reduced.rgba + 4 * (y * 10 + x), white);
+            CHECK(memcmp(canvas_pixel(&mosaic, 11 + x, 11 + y), expected, 3) == 0);
+            CHECK_INT(mosaic.cell[(11 + y) * 21 + 11 + x], reduced.cell[y * 10 + x]);
+            CHECK_INT(mosaic_cell_at(scene, 21, 21, &r, &choice, 11 + x, 11 + y),
+                      reduced.cell[y * 10 + x]);
+        }
+    canvas_release(&mosaic);
+    rendition_release(&reduced);
+    rendition_release(&fine);
+    rendition_release(&r);
+    scene_free(scene);
+}
+
 /* Where the seam takes a pixel of the pane away, the rendition loses one on either side. */
 STORY(the_rendition_lies_in_the_middle_of_its_pane)
 {
@@ -288,6 +327,7 @@ int main(void)
     return RUN_STORIES(
         TELL(panes_share_the_picture_out), TELL(panes_are_slices_at_one_scale),
         TELL(the_lines_of_the_cross_hair_run_on), TELL(the_rendition_is_averaged_over_black),
+        TELL(a_pixel_of_the_pane_is_what_samples_come_to),
         TELL(the_rendition_lies_in_the_middle_of_its_pane),
         TELL(a_pixel_of_a_mosaic_knows_its_voxel), TELL(a_rendition_of_another_size_is_fitted_in),
         TELL(without_memory_there_is_no_mosaic));
