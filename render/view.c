@@ -102,7 +102,7 @@ const char *view_name(const int32_t angle[3])
 
 /* ---- scale ---- */
 
-static uint32_t least_spacing(const struct scene *scene)
+uint32_t view_unit(const struct scene *scene)
 {
     uint32_t least = scene->spacing_nm[0];
     for (int a = 1; a < 3; a++)
@@ -114,19 +114,27 @@ static uint32_t least_spacing(const struct scene *scene)
 static int64_t side_in_pixels(const struct scene *scene, int a, uint32_t zoom)
 {
     const uint64_t most = (uint64_t)SIDE_LIMIT * VIEW_ZOOM_ONE / VIEW_ZOOM_LEAST;
-    uint64_t ratio = ((uint64_t)scene->spacing_nm[a] << RELATIVE_BITS) / least_spacing(scene);
+    uint64_t ratio = ((uint64_t)scene->spacing_nm[a] << RELATIVE_BITS) / view_unit(scene);
     return (int64_t)((ratio < most ? ratio : most) * zoom / VIEW_ZOOM_ONE);
+}
+
+/* A voxel much longer than wide is not to be larger than a picture can hold. */
+static uint32_t zoom_within(const struct scene *scene, uint32_t samples, uint64_t zoom)
+{
+    uint64_t most = zoom < VIEW_ZOOM_MOST ? zoom : VIEW_ZOOM_MOST;
+    for (int a = 0; a < 3; a++) {
+        uint64_t fits = (uint64_t)(SIDE_LIMIT - 1) * VIEW_ZOOM_ONE /
+                        (samples * (uint64_t)side_in_pixels(scene, a, VIEW_ZOOM_ONE));
+        most = fits < most ? fits : most;
+    }
+    return (uint32_t)(most < VIEW_ZOOM_LEAST ? VIEW_ZOOM_LEAST : most);
 }
 
 uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height,
                            uint32_t samples)
 {
-    uint64_t squares = 0, most = VIEW_ZOOM_MOST;
+    uint64_t squares = 0;
     for (int a = 0; a < 3; a++) {
-        /* A voxel much longer than wide is not to be larger than a picture can hold. */
-        uint64_t fits = (uint64_t)(SIDE_LIMIT - 1) * VIEW_ZOOM_ONE /
-                        (samples * (uint64_t)side_in_pixels(scene, a, VIEW_ZOOM_ONE));
-        most = fits < most ? fits : most;
         uint64_t side = (uint64_t)scene->grid.size[a] *
                             (uint64_t)(side_in_pixels(scene, a, VIEW_ZOOM_ONE) >> 10) >>
                         10;
@@ -135,8 +143,7 @@ uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t h
     }
     uint64_t diagonal = square_root(squares) + UINT64_C(1);
     uint64_t zoom = UINT64_C(1000) * (width < height ? width : height) / diagonal;
-    zoom = zoom > most ? most : zoom;
-    return (uint32_t)(zoom < VIEW_ZOOM_LEAST ? VIEW_ZOOM_LEAST : zoom);
+    return zoom_within(scene, samples, zoom);
 }
 
 struct view view_default(const struct scene *scene)
@@ -203,6 +210,19 @@ void view_look(const struct view *view, int32_t right[3], int32_t up[3], int32_t
         right[i] = (int32_t)(fixed_mul30(r[i], cr) - fixed_mul30(u[i], sr));
         up[i] = (int32_t)(fixed_mul30(r[i], sr) + fixed_mul30(u[i], cr));
         ahead[i] = (int32_t)d[i];
+    }
+}
+
+void view_axes(const struct view *view, const struct scene *scene, int32_t right[3], int32_t up[3],
+               int32_t ahead[3])
+{
+    int32_t world[3][3];
+    view_look(view, world[0], world[1], world[2]);
+    for (int a = 0; a < 3; a++) {
+        const int axis = scene->world_axis[a], sign = scene->world_sign[a];
+        right[a] = sign * world[0][axis];
+        up[a] = sign * world[1][axis];
+        ahead[a] = sign * world[2][axis];
     }
 }
 
@@ -287,14 +307,9 @@ enum err camera_init(struct camera *camera, const struct scene *scene, const str
                      struct fault *fault)
 {
     struct basis b;
-    int32_t right[3], up[3], ahead[3];
-    *camera = (struct camera){.scene = scene, .view = *view, .unit_nm = least_spacing(scene)};
-    view_look(view, right, up, ahead);
+    *camera = (struct camera){.scene = scene, .view = *view, .unit_nm = view_unit(scene)};
+    view_axes(view, scene, camera->right, camera->up, camera->ahead);
     for (int a = 0; a < 3; a++) {
-        int world = scene->world_axis[a], sign = scene->world_sign[a];
-        camera->right[a] = sign * right[world];
-        camera->up[a] = sign * up[world];
-        camera->ahead[a] = sign * ahead[world];
         camera->flip[a] = camera->ahead[a] < 0;
         int flip = camera->flip[a] ? -1 : 1;
         b.right[a] = flip * camera->right[a];
@@ -326,4 +341,21 @@ struct camera camera_rows(const struct camera *camera, uint32_t top, uint32_t he
     rows.centre[1] -= top * ONE30;
     rows.view.height = height;
     return rows;
+}
+
+uint32_t view_possible_zoom(const struct scene *scene, const struct view *view,
+                            const uint32_t place[3], uint32_t samples, uint64_t wanted)
+{
+    struct view fine = *view;
+    struct camera camera;
+    uint32_t zoom = zoom_within(scene, samples, wanted);
+    view_focus_on(&fine, scene, place);
+    fine.width *= samples;
+    fine.height *= samples;
+    for (; zoom > VIEW_ZOOM_LEAST; zoom -= zoom / 8 + 1) {
+        fine.zoom = zoom * samples;
+        if (camera_init(&camera, scene, &fine, NULL) == OK)
+            break;
+    }
+    return zoom < VIEW_ZOOM_LEAST ? VIEW_ZOOM_LEAST : zoom;
 }

@@ -55,6 +55,14 @@ struct view view_default(const struct scene *scene);
 uint32_t view_fitting_zoom(const struct scene *scene, uint32_t width, uint32_t height,
                            uint32_t samples);
 
+/* The largest zoom up to `wanted` at which a view of that place has a camera, with samples x
+ * samples pixels for each. */
+uint32_t view_possible_zoom(const struct scene *scene, const struct view *view,
+                            const uint32_t place[3], uint32_t samples, uint64_t wanted);
+
+/* The length of one pixel at zoom 1, in nanometres: the smallest spacing. */
+uint32_t view_unit(const struct scene *scene);
+
 /* The six named views. False for any other name. */
 #define VIEW_NAMES "front|back|left|right|top|bottom"
 bool view_by_name(const char *name, int32_t angle[3]);
@@ -64,6 +72,10 @@ const char *view_name(const int32_t angle[3]);
 /* Unit vectors of the picture in the patient (Right, Anterior, Superior), times 2^30: to the right
  * of the picture, up, and away from us. */
 void view_look(const struct view *view, int32_t right[3], int32_t up[3], int32_t ahead[3]);
+
+/* The same along a scene's voxel axes. */
+void view_axes(const struct view *view, const struct scene *scene, int32_t right[3], int32_t up[3],
+               int32_t ahead[3]);
 
 /* The sine of `angle` thousandths of a degree, times 2^30; exact at quarter turns. */
 int32_t view_sine(int32_t angle);

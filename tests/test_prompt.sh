@@ -25,7 +25,7 @@ close_story
 
 begin "Tab completes a word, and lists what there is; a hint tells what may follow"
 press z o Tab
-see '^s> zoom fit\|FACTOR$'
+see '^s> zoom fit\|FACTOR \[at=X,Y,Z\]$'
 enter "fit"
 see '^s> zoom fit$'
 press s Tab
@@ -62,7 +62,7 @@ printf 'zoom\n1' >"$1"
 END
 type_letters "zoo"
 press C-x C-e
-see '^s> zoom 1$'
+see '^s> zoom 1 \[at=X,Y,Z\]$'
 grep -q ' -icanon' theirs && fail "$(cat theirs)"
 press C-c
 close_story

@@ -1,12 +1,19 @@
-/* The turntable: pictures all the way around, as files or as one that is animated. */
+/* The turntable: pictures all the way around, about one axis after the other, as files or as one
+ * that is animated. */
 #include "command/act.h"
 
 #include <string.h>
 
+#include "base/choice.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/least.h"
 #include "image/helper.h"
+#include "render/fit.h"
 #include "session/export.h"
+
+/* The places of the parameters in the table. */
+enum { COUNT, NAME, AXIS, FIT, DELAY, REPLACE, SHOWN };
 
 /* "turn%03d.png": what stands before the number of a picture, how many digits it has at least, and
  * what follows it. */
@@ -48,7 +55,8 @@ struct spin {
     const struct act *act;
     struct labels labels; /* that are shown */
     struct pattern pattern;
-    unsigned count, delay_ms;
+    unsigned axis[3], axes;          /* one turn about each of these angles of a view */
+    unsigned count, total, delay_ms; /* pictures of a turn, and of all */
     enum file_mode mode;
     struct image_movie movie; /* where the pattern does not count */
     struct buf name, path, first;
@@ -65,10 +73,10 @@ static enum err write_frame(struct spin *spin, unsigned number, const struct pic
         err = interpreter_will_write(interp, path, spin->mode, fault);
     if (!err && number == 0)
         err = image_movie_begin(&spin->movie, interp->helper, path, spin->mode, picture,
-                                spin->count, spin->delay_ms, fault);
+                                spin->total, spin->delay_ms, fault);
     if (!err)
         err = image_movie_add(&spin->movie, picture, fault);
-    if (!err && number + 1 == spin->count)
+    if (!err && number + 1 == spin->total)
         err = image_movie_end(&spin->movie, fault);
     return err;
 }
@@ -96,19 +104,49 @@ static enum err write_picture(struct spin *spin, unsigned number)
     return err;
 }
 
-/* Picture `number`: yaw is number / count of a turn beyond where it was, to the nearest
+/* Of picture `number`: the angle of its turn is a part of one beyond where it was, to the nearest
  * thousandth. */
+static struct view view_of(const struct spin *spin, const struct view *from, unsigned number)
+{
+    struct view view = *from;
+    int32_t *angle = &view.angle[spin->axis[number / spin->count]];
+    const int64_t part = ((int64_t)2 * VIEW_TURN * (number % spin->count) + spin->count) /
+                         ((int64_t)2 * spin->count);
+    *angle = (int32_t)((*angle + part) % VIEW_TURN);
+    return view;
+}
+
+/* The zoom at which what is shown fits all pictures, around its middle as the first one has it. */
+static enum err fit_turns(const struct spin *spin, struct view *from)
+{
+    const struct session *session = spin->act->session;
+    const struct view first = *from;
+    struct fit fit;
+    uint32_t place[3];
+    enum err err = fit_init(&fit, &session->border, spin->act->fault);
+    if (err)
+        return err;
+    fit_place(&fit, &first, place);
+    from->zoom = VIEW_ZOOM_MOST;
+    for (unsigned i = 0; i < spin->total; i++) {
+        const struct view view = view_of(spin, &first, i);
+        from->zoom =
+            least(from->zoom, fit_zoom(&fit, &view, place, session->now.outlook.look.samples));
+        watch_poll(session->watch, "turntable", 0, spin->total);
+    }
+    view_focus_on(from, session->scene, place);
+    fit_release(&fit);
+    return watch_fault(session->watch, spin->act->fault);
+}
+
 static enum err turn_to(struct spin *spin, const struct view *from, unsigned number)
 {
     struct session *session = spin->act->session;
     struct fault *fault = spin->act->fault;
-    struct view view = *from;
-    const int64_t part =
-        ((int64_t)2 * VIEW_TURN * number + spin->count) / ((int64_t)2 * spin->count);
-    view.angle[0] = (int32_t)((from->angle[0] + part) % VIEW_TURN);
+    const struct view view = view_of(spin, from, number);
     enum err err = session_set_view(session, &view, fault);
     if (!err)
-        err = session_draw_labels(session, &spin->labels, RENDER_ONCE, fault);
+        err = session_draw_labels(session, &spin->labels, RENDER_AS_KEPT, fault);
     if (!err)
         spin->digest += hash_mix_at(number, rendition_digest(session_frame(session)));
     return err;
@@ -118,19 +156,22 @@ static enum err turn_around(struct spin *spin)
 {
     struct session *session = spin->act->session;
     struct fault *fault = spin->act->fault;
-    const struct view from = session->now.outlook.view;
+    const struct view before = session->now.outlook.view;
+    struct view from = before;
     const bool rendered = session->rendered == RENDERED_FOREST;
     enum err err = session_run(session, fault);
     if (!err)
-        err = act_take_shown(spin->act, &spin->act->value[4], &spin->labels);
-    for (unsigned i = 0; i < spin->count && !err; i++) {
-        watch_poll(session->watch, "turntable", i, spin->count);
+        err = act_take_shown(spin->act, &spin->act->value[SHOWN], &spin->labels);
+    if (!err && act_is_yes(&spin->act->value[FIT]))
+        err = fit_turns(spin, &from);
+    for (unsigned i = 0; i < spin->total && !err; i++) {
+        watch_poll(session->watch, "turntable", i, spin->total);
         err = turn_to(spin, &from, i);
         if (!err)
             err = write_picture(spin, i);
     }
     if (!err)
-        err = session_set_view(session, &from, fault);
+        err = session_set_view(session, &before, fault);
     if (!err && rendered)
         err = session_render(session, RENDER_AS_KEPT, fault);
     return err;
@@ -149,24 +190,66 @@ static void write_outcome(const struct spin *spin, struct reply *reply)
         buf_add_safe(&reply->text, buf_text(&spin->path), spin->path.length);
         buf_add_char(&reply->text, '\n');
     } else {
-        buf_printf(&reply->text, ", %u pictures\n", spin->count);
+        buf_printf(&reply->text, ", %u pictures\n", spin->total);
     }
+}
+
+/* "yaw,roll": one turn after the other, about each axis once. */
+static enum err read_axes(struct spin *spin, const struct value *value)
+{
+    static const char axes[] = "yaw|pitch|roll";
+    const char *whole = value->given ? value->text : "yaw", *at = whole;
+    bool taken[3] = {false};
+    int axis = 0;
+    for (spin->axes = 0; *at && spin->axes < 3 && axis >= 0; at += *at == ',') {
+        char word[8] = "";
+        const size_t length = strcspn(at, ",");
+        memcpy(word, at, length < sizeof word ? length : 0);
+        axis = choice_find(axes, word);
+        if (axis < 0 || taken[axis])
+            break;
+        taken[axis] = true;
+        spin->axis[spin->axes++] = (unsigned)axis;
+        at += length;
+    }
+    if (*at || !spin->axes || at[-1] == ',')
+        return fault_set(spin->act->fault, ERR_USAGE,
+                         "axis: expected yaw, pitch or roll, or several of them with commas "
+                         "between, each once, not %s",
+                         whole);
+    return OK;
+}
+
+static enum err prepare(struct spin *spin)
+{
+    const struct value *value = spin->act->value;
+    struct fault *fault = spin->act->fault;
+    if (!read_pattern(&spin->pattern, value[NAME].text))
+        return fault_set(fault, ERR_USAGE,
+                         "FILE: expected one %%d or %%0Nd in its name, as in turn%%03d.png, or a "
+                         "name that ends in .gif or .tif; not %s",
+                         value[NAME].text);
+    const enum err err = read_axes(spin, &value[AXIS]);
+    spin->total = spin->count * spin->axes;
+    if (!err && spin->total > IMAGE_FRAMES_MOST)
+        return fault_set(fault, ERR_USAGE, "%u turns of %u pictures: at most %d pictures in all",
+                         spin->axes, spin->count, IMAGE_FRAMES_MOST);
+    return err;
 }
 
 enum err act_spin(const struct act *act)
 {
     struct spin spin = {.act = act,
-                        .count = (unsigned)act->value[0].number,
-                        .delay_ms = act->value[2].given ? (unsigned)act->value[2].number : 100,
-                        .mode = act_file_mode(&act->value[3])};
-    if (!read_pattern(&spin.pattern, act->value[1].text))
-        return fault_set(act->fault, ERR_USAGE,
-                         "FILE: expected one %%d or %%0Nd in its name, as in turn%%03d.png, or a "
-                         "name that ends in .gif or .tif; not %s",
-                         act->value[1].text);
+                        .count = (unsigned)act->value[COUNT].number,
+                        .delay_ms =
+                            act->value[DELAY].given ? (unsigned)act->value[DELAY].number : 100,
+                        .mode = act_file_mode(&act->value[REPLACE])};
+    enum err err = prepare(&spin);
+    if (err)
+        return err;
     if (act->interp->mode == MODE_SKIM)
         return session_run(act->session, act->fault);
-    enum err err = turn_around(&spin);
+    err = turn_around(&spin);
     if (!err)
         write_outcome(&spin, act->reply);
     image_movie_abandon(&spin.movie);

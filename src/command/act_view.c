@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "render/fit.h"
+
 static int32_t whole_turn(int64_t angle)
 {
     int64_t turned = angle % VIEW_TURN;
@@ -32,16 +34,47 @@ enum err act_turn(const struct act *act)
     return act_go(act);
 }
 
+/* What is shown, at the present angles; recorded as the zoom and place that it comes to: no replay
+ * has to know what was shown. */
+static enum err fit_shown(const struct act *act)
+{
+    struct view *view = &act->next->outlook.view;
+    struct fit fit;
+    uint32_t place[3];
+    enum err err = fit_init(&fit, &act->session->border, act->fault);
+    if (err)
+        return err;
+    fit_place(&fit, view, place);
+    view->zoom = fit_zoom(&fit, view, place, act->next->outlook.look.samples);
+    view_focus_on(view, act->session->scene, place);
+    if (fit.is_scene)
+        buf_add_text(&act->reply->text, "no object is shown: the scene fits\n");
+    fit_release(&fit);
+    buf_clear(&act->reply->canonical);
+    buf_printf(&act->reply->canonical, "zoom %g at=%u,%u,%u", view->zoom / 1000.0, place[0],
+               place[1], place[2]);
+    return OK;
+}
+
 enum err act_zoom(const struct act *act)
 {
     struct view *view = &act->next->outlook.view;
-    view->zoom = (uint32_t)act->value[0].number;
-    if (act->value[0].text) {
+    const struct value *zoom = &act->value[0], *at = &act->value[1];
+    enum err err = OK;
+    if (zoom->text && at->given)
+        return fault_set(act->fault, ERR_USAGE, "fit finds the place in the centre: without at=");
+    if (!zoom->text) {
+        view->zoom = (uint32_t)zoom->number;
+    } else if (semantics_has(act->session->semantics, MEANING_LOOK)) {
+        err = fit_shown(act);
+    } else {
         view->zoom = view_fitting_zoom(act->session->scene, view->width, view->height,
                                        act->next->outlook.look.samples);
         memset(view->focus, 0, sizeof view->focus);
     }
-    return act_go(act);
+    if (at->given)
+        view_focus_on(view, act->session->scene, at->place);
+    return err ? err : act_go(act);
 }
 
 enum err act_pan(const struct act *act)

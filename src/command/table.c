@@ -356,10 +356,14 @@ const struct command command_table[] = {
      "turn 15 -5"},
     {COMMAND("zoom", act_zoom, GROUP_VIEW, R | S),
      {NEED("FACTOR", VALUE_DECIMAL, .choices = "fit", .least = VIEW_ZOOM_LEAST,
-           .most = VIEW_ZOOM_MOST)},
+           .most = VIEW_ZOOM_MOST),
+      KEYED("at", VALUE_POSITION)},
      "pixels per voxel, or fit",
-     "A voxel of the smallest spacing; with larger spacing, more pixels. `fit` shows the whole "
-     "scene, however it is turned, with its centre in the centre.",
+     "A voxel of the smallest spacing; with larger spacing, more pixels.\n"
+     "fit: what is shown fills the picture at the present angles, with its middle in the centre; "
+     "the scene does where nothing is shown. The journal has the zoom and the place that it comes "
+     "to.\n"
+     "at: this voxel comes to the centre.",
      "zoom 1.5"},
     {COMMAND("pan", act_pan, GROUP_VIEW, R | S),
      {NEED("RIGHT", VALUE_DECIMAL, .least = -PANS, .most = PANS),
@@ -470,14 +474,20 @@ const struct command command_table[] = {
      "render brain.png"},
     {COMMAND("spin", act_spin, GROUP_RENDITION, R | S | E),
      {NEED("N", VALUE_NUMBER, .least = 2, .most = IMAGE_FRAMES_MOST), NEED("FILE", VALUE_FILE),
+      KEYED("axis", VALUE_WORD, .choices = "yaw|pitch|roll", .form = "AXIS,AXIS"),
+      KEYED("fit", VALUE_CHOICE, .choices = "yes|no"),
       KEYED("delay", VALUE_NUMBER, .least = 20, .most = 60000),
       KEYED("replace", VALUE_CHOICE, .choices = "yes|no"), FINISHED},
      "a turntable: N pictures of one full turn",
      "The first picture is the present view, which does not change. %03d in FILE stands for the "
      "number of the picture, here with three digits, from 000. Without it, a .gif is animated, in "
      "256 colours, with `delay` milliseconds for each picture, 100 unless given; a .tif has one "
-     "page for each picture." SHOWN_NOTE,
-     "spin 36 turn%03d.png"},
+     "page for each picture.\n"
+     "axis: yaw unless given: around the patient; pitch goes over his head, roll turns the "
+     "picture, all as `view` counts them. With several, N pictures of a turn about each, in their "
+     "order; each turn begins with the present view, and numbers go on.\n"
+     "fit=yes: what is shown fills the pictures, as large as it fits all of them." SHOWN_NOTE,
+     "spin 36 turn%03d.png fit=yes"},
     {COMMAND("cross", act_cross, GROUP_SLICES, R | S | K),
      {NEED("PLACE", VALUE_POSITION)},
      "the cross-hair: the voxel where the slices meet",

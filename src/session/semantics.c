@@ -30,7 +30,8 @@ const struct meaning_row meaning_table[MEANINGS] = {
                         "a map lies where the scene does, or is resampled", NULL},
     [MEANING_OPEN_WEIGHT] = {"open-weight", 5, "`open` meant `weight morph`",
                              "`open` records its weight, and means morph without one", NULL},
-    [MEANING_LOOK] = {"look", 6, "pictures have look 1", "pictures have look 2", NULL},
+    [MEANING_LOOK] = {"look", 6, "pictures have look 1, and `zoom fit` shows the whole scene",
+                      "pictures have look 2, and `zoom fit` shows what is shown", NULL},
 };
 
 bool semantics_has(unsigned semantics, enum meaning meaning)
