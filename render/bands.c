@@ -1,5 +1,7 @@
 #include "render/bands.h"
 
+#include "render/layers.h"
+
 enum { SAMPLES_HIGH = 64 }; /* at least: less of them are drawn twice, and more leave the caches */
 
 static uint32_t round_up(uint32_t rows)
@@ -60,6 +62,7 @@ struct drawing {
     struct rendition *out;
     struct team *team;
     struct rendition room[TEAM_MOST]; /* for each thread */
+    struct layers layers[TEAM_MOST];
 };
 
 static void draw_share(void *context, unsigned thread)
@@ -87,6 +90,8 @@ static enum err make_room(struct drawing *d, struct fault *fault)
     for (unsigned i = 0; i < team_size(d->team) && !err; i++)
         err =
             rendition_init(&d->room[i], bands->camera->view.width, most < all ? most : all, fault);
+    for (unsigned i = 0; i < team_size(d->team) && !err; i++)
+        err = layers_take(&d->layers[i], &d->room[i], bands->border, &bands->shader->seams, fault);
     return err;
 }
 
@@ -98,7 +103,9 @@ enum err bands_draw(struct rendition *out, const struct bands *bands, struct fau
     const enum err err = make_room(&d, fault);
     if (!err)
         team_run(d.team, draw_share, &d);
-    for (int i = 0; i < TEAM_MOST; i++)
+    for (int i = 0; i < TEAM_MOST; i++) {
         rendition_release(&d.room[i]);
+        layers_release(&d.layers[i]);
+    }
     return err;
 }

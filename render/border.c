@@ -1,5 +1,7 @@
 #include "render/border.h"
 
+#include <string.h>
+
 #include "base/mem.h"
 
 enum err border_init(struct border *border, const struct scene *scene, struct fault *fault)
@@ -14,6 +16,7 @@ enum err border_init(struct border *border, const struct scene *scene, struct fa
     border->changed = mem_pages(words * sizeof *border->changed);
     for (int label = 1; label < 256; label++)
         border->visible[label] = true;
+    memset(border->opacity, BORDER_OPAQUE, sizeof border->opacity);
     if (border->shown && border->border && border->marked && border->stale && border->changed)
         return OK;
     border_release(border);
@@ -66,7 +69,7 @@ static bool count_shown(struct border *border, struct task *task)
     }
     if (!cut_clear(&border->cut, border->scene, next))
         return false;
-    border->version++;
+    border->unnoted = ++border->version;
     for (size_t w = 0; w + 1 < border->words && task_advance(task, 8); w++) {
         if (next[w] != border->shown[w])
             border->changed[w] = border->version;
@@ -113,10 +116,14 @@ void border_update(struct border *border, const struct changes *changes)
     const struct grid *grid = &border->scene->grid;
     const ptrdiff_t *step = grid->step;
     struct task task = task_begin(border->scene->watch, "border", changes->count);
+    const bool notes_labels = border_is_translucent(border);
     border->version++;
+    border->unnoted = notes_labels ? border->unnoted : border->version;
     for (size_t i = 0; i < changes->count && task_advance(&task, 1); i++) {
         const struct change *change = changes->item + i;
         const uint32_t at = change->cell;
+        if (notes_labels)
+            border->changed[at >> 6] = border->version;
         if (border->visible[change->label] == border->visible[change->former_label] ||
             cut_takes(&border->cut, grid, at))
             continue;
@@ -134,6 +141,14 @@ void border_update(struct border *border, const struct changes *changes)
         border->border[w] = border_word(border, w);
         task_advance(&task, 1);
     }
+}
+
+bool border_is_translucent(const struct border *border)
+{
+    for (int label = 1; label < 256; label++)
+        if (border->visible[label] && border->opacity[label] < BORDER_OPAQUE)
+            return true;
+    return false;
 }
 
 size_t border_count(const struct border *border)

@@ -21,6 +21,8 @@
 #include "engine/labels.h"
 #include "render/cut.h"
 
+enum { BORDER_OPAQUE = 100 }; /* percent */
+
 struct border {
     const struct scene *scene;
     struct labels labels; /* by which voxels are shown: the forest's, unless others are set */
@@ -29,11 +31,15 @@ struct border {
     size_t words;         /* of each, with one spare word at the end that stays 0 */
 
     /* For results that were made of `shown` and stored (render/field.h): every update and recount
-     * has a number, and each word that of the last one in which it changed. */
+     * has a number, and each word that of the last one in which it changed. So do changes of the
+     * labels of shown voxels by updates, while something is translucent. */
     uint32_t version;
-    uint32_t *changed; /* [words] */
-    bool visible[256]; /* which labels the view shows; [0] is false */
-    struct cut cut;    /* what is cut away of the scene */
+    uint32_t *changed;    /* [words] */
+    uint32_t unnoted;     /* the last version whose changes of shown labels are not in `changed` */
+    bool visible[256];    /* which labels the view shows; [0] is false */
+    uint8_t opacity[256]; /* of each label, percent, 1..100 where it is visible: for layers
+                             (render/layers.h) alone, all else is the same for any */
+    struct cut cut;       /* what is cut away of the scene */
 
     /* During an update: words of `border` to be made anew, each once, and a bit for each. */
     uint32_t *stale;
@@ -41,7 +47,8 @@ struct border {
     uint64_t *marked;
 };
 
-/* Nothing shown yet; every label but 0 visible, nothing cut away. The scene outlives the border. */
+/* Nothing shown yet; every label but 0 visible and opaque, nothing cut away. The scene outlives the
+ * border. */
 enum err border_init(struct border *border, const struct scene *scene, struct fault *fault);
 void border_release(struct border *border);
 
@@ -91,6 +98,9 @@ static inline bool border_is_cut(const struct border *border, uint32_t cell)
 {
     return !border_shows(border, cell) && border->visible[labels_at(&border->labels, cell)];
 }
+
+/* Whether a visible label is not opaque. */
+bool border_is_translucent(const struct border *border);
 
 size_t border_count(const struct border *border); /* border voxels */
 

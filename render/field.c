@@ -32,6 +32,7 @@ struct values {
 
 struct field_slot {
     uint32_t number[3];      /* of the block */
+    uint8_t label;           /* whose it is; 0: of all that is shown */
     uint32_t version;        /* of the border, for which it is known to be right */
     bool is_made, is_latest; /* of the two of its pair, the one asked for last */
 };
@@ -127,11 +128,12 @@ size_t field_bytes(const struct field *field)
 struct input {
     int64_t first[3];
     unsigned inside[3];
+    uint8_t label; /* of the voxels to be taken; 0 for all that are shown */
 };
 
-static struct input input_of(const struct grid *grid, const uint32_t number[3])
+static struct input input_of(const struct grid *grid, const uint32_t number[3], uint8_t label)
 {
-    struct input input = {{0}, {0}};
+    struct input input = {{0}, {0}, label};
     for (int a = 0; a < 3; a++) {
         input.first[a] = (int64_t)number[a] * FIELD_BLOCK - BEFORE;
         for (int i = 0; i < INPUT; i++) {
@@ -158,6 +160,8 @@ static bool has_row(const struct input *input, int y, int z)
 /* Whether no word that the block was made of has changed since `version`. */
 static bool is_still_right(const struct border *border, const struct input *input, uint32_t version)
 {
+    if (input->label && version < border->unnoted)
+        return false;
     for (int z = 0; z < INPUT; z++)
         for (int y = 0; y < INPUT; y++) {
             if (!has_row(input, y, z))
@@ -201,6 +205,18 @@ static inline unsigned row_bits(const struct border *border, size_t cell, unsign
     return (unsigned)bits & inside;
 }
 
+/* Those of them that have a label. */
+static unsigned labelled_bits(const struct labels *labels, size_t cell, unsigned bits,
+                              uint8_t label)
+{
+    unsigned found = 0;
+    for (unsigned left = bits; left; left &= left - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(left);
+        found |= (unsigned)(labels_at(labels, (uint32_t)cell + i) == label) << i;
+    }
+    return found;
+}
+
 /* One plane of the input, smoothed along x and y. */
 static void fill_plane(struct row out[SAMPLES], const struct field *field,
                        const struct input *input, int z)
@@ -209,9 +225,12 @@ static void fill_plane(struct row out[SAMPLES], const struct field *field,
     struct row row[INPUT];
     for (int y = 0; y < INPUT; y++) {
         unsigned bits = 0;
-        if (has_row(input, y, z))
-            bits = row_bits(field->border, row_cell(&field->border->scene->grid, input, y, z),
-                            input->inside[0]);
+        if (has_row(input, y, z)) {
+            const size_t cell = row_cell(&field->border->scene->grid, input, y, z);
+            bits = row_bits(field->border, cell, input->inside[0]);
+            if (input->label)
+                bits = labelled_bits(&field->border->labels, cell, bits, input->label);
+        }
         row[y] = field->tables->of[0][bits & part];
         add_row(&row[y], &field->tables->of[1][bits >> PART_BITS & part]);
         add_row(&row[y], &field->tables->of[2][bits >> (2 * PART_BITS)]);
@@ -364,42 +383,45 @@ static void make_block(struct field_block *block, const struct field *field,
 
 /* Two slots side by side may hold a block. Blocks close together in space mostly have pairs of
  * their own. */
-static uint32_t pair_of(const struct field *field, const uint32_t number[3])
+static uint32_t pair_of(const struct field *field, const uint32_t number[3], uint8_t label)
 {
-    return 2 * ((number[0] + number[1] * 13 + number[2] * 157) & (field->slots / 2 - 1));
+    const uint32_t place = number[0] + number[1] * 13 + number[2] * 157 + label * 5u;
+    return 2 * (place & (field->slots / 2 - 1));
 }
 
-static bool holds(const struct field_slot *slot, const uint32_t number[3])
+static bool holds(const struct field_slot *slot, const uint32_t number[3], uint8_t label)
 {
-    return slot->is_made && memcmp(slot->number, number, sizeof slot->number) == 0;
+    return slot->is_made && slot->label == label &&
+           memcmp(slot->number, number, sizeof slot->number) == 0;
 }
 
 /* Where a block is, or is to be made: where the other one was asked for last. */
-static uint32_t slot_for(const struct field *field, const uint32_t number[3])
+static uint32_t slot_for(const struct field *field, const uint32_t number[3], uint8_t label)
 {
-    const uint32_t pair = pair_of(field, number);
+    const uint32_t pair = pair_of(field, number, label);
     struct field_slot *slot = field->slot + pair;
-    const uint32_t which = holds(slot, number)       ? 0
-                           : holds(slot + 1, number) ? 1
-                                                     : slot[0].is_latest;
+    const uint32_t which = holds(slot, number, label)       ? 0
+                           : holds(slot + 1, number, label) ? 1
+                                                            : slot[0].is_latest;
     slot[which].is_latest = true;
     slot[!which].is_latest = false;
     return pair + which;
 }
 
-const struct field_block *field_block(struct field *field, const uint32_t number[3])
+const struct field_block *field_block(struct field *field, const uint32_t number[3], uint8_t label)
 {
     const struct border *border = field->border;
-    const uint32_t index = slot_for(field, number);
+    const uint32_t index = slot_for(field, number, label);
     struct field_slot *slot = field->slot + index;
     struct field_block *block = field->block + index;
-    const bool is_here = holds(slot, number);
+    const bool is_here = holds(slot, number, label);
     if (is_here && (slot->version == border->version || field->kind == FIELD_SCENE))
         return block;
-    const struct input input = input_of(&border->scene->grid, number);
+    const struct input input = input_of(&border->scene->grid, number, label);
     if (!is_here || !is_still_right(border, &input, slot->version)) {
         make_block(block, field, &input);
         memcpy(slot->number, number, sizeof slot->number);
+        slot->label = label;
         slot->is_made = true;
     }
     slot->version = border->version;

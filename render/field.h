@@ -6,6 +6,8 @@
  * centres is interpolated. The direction in which the field falls is the normal of the surface.
  * The field of the scene itself (FIELD_SCENE) is the same of its intensities, smoothed less.
  *
+ * The field of one label is that of the shown voxels which have it.
+ *
  * It is made where it is needed, in blocks of FIELD_BLOCK voxels a side, of which a bounded number
  * is stored: making one costs some 3 us, a picture needs some hundreds, and the next picture from
  * another side needs mostly the same. A stored block is made again where a word of the border's
@@ -60,13 +62,16 @@ enum err field_init(struct field *field, const struct border *border, enum field
 void field_release(struct field *field);
 size_t field_bytes(const struct field *field);
 
-/* The block with these numbers along x, y, z; valid until the next one is asked for. */
-const struct field_block *field_block(struct field *field, const uint32_t number[3]);
+/* The block with these numbers along x, y, z, of all that is shown, or of one label that is not 0;
+ * valid until the next one is asked for. */
+const struct field_block *field_block(struct field *field, const uint32_t number[3], uint8_t label);
 
 /* Where a block was last found, so that points close together need not look it up. */
 struct field_reader {
     struct field *field;
+    uint8_t label; /* FIELD_SHOWN: of which to read the field; 0: of all that is shown */
     uint32_t number[3];
+    uint8_t block_label;
     const struct field_block *block; /* NULL at first */
 };
 
@@ -103,9 +108,10 @@ static inline struct gradient field_at(struct field_reader *reader, const int32_
         first[a] = from / 256 % FIELD_BLOCK;
         part[a] = (int32_t)(from % 256);
     }
-    if (!reader->block || number[0] != reader->number[0] || number[1] != reader->number[1] ||
-        number[2] != reader->number[2]) {
-        reader->block = field_block(reader->field, number);
+    if (!reader->block || reader->block_label != reader->label || number[0] != reader->number[0] ||
+        number[1] != reader->number[1] || number[2] != reader->number[2]) {
+        reader->block = field_block(reader->field, number, reader->label);
+        reader->block_label = reader->label;
         for (int a = 0; a < 3; a++)
             reader->number[a] = number[a];
     }

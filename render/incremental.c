@@ -1,4 +1,4 @@
-#include "render/rendition.h"
+#include "render/layers.h"
 
 #include <stdlib.h>
 
@@ -50,6 +50,10 @@ void incremental_image(struct rendition *r, const struct camera *camera,
                        const struct border *border, const struct changes *changes,
                        struct shade_reach reach)
 {
+    if (r->layers) {
+        layers_follow(r, camera, border, changes, reach);
+        return;
+    }
     struct holes holes = {0};
     bool fits = !changes->everything;
     struct task task = task_begin(camera->scene->watch, "rendition", changes->count);

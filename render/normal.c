@@ -242,6 +242,7 @@ void normal_of(int16_t normal[3], struct normals *normals, const struct renditio
         depth_normal(normal, r, normals, x, y);
         return;
     }
+    normals->shown.label = r->layers ? r->label[(size_t)y * r->width + x] : 0;
     int32_t point[3];
     for (int a = 0; a < 3; a++)
         point[a] = locate(&normals->locator[a], depth, x, y);

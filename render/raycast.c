@@ -1,4 +1,4 @@
-#include "render/rendition.h"
+#include "render/layers.h"
 #include "render/walk.h"
 
 bool raycast_pixel(const struct camera *camera, const struct border *border, uint32_t column,
@@ -17,6 +17,10 @@ bool raycast_pixel(const struct camera *camera, const struct border *border, uin
 
 void raycast(struct rendition *r, const struct camera *camera, const struct border *border)
 {
+    if (r->layers) {
+        layers_raycast(r, camera, border);
+        return;
+    }
     rendition_clear(r);
     const uint32_t *size = border->scene->grid.size;
     const uint64_t row = r->width * ((uint64_t)size[0] + size[1] + size[2]); /* steps at most */

@@ -23,31 +23,27 @@ static inline lanes roots_of(lanes squares)
     return root;
 }
 
-/* Of some pixels: what lies nearest, and sums of squares of the colours. */
+/* Of some pixels: what lies nearest, the sum of alpha, and sums of squares of colours by alpha. */
 struct mean {
     size_t nearest;
-    uint64_t seen, squares[COLOURS - 1];
+    uint64_t alpha, squares[COLOURS - 1];
 };
 
-/* A pixel that counts `seen` counts: without colour where nothing is seen, so often with it. */
-static inline void add_to_mean(struct mean *mean, const struct rendition *fine, size_t at,
-                               uint32_t seen, uint32_t times)
+static inline void add_to_mean(struct mean *mean, const struct rendition *fine, size_t at)
 {
     const uint8_t *rgba = fine->rgba + COLOURS * at;
     mean->nearest = fine->depth[at] < fine->depth[mean->nearest] ? at : mean->nearest;
-    mean->seen += seen;
+    mean->alpha += rgba[3];
     for (int k = 0; k < COLOURS - 1; k++)
-        mean->squares[k] += (uint32_t)rgba[k] * rgba[k] * times;
+        mean->squares[k] += (uint32_t)rgba[3] * rgba[k] * rgba[k];
 }
 
 static inline struct mean mean_of(const struct rendition *fine, size_t first, uint32_t samples)
 {
     struct mean mean = {.nearest = first};
     for (uint32_t j = 0; j < samples; j++)
-        for (uint32_t i = 0; i < samples; i++) {
-            const size_t at = first + (size_t)j * fine->width + i;
-            add_to_mean(&mean, fine, at, fine->cell[at] != CELL_NONE, 1);
-        }
+        for (uint32_t i = 0; i < samples; i++)
+            add_to_mean(&mean, fine, first + (size_t)j * fine->width + i);
     return mean;
 }
 
@@ -58,17 +54,14 @@ size_t rendition_mean(uint8_t rgba[4], const struct rendition *fine, uint32_t le
     struct mean mean = {.nearest = (size_t)top * fine->width + left};
     lanes squares = {0};
     for (uint32_t y = top; y < top + height; y++)
-        for (uint32_t x = left; x < left + width; x++) {
-            const size_t at = (size_t)y * fine->width + x;
-            const uint32_t alpha = fine->rgba[COLOURS * at + 3];
-            add_to_mean(&mean, fine, at, alpha, alpha);
-        }
-    for (int k = 0; k < COLOURS - 1 && mean.seen; k++)
-        squares[k] = (uint16_t)(mean.squares[k] / mean.seen);
+        for (uint32_t x = left; x < left + width; x++)
+            add_to_mean(&mean, fine, (size_t)y * fine->width + x);
+    for (int k = 0; k < COLOURS - 1 && mean.alpha; k++)
+        squares[k] = (uint16_t)(mean.squares[k] / mean.alpha);
     const lanes roots = roots_of(squares);
     for (int k = 0; k < COLOURS - 1; k++)
         rgba[k] = (uint8_t)roots[k];
-    rgba[3] = (uint8_t)((mean.seen + all / 2) / all);
+    rgba[3] = (uint8_t)((mean.alpha + all / 2) / all);
     return mean.nearest;
 }
 
@@ -82,11 +75,11 @@ static inline void reduce_pixel(struct rendition *out, size_t to, const struct r
     out->cell[to] = fine->cell[mean.nearest];
     out->label[to] = fine->label[mean.nearest];
     memcpy(out->normal + 4 * to, fine->normal + 4 * mean.nearest, 4 * sizeof *out->normal);
-    out->rgba[COLOURS * to + 3] = (uint8_t)((mean.seen * 255 + all / 2) / all);
+    out->rgba[COLOURS * to + 3] = (uint8_t)((mean.alpha + all / 2) / all);
     for (int k = 0; k < COLOURS - 1; k++)
-        squares[k] = (uint16_t)(mean.seen == all ? mean.squares[k] / all
-                                : mean.seen      ? mean.squares[k] / mean.seen
-                                                 : 0);
+        squares[k] = (uint16_t)(mean.alpha == 255 * all ? mean.squares[k] / (255 * all)
+                                : mean.alpha            ? mean.squares[k] / mean.alpha
+                                                        : 0);
 }
 
 /* `count` pixels beside each other, at most a tile's. */

@@ -79,6 +79,7 @@ struct rendition rendition_rows(const struct rendition *r, uint32_t top, uint32_
     rows.normal += 4 * first;
     rows.stale += (size_t)(top / TILE) * r->tiles_x;
     rows.tiles_y = (height + TILE - 1) / TILE;
+    rows.layers = top ? NULL : r->layers;
     return rows;
 }
 

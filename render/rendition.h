@@ -35,13 +35,15 @@ enum tile_state {
 struct rendition {
     uint32_t width, height;
     int64_t *depth;  /* [height][width], a crossing (4 * t + axis) */
-    uint32_t *cell;  /* of the visible voxel */
+    uint32_t *cell;  /* of the visible voxel; with layers, of the one that counts */
     uint8_t *label;  /* of that voxel */
-    uint8_t *rgba;   /* [height][width][4], sRGB; alpha 255 where something is seen */
+    uint8_t *rgba;   /* [height][width][4], sRGB, not multiplied by alpha; alpha is 255 where
+                        something opaque is seen, and 0 where nothing is */
     int16_t *normal; /* [height][width][4], outward along voxel axes, length 2^14 in the world; the
                         fourth is 0, as is all where nothing is seen */
     uint8_t *stale;  /* [tiles_y][tiles_x], enum tile_state */
     uint32_t tiles_x, tiles_y;
+    struct layers *layers; /* borrowed; NULL where all objects are opaque (render/layers.h) */
 };
 
 enum err rendition_init(struct rendition *rendition, uint32_t width, uint32_t height,
@@ -57,7 +59,8 @@ size_t rendition_tile(const struct rendition *rendition, size_t tile, size_t end
 /* How many tiles are in one of these states. */
 size_t rendition_count(const struct rendition *rendition, unsigned states);
 
-/* The part of `height` rows from row `top` on, a multiple of TILE; borrows the maps. */
+/* The part of `height` rows from row `top` on, a multiple of TILE; borrows the maps, and the
+ * layers where they begin with the same row. */
 struct rendition rendition_rows(const struct rendition *rendition, uint32_t top, uint32_t height);
 
 /* Nothing is seen, and every tile is stale; labels, colours and normals are for shading to make. */
@@ -118,9 +121,9 @@ void incremental_image(struct rendition *rendition, const struct camera *camera,
                        struct shade_reach reach);
 
 /* Makes each pixel of `out` of samples x samples pixels of `fine`, which is so much larger: the
- * nearest one's depth, voxel, label and normal; the mean colour of those that show something, taken
- * of squares, which is near to what light does; and in alpha how many those are, 255 for all.
- * `samples` divides TILE. Only tiles of `fine` that are not fresh are looked at, and then are. */
+ * nearest one's depth, voxel, label and normal; the mean colour, taken of squares, which is near to
+ * what light does, and each weighted by its alpha; and the mean alpha. `samples` divides TILE. Only
+ * tiles of `fine` that are not fresh are looked at, and then are. */
 void rendition_reduce(struct rendition *out, struct rendition *fine, uint32_t samples);
 /* The same by a team. */
 void rendition_reduce_shared(struct rendition *out, struct rendition *fine, uint32_t samples,

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "render/edge.h"
+#include "render/layers.h"
 #include "render/light.h"
 #include "render/normal.h"
 
@@ -21,11 +22,12 @@ void shader_release(struct shader *shader)
         field_release(&shader->part[i].scene);
         shader->part[i] = (struct shader_part){0};
     }
+    seams_release(&shader->seams);
 }
 
 size_t shader_bytes(const struct shader *shader)
 {
-    size_t bytes = 0;
+    size_t bytes = seams_bytes(&shader->seams);
     for (int i = 0; i < TEAM_MOST; i++)
         bytes += field_bytes(&shader->part[i].shown) + field_bytes(&shader->part[i].scene);
     return bytes;
@@ -81,7 +83,7 @@ static void shade_pixel(struct rendition *r, struct shading *s, uint32_t x, uint
     normal[3] = 0;
     normal_of(normal, &s->normals, r, x, y);
     int64_t cue = light_cue(&s->light, depth);
-    if (s->look->edges && !draws_edges(s->look) && edge_hides(r, x, y))
+    if (s->look->edges && !draws_edges(s->look) && !r->layers && edge_hides(r, x, y))
         cue = cue * EDGE >> LIGHT_UNIT_BITS;
     if (is_cut_open(s, r->cell[pixel], depth))
         shade_cut_face(rgba, s, r->cell[pixel], colour, cue);
@@ -125,10 +127,19 @@ static void fetch_cells(const struct rendition *r, const struct scene *scene, st
         }
 }
 
-/* Labels of a tile. Empty pixels get no colour and no normal; true where all of them are empty. */
-static bool label_tile(struct rendition *r, const struct labels *labels, struct tile tile)
+static struct footprint footprint_of(struct tile tile)
 {
+    return (struct footprint){(int32_t)tile.left, (int32_t)tile.top, (int32_t)tile.right - 1,
+                              (int32_t)tile.bottom - 1};
+}
+
+/* Labels of a tile. Empty pixels get no colour and no normal; true where all of them are empty. */
+static bool label_tile(struct rendition *r, const struct border *border, struct tile tile)
+{
+    const struct labels *labels = &border->labels;
     bool is_empty = true;
+    if (r->layers)
+        return layers_pick(r, border, footprint_of(tile));
     fetch_cells(r, labels->scene, tile);
     for (uint32_t y = tile.top; y < tile.bottom; y++) {
         const size_t row = (size_t)y * r->width;
@@ -145,6 +156,12 @@ static bool label_tile(struct rendition *r, const struct labels *labels, struct 
     return is_empty;
 }
 
+static void darken(uint8_t rgba[4])
+{
+    for (int k = 0; k < 3; k++)
+        rgba[k] = (uint8_t)(rgba[k] * EDGE >> LIGHT_UNIT_BITS);
+}
+
 static void shade_tile(struct rendition *r, struct shading *s, struct tile tile)
 {
     for (uint32_t y = tile.top; y < tile.bottom; y++)
@@ -153,12 +170,30 @@ static void shade_tile(struct rendition *r, struct shading *s, struct tile tile)
                 shade_pixel(r, s, x, y);
 }
 
+/* Where objects are translucent: layer by layer, from the nearest on. Edges are those of the layers
+ * that count. */
+static void blend_tile(struct rendition *r, struct shading *s, struct tile tile)
+{
+    struct blend blend;
+    blend_begin(&blend, r, s->border, footprint_of(tile));
+    while (blend_next(&blend)) {
+        shade_tile(&r->layers->pass, s, tile);
+        blend_add(&blend, r);
+    }
+    blend_end(&blend, r);
+    const bool has_edges = s->look->edges && !draws_edges(s->look);
+    for (uint32_t y = tile.top; has_edges && y < tile.bottom; y++)
+        for (uint32_t x = tile.left; x < tile.right; x++)
+            if (edge_hides(r, x, y))
+                darken(r->rgba + 4 * ((size_t)y * r->width + x));
+}
+
 /* Tiles have numbers, row by row: those from `first` to before `end`. */
-static void label_tiles(struct rendition *r, size_t first, size_t end, const struct labels *labels)
+static void label_tiles(struct rendition *r, size_t first, size_t end, const struct border *border)
 {
     for (size_t i = rendition_tile(r, first, end, TILE_STALE); i < end;
          i = rendition_tile(r, i + 1, end, TILE_STALE))
-        if (label_tile(r, labels, tile_at(r, i)))
+        if (label_tile(r, border, tile_at(r, i)))
             r->stale[i] = TILE_EMPTY;
 }
 
@@ -169,7 +204,11 @@ static void shade_tiles(struct rendition *r, size_t first, size_t end, struct sh
     for (size_t i = rendition_tile(r, first, end, TILE_STALE);
          i < end && task_advance(task, TILE * TILE);
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
-        shade_tile(r, s, tile_at(r, i));
+        const struct tile tile = tile_at(r, i);
+        if (r->layers)
+            blend_tile(r, s, tile);
+        else
+            shade_tile(r, s, tile);
         r->stale[i] = (uint8_t)next;
     }
 }
@@ -190,6 +229,13 @@ static void draw_edges(struct rendition *r, size_t first, size_t end, const stru
     }
 }
 
+/* Depths are those of the layers that count, and say nothing of the others. */
+static enum shade_mode mode_of(const struct look *look, const struct border *border)
+{
+    const bool knows_depths = !border_is_translucent(border);
+    return look->mode == SHADE_DEPTH && !knows_depths ? SHADE_SURFACE : look->mode;
+}
+
 /* ---- fields ---- */
 
 static enum err prepare(struct field *field, bool *has, const struct border *border,
@@ -207,13 +253,14 @@ static enum err prepare(struct field *field, bool *has, const struct border *bor
 enum err shader_prepare(struct shader *shader, unsigned threads, const struct border *border,
                         const struct look *look, struct fault *fault)
 {
+    const enum shade_mode mode = mode_of(look, border);
     const unsigned most = team_size(shader->team);
     enum err err = OK;
     for (unsigned i = 0; i < threads && !err; i++) {
         struct shader_part *part = shader->part + i;
-        if (look->mode != SHADE_DEPTH)
+        if (mode != SHADE_DEPTH)
             err = prepare(&part->shown, &part->has_shown, border, FIELD_SHOWN, most, fault);
-        if (!err && look->mode == SHADE_SCENE)
+        if (!err && mode == SHADE_SCENE)
             err = prepare(&part->scene, &part->has_scene, border, FIELD_SCENE, most, fault);
     }
     return err;
@@ -237,8 +284,8 @@ static void shading_init(struct shading *s, const struct camera *camera,
 /* The fields of a thread are its own. */
 static void take_fields(struct shading *s, struct shader_part *part)
 {
-    normals_init(&s->normals, s->camera, s->look->mode, s->look->number >= 2, &part->shown,
-                 &part->scene);
+    normals_init(&s->normals, s->camera, mode_of(s->look, s->border), s->look->number >= 2,
+                 &part->shown, &part->scene);
 }
 
 void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct camera *camera,
@@ -250,7 +297,7 @@ void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct 
     const size_t all = (size_t)r->tiles_x * r->tiles_y;
     shading_init(&s, camera, border, palette, look, shader);
     take_fields(&s, &shader->part[number]);
-    label_tiles(r, 0, all, &border->labels);
+    label_tiles(r, 0, all, border);
     if (draws_edges(look)) /* which look at rows around */
         shade_tiles(r, 0, all, &s, &task);
     else
@@ -287,7 +334,7 @@ static void shade_share(void *context, unsigned thread)
         task_begin_part(s.camera->scene->watch, "shading", (uint64_t)r->width * r->height, thread);
     const struct share rows = team_share(team, thread, r->tiles_y);
     take_fields(&s, &sharing->shader->part[thread]);
-    label_tiles(r, rows.first * r->tiles_x, rows.end * r->tiles_x, &s.border->labels);
+    label_tiles(r, rows.first * r->tiles_x, rows.end * r->tiles_x, s.border);
     team_wait(team);
     const struct share tiles = team_share(team, thread, rendition_count(r, TILE_STALE));
     const size_t first = tile_after(r, tiles.first), end = tile_after(r, tiles.end);

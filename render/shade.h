@@ -16,6 +16,7 @@
 #include "render/normal.h"
 #include "render/palette.h"
 #include "render/rendition.h"
+#include "render/seams.h"
 
 enum { SHADE_SAMPLES_MOST = 4, LIGHT_PITCH_MOST = 90000 };
 
@@ -47,6 +48,7 @@ struct shader {
                           white on faces cut open; they differ, and either may be the greater */
     struct team *team; /* to be set: the threads that share the work, or NULL */
     struct shader_part part[TEAM_MOST];
+    struct seams seams; /* for layers (render/layers.h) */
 };
 
 /* Frees what is stored; the shader, whose window and team stay, may be used again. A new one is

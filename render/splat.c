@@ -1,3 +1,4 @@
+#include "render/layers.h"
 #include "render/sweep.h"
 
 struct footprint splat_footprint(const struct camera *camera, uint32_t cell, int around)
@@ -49,6 +50,10 @@ static inline void sweep_splat(struct sweep *sweep, struct rendition *r, uint32_
 
 void splat_scene(struct rendition *r, const struct camera *camera, const struct border *border)
 {
+    if (r->layers) {
+        layers_splat_scene(r, camera, border);
+        return;
+    }
     struct sweep sweep;
     sweep_init(&sweep, camera);
     rendition_clear(r);
@@ -81,17 +86,8 @@ static void splat_faces(struct sweep *sweep, struct rendition *r, const struct b
 static void splat_border_word(struct sweep *sweep, struct rendition *r, const struct border *border,
                               size_t w)
 {
-    const uint32_t at = (uint32_t)(w * 64);
-    for (uint64_t word = border->border[w]; word;) {
-        const uint32_t first = at + (uint32_t)__builtin_ctzll(word);
-        if (first >= sweep->end || first < sweep->first)
-            sweep_to_row(sweep, first);
-        const uint64_t beyond = sweep->end < at + 64 ? ~UINT64_C(0) << (sweep->end - at) : 0;
-        const uint64_t row = word & ~beyond;
-        if (sweep_sees(sweep, first, at + 63 - (uint32_t)__builtin_clzll(row)))
-            splat_faces(sweep, r, border, (ptrdiff_t)at, row);
-        word &= beyond;
-    }
+    for (uint64_t word = border->border[w]; word;)
+        splat_faces(sweep, r, border, (ptrdiff_t)w * 64, sweep_take_row(sweep, w, &word));
 }
 
 /* What is nearer comes first, as far as planes of voxels go: then most of what is hidden is found
@@ -99,6 +95,10 @@ static void splat_border_word(struct sweep *sweep, struct rendition *r, const st
 static void splat_under(struct task *task, struct rendition *r, const struct camera *camera,
                         const struct border *border)
 {
+    if (r->layers) {
+        layers_splat_border(task, r, camera, border);
+        return;
+    }
     struct sweep sweep;
     sweep_init(&sweep, camera);
     rendition_clear(r);
@@ -185,7 +185,7 @@ void splat_border_shared(struct rendition *r, const struct camera *camera,
                          const struct border *border, struct team *team)
 {
     struct splatting s = {.rendition = r, .camera = camera, .border = border};
-    if (team_size(team) == 1 || r->tiles_y > ROWS_MOST) {
+    if (team_size(team) == 1 || r->layers || r->tiles_y > ROWS_MOST) {
         splat_border(r, camera, border);
         return;
     }

@@ -156,6 +156,19 @@ static inline bool sweep_sees(const struct sweep *sweep, uint32_t from, uint32_t
     return true;
 }
 
+/* Takes the cells of the first row there are out of a word of them, which is not 0, the sweep to
+ * that row, and gives those back; 0 where the picture shows none, as it may be a part of one. */
+static inline uint64_t sweep_take_row(struct sweep *sweep, size_t w, uint64_t *word)
+{
+    const uint32_t at = (uint32_t)(w * 64), first = at + (uint32_t)__builtin_ctzll(*word);
+    if (first >= sweep->end || first < sweep->first)
+        sweep_to_row(sweep, first);
+    const uint64_t beyond = sweep->end < at + 64 ? ~UINT64_C(0) << (sweep->end - at) : 0;
+    const uint64_t row = *word & ~beyond;
+    *word &= beyond;
+    return sweep_sees(sweep, first, at + 63 - (uint32_t)__builtin_clzll(row)) ? row : 0;
+}
+
 /* ---- cubes ---- */
 
 static inline int64_t most_of(int64_t a, int64_t b, int64_t c)

@@ -160,7 +160,9 @@ static inline void fits_its_state(const struct session *session)
     const struct kept *kept = &session->now.kept;
     struct roi roi = roi_none();
     CHECK_INT(session->stale, 0);
-    CHECK(memcmp(session->border.visible, kept->visible, sizeof kept->visible) == 0);
+    for (int label = 0; label < 256; label++)
+        CHECK(session->border.visible[label] == (kept->visible[label] && kept->opacity[label]));
+    CHECK(memcmp(session->border.opacity, kept->opacity, sizeof kept->opacity) == 0);
     CHECK(memcmp(&session->border.cut, &kept->cut, sizeof kept->cut) == 0);
     CHECK_INT(forest_adjacency(session->forest)->count, kept->adjacency);
     CHECK(forest_arcs(session->forest)->kind == weight_arcs(kept->weight.kind));

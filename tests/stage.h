@@ -9,6 +9,7 @@
 
 #include "render/border.h"
 #include "engine/forest.h"
+#include "render/layers.h"
 #include "render/rendition.h"
 #include "render/shade.h"
 
@@ -22,6 +23,7 @@ struct stage {
     struct look look;
     struct shader shader;
     struct rendition rendition;
+    struct layers layers; /* that of the rendition, or of any other that a story has */
 };
 
 /* Takes the scene, with a forest of no seeds, in the view and look that a session begins with. */
@@ -49,6 +51,7 @@ static inline void stage_release(struct stage *s)
 {
     rendition_release(&s->rendition);
     shader_release(&s->shader);
+    layers_release(&s->layers);
     border_release(&s->border);
     forest_free(s->forest);
     scene_free(s->scene);

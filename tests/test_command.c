@@ -1325,6 +1325,15 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"render", NULL},
         {"show 2", NULL},
         {"render", NULL},
+        {"opacity 2 40", NULL},
+        {"render", NULL},
+        {"samples 2", only_looks},
+        {"render mode=sp", NULL},
+        {"seed 8,8,2 1", NULL},
+        {"run", NULL},
+        {"render mode=ray", NULL},
+        {"samples 1", only_looks},
+        {"opacity all 70", NULL},
         {"clip axial 1-8", NULL},
         {"render", NULL},
         {"plane 6,4,3", NULL},
@@ -1335,6 +1344,7 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         {"run", NULL},
         {"plane none", NULL},
         {"render", NULL},
+        {"opacity 2 0", NULL},
         {"clip none", NULL},
         {"label 1 heart #ff0000", NULL},
         {"shade depth", only_looks},
@@ -1443,6 +1453,8 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         printf("#   %s\n", fault.text);
     take_snapshot(&again, &interp);
     again.rendered = end.rendered, again.picture = end.picture;
+    CHECK(is_same_kept(&again.kept, &end.kept)); /* maps lie elsewhere */
+    again.kept = end.kept;
     CHECK(memcmp(&again, &end, sizeof end) == 0);
     interpreter_release(&interp);
     buf_release(&told);
@@ -1661,7 +1673,10 @@ STORY(random_edits_fail_at_random)
             snprintf(line, sizeof line, "render mode=%s", below(2) ? "ii" : "bp");
             break;
         case 4:
-            snprintf(line, sizeof line, "%s %u", below(2) ? "hide" : "show", 1 + below(4));
+            if (below(2))
+                snprintf(line, sizeof line, "%s %u", below(2) ? "hide" : "show", 1 + below(4));
+            else
+                snprintf(line, sizeof line, "opacity %u %u", 1 + below(4), 25 * below(5));
             break;
         case 5:
             snprintf(line, sizeof line, "adjacency %s", below(2) ? "6" : "26");
@@ -2174,6 +2189,54 @@ STORY(pictures_without_memory_leave_everything_as_it_was)
     interpreter_release(&interp);
 }
 
+/* The words of the record of a rendition. */
+static void record_of(char out[128], struct interpreter *interp, const char *line)
+{
+    must(interp, line);
+    snprintf(out, 128, "%s", buf_text(&reply.words));
+}
+
+STORY(opacity_is_a_setting_of_the_segmentation_and_one_picture_in_every_mode)
+{
+    struct interpreter interp;
+    char opaque[128], words[128], other[128];
+    begin_with_scene(&interp);
+    must(&interp, "seed 1,1,1 1");
+    must(&interp, "seed 10,9,8 2");
+    must(&interp, "view 30 20");
+    record_of(opaque, &interp, "render");
+    must(&interp, "opacity 1 40");
+    record_of(words, &interp, "render");
+    CHECK(strcmp(words, opaque) != 0);
+    static const char *const mode[] = {"render mode=sp", "render mode=bp", "render mode=ray",
+                                       "render mode=ii"};
+    for (size_t i = 0; i < sizeof mode / sizeof *mode; i++) {
+        record_of(other, &interp, mode[i]);
+        CHECK_TEXT(other, words);
+    }
+    must(&interp, "info");
+    CHECK_HAS(buf_text(&reply.text), "opacity   100 %, 40 % of label 1\n");
+    must(&interp, "stats");
+    CHECK_HAS(buf_text(&reply.text), ", opacity 40 %\n");
+    must(&interp, "opacity all 100");
+    record_of(other, &interp, "render");
+    CHECK_TEXT(other, opaque);
+    must(&interp, "info");
+    CHECK(strstr(buf_text(&reply.text), "opacity") == NULL);
+    must(&interp, "undo");
+    record_of(other, &interp, "render");
+    CHECK_TEXT(other, words);
+    must(&interp, "opacity 1 0"); /* as hidden, in renditions alone */
+    record_of(words, &interp, "render");
+    must(&interp, "undo");
+    must(&interp, "hide 1");
+    record_of(other, &interp, "render");
+    CHECK_TEXT(other, words);
+    is_refused(&interp, "opacity 1 101", "expected a number 0..100");
+    is_refused(&interp, "opacity 0 50", "expected a label 1..255");
+    interpreter_release(&interp);
+}
+
 STORY(a_journal_that_cannot_begin_undoes_the_command)
 {
     struct interpreter interp;
@@ -2227,6 +2290,7 @@ int main(void)
         TELL(opening_that_is_cancelled_opens_nothing),
         TELL(weights_are_named_and_stay_without_memory),
         TELL(pictures_without_memory_leave_everything_as_it_was),
+        TELL(opacity_is_a_setting_of_the_segmentation_and_one_picture_in_every_mode),
         TELL(a_journal_that_cannot_begin_undoes_the_command));
     return status | end_folder();
 }

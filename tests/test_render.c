@@ -31,6 +31,7 @@ static void colour(struct stage *s, struct rendition *r)
 
 static void render(struct stage *s, struct rendition *r, projection *project)
 {
+    CHECK(layers_take(&s->layers, r, &s->border, &s->shader.seams, NULL) == OK);
     project(r, &s->camera, &s->border);
     colour(s, r);
 }
@@ -41,7 +42,9 @@ static bool modes_agree(struct stage *s, struct rendition *kept)
 {
     struct rendition bp, other;
     struct shader keeper = s->shader;
+    struct layers layers = s->layers;
     s->shader = (struct shader){0};
+    s->layers = (struct layers){0};
     CHECK(rendition_init(&bp, s->view.width, s->view.height, NULL) == OK);
     CHECK(rendition_init(&other, s->view.width, s->view.height, NULL) == OK);
     render(s, &bp, splat_border);
@@ -51,7 +54,9 @@ static bool modes_agree(struct stage *s, struct rendition *kept)
     same = CHECK(same_maps(&bp, &other, "ray walk")) && same;
     same = CHECK(same_maps(&bp, kept, "incremental image")) && same;
     shader_release(&s->shader);
+    layers_release(&s->layers);
     s->shader = keeper;
+    s->layers = layers;
     rendition_release(&bp);
     rendition_release(&other);
     return same;
@@ -87,6 +92,10 @@ static void random_look(struct stage *s, uint64_t *random)
     s->look.cue_percent = check_below(random, 101);
     s->look.edges = check_below(random, 2);
     s->look.samples = 1u << check_below(random, 3); /* so wide are edges */
+    const bool translucent = check_below(random, 2);
+    for (int label = 1; label < 256; label++)
+        s->border.opacity[label] =
+            (uint8_t)(translucent && check_below(random, 3) ? 1 + check_below(random, 100) : 100);
 }
 
 static void random_edit(struct stage *s, uint64_t *random)

@@ -44,6 +44,7 @@ enum err act_focus(const struct act *act);
 enum err act_size(const struct act *act);
 enum err act_hide(const struct act *act);
 enum err act_show(const struct act *act);
+enum err act_opacity(const struct act *act);
 
 /* act_look.c */
 enum err act_shade(const struct act *act);

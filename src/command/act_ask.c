@@ -7,6 +7,7 @@
 #include "engine/rival.h"
 #include "engine/way.h"
 #include "journal/journal.h"
+#include "session/export.h"
 #include "session/histogram.h"
 
 enum { RISES_MOST = 8 }; /* places where the cost rose that `why` lists */
@@ -256,7 +257,11 @@ enum err act_info(const struct act *act)
     act_write_finish(out, session);
     act_write_view(out, session);
     write_look(out, &session->now.outlook);
-    struct buf cut = {0};
+    struct buf cut = {0}, opacity = {0};
+    export_opacity(&opacity, &session->now.kept);
+    if (opacity.length)
+        buf_printf(out, "opacity   %s\n", buf_text(&opacity));
+    buf_release(&opacity);
     if (act_write_cut(&cut, session))
         buf_printf(out, "cut away  %s\n", buf_text(&cut));
     buf_release(&cut);

@@ -146,7 +146,7 @@ static enum err turn_to(struct spin *spin, const struct view *from, unsigned num
     const struct view view = view_of(spin, from, number);
     enum err err = session_set_view(session, &view, fault);
     if (!err)
-        err = session_draw_labels(session, &spin->labels, RENDER_AS_KEPT, fault);
+        err = session_draw_labels(session, &spin->labels, RENDER_ONCE, fault);
     if (!err)
         spin->digest += hash_mix_at(number, rendition_digest(session_frame(session)));
     return err;

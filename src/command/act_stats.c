@@ -46,7 +46,10 @@ static void write_counts(const struct act *act, const struct counts *counts, uns
                counts->voxels[label], plural(counts->voxels[label]));
     if (!session->geometry.spacing_unknown)
         buf_printf(out, ", %.1f ml", (double)counts->voxels[label] * ml);
-    buf_add_text(out, label && !session->now.kept.visible[label] ? ", hidden\n" : "\n");
+    const struct kept *kept = &session->now.kept;
+    if (label && kept->opacity[label] < BORDER_OPAQUE)
+        buf_printf(out, ", opacity %u %%", kept->opacity[label]);
+    buf_add_text(out, label && !kept->visible[label] ? ", hidden\n" : "\n");
 }
 
 enum err act_write_counts(const struct act *act)

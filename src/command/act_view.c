@@ -155,6 +155,17 @@ enum err act_hide(const struct act *act)
     return act_go(act);
 }
 
+enum err act_opacity(const struct act *act)
+{
+    uint8_t *opacity = act->next->kept.opacity;
+    const struct value *label = &act->value[0];
+    if (label->text)
+        memset(opacity, (int)act->value[1].number, sizeof act->next->kept.opacity);
+    else
+        opacity[label->number] = (uint8_t)act->value[1].number;
+    return act_go(act);
+}
+
 enum err act_show(const struct act *act)
 {
     act->next->kept.visible[act->value[0].number] = true;

@@ -397,6 +397,15 @@ const struct command command_table[] = {
      "show an object again",
      NULL,
      "show 2"},
+    {COMMAND("opacity", act_opacity, GROUP_VIEW, R | S),
+     {NEED("LABEL", VALUE_LABEL, .choices = "all", .least = 1, .most = 255),
+      NEED("PERCENT", VALUE_NUMBER, .most = 100)},
+     "how opaque an object is in the rendition",
+     "100, the default, shows its surface alone. With less, what is inside and behind it shines "
+     "through: at most 8 surfaces before the first opaque one. `pick`, and the label, voxel and "
+     "depth of a pixel, are of the surface that has the largest share in its colour. 0 leaves the "
+     "object out of renditions; slices still show it.",
+     "opacity 1 30"},
     {COMMAND("shade", act_shade, GROUP_LOOK, R | S),
      {NEED("NORMALS", VALUE_CHOICE, .choices = SHADE_MODES)},
      "where the normals of a surface come from",

@@ -155,6 +155,10 @@ static enum err draw_border(struct session *session, const struct border *border
     enum err err = OK;
     session->rendered = RENDERED_NOT;
     if (session->rendition.depth) {
+        err = layers_take(&session->layers, &session->rendition, border, &session->shader.seams,
+                          fault);
+        if (err)
+            return err;
         if (project == splat_border)
             splat_border_shared(&session->rendition, &session->camera, border, session->team);
         else
@@ -210,8 +214,7 @@ static enum err draw_finished(struct session *session, const struct labels *labe
     if (err)
         return err;
     border.labels = *labels;
-    border.cut = session->now.kept.cut;
-    memcpy(border.visible, session->now.kept.visible, sizeof border.visible);
+    kept_show(&session->now.kept, &border);
     border_recount(&border);
     err = watch_fault(session->watch, fault);
     if (!err)

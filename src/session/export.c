@@ -49,21 +49,39 @@ static void write_cut(struct buf *out, const struct cut *cut, const struct grid 
     }
 }
 
+void export_opacity(struct buf *out, const struct kept *kept)
+{
+    const uint8_t *opacity = kept->opacity, usual = opacity[0];
+    struct buf others = {0};
+    for (unsigned label = 1; label < 256; label++)
+        if (opacity[label] != usual)
+            buf_printf(&others, ", %u %% of label %u", opacity[label], label);
+    if (usual < BORDER_OPAQUE || others.length)
+        buf_printf(out, "%u %%%s", usual, buf_text(&others));
+    out->failed |= others.failed;
+    buf_release(&others);
+}
+
 /* How the scene is seen: notes that need words made for them. */
 static enum err add_view_notes(struct picture *picture, const struct session *session,
                                struct fault *fault)
 {
     const struct cut *away = &session->now.kept.cut;
-    struct buf seen = {0}, cut = {0};
+    struct buf seen = {0}, cut = {0}, opacity = {0};
     write_view(&seen, &session->now.outlook.view);
     write_cut(&cut, away, &session->scene->grid);
-    enum err err = seen.failed || cut.failed ? fault_memory(fault, "a note on a picture") : OK;
+    export_opacity(&opacity, &session->now.kept);
+    const bool fits = !seen.failed && !cut.failed && !opacity.failed;
+    enum err err = fits ? OK : fault_memory(fault, "a note on a picture");
     if (!err)
         err = picture_note(picture, "iftty:view", buf_text(&seen), fault);
     if (!err && !cut_is_none(away))
         err = picture_note(picture, "iftty:cut", buf_text(&cut), fault);
+    if (!err && opacity.length)
+        err = picture_note(picture, "iftty:opacity", buf_text(&opacity), fault);
     buf_release(&seen);
     buf_release(&cut);
+    buf_release(&opacity);
     return err;
 }
 

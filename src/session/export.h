@@ -16,6 +16,9 @@
 /* What every picture says of itself: program, scene, view. */
 enum err export_notes(struct picture *picture, const struct session *session, struct fault *fault);
 
+/* "100 %, 30 % of label 1": the usual opacity, and that of others; nothing where all are opaque. */
+void export_opacity(struct buf *out, const struct kept *kept);
+
 /* All planes of the rendition but normals, which must be rendered, and notes: version, scene (its
  * name and digest), view. Depth is in millimetres along the view direction, 0 in the middle of the
  * scene. The caller releases the picture. */

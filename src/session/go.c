@@ -276,12 +276,9 @@ enum err session_go(struct session *session, const struct state *state, const st
         return OK;
     if (aims)
         session_take_camera(session, &camera);
-    if (parts & (MADE_BORDER | MADE_COLOURS))
+    if (parts & (MADE_BORDER | MADE_COLOURS)) {
         session->rendered = RENDERED_NOT;
-    if (parts & MADE_BORDER) {
-        for (int label = 0; label < 256; label++)
-            session->border.visible[label] = state->kept.visible[label];
-        session->border.cut = state->kept.cut;
+        kept_show(&state->kept, &session->border);
     }
     session->stale = parts & ~(unsigned)(MADE_CAMERA | MADE_COLOURS);
     return follow(session, seed, seeds, fault);

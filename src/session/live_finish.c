@@ -57,16 +57,15 @@ static enum err make(struct session *session, struct fault *fault)
 /* Whether the border shows what the session does. */
 static bool border_fits(const struct live_finish *live, const struct kept *kept)
 {
-    return memcmp(&live->border.cut, &kept->cut, sizeof kept->cut) == 0 &&
-           memcmp(live->border.visible, kept->visible, sizeof kept->visible) == 0;
+    for (int label = 0; label < 256; label++)
+        if (live->border.visible[label] != (kept->visible[label] && kept->opacity[label]))
+            return false;
+    return memcmp(&live->border.cut, &kept->cut, sizeof kept->cut) == 0;
 }
 
 static enum err fit_border(struct session *session, struct fault *fault)
 {
     struct live_finish *live = &session->live;
-    const struct kept *kept = &session->now.kept;
-    live->border.cut = kept->cut;
-    memcpy(live->border.visible, kept->visible, sizeof kept->visible);
     border_recount(&live->border);
     if (session->rendered == RENDERED_FINISHED)
         session->rendered = RENDERED_NOT;
@@ -81,9 +80,11 @@ enum err live_finish_begin(struct session *session, struct fault *fault)
     struct live_finish *live = &session->live;
     const bool is_new = !live->label;
     const enum err err = is_new ? make(session, fault) : OK;
-    if (err || (!is_new && border_fits(live, &session->now.kept)))
+    if (err)
         return err;
-    return fit_border(session, fault);
+    const bool fits = !is_new && border_fits(live, &session->now.kept);
+    kept_show(&session->now.kept, &live->border);
+    return fits ? OK : fit_border(session, fault);
 }
 
 /* ---- what changes ---- */

@@ -182,9 +182,7 @@ static enum err equip(struct session *session, struct scene *scene, struct fores
     if (!err)
         err = border_init(border, scene, fault);
     if (!err)
-        memcpy(border->visible, session->now.kept.visible, sizeof border->visible);
-    if (!err)
-        border->cut = session->now.kept.cut;
+        kept_show(&session->now.kept, border);
     return err;
 }
 

@@ -57,6 +57,7 @@ void session_release_rendition(struct session *session)
 {
     rendition_release(&session->rendition);
     rendition_release(&session->reduced);
+    layers_release(&session->layers);
     session->rendered = RENDERED_NOT;
 }
 
@@ -77,6 +78,7 @@ size_t session_memory(const struct session *session)
     bytes += kept->mask ? packed_memory(kept->mask) : 0;
     bytes += kept->weight_map ? packed_memory(kept->weight_map) : 0;
     bytes += rendition_bytes(&session->rendition) + rendition_bytes(&session->reduced);
+    bytes += layers_bytes(&session->layers);
     return bytes + shader_bytes(&session->shader);
 }
 

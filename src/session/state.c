@@ -18,13 +18,22 @@ struct state state_default(unsigned semantics)
     palette_default(&state.kept.palette, look);
     for (int label = 1; label < 256; label++)
         state.kept.visible[label] = true;
+    memset(state.kept.opacity, BORDER_OPAQUE, sizeof state.kept.opacity);
     return state;
+}
+
+void kept_show(const struct kept *kept, struct border *border)
+{
+    for (int label = 0; label < 256; label++)
+        border->visible[label] = kept->visible[label] && kept->opacity[label];
+    memcpy(border->opacity, kept->opacity, sizeof border->opacity);
+    border->cut = kept->cut;
 }
 
 /* ---- equality ---- */
 
-/* Two that only matter while something else is so, and what is true of every field. */
-enum { MADE_BY_POLARITY = 64, MADE_BY_WINDOW = 128, DIFFERS = 256 };
+/* Three that only matter while something else is so, and what is true of every field. */
+enum { MADE_BY_POLARITY = 64, MADE_BY_WINDOW = 128, MADE_BY_OPACITY = 256, DIFFERS = 512 };
 
 /* A field, which has no padding within, and what follows from it. */
 struct state_field {
@@ -40,6 +49,7 @@ static const struct state_field kept_field[] = {
     FIELD(kept, palette, MADE_COLOURS),
     FIELD(kept, label_name, 0),
     FIELD(kept, visible, MADE_BORDER),
+    FIELD(kept, opacity, MADE_BY_OPACITY),
     FIELD(kept, orient, MADE_CAMERA),
     FIELD(kept, cut, MADE_BORDER),
     FIELD(kept, adjacency, MADE_WEIGHTS),
@@ -116,6 +126,15 @@ bool outlook_equals(const struct outlook *a, const struct outlook *b)
     return compare_outlooks(a, b) == 0;
 }
 
+/* Whether a label is shown in renditions of one, and not in those of the other. */
+static bool hides_others(const uint8_t a[256], const uint8_t b[256])
+{
+    for (int label = 0; label < 256; label++)
+        if (!a[label] != !b[label])
+            return true;
+    return false;
+}
+
 /* Polarities are heeded by one weight alone; the window of slices colours what is cut open. */
 unsigned state_difference(const struct state *a, const struct state *b)
 {
@@ -124,7 +143,9 @@ unsigned state_difference(const struct state *a, const struct state *b)
         made |= MADE_WEIGHTS;
     if (made & MADE_BY_WINDOW && !cut_is_none(&b->kept.cut))
         made |= MADE_COLOURS;
-    return made & ~(unsigned)(MADE_BY_POLARITY | MADE_BY_WINDOW | DIFFERS);
+    if (made & MADE_BY_OPACITY)
+        made |= hides_others(a->kept.opacity, b->kept.opacity) ? MADE_BORDER : MADE_COLOURS;
+    return made & ~(unsigned)(MADE_BY_POLARITY | MADE_BY_WINDOW | MADE_BY_OPACITY | DIFFERS);
 }
 
 /* ---- ownership ---- */

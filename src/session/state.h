@@ -22,7 +22,7 @@
 #include "engine/finish.h"
 #include "engine/weight.h"
 #include "render/background.h"
-#include "render/cut.h"
+#include "render/border.h"
 #include "render/shade.h"
 #include "render/slice.h"
 #include "render/view.h"
@@ -34,6 +34,7 @@ struct kept {
     struct palette palette;
     char label_name[256][LABEL_NAME_BYTES]; /* "" for none; zeros after the end */
     bool visible[256];
+    uint8_t opacity[256]; /* of labels in renditions, percent; those of 0 are not shown there */
     char orient[8];     /* what `orient` has said of the scene (geometry_orient); "" for nothing */
     struct cut cut;     /* what is cut away of what is visible */
     unsigned adjacency; /* 6 or 26 */
@@ -80,6 +81,9 @@ struct state {
 
 /* As a session of this semantics begins. */
 struct state state_default(unsigned semantics);
+
+/* Has a border show what these settings do; a recount is up to the caller. */
+void kept_show(const struct kept *kept, struct border *border);
 
 /* Two are the same where every field is (a table of state.c: a new field is a row there); maps are,
  * where they are one and the same. */

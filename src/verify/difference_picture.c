@@ -26,7 +26,8 @@ static const uint8_t paper[3] = {24, 24, 24}, ink[3] = {232, 232, 232};
 struct sheet {
     const struct difference_picture *of;
     struct session *session; /* A's */
-    bool visible[256];       /* which labels its user sees */
+    bool visible[256];       /* which labels its user sees, */
+    uint8_t opacity[256];    /* and how opaque they are */
     uint32_t width, height;  /* of a pane */
     uint32_t scale;          /* of letters */
     uint32_t top, bottom;    /* heights of the strips */
@@ -46,6 +47,7 @@ static struct sheet plan_sheet(struct session *session, const struct difference_
                           .top = line + 2 * BORDER,
                           .bottom = ROWS * line + 2 * BORDER};
     memcpy(sheet.visible, session->border.visible, sizeof sheet.visible);
+    memcpy(sheet.opacity, session->border.opacity, sizeof sheet.opacity);
     return sheet;
 }
 
@@ -93,8 +95,10 @@ static enum err render_as(const struct sheet *sheet, enum relabelled as, struct 
 {
     struct session *session = sheet->session;
     relabel(sheet, as);
-    for (int label = 1; label < 256; label++)
+    for (int label = 1; label < 256; label++) {
         session->border.visible[label] = as == AS_B ? sheet->visible[label] : true;
+        session->border.opacity[label] = as == AS_B ? sheet->opacity[label] : BORDER_OPAQUE;
+    }
     border_recount(&session->border);
     session->rendered = RENDERED_NOT;
     return session_draw(session, RENDER_BORDER, fault);

@@ -1,0 +1,101 @@
+/*
+ * Layers: what each pixel shows where some of the objects are translucent.
+ *
+ * Along the ray of a pixel the shown voxels form runs of one label. The face by which the ray comes
+ * into a run is a layer of the pixel: its depth is the crossing there, its label and opacity are
+ * those of the run. Faces that a ray leaves by are none, so an object is as dense as its front. Nor
+ * is there one where the ray has left a run of the label at most LAYERS_GAP voxels before: a ray
+ * along a surface comes in and out of the cubes of its steps, and would draw them as a mesh. A
+ * pixel holds its nearest LAYERS_MOST translucent layers that lie before the first opaque one, and
+ * that one: however many surfaces are before it, an opaque object is seen. Keys of faces never tie
+ * (render/view.h), so the layers are a function of what is shown and of the view; splatting the
+ * faces in whatever order, walking the rays and repairing former layers give the same.
+ *
+ * Colour. Each layer is shaded as the one surface of an opaque picture would be, with the normal
+ * that the object has by itself. From the nearest on it takes its share of the light that is left;
+ * shares of squared colours add up, which is near to what light does, until less than a 256th is
+ * left, which goes to the last. What is left at the end is alpha, and the colour is that of what
+ * was added alone: it is not multiplied by alpha.
+ *
+ * Depth, voxel, label and normal of the pixel are those of the layer that has the largest share,
+ * the nearest of several: what is seen best there. Behind a pale shell that is what is in it.
+ */
+#ifndef RENDER_LAYERS_H
+#define RENDER_LAYERS_H
+
+#include "render/rendition.h"
+#include "render/seams.h"
+
+enum {
+    LAYERS_MOST = 8,
+    LAYERS_GAP = 4, /* voxels, at most 7 */
+};
+
+struct layers {
+    struct seams *seams;    /* borrowed; of the border that is shown */
+    uint32_t width, height; /* 0 where there is no memory yet */
+
+    /* [height][width]: the first opaque layer; DEPTH_NONE, CELL_NONE and 0 where there is none */
+    int64_t *last_depth;
+    uint32_t *last_cell;
+    uint8_t *last_label;
+
+    /* [height][width][LAYERS_MOST]: the nearest translucent ones, from the nearest on; those beyond
+     * the opaque one do not count */
+    uint8_t *count; /* [height][width] */
+    int64_t *depth;
+    uint32_t *cell;
+    uint8_t *label;
+
+    struct rendition pass; /* one layer of a tile, to be shaded; its `layers` are these */
+    uint8_t *root;         /* of squares, to the nearest */
+};
+
+/* A new one is zeroed. */
+void layers_release(struct layers *layers);
+size_t layers_bytes(const struct layers *layers);
+
+/* To be called before a rendition is made of what a border shows: where an object is translucent,
+ * the rendition takes these layers, which are its own from now on; else it has none. Both outlive
+ * it, and so do the seams, which are made those of the border. ERR_MEMORY. */
+enum err layers_take(struct layers *layers, struct rendition *rendition,
+                     const struct border *border, struct seams *seams, struct fault *fault);
+
+/* What the functions of a rendition's name do where it has layers. */
+void layers_splat_scene(struct rendition *rendition, const struct camera *camera,
+                        const struct border *border);
+void layers_splat_border(struct task *task, struct rendition *rendition,
+                         const struct camera *camera, const struct border *border);
+void layers_raycast(struct rendition *rendition, const struct camera *camera,
+                    const struct border *border);
+void layers_follow(struct rendition *rendition, const struct camera *camera,
+                   const struct border *border, const struct changes *changes,
+                   struct shade_reach reach);
+
+/* ---- shading ---- */
+
+/* Depths, voxels and labels of the pixels of a footprint, which is a tile; true where none of them
+ * shows anything. */
+bool layers_pick(struct rendition *rendition, const struct border *border, struct footprint tile);
+
+/* A tile in the making. */
+struct blend {
+    struct layers *layers;
+    const struct border *border;
+    struct footprint tile;
+    unsigned number;              /* of the next layer */
+    uint32_t left[TILE * TILE];   /* of the light of each pixel, of 2^16 */
+    uint32_t sum[TILE * TILE][3]; /* of shares of squares */
+    uint8_t opacity[TILE * TILE]; /* of the layer at hand, percent; 0: the pixel has none */
+};
+
+void blend_begin(struct blend *blend, struct rendition *rendition, const struct border *border,
+                 struct footprint tile);
+/* Puts the next layer into layers->pass, of which the caller shades the tile; false after the
+ * last. */
+bool blend_next(struct blend *blend);
+/* After that: adds the colours, and takes the normal where it is the pixel's. */
+void blend_add(struct blend *blend, struct rendition *rendition);
+void blend_end(const struct blend *blend, struct rendition *rendition);
+
+#endif

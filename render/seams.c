@@ -1,0 +1,95 @@
+#include "render/seams.h"
+
+#include "base/mem.h"
+
+void seams_release(struct seams *seams)
+{
+    for (int a = 0; a < 3; a++)
+        mem_pages_free(seams->between[a], seams->words * sizeof(uint64_t));
+    *seams = (struct seams){0};
+}
+
+size_t seams_bytes(const struct seams *seams)
+{
+    return 3 * seams->words * sizeof(uint64_t);
+}
+
+static enum err make_room(struct seams *seams, size_t words, struct fault *fault)
+{
+    if (seams->words == words)
+        return OK;
+    seams_release(seams);
+    seams->words = words;
+    for (int a = 0; a < 3; a++)
+        seams->between[a] = mem_pages(words * sizeof(uint64_t));
+    if (seams->between[0] && seams->between[1] && seams->between[2])
+        return OK;
+    seams_release(seams);
+    return fault_memory(fault, "faces between objects");
+}
+
+/* One word for each axis. */
+static void count_word(struct seams *seams, const struct border *border, size_t w)
+{
+    const ptrdiff_t at = (ptrdiff_t)w * 64;
+    for (int a = 0; a < 3; a++) {
+        const ptrdiff_t step = border->scene->grid.step[a];
+        uint64_t both = border->shown[w], found = 0;
+        both &= border_shown_from(border, at + step);
+        for (; both; both &= both - 1) {
+            const uint32_t cell = (uint32_t)at + (uint32_t)__builtin_ctzll(both);
+            const bool differ = labels_at(&border->labels, cell) !=
+                                labels_at(&border->labels, cell + (uint32_t)step);
+            found |= differ ? both & -both : 0;
+        }
+        seams->between[a][w] = found;
+    }
+}
+
+enum err seams_count(struct seams *seams, const struct border *border, struct fault *fault)
+{
+    if (seams->border == border && seams->version == border->version)
+        return OK;
+    seams->border = NULL;
+    const enum err err = make_room(seams, border->words, fault);
+    struct task task = task_begin(border->scene->watch, "border", border->scene->grid.cells);
+    if (err)
+        return err;
+    for (size_t w = 0; w + 1 < border->words; w++) {
+        if (!task_advance(&task, 64))
+            return OK;
+        count_word(seams, border, w);
+    }
+    seams->border = border;
+    seams->version = border->version;
+    return OK;
+}
+
+/* The face between a cell and the next along an axis. */
+static void judge(struct seams *seams, const struct border *border, uint32_t cell, int a)
+{
+    const uint32_t next = cell + (uint32_t)border->scene->grid.step[a];
+    const uint64_t bit = UINT64_C(1) << (cell & 63);
+    const bool is_seam = border_shows(border, cell) && border_shows(border, next) &&
+                         labels_at(&border->labels, cell) != labels_at(&border->labels, next);
+    uint64_t *word = &seams->between[a][cell >> 6];
+    *word = is_seam ? *word | bit : *word & ~bit;
+}
+
+enum err seams_follow(struct seams *seams, const struct border *border,
+                      const struct changes *changes, struct fault *fault)
+{
+    if (changes->everything || seams->border != border || seams->version + 1 != border->version)
+        return seams_count(seams, border, fault);
+    struct task task = task_begin(border->scene->watch, "border", changes->count);
+    for (size_t i = 0; i < changes->count && task_advance(&task, 1); i++)
+        for (int a = 0; a < 3; a++) {
+            const uint32_t cell = changes->item[i].cell;
+            judge(seams, border, cell, a);
+            judge(seams, border, cell - (uint32_t)border->scene->grid.step[a], a);
+        }
+    seams->version = border->version;
+    if (watch_stops(border->scene->watch))
+        seams->border = NULL;
+    return OK;
+}

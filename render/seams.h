@@ -1,0 +1,43 @@
+/*
+ * The seams: the faces at which two shown objects touch.
+ *
+ * An opaque picture never shows such a face, so the border (render/border.h) knows nothing of them;
+ * where objects are translucent it does. They are held as one bit per cell and axis.
+ *
+ * Invariant: once seams_follow or seams_count was the last to be called, bit c % 64 of word c / 64
+ * of between[a] says that cell c and its neighbour one step along axis a are both shown, and have
+ * different labels.
+ */
+#ifndef RENDER_SEAMS_H
+#define RENDER_SEAMS_H
+
+#include "render/border.h"
+
+struct seams {
+    const struct border *border; /* whose they are as of its version; NULL: of none */
+    uint32_t version;
+    uint64_t *between[3]; /* [words] each */
+    size_t words;
+};
+
+/* A new one is zeroed. */
+void seams_release(struct seams *seams);
+size_t seams_bytes(const struct seams *seams);
+
+/* Those of the border: nothing to do where they are that already, else a scan of the scene, under
+ * its watch. ERR_MEMORY. */
+enum err seams_count(struct seams *seams, const struct border *border, struct fault *fault);
+
+/* The same after an edit, of which the border has just been told, in time proportional to it. */
+enum err seams_follow(struct seams *seams, const struct border *border,
+                      const struct changes *changes, struct fault *fault);
+
+/* Which of the 64 cells of word `w` have such a face on the side to which `step` leads, along axis
+ * `a`. */
+static inline uint64_t seams_toward(const struct seams *seams, size_t w, int a, ptrdiff_t step)
+{
+    const ptrdiff_t at = (ptrdiff_t)w * 64;
+    return border_bits_from(seams->between[a], seams->words, step > 0 ? at : at + step);
+}
+
+#endif
