@@ -291,7 +291,7 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
             {0, 0, 0}, {scene->grid.size[0] - 1, scene->grid.size[1] - 1, scene->grid.size[2] - 1}};
         uint8_t *label = mem_pages(scene->grid.cells);
         struct relax_field field[2];
-        relax_find_greys(&greys, scene);
+        relax_find_greys(&greys, scene, NULL);
         for (int i = 0; i < v.count; i++)
             label[cell_of(&v, &scene->grid, i)] = (uint8_t)v.label[i];
         for (uint8_t k = 0; k < 2; k++) {

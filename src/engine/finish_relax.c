@@ -12,16 +12,23 @@
 #include "base/mem.h"
 #include "engine/relax_field.h"
 
+/* Of each label that some voxel has. */
+struct label_boxes {
+    struct relax_box box[256];
+    bool has[256];
+};
+
 struct relaxing {
     struct finish_work *work;
     const struct finish_step *step;
     struct relax_greys greys;
-    struct relax_box box[256]; /* of each label, */
-    bool has[256];             /* that some voxel has */
-    struct relax_field field;  /* of the label at hand */
+    struct label_boxes boxes;
+    struct relax_box all;     /* where fields of labels lie */
+    struct relax_field field; /* of the label at hand */
     uint8_t label;
-    uint32_t *best; /* [cells]: the greatest rank; 0 where no band has come to */
-    int32_t *sum;   /* [cells]: of all fields */
+    size_t voxels;  /* of `all`, of each of which: */
+    uint32_t *best; /* the greatest rank; 0 where no band has come to */
+    int32_t *sum;   /* of all fields */
 };
 
 /* What is compared: the value; then whether it is the voxel's own label; then the smaller label. */
@@ -32,34 +39,70 @@ static uint32_t rank_of(int32_t value, bool is_own, uint8_t label)
 
 /* ---- where labels lie ---- */
 
-static void add_run(struct relaxing *r, uint8_t label, uint32_t x, uint32_t last, uint32_t y,
-                    uint32_t z)
+/* Makes a box contain another; one that does not hold anything yet becomes it. */
+static void box_include(struct relax_box *box, bool holds, const struct relax_box *other)
 {
-    struct relax_box *box = &r->box[label];
-    const uint32_t first[3] = {x, y, z}, end[3] = {last, y, z};
     for (int a = 0; a < 3; a++) {
-        box->first[a] = r->has[label] && box->first[a] < first[a] ? box->first[a] : first[a];
-        box->last[a] = r->has[label] && box->last[a] > end[a] ? box->last[a] : end[a];
+        const uint32_t first = other->first[a], last = other->last[a];
+        box->first[a] = holds && box->first[a] < first ? box->first[a] : first;
+        box->last[a] = holds && box->last[a] > last ? box->last[a] : last;
     }
-    r->has[label] = true;
 }
 
-static void find_boxes(struct relaxing *r)
+static void add_box(struct label_boxes *boxes, uint8_t label, const struct relax_box *box)
 {
-    const struct grid *grid = &r->work->scene->grid;
-    struct task task = task_begin(r->work->scene->watch, "relaxed labels", grid->voxels);
-    for (uint32_t z = 0; z < grid->size[2]; z++)
+    box_include(&boxes->box[label], boxes->has[label], box);
+    boxes->has[label] = true;
+}
+
+struct finding {
+    const struct finish_work *work;
+    struct label_boxes part[TEAM_MOST];
+};
+
+static void find_part(void *context, unsigned worker)
+{
+    struct finding *finding = context;
+    const struct finish_work *work = finding->work;
+    const struct grid *grid = &work->scene->grid;
+    const struct slab slab = grid_slab(grid, worker, team_size(work->team));
+    struct task task = task_begin_part(work->scene->watch, "relaxed labels", 0, worker);
+    for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
-            const uint8_t *row = r->work->label + grid_cell(grid, 0, y, z);
+            const uint8_t *row = work->label + grid_cell(grid, 0, y, z);
             for (uint32_t x = 0, end; x < grid->size[0]; x = end) {
                 for (end = x + 1; end < grid->size[0] && row[end] == row[x];)
                     end++;
-                add_run(r, row[x], x, end - 1, y, z);
+                add_box(&finding->part[worker], row[x],
+                        &(struct relax_box){{x, y, z}, {end - 1, y, z}});
             }
         }
 }
 
+static enum err find_boxes(struct relaxing *r, struct fault *fault)
+{
+    struct finding *finding = mem_new(sizeof *finding);
+    if (!finding)
+        return fault_memory(fault, "relaxed labels");
+    finding->work = r->work;
+    team_run(r->work->team, find_part, finding);
+    for (unsigned worker = 0; worker < team_size(r->work->team); worker++)
+        for (unsigned label = 0; label < 256; label++)
+            if (finding->part[worker].has[label])
+                add_box(&r->boxes, (uint8_t)label, &finding->part[worker].box[label]);
+    free(finding);
+    return OK;
+}
+
 /* ---- which label wins ---- */
+
+/* A voxel of `all` among its voxels. */
+static size_t place_in_all(const struct relaxing *r, uint32_t x, uint32_t y, uint32_t z)
+{
+    const struct relax_box *b = &r->all;
+    const size_t row = (size_t)(z - b->first[2]) * (b->last[1] - b->first[1] + 1) + y - b->first[1];
+    return row * (b->last[0] - b->first[0] + 1) + x - b->first[0];
+}
 
 static void rank_part(void *context, unsigned worker)
 {
@@ -69,18 +112,36 @@ static void rank_part(void *context, unsigned worker)
     struct task task = task_begin_part(r->work->scene->watch, "relaxed labels", 0, worker);
     for (uint32_t z = (uint32_t)planes.first; z < planes.end; z++)
         for (uint32_t y = 0; y < f->size[1] && task_advance(&task, f->size[0]); y++) {
-            const uint32_t cell = grid_cell(&f->scene->grid, f->box.first[0], f->box.first[1] + y,
-                                            f->box.first[2] + z);
+            const uint32_t *at = f->box.first;
+            const uint32_t cell = grid_cell(&f->scene->grid, at[0], at[1] + y, at[2] + z);
+            const size_t place = place_in_all(r, at[0], at[1] + y, at[2] + z);
             for (uint32_t x = 0; x < f->size[0]; x++) {
                 if (!relax_is_in_band(f, x, y, z))
                     continue;
                 const int32_t value = relax_value(f, x, y, z);
                 const uint32_t rank =
                     rank_of(value, r->work->label[cell + x] == r->label, r->label);
-                r->best[cell + x] = rank > r->best[cell + x] ? rank : r->best[cell + x];
-                r->sum[cell + x] += value;
+                uint32_t *best = &r->best[place + x];
+                *best = rank > *best ? rank : *best;
+                r->sum[place + x] += value;
             }
         }
+}
+
+/* Of `count` voxels, the first of which is this cell, and has this place in `all`. */
+static void choose(const struct relaxing *r, uint32_t cell, size_t place, uint32_t count)
+{
+    const uint8_t *label = r->work->label + cell;
+    uint8_t *next = r->work->next + cell;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t best = r->best[place + i];
+        const int32_t left = RELAX_ONE - r->sum[place + i];
+        const uint32_t rest = rank_of(left > 0 ? left : 0, label[i] == 0, 0);
+        const uint8_t wins = (uint8_t)(255 - ((rest > best ? rest : best) & 255));
+        const bool moves =
+            best && (finish_is_for(r->step, label[i]) || finish_is_for(r->step, wins));
+        next[i] = moves ? wins : label[i];
+    }
 }
 
 static void choose_part(void *context, unsigned worker)
@@ -88,43 +149,62 @@ static void choose_part(void *context, unsigned worker)
     const struct relaxing *r = context;
     const struct finish_work *work = r->work;
     const struct grid *grid = &work->scene->grid;
+    const uint32_t *first = r->all.first, *last = r->all.last;
     const struct slab slab = grid_slab(grid, worker, team_size(work->team));
     struct task task = task_begin_part(work->scene->watch, "relaxed labels", 0, worker);
     for (uint32_t z = slab.first; z < slab.end; z++)
         for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
             const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                const uint8_t own = work->label[c];
-                const int32_t left = RELAX_ONE - r->sum[c];
-                const uint32_t rest = rank_of(left > 0 ? left : 0, own == 0, 0);
-                const uint8_t label =
-                    (uint8_t)(255 - ((rest > r->best[c] ? rest : r->best[c]) & 255));
-                const bool moves =
-                    r->best[c] && (finish_is_for(r->step, own) || finish_is_for(r->step, label));
-                work->next[c] = moves ? label : own;
-            }
+            memcpy(work->next + row.first, work->label + row.first, row.end - row.first);
+            if (r->voxels && y >= first[1] && y <= last[1] && z >= first[2] && z <= last[2])
+                choose(r, row.first + first[0], place_in_all(r, first[0], y, z),
+                       last[0] - first[0] + 1);
         }
+}
+
+/* Where fields will lie, and memory for what is known of the voxels there. */
+static enum err find_all(struct relaxing *r, struct fault *fault)
+{
+    struct relax_box labels = {{0}, {0}};
+    bool holds = false;
+    const enum err err = find_boxes(r, fault);
+    for (unsigned label = 1; label < 256; label++)
+        if (r->boxes.has[label]) {
+            box_include(&labels, holds, &r->boxes.box[label]);
+            holds = true;
+        }
+    if (err || !holds)
+        return err;
+    r->all = relax_box_around(&r->work->scene->grid, &labels);
+    r->voxels = place_in_all(r, r->all.last[0], r->all.last[1], r->all.last[2]) + 1;
+    r->best = mem_pages(r->voxels * sizeof *r->best);
+    r->sum = mem_pages(r->voxels * sizeof *r->sum);
+    return r->best && r->sum ? OK : fault_memory(fault, "relaxed labels");
+}
+
+static enum err relax_label(struct relaxing *r, unsigned label, struct fault *fault)
+{
+    struct finish_work *work = r->work;
+    r->label = (uint8_t)label;
+    const enum err err = relax_field_init(&r->field, work->scene, work->label, r->label,
+                                          &r->boxes.box[label], &r->greys, work->team, fault);
+    if (err)
+        return err;
+    relax_field_sweep(&r->field, r->step->argument, work->team);
+    team_run(work->team, rank_part, r);
+    relax_field_release(&r->field);
+    return watch_fault(work->scene->watch, fault);
 }
 
 static enum err relax(struct relaxing *r, struct fault *fault)
 {
     struct finish_work *work = r->work;
-    enum err err = OK;
-    find_boxes(r);
-    relax_find_greys(&r->greys, work->scene);
-    for (unsigned label = 1; label < 256 && !err; label++) {
-        if (!r->has[label])
-            continue;
-        r->label = (uint8_t)label;
-        err = relax_field_init(&r->field, work->scene, work->label, r->label, &r->box[label],
-                               &r->greys, work->team, fault);
-        if (!err) {
-            relax_field_sweep(&r->field, r->step->argument, work->team);
-            team_run(work->team, rank_part, r);
-            relax_field_release(&r->field);
-            err = watch_fault(work->scene->watch, fault);
-        }
-    }
+    enum err err = find_all(r, fault);
+    if (!err)
+        relax_find_greys(&r->greys, work->scene, work->team);
+    for (unsigned label = 1; label < 256 && !err; label++)
+        if (r->boxes.has[label])
+            err = relax_label(r, label, fault);
     if (!err)
         team_run(work->team, choose_part, r);
     return err ? err : watch_fault(work->scene->watch, fault);
@@ -132,22 +212,15 @@ static enum err relax(struct relaxing *r, struct fault *fault)
 
 enum err finish_relax(struct finish_work *work, const struct finish_step *step, struct fault *fault)
 {
-    const size_t cells = work->scene->grid.cells;
     struct relaxing *r = mem_new(sizeof *r);
-    enum err err = OK;
-    if (r) {
-        *r = (struct relaxing){.work = work, .step = step};
-        r->best = mem_pages(cells * sizeof *r->best);
-        r->sum = mem_pages(cells * sizeof *r->sum);
+    if (!r) {
+        finish_take_next(work);
+        return fault_memory(fault, "relaxed labels");
     }
-    if (!r || !r->best || !r->sum)
-        err = fault_memory(fault, "relaxed labels");
-    else
-        err = relax(r, fault);
-    if (r) {
-        mem_pages_free(r->best, cells * sizeof *r->best);
-        mem_pages_free(r->sum, cells * sizeof *r->sum);
-    }
+    *r = (struct relaxing){.work = work, .step = step};
+    const enum err err = relax(r, fault);
+    mem_pages_free(r->best, r->voxels * sizeof *r->best);
+    mem_pages_free(r->sum, r->voxels * sizeof *r->sum);
     free(r);
     finish_take_next(work);
     return err;

@@ -37,11 +37,11 @@ static uint32_t lets_through(uint8_t a, uint8_t b)
     return difference < sizeof through / sizeof through[0] ? through[difference] : 1;
 }
 
-void relax_find_greys(struct relax_greys *greys, const struct scene *scene)
+void relax_find_greys(struct relax_greys *greys, const struct scene *scene, struct team *team)
 {
     static uint32_t count[UINT16_MAX + 1];
     int32_t range[2];
-    intensities_count(count, scene);
+    intensities_count(count, scene, team);
     intensities_range(range, count, 1, 999);
     const int64_t low = range[0], high = range[1] > low ? range[1] : low + 1;
     for (int64_t i = 0; i <= UINT16_MAX; i++) {
@@ -262,15 +262,15 @@ static void make_part(void *context, unsigned worker)
 
 /* ---- made and released ---- */
 
-static void find_box(struct relax_field *f, const struct relax_box *around)
+struct relax_box relax_box_around(const struct grid *grid, const struct relax_box *label)
 {
+    struct relax_box box;
     for (int a = 0; a < 3; a++) {
-        const uint32_t first = around->first[a], last = around->last[a];
-        const uint32_t end = f->scene->grid.size[a] - 1;
-        f->box.first[a] = first > RELAX_REACH ? first - RELAX_REACH : 0;
-        f->box.last[a] = end - last > RELAX_REACH ? last + RELAX_REACH : end;
-        f->size[a] = f->box.last[a] - f->box.first[a] + 1;
+        const uint32_t first = label->first[a], last = label->last[a], end = grid->size[a] - 1;
+        box.first[a] = first > RELAX_REACH ? first - RELAX_REACH : 0;
+        box.last[a] = end - last > RELAX_REACH ? last + RELAX_REACH : end;
     }
+    return box;
 }
 
 /* Where memory has run out: false. A stored row ends with room for a whole step of lanes. */
@@ -299,8 +299,9 @@ enum err relax_field_init(struct relax_field *field, const struct scene *scene,
                           const struct relax_greys *greys, struct team *team, struct fault *fault)
 {
     struct making making = {field, label, greys, team, which};
-    *field = (struct relax_field){.scene = scene};
-    find_box(field, around);
+    *field = (struct relax_field){.scene = scene, .box = relax_box_around(&scene->grid, around)};
+    for (int a = 0; a < 3; a++)
+        field->size[a] = field->box.last[a] - field->box.first[a] + 1;
     if (!allocate(field)) {
         relax_field_release(field);
         return fault_memory(fault, "relaxed labels");

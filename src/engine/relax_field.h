@@ -35,12 +35,15 @@ enum { RELAX_ONE = 1 << 20, RELAX_REACH = 16 };
 struct relax_greys {
     uint8_t of[UINT16_MAX + 1];
 };
-void relax_find_greys(struct relax_greys *greys, const struct scene *scene);
+void relax_find_greys(struct relax_greys *greys, const struct scene *scene, struct team *team);
 
 /* Voxels of the scene between two corners, both included. */
 struct relax_box {
     uint32_t first[3], last[3];
 };
+
+/* Where the field of a label lies that lies there: RELAX_REACH further, within the scene. */
+struct relax_box relax_box_around(const struct grid *grid, const struct relax_box *label);
 
 struct relax_field {
     const struct scene *scene;

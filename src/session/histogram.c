@@ -30,7 +30,7 @@ void histogram_of_session(struct histogram *histogram, struct session *session)
     static uint32_t count[UINT16_MAX + 1];
     int32_t window[2];
     window_of(window, session);
-    intensities_count(count, session->scene);
+    intensities_count(count, session->scene, session->team);
     fill(histogram, count, window, &session->geometry);
 }
 

@@ -14,7 +14,7 @@ void window_of_counts(int32_t window[2], const uint32_t count[UINT16_MAX + 1])
 static void find_window(struct session *session)
 {
     static uint32_t count[UINT16_MAX + 1];
-    intensities_count(count, session->scene);
+    intensities_count(count, session->scene, session->team);
     window_of_counts(session->window, count);
     session->knows_window = true;
 }
