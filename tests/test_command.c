@@ -2237,6 +2237,49 @@ STORY(opacity_is_a_setting_of_the_segmentation_and_one_picture_in_every_mode)
     interpreter_release(&interp);
 }
 
+/* The same of edits. Without any memory their forest cannot be had back at once: seeds and settings
+ * are, and the next command finds all of it as it was. */
+static void grows_anew_after_every_failure(struct interpreter *interp, const char *line)
+{
+    enum err err = ERR_MEMORY;
+    for (unsigned n = 0; n < 400 && err && check_failures < 5; n++) {
+        struct snapshot before;
+        take_snapshot(&before, interp);
+        allow_allocations(n);
+        err = execute(interp, line);
+        mem_allows = NULL;
+        if (!err)
+            break;
+        CHECK_INT(err, ERR_MEMORY);
+        CHECK_INT(session_pendings(&interp->session), before.pendings);
+        const uint64_t acknowledged = interp->acknowledged;
+        must(interp, "why 1,1,1");
+        interp->acknowledged = acknowledged;
+        is_as_before(&before, interp, line);
+    }
+    CHECK(err == OK);
+}
+
+STORY(edits_without_memory_leave_everything_as_it_was)
+{
+    static const char *const line[] = {
+        "seed 3,3,3 1 radius=2 within=4",
+        "seed 5,5,5 2 within=2",
+        "remove 3,3,3",
+        "seed 4,4,4 0 radius=3 shell=yes",
+        "box 1,1,1 6,6,6 0",
+        "undo 2",
+        "redo",
+    };
+    struct interpreter interp;
+    begin_with_scene(&interp);
+    must(&interp, "auto on");
+    must(&interp, "seed 0,0,0 0");
+    for (size_t i = 0; i < sizeof line / sizeof line[0] && !check_failures; i++)
+        grows_anew_after_every_failure(&interp, line[i]);
+    interpreter_release(&interp);
+}
+
 STORY(a_journal_that_cannot_begin_undoes_the_command)
 {
     struct interpreter interp;
@@ -2289,6 +2332,7 @@ int main(void)
         TELL(interpolation_that_is_cancelled_is_undone),
         TELL(opening_that_is_cancelled_opens_nothing),
         TELL(weights_are_named_and_stay_without_memory),
+        TELL(edits_without_memory_leave_everything_as_it_was),
         TELL(pictures_without_memory_leave_everything_as_it_was),
         TELL(opacity_is_a_setting_of_the_segmentation_and_one_picture_in_every_mode),
         TELL(a_journal_that_cannot_begin_undoes_the_command));

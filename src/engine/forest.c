@@ -238,7 +238,8 @@ static enum err grow_anew(struct forest *forest, struct fault *fault);
 /*
  * Back to before the edit at hand, in the middle of its pass (T5). What began with nothing goes
  * back to nothing. Where memory has run out and entries were lost, or everything was growing anew,
- * or the forest is torn, the former seeds are put back and everything is computed again.
+ * or the forest is torn, the former seeds are put back and everything is computed again; where not
+ * even that succeeds, the forest is suspended.
  */
 static void take_back(struct forest *forest, bool from_nothing, enum err reason,
                       struct fault *fault)
@@ -262,8 +263,12 @@ static void take_back(struct forest *forest, bool from_nothing, enum err reason,
     }
     set_seeds(forest, forest->inverse, forest->edits);
     struct fault again;
-    if (grow_anew(forest, &again) != OK)
-        fault_set(fault, ERR_MEMORY, "out of memory; the seeds are as before, run again");
+    if (grow_anew(forest, &again) != OK) {
+        forest->suspended = true;
+        fault_set(fault, ERR_MEMORY,
+                  "out of memory; the seeds are as before, and the forest grows anew with the next "
+                  "command");
+    }
 }
 
 enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,

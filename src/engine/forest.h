@@ -104,7 +104,8 @@ void forest_free(struct forest *forest);
  * Applies `count` edits as one. A later edit of the same voxel wins. Planting what is planted or
  * erasing what is not is allowed and does nothing. The scene's watch is polled after every level of
  * the pass, while an edit is taken back too. On any error the forest is as before, and
- * forest_changes is of no use: ERR_CANCELLED (the watch stopped it), ERR_LIMIT (T3), ERR_MEMORY.
+ * forest_changes is of no use: ERR_CANCELLED (the watch stopped it), ERR_LIMIT (T3), ERR_MEMORY,
+ * after which it may have its former seeds alone and be suspended (forest_suspend).
  */
 enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,
                      struct fault *fault);

@@ -150,6 +150,8 @@ static enum err edit_seeds(struct session *session, const struct edit *seed, siz
                            struct fault *fault)
 {
     enum err err = forest_edit(session->forest, seed, seeds, fault);
+    if (err && forest_is_suspended(session->forest))
+        session->stale |= MADE_FOREST;
     if (err)
         return err;
     session->edited = true;
@@ -301,7 +303,9 @@ enum err session_catch_up(struct session *session, struct fault *fault)
 enum err session_complete(struct session *session, struct fault *fault)
 {
     if (!session->waits)
-        return OK;
+        return session->stale && !session->skims && session->has_scene
+                   ? follow(session, NULL, 0, fault)
+                   : OK;
     session->waits = false;
     const enum err err = follow(session, NULL, 0, fault);
     session->waits = session->scene->plain != NULL;

@@ -161,6 +161,16 @@ static void take_back_rendition(struct session *session)
         session_draw_labels(session, &labels, RENDER_AS_KEPT, NULL);
 }
 
+/* The edit that leads back is there, but could not be carried out: its seeds alone are, and the
+ * forest waits for memory (S5). */
+static void put_back_seeds(struct session *session)
+{
+    const struct seed_changes back = forest_seed_changes(session->forest);
+    forest_suspend(session->forest);
+    session->stale |= MADE_FOREST;
+    forest_edit(session->forest, back.after, back.count, NULL);
+}
+
 /* A command edits the seeds once at most, so that the inverse of that edit leads back. */
 static void go_back(struct session *session)
 {
@@ -169,7 +179,8 @@ static void go_back(struct session *session)
         take_back_scene(session);
     if (session->edited)
         seeds = forest_seed_changes(session->forest);
-    session_go(session, &session->former, seeds.before, seeds.count, NULL);
+    if (session_go(session, &session->former, seeds.before, seeds.count, NULL) != OK && seeds.count)
+        put_back_seeds(session);
     session->tally = session->former_tally;
     take_back_rendition(session);
 }

@@ -20,8 +20,9 @@
  *   S3 without a scene only session_open does anything, and settings can be made; all else asks
  *      has_scene first;
  *   S4 a scene that was interpolated is kept, with what hangs on it, until the command stands;
- *   S5 what does not fit the state, because a command was cancelled or the session skims, is in
- *      `stale`, and made anew by the next session_go;
+ *   S5 what does not fit the state, because a command was cancelled, memory did not suffice to take
+ *      one back, or the session skims, is in `stale`, and made anew by the next session_go or
+ *      session_complete;
  *   S6 the seeds that are planted, once the edits that wait have been made, are those of the
  *      markers that stand;
  *   S7 a session that `waits` has a large scene that is plain (engine/scene.h), and no seed: the
@@ -174,8 +175,8 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
 
 /* For the caller who opens a scene and may never look at it: a file of `least` bytes or more, of
  * memory as below, is opened without making its cells. All else of the scene is what it will be, as
- * are the answers about it. Then session_complete makes them, and does nothing where nothing waits;
- * ERR_CANCELLED, and it waits still. */
+ * are the answers about it. Then session_complete makes them, and whatever else is to be made anew
+ * (S5); it does nothing where nothing waits. ERR_CANCELLED, ERR_MEMORY, and it waits still. */
 void session_let_wait(struct session *session, uint64_t least);
 enum err session_complete(struct session *session, struct fault *fault);
 
