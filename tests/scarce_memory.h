@@ -6,14 +6,19 @@
 #ifndef TESTS_SCARCE_MEMORY_H
 #define TESTS_SCARCE_MEMORY_H
 
+#include <stdatomic.h>
+
 #include "base/mem.h"
 
-static size_t allocations_left;
+static atomic_size_t allocations_left; /* threads allocate too */
 
 static inline bool takes_one_allocation(size_t bytes)
 {
     (void)bytes;
-    return allocations_left > 0 && allocations_left--;
+    size_t left = allocations_left;
+    while (left > 0 && !atomic_compare_exchange_weak(&allocations_left, &left, left - 1))
+        ;
+    return left > 0;
 }
 
 static inline void allow_allocations(size_t count)
