@@ -92,6 +92,9 @@ static enum err make_room(struct drawing *d, struct fault *fault)
             rendition_init(&d->room[i], bands->camera->view.width, most < all ? most : all, fault);
     for (unsigned i = 0; i < team_size(d->team) && !err; i++)
         err = layers_take(&d->layers[i], &d->room[i], bands->border, &bands->shader->seams, fault);
+    for (unsigned i = 0; i < team_size(d->team) && !err; i++)
+        err = rendition_refined(&d->room[i], look_is_refined(bands->look) && !d->room[i].layers,
+                                fault);
     return err;
 }
 

@@ -17,14 +17,31 @@ enum err border_init(struct border *border, const struct scene *scene, struct fa
     for (int label = 1; label < 256; label++)
         border->visible[label] = true;
     memset(border->opacity, BORDER_OPAQUE, sizeof border->opacity);
+    border->solid = border->shown;
+    border->hull = border->border;
     if (border->shown && border->border && border->marked && border->stale && border->changed)
         return OK;
     border_release(border);
     return fault_memory(fault, "the border");
 }
 
+static void drop_skin(struct border *border)
+{
+    const size_t bytes = border->words * sizeof(uint64_t);
+    if (border->has_skin) {
+        mem_pages_free(border->solid, bytes);
+        mem_pages_free(border->hull, bytes);
+        mem_pages_free(border->open, bytes);
+    }
+    border->has_skin = false;
+    border->solid = border->shown;
+    border->hull = border->border;
+    border->open = NULL;
+}
+
 void border_release(struct border *border)
 {
+    drop_skin(border);
     mem_pages_free(border->shown, border->words * sizeof *border->shown);
     mem_pages_free(border->border, border->words * sizeof *border->border);
     mem_pages_free(border->marked, (border->words / 64 + 1) * sizeof *border->marked);
@@ -35,21 +52,86 @@ void border_release(struct border *border)
 
 size_t border_memory(const struct border *border)
 {
-    return border->words * (2 * sizeof(uint64_t) + sizeof(uint32_t));
+    const size_t sets = border->has_skin ? 5 : 2;
+    return border->words * (sets * sizeof(uint64_t) + sizeof(uint32_t));
 }
 
-/* Which of the 64 cells of word `w` are border voxels: shown, and not all six neighbours shown. */
-static uint64_t border_word(const struct border *border, size_t w)
+/* Which of the 64 cells of word `w` of a set are in it, and not all six neighbours are. */
+static uint64_t edge_word(const struct border *border, const uint64_t *set, size_t w)
 {
-    uint64_t inside = border->shown[w];
-    uint64_t shown = inside;
-    for (int a = 0; shown && a < 3; a++) {
-        ptrdiff_t at = (ptrdiff_t)w * 64, step = border->scene->grid.step[a];
-        inside &= border_shown_from(border, at - step);
-        inside &= border_shown_from(border, at + step);
+    const uint64_t own = set[w];
+    uint64_t inside = own;
+    for (int a = 0; own && a < 3; a++) {
+        const ptrdiff_t at = (ptrdiff_t)w * 64, step = border->scene->grid.step[a];
+        inside &= border_bits_from(set, border->words, at - step);
+        inside &= border_bits_from(set, border->words, at + step);
     }
-    return shown & ~inside;
+    return own & ~inside;
 }
+
+/* Which of the 64 cells of word `w` are shown or skin. */
+static uint64_t solid_word(const struct border *border, size_t w)
+{
+    uint64_t near = border->shown[w];
+    for (int a = 0; border->open[w] && a < 3; a++) {
+        const ptrdiff_t at = (ptrdiff_t)w * 64, step = border->scene->grid.step[a];
+        near |= border_shown_from(border, at - step) | border_shown_from(border, at + step);
+    }
+    return near & border->open[w];
+}
+
+/* ---- the skin ---- */
+
+/* Which voxels of the scene are not cut away. */
+static void find_open(struct border *border)
+{
+    const struct grid *grid = &border->scene->grid;
+    memset(border->open, 0, border->words * sizeof *border->open);
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            const struct span row = grid_row(grid, y, z);
+            for (uint32_t c = row.first; c < row.end; c = (c | 63) + 1) {
+                uint64_t bits = UINT64_MAX << (c & 63);
+                if (row.end >> 6 == c >> 6)
+                    bits &= ~(UINT64_MAX << (row.end & 63));
+                border->open[c >> 6] |= bits;
+            }
+        }
+    cut_clear(&border->cut, border->scene, border->open);
+}
+
+/* Of shown voxels as they are. */
+static void find_skin(struct border *border, struct task *task)
+{
+    find_open(border);
+    for (size_t w = 0; w + 1 < border->words && task_advance(task, 32); w++)
+        border->solid[w] = solid_word(border, w);
+    for (size_t w = 0; w + 1 < border->words && task_advance(task, 32); w++)
+        border->hull[w] = edge_word(border, border->solid, w);
+}
+
+enum err border_set_skin(struct border *border, bool has_skin, struct fault *fault)
+{
+    const size_t bytes = border->words * sizeof(uint64_t);
+    if (has_skin == border->has_skin)
+        return OK;
+    drop_skin(border);
+    if (!has_skin)
+        return OK;
+    uint64_t *set[3] = {mem_pages(bytes), mem_pages(bytes), mem_pages(bytes)};
+    if (!set[0] || !set[1] || !set[2]) {
+        for (int i = 0; i < 3; i++)
+            mem_pages_free(set[i], bytes);
+        return fault_memory(fault, "the border");
+    }
+    border->has_skin = true;
+    border->solid = set[0], border->hull = set[1], border->open = set[2];
+    struct task task = task_begin(border->scene->watch, "border", border->scene->grid.cells);
+    find_skin(border, &task);
+    return OK;
+}
+
+/* ---- recounts ---- */
 
 /* False where the watch has stopped it. `border`, which is made anew afterwards, holds what is to
  * be shown until the cut is made, so that only words that end up different count as changed. */
@@ -88,22 +170,66 @@ void border_recount_shown(struct border *border)
 void border_recount(struct border *border)
 {
     const uint64_t cells = border->scene->grid.cells;
-    struct task task = task_begin(border->scene->watch, "border", 2 * cells);
+    const unsigned scans = border->has_skin ? 3 : 2;
+    struct task task = task_begin(border->scene->watch, "border", scans * cells);
     if (!count_shown(border, &task))
         return;
     for (size_t w = 0; w + 1 < border->words && task_advance(&task, 64); w++)
-        border->border[w] = border_word(border, w);
+        border->border[w] = edge_word(border, border->shown, w);
+    if (border->has_skin)
+        find_skin(border, &task);
 }
 
-/* Notes that the word of a cell is out of date. */
-static inline void mark(struct border *border, uint32_t at)
+/* ---- updates ---- */
+
+/* Notes that the word is out of date. */
+static inline void mark_word(struct border *border, uint32_t w)
 {
-    const uint32_t w = at >> 6;
     const uint64_t bit = UINT64_C(1) << (w & 63);
     if (border->marked[w >> 6] & bit)
         return;
     border->marked[w >> 6] |= bit;
     border->stale[border->stales++] = w;
+}
+
+static inline void mark(struct border *border, uint32_t cell)
+{
+    mark_word(border, cell >> 6);
+}
+
+/* Notes the words in which neighbours of the 64 cells of word `w` lie. */
+static void mark_around(struct border *border, uint32_t w)
+{
+    const ptrdiff_t *step = border->scene->grid.step;
+    for (int a = 0; a < 3; a++)
+        for (int sign = -1; sign <= 1; sign += 2)
+            for (int end = 0; end < 64; end += 63) {
+                const ptrdiff_t at = (ptrdiff_t)w * 64 + sign * step[a] + end;
+                if (at >= 0 && (size_t)at >> 6 < border->words - 1)
+                    mark_word(border, (uint32_t)(at >> 6));
+            }
+}
+
+/* Makes the words anew that are noted. What is solid around them changes the hull further off. */
+static void follow_marks(struct border *border, struct task *task)
+{
+    const size_t beside = border->stales;
+    for (size_t i = 0; i < beside; i++) {
+        const uint32_t w = border->stale[i];
+        border->border[w] = edge_word(border, border->shown, w);
+        const uint64_t solid = border->has_skin ? solid_word(border, w) : 0;
+        if (border->has_skin && solid != border->solid[w]) {
+            border->solid[w] = solid;
+            mark_around(border, w);
+        }
+        task_advance(task, 1);
+    }
+    while (border->stales > 0) {
+        const uint32_t w = border->stale[--border->stales];
+        border->marked[w >> 6] &= ~(UINT64_C(1) << (w & 63));
+        if (border->has_skin)
+            border->hull[w] = edge_word(border, border->solid, w);
+    }
 }
 
 /* Voxels that change sides lie close together, and many of them share a word. */
@@ -135,12 +261,7 @@ void border_update(struct border *border, const struct changes *changes)
         }
         mark(border, at);
     }
-    while (border->stales > 0) {
-        const uint32_t w = border->stale[--border->stales];
-        border->marked[w >> 6] &= ~(UINT64_C(1) << (w & 63));
-        border->border[w] = border_word(border, w);
-        task_advance(&task, 1);
-    }
+    follow_marks(border, &task);
 }
 
 bool border_is_translucent(const struct border *border)

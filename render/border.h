@@ -8,7 +8,13 @@
  * proportional to them; reading the border is one sequential scan. It answers the scattered border
  * lists of the paper with ordered access.
  *
- * Invariant B1: between calls both sets equal a recount from labels and cut; tests/border_check.h
+ * A surface between voxel centres (render/refine.h) may lie up to half a voxel outside the cubes of
+ * shown voxels. The *skin* is where: voxels that are not shown, lie in the scene, are not cut away,
+ * and have a shown face neighbour. With it, shown voxels are *solid* voxels, which are what is
+ * projected, and solid voxels with a face neighbour that is not solid are the *hull*, which is what
+ * border projection goes by. Without a skin, these two are `shown` and `border` themselves.
+ *
+ * Invariant B1: between calls all sets equal a recount from labels and cut; tests/border_check.h
  * checks it.
  */
 #ifndef RENDER_BORDER_H
@@ -29,6 +35,10 @@ struct border {
     uint64_t *shown;      /* bit c % 64 of word c / 64: cell c is shown */
     uint64_t *border;     /* likewise: cell c is a border voxel */
     size_t words;         /* of each, with one spare word at the end that stays 0 */
+
+    bool has_skin;
+    uint64_t *solid, *hull; /* likewise; `shown` and `border` where there is no skin */
+    uint64_t *open;         /* with a skin, likewise: voxels of the scene that are not cut away */
 
     /* For results that were made of `shown` and stored (render/field.h): every update and recount
      * has a number, and each word that of the last one in which it changed. So do changes of the
@@ -54,14 +64,18 @@ void border_release(struct border *border);
 
 size_t border_memory(const struct border *border); /* bytes, without the labels */
 
+/* From now on with a skin or without; a scan of the shown voxels where that changes. ERR_MEMORY:
+ * as it was. Which words have changed stays as it was too: it is said of `shown`. */
+enum err border_set_skin(struct border *border, bool has_skin, struct fault *fault);
+
 /* After an edit of the forest. Also right after one whose changes are "everything". */
 void border_update(struct border *border, const struct changes *changes);
 
 /* After `visible` or `cut` has changed, or to start with: a scan of the scene, under its watch. */
 void border_recount(struct border *border);
 
-/* The first half of that: `shown` alone, which is all that scene projection reads. Which voxels are
- * border voxels is then out of date. */
+/* The first half of that: `shown` alone, which is all that scene projection reads without a skin.
+ * The other sets are then out of date. */
 void border_recount_shown(struct border *border);
 
 static inline bool border_shows(const struct border *border, uint32_t cell)
@@ -71,6 +85,20 @@ static inline bool border_shows(const struct border *border, uint32_t cell)
 static inline bool border_holds(const struct border *border, uint32_t cell)
 {
     return border->border[cell >> 6] >> (cell & 63) & 1;
+}
+
+static inline bool border_is_solid(const struct border *border, uint32_t cell)
+{
+    return border->solid[cell >> 6] >> (cell & 63) & 1;
+}
+static inline bool border_is_hull(const struct border *border, uint32_t cell)
+{
+    return border->hull[cell >> 6] >> (cell & 63) & 1;
+}
+/* Whether the cell is a voxel of the scene and not cut away; only with a skin. */
+static inline bool border_is_open(const struct border *border, uint32_t cell)
+{
+    return border->open[cell >> 6] >> (cell & 63) & 1;
 }
 
 /* The 64 bits from bit `at` on; bits before the first and after the last are 0. */
@@ -90,6 +118,11 @@ static inline uint64_t border_bits_from(const uint64_t *words, size_t count, ptr
 static inline uint64_t border_shown_from(const struct border *border, ptrdiff_t at)
 {
     return border_bits_from(border->shown, border->words, at);
+}
+
+static inline uint64_t border_solid_from(const struct border *border, ptrdiff_t at)
+{
+    return border_bits_from(border->solid, border->words, at);
 }
 
 /* Whether the cell would be shown, were it not cut away: beside such a cell the scene has been cut

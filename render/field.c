@@ -4,30 +4,16 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "render/field_parts.h"
 
 enum {
-    SLOTS_LEAST = 256,                  /* 1.5 MB of blocks, */
-    SLOTS_MOST = 2048,                  /* 12 MB, */
-    VOXELS_A_SLOT = 6500,               /* and less than a byte for each voxel of the scene */
-    SAMPLES = FIELD_SIDE + 2,           /* values along an axis: a gradient is their difference */
-    ROW = 16,                           /* SAMPLES, and room for whole vectors */
-    INPUT = SAMPLES + 2 * FIELD_RADIUS, /* rows and planes of voxels that a block is made of */
-    BEFORE = 2 + FIELD_RADIUS,          /* the first of them lies so many before the block */
-    PART_BITS = 6,                      /* voxels of a row that are looked up at once */
+    SLOTS_LEAST = 256,         /* 1.5 MB of blocks, */
+    SLOTS_MOST = 2048,         /* 12 MB, */
+    VOXELS_A_SLOT = 6500,      /* and less than a byte for each voxel of the scene */
+    BEFORE = 2 + FIELD_RADIUS, /* the first of them lies so many before the block */
+    PART_BITS = 6,             /* voxels of a row that are looked up at once */
     PARTS = (INPUT + PART_BITS - 1) / PART_BITS,
     SCENE_BITS = 12,
-};
-
-/* Eight samples, added at once where the machine can. */
-typedef int16_t lanes __attribute__((vector_size(16)));
-
-struct row {
-    lanes half[2]; /* values along x */
-};
-
-/* [z][y]; deep inside all of them are 4096. */
-struct values {
-    struct row row[SAMPLES][SAMPLES];
 };
 
 struct field_slot {
@@ -217,20 +203,30 @@ static unsigned labelled_bits(const struct labels *labels, size_t cell, unsigned
     return found;
 }
 
+static void find_patterns(struct patterns *patterns, const struct field *field,
+                          const struct input *input)
+{
+    const struct border *border = field->border;
+    memset(patterns, 0, sizeof *patterns);
+    for (int z = 0; z < INPUT; z++)
+        for (int y = 0; y < INPUT; y++) {
+            if (!has_row(input, y, z))
+                continue;
+            const size_t cell = row_cell(&border->scene->grid, input, y, z);
+            const unsigned bits = row_bits(border, cell, input->inside[0]);
+            patterns->row[z][y] =
+                input->label ? labelled_bits(&border->labels, cell, bits, input->label) : bits;
+        }
+}
+
 /* One plane of the input, smoothed along x and y. */
 static void fill_plane(struct row out[SAMPLES], const struct field *field,
-                       const struct input *input, int z)
+                       const uint32_t pattern[INPUT])
 {
     const unsigned part = (1 << PART_BITS) - 1;
     struct row row[INPUT];
     for (int y = 0; y < INPUT; y++) {
-        unsigned bits = 0;
-        if (has_row(input, y, z)) {
-            const size_t cell = row_cell(&field->border->scene->grid, input, y, z);
-            bits = row_bits(field->border, cell, input->inside[0]);
-            if (input->label)
-                bits = labelled_bits(&field->border->labels, cell, bits, input->label);
-        }
+        const unsigned bits = pattern[y];
         row[y] = field->tables->of[0][bits & part];
         add_row(&row[y], &field->tables->of[1][bits >> PART_BITS & part]);
         add_row(&row[y], &field->tables->of[2][bits >> (2 * PART_BITS)]);
@@ -240,11 +236,11 @@ static void fill_plane(struct row out[SAMPLES], const struct field *field,
 }
 
 static void smooth_shown(struct values *values, const struct field *field,
-                         const struct input *input)
+                         const struct patterns *patterns)
 {
     struct row plane[INPUT][SAMPLES];
     for (int z = 0; z < INPUT; z++)
-        fill_plane(plane[z], field, input, z);
+        fill_plane(plane[z], field, patterns->row[z]);
     for (int y = 0; y < SAMPLES; y++)
         smooth_rows(&plane[0][y], INPUT, SAMPLES);
     memcpy(values->row, plane, sizeof values->row);
@@ -323,21 +319,13 @@ static void smooth_scene(struct values *values, const struct field *field,
 
 /* ---- gradients ---- */
 
-static inline lanes lanes_at(const int16_t *at)
-{
-    lanes v;
-    memcpy(&v, at, sizeof v);
-    return v;
-}
-
 /* Eight gradients out of their parts, side by side. */
-static inline void put_gradients(struct gradient *out, lanes x, lanes y, lanes z)
+static inline void put_gradients(struct gradient *out, lanes x, lanes y, lanes z, lanes inside)
 {
-    const lanes none = {0};
     const lanes xy[2] = {__builtin_shufflevector(x, y, 0, 8, 1, 9, 2, 10, 3, 11),
                          __builtin_shufflevector(x, y, 4, 12, 5, 13, 6, 14, 7, 15)};
-    const lanes zn[2] = {__builtin_shufflevector(z, none, 0, 8, 1, 9, 2, 10, 3, 11),
-                         __builtin_shufflevector(z, none, 4, 12, 5, 13, 6, 14, 7, 15)};
+    const lanes zn[2] = {__builtin_shufflevector(z, inside, 0, 8, 1, 9, 2, 10, 3, 11),
+                         __builtin_shufflevector(z, inside, 4, 12, 5, 13, 6, 14, 7, 15)};
     for (int i = 0; i < 2; i++) {
         const lanes first = __builtin_shufflevector(xy[i], zn[i], 0, 1, 8, 9, 2, 3, 10, 11);
         const lanes last = __builtin_shufflevector(xy[i], zn[i], 4, 5, 12, 13, 6, 7, 14, 15);
@@ -348,7 +336,8 @@ static inline void put_gradients(struct gradient *out, lanes x, lanes y, lanes z
 
 /* Differences over two voxels, times 2^shift: such that those of two places differ by less than
  * 2^14. A tent over a step gives 7/16 of it at most. */
-static void fill_gradients(struct field_block *block, const struct values *values, int shift)
+static void fill_gradients(struct field_block *block, const struct values *values,
+                           const struct inside *inside, int shift)
 {
     enum { Y = ROW, Z = SAMPLES * ROW };
     int16_t value[SAMPLES * SAMPLES * ROW];
@@ -358,13 +347,13 @@ static void fill_gradients(struct field_block *block, const struct values *value
             const int16_t *v = value + (z + 1) * Z + (y + 1) * Y + 1;
             put_gradients(block->at[z][y], (lanes_at(v + 1) - lanes_at(v - 1)) << shift,
                           (lanes_at(v + Y) - lanes_at(v - Y)) << shift,
-                          (lanes_at(v + Z) - lanes_at(v - Z)) << shift);
+                          (lanes_at(v + Z) - lanes_at(v - Z)) << shift, lanes_at(inside->at[z][y]));
             v += FIELD_BLOCK;
             int16_t *last = block->at[z][y][FIELD_BLOCK].along;
             last[0] = (int16_t)((v[1] - v[-1]) * (1 << shift));
             last[1] = (int16_t)((v[Y] - v[-Y]) * (1 << shift));
             last[2] = (int16_t)((v[Z] - v[-Z]) * (1 << shift));
-            last[3] = 0;
+            last[3] = inside->at[z][y][FIELD_BLOCK];
         }
 }
 
@@ -372,11 +361,17 @@ static void make_block(struct field_block *block, const struct field *field,
                        const struct input *input)
 {
     struct values values;
-    if (field->kind == FIELD_SHOWN)
-        smooth_shown(&values, field, input);
-    else
+    struct inside inside;
+    if (field->kind == FIELD_SHOWN) {
+        struct patterns patterns;
+        find_patterns(&patterns, field, input);
+        smooth_shown(&values, field, &patterns);
+        inside_find(&inside, &values, &patterns);
+    } else {
         smooth_scene(&values, field, input);
-    fill_gradients(block, &values, field->kind == FIELD_SHOWN ? 2 : 1);
+        memset(&inside, 0, sizeof inside);
+    }
+    fill_gradients(block, &values, &inside, field->kind == FIELD_SHOWN ? 2 : 1);
 }
 
 /* ---- blocks ---- */

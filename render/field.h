@@ -29,13 +29,15 @@ enum {
     FIELD_RADIUS = 3, /* voxels; of the shown voxels */
     FIELD_REACH = 5,  /* the gradient at a point in a voxel's cube depends on what is shown at most
                          so many steps away along each axis, and on no other voxel */
+    FIELD_INSIDE_UNIT = 4, /* of a 4096th of the smoothed value */
     FIELD_BLOCK = 8,
     FIELD_SIDE = FIELD_BLOCK + 1, /* places of a block along an axis: between two of them a point */
 };
 
 enum field_kind { FIELD_SHOWN, FIELD_SCENE };
 
-/* Along x, y, z; the fourth is 0. In a unit of their own for each kind, less than 2^13. */
+/* Along x, y, z, in a unit of their own for each kind, less than 2^13. The fourth is 0, or of shown
+ * voxels how far inside the point is: above 0 inside (render/inside.c), less than 2^14. */
 struct gradient {
     int16_t along[4];
 };

@@ -5,37 +5,11 @@
 
 enum {
     CROSSING_PIXEL_BITS = 26, /* of a depth: 4 * 2^24 to a pixel */
-    POINT_BITS = 8,           /* of a voxel */
     BEFORE = 154,             /* 0.6 voxels: where the slope is read before the surface, */
     FURTHER = 384,            /* 1.5 voxels: and further out, */
     FURTHER_WEIGHT = 4,       /* which counts so much more */
     BARELY = 64,              /* of a normal's length: what it faces the viewer by at least */
 };
-
-/* ---- where a pixel's point lies ---- */
-
-enum { LOCATOR_BITS = 20, INVERSE_BITS = 44 };
-
-/* Along one flipped axis: (depth - crossing of plane 0) / T, as a product. T is taken to 20 bits
- * first, so the point is off by some 2^-20 of its distance: less than its own last bit. */
-static struct locator locator_of(const struct camera *camera, int a)
-{
-    struct locator l = {camera->C[a], camera->A[a], camera->B[a], 0, 0, 0, camera->flip[a]};
-    while (camera->T[a] >> l.shift >> (LOCATOR_BITS + 1))
-        l.shift++;
-    l.inverse = (INT64_C(1) << INVERSE_BITS) / (camera->T[a] >> l.shift);
-    l.most = (int32_t)(camera->scene->grid.size[a] << POINT_BITS);
-    return l;
-}
-
-/* In 1/256 voxels from the centre of voxel 0, along the scene's axis. */
-static inline int32_t locate(const struct locator *l, int64_t depth, uint32_t x, uint32_t y)
-{
-    const int64_t beyond = depth - (l->C + x * l->A + y * l->B);
-    const int64_t flipped = (beyond >> l->shift) * l->inverse >> (INVERSE_BITS - POINT_BITS);
-    const int32_t at = flipped < 0 ? 0 : flipped > l->most ? l->most : (int32_t)flipped;
-    return (l->flip ? l->most - at : at) - (1 << (POINT_BITS - 1));
-}
 
 /* ---- from fields ---- */
 
@@ -86,9 +60,10 @@ static struct gradient gradient_beside(struct normals *normals, const int32_t po
 {
     int32_t at[3];
     for (int a = 0; a < 3; a++) {
-        const int32_t last = (int32_t)(normals->camera->scene->grid.size[a] << POINT_BITS) - 1;
+        const int32_t last =
+            (int32_t)(normals->camera->scene->grid.size[a] << LOCATOR_POINT_BITS) - 1;
         const int32_t p = point[a] + (way[a] * distance >> NORMAL_BITS);
-        at[a] = p < -(1 << POINT_BITS) ? -(1 << POINT_BITS) : p > last ? last : p;
+        at[a] = p < -(1 << LOCATOR_POINT_BITS) ? -(1 << LOCATOR_POINT_BITS) : p > last ? last : p;
     }
     return field_at(&normals->shown, at);
 }
@@ -125,7 +100,7 @@ static void turn_to_viewer(int16_t normal[3], const struct normals *normals)
     int64_t along = 0, across[3];
     for (int a = 0; a < 3; a++)
         along += normal[a] * normals->viewer[a];
-    if (along >= 0)
+    if (along >= (1 << (2 * NORMAL_BITS)) / BARELY)
         return;
     for (int a = 0; a < 3; a++)
         across[a] = normal[a] - (along * normals->viewer[a] >> (2 * NORMAL_BITS)) +
@@ -245,6 +220,6 @@ void normal_of(int16_t normal[3], struct normals *normals, const struct renditio
     normals->shown.label = r->layers ? r->label[(size_t)y * r->width + x] : 0;
     int32_t point[3];
     for (int a = 0; a < 3; a++)
-        point[a] = locate(&normals->locator[a], depth, x, y);
+        point[a] = locator_point(&normals->locator[a], depth, x, y);
     field_normal(normal, normals, point);
 }

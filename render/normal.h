@@ -1,7 +1,7 @@
 /*
  * Normals: which way the surface faces at the point that a pixel shows.
  *
- * The point lies on a face of a voxel's cube; its normal comes from one of
+ * Its normal comes from one of
  *
  *   surface   the smoothed field of shown voxels (render/field.h): the direction in which it falls.
  *             Look 1 reads it on the surface; look 2 before it, where thin sheets have a slope too,
@@ -9,6 +9,7 @@
  *   scene     the gradient of the scene's intensities, turned outward by the surface's normal,
  *             which is used where the scene is flat
  *   depth     the plane that fits the depths around the pixel best
+ *   cubes     as surface; what is seen are the faces of voxels, as all of look 1 has them
  *
  * A normal lies along voxel axes, and its length in the world is 2^NORMAL_BITS.
  */
@@ -16,6 +17,7 @@
 #define RENDER_NORMAL_H
 
 #include "render/field.h"
+#include "render/locator.h"
 #include "render/rendition.h"
 
 enum {
@@ -25,17 +27,8 @@ enum {
 };
 
 /* Where normals come from, and what commands call it. */
-#define SHADE_MODES "surface|scene|depth"
-enum shade_mode { SHADE_SURFACE, SHADE_SCENE, SHADE_DEPTH };
-
-/* Where a ray crosses the planes of one axis, as a product; normals_init makes it. */
-struct locator {
-    int64_t C, A, B;
-    unsigned shift;
-    int64_t inverse; /* 2^44 / (T >> shift) */
-    int32_t most;    /* the far side of the scene */
-    bool flip;
-};
+#define SHADE_MODES "surface|scene|depth|cubes"
+enum shade_mode { SHADE_SURFACE, SHADE_SCENE, SHADE_DEPTH, SHADE_CUBES };
 
 /* All that normals depend on besides the pixel. */
 struct normals {

@@ -7,7 +7,7 @@ bool raycast_pixel(const struct camera *camera, const struct border *border, uin
     struct walk walk;
     if (!walk_begin(&walk, camera, column, row, from))
         return false;
-    while (!border_shows(border, walk.cell))
+    while (!border_is_solid(border, walk.cell))
         if (!walk_on(&walk))
             return false;
     *depth = walk.at;
@@ -28,6 +28,7 @@ void raycast(struct rendition *r, const struct camera *camera, const struct bord
     for (uint32_t y = 0; y < r->height && task_advance(&task, row); y++)
         for (uint32_t x = 0; x < r->width; x++) {
             size_t pixel = (size_t)y * r->width + x;
-            raycast_pixel(camera, border, x, y, INT64_MIN, &r->depth[pixel], &r->cell[pixel]);
+            raycast_pixel(camera, border, x, y, INT64_MIN, &r->cube.depth[pixel],
+                          &r->cube.cell[pixel]);
         }
 }

@@ -12,8 +12,8 @@ enum err rendition_init(struct rendition *r, uint32_t width, uint32_t height, st
     *r = (struct rendition){.width = width, .height = height};
     r->tiles_x = (width + TILE - 1) / TILE;
     r->tiles_y = (height + TILE - 1) / TILE;
-    r->depth = mem_array(pixels, sizeof *r->depth);
-    r->cell = mem_array(pixels, sizeof *r->cell);
+    r->depth = r->cube.depth = mem_array(pixels, sizeof *r->depth);
+    r->cell = r->cube.cell = mem_array(pixels, sizeof *r->cell);
     r->label = mem_array(pixels, sizeof *r->label);
     r->rgba = mem_array(pixels, 4);
     r->normal = mem_array(pixels, 4 * sizeof *r->normal);
@@ -26,8 +26,39 @@ enum err rendition_init(struct rendition *r, uint32_t width, uint32_t height, st
     return OK;
 }
 
+static void drop_refined(struct rendition *r)
+{
+    if (rendition_is_refined(r)) {
+        free(r->depth);
+        free(r->cell);
+    }
+    r->depth = r->cube.depth;
+    r->cell = r->cube.cell;
+}
+
+enum err rendition_refined(struct rendition *r, bool is_refined, struct fault *fault)
+{
+    const size_t pixels = (size_t)r->width * r->height;
+    if (is_refined == rendition_is_refined(r))
+        return OK;
+    drop_refined(r);
+    if (!is_refined)
+        return OK;
+    int64_t *depth = mem_array(pixels, sizeof *depth);
+    uint32_t *cell = mem_array(pixels, sizeof *cell);
+    if (!depth || !cell) {
+        free(depth);
+        free(cell);
+        return fault_memory(fault, "a rendition");
+    }
+    r->depth = depth;
+    r->cell = cell;
+    return OK;
+}
+
 void rendition_release(struct rendition *r)
 {
+    drop_refined(r);
     free(r->depth);
     free(r->cell);
     free(r->label);
@@ -39,7 +70,9 @@ void rendition_release(struct rendition *r)
 
 size_t rendition_bytes(const struct rendition *r)
 {
-    const size_t a_pixel = sizeof *r->depth + sizeof *r->cell + 1 + 4 + 4 * sizeof *r->normal;
+    const size_t map = sizeof *r->depth + sizeof *r->cell;
+    const size_t maps = rendition_is_refined(r) ? 2 * map : map;
+    const size_t a_pixel = maps + 1 + 4 + 4 * sizeof *r->normal;
     return (size_t)r->width * r->height * a_pixel + (size_t)r->tiles_x * r->tiles_y;
 }
 
@@ -72,6 +105,8 @@ struct rendition rendition_rows(const struct rendition *r, uint32_t top, uint32_
     const size_t first = (size_t)top * r->width;
     struct rendition rows = *r;
     rows.height = height;
+    rows.cube.depth += first;
+    rows.cube.cell += first;
     rows.depth += first;
     rows.cell += first;
     rows.label += first;
@@ -87,8 +122,8 @@ void rendition_clear(struct rendition *r)
 {
     size_t pixels = (size_t)r->width * r->height;
     for (size_t i = 0; i < pixels; i++) {
-        r->depth[i] = DEPTH_NONE;
-        r->cell[i] = CELL_NONE;
+        r->cube.depth[i] = DEPTH_NONE;
+        r->cube.cell[i] = CELL_NONE;
     }
     memset(r->stale, TILE_STALE, (size_t)r->tiles_x * r->tiles_y);
 }

@@ -6,8 +6,8 @@
  * every pixel: scene projection (splat every shown voxel), border projection (splat only
  * border voxels), the ray walk, and the incremental image (repair the former one).
  *
- * Invariant R1: `depth` and `cell` are what any of the four gives; a pixel that shows nothing has
- * DEPTH_NONE, CELL_NONE, and once it is shaded label 0, colour 0 and normal 0.
+ * Invariant R1: `cube` is what any of the four gives, and the rest follows from it; a pixel that
+ * shows nothing has DEPTH_NONE, CELL_NONE, and once it is shaded label 0, colour 0 and normal 0.
  */
 #ifndef RENDER_RENDITION_H
 #define RENDER_RENDITION_H
@@ -32,10 +32,19 @@ enum tile_state {
     TILE_EMPTY = 8,  /* as does one that shows nothing */
 };
 
+/* Maps of all pixels, [height][width]. */
+struct cube_maps {
+    int64_t *depth; /* a crossing (4 * t + axis) */
+    uint32_t *cell;
+};
+
 struct rendition {
     uint32_t width, height;
-    int64_t *depth;  /* [height][width], a crossing (4 * t + axis) */
-    uint32_t *cell;  /* of the visible voxel; with layers, of the one that counts */
+    struct cube_maps cube; /* the first cube of each pixel's ray, which the four ways give */
+    int64_t *depth;  /* [height][width], of what is seen: that crossing, or where the surface lies
+                        within cubes (render/refine.h), as 4 * t + 3 */
+    uint32_t *cell;  /* of the visible voxel; with layers, of the one that counts. Both are the maps
+                        of cubes unless it is refined */
     uint8_t *label;  /* of that voxel */
     uint8_t *rgba;   /* [height][width][4], sRGB, not multiplied by alpha; alpha is 255 where
                         something opaque is seen, and 0 where nothing is */
@@ -62,6 +71,13 @@ size_t rendition_count(const struct rendition *rendition, unsigned states);
 /* The part of `height` rows from row `top` on, a multiple of TILE; borrows the maps, and the
  * layers where they begin with the same row. */
 struct rendition rendition_rows(const struct rendition *rendition, uint32_t top, uint32_t height);
+/* Gives what is seen maps of its own, to be made of those of cubes, or none. ERR_MEMORY: as it
+ * was. Right after one of the four ways: every tile is stale. */
+enum err rendition_refined(struct rendition *rendition, bool is_refined, struct fault *fault);
+static inline bool rendition_is_refined(const struct rendition *rendition)
+{
+    return rendition->depth != rendition->cube.depth;
+}
 
 /* Nothing is seen, and every tile is stale; labels, colours and normals are for shading to make. */
 void rendition_clear(struct rendition *rendition);
@@ -95,17 +111,17 @@ struct footprint splat_footprint(const struct camera *camera, uint32_t cell, int
 /* Marks the tiles of the pixels of a footprint, and of those up to `pixels` away. */
 void rendition_mark_stale(struct rendition *rendition, struct footprint footprint, int pixels);
 
-/* How far around a voxel whose label changes colours may change: by that many voxels where it
- * appears or disappears (none where it only changes its object), and by so many pixels more. */
+/* How far around a voxel whose label changes colours may change: by so many voxels where it
+ * appears or disappears, or only changes its object, and by so many pixels more. */
 struct shade_reach {
-    int voxels, pixels;
+    int voxels, labels, pixels;
 };
 
 /* The ray walk over the whole picture. */
 void raycast(struct rendition *rendition, const struct camera *camera, const struct border *border);
 
-/* The first shown voxel on the ray of a pixel whose depth is at least `from`: its depth and cell,
- * or false. INT64_MIN starts before the scene. */
+/* The first solid voxel (render/border.h) on the ray of a pixel whose depth is at least `from`: its
+ * depth and cell, or false. INT64_MIN starts before the scene. */
 bool raycast_pixel(const struct camera *camera, const struct border *border, uint32_t column,
                    uint32_t row, int64_t from, int64_t *depth, uint32_t *cell);
 

@@ -6,6 +6,7 @@
 #include "render/layers.h"
 #include "render/light.h"
 #include "render/normal.h"
+#include "render/refine.h"
 
 enum { EDGE = LIGHT_UNIT * 35 / 100 }; /* what an edge leaves of a colour */
 
@@ -41,6 +42,7 @@ struct shading {
     const struct border *border;
     const struct look *look;
     const struct palette *palette;
+    struct refiner refiner; /* where the rendition is refined */
     struct normals normals;
     struct light light;
     bool cuts;         /* something is cut away, */
@@ -56,7 +58,8 @@ static bool draws_edges(const struct look *look)
 /* Whether a pixel shows a face of its voxel beyond which an object was cut away. */
 static bool is_cut_open(const struct shading *s, uint32_t cell, int64_t depth)
 {
-    return s->cuts && border_is_cut(s->border, cell + (uint32_t)s->camera->toward[depth & 3]);
+    return s->cuts && (depth & 3) != REFINE_WITHIN &&
+           border_is_cut(s->border, cell + (uint32_t)s->camera->toward[depth & 3]);
 }
 
 /* The scene there: as bright from every side, so that it reads like a slice. */
@@ -170,6 +173,13 @@ static void shade_tile(struct rendition *r, struct shading *s, struct tile tile)
                 shade_pixel(r, s, x, y);
 }
 
+static void refine_tile(struct rendition *r, struct refiner *refiner, struct tile tile)
+{
+    for (uint32_t y = tile.top; y < tile.bottom; y++)
+        for (uint32_t x = tile.left; x < tile.right; x++)
+            refine_pixel(r, refiner, x, y);
+}
+
 /* Where objects are translucent: layer by layer, from the nearest on. Edges are those of the layers
  * that count. */
 static void blend_tile(struct rendition *r, struct shading *s, struct tile tile)
@@ -188,13 +198,45 @@ static void blend_tile(struct rendition *r, struct shading *s, struct tile tile)
                 darken(r->rgba + 4 * ((size_t)y * r->width + x));
 }
 
+/* Whether what a pixel looks like depends on depths and labels of pixels around. */
+static bool looks_around(const struct look *look)
+{
+    return look->edges || look->mode == SHADE_DEPTH;
+}
+
+/* Whether no ray of a tile comes to a cube. */
+static bool is_bare(const struct rendition *r, struct tile tile)
+{
+    for (uint32_t y = tile.top; y < tile.bottom; y++)
+        for (uint32_t x = tile.left; x < tile.right; x++)
+            if (r->cube.cell[(size_t)y * r->width + x] != CELL_NONE)
+                return false;
+    return true;
+}
+
+/* What a tile shows; true where that is nothing. */
+static bool find_tile(struct rendition *r, struct shading *s, struct tile tile)
+{
+    if (rendition_is_refined(r))
+        refine_tile(r, &s->refiner, tile);
+    return label_tile(r, s->border, tile);
+}
+
+/* Refined tiles wait until they are shaded, where they may: fields are at hand then. */
+static bool waits(const struct rendition *r, const struct shading *s)
+{
+    return rendition_is_refined(r) && !looks_around(s->look);
+}
+
 /* Tiles have numbers, row by row: those from `first` to before `end`. */
-static void label_tiles(struct rendition *r, size_t first, size_t end, const struct border *border)
+static void label_tiles(struct rendition *r, size_t first, size_t end, struct shading *s)
 {
     for (size_t i = rendition_tile(r, first, end, TILE_STALE); i < end;
-         i = rendition_tile(r, i + 1, end, TILE_STALE))
-        if (label_tile(r, border, tile_at(r, i)))
+         i = rendition_tile(r, i + 1, end, TILE_STALE)) {
+        const struct tile tile = tile_at(r, i);
+        if ((!waits(r, s) || is_bare(r, tile)) && find_tile(r, s, tile))
             r->stale[i] = TILE_EMPTY;
+    }
 }
 
 static void shade_tiles(struct rendition *r, size_t first, size_t end, struct shading *s,
@@ -205,6 +247,8 @@ static void shade_tiles(struct rendition *r, size_t first, size_t end, struct sh
          i < end && task_advance(task, TILE * TILE);
          i = rendition_tile(r, i + 1, end, TILE_STALE)) {
         const struct tile tile = tile_at(r, i);
+        if (waits(r, s))
+            find_tile(r, s, tile);
         if (r->layers)
             blend_tile(r, s, tile);
         else
@@ -258,7 +302,7 @@ enum err shader_prepare(struct shader *shader, unsigned threads, const struct bo
     enum err err = OK;
     for (unsigned i = 0; i < threads && !err; i++) {
         struct shader_part *part = shader->part + i;
-        if (mode != SHADE_DEPTH)
+        if (mode != SHADE_DEPTH || look_is_refined(look))
             err = prepare(&part->shown, &part->has_shown, border, FIELD_SHOWN, most, fault);
         if (!err && mode == SHADE_SCENE)
             err = prepare(&part->scene, &part->has_scene, border, FIELD_SCENE, most, fault);
@@ -279,6 +323,8 @@ static void shading_init(struct shading *s, const struct camera *camera,
                           .cuts = !cut_is_none(&border->cut),
                           .window = {shader->window[0], shader->window[1]}};
     light_init(&s->light, camera, look->light, look->cue_percent);
+    if (look_is_refined(look))
+        refiner_init(&s->refiner, camera, border);
 }
 
 /* The fields of a thread are its own. */
@@ -286,6 +332,7 @@ static void take_fields(struct shading *s, struct shader_part *part)
 {
     normals_init(&s->normals, s->camera, mode_of(s->look, s->border), s->look->number >= 2,
                  &part->shown, &part->scene);
+    s->refiner.shown.field = &part->shown;
 }
 
 void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct camera *camera,
@@ -297,7 +344,7 @@ void shade_rows(struct rendition *r, uint32_t first, uint32_t end, const struct 
     const size_t all = (size_t)r->tiles_x * r->tiles_y;
     shading_init(&s, camera, border, palette, look, shader);
     take_fields(&s, &shader->part[number]);
-    label_tiles(r, 0, all, border);
+    label_tiles(r, 0, all, &s);
     if (draws_edges(look)) /* which look at rows around */
         shade_tiles(r, 0, all, &s, &task);
     else
@@ -334,7 +381,7 @@ static void shade_share(void *context, unsigned thread)
         task_begin_part(s.camera->scene->watch, "shading", (uint64_t)r->width * r->height, thread);
     const struct share rows = team_share(team, thread, r->tiles_y);
     take_fields(&s, &sharing->shader->part[thread]);
-    label_tiles(r, rows.first * r->tiles_x, rows.end * r->tiles_x, s.border);
+    label_tiles(r, rows.first * r->tiles_x, rows.end * r->tiles_x, &s);
     team_wait(team);
     const struct share tiles = team_share(team, thread, rendition_count(r, TILE_STALE));
     const size_t first = tile_after(r, tiles.first), end = tile_after(r, tiles.end);
@@ -354,7 +401,9 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
     struct shading s;
     struct team *team = rendition_count(r, TILE_STALE) < TILES_SHARED ? NULL : shader->team;
     struct sharing sharing = {r, &s, shader, team};
-    const enum err err = shader_prepare(shader, team_size(team), border, look, fault);
+    enum err err = shader_prepare(shader, team_size(team), border, look, fault);
+    if (!err)
+        err = rendition_refined(r, look_is_refined(look) && !r->layers, fault);
     if (err)
         return err;
     shading_init(&s, camera, border, palette, look, shader);
@@ -362,12 +411,20 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct bo
     return OK;
 }
 
+bool look_is_refined(const struct look *look)
+{
+    return look->number >= 2 && look->mode != SHADE_CUBES;
+}
+
 struct shade_reach shade_reach(const struct look *look, const struct camera *camera)
 {
-    /* One step in any case: a face may be cut open, or no more so. */
+    /* One step in any case: a face may be cut open, or no more so; a surface belongs to the voxel
+     * beside. */
     const int field = look->number >= 2 ? NORMAL_REACH : FIELD_REACH;
     const int fit = look->mode == SHADE_DEPTH ? NORMAL_FIT_STEPS * (int)normal_stride(camera) : 0;
-    struct shade_reach reach = {look->mode == SHADE_DEPTH ? 1 : field, fit};
+    const int depth = look_is_refined(look) ? REFINE_REACH : 1;
+    struct shade_reach reach = {look->mode == SHADE_DEPTH ? depth : field, look_is_refined(look),
+                                fit};
     if (draws_edges(look))
         reach.pixels += edge_reach(camera, look->samples);
     else if (look->edges && fit == 0)

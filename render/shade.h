@@ -37,6 +37,10 @@ struct look {
 /* Surface; the light over the viewer's left shoulder. */
 struct look look_default(uint32_t number);
 
+/* Whether it shows surfaces between voxel centres (render/refine.h), for which a border has a skin:
+ * what is not of cubes, from look 2 on. Translucent objects are shown as cubes. */
+bool look_is_refined(const struct look *look);
+
 /* What shading stores between one picture and the next, so that the next is made faster; each
  * thread has its own. */
 struct shader_part {
@@ -59,7 +63,8 @@ size_t shader_bytes(const struct shader *shader);
 /* How far colours depend on what is around. */
 struct shade_reach shade_reach(const struct look *look, const struct camera *camera);
 
-/* Shades every stale tile and marks it shaded or empty. ERR_MEMORY, with tiles still stale. */
+/* Shades every stale tile and marks it shaded or empty. ERR_MEMORY, with tiles still stale. Where
+ * the look is refined and was not before, or the other way round, all tiles are stale. */
 enum err shade(struct rendition *rendition, const struct camera *camera,
                const struct border *border, const struct palette *palette, const struct look *look,
                struct shader *shader, struct fault *fault);

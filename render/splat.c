@@ -22,10 +22,10 @@ static inline void splat_cube(struct rendition *r, const struct camera *camera, 
         const size_t row = (size_t)y * r->width;
         for (int32_t x = f.left; x <= f.right; x++) {
             const int64_t first = most_of(near0, near1, near2);
-            int64_t *depth = r->depth + row + x;
+            int64_t *depth = r->cube.depth + row + x;
             if (first < *depth && first < least_of(near0 + T0, near1 + T1, near2 + T2)) {
                 *depth = first;
-                r->cell[row + (size_t)x] = cell;
+                r->cube.cell[row + (size_t)x] = cell;
             }
             near0 += A0, near1 += A1, near2 += A2;
         }
@@ -59,20 +59,20 @@ void splat_scene(struct rendition *r, const struct camera *camera, const struct 
     rendition_clear(r);
     struct task task = task_begin(border->scene->watch, "rendition", border->scene->grid.cells);
     for (size_t w = 0; w < border->words && task_advance(&task, 64); w++)
-        for (uint64_t word = border->shown[w]; word; word &= word - 1)
+        for (uint64_t word = border->solid[w]; word; word &= word - 1)
             sweep_splat(&sweep, r, (uint32_t)(w * 64) + (uint32_t)__builtin_ctzll(word),
                         FACE_SETS - 1);
 }
 
-/* A pixel shows a face whose neighbour is not shown: one of the three towards us. So voxels without
+/* A pixel shows a face whose neighbour is not solid: one of the three towards us. So voxels without
  * such a face are left out, and of the others, such faces are splatted alone. */
 static void splat_faces(struct sweep *sweep, struct rendition *r, const struct border *border,
                         ptrdiff_t at, uint64_t word)
 {
     const ptrdiff_t *toward = sweep->camera->toward;
-    const uint64_t open0 = ~border_shown_from(border, at + toward[0]);
-    const uint64_t open1 = ~border_shown_from(border, at + toward[1]);
-    const uint64_t open2 = ~border_shown_from(border, at + toward[2]);
+    const uint64_t open0 = ~border_solid_from(border, at + toward[0]);
+    const uint64_t open1 = ~border_solid_from(border, at + toward[1]);
+    const uint64_t open2 = ~border_solid_from(border, at + toward[2]);
     word &= open0 | open1 | open2;
     for (; word; word &= word - 1) {
         const unsigned bit = (unsigned)__builtin_ctzll(word);
@@ -82,11 +82,11 @@ static void splat_faces(struct sweep *sweep, struct rendition *r, const struct b
     }
 }
 
-/* The border voxels of a word, row by row: of large pictures only a part may be drawn. */
+/* The hull voxels of a word, row by row: of large pictures only a part may be drawn. */
 static void splat_border_word(struct sweep *sweep, struct rendition *r, const struct border *border,
                               size_t w)
 {
-    for (uint64_t word = border->border[w]; word;)
+    for (uint64_t word = border->hull[w]; word;)
         splat_faces(sweep, r, border, (ptrdiff_t)w * 64, sweep_take_row(sweep, w, &word));
 }
 
@@ -104,7 +104,7 @@ static void splat_under(struct task *task, struct rendition *r, const struct cam
     rendition_clear(r);
     for (size_t i = 0; i < border->words && task_advance(task, 64); i++) {
         const size_t w = camera->flip[2] ? border->words - 1 - i : i;
-        if (border->border[w])
+        if (border->hull[w])
             splat_border_word(&sweep, r, border, w);
     }
 }

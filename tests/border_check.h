@@ -11,6 +11,31 @@ static inline bool border_should_show(const struct border *border, uint32_t cell
            !cut_takes(&border->cut, &scene->grid, cell);
 }
 
+/* A voxel beside that is outside the scene is neither. */
+static inline bool border_should_be_solid(const struct border *border, uint32_t cell)
+{
+    const struct grid *grid = &border->scene->grid;
+    bool solid = border_should_show(border, cell);
+    if (!border->has_skin || border->scene->cell[cell].flags & CELL_RIM ||
+        cut_takes(&border->cut, grid, cell))
+        return solid;
+    for (int a = 0; a < 3; a++)
+        solid = solid || border_should_show(border, cell - (uint32_t)grid->step[a]) ||
+                border_should_show(border, cell + (uint32_t)grid->step[a]);
+    return solid;
+}
+
+static inline bool border_check_hull(const struct border *border, uint32_t at)
+{
+    const struct grid *grid = &border->scene->grid;
+    const bool solid = border_should_be_solid(border, at);
+    bool inside = solid;
+    for (int a = 0; a < 3; a++)
+        inside = inside && border_should_be_solid(border, at - (uint32_t)grid->step[a]) &&
+                 border_should_be_solid(border, at + (uint32_t)grid->step[a]);
+    return border_is_solid(border, at) == solid && border_is_hull(border, at) == (solid && !inside);
+}
+
 /* `why` names the first voxel where it does not hold. */
 static inline bool border_check(const struct border *border, struct fault *why)
 {
@@ -24,7 +49,7 @@ static inline bool border_check(const struct border *border, struct fault *why)
                 for (int a = 0; a < 3; a++)
                     inside = inside && border_should_show(border, at - (uint32_t)grid->step[a]) &&
                              border_should_show(border, at + (uint32_t)grid->step[a]);
-                if (border_shows(border, at) != shown ||
+                if (border_shows(border, at) != shown || !border_check_hull(border, at) ||
                     border_holds(border, at) != (shown && !inside)) {
                     fault_set(why, ERR_CHECK, "voxel %u,%u,%u: B1: the border is not a recount", x,
                               y, z);

@@ -47,6 +47,12 @@ static inline enum err stage_init(struct stage *s, const uint32_t size[3], unsig
     return err ? err : stage_take(s, scene, adjacency, why);
 }
 
+/* The border as the look has it projected. */
+static inline enum err stage_fit_border(struct stage *s)
+{
+    return border_set_skin(&s->border, look_is_refined(&s->look), NULL);
+}
+
 static inline void stage_release(struct stage *s)
 {
     rendition_release(&s->rendition);

@@ -61,7 +61,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
 static void look_at_random(struct stage *s, uint64_t *random)
 {
     s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT - LOOK_FIRST + 1);
-    s->look.mode = (enum shade_mode)check_below(random, 3);
+    s->look.mode = (enum shade_mode)check_below(random, 4);
     s->look.edges = check_below(random, 2);
     s->look.samples = 1u << check_below(random, 3);
     for (int i = 0; i < 3; i++)
@@ -70,6 +70,7 @@ static void look_at_random(struct stage *s, uint64_t *random)
     s->view.height = s->look.samples * (1 + check_below(random, 90));
     s->view.zoom = s->look.samples * (300 + check_below(random, 6000));
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
+    CHECK(stage_fit_border(s) == OK);
 }
 
 static void begin(struct stage *s, struct rendition *fine, struct rendition *out)

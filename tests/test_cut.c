@@ -141,7 +141,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
         size[a] = 1 + check_below(random, check_below(random, 3) ? 24 : 4);
     CHECK(stage_init(s, size, 6, NULL) == OK);
     s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT);
-    s->look.mode = (enum shade_mode)check_below(random, 3);
+    s->look.mode = (enum shade_mode)check_below(random, 4);
     s->look.edges = check_below(random, 2);
     for (size_t i = 0; i < s->scene->grid.cells; i++)
         if (!(s->scene->cell[i].flags & CELL_RIM)) {
@@ -242,6 +242,7 @@ typedef void projection(struct rendition *, const struct camera *, const struct 
 
 static void draw(struct stage *s, struct rendition *r, projection *project)
 {
+    CHECK(stage_fit_border(s) == OK);
     project(r, &s->camera, &s->border);
     paint(s, r);
 }

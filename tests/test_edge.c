@@ -43,6 +43,7 @@ static struct rendition draw(struct stage *s, uint32_t samples, bool edges)
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
     CHECK(rendition_init(&s->rendition, PIXELS * samples, PIXELS * samples, NULL) == OK);
     CHECK(rendition_init(&out, PIXELS, PIXELS, NULL) == OK);
+    CHECK(stage_fit_border(s) == OK);
     splat_border(&s->rendition, &s->camera, &s->border);
     CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
           OK);
@@ -123,10 +124,12 @@ static double taken(struct stage *s, uint32_t samples)
     return sum;
 }
 
+/* Of cubes, whose silhouettes are not dark by themselves, as rounded ones are. */
 STORY(a_line_is_as_strong_at_every_number_of_samples)
 {
     struct stage s;
     begin(&s);
+    s.look.mode = SHADE_CUBES;
     fill(&s, 1, in_wall);
     fill(&s, 2, in_half);
     for (int i = 0; i < 6; i++) {

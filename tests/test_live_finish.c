@@ -115,8 +115,8 @@ STORY(what_is_picked_is_what_is_shown)
     must(&interp, "finished on");
     must(&interp, "render");
     const struct session *session = &interp.session;
-    for (uint32_t row = 0; row < 60; row += 2)
-        for (uint32_t column = 0; column < 64; column += 2) {
+    for (uint32_t row = 0; row < 60; row++)
+        for (uint32_t column = 0; column < 64; column++) {
             const struct rendition *frame = session_frame(session);
             const uint8_t label = frame->label[row * 64 + column];
             const uint32_t cell = frame->cell[row * 64 + column];

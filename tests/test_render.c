@@ -32,6 +32,7 @@ static void colour(struct stage *s, struct rendition *r)
 static void render(struct stage *s, struct rendition *r, projection *project)
 {
     CHECK(layers_take(&s->layers, r, &s->border, &s->shader.seams, NULL) == OK);
+    CHECK(stage_fit_border(s) == OK);
     project(r, &s->camera, &s->border);
     colour(s, r);
 }
@@ -86,7 +87,7 @@ static void random_view(struct stage *s, uint64_t *random)
 static void random_look(struct stage *s, uint64_t *random)
 {
     s->look.number = LOOK_FIRST + check_below(random, LOOK_PRESENT);
-    s->look.mode = (enum shade_mode)check_below(random, 3);
+    s->look.mode = (enum shade_mode)check_below(random, 4);
     s->look.light[0] = (int32_t)check_below(random, 360001) - 180000;
     s->look.light[1] = (int32_t)check_below(random, 180001) - 90000;
     s->look.cue_percent = check_below(random, 101);

@@ -412,7 +412,8 @@ const struct command command_table[] = {
      "surface, the default: the shown objects, smoothed.\n"
      "scene: the gradient of the intensities, with finer detail where objects end at an edge of "
      "the scene.\n"
-     "depth: the depths around a pixel.",
+     "depth: the depths around a pixel.\n"
+     "cubes: as surface, on the faces of voxels. The others show a smooth surface between them.",
      "shade scene"},
     {COMMAND("light", act_light, GROUP_LOOK, R | S),
      {NEED("YAW", VALUE_DECIMAL, .least = -VIEW_TURN / 2, .most = VIEW_TURN / 2),

@@ -148,12 +148,15 @@ static enum err draw_bands(struct session *session, const struct border *border,
 }
 
 /* Of the voxels that a border shows, from nothing, into memory that is there. */
-static enum err draw_border(struct session *session, const struct border *border,
-                            enum render_mode mode, struct fault *fault)
+static enum err draw_border(struct session *session, struct border *border, enum render_mode mode,
+                            struct fault *fault)
 {
     projection *project = projection_of(mode);
     enum err err = OK;
     session->rendered = RENDERED_NOT;
+    err = border_set_skin(border, look_is_refined(&session->now.outlook.look), fault);
+    if (err)
+        return err;
     if (session->rendition.depth) {
         err = layers_take(&session->layers, &session->rendition, border, &session->shader.seams,
                           fault);
@@ -170,7 +173,7 @@ static enum err draw_border(struct session *session, const struct border *border
     return err ? err : watch_fault(session->watch, fault);
 }
 
-static const struct border *border_of(const struct session *session, enum rendered as)
+static struct border *border_of(struct session *session, enum rendered as)
 {
     return as == RENDERED_FINISHED ? &session->live.border : &session->border;
 }

@@ -55,6 +55,7 @@ static void tell_picture(struct stage *s, const char *name, int number)
     uint64_t digest[3];
     for (int i = 0; i < 3; i++) {
         shader_release(&s->shader);
+        must(stage_fit_border(s), &(struct fault){0}, "a border");
         way[i](&s->rendition, &s->camera, &s->border);
         colour(s);
         digest[i] = rendition_digest(&s->rendition);
@@ -96,7 +97,7 @@ static void looks(struct stage *s)
 {
     for (int i = 0; i < 48; i++) {
         s->look = look_default(i < 24 ? LOOK_FIRST : LOOK_PRESENT);
-        s->look.mode = (enum shade_mode)(i % 3);
+        s->look.mode = (enum shade_mode)(i % 24 % 4);
         s->look.edges = (uint32_t)i / 3 % 2;
         s->look.cue_percent = (uint32_t)(i * 4);
         s->look.light[0] = i * 14321;
@@ -162,6 +163,7 @@ static void incremental(struct stage *s)
     struct fault fault;
     works_edits(edit, s->scene, 29);
     shader_release(&s->shader);
+    must(stage_fit_border(s), &fault, "a border");
     splat_border(&s->rendition, &s->camera, &s->border);
     colour(s);
     for (int i = 0; i < 20; i++) {

@@ -1,0 +1,43 @@
+/*
+ * Refining: from the first cube of a pixel's ray to the surface between voxel centres.
+ *
+ * The surface is where the field of shown voxels comes inside (render/field.h), between centres
+ * too, so that it is curved where cubes are not. It lies in solid voxels (render/border.h) alone:
+ * from the first cube on, the ray is followed in steps of half a voxel until it is inside, and on
+ * from the next solid cube where it leaves them before. A face that is cut open stays flat.
+ *
+ * So what is seen is a pure function of the map of cubes, of shown and solid voxels and of the
+ * view: where the four ways agree in cubes, they agree in what is seen.
+ */
+#ifndef RENDER_REFINE_H
+#define RENDER_REFINE_H
+
+#include "render/field.h"
+#include "render/locator.h"
+#include "render/rendition.h"
+
+/* What is seen of a pixel depends on what is shown at most so many steps along each axis away from
+ * voxels on its ray. */
+enum { REFINE_REACH = FIELD_REACH };
+
+/* In the low two bits of a depth: not on the face of a cube. */
+enum { REFINE_WITHIN = 3 };
+
+struct refiner {
+    const struct camera *camera;
+    const struct border *border;
+    struct locator locator[3];
+    int64_t pace;    /* crossings of half a voxel */
+    int64_t step[3]; /* that along each axis, in 2^-16 voxels */
+    bool cuts;       /* something is cut away */
+    struct field_reader shown;
+};
+
+/* The border outlives this; shown.field, that of shown voxels, is for the caller to set. */
+void refiner_init(struct refiner *refiner, const struct camera *camera,
+                  const struct border *border);
+
+/* What is seen of a pixel, whose maps of cubes are made. */
+void refine_pixel(struct rendition *rendition, struct refiner *refiner, uint32_t x, uint32_t y);
+
+#endif

@@ -1,0 +1,268 @@
+/* Surfaces between voxel centres: silhouettes of known shapes, and that nothing vanishes. */
+#include "check.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "tests/stage.h"
+
+/* Whether the voxel at this place from the middle of the scene is part of a shape. */
+typedef bool shape(const double at[3]);
+
+static void stage_shape(struct stage *s, uint32_t side, shape *holds)
+{
+    CHECK(stage_init(s, (uint32_t[]){side, side, side}, 6, NULL) == OK);
+    for (uint32_t z = 0; z < side; z++)
+        for (uint32_t y = 0; y < side; y++)
+            for (uint32_t x = 0; x < side; x++) {
+                const double middle = (side - 1) / 2.0;
+                const double at[3] = {x - middle, y - middle, z - middle};
+                s->scene->cell[grid_cell(&s->scene->grid, x, y, z)].label = holds(at);
+            }
+    border_recount(&s->border);
+}
+
+static void draw(struct stage *s, uint32_t zoom, const int32_t angle[2])
+{
+    const uint32_t side = s->scene->grid.size[0] * 7 / 4 * zoom / VIEW_ZOOM_ONE;
+    rendition_release(&s->rendition);
+    s->view = (struct view){.angle = {angle[0], angle[1]}, .zoom = zoom};
+    s->view.width = s->view.height = side;
+    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
+    CHECK(rendition_init(&s->rendition, side, side, NULL) == OK);
+    CHECK(stage_fit_border(s) == OK);
+    splat_border(&s->rendition, &s->camera, &s->border);
+    CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==
+          OK);
+}
+
+static size_t seen(const struct rendition *r)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < (size_t)r->width * r->height; i++)
+        count += r->cell[i] != CELL_NONE;
+    return count;
+}
+
+static const int32_t side[][2] = {{0, 0},          {45000, 0},      {45000, 35264}, {100000, 46000},
+                                  {153000, 69000}, {204000, 92000}, {33000, 12000}, {90000, 90000}};
+enum { SIDES = sizeof side / sizeof side[0] };
+
+/* ---- shapes ---- */
+
+static double radius_of(const double at[3])
+{
+    return sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]);
+}
+
+static bool is_ball(const double at[3])
+{
+    return radius_of(at) <= 40;
+}
+static bool is_shell_1(const double at[3])
+{
+    return radius_of(at) <= 16 && radius_of(at) > 15;
+}
+static bool is_shell_2(const double at[3])
+{
+    return radius_of(at) <= 16 && radius_of(at) > 14;
+}
+static bool is_shell_3(const double at[3])
+{
+    return radius_of(at) <= 16 && radius_of(at) > 13;
+}
+static bool is_voxel(const double at[3])
+{
+    return radius_of(at) == 0;
+}
+static bool is_pair(const double at[3])
+{
+    return at[0] == at[1] && at[1] == at[2] && (at[0] == 0 || at[0] == 1);
+}
+static bool is_cube_of_3(const double at[3])
+{
+    return fabs(at[0]) <= 1 && fabs(at[1]) <= 1 && fabs(at[2]) <= 1;
+}
+static bool is_line(const double at[3])
+{
+    return at[1] == 0 && at[2] == 0 && fabs(at[0]) <= 15;
+}
+static bool is_oblique_line(const double at[3])
+{
+    return at[1] == at[0] && at[2] == floor(at[0] / 3) && fabs(at[0]) <= 15;
+}
+static bool is_sheet(const double at[3])
+{
+    return at[2] == 0;
+}
+static bool is_sheet_at_45_degrees(const double at[3])
+{
+    return at[0] + at[1] == 0;
+}
+static bool is_oblique_sheet(const double at[3])
+{
+    return at[0] + at[1] + at[2] == 0;
+}
+static bool is_gentle_sheet(const double at[3])
+{
+    return at[2] == floor(at[0] / 4);
+}
+static bool is_sheet_on_a_wall(const double at[3])
+{
+    return at[0] < -8 || at[1] == 0;
+}
+static bool is_line_on_a_wall(const double at[3])
+{
+    return at[0] < -8 || (at[1] == 0 && at[2] == 0);
+}
+static bool is_voxel_before_a_wall(const double at[3])
+{
+    return at[0] < -2 || radius_of(at) == 0;
+}
+static bool are_crossed_sheets(const double at[3])
+{
+    return at[0] == 0 || at[1] == 0 || at[2] == 2;
+}
+static bool are_sheets_side_by_side(const double at[3])
+{
+    return fmod(at[1] + 100, 2) == 0;
+}
+static bool is_rod_of_3(const double at[3])
+{
+    return fabs(at[1]) <= 1 && fabs(at[2]) <= 1;
+}
+
+static const struct thing {
+    const char *name;
+    shape *holds;
+    uint32_t rim; /* voxels from its cubes' silhouette to where there is no hole */
+} thing[] = {
+    {"shell of 1", is_shell_1, 2},
+    {"shell of 2", is_shell_2, 2},
+    {"shell of 3", is_shell_3, 2},
+    {"voxel", is_voxel, 2},
+    {"pair", is_pair, 2},
+    {"cube of 3", is_cube_of_3, 2},
+    {"line", is_line, 2},
+    {"oblique line", is_oblique_line, 2},
+    {"sheet", is_sheet, 2},
+    {"sheet at 45 degrees", is_sheet_at_45_degrees, 2},
+    {"oblique sheet", is_oblique_sheet, 2},
+    {"gentle sheet", is_gentle_sheet, 2},
+    {"sheet on a wall", is_sheet_on_a_wall, 2},
+    {"line on a wall", is_line_on_a_wall, 2},
+    {"voxel before a wall", is_voxel_before_a_wall, 2},
+    {"crossed sheets", are_crossed_sheets, 2},
+    {"sheets side by side", are_sheets_side_by_side, 3},
+    {"rod of 3", is_rod_of_3, 2},
+};
+enum { THINGS = sizeof thing / sizeof thing[0] };
+
+/* ---- what is seen of them ---- */
+
+STORY(the_silhouette_of_a_ball_is_as_large_as_the_ball)
+{
+    struct stage s;
+    stage_shape(&s, 85, is_ball);
+    for (int i = 0; i < SIDES; i++)
+        for (uint32_t zoom = 1000; zoom <= 4000; zoom *= 2) {
+            draw(&s, zoom, side[i]);
+            const double radius =
+                sqrt((double)seen(&s.rendition) / 3.14159265358979) * VIEW_ZOOM_ONE / zoom;
+            if (!CHECK(fabs(radius - 40) < 0.1))
+                printf("# view %d zoom %u: radius %.3f\n", i, zoom, radius);
+        }
+    s.look.mode = SHADE_CUBES;
+    draw(&s, 4000, side[3]);
+    CHECK(sqrt((double)seen(&s.rendition) / 3.14159265358979) / 4 > 40.3);
+    stage_release(&s);
+}
+
+/* Of a round silhouette at zoom 8, the distances from the middle are nearly the same; of cubes they
+ * differ by up to a voxel. */
+STORY(a_silhouette_is_curved)
+{
+    struct stage s;
+    stage_shape(&s, 85, is_ball);
+    for (int i = 0; i < SIDES; i++) {
+        double least = 100, most = 0;
+        draw(&s, 8000, side[i]);
+        const struct rendition *r = &s.rendition;
+        for (uint32_t y = 1; y + 1 < r->height; y++)
+            for (uint32_t x = 1; x + 1 < r->width; x++) {
+                const size_t p = (size_t)y * r->width + x;
+                const bool is_edge =
+                    r->cell[p] != CELL_NONE &&
+                    (r->cell[p - 1] == CELL_NONE || r->cell[p + 1] == CELL_NONE ||
+                     r->cell[p - r->width] == CELL_NONE || r->cell[p + r->width] == CELL_NONE);
+                const double d = hypot(x - (r->width - 1) / 2.0, y - (r->height - 1) / 2.0) / 8;
+                if (is_edge && d < least)
+                    least = d;
+                if (is_edge && d > most)
+                    most = d;
+            }
+        if (!CHECK(most - least < 0.6))
+            printf("# view %d: radii from %.2f to %.2f\n", i, least, most);
+    }
+    stage_release(&s);
+}
+
+/* Whether all pixels up to `reach` around one show a cube. */
+static bool is_within(const struct rendition *r, uint32_t x, uint32_t y, uint32_t reach)
+{
+    if (x < reach || y < reach || x + reach >= r->width || y + reach >= r->height)
+        return false;
+    for (uint32_t j = y - reach; j <= y + reach; j++)
+        for (uint32_t i = x - reach; i <= x + reach; i++)
+            if (r->cube.cell[(size_t)j * r->width + i] == CELL_NONE)
+                return false;
+    return true;
+}
+
+/* Pixels so far within the silhouette of shown cubes that show nothing. */
+static size_t holes_of(struct stage *s, const struct rendition *cubes, uint32_t reach)
+{
+    size_t holes = 0;
+    for (uint32_t y = 0; y < cubes->height; y++)
+        for (uint32_t x = 0; x < cubes->width; x++)
+            holes += s->rendition.cell[(size_t)y * cubes->width + x] == CELL_NONE &&
+                     is_within(cubes, x, y, reach);
+    return holes;
+}
+
+/* Smoothed, corners are round, and lines too: nearer to a silhouette than the rim there may be
+ * anything, but no shape becomes much smaller or larger than its cubes. */
+STORY(what_is_thin_has_no_holes_and_does_not_vanish)
+{
+    for (int t = 0; t < THINGS; t++) {
+        struct stage s;
+        struct border border;
+        stage_shape(&s, 35, thing[t].holds);
+        CHECK(border_init(&border, s.scene, NULL) == OK);
+        border_recount(&border);
+        for (int i = 0; i < SIDES; i++)
+            for (uint32_t zoom = 1000; zoom <= 8000; zoom *= zoom < 2000 ? 2 : 4) {
+                struct rendition cubes;
+                draw(&s, zoom, side[i]);
+                CHECK(rendition_init(&cubes, s.view.width, s.view.height, NULL) == OK);
+                splat_border(&cubes, &s.camera, &border);
+                const uint32_t rim = thing[t].rim * zoom / VIEW_ZOOM_ONE;
+                const size_t holes = holes_of(&s, &cubes, rim);
+                const double share = (double)seen(&s.rendition) / (double)seen(&cubes);
+                if (!CHECK(holes == 0 && share > (zoom == 1000 ? 0.2 : 0.4) &&
+                           share < (zoom == 1000 ? 3 : 1.7)))
+                    printf("# %s, view %d, zoom %u: %zu holes, %.2f of its cubes\n", thing[t].name,
+                           i, zoom, holes, share);
+                rendition_release(&cubes);
+            }
+        border_release(&border);
+        stage_release(&s);
+    }
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(the_silhouette_of_a_ball_is_as_large_as_the_ball),
+                       TELL(a_silhouette_is_curved),
+                       TELL(what_is_thin_has_no_holes_and_does_not_vanish));
+}
