@@ -9,6 +9,7 @@
 enum {
     SLOTS_LEAST = 256,         /* 1.5 MB of blocks, */
     SLOTS_MOST = 2048,         /* 12 MB, */
+    LAYERS_TIMES = 8,          /* and so many times that where objects are translucent, */
     VOXELS_A_SLOT = 6500,      /* and less than a byte for each voxel of the scene */
     BEFORE = 2 + FIELD_RADIUS, /* the first of them lies so many before the block */
     PART_BITS = 6,             /* voxels of a row that are looked up at once */
@@ -48,14 +49,17 @@ static uint32_t blocks_along(const struct grid *grid, int a)
     return grid->size[a] / FIELD_BLOCK + 1;
 }
 
-/* No more slots than there are blocks. */
-static uint32_t slots_for(const struct grid *grid, unsigned threads)
+/* No more slots than there are blocks. Pixels of several layers need blocks of several labels. */
+static uint32_t slots_for(const struct border *border, unsigned threads)
 {
-    uint64_t blocks = 1, most = grid->voxels / VOXELS_A_SLOT / threads;
+    const struct grid *grid = &border->scene->grid;
+    const unsigned times = border_is_translucent(border) ? LAYERS_TIMES : 1;
+    uint64_t blocks = times, most = times * (grid->voxels / VOXELS_A_SLOT) / threads;
     uint32_t slots = 2;
     for (int a = 0; a < 3; a++)
         blocks *= blocks_along(grid, a);
-    most = most < SLOTS_LEAST ? SLOTS_LEAST : most > SLOTS_MOST ? SLOTS_MOST : most;
+    const uint64_t limit = (uint64_t)times * SLOTS_MOST;
+    most = most < SLOTS_LEAST ? SLOTS_LEAST : most > limit ? limit : most;
     while (slots < blocks && 2 * slots <= most)
         slots *= 2;
     return slots;
@@ -76,7 +80,7 @@ enum err field_init(struct field *field, const struct border *border, enum field
                     unsigned threads, struct fault *fault)
 {
     *field = (struct field){.border = border, .kind = kind};
-    field->slots = slots_for(&border->scene->grid, threads);
+    field->slots = slots_for(border, threads);
     field->block = mem_array(field->slots, sizeof *field->block);
     field->slot = mem_new(field->slots * sizeof *field->slot);
     field->tables = aligned_alloc(sizeof(struct row), sizeof *field->tables);
@@ -91,6 +95,11 @@ enum err field_init(struct field *field, const struct border *border, enum field
     if (err)
         field_release(field);
     return err;
+}
+
+bool field_fits(const struct field *field, const struct border *border, unsigned threads)
+{
+    return field->border == border && field->slots == slots_for(border, threads);
 }
 
 void field_release(struct field *field)
@@ -191,14 +200,19 @@ static inline unsigned row_bits(const struct border *border, size_t cell, unsign
     return (unsigned)bits & inside;
 }
 
-/* Those of them that have a label. */
-static unsigned labelled_bits(const struct labels *labels, size_t cell, unsigned bits,
-                              uint8_t label)
+/* Those of them that have a label: runs of them have the same between two seams. */
+static unsigned labelled_bits(const struct field *field, size_t cell, unsigned bits, uint8_t label)
 {
+    const struct seams *seams = field->seams;
+    const uint64_t after = border_bits_from(seams->between[0], seams->words, (ptrdiff_t)cell);
+    const unsigned begins = bits & (~(bits << 1) | (unsigned)after << 1);
     unsigned found = 0;
-    for (unsigned left = bits; left; left &= left - 1) {
-        const unsigned i = (unsigned)__builtin_ctz(left);
-        found |= (unsigned)(labels_at(labels, (uint32_t)cell + i) == label) << i;
+    for (unsigned left = begins; left; left &= left - 1) {
+        const unsigned first = left & -left, next = left & (left - 1);
+        const unsigned to_next = (next & -next) - first; /* all from the first on, where it is 0 */
+        const uint32_t at = (uint32_t)cell + (uint32_t)__builtin_ctz(first);
+        if (labels_at(&field->border->labels, at) == label)
+            found |= bits & to_next;
     }
     return found;
 }
@@ -215,7 +229,7 @@ static void find_patterns(struct patterns *patterns, const struct field *field,
             const size_t cell = row_cell(&border->scene->grid, input, y, z);
             const unsigned bits = row_bits(border, cell, input->inside[0]);
             patterns->row[z][y] =
-                input->label ? labelled_bits(&border->labels, cell, bits, input->label) : bits;
+                input->label ? labelled_bits(field, cell, bits, input->label) : bits;
         }
 }
 

@@ -23,7 +23,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
-#include "render/border.h"
+#include "render/seams.h"
 
 enum {
     FIELD_RADIUS = 3, /* voxels; of the shown voxels */
@@ -49,6 +49,7 @@ struct field_block {
 
 struct field {
     const struct border *border;
+    const struct seams *seams; /* to be set where fields of labels are asked for: the border's */
     enum field_kind kind;
     int brighter;   /* FIELD_SCENE: intensities are shifted left by this, to 12 bits */
     uint32_t slots; /* a power of 2 */
@@ -61,6 +62,9 @@ struct field {
  * it the more there are. The border outlives it. */
 enum err field_init(struct field *field, const struct border *border, enum field_kind kind,
                     unsigned threads, struct fault *fault);
+/* Whether the field is as one that is made now: it has room for more blocks where something is
+ * translucent. */
+bool field_fits(const struct field *field, const struct border *border, unsigned threads);
 void field_release(struct field *field);
 size_t field_bytes(const struct field *field);
 

@@ -84,6 +84,20 @@ enum err layers_take(struct layers *l, struct rendition *r, const struct border 
     return err;
 }
 
+struct layers layers_rows(const struct layers *l, uint32_t top)
+{
+    const size_t first = (size_t)top * l->width;
+    struct layers rows = *l;
+    rows.last_depth += first;
+    rows.last_cell += first;
+    rows.last_label += first;
+    rows.count += first;
+    rows.depth += LAYERS_MOST * first;
+    rows.cell += LAYERS_MOST * first;
+    rows.label += LAYERS_MOST * first;
+    return rows;
+}
+
 static void clear_pixel(struct layers *l, size_t pixel)
 {
     l->last_depth[pixel] = DEPTH_NONE;

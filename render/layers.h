@@ -61,6 +61,9 @@ size_t layers_bytes(const struct layers *layers);
 enum err layers_take(struct layers *layers, struct rendition *rendition,
                      const struct border *border, struct seams *seams, struct fault *fault);
 
+/* Those of the rows of the rendition from one on, to be splatted into; borrows the maps. */
+struct layers layers_rows(const struct layers *layers, uint32_t top);
+
 /* What the functions of a rendition's name do where it has layers. */
 void layers_splat_scene(struct rendition *rendition, const struct camera *camera,
                         const struct border *border);

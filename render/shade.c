@@ -285,7 +285,7 @@ static enum shade_mode mode_of(const struct look *look, const struct border *bor
 static enum err prepare(struct field *field, bool *has, const struct border *border,
                         enum field_kind kind, unsigned threads, struct fault *fault)
 {
-    if (*has && field->border == border)
+    if (*has && field_fits(field, border, threads))
         return OK;
     if (*has)
         field_release(field);
@@ -304,6 +304,7 @@ enum err shader_prepare(struct shader *shader, unsigned threads, const struct bo
         struct shader_part *part = shader->part + i;
         if (mode != SHADE_DEPTH || look_is_refined(look))
             err = prepare(&part->shown, &part->has_shown, border, FIELD_SHOWN, most, fault);
+        part->shown.seams = &shader->seams;
         if (!err && mode == SHADE_SCENE)
             err = prepare(&part->scene, &part->has_scene, border, FIELD_SCENE, most, fault);
     }

@@ -175,6 +175,11 @@ static void splat_share(void *context, unsigned thread)
     if (end <= top)
         return;
     struct rendition part = rendition_rows(s->rendition, top, height);
+    struct layers layers;
+    if (s->rendition->layers) {
+        layers = layers_rows(s->rendition->layers, top);
+        part.layers = &layers;
+    }
     const struct camera camera = camera_rows(s->camera, top, height);
     struct task task =
         task_begin_part(s->border->scene->watch, "rendition", s->border->scene->grid.cells, thread);
@@ -185,7 +190,7 @@ void splat_border_shared(struct rendition *r, const struct camera *camera,
                          const struct border *border, struct team *team)
 {
     struct splatting s = {.rendition = r, .camera = camera, .border = border};
-    if (team_size(team) == 1 || r->layers || r->tiles_y > ROWS_MOST) {
+    if (team_size(team) == 1 || r->tiles_y > ROWS_MOST) {
         splat_border(r, camera, border);
         return;
     }

@@ -12,6 +12,7 @@
 #include "render/layers.h"
 #include "render/rendition.h"
 #include "render/shade.h"
+#include "tests/check.h"
 
 struct stage {
     struct scene *scene;
@@ -51,6 +52,21 @@ static inline enum err stage_init(struct stage *s, const uint32_t size[3], unsig
 static inline enum err stage_fit_border(struct stage *s)
 {
     return border_set_skin(&s->border, look_is_refined(&s->look), NULL);
+}
+
+/* Half of the time, some of the labels are translucent. */
+static inline void stage_opacities(struct stage *s, uint64_t *random)
+{
+    const bool translucent = check_below(random, 2);
+    for (int label = 1; label < 256; label++)
+        s->border.opacity[label] =
+            (uint8_t)(translucent && check_below(random, 3) ? 1 + check_below(random, 100) : 100);
+}
+
+/* Has a rendition of what is shown the stage's layers where it needs them. */
+static inline void stage_take_layers(struct stage *s, struct rendition *rendition)
+{
+    CHECK(layers_take(&s->layers, rendition, &s->border, &s->shader.seams, NULL) == OK);
 }
 
 static inline void stage_release(struct stage *s)

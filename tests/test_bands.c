@@ -64,6 +64,7 @@ static void look_at_random(struct stage *s, uint64_t *random)
     s->look.mode = (enum shade_mode)check_below(random, 4);
     s->look.edges = check_below(random, 2);
     s->look.samples = 1u << check_below(random, 3);
+    stage_opacities(s, random);
     for (int i = 0; i < 3; i++)
         s->view.angle[i] = (int32_t)check_below(random, VIEW_TURN);
     s->view.width = s->look.samples * (1 + check_below(random, 30));
@@ -78,6 +79,7 @@ static void begin(struct stage *s, struct rendition *fine, struct rendition *out
     CHECK(rendition_init(fine, s->view.width, s->view.height, NULL) == OK);
     CHECK(rendition_init(out, s->view.width / s->look.samples, s->view.height / s->look.samples,
                          NULL) == OK);
+    stage_take_layers(s, fine);
 }
 
 static void colour(struct stage *s, struct rendition *fine, struct rendition *out)

@@ -18,7 +18,7 @@ static void draw(struct stage *s, uint32_t side)
     border_recount(&s->border);
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
     CHECK(rendition_init(&s->rendition, side, side, NULL) == OK);
-    CHECK(layers_take(&s->layers, &s->rendition, &s->border, &s->shader.seams, NULL) == OK);
+    stage_take_layers(s, &s->rendition);
     CHECK(stage_fit_border(s) == OK);
     splat_border(&s->rendition, &s->camera, &s->border);
     CHECK(shade(&s->rendition, &s->camera, &s->border, &s->palette, &s->look, &s->shader, NULL) ==

@@ -31,7 +31,7 @@ static void colour(struct stage *s, struct rendition *r)
 
 static void render(struct stage *s, struct rendition *r, projection *project)
 {
-    CHECK(layers_take(&s->layers, r, &s->border, &s->shader.seams, NULL) == OK);
+    stage_take_layers(s, r);
     CHECK(stage_fit_border(s) == OK);
     project(r, &s->camera, &s->border);
     colour(s, r);
@@ -93,10 +93,7 @@ static void random_look(struct stage *s, uint64_t *random)
     s->look.cue_percent = check_below(random, 101);
     s->look.edges = check_below(random, 2);
     s->look.samples = 1u << check_below(random, 3); /* so wide are edges */
-    const bool translucent = check_below(random, 2);
-    for (int label = 1; label < 256; label++)
-        s->border.opacity[label] =
-            (uint8_t)(translucent && check_below(random, 3) ? 1 + check_below(random, 100) : 100);
+    stage_opacities(s, random);
 }
 
 static void random_edit(struct stage *s, uint64_t *random)

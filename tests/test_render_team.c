@@ -41,6 +41,7 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     s->look.mode = (enum shade_mode)check_below(random, 3);
     s->look.edges = check_below(random, 2);
     s->look.samples = 1u << check_below(random, 3);
+    stage_opacities(s, random);
     for (int i = 0; i < 3; i++)
         s->view.angle[i] = (int32_t)check_below(random, VIEW_TURN);
     s->view.width = s->look.samples * (60 + check_below(random, 60));
@@ -49,11 +50,12 @@ static void stage_at_random(struct stage *s, uint64_t *random)
     CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
 }
 
-static void begin(const struct stage *s, struct rendition *fine, struct rendition *out)
+static void begin(struct stage *s, struct rendition *fine, struct rendition *out)
 {
     const uint32_t samples = s->look.samples;
     CHECK(rendition_init(fine, s->view.width, s->view.height, NULL) == OK);
     CHECK(rendition_init(out, s->view.width / samples, s->view.height / samples, NULL) == OK);
+    stage_take_layers(s, fine);
 }
 
 static void colour(struct stage *s, struct rendition *fine, struct rendition *out)
@@ -124,7 +126,9 @@ STORY(a_picture_may_be_stopped_at_any_time)
     struct rendition fine;
     CHECK(team_new(&team, THREADS_MOST, NULL) == OK);
     stage_at_random(&s, &random);
+    s.border.opacity[1] = 50;
     CHECK(rendition_init(&fine, s.view.width, s.view.height, NULL) == OK);
+    stage_take_layers(&s, &fine);
     s.shader.team = team;
     for (int looks = 0; looks < 40; looks++) {
         int left = looks;
