@@ -56,6 +56,7 @@ static inline void canvas_dot(const struct canvas *canvas, int64_t column, int64
     uint8_t *pixel = canvas_pixel(canvas, (size_t)column, (size_t)row);
     for (int k = 0; k < 3; k++)
         pixel[k] = rgb[k];
+    pixel[3] = 255;
 }
 
 #endif

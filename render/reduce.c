@@ -38,29 +38,37 @@ static inline void add_to_mean(struct mean *mean, const struct rendition *fine, 
         mean->squares[k] += (uint32_t)rgba[3] * rgba[k] * rgba[k];
 }
 
-static inline struct mean mean_of(const struct rendition *fine, size_t first, uint32_t samples)
+/* Of a box of pixels. */
+static inline struct mean mean_of(const struct rendition *fine, size_t first, uint32_t width,
+                                  uint32_t height)
 {
     struct mean mean = {.nearest = first};
-    for (uint32_t j = 0; j < samples; j++)
-        for (uint32_t i = 0; i < samples; i++)
+    for (uint32_t j = 0; j < height; j++)
+        for (uint32_t i = 0; i < width; i++)
             add_to_mean(&mean, fine, first + (size_t)j * fine->width + i);
     return mean;
+}
+
+/* The mean square of a colour; dividing 32 bits takes a third of the time. */
+static inline uint16_t square_of(const struct mean *mean, int k, uint64_t pixels)
+{
+    return (uint16_t)(pixels <= 64 ? (uint32_t)mean->squares[k] / (uint32_t)mean->alpha
+                                   : mean->squares[k] / mean->alpha);
 }
 
 size_t rendition_mean(uint8_t rgba[4], const struct rendition *fine, uint32_t left, uint32_t top,
                       uint32_t width, uint32_t height)
 {
     const uint64_t all = (uint64_t)width * height;
-    struct mean mean = {.nearest = (size_t)top * fine->width + left};
-    lanes squares = {0};
-    for (uint32_t y = top; y < top + height; y++)
-        for (uint32_t x = left; x < left + width; x++)
-            add_to_mean(&mean, fine, (size_t)y * fine->width + x);
-    for (int k = 0; k < COLOURS - 1 && mean.alpha; k++)
-        squares[k] = (uint16_t)(mean.squares[k] / mean.alpha);
-    const lanes roots = roots_of(squares);
-    for (int k = 0; k < COLOURS - 1; k++)
-        rgba[k] = (uint8_t)roots[k];
+    const size_t first = (size_t)top * fine->width + left;
+    const struct mean mean = width == 2 && height == 2 ? mean_of(fine, first, 2, 2)
+                                                       : mean_of(fine, first, width, height);
+    memset(rgba, 0, COLOURS);
+    if (mean.alpha == 0)
+        return mean.nearest;
+    const lanes roots = roots_of(
+        (lanes){square_of(&mean, 0, all), square_of(&mean, 1, all), square_of(&mean, 2, all)});
+    rgba[0] = (uint8_t)roots[0], rgba[1] = (uint8_t)roots[1], rgba[2] = (uint8_t)roots[2];
     rgba[3] = (uint8_t)((mean.alpha + all / 2) / all);
     return mean.nearest;
 }
@@ -70,7 +78,7 @@ static inline void reduce_pixel(struct rendition *out, size_t to, const struct r
                                 size_t first, uint32_t samples, uint16_t squares[COLOURS])
 {
     const uint32_t all = samples * samples;
-    const struct mean mean = mean_of(fine, first, samples);
+    const struct mean mean = mean_of(fine, first, samples, samples);
     out->depth[to] = fine->depth[mean.nearest];
     out->cell[to] = fine->cell[mean.nearest];
     out->label[to] = fine->label[mean.nearest];

@@ -148,9 +148,9 @@ uint64_t rendition_digest(const struct rendition *r)
 {
     uint64_t sum = hash_mix_at(r->width, r->height);
     for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
-        if (r->cell[i] == CELL_NONE)
-            continue;
         const uint8_t *c = r->rgba + 4 * i;
+        if (r->cell[i] == CELL_NONE && !c[3])
+            continue;
         uint64_t colour = (uint64_t)c[0] << 24 | (uint64_t)c[1] << 16 | (uint64_t)c[2] << 8 | c[3];
         uint64_t seen = hash_mix_at(r->cell[i], (uint64_t)r->depth[i]);
         sum += hash_mix_at(i, seen ^ hash_mix(colour << 8 | r->label[i]));

@@ -142,11 +142,17 @@ static void ink(const struct canvas *canvas, int64_t left, int64_t top, int64_t 
     }
 }
 
+void text_draw_outlined(const struct canvas *canvas, int64_t left, int64_t top, uint32_t scale,
+                        const char *words, const uint8_t rgb[3], const uint8_t outline[3])
+{
+    ink(canvas, left, top, scale, (scale + 1) / 2, words, outline);
+    ink(canvas, left, top, scale, 0, words, rgb);
+}
+
 void text_draw(const struct canvas *canvas, int64_t left, int64_t top, uint32_t scale,
                const char *words, const uint8_t rgb[3])
 {
-    ink(canvas, left, top, scale, (scale + 1) / 2, words, black);
-    ink(canvas, left, top, scale, 0, words, rgb);
+    text_draw_outlined(canvas, left, top, scale, words, rgb, black);
 }
 
 int64_t text_width(const char *words, uint32_t scale)

@@ -114,6 +114,26 @@ expect 0 oiiotool white.png --cut 1x1+0+0 --printstats
 out_has 'Constant Color: 1.000000 1.000000 1.000000'
 close_story
 
+begin "what is drawn over a rendition changes colours alone, and the picture says so"
+{
+    sed '/^render/d' script
+    printf '%s\n' 'render plain.exr' 'decorate letters scale legend' 'render over.exr' \
+        'render over.png' 'golden over'
+} >decorations
+expect 0 "$iftty" run decorations --journal over.iftty
+for channel in Z label voxel N.X; do
+    oiiotool plain.exr --ch $channel -d float -o mine.tif
+    oiiotool over.exr --ch $channel -d float -o theirs.tif
+    expect 0 idiff -q mine.tif theirs.tif
+done
+oiiotool plain.exr --ch R,G,B -d float -o mine.tif
+oiiotool over.exr --ch R,G,B -d float -o theirs.tif
+idiff -q mine.tif theirs.tif >/dev/null 2>&1 && fail "nothing is drawn"
+expect 0 "$iftty" info over.png
+out_has 'iftty:decorations: letters, scale, legend'
+expect 0 "$iftty" verify over.iftty
+close_story
+
 begin "formats without loss agree with the PNG, pixel for pixel"
 for format in tif tiff bmp tga ppm sgi iff rla dpx fits ico jp2; do
     oiiotool a.$format --ch 0,1,2 --chnames R,G,B -d uint8 -o back.tif 2>err ||

@@ -7,6 +7,7 @@
 #include "engine/rival.h"
 #include "engine/way.h"
 #include "journal/journal.h"
+#include "session/decorating.h"
 #include "session/export.h"
 #include "session/histogram.h"
 
@@ -190,6 +191,11 @@ static void write_look(struct buf *out, const struct outlook *outlook)
                (int)mode.length, mode.word, look->light[0] / 1000.0, look->light[1] / 1000.0,
                look->cue_percent, look->edges ? "on" : "off", look->samples);
     background_write(out, outlook->background);
+    buf_add_char(out, '\n');
+    if (!outlook->decorations)
+        return;
+    buf_add_text(out, "decorated ");
+    decorating_write(out, outlook->decorations);
     buf_add_char(out, '\n');
 }
 

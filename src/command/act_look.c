@@ -1,6 +1,8 @@
 /* Commands that change how surfaces are coloured. */
 #include "command/act.h"
 
+#include "render/decoration.h"
+
 enum err act_shade(const struct act *act)
 {
     act->next->outlook.look.mode = (enum shade_mode)act->value[0].number;
@@ -43,5 +45,25 @@ enum err act_background(const struct act *act)
         value->text ? named[value->number] : BACKGROUND_PLAIN | (uint32_t)value->number;
     if (outlook->background == BACKGROUND_PLAIN && outlook->look.number == LOOK_FIRST)
         outlook->background = BACKGROUND_FADE;
+    return act_go(act);
+}
+
+/* The parts that are named, after which stand `all` and `none`. */
+enum err act_decorate(const struct act *act)
+{
+    enum { PARTS = 5, ALL = PARTS, NONE };
+    uint32_t parts = 0, named = 0;
+    bool is_none = false;
+    for (int i = 0; i < PARTS; i++) {
+        const struct value *value = &act->value[i];
+        named += value->given;
+        is_none |= value->given && value->number == NONE;
+        if (value->given && value->number != NONE)
+            parts |= value->number == ALL ? (uint32_t)DECORATE_ALL : 1u << value->number;
+    }
+    if (is_none && named > 1)
+        return fault_set(act->fault, ERR_USAGE,
+                         "expected `decorate none` alone; nothing has changed");
+    act->next->outlook.decorations = parts;
     return act_go(act);
 }

@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "image/exr.h"
+#include "session/decorating.h"
 #include "session/export.h"
 
 /* ---- pictures ---- */
@@ -54,8 +55,9 @@ void act_add_picture_digest(const struct act *act)
     if (!semantics_has(act->session->semantics, MEANING_SMOOTH_SURFACES))
         return;
     buf_add_blank(&act->reply->words);
+    const struct rendition picture = session_picture(act->session);
     buf_printf(&act->reply->words, "picture=%016llx",
-               (unsigned long long)rendition_digest(session_frame(act->session)));
+               (unsigned long long)rendition_digest(&picture));
 }
 
 enum file_mode act_file_mode(const struct value *replace)
@@ -138,7 +140,9 @@ enum err act_render_labels(const struct act *act, const struct value *finished,
     enum err err = session_run(act->session, act->fault);
     if (!err)
         err = act_take_shown(act, finished, labels);
-    return err ? err : session_draw_labels(act->session, labels, mode, act->fault);
+    if (!err)
+        err = session_draw_labels(act->session, labels, mode, act->fault);
+    return err ? err : session_decorate(act->session, labels, act->fault);
 }
 
 enum err act_render(const struct act *act)

@@ -10,6 +10,7 @@
 #include "base/least.h"
 #include "image/helper.h"
 #include "render/fit.h"
+#include "session/decorating.h"
 #include "session/export.h"
 
 /* The places of the parameters in the table. */
@@ -148,7 +149,10 @@ static enum err turn_to(struct spin *spin, const struct view *from, unsigned num
     if (!err)
         err = session_draw_labels(session, &spin->labels, RENDER_ONCE, fault);
     if (!err)
-        spin->digest += hash_mix_at(number, rendition_digest(session_frame(session)));
+        err = session_decorate(session, &spin->labels, fault);
+    const struct rendition picture = session_picture(session);
+    if (!err)
+        spin->digest += hash_mix_at(number, rendition_digest(&picture));
     return err;
 }
 

@@ -37,7 +37,7 @@ static void add_form(struct buf *out, const struct parameter *p)
 
 void usage_form(struct buf *out, const struct parameter *p)
 {
-    if (p->choices)
+    if (p->choices && !(p->type == VALUE_CHOICE && p->form))
         buf_printf(out, "%s%s", p->choices, p->type == VALUE_CHOICE ? "" : "|");
     add_form(out, p);
 }

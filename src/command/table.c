@@ -6,6 +6,7 @@
 #include "engine/hints.h"
 #include "engine/surface.h"
 #include "engine/weight.h"
+#include "render/decoration.h"
 #include "render/view.h"
 #include "session/export.h"
 #include "session/piece_seeds.h"
@@ -77,6 +78,9 @@
 #define FINISHED      KEYED("finished", VALUE_CHOICE, .choices = "yes|no")
 #define FINISHED_NOTE "\nfinished=yes: labels as `finish` leaves them."
 #define SHOWN_NOTE    FINISHED_NOTE " Unless given, as `finished` has it."
+
+/* One more part that is drawn over the rendition. */
+#define DECORATION MAY("PART", VALUE_CHOICE, .choices = DECORATIONS "|all|none", .form = "PART")
 
 /* What all that read a map have in common. */
 #define RESAMPLE KEYED("resample", VALUE_CHOICE, .choices = "yes|no")
@@ -451,6 +455,19 @@ const struct command command_table[] = {
      "other formats.\n"
      ".exr always has the objects alone, with their alpha, and so have golden images.",
      "background white"},
+    {COMMAND("decorate", act_decorate, GROUP_LOOK, R | S),
+     {NEED("PART", VALUE_CHOICE, .choices = DECORATIONS "|all|none"), DECORATION, DECORATION,
+      DECORATION, DECORATION},
+     "what is drawn over the rendition",
+     "none by default. It is drawn over the colours, on the screen, in files and in golden images, "
+     "as large as the picture has room for; `pick` finds what is below.\n"
+     "letters: the patient's sides, R L A P S I, or the axes where nobody knows them.\n"
+     "scale: a bar and its length in millimetres, or in voxels where their distance is unknown.\n"
+     "legend: the labels that are shown, with their volumes.\n"
+     "seeds: seeds and eliminators of the last run, where their voxels are seen.\n"
+     "cross: the cross-hair, where its voxel is seen.",
+
+     "decorate letters scale legend"},
     {COMMAND("clip", act_clip, GROUP_CUTS, R | S),
      {NEED("PLANE", VALUE_CHOICE, .choices = "axial|coronal|sagittal|none"),
       MAY("SLICES", VALUE_RANGE, .most = 65533)},

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "render/bands.h"
+#include "session/decorating.h"
 #include "session/window.h"
 
 /* ---- the camera ---- */
@@ -46,13 +47,13 @@ const struct rendition *session_frame(const struct session *session)
 enum err session_show_frame(struct canvas *canvas, const struct session *session,
                             struct fault *fault)
 {
-    const struct rendition *r = session_frame(session);
+    const struct rendition r = session_picture(session);
     const uint32_t background = background_opaque(session->now.outlook.background);
-    const enum err err = canvas_init(canvas, r->width, r->height, false, fault);
+    const enum err err = canvas_init(canvas, r.width, r.height, false, fault);
     if (err)
         return err;
-    memcpy(canvas->rgba, r->rgba, (size_t)4 * r->width * r->height);
-    background_put(canvas->rgba, r->width, r->height, background);
+    memcpy(canvas->rgba, r.rgba, (size_t)4 * r.width * r.height);
+    background_put(canvas->rgba, r.width, r.height, background);
     return OK;
 }
 

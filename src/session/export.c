@@ -9,6 +9,7 @@
 #include "base/mem.h"
 #include "engine/margin.h"
 #include "image/volume.h"
+#include "session/decorating.h"
 
 /* One pixel of depth in millimetres: crossings count 2^-24 pixels, four times. */
 static double depth_unit_mm(const struct camera *camera)
@@ -111,9 +112,22 @@ enum err export_notes(struct picture *picture, const struct session *session, st
     return err;
 }
 
+/* What is drawn over it. */
+static enum err note_decorations(struct picture *picture, const struct session *session,
+                                 struct fault *fault)
+{
+    struct buf words = {0};
+    decorating_write(&words, session->now.outlook.decorations);
+    const enum err err = words.failed
+                             ? fault_memory(fault, "a note on a picture")
+                             : picture_note(picture, "iftty:decorations", buf_text(&words), fault);
+    buf_release(&words);
+    return err;
+}
+
 enum err export_picture(struct picture *picture, const struct session *session, struct fault *fault)
 {
-    const struct rendition *r = session_frame(session);
+    const struct rendition shown = session_picture(session), *r = &shown;
     enum err err = picture_init(picture, r->width, r->height, true, fault);
     if (err)
         return err;
@@ -127,6 +141,8 @@ enum err export_picture(struct picture *picture, const struct session *session, 
         picture->voxel[i] = seen ? grid_voxel(&session->scene->grid, r->cell[i]) : CELL_NONE;
     }
     err = export_notes(picture, session, fault);
+    if (!err && session->now.outlook.decorations)
+        err = note_decorations(picture, session, fault);
     if (err)
         picture_release(picture);
     return err;

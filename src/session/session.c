@@ -58,6 +58,9 @@ void session_release_rendition(struct session *session)
     rendition_release(&session->rendition);
     rendition_release(&session->reduced);
     layers_release(&session->layers);
+    free(session->decorated);
+    session->decorated = NULL;
+    session->decorated_pixels = 0;
     session->rendered = RENDERED_NOT;
 }
 
@@ -79,6 +82,7 @@ size_t session_memory(const struct session *session)
     bytes += kept->weight_map ? packed_memory(kept->weight_map) : 0;
     bytes += rendition_bytes(&session->rendition) + rendition_bytes(&session->reduced);
     bytes += layers_bytes(&session->layers);
+    bytes += 4 * session->decorated_pixels;
     return bytes + shader_bytes(&session->shader);
 }
 

@@ -100,6 +100,8 @@ struct session {
     struct layers layers;       /* the rendition's, where objects are translucent */
     struct rendition reduced;   /* to the view's size, where look.samples is above 1 */
     enum rendered rendered;     /* S2: what session_frame gives shows the present state */
+    uint8_t *decorated;         /* colours of the frame with what is drawn over them */
+    size_t decorated_pixels;
     struct shader shader;
     bool knows_window; /* what follows from the scene, once somebody has asked: */
     int32_t window[2]; /* intensities, black and white */

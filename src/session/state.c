@@ -69,6 +69,7 @@ static const struct state_field outlook_field[] = {
     FIELD(outlook, view, MADE_CAMERA),
     FIELD(outlook, look, MADE_CAMERA),
     FIELD(outlook, background, 0),
+    FIELD(outlook, decorations, 0),
     FIELD(outlook, slices.cross, 0),
     FIELD(outlook, slices.zoom, 0),
     FIELD(outlook, slices.times, 0),

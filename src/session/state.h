@@ -67,7 +67,8 @@ struct slice_settings {
 struct outlook {
     struct view view;
     struct look look;
-    uint32_t background; /* render/background.h */
+    uint32_t decorations; /* of the rendition: bits of render/decoration.h */
+    uint32_t background;  /* render/background.h */
     struct slice_settings slices;
     bool runs_by_itself; /* "auto": each edit is run at once */
     bool shows_finished; /* pictures show labels as kept.finish leaves them */

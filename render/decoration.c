@@ -1,0 +1,303 @@
+#include "render/decoration.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/mem.h"
+#include "render/marks.h"
+#include "render/notes.h"
+#include "render/slice.h"
+#include "render/sweep.h"
+#include "render/text.h"
+
+enum {
+    LETTERS_FROM = 48, /* pixels of the picture's shorter side at which parts begin */
+    BARS_FROM = 128,
+};
+
+static const uint8_t black[3];
+
+static const struct ink *ink_of(const struct decoration *d)
+{
+    return d->is_bright ? &notes_dark : &notes_light;
+}
+
+/* ---- letters ---- */
+
+static int64_t size_of(int32_t v)
+{
+    return v < 0 ? -(int64_t)v : v;
+}
+
+/* The sides within some 67 degrees of a direction in the patient, the nearest first. */
+static void write_sides(char word[DECORATION_WORD], const int32_t direction[3], bool sides_unknown)
+{
+    static const char *const side[2][3][2] = {{{"R", "L"}, {"A", "P"}, {"S", "I"}},
+                                              {{"+x", "-x"}, {"+y", "-y"}, {"+z", "-z"}}};
+    const int64_t least = view_sine(22500);
+    bool is_told[3] = {false};
+    size_t length = 0;
+    word[0] = '\0';
+    for (int i = 0; i < 3; i++) {
+        int nearest = -1;
+        for (int a = 0; a < 3; a++)
+            if (!is_told[a] && size_of(direction[a]) >= least &&
+                (nearest < 0 || size_of(direction[a]) > size_of(direction[nearest])))
+                nearest = a;
+        if (nearest < 0)
+            return;
+        is_told[nearest] = true;
+        length += (size_t)snprintf(word + length, DECORATION_WORD - length, "%s",
+                                   side[sides_unknown][nearest][direction[nearest] < 0]);
+    }
+}
+
+void decoration_sides(char word[4][DECORATION_WORD], const struct camera *camera)
+{
+    int32_t way[2][3], ahead[3];
+    view_look(&camera->view, way[0], way[1], ahead);
+    for (int i = 0; i < 4; i++) {
+        int32_t direction[3];
+        for (int a = 0; a < 3; a++) /* up and to the right as they are */
+            direction[a] = i == 1 || i == 2 ? way[i / 2][a] : -way[i / 2][a];
+        write_sides(word[i], direction, camera->scene->sides_unknown);
+    }
+}
+
+static void draw_letters(const struct canvas *canvas, const struct decoration *d, uint32_t unit)
+{
+    char word[4][DECORATION_WORD];
+    decoration_sides(word, d->camera);
+    const char *const sides[4] = {word[0], word[1], word[2], word[3]};
+    notes_draw_sides(canvas, unit, sides, ink_of(d));
+}
+
+/* ---- the scale ---- */
+
+static bool has_even_spacing(const struct scene *scene)
+{
+    const uint32_t *nm = scene->spacing_nm;
+    return nm[0] == nm[1] && nm[1] == nm[2];
+}
+
+int64_t decoration_scale(char words[32], const struct camera *camera, uint32_t samples,
+                         uint32_t width)
+{
+    const struct scene *scene = camera->scene;
+    const uint64_t pixel_pm =
+        (uint64_t)camera->unit_nm * 1000 * VIEW_ZOOM_ONE * samples / (uint64_t)camera->view.zoom;
+    const uint64_t most = pixel_pm * width / 4, voxel_pm = (uint64_t)scene->spacing_nm[0] * 1000;
+    uint64_t length = most ? slice_round_length(most) : 0;
+    if (scene->spacing_unknown && (!has_even_spacing(scene) || most < voxel_pm))
+        return 0;
+    if (scene->spacing_unknown) {
+        const uint64_t voxels = slice_round_length(most / voxel_pm);
+        snprintf(words, 32, "%llu voxel%s", (unsigned long long)voxels, voxels == 1 ? "" : "s");
+        length = voxels * voxel_pm;
+    } else {
+        slice_length_words(words, length);
+    }
+    return pixel_pm ? (int64_t)((length + pixel_pm / 2) / pixel_pm) : 0;
+}
+
+static void draw_scale(const struct canvas *canvas, const struct decoration *d, uint32_t unit)
+{
+    char words[32];
+    const int64_t pixels = decoration_scale(words, d->camera, d->samples, canvas->width);
+    if (pixels > 0)
+        notes_draw_scale(canvas, unit, pixels, words, ink_of(d));
+}
+
+/* ---- the legend ---- */
+
+/* Rows of the legend, from the top left on, clear of the letters and of the scale. */
+struct rows {
+    int64_t top, next, end; /* of a row; end is where nothing more fits */
+    int64_t hole, hole_end; /* no row lies between */
+};
+
+static struct rows rows_of(const struct canvas *canvas, const struct decoration *d, int64_t unit)
+{
+    const int64_t letter = TEXT_TALL * (int64_t)notes_letter_scale(canvas, (uint32_t)unit);
+    const int64_t foot = d->parts & DECORATE_SCALE ? (TEXT_TALL + 12) * unit : 0;
+    struct rows rows = {4 * unit, TEXT_LINE * unit, canvas->height - 4 * unit - foot, 0, 0};
+    if (d->parts & DECORATE_LETTERS) {
+        rows.hole = (canvas->height - letter) / 2 - 3 * unit;
+        rows.hole_end = rows.hole + letter + 6 * unit;
+    }
+    return rows;
+}
+
+/* The top of the next row; false where there is no room for one. */
+static bool next_row(struct rows *rows, int64_t unit, int64_t *top)
+{
+    if (rows->top + TEXT_TALL * unit > rows->hole && rows->top < rows->hole_end)
+        rows->top = rows->hole_end;
+    *top = rows->top;
+    rows->top += rows->next;
+    return *top + TEXT_TALL * unit <= rows->end;
+}
+
+/* The name, as much of it as leaves room for the amount. */
+static void write_line(char words[80], const struct legend_line *line, int64_t room)
+{
+    const int64_t amount = (int64_t)strlen(line->amount) + 2, name = (int64_t)strlen(line->name);
+    if (name + amount <= room)
+        snprintf(words, 80, "%s  %s", line->name, line->amount);
+    else if (room > amount + 3)
+        snprintf(words, 80, "%.*s..  %s", (int)(room - amount - 2), line->name, line->amount);
+    else
+        snprintf(words, 80, "%s", line->amount);
+}
+
+static void draw_line(const struct canvas *canvas, const struct decoration *d, int64_t unit,
+                      int64_t top, const struct legend_line *line)
+{
+    const int64_t left = 4 * unit, side = TEXT_TALL * unit, words_left = left + side + 4 * unit;
+    const int64_t right = top < 12 * unit ? canvas->width / 2 - 8 * unit : 2 * canvas->width / 3;
+    const int64_t room = (right - words_left) / (TEXT_ADVANCE * unit);
+    const struct ink *ink = ink_of(d);
+    char words[80];
+    write_line(words, line, room);
+    canvas_box(canvas, left - unit, top - unit, side + 2 * unit, side + 2 * unit, ink->outline);
+    canvas_box(canvas, left, top, side, side, d->palette->rgb[line->label]);
+    text_draw_outlined(canvas, words_left, top, (uint32_t)unit, words, ink->rgb, ink->outline);
+}
+
+static void draw_legend(const struct canvas *canvas, const struct decoration *d, uint32_t unit)
+{
+    struct rows rows = rows_of(canvas, d, unit);
+    size_t fit = 0;
+    int64_t top;
+    char words[32];
+    while (fit < d->lines && next_row(&rows, unit, &top))
+        fit++;
+    if (fit < d->lines && fit > 0)
+        fit--; /* for how many more there are */
+    rows = rows_of(canvas, d, unit);
+    for (size_t i = 0; i < fit && next_row(&rows, unit, &top); i++)
+        draw_line(canvas, d, unit, top, &d->line[i]);
+    snprintf(words, sizeof words, "and %zu more", d->lines - fit);
+    if (fit < d->lines && next_row(&rows, unit, &top))
+        text_draw_outlined(canvas, 4 * unit, top, unit, words, ink_of(d)->rgb, ink_of(d)->outline);
+}
+
+/* ---- seeds and the cross-hair ---- */
+
+/* The pixel in which the centre of a voxel lies. */
+static void place_of(const struct decoration *d, uint32_t cell, int64_t place[2])
+{
+    const struct camera *camera = d->camera;
+    const struct projection seen = project(camera, grid_place(&camera->scene->grid, cell));
+    for (int i = 0; i < 2; i++) {
+        const int64_t sample = (seen.centre[i] + (1 << 29)) >> 30, n = d->samples;
+        place[i] = sample >= 0 ? sample / n : -((n - 1 - sample) / n);
+    }
+}
+
+static bool is_seen(const struct decoration *d, uint32_t cell)
+{
+    const struct footprint f = splat_footprint(d->camera, cell, 1); /* surfaces may lie beyond */
+    const int32_t n = (int32_t)d->samples;
+    const bool is_none = f.left > f.right || f.top > f.bottom;
+    for (int32_t y = f.top / n; y <= f.bottom / n && !is_none; y++)
+        for (int32_t x = f.left / n; x <= f.right / n; x++)
+            if (d->frame->cell[(size_t)y * d->frame->width + (size_t)x] == cell)
+                return true;
+    return false;
+}
+
+static int64_t within(int64_t v, int64_t end)
+{
+    return v < 0 ? 0 : v >= end ? end - 1 : v;
+}
+
+static void add_mark(struct marks *marks, const struct decoration *d, uint32_t cell,
+                     bool eliminates)
+{
+    const struct rendition *r = d->frame;
+    int64_t place[2];
+    place_of(d, cell, place);
+    marks_add(marks, (struct mark){place[0], place[1],
+                                   (size_t)(within(place[1], r->height) * r->width +
+                                            within(place[0], r->width)),
+                                   d->camera->scene->cell[cell].label, eliminates, false});
+}
+
+/* Seeds that pixels show: each once or a few times, where the first pixel of a row shows it. */
+static void add_seeds(struct marks *marks, struct mark_runs *runs, const struct decoration *d)
+{
+    const struct rendition *r = d->frame;
+    for (uint32_t y = 0; y < r->height; y++)
+        for (uint32_t x = 0; x < r->width; x++) {
+            const size_t pixel = (size_t)y * r->width + x;
+            const uint32_t cell = r->cell[pixel];
+            if (cell == CELL_NONE || !(d->camera->scene->cell[cell].flags & CELL_SEED))
+                continue;
+            const struct mark mark = {.label = d->camera->scene->cell[cell].label};
+            runs->run[pixel] = mark_run(&mark);
+            if ((x == 0 || r->cell[pixel - 1] != cell) &&
+                (y == 0 || r->cell[pixel - r->width] != cell))
+                add_mark(marks, d, cell, false);
+        }
+}
+
+static bool draw_seeds(const struct canvas *canvas, const struct decoration *d, uint32_t unit)
+{
+    const size_t pixels = (size_t)d->frame->width * d->frame->height;
+    const size_t zoom = d->camera->view.zoom / d->samples;
+    struct marks marks = {0};
+    struct mark_runs runs = {.run = mem_new(pixels * sizeof *runs.run),
+                             .columns = d->frame->width,
+                             .rows = d->frame->height,
+                             .step = zoom < VIEW_ZOOM_ONE ? 1 : zoom / VIEW_ZOOM_ONE};
+    if (runs.run) {
+        add_seeds(&marks, &runs, d);
+        marks_keep_rims(&marks, &runs);
+        for (size_t i = 0; i < d->eliminators; i++)
+            if (is_seen(d, d->eliminator[i]))
+                add_mark(&marks, d, d->eliminator[i], true);
+        marks_draw(canvas, &marks, unit, d->palette);
+    }
+    const bool fine = runs.run && !marks.failed;
+    free(marks.mark);
+    free(runs.run);
+    return fine;
+}
+
+/* Four arms around the voxel, which they leave free. */
+static void draw_cross(const struct canvas *canvas, const struct decoration *d, int64_t unit)
+{
+    const int64_t zoom = d->camera->view.zoom / d->samples / VIEW_ZOOM_ONE;
+    const int64_t gap = 3 * unit + zoom / 2, length = 8 * unit;
+    int64_t at[2];
+    if (!is_seen(d, d->cross))
+        return;
+    place_of(d, d->cross, at);
+    for (int64_t around = unit; around >= 0; around -= unit) {
+        const uint8_t *rgb = around ? black : notes_yellow;
+        const int64_t wide = unit + 2 * around, arm = length + 2 * around, half = unit / 2;
+        canvas_box(canvas, at[0] - gap - length - around, at[1] - half - around, arm, wide, rgb);
+        canvas_box(canvas, at[0] + gap + 1 - around, at[1] - half - around, arm, wide, rgb);
+        canvas_box(canvas, at[0] - half - around, at[1] - gap - length - around, wide, arm, rgb);
+        canvas_box(canvas, at[0] - half - around, at[1] + gap + 1 - around, wide, arm, rgb);
+    }
+}
+
+enum err decoration_draw(const struct canvas *canvas, const struct decoration *d,
+                         struct fault *fault)
+{
+    const uint32_t side = notes_side(canvas), unit = slice_unit(canvas->width, canvas->height);
+    if (d->parts & DECORATE_SEEDS && !draw_seeds(canvas, d, unit))
+        return fault_memory(fault, "the marks of a rendition");
+    if (d->parts & DECORATE_CROSS)
+        draw_cross(canvas, d, unit);
+    if (d->parts & DECORATE_LEGEND && side >= BARS_FROM)
+        draw_legend(canvas, d, unit);
+    if (d->parts & DECORATE_LETTERS && side >= LETTERS_FROM)
+        draw_letters(canvas, d, unit);
+    if (d->parts & DECORATE_SCALE && side >= BARS_FROM)
+        draw_scale(canvas, d, unit);
+    return OK;
+}

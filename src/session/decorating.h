@@ -1,0 +1,23 @@
+/*
+ * What is drawn over the rendition of a session (render/decoration.h): in files, golden images and
+ * on the screen, but not in mosaics, whose slices have notes of their own.
+ *
+ * The frame itself stays as it is, so that the next one can be made of it: colours are copied.
+ */
+#ifndef SESSION_DECORATING_H
+#define SESSION_DECORATING_H
+
+#include "session/session.h"
+
+/* Draws what the outlook asks for over the frame that shows these labels, for session_picture.
+ * Does nothing for a session that skims. ERR_MEMORY, ERR_CANCELLED. */
+enum err session_decorate(struct session *session, const struct labels *labels,
+                          struct fault *fault);
+
+/* The frame with what was drawn over it last; all maps but `rgba` are the frame's. */
+struct rendition session_picture(const struct session *session);
+
+/* Adds "letters, scale". */
+void decorating_write(struct buf *out, uint32_t decorations);
+
+#endif
