@@ -1,5 +1,6 @@
 #include "render/light.h"
 
+#include "base/wide.h"
 #include "engine/gradient.h"
 #include "render/fixed.h"
 #include "render/normal.h"
@@ -99,6 +100,48 @@ void light_surface(uint8_t rgba[4], const struct light *light, const uint8_t col
     const int64_t shine = mirror < 0 ? 0 : mirror >> (2 * NORMAL_BITS - LIGHT_GLOSS_BITS);
     colour_pixel(rgba, colour, AMBIENT + (DIFFUSE * cosine >> LIGHT_UNIT_BITS),
                  light->gloss[shine > LIGHT_GLOSSES ? LIGHT_GLOSSES : shine], cue);
+}
+
+/* ---- many surfaces at once ---- */
+
+static inline void shine_at(int32_t gloss[NORMALISED], const struct light *light,
+                            const int32_t mirror[NORMALISED])
+{
+    for (int i = 0; i < NORMALISED; i++) {
+        const int32_t shine = mirror[i] < 0 ? 0 : mirror[i] >> (2 * NORMAL_BITS - LIGHT_GLOSS_BITS);
+        gloss[i] = light->gloss[shine > LIGHT_GLOSSES ? LIGHT_GLOSSES : shine];
+    }
+}
+
+static inline void dots(int32_t dot[NORMALISED], const struct directions *normals,
+                        const int32_t way[3])
+{
+    const int16_t x = (int16_t)way[0], y = (int16_t)way[1], z = (int16_t)way[2];
+    for (int i = 0; i < NORMALISED; i++)
+        dot[i] = normals->along[0][i] * x + normals->along[1][i] * y + normals->along[2][i] * z;
+}
+
+/* In products that fit into 32 bits: of two halves where they would not. */
+WIDE void light_surfaces(struct lit *lit, const struct light *light,
+                         const struct directions *normals)
+{
+    enum { LOW = 12 };
+    int32_t toward[NORMALISED], mirror[NORMALISED], gloss[NORMALISED];
+    dots(toward, normals, light->toward);
+    dots(mirror, normals, light->half);
+    shine_at(gloss, light, mirror);
+    for (int i = 0; i < NORMALISED; i++) {
+        const int32_t cosine =
+            (toward[i] < 0 ? 0 : toward[i]) >> (2 * NORMAL_BITS - LIGHT_UNIT_BITS);
+        toward[i] = AMBIENT + (DIFFUSE * cosine >> LIGHT_UNIT_BITS);
+    }
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < NORMALISED; i++) {
+            const int32_t all = lit->colour[k][i] * toward[i] + gloss[i], cue = lit->cue[i];
+            const int32_t high = (all >> LOW) * cue, low = (all & ((1 << LOW) - 1)) * cue;
+            const int32_t v = (high + (low >> LOW)) >> (2 * LIGHT_UNIT_BITS - LOW);
+            lit->colour[k][i] = (uint8_t)(v > 255 ? 255 : v);
+        }
 }
 
 void light_flat(uint8_t rgba[4], const uint8_t colour[3], int64_t cue)

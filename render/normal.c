@@ -13,44 +13,35 @@ enum {
 
 /* ---- from fields ---- */
 
-/* A gradient to a normal of length 2^NORMAL_BITS; false where it has no direction. */
-static bool normalise(int16_t normal[3], const int64_t gradient[3])
-{
-    uint64_t all = 0;
-    for (int a = 0; a < 3; a++)
-        all |= (uint64_t)(gradient[a] < 0 ? -gradient[a] : gradient[a]);
-    if (all == 0)
-        return false;
-    const int bits = 64 - __builtin_clzll(all);
-    int64_t v[3];
-    uint64_t squares = 0;
-    for (int a = 0; a < 3; a++) {
-        v[a] = bits > 15 ? gradient[a] >> (bits - 15) : gradient[a] * (1 << (15 - bits));
-        squares += (uint64_t)(v[a] * v[a]);
-    }
-    const int64_t inverse = fixed_inverse_root(squares);
-    for (int a = 0; a < 3; a++)
-        normal[a] = (int16_t)(v[a] * inverse >> (45 - NORMAL_BITS));
-    return true;
-}
+/* The points of a tile's pixels, and what is known of the surface there. */
+struct points {
+    unsigned count;
+    int32_t at[NORMALISED][3];
+    uint8_t label[NORMALISED];        /* of which the field is, or 0 for that of all shown voxels */
+    struct gradient near[NORMALISED]; /* before the surface */
+    struct gradients outward;
+    struct directions normal;
+};
 
-static void face_viewer(int16_t normal[3], const struct normals *normals)
+static void face_viewer(struct directions *normal, unsigned i, const struct normals *normals)
 {
     for (int a = 0; a < 3; a++)
-        normal[a] = (int16_t)normals->viewer[a];
+        normal->along[a][i] = (int16_t)normals->viewer[a];
 }
 
 /* The scene's gradient takes the surface's side, and outweighs it but where the scene is flat. */
-static void add_scene(int64_t outward[3], struct normals *normals, const int32_t point[3])
+static void add_scene(struct gradients *outward, unsigned i, struct normals *normals,
+                      const int32_t point[3])
 {
     const struct gradient inward = field_at(&normals->scene, point);
-    int64_t gradient[3], along = 0;
+    int32_t gradient[3];
+    int64_t along = 0;
     for (int a = 0; a < 3; a++) {
-        gradient[a] = (int64_t)inward.along[a] * normals->scale[a];
-        along += gradient[a] * outward[a];
+        gradient[a] = inward.along[a] * normals->scale[a];
+        along += (int64_t)gradient[a] * outward->along[a][i];
     }
     for (int a = 0; a < 3; a++)
-        outward[a] = outward[a] / 16 + (along < 0 ? -gradient[a] : gradient[a]);
+        outward->along[a][i] = outward->along[a][i] / 16 + (along < 0 ? -gradient[a] : gradient[a]);
 }
 
 /* The gradient `way` / 2^NORMAL_BITS of `distance` away from a point, or as far that way as the
@@ -71,57 +62,83 @@ static struct gradient gradient_beside(struct normals *normals, const int32_t po
 /* Within a sheet of one voxel the field has its crest, where its slope says nothing; outside it is
  * steep, and the slope the same for some voxels. So it is read before the surface, and with more
  * weight further out the way that this points, unless something else is there. */
-static void slope_before(int64_t outward[3], struct normals *normals, const int32_t point[3])
+static void slope_further(struct points *points, unsigned i, struct normals *normals)
 {
-    const struct gradient near = gradient_beside(normals, point, normals->before, BEFORE);
-    int64_t way[3] = {-near.along[0], -near.along[1], -near.along[2]}, along = 0;
-    int16_t out[3] = {0, 0, 0};
-    normalise(out, way);
-    const struct gradient far = gradient_beside(normals, point, out, FURTHER);
+    const int16_t out[3] = {points->normal.along[0][i], points->normal.along[1][i],
+                            points->normal.along[2][i]};
+    const struct gradient *near = &points->near[i];
+    const struct gradient far = gradient_beside(normals, points->at[i], out, FURTHER);
+    int64_t along = 0;
     for (int a = 0; a < 3; a++)
-        along += near.along[a] * far.along[a];
+        along += near->along[a] * far.along[a];
     for (int a = 0; a < 3; a++) {
-        way[a] -= along > 0 ? FURTHER_WEIGHT * far.along[a] : 0;
-        outward[a] = way[a] * normals->scale[a] / FURTHER_WEIGHT;
+        const int32_t way = -near->along[a] - (along > 0 ? FURTHER_WEIGHT * far.along[a] : 0);
+        points->outward.along[a][i] = (int32_t)((int64_t)way * normals->scale[a] / FURTHER_WEIGHT);
     }
 }
 
-/* From a point on the surface. */
-static void slope_at(int64_t outward[3], struct normals *normals, const int32_t point[3])
+static void slopes_before(struct points *points, struct normals *normals)
 {
-    const struct gradient inward = field_at(&normals->shown, point);
-    for (int a = 0; a < 3; a++)
-        outward[a] = -(int64_t)inward.along[a] * normals->scale[a];
+    for (unsigned i = 0; i < points->count; i++) {
+        normals->shown.label = points->label[i];
+        points->near[i] = gradient_beside(normals, points->at[i], normals->before, BEFORE);
+        for (int a = 0; a < 3; a++)
+            points->outward.along[a][i] = -points->near[i].along[a];
+    }
+    normalise_all(&points->normal, &points->outward);
+    for (unsigned i = 0; i < points->count; i++) {
+        normals->shown.label = points->label[i];
+        slope_further(points, i, normals);
+    }
+}
+
+/* From points on the surface. */
+static void slopes_at(struct points *points, struct normals *normals)
+{
+    for (unsigned i = 0; i < points->count; i++) {
+        normals->shown.label = points->label[i];
+        const struct gradient inward = field_at(&normals->shown, points->at[i]);
+        for (int a = 0; a < 3; a++)
+            points->outward.along[a][i] = -inward.along[a] * normals->scale[a];
+    }
 }
 
 /* What a pixel shows faces the viewer, if barely. */
-static void turn_to_viewer(int16_t normal[3], const struct normals *normals)
+static void turn_to_viewer(struct directions *normal, unsigned i, const struct normals *normals)
 {
     int64_t along = 0, across[3];
+    int16_t turned[3];
     for (int a = 0; a < 3; a++)
-        along += normal[a] * normals->viewer[a];
+        along += normal->along[a][i] * normals->viewer[a];
     if (along >= (1 << (2 * NORMAL_BITS)) / BARELY)
         return;
     for (int a = 0; a < 3; a++)
-        across[a] = normal[a] - (along * normals->viewer[a] >> (2 * NORMAL_BITS)) +
+        across[a] = normal->along[a][i] - (along * normals->viewer[a] >> (2 * NORMAL_BITS)) +
                     normals->viewer[a] / BARELY;
-    if (!normalise(normal, across))
-        face_viewer(normal, normals);
+    if (!normalise_one(turned, across)) {
+        face_viewer(normal, i, normals);
+        return;
+    }
+    for (int a = 0; a < 3; a++)
+        normal->along[a][i] = turned[a];
 }
 
-static void field_normal(int16_t normal[3], struct normals *normals, const int32_t point[3])
+static void field_normals(struct points *points, struct normals *normals)
 {
-    int64_t outward[3];
+    struct gradients *outward = &points->outward;
     if (normals->looks_out)
-        slope_before(outward, normals, point);
+        slopes_before(points, normals);
     else
-        slope_at(outward, normals, point);
-    if (normals->mode == SHADE_SCENE)
-        add_scene(outward, normals, point);
-    if (!normalise(normal, outward)) /* as thick as thin: it shows no side */
-        face_viewer(normal, normals);
-    if (normals->looks_out)
-        turn_to_viewer(normal, normals);
+        slopes_at(points, normals);
+    for (unsigned i = 0; i < points->count && normals->mode == SHADE_SCENE; i++)
+        add_scene(outward, i, normals, points->at[i]);
+    normalise_all(&points->normal, outward);
+    for (unsigned i = 0; i < points->count; i++) {
+        if (!(outward->along[0][i] | outward->along[1][i] | outward->along[2][i]))
+            face_viewer(&points->normal, i, normals); /* as thick as thin: it shows no side */
+        if (normals->looks_out)
+            turn_to_viewer(&points->normal, i, normals);
+    }
 }
 
 /* ---- from depths ---- */
@@ -162,7 +179,7 @@ static struct fit fit_around(const struct rendition *r, const struct normals *no
     return fit;
 }
 
-static void depth_normal(int16_t normal[3], const struct rendition *r,
+static void depth_normal(struct directions *normal, unsigned i, const struct rendition *r,
                          const struct normals *normals, uint32_t x, uint32_t y)
 {
     const struct fit f = fit_around(r, normals, x, y);
@@ -172,18 +189,19 @@ static void depth_normal(int16_t normal[3], const struct rendition *r,
     const int64_t toward = (xx * yy - xy * xy) * normals->stride * 256;
     const int64_t gradient[3] = {xd * yy - yd * xy, -(yd * xx - xd * xy), -toward};
     int16_t n[3]; /* to the right, up, ahead */
-    if (toward == 0 || !normalise(n, gradient)) {
-        face_viewer(normal, normals);
+    if (toward == 0 || !normalise_one(n, gradient)) {
+        face_viewer(normal, i, normals);
         return;
     }
     const struct camera *camera = normals->camera;
     for (int a = 0; a < 3; a++)
-        normal[a] = (int16_t)((n[0] * (int64_t)camera->right[a] + n[1] * (int64_t)camera->up[a] +
-                               n[2] * (int64_t)camera->ahead[a]) >>
-                              30);
+        normal->along[a][i] =
+            (int16_t)((n[0] * (int64_t)camera->right[a] + n[1] * (int64_t)camera->up[a] +
+                       n[2] * (int64_t)camera->ahead[a]) >>
+                      30);
 }
 
-/* ---- of a pixel ---- */
+/* ---- of pixels ---- */
 
 int64_t normal_stride(const struct camera *camera)
 {
@@ -206,20 +224,23 @@ void normals_init(struct normals *normals, const struct camera *camera, enum sha
             (int32_t)((camera->unit_nm << 12) / (int64_t)camera->scene->spacing_nm[a]);
         before[a] = -(int64_t)camera->ahead[a] * normals->scale[a];
     }
-    normalise(normals->before, before);
+    normalise_one(normals->before, before);
 }
 
-void normal_of(int16_t normal[3], struct normals *normals, const struct rendition *r, uint32_t x,
-               uint32_t y)
+void normals_of(struct directions *out, struct normals *normals, const struct rendition *r,
+                const struct tile_pixels *pixels)
 {
-    const int64_t depth = r->depth[(size_t)y * r->width + x];
-    if (normals->mode == SHADE_DEPTH) {
-        depth_normal(normal, r, normals, x, y);
-        return;
+    struct points points = {.count = pixels->count};
+    for (unsigned i = 0; i < pixels->count; i++) {
+        const uint32_t x = pixels->x[i], y = pixels->y[i];
+        const int64_t depth = r->depth[(size_t)y * r->width + x];
+        if (normals->mode == SHADE_DEPTH)
+            depth_normal(&points.normal, i, r, normals, x, y);
+        points.label[i] = r->layers ? r->label[(size_t)y * r->width + x] : 0;
+        for (int a = 0; a < 3; a++)
+            points.at[i][a] = locator_point(&normals->locator[a], depth, x, y);
     }
-    normals->shown.label = r->layers ? r->label[(size_t)y * r->width + x] : 0;
-    int32_t point[3];
-    for (int a = 0; a < 3; a++)
-        point[a] = locator_point(&normals->locator[a], depth, x, y);
-    field_normal(normal, normals, point);
+    if (normals->mode != SHADE_DEPTH)
+        field_normals(&points, normals);
+    *out = points.normal;
 }

@@ -18,10 +18,10 @@
 
 #include "render/field.h"
 #include "render/locator.h"
+#include "render/normalise.h"
 #include "render/rendition.h"
 
 enum {
-    NORMAL_BITS = 14,               /* 1 of a normal's length */
     NORMAL_FIT_STEPS = 3,           /* voxels each way to which a plane is fitted */
     NORMAL_REACH = FIELD_REACH + 1, /* as FIELD_REACH, where the field is read before the surface */
 };
@@ -48,9 +48,15 @@ struct normals {
 void normals_init(struct normals *normals, const struct camera *camera, enum shade_mode mode,
                   bool looks_out, struct field *shown, struct field *scene);
 
-/* The normal of a pixel that shows something. */
-void normal_of(int16_t normal[3], struct normals *normals, const struct rendition *rendition,
-               uint32_t x, uint32_t y);
+/* Pixels of a tile that show something. */
+struct tile_pixels {
+    unsigned count;
+    uint32_t x[NORMALISED], y[NORMALISED];
+};
+
+/* Their normals. */
+void normals_of(struct directions *out, struct normals *normals, const struct rendition *rendition,
+                const struct tile_pixels *pixels);
 
 /* Pixels to a voxel, at least 1. */
 int64_t normal_stride(const struct camera *camera);

@@ -76,22 +76,40 @@ static void shade_cut_face(uint8_t rgba[4], const struct shading *s, uint32_t ce
     light_flat(rgba, tinted, cue);
 }
 
-static void shade_pixel(struct rendition *r, struct shading *s, uint32_t x, uint32_t y)
+/* What depth, and an edge of look 1, leave of a colour. */
+static uint16_t cue_of(const struct rendition *r, const struct shading *s, uint32_t x, uint32_t y)
 {
-    const size_t pixel = (size_t)y * r->width + x;
-    const int64_t depth = r->depth[pixel];
-    const uint8_t *colour = s->palette->rgb[r->label[pixel]];
-    uint8_t *rgba = r->rgba + 4 * pixel;
-    int16_t *normal = r->normal + 4 * pixel;
-    normal[3] = 0;
-    normal_of(normal, &s->normals, r, x, y);
-    int64_t cue = light_cue(&s->light, depth);
+    const int64_t cue = light_cue(&s->light, r->depth[(size_t)y * r->width + x]);
     if (s->look->edges && !draws_edges(s->look) && !r->layers && edge_hides(r, x, y))
-        cue = cue * EDGE >> LIGHT_UNIT_BITS;
-    if (is_cut_open(s, r->cell[pixel], depth))
-        shade_cut_face(rgba, s, r->cell[pixel], colour, cue);
-    else
-        light_surface(rgba, &s->light, colour, normal, cue);
+        return (uint16_t)(cue * EDGE >> LIGHT_UNIT_BITS);
+    return (uint16_t)cue;
+}
+
+/* Pixels that show something. */
+static void shade_pixels(struct rendition *r, struct shading *s, const struct tile_pixels *pixels)
+{
+    struct directions normals;
+    struct lit lit = {0};
+    if (pixels->count == 0)
+        return;
+    normals_of(&normals, &s->normals, r, pixels);
+    for (unsigned i = 0; i < pixels->count; i++) {
+        const size_t pixel = (size_t)pixels->y[i] * r->width + pixels->x[i];
+        lit.cue[i] = cue_of(r, s, pixels->x[i], pixels->y[i]);
+        for (int k = 0; k < 3; k++)
+            lit.colour[k][i] = s->palette->rgb[r->label[pixel]][k];
+    }
+    light_surfaces(&lit, &s->light, &normals);
+    for (unsigned i = 0; i < pixels->count; i++) {
+        const size_t pixel = (size_t)pixels->y[i] * r->width + pixels->x[i];
+        const int16_t normal[4] = {normals.along[0][i], normals.along[1][i], normals.along[2][i]};
+        const uint8_t rgba[4] = {lit.colour[0][i], lit.colour[1][i], lit.colour[2][i], 255};
+        memcpy(r->normal + 4 * pixel, normal, sizeof normal);
+        memcpy(r->rgba + 4 * pixel, rgba, sizeof rgba);
+        if (is_cut_open(s, r->cell[pixel], r->depth[pixel]))
+            shade_cut_face(r->rgba + 4 * pixel, s, r->cell[pixel], s->palette->rgb[r->label[pixel]],
+                           lit.cue[i]);
+    }
 }
 
 static void draw_edge(struct rendition *r, const struct edges *edges, const struct palette *palette,
@@ -167,10 +185,15 @@ static void darken(uint8_t rgba[4])
 
 static void shade_tile(struct rendition *r, struct shading *s, struct tile tile)
 {
+    struct tile_pixels pixels;
+    pixels.count = 0;
     for (uint32_t y = tile.top; y < tile.bottom; y++)
         for (uint32_t x = tile.left; x < tile.right; x++)
-            if (r->cell[(size_t)y * r->width + x] != CELL_NONE)
-                shade_pixel(r, s, x, y);
+            if (r->cell[(size_t)y * r->width + x] != CELL_NONE) {
+                pixels.x[pixels.count] = x;
+                pixels.y[pixels.count++] = y;
+            }
+    shade_pixels(r, s, &pixels);
 }
 
 static void refine_tile(struct rendition *r, struct refiner *refiner, struct tile tile)

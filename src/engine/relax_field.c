@@ -4,15 +4,8 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "base/wide.h"
 #include "engine/intensities.h"
-
-/* Several versions of a function, of which the one for the machine at hand is called. */
-#if defined __x86_64__ && defined __gnu_linux__ && !defined __clang__ &&                           \
-    !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__
-#define WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define WIDE
-#endif
 
 /* Values side by side, which the compiler takes to pieces where the machine has no such. */
 enum { LANES = 8, BYTES = 16, FEW = 8 };

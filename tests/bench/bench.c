@@ -60,11 +60,13 @@ static const struct program program[] = {
                "images; VTK where it is installed.",
      .run = run_render},
     {.name = "frames",
-     .words = "",
+     .words = "[TEXT]",
+     .most = 1,
      .option = {JSON},
      .summary = "frames by one thread and by all",
      .detail = "Whole frames and incremental images of ch2 with brain and cerebellum, of several "
-               "sizes and samples, by one thread and by all of them in turn.",
+               "sizes and samples, by one thread and by all of them in turn; or those alone "
+               "with TEXT in their names.",
      .run = run_frames},
     {.name = "journal",
      .words = "[JOURNAL]",

@@ -32,6 +32,7 @@ struct table {
     struct row row[ROWS_MOST];
     int rows;
     struct team *team; /* all threads */
+    const char *text;  /* in the names of what is timed, or NULL for all */
 };
 
 /* ---- times ---- */
@@ -105,6 +106,8 @@ static enum err look_with(struct session *session, const struct frames *f, int f
 static enum err time_frames(struct session *session, struct table *table, const struct frames *f,
                             struct fault *fault)
 {
+    if (table->text && !strstr(f->what, table->text))
+        return OK;
     struct row *row = add_row(table, f->what);
     enum err err = look_with(session, f, 0, fault);
     if (!err)
@@ -169,6 +172,8 @@ static enum err time_edits(struct session *session, struct table *table, const c
                            uint32_t samples, struct fault *fault)
 {
     const struct frames f = {what, LOOK_PRESENT, samples, 512, 1000, 12, RENDER_BORDER};
+    if (table->text && !strstr(what, table->text))
+        return OK;
     struct row *row = add_row(table, what);
     struct ball *ball = mem_new(sizeof *ball);
     enum err err = ball ? look_with(session, &f, 1, fault) : fault_memory(fault, "a benchmark");
@@ -244,7 +249,7 @@ enum err run_frames(const struct options *o, struct fault *fault)
     if (!err)
         err = bench_segment(&interp, fault);
     if (!err)
-        table->team = session->team;
+        table->team = session->team, table->text = o->words ? o->word[0] : NULL;
     for (size_t i = 0; !err && i < sizeof frames / sizeof frames[0]; i++)
         err = time_frames(session, table, &frames[i], fault);
     if (!err)

@@ -99,7 +99,7 @@ static void looks(struct stage *s)
         s->look = look_default(i < 24 ? LOOK_FIRST : LOOK_PRESENT);
         s->look.mode = (enum shade_mode)(i % 24 % 4);
         s->look.edges = (uint32_t)i / 3 % 2;
-        s->look.cue_percent = (uint32_t)(i * 4);
+        s->look.cue_percent = (uint32_t)(i % 24 * 4);
         s->look.light[0] = i * 14321;
         s->look.light[1] = i * 3456 - 40000;
         tell_picture(s, "look", i);

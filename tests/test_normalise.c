@@ -1,0 +1,131 @@
+/* Normals and light, many at once: what comes out is what one by one would. */
+#include "check.h"
+
+#include <stdlib.h>
+
+#include "engine/gradient.h"
+#include "render/light.h"
+#include "tests/stage.h"
+
+static unsigned scaled(unsigned count)
+{
+    const char *factor = getenv("IFTTY_TEST_SCALE");
+    return factor ? count * (unsigned)atoi(factor) : count;
+}
+
+/* Of any length, with parts of any length; some of them 0. */
+static int32_t random_part(uint64_t *random)
+{
+    const int32_t part = (int32_t)(check_below(random, UINT32_MAX) >> 1);
+    const unsigned bits = check_below(random, 33);
+    return (check_below(random, 2) ? part : -part) >> (bits < 32 ? bits : 31);
+}
+
+static struct gradients random_gradients(uint64_t *random)
+{
+    struct gradients g;
+    for (int i = 0; i < NORMALISED; i++) {
+        const bool alike = check_below(random, 2);
+        for (int a = 0; a < 3; a++) {
+            g.along[a][i] = random_part(random);
+            if (alike && a > 0)
+                g.along[a][i] = g.along[0][i] / (int32_t)(1 + check_below(random, 9));
+        }
+        if (check_below(random, 200) == 0)
+            g.along[0][i] = g.along[1][i] = g.along[2][i] = 0;
+    }
+    return g;
+}
+
+/* By the exact root too: the length is right to a few units. */
+static bool is_right(const struct directions *d, const struct gradients *g, int i)
+{
+    int16_t one[3] = {0, 0, 0};
+    const int64_t gradient[3] = {g->along[0][i], g->along[1][i], g->along[2][i]};
+    const bool has_one = normalise_one(one, gradient);
+    int64_t squares = 0;
+    for (int a = 0; a < 3; a++) {
+        squares += one[a] * one[a];
+        if (d->along[a][i] != one[a])
+            return false;
+    }
+    const int64_t length = square_root((uint64_t)squares);
+    return has_one ? llabs(length - (1 << NORMAL_BITS)) < 4 : squares == 0;
+}
+
+STORY(many_gradients_at_once_become_what_each_of_them_does)
+{
+    uint64_t random = 1;
+    for (unsigned round = 0; round < scaled(50000) && check_failures == 0; round++) {
+        const struct gradients g = random_gradients(&random);
+        struct directions d;
+        normalise_all(&d, &g);
+        for (int i = 0; i < NORMALISED; i++)
+            if (!CHECK(is_right(&d, &g, i)))
+                printf("# %d %d %d\n", g.along[0][i], g.along[1][i], g.along[2][i]);
+    }
+}
+
+STORY(the_longest_and_the_shortest_gradients_are_no_exception)
+{
+    static const int32_t edge[] = {0,      1,          -1,         2,         -2,        32767,
+                                   -32767, 32768,      -32768,     32769,     65535,     -65536,
+                                   65537,  0x3fffffff, 0x40000000, INT32_MAX, -INT32_MAX};
+    enum { EDGES = sizeof edge / sizeof edge[0] };
+    struct gradients g = {0};
+    struct directions d;
+    unsigned i = 0;
+    for (int x = 0; x < EDGES; x++)
+        for (int y = 0; y < EDGES; y++)
+            for (int z = 0; z < EDGES; z++) {
+                g.along[0][i] = edge[x], g.along[1][i] = edge[y], g.along[2][i] = edge[z];
+                i = (i + 1) % NORMALISED;
+                if (i != 0 && (x < EDGES - 1 || y < EDGES - 1 || z < EDGES - 1))
+                    continue;
+                normalise_all(&d, &g);
+                for (int k = 0; k < NORMALISED; k++)
+                    CHECK(is_right(&d, &g, k));
+            }
+}
+
+/* Light from everywhere, on surfaces of any colour that face anywhere, at any depth. */
+STORY(many_surfaces_at_once_are_lit_as_each_of_them_is)
+{
+    uint64_t random = 2;
+    struct stage s;
+    CHECK(stage_init(&s, (uint32_t[]){5, 5, 5}, 6, NULL) == OK);
+    for (unsigned round = 0; round < scaled(3000) && check_failures == 0; round++) {
+        const int32_t angle[2] = {(int32_t)check_below(&random, 360001) - 180000,
+                                  (int32_t)check_below(&random, 180001) - 90000};
+        const struct gradients g = random_gradients(&random);
+        struct directions d;
+        struct light light;
+        struct lit lit;
+        uint8_t rgba[NORMALISED][4];
+        for (int i = 0; i < 3; i++)
+            s.view.angle[i] = (int32_t)check_below(&random, VIEW_TURN);
+        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
+        light_init(&light, &s.camera, angle, 0);
+        normalise_all(&d, &g);
+        for (int i = 0; i < NORMALISED; i++) {
+            const int16_t normal[3] = {d.along[0][i], d.along[1][i], d.along[2][i]};
+            uint8_t colour[3];
+            for (int k = 0; k < 3; k++)
+                colour[k] = lit.colour[k][i] = (uint8_t)check_below(&random, 256);
+            lit.cue[i] = (uint16_t)check_below(&random, LIGHT_UNIT + 1);
+            light_surface(rgba[i], &light, colour, normal, lit.cue[i]);
+        }
+        light_surfaces(&lit, &light, &d);
+        for (int i = 0; i < NORMALISED; i++)
+            for (int k = 0; k < 3; k++)
+                CHECK_INT(lit.colour[k][i], rgba[i][k]);
+    }
+    stage_release(&s);
+}
+
+int main(void)
+{
+    return RUN_STORIES(TELL(many_gradients_at_once_become_what_each_of_them_does),
+                       TELL(the_longest_and_the_shortest_gradients_are_no_exception),
+                       TELL(many_surfaces_at_once_are_lit_as_each_of_them_is));
+}
